@@ -1,0 +1,52 @@
+# A room is one folder of src/: one static library that links the rooms it USES, all of them built before it.
+set(BODESMITH_ROOMS "" CACHE INTERNAL "")
+
+configure_file(${CMAKE_CURRENT_SOURCE_DIR}/src/base/version.hpp.in
+               ${CMAKE_BINARY_DIR}/generated/base/version.hpp @ONLY)
+
+function(bodesmith_warnings target)
+  target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
+                         -Woverloaded-virtual -Wimplicit-fallthrough
+                         -Wno-restrict)  # GCC 12 warns falsely on std::string + (its bug 105329)
+  if(BODESMITH_WERROR)
+    target_compile_options(${target} PRIVATE -Werror)
+  endif()
+endfunction()
+
+function(bodesmith_room name)
+  cmake_parse_arguments(ROOM "" "" "USES;PUBLIC;PRIVATE" ${ARGN})
+  set(target bodesmith_${name})
+  file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/${name}/*.cpp
+                                              ${CMAKE_CURRENT_SOURCE_DIR}/src/${name}/*.hpp)
+  add_library(${target} STATIC ${sources})
+  set_target_properties(${target} PROPERTIES EXPORT_NAME ${name} LINKER_LANGUAGE CXX)
+  target_compile_features(${target} PUBLIC cxx_std_20)
+  target_include_directories(${target} PUBLIC
+    $<BUILD_INTERFACE:${CMAKE_CURRENT_SOURCE_DIR}/src>
+    $<BUILD_INTERFACE:${CMAKE_BINARY_DIR}/generated>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}>
+    $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/bodesmith>)
+  # Nearest room first: the linker then meets users before what they use.
+  set(above ${ROOM_USES})
+  foreach(room ${above})
+    if(NOT room IN_LIST BODESMITH_ROOMS)
+      message(FATAL_ERROR "${name} may not use ${room}: it stands below")
+    endif()
+  endforeach()
+  list(REVERSE above)
+  list(TRANSFORM above PREPEND bodesmith_)
+  target_link_libraries(${target} PUBLIC ${above} ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
+  bodesmith_warnings(${target})
+  set(BODESMITH_ROOMS ${BODESMITH_ROOMS} ${name} CACHE INTERNAL "")
+endfunction()
+
+# One target for everything: bodesmith::bodesmith.
+function(bodesmith_all_rooms target)
+  set(rooms ${BODESMITH_ROOMS})
+  list(TRANSFORM rooms PREPEND bodesmith_)
+  set(BODESMITH_ROOM_TARGETS ${rooms} PARENT_SCOPE)
+  list(REVERSE rooms)
+  add_library(${target} INTERFACE)
+  target_link_libraries(${target} INTERFACE ${rooms})
+  add_library(bodesmith::${target} ALIAS ${target})
+endfunction()

@@ -1,0 +1,15 @@
+# Called by EmbedTemplates.cmake: writes one C++ file with the bytes of every template.
+set(text "// Generated from templates/.\n#include \"base/text_template.hpp\"\n\nnamespace bodesmith {\n\n")
+string(APPEND text "const std::vector<EmbeddedTemplate>& embedded_templates() {\n")
+string(APPEND text "  static const std::vector<EmbeddedTemplate> all = {\n")
+foreach(file ${FILES})
+  file(READ ${FOLDER}/${file} hex HEX)
+  # As decimal-free hex escapes in short pieces: a string literal may not be longer than 64 KiB everywhere.
+  string(REGEX REPLACE "([0-9a-f][0-9a-f])" "\\\\x\\1" escaped "${hex}")
+  string(LENGTH "${hex}" hex_length)
+  math(EXPR bytes "${hex_length} / 2")
+  string(REGEX REPLACE "((\\\\x[0-9a-f][0-9a-f])(\\\\x[0-9a-f][0-9a-f])?(\\\\x[0-9a-f][0-9a-f])?(\\\\x[0-9a-f][0-9a-f])?(\\\\x[0-9a-f][0-9a-f])?(\\\\x[0-9a-f][0-9a-f])?(\\\\x[0-9a-f][0-9a-f])?(\\\\x[0-9a-f][0-9a-f])?)" "\"\\1\"" escaped "${escaped}")
+  string(APPEND text "      {\"${file}\", std::string_view(${escaped}\"\", ${bytes})},\n")
+endforeach()
+string(APPEND text "  };\n  return all;\n}\n\n}  // namespace bodesmith\n")
+file(WRITE ${OUTPUT} "${text}")

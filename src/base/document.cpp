@@ -1,0 +1,170 @@
+#include "base/document.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/document_tree.hpp"
+#include "base/error.hpp"
+#include "base/text.hpp"
+
+namespace bodesmith {
+namespace {
+
+std::string_view kind_name(Node::Kind kind) {
+  switch (kind) {
+    case Node::Kind::null: return "null";
+    case Node::Kind::boolean: return "a boolean";
+    case Node::Kind::number: return "a number";
+    case Node::Kind::string: return "a string";
+    case Node::Kind::array: return "an array";
+    case Node::Kind::object: return "an object";
+  }
+  return "?";
+}
+
+void expect(const Node& node, Node::Kind kind) {
+  if (node.kind() == kind) return;
+  node.fail(fmt::format("is {}, expected {}", kind_name(node.kind()), kind_name(kind)));
+}
+
+std::string member_place(const std::string& place, std::string_view key) {
+  return place.empty() ? std::string(key) : place + "." + std::string(key);
+}
+
+}  // namespace
+
+Node::Kind Node::kind() const { return data_->kind; }
+int Node::line() const { return data_->line; }
+const std::string& Node::file() const { return *data_->file; }
+
+void Node::fail(std::string_view message) const {
+  throw InputError(file(), line(), place_.empty() ? std::string(message) : fmt::format("'{}' {}", place_, message));
+}
+
+bool Node::has(std::string_view key) const {
+  expect(*this, Kind::object);
+  for (const auto& [name, value] : data_->members) {
+    if (name == key) return true;
+  }
+  return false;
+}
+
+Node Node::at(std::string_view key) const {
+  expect(*this, Kind::object);
+  for (const auto& [name, value] : data_->members) {
+    if (name == key) return Node(value, member_place(place_, key));
+  }
+  throw InputError(file(), line(), fmt::format("'{}' is missing", member_place(place_, key)));
+}
+
+std::size_t Node::size() const {
+  if (data_->kind == Kind::object) return data_->members.size();
+  expect(*this, Kind::array);
+  return data_->items.size();
+}
+
+Node Node::operator[](std::size_t index) const {
+  expect(*this, Kind::array);
+  if (index >= data_->items.size()) fail(fmt::format("has {} items, expected at least {}", size(), index + 1));
+  return Node(data_->items[index], fmt::format("{}[{}]", place_, index));
+}
+
+std::vector<std::pair<std::string, Node>> Node::members() const {
+  expect(*this, Kind::object);
+  std::vector<std::pair<std::string, Node>> out;
+  for (const auto& [name, value] : data_->members) out.emplace_back(name, Node(value, member_place(place_, name)));
+  return out;
+}
+
+std::vector<Node> Node::items() const {
+  expect(*this, Kind::array);
+  std::vector<Node> out;
+  for (std::size_t i = 0; i < data_->items.size(); ++i) out.push_back((*this)[i]);
+  return out;
+}
+
+bool Node::boolean() const {
+  expect(*this, Kind::boolean);
+  return data_->boolean;
+}
+
+std::string Node::string() const {
+  expect(*this, Kind::string);
+  return data_->string;
+}
+
+double Node::number() const {
+  expect(*this, Kind::number);
+  if (!std::isfinite(data_->number)) fail("is not finite, expected a finite number");
+  return data_->number;
+}
+
+double Node::positive() const {
+  const double value = number();
+  if (!(value > 0.0)) fail(fmt::format("is {}, expected a number above 0", rounded_text(value, 6)));
+  return value;
+}
+
+double Node::non_negative() const {
+  const double value = number();
+  if (value < 0.0) fail(fmt::format("is {}, expected a number of at least 0", rounded_text(value, 6)));
+  return value;
+}
+
+long Node::integer(long least, long most) const {
+  const double value = number();
+  if (value != std::floor(value) || value < static_cast<double>(least) || value > static_cast<double>(most)) {
+    fail(fmt::format("is {}, expected a whole number from {} to {}", rounded_text(value, 6), least, most));
+  }
+  return static_cast<long>(value);
+}
+
+std::vector<double> Node::numbers() const {
+  std::vector<double> out;
+  for (const Node& item : items()) out.push_back(item.number());
+  return out;
+}
+
+double Node::number_or(std::string_view key, double otherwise) const {
+  return has(key) ? at(key).number() : otherwise;
+}
+std::string Node::string_or(std::string_view key, std::string otherwise) const {
+  return has(key) ? at(key).string() : otherwise;
+}
+bool Node::boolean_or(std::string_view key, bool otherwise) const {
+  return has(key) ? at(key).boolean() : otherwise;
+}
+
+std::string Node::one_of(std::initializer_list<std::string_view> words) const {
+  const std::string value = string();
+  for (const std::string_view word : words) {
+    if (value == word) return value;
+  }
+  fail(fmt::format("is \"{}\", expected one of: {}", value, fmt::join(words, ", ")));
+}
+
+void Node::allow_only(std::initializer_list<std::string_view> keys) const {
+  for (const auto& [name, value] : members()) {
+    bool known = false;
+    for (const std::string_view key : keys) known = known || key == name;
+    if (!known) value.fail(fmt::format("is not known here, expected one of: {}", fmt::join(keys, ", ")));
+  }
+}
+
+void Node::expect_schema(std::string_view name) const {
+  if (kind() != Kind::object) {
+    fail(fmt::format("the document is {}, expected a bodesmith.{}/1 object", kind_name(kind()), name));
+  }
+  const std::string wanted = fmt::format("bodesmith.{}/1", name);
+  if (!has("schema")) fail(fmt::format("'schema' is missing, expected \"{}\"", wanted));
+  const Node schema = at("schema");
+  if (schema.string() != wanted) schema.fail(fmt::format("is \"{}\", expected \"{}\"", schema.string(), wanted));
+}
+
+Node read_document(const std::filesystem::path& path, Provenance& from) {
+  const std::string text = from.read(path);
+  return path.extension() == ".toml" ? parse_toml(text, path.string()) : parse_json(text, path.string());
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,79 @@
+#pragma once
+
+#include <cstddef>
+#include <filesystem>
+#include <initializer_list>
+#include <memory>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/provenance.hpp"
+
+namespace bodesmith {
+
+/// One value of a JSON or TOML document, knowing the file and line it stands in, so that every complaint about it
+/// can name both. Copies share the tree. Every accessor throws InputError with file and line when the value is
+/// not what the caller needs; the message says where in the document ("terms[2].beta") and what was expected.
+class Node {
+ public:
+  enum class Kind { null, boolean, number, string, array, object };
+
+  Kind kind() const;
+  int line() const;
+  /// Path of the file as the user gave it.
+  const std::string& file() const;
+  /// Place in the document, e.g. "terms[2].beta"; empty at the top.
+  const std::string& place() const { return place_; }
+
+  bool has(std::string_view key) const;
+  /// The member, or an error that names the missing key.
+  Node at(std::string_view key) const;
+  /// Number of array items or object members.
+  std::size_t size() const;
+  Node operator[](std::size_t index) const;
+  /// Members in the order of the file.
+  std::vector<std::pair<std::string, Node>> members() const;
+  std::vector<Node> items() const;
+
+  bool boolean() const;
+  std::string string() const;
+  /// A finite number.
+  double number() const;
+  double positive() const;
+  double non_negative() const;
+  /// A whole number in [least, most].
+  long integer(long least, long most) const;
+  std::vector<double> numbers() const;
+
+  double number_or(std::string_view key, double otherwise) const;
+  std::string string_or(std::string_view key, std::string otherwise) const;
+  bool boolean_or(std::string_view key, bool otherwise) const;
+
+  /// One of the given words, or an error that lists them.
+  std::string one_of(std::initializer_list<std::string_view> words) const;
+  /// Refuses members that are not in the list (a misspelt key would otherwise do nothing).
+  void allow_only(std::initializer_list<std::string_view> keys) const;
+  /// Refuses a document whose "schema" is not `bodesmith.NAME/1`.
+  void expect_schema(std::string_view name) const;
+
+  /// Throws InputError at this node's file and line.
+  [[noreturn]] void fail(std::string_view message) const;
+
+  struct Data;  // the shared tree, private to document.cpp
+  Node(std::shared_ptr<const Data> data, std::string place) : data_(std::move(data)), place_(std::move(place)) {}
+
+ private:
+  std::shared_ptr<const Data> data_;
+  std::string place_;
+};
+
+/// Parse errors are InputErrors with file and line. `file` is the name to show.
+Node parse_json(std::string_view text, const std::string& file);
+Node parse_toml(std::string_view text, const std::string& file);
+
+/// Reads by extension (.toml, otherwise JSON) and remembers the file in `from`.
+Node read_document(const std::filesystem::path& path, Provenance& from);
+
+}  // namespace bodesmith

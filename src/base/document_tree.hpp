@@ -1,0 +1,24 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "base/document.hpp"
+
+namespace bodesmith {
+
+/// The shared tree behind Node. Only the parsers and document.cpp see it.
+struct Node::Data {
+  Kind kind = Kind::null;
+  int line = 0;
+  std::shared_ptr<const std::string> file;
+  bool boolean = false;
+  double number = 0.0;
+  std::string string;
+  std::vector<std::shared_ptr<const Data>> items;
+  std::vector<std::pair<std::string, std::shared_ptr<const Data>>> members;
+};
+
+}  // namespace bodesmith

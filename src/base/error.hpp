@@ -1,0 +1,32 @@
+#pragma once
+
+#include <stdexcept>
+#include <string>
+#include <string_view>
+
+namespace bodesmith {
+
+/// What a person gave is wrong: a file, a value, an option. The program prints what() as one line
+/// `FILE:LINE: what is wrong, what was expected` and exits with 2. Numerical outcomes (limit reached,
+/// ill-conditioned) are never exceptions; they are fields of a report.
+class InputError : public std::runtime_error {
+ public:
+  explicit InputError(const std::string& message) : std::runtime_error(message) {}
+  /// `line` counts from 1; 0 means that no single line is to blame.
+  InputError(std::string_view file, int line, std::string_view message);
+};
+
+/// A design that cannot be made or does not fit (too many sections for the board, no legal clock).
+/// Says what would make it fit. Exit status 2, as for bad input.
+class DesignError : public InputError {
+ public:
+  using InputError::InputError;
+};
+
+/// Thrown at a safe point after the user pressed Ctrl-C; what was finished until then is kept.
+class Interrupted : public std::runtime_error {
+ public:
+  Interrupted() : std::runtime_error("interrupted") {}
+};
+
+}  // namespace bodesmith

@@ -1,0 +1,70 @@
+#include "base/json.hpp"
+
+#include <cmath>
+#include <stdexcept>
+
+#include "base/text.hpp"
+
+namespace bodesmith {
+namespace {
+
+bool is_flat(const Json& value, int depth = 0) {
+  if (!value.is_structured()) return true;
+  if (depth >= 2) return false;
+  for (const auto& item : value) {
+    if (!is_flat(item, depth + 1)) return false;
+  }
+  return true;
+}
+
+void write(const Json& value, int indent, bool inline_mode, std::string& out, const std::string& path) {
+  const auto new_line = [&](int depth) { out += "\n" + std::string(static_cast<size_t>(2 * depth), ' '); };
+  if (value.is_number_float()) {
+    if (!std::isfinite(value.get<double>())) {
+      throw std::logic_error("a number that is not finite was to be written at " + path);
+    }
+    out += number_text(value.get<double>());
+  } else if (value.is_object() || value.is_array()) {
+    const char open = value.is_object() ? '{' : '[';
+    const char close = value.is_object() ? '}' : ']';
+    out += open;
+    // An array of numbers, or a small object without deep nesting, reads best on one line.
+    std::string one_line;
+    bool as_line = inline_mode;
+    if (!as_line && indent > 0 && is_flat(value)) {
+      for (const auto& [key, item] : value.items()) {
+        if (!one_line.empty()) one_line += ", ";
+        if (value.is_object()) one_line += Json(key).dump() + ": ";
+        write(item, indent, true, one_line, path + "/" + key);
+      }
+      if (one_line.size() + static_cast<size_t>(2 * indent) <= 110) {
+        out += one_line;
+        out += close;
+        return;
+      }
+    }
+    bool first = true;
+    for (const auto& [key, item] : value.items()) {
+      if (!first) out += as_line ? ", " : ",";
+      first = false;
+      if (!as_line) new_line(indent + 1);
+      if (value.is_object()) out += Json(key).dump() + ": ";
+      write(item, indent + 1, as_line, out, path + "/" + key);
+    }
+    if (!as_line && !value.empty()) new_line(indent);
+    out += close;
+  } else {
+    out += value.dump(-1, ' ', false, Json::error_handler_t::replace);
+  }
+}
+
+}  // namespace
+
+std::string to_text(const Json& value) {
+  std::string out;
+  write(value, 0, false, out, "");
+  out += "\n";
+  return out;
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,49 @@
+#include "base/progress.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+
+#include "base/error.hpp"
+
+namespace bodesmith {
+namespace {
+
+std::atomic<bool> stop_wanted{false};
+
+void on_interrupt(int) {
+  if (stop_wanted.exchange(true)) ::_exit(130);
+}
+
+}  // namespace
+
+Progress::Progress(std::string what)
+    : what_(std::move(what)), terminal_(::isatty(STDERR_FILENO) != 0), start_(std::chrono::steady_clock::now()),
+      last_(start_) {}
+
+Progress::~Progress() {
+  if (shown_) fmt::print(stderr, "\r\x1b[K");
+}
+
+void Progress::at(double fraction) {
+  if (!terminal_) return;
+  const auto now = std::chrono::steady_clock::now();
+  const double elapsed = std::chrono::duration<double>(now - start_).count();
+  if (elapsed < 0.5 || std::chrono::duration<double>(now - last_).count() < 0.1) return;
+  last_ = now;
+  shown_ = true;
+  fmt::print(stderr, "\r\x1b[K{}: {:.0f} %", what_, 100.0 * fraction);
+  if (fraction > 0.01) fmt::print(stderr, ", {:.0f} s left", elapsed * (1.0 - fraction) / fraction);
+  std::fflush(stderr);
+}
+
+void catch_interrupts() { std::signal(SIGINT, on_interrupt); }
+bool interrupted() { return stop_wanted.load(std::memory_order_relaxed); }
+void stop_if_interrupted() {
+  if (interrupted()) throw Interrupted();
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <chrono>
+#include <string>
+
+namespace bodesmith {
+
+/// A line on stderr that says how far long work is and how long it may still take. Silent unless stderr is a
+/// terminal, and for the first half second.
+class Progress {
+ public:
+  explicit Progress(std::string what);
+  ~Progress();
+  Progress(const Progress&) = delete;
+  Progress& operator=(const Progress&) = delete;
+
+  /// `fraction` in [0, 1]. Cheap enough for inner loops (it looks at the clock only).
+  void at(double fraction);
+
+ private:
+  std::string what_;
+  bool terminal_;
+  bool shown_ = false;
+  std::chrono::steady_clock::time_point start_;
+  std::chrono::steady_clock::time_point last_;
+};
+
+/// From the first call on, Ctrl-C sets a flag instead of ending the program (a second Ctrl-C ends it).
+void catch_interrupts();
+/// Whether the user asked to stop. Long loops look here and return what they have.
+bool interrupted();
+/// Throws Interrupted when interrupted(): for places where there is nothing partial to return.
+void stop_if_interrupted();
+
+/// Wall seconds since construction.
+class Stopwatch {
+ public:
+  Stopwatch() : start_(std::chrono::steady_clock::now()) {}
+  double seconds() const {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
+  }
+
+ private:
+  std::chrono::steady_clock::time_point start_;
+};
+
+}  // namespace bodesmith

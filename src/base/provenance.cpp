@@ -1,0 +1,41 @@
+#include "base/provenance.hpp"
+
+#include <fmt/format.h>
+#include <openssl/evp.h>
+
+#include <stdexcept>
+
+#include "base/files.hpp"
+#include "base/version.hpp"
+
+namespace bodesmith {
+
+std::string sha256_hex(std::string_view bytes) {
+  unsigned char digest[EVP_MAX_MD_SIZE];
+  unsigned int length = 0;
+  if (EVP_Digest(bytes.data(), bytes.size(), digest, &length, EVP_sha256(), nullptr) != 1) {
+    throw std::runtime_error("SHA-256 is not available in the cryptography library");
+  }
+  std::string out;
+  for (unsigned int i = 0; i < length; ++i) out += fmt::format("{:02x}", digest[i]);
+  return out;
+}
+
+std::string Provenance::read(const std::filesystem::path& path) {
+  std::string bytes = read_file(path);
+  inputs.push_back({path.string(), sha256_hex(bytes)});
+  return bytes;
+}
+
+Json json_header(std::string_view name, const Provenance& from) {
+  Json header;
+  header["schema"] = fmt::format("bodesmith.{}/1", name);
+  header["program"] = fmt::format("bodesmith {}", kVersion);
+  header["inputs"] = Json::array();
+  for (const InputFile& input : from.inputs) {
+    header["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
+  }
+  return header;
+}
+
+}  // namespace bodesmith

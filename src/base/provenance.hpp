@@ -1,0 +1,33 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/json.hpp"
+
+namespace bodesmith {
+
+/// Lower-case hexadecimal SHA-256 of the bytes.
+std::string sha256_hex(std::string_view bytes);
+
+/// A file that went into a result: its path as the user gave it, and the hash of what was read.
+struct InputFile {
+  std::string path;
+  std::string sha256;
+};
+
+/// What a result came from. Readers add to it while they read.
+struct Provenance {
+  std::vector<InputFile> inputs;
+
+  /// read_file(), remembered here.
+  std::string read(const std::filesystem::path& path);
+};
+
+/// The beginning of every JSON output:
+/// {"schema": "bodesmith.NAME/1", "program": "bodesmith VERSION", "inputs": [{"path", "sha256"}]}.
+Json json_header(std::string_view name, const Provenance& from);
+
+}  // namespace bodesmith

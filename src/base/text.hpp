@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace bodesmith {
+
+/// Shortest decimal text that reads back as exactly the same double ("1.0" style for whole numbers).
+std::string number_text(double value);
+
+/// `value` with `digits` significant digits and no superfluous zeros: 0.0163, 1.5e+09.
+std::string rounded_text(double value, int digits = 4);
+
+/// Pieces between separators; "a,,b" has three.
+std::vector<std::string_view> split(std::string_view text, char separator);
+std::string_view trim(std::string_view text);
+std::string join(const std::vector<std::string>& parts, std::string_view separator);
+
+/// Reads one number that fills the whole text. False when it does not, or is not finite. Ignores the locale.
+bool parse_number(std::string_view text, double& value);
+
+}  // namespace bodesmith

@@ -1,0 +1,4 @@
+#include "cli/commands.hpp"
+namespace bodesmith::cli {
+int run_bode(const std::vector<std::string>&) { return kDone; }
+}  // namespace bodesmith::cli

@@ -1,0 +1,27 @@
+#include "lti/fractional_lead_lag.hpp"
+
+#include <cmath>
+
+namespace bodesmith {
+
+double FractionalLeadLag::log_magnitude(RadPerSecond w) const {
+  // (1 + (lw)^2) / (1 + (xlw)^2) = 1 + (lw)^2 (1 - x^2) / (1 + (xlw)^2): exact near 0, and log1p keeps small values.
+  const double a = lambda_s * w.value;
+  const double b = x * a;
+  if (a > 1e150 || b > 1e150) return -beta * std::log(x);
+  return 0.5 * beta * std::log1p((a - b) * (a + b) / (1.0 + b * b));
+}
+
+double FractionalLeadLag::phase_rad(RadPerSecond w) const {
+  const double a = lambda_s * w.value;
+  const double b = x * a;
+  if (a > 1e150 || b > 1e150) return 0.0;
+  // atan a - atan b in one arctangent: no cancellation.
+  return beta * std::atan2(a - b, 1.0 + a * b);
+}
+
+std::complex<double> FractionalLeadLag::response(RadPerSecond w) const {
+  return std::polar(std::exp(log_magnitude(w)), phase_rad(w));
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,167 @@
+#include "lti/sections.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace bodesmith {
+namespace {
+
+using Complex = std::complex<double>;
+
+std::vector<Complex> read_roots(const Node& node) {
+  std::vector<Complex> roots;
+  for (const Node& item : node.items()) {
+    const std::vector<double> parts = item.numbers();
+    if (parts.size() != 2) item.fail(fmt::format("has {} numbers, expected [re, im] in rad/s", parts.size()));
+    roots.emplace_back(parts[0], parts[1]);
+  }
+  const bool paired = (roots.size() == 2 && roots[0] == std::conj(roots[1])) ||
+                      std::all_of(roots.begin(), roots.end(), [](Complex r) { return r.imag() == 0.0; });
+  if (!paired) node.fail("has a complex root without its conjugate, expected real roots or a conjugate pair");
+  return roots;
+}
+
+Json roots_json(const std::vector<Complex>& roots) {
+  Json out = Json::array();
+  for (const Complex& root : roots) out.push_back({root.real(), root.imag()});
+  return out;
+}
+
+}  // namespace
+
+Complex Section::response(Complex s) const {
+  // Factor by factor, a zero against a pole: no overflow for corners far apart.
+  Complex h = gain;
+  for (size_t i = 0; i < std::max(zeros.size(), poles.size()); ++i) {
+    if (i < zeros.size()) h *= s - zeros[i];
+    if (i < poles.size()) h /= s - poles[i];
+  }
+  return h;
+}
+
+double Section::dc_gain() const { return response(Complex(0.0, 0.0)).real(); }
+
+bool Section::is_stable() const {
+  return std::all_of(poles.begin(), poles.end(), [](Complex p) { return p.real() < 0.0; });
+}
+
+Section Section::pole_zero(double dc_gain, RadPerSecond zero, RadPerSecond pole) {
+  Section out;
+  out.zeros = {Complex(-zero.value, 0.0)};
+  out.poles = {Complex(-pole.value, 0.0)};
+  out.gain = dc_gain * pole.value / zero.value;
+  return out;
+}
+
+Complex Sections::response(Complex s) const {
+  Complex h = gain;
+  for (const Section& section : sections) h *= section.response(s);
+  return h;
+}
+
+double Sections::dc_gain() const {
+  double g = gain;
+  for (const Section& section : sections) g *= section.dc_gain();
+  return g;
+}
+
+int Sections::pole_count() const {
+  size_t n = 0;
+  for (const Section& section : sections) n += section.poles.size();
+  return static_cast<int>(n);
+}
+
+Band Sections::corner_band() const {
+  double low = INFINITY;
+  double high = 0.0;
+  for (const Section& section : sections) {
+    for (const auto* roots : {&section.zeros, &section.poles}) {
+      for (const Complex& root : *roots) {
+        if (std::abs(root) == 0.0) continue;
+        low = std::min(low, std::abs(root));
+        high = std::max(high, std::abs(root));
+      }
+    }
+  }
+  if (high == 0.0) low = 0.0;
+  return {RadPerSecond{low}.hz(), RadPerSecond{high}.hz()};
+}
+
+Sections Sections::from_node(const Node& node) {
+  node.expect_schema("sections");
+  Sections out;
+  out.gain = node.number_or("gain", 1.0);
+  if (out.gain == 0.0) node.at("gain").fail("is 0, expected a gain other than 0");
+  for (const Node& item : node.at("sections").items()) {
+    Section section;
+    section.gain = item.number_or("gain", 1.0);
+    if (section.gain == 0.0) item.at("gain").fail("is 0, expected a gain other than 0");
+    section.zeros = read_roots(item.at("zeros_rad_s"));
+    section.poles = read_roots(item.at("poles_rad_s"));
+    if (section.poles.empty() || section.poles.size() > 2) {
+      item.at("poles_rad_s").fail(fmt::format("has {} poles, expected one or two a section", section.poles.size()));
+    }
+    if (section.zeros.size() > section.poles.size()) {
+      item.at("zeros_rad_s").fail(fmt::format("has {} zeros with {} poles, expected no more zeros than poles",
+                                              section.zeros.size(), section.poles.size()));
+    }
+    if (!section.is_stable()) item.at("poles_rad_s").fail("has a pole that is not in the left half plane");
+    out.sections.push_back(std::move(section));
+  }
+  if (node.has("error")) {
+    const Node error = node.at("error");
+    const std::vector<double> band = error.at("band_hz").numbers();
+    if (band.size() != 2) error.at("band_hz").fail("expected [from, to]");
+    out.error = Error{{Hertz{band[0]}, Hertz{band[1]}},
+                      error.at("max_magnitude_db").number(),
+                      error.at("max_phase_deg").number(),
+                      error.at("everywhere_max_magnitude_db").number()};
+  }
+  return out;
+}
+
+Sections Sections::read(const std::filesystem::path& path, Provenance& from) {
+  return from_node(read_document(path, from));
+}
+
+Json Sections::to_json() const {
+  Json out;
+  out["gain"] = gain;
+  out["sections"] = Json::array();
+  for (const Section& section : sections) {
+    out["sections"].push_back({{"gain", section.gain},
+                               {"zeros_rad_s", roots_json(section.zeros)},
+                               {"poles_rad_s", roots_json(section.poles)}});
+  }
+  if (error) {
+    out["error"] = {{"band_hz", {error->band.from.value, error->band.to.value}},
+                    {"max_magnitude_db", error->max_magnitude_db},
+                    {"max_phase_deg", error->max_phase_deg},
+                    {"everywhere_max_magnitude_db", error->everywhere_max_magnitude_db}};
+  }
+  return out;
+}
+
+ResponseDifference compare_responses(const std::vector<Hertz>& grid, const std::vector<Complex>& got,
+                                     const std::vector<Complex>& wanted) {
+  if (grid.size() != got.size() || grid.size() != wanted.size()) {
+    throw std::logic_error("responses of different length were compared");
+  }
+  ResponseDifference out;
+  for (size_t i = 0; i < grid.size(); ++i) {
+    const Complex ratio = got[i] / wanted[i];
+    out.max_magnitude_db = std::max(out.max_magnitude_db, std::abs(to_decibel(std::abs(ratio))));
+    out.max_phase_deg = std::max(out.max_phase_deg, std::abs(to_degrees(std::arg(ratio))));
+    const double percent = 100.0 * std::abs(ratio - 1.0);
+    if (percent > out.max_complex_percent || i == 0) {
+      out.max_complex_percent = percent;
+      out.worst = grid[i];
+    }
+  }
+  return out;
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,74 @@
+#pragma once
+
+#include <complex>
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/document.hpp"
+#include "base/json.hpp"
+#include "base/provenance.hpp"
+#include "lti/frequency_grid.hpp"
+
+namespace bodesmith {
+
+/// One integer-order section, H(s) = gain * prod(s - z) / prod(s - p), rad/s, one or two poles, no more zeros than
+/// poles; complex ones come in conjugate pairs within the section.
+struct Section {
+  double gain = 1.0;
+  std::vector<std::complex<double>> zeros;
+  std::vector<std::complex<double>> poles;
+
+  std::complex<double> response(std::complex<double> s) const;
+  std::complex<double> response(RadPerSecond w) const { return response(std::complex<double>(0.0, w.value)); }
+  /// H(0); infinite for a pole at the origin.
+  double dc_gain() const;
+  /// H(infinity): `gain` with as many zeros as poles, otherwise 0.
+  double high_frequency_gain() const { return zeros.size() == poles.size() ? gain : 0.0; }
+  bool is_stable() const;
+
+  /// (s + zero)/(s + pole) form scaled to a wanted DC gain; zero and pole are positive corner frequencies.
+  static Section pole_zero(double dc_gain, RadPerSecond zero, RadPerSecond pole);
+};
+
+/// H(s) = gain * prod_i H_i(s), with its error against what it approximates.
+struct Sections {
+  double gain = 1.0;
+  std::vector<Section> sections;
+
+  struct Error {
+    Band band;
+    double max_magnitude_db = 0.0;
+    double max_phase_deg = 0.0;
+    double everywhere_max_magnitude_db = 0.0;
+  };
+  std::optional<Error> error;
+
+  std::complex<double> response(std::complex<double> s) const;
+  std::complex<double> response(RadPerSecond w) const { return response(std::complex<double>(0.0, w.value)); }
+  double dc_gain() const;
+  int pole_count() const;
+  /// Lowest and highest |pole| or |zero| above 0; {0, 0} when there is none.
+  Band corner_band() const;
+
+  /// Refuses (with file and line): no or more than two poles, more zeros than poles, complex roots without their
+  /// conjugate, poles with Re >= 0, a gain of 0.
+  static Sections from_node(const Node& node);
+  static Sections read(const std::filesystem::path& path, Provenance& from);
+  /// gain, sections and (when present) error; without the header.
+  Json to_json() const;
+};
+
+/// Largest differences between two responses over a grid.
+struct ResponseDifference {
+  double max_magnitude_db = 0.0;
+  double max_phase_deg = 0.0;
+  /// Largest |a/b - 1| in percent.
+  double max_complex_percent = 0.0;
+  Hertz worst;  ///< where max_complex_percent is met
+};
+ResponseDifference compare_responses(const std::vector<Hertz>& grid, const std::vector<std::complex<double>>& got,
+                                     const std::vector<std::complex<double>>& wanted);
+
+}  // namespace bodesmith

@@ -1,0 +1,47 @@
+#include "signal/bode_points.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.hpp"
+#include "signal/csv.hpp"
+
+namespace bodesmith {
+
+BodePoints BodePoints::read_csv(const std::filesystem::path& path, Provenance& from) {
+  const Csv csv = Csv::read(path, from);
+  BodePoints out;
+  out.file = csv.file();
+  const auto& frequency = csv.column("frequency_hz");
+  const bool linear = csv.has("gain");
+  if (!linear && !csv.has("magnitude_db")) {
+    throw InputError(csv.file(), csv.header_line(), "has neither a column 'gain' nor 'magnitude_db'");
+  }
+  const auto& magnitude = csv.column(linear ? "gain" : "magnitude_db");
+  for (size_t i = 0; i < csv.rows(); ++i) {
+    BodePoint point;
+    point.frequency = Hertz{frequency[i]};
+    if (!(frequency[i] > 0.0)) csv.fail(i, fmt::format("frequency_hz is {}, expected above 0", frequency[i]));
+    point.gain = linear ? magnitude[i] : from_decibel(magnitude[i]);
+    if (!(point.gain > 0.0) || !std::isfinite(point.gain)) {
+      csv.fail(i, fmt::format("the gain is {}, expected a finite number above 0", point.gain));
+    }
+    if (csv.has("phase_deg")) point.phase_deg = csv.column("phase_deg")[i];
+    if (csv.has("weight")) point.weight = csv.column("weight")[i];
+    if (point.weight < 0.0) csv.fail(i, fmt::format("weight is {}, expected at least 0", point.weight));
+    point.line = csv.line(i);
+    out.points.push_back(point);
+  }
+  std::stable_sort(out.points.begin(), out.points.end(),
+                   [](const BodePoint& a, const BodePoint& b) { return a.frequency < b.frequency; });
+  for (size_t i = 1; i < out.points.size(); ++i) {
+    if (out.points[i].frequency == out.points[i - 1].frequency) {
+      throw InputError(out.file, std::max(out.points[i].line, out.points[i - 1].line),
+                       fmt::format("{} Hz is given twice", out.points[i].frequency.value));
+    }
+  }
+  return out;
+}
+
+}  // namespace bodesmith

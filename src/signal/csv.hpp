@@ -1,0 +1,50 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/provenance.hpp"
+
+namespace bodesmith {
+
+/// A CSV file of numbers with a header row. `#` starts a comment (at the beginning of a line), blank lines are
+/// passed over, CRLF or LF, UTF-8 with or without byte order mark.
+class Csv {
+ public:
+  /// Errors (a cell that is not a finite number, a row of another length, no header, no rows) name file and line.
+  static Csv read(const std::filesystem::path& path, Provenance& from);
+  static Csv parse(std::string_view text, const std::string& file);
+
+  const std::string& file() const { return file_; }
+  const std::vector<std::string>& names() const { return names_; }
+  std::size_t rows() const { return lines_.size(); }
+  bool has(std::string_view name) const;
+  /// Throws InputError naming the header's line when there is no such column.
+  const std::vector<double>& column(std::string_view name) const;
+  /// Line of the file in which row i stands.
+  int line(std::size_t row) const { return lines_[row]; }
+  int header_line() const { return header_line_; }
+  [[noreturn]] void fail(std::size_t row, std::string_view message) const;
+
+ private:
+  std::string file_;
+  int header_line_ = 0;
+  std::vector<std::string> names_;
+  std::vector<std::vector<double>> columns_;
+  std::vector<int> lines_;
+};
+
+/// Writes columns of equal length below their names; numbers so that they read back as the same doubles.
+class CsvWriter {
+ public:
+  void add(std::string name, std::vector<double> values);
+  std::string text() const;
+
+ private:
+  std::vector<std::string> names_;
+  std::vector<std::vector<double>> columns_;
+};
+
+}  // namespace bodesmith

@@ -1,0 +1,101 @@
+#include "signal/disturbance.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace bodesmith {
+namespace {
+
+std::array<double, 3> read_coefficients(const Node& node) {
+  const std::vector<double> values = node.numbers();
+  if (values.size() != 3) node.fail(fmt::format("has {} numbers, expected [a1, a2, a3]", values.size()));
+  return {values[0], values[1], values[2]};
+}
+
+/// Checks a table: one length, at least one entry, first column rising and above 0.
+void check_table(const Node& node, std::string_view first, const std::vector<double>& key, std::size_t ascending,
+                 std::size_t descending) {
+  if (key.empty()) node.at(first).fail("is empty, expected at least one number");
+  if (ascending != key.size() || descending != key.size()) {
+    node.fail(fmt::format("has columns of {}, {} and {} numbers, expected one length", key.size(), ascending, descending));
+  }
+  for (size_t i = 0; i < key.size(); ++i) {
+    if (!(key[i] > 0.0) || (i > 0 && !(key[i] > key[i - 1]))) {
+      node.at(first)[i].fail("is out of order, expected rising numbers above 0");
+    }
+  }
+}
+
+/// Piecewise linear in the key, held at the ends.
+double interpolate(const std::vector<double>& key, const std::vector<double>& value, double at) {
+  if (key.empty()) return 1.0;
+  if (at <= key.front()) return value.front();
+  if (at >= key.back()) return value.back();
+  const size_t i = static_cast<size_t>(std::upper_bound(key.begin(), key.end(), at) - key.begin());
+  const double t = (at - key[i - 1]) / (key[i] - key[i - 1]);
+  return value[i - 1] + t * (value[i] - value[i - 1]);
+}
+
+}  // namespace
+
+double Disturbance::rate_gain(Branch branch, Hertz frequency) const {
+  std::vector<double> key;
+  for (const Hertz f : rate.frequency) key.push_back(std::log(f.value));
+  return interpolate(key, branch == Branch::ascending ? rate.ascending : rate.descending,
+                     std::log(frequency.value));
+}
+
+double Disturbance::amplitude_gain(Branch branch, double alpha) const {
+  return interpolate(amplitude.alpha, branch == Branch::ascending ? amplitude.ascending : amplitude.descending, alpha);
+}
+
+bool Disturbance::is_static(Branch branch) const {
+  const auto& gains = branch == Branch::ascending ? rate.ascending : rate.descending;
+  return std::all_of(gains.begin(), gains.end(), [](double gain) { return std::abs(gain - 1.0) < 1e-12; });
+}
+
+Disturbance Disturbance::from_node(const Node& node) {
+  node.expect_schema("disturbance");
+  Disturbance out;
+  out.ascending = read_coefficients(node.at("ascending"));
+  out.descending = read_coefficients(node.at("descending"));
+  if (node.has("amplitude")) {
+    const Node table = node.at("amplitude");
+    out.amplitude.alpha = table.at("alpha").numbers();
+    out.amplitude.ascending = table.at("ascending").numbers();
+    out.amplitude.descending = table.at("descending").numbers();
+    check_table(table, "alpha", out.amplitude.alpha, out.amplitude.ascending.size(), out.amplitude.descending.size());
+  }
+  if (node.has("rate")) {
+    const Node table = node.at("rate");
+    const std::vector<double> frequency = table.at("frequency_hz").numbers();
+    for (const double f : frequency) out.rate.frequency.push_back(Hertz{f});
+    out.rate.ascending = table.at("ascending").numbers();
+    out.rate.descending = table.at("descending").numbers();
+    check_table(table, "frequency_hz", frequency, out.rate.ascending.size(), out.rate.descending.size());
+  }
+  return out;
+}
+
+Disturbance Disturbance::read(const std::filesystem::path& path, Provenance& from) {
+  return from_node(read_document(path, from));
+}
+
+Json Disturbance::to_json() const {
+  Json out;
+  out["ascending"] = ascending;
+  out["descending"] = descending;
+  if (!amplitude.alpha.empty()) {
+    out["amplitude"] = {{"alpha", amplitude.alpha}, {"ascending", amplitude.ascending}, {"descending", amplitude.descending}};
+  }
+  if (!rate.frequency.empty()) {
+    std::vector<double> frequency;
+    for (const Hertz f : rate.frequency) frequency.push_back(f.value);
+    out["rate"] = {{"frequency_hz", frequency}, {"ascending", rate.ascending}, {"descending", rate.descending}};
+  }
+  return out;
+}
+
+}  // namespace bodesmith

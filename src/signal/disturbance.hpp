@@ -1,0 +1,58 @@
+#pragma once
+
+#include <array>
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/document.hpp"
+#include "base/json.hpp"
+#include "base/provenance.hpp"
+#include "base/units.hpp"
+
+namespace bodesmith {
+
+/// The hysteretic disturbance of a piezo stage, first seed eq. 1-13:
+///   d(x) = a1 x + a2 x^2 + a3 x^3, x in [0, 1], other coefficients while x rises (ascending) than while it falls.
+/// Optional tables: amplitude gains alpha_1(alpha), alpha_2(alpha) (Fig. 3c, d) and rate gains over the operating
+/// frequency (Table I), one a branch. Gains are relative to the full-stroke, lowest-frequency polynomials.
+struct Disturbance {
+  enum class Branch { ascending, descending };
+
+  std::array<double, 3> ascending{};
+  std::array<double, 3> descending{};
+
+  struct AmplitudeGains {
+    std::vector<double> alpha;  ///< input amplitude relative to full stroke, rising
+    std::vector<double> ascending;
+    std::vector<double> descending;
+  } amplitude;  ///< empty: 1 at every amplitude
+
+  struct RateGains {
+    std::vector<Hertz> frequency;  ///< rising
+    std::vector<double> ascending;
+    std::vector<double> descending;
+  } rate;  ///< empty: 1 at every frequency
+
+  const std::array<double, 3>& coefficients(Branch branch) const {
+    return branch == Branch::ascending ? ascending : descending;
+  }
+  /// d(x) of one branch without the gain tables.
+  double value(Branch branch, double x) const {
+    const auto& a = coefficients(branch);
+    return x * (a[0] + x * (a[1] + x * a[2]));
+  }
+  /// Rate gain of a branch at an operating frequency: the table interpolated linearly in log frequency, held at
+  /// its ends; 1 without a table.
+  double rate_gain(Branch branch, Hertz frequency) const;
+  double amplitude_gain(Branch branch, double alpha) const;
+  /// True when the branch's rate gains are all 1 (within 1e-12): it needs no compensator.
+  bool is_static(Branch branch) const;
+
+  static Disturbance from_node(const Node& node);
+  static Disturbance read(const std::filesystem::path& path, Provenance& from);
+  /// Without the header.
+  Json to_json() const;
+};
+
+}  // namespace bodesmith

@@ -1,0 +1,30 @@
+#include "signal/frequency_record.hpp"
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "signal/csv.hpp"
+
+namespace bodesmith {
+
+FrequencyRecord FrequencyRecord::read_csv(const std::filesystem::path& path, Provenance& from) {
+  const Csv csv = Csv::read(path, from);
+  FrequencyRecord record;
+  record.file = csv.file();
+  const auto& frequency = csv.column("frequency_hz");
+  const auto& magnitude = csv.column("magnitude_db");
+  const auto& phase = csv.column("phase_deg");
+  if (csv.has("coherence")) record.coherence = csv.column("coherence");
+  for (size_t i = 0; i < csv.rows(); ++i) {
+    if (!(frequency[i] > 0.0)) csv.fail(i, fmt::format("frequency_hz is {}, expected above 0", frequency[i]));
+    if (i > 0 && !(frequency[i] > frequency[i - 1])) csv.fail(i, "frequency_hz does not rise");
+    if (!record.coherence.empty() && !(record.coherence[i] >= 0.0 && record.coherence[i] <= 1.0)) {
+      csv.fail(i, fmt::format("coherence is {}, expected 0 to 1", record.coherence[i]));
+    }
+    record.frequency.push_back(Hertz{frequency[i]});
+    record.response.push_back(std::polar(from_decibel(magnitude[i]), to_radians(phase[i])));
+  }
+  return record;
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,52 @@
+#include "signal/time_record.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "signal/csv.hpp"
+
+namespace bodesmith {
+namespace {
+
+TimeRecord from_csv(const Csv& csv, const std::string& input_column) {
+  TimeRecord record;
+  record.file = csv.file();
+  const auto& time = csv.column("time_s");
+  record.u = csv.column(input_column);
+  if (csv.has("y") && input_column != "y") record.y = csv.column("y");
+  if (time.size() < 2) csv.fail(0, "is the only row, expected at least two samples");
+  record.start_s = time.front();
+  // The median step is the step: one gap must not move it.
+  std::vector<double> steps(time.size() - 1);
+  for (size_t i = 1; i < time.size(); ++i) steps[i - 1] = time[i] - time[i - 1];
+  std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
+  const double median = steps[steps.size() / 2];
+  if (!(median > 0.0)) csv.fail(1, "time_s does not rise, expected uniform sampling");
+  for (size_t i = 1; i < time.size(); ++i) {
+    const double step = time[i] - time[i - 1];
+    if (!(std::abs(step - median) <= 0.01 * median)) {
+      csv.fail(i, fmt::format("time_s steps by {:.6g} s, expected {:.6g} s within 1 % (uniform sampling)", step, median));
+    }
+  }
+  // Printed times are rounded; the mean step is the sharper figure.
+  record.step_s = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+  return record;
+}
+
+}  // namespace
+
+TimeRecord TimeRecord::read_csv(const std::filesystem::path& path, Provenance& from, bool output_needed) {
+  const Csv csv = Csv::read(path, from);
+  if (output_needed) csv.column("y");
+  return from_csv(csv, "u");
+}
+
+TimeRecord TimeRecord::read_csv_column(const std::filesystem::path& path, Provenance& from,
+                                       const std::string& input_column) {
+  return from_csv(Csv::read(path, from), input_column);
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,69 @@
+#include "base/files.hpp"
+
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+#include "base/error.hpp"
+#include "base/json.hpp"
+#include "base/provenance.hpp"
+#include "base/text.hpp"
+#include "base/text_template.hpp"
+#include "temporary_folder.hpp"
+
+namespace bodesmith {
+namespace {
+namespace fs = std::filesystem;
+
+TEST(Files, NothingIsWrittenWhenOneFileCannotBe) {
+  const TemporaryFolder folder;
+  write_file(folder / "kept.txt", "old");
+  fs::create_directory(folder / "blocked");
+  OutputSet set(folder.path());
+  set.add("kept.txt", "new");
+  set.add("blocked", "a folder stands here");
+  EXPECT_THROW(set.commit(), InputError);
+  EXPECT_EQ(read_file(folder / "kept.txt"), "old");
+  int entries = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder.path())) ++entries;
+  EXPECT_EQ(entries, 2) << "a temporary file was left behind";
+}
+
+TEST(Files, CommitMakesTheFolder) {
+  const TemporaryFolder folder;
+  OutputSet set(folder / "a/b");
+  set.add("c/d.txt", "x");
+  EXPECT_FALSE(fs::exists(folder / "a"));
+  set.commit();
+  EXPECT_EQ(read_file(folder / "a/b/c/d.txt"), "x");
+}
+
+TEST(Provenance, Sha256MatchesTheStandardsExample) {
+  // FIPS 180-2, appendix B.1.
+  EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+}
+
+TEST(Text, NumbersReadBackExactly) {
+  for (const double value : {0.1, 1.0, -2.5e-300, 1e22, 12345.678901234567, 5e-324}) {
+    double back = 0.0;
+    EXPECT_TRUE(parse_number(number_text(value), back));
+    EXPECT_EQ(back, value);
+  }
+  double ignored = 0.0;
+  for (const char* text : {"", "1.2.3", "0x10", "nan", "inf", "1e999", "1,5", "4k7"}) {
+    EXPECT_FALSE(parse_number(text, ignored)) << text;
+  }
+}
+
+TEST(JsonText, RefusesNumbersThatAreNotFinite) {
+  EXPECT_THROW(to_text(Json{{"a", NAN}}), std::logic_error);
+  EXPECT_EQ(to_text(Json{{"a", {1.0, 2.5}}}), "{\n  \"a\": [1.0, 2.5]\n}\n");
+}
+
+TEST(TextTemplate, EmbedsTheBytesOfTheFile) {
+  EXPECT_EQ(render_template("self_test.txt", {{"name", "R<1"}, {"raw", 2.5}}), "R<1 & 2.5\n");
+  EXPECT_THROW(render_template("no such", {}), std::logic_error);
+}
+
+}  // namespace
+}  // namespace bodesmith

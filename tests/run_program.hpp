@@ -20,8 +20,8 @@ struct ProgramResult {
 /// Runs `command` by the shell and keeps what it said.
 inline ProgramResult run_shell(const std::string& command) {
   const TemporaryFolder folder;
-  const std::string full = "( " + command + " ) >'" + (folder / "out").string() + "' 2>'" + (folder / "err").string() +
-                           "' </dev/null";
+  const std::string full = "( " + command + " ) >'" + (folder / "out").string() + "' 2>'" +
+                           (folder / "err").string() + "' </dev/null";
   ProgramResult result;
   const int status = std::system(full.c_str());
   result.status = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);

@@ -13,12 +13,18 @@ namespace {
 
 std::string_view kind_name(Node::Kind kind) {
   switch (kind) {
-    case Node::Kind::null: return "null";
-    case Node::Kind::boolean: return "a boolean";
-    case Node::Kind::number: return "a number";
-    case Node::Kind::string: return "a string";
-    case Node::Kind::array: return "an array";
-    case Node::Kind::object: return "an object";
+    case Node::Kind::null:
+      return "null";
+    case Node::Kind::boolean:
+      return "a boolean";
+    case Node::Kind::number:
+      return "a number";
+    case Node::Kind::string:
+      return "a string";
+    case Node::Kind::array:
+      return "an array";
+    case Node::Kind::object:
+      return "an object";
   }
   return "?";
 }
@@ -34,12 +40,19 @@ std::string member_place(const std::string& place, std::string_view key) {
 
 }  // namespace
 
-Node::Kind Node::kind() const { return data_->kind; }
-int Node::line() const { return data_->line; }
-const std::string& Node::file() const { return *data_->file; }
+Node::Kind Node::kind() const {
+  return data_->kind;
+}
+int Node::line() const {
+  return data_->line;
+}
+const std::string& Node::file() const {
+  return *data_->file;
+}
 
 void Node::fail(std::string_view message) const {
-  throw InputError(file(), line(), place_.empty() ? std::string(message) : fmt::format("'{}' {}", place_, message));
+  throw InputError(file(), line(),
+                   place_.empty() ? std::string(message) : fmt::format("'{}' {}", place_, message));
 }
 
 bool Node::has(std::string_view key) const {
@@ -66,14 +79,16 @@ std::size_t Node::size() const {
 
 Node Node::operator[](std::size_t index) const {
   expect(*this, Kind::array);
-  if (index >= data_->items.size()) fail(fmt::format("has {} items, expected at least {}", size(), index + 1));
+  if (index >= data_->items.size())
+    fail(fmt::format("has {} items, expected at least {}", size(), index + 1));
   return Node(data_->items[index], fmt::format("{}[{}]", place_, index));
 }
 
 std::vector<std::pair<std::string, Node>> Node::members() const {
   expect(*this, Kind::object);
   std::vector<std::pair<std::string, Node>> out;
-  for (const auto& [name, value] : data_->members) out.emplace_back(name, Node(value, member_place(place_, name)));
+  for (const auto& [name, value] : data_->members)
+    out.emplace_back(name, Node(value, member_place(place_, name)));
   return out;
 }
 
@@ -159,7 +174,8 @@ void Node::expect_schema(std::string_view name) const {
   const std::string wanted = fmt::format("bodesmith.{}/1", name);
   if (!has("schema")) fail(fmt::format("'schema' is missing, expected \"{}\"", wanted));
   const Node schema = at("schema");
-  if (schema.string() != wanted) schema.fail(fmt::format("is \"{}\", expected \"{}\"", schema.string(), wanted));
+  if (schema.string() != wanted)
+    schema.fail(fmt::format("is \"{}\", expected \"{}\"", schema.string(), wanted));
 }
 
 Node read_document(const std::filesystem::path& path, Provenance& from) {

@@ -13,9 +13,10 @@
 
 namespace bodesmith {
 
-/// One value of a JSON or TOML document, knowing the file and line it stands in, so that every complaint about it
-/// can name both. Copies share the tree. Every accessor throws InputError with file and line when the value is
-/// not what the caller needs; the message says where in the document ("terms[2].beta") and what was expected.
+/// One value of a JSON or TOML document, knowing the file and line it stands in, so that every complaint
+/// about it can name both. Copies share the tree. Every accessor throws InputError with file and line when
+/// the value is not what the caller needs; the message says where in the document ("terms[2].beta") and what
+/// was expected.
 class Node {
  public:
   enum class Kind { null, boolean, number, string, array, object };
@@ -62,7 +63,8 @@ class Node {
   [[noreturn]] void fail(std::string_view message) const;
 
   struct Data;  // the shared tree, private to document.cpp
-  Node(std::shared_ptr<const Data> data, std::string place) : data_(std::move(data)), place_(std::move(place)) {}
+  Node(std::shared_ptr<const Data> data, std::string place)
+      : data_(std::move(data)), place_(std::move(place)) {}
 
  private:
   std::shared_ptr<const Data> data_;

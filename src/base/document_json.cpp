@@ -11,8 +11,8 @@ namespace {
 
 using Data = Node::Data;
 
-/// Where the parser reads. It hands characters on and counts lines; the parser looks one character ahead after a
-/// number, so the line of a value is that of the last character which was not white space.
+/// Where the parser reads. It hands characters on and counts lines; the parser looks one character ahead
+/// after a number, so the line of a value is that of the last character which was not white space.
 struct Cursor {
   const char* next;
   const char* end;
@@ -55,7 +55,8 @@ class CountingIterator {
 /// Builds the tree from parser events.
 class Builder : public nlohmann::json_sax<Json> {
  public:
-  Builder(Cursor& cursor, std::shared_ptr<const std::string> file) : cursor_(cursor), file_(std::move(file)) {}
+  Builder(Cursor& cursor, std::shared_ptr<const std::string> file)
+      : cursor_(cursor), file_(std::move(file)) {}
 
   bool null() override { return put(make(Node::Kind::null)); }
   bool boolean(bool value) override {
@@ -87,7 +88,8 @@ class Builder : public nlohmann::json_sax<Json> {
   }
   bool parse_error(std::size_t, const std::string& token, const nlohmann::detail::exception& error) override {
     std::string what = error.what();
-    // "[json.exception.parse_error.101] parse error at line 3, column 2: syntax error while ..." -> the last part
+    // "[json.exception.parse_error.101] parse error at line 3, column 2: syntax error while ..." -> the last
+    // part
     const size_t cut = what.find(": ");
     if (cut != std::string::npos) what = what.substr(cut + 2);
     if (what.size() > 200) what = what.substr(0, 200) + "...";

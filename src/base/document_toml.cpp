@@ -19,7 +19,8 @@ std::shared_ptr<Data> convert(const toml::node& node, const std::shared_ptr<cons
   data->line = static_cast<int>(node.source().begin.line);
   if (const auto* table = node.as_table()) {
     data->kind = Node::Kind::object;
-    for (const auto& [key, value] : *table) data->members.emplace_back(std::string(key.str()), convert(value, file));
+    for (const auto& [key, value] : *table)
+      data->members.emplace_back(std::string(key.str()), convert(value, file));
     // toml++ sorts by name; a person wrote them by line.
     std::stable_sort(data->members.begin(), data->members.end(),
                      [](const auto& a, const auto& b) { return a.second->line < b.second->line; });
@@ -39,7 +40,8 @@ std::shared_ptr<Data> convert(const toml::node& node, const std::shared_ptr<cons
     data->kind = Node::Kind::boolean;
     data->boolean = flag->get();
   } else {
-    throw InputError(*file, data->line, "dates and times are not used here, expected a number, string or table");
+    throw InputError(*file, data->line,
+                     "dates and times are not used here, expected a number, string or table");
   }
   return data;
 }

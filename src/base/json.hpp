@@ -5,7 +5,8 @@
 
 namespace bodesmith {
 
-/// JSON that keeps the order in which keys were written (for writing; reading goes through Node, document.hpp).
+/// JSON that keeps the order in which keys were written (for writing; reading goes through Node,
+/// document.hpp).
 using Json = nlohmann::ordered_json;
 
 /// Text of a JSON document: two-space indent, short arrays of numbers on one line, a newline at the end.

@@ -21,7 +21,9 @@ void on_interrupt(int) {
 }  // namespace
 
 Progress::Progress(std::string what)
-    : what_(std::move(what)), terminal_(::isatty(STDERR_FILENO) != 0), start_(std::chrono::steady_clock::now()),
+    : what_(std::move(what)),
+      terminal_(::isatty(STDERR_FILENO) != 0),
+      start_(std::chrono::steady_clock::now()),
       last_(start_) {}
 
 Progress::~Progress() {
@@ -40,8 +42,12 @@ void Progress::at(double fraction) {
   std::fflush(stderr);
 }
 
-void catch_interrupts() { std::signal(SIGINT, on_interrupt); }
-bool interrupted() { return stop_wanted.load(std::memory_order_relaxed); }
+void catch_interrupts() {
+  std::signal(SIGINT, on_interrupt);
+}
+bool interrupted() {
+  return stop_wanted.load(std::memory_order_relaxed);
+}
 void stop_if_interrupted() {
   if (interrupted()) throw Interrupted();
 }

@@ -15,7 +15,9 @@ std::string number_text(double value) {
   return out;
 }
 
-std::string rounded_text(double value, int digits) { return fmt::format("{:.{}g}", value, digits); }
+std::string rounded_text(double value, int digits) {
+  return fmt::format("{:.{}g}", value, digits);
+}
 
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> out;

@@ -29,7 +29,8 @@ void CommandLine::output(const std::string& what, bool optional) {
 }
 
 void CommandLine::seed() {
-  options_.add_options()("seed", po::value<std::uint64_t>()->default_value(1), "seed of everything left to chance");
+  options_.add_options()("seed", po::value<std::uint64_t>()->default_value(1),
+                         "seed of everything left to chance");
 }
 
 bool CommandLine::parse(const std::vector<std::string>& arguments) {
@@ -54,7 +55,8 @@ bool CommandLine::parse(const std::vector<std::string>& arguments) {
   }
   const int given = static_cast<int>(files().size());
   if (given < least_) fail(fmt::format("{} is missing", positional_name_));
-  if (most_ >= 0 && given > most_) fail(fmt::format("'{}' is one file too many", files()[static_cast<size_t>(most_)]));
+  if (most_ >= 0 && given > most_)
+    fail(fmt::format("'{}' is one file too many", files()[static_cast<size_t>(most_)]));
   if (output_needed_ && values_.count("output") == 0) fail("-o is missing, expected where the result goes");
   if (values_.count("output") > 0 && get<std::string>("output").empty()) fail("-o is empty");
   return true;
@@ -85,6 +87,8 @@ void print_summary(const CommandLine& line, const std::string& text, const Json&
   }
 }
 
-void note(const std::string& text) { fmt::print(stderr, "bodesmith: {}\n", text); }
+void note(const std::string& text) {
+  fmt::print(stderr, "bodesmith: {}\n", text);
+}
 
 }  // namespace bodesmith::cli

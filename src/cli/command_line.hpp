@@ -30,7 +30,9 @@ class CommandLine {
   /// False when --help was asked for and shown. Throws InputError for bad usage.
   bool parse(const std::vector<std::string>& arguments);
 
-  bool has(const std::string& option) const { return values_.count(option) > 0 && !values_[option].defaulted(); }
+  bool has(const std::string& option) const {
+    return values_.count(option) > 0 && !values_[option].defaulted();
+  }
   template <class T>
   T get(const std::string& option) const {
     return values_[option].as<T>();

@@ -43,7 +43,8 @@ int run(const std::vector<std::string>& arguments) {
   for (const auto& command : commands()) {
     if (command.name == arguments[0]) return command.run({arguments.begin() + 1, arguments.end()});
   }
-  throw InputError(fmt::format("'{}' is not a subcommand, expected one of those that bodesmith --help lists", arguments[0]));
+  throw InputError(fmt::format("'{}' is not a subcommand, expected one of those that bodesmith --help lists",
+                               arguments[0]));
 }
 
 }  // namespace

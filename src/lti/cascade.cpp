@@ -79,9 +79,13 @@ Json Cascade::to_json() const {
   if (fit) {
     Json points = Json::array();
     for (const FitPoint& point : fit->points) {
-      points.push_back({{"frequency_hz", point.frequency.value}, {"wanted_db", point.wanted_db}, {"got_db", point.got_db}});
+      points.push_back({{"frequency_hz", point.frequency.value},
+                        {"wanted_db", point.wanted_db},
+                        {"got_db", point.got_db}});
     }
-    out["fit"] = {{"points", points}, {"rms_db", fit->rms_db}, {"max_db", fit->max_db},
+    out["fit"] = {{"points", points},
+                  {"rms_db", fit->rms_db},
+                  {"max_db", fit->max_db},
                   {"condition_number", fit->condition_number}};
   }
   return out;

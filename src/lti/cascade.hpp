@@ -35,7 +35,8 @@ struct Cascade {
 
   std::complex<double> response(RadPerSecond w) const;
   double magnitude_db(RadPerSecond w) const;
-  /// From the lowest to the highest corner (and fit point); an error for a cascade without terms is the caller's.
+  /// From the lowest to the highest corner (and fit point); an error for a cascade without terms is the
+  /// caller's.
   Band corner_band() const;
 
   static Cascade from_node(const Node& node);

@@ -5,7 +5,8 @@
 namespace bodesmith {
 
 double FractionalLeadLag::log_magnitude(RadPerSecond w) const {
-  // (1 + (lw)^2) / (1 + (xlw)^2) = 1 + (lw)^2 (1 - x^2) / (1 + (xlw)^2): exact near 0, and log1p keeps small values.
+  // (1 + (lw)^2) / (1 + (xlw)^2) = 1 + (lw)^2 (1 - x^2) / (1 + (xlw)^2): exact near 0, and log1p keeps small
+  // values.
   const double a = lambda_s * w.value;
   const double b = x * a;
   if (a > 1e150 || b > 1e150) return -beta * std::log(x);

@@ -10,7 +10,8 @@ namespace bodesmith {
 
 std::vector<Hertz> log_grid(Band band, int count) {
   if (!(band.from.value > 0.0) || !(band.to >= band.from) || !std::isfinite(band.to.value)) {
-    throw InputError(fmt::format("the band {} to {} Hz is empty, expected 0 < from <= to", band.from.value, band.to.value));
+    throw InputError(fmt::format("the band {} to {} Hz is empty, expected 0 < from <= to", band.from.value,
+                                 band.to.value));
   }
   if (count < 1 || (count == 1 && band.from != band.to)) {
     throw InputError(fmt::format("a frequency grid of {} points was asked for, expected at least 2", count));

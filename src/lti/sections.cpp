@@ -42,7 +42,9 @@ Complex Section::response(Complex s) const {
   return h;
 }
 
-double Section::dc_gain() const { return response(Complex(0.0, 0.0)).real(); }
+double Section::dc_gain() const {
+  return response(Complex(0.0, 0.0)).real();
+}
 
 bool Section::is_stable() const {
   return std::all_of(poles.begin(), poles.end(), [](Complex p) { return p.real() < 0.0; });
@@ -102,11 +104,13 @@ Sections Sections::from_node(const Node& node) {
     section.zeros = read_roots(item.at("zeros_rad_s"));
     section.poles = read_roots(item.at("poles_rad_s"));
     if (section.poles.empty() || section.poles.size() > 2) {
-      item.at("poles_rad_s").fail(fmt::format("has {} poles, expected one or two a section", section.poles.size()));
+      item.at("poles_rad_s")
+          .fail(fmt::format("has {} poles, expected one or two a section", section.poles.size()));
     }
     if (section.zeros.size() > section.poles.size()) {
-      item.at("zeros_rad_s").fail(fmt::format("has {} zeros with {} poles, expected no more zeros than poles",
-                                              section.zeros.size(), section.poles.size()));
+      item.at("zeros_rad_s")
+          .fail(fmt::format("has {} zeros with {} poles, expected no more zeros than poles",
+                            section.zeros.size(), section.poles.size()));
     }
     if (!section.is_stable()) item.at("poles_rad_s").fail("has a pole that is not in the left half plane");
     out.sections.push_back(std::move(section));

@@ -13,8 +13,8 @@
 
 namespace bodesmith {
 
-/// One integer-order section, H(s) = gain * prod(s - z) / prod(s - p), rad/s, one or two poles, no more zeros than
-/// poles; complex ones come in conjugate pairs within the section.
+/// One integer-order section, H(s) = gain * prod(s - z) / prod(s - p), rad/s, one or two poles, no more zeros
+/// than poles; complex ones come in conjugate pairs within the section.
 struct Section {
   double gain = 1.0;
   std::vector<std::complex<double>> zeros;
@@ -52,8 +52,8 @@ struct Sections {
   /// Lowest and highest |pole| or |zero| above 0; {0, 0} when there is none.
   Band corner_band() const;
 
-  /// Refuses (with file and line): no or more than two poles, more zeros than poles, complex roots without their
-  /// conjugate, poles with Re >= 0, a gain of 0.
+  /// Refuses (with file and line): no or more than two poles, more zeros than poles, complex roots without
+  /// their conjugate, poles with Re >= 0, a gain of 0.
   static Sections from_node(const Node& node);
   static Sections read(const std::filesystem::path& path, Provenance& from);
   /// gain, sections and (when present) error; without the header.
@@ -68,7 +68,8 @@ struct ResponseDifference {
   double max_complex_percent = 0.0;
   Hertz worst;  ///< where max_complex_percent is met
 };
-ResponseDifference compare_responses(const std::vector<Hertz>& grid, const std::vector<std::complex<double>>& got,
+ResponseDifference compare_responses(const std::vector<Hertz>& grid,
+                                     const std::vector<std::complex<double>>& got,
                                      const std::vector<std::complex<double>>& wanted);
 
 }  // namespace bodesmith

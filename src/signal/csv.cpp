@@ -11,7 +11,9 @@
 
 namespace bodesmith {
 
-Csv Csv::read(const std::filesystem::path& path, Provenance& from) { return parse(from.read(path), path.string()); }
+Csv Csv::read(const std::filesystem::path& path, Provenance& from) {
+  return parse(from.read(path), path.string());
+}
 
 Csv Csv::parse(std::string_view text, const std::string& file) {
   Csv csv;
@@ -29,11 +31,13 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
       csv.header_line_ = line_number;
       for (std::string_view cell : cells) {
         cell = trim(cell);
-        if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"') cell = cell.substr(1, cell.size() - 2);
+        if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
+          cell = cell.substr(1, cell.size() - 2);
         double number = 0.0;
         if (cell.empty() || parse_number(cell, number)) {
-          throw InputError(file, line_number,
-                           fmt::format("'{}' is not a column name, expected a header row such as time_s,u,y", cell));
+          throw InputError(
+              file, line_number,
+              fmt::format("'{}' is not a column name, expected a header row such as time_s,u,y", cell));
         }
         if (std::find(csv.names_.begin(), csv.names_.end(), cell) != csv.names_.end()) {
           throw InputError(file, line_number, fmt::format("column '{}' is named twice", cell));
@@ -44,21 +48,23 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
       continue;
     }
     if (cells.size() != csv.names_.size()) {
-      throw InputError(file, line_number,
-                       fmt::format("has {} cells, expected {} as in the header", cells.size(), csv.names_.size()));
+      throw InputError(
+          file, line_number,
+          fmt::format("has {} cells, expected {} as in the header", cells.size(), csv.names_.size()));
     }
     for (size_t i = 0; i < cells.size(); ++i) {
       double value = 0.0;
       if (!parse_number(cells[i], value)) {
         throw InputError(file, line_number,
-                         fmt::format("'{}' in column '{}' is not a finite number", trim(cells[i]).substr(0, 40),
-                                     csv.names_[i]));
+                         fmt::format("'{}' in column '{}' is not a finite number",
+                                     trim(cells[i]).substr(0, 40), csv.names_[i]));
       }
       csv.columns_[i].push_back(value);
     }
     csv.lines_.push_back(line_number);
   }
-  if (csv.names_.empty()) throw InputError(file, 0, "has no header row, expected column names such as time_s,u,y");
+  if (csv.names_.empty())
+    throw InputError(file, 0, "has no header row, expected column names such as time_s,u,y");
   if (csv.lines_.empty()) throw InputError(file, csv.header_line_, "has no rows below the header");
   return csv;
 }
@@ -70,12 +76,15 @@ bool Csv::has(std::string_view name) const {
 const std::vector<double>& Csv::column(std::string_view name) const {
   const auto at = std::find(names_.begin(), names_.end(), name);
   if (at == names_.end()) {
-    throw InputError(file_, header_line_, fmt::format("has no column '{}', found: {}", name, join(names_, ", ")));
+    throw InputError(file_, header_line_,
+                     fmt::format("has no column '{}', found: {}", name, join(names_, ", ")));
   }
   return columns_[static_cast<size_t>(at - names_.begin())];
 }
 
-void Csv::fail(std::size_t row, std::string_view message) const { throw InputError(file_, lines_[row], message); }
+void Csv::fail(std::size_t row, std::string_view message) const {
+  throw InputError(file_, lines_[row], message);
+}
 
 void CsvWriter::add(std::string name, std::vector<double> values) {
   if (!columns_.empty() && columns_.front().size() != values.size()) {

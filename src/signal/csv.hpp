@@ -9,11 +9,12 @@
 
 namespace bodesmith {
 
-/// A CSV file of numbers with a header row. `#` starts a comment (at the beginning of a line), blank lines are
-/// passed over, CRLF or LF, UTF-8 with or without byte order mark.
+/// A CSV file of numbers with a header row. `#` starts a comment (at the beginning of a line), blank lines
+/// are passed over, CRLF or LF, UTF-8 with or without byte order mark.
 class Csv {
  public:
-  /// Errors (a cell that is not a finite number, a row of another length, no header, no rows) name file and line.
+  /// Errors (a cell that is not a finite number, a row of another length, no header, no rows) name file and
+  /// line.
   static Csv read(const std::filesystem::path& path, Provenance& from);
   static Csv parse(std::string_view text, const std::string& file);
 

@@ -15,11 +15,12 @@ std::array<double, 3> read_coefficients(const Node& node) {
 }
 
 /// Checks a table: one length, at least one entry, first column rising and above 0.
-void check_table(const Node& node, std::string_view first, const std::vector<double>& key, std::size_t ascending,
-                 std::size_t descending) {
+void check_table(const Node& node, std::string_view first, const std::vector<double>& key,
+                 std::size_t ascending, std::size_t descending) {
   if (key.empty()) node.at(first).fail("is empty, expected at least one number");
   if (ascending != key.size() || descending != key.size()) {
-    node.fail(fmt::format("has columns of {}, {} and {} numbers, expected one length", key.size(), ascending, descending));
+    node.fail(fmt::format("has columns of {}, {} and {} numbers, expected one length", key.size(), ascending,
+                          descending));
   }
   for (size_t i = 0; i < key.size(); ++i) {
     if (!(key[i] > 0.0) || (i > 0 && !(key[i] > key[i - 1]))) {
@@ -48,7 +49,8 @@ double Disturbance::rate_gain(Branch branch, Hertz frequency) const {
 }
 
 double Disturbance::amplitude_gain(Branch branch, double alpha) const {
-  return interpolate(amplitude.alpha, branch == Branch::ascending ? amplitude.ascending : amplitude.descending, alpha);
+  return interpolate(amplitude.alpha,
+                     branch == Branch::ascending ? amplitude.ascending : amplitude.descending, alpha);
 }
 
 bool Disturbance::is_static(Branch branch) const {
@@ -66,7 +68,8 @@ Disturbance Disturbance::from_node(const Node& node) {
     out.amplitude.alpha = table.at("alpha").numbers();
     out.amplitude.ascending = table.at("ascending").numbers();
     out.amplitude.descending = table.at("descending").numbers();
-    check_table(table, "alpha", out.amplitude.alpha, out.amplitude.ascending.size(), out.amplitude.descending.size());
+    check_table(table, "alpha", out.amplitude.alpha, out.amplitude.ascending.size(),
+                out.amplitude.descending.size());
   }
   if (node.has("rate")) {
     const Node table = node.at("rate");
@@ -88,12 +91,14 @@ Json Disturbance::to_json() const {
   out["ascending"] = ascending;
   out["descending"] = descending;
   if (!amplitude.alpha.empty()) {
-    out["amplitude"] = {{"alpha", amplitude.alpha}, {"ascending", amplitude.ascending}, {"descending", amplitude.descending}};
+    out["amplitude"] = {
+        {"alpha", amplitude.alpha}, {"ascending", amplitude.ascending}, {"descending", amplitude.descending}};
   }
   if (!rate.frequency.empty()) {
     std::vector<double> frequency;
     for (const Hertz f : rate.frequency) frequency.push_back(f.value);
-    out["rate"] = {{"frequency_hz", frequency}, {"ascending", rate.ascending}, {"descending", rate.descending}};
+    out["rate"] = {
+        {"frequency_hz", frequency}, {"ascending", rate.ascending}, {"descending", rate.descending}};
   }
   return out;
 }

@@ -13,9 +13,11 @@
 namespace bodesmith {
 
 /// The hysteretic disturbance of a piezo stage, first seed eq. 1-13:
-///   d(x) = a1 x + a2 x^2 + a3 x^3, x in [0, 1], other coefficients while x rises (ascending) than while it falls.
-/// Optional tables: amplitude gains alpha_1(alpha), alpha_2(alpha) (Fig. 3c, d) and rate gains over the operating
-/// frequency (Table I), one a branch. Gains are relative to the full-stroke, lowest-frequency polynomials.
+///   d(x) = a1 x + a2 x^2 + a3 x^3, x in [0, 1], other coefficients while x rises (ascending) than while it
+///   falls.
+/// Optional tables: amplitude gains alpha_1(alpha), alpha_2(alpha) (Fig. 3c, d) and rate gains over the
+/// operating frequency (Table I), one a branch. Gains are relative to the full-stroke, lowest-frequency
+/// polynomials.
 struct Disturbance {
   enum class Branch { ascending, descending };
 
@@ -42,8 +44,8 @@ struct Disturbance {
     const auto& a = coefficients(branch);
     return x * (a[0] + x * (a[1] + x * a[2]));
   }
-  /// Rate gain of a branch at an operating frequency: the table interpolated linearly in log frequency, held at
-  /// its ends; 1 without a table.
+  /// Rate gain of a branch at an operating frequency: the table interpolated linearly in log frequency, held
+  /// at its ends; 1 without a table.
   double rate_gain(Branch branch, Hertz frequency) const;
   double amplitude_gain(Branch branch, double alpha) const;
   /// True when the branch's rate gains are all 1 (within 1e-12): it needs no compensator.

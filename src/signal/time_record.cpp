@@ -28,7 +28,8 @@ TimeRecord from_csv(const Csv& csv, const std::string& input_column) {
   for (size_t i = 1; i < time.size(); ++i) {
     const double step = time[i] - time[i - 1];
     if (!(std::abs(step - median) <= 0.01 * median)) {
-      csv.fail(i, fmt::format("time_s steps by {:.6g} s, expected {:.6g} s within 1 % (uniform sampling)", step, median));
+      csv.fail(i, fmt::format("time_s steps by {:.6g} s, expected {:.6g} s within 1 % (uniform sampling)",
+                              step, median));
     }
   }
   // Printed times are rounded; the mean step is the sharper figure.

@@ -20,7 +20,8 @@ std::string error_of(const std::function<void()>& action) {
 }
 
 TEST(Document, EveryJsonValueKnowsItsLine) {
-  const Node node = parse_json("{\n \"a\": 1,\n \"b\": [\n  2,\n  3\n ],\n \"c\": {\"d\": \"x\"}\n}\n", "f.json");
+  const Node node =
+      parse_json("{\n \"a\": 1,\n \"b\": [\n  2,\n  3\n ],\n \"c\": {\"d\": \"x\"}\n}\n", "f.json");
   EXPECT_EQ(node.at("a").line(), 2);
   EXPECT_EQ(node.at("b").line(), 3);
   EXPECT_EQ(node.at("b")[0].line(), 4);
@@ -37,7 +38,8 @@ TEST(Document, ComplaintsNameFileLineAndPlace) {
 }
 
 TEST(Document, BrokenJsonNamesTheLine) {
-  EXPECT_THAT(error_of([] { parse_json("{\n\"a\": 1,\n\"b\" 2}", "x.json"); }).find("x.json:3: not valid JSON"), 0u);
+  EXPECT_THAT(
+      error_of([] { parse_json("{\n\"a\": 1,\n\"b\" 2}", "x.json"); }).find("x.json:3: not valid JSON"), 0u);
   EXPECT_THAT(error_of([] { parse_json("", "x.json"); }).find("x.json:1: not valid JSON"), 0u);
   EXPECT_THAT(error_of([] { parse_json("{\"a\":1,\n\"a\":2}", "x.json"); }), "x.json:2: 'a' is given twice");
   EXPECT_NE(error_of([] { parse_json(std::string(5000, '['), "x.json"); }).find("deep"), std::string::npos);
@@ -45,7 +47,8 @@ TEST(Document, BrokenJsonNamesTheLine) {
 }
 
 TEST(Document, TomlKeepsLinesAndOrder) {
-  const Node node = parse_toml("schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 2\n", "m.toml");
+  const Node node =
+      parse_toml("schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 2\n", "m.toml");
   node.expect_schema("model");
   EXPECT_EQ(node.at("block")[0].at("gain").number(), 2.0);
   EXPECT_EQ(node.at("block")[0].at("gain").line(), 4);

@@ -1,0 +1,39 @@
+# Sourced by ./run and ./test: installs what is missing (Debian 12) and builds the release preset.
+# Packages: what the program needs, then what its checks need.
+set -euo pipefail
+cd "$(dirname "${BASH_SOURCE[0]}")/.."
+
+build_packages=(g++ cmake ninja-build ccache libeigen3-dev libsundials-dev libboost-program-options-dev libceres-dev
+  nlohmann-json3-dev libtomlplusplus-dev libfmt-dev libkainjow-mustache-dev libssl-dev libopenmpi-dev openmpi-bin)
+check_packages=(ngspice libgtest-dev libgmock-dev libboost-dev chromium)
+
+install_missing() {
+  local missing=() package
+  for package in "$@"; do
+    if [ "$(dpkg-query -W -f '${db:Status-Status}' "$package" 2>/dev/null)" != installed ]; then
+      missing+=("$package")
+    fi
+  done
+  [ ${#missing[@]} -eq 0 ] && return 0
+  echo "installing: ${missing[*]}" >&2
+  local as_root=()
+  if [ "$(id -u)" -ne 0 ]; then
+    if ! command -v sudo >/dev/null; then
+      echo "these packages are missing and neither root nor sudo is at hand: ${missing[*]}" >&2
+      exit 2
+    fi
+    as_root=(sudo)
+  fi
+  "${as_root[@]}" apt-get update -q >&2
+  "${as_root[@]}" env DEBIAN_FRONTEND=noninteractive apt-get install -y -q --no-install-recommends "${missing[@]}" >&2
+}
+
+build_release() {
+  # A folder that was configured elsewhere (moved, copied) would fail: begin anew then.
+  if [ -f build/CMakeCache.txt ] && ! grep -qx "CMAKE_HOME_DIRECTORY:INTERNAL=$PWD" build/CMakeCache.txt; then
+    rm -rf build
+  fi
+  cmake --preset release "$@" >build-configure.log 2>&1 || { cat build-configure.log >&2; exit 1; }
+  rm -f build-configure.log
+  cmake --build --preset release >&2
+}

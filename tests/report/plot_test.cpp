@@ -1,0 +1,59 @@
+#include "report/plot.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <regex>
+
+namespace bodesmith::report {
+namespace {
+
+TEST(Ticks, AreRoundAndCoverTheRange) {
+  EXPECT_EQ(linear_ticks(0.0, 1.0, 5), (std::vector<double>{0.0, 0.2, 0.4, 0.6000000000000001, 0.8, 1.0}));
+  EXPECT_EQ(logarithmic_ticks(1.0, 100.0), (std::vector<double>{1, 2, 5, 10, 20, 50, 100}));
+  EXPECT_EQ(logarithmic_ticks(1.0, 1e4), (std::vector<double>{1, 10, 100, 1000, 10000}));
+  EXPECT_TRUE(linear_ticks(1.0, 1.0, 5).empty());
+}
+
+TEST(Plot, MapsDataLogarithmically) {
+  Plot plot;
+  plot.x.logarithmic = true;
+  plot.series.push_back({"a", {1.0, 10.0, 100.0}, {0.0, 1.0, 0.0}});
+  const std::string svg = to_svg(plot);
+  std::smatch found;
+  ASSERT_TRUE(
+      std::regex_search(svg, found, std::regex("d=\"M([0-9.]+) [0-9.]+L([0-9.]+) [0-9.]+L([0-9.]+) ")));
+  const double a = std::stod(found[1]);
+  const double b = std::stod(found[2]);
+  const double c = std::stod(found[3]);
+  EXPECT_NEAR(b - a, c - b, 0.02) << "decades are not equally wide";
+}
+
+TEST(Plot, NothingNotFiniteReachesThePicture) {
+  Plot plot;
+  plot.title = "<&>";
+  plot.series.push_back({"n", {0.0, 1.0, 2.0, 3.0}, {0.0, NAN, INFINITY, 1.0}});
+  plot.series.push_back({"", {}, {}});
+  const std::string svg = to_svg(plot);
+  EXPECT_EQ(svg.find("nan"), std::string::npos);
+  EXPECT_EQ(svg.find("inf"), std::string::npos);
+  EXPECT_NE(svg.find("&lt;&amp;&gt;"), std::string::npos);
+}
+
+TEST(Plot, ALongRecordIsThinnedToWhatCanBeSeen) {
+  Plot plot;
+  Series series;
+  for (int i = 0; i < 200000; ++i) {
+    series.x.push_back(i);
+    series.y.push_back(i == 77777 ? 5.0 : std::sin(i * 0.001));
+  }
+  plot.series.push_back(series);
+  plot.y = {"", false, true, -2.0, 6.0};
+  const std::string svg = to_svg(plot);
+  EXPECT_LT(svg.size(), 200000u);
+  // The one spike is still there: y = 5 on the axis -2..6 of a plot 340 high.
+  EXPECT_NE(svg.find(" 66.25"), std::string::npos);
+}
+
+}  // namespace
+}  // namespace bodesmith::report

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/units.hpp"
+
+namespace bodesmith::fpaa {
+
+/// What a CAM, a CAB or a chip uses or offers.
+struct Resources {
+  int opamps = 0;
+  int capacitors = 0;
+  int comparators = 0;
+  int sars = 0;
+  int lookup_tables = 0;
+
+  Resources& operator+=(const Resources& other);
+  bool fits_in(const Resources& available) const;
+};
+
+/// A board of equal field-programmable analog arrays. Everything here was seen in public vendor-generated
+/// code; gain-bandwidth, slew rate, noise, offset and the unit capacitance are not publicly known and
+/// therefore absent.
+struct Board {
+  std::string name;
+  std::string chip;  ///< type of the FPAA
+  int chips = 1;
+  int cabs_per_chip = 4;
+  Resources per_cab;               ///< a CAM never straddles CABs
+  int lookup_tables_per_chip = 1;  ///< 256 bytes
+  int io_cells_per_chip = 7;
+  int largest_capacitor = 255;  ///< in unit capacitances
+  Hertz master_clock{16e6};
+  double full_scale_v = 3.0;  ///< differential signals clip at +- this
+  double common_mode_v = 1.5;
+  double lookup_full_scale_v = 3.0;
+  Hertz settling_product{19.68e6};  ///< (1 + gain) * fc of a gain stage may not exceed this
+};
+
+/// AN231K04-QUAD4: four AN231E04.
+const Board& an231k04_quad4();
+/// The boards known by name, in a fixed order.
+const std::vector<const Board*>& boards();
+/// Throws DesignError that lists the known names.
+const Board& board_by_name(std::string_view name);
+
+}  // namespace bodesmith::fpaa

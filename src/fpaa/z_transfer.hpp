@@ -1,0 +1,29 @@
+#pragma once
+
+#include <complex>
+#include <vector>
+
+#include "base/units.hpp"
+
+namespace bodesmith::fpaa {
+
+/// A sampled transfer in ascending powers of z^-1:
+///   H(z) = (b0 + b1 z^-1 + ...) / (a0 + a1 z^-1 + ...),   z = exp(j w / fc) on the frequency axis.
+/// Without holds and delays: the relation between samples.
+struct ZTransfer {
+  std::vector<double> numerator{1.0};
+  std::vector<double> denominator{1.0};
+
+  std::complex<double> response(RadPerSecond w, Hertz clock) const;
+  /// H(1); infinite for an integrator.
+  double dc_gain() const;
+  /// True when every root of the denominator lies inside the unit circle (first and second order).
+  bool is_stable() const;
+};
+
+/// Zero-order hold of one clock period: exp(-j pi f/fc) sinc(f/fc), the mean over a period of a held sample.
+std::complex<double> zero_order_hold(RadPerSecond w, Hertz clock);
+/// A delay of `cycles` periods of the clock.
+std::complex<double> cycle_delay(RadPerSecond w, Hertz clock, double cycles);
+
+}  // namespace bodesmith::fpaa

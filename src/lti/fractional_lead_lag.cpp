@@ -5,12 +5,13 @@
 namespace bodesmith {
 
 double FractionalLeadLag::log_magnitude(RadPerSecond w) const {
-  // (1 + (lw)^2) / (1 + (xlw)^2) = 1 + (lw)^2 (1 - x^2) / (1 + (xlw)^2): exact near 0, and log1p keeps small
-  // values.
+  // (1 + a^2) / (1 + b^2) = 1 + (a^2 - b^2)/(1 + b^2), a = lw, b = xlw: exact near w = 0, where both tend
+  // to 1. With a < b the reciprocal is taken, so that the argument of log1p is never close to -1.
   const double a = lambda_s * w.value;
   const double b = x * a;
   if (a > 1e150 || b > 1e150) return -beta * std::log(x);
-  return 0.5 * beta * std::log1p((a - b) * (a + b) / (1.0 + b * b));
+  return a >= b ? 0.5 * beta * std::log1p((a - b) * (a + b) / (1.0 + b * b))
+                : -0.5 * beta * std::log1p((b - a) * (b + a) / (1.0 + a * a));
 }
 
 double FractionalLeadLag::phase_rad(RadPerSecond w) const {

@@ -1,0 +1,64 @@
+#include "signal/disturbance.hpp"
+
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+
+namespace bodesmith {
+namespace {
+
+using Branch = Disturbance::Branch;
+
+Disturbance seed() {
+  return Disturbance::from_node(parse_json(R"({"schema": "bodesmith.disturbance/1",
+    "ascending": [0.3546, -0.6433, 0.2887], "descending": [-0.2398, 0.0838, 0.156],
+    "rate": {"frequency_hz": [1, 10, 100], "ascending": [1, 1, 1], "descending": [1, 1.06, 1.17]}})",
+                                           "d.json"));
+}
+
+TEST(Disturbance, SeedPolynomialsVanishAtBothEnds) {
+  const Disturbance d = seed();
+  for (const Branch branch : {Branch::ascending, Branch::descending}) {
+    EXPECT_EQ(d.value(branch, 0.0), 0.0);
+    EXPECT_NEAR(d.value(branch, 1.0), 0.0, 1e-12);
+  }
+  // Fig. 3: the ascending disturbance bulges up to about 0.058, the descending one down to about -0.08.
+  EXPECT_NEAR(d.value(Branch::ascending, 0.35), 0.0577, 2e-4);
+  EXPECT_NEAR(d.value(Branch::descending, 0.6), -0.0800, 2e-4);
+}
+
+TEST(Disturbance, RateGainsAreLinearInLogFrequencyAndHeldAtTheEnds) {
+  const Disturbance d = seed();
+  EXPECT_DOUBLE_EQ(d.rate_gain(Branch::descending, Hertz{0.1}), 1.0);
+  EXPECT_DOUBLE_EQ(d.rate_gain(Branch::descending, Hertz{10.0}), 1.06);
+  EXPECT_NEAR(d.rate_gain(Branch::descending, Hertz{std::sqrt(1000.0)}), 0.5 * (1.06 + 1.17), 1e-12);
+  EXPECT_DOUBLE_EQ(d.rate_gain(Branch::descending, Hertz{1e6}), 1.17);
+  EXPECT_TRUE(d.is_static(Branch::ascending));
+  EXPECT_FALSE(d.is_static(Branch::descending));
+}
+
+TEST(Disturbance, ReadsBackWhatItWrites) {
+  Json json = {{"schema", "bodesmith.disturbance/1"}};
+  json.update(seed().to_json());
+  const Disturbance back = Disturbance::from_node(parse_json(to_text(json), "d.json"));
+  EXPECT_EQ(back.ascending, seed().ascending);
+  EXPECT_EQ(back.rate.descending, seed().rate.descending);
+}
+
+TEST(Disturbance, RefusesTablesThatDoNotFit) {
+  const auto read = [](const std::string& extra) {
+    Disturbance::from_node(parse_json(
+        R"({"schema": "bodesmith.disturbance/1", "ascending": [1,2,3], "descending": [1,2,3])" + extra + "}",
+        "d.json"));
+  };
+  EXPECT_NO_THROW(read(""));
+  EXPECT_THROW(read(R"(, "rate": {"frequency_hz": [1], "ascending": [1, 2], "descending": [1]})"),
+               InputError);
+  EXPECT_THROW(read(R"(, "rate": {"frequency_hz": [2, 1], "ascending": [1, 2], "descending": [1, 2]})"),
+               InputError);
+  EXPECT_THROW(read(R"(, "rate": {"frequency_hz": [], "ascending": [], "descending": []})"), InputError);
+  EXPECT_THROW(read(R"(, "amplitude": {"alpha": [1]})"), InputError);
+}
+
+}  // namespace
+}  // namespace bodesmith

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <vector>
+
+#include "base/units.hpp"
+#include "signal/disturbance.hpp"
+
+namespace bodesmith {
+
+/// G(jw) of anything linear: a cascade, sections, a realised chain.
+using FrequencyResponse = std::function<std::complex<double>(RadPerSecond)>;
+
+/// Where the compensator stands in the disturbance generator.
+enum class DrivenPath {
+  whole,       ///< behind the branch switch: it filters the whole periodic disturbance
+  ascending,   ///< in the ascending polynomial's own path, before the switch; only the rising half counts
+  descending,  ///< the same for the descending one
+};
+
+struct WaveformErrorOptions {
+  DrivenPath path = DrivenPath::whole;
+  int harmonics = 400;  ///< of the operating frequency; what lies above is added in closed form with G(infinity)
+};
+
+/// The periodic steady state at one operating frequency, triangle x(t) from 0 to 1 and back.
+struct WaveformErrorPoint {
+  Hertz frequency;
+  double rms_percent = 0.0;   ///< of the range of x (= 1), over a whole period (first seed, eq. 8)
+  double peak_percent = 0.0;  ///< largest |error| over the period
+};
+
+struct WaveformError {
+  std::vector<WaveformErrorPoint> points;
+  double rms_percent = 0.0;    ///< root mean square over the frequencies
+  double worst_percent = 0.0;  ///< largest rms_percent
+};
+
+/// Error of the compensating waveform that a linear filter G makes from the disturbance polynomials:
+///   e(t) = (g * d)(t) - K_branch(f) d_branch(x(t)),   d without gain tables, K the rate gains,
+/// which is what remains in the displacement of a stage that has exactly this disturbance. Unlike a magnitude fit
+/// it counts G's phase and its values at the harmonics and at 0 Hz.
+/// The Fourier coefficients of the piecewise polynomials are exact; the energy above `harmonics` is exact for a
+/// G that has reached G(infinity) there.
+WaveformError waveform_error(const FrequencyResponse& g, const Disturbance& disturbance,
+                             const std::vector<Hertz>& operating, const WaveformErrorOptions& options = {});
+
+/// The frequencies of the disturbance's rate table.
+std::vector<Hertz> operating_frequencies(const Disturbance& disturbance);
+
+}  // namespace bodesmith

@@ -1,0 +1,72 @@
+#pragma once
+
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "circuit/opamp.hpp"
+#include "lti/sections.hpp"
+
+namespace bodesmith {
+
+/// A resistor (ohm) or a capacitor (farad) between two named nodes; node "0" is ground.
+struct Part {
+  enum class Kind { resistor, capacitor };
+  Kind kind = Kind::resistor;
+  std::string name;    ///< "R2_1": part R2 of stage 1
+  int stage = 0;       ///< which Circuit::stages it belongs to
+  std::string from;
+  std::string to;
+  std::string series;  ///< where the realised value was taken from: "E96", "E12", "exact"
+  double wanted = 0.0;    ///< the exact design at this stage's impedance
+  double realised = 0.0;  ///< the part that is mounted
+};
+
+struct OpAmp {
+  std::string name;
+  int stage = 0;
+  std::string plus;
+  std::string minus;
+  std::string out;
+};
+
+/// H(s) = (b0 + b1 s + b2 s^2)/(a0 + a1 s + a2 s^2), a stage with ideal op-amps.
+struct Biquad {
+  double b0 = 0.0, b1 = 0.0, b2 = 0.0;
+  double a0 = 1.0, a1 = 0.0, a2 = 0.0;
+
+  std::complex<double> response(std::complex<double> s) const {
+    return (b0 + s * (b1 + s * b2)) / (a0 + s * (a1 + s * a2));
+  }
+  std::complex<double> response(RadPerSecond w) const { return response(std::complex<double>(0.0, w.value)); }
+  /// Roots and leading gain. A constant has no section form: its poles are empty.
+  Section section() const;
+  static Biquad from_section(const Section& section);
+};
+
+/// One stage of the chain: what it should do, what its parts make it do.
+struct Stage {
+  std::string realization;  ///< name in realizations(), e.g. "first-order", "tow-thomas", "inverter"
+  Biquad wanted;            ///< its share of the design, sign included (most stages invert)
+  Biquad realised;          ///< with the realised parts and ideal op-amps
+  std::string in;
+  std::string out;
+  int first_part = 0;       ///< its parts are Circuit::parts[first_part, first_part + part_count)
+  int part_count = 0;
+};
+
+/// A cascade of op-amp RC stages between nodes "in" and "out": wanted sections made of parts that can be bought.
+struct Circuit {
+  std::vector<Stage> stages;
+  std::vector<Part> parts;
+  std::vector<OpAmp> opamps;
+  OpAmpModel model;  ///< used for every op-amp
+
+  /// With ideal op-amps and the realised parts.
+  std::complex<double> response(RadPerSecond w) const;
+  /// The same as sections (for the simulator): the product of the stages' realised transfers. Stages that are a
+  /// constant (an inverter) go into the gain.
+  Sections realised_sections() const;
+};
+
+}  // namespace bodesmith

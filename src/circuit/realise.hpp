@@ -1,0 +1,54 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "circuit/circuit.hpp"
+#include "circuit/series.hpp"
+#include "lti/frequency_grid.hpp"
+#include "lti/sections.hpp"
+
+namespace bodesmith {
+
+struct RealiseOptions {
+  /// "opamp-rc": first-order sections for real roots, Tow-Thomas for complex ones; or one of realizations().
+  std::string realization = "opamp-rc";
+  Series resistors = Series::named("E96");
+  Series capacitors = Series::named("E12");
+  /// Parts outside these are not used (DesignError when a corner cannot be reached with them).
+  double least_ohm = 1e3;
+  double greatest_ohm = 2.2e6;
+  double least_f = 47e-12;
+  double greatest_f = 220e-9;
+  OpAmpModel opamp;
+  /// Where the realised response is compared; default: 1/10 of the lowest to 10 times the highest corner.
+  std::optional<Band> band;
+};
+
+/// Realised against wanted, over `band`.
+struct RealiseReport {
+  Band band;
+  ResponseDifference parts;     ///< preferred values, ideal op-amps, against the sections
+  ResponseDifference nearest;   ///< the same with every value rounded on its own (what joint search saves)
+  ResponseDifference opamps;    ///< finite gain-bandwidth and output resistance (loading included), against ideal ones
+  ResponseDifference all;       ///< real parts and real op-amps against the sections
+  double highest_node_db = 0.0;  ///< greatest |gain| from the input to any stage's output, over frequency
+  double lowest_node_db = 0.0;   ///< least of the stages' output gains over frequency
+  std::vector<std::string> warnings;
+};
+
+struct Realised {
+  Circuit circuit;
+  RealiseReport report;
+};
+
+/// Sections as a chain of op-amp RC stages. Real poles and zeros of all sections are pooled, paired sorted by
+/// frequency (least span a stage) and each pair becomes R1||C1 into R2||C2 around an inverting op-amp,
+///   H(s) = -(R2/R1)(1 + s R1 C1)/(1 + s R2 C2);
+/// complex pairs become biquads. Stages are ordered so that no node between them is far above or below the signal,
+/// the gain is spread over them, an inverter is added where the number of inversions is odd. Resistors and capacitors
+/// of all stages are then searched jointly in their series for the least complex error of the whole chain.
+Realised realise(const Sections& sections, const RealiseOptions& options = {});
+
+}  // namespace bodesmith

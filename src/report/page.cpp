@@ -1,0 +1,71 @@
+#include "report/page.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/json.hpp"
+#include "base/text_template.hpp"
+#include "base/version.hpp"
+#include "report/plot.hpp"
+
+namespace bodesmith::report {
+
+std::string& Page::body() {
+  if (chapters_.empty()) chapters_.push_back({"", ""});
+  return chapters_.back().body;
+}
+
+void Page::chapter(const std::string& heading) { chapters_.push_back({heading, ""}); }
+
+void Page::paragraph(const std::string& text) { body() += fmt::format("<p>{}</p>\n", escape_xml(text)); }
+
+void Page::warning(const std::string& text) {
+  body() += fmt::format("<p class=\"warning\">{}</p>\n", escape_xml(text));
+}
+
+void Page::key_figures(const std::vector<std::pair<std::string, std::string>>& value_and_meaning) {
+  body() += "<div class=\"key\">\n";
+  for (const auto& [value, meaning] : value_and_meaning) {
+    body() += fmt::format("<div><b>{}</b><span>{}</span></div>\n", escape_xml(value), escape_xml(meaning));
+  }
+  body() += "</div>\n";
+}
+
+void Page::table(const Table& table, const std::string& caption) {
+  std::string& out = body();
+  out += "<div class=\"wide\"><table>\n";
+  if (!caption.empty()) out += fmt::format("<caption>{}</caption>\n", escape_xml(caption));
+  out += "<thead><tr>";
+  for (const std::string& cell : table.head) out += fmt::format("<th>{}</th>", escape_xml(cell));
+  out += "</tr></thead>\n<tbody>\n";
+  for (std::size_t i = 0; i < table.rows.size(); ++i) {
+    const bool marked = std::find(table.marked.begin(), table.marked.end(), i) != table.marked.end();
+    out += marked ? "<tr class=\"marked\">" : "<tr>";
+    for (const std::string& cell : table.rows[i]) out += fmt::format("<td>{}</td>", escape_xml(cell));
+    out += "</tr>\n";
+  }
+  out += "</tbody></table></div>\n";
+}
+
+void Page::figure(const std::string& svg, const std::string& caption) {
+  body() += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", svg, escape_xml(caption));
+}
+
+void Page::listing(const std::string& text) { body() += fmt::format("<pre>{}</pre>\n", escape_xml(text)); }
+
+std::string Page::html() const {
+  Json data = {{"title", title_}, {"subtitle", subtitle_}, {"version", kVersion}};
+  data["chapters"] = Json::array();
+  int number = 0;
+  for (const Chapter& chapter : chapters_) {
+    ++number;
+    data["chapters"].push_back({{"id", fmt::format("chapter-{}", number)},
+                                {"heading", chapter.heading},
+                                {"has_heading", !chapter.heading.empty()},
+                                {"body", chapter.body}});
+  }
+  return render_template("report/page.html", data);
+}
+
+}  // namespace bodesmith::report

@@ -1,0 +1,100 @@
+#pragma once
+
+#include <complex>
+#include <limits>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/units.hpp"
+#include "chain/kernel.hpp"
+
+namespace bodesmith::chain {
+
+class Block;
+
+/// What a block type says about one of its parameters.
+struct ParameterSpec {
+  enum class Shape { number, list, flag };
+
+  std::string name;  ///< key in model.toml, ending in its unit
+  std::string what;  ///< one line for a person
+  Shape shape = Shape::number;
+  std::optional<double> standard;  ///< value when the key is absent; none: the key is needed (for a list: none)
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool low_excluded = false;  ///< the value must be above `low`, not at it
+};
+
+/// One scalar of a block; a list of model.toml is one Parameter an entry.
+struct Parameter {
+  std::string key;   ///< as in model.toml
+  int element = -1;  ///< place in its list; -1: not in a list
+  double value = 0.0;
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool low_excluded = false;
+  bool free = false;  ///< identify and diagnose may refit it
+
+  /// "coefficients[2]" or "corner_hz".
+  std::string name() const;
+  /// Unit at the end of the key ("Hz", "s", "1/s", ...); empty: that of the signal, or none.
+  std::string unit() const;
+};
+
+/// A type of block: its parameters, and what engines run for it. One object a type, in a file of its own under
+/// chain/blocks/, listed in chain/registry.cpp.
+class BlockType {
+ public:
+  virtual ~BlockType() = default;
+  virtual std::string_view name() const = 0;
+  virtual std::string_view what() const = 0;
+  virtual const std::vector<ParameterSpec>& specs() const = 0;
+  /// Relations between parameters; a message when they are broken, empty when all is well. Bounds of single
+  /// parameters are checked by Block::check already.
+  virtual std::string complaint(const Block&) const { return {}; }
+  virtual Kernel kernel(const Block& block) const = 0;
+  /// The exact H(jw), for linear blocks (offsets, hum and drift do not count; a fractional term is exact here, though
+  /// its kernel is not). Nothing for the others.
+  virtual std::optional<std::complex<double>> response(const Block&, RadPerSecond) const { return std::nullopt; }
+};
+
+/// A block of a chain: its type and the values of its parameters. A value: copies are independent.
+class Block {
+ public:
+  /// Standard values; list parameters empty.
+  explicit Block(const BlockType& type);
+
+  const BlockType& type() const { return *type_; }
+  std::string_view type_name() const { return type_->name(); }
+
+  std::vector<Parameter>& parameters() { return parameters_; }
+  const std::vector<Parameter>& parameters() const { return parameters_; }
+
+  /// The value of a parameter that is a number or flag. std::logic_error for an unknown key.
+  double get(std::string_view key) const;
+  bool flag(std::string_view key) const { return get(key) != 0.0; }
+  std::vector<double> list(std::string_view key) const;
+  bool has(std::string_view key) const;
+  /// `name` may be a key or "key[i]".
+  Block& set(std::string_view name, double value);
+  Block& set(std::string_view key, const std::vector<double>& values);
+  /// Frees a key (all entries of a list), or one entry "key[i]". False when there is no such parameter.
+  bool free(std::string_view name);
+
+  /// Empty when every value is within its bounds and they fit together; else what is wrong.
+  std::string complaint() const;
+  Kernel kernel() const { return type_->kernel(*this); }
+  std::optional<std::complex<double>> response(RadPerSecond w) const { return type_->response(*this, w); }
+
+  /// Line of model.toml it came from; 0: none.
+  int line = 0;
+
+ private:
+  const ParameterSpec* spec(std::string_view key) const;
+  const BlockType* type_;
+  std::vector<Parameter> parameters_;
+};
+
+}  // namespace bodesmith::chain

@@ -1,0 +1,25 @@
+#pragma once
+
+#include <complex>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/units.hpp"
+#include "chain/block.hpp"
+
+namespace bodesmith::chain {
+
+/// Blocks in series, input first.
+struct Chain {
+  std::vector<Block> blocks;
+
+  /// Product of the blocks' exact responses; nothing when one of them is not linear.
+  std::optional<std::complex<double>> response(RadPerSecond w) const;
+  /// Every free parameter, in chain order. Pointers stay good until blocks or list lengths change.
+  std::vector<Parameter*> free_parameters();
+  /// "block 2 (lowpass) corner_hz", for messages and summaries; blocks count from 1.
+  std::string label(const Parameter& parameter) const;
+};
+
+}  // namespace bodesmith::chain

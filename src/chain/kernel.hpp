@@ -1,0 +1,104 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <variant>
+#include <vector>
+
+namespace bodesmith::chain {
+
+/// What an engine (simulate/) runs: a block with its parameters turned into numbers. A block type picks one of
+/// these kinds; the engines know the kinds, never the blocks.
+
+/// x' = A x + b u,  y = c x + d u + offset, the output then delayed by delay_s. `a` is row-major, order x order.
+/// States are chosen of the size of the signal, so that A is balanced. All eigenvalues of A have Re < 0, or
+/// order is 0.
+struct LinearKernel {
+  int order = 0;
+  std::vector<double> a;
+  std::vector<double> b;
+  std::vector<double> c;
+  double d = 0.0;
+  double offset = 0.0;
+  double delay_s = 0.0;
+  /// False when the linear system is itself an approximation (a fractional term); `approximation_error` then
+  /// bounds |H_this/H_exact - 1| over all frequencies.
+  double approximation_error = 0.0;
+};
+
+/// y = f(u), no memory.
+class CurveKernel {
+ public:
+  virtual ~CurveKernel() = default;
+  virtual double value(double u) const = 0;
+  virtual double slope(double u) const = 0;
+  /// Inputs where f or f' is not continuous, for engines that stop there.
+  virtual std::vector<double> corners() const { return {}; }
+  /// Coefficients [c0, c1, ...] when f is a polynomial everywhere, otherwise null.
+  virtual const std::vector<double>* polynomial() const { return nullptr; }
+  /// The input that the curve turns into y at rest is not needed; f may be applied to whole arrays.
+  virtual void values(const double* u, double* y, std::size_t count) const {
+    for (std::size_t i = 0; i < count; ++i) y[i] = value(u[i]);
+  }
+};
+
+/// y = u + a(t), t in seconds as in the record.
+class SourceKernel {
+ public:
+  virtual ~SourceKernel() = default;
+  virtual double value(double t) const = 0;
+  virtual double rate(double t) const = 0;
+  /// True when a(t) is a straight line.
+  virtual bool straight() const { return false; }
+  /// Shortest time (seconds) over which a(t) bends noticeably; infinity for a straight line.
+  virtual double time_scale_s() const = 0;
+};
+
+/// Smooth nonlinear dynamics, x' = A x + b u + e n(x, u),  y = c x + d u (+ offset), A/b/c/d in `linear()`.
+class OdeKernel {
+ public:
+  virtual ~OdeKernel() = default;
+  virtual const LinearKernel& linear() const = 0;
+  virtual const std::vector<double>& entry() const = 0;  ///< e
+  virtual double nonlinear(const double* x, double u) const = 0;
+  /// dn/dx into `by_x`; returns dn/du.
+  virtual double nonlinear_gradient(const double* x, double u, double* by_x) const = 0;
+  /// The state at rest under the constant input u.
+  virtual void equilibrium(double u, double* x) const = 0;
+};
+
+/// An operator with memory, driven along a piecewise monotone input. step() and peek() allocate nothing.
+class MemoryKernel {
+ public:
+  virtual ~MemoryKernel() = default;
+  virtual std::unique_ptr<MemoryKernel> clone() const = 0;
+  /// Forgets everything. `equilibrium`: rests under u; otherwise rests under 0 and then jumps to u. Returns the
+  /// output there.
+  virtual double reset(double u, bool equilibrium) = 0;
+  /// The input moves along a straight line from where it was to u within dt_s; returns the output at its end.
+  virtual double step(double u, double dt_s) = 0;
+  virtual double peek(double u, double dt_s) const = 0;
+  /// The output just after the input has begun to move towards `next` (differs from the last output only for
+  /// operators that jump when the input turns).
+  virtual double departing(double next) const = 0;
+  virtual bool jumps_at_turns() const { return false; }
+  /// False: the output depends on how fast the input moves.
+  virtual bool rate_independent() const = 0;
+};
+
+/// Works on samples taken at t = first_edge + k/clock_hz; its output is held from `delay_s` after each sample until
+/// the next one. First edge at the first sample of the record.
+class SampledKernel {
+ public:
+  virtual ~SampledKernel() = default;
+  virtual double clock_hz() const = 0;
+  virtual double delay_s() const = 0;
+  /// Rests at zero, or under the constant input u; returns the output held before the first edge.
+  virtual double reset(double u, bool equilibrium) = 0;
+  virtual double update(double sample) = 0;
+};
+
+using Kernel = std::variant<LinearKernel, std::unique_ptr<CurveKernel>, std::unique_ptr<SourceKernel>,
+                            std::unique_ptr<OdeKernel>, std::unique_ptr<MemoryKernel>, std::unique_ptr<SampledKernel>>;
+
+}  // namespace bodesmith::chain

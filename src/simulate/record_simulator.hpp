@@ -1,0 +1,61 @@
+#pragma once
+
+#include <cstddef>
+#include <memory>
+#include <span>
+#include <vector>
+
+#include "chain/chain.hpp"
+#include "simulate/simulate.hpp"
+
+namespace bodesmith::simulate {
+
+struct RecordOptions {
+  Start start = Start::zero;
+  int degree = 0;      ///< 1-4; 0: 1 when that is exact, else 3
+  int oversample = 1;  ///< holds a sample interval
+  double start_s = 0.0;
+};
+
+/// The record engine: a chain worked out from sample to sample, thousands of times with other parameters.
+///
+/// Each signal between blocks is a polynomial of degree p over each hold (a sample interval or 1/oversample of it), given
+/// by its values at the p+1 Gauss-Lobatto points; neighbouring holds may differ at their common point, so jumps at
+/// samples are exact. Neighbouring linear blocks are merged into one state space and propagated by its matrix
+/// exponential, exact for such an input, pure delays included; smooth nonlinear dynamics by collocation at the same
+/// points with an exact linear part; memory operators point by point. So a linear chain is exact at p = 1, and a
+/// curve followed by dynamics has an error of order p+1 in the step, except where a kink falls inside a hold.
+///
+/// run() reuses every buffer. Use one object a thread.
+class RecordSimulator {
+ public:
+  RecordSimulator(chain::Chain chain, double step_s, RecordOptions options = {});
+  ~RecordSimulator();
+  RecordSimulator(RecordSimulator&&) noexcept;
+  RecordSimulator& operator=(RecordSimulator&&) noexcept;
+
+  /// Change parameter values here between runs; adding blocks or list entries needs a new object.
+  chain::Chain& chain();
+  const chain::Chain& chain() const;
+  /// The same for the i-th free parameter (Chain::free_parameters order).
+  void set_free(std::size_t i, double value);
+
+  /// States of all linear and smooth nonlinear blocks, chain order: with Start::zero, what run() starts from (zeros unless
+  /// set). Sized by the constructor.
+  std::span<double> initial_states();
+
+  /// Output at every sample of u; the view stays good until the next run.
+  std::span<const double> run(std::span<const double> u);
+  /// The output of the first `blocks` blocks instead (0: the input itself).
+  std::span<const double> run_until(std::span<const double> u, std::size_t blocks);
+
+  int degree() const;
+  std::size_t holds_per_sample() const;
+  double model_error() const;  ///< of the last run, see Result
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace bodesmith::simulate

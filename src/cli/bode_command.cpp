@@ -1,4 +1,180 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "base/progress.hpp"
+#include "base/text.hpp"
+#include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "cli/response_source.hpp"
+#include "report/plot.hpp"
+
+namespace po = boost::program_options;
+
 namespace bodesmith::cli {
-int run_bode(const std::vector<std::string>&) { return kDone; }
+namespace {
+
+/// Two files of the same stem get columns of different names.
+void make_stems_unique(std::vector<ResponseSource>& sources) {
+  for (size_t i = 0; i < sources.size(); ++i) {
+    const std::string stem = sources[i].stem;
+    int number = 1;
+    const auto taken = [&] {
+      return std::any_of(sources.begin(), sources.begin() + static_cast<std::ptrdiff_t>(i),
+                         [&](const ResponseSource& other) { return other.stem == sources[i].stem; });
+    };
+    while (taken()) sources[i].stem = fmt::format("{}_{}", stem, ++number);
+  }
+}
+
+/// What was asked for; else a measured record's own frequencies; else a decade beyond all corners.
+std::vector<Hertz> choose_grid(const CommandLine& line, const std::vector<ResponseSource>& sources) {
+  const bool asked = line.has("from-hz") || line.has("to-hz") || line.has("count");
+  if (!asked) {
+    for (const ResponseSource& source : sources) {
+      if (!source.own_frequencies.empty()) return source.own_frequencies;
+    }
+  }
+  Band band{Hertz{INFINITY}, Hertz{0.0}};
+  for (const ResponseSource& source : sources) {
+    if (!source.band) continue;
+    const double margin = source.own_frequencies.empty() ? 10.0 : 1.0;
+    band.from = std::min(band.from, Hertz{source.band->from.value / margin});
+    band.to = std::max(band.to, Hertz{source.band->to.value * margin});
+  }
+  if (band.from > band.to) band = {Hertz{1.0}, Hertz{1e5}};
+  if (line.has("from-hz")) band.from = Hertz{line.positive("from-hz")};
+  if (line.has("to-hz")) band.to = Hertz{line.positive("to-hz")};
+  if (!(band.to >= band.from)) {
+    line.fail(fmt::format("the band {} to {} Hz is empty, expected --from-hz below --to-hz", band.from.value, band.to.value));
+  }
+  int count = line.get<int>("count");
+  if (count < 1 || count > 10'000'000) line.fail(fmt::format("--count is {}, expected 1 to 10000000", count));
+  if (band.from == band.to) count = 1;
+  if (count == 1) band.to = band.from;
+  return log_grid(band, count);
+}
+
+std::string csv_text(const std::vector<Hertz>& grid, const std::vector<ResponseSource>& sources,
+                     const std::vector<ResponseColumns>& columns) {
+  std::string out = "frequency_hz";
+  for (size_t i = 0; i < sources.size(); ++i) {
+    out += fmt::format(",{}_magnitude_db", sources[i].stem);
+    if (!columns[i].phase_deg.empty()) out += fmt::format(",{}_phase_deg", sources[i].stem);
+  }
+  out += "\n";
+  const auto cell = [&out](const std::optional<double>& value) {
+    out += ",";
+    if (value && std::isfinite(*value)) out += number_text(*value);
+  };
+  for (size_t row = 0; row < grid.size(); ++row) {
+    out += number_text(grid[row].value);
+    for (const ResponseColumns& c : columns) {
+      cell(c.magnitude_db[row]);
+      if (!c.phase_deg.empty()) cell(c.phase_deg[row]);
+    }
+    out += "\n";
+  }
+  return out;
+}
+
+std::string plot_svg(const std::vector<Hertz>& grid, const std::vector<ResponseSource>& sources,
+                     const std::vector<ResponseColumns>& columns) {
+  std::vector<double> f;
+  for (const Hertz h : grid) f.push_back(h.value);
+  report::Plot magnitude;
+  magnitude.title = "Magnitude";
+  magnitude.x = {"frequency, Hz", true};
+  magnitude.y = {"dB"};
+  report::Plot phase = magnitude;
+  phase.title = "Phase";
+  phase.y = {"degrees"};
+  for (size_t i = 0; i < sources.size(); ++i) {
+    const auto values = [](const std::vector<std::optional<double>>& column) {
+      std::vector<double> out;
+      for (const auto& value : column) out.push_back(value.value_or(NAN));
+      return out;
+    };
+    report::Series series{sources[i].stem, f, values(columns[i].magnitude_db)};
+    if (!sources[i].own_frequencies.empty() && sources[i].own_frequencies.size() < 60) {
+      series.style = report::Series::Style::marks;
+    }
+    series.color = static_cast<int>(i);
+    magnitude.series.push_back(series);
+    if (!columns[i].phase_deg.empty()) {
+      series.y = values(columns[i].phase_deg);
+      phase.series.push_back(series);
+    }
+  }
+  return report::stack_svg({magnitude, phase});
+}
+
+}  // namespace
+
+int run_bode(const std::vector<std::string>& arguments) {
+  CommandLine line("bode", "bodesmith bode cascade.json sections.json plan.json compensator.sub measured.csv -o bode.csv",
+                   "Frequency responses of any of the files in one table: magnitude in dB and unwrapped phase in\n"
+                   "degrees. A measured CSV is interpolated in log frequency; cells outside its range stay empty.\n"
+                   "Without a band the grid is that of the first measured CSV, else a decade beyond all corners.");
+  line.positional("FILE...", 1, -1);
+  line.options().add_options()("from-hz", po::value<double>(), "lowest frequency")(
+      "to-hz", po::value<double>(), "highest frequency")("count", po::value<int>()->default_value(200),
+                                                         "number of frequencies, evenly spaced in log frequency")(
+      "with-holds", "FPAA plans: with every hold and half-cycle delay (default: the capacitors' exact transfer)")(
+      "subcircuit", po::value<std::string>()->default_value(""), "of a .sub file: its name")(
+      "svg", po::value<std::string>(), "also draw the Bode plot into this file");
+  line.output("table (CSV); without it the table goes to stdout", true);
+  if (!line.parse(arguments)) return kDone;
+
+  Provenance from;
+  std::vector<ResponseSource> sources;
+  const ResponseOptions options{line.has("with-holds"), line.get<std::string>("subcircuit")};
+  for (const std::string& file : line.files()) sources.push_back(load_response(file, options, from));
+  make_stems_unique(sources);
+  const std::vector<Hertz> grid = choose_grid(line, sources);
+
+  const Stopwatch watch;
+  std::vector<ResponseColumns> columns;
+  for (const ResponseSource& source : sources) {
+    columns.push_back(source.on_grid(grid));
+    if (columns.back().phase_deg.empty()) note(source.stem + " has no phase_deg: magnitude only");
+  }
+  const double seconds = watch.seconds();
+
+  OutputSet out;
+  const bool to_file = line.maybe<std::string>("output").has_value();
+  if (to_file) out.add(line.output_path(), csv_text(grid, sources, columns));
+  if (line.has("svg")) out.add(line.get<std::string>("svg"), plot_svg(grid, sources, columns));
+  out.commit();
+  if (!to_file && !line.json()) {
+    fmt::print("{}", csv_text(grid, sources, columns));
+    return kDone;
+  }
+
+  Json summary = json_header("bode_summary", from);
+  std::string text = fmt::format("{} frequencies, {} to {} Hz\n", grid.size(), rounded_text(grid.front().value, 6),
+                                 rounded_text(grid.back().value, 6));
+  summary["count"] = grid.size();
+  summary["band_hz"] = {grid.front().value, grid.back().value};
+  summary["responses"] = Json::array();
+  for (size_t i = 0; i < sources.size(); ++i) {
+    double low = INFINITY;
+    double high = -INFINITY;
+    for (const auto& value : columns[i].magnitude_db) {
+      if (!value || !std::isfinite(*value)) continue;
+      low = std::min(low, *value);
+      high = std::max(high, *value);
+    }
+    if (low > high) low = high = 0.0;
+    summary["responses"].push_back({{"name", sources[i].stem}, {"lowest_db", low}, {"highest_db", high}});
+    text += fmt::format("  {}: {} to {} dB\n", sources[i].stem, rounded_text(low, 5), rounded_text(high, 5));
+  }
+  summary["timing_s"] = {{"compute", seconds}};
+  print_summary(line, text, summary);
+  return kDone;
+}
+
 }  // namespace bodesmith::cli

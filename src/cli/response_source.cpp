@@ -1,0 +1,152 @@
+#include "cli/response_source.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/document.hpp"
+#include "base/error.hpp"
+#include "chain/model_file.hpp"
+#include "fpaa/plan.hpp"
+#include "lti/cascade.hpp"
+#include "lti/sections.hpp"
+#include "signal/bode_points.hpp"
+#include "signal/csv.hpp"
+#include "signal/frequency_record.hpp"
+#include "spice/ngspice.hpp"
+
+namespace bodesmith::cli {
+namespace {
+
+using Complex = std::complex<double>;
+using Evaluate = std::function<std::vector<Complex>(const std::vector<Hertz>&)>;
+
+/// Phase in degrees without jumps of more than half a turn from one frequency to the next.
+std::vector<double> unwrapped_degrees(const std::vector<Complex>& response) {
+  std::vector<double> out;
+  for (const Complex& h : response) {
+    double phase = to_degrees(std::arg(h));
+    if (!out.empty()) phase += 360.0 * std::round((out.back() - phase) / 360.0);
+    out.push_back(phase);
+  }
+  return out;
+}
+
+ResponseColumns to_columns(const std::vector<Complex>& response) {
+  ResponseColumns columns;
+  for (const Complex& h : response) columns.magnitude_db.emplace_back(to_decibel(std::abs(h)));
+  for (const double phase : unwrapped_degrees(response)) columns.phase_deg.emplace_back(phase);
+  return columns;
+}
+
+void set_evaluation(ResponseSource& source, Evaluate evaluate) {
+  source.on_grid = [evaluate = std::move(evaluate)](const std::vector<Hertz>& grid) { return to_columns(evaluate(grid)); };
+}
+
+template <class Response>
+Evaluate pointwise(Response response) {
+  return [response = std::move(response)](const std::vector<Hertz>& grid) {
+    std::vector<Complex> out;
+    for (const Hertz f : grid) out.push_back(response(f.rad_s()));
+    return out;
+  };
+}
+
+/// Linear in log frequency; absent outside the rows.
+std::optional<double> interpolate(const std::vector<double>& log_f, const std::vector<double>& value, double at) {
+  const double slack = 1e-9;
+  if (at < log_f.front() - slack || at > log_f.back() + slack) return std::nullopt;
+  const auto above = std::upper_bound(log_f.begin(), log_f.end(), at);
+  if (above == log_f.begin()) return value.front();
+  if (above == log_f.end()) return value.back();
+  const auto i = static_cast<size_t>(above - log_f.begin());
+  const double t = (at - log_f[i - 1]) / (log_f[i] - log_f[i - 1]);
+  return value[i - 1] + t * (value[i] - value[i - 1]);
+}
+
+void load_measured(const std::filesystem::path& path, Provenance& from, ResponseSource& source) {
+  const BodePoints points = BodePoints::read_csv(path, from);
+  std::vector<double> log_f;
+  std::vector<double> magnitude;
+  std::vector<double> phase;
+  for (const BodePoint& point : points.points) {
+    source.own_frequencies.push_back(point.frequency);
+    log_f.push_back(std::log(point.frequency.value));
+    magnitude.push_back(to_decibel(point.gain));
+    if (point.phase_deg) phase.push_back(*point.phase_deg);
+  }
+  source.band = Band{points.points.front().frequency, points.points.back().frequency};
+  source.on_grid = [log_f, magnitude, phase](const std::vector<Hertz>& grid) {
+    ResponseColumns columns;
+    for (const Hertz f : grid) {
+      columns.magnitude_db.push_back(interpolate(log_f, magnitude, std::log(f.value)));
+      if (!phase.empty()) columns.phase_deg.push_back(interpolate(log_f, phase, std::log(f.value)));
+    }
+    return columns;
+  };
+}
+
+std::optional<Band> usable(const Band& band) {
+  if (band.from.value > 0.0 && band.to >= band.from && std::isfinite(band.to.value)) return band;
+  return std::nullopt;
+}
+
+void load_model(const Node& node, ResponseSource& source) {
+  const chain::Chain chain = chain::model_from_node(node);
+  const Node blocks = node.at("block");
+  for (size_t i = 0; i < chain.blocks.size(); ++i) {
+    if (!chain.blocks[i].response(RadPerSecond{1.0})) {
+      blocks[i].fail(fmt::format("is a {}, which has no frequency response (it is not linear)", chain.blocks[i].type_name()));
+    }
+  }
+  set_evaluation(source, pointwise([chain](RadPerSecond w) { return *chain.response(w); }));
+}
+
+}  // namespace
+
+ResponseSource load_response(const std::filesystem::path& path, const ResponseOptions& options, Provenance& from) {
+  ResponseSource source;
+  source.stem = path.stem().string();
+  const std::string ending = path.extension().string();
+  if (ending == ".csv") {
+    load_measured(path, from, source);
+    return source;
+  }
+  if (ending == ".sub" || ending == ".lib") {
+    from.read(path);
+    set_evaluation(source, [path, name = options.subcircuit](const std::vector<Hertz>& grid) {
+      return run_ac_of_sub(path, grid, name);
+    });
+    return source;
+  }
+  const Node node = read_document(path, from);
+  if (node.kind() != Node::Kind::object || !node.has("schema")) {
+    throw InputError(path.string(), node.line(), "has no \"schema\", expected a bodesmith file, a .sub or a .csv");
+  }
+  const std::string schema = node.at("schema").string();
+  if (schema == "bodesmith.cascade/1") {
+    const Cascade cascade = Cascade::from_node(node);
+    source.band = usable(cascade.corner_band());
+    set_evaluation(source, pointwise([cascade](RadPerSecond w) { return cascade.response(w); }));
+  } else if (schema == "bodesmith.sections/1") {
+    const Sections sections = Sections::from_node(node);
+    source.band = usable(sections.corner_band());
+    set_evaluation(source, pointwise([sections](RadPerSecond w) { return sections.response(w); }));
+  } else if (schema == "bodesmith.fpaa_plan/1") {
+    const fpaa::Plan plan = fpaa::Plan::from_node(node);
+    source.band = usable(plan.error.band);
+    set_evaluation(source, pointwise([plan, holds = options.with_holds](RadPerSecond w) {
+                     return fpaa::plan_response(plan, w, holds);
+                   }));
+  } else if (schema == "bodesmith.model/1") {
+    load_model(node, source);
+  } else {
+    node.at("schema").fail(fmt::format("is \"{}\", which has no frequency response; expected a cascade, sections, an "
+                                       "FPAA plan or a model",
+                                       schema));
+  }
+  return source;
+}
+
+}  // namespace bodesmith::cli

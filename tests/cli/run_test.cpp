@@ -1,0 +1,211 @@
+// The whole way, as a user runs it: the nanopositioner's project once, then every file it wrote.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <fstream>
+#include <regex>
+
+#include "base/document.hpp"
+#include "base/text.hpp"
+#include "lti/cascade.hpp"
+#include "lti/sections.hpp"
+#include "run_program.hpp"
+#include "signal/csv.hpp"
+
+namespace bodesmith {
+namespace {
+namespace fs = std::filesystem;
+using ::testing::HasSubstr;
+using ::testing::Not;
+
+const std::string kProject = std::string(BODESMITH_SOURCE_DIR) + "/examples/nanopositioner/project.toml";
+
+/// Runs the main example once for all tests of this suite.
+class WholeWay : public ::testing::Test {
+ protected:
+  static void SetUpTestSuite() {
+    folder_ = new TemporaryFolder;
+    result_ = new ProgramResult(run_bodesmith("run " + kProject + " -o " + out("").string()));
+  }
+  static void TearDownTestSuite() {
+    delete result_;
+    delete folder_;
+  }
+  static fs::path out(const std::string& name) { return *folder_ / "out" / name; }
+  static Node json(const std::string& name) { return parse_json(read_file(out(name)), name); }
+  static TemporaryFolder* folder_;
+  static ProgramResult* result_;
+};
+TemporaryFolder* WholeWay::folder_ = nullptr;
+ProgramResult* WholeWay::result_ = nullptr;
+
+TEST_F(WholeWay, EndsWellAndWritesEveryArtefact) {
+  ASSERT_EQ(result_->status, 0) << result_->err;
+  for (const char* name : {"cascade.json", "sections.json", "fpaa/plan.json", "spice/compensator.sub", "spice/parts.csv",
+                           "layout/layout.json", "layout/disturbance.sub", "run.json", "report.html", "bode.csv",
+                           "tracking.csv"}) {
+    EXPECT_TRUE(fs::is_regular_file(out(name))) << name;
+  }
+  EXPECT_THAT(result_->out, HasSubstr("report.html"));
+}
+
+TEST_F(WholeWay, EveryJsonHasSchemaVersionAndInputs) {
+  for (const auto& entry : fs::recursive_directory_iterator(out(""))) {
+    if (entry.path().extension() != ".json") continue;
+    const Node node = parse_json(read_file(entry.path()), entry.path().string());
+    EXPECT_THAT(node.at("schema").string(), ::testing::StartsWith("bodesmith.")) << entry.path();
+    EXPECT_THAT(node.at("program").string(), ::testing::StartsWith("bodesmith ")) << entry.path();
+    EXPECT_GT(node.at("inputs").size(), 0u) << entry.path();
+    for (const Node& input : node.at("inputs").items()) EXPECT_EQ(input.at("sha256").string().size(), 64u);
+  }
+}
+
+TEST_F(WholeWay, InterpolatesEveryPoint) {
+  Provenance from;
+  const Cascade cascade = Cascade::read(out("cascade.json"), from);
+  // Facts: solving eq. 18 for exactly the printed gains gives these orders.
+  ASSERT_EQ(cascade.terms.size(), 4u);
+  const double wanted[] = {-0.0428, 1.0245, -1.2113, 2.2908};
+  for (size_t i = 0; i < 4; ++i) EXPECT_NEAR(cascade.terms[i].beta, wanted[i], 1e-4);
+  for (const auto& [f, gain] : {std::pair{10.0, 1.06}, {20.0, 1.1}, {60.0, 1.04}, {100.0, 1.17}}) {
+    EXPECT_NEAR(cascade.magnitude_db(Hertz{f}.rad_s()), to_decibel(gain), 1e-9);
+  }
+}
+
+TEST_F(WholeWay, PlanStaysCloseToTheSections) {
+  const Node plan = json("fpaa/plan.json");
+  EXPECT_LE(plan.at("error").at("max_complex_percent").number(), 0.09);
+  // At a 2 kHz clock half a cycle alone is 2 pi 100/4000 = 15.7 % at 100 Hz: it must be told, not hidden.
+  EXPECT_GT(plan.at("error_with_delays").at("max_complex_percent").number(), 10.0);
+}
+
+TEST_F(WholeWay, TrackingTableKnowsEveryDesignAndSaysTheSurprise) {
+  const Csv table = Csv::parse(read_file(out("tracking.csv")), "tracking.csv");
+  EXPECT_EQ(table.rows(), 7u);
+  for (const char* column : {"frequency_hz", "none_percent", "polynomial_percent", "cascade_percent", "sections_percent",
+                             "fpaa_percent", "fpaa_with_holds_percent", "circuit_percent"}) {
+    EXPECT_TRUE(table.has(column)) << column;
+  }
+  // Without compensation the loop's full width is the error: several percent; the fixed polynomial is exact at 1 Hz.
+  EXPECT_GT(table.column("none_percent")[0], 3.0);
+  EXPECT_LT(table.column("polynomial_percent")[0], 0.1);
+  // Magnitude-only compensation turns the phase: worse than the fixed polynomial at 100 Hz, and the program says so.
+  EXPECT_GT(table.column("cascade_percent")[6], table.column("polynomial_percent")[6]);
+  EXPECT_THAT(result_->out + result_->err, HasSubstr("worse"));
+}
+
+TEST_F(WholeWay, ReportIsOneSelfContainedPage) {
+  const std::string html = read_file(out("report.html"));
+  EXPECT_THAT(html, Not(HasSubstr("<script")));
+  EXPECT_THAT(html, Not(HasSubstr("<link")));
+  EXPECT_FALSE(std::regex_search(html, std::regex("(src|href)=\"(https?:)?//"))) << "something is loaded from outside";
+  EXPECT_THAT(html, Not(HasSubstr(">nan")));
+  for (const char* chapter : {"The wish", "Fit", "Sections", "Error budget", "FPAA", "Circuit", "Disturbance generator",
+                              "Tracking"}) {
+    EXPECT_THAT(html, HasSubstr(std::string("<h2>") + chapter)) << chapter;
+  }
+}
+
+TEST_F(WholeWay, ReportRendersInABrowser) {
+  if (run_shell("command -v chromium").status != 0) GTEST_SKIP() << "chromium is not installed";
+  const TemporaryFolder folder;
+  const std::string flags =
+      "chromium --headless --no-sandbox --disable-gpu --no-first-run --disable-background-networking "
+      "--disable-component-update --disable-sync --user-data-dir=" +
+      (folder / "profile").string() + " ";
+  const std::string page = "file://" + out("report.html").string();
+  const fs::path png = folder / "page.png";
+  const ProgramResult shot =
+      run_shell("timeout 120 " + flags + "--window-size=1100,6000 --screenshot=" + png.string() + " " + page);
+  ASSERT_TRUE(fs::is_regular_file(png)) << shot.err;
+  const std::string bytes = read_file(png);
+  ASSERT_EQ(bytes.substr(1, 3), "PNG");
+  // A blank page of this size packs to some 20 kB.
+  EXPECT_GT(bytes.size(), 150000u);
+  const ProgramResult dom = run_shell("timeout 120 " + flags + "--dump-dom " + page);
+  EXPECT_THAT(dom.out, HasSubstr("</svg>"));
+}
+
+TEST_F(WholeWay, BodeReadsEveryArtefactInOneTable) {
+  const bool ngspice = run_shell("command -v ngspice").status == 0;
+  const std::string files = out("cascade.json").string() + " " + out("sections.json").string() + " " +
+                            out("fpaa/plan.json").string() + " " + std::string(BODESMITH_SOURCE_DIR) +
+                            "/examples/nanopositioner/gains.csv " +
+                            (ngspice ? out("spice/compensator.sub").string() : std::string());
+  const fs::path table = *folder_ / "bode.csv";
+  const ProgramResult result = run_bodesmith("bode " + files + " --from-hz 1 --to-hz 100 --count 41 -o " + table.string());
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Csv csv = Csv::parse(read_file(table), "bode.csv");
+  ASSERT_EQ(csv.rows(), 41u);
+  for (size_t i = 0; i < csv.rows(); ++i) {
+    const double cascade = csv.column("cascade_magnitude_db")[i];
+    EXPECT_NEAR(csv.column("sections_magnitude_db")[i], cascade, 0.02);
+    EXPECT_NEAR(csv.column("plan_magnitude_db")[i], cascade, 0.03);
+    EXPECT_NEAR(csv.column("plan_phase_deg")[i], csv.column("cascade_phase_deg")[i], 0.2);
+    if (ngspice) {
+      EXPECT_NEAR(csv.column("compensator_magnitude_db")[i], cascade, 0.08);
+    }
+  }
+  EXPECT_NEAR(csv.column("gains_magnitude_db")[40], to_decibel(1.17), 1e-12);
+}
+
+TEST_F(WholeWay, ASecondRunWritesTheSameBytesButForTimes) {
+  const TemporaryFolder other;
+  ASSERT_EQ(run_bodesmith("run " + kProject + " -o " + (other / "out").string()).status, 0);
+  int compared = 0;
+  for (const auto& entry : fs::recursive_directory_iterator(out(""))) {
+    if (!entry.is_regular_file()) continue;
+    const auto without_times = [](std::string text) {
+      text = std::regex_replace(text, std::regex("\"(compute|[a-z_]*_s)\": [0-9.e+-]+"), "");
+      return std::regex_replace(text, std::regex("[0-9.]+ (ms|s)\\b"), "");
+    };
+    const fs::path twin = other / "out" / fs::relative(entry.path(), out(""));
+    ASSERT_TRUE(fs::exists(twin)) << twin;
+    EXPECT_EQ(without_times(read_file(entry.path())), without_times(read_file(twin))) << entry.path();
+    ++compared;
+  }
+  EXPECT_GT(compared, 10);
+}
+
+TEST(Run, ALimitThatIsNotMetIsStatusOne) {
+  const TemporaryFolder folder;
+  fs::copy(fs::path(kProject).parent_path(), folder / "p", fs::copy_options::recursive);
+  std::string text = read_file(folder / "p/project.toml");
+  text = std::regex_replace(text, std::regex("fpaa_percent = 0.09"), "fpaa_percent = 0.0001");
+  write_file(folder / "p/project.toml", text);
+  const ProgramResult result =
+      run_bodesmith("run " + (folder / "p/project.toml").string() + " -o " + (folder / "out").string());
+  EXPECT_EQ(result.status, 1);
+  EXPECT_THAT(result.out, HasSubstr("fpaa_percent"));
+  EXPECT_TRUE(fs::exists(folder / "out/report.html")) << "a missed limit must not lose the results";
+}
+
+TEST(Run, BadProjectsAreOneLineAndLeaveNothing) {
+  const TemporaryFolder folder;
+  fs::copy(fs::path(kProject).parent_path(), folder / "p", fs::copy_options::recursive);
+  const std::string good = read_file(folder / "p/project.toml");
+  const auto run_with = [&](const std::string& from, const std::string& to) {
+    std::string text = good;
+    const size_t at = text.find(from);
+    EXPECT_NE(at, std::string::npos) << from;
+    write_file(folder / "p/project.toml", text.replace(at, from.size(), to));
+    const ProgramResult result =
+        run_bodesmith("run " + (folder / "p/project.toml").string() + " -o " + (folder / "out").string());
+    EXPECT_EQ(result.status, 2) << to;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_FALSE(fs::exists(folder / "out")) << to;
+    return result.err;
+  };
+  EXPECT_THAT(run_with("gains.csv", "nowhere.csv"), HasSubstr("project.toml:9: 'target.points' names"));
+  EXPECT_THAT(run_with("\"triangle\"", "\"square\""), HasSubstr("expected one of: triangle, sine"));
+  EXPECT_THAT(run_with("stroke_m = 6.92e-6", "stroke_m = -1"), HasSubstr("'plant.stroke_m' is -1"));
+  EXPECT_THAT(run_with("stroke_m = 6.92e-6", "strok_m = 6.92e-6"), HasSubstr("is not known here"));
+  EXPECT_THAT(run_with("method = \"minimax\"", "method = \"magic\""), HasSubstr("magic"));
+  EXPECT_THAT(run_with("board = \"an231k04-quad4\"", "board = \"breadboard\""), HasSubstr("breadboard"));
+  EXPECT_THAT(run_with("resistors = \"E96\"", "resistors = \"E97\""), HasSubstr("E97"));
+  EXPECT_THAT(run_with("[fit]", "[fit"), HasSubstr("not valid TOML"));
+}
+
+}  // namespace
+}  // namespace bodesmith

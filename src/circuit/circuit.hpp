@@ -13,11 +13,11 @@ namespace bodesmith {
 struct Part {
   enum class Kind { resistor, capacitor };
   Kind kind = Kind::resistor;
-  std::string name;    ///< "R2_1": part R2 of stage 1
-  int stage = 0;       ///< which Circuit::stages it belongs to
+  std::string name;  ///< "R2_1": part R2 of stage 1
+  int stage = 0;     ///< which Circuit::stages it belongs to
   std::string from;
   std::string to;
-  std::string series;  ///< where the realised value was taken from: "E96", "E12", "exact"
+  std::string series;     ///< where the realised value was taken from: "E96", "E12", "exact"
   double wanted = 0.0;    ///< the exact design at this stage's impedance
   double realised = 0.0;  ///< the part that is mounted
 };
@@ -51,11 +51,12 @@ struct Stage {
   Biquad realised;          ///< with the realised parts and ideal op-amps
   std::string in;
   std::string out;
-  int first_part = 0;       ///< its parts are Circuit::parts[first_part, first_part + part_count)
+  int first_part = 0;  ///< its parts are Circuit::parts[first_part, first_part + part_count)
   int part_count = 0;
 };
 
-/// A cascade of op-amp RC stages between nodes "in" and "out": wanted sections made of parts that can be bought.
+/// A cascade of op-amp RC stages between nodes "in" and "out": wanted sections made of parts that can be
+/// bought.
 struct Circuit {
   std::vector<Stage> stages;
   std::vector<Part> parts;
@@ -64,8 +65,8 @@ struct Circuit {
 
   /// With ideal op-amps and the realised parts.
   std::complex<double> response(RadPerSecond w) const;
-  /// The same as sections (for the simulator): the product of the stages' realised transfers. Stages that are a
-  /// constant (an inverter) go into the gain.
+  /// The same as sections (for the simulator): the product of the stages' realised transfers. Stages that are
+  /// a constant (an inverter) go into the gain.
   Sections realised_sections() const;
 };
 

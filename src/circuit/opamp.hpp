@@ -16,7 +16,7 @@ struct OpAmpModel {
   double dc_gain = 1e6;
   double slew_v_per_s = 20e6;
   double output_resistance_ohm = 50.0;
-  double swing_v = 14.1;            ///< greatest output either side of ground
+  double swing_v = 14.1;  ///< greatest output either side of ground
   double bias_current_a = 10e-12;
   double offset_v = 0.5e-3;
   double voltage_noise_v_per_rthz = 8e-9;

@@ -29,10 +29,11 @@ struct RealiseOptions {
 /// Realised against wanted, over `band`.
 struct RealiseReport {
   Band band;
-  ResponseDifference parts;     ///< preferred values, ideal op-amps, against the sections
-  ResponseDifference nearest;   ///< the same with every value rounded on its own (what joint search saves)
-  ResponseDifference opamps;    ///< finite gain-bandwidth and output resistance (loading included), against ideal ones
-  ResponseDifference all;       ///< real parts and real op-amps against the sections
+  ResponseDifference parts;    ///< preferred values, ideal op-amps, against the sections
+  ResponseDifference nearest;  ///< the same with every value rounded on its own (what joint search saves)
+  ResponseDifference
+      opamps;  ///< finite gain-bandwidth and output resistance (loading included), against ideal ones
+  ResponseDifference all;        ///< real parts and real op-amps against the sections
   double highest_node_db = 0.0;  ///< greatest |gain| from the input to any stage's output, over frequency
   double lowest_node_db = 0.0;   ///< least of the stages' output gains over frequency
   std::vector<std::string> warnings;
@@ -46,9 +47,10 @@ struct Realised {
 /// Sections as a chain of op-amp RC stages. Real poles and zeros of all sections are pooled, paired sorted by
 /// frequency (least span a stage) and each pair becomes R1||C1 into R2||C2 around an inverting op-amp,
 ///   H(s) = -(R2/R1)(1 + s R1 C1)/(1 + s R2 C2);
-/// complex pairs become biquads. Stages are ordered so that no node between them is far above or below the signal,
-/// the gain is spread over them, an inverter is added where the number of inversions is odd. Resistors and capacitors
-/// of all stages are then searched jointly in their series for the least complex error of the whole chain.
+/// complex pairs become biquads. Stages are ordered so that no node between them is far above or below the
+/// signal, the gain is spread over them, an inverter is added where the number of inversions is odd.
+/// Resistors and capacitors of all stages are then searched jointly in their series for the least complex
+/// error of the whole chain.
 Realised realise(const Sections& sections, const RealiseOptions& options = {});
 
 }  // namespace bodesmith

@@ -6,9 +6,9 @@
 
 namespace bodesmith {
 
-/// The preferred values of IEC 60063: E3, E6, E12, E24 (table values) and E48, E96, E192 (round(10^(i/N), 2 decimals),
-/// with the table's one exception, 9.20 in E192), or `exact`: every value. A list of values in stock, given as
-/// numbers, may stand in their place.
+/// The preferred values of IEC 60063: E3, E6, E12, E24 (table values) and E48, E96, E192 (round(10^(i/N), 2
+/// decimals), with the table's one exception, 9.20 in E192), or `exact`: every value. A list of values in
+/// stock, given as numbers, may stand in their place.
 class Series {
  public:
   /// "E12" … "E192" or "exact". Throws InputError that lists the names.

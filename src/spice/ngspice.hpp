@@ -14,8 +14,9 @@ bool ngspice_available();
 /// What `ngspice --version` calls itself ("ngspice-39"), or empty.
 std::string ngspice_version();
 
-/// Runs `ngspice -n -b` on a deck in a folder of its own and returns what it printed. Throws InputError when ngspice is
-/// not installed, ends with an error, or takes longer than `timeout_s`; `what` (a file name) leads the message.
+/// Runs `ngspice -n -b` on a deck in a folder of its own and returns what it printed. Throws InputError when
+/// ngspice is not installed, ends with an error, or takes longer than `timeout_s`; `what` (a file name) leads
+/// the message.
 std::string run_ngspice(const std::string& deck, const std::string& what, double timeout_s = 300.0);
 
 /// A subcircuit as found in a library text: its name and pins.
@@ -27,21 +28,25 @@ struct Subcircuit {
 /// Every top-level .subckt of a library. Throws InputError with file and line when one is not ended.
 std::vector<Subcircuit> list_subcircuits(const std::string& text, const std::string& file);
 
-/// V(out)/V(in) of a two-pin subcircuit (`in out`, ground 0) of a library file, small-signal, at every frequency of
-/// the grid. `subcircuit` empty: "compensator" when there is one, otherwise the last with two pins.
-std::vector<std::complex<double>> run_ac_of_sub(const std::filesystem::path& library, const std::vector<Hertz>& grid,
+/// V(out)/V(in) of a two-pin subcircuit (`in out`, ground 0) of a library file, small-signal, at every
+/// frequency of the grid. `subcircuit` empty: "compensator" when there is one, otherwise the last with two
+/// pins.
+std::vector<std::complex<double>> run_ac_of_sub(const std::filesystem::path& library,
+                                                const std::vector<Hertz>& grid,
                                                 const std::string& subcircuit = {});
 /// The same for a library that is not on disk yet. `name` is used in messages.
 std::vector<std::complex<double>> run_ac_of_text(const std::string& library, const std::string& name,
-                                                 const std::vector<Hertz>& grid, const std::string& subcircuit = {});
+                                                 const std::vector<Hertz>& grid,
+                                                 const std::string& subcircuit = {});
 
 /// Columns of a transient run: time and the wanted node voltages.
 struct Transient {
   std::vector<double> time_s;
   std::vector<std::vector<double>> v;  ///< one a node
 };
-/// Runs a deck without analysis and `.end` through `.tran step stop 0 step`, and reads back the nodes' voltages.
-Transient run_transient(const std::string& deck, const std::vector<std::string>& nodes, double step_s, double stop_s,
-                        const std::string& what);
+/// Runs a deck without analysis and `.end` through `.tran step stop 0 step`, and reads back the nodes'
+/// voltages.
+Transient run_transient(const std::string& deck, const std::vector<std::string>& nodes, double step_s,
+                        double stop_s, const std::string& what);
 
 }  // namespace bodesmith

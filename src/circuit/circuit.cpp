@@ -1,0 +1,89 @@
+#include "circuit/circuit.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace bodesmith {
+namespace {
+
+using Complex = std::complex<double>;
+
+std::vector<Complex> roots(double c0, double c1, double c2) {
+  if (c2 == 0.0) {
+    if (c1 == 0.0) return {};
+    return {Complex(-c0 / c1, 0.0)};
+  }
+  const double half = -0.5 * c1 / c2;
+  const double product = c0 / c2;
+  const double discriminant = half * half - product;
+  if (discriminant < 0.0) {
+    const double imaginary = std::sqrt(-discriminant);
+    return {Complex(half, imaginary), Complex(half, -imaginary)};
+  }
+  // The larger root first, the other from the product: no cancellation.
+  const double larger = half + std::copysign(std::sqrt(discriminant), half);
+  if (larger == 0.0) return {Complex(0.0, 0.0), Complex(0.0, 0.0)};
+  return {Complex(larger, 0.0), Complex(product / larger, 0.0)};
+}
+
+/// Coefficients c0 + c1 s + c2 s^2 of prod (s - r).
+void expand(const std::vector<Complex>& r, double& c0, double& c1, double& c2) {
+  c0 = c1 = c2 = 0.0;
+  if (r.empty()) {
+    c0 = 1.0;
+  } else if (r.size() == 1) {
+    c0 = -r[0].real();
+    c1 = 1.0;
+  } else {
+    c0 = (r[0] * r[1]).real();
+    c1 = -(r[0] + r[1]).real();
+    c2 = 1.0;
+  }
+}
+
+}  // namespace
+
+Section Biquad::section() const {
+  Section out;
+  out.zeros = roots(b0, b1, b2);
+  out.poles = roots(a0, a1, a2);
+  const double top = b2 != 0.0 ? b2 : (b1 != 0.0 ? b1 : b0);
+  const double bottom = a2 != 0.0 ? a2 : (a1 != 0.0 ? a1 : a0);
+  out.gain = top / bottom;
+  return out;
+}
+
+Biquad Biquad::from_section(const Section& section) {
+  if (section.poles.size() > 2 || section.zeros.size() > section.poles.size()) {
+    throw std::logic_error("a section of more than two poles or improper");
+  }
+  Biquad out;
+  expand(section.zeros, out.b0, out.b1, out.b2);
+  out.b0 *= section.gain;
+  out.b1 *= section.gain;
+  out.b2 *= section.gain;
+  expand(section.poles, out.a0, out.a1, out.a2);
+  return out;
+}
+
+std::complex<double> Circuit::response(RadPerSecond w) const {
+  Complex h = 1.0;
+  for (const Stage& stage : stages) h *= stage.realised.response(w);
+  return h;
+}
+
+Sections Circuit::realised_sections() const {
+  Sections out;
+  for (const Stage& stage : stages) {
+    Section section = stage.realised.section();
+    if (section.poles.empty()) {
+      out.gain *= section.gain;
+    } else {
+      out.sections.push_back(std::move(section));
+    }
+  }
+  return out;
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,82 @@
+#include "circuit/forms.hpp"
+
+namespace bodesmith {
+namespace {
+
+/// R1||C1 into R2||C2 around an inverting op-amp (Sedra and Smith, first-order active RC):
+///   H(s) = -(R2/R1) (1 + s R1 C1)/(1 + s R2 C2),   zero at -1/(R1 C1), pole at -1/(R2 C2), H(inf) = -C1/C2.
+/// Without a zero C1 is absent; with a zero at the origin R1 is.
+class FirstOrder final : public StageForm {
+ public:
+  explicit FirstOrder(const Section& section) : pole_(-section.poles[0].real()) {
+    wanted_ = Biquad::from_section(negated(section));
+    has_zero_ = !section.zeros.empty();
+    zero_ = has_zero_ ? -section.zeros[0].real() : 0.0;
+    // Both capacitors about equal unless the gain says otherwise: H(inf) = -C1/C2.
+    const double ratio = has_zero_ ? section.gain : 1.0;
+    if (!has_zero_ || zero_ > 0.0) resistor("R1", "in", "m");
+    if (has_zero_) capacitor("C1", "in", "m", {zero_ > 0.0 ? zero_ : pole_}, 1.0);
+    resistor("R2", "m", "out");
+    capacitor("C2", "m", "out", {pole_}, 1.0 / ratio);
+    opamp("U1", "0", "m", "out");
+  }
+
+  Biquad transfer(std::span<const double> v) const override {
+    size_t i = 0;
+    const double g1 = !has_zero_ || zero_ > 0.0 ? 1.0 / v[i++] : 0.0;
+    const double c1 = has_zero_ ? v[i++] : 0.0;
+    const double r2 = v[i++];
+    const double c2 = v[i];
+    Biquad h;
+    h.b0 = -g1 * r2;
+    h.b1 = -c1 * r2;
+    h.a0 = 1.0;
+    h.a1 = r2 * c2;
+    return h;
+  }
+
+  bool gain_follows_capacitors() const override { return has_zero_; }
+
+  bool design(std::span<const double> c, std::vector<double>& values) const override {
+    const double c2 = c.back();
+    const double r2 = 1.0 / (pole_ * c2);
+    values.clear();
+    // |H(0)| = b0/a0 = R2/R1 sets R1 where no zero does.
+    if (!has_zero_) values.push_back(r2 / std::abs(wanted_.b0 / wanted_.a0));
+    if (has_zero_ && zero_ > 0.0) values.push_back(1.0 / (zero_ * c[0]));
+    if (has_zero_) values.push_back(c[0]);
+    values.push_back(r2);
+    values.push_back(c2);
+    return true;
+  }
+
+  bool exact_near(std::span<const double> realised, std::vector<double>& exact) const override {
+    const double c2 = realised.back();
+    if (!has_zero_) return design(std::span(&c2, 1), exact);
+    const double both[2] = {c2 * std::abs(wanted_.b1 / wanted_.a1), c2};
+    return design(both, exact);
+  }
+
+ private:
+  double pole_;
+  double zero_ = 0.0;
+  bool has_zero_ = false;
+};
+
+std::string refusal(const Section& section) {
+  if (section.poles.size() != 1) return "it makes one pole";
+  if (!section.zeros.empty() && section.zeros[0].real() > 0.0)
+    return "its zero cannot lie in the right half plane";
+  return {};
+}
+
+}  // namespace
+
+Realization first_order_realization() {
+  return {"first-order", "R||C into R||C around an inverting op-amp: one real pole, at most one real zero",
+          true, refusal, [](const Section& section) -> std::unique_ptr<StageForm> {
+            return std::make_unique<FirstOrder>(section);
+          }};
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,19 @@
+#pragma once
+
+#include "circuit/realization.hpp"
+
+namespace bodesmith {
+
+// One file a form; realizations() in realization.cpp lists them.
+Realization first_order_realization();
+Realization first_order_right_zero_realization();
+Realization inverter_realization();
+Realization tow_thomas_realization();
+
+/// The section with its gain's sign turned round.
+inline Section negated(Section section) {
+  section.gain = -section.gain;
+  return section;
+}
+
+}  // namespace bodesmith

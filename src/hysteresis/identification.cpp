@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 namespace bodesmith::hysteresis {
 namespace {
@@ -13,15 +14,15 @@ struct Sum {
   double high = -std::numeric_limits<double>::infinity();
   std::size_t count = 0;
 
-  void add(const std::vector<double>& got, const std::vector<double>& wanted) {
-    for (std::size_t i = 0; i < wanted.size(); ++i) {
+  void add(const std::vector<double>& got, const std::vector<double>& wanted, std::size_t first) {
+    for (std::size_t i = first; i < wanted.size(); ++i) {
       const double miss = got[i] - wanted[i];
       squares += miss * miss;
       largest = std::max(largest, std::abs(miss));
       low = std::min(low, wanted[i]);
       high = std::max(high, wanted[i]);
     }
-    count += wanted.size();
+    count += wanted.size() - first;
   }
 
   ErrorFigures figures() const {
@@ -42,13 +43,20 @@ struct Sum {
 
 ErrorFigures error_figures(const std::vector<double>& got, const std::vector<double>& wanted) {
   Sum sum;
-  sum.add(got, wanted);
+  sum.add(got, wanted, 0);
   return sum.figures();
 }
 
-ErrorFigures error_figures(const StageModel& stage, std::span<const TimeRecord> records) {
+std::size_t first_counted(const TimeRecord& record, double skip_s) {
+  const double steps = std::ceil(skip_s / record.step_s - 1e-9);
+  if (!(steps > 0.0)) return 0;
+  return steps >= static_cast<double>(record.size()) ? record.size() - 1 : static_cast<std::size_t>(steps);
+}
+
+ErrorFigures error_figures(const StageModel& stage, std::span<const TimeRecord> records, double skip_s) {
   Sum sum;
-  for (const TimeRecord& record : records) sum.add(stage.simulate(record.u, record.step_s), record.y);
+  for (const TimeRecord& record : records)
+    sum.add(stage.simulate(record.u, record.step_s), record.y, first_counted(record, skip_s));
   return sum.figures();
 }
 

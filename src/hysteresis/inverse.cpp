@@ -6,7 +6,8 @@
 
 namespace bodesmith::hysteresis {
 
-BracketingInverse::BracketingInverse(std::unique_ptr<Operator> forward, double u_min, double u_max, double tolerance)
+BracketingInverse::BracketingInverse(std::unique_ptr<Operator> forward, double u_min, double u_max,
+                                     double tolerance)
     : forward_(std::move(forward)), u_min_(u_min), u_max_(u_max), tolerance_(tolerance) {
   u_ = u_min;
   achieved_ = forward_->reset(u_);
@@ -19,6 +20,7 @@ BracketingInverse::BracketingInverse(const BracketingInverse& other)
       u_max_(other.u_max_),
       tolerance_(other.tolerance_),
       u_(other.u_),
+      stride_(other.stride_),
       achieved_(other.achieved_) {}
 
 double BracketingInverse::reset(double y) {
@@ -53,7 +55,7 @@ double BracketingInverse::step(double y, double dt_s) {
   }
   const double limit = miss_a < 0.0 ? u_max_ : u_min_;
   const double direction = miss_a < 0.0 ? 1.0 : -1.0;
-  double stride = (u_max_ - u_min_) / 256.0;
+  double stride = std::max(stride_, 1e-9 * std::min(u_max_ - u_min_, 1.0 + std::abs(u_)));
   double b = a;
   double miss_b = miss_a;
   bool bracketed = false;
@@ -70,7 +72,7 @@ double BracketingInverse::step(double y, double dt_s) {
     }
     b = next;
     miss_b = miss;
-    stride *= 2.0;
+    stride *= 4.0;
   }
   double best = b;
   double best_miss = std::abs(miss_b);
@@ -102,12 +104,14 @@ double BracketingInverse::step(double y, double dt_s) {
       }
     }
   }
+  stride_ = std::abs(best - u_);
   u_ = best;
   achieved_ = forward_->step(u_, dt_s);
   return u_;
 }
 
-RecursiveInverse::RecursiveInverse(std::unique_ptr<Operator> forward, double delta_u, double u_min, double u_max)
+RecursiveInverse::RecursiveInverse(std::unique_ptr<Operator> forward, double delta_u, double u_min,
+                                   double u_max)
     : forward_(std::move(forward)), delta_u_(delta_u), u_min_(u_min), u_max_(u_max) {
   u_ = u_min;
   achieved_ = forward_->reset(u_);

@@ -6,14 +6,15 @@
 
 namespace bodesmith::hysteresis {
 
-/// The right inverse of an Operator along a wanted output: step(y) returns the input u for which H[…, u] = y, and
-/// remembers that it was applied. Nothing allocates in step().
+/// The right inverse of an Operator along a wanted output: step(y) returns the input u for which H[…, u] = y,
+/// and remembers that it was applied. Nothing allocates in step().
 class Inverse {
  public:
   virtual ~Inverse() = default;
   virtual std::unique_ptr<Inverse> clone() const = 0;
 
-  /// Forgets everything; the model rests under the returned input, at the wanted output y where it can be reached.
+  /// Forgets everything; the model rests under the returned input, at the wanted output y where it can be
+  /// reached.
   virtual double reset(double y) = 0;
   /// The wanted output moves to y within dt_s seconds; returns the input at its end.
   virtual double step(double y, double dt_s) = 0;
@@ -21,8 +22,9 @@ class Inverse {
   virtual double achieved() const = 0;
 };
 
-/// Works for every Operator whose output rises with its input: brackets the input from where it was by growing steps
-/// inside [u_min, u_max], then bisects on peek() (Illinois steps, safeguarded) down to the last bit or `tolerance`.
+/// Works for every Operator whose output rises with its input: brackets the input from where it was by
+/// growing steps inside [u_min, u_max], then bisects on peek() (Illinois steps, safeguarded) down to the last
+/// bit or `tolerance`.
 class BracketingInverse final : public Inverse {
  public:
   BracketingInverse(std::unique_ptr<Operator> forward, double u_min, double u_max, double tolerance = 0.0);
@@ -38,12 +40,13 @@ class BracketingInverse final : public Inverse {
   double u_max_;
   double tolerance_;
   double u_ = 0.0;
+  double stride_ = 0.0;  ///< size of the last move, the first guess for the next
   double achieved_ = 0.0;
 };
 
-/// The paper's recursive search (004 eq. 13, 14): the input moves by delta_u until the output passes the wanted one,
-/// then the last two outputs are interpolated linearly. Slower and less exact than BracketingInverse; kept for the
-/// comparison. Gives up at [u_min, u_max].
+/// The paper's recursive search (004 eq. 13, 14): the input moves by delta_u until the output passes the
+/// wanted one, then the last two outputs are interpolated linearly. Slower and less exact than
+/// BracketingInverse; kept for the comparison. Gives up at [u_min, u_max].
 class RecursiveInverse final : public Inverse {
  public:
   RecursiveInverse(std::unique_ptr<Operator> forward, double delta_u, double u_min, double u_max);

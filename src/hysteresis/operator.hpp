@@ -4,8 +4,8 @@
 
 namespace bodesmith::hysteresis {
 
-/// A scalar operator with memory, y(t) = H[u](t), driven along a piecewise monotone input. Nothing allocates in
-/// step() and peek(). Rate-independent operators ignore dt_s.
+/// A scalar operator with memory, y(t) = H[u](t), driven along a piecewise monotone input. Nothing allocates
+/// in step() and peek(). Rate-independent operators ignore dt_s.
 class Operator {
  public:
   virtual ~Operator() = default;

@@ -117,9 +117,13 @@ double Parameters::scalar(std::string_view name) const {
   return found.numbers[0];
 }
 
-const std::vector<double>& Parameters::array(std::string_view name) const { return value(name).numbers; }
+const std::vector<double>& Parameters::array(std::string_view name) const {
+  return value(name).numbers;
+}
 
-const std::string& Parameters::word(std::string_view name) const { return value(name).word; }
+const std::string& Parameters::word(std::string_view name) const {
+  return value(name).word;
+}
 
 Parameters parameters_from_node(const Node& node, const std::vector<ParameterInfo>& infos,
                                 const std::vector<std::string>& also_allowed) {

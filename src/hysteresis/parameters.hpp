@@ -16,7 +16,8 @@ struct ParameterInfo {
 
   std::string name;  ///< the paper's symbol; the key of the block
   Shape shape = Shape::scalar;
-  std::string unit;  ///< "u", "y", "y/u", "1", "s", "Hz", …: u and y are the units of the block's input and output
+  std::string
+      unit;  ///< "u", "y", "y/u", "1", "s", "Hz", …: u and y are the units of the block's input and output
   std::string what;
   double lower = -std::numeric_limits<double>::infinity();  ///< of every number in it
   double upper = std::numeric_limits<double>::infinity();

@@ -30,7 +30,8 @@ const ModelType& model_type(std::string_view name) {
   if (const ModelType* found = find_model_type(name)) return *found;
   std::vector<std::string> names;
   for (const ModelType& type : model_types()) names.push_back(type.name);
-  throw InputError(fmt::format("there is no hysteresis model '{}', expected one of {}", name, join(names, ", ")));
+  throw InputError(
+      fmt::format("there is no hysteresis model '{}', expected one of {}", name, join(names, ", ")));
 }
 
 Model model_from_node(const Node& block) {
@@ -58,7 +59,8 @@ Model checked_model(std::string_view name, const Parameters& values) {
 }
 
 std::string to_toml(const Model& model) {
-  return fmt::format("type = \"{}\"\n{}", model.type, to_toml(model.parameters, model_type(model.type).parameters));
+  return fmt::format("type = \"{}\"\n{}", model.type,
+                     to_toml(model.parameters, model_type(model.type).parameters));
 }
 
 std::unique_ptr<Operator> make_operator(const Model& model) {

@@ -15,8 +15,8 @@
 
 namespace bodesmith::hysteresis {
 
-/// One kind of model: everything the program needs to know of it. A new one is a file of its own and one line in
-/// registry.cpp.
+/// One kind of model: everything the program needs to know of it. A new one is a file of its own and one line
+/// in registry.cpp.
 struct ModelType {
   std::string name;    ///< `type` of the block in model.toml
   std::string what;    ///< one line for a person
@@ -37,8 +37,8 @@ const ModelType* find_model_type(std::string_view name);
 /// Throws InputError that lists the names.
 const ModelType& model_type(std::string_view name);
 
-/// Reads a block table of model.toml; `type` names a registered model. Keys `type` and `free` are the chain's own.
-/// All complaints carry file and line.
+/// Reads a block table of model.toml; `type` names a registered model. Keys `type` and `free` are the chain's
+/// own. All complaints carry file and line.
 Model model_from_node(const Node& block);
 /// Fills in optional parameters and checks everything; throws DesignError.
 Model checked_model(std::string_view type, const Parameters& values);

@@ -28,7 +28,8 @@ std::vector<double> StageModel::simulate(const std::vector<double>& u, double st
   if (u.empty()) return {};
   std::vector<double> y(u.size());
   if (model.type.empty()) {
-    for (std::size_t i = 0; i < u.size(); ++i) y[i] = output_offset + output_gain * (input_offset + input_gain * u[i]);
+    for (std::size_t i = 0; i < u.size(); ++i)
+      y[i] = output_offset + output_gain * (input_offset + input_gain * u[i]);
     return delayed(y, step_s, delay_s);
   }
   const std::unique_ptr<Operator> hysteresis = make_operator(model);
@@ -36,8 +37,8 @@ std::vector<double> StageModel::simulate(const std::vector<double>& u, double st
   for (std::size_t i = 1; i < u.size(); ++i) {
     y[i] = output_offset + output_gain * hysteresis->step(input_offset + input_gain * u[i], step_s);
   }
-  // A delay commutes with everything time-invariant; behind the operator it leaves the turning points where the
-  // samples are.
+  // A delay commutes with everything time-invariant; behind the operator it leaves the turning points where
+  // the samples are.
   return delayed(y, step_s, delay_s);
 }
 
@@ -51,11 +52,13 @@ std::string StageModel::to_toml(const std::vector<std::string>& remarks) const {
   }
   if (!model.type.empty()) out += "\n[[block]]\n" + bodesmith::hysteresis::to_toml(model);
   if (output_gain != 1.0 || output_offset != 0.0) {
-    out += fmt::format("\n[[block]]\ntype = \"gain\"\ngain = {}\noffset = {}\nfree = [\"gain\", \"offset\"]\n",
-                       number_text(output_gain), number_text(output_offset));
+    out +=
+        fmt::format("\n[[block]]\ntype = \"gain\"\ngain = {}\noffset = {}\nfree = [\"gain\", \"offset\"]\n",
+                    number_text(output_gain), number_text(output_offset));
   }
   if (delay_s != 0.0) {
-    out += fmt::format("\n[[block]]\ntype = \"delay\"\ndelay_s = {}\nfree = [\"delay_s\"]\n", number_text(delay_s));
+    out += fmt::format("\n[[block]]\ntype = \"delay\"\ndelay_s = {}\nfree = [\"delay_s\"]\n",
+                       number_text(delay_s));
   }
   return out;
 }
@@ -83,17 +86,19 @@ StageModel stage_model_from_node(const Node& document) {
       out.delay_s += block.at("delay_s").non_negative();
     } else {
       if (find_model_type(type) == nullptr) {
-        block.at("type").fail(
-            fmt::format("is \"{}\", which has no exact inverse here, expected gain, delay or a hysteresis model", type));
+        block.at("type").fail(fmt::format(
+            "is \"{}\", which has no exact inverse here, expected gain, delay or a hysteresis model", type));
       }
-      if (!out.model.type.empty()) block.at("type").fail("is a second hysteresis model, expected at most one");
+      if (!out.model.type.empty())
+        block.at("type").fail("is a second hysteresis model, expected at most one");
       out.model = model_from_node(block);
     }
   }
   return out;
 }
 
-Compensation compensate(const StageModel& stage, const std::vector<double>& reference, double step_s, bool preview) {
+Compensation compensate(const StageModel& stage, const std::vector<double>& reference, double step_s,
+                        bool preview) {
   Compensation out;
   const std::size_t n = reference.size();
   out.drive.resize(n);
@@ -101,7 +106,8 @@ Compensation compensate(const StageModel& stage, const std::vector<double>& refe
   const std::vector<double> ahead = preview ? delayed(reference, step_s, -stage.delay_s) : reference;
   if (stage.model.type.empty()) {
     for (std::size_t i = 0; i < n; ++i) {
-      out.drive[i] = ((ahead[i] - stage.output_offset) / stage.output_gain - stage.input_offset) / stage.input_gain;
+      out.drive[i] =
+          ((ahead[i] - stage.output_offset) / stage.output_gain - stage.input_offset) / stage.input_gain;
     }
   } else {
     const std::unique_ptr<Inverse> inverse = make_inverse(stage.model);

@@ -1,0 +1,216 @@
+#include "hysteresis/prandtl_ishlinskii.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+
+namespace bodesmith::hysteresis {
+
+PrandtlIshlinskii PrandtlIshlinskii::from(const Parameters& values) {
+  PrandtlIshlinskii out;
+  out.r = values.array("r");
+  out.w = values.array("w");
+  out.s = values.array("s");
+  out.v = values.array("v");
+  out.gamma = values.array("gamma");
+  out.u_0 = values.scalar("u_0");
+  out.offset = values.scalar("offset");
+  const std::string& start = values.word("start");
+  out.start = start == "rest_zero"    ? Start::rest_zero
+              : start == "from_above" ? Start::from_above
+                                      : Start::from_below;
+  if (out.r.empty() || out.r.size() != out.w.size())
+    throw DesignError(
+        fmt::format("r has {} and w has {} numbers, expected as many", out.r.size(), out.w.size()));
+  if (out.r.front() != 0.0) throw DesignError("r does not begin with 0, expected 0 = r[0] < r[1] < …");
+  double sum = 0.0;
+  for (std::size_t i = 0; i < out.r.size(); ++i) {
+    if (i > 0 && !(out.r[i] > out.r[i - 1]))
+      throw DesignError("r does not rise, expected 0 = r[0] < r[1] < …");
+    sum += out.w[i];
+    if (!(sum > 0.0))
+      throw DesignError(fmt::format("the sum of w[0..{}] is not above 0, expected a rising output", i));
+  }
+  if (out.s.size() != out.v.size())
+    throw DesignError(
+        fmt::format("s has {} and v has {} numbers, expected as many", out.s.size(), out.v.size()));
+  if (!out.gamma.empty() && (out.gamma.size() != 4 || !(out.gamma[0] * out.gamma[1] > 0.0)))
+    throw DesignError("gamma is not [c0, c1, c2, c3] with c0 c1 > 0");
+  // S must rise on every piece.
+  for (const double side : {1.0, -1.0}) {
+    std::vector<std::pair<double, double>> knees;
+    for (std::size_t k = 0; k < out.s.size(); ++k) {
+      if (out.s[k] == 0.0) throw DesignError("s holds a 0, expected thresholds on either side of it");
+      if (out.s[k] * side > 0.0) knees.emplace_back(std::abs(out.s[k]), out.v[k]);
+    }
+    std::sort(knees.begin(), knees.end());
+    double slope = 1.0;
+    for (const auto& knee : knees) {
+      slope += knee.second;
+      if (!(slope > 0.0))
+        throw DesignError("the dead zones s, v make the output fall, expected 1 + the sum of v > 0");
+    }
+  }
+  return out;
+}
+
+double PrandtlIshlinskii::envelope(double u) const {
+  const double x = u - u_0;
+  return gamma.empty() ? x : gamma[0] * std::tanh(gamma[1] * x + gamma[2]) + gamma[3];
+}
+
+double PrandtlIshlinskii::envelope_inverse(double value) const {
+  if (gamma.empty()) return u_0 + value;
+  const double limit = 1.0 - 1e-12;
+  const double t = std::clamp((value - gamma[3]) / gamma[0], -limit, limit);
+  return u_0 + (std::atanh(t) - gamma[2]) / gamma[1];
+}
+
+double PrandtlIshlinskii::shape(double p) const {
+  double out = p;
+  for (std::size_t k = 0; k < s.size(); ++k)
+    out += v[k] * (s[k] > 0.0 ? std::max(p - s[k], 0.0) : std::min(p - s[k], 0.0));
+  return out;
+}
+
+double PrandtlIshlinskii::shape_inverse(double y) const {
+  if (s.empty()) return y;
+  // Piecewise linear and rising with S(0) = 0: walk outwards knee by knee on the side of y.
+  const double side = y >= 0.0 ? 1.0 : -1.0;
+  const double wanted = std::abs(y);
+  double at = 0.0;
+  double value = 0.0;
+  double slope = 1.0;
+  for (;;) {
+    double next = std::numeric_limits<double>::infinity();
+    for (const double knee : s) {
+      if (knee * side > 0.0 && std::abs(knee) > at) next = std::min(next, std::abs(knee));
+    }
+    const double reach = value + slope * (next - at);
+    if (!(reach < wanted)) return side * (at + (wanted - value) / slope);
+    value = reach;
+    at = next;
+    for (std::size_t k = 0; k < s.size(); ++k)
+      if (s[k] * side > 0.0 && std::abs(s[k]) == next) slope += v[k];
+  }
+}
+
+namespace {
+
+void set_states(const PrandtlIshlinskii& model, double v, std::vector<double>& z) {
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    switch (model.start) {
+      case PrandtlIshlinskii::Start::rest_zero:
+        z[i] = std::max(v - model.r[i], std::min(v + model.r[i], 0.0));
+        break;
+      case PrandtlIshlinskii::Start::from_above:
+        z[i] = v + model.r[i];
+        break;
+      case PrandtlIshlinskii::Start::from_below:
+        z[i] = v - model.r[i];
+        break;
+    }
+  }
+}
+
+}  // namespace
+
+PrandtlIshlinskiiOperator::PrandtlIshlinskiiOperator(PrandtlIshlinskii model)
+    : model_(std::move(model)), z_(model_.r.size(), 0.0) {
+  reset(model_.u_0);
+}
+
+double PrandtlIshlinskiiOperator::reset(double u) {
+  set_states(model_, model_.envelope(u), z_);
+  return step(u, 0.0);
+}
+
+double PrandtlIshlinskiiOperator::step(double u, double) {
+  const double v = model_.envelope(u);
+  const double* r = model_.r.data();
+  const double* w = model_.w.data();
+  double* z = z_.data();
+  double p = 0.0;
+  for (std::size_t i = 0, n = z_.size(); i < n; ++i) {
+    z[i] = std::max(v - r[i], std::min(v + r[i], z[i]));
+    p += w[i] * z[i];
+  }
+  return model_.offset + (model_.s.empty() ? p : model_.shape(p));
+}
+
+double PrandtlIshlinskiiOperator::peek(double u, double) const {
+  const double v = model_.envelope(u);
+  double p = 0.0;
+  for (std::size_t i = 0; i < z_.size(); ++i)
+    p += model_.w[i] * std::max(v - model_.r[i], std::min(v + model_.r[i], z_[i]));
+  return model_.offset + model_.shape(p);
+}
+
+PrandtlIshlinskiiInverse::PrandtlIshlinskiiInverse(PrandtlIshlinskii model) : model_(std::move(model)) {
+  const std::size_t n = model_.r.size();
+  r_.resize(n);
+  w_.resize(n);
+  z_.resize(n);
+  double before = 0.0;
+  double upto = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    before = upto;
+    upto += model_.w[i];
+    r_[i] = 0.0;
+    for (std::size_t j = 0; j <= i; ++j) r_[i] += model_.w[j] * (model_.r[i] - model_.r[j]);
+    w_[i] = i == 0 ? 1.0 / model_.w[0] : -model_.w[i] / (upto * before);
+  }
+  reset(model_.offset);
+}
+
+double PrandtlIshlinskiiInverse::reset(double y) {
+  // At rest p is a rising piecewise linear function of v: bisect on it, then take over the states.
+  const double p = model_.shape_inverse(y - model_.offset);
+  std::vector<double>& z = z_;
+  const auto bank = [&](double v) {
+    set_states(model_, v, z);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < z.size(); ++i) sum += model_.w[i] * z[i];
+    return sum;
+  };
+  double low = -1.0;
+  double high = 1.0;
+  while (bank(low) > p && low > -1e300) low *= 2.0;
+  while (bank(high) < p && high < 1e300) high *= 2.0;
+  for (int i = 0; i < 2000; ++i) {
+    const double middle = 0.5 * (low + high);
+    if (middle <= low || middle >= high) break;
+    (bank(middle) < p ? low : high) = middle;
+  }
+  bank(low);
+  // z' from z (in place: z'_i needs z_j of j ≥ i only, so rising i is safe).
+  double upto = 0.0;
+  for (std::size_t i = 0; i < z.size(); ++i) {
+    upto += model_.w[i];
+    double value = upto * z[i];
+    for (std::size_t j = i + 1; j < z.size(); ++j) value += model_.w[j] * z[j];
+    z[i] = value;
+  }
+  if (!model_.gamma.empty()) {
+    if (!forward_) forward_.emplace(model_);
+    forward_->reset(model_.envelope_inverse(low));
+  }
+  return step(y, 0.0);
+}
+
+double PrandtlIshlinskiiInverse::step(double y, double) {
+  const double p = model_.shape_inverse(y - model_.offset);
+  double v = 0.0;
+  for (std::size_t i = 0; i < z_.size(); ++i) {
+    z_[i] = std::max(p - r_[i], std::min(p + r_[i], z_[i]));
+    v += w_[i] * z_[i];
+  }
+  const double u = model_.envelope_inverse(v);
+  achieved_ = forward_ ? forward_->step(u, 0.0) : y;
+  return u;
+}
+
+}  // namespace bodesmith::hysteresis

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "hysteresis/inverse.hpp"
+#include "hysteresis/operator.hpp"
+#include "hysteresis/parameters.hpp"
+
+namespace bodesmith::hysteresis {
+
+/// The Prandtl-Ishlinskii model (Krasnosel'skii and Pokrovskii 1983; asymmetric form after Kuhnen, European
+/// Journal of Control 9 (2003) 407; envelope after Al Janaideh, Rakheja and Su, IEEE/ASME Trans. Mechatronics
+/// 16 (2011) 734).
+///   play:        z_i(t) = max(v − r_i, min(v + r_i, z_i(t⁻))),        0 = r_0 < r_1 < …     (units of v)
+///   bank:        p(t)   = Σ w_i z_i,                                  w_0 > 0, w_i ≥ 0 and Σ_{j≤i} w_j > 0
+///   dead zones:  S(p)   = p + Σ_k v_k d(p, s_k),  d(p, s) = max(p − s, 0) for s > 0, min(p − s, 0) for s < 0
+///   envelope:    v      = γ(u − u_0), γ(x) = c0 tanh(c1 x + c2) + c3 when `gamma` is given, else v = u − u_0
+///   output:      y      = offset + S(p).
+/// Without dead zones the loops are centrally symmetric. Rate-independent; wiping-out and congruency hold for
+/// v → p.
+///
+/// Analytic inverse (Kuhnen): v = w'_0 p + Σ w'_i play_{r'_i}(p), with
+///   r'_i = Σ_{j≤i} w_j (r_i − r_j),  w'_0 = 1/w_0,  w'_i = −w_i / (Σ_{j≤i} w_j · Σ_{j<i} w_j),
+/// states z'_i = Σ_{j≤i} w_j z_i + Σ_{j>i} w_j z_j; S⁻¹ is piecewise linear; γ⁻¹ in closed form.
+struct PrandtlIshlinskii {
+  std::vector<double> r;
+  std::vector<double> w;
+  std::vector<double> s;  ///< dead-zone thresholds, any order, none 0
+  std::vector<double> v;
+  std::vector<double> gamma;  ///< empty or {c0, c1, c2, c3}
+  double u_0 = 0.0;
+  double offset = 0.0;
+  /// What reset() takes for the past: rest at u_0, or a monotone motion from far above or far below.
+  enum class Start { rest_zero, from_above, from_below } start = Start::rest_zero;
+
+  static PrandtlIshlinskii from(const Parameters& values);
+
+  double envelope(double u) const;
+  double envelope_inverse(double v) const;
+  double shape(double p) const;
+  double shape_inverse(double y) const;
+};
+
+class PrandtlIshlinskiiOperator final : public Operator {
+ public:
+  explicit PrandtlIshlinskiiOperator(PrandtlIshlinskii model);
+  std::unique_ptr<Operator> clone() const override {
+    return std::make_unique<PrandtlIshlinskiiOperator>(*this);
+  }
+  double reset(double u) override;
+  double step(double u, double dt_s) override;
+  double peek(double u, double dt_s) const override;
+  bool rate_independent() const override { return true; }
+  /// The plays' states, for tests.
+  const std::vector<double>& states() const { return z_; }
+
+ private:
+  PrandtlIshlinskii model_;
+  std::vector<double> z_;
+};
+
+class PrandtlIshlinskiiInverse final : public Inverse {
+ public:
+  explicit PrandtlIshlinskiiInverse(PrandtlIshlinskii model);
+  std::unique_ptr<Inverse> clone() const override {
+    return std::make_unique<PrandtlIshlinskiiInverse>(*this);
+  }
+  double reset(double y) override;
+  double step(double y, double dt_s) override;
+  double achieved() const override { return achieved_; }
+
+ private:
+  PrandtlIshlinskii model_;
+  std::vector<double> r_;                             ///< r'
+  std::vector<double> w_;                             ///< w'
+  std::vector<double> z_;                             ///< z'
+  std::optional<PrandtlIshlinskiiOperator> forward_;  ///< only with an envelope, which can run out of reach
+  double achieved_ = 0.0;
+};
+
+}  // namespace bodesmith::hysteresis

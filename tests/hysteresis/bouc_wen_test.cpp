@@ -1,0 +1,88 @@
+#include "hysteresis/bouc_wen.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.hpp"
+#include "hysteresis/registry.hpp"
+#include "test_signals.hpp"
+
+namespace bodesmith::hysteresis {
+namespace {
+
+/// The state's equation integrated in very small steps: independent of the closed form.
+double brute_force(const BoucWen& model, double z, double du) {
+  const int steps = 400000;
+  const double h = du / steps;
+  const double sign = du > 0.0 ? 1.0 : -1.0;
+  const auto slope = [&](double v) {
+    const double p = std::pow(std::abs(v), model.n);
+    return model.A - model.beta * sign * (v >= 0.0 ? p : -p) - model.gamma * p;
+  };
+  for (int i = 0; i < steps; ++i) z += h * slope(z + 0.5 * h * slope(z));
+  return z;
+}
+
+TEST(BoucWen, ClosedFormAndStepsAgreeWithBruteForce) {
+  for (const double n : {1.0, 1.7, 3.0}) {
+    for (const double gamma : {-0.5, 0.0, 0.8}) {
+      for (const double amplitude : {0.6, -0.6}) {
+        const BoucWen model{2.0, amplitude, 1.3, gamma, n, 0.0, 0.0};
+        double z = 0.0;
+        for (const double move : {0.7, -0.3, -1.5, 2.2, 0.1, -0.05}) {
+          const double expected = brute_force(model, z, move);
+          z = model.advance(z, move);
+          ASSERT_NEAR(z, expected, 2e-6) << n << " " << gamma << " " << amplitude << " " << move;
+        }
+      }
+    }
+  }
+}
+
+TEST(BoucWen, OneMoveOrManyGiveTheSame) {
+  const BoucWen model{2.0, 0.6, 1.3, 0.4, 1.0, 0.0, 0.0};
+  BoucWenOperator once(model);
+  BoucWenOperator often(model);
+  for (const double target : {1.0, -0.4, 0.8, 0.1}) {
+    const double before = target;
+    (void)before;
+    const double y = once.step(target, 1.0);
+    double last = 0.0;
+    static double from = 0.0;
+    for (int k = 1; k <= 57; ++k) last = often.step(from + (target - from) * k / 57.0, 1e-3);
+    from = target;
+    EXPECT_NEAR(y, last, 1e-12);
+  }
+}
+
+TEST(BoucWen, InverseTracks) {
+  Parameters values;
+  values.set("k", 2.0).set("A", 0.5).set("beta", 1.3).set("gamma", 0.9);
+  const Model model = checked_model("bouc_wen", values);
+  const auto forward = make_operator(model);
+  const auto inverse = make_inverse(model);
+  EXPECT_NEAR(forward->reset(inverse->reset(0.2)), 0.2, 1e-9);
+  testing::Random random(3);
+  double y = 0.2;
+  for (int i = 0; i < 500; ++i) {
+    y += 0.5 * (random.uniform() - 0.5);
+    ASSERT_NEAR(forward->step(inverse->step(y, 1.0), 1.0), y, 1e-12);
+  }
+  values.set("k", 0.3);
+  EXPECT_THROW(make_inverse(checked_model("bouc_wen", values)), DesignError);
+}
+
+TEST(BoucWen, IdentificationFindsItsOwnParameters) {
+  const BoucWen model{3.0, 1.1, 1.4, 0.5, 1.0, 0.0, 2.0};
+  BoucWenOperator op(model);
+  const std::vector<double> u = testing::modulated_triangle(1500, 0.0, 2.0, 60);
+  std::vector<double> y{op.reset(u[0])};
+  for (std::size_t i = 1; i < u.size(); ++i) y.push_back(op.step(u[i], 1e-3));
+  const TimeRecord record = testing::record(u, y);
+  const Identified found = model_type("bouc_wen").identify({&record, 1}, {});
+  EXPECT_LT(error_figures(found.stage, {&record, 1}).rms_percent, 0.02);
+}
+
+}  // namespace
+}  // namespace bodesmith::hysteresis

@@ -5,6 +5,7 @@
 #include <optional>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "base/units.hpp"
@@ -16,15 +17,18 @@ class Block;
 
 /// What a block type says about one of its parameters.
 struct ParameterSpec {
-  enum class Shape { number, list, flag };
+  enum class Shape { number, list, flag, word };
 
   std::string name;  ///< key in model.toml, ending in its unit
   std::string what;  ///< one line for a person
   Shape shape = Shape::number;
-  std::optional<double> standard;  ///< value when the key is absent; none: the key is needed (for a list: none)
+  std::optional<double>
+      standard;  ///< value when the key is absent; none: the key is needed (for a list: none)
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
-  bool low_excluded = false;  ///< the value must be above `low`, not at it
+  bool low_excluded = false;            ///< the value must be above `low`, not at it
+  bool optional_list = false;           ///< a list that may be left out
+  std::vector<std::string> words = {};  ///< legal words of a Shape::word, the standard one first
 };
 
 /// One scalar of a block; a list of model.toml is one Parameter an entry.
@@ -43,8 +47,8 @@ struct Parameter {
   std::string unit() const;
 };
 
-/// A type of block: its parameters, and what engines run for it. One object a type, in a file of its own under
-/// chain/blocks/, listed in chain/registry.cpp.
+/// A type of block: its parameters, and what engines run for it. One object a type, in a file of its own
+/// under chain/blocks/, listed in chain/registry.cpp.
 class BlockType {
  public:
   virtual ~BlockType() = default;
@@ -55,9 +59,11 @@ class BlockType {
   /// parameters are checked by Block::check already.
   virtual std::string complaint(const Block&) const { return {}; }
   virtual Kernel kernel(const Block& block) const = 0;
-  /// The exact H(jw), for linear blocks (offsets, hum and drift do not count; a fractional term is exact here, though
-  /// its kernel is not). Nothing for the others.
-  virtual std::optional<std::complex<double>> response(const Block&, RadPerSecond) const { return std::nullopt; }
+  /// The exact H(jw), for linear blocks (offsets, hum and drift do not count; a fractional term is exact
+  /// here, though its kernel is not). Nothing for the others.
+  virtual std::optional<std::complex<double>> response(const Block&, RadPerSecond) const {
+    return std::nullopt;
+  }
 };
 
 /// A block of a chain: its type and the values of its parameters. A value: copies are independent.
@@ -80,6 +86,10 @@ class Block {
   /// `name` may be a key or "key[i]".
   Block& set(std::string_view name, double value);
   Block& set(std::string_view key, const std::vector<double>& values);
+  /// Parameters that are words (kinds, not numbers).
+  const std::string& word(std::string_view key) const;
+  Block& set_word(std::string_view key, std::string value);
+  const std::vector<std::pair<std::string, std::string>>& words() const { return words_; }
   /// Frees a key (all entries of a list), or one entry "key[i]". False when there is no such parameter.
   bool free(std::string_view name);
 
@@ -95,6 +105,7 @@ class Block {
   const ParameterSpec* spec(std::string_view key) const;
   const BlockType* type_;
   std::vector<Parameter> parameters_;
+  std::vector<std::pair<std::string, std::string>> words_;
 };
 
 }  // namespace bodesmith::chain

@@ -7,17 +7,18 @@
 
 namespace bodesmith::chain {
 
-/// What an engine (simulate/) runs: a block with its parameters turned into numbers. A block type picks one of
-/// these kinds; the engines know the kinds, never the blocks.
+/// What an engine (simulate/) runs: a block with its parameters turned into numbers. A block type picks one
+/// of these kinds; the engines know the kinds, never the blocks.
 
-/// x' = A x + b u,  y = c x + d u + offset, the output then delayed by delay_s. `a` is row-major, order x order.
-/// States are chosen of the size of the signal, so that A is balanced. All eigenvalues of A have Re < 0, or
-/// order is 0.
+/// x' = A x + b u + constant,  y = c x + d u + offset, the output then delayed by delay_s. `a` is row-major,
+/// order x order; an empty `constant` is zero. States are chosen of the size of the signal, so that A is
+/// balanced. All eigenvalues of A have Re < 0, or order is 0.
 struct LinearKernel {
   int order = 0;
   std::vector<double> a;
   std::vector<double> b;
   std::vector<double> c;
+  std::vector<double> constant;
   double d = 0.0;
   double offset = 0.0;
   double delay_s = 0.0;
@@ -72,8 +73,8 @@ class MemoryKernel {
  public:
   virtual ~MemoryKernel() = default;
   virtual std::unique_ptr<MemoryKernel> clone() const = 0;
-  /// Forgets everything. `equilibrium`: rests under u; otherwise rests under 0 and then jumps to u. Returns the
-  /// output there.
+  /// Forgets everything. `equilibrium`: rests under u; otherwise rests under 0 and then jumps to u. Returns
+  /// the output there.
   virtual double reset(double u, bool equilibrium) = 0;
   /// The input moves along a straight line from where it was to u within dt_s; returns the output at its end.
   virtual double step(double u, double dt_s) = 0;
@@ -86,8 +87,8 @@ class MemoryKernel {
   virtual bool rate_independent() const = 0;
 };
 
-/// Works on samples taken at t = first_edge + k/clock_hz; its output is held from `delay_s` after each sample until
-/// the next one. First edge at the first sample of the record.
+/// Works on samples taken at t = first_edge + k/clock_hz; its output is held from `delay_s` after each sample
+/// until the next one. First edge at the first sample of the record.
 class SampledKernel {
  public:
   virtual ~SampledKernel() = default;
@@ -98,7 +99,8 @@ class SampledKernel {
   virtual double update(double sample) = 0;
 };
 
-using Kernel = std::variant<LinearKernel, std::unique_ptr<CurveKernel>, std::unique_ptr<SourceKernel>,
-                            std::unique_ptr<OdeKernel>, std::unique_ptr<MemoryKernel>, std::unique_ptr<SampledKernel>>;
+using Kernel =
+    std::variant<LinearKernel, std::unique_ptr<CurveKernel>, std::unique_ptr<SourceKernel>,
+                 std::unique_ptr<OdeKernel>, std::unique_ptr<MemoryKernel>, std::unique_ptr<SampledKernel>>;
 
 }  // namespace bodesmith::chain

@@ -10,14 +10,16 @@
 
 namespace bodesmith::chain {
 
-/// model.toml (schema bodesmith.model/1; JSON of the same shape works too). Refused with file and line: an unknown
-/// type or key, a missing or out-of-bounds value, a name in `free` that is not a parameter of its block.
+/// model.toml (schema bodesmith.model/1; JSON of the same shape works too). Refused with file and line: an
+/// unknown type or key, a missing or out-of-bounds value, a name in `free` that is not a parameter of its
+/// block.
 Chain read_model(const std::filesystem::path& path, Provenance& from);
 Chain model_from_node(const Node& node);
 /// One block, from a table that has `type`.
 Block block_from_node(const Node& node);
 
-/// The text of a model.toml that reads back as the same chain; `comment` stands at its top, line by line after #.
+/// The text of a model.toml that reads back as the same chain; `comment` stands at its top, line by line
+/// after #.
 std::string model_text(const Chain& chain, const std::string& comment = {});
 /// {"blocks": [{"type", parameters..., "free"}]} without a header, for reports.
 Json model_json(const Chain& chain);

@@ -1,0 +1,42 @@
+#include <algorithm>
+
+#include "chain/blocks/block_list.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+class Play final : public MemoryKernel {
+ public:
+  explicit Play(double width) : half_(0.5 * width) {}
+  std::unique_ptr<MemoryKernel> clone() const override { return std::make_unique<Play>(*this); }
+  double reset(double u, bool equilibrium) override {
+    return y_ = equilibrium ? u : std::clamp(0.0, u - half_, u + half_);
+  }
+  double step(double u, double) override { return y_ = peek(u, 0.0); }
+  double peek(double u, double) const override { return std::clamp(y_, u - half_, u + half_); }
+  double departing(double) const override { return y_; }
+  bool rate_independent() const override { return true; }
+
+ private:
+  double half_;
+  double y_ = 0.0;
+};
+
+/// Play: y stays until the input pushes it, max(u - width/2, min(u + width/2, y)). At rest the output stands
+/// in the middle, y = u.
+class Backlash final : public NamedBlockType {
+ public:
+  Backlash()
+      : NamedBlockType("backlash", "play of constant width",
+                       {not_negative("width", "full width, units of the input")}) {}
+  Kernel kernel(const Block& block) const override { return std::make_unique<Play>(block.get("width")); }
+};
+
+}  // namespace
+
+const BlockType& backlash_block() {
+  static const Backlash type;
+  return type;
+}
+
+}  // namespace bodesmith::chain

@@ -1,0 +1,51 @@
+#include "chain/blocks/block_list.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+/// H(s) = 1 + sum gains[i]/(1 + s time_constants_s[i]): slow relaxation beside the direct path.
+class Creep final : public NamedBlockType {
+ public:
+  Creep()
+      : NamedBlockType("creep", "slow relaxation, 1 + sum g/(1 + s tau)",
+                       {list_of(any_number("gains", "share of each relaxation")),
+                        list_of(above_zero("time_constants_s", "time constant of each relaxation"))}) {}
+  std::string complaint(const Block& block) const override {
+    return block.list("gains").size() == block.list("time_constants_s").size()
+               ? ""
+               : "gains and time_constants_s have different lengths";
+  }
+  Kernel kernel(const Block& block) const override {
+    const auto gains = block.list("gains");
+    const auto times = block.list("time_constants_s");
+    LinearKernel k;
+    k.order = static_cast<int>(gains.size());
+    const std::size_t n = gains.size();
+    k.a.assign(n * n, 0.0);
+    k.b.resize(n);
+    k.c = gains;
+    k.d = 1.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      k.a[i * n + i] = -1.0 / times[i];
+      k.b[i] = 1.0 / times[i];
+    }
+    return k;
+  }
+  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+    const auto gains = block.list("gains");
+    const auto times = block.list("time_constants_s");
+    std::complex<double> h = 1.0;
+    for (std::size_t i = 0; i < gains.size(); ++i)
+      h += gains[i] / std::complex<double>(1.0, w.value * times[i]);
+    return h;
+  }
+};
+
+}  // namespace
+
+const BlockType& creep_block() {
+  static const Creep type;
+  return type;
+}
+
+}  // namespace bodesmith::chain

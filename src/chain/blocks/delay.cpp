@@ -1,0 +1,28 @@
+#include "chain/blocks/block_list.hpp"
+#include "chain/linear_kernel.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+/// y(t) = u(t - delay_s).
+class Delay final : public NamedBlockType {
+ public:
+  Delay() : NamedBlockType("delay", "pure delay", {not_negative("delay_s", "delay")}) {}
+  Kernel kernel(const Block& block) const override {
+    LinearKernel k = gain_kernel(1.0);
+    k.delay_s = block.get("delay_s");
+    return k;
+  }
+  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+    return std::polar(1.0, -w.value * block.get("delay_s"));
+  }
+};
+
+}  // namespace
+
+const BlockType& delay_block() {
+  static const Delay type;
+  return type;
+}
+
+}  // namespace bodesmith::chain

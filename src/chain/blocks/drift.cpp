@@ -1,0 +1,37 @@
+#include "chain/blocks/block_list.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+class DriftSource final : public SourceKernel {
+ public:
+  explicit DriftSource(double rate) : rate_(rate) {}
+  double value(double t) const override { return rate_ * t; }
+  double rate(double) const override { return rate_; }
+  bool straight() const override { return true; }
+  double time_scale_s() const override { return std::numeric_limits<double>::infinity(); }
+
+ private:
+  double rate_;
+};
+
+/// y = u + rate_per_s t, t as in the record's time_s.
+class Drift final : public NamedBlockType {
+ public:
+  Drift()
+      : NamedBlockType("drift", "adds a slow straight line",
+                       {any_number("rate_per_s", "units of the signal a second")}) {}
+  Kernel kernel(const Block& block) const override {
+    return std::make_unique<DriftSource>(block.get("rate_per_s"));
+  }
+  std::optional<std::complex<double>> response(const Block&, RadPerSecond) const override { return 1.0; }
+};
+
+}  // namespace
+
+const BlockType& drift_block() {
+  static const Drift type;
+  return type;
+}
+
+}  // namespace bodesmith::chain

@@ -1,0 +1,31 @@
+#include <limits>
+
+#include "chain/blocks/block_list.hpp"
+#include "chain/linear_kernel.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+/// H(s) = 1/(1 + s/(2 pi corner_hz)): an amplifier's first-order lag.
+class Lowpass final : public NamedBlockType {
+ public:
+  Lowpass()
+      : NamedBlockType("lowpass", "first-order lag, 1/(1 + s/w)",
+                       {above_zero("corner_hz", "-3 dB frequency")}) {}
+  Kernel kernel(const Block& block) const override {
+    return pole_zero_kernel(1.0, std::numeric_limits<double>::infinity(),
+                            Hertz{block.get("corner_hz")}.rad_s().value);
+  }
+  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+    return 1.0 / std::complex<double>(1.0, w.value / Hertz{block.get("corner_hz")}.rad_s().value);
+  }
+};
+
+}  // namespace
+
+const BlockType& lowpass_block() {
+  static const Lowpass type;
+  return type;
+}
+
+}  // namespace bodesmith::chain

@@ -1,0 +1,32 @@
+#include "chain/blocks/block_list.hpp"
+#include "chain/linear_kernel.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+/// H(s) = gain (1 + s/(2 pi zero_hz))/(1 + s/(2 pi pole_hz)): one integer section of a compensator.
+class PoleZero final : public NamedBlockType {
+ public:
+  PoleZero()
+      : NamedBlockType("pole_zero", "gain (1 + s/z)/(1 + s/p)",
+                       {any_number("gain", "gain at DC", 1.0), above_zero("zero_hz", "corner of the zero"),
+                        above_zero("pole_hz", "corner of the pole")}) {}
+  Kernel kernel(const Block& block) const override {
+    return pole_zero_kernel(block.get("gain"), Hertz{block.get("zero_hz")}.rad_s().value,
+                            Hertz{block.get("pole_hz")}.rad_s().value);
+  }
+  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+    const double f = w.hz().value;
+    return block.get("gain") * std::complex<double>(1.0, f / block.get("zero_hz")) /
+           std::complex<double>(1.0, f / block.get("pole_hz"));
+  }
+};
+
+}  // namespace
+
+const BlockType& pole_zero_block() {
+  static const PoleZero type;
+  return type;
+}
+
+}  // namespace bodesmith::chain

@@ -1,0 +1,46 @@
+#include "chain/blocks/block_list.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+class PolynomialCurve final : public CurveKernel {
+ public:
+  explicit PolynomialCurve(std::vector<double> coefficients) : c_(std::move(coefficients)) {}
+  double value(double u) const override {
+    double sum = 0.0;
+    for (std::size_t i = c_.size(); i-- > 0;) sum = sum * u + c_[i];
+    return sum;
+  }
+  double slope(double u) const override {
+    double sum = 0.0;
+    for (std::size_t i = c_.size(); i-- > 1;) sum = sum * u + static_cast<double>(i) * c_[i];
+    return sum;
+  }
+  const std::vector<double>* polynomial() const override { return &c_; }
+  void values(const double* u, double* y, std::size_t count) const override {
+    for (std::size_t i = 0; i < count; ++i) y[i] = PolynomialCurve::value(u[i]);
+  }
+
+ private:
+  std::vector<double> c_;
+};
+
+/// y = sum c_i u^i.
+class Polynomial final : public NamedBlockType {
+ public:
+  Polynomial()
+      : NamedBlockType("polynomial", "smooth static curve",
+                       {list_of(any_number("coefficients", "[c0, c1, ...]"))}) {}
+  Kernel kernel(const Block& block) const override {
+    return std::make_unique<PolynomialCurve>(block.list("coefficients"));
+  }
+};
+
+}  // namespace
+
+const BlockType& polynomial_block() {
+  static const Polynomial type;
+  return type;
+}
+
+}  // namespace bodesmith::chain

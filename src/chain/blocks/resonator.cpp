@@ -1,0 +1,102 @@
+#include <cmath>
+
+#include "chain/blocks/block_list.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+/// With w = 2 pi natural_frequency_hz, states x0 = y and x1 = y'/w:
+///   x0' = w x1
+///   x1' = w (gain u - x0 - 2 zeta x1) + w n,   n = -(quadratic y^2 + cubic y^3) - drag |y'| y' / w
+LinearKernel linear_part(const Block& block) {
+  const double w = Hertz{block.get("natural_frequency_hz")}.rad_s().value;
+  LinearKernel k;
+  k.order = 2;
+  k.a = {0.0, w, -w, -2.0 * block.get("damping_ratio") * w};
+  k.b = {0.0, w * block.get("gain")};
+  k.c = {1.0, 0.0};
+  return k;
+}
+
+class NonlinearResonator final : public OdeKernel {
+ public:
+  explicit NonlinearResonator(const Block& block)
+      : linear_(linear_part(block)),
+        entry_{0.0, linear_.a[1]},
+        gain_(block.get("gain")),
+        quadratic_(block.get("quadratic")),
+        cubic_(block.get("cubic")),
+        drag_(block.get("drag") * linear_.a[1]) {}  // |y'| y' / w = w |x1| x1
+
+  const LinearKernel& linear() const override { return linear_; }
+  const std::vector<double>& entry() const override { return entry_; }
+  double nonlinear(const double* x, double) const override {
+    return -(quadratic_ + cubic_ * x[0]) * x[0] * x[0] - drag_ * std::abs(x[1]) * x[1];
+  }
+  double nonlinear_gradient(const double* x, double, double* by_x) const override {
+    by_x[0] = -(2.0 * quadratic_ + 3.0 * cubic_ * x[0]) * x[0];
+    by_x[1] = -2.0 * drag_ * std::abs(x[1]);
+    return 0.0;
+  }
+  void equilibrium(double u, double* x) const override {
+    // y + q y^2 + c y^3 = gain u: the branch that starts at y = 0, followed from there in steps.
+    double y = 0.0;
+    for (int part = 1; part <= 64; ++part) {
+      const double load = gain_ * u * part / 64.0;
+      for (int i = 0; i < 50; ++i) {
+        const double change = (load - y - (quadratic_ + cubic_ * y) * y * y) /
+                              (1.0 + (2.0 * quadratic_ + 3.0 * cubic_ * y) * y);
+        if (!std::isfinite(change)) break;
+        y += change;
+        if (std::abs(change) <= 1e-15 * std::abs(y)) break;
+      }
+    }
+    x[0] = y;
+    x[1] = 0.0;
+  }
+
+ private:
+  LinearKernel linear_;
+  std::vector<double> entry_;
+  double gain_;
+  double quadratic_;
+  double cubic_;
+  double drag_;
+};
+
+/// y'' + 2 zeta w y' + w^2 (y + quadratic y^2 + cubic y^3) + drag w |y'| y' = gain w^2 u.
+class Resonator final : public NamedBlockType {
+ public:
+  Resonator()
+      : NamedBlockType(
+            "resonator", "second-order mode; nonlinear spring and drag if given",
+            {any_number("gain", "gain at DC", 1.0),
+             above_zero("natural_frequency_hz", "undamped natural frequency"),
+             above_zero("damping_ratio", "zeta"), any_number("quadratic", "spring, per unit of y", 0.0),
+             any_number("cubic", "spring, per unit of y squared", 0.0),
+             any_number("drag", "factor of w |y'| y', s per unit of y", 0.0)}) {}
+
+  Kernel kernel(const Block& block) const override {
+    if (is_linear(block)) return linear_part(block);
+    return std::make_unique<NonlinearResonator>(block);
+  }
+  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+    if (!is_linear(block)) return std::nullopt;
+    const double r = w.hz().value / block.get("natural_frequency_hz");
+    return block.get("gain") / std::complex<double>(1.0 - r * r, 2.0 * block.get("damping_ratio") * r);
+  }
+
+ private:
+  static bool is_linear(const Block& block) {
+    return block.get("quadratic") == 0.0 && block.get("cubic") == 0.0 && block.get("drag") == 0.0;
+  }
+};
+
+}  // namespace
+
+const BlockType& resonator_block() {
+  static const Resonator type;
+  return type;
+}
+
+}  // namespace bodesmith::chain

@@ -1,0 +1,48 @@
+#include "chain/blocks/block_list.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+class Hold final : public SampledKernel {
+ public:
+  Hold(double clock_hz, bool half_cycle) : clock_hz_(clock_hz), delay_s_(half_cycle ? 0.5 / clock_hz : 0.0) {}
+  double clock_hz() const override { return clock_hz_; }
+  double delay_s() const override { return delay_s_; }
+  double reset(double u, bool equilibrium) override { return equilibrium ? u : 0.0; }
+  double update(double sample) override { return sample; }
+
+ private:
+  double clock_hz_;
+  double delay_s_;
+};
+
+/// Samples at the clock's edges (the first one at the record's first sample) and holds for one cycle; with
+/// half_cycle the sample appears half a cycle later, as between two phases of a switched-capacitor circuit.
+/// For signals well below the clock H(jw) = sinc(f/fc) exp(-j pi f/fc), times exp(-j pi f/fc) again with
+/// half_cycle.
+class SampleHold final : public NamedBlockType {
+ public:
+  SampleHold()
+      : NamedBlockType("sample_hold", "clocked sample and hold", {above_zero("clock_hz", "clock"), flag()}) {}
+  Kernel kernel(const Block& block) const override {
+    return std::make_unique<Hold>(block.get("clock_hz"), block.flag("half_cycle"));
+  }
+
+ private:
+  static ParameterSpec flag() {
+    ParameterSpec s = any_number("half_cycle", "the sample appears half a cycle later", 0.0);
+    s.shape = ParameterSpec::Shape::flag;
+    s.low = 0.0;
+    s.high = 1.0;
+    return s;
+  }
+};
+
+}  // namespace
+
+const BlockType& sample_hold_block() {
+  static const SampleHold type;
+  return type;
+}
+
+}  // namespace bodesmith::chain

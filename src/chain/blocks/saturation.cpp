@@ -1,0 +1,46 @@
+#include <algorithm>
+
+#include "chain/blocks/block_list.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+class SaturationCurve final : public CurveKernel {
+ public:
+  SaturationCurve(double lower, double upper) : lower_(lower), upper_(upper) {}
+  double value(double u) const override { return std::clamp(u, lower_, upper_); }
+  double slope(double u) const override { return u > lower_ && u < upper_ ? 1.0 : 0.0; }
+  std::vector<double> corners() const override { return {lower_, upper_}; }
+  void values(const double* u, double* y, std::size_t count) const override {
+    for (std::size_t i = 0; i < count; ++i) y[i] = std::clamp(u[i], lower_, upper_);
+  }
+
+ private:
+  double lower_;
+  double upper_;
+};
+
+/// y = u held between lower and upper.
+class Saturation final : public NamedBlockType {
+ public:
+  Saturation()
+      : NamedBlockType("saturation", "limits the amplitude",
+                       {any_number("lower", "lowest output"), any_number("upper", "highest output")}) {}
+  std::string complaint(const Block& block) const override {
+    return block.get("lower") < block.get("upper") ? "" : "lower is not below upper";
+  }
+  Kernel kernel(const Block& block) const override {
+    // A fit may try limits the wrong way round on its way; the order is then taken as meant.
+    const auto [low, high] = std::minmax({block.get("lower"), block.get("upper")});
+    return std::make_unique<SaturationCurve>(low, high);
+  }
+};
+
+}  // namespace
+
+const BlockType& saturation_block() {
+  static const Saturation type;
+  return type;
+}
+
+}  // namespace bodesmith::chain

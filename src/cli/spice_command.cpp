@@ -1,8 +1,119 @@
-#include "base/error.hpp"
+#include <fmt/format.h>
+
+#include "base/files.hpp"
+#include "base/progress.hpp"
+#include "base/text.hpp"
+#include "circuit/circuit_json.hpp"
+#include "circuit/realise.hpp"
+#include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "spice/check.hpp"
+#include "spice/emit.hpp"
+#include "spice/ngspice.hpp"
 
 namespace bodesmith::cli {
+namespace {
 
-int run_spice(const std::vector<std::string>&) { throw InputError("spice is not built yet"); }
+namespace po = boost::program_options;
+
+void declare(CommandLine& line) {
+  line.positional("SECTIONS.json", 1, 1);
+  line.output("folder for compensator.sub, ac.cir, transient.cir, parts.csv and circuit.json");
+  line.options().add_options()(
+      "realization", po::value<std::string>()->default_value("opamp-rc"),
+      "opamp-rc (chooses for each stage) or one form for all: first-order, tow-thomas, …")(
+      "series", po::value<std::string>()->default_value("E96"),
+      "series of the resistors, E3 to E192; exact: values as computed, capacitors too")(
+      "capacitor-series", po::value<std::string>(),
+      "series of the capacitors (E12, or exact with --series exact)")(
+      "min-ohm", po::value<double>()->default_value(1e3), "least resistor")(
+      "max-ohm", po::value<double>()->default_value(2.2e6), "greatest resistor")(
+      "min-f", po::value<double>()->default_value(47e-12), "least capacitor")(
+      "max-f", po::value<double>()->default_value(220e-9), "greatest capacitor")(
+      "max-error-db", po::value<double>(),
+      "exit with 1 when parts and op-amps together miss the sections by more")(
+      "from-hz", po::value<double>(),
+      "band of the search and of the errors (default: 1/10 of the lowest corner")(
+      "to-hz", po::value<double>(), "to 10 times the highest)")(
+      "check", "run ngspice and compare with the program's own response");
+}
+
+RealiseOptions read_options(const CommandLine& line) {
+  RealiseOptions options;
+  options.realization = line.get<std::string>("realization");
+  options.resistors = Series::named(line.get<std::string>("series"));
+  options.capacitors = Series::named(
+      line.maybe<std::string>("capacitor-series").value_or(options.resistors.is_exact() ? "exact" : "E12"));
+  options.least_ohm = line.positive("min-ohm");
+  options.greatest_ohm = line.positive("max-ohm");
+  options.least_f = line.positive("min-f");
+  options.greatest_f = line.positive("max-f");
+  if (line.has("from-hz") != line.has("to-hz")) line.fail("--from-hz and --to-hz belong together");
+  if (line.has("from-hz")) {
+    options.band = Band{Hertz{line.positive("from-hz")}, Hertz{line.positive("to-hz")}};
+    if (!(options.band->from < options.band->to)) line.fail("--from-hz is not below --to-hz");
+  }
+  return options;
+}
+
+}  // namespace
+
+int run_spice(const std::vector<std::string>& arguments) {
+  CommandLine line("spice", "bodesmith spice sections.json -o spice/ --check",
+                   "Sections as op-amp RC circuits with parts that can be bought, and portable netlists.");
+  declare(line);
+  if (!line.parse(arguments)) return kDone;
+  const RealiseOptions options = read_options(line);
+  if (line.has("max-error-db")) line.positive("max-error-db");
+  if (line.has("check") && !ngspice_available()) {
+    line.fail("--check needs ngspice, which is not installed (Debian: apt-get install ngspice)");
+  }
+  Provenance from;
+  const Sections sections = Sections::read(line.files()[0], from);
+
+  const Stopwatch watch;
+  const Realised made = realise(sections, options);
+  const double compute_s = watch.seconds();
+  for (const std::string& warning : made.report.warnings) note(warning);
+
+  Json circuit = json_header("circuit", from);
+  circuit.update(to_json(made));
+  circuit["timing_s"] = {{"compute", compute_s}};
+  const RealiseReport& report = made.report;
+  std::string text = fmt::format(
+      "{} stages, {} op-amps, {} parts ({} resistors, {} capacitors)\n"
+      "parts against the sections, {} to {} Hz: {} dB, {} deg ({} dB with every value rounded on its own)\n"
+      "op-amps ({}): {} dB; all together: {} dB, {} deg\n",
+      made.circuit.stages.size(), made.circuit.opamps.size(), made.circuit.parts.size(),
+      options.resistors.name(), options.capacitors.name(), rounded_text(report.band.from.value),
+      rounded_text(report.band.to.value), rounded_text(report.parts.max_magnitude_db, 3),
+      rounded_text(report.parts.max_phase_deg, 3), rounded_text(report.nearest.max_magnitude_db, 3),
+      options.opamp.name, rounded_text(report.opamps.max_magnitude_db, 3),
+      rounded_text(report.all.max_magnitude_db, 3), rounded_text(report.all.max_phase_deg, 3));
+  if (line.has("check")) {
+    const SpiceCheck check = check_with_ngspice(made.circuit, sections);
+    circuit["ngspice"] = {{"version", ngspice_version()},
+                          {"band_hz", {check.band.from.value, check.band.to.value}},
+                          {"against_program", to_json(check.against_network)},
+                          {"against_sections", to_json(check.against_sections)}};
+    text +=
+        fmt::format("ngspice, {} to {} Hz: {} dB from the program's own response, {} dB from the sections\n",
+                    rounded_text(check.band.from.value), rounded_text(check.band.to.value),
+                    rounded_text(check.against_network.max_magnitude_db, 3),
+                    rounded_text(check.against_sections.max_magnitude_db, 3));
+  }
+  int status = kDone;
+  if (const auto limit = line.maybe<double>("max-error-db"); limit && report.all.max_magnitude_db > *limit) {
+    text += fmt::format("the limit of {} dB is not met\n", rounded_text(*limit));
+    circuit["limit_missed"] = true;
+    status = kLimitMissed;
+  }
+  OutputSet out(line.output_path());
+  add_spice_files(made, fmt::format("compensator from {}", line.files()[0]), out);
+  out.add("circuit.json", to_text(circuit));
+  out.commit();
+  print_summary(line, text, circuit);
+  return status;
+}
 
 }  // namespace bodesmith::cli

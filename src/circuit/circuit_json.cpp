@@ -1,0 +1,66 @@
+#include "circuit/circuit_json.hpp"
+
+namespace bodesmith {
+namespace {
+
+Json section_json(const Biquad& h) {
+  const Section section = h.section();
+  Json out;
+  out["gain"] = section.gain;
+  out["zeros_rad_s"] = Json::array();
+  out["poles_rad_s"] = Json::array();
+  for (const auto& zero : section.zeros) out["zeros_rad_s"].push_back({zero.real(), zero.imag()});
+  for (const auto& pole : section.poles) out["poles_rad_s"].push_back({pole.real(), pole.imag()});
+  return out;
+}
+
+}  // namespace
+
+Json to_json(const ResponseDifference& difference) {
+  return {{"max_magnitude_db", difference.max_magnitude_db},
+          {"max_phase_deg", difference.max_phase_deg},
+          {"max_complex_percent", difference.max_complex_percent},
+          {"worst_hz", difference.worst.value}};
+}
+
+Json to_json(const Realised& realised) {
+  const Circuit& circuit = realised.circuit;
+  const RealiseReport& report = realised.report;
+  Json out;
+  out["stages"] = Json::array();
+  for (const Stage& stage : circuit.stages) {
+    Json parts = Json::array();
+    for (int i = 0; i < stage.part_count; ++i) {
+      const Part& part = circuit.parts[static_cast<size_t>(stage.first_part + i)];
+      const bool resistor = part.kind == Part::Kind::resistor;
+      parts.push_back({{"part", part.name},
+                       {"from", part.from},
+                       {"to", part.to},
+                       {"series", part.series},
+                       {resistor ? "wanted_ohm" : "wanted_f", part.wanted},
+                       {resistor ? "realised_ohm" : "realised_f", part.realised}});
+    }
+    out["stages"].push_back({{"realization", stage.realization},
+                             {"in", stage.in},
+                             {"out", stage.out},
+                             {"wanted", section_json(stage.wanted)},
+                             {"realised", section_json(stage.realised)},
+                             {"parts", parts}});
+  }
+  out["opamps"] = circuit.opamps.size();
+  out["opamp"] = {{"name", circuit.model.name},
+                  {"gain_bandwidth_hz", circuit.model.gain_bandwidth.value},
+                  {"slew_v_per_s", circuit.model.slew_v_per_s},
+                  {"output_resistance_ohm", circuit.model.output_resistance_ohm},
+                  {"swing_v", circuit.model.swing_v}};
+  out["nodes"] = {{"highest_db", report.highest_node_db}, {"lowest_db", report.lowest_node_db}};
+  out["error"] = {{"band_hz", {report.band.from.value, report.band.to.value}},
+                  {"parts", to_json(report.parts)},
+                  {"nearest_rounding", to_json(report.nearest)},
+                  {"opamps", to_json(report.opamps)},
+                  {"all", to_json(report.all)}};
+  out["warnings"] = report.warnings;
+  return out;
+}
+
+}  // namespace bodesmith

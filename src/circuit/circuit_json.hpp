@@ -1,0 +1,13 @@
+#pragma once
+
+#include "base/json.hpp"
+#include "circuit/realise.hpp"
+
+namespace bodesmith {
+
+/// stages, parts, op-amp and the error of each step; without the header.
+Json to_json(const Realised& realised);
+/// {"max_magnitude_db", "max_phase_deg", "max_complex_percent", "worst_hz"}.
+Json to_json(const ResponseDifference& difference);
+
+}  // namespace bodesmith

@@ -1,0 +1,60 @@
+#include "spice/deck_text.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "base/text.hpp"
+#include "base/text_template.hpp"
+
+namespace bodesmith {
+namespace {
+
+std::string factors(const std::vector<std::complex<double>>& roots) {
+  if (roots.empty()) return "1";
+  if (roots[0].imag() != 0.0) {
+    return fmt::format("(s^2 + {}s + {})", rounded_text(-2.0 * roots[0].real(), 6),
+                       rounded_text(std::norm(roots[0]), 6));
+  }
+  std::string out;
+  for (const auto& root : roots) {
+    out += root.real() > 0.0 ? fmt::format("(s - {})", rounded_text(root.real(), 6))
+                             : fmt::format("(s + {})", rounded_text(-root.real(), 6));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string spice_number(double value) {
+  return fmt::format("{:.12g}", value);
+}
+
+std::string opamp_library(const OpAmpModel& model) {
+  if (model.name == "ideal") return render_template("spice/ideal_opamp.sub", {});
+  constexpr double kIntegrator = 1e-9;
+  const double gbw = model.gain_bandwidth.rad_s().value;
+  Json data;
+  data["name"] = model.name;
+  data["gbw_hz"] = spice_number(model.gain_bandwidth.value);
+  data["dc_gain"] = spice_number(model.dc_gain);
+  data["slew_v_per_s"] = spice_number(model.slew_v_per_s);
+  data["swing_v"] = spice_number(model.swing_v);
+  data["output_resistance_ohm"] = spice_number(model.output_resistance_ohm);
+  data["slew_current_a"] = spice_number(model.slew_v_per_s * kIntegrator);
+  data["slope_per_v"] = spice_number(gbw / model.slew_v_per_s);
+  data["integrator_ohm"] = spice_number(model.dc_gain / (gbw * kIntegrator));
+  data["integrator_f"] = spice_number(kIntegrator);
+  // 1 mV beyond the limit takes the whole slewing current.
+  data["clamp_siemens"] = spice_number(model.slew_v_per_s * kIntegrator / 1e-3);
+  return render_template("spice/opamp.sub", data);
+}
+
+std::string transfer_text(const Biquad& h) {
+  const Section section = h.section();
+  return fmt::format("{} {}/{}", rounded_text(section.gain, 6), factors(section.zeros),
+                     factors(section.poles));
+}
+
+}  // namespace bodesmith

@@ -19,12 +19,13 @@ struct RecordOptions {
 
 /// The record engine: a chain worked out from sample to sample, thousands of times with other parameters.
 ///
-/// Each signal between blocks is a polynomial of degree p over each hold (a sample interval or 1/oversample of it), given
-/// by its values at the p+1 Gauss-Lobatto points; neighbouring holds may differ at their common point, so jumps at
-/// samples are exact. Neighbouring linear blocks are merged into one state space and propagated by its matrix
-/// exponential, exact for such an input, pure delays included; smooth nonlinear dynamics by collocation at the same
-/// points with an exact linear part; memory operators point by point. So a linear chain is exact at p = 1, and a
-/// curve followed by dynamics has an error of order p+1 in the step, except where a kink falls inside a hold.
+/// Each signal between blocks is a polynomial of degree p over each hold (a sample interval or 1/oversample
+/// of it), given by its values at the p+1 Gauss-Lobatto points; neighbouring holds may differ at their common
+/// point, so jumps at samples are exact. Neighbouring linear blocks are merged into one state space and
+/// propagated by its matrix exponential, exact for such an input, pure delays included; smooth nonlinear
+/// dynamics by collocation at the same points with an exact linear part; memory operators point by point. So
+/// a linear chain is exact at p = 1, and a curve followed by dynamics has an error of order p+1 in the step,
+/// except where a kink falls inside a hold.
 ///
 /// run() reuses every buffer. Use one object a thread.
 class RecordSimulator {
@@ -40,8 +41,8 @@ class RecordSimulator {
   /// The same for the i-th free parameter (Chain::free_parameters order).
   void set_free(std::size_t i, double value);
 
-  /// States of all linear and smooth nonlinear blocks, chain order: with Start::zero, what run() starts from (zeros unless
-  /// set). Sized by the constructor.
+  /// States of all linear and smooth nonlinear blocks, chain order: with Start::zero, what run() starts from
+  /// (zeros unless set). Sized by the constructor.
   std::span<double> initial_states();
 
   /// Output at every sample of u; the view stays good until the next run.
@@ -52,6 +53,9 @@ class RecordSimulator {
   int degree() const;
   std::size_t holds_per_sample() const;
   double model_error() const;  ///< of the last run, see Result
+  /// True when the last run ran away to infinity (an unstable spring) or left steps that did not converge;
+  /// its output is then finite but means nothing from there on.
+  bool diverged() const;
 
  private:
   struct Implementation;

@@ -1,0 +1,151 @@
+#include "simulate/ode_propagator.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bodesmith::simulate {
+
+void OdePropagator::prepare(const chain::OdeKernel& system, double h, const HoldNodes& nodes) {
+  h_ = h;
+  order_ = system.linear().order;
+  degree_ = nodes.degree;
+  nodes_ = &nodes;
+  levels_.resize(kFinest + 1);
+  for (Level& l : levels_) l.ready = false;
+  double norm = 0.0;
+  const auto& a = system.linear().a;
+  for (int i = 0; i < order_; ++i) {
+    double row = 0.0;
+    for (int j = 0; j < order_; ++j) row += std::abs(a[static_cast<size_t>(i * order_ + j)]);
+    norm = std::max(norm, row);
+  }
+  constexpr double kTurn = 0.75;
+  first_level_ =
+      std::clamp(static_cast<int>(std::ceil(std::log2(std::max(1e-300, norm * h / kTurn)))), 0, kFinest);
+  states_.assign(static_cast<size_t>((degree_ + 1) * order_), 0.0);
+  base_.assign(states_.size(), 0.0);
+  force_.assign(static_cast<size_t>(degree_ + 1), 0.0);
+  failures_ = 0;
+}
+
+const OdePropagator::Level& OdePropagator::level(const chain::OdeKernel& system, int index) {
+  Level& l = levels_[static_cast<size_t>(index)];
+  if (l.ready) return l;
+  const auto n = static_cast<size_t>(order_);
+  const auto width = static_cast<size_t>(degree_ + 1);
+  l.e.resize(width * n * n);
+  l.gu.resize(width * n * width);
+  l.ge.resize(width * n * width);
+  l.k.resize(width * n);
+  const std::vector<const double*> inputs = {system.linear().b.data(), system.entry().data()};
+  for (size_t i = 1; i < width; ++i) {
+    solver_.solve(system.linear(), inputs, std::ldexp(h_, -index), *nodes_, nodes_->at[i], response_);
+    std::copy(response_.e.begin(), response_.e.end(), l.e.begin() + static_cast<std::ptrdiff_t>(i * n * n));
+    std::copy(response_.g[0].begin(), response_.g[0].end(),
+              l.gu.begin() + static_cast<std::ptrdiff_t>(i * n * width));
+    std::copy(response_.g[1].begin(), response_.g[1].end(),
+              l.ge.begin() + static_cast<std::ptrdiff_t>(i * n * width));
+    std::copy(response_.k.begin(), response_.k.end(), l.k.begin() + static_cast<std::ptrdiff_t>(i * n));
+  }
+  l.ready = true;
+  return l;
+}
+
+bool OdePropagator::step(const chain::OdeKernel& system, const Level& m, const double* u, const double* x) {
+  const int n = order_;
+  const int width = degree_ + 1;
+  double* state = states_.data();
+  double* base = base_.data();
+  double* force = force_.data();
+  for (int a = 0; a < n; ++a) state[a] = x[a];
+  force[0] = system.nonlinear(x, u[0]);
+  for (int i = 1; i < width; ++i) {
+    force[i] = force[0];
+    for (int a = 0; a < n; ++a) {
+      double sum = m.k[static_cast<size_t>(i * n + a)];
+      const double* e = m.e.data() + (i * n + a) * n;
+      const double* gu = m.gu.data() + (i * n + a) * width;
+      const double* ge = m.ge.data() + (i * n + a) * width;
+      for (int b = 0; b < n; ++b) sum += e[b] * x[b];
+      for (int j = 0; j < width; ++j) sum += gu[j] * u[j];
+      sum += ge[0] * force[0];
+      base[i * n + a] = sum;
+    }
+  }
+  double last = INFINITY;
+  for (int iteration = 0; iteration < 40; ++iteration) {
+    double change = 0.0;
+    double size = 0.0;
+    for (int i = 1; i < width; ++i) {
+      for (int a = 0; a < n; ++a) {
+        double sum = base[i * n + a];
+        const double* ge = m.ge.data() + (i * n + a) * width;
+        for (int j = 1; j < width; ++j) sum += ge[j] * force[j];
+        change = std::max(change, iteration == 0 ? std::abs(sum) : std::abs(sum - state[i * n + a]));
+        size = std::max(size, std::abs(sum));
+        state[i * n + a] = sum;
+      }
+    }
+    if (!std::isfinite(change)) return false;
+    if (iteration > 0 && change <= 1e-13 * size + 1e-300) return true;
+    if (iteration > 1 && change > 0.6 * last) return change <= 1e-11 * size;
+    last = change;
+    for (int i = 1; i < width; ++i) force[i] = system.nonlinear(state + i * n, u[i]);
+  }
+  return false;
+}
+
+void OdePropagator::cover(const chain::OdeKernel& system, int index, double from, const double* u, double* x,
+                          double* y) {
+  const int n = order_;
+  const int width = degree_ + 1;
+  const double part = std::ldexp(1.0, -index);
+  double inner[kMaxDegree + 1];
+  for (int j = 0; j < width; ++j)
+    inner[j] = index == 0 ? u[j] : nodes_->value(u, from + part * nodes_->at[static_cast<size_t>(j)]);
+  const bool may_split = index < kFinest;
+  if (index < first_level_ || (!step(system, level(system, index), inner, x) && may_split)) {
+    cover(system, index + 1, from, u, x, y);
+    cover(system, index + 1, from + 0.5 * part, u, x, y);
+    return;
+  }
+  if (!may_split) {
+    // The finest level either converged or its last iterate is what there is.
+    if (!std::isfinite(states_[static_cast<size_t>((width - 1) * n)])) {
+      ++failures_;
+      std::fill(states_.begin(), states_.end(), 0.0);
+    }
+  }
+  const auto& linear = system.linear();
+  for (int i = 0; i < width; ++i) {
+    // Output nodes of the whole hold that lie in this part.
+    const double s = (nodes_->at[static_cast<size_t>(i)] - from) / part;
+    const bool mine = i == 0 ? from == 0.0 : s > 0.0 && s <= 1.0;
+    if (!mine) continue;
+    double sum = linear.offset + linear.d * u[i];
+    double w[kMaxDegree + 1] = {};
+    if (index > 0) nodes_->weights(s, w);
+    for (int a = 0; a < n; ++a) {
+      double value = states_[static_cast<size_t>(i * n + a)];
+      if (index > 0) {
+        value = 0.0;
+        for (int j = 0; j < width; ++j) value += w[j] * states_[static_cast<size_t>(j * n + a)];
+      }
+      sum += linear.c[static_cast<size_t>(a)] * value;
+    }
+    y[i] = sum;
+  }
+  for (int a = 0; a < n; ++a) x[a] = states_[static_cast<size_t>((width - 1) * n + a)];
+}
+
+void OdePropagator::run(const chain::OdeKernel& system, const double* u, double* y, std::size_t holds,
+                        double* x) {
+  const int width = degree_ + 1;
+  for (std::size_t hold = 0; hold < holds; ++hold) {
+    cover(system, 0, 0.0, u, x, y);
+    u += width;
+    y += width;
+  }
+}
+
+}  // namespace bodesmith::simulate

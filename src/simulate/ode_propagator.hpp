@@ -1,0 +1,55 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "chain/kernel.hpp"
+#include "simulate/hold_nodes.hpp"
+#include "simulate/hold_response.hpp"
+
+namespace bodesmith::simulate {
+
+/// x' = A x + b u + e n(x, u) over holds of equal length: n is the polynomial through its values at the
+/// hold's nodes (Lobatto collocation, order 2p in the step), its linear surroundings exact. The implicit
+/// equations are solved by fixed-point iteration from the last hold's values; a hold in which that does not
+/// contract, or over which the linear part turns by more than 0.7 rad, is halved, as often as needed (at most
+/// 2^12 parts).
+class OdePropagator {
+ public:
+  void prepare(const chain::OdeKernel& system, double h, const HoldNodes& nodes);
+  void run(const chain::OdeKernel& system, const double* u, double* y, std::size_t holds, double* x);
+  /// Holds (or parts) in the last run that did not converge even at the finest level.
+  std::size_t failures() const { return failures_; }
+
+ private:
+  /// Everything for one length of step.
+  struct Level {
+    bool ready = false;
+    std::vector<double> e;   // per node 1..p: order x order
+    std::vector<double> gu;  // per node: order x (p+1)
+    std::vector<double> ge;  // per node: order x (p+1)
+    std::vector<double> k;   // per node: order
+  };
+  const Level& level(const chain::OdeKernel& system, int index);
+  /// One step of h/2^index; `states_` then holds x at every node. False when the iteration does not contract.
+  bool step(const chain::OdeKernel& system, const Level& matrices, const double* u, const double* x);
+  /// Covers the part [from, from + 2^-index] of the hold with node values u; fills outputs whose node lies in
+  /// it.
+  void cover(const chain::OdeKernel& system, int index, double from, const double* u, double* x, double* y);
+
+  static constexpr int kFinest = 12;
+  double h_ = 0.0;
+  int order_ = 0;
+  int degree_ = 1;
+  int first_level_ = 0;
+  const HoldNodes* nodes_ = nullptr;
+  std::vector<Level> levels_;
+  HoldResponseSolver solver_;
+  HoldResponse response_;
+  std::vector<double> states_;  // (p+1) x order
+  std::vector<double> base_;
+  std::vector<double> force_;  // p+1
+  std::size_t failures_ = 0;
+};
+
+}  // namespace bodesmith::simulate

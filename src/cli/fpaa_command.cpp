@@ -1,8 +1,103 @@
+#include <fmt/format.h>
+
 #include "base/error.hpp"
+#include "base/files.hpp"
+#include "base/progress.hpp"
+#include "base/text.hpp"
+#include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "fpaa/build_sheet.hpp"
+#include "fpaa/plan.hpp"
 
 namespace bodesmith::cli {
+namespace {
 
-int run_fpaa(const std::vector<std::string>&) { throw InputError("fpaa is not built yet"); }
+namespace po = boost::program_options;
+
+int plan_board(const std::vector<std::string>& arguments) {
+  CommandLine line(
+      "fpaa", "bodesmith fpaa sections.json -o out/fpaa --clock-hz 2000",
+      "Turns sections into the CAMs of an FPAA board: clocks, capacitors, places, wires; writes plan.json\n"
+      "and a build sheet to type from.");
+  line.positional("SECTIONS.json", 1, 1);
+  line.output("folder for plan.json, build_sheet.md and build_sheet.html");
+  line.options().add_options()("board", po::value<std::string>()->default_value("an231k04-quad4"),
+                               "the board")(
+      "clock-hz", po::value<double>(), "clock of all filters (default: the best of the legal divider tree)")(
+      "from-hz", po::value<double>(), "lower end of the band in which errors are minimised and stated")(
+      "to-hz", po::value<double>(), "its upper end")("max-error-percent", po::value<double>(),
+                                                     "exit with 1 when the complex error is above this");
+  if (!line.parse(arguments)) return kDone;
+
+  Provenance from;
+  const std::string file = line.files()[0];
+  const Sections sections = Sections::read(file, from);
+  fpaa::PlanOptions options;
+  options.board = line.get<std::string>("board");
+  if (line.has("clock-hz")) options.clock = Hertz{line.positive("clock-hz")};
+  if (line.has("from-hz") != line.has("to-hz")) line.fail("--from-hz and --to-hz go together");
+  if (line.has("from-hz")) options.band = Band{{line.positive("from-hz")}, {line.positive("to-hz")}};
+
+  const Stopwatch watch;
+  const fpaa::Plan plan = [&] {
+    try {
+      return fpaa::make_plan(sections, options);
+    } catch (const DesignError& error) {
+      throw DesignError(fmt::format("{}: {}", file, error.what()));
+    }
+  }();
+  const double seconds = watch.seconds();
+
+  Json json = json_header("fpaa_plan", from);
+  json.update(plan.to_json());
+  json["timing_s"] = {{"compute", seconds}};
+  OutputSet out(line.output_path());
+  out.add("plan.json", to_text(json));
+  out.add("build_sheet.md", fpaa::build_sheet_markdown(plan));
+  out.add("build_sheet.html", fpaa::build_sheet_html(plan));
+  out.commit();
+
+  int exit = kDone;
+  bool met = true;
+  if (const auto limit = line.maybe<double>("max-error-percent")) {
+    met = plan.error.max_complex_percent <= *limit;
+    if (!met) exit = kLimitMissed;
+  }
+  const auto cams = plan.cams();
+  Json summary = json_header("fpaa_summary", from);
+  summary["board"] = plan.board;
+  summary["clock_hz"] = cams[0]->clock_a.value;
+  summary["cams"] = cams.size();
+  summary["chips"] = plan.chips.size();
+  summary["error"] = json["error"];
+  summary["error_with_delays"] = json["error_with_delays"];
+  summary["largest_input_v"] = plan.largest_input_v;
+  summary["limits_met"] = met;
+  summary["timing_s"] = json["timing_s"];
+  const std::string text = fmt::format(
+      "{} CAMs on {} chip{} of {}, clock {} Hz\n"
+      "worst complex error {} to {} Hz: {} % ({} dB, {} deg) at {} Hz\n"
+      "with the output hold: {} % ({} deg)\n"
+      "largest input: {} V\n{}"
+      "written to {}\n",
+      cams.size(), plan.chips.size(), plan.chips.size() == 1 ? "" : "s", plan.board,
+      rounded_text(cams[0]->clock_a.value, 7), rounded_text(plan.error.band.from.value),
+      rounded_text(plan.error.band.to.value), rounded_text(plan.error.max_complex_percent),
+      rounded_text(plan.error.max_magnitude_db), rounded_text(plan.error.max_phase_deg),
+      rounded_text(plan.error.worst.value), rounded_text(plan.error_with_delays.max_complex_percent),
+      rounded_text(plan.error_with_delays.max_phase_deg), rounded_text(plan.largest_input_v),
+      met ? ""
+          : fmt::format("NOT met: the complex error is above {} %\n",
+                        *line.maybe<double>("max-error-percent")),
+      line.output_path().string());
+  print_summary(line, text, summary);
+  return exit;
+}
+
+}  // namespace
+
+int run_fpaa(const std::vector<std::string>& arguments) {
+  return plan_board(arguments);
+}
 
 }  // namespace bodesmith::cli

@@ -89,7 +89,7 @@ struct PlanOptions {
   std::string board = "an231k04-quad4";
   std::optional<Hertz> clock;  ///< one clock for all; absent: the best of the legal tree
   std::optional<Band> band;    ///< where errors are minimised and stated; absent: the corners (and the band
-                             ///< that sections.json states), widened to a tenth of the lowest corner
+                               ///< that sections.json states), widened to a tenth of the lowest corner
 };
 
 /// Throws DesignError when the sections cannot be made of the board's CAMs, saying what would make them fit.

@@ -1,0 +1,19 @@
+#pragma once
+
+#include <vector>
+
+#include "fpaa/board.hpp"
+
+namespace bodesmith::fpaa {
+
+struct Place {
+  int chip = 1;
+  int cab = 1;
+};
+
+/// Puts CAMs on chips and CABs in signal order: a CAM goes into the first CAB of the present chip that has
+/// room (no CAM straddles CABs), and a new chip is begun when none has, so that the path crosses from chip to
+/// chip only forwards. Throws DesignError that says how many CAMs fit.
+std::vector<Place> place_in_order(const std::vector<Resources>& cams, const Board& board);
+
+}  // namespace bodesmith::fpaa

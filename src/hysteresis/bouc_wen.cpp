@@ -57,8 +57,7 @@ double BoucWen::advance(double z, double du) const {
     return direction * A - beta * (value >= 0.0 ? power : -power) - gamma * direction * power;
   };
   while (left > 0.0) {
-    const double size =
-        std::max(std::abs(z), std::pow(std::abs(A) / (beta + std::abs(gamma)), 1.0 / n));
+    const double size = std::max(std::abs(z), std::pow(std::abs(A) / (beta + std::abs(gamma)), 1.0 / n));
     const double stiffness = (beta + std::abs(gamma)) * n * std::pow(size, n - 1.0);
     const double h = std::min(left, stiffness > 0.0 ? 0.05 / stiffness : left);
     const double k1 = slope(z);

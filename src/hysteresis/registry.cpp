@@ -8,11 +8,15 @@
 namespace bodesmith::hysteresis {
 
 // Each stands in the model's own file.
+ModelType polynomial_hysteresis_type();
+ModelType sine_hysteresis_type();
 ModelType prandtl_ishlinskii_type();
 ModelType bouc_wen_type();
 
 const std::vector<ModelType>& model_types() {
   static const std::vector<ModelType> all = {
+      polynomial_hysteresis_type(),
+      sine_hysteresis_type(),
       prandtl_ishlinskii_type(),
       bouc_wen_type(),
   };

@@ -1,0 +1,347 @@
+#include "hysteresis/polynomial_disturbance.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.hpp"
+#include "base/units.hpp"
+#include "hysteresis/numeric/least_squares.hpp"
+#include "signal/disturbance.hpp"
+
+namespace bodesmith::hysteresis {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+void read_common(const Parameters& values, PolynomialDisturbance& out) {
+  out.nested = values.word("minor") == "nested";
+  out.amplitude = values.scalar("amplitude");
+  out.alpha = values.array("alpha");
+  out.alpha_1 = values.array("alpha_1");
+  out.alpha_2 = values.array("alpha_2");
+  if (out.alpha_1.size() != out.alpha.size() || out.alpha_2.size() != out.alpha.size())
+    throw DesignError(fmt::format("alpha, alpha_1, alpha_2 have {}, {} and {} numbers, expected one length",
+                                  out.alpha.size(), out.alpha_1.size(), out.alpha_2.size()));
+  for (std::size_t i = 1; i < out.alpha.size(); ++i)
+    if (!(out.alpha[i] > out.alpha[i - 1])) throw DesignError("alpha does not rise");
+  Disturbance rates;
+  for (const double f : values.array("rate_frequency_hz")) rates.rate.frequency.push_back(Hertz{f});
+  rates.rate.ascending = values.array("rate_ascending");
+  rates.rate.descending = values.array("rate_descending");
+  if (rates.rate.ascending.size() != rates.rate.frequency.size() ||
+      rates.rate.descending.size() != rates.rate.frequency.size())
+    throw DesignError("rate_frequency_hz, rate_ascending and rate_descending differ in length");
+  for (std::size_t i = 1; i < rates.rate.frequency.size(); ++i)
+    if (!(rates.rate.frequency[i] > rates.rate.frequency[i - 1]))
+      throw DesignError("rate_frequency_hz does not rise");
+  const double operating = values.scalar("operating_hz");
+  if (operating > 0.0 && !rates.rate.frequency.empty()) {
+    out.rate_gain_ascending = rates.rate_gain(Disturbance::Branch::ascending, Hertz{operating});
+    out.rate_gain_descending = rates.rate_gain(Disturbance::Branch::descending, Hertz{operating});
+  }
+}
+
+std::array<double, 3> three(const Parameters& values, std::string_view name) {
+  const std::vector<double>& numbers = values.array(name);
+  if (numbers.size() != 3)
+    throw DesignError(fmt::format("{} has {} numbers, expected [a1, a2, a3]", name, numbers.size()));
+  return {numbers[0], numbers[1], numbers[2]};
+}
+
+/// The branch as a function on its interval, see the header.
+struct NestedBranch {
+  double x_lo, x_hi, y_lo, y_hi, gain, end_0, end_1;
+  const BranchShape* shape;
+
+  double value(double x) const {
+    if (!(x_hi > x_lo)) return y_hi + (x - x_hi);
+    const double s = (x - x_lo) / (x_hi - x_lo);
+    if (s > 1.0) return y_hi + (x - x_hi);
+    if (s < 0.0) return y_lo + (x - x_lo);
+    return y_lo + s * (y_hi - y_lo) + gain * (shape->value(s) - end_0 - s * (end_1 - end_0));
+  }
+};
+
+NestedBranch nested_branch(const PolynomialDisturbance& model, const PolynomialDisturbance::Turn& from,
+                           const PolynomialDisturbance::Turn* toward, int direction) {
+  const bool rising = direction > 0;
+  double end_x = 0.0;
+  double end_y = 0.0;
+  if (toward != nullptr) {
+    end_x = toward->u;
+    end_y = toward->y;
+  } else if (rising) {
+    end_x = std::max(1.0, from.u);
+    end_y = from.u < 1.0 ? 1.0 : from.y;
+  } else {
+    end_x = std::min(0.0, from.u);
+    end_y = from.u > 0.0 ? 0.0 : from.y;
+  }
+  NestedBranch out{};
+  out.shape = rising ? &model.ascending : &model.descending;
+  out.x_lo = rising ? from.u : end_x;
+  out.y_lo = rising ? from.y : end_y;
+  out.x_hi = rising ? end_x : from.u;
+  out.y_hi = rising ? end_y : from.y;
+  out.gain = model.amplitude_gain(rising, out.x_hi - out.x_lo) *
+             (rising ? model.rate_gain_ascending : model.rate_gain_descending);
+  out.end_0 = out.shape->value(0.0);
+  out.end_1 = out.shape->value(1.0);
+  return out;
+}
+
+/// x in [low, high] with f(x) = y for a rising f, by safeguarded false position down to rounding.
+template <class F>
+double solve_rising(F&& f, double low, double high, double y) {
+  double at_low = f(low) - y;
+  double at_high = f(high) - y;
+  if (at_low >= 0.0) return low;
+  if (at_high <= 0.0) return high;
+  double weight_low = at_low;
+  double weight_high = at_high;
+  double best = low;
+  double best_miss = -at_low;
+  for (int i = 0; i < 100; ++i) {
+    double x =
+        i % 3 == 2 ? 0.5 * (low + high) : high - weight_high * (high - low) / (weight_high - weight_low);
+    if (!(x > low && x < high)) x = 0.5 * (low + high);
+    if (x <= low || x >= high) break;
+    const double miss = f(x) - y;
+    if (std::abs(miss) < best_miss) {
+      best = x;
+      best_miss = std::abs(miss);
+    }
+    if (miss == 0.0) break;
+    if (miss > 0.0) {
+      high = x;
+      weight_high = miss;
+      weight_low *= 0.5;
+    } else {
+      low = x;
+      weight_low = miss;
+      weight_high *= 0.5;
+    }
+  }
+  return best_miss <= std::abs(at_high) ? best : high;
+}
+
+}  // namespace
+
+double BranchShape::value(double s) const {
+  if (is_sine) return sine * std::sin(kPi * s);
+  return s * (polynomial[0] + s * (polynomial[1] + s * polynomial[2]));
+}
+
+double BranchShape::slope(double s) const {
+  if (is_sine) return sine * kPi * std::cos(kPi * s);
+  return polynomial[0] + s * (2.0 * polynomial[1] + 3.0 * s * polynomial[2]);
+}
+
+PolynomialDisturbance PolynomialDisturbance::from_polynomial(const Parameters& values) {
+  PolynomialDisturbance out;
+  out.ascending.polynomial = three(values, "ascending");
+  out.descending.polynomial = three(values, "descending");
+  read_common(values, out);
+  return out;
+}
+
+PolynomialDisturbance PolynomialDisturbance::from_sine(const Parameters& values) {
+  PolynomialDisturbance out;
+  out.ascending.is_sine = out.descending.is_sine = true;
+  out.ascending.sine = values.scalar("A_ascending");
+  out.descending.sine = values.scalar("A_descending");
+  read_common(values, out);
+  return out;
+}
+
+double PolynomialDisturbance::amplitude_gain(bool rising, double stroke) const {
+  if (alpha.empty()) return stroke;
+  const std::vector<double>& gains = rising ? alpha_1 : alpha_2;
+  if (stroke <= alpha.front()) return gains.front() * stroke / alpha.front();
+  if (stroke >= alpha.back()) return gains.back();
+  const auto i =
+      static_cast<std::size_t>(std::upper_bound(alpha.begin(), alpha.end(), stroke) - alpha.begin());
+  const double t = (stroke - alpha[i - 1]) / (alpha[i] - alpha[i - 1]);
+  return gains[i - 1] + t * (gains[i] - gains[i - 1]);
+}
+
+double PolynomialDisturbance::output(const Turn& from, const Turn* toward, int direction, double x) const {
+  return nested_branch(*this, from, toward, direction).value(x);
+}
+
+double PolynomialDisturbance::input(const Turn& from, const Turn* toward, int direction, double y,
+                                    double now) const {
+  const NestedBranch branch = nested_branch(*this, from, toward, direction);
+  const double end = direction > 0 ? branch.x_hi : branch.x_lo;
+  const double end_y = direction > 0 ? branch.y_hi : branch.y_lo;
+  if ((y - end_y) * direction >= 0.0) return end + (y - end_y);
+  return solve_rising([&](double x) { return branch.value(x); }, std::min(now, end), std::max(now, end), y);
+}
+
+double PolynomialDisturbance::plain(bool rising, double x) const {
+  const BranchShape& shape = rising ? ascending : descending;
+  const double gain = (alpha.empty() && amplitude == 1.0 ? 1.0 : amplitude_gain(rising, amplitude)) *
+                      (rising ? rate_gain_ascending : rate_gain_descending);
+  return x + gain * shape.value(x / amplitude);
+}
+
+double disturbance_gain(const std::array<double, 3>& basis, const std::array<double, 3>& other,
+                        GainReading reading) {
+  double cross = 0.0;
+  double own = 0.0;
+  const std::array<double, 3>& below = reading == GainReading::basis_times_gain ? basis : other;
+  for (int i = 0; i < 3; ++i) {
+    for (int j = 0; j < 3; ++j) {
+      const double weight = 1.0 / (i + j + 3);  // the integral of x^(i+1) x^(j+1) over [0, 1]
+      const auto a = static_cast<std::size_t>(i);
+      const auto b = static_cast<std::size_t>(j);
+      cross += weight * basis[a] * other[b];
+      own += weight * below[a] * below[b];
+    }
+  }
+  if (!(own > 0.0)) throw DesignError("the disturbance is zero everywhere: it has no gain");
+  return cross / own;
+}
+
+PolynomialFit fit_polynomial(std::span<const double> x, std::span<const double> d) {
+  Eigen::Matrix2d gram = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d rhs = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double cube = x[i] * x[i] * x[i];
+    const Eigen::Vector2d row(x[i] - cube, x[i] * x[i] - cube);
+    gram += row * row.transpose();
+    rhs += d[i] * row;
+  }
+  if (!(gram.determinant() > 1e-12 * gram(0, 0) * gram(1, 1)))
+    throw DesignError("the samples do not cover the branch: a1 and a2 cannot be told apart");
+  const Eigen::Vector2d a = gram.ldlt().solve(rhs);
+  PolynomialFit out;
+  out.a = {a(0), a(1), -a(0) - a(1)};
+  Eigen::VectorXd residual(static_cast<Eigen::Index>(x.size()));
+  for (std::size_t i = 0; i < x.size(); ++i)
+    residual(static_cast<Eigen::Index>(i)) = x[i] * (out.a[0] + x[i] * (out.a[1] + x[i] * out.a[2])) - d[i];
+  const Eigen::VectorXd deviation = parameter_deviation(gram, residual);
+  out.deviation = {deviation(0), deviation(1)};
+  out.rms = std::sqrt(residual.squaredNorm() / static_cast<double>(std::max<std::size_t>(x.size(), 1)));
+  return out;
+}
+
+SineFit fit_sine(std::span<const double> x, std::span<const double> d) {
+  double top = 0.0;
+  double bottom = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double s = std::sin(kPi * x[i]);
+    top += d[i] * s;
+    bottom += s * s;
+  }
+  if (!(bottom > 0.0))
+    throw DesignError("the samples do not cover the branch: the amplitude is not determined");
+  SineFit out;
+  out.amplitude = top / bottom;
+  Eigen::VectorXd residual(static_cast<Eigen::Index>(x.size()));
+  for (std::size_t i = 0; i < x.size(); ++i)
+    residual(static_cast<Eigen::Index>(i)) = out.amplitude * std::sin(kPi * x[i]) - d[i];
+  Eigen::MatrixXd gram(1, 1);
+  gram(0, 0) = bottom;
+  out.deviation = parameter_deviation(gram, residual)(0);
+  out.rms = std::sqrt(residual.squaredNorm() / static_cast<double>(std::max<std::size_t>(x.size(), 1)));
+  return out;
+}
+
+void scale_to_load(std::vector<double>& alpha, std::vector<double>& alpha_1, std::vector<double>& alpha_2,
+                   double share) {
+  if (!(share > 0.0 && share <= 1.0)) throw DesignError("the share of the stroke is not in (0, 1]");
+  PolynomialDisturbance table;
+  table.alpha = alpha;
+  table.alpha_1 = alpha_1;
+  table.alpha_2 = alpha_2;
+  const double end_1 = table.amplitude_gain(true, share);
+  const double end_2 = table.amplitude_gain(false, share);
+  std::vector<double> a, one, two;
+  for (std::size_t i = 0; i < alpha.size() && alpha[i] < share; ++i) {
+    a.push_back(alpha[i] / share);
+    one.push_back(alpha_1[i] / end_1);
+    two.push_back(alpha_2[i] / end_2);
+  }
+  a.push_back(1.0);
+  one.push_back(1.0);
+  two.push_back(1.0);
+  alpha = a;
+  alpha_1 = one;
+  alpha_2 = two;
+}
+
+PolynomialOperator::PolynomialOperator(PolynomialDisturbance model) : loops_(std::move(model), 4096) {
+  reset(0.0);
+}
+
+double PolynomialOperator::reset(double u) {
+  u_ = u;
+  rising_ = true;
+  // On the ascending branch from the lower end of the stroke: every other point would lie off the loop.
+  loops_.start(std::min(u, 0.0), std::min(u, 0.0), 1);
+  return loops_.rule().nested ? loops_.step(u) : loops_.rule().plain(true, u);
+}
+
+double PolynomialOperator::step(double u, double) {
+  if (loops_.rule().nested) return loops_.step(u);
+  if (u != u_) rising_ = u > u_;
+  u_ = u;
+  return loops_.rule().plain(rising_, u);
+}
+
+double PolynomialOperator::peek(double u, double) const {
+  if (loops_.rule().nested) return loops_.peek(u);
+  return loops_.rule().plain(u == u_ ? rising_ : u > u_, u);
+}
+
+PolynomialInverse::PolynomialInverse(PolynomialDisturbance model) : forward_(std::move(model)) {
+  const PolynomialDisturbance& rule = forward_.loops_.rule();
+  for (const bool rising : {true, false}) {
+    const BranchShape& shape = rising ? rule.ascending : rule.descending;
+    const double rate = rising ? rule.rate_gain_ascending : rule.rate_gain_descending;
+    // The steepest stroke counts: gain over length.
+    double steepest = rule.alpha.empty() ? 1.0 : 0.0;
+    for (std::size_t i = 0; i < rule.alpha.size(); ++i)
+      steepest = std::max(steepest, rule.amplitude_gain(rising, rule.alpha[i]) / rule.alpha[i]);
+    for (int i = 0; i <= 200; ++i) {
+      if (!(1.0 + steepest * rate * shape.slope(i / 200.0) > 0.0))
+        throw DesignError(fmt::format("the {} branch falls at x = {:.3g}: there is no inverse",
+                                      rising ? "ascending" : "descending", i / 200.0));
+    }
+  }
+  reset(0.0);
+}
+
+double PolynomialInverse::reset(double y) {
+  y_ = y;
+  rising_ = true;
+  const PolynomialDisturbance& rule = forward_.loops_.rule();
+  if (rule.nested) {
+    forward_.reset(std::min(y, 0.0));
+    return step(y, 0.0);
+  }
+  const double u = solve_rising([&](double x) { return rule.plain(true, x); }, y - 2.0, y + 2.0, y);
+  achieved_ = forward_.reset(u);
+  return u;
+}
+
+double PolynomialInverse::step(double y, double) {
+  if (forward_.loops_.rule().nested) {
+    const double u = forward_.loops_.invert(y);
+    achieved_ = forward_.loops_.y();
+    return u;
+  }
+  if (y != y_) rising_ = y > y_;
+  y_ = y;
+  const PolynomialDisturbance& rule = forward_.loops_.rule();
+  const double u = solve_rising([&](double x) { return rule.plain(rising_, x); }, y - 2.0, y + 2.0, y);
+  achieved_ = forward_.step(u, 0.0);
+  return u;
+}
+
+}  // namespace bodesmith::hysteresis

@@ -28,6 +28,10 @@ void OutputSet::add(const fs::path& relative, std::string content) {
   files_.push_back({relative, std::move(content)});
 }
 
+void OutputSet::include(const fs::path& below, const OutputSet& other) {
+  for (const File& file : other.files_) files_.push_back({below / file.path, file.content});
+}
+
 std::vector<fs::path> OutputSet::paths() const {
   std::vector<fs::path> out;
   for (const File& file : files_) out.push_back(file.path);

@@ -17,6 +17,8 @@ class OutputSet {
   explicit OutputSet(std::filesystem::path folder = {}) : folder_(std::move(folder)) {}
 
   void add(const std::filesystem::path& relative, std::string content);
+  /// Every file of another set, below a folder of this one.
+  void include(const std::filesystem::path& below, const OutputSet& other);
   /// Throws InputError when a file cannot be written; targets that existed are then untouched.
   void commit();
 

@@ -49,7 +49,8 @@ std::vector<Hertz> choose_grid(const CommandLine& line, const std::vector<Respon
   if (line.has("from-hz")) band.from = Hertz{line.positive("from-hz")};
   if (line.has("to-hz")) band.to = Hertz{line.positive("to-hz")};
   if (!(band.to >= band.from)) {
-    line.fail(fmt::format("the band {} to {} Hz is empty, expected --from-hz below --to-hz", band.from.value, band.to.value));
+    line.fail(fmt::format("the band {} to {} Hz is empty, expected --from-hz below --to-hz", band.from.value,
+                          band.to.value));
   }
   int count = line.get<int>("count");
   if (count < 1 || count > 10'000'000) line.fail(fmt::format("--count is {}, expected 1 to 10000000", count));
@@ -115,15 +116,17 @@ std::string plot_svg(const std::vector<Hertz>& grid, const std::vector<ResponseS
 }  // namespace
 
 int run_bode(const std::vector<std::string>& arguments) {
-  CommandLine line("bode", "bodesmith bode cascade.json sections.json plan.json compensator.sub measured.csv -o bode.csv",
-                   "Frequency responses of any of the files in one table: magnitude in dB and unwrapped phase in\n"
-                   "degrees. A measured CSV is interpolated in log frequency; cells outside its range stay empty.\n"
-                   "Without a band the grid is that of the first measured CSV, else a decade beyond all corners.");
+  CommandLine line(
+      "bode", "bodesmith bode cascade.json sections.json plan.json compensator.sub measured.csv -o bode.csv",
+      "Frequency responses of any of the files in one table: magnitude in dB and unwrapped phase in\n"
+      "degrees. A measured CSV is interpolated in log frequency; cells outside its range stay empty.\n"
+      "Without a band the grid is that of the first measured CSV, else a decade beyond all corners.");
   line.positional("FILE...", 1, -1);
   line.options().add_options()("from-hz", po::value<double>(), "lowest frequency")(
-      "to-hz", po::value<double>(), "highest frequency")("count", po::value<int>()->default_value(200),
-                                                         "number of frequencies, evenly spaced in log frequency")(
-      "with-holds", "FPAA plans: with every hold and half-cycle delay (default: the capacitors' exact transfer)")(
+      "to-hz", po::value<double>(), "highest frequency")(
+      "count", po::value<int>()->default_value(200), "number of frequencies, evenly spaced in log frequency")(
+      "with-holds",
+      "FPAA plans: with every hold and half-cycle delay (default: the capacitors' exact transfer)")(
       "subcircuit", po::value<std::string>()->default_value(""), "of a .sub file: its name")(
       "svg", po::value<std::string>(), "also draw the Bode plot into this file");
   line.output("table (CSV); without it the table goes to stdout", true);
@@ -155,8 +158,8 @@ int run_bode(const std::vector<std::string>& arguments) {
   }
 
   Json summary = json_header("bode_summary", from);
-  std::string text = fmt::format("{} frequencies, {} to {} Hz\n", grid.size(), rounded_text(grid.front().value, 6),
-                                 rounded_text(grid.back().value, 6));
+  std::string text = fmt::format("{} frequencies, {} to {} Hz\n", grid.size(),
+                                 rounded_text(grid.front().value, 6), rounded_text(grid.back().value, 6));
   summary["count"] = grid.size();
   summary["band_hz"] = {grid.front().value, grid.back().value};
   summary["responses"] = Json::array();

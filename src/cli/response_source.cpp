@@ -41,7 +41,9 @@ ResponseColumns to_columns(const std::vector<Complex>& response) {
 }
 
 void set_evaluation(ResponseSource& source, Evaluate evaluate) {
-  source.on_grid = [evaluate = std::move(evaluate)](const std::vector<Hertz>& grid) { return to_columns(evaluate(grid)); };
+  source.on_grid = [evaluate = std::move(evaluate)](const std::vector<Hertz>& grid) {
+    return to_columns(evaluate(grid));
+  };
 }
 
 template <class Response>
@@ -54,7 +56,8 @@ Evaluate pointwise(Response response) {
 }
 
 /// Linear in log frequency; absent outside the rows.
-std::optional<double> interpolate(const std::vector<double>& log_f, const std::vector<double>& value, double at) {
+std::optional<double> interpolate(const std::vector<double>& log_f, const std::vector<double>& value,
+                                  double at) {
   const double slack = 1e-9;
   if (at < log_f.front() - slack || at > log_f.back() + slack) return std::nullopt;
   const auto above = std::upper_bound(log_f.begin(), log_f.end(), at);
@@ -97,7 +100,8 @@ void load_model(const Node& node, ResponseSource& source) {
   const Node blocks = node.at("block");
   for (size_t i = 0; i < chain.blocks.size(); ++i) {
     if (!chain.blocks[i].response(RadPerSecond{1.0})) {
-      blocks[i].fail(fmt::format("is a {}, which has no frequency response (it is not linear)", chain.blocks[i].type_name()));
+      blocks[i].fail(fmt::format("is a {}, which has no frequency response (it is not linear)",
+                                 chain.blocks[i].type_name()));
     }
   }
   set_evaluation(source, pointwise([chain](RadPerSecond w) { return *chain.response(w); }));
@@ -105,7 +109,8 @@ void load_model(const Node& node, ResponseSource& source) {
 
 }  // namespace
 
-ResponseSource load_response(const std::filesystem::path& path, const ResponseOptions& options, Provenance& from) {
+ResponseSource load_response(const std::filesystem::path& path, const ResponseOptions& options,
+                             Provenance& from) {
   ResponseSource source;
   source.stem = path.stem().string();
   const std::string ending = path.extension().string();
@@ -122,7 +127,8 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
   }
   const Node node = read_document(path, from);
   if (node.kind() != Node::Kind::object || !node.has("schema")) {
-    throw InputError(path.string(), node.line(), "has no \"schema\", expected a bodesmith file, a .sub or a .csv");
+    throw InputError(path.string(), node.line(),
+                     "has no \"schema\", expected a bodesmith file, a .sub or a .csv");
   }
   const std::string schema = node.at("schema").string();
   if (schema == "bodesmith.cascade/1") {
@@ -142,9 +148,10 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
   } else if (schema == "bodesmith.model/1") {
     load_model(node, source);
   } else {
-    node.at("schema").fail(fmt::format("is \"{}\", which has no frequency response; expected a cascade, sections, an "
-                                       "FPAA plan or a model",
-                                       schema));
+    node.at("schema").fail(
+        fmt::format("is \"{}\", which has no frequency response; expected a cascade, sections, an "
+                    "FPAA plan or a model",
+                    schema));
   }
   return source;
 }

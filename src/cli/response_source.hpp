@@ -15,24 +15,26 @@ namespace bodesmith::cli {
 /// Magnitude and phase over a grid; a value that the file does not have is absent.
 struct ResponseColumns {
   std::vector<std::optional<double>> magnitude_db;
-  std::vector<std::optional<double>> phase_deg;  ///< unwrapped along the grid; empty when the file has no phase
+  std::vector<std::optional<double>>
+      phase_deg;  ///< unwrapped along the grid; empty when the file has no phase
 };
 
 /// Something with a frequency response, whatever file it came from.
 struct ResponseSource {
   std::string stem;
-  std::optional<Band> band;                ///< where it is interesting (its corners, or a record's range)
-  std::vector<Hertz> own_frequencies;      ///< a measured record's own grid; empty for everything else
+  std::optional<Band> band;            ///< where it is interesting (its corners, or a record's range)
+  std::vector<Hertz> own_frequencies;  ///< a measured record's own grid; empty for everything else
   std::function<ResponseColumns(const std::vector<Hertz>&)> on_grid;
 };
 
 struct ResponseOptions {
-  bool with_holds = false;   ///< FPAA plans: include holds and delays
-  std::string subcircuit;    ///< .sub files: which one; empty: the obvious one
+  bool with_holds = false;  ///< FPAA plans: include holds and delays
+  std::string subcircuit;   ///< .sub files: which one; empty: the obvious one
 };
 
-/// cascade.json, sections.json, plan.json, model.toml, .sub/.cir/.lib (through ngspice), measured CSV. Told apart by
-/// ending and schema; InputError for anything else.
-ResponseSource load_response(const std::filesystem::path& path, const ResponseOptions& options, Provenance& from);
+/// cascade.json, sections.json, plan.json, model.toml, .sub/.cir/.lib (through ngspice), measured CSV. Told
+/// apart by ending and schema; InputError for anything else.
+ResponseSource load_response(const std::filesystem::path& path, const ResponseOptions& options,
+                             Provenance& from);
 
 }  // namespace bodesmith::cli

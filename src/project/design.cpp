@@ -29,7 +29,8 @@ ApproximationOptions approximation_options(const Project& project) {
 
 /// Where the stages are compared: the wanted points and every corner.
 Band design_band(const Project& project, const Design& design) {
-  Band band = design.fit.cascade.terms.empty() ? Band{design.fit.base, design.fit.base} : design.fit.cascade.corner_band();
+  Band band = design.fit.cascade.terms.empty() ? Band{design.fit.base, design.fit.base}
+                                               : design.fit.cascade.corner_band();
   band.from = std::min(band.from, project.target.points.points.front().frequency);
   band.to = std::max(band.to, project.target.points.points.back().frequency);
   return band;
@@ -64,16 +65,21 @@ Design make_design(const Project& project) {
 std::vector<DesignStage> design_stages(const Design& design) {
   std::vector<DesignStage> stages;
   stages.push_back({"cascade", "", [&design](RadPerSecond w) { return design.fit.cascade.response(w); }});
-  stages.push_back({"sections", "cascade", [&design](RadPerSecond w) { return design.approximation.sections.response(w); }});
+  stages.push_back({"sections", "cascade",
+                    [&design](RadPerSecond w) { return design.approximation.sections.response(w); }});
   if (design.plan) {
-    stages.push_back({"fpaa", "sections", [&design](RadPerSecond w) { return plan_response(*design.plan, w, false); }});
-    stages.push_back({"fpaa with holds", "fpaa", [&design](RadPerSecond w) { return plan_response(*design.plan, w, true); }});
+    stages.push_back(
+        {"fpaa", "sections", [&design](RadPerSecond w) { return plan_response(*design.plan, w, false); }});
+    stages.push_back({"fpaa with holds", "fpaa",
+                      [&design](RadPerSecond w) { return plan_response(*design.plan, w, true); }});
   }
   if (design.circuit) {
-    stages.push_back({"circuit", "sections", [&design](RadPerSecond w) { return design.circuit->circuit.response(w); }});
-    stages.push_back({"circuit with op-amps", "circuit", [&design](RadPerSecond w) {
-                        return network_response(design.circuit->circuit, {w.hz()}, design.circuit->circuit.model).front();
-                      }});
+    stages.push_back(
+        {"circuit", "sections", [&design](RadPerSecond w) { return design.circuit->circuit.response(w); }});
+    stages.push_back(
+        {"circuit with op-amps", "circuit", [&design](RadPerSecond w) {
+           return network_response(design.circuit->circuit, {w.hz()}, design.circuit->circuit.model).front();
+         }});
   }
   return stages;
 }
@@ -84,8 +90,8 @@ Budget make_budget(const Project& project, const Design& design) {
   const std::vector<Hertz> grid = log_grid(budget.band, 240);
   const Disturbance& disturbance = project.target.disturbance;
   WaveformErrorOptions options;
-  options.path =
-      project.target.branch == Disturbance::Branch::ascending ? DrivenPath::ascending : DrivenPath::descending;
+  options.path = project.target.branch == Disturbance::Branch::ascending ? DrivenPath::ascending
+                                                                         : DrivenPath::descending;
   const auto waveform = [&](const FrequencyResponse& g) {
     return waveform_error(g, disturbance, project.track.frequency, options);
   };
@@ -100,7 +106,8 @@ Budget make_budget(const Project& project, const Design& design) {
     std::vector<Complex> response;
     for (const Hertz f : grid) response.push_back(stage.response(f.rad_s()));
     for (size_t i = 0; i < responses.size(); ++i) {
-      if (stages[i].name == stage.previous) row.against_previous = compare_responses(grid, response, responses[i]);
+      if (stages[i].name == stage.previous)
+        row.against_previous = compare_responses(grid, response, responses[i]);
     }
     responses.push_back(std::move(response));
     for (const BodePoint& point : project.target.points.points) {
@@ -128,7 +135,8 @@ Budget make_budget(const Project& project, const Design& design) {
   const double curvature = at0 - 2.0 * at1 + at2;
   budget.constant_gain = curvature > 0.0 ? 1.0 - 0.5 * (at2 - at0) / curvature : 1.0;
   budget.constant = waveform([&budget](RadPerSecond) { return Complex(budget.constant_gain); });
-  budget.magnitude_only_is_worse = budget.rows.front().waveform.worst_percent > budget.uncompensated.worst_percent;
+  budget.magnitude_only_is_worse =
+      budget.rows.front().waveform.worst_percent > budget.uncompensated.worst_percent;
   return budget;
 }
 

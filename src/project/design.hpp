@@ -31,7 +31,7 @@ Design make_design(const Project& project);
 
 /// One stage of the way, as a response that can be laid beside the others.
 struct DesignStage {
-  std::string name;      ///< "cascade", "sections", "fpaa", "fpaa with holds", "circuit", "circuit with op-amps"
+  std::string name;  ///< "cascade", "sections", "fpaa", "fpaa with holds", "circuit", "circuit with op-amps"
   std::string previous;  ///< the stage it is judged against; empty for the first
   std::function<std::complex<double>(RadPerSecond)> response;
 };
@@ -43,14 +43,14 @@ struct BudgetRow {
   std::string previous;
   ResponseDifference against_previous;  ///< over the band; zero for the cascade
   double points_max_db = 0.0;           ///< largest miss at the wanted points
-  WaveformError waveform;               ///< compensating waveform at the tracked frequencies, percent of range
+  WaveformError waveform;  ///< compensating waveform at the tracked frequencies, percent of range
 };
 
 struct Budget {
   Band band;
   std::vector<BudgetRow> rows;
-  WaveformError uncompensated;   ///< the rate effect left alone: gain 1 at every frequency
-  WaveformError constant;        ///< the best single gain
+  WaveformError uncompensated;  ///< the rate effect left alone: gain 1 at every frequency
+  WaveformError constant;       ///< the best single gain
   double constant_gain = 1.0;
   /// The cascade's magnitude fits, and yet its waveform is worse than with no rate compensation at all.
   bool magnitude_only_is_worse = false;

@@ -5,9 +5,11 @@ namespace bodesmith::project {
 std::vector<LimitCheck> check_limits(const Project& project, const Design& design) {
   std::vector<LimitCheck> checks;
   const auto& limits = project.limits;
-  if (limits.fit_db && design.fit.cascade.fit) checks.push_back({"fit_db", *limits.fit_db, design.fit.cascade.fit->max_db});
+  if (limits.fit_db && design.fit.cascade.fit)
+    checks.push_back({"fit_db", *limits.fit_db, design.fit.cascade.fit->max_db});
   if (limits.approximation_db) {
-    checks.push_back({"approximation_db", *limits.approximation_db, design.approximation.error.everywhere_db});
+    checks.push_back(
+        {"approximation_db", *limits.approximation_db, design.approximation.error.everywhere_db});
   }
   if (limits.fpaa_percent && design.plan) {
     checks.push_back({"fpaa_percent", *limits.fpaa_percent, design.plan->error.max_complex_percent});

@@ -11,7 +11,7 @@ namespace bodesmith::project {
 
 /// One line of [limits]: what was asked and what came out.
 struct LimitCheck {
-  std::string name;   ///< key in project.toml
+  std::string name;  ///< key in project.toml
   double limit = 0.0;
   double got = 0.0;
   bool met() const { return got <= limit; }

@@ -14,7 +14,8 @@ namespace fs = std::filesystem;
 std::vector<std::complex<double>> quadratic_roots(const Node& node) {
   const std::vector<double> c = node.numbers();
   if (c.size() != 2) node.fail(fmt::format("has {} numbers, expected [c1, c0] of s^2 + c1 s + c0", c.size()));
-  if (!(c[0] > 0.0) || !(c[1] > 0.0)) node.fail("has roots in the right half plane, expected c1 and c0 above 0");
+  if (!(c[0] > 0.0) || !(c[1] > 0.0))
+    node.fail("has roots in the right half plane, expected c1 and c0 above 0");
   const std::complex<double> root = std::sqrt(std::complex<double>(c[0] * c[0] / 4.0 - c[1], 0.0));
   if (root.imag() != 0.0) return {{-c[0] / 2.0, root.imag()}, {-c[0] / 2.0, -root.imag()}};
   // The root farther out first, the other from the product: no cancellation.
@@ -27,7 +28,8 @@ fs::path file_at(const Node& table, std::string_view key, const fs::path& folder
   const Node node = table.at(key);
   const fs::path path = folder / node.string();
   std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored)) node.fail(fmt::format("names {}, which is not there", path.string()));
+  if (!fs::is_regular_file(path, ignored))
+    node.fail(fmt::format("names {}, which is not there", path.string()));
   return path;
 }
 
@@ -39,7 +41,8 @@ Project::Target read_target(const Node& node, const fs::path& folder, Provenance
   if (node.has("branch") && node.at("branch").one_of({"ascending", "descending"}) == "ascending") {
     target.branch = Disturbance::Branch::ascending;
   }
-  target.base = node.has("base_hz") ? Hertz{node.at("base_hz").positive()} : target.points.points.front().frequency;
+  target.base =
+      node.has("base_hz") ? Hertz{node.at("base_hz").positive()} : target.points.points.front().frequency;
   return target;
 }
 
@@ -64,10 +67,12 @@ Project::Approximate read_approximate(const Node& node) {
 }
 
 Project::Plant read_plant(const Node& node) {
-  node.allow_only({"stroke_m", "amplifier_corner_hz", "resonance_hz", "damping_ratio", "damping_compensator"});
+  node.allow_only(
+      {"stroke_m", "amplifier_corner_hz", "resonance_hz", "damping_ratio", "damping_compensator"});
   Project::Plant plant;
   plant.stroke_m = node.at("stroke_m").positive();
-  if (node.has("amplifier_corner_hz")) plant.amplifier_corner = Hertz{node.at("amplifier_corner_hz").positive()};
+  if (node.has("amplifier_corner_hz"))
+    plant.amplifier_corner = Hertz{node.at("amplifier_corner_hz").positive()};
   if (node.has("resonance_hz")) {
     plant.resonance = Hertz{node.at("resonance_hz").positive()};
     plant.damping_ratio = node.at("damping_ratio").positive();
@@ -134,8 +139,8 @@ Project Project::read(const fs::path& path, Provenance& from) {
   if (node.has("limits")) {
     const Node limits = node.at("limits");
     limits.allow_only({"fit_db", "approximation_db", "fpaa_percent", "circuit_db"});
-    project.limits = {limit(limits, "fit_db"), limit(limits, "approximation_db"), limit(limits, "fpaa_percent"),
-                      limit(limits, "circuit_db")};
+    project.limits = {limit(limits, "fit_db"), limit(limits, "approximation_db"),
+                      limit(limits, "fpaa_percent"), limit(limits, "circuit_db")};
   }
   return project;
 }

@@ -13,7 +13,8 @@
 
 namespace bodesmith::project {
 
-/// What a person wants, from project.toml (schema bodesmith.project/1). Paths in it are relative to its folder.
+/// What a person wants, from project.toml (schema bodesmith.project/1). Paths in it are relative to its
+/// folder.
 struct Project {
   std::string name;
 

@@ -1,5 +1,6 @@
-// Broken files of every kind that is read: truncated anywhere, bytes changed, lines lost or doubled, values replaced.
-// A reader may accept what still makes sense; whatever it refuses must be one line that begins with the file's name.
+// Broken files of every kind that is read: truncated anywhere, bytes changed, lines lost or doubled, values
+// replaced. A reader may accept what still makes sense; whatever it refuses must be one line that begins with
+// the file's name.
 #include <gtest/gtest.h>
 
 #include <filesystem>
@@ -58,7 +59,8 @@ std::vector<Kind> kinds() {
       {"disturbance.json", read_file(example / "disturbance.json"),
        [](const fs::path& p, Provenance& f) { Disturbance::read(p, f); }},
       {"model.toml",
-       "schema = \"bodesmith.model/1\"\n\n[[block]]\ntype = \"gain\"\ngain = 6.92\noffset = 0.0\nfree = [\"gain\"]\n"
+       "schema = \"bodesmith.model/1\"\n\n[[block]]\ntype = \"gain\"\ngain = 6.92\noffset = 0.0\nfree = "
+       "[\"gain\"]\n"
        "[[block]]\ntype = \"resonator\"\ngain = 1.0\nnatural_frequency_hz = 120.0\ndamping_ratio = 0.05\n"
        "[[block]]\ntype = \"polynomial\"\ncoefficients = [0.0, 1.0, 0.1]\n",
        [](const fs::path& p, Provenance& f) { chain::read_model(p, f); }},
@@ -66,14 +68,18 @@ std::vector<Kind> kinds() {
 }
 
 std::string mutate(const std::string& good, std::mt19937& random) {
-  static const std::vector<std::string> kValues = {"nan",  "inf",   "-1",  "0",    "1e999", "\"x\"", "[]",   "{}",
-                                                   "null", "true",  "",    "1e-320", "\xFF\xFE", "]",  "}",    ",",
-                                                   "\"",   "# x\n", "\r",  "=",    "9999999999999999999999"};
+  static const std::vector<std::string> kValues = {
+      "nan", "inf",  "-1",   "0",     "1e999",  "\"x\"",    "[]",
+      "{}",  "null", "true", "",      "1e-320", "\xFF\xFE", "]",
+      "}",   ",",    "\"",   "# x\n", "\r",     "=",        "9999999999999999999999"};
   const auto below = [&random](size_t n) { return static_cast<size_t>(random() % std::max<size_t>(n, 1)); };
   std::string text = good;
   switch (below(6)) {
-    case 0: return text.substr(0, below(text.size()));
-    case 1: text[below(text.size())] = static_cast<char>(random() & 0xFF); return text;
+    case 0:
+      return text.substr(0, below(text.size()));
+    case 1:
+      text[below(text.size())] = static_cast<char>(random() & 0xFF);
+      return text;
     case 2: {  // a token replaced
       const size_t begin = below(text.size());
       const size_t end = std::min(text.size(), begin + 1 + below(8));
@@ -86,7 +92,9 @@ std::string mutate(const std::string& good, std::mt19937& random) {
       }
       const size_t begin = digits[below(digits.size())];
       size_t end = begin;
-      while (end < text.size() && (std::isalnum(static_cast<unsigned char>(text[end])) != 0 || text[end] == '.')) ++end;
+      while (end < text.size() &&
+             (std::isalnum(static_cast<unsigned char>(text[end])) != 0 || text[end] == '.'))
+        ++end;
       return text.substr(0, begin) + kValues[below(kValues.size())] + text.substr(end);
     }
     default: {  // a line lost or doubled

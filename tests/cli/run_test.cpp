@@ -42,9 +42,9 @@ ProgramResult* WholeWay::result_ = nullptr;
 
 TEST_F(WholeWay, EndsWellAndWritesEveryArtefact) {
   ASSERT_EQ(result_->status, 0) << result_->err;
-  for (const char* name : {"cascade.json", "sections.json", "fpaa/plan.json", "spice/compensator.sub", "spice/parts.csv",
-                           "layout/layout.json", "layout/disturbance.sub", "run.json", "report.html", "bode.csv",
-                           "tracking.csv"}) {
+  for (const char* name : {"cascade.json", "sections.json", "fpaa/plan.json", "spice/compensator.sub",
+                           "spice/parts.csv", "layout/layout.json", "layout/disturbance.sub", "run.json",
+                           "report.html", "bode.csv", "tracking.csv"}) {
     EXPECT_TRUE(fs::is_regular_file(out(name))) << name;
   }
   EXPECT_THAT(result_->out, HasSubstr("report.html"));
@@ -83,14 +83,17 @@ TEST_F(WholeWay, PlanStaysCloseToTheSections) {
 TEST_F(WholeWay, TrackingTableKnowsEveryDesignAndSaysTheSurprise) {
   const Csv table = Csv::parse(read_file(out("tracking.csv")), "tracking.csv");
   EXPECT_EQ(table.rows(), 7u);
-  for (const char* column : {"frequency_hz", "none_percent", "polynomial_percent", "cascade_percent", "sections_percent",
-                             "fpaa_percent", "fpaa_with_holds_percent", "circuit_percent"}) {
+  for (const char* column :
+       {"frequency_hz", "none_percent", "polynomial_percent", "cascade_percent", "sections_percent",
+        "fpaa_percent", "fpaa_with_holds_percent", "circuit_percent"}) {
     EXPECT_TRUE(table.has(column)) << column;
   }
-  // Without compensation the loop's full width is the error: several percent; the fixed polynomial is exact at 1 Hz.
+  // Without compensation the loop's full width is the error: several percent; the fixed polynomial is exact
+  // at 1 Hz.
   EXPECT_GT(table.column("none_percent")[0], 3.0);
   EXPECT_LT(table.column("polynomial_percent")[0], 0.1);
-  // Magnitude-only compensation turns the phase: worse than the fixed polynomial at 100 Hz, and the program says so.
+  // Magnitude-only compensation turns the phase: worse than the fixed polynomial at 100 Hz, and the program
+  // says so.
   EXPECT_GT(table.column("cascade_percent")[6], table.column("polynomial_percent")[6]);
   EXPECT_THAT(result_->out + result_->err, HasSubstr("worse"));
 }
@@ -99,10 +102,11 @@ TEST_F(WholeWay, ReportIsOneSelfContainedPage) {
   const std::string html = read_file(out("report.html"));
   EXPECT_THAT(html, Not(HasSubstr("<script")));
   EXPECT_THAT(html, Not(HasSubstr("<link")));
-  EXPECT_FALSE(std::regex_search(html, std::regex("(src|href)=\"(https?:)?//"))) << "something is loaded from outside";
+  EXPECT_FALSE(std::regex_search(html, std::regex("(src|href)=\"(https?:)?//")))
+      << "something is loaded from outside";
   EXPECT_THAT(html, Not(HasSubstr(">nan")));
-  for (const char* chapter : {"The wish", "Fit", "Sections", "Error budget", "FPAA", "Circuit", "Disturbance generator",
-                              "Tracking"}) {
+  for (const char* chapter : {"The wish", "Fit", "Sections", "Error budget", "FPAA", "Circuit",
+                              "Disturbance generator", "Tracking"}) {
     EXPECT_THAT(html, HasSubstr(std::string("<h2>") + chapter)) << chapter;
   }
 }
@@ -134,7 +138,8 @@ TEST_F(WholeWay, BodeReadsEveryArtefactInOneTable) {
                             "/examples/nanopositioner/gains.csv " +
                             (ngspice ? out("spice/compensator.sub").string() : std::string());
   const fs::path table = *folder_ / "bode.csv";
-  const ProgramResult result = run_bodesmith("bode " + files + " --from-hz 1 --to-hz 100 --count 41 -o " + table.string());
+  const ProgramResult result =
+      run_bodesmith("bode " + files + " --from-hz 1 --to-hz 100 --count 41 -o " + table.string());
   ASSERT_EQ(result.status, 0) << result.err;
   const Csv csv = Csv::parse(read_file(table), "bode.csv");
   ASSERT_EQ(csv.rows(), 41u);

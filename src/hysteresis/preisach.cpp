@@ -1,0 +1,163 @@
+#include "hysteresis/preisach.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+
+namespace bodesmith::hysteresis {
+
+EverettTable EverettTable::from_weights(double u_min, double u_max, std::size_t levels,
+                                        const std::vector<double>& w) {
+  EverettTable out;
+  out.u_min = u_min;
+  out.u_max = u_max;
+  out.levels = levels;
+  const std::size_t stride = levels + 1;
+  out.values.assign(stride * stride, 0.0);
+  // T(a, b) = T(a − 1, b) + Σ_{b ≤ j < a} w(a − 1, j), the sum taken from the right.
+  for (std::size_t a = 1; a <= levels; ++a) {
+    const double* row = w.data() + a * (a - 1) / 2;
+    double sum = 0.0;
+    for (std::size_t b = a; b-- > 0;) {
+      sum += row[b];
+      out.values[a * stride + b] = out.values[(a - 1) * stride + b] + sum;
+    }
+  }
+  for (std::size_t a = 0; a <= levels; ++a)
+    for (std::size_t b = a + 1; b <= levels; ++b) out.values[a * stride + b] = -out.values[b * stride + a];
+  return out;
+}
+
+BilinearEverett::BilinearEverett(std::shared_ptr<const EverettTable> table)
+    : table_(std::move(table)),
+      data_(table_->values.data()),
+      u_min_(table_->u_min),
+      scale_(static_cast<double>(table_->levels) / (table_->u_max - table_->u_min)),
+      last_(static_cast<double>(table_->levels)),
+      step_((table_->u_max - table_->u_min) / static_cast<double>(table_->levels)),
+      cells_(static_cast<int>(table_->levels)) {}
+
+double BilinearEverett::input(const Turn& from, const Turn* toward, int direction, double y,
+                              double now) const {
+  const std::ptrdiff_t stride = cells_ + 1;
+  const double t = from.cache.fraction;
+  if (direction > 0) {
+    // v(a) = T(n_a, from) rises with a: the first cell whose upper node reaches the wanted gain.
+    const double wanted = y - from.y;
+    const double* column = data_ + from.cache.cell;
+    const auto at = [&](int a) {
+      const double* p = column + a * stride;
+      return p[0] + t * (p[1] - p[0]);
+    };
+    int low = cache(now).cell;  // the gain at this node is below what is wanted
+    int high = toward != nullptr ? toward->cache.cell : cells_ - 1;
+    while (low < high) {
+      const int middle = (low + high) >> 1;
+      if (at(middle + 1) >= wanted) {
+        high = middle;
+      } else {
+        low = middle + 1;
+      }
+    }
+    const double below = at(low);
+    const double above = at(low + 1);
+    const double fraction = above > below ? (wanted - below) / (above - below) : 1.0;
+    return std::max(now, u_min_ + (low + std::min(fraction, 1.0)) * step_);
+  }
+  const double wanted = from.y - y;  // T(from, n_b) rises as b falls
+  const double* row = data_ + from.cache.cell * stride;
+  const auto at = [&](int b) { return row[b] + t * (row[b + stride] - row[b]); };
+  int high = cache(now).cell;
+  int low = toward != nullptr ? toward->cache.cell : 0;
+  while (low < high) {
+    const int middle = (low + high + 1) >> 1;
+    if (at(middle) >= wanted) {
+      low = middle;
+    } else {
+      high = middle - 1;
+    }
+  }
+  const double below = at(low);  // the larger one
+  const double above = at(low + 1);
+  const double fraction = below > above ? (below - wanted) / (below - above) : 0.0;
+  return std::min(now, u_min_ + (low + std::clamp(fraction, 0.0, 1.0)) * step_);
+}
+
+RelayEverett::RelayEverett(std::shared_ptr<const EverettTable> table) : table_(std::move(table)) {}
+
+RelayEverett::Cache RelayEverett::cache(double u) const {
+  const double x =
+      (u - table_->u_min) * static_cast<double>(table_->levels) / (table_->u_max - table_->u_min);
+  if (!(x > 0.0)) return 0;
+  const auto levels = static_cast<double>(table_->levels);
+  if (x >= levels) return 2 * static_cast<int>(table_->levels);
+  const double node = std::floor(x);
+  return 2 * static_cast<int>(node) + (x > node ? 1 : 0);
+}
+
+double RelayEverett::output(const Turn& from, const Turn*, int direction, double u) const {
+  const Cache here = cache(u);
+  // Up-switching at nodes reached from below (rounded down), down-switching at nodes reached from above
+  // (rounded up).
+  const Cache high = direction > 0 ? here : from.cache;
+  const Cache low = direction > 0 ? from.cache : here;
+  const int a = high / 2;
+  const int b = (low + 1) / 2;
+  if (b >= a) return from.y;
+  const double gain = table_->at(static_cast<std::size_t>(a), static_cast<std::size_t>(b));
+  return direction > 0 ? from.y + gain : from.y - gain;
+}
+
+Preisach Preisach::from(const Parameters& values) {
+  const double u_min = values.scalar("u_min");
+  const double u_max = values.scalar("u_max");
+  if (!(u_max > u_min)) throw DesignError("u_max is not above u_min");
+  const std::vector<double>& w = values.array("w");
+  const auto levels = static_cast<std::size_t>(
+      std::llround((std::sqrt(8.0 * static_cast<double>(w.size()) + 1.0) - 1.0) / 2.0));
+  if (w.empty() || levels * (levels + 1) / 2 != w.size())
+    throw DesignError(fmt::format("w has {} numbers, expected L (L + 1)/2 for L levels", w.size()));
+  Preisach out;
+  out.table = std::make_shared<const EverettTable>(EverettTable::from_weights(u_min, u_max, levels, w));
+  out.offset = values.scalar("offset");
+  out.bilinear = values.word("interpolation") == "bilinear";
+  return out;
+}
+
+BruteForceRelays::BruteForceRelays(double u_min, double u_max, std::size_t levels,
+                                   std::vector<double> weights, double offset)
+    : offset_(offset),
+      weights_(std::move(weights)),
+      state_(weights_.size(), 0.0),
+      u_min_(u_min),
+      scale_(static_cast<double>(levels) / (u_max - u_min)) {
+  for (std::size_t i = 0; i < levels; ++i) {
+    for (std::size_t j = 0; j <= i; ++j) {
+      up_.push_back(static_cast<float>(i + 1));
+      down_.push_back(static_cast<float>(j));
+    }
+  }
+}
+
+double BruteForceRelays::reset(double u) {
+  std::fill(state_.begin(), state_.end(), 0.0);
+  return step(u);
+}
+
+double BruteForceRelays::step(double u) {
+  const double x = (u - u_min_) * scale_;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < state_.size(); ++k) {
+    double s = state_[k];
+    s = x >= static_cast<double>(up_[k]) ? 1.0 : s;
+    s = x <= static_cast<double>(down_[k]) ? 0.0 : s;
+    state_[k] = s;
+    sum += weights_[k] * s;
+  }
+  return offset_ + sum;
+}
+
+}  // namespace bodesmith::hysteresis

@@ -3,7 +3,8 @@
 namespace bodesmith {
 
 /// The smallest possible error, in dB, of any stable real rational approximation with n poles of
-/// ((s/a + 1)/(s/b + 1))^beta over all frequencies, kappa = b/a > 1, K = complete elliptic integral (modulus):
+/// ((s/a + 1)/(s/b + 1))^beta over all frequencies, kappa = b/a > 1, K = complete elliptic integral
+/// (modulus):
 ///   E = (40/ln 10) |sin pi beta| |Gamma(n+1+beta) Gamma(n+1-beta)| / (Gamma(n+1/2) Gamma(n+3/2))
 ///       * exp(-pi (2n+1) K(1/kappa) / K(sqrt(1 - kappa^-2))).
 /// Asymptotic in n: within 0.4 % of the true minimax where E < 0.1 dB, up to 9 % too low above 1 dB.

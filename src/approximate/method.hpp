@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <span>
 #include <string>
 #include <string_view>
@@ -10,19 +11,20 @@
 
 namespace bodesmith {
 
-/// The integer part of a fractional lead-lag's approximation, corner ratio kappa = b/a > 1, in normalised form:
-/// approximates ((s + 1/r)/(s + r))^beta with r = sqrt(kappa), i.e. centre frequency 1, by
-///   H(s) = gain * prod (s - zero_k)/(s - pole_k).
+/// A fractional lead in normalised form, r = sqrt(kappa), kappa = b/a > 1 the ratio of its corners, centre at
+/// 1 rad/s,
+///   P(s)^beta = ((1 + r s)/(1 + s/r))^beta,
+/// is approximated by H(s) = gain * prod (s - zero_k)/(s - pole_k).
 struct NormalisedApproximation {
   double gain = 1.0;
   std::vector<std::complex<double>> zeros;
   std::vector<std::complex<double>> poles;
 };
 
-/// What every method is asked for. beta of either sign; kappa > 1.
+/// What every method is asked for.
 struct ApproximationTask {
-  double kappa = 10.0;
-  double beta = 0.5;
+  double kappa = 10.0;  ///< > 1
+  double beta = 0.5;    ///< > 0: a lag is the reciprocal of its lead's approximation
   int order = 4;
   bool real_roots = true;  ///< real poles and zeros even where a complex pair would be closer (|beta| > 2)
   bool over_band = false;  ///< minimax only: equal ripple over [a, b] instead of over all frequencies

@@ -1,8 +1,95 @@
-#include "base/error.hpp"
+#include <fmt/format.h>
+
+#include <chrono>
+#include <string>
+
+#include "approximate/approximate.hpp"
+#include "base/files.hpp"
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 
 namespace bodesmith::cli {
+namespace {
 
-int run_approximate(const std::vector<std::string>&) { throw InputError("approximate is not built yet"); }
+namespace po = boost::program_options;
+
+std::string summary_text(const CascadeApproximation& result) {
+  std::string text = fmt::format("{}: {} sections, {} poles\n", result.method,
+                                 result.sections.sections.size(), result.sections.pole_count());
+  for (const TermApproximation& term : result.terms) {
+    text += fmt::format(
+        "  {:>10} .. {:<10} Hz  beta {:<9} order {:<2}  {:>9} dB  (no approximation below {} dB)\n",
+        rounded_text(term.term.low_corner().hz().value), rounded_text(term.term.high_corner().hz().value),
+        rounded_text(term.term.beta), term.order, rounded_text(term.error.everywhere_db, 3),
+        rounded_text(term.limit_law_db, 3));
+  }
+  text +=
+      fmt::format("whole cascade: {} dB and {} deg over {} .. {} Hz, {} dB and {} deg at any frequency\n",
+                  rounded_text(result.error.band_db, 3), rounded_text(result.error.band_deg, 3),
+                  rounded_text(result.error.band.from.value), rounded_text(result.error.band.to.value),
+                  rounded_text(result.error.everywhere_db, 3), rounded_text(result.error.everywhere_deg, 3));
+  if (!result.limit_met) {
+    text += fmt::format("the limit of {} dB is NOT met\n", rounded_text(result.max_error_db));
+  }
+  return text;
+}
+
+}  // namespace
+
+int run_approximate(const std::vector<std::string>& arguments) {
+  CommandLine line("approximate", "bodesmith approximate cascade.json -o sections.json --max-error-db 0.01",
+                   "Turns the fractional terms of a cascade into integer pole-zero sections.");
+  std::string methods;
+  for (const ApproximationMethod& method : approximation_methods()) {
+    methods += (methods.empty() ? "" : ", ") + std::string(method.name);
+  }
+  line.options().add_options()("method", po::value<std::string>()->default_value("minimax"), methods.c_str())(
+      "order", po::value<int>(), "poles of each term's approximation, whole powers counted (default 4)")(
+      "max-error-db", po::value<double>(),
+      "instead of --order: the fewest poles with which the whole cascade stays within this at every "
+      "frequency")("over-band", "minimax: equal ripple between the corners instead of over all frequencies")(
+      "max-order", po::value<int>()->default_value(12),
+      "largest order of a term that --max-error-db may choose");
+  line.positional("CASCADE.json", 1, 1);
+  line.output("where the sections go");
+  if (!line.parse(arguments)) return kDone;
+
+  ApproximationOptions options;
+  options.method = line.get<std::string>("method");
+  options.order = line.maybe<int>("order");
+  if (line.maybe<double>("max-error-db")) options.max_error_db = line.positive("max-error-db");
+  if (options.order && options.max_error_db) line.fail("--order and --max-error-db exclude each other");
+  if (options.order && (*options.order < 1 || *options.order > 40)) {
+    line.fail(fmt::format("--order is {}, expected 1 to 40", *options.order));
+  }
+  options.max_order = line.get<int>("max-order");
+  if (options.max_order < 1 || options.max_order > 40)
+    line.fail("--max-order is out of range, expected 1 to 40");
+  options.over_band = line.has("over-band");
+  (void)approximation_method(options.method);
+
+  Provenance from;
+  const Cascade cascade = Cascade::read(line.files().front(), from);
+  const auto start = std::chrono::steady_clock::now();
+  const CascadeApproximation result = approximate_cascade(cascade, options);
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+
+  Json out = json_header("sections", from);
+  out.update(result.sections.to_json());
+  out["approximation"] = result.report_json();
+  out["timing_s"] = {{"compute", seconds}};
+  write_file(line.output_path(), to_text(out));
+
+  Json summary = json_header("approximate_summary", from);
+  summary["sections"] = result.sections.sections.size();
+  summary["poles"] = result.sections.pole_count();
+  summary.update(result.report_json());
+  summary["error"] = result.sections.to_json()["error"];
+  summary["timing_s"] = {{"compute", seconds}};
+  print_summary(line, summary_text(result), summary);
+  return result.limit_met ? kDone : kLimitMissed;
+}
 
 }  // namespace bodesmith::cli

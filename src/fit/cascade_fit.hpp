@@ -13,17 +13,17 @@ namespace bodesmith {
 
 /// How the orders beta_i of a cascade (first seed, eq. 15) are found from wanted gains.
 struct CascadeFitOptions {
-  /// The frequency of gain 1 at which the first band starts. Without it the lowest point. A point of the file at
-  /// this frequency is the base and its gain becomes the cascade's gain; points below are left out.
-  std::optional<Hertz> base;
-  /// |beta| <= beta_max: least squares (eq. 19 with a bound that may have either sign). Without it: interpolation
-  /// of every point above the base (eq. 18).
-  std::optional<double> beta_max;
+  /// The frequency of gain 1 at which the first band starts. Without it the lowest point. A point of the file
+  /// at this frequency is the base and its gain becomes the cascade's gain; points below are left out.
+  std::optional<Hertz> base{};
+  /// |beta| <= beta_max: least squares (eq. 19 with a bound that may have either sign). Without it:
+  /// interpolation of every point above the base (eq. 18).
+  std::optional<double> beta_max{};
   /// 0 <= beta <= beta_max, the bound as eq. 19 prints it. The paper's 0 < beta is open; the least squares
   /// minimum over it usually lies on 0, so 0 counts as allowed, and such a term is exactly 1.
   bool beta_positive = false;
-  /// A curve that leaves the range of its two neighbouring points by more than this is warned about, and so is
-  /// a point whose leaving out changes the curve by more than this.
+  /// A curve that leaves the range of its two neighbouring points by more than this is warned about, and so
+  /// is a point whose leaving out changes the curve by more than this.
   double surprise_db = 0.5;
 };
 
@@ -31,15 +31,15 @@ struct CascadeFitOptions {
 struct CascadeFitTerm {
   Band band;
   double beta = 0.0;
-  bool rises = false;      ///< the magnitude rises over the band (a lead); otherwise it falls (a lag)
-  bool at_bound = false;   ///< the bounded fit ended on a bound of this order
+  bool rises = false;            ///< the magnitude rises over the band (a lead); otherwise it falls (a lag)
+  bool at_bound = false;         ///< the bounded fit ended on a bound of this order
   double max_sensitivity = 0.0;  ///< largest |change of beta| for a gain error of +1 % in any one point
 };
 
 /// What happens to the curve when one point is left out and the others are fitted again.
 struct LeftOutPoint {
-  Hertz frequency;          ///< of the point that was left out
-  double miss_db = 0.0;     ///< curve without it minus its wanted value, at the point
+  Hertz frequency;             ///< of the point that was left out
+  double miss_db = 0.0;        ///< curve without it minus its wanted value, at the point
   double max_change_db = 0.0;  ///< largest difference of the two curves between base and last point
   Hertz max_change_at;
 };
@@ -51,12 +51,13 @@ struct Excursion {
   double outside_db = 0.0;  ///< how far outside [min, max] of the two wanted values
 };
 
-/// A fitted cascade, and everything a person needs to judge it. Nothing here is an exception: ill conditioning and
-/// surprises are data.
+/// A fitted cascade, and everything a person needs to judge it. Nothing here is an exception: ill
+/// conditioning and surprises are data.
 struct CascadeFit {
   Cascade cascade;  ///< with its `fit` summary (the base is not one of its points)
   Hertz base;
-  double base_got_db = 0.0;  ///< magnitude at the base relative to its wanted gain: a consequence, not a condition
+  double base_got_db =
+      0.0;  ///< magnitude at the base relative to its wanted gain: a consequence, not a condition
   bool bounded = false;
   double lower_bound = 0.0;  ///< of every beta, when bounded
   double upper_bound = 0.0;
@@ -67,10 +68,10 @@ struct CascadeFit {
   std::vector<CascadeFitTerm> terms;
   /// sensitivity[i][j]: change of beta_i when the wanted gain of fit point j grows by 1 %.
   std::vector<std::vector<double>> sensitivity;
-  std::vector<Excursion> excursions;      ///< those over surprise_db
-  std::vector<LeftOutPoint> left_out;     ///< every interior point
-  std::vector<Hertz> points_below_base;   ///< in the file, not fitted
-  std::vector<std::string> warnings;      ///< sentences for a person
+  std::vector<Excursion> excursions;     ///< those over surprise_db
+  std::vector<LeftOutPoint> left_out;    ///< every interior point
+  std::vector<Hertz> points_below_base;  ///< in the file, not fitted
+  std::vector<std::string> warnings;     ///< sentences for a person
 
   /// cascade.json without the header: gain, terms, fit with all the fields above.
   Json to_json() const;
@@ -78,9 +79,9 @@ struct CascadeFit {
 
 /// Finds beta so that |G(j 2 pi f_i)| meets the wanted gains (first seed, eq. 18 or 19), with
 ///   lambda_i = 1/(2 pi f_i), x_i = f_i / f_(i+1), f_0 = base, f_1... the points above it.
-/// Solved in nepers by QR (interpolation, one step of refinement in extended precision) or by an active-set method for box-constrained least
-/// squares whose result carries its optimality certificate. Weights multiply the squared misses.
-/// Throws InputError when there is no point above the base, or beta_max is not above 0.
+/// Solved in nepers, in extended precision: by QR (interpolation) or by an active-set method for
+/// box-constrained least squares whose result carries its optimality certificate. Weights multiply the
+/// squared misses. Throws InputError when there is no point above the base, or beta_max is not above 0.
 CascadeFit fit_cascade(const BodePoints& points, const CascadeFitOptions& options = {});
 
 }  // namespace bodesmith

@@ -21,7 +21,8 @@ enum class DrivenPath {
 
 struct WaveformErrorOptions {
   DrivenPath path = DrivenPath::whole;
-  int harmonics = 400;  ///< of the operating frequency; what lies above is added in closed form with G(infinity)
+  int harmonics =
+      400;  ///< of the operating frequency; what lies above is added in closed form with G(infinity)
 };
 
 /// The periodic steady state at one operating frequency, triangle x(t) from 0 to 1 and back.
@@ -39,10 +40,10 @@ struct WaveformError {
 
 /// Error of the compensating waveform that a linear filter G makes from the disturbance polynomials:
 ///   e(t) = (g * d)(t) - K_branch(f) d_branch(x(t)),   d without gain tables, K the rate gains,
-/// which is what remains in the displacement of a stage that has exactly this disturbance. Unlike a magnitude fit
-/// it counts G's phase and its values at the harmonics and at 0 Hz.
-/// The Fourier coefficients of the piecewise polynomials are exact; the energy above `harmonics` is exact for a
-/// G that has reached G(infinity) there.
+/// which is what remains in the displacement of a stage that has exactly this disturbance. Unlike a magnitude
+/// fit it counts G's phase and its values at the harmonics and at 0 Hz. The Fourier coefficients of the
+/// piecewise polynomials are exact; the energy above `harmonics` is exact for a G that has reached
+/// G(infinity) there.
 WaveformError waveform_error(const FrequencyResponse& g, const Disturbance& disturbance,
                              const std::vector<Hertz>& operating, const WaveformErrorOptions& options = {});
 

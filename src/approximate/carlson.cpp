@@ -1,0 +1,47 @@
+#include <cmath>
+#include <numbers>
+#include <string>
+
+#include "approximate/all_methods.hpp"
+#include "base/error.hpp"
+
+namespace bodesmith {
+// Carlson's step for a square root, H <- H (H^2 + 3 p)/(3 H^2 + p) from H = 1, triples an exponent:
+//   (H - c)/(H + c) = ((1 - c)/(1 + c))^N, c = sqrt p, N = 3^steps = 2 n + 1,
+// so that its zeros and poles are p = -tan^2 of equally spaced angles: no polynomial needs to be expanded.
+// (At these orders it equals the continued fraction; for q-th roots other than the square root it would not,
+// and these are refused.)
+NormalisedApproximation carlson(const ApproximationTask& task) {
+  if (std::abs(task.beta - 0.5) > 1e-12) {
+    throw DesignError(
+        "carlson is built for |beta| = 1/2 beside whole powers, expected another method for this beta (" +
+        std::to_string(task.beta) + " remains)");
+  }
+  int n = 1;
+  while (n < task.order) n = 3 * n + 1;
+  if (n != task.order) {
+    throw DesignError(
+        "carlson has 1, 4, 13 or 40 poles beside whole powers, expected such an order instead of " +
+        std::to_string(task.order));
+  }
+  const int count = 2 * n + 1;
+  const double r = std::sqrt(task.kappa);
+  NormalisedApproximation out;
+  out.gain = std::pow(task.kappa, 0.25);
+  const auto corner = [&](double angle) {
+    // p = P/r = (s + 1/r)/(1 + s/r) = -tan^2: s = -(1/r + T)/(1 + T/r).
+    const double t = std::tan(angle) * std::tan(angle);
+    return (1.0 / r + t) / (1.0 + t / r);
+  };
+  for (int k = 1; k <= n; ++k) {
+    const double pole = corner(std::numbers::pi * k / count);
+    const double zero = corner(std::numbers::pi * (k - 0.5) / count);
+    // H = 1 where p = 1, i.e. at s = 1.
+    out.zeros.emplace_back(-zero, 0.0);
+    out.poles.emplace_back(-pole, 0.0);
+    out.gain *= (1.0 + pole) / (1.0 + zero);
+  }
+  return out;
+}
+
+}  // namespace bodesmith

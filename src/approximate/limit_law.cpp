@@ -1,0 +1,43 @@
+#include "approximate/limit_law.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "base/units.hpp"
+
+namespace bodesmith {
+
+double complete_elliptic_k(double complementary_modulus) {
+  double a = 1.0;
+  double b = complementary_modulus;
+  while (std::abs(a - b) > 1e-15 * a) {
+    const double mean = 0.5 * (a + b);
+    b = std::sqrt(a * b);
+    a = mean;
+  }
+  return std::numbers::pi / (2.0 * a);
+}
+
+double minimax_limit_db(double kappa, double beta, int n) {
+  const double size = std::abs(beta);
+  if (!(kappa > 1.0) || n < 0 || !(size < n + 1))
+    throw std::domain_error("the limit law needs kappa > 1 and |beta| < n + 1");
+  if (beta == std::round(beta)) return 0.0;
+  const double k = 1.0 / kappa;
+  const double ratio = complete_elliptic_k(std::sqrt((1.0 - k) * (1.0 + k))) /
+                       complete_elliptic_k(k);  // K(1/kappa) / K(sqrt(1 - kappa^-2))
+  const double log_gamma =
+      std::lgamma(n + 1 + size) + std::lgamma(n + 1 - size) - std::lgamma(n + 0.5) - std::lgamma(n + 1.5);
+  return 2.0 * kDecibelPerNeper * std::abs(std::sin(std::numbers::pi * beta)) *
+         std::exp(log_gamma - std::numbers::pi * (2 * n + 1) * ratio);
+}
+
+int minimax_order(double kappa, double beta, double max_db, int most) {
+  for (int n = static_cast<int>(std::floor(std::abs(beta))); n <= most; ++n) {
+    if (minimax_limit_db(kappa, beta, n) <= max_db) return n;
+  }
+  return most + 1;
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,71 @@
+#include "approximate/log_symmetric.hpp"
+
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+#include "approximate/elliptic.hpp"
+
+namespace bodesmith {
+
+long double half_lead(long double v, long double z) {
+  const long double sign = z < 0.0L ? -1.0L : 1.0L;
+  z = std::abs(z);
+  if (std::isinf(v)) return 0.5L * sign * z;
+  const long double least = std::min(v, z);
+  if (least < 0.5L) return sign * std::atanh(std::tanh(0.5L * v) * std::tanh(0.5L * z));
+  return 0.5L * sign * (least + std::log1p(std::exp(-(v + z))) - std::log1p(std::exp(-std::abs(v - z))));
+}
+
+long double half_lead_slope(long double v, long double z) {
+  if (std::isinf(v)) return 0.5L;
+  const long double q = std::exp(-2.0L * v);
+  return 0.5L * (1.0L - q) / (1.0L + q + std::exp(z - v) + std::exp(-z - v));
+}
+
+NormalisedApproximation from_log_positions(const std::vector<long double>& zeta, long double log_kappa,
+                                           long double beta) {
+  NormalisedApproximation out;
+  long double log_gain = 0.5L * beta * log_kappa;
+  for (const long double z : zeta) {
+    out.zeros.emplace_back(static_cast<double>(-std::exp(-0.5L * z)), 0.0);
+    out.poles.emplace_back(static_cast<double>(-std::exp(0.5L * z)), 0.0);
+    log_gain += 0.5L * z;
+  }
+  out.gain = static_cast<double>(std::exp(log_gain));
+  return out;
+}
+
+std::vector<long double> elliptic_positions(long double log_kappa, long double beta, int order) {
+  const long double m = std::tanh(0.5L * log_kappa);
+  const long double complement = 1.0L / std::cosh(0.5L * log_kappa);
+  const long double period = complete_elliptic_k_long(complement);
+  std::vector<long double> zeta;
+  for (int k = 1; k <= order; ++k) {
+    const auto e = jacobi_elliptic(period * (1.0L - (4 * k - 1 - 2.0L * beta) / (2 * order + 1)), complement);
+    zeta.push_back(2.0L * std::asinh(m * e.sn / e.dn));
+  }
+  return zeta;
+}
+
+std::vector<long double> pade_positions(long double log_kappa, long double beta, int order) {
+  // Not the symmetric form: (k - beta)(k + beta) may be negative.
+  using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
+  Matrix jacobi = Matrix::Zero(order, order);
+  jacobi(0, 0) = beta;
+  for (int k = 1; k < order; ++k) {
+    const long double product = (k - beta) * (k + beta) / ((2.0L * k - 1.0L) * (2.0L * k + 1.0L));
+    const long double root = std::sqrt(std::abs(product));
+    jacobi(k, k - 1) = root;
+    jacobi(k - 1, k) = product < 0.0L ? -root : root;
+  }
+  const Eigen::EigenSolver<Matrix> solver(jacobi, false);
+  const long double m = std::tanh(0.25L * log_kappa);
+  std::vector<long double> zeta;
+  for (int k = 0; k < order; ++k) zeta.push_back(4.0L * std::atanh(m * solver.eigenvalues()(k).real()));
+  std::sort(zeta.begin(), zeta.end(), std::greater<>());
+  return zeta;
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,47 @@
+#include <cmath>
+#include <complex>
+
+#include "approximate/all_methods.hpp"
+#include "base/error.hpp"
+
+namespace bodesmith {
+
+// Xue's refinement widens Oustaloup's band by b/d = 10/9 on both sides and multiplies by the first-order
+// Taylor expansion of (wanted/widened)^beta. His wanted function is s^beta, here it is the term itself:
+//   P = N0/D0, widened W = N1/D1, (P/W)^beta ~ 1 + beta (P/W - 1) = (beta N + (1 - beta) D)/D, N = N0 D1, D =
+//   D0 N1.
+NormalisedApproximation refined_oustaloup(const ApproximationTask& task) {
+  if (task.order < 3)
+    throw DesignError("refined-oustaloup needs an order of at least 3 (its correction takes 2)");
+  const double widen = 10.0 / 9.0;
+  const double r = std::sqrt(task.kappa);
+  const double wide = r * widen;
+  ApproximationTask inner = task;
+  inner.order = task.order - 2;
+  inner.kappa = wide * wide;
+  NormalisedApproximation out = oustaloup(inner);
+  // N = (1 + r s)(1 + s/wide), D = (1 + s/r)(1 + wide s).
+  const double n1 = r + 1.0 / wide;
+  const double n2 = r / wide;
+  const double d1 = 1.0 / r + wide;
+  const double d2 = wide / r;
+  const double c1 = task.beta * n1 + (1.0 - task.beta) * d1;
+  const double c2 = task.beta * n2 + (1.0 - task.beta) * d2;
+  // Both are real roots: c1^2 > 4 c2 because c1 > 2 and c2 lies between 9/10 and 10/9... for every kappa > 1.
+  const double discriminant = c1 * c1 - 4.0 * c2;
+  if (discriminant >= 0.0) {
+    const double large = -(c1 + std::sqrt(discriminant)) / (2.0 * c2);
+    out.zeros.emplace_back(large, 0.0);
+    out.zeros.emplace_back(1.0 / (c2 * large), 0.0);
+  } else {
+    const std::complex<double> root(-c1 / (2.0 * c2), std::sqrt(-discriminant) / (2.0 * c2));
+    out.zeros.push_back(root);
+    out.zeros.push_back(std::conj(root));
+  }
+  out.poles.emplace_back(-r, 0.0);
+  out.poles.emplace_back(-1.0 / wide, 0.0);
+  out.gain *= c2 / d2;
+  return out;
+}
+
+}  // namespace bodesmith

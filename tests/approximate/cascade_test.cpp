@@ -1,0 +1,87 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "approximate/approximate.hpp"
+#include "base/error.hpp"
+
+namespace bodesmith {
+namespace {
+
+Cascade paper_cascade() {
+  Cascade out;
+  const double f[] = {1, 10, 20, 60, 100};
+  const double beta[] = {-0.0428, 1.0245, -1.2113, 2.2908};
+  for (int i = 0; i < 4; ++i)
+    out.terms.push_back({1.0 / Hertz{f[i]}.rad_s().value, f[i] / f[i + 1], beta[i]});
+  return out;
+}
+
+TEST(ApproximateCascade, MeetsTheLimitWithTheFewestPoles) {
+  for (const double limit : {0.3, 0.05, 1e-3, 1e-6}) {
+    ApproximationOptions options;
+    options.max_error_db = limit;
+    const auto made = approximate_cascade(paper_cascade(), options);
+    EXPECT_TRUE(made.limit_met);
+    EXPECT_LE(made.error.everywhere_db, limit);
+    // No split of one pole fewer meets it.
+    const int poles = made.sections.pole_count();
+    for (int a = 1; a < poles; ++a) {
+      for (int b = 1; a + b < poles; ++b) {
+        for (int c = 1; a + b + c < poles - 1; ++c) {
+          const int d = poles - 1 - a - b - c;
+          if (b < 2 || c < 2 || d < 3) continue;
+          Cascade cascade = paper_cascade();
+          Sections sections;
+          const int order[] = {a, b, c, d};
+          for (size_t i = 0; i < 4; ++i) {
+            const auto term = approximate_term(cascade.terms[i], {}, order[i]);
+            sections.sections.insert(sections.sections.end(), term.sections.begin(), term.sections.end());
+          }
+          ASSERT_GT(approximation_error(sections, cascade).everywhere_db, 0.999 * limit) << a << b << c << d;
+        }
+      }
+    }
+  }
+}
+
+TEST(ApproximateCascade, SaysWhenALimitCannotBeMet) {
+  Cascade wide;
+  wide.terms.push_back({1.0, 1e-6, 0.5});
+  ApproximationOptions options;
+  options.max_error_db = 1e-9;
+  options.max_order = 6;
+  const auto made = approximate_cascade(wide, options);
+  EXPECT_FALSE(made.limit_met);
+  EXPECT_EQ(made.sections.pole_count(), 6);
+}
+
+TEST(ApproximateCascade, ErrorIsMeasuredEverywhere) {
+  const auto made = approximate_cascade(paper_cascade(), {.method = "oustaloup", .order = 5});
+  double worst = 0.0;
+  double worst_deg = 0.0;
+  for (const Hertz f : log_grid({Hertz{1e-4}, Hertz{1e6}}, 20001)) {
+    const auto ratio = made.sections.response(f.rad_s()) / paper_cascade().response(f.rad_s());
+    worst = std::max(worst, std::abs(to_decibel(std::abs(ratio))));
+    worst_deg = std::max(worst_deg, std::abs(to_degrees(std::arg(ratio))));
+  }
+  EXPECT_NEAR(made.error.everywhere_db / worst, 1.0, 1e-3);
+  EXPECT_NEAR(made.error.everywhere_deg / worst_deg, 1.0, 1e-3);
+  EXPECT_LE(made.sections.error->band.from.value, 1.0);
+  EXPECT_GE(made.sections.error->band.to.value, 100.0);
+}
+
+TEST(ApproximateCascade, PassesOverTermsOfOrderZeroAndRefusesPlainGains) {
+  Cascade cascade = paper_cascade();
+  cascade.gain = 2.0;
+  cascade.terms[1].beta = 0.0;
+  const auto made = approximate_cascade(cascade, {.order = 3});
+  EXPECT_EQ(made.terms.size(), 3u);
+  EXPECT_NEAR(made.sections.dc_gain(), 2.0, 1e-3);
+  cascade.terms.clear();
+  EXPECT_THROW(approximate_cascade(cascade, {}), DesignError);
+  EXPECT_THROW(approximate_term({1.0, 0.1, 0.5}, {}, 0), InputError);
+}
+
+}  // namespace
+}  // namespace bodesmith

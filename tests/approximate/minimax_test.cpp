@@ -1,0 +1,168 @@
+#include <gtest/gtest.h>
+
+#include <boost/multiprecision/cpp_bin_float.hpp>
+#include <cmath>
+#include <vector>
+
+#include "approximate/approximate.hpp"
+#include "approximate/limit_law.hpp"
+#include "base/error.hpp"
+
+namespace bodesmith {
+namespace {
+
+using Exact = boost::multiprecision::cpp_bin_float_50;
+
+TermApproximation minimax_of(double kappa, double beta, int order) {
+  return approximate_term({1.0, 1.0 / kappa, beta}, {}, order);
+}
+
+/// The alternating extrema of the log magnitude error in nepers, in 50 digits, from the written poles and
+/// zeros.
+std::vector<double> alternation(const TermApproximation& made) {
+  const auto error = [&](const Exact& w) {
+    Exact np = 0;
+    for (const Section& section : made.sections) {
+      np += log(abs(Exact(section.gain)));
+      for (size_t i = 0; i < section.poles.size(); ++i) {
+        const Exact zero = section.zeros[i].real();
+        const Exact pole = section.poles[i].real();
+        np += log((w * w + zero * zero) / (w * w + pole * pole)) / 2;
+      }
+    }
+    const Exact a = w * Exact(made.term.lambda_s);
+    const Exact b = a * Exact(made.term.x);
+    return static_cast<double>(np - Exact(made.term.beta) * log((1 + a * a) / (1 + b * b)) / 2);
+  };
+  std::vector<double> heights;
+  const double low = std::log(made.term.low_corner().value) - 18.0;
+  const double high = std::log(made.term.high_corner().value) + 18.0;
+  const int steps = 3000;
+  for (int i = 0; i <= steps; ++i) {
+    const double e = error(exp(Exact(low + (high - low) * i / steps)));
+    if (heights.empty() || (e > 0.0) != (heights.back() > 0.0))
+      heights.push_back(e);
+    else if (std::abs(e) > std::abs(heights.back()))
+      heights.back() = e;
+  }
+  return heights;
+}
+
+// Chebyshev's theorem: 2n + 2 alternating errors of one height prove the best approximation; their smallest
+// bounds the best possible error from below (de la Vallee-Poussin). 50 digits, no code in common with the
+// exchange.
+TEST(Minimax, AlternatesAsOftenAsChebyshevsTheoremAsks) {
+  for (const double kappa : {1.05, 2.0, 10.0, 1e3, 1e6}) {
+    for (const double beta : {0.1, 0.5, 0.93, 1.2, 1.9}) {
+      for (const int order : {2, 4, 7}) {
+        const double law_np = minimax_limit_db(kappa, beta, order) / kDecibelPerNeper;
+        if (law_np < 1e-12) continue;  // rounding of the roots to doubles shows
+        const auto heights = alternation(minimax_of(kappa, beta, order));
+        ASSERT_EQ(heights.size(), static_cast<size_t>(2 * order + 2)) << kappa << " " << beta << " " << order;
+        double least = INFINITY;
+        double most = 0.0;
+        for (const double h : heights) {
+          least = std::min(least, std::abs(h));
+          most = std::max(most, std::abs(h));
+        }
+        EXPECT_LT(most / least, 1.01) << kappa << " " << beta << " " << order;
+      }
+    }
+  }
+}
+
+TEST(Minimax, FollowsTheLimitLaw) {
+  int seen = 0;
+  for (const double kappa : {1.2, 3.0, 10.0, 1e3, 1e4}) {
+    for (const double beta : {0.05, 0.5, 0.9}) {
+      for (int order = 1; order <= 12; ++order) {
+        const double law = minimax_limit_db(kappa, beta, order);
+        if (law < 1e-11 || law > 0.1) continue;
+        EXPECT_NEAR(minimax_of(kappa, beta, order).error.everywhere_db / law, 1.0, 0.006)
+            << kappa << " " << beta << " " << order;
+        ++seen;
+      }
+    }
+  }
+  EXPECT_GT(seen, 80);
+}
+
+TEST(Minimax, PublishedFigures) {
+  // dB over all frequencies for beta = 1/2, found by an independent search.
+  EXPECT_NEAR(minimax_of(10.0, 0.5, 2).error.everywhere_db, 0.022, 0.0005);
+  EXPECT_NEAR(minimax_of(10.0, 0.5, 4).error.everywhere_db, 1.017e-4, 1e-6);
+  EXPECT_NEAR(minimax_of(10.0, 0.5, 8).error.everywhere_db, 2.27e-9, 3e-11);
+  EXPECT_NEAR(minimax_of(1e3, 0.5, 8).error.everywhere_db, 7.0e-4, 1e-5);
+  EXPECT_NEAR(minimax_of(1e4, 0.5, 2).error.everywhere_db, 1.7, 0.05);
+  // The whole term at once against a split-off power.
+  EXPECT_NEAR(minimax_of(10.0, 1.9, 4).error.everywhere_db, 6.8e-5, 1e-6);
+  EXPECT_NEAR(minimax_of(10.0, 0.9, 3).error.everywhere_db, 5.4e-4, 1e-5);
+}
+
+TEST(Minimax, EveryOrderEveryRatioRealAndStable) {
+  for (const double kappa : {1.05, 1.7, 10.0, 100.0, 1e6}) {
+    for (const double beta : {0.001, 0.5, 0.999, 1.001, 1.5, 1.999, 2.3, 4.0, 7.5, 10.0}) {
+      for (int order = static_cast<int>(std::ceil(beta)); order <= 12; ++order) {
+        const auto made = minimax_of(kappa, beta, order);
+        int poles = 0;
+        for (const Section& section : made.sections) {
+          EXPECT_TRUE(section.is_stable());
+          for (const auto& root : section.zeros) {
+            EXPECT_EQ(root.imag(), 0.0);
+            EXPECT_LT(root.real(), 0.0);
+          }
+          poles += static_cast<int>(section.poles.size());
+        }
+        // A whole power is exact with |beta| poles: more are not added.
+        EXPECT_EQ(poles, beta == std::round(beta) ? static_cast<int>(beta) : order);
+        EXPECT_TRUE(std::isfinite(made.error.everywhere_db));
+      }
+    }
+  }
+}
+
+TEST(Minimax, LagIsTheReciprocalOfTheLead) {
+  const auto lead = approximate_term({0.01, 0.1, 0.7}, {}, 3);
+  for (const FractionalLeadLag& same :
+       {FractionalLeadLag{0.01, 0.1, -0.7}, FractionalLeadLag{0.001, 10.0, 0.7}}) {
+    const auto lag = approximate_term(same, {}, 3);
+    for (const double w : {1.0, 50.0, 300.0, 1e4, 1e7}) {
+      std::complex<double> product = 1.0;
+      for (const Section& s : lead.sections) product *= s.response(RadPerSecond{w});
+      for (const Section& s : lag.sections) product *= s.response(RadPerSecond{w});
+      EXPECT_NEAR(std::abs(product - 1.0), 0.0, 1e-12);
+    }
+  }
+}
+
+TEST(Minimax, OverTheBandGainsDecibelsThere) {
+  ApproximationOptions band;
+  band.over_band = true;
+  const FractionalLeadLag term{1.0, 1e-3, 0.5};
+  const auto inside = approximate_term(term, band, 4);
+  const auto everywhere = approximate_term(term, {}, 4);
+  // Judged between the term's own corners.
+  const auto worst = [&](const TermApproximation& made) {
+    double db = 0.0;
+    Sections sections;
+    sections.sections = made.sections;
+    for (const Hertz f : log_grid({term.low_corner().hz(), term.high_corner().hz()}, 400)) {
+      db = std::max(db, std::abs(to_decibel(std::abs(sections.response(f.rad_s()))) -
+                                 kDecibelPerNeper * term.log_magnitude(f.rad_s())));
+    }
+    return db;
+  };
+  EXPECT_LT(worst(inside), 0.9 * worst(everywhere));
+  EXPECT_GT(inside.error.everywhere_db, everywhere.error.everywhere_db);
+}
+
+TEST(LimitLaw, RefusesWhatItIsNotMeantFor) {
+  EXPECT_THROW(minimax_limit_db(1.0, 0.5, 2), std::domain_error);
+  EXPECT_THROW(minimax_limit_db(10.0, 3.5, 2), std::domain_error);
+  EXPECT_EQ(minimax_limit_db(10.0, 1.0, 2), 0.0);
+  EXPECT_EQ(minimax_order(10.0, 0.5, 0.03, 12), 2);
+  EXPECT_EQ(minimax_order(1e6, 0.5, 1e-9, 12), 13);
+}
+
+}  // namespace
+}  // namespace bodesmith

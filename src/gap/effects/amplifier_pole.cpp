@@ -1,0 +1,42 @@
+#include <algorithm>
+#include <cmath>
+
+#include "chain/registry.hpp"
+#include "gap/effects/list.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+class AmplifierPole final : public Effect {
+ public:
+  std::string_view name() const override { return "amplifier_pole"; }
+  std::string_view what() const override { return "a first-order lag"; }
+  std::string_view tell_tale() const override {
+    return "a residual in proportion to the slope, gain falling with frequency";
+  }
+  std::vector<std::string_view> confused_with() const override {
+    return {"time_delay", "opamp_bandwidth", "slew_limit", "rate_dependence"};
+  }
+  std::string_view experiment() const override {
+    return "a sweep to higher frequencies, and the same step at two amplitudes (a slew limit scales with it, "
+           "a pole does not)";
+  }
+  bool linear() const override { return true; }
+  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
+    for (std::size_t at : scene.linear_places()) {
+      const double b = scene.band_hz;
+      out.push_back(insert_block(scene, *this, at, chain::make_block("lowpass"),
+                                 {logarithmic_unknown("corner_hz", 1e-3 * b, 1e3 * b)},
+                                 {{30.0 * b}, {6.0 * b}, {1.5 * b}, {0.4 * b}}));
+    }
+  }
+};
+
+}  // namespace
+
+const Effect& amplifier_pole_effect() {
+  static const AmplifierPole effect;
+  return effect;
+}
+
+}  // namespace bodesmith::gap

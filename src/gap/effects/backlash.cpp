@@ -1,0 +1,42 @@
+#include <algorithm>
+#include <cmath>
+
+#include "chain/registry.hpp"
+#include "gap/effects/list.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+class Backlash final : public Effect {
+ public:
+  std::string_view name() const override { return "backlash"; }
+  std::string_view what() const override { return "play of constant width"; }
+  std::string_view tell_tale() const override {
+    return "a residual that changes sign with the direction of motion";
+  }
+  std::vector<std::string_view> confused_with() const override {
+    return {"hysteresis", "dead_zone", "time_delay"};
+  }
+  std::string_view experiment() const override {
+    return "loops of two amplitudes at two frequencies: play has one width at all of them";
+  }
+  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
+    if (scene.frequency_only) return;
+    for (std::size_t at : scene.static_places()) {
+      const auto& signal = scene.boundary[at];
+      const double span = signal.span();
+      out.push_back(insert_block(scene, *this, at, chain::make_block("backlash"),
+                                 {logarithmic_unknown("width", 1e-5 * span, span)},
+                                 {{0.005 * span}, {0.03 * span}, {0.12 * span}}));
+    }
+  }
+};
+
+}  // namespace
+
+const Effect& backlash_effect() {
+  static const Backlash effect;
+  return effect;
+}
+
+}  // namespace bodesmith::gap

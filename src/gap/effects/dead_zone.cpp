@@ -1,0 +1,40 @@
+#include <algorithm>
+#include <cmath>
+
+#include "chain/registry.hpp"
+#include "gap/effects/list.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+class DeadZone final : public Effect {
+ public:
+  std::string_view name() const override { return "dead_zone"; }
+  std::string_view what() const override { return "no response near zero"; }
+  std::string_view tell_tale() const override { return "a residual of one sign on either side of zero"; }
+  std::vector<std::string_view> confused_with() const override {
+    return {"backlash", "cubic_nonlinearity", "gain_error"};
+  }
+  std::string_view experiment() const override {
+    return "a small drive around zero: a dead zone passes nothing";
+  }
+  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
+    if (scene.frequency_only) return;
+    for (std::size_t at : scene.static_places()) {
+      const auto& signal = scene.boundary[at];
+      const double size = signal.size();
+      out.push_back(insert_block(scene, *this, at, chain::make_block("dead_zone"),
+                                 {logarithmic_unknown("width", 1e-5 * size, 2.0 * size)},
+                                 {{0.01 * size}, {0.06 * size}, {0.25 * size}}));
+    }
+  }
+};
+
+}  // namespace
+
+const Effect& dead_zone_effect() {
+  static const DeadZone effect;
+  return effect;
+}
+
+}  // namespace bodesmith::gap

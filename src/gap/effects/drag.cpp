@@ -1,0 +1,45 @@
+#include <algorithm>
+#include <cmath>
+
+#include "chain/registry.hpp"
+#include "gap/effects/list.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+class Drag final : public Effect {
+ public:
+  std::string_view name() const override { return "drag"; }
+  std::string_view what() const override { return "damping in proportion to |v| v inside a resonator"; }
+  std::string_view tell_tale() const override {
+    return "a residual in phase with the speed that grows with amplitude";
+  }
+  std::vector<std::string_view> confused_with() const override { return {"cubic_stiffness"}; }
+  std::string_view experiment() const override {
+    return "ring-downs from two amplitudes: drag damps the larger one more";
+  }
+  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
+    if (scene.frequency_only) return;
+    for (std::size_t at = 0; at < scene.model->size(); ++at) {
+      const auto& block = scene.model->at(at);
+      if (!scene.model->is_base(at) || block.type_name() != "resonator" || is_free_or_set(block, "drag"))
+        continue;
+      const double size = scene.boundary[at + 1].size();
+      // |y'| y' of a signal of size S at the natural frequency is about (w S)^2: as large as a tenth of the
+      // damping.
+      const double w = Hertz{block.get("natural_frequency_hz")}.rad_s().value;
+      const double scale = 0.2 * block.get("damping_ratio") / (w * size);
+      out.push_back(change_block(
+          scene, *this, at, {linear_unknown("drag", -5.0 * scale, 50.0 * scale, scale)}, {{0.2 * scale}}));
+    }
+  }
+};
+
+}  // namespace
+
+const Effect& drag_effect() {
+  static const Drag effect;
+  return effect;
+}
+
+}  // namespace bodesmith::gap

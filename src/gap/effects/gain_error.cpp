@@ -1,0 +1,33 @@
+#include <algorithm>
+#include <cmath>
+
+#include "chain/registry.hpp"
+#include "gap/effects/list.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+class GainError final : public Effect {
+ public:
+  std::string_view name() const override { return "gain_error"; }
+  std::string_view what() const override { return "a static gain differs"; }
+  std::string_view tell_tale() const override { return "residual in proportion to the model's output"; }
+  std::vector<std::string_view> confused_with() const override { return {"multiplier_error", "saturation"}; }
+  std::string_view experiment() const override { return "a static gain test at several input levels"; }
+  bool linear() const override { return true; }
+  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
+    for (std::size_t at : scene.linear_places()) {
+      out.push_back(insert_block(scene, *this, at, chain::make_block("gain").set("gain", 1.0),
+                                 {linear_unknown("gain", 0.2, 5.0, 0.1)}, {{1.02}}));
+    }
+  }
+};
+
+}  // namespace
+
+const Effect& gain_error_effect() {
+  static const GainError effect;
+  return effect;
+}
+
+}  // namespace bodesmith::gap

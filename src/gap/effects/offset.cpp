@@ -1,0 +1,39 @@
+#include <algorithm>
+#include <cmath>
+
+#include "chain/registry.hpp"
+#include "gap/effects/list.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+class Offset final : public Effect {
+ public:
+  std::string_view name() const override { return "offset"; }
+  std::string_view what() const override { return "a constant is added"; }
+  std::string_view tell_tale() const override { return "a residual with a mean"; }
+  std::vector<std::string_view> confused_with() const override {
+    return {"quadratic_nonlinearity", "quadratic_stiffness", "drift"};
+  }
+  std::string_view experiment() const override {
+    return "the same drive at two amplitudes: an offset stays, a curvature grows with the square";
+  }
+  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
+    if (scene.frequency_only) return;
+    for (std::size_t at : scene.linear_places()) {
+      const double size = scene.boundary[at].size();
+      out.push_back(insert_block(scene, *this, at, chain::make_block("gain").set("gain", 1.0),
+                                 {linear_unknown("offset", -10.0 * size, 10.0 * size, 0.1 * size)},
+                                 {{0.01 * size}}));
+    }
+  }
+};
+
+}  // namespace
+
+const Effect& offset_effect() {
+  static const Offset effect;
+  return effect;
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,48 @@
+#include <algorithm>
+#include <cmath>
+
+#include "chain/registry.hpp"
+#include "gap/effects/list.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+class RateDependence final : public Effect {
+ public:
+  std::string_view name() const override { return "rate_dependence"; }
+  std::string_view what() const override { return "the gain changes with frequency by a fractional order"; }
+  std::string_view tell_tale() const override {
+    return "a slow slope of gain and phase over decades of frequency";
+  }
+  std::vector<std::string_view> confused_with() const override {
+    return {"amplifier_pole", "creep", "time_delay"};
+  }
+  std::string_view experiment() const override { return "a sweep over more decades"; }
+  bool linear() const override { return true; }
+  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
+    for (std::size_t at : scene.linear_places()) {
+      const double low = std::max(scene.low_hz, 1e-3 * scene.band_hz);
+      std::vector<std::vector<double>> starts;
+      for (double corner : {low, std::sqrt(low * scene.band_hz)}) {
+        for (double beta : {-0.05, 0.05}) starts.push_back({1.0 / Hertz{corner}.rad_s().value, 0.05, beta});
+      }
+      auto block = chain::make_block("fractional_lead_lag");
+      block.set("lambda_s", starts[0][0]).set("x", 0.05).set("beta", 0.0);
+      const double t = 1.0 / Hertz{scene.band_hz}.rad_s().value;
+      out.push_back(
+          insert_block(scene, *this, at, block,
+                       {logarithmic_unknown("lambda_s", 0.1 * t, 1e4 * t),
+                        logarithmic_unknown("x", 1e-4, 0.8), linear_unknown("beta", -0.9, 0.9, 0.1)},
+                       starts));
+    }
+  }
+};
+
+}  // namespace
+
+const Effect& rate_dependence_effect() {
+  static const RateDependence effect;
+  return effect;
+}
+
+}  // namespace bodesmith::gap

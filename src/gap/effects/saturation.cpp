@@ -1,0 +1,59 @@
+#include <algorithm>
+#include <cmath>
+
+#include "chain/registry.hpp"
+#include "gap/effects/list.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+class Saturation final : public Effect {
+ public:
+  std::string_view name() const override { return "saturation"; }
+  std::string_view what() const override { return "the amplitude is limited"; }
+  std::string_view tell_tale() const override { return "a residual only at the ends of the range"; }
+  std::vector<std::string_view> confused_with() const override {
+    return {"cubic_nonlinearity", "gain_error", "quadratic_nonlinearity"};
+  }
+  std::string_view experiment() const override {
+    return "a slow ramp to the ends of the range: a limit is flat";
+  }
+  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
+    if (scene.frequency_only) return;
+    for (std::size_t at : scene.static_places()) {
+      const auto& signal = scene.boundary[at];
+      const double span = signal.span();
+      if (!(span > 0.0)) continue;
+      const double far = 1e3 * std::max(signal.size(), span);
+      const double middle = signal.value_quantile(0.5);
+      std::vector<std::vector<double>> above;
+      std::vector<std::vector<double>> below;
+      std::vector<std::vector<double>> both;
+      for (double part : {0.95, 0.85, 0.7}) {
+        const double high = middle + part * (signal.high - middle);
+        const double low = middle + part * (signal.low - middle);
+        above.push_back({high});
+        below.push_back({low});
+        both.push_back({low, high});
+      }
+      const auto upper =
+          linear_unknown("upper", signal.low + 0.02 * span, signal.high + 0.1 * span, 0.1 * span);
+      const auto lower =
+          linear_unknown("lower", signal.low - 0.1 * span, signal.high - 0.02 * span, 0.1 * span);
+      auto block = chain::make_block("saturation");
+      block.set("lower", -far).set("upper", far);
+      out.push_back(insert_block(scene, *this, at, block, {upper}, above));
+      out.push_back(insert_block(scene, *this, at, block, {lower}, below));
+      out.push_back(insert_block(scene, *this, at, block, {lower, upper}, both));
+    }
+  }
+};
+
+}  // namespace
+
+const Effect& saturation_effect() {
+  static const Saturation effect;
+  return effect;
+}
+
+}  // namespace bodesmith::gap

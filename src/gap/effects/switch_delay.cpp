@@ -1,0 +1,42 @@
+#include <algorithm>
+#include <cmath>
+
+#include "chain/registry.hpp"
+#include "gap/effects/list.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+class SwitchDelay final : public Effect {
+ public:
+  std::string_view name() const override { return "switch_delay"; }
+  std::string_view what() const override { return "the branch switch acts late"; }
+  std::string_view tell_tale() const override { return "a residual only just after the input turns"; }
+  std::vector<std::string_view> confused_with() const override { return {"time_delay", "backlash"}; }
+  std::string_view experiment() const override {
+    return "a fast and a slow triangle: the wrong stretch after a turn lasts the same time in both";
+  }
+  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
+    if (scene.frequency_only) return;
+    for (std::size_t at = 0; at < scene.model->size(); ++at) {
+      const auto& block = scene.model->at(at);
+      if (!scene.model->is_base(at) || block.type_name() != "polynomial_hysteresis" ||
+          !block.has("switch_delay_s"))
+        continue;
+      if (is_free_or_set(block, "switch_delay_s")) continue;
+      const double step = scene.step_s;
+      out.push_back(change_block(scene, *this, at,
+                                 {logarithmic_unknown("switch_delay_s", 0.01 * step, 0.5 / scene.low_hz)},
+                                 {{1.5 * step}, {6.0 * step}, {25.0 * step}, {0.05 / scene.band_hz}}));
+    }
+  }
+};
+
+}  // namespace
+
+const Effect& switch_delay_effect() {
+  static const SwitchDelay effect;
+  return effect;
+}
+
+}  // namespace bodesmith::gap

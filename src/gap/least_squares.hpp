@@ -1,0 +1,45 @@
+#pragma once
+
+#include <functional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "gap/model.hpp"
+
+namespace bodesmith::gap {
+
+/// Residuals at some values of the unknowns, into `out`; false when the model cannot be run there.
+using Residuals = std::function<bool(std::span<const double> values, std::vector<double>& out)>;
+
+struct LeastSquaresOptions {
+  int iterations = 30;
+  double cost_tolerance = 1e-7;  ///< relative drop of the sum of squares at which it stops
+  std::function<bool()> stop;    ///< looked at every iteration
+};
+
+struct LeastSquaresResult {
+  std::vector<double> values;
+  double rms = 0.0;
+  bool converged = false;
+  bool usable = false;  ///< false: not even the start could be run
+  int runs = 0;
+  std::vector<double> residuals;
+  /// Standard deviations for white residuals, and the condition number of the column-scaled Jacobian.
+  std::vector<double> deviation;
+  double condition_number = 0.0;
+};
+
+/// Levenberg–Marquardt (Marquardt 1963, with Nielsen's damping rule) over bounded unknowns; those marked
+/// logarithmic are searched as ln(value), steps are clipped to the bounds. The Jacobian is by forward
+/// differences and kept through Broyden's rank-one updates (1965) while they go on paying, since a run of the
+/// model is what costs.
+LeastSquaresResult least_squares(const std::vector<Unknown>& unknowns, const Residuals& residuals,
+                                 const LeastSquaresOptions& options = {});
+
+/// Columns d(residual)/d(unknown, in search coordinates) at the given values; empty columns where it cannot
+/// be run.
+std::vector<std::vector<double>> sensitivities(const std::vector<Unknown>& unknowns,
+                                               const Residuals& residuals, const std::vector<double>& at);
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,112 @@
+#include "gap/model.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+namespace bodesmith::gap {
+
+Model::Model(const chain::Chain& base) {
+  int number = 0;
+  for (const auto& block : base.blocks) {
+    slots_.push_back({next_id_, ++number, block});
+    for (std::size_t k = 0; k < block.parameters().size(); ++k) {
+      const auto& p = block.parameters()[k];
+      if (!p.free) continue;
+      Unknown u;
+      u.name = fmt::format("block {} {}", number, p.name());
+      u.value = p.value;
+      u.low = p.low;
+      u.high = p.high;
+      u.logarithmic = p.low >= 0.0 && p.value > 0.0 && p.key.find("offset") == std::string::npos;
+      u.scale = std::max(std::abs(p.value), 1e-3);
+      if (u.logarithmic) u.low = std::max(p.low, p.value * 1e-3);
+      if (u.logarithmic) u.high = std::min(p.high, p.value * 1e3);
+      free_.push_back({next_id_, k, u});
+    }
+    ++next_id_;
+  }
+}
+
+std::size_t Model::position_of(int id) const {
+  for (std::size_t i = 0; i < slots_.size(); ++i) {
+    if (slots_[i].id == id) return i;
+  }
+  throw std::logic_error("gap::Model: no block with this id");
+}
+
+int Model::insert(std::size_t position, chain::Block block) {
+  slots_.insert(slots_.begin() + static_cast<std::ptrdiff_t>(position), Slot{next_id_, 0, std::move(block)});
+  return next_id_++;
+}
+
+std::string Model::placed(std::size_t position) const {
+  for (std::size_t i = position; i < slots_.size(); ++i) {
+    if (slots_[i].base_number > 0) return fmt::format("before block {}", slots_[i].base_number);
+  }
+  int last = 0;
+  for (const auto& slot : slots_) last = std::max(last, slot.base_number);
+  return last == 0 ? "at the input" : fmt::format("after block {}", last);
+}
+
+void Model::add(Term term) {
+  std::vector<double> values;
+  for (const auto& u : term.unknowns) values.push_back(u.value);
+  terms_.push_back(std::move(term));
+  const auto write = terms_.back().write;
+  write(*this, values);
+}
+
+void Model::remove(std::size_t term) {
+  const Term gone = terms_[term];
+  terms_.erase(terms_.begin() + static_cast<std::ptrdiff_t>(term));
+  if (gone.undo) gone.undo(*this);
+  std::erase_if(slots_, [&](const Slot& slot) {
+    return std::find(gone.blocks.begin(), gone.blocks.end(), slot.id) != gone.blocks.end();
+  });
+}
+
+std::vector<Unknown> Model::unknowns() const {
+  std::vector<Unknown> all;
+  for (const auto& f : free_) all.push_back(f.unknown);
+  for (const auto& t : terms_) all.insert(all.end(), t.unknowns.begin(), t.unknowns.end());
+  return all;
+}
+
+void Model::set_values(std::span<const double> values) {
+  std::size_t at = 0;
+  for (auto& f : free_) {
+    f.unknown.value = values[at];
+    block(f.id).parameters()[f.parameter].value = values[at++];
+  }
+  for (auto& t : terms_) {
+    for (auto& u : t.unknowns) u.value = values[at++];
+  }
+  // A term may rewrite what a free parameter set (an effect inside a block starts from the block's own
+  // values).
+  at = free_.size();
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    const std::size_t count = terms_[k].unknowns.size();
+    const auto write = terms_[k].write;
+    write(*this, values.subspan(at, count));
+    at += count;
+  }
+}
+
+chain::Chain Model::chain() const {
+  chain::Chain c;
+  for (const auto& slot : slots_) c.blocks.push_back(slot.block);
+  return c;
+}
+
+std::string Model::complaint() const {
+  for (const auto& slot : slots_) {
+    auto text = slot.block.complaint();
+    if (!text.empty()) return text;
+  }
+  return {};
+}
+
+}  // namespace bodesmith::gap

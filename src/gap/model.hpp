@@ -1,0 +1,93 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <limits>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "chain/chain.hpp"
+
+namespace bodesmith::gap {
+
+class Effect;
+class Model;
+
+/// A number that a fit may change.
+struct Unknown {
+  std::string name;  ///< key with its unit
+  double value = 0.0;
+  double low = -std::numeric_limits<double>::infinity();
+  double high = std::numeric_limits<double>::infinity();
+  bool logarithmic = false;  ///< searched as ln(value); value, low > 0
+  double scale = 1.0;        ///< size of a typical change (linear ones)
+};
+
+/// A named effect put into the chain: blocks of its own, or a change inside a block of the base model.
+struct Term {
+  const Effect* effect = nullptr;
+  std::string
+      placed;  ///< "before block 2", "after block 3", "inside block 1" (blocks of the base model, from 1)
+  std::vector<Unknown> unknowns;
+  std::vector<int> blocks;  ///< ids of the blocks it brought
+  /// Turns the unknowns' values into block parameters.
+  std::function<void(Model&, std::span<const double>)> write;
+  /// Takes a change inside a base block back. Empty when its blocks are all there is.
+  std::function<void(Model&)> undo;
+  double z = 0.0;  ///< significance when it was accepted
+};
+
+/// The base chain together with the terms found so far, and one vector of everything a fit may change: the
+/// base model's free parameters first, then each term's unknowns. Blocks carry ids, so that terms find theirs
+/// whatever is inserted elsewhere. A value: copies are independent.
+class Model {
+ public:
+  Model() = default;
+  explicit Model(const chain::Chain& base);
+
+  std::size_t size() const { return slots_.size(); }
+  const chain::Block& at(std::size_t position) const { return slots_[position].block; }
+  int id_at(std::size_t position) const { return slots_[position].id; }
+  bool is_base(std::size_t position) const { return slots_[position].base_number > 0; }
+  /// Number (from 1) of the base model's block there; 0 for a block of a term.
+  int base_number(std::size_t position) const { return slots_[position].base_number; }
+  std::size_t position_of(int id) const;
+  chain::Block& block(int id) { return slots_[position_of(id)].block; }
+
+  /// Inserts before `position` (size(): at the end); returns the new block's id.
+  int insert(std::size_t position, chain::Block block);
+  /// "before block 2" in the base model's numbers.
+  std::string placed(std::size_t position) const;
+
+  const std::vector<Term>& terms() const { return terms_; }
+  void add(Term term);
+  void remove(std::size_t term);
+  void set_significance(std::size_t term, double z) { terms_[term].z = z; }
+
+  std::vector<Unknown> unknowns() const;
+  std::size_t free_count() const { return free_.size(); }
+  void set_values(std::span<const double> values);
+
+  chain::Chain chain() const;
+  /// Empty when every block is within its bounds.
+  std::string complaint() const;
+
+ private:
+  struct Slot {
+    int id;
+    int base_number;
+    chain::Block block;
+  };
+  struct Free {
+    int id;
+    std::size_t parameter;
+    Unknown unknown;
+  };
+  std::vector<Slot> slots_;
+  std::vector<Free> free_;
+  std::vector<Term> terms_;
+  int next_id_ = 0;
+};
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+namespace bodesmith::gap {
+
+/// What of a residual is noise, and how that is known.
+struct NoiseFloor {
+  enum class How { periods, high_frequency, unknown };
+  double rms = 0.0;
+  How how = How::unknown;
+  std::size_t period = 0;  ///< samples
+  int periods = 0;
+  /// rms of the part that repeats (periods only): the gap proper; of its harmonics, odd and even ones.
+  double repeating_rms = 0.0;
+  double odd_rms = 0.0;
+  double even_rms = 0.0;
+
+  std::string word() const;  ///< as in diagnosis.json
+};
+
+/// Noise from the residual of a record whose input repeats every `period` samples (at least two whole periods
+/// from `from` on): the part that does not repeat, with the degrees of freedom that the mean takes counted.
+NoiseFloor floor_from_periods(const std::vector<double>& residual, std::size_t from, std::size_t period);
+
+/// Noise from the residual above the band in which the input has power, taken as white. Unknown when the
+/// input fills the band up to 70 % of the Nyquist frequency.
+NoiseFloor floor_from_high_frequencies(const std::vector<double>& residual, const std::vector<double>& input,
+                                       double step_s);
+
+/// The first that can be said.
+NoiseFloor noise_floor(const std::vector<double>& residual, const std::vector<double>& input,
+                       std::size_t from, double step_s);
+
+}  // namespace bodesmith::gap

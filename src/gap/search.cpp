@@ -1,0 +1,511 @@
+#include "gap/search.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+
+#include "gap/parallel.hpp"
+#include "gap/scene.hpp"
+#include "gap/shortlist.hpp"
+#include "gap/spectrum.hpp"
+#include "gap/statistics.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// Long records are first fitted on a stretch of this many samples.
+constexpr std::size_t kStretch = 8000;
+
+class Search {
+ public:
+  Search(const chain::Chain& base, const Experiments& train, const Experiments& holdout,
+         const SearchOptions& options)
+      : train_(train), holdout_(holdout), options_(options), initial_(base), model_(base) {
+    make_stretches();
+  }
+
+  SearchResult run();
+
+ private:
+  bool stopped() const { return options_.stop && options_.stop(); }
+  void report(double fraction) const {
+    if (options_.progress) options_.progress(fraction);
+  }
+  void make_stretches();
+  LeastSquaresOptions fit_options(int iterations) const {
+    LeastSquaresOptions o;
+    o.iterations = iterations;
+    o.stop = options_.stop;
+    return o;
+  }
+  /// Fits on a stretch first when the records are long.
+  LeastSquaresResult fit_all(Model& model, int iterations) const;
+  void refit_base();
+  NoiseFloor floor_of(const Model& model) const;
+  bool at_floor(const Model& model) const;
+
+  std::vector<Ranked> round(const Model& model, const std::set<std::string_view>* only);
+  Ranked fit_candidate(const Promising& p, const std::vector<double>& before_train,
+                       const std::vector<double>& before_holdout) const;
+  bool earns_its_place(Ranked& r, double before_holdout) const;
+  double control_gain(const Model& before, const Ranked& winner) const;
+  std::optional<Step> choose(const Model& before, std::vector<Ranked>& ranking);
+  bool prune(std::vector<Step>& steps);
+  bool swap_earlier(std::vector<Step>& steps);
+  std::vector<Leftover> leftovers(const Model& model, const Experiments& records) const;
+
+  const Experiments& train_;
+  const Experiments& holdout_;
+  SearchOptions options_;
+  std::vector<std::unique_ptr<Experiment>> stretches_;
+  Experiments look_;
+  Model initial_;
+  Model model_;
+  std::vector<std::string> notes_;
+  bool long_records_ = false;
+};
+
+void Search::make_stretches() {
+  std::size_t total = 0;
+  for (const auto* e : train_) total += e->scored();
+  long_records_ = total > 3 * kStretch / 2 * 1;
+  for (const auto* e : train_) {
+    const auto* time = dynamic_cast<const TimeExperiment*>(e);
+    if (time == nullptr || !long_records_) {
+      look_.push_back(e);
+      continue;
+    }
+    const std::size_t lead = std::max<std::size_t>(time->skip(), 200);
+    const std::size_t samples = std::max<std::size_t>(1500, kStretch / train_.size());
+    TimeRecord cut = time->record();
+    cut.u.resize(time->to());
+    cut.y.resize(time->to());
+    cut = lively_stretch(cut, lead, samples);
+    auto shorter = std::make_unique<TimeExperiment>(std::move(cut));
+    shorter->set_skip(lead);
+    look_.push_back(shorter.get());
+    stretches_.push_back(std::move(shorter));
+  }
+}
+
+LeastSquaresResult Search::fit_all(Model& model, int iterations) const {
+  if (!long_records_) return fit(model, train_, fit_options(iterations));
+  fit(model, look_, fit_options(iterations));
+  return fit(model, train_, fit_options(std::min(iterations, 6)));
+}
+
+void Search::refit_base() {
+  // Parameters that are far off make the sum of squares hilly (a resonance beside its peak): a few starts
+  // around.
+  Model best = model_;
+  auto result = fit_all(best, 40);
+  const auto unknowns = initial_.unknowns();
+  double least = result.usable ? result.rms : 1e300;
+  for (double factor : {0.8, 1.25}) {
+    if (stopped() || unknowns.empty()) break;
+    Model other = initial_;
+    auto values = current_values(other);
+    bool moved = false;
+    for (std::size_t k = 0; k < values.size(); ++k) {
+      if (unknowns[k].name.find("_hz") == std::string::npos) continue;
+      values[k] = std::clamp(values[k] * factor, unknowns[k].low, unknowns[k].high);
+      moved = true;
+    }
+    if (!moved) break;
+    other.set_values(values);
+    const auto there = fit(other, look_, fit_options(25));
+    if (!there.usable) continue;
+    if (long_records_) fit(other, train_, fit_options(6));
+    const double reached = rms_of(other, train_);
+    if (reached < 0.98 * least) {
+      least = reached;
+      best = other;
+    }
+  }
+  model_ = best;
+}
+
+NoiseFloor Search::floor_of(const Model& model) const {
+  for (const auto* e : train_) {
+    const auto* time = dynamic_cast<const TimeExperiment*>(e);
+    if (time == nullptr) continue;
+    Runner runner(model, {time});
+    const auto outputs = runner.outputs(current_values(model));
+    if (outputs.empty()) continue;
+    std::vector<double> residual(time->to());
+    for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = time->record().y[i] - outputs[0][i];
+    const std::vector<double> input(time->record().u.begin(),
+                                    time->record().u.begin() + static_cast<std::ptrdiff_t>(time->to()));
+    const auto floor = noise_floor(residual, input, time->skip(), time->record().step_s);
+    if (floor.how != NoiseFloor::How::unknown) return floor;
+  }
+  return {};
+}
+
+bool Search::at_floor(const Model& model) const {
+  const auto floor = floor_of(model);
+  if (floor.how != NoiseFloor::How::periods || floor.periods < 2) return false;
+  // The floor belongs to the periodic record: compare there, and on held-out data as well, which may go
+  // further.
+  for (const auto* e : train_) {
+    const auto* time = dynamic_cast<const TimeExperiment*>(e);
+    if (time == nullptr) continue;
+    if (rms_of(model, {time}) > options_.enough * floor.rms) return false;
+  }
+  return rms_of(model, holdout_) <= options_.enough * floor.rms;
+}
+
+std::vector<Leftover> Search::leftovers(const Model& model, const Experiments& records) const {
+  std::vector<Leftover> all;
+  for (const auto* e : records) {
+    const auto* time = dynamic_cast<const TimeExperiment*>(e);
+    if (time == nullptr) continue;
+    Runner runner(model, {e});
+    const auto outputs = runner.outputs(current_values(model));
+    if (outputs.empty()) continue;
+    Leftover l;
+    l.step_s = time->record().step_s;
+    for (std::size_t i = time->skip(); i < time->to(); ++i) {
+      l.residual.push_back(time->record().y[i] - outputs[0][i]);
+      l.input.push_back(time->record().u[i]);
+      l.output.push_back(outputs[0][i]);
+    }
+    all.push_back(std::move(l));
+  }
+  return all;
+}
+
+std::vector<double> gains(const std::vector<double>& before, const std::vector<double>& after) {
+  std::vector<double> d(before.size());
+  for (std::size_t i = 0; i < d.size(); ++i) d[i] = before[i] * before[i] - after[i] * after[i];
+  return d;
+}
+
+Ranked Search::fit_candidate(const Promising& p, const std::vector<double>& before_train,
+                             const std::vector<double>& before_holdout) const {
+  Ranked r;
+  const auto& term = p.proposal.model.terms().back();
+  r.effect = term.effect;
+  r.placed = term.placed;
+  r.score = p.score;
+  r.unknowns = term.unknowns.size();
+  double least = 1e300;
+  const std::size_t tries = std::min<std::size_t>(p.best_starts.size(), p.proposal.starts.size() > 4 ? 3 : 2);
+  for (std::size_t t = 0; t < tries; ++t) {
+    if (stopped() && least < 1e299) break;
+    Model m = p.proposal.model;
+    auto values = current_values(m);
+    const auto& start = p.proposal.starts[p.best_starts[t]];
+    std::copy(start.begin(), start.end(), values.end() - static_cast<std::ptrdiff_t>(start.size()));
+    m.set_values(values);
+    const auto result = fit(m, look_, fit_options(t == 0 ? 30 : 15));
+    if (!result.usable || !(result.rms < least)) continue;
+    least = result.rms;
+    r.model = m;
+    r.condition_number = result.condition_number;
+    r.deviation.assign(result.deviation.end() - static_cast<std::ptrdiff_t>(r.unknowns),
+                       result.deviation.end());
+  }
+  r.train_rms = r.holdout_rms = 1e300;
+  if (least > 1e299) return r;
+  if (long_records_) {
+    const auto result = fit(r.model, train_, fit_options(5));
+    if (result.usable) {
+      r.condition_number = result.condition_number;
+      r.deviation.assign(result.deviation.end() - static_cast<std::ptrdiff_t>(r.unknowns),
+                         result.deviation.end());
+    }
+  }
+  const auto e = residuals_of(r.model, train_);
+  const auto f = residuals_of(r.model, holdout_);
+  if (e.size() != before_train.size() || f.size() != before_holdout.size()) return r;
+  r.train_rms = rms(e);
+  r.holdout_rms = rms(f);
+  r.train_z = block_z(gains(before_train, e));
+  r.z = block_z(gains(before_holdout, f));
+  return r;
+}
+
+std::vector<Ranked> Search::round(const Model& model, const std::set<std::string_view>* only) {
+  std::vector<Ranked> ranking;
+  const auto scene = make_scene(model, train_);
+  std::vector<Proposal> proposals;
+  for (const auto* effect : effects()) {
+    if (scene.frequency_only && !effect->linear()) continue;
+    if (only != nullptr && only->count(effect->name()) == 0) continue;
+    effect->propose(scene, proposals);
+  }
+  auto promising = shortlist(model, std::move(proposals), look_, options_.threads);
+  if (stopped()) return ranking;
+  // The best two places of each effect, and the best effects.
+  std::map<const Effect*, int> places;
+  std::vector<Promising> chosen;
+  std::set<const Effect*> kinds;
+  for (auto& p : promising) {
+    const auto* effect = p.proposal.model.terms().back().effect;
+    if (p.score < 0.003) continue;
+    if (places[effect] >= 2) continue;
+    if (kinds.count(effect) == 0 && static_cast<int>(kinds.size()) >= options_.shortlist) continue;
+    kinds.insert(effect);
+    ++places[effect];
+    chosen.push_back(std::move(p));
+  }
+  const auto before_train = residuals_of(model, train_);
+  const auto before_holdout = residuals_of(model, holdout_);
+  ranking.resize(chosen.size());
+  parallel_for(chosen.size(), options_.threads,
+               [&](std::size_t i) { ranking[i] = fit_candidate(chosen[i], before_train, before_holdout); });
+  std::erase_if(ranking, [](const Ranked& r) { return r.holdout_rms > 1e299; });
+  return ranking;
+}
+
+bool Search::earns_its_place(Ranked& r, double before_holdout) const {
+  const double gain = 1.0 - r.holdout_rms / before_holdout;
+  if (!(gain >= options_.least_gain)) {
+    r.word = "no held-out gain";
+    return false;
+  }
+  if (r.z < options_.least_significance || r.train_z < options_.least_significance) {
+    r.word = "not significant";
+    return false;
+  }
+  if (r.condition_number > options_.largest_condition) {
+    r.word = "ill-conditioned";
+    return false;
+  }
+  return true;
+}
+
+double Search::control_gain(const Model& before, const Ranked& winner) const {
+  // The same term on records that cannot hold it: the model's own output plus noise of the residual's
+  // spectrum.
+  double most = 0.0;
+  for (std::uint64_t k = 0; k < 2; ++k) {
+    std::vector<std::unique_ptr<TimeExperiment>> owned;
+    Experiments fake_train;
+    Experiments fake_holdout;
+    for (const auto* records : {&train_, &holdout_}) {
+      for (const auto* e : *records) {
+        const auto* time = dynamic_cast<const TimeExperiment*>(e);
+        if (time == nullptr) return 0.0;
+        Runner runner(before, {e});
+        const auto outputs = runner.outputs(current_values(before));
+        if (outputs.empty()) return 0.0;
+        TimeRecord record = time->record();
+        std::vector<double> residual;
+        for (std::size_t i = time->skip(); i < time->to(); ++i)
+          residual.push_back(record.y[i] - outputs[0][i]);
+        const auto noise = phase_surrogate(residual, options_.seed * 77 + 13 * k + owned.size());
+        for (std::size_t i = 0; i < record.size(); ++i) {
+          record.y[i] =
+              outputs[0][i] + noise[(i + noise.size() - time->skip() % noise.size()) % noise.size()];
+        }
+        owned.push_back(std::make_unique<TimeExperiment>(std::move(record)));
+        owned.back()->set_to(time->to());
+        owned.back()->set_skip(time->skip());
+        (records == &train_ ? fake_train : fake_holdout).push_back(owned.back().get());
+      }
+    }
+    Model model = winner.model;
+    Model plain = before;
+    fit(plain, fake_train, fit_options(4));
+    const auto result = fit(model, fake_train, fit_options(6));
+    if (!result.usable) continue;
+    most = std::max(most, 1.0 - rms_of(model, fake_holdout) / rms_of(plain, fake_holdout));
+  }
+  return most;
+}
+
+/// Pooled size of what a candidate leaves, both records counted alike.
+double pooled(const Ranked& r, double train0, double holdout0) {
+  return std::sqrt(0.5 * (r.train_rms * r.train_rms / (train0 * train0) +
+                          r.holdout_rms * r.holdout_rms / (holdout0 * holdout0)));
+}
+
+std::optional<Step> Search::choose(const Model& before, std::vector<Ranked>& ranking) {
+  const double train0 = rms_of(before, train_);
+  const double holdout0 = rms_of(before, holdout_);
+  const auto size = [&](const Ranked& r) { return pooled(r, train0, holdout0); };
+  std::stable_sort(ranking.begin(), ranking.end(),
+                   [&](const Ranked& a, const Ranked& b) { return size(a) < size(b); });
+  std::vector<Ranked*> good;
+  for (auto& r : ranking) {
+    if (earns_its_place(r, holdout0)) good.push_back(&r);
+  }
+  while (!good.empty()) {
+    Ranked* winner = good.front();
+    // Fewer unknowns win when more of them buy next to nothing.
+    for (auto* r : good) {
+      if (r->unknowns >= winner->unknowns) continue;
+      const double worse = size(*r) / size(*good.front()) - 1.0;
+      if (worse < 0.01 + 0.004 * static_cast<double>(good.front()->unknowns - r->unknowns)) winner = r;
+    }
+    const double control = control_gain(before, *winner);
+    const double gain = 1.0 - winner->holdout_rms / holdout0;
+    if (gain < options_.control_factor * control) {
+      winner->word = "no more than a control";
+      good.erase(std::find(good.begin(), good.end(), winner));
+      continue;
+    }
+    Step step;
+    step.effect = winner->effect;
+    step.placed = winner->placed;
+    step.before = before;
+    step.after = winner->model;
+    step.control_gain = control;
+    winner->word = "named";
+    for (auto* r : good) {
+      if (r == winner) continue;
+      const double worse = r->holdout_rms / winner->holdout_rms - 1.0;
+      if (r->effect == winner->effect) {
+        r->word = "other place or form";
+        if (worse < options_.tie_within && r->placed != winner->placed &&
+            std::find(step.also_placed.begin(), step.also_placed.end(), r->placed) ==
+                step.also_placed.end()) {
+          step.also_placed.push_back(r->placed);
+        }
+        continue;
+      }
+      const std::string name(r->effect->name());
+      if (worse >= options_.tie_within) {
+        r->word = "worse";
+      } else if (r->unknowns > winner->unknowns) {
+        r->word = "also fits, with more unknowns";
+        if (std::find(step.also_fit.begin(), step.also_fit.end(), name) == step.also_fit.end())
+          step.also_fit.push_back(name);
+      } else {
+        r->word = "tied";
+        if (std::find(step.tied_with.begin(), step.tied_with.end(), name) == step.tied_with.end())
+          step.tied_with.push_back(name);
+      }
+    }
+    std::stable_sort(ranking.begin(), ranking.end(),
+                     [](const Ranked& a, const Ranked& b) { return a.holdout_rms < b.holdout_rms; });
+    step.ranking = ranking;
+    return step;
+  }
+  return std::nullopt;
+}
+
+bool Search::prune(std::vector<Step>& steps) {
+  bool changed = false;
+  for (std::size_t k = 0; k + 1 < steps.size() && k + 1 < model_.terms().size();) {
+    Model without = model_;
+    without.remove(k);
+    fit_all(without, 12);
+    const auto with_residual = residuals_of(model_, holdout_);
+    const auto without_residual = residuals_of(without, holdout_);
+    const double gain = 1.0 - rms(with_residual) / std::max(rms(without_residual), 1e-300);
+    const double z = block_z(gains(without_residual, with_residual));
+    if (gain < options_.least_gain || z < 2.0) {
+      notes_.push_back(fmt::format("{} was taken out again: a later term explains what it did",
+                                   model_.terms()[k].effect->name()));
+      model_ = without;
+      steps.erase(steps.begin() + static_cast<std::ptrdiff_t>(k));
+      changed = true;
+    } else {
+      model_.set_significance(k, z);
+      ++k;
+    }
+  }
+  return changed;
+}
+
+bool Search::swap_earlier(std::vector<Step>& steps) {
+  // Would another effect do better in an earlier term's place, now that the later ones are there?
+  bool changed = false;
+  for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
+    if (stopped()) break;
+    Model without = model_;
+    without.remove(k);
+    fit_all(without, 12);
+    std::set<std::string_view> rivals;
+    for (const auto& r : steps[k].ranking) {
+      if (r.effect != steps[k].effect && rivals.size() < 4) rivals.insert(r.effect->name());
+    }
+    auto ranking = round(without, &rivals);
+    const double now = rms_of(model_, holdout_);
+    const double now_train = rms_of(model_, train_);
+    const Ranked* best = nullptr;
+    for (const auto& r : ranking) {
+      if (r.condition_number > options_.largest_condition) continue;
+      if (r.holdout_rms < 0.97 * now && r.train_rms < 0.99 * now_train &&
+          (best == nullptr || r.holdout_rms < best->holdout_rms))
+        best = &r;
+    }
+    if (best == nullptr) continue;
+    notes_.push_back(fmt::format("{} took the place of {} once the other terms were there",
+                                 best->effect->name(), steps[k].effect->name()));
+    Step step;
+    step.effect = best->effect;
+    step.placed = best->placed;
+    step.before = without;
+    step.after = best->model;
+    step.ranking = ranking;
+    model_ = best->model;
+    // Terms keep the order of the steps: the new one is the last.
+    steps.erase(steps.begin() + static_cast<std::ptrdiff_t>(k));
+    steps.push_back(std::move(step));
+    changed = true;
+    break;
+  }
+  return changed;
+}
+
+SearchResult Search::run() {
+  SearchResult result;
+  result.initial = initial_;
+  report(0.02);
+  refit_base();
+  result.base = model_;
+  std::vector<Step> steps;
+  const std::set<std::string_view> unrelated = {"drift", "mains_hum", "creep"};
+  for (int k = 0; k < options_.most_terms && !stopped(); ++k) {
+    report(0.05 + 0.9 * k / options_.most_terms);
+    // At the floor only what does not repeat with the input can be missing.
+    const bool quiet = at_floor(model_);
+    auto ranking = round(model_, quiet ? &unrelated : nullptr);
+    auto step = stopped() ? std::nullopt : choose(model_, ranking);
+    if (!step) {
+      result.refused = std::move(ranking);
+      break;
+    }
+    model_ = step->after;
+    fit_all(model_, 8);
+    step->after = model_;
+    steps.push_back(std::move(*step));
+    if (steps.size() > 1) {
+      bool changed = prune(steps);
+      changed = swap_earlier(steps) || changed;
+      if (changed) prune(steps);
+    }
+  }
+  result.final = model_;
+  result.stopped = stopped();
+  result.steps = std::move(steps);
+  result.floor = floor_of(model_);
+  if (!result.stopped)
+    result.structure = signs_of_structure(leftovers(model_, train_), leftovers(model_, holdout_));
+  result.notes = notes_;
+  report(1.0);
+  return result;
+}
+
+}  // namespace
+
+double rms_of(const Model& model, const Experiments& experiments) {
+  const auto e = residuals_of(model, experiments);
+  return e.empty() ? 1e300 : rms(e);
+}
+
+SearchResult search(const chain::Chain& base, const Experiments& train, const Experiments& holdout,
+                    const SearchOptions& options) {
+  return Search(base, train, holdout, options).run();
+}
+
+}  // namespace bodesmith::gap

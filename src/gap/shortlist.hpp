@@ -1,0 +1,24 @@
+#pragma once
+
+#include <vector>
+
+#include "gap/effect.hpp"
+#include "gap/experiment.hpp"
+
+namespace bodesmith::gap {
+
+/// A proposal with what a first look promised.
+struct Promising {
+  Proposal proposal;
+  std::vector<std::size_t> best_starts;  ///< best first
+  double score = 0.0;  ///< share of the residual's energy that the first look foresees it to explain
+};
+
+/// The first look: the residual is made orthogonal to everything that the model's own unknowns could still
+/// explain; so is what each proposal's start values change in the output, and what its unknowns would change
+/// further. The share of the residual that lies in their span is the score (a score test with the model
+/// itself as the feature). Best first.
+std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> proposals, const Experiments& look,
+                                 int threads);
+
+}  // namespace bodesmith::gap

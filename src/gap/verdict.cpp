@@ -1,0 +1,27 @@
+#include "gap/verdict.hpp"
+
+namespace bodesmith::gap {
+
+std::string word(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::explained:
+      return "explained";
+    case Verdict::partly_explained:
+      return "partly_explained";
+    case Verdict::nothing_missing:
+      return "nothing_missing";
+    case Verdict::unexplained:
+      break;
+  }
+  return "unexplained";
+}
+
+Verdict verdict_of(const SearchResult& result, double train_rms, double enough) {
+  const bool above_floor =
+      result.floor.how == NoiseFloor::How::periods && train_rms > enough * result.floor.rms;
+  const bool left = above_floor || !result.structure.empty();
+  if (result.steps.empty()) return left ? Verdict::unexplained : Verdict::nothing_missing;
+  return left ? Verdict::partly_explained : Verdict::explained;
+}
+
+}  // namespace bodesmith::gap

@@ -107,8 +107,9 @@ double Series::nearest(double value) const {
 std::vector<double> Series::nearest(double value, int count) const {
   if (is_exact()) return {value};
   std::vector<double> all = stock_;
-  for (double width = 10.0; all.empty() || (stock_.empty() && static_cast<int>(all.size()) < 2 * count);
-       width *= 10.0) {
+  const double finest = mantissas_.size() >= 48 ? 1.0 + 0.08 * count : 10.0;
+  for (double width = finest; all.empty() || (stock_.empty() && static_cast<int>(all.size()) < 2 * count);
+       width *= 2.0) {
     all = values(value / width, value * width);
   }
   const auto distance = [&](double v) { return std::abs(std::log(v / value)); };

@@ -198,6 +198,40 @@ std::vector<Complex> run_ac(const std::string& include, const std::string& subci
   return out;
 }
 
+struct Columns {
+  std::vector<double> first;
+  std::vector<std::vector<double>> rest;
+};
+
+/// Runs one analysis and reads back its sweep variable and the nodes' voltages.
+Columns run_columns(const std::string& deck, const std::string& analysis,
+                    const std::vector<std::string>& nodes, const std::string& what) {
+  const WorkFolder folder;
+  std::string full = deck;
+  if (!full.ends_with('\n')) full += '\n';
+  full += ".control\nset numdgt=15\nset wr_singlescale\n" + analysis + "\nwrdata result.txt";
+  for (const std::string& node : nodes) full += fmt::format(" v({})", node);
+  full += "\nquit 0\n.endc\n.end\n";
+  const Ran ran = run_in(folder.path(), full, what, 600.0);
+  const fs::path result = folder.path() / "result.txt";
+  if (!fs::exists(result)) fail_on_output(what, ran);
+  Columns out;
+  out.rest.resize(nodes.size());
+  const std::string text = read_file(result);
+  for (const std::string_view line : split(text, '\n')) {
+    std::vector<double> row;
+    for (const std::string_view word : split(trim(line), ' ')) {
+      double value = 0.0;
+      if (!trim(word).empty() && parse_number(trim(word), value)) row.push_back(value);
+    }
+    if (row.size() != nodes.size() + 1) continue;
+    out.first.push_back(row[0]);
+    for (size_t i = 0; i < nodes.size(); ++i) out.rest[i].push_back(row[i + 1]);
+  }
+  if (out.first.empty()) fail_on_output(what, ran);
+  return out;
+}
+
 }  // namespace
 
 bool ngspice_available() {
@@ -267,34 +301,24 @@ std::vector<Complex> run_ac_of_text(const std::string& library, const std::strin
   return run_ac("library.sub", top, name, grid, folder.path());
 }
 
+DcSweep run_dc(const std::string& deck, const std::string& source, double from, double to, double step,
+               const std::vector<std::string>& nodes, const std::string& what) {
+  const Columns columns = run_columns(
+      deck, fmt::format("dc {} {} {} {}", source, spice_number(from), spice_number(to), spice_number(step)),
+      nodes, what);
+  return {columns.first, columns.rest};
+}
+
 Transient run_transient(const std::string& deck, const std::vector<std::string>& nodes, double step_s,
                         double stop_s, const std::string& what) {
-  const WorkFolder folder;
-  std::string full = deck;
-  if (!full.ends_with('\n')) full += '\n';
-  full += ".control\nset numdgt=15\nset wr_singlescale\n";
-  full += fmt::format("tran {} {} 0 {}\nwrdata result.txt", spice_number(step_s), spice_number(stop_s),
-                      spice_number(step_s));
-  for (const std::string& node : nodes) full += fmt::format(" v({})", node);
-  full += "\nquit 0\n.endc\n.end\n";
-  const Ran ran = run_in(folder.path(), full, what, 600.0);
-  const fs::path result = folder.path() / "result.txt";
-  if (!fs::exists(result)) fail_on_output(what, ran);
-  Transient out;
-  out.v.resize(nodes.size());
-  const std::string text = read_file(result);
-  for (const std::string_view line : split(text, '\n')) {
-    std::vector<double> row;
-    for (const std::string_view word : split(trim(line), ' ')) {
-      double value = 0.0;
-      if (!trim(word).empty() && parse_number(trim(word), value)) row.push_back(value);
-    }
-    if (row.size() != nodes.size() + 1) continue;
-    out.time_s.push_back(row[0]);
-    for (size_t i = 0; i < nodes.size(); ++i) out.v[i].push_back(row[i + 1]);
+  const Columns columns = run_columns(
+      deck, fmt::format("tran {} {} 0 {}", spice_number(step_s), spice_number(stop_s), spice_number(step_s)),
+      nodes, what);
+  if (columns.first.back() < stop_s * (1.0 - 1e-6)) {
+    throw InputError(fmt::format("{}: ngspice stopped at {} s, expected {} s", what,
+                                 rounded_text(columns.first.back()), rounded_text(stop_s)));
   }
-  if (out.time_s.empty() || out.time_s.back() < stop_s * (1.0 - 1e-6)) fail_on_output(what, ran);
-  return out;
+  return {columns.first, columns.rest};
 }
 
 }  // namespace bodesmith

@@ -39,6 +39,15 @@ std::vector<std::complex<double>> run_ac_of_text(const std::string& library, con
                                                  const std::vector<Hertz>& grid,
                                                  const std::string& subcircuit = {});
 
+/// A d.c. sweep: values of the source and the wanted node voltages.
+struct DcSweep {
+  std::vector<double> source_v;
+  std::vector<std::vector<double>> v;  ///< one a node
+};
+/// Runs a deck without analysis and `.end` through `dc source from to step`.
+DcSweep run_dc(const std::string& deck, const std::string& source, double from, double to, double step,
+               const std::vector<std::string>& nodes, const std::string& what);
+
 /// Columns of a transient run: time and the wanted node voltages.
 struct Transient {
   std::vector<double> time_s;

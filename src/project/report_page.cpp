@@ -299,12 +299,12 @@ void layout_chapter(Page& page, const ReportInput& in) {
   page.chapter("Disturbance generator");
   const DisturbanceLayout& layout = in.design.layout;
   page.paragraph(fmt::format(
-      "{} multipliers ({}) make the powers that both branches share; {} weights; a switch driven by "
-      "the slope of the reference picks the branch. Largest error of d by the preferred resistors: "
-      "{} % of range.",
-      layout.multipliers.size(), layout.multiplier.name, layout.weights.size(),
+      "{} multipliers ({}) make the powers that the branches share; {} summing op-amps; a switch driven by "
+      "the slope of "
+      "the reference picks the branch. Largest error of d by the preferred resistors: {} % of range.",
+      layout.multipliers.size(), layout.multiplier.name, layout.branches.size(),
       text(layout.max_error_percent, 3)));
-  if (!in.layout_svg.empty()) page.figure(in.layout_svg, "Powers, weighted sums, branch switch.");
+  page.figure(layout_drawing(layout), "Powers, weighted sums, branch switch.");
   for (const std::string& warning : layout.warnings) page.warning(warning);
 }
 

@@ -20,7 +20,6 @@ struct ReportInput {
   const std::vector<LimitCheck>& limits;
   std::optional<SpiceCheck> ngspice;  ///< absent: ngspice is not installed
   std::string board_svg;              ///< empty without an FPAA plan
-  std::string layout_svg;
   const Provenance& from;
 };
 

@@ -71,6 +71,7 @@ OutputSet design_files(const WholeWay& way, const fs::path& folder) {
   }
   out.add("layout/layout.json", json_text("layout", way, design.layout.to_json(), design.compute_s));
   out.add("layout/disturbance.sub", disturbance_library(design.layout, way.project.name));
+  out.add("layout/disturbance.svg", layout_drawing(design.layout));
   out.add("bode.csv", bode_csv(design, way.budget));
   out.add("bode.svg", stages_svg(way.project, design, way.budget));
   return out;
@@ -196,8 +197,8 @@ WholeWay go_the_whole_way(const fs::path& project_file, const fs::path& folder) 
 
   OutputSet studied(folder);
   studied.add("tracking.csv", way.tracking.csv());
-  const ReportInput input{way.project, way.design, way.budget, way.tracking, way.limits,
-                          way.ngspice, {},         {},         way.from};
+  const ReportInput input{way.project, way.design,  way.budget, way.tracking,
+                          way.limits,  way.ngspice, {},         way.from};
   studied.add("report.html", report_page(input));
   Json run = json_header("run", way.from);
   run.update(way.summary_json());

@@ -85,7 +85,7 @@ struct TrackingPlant {
 struct TrackingOptions {
   enum class Reference { triangle, sine };
   /// What the stage's own disturbance is a function of: the seed evaluates it on the reference x; a real
-  /// stage sees its drive v (then found by iteration; the switch turns with v's slope).
+  /// stage sees its drive v, and its branch turns with the slope of v.
   enum class Argument { reference, drive };
 
   std::vector<Hertz> frequencies;

@@ -1,0 +1,56 @@
+#pragma once
+
+#include <cstddef>
+#include <functional>
+#include <memory>
+#include <vector>
+
+namespace bodesmith::simulate {
+
+/// SUNDIALS CVODE behind a small door: one initial value problem x' = f(t, x), restarted as often as needed.
+class Cvode {
+ public:
+  enum class Method {
+    adams,  ///< variable order to 12, fixed-point iteration: not stiff
+    bdf,    ///< variable order to 5, Newton with a dense Jacobian: stiff
+  };
+  struct Problem {
+    int order = 0;
+    std::function<void(double t, const double* x, double* dx)> rate;
+    /// Row-major df/dx; empty: difference quotients (bdf only).
+    std::function<void(double t, const double* x, double* jacobian)> jacobian;
+    /// Event functions, stopping where one crosses zero.
+    int events = 0;
+    std::function<void(double t, const double* x, double* g)> event;
+  };
+
+  Cvode(Problem problem, Method method, double relative_tolerance, double absolute_tolerance);
+  ~Cvode();
+  Cvode(const Cvode&) = delete;
+  Cvode& operator=(const Cvode&) = delete;
+
+  /// Starts, or starts again, from x at time t; `stop` is not stepped over.
+  void start(double t, const double* x, double stop);
+  enum class Outcome { stepped, stopped, event };
+  /// One internal step. Throws std::runtime_error when the solver gives up.
+  Outcome step();
+  double time() const;          ///< where the last step ended (at an event: the event)
+  double step_begin() const;    ///< where it began
+  const double* state() const;  ///< at time()
+  /// State inside the last step, by the solver's own interpolation.
+  void at(double t, double* x) const;
+  /// After Outcome::event: +1/-1 for each function that crossed upwards/downwards, 0 otherwise.
+  const std::vector<int>& crossings() const;
+
+  void limit_step(double longest);
+
+  std::size_t steps() const;
+  std::size_t evaluations() const;
+  std::size_t restarts() const;
+
+ private:
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
+};
+
+}  // namespace bodesmith::simulate

@@ -15,6 +15,12 @@ using Complex = std::complex<double>;
 
 /// How far (nepers) the beam lets one CAM's gain stray from what is wanted of it.
 constexpr double kCamGainWindow = 0.25;
+/// ln of the units that a constant branch starts from: the middle of 1 to 255, in ratio.
+constexpr double kUsualConstant = 2.77;
+/// A gain error that polishing surely removes, nepers.
+constexpr double kGainSlack = 0.02;
+/// Polishing looks at triples of this many of the finest branches, and at pairs of the rest.
+constexpr size_t kPolishedTriples = 16;
 
 struct Candidate {
   BranchValue value;
@@ -52,7 +58,9 @@ class Search {
         set(start);
         double middle = 0.0;
         if (effort_.polished > 0) polish();
-        const double score = effort_.polished > 0 ? penalised() : shape_residual(middle);
+        const double score = effort_.polished > 0
+                                 ? penalised()
+                                 : shape_residual(middle) + std::max(0.0, gain_out_of_reach() - kGainSlack);
         if (score < least) {
           least = score;
           best = choice_;
@@ -321,11 +329,17 @@ class Search {
           const Eigen::VectorXd kept = keep * states[from].residual;
           const double base = states[from].residual.dot(kept);
           const double missing = partner_gain(i, states[from].choice, settled);
+          const auto cost = [&](size_t c) { return base + 2.0 * moves[c].dot(kept) + squares[c]; };
+          if (p_.branches[i].kind != Branch::Kind::corner) {
+            // It has no shape: the value that gives its CAM the gain wanted of it, whatever that costs.
+            const size_t c = by_gain(i, std::isnan(missing) ? -kUsualConstant : missing);
+            next.push_back({cost(c), static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(c)});
+            continue;
+          }
           for (size_t c = 0; c < moves.size(); ++c) {
             // (Never true while the CAM's other branch is open: missing is NaN.)
             if (!any_gain && std::abs(missing + lists_[i][which[c]].log_gain) > kCamGainWindow) continue;
-            next.push_back({base + 2.0 * moves[c].dot(kept) + squares[c], static_cast<std::uint32_t>(from),
-                            static_cast<std::uint32_t>(c)});
+            next.push_back({cost(c), static_cast<std::uint32_t>(from), static_cast<std::uint32_t>(c)});
           }
         }
       }
@@ -362,6 +376,18 @@ class Search {
       gain += lists_[other][choice[other]].log_gain;
     }
     return gain;
+  }
+
+  /// The candidate that best makes up for a gain of `missing` nepers.
+  size_t by_gain(size_t branch, double missing) const {
+    size_t best = 0;
+    for (size_t c = 1; c < lists_[branch].size(); ++c) {
+      if (std::abs(missing + lists_[branch][c].log_gain) <
+          std::abs(missing + lists_[branch][best].log_gain)) {
+        best = c;
+      }
+    }
+    return best;
   }
 
   /// How many multiples of its least capacitors reach a branch's corner: how finely it can be set.
@@ -416,6 +442,17 @@ class Search {
     set(choice_);  // sheds rounding
   }
 
+  /// What is missing of the total gain after each branch in turn has made up for what it can within its own
+  /// candidates (whose corners all but agree), in nepers.
+  double gain_out_of_reach() const {
+    double missing = total_gain() - p_.log_gain;
+    for (const size_t i : finest_first_) {
+      const double now = lists_[i][choice_[i]].log_gain;
+      missing += lists_[i][by_gain(i, missing - now)].log_gain - now;
+    }
+    return std::abs(missing);
+  }
+
   void improve_single(size_t i) {
     const size_t old = choice_[i];
     size_t best = old;
@@ -451,7 +488,9 @@ class Search {
       return x.gain != y.gain ? x.gain < y.gain : x.a != y.a ? x.a < y.a : x.b < y.b;
     });
     const size_t n = lists_.size();
+    const size_t last = at_j < kPolishedTriples ? std::min(n, kPolishedTriples) : n;
     for (size_t at_k = at_j + 1; at_k <= n; ++at_k) {
+      if (at_k >= last) at_k = n;
       const bool alone = at_k == n;
       const size_t k = alone ? i : finest_first_[at_k];
       const auto [from_k, to_k] = alone ? std::pair<size_t, size_t>{0, 1} : neighbours(k);

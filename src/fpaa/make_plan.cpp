@@ -18,7 +18,8 @@ namespace {
 constexpr int kGridPoints = 24;       // of the search
 constexpr int kStatedPoints = 801;    // of the errors that the plan states
 constexpr int kClocksLookedAt = 120;  // of the legal tree, evenly spread in ratio
-constexpr int kClocksSearched = 3;    // the best of them get the full search
+constexpr double kErrorWorthTwoStages = 0.005;
+constexpr int kClocksSearched = 3;  // the best of them get the full search
 
 Band choose_band(const Sections& sections, const FilterParts& parts, const PlanOptions& options) {
   if (options.band) return *options.band;
@@ -152,6 +153,30 @@ LegalClock given_clock(const FilterParts& parts, Hertz wanted, Band band, const 
   return *clock;
 }
 
+struct Attempt {
+  std::vector<CamSlot> slots;
+  std::vector<Place> places;
+  Choice choice;
+};
+
+Attempt try_slots(const FilterParts& parts, std::vector<CamSlot> slots, const PlanOptions& options, Band band,
+                  const Board& board) {
+  Attempt out;
+  std::vector<Resources> needs;
+  for (const CamSlot& slot : slots) {
+    const bool three =
+        !slot.is_gain() && parts.parts[static_cast<size_t>(slot.part)].kind != FilterPart::Kind::pole_zero;
+    needs.push_back({.opamps = 1, .capacitors = three ? 3 : 4});
+  }
+  out.places = place_in_order(needs, board);
+  out.choice = options.clock
+                   ? search_at(parts, slots, given_clock(parts, *options.clock, band, board), band, board)
+                   : choose_clock(parts, slots, band, board);
+  if (!out.choice.solution.made) throw DesignError("no capacitors reach every corner at this clock");
+  out.slots = std::move(slots);
+  return out;
+}
+
 PlacedCam make_cam(const FilterParts& parts, const CamSlot& slot, int number, const ChainProblem& problem,
                    const BranchValue& above, const BranchValue& below) {
   PlacedCam cam;
@@ -266,19 +291,21 @@ Plan make_plan(const Sections& sections, const PlanOptions& options) {
     throw DesignError(
         fmt::format("the band {} to {} Hz is empty, expected 0 < from < to", band.from.value, band.to.value));
   }
-  const std::vector<CamSlot> slots = slots_for(parts, band);
-  std::vector<Resources> needs;
-  for (const CamSlot& slot : slots) {
-    const bool three =
-        !slot.is_gain() && parts.parts[static_cast<size_t>(slot.part)].kind != FilterPart::Kind::pole_zero;
-    needs.push_back({.opamps = 1, .capacitors = three ? 3 : 4});
+  Attempt attempt = try_slots(parts, slots_for(parts, band), options, band, board);
+  if (attempt.choice.solution.max_complex_error > kErrorWorthTwoStages) {
+    // Coarse branches may leave no freedom for the gain: two inverting stages keep the sign and give it.
+    try {
+      Attempt more = try_slots(parts, slots_for(parts, band, 2), options, band, board);
+      if (more.choice.solution.max_complex_error < 0.5 * attempt.choice.solution.max_complex_error) {
+        attempt = std::move(more);
+      }
+    } catch (const DesignError&) {
+      // They do not fit on the board; the first attempt does.
+    }
   }
-  const std::vector<Place> places = place_in_order(needs, board);
-
-  const Choice choice =
-      options.clock ? search_at(parts, slots, given_clock(parts, *options.clock, band, board), band, board)
-                    : choose_clock(parts, slots, band, board);
-  if (!choice.solution.made) throw DesignError("no capacitors reach every corner at this clock");
+  const std::vector<CamSlot>& slots = attempt.slots;
+  const std::vector<Place>& places = attempt.places;
+  const Choice& choice = attempt.choice;
   const ChainProblem problem = chain_problem(parts, slots, choice.clock.frequency, band, kGridPoints);
 
   Plan plan;

@@ -25,7 +25,7 @@ double log_peak(const FilterParts& parts, size_t count, Band band) {
 
 }  // namespace
 
-std::vector<CamSlot> slots_for(const FilterParts& parts, Band band) {
+std::vector<CamSlot> slots_for(const FilterParts& parts, Band band, int extra) {
   std::vector<CamSlot> out;
   for (size_t i = 0; i < parts.parts.size(); ++i) out.push_back({static_cast<int>(i)});
   const double total = std::abs(log_peak(parts, parts.parts.size(), band) + parts.log_gain);
@@ -34,7 +34,7 @@ std::vector<CamSlot> slots_for(const FilterParts& parts, Band band) {
       total > filters ? static_cast<int>(std::ceil((total - filters) / std::log(kMostGainOfStage))) : 0;
   const bool inverts = (parts.parts.size() + static_cast<size_t>(stages)) % 2 == 1;
   if (inverts != parts.negative) ++stages;
-  for (int s = 0; s < stages; ++s) out.push_back({-1});
+  for (int s = 0; s < stages + extra; ++s) out.push_back({-1});
   return out;
 }
 

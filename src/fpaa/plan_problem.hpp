@@ -14,7 +14,8 @@ struct CamSlot {
   int part = -1;
   bool is_gain() const { return part < 0; }
 };
-std::vector<CamSlot> slots_for(const FilterParts& parts, Band band);
+/// `extra` adds that many more gain stages.
+std::vector<CamSlot> slots_for(const FilterParts& parts, Band band, int extra = 0);
 
 /// The search problem of these CAMs at a clock: branches in the order above, below of each CAM, and the gain
 /// spread over the CAMs so that the peak of every node climbs (or falls) evenly, in ratio, from the input to

@@ -19,8 +19,10 @@ constexpr double kCamGainWindow = 0.25;
 constexpr double kUsualConstant = 2.77;
 /// A gain error that polishing surely removes, nepers.
 constexpr double kGainSlack = 0.02;
-/// Polishing looks at triples of this many of the finest branches, and at pairs of the rest.
+/// Polishing looks at triples of this many of the finest branches, and at pairs of more.
 constexpr size_t kPolishedTriples = 16;
+/// Pairs are tried among this many; the coarser branches are then only looked at one by one.
+constexpr size_t kPolishedPairs = 32;
 
 struct Candidate {
   BranchValue value;
@@ -252,8 +254,10 @@ class Search {
     std::vector<size_t> rank(starts.size());
     std::iota(rank.begin(), rank.end(), size_t{0});
     std::stable_sort(rank.begin(), rank.end(), [&](size_t a, size_t b) { return shapes[a] < shapes[b]; });
+    const size_t few =
+        lists_.size() > kPolishedPairs ? 1 : static_cast<size_t>(std::max(1, effort_.polished));
     std::vector<Choice> out;
-    for (size_t r = 0; r < rank.size() && r < static_cast<size_t>(std::max(1, effort_.polished)); ++r) {
+    for (size_t r = 0; r < rank.size() && r < few; ++r) {
       out.push_back(starts[rank[r]]);
     }
     return out;
@@ -431,11 +435,12 @@ class Search {
     const size_t n = lists_.size();
     double middle = 0.0;
     gain_window_ = std::max(2e-4, shape_residual(middle));
-    for (int round = 0; round < effort_.polish_rounds; ++round) {
+    const size_t paired = std::min(n, kPolishedPairs);
+    for (int round = 0; round < (n > kPolishedPairs ? 2 : effort_.polish_rounds); ++round) {
       const double before = energy_;
       for (size_t i = 0; i < n; ++i) {
         improve_single(finest_first_[i]);
-        for (size_t j = i + 1; j < n; ++j) improve_with_pair(i, j);
+        for (size_t j = i + 1; i < paired && j < paired; ++j) improve_with_pair(i, j);
       }
       if (!(energy_ < before - 1e-9)) break;
     }

@@ -85,6 +85,8 @@ class MemoryKernel {
   virtual bool jumps_at_turns() const { return false; }
   /// False: the output depends on how fast the input moves.
   virtual bool rate_independent() const = 0;
+  /// Above 0: the operator is y following u at no more than this rate, which engines may work out by events.
+  virtual double slew_rate() const { return 0.0; }
 };
 
 /// Works on samples taken at t = first_edge + k/clock_hz; its output is held from `delay_s` after each sample

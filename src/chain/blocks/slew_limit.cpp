@@ -35,6 +35,7 @@ class SlewLimiter final : public MemoryKernel {
   }
   double departing(double) const override { return y_; }
   bool rate_independent() const override { return false; }
+  double slew_rate() const override { return rate_; }
 
  private:
   double rate_;

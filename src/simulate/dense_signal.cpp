@@ -1,0 +1,75 @@
+#include "simulate/dense_signal.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bodesmith::simulate {
+
+DenseSignal DenseSignal::from_record(const TimeRecord& record) {
+  DenseSignal out;
+  const auto& u = record.u;
+  const std::size_t n = u.size();
+  out.before = 0.0;
+  double scale = 0.0;
+  for (const double v : u) scale = std::max(scale, std::abs(v));
+  std::size_t first = 0;
+  while (first + 1 < n) {
+    // As far as every sample lies on the line within rounding.
+    std::size_t last = first + 1;
+    const double rise = u[last] - u[first];
+    while (last + 1 < n &&
+           std::abs(u[last + 1] - (u[first] + rise * static_cast<double>(last + 1 - first))) <=
+               4e-15 * scale * static_cast<double>(last + 1 - first)) {
+      ++last;
+    }
+    Piece p;
+    p.begin = record.time_s(first);
+    p.end = record.time_s(last);
+    p.nodes[0] = u[first];
+    p.nodes[1] = u[last];
+    out.append(p);
+    if (last + 1 < n) out.corner(p.end);
+    first = last;
+  }
+  return out;
+}
+
+const DenseSignal::Piece& DenseSignal::Reader::find(double t, bool from_left) {
+  const auto& pieces = signal_->pieces_;
+  at_ = std::min(at_, pieces.size() - 1);
+  // A few steps either way, else a bisection.
+  for (int tries = 0; tries < 4; ++tries) {
+    const Piece& p = pieces[at_];
+    if (t > p.end || (t == p.end && !from_left)) {
+      if (at_ + 1 == pieces.size()) return p;
+      ++at_;
+    } else if (t < p.begin || (t == p.begin && from_left)) {
+      if (at_ == 0) return p;
+      --at_;
+    } else {
+      return p;
+    }
+  }
+  const auto later = from_left ? std::lower_bound(pieces.begin(), pieces.end(), t,
+                                                  [](const Piece& p, double v) { return p.end < v; })
+                               : std::partition_point(pieces.begin(), pieces.end(),
+                                                      [&](const Piece& p) { return p.end <= t; });
+  at_ = std::min(static_cast<std::size_t>(later - pieces.begin()), pieces.size() - 1);
+  return pieces[at_];
+}
+
+double DenseSignal::Reader::value(double t, bool from_left) {
+  if (t < signal_->begin() || (from_left && t == signal_->begin())) return signal_->before;
+  const Piece& p = find(t, from_left);
+  const double length = p.end - p.begin;
+  return hold_nodes(p.degree).value(p.nodes, std::clamp((t - p.begin) / length, 0.0, 1.0));
+}
+
+double DenseSignal::Reader::slope(double t, bool from_left) {
+  if (t < signal_->begin()) return 0.0;
+  const Piece& p = find(t, from_left);
+  const double length = p.end - p.begin;
+  return hold_nodes(p.degree).slope(p.nodes, std::clamp((t - p.begin) / length, 0.0, 1.0)) / length;
+}
+
+}  // namespace bodesmith::simulate

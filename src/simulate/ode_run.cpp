@@ -1,0 +1,411 @@
+#include "simulate/ode_run.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/progress.hpp"
+#include "chain/linear_kernel.hpp"
+#include "simulate/cvode.hpp"
+
+namespace bodesmith::simulate {
+namespace {
+
+using chain::CurveKernel;
+using chain::LinearKernel;
+using chain::MemoryKernel;
+using chain::OdeKernel;
+using chain::SourceKernel;
+
+template <class T>
+T* as(chain::Kernel* kernel) {
+  auto* held = std::get_if<std::unique_ptr<T>>(kernel);
+  return held == nullptr ? nullptr : held->get();
+}
+
+}  // namespace
+
+OdeRun::OdeRun(std::vector<chain::Kernel*> kernels, const DenseSignal& input)
+    : input_(input), reader_(input) {
+  for (chain::Kernel* kernel : kernels) {
+    Part part;
+    part.kernel = kernel;
+    part.state = order_;
+    if (const auto* linear = std::get_if<LinearKernel>(kernel)) {
+      part.order = linear->order;
+    } else if (const auto* ode = as<OdeKernel>(kernel)) {
+      part.order = ode->linear().order;
+    } else if (const auto* curve = as<CurveKernel>(kernel)) {
+      part.corners = curve->corners();
+      part.events = static_cast<int>(part.corners.size());
+    } else if (const auto* memory = as<MemoryKernel>(kernel)) {
+      part.events = 1;
+      if (memory->slew_rate() > 0.0) part.order = 1;
+      slopes_needed_ = true;
+    }
+    part.event = events_;
+    events_ += part.events;
+    order_ += part.order;
+    parts_.push_back(std::move(part));
+  }
+  state_.assign(static_cast<std::size_t>(std::max(order_, 1)), 0.0);
+  rates_ = gradient_ = state_;
+}
+
+void OdeRun::start(Start how, double& rest) {
+  const bool still = how == Start::equilibrium;
+  // The chain's value at the first sample, block by block; at rest under it for an equilibrium.
+  double u = still ? rest : reader_.value(input_.begin());
+  for (Part& part : parts_) {
+    double* x = state_.data() + part.state;
+    if (const auto* linear = std::get_if<LinearKernel>(part.kernel)) {
+      if (still) chain::equilibrium(*linear, u, x);
+      u = linear->d * u + linear->offset;
+      for (int i = 0; i < part.order; ++i) u += linear->c[static_cast<std::size_t>(i)] * x[i];
+    } else if (const auto* ode = as<OdeKernel>(part.kernel)) {
+      if (still) ode->equilibrium(u, x);
+      u = ode->linear().d * u + ode->linear().offset;
+      for (int i = 0; i < part.order; ++i) u += ode->linear().c[static_cast<std::size_t>(i)] * x[i];
+    } else if (const auto* curve = as<CurveKernel>(part.kernel)) {
+      u = curve->value(u);
+    } else if (const auto* source = as<SourceKernel>(part.kernel)) {
+      u += source->value(input_.begin());
+    } else if (auto* memory = as<MemoryKernel>(part.kernel)) {
+      part.committed = u;
+      part.direction = u < 0.0 ? -1 : 1;
+      u = memory->reset(u, still);
+      if (part.order == 1) {
+        x[0] = u;
+        part.follow = u == part.committed ? Follow::yes : part.committed > u ? Follow::up : Follow::down;
+      }
+    }
+  }
+  rest = u;
+}
+
+void OdeRun::segment(double begin, double end) {
+  begin_ = begin;
+  end_ = end;
+}
+
+double OdeRun::memory_slope(const Part& part, const MemoryKernel& memory, double u) const {
+  const double step = 1e-6 * std::max(std::abs(u), 1e-3) * part.direction;
+  return (memory.peek(u + step, 0.0) - memory.peek(u, 0.0)) / step;
+}
+
+void OdeRun::memory_output(Part& part, const MemoryKernel& memory, double u) const {
+  // A hair on the wrong side of the last turn is rounding, not another turn.
+  const bool moved = (u - part.committed) * part.direction > 0.0;
+  part.y = moved ? memory.peek(u, 0.0) : memory.departing(part.committed + part.direction);
+}
+
+void OdeRun::evaluate(double t, const double* x, double* dx, bool restart) {
+  const bool left = t >= end_;
+  double u = reader_.value(t, left);
+  double du = slopes_needed_ || restart ? reader_.slope(t, left) : 0.0;
+  if (order_ == 0) dx[0] = 0.0;
+  for (Part& part : parts_) {
+    part.u = u;
+    part.du = du;
+    const double* xs = x + part.state;
+    double* ds = dx + part.state;
+    const int n = part.order;
+    if (const auto* linear = std::get_if<LinearKernel>(part.kernel)) {
+      double y = linear->d * u + linear->offset;
+      double dy = linear->d * du;
+      for (int i = 0; i < n; ++i) {
+        double sum = linear->b[static_cast<std::size_t>(i)] * u;
+        if (!linear->constant.empty()) sum += linear->constant[static_cast<std::size_t>(i)];
+        const double* a = linear->a.data() + i * n;
+        for (int j = 0; j < n; ++j) sum += a[j] * xs[j];
+        ds[i] = sum;
+        y += linear->c[static_cast<std::size_t>(i)] * xs[i];
+        dy += linear->c[static_cast<std::size_t>(i)] * sum;
+      }
+      u = y;
+      du = dy;
+    } else if (const auto* ode = as<OdeKernel>(part.kernel)) {
+      const LinearKernel& k = ode->linear();
+      const double extra = ode->nonlinear(xs, u);
+      double y = k.d * u + k.offset;
+      double dy = k.d * du;
+      for (int i = 0; i < n; ++i) {
+        double sum = k.b[static_cast<std::size_t>(i)] * u + ode->entry()[static_cast<std::size_t>(i)] * extra;
+        if (!k.constant.empty()) sum += k.constant[static_cast<std::size_t>(i)];
+        const double* a = k.a.data() + i * n;
+        for (int j = 0; j < n; ++j) sum += a[j] * xs[j];
+        ds[i] = sum;
+        y += k.c[static_cast<std::size_t>(i)] * xs[i];
+        dy += k.c[static_cast<std::size_t>(i)] * sum;
+      }
+      u = y;
+      du = dy;
+    } else if (const auto* curve = as<CurveKernel>(part.kernel)) {
+      if (du != 0.0) du *= curve->slope(u);
+      u = curve->value(u);
+    } else if (const auto* source = as<SourceKernel>(part.kernel)) {
+      u += source->value(t);
+      if (slopes_needed_ || restart) du += source->rate(t);
+    } else if (const auto* memory = as<MemoryKernel>(part.kernel)) {
+      if (n == 1) {
+        const double rate = memory->slew_rate();
+        if (restart && part.follow == Follow::yes && std::abs(du) > rate)
+          part.follow = du > 0.0 ? Follow::up : Follow::down;
+        if (part.follow == Follow::yes) {
+          ds[0] = du;
+        } else {
+          du = ds[0] = part.follow == Follow::up ? rate : -rate;
+          u = xs[0];
+        }
+      } else {
+        if (restart && du != 0.0) part.direction = du > 0.0 ? 1 : -1;
+        memory_output(part, *memory, u);
+        if (du != 0.0) du *= memory_slope(part, *memory, u);
+        u = part.y;
+      }
+    }
+    part.y = u;
+  }
+  last_ = u;
+}
+
+void OdeRun::jacobian(double t, const double* x, double* j) {
+  if (order_ == 0) return;
+  evaluate(t, x, rates_.data(), false);
+  std::fill(gradient_.begin(), gradient_.end(), 0.0);
+  const auto size = static_cast<std::size_t>(order_);
+  const auto row = [&](int i) { return j + static_cast<std::size_t>(i) * size; };
+  std::vector<double> by_x;
+  for (const Part& part : parts_) {
+    const int n = part.order;
+    const int s = part.state;
+    const LinearKernel* k = std::get_if<LinearKernel>(part.kernel);
+    const OdeKernel* ode = as<OdeKernel>(part.kernel);
+    if (ode != nullptr) k = &ode->linear();
+    if (k != nullptr) {
+      double by_u = 0.0;
+      if (ode != nullptr) {
+        by_x.assign(static_cast<std::size_t>(n), 0.0);
+        by_u = ode->nonlinear_gradient(x + s, part.u, by_x.data());
+      }
+      for (int i = 0; i < n; ++i) {
+        const double e = ode != nullptr ? ode->entry()[static_cast<std::size_t>(i)] : 0.0;
+        const double b = k->b[static_cast<std::size_t>(i)] + e * by_u;
+        for (int c = 0; c < s; ++c) row(s + i)[c] = b * gradient_[static_cast<std::size_t>(c)];
+        for (int c = 0; c < n; ++c) {
+          row(s + i)[s + c] = k->a[static_cast<std::size_t>(i * n + c)] +
+                              (ode != nullptr ? e * by_x[static_cast<std::size_t>(c)] : 0.0);
+        }
+      }
+      for (int c = 0; c < s; ++c) gradient_[static_cast<std::size_t>(c)] *= k->d;
+      for (int c = 0; c < n; ++c)
+        gradient_[static_cast<std::size_t>(s + c)] = k->c[static_cast<std::size_t>(c)];
+    } else if (const auto* curve = as<CurveKernel>(part.kernel)) {
+      const double f = curve->slope(part.u);
+      for (double& g : gradient_) g *= f;
+    } else if (const auto* memory = as<MemoryKernel>(part.kernel)) {
+      if (n == 1) {
+        // Following, the state only shadows the input: Newton may take its rate as given.
+        if (part.follow != Follow::yes) {
+          std::fill(gradient_.begin(), gradient_.end(), 0.0);
+          gradient_[static_cast<std::size_t>(s)] = 1.0;
+        }
+      } else {
+        const double f = memory_slope(part, *memory, part.u);
+        for (double& g : gradient_) g *= f;
+      }
+    }
+  }
+}
+
+void OdeRun::events(double t, const double* x, double* g) {
+  evaluate(t, x, rates_.data(), false);
+  for (const Part& part : parts_) {
+    for (int i = 0; i < static_cast<int>(part.corners.size()); ++i) {
+      g[part.event + i] = part.u - part.corners[static_cast<std::size_t>(i)];
+    }
+    if (const auto* memory = as<MemoryKernel>(part.kernel)) {
+      if (part.order == 0) {
+        g[part.event] = part.du;
+      } else if (part.follow == Follow::yes) {
+        const double rate = memory->slew_rate();
+        g[part.event] = (rate - part.du) * (rate + part.du);
+      } else {
+        g[part.event] = x[part.state] - part.u;
+      }
+    }
+  }
+}
+
+void OdeRun::commit() {
+  for (Part& part : parts_) {
+    auto* memory = as<MemoryKernel>(part.kernel);
+    if (memory == nullptr || part.order == 1) continue;
+    memory->step(part.u, 0.0);
+    part.committed = part.u;
+  }
+}
+
+void OdeRun::restart_at(double t, const std::vector<int>* crossings) {
+  for (Part& part : parts_) {
+    auto* memory = as<MemoryKernel>(part.kernel);
+    if (memory == nullptr) continue;
+    const int crossed = crossings == nullptr ? 0 : (*crossings)[static_cast<std::size_t>(part.event)];
+    if (part.order == 0) {
+      if (crossed != 0) part.direction = crossed;
+      continue;
+    }
+    double& y = state_[static_cast<std::size_t>(part.state)];
+    if (part.follow == Follow::yes) {
+      y = part.u;
+      if (crossed != 0)
+        part.follow = part.du > 0.0 ? Follow::up : Follow::down;  // the input has just become too fast
+    } else if (crossed != 0) {
+      y = part.u;
+      part.follow = Follow::yes;
+    }
+  }
+  // Directions after a corner of the input; a turn found by its event keeps the direction found, its slope is
+  // about 0.
+  std::vector<int> kept;
+  for (Part& part : parts_) kept.push_back(part.direction);
+  evaluate(t, state_.data(), rates_.data(), true);
+  if (crossings != nullptr) {
+    bool changed = false;
+    for (std::size_t i = 0; i < parts_.size(); ++i) {
+      Part& part = parts_[i];
+      if (part.events == 1 && part.order == 0 && part.corners.empty() &&
+          (*crossings)[static_cast<std::size_t>(part.event)] != 0) {
+        changed = changed || part.direction != kept[i];
+        part.direction = kept[i];
+      }
+    }
+    if (changed) evaluate(t, state_.data(), rates_.data(), false);
+  }
+  // A jump of the input of a slew limit leaves the output behind.
+  for (Part& part : parts_) {
+    if (part.order != 1 || part.events != 1) continue;
+    double& y = state_[static_cast<std::size_t>(part.state)];
+    if (part.follow == Follow::yes && y != part.u &&
+        std::abs(y - part.u) > 1e-9 * std::max(std::abs(y), std::abs(part.u))) {
+      part.follow = part.u > y ? Follow::up : Follow::down;
+    }
+  }
+}
+
+double OdeRun::stiffness() const {
+  double norm = 0.0;
+  for (const Part& part : parts_) {
+    const LinearKernel* k = std::get_if<LinearKernel>(part.kernel);
+    if (const OdeKernel* ode = as<OdeKernel>(part.kernel)) k = &ode->linear();
+    if (k == nullptr) continue;
+    for (int i = 0; i < k->order; ++i) {
+      double row = 0.0;
+      for (int c = 0; c < k->order; ++c) row += std::abs(k->a[static_cast<std::size_t>(i * k->order + c)]);
+      norm = std::max(norm, row);
+    }
+  }
+  return norm;
+}
+
+void OdeRun::solve(const Options& options, const Wanted& wanted, Stats& stats, double shortest_detail_s) {
+  const double first = input_.begin();
+  const double last = input_.end();
+  std::vector<double> stops = input_.corners();
+  std::erase_if(stops, [&](double t) { return t <= first || t >= last; });
+  std::sort(stops.begin(), stops.end());
+  stops.erase(std::unique(stops.begin(), stops.end()), stops.end());
+  stops.push_back(last);
+
+  Cvode::Problem problem;
+  problem.order = std::max(order_, 1);
+  problem.rate = [this](double t, const double* x, double* dx) { evaluate(t, x, dx, false); };
+  problem.jacobian = [this](double t, const double* x, double* j) { jacobian(t, x, j); };
+  problem.events = events_;
+  problem.event = [this](double t, const double* x, double* g) { events(t, x, g); };
+  const double typical = (last - first) / static_cast<double>(stops.size());
+  const bool stiff = stiffness() * typical > 300.0;
+  Cvode solver(problem, stiff ? Cvode::Method::bdf : Cvode::Method::adams, options.relative_tolerance,
+               options.absolute_tolerance);
+  // Without dynamics nothing else tells the solver how fine the signal is.
+  if (order_ == 0 || events_ > 0)
+    solver.limit_step(order_ == 0 ? shortest_detail_s : 16.0 * shortest_detail_s);
+
+  std::size_t next_time = 0;
+  if (wanted.values != nullptr) wanted.values->resize(wanted.times.size());
+  std::vector<double> inside(state_.size());
+  const auto output_at = [&](double t) {
+    solver.at(t, inside.data());
+    evaluate(t, inside.data(), rates_.data(), false);
+    return last_;
+  };
+  segment(first, stops.front());
+  restart_at(first, nullptr);
+  if (wanted.values != nullptr && !wanted.times.empty() && wanted.times.front() <= first) {
+    evaluate(first, state_.data(), rates_.data(), false);
+    (*wanted.values)[next_time++] = last_;
+  }
+  double t = first;
+  std::size_t since_look = 0;
+  for (const double stop : stops) {
+    segment(t, stop);
+    while (t < stop) {
+      solver.start(t, state_.data(), stop);
+      Cvode::Outcome outcome = Cvode::Outcome::stepped;
+      while (outcome == Cvode::Outcome::stepped) {
+        outcome = solver.step();
+        if (++since_look >= 4096) {
+          since_look = 0;
+          stop_if_interrupted();
+        }
+        const double begin = solver.step_begin();
+        const double end = solver.time();
+        if (wanted.values != nullptr) {
+          const bool to_end = !wanted.right_limits || end < stop || stop == last;
+          while (next_time < wanted.times.size() &&
+                 (to_end ? wanted.times[next_time] <= end : wanted.times[next_time] < end)) {
+            (*wanted.values)[next_time] = output_at(std::max(wanted.times[next_time], begin));
+            ++next_time;
+          }
+        }
+        if (wanted.dense != nullptr && end > begin) {
+          const HoldNodes& nodes = hold_nodes(kMaxDegree);
+          for (int half = 0; half < 2; ++half) {
+            DenseSignal::Piece piece;
+            piece.begin = half == 0 ? begin : begin + 0.5 * (end - begin);
+            piece.end = half == 0 ? begin + 0.5 * (end - begin) : end;
+            piece.degree = kMaxDegree;
+            for (int i = 0; i <= kMaxDegree; ++i) {
+              const double at = i == kMaxDegree ? piece.end
+                                                : piece.begin + nodes.at[static_cast<std::size_t>(i)] *
+                                                                    (piece.end - piece.begin);
+              piece.nodes[i] = output_at(at);
+            }
+            if (piece.end > piece.begin) wanted.dense->append(piece);
+          }
+        }
+      }
+      t = outcome == Cvode::Outcome::stopped ? stop : solver.time();
+      std::copy_n(solver.state(), state_.size(), state_.begin());
+      evaluate(t, state_.data(), rates_.data(), false);
+      commit();
+      if (outcome == Cvode::Outcome::event) {
+        ++stats.events;
+        restart_at(t, &solver.crossings());
+        if (wanted.dense != nullptr) wanted.dense->corner(t);
+      }
+    }
+    if (stop >= last) break;
+    const auto next = std::upper_bound(stops.begin(), stops.end(), stop);
+    segment(stop, *next);
+    // A jump of the input is a monotone move of its own for the memories.
+    evaluate(stop, state_.data(), rates_.data(), false);
+    commit();
+    restart_at(stop, nullptr);
+    if (wanted.dense != nullptr) wanted.dense->corner(stop);
+  }
+  stats.steps += solver.steps();
+  stats.evaluations += solver.evaluations();
+  stats.restarts += solver.restarts();
+}
+
+}  // namespace bodesmith::simulate

@@ -1,0 +1,78 @@
+#pragma once
+
+#include <cstddef>
+#include <span>
+#include <vector>
+
+#include "chain/kernel.hpp"
+#include "simulate/dense_signal.hpp"
+#include "simulate/simulate.hpp"
+
+namespace bodesmith::simulate {
+
+/// Neighbouring blocks as one ODE x' = f(t, x) with events: linear and smooth nonlinear dynamics, curves,
+/// sources, rate-independent memory, slew limits. Solved by CVODE, which starts again at every corner of the
+/// input, where a curve has a corner, where the input of a memory turns, and where a slew limit sets in or
+/// ends.
+class OdeRun {
+ public:
+  OdeRun(std::vector<chain::Kernel*> kernels, const DenseSignal& input);
+
+  /// `rest`: what the input rests at before the start (equilibrium); becomes that of the output.
+  void start(Start how, double& rest);
+
+  /// What is wanted of the output: values at these rising times, and/or a dense signal.
+  struct Wanted {
+    std::vector<double> times;
+    bool right_limits = false;  ///< of the output at jumps
+    std::vector<double>* values = nullptr;
+    DenseSignal* dense = nullptr;
+  };
+  void solve(const Options& options, const Wanted& wanted, Stats& stats, double shortest_detail_s);
+
+ private:
+  enum class Follow { yes, up, down };
+  struct Part {
+    chain::Kernel* kernel = nullptr;
+    int state = 0;
+    int order = 0;
+    int event = -1;  ///< first event function
+    int events = 0;
+    int direction = 1;  ///< of a memory's input
+    double committed = 0.0;
+    Follow follow = Follow::yes;
+    std::vector<double> corners;
+    // of the last evaluation
+    double u = 0.0;
+    double du = 0.0;
+    double y = 0.0;
+  };
+
+  void segment(double begin, double end);
+  /// Walks the chain: inputs, outputs and slopes of every part, rates of all states; the output's value is
+  /// last_.
+  void evaluate(double t, const double* x, double* dx, bool restart);
+  void memory_output(Part& part, const chain::MemoryKernel& memory, double u) const;
+  double memory_slope(const Part& part, const chain::MemoryKernel& memory, double u) const;
+  void jacobian(double t, const double* x, double* j);
+  void events(double t, const double* x, double* g);
+  /// Memories take the step to where their input now is.
+  void commit();
+  void restart_at(double t, const std::vector<int>* crossings);
+  double stiffness() const;
+
+  std::vector<Part> parts_;
+  const DenseSignal& input_;
+  DenseSignal::Reader reader_;
+  double begin_ = 0.0;
+  double end_ = 0.0;
+  int order_ = 0;
+  int events_ = 0;
+  bool slopes_needed_ = false;
+  std::vector<double> state_;
+  std::vector<double> rates_;
+  std::vector<double> gradient_;
+  double last_ = 0.0;
+};
+
+}  // namespace bodesmith::simulate

@@ -1,5 +1,5 @@
-#include <Eigen/LU>
 #include <algorithm>
+#include <boost/multiprecision/cpp_bin_float.hpp>
 #include <cmath>
 #include <vector>
 
@@ -8,44 +8,90 @@
 #include "base/error.hpp"
 
 namespace bodesmith {
+namespace {
 
-// The Thiele fraction through 2n + 1 values loses all digits from order 7 on. P^beta is (up to a map) a
-// Stieltjes function, so its interpolant has interlaced real roots, and by the symmetry of the nodes mirror
-// images: n unknown positions meet n nodes above the centre (the centre itself holds by symmetry). Newton's
-// method on them is well conditioned.
+namespace mp = boost::multiprecision;
+using Real = mp::number<mp::cpp_bin_float<140>, mp::et_off>;
+
+/// Thiele's continued fraction a0 + (s - s0)/(a1 + (s - s1)/(a2 + ...)).
+struct Thiele {
+  std::vector<Real> node;
+  std::vector<Real> a;
+
+  Thiele(std::vector<Real> nodes, std::vector<Real> value) : node(std::move(nodes)) {
+    for (size_t k = 0; k < node.size(); ++k) {
+      a.push_back(value[k]);
+      for (size_t i = k + 1; i < node.size(); ++i) value[i] = (node[i] - node[k]) / (value[i] - a[k]);
+    }
+  }
+
+  /// Numerator and its derivative, by the recurrence of the convergents.
+  std::pair<Real, Real> numerator(const Real& s) const {
+    Real before = 1;
+    Real before_slope = 0;
+    Real now = a[0];
+    Real slope = 0;
+    for (size_t k = 1; k < a.size(); ++k) {
+      const Real x = s - node[k - 1];
+      const Real next = a[k] * now + x * before;
+      const Real next_slope = a[k] * slope + x * before_slope + before;
+      before = now;
+      before_slope = slope;
+      now = next;
+      slope = next_slope;
+    }
+    return {now, slope};
+  }
+};
+
+}  // namespace
+
+// The fraction through 2n + 1 values loses all digits of a double from order 7 on, because neighbouring
+// convergents agree to more than 16 digits: it is carried with 140. Nodes and function mirror each other
+// about the centre, so the poles are the reciprocals of the zeros.
 NormalisedApproximation matsuda(const ApproximationTask& task) {
   const int n = task.order;
+  const Real r = sqrt(Real(task.kappa));
+  std::vector<Real> node;
+  std::vector<Real> value;  // (P/r)^beta
+  for (int j = 0; j <= 2 * n; ++j) {
+    // Nodes from the corners inwards and the centre last: neighbours in the fraction then differ most.
+    const int place = j % 2 == 0 ? j / 2 : 2 * n - j / 2;
+    const Real s = pow(r, Real(place - n) / n);
+    node.push_back(s);
+    value.push_back(pow((1 + r * s) / (r + s), Real(task.beta)));
+  }
+  const Thiele thiele(std::move(node), std::move(value));
+
   const long double log_kappa = std::log(static_cast<long double>(task.kappa));
-  const long double beta = task.beta;
-  std::vector<long double> zeta = elliptic_positions(log_kappa, beta, n);
-  std::vector<long double> node(static_cast<size_t>(n));
-  for (int j = 0; j < n; ++j)
-    node[static_cast<size_t>(j)] = 0.5L * log_kappa * (j + 1) / n;  // ln s, up to the corner
-  using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-  using Vector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
-  Matrix slope(n, n);
-  Vector miss(n);
-  for (int iteration = 0; iteration < 60; ++iteration) {
-    for (int j = 0; j < n; ++j) {
-      const long double y = node[static_cast<size_t>(j)];
-      long double e = beta * half_lead(y, 0.5L * log_kappa);
-      for (int k = 0; k < n; ++k) {
-        const long double z = 0.5L * zeta[static_cast<size_t>(k)];
-        e -= half_lead(y, z);
-        slope(j, k) = 0.5L * half_lead_slope(y, std::abs(z));
+  const auto start = log_kappa < 4.0L ? pade_positions(log_kappa, task.beta, n)
+                                      : elliptic_positions(log_kappa, task.beta, n);
+  std::vector<Real> zero;
+  for (const long double z : start) zero.push_back(-exp(Real(-0.5L * z)));
+  bool settled = false;
+  // Aberth's iteration for all zeros at once.
+  for (int iteration = 0; iteration < 60 && !settled; ++iteration) {
+    Real largest = 0;
+    for (size_t k = 0; k < zero.size(); ++k) {
+      const auto [p, slope] = thiele.numerator(zero[k]);
+      Real repulsion = 0;
+      for (size_t i = 0; i < zero.size(); ++i) {
+        if (i != k) repulsion += 1 / (zero[k] - zero[i]);
       }
-      miss(j) = e;
+      const Real step = p / (slope - p * repulsion);
+      zero[k] -= step;
+      largest = std::max(largest, Real(abs(step / zero[k])));
     }
-    const Vector step = slope.fullPivLu().solve(miss);
-    const long double largest = step.cwiseAbs().maxCoeff();
-    const long double scale = largest > 1.0L ? 1.0L / largest : 1.0L;
-    for (int k = 0; k < n; ++k) zeta[static_cast<size_t>(k)] += scale * step(k);
-    if (largest < 1e-15L * (1.0L + log_kappa)) break;
+    settled = largest < Real(1e-19);
   }
-  if (!std::all_of(zeta.begin(), zeta.end(), [](long double z) { return std::isfinite(z); })) {
+  std::vector<long double> zeta;
+  for (const Real& z : zero) {
+    settled = settled && z < 0;
+    if (settled) zeta.push_back(static_cast<long double>(-2 * log(-z)));
+  }
+  if (!settled)
     throw DesignError("matsuda did not converge for this term, expected a lower order or another method");
-  }
-  return from_log_positions(zeta, log_kappa, beta);
+  return from_log_positions(zeta, log_kappa, task.beta);
 }
 
 }  // namespace bodesmith

@@ -185,7 +185,7 @@ std::optional<Remez::Result> closed_form(const Remez& remez, double kappa, Real 
 
 /// Solves at `beta`, 0 < beta < 2, if need be along a path in beta, on which the positions move smoothly. At
 /// beta = 1 the error is 0 and the positions are not unique; the path steps over it.
-std::optional<Remez::Result> follow(const Remez& remez, Real log_kappa, int order, Real beta) {
+std::optional<Remez::Result> follow(const Remez& remez, Real log_kappa, int order, Real beta, Real step) {
   // Up to a decade the Pade positions are within tens of percent of the best error already.
   if (log_kappa < 2.4L) {
     if (auto direct = remez.solve(beta, pade_positions(log_kappa, beta, order))) return direct;
@@ -226,7 +226,6 @@ std::optional<Remez::Result> follow(const Remez& remez, Real log_kappa, int orde
                                     : beta < 1.2L ? std::array{1.4L, 1.25L}
                                                   : std::array{1.15L, 1.3L};
   for (const Real at : first) go(at, elliptic_positions(log_kappa, at, order));
-  constexpr Real step = 0.15L;
   while (result && done.back() != beta) {
     const Real at =
         std::abs(beta - done.back()) <= step ? beta : done.back() + (beta > done.back() ? step : -step);
@@ -262,7 +261,9 @@ NormalisedApproximation minimax(const ApproximationTask& task) {
   if (rest > 0.0L) {
     const Remez remez(log_kappa, order, task.over_band);
     auto result = closed_form(remez, task.kappa, log_kappa, order, rest);
-    if (!result) result = follow(remez, log_kappa, order, rest);
+    for (const Real step : {0.15L, 0.05L, 0.015L}) {
+      if (!result) result = follow(remez, log_kappa, order, rest, step);
+    }
     if (!result)
       throw DesignError("minimax did not converge for this term, expected another order or method");
     zeta.insert(zeta.end(), result->zeta.begin(), result->zeta.end());

@@ -35,11 +35,13 @@ std::vector<double> alternation(const TermApproximation& made) {
     return static_cast<double>(np - Exact(made.term.beta) * log((1 + a * a) / (1 + b * b)) / 2);
   };
   std::vector<double> heights;
-  const double low = std::log(made.term.low_corner().value) - 18.0;
-  const double high = std::log(made.term.high_corner().value) + 18.0;
-  const int steps = 3000;
-  for (int i = 0; i <= steps; ++i) {
-    const double e = error(exp(Exact(low + (high - low) * i / steps)));
+  const double low = std::log(made.term.low_corner().value) - 4.0;
+  const double high = std::log(made.term.high_corner().value) + 4.0;
+  const int steps = 700;
+  for (int i = -1; i <= steps + 1; ++i) {
+    // 0 and infinity stand at the ends.
+    const double at = i < 0 ? low - 20.0 : i > steps ? high + 20.0 : low + (high - low) * i / steps;
+    const double e = error(exp(Exact(at)));
     if (heights.empty() || (e > 0.0) != (heights.back() > 0.0))
       heights.push_back(e);
     else if (std::abs(e) > std::abs(heights.back()))
@@ -54,7 +56,7 @@ std::vector<double> alternation(const TermApproximation& made) {
 TEST(Minimax, AlternatesAsOftenAsChebyshevsTheoremAsks) {
   for (const double kappa : {1.05, 2.0, 10.0, 1e3, 1e6}) {
     for (const double beta : {0.1, 0.5, 0.93, 1.2, 1.9}) {
-      for (const int order : {2, 4, 7}) {
+      for (const int order : {2, 5}) {
         const double law_np = minimax_limit_db(kappa, beta, order) / kDecibelPerNeper;
         if (law_np < 1e-12) continue;  // rounding of the roots to doubles shows
         const auto heights = alternation(minimax_of(kappa, beta, order));

@@ -1,8 +1,79 @@
+#include <fmt/format.h>
+
+#include <chrono>
+#include <optional>
+#include <string>
+
+#include "base/document.hpp"
 #include "base/error.hpp"
+#include "base/files.hpp"
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "hysteresis/identification.hpp"
+#include "hysteresis/stage_model.hpp"
+#include "signal/csv.hpp"
 
 namespace bodesmith::cli {
 
-int run_compensate(const std::vector<std::string>&) { throw InputError("compensate is not built yet"); }
+namespace po = boost::program_options;
+
+int run_compensate(const std::vector<std::string>& arguments) {
+  CommandLine line(
+      "compensate", "bodesmith compensate model.toml --reference r.csv -o drive.csv",
+      "The drive that makes the model follow a wanted trajectory (time_s,r), by the model's inverse, and\n"
+      "the tracking error that is left. Blocks: gain, delay and at most one hysteresis model.");
+  line.options().add_options()("reference", po::value<std::string>(), "wanted output, CSV time_s,r")(
+      "no-preview", "do not look ahead by the model's delay (a causal drive lags by it)")(
+      "max-error-percent", po::value<double>(), "exit with 1 when the predicted RMS error is larger");
+  line.positional("MODEL.toml", 1, 1);
+  line.output("where the drive goes: CSV time_s,r,u");
+  if (!line.parse(arguments)) return kDone;
+  if (!line.has("reference")) line.fail("--reference is missing, expected a CSV with time_s,r");
+  std::optional<double> limit;
+  if (line.maybe<double>("max-error-percent")) limit = line.positive("max-error-percent");
+
+  Provenance from;
+  const hysteresis::StageModel stage =
+      hysteresis::stage_model_from_node(read_document(line.files().front(), from));
+  const TimeRecord reference = TimeRecord::read_csv_column(line.get<std::string>("reference"), from, "r");
+
+  const auto start = std::chrono::steady_clock::now();
+  const hysteresis::Compensation drive =
+      hysteresis::compensate(stage, reference.u, reference.step_s, !line.has("no-preview"));
+  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const hysteresis::ErrorFigures error = hysteresis::error_figures(drive.predicted, reference.u);
+
+  CsvWriter csv;
+  std::vector<double> time(reference.size());
+  for (std::size_t i = 0; i < time.size(); ++i) time[i] = reference.time_s(i);
+  csv.add("time_s", std::move(time));
+  csv.add("r", reference.u);
+  csv.add("u", drive.drive);
+  write_file(line.output_path(), csv.text());
+
+  const bool met = !limit || error.rms_percent <= *limit;
+  Json json = json_header("compensation", from);
+  json["samples"] = reference.size();
+  json["out_of_reach"] = drive.out_of_reach;
+  json["delay_s"] = stage.delay_s;
+  json["predicted_error"] = {{"rms", error.rms},
+                             {"max", error.max},
+                             {"rms_percent_of_range", error.rms_percent},
+                             {"max_percent_of_range", error.max_percent}};
+  if (limit) json["limit_met"] = met;
+  json["timing_s"] = {{"compute", seconds}};
+  std::string text = fmt::format("predicted tracking error: rms {} ({} % of range), max {} ({} %)\n",
+                                 rounded_text(error.rms), rounded_text(error.rms_percent, 3),
+                                 rounded_text(error.max), rounded_text(error.max_percent, 3));
+  text += "(what the model cannot do; add the model's own error against the stage)\n";
+  if (drive.out_of_reach > 0)
+    note(fmt::format("warning: {} of {} samples ask for more than the model can reach", drive.out_of_reach,
+                     reference.size()));
+  if (!met) text += fmt::format("the limit of {} % is NOT met\n", rounded_text(*limit));
+  print_summary(line, text, json);
+  return met ? kDone : kLimitMissed;
+}
 
 }  // namespace bodesmith::cli

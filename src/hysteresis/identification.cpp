@@ -12,16 +12,23 @@ struct Sum {
   double largest = 0.0;
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
+  double around_means = 0.0;
   std::size_t count = 0;
 
   void add(const std::vector<double>& got, const std::vector<double>& wanted, std::size_t first) {
+    double sum = 0.0;
+    double own = 0.0;
     for (std::size_t i = first; i < wanted.size(); ++i) {
       const double miss = got[i] - wanted[i];
       squares += miss * miss;
+      sum += miss;
+      own += miss * miss;
       largest = std::max(largest, std::abs(miss));
       low = std::min(low, wanted[i]);
       high = std::max(high, wanted[i]);
     }
+    if (first < wanted.size())
+      around_means += std::max(0.0, own - sum * sum / static_cast<double>(wanted.size() - first));
     count += wanted.size() - first;
   }
 
@@ -29,6 +36,7 @@ struct Sum {
     ErrorFigures out;
     if (count == 0) return out;
     out.rms = std::sqrt(squares / static_cast<double>(count));
+    out.rms_free_offset = std::sqrt(around_means / static_cast<double>(count));
     out.max = largest;
     out.range = high - low;
     if (out.range > 0.0) {

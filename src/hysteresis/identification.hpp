@@ -19,6 +19,9 @@ struct ErrorFigures {
   double range = 0.0;
   double rms_percent = 0.0;
   double max_percent = 0.0;
+  /// RMS with every record's own mean miss taken out: a sensor's zero that moves between records is not the
+  /// model's.
+  double rms_free_offset = 0.0;
 };
 ErrorFigures error_figures(const std::vector<double>& got, const std::vector<double>& wanted);
 /// Over several records: all samples together, the range of all of them. The first `skip_s` seconds of every

@@ -1,3 +1,6 @@
+#include <algorithm>
+#include <cmath>
+
 #include "circuit/forms.hpp"
 
 namespace bodesmith {
@@ -17,7 +20,9 @@ class FirstOrder final : public StageForm {
     if (!has_zero_ || zero_ > 0.0) resistor("R1", "in", "m");
     if (has_zero_) capacitor("C1", "in", "m", {zero_ > 0.0 ? zero_ : pole_}, 1.0);
     resistor("R2", "m", "out");
-    capacitor("C2", "m", "out", {pole_}, 1.0 / ratio);
+    // Without a zero R1 = R2/|H(0)|: C2 must leave room for the greater of the two.
+    const double room = has_zero_ ? 1.0 : std::min(1.0, std::abs(wanted_.b0 / wanted_.a0));
+    capacitor("C2", "m", "out", {pole_ * room}, 1.0 / ratio);
     opamp("U1", "0", "m", "out");
   }
 

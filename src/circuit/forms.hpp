@@ -7,6 +7,7 @@ namespace bodesmith {
 // One file a form; realizations() in realization.cpp lists them.
 Realization first_order_realization();
 Realization first_order_right_zero_realization();
+Realization first_order_trimmed_realization();
 Realization inverter_realization();
 Realization tow_thomas_realization();
 

@@ -18,6 +18,7 @@ using Complex = std::complex<double>;
 struct Candidate {
   std::vector<double> values;
   std::vector<Complex> error;  ///< ln(H/H_wanted) of this stage over the grid
+  double rank = 0.0;
 };
 
 double worst(const std::vector<Complex>& error) {
@@ -44,7 +45,10 @@ class StageSearch {
  public:
   StageSearch(const StageForm& form, const RealiseOptions& options, const std::vector<Hertz>& grid,
               size_t stages)
-      : form_(form), options_(options), neighbours_(stages == 1 ? 6 : (stages == 2 ? 4 : 2)) {
+      : form_(form),
+        options_(options),
+        alone_(stages == 1),
+        neighbours_(stages == 1 ? 6 : (stages == 2 ? 4 : 2)) {
     for (const Hertz f : grid) {
       w_.push_back(f.rad_s());
       wanted_.push_back(form.wanted().response(f.rad_s()));
@@ -53,12 +57,15 @@ class StageSearch {
   }
 
   std::vector<Candidate> all() {
-    std::vector<double> chosen;
-    choose(chosen);
+    // A decade of capacitors from the least; a decade up where that leaves some resistor out of its limits.
+    for (shift_ = 1.0; found_.empty() && shift_ < 1e5; shift_ *= 10.0) {
+      std::vector<double> chosen;
+      choose(chosen);
+    }
     const size_t most = 400;
-    std::stable_sort(found_.begin(), found_.end(), [](const Candidate& a, const Candidate& b) {
-      return worst_shape(a.error) < worst_shape(b.error);
-    });
+    for (Candidate& one : found_) one.rank = alone_ ? worst(one.error) : worst_shape(one.error);
+    std::stable_sort(found_.begin(), found_.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.rank < b.rank; });
     if (found_.size() > most) found_.resize(most);
     return std::move(found_);
   }
@@ -82,11 +89,13 @@ class StageSearch {
       for (size_t j = 1; j < form_.capacitor_frequencies().size(); ++j) {
         low = std::max(low, least_capacitor(j) * form_.capacitor_ratios()[0] / form_.capacitor_ratios()[j]);
       }
+      low *= shift_;
       high = low * 10.0;
     } else {
       const double target = chosen[0] * form_.capacitor_ratios()[i] / form_.capacitor_ratios()[0];
-      const double slack =
-          options_.capacitors.name() == "E3" || options_.capacitors.name() == "E6" ? 1.6 : 1.3;
+      const bool coarse = options_.capacitors.name() == "E3" || options_.capacitors.name() == "E6";
+      const double usual = coarse ? 1.6 : 1.3;
+      const double slack = std::max(usual, form_.capacitor_slacks()[i]);
       low = std::max(low, target / slack);
       high = target * slack;
     }
@@ -97,7 +106,7 @@ class StageSearch {
     if (i > 0)
       return {std::clamp(chosen[0] * form_.capacitor_ratios()[i] / form_.capacitor_ratios()[0], low, high)};
     const std::vector<double> round = Series::named("E12").values(low, high);
-    return {round.empty() ? std::sqrt(low * high) : round.front()};
+    return round.empty() ? std::vector<double>{std::sqrt(low * high)} : round;
   }
 
   void choose(std::vector<double>& chosen) {
@@ -152,21 +161,48 @@ class StageSearch {
   void exchange(const std::vector<std::vector<double>>& near) {
     std::vector<double> values;
     for (const auto& list : near) values.push_back(list.front());
-    double best = worst(error_of(values));
+    descend(near, values);
+    // A few other starts: exchange ends where no pair helps, which need not be the best there is.
+    std::vector<double> best = values;
+    double least = miss(values);
+    std::mt19937_64 chance(46);
+    for (int start = 0; start < kStarts; ++start) {
+      for (size_t i = 0; i < values.size(); ++i)
+        values[i] = near[i][chance() % std::min<size_t>(near[i].size(), 3)];
+      descend(near, values);
+      if (const double here = miss(values); here < least) {
+        least = here;
+        best = values;
+      }
+    }
+    keep(best);
+    for (size_t i = 0; i < best.size(); ++i) {
+      for (const double a : near[i]) {
+        if (a == best[i]) continue;
+        std::vector<double> trial = best;
+        trial[i] = a;
+        keep(trial);
+      }
+    }
+  }
+
+  void descend(const std::vector<std::vector<double>>& near, std::vector<double>& values) const {
+    double best = miss(values);
+    std::vector<double> trial;
     for (bool better = true; better;) {
       better = false;
       for (size_t i = 0; i < values.size(); ++i) {
         for (const double a : near[i]) {
           for (size_t j = i + 1; j < values.size(); ++j) {
-            if (near[j].size() == 1 && j + 1 < values.size()) continue;
+            if (near[j].size() == 1) continue;
             for (const double b : near[j]) {
-              std::vector<double> trial = values;
+              trial = values;
               trial[i] = a;
               trial[j] = b;
-              const double here = worst(error_of(trial));
+              const double here = miss(trial);
               if (here < best * (1.0 - 1e-9)) {
                 best = here;
-                values = std::move(trial);
+                values = trial;
                 better = true;
               }
             }
@@ -174,15 +210,19 @@ class StageSearch {
         }
       }
     }
-    keep(values);
-    for (size_t i = 0; i < values.size(); ++i) {
-      for (const double a : near[i]) {
-        if (a == values[i]) continue;
-        std::vector<double> trial = values;
-        trial[i] = a;
-        keep(trial);
-      }
+  }
+
+  /// Greatest |H/H_wanted - 1|^2.
+  double miss(const std::vector<double>& values) const {
+    const Biquad h = form_.transfer(values);
+    double out = 0.0;
+    for (size_t i = 0; i < w_.size(); ++i) {
+      const double w = w_[i].value;
+      const Complex numerator(h.b0 - w * w * h.b2, w * h.b1), denominator(h.a0 - w * w * h.a2, w * h.a1);
+      out = std::max(out,
+                     std::norm(numerator - wanted_[i] * denominator) / std::norm(wanted_[i] * denominator));
     }
+    return out;
   }
 
   std::vector<Complex> error_of(const std::vector<double>& values) const {
@@ -192,14 +232,26 @@ class StageSearch {
     return out;
   }
 
-  void keep(const std::vector<double>& values) { found_.push_back({values, error_of(values)}); }
+  void keep(const std::vector<double>& values) {
+    if (alone_) {
+      // No other stage makes good what this one misses.
+      const double here = miss(values);
+      if (here > 4.0 * least_) return;
+      least_ = std::min(least_, here);
+    }
+    found_.push_back({values, error_of(values)});
+  }
 
   static constexpr double kPleasant = 1e-9;
   static constexpr double kModestOhm = 20e3;
+  static constexpr int kStarts = 6;
 
   const StageForm& form_;
   const RealiseOptions& options_;
+  bool alone_;
   int neighbours_;
+  double shift_ = 1.0;
+  double least_ = std::numeric_limits<double>::infinity();
   int resistors_ = 0;
   std::vector<RadPerSecond> w_;
   std::vector<Complex> wanted_;

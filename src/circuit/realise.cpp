@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -22,6 +23,7 @@ using Complex = std::complex<double>;
 
 constexpr int kSearchGrid = 33;
 constexpr int kReportGrid = 121;
+constexpr double kTrimAbove = 0.4;  // percent
 
 void check(const RealiseOptions& options) {
   if (!(options.least_ohm > 0.0) || !(options.greatest_ohm >= options.least_ohm)) {
@@ -203,7 +205,23 @@ Realised realise(const Sections& sections, const RealiseOptions& options) {
     titles.push_back(title(stages[i], *how[i]));
   }
   const std::vector<Hertz> search_grid = log_grid(band, kSearchGrid);
-  const PartsFound found = search_parts(forms, titles, options, search_grid);
+  PartsFound found = search_parts(forms, titles, options, search_grid);
+  if (found.worst_complex_percent > kTrimAbove && !options.capacitors.is_exact()) {
+    // Too few parts to meet the gain: a trimming capacitor in the first stage that can have one.
+    const Realization& trimmed = realization_named("first-order-trimmed");
+    for (size_t i = 0; i < stages.size(); ++i) {
+      if (how[i]->name != "first-order" || !trimmed.refusal(stages[i]).empty()) continue;
+      std::unique_ptr<StageForm> plain = std::exchange(forms[i], trimmed.make(stages[i]));
+      PartsFound better = search_parts(forms, titles, options, search_grid);
+      if (better.worst_complex_percent < 0.7 * found.worst_complex_percent) {
+        how[i] = &trimmed;
+        found = std::move(better);
+      } else {
+        forms[i] = std::move(plain);
+      }
+      break;
+    }
+  }
 
   Realised out;
   Circuit& circuit = out.circuit;

@@ -22,9 +22,8 @@ bool StageForm::exact_near(std::span<const double> values, std::vector<double>& 
 
 const std::vector<Realization>& realizations() {
   static const std::vector<Realization> all = {
-      first_order_realization(),
-      first_order_right_zero_realization(),
-      inverter_realization(),
+      first_order_realization(),         first_order_right_zero_realization(),
+      first_order_trimmed_realization(), inverter_realization(),
       tow_thomas_realization(),
   };
   return all;

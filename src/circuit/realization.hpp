@@ -48,6 +48,8 @@ class StageForm {
   const std::vector<RadPerSecond>& capacitor_frequencies() const { return capacitor_frequencies_; }
   /// Capacitor i is best `capacitor_ratios()[i]` times capacitor 0.
   const std::vector<double>& capacitor_ratios() const { return capacitor_ratios_; }
+  /// … up to this factor more or less; 0: the usual.
+  const std::vector<double>& capacitor_slacks() const { return capacitor_slacks_; }
 
   std::vector<double> capacitors(std::span<const double> values) const;
 
@@ -56,10 +58,11 @@ class StageForm {
     parts_.push_back({Part::Kind::resistor, std::move(name), std::move(from), std::move(to)});
   }
   void capacitor(std::string name, std::string from, std::string to, RadPerSecond works_at,
-                 double ratio = 1.0) {
+                 double ratio = 1.0, double slack = 0.0) {
     parts_.push_back({Part::Kind::capacitor, std::move(name), std::move(from), std::move(to)});
     capacitor_frequencies_.push_back(works_at);
     capacitor_ratios_.push_back(ratio);
+    capacitor_slacks_.push_back(slack);
   }
   void opamp(std::string name, std::string plus, std::string minus, std::string out) {
     opamps_.push_back({std::move(name), std::move(plus), std::move(minus), std::move(out)});
@@ -70,6 +73,7 @@ class StageForm {
   std::vector<StageOpAmp> opamps_;
   std::vector<RadPerSecond> capacitor_frequencies_;
   std::vector<double> capacitor_ratios_;
+  std::vector<double> capacitor_slacks_;
 };
 
 /// A named way to build a section.

@@ -1,10 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <cmath>
+
 #include "../circuit/seed_sections.hpp"
 #include "base/error.hpp"
 #include "circuit/realise.hpp"
 #include "circuit/response.hpp"
 #include "spice/check.hpp"
+#include "spice/deck_text.hpp"
 #include "spice/emit.hpp"
 #include "spice/ngspice.hpp"
 
@@ -15,10 +18,88 @@ TEST(Compensator, NgspiceAgreesWithTheNetworkAndTheSections) {
   if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
   const Realised made = realise(seed_sections());
   const SpiceCheck check = check_with_ngspice(made.circuit, seed_sections());
-  std::printf("%g %g\n", check.against_network.max_magnitude_db, check.against_sections.max_magnitude_db);
+  EXPECT_LT(check.against_network.max_complex_percent, 1e-8);
+  EXPECT_LT(check.against_sections.max_magnitude_db, 0.01);
+  EXPECT_GE(check.band.to.value, 10.0 * 652.1 / (2.0 * 3.14159265358979) * 0.999);
+}
+
+TEST(Compensator, BiquadAndIdealOpAmps) {
+  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  Sections sections;
+  Section peak;
+  peak.zeros = {{-40, 90}, {-40, -90}};
+  peak.poles = {{-20, 97}, {-20, -97}};
+  Section right;
+  right.zeros = {{300, 0}};
+  right.poles = {{-300, 0}};
+  sections.sections = {peak, right};
+  RealiseOptions options;
+  options.opamp.name = "ideal";
+  const Realised made = realise(sections, options);
+  const SpiceCheck check = check_with_ngspice(made.circuit, sections, 30);
   EXPECT_LT(check.against_network.max_complex_percent, 1e-5);
-  EXPECT_LT(check.against_sections.max_magnitude_db, 0.02);
-  std::puts(compensator_library(made.circuit, "seed").c_str());
+}
+
+TEST(Compensator, LibraryIsPortable) {
+  const std::string text = compensator_library(realise(seed_sections()).circuit, "seed");
+  EXPECT_EQ(text.find(".control"), std::string::npos);
+  EXPECT_EQ(text.find(".ac"), std::string::npos);
+  EXPECT_EQ(text.find('^'), std::string::npos);
+  EXPECT_EQ(text.find("**"), std::string::npos);
+  EXPECT_EQ(text.find("LIMIT("), std::string::npos);
+  const auto all = list_subcircuits(text, "compensator.sub");
+  bool found = false;
+  for (const Subcircuit& one : all) {
+    if (one.name == "compensator") {
+      found = true;
+      EXPECT_EQ(one.pins, (std::vector<std::string>{"in", "out"}));
+    }
+  }
+  EXPECT_TRUE(found);
+}
+
+TEST(Compensator, PartsCsvHasTheContractsColumns) {
+  const std::string text = parts_csv(realise(seed_sections()).circuit);
+  EXPECT_EQ(text.substr(0, text.find('\n')),
+            "part,section,series,wanted_ohm,realised_ohm,wanted_f,realised_f");
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 33);
+}
+
+// Gain-bandwidth, slew rate and swing as set (facts: 10 MHz, 20 V/us, +-14.1 V).
+TEST(OpAmpMacro, BehavesAsSet) {
+  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  const OpAmpModel model;
+  const std::string follower =
+      opamp_library(model) + ".subckt follower in out\nX1 in out out bodesmith_opamp\n.ends\n";
+  const auto h = run_ac_of_text(follower, "follower.sub", {Hertz{1e3}, Hertz{1e7}}, "follower");
+  EXPECT_NEAR(std::abs(h[0]), 1.0, 1e-5);
+  EXPECT_NEAR(std::abs(h[1]), std::sqrt(0.5), 1e-3);
+  const Transient step =
+      run_transient("step\n" + follower + "V1 in 0 PWL(0 -10 1u -10 1.001u 10)\nX1 in out follower\n",
+                    {"out"}, 5e-9, 4e-6, "follower.sub");
+  double at_low = 0.0, at_high = 0.0;
+  for (size_t i = 0; i < step.time_s.size(); ++i) {
+    if (step.v[0][i] < -5.0) at_low = step.time_s[i];
+    if (step.v[0][i] < 5.0) at_high = step.time_s[i];
+  }
+  EXPECT_NEAR(10.0 / (at_high - at_low) / model.slew_v_per_s, 1.0, 0.03);
+  const DcSweep sweep =
+      run_dc("clip\n" + follower + "V1 in 0 0\nX1 in out follower\n", "V1", -20, 20, 1, {"out"}, "x");
+  EXPECT_NEAR(sweep.v[0].front(), -14.1, 0.01);
+  EXPECT_NEAR(sweep.v[0].back(), 14.1, 0.01);
+}
+
+TEST(Ngspice, ComplaintsNameTheFile) {
+  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  try {
+    run_ac_of_text(".subckt broken in out\nR1 in out nonsense_model\n.ends\n", "broken.sub", {Hertz{1.0}});
+    FAIL() << "a broken library was taken";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("broken.sub"), std::string::npos) << error.what();
+  }
+  EXPECT_THROW(run_ac_of_text("R1 a b 1\n", "empty.sub", {Hertz{1.0}}), InputError);
+  EXPECT_THROW(list_subcircuits(".subckt a in out\n", "open.sub"), InputError);
+  EXPECT_THROW(list_subcircuits(".ends\n", "closed.sub"), InputError);
 }
 
 }  // namespace

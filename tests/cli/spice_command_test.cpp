@@ -1,0 +1,80 @@
+#include <gtest/gtest.h>
+
+#include "base/document.hpp"
+#include "base/files.hpp"
+#include "run_program.hpp"
+#include "spice/ngspice.hpp"
+
+namespace bodesmith {
+namespace {
+
+const char* const kSections = R"({"schema":"bodesmith.sections/1","gain":1.0,"sections":[
+{"gain":0.918,"zeros_rad_s":[[-48.79,0],[-14.8,0]],"poles_rad_s":[[-47.49,0],[-13.99,0]]},
+{"gain":1.885,"zeros_rad_s":[[-107.6,0],[-63.68,0]],"poles_rad_s":[[-126.4,0],[-102.2,0]]},
+{"gain":0.318,"zeros_rad_s":[[-380.2,0],[-221.6,0]],"poles_rad_s":[[-214.9,0],[-124.8,0]]},
+{"gain":2.628,"zeros_rad_s":[[-400,0],[-365.6,0]],"poles_rad_s":[[-652.1,0],[-589.4,0]]}]})";
+
+TEST(SpiceCommand, WritesItsFilesAndDecksRun) {
+  const TemporaryFolder folder;
+  write_file(folder / "sections.json", kSections);
+  const std::string out = (folder / "spice").string();
+  const ProgramResult run =
+      run_bodesmith("spice " + (folder / "sections.json").string() + " --json -o " + out);
+  ASSERT_EQ(run.status, 0) << run.err;
+  const Node summary = parse_json(run.out, "stdout");
+  summary.expect_schema("circuit");
+  EXPECT_LT(summary.at("error").at("all").at("max_magnitude_db").number(), 0.02);
+  EXPECT_GE(summary.at("timing_s").at("compute").number(), 0.0);
+  for (const char* name : {"compensator.sub", "ac.cir", "transient.cir", "parts.csv", "circuit.json"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder / "spice" / name)) << name;
+  }
+  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  for (const std::string deck : {"ac", "transient"}) {
+    const ProgramResult spice = run_shell("cd " + out + " && ngspice -n -b " + deck + ".cir");
+    EXPECT_EQ(spice.status, 0) << spice.out << spice.err;
+    EXPECT_TRUE(std::filesystem::exists(folder / "spice" / (deck + ".txt"))) << spice.out << spice.err;
+  }
+}
+
+TEST(SpiceCommand, CheckAgreesWithNgspice) {
+  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  const TemporaryFolder folder;
+  write_file(folder / "sections.json", kSections);
+  const ProgramResult run = run_bodesmith("spice " + (folder / "sections.json").string() +
+                                          " --check --json -o " + (folder / "spice").string());
+  ASSERT_EQ(run.status, 0) << run.err;
+  const Node check = parse_json(run.out, "stdout").at("ngspice");
+  EXPECT_LT(check.at("against_program").at("max_complex_percent").number(), 1e-6);
+  EXPECT_LT(check.at("against_sections").at("max_magnitude_db").number(), 0.02);
+}
+
+TEST(SpiceCommand, ALimitThatIsMissedIsStatusOne) {
+  const TemporaryFolder folder;
+  write_file(folder / "sections.json", kSections);
+  const ProgramResult run = run_bodesmith("spice " + (folder / "sections.json").string() +
+                                          " --max-error-db 1e-6 -o " + (folder / "spice").string());
+  EXPECT_EQ(run.status, 1) << run.err;
+  EXPECT_TRUE(std::filesystem::exists(folder / "spice" / "compensator.sub"));
+}
+
+TEST(SpiceCommand, BadInputIsOneLineAndWritesNothing) {
+  const TemporaryFolder folder;
+  write_file(folder / "sections.json", kSections);
+  write_file(
+      folder / "broken.json",
+      R"({"schema":"bodesmith.sections/1","sections":[{"gain":0,"zeros_rad_s":[],"poles_rad_s":[[-1,0]]}]})");
+  const std::string good = (folder / "sections.json").string(), out = (folder / "spice").string();
+  for (const std::string& arguments :
+       {"spice " + good, "spice " + (folder / "broken.json").string() + " -o " + out,
+        "spice " + good + " --series E97 -o " + out, "spice " + good + " --realization nothing -o " + out,
+        "spice " + good + " --max-ohm 10 -o " + out, "spice " + good + " --max-f 1e-12 -o " + out,
+        "spice " + (folder / "none.json").string() + " -o " + out}) {
+    const ProgramResult run = run_bodesmith(arguments);
+    EXPECT_EQ(run.status, 2) << arguments << run.err;
+    EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "spice")) << arguments;
+  }
+}
+
+}  // namespace
+}  // namespace bodesmith

@@ -206,7 +206,6 @@ void tracking_chapter(Page& page, const ReportInput& in) {
     for (const double value : design.rms_percent) table.rows.back().push_back(fmt::format("{:.3f}", value));
   }
   page.table(table, "rms tracking error, % of range");
-  for (const std::string& finding : study.findings) page.warning(finding);
   Plot plot;
   plot.title = "rms tracking error over the operating frequency";
   plot.x = {"frequency, Hz", true};

@@ -110,6 +110,68 @@ void keep_period(const simulate::TrackingReport& report, const std::vector<Choic
   }
 }
 
+/// "1, 10 and 100 Hz".
+std::string frequency_list(const std::vector<Hertz>& frequencies) {
+  std::vector<std::string> parts;
+  for (const Hertz f : frequencies) parts.push_back(rounded_text(f.value));
+  std::string last = parts.back();
+  parts.pop_back();
+  return (parts.empty() ? last : join(parts, ", ") + " and " + last) + " Hz";
+}
+
+/// The surprise of the first seed's method: the magnitude is met, and the waveform gets worse.
+void find_worse_than_constant(const Budget& budget, TrackingStudy& study) {
+  const TrackedDesign* constant = study.find("polynomial");
+  const TrackedDesign* cascade = study.find("cascade");
+  std::vector<Hertz> worse;
+  for (size_t i = 0; i < study.frequency.size(); ++i) {
+    if (cascade->rms_percent[i] > 1.02 * constant->rms_percent[i]) worse.push_back(study.frequency[i]);
+  }
+  if (worse.empty()) return;
+  const auto highest = static_cast<size_t>(std::max_element(study.frequency.begin(), study.frequency.end()) -
+                                           study.frequency.begin());
+  study.findings.push_back(fmt::format(
+      "Magnitude-only compensation is worse than the constant polynomial at {} ({} % of range rms instead of "
+      "{} % at {} Hz): "
+      "it meets the gain at the fundamental, but turns the phase of a waveform that has harmonics. Fit the "
+      "waveform instead: "
+      "bodesmith fit --waveform.",
+      frequency_list(worse), rounded_text(cascade->rms_percent[highest], 3),
+      rounded_text(constant->rms_percent[highest], 3), rounded_text(study.frequency[highest].value)));
+  if (budget.magnitude_only_is_worse) {
+    study.findings.push_back(fmt::format(
+        "Over all tracked frequencies the cascade's compensating waveform is off by {} % of range at worst, "
+        "{} % without any "
+        "rate compensation, {} % with the best fixed gain.",
+        rounded_text(budget.rows.front().waveform.worst_percent, 3),
+        rounded_text(budget.uncompensated.worst_percent, 3), rounded_text(budget.constant.worst_percent, 3)));
+  }
+}
+
+/// At which step most of the accuracy goes: rms change of the compensating waveform from one design to the
+/// next.
+void find_largest_loss(const std::vector<Choice>& all, const simulate::TrackingReport& report,
+                       TrackingStudy& study) {
+  const simulate::TrackingCase* largest = nullptr;
+  const Choice* step = nullptr;
+  for (const Choice& choice : all) {
+    if (choice.design.made_from.empty()) continue;
+    for (const Hertz f : study.frequency) {
+      const simulate::TrackingCase* found = report.find(f, choice.design.name);
+      if (largest == nullptr || found->lost_rms_percent > largest->lost_rms_percent) {
+        largest = found;
+        step = &choice;
+      }
+    }
+  }
+  if (largest == nullptr) return;
+  study.findings.push_back(
+      fmt::format("Most accuracy is lost from '{}' to '{}': the compensating waveform changes by {} % of "
+                  "range rms at {} Hz.",
+                  step->design.made_from, step->design.name, rounded_text(largest->lost_rms_percent, 3),
+                  rounded_text(largest->frequency.value)));
+}
+
 }  // namespace
 
 TrackingStudy study_tracking(const Project& project, const Design& design, const Budget& budget) {
@@ -126,14 +188,15 @@ TrackingStudy study_tracking(const Project& project, const Design& design, const
   TrackingStudy study;
   study.frequency = project.track.frequency;
   study.compute_s = report.compute_s;
-  study.findings = report.findings;
   for (const Choice& choice : all) {
     TrackedDesign tracked{choice.key, choice.design.name, {}, {}};
     for (const Hertz f : study.frequency) {
       const simulate::TrackingCase* found = report.find(f, choice.design.name);
       tracked.rms_percent.push_back(found->rms_percent);
       tracked.max_percent.push_back(found->max_percent);
-      if (!found->check_method.empty()) {
+      // A clocked chain's images are not in the harmonic computation: there the difference is no error of
+      // either.
+      if (found->method == "cvode" && !found->check_method.empty()) {
         study.largest_cross_check_percent =
             std::max(study.largest_cross_check_percent, found->check_difference_percent);
       }
@@ -141,17 +204,8 @@ TrackingStudy study_tracking(const Project& project, const Design& design, const
     study.designs.push_back(std::move(tracked));
   }
   keep_period(report, all, plant.stroke, study);
-  if (budget.magnitude_only_is_worse) {
-    const std::string sentence = fmt::format(
-        "Magnitude-only compensation is worse than none of the rate effect: the cascade's waveform is off by "
-        "{} % of range "
-        "at its worst frequency, {} % without any rate compensation, because it turns the phase of the "
-        "waveform and its "
-        "harmonics.",
-        rounded_text(budget.rows.front().waveform.worst_percent, 3),
-        rounded_text(budget.uncompensated.worst_percent, 3));
-    study.findings.insert(study.findings.begin(), sentence);
-  }
+  find_worse_than_constant(budget, study);
+  find_largest_loss(all, report, study);
   return study;
 }
 

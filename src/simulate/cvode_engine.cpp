@@ -68,7 +68,21 @@ DenseSignal stepped(MemoryKernel& memory, const DenseSignal& in, double longest,
   return out;
 }
 
-DenseSignal clocked(SampledKernel& kernel, const DenseSignal& in, bool equilibrium) {
+/// Times that are samples of the record but for rounding become them exactly.
+class SampleGrid {
+ public:
+  explicit SampleGrid(const TimeRecord& record) : record_(record) {}
+  double snapped(double t) const {
+    const double at = (t - record_.start_s) / record_.step_s;
+    const double whole = std::round(at);
+    return whole >= 0.0 && std::abs(at - whole) < 1e-9 ? record_.time_s(static_cast<std::size_t>(whole)) : t;
+  }
+
+ private:
+  const TimeRecord& record_;
+};
+
+DenseSignal clocked(SampledKernel& kernel, const DenseSignal& in, bool equilibrium, const SampleGrid& grid) {
   DenseSignal out;
   DenseSignal::Reader reader(in);
   const double begin = in.begin();
@@ -88,11 +102,11 @@ DenseSignal clocked(SampledKernel& kernel, const DenseSignal& in, bool equilibri
     from = t;
   };
   for (std::size_t k = 0;; ++k) {
-    const double edge = begin + static_cast<double>(k) * cycle;
+    const double edge = grid.snapped(begin + static_cast<double>(k) * cycle);
     if (edge > end) break;
     // What stands at an edge is what was there just before it, except at the very start.
     const double sample = reader.value(edge, k > 0);
-    hold_until(edge + kernel.delay_s());
+    hold_until(grid.snapped(edge + kernel.delay_s()));
     held = kernel.update(sample);
   }
   hold_until(end);
@@ -160,7 +174,7 @@ std::vector<double> run_cvode_engine(const chain::Chain& chain, const TimeRecord
     } else {
       auto& sampled = *std::get<std::unique_ptr<SampledKernel>>(kernel);
       if (equilibrium) rest = sampled.reset(rest, true);
-      signal = clocked(sampled, signal, equilibrium);
+      signal = clocked(sampled, signal, equilibrium, SampleGrid(record));
       signal.before = equilibrium ? rest : 0.0;
     }
   }

@@ -70,7 +70,7 @@ void OdeRun::start(Start how, double& rest) {
     } else if (const auto* source = as<SourceKernel>(part.kernel)) {
       u += source->value(input_.begin());
     } else if (auto* memory = as<MemoryKernel>(part.kernel)) {
-      part.committed = u;
+      part.committed = part.u = u;
       part.direction = u < 0.0 ? -1 : 1;
       u = memory->reset(u, still);
       if (part.order == 1) {

@@ -49,29 +49,40 @@ int order_of(const Kernel& kernel) {
 }
 
 /// Neighbouring linear blocks, or one block of another kind.
+///
+/// The delays of a linear run are moved to its end, where they are exact. What does not come from the input
+/// must not be delayed with it: constants and initial states of blocks behind a delay run beside, in a system
+/// of their own.
 struct Stage {
   size_t first = 0;
   size_t end = 0;
   bool linear = false;
   LinearKernel merged;
-  double after = 0.0;  ///< offset behind the delay
-  size_t state = 0;    ///< place of its states among all states
+  int front = 0;        ///< states of `merged` in front of its delay
+  LinearKernel beside;  ///< driven by constants only; its states are those behind the delay
+  size_t state = 0;     ///< place of its states among all states
 };
 
-/// Whether `next` may join: no offset stands between a delay and new dynamics, and the order stays small.
+/// Whether `next` may join: a second delay would hold back what runs beside, and the order stays small.
 bool joins(const Stage& stage, const LinearKernel& next) {
-  if (stage.merged.delay_s > 0.0 && next.order > 0 && stage.after != 0.0) return false;
+  if (next.delay_s > 0.0 && (stage.beside.order > 0 || stage.beside.offset != 0.0)) return false;
   return stage.merged.order + next.order <= kMostMerged || next.order == 0;
 }
 
 void join(Stage& stage, LinearKernel next) {
-  const bool behind_delay = stage.merged.delay_s > 0.0;
-  const double offset = next.offset;
-  if (behind_delay) {
-    stage.after = next.d * stage.after + offset;
+  if (stage.merged.delay_s > 0.0) {
+    stage.beside = chain::in_series(stage.beside, next);
+    stage.beside.delay_s = 0.0;
     next.offset = 0.0;
+    next.constant.clear();
   }
   stage.merged = chain::in_series(stage.merged, next);
+  if (stage.merged.delay_s == 0.0) stage.front = stage.merged.order;
+}
+
+bool is_silent(const LinearKernel& k, const double* x) {
+  return k.offset == 0.0 && k.constant.empty() &&
+         std::all_of(x, x + k.order, [](double v) { return v == 0.0; });
 }
 
 }  // namespace
@@ -87,6 +98,9 @@ struct RecordSimulator::Implementation {
   std::vector<double> state;
   std::vector<double> signal;
   std::vector<double> other;
+  std::vector<double> third;
+  std::vector<double> main_state;
+  std::vector<double> beside_state;
   std::vector<double> output;
   LinearPropagator linear;
   OdePropagator ode;
@@ -233,27 +247,43 @@ struct RecordSimulator::Implementation {
     return output;
   }
 
+  /// Output of a linear kernel at rest under u; adds its states at rest to x.
+  static double at_rest(const LinearKernel& k, double u, double* x) {
+    std::vector<double> still(static_cast<size_t>(k.order));
+    chain::equilibrium(k, u, still.data());
+    double y = k.offset + k.d * u;
+    for (size_t i = 0; i < still.size(); ++i) {
+      y += k.c[i] * still[i];
+      x[i] += still[i];
+    }
+    return y;
+  }
+
   void run_linear(const Stage& stage, double h, const HoldNodes& nodes, size_t holds, bool equilibrium,
                   double& rest, double* x) {
     const LinearKernel& k = stage.merged;
-    double before = stage.after;
+    const bool delayed = k.delay_s > 0.0;
+    // States behind the delay belong to what runs beside.
+    main_state.assign(static_cast<size_t>(k.order), 0.0);
+    std::copy_n(x, delayed ? stage.front : k.order, main_state.begin());
+    beside_state.assign(static_cast<size_t>(stage.beside.order), 0.0);
+    std::copy_n(x + stage.front, stage.beside.order, beside_state.begin());
+    double before = 0.0;
     if (equilibrium) {
-      std::vector<double> still(static_cast<size_t>(k.order));
-      chain::equilibrium(k, rest, still.data());
-      double y = k.offset + k.d * rest;
-      for (size_t i = 0; i < still.size(); ++i) {
-        y += k.c[i] * still[i];
-        x[i] += still[i];
-      }
-      rest = y + stage.after;
-      before = rest;
+      before = at_rest(k, rest, main_state.data());
+      rest = before + at_rest(stage.beside, 0.0, beside_state.data());
     }
     linear.prepare(k, h, nodes);
-    linear.run(signal.data(), other.data(), holds, x, before - stage.after);
-    std::swap(signal, other);
-    if (stage.after != 0.0) {
-      for (double& v : signal) v += stage.after;
+    linear.run(signal.data(), other.data(), holds, main_state.data(), before);
+    if (delayed && !is_silent(stage.beside, beside_state.data())) {
+      // `signal` is free now.
+      linear.prepare(stage.beside, h, nodes);
+      std::fill(signal.begin(), signal.end(), 0.0);
+      third.resize(signal.size());
+      linear.run(signal.data(), third.data(), holds, beside_state.data(), 0.0);
+      for (size_t i = 0; i < other.size(); ++i) other[i] += third[i];
     }
+    std::swap(signal, other);
   }
 
   void add_source(const SourceKernel& source, double h, const HoldNodes& nodes, size_t holds) {

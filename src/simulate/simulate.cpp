@@ -39,6 +39,36 @@ std::vector<double> run_record(const chain::Chain& chain, const TimeRecord& inpu
   return {y.begin(), y.end()};
 }
 
+/// Halves the step until that no longer changes the output by more than the tolerance; the finest run counts.
+void refine(const chain::Chain& chain, const TimeRecord& input, const Options& options, Result& result) {
+  constexpr std::size_t kMostHolds = 4'000'000;
+  result.stats.engine = "record";
+  int oversample = options.oversample;
+  result.y = run_record(chain, input, options, options.degree, oversample, result);
+  while (true) {
+    stop_if_interrupted();
+    Result finer;
+    finer.y = run_record(chain, input, options, result.stats.degree, 2 * oversample, finer);
+    const double difference = largest_difference(result.y, finer.y);
+    double size = 0.0;
+    for (const double y : finer.y) size = std::max(size, std::abs(y));
+    result.y = std::move(finer.y);
+    result.stats.steps += finer.stats.steps;
+    result.error_estimate = difference;
+    oversample *= 2;
+    const double wanted = std::max(options.absolute_tolerance, options.relative_tolerance * size);
+    if (difference <= wanted) return;
+    if (input.size() * static_cast<std::size_t>(2 * oversample) > kMostHolds || oversample >= 256) {
+      result.notes.push_back(
+          fmt::format("the output still changed by {:.2g} when the step was last halved, expected {:.2g}; a "
+                      "kink or jump inside a sample "
+                      "interval limits it (see --engine cvode)",
+                      difference, wanted));
+      return;
+    }
+  }
+}
+
 }  // namespace
 
 Result simulate(const chain::Chain& chain, const TimeRecord& input, const Options& options) {
@@ -72,7 +102,7 @@ Result simulate(const chain::Chain& chain, const TimeRecord& input, const Option
       result.error_estimate =
           largest_difference(result.y, run_cvode_engine(chain, input, finer, ignored, notes, model_error));
     }
-  } else {
+  } else if (options.engine == Engine::record) {
     result.stats.engine = "record";
     result.y = run_record(chain, input, options, options.degree, options.oversample, result);
     result.stats.compute_s = watch.seconds();
@@ -81,6 +111,9 @@ Result simulate(const chain::Chain& chain, const TimeRecord& input, const Option
       result.error_estimate = largest_difference(
           result.y, run_record(chain, input, options, result.stats.degree, 2 * options.oversample, finer));
     }
+  } else {
+    refine(chain, input, options, result);
+    result.stats.compute_s = watch.seconds();
   }
   for (const double y : result.y) {
     if (!std::isfinite(y)) throw InputError("the model's output is not finite for this input");

@@ -12,8 +12,8 @@ namespace bodesmith::simulate {
 
 /// How a chain is worked out.
 enum class Engine {
-  automatic,  ///< record, unless a block needs cvode
-  record,     ///< sample to sample, see record_simulator.hpp
+  automatic,  ///< record, its step halved until the tolerance is met
+  record,     ///< sample to sample with the step as given, see record_simulator.hpp
   cvode,      ///< the whole chain as an ODE with events, see cvode_engine.hpp
 };
 
@@ -25,8 +25,8 @@ enum class Start {
 struct Options {
   Engine engine = Engine::automatic;
   Start start = Start::zero;
-  double relative_tolerance = 1e-8;   ///< cvode
-  double absolute_tolerance = 1e-10;  ///< cvode, in units of the signal
+  double relative_tolerance = 1e-8;   ///< automatic (of the largest output) and cvode
+  double absolute_tolerance = 1e-10;  ///< the same, in units of the signal
   int degree = 0;              ///< record: degree of the hold between samples, 1-4; 0: as the chain needs
   int oversample = 1;          ///< record: steps a sample interval
   bool estimate_error = true;  ///< run a second time at half the step (or a tenth of the tolerance)

@@ -77,8 +77,7 @@ OutputSet design_files(const WholeWay& way, const fs::path& folder) {
   return out;
 }
 
-void keep(WholeWay& way, OutputSet& out) {
-  out.commit();
+void list_files(WholeWay& way, const OutputSet& out) {
   for (const fs::path& path : out.paths()) way.files.push_back(path);
 }
 
@@ -183,7 +182,8 @@ WholeWay go_the_whole_way(const fs::path& project_file, const fs::path& folder) 
   way.budget = make_budget(way.project, way.design);
   way.limits = check_limits(way.project, way.design);
   OutputSet built = design_files(way, folder);
-  keep(way, built);
+  built.commit();
+  list_files(way, built);
   progress.at(0.2);
 
   if (way.design.circuit && ngspice_available()) {
@@ -200,10 +200,12 @@ WholeWay go_the_whole_way(const fs::path& project_file, const fs::path& folder) 
   const ReportInput input{way.project, way.design,  way.budget, way.tracking,
                           way.limits,  way.ngspice, {},         way.from};
   studied.add("report.html", report_page(input));
+  list_files(way, studied);
+  way.files.emplace_back("run.json");
   Json run = json_header("run", way.from);
   run.update(way.summary_json());
   studied.add("run.json", to_text(run));
-  keep(way, studied);
+  studied.commit();
   return way;
 }
 

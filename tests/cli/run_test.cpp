@@ -144,12 +144,13 @@ TEST_F(WholeWay, BodeReadsEveryArtefactInOneTable) {
   const Csv csv = Csv::parse(read_file(table), "bode.csv");
   ASSERT_EQ(csv.rows(), 41u);
   for (size_t i = 0; i < csv.rows(); ++i) {
-    const double cascade = csv.column("cascade_magnitude_db")[i];
-    EXPECT_NEAR(csv.column("sections_magnitude_db")[i], cascade, 0.02);
-    EXPECT_NEAR(csv.column("plan_magnitude_db")[i], cascade, 0.03);
-    EXPECT_NEAR(csv.column("plan_phase_deg")[i], csv.column("cascade_phase_deg")[i], 0.2);
+    const double sections = csv.column("sections_magnitude_db")[i];
+    EXPECT_NEAR(sections, csv.column("cascade_magnitude_db")[i], 0.04) << "as the project asks";
+    // 0.09 % of complex error is 0.0078 dB and 0.052 degrees.
+    EXPECT_NEAR(csv.column("plan_magnitude_db")[i], sections, 0.0079);
+    EXPECT_NEAR(csv.column("plan_phase_deg")[i], csv.column("sections_phase_deg")[i], 0.052);
     if (ngspice) {
-      EXPECT_NEAR(csv.column("compensator_magnitude_db")[i], cascade, 0.08);
+      EXPECT_NEAR(csv.column("compensator_magnitude_db")[i], sections, 0.02);
     }
   }
   EXPECT_NEAR(csv.column("gains_magnitude_db")[40], to_decibel(1.17), 1e-12);
@@ -161,13 +162,12 @@ TEST_F(WholeWay, ASecondRunWritesTheSameBytesButForTimes) {
   int compared = 0;
   for (const auto& entry : fs::recursive_directory_iterator(out(""))) {
     if (!entry.is_regular_file()) continue;
-    const auto without_times = [](std::string text) {
-      text = std::regex_replace(text, std::regex("\"(compute|[a-z_]*_s)\": [0-9.e+-]+"), "");
-      return std::regex_replace(text, std::regex("[0-9.]+ (ms|s)\\b"), "");
+    const auto without_times = [](const std::string& text) {
+      return std::regex_replace(text, std::regex("\"timing_s\": \\{[^}]*\\}"), "");
     };
     const fs::path twin = other / "out" / fs::relative(entry.path(), out(""));
     ASSERT_TRUE(fs::exists(twin)) << twin;
-    EXPECT_EQ(without_times(read_file(entry.path())), without_times(read_file(twin))) << entry.path();
+    EXPECT_TRUE(without_times(read_file(entry.path())) == without_times(read_file(twin))) << entry.path();
     ++compared;
   }
   EXPECT_GT(compared, 10);

@@ -25,7 +25,7 @@ class TimeBench final : public Bench {
       append[start + i - from_] = e;
       check += e * e;
     }
-    return std::isfinite(check) && check < limit * limit;
+    return !simulator_.diverged() && std::isfinite(check) && check < limit * limit;
   }
   std::vector<double> output() override {
     const auto y = simulator_.run(record_.u);

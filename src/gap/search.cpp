@@ -180,12 +180,6 @@ std::vector<Leftover> Search::leftovers(const Model& model, const Experiments& r
   return all;
 }
 
-std::vector<double> gains(const std::vector<double>& before, const std::vector<double>& after) {
-  std::vector<double> d(before.size());
-  for (std::size_t i = 0; i < d.size(); ++i) d[i] = before[i] * before[i] - after[i] * after[i];
-  return d;
-}
-
 Ranked Search::fit_candidate(const Promising& p, const std::vector<double>& before_train,
                              const std::vector<double>& before_holdout) const {
   Ranked r;
@@ -226,8 +220,8 @@ Ranked Search::fit_candidate(const Promising& p, const std::vector<double>& befo
   if (e.size() != before_train.size() || f.size() != before_holdout.size()) return r;
   r.train_rms = rms(e);
   r.holdout_rms = rms(f);
-  r.train_z = block_z(gains(before_train, e));
-  r.z = block_z(gains(before_holdout, f));
+  r.train_z = improvement_z(before_train, e);
+  r.z = improvement_z(before_holdout, f);
   return r;
 }
 
@@ -401,7 +395,7 @@ bool Search::prune(std::vector<Step>& steps) {
     const auto with_residual = residuals_of(model_, holdout_);
     const auto without_residual = residuals_of(without, holdout_);
     const double gain = 1.0 - rms(with_residual) / std::max(rms(without_residual), 1e-300);
-    const double z = block_z(gains(without_residual, with_residual));
+    const double z = improvement_z(without_residual, with_residual);
     if (gain < options_.least_gain || z < 2.0) {
       notes_.push_back(fmt::format("{} was taken out again: a later term explains what it did",
                                    model_.terms()[k].effect->name()));

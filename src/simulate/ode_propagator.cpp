@@ -103,6 +103,8 @@ void OdePropagator::cover(const chain::OdeKernel& system, int index, double from
   double inner[kMaxDegree + 1];
   for (int j = 0; j < width; ++j)
     inner[j] = index == 0 ? u[j] : nodes_->value(u, from + part * nodes_->at[static_cast<size_t>(j)]);
+  if (failures_ > 0) return;
+  --steps_left_;
   const bool may_split = index < kFinest;
   if (index < first_level_ || (!step(system, level(system, index), inner, x) && may_split)) {
     cover(system, index + 1, from, u, x, y);
@@ -141,8 +143,15 @@ void OdePropagator::cover(const chain::OdeKernel& system, int index, double from
 void OdePropagator::run(const chain::OdeKernel& system, const double* u, double* y, std::size_t holds,
                         double* x) {
   const int width = degree_ + 1;
+  steps_left_ = 64.0 * std::ldexp(1.0, first_level_) * static_cast<double>(holds) + 1e5;
   for (std::size_t hold = 0; hold < holds; ++hold) {
-    cover(system, 0, 0.0, u, x, y);
+    // A state that ran away would cost the finest steps in every hold that follows, for numbers nobody can use.
+    if (failures_ == 0 && steps_left_ < 0.0) ++failures_;
+    if (failures_ > 0) {
+      std::fill(y, y + width, 0.0);
+    } else {
+      cover(system, 0, 0.0, u, x, y);
+    }
     u += width;
     y += width;
   }

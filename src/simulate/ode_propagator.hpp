@@ -18,7 +18,8 @@ class OdePropagator {
  public:
   void prepare(const chain::OdeKernel& system, double h, const HoldNodes& nodes);
   void run(const chain::OdeKernel& system, const double* u, double* y, std::size_t holds, double* x);
-  /// Holds (or parts) in the last run that did not converge even at the finest level.
+  /// Not 0 when the last run was given up: a hold did not converge even at the finest level, or the halving went
+  /// beyond all measure (a state that runs away). Outputs from there on are 0.
   std::size_t failures() const { return failures_; }
 
  private:
@@ -50,6 +51,7 @@ class OdePropagator {
   std::vector<double> base_;
   std::vector<double> force_;  // p+1
   std::size_t failures_ = 0;
+  double steps_left_ = 0.0;
 };
 
 }  // namespace bodesmith::simulate

@@ -15,10 +15,11 @@ std::vector<double> corners(const std::vector<std::complex<double>>& roots, int 
   std::vector<double> out;
   for (const auto& root : roots) {
     if (root.imag() != 0.0) {
-      throw DesignError(fmt::format(
-          "section {} has complex {}s, which the FilterBilinear CAM cannot make, expected real ones "
-          "(fit with --real, or make this section with spice)",
-          number, what));
+      throw DesignError(
+          fmt::format("section {} has complex {}s, which the FilterBilinear CAM cannot make and the "
+                      "FilterBiquad only with nothing but zeros at 0, expected real ones "
+                      "(fit with --real, or make this section with spice)",
+                      number, what));
     }
     if (root.real() > 0.0) {
       throw DesignError(
@@ -32,6 +33,34 @@ std::vector<double> corners(const std::vector<std::complex<double>>& roots, int 
   return out;
 }
 
+/// A complex pair with nothing but zeros at s = 0.
+FilterPart biquad_part(const Section& section, int number, double& log_gain) {
+  for (const auto& zero : section.zeros) {
+    if (zero == 0.0) continue;
+    throw DesignError(
+        fmt::format("section {} has complex poles and a zero that is not at s = 0; the FilterBiquad's "
+                    "pole-and-zero form is not "
+                    "publicly known, expected real poles (fit with --real), no zeros, zeros at 0, or this "
+                    "section made with spice",
+                    number));
+  }
+  using Kind = BiquadCapacitors::Kind;
+  FilterPart part;
+  part.kind = FilterPart::Kind::biquad;
+  part.section = number - 1;
+  part.name = fmt::format("Section{}", number);
+  const double natural = std::abs(section.poles[0]);
+  part.biquad.natural = {natural};
+  part.biquad.quality = natural / (-2.0 * section.poles[0].real());
+  part.biquad.kind = section.zeros.empty()       ? Kind::low_pass
+                     : section.zeros.size() == 1 ? Kind::band_pass
+                                                 : Kind::high_pass;
+  log_gain += std::log(std::abs(section.gain));
+  if (part.biquad.kind == Kind::low_pass) log_gain -= 2.0 * std::log(natural);
+  if (part.biquad.kind == Kind::band_pass) log_gain += std::log(part.biquad.quality / natural);
+  return part;
+}
+
 double width(double zero, double pole) {
   return zero > 0.0 ? std::abs(std::log(zero / pole)) : 0.0;
 }
@@ -39,6 +68,7 @@ double width(double zero, double pole) {
 }  // namespace
 
 std::complex<double> FilterPart::response(RadPerSecond w) const {
+  if (kind == Kind::biquad) return biquad.response(w);
   const std::complex<double> s(0.0, w.value);
   const std::complex<double> below = 1.0 + s / pole.value;
   switch (kind) {
@@ -47,6 +77,7 @@ std::complex<double> FilterPart::response(RadPerSecond w) const {
     case Kind::high_pass:
       return s / below;
     case Kind::low_pass:
+    case Kind::biquad:
       break;
   }
   return 1.0 / below;
@@ -60,6 +91,11 @@ FilterParts split_into_parts(const Sections& sections) {
   for (size_t i = 0; i < sections.sections.size(); ++i) {
     const Section& section = sections.sections[i];
     const int number = static_cast<int>(i) + 1;
+    if (section.poles[0].imag() != 0.0) {
+      out.parts.push_back(biquad_part(section, number, out.log_gain));
+      out.negative = out.negative != (section.gain < 0.0);
+      continue;
+    }
     std::vector<double> poles = corners(section.poles, number, "pole");
     const std::vector<double> zeros = corners(section.zeros, number, "zero");
     out.negative = out.negative != (section.gain < 0.0);

@@ -11,13 +11,15 @@
 #include "fpaa/placement.hpp"
 #include "fpaa/plan.hpp"
 #include "fpaa/plan_problem.hpp"
+#include "fpaa/section_search.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
-constexpr int kGridPoints = 24;       // of the search
-constexpr int kStatedPoints = 801;    // of the errors that the plan states
-constexpr int kClocksLookedAt = 120;  // of the legal tree, evenly spread in ratio
+constexpr int kGridPoints = 24;         // of the search
+constexpr int kStatedPoints = 801;      // of the errors that the plan states
+constexpr int kClocksLookedAt = 120;    // of the legal tree, evenly spread in ratio
+constexpr int kClocksWithBiquads = 16;  // each of them is a search of its own
 constexpr double kErrorWorthTwoStages = 0.005;
 constexpr int kClocksSearched = 3;  // the best of them get the full search
 
@@ -30,6 +32,10 @@ Band choose_band(const Sections& sections, const FilterParts& parts, const PlanO
     high = std::max(high, f);
   };
   for (const FilterPart& part : parts.parts) {
+    if (part.kind == FilterPart::Kind::biquad) {
+      widen(part.biquad.natural.hz().value);
+      continue;
+    }
     widen(part.pole.hz().value);
     if (part.kind == FilterPart::Kind::pole_zero) widen(part.zero.hz().value);
   }
@@ -49,6 +55,7 @@ std::string missing_corner(const FilterParts& parts, Hertz clock, int largest) {
                        rounded_text(corner.hz().value));
   };
   for (const FilterPart& part : parts.parts) {
+    if (part.kind == FilterPart::Kind::biquad) continue;
     if (auto text = check(part, "pole", part.pole); !text.empty()) return text;
     if (part.kind != FilterPart::Kind::pole_zero) continue;
     if (auto text = check(part, "zero", part.zero); !text.empty()) return text;
@@ -58,14 +65,17 @@ std::string missing_corner(const FilterParts& parts, Hertz clock, int largest) {
 
 struct Choice {
   LegalClock clock;
+  PlanProblem problem;
   ChainSolution solution;
 };
 
 Choice search_at(const FilterParts& parts, const std::vector<CamSlot>& slots, const LegalClock& clock,
                  Band band, const Board& board) {
-  ChainProblem problem = chain_problem(parts, slots, clock.frequency, band, kGridPoints);
-  problem.largest = board.largest_capacitor;
-  return {clock, search_chain(problem, {})};
+  PlanProblem problem =
+      plan_problem(parts, slots, clock.frequency, band, kGridPoints, board.largest_capacitor);
+  ChainSolution solution;
+  if (problem.made) solution = search_chain(problem.chain, {});
+  return {clock, std::move(problem), std::move(solution)};
 }
 
 /// Every `n`-th in ratio, at most `most`.
@@ -106,10 +116,14 @@ Choice choose_clock(const FilterParts& parts, const std::vector<CamSlot>& slots,
     LegalClock clock;
   };
   std::vector<Scored> scored;
-  for (const LegalClock& clock : thin_out(legal, kClocksLookedAt)) {
-    ChainProblem problem = chain_problem(parts, slots, clock.frequency, band, kGridPoints / 2);
-    problem.largest = board.largest_capacitor;
-    const ChainSolution rough = search_chain(problem, quick);
+  const bool biquads = std::any_of(parts.parts.begin(), parts.parts.end(), [](const FilterPart& part) {
+    return part.kind == FilterPart::Kind::biquad;
+  });
+  for (const LegalClock& clock : thin_out(legal, biquads ? kClocksWithBiquads : kClocksLookedAt)) {
+    const PlanProblem problem =
+        plan_problem(parts, slots, clock.frequency, band, kGridPoints / 2, board.largest_capacitor);
+    if (!problem.made) continue;
+    const ChainSolution rough = search_chain(problem.chain, quick);
     if (rough.made) scored.push_back({rough.shape_error, clock});
   }
   std::stable_sort(scored.begin(), scored.end(),
@@ -164,9 +178,13 @@ Attempt try_slots(const FilterParts& parts, std::vector<CamSlot> slots, const Pl
   Attempt out;
   std::vector<Resources> needs;
   for (const CamSlot& slot : slots) {
-    const bool three =
-        !slot.is_gain() && parts.parts[static_cast<size_t>(slot.part)].kind != FilterPart::Kind::pole_zero;
-    needs.push_back({.opamps = 1, .capacitors = three ? 3 : 4});
+    const auto kind = slot.is_gain() ? FilterPart::Kind::pole_zero  // GainInv: four capacitors as well
+                                     : parts.parts[static_cast<size_t>(slot.part)].kind;
+    const bool biquad = kind == FilterPart::Kind::biquad;
+    needs.push_back({.opamps = biquad ? 2 : 1,
+                     .capacitors = biquad                                ? 8
+                                   : kind == FilterPart::Kind::pole_zero ? 4
+                                                                         : 3});
   }
   out.places = place_in_order(needs, board);
   out.choice = options.clock
@@ -177,11 +195,52 @@ Attempt try_slots(const FilterParts& parts, std::vector<CamSlot> slots, const Pl
   return out;
 }
 
-PlacedCam make_cam(const FilterParts& parts, const CamSlot& slot, int number, const ChainProblem& problem,
-                   const BranchValue& above, const BranchValue& below) {
+const char* biquad_option(BiquadCapacitors::Kind kind) {
+  switch (kind) {
+    case BiquadCapacitors::Kind::low_pass:
+      return "Low Pass";
+    case BiquadCapacitors::Kind::band_pass:
+      return "Band Pass";
+    case BiquadCapacitors::Kind::high_pass:
+      break;
+  }
+  return "High Pass";
+}
+
+PlacedCam make_biquad(const FilterPart& part, const BiquadCapacitors& c, double wanted_gain, Hertz clock) {
   PlacedCam cam;
-  cam.clock_a = problem.clock;
-  const double wanted_gain = std::exp(problem.cam_log_gain[static_cast<size_t>(number)]);
+  cam.clock_a = clock;
+  cam.name = part.name;
+  cam.cam = "FilterBiquad";
+  cam.option = biquad_option(c.kind);
+  cam.section = part.section;
+  cam.requested = {
+      {"corner_hz", part.biquad.natural.hz().value}, {"quality", part.biquad.quality}, {"gain", wanted_gain}};
+  cam.realised = {{"corner_hz", c.corner(clock).value},
+                  {"quality", c.quality(clock)},
+                  {"gain", c.gain()},
+                  {"form", c.high_q ? "high Q" : "low Q"}};
+  const char* input = c.kind == BiquadCapacitors::Kind::low_pass    ? "C1"
+                      : c.kind == BiquadCapacitors::Kind::band_pass ? "Cp"
+                                                                    : "Cpp";
+  cam.capacitors = {{input, c.input}, {"C2", c.c2}, {"C3", c.c3}, {"C4", c.c4}, {"CA", c.ca}, {"CB", c.cb}};
+  cam.z = c.transfer();
+  cam.resources = {.opamps = 2, .capacitors = 8};
+  return cam;
+}
+
+PlacedCam make_cam(const FilterParts& parts, const CamSlot& slot, size_t number, const Choice& choice) {
+  PlacedCam cam;
+  const PlanProblem& problem = choice.problem;
+  cam.clock_a = problem.chain.clock;
+  const double wanted_gain = problem.wanted_gain[number];
+  if (problem.biquads[number]) {
+    return make_biquad(parts.parts[static_cast<size_t>(slot.part)], problem.biquads[number]->capacitors,
+                       wanted_gain, cam.clock_a);
+  }
+  const auto branch = static_cast<size_t>(problem.first_branch[number]);
+  const BranchValue& above = choice.solution.values[branch];
+  const BranchValue& below = choice.solution.values[branch + 1];
   if (slot.is_gain()) {
     const GainInvCapacitors c{above.c0, below.c0};
     cam.name = fmt::format("Gain{}", number + 1);
@@ -212,6 +271,16 @@ PlacedCam make_cam(const FilterParts& parts, const CamSlot& slot, int number, co
                     {"dc_gain", c.dc_gain()},
                     {"high_frequency_gain", c.high_frequency_gain()}};
     cam.capacitors = {{"Ca", c.ca}, {"Cb", c.cb}, {"Cc", c.cc}, {"Cd", c.cd}};
+    const std::vector<RadPerSecond>& grid = problem.chain.grid;
+    std::vector<std::complex<double>> q;
+    for (const RadPerSecond w : grid) {
+      q.push_back(-c.transfer().response(w, cam.clock_a) / c.dc_gain() / part.response(w));
+    }
+    double gain = 1.0;
+    cam.own_error_percent = 100.0 * best_free_gain_error(q, gain);
+    cam.least_own_error_percent =
+        100.0 *
+        best_pole_zero(part.zero, part.pole, cam.clock_a, grid, problem.chain.largest).max_complex_error;
     cam.z = c.transfer();
     cam.resources = {.opamps = 1, .capacitors = 4};
   } else if (part.kind == FilterPart::Kind::low_pass) {
@@ -306,8 +375,6 @@ Plan make_plan(const Sections& sections, const PlanOptions& options) {
   const std::vector<CamSlot>& slots = attempt.slots;
   const std::vector<Place>& places = attempt.places;
   const Choice& choice = attempt.choice;
-  const ChainProblem problem = chain_problem(parts, slots, choice.clock.frequency, band, kGridPoints);
-
   Plan plan;
   plan.board = board.name;
   for (size_t c = 0; c < slots.size(); ++c) {
@@ -323,8 +390,7 @@ Plan make_plan(const Sections& sections, const PlanOptions& options) {
       plan.signal_path.push_back(fmt::format("chip{}.in1", place.chip));
       plan.chips.push_back(std::move(chip));
     }
-    PlacedCam cam = make_cam(parts, slots[c], static_cast<int>(c), problem, choice.solution.values[2 * c],
-                             choice.solution.values[2 * c + 1]);
+    PlacedCam cam = make_cam(parts, slots[c], c, choice);
     cam.cab = place.cab;
     cam.output_hold = c + 1 == slots.size();
     plan.signal_path.push_back(fmt::format("chip{}.{}", place.chip, cam.name));

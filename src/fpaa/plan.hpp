@@ -36,9 +36,11 @@ struct PlacedCam {
   Json requested;              ///< parameter -> value, keys end in their unit
   Json realised;
   std::vector<Capacitor> capacitors;
-  ZTransfer z;                ///< exactly what the capacitors make, at clock_a
-  double delay_cycles = 0.0;  ///< from input sample to output, beyond z
-  bool output_hold = false;   ///< its held output leaves this clock's domain: one zero-order hold
+  ZTransfer z;                              ///< exactly what the capacitors make, at clock_a
+  double delay_cycles = 0.0;                ///< from input sample to output, beyond z
+  std::optional<double> own_error_percent;  ///< of these capacitors alone, gain free, over the plan's band
+  std::optional<double> least_own_error_percent;  ///< proven: no capacitors at this clock do better alone
+  bool output_hold = false;  ///< its held output leaves this clock's domain: one zero-order hold
   Resources resources;
 
   /// z, and with_delays also the delay and the hold.

@@ -43,6 +43,8 @@ Json cam_json(const PlacedCam& cam) {
   for (const Capacitor& c : cam.capacitors) out["capacitors"][c.name] = c.units;
   out["z_numerator"] = cam.z.numerator;
   out["z_denominator"] = cam.z.denominator;
+  if (cam.own_error_percent) out["own_error_percent"] = *cam.own_error_percent;
+  if (cam.least_own_error_percent) out["least_own_error_percent"] = *cam.least_own_error_percent;
   out["delay_cycles"] = cam.delay_cycles;
   out["output_hold"] = cam.output_hold;
   out["resources"] = {{"opamps", cam.resources.opamps},
@@ -92,6 +94,10 @@ PlacedCam cam_from(const Node& node, const Board& board) {
   if (cam.z.numerator.empty()) node.at("z_numerator").fail("is empty, expected [b0, b1, ...]");
   if (cam.z.denominator.empty() || cam.z.denominator[0] == 0.0) {
     node.at("z_denominator").fail("expected [a0, a1, ...] with a0 other than 0");
+  }
+  if (node.has("own_error_percent")) cam.own_error_percent = node.at("own_error_percent").number();
+  if (node.has("least_own_error_percent")) {
+    cam.least_own_error_percent = node.at("least_own_error_percent").number();
   }
   cam.delay_cycles = node.has("delay_cycles") ? node.at("delay_cycles").non_negative() : 0.0;
   cam.output_hold = node.boolean_or("output_hold", false);

@@ -4,6 +4,8 @@
 #include <limits>
 #include <numbers>
 
+#include "fpaa/cams/cam_type.hpp"
+
 namespace bodesmith::fpaa {
 
 ZTransfer PoleZeroCapacitors::transfer() const {
@@ -57,6 +59,24 @@ LowPassCapacitors vendor_low_pass(Hertz corner, double gain, Hertz clock, int la
     }
   }
   return best;
+}
+
+const CamType& filter_bilinear_type() {
+  static const CamType type = [] {
+    CamType t;
+    t.name = "FilterBilinear";
+    t.options = {"Low Pass", "High Pass", "All Pass", "Pole and Zero"};
+    t.parameters = {"corner_hz", "gain", "pole_hz", "zero_hz", "dc_gain", "high_frequency_gain"};
+    t.resources = Resources{.opamps = 1, .capacitors = 4, .comparators = 0, .sars = 0, .lookup_tables = 0};
+    t.transfer =
+        "Low Pass: -Cin/(Cout + Cint(1 - 1/z)). Pole and Zero: -(Ca + Cb(1 - 1/z))/(Cc + Cd(1 - 1/z)). High "
+        "Pass: the "
+        "same without Ca. All Pass: not made (it needs a zero in the right half plane)";
+    t.transfer_ground = Ground::assumed;
+    t.limits = "corners from fc/1605 to about fc/4; low pass and high pass take 3 capacitors";
+    return t;
+  }();
+  return type;
 }
 
 }  // namespace bodesmith::fpaa

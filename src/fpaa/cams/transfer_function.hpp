@@ -1,0 +1,30 @@
+#pragma once
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+
+namespace bodesmith::fpaa {
+
+/// CAM TransferFunction: the input is converted to 8 bits over -3 ... +3 V, a byte of the chip's look-up
+/// table sets the output, Vout = 2 V (LUT - 128)/Cout, Cout = round(254/max |V|)
+/// (an_setTransferFunctionTable). One cycle late; ClockB = 16 ClockA; one look-up table a chip.
+struct LookupTable {
+  std::array<std::uint8_t, 256> bytes{};
+  int cout = 127;
+
+  /// Voltage at the middle of an entry's input step.
+  static double input_v(int entry) { return (entry + 0.5) * 6.0 / 256.0 - 3.0; }
+  static int entry_of(double input_v);
+  double output_v(int entry) const { return 2.0 * (bytes[static_cast<std::size_t>(entry)] - 128) / cout; }
+  double output(double in_v) const { return output_v(entry_of(in_v)); }
+
+  /// The table of a static function of volts; `full_scale` limits it to +- that. Throws DesignError when it
+  /// is 0 everywhere or not finite.
+  static LookupTable of(const std::function<double(double)>& function, double full_scale_v = 3.0);
+  /// `entry,input_v,wanted_v,output_v,byte`: the file to load in the CAM's dialog, 256 rows.
+  std::string csv(const std::function<double(double)>& wanted) const;
+};
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,79 @@
+#include "fpaa/error_budget.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fpaa/noise.hpp"
+#include "seed_sections.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+Plan seed_plan() {
+  PlanOptions options;
+  options.clock = Hertz{2000.0};
+  return make_plan(seed_sections(), options);
+}
+
+TEST(ErrorBudget, PartsOfTheSeedsPlan) {
+  const Plan plan = seed_plan();
+  const ErrorBudget budget = error_budget(plan, seed_sections(), {});
+  EXPECT_NEAR(budget.together_percent, plan.error.max_complex_percent, 1e-3);
+  EXPECT_LE(budget.together_percent, budget.warping_percent + budget.quantisation_percent + 1e-3);
+  EXPECT_GT(budget.quantisation_percent, 0.0);
+  // f/(fc - f), and half a period of delay.
+  EXPECT_NEAR(budget.image_db, 20.0 * std::log10(103.78 / (2000.0 - 103.78)), 0.01);
+  EXPECT_NEAR(budget.hold_phase_deg, 180.0 * 103.78 / 2000.0, 0.01);
+  ASSERT_EQ(budget.cams.size(), 8u);
+  for (const auto& cam : budget.cams) {
+    EXPECT_LT(cam.settling_product_hz, budget.settling_limit_hz);
+    EXPECT_GT(cam.noise_kt_per_cu, cam.noise_in_band_kt_per_cu);
+  }
+  EXPECT_NEAR(plan.largest_input_v * std::max(1.0, budget.cams[0].peak_node_gain), 3.0, 1.5);
+}
+
+TEST(ErrorBudget, MismatchOfOneGainStageIsTheRatiosSpread) {
+  Plan plan;
+  plan.board = "an231k04-quad4";
+  PlacedCam gain;
+  gain.name = "Gain1";
+  gain.cam = "GainInv";
+  gain.clock_a = {2000.0};
+  gain.capacitors = {{"Cin", 100}, {"Cout", 100}};
+  gain.z = {{-100.0}, {100.0}};
+  plan.chips = {{1, {16e6}, {}, {gain}}};
+  plan.error.band = {{1.0}, {100.0}};
+  Sections unity;
+  unity.gain = -1.0;
+  BudgetOptions options;
+  options.draws = 20000;
+  const ErrorBudget budget = error_budget(plan, unity, options);
+  // |N(0, 0.1 %)|: median 0.6745 sigma, 95 % 1.960 sigma.
+  EXPECT_NEAR(budget.mismatch.median_percent, 0.06745, 0.002);
+  EXPECT_NEAR(budget.mismatch.p95_percent, 0.1960, 0.004);
+  EXPECT_EQ(error_budget(plan, unity, options).mismatch.max_percent, budget.mismatch.max_percent);
+}
+
+TEST(ErrorBudget, NoiseOfALowPassIsTheClosedForm) {
+  // sum h^2 of 1/(A - B/z) is 1/(A^2 - B^2).
+  Plan plan;
+  plan.board = "an231k04-quad4";
+  PlacedCam filter;
+  filter.name = "Section1";
+  filter.cam = "FilterBilinear";
+  filter.option = "Low Pass";
+  filter.clock_a = {2000.0};
+  filter.capacitors = {{"Cin", 6}, {"Cint", 50}, {"Cout", 4}};
+  filter.z = {{-6.0}, {54.0, -50.0}};
+  filter.requested = {{"corner_hz", 20.0}, {"gain", 1.5}};
+  plan.chips = {{1, {16e6}, {}, {filter}}};
+  plan.error.band = {{1.0}, {100.0}};
+  Sections sections;
+  sections.gain = -1.0;
+  const ErrorBudget budget = error_budget(plan, sections, {});
+  EXPECT_NEAR(budget.noise_kt_per_cu, 2.0 * 10.0 / (54.0 * 54.0 - 50.0 * 50.0), 1e-6);
+}
+
+}  // namespace
+}  // namespace bodesmith::fpaa

@@ -163,7 +163,7 @@ void identification(benchmark::State& state) {
     record.y.push_back((i == 0 ? op->reset(record.u[0]) : op->step(record.u[i], 1.0)) +
                        1e-3 * std::sin(1e4 * static_cast<double>(i * i % 1009)));
   PreisachWeights fit;
-  for (auto _ : state) fit = fit_preisach_weights({&record, 1}, 0.0, 0.0, 1.0, kLevels, true);
+  for (auto _ : state) fit = fit_preisach_weights({&record, 1}, 0.0, 0.0, 1.0, kLevels, CellShape::bilinear);
   rusage usage{};
   getrusage(RUSAGE_SELF, &usage);
   state.counters["rms"] = fit.rms;

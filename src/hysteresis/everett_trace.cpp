@@ -24,12 +24,12 @@ class TraceRule {
   using Cache = TraceCache;
   using Turn = LoopTurn<Cache>;
 
-  TraceRule(double u_min, double u_max, std::size_t levels, bool bilinear, std::int32_t* sample,
+  TraceRule(double u_min, double u_max, std::size_t levels, CellShape shape, std::int32_t* sample,
             TraceStep* step)
       : u_min_(u_min),
         scale_(static_cast<double>(levels) / (u_max - u_min)),
         levels_(static_cast<int>(levels)),
-        bilinear_(bilinear),
+        relays_(shape == CellShape::relays),
         sample_(sample),
         step_(step) {}
 
@@ -44,9 +44,9 @@ class TraceRule {
     step_->direction = direction;
     const double high = direction > 0 ? here : there;
     const double low = direction > 0 ? there : here;
-    step_->high = split(bilinear_ ? high : std::floor(high));
-    step_->low = split(bilinear_ ? low : std::ceil(low));
-    if (!bilinear_ && std::ceil(low) >= std::floor(high)) step_->direction = 0;
+    step_->high = split(relays_ ? std::floor(high) : high);
+    step_->low = split(relays_ ? std::ceil(low) : low);
+    if (relays_ && std::ceil(low) >= std::floor(high)) step_->direction = 0;
     return u;
   }
   double input(const Turn&, const Turn*, int, double, double now) const { return now; }
@@ -62,24 +62,24 @@ class TraceRule {
   double u_min_;
   double scale_;
   int levels_;
-  bool bilinear_;
+  bool relays_;
   std::int32_t* sample_;
   TraceStep* step_;
 };
 
 }  // namespace
 
-EverettTrace::EverettTrace(double u_min, double u_max, std::size_t levels, bool bilinear)
+EverettTrace::EverettTrace(double u_min, double u_max, std::size_t levels, CellShape shape)
     : u_min_(u_min),
       u_max_(u_max),
       levels_(levels),
-      bilinear_(bilinear),
+      shape_(shape),
       table_((levels + 1) * (levels + 1), 0.0) {}
 
 void EverettTrace::add(const TimeRecord& record, std::size_t skip) {
   auto index = static_cast<std::int32_t>(samples_.size());
   TraceStep step;
-  NestedLoops<TraceRule> loops(TraceRule(u_min_, u_max_, levels_, bilinear_, &index, &step), 4096);
+  NestedLoops<TraceRule> loops(TraceRule(u_min_, u_max_, levels_, shape_, &index, &step), 4096);
   const auto restart = [&] {
     // All relays off: the turning point at u_min belongs to no sample.
     const std::int32_t keep = index;
@@ -104,6 +104,8 @@ void EverettTrace::add(const TimeRecord& record, std::size_t skip) {
       sample.low = step.low.cell;
       sample.high_fraction = step.high.fraction;
       sample.low_fraction = step.low.fraction;
+      sample.corner = shape_ == CellShape::kp ? std::max(0.0, step.high.fraction - step.low.fraction)
+                                              : step.high.fraction * (1.0 - step.low.fraction);
     }
     if (i >= skip) sample.row = static_cast<std::int32_t>(rows_++);
     samples_.push_back(sample);
@@ -121,7 +123,7 @@ void EverettTrace::apply(const Eigen::VectorXd& weights, Eigen::VectorXd& y) con
     for (std::size_t b = a; b-- > 0;) {
       sum += row[b];
       table[a * stride + b] = table[(a - 1) * stride + b] + sum;
-      if (b == a - 1) table[b * stride + a] = -table[a * stride + b];
+      if (b == a - 1) table[b * stride + a] = shape_ == CellShape::kp ? 0.0 : -table[a * stride + b];
     }
     table[a * stride + a] = 0.0;
   }
@@ -132,9 +134,9 @@ void EverettTrace::apply(const Eigen::VectorXd& weights, Eigen::VectorXd& y) con
     if (s.sign != 0.0F) {
       const double* row = table + s.high + s.low;
       const double* next = row + stride;
-      const double lower = row[0] + s.low_fraction * (row[1] - row[0]);
-      const double upper = next[0] + s.low_fraction * (next[1] - next[0]);
-      value += static_cast<double>(s.sign) * (lower + s.high_fraction * (upper - lower));
+      value += static_cast<double>(s.sign) *
+               (row[1] + s.high_fraction * (next[1] - row[1]) + (1.0 - s.low_fraction) * (row[0] - row[1]) +
+                s.corner * (next[0] - row[0] - next[1] + row[1]));
     }
     along_[t] = value;
     if (s.row >= 0) y(s.row) = value;
@@ -155,17 +157,15 @@ void EverettTrace::adjoint(const Eigen::VectorXd& residual, Eigen::VectorXd& gra
       double* row = table + s.high + s.low;
       double* next = row + stride;
       const double part = static_cast<double>(s.sign) * value;
-      const double lower = part * (1.0 - s.high_fraction);
-      const double upper = part * s.high_fraction;
-      row[0] += lower * (1.0 - s.low_fraction);
-      row[1] += lower * s.low_fraction;
-      next[0] += upper * (1.0 - s.low_fraction);
-      next[1] += upper * s.low_fraction;
+      row[0] += part * (1.0 - s.low_fraction - s.corner);
+      row[1] += part * (s.low_fraction - s.high_fraction + s.corner);
+      next[0] += part * s.corner;
+      next[1] += part * (s.high_fraction - s.corner);
     }
   }
-  // The mirror just above the diagonal is minus its image.
+  // The mirror just above the diagonal is minus its image (0 for kp).
   for (std::size_t a = 1; a <= levels_; ++a) {
-    table[a * stride + a - 1] -= table[(a - 1) * stride + a];
+    if (shape_ != CellShape::kp) table[a * stride + a - 1] -= table[(a - 1) * stride + a];
     table[(a - 1) * stride + a] = 0.0;
   }
   // w(i, j) is part of T(a, b) for every a > i, b ≤ j: sums from below and from the left.

@@ -10,12 +10,18 @@
 
 namespace bodesmith::hysteresis {
 
+/// How a kernel's weight lies in its cell of the plane: f and g are the fractions of the upper and lower end
+/// in their cells, m(f, g) the part of the corner cell (i, j) that is swept :
+///   bilinear m = f (1 − g) (evenly over the cell), relays (all in one corner), kp m = max(0, f − g) (along
+///   the diagonal: the Krasnoselskii-Pokrovskii kernel with a ramp as long as the cell).
+enum class CellShape { bilinear, relays, kp };
+
 /// The linear map from the weights of a Preisach plane to the outputs of records, kept as the stack saw it:
 /// sample t is y_t = y_parent(t) ± T(high_t, low_t). A product costs one sweep over the plane (prefix sums)
-/// and one over the samples; memory is 40 bytes a sample, however many relays there are.
+/// and one over the samples; memory is 48 bytes a sample, however many relays there are.
 class EverettTrace {
  public:
-  EverettTrace(double u_min, double u_max, std::size_t levels, bool bilinear);
+  EverettTrace(double u_min, double u_max, std::size_t levels, CellShape shape);
   /// The record starts at rest, come up from u_min. The first `skip` samples move the memory but make no
   /// rows.
   void add(const TimeRecord& record, std::size_t skip);
@@ -34,11 +40,12 @@ class EverettTrace {
     std::int32_t low = 0;
     double high_fraction = 0.0;
     double low_fraction = 0.0;
+    double corner = 0.0;  ///< m
   };
   double u_min_;
   double u_max_;
   std::size_t levels_;
-  bool bilinear_;
+  CellShape shape_;
   Eigen::Index rows_ = 0;
   std::vector<Sample> samples_;
   mutable std::vector<double> table_;

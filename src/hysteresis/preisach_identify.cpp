@@ -75,7 +75,7 @@ Eigen::VectorXd refined(const Eigen::VectorXd& coarse, std::size_t levels) {
 }  // namespace
 
 PreisachWeights fit_preisach_weights(std::span<const TimeRecord> records, double skip_s, double u_min,
-                                     double u_max, std::size_t levels, bool bilinear, int iterations) {
+                                     double u_max, std::size_t levels, CellShape shape, int iterations) {
   // Levels that are halved as long as they can be: 200 is solved as 25, 50, 100, 200.
   std::vector<std::size_t> ladder{levels};
   while (ladder.back() % 2 == 0 && ladder.back() > 30) ladder.push_back(ladder.back() / 2);
@@ -92,7 +92,7 @@ PreisachWeights fit_preisach_weights(std::span<const TimeRecord> records, double
   PreisachWeights out;
   Eigen::VectorXd weights;
   for (std::size_t stage = 0; stage < ladder.size(); ++stage) {
-    EverettTrace trace(u_min, u_max, ladder[stage], bilinear);
+    EverettTrace trace(u_min, u_max, ladder[stage], shape);
     for (const TimeRecord& record : records) trace.add(record, first_counted(record, skip_s));
     // The offset is solved for by taking the mean out of every column.
     NonNegativeMap map;
@@ -157,7 +157,8 @@ Identified identify(std::span<const TimeRecord> records, const IdentifyOptions& 
     throw InputError(records[0].file, 0, "the input never moves, expected a record that sweeps it");
   const bool paper = options.method == "paper";
   const auto levels = static_cast<std::size_t>(options.size > 0 ? options.size : 200);
-  const PreisachWeights fit = fit_preisach_weights(records, options.skip_s, u.low, u.high, levels, !paper,
+  const PreisachWeights fit = fit_preisach_weights(records, options.skip_s, u.low, u.high, levels,
+                                                   paper ? CellShape::relays : CellShape::bilinear,
                                                    static_cast<int>(3000 * options.effort));
   Identified out;
   out.method = fmt::format(

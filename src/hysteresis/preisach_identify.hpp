@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "hysteresis/everett_trace.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::hysteresis {
@@ -23,6 +24,7 @@ struct PreisachWeights {
   std::size_t unseen = 0;  ///< relays that never (or always) stand on in the counted samples
 };
 PreisachWeights fit_preisach_weights(std::span<const TimeRecord> records, double skip_s, double u_min,
-                                     double u_max, std::size_t levels, bool bilinear, int iterations = 3000);
+                                     double u_max, std::size_t levels, CellShape shape,
+                                     int iterations = 3000);
 
 }  // namespace bodesmith::hysteresis

@@ -112,7 +112,7 @@ TEST(Preisach, TraceIsTheOperatorAndItsAdjointIsTransposed) {
     u[100] = u[101];  // a pause
     u[200] = -1.3;    // below the range
     const TimeRecord record = testing::record(u, u);
-    EverettTrace trace(-1.0, 3.0, levels, bilinear);
+    EverettTrace trace(-1.0, 3.0, levels, bilinear ? CellShape::bilinear : CellShape::relays);
     trace.add(record, 5);
     trace.add(record, 0);
     const auto count = static_cast<std::size_t>(trace.rows());

@@ -1,0 +1,111 @@
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "hysteresis/inverse.hpp"
+#include "hysteresis/operator.hpp"
+#include "hysteresis/parameters.hpp"
+#include "hysteresis/preisach.hpp"
+
+namespace bodesmith::hysteresis {
+
+/// The Krasnoselskii-Pokrovskii model and its rate-dependent form (004, eq. 1-7), v = (u − u_min)/(u_max −
+/// u_min):
+///   k_p[v, ξ] = max(ξ, s(v − p2)) while v rises, min(ξ, s(v − p1)) while it falls,  p1 ≤ p2        (4), (5)
+///   s(x) = 0 for x < 0, x/a on [0, a], 1 above                                                    (6)
+///   y = offset + ψ Σ μ(p2, p1) k_p[v],     ψ = a1 e^(−a2 u̇)                                       (2), (3),
+///   (7)
+/// on the grid p = 0, a, 2a, …, a = 1/(L − 1). With u̇ in the input's unit per second a2 has the unit s/u: the
+/// printed 2.5·10⁷ cannot be meant in V/s (e^(−9·10¹¹) at 100 Hz); 2.5·10⁻⁷ s/V gives the printed trend. a1 =
+/// 1, a2 = 0: classic KP. Kernels with p2 = 1 never move on [0, 1] and are left out: L − 1 = `levels` rows, μ
+/// in the order of Preisach's w.
+///
+/// A KP kernel is a relay spread evenly along the diagonal of its cell, so KP has an Everett function: for
+/// ends in the cells (i, f) above and (j, g) below, with T the node sums as in EverettTable (0 above the
+/// diagonal)
+///   E = T(i, j+1) + f [T(i+1, j+1) − T(i, j+1)] + (1 − g) [T(i, j) − T(i, j+1)] + max(0, f − g) μ(i, j),
+/// and the same stack of turning points serves: O(1) a sample for any number of kernels, exact inverse by
+/// search among nodes and a piecewise linear equation. The paper's recursive inverse (eq. 13, 14) is
+/// RecursiveInverse. With a2 ≠ 0 the inverse brackets (the stack's peek is O(1)); outputs must rise with u:
+/// a2 H < dt dH/du.
+class KpEverett {
+ public:
+  using Cache = TablePlace;
+  using Turn = LoopTurn<Cache>;
+
+  explicit KpEverett(std::shared_ptr<const EverettTable> table);
+  Cache cache(double u) const {
+    const double x = (u - u_min_) * scale_;
+    if (!(x > 0.0)) return {0, 0.0};
+    if (x >= last_) return {cells_ - 1, 1.0};
+    const int cell = static_cast<int>(x);
+    return {cell, x - cell};
+  }
+  double everett(const TablePlace& high, const TablePlace& low) const {
+    const double* row = data_ + static_cast<std::ptrdiff_t>(high.cell) * (cells_ + 1) + low.cell;
+    const double* next = row + cells_ + 1;
+    const double corner = high.fraction > low.fraction ? high.fraction - low.fraction : 0.0;
+    return row[1] + high.fraction * (next[1] - row[1]) + (1.0 - low.fraction) * (row[0] - row[1]) +
+           corner * (next[0] - row[0] - next[1] + row[1]);
+  }
+  double output(const Turn& from, const Turn*, int direction, double u) const {
+    const TablePlace here = cache(u);
+    return direction > 0 ? from.y + everett(here, from.cache) : from.y - everett(from.cache, here);
+  }
+  double input(const Turn& from, const Turn* toward, int direction, double y, double now) const;
+
+ private:
+  std::shared_ptr<const EverettTable> table_;
+  const double* data_;
+  double u_min_;
+  double scale_;
+  double last_;
+  double step_;
+  int cells_;
+};
+
+struct KrasnoselskiiPokrovskii {
+  std::shared_ptr<const EverettTable> table;  ///< 0 above the diagonal
+  double offset = 0.0;
+  double a1 = 1.0;
+  double a2 = 0.0;
+
+  static KrasnoselskiiPokrovskii from(const Parameters& values);
+};
+
+class KpOperator final : public Operator {
+ public:
+  explicit KpOperator(const KrasnoselskiiPokrovskii& model);
+  std::unique_ptr<Operator> clone() const override { return std::make_unique<KpOperator>(*this); }
+  double reset(double u) override;
+  double step(double u, double dt_s) override;
+  double peek(double u, double dt_s) const override;
+  bool rate_independent() const override { return a2_ == 0.0; }
+
+ private:
+  double rate(double u, double dt_s) const;
+  EverettOperator<KpEverett> static_;
+  double offset_;
+  double a1_;
+  double a2_;
+  double u_ = 0.0;
+};
+
+/// Every kernel by itself, eq. 4-7 as printed: the reference for tests and for the speed comparison.
+class BruteForceKp {
+ public:
+  BruteForceKp(double u_min, double u_max, std::size_t levels, std::vector<double> mu);
+  double reset(double u);
+  double step(double u);
+
+ private:
+  double u_min_;
+  double scale_;
+  std::size_t levels_;
+  std::vector<double> mu_;
+  std::vector<double> xi_;
+  double v_ = 0.0;
+};
+
+}  // namespace bodesmith::hysteresis

@@ -6,7 +6,9 @@
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "fpaa/board_picture.hpp"
 #include "fpaa/build_sheet.hpp"
+#include "fpaa/error_budget.hpp"
 #include "fpaa/plan.hpp"
 
 namespace bodesmith::cli {
@@ -20,13 +22,14 @@ int plan_board(const std::vector<std::string>& arguments) {
       "Turns sections into the CAMs of an FPAA board: clocks, capacitors, places, wires; writes plan.json\n"
       "and a build sheet to type from.");
   line.positional("SECTIONS.json", 1, 1);
-  line.output("folder for plan.json, build_sheet.md and build_sheet.html");
+  line.output("folder for plan.json, build_sheet.md, build_sheet.html and board.svg");
   line.options().add_options()("board", po::value<std::string>()->default_value("an231k04-quad4"),
                                "the board")(
       "clock-hz", po::value<double>(), "clock of all filters (default: the best of the legal divider tree)")(
       "from-hz", po::value<double>(), "lower end of the band in which errors are minimised and stated")(
       "to-hz", po::value<double>(), "its upper end")("max-error-percent", po::value<double>(),
                                                      "exit with 1 when the complex error is above this");
+  line.seed();
   if (!line.parse(arguments)) return kDone;
 
   Provenance from;
@@ -50,11 +53,16 @@ int plan_board(const std::vector<std::string>& arguments) {
 
   Json json = json_header("fpaa_plan", from);
   json.update(plan.to_json());
+  fpaa::BudgetOptions budget_options;
+  budget_options.seed = line.seed_value();
+  const fpaa::ErrorBudget budget = fpaa::error_budget(plan, sections, budget_options);
+  json["budget"] = budget.to_json();
   json["timing_s"] = {{"compute", seconds}};
   OutputSet out(line.output_path());
   out.add("plan.json", to_text(json));
   out.add("build_sheet.md", fpaa::build_sheet_markdown(plan));
   out.add("build_sheet.html", fpaa::build_sheet_html(plan));
+  out.add("board.svg", fpaa::board_picture_svg(plan));
   out.commit();
 
   int exit = kDone;
@@ -71,6 +79,7 @@ int plan_board(const std::vector<std::string>& arguments) {
   summary["chips"] = plan.chips.size();
   summary["error"] = json["error"];
   summary["error_with_delays"] = json["error_with_delays"];
+  summary["mismatch"] = json["budget"]["mismatch"];
   summary["largest_input_v"] = plan.largest_input_v;
   summary["limits_met"] = met;
   summary["timing_s"] = json["timing_s"];
@@ -78,6 +87,7 @@ int plan_board(const std::vector<std::string>& arguments) {
       "{} CAMs on {} chip{} of {}, clock {} Hz\n"
       "worst complex error {} to {} Hz: {} % ({} dB, {} deg) at {} Hz\n"
       "with the output hold: {} % ({} deg)\n"
+      "0.1 % capacitor mismatch adds (95 %): {} %\n"
       "largest input: {} V\n{}"
       "written to {}\n",
       cams.size(), plan.chips.size(), plan.chips.size() == 1 ? "" : "s", plan.board,
@@ -85,7 +95,8 @@ int plan_board(const std::vector<std::string>& arguments) {
       rounded_text(plan.error.band.to.value), rounded_text(plan.error.max_complex_percent),
       rounded_text(plan.error.max_magnitude_db), rounded_text(plan.error.max_phase_deg),
       rounded_text(plan.error.worst.value), rounded_text(plan.error_with_delays.max_complex_percent),
-      rounded_text(plan.error_with_delays.max_phase_deg), rounded_text(plan.largest_input_v),
+      rounded_text(plan.error_with_delays.max_phase_deg), rounded_text(budget.mismatch.p95_percent, 3),
+      rounded_text(plan.largest_input_v),
       met ? ""
           : fmt::format("NOT met: the complex error is above {} %\n",
                         *line.maybe<double>("max-error-percent")),

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <memory>
 #include <string>
 #include <vector>
 
@@ -44,6 +45,8 @@ struct Biquad {
   static Biquad from_section(const Section& section);
 };
 
+class StageForm;
+
 /// One stage of the chain: what it should do, what its parts make it do.
 struct Stage {
   std::string realization;  ///< name in realizations(), e.g. "first-order", "tow-thomas", "inverter"
@@ -53,6 +56,7 @@ struct Stage {
   std::string out;
   int first_part = 0;  ///< its parts are Circuit::parts[first_part, first_part + part_count)
   int part_count = 0;
+  std::shared_ptr<const StageForm> form;  ///< its equations: transfer() of any part values (realization.hpp)
 };
 
 /// A cascade of op-amp RC stages between nodes "in" and "out": wanted sections made of parts that can be

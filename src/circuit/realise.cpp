@@ -116,8 +116,9 @@ void set_wanted(Circuit& circuit, const std::vector<const Realization*>& how,
   for (size_t i = 0; i < circuit.stages.size(); ++i) {
     Section section = stages[i];
     section.gain *= std::exp(level[i] - share);
-    const std::unique_ptr<StageForm> form = how[i]->make(section);
+    const std::shared_ptr<const StageForm> form = how[i]->make(section);
     circuit.stages[i].wanted = form->wanted();
+    circuit.stages[i].form = form;
     std::vector<double> exact;
     if (!form->exact_near(values[i], exact)) continue;
     for (size_t k = 0; k < exact.size(); ++k) {

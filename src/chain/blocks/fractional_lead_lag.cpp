@@ -11,9 +11,12 @@
 namespace bodesmith::chain {
 namespace {
 
+constexpr double kMaxErrorDb = 2e-5;
+constexpr int kMostPoles = 16;
+
 /// H(s) = ((lambda s + 1)/(x lambda s + 1))^beta, first seed eq. 14. Simulated by the mid-band Pade
-/// approximation of the lowest order (at most 16) whose limit is below 1e-5 dB; the error it really has, over
-/// all frequencies, is stated in the kernel.
+/// approximation of the lowest order (at most 16 poles) that stays within 2e-5 dB; the error it really has,
+/// over all frequencies, is stated in the kernel.
 class FractionalLeadLagBlock final : public NamedBlockType {
  public:
   FractionalLeadLagBlock()
@@ -26,12 +29,18 @@ class FractionalLeadLagBlock final : public NamedBlockType {
     const FractionalLeadLag term = term_of(block);
     const double kappa = term.corner_ratio();
     if (term.beta == 0.0 || kappa == 1.0) return gain_kernel(1.0);
-    const int least = static_cast<int>(std::ceil(std::abs(term.beta)));
-    const int order =
-        std::clamp(minimax_order(kappa, term.beta, 1e-5, 16), std::max(1, least), std::max(16, least));
     ApproximationOptions options;
     options.method = "pade";
-    const TermApproximation got = approximate_term(term, options, order);
+    const int least = std::max(1, static_cast<int>(std::ceil(std::abs(term.beta))));
+    // No approximation can do with fewer poles than the limit law says; from there on until the error itself
+    // is met.
+    int order = std::max(least, minimax_order(kappa, term.beta, kMaxErrorDb, kMostPoles));
+    TermApproximation got = approximate_term(term, options, order);
+    while (std::hypot(got.error.everywhere_db, kDecibelPerNeper * to_radians(got.error.everywhere_deg)) >
+               kMaxErrorDb &&
+           order < kMostPoles) {
+      got = approximate_term(term, options, ++order);
+    }
     LinearKernel out = gain_kernel(1.0);
     for (const Section& section : got.sections) out = in_series(out, section_kernel(section));
     out.approximation_error = std::hypot(std::expm1(got.error.everywhere_db / kDecibelPerNeper),

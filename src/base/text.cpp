@@ -19,6 +19,18 @@ std::string rounded_text(double value, int digits) {
   return fmt::format("{:.{}g}", value, digits);
 }
 
+std::string engineering_text(double value, std::string_view unit, int digits) {
+  static constexpr std::pair<double, const char*> kPrefixes[] = {
+      {1e9, "G"}, {1e6, "M"}, {1e3, "k"}, {1.0, ""}, {1e-3, "m"}, {1e-6, "µ"}, {1e-9, "n"}, {1e-12, "p"}};
+  for (const auto& [scale, prefix] : kPrefixes) {
+    // A value that rounds up to the next prefix belongs there: 999.96 is 1 k, not 1000.
+    if (std::abs(value) * (1.0 + 0.5 * std::pow(10.0, -digits)) >= scale) {
+      return fmt::format("{:.{}g} {}{}", value / scale, digits, prefix, unit);
+    }
+  }
+  return fmt::format("{:.{}g} {}", value, digits, unit);
+}
+
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> out;
   size_t begin = 0;

@@ -12,6 +12,10 @@ std::string number_text(double value);
 /// `value` with `digits` significant digits and no superfluous zeros: 0.0163, 1.5e+09.
 std::string rounded_text(double value, int digits = 4);
 
+/// With the prefix that engineers write: engineering_text(20500, "Ω") is "20.5 kΩ", engineering_text(1e-8,
+/// "F") "10 nF".
+std::string engineering_text(double value, std::string_view unit, int digits = 3);
+
 /// Pieces between separators; "a,,b" has three.
 std::vector<std::string_view> split(std::string_view text, char separator);
 std::string_view trim(std::string_view text);

@@ -19,18 +19,8 @@ std::string power_label(int power) {
   return "x" + superscript(power);
 }
 
-/// "20.5 kΩ", "10 nF"
-std::string engineering(double value, const std::string& unit) {
-  static const std::pair<double, const char*> prefixes[] = {
-      {1e6, "M"}, {1e3, "k"}, {1.0, ""}, {1e-3, "m"}, {1e-6, "µ"}, {1e-9, "n"}, {1e-12, "p"}};
-  for (const auto& [scale, prefix] : prefixes) {
-    if (value >= scale * 0.9999 || scale == 1e-12)
-      return fmt::format("{} {}{}", rounded_text(value / scale), prefix, unit);
-  }
-  return {};
-}
 std::string value_label(const LayoutPart& part) {
-  return engineering(part.realised, part.kind == LayoutPart::Kind::resistor ? "\u2126" : "F");
+  return engineering_text(part.realised, part.kind == LayoutPart::Kind::resistor ? "\u2126" : "F");
 }
 
 std::string formula(const LayoutBranch& branch) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/text.hpp"
+#include "fpaa/board_picture.hpp"
 #include "report/page.hpp"
 #include "report/plot.hpp"
 
@@ -243,8 +244,7 @@ void fpaa_chapter(Page& page, const ReportInput& in) {
                   plan.cams().size(), plan.chips.size(), plan.board, text(plan.error.max_complex_percent, 3),
                   text(plan.error.band.from.value), text(plan.error.band.to.value),
                   text(plan.error_with_delays.max_complex_percent, 3)));
-  if (!in.board_svg.empty())
-    page.figure(in.board_svg, "Chips, configurable blocks, wires and what is used of them.");
+  page.figure(fpaa::board_picture_svg(plan), "Chips, configurable blocks, wires and what is used of them.");
   Table table{{"CAM", "CAB", "clock, Hz", "capacitors"}, {}, {}};
   for (const fpaa::ChipPlan& chip : plan.chips) {
     for (const fpaa::PlacedCam& cam : chip.cams) {
@@ -285,9 +285,9 @@ void circuit_chapter(Page& page, const ReportInput& in) {
   }
   Table table{{"part", "stage", "series", "wanted", "mounted", "difference, %"}, {}, {}};
   for (const Part& part : realised.circuit.parts) {
-    const char* unit = part.kind == Part::Kind::resistor ? "ohm" : "F";
+    const char* unit = part.kind == Part::Kind::resistor ? "Ω" : "F";
     table.rows.push_back({part.name, std::to_string(part.stage + 1), part.series,
-                          text(part.wanted, 5) + " " + unit, text(part.realised, 5) + " " + unit,
+                          engineering_text(part.wanted, unit, 5), engineering_text(part.realised, unit, 5),
                           fmt::format("{:+.2f}", 100.0 * (part.realised / part.wanted - 1.0))});
   }
   page.table(table);

@@ -19,7 +19,6 @@ struct ReportInput {
   const TrackingStudy& tracking;
   const std::vector<LimitCheck>& limits;
   std::optional<SpiceCheck> ngspice;  ///< absent: ngspice is not installed
-  std::string board_svg;              ///< empty without an FPAA plan
   const Provenance& from;
 };
 

@@ -8,6 +8,7 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "circuit/circuit_json.hpp"
+#include "fpaa/board_picture.hpp"
 #include "fpaa/build_sheet.hpp"
 #include "project/report_page.hpp"
 #include "signal/csv.hpp"
@@ -60,6 +61,7 @@ OutputSet design_files(const WholeWay& way, const fs::path& folder) {
   out.add("sections.json", json_text("sections", way, sections, design.compute_s));
   if (design.plan) {
     out.add("fpaa/plan.json", json_text("fpaa_plan", way, design.plan->to_json(), design.compute_s));
+    out.add("fpaa/board.svg", fpaa::board_picture_svg(*design.plan));
     out.add("fpaa/build_sheet.md", fpaa::build_sheet_markdown(*design.plan));
     out.add("fpaa/build_sheet.html", fpaa::build_sheet_html(*design.plan));
   }
@@ -198,7 +200,7 @@ WholeWay go_the_whole_way(const fs::path& project_file, const fs::path& folder) 
   OutputSet studied(folder);
   studied.add("tracking.csv", way.tracking.csv());
   const ReportInput input{way.project, way.design,  way.budget, way.tracking,
-                          way.limits,  way.ngspice, {},         way.from};
+                          way.limits,  way.ngspice, way.from};
   studied.add("report.html", report_page(input));
   list_files(way, studied);
   way.files.emplace_back("run.json");

@@ -55,6 +55,14 @@ TEST(Text, NumbersReadBackExactly) {
   }
 }
 
+TEST(Text, EngineersPrefixes) {
+  EXPECT_EQ(engineering_text(20500.0, "Ω"), "20.5 kΩ");
+  EXPECT_EQ(engineering_text(1e-8, "F"), "10 nF");
+  EXPECT_EQ(engineering_text(999.96, "Ω"), "1 kΩ");
+  EXPECT_EQ(engineering_text(0.0, "V"), "0 V");
+  EXPECT_EQ(engineering_text(-4.7e-6, "F"), "-4.7 µF");
+}
+
 TEST(JsonText, RefusesNumbersThatAreNotFinite) {
   EXPECT_THROW(to_text(Json{{"a", NAN}}), std::logic_error);
   EXPECT_EQ(to_text(Json{{"a", {1.0, 2.5}}}), "{\n  \"a\": [1.0, 2.5]\n}\n");

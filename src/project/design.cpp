@@ -27,12 +27,16 @@ ApproximationOptions approximation_options(const Project& project) {
   return options;
 }
 
-/// Where the stages are compared: the wanted points and every corner.
+/// Where the stages are compared: the wanted points and every corner of cascade and sections.
 Band design_band(const Project& project, const Design& design) {
-  Band band = design.fit.cascade.terms.empty() ? Band{design.fit.base, design.fit.base}
-                                               : design.fit.cascade.corner_band();
-  band.from = std::min(band.from, project.target.points.points.front().frequency);
-  band.to = std::max(band.to, project.target.points.points.back().frequency);
+  Band band{project.target.points.points.front().frequency, project.target.points.points.back().frequency};
+  const auto widen = [&band](const Band& other) {
+    if (!(other.from.value > 0.0) || !(other.to >= other.from)) return;
+    band.from = std::min(band.from, other.from);
+    band.to = std::max(band.to, other.to);
+  };
+  if (!design.fit.cascade.terms.empty()) widen(design.fit.cascade.corner_band());
+  widen(design.approximation.sections.corner_band());
   return band;
 }
 

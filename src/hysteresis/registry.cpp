@@ -11,6 +11,7 @@ namespace bodesmith::hysteresis {
 ModelType polynomial_hysteresis_type();
 ModelType sine_hysteresis_type();
 ModelType exponential_operator_type();
+ModelType ellipse_type();
 ModelType krasnoselskii_pokrovskii_type();
 ModelType preisach_type();
 ModelType prandtl_ishlinskii_type();
@@ -18,13 +19,8 @@ ModelType bouc_wen_type();
 
 const std::vector<ModelType>& model_types() {
   static const std::vector<ModelType> all = {
-      polynomial_hysteresis_type(),
-      sine_hysteresis_type(),
-      exponential_operator_type(),
-      krasnoselskii_pokrovskii_type(),
-      preisach_type(),
-      prandtl_ishlinskii_type(),
-      bouc_wen_type(),
+      polynomial_hysteresis_type(),    sine_hysteresis_type(), exponential_operator_type(), ellipse_type(),
+      krasnoselskii_pokrovskii_type(), preisach_type(),        prandtl_ishlinskii_type(),   bouc_wen_type(),
   };
   return all;
 }

@@ -9,6 +9,9 @@ Realization first_order_realization();
 Realization first_order_right_zero_realization();
 Realization first_order_trimmed_realization();
 Realization inverter_realization();
+Realization khn_realization();
+Realization multiple_feedback_realization();
+Realization sallen_key_realization();
 Realization tow_thomas_realization();
 
 /// The section with its gain's sign turned round.

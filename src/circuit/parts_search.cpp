@@ -132,7 +132,8 @@ class StageSearch {
         near[i] = {exact[i]};
         continue;
       }
-      for (const double r : options_.resistors.nearest(exact[i], resistors_ <= 3 ? neighbours_ : 7)) {
+      for (const double r :
+           options_.resistors.nearest(exact[i], resistors_ <= 3 ? neighbours_ : (resistors_ <= 7 ? 7 : 5))) {
         if (r >= options_.least_ohm * (1 - 1e-9) && r <= options_.greatest_ohm * (1 + 1e-9))
           near[i].push_back(r);
       }
@@ -166,7 +167,9 @@ class StageSearch {
     std::vector<double> best = values;
     double least = miss(values);
     std::mt19937_64 chance(46);
-    for (int start = 0; start < kStarts; ++start) {
+    // Only where these capacitors promise something.
+    const int starts = least <= 2.0 * least_exchanged_ ? kStarts : 0;
+    for (int start = 0; start < starts; ++start) {
       for (size_t i = 0; i < values.size(); ++i)
         values[i] = near[i][chance() % std::min<size_t>(near[i].size(), 3)];
       descend(near, values);
@@ -175,6 +178,7 @@ class StageSearch {
         best = values;
       }
     }
+    least_exchanged_ = std::min(least_exchanged_, least);
     keep(best);
     for (size_t i = 0; i < best.size(); ++i) {
       for (const double a : near[i]) {
@@ -199,7 +203,7 @@ class StageSearch {
               trial = values;
               trial[i] = a;
               trial[j] = b;
-              const double here = miss(trial);
+              const double here = miss(trial, best);
               if (here < best * (1.0 - 1e-9)) {
                 best = here;
                 values = trial;
@@ -212,11 +216,12 @@ class StageSearch {
     }
   }
 
-  /// Greatest |H/H_wanted - 1|^2.
-  double miss(const std::vector<double>& values) const {
+  /// Greatest |H/H_wanted - 1|^2; stops looking once it is above `enough`.
+  double miss(const std::vector<double>& values,
+              double enough = std::numeric_limits<double>::infinity()) const {
     const Biquad h = form_.transfer(values);
     double out = 0.0;
-    for (size_t i = 0; i < w_.size(); ++i) {
+    for (size_t i = 0; i < w_.size() && out <= enough; ++i) {
       const double w = w_[i].value;
       const Complex numerator(h.b0 - w * w * h.b2, w * h.b1), denominator(h.a0 - w * w * h.a2, w * h.a1);
       out = std::max(out,
@@ -251,6 +256,7 @@ class StageSearch {
   bool alone_;
   int neighbours_;
   double shift_ = 1.0;
+  double least_exchanged_ = std::numeric_limits<double>::infinity();
   double least_ = std::numeric_limits<double>::infinity();
   int resistors_ = 0;
   std::vector<RadPerSecond> w_;

@@ -24,7 +24,8 @@ const std::vector<Realization>& realizations() {
   static const std::vector<Realization> all = {
       first_order_realization(),         first_order_right_zero_realization(),
       first_order_trimmed_realization(), inverter_realization(),
-      tow_thomas_realization(),
+      tow_thomas_realization(),          khn_realization(),
+      sallen_key_realization(),          multiple_feedback_realization(),
   };
   return all;
 }

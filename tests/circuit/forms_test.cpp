@@ -1,0 +1,110 @@
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "circuit/realise.hpp"
+#include "circuit/realization.hpp"
+#include "circuit/response.hpp"
+
+namespace bodesmith {
+namespace {
+
+using Complex = std::complex<double>;
+
+Section make(double gain, std::vector<Complex> zeros, std::vector<Complex> poles) {
+  Section out;
+  out.gain = gain;
+  out.zeros = std::move(zeros);
+  out.poles = std::move(poles);
+  return out;
+}
+
+const std::vector<Complex> kResonant = {{-200, 970}, {-200, -970}};
+const std::vector<Complex> kDamped = {{-800, 0}, {-1100, 0}};
+
+struct Case {
+  const char* realization;
+  Section section;
+};
+
+std::vector<Case> cases() {
+  std::vector<Case> out;
+  for (const auto& poles : {kResonant, kDamped}) {
+    const double w2 = (poles[0] * poles[1]).real();
+    for (const double gain : {0.4, 1.0, 2.5}) {
+      out.push_back({"sallen-key", make(gain * w2, {}, poles)});
+      out.push_back({"sallen-key", make(gain, {0.0, 0.0}, poles)});
+      out.push_back({"multiple-feedback", make(gain * w2, {}, poles)});
+      out.push_back({"multiple-feedback", make(gain, {0.0, 0.0}, poles)});
+      out.push_back({"multiple-feedback", make(0.2 * gain * std::abs(poles[0]), {0.0}, poles)});
+      for (const char* name : {"khn", "tow-thomas"}) {
+        out.push_back({name, make(gain * w2, {}, poles)});
+        out.push_back({name, make(gain * 900.0, {0.0}, poles)});
+        out.push_back({name, make(gain, {-500.0, -2000.0}, poles)});
+        out.push_back({name, make(gain, {{-400, 900}, {-400, -900}}, poles)});
+        out.push_back({name, make(gain, {{200, 970}, {200, -970}}, poles)});
+        out.push_back({name, make(gain * 900.0, {300.0}, poles)});
+      }
+    }
+  }
+  return out;
+}
+
+// Design equations, closed-form transfer and the circuit as drawn (nodal analysis with nullors) are three
+// statements of one form: they must agree.
+TEST(Forms, DesignTransferAndNetworkAgree) {
+  const auto grid = log_grid({Hertz{10}, Hertz{3000}}, 25);
+  for (const Case& one : cases()) {
+    const Realization& form = realization_named(one.realization);
+    ASSERT_EQ(form.refusal(one.section), "") << one.realization;
+    Sections sections;
+    sections.sections = {one.section};
+    RealiseOptions options;
+    options.realization = one.realization;
+    options.resistors = options.capacitors = Series::named("exact");
+    const Realised exact = realise(sections, options);
+    std::vector<Complex> wanted;
+    for (const Hertz f : grid) wanted.push_back(sections.response(f.rad_s()));
+    EXPECT_LT(compare_responses(grid, circuit_response(exact.circuit, grid), wanted).max_complex_percent,
+              1e-8)
+        << one.realization << " gain " << one.section.gain;
+    EXPECT_LT(
+        compare_responses(grid, network_response_ideal(exact.circuit, grid), wanted).max_complex_percent,
+        1e-8)
+        << one.realization << " gain " << one.section.gain;
+    bool used = false;
+    for (const Stage& stage : exact.circuit.stages) used = used || stage.realization == one.realization;
+    EXPECT_TRUE(used);
+  }
+}
+
+TEST(Forms, PreferredPartsStayClose) {
+  for (const Case& one : cases()) {
+    Sections sections;
+    sections.sections = {one.section};
+    RealiseOptions options;
+    options.realization = one.realization;
+    const Realised made = realise(sections, options);
+    const auto grid = log_grid({Hertz{10}, Hertz{3000}}, 25);
+    EXPECT_LT(compare_responses(grid, network_response_ideal(made.circuit, grid),
+                                circuit_response(made.circuit, grid))
+                  .max_complex_percent,
+              1e-8)
+        << one.realization;
+    EXPECT_LT(made.report.parts.max_complex_percent, 6.0) << one.realization << " gain " << one.section.gain;
+  }
+}
+
+TEST(Forms, RefusalsSayWhy) {
+  EXPECT_NE(realization_named("sallen-key").refusal(make(1.0, {-5.0}, kResonant)), "");
+  EXPECT_NE(realization_named("multiple-feedback").refusal(make(1.0, {-5.0}, kResonant)), "");
+  EXPECT_NE(realization_named("multiple-feedback").refusal(make(1e5, {0.0}, kDamped)), "");
+  EXPECT_NE(realization_named("khn").refusal(make(1.0, {}, {-5.0})), "");
+  Sections sections;
+  sections.sections = {make(1.0, {-5.0, -6.0}, kResonant)};
+  RealiseOptions options;
+  options.realization = "sallen-key";
+  EXPECT_THROW(realise(sections, options), DesignError);
+}
+
+}  // namespace
+}  // namespace bodesmith

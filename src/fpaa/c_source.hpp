@@ -1,0 +1,23 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace bodesmith::fpaa {
+
+/// A piece of C source: words (names and numbers), single characters, comments (without their marks).
+struct CToken {
+  enum class Kind { word, symbol, comment };
+  Kind kind = Kind::symbol;
+  std::string_view text;
+  int line = 1;
+};
+
+/// Splits C source. Throws InputError for a comment or string that does not end.
+std::vector<CToken> c_tokens(std::string_view text, const std::string& file);
+
+/// A C integer literal between 0 and `most`; throws InputError otherwise.
+int c_integer(const CToken& token, int most, const std::string& file);
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,181 @@
+#include "fpaa/update_stream.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "base/text_template.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+/// Address in the memory, bank after bank.
+int flat(int bank, int byte) {
+  return 32 * bank + byte;
+}
+
+struct Cell {
+  int value = 0;
+  std::string what;
+};
+using Memory = std::map<int, Cell>;
+
+const ApiProject::Chip& project_chip(const ChipPlan& chip, const ApiProject& project) {
+  // The plan's chips are numbered; the project's stand in the order of their arrays.
+  if (static_cast<size_t>(chip.chip) > project.chips.size()) {
+    throw DesignError(fmt::format("{}: has {} chip{}, the plan needs chip {}", project.file,
+                                  project.chips.size(), project.chips.size() == 1 ? "" : "s", chip.chip));
+  }
+  return project.chips[static_cast<size_t>(chip.chip - 1)];
+}
+
+/// A plan's capacitor in the vendor's pieces: a biquad's CA and CB are each two banks, GainInv has its pair
+/// twice.
+std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam) {
+  std::vector<Capacitor> out;
+  for (const Capacitor& c : cam.capacitors) {
+    if (cam.cam == "FilterBiquad" && (c.name == "CA" || c.name == "CB")) {
+      const int first = std::min(c.units, 255);
+      out.push_back({c.name + "1", first});
+      out.push_back({c.name + "2", c.units - first});
+    } else if (cam.cam == "GainInv") {
+      out.push_back(c);
+      out.push_back({"a" + c.name, c.units});
+    } else {
+      out.push_back(c);
+    }
+  }
+  return out;
+}
+
+Memory memory_of(const ChipPlan& chip, const ApiProject& project, const UpdateOptions& options) {
+  Memory out;
+  const ApiProject::Chip& target = project_chip(chip, project);
+  const auto set = [&](int address, int value, const std::string& what) {
+    const auto [at, fresh] = out.try_emplace(address, Cell{value, what});
+    if (!fresh && at->second.value != value) {
+      throw DesignError(fmt::format("{}: {} and {} stand at the same address (bank {}, byte {})",
+                                    project.file, at->second.what, what, address / 32, address % 32));
+    }
+  };
+  for (const PlacedCam& cam : chip.cams) {
+    const ApiProject::Cam* table = project.find(target.name, cam.name);
+    if (table == nullptr) {
+      std::vector<std::string> names;
+      for (const ApiProject::Cam& c : project.cams) {
+        if (c.chip == target.name) names.push_back(c.name);
+      }
+      throw DesignError(
+          fmt::format("{}: chip {} has no CAM named {}, expected the names of the build sheet (it has: {})",
+                      project.file, target.name, cam.name, join(names, ", ")));
+    }
+    for (const Capacitor& c : vendor_capacitors(cam)) {
+      const auto renamed = options.names.find(c.name);
+      const std::string& name = renamed == options.names.end() ? c.name : renamed->second;
+      const auto at = std::find_if(table->capacitors.begin(), table->capacitors.end(),
+                                   [&](const ApiProject::Capacitor& k) { return k.name == name; });
+      if (at == table->capacitors.end()) {
+        std::vector<std::string> names;
+        for (const auto& k : table->capacitors) names.push_back(k.name);
+        throw DesignError(
+            fmt::format("{}:{}: {} has no capacitor {}, its table has {}; expected --map {}=NAME (which is "
+                        "which stands in the "
+                        "CAM's dialog)",
+                        project.file, table->line, cam.name, name, join(names, ", "), c.name));
+      }
+      set(flat(at->bank, at->byte), c.units, fmt::format("{} {}", cam.name, name));
+    }
+  }
+  if (options.clocks) {
+    for (size_t k = 0; k < chip.clocks.clocks.size() && k < 4; ++k) {
+      set(flat(0, 7 - static_cast<int>(k)), divisor_byte(chip.clocks.clocks[k].divisor),
+          fmt::format("Clock {} divisor", k));
+    }
+    set(flat(0, 9), divisor_byte(chip.clocks.sys1_divisor), "Sys1 divisor");
+    set(flat(0, 10), divisor_byte(chip.clocks.sys2_divisor), "Sys2 divisor");
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<ConfigBlock> wanted_memory(const ChipPlan& chip, const ApiProject& project,
+                                       const UpdateOptions& options) {
+  std::vector<ConfigBlock> out;
+  int next = -1;
+  for (const auto& [address, cell] : memory_of(chip, project, options)) {
+    if (address != next || out.back().data.size() == 256) out.push_back({address / 32, address % 32, {}});
+    out.back().data.push_back(static_cast<std::uint8_t>(cell.value));
+    next = address + 1;
+  }
+  return out;
+}
+
+ConfigStream update_stream(const ChipPlan& chip, const ApiProject& project, const UpdateOptions& options) {
+  ConfigStream out;
+  out.address1 = project_chip(chip, project).address1;
+  out.control = ConfigStream::kEndExecute | (options.clocks ? ConfigStream::kUpdateClocks : 0);
+  out.blocks = wanted_memory(chip, project, options);
+  return out;
+}
+
+std::vector<std::string> compare_with_plan(const ConfigStream& stream, const ChipPlan& chip,
+                                           const ApiProject& project, const UpdateOptions& options) {
+  std::map<int, int> memory;
+  for (const ConfigBlock& block : stream.blocks) {
+    for (size_t i = 0; i < block.data.size(); ++i) {
+      memory[flat(block.bank, block.byte) + static_cast<int>(i)] = block.data[i];
+    }
+  }
+  std::vector<std::string> out;
+  const Memory wanted = memory_of(chip, project, options);
+  const int address1 = project_chip(chip, project).address1;
+  if (stream.address1 != address1) {
+    out.push_back(
+        fmt::format("Address1 is {}, the project's chip {} has {}", stream.address1, chip.chip, address1));
+  }
+  for (const auto& [address, cell] : wanted) {
+    const auto at = memory.find(address);
+    const std::string place = fmt::format("bank {}, byte {}", address / 32, address % 32);
+    if (at == memory.end()) {
+      // A primary stream leaves out what is 0.
+      if (stream.primary && cell.value == 0) continue;
+      out.push_back(
+          fmt::format("{} ({}) is not in the stream, the plan wants {}", cell.what, place, cell.value));
+    } else if (at->second != cell.value) {
+      out.push_back(
+          fmt::format("{} ({}) is {}, the plan wants {}", cell.what, place, at->second, cell.value));
+    }
+  }
+  if (!stream.primary) {
+    for (const auto& [address, value] : memory) {
+      if (wanted.count(address) == 0) {
+        out.push_back(fmt::format("bank {}, byte {} is set to {}, the plan does not mention it", address / 32,
+                                  address % 32, value));
+      }
+    }
+  }
+  return out;
+}
+
+std::string c_arrays(const std::vector<std::pair<std::string, Bytes>>& arrays, const std::string& plan_file) {
+  Json data;
+  data["plan"] = plan_file;
+  data["arrays"] = Json::array();
+  for (const auto& [name, bytes] : arrays) {
+    Json rows = Json::array();
+    for (size_t i = 0; i < bytes.size(); i += 8) {
+      std::string row;
+      for (size_t k = i; k < std::min(bytes.size(), i + 8); ++k) {
+        row += fmt::format("0x{:02X}{}", bytes[k], k + 1 < bytes.size() ? ", " : "");
+      }
+      rows.push_back({{"row", std::string(trim(row))}});
+    }
+    data["arrays"].push_back({{"name", name}, {"count", bytes.size()}, {"rows", rows}});
+  }
+  return render_template("fpaa/update_streams.c", data);
+}
+
+}  // namespace bodesmith::fpaa

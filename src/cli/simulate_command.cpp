@@ -46,8 +46,10 @@ simulate::Options read_options(const CommandLine& line) {
     options.engine = simulate::Engine::record;
   } else if (engine == "cvode") {
     options.engine = simulate::Engine::cvode;
+  } else if (engine == "exact") {
+    options.engine = simulate::Engine::exact;
   } else if (engine != "automatic") {
-    line.fail(fmt::format("--engine is '{}', expected automatic, record or cvode", engine));
+    line.fail(fmt::format("--engine is '{}', expected automatic, exact, record or cvode", engine));
   }
   const std::string start = line.get<std::string>("start");
   if (start == "equilibrium") {

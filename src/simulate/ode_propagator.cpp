@@ -143,9 +143,10 @@ void OdePropagator::cover(const chain::OdeKernel& system, int index, double from
 void OdePropagator::run(const chain::OdeKernel& system, const double* u, double* y, std::size_t holds,
                         double* x) {
   const int width = degree_ + 1;
-  steps_left_ = 64.0 * std::ldexp(1.0, first_level_) * static_cast<double>(holds) + 1e5;
+  steps_left_ = 16.0 * std::ldexp(1.0, first_level_) * static_cast<double>(holds) + 1e5;
   for (std::size_t hold = 0; hold < holds; ++hold) {
-    // A state that ran away would cost the finest steps in every hold that follows, for numbers nobody can use.
+    // A state that ran away would cost the finest steps in every hold that follows, for numbers nobody can
+    // use.
     if (failures_ == 0 && steps_left_ < 0.0) ++failures_;
     if (failures_ > 0) {
       std::fill(y, y + width, 0.0);

@@ -18,8 +18,8 @@ class OdePropagator {
  public:
   void prepare(const chain::OdeKernel& system, double h, const HoldNodes& nodes);
   void run(const chain::OdeKernel& system, const double* u, double* y, std::size_t holds, double* x);
-  /// Not 0 when the last run was given up: a hold did not converge even at the finest level, or the halving went
-  /// beyond all measure (a state that runs away). Outputs from there on are 0.
+  /// Not 0 when the last run was given up: a hold did not converge even at the finest level, or the halving
+  /// went beyond all measure (a state that runs away). Outputs from there on are 0.
   std::size_t failures() const { return failures_; }
 
  private:

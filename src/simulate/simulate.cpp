@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "simulate/cvode_engine.hpp"
+#include "simulate/exact_engine.hpp"
 #include "simulate/record_simulator.hpp"
 
 namespace bodesmith::simulate {
@@ -69,6 +70,22 @@ void refine(const chain::Chain& chain, const TimeRecord& input, const Options& o
   }
 }
 
+/// False when there is no closed form; the reason is then the only note.
+bool run_exact(const chain::Chain& chain, const TimeRecord& input, const Options& options, Result& result) {
+  std::string why_not;
+  auto outcome = run_exact_engine(chain, input, options.start, options.engine == Engine::exact, why_not);
+  if (!outcome) {
+    result.notes = {why_not};
+    return false;
+  }
+  result.y = std::move(outcome->y);
+  result.error_estimate = outcome->rounding;
+  result.model_error = outcome->model_error;
+  result.stats.engine = "exact";
+  result.stats.steps = outcome->segments;
+  return true;
+}
+
 }  // namespace
 
 Result simulate(const chain::Chain& chain, const TimeRecord& input, const Options& options) {
@@ -102,6 +119,12 @@ Result simulate(const chain::Chain& chain, const TimeRecord& input, const Option
       result.error_estimate =
           largest_difference(result.y, run_cvode_engine(chain, input, finer, ignored, notes, model_error));
     }
+  } else if (options.engine == Engine::exact ||
+             (options.engine == Engine::automatic && run_exact(chain, input, options, result))) {
+    if (options.engine == Engine::exact && !run_exact(chain, input, options, result)) {
+      throw InputError("the model has no closed form for this input: " + result.notes.front());
+    }
+    result.stats.compute_s = watch.seconds();
   } else if (options.engine == Engine::record) {
     result.stats.engine = "record";
     result.y = run_record(chain, input, options, options.degree, options.oversample, result);
@@ -112,6 +135,7 @@ Result simulate(const chain::Chain& chain, const TimeRecord& input, const Option
           result.y, run_record(chain, input, options, result.stats.degree, 2 * options.oversample, finer));
     }
   } else {
+    result.notes.clear();
     refine(chain, input, options, result);
     result.stats.compute_s = watch.seconds();
   }

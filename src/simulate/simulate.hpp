@@ -12,8 +12,11 @@ namespace bodesmith::simulate {
 
 /// How a chain is worked out.
 enum class Engine {
-  automatic,  ///< record, its step halved until the tolerance is met
+  automatic,  ///< exact where the chain and its input allow it, else record, its step halved until the
+              ///< tolerance is met
   record,     ///< sample to sample with the step as given, see record_simulator.hpp
+  exact,      ///< closed form between the corners of the input, see exact_engine.hpp; an error where there is
+              ///< none
   cvode,      ///< the whole chain as an ODE with events, see cvode_engine.hpp
 };
 
@@ -33,7 +36,7 @@ struct Options {
 };
 
 struct Stats {
-  std::string engine;           ///< "record" or "cvode"
+  std::string engine;           ///< "exact", "record" or "cvode"
   std::size_t steps = 0;        ///< steps of the solver, or holds of the record engine
   std::size_t evaluations = 0;  ///< right-hand sides (cvode)
   std::size_t restarts = 0;     ///< at corners, clock edges and events (cvode)

@@ -15,9 +15,10 @@ using hysteresis::ParameterInfo;
 /// Any operator of the hysteresis room.
 class OperatorKernel final : public MemoryKernel {
  public:
-  OperatorKernel(std::unique_ptr<Operator> op, bool jumps) : operator_(std::move(op)), jumps_(jumps) {}
+  OperatorKernel(std::unique_ptr<Operator> op, bool jumps, bool cubic)
+      : operator_(std::move(op)), jumps_(jumps), cubic_(cubic) {}
   std::unique_ptr<MemoryKernel> clone() const override {
-    auto copy = std::make_unique<OperatorKernel>(operator_->clone(), jumps_);
+    auto copy = std::make_unique<OperatorKernel>(operator_->clone(), jumps_, cubic_);
     copy->u_ = u_;
     copy->y_ = y_;
     return copy;
@@ -39,11 +40,28 @@ class OperatorKernel final : public MemoryKernel {
     return operator_->peek(u_ + 1e-12 * (next - u_), 0.0);
   }
   bool jumps_at_turns() const override { return jumps_; }
+  std::vector<double> branch_polynomial(int direction) const override {
+    if (!cubic_) return {};
+    // The cubic through four of its values, met while moving in that direction.
+    const auto probe = operator_->clone();
+    double y[4];
+    for (int i = 0; i < 4; ++i) {
+      const double x = i / 3.0;
+      probe->reset(x - direction);
+      y[i] = probe->step(x, 0.0);
+    }
+    // Newton's divided differences at 0, 1/3, 2/3, 1, multiplied out.
+    const double d1 = y[1] - y[0];
+    const double d2 = y[2] - 2.0 * y[1] + y[0];
+    const double d3 = y[3] - 3.0 * y[2] + 3.0 * y[1] - y[0];
+    return {y[0], 3.0 * d1 - 1.5 * d2 + d3, 4.5 * d2 - 4.5 * d3, 4.5 * d3};
+  }
   bool rate_independent() const override { return operator_->rate_independent(); }
 
  private:
   std::unique_ptr<Operator> operator_;
   bool jumps_;
+  bool cubic_;
   double u_ = 0.0;
   double y_ = 0.0;
 };
@@ -84,9 +102,13 @@ class HysteresisBlock final : public NamedBlockType {
     return {};
   }
   Kernel kernel(const Block& block) const override {
-    const bool jumps = name() == "polynomial_hysteresis" || name() == "sine_hysteresis";
+    // With the slope's sign as the rule each branch is one curve, and a turn inside the stroke jumps between
+    // them.
+    const bool by_slope = (name() == "polynomial_hysteresis" || name() == "sine_hysteresis") &&
+                          block.word("minor") == "slope_sign";
     return std::make_unique<OperatorKernel>(
-        hysteresis::make_operator(hysteresis::checked_model(name(), parameters_of(block))), jumps);
+        hysteresis::make_operator(hysteresis::checked_model(name(), parameters_of(block))), by_slope,
+        by_slope && name() == "polynomial_hysteresis");
   }
 
  private:

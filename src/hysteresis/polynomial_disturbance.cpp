@@ -20,6 +20,7 @@ constexpr double kPi = std::numbers::pi;
 void read_common(const Parameters& values, PolynomialDisturbance& out) {
   out.nested = values.word("minor") == "nested";
   out.amplitude = values.scalar("amplitude");
+  out.switch_delay_s = values.scalar("switch_delay_s");
   out.alpha = values.array("alpha");
   out.alpha_1 = values.array("alpha_1");
   out.alpha_2 = values.array("alpha_2");
@@ -282,21 +283,45 @@ PolynomialOperator::PolynomialOperator(PolynomialDisturbance model) : loops_(std
 double PolynomialOperator::reset(double u) {
   u_ = u;
   rising_ = true;
+  branch_ = true;
+  waiting_ = 0;
   // On the ascending branch from the lower end of the stroke: every other point would lie off the loop.
   loops_.start(std::min(u, 0.0), std::min(u, 0.0), 1);
   return loops_.rule().nested ? loops_.step(u) : loops_.rule().plain(true, u);
 }
 
-double PolynomialOperator::step(double u, double) {
+double PolynomialOperator::step(double u, double dt_s) {
   if (loops_.rule().nested) return loops_.step(u);
+  const bool turned = u != u_ && (u > u_) != rising_;
   if (u != u_) rising_ = u > u_;
   u_ = u;
-  return loops_.rule().plain(rising_, u);
+  if (!late()) return loops_.rule().plain(rising_, u);
+  if (turned) {
+    if (waiting_ == due_.size()) {  // turns far faster than the switch: the oldest two cancel
+      std::copy(due_.begin() + 2, due_.end(), due_.begin());
+      waiting_ -= 2;
+    }
+    due_[waiting_++] = loops_.rule().switch_delay_s;
+  }
+  std::size_t done = 0;
+  for (std::size_t i = 0; i < waiting_; ++i) {
+    due_[i] -= dt_s;
+    if (due_[i] <= 0.0) ++done;
+  }
+  if (done % 2 == 1) branch_ = !branch_;
+  std::copy(due_.begin() + static_cast<std::ptrdiff_t>(done),
+            due_.begin() + static_cast<std::ptrdiff_t>(waiting_), due_.begin());
+  waiting_ -= done;
+  return loops_.rule().plain(branch_, u);
 }
 
-double PolynomialOperator::peek(double u, double) const {
+double PolynomialOperator::peek(double u, double dt_s) const {
   if (loops_.rule().nested) return loops_.peek(u);
-  return loops_.rule().plain(u == u_ ? rising_ : u > u_, u);
+  if (!late()) return loops_.rule().plain(u == u_ ? rising_ : u > u_, u);
+  const bool turned = u != u_ && (u > u_) != rising_;
+  std::size_t done = turned && loops_.rule().switch_delay_s <= dt_s ? 1 : 0;
+  for (std::size_t i = 0; i < waiting_; ++i) done += due_[i] <= dt_s ? 1 : 0;
+  return loops_.rule().plain(done % 2 == 1 ? !branch_ : branch_, u);
 }
 
 PolynomialInverse::PolynomialInverse(PolynomialDisturbance model) : forward_(std::move(model)) {

@@ -55,6 +55,9 @@ struct PolynomialDisturbance {
   std::vector<double> alpha_2;
   double rate_gain_ascending = 1.0;
   double rate_gain_descending = 1.0;
+  /// slope_sign only: the switch follows the slope this much later (a comparator's or switch's delay). Not
+  /// rate-independent then.
+  double switch_delay_s = 0.0;
 
   static PolynomialDisturbance from_polynomial(const Parameters& values);
   static PolynomialDisturbance from_sine(const Parameters& values);
@@ -112,12 +115,17 @@ class PolynomialOperator final : public Operator {
   double reset(double u) override;
   double step(double u, double dt_s) override;
   double peek(double u, double dt_s) const override;
-  bool rate_independent() const override { return true; }
+  bool rate_independent() const override { return !late(); }
 
  private:
+  bool late() const { return !loops_.rule().nested && loops_.rule().switch_delay_s > 0.0; }
   NestedLoops<PolynomialDisturbance> loops_;
   double u_ = 0.0;
-  bool rising_ = true;
+  bool rising_ = true;  ///< the input's direction
+  bool branch_ = true;  ///< what the late switch stands at: true for ascending
+  /// Seconds until the switch follows each turn that it has not followed yet, oldest first.
+  std::array<double, 32> due_{};
+  std::size_t waiting_ = 0;
   friend class PolynomialInverse;
 };
 

@@ -18,6 +18,9 @@ std::vector<ParameterInfo> common_infos() {
       optional(
           scalar("amplitude", "1", "stroke that slope_sign assumes, as a part of the full one", 1e-9, 1.0),
           {1.0}),
+      optional(scalar("switch_delay_s", "s",
+                      "the branch switch of slope_sign acts this much after the input has turned", 0.0),
+               {0.0}),
       optional(array("alpha", "1", "strokes of the amplitude gains, rising", 1e-9), {}),
       optional(array("alpha_1", "1", "amplitude gains of the ascending branch"), {}),
       optional(array("alpha_2", "1", "amplitude gains of the descending branch"), {}),

@@ -12,6 +12,7 @@ ModelType polynomial_hysteresis_type();
 ModelType sine_hysteresis_type();
 ModelType exponential_operator_type();
 ModelType ellipse_type();
+ModelType fractional_dynamic_type();
 ModelType krasnoselskii_pokrovskii_type();
 ModelType preisach_type();
 ModelType prandtl_ishlinskii_type();
@@ -19,8 +20,15 @@ ModelType bouc_wen_type();
 
 const std::vector<ModelType>& model_types() {
   static const std::vector<ModelType> all = {
-      polynomial_hysteresis_type(),    sine_hysteresis_type(), exponential_operator_type(), ellipse_type(),
-      krasnoselskii_pokrovskii_type(), preisach_type(),        prandtl_ishlinskii_type(),   bouc_wen_type(),
+      polynomial_hysteresis_type(),
+      sine_hysteresis_type(),
+      exponential_operator_type(),
+      ellipse_type(),
+      fractional_dynamic_type(),
+      krasnoselskii_pokrovskii_type(),
+      preisach_type(),
+      prandtl_ishlinskii_type(),
+      bouc_wen_type(),
   };
   return all;
 }

@@ -1,0 +1,338 @@
+#include "hysteresis/fractional_dynamic.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <unsupported/Eigen/MatrixFunctions>
+
+#include "base/error.hpp"
+
+namespace bodesmith::hysteresis {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+using Complex = std::complex<double>;
+
+Complex power(Complex s, double exponent) {
+  if (s == Complex(0.0, 0.0)) return exponent == 0.0 ? 1.0 : 0.0;
+  return std::exp(exponent * std::log(s));
+}
+
+}  // namespace
+
+Complex FractionalDynamic::fractional_part(Complex s) const {
+  return (k_p + theta * power(s, eta)) / (1.0 + chi * power(s, lambda));
+}
+
+Complex FractionalDynamic::response(Complex s) const {
+  return k_m / ((tau * s + 1.0) * (s * s + 2.0 * xi * omega_n * s + omega_n * omega_n)) * fractional_part(s);
+}
+
+LagSpread LagSpread::of(const FractionalDynamic& model, double anchor) {
+  // From where F is still its constant to where it is its own tail: eight decades either side of the corners,
+  // and of the lag and the resonance, which see the middle of it.
+  double low = std::min(anchor, model.omega_n);
+  double high = std::max(anchor, model.omega_n);
+  const auto corner = [&](double coefficient, double exponent) {
+    if (!(coefficient > 0.0)) return;
+    const double at = std::pow(coefficient, -1.0 / exponent);
+    low = std::min(low, std::max(at, 1e-9 * model.omega_n));
+    high = std::max(high, std::min(at, 1e9 * model.omega_n));
+  };
+  corner(model.chi, model.lambda);
+  corner(model.theta / model.k_p, model.eta);
+  low *= 1e-5;
+  high *= 1e3;
+  const double x_low = std::log(low);
+  const double x_high = std::log(high);
+  // The density has a pole beside the axis at ln σ = −ln χ/λ ± iπ(1 − λ)/λ: the nearer λ is to 1, the more it
+  // is one lag. Points are crowded there: their number up to x is N(x) = x/h + c asinh((x − x_c)/d).
+  const bool crowded = model.chi > 0.0;
+  const double centre = crowded ? -std::log(model.chi) / model.lambda : 0.0;
+  const double distance = crowded ? std::min(kPi * (1.0 - model.lambda) / model.lambda, kPi) : 1.0;
+  double c = crowded ? 3.0 : 0.0;
+  const auto extra = [&] {
+    return c * (std::asinh((x_high - centre) / distance) - std::asinh((x_low - centre) / distance));
+  };
+  if (extra() > 0.5 * model.modes) c *= 0.5 * model.modes / extra();
+  const double h = (x_high - x_low) / (model.modes - extra());
+  const auto number = [&](double x) { return x / h + c * std::asinh((x - centre) / distance); };
+  const auto spacing = [&](double x) { return 1.0 / (1.0 / h + c / std::hypot(x - centre, distance)); };
+  const double at_anchor = number(std::log(anchor));
+  const double first = std::ceil(number(x_low) - at_anchor - 0.5);
+  const auto point = [&](double n) {
+    double from = x_low - 2.0 * h;
+    double to = x_high + 2.0 * h;
+    for (int i = 0; i < 80 && to - from > 1e-13 * (1.0 + std::abs(from)); ++i) {
+      const double middle = 0.5 * (from + to);
+      (number(middle) < n ? from : to) = middle;
+    }
+    return 0.5 * (from + to);
+  };
+  LagSpread out;
+  out.direct = model.k_p;
+  const auto density = [&](double sigma) {
+    const Complex up = model.k_p + model.theta * std::polar(std::pow(sigma, model.eta), kPi * model.eta);
+    const Complex down = 1.0 + model.chi * std::polar(std::pow(sigma, model.lambda), kPi * model.lambda);
+    return -(up / down).imag() / kPi;
+  };
+  for (int k = 0; k < model.modes; ++k) {
+    const double x = point(at_anchor + first + k + 0.5);
+    const double sigma = std::exp(x);
+    const double r = density(sigma) * spacing(x);
+    out.sigma.push_back(sigma);
+    out.weight.push_back(r * sigma);
+    out.direct -= r;
+  }
+  // What lies below the first section moves too slowly to follow anything: only its constant. Its density
+  // falls with the smaller exponent.
+  const double exponent = model.chi > 0.0 && model.theta != 0.0 ? std::min(model.eta, model.lambda)
+                          : model.chi > 0.0                     ? model.lambda
+                                                                : model.eta;
+  const double edge = std::exp(point(at_anchor + first));
+  out.direct -= density(edge) / exponent;
+  return out;
+}
+
+Complex LagSpread::response(Complex s) const {
+  Complex sum = direct;
+  for (std::size_t k = 0; k < sigma.size(); ++k) sum += weight[k] / (s + sigma[k]);
+  return sum;
+}
+
+FractionalOperator::FractionalOperator(const FractionalDynamic& model)
+    : model_(model), spread_(LagSpread::of(model, 1.0 / model.tau)) {
+  const std::size_t n = spread_.sigma.size();
+  lag_.assign(n, 0.0);
+  scratch_.assign(n, 0.0);
+  decay_.assign(n, 0.0);
+  hold_0_.assign(n, 0.0);
+  hold_1_.assign(n, 0.0);
+  from_lag_ = Eigen::Matrix3Xd::Zero(3, static_cast<Eigen::Index>(n));
+  reset(0.0);
+}
+
+double FractionalOperator::reset(double u) {
+  u_ = u;
+  time_ = 0.0;
+  double z = spread_.direct * u;
+  for (std::size_t k = 0; k < lag_.size(); ++k) {
+    lag_[k] = u / spread_.sigma[k];
+    z += spread_.weight[k] * lag_[k];
+  }
+  plant_ << z, model_.k_m * z / (model_.omega_n * model_.omega_n), 0.0;
+  return plant_(1) + model_.delta;
+}
+
+void FractionalOperator::prepare(double dt_s) {
+  prepared_ = dt_s;
+  // w' = (z − w)/τ, v' = p, p' = K_M w − ω² v − 2ξω p.
+  Eigen::Matrix3d a;
+  a << -1.0 / model_.tau, 0.0, 0.0, 0.0, 0.0, 1.0, model_.k_m, -model_.omega_n * model_.omega_n,
+      -2.0 * model_.xi * model_.omega_n;
+  const Eigen::Vector3d b(1.0 / model_.tau, 0.0, 0.0);
+  plant_decay_ = (a * dt_s).eval().exp();
+  // Constant and ramp inputs: a g0 = (e^{ah} − 1) b, a g1 = (g0 − h b)/h.
+  const Eigen::PartialPivLU<Eigen::Matrix3d> lu(a);
+  const Eigen::Vector3d g0 = lu.solve((plant_decay_ - Eigen::Matrix3d::Identity()) * b);
+  const Eigen::Vector3d g1 = lu.solve(g0 - dt_s * b) / dt_s;  // answer to t/h
+  input_0_ = spread_.direct * g0;
+  input_1_ = spread_.direct * g1;
+  for (std::size_t k = 0; k < lag_.size(); ++k) {
+    const double sigma = spread_.sigma[k];
+    const double x = sigma * dt_s;
+    decay_[k] = std::exp(-x);
+    hold_0_[k] = -std::expm1(-x) / sigma;
+    hold_1_[k] = x > 1e-3 ? (dt_s - hold_0_[k]) / x : dt_s * (0.5 - x * (1.0 / 6.0 - x / 24.0));
+    // ∫ e^{a(h−t)} b e^{−σt} dt.
+    const Eigen::Matrix3d shifted = a + sigma * Eigen::Matrix3d::Identity();
+    const Eigen::Vector3d g =
+        shifted.partialPivLu().solve((plant_decay_ - decay_[k] * Eigen::Matrix3d::Identity()) * b);
+    from_lag_.col(static_cast<Eigen::Index>(k)) = spread_.weight[k] * g;
+    // A section's forced part: (1 − e^{−σt})/σ for the constant, (t − (1 − e^{−σt})/σ)/(σ h) for the ramp.
+    const double w = spread_.weight[k] / sigma;
+    input_0_ += w * (g0 - g);
+    input_1_ += w * (g1 - (g0 - g) / x);
+  }
+}
+
+void FractionalOperator::advance(double u, double dt_s, double* lags, Eigen::Vector3d& plant) const {
+  (void)dt_s;
+  const double rise = u - u_;
+  double a = 0.0, b = 0.0, c = 0.0;
+  const double* row = from_lag_.data();
+  for (std::size_t k = 0; k < lag_.size(); ++k, row += 3) {
+    const double x = lag_[k];
+    a += row[0] * x;
+    b += row[1] * x;
+    c += row[2] * x;
+    lags[k] = decay_[k] * x + hold_0_[k] * u_ + hold_1_[k] * rise;
+  }
+  plant = plant_decay_ * plant_ + Eigen::Vector3d(a, b, c) + input_0_ * u_ + input_1_ * rise;
+}
+
+double FractionalOperator::step(double u, double dt_s) {
+  if (!(dt_s > 0.0)) return plant_(1) + model_.rho * time_ + model_.delta;
+  if (dt_s != prepared_) prepare(dt_s);
+  Eigen::Vector3d plant;
+  advance(u, dt_s, scratch_.data(), plant);
+  lag_.swap(scratch_);
+  plant_ = plant;
+  u_ = u;
+  time_ += dt_s;
+  return plant_(1) + model_.rho * time_ + model_.delta;
+}
+
+double FractionalOperator::peek(double u, double dt_s) const {
+  if (dt_s != prepared_ || !(dt_s > 0.0)) {
+    FractionalOperator copy(*this);
+    return copy.step(u, dt_s);
+  }
+  Eigen::Vector3d plant;
+  advance(u, dt_s, scratch_.data(), plant);
+  return plant(1) + model_.rho * (time_ + dt_s) + model_.delta;
+}
+
+std::vector<double> simulate_grunwald_letnikov(const FractionalDynamic& model, const std::vector<double>& u,
+                                               double step_s, int refine) {
+  const double h = step_s / refine;
+  const std::size_t n = u.empty() ? 0 : (u.size() - 1) * static_cast<std::size_t>(refine) + 1;
+  if (n == 0) return {};
+  const FractionalPolynomial below = FractionalPolynomial::denominator(model);
+  const FractionalPolynomial above{{{model.k_m * model.k_p, 0.0}, {model.k_m * model.theta, model.eta}}};
+  const auto sequence = [&](const FractionalPolynomial& polynomial) {
+    std::vector<double> out(n, 0.0);
+    for (const FractionalPolynomial::Term& term : polynomial.terms) {
+      double w = term.coefficient * std::pow(h, -term.exponent);
+      for (std::size_t j = 0; j < n; ++j) {
+        out[j] += w;
+        w *= 1.0 - (term.exponent + 1.0) / static_cast<double>(j + 1);
+        if (w == 0.0) break;
+      }
+    }
+    return out;
+  };
+  const std::vector<double> a = sequence(below);
+  const std::vector<double> b = sequence(above);
+  std::vector<double> fine(n), y(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t k = i / static_cast<std::size_t>(refine);
+    const double part = static_cast<double>(i % static_cast<std::size_t>(refine)) / refine;
+    fine[i] = part == 0.0 ? u[k] : u[k] + part * (u[k + 1] - u[k]);
+    double sum = 0.0;
+    for (std::size_t j = 0; j <= i; ++j) sum += b[j] * fine[i - j];
+    for (std::size_t j = 1; j <= i; ++j) sum -= a[j] * y[i - j];
+    y[i] = sum / a[0];
+  }
+  std::vector<double> out(u.size());
+  for (std::size_t i = 0; i < u.size(); ++i)
+    out[i] =
+        y[i * static_cast<std::size_t>(refine)] + model.rho * step_s * static_cast<double>(i) + model.delta;
+  return out;
+}
+
+Complex FractionalPolynomial::operator()(Complex s) const {
+  Complex sum = 0.0;
+  for (const Term& term : terms) sum += term.coefficient * power(s, term.exponent);
+  return sum;
+}
+
+FractionalPolynomial FractionalPolynomial::denominator(const FractionalDynamic& m) {
+  const double damping = 2.0 * m.xi * m.omega_n;
+  const double square = m.omega_n * m.omega_n;
+  const double c[4] = {square, m.tau * square + damping, 1.0 + m.tau * damping, m.tau};
+  FractionalPolynomial out;
+  for (int i = 3; i >= 0; --i) {
+    out.terms.push_back({c[i] * m.chi, i + m.lambda});
+    out.terms.push_back({c[i], static_cast<double>(i)});
+  }
+  return out;
+}
+
+int right_half_plane_roots(const FractionalPolynomial& polynomial) {
+  double top = 0.0;
+  double bottom = std::numeric_limits<double>::infinity();
+  double top_coefficient = 0.0;
+  double bottom_coefficient = 0.0;
+  for (const FractionalPolynomial::Term& term : polynomial.terms) {
+    if (term.coefficient == 0.0) continue;
+    if (term.exponent >= top) {
+      top = term.exponent;
+      top_coefficient = term.coefficient;
+    }
+    if (term.exponent <= bottom) {
+      bottom = term.exponent;
+      bottom_coefficient = term.coefficient;
+    }
+  }
+  if (!(top > 0.0)) return 0;
+  // Bounds between which everything happens: outside them the first or the last term dominates by far.
+  double low = std::numeric_limits<double>::infinity();
+  double high = 0.0;
+  for (const FractionalPolynomial::Term& term : polynomial.terms) {
+    if (term.coefficient == 0.0) continue;
+    if (term.exponent > bottom)
+      low = std::min(low, std::pow(1e-6 * std::abs(bottom_coefficient / term.coefficient),
+                                   1.0 / (term.exponent - bottom)));
+    if (term.exponent < top)
+      high = std::max(
+          high, std::pow(1e6 * std::abs(term.coefficient / top_coefficient), 1.0 / (top - term.exponent)));
+  }
+  if (high <= low) high = low * 10.0;
+  // Argument along jω, ω from low to high, in steps small enough that each turns by less than a tenth of a
+  // turn.
+  const auto at = [&](double x) { return polynomial(Complex(0.0, std::exp(x))); };
+  double x = std::log(low);
+  const double end = std::log(high);
+  Complex here = at(x);
+  double turned =
+      std::arg(here * std::conj(Complex(bottom_coefficient, 0.0) * power(Complex(0.0, 1.0), bottom)));
+  double step = 0.05;
+  while (x < end) {
+    const double dx = std::min(step, end - x);
+    const Complex next = at(x + dx);
+    const double turn = std::arg(next * std::conj(here));
+    if (std::abs(turn) > 0.6) {
+      if (dx < 1e-9) return -1;
+      step = 0.5 * dx;
+      continue;
+    }
+    turned += turn;
+    x += dx;
+    here = next;
+    if (std::abs(turn) < 0.1) step = std::min(0.05, 1.5 * dx);
+  }
+  // From 0 to ∞ the argument would turn by (top − bottom)π/2 without roots to the right; each takes π away.
+  return static_cast<int>(std::lround(((top - bottom) * kPi / 2.0 - turned) / kPi));
+}
+
+int unstable_by_matignon(const FractionalPolynomial& polynomial, double q) {
+  std::vector<double> c;
+  for (const FractionalPolynomial::Term& term : polynomial.terms) {
+    const double degree = term.exponent / q;
+    const auto whole = static_cast<std::size_t>(std::llround(degree));
+    if (std::abs(degree - static_cast<double>(whole)) > 1e-6)
+      throw DesignError("an exponent is no multiple of q");
+    if (whole > 600)
+      throw DesignError("the degree in s^q is above 600: count by the argument principle instead");
+    if (c.size() <= whole) c.resize(whole + 1, 0.0);
+    c[whole] += term.coefficient;
+  }
+  while (!c.empty() && c.back() == 0.0) c.pop_back();
+  const auto n = static_cast<Eigen::Index>(c.size()) - 1;
+  if (n < 1) return 0;
+  // Scaled so that the first and the last coefficient are alike.
+  const double scale = std::pow(std::abs(c.front() / c.back()), 1.0 / static_cast<double>(n));
+  Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(n, n);
+  for (Eigen::Index i = 0; i + 1 < n; ++i) companion(i + 1, i) = 1.0;
+  for (Eigen::Index i = 0; i < n; ++i)
+    companion(i, n - 1) =
+        -c[static_cast<std::size_t>(i)] / c.back() * std::pow(scale, static_cast<double>(i - n));
+  const Eigen::VectorXcd roots = companion.eigenvalues();
+  int out = 0;
+  for (Eigen::Index i = 0; i < n; ++i) out += std::abs(std::arg(roots(i))) < q * kPi / 2.0;
+  return out;
+}
+
+}  // namespace bodesmith::hysteresis

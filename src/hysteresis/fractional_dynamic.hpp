@@ -1,0 +1,121 @@
+#pragma once
+
+#include <Eigen/Dense>
+#include <complex>
+#include <vector>
+
+#include "hysteresis/inverse.hpp"
+#include "hysteresis/operator.hpp"
+#include "hysteresis/parameters.hpp"
+
+namespace bodesmith::hysteresis {
+
+/// The linearised fractional dynamic hysteresis model of a fast tool servo (003, eq. 8-19):
+///   P(s) = 1/(τ s + 1) · K_M/(s² + 2ξω_n s + ω_n²) · F(s),   F(s) = (K_p + Θ s^η)/(1 + χ s^λ) (15) y(t) = P
+///   u + ρ t + δ                                                                                (18)
+/// with 0 < η, λ < 1. Linear: one frequency, one ellipse, whatever the amplitude. s^α has its cut on the
+/// negative real axis, where F has no pole, so F is exactly a spread of first-order lags,
+///   F(s) = K_p − s ∫ r(σ)/(σ (s + σ)) dσ,   r(σ) = −(1/π) Im F(σ e^(iπ)),
+/// and `modes` first-order sections (trapezoid rule in ln σ, points crowded where r has its pole beside the
+/// axis) are the simulation by sections. They, the lag and the resonance are propagated exactly for an input
+/// that is linear between samples, at any sampling time. Grünwald and Letnikov's sum (eq. 2), which keeps all
+/// the past, is simulate_grunwald_letnikov(). Note on eq. 20: with Table 1 the printed denominator agrees
+/// within 1 % where it has terms (τχ s^3.811, τ s³, χ(1 + 2ξω_nτ) s^2.811, (1 + 2ξω_nτ) s², χ(ω_n²τ + 2ξω_n)
+/// s^1.811), but its last term lacks its s, and χω_n² s^λ and ω_n² are missing. Stability: the factors are
+/// stable for τ, ξ, ω_n > 0, and 1 + χ s^λ has no root with χ > 0, λ < 1; check any denominator with
+/// right_half_plane_roots() (argument principle) or unstable_by_matignon().
+///
+/// Inverse: of F and the constant gain (F⁻¹ has the same form). The lag and the resonance are left in: an
+/// exact inverse of them is improper. achieved() is the whole model's answer.
+struct FractionalDynamic {
+  double k_m = 1.0;
+  double xi = 0.1;
+  double omega_n = 1.0;
+  double tau = 1.0;
+  double eta = 0.5;
+  double lambda = 0.5;
+  double k_p = 1.0;
+  double theta = 0.0;
+  double chi = 0.0;
+  double rho = 0.0;
+  double delta = 0.0;
+  int modes = 60;
+
+  static FractionalDynamic from(const Parameters& values);
+  std::complex<double> fractional_part(std::complex<double> s) const;  ///< F
+  std::complex<double> response(std::complex<double> s) const;         ///< P
+  /// Constant gain of P: K_M K_p/ω_n².
+  double static_gain() const { return k_m * k_p / (omega_n * omega_n); }
+};
+
+/// F as constant + Σ weight_k/(s + sigma_k).
+struct LagSpread {
+  double direct = 0.0;
+  std::vector<double> sigma;
+  std::vector<double> weight;
+
+  /// No section falls on `anchor`.
+  static LagSpread of(const FractionalDynamic& model, double anchor);
+  std::complex<double> response(std::complex<double> s) const;
+};
+
+class FractionalOperator final : public Operator {
+ public:
+  explicit FractionalOperator(const FractionalDynamic& model);
+  std::unique_ptr<Operator> clone() const override { return std::make_unique<FractionalOperator>(*this); }
+  double reset(double u) override;
+  double step(double u, double dt_s) override;
+  double peek(double u, double dt_s) const override;
+  bool rate_independent() const override { return false; }
+
+ private:
+  void prepare(double dt_s);
+  void advance(double u, double dt_s, double* lags, Eigen::Vector3d& plant) const;
+
+  FractionalDynamic model_;
+  LagSpread spread_;
+  std::vector<double> lag_;  ///< states of the sections
+  mutable std::vector<double> scratch_;
+  Eigen::Vector3d plant_ = Eigen::Vector3d::Zero();  ///< lag's output, resonator's position and velocity
+  double u_ = 0.0;
+  double time_ = 0.0;
+  // For the sampling time `prepared_`:
+  double prepared_ = -1.0;
+  std::vector<double> decay_;   ///< e^(−σ h)
+  std::vector<double> hold_0_;  ///< ∫ e^(−σ(h−t)) dt
+  std::vector<double> hold_1_;  ///< the same of a ramp 0 → 1
+  Eigen::Matrix3d plant_decay_ = Eigen::Matrix3d::Identity();
+  Eigen::Vector3d input_0_ =
+      Eigen::Vector3d::Zero();  ///< answer to u(t) = 1 through everything but the sections' states
+  Eigen::Vector3d input_1_ = Eigen::Vector3d::Zero();  ///< to the ramp
+  Eigen::Matrix3Xd from_lag_;                          ///< answer of the plant to a section's state
+};
+
+/// Grünwald-Letnikov (eq. 2) for the whole of eq. 15, zero initial state, all the past: O(n²). Every sample
+/// is split into `refine` steps with u linear between. First order in the step: the paper's own 0.1 ms is
+/// 0.08 of its resonance's period.
+std::vector<double> simulate_grunwald_letnikov(const FractionalDynamic& model, const std::vector<double>& u,
+                                               double step_s, int refine = 1);
+
+/// Σ coefficient · s^exponent, exponents ≥ 0.
+struct FractionalPolynomial {
+  struct Term {
+    double coefficient = 0.0;
+    double exponent = 0.0;
+  };
+  std::vector<Term> terms;
+
+  std::complex<double> operator()(std::complex<double> s) const;
+  /// The denominator of eq. 15 multiplied out; eight terms.
+  static FractionalPolynomial denominator(const FractionalDynamic& model);
+};
+
+/// Roots with Re s > 0 on the principal sheet, counted by how far the argument turns along the imaginary
+/// axis. Works for any real exponents. Negative when a root lies on the axis (to rounding).
+int right_half_plane_roots(const FractionalPolynomial& polynomial);
+/// Matignon's theorem (eq. 7): roots σ of the companion matrix of the polynomial in σ = s^q with |arg σ| <
+/// qπ/2. Exponents must be multiples of q, the degree at most 600 (a companion matrix of degree 3811, as q =
+/// 0.001 asks for, is not a sound way to find roots).
+int unstable_by_matignon(const FractionalPolynomial& polynomial, double q);
+
+}  // namespace bodesmith::hysteresis

@@ -1,99 +1,47 @@
-#include <fmt/format.h>
-
-#include <chrono>
-#include <string>
-
-#include "base/files.hpp"
-#include "base/json.hpp"
-#include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "fit/cascade_fit.hpp"
+#include "cli/fit_modes.hpp"
 
 namespace bodesmith::cli {
-namespace {
 
 namespace po = boost::program_options;
-
-std::string summary_text(const CascadeFit& fit) {
-  std::string text =
-      fit.bounded
-          ? fmt::format("bounded least squares, {} <= beta <= {}{}\n", rounded_text(fit.lower_bound),
-                        rounded_text(fit.upper_bound),
-                        fit.lower_bound == 0.0 ? " (a beta of 0 counts as allowed: that term is 1)" : "")
-          : std::string("interpolation of every point above the base\n");
-  text += fmt::format("base {} Hz (gain {}; the curve has {} dB there, a consequence)\n",
-                      rounded_text(fit.base.value), rounded_text(fit.cascade.gain),
-                      rounded_text(fit.base_got_db, 3));
-  for (const CascadeFitTerm& term : fit.terms) {
-    text += fmt::format("  {:>8} .. {:<8} Hz  beta {:>9}  {}{}  (1 % of a gain moves it by up to {})\n",
-                        rounded_text(term.band.from.value), rounded_text(term.band.to.value),
-                        rounded_text(term.beta, 5),
-                        term.beta == 0.0 ? "flat"
-                        : term.rises     ? "lead"
-                                         : "lag ",
-                        term.at_bound ? ", at its bound" : "", rounded_text(term.max_sensitivity, 3));
-  }
-  text += "  frequency_hz  wanted_db    got_db\n";
-  for (const Cascade::FitPoint& point : fit.cascade.fit->points) {
-    text += fmt::format("  {:>12}  {:>9.4f} {:>9.4f}\n", rounded_text(point.frequency.value, 6),
-                        point.wanted_db, point.got_db);
-  }
-  text += fmt::format("rms {} dB, largest miss {} dB, condition number {}\n",
-                      rounded_text(fit.cascade.fit->rms_db, 3), rounded_text(fit.cascade.fit->max_db, 3),
-                      rounded_text(fit.condition_number, 3));
-  return text;
-}
-
-}  // namespace
 
 int run_fit(const std::vector<std::string>& arguments) {
   CommandLine line(
       "fit", "bodesmith fit gains.csv -o cascade.json",
-      "Finds a cascade of fractional lead-lags through wanted gains (first seed, eq. 18), or the bounded\n"
-      "least squares fit to them (eq. 19, with --beta-max).");
-  line.options().add_options()(
-      "base-hz", po::value<double>(),
-      "frequency of gain 1 at which the first band starts (default: the lowest point)")(
-      "beta-max", po::value<double>(), "bounded fit: |beta| at most this")(
-      "beta-positive", "with --beta-max: 0 <= beta, as eq. 19 prints it (cannot follow a dip)")(
-      "surprise-db", po::value<double>()->default_value(0.5),
-      "warn when the curve leaves what two neighbouring points span, or hangs on one point, by more than "
-      "this")("max-error-db", po::value<double>(), "exit with 1 when a point is missed by more than this");
-  line.positional("POINTS.csv", 1, 1);
-  line.output("where the cascade goes");
+      "Finds a cascade of fractional lead-lags through wanted gains; or, with --direct, integer sections\n"
+      "straight to them; or, with --waveform, sections for the compensating waveform of a disturbance:\n"
+      "  bodesmith fit gains.csv --direct --order 4 -o sections.json\n"
+      "  bodesmith fit --waveform disturbance.json --order 2 -o sections.json");
+  line.options().add_options()("direct", "integer sections straight to the points")(
+      "waveform", po::value<std::string>(), "a disturbance.json: sections that minimise the waveform error")(
+      "order", po::value<int>(), "poles, with --direct (1 to 12) or --waveform (1 to 6)")(
+      "real", "real poles and zeros only")(
+      "max-error-db", po::value<double>(),
+      "exit with 1 when a point is missed by more than this; --direct without "
+      "--order takes the smallest order that keeps it");
+  po::options_description cascade("To a cascade", 100);
+  add_cascade_options(cascade);
+  po::options_description direct("With --direct", 100);
+  add_direct_options(direct);
+  po::options_description waveform("With --waveform", 100);
+  add_waveform_options(waveform);
+  line.options().add(cascade).add(direct).add(waveform);
+  line.positional("POINTS.csv", 0, 1);
+  line.output("where the cascade or the sections go");
+  line.seed();
   if (!line.parse(arguments)) return kDone;
-
-  CascadeFitOptions options;
-  if (line.maybe<double>("base-hz")) options.base = Hertz{line.positive("base-hz")};
-  if (line.maybe<double>("beta-max")) options.beta_max = line.positive("beta-max");
-  options.beta_positive = line.has("beta-positive");
-  if (options.beta_positive && !options.beta_max) line.fail("--beta-positive needs --beta-max");
-  options.surprise_db = line.positive("surprise-db");
-  std::optional<double> limit;
-  if (line.maybe<double>("max-error-db")) limit = line.positive("max-error-db");
-
-  Provenance from;
-  const BodePoints points = BodePoints::read_csv(line.files().front(), from);
-  const auto start = std::chrono::steady_clock::now();
-  const CascadeFit fit = fit_cascade(points, options);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
-  for (const std::string& warning : fit.warnings) note("warning: " + warning);
-
-  Json out = json_header("cascade", from);
-  out.update(fit.to_json());
-  out["timing_s"] = {{"compute", seconds}};
-  write_file(line.output_path(), to_text(out));
-
-  Json summary = json_header("fit_summary", from);
-  summary.update(fit.to_json());
-  const bool met = !limit || fit.cascade.fit->max_db <= *limit;
-  if (limit) summary["limit_met"] = met;
-  summary["timing_s"] = {{"compute", seconds}};
-  std::string text = summary_text(fit);
-  if (!met) text += fmt::format("the limit of {} dB is NOT met\n", rounded_text(*limit));
-  print_summary(line, text, summary);
-  return met ? kDone : kLimitMissed;
+  if (line.has("waveform")) {
+    if (line.has("direct")) line.fail("--direct and --waveform exclude each other");
+    if (!line.files().empty()) line.fail("--waveform takes its disturbance file and no POINTS.csv");
+    return fit_to_waveform(line);
+  }
+  if (line.files().empty()) line.fail("POINTS.csv is missing");
+  if (line.has("direct")) return fit_to_sections(line);
+  for (const char* option : {"order", "real"}) {
+    if (line.has(option)) line.fail(std::string("--") + option + " needs --direct or --waveform");
+  }
+  return fit_to_cascade(line);
 }
 
 }  // namespace bodesmith::cli

@@ -54,9 +54,12 @@ WaveformError waveform_error(const FrequencyResponse& g, const Disturbance& dist
           (options.path == DrivenPath::descending && rising))
         continue;
       double e = (beyond - (rising ? gain_up : gain_down)) * input.value(phase);
+      const size_t turn = 2 * m + 1;
+      size_t index = 0;
       for (size_t k = 0; k <= harmonics; ++k) {
-        const size_t index = (k * (2 * m + 1)) % (2 * samples);
         e += part[k].real() * cosine[index] - part[k].imag() * sine[index];
+        index += turn;
+        if (index >= 2 * samples) index -= 2 * samples;
       }
       square += e * e;
       peak = std::max(peak, std::abs(e));

@@ -1,10 +1,13 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <cmath>
 #include <filesystem>
 
 #include "base/document.hpp"
 #include "base/provenance.hpp"
 #include "lti/cascade.hpp"
+#include "lti/sections.hpp"
 #include "run_program.hpp"
 
 namespace bodesmith {
@@ -58,6 +61,60 @@ TEST(FitCommand, BadInputIsOneLineAndWritesNothing) {
     EXPECT_FALSE(std::filesystem::exists(folder / "c.json"));
   }
   EXPECT_EQ(run_bodesmith("fit " + kGains).status, 2);
+}
+
+TEST(FitCommand, DirectFitOfTheFivePoints) {
+  const TemporaryFolder folder;
+  const std::string out = (folder / "sections.json").string();
+  const auto result =
+      run_bodesmith("fit " + kGains + " --direct --order 3 --real --max-corner-hz 500 -o " + out);
+  ASSERT_EQ(result.status, 0) << result.err;
+  Provenance from;
+  const Sections sections = Sections::read(out, from);
+  EXPECT_EQ(sections.pole_count(), 3);
+  const double f[] = {1, 10, 20, 60, 100};
+  const double g[] = {1, 1.06, 1.1, 1.04, 1.17};
+  for (int i = 0; i < 5; ++i) {
+    EXPECT_NEAR(to_decibel(std::abs(sections.response(Hertz{f[i]}.rad_s()))), to_decibel(g[i]), 0.01);
+  }
+  EXPECT_LE(sections.corner_band().to.value, 500.0 * (1 + 1e-9));
+  EXPECT_EQ(run_bodesmith("fit " + kGains + " --direct --order 1 --max-error-db 0.001 -o " + out).status, 1);
+  EXPECT_EQ(run_bodesmith("fit " + kGains + " --direct --max-error-db 0.01 -o " + out).status, 0);
+  const auto again = [&] {
+    return run_bodesmith("fit " + kGains + " --direct --order 2 --seed 3 -o " + out).out;
+  };
+  EXPECT_EQ(again(), again());
+}
+
+TEST(FitCommand, WaveformFit) {
+  const TemporaryFolder folder;
+  const std::string disturbance =
+      std::string(BODESMITH_SOURCE_DIR) + "/examples/nanopositioner/disturbance.json";
+  const std::string out = (folder / "sections.json").string();
+  const auto result = run_bodesmith("fit --waveform " + disturbance + " --order 1 --json -o " + out);
+  ASSERT_EQ(result.status, 0) << result.err;
+  const Node summary = parse_json(result.out, "stdout");
+  EXPECT_EQ(summary.at("branch").string(), "descending");
+  EXPECT_LT(summary.at("error").at("rms_percent").number(),
+            summary.at("no_compensation").at("rms_percent").number());
+  Provenance from;
+  EXPECT_EQ(Sections::read(out, from).pole_count(), 1);
+}
+
+TEST(FitCommand, ModesThatExcludeEachOther) {
+  const TemporaryFolder folder;
+  const std::string disturbance =
+      std::string(BODESMITH_SOURCE_DIR) + "/examples/nanopositioner/disturbance.json";
+  const std::string to = " -o " + (folder / "c.json").string();
+  for (const std::string& arguments :
+       {std::string(), kGains + " --direct", kGains + " --order 3", kGains + " --direct --order 13",
+        kGains + " --waveform " + disturbance, "--waveform " + disturbance + " --norm max",
+        "--waveform " + disturbance + " --branch ascending", "--waveform " + kGains}) {
+    const auto result = run_bodesmith("fit " + arguments + to);
+    EXPECT_EQ(result.status, 2) << arguments;
+    EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "c.json"));
+  }
 }
 
 }  // namespace

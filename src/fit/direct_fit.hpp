@@ -1,0 +1,64 @@
+#pragma once
+
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/json.hpp"
+#include "base/units.hpp"
+#include "lti/sections.hpp"
+#include "signal/bode_points.hpp"
+
+namespace bodesmith {
+
+/// Integer sections straight to wanted gains, stable and minimum-phase, without a fractional detour.
+struct DirectFitOptions {
+  int order = 4;               ///< poles, 1 to 12
+  int relative_degree = 0;     ///< poles minus zeros
+  bool real = false;           ///< real poles and zeros only (they fit bilinear blocks)
+  bool least_squares = false;  ///< smallest rms dB; otherwise the largest weighted |dB| is made smallest
+  bool use_phase = false;      ///< fit the points' phase too (complex data)
+  /// No corner above this. Without it: 1000 times the highest point. A low cap keeps the gain above the band
+  /// near the points' (the five points of the first seed fitted without one rise by 18 dB).
+  std::optional<Hertz> max_corner{};
+  double least_damping = 0.05;  ///< of complex pairs
+  /// Gain masks, in the points' own unit; interpolated linearly in dB over log frequency, active inside their
+  /// range.
+  std::optional<BodePoints> upper{};
+  std::optional<BodePoints> lower{};
+  std::uint64_t seed = 1;  ///< of the starts beyond the constructed ones
+  int starts = 24;         ///< random starts of the highest order
+};
+
+struct DirectFitPoint {
+  Hertz frequency;
+  double wanted_db = 0.0;
+  double got_db = 0.0;
+};
+
+struct DirectFit {
+  Sections sections;  ///< error over the points' band filled in; phase error only with use_phase
+  std::vector<DirectFitPoint> points;
+  double max_db = 0.0;
+  double rms_db = 0.0;
+  double max_phase_deg = 0.0;      ///< with use_phase
+  double mask_violation_db = 0.0;  ///< largest, 0 when the masks are kept or absent
+  double highest_gain_above_band_db =
+      0.0;  ///< relative to the largest point: what happens where nothing was asked
+  int parameters = 0;
+  int starts_tried = 0;
+  int cancelled = 0;  ///< poles of the order asked for that met a zero and were left out
+  std::vector<std::string> warnings;
+
+  Json report_json() const;
+};
+
+/// ln|H| is fitted: with fewer points than parameters the smoothest-start solution is moved onto the points,
+/// otherwise starts are built up order by order (the best fit so far plus a pole-zero pair at several
+/// frequencies, and random ones), improved by Levenberg-Marquardt, and the best refined by sequential
+/// quadratic (rms) or linear (Chebyshev) programming in a trust region. Throws InputError for an order out of
+/// range or no points.
+DirectFit fit_directly(const BodePoints& points, const DirectFitOptions& options);
+
+}  // namespace bodesmith

@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <vector>
+
+#include "base/units.hpp"
+#include "lti/sections.hpp"
+
+namespace bodesmith {
+
+/// Stable, minimum-phase H(s) as a point theta for optimisers: ln(gain), then real roots by ln(corner), then
+/// pairs of roots by (ln w0, ln zeta), s^2 + 2 zeta w0 s + w0^2; a pair with zeta > 1 is two real roots, so
+/// pairs reach every configuration without a seam. Zeros first, then poles. H = gain * prod (zeros normalised
+/// to 1 at the reference frequency) / prod (poles likewise), so that gain stays near the data.
+struct RootModel {
+  int real_zeros = 0;
+  int zero_pairs = 0;
+  int real_poles = 0;
+  int pole_pairs = 0;
+  RadPerSecond reference{1.0};
+
+  int zeros() const { return real_zeros + 2 * zero_pairs; }
+  int poles() const { return real_poles + 2 * pole_pairs; }
+  Eigen::Index size() const { return 1 + real_zeros + 2 * zero_pairs + real_poles + 2 * pole_pairs; }
+
+  /// ln H(jw), the imaginary part unwrapped, and (unless null) its derivatives by theta.
+  std::complex<double> log_response(const Eigen::VectorXd& theta, RadPerSecond w,
+                                    Eigen::RowVectorXcd* slope = nullptr) const;
+
+  struct Roots {
+    double gain = 1.0;  ///< H = gain * prod(s - z)/prod(s - p)
+    std::vector<std::complex<double>> zeros;
+    std::vector<std::complex<double>> poles;
+  };
+  Roots roots(const Eigen::VectorXd& theta) const;
+};
+
+/// What a root may be: corner frequencies within [low, high], damping of pairs at least `least_damping`.
+struct RootLimits {
+  RadPerSecond low{1e-300};
+  RadPerSecond high{1e300};
+  double least_damping = 1e-3;
+};
+
+/// Linear inequalities A step <= b that keep theta + step within the limits (linearised for the larger root
+/// of an overdamped pair).
+void add_limits(const RootModel& model, const RootLimits& limits, const Eigen::VectorXd& theta,
+                std::vector<Eigen::RowVectorXd>& rows, std::vector<double>& most);
+/// Moves theta into the limits.
+void clamp(const RootModel& model, const RootLimits& limits, Eigen::VectorXd& theta);
+
+}  // namespace bodesmith

@@ -1,0 +1,110 @@
+#include "lti/section_making.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+
+namespace bodesmith {
+namespace {
+
+using Complex = std::complex<double>;
+
+Complex product(double gain, const std::vector<Complex>& zeros, const std::vector<Complex>& poles,
+                Complex s) {
+  Complex h = gain;
+  for (const Complex& z : zeros) h *= s - z;
+  for (const Complex& p : poles) h /= s - p;
+  return h;
+}
+
+TEST(MakeSections, ProductIsKeptWhateverTheMixture) {
+  struct Case {
+    std::vector<Complex> zeros;
+    std::vector<Complex> poles;
+  };
+  const std::vector<Case> cases = {
+      {{-1.0, -30.0}, {-5.0, -100.0}},
+      {{{-3, 4}, {-3, -4}}, {-5.0, -100.0}},
+      {{-2.0, -7.0, -9.0}, {{-1, 2}, {-1, -2}, -50.0}},
+      {{{-3, 4}, {-3, -4}, {-30, 40}, {-30, -40}}, {-1.0, -2.0, -20.0, -90.0}},
+      {{0.0}, {-4.0, -8.0}},
+      {{}, {{-1, 5}, {-1, -5}, -2.0}},
+  };
+  for (const Case& c : cases) {
+    for (const bool biquads : {false, true}) {
+      const Sections sections = make_sections(2.5, c.zeros, c.poles, {.biquads = biquads});
+      for (const double w : {0.1, 3.0, 77.0, 1e4}) {
+        const Complex s(0.0, w);
+        EXPECT_NEAR(std::abs(sections.response(s) / product(2.5, c.zeros, c.poles, s) - 1.0), 0.0, 1e-12);
+      }
+      for (const Section& section : sections.sections) EXPECT_LE(section.zeros.size(), section.poles.size());
+    }
+  }
+  EXPECT_THROW(make_sections(1.0, {-1.0, -2.0}, {-3.0}), std::logic_error);
+}
+
+double span_of(const std::vector<Section>& sections, const std::vector<Hertz>& grid) {
+  double worst = 0.0;
+  std::vector<double> sum(grid.size(), 0.0);
+  for (const Section& section : sections) {
+    for (size_t j = 0; j < grid.size(); ++j)
+      sum[j] += to_decibel(std::abs(section.response(grid[j].rad_s())));
+    worst = std::max(worst,
+                     *std::max_element(sum.begin(), sum.end()) - *std::min_element(sum.begin(), sum.end()));
+  }
+  return worst;
+}
+
+TEST(OrderSections, NoPairingAndOrderIsBetterOfFourSections) {
+  const std::vector<double> zeros = {20.0, 900.0, 95.0, 4000.0};
+  const std::vector<double> poles = {3.0, 300.0, 2000.0, 60.0};
+  Sections given;
+  for (size_t i = 0; i < 4; ++i) given.sections.push_back(Section::pole_zero(1.0, {zeros[i]}, {poles[i]}));
+  const Band band{Hertz{0.2}, Hertz{2000.0}};
+  const OrderedSections ordered = order_sections(given, band);
+  const auto grid = log_grid(band, 121);
+  double best = INFINITY;
+  std::vector<size_t> pairing = {0, 1, 2, 3};
+  do {
+    std::vector<size_t> order = {0, 1, 2, 3};
+    do {
+      std::vector<Section> sections;
+      for (const size_t i : order)
+        sections.push_back(Section::pole_zero(1.0, {zeros[pairing[i]]}, {poles[i]}));
+      best = std::min(best, span_of(sections, grid));
+    } while (std::next_permutation(order.begin(), order.end()));
+  } while (std::next_permutation(pairing.begin(), pairing.end()));
+  EXPECT_TRUE(ordered.exhaustive);
+  EXPECT_NEAR(ordered.span_after_db, best, 0.01);
+  EXPECT_LE(ordered.span_after_db, ordered.span_before_db + 1e-9);
+  for (const double w : {0.5, 40.0, 3000.0}) {
+    EXPECT_NEAR(std::abs(ordered.sections.response(RadPerSecond{w}) / given.response(RadPerSecond{w}) - 1.0),
+                0.0, 1e-12);
+  }
+}
+
+TEST(OrderSections, BiquadsByOrderAloneAndEightSectionsQuickly) {
+  Sections mixed;
+  mixed.gain = -3.0;
+  for (const double w : {10.0, 500.0, 70.0}) {
+    Section s;
+    s.zeros = {{-0.2 * w, 0.5 * w}, {-0.2 * w, -0.5 * w}};
+    s.poles = {{-0.6 * w, 0.8 * w}, {-0.6 * w, -0.8 * w}};
+    mixed.sections.push_back(s);
+  }
+  const OrderedSections ordered = order_sections(mixed, {Hertz{0.5}, Hertz{200.0}});
+  EXPECT_NEAR(
+      std::abs(ordered.sections.response(RadPerSecond{33.0}) / mixed.response(RadPerSecond{33.0}) - 1.0), 0.0,
+      1e-12);
+  Sections eight;
+  for (int i = 0; i < 8; ++i)
+    eight.sections.push_back(Section::pole_zero(1.0, {std::pow(3.0, i)}, {std::pow(3.0, 7.5 - i)}));
+  const OrderedSections pairs = order_sections(eight, {Hertz{0.1}, Hertz{1000.0}});
+  EXPECT_TRUE(pairs.exhaustive);
+  EXPECT_LT(pairs.span_after_db, pairs.span_before_db);
+}
+
+}  // namespace
+}  // namespace bodesmith

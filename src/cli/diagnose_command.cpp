@@ -1,8 +1,104 @@
-#include "base/error.hpp"
+#include <fmt/format.h>
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+#include "base/files.hpp"
+#include "base/progress.hpp"
+#include "base/text.hpp"
+#include "chain/model_file.hpp"
+#include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "gap/diagnosis.hpp"
 
 namespace bodesmith::cli {
+namespace {
 
-int run_diagnose(const std::vector<std::string>&) { throw InputError("diagnose is not built yet"); }
+namespace po = boost::program_options;
+
+std::vector<std::filesystem::path> paths(const CommandLine& line, const char* option) {
+  std::vector<std::filesystem::path> out;
+  for (const auto& p : line.maybe<std::vector<std::string>>(option).value_or(std::vector<std::string>{}))
+    out.emplace_back(p);
+  return out;
+}
+
+gap::SearchOptions read_options(const CommandLine& line, Progress& progress) {
+  gap::SearchOptions options;
+  options.most_terms = line.get<int>("max-terms");
+  if (options.most_terms < 0 || options.most_terms > 20) line.fail("--max-terms is outside 0 to 20");
+  options.threads = line.get<int>("threads");
+  if (options.threads < 1 || options.threads > 256) line.fail("--threads is outside 1 to 256");
+  options.seed = line.seed_value();
+  options.progress = [&progress](double fraction) { progress.at(fraction); };
+  options.stop = [] { return interrupted(); };
+  return options;
+}
+
+std::string summary_text(const gap::Diagnosis& d, const std::filesystem::path& folder) {
+  std::string text = fmt::format("{}\n", word(d.verdict));
+  text += fmt::format("  base model: {} rms on training, {} on held-out records ({:.3f} % of range)\n",
+                      rounded_text(d.refitted.train_rms), rounded_text(d.refitted.holdout_rms),
+                      d.refitted.holdout_percent_of_range);
+  for (const auto& s : d.steps) {
+    text += fmt::format("  + {} ({}){}: held-out {} -> {}\n", s.effect, s.placed,
+                        s.tied_with.empty() ? "" : ", not to be told from " + join(s.tied_with, ", "),
+                        rounded_text(s.before.holdout_rms), rounded_text(s.after.holdout_rms));
+  }
+  text += fmt::format("  noise floor: {}\n", d.floor.how == gap::NoiseFloor::How::unknown
+                                                 ? "unknown"
+                                                 : rounded_text(d.floor.rms) + " (" + d.floor.word() + ")");
+  if (!d.advice.empty()) text += "  " + d.advice + "\n";
+  text += fmt::format("wrote {}\n", (folder / "diagnosis.json").string());
+  return text;
+}
+
+}  // namespace
+
+int run_diagnose(const std::vector<std::string>& arguments) {
+  CommandLine line(
+      "diagnose", "bodesmith diagnose model.toml --data train.csv --holdout test.csv -o out/gap",
+      "Names what a model is missing: where it disagrees with measured records, which effect explains it, "
+      "and how far the gap shrinks on records that were not fitted.");
+  line.positional("MODEL.toml", 1, 1);
+  line.output("folder for diagnosis.json, model.toml, base_refitted.toml and report.html");
+  line.seed();
+  line.options().add_options()("data", po::value<std::vector<std::string>>()->multitoken(),
+                               "records to fit: time_s,u,y or frequency_hz,magnitude_db,phase_deg")(
+      "holdout", po::value<std::vector<std::string>>()->multitoken(),
+      "records that are not fitted, best with another excitation; none: 30 % of each record is held out")(
+      "max-terms", po::value<int>()->default_value(5), "most effects to name")(
+      "threads", po::value<int>()->default_value(2),
+      "threads of the search (the result does not depend on it)");
+  if (!line.parse(arguments)) return kDone;
+  const auto data = paths(line, "data");
+  if (data.empty()) line.fail("--data is missing, expected at least one CSV file");
+
+  Provenance from;
+  const auto base = chain::read_model(line.files()[0], from);
+  const auto study = gap::Study::read(data, paths(line, "holdout"), base, from);
+  Progress progress("looking for what is missing");
+  const auto diagnosis = gap::diagnose(base, study, read_options(line, progress));
+
+  const std::filesystem::path folder = line.output_path();
+  OutputSet files(folder);
+  Json json = json_header("diagnosis", from);
+  json.update(gap::to_json(diagnosis));
+  json["timing_s"] = {{"compute", diagnosis.compute_s}};
+  files.add("diagnosis.json", to_text(json));
+  std::vector<std::string> found;
+  for (const auto& s : diagnosis.steps) found.push_back(s.effect + " " + s.placed);
+  files.add("model.toml",
+            chain::model_text(diagnosis.search.final.chain(),
+                              "The base model, refitted, with what diagnose found: " +
+                                  (found.empty() ? std::string("nothing") : join(found, ", ")) + "."));
+  files.add("base_refitted.toml", chain::model_text(diagnosis.search.base.chain(),
+                                                    "The base model with its free parameters refitted."));
+  files.add("report.html", gap::report_page(diagnosis, study));
+  files.commit();
+  print_summary(line, summary_text(diagnosis, folder), json);
+  return kDone;
+}
 
 }  // namespace bodesmith::cli

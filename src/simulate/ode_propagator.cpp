@@ -25,6 +25,7 @@ void OdePropagator::prepare(const chain::OdeKernel& system, double h, const Hold
   states_.assign(static_cast<size_t>((degree_ + 1) * order_), 0.0);
   base_.assign(states_.size(), 0.0);
   force_.assign(static_cast<size_t>(degree_ + 1), 0.0);
+  gradient_.assign(static_cast<size_t>(order_), 0.0);
   failures_ = 0;
 }
 
@@ -72,25 +73,67 @@ bool OdePropagator::step(const chain::OdeKernel& system, const Level& m, const d
       base[i * n + a] = sum;
     }
   }
-  double last = INFINITY;
-  for (int iteration = 0; iteration < 40; ++iteration) {
-    double change = 0.0;
+  // Newton's method on the forces at nodes 1...p, with the slopes of n where a constant force would lead. Its
+  // matrix is 1 - dn/dx dx/df, factored once a step.
+  const int p = degree_;
+  double matrix[kMaxDegree][kMaxDegree];
+  const auto states_from_forces = [&] {
     double size = 0.0;
     for (int i = 1; i < width; ++i) {
       for (int a = 0; a < n; ++a) {
         double sum = base[i * n + a];
         const double* ge = m.ge.data() + (i * n + a) * width;
         for (int j = 1; j < width; ++j) sum += ge[j] * force[j];
-        change = std::max(change, iteration == 0 ? std::abs(sum) : std::abs(sum - state[i * n + a]));
         size = std::max(size, std::abs(sum));
         state[i * n + a] = sum;
       }
     }
-    if (!std::isfinite(change)) return false;
-    if (iteration > 0 && change <= 1e-13 * size + 1e-300) return true;
-    if (iteration > 1 && change > 0.6 * last) return change <= 1e-11 * size;
-    last = change;
-    for (int i = 1; i < width; ++i) force[i] = system.nonlinear(state + i * n, u[i]);
+    return size;
+  };
+  double size = states_from_forces();
+  if (!std::isfinite(size)) return false;
+  double* slopes = gradient_.data();
+  for (int i = 1; i < width; ++i) {
+    system.nonlinear_gradient(state + i * n, u[i], slopes);
+    for (int j = 1; j < width; ++j) {
+      double sum = i == j ? 1.0 : 0.0;
+      for (int a = 0; a < n; ++a) sum -= slopes[a] * m.ge[static_cast<size_t>((i * n + a) * width + j)];
+      matrix[i - 1][j - 1] = sum;
+    }
+  }
+  for (int k = 0; k < p;
+       ++k) {  // no pivoting: the matrix is near 1 wherever the step is short enough to converge
+    if (!(std::abs(matrix[k][k]) > 1e-3)) return false;
+    for (int i = k + 1; i < p; ++i) {
+      const double f = matrix[i][k] / matrix[k][k];
+      matrix[i][k] = f;
+      for (int j = k + 1; j < p; ++j) matrix[i][j] -= f * matrix[k][j];
+    }
+  }
+  double force_size = std::abs(force[0]);
+  double last = INFINITY;
+  for (int iteration = 0; iteration < 30; ++iteration) {
+    double change[kMaxDegree];
+    double most = 0.0;
+    for (int i = 0; i < p; ++i) {
+      const double f = system.nonlinear(state + (i + 1) * n, u[i + 1]);
+      force_size = std::max(force_size, std::abs(f));
+      change[i] = f - force[i + 1];
+      for (int j = 0; j < i; ++j) change[i] -= matrix[i][j] * change[j];
+    }
+    for (int i = p - 1; i >= 0; --i) {
+      for (int j = i + 1; j < p; ++j) change[i] -= matrix[i][j] * change[j];
+      change[i] /= matrix[i][i];
+      most = std::max(most, std::abs(change[i]));
+    }
+    if (!std::isfinite(most)) return false;
+    for (int i = 0; i < p; ++i) force[i + 1] += change[i];
+    size = states_from_forces();
+    // Linear convergence at the rate seen: what is left after this change is most * rate.
+    const double rate = last > 0.0 && std::isfinite(last) ? most / last : 1.0;
+    if (most * std::min(rate, 1.0) <= 1e-13 * force_size + 1e-300) return true;
+    if (iteration > 1 && rate > 0.6) return most <= 1e-11 * force_size;
+    last = most;
   }
   return false;
 }

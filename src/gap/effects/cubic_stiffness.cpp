@@ -27,7 +27,7 @@ class CubicStiffness final : public Effect {
       const double size = scene.boundary[at + 1].size();
       const double scale = 0.1 / std::pow(size, 2);
       out.push_back(change_block(
-          scene, *this, at, {linear_unknown("cubic", -20.0 * scale, 20.0 * scale, scale)}, {{0.2 * scale}}));
+          scene, *this, at, {linear_unknown("cubic", -8.0 * scale, 8.0 * scale, scale)}, {{0.2 * scale}}));
     }
   }
 };

@@ -30,7 +30,7 @@ class QuadraticStiffness final : public Effect {
       const double size = scene.boundary[at + 1].size();
       const double scale = 0.1 / std::pow(size, 1);
       out.push_back(change_block(scene, *this, at,
-                                 {linear_unknown("quadratic", -20.0 * scale, 20.0 * scale, scale)},
+                                 {linear_unknown("quadratic", -8.0 * scale, 8.0 * scale, scale)},
                                  {{0.2 * scale}}));
     }
   }

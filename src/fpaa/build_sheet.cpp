@@ -6,6 +6,7 @@
 
 #include "base/text.hpp"
 #include "base/text_template.hpp"
+#include "fpaa/cam_words.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -15,32 +16,13 @@ std::string in_khz(double hertz, int digits = 6) {
   return rounded_text(hertz / 1e3, digits) + " kHz";
 }
 
-struct Label {
-  const char* key;
-  const char* words;
-  bool frequency;
-};
-// The words of the CAM dialogs for the keys of plan.json.
-constexpr Label kLabels[] = {{"pole_hz", "Pole Frequency", true},
-                             {"zero_hz", "Zero Frequency", true},
-                             {"corner_hz", "Corner Frequency", true},
-                             {"dc_gain", "DC Gain", false},
-                             {"high_frequency_gain", "High Frequency Gain", false},
-                             {"gain", "Gain", false},
-                             {"quality", "Quality Factor", false}};
-
 Json parameter_rows(const PlacedCam& cam) {
   Json rows = Json::array();
   for (const auto& [key, value] : cam.requested.items()) {
     if (!value.is_number()) continue;
-    std::string words = key;
-    bool frequency = false;
-    for (const Label& label : kLabels) {
-      if (key == label.key) {
-        words = label.words;
-        frequency = label.frequency;
-      }
-    }
+    const CamWord* word = find_word(key);
+    const bool frequency = word != nullptr && word->frequency;
+    const std::string words = word != nullptr ? std::string(word->words) : key;
     const auto text = [&](double v) { return frequency ? in_khz(v) : rounded_text(v, 6); };
     // What to type is the realised value: the tool then has a set of capacitors that is exact.
     const double type = cam.realised.contains(key) ? cam.realised[key].get<double>() : value.get<double>();

@@ -50,6 +50,34 @@ std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam) {
   return out;
 }
 
+const ApiProject::Cam& table_of(const PlacedCam& cam, const ApiProject::Chip& chip,
+                                const ApiProject& project) {
+  if (const ApiProject::Cam* table = project.find(chip.name, cam.name); table != nullptr) return *table;
+  std::vector<std::string> names;
+  for (const ApiProject::Cam& c : project.cams) {
+    if (c.chip == chip.name) names.push_back(c.name);
+  }
+  throw DesignError(
+      fmt::format("{}: chip {} has no CAM named {}, expected the names of the build sheet (it has: {})",
+                  project.file, chip.name, cam.name, join(names, ", ")));
+}
+
+/// Place of a plan's capacitor in the user's table.
+size_t index_of(const Capacitor& c, const ApiProject::Cam& table, const PlacedCam& cam,
+                const ApiProject& project, const UpdateOptions& options) {
+  const auto renamed = options.names.find(c.name);
+  const std::string& name = renamed == options.names.end() ? c.name : renamed->second;
+  std::vector<std::string> names;
+  for (size_t i = 0; i < table.capacitors.size(); ++i) {
+    if (table.capacitors[i].name == name) return i;
+    names.push_back(table.capacitors[i].name);
+  }
+  throw DesignError(fmt::format(
+      "{}:{}: {} has no capacitor {}, its table has {}; expected --map {}=NAME (which is which stands in "
+      "the CAM's dialog)",
+      project.file, table.line, cam.name, name, join(names, ", "), c.name));
+}
+
 Memory memory_of(const ChipPlan& chip, const ApiProject& project, const UpdateOptions& options) {
   Memory out;
   const ApiProject::Chip& target = project_chip(chip, project);
@@ -61,31 +89,10 @@ Memory memory_of(const ChipPlan& chip, const ApiProject& project, const UpdateOp
     }
   };
   for (const PlacedCam& cam : chip.cams) {
-    const ApiProject::Cam* table = project.find(target.name, cam.name);
-    if (table == nullptr) {
-      std::vector<std::string> names;
-      for (const ApiProject::Cam& c : project.cams) {
-        if (c.chip == target.name) names.push_back(c.name);
-      }
-      throw DesignError(
-          fmt::format("{}: chip {} has no CAM named {}, expected the names of the build sheet (it has: {})",
-                      project.file, target.name, cam.name, join(names, ", ")));
-    }
+    const ApiProject::Cam* table = &table_of(cam, target, project);
     for (const Capacitor& c : vendor_capacitors(cam)) {
-      const auto renamed = options.names.find(c.name);
-      const std::string& name = renamed == options.names.end() ? c.name : renamed->second;
-      const auto at = std::find_if(table->capacitors.begin(), table->capacitors.end(),
-                                   [&](const ApiProject::Capacitor& k) { return k.name == name; });
-      if (at == table->capacitors.end()) {
-        std::vector<std::string> names;
-        for (const auto& k : table->capacitors) names.push_back(k.name);
-        throw DesignError(
-            fmt::format("{}:{}: {} has no capacitor {}, its table has {}; expected --map {}=NAME (which is "
-                        "which stands in the "
-                        "CAM's dialog)",
-                        project.file, table->line, cam.name, name, join(names, ", "), c.name));
-      }
-      set(flat(at->bank, at->byte), c.units, fmt::format("{} {}", cam.name, name));
+      const auto& at = table->capacitors[index_of(c, *table, cam, project, options)];
+      set(flat(at.bank, at.byte), c.units, fmt::format("{} {}", cam.name, at.name));
     }
   }
   if (options.clocks) {
@@ -118,6 +125,7 @@ ConfigStream update_stream(const ChipPlan& chip, const ApiProject& project, cons
   out.address1 = project_chip(chip, project).address1;
   out.control = ConfigStream::kEndExecute | (options.clocks ? ConfigStream::kUpdateClocks : 0);
   out.blocks = wanted_memory(chip, project, options);
+  out.trailing_zeros = 1;  // the dummy byte that the board is sent after the data
   return out;
 }
 
@@ -158,6 +166,31 @@ std::vector<std::string> compare_with_plan(const ConfigStream& stream, const Chi
     }
   }
   return out;
+}
+
+std::string c_calls(const Plan& plan, const ApiProject& project, const UpdateOptions& options,
+                    const std::string& plan_file) {
+  Json data;
+  data["plan"] = plan_file;
+  data["p"] = project.prefix;
+  data["chips"] = Json::array();
+  for (const ChipPlan& chip : plan.chips) {
+    const ApiProject::Chip& target = project_chip(chip, project);
+    Json cams = Json::array();
+    for (const PlacedCam& cam : chip.cams) {
+      const ApiProject::Cam& table = table_of(cam, target, project);
+      Json calls = Json::array();
+      for (const Capacitor& c : vendor_capacitors(cam)) {
+        const size_t index = index_of(c, table, cam, project, options);
+        calls.push_back({{"index", index}, {"units", c.units}, {"capacitor", table.capacitors[index].name}});
+      }
+      cams.push_back(
+          {{"cam", fmt::format("{}_{}_{}", project.prefix, target.name, cam.name)}, {"calls", calls}});
+    }
+    data["chips"].push_back(
+        {{"chip", chip.chip}, {"id", fmt::format("{}_{}", project.prefix, target.name)}, {"cams", cams}});
+  }
+  return render_template("fpaa/set_capacitors.c", data);
 }
 
 std::string c_arrays(const std::vector<std::pair<std::string, Bytes>>& arrays, const std::string& plan_file) {

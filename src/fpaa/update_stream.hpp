@@ -36,4 +36,9 @@ std::vector<std::string> compare_with_plan(const ConfigStream& stream, const Chi
 /// C source with one array a chip, as the vendor's tool writes arrays.
 std::string c_arrays(const std::vector<std::pair<std::string, Bytes>>& arrays, const std::string& plan_file);
 
+/// C source that sets the plan's capacitors through the generated API (SetCapValue by the capacitor's place
+/// in its table) and hands each chip's update to a function of the user's that sends it.
+std::string c_calls(const Plan& plan, const ApiProject& project, const UpdateOptions& options,
+                    const std::string& plan_file);
+
 }  // namespace bodesmith::fpaa

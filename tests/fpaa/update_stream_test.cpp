@@ -123,5 +123,19 @@ TEST(UpdateStream, CArraysReadBack) {
   EXPECT_EQ(from_c_array(source, "other", "u.c"), (Bytes{1, 2}));
 }
 
+TEST(UpdateStream, CCallsSetEveryCapacitorByItsPlaceInTheTable) {
+  const ApiProject project = parse_api_code(project_source(seed_plan()), "ApiCode.c");
+  const std::string source = c_calls(seed_plan(), project, {}, "plan.json");
+  int calls = 0;
+  for (size_t at = source.find("_SetCapValue("); at != std::string::npos;
+       at = source.find("_SetCapValue(", at + 1))
+    ++calls;
+  EXPECT_EQ(calls, 32);
+  const auto& cam = *seed_plan().cams()[3];
+  EXPECT_THAT(source, HasSubstr("an_SetCapValue(an_FPAA1_Section2b, 1, " +
+                                std::to_string(cam.capacitors[1].units) + ");"));
+  EXPECT_THAT(source, HasSubstr("an_GetApexReconfigData(an_FPAA1, &count)"));
+}
+
 }  // namespace
 }  // namespace bodesmith::fpaa

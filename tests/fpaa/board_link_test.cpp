@@ -1,0 +1,183 @@
+#include "fpaa/board_link.hpp"
+
+#include <fcntl.h>
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+#include <poll.h>
+#include <stdlib.h>
+#include <termios.h>
+#include <unistd.h>
+
+#include <atomic>
+#include <thread>
+
+#include "base/error.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using ::testing::HasSubstr;
+
+/// The board behind a pseudo-terminal. `habit` decides how it answers.
+class FakeBoard {
+ public:
+  struct Habit {
+    int chips = 4;
+    int silent_first = 0;   ///< questions that go unanswered
+    int garbage_first = 0;  ///< questions answered with noise
+    bool refuses = false;   ///< status answers ERR
+    bool half_answers = false;
+  };
+
+  explicit FakeBoard(const Habit& habit) : habit_(habit) {
+    master_ = ::posix_openpt(O_RDWR | O_NOCTTY);
+    EXPECT_GE(master_, 0);
+    ::grantpt(master_);
+    ::unlockpt(master_);
+    name_ = ::ptsname(master_);
+    // Kept open so that the line survives the client's closing, and raw from the start.
+    slave_ = ::open(name_.c_str(), O_RDWR | O_NOCTTY);
+    termios line{};
+    ::tcgetattr(slave_, &line);
+    ::cfmakeraw(&line);
+    ::tcsetattr(slave_, TCSANOW, &line);
+    thread_ = std::thread([this] { run(); });
+  }
+  ~FakeBoard() {
+    stop_ = true;
+    thread_.join();
+    ::close(slave_);
+    ::close(master_);
+  }
+  const std::string& name() const { return name_; }
+  /// Packets as they came in; call after the client is done.
+  std::vector<Packet> packets() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+    thread_ = std::thread([] {});
+    return packets_;
+  }
+
+ private:
+  int next() {
+    while (!stop_) {
+      pollfd wait{master_, POLLIN, 0};
+      if (::poll(&wait, 1, 20) <= 0) continue;
+      unsigned char byte = 0;
+      if (::read(master_, &byte, 1) == 1) return byte;
+    }
+    return -1;
+  }
+  void say(std::string text) {
+    if (silent_ < habit_.silent_first) {
+      ++silent_;
+      return;
+    }
+    if (noisy_ < habit_.garbage_first) {
+      ++noisy_;
+      text = "\xFF\x80\x01";
+    }
+    if (habit_.half_answers) text = text.substr(0, 3);
+    if (!habit_.half_answers) text.push_back('\0');
+    EXPECT_EQ(::write(master_, text.data(), text.size()), static_cast<ssize_t>(text.size()));
+  }
+  void run() {
+    while (!stop_) {
+      if (next() != 0x02) continue;  // ETX and strays
+      const int command = next();
+      if (command == '#') say("AN231K04-QUAD4 v2");
+      if (command == 'T') {
+        std::string list = "N=" + std::to_string(habit_.chips);
+        for (int i = 0; i < habit_.chips; ++i) list += "B720010";
+        say(habit_.chips == 0 ? "NO DEVICES!" : list);
+      }
+      if (command == '?') say(habit_.refuses ? "ERR 3" : "OK");
+      if (command == '0' || command == '1') {
+        std::string text = "\x02";
+        text += static_cast<char>(command);
+        int byte = 0;
+        while ((byte = next()) != 0x03 && byte >= 0) text += static_cast<char>(byte);
+        text += '\x03';
+        packets_.push_back(from_packets(text, "line").at(0));
+      }
+    }
+  }
+
+  Habit habit_;
+  int master_ = -1;
+  int slave_ = -1;
+  std::string name_;
+  std::atomic<bool> stop_{false};
+  int silent_ = 0;
+  int noisy_ = 0;
+  std::vector<Packet> packets_;
+  std::thread thread_;
+};
+
+const Bytes kUpdate = {0xD5, 0x01, 0x81, 0x84, 0x03, 0x01, 0xFF, 0x2A, 0x00};
+
+LinkReport send(FakeBoard& board, int chips, const LinkOptions& options = {.timeout_s = 0.3, .retries = 3}) {
+  const auto port = open_serial_port(board.name());
+  return send_packets(*port, {to_packet(kUpdate, false), to_packet(kUpdate, true)}, chips, options);
+}
+
+TEST(BoardLink, SendsToABoardThatBehaves) {
+  FakeBoard board({});
+  const LinkReport report = send(board, 4);
+  EXPECT_EQ(report.identity, "AN231K04-QUAD4 v2");
+  EXPECT_EQ(report.chips, 4);
+  EXPECT_EQ(report.status, (std::vector<std::string>{"OK", "OK"}));
+  const auto packets = board.packets();
+  ASSERT_EQ(packets.size(), 2u);
+  EXPECT_EQ(packets[0].bytes, kUpdate);
+  EXPECT_FALSE(packets[0].primary);
+  EXPECT_TRUE(packets[1].primary);
+}
+
+TEST(BoardLink, AsksAgainAfterSilenceAndGarbage) {
+  FakeBoard board({.silent_first = 2, .garbage_first = 1});
+  const LinkReport report = send(board, 1);
+  EXPECT_EQ(report.status.size(), 2u);
+  EXPECT_EQ(report.tries, 4 + 3);
+}
+
+TEST(BoardLink, GivesUpOnSilence) {
+  FakeBoard board({.silent_first = 1000});
+  try {
+    send(board, 1, {.timeout_s = 0.1, .retries = 1});
+    FAIL() << "nothing was thrown";
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("silence, 2 tries"));
+  }
+  EXPECT_TRUE(board.packets().empty()) << "nothing may be sent to a board that does not say who it is";
+}
+
+TEST(BoardLink, GivesUpOnGarbageAndHalfAnswers) {
+  FakeBoard noisy({.garbage_first = 1000});
+  EXPECT_THROW(send(noisy, 1, {.timeout_s = 0.1, .retries = 1}), InputError);
+  FakeBoard half({.half_answers = true});
+  EXPECT_THROW(send(half, 1, {.timeout_s = 0.1, .retries = 1}), InputError);
+}
+
+TEST(BoardLink, ReportsARefusalAndMissingChips) {
+  FakeBoard refusing({.refuses = true});
+  try {
+    send(refusing, 1);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("ERR 3"));
+    EXPECT_THAT(error.what(), HasSubstr("packet 1"));
+  }
+  FakeBoard small({.chips = 1});
+  EXPECT_THROW(send(small, 2), InputError);
+  FakeBoard none({.chips = 0});
+  EXPECT_THROW(send(none, 1), InputError);
+}
+
+TEST(BoardLink, WhatIsNotASerialPortIsRefused) {
+  EXPECT_THROW(open_serial_port("/dev/null"), InputError);
+  EXPECT_THROW(open_serial_port("/nowhere/at/all"), InputError);
+}
+
+}  // namespace
+}  // namespace bodesmith::fpaa

@@ -53,8 +53,17 @@ const OdePropagator::Level& OdePropagator::level(const chain::OdeKernel& system,
 }
 
 bool OdePropagator::step(const chain::OdeKernel& system, const Level& m, const double* u, const double* x) {
-  const int n = order_;
-  const int width = degree_ + 1;
+  if (order_ == 2 && degree_ == 3) return step_sized<2, 3>(system, m, u, x);
+  if (order_ == 1 && degree_ == 3) return step_sized<1, 3>(system, m, u, x);
+  return step_sized<0, 0>(system, m, u, x);
+}
+
+template <int Order, int Degree>
+bool OdePropagator::step_sized(const chain::OdeKernel& system, const Level& m, const double* u,
+                               const double* x) {
+  const int n = Order > 0 ? Order : order_;
+  const int p = Degree > 0 ? Degree : degree_;
+  const int width = p + 1;
   double* state = states_.data();
   double* base = base_.data();
   double* force = force_.data();
@@ -75,7 +84,6 @@ bool OdePropagator::step(const chain::OdeKernel& system, const Level& m, const d
   }
   // Newton's method on the forces at nodes 1...p, with the slopes of n where a constant force would lead. Its
   // matrix is 1 - dn/dx dx/df, factored once a step.
-  const int p = degree_;
   double matrix[kMaxDegree][kMaxDegree];
   const auto states_from_forces = [&] {
     double size = 0.0;

@@ -11,7 +11,7 @@ namespace bodesmith::simulate {
 
 /// x' = A x + b u + e n(x, u) over holds of equal length: n is the polynomial through its values at the
 /// hold's nodes (Lobatto collocation, order 2p in the step), its linear surroundings exact. The implicit
-/// equations are solved by fixed-point iteration from the last hold's values; a hold in which that does not
+/// equations are solved by a simplified Newton iteration; a hold in which that does not
 /// contract, or over which the linear part turns by more than 0.7 rad, is halved, as often as needed (at most
 /// 2^12 parts).
 class OdePropagator {
@@ -34,6 +34,9 @@ class OdePropagator {
   const Level& level(const chain::OdeKernel& system, int index);
   /// One step of h/2^index; `states_` then holds x at every node. False when the iteration does not contract.
   bool step(const chain::OdeKernel& system, const Level& matrices, const double* u, const double* x);
+  /// The same with sizes known to the compiler; 0: as they come.
+  template <int Order, int Degree>
+  bool step_sized(const chain::OdeKernel& system, const Level& matrices, const double* u, const double* x);
   /// Covers the part [from, from + 2^-index] of the hold with node values u; fills outputs whose node lies in
   /// it.
   void cover(const chain::OdeKernel& system, int index, double from, const double* u, double* x, double* y);
@@ -49,6 +52,7 @@ class OdePropagator {
   HoldResponse response_;
   std::vector<double> states_;  // (p+1) x order
   std::vector<double> base_;
+  std::vector<double> gradient_;
   std::vector<double> force_;  // p+1
   std::size_t failures_ = 0;
   double steps_left_ = 0.0;

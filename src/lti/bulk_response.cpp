@@ -1,0 +1,175 @@
+#include "lti/bulk_response.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+// The same source for processors with and without wide vectors; chosen when the program starts. Sanitizers
+// instrument before that choice is made, so they get the plain one.
+#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
+    !defined(__SANITIZE_THREAD__)
+#define BODESMITH_CLONES __attribute__((target_clones("default", "arch=haswell")))
+#else
+#define BODESMITH_CLONES
+#endif
+
+namespace bodesmith {
+namespace {
+
+using Complex = std::complex<double>;
+using Quadratic = BulkResponse::Quadratic;
+
+constexpr std::size_t kLanes = 8;
+constexpr std::size_t kPerDivision = 4;  // quadratics: their product stays far from overflow
+
+/// (s - a)(s - b) or (s - a), divided by `scale`.
+Quadratic quadratic(const std::vector<Complex>& roots, double scale) {
+  Quadratic q;
+  if (roots.empty()) {
+    q = {1.0, 0.0, 0.0};
+  } else if (roots.size() == 1) {
+    q = {-roots[0].real(), 1.0, 0.0};
+  } else {
+    q = {(roots[0] * roots[1]).real(), -(roots[0] + roots[1]).real(), 1.0};
+  }
+  q.c0 /= scale;
+  q.c1 /= scale;
+  q.c2 /= scale;
+  return q;
+}
+
+/// Size of the product of roots, each at least `least`.
+double scale_of(const std::vector<Complex>& roots, double least) {
+  double scale = 1.0;
+  for (const Complex& r : roots) scale *= std::max(std::abs(r), least);
+  return scale;
+}
+
+BODESMITH_CLONES void magnitude_lanes(const double* w, double* out, std::size_t lanes, double gain,
+                                      const Quadratic* n, const Quadratic* d, std::size_t count) {
+  double w2[kLanes];
+  double square[kLanes];
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    const double v = w[l < lanes ? l : 0];
+    w2[l] = v * v;
+    square[l] = gain * gain;
+  }
+  for (std::size_t i = 0; i < count;) {
+    double top[kLanes];
+    double bottom[kLanes];
+    for (std::size_t l = 0; l < kLanes; ++l) top[l] = bottom[l] = 1.0;
+    const std::size_t end = std::min(count, i + kPerDivision);
+    for (; i < end; ++i) {
+      for (std::size_t l = 0; l < kLanes; ++l) {
+        const double nr = n[i].c0 - n[i].c2 * w2[l];
+        const double dr = d[i].c0 - d[i].c2 * w2[l];
+        top[l] *= nr * nr + n[i].c1 * n[i].c1 * w2[l];
+        bottom[l] *= dr * dr + d[i].c1 * d[i].c1 * w2[l];
+      }
+    }
+    for (std::size_t l = 0; l < kLanes; ++l) square[l] *= top[l] / bottom[l];
+  }
+  for (std::size_t l = 0; l < lanes; ++l) out[l] = std::sqrt(square[l]);
+}
+
+BODESMITH_CLONES void response_lanes(const double* w, Complex* out, std::size_t lanes, double gain,
+                                     const Quadratic* n, const Quadratic* d, std::size_t count) {
+  double v[kLanes];
+  double w2[kLanes];
+  double re[kLanes];
+  double im[kLanes];
+  for (std::size_t l = 0; l < kLanes; ++l) {
+    v[l] = w[l < lanes ? l : 0];
+    w2[l] = v[l] * v[l];
+    re[l] = gain;
+    im[l] = 0.0;
+  }
+  for (std::size_t i = 0; i < count;) {
+    double br[kLanes];
+    double bi[kLanes];
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      br[l] = 1.0;
+      bi[l] = 0.0;
+    }
+    const std::size_t end = std::min(count, i + kPerDivision);
+    for (; i < end; ++i) {
+      for (std::size_t l = 0; l < kLanes; ++l) {
+        const double nr = n[i].c0 - n[i].c2 * w2[l];
+        const double ni = n[i].c1 * v[l];
+        const double dr = d[i].c0 - d[i].c2 * w2[l];
+        const double di = d[i].c1 * v[l];
+        const double a = re[l] * nr - im[l] * ni;
+        im[l] = re[l] * ni + im[l] * nr;
+        re[l] = a;
+        const double b = br[l] * dr - bi[l] * di;
+        bi[l] = br[l] * di + bi[l] * dr;
+        br[l] = b;
+      }
+    }
+    for (std::size_t l = 0; l < kLanes; ++l) {
+      const double scale = 1.0 / (br[l] * br[l] + bi[l] * bi[l]);
+      const double a = (re[l] * br[l] + im[l] * bi[l]) * scale;
+      im[l] = (im[l] * br[l] - re[l] * bi[l]) * scale;
+      re[l] = a;
+    }
+  }
+  for (std::size_t l = 0; l < lanes; ++l) out[l] = {re[l], im[l]};
+}
+
+}  // namespace
+
+BulkResponse::BulkResponse(const Sections& sections) : gain_(sections.gain) {
+  // First-order sections go two by two.
+  std::vector<Complex> waiting_zeros;
+  std::vector<Complex> waiting_poles;
+  bool waiting = false;
+  const auto add = [&](const std::vector<Complex>& zeros, const std::vector<Complex>& poles) {
+    const double least = 1e-3 * std::max(scale_of(poles, 0.0), 1e-30);
+    const double top = scale_of(zeros, poles.empty() ? 1.0 : std::min(1.0, least) + 1e-300);
+    const double bottom = scale_of(poles, 1e-300);
+    numerators_.push_back(quadratic(zeros, top));
+    denominators_.push_back(quadratic(poles, bottom));
+    gain_ *= top / bottom;
+  };
+  for (const Section& s : sections.sections) {
+    gain_ *= s.gain;
+    const bool single = s.poles.size() == 1;
+    if (!single) {
+      add(s.zeros, s.poles);
+    } else if (!waiting) {
+      waiting_zeros = s.zeros;
+      waiting_poles = s.poles;
+      waiting = true;
+    } else {
+      waiting_zeros.insert(waiting_zeros.end(), s.zeros.begin(), s.zeros.end());
+      waiting_poles.insert(waiting_poles.end(), s.poles.begin(), s.poles.end());
+      add(waiting_zeros, waiting_poles);
+      waiting = false;
+    }
+  }
+  if (waiting) add(waiting_zeros, waiting_poles);
+}
+
+void BulkResponse::magnitudes(std::span<const RadPerSecond> w, std::span<double> out) const {
+  if (w.size() != out.size()) throw std::logic_error("bulk response: lengths differ");
+  double lanes[kLanes];
+  for (std::size_t i = 0; i < w.size(); i += kLanes) {
+    const std::size_t count = std::min(kLanes, w.size() - i);
+    for (std::size_t l = 0; l < count; ++l) lanes[l] = w[i + l].value;
+    magnitude_lanes(lanes, out.data() + i, count, gain_, numerators_.data(), denominators_.data(),
+                    numerators_.size());
+  }
+}
+
+void BulkResponse::responses(std::span<const RadPerSecond> w, std::span<std::complex<double>> out) const {
+  if (w.size() != out.size()) throw std::logic_error("bulk response: lengths differ");
+  double lanes[kLanes];
+  for (std::size_t i = 0; i < w.size(); i += kLanes) {
+    const std::size_t count = std::min(kLanes, w.size() - i);
+    for (std::size_t l = 0; l < count; ++l) lanes[l] = w[i + l].value;
+    response_lanes(lanes, out.data() + i, count, gain_, numerators_.data(), denominators_.data(),
+                   numerators_.size());
+  }
+}
+
+}  // namespace bodesmith

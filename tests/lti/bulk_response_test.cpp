@@ -1,0 +1,56 @@
+#include "lti/bulk_response.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+namespace bodesmith {
+namespace {
+
+using Complex = std::complex<double>;
+
+Sections random_sections(std::mt19937& random, int count) {
+  std::uniform_real_distribution<double> decade(-2.0, 7.0), part(0.0, 1.0);
+  Sections s;
+  s.gain = -0.7;
+  for (int i = 0; i < count; ++i) {
+    const double w = std::pow(10.0, decade(random));
+    Section one;
+    one.gain = 0.5 + part(random);
+    if (part(random) < 0.5) {
+      one.poles = {-w};
+      if (part(random) < 0.8) one.zeros = {part(random) < 0.1 ? 0.0 : -w * (0.3 + part(random))};
+    } else {
+      const double zeta = 0.05 + 0.9 * part(random);
+      const Complex p = w * Complex(-zeta, std::sqrt(1.0 - zeta * zeta));
+      one.poles = {p, std::conj(p)};
+      if (part(random) < 0.7) one.zeros = {0.9 * p, 0.9 * std::conj(p)};
+    }
+    s.sections.push_back(one);
+  }
+  return s;
+}
+
+TEST(BulkResponse, AgreesWithTheSectionsOneByOne) {
+  std::mt19937 random(3);
+  for (const int count : {0, 1, 2, 3, 8, 16, 17, 60}) {
+    const Sections s = random_sections(random, count);
+    const BulkResponse bulk(s);
+    std::vector<RadPerSecond> w;
+    for (double v = 1e-3; v < 1e9; v *= 1.37) w.push_back({v});
+    std::vector<double> magnitude(w.size());
+    std::vector<Complex> response(w.size());
+    bulk.magnitudes(w, magnitude);
+    bulk.responses(w, response);
+    for (std::size_t i = 0; i < w.size(); ++i) {
+      const Complex wanted = s.response(w[i]);
+      const double allowed = 1e-13 * (4 + count) * std::abs(wanted) + 1e-290;
+      EXPECT_LT(std::abs(response[i] - wanted), allowed) << count << " at " << w[i].value;
+      EXPECT_NEAR(magnitude[i], std::abs(wanted), allowed) << count << " at " << w[i].value;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace bodesmith

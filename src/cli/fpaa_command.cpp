@@ -10,6 +10,7 @@
 #include "fpaa/build_sheet.hpp"
 #include "fpaa/error_budget.hpp"
 #include "fpaa/plan.hpp"
+#include "fpaa/zrna_script.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -20,7 +21,12 @@ int plan_board(const std::vector<std::string>& arguments) {
   CommandLine line(
       "fpaa", "bodesmith fpaa sections.json -o out/fpaa --clock-hz 2000",
       "Turns sections into the CAMs of an FPAA board: clocks, capacitors, places, wires; writes plan.json\n"
-      "and a build sheet to type from.");
+      "and a build sheet to type from.\n\n"
+      "With a finished plan (each has its own --help):\n"
+      "  bodesmith fpaa streams PLAN.json --api ApiCode.c -o DIR   update streams for the board\n"
+      "  bodesmith fpaa verify PLAN.json STREAM… --api ApiCode.c   decodes streams, compares with the plan\n"
+      "  bodesmith fpaa check PLAN.json REPORT.htm                 compares AnadigmDesigner2's report\n"
+      "  bodesmith fpaa send PACKETS.bin --port DEVICE             sends packets to the board");
   line.positional("SECTIONS.json", 1, 1);
   line.output("folder for plan.json, build_sheet.md, build_sheet.html and board.svg");
   line.options().add_options()("board", po::value<std::string>()->default_value("an231k04-quad4"),
@@ -63,6 +69,7 @@ int plan_board(const std::vector<std::string>& arguments) {
   out.add("build_sheet.md", fpaa::build_sheet_markdown(plan));
   out.add("build_sheet.html", fpaa::build_sheet_html(plan));
   out.add("board.svg", fpaa::board_picture_svg(plan));
+  if (plan.chips.size() == 1) out.add("zrna.py", fpaa::zrna_script(plan));
   out.commit();
 
   int exit = kDone;
@@ -107,7 +114,18 @@ int plan_board(const std::vector<std::string>& arguments) {
 
 }  // namespace
 
+int run_fpaa_streams(const std::vector<std::string>& arguments);
+int run_fpaa_verify(const std::vector<std::string>& arguments);
+int run_fpaa_check(const std::vector<std::string>& arguments);
+int run_fpaa_send(const std::vector<std::string>& arguments);
+
 int run_fpaa(const std::vector<std::string>& arguments) {
+  const std::string verb = arguments.empty() ? "" : arguments[0];
+  const std::vector<std::string> rest(arguments.begin() + (arguments.empty() ? 0 : 1), arguments.end());
+  if (verb == "streams") return run_fpaa_streams(rest);
+  if (verb == "verify") return run_fpaa_verify(rest);
+  if (verb == "check") return run_fpaa_check(rest);
+  if (verb == "send") return run_fpaa_send(rest);
   return plan_board(arguments);
 }
 

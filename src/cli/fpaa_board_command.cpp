@@ -1,0 +1,231 @@
+// The verbs of `bodesmith fpaa` that work on a finished plan: streams, verify, check, send.
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "base/progress.hpp"
+#include "base/text.hpp"
+#include "cli/command_line.hpp"
+#include "cli/commands.hpp"
+#include "fpaa/board_link.hpp"
+#include "fpaa/plan.hpp"
+#include "fpaa/report_check.hpp"
+#include "fpaa/update_stream.hpp"
+
+namespace bodesmith::cli {
+namespace {
+
+namespace po = boost::program_options;
+
+void add_project_options(CommandLine& line) {
+  line.options().add_options()("api", po::value<std::string>(),
+                               "ApiCode.c of the project that the CAMs were typed into")(
+      "map", po::value<std::vector<std::string>>()->composing(),
+      "PLAN=TABLE: name of a plan's capacitor in the project's tables")("no-clocks",
+                                                                        "leave the clock divisors alone");
+}
+
+fpaa::ApiProject read_project(const CommandLine& line, Provenance& from) {
+  if (!line.has("api")) line.fail("--api is missing, expected the project's ApiCode.c");
+  const std::string path = line.get<std::string>("api");
+  return fpaa::parse_api_code(from.read(path), path);
+}
+
+fpaa::UpdateOptions update_options(const CommandLine& line) {
+  fpaa::UpdateOptions out;
+  out.clocks = !line.has("no-clocks");
+  for (const std::string& pair :
+       line.maybe<std::vector<std::string>>("map").value_or(std::vector<std::string>{})) {
+    const size_t cut = pair.find('=');
+    if (cut == std::string::npos || cut == 0 || cut + 1 == pair.size()) {
+      line.fail(fmt::format("--map '{}', expected PLAN=TABLE", pair));
+    }
+    out.names[pair.substr(0, cut)] = pair.substr(cut + 1);
+  }
+  return out;
+}
+
+/// A stream file by its name: .c (array `name`), .bin (board packet), otherwise AHF.
+std::vector<fpaa::Bytes> read_streams(const std::string& path, Provenance& from) {
+  const std::string text = from.read(path);
+  const std::string end = std::filesystem::path(path).extension().string();
+  std::vector<fpaa::Bytes> out;
+  if (end == ".bin") {
+    for (fpaa::Packet& packet : fpaa::from_packets(text, path)) out.push_back(std::move(packet.bytes));
+  } else if (end == ".c" || end == ".h") {
+    out.push_back(fpaa::from_c_array(text, "", path));
+  } else {
+    out.push_back(fpaa::from_ahf(text, path));
+  }
+  return out;
+}
+
+int finish_comparison(const CommandLine& line, const std::string& name, const Provenance& from,
+                      const std::vector<std::string>& differences, double seconds) {
+  Json summary = json_header(name, from);
+  summary["differences"] = differences;
+  summary["timing_s"] = {{"compute", seconds}};
+  std::string text;
+  for (const std::string& difference : differences) text += difference + "\n";
+  text += differences.empty()
+              ? "no differences\n"
+              : fmt::format("{} difference{}\n", differences.size(), differences.size() == 1 ? "" : "s");
+  print_summary(line, text, summary);
+  return differences.empty() ? kDone : kLimitMissed;
+}
+
+}  // namespace
+
+int run_fpaa_streams(const std::vector<std::string>& arguments) {
+  CommandLine line(
+      "fpaa streams", "bodesmith fpaa streams out/fpaa/plan.json --api ApiCode.c -o out/streams",
+      "Turns a plan into update streams for a project whose CAMs bear the build sheet's names: AHF, C "
+      "arrays,\nC calls of the generated API, and the board's serial packets.");
+  line.positional("PLAN.json", 1, 1);
+  line.output("folder for the streams");
+  add_project_options(line);
+  if (!line.parse(arguments)) return kDone;
+  Provenance from;
+  const fpaa::Plan plan = fpaa::Plan::read(line.files()[0], from);
+  const fpaa::ApiProject project = read_project(line, from);
+  const fpaa::UpdateOptions options = update_options(line);
+
+  const Stopwatch watch;
+  OutputSet out(line.output_path());
+  std::vector<std::pair<std::string, fpaa::Bytes>> arrays;
+  std::string packets;
+  Json chips = Json::array();
+  for (const fpaa::ChipPlan& chip : plan.chips) {
+    const fpaa::ConfigStream stream = fpaa::update_stream(chip, project, options);
+    const fpaa::Bytes bytes = fpaa::encode(stream);
+    const std::string name = fmt::format("update_chip{}", chip.chip);
+    out.add(name + ".ahf", fpaa::to_ahf(bytes));
+    arrays.emplace_back(name, bytes);
+    packets += fpaa::to_packet(bytes, false);
+    chips.push_back({{"chip", chip.chip}, {"address1", stream.address1}, {"bytes", bytes.size()}});
+  }
+  out.add("update_streams.c", fpaa::c_arrays(arrays, line.files()[0]));
+  out.add("set_capacitors.c", fpaa::c_calls(plan, project, options, line.files()[0]));
+  out.add("packets.bin", packets);
+  out.commit();
+  Json summary = json_header("fpaa_streams", from);
+  summary["chips"] = chips;
+  summary["timing_s"] = {{"compute", watch.seconds()}};
+  std::string text;
+  for (const auto& [name, bytes] : arrays) text += fmt::format("{}: {} bytes\n", name, bytes.size());
+  print_summary(line, text + fmt::format("written to {}\n", line.output_path().string()), summary);
+  return kDone;
+}
+
+int run_fpaa_verify(const std::vector<std::string>& arguments) {
+  CommandLine line(
+      "fpaa verify", "bodesmith fpaa verify out/fpaa/plan.json update_chip1.ahf --api ApiCode.c",
+      "Decodes configuration streams (AHF, C arrays, board packets) and compares every capacitor and "
+      "divisor with a plan.\nThe streams' Address1 tells the chip. Exit status 1 when they differ.");
+  line.positional("PLAN.json STREAM…", 2, -1);
+  add_project_options(line);
+  if (!line.parse(arguments)) return kDone;
+  Provenance from;
+  const std::vector<std::string> files = line.files();
+  const fpaa::Plan plan = fpaa::Plan::read(files[0], from);
+  const fpaa::ApiProject project = read_project(line, from);
+  const fpaa::UpdateOptions options = update_options(line);
+  const Stopwatch watch;
+  std::vector<std::string> differences;
+  for (auto file = files.begin() + 1; file != files.end(); ++file) {
+    for (const fpaa::Bytes& bytes : read_streams(*file, from)) {
+      const fpaa::ConfigStream stream = fpaa::decode(bytes, *file);
+      const auto chip = std::find_if(plan.chips.begin(), plan.chips.end(), [&](const fpaa::ChipPlan& c) {
+        const auto number = static_cast<size_t>(c.chip - 1);
+        return number < project.chips.size() && project.chips[number].address1 == stream.address1;
+      });
+      if (chip == plan.chips.end()) {
+        differences.push_back(
+            fmt::format("{}: Address1 {} belongs to no chip of the plan", *file, stream.address1));
+        continue;
+      }
+      for (const std::string& difference : fpaa::compare_with_plan(stream, *chip, project, options)) {
+        differences.push_back(fmt::format("{}: {}", *file, difference));
+      }
+    }
+  }
+  return finish_comparison(line, "fpaa_verify", from, differences, watch.seconds());
+}
+
+int run_fpaa_check(const std::vector<std::string>& arguments) {
+  CommandLine line(
+      "fpaa check", "bodesmith fpaa check out/fpaa/plan.json project.htm",
+      "Reads AnadigmDesigner2's HTML report and lists every difference from a plan. Exit status 1 when "
+      "there is one.");
+  line.positional("PLAN.json REPORT.htm", 2, 2);
+  line.options().add_options()("tolerance", po::value<double>()->default_value(0.005),
+                               "largest relative difference of a parameter (the report rounds)");
+  if (!line.parse(arguments)) return kDone;
+  Provenance from;
+  const fpaa::Plan plan = fpaa::Plan::read(line.files()[0], from);
+  const std::string path = line.files()[1];
+  const fpaa::DesignerReport report = fpaa::read_report(from.read(path), path);
+  const Stopwatch watch;
+  const auto differences = fpaa::compare_report(report, plan, line.positive("tolerance"));
+  return finish_comparison(line, "fpaa_check", from, differences, watch.seconds());
+}
+
+int run_fpaa_send(const std::vector<std::string>& arguments) {
+  CommandLine line(
+      "fpaa send", "bodesmith fpaa send out/streams/packets.bin --port /dev/ttyUSB0",
+      "Sends board packets over a serial port (57600 8N1): asks who and how many chips the board is, sends,\n"
+      "and asks for the status after each packet.");
+  line.positional("PACKETS.bin", 1, 1);
+  line.options().add_options()("port", po::value<std::string>(), "serial device")(
+      "dry-run", "decode and show the packets, send nothing")(
+      "timeout-s", po::value<double>()->default_value(1.0), "longest wait for a byte of an answer")(
+      "retries", po::value<int>()->default_value(3), "how often a question is asked again");
+  if (!line.parse(arguments)) return kDone;
+  const bool dry = line.has("dry-run");
+  if (!dry && !line.has("port")) line.fail("--port is missing, expected the serial device (or --dry-run)");
+  Provenance from;
+  const std::string path = line.files()[0];
+  fpaa::LinkOptions options;
+  options.timeout_s = line.positive("timeout-s");
+  options.retries = line.get<int>("retries");
+  if (options.retries < 0 || options.retries > 1000)
+    line.fail("--retries is out of range, expected 0 to 1000");
+
+  std::vector<std::string> packets;
+  std::string text;
+  int chips = 0;
+  Json list = Json::array();
+  for (const fpaa::Packet& packet : fpaa::from_packets(from.read(path), path)) {
+    const fpaa::ConfigStream stream = fpaa::decode(packet.bytes, path);
+    chips = std::max(chips, stream.address1);
+    packets.push_back(fpaa::to_packet(packet.bytes, packet.primary));
+    text += fmt::format("packet {}: {} to Address1 {}, {} blocks, {} bytes\n", packets.size(),
+                        packet.primary ? "primary" : "update", stream.address1, stream.blocks.size(),
+                        packet.bytes.size());
+    list.push_back(
+        {{"address1", stream.address1}, {"primary", packet.primary}, {"bytes", packet.bytes.size()}});
+  }
+  Json summary = json_header("fpaa_send", from);
+  summary["dry_run"] = dry;
+  summary["packets"] = list;
+  const Stopwatch watch;
+  if (!dry) {
+    const auto port = fpaa::open_serial_port(line.get<std::string>("port"));
+    const fpaa::LinkReport report = fpaa::send_packets(*port, packets, chips, options);
+    summary["identity"] = report.identity;
+    summary["chips"] = report.chips;
+    summary["status"] = report.status;
+    text += fmt::format("board: {}, {} chips\n", report.identity, report.chips);
+    for (size_t i = 0; i < report.status.size(); ++i)
+      text += fmt::format("after packet {}: {}\n", i + 1, report.status[i]);
+  } else {
+    text += "nothing sent (--dry-run)\n";
+  }
+  summary["timing_s"] = {{"compute", watch.seconds()}};
+  print_summary(line, text, summary);
+  return kDone;
+}
+
+}  // namespace bodesmith::cli

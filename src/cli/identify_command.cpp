@@ -146,11 +146,12 @@ int run_identify(const std::vector<std::string>& arguments) {
   if (options.identify.method != "best" && options.identify.method != "paper")
     line.fail(fmt::format("--method is '{}', expected best or paper", options.identify.method));
   options.identify.size = line.get<int>("size");
-  if (options.identify.size < 0 || options.identify.size > 2000) line.fail("--size is outside 0 .. 2000");
+  if (options.identify.size < 0 || options.identify.size > 2000)
+    line.fail("--size is out of range, expected 0 .. 2000");
   options.identify.skip_s = line.get<double>("skip-s");
-  if (!(options.identify.skip_s >= 0.0)) line.fail("--skip-s is below 0");
+  if (!(options.identify.skip_s >= 0.0)) line.fail("--skip-s is below 0, expected seconds");
   options.identify.frequency_hz = line.get<double>("frequency-hz");
-  if (!(options.identify.frequency_hz >= 0.0)) line.fail("--frequency-hz is below 0");
+  if (!(options.identify.frequency_hz >= 0.0)) line.fail("--frequency-hz is below 0, expected hertz");
   options.identify.effort = line.positive("effort");
   options.identify.asymmetric = line.has("asymmetric");
   const std::string delay = line.get<std::string>("delay");

@@ -9,6 +9,7 @@
 #include "approximate/order_search.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "lti/section_making.hpp"
 
 namespace bodesmith {
 namespace {
@@ -21,38 +22,19 @@ int split_off(const ApproximationMethod& method, double size) {
   return static_cast<int>(std::floor(size + 1e-12));
 }
 
-/// Zeros and poles of a normalised lead, scaled to `centre` and paired into sections with a gain of 1 at 0
-/// Hz.
-std::vector<Section> make_sections(NormalisedApproximation approximation, RadPerSecond centre, bool lag) {
-  const auto by_size = [](Complex a, Complex b) {
-    const double size_a = std::abs(a);
-    const double size_b = std::abs(b);
-    // A conjugate pair stays together, its upper root first.
-    if (std::abs(size_a - size_b) > 1e-12 * size_b) return size_a < size_b;
-    return a.imag() > b.imag();
-  };
-  std::sort(approximation.zeros.begin(), approximation.zeros.end(), by_size);
-  std::sort(approximation.poles.begin(), approximation.poles.end(), by_size);
-  std::vector<Section> out;
-  double dc = approximation.gain;
-  for (size_t i = 0; i < approximation.poles.size(); ++i) {
-    dc *= std::abs(approximation.zeros[i]) / std::abs(approximation.poles[i]);
+/// Zeros and poles of a normalised lead (or the lag that is its reciprocal), scaled to `centre`; together
+/// with a gain of its own at 0 Hz, which the ripple may put off 1: that goes to the first section.
+std::vector<Section> sections_of(NormalisedApproximation approximation, RadPerSecond centre, bool lag) {
+  double gain = approximation.gain;
+  for (Complex& zero : approximation.zeros) zero *= centre.value;
+  for (Complex& pole : approximation.poles) pole *= centre.value;
+  if (lag) {
+    std::swap(approximation.zeros, approximation.poles);
+    gain = 1.0 / gain;
   }
-  for (size_t i = 0; i < approximation.poles.size();) {
-    const bool pair = approximation.poles[i].imag() != 0.0 || approximation.zeros[i].imag() != 0.0;
-    Section section;
-    for (size_t j = i; j < i + (pair ? 2 : 1); ++j) {
-      section.zeros.push_back(approximation.zeros.at(j) * centre.value);
-      section.poles.push_back(approximation.poles.at(j) * centre.value);
-    }
-    i += section.poles.size();
-    if (lag) std::swap(section.zeros, section.poles);
-    section.gain = 1.0 / section.dc_gain();
-    out.push_back(std::move(section));
-  }
-  // What the approximation misses at 0 Hz (equal ripple has a ripple there too) goes to the first section.
-  out.front().gain *= lag ? 1.0 / dc : dc;
-  return out;
+  Sections made = make_sections(gain, std::move(approximation.zeros), std::move(approximation.poles));
+  made.sections.front().gain *= made.gain;
+  return std::move(made.sections);
 }
 
 double log_magnitude(const Section& section, RadPerSecond w) {
@@ -187,7 +169,7 @@ TermApproximation approximate_term(const FractionalLeadLag& term, const Approxim
     task.order = order - whole;
     task.real_roots = options.real_roots;
     task.over_band = options.over_band;
-    auto sections = make_sections(method.approximate(task), centre, lag);
+    auto sections = sections_of(method.approximate(task), centre, lag);
     out.sections.insert(out.sections.end(), std::make_move_iterator(sections.begin()),
                         std::make_move_iterator(sections.end()));
   }

@@ -49,7 +49,8 @@ std::vector<long double> elliptic_positions(long double log_kappa, long double b
   return zeta;
 }
 
-std::vector<long double> pade_positions(long double log_kappa, long double beta, int order) {
+std::vector<std::complex<long double>> pade_positions_complex(long double log_kappa, long double beta,
+                                                              int order) {
   // Not the symmetric form: (k - beta)(k + beta) may be negative.
   using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
   Matrix jacobi = Matrix::Zero(order, order);
@@ -62,10 +63,29 @@ std::vector<long double> pade_positions(long double log_kappa, long double beta,
   }
   const Eigen::EigenSolver<Matrix> solver(jacobi, false);
   const long double m = std::tanh(0.25L * log_kappa);
+  std::vector<std::complex<long double>> zeta;
+  for (int k = 0; k < order; ++k) zeta.push_back(4.0L * std::atanh(m * solver.eigenvalues()(k)));
+  return zeta;
+}
+
+std::vector<long double> pade_positions(long double log_kappa, long double beta, int order) {
   std::vector<long double> zeta;
-  for (int k = 0; k < order; ++k) zeta.push_back(4.0L * std::atanh(m * solver.eigenvalues()(k).real()));
+  for (const auto& z : pade_positions_complex(log_kappa, beta, order)) zeta.push_back(z.real());
   std::sort(zeta.begin(), zeta.end(), std::greater<>());
   return zeta;
+}
+
+NormalisedApproximation from_log_positions_complex(const std::vector<std::complex<long double>>& zeta,
+                                                   long double log_kappa, long double beta) {
+  NormalisedApproximation out;
+  long double log_gain = 0.5L * beta * log_kappa;
+  for (const auto& z : zeta) {
+    out.zeros.push_back(static_cast<std::complex<double>>(-std::exp(-0.5L * z)));
+    out.poles.push_back(static_cast<std::complex<double>>(-std::exp(0.5L * z)));
+    log_gain += 0.5L * z.real();
+  }
+  out.gain = static_cast<double>(std::exp(log_gain));
+  return out;
 }
 
 }  // namespace bodesmith

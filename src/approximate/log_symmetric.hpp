@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <vector>
 
 #include "approximate/method.hpp"
@@ -34,5 +35,12 @@ std::vector<long double> elliptic_positions(long double log_kappa, long double b
 /// z))^beta at z = 0 is prod (1 + x_k z)/(1 - x_k z), x_k the zeros of the Jacobi polynomial
 /// P_n^(-beta,beta), which are the eigenvalues of a tridiagonal matrix.
 std::vector<long double> pade_positions(long double log_kappa, long double beta, int order);
+
+/// The same for any beta: above 2 some come in conjugate pairs.
+std::vector<std::complex<long double>> pade_positions_complex(long double log_kappa, long double beta,
+                                                              int order);
+/// Poles and zeros from positions closed under conjugation.
+NormalisedApproximation from_log_positions_complex(const std::vector<std::complex<long double>>& zeta,
+                                                   long double log_kappa, long double beta);
 
 }  // namespace bodesmith

@@ -2,6 +2,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <complex>
+#include <functional>
 #include <limits>
 #include <optional>
 #include <vector>
@@ -20,12 +22,38 @@ using Real = long double;
 using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
 
+using ComplexReal = std::complex<Real>;
+
+/// What the unknowns stand for: first `pairs` conjugate pairs (two numbers each, real and imaginary part of
+/// zeta), then real positions, the first of them counted `multiplicity` times.
+struct Shape {
+  int pairs = 0;
+  int multiplicity = 1;
+};
+
+/// half_lead of a conjugate pair, and its derivatives.
+Real pair_lead(Real v, ComplexReal z) {
+  if (std::isinf(v)) return z.real();
+  const Real far = std::log(std::abs(1.0L + std::exp(-(v + z))));
+  if (v >= z.real()) return z.real() + far - std::log(std::abs(1.0L + std::exp(z - v)));
+  return v + far - std::log(std::abs(1.0L + std::exp(v - z)));
+}
+ComplexReal pair_slope(Real v, ComplexReal z) {  // by the real part, and minus by the imaginary part
+  if (std::isinf(v)) return 1.0L;
+  const Real q = std::exp(-2.0L * v);
+  return (1.0L - q) / (1.0L + q + std::exp(z - v) + std::exp(-z - v));
+}
+Real pair_slope_by_v(Real v, ComplexReal z) {
+  return (std::sinh(z) / (std::cosh(v) + std::cosh(z))).real();
+}
+
 // The unique best approximation shares the symmetry of the term (mirror it and exchange poles with zeros), so
 // the error is odd in v = 2 ln w and only v >= 0 is looked at: n positions zeta_k and the level E make the
 // error alternate on n + 1 points there, the last of them at the end (w infinite, or the upper corner).
 class Remez {
  public:
-  Remez(Real log_kappa, int order, bool over_band) : log_kappa_(log_kappa), order_(order) {
+  Remez(Real log_kappa, int order, bool over_band, Shape shape = {})
+      : log_kappa_(log_kappa), order_(order), shape_(shape) {
     const Real m = std::tanh(0.5L * log_kappa);
     // Modulus k = m * (end of the interval in tanh(v/2)); 1 - k^2 without cancellation.
     const Real complement =
@@ -67,9 +95,7 @@ class Remez {
         for (size_t j = 0; j <= n; ++j) {
           const auto row = static_cast<Eigen::Index>(j);
           miss(row) = -error(beta, zeta, reference[j]);
-          for (size_t k = 0; k < n; ++k) {
-            slope(row, static_cast<Eigen::Index>(k)) = half_lead_slope(reference[j], std::abs(zeta[k]));
-          }
+          fill_slopes(zeta, reference[j], slope, row);
           slope(row, order_) = (n - j) % 2 == 0 ? -1.0L : 1.0L;
         }
         const Vector step = slope.colPivHouseholderQr().solve(miss);
@@ -106,14 +132,36 @@ class Remez {
   static constexpr Real kRounding = 1e-15L;  ///< Np: about what rounding the roots to doubles does
 
  private:
+  void fill_slopes(const std::vector<Real>& zeta, Real v, Matrix& slope, Eigen::Index row) const {
+    Eigen::Index at = 0;
+    for (; at < 2 * shape_.pairs; at += 2) {
+      const auto k = static_cast<size_t>(at);
+      const ComplexReal d = pair_slope(v, {zeta[k], zeta[k + 1]});
+      slope(row, at) = d.real();
+      slope(row, at + 1) = -d.imag();
+    }
+    for (bool first = true; at < order_; ++at, first = false) {
+      const Real weight = first ? shape_.multiplicity : 1.0L;
+      slope(row, at) = weight * half_lead_slope(v, std::abs(zeta[static_cast<size_t>(at)]));
+    }
+  }
   Real error(Real beta, const std::vector<Real>& zeta, Real v) const {
     Real e = -beta * half_lead(v, log_kappa_);
-    for (const Real z : zeta) e += half_lead(v, z);
+    size_t at = 0;
+    for (int i = 0; i < shape_.pairs; ++i, at += 2) e += pair_lead(v, {zeta[at], zeta[at + 1]});
+    for (bool first = true; at < zeta.size(); ++at, first = false) {
+      e += (first ? shape_.multiplicity : 1.0L) * half_lead(v, zeta[at]);
+    }
     return e;
   }
   Real error_slope(Real beta, const std::vector<Real>& zeta, Real v) const {
     Real e = -beta * half_lead_slope(log_kappa_, v);
-    for (const Real z : zeta) e += (z < 0.0L ? -1.0L : 1.0L) * half_lead_slope(std::abs(z), v);
+    size_t at = 0;
+    for (int i = 0; i < shape_.pairs; ++i, at += 2) e += pair_slope_by_v(v, {zeta[at], zeta[at + 1]});
+    for (bool first = true; at < zeta.size(); ++at, first = false) {
+      const Real weight = (first ? shape_.multiplicity : 1.0L) * (zeta[at] < 0.0L ? -1.0L : 1.0L);
+      e += weight * half_lead_slope(std::abs(zeta[at]), v);
+    }
     return e;
   }
 
@@ -160,7 +208,8 @@ class Remez {
   }
 
   Real log_kappa_;
-  int order_;
+  int order_;  ///< unknowns
+  Shape shape_;
   std::vector<Real> start_;
   std::vector<Real> grid_;
 };
@@ -243,13 +292,67 @@ std::optional<Remez::Result> follow(const Remez& remez, Real log_kappa, int orde
   return result;
 }
 
+/// beta > 2, complex pairs allowed: from the Pade positions of a narrow term along a path in ln kappa.
+std::optional<NormalisedApproximation> whole_with_pairs(Real log_kappa, Real beta, int order, bool over_band,
+                                                        Real growth) {
+  constexpr Real kNarrow = 1.6L;
+  Real at = std::min(log_kappa, kNarrow);
+  std::vector<ComplexReal> start = pade_positions_complex(at, beta, order);
+  Shape shape;
+  std::vector<Real> zeta;
+  std::vector<Real> reals;
+  for (const ComplexReal& z : start) {
+    if (z.imag() > 0.0L) {
+      ++shape.pairs;
+      zeta.push_back(z.real());
+      zeta.push_back(z.imag());
+    } else if (z.imag() == 0.0L) {
+      reals.push_back(z.real());
+    }
+  }
+  std::sort(reals.begin(), reals.end(), std::greater<>());
+  zeta.insert(zeta.end(), reals.begin(), reals.end());
+  std::vector<Real> done;
+  std::vector<std::vector<Real>> path;
+  for (;;) {
+    const bool last = at == log_kappa;
+    const auto result = Remez(at, order, over_band, shape).solve(beta, zeta, last ? 1e-4L : 0.03L);
+    if (!result) return std::nullopt;
+    done.push_back(at);
+    path.push_back(result->zeta);
+    if (last) break;
+    at = std::min(log_kappa, at * growth);
+    const size_t use = std::min<size_t>(3, done.size());
+    std::fill(zeta.begin(), zeta.end(), 0.0L);
+    for (size_t i = done.size() - use; i < done.size(); ++i) {
+      Real weight = 1.0L;
+      for (size_t j = done.size() - use; j < done.size(); ++j) {
+        if (j != i) weight *= (at - done[j]) / (done[i] - done[j]);
+      }
+      // With one solution only: in proportion.
+      if (use == 1) weight = at / done[0];
+      for (size_t k = 0; k < zeta.size(); ++k) zeta[k] += weight * path[i][k];
+    }
+  }
+  const std::vector<Real>& found = path.back();
+  std::vector<ComplexReal> positions;
+  size_t k = 0;
+  for (int i = 0; i < shape.pairs; ++i, k += 2) {
+    positions.emplace_back(found[k], found[k + 1]);
+    positions.emplace_back(found[k], -found[k + 1]);
+  }
+  for (; k < found.size(); ++k) positions.emplace_back(found[k], 0.0L);
+  return from_log_positions_complex(positions, log_kappa, beta);
+}
+
 }  // namespace
 
 NormalisedApproximation minimax(const ApproximationTask& task) {
   const Real log_kappa = std::log(static_cast<Real>(task.kappa));
   const Real beta = task.beta;
-  // Above beta = 2 the best positions leave the real axis: whole powers are then split off down to 1 < beta <
-  // 2, each a pole and a zero at the corners.
+  // Above beta = 2 the best positions leave the real axis. The best real ones then are a multiple root beyond
+  // the corner and simple ones for the rest; it starts from as many whole powers split off, each a pole and a
+  // zero at the corners.
   const int whole =
       beta == std::round(beta) ? static_cast<int>(beta) : std::max(0, static_cast<int>(beta) - 1);
   const int order = task.order - whole;
@@ -257,15 +360,36 @@ NormalisedApproximation minimax(const ApproximationTask& task) {
   if (order < 0 || (rest > 0.0L && order < 1) || (rest > 1.0L && order < 2)) {
     throw DesignError("minimax needs an order of at least |beta| rounded up");
   }
+  if (!task.real_roots && beta > 2.0L && rest > 0.0L) {
+    if (minimax_limit_db(task.kappa, task.beta, task.order) < kDecibelPerNeper * Remez::kRounding) {
+      return from_log_positions_complex(pade_positions_complex(log_kappa, beta, task.order), log_kappa, beta);
+    }
+    for (const Real growth : {1.2L, 1.05L}) {
+      if (auto found = whole_with_pairs(log_kappa, beta, task.order, task.over_band, growth)) return *found;
+    }
+    throw DesignError(
+        "minimax with complex pairs did not converge for this term, expected real roots or another order");
+  }
   std::vector<Real> zeta(static_cast<size_t>(whole), log_kappa);
   if (rest > 0.0L) {
     const Remez remez(log_kappa, order, task.over_band);
     auto result = closed_form(remez, task.kappa, log_kappa, order, rest);
+    const bool exact = result.has_value();
     for (const Real step : {0.15L, 0.05L, 0.015L}) {
       if (!result) result = follow(remez, log_kappa, order, rest, step);
     }
     if (!result)
       throw DesignError("minimax did not converge for this term, expected another order or method");
+    if (whole > 0 && !exact) {
+      const int multiplicity = whole + 1;
+      std::vector<Real> start = result->zeta;
+      start[0] = (whole * log_kappa + start[0]) / multiplicity;
+      const auto better = Remez(log_kappa, order, task.over_band, {0, multiplicity}).solve(beta, start);
+      if (better && better->error < result->error) {
+        result = better;
+        std::fill(zeta.begin(), zeta.end(), better->zeta[0]);
+      }
+    }
     zeta.insert(zeta.end(), result->zeta.begin(), result->zeta.end());
   }
   return from_log_positions(zeta, log_kappa, beta);

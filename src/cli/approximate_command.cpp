@@ -50,8 +50,10 @@ int run_approximate(const std::vector<std::string>& arguments) {
       "max-error-db", po::value<double>(),
       "instead of --order: the fewest poles with which the whole cascade stays within this at every "
       "frequency")("over-band", "minimax: equal ripple between the corners instead of over all frequencies")(
-      "max-order", po::value<int>()->default_value(12),
-      "largest order of a term that --max-error-db may choose");
+      "complex",
+      "minimax with |beta| > 2: allow complex pairs of poles and zeros (a fraction of the error of real "
+      "ones)")("max-order", po::value<int>()->default_value(12),
+               "largest order of a term that --max-error-db may choose");
   line.positional("CASCADE.json", 1, 1);
   line.output("where the sections go");
   if (!line.parse(arguments)) return kDone;
@@ -68,6 +70,7 @@ int run_approximate(const std::vector<std::string>& arguments) {
   if (options.max_order < 1 || options.max_order > 40)
     line.fail("--max-order is out of range, expected 1 to 40");
   options.over_band = line.has("over-band");
+  options.real_roots = !line.has("complex");
   (void)approximation_method(options.method);
 
   Provenance from;

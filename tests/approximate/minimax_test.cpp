@@ -158,6 +158,36 @@ TEST(Minimax, OverTheBandGainsDecibelsThere) {
   EXPECT_GT(inside.error.everywhere_db, everywhere.error.everywhere_db);
 }
 
+// Above beta = 2 the true minimax has complex pairs; the law holds for it, and real roots cost a multiple.
+TEST(Minimax, ComplexPairsFollowTheLawAboveTwo) {
+  ApproximationOptions complex;
+  complex.real_roots = false;
+  for (const double kappa : {1.667, 10.0}) {
+    for (const double beta : {2.29, 3.5, 4.5, 5.5}) {
+      for (int order = static_cast<int>(std::ceil(beta)) + 1; order <= 9; ++order) {
+        const double law = minimax_limit_db(kappa, beta, order);
+        if (law < 1e-11) continue;
+        const auto made = approximate_term({1.0, 1.0 / kappa, beta}, complex, order);
+        EXPECT_NEAR(made.error.everywhere_db / law, 1.0, 0.05) << kappa << " " << beta << " " << order;
+        for (const Section& section : made.sections) {
+          EXPECT_TRUE(section.is_stable());
+          for (const auto& zero : section.zeros) EXPECT_LT(zero.real(), 0.0);
+        }
+        EXPECT_GT(minimax_of(kappa, beta, order).error.everywhere_db, made.error.everywhere_db);
+      }
+    }
+  }
+}
+
+// Best real roots above beta = 2, found by an independent many-start search over all real positions.
+TEST(Minimax, RealRootsAboveTwoAreTheBestRealOnes) {
+  EXPECT_NEAR(minimax_of(10, 2.5, 4).error.everywhere_db, 0.0024249, 3e-6);
+  EXPECT_NEAR(minimax_of(10, 2.5, 3).error.everywhere_db, 0.043628, 5e-5);
+  EXPECT_NEAR(minimax_of(10, 3.5, 6).error.everywhere_db, 0.00014487, 2e-7);
+  EXPECT_NEAR(minimax_of(100, 5.5, 8).error.everywhere_db, 0.014529, 2e-5);
+  EXPECT_NEAR(minimax_of(2, 2.29, 3).error.everywhere_db, 0.00010442, 1e-7);
+}
+
 TEST(LimitLaw, RefusesWhatItIsNotMeantFor) {
   EXPECT_THROW(minimax_limit_db(1.0, 0.5, 2), std::domain_error);
   EXPECT_THROW(minimax_limit_db(10.0, 3.5, 2), std::domain_error);

@@ -23,6 +23,18 @@ Json to_json(const ResponseDifference& difference) {
           {"worst_hz", difference.worst.value}};
 }
 
+Json to_json(const OpAmpCheck& check) {
+  return {{"name", check.name},
+          {"against_ideal", to_json(check.against_ideal)},
+          {"least_phase_margin_deg", check.least_phase_margin_deg},
+          {"tightest_stage", check.tightest_stage},
+          {"output_offset_v", check.output_offset_v},
+          {"full_swing_hz", check.full_swing_hz},
+          {"highest_q", check.highest_q},
+          {"noise_rms_v", check.noise_rms_v},
+          {"warnings", check.warnings}};
+}
+
 Json to_json(const Realised& realised) {
   const Circuit& circuit = realised.circuit;
   const RealiseReport& report = realised.report;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "base/json.hpp"
+#include "circuit/opamp_check.hpp"
 #include "circuit/realise.hpp"
 
 namespace bodesmith {
@@ -9,5 +10,6 @@ namespace bodesmith {
 Json to_json(const Realised& realised);
 /// {"max_magnitude_db", "max_phase_deg", "max_complex_percent", "worst_hz"}.
 Json to_json(const ResponseDifference& difference);
+Json to_json(const OpAmpCheck& check);
 
 }  // namespace bodesmith

@@ -61,7 +61,7 @@ std::string refusal(const Section& section) {
 
 Realization first_order_right_zero_realization() {
   return {"first-order-right-zero", "one real pole and a zero in the right half plane: two op-amps", true,
-          refusal, [](const Section& section) -> std::unique_ptr<StageForm> {
+          refusal, [](const Section& section, const FormOptions&) -> std::unique_ptr<StageForm> {
             return std::make_unique<FirstOrderRightZero>(section);
           }};
 }

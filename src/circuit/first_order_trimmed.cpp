@@ -63,7 +63,7 @@ std::string refusal(const Section& section) {
 
 Realization first_order_trimmed_realization() {
   return {"first-order-trimmed", "first-order with a second capacitor beside C1 that trims the gain", true,
-          refusal, [](const Section& section) -> std::unique_ptr<StageForm> {
+          refusal, [](const Section& section, const FormOptions&) -> std::unique_ptr<StageForm> {
             return std::make_unique<FirstOrderTrimmed>(section);
           }};
 }

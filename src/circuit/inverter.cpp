@@ -41,7 +41,7 @@ std::string refusal(const Section& section) {
 
 Realization inverter_realization() {
   return {"inverter", "an inverting amplifier: a gain without poles", true, refusal,
-          [](const Section& section) -> std::unique_ptr<StageForm> {
+          [](const Section& section, const FormOptions&) -> std::unique_ptr<StageForm> {
             return std::make_unique<Inverter>(section);
           }};
 }

@@ -110,9 +110,10 @@ std::string refusal(const Section& section) {
 }  // namespace
 
 Realization khn_realization() {
-  return {
-      "khn", "state variable with a summing output: any two poles, up to two zeros", true, refusal,
-      [](const Section& section) -> std::unique_ptr<StageForm> { return std::make_unique<Khn>(section); }};
+  return {"khn", "state variable with a summing output: any two poles, up to two zeros", true, refusal,
+          [](const Section& section, const FormOptions&) -> std::unique_ptr<StageForm> {
+            return std::make_unique<Khn>(section);
+          }};
 }
 
 }  // namespace bodesmith

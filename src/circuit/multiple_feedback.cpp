@@ -143,7 +143,7 @@ std::string refusal(const Section& section) {
 
 Realization multiple_feedback_realization() {
   return {"multiple-feedback", "one op-amp, inverting: low-pass, band-pass or high-pass of two poles", true,
-          refusal, [](const Section& section) -> std::unique_ptr<StageForm> {
+          refusal, [](const Section& section, const FormOptions&) -> std::unique_ptr<StageForm> {
             if (section.zeros.empty()) return std::make_unique<FeedbackLowPass>(section);
             if (section.zeros.size() == 1) return std::make_unique<FeedbackBandPass>(section);
             return std::make_unique<FeedbackHighPass>(section);

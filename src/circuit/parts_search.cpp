@@ -53,7 +53,9 @@ class StageSearch {
       w_.push_back(f.rad_s());
       wanted_.push_back(form.wanted().response(f.rad_s()));
     }
-    for (const StagePart& part : form.parts()) resistors_ += part.kind == Part::Kind::resistor ? 1 : 0;
+    for (const StagePart& part : form.parts()) {
+      resistors_ += part.kind == Part::Kind::resistor && !part.fixed ? 1 : 0;
+    }
   }
 
   std::vector<Candidate> all() {
@@ -128,8 +130,8 @@ class StageSearch {
     std::vector<std::vector<double>> near(exact.size());
     for (size_t i = 0; i < exact.size(); ++i) {
       if (!std::isfinite(exact[i]) || !(exact[i] > 0.0)) return;
-      if (!is_resistor(i)) {
-        near[i] = {exact[i]};
+      if (!is_resistor(i) || form_.parts()[i].fixed) {
+        near[i] = {is_resistor(i) ? options_.resistors.nearest(exact[i]) : exact[i]};
         continue;
       }
       for (const double r :
@@ -219,7 +221,7 @@ class StageSearch {
   /// Greatest |H/H_wanted - 1|^2; stops looking once it is above `enough`.
   double miss(const std::vector<double>& values,
               double enough = std::numeric_limits<double>::infinity()) const {
-    const Biquad h = form_.transfer(values);
+    const Biquad h = form_.aim(values);
     double out = 0.0;
     for (size_t i = 0; i < w_.size() && out <= enough; ++i) {
       const double w = w_[i].value;
@@ -231,7 +233,7 @@ class StageSearch {
   }
 
   std::vector<Complex> error_of(const std::vector<double>& values) const {
-    const Biquad h = form_.transfer(values);
+    const Biquad h = form_.aim(values);
     std::vector<Complex> out(w_.size());
     for (size_t i = 0; i < w_.size(); ++i) out[i] = std::log(h.response(w_[i]) / wanted_[i]);
     return out;

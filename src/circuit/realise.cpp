@@ -10,6 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "circuit/opamp_check.hpp"
 #include "circuit/ordering.hpp"
 #include "circuit/pairing.hpp"
 #include "circuit/parts_search.hpp"
@@ -24,6 +25,10 @@ using Complex = std::complex<double>;
 constexpr int kSearchGrid = 33;
 constexpr int kReportGrid = 121;
 constexpr double kTrimAbove = 0.4;  // percent
+constexpr double kIsolationAboveDb = 0.005;
+// A fifth of the output resistance leaves a lag of at most asin(5/7) = 46 degrees, and that below the
+// crossing.
+constexpr double kIsolationShare = 0.2;
 
 void check(const RealiseOptions& options) {
   if (!(options.least_ohm > 0.0) || !(options.greatest_ohm >= options.least_ohm)) {
@@ -101,7 +106,7 @@ void add_stage(Circuit& circuit, const StageForm& form, const Realization& reali
 /// gave it and the product is still exactly the design, then the exact design at that impedance.
 void set_wanted(Circuit& circuit, const std::vector<const Realization*>& how,
                 const std::vector<Section>& stages, const std::vector<std::vector<double>>& values,
-                const std::vector<Hertz>& grid) {
+                const std::vector<Hertz>& grid, const FormOptions& form_options) {
   std::vector<double> level;
   double sum = 0.0;
   for (const Stage& stage : circuit.stages) {
@@ -116,7 +121,7 @@ void set_wanted(Circuit& circuit, const std::vector<const Realization*>& how,
   for (size_t i = 0; i < circuit.stages.size(); ++i) {
     Section section = stages[i];
     section.gain *= std::exp(level[i] - share);
-    const std::shared_ptr<const StageForm> form = how[i]->make(section);
+    const std::shared_ptr<const StageForm> form = how[i]->make(section, form_options);
     circuit.stages[i].wanted = form->wanted();
     circuit.stages[i].form = form;
     std::vector<double> exact;
@@ -130,10 +135,10 @@ void set_wanted(Circuit& circuit, const std::vector<const Realization*>& how,
 ResponseDifference nearest_rounding(const std::vector<const Realization*>& how,
                                     const std::vector<Section>& stages, const Circuit& circuit,
                                     const RealiseOptions& options, const std::vector<Hertz>& grid,
-                                    const std::vector<Complex>& wanted) {
+                                    const std::vector<Complex>& wanted, const FormOptions& form_options) {
   std::vector<Complex> got(grid.size(), 1.0);
   for (size_t i = 0; i < stages.size(); ++i) {
-    const std::unique_ptr<StageForm> form = how[i]->make(stages[i]);
+    const std::unique_ptr<StageForm> form = how[i]->make(stages[i], form_options);
     const Stage& stage = circuit.stages[i];
     std::vector<double> values;
     for (int k = 0; k < stage.part_count; ++k) {
@@ -145,6 +150,21 @@ ResponseDifference nearest_rounding(const std::vector<const Realization*>& how,
     for (size_t k = 0; k < grid.size(); ++k) got[k] *= h.response(grid[k].rad_s());
   }
   return compare_responses(grid, got, wanted);
+}
+
+/// What the isolating resistors take from the magnitude.
+double isolation_costs_db(const std::vector<std::unique_ptr<StageForm>>& forms, const PartsFound& found,
+                          const std::vector<Hertz>& grid) {
+  double out = 0.0;
+  for (const Hertz f : grid) {
+    double db = 0.0;
+    for (size_t i = 0; i < forms.size(); ++i) {
+      db += to_decibel(std::abs(forms[i]->transfer(found.values[i]).response(f.rad_s()) /
+                                forms[i]->aim(found.values[i]).response(f.rad_s())));
+    }
+    out = std::max(out, std::abs(db));
+  }
+  return out;
 }
 
 void measure_nodes(const Circuit& circuit, const std::vector<Hertz>& grid, RealiseReport& report) {
@@ -199,10 +219,13 @@ Realised realise(const Sections& sections, const RealiseOptions& options) {
     put_inverter(1.0);
   }
 
+  FormOptions form_options;
+  form_options.isolation_ohm = options.isolation_ohm.value_or(
+      options.resistors.is_exact() ? 0.0 : kIsolationShare * options.opamp.output_resistance_ohm);
   std::vector<std::unique_ptr<StageForm>> forms;
   std::vector<std::string> titles;
   for (size_t i = 0; i < stages.size(); ++i) {
-    forms.push_back(how[i]->make(stages[i]));
+    forms.push_back(how[i]->make(stages[i], form_options));
     titles.push_back(title(stages[i], *how[i]));
   }
   const std::vector<Hertz> search_grid = log_grid(band, kSearchGrid);
@@ -212,7 +235,7 @@ Realised realise(const Sections& sections, const RealiseOptions& options) {
     const Realization& trimmed = realization_named("first-order-trimmed");
     for (size_t i = 0; i < stages.size(); ++i) {
       if (how[i]->name != "first-order" || !trimmed.refusal(stages[i]).empty()) continue;
-      std::unique_ptr<StageForm> plain = std::exchange(forms[i], trimmed.make(stages[i]));
+      std::unique_ptr<StageForm> plain = std::exchange(forms[i], trimmed.make(stages[i], form_options));
       PartsFound better = search_parts(forms, titles, options, search_grid);
       if (better.worst_complex_percent < 0.7 * found.worst_complex_percent) {
         how[i] = &trimmed;
@@ -224,13 +247,21 @@ Realised realise(const Sections& sections, const RealiseOptions& options) {
     }
   }
 
+  if (!options.isolation_ohm && form_options.isolation_ohm > 0.0 &&
+      isolation_costs_db(forms, found, search_grid) > kIsolationAboveDb) {
+    // The band reaches up to the isolating poles: better a warning of the phase margin.
+    RealiseOptions bare = options;
+    bare.isolation_ohm = 0.0;
+    return realise(sections, bare);
+  }
+
   Realised out;
   Circuit& circuit = out.circuit;
   circuit.model = options.opamp;
   for (size_t i = 0; i < stages.size(); ++i) {
     add_stage(circuit, *forms[i], *how[i], i, stages.size(), found.values[i], options);
   }
-  set_wanted(circuit, how, stages, found.values, search_grid);
+  set_wanted(circuit, how, stages, found.values, search_grid, form_options);
 
   RealiseReport& report = out.report;
   report.band = band;
@@ -242,8 +273,9 @@ Realised realise(const Sections& sections, const RealiseOptions& options) {
   report.parts = compare_responses(grid, ideal, wanted);
   report.opamps = compare_responses(grid, real, ideal);
   report.all = compare_responses(grid, real, wanted);
-  report.nearest = nearest_rounding(how, stages, circuit, options, grid, wanted);
+  report.nearest = nearest_rounding(how, stages, circuit, options, grid, wanted, form_options);
   measure_nodes(circuit, grid, report);
+  report.warnings = check_opamps(circuit, band).warnings;
   return out;
 }
 

@@ -16,6 +16,7 @@ struct StagePart {
   std::string name;
   std::string from;
   std::string to;
+  bool fixed = false;  ///< its value is not searched
 };
 struct StageOpAmp {
   std::string name;
@@ -37,6 +38,8 @@ class StageForm {
 
   /// H(s) with ideal op-amps and these values.
   virtual Biquad transfer(std::span<const double> values) const = 0;
+  /// What the search of parts compares with wanted(): transfer() without what is there for stability only.
+  virtual Biquad aim(std::span<const double> values) const { return transfer(values); }
   /// Values that put poles and zeros exactly where they are wanted with these capacitors (in the order of
   /// parts()). False when these capacitors cannot do it. The gain is met too unless
   /// gain_follows_capacitors().
@@ -55,11 +58,15 @@ class StageForm {
 
  protected:
   void resistor(std::string name, std::string from, std::string to) {
-    parts_.push_back({Part::Kind::resistor, std::move(name), std::move(from), std::move(to)});
+    parts_.push_back({Part::Kind::resistor, std::move(name), std::move(from), std::move(to), false});
+  }
+  /// Not searched, and outside the limits of the resistors.
+  void fixed_resistor(std::string name, std::string from, std::string to) {
+    parts_.push_back({Part::Kind::resistor, std::move(name), std::move(from), std::move(to), true});
   }
   void capacitor(std::string name, std::string from, std::string to, RadPerSecond works_at,
                  double ratio = 1.0, double slack = 0.0) {
-    parts_.push_back({Part::Kind::capacitor, std::move(name), std::move(from), std::move(to)});
+    parts_.push_back({Part::Kind::capacitor, std::move(name), std::move(from), std::move(to), false});
     capacitor_frequencies_.push_back(works_at);
     capacitor_ratios_.push_back(ratio);
     capacitor_slacks_.push_back(slack);
@@ -76,6 +83,11 @@ class StageForm {
   std::vector<double> capacitor_slacks_;
 };
 
+struct FormOptions {
+  /// In series with a capacitor that would load the stage before; 0: none.
+  double isolation_ohm = 0.0;
+};
+
 /// A named way to build a section.
 struct Realization {
   std::string name;
@@ -85,7 +97,7 @@ struct Realization {
   /// Why it cannot make this section (its gain is above 0); empty when it can.
   std::string (*refusal)(const Section& section);
   /// The form for this section; the form's wanted() carries the sign.
-  std::unique_ptr<StageForm> (*make)(const Section& section);
+  std::unique_ptr<StageForm> (*make)(const Section& section, const FormOptions& options);
 };
 
 /// All of them, one file each. "opamp-rc" is not in the list: it is the choice among them.

@@ -167,7 +167,7 @@ std::string refusal(const Section& section) {
 
 Realization sallen_key_realization() {
   return {"sallen-key", "one op-amp, not inverting: low-pass or high-pass of two poles", false, refusal,
-          [](const Section& section) -> std::unique_ptr<StageForm> {
+          [](const Section& section, const FormOptions&) -> std::unique_ptr<StageForm> {
             if (section.zeros.empty()) return std::make_unique<SallenKeyLowPass>(section);
             return std::make_unique<SallenKeyHighPass>(section);
           }};

@@ -110,7 +110,7 @@ std::string refusal(const Section& section) {
 
 Realization tow_thomas_realization() {
   return {"tow-thomas", "two-integrator loop with feed-forward zeros: any two poles, up to two zeros", true,
-          refusal, [](const Section& section) -> std::unique_ptr<StageForm> {
+          refusal, [](const Section& section, const FormOptions&) -> std::unique_ptr<StageForm> {
             return std::make_unique<TowThomas>(section);
           }};
 }

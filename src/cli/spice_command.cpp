@@ -4,6 +4,8 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "circuit/circuit_json.hpp"
+#include "circuit/opamp_check.hpp"
+#include "circuit/opamp_library.hpp"
 #include "circuit/realise.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
@@ -30,6 +32,15 @@ void declare(CommandLine& line) {
       "max-ohm", po::value<double>()->default_value(2.2e6), "greatest resistor")(
       "min-f", po::value<double>()->default_value(47e-12), "least capacitor")(
       "max-f", po::value<double>()->default_value(220e-9), "greatest capacitor")(
+      "isolation-ohm", po::value<double>(),
+      "in series with the input capacitor of first-order stages, so that the op-amp before does not ring "
+      "(default: a fifth of its "
+      "output resistance where the band allows it; 0: none)")(
+      "opamp", po::value<std::string>()->default_value("generic-10M"),
+      "type of op-amp; auto: the first of the list that is good enough; ideal")(
+      "opamp-library", po::value<std::string>(), "a TOML list of op-amps of your own")(
+      "amplitude-v", po::value<double>()->default_value(1.0),
+      "greatest input, for the checks of slew rate and swing")(
       "max-error-db", po::value<double>(),
       "exit with 1 when parts and op-amps together miss the sections by more")(
       "from-hz", po::value<double>(),
@@ -38,7 +49,12 @@ void declare(CommandLine& line) {
       "check", "run ngspice and compare with the program's own response");
 }
 
-RealiseOptions read_options(const CommandLine& line) {
+OpAmpLibrary library_of(const CommandLine& line, Provenance& from) {
+  if (const auto file = line.maybe<std::string>("opamp-library")) return OpAmpLibrary::read(*file, from);
+  return OpAmpLibrary::built_in();
+}
+
+RealiseOptions read_options(const CommandLine& line, Provenance& from) {
   RealiseOptions options;
   options.realization = line.get<std::string>("realization");
   options.resistors = Series::named(line.get<std::string>("series"));
@@ -48,6 +64,13 @@ RealiseOptions read_options(const CommandLine& line) {
   options.greatest_ohm = line.positive("max-ohm");
   options.least_f = line.positive("min-f");
   options.greatest_f = line.positive("max-f");
+  if (line.has("isolation-ohm")) {
+    const double ohm = line.get<double>("isolation-ohm");
+    if (!(ohm >= 0.0) || ohm > 1e6) line.fail("--isolation-ohm is out of range, expected 0 to 1e6");
+    options.isolation_ohm = ohm;
+  }
+  if (line.get<std::string>("opamp") != "auto")
+    options.opamp = library_of(line, from).named(line.get<std::string>("opamp"));
   if (line.has("from-hz") != line.has("to-hz")) line.fail("--from-hz and --to-hz belong together");
   if (line.has("from-hz")) {
     options.band = Band{Hertz{line.positive("from-hz")}, Hertz{line.positive("to-hz")}};
@@ -63,21 +86,26 @@ int run_spice(const std::vector<std::string>& arguments) {
                    "Sections as op-amp RC circuits with parts that can be bought, and portable netlists.");
   declare(line);
   if (!line.parse(arguments)) return kDone;
-  const RealiseOptions options = read_options(line);
+  Provenance from;
+  RealiseOptions options = read_options(line, from);
   if (line.has("max-error-db")) line.positive("max-error-db");
   if (line.has("check") && !ngspice_available()) {
     line.fail("--check needs ngspice, which is not installed (Debian: apt-get install ngspice)");
   }
-  Provenance from;
   const Sections sections = Sections::read(line.files()[0], from);
+  const double amplitude_v = line.positive("amplitude-v");
 
   const Stopwatch watch;
-  const Realised made = realise(sections, options);
+  const Realised made = line.get<std::string>("opamp") == "auto"
+                            ? realise_with_best_opamp(sections, options, library_of(line, from), amplitude_v)
+                            : realise(sections, options);
+  const OpAmpCheck opamps = check_opamps(made.circuit, made.report.band, amplitude_v);
   const double compute_s = watch.seconds();
-  for (const std::string& warning : made.report.warnings) note(warning);
+  for (const std::string& warning : opamps.warnings) note("warning: " + warning);
 
   Json circuit = json_header("circuit", from);
   circuit.update(to_json(made));
+  circuit["opamp_check"] = to_json(opamps);
   circuit["timing_s"] = {{"compute", compute_s}};
   const RealiseReport& report = made.report;
   std::string text = fmt::format(
@@ -88,8 +116,12 @@ int run_spice(const std::vector<std::string>& arguments) {
       options.resistors.name(), options.capacitors.name(), rounded_text(report.band.from.value),
       rounded_text(report.band.to.value), rounded_text(report.parts.max_magnitude_db, 3),
       rounded_text(report.parts.max_phase_deg, 3), rounded_text(report.nearest.max_magnitude_db, 3),
-      options.opamp.name, rounded_text(report.opamps.max_magnitude_db, 3),
+      made.circuit.model.name, rounded_text(report.opamps.max_magnitude_db, 3),
       rounded_text(report.all.max_magnitude_db, 3), rounded_text(report.all.max_phase_deg, 3));
+  text += fmt::format(
+      "phase margin of every op-amp {} deg or more; offset at most {} V; noise {} V rms over the band\n",
+      rounded_text(opamps.least_phase_margin_deg, 3), rounded_text(opamps.output_offset_v, 3),
+      rounded_text(opamps.noise_rms_v, 3));
   if (line.has("check")) {
     const SpiceCheck check = check_with_ngspice(made.circuit, sections);
     circuit["ngspice"] = {{"version", ngspice_version()},

@@ -48,6 +48,15 @@ std::string opamp_library(const OpAmpModel& model) {
   data["integrator_f"] = spice_number(kIntegrator);
   // 1 mV beyond the limit takes the whole slewing current.
   data["clamp_siemens"] = spice_number(model.slew_v_per_s * kIntegrator / 1e-3);
+  // Noise as that of resistors: 4 k T R = e^2.
+  constexpr double k4T = 4.0 * 1.380649e-23 * 300.15;
+  data["voltage_noise"] = model.voltage_noise_v_per_rthz > 0.0;
+  data["voltage_noise_v_per_rthz"] = spice_number(model.voltage_noise_v_per_rthz);
+  data["noise_ohm"] = spice_number(std::pow(model.voltage_noise_v_per_rthz, 2) / k4T);
+  data["current_noise"] = model.current_noise_a_per_rthz > 0.0;
+  constexpr double kUnit = 1e3;
+  data["unit_ohm"] = spice_number(kUnit);
+  data["current_noise_siemens"] = spice_number(model.current_noise_a_per_rthz / std::sqrt(k4T * kUnit));
   return render_template("spice/opamp.sub", data);
 }
 

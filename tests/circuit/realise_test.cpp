@@ -54,7 +54,8 @@ TEST(Realise, SeedSectionsWithE12CapacitorsAndE96ResistorsWithin20Millidecibel) 
   EXPECT_LE(
       compare_responses(grid, network_response(made.circuit, grid, options.opamp), wanted).max_magnitude_db,
       0.01);
-  EXPECT_GT(made.report.nearest.max_magnitude_db, 0.1) << "joint search saves nothing?";
+  EXPECT_GT(made.report.nearest.max_magnitude_db, 3.0 * made.report.parts.max_magnitude_db)
+      << "joint search saves nothing?";
   EXPECT_LT(made.report.highest_node_db, 5.0);
   EXPECT_GT(made.report.lowest_node_db, -5.0);
 }
@@ -63,6 +64,7 @@ TEST(Realise, EveryPartIsInItsSeriesAndLimits) {
   const RealiseOptions options;
   const Realised made = realise(seed_sections(), options);
   for (const Part& part : made.circuit.parts) {
+    if (part.name.starts_with("Rs_")) continue;  // isolates, about the op-amp's output resistance
     const bool resistor = part.kind == Part::Kind::resistor;
     EXPECT_EQ((resistor ? options.resistors : options.capacitors).nearest(part.realised), part.realised)
         << part.name;
@@ -74,7 +76,9 @@ TEST(Realise, EveryPartIsInItsSeriesAndLimits) {
 
 TEST(Realise, WantedValuesAreAnExactDesign) {
   for (const Sections& sections : {seed_sections(), damping()}) {
-    Realised made = realise(sections);
+    RealiseOptions options;
+    options.isolation_ohm = 0.0;
+    Realised made = realise(sections, options);
     const auto grid = log_grid(made.report.band, 50);
     for (Part& part : made.circuit.parts) part.realised = part.wanted;
     const auto d =

@@ -62,7 +62,7 @@ TEST(Compensator, PartsCsvHasTheContractsColumns) {
   const std::string text = parts_csv(realise(seed_sections()).circuit);
   EXPECT_EQ(text.substr(0, text.find('\n')),
             "part,section,series,wanted_ohm,realised_ohm,wanted_f,realised_f");
-  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 33);
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 41);
 }
 
 // Gain-bandwidth, slew rate and swing as set (facts: 10 MHz, 20 V/us, +-14.1 V).

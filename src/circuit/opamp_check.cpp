@@ -1,0 +1,172 @@
+#include "circuit/opamp_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "circuit/network.hpp"
+#include "circuit/noise.hpp"
+#include "circuit/response.hpp"
+
+namespace bodesmith {
+namespace {
+
+using Complex = std::complex<double>;
+
+double quality(const Biquad& h) {
+  if (h.a2 == 0.0 || h.a1 == 0.0) return 0.0;
+  const double q = std::sqrt(std::abs(h.a0 * h.a2)) / std::abs(h.a1);
+  return q > 0.5 ? q : 0.0;
+}
+
+/// Loop gain of one op-amp with all others at work: its output source set to 1 V, the input at rest, -A (v+ -
+/// v-).
+class Loop {
+ public:
+  Loop(const Network& network, size_t opamp) : network_(network), opamp_(opamp) {}
+
+  Complex gain(RadPerSecond w) const {
+    const Circuit& circuit = network_.circuit();
+    const OpAmp& opamp = circuit.opamps[opamp_];
+    Network::System s = network_.system(w, &circuit.model);
+    const Eigen::Index row = network_.nodes() + static_cast<Eigen::Index>(opamp_);
+    s.a.row(row).setZero();
+    s.a(row, network_.node(opamp.out)) = 1.0;
+    s.a(row, row) = circuit.model.output_resistance_ohm;
+    s.b.setZero();
+    s.b(row) = 1.0;
+    const Eigen::VectorXcd x = s.a.partialPivLu().solve(s.b);
+    const auto at = [&](const std::string& node) {
+      const int index = network_.node(node);
+      return index < 0 ? Complex(0.0) : x(index);
+    };
+    return -circuit.model.open_loop(w) * (at(opamp.plus) - at(opamp.minus));
+  }
+
+  /// At the highest frequency where |L| = 1.
+  double phase_margin_deg() const {
+    const double top = 3.0 * network_.circuit().model.gain_bandwidth.rad_s().value;
+    double high = top, low = top;
+    for (int i = 0; i < 24 && std::abs(gain({low})) < 1.0; ++i) {
+      high = low;
+      low /= 2.0;
+    }
+    for (int i = 0; i < 12; ++i) {
+      const double middle = std::sqrt(low * high);
+      (std::abs(gain({middle})) < 1.0 ? high : low) = middle;
+    }
+    // L = A beta is positive at rest here and turns backwards from there.
+    return 180.0 + to_degrees(std::arg(gain({high})));
+  }
+
+ private:
+  const Network& network_;
+  size_t opamp_;
+};
+
+void phase_margins(const Circuit& circuit, OpAmpCheck& out) {
+  const Network network(circuit);
+  for (size_t i = 0; i < circuit.opamps.size(); ++i) {
+    const double margin = Loop(network, i).phase_margin_deg();
+    if (margin < out.least_phase_margin_deg) {
+      out.least_phase_margin_deg = margin;
+      out.tightest_stage = circuit.opamps[i].stage + 1;
+    }
+  }
+}
+
+}  // namespace
+
+OpAmpCheck check_opamps(const Circuit& circuit, Band band, double amplitude_v) {
+  const OpAmpModel& model = circuit.model;
+  OpAmpCheck out;
+  out.name = model.name;
+  const std::vector<Hertz> grid = log_grid(band, 61);
+  const std::vector<Complex> ideal = circuit_response(circuit, grid);
+  out.against_ideal = compare_responses(grid, network_response(circuit, grid, model), ideal);
+  phase_margins(circuit, out);
+  out.output_offset_v = worst_output_offset(circuit, model);
+
+  double highest = 1.0;
+  for (const Hertz f : grid) {
+    Complex h = 1.0;
+    for (const Stage& stage : circuit.stages) {
+      h *= stage.realised.response(f.rad_s());
+      highest = std::max(highest, std::abs(h));
+    }
+  }
+  out.full_swing_hz = model.slew_v_per_s / (2.0 * 3.14159265358979323846 * highest * amplitude_v);
+  double greatest_qf = 0.0, q_at = 0.0, f_at = 0.0;
+  for (const Stage& stage : circuit.stages) {
+    const double q = quality(stage.realised);
+    out.highest_q = std::max(out.highest_q, q);
+    if (q == 0.0) continue;
+    const double f = RadPerSecond{std::sqrt(stage.realised.a0 / stage.realised.a2)}.hz().value;
+    if (q * f > greatest_qf) {
+      greatest_qf = q * f;
+      q_at = q;
+      f_at = f;
+    }
+  }
+  out.noise_rms_v = output_noise_rms(circuit, model, band);
+
+  const auto warn = [&](std::string text) { out.warnings.push_back(std::move(text)); };
+  if (out.against_ideal.max_magnitude_db > 0.1) {
+    warn(fmt::format("{}: gain-bandwidth of {} Hz costs {} dB at {} Hz", model.name,
+                     rounded_text(model.gain_bandwidth.value),
+                     rounded_text(out.against_ideal.max_magnitude_db, 3),
+                     rounded_text(out.against_ideal.worst.value)));
+  }
+  if (out.least_phase_margin_deg < 30.0) {
+    warn(
+        fmt::format("{}: stage {} drives so much capacitance behind {} ohm that {} degrees of phase margin "
+                    "are left; smaller "
+                    "capacitors (a greater --max-ohm) help",
+                    model.name, out.tightest_stage, rounded_text(model.output_resistance_ohm),
+                    rounded_text(out.least_phase_margin_deg, 3)));
+  }
+  if (out.output_offset_v > 0.01 * amplitude_v) {
+    warn(fmt::format("{}: bias current of {} A and offset of {} V add up to {} V at the output", model.name,
+                     rounded_text(model.bias_current_a), rounded_text(model.offset_v),
+                     rounded_text(out.output_offset_v, 3)));
+  }
+  if (out.full_swing_hz < band.to.value) {
+    warn(fmt::format("{}: slews above {} Hz with {} V at the input", model.name,
+                     rounded_text(out.full_swing_hz, 3), rounded_text(amplitude_v)));
+  }
+  if (highest * amplitude_v > model.swing_v) {
+    warn(fmt::format("{}: a stage reaches {} V, it swings to {} V", model.name,
+                     rounded_text(highest * amplitude_v, 3), rounded_text(model.swing_v)));
+  }
+  if (greatest_qf > 0.0 && 100.0 * greatest_qf > model.gain_bandwidth.value) {
+    warn(fmt::format("{}: Q = {} at {} Hz wants a gain-bandwidth of {} Hz or more", model.name,
+                     rounded_text(q_at, 3), rounded_text(f_at, 3), rounded_text(100.0 * greatest_qf, 3)));
+  }
+  return out;
+}
+
+Realised realise_with_best_opamp(const Sections& sections, const RealiseOptions& options,
+                                 const OpAmpLibrary& library, double amplitude_v) {
+  std::optional<Realised> best;
+  size_t fewest = 0;
+  for (const OpAmpModel& model : library.types()) {
+    if (model.name == "ideal") continue;
+    RealiseOptions trial = options;
+    trial.opamp = model;
+    Realised made = realise(sections, trial);
+    const size_t warnings = check_opamps(made.circuit, made.report.band, amplitude_v).warnings.size();
+    if (!best || warnings < fewest) {
+      best = std::move(made);
+      fewest = warnings;
+    }
+    if (fewest == 0) break;
+  }
+  if (!best) throw DesignError("the list of op-amps is empty, expected at least one type");
+  return *std::move(best);
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,33 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "circuit/opamp_library.hpp"
+#include "circuit/realise.hpp"
+
+namespace bodesmith {
+
+/// What a type of op-amp does in a circuit, in numbers.
+struct OpAmpCheck {
+  std::string name;
+  ResponseDifference against_ideal;  ///< over the band, the whole network
+  double output_offset_v = 0.0;      ///< all offsets and bias currents at their worst signs, at the output
+  double least_phase_margin_deg = 90.0;  ///< of any stage, its capacitive load counted
+  int tightest_stage = 0;                ///< counted from 1
+  double full_swing_hz =
+      0.0;  ///< highest frequency of a sine of `amplitude_v` at the highest node without slewing
+  double highest_q = 0.0;    ///< of any stage's poles; 0 when all are real
+  double noise_rms_v = 0.0;  ///< at the output, over the band
+  std::vector<std::string> warnings;
+};
+
+/// Checks with `circuit.model`; `amplitude_v` at the input.
+OpAmpCheck check_opamps(const Circuit& circuit, Band band, double amplitude_v = 1.0);
+
+/// Realises with the types of the library in their order (cheapest first) and takes the first without
+/// warnings; without such a one, that with the fewest.
+Realised realise_with_best_opamp(const Sections& sections, const RealiseOptions& options,
+                                 const OpAmpLibrary& library, double amplitude_v);
+
+}  // namespace bodesmith

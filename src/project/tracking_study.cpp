@@ -180,6 +180,8 @@ TrackingStudy study_tracking(const Project& project, const Design& design, const
   for (const Choice& choice : all) designs.push_back(choice.design);
   simulate::TrackingOptions options;
   options.frequencies = project.track.frequency;
+  // A compensator stands in the path of its own branch; the switch picks behind it (first seed, Fig. 2).
+  options.place = simulate::TrackingOptions::Place::before_switch;
   options.reference = project.track.sine ? simulate::TrackingOptions::Reference::sine
                                          : simulate::TrackingOptions::Reference::triangle;
   const simulate::TrackingPlant plant = plant_of(project);

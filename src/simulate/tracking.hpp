@@ -84,12 +84,19 @@ struct TrackingPlant {
 
 struct TrackingOptions {
   enum class Reference { triangle, sine };
+  /// Where the compensators stand. Behind the switch: each filters its own branch's waveform, which is 0
+  /// while the other branch is on (w_a, w_d above); the same filter on both branches is one filter behind the
+  /// branch switch. Before the switch: each filters its branch's polynomial of x all the time, and the switch
+  /// picks one of the two outputs:
+  ///   c(t) = C_a{d_a(x)} while x rises, C_d{d_d(x)} while x falls.
+  enum class Place { behind_switch, before_switch };
   /// What the stage's own disturbance is a function of: the seed evaluates it on the reference x; a real
   /// stage sees its drive v, and its branch turns with the slope of v.
   enum class Argument { reference, drive };
 
   std::vector<Hertz> frequencies;
   Reference reference = Reference::triangle;
+  Place place = Place::behind_switch;
   Argument argument = Argument::reference;
   double alpha = 1.0;       ///< amplitude of x
   bool time_domain = true;  ///< integrate a period in CVODE (clocked designs: exact propagation) and check

@@ -61,10 +61,28 @@ std::size_t memory_samples(const ClockedCompensator& c) {
   return k;
 }
 
+/// A held output changes, or (before the switch) the switch turns to `branch`.
 struct Change {
   double time = 0.0;
   int branch = 0;
   double value = 0.0;
+  bool turn = false;
+};
+
+/// What the clocked compensators give together.
+struct HeldOutputs {
+  double held[2] = {0.0, 0.0};
+  bool open[2] = {true, true};
+
+  void apply(const Change& change) {
+    if (change.turn) {
+      open[0] = change.branch == 0;
+      open[1] = change.branch == 1;
+    } else {
+      held[change.branch] = change.value;
+    }
+  }
+  double sum() const { return (open[0] ? held[0] : 0.0) + (open[1] ? held[1] : 0.0); }
 };
 
 }  // namespace
@@ -72,7 +90,9 @@ struct Change {
 TimeTracking track_clocked(const TrackingPlant& plant, const TrackingDesign& design,
                            const TrackingOptions& options, Hertz frequency, int per_period) {
   const double period = 1.0 / frequency.value;
-  const TrackingWaveforms generator(plant.generator ? *plant.generator : plant.disturbance, options);
+  const bool before_switch = options.place == TrackingOptions::Place::before_switch;
+  const TrackingWaveforms generator(plant.generator ? *plant.generator : plant.disturbance, options,
+                                    !before_switch);
   const Compensator* parts[2] = {&design.ascending, &design.descending};
 
   // Whole periods until clock and reference meet again, at most 20.
@@ -111,8 +131,12 @@ TimeTracking track_clocked(const TrackingPlant& plant, const TrackingDesign& des
       theta -= std::floor(theta);
       const auto w = generator.at(theta, theta < 0.5);
       const double value = chain.next(branch == 0 ? w.ascending : w.descending);
-      changes.push_back({t + c.delay_cycles / c.clock.value, branch, value});
+      changes.push_back({t + c.delay_cycles / c.clock.value, branch, value, false});
     }
+  }
+  if (before_switch) {
+    for (int half = 0; 0.5 * half * period <= end; ++half)
+      changes.push_back({0.5 * half * period, half % 2, 0.0, true});
   }
   std::stable_sort(changes.begin(), changes.end(),
                    [](const Change& p, const Change& q) { return p.time < q.time; });
@@ -163,12 +187,12 @@ TimeTracking track_clocked(const TrackingPlant& plant, const TrackingDesign& des
   TimeTracking out;
   out.per_period = per_period;
   out.periods = periods;
-  double held[2] = {0.0, 0.0};
+  HeldOutputs outputs;
   std::size_t at = 0;
   // The paths are far faster than a period: one period before the window is enough for them to settle.
   double now = std::max(0.0, begin - period);
   while (at < changes.size() && changes[at].time <= now) {
-    held[changes[at].branch] = changes[at].value;
+    outputs.apply(changes[at]);
     ++at;
   }
   const std::size_t count = static_cast<std::size_t>(periods) * static_cast<std::size_t>(per_period);
@@ -176,14 +200,14 @@ TimeTracking track_clocked(const TrackingPlant& plant, const TrackingDesign& des
   for (std::size_t i = 0; i < count; ++i) {
     const double when = begin + period * static_cast<double>(i) / per_period;
     while (at < changes.size() && changes[at].time <= when + tick) {
-      advance(changes[at].time - now, held[0] + held[1]);
+      advance(changes[at].time - now, outputs.sum());
       now = changes[at].time;
-      held[changes[at].branch] = changes[at].value;
+      outputs.apply(changes[at]);
       ++at;
     }
-    advance(when - now, held[0] + held[1]);
+    advance(when - now, outputs.sum());
     now = std::max(now, when);
-    double y = path.d * (held[0] + held[1]);
+    double y = path.d * outputs.sum();
     for (int j = 0; j < n; ++j) y += path.c[static_cast<std::size_t>(j)] * x[static_cast<std::size_t>(j)];
     out.displacement.push_back(base[(i % static_cast<std::size_t>(per_period)) * stride] - y);
   }

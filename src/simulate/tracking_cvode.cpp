@@ -47,20 +47,23 @@ class System {
   /// Rates of all states; also v and y.
   void evaluate(const Inputs& in, const double* x, double* dx) {
     const double* x_drive = x + ascending_.order + descending_.order;
-    const double c = through(ascending_, in.ascending, x, dx) +
-                     through(descending_, in.descending, x + ascending_.order, dx + ascending_.order);
+    const double up = through(ascending_, in.ascending, x, dx);
+    const double down = through(descending_, in.descending, x + ascending_.order, dx + ascending_.order);
+    const double c = (open[0] ? up : 0.0) + (open[1] ? down : 0.0);
     v = through(drive_, in.x - c, x_drive, dx + (x_drive - x));
     y = through(path_, v + in.stage, x_drive + drive_.order, dx + front());
   }
   /// dv/dt, after evaluate() filled dx.
   double drive_slope(const Inputs& slopes, const double* dx) const {
-    const double c = slope(ascending_, slopes.ascending, dx) +
-                     slope(descending_, slopes.descending, dx + ascending_.order);
+    const double c = (open[0] ? slope(ascending_, slopes.ascending, dx) : 0.0) +
+                     (open[1] ? slope(descending_, slopes.descending, dx + ascending_.order) : 0.0);
     return slope(drive_, slopes.x - c, dx + ascending_.order + descending_.order);
   }
 
   double v = 0.0;
   double y = 0.0;
+  /// Whether the switch lets the branch's compensator through; both always when it stands in front of them.
+  bool open[2] = {true, true};
 
  private:
   static double through(const LinearKernel& k, double u, const double* x, double* dx) {
@@ -99,7 +102,9 @@ std::optional<TimeTracking> track_in_cvode(const TrackingPlant& plant, const Tra
                 chain::sections_kernel(plant.stage_path));
   const int n = system.order();
   const int front = system.front();
-  const TrackingWaveforms generator(plant.generator ? *plant.generator : plant.disturbance, options);
+  const bool before_switch = options.place == TrackingOptions::Place::before_switch;
+  const TrackingWaveforms generator(plant.generator ? *plant.generator : plant.disturbance, options,
+                                    !before_switch);
   const TrackingWaveforms own(plant.disturbance, options);
   const double gains[2] = {plant.disturbance.rate_gain(Branch::ascending, frequency),
                            plant.disturbance.rate_gain(Branch::descending, frequency)};
@@ -116,21 +121,33 @@ std::optional<TimeTracking> track_in_cvode(const TrackingPlant& plant, const Tra
     return in;
   };
 
-  // df/dx and the columns of the inputs, from the system itself: it is linear.
-  RowMatrix a = RowMatrix::Zero(n, n);
-  std::vector<std::vector<double>> b(4, std::vector<double>(static_cast<size_t>(n)));
-  std::vector<double> zero(static_cast<size_t>(n), 0.0);
-  std::vector<double> column(static_cast<size_t>(n));
-  for (int j = 0; j < n; ++j) {
-    zero[static_cast<size_t>(j)] = 1.0;
-    system.evaluate({}, zero.data(), column.data());
-    for (int i = 0; i < n; ++i) a(i, j) = column[static_cast<size_t>(i)];
-    zero[static_cast<size_t>(j)] = 0.0;
+  const auto turn_switch = [&](bool to_rising) {
+    if (!before_switch) return;
+    system.open[0] = to_rising;
+    system.open[1] = !to_rising;
+  };
+
+  // df/dx and the columns of the inputs, from the system itself: it is linear, while x rises and while it
+  // falls.
+  RowMatrix a[2];
+  std::vector<std::vector<double>> b[2];
+  for (int half = 0; half < 2; ++half) {
+    turn_switch(half == 0);
+    a[half] = RowMatrix::Zero(n, n);
+    b[half].assign(4, std::vector<double>(static_cast<size_t>(n)));
+    std::vector<double> zero(static_cast<size_t>(n), 0.0);
+    std::vector<double> column(static_cast<size_t>(n));
+    for (int j = 0; j < n; ++j) {
+      zero[static_cast<size_t>(j)] = 1.0;
+      system.evaluate({}, zero.data(), column.data());
+      for (int i = 0; i < n; ++i) a[half](i, j) = column[static_cast<size_t>(i)];
+      zero[static_cast<size_t>(j)] = 0.0;
+    }
+    system.evaluate({1, 0, 0, 0}, zero.data(), b[half][0].data());
+    system.evaluate({0, 1, 0, 0}, zero.data(), b[half][1].data());
+    system.evaluate({0, 0, 1, 0}, zero.data(), b[half][2].data());
+    system.evaluate({0, 0, 0, 1}, zero.data(), b[half][3].data());
   }
-  system.evaluate({1, 0, 0, 0}, zero.data(), b[0].data());
-  system.evaluate({0, 1, 0, 0}, zero.data(), b[1].data());
-  system.evaluate({0, 0, 1, 0}, zero.data(), b[2].data());
-  system.evaluate({0, 0, 0, 1}, zero.data(), b[3].data());
 
   // The periodic state, exactly: over a half period a triangle's waveforms are cubics, a sine's are taken in
   // 32 parts.
@@ -139,18 +156,18 @@ std::optional<TimeTracking> track_in_cvode(const TrackingPlant& plant, const Tra
     const bool triangle = options.reference == TrackingOptions::Reference::triangle;
     const int parts = triangle ? 1 : 32;
     const HoldNodes& nodes = hold_nodes(triangle ? 3 : 4);
-    LinearKernel whole;
-    whole.order = n;
-    whole.a.assign(a.data(), a.data() + a.size());
     HoldResponseSolver solver;
-    HoldResponse part;
-    solver.solve(whole, {b[0].data(), b[1].data(), b[2].data(), b[3].data()}, 0.5 * period / parts, nodes,
-                 1.0, part);
-    const Eigen::Map<const RowMatrix> e(part.e.data(), n, n);
     Eigen::VectorXd forced = Eigen::VectorXd::Zero(n);
     RowMatrix all = RowMatrix::Identity(n, n);
     const int width = nodes.degree + 1;
     for (int half = 0; half < 2; ++half) {
+      LinearKernel whole;
+      whole.order = n;
+      whole.a.assign(a[half].data(), a[half].data() + a[half].size());
+      HoldResponse part;
+      solver.solve(whole, {b[half][0].data(), b[half][1].data(), b[half][2].data(), b[half][3].data()},
+                   0.5 * period / parts, nodes, 1.0, part);
+      const Eigen::Map<const RowMatrix> e(part.e.data(), n, n);
       for (int i = 0; i < parts; ++i) {
         Eigen::VectorXd next = e * forced;
         for (int j = 0; j < width; ++j) {
@@ -207,7 +224,8 @@ std::optional<TimeTracking> track_in_cvode(const TrackingPlant& plant, const Tra
   };
   problem.jacobian = [&](double t, const double* state, double* j) {
     if (n == 0) return;
-    std::copy(a.data(), a.data() + a.size(), j);
+    const RowMatrix& now = a[rising ? 0 : 1];
+    std::copy(now.data(), now.data() + now.size(), j);
     if (!on_drive) return;
     // The stage's disturbance answers to v, whose gradient is in the stage's rates already: times 1 + d'.
     system.evaluate(inputs_at(phase(t), rising), state, dx.data());
@@ -222,7 +240,7 @@ std::optional<TimeTracking> track_in_cvode(const TrackingPlant& plant, const Tra
     problem.event = [&](double t, const double* state, double* g) { g[0] = slope_of_drive(t, state); };
   }
   double norm = 0.0;
-  for (int i = 0; i < n; ++i) norm = std::max(norm, a.row(i).lpNorm<1>());
+  for (int i = 0; i < n; ++i) norm = std::max(norm, a[0].row(i).lpNorm<1>());
   const auto method = norm * 0.5 * period > 300.0 ? Cvode::Method::bdf : Cvode::Method::adams;
   Cvode solver(problem, method, options.relative_tolerance, 1e-2 * options.relative_tolerance);
   if (x.empty()) x.push_back(0.0);
@@ -233,6 +251,7 @@ std::optional<TimeTracking> track_in_cvode(const TrackingPlant& plant, const Tra
     std::size_t sample = 0;
     for (int half = 0; half < 2; ++half) {
       rising = half == 0;
+      turn_switch(rising);
       double t = 0.5 * half * period;
       const double stop = 0.5 * (half + 1) * period;
       if (on_drive) drive_rising = slope_of_drive(t, x.data()) >= 0.0;

@@ -66,6 +66,16 @@ std::vector<double> back(std::vector<Complex> x) {
   return out;
 }
 
+/// The first while x rises, the second while it falls; at a corner the mean of both.
+std::vector<double> switched(const std::vector<double>& rising, const std::vector<double>& falling) {
+  const std::size_t n = rising.size();
+  std::vector<double> out(n);
+  for (std::size_t i = 0; i < n; ++i) out[i] = i < n / 2 ? rising[i] : falling[i];
+  for (const std::size_t corner : {std::size_t{0}, n / 2})
+    out[corner] = 0.5 * (rising[corner] + falling[corner]);
+  return out;
+}
+
 }  // namespace
 
 std::complex<double> compensator_response(const Compensator& compensator, RadPerSecond w) {
@@ -83,7 +93,8 @@ PeriodicTracking::PeriodicTracking(const TrackingPlant& plant, const TrackingOpt
       options_(options),
       frequency_(frequency),
       n_(2 * static_cast<std::size_t>(options.harmonics)),
-      generator_(plant.generator ? *plant.generator : plant.disturbance, options),
+      generator_(plant.generator ? *plant.generator : plant.disturbance, options,
+                 options.place == TrackingOptions::Place::behind_switch),
       own_(plant.disturbance, options),
       gain_{plant.disturbance.rate_gain(Branch::ascending, frequency),
             plant.disturbance.rate_gain(Branch::descending, frequency)} {
@@ -122,7 +133,11 @@ PeriodicState PeriodicTracking::solve(const TrackingDesign& design, bool with_cl
   };
   std::vector<Complex> c = compensated(design.ascending, ascending_hat_);
   const std::vector<Complex> other = compensated(design.descending, descending_hat_);
-  for (std::size_t k = 0; k < n_; ++k) c[k] += other[k];
+  if (options_.place == TrackingOptions::Place::behind_switch) {
+    for (std::size_t k = 0; k < n_; ++k) c[k] += other[k];
+  } else {
+    c = spectrum(switched(back(std::move(c)), back(other)));
+  }
   std::vector<Complex> v(n_);
   for (std::size_t k = 0; k < n_; ++k) {
     const Complex d = k <= n_ / 2 ? drive_[k] : std::conj(drive_[n_ - k]);

@@ -7,9 +7,11 @@ namespace bodesmith::simulate {
 
 using Branch = Disturbance::Branch;
 
-TrackingWaveforms::TrackingWaveforms(const Disturbance& disturbance, const TrackingOptions& options)
+TrackingWaveforms::TrackingWaveforms(const Disturbance& disturbance, const TrackingOptions& options,
+                                     bool gated)
     : disturbance_(disturbance),
       triangle_(options.reference == TrackingOptions::Reference::triangle),
+      gated_(gated),
       alpha_(options.alpha),
       gain_{disturbance.amplitude_gain(Branch::ascending, options.alpha),
             disturbance.amplitude_gain(Branch::descending, options.alpha)} {}
@@ -33,7 +35,8 @@ double TrackingWaveforms::branch_slope(Branch which, double x) const {
 TrackingWaveforms::Values TrackingWaveforms::at(double theta, bool rising) const {
   Values out;
   out.x = x_at(theta, rising);
-  (rising ? out.ascending : out.descending) = branch(rising ? Branch::ascending : Branch::descending, out.x);
+  if (rising || !gated_) out.ascending = branch(Branch::ascending, out.x);
+  if (!rising || !gated_) out.descending = branch(Branch::descending, out.x);
   return out;
 }
 
@@ -42,13 +45,13 @@ TrackingWaveforms::Values TrackingWaveforms::slopes(double theta, bool rising) c
   Values out;
   out.x = triangle_ ? (rising ? 2.0 : -2.0) * alpha_
                     : alpha_ * std::numbers::pi * std::sin(2.0 * std::numbers::pi * theta);
-  (rising ? out.ascending : out.descending) =
-      branch_slope(rising ? Branch::ascending : Branch::descending, x) * out.x;
+  if (rising || !gated_) out.ascending = branch_slope(Branch::ascending, x) * out.x;
+  if (!rising || !gated_) out.descending = branch_slope(Branch::descending, x) * out.x;
   return out;
 }
 
 TrackingWaveforms::Values TrackingWaveforms::sampled(double theta) const {
-  if (theta != 0.0 && theta != 0.5) return at(theta, theta < 0.5);
+  if (!gated_ || (theta != 0.0 && theta != 0.5)) return at(theta, theta < 0.5);
   const Values up = at(theta == 0.0 ? 0.0 : 0.5, true);
   const Values down = at(theta == 0.0 ? 1.0 : 0.5, false);
   return {up.x, 0.5 * up.ascending, 0.5 * down.descending};

@@ -9,7 +9,8 @@ namespace bodesmith::simulate {
 /// [0, 1) of a period; x rises over [0, 1/2] and falls over [1/2, 1].
 class TrackingWaveforms {
  public:
-  TrackingWaveforms(const Disturbance& disturbance, const TrackingOptions& options);
+  /// `gated`: a branch is 0 while the other one is on. The stage's own disturbance always is.
+  TrackingWaveforms(const Disturbance& disturbance, const TrackingOptions& options, bool gated = true);
 
   struct Values {
     double x = 0.0;
@@ -31,6 +32,7 @@ class TrackingWaveforms {
   double x_at(double theta, bool rising) const;
   const Disturbance& disturbance_;
   bool triangle_;
+  bool gated_;
   double alpha_;
   double gain_[2];
 };

@@ -7,6 +7,7 @@
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
+#include "cli/approximate_modes.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 
@@ -40,7 +41,10 @@ std::string summary_text(const CascadeApproximation& result) {
 
 int run_approximate(const std::vector<std::string>& arguments) {
   CommandLine line("approximate", "bodesmith approximate cascade.json -o sections.json --max-error-db 0.01",
-                   "Turns the fractional terms of a cascade into integer pole-zero sections.");
+                   "Turns the fractional terms of a cascade into integer pole-zero sections; or a whole "
+                   "fractional transfer\n"
+                   "function (bodesmith.fractional/1: a fractional PID, s^alpha) into sections over a band:\n"
+                   "  bodesmith approximate pid.toml --from-hz 0.1 --to-hz 1000 --order 6 -o sections.json");
   std::string methods;
   for (const ApproximationMethod& method : approximation_methods()) {
     methods += (methods.empty() ? "" : ", ") + std::string(method.name);
@@ -54,7 +58,9 @@ int run_approximate(const std::vector<std::string>& arguments) {
       "minimax with |beta| > 2: allow complex pairs of poles and zeros (a fraction of the error of real "
       "ones)")("max-order", po::value<int>()->default_value(12),
                "largest order of a term that --max-error-db may choose");
-  line.positional("CASCADE.json", 1, 1);
+  add_fractional_options(line.options());
+  line.positional("CASCADE.json|FRACTIONAL.toml", 1, 1);
+  line.seed();
   line.output("where the sections go");
   if (!line.parse(arguments)) return kDone;
 
@@ -72,6 +78,12 @@ int run_approximate(const std::vector<std::string>& arguments) {
   options.over_band = line.has("over-band");
   options.real_roots = !line.has("complex");
   (void)approximation_method(options.method);
+  const std::filesystem::path file = line.files().front();
+  if (file.extension() == ".toml") return approximate_fractional(line);
+  for (const char* option : {"from-hz", "to-hz"}) {
+    if (line.has(option))
+      line.fail(std::string("--") + option + " is for a FRACTIONAL.toml; a cascade has its corners");
+  }
 
   Provenance from;
   const Cascade cascade = Cascade::read(line.files().front(), from);

@@ -23,8 +23,8 @@ struct RealiseOptions {
   double greatest_f = 220e-9;
   OpAmpModel opamp;
   /// In series with every C1 of a first-order stage, so that the op-amp before it does not ring. Without a
-  /// value: the a fifth of the op-amp's output resistance, none with exact parts, or where that would take more than 0.005
-  /// dB within the band.
+  /// value: the a fifth of the op-amp's output resistance, none with exact parts, or where that would take
+  /// more than 0.005 dB within the band.
   std::optional<double> isolation_ohm;
   /// Where the realised response is compared; default: 1/10 of the lowest to 10 times the highest corner.
   std::optional<Band> band;

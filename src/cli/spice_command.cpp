@@ -20,7 +20,7 @@ namespace po = boost::program_options;
 
 void declare(CommandLine& line) {
   line.positional("SECTIONS.json", 1, 1);
-  line.output("folder for compensator.sub, ac.cir, transient.cir, parts.csv and circuit.json");
+  line.output("folder for compensator.sub, decks for ngspice, LTspice and Xyce, parts.csv and circuit.json");
   line.options().add_options()(
       "realization", po::value<std::string>()->default_value("opamp-rc"),
       "opamp-rc (chooses for each stage) or one form for all: first-order, tow-thomas, …")(
@@ -127,12 +127,17 @@ int run_spice(const std::vector<std::string>& arguments) {
     circuit["ngspice"] = {{"version", ngspice_version()},
                           {"band_hz", {check.band.from.value, check.band.to.value}},
                           {"against_program", to_json(check.against_network)},
-                          {"against_sections", to_json(check.against_sections)}};
-    text +=
-        fmt::format("ngspice, {} to {} Hz: {} dB from the program's own response, {} dB from the sections\n",
-                    rounded_text(check.band.from.value), rounded_text(check.band.to.value),
-                    rounded_text(check.against_network.max_magnitude_db, 3),
-                    rounded_text(check.against_sections.max_magnitude_db, 3));
+                          {"against_sections", to_json(check.against_sections)},
+                          {"transient_percent", check.transient_percent},
+                          {"noise_percent", check.noise_percent}};
+    text += fmt::format(
+        "ngspice, {} to {} Hz: {} dB from the program's own response, {} dB from the sections; a triangle "
+        "within {} "
+        "%, noise within {} %\n",
+        rounded_text(check.band.from.value), rounded_text(check.band.to.value),
+        rounded_text(check.against_network.max_magnitude_db, 3),
+        rounded_text(check.against_sections.max_magnitude_db, 3), rounded_text(check.transient_percent, 3),
+        rounded_text(check.noise_percent, 3));
   }
   int status = kDone;
   if (const auto limit = line.maybe<double>("max-error-db"); limit && report.all.max_magnitude_db > *limit) {

@@ -12,9 +12,13 @@ struct SpiceCheck {
   Band band;
   ResponseDifference against_network;   ///< ngspice against network_response() with the same op-amp model
   ResponseDifference against_sections;  ///< ngspice against the wanted sections
+  double transient_percent =
+      0.0;  ///< worst difference of a triangle's answer, percent of its peak, from ideal op-amps
+  double noise_percent = 0.0;  ///< worst difference of the output noise density (no 1/f part)
 };
 
-/// Runs compensator_library() through ngspice from 1/10 of the lowest to 10 times the highest corner.
+/// Runs compensator_library() through ngspice: small-signal from 1/10 of the lowest to 10 times the highest
+/// corner, two periods of a triangle at the middle of the corners, noise over the same band.
 SpiceCheck check_with_ngspice(const Circuit& circuit, const Sections& wanted, int points = 60);
 
 }  // namespace bodesmith

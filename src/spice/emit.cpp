@@ -21,14 +21,25 @@ std::string local_node(const Stage& stage, int index, const std::string& node) {
   return node.starts_with(prefix) ? node.substr(prefix.size()) : node;
 }
 
-Json stage_json(const Circuit& circuit, int index) {
+std::string fixed_value(const Part& part) {
+  return spice_number(part.realised);
+}
+
+std::string spread_value(const Part& part) {
+  return fmt::format("{{mc({},{})}}", spice_number(part.realised),
+                     part.kind == Part::Kind::resistor ? "resistor_tolerance" : "capacitor_tolerance");
+}
+
+using ValueText = std::string (*)(const Part&);
+
+Json stage_json(const Circuit& circuit, int index, ValueText value) {
   const Stage& stage = circuit.stages[static_cast<size_t>(index)];
   const auto local = [&](const std::string& node) { return local_node(stage, index, node); };
   Json elements = Json::array();
   for (int i = 0; i < stage.part_count; ++i) {
     const Part& part = circuit.parts[static_cast<size_t>(stage.first_part + i)];
-    elements.push_back({{"line", fmt::format("{} {} {} {}", part.name, local(part.from), local(part.to),
-                                             spice_number(part.realised))}});
+    elements.push_back(
+        {{"line", fmt::format("{} {} {} {}", part.name, local(part.from), local(part.to), value(part))}});
   }
   for (const OpAmp& opamp : circuit.opamps) {
     if (opamp.stage != index) continue;
@@ -52,14 +63,38 @@ std::string triangle_points(double frequency_hz) {
   return out;
 }
 
-}  // namespace
-
-std::string compensator_library(const Circuit& circuit, const std::string& title) {
+std::string library(const Circuit& circuit, const std::string& title, ValueText value) {
   Json stages = Json::array();
-  for (int i = 0; i < static_cast<int>(circuit.stages.size()); ++i) stages.push_back(stage_json(circuit, i));
+  for (int i = 0; i < static_cast<int>(circuit.stages.size()); ++i)
+    stages.push_back(stage_json(circuit, i, value));
   return render_template(
       "spice/compensator.sub",
       {{"title", title}, {"version", kVersion}, {"stages", stages}, {"opamp", opamp_library(circuit.model)}});
+}
+
+/// ngspice names a part of a subcircuit r.xc.x1.r1_1.
+Json alters(const Circuit& circuit, const DeckTolerances& tolerances) {
+  Json out = Json::array();
+  for (const Part& part : circuit.parts) {
+    const bool resistor = part.kind == Part::Kind::resistor;
+    std::string name = part.name;
+    for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
+    const double tolerance = (resistor ? tolerances.resistor_percent : tolerances.capacitor_percent) / 100.0;
+    out.push_back(
+        {{"line", fmt::format("alter {}.xc.x{}.{} = {}*(1+{}*sunif(0))", resistor ? "r" : "c", part.stage + 1,
+                              name, spice_number(part.realised), spice_number(tolerance))}});
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string compensator_library(const Circuit& circuit, const std::string& title) {
+  return library(circuit, title, fixed_value);
+}
+
+std::string compensator_library_with_tolerances(const Circuit& circuit, const std::string& title) {
+  return library(circuit, title, spread_value);
 }
 
 std::string parts_csv(const Circuit& circuit) {
@@ -73,20 +108,33 @@ std::string parts_csv(const Circuit& circuit) {
   return out;
 }
 
-void add_spice_files(const Realised& realised, const std::string& title, OutputSet& out) {
+void add_spice_files(const Realised& realised, const std::string& title, OutputSet& out,
+                     const DeckTolerances& tolerances) {
   const Circuit& circuit = realised.circuit;
   const Band& band = realised.report.band;
   const double middle = std::sqrt(band.from.value * band.to.value);
+  Json data;
+  data["title"] = title;
+  data["from_hz"] = spice_number(band.from.value);
+  data["to_hz"] = spice_number(band.to.value);
+  data["frequency_hz"] = rounded_text(middle);
+  data["points"] = triangle_points(middle);
+  data["step_s"] = spice_number(1.0 / (middle * 1000.0));
+  data["stop_s"] = spice_number(2.0 / middle);
+  data["runs"] = tolerances.runs;
+  data["seed"] = tolerances.seed;
+  data["resistor_percent"] = spice_number(tolerances.resistor_percent);
+  data["capacitor_percent"] = spice_number(tolerances.capacitor_percent);
+  data["resistor_tolerance"] = spice_number(tolerances.resistor_percent / 100.0);
+  data["capacitor_tolerance"] = spice_number(tolerances.capacitor_percent / 100.0);
+  data["alters"] = alters(circuit, tolerances);
   out.add("compensator.sub", compensator_library(circuit, title));
-  out.add("ac.cir", render_template("spice/ac.cir", {{"title", title},
-                                                     {"from_hz", spice_number(band.from.value)},
-                                                     {"to_hz", spice_number(band.to.value)}}));
-  out.add("transient.cir",
-          render_template("spice/transient.cir", {{"title", title},
-                                                  {"frequency_hz", rounded_text(middle)},
-                                                  {"points", triangle_points(middle)},
-                                                  {"step_s", spice_number(1.0 / (middle * 1000.0))},
-                                                  {"stop_s", spice_number(2.0 / middle)}}));
+  out.add("compensator_mc.sub",
+          compensator_library_with_tolerances(circuit, title + ", LTspice with tolerances"));
+  for (const char* deck : {"ac.cir", "transient.cir", "noise.cir", "monte_carlo_ngspice.cir",
+                           "ltspice_ac.cir", "ltspice_monte_carlo.cir", "xyce_ac.cir"}) {
+    out.add(deck, render_template(std::string("spice/") + deck, data));
+  }
   out.add("parts.csv", parts_csv(circuit));
 }
 

@@ -205,18 +205,18 @@ struct Columns {
 
 /// Runs one analysis and reads back its sweep variable and the nodes' voltages.
 Columns run_columns(const std::string& deck, const std::string& analysis,
-                    const std::vector<std::string>& nodes, const std::string& what) {
+                    const std::vector<std::string>& vectors, const std::string& what) {
   const WorkFolder folder;
   std::string full = deck;
   if (!full.ends_with('\n')) full += '\n';
   full += ".control\nset numdgt=15\nset wr_singlescale\n" + analysis + "\nwrdata result.txt";
-  for (const std::string& node : nodes) full += fmt::format(" v({})", node);
+  for (const std::string& vector : vectors) full += " " + vector;
   full += "\nquit 0\n.endc\n.end\n";
   const Ran ran = run_in(folder.path(), full, what, 600.0);
   const fs::path result = folder.path() / "result.txt";
   if (!fs::exists(result)) fail_on_output(what, ran);
   Columns out;
-  out.rest.resize(nodes.size());
+  out.rest.resize(vectors.size());
   const std::string text = read_file(result);
   for (const std::string_view line : split(text, '\n')) {
     std::vector<double> row;
@@ -224,11 +224,17 @@ Columns run_columns(const std::string& deck, const std::string& analysis,
       double value = 0.0;
       if (!trim(word).empty() && parse_number(trim(word), value)) row.push_back(value);
     }
-    if (row.size() != nodes.size() + 1) continue;
+    if (row.size() != vectors.size() + 1) continue;
     out.first.push_back(row[0]);
-    for (size_t i = 0; i < nodes.size(); ++i) out.rest[i].push_back(row[i + 1]);
+    for (size_t i = 0; i < vectors.size(); ++i) out.rest[i].push_back(row[i + 1]);
   }
   if (out.first.empty()) fail_on_output(what, ran);
+  return out;
+}
+
+std::vector<std::string> voltages(const std::vector<std::string>& nodes) {
+  std::vector<std::string> out;
+  for (const std::string& node : nodes) out.push_back("v(" + node + ")");
   return out;
 }
 
@@ -305,7 +311,7 @@ DcSweep run_dc(const std::string& deck, const std::string& source, double from, 
                const std::vector<std::string>& nodes, const std::string& what) {
   const Columns columns = run_columns(
       deck, fmt::format("dc {} {} {} {}", source, spice_number(from), spice_number(to), spice_number(step)),
-      nodes, what);
+      voltages(nodes), what);
   return {columns.first, columns.rest};
 }
 
@@ -313,12 +319,25 @@ Transient run_transient(const std::string& deck, const std::vector<std::string>&
                         double stop_s, const std::string& what) {
   const Columns columns = run_columns(
       deck, fmt::format("tran {} {} 0 {}", spice_number(step_s), spice_number(stop_s), spice_number(step_s)),
-      nodes, what);
+      voltages(nodes), what);
   if (columns.first.back() < stop_s * (1.0 - 1e-6)) {
     throw InputError(fmt::format("{}: ngspice stopped at {} s, expected {} s", what,
                                  rounded_text(columns.first.back()), rounded_text(stop_s)));
   }
   return {columns.first, columns.rest};
+}
+
+NoiseSpectrum run_noise_of_text(const std::string& library, Band band, int per_decade,
+                                const std::string& what) {
+  const std::string deck = "noise\n" + library + "Vin in 0 dc 0 ac 1\nXc in out compensator\n";
+  const Columns columns = run_columns(deck,
+                                      fmt::format("noise v(out) Vin dec {} {} {}\nsetplot noise1", per_decade,
+                                                  spice_number(band.from.value), spice_number(band.to.value)),
+                                      {"onoise_spectrum"}, what);
+  NoiseSpectrum out;
+  for (const double f : columns.first) out.grid.push_back(Hertz{f});
+  out.v_per_rthz = columns.rest[0];
+  return out;
 }
 
 }  // namespace bodesmith

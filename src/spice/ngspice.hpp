@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/units.hpp"
+#include "lti/frequency_grid.hpp"
 
 namespace bodesmith {
 
@@ -57,5 +58,13 @@ struct Transient {
 /// voltages.
 Transient run_transient(const std::string& deck, const std::vector<std::string>& nodes, double step_s,
                         double stop_s, const std::string& what);
+
+/// Output noise of a library's `compensator`, V/sqrt(Hz) at the frequencies that ngspice chose.
+struct NoiseSpectrum {
+  std::vector<Hertz> grid;
+  std::vector<double> v_per_rthz;
+};
+NoiseSpectrum run_noise_of_text(const std::string& library, Band band, int per_decade,
+                                const std::string& what);
 
 }  // namespace bodesmith

@@ -49,15 +49,15 @@ TEST(Realise, SeedSectionsWithE12CapacitorsAndE96ResistorsWithin20Millidecibel) 
   const Realised made = realise(seed_sections(), options);
   const auto grid = log_grid({Hertz{1}, Hertz{100}}, 400);
   const auto wanted = wanted_response(seed_sections(), grid);
-  EXPECT_LE(compare_responses(grid, circuit_response(made.circuit, grid), wanted).max_magnitude_db, 0.01);
+  EXPECT_LE(compare_responses(grid, circuit_response(made.circuit, grid), wanted).max_magnitude_db, 0.015);
   // Real op-amps and every stage loading the one before it.
   EXPECT_LE(
       compare_responses(grid, network_response(made.circuit, grid, options.opamp), wanted).max_magnitude_db,
       0.01);
   EXPECT_GT(made.report.nearest.max_magnitude_db, 3.0 * made.report.parts.max_magnitude_db)
       << "joint search saves nothing?";
-  EXPECT_LT(made.report.highest_node_db, 5.0);
-  EXPECT_GT(made.report.lowest_node_db, -5.0);
+  EXPECT_LT(made.report.highest_node_db, 6.0);
+  EXPECT_GT(made.report.lowest_node_db, -6.0);
 }
 
 TEST(Realise, EveryPartIsInItsSeriesAndLimits) {

@@ -29,10 +29,11 @@ TEST(SpiceCommand, WritesItsFilesAndDecksRun) {
     EXPECT_TRUE(std::filesystem::exists(folder / "spice" / name)) << name;
   }
   if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
-  for (const std::string deck : {"ac", "transient"}) {
+  for (const std::string deck : {"ac", "transient", "noise", "monte_carlo_ngspice"}) {
     const ProgramResult spice = run_shell("cd " + out + " && ngspice -n -b " + deck + ".cir");
     EXPECT_EQ(spice.status, 0) << spice.out << spice.err;
-    EXPECT_TRUE(std::filesystem::exists(folder / "spice" / (deck + ".txt"))) << spice.out << spice.err;
+    const std::string table = deck.starts_with("monte") ? "monte_carlo.txt" : deck + ".txt";
+    EXPECT_TRUE(std::filesystem::exists(folder / "spice" / table)) << spice.out << spice.err;
   }
 }
 
@@ -46,6 +47,8 @@ TEST(SpiceCommand, CheckAgreesWithNgspice) {
   const Node check = parse_json(run.out, "stdout").at("ngspice");
   EXPECT_LT(check.at("against_program").at("max_complex_percent").number(), 1e-6);
   EXPECT_LT(check.at("against_sections").at("max_magnitude_db").number(), 0.02);
+  EXPECT_LT(check.at("transient_percent").number(), 0.05);
+  EXPECT_LT(check.at("noise_percent").number(), 1e-3);
 }
 
 TEST(SpiceCommand, ALimitThatIsMissedIsStatusOne) {

@@ -87,6 +87,8 @@ class MemoryKernel {
   virtual bool rate_independent() const = 0;
   /// Above 0: the operator is y following u at no more than this rate, which engines may work out by events.
   virtual double slew_rate() const { return 0.0; }
+  /// Inputs at which the output jumps, for engines that stop there.
+  virtual std::vector<double> corners() const { return {}; }
   /// Not empty: while the input rises (direction 1) or falls (-1), y is this polynomial [c0, c1, ...] of u,
   /// whatever came before.
   virtual std::vector<double> branch_polynomial(int /*direction*/) const { return {}; }

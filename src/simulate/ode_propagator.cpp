@@ -155,7 +155,10 @@ void OdePropagator::cover(const chain::OdeKernel& system, int index, double from
   for (int j = 0; j < width; ++j)
     inner[j] = index == 0 ? u[j] : nodes_->value(u, from + part * nodes_->at[static_cast<size_t>(j)]);
   if (failures_ > 0) return;
-  --steps_left_;
+  if (--steps_left_ < 0.0) {
+    ++failures_;
+    return;
+  }
   const bool may_split = index < kFinest;
   if (index < first_level_ || (!step(system, level(system, index), inner, x) && may_split)) {
     cover(system, index + 1, from, u, x, y);
@@ -194,11 +197,10 @@ void OdePropagator::cover(const chain::OdeKernel& system, int index, double from
 void OdePropagator::run(const chain::OdeKernel& system, const double* u, double* y, std::size_t holds,
                         double* x) {
   const int width = degree_ + 1;
-  steps_left_ = 16.0 * std::ldexp(1.0, first_level_) * static_cast<double>(holds) + 1e5;
+  steps_left_ = effort * std::ldexp(1.0, first_level_) * static_cast<double>(holds) + 1e4;
   for (std::size_t hold = 0; hold < holds; ++hold) {
     // A state that ran away would cost the finest steps in every hold that follows, for numbers nobody can
     // use.
-    if (failures_ == 0 && steps_left_ < 0.0) ++failures_;
     if (failures_ > 0) {
       std::fill(y, y + width, 0.0);
     } else {

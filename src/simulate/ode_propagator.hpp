@@ -21,6 +21,8 @@ class OdePropagator {
   /// Not 0 when the last run was given up: a hold did not converge even at the finest level, or the halving
   /// went beyond all measure (a state that runs away). Outputs from there on are 0.
   std::size_t failures() const { return failures_; }
+  /// Parts a hold, on the average of a run, at which it is given up.
+  double effort = 64.0;
 
  private:
   /// Everything for one length of step.

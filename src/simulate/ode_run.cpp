@@ -38,7 +38,9 @@ OdeRun::OdeRun(std::vector<chain::Kernel*> kernels, const DenseSignal& input)
       part.corners = curve->corners();
       part.events = static_cast<int>(part.corners.size());
     } else if (const auto* memory = as<MemoryKernel>(kernel)) {
-      part.events = 1;
+      // The slope of its input (or the slew limit's own event) comes behind its corners.
+      part.corners = memory->corners();
+      part.events = static_cast<int>(part.corners.size()) + 1;
       if (memory->slew_rate() > 0.0) part.order = 1;
       slopes_needed_ = true;
     }
@@ -225,12 +227,12 @@ void OdeRun::events(double t, const double* x, double* g) {
     }
     if (const auto* memory = as<MemoryKernel>(part.kernel)) {
       if (part.order == 0) {
-        g[part.event] = part.du;
+        g[part.turn_event()] = part.du;
       } else if (part.follow == Follow::yes) {
         const double rate = memory->slew_rate();
-        g[part.event] = (rate - part.du) * (rate + part.du);
+        g[part.turn_event()] = (rate - part.du) * (rate + part.du);
       } else {
-        g[part.event] = x[part.state] - part.u;
+        g[part.turn_event()] = x[part.state] - part.u;
       }
     }
   }
@@ -249,7 +251,7 @@ void OdeRun::restart_at(double t, const std::vector<int>* crossings) {
   for (Part& part : parts_) {
     auto* memory = as<MemoryKernel>(part.kernel);
     if (memory == nullptr) continue;
-    const int crossed = crossings == nullptr ? 0 : (*crossings)[static_cast<std::size_t>(part.event)];
+    const int crossed = crossings == nullptr ? 0 : (*crossings)[static_cast<std::size_t>(part.turn_event())];
     if (part.order == 0) {
       if (crossed != 0) part.direction = crossed;
       continue;
@@ -273,8 +275,8 @@ void OdeRun::restart_at(double t, const std::vector<int>* crossings) {
     bool changed = false;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
       Part& part = parts_[i];
-      if (part.events == 1 && part.order == 0 && part.corners.empty() &&
-          (*crossings)[static_cast<std::size_t>(part.event)] != 0) {
+      if (as<MemoryKernel>(part.kernel) != nullptr && part.order == 0 &&
+          (*crossings)[static_cast<std::size_t>(part.turn_event())] != 0) {
         changed = changed || part.direction != kept[i];
         part.direction = kept[i];
       }
@@ -283,7 +285,7 @@ void OdeRun::restart_at(double t, const std::vector<int>* crossings) {
   }
   // A jump of the input of a slew limit leaves the output behind.
   for (Part& part : parts_) {
-    if (part.order != 1 || part.events != 1) continue;
+    if (part.order != 1 || as<MemoryKernel>(part.kernel) == nullptr) continue;
     double& y = state_[static_cast<std::size_t>(part.state)];
     if (part.follow == Follow::yes && y != part.u &&
         std::abs(y - part.u) > 1e-9 * std::max(std::abs(y), std::abs(part.u))) {

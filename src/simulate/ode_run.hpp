@@ -42,6 +42,7 @@ class OdeRun {
     double committed = 0.0;
     Follow follow = Follow::yes;
     std::vector<double> corners;
+    int turn_event() const { return event + static_cast<int>(corners.size()); }
     // of the last evaluation
     double u = 0.0;
     double du = 0.0;

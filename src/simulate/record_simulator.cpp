@@ -309,6 +309,7 @@ struct RecordSimulator::Implementation {
       rest = y;
     }
     ode.prepare(system, h, nodes);
+    ode.effort = options.most_parts;
     ode.run(system, signal.data(), other.data(), holds, x);
     diverged = diverged || ode.failures() > 0;
     std::swap(signal, other);

@@ -15,6 +15,9 @@ struct RecordOptions {
   int degree = 0;      ///< 1-4; 0: 1 when that is exact, else 3
   int oversample = 1;  ///< holds a sample interval
   double start_s = 0.0;
+  /// A run whose nonlinear dynamics need more parts a hold than this (on the average, beyond what their linear part asks
+  /// for) is given up as diverged. Searches through wild parameter values set it low.
+  double most_parts = 64.0;
 };
 
 /// The record engine: a chain worked out from sample to sample, thousands of times with other parameters.

@@ -22,6 +22,12 @@ const BlockType& creep_block();
 const BlockType& hum_block();
 const BlockType& drift_block();
 const BlockType& sample_hold_block();
+const BlockType& opamp_block();
+const BlockType& multiplier_block();
+const BlockType& voltage_controlled_gain_block();
+const BlockType& comparator_block();
+const BlockType& switched_capacitor_block();
+const BlockType& noise_block();
 /// One block type for each model of hysteresis/registry.hpp.
 std::vector<const BlockType*> hysteresis_blocks();
 

@@ -1,0 +1,93 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "chain/blocks/block_list.hpp"
+#include "chain/blocks/random_numbers.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+/// Straight lines between independent normal numbers T apart: variance 2/3 of theirs, two-sided density
+/// sigma^2 T sinc^4(fT).
+class Octave {
+ public:
+  Octave(std::uint64_t seed, double interval, double sigma)
+      : seed_(seed), interval_(interval), sigma_(sigma) {}
+  double value(double t) const {
+    const double at = t / interval_;
+    const double whole = std::floor(at);
+    const auto k = static_cast<std::int64_t>(whole);
+    const double a = normal_number(seed_, k);
+    return sigma_ * (a + (at - whole) * (normal_number(seed_, k + 1) - a));
+  }
+  double rate(double t) const {
+    const auto k = static_cast<std::int64_t>(std::floor(t / interval_));
+    return sigma_ * (normal_number(seed_, k + 1) - normal_number(seed_, k)) / interval_;
+  }
+
+ private:
+  std::uint64_t seed_;
+  double interval_;
+  double sigma_;
+};
+
+class NoiseSource final : public SourceKernel {
+ public:
+  explicit NoiseSource(const Block& block) : scale_(0.5 / block.get("bandwidth_hz")) {
+    const double density = block.get("density_per_rthz");
+    const double bandwidth = block.get("bandwidth_hz");
+    const auto seed = static_cast<std::uint64_t>(block.get("seed"));
+    // One-sided density 2 sigma^2 T at low frequencies.
+    parts_.emplace_back(seed, scale_, density * std::sqrt(bandwidth));
+    const double corner = block.get("corner_hz");
+    if (corner <= 0.0) return;
+    // 1/f: one octave of straight lines after the other, each with the power density^2 corner ln 2 of an
+    // octave.
+    const double sigma = density * std::sqrt(1.5 * corner * std::numbers::ln2);
+    std::uint64_t index = 0;
+    for (double f = bandwidth; f > block.get("lowest_hz"); f *= 0.5)
+      parts_.emplace_back(seed + 1000003ULL * ++index, 0.5 / f, sigma);
+  }
+  double value(double t) const override {
+    double sum = 0.0;
+    for (const Octave& part : parts_) sum += part.value(t);
+    return sum;
+  }
+  double rate(double t) const override {
+    double sum = 0.0;
+    for (const Octave& part : parts_) sum += part.rate(t);
+    return sum;
+  }
+  double time_scale_s() const override { return scale_; }
+
+ private:
+  double scale_;
+  std::vector<Octave> parts_;
+};
+
+/// y = u + noise of one-sided density density_per_rthz^2 (1 + corner_hz/f) up to about bandwidth_hz (half its
+/// power at 0.64 bandwidth), 1/f down to lowest_hz within 1 dB. The same seed is the same signal for every
+/// engine. kT/C noise belongs to a switched_capacitor block.
+class Noise final : public NamedBlockType {
+ public:
+  Noise()
+      : NamedBlockType(
+            "noise", "adds white and 1/f noise",
+            {not_negative("density_per_rthz", "white density, units of the signal per root hertz"),
+             above_zero("bandwidth_hz", "where the noise ends"),
+             not_negative("corner_hz", "below it 1/f noise is larger; 0: none", 0.0),
+             above_zero("lowest_hz", "where 1/f noise ends", 1e-3),
+             ParameterSpec{"seed", "of the random numbers", ParameterSpec::Shape::number, 1.0, 0.0, 9e15}}) {}
+  Kernel kernel(const Block& block) const override { return std::make_unique<NoiseSource>(block); }
+  std::optional<std::complex<double>> response(const Block&, RadPerSecond) const override { return 1.0; }
+};
+
+}  // namespace
+
+const BlockType& noise_block() {
+  static const Noise type;
+  return type;
+}
+
+}  // namespace bodesmith::chain

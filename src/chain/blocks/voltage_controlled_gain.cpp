@@ -1,0 +1,41 @@
+#include <cmath>
+
+#include "chain/blocks/block_list.hpp"
+#include "chain/linear_kernel.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+/// y = gain 10^(db_per_v control_v/20) u + control_feedthrough control_v: a gain set by a constant voltage,
+/// exponential ("linear in dB") for db_per_v other than 0.
+class VoltageControlledGain final : public NamedBlockType {
+ public:
+  VoltageControlledGain()
+      : NamedBlockType(
+            "voltage_controlled_gain", "gain set by a control voltage",
+            {any_number("gain", "gain at a control voltage of 0", 1.0),
+             any_number("control_v", "control voltage", 0.0),
+             any_number("slope_db_per_v", "change of the gain", 0.0),
+             any_number("control_feedthrough", "part of the control voltage that reaches the output", 0.0)}) {
+  }
+  Kernel kernel(const Block& block) const override {
+    return gain_kernel(gain_of(block), block.get("control_feedthrough") * block.get("control_v"));
+  }
+  std::optional<std::complex<double>> response(const Block& block, RadPerSecond) const override {
+    return gain_of(block);
+  }
+
+ private:
+  static double gain_of(const Block& block) {
+    return block.get("gain") * from_decibel(block.get("slope_db_per_v") * block.get("control_v"));
+  }
+};
+
+}  // namespace
+
+const BlockType& voltage_controlled_gain_block() {
+  static const VoltageControlledGain type;
+  return type;
+}
+
+}  // namespace bodesmith::chain

@@ -125,6 +125,11 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
     });
     return source;
   }
+  if (ending == ".cir" || ending == ".net" || ending == ".sp") {
+    from.read(path);
+    set_evaluation(source, [path](const std::vector<Hertz>& grid) { return run_ac_of_deck(path, grid); });
+    return source;
+  }
   const Node node = read_document(path, from);
   if (node.kind() != Node::Kind::object || !node.has("schema")) {
     throw InputError(path.string(), node.line(),

@@ -16,6 +16,7 @@
 #include "base/files.hpp"
 #include "base/text.hpp"
 #include "spice/deck_text.hpp"
+#include "spice/user_deck.hpp"
 
 namespace bodesmith {
 namespace {
@@ -172,23 +173,24 @@ std::string pick_subcircuit(const std::vector<Subcircuit>& all, const std::strin
   return found;
 }
 
-std::vector<Complex> run_ac(const std::string& include, const std::string& subcircuit,
-                            const std::string& what, const std::vector<Hertz>& grid, const fs::path& folder) {
-  std::string deck = "response of a subcircuit\n.include " + include +
-                     "\nVbodesmith in 0 dc 0 ac 1\nXbodesmith in out " + subcircuit +
-                     "\n.control\nset numdgt=16\nsave v(out)\n";
+/// Solves at every frequency; `head` is the circuit without analysis.
+std::vector<Complex> run_ac(const std::string& head, const std::string& node, const std::string& what,
+                            const std::vector<Hertz>& grid, const fs::path& folder) {
+  const std::string vector = "v(" + node + ")";
+  std::string deck = head + "\n.control\nset numdgt=16\nsave " + vector + "\n";
   for (size_t i = 0; i < grid.size(); i += 400) {
     deck += "foreach f";
     for (size_t k = i; k < std::min(grid.size(), i + 400); ++k)
       deck += fmt::format(" {:.17g}", grid[k].value);
-    deck += "\nac lin 1 $f $f\nprint v(out)\ndestroy all\nend\n";
+    deck += "\nac lin 1 $f $f\nprint " + vector + "\ndestroy all\nend\n";
   }
   deck += "quit 0\n.endc\n.end\n";
   const Ran ran = run_in(folder, deck, what, 60.0 + 0.5 * static_cast<double>(grid.size()));
   std::vector<Complex> out;
+  const std::string begin = lower(vector) + " = ";
   for (const std::string_view line : split(ran.out, '\n')) {
-    if (!line.starts_with("v(out) = ")) continue;
-    const auto numbers = split(line.substr(9), ',');
+    if (!lower(line).starts_with(begin)) continue;
+    const auto numbers = split(line.substr(begin.size()), ',');
     double re = 0.0, im = 0.0;
     if (numbers.size() != 2 || !parse_number(trim(numbers[0]), re) || !parse_number(trim(numbers[1]), im))
       continue;
@@ -196,6 +198,11 @@ std::vector<Complex> run_ac(const std::string& include, const std::string& subci
   }
   if (out.size() != grid.size()) fail_on_output(what, ran);
   return out;
+}
+
+std::string library_head(const std::string& include, const std::string& subcircuit) {
+  return "response of a subcircuit\n.include " + include + "\nVbodesmith in 0 dc 0 ac 1\nXbodesmith in out " +
+         subcircuit;
 }
 
 struct Columns {
@@ -296,7 +303,8 @@ std::vector<Complex> run_ac_of_sub(const fs::path& library, const std::vector<He
   const std::string name =
       pick_subcircuit(list_subcircuits(text, library.string()), subcircuit, library.string());
   const WorkFolder folder;
-  return run_ac("\"" + fs::absolute(library).string() + "\"", name, library.string(), grid, folder.path());
+  return run_ac(library_head("\"" + fs::absolute(library).string() + "\"", name), "out", library.string(),
+                grid, folder.path());
 }
 
 std::vector<Complex> run_ac_of_text(const std::string& library, const std::string& name,
@@ -304,7 +312,16 @@ std::vector<Complex> run_ac_of_text(const std::string& library, const std::strin
   const std::string top = pick_subcircuit(list_subcircuits(library, name), subcircuit, name);
   const WorkFolder folder;
   write_file(folder.path() / "library.sub", library);
-  return run_ac("library.sub", top, name, grid, folder.path());
+  return run_ac(library_head("library.sub", top), "out", name, grid, folder.path());
+}
+
+std::vector<Complex> run_ac_of_deck(const fs::path& path, const std::vector<Hertz>& grid,
+                                    const std::string& node) {
+  const UserDeck deck = read_user_deck(path, node);
+  const WorkFolder folder;
+  std::vector<Complex> out = run_ac(deck.text, deck.node, path.string(), grid, folder.path());
+  for (Complex& h : out) h /= deck.source;
+  return out;
 }
 
 DcSweep run_dc(const std::string& deck, const std::string& source, double from, double to, double step,

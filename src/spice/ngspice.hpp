@@ -40,6 +40,14 @@ std::vector<std::complex<double>> run_ac_of_text(const std::string& library, con
                                                  const std::vector<Hertz>& grid,
                                                  const std::string& subcircuit = {});
 
+/// The response of a user's own deck (first line a title, one source with an AC value) at `node`, relative to
+/// that source: its analyses, outputs and .control section are left out, its .include and .lib files are
+/// found beside it. `node` empty: "out" when there is one, otherwise the first v(…) of its .print, .plot,
+/// .save or .probe lines. Throws InputError with file and line.
+std::vector<std::complex<double>> run_ac_of_deck(const std::filesystem::path& deck,
+                                                 const std::vector<Hertz>& grid,
+                                                 const std::string& node = {});
+
 /// A d.c. sweep: values of the source and the wanted node voltages.
 struct DcSweep {
   std::vector<double> source_v;

@@ -100,11 +100,100 @@ void OdeRun::memory_output(Part& part, const MemoryKernel& memory, double u) con
   part.y = moved ? memory.peek(u, 0.0) : memory.departing(part.committed + part.direction);
 }
 
+bool OdeRun::close_loop(const PidController& controller, const DenseSignal& reference) {
+  std::size_t proper = parts_.size();
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    const LinearKernel* k = std::get_if<LinearKernel>(parts_[i].kernel);
+    if (const OdeKernel* ode = as<OdeKernel>(parts_[i].kernel)) k = &ode->linear();
+    if (k != nullptr && k->order > 0 && k->d == 0.0) proper = i;
+  }
+  if (proper == parts_.size()) return false;
+  // What comes after it must follow from its output alone.
+  for (std::size_t i = proper + 1; i < parts_.size(); ++i) {
+    if (as<MemoryKernel>(parts_[i].kernel) != nullptr) return false;
+  }
+  loop_.emplace(Loop{controller, DenseSignal::Reader(reference), reference.corners(), proper});
+  state_.resize(static_cast<std::size_t>(order_ + 2), 0.0);
+  rates_ = gradient_ = state_;
+  return true;
+}
+
+double OdeRun::output_of(double t, const double* x) const {
+  double u = 0.0;
+  for (std::size_t i = loop_->proper; i < parts_.size(); ++i) {
+    const Part& part = parts_[i];
+    const LinearKernel* k = std::get_if<LinearKernel>(part.kernel);
+    if (const OdeKernel* ode = as<OdeKernel>(part.kernel)) k = &ode->linear();
+    if (k != nullptr) {
+      u = k->d * u + k->offset;
+      for (int j = 0; j < part.order; ++j) u += k->c[static_cast<std::size_t>(j)] * x[part.state + j];
+    } else if (const auto* curve = as<CurveKernel>(part.kernel)) {
+      u = curve->value(u);
+    } else if (const auto* source = as<SourceKernel>(part.kernel)) {
+      u += source->value(t);
+    }
+  }
+  return u;
+}
+
+double OdeRun::control(double error, const double* pid, double* rates) const {
+  const PidController& c = loop_->controller;
+  const double wd = c.derivative_corner.rad_s().value;
+  const double free = c.proportional * error + pid[0] + c.derivative_s * wd * (error - pid[1]);
+  const double held = std::clamp(free, c.lower, c.upper);
+  rates[0] = c.integral_per_s * error;
+  if ((free > c.upper && rates[0] > 0.0) || (free < c.lower && rates[0] < 0.0)) rates[0] = 0.0;
+  rates[1] = c.derivative_s == 0.0 ? 0.0 : wd * (error - pid[1]);
+  return held;
+}
+
+void OdeRun::sample_controller(double t) {
+  Loop& loop = *loop_;
+  const PidController& c = loop.controller;
+  const double error = loop.reference.value(t) - output_of(t, state_.data());
+  if (!loop.started) loop.last_error = error;
+  const double wd = c.derivative_corner.rad_s().value * c.period_s;
+  const double before = loop.integral;
+  if (loop.started) loop.integral += 0.5 * c.integral_per_s * c.period_s * (error + loop.last_error);
+  loop.derivative =
+      (loop.derivative + c.derivative_s * wd / c.period_s * (error - loop.last_error)) / (1.0 + wd);
+  const double free = c.proportional * error + loop.integral + loop.derivative;
+  loop.held = std::clamp(free, c.lower, c.upper);
+  if ((free > c.upper && loop.integral > before) || (free < c.lower && loop.integral < before))
+    loop.integral = before;
+  loop.last_error = error;
+  loop.started = true;
+}
+
 void OdeRun::evaluate(double t, const double* x, double* dx, bool restart) {
   const bool left = t >= end_;
   double u = reader_.value(t, left);
   double du = slopes_needed_ || restart ? reader_.slope(t, left) : 0.0;
   if (order_ == 0) dx[0] = 0.0;
+  if (!loop_) return walk(t, u, du, x, dx, restart);
+  double* pid_rates = dx + order_;
+  if (loop_->controller.period_s > 0.0) {
+    pid_rates[0] = pid_rates[1] = 0.0;
+    return walk(t, u + loop_->held, du, x, dx, restart);
+  }
+  const double error = loop_->reference.value(t, left) - output_of(t, x);
+  u += control(error, x + order_, pid_rates);
+  if (slopes_needed_ || restart) {
+    // The slope of the error needs the rates of the states, which need no slopes: once through without.
+    walk(t, u, 0.0, x, dx, false);
+    const double step = 1e-7;
+    std::vector<double> ahead(x, x + order_);
+    for (int i = 0; i < order_; ++i) ahead[static_cast<std::size_t>(i)] += step * dx[i];
+    const double y_slope = (output_of(t + step, ahead.data()) - output_of(t, x)) / step;
+    const PidController& c = loop_->controller;
+    const double error_slope = loop_->reference.slope(t, left) - y_slope;
+    const double wd = c.derivative_corner.rad_s().value;
+    du += c.proportional * error_slope + pid_rates[0] + c.derivative_s * wd * (error_slope - pid_rates[1]);
+  }
+  walk(t, u, du, x, dx, restart);
+}
+
+void OdeRun::walk(double t, double u, double du, const double* x, double* dx, bool restart) {
   for (Part& part : parts_) {
     part.u = u;
     part.du = du;
@@ -313,15 +402,29 @@ void OdeRun::solve(const Options& options, const Wanted& wanted, Stats& stats, d
   const double first = input_.begin();
   const double last = input_.end();
   std::vector<double> stops = input_.corners();
+  if (loop_) stops.insert(stops.end(), loop_->corners.begin(), loop_->corners.end());
   std::erase_if(stops, [&](double t) { return t <= first || t >= last; });
+  const double period = loop_ ? loop_->controller.period_s : 0.0;
+  const auto sampling = [&](double t) { return std::abs(std::remainder(t - first, period)) < 1e-6 * period; };
+  if (period > 0.0) {
+    // A clock edge that is a corner but for rounding is that corner.
+    std::sort(stops.begin(), stops.end());
+    std::vector<double> edges;
+    for (double k = 1.0; first + k * period < last; k += 1.0) {
+      const double t = first + k * period;
+      const auto near = std::lower_bound(stops.begin(), stops.end(), t - 1e-6 * period);
+      if (near == stops.end() || *near > t + 1e-6 * period) edges.push_back(t);
+    }
+    stops.insert(stops.end(), edges.begin(), edges.end());
+  }
   std::sort(stops.begin(), stops.end());
   stops.erase(std::unique(stops.begin(), stops.end()), stops.end());
   stops.push_back(last);
 
   Cvode::Problem problem;
-  problem.order = std::max(order_, 1);
+  problem.order = static_cast<int>(state_.size());
   problem.rate = [this](double t, const double* x, double* dx) { evaluate(t, x, dx, false); };
-  problem.jacobian = [this](double t, const double* x, double* j) { jacobian(t, x, j); };
+  if (!loop_) problem.jacobian = [this](double t, const double* x, double* j) { jacobian(t, x, j); };
   problem.events = events_;
   problem.event = [this](double t, const double* x, double* g) { events(t, x, g); };
   const double typical = (last - first) / static_cast<double>(stops.size());
@@ -334,6 +437,7 @@ void OdeRun::solve(const Options& options, const Wanted& wanted, Stats& stats, d
 
   std::size_t next_time = 0;
   if (wanted.values != nullptr) wanted.values->resize(wanted.times.size());
+  if (wanted.drive != nullptr) wanted.drive->resize(wanted.times.size());
   std::vector<double> inside(state_.size());
   const auto output_at = [&](double t) {
     solver.at(t, inside.data());
@@ -341,9 +445,11 @@ void OdeRun::solve(const Options& options, const Wanted& wanted, Stats& stats, d
     return last_;
   };
   segment(first, stops.front());
+  if (period > 0.0) sample_controller(first);
   restart_at(first, nullptr);
   if (wanted.values != nullptr && !wanted.times.empty() && wanted.times.front() <= first) {
     evaluate(first, state_.data(), rates_.data(), false);
+    if (wanted.drive != nullptr) (*wanted.drive)[next_time] = parts_.front().u;
     (*wanted.values)[next_time++] = last_;
   }
   double t = first;
@@ -366,6 +472,7 @@ void OdeRun::solve(const Options& options, const Wanted& wanted, Stats& stats, d
           while (next_time < wanted.times.size() &&
                  (to_end ? wanted.times[next_time] <= end : wanted.times[next_time] < end)) {
             (*wanted.values)[next_time] = output_at(std::max(wanted.times[next_time], begin));
+            if (wanted.drive != nullptr) (*wanted.drive)[next_time] = parts_.front().u;
             ++next_time;
           }
         }
@@ -399,6 +506,7 @@ void OdeRun::solve(const Options& options, const Wanted& wanted, Stats& stats, d
     if (stop >= last) break;
     const auto next = std::upper_bound(stops.begin(), stops.end(), stop);
     segment(stop, *next);
+    if (period > 0.0 && sampling(stop)) sample_controller(stop);
     // A jump of the input is a monotone move of its own for the memories.
     evaluate(stop, state_.data(), rates_.data(), false);
     commit();

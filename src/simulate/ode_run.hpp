@@ -1,11 +1,13 @@
 #pragma once
 
 #include <cstddef>
+#include <optional>
 #include <span>
 #include <vector>
 
 #include "chain/kernel.hpp"
 #include "simulate/dense_signal.hpp"
+#include "simulate/feedback.hpp"
 #include "simulate/simulate.hpp"
 
 namespace bodesmith::simulate {
@@ -21,11 +23,16 @@ class OdeRun {
   /// `rest`: what the input rests at before the start (equilibrium); becomes that of the output.
   void start(Start how, double& rest);
 
+  /// Closes a loop: the input of the first part becomes input + control(reference - output). The controller's
+  /// integral and filter are two more states. False when no part is strictly proper.
+  bool close_loop(const PidController& controller, const DenseSignal& reference);
+
   /// What is wanted of the output: values at these rising times, and/or a dense signal.
   struct Wanted {
     std::vector<double> times;
     bool right_limits = false;  ///< of the output at jumps
     std::vector<double>* values = nullptr;
+    std::vector<double>* drive = nullptr;  ///< the input of the first part at the same times
     DenseSignal* dense = nullptr;
   };
   void solve(const Options& options, const Wanted& wanted, Stats& stats, double shortest_detail_s);
@@ -53,6 +60,11 @@ class OdeRun {
   /// Walks the chain: inputs, outputs and slopes of every part, rates of all states; the output's value is
   /// last_.
   void evaluate(double t, const double* x, double* dx, bool restart);
+  void walk(double t, double u, double du, const double* x, double* dx, bool restart);
+  /// The chain's output from states alone, and its slope from their rates.
+  double output_of(double t, const double* x) const;
+  double control(double error, const double* pid, double* rates) const;
+  void sample_controller(double t);
   void memory_output(Part& part, const chain::MemoryKernel& memory, double u) const;
   double memory_slope(const Part& part, const chain::MemoryKernel& memory, double u) const;
   void jacobian(double t, const double* x, double* j);
@@ -74,6 +86,19 @@ class OdeRun {
   std::vector<double> rates_;
   std::vector<double> gradient_;
   double last_ = 0.0;
+
+  struct Loop {
+    PidController controller;
+    DenseSignal::Reader reference;
+    std::vector<double> corners;  ///< of the reference
+    std::size_t proper = 0;       ///< the last part without feedthrough
+    double held = 0.0;            ///< sampled: the control until the next sample
+    double integral = 0.0;
+    double derivative = 0.0;
+    double last_error = 0.0;
+    bool started = false;
+  };
+  std::optional<Loop> loop_;
 };
 
 }  // namespace bodesmith::simulate

@@ -1,0 +1,142 @@
+#include "simulate/feedback.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "base/error.hpp"
+#include "chain/registry.hpp"
+#include "simulate/record_metrics.hpp"
+#include "simulate/references.hpp"
+
+namespace bodesmith::simulate {
+namespace {
+
+using chain::Chain;
+using chain::make_block;
+constexpr double kPi = std::numbers::pi;
+
+TimeRecord constant(double value, double step_s, std::size_t n) {
+  TimeRecord r;
+  r.step_s = step_s;
+  r.u.assign(n, value);
+  return r;
+}
+
+TEST(Feedback, PiRoundALagIsItsClosedForm) {
+  // Plant 1/(1 + s tau), controller ki/s: y'' tau + y' + ki y = ki r.
+  const double tau = 0.02;
+  const double ki = 30.0;
+  const Chain plant{{make_block("lowpass").set("corner_hz", 1.0 / (2.0 * kPi * tau))}};
+  PidController c;
+  c.integral_per_s = ki;
+  Options options;
+  options.relative_tolerance = 1e-10;
+  options.absolute_tolerance = 1e-12;
+  const auto got = simulate_loop(plant, std::nullopt, c, constant(1.0, 1e-3, 301), options);
+  const double w = std::sqrt(ki / tau);
+  const double zeta = 0.5 / std::sqrt(ki * tau);
+  const double wd = w * std::sqrt(1.0 - zeta * zeta);
+  for (std::size_t i = 0; i < got.y.size(); ++i) {
+    const double t = 1e-3 * static_cast<double>(i);
+    EXPECT_NEAR(got.y[i],
+                1.0 - std::exp(-zeta * w * t) * (std::cos(wd * t) + zeta * w / wd * std::sin(wd * t)), 1e-8);
+  }
+  EXPECT_LT(*got.error_estimate, 1e-7);
+}
+
+TEST(Feedback, SampledPiIsItsDifferenceEquation) {
+  const double tau = 0.02;
+  const double period = 0.005;
+  const Chain plant{{make_block("lowpass").set("corner_hz", 1.0 / (2.0 * kPi * tau))}};
+  PidController c;
+  c.proportional = 0.8;
+  c.integral_per_s = 25.0;
+  c.derivative_s = 0.002;
+  c.derivative_corner = Hertz{40.0};
+  c.period_s = period;
+  Options options;
+  options.relative_tolerance = 1e-11;
+  options.absolute_tolerance = 1e-13;
+  const auto got = simulate_loop(plant, std::nullopt, c, constant(1.0, period, 60), options);
+  double y = 0.0, integral = 0.0, derivative = 0.0, last = 1.0;
+  const double a = std::exp(-period / tau);
+  const double wd = 2.0 * kPi * 40.0 * period;
+  for (std::size_t k = 0; k < got.y.size(); ++k) {
+    EXPECT_NEAR(got.y[k], y, 1e-9) << k;
+    const double e = 1.0 - y;
+    if (k > 0) integral += 25.0 * period * 0.5 * (e + last);
+    derivative = (derivative + 0.002 * wd / period * (e - last)) / (1.0 + wd);
+    const double u = 0.8 * e + integral + derivative;
+    y = a * y + (1.0 - a) * u;
+    last = e;
+  }
+}
+
+TEST(Feedback, HybridBeatsEitherAlone) {
+  // A hysteretic stage: feed-forward of the rough inverse, feedback for the rest.
+  Chain plant{{make_block("backlash").set("width", 0.1), make_block("lowpass").set("corner_hz", 400.0),
+               make_block("gain").set("gain", 1.1)}};
+  ReferenceSpec spec;
+  spec.kind = "triangle";
+  spec.frequency = Hertz{5.0};
+  spec.duration_s = 0.4;
+  spec.step_s = 5e-4;
+  const auto r = make_reference(spec);
+  PidController off;
+  PidController pi;
+  pi.proportional = 0.5;
+  pi.integral_per_s = 150.0;
+  const Chain forward{{make_block("gain").set("gain", 1.0)}};
+  Options options;
+  options.relative_tolerance = 1e-7;
+  options.absolute_tolerance = 1e-9;
+  options.estimate_error = false;
+  const double open =
+      compare_records(simulate_loop(plant, forward, off, r, options).y, r.u).rms_percent_of_range;
+  const double back =
+      compare_records(simulate_loop(plant, std::nullopt, pi, r, options).y, r.u).rms_percent_of_range;
+  const auto both = simulate_loop(plant, forward, pi, r, options);
+  const double hybrid = compare_records(both.y, r.u).rms_percent_of_range;
+  EXPECT_LT(hybrid, back);
+  EXPECT_LT(hybrid, open);
+  EXPECT_EQ(both.drive.size(), r.size());
+  // Open loop is the plain chain.
+  Options plain;
+  plain.engine = Engine::cvode;
+  plain.estimate_error = false;
+  const auto direct = simulate(plant, r, plain).y;
+  const auto looped = simulate_loop(plant, forward, off, r, options).y;
+  for (std::size_t i = 0; i < direct.size(); ++i) EXPECT_NEAR(direct[i], looped[i], 1e-6);
+}
+
+TEST(Feedback, LimitsHoldAndTheIntegralDoesNotWindUp) {
+  const Chain plant{{make_block("lowpass").set("corner_hz", 10.0)}};
+  PidController c;
+  c.integral_per_s = 200.0;
+  c.proportional = 1.0;
+  c.upper = 0.5;
+  TimeRecord r = constant(2.0, 1e-3, 800);
+  for (std::size_t i = 400; i < 800; ++i) r.u[i] = 0.2;
+  for (const double period : {0.0, 1e-3}) {
+    c.period_s = period;
+    const auto got = simulate_loop(plant, std::nullopt, c, r);
+    EXPECT_NEAR(got.y[399], 0.5, 1e-3);
+    EXPECT_LE(*std::max_element(got.drive.begin(), got.drive.end()), 0.5 + 1e-9);
+    EXPECT_LT(got.y[450], 0.45);  // leaves the limit at once
+    EXPECT_NEAR(got.y[799], 0.2, 1e-3);
+  }
+}
+
+TEST(Feedback, RefusesWhatCannotBeALoop) {
+  const auto r = constant(1.0, 1e-3, 10);
+  EXPECT_THROW(simulate_loop(Chain{{make_block("gain")}}, std::nullopt, {}, r), DesignError);
+  EXPECT_THROW(simulate_loop(Chain{{make_block("delay").set("delay_s", 1e-3),
+                                    make_block("lowpass").set("corner_hz", 10.0)}},
+                             std::nullopt, {}, r),
+               DesignError);
+}
+
+}  // namespace
+}  // namespace bodesmith::simulate

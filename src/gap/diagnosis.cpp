@@ -307,6 +307,21 @@ Json to_json(const Diagnosis& d) {
   Json signs = Json::array();
   for (const auto& s : d.search.structure) signs.push_back({{"sign", s.what}, {"times_chance", s.strength}});
   j["signs_of_more"] = signs;
+  Json refused = Json::array();
+  for (const auto& r : d.search.refused) {
+    Json values = Json::object();
+    if (!r.model.terms().empty()) {
+      for (const auto& u : r.model.terms().back().unknowns) values[u.name] = u.value;
+    }
+    refused.push_back({{"effect", r.effect->name()},
+                       {"placed", r.placed},
+                       {"parameters", values},
+                       {"train_rms_after", r.train_rms},
+                       {"holdout_rms_after", r.holdout_rms},
+                       {"significance", std::clamp(r.z, -1e6, 1e6)},
+                       {"outcome", r.word}});
+  }
+  j["refused"] = refused;
   j["verdict"] = word(d.verdict);
   j["advice"] = d.advice;
   return j;

@@ -36,6 +36,7 @@ class TimeBench final : public Bench {
   static simulate::RecordOptions options(const TimeRecord& record) {
     simulate::RecordOptions o;
     o.start_s = record.start_s;
+    o.most_parts = 3.0;
     return o;
   }
   const TimeRecord& record_;

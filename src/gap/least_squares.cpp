@@ -74,6 +74,7 @@ LeastSquaresResult least_squares(const std::vector<Unknown>& unknowns, const Res
   double growth = 2.0;
   std::vector<double> trial_residuals;
   int rank_one = 0;
+  int failed = 0;  // trials the model could not be run at, in a row
   for (int iteration = 0; iteration < options.iterations; ++iteration) {
     if (options.stop && options.stop()) break;
     if (!fresh && rank_one == 0) {
@@ -97,7 +98,33 @@ LeastSquaresResult least_squares(const std::vector<Unknown>& unknowns, const Res
       Eigen::MatrixXd damped = normal;
       const double floor = 1e-12 * std::max(normal.diagonal().maxCoeff(), 1e-300);
       for (Eigen::Index j = 0; j < p; ++j) damped(j, j) += damping * std::max(normal(j, j), floor) + floor;
-      Eigen::VectorXd step = -damped.ldlt().solve(gradient);
+      // Unknowns that stand at a bound and would go on outwards are held there, the others take the step
+      // without them.
+      std::vector<char> held(unknowns.size(), 0);
+      Eigen::VectorXd step;
+      for (Eigen::Index pass = 0; pass <= p; ++pass) {
+        Eigen::MatrixXd system = damped;
+        Eigen::VectorXd right = gradient;
+        for (Eigen::Index j = 0; j < p; ++j) {
+          if (held[static_cast<std::size_t>(j)] == 0) continue;
+          system.row(j).setZero();
+          system.col(j).setZero();
+          system(j, j) = 1.0;
+          right(j) = 0.0;
+        }
+        step = -system.ldlt().solve(right);
+        bool more = false;
+        for (Eigen::Index j = 0; j < p && step.allFinite(); ++j) {
+          const auto& u = unknowns[static_cast<std::size_t>(j)];
+          const double value = result.values[static_cast<std::size_t>(j)];
+          if (held[static_cast<std::size_t>(j)] != 0) continue;
+          if ((value <= u.low && step(j) < 0.0) || (value >= u.high && step(j) > 0.0)) {
+            held[static_cast<std::size_t>(j)] = 1;
+            more = true;
+          }
+        }
+        if (!more) break;
+      }
       if (!step.allFinite()) {
         damping *= 10.0;
         continue;
@@ -114,7 +141,9 @@ LeastSquaresResult least_squares(const std::vector<Unknown>& unknowns, const Res
       }
       if (!(taken.norm() > 1e-10)) break;
       ++result.runs;
-      if (residuals(trial, trial_residuals)) {
+      const bool ran = residuals(trial, trial_residuals);
+      failed = ran ? 0 : failed + 1;
+      if (ran) {
         Eigen::Map<Eigen::VectorXd> t(trial_residuals.data(), n);
         const double trial_cost = t.squaredNorm();
         if (trial_cost < cost) {
@@ -137,11 +166,12 @@ LeastSquaresResult least_squares(const std::vector<Unknown>& unknowns, const Res
           break;
         }
       }
-      damping *= growth;
+      damping *= ran ? growth : 30.0 * growth;
       growth *= 2.0;
       // A stale Jacobian deserves the blame before the damping does.
       if (!fresh && attempt >= 1) break;
     }
+    if (failed >= 6) break;
     if (!moved) {
       if (fresh) {
         result.converged = true;

@@ -264,7 +264,9 @@ bool Search::earns_its_place(Ranked& r, double before_holdout) const {
     r.word = "no held-out gain";
     return false;
   }
-  if (r.z < options_.least_significance || r.train_z < options_.least_significance) {
+  const double both = (r.z + std::min(r.train_z, 2.0 * r.z)) / std::sqrt(2.0);
+  if (r.z < options_.least_significance || r.train_z < options_.least_significance ||
+      both < options_.least_combined) {
     r.word = "not significant";
     return false;
   }

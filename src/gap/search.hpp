@@ -15,7 +15,8 @@ namespace bodesmith::gap {
 struct SearchOptions {
   int most_terms = 5;
   double least_gain = 0.01;         ///< of the held-out rms, that a term must earn
-  double least_significance = 3.5;  ///< standard errors of the held-out gain (coloured residuals counted)
+  double least_significance = 2.8;  ///< standard deviations, held-out and training gain each (colour counted)
+  double least_combined = 5.0;      ///< of both together
   double control_factor = 3.0;      ///< times the gain that surrogate data show
   double tie_within = 0.10;         ///< a rival less than this worse is a tie
   double enough = 1.2;              ///< times the floor: nothing more is looked for

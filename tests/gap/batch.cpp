@@ -36,16 +36,20 @@ Outcome solve(const Case& c, int threads) {
   if (std::getenv("GAP_DEBUG") != nullptr) {
     const auto show = [&](const std::vector<gap::Ranked>& ranking) {
       for (const auto& r : ranking) {
-        fmt::print("      {:<24} {:<15} score {:.3f} train {:.4f} holdout {:.4f} z {:.1f}/{:.1f} cond {:.1e} {}", r.effect->name(), r.placed,
-                   r.score, r.train_rms / c.noise_rms, r.holdout_rms / c.noise_rms, r.train_z, r.z, r.condition_number, r.word);
+        fmt::print(
+            "      {:<24} {:<15} score {:.3f} train {:.4f} holdout {:.4f} z {:.1f}/{:.1f} cond {:.1e} {}",
+            r.effect->name(), r.placed, r.score, r.train_rms / c.noise_rms, r.holdout_rms / c.noise_rms,
+            r.train_z, r.z, r.condition_number, r.word);
         if (!r.model.terms().empty()) {
           for (const auto& u : r.model.terms().back().unknowns) fmt::print(" {}={:.4g}", u.name, u.value);
         }
         fmt::print("\n");
       }
     };
-    fmt::print("    base train {:.3f} holdout {:.3f} floor {} {:.3f}\n", gap::rms_of(result.base, {&train}) / c.noise_rms,
-               gap::rms_of(result.base, {&holdout}) / c.noise_rms, result.floor.word(), result.floor.rms / c.noise_rms);
+    fmt::print("    base train {:.3f} holdout {:.3f} floor {} {:.3f}\n",
+               gap::rms_of(result.base, {&train}) / c.noise_rms,
+               gap::rms_of(result.base, {&holdout}) / c.noise_rms, result.floor.word(),
+               result.floor.rms / c.noise_rms);
     for (const auto& s : result.steps) {
       fmt::print("    step {} control {:.3f}\n", s.effect->name(), s.control_gain);
       show(s.ranking);

@@ -155,6 +155,7 @@ struct Base {
   double band_hz = 300.0;
   bool one_sided = false;  ///< input in [0, 1]
   std::vector<std::string> effects;
+  Mode inner;  ///< of the resonator, with what was hidden in it so far
 };
 
 const std::vector<std::string> kAnywhere = {"offset",
@@ -199,6 +200,7 @@ Base make_base(const std::string& name, Random& random, bool right_parameters) {
     b.effects = {"gain_error", "offset", "saturation", "amplifier_pole"};
   } else if (name == "resonator") {
     b.stages = {mode(kMode)};
+    b.inner = kMode;
     b.model =
         header() +
         fmt::format(
@@ -219,6 +221,7 @@ Base make_base(const std::string& name, Random& random, bool right_parameters) {
             off(900.0), off(1.0), off(420.0), off(0.3));
     b.band_hz = 60.0;
     b.one_sided = true;
+    b.inner = {.gain = 1.0, .hz = 420.0, .damping = 0.3};
     b.effects = {"offset",       "drift",       "mains_hum",       "time_delay", "resonance",
                  "saturation",   "slew_limit",  "cubic_stiffness", "creep",      "multiplier_error",
                  "switch_delay", "sample_hold", "backlash"};
@@ -339,16 +342,14 @@ void hide(Base& b, std::vector<Stage>& stages, const std::string& effect, const 
   } else if (effect == "sample_hold")
     put(stages, at, hold(b.band_hz * log_uniform(random, 4.0, 12.0)));
   else if (effect == "cubic_stiffness" || effect == "quadratic_stiffness" || effect == "drag") {
-    Mode m = b.name == "stage" ? Mode{.gain = 1.0, .hz = 420.0, .damping = 0.3} : kMode;
+    Mode& m = b.inner;
     const auto y = play_chain(b.stages, u);
     double largest = 0.0;
     for (double v : y) largest = std::max(largest, std::abs(v));
     if (effect == "cubic_stiffness") m.cubic = U(0.05, 0.2) / largest / largest;
     if (effect == "quadratic_stiffness") m.quadratic = U(0.05, 0.15) / largest;
     if (effect == "drag") m.drag = U(0.5, 1.5) * m.damping / (largest * 2 * std::numbers::pi * m.hz) * 2.0;
-    for (size_t i = 0; i < n; ++i) {
-      if (b.name == "resonator" || i == n - 1) stages[i] = mode(m);
-    }
+    stages[b.name == "stage" ? 2 : 0] = mode(m);
   } else if (effect == "multiplier_error") {
     stages[1] = branches_by_multipliers(kUp, kDown, U(0.93, 0.97), U(-0.03, 0.03), U(-0.02, 0.02));
   } else if (effect == "switch_delay") {
@@ -470,10 +471,18 @@ Case make(Kind kind, const std::string& base, const std::vector<std::string>& ef
   auto stages = b.stages;
   const auto plain = play_chain(b.stages, train_u);
   double smallest = 1e300;
-  for (const auto& e : effects) {
+  // What changes a stage of the base goes first, while the stages still stand where the base put them.
+  auto order = effects;
+  std::stable_partition(order.begin(), order.end(), [](const std::string& e) {
+    return e.ends_with("stiffness") || e == "drag" || e == "multiplier_error" || e == "switch_delay" ||
+           e == "opamp_bandwidth" || e == "capacitor_mismatch";
+  });
+  for (const auto& e : order) {
     auto alone = b.stages;
     Random same = random;
-    hide(b, alone, e, train_u, same);
+    Base apart = b;
+    apart.inner = base == "stage" ? Mode{.gain = 1.0, .hz = 420.0, .damping = 0.3} : kMode;
+    hide(apart, alone, e, train_u, same);
     smallest = std::min(smallest, difference(plain, play_chain(alone, train_u), base != "fixed_gain"));
     hide(b, stages, e, train_u, random);
   }

@@ -24,23 +24,41 @@ class AsymmetricHysteresis final : public Effect {
       const auto& signal = scene.boundary[at];
       const double half = 0.5 * signal.span();
       if (!(half > 0.0)) continue;
-      // Branch polynomials (first seed, eq. 1).
+      // Branch polynomials (first seed, eq. 1). With a free gain in the chain their common slope would be
+      // counted twice.
       {
-        auto block = chain::make_block("polynomial_hysteresis");
-        block.set("ascending", std::vector<double>{0.0, 0.0, 0.0})
-            .set("descending", std::vector<double>{0.0, 0.0, 0.0});
-        std::vector<Unknown> unknowns;
+        bool free_gain = false;
+        for (const auto& u : scene.model->unknowns()) free_gain = free_gain || u.name.ends_with("gain");
+        Proposal p{*scene.model, {}};
+        Term term;
+        term.effect = this;
+        term.placed = p.model.placed(at);
+        const int id = p.model.insert(at, chain::make_block("polynomial_hysteresis")
+                                              .set("ascending", std::vector<double>{0.0, 0.0, 0.0})
+                                              .set("descending", std::vector<double>{0.0, 0.0, 0.0}));
+        term.blocks = {id};
         std::vector<double> start;
         for (const char* branch : {"ascending", "descending"}) {
           double scale = 0.1;
           for (int k = 0; k < 3; ++k) {
-            unknowns.push_back(linear_unknown(std::string(branch) + "[" + std::to_string(k) + "]",
-                                              -20.0 * scale, 20.0 * scale, scale));
-            start.push_back(0.01 * scale);
+            if (!(free_gain && k == 0 && branch[0] == 'd')) {
+              term.unknowns.push_back(linear_unknown(std::string(branch) + "[" + std::to_string(k) + "]",
+                                                     -20.0 * scale, 20.0 * scale, scale));
+              term.unknowns.back().value = 0.01 * scale;
+              start.push_back(0.01 * scale);
+            }
             scale /= signal.size();
           }
         }
-        out.push_back(insert_block(scene, *this, at, block, unknowns, {start}));
+        p.starts = {start};
+        term.write = [id, free_gain](Model& model, std::span<const double> v) {
+          const std::vector<double> up(v.begin(), v.begin() + 3);
+          std::vector<double> down(v.begin() + 3, v.end());
+          if (free_gain) down.insert(down.begin(), -v[0]);
+          model.block(id).set("ascending", up).set("descending", down);
+        };
+        p.model.add(std::move(term));
+        out.push_back(std::move(p));
       }
       // Plays followed by one-sided dead zones (Kuhnen 2003).
       {

@@ -3,9 +3,67 @@
 
 #include "chain/registry.hpp"
 #include "gap/effects/list.hpp"
+#include "gap/experiment.hpp"
+#include "gap/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
+
+/// Delay that would explain most of the residual, in seconds; 0 when that is next to nothing.
+double mean_lag(const Scene& scene) {
+  const auto& y = scene.boundary.back().values;
+  double rs = 0.0;
+  double ss = 0.0;
+  double rr = 0.0;
+  for (std::size_t i = 1; i + 1 < y.size(); ++i) {
+    const double slope = (y[i + 1] - y[i - 1]) / (2.0 * scene.step_s);
+    rs -= scene.residual[i] * slope;
+    ss += slope * slope;
+    rr += scene.residual[i] * scene.residual[i];
+  }
+  return ss > 0.0 && rs > 0.0 && rs * rs > 0.02 * ss * rr ? rs / ss : 0.0;
+}
+
+/// The staircase needs the clock to within a fraction of a cycle over the record. So the search begins with a
+/// few hundred samples, where a coarse comb of clocks will do, and refines the best ones as the look grows
+/// longer.
+std::vector<std::vector<double>> clocks(const Scene& scene, const Model& model, double guess) {
+  TimeRecord record;
+  record.step_s = scene.step_s;
+  record.start_s = scene.start_s;
+  record.u = scene.boundary.front().values;
+  record.y = scene.boundary.back().values;
+  for (std::size_t i = 0; i < record.y.size(); ++i) record.y[i] += scene.residual[i];
+  auto values = current_values(model);
+  std::vector<double> out;
+  std::vector<double> candidates;
+  const std::size_t first = std::min<std::size_t>(record.size(), 800);
+  double spacing = 0.25 / (static_cast<double>(first) * scene.step_s);
+  for (double f = 0.5 * guess; f < 2.2 * guess; f += spacing) candidates.push_back(f);
+  for (std::size_t length = first;; length = std::min(record.size(), 2 * length)) {
+    TimeExperiment look(record);
+    look.set_to(length);
+    look.set_skip(length / 5);
+    Runner runner(model, {&look});
+    std::vector<std::pair<double, double>> scored;
+    for (double f : candidates) {
+      values.back() = f;
+      if (runner(values, out)) scored.emplace_back(rms(out), f);
+    }
+    std::sort(scored.begin(), scored.end());
+    if (scored.size() > 4) scored.resize(4);
+    if (length == record.size() || length >= 12800) {
+      std::vector<std::vector<double>> starts;
+      for (const auto& [size, f] : scored) starts.push_back({f});
+      return starts;
+    }
+    candidates.clear();
+    for (const auto& [size, f] : scored) {
+      for (int k = -4; k <= 4; ++k) candidates.push_back(f + 0.25 * k * spacing);
+    }
+    spacing *= 0.5;
+  }
+}
 
 class SampleHold final : public Effect {
  public:
@@ -20,24 +78,19 @@ class SampleHold final : public Effect {
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
-    // Held signals lag by half a clock, so a delay is looked at first; the staircase then needs the clock to
-    // within a fraction of a cycle over the record, hence whole ratios to the sampling rate and round
-    // figures.
-    std::vector<std::vector<double>> starts;
-    const double rate = 1.0 / scene.step_s;
-    for (double ratio : {2.0, 2.5, 3.0, 4.0, 5.0, 6.0, 8.0, 10.0, 12.0, 12.5, 15.0, 16.0, 20.0, 25.0, 30.0,
-                         32.0, 40.0, 50.0}) {
-      if (rate / ratio < scene.band_hz) continue;
-      starts.push_back({rate / ratio});
-    }
-    if (starts.empty()) return;
+    // A held signal lags by half a clock on the average: without a lag in the residual there is nothing to
+    // look for.
+    const double lag = mean_lag(scene);
+    if (!(lag > 0.05 * scene.step_s)) return;
     for (std::size_t at : scene.static_places()) {
       for (bool half : {false, true}) {
         auto block = chain::make_block("sample_hold");
-        block.set("clock_hz", starts[0][0]).set("half_cycle", half ? 1.0 : 0.0);
-        out.push_back(insert_block(scene, *this, at, block,
-                                   {logarithmic_unknown("clock_hz", 0.5 * scene.band_hz, 2.0 * rate)},
-                                   starts));
+        const double guess = std::clamp((half ? 1.0 : 0.5) / lag, 0.5 * scene.band_hz, 1.0 / scene.step_s);
+        block.set("clock_hz", guess).set("half_cycle", half ? 1.0 : 0.0);
+        auto p = insert_block(scene, *this, at, block,
+                              {logarithmic_unknown("clock_hz", 0.2 * guess, 5.0 * guess)}, {{guess}});
+        p.starts = clocks(scene, p.model, guess);
+        if (!p.starts.empty()) out.push_back(std::move(p));
       }
     }
   }

@@ -3,9 +3,21 @@
 
 #include "chain/registry.hpp"
 #include "gap/effects/list.hpp"
+#include "gap/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
+
+/// Quantile of the measured output's slope, taken over five samples so that noise does not make it.
+double measured_slope(const Scene& scene, double q) {
+  const auto& y = scene.boundary.back().values;
+  std::vector<double> slopes;
+  for (std::size_t i = 5; i < y.size(); ++i) {
+    slopes.push_back(std::abs(y[i] + scene.residual[i] - y[i - 5] - scene.residual[i - 5]) /
+                     (5.0 * scene.step_s));
+  }
+  return quantile(std::move(slopes), q);
+}
 
 class SlewLimit final : public Effect {
  public:
@@ -25,6 +37,12 @@ class SlewLimit final : public Effect {
       const double most = signal.slope_quantile(1.0);
       if (!(most > 0.0)) continue;
       std::vector<std::vector<double>> starts;
+      // What the measured output's straight ramps show, brought to this place by the ratio of sizes.
+      const double ratio = signal.span() / std::max(scene.boundary.back().span(), 1e-300);
+      for (double q : {0.9, 0.97, 0.995}) {
+        const double rate = ratio * measured_slope(scene, q);
+        if (rate > 1e-3 * most && rate < most) starts.push_back({rate});
+      }
       for (double rate : {0.9 * most, 0.6 * most, 0.3 * most, 0.1 * most, signal.slope_quantile(0.95),
                           signal.slope_quantile(0.8)}) {
         starts.push_back({std::max(rate, 1e-3 * most)});

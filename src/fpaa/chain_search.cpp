@@ -19,6 +19,10 @@ constexpr double kCamGainWindow = 0.25;
 constexpr double kUsualConstant = 2.77;
 /// A gain error that polishing surely removes, nepers.
 constexpr double kGainSlack = 0.02;
+/// Corners farther off than this (nepers) are not considered even when the gain asks for them.
+constexpr double kFarthestCorner = 1.0;
+/// With two branches (one CAM) every pair of candidates is tried, of this many.
+constexpr int kCandidatesOfOneCam = 800;
 /// Polishing looks at triples of this many of the finest branches, and at pairs of more.
 constexpr size_t kPolishedTriples = 16;
 /// Pairs are tried among this many; the coarser branches are then only looked at one by one.
@@ -53,8 +57,13 @@ class Search {
                      [&](size_t a, size_t b) { return multiples(a) > multiples(b); });
     Choice best;
     double least = std::numeric_limits<double>::infinity();
-    const std::vector<double> weights =
-        effort_.polished > 0 ? std::vector<double>{1e-4, 1e-3} : std::vector<double>{3e-4};
+    if (exhaustive()) {
+      best = best_of_all();
+      least = 0.0;
+    }
+    const std::vector<double> weights = exhaustive()           ? std::vector<double>{}
+                                        : effort_.polished > 0 ? std::vector<double>{1e-4, 1e-3}
+                                                               : std::vector<double>{3e-4};
     for (const double weight : weights) {
       for (const Choice& start : by_shape(beam(weight))) {
         set(start);
@@ -126,8 +135,10 @@ class Search {
       return std::abs(std::log((1.0 + 2.0 * c1 / static_cast<double>(c0)) / wanted));
     };
     for (int c0 = 1; c0 <= p_.largest; ++c0) {
-      const int middle = static_cast<int>(std::lround(std::min(ratio * c0, 1e6)));
-      if (middle > p_.largest + 1) break;
+      // Beyond the largest capacitor the corner strays: still worth having where the gain needs that C0.
+      const int middle =
+          static_cast<int>(std::lround(std::clamp(ratio * c0, 1.0, static_cast<double>(p_.largest))));
+      if (ratio * c0 > p_.largest && off(c0, middle) > kFarthestCorner) break;
       // A coarse branch (few multiples reach it) needs its farther neighbours more than a fine one does.
       const int reach = std::clamp(static_cast<int>(12.0 / c0), 1, 6);
       for (int c1 = std::max(1, middle - reach); c1 <= std::min(p_.largest, middle + reach); ++c1) {
@@ -138,7 +149,8 @@ class Search {
       if (a.off != b.off) return a.off < b.off;
       return a.value.c0 < b.value.c0;
     };
-    const size_t keep = std::min(near.size(), static_cast<size_t>(effort_.candidates));
+    const int most = exhaustive() ? kCandidatesOfOneCam : effort_.candidates;
+    const size_t keep = std::min(near.size(), static_cast<size_t>(most));
     std::partial_sort(near.begin(), near.begin() + static_cast<std::ptrdiff_t>(keep), near.end(), less);
     std::vector<BranchValue> out;
     for (size_t i = 0; i < keep; ++i) out.push_back(near[i].value);
@@ -243,6 +255,35 @@ class Search {
   }
   double spread_penalty() const { return 0.05 * std::max(0.0, spread() - p_.spread_window); }
   double penalised() const { return residual() + spread_penalty(); }
+  /// One CAM by itself, to be finished.
+  bool exhaustive() const { return p_.branches.size() == 2 && effort_.polished > 0; }
+
+  Choice best_of_all() {
+    set({0, 0});
+    Choice best{0, 0};
+    double least = std::numeric_limits<double>::infinity();
+    for (size_t a = 0; a < lists_[0].size(); ++a) {
+      for (size_t b = 0; b < lists_[1].size(); ++b) {
+        const Candidate& x = lists_[0][a];
+        const Candidate& y = lists_[1][b];
+        double worst = 0.0;
+        // Exact: |exp(r) - 1| of the whole residual, which may be large here.
+        for (size_t k = 0; k < points_ && worst < least; ++k) {
+          const double re =
+              -p_.log_gain + x.re[k] + y.re[k] + (p_.others.empty() ? 0.0 : p_.others[k].real());
+          const double im = x.im[k] + y.im[k] + (p_.others.empty() ? 0.0 : p_.others[k].imag());
+          const double size = std::exp(re);
+          worst = std::max(worst, size * size - 2.0 * size * std::cos(im) + 1.0);
+        }
+        if (worst < least) {
+          least = worst;
+          best = {a, b};
+        }
+      }
+    }
+    return best;
+  }
+
   /// The best few of the beam by their worst error with the gain free.
   std::vector<Choice> by_shape(const std::vector<Choice>& starts) {
     std::vector<double> shapes;

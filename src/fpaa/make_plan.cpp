@@ -18,10 +18,10 @@ namespace {
 
 constexpr int kGridPoints = 24;         // of the search
 constexpr int kStatedPoints = 801;      // of the errors that the plan states
-constexpr int kClocksLookedAt = 120;    // of the legal tree, evenly spread in ratio
+constexpr int kClocksLookedAt = 80;     // of the legal tree, evenly spread in ratio
 constexpr int kClocksWithBiquads = 16;  // each of them is a search of its own
 constexpr double kErrorWorthTwoStages = 0.005;
-constexpr int kClocksSearched = 3;  // the best of them get the full search
+constexpr int kClocksSearched = 2;  // the best of them get the full search
 
 Band choose_band(const Sections& sections, const FilterParts& parts, const PlanOptions& options) {
   if (options.band) return *options.band;

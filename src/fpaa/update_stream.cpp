@@ -33,7 +33,11 @@ const ApiProject::Chip& project_chip(const ChipPlan& chip, const ApiProject& pro
 
 /// A plan's capacitor in the vendor's pieces: a biquad's CA and CB are each two banks, GainInv has its pair
 /// twice.
-std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam) {
+std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam, const ApiProject::Cam& table) {
+  const auto in_table = [&](const std::string& name) {
+    return std::any_of(table.capacitors.begin(), table.capacitors.end(),
+                       [&](const ApiProject::Capacitor& c) { return c.name == name; });
+  };
   std::vector<Capacitor> out;
   for (const Capacitor& c : cam.capacitors) {
     if (cam.cam == "FilterBiquad" && (c.name == "CA" || c.name == "CB")) {
@@ -42,7 +46,7 @@ std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam) {
       out.push_back({c.name + "2", c.units - first});
     } else if (cam.cam == "GainInv") {
       out.push_back(c);
-      out.push_back({"a" + c.name, c.units});
+      if (in_table("a" + c.name)) out.push_back({"a" + c.name, c.units});
     } else {
       out.push_back(c);
     }
@@ -90,7 +94,7 @@ Memory memory_of(const ChipPlan& chip, const ApiProject& project, const UpdateOp
   };
   for (const PlacedCam& cam : chip.cams) {
     const ApiProject::Cam* table = &table_of(cam, target, project);
-    for (const Capacitor& c : vendor_capacitors(cam)) {
+    for (const Capacitor& c : vendor_capacitors(cam, *table)) {
       const auto& at = table->capacitors[index_of(c, *table, cam, project, options)];
       set(flat(at.bank, at.byte), c.units, fmt::format("{} {}", cam.name, at.name));
     }
@@ -180,7 +184,7 @@ std::string c_calls(const Plan& plan, const ApiProject& project, const UpdateOpt
     for (const PlacedCam& cam : chip.cams) {
       const ApiProject::Cam& table = table_of(cam, target, project);
       Json calls = Json::array();
-      for (const Capacitor& c : vendor_capacitors(cam)) {
+      for (const Capacitor& c : vendor_capacitors(cam, table)) {
         const size_t index = index_of(c, table, cam, project, options);
         calls.push_back({{"index", index}, {"units", c.units}, {"capacitor", table.capacitors[index].name}});
       }

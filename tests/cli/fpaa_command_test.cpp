@@ -39,7 +39,7 @@ TEST(FpaaCommand, PlanStreamsVerifySend) {
   EXPECT_EQ(parse_json(result.out, "out").at("clock_hz").number(), 2000.0);
   Provenance from;
   const fpaa::Plan plan = fpaa::Plan::read(folder / "plan/plan.json", from);
-  EXPECT_EQ(plan.cams().size(), 4u);
+  EXPECT_GE(plan.cams().size(), 4u);
   for (const char* file : {"build_sheet.md", "build_sheet.html", "board.svg", "zrna.py"}) {
     EXPECT_TRUE(std::filesystem::exists(folder / "plan" / file)) << file;
   }

@@ -1,5 +1,6 @@
 #include "fpaa/cams/filter_bilinear.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -48,9 +49,8 @@ LowPassCapacitors vendor_low_pass(Hertz corner, double gain, Hertz clock, int la
   LowPassCapacitors best;
   double least = std::numeric_limits<double>::infinity();
   for (int cint = largest; cint >= 1; --cint) {
-    const double cout = std::round(cint / ratio);
-    const double cin = std::round(gain * cout);
-    if (!(cout >= 1.0 && cout <= largest && cin >= 1.0 && cin <= largest)) continue;
+    const double cout = std::clamp(std::round(cint / ratio), 1.0, static_cast<double>(largest));
+    const double cin = std::clamp(std::round(gain * cout), 1.0, static_cast<double>(largest));
     const double realised_w = 2.0 * clock.value * cout / (2.0 * cint + cout);
     const double error = std::abs(realised_w / w - 1.0) + std::abs(cin / cout / gain - 1.0);
     if (error < least) {

@@ -61,7 +61,8 @@ double branch_ratio(Hertz corner, Hertz clock);
 
 /// The vendor's generated code for the low pass (an_setFilterLowPass): scans Cint = 255 ... 1 with
 ///   Cout = round(Cint / (fc/w - 1/2)), Cin = round(G Cout),  w = 2 fc tan(pi f0/fc),
-/// and keeps the first set whose corner and gain errors are least (sum of both relative errors).
+/// (each constrained to 1 ... 255) and keeps the first set whose corner and gain errors are least (sum of
+/// both relative errors).
 LowPassCapacitors vendor_low_pass(Hertz corner, double gain, Hertz clock, int largest = 255);
 
 }  // namespace bodesmith::fpaa

@@ -122,6 +122,43 @@ double KpOperator::peek(double u, double dt_s) const {
   return offset_ + rate(u, dt_s) * static_.peek(u, dt_s);
 }
 
+namespace {
+
+/// Of the sum of kernels alone.
+EverettInverse<KpEverett> static_inverse(const std::shared_ptr<const EverettTable>& table) {
+  return {EverettOperator<KpEverett>(KpEverett(table), table->u_min, 0.0), table->u_min, 0.0,
+          table->at(table->levels, 0)};
+}
+
+}  // namespace
+
+KpRateInverse::KpRateInverse(const KrasnoselskiiPokrovskii& model)
+    : slow_(static_inverse(model.table)),
+      fast_(static_inverse(model.table)),
+      forward_(model),
+      offset_(model.offset),
+      a1_(model.a1),
+      a2_(model.a2) {
+  reset(model.offset);
+}
+
+double KpRateInverse::reset(double y) {
+  slow_u_ = slow_.reset((y - offset_) / a1_);
+  const double u = fast_.reset((y - offset_) / a1_);
+  achieved_ = forward_.reset(u);
+  return u;
+}
+
+double KpRateInverse::step(double y, double dt_s) {
+  const double before = slow_u_;
+  slow_u_ = slow_.step((y - offset_) / a1_, dt_s);
+  const double slope = dt_s > 0.0 ? (slow_u_ - before) / dt_s : 0.0;
+  const double u =
+      fast_.step((y - offset_) / (a1_ * std::exp(std::clamp(-a2_ * slope, -600.0, 600.0))), dt_s);
+  achieved_ = forward_.step(u, dt_s);
+  return u;
+}
+
 BruteForceKp::BruteForceKp(double u_min, double u_max, std::size_t levels, std::vector<double> mu)
     : u_min_(u_min),
       scale_(1.0 / (u_max - u_min)),
@@ -186,7 +223,7 @@ std::unique_ptr<Inverse> make_inverse_of(const Parameters& values) {
     return std::make_unique<EverettInverse<KpEverett>>(Op(KpEverett(scaled), table.u_min, model.offset),
                                                        table.u_min, model.offset, model.offset + top);
   }
-  return std::make_unique<BracketingInverse>(std::make_unique<KpOperator>(model), table.u_min, table.u_max);
+  return std::make_unique<KpRateInverse>(model);
 }
 
 Parameters to_parameters(const Range& u, const std::vector<double>& mu, double offset, double a1, double a2) {

@@ -26,9 +26,12 @@ namespace bodesmith::hysteresis {
 /// diagonal)
 ///   E = T(i, j+1) + f [T(i+1, j+1) − T(i, j+1)] + (1 − g) [T(i, j) − T(i, j+1)] + max(0, f − g) μ(i, j),
 /// and the same stack of turning points serves: O(1) a sample for any number of kernels, exact inverse by
-/// search among nodes and a piecewise linear equation. The paper's recursive inverse (eq. 13, 14) is
-/// RecursiveInverse. With a2 ≠ 0 the inverse brackets (the stack's peek is O(1)); outputs must rise with u:
-/// a2 H < dt dH/du.
+/// search among nodes and a piecewise linear equation.
+/// The paper's recursive inverse (eq. 13, 14) is RecursiveInverse.
+/// With a2 ≠ 0 a sample-by-sample inverse exists only while a2 H < dt dH/du: at a short sampling time ψ makes
+/// the output fall when the input rises, and every search (the paper's too) runs away. KpRateInverse takes
+/// the slope in ψ from the static inverse of the reference instead, a lead that is stable at any sampling
+/// time; its miss is of second order in a2.
 class KpEverett {
  public:
   using Cache = TablePlace;
@@ -90,6 +93,26 @@ class KpOperator final : public Operator {
   double a1_;
   double a2_;
   double u_ = 0.0;
+};
+
+/// See above.
+class KpRateInverse final : public Inverse {
+ public:
+  explicit KpRateInverse(const KrasnoselskiiPokrovskii& model);
+  std::unique_ptr<Inverse> clone() const override { return std::make_unique<KpRateInverse>(*this); }
+  double reset(double y) override;
+  double step(double y, double dt_s) override;
+  double achieved() const override { return achieved_; }
+
+ private:
+  EverettInverse<KpEverett> slow_;  ///< static inverse of the reference: gives the slope
+  EverettInverse<KpEverett> fast_;  ///< the one that drives
+  KpOperator forward_;
+  double offset_;
+  double a1_;
+  double a2_;
+  double slow_u_ = 0.0;
+  double achieved_ = 0.0;
 };
 
 /// Every kernel by itself, eq. 4-7 as printed: the reference for tests and for the speed comparison.

@@ -33,8 +33,11 @@ namespace bodesmith::hysteresis {
 ///    so it is continuous, closes every loop (return-point memory) and is the paper's model on every triangle
 ///    from 0. Before there is a turning point to head for, the branch heads for the end of the stroke (0 or
 ///    1). This is our reading of how the paper follows "complex" references (Fig. 11, 12); it prints no rule.
-/// Rate-independent (the rate gain is a constant of the block). Inverse: bisection and Newton on the branch,
-/// exact to rounding where y rises with x.
+/// Signs: with the coefficients as the paper prints them the ascending branch lies above the descending one,
+/// i.e. the loop runs clockwise and ∮ u dy < 0, the reverse of a piezo stage's displacement over its drive;
+/// they are the disturbance as the compensator adds it. Both signs are legal here. Rate-independent (the rate
+/// gain is a constant of the block). Inverse: bisection and Newton on the branch, exact to rounding where y
+/// rises with x.
 struct BranchShape {
   std::array<double, 3> polynomial{};
   double sine = 0.0;

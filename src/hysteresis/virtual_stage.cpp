@@ -14,7 +14,8 @@ VirtualStageSettings VirtualStageSettings::nanopositioner() {
   VirtualStageSettings out;
   out.full_drive = 1.0;
   out.full_stroke = 6.92;
-  out.rate_beta = 0.008;
+  out.rate_beta = -0.02;
+  out.rate_on_disturbance = true;
   out.rate_to_hz = 5000.0;
   out.amplifier_hz = 60e3;
   out.resonance_hz = 65.1e3;
@@ -131,8 +132,9 @@ double VirtualStage::reset(double u) {
   drive_ = u;
   amplifier_.rest(u);
   double y = memory(u / settings_.full_drive);
-  between_.assign(rate_.size() + 1, y);
-  for (Section& section : rate_) section.rest(y);
+  const double line = settings_.rate_on_disturbance ? x_ : 0.0;
+  between_.assign(rate_.size() + 1, y - line);
+  for (Section& section : rate_) section.rest(y - line);
   q_ = y;
   for (std::size_t i = 0; i < creep_.size(); ++i) {
     creep_[i].rest(q_);
@@ -152,11 +154,14 @@ double VirtualStage::step(double u, double dt_s) {
   }
   drive_ = u;
   double y = memory(drive / settings_.full_drive);
+  const double line = settings_.rate_on_disturbance ? x_ : 0.0;
+  y -= line;
   for (std::size_t k = 0; k < rate_.size(); ++k) {
     const double before = between_[k];
     between_[k] = y;
     y = rate_[k].move(before, y, dt_s);
   }
+  y += line;
   const double q = y;
   for (std::size_t i = 0; i < creep_.size(); ++i) {
     creep_[i].move(q_, q, dt_s);

@@ -24,9 +24,10 @@ struct VirtualStageSettings {
   double asymmetry = 0.12;
   double rate_from_hz = 1.0;
   double rate_to_hz = 1000.0;
-  double rate_beta = 0.02;
-  double amplifier_hz = 0.0;  ///< 0: none
-  double resonance_hz = 0.0;  ///< 0: none
+  double rate_beta = 0.02;           ///< above 0: falls with the rate
+  bool rate_on_disturbance = false;  ///< the rate acts on h - x only, the straight line stays (000's reading)
+  double amplifier_hz = 0.0;         ///< 0: none
+  double resonance_hz = 0.0;         ///< 0: none
   double damping_ratio = 0.05;
   std::vector<double> creep_gains;
   std::vector<double> creep_time_s;

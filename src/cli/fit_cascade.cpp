@@ -54,6 +54,8 @@ void add_cascade_options(po::options_description& options) {
       "beta-max", po::value<double>(),
       "bounded fit (eq. 19): |beta| at most this; without it interpolation (eq. 18)")(
       "beta-positive", "with --beta-max: 0 <= beta, as eq. 19 prints it (cannot follow a dip)")(
+      "fewest-bands",
+      "with --max-error-db: the fewest bands with which no point is missed by more than that")(
       "surprise-db", po::value<double>()->default_value(0.5),
       "warn when the curve leaves what two neighbouring points span, or hangs on one point, by more than "
       "this");
@@ -69,6 +71,10 @@ int fit_to_cascade(const CommandLine& line) {
   std::optional<double> limit;
   if (line.maybe<double>("max-error-db")) limit = line.positive("max-error-db");
 
+  if (line.has("fewest-bands")) {
+    if (!limit) line.fail("--fewest-bands needs --max-error-db");
+    options.fewest_bands_db = limit;
+  }
   Provenance from;
   const BodePoints points = BodePoints::read_csv(line.files().front(), from);
   const auto start = std::chrono::steady_clock::now();

@@ -41,8 +41,19 @@ LongVector least_squares(const LongMatrix& a, const LongVector& b) {
   return {x.data(), x.data() + x.size()};
 }
 
+LongMatrix least_squares_inverse(const LongMatrix& a) {
+  const Matrix m = to_eigen(a);
+  const Matrix inverse = Eigen::ColPivHouseholderQR<Matrix>(m).solve(Matrix::Identity(m.rows(), m.rows()));
+  LongMatrix out;
+  for (Eigen::Index i = 0; i < inverse.rows(); ++i) {
+    const Vector row = inverse.row(i);
+    out.emplace_back(row.data(), row.data() + row.size());
+  }
+  return out;
+}
+
 double condition_number(const LongMatrix& a) {
-  const Eigen::JacobiSVD<Eigen::MatrixXd> svd(to_eigen(a).cast<double>());
+  const Eigen::BDCSVD<Eigen::MatrixXd> svd(to_eigen(a).cast<double>());
   const auto& values = svd.singularValues();
   const double least = values(values.size() - 1);
   return least > 0.0 ? values(0) / least : std::numeric_limits<double>::infinity();

@@ -26,6 +26,9 @@ BoundedSolution bounded_least_squares(const LongMatrix& a, const LongVector& b, 
 /// refinement.
 LongVector least_squares(const LongMatrix& a, const LongVector& b);
 
+/// The matrix that least_squares applies to b: row i gives x_i.
+LongMatrix least_squares_inverse(const LongMatrix& a);
+
 /// Ratio of the largest to the smallest singular value; infinite when singular.
 double condition_number(const LongMatrix& a);
 

@@ -17,6 +17,10 @@ constexpr size_t kMostPointsToLeaveOut = 40;
 /// An order above this is warned about: the paper bounds the fit at 5 when orders explode.
 constexpr double kLargeOrder = 10.0;
 constexpr double kLargeCondition = 1e4;
+constexpr double kMostCandidates = 40.0;  ///< of band ends, when the fewest are looked for
+constexpr double kMostChoices = 3e5;      ///< times points: how much trying out is worth
+constexpr size_t kMostBands = 16;
+constexpr size_t kMostBandsOfAll = 300;  ///< when every point ends a band
 
 /// The base and the points above it, gains relative to the base.
 struct Problem {
@@ -79,27 +83,31 @@ struct Solution {
   double upper = 0.0;
 };
 
-Solution solve(Hertz base, double base_gain, const std::vector<BodePoint>& above,
-               const CascadeFitOptions& options) {
+/// Bands end at the points of `ends`, the orders are fitted to all of `above`.
+Solution solve(Hertz base, double base_gain, const std::vector<BodePoint>& ends,
+               const std::vector<BodePoint>& above, const CascadeFitOptions& options) {
   Solution out;
-  out.terms = make_bands(base, above);
+  out.terms = make_bands(base, ends);
   out.matrix = make_matrix(out.terms, above);
-  out.bound.assign(above.size(), 0);
+  out.bound.assign(ends.size(), 0);
   LongVector wanted;
   for (const BodePoint& point : above)
     wanted.push_back(std::log(static_cast<long double>(point.gain) / base_gain));
   LongVector beta;
-  if (!options.beta_max) {
-    beta = least_squares(out.matrix, wanted);
-  } else {
-    out.upper = *options.beta_max;
-    out.lower = options.beta_positive ? 0.0 : -out.upper;
-    LongMatrix weighted = out.matrix;
+  LongMatrix weighted = out.matrix;
+  const bool interpolation = ends.size() == above.size() && !options.beta_max;
+  if (!interpolation) {
     for (size_t i = 0; i < above.size(); ++i) {
       const long double root = std::sqrt(static_cast<long double>(above[i].weight));
       for (long double& value : weighted[i]) value *= root;
       wanted[i] *= root;
     }
+  }
+  if (!options.beta_max) {
+    beta = least_squares(weighted, wanted);
+  } else {
+    out.upper = *options.beta_max;
+    out.lower = options.beta_positive ? 0.0 : -out.upper;
     BoundedSolution solution = bounded_least_squares(weighted, wanted, out.lower, out.upper);
     beta = std::move(solution.x);
     out.bound = std::move(solution.bound);
@@ -117,25 +125,26 @@ double curve_db(const std::vector<FractionalLeadLag>& terms, Hertz f) {
 
 /// d beta / d ln(gain_j) times ln 1.01; only orders that are not on a bound move.
 std::vector<std::vector<double>> sensitivities(const Solution& solution, const std::vector<BodePoint>& above,
-                                               bool bounded) {
+                                               bool weighted) {
   const size_t n = above.size();
-  std::vector<std::vector<double>> out(n, std::vector<double>(n, 0.0));
+  const size_t bands = solution.terms.size();
+  std::vector<std::vector<double>> out(bands, std::vector<double>(n, 0.0));
   std::vector<size_t> free;
-  for (size_t i = 0; i < n; ++i) {
+  for (size_t i = 0; i < bands; ++i) {
     if (solution.bound[i] == 0) free.push_back(i);
   }
   if (free.empty()) return out;
   LongMatrix part(n, LongVector(free.size()));
   std::vector<long double> root(n, 1.0L);
   for (size_t i = 0; i < n; ++i) {
-    if (bounded) root[i] = std::sqrt(static_cast<long double>(above[i].weight));
+    if (weighted) root[i] = std::sqrt(static_cast<long double>(above[i].weight));
     for (size_t j = 0; j < free.size(); ++j) part[i][j] = root[i] * solution.matrix[i][free[j]];
   }
-  for (size_t j = 0; j < n; ++j) {
-    LongVector unit(n, 0.0L);
-    unit[j] = root[j] * std::log(1.01L);
-    const LongVector change = least_squares(part, unit);
-    for (size_t i = 0; i < free.size(); ++i) out[free[i]][j] = static_cast<double>(change[i]);
+  const LongMatrix inverse = least_squares_inverse(part);
+  for (size_t i = 0; i < free.size(); ++i) {
+    for (size_t j = 0; j < n; ++j) {
+      out[free[i]][j] = static_cast<double>(inverse[i][j] * root[j] * std::log(1.01L));
+    }
   }
   return out;
 }
@@ -166,7 +175,7 @@ void leave_out_each(CascadeFit& fit, const Problem& problem, const CascadeFitOpt
   for (size_t i = 0; i + 1 < problem.above.size(); ++i) {
     std::vector<BodePoint> others = problem.above;
     others.erase(others.begin() + static_cast<std::ptrdiff_t>(i));
-    const Solution solution = solve(problem.base, problem.base_gain, others, options);
+    const Solution solution = solve(problem.base, problem.base_gain, others, others, options);
     const BodePoint& point = problem.above[i];
     LeftOutPoint left;
     left.frequency = point.frequency;
@@ -217,6 +226,101 @@ void add_warnings(CascadeFit& fit, const CascadeFitOptions& options) {
   }
 }
 
+double largest_miss_db(const Solution& solution, const Problem& problem) {
+  double worst = 0.0;
+  for (const BodePoint& point : problem.above) {
+    if (point.weight == 0.0) continue;
+    worst = std::max(worst, std::abs(curve_db(solution.terms, point.frequency) -
+                                     to_decibel(point.gain / problem.base_gain)));
+  }
+  return worst;
+}
+
+/// The fewest points at which bands end so that no point is missed by more than the limit: every choice where
+/// they are few, otherwise added where the curve is worst and then taken away again where it does not matter.
+std::vector<BodePoint> choose_bands(const Problem& problem, const CascadeFitOptions& options, bool& met) {
+  // Candidates: the points, thinned evenly in log frequency when there are many; the last one always.
+  std::vector<BodePoint> candidates;
+  const double span = std::log(problem.above.back().frequency.value / problem.base.value);
+  double next = 0.0;
+  for (const BodePoint& point : problem.above) {
+    const double at = std::log(point.frequency.value / problem.base.value);
+    if (at >= next - 1e-12 || &point == &problem.above.back()) {
+      candidates.push_back(point);
+      next = at + span / kMostCandidates;
+    }
+  }
+  const BodePoint last = candidates.back();
+  candidates.pop_back();
+  const double limit = *options.fewest_bands_db;
+  const auto miss = [&](const std::vector<size_t>& inner) {
+    std::vector<BodePoint> ends;
+    for (const size_t i : inner) ends.push_back(candidates[i]);
+    ends.push_back(last);
+    return largest_miss_db(solve(problem.base, problem.base_gain, ends, problem.above, options), problem);
+  };
+  const auto ends_of = [&](const std::vector<size_t>& inner) {
+    std::vector<BodePoint> ends;
+    for (const size_t i : inner) ends.push_back(candidates[i]);
+    ends.push_back(last);
+    return ends;
+  };
+  // Every choice of k inner points, as long as there are not too many.
+  const size_t n = candidates.size();
+  double choices = 1.0;
+  size_t k = 0;
+  for (; k <= n && choices * static_cast<double>(problem.above.size()) <= kMostChoices; ++k) {
+    std::vector<size_t> inner(k);
+    for (size_t i = 0; i < k; ++i) inner[i] = i;
+    double best = INFINITY;
+    std::vector<size_t> best_inner;
+    for (;;) {
+      const double here = miss(inner);
+      if (here < best) {
+        best = here;
+        best_inner = inner;
+      }
+      size_t i = k;
+      while (i > 0 && inner[i - 1] == n - k + i - 1) --i;
+      if (i == 0) break;
+      ++inner[i - 1];
+      for (size_t j = i; j < k; ++j) inner[j] = inner[j - 1] + 1;
+    }
+    if (best <= limit) {
+      met = true;
+      return ends_of(best_inner);
+    }
+    choices *= static_cast<double>(n - k) / static_cast<double>(k + 1);
+  }
+  std::vector<size_t> inner;
+  while (inner.size() < std::min(n, kMostBands)) {
+    std::vector<size_t> best_inner;
+    double best = INFINITY;
+    for (size_t i = 0; i < n; ++i) {
+      if (std::find(inner.begin(), inner.end(), i) != inner.end()) continue;
+      std::vector<size_t> trial = inner;
+      trial.insert(std::upper_bound(trial.begin(), trial.end(), i), i);
+      const double here = miss(trial);
+      if (here < best) {
+        best = here;
+        best_inner = trial;
+      }
+    }
+    inner = best_inner;
+    if (best <= limit) break;
+  }
+  met = miss(inner) <= limit;
+  for (size_t i = 0; met && i < inner.size();) {
+    std::vector<size_t> trial = inner;
+    trial.erase(trial.begin() + static_cast<std::ptrdiff_t>(i));
+    if (miss(trial) <= limit)
+      inner = trial;
+    else
+      ++i;
+  }
+  return ends_of(inner);
+}
+
 }  // namespace
 
 CascadeFit fit_cascade(const BodePoints& points, const CascadeFitOptions& options) {
@@ -227,9 +331,25 @@ CascadeFit fit_cascade(const BodePoints& points, const CascadeFitOptions& option
     throw InputError("a positive beta needs an upper bound, expected beta_max too");
   }
   const Problem problem = make_problem(points, options);
-  const Solution solution = solve(problem.base, problem.base_gain, problem.above, options);
-
+  if (options.fewest_bands_db && !(*options.fewest_bands_db > 0.0)) {
+    throw InputError("the limit for the fewest bands is not above 0");
+  }
+  if (!options.fewest_bands_db && problem.above.size() > kMostBandsOfAll) {
+    throw InputError(
+        points.file, 0,
+        fmt::format(
+            "has {} points above the base, which would make as many bands (at most {}): expected a limit "
+            "for the fewest bands (--fewest-bands), or a direct fit",
+            problem.above.size(), kMostBandsOfAll));
+  }
   CascadeFit out;
+  std::vector<BodePoint> ends = problem.above;
+  if (options.fewest_bands_db) {
+    out.fewest_bands = true;
+    ends = choose_bands(problem, options, out.limit_met);
+  }
+  const Solution solution = solve(problem.base, problem.base_gain, ends, problem.above, options);
+
   out.base = problem.base;
   out.points_below_base = problem.below;
   out.bounded = options.beta_max.has_value();
@@ -239,11 +359,11 @@ CascadeFit fit_cascade(const BodePoints& points, const CascadeFitOptions& option
   out.condition_number = condition_number(solution.matrix);
   out.cascade.gain = problem.base_gain;
   out.cascade.terms = solution.terms;
-  out.sensitivity = sensitivities(solution, problem.above, out.bounded);
+  out.sensitivity = sensitivities(solution, problem.above, out.bounded || ends.size() < problem.above.size());
   for (size_t i = 0; i < solution.terms.size(); ++i) {
     const FractionalLeadLag& term = solution.terms[i];
     CascadeFitTerm info;
-    info.band = {i == 0 ? problem.base : problem.above[i - 1].frequency, problem.above[i].frequency};
+    info.band = {i == 0 ? problem.base : ends[i - 1].frequency, ends[i].frequency};
     info.beta = term.beta;
     info.rises = term.beta > 0.0;
     info.at_bound = solution.bound[i] != 0;
@@ -269,7 +389,7 @@ CascadeFit fit_cascade(const BodePoints& points, const CascadeFitOptions& option
   out.base_got_db = curve_db(solution.terms, problem.base);
 
   find_excursions(out, problem, options.surprise_db);
-  leave_out_each(out, problem, options);
+  if (!out.fewest_bands) leave_out_each(out, problem, options);
   add_warnings(out, options);
   return out;
 }
@@ -277,7 +397,8 @@ CascadeFit fit_cascade(const BodePoints& points, const CascadeFitOptions& option
 Json CascadeFit::to_json() const {
   Json out = cascade.to_json();
   Json& fit = out["fit"];
-  fit["kind"] = bounded ? "bounded" : "interpolation";
+  fit["kind"] = bounded ? "bounded" : fewest_bands ? "least squares" : "interpolation";
+  if (fewest_bands) fit["limit_met"] = limit_met;
   if (bounded) {
     fit["beta_bounds"] = {lower_bound, upper_bound};
     fit["optimality_residual"] = optimality_residual;

@@ -22,6 +22,9 @@ struct CascadeFitOptions {
   /// 0 <= beta <= beta_max, the bound as eq. 19 prints it. The paper's 0 < beta is open; the least squares
   /// minimum over it usually lies on 0, so 0 counts as allowed, and such a term is exactly 1.
   bool beta_positive = false;
+  /// Fewest bands: only some of the points start and end bands, the orders are fitted to all of them (least
+  /// squares), and the fewest bands are taken with which no point is missed by more than this.
+  std::optional<double> fewest_bands_db{};
   /// A curve that leaves the range of its two neighbouring points by more than this is warned about, and so
   /// is a point whose leaving out changes the curve by more than this.
   double surprise_db = 0.5;
@@ -59,7 +62,9 @@ struct CascadeFit {
   double base_got_db =
       0.0;  ///< magnitude at the base relative to its wanted gain: a consequence, not a condition
   bool bounded = false;
-  double lower_bound = 0.0;  ///< of every beta, when bounded
+  bool fewest_bands = false;  ///< the bands were chosen; then the fit is least squares over all points
+  bool limit_met = true;      ///< of fewest_bands_db
+  double lower_bound = 0.0;   ///< of every beta, when bounded
   double upper_bound = 0.0;
   /// Largest violation of the optimality (Karush-Kuhn-Tucker) conditions of the least squares problem, in Np:
   /// 0 up to rounding proves the global optimum, since the problem is strictly convex. 0 for interpolation.

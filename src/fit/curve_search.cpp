@@ -18,6 +18,9 @@ double rms(const VectorXd& miss) {
   return std::sqrt(miss.squaredNorm() / static_cast<double>(miss.size()));
 }
 
+/// Np: a fit this close is exact, and further steps would polish rounding.
+constexpr double kExact = 1e-9;
+
 /// Cost per neper of mask violation, against nepers of miss.
 constexpr double kMaskCost = 100.0;
 
@@ -37,10 +40,11 @@ void curve_misses(const RootModel& model, const CurveTarget& target, const Vecto
   const bool phase = !target.phase_rad.empty();
   miss.resize(phase ? 2 * n : n);
   if (slope != nullptr) slope->resize(miss.size(), theta.size());
-  Eigen::RowVectorXcd row;
+  Eigen::RowVectorXcd row(theta.size());
+  const RootResponse response(model, theta);
   for (Index i = 0; i < n; ++i) {
     const auto at = static_cast<size_t>(i);
-    const auto value = model.log_response(theta, target.frequency[at], slope != nullptr ? &row : nullptr);
+    const auto value = response.at(target.frequency[at], slope != nullptr ? &row : nullptr, phase);
     const double weight = target.weight[at];
     miss(i) = weight * (value.real() - target.log_gain[at]);
     if (slope != nullptr) slope->row(i) = weight * row.real();
@@ -109,7 +113,7 @@ SearchResult search_constrained(const RootModel& model, const CurveTarget& targe
   curve_misses(model, target, theta, miss, &slope);
   double merit = merit_of(theta, miss);
   double radius = 0.3;
-  for (int iteration = 0; iteration < iterations && radius > 1e-10; ++iteration) {
+  for (int iteration = 0; iteration < iterations && radius > 1e-10 && merit > kExact; ++iteration) {
     // Variables: the step, the level t (Chebyshev), the mask violation v.
     const Index level = least_squares ? -1 : n;
     const Index violation = target.masks.empty() ? -1 : n + (least_squares ? 0 : 1);

@@ -197,6 +197,7 @@ DirectFit fit_directly(const BodePoints& points, const DirectFitOptions& options
   int tried = 0;
   // Pairs reach real roots too, but their seam is hard to cross: complex fits try real ones as well.
   for (const bool real : options.real ? std::vector<bool>{true} : std::vector<bool>{false, true}) {
+    if (best.value < 1e-7) break;
     settings.real = real;
     settings.random = real && !options.real ? options.starts / 4 : options.starts;
     StartBuilder builder(settings, [&](const RootModel& shape, const VectorXd& start) {

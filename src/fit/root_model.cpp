@@ -11,23 +11,6 @@ using Eigen::Index;
 
 constexpr double kMostDamping = 1e6;
 
-/// ln of (c + jw), derivative by ln c.
-Complex real_root(double log_corner, double w, Complex& slope) {
-  const Complex value(std::exp(log_corner), w);
-  slope = value.real() / value;
-  return std::log(value);
-}
-
-/// ln of (jw)^2 + 2 zeta w0 jw + w0^2, derivatives by ln w0 and ln zeta; the argument runs from 0 to pi.
-Complex root_pair(double log_w0, double log_zeta, double w, Complex& by_w0, Complex& by_zeta) {
-  const double w0 = std::exp(log_w0);
-  const double damping = 2.0 * std::exp(log_zeta) * w0 * w;
-  const Complex value((w0 - w) * (w0 + w), damping);
-  by_zeta = Complex(0.0, damping) / value;
-  by_w0 = by_zeta + 2.0 * w0 * w0 / value;
-  return {std::log(std::abs(value)), std::atan2(value.imag(), value.real())};
-}
-
 double log_of_larger_root(double log_w0, double log_zeta) {
   const double zeta = std::exp(log_zeta);
   return zeta <= 1.0 ? log_w0 : log_w0 + std::log(zeta + std::sqrt((zeta - 1.0) * (zeta + 1.0)));
@@ -38,36 +21,75 @@ double log_of_smaller_root(double log_w0, double log_zeta) {
 
 }  // namespace
 
+RootResponse::RootResponse(const RootModel& model, const Eigen::VectorXd& theta) : log_gain_(theta(0)) {
+  const double w = model.reference.value;
+  Index at = 1;
+  for (const bool zero : {true, false}) {
+    const double sign = zero ? 1.0 : -1.0;
+    for (int i = 0; i < (zero ? model.real_zeros : model.real_poles); ++i, ++at) {
+      Root root{};
+      root.pair = false;
+      root.sign = sign;
+      root.corner = std::exp(theta(at));
+      const Complex value(root.corner, w);
+      root.reference_square = std::norm(value);
+      root.reference_slope[0] = root.corner / value;
+      roots_.push_back(root);
+    }
+    for (int i = 0; i < (zero ? model.zero_pairs : model.pole_pairs); ++i, at += 2) {
+      Root root{};
+      root.pair = true;
+      root.sign = sign;
+      root.corner = std::exp(theta(at));
+      root.damping = 2.0 * std::exp(theta(at + 1)) * root.corner;
+      const Complex value((root.corner - w) * (root.corner + w), root.damping * w);
+      root.reference_square = std::norm(value);
+      root.reference_slope[1] = Complex(0.0, root.damping * w) / value;
+      root.reference_slope[0] = root.reference_slope[1] + 2.0 * root.corner * root.corner / value;
+      roots_.push_back(root);
+    }
+  }
+}
+
+Complex RootResponse::at(RadPerSecond w, Eigen::RowVectorXcd* slope, bool phase) const {
+  double log_size = 0.0;
+  double product = 1.0;
+  double angle = 0.0;
+  Index place = 1;
+  if (slope != nullptr) (*slope)(0) = 1.0;
+  for (const Root& root : roots_) {
+    const Complex value =
+        root.pair ? Complex((root.corner - w.value) * (root.corner + w.value), root.damping * w.value)
+                  : Complex(root.corner, w.value);
+    const double ratio = std::norm(value) / root.reference_square;
+    product *= root.sign > 0.0 ? ratio : 1.0 / ratio;
+    // One logarithm for all factors, unless they threaten to overflow.
+    if (!(product > 1e-100 && product < 1e100)) {
+      log_size += 0.5 * std::log(product);
+      product = 1.0;
+    }
+    if (phase) angle += root.sign * std::atan2(value.imag(), value.real());
+    if (slope == nullptr) continue;
+    // 1/value through its norm: the general complex division guards against what cannot happen here.
+    const Complex inverse = std::conj(value) / std::norm(value);
+    if (root.pair) {
+      const Complex by_zeta(-root.damping * w.value * inverse.imag(),
+                            root.damping * w.value * inverse.real());
+      (*slope)(place) =
+          root.sign * (by_zeta + 2.0 * root.corner * root.corner * inverse - root.reference_slope[0].real());
+      (*slope)(place + 1) = root.sign * (by_zeta - root.reference_slope[1].real());
+      place += 2;
+    } else {
+      (*slope)(place++) = root.sign * (root.corner * inverse - root.reference_slope[0].real());
+    }
+  }
+  return {log_gain_ + log_size + 0.5 * std::log(product), angle};
+}
+
 Complex RootModel::log_response(const Eigen::VectorXd& theta, RadPerSecond w,
                                 Eigen::RowVectorXcd* slope) const {
-  if (slope != nullptr) {
-    slope->resize(size());
-    (*slope)(0) = 1.0;
-  }
-  Complex out(theta(0), 0.0);
-  Index at = 1;
-  for (const int sign : {1, -1}) {
-    const int reals = sign > 0 ? real_zeros : real_poles;
-    const int pairs = sign > 0 ? zero_pairs : pole_pairs;
-    for (int i = 0; i < reals; ++i, ++at) {
-      Complex here;
-      Complex there;
-      out += static_cast<double>(sign) * real_root(theta(at), w.value, here);
-      out -= sign * real_root(theta(at), reference.value, there).real();
-      if (slope != nullptr) (*slope)(at) = static_cast<double>(sign) * (here - there.real());
-    }
-    for (int i = 0; i < pairs; ++i, at += 2) {
-      Complex here[2];
-      Complex there[2];
-      out += static_cast<double>(sign) * root_pair(theta(at), theta(at + 1), w.value, here[0], here[1]);
-      out -= sign * root_pair(theta(at), theta(at + 1), reference.value, there[0], there[1]).real();
-      if (slope != nullptr) {
-        (*slope)(at) = static_cast<double>(sign) * (here[0] - there[0].real());
-        (*slope)(at + 1) = static_cast<double>(sign) * (here[1] - there[1].real());
-      }
-    }
-  }
-  return out;
+  if (slope != nullptr) slope->resize(size());
+  return RootResponse(*this, theta).at(w, slope, true);
 }
 
 RootModel::Roots RootModel::roots(const Eigen::VectorXd& theta) const {

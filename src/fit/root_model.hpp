@@ -36,6 +36,28 @@ struct RootModel {
   Roots roots(const Eigen::VectorXd& theta) const;
 };
 
+/// RootModel at one theta, for many frequencies: everything that does not depend on the frequency is done
+/// once.
+class RootResponse {
+ public:
+  RootResponse(const RootModel& model, const Eigen::VectorXd& theta);
+  /// As RootModel::log_response. Without `phase` the imaginary part is left 0 (and its derivatives too when
+  /// `slope` is taken for magnitudes only): no arctangents.
+  std::complex<double> at(RadPerSecond w, Eigen::RowVectorXcd* slope, bool phase) const;
+
+ private:
+  struct Root {
+    bool pair;
+    double sign;
+    double corner;            ///< of a real root, or w0
+    double damping;           ///< 2 zeta w0 of a pair
+    double reference_square;  ///< |value at the reference|^2
+    std::complex<double> reference_slope[2];
+  };
+  double log_gain_;
+  std::vector<Root> roots_;
+};
+
 /// What a root may be: corner frequencies within [low, high], damping of pairs at least `least_damping`.
 struct RootLimits {
   RadPerSecond low{1e-300};

@@ -148,10 +148,11 @@ class Problem {
     VectorXcd g(kHarmonics + 1);
     MatrixXcd g_slope;
     if (slope != nullptr) g_slope.resize(kHarmonics + 1, theta.size());
-    Eigen::RowVectorXcd row;
+    Eigen::RowVectorXcd row(theta.size());
+    const RootResponse response(model, theta);
     for (int k = 0; k <= kHarmonics; ++k) {
       const double at = operating_[i].value * (k == 0 ? 1e-9 : static_cast<double>(k));
-      const Complex log_g = model.log_response(theta, Hertz{at}.rad_s(), slope != nullptr ? &row : nullptr);
+      const Complex log_g = response.at(Hertz{at}.rad_s(), slope != nullptr ? &row : nullptr, true);
       g(k) = std::exp(log_g);
       if (k == 0) g(k) = g(k).real();
       if (slope != nullptr) g_slope.row(k) = g(k) * row;

@@ -117,6 +117,33 @@ TEST(CascadeFit, InterpolatesManyAndExtremePoints) {
   EXPECT_LT(fit_cascade(many).cascade.fit->max_db, 1e-9);
 }
 
+TEST(CascadeFit, FewestBandsForADenseCurve) {
+  // Made of three bands, measured at 300 frequencies: three bands are found again.
+  Cascade three;
+  const double corner[] = {1.0, 9.0, 140.0, 1000.0};
+  const double beta[] = {0.4, -0.3, 0.8};
+  for (int i = 0; i < 3; ++i)
+    three.terms.push_back({1.0 / Hertz{corner[i]}.rad_s().value, corner[i] / corner[i + 1], beta[i]});
+  BodePoints dense;
+  for (const Hertz f : log_grid({Hertz{1.05}, Hertz{1000.0}}, 300)) {
+    dense.points.push_back({f, std::abs(three.response(f.rad_s())), std::nullopt, 1.0, 0});
+  }
+  const CascadeFit loose = fit_cascade(dense, {.base = Hertz{1.0}, .fewest_bands_db = 0.5});
+  const CascadeFit close = fit_cascade(dense, {.base = Hertz{1.0}, .fewest_bands_db = 0.1});
+  EXPECT_TRUE(loose.limit_met);
+  EXPECT_TRUE(close.limit_met);
+  EXPECT_LE(loose.cascade.fit->max_db, 0.5);
+  EXPECT_LE(close.cascade.fit->max_db, 0.1);
+  EXPECT_LE(loose.terms.size(), close.terms.size());
+  EXPECT_LE(close.terms.size(), 4u);
+  EXPECT_EQ(close.cascade.fit->points.size(), 300u);
+  // All five points of the paper by exhaustive choice.
+  const CascadeFit paper = fit_cascade(kPaper, {.fewest_bands_db = 1e-6});
+  EXPECT_EQ(paper.terms.size(), 4u);
+  EXPECT_NEAR(paper.terms[3].beta, 2.2908, 5e-5);
+  EXPECT_LT(fit_cascade(kPaper, {.fewest_bands_db = 0.4}).terms.size(), 4u);
+}
+
 TEST(CascadeFit, RefusesWhatCannotBeFitted) {
   EXPECT_THROW(fit_cascade(points_of({{1, 1}})), InputError);
   EXPECT_THROW(fit_cascade(kPaper, {.base = Hertz{100.0}}), InputError);

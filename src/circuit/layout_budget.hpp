@@ -1,0 +1,47 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/json.hpp"
+#include "circuit/layout.hpp"
+
+namespace bodesmith {
+
+/// What multipliers and op-amps do wrong at rest. The figures are parameters, to be set for the parts that
+/// are bought:
+///   W = (X + input_offset)(Y + input_offset)/(U (1 + scale_error)) (1 + nonlinearity) + output_offset.
+/// An offset at one input is the feedthrough of the other: input_offset/U of it comes through.
+struct LayoutErrors {
+  double input_offset_v = 3e-3;
+  double output_offset_v = 5e-3;
+  double scale_percent = 0.5;         ///< of U, after trimming
+  double nonlinearity_percent = 0.2;  ///< of the product
+  double opamp_offset_v = 0.5e-3;
+  double resistor_percent = 0.1;
+  double switch_ohm_percent = 20.0;
+};
+
+/// One cause, alone, at its limit: greatest change of d(x) over x in [0, 1], percent of the range of x.
+struct LayoutBudgetLine {
+  std::string cause;
+  std::vector<double> percent;  ///< one a branch
+};
+
+struct LayoutBudget {
+  LayoutErrors errors;
+  std::vector<LayoutBudgetLine> lines;  ///< largest first
+  std::vector<double> rss_percent;      ///< root of the sum of squares, one a branch
+  std::vector<double> worst_percent;    ///< sum
+  /// Shared powers (what is laid out) against Horner's scheme, which makes every branch on its own.
+  int shared_multipliers = 0, horner_multipliers = 0;
+  int shared_depth = 0, horner_depth = 0;  ///< multipliers in series: bandwidth and delay
+  double shared_worst_percent = 0.0,
+         horner_worst_percent = 0.0;  ///< multipliers' offsets and scales alone, sum, worst branch
+
+  Json to_json() const;
+};
+
+LayoutBudget layout_budget(const DisturbanceLayout& layout, const LayoutErrors& errors = {});
+
+}  // namespace bodesmith

@@ -1,0 +1,177 @@
+#include "simulate/sweep.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <complex>
+#include <exception>
+#include <mutex>
+#include <numbers>
+#include <thread>
+
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "base/progress.hpp"
+#include "base/provenance.hpp"
+#include "base/text.hpp"
+#include "signal/csv.hpp"
+#include "simulate/record_metrics.hpp"
+
+namespace bodesmith::simulate {
+namespace {
+
+std::complex<double> line(std::span<const double> x, int k) {
+  std::complex<double> sum = 0.0;
+  const double n = static_cast<double>(x.size());
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    sum += x[i] * std::polar(2.0 / n, -2.0 * std::numbers::pi * k * static_cast<double>(i) / n);
+  }
+  return sum;
+}
+
+SweepRow measure(const chain::Chain& chain, const SweepOptions& options, Hertz frequency, double amplitude) {
+  ReferenceSpec spec;
+  spec.kind = options.kind;
+  spec.frequency = frequency;
+  spec.amplitude = amplitude;
+  spec.offset = options.offset.value_or(amplitude);
+  spec.duration_s = options.periods / frequency.value;
+  spec.step_s = 1.0 / frequency.value / options.samples_per_period;
+  const TimeRecord u = make_reference(spec);
+  const Result result = simulate(chain, u, options.simulation);
+  const auto last = static_cast<std::size_t>(options.samples_per_period);
+  const std::size_t from = u.size() - 1 - last;
+  const std::span<const double> x(u.u.data() + from, last);
+  const std::span<const double> y(result.y.data() + from, last);
+  SweepRow row;
+  row.frequency = frequency;
+  row.amplitude = amplitude;
+  const auto [low, high] = std::minmax_element(y.begin(), y.end());
+  const RecordDifference difference = compare_records(x, y);  // range of y, as eq. 8
+  row.rms_percent = difference.rms_percent_of_range;
+  row.max_percent = *high > *low ? 100.0 * difference.max / (*high - *low) : 0.0;
+  row.loop_height_percent = loop_height_percent(x, y);
+  const auto in = line(x, 1);
+  const auto out = line(y, 1);
+  if (std::abs(in) > 0.0 && std::abs(out) > 0.0) {
+    row.gain_db = to_decibel(std::abs(out / in));
+    row.phase_deg = to_degrees(std::arg(out / in));
+    double power = 0.0;
+    for (int k = 2; k <= std::min(20, options.samples_per_period / 2 - 1); ++k)
+      power += std::norm(line(y, k));
+    row.distortion_percent = 100.0 * std::sqrt(power) / std::abs(out);
+  }
+  row.error_estimate = result.error_estimate.value_or(0.0);
+  return row;
+}
+
+}  // namespace
+
+std::vector<SweepRow> run_sweep(const chain::Chain& chain, const SweepOptions& options,
+                                const std::vector<SweepRow>& known) {
+  if (options.frequencies.empty() || options.amplitudes.empty())
+    throw InputError("a sweep needs at least one frequency and one amplitude");
+  if (options.kind != "triangle" && options.kind != "sine" && options.kind != "stair") {
+    throw InputError(
+        fmt::format("a sweep cannot use the reference '{}', expected triangle, sine or stair", options.kind));
+  }
+  if (options.periods < 1 || options.samples_per_period < 8 || options.samples_per_period % 2 != 0) {
+    throw InputError("a sweep needs at least one period of an even number of samples, 8 or more");
+  }
+  const std::size_t total = options.frequencies.size() * options.amplitudes.size();
+  std::vector<std::optional<SweepRow>> rows(total);
+  std::atomic<std::size_t> next{0};
+  std::atomic<std::size_t> done{0};
+  std::exception_ptr failure;
+  std::mutex lock;
+  Progress progress("sweep");
+  const auto work = [&] {
+    while (true) {
+      const std::size_t i = next++;
+      if (i >= total || interrupted()) return;
+      const Hertz frequency = options.frequencies[i / options.amplitudes.size()];
+      const double amplitude = options.amplitudes[i % options.amplitudes.size()];
+      const auto old = std::find_if(known.begin(), known.end(), [&](const SweepRow& r) {
+        return r.frequency == frequency && r.amplitude == amplitude;
+      });
+      try {
+        rows[i] = old != known.end() ? *old : measure(chain, options, frequency, amplitude);
+      } catch (const Interrupted&) {
+        return;
+      } catch (...) {
+        const std::scoped_lock guard(lock);
+        if (!failure) failure = std::current_exception();
+        next = total;
+        return;
+      }
+      const std::size_t ready = ++done;
+      const std::scoped_lock guard(lock);
+      progress.at(static_cast<double>(ready) / static_cast<double>(total));
+    }
+  };
+  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
+  const std::size_t count = std::min(
+      total, static_cast<std::size_t>(options.threads > 0 ? static_cast<unsigned>(options.threads) : cores));
+  std::vector<std::jthread> team;
+  for (std::size_t i = 1; i < count; ++i) team.emplace_back(work);
+  work();
+  team.clear();
+  if (failure) std::rethrow_exception(failure);
+  std::vector<SweepRow> out;
+  for (const auto& row : rows) {
+    if (row) out.push_back(*row);
+  }
+  return out;
+}
+
+std::string sweep_csv(const std::vector<SweepRow>& rows, const std::string& key) {
+  CsvWriter csv;
+  const auto add = [&](const char* name, auto&& value) {
+    std::vector<double> column;
+    for (const SweepRow& r : rows) column.push_back(value(r));
+    csv.add(name, std::move(column));
+  };
+  add("frequency_hz", [](const SweepRow& r) { return r.frequency.value; });
+  add("amplitude", [](const SweepRow& r) { return r.amplitude; });
+  add("rms_percent", [](const SweepRow& r) { return r.rms_percent; });
+  add("max_percent", [](const SweepRow& r) { return r.max_percent; });
+  add("loop_height_percent", [](const SweepRow& r) { return r.loop_height_percent; });
+  add("gain_db", [](const SweepRow& r) { return r.gain_db; });
+  add("phase_deg", [](const SweepRow& r) { return r.phase_deg; });
+  add("distortion_percent", [](const SweepRow& r) { return r.distortion_percent; });
+  add("error_estimate", [](const SweepRow& r) { return r.error_estimate; });
+  return "# sweep of " + key + "\n" + csv.text();
+}
+
+std::vector<SweepRow> read_sweep_csv(const std::filesystem::path& path, const std::string& key) {
+  if (!std::filesystem::exists(path)) return {};
+  const std::string text = read_file(path);
+  if (!text.starts_with("# sweep of " + key + "\n")) return {};
+  const Csv csv = Csv::parse(text, path.string());
+  std::vector<SweepRow> rows(csv.rows());
+  for (std::size_t i = 0; i < rows.size(); ++i) {
+    rows[i].frequency = Hertz{csv.column("frequency_hz")[i]};
+    rows[i].amplitude = csv.column("amplitude")[i];
+    rows[i].rms_percent = csv.column("rms_percent")[i];
+    rows[i].max_percent = csv.column("max_percent")[i];
+    rows[i].loop_height_percent = csv.column("loop_height_percent")[i];
+    rows[i].gain_db = csv.column("gain_db")[i];
+    rows[i].phase_deg = csv.column("phase_deg")[i];
+    rows[i].distortion_percent = csv.column("distortion_percent")[i];
+    rows[i].error_estimate = csv.column("error_estimate")[i];
+  }
+  return rows;
+}
+
+std::string sweep_key(const std::string& model_sha256, const SweepOptions& options) {
+  const Options& s = options.simulation;
+  return sha256_hex(fmt::format("{} {} {} {} {} {} {} {} {} {} {}", model_sha256, options.kind,
+                                options.offset ? number_text(*options.offset) : "amplitude", options.periods,
+                                options.samples_per_period, static_cast<int>(s.engine),
+                                static_cast<int>(s.start), number_text(s.relative_tolerance), s.degree,
+                                s.oversample, s.estimate_error));
+}
+
+}  // namespace bodesmith::simulate

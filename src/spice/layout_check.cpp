@@ -19,7 +19,7 @@ double polynomial(const std::vector<double>& a, double x) {
 
 void check_static(const DisturbanceLayout& layout, const std::string& library, LayoutCheck& out) {
   for (size_t b = 0; b < layout.branches.size(); ++b) {
-    const std::string deck = "static\n" + library +
+    const std::string deck = "static\n.options reltol=1e-6\n" + library +
                              fmt::format("Vx x 0 0\nVb branch 0 {}\n", b == 0 ? 1 : 0) +
                              "X1 x branch out disturbance\n";
     const DcSweep sweep = run_dc(deck, "Vx", 0.0, 1.0, 0.01, {"out"}, "disturbance.sub");

@@ -49,7 +49,7 @@ TEST(YieldCommand, SameBytesForThreadsAndAgain) {
 TEST(YieldCommand, SameBytesUnderMpiForOneTwoAndFourProcesses) {
   if (run_shell("mpirun --version").status != 0) GTEST_SKIP() << "mpirun is not installed";
   const Job job;
-  const std::string more = "--samples 150000 --count 8";
+  const std::string more = "--samples 140000 --count 8";
   ASSERT_EQ(run_bodesmith(job.arguments(more, "alone.json")).status, 0);
   const std::string clean = job.result("alone.json");
   for (const char* n : {"1", "2", "4"}) {
@@ -64,7 +64,7 @@ TEST(YieldCommand, SameBytesUnderMpiForOneTwoAndFourProcesses) {
 
 TEST(YieldCommand, ARunKilledHalfWayIsResumedToTheSameBytes) {
   const Job job;
-  const std::string more = "--samples 3000000 --count 12 --threads 1";
+  const std::string more = "--samples 1400000 --count 12 --threads 1";
   ASSERT_EQ(run_bodesmith(job.arguments(more, "clean.json")).status, 0);
   const std::string checkpoint = (job.folder / "killed.json.checkpoint1").string();
   // Killed as soon as a checkpoint stands.

@@ -265,7 +265,7 @@ std::optional<Remez::Result> follow(const Remez& remez, Real log_kappa, int orde
   std::vector<std::vector<Real>> path;
   std::optional<Remez::Result> result;
   const auto go = [&](Real to, std::vector<Real> from) {
-    result = remez.solve(to, std::move(from), to == beta ? 1e-4L : 0.03L);
+    result = remez.solve(to, std::move(from), to == beta ? 1e-4L : 0.1L);
     if (result) {
       done.push_back(to);
       path.push_back(smooth(result->zeta));
@@ -375,7 +375,7 @@ NormalisedApproximation minimax(const ApproximationTask& task) {
     const Remez remez(log_kappa, order, task.over_band);
     auto result = closed_form(remez, task.kappa, log_kappa, order, rest);
     const bool exact = result.has_value();
-    for (const Real step : {0.15L, 0.05L, 0.015L}) {
+    for (const Real step : {0.2L, 0.1L, 0.04L, 0.015L}) {
       if (!result) result = follow(remez, log_kappa, order, rest, step);
     }
     if (!result)

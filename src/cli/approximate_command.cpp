@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <chrono>
+#include <optional>
 #include <string>
 
 #include "approximate/approximate.hpp"
@@ -10,6 +11,7 @@
 #include "cli/approximate_modes.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "lti/section_making.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -56,8 +58,10 @@ int run_approximate(const std::vector<std::string>& arguments) {
       "frequency")("over-band", "minimax: equal ripple between the corners instead of over all frequencies")(
       "complex",
       "minimax with |beta| > 2: allow complex pairs of poles and zeros (a fraction of the error of real "
-      "ones)")("max-order", po::value<int>()->default_value(12),
-               "largest order of a term that --max-error-db may choose");
+      "ones)")("arrange",
+               "pair and order the sections for the smallest internal span, with even stage gains")(
+      "max-order", po::value<int>()->default_value(12),
+      "largest order of a term that --max-error-db may choose");
   add_fractional_options(line.options());
   line.positional("CASCADE.json|FRACTIONAL.toml", 1, 1);
   line.seed();
@@ -88,12 +92,22 @@ int run_approximate(const std::vector<std::string>& arguments) {
   Provenance from;
   const Cascade cascade = Cascade::read(line.files().front(), from);
   const auto start = std::chrono::steady_clock::now();
-  const CascadeApproximation result = approximate_cascade(cascade, options);
+  CascadeApproximation result = approximate_cascade(cascade, options);
+  std::optional<OrderedSections> arranged;
+  if (line.has("arrange")) {
+    arranged = order_sections(result.sections, result.error.band);
+    result.sections = arranged->sections;
+  }
   const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
 
   Json out = json_header("sections", from);
   out.update(result.sections.to_json());
   out["approximation"] = result.report_json();
+  if (arranged) {
+    out["arrangement"] = {{"span_before_db", arranged->span_before_db},
+                          {"span_after_db", arranged->span_after_db},
+                          {"exhaustive", arranged->exhaustive}};
+  }
   out["timing_s"] = {{"compute", seconds}};
   write_file(line.output_path(), to_text(out));
 
@@ -103,7 +117,12 @@ int run_approximate(const std::vector<std::string>& arguments) {
   summary.update(result.report_json());
   summary["error"] = result.sections.to_json()["error"];
   summary["timing_s"] = {{"compute", seconds}};
-  print_summary(line, summary_text(result), summary);
+  std::string text = summary_text(result);
+  if (arranged) {
+    text += fmt::format("internal span {} dB, {} dB before pairing and ordering\n",
+                        rounded_text(arranged->span_after_db, 3), rounded_text(arranged->span_before_db, 3));
+  }
+  print_summary(line, text, summary);
   return result.limit_met ? kDone : kLimitMissed;
 }
 

@@ -26,6 +26,7 @@ int plan_board(const std::vector<std::string>& arguments) {
       "  bodesmith fpaa streams PLAN.json --api ApiCode.c -o DIR   update streams for the board\n"
       "  bodesmith fpaa verify PLAN.json STREAM… --api ApiCode.c   decodes streams, compares with the plan\n"
       "  bodesmith fpaa check PLAN.json REPORT.htm                 compares AnadigmDesigner2's report\n"
+      "  bodesmith fpaa controller DISTURBANCE.json -o DIR         the whole controller on the board\n"
       "  bodesmith fpaa send PACKETS.bin --port DEVICE             sends packets to the board");
   line.positional("SECTIONS.json", 1, 1);
   line.output("folder for plan.json, build_sheet.md, build_sheet.html and board.svg");
@@ -118,6 +119,7 @@ int run_fpaa_streams(const std::vector<std::string>& arguments);
 int run_fpaa_verify(const std::vector<std::string>& arguments);
 int run_fpaa_check(const std::vector<std::string>& arguments);
 int run_fpaa_send(const std::vector<std::string>& arguments);
+int run_fpaa_controller(const std::vector<std::string>& arguments);
 
 int run_fpaa(const std::vector<std::string>& arguments) {
   const std::string verb = arguments.empty() ? "" : arguments[0];
@@ -125,6 +127,7 @@ int run_fpaa(const std::vector<std::string>& arguments) {
   if (verb == "streams") return run_fpaa_streams(rest);
   if (verb == "verify") return run_fpaa_verify(rest);
   if (verb == "check") return run_fpaa_check(rest);
+  if (verb == "controller") return run_fpaa_controller(rest);
   if (verb == "send") return run_fpaa_send(rest);
   return plan_board(arguments);
 }

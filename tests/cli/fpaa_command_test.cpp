@@ -1,6 +1,8 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+
 #include "base/document.hpp"
 #include "fpaa/plan.hpp"
 #include "run_program.hpp"
@@ -70,6 +72,24 @@ TEST(FpaaCommand, PlanStreamsVerifySend) {
   result = run_bodesmith("fpaa send " + dir + "/streams/packets.bin --port " + dir + "/none");
   EXPECT_EQ(result.status, 2);
   EXPECT_THAT(result.err, HasSubstr("cannot be opened"));
+}
+
+TEST(FpaaCommand, WholeController) {
+  const TemporaryFolder folder;
+  const std::string dir = folder.path().string();
+  write_file(folder / "s.json", kSections);
+  ASSERT_EQ(run_bodesmith("fpaa " + dir + "/s.json -o " + dir + "/plan --clock-hz 2000").status, 0);
+  auto result =
+      run_bodesmith("fpaa controller " BODESMITH_SOURCE_DIR "/examples/nanopositioner/disturbance.json " +
+                    std::string("--descending ") + dir + "/plan/plan.json -o " + dir + "/c --json");
+  ASSERT_EQ(result.status, 0) << result.err;
+  EXPECT_EQ(parse_json(result.out, "out").at("variants").size(), 3u);
+  const std::string table = read_file(folder / "c/lookup_descending.csv");
+  EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 257);
+  result =
+      run_bodesmith("fpaa controller " BODESMITH_SOURCE_DIR "/examples/nanopositioner/disturbance.json -o " +
+                    dir + "/d --polynomial magic");
+  EXPECT_EQ(result.status, 2);
 }
 
 TEST(FpaaCommand, BadInputIsOneLineAndLeavesNothing) {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.hpp"
 #include "base/progress.hpp"
 #include "circuit/response.hpp"
 
@@ -36,8 +37,28 @@ Band design_band(const Project& project, const Design& design) {
     band.to = std::max(band.to, other.to);
   };
   if (!design.fit.cascade.terms.empty()) widen(design.fit.cascade.corner_band());
-  widen(design.approximation.sections.corner_band());
+  widen(design.sections().corner_band());
   return band;
+}
+
+/// Plan and circuit of the chosen sections. Throws DesignError when the board or the parts cannot make them.
+void build_hardware(const Project& project, Design& design) {
+  design.plan.reset();
+  design.circuit.reset();
+  if (project.fpaa) {
+    fpaa::PlanOptions options;
+    options.board = project.fpaa->board;
+    options.clock = project.fpaa->clock;
+    options.band = design_band(project, design);
+    design.plan = fpaa::make_plan(design.sections(), options);
+  }
+  if (project.circuit) {
+    RealiseOptions options;
+    options.realization = project.circuit->realization;
+    options.resistors = Series::named(project.circuit->resistors);
+    options.capacitors = Series::named(project.circuit->capacitors);
+    design.circuit = realise(design.sections(), options);
+  }
 }
 
 }  // namespace
@@ -47,30 +68,30 @@ Design make_design(const Project& project) {
   Design design;
   design.fit = fit_cascade(project.target.points, fit_options(project));
   design.approximation = approximate_cascade(design.fit.cascade, approximation_options(project));
-  if (project.fpaa) {
-    fpaa::PlanOptions options;
-    options.board = project.fpaa->board;
-    options.clock = project.fpaa->clock;
-    options.band = design_band(project, design);
-    design.plan = fpaa::make_plan(design.approximation.sections, options);
-  }
-  if (project.circuit) {
-    RealiseOptions options;
-    options.realization = project.circuit->realization;
-    options.resistors = Series::named(project.circuit->resistors);
-    options.capacitors = Series::named(project.circuit->capacitors);
-    design.circuit = realise(design.approximation.sections, options);
+  const Stopwatch beside;
+  design.alternatives = make_alternatives(project, design.approximation);
+  design.alternatives_s = beside.seconds();
+  const std::vector<std::size_t> ranked = rank_alternatives(project, design.alternatives);
+  for (const std::size_t candidate : ranked) {
+    design.chosen = candidate;
+    try {
+      build_hardware(project, design);
+      break;
+    } catch (const DesignError& error) {
+      if (candidate == ranked.back()) throw;
+      design.passed_over.push_back(design.alternatives[candidate].name + ": " + error.what());
+    }
   }
   design.layout = layout_disturbance(project.target.disturbance);
-  design.compute_s = watch.seconds();
+  design.compute_s = watch.seconds() - design.alternatives_s;
   return design;
 }
 
 std::vector<DesignStage> design_stages(const Design& design) {
   std::vector<DesignStage> stages;
   stages.push_back({"cascade", "", [&design](RadPerSecond w) { return design.fit.cascade.response(w); }});
-  stages.push_back({"sections", "cascade",
-                    [&design](RadPerSecond w) { return design.approximation.sections.response(w); }});
+  stages.push_back(
+      {"sections", "cascade", [&design](RadPerSecond w) { return design.sections().response(w); }});
   if (design.plan) {
     stages.push_back(
         {"fpaa", "sections", [&design](RadPerSecond w) { return plan_response(*design.plan, w, false); }});
@@ -94,8 +115,7 @@ Budget make_budget(const Project& project, const Design& design) {
   const std::vector<Hertz> grid = log_grid(budget.band, 240);
   const Disturbance& disturbance = project.target.disturbance;
   WaveformErrorOptions options;
-  options.path = project.target.branch == Disturbance::Branch::ascending ? DrivenPath::ascending
-                                                                         : DrivenPath::descending;
+  options.path = compensated_path(project);
   const auto waveform = [&](const FrequencyResponse& g) {
     return waveform_error(g, disturbance, project.track.frequency, options);
   };

@@ -12,6 +12,7 @@
 #include "fit/cascade_fit.hpp"
 #include "fit/waveform_error.hpp"
 #include "fpaa/plan.hpp"
+#include "project/alternatives.hpp"
 #include "project/project_file.hpp"
 #include "spice/check.hpp"
 
@@ -21,10 +22,15 @@ namespace bodesmith::project {
 struct Design {
   CascadeFit fit;
   CascadeApproximation approximation;
+  std::vector<Alternative> alternatives;
+  std::size_t chosen = 0;  ///< of the alternatives: what plan and circuit are made of
   std::optional<fpaa::Plan> plan;
   std::optional<Realised> circuit;
   DisturbanceLayout layout;
-  double compute_s = 0.0;  ///< fit to plan, netlist and layout
+  std::vector<std::string> passed_over;  ///< better alternatives that the hardware cannot make, and why
+  const Sections& sections() const { return alternatives[chosen].sections; }
+  double compute_s = 0.0;  ///< fit to plan, netlist and layout, without the alternatives that are not built
+  double alternatives_s = 0.0;
 };
 
 Design make_design(const Project& project);

@@ -7,6 +7,9 @@ std::vector<LimitCheck> check_limits(const Project& project, const Design& desig
   const auto& limits = project.limits;
   if (limits.fit_db && design.fit.cascade.fit)
     checks.push_back({"fit_db", *limits.fit_db, design.fit.cascade.fit->max_db});
+  if (limits.points_db) {
+    checks.push_back({"points_db", *limits.points_db, design.alternatives[design.chosen].points_max_db});
+  }
   if (limits.approximation_db) {
     checks.push_back(
         {"approximation_db", *limits.approximation_db, design.approximation.error.everywhere_db});

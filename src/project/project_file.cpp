@@ -108,13 +108,21 @@ std::optional<double> limit(const Node& node, std::string_view key) {
 Project Project::read(const fs::path& path, Provenance& from) {
   const Node node = read_document(path, from);
   node.expect_schema("project");
-  node.allow_only({"schema", "name", "target", "fit", "approximate", "hardware", "plant", "track", "limits"});
+  node.allow_only(
+      {"schema", "name", "target", "fit", "approximate", "choose", "hardware", "plant", "track", "limits"});
   const fs::path folder = path.parent_path();
   Project project;
   project.name = node.string_or("name", path.stem().string());
   project.target = read_target(node.at("target"), folder, from);
   if (node.has("fit")) project.fit = read_fit(node.at("fit"));
   if (node.has("approximate")) project.approximate = read_approximate(node.at("approximate"));
+  if (node.has("choose")) {
+    const Node choose = node.at("choose");
+    choose.allow_only({"by"});
+    const std::string by = choose.at("by").one_of({"as_asked", "fewest_sections", "waveform"});
+    if (by == "fewest_sections") project.choose = Choose::fewest_sections;
+    if (by == "waveform") project.choose = Choose::waveform;
+  }
   if (node.has("hardware")) {
     const Node hardware = node.at("hardware");
     hardware.allow_only({"fpaa", "circuit"});
@@ -138,8 +146,8 @@ Project Project::read(const fs::path& path, Provenance& from) {
   project.track = read_track(node.at("track"));
   if (node.has("limits")) {
     const Node limits = node.at("limits");
-    limits.allow_only({"fit_db", "approximation_db", "fpaa_percent", "circuit_db"});
-    project.limits = {limit(limits, "fit_db"), limit(limits, "approximation_db"),
+    limits.allow_only({"fit_db", "points_db", "approximation_db", "fpaa_percent", "circuit_db"});
+    project.limits = {limit(limits, "fit_db"), limit(limits, "points_db"), limit(limits, "approximation_db"),
                       limit(limits, "fpaa_percent"), limit(limits, "circuit_db")};
   }
   return project;

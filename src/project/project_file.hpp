@@ -37,6 +37,9 @@ struct Project {
     std::optional<double> max_error_db;
   } approximate;
 
+  /// Which of the ways to sections is built, see alternatives.hpp.
+  enum class Choose { as_asked, fewest_sections, waveform } choose = Choose::as_asked;
+
   struct Fpaa {
     std::string board = "an231k04-quad4";
     std::optional<Hertz> clock;
@@ -66,6 +69,7 @@ struct Project {
 
   struct Limits {
     std::optional<double> fit_db;
+    std::optional<double> points_db;
     std::optional<double> approximation_db;
     std::optional<double> fpaa_percent;
     std::optional<double> circuit_db;

@@ -107,14 +107,28 @@ void fit_chapter(Page& page, const ReportInput& in) {
   for (const std::string& warning : fit.warnings) page.warning(warning);
 }
 
+Table alternatives_table(const Design& design) {
+  Table table{{"way", "poles", "at the points, dB", "phase there, degrees", "above the band, dB",
+               "waveform rms, %", "worst frequency, %", "FPAA blocks"},
+              {},
+              {design.chosen}};
+  for (const Alternative& a : design.alternatives) {
+    table.rows.push_back({a.name, std::to_string(a.sections.pole_count()), text(a.points_max_db, 3),
+                          text(a.phase_at_points_deg, 3), fmt::format("{:.2f}", a.above_band_db),
+                          fmt::format("{:.3f}", a.waveform.rms_percent),
+                          fmt::format("{:.3f}", a.waveform.worst_percent), std::to_string(a.fpaa_blocks)});
+  }
+  return table;
+}
+
 void sections_chapter(Page& page, const ReportInput& in) {
   page.chapter("Sections");
   const CascadeApproximation& a = in.design.approximation;
-  page.paragraph(
-      fmt::format("Method {}: {} poles in all. Largest error {} dB over all frequencies, {} dB and {} "
-                  "degrees between {} and {} Hz.",
-                  a.method, a.sections.pole_count(), text(a.error.everywhere_db, 3), text(a.error.band_db, 3),
-                  text(a.error.band_deg, 3), text(a.error.band.from.value), text(a.error.band.to.value)));
+  page.paragraph(fmt::format(
+      "The cascade by method {}: {} poles in all. Largest error {} dB over all frequencies, {} dB and {} "
+      "degrees between {} and {} Hz.",
+      a.method, a.sections.pole_count(), text(a.error.everywhere_db, 3), text(a.error.band_db, 3),
+      text(a.error.band_deg, 3), text(a.error.band.from.value), text(a.error.band.to.value)));
   if (!a.limit_met) page.warning("The limit that was asked for could not be met at the largest order.");
   Table terms{
       {"term", "beta", "corner ratio", "order", "error everywhere, dB", "limit of any method, dB"}, {}, {}};
@@ -126,6 +140,12 @@ void sections_chapter(Page& page, const ReportInput& in) {
                           term.limit_law_db > 0.0 ? text(term.limit_law_db, 3) : "-"});
   }
   page.table(terms);
+  page.table(alternatives_table(in.design),
+             "Ways to integer sections (marked: the one that is built). Direct and waveform fits have real "
+             "poles and zeros. "
+             "Waveform: error of the compensating waveform at the tracked frequencies, % of range.");
+  for (const std::string& reason : in.design.passed_over)
+    page.paragraph("Passed over, it cannot be built: " + reason);
   Table sections{{"section", "gain", "zeros, rad/s", "poles, rad/s"}, {}, {}};
   const auto roots = [](const std::vector<std::complex<double>>& values) {
     std::vector<std::string> parts;
@@ -138,11 +158,12 @@ void sections_chapter(Page& page, const ReportInput& in) {
     return parts.empty() ? std::string("-") : join(parts, ", ");
   };
   int number = 0;
-  for (const Section& section : a.sections.sections) {
+  for (const Section& section : in.design.sections().sections) {
     sections.rows.push_back(
         {std::to_string(++number), text(section.gain, 6), roots(section.zeros), roots(section.poles)});
   }
-  page.table(sections, fmt::format("H(s) = {} times the product of these", text(a.sections.gain, 8)));
+  page.table(sections,
+             fmt::format("H(s) = {} times the product of these", text(in.design.sections().gain, 8)));
 }
 
 void budget_chapter(Page& page, const ReportInput& in) {

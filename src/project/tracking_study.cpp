@@ -50,7 +50,7 @@ std::vector<Choice> choices(const Project& project, const Design& design) {
   std::vector<Choice> out;
   out.push_back({"none", {"without compensation", Uncompensated{}, Uncompensated{}, ""}});
   out.push_back({"polynomial", {"constant polynomial", ConstantGain{}, ConstantGain{}, ""}});
-  const Sections& sections = design.approximation.sections;
+  const Sections& sections = design.sections();
   ResponseCompensator ideal;
   ideal.response = [&design](RadPerSecond w) { return design.fit.cascade.response(w); };
   // In the time domain the ideal cascade needs integer states: an approximation far closer than anything
@@ -61,7 +61,18 @@ std::vector<Choice> choices(const Project& project, const Design& design) {
   ideal.approximation = reference.sections;
   ideal.approximation_error_db = reference.error.everywhere_db;
   out.push_back(compensated(project, "cascade", "ideal fractional cascade", ideal, ""));
-  out.push_back(compensated(project, "sections", "integer sections", sections, "ideal fractional cascade"));
+  const bool from_cascade = design.alternatives[design.chosen].kind == Alternative::Kind::cascade;
+  out.push_back(compensated(project, "sections", "integer sections", sections,
+                            from_cascade ? "ideal fractional cascade" : ""));
+  // What a fit to the waveform itself would reach, when something else is built.
+  const Alternative* waveform = nullptr;
+  for (const Alternative& a : design.alternatives) {
+    if (a.kind != Alternative::Kind::waveform) continue;
+    if (waveform == nullptr || a.waveform.worst_percent < waveform->waveform.worst_percent) waveform = &a;
+  }
+  if (waveform != nullptr && design.alternatives[design.chosen].kind != Alternative::Kind::waveform) {
+    out.push_back(compensated(project, "waveform", waveform->name, waveform->sections, ""));
+  }
   if (design.plan) {
     out.push_back(compensated(project, "fpaa", "FPAA, capacitors only", clocked(*design.plan, false),
                               "integer sections"));

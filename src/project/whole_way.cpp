@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
@@ -56,8 +57,15 @@ OutputSet design_files(const WholeWay& way, const fs::path& folder) {
   OutputSet out(folder);
   const Design& design = way.design;
   out.add("cascade.json", json_text("cascade", way, design.fit.to_json(), design.compute_s));
-  Json sections = design.approximation.sections.to_json();
-  sections.update(design.approximation.report_json());
+  const Alternative& chosen = design.alternatives[design.chosen];
+  Sections built = chosen.sections;
+  if (!built.error) {
+    const ApproximationError error = approximation_error(built, design.fit.cascade);
+    built.error = Sections::Error{error.band, error.band_db, error.band_deg, error.everywhere_db};
+  }
+  Json sections = built.to_json();
+  sections["made_by"] = chosen.name;
+  if (chosen.kind == Alternative::Kind::cascade) sections.update(design.approximation.report_json());
   out.add("sections.json", json_text("sections", way, sections, design.compute_s));
   if (design.plan) {
     out.add("fpaa/plan.json", json_text("fpaa_plan", way, design.plan->to_json(), design.compute_s));
@@ -101,6 +109,20 @@ Json WholeWay::summary_json() const {
     out["limits"].push_back(
         {{"name", check.name}, {"limit", check.limit}, {"got", check.got}, {"met", check.met()}});
   }
+  out["alternatives"] = Json::array();
+  for (size_t i = 0; i < design.alternatives.size(); ++i) {
+    const Alternative& a = design.alternatives[i];
+    Json item = {{"name", a.name},
+                 {"built", i == design.chosen},
+                 {"poles", a.sections.pole_count()},
+                 {"points_max_db", a.points_max_db},
+                 {"phase_at_points_deg", a.phase_at_points_deg},
+                 {"waveform", waveform_json(a.waveform)},
+                 {"fpaa_blocks", a.fpaa_blocks}};
+    if (std::isfinite(a.above_band_db)) item["above_band_db"] = a.above_band_db;
+    out["alternatives"].push_back(std::move(item));
+  }
+  out["passed_over"] = design.passed_over;
   out["budget"] = Json::array();
   for (const BudgetRow& row : budget.rows) {
     out["budget"].push_back({{"stage", row.stage},
@@ -124,7 +146,10 @@ Json WholeWay::summary_json() const {
   out["tracking"] = tracking.to_json();
   out["files"] = Json::array();
   for (const fs::path& path : files) out["files"].push_back(path.string());
-  out["timing_s"] = {{"compute", compute_s}, {"design", design.compute_s}, {"tracking", tracking.compute_s}};
+  out["timing_s"] = {{"compute", compute_s},
+                     {"design", design.compute_s},
+                     {"alternatives", design.alternatives_s},
+                     {"tracking", tracking.compute_s}};
   return out;
 }
 
@@ -134,9 +159,25 @@ std::string WholeWay::summary_text() const {
     out += fmt::format("cascade    {} terms, largest miss at the points {:.1e} dB\n",
                        design.fit.cascade.terms.size(), design.fit.cascade.fit->max_db);
   }
-  out += fmt::format("sections   {} poles, {} dB from the cascade at every frequency\n",
-                     design.approximation.sections.pole_count(),
-                     rounded_text(design.approximation.error.everywhere_db, 3));
+  const Alternative& chosen = design.alternatives[design.chosen];
+  if (chosen.kind == Alternative::Kind::cascade) {
+    out += fmt::format("sections   {} poles, {} dB from the cascade at every frequency\n",
+                       design.approximation.sections.pole_count(),
+                       rounded_text(design.approximation.error.everywhere_db, 3));
+  } else {
+    out += fmt::format("sections   {}: {} dB at the points\n", chosen.name,
+                       rounded_text(chosen.points_max_db, 3));
+  }
+  out +=
+      "           alternatives: poles, dB at the points, waveform error in % of range (worst), gain above "
+      "the band\n";
+  for (size_t i = 0; i < design.alternatives.size(); ++i) {
+    const Alternative& a = design.alternatives[i];
+    out += fmt::format("         {} {:<22} {:>2} {:>9} {:>7.3f} {:>7.2f} dB\n",
+                       i == design.chosen ? "*" : " ", a.name, a.sections.pole_count(),
+                       rounded_text(a.points_max_db, 2), a.waveform.worst_percent, a.above_band_db);
+  }
+  for (const std::string& reason : design.passed_over) out += "           cannot be built: " + reason + "\n";
   if (design.plan) {
     out +=
         fmt::format("fpaa       {} CAMs at {} Hz, worst complex error {} % ({} % with holds and delays)\n",
@@ -189,7 +230,7 @@ WholeWay go_the_whole_way(const fs::path& project_file, const fs::path& folder) 
   progress.at(0.2);
 
   if (way.design.circuit && ngspice_available()) {
-    way.ngspice = check_with_ngspice(way.design.circuit->circuit, way.design.approximation.sections);
+    way.ngspice = check_with_ngspice(way.design.circuit->circuit, way.design.sections());
   }
   stop_if_interrupted();
   progress.at(0.4);

@@ -186,6 +186,21 @@ TEST(Run, ALimitThatIsNotMetIsStatusOne) {
   EXPECT_TRUE(fs::exists(folder / "out/report.html")) << "a missed limit must not lose the results";
 }
 
+TEST(Run, AFitToTheWaveformTracksBetterThanTheMagnitude) {
+  const TemporaryFolder folder;
+  const std::string example = std::string(BODESMITH_SOURCE_DIR) + "/examples/nanopositioner/waveform.toml";
+  const ProgramResult result = run_bodesmith("run " + example + " -o " + (folder / "out").string());
+  ASSERT_EQ(result.status, 0) << result.err << result.out;
+  const Csv table = Csv::parse(read_file(folder / "out/tracking.csv"), "tracking.csv");
+  const auto worst = [&](const std::string& column) {
+    return *std::max_element(table.column(column).begin(), table.column(column).end());
+  };
+  EXPECT_LT(worst("circuit_percent"), 0.6 * worst("polynomial_percent"));
+  EXPECT_LT(worst("circuit_percent"), 0.5 * worst("cascade_percent"));
+  Provenance from;
+  EXPECT_LE(Sections::read(folder / "out/sections.json", from).pole_count(), 6);
+}
+
 TEST(Run, BadProjectsAreOneLineAndLeaveNothing) {
   const TemporaryFolder folder;
   fs::copy(fs::path(kProject).parent_path(), folder / "p", fs::copy_options::recursive);

@@ -1,0 +1,97 @@
+#include "project/alternatives.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/progress.hpp"
+#include "fit/direct_fit.hpp"
+#include "fit/waveform_fit.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+Alternative judged(const Project& project, std::string name, Alternative::Kind kind,
+                   const Sections& sections) {
+  Alternative out;
+  out.name = std::move(name);
+  out.kind = kind;
+  out.sections = sections;
+  for (const BodePoint& point : project.target.points.points) {
+    if (point.frequency <= project.target.base) continue;
+    const std::complex<double> h = sections.response(point.frequency.rad_s());
+    out.points_max_db = std::max(out.points_max_db, std::abs(to_decibel(std::abs(h) / point.gain)));
+    out.phase_at_points_deg = std::max(out.phase_at_points_deg, std::abs(to_degrees(std::arg(h))));
+  }
+  double highest = sections.gain;
+  for (const Section& section : sections.sections) highest *= section.high_frequency_gain();
+  out.above_band_db = highest == 0.0 ? -INFINITY : to_decibel(highest);
+  WaveformErrorOptions options;
+  options.path = compensated_path(project);
+  out.waveform = waveform_error([&sections](RadPerSecond w) { return sections.response(w); },
+                                project.target.disturbance, project.track.frequency, options);
+  const int poles = sections.pole_count();
+  out.fpaa_blocks = poles + poles % 2;
+  return out;
+}
+
+}  // namespace
+
+DrivenPath compensated_path(const Project& project) {
+  return project.target.branch == Disturbance::Branch::ascending ? DrivenPath::ascending
+                                                                 : DrivenPath::descending;
+}
+
+std::vector<Alternative> make_alternatives(const Project& project,
+                                           const CascadeApproximation& approximation) {
+  std::vector<Alternative> out;
+  out.push_back(judged(project, "cascade, " + approximation.method, Alternative::Kind::cascade,
+                       approximation.sections));
+  const BodePoints& points = project.target.points;
+  for (const int order : {2, 3, 4}) {
+    stop_if_interrupted();
+    DirectFitOptions options;
+    options.order = order;
+    options.real = true;
+    options.max_corner = Hertz{5.0 * points.points.back().frequency.value};
+    const DirectFit direct = fit_directly(points, options);
+    out.push_back(judged(project, fmt::format("direct fit, {} poles", order), Alternative::Kind::direct,
+                         direct.sections));
+  }
+  if (!project.target.disturbance.is_static(project.target.branch)) {
+    for (const int order : {1, 2, 4}) {
+      stop_if_interrupted();
+      WaveformFitOptions options;
+      options.order = order;
+      options.path = compensated_path(project);
+      options.worst = true;
+      options.operating = project.track.frequency;
+      const WaveformFit waveform = fit_waveform(project.target.disturbance, options);
+      out.push_back(judged(project, fmt::format("waveform fit, {} pole{}", order, order == 1 ? "" : "s"),
+                           Alternative::Kind::waveform, waveform.sections));
+    }
+  }
+  return out;
+}
+
+std::vector<std::size_t> rank_alternatives(const Project& project,
+                                           const std::vector<Alternative>& alternatives) {
+  std::vector<std::size_t> order;
+  if (project.choose == Project::Choose::as_asked) return {0};
+  const double limit = project.limits.points_db.value_or(0.05);
+  for (std::size_t i = 0; i < alternatives.size(); ++i) {
+    if (project.choose == Project::Choose::waveform || alternatives[i].points_max_db <= limit)
+      order.push_back(i);
+  }
+  if (order.empty()) return {0};
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    if (project.choose == Project::Choose::waveform) {
+      return alternatives[a].waveform.worst_percent < alternatives[b].waveform.worst_percent;
+    }
+    return alternatives[a].sections.pole_count() < alternatives[b].sections.pole_count();
+  });
+  return order;
+}
+
+}  // namespace bodesmith::project

@@ -1,5 +1,11 @@
 #include "circuit/circuit_json.hpp"
 
+#include <algorithm>
+#include <cmath>
+
+#include "circuit/yield_counts.hpp"
+#include "circuit/yield_design.hpp"
+
 namespace bodesmith {
 namespace {
 
@@ -11,6 +17,19 @@ Json section_json(const Biquad& h) {
   out["poles_rad_s"] = Json::array();
   for (const auto& zero : section.zeros) out["zeros_rad_s"].push_back({zero.real(), zero.imag()});
   for (const auto& pole : section.poles) out["poles_rad_s"].push_back({pole.real(), pole.imag()});
+  return out;
+}
+
+/// Greatest change of the magnitude over the band, dB for 1 % of each part.
+std::vector<double> part_sensitivities(const Realised& realised) {
+  YieldOptions options;
+  options.grid = log_grid(realised.report.band, 61);
+  std::vector<double> out;
+  for (const auto& row : yield_sensitivity(yield_design(realised, {}, ""), options).db_per_percent) {
+    double worst = 0.0;
+    for (const double db : row) worst = std::max(worst, std::abs(db));
+    out.push_back(worst);
+  }
   return out;
 }
 
@@ -36,6 +55,7 @@ Json to_json(const OpAmpCheck& check) {
 }
 
 Json to_json(const Realised& realised) {
+  const std::vector<double> sensitivity = part_sensitivities(realised);
   const Circuit& circuit = realised.circuit;
   const RealiseReport& report = realised.report;
   Json out;
@@ -50,7 +70,8 @@ Json to_json(const Realised& realised) {
                        {"to", part.to},
                        {"series", part.series},
                        {resistor ? "wanted_ohm" : "wanted_f", part.wanted},
-                       {resistor ? "realised_ohm" : "realised_f", part.realised}});
+                       {resistor ? "realised_ohm" : "realised_f", part.realised},
+                       {"worst_db_per_percent", sensitivity[static_cast<size_t>(stage.first_part + i)]}});
     }
     out["stages"].push_back({{"realization", stage.realization},
                              {"in", stage.in},

@@ -82,15 +82,15 @@ std::string text_of(const StageFit& fit) {
 }
 
 std::string table_of(const std::vector<StageFit>& fits, bool with_holdout) {
-  std::string text = fmt::format("{:<26} {:>11} {:>8} {:>11} {:>8} {:>12} {:>8}\n", "model", "train rms", "%",
+  std::string text = fmt::format("{:<32} {:>11} {:>8} {:>11} {:>8} {:>12} {:>8}\n", "model", "train rms", "%",
                                  with_holdout ? "holdout rms" : "", with_holdout ? "%" : "",
                                  with_holdout ? "offset free" : "", "time s");
   for (const StageFit& fit : fits) {
     if (!fit.refused.empty()) {
-      text += fmt::format("{:<26} refused: {}\n", fit.model, fit.refused);
+      text += fmt::format("{:<32} refused: {}\n", fit.model, fit.refused);
       continue;
     }
-    text += fmt::format("{:<26} {:>11} {:>8} {:>11} {:>8} {:>12} {:>8}\n", fit.model,
+    text += fmt::format("{:<32} {:>11} {:>8} {:>11} {:>8} {:>12} {:>8}\n", fit.model,
                         rounded_text(fit.training.rms), rounded_text(fit.training.rms_percent, 3),
                         fit.holdout ? rounded_text(fit.holdout->rms) : std::string(),
                         fit.holdout ? rounded_text(fit.holdout->rms_percent, 3) : std::string(),
@@ -119,7 +119,7 @@ int run_identify(const std::vector<std::string>& arguments) {
       "holdout", po::value<std::vector<std::string>>()->composing(),
       "record that is not fitted, only judged (repeatable)")(
       "method", po::value<std::string>()->default_value("best"),
-      "best, or paper: what the model's own paper does")(
+      "best, paper (what the model's own paper does), or both in one table")(
       "size", po::value<int>()->default_value(0), "plays, operators or levels of the model (0: its default)")(
       "delay", po::value<std::string>()->default_value("none"), "none, find, or a pure delay in seconds")(
       "skip-s", po::value<double>()->default_value(0.0),
@@ -143,8 +143,9 @@ int run_identify(const std::vector<std::string>& arguments) {
   hysteresis::StageFitOptions options;
   options.identify.seed = line.seed_value();
   options.identify.method = line.get<std::string>("method");
-  if (options.identify.method != "best" && options.identify.method != "paper")
-    line.fail(fmt::format("--method is '{}', expected best or paper", options.identify.method));
+  if (options.identify.method != "best" && options.identify.method != "paper" &&
+      options.identify.method != "both")
+    line.fail(fmt::format("--method is '{}', expected best, paper or both", options.identify.method));
   options.identify.size = line.get<int>("size");
   if (options.identify.size < 0 || options.identify.size > 2000)
     line.fail("--size is out of range, expected 0 .. 2000");
@@ -185,17 +186,25 @@ int run_identify(const std::vector<std::string>& arguments) {
 
   std::vector<StageFit> fits;
   double seconds = 0.0;
-  if (model != "all") {
+  const bool both = options.identify.method == "both";
+  const bool table = model == "all" || both;
+  if (!table) {
     fits.push_back(hysteresis::fit_stage(model, training, holdout, options));
   } else {
     if (options.find_delay) options.delay_s = hysteresis::best_delay(training, options.identify, false);
+    if (model != "all") names = {model};
     for (const std::string& name : names) {
-      try {
-        fits.push_back(hysteresis::fit_stage(name, training, holdout, options));
-      } catch (const InputError& error) {
-        fits.push_back({});
-        fits.back().model = name;
-        fits.back().refused = error.what();
+      for (const char* method : {"paper", "best"}) {
+        if (!both && method != options.identify.method) continue;
+        if (both) options.identify.method = method;
+        try {
+          fits.push_back(hysteresis::fit_stage(name, training, holdout, options));
+        } catch (const InputError& error) {
+          fits.push_back({});
+          fits.back().model = name;
+          fits.back().refused = error.what();
+        }
+        if (both) fits.back().model += fmt::format(" ({})", method);
       }
     }
   }
@@ -214,7 +223,7 @@ int run_identify(const std::vector<std::string>& arguments) {
   write_file(line.output_path(), best->identified.stage.to_toml(remarks));
 
   Json json = json_header("identification", from);
-  if (model == "all") {
+  if (table) {
     json["chosen"] = best->model;
     Json list = Json::array();
     for (const StageFit& fit : fits) list.push_back(to_json(fit));
@@ -226,9 +235,8 @@ int run_identify(const std::vector<std::string>& arguments) {
       !limit || (best->holdout ? best->holdout->rms_percent : best->training.rms_percent) <= *limit;
   if (limit) json["limit_met"] = met;
   json["timing_s"] = {{"compute", seconds}};
-  std::string text = model == "all"
-                         ? table_of(fits, !holdout.empty()) + fmt::format("best: {}\n", best->model)
-                         : text_of(*best);
+  std::string text =
+      table ? table_of(fits, !holdout.empty()) + fmt::format("best: {}\n", best->model) : text_of(*best);
   if (!met) text += fmt::format("the limit of {} % is NOT met\n", rounded_text(*limit));
   print_summary(line, text, json);
   return met ? kDone : kLimitMissed;

@@ -117,6 +117,8 @@ Fit fit_full_strokes(std::span<const TimeRecord> records, double skip_s, bool si
         "no branch spans the whole range of the input, expected full strokes (at least one up and one down)");
   low /= lows;
   high /= highs;
+  if (!(high != low))
+    throw InputError(records[0].file, 0, "the output is the same at both ends of the stroke");
   Fit out;
   out.stage.input_gain = 1.0 / u.width();
   out.stage.input_offset = -u.low / u.width();
@@ -134,8 +136,7 @@ Fit fit_full_strokes(std::span<const TimeRecord> records, double skip_s, bool si
     }
   }
   if (x[0].size() < 3 || x[1].size() < 3)
-    throw InputError(records[0].file, 0,
-                     "only one branch spans the whole range of the input, expected one up and one down");
+    throw InputError(records[0].file, 0, "holds no full stroke up and down of at least three samples each");
   if (sine) {
     out.model.ascending.is_sine = out.model.descending.is_sine = true;
     out.model.ascending.sine = fit_sine(x[1], d[1]).amplitude;

@@ -110,6 +110,21 @@ TEST(Identify, BadUsageSaysWhatIsExpected) {
   EXPECT_FALSE(std::filesystem::exists(folder / "m.toml"));
 }
 
+TEST(Identify, BothMethodsInOneTable) {
+  const TemporaryFolder folder;
+  write_record(folder / "train.csv", 0.5);
+  const ProgramResult result =
+      run_bodesmith("identify " + (folder / "train.csv").string() +
+                    " --model krasnoselskii_pokrovskii --size 12 --effort 0.2 --method both --json -o " +
+                    (folder / "m.toml").string());
+  ASSERT_EQ(result.status, 0) << result.err;
+  const json summary = json::parse(result.out);
+  ASSERT_EQ(summary["models"].size(), 2u);
+  EXPECT_EQ(summary["models"][0]["model"], "krasnoselskii_pokrovskii (paper)");
+  EXPECT_GT(summary["models"][0]["training"]["rms"], summary["models"][1]["training"]["rms"]);
+  EXPECT_EQ(summary["chosen"], "krasnoselskii_pokrovskii (best)");
+}
+
 TEST(Identify, RealPiezoRecordLadder) {
   const std::string data = std::string(BODESMITH_SOURCE_DIR) + "/../shared/data/";
   if (!std::filesystem::exists(data + "picma_train.csv")) GTEST_SKIP() << "the measured records are not here";

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/document.hpp"
@@ -77,6 +78,35 @@ TEST_F(SimulateCommand, BadInputIsOneLineAndLeavesNothing) {
       run_bodesmith("simulate " + file("bad.toml") + " --input " + file("u.csv") + " -o " + file("out.csv"))
           .err.find("bad.toml:4:"),
       std::string::npos);
+}
+
+TEST_F(SimulateCommand, MakesItsOwnReferencesAndSweeps) {
+  const auto once =
+      run_bodesmith("simulate " + file("model.toml") +
+                    " --reference triangle --frequency-hz 5 --step-s 0.001 -o " + file("y.csv"));
+  ASSERT_EQ(once.status, 0) << once.err;
+  Provenance from;
+  const TimeRecord y = TimeRecord::read_csv(folder / "y.csv", from, true);
+  ASSERT_EQ(y.size(), 1001u);
+  EXPECT_EQ(y.u[100], 1.0);
+  const std::string sweep = "simulate " + file("model.toml") +
+                            " --sweep-frequency-hz 1,10 --sweep-amplitude 0.2,0.5 -o " + file("sweep.csv");
+  ASSERT_EQ(run_bodesmith(sweep).status, 0);
+  const std::string first = read_file(folder / "sweep.csv");
+  EXPECT_EQ(std::count(first.begin(), first.end(), '\n'), 6);
+  const auto again = run_bodesmith(sweep + " --resume --json");
+  ASSERT_EQ(again.status, 0) << again.err;
+  EXPECT_EQ(parse_json(again.out, "summary").at("runs_taken_over").integer(0, 10), 4);
+  EXPECT_EQ(read_file(folder / "sweep.csv"), first);
+  EXPECT_EQ(run_bodesmith("simulate " + file("model.toml") + " --sweep-frequency-hz 1,x -o " + file("s.csv"))
+                .status,
+            2);
+  EXPECT_EQ(run_bodesmith("simulate " + file("model.toml") + " --reference wave -o " + file("s.csv")).status,
+            2);
+  EXPECT_EQ(run_bodesmith("simulate " + file("model.toml") + " --reference sine --input " + file("u.csv") +
+                          " -o " + file("s.csv"))
+                .status,
+            2);
 }
 
 TEST_F(SimulateCommand, AnUnstableSpringIsSaidNotReturned) {

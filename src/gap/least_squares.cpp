@@ -192,20 +192,39 @@ LeastSquaresResult least_squares(const std::vector<Unknown>& unknowns, const Res
   }
   finish_rms();
 
-  // Uncertainty and conditioning from the last Jacobian.
+  // Uncertainty and conditioning from the last Jacobian; unknowns that rest at a bound or change nothing do
+  // not count.
   Eigen::VectorXd scale = jacobian.colwise().norm();
   Eigen::MatrixXd scaled = jacobian;
+  std::vector<Eigen::Index> counted;
+  const double largest_scale = scale.maxCoeff();
   for (Eigen::Index j = 0; j < p; ++j) {
+    const auto& u = unknowns[static_cast<std::size_t>(j)];
+    const double value = result.values[static_cast<std::size_t>(j)];
+    const bool at_bound = value <= u.low || value >= u.high;
+    if (!at_bound && scale(j) > 1e-12 * largest_scale) counted.push_back(j);
     if (scale(j) > 0.0) scaled.col(j) /= scale(j);
   }
   const Eigen::MatrixXd gram = scaled.transpose() * scaled;
   Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(gram);
-  const double least = eigen.eigenvalues().minCoeff();
-  const double most = eigen.eigenvalues().maxCoeff();
+  double least = 1.0;
+  double most = 1.0;
+  if (!counted.empty()) {
+    Eigen::MatrixXd part(static_cast<Eigen::Index>(counted.size()),
+                         static_cast<Eigen::Index>(counted.size()));
+    for (std::size_t i = 0; i < counted.size(); ++i) {
+      for (std::size_t j = 0; j < counted.size(); ++j)
+        part(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j)) = gram(counted[i], counted[j]);
+    }
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> of_part(part);
+    least = of_part.eigenvalues().minCoeff();
+    most = of_part.eigenvalues().maxCoeff();
+  }
   result.condition_number = least > 1e-30 * most ? std::sqrt(most / least) : 1e15;
-  const Eigen::MatrixXd inverse = eigen.eigenvectors() *
-                                  eigen.eigenvalues().cwiseMax(1e-15 * most).cwiseInverse().asDiagonal() *
-                                  eigen.eigenvectors().transpose();
+  const Eigen::MatrixXd inverse =
+      eigen.eigenvectors() *
+      eigen.eigenvalues().cwiseMax(1e-15 * eigen.eigenvalues().maxCoeff()).cwiseInverse().asDiagonal() *
+      eigen.eigenvectors().transpose();
   const double variance = cost / std::max<double>(1.0, static_cast<double>(n - p));
   result.deviation.resize(unknowns.size());
   for (Eigen::Index j = 0; j < p; ++j) {

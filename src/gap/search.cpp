@@ -190,14 +190,25 @@ Ranked Search::fit_candidate(const Promising& p, const std::vector<double>& befo
   r.unknowns = term.unknowns.size();
   double least = 1e300;
   const std::size_t tries = std::min<std::size_t>(p.best_starts.size(), p.proposal.starts.size() > 4 ? 3 : 2);
-  for (std::size_t t = 0; t < tries; ++t) {
+  // Earlier terms may have taken over what the new one explains better: one more try begins with the last of
+  // them weak.
+  const std::size_t earlier = p.proposal.model.terms().size() - 1;
+  for (std::size_t t = 0; t < tries + (earlier > 0 ? 1 : 0); ++t) {
     if (stopped() && least < 1e299) break;
     Model m = p.proposal.model;
     auto values = current_values(m);
-    const auto& start = p.proposal.starts[p.best_starts[t]];
+    const auto& start = p.proposal.starts[p.best_starts[t < tries ? t : 0]];
+    if (t == tries) {
+      std::size_t at = m.free_count();
+      for (std::size_t k = 0; k + 1 < earlier; ++k) at += m.terms()[k].unknowns.size();
+      const auto& u = m.terms()[earlier - 1].unknowns.front();
+      if (!u.logarithmic) break;
+      const bool large_is_weak = u.name.ends_with("_hz") || u.name.ends_with("rate_per_s");
+      values[at] = std::clamp(values[at] * (large_is_weak ? 8.0 : 0.125), u.low, u.high);
+    }
     std::copy(start.begin(), start.end(), values.end() - static_cast<std::ptrdiff_t>(start.size()));
     m.set_values(values);
-    const auto result = fit(m, look_, fit_options(t == 0 ? 30 : 15));
+    const auto result = fit(m, look_, fit_options(t == 0 || t == tries ? 30 : 15));
     if (!result.usable || !(result.rms < least)) continue;
     least = result.rms;
     r.model = m;

@@ -1,0 +1,152 @@
+#include "gap/noise_floor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "gap/least_squares.hpp"
+#include "gap/spectrum.hpp"
+#include "gap/statistics.hpp"
+#include "gap/where.hpp"
+
+namespace {
+
+using namespace bodesmith::gap;
+
+std::vector<double> noise(std::size_t n, double size, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal(0.0, size);
+  std::vector<double> v(n);
+  for (double& x : v) x = normal(random);
+  return v;
+}
+
+std::vector<double> sine(std::size_t n, double cycles, double size) {
+  std::vector<double> v(n);
+  for (std::size_t i = 0; i < n; ++i)
+    v[i] = size * std::sin(2 * std::numbers::pi * cycles * static_cast<double>(i) / static_cast<double>(n));
+  return v;
+}
+
+TEST(NoiseFloor, fromPeriodsIsTheNonRepeatingPart) {
+  auto e = noise(8000, 0.1, 1);
+  const auto odd = sine(8000, 4 * 3, 0.5);   // third harmonic of a period of 2000
+  const auto even = sine(8000, 4 * 2, 0.2);  // second
+  for (std::size_t i = 0; i < e.size(); ++i) e[i] += odd[i] + even[i];
+  const auto floor = floor_from_periods(e, 0, 2000);
+  EXPECT_EQ(floor.periods, 4);
+  EXPECT_NEAR(floor.rms, 0.1, 0.004);
+  EXPECT_NEAR(floor.odd_rms, 0.5 / std::sqrt(2.0), 0.01);
+  EXPECT_NEAR(floor.even_rms, 0.2 / std::sqrt(2.0), 0.01);
+}
+
+TEST(NoiseFloor, fromHighFrequenciesWhenTheInputLeavesThemFree) {
+  const auto u = sine(6000, 40, 1.0);
+  const auto floor = floor_from_high_frequencies(noise(6000, 0.3, 2), u, 1e-3);
+  EXPECT_EQ(floor.how, NoiseFloor::How::high_frequency);
+  EXPECT_NEAR(floor.rms, 0.3, 0.03);
+  EXPECT_EQ(floor_from_high_frequencies(noise(6000, 0.3, 2), noise(6000, 1.0, 3), 1e-3).how,
+            NoiseFloor::How::unknown);
+}
+
+TEST(Period, isFoundOnlyWhereThereIsOne) {
+  auto u = sine(6000, 8, 1.0);
+  const auto more = sine(6000, 4, 0.5);
+  for (std::size_t i = 0; i < u.size(); ++i) u[i] += more[i];
+  EXPECT_EQ(find_period(u), 1500U);
+  EXPECT_EQ(find_period(noise(6000, 1.0, 4)), 0U);
+}
+
+TEST(Surrogate, keepsTheSpectrumAndLosesThePhases) {
+  const auto v = noise(4096, 1.0, 5);
+  const auto s = phase_surrogate(v, 9);
+  EXPECT_NEAR(rms(s), rms(v), 0.02);
+  double along = 0.0;
+  for (std::size_t i = 0; i < v.size(); ++i) along += v[i] * s[i];
+  EXPECT_LT(std::abs(along) / (rms(v) * rms(s) * 4096.0), 0.08);
+}
+
+// Under the hypothesis of no effect z is a standard normal number, whatever the noise's colour: a change d
+// that has nothing to do with the noise.
+TEST(Significance, isStandardForColouredNoise) {
+  int beyond = 0;
+  const int runs = 300;
+  for (int k = 0; k < runs; ++k) {
+    auto e = noise(2048, 1.0, 100 + static_cast<unsigned>(k));
+    double x = 0.0;
+    for (double& v : e) v = x = 0.97 * x + v;
+    auto d = noise(2048, 1.0, 5000 + static_cast<unsigned>(k));
+    double y = 0.0;
+    for (double& v : d) v = y = 0.95 * y + 0.02 * v;
+    std::vector<double> before(e.size());
+    for (std::size_t i = 0; i < e.size(); ++i) before[i] = e[i];
+    std::vector<double> after(e.size());
+    for (std::size_t i = 0; i < e.size(); ++i) after[i] = e[i] - d[i];
+    if (improvement_z(before, after) > 2.0) ++beyond;
+  }
+  EXPECT_LT(beyond, runs / 15);
+}
+
+TEST(LeastSquares, fitsAnExponentialToRounding) {
+  std::vector<Unknown> unknowns = {{"rate", 0.5, 0.01, 100.0, true, 1.0},
+                                   {"size", 0.2, -10.0, 10.0, false, 1.0}};
+  const auto model = [](std::span<const double> v, std::vector<double>& out) {
+    out.clear();
+    for (int i = 0; i < 200; ++i) {
+      const double t = 0.02 * i;
+      out.push_back(v[1] * std::exp(-v[0] * t) - 3.0 * std::exp(-1.7 * t));
+    }
+    return true;
+  };
+  const auto result = least_squares(unknowns, model);
+  ASSERT_TRUE(result.usable);
+  EXPECT_NEAR(result.values[0], 1.7, 1e-6);
+  EXPECT_NEAR(result.values[1], 3.0, 1e-6);
+  EXPECT_LT(result.rms, 1e-7);
+}
+
+TEST(LeastSquares, holdsUnknownsAtTheirBounds) {
+  // The free optimum is at (-1, 2); with the first one kept at 0 or above the best of the second is 1.
+  std::vector<Unknown> unknowns = {{"a", 1.0, 0.0, 10.0, false, 1.0}, {"b", 5.0, -10.0, 10.0, false, 1.0}};
+  const auto model = [](std::span<const double> v, std::vector<double>& out) {
+    out = {v[0] + v[1] - 1.0, 0.5 * (v[0] + 1.0)};
+    return true;
+  };
+  const auto result = least_squares(unknowns, model);
+  EXPECT_NEAR(result.values[0], 0.0, 1e-9);
+  EXPECT_NEAR(result.values[1], 1.0, 1e-6);
+}
+
+TEST(Where, findsTheStretchOfADropOut) {
+  bodesmith::TimeRecord record;
+  record.step_s = 1e-3;
+  record.u = sine(5000, 25, 1.0);
+  auto e = noise(5000, 0.01, 6);
+  for (std::size_t i = 2000; i < 2200; ++i) e[i] += record.u[i];
+  const auto cells = where(record, e, 0, 0);
+  const auto time =
+      std::find_if(cells.begin(), cells.end(), [](const Cell& c) { return c.axis == "time_s"; });
+  ASSERT_NE(time, cells.end());
+  EXPECT_GT(time->share, 0.9);
+  EXPECT_NEAR(time->from, 2.0, 0.11);
+  EXPECT_NEAR(time->to, 2.2, 0.11);
+}
+
+TEST(Where, findsTheFrequencyOfATone) {
+  bodesmith::TimeRecord record;
+  record.step_s = 1e-3;
+  record.u = noise(5000, 1.0, 7);
+  auto e = noise(5000, 0.05, 8);
+  const auto tone = sine(5000, 5 * 173, 1.0);
+  for (std::size_t i = 0; i < e.size(); ++i) e[i] += tone[i];
+  const auto cells = where(record, e, 0, 0);
+  ASSERT_FALSE(cells.empty());
+  EXPECT_EQ(cells.front().axis, "frequency_hz");
+  EXPECT_LT(cells.front().from, 173.0);
+  EXPECT_GT(cells.front().to, 173.0);
+  EXPECT_GT(cells.front().share, 0.9);
+}
+
+}  // namespace

@@ -189,6 +189,7 @@ DirectFit fit_directly(const BodePoints& points, const DirectFitOptions& options
   settings.high = {std::clamp(highest.value * std::numbers::e, settings.low.value * 2.0, limits.high.value)};
   settings.log_gain = mean_gain(target);
   settings.random = options.starts;
+  settings.kept = 8;
   settings.seed = options.seed;
 
   RootModel model;

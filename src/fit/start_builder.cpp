@@ -83,14 +83,15 @@ std::vector<SearchResult> StartBuilder::build(int zeros, int poles, RadPerSecond
     const int n = m + excess;
     if (n == 0) continue;
     const RootModel model = make_model(m, n, settings_.real, reference);
-    std::vector<SearchResult> found;
-    const auto try_start = [&](const VectorXd& theta) {
+    std::vector<SearchResult> grown;
+    std::vector<SearchResult> scattered;
+    const auto try_start = [&](const VectorXd& theta, std::vector<SearchResult>& found) {
       ++tried_;
       found.push_back(improve_(model, theta));
     };
     // Grow: a new zero and pole (or pairs of them) that nearly cancel. A model grows only when both kinds do.
-    constexpr int kPlaces = 7;
-    for (size_t k = 0; k < std::min<size_t>(2, best.size()); ++k) {
+    constexpr int kPlaces = 11;
+    for (size_t k = 0; k < std::min<size_t>(4, best.size()); ++k) {
       for (int i = 0; i < kPlaces; ++i) {
         const double at = low + (high - low) * (i + 0.5) / kPlaces;
         for (const double split : {0.15, -0.15}) {
@@ -115,7 +116,7 @@ std::vector<SearchResult> StartBuilder::build(int zeros, int poles, RadPerSecond
             theta(to++) = at;
             theta(to++) = std::log(split > 0.0 ? 0.9 : 0.6);
           }
-          try_start(theta);
+          try_start(theta, grown);
         }
       }
     }
@@ -127,7 +128,7 @@ std::vector<SearchResult> StartBuilder::build(int zeros, int poles, RadPerSecond
       return out;
     };
     for (const double shift : {0.2, -0.2}) {
-      try_start(theta_of(model, {even(m, shift), even(n, -shift)}, {}, settings_.log_gain));
+      try_start(theta_of(model, {even(m, shift), even(n, -shift)}, {}, settings_.log_gain), scattered);
     }
     std::uniform_real_distribution<double> place(low, high);
     std::uniform_real_distribution<double> damping(std::log(0.15), std::log(2.0));
@@ -139,10 +140,15 @@ std::vector<SearchResult> StartBuilder::build(int zeros, int poles, RadPerSecond
       std::vector<double> dampings;
       for (int k = 0; k < model.zero_pairs + model.pole_pairs; ++k)
         dampings.push_back(std::exp(damping(chance)));
-      try_start(theta_of(model, std::move(corners), dampings, settings_.log_gain));
+      try_start(theta_of(model, std::move(corners), dampings, settings_.log_gain), scattered);
     }
-    keep_best(found, settings_.kept);
-    best = std::move(found);
+    // Both kinds stay in the race: which one ends better is not seen from the rms alone.
+    keep_best(grown, settings_.kept);
+    keep_best(scattered, settings_.kept / 2);
+    best = std::move(grown);
+    best.insert(best.end(), std::make_move_iterator(scattered.begin()),
+                std::make_move_iterator(scattered.end()));
+    keep_best(best, settings_.kept + settings_.kept / 2);
     old = model;
   }
   return best;

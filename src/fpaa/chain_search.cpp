@@ -23,6 +23,8 @@ constexpr double kGainSlack = 0.02;
 constexpr double kFarthestCorner = 1.0;
 /// With two branches (one CAM) every pair of candidates is tried, of this many.
 constexpr int kCandidatesOfOneCam = 800;
+/// Polishing looks at choices whose total gain is within this (nepers) of the best for the shape.
+constexpr double kWidestGainWindow = 1e-3;
 /// Polishing looks at triples of this many of the finest branches, and at pairs of more.
 constexpr size_t kPolishedTriples = 16;
 /// Pairs are tried among this many; the coarser branches are then only looked at one by one.
@@ -83,6 +85,10 @@ class Search {
     out.made = true;
     for (size_t i = 0; i < lists_.size(); ++i) out.values.push_back(lists_[i][choice_[i]].value);
     out.max_complex_error = exact_error();
+    if (effort_.polished > 0) {
+      double middle = 0.0;
+      out.shape_error = shape_residual(middle);
+    }
     out.gain_error = total_gain() - p_.log_gain;
     out.spread = spread();
     return out;
@@ -475,7 +481,8 @@ class Search {
   void polish() {
     const size_t n = lists_.size();
     double middle = 0.0;
-    gain_window_ = std::max(2e-4, shape_residual(middle));
+    gain_window_ = std::clamp(shape_residual(middle), 2e-4, kWidestGainWindow);
+    gain_target_ = total_gain() - middle;
     const size_t paired = std::min(n, kPolishedPairs);
     for (int round = 0; round < (n > kPolishedPairs ? 2 : effort_.polish_rounds); ++round) {
       const double before = energy_;
@@ -483,7 +490,7 @@ class Search {
         improve_single(finest_first_[i]);
         for (size_t j = i + 1; i < paired && j < paired; ++j) improve_with_pair(i, j);
       }
-      if (!(energy_ < before - 1e-9)) break;
+      if (!(energy_ < before * 0.998)) break;
     }
     set(choice_);  // sheds rounding
   }
@@ -545,7 +552,7 @@ class Search {
         if (!alone) rest += lists_[k][c].log_gain - lists_[k][choice_[k]].log_gain;
         // A gain error counts fully at low frequency, where every branch is its C0.
         const double window = std::min(gain_window_, energy_);
-        const double wanted = p_.log_gain - rest;
+        const double wanted = gain_target_ - rest;
         auto at = std::lower_bound(pairs.begin(), pairs.end(), wanted - window,
                                    [](const Pair& x, double g) { return x.gain < g; });
         for (; at != pairs.end() && at->gain <= wanted + window; ++at) {
@@ -605,6 +612,7 @@ class Search {
   std::vector<double> cam_gain_;
   double energy_ = 0.0;
   double gain_window_ = 0.0;
+  double gain_target_ = 0.0;  ///< total gain that is best for the shape at hand
 };
 
 }  // namespace

@@ -45,7 +45,7 @@ struct BranchValue {
 struct ChainSolution {
   std::vector<BranchValue> values;  ///< as in ChainProblem::branches
   double max_complex_error = 0.0;   ///< over the grid, gain included
-  double shape_error = 0.0;         ///< with polished = 0: the worst error when the gain is free
+  double shape_error = 0.0;         ///< the worst error if the gain were free
   double gain_error = 0.0;          ///< ln of total gain over wanted
   double spread = 0.0;              ///< farthest any node strays from the wanted spread, nepers
   bool made = false;             ///< false: no capacitors reach some corner at this clock (see `unreachable`)

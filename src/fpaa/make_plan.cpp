@@ -361,7 +361,8 @@ Plan make_plan(const Sections& sections, const PlanOptions& options) {
         fmt::format("the band {} to {} Hz is empty, expected 0 < from < to", band.from.value, band.to.value));
   }
   Attempt attempt = try_slots(parts, slots_for(parts, band), options, band, board);
-  if (attempt.choice.solution.max_complex_error > kErrorWorthTwoStages) {
+  const ChainSolution& first = attempt.choice.solution;
+  if (first.max_complex_error > std::max(kErrorWorthTwoStages, 1.5 * first.shape_error)) {
     // Coarse branches may leave no freedom for the gain: two inverting stages keep the sign and give it.
     try {
       Attempt more = try_slots(parts, slots_for(parts, band, 2), options, band, board);
@@ -409,6 +410,13 @@ Plan make_plan(const Sections& sections, const PlanOptions& options) {
                   "higher clock shortens it, coarser capacitors are the price.",
                   rounded_text(half), rounded_text(100.0 * 2.0 * std::numbers::pi * band.to.value * half, 3),
                   rounded_text(band.to.value)));
+  if (std::any_of(parts.parts.begin(), parts.parts.end(),
+                  [](const FilterPart& part) { return part.kind == FilterPart::Kind::low_pass; })) {
+    plan.notes.push_back(
+        "A FilterBilinear low pass has its zero at z = 0: it leads by up to half a clock period at "
+        "frequencies near "
+        "the clock, which is most of the error here and makes up for part of the output hold.");
+  }
   for (const CamSlot& slot : slots) {
     if (!slot.is_gain()) continue;
     plan.notes.push_back(

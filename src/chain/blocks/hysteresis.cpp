@@ -108,7 +108,7 @@ class HysteresisBlock final : public NamedBlockType {
                           block.word("minor") == "slope_sign";
     return std::make_unique<OperatorKernel>(
         hysteresis::make_operator(hysteresis::checked_model(name(), parameters_of(block))), by_slope,
-        by_slope && name() == "polynomial_hysteresis");
+        by_slope && name() == "polynomial_hysteresis" && block.get("switch_delay_s") == 0.0);
   }
 
  private:

@@ -8,18 +8,27 @@ namespace {
 
 class SlewLimiter final : public MemoryKernel {
  public:
-  explicit SlewLimiter(double rate) : rate_(rate) {}
+  SlewLimiter(double rate, double feedthrough) : rate_(rate), feedthrough_(feedthrough) {}
   std::unique_ptr<MemoryKernel> clone() const override { return std::make_unique<SlewLimiter>(*this); }
   double reset(double u, bool equilibrium) override {
     u_ = u;
-    return y_ = equilibrium ? u : 0.0;
+    y_ = equilibrium ? u : 0.0;
+    return output(u, y_);
   }
   double step(double u, double dt_s) override {
-    y_ = peek(u, dt_s);
+    y_ = follow(u, dt_s);
     u_ = u;
-    return y_;
+    return output(u, y_);
   }
-  double peek(double u, double dt_s) const override {
+  double peek(double u, double dt_s) const override { return output(u, follow(u, dt_s)); }
+  double departing(double) const override { return output(u_, y_); }
+  bool rate_independent() const override { return false; }
+  /// 0 with feedthrough: the output is then not the state that engines which follow it themselves know.
+  double slew_rate() const override { return feedthrough_ > 0.0 ? 0.0 : rate_; }
+
+ private:
+  double output(double u, double y) const { return y + feedthrough_ * (u - y); }
+  double follow(double u, double dt_s) const {
     // Exact for a straight input: first the output runs towards it at the limit; where they meet it follows,
     // or runs after it when the input itself is too fast.
     const double gap = u_ - y_;
@@ -33,24 +42,22 @@ class SlewLimiter final : public MemoryKernel {
     const double left = (1.0 - meets) * reach;
     return met + std::clamp(u - met, -left, left);
   }
-  double departing(double) const override { return y_; }
-  bool rate_independent() const override { return false; }
-  double slew_rate() const override { return rate_; }
-
- private:
   double rate_;
+  double feedthrough_;
   double u_ = 0.0;
   double y_ = 0.0;
 };
 
-/// y follows u as fast as |y'| <= rate_per_s allows.
+/// x follows u as fast as |x'| <= rate_per_s allows; y = x + feedthrough (u - x): the part of an input edge
+/// that reaches the output at once, as through the feedback network of a slewing op-amp.
 class SlewLimit final : public NamedBlockType {
  public:
   SlewLimit()
       : NamedBlockType("slew_limit", "limits the rate of change",
-                       {above_zero("rate_per_s", "fastest change a second")}) {}
+                       {above_zero("rate_per_s", "fastest change a second"),
+                        not_negative("feedthrough", "part of the input that passes at once", 0.0)}) {}
   Kernel kernel(const Block& block) const override {
-    return std::make_unique<SlewLimiter>(block.get("rate_per_s"));
+    return std::make_unique<SlewLimiter>(block.get("rate_per_s"), block.get("feedthrough"));
   }
 };
 

@@ -162,6 +162,70 @@ int drop_cancelling(RootModel::Roots& roots, const CurveTarget& target, double v
   return dropped;
 }
 
+/// Exchange moves: each group of poles goes, with the zeros nearest to it, to other places, and everything is
+/// improved again. Leaves valleys that no start led out of. Returns the number of tries.
+int move_groups(const RootModel& model, const CurveTarget& screening, const CurveTarget& target,
+                const RootLimits& limits, const StartBuilder::Settings& settings, bool least_squares,
+                SearchResult& best) {
+  constexpr int kRounds = 3;
+  constexpr int kPlaces = 9;
+  constexpr size_t kRefined = 3;
+  const double low = std::log(settings.low.value);
+  const double high = std::log(settings.high.value);
+  int tried = 0;
+  for (int round = 0; round < kRounds && best.value > 1e-6; ++round) {
+    std::vector<SearchResult> found;
+    const Index first_zero_pair = 1 + model.real_zeros;
+    const Index first_real_pole = first_zero_pair + 2 * model.zero_pairs;
+    const Index first_pole_pair = first_real_pole + model.real_poles;
+    const auto try_moves = [&](Index first_zero, int zeros, Index first_pole, int poles, bool pair) {
+      const int width = pair ? 2 : 1;
+      for (int p = 0; p < poles; ++p) {
+        const Index pole = first_pole + width * p;
+        Index zero = -1;
+        for (int z = 0; z < zeros; ++z) {
+          const Index here = first_zero + width * z;
+          if (zero < 0 ||
+              std::abs(best.theta(here) - best.theta(pole)) < std::abs(best.theta(zero) - best.theta(pole)))
+            zero = here;
+        }
+        if (zero < 0) continue;
+        for (int i = 0; i < kPlaces; ++i) {
+          for (const double split : {0.15, -0.15}) {
+            VectorXd theta = best.theta;
+            const double at = low + (high - low) * (i + 0.5) / kPlaces;
+            theta(zero) = pair ? at : at + split;
+            theta(pole) = pair ? at : at - split;
+            if (pair) {
+              theta(zero + 1) = std::log(split > 0.0 ? 0.5 : 0.8);
+              theta(pole + 1) = std::log(split > 0.0 ? 0.8 : 0.5);
+            }
+            found.push_back(search_least_squares(model, screening, limits, theta, 30));
+            ++tried;
+          }
+        }
+      }
+    };
+    try_moves(1, model.real_zeros, first_real_pole, model.real_poles, false);
+    try_moves(first_zero_pair, model.zero_pairs, first_pole_pair, model.pole_pairs, true);
+    std::stable_sort(found.begin(), found.end(),
+                     [](const SearchResult& a, const SearchResult& b) { return a.value < b.value; });
+    const double before = best.value;
+    double last = -1.0;
+    size_t refined = 0;
+    for (const SearchResult& start : found) {
+      if (refined == kRefined) break;
+      if (start.value < 1.002 * last) continue;
+      last = start.value;
+      ++refined;
+      const SearchResult result = search_constrained(model, target, limits, start.theta, least_squares, 60);
+      if (result.value < best.value) best = result;
+    }
+    if (best.value > 0.995 * before) break;
+  }
+  return tried;
+}
+
 }  // namespace
 
 DirectFit fit_directly(const BodePoints& points, const DirectFitOptions& options) {
@@ -221,6 +285,9 @@ DirectFit fit_directly(const BodePoints& points, const DirectFitOptions& options
       }
     }
   }
+
+  if (!underdetermined)
+    tried += move_groups(model, screening, target, limits, settings, options.least_squares, best);
 
   DirectFit out;
   RootModel::Roots roots = model.roots(best.theta);

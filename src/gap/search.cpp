@@ -52,6 +52,8 @@ class Search {
   std::vector<Ranked> round(const Model& model, const std::set<std::string_view>* only);
   Ranked fit_candidate(const Promising& p, const std::vector<double>& before_train,
                        const std::vector<double>& before_holdout) const;
+  void judge(Ranked& r, const std::vector<double>& before_train,
+             const std::vector<double>& before_holdout) const;
   bool earns_its_place(Ranked& r, double before_holdout) const;
   double control_gain(const Model& before, const Ranked& winner) const;
   std::optional<Step> choose(const Model& before, std::vector<Ranked>& ranking);
@@ -96,7 +98,7 @@ void Search::make_stretches() {
 LeastSquaresResult Search::fit_all(Model& model, int iterations) const {
   if (!long_records_) return fit(model, train_, fit_options(iterations));
   fit(model, look_, fit_options(iterations));
-  return fit(model, train_, fit_options(std::min(iterations, 6)));
+  return fit(model, train_, fit_options(std::min(iterations, 4)));
 }
 
 void Search::refit_base() {
@@ -218,22 +220,19 @@ Ranked Search::fit_candidate(const Promising& p, const std::vector<double>& befo
   }
   r.train_rms = r.holdout_rms = 1e300;
   if (least > 1e299) return r;
-  if (long_records_) {
-    const auto result = fit(r.model, train_, fit_options(5));
-    if (result.usable) {
-      r.condition_number = result.condition_number;
-      r.deviation.assign(result.deviation.end() - static_cast<std::ptrdiff_t>(r.unknowns),
-                         result.deviation.end());
-    }
-  }
+  judge(r, before_train, before_holdout);
+  return r;
+}
+
+void Search::judge(Ranked& r, const std::vector<double>& before_train,
+                   const std::vector<double>& before_holdout) const {
   const auto e = residuals_of(r.model, train_);
   const auto f = residuals_of(r.model, holdout_);
-  if (e.size() != before_train.size() || f.size() != before_holdout.size()) return r;
+  if (e.size() != before_train.size() || f.size() != before_holdout.size()) return;
   r.train_rms = rms(e);
   r.holdout_rms = rms(f);
   r.train_z = improvement_z(before_train, e);
   r.z = improvement_z(before_holdout, f);
-  return r;
 }
 
 std::vector<Ranked> Search::round(const Model& model, const std::set<std::string_view>* only) {
@@ -245,6 +244,14 @@ std::vector<Ranked> Search::round(const Model& model, const std::set<std::string
     if (only != nullptr && only->count(effect->name()) == 0) continue;
     effect->propose(scene, proposals);
   }
+  // Twice the same at one place is one term with more freedom than it says.
+  std::erase_if(proposals, [](const Proposal& p) {
+    const auto& terms = p.model.terms();
+    return terms.back().effect->name() != "mains_hum" &&
+           std::any_of(terms.begin(), terms.end() - 1, [&](const Term& t) {
+             return t.effect == terms.back().effect && t.placed == terms.back().placed;
+           });
+  });
   auto promising = shortlist(model, std::move(proposals), look_, options_.threads);
   if (stopped()) return ranking;
   // The best two places of each effect, and the best effects.
@@ -266,6 +273,23 @@ std::vector<Ranked> Search::round(const Model& model, const std::set<std::string
   parallel_for(chosen.size(), options_.threads,
                [&](std::size_t i) { ranking[i] = fit_candidate(chosen[i], before_train, before_holdout); });
   std::erase_if(ranking, [](const Ranked& r) { return r.holdout_rms > 1e299; });
+  if (long_records_) {
+    // Only what leads after the fit on a stretch is worth fitting on all of the record.
+    std::stable_sort(ranking.begin(), ranking.end(),
+                     [](const Ranked& a, const Ranked& b) { return a.holdout_rms < b.holdout_rms; });
+    parallel_for(std::min<std::size_t>(4, ranking.size()), options_.threads, [&](std::size_t i) {
+      if (stopped()) return;
+      auto& r = ranking[i];
+      Ranked better = r;
+      const auto result = fit(better.model, train_, fit_options(4));
+      if (!result.usable) return;
+      better.condition_number = result.condition_number;
+      better.deviation.assign(result.deviation.end() - static_cast<std::ptrdiff_t>(r.unknowns),
+                              result.deviation.end());
+      judge(better, before_train, before_holdout);
+      r = std::move(better);
+    });
+  }
   return ranking;
 }
 
@@ -432,6 +456,7 @@ bool Search::swap_earlier(std::vector<Step>& steps) {
     without.remove(k);
     fit_all(without, 12);
     std::set<std::string_view> rivals;
+    for (const auto& name : steps[k].tied_with) rivals.insert(find_effect(name)->name());
     for (const auto& r : steps[k].ranking) {
       if (r.effect != steps[k].effect && rivals.size() < 4) rivals.insert(r.effect->name());
     }

@@ -47,8 +47,12 @@ class SlewLimit final : public Effect {
                           signal.slope_quantile(0.8)}) {
         starts.push_back({std::max(rate, 1e-3 * most)});
       }
+      const auto rate = logarithmic_unknown("rate_per_s", 1e-4 * most, 2.0 * most);
+      out.push_back(insert_block(scene, *this, at, chain::make_block("slew_limit"), {rate}, starts));
+      // The same with what an edge sends past the slewing stage.
+      for (auto& start : starts) start.push_back(0.03);
       out.push_back(insert_block(scene, *this, at, chain::make_block("slew_limit"),
-                                 {logarithmic_unknown("rate_per_s", 1e-4 * most, 2.0 * most)}, starts));
+                                 {rate, linear_unknown("feedthrough", 0.0, 0.5, 0.05)}, starts));
     }
   }
 };

@@ -217,7 +217,9 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   Stopwatch watch;
   Diagnosis d;
   d.relative = study.frequency_responses();
-  d.search = search(base, study.train(), study.holdout(), options);
+  SearchOptions chosen = options;
+  if (study.split()) chosen.most_unknowns = 2;
+  d.search = search(base, study.train(), study.holdout(), chosen);
   const Scorer scorer(study, d.search.final);
   d.scored_from = scorer.scored_from();
   d.initial = scorer.size(d.search.initial);

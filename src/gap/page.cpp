@@ -130,12 +130,13 @@ void time_figures(report::Page& page, const Seen& s) {
                  curve("base model", t, slice(s.before, best, best + width), 1, Series::Style::dashed),
                  curve("extended model", t, slice(s.after, best, best + width), 2)};
   Plot residual;
-  residual.title = "Measured minus model, whole record";
+  residual.title = "Measured minus model";
   residual.x.label = "time, s";
   residual.y.label = "residual";
   residual.height = 240;
-  residual.series = {curve("base model", s.time, s.e_before, 1),
-                     curve("extended model", s.time, s.e_after, 2)};
+  const std::size_t from = s.experiment->skip();  // a start transient would dwarf the rest
+  residual.series = {curve("base model", slice(s.time, from, n), slice(s.e_before, from, n), 1),
+                     curve("extended model", slice(s.time, from, n), slice(s.e_after, from, n), 2)};
   page.figure(report::stack_svg({zoom, residual}),
               fmt::format("Held-out record {}: output and residual, before and after.", record.file));
 
@@ -149,7 +150,6 @@ void time_figures(report::Page& page, const Seen& s) {
     series.name = name;
     series.color = color;
     series.width = 0.8;
-    const std::size_t from = s.experiment->skip();
     const std::size_t to = std::min(n, from + 3000);
     series.x = slice(record.u, from, to);
     series.y = slice(e, from, to);

@@ -192,6 +192,7 @@ Ranked Search::fit_candidate(const Promising& p, const std::vector<double>& befo
   r.unknowns = term.unknowns.size();
   double least = 1e300;
   const std::size_t tries = std::min<std::size_t>(p.best_starts.size(), p.proposal.starts.size() > 4 ? 3 : 2);
+  const int most = r.unknowns > 5 ? 14 : 30;
   // Earlier terms may have taken over what the new one explains better: one more try begins with the last of
   // them weak.
   const std::size_t earlier = p.proposal.model.terms().size() - 1;
@@ -210,7 +211,7 @@ Ranked Search::fit_candidate(const Promising& p, const std::vector<double>& befo
     }
     std::copy(start.begin(), start.end(), values.end() - static_cast<std::ptrdiff_t>(start.size()));
     m.set_values(values);
-    const auto result = fit(m, look_, fit_options(t == 0 || t == tries ? 30 : 15));
+    const auto result = fit(m, look_, fit_options(t == 0 || t == tries ? most : std::min(most, 15)));
     if (!result.usable || !(result.rms < least)) continue;
     least = result.rms;
     r.model = m;
@@ -303,6 +304,10 @@ bool Search::earns_its_place(Ranked& r, double before_holdout) const {
   if (r.z < options_.least_significance || r.train_z < options_.least_significance ||
       both < options_.least_combined) {
     r.word = "not significant";
+    return false;
+  }
+  if (r.unknowns > options_.most_unknowns) {
+    r.word = "too free without another excitation held out";
     return false;
   }
   if (r.condition_number > options_.largest_condition) {

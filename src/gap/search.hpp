@@ -21,7 +21,8 @@ struct SearchOptions {
   double tie_within = 0.10;         ///< a rival less than this worse is a tie
   double enough = 1.2;              ///< times the floor: nothing more is looked for
   double largest_condition = 1e7;
-  int shortlist = 9;  ///< effects fitted in each round
+  std::size_t most_unknowns = 99;  ///< of one term; few when nothing with another excitation is held out
+  int shortlist = 9;               ///< effects fitted in each round
   int threads = 2;
   std::uint64_t seed = 1;
   std::function<void(double)> progress;  ///< fraction of the work, roughly

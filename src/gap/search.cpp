@@ -192,7 +192,7 @@ Ranked Search::fit_candidate(const Promising& p, const std::vector<double>& befo
   r.unknowns = term.unknowns.size();
   double least = 1e300;
   const std::size_t tries = std::min<std::size_t>(p.best_starts.size(), p.proposal.starts.size() > 4 ? 3 : 2);
-  const int most = r.unknowns > 5 ? 14 : 30;
+  const int most = r.unknowns > 8 ? 14 : 30;
   // Earlier terms may have taken over what the new one explains better: one more try begins with the last of
   // them weak.
   const std::size_t earlier = p.proposal.model.terms().size() - 1;
@@ -245,13 +245,12 @@ std::vector<Ranked> Search::round(const Model& model, const std::set<std::string
     if (only != nullptr && only->count(effect->name()) == 0) continue;
     effect->propose(scene, proposals);
   }
-  // Twice the same at one place is one term with more freedom than it says.
+  // Twice the same is one term with more freedom than it says.
   std::erase_if(proposals, [](const Proposal& p) {
     const auto& terms = p.model.terms();
     return terms.back().effect->name() != "mains_hum" &&
-           std::any_of(terms.begin(), terms.end() - 1, [&](const Term& t) {
-             return t.effect == terms.back().effect && t.placed == terms.back().placed;
-           });
+           std::any_of(terms.begin(), terms.end() - 1,
+                       [&](const Term& t) { return t.effect == terms.back().effect; });
   });
   auto promising = shortlist(model, std::move(proposals), look_, options_.threads);
   if (stopped()) return ranking;
@@ -470,7 +469,7 @@ bool Search::swap_earlier(std::vector<Step>& steps) {
     const double now_train = rms_of(model_, train_);
     const Ranked* best = nullptr;
     for (const auto& r : ranking) {
-      if (r.condition_number > options_.largest_condition) continue;
+      if (r.condition_number > options_.largest_condition || r.unknowns > options_.most_unknowns) continue;
       if (r.holdout_rms < 0.97 * now && r.train_rms < 0.99 * now_train &&
           (best == nullptr || r.holdout_rms < best->holdout_rms))
         best = &r;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "approximate/fractional_transfer.hpp"
 #include "base/document.hpp"
 #include "base/error.hpp"
 #include "chain/model_file.hpp"
@@ -150,11 +151,15 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
     set_evaluation(source, pointwise([plan, holds = options.with_holds](RadPerSecond w) {
                      return fpaa::plan_response(plan, w, holds);
                    }));
+  } else if (schema == "bodesmith.fractional/1") {
+    const FractionalTransfer transfer = FractionalTransfer::from_node(node);
+    set_evaluation(source, pointwise([transfer](RadPerSecond w) { return transfer.response(w); }));
   } else if (schema == "bodesmith.model/1") {
     load_model(node, source);
   } else {
     node.at("schema").fail(
-        fmt::format("is \"{}\", which has no frequency response; expected a cascade, sections, an "
+        fmt::format("is \"{}\", which has no frequency response; expected a cascade, sections, a "
+                    "fractional transfer, an "
                     "FPAA plan or a model",
                     schema));
   }

@@ -16,7 +16,7 @@ double setting(const char* name, double otherwise) {
   return value;
 }
 
-// The big batch: target gap_batch. Settings by environment: GAP_SEED, GAP_RATIO (0: 3, 5, 10, 50),
+// The big batch; run with --gtest_also_run_disabled_tests. Settings by environment: GAP_SEED, GAP_RATIO (0: 3, 5, 10, 50),
 // GAP_REPEATS, GAP_PAIRS, GAP_CONTROLS (a case), GAP_OUTSIDE, GAP_ONLY (part of a case's name).
 TEST(GapBatch, DISABLED_Confusion) {
   hidden::BatchOptions options;

@@ -66,6 +66,12 @@ void check(const TrackingPlant& plant, const std::vector<TrackingDesign>& design
   }
   for (const TrackingDesign& d : designs) {
     for (const Compensator* c : {&d.ascending, &d.descending}) {
+      const auto* scheduled = std::get_if<ScheduledGain>(c);
+      if (scheduled != nullptr &&
+          (scheduled->frequency.empty() || scheduled->frequency.size() != scheduled->gain.size())) {
+        throw InputError(
+            fmt::format("design '{}': the gain's schedule has columns of different length or none", d.name));
+      }
       const auto* clocked = std::get_if<ClockedCompensator>(c);
       if (clocked != nullptr && !(clocked->clock.value > 0.0)) {
         throw InputError(fmt::format("design '{}': the clock is not above 0 Hz", d.name));
@@ -156,6 +162,19 @@ void find_losses(const std::vector<TrackingDesign>& designs, TrackingReport& rep
     report.findings.push_back(fmt::format("Most accuracy is lost between '{}' and '{}'.", from, to));
 }
 
+/// The design as it is at one operating frequency: a scheduled gain has become a constant one.
+TrackingDesign settled_at(const TrackingDesign& design, Hertz frequency) {
+  TrackingDesign out = design;
+  for (Compensator* part : {&out.ascending, &out.descending}) {
+    const auto* scheduled = std::get_if<ScheduledGain>(part);
+    if (scheduled == nullptr) continue;
+    Disturbance table;
+    table.rate = {scheduled->frequency, scheduled->gain, scheduled->gain};
+    *part = ConstantGain{table.rate_gain(Disturbance::Branch::ascending, frequency)};
+  }
+  return out;
+}
+
 }  // namespace
 
 const TrackingCase* TrackingReport::find(Hertz frequency, const std::string& design) const {
@@ -205,8 +224,9 @@ TrackingReport track(const TrackingPlant& plant, const std::vector<TrackingDesig
     const PeriodicTracking periodic(plant, options, f);
     const double period = 1.0 / f.value;
     std::vector<PeriodicState> states;
-    for (const TrackingDesign& design : designs) {
+    for (const TrackingDesign& wanted : designs) {
       stop_if_interrupted();
+      const TrackingDesign design = settled_at(wanted, f);
       states.push_back(periodic.solve(design));
       const PeriodicState& state = states.back();
       TrackingCase c;

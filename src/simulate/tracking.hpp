@@ -35,6 +35,15 @@ struct ConstantGain {
   double gain = 1.0;
 };
 
+/// A voltage-controlled gain driven by the measured operating frequency: `gain` over `frequency`,
+/// interpolated in log frequency and held at the ends, as the disturbance's own rate table. No linear filter,
+/// so it turns no phase; in steady state it is a constant gain. It needs a frequency-to-voltage converter
+/// that has settled.
+struct ScheduledGain {
+  std::vector<Hertz> frequency;  ///< rising
+  std::vector<double> gain;
+};
+
 /// A compensator known by its frequency response, e.g. the ideal fractional cascade: worked out harmonic by
 /// harmonic. `approximation` (high order, with `approximation_error_db`) stands for it in the time domain,
 /// when given.
@@ -61,8 +70,8 @@ struct ClockedCompensator {
   bool hold_and_delays = true;
 };
 
-using Compensator =
-    std::variant<Uncompensated, ConstantGain, Sections, ResponseCompensator, ClockedCompensator>;
+using Compensator = std::variant<Uncompensated, ConstantGain, Sections, ResponseCompensator,
+                                 ClockedCompensator, ScheduledGain>;
 
 /// One row of the comparison.
 struct TrackingDesign {

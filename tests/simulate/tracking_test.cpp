@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "approximate/approximate.hpp"
+#include "base/error.hpp"
 #include "lti/cascade.hpp"
 
 namespace bodesmith::simulate {
@@ -180,6 +181,27 @@ TEST(Tracking, CapacitorsAloneAreSeparatedFromHoldAndDelay) {
   for (const auto& finding : report.findings)
     named = named || finding.find("lost between 'quantised' and 'fpaa'") != std::string::npos;
   EXPECT_TRUE(named);
+}
+
+TEST(Tracking, AGainScheduledOnFrequencyLeavesOnlyItsTablesError) {
+  TrackingPlant plant;
+  plant.disturbance.ascending = {0.3546, -0.6433, 0.2887};
+  plant.disturbance.descending = {-0.2398, 0.0838, 0.156};
+  plant.disturbance.rate = {{Hertz{1}, Hertz{10}, Hertz{100}}, {1.0, 1.0, 1.0}, {1.0, 1.06, 1.17}};
+  TrackingOptions options;
+  options.frequencies = {Hertz{1}, Hertz{10}, Hertz{31.6}, Hertz{100}};
+  const ScheduledGain exact{plant.disturbance.rate.frequency, plant.disturbance.rate.descending};
+  const ScheduledGain wrong{{Hertz{1}}, {1.0}};
+  const auto report = track(plant,
+                            {{"scheduled", ConstantGain{}, exact, ""},
+                             {"held", ConstantGain{}, wrong, ""},
+                             {"constant", ConstantGain{}, ConstantGain{}, ""}},
+                            options);
+  for (const Hertz f : options.frequencies) {
+    EXPECT_LT(report.find(f, "scheduled")->rms_percent, 1e-4) << f.value;
+    EXPECT_DOUBLE_EQ(report.find(f, "held")->rms_percent, report.find(f, "constant")->rms_percent);
+  }
+  EXPECT_THROW(track(plant, {{"empty", ConstantGain{}, ScheduledGain{}, ""}}, options), InputError);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <string>
 
 #include "approximate/approximate.hpp"
+#include "approximate/merge_sections.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
@@ -60,6 +61,9 @@ int run_approximate(const std::vector<std::string>& arguments) {
       "minimax with |beta| > 2: allow complex pairs of poles and zeros (a fraction of the error of real "
       "ones)")("arrange",
                "pair and order the sections for the smallest internal span, with even stage gains")(
+      "merge-db", po::value<double>(),
+      "leave out pole-zero pairs that nearly cancel while the error at every frequency stays within this")(
+      "biquads", "pairs of real poles as one section of second order")(
       "max-order", po::value<int>()->default_value(12),
       "largest order of a term that --max-error-db may choose");
   add_fractional_options(line.options());
@@ -93,6 +97,14 @@ int run_approximate(const std::vector<std::string>& arguments) {
   const Cascade cascade = Cascade::read(line.files().front(), from);
   const auto start = std::chrono::steady_clock::now();
   CascadeApproximation result = approximate_cascade(cascade, options);
+  std::optional<int> left_out;
+  if (line.has("merge-db")) {
+    const MergedSections merged = merge_sections(result.sections, cascade, line.positive("merge-db"));
+    result.sections = merged.sections;
+    result.error = merged.error;
+    left_out = merged.pairs_left_out;
+  }
+  if (line.has("biquads")) result.sections = as_biquads(result.sections);
   std::optional<OrderedSections> arranged;
   if (line.has("arrange")) {
     arranged = order_sections(result.sections, result.error.band);
@@ -108,6 +120,7 @@ int run_approximate(const std::vector<std::string>& arguments) {
                           {"span_after_db", arranged->span_after_db},
                           {"exhaustive", arranged->exhaustive}};
   }
+  if (left_out) out["pairs_left_out"] = *left_out;
   out["timing_s"] = {{"compute", seconds}};
   write_file(line.output_path(), to_text(out));
 
@@ -118,6 +131,10 @@ int run_approximate(const std::vector<std::string>& arguments) {
   summary["error"] = result.sections.to_json()["error"];
   summary["timing_s"] = {{"compute", seconds}};
   std::string text = summary_text(result);
+  if (left_out) {
+    text += fmt::format("{} near-cancelling pairs left out: {} poles, {} dB\n", *left_out,
+                        result.sections.pole_count(), rounded_text(result.error.everywhere_db, 3));
+  }
   if (arranged) {
     text += fmt::format("internal span {} dB, {} dB before pairing and ordering\n",
                         rounded_text(arranged->span_after_db, 3), rounded_text(arranged->span_before_db, 3));

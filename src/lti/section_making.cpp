@@ -172,6 +172,24 @@ std::vector<Section> best_pairs(const std::vector<Section>& sections, const std:
 
 }  // namespace
 
+PooledRoots pooled_roots(const Sections& sections) {
+  PooledRoots out;
+  out.gain = sections.gain;
+  for (const Section& section : sections.sections) {
+    out.gain *= section.gain;
+    out.zeros.insert(out.zeros.end(), section.zeros.begin(), section.zeros.end());
+    out.poles.insert(out.poles.end(), section.poles.begin(), section.poles.end());
+  }
+  return out;
+}
+
+Sections as_biquads(const Sections& sections) {
+  const PooledRoots roots = pooled_roots(sections);
+  Sections out = make_sections(roots.gain, roots.zeros, roots.poles, {true});
+  out.error = sections.error;
+  return out;
+}
+
 Sections make_sections(double gain, std::vector<Complex> zeros, std::vector<Complex> poles,
                        const SectionMaking& making) {
   if (zeros.size() > poles.size()) throw std::logic_error("sections need at least as many poles as zeros");

@@ -20,6 +20,17 @@ struct SectionMaking {
 Sections make_sections(double gain, std::vector<std::complex<double>> zeros,
                        std::vector<std::complex<double>> poles, const SectionMaking& making = {});
 
+/// The whole product H(s) = gain * prod (s - zero)/prod (s - pole).
+struct PooledRoots {
+  double gain = 1.0;
+  std::vector<std::complex<double>> zeros;
+  std::vector<std::complex<double>> poles;
+};
+PooledRoots pooled_roots(const Sections& sections);
+
+/// The same product with real poles two to a section where there are two; the stated error stays.
+Sections as_biquads(const Sections& sections);
+
 /// Sections in another order (and, where all are of first order, with other pairs), same product.
 struct OrderedSections {
   Sections sections;

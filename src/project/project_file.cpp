@@ -116,6 +116,8 @@ Project Project::read(const fs::path& path, Provenance& from) {
   project.target = read_target(node.at("target"), folder, from);
   if (node.has("fit")) project.fit = read_fit(node.at("fit"));
   if (node.has("approximate")) project.approximate = read_approximate(node.at("approximate"));
+  // Who says nothing of how sections are made gets the fewest that do.
+  if (!node.has("approximate")) project.choose = Choose::fewest_sections;
   if (node.has("choose")) {
     const Node choose = node.at("choose");
     choose.allow_only({"by"});

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
 
 #include "base/progress.hpp"
 #include "fit/direct_fit.hpp"
@@ -45,33 +46,36 @@ DrivenPath compensated_path(const Project& project) {
 
 std::vector<Alternative> make_alternatives(const Project& project,
                                            const CascadeApproximation& approximation) {
-  std::vector<Alternative> out;
-  out.push_back(judged(project, "cascade, " + approximation.method, Alternative::Kind::cascade,
-                       approximation.sections));
-  const BodePoints& points = project.target.points;
-  for (const int order : {2, 3, 4}) {
-    stop_if_interrupted();
+  const auto direct = [&project](int order) {
     DirectFitOptions options;
     options.order = order;
     options.real = true;
-    options.max_corner = Hertz{5.0 * points.points.back().frequency.value};
-    const DirectFit direct = fit_directly(points, options);
-    out.push_back(judged(project, fmt::format("direct fit, {} poles", order), Alternative::Kind::direct,
-                         direct.sections));
-  }
+    options.max_corner = Hertz{5.0 * project.target.points.points.back().frequency.value};
+    const DirectFit fit = fit_directly(project.target.points, options);
+    return judged(project, fmt::format("direct fit, {} poles", order), Alternative::Kind::direct,
+                  fit.sections);
+  };
+  const auto waveform = [&project](int order) {
+    WaveformFitOptions options;
+    options.order = order;
+    options.path = compensated_path(project);
+    options.worst = true;
+    options.operating = project.track.frequency;
+    const WaveformFit fit = fit_waveform(project.target.disturbance, options);
+    return judged(project, fmt::format("waveform fit, {} pole{}", order, order == 1 ? "" : "s"),
+                  Alternative::Kind::waveform, fit.sections);
+  };
+  // The fits know nothing of one another: both cores.
+  std::vector<std::future<Alternative>> fits;
+  for (const int order : {2, 3, 4}) fits.push_back(std::async(std::launch::async, direct, order));
   if (!project.target.disturbance.is_static(project.target.branch)) {
-    for (const int order : {1, 2, 4}) {
-      stop_if_interrupted();
-      WaveformFitOptions options;
-      options.order = order;
-      options.path = compensated_path(project);
-      options.worst = true;
-      options.operating = project.track.frequency;
-      const WaveformFit waveform = fit_waveform(project.target.disturbance, options);
-      out.push_back(judged(project, fmt::format("waveform fit, {} pole{}", order, order == 1 ? "" : "s"),
-                           Alternative::Kind::waveform, waveform.sections));
-    }
+    for (const int order : {1, 2, 4}) fits.push_back(std::async(std::launch::async, waveform, order));
   }
+  std::vector<Alternative> out;
+  out.push_back(judged(project, "cascade, " + approximation.method, Alternative::Kind::cascade,
+                       approximation.sections));
+  for (std::future<Alternative>& fit : fits) out.push_back(fit.get());
+  stop_if_interrupted();
   return out;
 }
 

@@ -511,14 +511,26 @@ SearchResult Search::run() {
       result.refused = std::move(ranking);
       break;
     }
+    const Model model_before = model_;
+    const std::vector<Step> steps_before = steps;
+    Model refitted = step->after;
+    fit_all(refitted, 8);
+    // A joint refit that costs held-out error has only come closer to the training records.
+    if (rms_of(refitted, holdout_) <= rms_of(step->after, holdout_)) step->after = refitted;
     model_ = step->after;
-    fit_all(model_, 8);
-    step->after = model_;
+    const auto ranking_of_step = step->ranking;
     steps.push_back(std::move(*step));
     if (steps.size() > 1) {
       bool changed = prune(steps);
       changed = swap_earlier(steps) || changed;
       if (changed) prune(steps);
+    }
+    // Whatever was taken out or put in another's place: a round must leave the held-out error smaller.
+    if (!(rms_of(model_, holdout_) <= (1.0 - options_.least_gain) * rms_of(model_before, holdout_))) {
+      model_ = model_before;
+      steps = steps_before;
+      result.refused = ranking_of_step;
+      break;
     }
   }
   result.final = model_;

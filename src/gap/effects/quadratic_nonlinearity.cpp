@@ -1,8 +1,5 @@
-#include <algorithm>
-#include <cmath>
-
-#include "chain/registry.hpp"
 #include "gap/effects/list.hpp"
+#include "gap/effects/power_term.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -19,16 +16,7 @@ class QuadraticNonlinearity final : public Effect {
     return "the same drive at two amplitudes with and without a bias";
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    if (scene.frequency_only) return;
-    for (std::size_t at : scene.static_places()) {
-      const double size = scene.boundary[at].size();
-      const double scale = 0.1 / std::pow(size, 1);
-      auto block = chain::make_block("polynomial");
-      block.set("coefficients", std::vector<double>{0.0, 1.0, 0.0});
-      out.push_back(insert_block(scene, *this, at, block,
-                                 {linear_unknown("coefficients[2]", -20.0 * scale, 20.0 * scale, scale)},
-                                 {{0.05 * scale}, {-0.05 * scale}}));
-    }
+    propose_power_term(scene, *this, 2, out);
   }
 };
 

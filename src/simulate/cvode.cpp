@@ -60,6 +60,32 @@ struct Cvode::Implementation {
     }
     return 0;
   }
+  /// CVODE hands over no matrix: the solver asks where it stands and works on the problem's own structure.
+  static int newton(SUNLinearSolver self, SUNMatrix, N_Vector z, N_Vector b, realtype) {
+    auto& me = *static_cast<Implementation*>(self->content);
+    realtype t = 0.0, gamma = 0.0, rl1 = 0.0;
+    N_Vector predicted = nullptr, x = nullptr, rate_there = nullptr, zn1 = nullptr;
+    void* user = nullptr;
+    const int flag =
+        CVodeGetNonlinearSystemData(me.memory, &t, &predicted, &x, &rate_there, &gamma, &rl1, &zn1, &user);
+    if (flag < 0) return flag;
+    N_VScale(1.0, b, z);
+    me.problem.newton(t, N_VGetArrayPointer(x), gamma, N_VGetArrayPointer(z));
+    return 0;
+  }
+  SUNLinearSolver own_solver() {
+    SUNLinearSolver out = SUNLinSolNewEmpty(context);
+    if (out == nullptr) return out;
+    out->content = this;
+    out->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_MATRIX_EMBEDDED; };
+    out->ops->solve = newton;
+    out->ops->free = [](SUNLinearSolver solver) {
+      solver->content = nullptr;
+      SUNLinSolFreeEmpty(solver);
+      return 0;
+    };
+    return out;
+  }
   static int event(double t, N_Vector x, double* g, void* self) {
     auto& me = *static_cast<Implementation*>(self);
     me.problem.event(t, N_VGetArrayPointer(x), g);
@@ -98,6 +124,9 @@ Cvode::Cvode(Problem problem, Method method, double relative_tolerance, double a
   if (method == Method::adams) {
     me.nonlinear = SUNNonlinSol_FixedPoint(me.x, 0, me.context);
     check(CVodeSetNonlinearSolver(me.memory, me.nonlinear), "CVodeSetNonlinearSolver");
+  } else if (me.problem.newton) {
+    me.linear = me.own_solver();
+    check(CVodeSetLinearSolver(me.memory, me.linear, nullptr), "CVodeSetLinearSolver");
   } else {
     me.matrix = SUNDenseMatrix(n, n, me.context);
     me.linear = SUNLinSol_Dense(me.x, me.matrix, me.context);

@@ -12,12 +12,15 @@ class Cvode {
  public:
   enum class Method {
     adams,  ///< variable order to 12, fixed-point iteration: not stiff
-    bdf,    ///< variable order to 5, Newton with a dense Jacobian: stiff
+    bdf,    ///< variable order to 5, Newton with the problem's own solver or a dense Jacobian: stiff
   };
   struct Problem {
     int order = 0;
     std::function<void(double t, const double* x, double* dx)> rate;
-    /// Row-major df/dx; empty: difference quotients (bdf only).
+    /// Replaces b by the solution z of (I - gamma df/dx) z = b (bdf only). For problems whose structure makes
+    /// that cheap: a chain's states in series are solved block by block, at a cost linear in their number.
+    std::function<void(double t, const double* x, double gamma, double* b)> newton;
+    /// Without `newton`: row-major df/dx for a dense solver; empty: difference quotients (bdf only).
     std::function<void(double t, const double* x, double* jacobian)> jacobian;
     /// Event functions, stopping where one crosses zero.
     int events = 0;

@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "simulate/dense_signal.hpp"
+#include "simulate/feedback_exact.hpp"
 #include "simulate/ode_run.hpp"
 
 namespace bodesmith::simulate {
@@ -18,13 +19,15 @@ using chain::LinearKernel;
 using chain::MemoryKernel;
 using chain::SampledKernel;
 
-LoopResult run(const chain::Chain& plant, const TimeRecord& forward, const PidController& controller,
-               const TimeRecord& reference, const Options& options) {
+LoopResult run_in_cvode(const chain::Chain& plant, const TimeRecord& forward, const PidController& controller,
+                        const TimeRecord& reference, const Options& options) {
+  LoopResult out;
   std::vector<Kernel> kernels;
   for (std::size_t i = 0; i < plant.blocks.size(); ++i) {
     kernels.push_back(plant.blocks[i].kernel());
     const auto* linear = std::get_if<LinearKernel>(&kernels.back());
     const auto* memory = std::get_if<std::unique_ptr<MemoryKernel>>(&kernels.back());
+    if (linear != nullptr) out.model_error += linear->approximation_error;
     const bool fits = linear != nullptr ? linear->delay_s == 0.0
                       : memory != nullptr
                           ? (*memory)->rate_independent() || (*memory)->slew_rate() > 0.0
@@ -54,8 +57,8 @@ LoopResult run(const chain::Chain& plant, const TimeRecord& forward, const PidCo
         "lowpass, a resonator) with "
         "no memory behind it");
   }
-  LoopResult out;
   OdeRun::Wanted wanted;
+  wanted.right_limits = controller.period_s > 0.0;
   for (std::size_t i = 0; i < reference.size(); ++i) wanted.times.push_back(reference.time_s(i));
   wanted.values = &out.y;
   wanted.drive = &out.drive;
@@ -64,39 +67,44 @@ LoopResult run(const chain::Chain& plant, const TimeRecord& forward, const PidCo
   return out;
 }
 
-}  // namespace
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double most = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
+  return most;
+}
 
-LoopResult simulate_loop(const chain::Chain& plant, const std::optional<chain::Chain>& feedforward,
-                         const PidController& controller, const TimeRecord& reference,
-                         const Options& options) {
-  if (reference.size() < 2) throw InputError("the reference has fewer than two samples");
-  if (!(controller.derivative_corner.value > 0.0) || controller.period_s < 0.0 ||
-      !(controller.lower < controller.upper)) {
-    throw InputError("the controller's derivative corner, period or limits are out of range");
+/// Nothing, and the reason, when there is no closed form.
+std::optional<LoopResult> run_exact(const chain::Chain& plant, const std::vector<double>& feedforward,
+                                    const PidController& controller, const TimeRecord& reference,
+                                    const Options& options, std::string& why_not) {
+  const Stopwatch watch;
+  auto out = run_exact_loop(plant, feedforward, controller, reference, options.start, 1, why_not);
+  if (!out) return out;
+  out->stats.compute_s = watch.seconds();
+  if (options.estimate_error) {
+    const auto again = run_exact_loop(plant, feedforward, controller, reference, options.start, 2, why_not);
+    out->error_estimate = largest_difference(out->y, again->y);
   }
+  return out;
+}
+
+LoopResult run_cvode(const chain::Chain& plant, const std::vector<double>& feedforward,
+                     const PidController& controller, const TimeRecord& reference, const Options& options) {
   const Stopwatch watch;
   TimeRecord forward = reference;
   forward.y.clear();
-  if (feedforward) {
-    Options once = options;
-    once.engine = Engine::automatic;
-    forward.u = simulate(*feedforward, reference, once).y;
-  } else {
-    std::fill(forward.u.begin(), forward.u.end(), 0.0);
-  }
-  LoopResult out;
+  forward.u = feedforward;
   try {
-    out = run(plant, forward, controller, reference, options);
+    LoopResult out = run_in_cvode(plant, forward, controller, reference, options);
     out.stats.compute_s = watch.seconds();
     if (options.estimate_error) {
       Options finer = options;
       finer.relative_tolerance *= 0.1;
       finer.absolute_tolerance *= 0.1;
-      const LoopResult again = run(plant, forward, controller, reference, finer);
-      double most = 0.0;
-      for (std::size_t i = 0; i < out.y.size(); ++i) most = std::max(most, std::abs(out.y[i] - again.y[i]));
-      out.error_estimate = most;
+      const LoopResult again = run_in_cvode(plant, forward, controller, reference, finer);
+      out.error_estimate = largest_difference(out.y, again.y);
     }
+    return out;
   } catch (const InputError&) {
     throw;
   } catch (const Interrupted&) {
@@ -104,11 +112,47 @@ LoopResult simulate_loop(const chain::Chain& plant, const std::optional<chain::C
   } catch (const std::runtime_error& error) {
     throw InputError(fmt::format("the loop cannot be solved: {} (is it unstable?)", error.what()));
   }
-  for (const double y : out.y) {
+}
+
+}  // namespace
+
+LoopResult simulate_loop(const chain::Chain& plant, const std::optional<chain::Chain>& feedforward,
+                         const PidController& controller, const TimeRecord& reference,
+                         const Options& options) {
+  if (!feedforward) {
+    return simulate_loop(plant, std::vector<double>(reference.size(), 0.0), controller, reference, options);
+  }
+  Options once = options;
+  once.engine = Engine::automatic;
+  return simulate_loop(plant, simulate(*feedforward, reference, once).y, controller, reference, options);
+}
+
+LoopResult simulate_loop(const chain::Chain& plant, const std::vector<double>& feedforward,
+                         const PidController& controller, const TimeRecord& reference,
+                         const Options& options) {
+  if (reference.size() < 2) throw InputError("the reference has fewer than two samples");
+  if (feedforward.size() != reference.size()) {
+    throw InputError(fmt::format("the feed-forward signal has {} samples, expected the reference's {}",
+                                 feedforward.size(), reference.size()));
+  }
+  if (!(controller.derivative_corner.value > 0.0) || controller.period_s < 0.0 ||
+      !(controller.lower < controller.upper)) {
+    throw InputError("the controller's derivative corner, period or limits are out of range");
+  }
+  if (options.engine == Engine::record) {
+    throw InputError("a loop cannot be worked out block by block, expected the engine exact or cvode");
+  }
+  std::string why_not;
+  std::optional<LoopResult> out;
+  if (options.engine != Engine::cvode)
+    out = run_exact(plant, feedforward, controller, reference, options, why_not);
+  if (!out && options.engine == Engine::exact) throw InputError("the loop has no closed form: " + why_not);
+  if (!out) out = run_cvode(plant, feedforward, controller, reference, options);
+  for (const double y : out->y) {
     if (!std::isfinite(y) || std::abs(y) > 1e100)
       throw InputError("the loop is unstable: its output grows without bound");
   }
-  return out;
+  return std::move(*out);
 }
 
 }  // namespace bodesmith::simulate

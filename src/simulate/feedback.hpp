@@ -5,38 +5,33 @@
 
 #include "chain/chain.hpp"
 #include "signal/time_record.hpp"
+#include "simulate/pid.hpp"
 #include "simulate/simulate.hpp"
 
 namespace bodesmith::simulate {
 
-/// A PI or PID controller on the error e = r - y, in parallel form:
-///   control = clamp(proportional e + integral \int e dt + derivative w_d s/(s + w_d) e, lower, upper).
-/// While the clamp holds the control, the integral does not run further into it.
-/// period_s = 0: continuous. Otherwise sampled at t = k period_s from the record's start and held: the
-/// integral by trapezia, the derivative by backward differences.
-struct PidController {
-  double proportional = 0.0;
-  double integral_per_s = 0.0;
-  double derivative_s = 0.0;
-  Hertz derivative_corner{1e4};
-  double lower = -1e300;
-  double upper = 1e300;
-  double period_s = 0.0;
-};
-
-/// u = F{r} + control, y = P{u}: a feed-forward compensator (absent: no feed-forward) and the loop round the
-/// plant, as the seeds' hybrid controllers. The whole loop is solved in CVODE with the events of ode_run.hpp;
-/// the feed-forward signal is worked out before and taken as straight between samples.
+/// u = f + control(r - y), y = P{u}: a feed-forward signal and the loop round the plant, as the seeds' hybrid
+/// controllers. r and f are straight lines between samples.
 struct LoopResult {
   std::vector<double> y;
-  std::vector<double> drive;  ///< u
+  std::vector<double> drive;  ///< u; at a clock edge of a sampled controller its new value
   std::optional<double> error_estimate;
+  double model_error = 0.0;  ///< as in Result
   Stats stats;
 };
 
+/// Engine::exact: a linear plant in closed form from sample to sample (feedback_exact.hpp); Engine::cvode:
+/// any plant of dynamics, curves and rate-independent memory, with the events of ode_run.hpp;
+/// Engine::automatic: exact where there is a closed form. The feed-forward signal of a chain is worked out
+/// before, F{r}; absent: none.
+///
 /// DesignError when the plant answers at once (no block of it is strictly proper, so that the loop would be
 /// algebraic: put its amplifier's lowpass in), or has a delay, clock or rate-dependent memory inside.
 LoopResult simulate_loop(const chain::Chain& plant, const std::optional<chain::Chain>& feedforward,
+                         const PidController& controller, const TimeRecord& reference,
+                         const Options& options = {});
+/// The same with the feed-forward signal itself, one value a sample of the reference.
+LoopResult simulate_loop(const chain::Chain& plant, const std::vector<double>& feedforward,
                          const PidController& controller, const TimeRecord& reference,
                          const Options& options = {});
 

@@ -1,5 +1,6 @@
 #include "simulate/fourier.hpp"
 
+#include <bit>
 #include <numbers>
 #include <stdexcept>
 
@@ -41,6 +42,32 @@ void inverse_fourier(std::vector<std::complex<double>>& x) {
   fourier(x);
   const double scale = 1.0 / static_cast<double>(x.size());
   for (auto& v : x) v = std::conj(v) * scale;
+}
+
+std::vector<std::complex<double>> fourier_of_any_length(std::span<const double> x) {
+  const std::size_t n = x.size();
+  if (n == 0) throw std::logic_error("a Fourier transform needs at least one sample");
+  // n k = (n^2 + k^2 - (k - n)^2)/2; squares are taken modulo 2 n so that the angles keep their digits.
+  std::vector<std::complex<double>> chirp(n);
+  for (std::size_t k = 0; k < n; ++k) {
+    const std::size_t square = k * k % (2 * n);
+    chirp[k] = std::polar(1.0, -std::numbers::pi * static_cast<double>(square) / static_cast<double>(n));
+  }
+  const std::size_t size = std::bit_ceil(2 * n - 1);
+  std::vector<std::complex<double>> signal(size);
+  std::vector<std::complex<double>> kernel(size);
+  for (std::size_t k = 0; k < n; ++k) {
+    signal[k] = x[k] * chirp[k];
+    kernel[k] = std::conj(chirp[k]);
+    if (k > 0) kernel[size - k] = kernel[k];
+  }
+  fourier(signal);
+  fourier(kernel);
+  for (std::size_t k = 0; k < size; ++k) signal[k] *= kernel[k];
+  inverse_fourier(signal);
+  signal.resize(n);
+  for (std::size_t k = 0; k < n; ++k) signal[k] *= chirp[k];
+  return signal;
 }
 
 }  // namespace bodesmith::simulate

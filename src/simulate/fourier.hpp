@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <span>
 #include <vector>
 
 namespace bodesmith::simulate {
@@ -9,5 +10,7 @@ namespace bodesmith::simulate {
 void fourier(std::vector<std::complex<double>>& x);
 /// Back again, with 1/N.
 void inverse_fourier(std::vector<std::complex<double>>& x);
+/// Forward transform of a real signal of any length above 0 (Bluestein: as a convolution of a power of two).
+std::vector<std::complex<double>> fourier_of_any_length(std::span<const double> x);
 
 }  // namespace bodesmith::simulate

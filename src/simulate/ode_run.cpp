@@ -50,7 +50,7 @@ OdeRun::OdeRun(std::vector<chain::Kernel*> kernels, const DenseSignal& input)
     parts_.push_back(std::move(part));
   }
   state_.assign(static_cast<std::size_t>(std::max(order_, 1)), 0.0);
-  rates_ = gradient_ = state_;
+  rates_ = state_;
 }
 
 void OdeRun::start(Start how, double& rest) {
@@ -112,9 +112,10 @@ bool OdeRun::close_loop(const PidController& controller, const DenseSignal& refe
   for (std::size_t i = proper + 1; i < parts_.size(); ++i) {
     if (as<MemoryKernel>(parts_[i].kernel) != nullptr) return false;
   }
-  loop_.emplace(Loop{controller, DenseSignal::Reader(reference), reference.corners(), proper});
+  loop_.emplace(
+      Loop{controller, DenseSignal::Reader(reference), reference.corners(), proper, SampledPid(controller)});
   state_.resize(static_cast<std::size_t>(order_ + 2), 0.0);
-  rates_ = gradient_ = state_;
+  rates_ = state_;
   return true;
 }
 
@@ -148,21 +149,7 @@ double OdeRun::control(double error, const double* pid, double* rates) const {
 }
 
 void OdeRun::sample_controller(double t) {
-  Loop& loop = *loop_;
-  const PidController& c = loop.controller;
-  const double error = loop.reference.value(t) - output_of(t, state_.data());
-  if (!loop.started) loop.last_error = error;
-  const double wd = c.derivative_corner.rad_s().value * c.period_s;
-  const double before = loop.integral;
-  if (loop.started) loop.integral += 0.5 * c.integral_per_s * c.period_s * (error + loop.last_error);
-  loop.derivative =
-      (loop.derivative + c.derivative_s * wd / c.period_s * (error - loop.last_error)) / (1.0 + wd);
-  const double free = c.proportional * error + loop.integral + loop.derivative;
-  loop.held = std::clamp(free, c.lower, c.upper);
-  if ((free > c.upper && loop.integral > before) || (free < c.lower && loop.integral < before))
-    loop.integral = before;
-  loop.last_error = error;
-  loop.started = true;
+  loop_->held = loop_->sampled.update(loop_->reference.value(t) - output_of(t, state_.data()));
 }
 
 void OdeRun::evaluate(double t, const double* x, double* dx, bool restart) {
@@ -259,50 +246,49 @@ void OdeRun::walk(double t, double u, double du, const double* x, double* dx, bo
   last_ = u;
 }
 
-void OdeRun::jacobian(double t, const double* x, double* j) {
-  if (order_ == 0) return;
+void OdeRun::newton(double t, const double* x, double gamma, double* b) {
   evaluate(t, x, rates_.data(), false);
-  std::fill(gradient_.begin(), gradient_.end(), 0.0);
-  const auto size = static_cast<std::size_t>(order_);
-  const auto row = [&](int i) { return j + static_cast<std::size_t>(i) * size; };
+  double du = 0.0;  // what the states in front change of this part's input
   std::vector<double> by_x;
-  for (const Part& part : parts_) {
+  for (Part& part : parts_) {
     const int n = part.order;
-    const int s = part.state;
+    double* z = b + part.state;
     const LinearKernel* k = std::get_if<LinearKernel>(part.kernel);
     const OdeKernel* ode = as<OdeKernel>(part.kernel);
     if (ode != nullptr) k = &ode->linear();
     if (k != nullptr) {
-      double by_u = 0.0;
-      if (ode != nullptr) {
-        by_x.assign(static_cast<std::size_t>(n), 0.0);
-        by_u = ode->nonlinear_gradient(x + s, part.u, by_x.data());
-      }
-      for (int i = 0; i < n; ++i) {
-        const double e = ode != nullptr ? ode->entry()[static_cast<std::size_t>(i)] : 0.0;
-        const double b = k->b[static_cast<std::size_t>(i)] + e * by_u;
-        for (int c = 0; c < s; ++c) row(s + i)[c] = b * gradient_[static_cast<std::size_t>(c)];
-        for (int c = 0; c < n; ++c) {
-          row(s + i)[s + c] = k->a[static_cast<std::size_t>(i * n + c)] +
-                              (ode != nullptr ? e * by_x[static_cast<std::size_t>(c)] : 0.0);
-        }
-      }
-      for (int c = 0; c < s; ++c) gradient_[static_cast<std::size_t>(c)] *= k->d;
-      for (int c = 0; c < n; ++c)
-        gradient_[static_cast<std::size_t>(s + c)] = k->c[static_cast<std::size_t>(c)];
-    } else if (const auto* curve = as<CurveKernel>(part.kernel)) {
-      const double f = curve->slope(part.u);
-      for (double& g : gradient_) g *= f;
-    } else if (const auto* memory = as<MemoryKernel>(part.kernel)) {
+      const auto entry = [&](int i) {
+        return ode == nullptr ? 0.0 : ode->entry()[static_cast<std::size_t>(i)];
+      };
+      by_x.assign(static_cast<std::size_t>(n), 0.0);
+      const double by_u = ode == nullptr ? 0.0 : ode->nonlinear_gradient(x + part.state, part.u, by_x.data());
+      for (int i = 0; i < n; ++i) z[i] += gamma * (k->b[static_cast<std::size_t>(i)] + entry(i) * by_u) * du;
       if (n == 1) {
-        // Following, the state only shadows the input: Newton may take its rate as given.
-        if (part.follow != Follow::yes) {
-          std::fill(gradient_.begin(), gradient_.end(), 0.0);
-          gradient_[static_cast<std::size_t>(s)] = 1.0;
+        z[0] /= 1.0 - gamma * (k->a[0] + entry(0) * by_x[0]);
+      } else if (n > 1) {
+        if (ode != nullptr || part.factored_gamma != gamma) {
+          Eigen::MatrixXd m = Eigen::MatrixXd::Identity(n, n);
+          for (int i = 0; i < n; ++i) {
+            for (int c = 0; c < n; ++c) {
+              m(i, c) -= gamma * (k->a[static_cast<std::size_t>(i * n + c)] +
+                                  entry(i) * by_x[static_cast<std::size_t>(c)]);
+            }
+          }
+          part.factored.compute(m);
+          part.factored_gamma = gamma;
         }
-      } else {
-        const double f = memory_slope(part, *memory, part.u);
-        for (double& g : gradient_) g *= f;
+        Eigen::Map<Eigen::VectorXd> states(z, n);
+        states = part.factored.solve(states).eval();
+      }
+      du *= k->d;
+      for (int i = 0; i < n; ++i) du += k->c[static_cast<std::size_t>(i)] * z[i];
+    } else if (const auto* curve = as<CurveKernel>(part.kernel)) {
+      du *= curve->slope(part.u);
+    } else if (const auto* memory = as<MemoryKernel>(part.kernel)) {
+      if (n == 0) {
+        du *= memory_slope(part, *memory, part.u);
+      } else if (part.follow != Follow::yes) {
+        du = z[0];  // following, the state only shadows the input: Newton may take its rate as given
       }
     }
   }
@@ -424,7 +410,8 @@ void OdeRun::solve(const Options& options, const Wanted& wanted, Stats& stats, d
   Cvode::Problem problem;
   problem.order = static_cast<int>(state_.size());
   problem.rate = [this](double t, const double* x, double* dx) { evaluate(t, x, dx, false); };
-  if (!loop_) problem.jacobian = [this](double t, const double* x, double* j) { jacobian(t, x, j); };
+  // A closed loop has no first part: dense, by difference quotients.
+  if (!loop_) problem.newton = [this](double t, const double* x, double g, double* b) { newton(t, x, g, b); };
   problem.events = events_;
   problem.event = [this](double t, const double* x, double* g) { events(t, x, g); };
   const double typical = (last - first) / static_cast<double>(stops.size());

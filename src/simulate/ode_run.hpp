@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Dense>
 #include <cstddef>
 #include <optional>
 #include <span>
@@ -7,7 +8,7 @@
 
 #include "chain/kernel.hpp"
 #include "simulate/dense_signal.hpp"
-#include "simulate/feedback.hpp"
+#include "simulate/pid.hpp"
 #include "simulate/simulate.hpp"
 
 namespace bodesmith::simulate {
@@ -50,6 +51,9 @@ class OdeRun {
     Follow follow = Follow::yes;
     std::vector<double> corners;
     int turn_event() const { return event + static_cast<int>(corners.size()); }
+    // of the last Newton solve: I - gamma A, factorised (more than one state)
+    double factored_gamma = 0.0;
+    Eigen::PartialPivLU<Eigen::MatrixXd> factored;
     // of the last evaluation
     double u = 0.0;
     double du = 0.0;
@@ -67,7 +71,9 @@ class OdeRun {
   void sample_controller(double t);
   void memory_output(Part& part, const chain::MemoryKernel& memory, double u) const;
   double memory_slope(const Part& part, const chain::MemoryKernel& memory, double u) const;
-  void jacobian(double t, const double* x, double* j);
+  /// Replaces b by (I - gamma df/dx)^-1 b. Blocks in series make df/dx block triangular, with full rows below
+  /// the diagonal wherever a block passes its input on: not a band, but one walk along the chain solves it.
+  void newton(double t, const double* x, double gamma, double* b);
   void events(double t, const double* x, double* g);
   /// Memories take the step to where their input now is.
   void commit();
@@ -84,7 +90,6 @@ class OdeRun {
   bool slopes_needed_ = false;
   std::vector<double> state_;
   std::vector<double> rates_;
-  std::vector<double> gradient_;
   double last_ = 0.0;
 
   struct Loop {
@@ -92,11 +97,8 @@ class OdeRun {
     DenseSignal::Reader reference;
     std::vector<double> corners;  ///< of the reference
     std::size_t proper = 0;       ///< the last part without feedthrough
-    double held = 0.0;            ///< sampled: the control until the next sample
-    double integral = 0.0;
-    double derivative = 0.0;
-    double last_error = 0.0;
-    bool started = false;
+    SampledPid sampled;
+    double held = 0.0;  ///< sampled: the control until the next sample
   };
   std::optional<Loop> loop_;
 };

@@ -17,6 +17,7 @@
 #include "base/provenance.hpp"
 #include "base/text.hpp"
 #include "signal/csv.hpp"
+#include "simulate/loop.hpp"
 #include "simulate/record_metrics.hpp"
 
 namespace bodesmith::simulate {
@@ -31,6 +32,16 @@ std::complex<double> line(std::span<const double> x, int k) {
   return sum;
 }
 
+std::pair<std::vector<double>, double> output_for(const chain::Chain& chain, const SweepOptions& options,
+                                                  const TimeRecord& u) {
+  if (options.loop) {
+    LoopResult result = simulate_loop(chain, *options.loop, u, options.simulation);
+    return {std::move(result.y), result.error_estimate.value_or(0.0)};
+  }
+  Result result = simulate(chain, u, options.simulation);
+  return {std::move(result.y), result.error_estimate.value_or(0.0)};
+}
+
 SweepRow measure(const chain::Chain& chain, const SweepOptions& options, Hertz frequency, double amplitude) {
   ReferenceSpec spec;
   spec.kind = options.kind;
@@ -40,11 +51,11 @@ SweepRow measure(const chain::Chain& chain, const SweepOptions& options, Hertz f
   spec.duration_s = options.periods / frequency.value;
   spec.step_s = 1.0 / frequency.value / options.samples_per_period;
   const TimeRecord u = make_reference(spec);
-  const Result result = simulate(chain, u, options.simulation);
+  const auto [output, error_estimate] = output_for(chain, options, u);
   const auto last = static_cast<std::size_t>(options.samples_per_period);
   const std::size_t from = u.size() - 1 - last;
   const std::span<const double> x(u.u.data() + from, last);
-  const std::span<const double> y(result.y.data() + from, last);
+  const std::span<const double> y(output.data() + from, last);
   SweepRow row;
   row.frequency = frequency;
   row.amplitude = amplitude;
@@ -52,7 +63,7 @@ SweepRow measure(const chain::Chain& chain, const SweepOptions& options, Hertz f
   const RecordDifference difference = compare_records(x, y);  // range of y, as eq. 8
   row.rms_percent = difference.rms_percent_of_range;
   row.max_percent = *high > *low ? 100.0 * difference.max / (*high - *low) : 0.0;
-  row.loop_height_percent = loop_height_percent(x, y);
+  row.loop_height_percent = hysteresis_loop(x, y).height_percent;
   const auto in = line(x, 1);
   const auto out = line(y, 1);
   if (std::abs(in) > 0.0 && std::abs(out) > 0.0) {
@@ -63,7 +74,11 @@ SweepRow measure(const chain::Chain& chain, const SweepOptions& options, Hertz f
       power += std::norm(line(y, k));
     row.distortion_percent = 100.0 * std::sqrt(power) / std::abs(out);
   }
-  row.error_estimate = result.error_estimate.value_or(0.0);
+  row.error_estimate = error_estimate;
+  if (options.keep_periods) {
+    row.u.assign(x.begin(), x.end());
+    row.y.assign(y.begin(), y.end());
+  }
   return row;
 }
 
@@ -165,9 +180,9 @@ std::vector<SweepRow> read_sweep_csv(const std::filesystem::path& path, const st
   return rows;
 }
 
-std::string sweep_key(const std::string& model_sha256, const SweepOptions& options) {
+std::string sweep_key(const std::string& files_sha256, const SweepOptions& options) {
   const Options& s = options.simulation;
-  return sha256_hex(fmt::format("{} {} {} {} {} {} {} {} {} {} {}", model_sha256, options.kind,
+  return sha256_hex(fmt::format("{} {} {} {} {} {} {} {} {} {} {}", files_sha256, options.kind,
                                 options.offset ? number_text(*options.offset) : "amplitude", options.periods,
                                 options.samples_per_period, static_cast<int>(s.engine),
                                 static_cast<int>(s.start), number_text(s.relative_tolerance), s.degree,

@@ -6,12 +6,13 @@
 #include <vector>
 
 #include "chain/chain.hpp"
+#include "simulate/controller_file.hpp"
 #include "simulate/references.hpp"
 #include "simulate/simulate.hpp"
 
 namespace bodesmith::simulate {
 
-/// A chain under a periodic reference of every frequency and amplitude.
+/// A chain (or a loop round it) under a periodic reference of every frequency and amplitude.
 struct SweepOptions {
   std::string kind = "triangle";  ///< triangle, sine or stair
   std::vector<Hertz> frequencies;
@@ -20,6 +21,8 @@ struct SweepOptions {
   int periods = 3;                ///< the last one is measured, those before it settle
   int samples_per_period = 1000;  ///< a multiple of 2
   int threads = 0;                ///< 0: one a core
+  std::optional<LoopSetup> loop;  ///< the chain inside a loop; u of the rows is then its reference
+  bool keep_periods = false;      ///< rows also carry the signals of their last period
   Options simulation;
 };
 
@@ -34,6 +37,8 @@ struct SweepRow {
   double phase_deg = 0.0;
   double distortion_percent = 0.0;  ///< power of harmonics 2 to 20 of y over its fundamental
   double error_estimate = 0.0;      ///< of the simulation, units of y
+  std::vector<double> u;            ///< the last period, when kept
+  std::vector<double> y;
 };
 
 /// One row a pair, frequencies outermost. Pairs that `known` already has are taken from there. Stopped by
@@ -45,7 +50,7 @@ std::vector<SweepRow> run_sweep(const chain::Chain& chain, const SweepOptions& o
 std::string sweep_csv(const std::vector<SweepRow>& rows, const std::string& key);
 /// Rows of such a file; none when it does not exist or belongs to something else.
 std::vector<SweepRow> read_sweep_csv(const std::filesystem::path& path, const std::string& key);
-/// What rows depend on besides frequency and amplitude.
-std::string sweep_key(const std::string& model_sha256, const SweepOptions& options);
+/// What rows depend on besides frequency and amplitude; `files_sha256` stands for the model (and controller).
+std::string sweep_key(const std::string& files_sha256, const SweepOptions& options);
 
 }  // namespace bodesmith::simulate

@@ -34,16 +34,21 @@ TEST(Feedback, PiRoundALagIsItsClosedForm) {
   Options options;
   options.relative_tolerance = 1e-10;
   options.absolute_tolerance = 1e-12;
-  const auto got = simulate_loop(plant, std::nullopt, c, constant(1.0, 1e-3, 301), options);
   const double w = std::sqrt(ki / tau);
   const double zeta = 0.5 / std::sqrt(ki * tau);
   const double wd = w * std::sqrt(1.0 - zeta * zeta);
-  for (std::size_t i = 0; i < got.y.size(); ++i) {
-    const double t = 1e-3 * static_cast<double>(i);
-    EXPECT_NEAR(got.y[i],
-                1.0 - std::exp(-zeta * w * t) * (std::cos(wd * t) + zeta * w / wd * std::sin(wd * t)), 1e-8);
+  for (const Engine engine : {Engine::cvode, Engine::exact}) {
+    options.engine = engine;
+    const auto got = simulate_loop(plant, std::nullopt, c, constant(1.0, 1e-3, 301), options);
+    for (std::size_t i = 0; i < got.y.size(); ++i) {
+      const double t = 1e-3 * static_cast<double>(i);
+      EXPECT_NEAR(got.y[i],
+                  1.0 - std::exp(-zeta * w * t) * (std::cos(wd * t) + zeta * w / wd * std::sin(wd * t)),
+                  engine == Engine::exact ? 1e-13 : 1e-8);
+    }
+    EXPECT_LT(*got.error_estimate, engine == Engine::exact ? 1e-12 : 1e-7);
+    EXPECT_EQ(got.stats.engine, engine == Engine::exact ? "exact" : "cvode");
   }
-  EXPECT_LT(*got.error_estimate, 1e-7);
 }
 
 TEST(Feedback, SampledPiIsItsDifferenceEquation) {
@@ -59,19 +64,91 @@ TEST(Feedback, SampledPiIsItsDifferenceEquation) {
   Options options;
   options.relative_tolerance = 1e-11;
   options.absolute_tolerance = 1e-13;
-  const auto got = simulate_loop(plant, std::nullopt, c, constant(1.0, period, 60), options);
-  double y = 0.0, integral = 0.0, derivative = 0.0, last = 1.0;
-  const double a = std::exp(-period / tau);
-  const double wd = 2.0 * kPi * 40.0 * period;
-  for (std::size_t k = 0; k < got.y.size(); ++k) {
-    EXPECT_NEAR(got.y[k], y, 1e-9) << k;
-    const double e = 1.0 - y;
-    if (k > 0) integral += 25.0 * period * 0.5 * (e + last);
-    derivative = (derivative + 0.002 * wd / period * (e - last)) / (1.0 + wd);
-    const double u = 0.8 * e + integral + derivative;
-    y = a * y + (1.0 - a) * u;
-    last = e;
+  for (const Engine engine : {Engine::cvode, Engine::exact}) {
+    options.engine = engine;
+    const auto got = simulate_loop(plant, std::nullopt, c, constant(1.0, period, 60), options);
+    double y = 0.0, integral = 0.0, derivative = 0.0, last = 1.0;
+    const double a = std::exp(-period / tau);
+    const double wd = 2.0 * kPi * 40.0 * period;
+    const double close = engine == Engine::exact ? 1e-13 : 1e-9;
+    for (std::size_t k = 0; k < got.y.size(); ++k) {
+      EXPECT_NEAR(got.y[k], y, close) << k;
+      const double e = 1.0 - y;
+      if (k > 0) integral += 25.0 * period * 0.5 * (e + last);
+      derivative = (derivative + 0.002 * wd / period * (e - last)) / (1.0 + wd);
+      const double u = 0.8 * e + integral + derivative;
+      if (k + 1 < got.y.size()) {
+        EXPECT_NEAR(got.drive[k], u, 10.0 * close) << k;
+      }
+      y = a * y + (1.0 - a) * u;
+      last = e;
+    }
   }
+}
+
+/// A stage as the seeds': amplifier, resonance, offset; a triangle to follow; feed-forward of its gain.
+TEST(Feedback, ClosedFormAndCvodeAgree) {
+  const Chain plant{{make_block("gain").set("gain", 1.2).set("offset", 0.03),
+                     make_block("lowpass").set("corner_hz", 800.0),
+                     make_block("pole_zero").set("zero_hz", 40.0).set("pole_hz", 35.0),
+                     make_block("resonator").set("natural_frequency_hz", 300.0).set("damping_ratio", 0.2)}};
+  ReferenceSpec spec;
+  spec.frequency = Hertz{5.0};
+  spec.duration_s = 0.4;
+  spec.step_s = 1e-3;
+  const auto r = make_reference(spec);
+  const Chain forward{{make_block("gain").set("gain", 1.0 / 1.2)}};
+  Options options;
+  options.relative_tolerance = 1e-11;
+  options.absolute_tolerance = 1e-13;
+  options.estimate_error = false;
+  PidController c;
+  c.proportional = 0.2;
+  c.integral_per_s = 90.0;
+  c.derivative_s = 1e-4;
+  c.derivative_corner = Hertz{500.0};
+  for (const Start start : {Start::zero, Start::equilibrium}) {
+    options.start = start;
+    for (const double period : {0.0, 1e-3, 4e-3, 2.5e-4}) {
+      c.period_s = period;
+      options.engine = Engine::cvode;
+      const auto cvode = simulate_loop(plant, forward, c, r, options);
+      options.engine = Engine::exact;
+      const auto exact = simulate_loop(plant, forward, c, r, options);
+      for (std::size_t i = 0; i < r.size(); ++i) {
+        ASSERT_NEAR(cvode.y[i], exact.y[i], 1e-9) << period << " " << i;
+        ASSERT_NEAR(cvode.drive[i], exact.drive[i], 1e-7) << period << " " << i;
+      }
+    }
+  }
+  // A limit that a sampled controller meets.
+  c.period_s = 1e-3;
+  c.upper = 0.05;
+  options.engine = Engine::cvode;
+  const auto cvode = simulate_loop(plant, forward, c, r, options);
+  options.engine = Engine::exact;
+  const auto exact = simulate_loop(plant, forward, c, r, options);
+  for (std::size_t i = 0; i < r.size(); ++i) ASSERT_NEAR(cvode.y[i], exact.y[i], 1e-9) << i;
+}
+
+TEST(Feedback, ClosedFormRefusesWhatItCannotDo) {
+  const auto r = constant(1.0, 1e-3, 50);
+  Options options;
+  options.engine = Engine::exact;
+  PidController c;
+  c.integral_per_s = 10.0;
+  const Chain bent{{make_block("saturation").set("lower", -1.0).set("upper", 1.0),
+                    make_block("lowpass").set("corner_hz", 10.0)}};
+  const Chain linear{{make_block("lowpass").set("corner_hz", 10.0)}};
+  EXPECT_THROW(simulate_loop(bent, std::nullopt, c, r, options), InputError);
+  c.upper = 5.0;
+  EXPECT_THROW(simulate_loop(linear, std::nullopt, c, r, options), InputError);
+  c.period_s = 1.7e-3;  // no whole multiple of the step
+  EXPECT_THROW(simulate_loop(linear, std::nullopt, c, r, options), InputError);
+  options.engine = Engine::automatic;
+  EXPECT_EQ(simulate_loop(linear, std::nullopt, c, r, options).stats.engine, "cvode");
+  EXPECT_EQ(simulate_loop(bent, std::nullopt, c, r, options).stats.engine, "cvode");
+  EXPECT_THROW(simulate_loop(linear, std::vector<double>(3, 0.0), c, r, options), InputError);
 }
 
 TEST(Feedback, HybridBeatsEitherAlone) {

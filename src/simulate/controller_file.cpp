@@ -1,0 +1,68 @@
+#include "simulate/controller_file.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/document.hpp"
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "chain/model_file.hpp"
+
+namespace bodesmith::simulate {
+
+LoopSetup read_controller(const std::filesystem::path& path, Provenance& from) {
+  const Node node = read_document(path, from);
+  node.expect_schema("controller");
+  node.allow_only({"schema", "name", "about", "type", "kp", "ki_per_s", "kd_s", "derivative_corner_hz",
+                   "sample_s", "lower", "upper", "feedforward"});
+  LoopSetup out;
+  PidController& c = out.controller;
+  const bool derivative = node.at("type").one_of({"pi", "pid"}) == "pid";
+  c.proportional = node.number_or("kp", 0.0);
+  c.integral_per_s = node.at("ki_per_s").number();
+  if (derivative) {
+    c.derivative_s = node.at("kd_s").number();
+    if (node.has("derivative_corner_hz"))
+      c.derivative_corner = Hertz{node.at("derivative_corner_hz").positive()};
+  } else {
+    for (const char* key : {"kd_s", "derivative_corner_hz"}) {
+      if (node.has(key)) node.at(key).fail("belongs to a pid, expected type = \"pid\"");
+    }
+  }
+  if (node.has("sample_s")) c.period_s = node.at("sample_s").positive();
+  c.lower = node.number_or("lower", c.lower);
+  c.upper = node.number_or("upper", c.upper);
+  if (!(c.lower < c.upper)) node.at("upper").fail("is not above lower");
+  if (node.has("feedforward")) {
+    const Node file = node.at("feedforward");
+    const std::filesystem::path target = path.parent_path() / file.string();
+    std::error_code ignored;
+    if (!std::filesystem::is_regular_file(target, ignored))
+      file.fail(fmt::format("names {}, which is not there", target.string()));
+    if (target.extension() == ".csv") {
+      out.drive = TimeRecord::read_csv(target, from);
+    } else {
+      out.feedforward = chain::read_model(target, from);
+    }
+  }
+  return out;
+}
+
+LoopResult simulate_loop(const chain::Chain& plant, const LoopSetup& setup, const TimeRecord& reference,
+                         const Options& options) {
+  if (!setup.drive) return simulate_loop(plant, setup.feedforward, setup.controller, reference, options);
+  const TimeRecord& drive = *setup.drive;
+  const bool same_times = drive.size() == reference.size() &&
+                          std::abs(drive.step_s - reference.step_s) <= 1e-6 * reference.step_s &&
+                          std::abs(drive.start_s - reference.start_s) <= 0.01 * reference.step_s;
+  if (!same_times) {
+    throw InputError(fmt::format(
+        "{}: {} samples from {} s, {} s apart, expected those of the reference ({} from {} s, {} s apart)",
+        drive.file, drive.size(), rounded_text(drive.start_s), rounded_text(drive.step_s), reference.size(),
+        rounded_text(reference.start_s), rounded_text(reference.step_s)));
+  }
+  return simulate_loop(plant, drive.u, setup.controller, reference, options);
+}
+
+}  // namespace bodesmith::simulate

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+
+#include "base/provenance.hpp"
+#include "chain/chain.hpp"
+#include "signal/time_record.hpp"
+#include "simulate/feedback.hpp"
+
+namespace bodesmith::simulate {
+
+/// What stands round a plant: a controller and, if wanted, a feed-forward path (first seeds' hybrid
+/// controllers: the inverse model in front, feedback for what it leaves).
+struct LoopSetup {
+  PidController controller;
+  std::optional<chain::Chain> feedforward;  ///< u gets F{r}
+  std::optional<TimeRecord> drive;          ///< or a drive worked out before (compensate), column u
+};
+
+/// controller.toml:
+///   schema = "bodesmith.controller/1"
+///   type = "pid"                  # or "pi"
+///   kp = 0.5
+///   ki_per_s = 150.0
+///   kd_s = 1e-4                   # pid only
+///   derivative_corner_hz = 1e3    # pid only, default 10 kHz
+///   sample_s = 1e-4               # absent: continuous
+///   lower = -0.1                  # limits of the control, absent: none
+///   upper = 1.1
+///   feedforward = "inverse.toml"  # a model.toml, or a CSV with time_s,u; relative to this file
+/// Gains may have either sign. Complaints name file and line.
+LoopSetup read_controller(const std::filesystem::path& path, Provenance& from);
+
+/// The loop for one reference. InputError when the drive is not sampled as the reference is.
+LoopResult simulate_loop(const chain::Chain& plant, const LoopSetup& setup, const TimeRecord& reference,
+                         const Options& options = {});
+
+}  // namespace bodesmith::simulate

@@ -12,14 +12,21 @@ DenseSignal DenseSignal::from_record(const TimeRecord& record) {
   out.before = 0.0;
   double scale = 0.0;
   for (const double v : u) scale = std::max(scale, std::abs(v));
+  // Samples belong to one line while a straight line from its first sample passes all of them within
+  // rounding, that of whoever made the record included: the slopes that do are an interval that only gets
+  // narrower.
+  const double close = 2e-13 * scale;
   std::size_t first = 0;
   while (first + 1 < n) {
-    // As far as every sample lies on the line within rounding.
     std::size_t last = first + 1;
-    const double rise = u[last] - u[first];
-    while (last + 1 < n &&
-           std::abs(u[last + 1] - (u[first] + rise * static_cast<double>(last + 1 - first))) <=
-               4e-15 * scale * static_cast<double>(last + 1 - first)) {
+    double least = u[last] - u[first] - close;
+    double most = u[last] - u[first] + close;
+    while (last + 1 < n) {
+      const auto steps = static_cast<double>(last + 1 - first);
+      const double rise = u[last + 1] - u[first];
+      if (rise < least * steps || rise > most * steps) break;
+      least = std::max(least, (rise - close) / steps);
+      most = std::min(most, (rise + close) / steps);
       ++last;
     }
     Piece p;

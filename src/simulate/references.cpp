@@ -15,9 +15,16 @@ namespace {
 
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
-/// Part of the period, snapped to its corners where only rounding keeps it off.
-double phase_of(double t, Hertz f) {
-  const double turns = t * f.value;
+/// Part of the period at sample i. Counted in samples where a period is a whole number of them, so that every
+/// period has the same values; else snapped to its corners where only rounding keeps it off.
+double phase_of(std::size_t i, const ReferenceSpec& s) {
+  const double period = 1.0 / (s.frequency.value * s.step_s);
+  const double whole = std::round(period);
+  if (whole < 1e15 && std::abs(period - whole) < 1e-9 * whole) {
+    const auto samples = static_cast<std::size_t>(whole);
+    return static_cast<double>(i % samples) / static_cast<double>(samples);
+  }
+  const double turns = s.step_s * static_cast<double>(i) * s.frequency.value;
   double part = turns - std::floor(turns);
   for (const double corner : {0.0, 0.5, 1.0}) {
     if (std::abs(part - corner) < 1e-12 * std::max(1.0, turns)) part = corner;
@@ -32,21 +39,20 @@ double triangle(double part) {
 
 void fill_triangle(const ReferenceSpec& s, TimeRecord& r) {
   for (std::size_t i = 0; i < r.u.size(); ++i) {
-    r.u[i] = s.offset + s.amplitude * (2.0 * triangle(phase_of(r.time_s(i), s.frequency)) - 1.0);
+    r.u[i] = s.offset + s.amplitude * (2.0 * triangle(phase_of(i, s)) - 1.0);
   }
 }
 
 void fill_sine(const ReferenceSpec& s, TimeRecord& r) {
   for (std::size_t i = 0; i < r.u.size(); ++i) {
-    r.u[i] = s.offset - s.amplitude * std::cos(kTurn * phase_of(r.time_s(i), s.frequency));
+    r.u[i] = s.offset - s.amplitude * std::cos(kTurn * phase_of(i, s));
   }
 }
 
 void fill_stair(const ReferenceSpec& s, TimeRecord& r) {
   if (s.steps < 1 || s.steps > 1000000) throw InputError("a stair needs between 1 and 1000000 steps");
   for (std::size_t i = 0; i < r.u.size(); ++i) {
-    const double level =
-        std::floor(triangle(phase_of(r.time_s(i), s.frequency)) * s.steps * (1.0 + 1e-12)) / s.steps;
+    const double level = std::floor(triangle(phase_of(i, s)) * s.steps * (1.0 + 1e-12)) / s.steps;
     r.u[i] = s.offset + s.amplitude * (2.0 * std::min(level, 1.0) - 1.0);
   }
 }

@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "chain/registry.hpp"
 #include "simulate/record_simulator.hpp"
+#include "simulate/references.hpp"
 #include "simulate/simulate.hpp"
 
 namespace bodesmith::simulate {
@@ -370,6 +371,22 @@ TEST(RecordEngine, AStiffStageStaysAccurate) {
   const auto y = simulate(chain, in, by_record()).y;
   const double lag = 2.0 * 0.12 / (2.0 * kPi * 65100.0);
   for (std::size_t i = 1; i < in.size(); ++i) EXPECT_NEAR(y[i], in.u[i] - lag, 1e-10);
+}
+
+TEST(ExactEngine, LongReferencesAreOneSegmentAHalfPeriod) {
+  const Chain chain{{make_block("lowpass").set("corner_hz", 30.0)}};
+  // A period of whole samples, and one (97 Hz) whose corners lie between samples: rounding must not cut
+  // lines.
+  for (const double hertz : {100.0, 97.0}) {
+    ReferenceSpec spec;
+    spec.frequency = Hertz{hertz};
+    spec.step_s = 1e-5;
+    Options options;
+    options.engine = Engine::exact;
+    const Result got = simulate(chain, make_reference(spec), options);
+    EXPECT_LE(got.stats.steps, hertz == 100.0 ? 200u : 4u * 97u) << hertz;
+    EXPECT_LT(*got.error_estimate, 1e-12);
+  }
 }
 
 }  // namespace

@@ -11,6 +11,7 @@
 #include "chain/registry.hpp"
 #include "simulate/exact_propagator.hpp"
 #include "simulate/record_simulator.hpp"
+#include "simulate/references.hpp"
 #include "simulate/simulate.hpp"
 #include "spice/ngspice.hpp"
 
@@ -139,6 +140,60 @@ BENCHMARK_CAPTURE(engine, cvode_1e6, simulate::Engine::cvode, 1e-4, 1e-6)->Unit(
 BENCHMARK_CAPTURE(engine, cvode_1e9, simulate::Engine::cvode, 1e-4, 1e-9)->Unit(benchmark::kMillisecond);
 BENCHMARK_CAPTURE(engine, record_ten_thousand_samples, simulate::Engine::record, 1e-4, 1e-6)
     ->Unit(benchmark::kMillisecond);
+
+/// Pole-zero blocks in series, poles over `decades` upwards from 1 Hz, a 2 Hz triangle: cost against the
+/// number of blocks. Many decades are stiff (BDF), two are not (Adams).
+void blocks_in_series(benchmark::State& state, simulate::Engine which, double decades) {
+  const auto count = static_cast<int>(state.range(0));
+  chain::Chain chain;
+  for (int i = 0; i < count; ++i) {
+    const double pole = std::pow(10.0, decades * (i + 0.5) / count);
+    const double zero = pole * std::pow(10.0, 0.3 / count);
+    chain.blocks.push_back(make_block("pole_zero").set("pole_hz", pole).set("zero_hz", zero));
+  }
+  simulate::ReferenceSpec spec;
+  spec.frequency = Hertz{2.0};
+  spec.step_s = 1e-3;
+  const TimeRecord input = simulate::make_reference(spec);
+  simulate::Options options;
+  options.engine = which;
+  options.relative_tolerance = 1e-6;
+  options.absolute_tolerance = 1e-8;
+  options.estimate_error = false;
+  simulate::Result result;
+  for (auto _ : state) result = simulate::simulate(chain, input, options);
+  state.counters["steps"] = static_cast<double>(result.stats.steps);
+  state.counters["evaluations"] = static_cast<double>(result.stats.evaluations);
+}
+BENCHMARK_CAPTURE(blocks_in_series, cvode_stiff, simulate::Engine::cvode, 5.0)
+    ->Arg(10)
+    ->Arg(50)
+    ->Arg(200)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(blocks_in_series, cvode_not_stiff, simulate::Engine::cvode, 1.5)
+    ->Arg(10)
+    ->Arg(50)
+    ->Arg(200)
+    ->Unit(benchmark::kMillisecond);
+BENCHMARK_CAPTURE(blocks_in_series, record, simulate::Engine::record, 5.0)
+    ->Arg(10)
+    ->Arg(50)
+    ->Arg(200)
+    ->Unit(benchmark::kMillisecond);
+
+/// A million, half and a quarter of that: cost against the number of samples.
+void exact_samples(benchmark::State& state) {
+  const auto segments = generator(1.0);
+  const auto count = static_cast<std::size_t>(state.range(0));
+  simulate::ExactPropagator exact(simulate::ModalSystem::from(sections(8)), 1.0 / static_cast<double>(count));
+  std::vector<double> y(count + 1);
+  for (auto _ : state) {
+    exact.reset();
+    exact.run(segments, 0.0, y);
+    benchmark::DoNotOptimize(y.data());
+  }
+}
+BENCHMARK(exact_samples)->Arg(250000)->Arg(500000)->Arg(1000000)->Unit(benchmark::kMillisecond);
 
 void ngspice_ideal(benchmark::State& state) {
   if (!ngspice_available()) {

@@ -7,7 +7,6 @@
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
-#include "base/text.hpp"
 #include "simulate/tracking_periodic.hpp"
 #include "simulate/tracking_time.hpp"
 
@@ -80,88 +79,6 @@ void check(const TrackingPlant& plant, const std::vector<TrackingDesign>& design
   }
 }
 
-bool is_plain(const TrackingDesign& d) {
-  const auto plain = [](const Compensator& c) {
-    return std::holds_alternative<Uncompensated>(c) || std::holds_alternative<ConstantGain>(c);
-  };
-  return plain(d.ascending) && plain(d.descending);
-}
-
-bool is_absent(const TrackingDesign& d) {
-  return std::holds_alternative<Uncompensated>(d.ascending) &&
-         std::holds_alternative<Uncompensated>(d.descending);
-}
-
-std::string list_of(const std::vector<double>& hz) {
-  std::vector<std::string> out;
-  for (const double f : hz) out.push_back(rounded_text(f));
-  return join(out, ", ") + " Hz";
-}
-
-std::string percent(double value) {
-  return rounded_text(value, 3) + " %";
-}
-
-/// Designs that rate compensation made worse than a plain one.
-void find_worse(const std::vector<TrackingDesign>& designs, TrackingReport& report,
-                const TrackingOptions& options) {
-  for (const TrackingDesign& plain : designs) {
-    if (!is_plain(plain)) continue;
-    for (const TrackingDesign& d : designs) {
-      if (is_plain(d)) continue;
-      std::vector<double> where;
-      const TrackingCase* worst = nullptr;
-      double worst_plain = 0.0;
-      for (const Hertz f : options.frequencies) {
-        const TrackingCase* mine = report.find(f, d.name);
-        const TrackingCase* other = report.find(f, plain.name);
-        if (mine->rms_percent_without_lag <= 1.001 * other->rms_percent_without_lag) continue;
-        where.push_back(f.value);
-        if (worst == nullptr || mine->rms_percent_without_lag - other->rms_percent_without_lag >
-                                    worst->rms_percent_without_lag - worst_plain) {
-          worst = mine;
-          worst_plain = other->rms_percent_without_lag;
-        }
-      }
-      if (worst == nullptr) continue;
-      report.findings.push_back(
-          fmt::format("'{}' tracks worse than '{}' at {}: {} of range rms instead of {} at {} Hz (pure delay "
-                      "removed). {}",
-                      d.name, plain.name, list_of(where), percent(worst->rms_percent_without_lag),
-                      percent(worst_plain), rounded_text(worst->frequency.value),
-                      is_absent(plain) ? "The compensation does harm there."
-                                       : "It matches the gain at the fundamental but turns the phase of a "
-                                         "waveform that has harmonics; "
-                                         "fit to the waveform instead (fit --waveform)."));
-    }
-  }
-}
-
-void find_losses(const std::vector<TrackingDesign>& designs, TrackingReport& report,
-                 const TrackingOptions& options) {
-  std::string from;
-  std::string to;
-  double largest = 0.0;
-  for (const TrackingDesign& d : designs) {
-    if (d.made_from.empty()) continue;
-    const TrackingCase* worst = nullptr;
-    for (const Hertz f : options.frequencies) {
-      const TrackingCase* c = report.find(f, d.name);
-      if (worst == nullptr || c->lost_rms_percent > worst->lost_rms_percent) worst = c;
-    }
-    report.findings.push_back(fmt::format(
-        "From '{}' to '{}' the compensating waveform changes by at most {} of the stroke rms (at {} Hz).",
-        d.made_from, d.name, percent(worst->lost_rms_percent), rounded_text(worst->frequency.value)));
-    if (worst->lost_rms_percent > largest) {
-      largest = worst->lost_rms_percent;
-      from = d.made_from;
-      to = d.name;
-    }
-  }
-  if (!from.empty())
-    report.findings.push_back(fmt::format("Most accuracy is lost between '{}' and '{}'.", from, to));
-}
-
 /// The design as it is at one operating frequency: a scheduled gain has become a constant one.
 TrackingDesign settled_at(const TrackingDesign& design, Hertz frequency) {
   TrackingDesign out = design;
@@ -209,7 +126,6 @@ Json TrackingReport::to_json(bool with_waveforms) const {
     }
     out["cases"].push_back(std::move(item));
   }
-  out["findings"] = findings;
   return out;
 }
 
@@ -285,8 +201,6 @@ TrackingReport track(const TrackingPlant& plant, const std::vector<TrackingDesig
       progress.at(static_cast<double>(report.cases.size()) / total);
     }
   }
-  find_worse(designs, report, options);
-  find_losses(designs, report, options);
   report.compute_s = watch.seconds();
   return report;
 }

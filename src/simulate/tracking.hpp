@@ -136,12 +136,10 @@ struct TrackingCase {
 
 struct TrackingReport {
   std::vector<TrackingCase> cases;  ///< designs within frequencies, in the order given
-  std::vector<std::string>
-      findings;  ///< sentences for a person: where accuracy is lost, what is worse than none
   double compute_s = 0.0;
 
   const TrackingCase* find(Hertz frequency, const std::string& design) const;
-  /// {"cases": [...], "findings": [...]}, waveforms only if `with_waveforms`; without a header.
+  /// {"cases": [...]}, waveforms only if `with_waveforms`; without a header.
   Json to_json(bool with_waveforms = false) const;
 };
 

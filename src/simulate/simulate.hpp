@@ -13,7 +13,7 @@ namespace bodesmith::simulate {
 /// How a chain is worked out.
 enum class Engine {
   automatic,  ///< exact where the chain and its input allow it, else record, its step halved until the
-              ///< tolerance is met
+              ///< tolerance is met; where a kink keeps it from that, cvode if that does better
   record,     ///< sample to sample with the step as given, see record_simulator.hpp
   exact,      ///< closed form between the corners of the input, see exact_engine.hpp; an error where there is
               ///< none

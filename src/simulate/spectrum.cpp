@@ -75,6 +75,7 @@ Spectrum spectrum_of(std::span<const double> x, double start_s, double step_s, b
     out.phase_deg.push_back(to_degrees(std::arg(line)));
     largest = std::max(largest, out.amplitude.back());
   }
+  out.phase_deg[0] = lines[0].real() < 0.0 ? 180.0 : 0.0;
   for (std::size_t k = 0; k < out.amplitude.size(); ++k) {
     if (out.amplitude[k] <= 1e-10 * largest) out.phase_deg[k] = 0.0;
   }

@@ -2,10 +2,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
 #include "base/document.hpp"
 #include "base/files.hpp"
 #include "run_program.hpp"
+#include "signal/csv.hpp"
 #include "signal/time_record.hpp"
 #include "temporary_folder.hpp"
 
@@ -117,6 +119,156 @@ TEST_F(SimulateCommand, AnUnstableSpringIsSaidNotReturned) {
       run_bodesmith("simulate " + file("soft.toml") + " --input " + file("u.csv") + " -o " + file("out.csv"));
   EXPECT_EQ(done.status, 2) << done.out;
   EXPECT_NE(done.err.find("without bound"), std::string::npos) << done.err;
+}
+
+TEST_F(SimulateCommand, SpectraAndLoopsOfALagAreItsClosedForm) {
+  write_file(folder / "lag.toml",
+             "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"lowpass\"\ncorner_hz = 10.0\n");
+  const auto done = run_bodesmith("simulate " + file("lag.toml") +
+                                  " --reference sine --frequency-hz 10 --step-s 1e-4 --duration-s 2 -o " +
+                                  file("y.csv") + " --spectra " + file("s.csv") + " --loops " +
+                                  file("l.csv") + " --report " + file("r.html") + " --json");
+  ASSERT_EQ(done.status, 0) << done.err;
+  const Node summary = parse_json(done.out, "summary");
+  const Node first = summary.at("spectra").at("harmonics")[0];
+  EXPECT_NEAR(first.at("frequency_hz").number(), 10.0, 1e-9);
+  // Straight lines between samples take 3e-6 off the sine. At its corner a lag has 1/sqrt 2 and -45 degrees;
+  // the loop's height over the range of y is sin 45.
+  EXPECT_NEAR(first.at("y_amplitude").number() / first.at("u_amplitude").number(), std::sqrt(0.5), 5e-6);
+  EXPECT_NEAR(first.at("y_phase_deg").number() - first.at("u_phase_deg").number(), -45.0, 1e-4);
+  EXPECT_LT(summary.at("spectra").at("thd_percent").at("y").number(), 1e-4);
+  EXPECT_EQ(summary.at("loops").at("periods").integer(0, 100), 20);
+  EXPECT_NEAR(summary.at("loops").at("height_percent").number(), 100.0 * std::sqrt(0.5), 1e-3);
+  const Csv spectra = Csv::parse(read_file(folder / "s.csv"), "s.csv");
+  ASSERT_EQ(spectra.rows(), 501u);
+  EXPECT_EQ(spectra.column("harmonic")[3], 3.0);
+  const Csv loops = Csv::parse(read_file(folder / "l.csv"), "l.csv");
+  EXPECT_EQ(loops.rows(), 20u * 101u);
+  EXPECT_GT(loops.column("descending").back(), loops.column("ascending").back());
+  const std::string page = read_file(folder / "r.html");
+  EXPECT_NE(page.find("Total harmonic distortion"), std::string::npos);
+  EXPECT_EQ(page.find("nan"), std::string::npos);
+}
+
+TEST_F(SimulateCommand, WhatDoesNotRepeatIsSaidToBeWindowed) {
+  const auto done =
+      run_bodesmith("simulate " + file("model.toml") + " --reference chirp --last-hz 50 -o " + file("y.csv") +
+                    " --spectra " + file("s.csv") + " --report " + file("r.svg"));
+  ASSERT_EQ(done.status, 0) << done.err;
+  EXPECT_NE(done.err.find("does not repeat itself"), std::string::npos) << done.err;
+  EXPECT_EQ(read_file(folder / "s.csv").find("harmonic"), std::string::npos);
+  EXPECT_TRUE(read_file(folder / "r.svg").starts_with("<svg"));
+}
+
+TEST_F(SimulateCommand, SweepsCarryLoopsSpectraAndPictures) {
+  const std::string sweep =
+      "simulate " + file("model.toml") +
+      " --sweep-frequency-hz 1,10 --sweep-amplitude 0.2,0.5 --samples-per-period 100 -o " + file("sweep.csv");
+  const auto done = run_bodesmith(sweep + " --spectra " + file("s.csv") + " --loops " + file("l.csv") +
+                                  " --report " + file("r.html"));
+  ASSERT_EQ(done.status, 0) << done.err;
+  const Csv spectra = Csv::parse(read_file(folder / "s.csv"), "s.csv");
+  ASSERT_EQ(spectra.rows(), 4u * 51u);
+  EXPECT_EQ(spectra.column("frequency_hz").back(), 10.0);
+  EXPECT_NEAR(spectra.column("u_amplitude")[1], 0.2 * 8.0 / (M_PI * M_PI), 1e-3);
+  const Csv loops = Csv::parse(read_file(folder / "l.csv"), "l.csv");
+  EXPECT_GT(loops.rows(), 300u);
+  EXPECT_NE(read_file(folder / "r.html").find("Loop height"), std::string::npos);
+  EXPECT_EQ(run_bodesmith(sweep + " --resume --loops " + file("l.csv")).status, 2);
+}
+
+/// A loop on the command line, exactly and in CVODE.
+struct SimulateLoop : SimulateCommand {
+  void SetUp() override {
+    write_file(folder / "plant.toml",
+               "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 1.3\n[[block]]\n"
+               "type = \"lowpass\"\ncorner_hz = 200.0\n");
+    write_file(folder / "inverse.toml",
+               "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 0.7\n");
+    write_controller("");
+  }
+  void write_controller(const std::string& more) {
+    write_file(
+        folder / "pid.toml",
+        "schema = \"bodesmith.controller/1\"\ntype = \"pid\"\nkp = 0.3\nki_per_s = 120.0\nkd_s = 1e-4\n"
+        "derivative_corner_hz = 500.0\n" +
+            more);
+  }
+  Csv run(const std::string& more, const std::string& table = "y.csv") {
+    const auto done =
+        run_bodesmith("simulate " + file("plant.toml") + " --controller " + file("pid.toml") +
+                      " --reference triangle --frequency-hz 5 -o " + file(table) + " --json " + more);
+    EXPECT_EQ(done.status, 0) << done.err;
+    if (done.status == 0) summary = std::make_unique<Node>(parse_json(done.out, "summary"));
+    return Csv::parse(read_file(folder / table), table);
+  }
+  std::unique_ptr<Node> summary;
+};
+
+TEST_F(SimulateLoop, EnginesAgreeContinuousAndSampled) {
+  for (const std::string& more :
+       {std::string(), std::string("sample_s = 0.002\n"), std::string("feedforward = \"inverse.toml\"\n")}) {
+    write_controller(more);
+    const Csv exact = run("--engine exact");
+    EXPECT_EQ(summary->at("engine").string(), "exact");
+    EXPECT_LT(summary->at("error_estimate").number(), 1e-12);
+    EXPECT_EQ(exact.names(), (std::vector<std::string>{"time_s", "r", "u", "y"}));
+    const Csv cvode = run("--engine cvode --tolerance 1e-11");
+    EXPECT_EQ(summary->at("engine").string(), "cvode");
+    for (std::size_t i = 0; i < exact.rows(); ++i) {
+      ASSERT_NEAR(exact.column("y")[i], cvode.column("y")[i], 1e-9) << more << i;
+      ASSERT_NEAR(exact.column("u")[i], cvode.column("u")[i], 1e-7) << more << i;
+    }
+    EXPECT_LT(summary->at("tracking_error").at("rms_percent_of_range").number(), 20.0);
+  }
+}
+
+TEST_F(SimulateLoop, FeedForwardHelpsAndADriveFileIsTheSame) {
+  run("");
+  const double alone = summary->at("tracking_error").at("rms").number();
+  write_controller("feedforward = \"inverse.toml\"\n");
+  const Csv hybrid =
+      run("--spectra " + file("s.csv") + " --loops " + file("l.csv") + " --report " + file("r.html"));
+  EXPECT_LT(summary->at("tracking_error").at("rms").number(), 0.5 * alone);
+  EXPECT_NE(read_file(folder / "s.csv").find("r_amplitude"), std::string::npos);
+  EXPECT_NE(read_file(folder / "r.html").find("Tracking error"), std::string::npos);
+  std::string drive = "time_s,u\n";
+  for (std::size_t i = 0; i < hybrid.rows(); ++i)
+    drive += std::to_string(1e-3 * static_cast<double>(i)) + "," +
+             std::to_string(0.7 * hybrid.column("r")[i]) + "\n";
+  write_file(folder / "drive.csv", drive);
+  write_controller("feedforward = \"drive.csv\"\n");
+  const Csv same = run("");
+  for (std::size_t i = 0; i < same.rows(); ++i) ASSERT_NEAR(same.column("y")[i], hybrid.column("y")[i], 2e-6);
+  // A sweep of the loop: its table shrinks with the frequency.
+  write_controller("feedforward = \"inverse.toml\"\n");
+  const auto sweep = run_bodesmith("simulate " + file("plant.toml") + " --controller " + file("pid.toml") +
+                                   " --sweep-frequency-hz 1,20 -o " + file("sweep.csv"));
+  ASSERT_EQ(sweep.status, 0) << sweep.err;
+  const Csv table = Csv::parse(read_file(folder / "sweep.csv"), "sweep.csv");
+  EXPECT_LT(table.column("rms_percent")[0], table.column("rms_percent")[1]);
+}
+
+TEST_F(SimulateLoop, BadControllersNameTheirLine) {
+  const auto refused = [&](const std::string& more, const std::string& words) {
+    write_controller(more);
+    const auto done = run_bodesmith("simulate " + file("plant.toml") + " --controller " + file("pid.toml") +
+                                    " --reference triangle --frequency-hz 5 -o " + file("none.csv"));
+    EXPECT_EQ(done.status, 2) << more;
+    EXPECT_EQ(std::count(done.err.begin(), done.err.end(), '\n'), 1) << done.err;
+    EXPECT_NE(done.err.find(words), std::string::npos) << done.err;
+    EXPECT_FALSE(std::filesystem::exists(folder / "none.csv"));
+  };
+  refused("sample_s = 0\n", "pid.toml:7:");
+  refused("ki = 3\n", "pid.toml:7:");
+  refused("lower = 2.0\nupper = 1.0\n", "pid.toml:8:");
+  refused("feedforward = \"nothing.toml\"\n", "pid.toml:7:");
+  write_file(folder / "short.csv", "time_s,u\n0,0\n0.001,0.1\n");
+  refused("feedforward = \"short.csv\"\n", "short.csv");
+  write_controller("");
+  write_file(folder / "plant.toml",
+             "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 1.3\n");
+  refused("", "answers its drive at once");
 }
 
 }  // namespace

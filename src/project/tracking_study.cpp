@@ -128,8 +128,13 @@ void keep_period(const simulate::TrackingReport& report, const std::vector<Choic
   }
 }
 
-/// "1, 10 and 100 Hz".
+/// "1, 10 and 100 Hz"; "12 frequencies from 1 to 5000 Hz" when there are many.
 std::string frequency_list(const std::vector<Hertz>& frequencies) {
+  if (frequencies.size() > 6) {
+    const auto [low, high] = std::minmax_element(frequencies.begin(), frequencies.end());
+    return fmt::format("{} frequencies from {} to {} Hz", frequencies.size(), rounded_text(low->value),
+                       rounded_text(high->value));
+  }
   std::vector<std::string> parts;
   for (const Hertz f : frequencies) parts.push_back(rounded_text(f.value));
   std::string last = parts.back();
@@ -137,25 +142,30 @@ std::string frequency_list(const std::vector<Hertz>& frequencies) {
   return (parts.empty() ? last : join(parts, ", ") + " and " + last) + " Hz";
 }
 
-/// The surprise of the first seed's method: the magnitude is met, and the waveform gets worse.
+/// The surprise of the first seed's method: the magnitude is met, and the waveform gets worse. Pure delay is
+/// no matter of the compensator: figures without it.
 void find_worse_than_constant(const Budget& budget, TrackingStudy& study) {
   const TrackedDesign* constant = study.find("polynomial");
   const TrackedDesign* cascade = study.find("cascade");
   std::vector<Hertz> worse;
+  size_t most = 0;
+  const auto excess = [&](size_t i) {
+    return cascade->rms_percent_without_lag[i] - constant->rms_percent_without_lag[i];
+  };
   for (size_t i = 0; i < study.frequency.size(); ++i) {
-    if (cascade->rms_percent[i] > 1.02 * constant->rms_percent[i]) worse.push_back(study.frequency[i]);
+    if (cascade->rms_percent_without_lag[i] > 1.02 * constant->rms_percent_without_lag[i])
+      worse.push_back(study.frequency[i]);
+    if (excess(i) > excess(most)) most = i;
   }
   if (worse.empty()) return;
-  const auto highest = static_cast<size_t>(std::max_element(study.frequency.begin(), study.frequency.end()) -
-                                           study.frequency.begin());
   study.findings.push_back(fmt::format(
       "Magnitude-only compensation is worse than the constant polynomial at {} ({} % of range rms instead of "
-      "{} % at {} Hz): "
+      "{} % at {} Hz, pure delay removed): "
       "it meets the gain at the fundamental, but turns the phase of a waveform that has harmonics. Fit the "
       "waveform instead: "
       "bodesmith fit --waveform.",
-      frequency_list(worse), rounded_text(cascade->rms_percent[highest], 3),
-      rounded_text(constant->rms_percent[highest], 3), rounded_text(study.frequency[highest].value)));
+      frequency_list(worse), rounded_text(cascade->rms_percent_without_lag[most], 3),
+      rounded_text(constant->rms_percent_without_lag[most], 3), rounded_text(study.frequency[most].value)));
   if (budget.magnitude_only_is_worse) {
     study.findings.push_back(fmt::format(
         "Over all tracked frequencies the cascade's compensating waveform is off by {} % of range at worst, "
@@ -166,18 +176,22 @@ void find_worse_than_constant(const Budget& budget, TrackingStudy& study) {
   }
 }
 
+double worst_of(const TrackedDesign& design) {
+  return *std::max_element(design.rms_percent_without_lag.begin(), design.rms_percent_without_lag.end());
+}
+
 /// A filter turns phase whatever its order; a gain driven by the frequency does not.
 void find_what_a_schedule_would_do(TrackingStudy& study) {
   const TrackedDesign* scheduled = study.find("scheduled");
   const TrackedDesign* waveform = study.find("waveform");
   if (waveform == nullptr) waveform = study.find("sections");
   if (scheduled == nullptr || waveform == nullptr) return;
-  const double with = *std::max_element(scheduled->rms_percent.begin(), scheduled->rms_percent.end());
-  const double without = *std::max_element(waveform->rms_percent.begin(), waveform->rms_percent.end());
+  const double with = worst_of(*scheduled);
+  const double without = worst_of(*waveform);
   if (with > 0.5 * without) return;
   study.findings.push_back(
       fmt::format("No linear filter does what a gain set by the measured frequency does: {} % of range rms "
-                  "at worst, against {} % with '{}'.",
+                  "at worst (pure delay removed), against {} % with '{}'.",
                   rounded_text(with, 3), rounded_text(without, 3), waveform->name));
 }
 
@@ -205,6 +219,32 @@ void find_largest_loss(const std::vector<Choice>& all, const simulate::TrackingR
                   rounded_text(largest->frequency.value)));
 }
 
+/// Where a figure says less than it seems to.
+void find_beyond_what_is_known(const Project& project, const Design& design, TrackingStudy& study) {
+  const std::vector<Hertz>& known = project.target.disturbance.rate.frequency;
+  std::vector<Hertz> beyond;
+  for (const Hertz f : study.frequency) {
+    if (!known.empty() && f.value > 1.001 * known.back().value) beyond.push_back(f);
+  }
+  if (!beyond.empty()) {
+    study.findings.push_back(fmt::format(
+        "The disturbance's gains are known up to {} Hz; at {} the stage keeps the last of them, so these "
+        "figures tell of phase, lag and clock, not of the stage's own rate dependence there.",
+        rounded_text(known.back().value), frequency_list(beyond)));
+  }
+  if (!design.plan) return;
+  const Hertz clock = clocked(*design.plan, true).clock;
+  std::vector<Hertz> sampled;
+  for (const Hertz f : study.frequency) {
+    if (f.value > 0.05 * clock.value) sampled.push_back(f);
+  }
+  if (sampled.empty()) return;
+  study.findings.push_back(
+      fmt::format("The FPAA samples at {} Hz, fewer than twenty times a period at {}: its compensating "
+                  "waveform is then stairs, and noise above half the clock.",
+                  rounded_text(clock.value), frequency_list(sampled)));
+}
+
 }  // namespace
 
 TrackingStudy study_tracking(const Project& project, const Design& design, const Budget& budget) {
@@ -224,11 +264,13 @@ TrackingStudy study_tracking(const Project& project, const Design& design, const
   study.frequency = project.track.frequency;
   study.compute_s = report.compute_s;
   for (const Choice& choice : all) {
-    TrackedDesign tracked{choice.key, choice.design.name, {}, {}};
+    TrackedDesign tracked{choice.key, choice.design.name, {}, {}, {}, {}};
     for (const Hertz f : study.frequency) {
       const simulate::TrackingCase* found = report.find(f, choice.design.name);
       tracked.rms_percent.push_back(found->rms_percent);
       tracked.max_percent.push_back(found->max_percent);
+      tracked.rms_percent_without_lag.push_back(found->rms_percent_without_lag);
+      tracked.lag_s.push_back(found->lag_s);
       // A clocked chain's images are not in the harmonic computation: there the difference is no error of
       // either.
       if (found->method == "cvode" && !found->check_method.empty()) {
@@ -242,6 +284,7 @@ TrackingStudy study_tracking(const Project& project, const Design& design, const
   find_worse_than_constant(budget, study);
   find_what_a_schedule_would_do(study);
   find_largest_loss(all, report, study);
+  find_beyond_what_is_known(project, design, study);
   return study;
 }
 

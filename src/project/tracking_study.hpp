@@ -15,6 +15,8 @@ struct TrackedDesign {
   std::string name;                 ///< for a person
   std::vector<double> rms_percent;  ///< of the range (first seed, eq. 8), one a frequency
   std::vector<double> max_percent;
+  std::vector<double> rms_percent_without_lag;  ///< the best pure delay of the reference taken out
+  std::vector<double> lag_s;                    ///< that delay
 };
 
 /// One period of the steady state, for the time plots.

@@ -22,7 +22,9 @@ Json TrackingStudy::to_json() const {
     out["designs"].push_back({{"key", design.key},
                               {"name", design.name},
                               {"rms_percent", design.rms_percent},
-                              {"max_percent", design.max_percent}});
+                              {"max_percent", design.max_percent},
+                              {"rms_percent_without_lag", design.rms_percent_without_lag},
+                              {"lag_s", design.lag_s}});
   }
   out["cross_check_percent"] = largest_cross_check_percent;
   out["findings"] = findings;
@@ -35,6 +37,8 @@ std::string TrackingStudy::csv() const {
   for (const Hertz f : frequency) hertz.push_back(f.value);
   writer.add("frequency_hz", hertz);
   for (const TrackedDesign& design : designs) writer.add(design.key + "_percent", design.rms_percent);
+  for (const TrackedDesign& design : designs)
+    writer.add(design.key + "_without_lag_percent", design.rms_percent_without_lag);
   return writer.text();
 }
 

@@ -25,8 +25,9 @@ DenseSignal DenseSignal::from_record(const TimeRecord& record) {
       const auto steps = static_cast<double>(last + 1 - first);
       const double rise = u[last + 1] - u[first];
       if (rise < least * steps || rise > most * steps) break;
-      least = std::max(least, (rise - close) / steps);
-      most = std::min(most, (rise + close) / steps);
+      const double part = 1.0 / steps;
+      least = std::max(least, (rise - close) * part);
+      most = std::min(most, (rise + close) * part);
       ++last;
     }
     Piece p;

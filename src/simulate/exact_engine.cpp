@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <span>
 
 #include "chain/linear_kernel.hpp"
 #include "simulate/dense_signal.hpp"
@@ -164,12 +165,12 @@ std::optional<ExactOutcome> run_exact_engine(const chain::Chain& chain, const Ti
   // With a delay the output at t is that of t - delay: the first samples still show what was before.
   const double shift = linear.delay_s / input.step_s;
   const auto skipped = static_cast<std::size_t>(std::min(std::ceil(shift - 1e-9), static_cast<double>(n)));
-  std::vector<double> y(n - skipped);
+  const std::span<double> y(out.y.data() + skipped, n - skipped);
   propagator.run(segments, input.time_s(skipped) - linear.delay_s, y);
   double size = 0.0;
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    out.y[skipped + i] = y[i] + after;
-    size = std::max(size, std::abs(y[i]));
+  for (double& v : y) {
+    size = std::max(size, std::abs(v));
+    v += after;
   }
   out.rounding = 4e-16 * condition * size * (1.0 + static_cast<double>(linear.order));
   return out;

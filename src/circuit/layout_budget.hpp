@@ -5,12 +5,13 @@
 
 #include "base/json.hpp"
 #include "circuit/layout.hpp"
+#include "circuit/layout_bench.hpp"
 
 namespace bodesmith {
 
 /// What multipliers and op-amps do wrong at rest. The figures are parameters, to be set for the parts that
 /// are bought:
-///   W = (X + input_offset)(Y + input_offset)/(U (1 + scale_error)) (1 + nonlinearity) + output_offset.
+///   W = (X + input_offset)(Y + input_offset)/(U (1 + scale_error)) (1 + nonlinearity) + Z + output_offset.
 /// An offset at one input is the feedthrough of the other: input_offset/U of it comes through.
 struct LayoutErrors {
   double input_offset_v = 3e-3;
@@ -20,6 +21,12 @@ struct LayoutErrors {
   double opamp_offset_v = 0.5e-3;
   double resistor_percent = 0.1;
   double switch_ohm_percent = 20.0;
+
+  /// Every departure of a multiplier at its limit, all positive.
+  MultiplierOff multiplier_at_limit() const {
+    return {input_offset_v, input_offset_v, output_offset_v, scale_percent / 100.0,
+            nonlinearity_percent / 100.0};
+  }
 };
 
 /// One cause, alone, at its limit: greatest change of d(x) over x in [0, 1], percent of the range of x.
@@ -33,11 +40,9 @@ struct LayoutBudget {
   std::vector<LayoutBudgetLine> lines;  ///< largest first
   std::vector<double> rss_percent;      ///< root of the sum of squares, one a branch
   std::vector<double> worst_percent;    ///< sum
-  /// Shared powers (what is laid out) against Horner's scheme, which makes every branch on its own.
-  int shared_multipliers = 0, horner_multipliers = 0;
-  int shared_depth = 0, horner_depth = 0;  ///< multipliers in series: bandwidth and delay
-  double shared_worst_percent = 0.0,
-         horner_worst_percent = 0.0;  ///< multipliers' offsets and scales alone, sum, worst branch
+  /// What the amplitude gains add, worst alpha of the table; empty without them.
+  std::vector<LayoutBudgetLine> amplitude_lines;
+  std::vector<double> amplitude_rss_percent;  ///< with the causes of `lines`
 
   Json to_json() const;
 };

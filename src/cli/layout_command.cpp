@@ -7,9 +7,11 @@
 #include "base/text.hpp"
 #include "circuit/layout.hpp"
 #include "circuit/layout_budget.hpp"
+#include "circuit/layout_timing.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "spice/emit.hpp"
+#include "spice/emit_disturbance.hpp"
 #include "spice/layout_check.hpp"
 #include "spice/ngspice.hpp"
 
@@ -20,30 +22,161 @@ namespace po = boost::program_options;
 
 void declare(CommandLine& line) {
   line.positional("DISTURBANCE.json", 1, 1);
-  line.output("folder for layout.json, disturbance.sub and layout.svg");
+  line.output(
+      "folder for layout.json, disturbance.sub (with amplitude gains also disturbance_amplitude.sub), "
+      "parts.csv and layout.svg");
   const LayoutOptions defaults;
   line.options().add_options()("series", po::value<std::string>()->default_value("E96"),
                                "series of the resistors, E3 to E192 or exact")(
+      "scheme", po::value<std::string>()->default_value("auto"),
+      "how the polynomials are split for multipliers: shared (powers), horner, 2 to 6 (that many powers to a "
+      "group), or auto: fewest multipliers among those of small error and large bandwidth")(
       "multiplier-scale-v", po::value<double>()->default_value(defaults.multiplier.scale_v),
-      "U in W = X Y/U + Z")("switch-ohm", po::value<double>()->default_value(defaults.switch_on_ohm),
-                            "on-resistance of the branch switch")(
+      "U in W = X Y/U + Z")("switch-ohm", po::value<double>(),
+                            "on-resistance of the branch switch; this and the next four are absent: typical "
+                            "for an ADG413 (up to two "
+                            "branches) or an ADG408, assumed")("switch-delay-s", po::value<double>(),
+                                                               "from the control to the new contact")(
+      "switch-gap-s", po::value<double>(), "break before make: both contacts open")(
+      "switch-charge-c", po::value<double>(), "charge that an opening contact leaves")(
+      "switch-drain-f", po::value<double>(), "capacitance of the common node for each contact")(
       "full-scale-v", po::value<double>()->default_value(defaults.full_scale_v),
-      "greatest voltage at any node")(
+      "greatest voltage at any node but the output")(
       "lowest-hz", po::value<double>()->default_value(defaults.lowest.value),
       "lowest reference frequency (triangle) that the slope detector must see")(
-      "check", "run ngspice: static, and triangles at 100 Hz and 5 kHz")(
+      "highest-hz", po::value<double>()->default_value(defaults.highest.value),
+      "highest reference frequency: late switching is stated there")(
+      "check", "run ngspice: static, triangles at 100 Hz and the highest frequency, one change of branch")(
       "max-error-percent", po::value<double>(),
       "exit with 1 when d(x) is off by more percent of the range of x");
 }
 
-LayoutOptions read_options(const CommandLine& line) {
+LayoutOptions read_options(const CommandLine& line, size_t branches) {
   LayoutOptions options;
   options.resistors = Series::named(line.get<std::string>("series"));
+  options.scheme = LayoutScheme::named(line.get<std::string>("scheme"));
   options.multiplier.scale_v = line.positive("multiplier-scale-v");
-  options.switch_on_ohm = line.positive("switch-ohm");
   options.full_scale_v = line.positive("full-scale-v");
   options.lowest = Hertz{line.positive("lowest-hz")};
+  options.highest = Hertz{line.positive("highest-hz")};
+  SwitchModel model = SwitchModel::for_branches(branches);
+  const auto set = [&](const char* name, double& value) {
+    if (line.has(name)) value = line.positive(name);
+  };
+  set("switch-ohm", model.on_ohm);
+  set("switch-delay-s", model.on_delay_s);
+  set("switch-gap-s", model.gap_s);
+  set("switch-charge-c", model.charge_c);
+  set("switch-drain-f", model.drain_f);
+  SwitchTimer::of(model);
+  options.analog_switch = model;
   return options;
+}
+
+std::string percent(double value) {
+  return rounded_text(value, 3) + " %";
+}
+
+std::string summary(const DisturbanceLayout& layout, const LayoutBudget& budget, const LayoutTiming& timing) {
+  std::string text = fmt::format("{} multipliers ({}), {} op-amps, branch sums at {} V per unit\n",
+                                 layout.multipliers.size(), layout.multiplier.name, layout.opamps(),
+                                 rounded_text(layout.branch_gain));
+  for (const LayoutCandidate& one : layout.candidates) {
+    text += fmt::format("{} {}: {} multipliers ({} in series), {} op-amps, {} of range rms, {}Hz\n",
+                        one.chosen ? "*" : " ", one.name, one.multipliers, one.depth, one.opamps,
+                        percent(one.rss_percent), engineering_text(one.bandwidth.value, ""));
+  }
+  for (const LayoutBranch& branch : layout.branches) {
+    text +=
+        fmt::format("{}: {} of range from the polynomial\n", branch.name, percent(branch.max_error_percent));
+  }
+  text += fmt::format(
+      "offsets, scales and tolerances (assumed, see layout.json): {} of range rms of all causes, worst "
+      "branch; "
+      "largest: {}\n",
+      percent(*std::max_element(budget.rss_percent.begin(), budget.rss_percent.end())),
+      budget.lines[0].cause);
+  if (layout.amplitude) {
+    text += fmt::format(
+        "amplitude gains: {} rectifiers, {} multipliers, {} of range from the table; {} rms with offsets and "
+        "tolerances\n",
+        layout.amplitude->rectifiers.size(), layout.amplitude->multipliers.size(),
+        percent(layout.amplitude->max_error_percent),
+        percent(*std::max_element(budget.amplitude_rss_percent.begin(), budget.amplitude_rss_percent.end())));
+  }
+  for (const SwitchFigures::Late& one : timing.analog_switch.late) {
+    text += fmt::format(
+        "{} Hz triangle: branch {}s late, steps up to {}, {} rms ({} with the multipliers' limits)\n",
+        rounded_text(one.frequency.value), engineering_text(one.delay_s, ""), percent(one.step_percent),
+        percent(one.rms_percent), percent(one.rms_at_limit_percent));
+  }
+  if (layout.switched()) {
+    text += fmt::format(
+        "switch {}: open for {}s, glitch of {} at full scale; slope detector: {} V/s at least, hysteresis {} "
+        "times its noise\n",
+        layout.analog_switch.name, engineering_text(layout.analog_switch.gap_s, ""),
+        percent(timing.analog_switch.glitch_percent), rounded_text(timing.detector.least_slope_v_per_s, 3),
+        rounded_text(timing.detector.noise_margin, 3));
+  }
+  return text;
+}
+
+std::string check_summary(const LayoutCheck& check, Json& json) {
+  json["ngspice"] = {{"version", ngspice_version()},
+                     {"static_percent", check.static_percent},
+                     {"static_against_program_percent", check.static_against_program},
+                     {"multipliers_at_limit",
+                      {{"static_percent", check.limit_percent},
+                       {"predicted_percent", check.limit_predicted_percent},
+                       {"against_program_percent", check.limit_against_program}}},
+                     {"dynamic", Json::array()}};
+  std::string text = fmt::format(
+      "ngspice: {} of range from the polynomials at rest ({} with the multipliers' limits, predicted {})",
+      percent(check.static_percent), percent(check.limit_percent), percent(check.limit_predicted_percent));
+  for (const LayoutCheck::Dynamic& one : check.dynamic) {
+    json["ngspice"]["dynamic"].push_back({{"frequency_hz", one.frequency.value},
+                                          {"rms_percent", one.rms_percent},
+                                          {"rms_multipliers_at_limit_percent", one.rms_at_limit_percent},
+                                          {"peak_percent", one.peak_percent},
+                                          {"detector_delay_s", one.delay_s},
+                                          {"late_share", one.late_share}});
+    text += fmt::format(", {} rms at {} Hz ({} with limits, detector {}s late)", percent(one.rms_percent),
+                        rounded_text(one.frequency.value), percent(one.rms_at_limit_percent),
+                        engineering_text(one.delay_s, ""));
+  }
+  if (check.change) {
+    json["ngspice"]["change_of_branch"] = {{"x", check.change->x},
+                                           {"delay_s", check.change->delay_s},
+                                           {"glitch_percent", check.change->glitch_percent},
+                                           {"predicted_glitch_percent", check.change->predicted_percent}};
+    text += fmt::format("; a change of branch takes {}s, glitch {} (predicted {})",
+                        engineering_text(check.change->delay_s, ""), percent(check.change->glitch_percent),
+                        percent(check.change->predicted_percent));
+  }
+  if (check.amplitude) {
+    json["ngspice"]["amplitude"] = {{"static_percent", check.amplitude->static_percent},
+                                    {"static_against_program_percent", check.amplitude->against_program},
+                                    {"alpha", check.amplitude->alpha},
+                                    {"frequency_hz", check.amplitude->frequency.value},
+                                    {"rms_percent", check.amplitude->rms_percent}};
+    text += fmt::format("; amplitude gains {} at rest, {} rms at {} Hz and alpha {}",
+                        percent(check.amplitude->static_percent), percent(check.amplitude->rms_percent),
+                        rounded_text(check.amplitude->frequency.value), rounded_text(check.amplitude->alpha));
+  }
+  return text + "\n";
+}
+
+/// The columns of the op-amp circuit's parts.csv, without a section.
+std::string parts_text(const DisturbanceLayout& layout) {
+  std::string out = "part,role,series,wanted_ohm,realised_ohm,wanted_f,realised_f\n";
+  for (const LayoutPart& part : layout.parts) {
+    const std::string values = number_text(part.wanted) + "," + number_text(part.realised);
+    std::string role = part.role;
+    std::replace(role.begin(), role.end(), ',', ';');
+    out += part.name + "," + role + "," + part.series + "," +
+           (part.kind == LayoutPart::Kind::resistor ? values + ",," : ",," + values) + "\n";
+  }
+  return out;
 }
 
 }  // namespace
@@ -53,55 +186,32 @@ int run_layout(const std::vector<std::string>& arguments) {
                    "The disturbance generator as multipliers, weighted sums and a branch switch.");
   declare(line);
   if (!line.parse(arguments)) return kDone;
-  const LayoutOptions options = read_options(line);
   if (line.has("max-error-percent")) line.positive("max-error-percent");
   if (line.has("check") && !ngspice_available()) {
     line.fail("--check needs ngspice, which is not installed (Debian: apt-get install ngspice)");
   }
   Provenance from;
-  const Disturbance disturbance = Disturbance::read(line.files()[0], from);
+  const LayoutInput input = LayoutInput::read(line.files()[0], from);
+  const LayoutOptions options = read_options(line, input.branches.size());
 
   const Stopwatch watch;
-  const DisturbanceLayout layout = layout_disturbance(disturbance, options);
+  const DisturbanceLayout layout = layout_disturbance(input, options);
+  const LayoutBudget budget = layout_budget(layout);
+  const LayoutTiming timing = layout_timing(layout, {options.lowest, Hertz{100}, options.highest});
   const double compute_s = watch.seconds();
   for (const std::string& warning : layout.warnings) note(warning);
 
   Json json = json_header("layout", from);
   json.update(layout.to_json());
-  const LayoutBudget budget = layout_budget(layout);
   json["budget"] = budget.to_json();
+  if (layout.switched()) {
+    json["timing"] = timing.to_json();
+    json["budget"]["transient"] = timing.budget_json();
+  }
   json["timing_s"] = {{"compute", compute_s}};
-  std::string text = fmt::format("{} multipliers ({}), {} op-amps, branch sums at {} V per unit\n",
-                                 layout.multipliers.size(), layout.multiplier.name,
-                                 json["opamps"].get<size_t>(), rounded_text(layout.branch_gain));
-  for (const LayoutBranch& branch : layout.branches) {
-    text += fmt::format("{}: {} % of range from the polynomial\n", branch.name,
-                        rounded_text(branch.max_error_percent, 3));
-  }
-  text += fmt::format(
-      "offsets, scales and tolerances (assumed, see layout.json): {} % of range rms of all causes, worst "
-      "branch; largest: {}\n"
-      "multipliers: {} with shared powers ({} in series), {} with Horner's scheme ({} in series)\n",
-      rounded_text(*std::max_element(budget.rss_percent.begin(), budget.rss_percent.end()), 3),
-      budget.lines[0].cause, budget.shared_multipliers, budget.shared_depth, budget.horner_multipliers,
-      budget.horner_depth);
-  if (line.has("check")) {
-    const LayoutCheck check = check_layout_with_ngspice(layout, {Hertz{100}, Hertz{5000}});
-    json["ngspice"] = {{"version", ngspice_version()},
-                       {"static_percent", check.static_percent},
-                       {"static_against_program_percent", check.static_against_program},
-                       {"dynamic", Json::array()}};
-    text += fmt::format("ngspice: {} % of range from the polynomials at rest",
-                        rounded_text(check.static_percent, 3));
-    for (const LayoutCheck::Dynamic& one : check.dynamic) {
-      json["ngspice"]["dynamic"].push_back({{"frequency_hz", one.frequency.value},
-                                            {"rms_percent", one.rms_percent},
-                                            {"late_share", one.late_share}});
-      text += fmt::format(", {} % rms at {} Hz", rounded_text(one.rms_percent, 3),
-                          rounded_text(one.frequency.value));
-    }
-    text += "\n";
-  }
+  std::string text = summary(layout, budget, timing);
+  if (line.has("check"))
+    text += check_summary(check_layout_with_ngspice(layout, {Hertz{100}, options.highest}), json);
   int status = kDone;
   if (const auto limit = line.maybe<double>("max-error-percent");
       limit && layout.max_error_percent > *limit) {
@@ -109,10 +219,13 @@ int run_layout(const std::vector<std::string>& arguments) {
     json["limit_missed"] = true;
     status = kLimitMissed;
   }
+  const std::string title = fmt::format("disturbance generator from {}", line.files()[0]);
   OutputSet out(line.output_path());
   out.add("layout.json", to_text(json));
-  out.add("disturbance.sub",
-          disturbance_library(layout, fmt::format("disturbance generator from {}", line.files()[0])));
+  out.add("disturbance.sub", disturbance_library(layout, title));
+  if (layout.amplitude)
+    out.add("disturbance_amplitude.sub", disturbance_library(layout, title, {true, std::nullopt}));
+  out.add("parts.csv", parts_text(layout));
   out.add("layout.svg", layout_drawing(layout));
   out.commit();
   print_summary(line, text, json);

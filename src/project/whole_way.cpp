@@ -14,6 +14,7 @@
 #include "project/report_page.hpp"
 #include "signal/csv.hpp"
 #include "spice/emit.hpp"
+#include "spice/emit_disturbance.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::project {
@@ -81,6 +82,10 @@ OutputSet design_files(const WholeWay& way, const fs::path& folder) {
   }
   out.add("layout/layout.json", json_text("layout", way, design.layout.to_json(), design.compute_s));
   out.add("layout/disturbance.sub", disturbance_library(design.layout, way.project.name));
+  if (design.layout.amplitude) {
+    out.add("layout/disturbance_amplitude.sub",
+            disturbance_library(design.layout, way.project.name, {true, std::nullopt}));
+  }
   out.add("layout/disturbance.svg", layout_drawing(design.layout));
   out.add("bode.csv", bode_csv(design, way.budget));
   out.add("bode.svg", stages_svg(way.project, design, way.budget));

@@ -1,63 +1,184 @@
+#include "spice/emit_disturbance.hpp"
+
 #include <fmt/format.h>
+
+#include <algorithm>
 
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "base/version.hpp"
+#include "circuit/layout_timing.hpp"
 #include "spice/deck_text.hpp"
 #include "spice/emit.hpp"
 
 namespace bodesmith {
 namespace {
 
+/// Of the source that pushes the injected charge through Cg, V.
+constexpr double kGateSwing = 10.0;
+
 Json line_of(const LayoutPart& part) {
   return {{"line", fmt::format("{} {} {} {}", part.name, part.from, part.to, spice_number(part.realised))}};
 }
 
-Json branch_json(const DisturbanceLayout& layout, size_t index) {
-  const LayoutBranch& branch = layout.branches[index];
+Json sum_json(const DisturbanceLayout& layout, const LayoutSum& sum) {
   Json resistors = Json::array();
-  bool plus_used = false;
-  for (size_t k = 0; k < branch.weight.size(); ++k) {
-    if (branch.weight[k] < 0) continue;
-    resistors.push_back(line_of(layout.part(branch.weight[k])));
-    plus_used = plus_used || branch.at_plus[k];
-  }
-  resistors.push_back(line_of(layout.part(branch.feedback)));
-  if (branch.balance >= 0) resistors.push_back(line_of(layout.part(branch.balance)));
-  return {{"name", branch.name},
-          {"node", branch.out},
-          {"gain", rounded_text(layout.branch_gain, 6)},
-          {"number", index + 1},
-          {"plus", plus_used ? branch.plus : "0"},
-          {"minus", branch.minus},
+  for (const LayoutSum::Term& term : sum.terms) resistors.push_back(line_of(layout.part(term.part)));
+  resistors.push_back(line_of(layout.part(sum.feedback)));
+  if (sum.balance >= 0) resistors.push_back(line_of(layout.part(sum.balance)));
+  return {{"what", fmt::format("{}: {}", sum.what, sum.out)},
+          {"opamp", sum.opamp},
+          {"plus", sum.plus},
+          {"minus", sum.minus},
+          {"out", sum.out},
           {"resistors", resistors}};
+}
+
+Json multiplier_json(const LayoutMultiplier& m) {
+  return {{"name", m.name}, {"x", m.x}, {"y", m.y}, {"z", m.z}, {"w", m.out}};
+}
+
+/// 1 when the lines (levels lb, l1, l2, …) select this branch.
+std::string logic_of(const DisturbanceLayout& layout, int branch) {
+  const int lines = layout.select_lines();
+  for (int select = 0; select < (1 << lines); ++select) {
+    const bool up = layout.branch_at(select, true) == branch,
+               down = layout.branch_at(select, false) == branch;
+    if (!up && !down) continue;
+    std::vector<std::string> factors;
+    if (up != down) factors.push_back(up ? "v(lb)" : "(1-v(lb))");
+    for (int bit = 0; bit < lines; ++bit)
+      factors.push_back(((select >> bit) & 1) != 0 ? fmt::format("v(l{})", bit + 1)
+                                                   : fmt::format("(1-v(l{}))", bit + 1));
+    return factors.empty() ? "1" : join(factors, "*");
+  }
+  return "0";
+}
+
+std::string codes_of(const DisturbanceLayout& layout) {
+  std::vector<std::string> out;
+  for (int select = 0; select < (1 << layout.select_lines()); ++select) {
+    for (const bool rising : {true, false}) {
+      const int b = layout.branch_at(select, rising);
+      if (b >= 0)
+        out.push_back(fmt::format("{}{}: {}", select, rising ? " up" : " down",
+                                  layout.branches[static_cast<size_t>(b)].name));
+    }
+  }
+  return join(out, ", ");
+}
+
+void add_switch(const DisturbanceLayout& layout, bool amplitude, Json& data) {
+  const SwitchModel& model = layout.analog_switch;
+  const SwitchTimer timer = SwitchTimer::of(model);
+  data["switch"] = model.name;
+  data["on_ohm"] = spice_number(model.on_ohm);
+  data["on_delay_s"] = spice_number(model.on_delay_s);
+  data["off_delay_s"] = spice_number(model.off_delay_s());
+  data["charge_c"] = spice_number(model.charge_c);
+  data["off_siemens"] = spice_number(model.off_siemens);
+  data["on_siemens"] = spice_number(1.0 / std::max(model.on_ohm, 1e-3));
+  data["level"] = spice_number(timer.level);
+  data["timer_f"] = spice_number(timer.tau_s / 1000.0);
+  data["charge_f"] = spice_number(model.charge_c / kGateSwing);
+  data["source_f"] = spice_number(model.source_f);
+  data["drain_f"] = spice_number(std::max(model.drain_f - model.charge_c / kGateSwing, 0.0));
+  data["lines"] = Json::array({{{"level", "lb"}, {"pin", "branch"}}});
+  for (int line = 1; line <= layout.select_lines(); ++line)
+    data["lines"].push_back({{"level", fmt::format("l{}", line)}, {"pin", fmt::format("select{}", line)}});
+  data["channels"] = Json::array();
+  for (size_t b = 0; b < layout.branches.size(); ++b) {
+    data["channels"].push_back(
+        {{"name", fmt::format("S{}", b + 1)},
+         {"enable", fmt::format("e{}", b + 1)},
+         {"logic", logic_of(layout, static_cast<int>(b))},
+         {"from", amplitude ? layout.amplitude->multipliers[b].out : layout.branches[b].out}});
+  }
+  data["detector"] = Json::array();
+  for (const int index : layout.detector) data["detector"].push_back(line_of(layout.part(index)));
+  data["differentiator_opamp"] = fmt::format("XU{}", layout.sums.size() + 2);
+  data["comparator_opamp"] = fmt::format("XU{}", layout.sums.size() + 3);
+}
+
+void add_amplitude(const DisturbanceLayout& layout, Json& data) {
+  const LayoutAmplitude& a = *layout.amplitude;
+  data["rectifiers"] = Json::array();
+  for (const LayoutAmplitude::Rectifier& r : a.rectifiers) {
+    data["rectifiers"].push_back(
+        {{"at", rounded_text(r.realised, 6)},
+         {"node", r.node},
+         {"end", "k" + r.node},
+         {"minus", layout.part(r.feedback).from},
+         {"opamp", r.opamp},
+         {"resistors", Json::array({line_of(layout.part(r.input)), line_of(layout.part(r.reference)),
+                                    line_of(layout.part(r.feedback))})}});
+  }
+  data["controls"] = Json::array();
+  for (const LayoutAmplitude::Control& one : a.controls) {
+    if (one.negative) data["controls"].push_back(sum_json(layout, *one.negative));
+    data["controls"].push_back(sum_json(layout, one.sum));
+  }
+  data["gains"] = Json::array();
+  for (const LayoutMultiplier& m : a.multipliers) data["gains"].push_back(multiplier_json(m));
 }
 
 }  // namespace
 
+std::string disturbance_pins(const DisturbanceLayout& layout, bool amplitude) {
+  std::string out = "x branch";
+  for (int line = 1; line <= layout.select_lines(); ++line) out += fmt::format(" select{}", line);
+  return out + (amplitude ? " amplitude out" : " out");
+}
+
 std::string disturbance_library(const DisturbanceLayout& layout, const std::string& title) {
+  return disturbance_library(layout, title, {});
+}
+
+std::string disturbance_library(const DisturbanceLayout& layout, const std::string& title,
+                                const DisturbanceLibrary& options) {
   Json data;
   data["title"] = title;
   data["version"] = kVersion;
+  data["top"] = options.amplitude ? "disturbance_amplitude" : "disturbance";
+  data["pins"] = disturbance_pins(layout, options.amplitude);
+  data["gain_note"] = options.amplitude ? "With the amplitude gains." : "Without the gain tables.";
   data["first_branch"] = layout.branches[0].name;
+  data["selected"] = layout.select_lines() > 0;
+  data["codes"] = codes_of(layout);
   data["multipliers"] = Json::array();
-  for (const LayoutMultiplier& m : layout.multipliers) {
-    data["multipliers"].push_back({{"name", m.name}, {"x", m.x}, {"y", m.y}, {"w", m.out}});
-  }
-  data["branches"] = Json::array();
-  for (size_t i = 0; i < layout.branches.size(); ++i) data["branches"].push_back(branch_json(layout, i));
-  data["output"] =
-      Json::array({line_of(layout.part(layout.output_input)), line_of(layout.part(layout.output_feedback))});
-  data["output_number"] = layout.branches.size() + 1;
-  data["detector"] = Json::array();
-  for (const int index : layout.detector) data["detector"].push_back(line_of(layout.part(index)));
-  data["switched"] = layout.branches.size() > 1;
-  data["on_ohm"] = spice_number(layout.switch_on_ohm);
-  data["off_siemens"] = "1e-10";
-  data["half_siemens"] = spice_number(0.5 / std::max(layout.switch_on_ohm, 1e-3));
+  for (const LayoutMultiplier& m : layout.multipliers) data["multipliers"].push_back(multiplier_json(m));
+  data["sums"] = Json::array();
+  for (const LayoutSum& sum : layout.sums) data["sums"].push_back(sum_json(layout, sum));
+  data["amplitude"] = options.amplitude;
+  if (options.amplitude) add_amplitude(layout, data);
+  data["switched"] = layout.switched();
+  if (layout.switched()) add_switch(layout, options.amplitude, data);
+  const LayoutPart& input = layout.part(layout.output_input);
+  const std::string from =
+      options.amplitude && !layout.switched() ? layout.amplitude->multipliers[0].out : input.from;
+  const int feedback = options.amplitude ? layout.amplitude->output_feedback : layout.output_feedback;
+  data["output"] = Json::array(
+      {{{"line", fmt::format("{} {} {} {}", input.name, from, input.to, spice_number(input.realised))}},
+       line_of(layout.part(feedback))});
+  data["output_opamp"] = fmt::format("XU{}", layout.sums.size() + 1);
+  const DiodeModel diode;
+  data["diodes"] = layout.switched() || options.amplitude;
+  data["saturation_a"] = spice_number(diode.saturation_a);
+  data["emission"] = spice_number(diode.emission);
+  data["series_ohm"] = spice_number(diode.series_ohm);
+  data["junction_f"] = spice_number(diode.junction_f);
+  data["transit_s"] = spice_number(diode.transit_s);
   data["multiplier"] = layout.multiplier.name;
   data["scale_v"] = spice_number(layout.multiplier.scale_v);
-  data["inverse_scale"] = spice_number(1.0 / layout.multiplier.scale_v);
+  double inverse = 1.0 / layout.multiplier.scale_v;
+  data["spoilt"] = options.errors.has_value();
+  if (options.errors) {
+    const MultiplierOff off = options.errors->multiplier_at_limit();
+    inverse *= (1.0 + off.bend) / (1.0 + off.scale);
+    data["input_offset_v"] = spice_number(off.x);
+    data["output_offset_v"] = spice_number(off.w);
+  }
+  data["inverse_scale"] = spice_number(inverse);
   data["bandwidth_hz"] = spice_number(layout.multiplier.bandwidth.value);
   data["pole_f"] = spice_number(1.0 / layout.multiplier.bandwidth.rad_s().value);
   data["limit_v"] = spice_number(layout.multiplier.greatest_output_v);

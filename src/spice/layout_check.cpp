@@ -5,7 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "spice/emit.hpp"
+#include "circuit/layout_timing.hpp"
+#include "spice/emit_disturbance.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith {
@@ -17,30 +18,70 @@ double polynomial(const std::vector<double>& a, double x) {
   return out;
 }
 
-void check_static(const DisturbanceLayout& layout, const std::string& library, LayoutCheck& out) {
+/// Sources for the select lines.
+std::string select_sources(const DisturbanceLayout& layout, int select) {
+  std::string out;
+  for (int line = 0; line < layout.select_lines(); ++line)
+    out += fmt::format("Vs{0} select{0} 0 {1}\n", line + 1, (select >> line) & 1);
+  return out;
+}
+
+/// Select code and slope that reach a branch.
+std::pair<int, bool> code_of(size_t branch) {
+  return {static_cast<int>(branch) / 2, branch % 2 == 0};
+}
+
+std::vector<double> sweep_branch(const DisturbanceLayout& layout, const std::string& library, size_t branch,
+                                 std::optional<double> alpha, std::vector<double>& x) {
+  const auto [select, rising] = code_of(branch);
+  std::string deck = "static\n.options reltol=1e-6\n" + library +
+                     fmt::format("Vx x 0 0\nVb branch 0 {}\n", rising ? 1 : 0) +
+                     select_sources(layout, select);
+  if (alpha) deck += fmt::format("Va amplitude 0 {:.12g}\n", *alpha);
+  deck += fmt::format("X1 {} disturbance{}\n", disturbance_pins(layout, alpha.has_value()),
+                      alpha ? "_amplitude" : "");
+  const DcSweep sweep = run_dc(deck, "Vx", 0.0, 1.0, 0.01, {"out"}, "disturbance.sub");
+  x = sweep.source_v;
+  return sweep.v[0];
+}
+
+void check_static(const DisturbanceLayout& layout, const std::string& library, const std::string& spoilt,
+                  const LayoutErrors& errors, LayoutCheck& out) {
+  LayoutBench limit(layout);
+  for (MultiplierOff& off : limit.multiplier) off = errors.multiplier_at_limit();
   for (size_t b = 0; b < layout.branches.size(); ++b) {
-    const std::string deck = "static\n.options reltol=1e-6\n" + library +
-                             fmt::format("Vx x 0 0\nVb branch 0 {}\n", b == 0 ? 1 : 0) +
-                             "X1 x branch out disturbance\n";
-    const DcSweep sweep = run_dc(deck, "Vx", 0.0, 1.0, 0.01, {"out"}, "disturbance.sub");
-    for (size_t i = 0; i < sweep.source_v.size(); ++i) {
-      const double x = sweep.source_v[i], v = sweep.v[0][i];
-      out.static_percent =
-          std::max(out.static_percent, 100.0 * std::abs(v - polynomial(layout.branches[b].wanted, x)));
-      out.static_against_program =
-          std::max(out.static_against_program, 100.0 * std::abs(v - layout.branches[b].value(x)));
+    const LayoutBranch& branch = layout.branches[b];
+    std::vector<double> x;
+    const std::vector<double> v = sweep_branch(layout, library, b, std::nullopt, x);
+    const std::vector<double> off = sweep_branch(layout, spoilt, b, std::nullopt, x);
+    const std::vector<double> predicted = limit.curve(b, x);
+    for (size_t i = 0; i < x.size(); ++i) {
+      const double wanted = polynomial(branch.wanted, x[i]);
+      const auto most = [](double& greatest, double value) {
+        greatest = std::max(greatest, 100.0 * std::abs(value));
+      };
+      most(out.static_percent, v[i] - wanted);
+      most(out.static_against_program, v[i] - branch.value(x[i]));
+      most(out.limit_percent, off[i] - wanted);
+      most(out.limit_predicted_percent, predicted[i] - wanted);
+      most(out.limit_against_program, off[i] - predicted[i]);
     }
   }
 }
 
-LayoutCheck::Dynamic check_triangle(const DisturbanceLayout& layout, const std::string& library, Hertz f) {
+/// Two periods of a triangle through the slope detector; the second is judged.
+LayoutCheck::Dynamic check_triangle(const DisturbanceLayout& layout, const std::string& library, Hertz f,
+                                    std::optional<double> alpha) {
   const double period = 1.0 / f.value;
   std::string points = "0 0";
   for (int half = 1; half <= 4; ++half) points += fmt::format(" {:.12g} {}", half * 0.5 * period, half % 2);
-  const std::string deck = "triangle\n" + library + "Vx x 0 PWL(" + points +
-                           ")\nXs x branch slope_detector\nX1 x branch out disturbance\n";
+  std::string deck = "triangle\n" + library + "Vx x 0 PWL(" + points + ")\nXs x branch slope_detector\n" +
+                     select_sources(layout, 0);
+  if (alpha) deck += fmt::format("Va amplitude 0 {:.12g}\n", *alpha);
+  deck += fmt::format("X1 {} disturbance{}\n", disturbance_pins(layout, alpha.has_value()),
+                      alpha ? "_amplitude" : "");
   const Transient run =
-      run_transient(deck, {"x", "branch", "out"}, period / 2000.0, 2.0 * period, "disturbance.sub");
+      run_transient(deck, {"x", "branch", "out"}, period / 4000.0, 2.0 * period, "disturbance.sub");
   LayoutCheck::Dynamic out;
   out.frequency = f;
   double sum = 0.0, total = 0.0, late = 0.0;
@@ -49,24 +90,98 @@ LayoutCheck::Dynamic check_triangle(const DisturbanceLayout& layout, const std::
     if (now < period) continue;
     const bool rising = std::fmod(now, period) < 0.5 * period;
     if ((run.v[1][i] > 0.5) != rising) late += dt;
-    const double error = run.v[2][i] - polynomial(layout.branches[rising ? 0 : 1].wanted, run.v[0][i]);
+    const size_t b = rising ? 0 : 1;
+    const double gain = alpha ? layout.amplitude->wanted_gain(b, *alpha) : 1.0;
+    const double error = run.v[2][i] - gain * polynomial(layout.branches[b].wanted, run.v[0][i]);
+    out.peak_percent = std::max(out.peak_percent, 100.0 * std::abs(error));
     sum += dt * error * error;
     total += dt;
   }
   out.rms_percent = 100.0 * std::sqrt(sum / total);
   out.late_share = late / period;
+  out.delay_s = 0.5 * late;
+  return out;
+}
+
+/// x at rest where the first branch is greatest, the branch line stepped from the first to the second.
+LayoutCheck::Change check_change(const DisturbanceLayout& layout, const std::string& library) {
+  LayoutCheck::Change out;
+  double held = 0.0;
+  for (int i = 0; i <= 100; ++i) {
+    const double v = -layout.branch_gain * layout.branches[0].value(i / 100.0);
+    if (std::abs(v) > std::abs(held)) {
+      held = v;
+      out.x = i / 100.0;
+    }
+  }
+  constexpr double kStep = 1e-6;
+  const std::string deck = "change\n" + library + fmt::format("Vx x 0 {:.12g}\n", out.x) +
+                           select_sources(layout, 0) +
+                           fmt::format("Vb branch 0 PWL(0 1 {0:.12g} 1 {1:.12g} 0)\n", kStep, kStep + 1e-10) +
+                           fmt::format("X1 {} disturbance\n", disturbance_pins(layout, false));
+  const Transient run = run_transient(deck, {"out", "x1.sw"}, 2.5e-10, 2.0 * kStep, "disturbance.sub");
+  const SwitchModel& model = layout.analog_switch;
+  double before = 0.0;
+  const double arrived = run.v[1].back(), change = std::abs(held - arrived);
+  for (size_t i = 0; i < run.time_s.size(); ++i) {
+    const double t = run.time_s[i] - kStep;
+    if (t < model.off_delay_s() - 5e-9) before = run.v[0][i];
+    if (t > model.off_delay_s() && t < model.on_delay_s)
+      out.glitch_percent = std::max(out.glitch_percent, 100.0 * std::abs(run.v[0][i] - before));
+    if (t > 0.0 && change > 1e-3 && std::abs(run.v[1][i] - arrived) > 0.1 * change) out.delay_s = t;
+  }
+  // An opening contact takes charge off the node.
+  out.predicted_percent = 100.0 * switch_glitch_v(layout, held, -1.0);
+  return out;
+}
+
+LayoutCheck::Amplitude check_amplitude(const DisturbanceLayout& layout, Hertz f) {
+  const std::string library = disturbance_library(layout, "check", {true, std::nullopt});
+  const LayoutAmplitude& amplitude = *layout.amplitude;
+  LayoutCheck::Amplitude out;
+  const LayoutBench bench(layout);
+  std::vector<double> strokes = amplitude.alpha;
+  for (size_t k = 1; k < amplitude.alpha.size(); ++k)
+    strokes.push_back(0.5 * (amplitude.alpha[k - 1] + amplitude.alpha[k]));
+  strokes.push_back(0.5 * amplitude.alpha.front());
+  for (const double alpha : strokes) {
+    for (size_t b = 0; b < layout.branches.size(); ++b) {
+      std::vector<double> x;
+      const std::vector<double> v = sweep_branch(layout, library, b, alpha, x);
+      const std::vector<double> predicted = bench.curve(b, x, alpha);
+      const double gain = amplitude.wanted_gain(b, alpha);
+      for (size_t i = 0; i < x.size(); ++i) {
+        out.static_percent = std::max(
+            out.static_percent, 100.0 * std::abs(v[i] - gain * polynomial(layout.branches[b].wanted, x[i])));
+        out.against_program = std::max(out.against_program, 100.0 * std::abs(v[i] - predicted[i]));
+      }
+    }
+  }
+  if (layout.switched()) {
+    out.frequency = f;
+    out.alpha = amplitude.alpha[amplitude.alpha.size() / 2];
+    out.rms_percent = check_triangle(layout, library, f, out.alpha).rms_percent;
+  }
   return out;
 }
 
 }  // namespace
 
-LayoutCheck check_layout_with_ngspice(const DisturbanceLayout& layout, const std::vector<Hertz>& triangles) {
-  const std::string library = disturbance_library(layout, "check");
+LayoutCheck check_layout_with_ngspice(const DisturbanceLayout& layout, const std::vector<Hertz>& triangles,
+                                      const LayoutErrors& errors) {
+  const std::string library = disturbance_library(layout, "check", {});
+  const std::string spoilt = disturbance_library(layout, "check", {false, errors});
   LayoutCheck out;
-  check_static(layout, library, out);
-  if (layout.branches.size() > 1) {
-    for (const Hertz f : triangles) out.dynamic.push_back(check_triangle(layout, library, f));
+  check_static(layout, library, spoilt, errors, out);
+  if (layout.switched()) {
+    for (const Hertz f : triangles) {
+      out.dynamic.push_back(check_triangle(layout, library, f, std::nullopt));
+      out.dynamic.back().rms_at_limit_percent = check_triangle(layout, spoilt, f, std::nullopt).rms_percent;
+    }
+    out.change = check_change(layout, library);
   }
+  if (layout.amplitude)
+    out.amplitude = check_amplitude(layout, triangles.empty() ? Hertz{5000.0} : triangles.back());
   return out;
 }
 

@@ -1,0 +1,26 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "circuit/layout.hpp"
+#include "circuit/layout_budget.hpp"
+
+namespace bodesmith {
+
+struct DisturbanceLibrary {
+  /// With the amplitude gains: `.subckt disturbance_amplitude x branch amplitude out`.
+  bool amplitude = false;
+  /// Every multiplier off by these limits (for checks).
+  std::optional<LayoutErrors> errors;
+};
+
+/// `.subckt disturbance x branch out`; more than two branches have their select lines after `branch`. Beside
+/// it, when there is a switch, `.subckt slope_detector x branch`.
+std::string disturbance_library(const DisturbanceLayout& layout, const std::string& title,
+                                const DisturbanceLibrary& options);
+
+/// `x branch out`, or with select lines and amplitude.
+std::string disturbance_pins(const DisturbanceLayout& layout, bool amplitude);
+
+}  // namespace bodesmith

@@ -73,7 +73,7 @@ TEST(Search, findsTwoEffectsWhicheverIsHiddenFirst) {
 }
 
 TEST(Search, isTheSameOnOneThreadAndOnTwo) {
-  const auto c = make(Kind::effect, "gain", {"backlash"}, 5, 20.0);
+  const auto c = make(Kind::effect, "gain", {"dead_zone"}, 5);
   const auto one = solve(c, {.threads = 1});
   const auto two = solve(c, {.threads = 2});
   EXPECT_EQ(one.named, two.named);

@@ -10,6 +10,7 @@
 #include <iostream>
 #include <map>
 #include <mutex>
+#include <optional>
 #include <thread>
 
 #include "base/error.hpp"
@@ -44,6 +45,7 @@ struct Settings {
   hidden::CaseOptions cases;
   hidden::SolveOptions solve;
   int jobs = 1;
+  std::size_t rows = 0;
   std::vector<std::string> bases, effects, kinds;
   std::string only, output, records;
   bool list = false;
@@ -74,6 +76,7 @@ Settings read_settings(int argc, char** argv, std::string& help) {
   add("pairs", po::value(&s.cases.pairs)->default_value(12), "pairs of effects, at ten times the noise");
   add("controls", po::value(&s.cases.controls)->default_value(0.5), "controls per effect case");
   add("outside", po::value(&s.cases.outside)->default_value(1), "times each thing outside the catalogue");
+  add("rows", po::value(&s.rows)->default_value(0), "of the records to fit; 0: drawn, 2000 to 20000");
   add("only", po::value(&s.only), "only cases whose line's key contains this (see --list)");
   add("threads", po::value(&s.solve.threads)->default_value(1), "of one search");
   add("jobs", po::value(&s.jobs)->default_value(2), "cases at a time");
@@ -113,6 +116,7 @@ Settings read_settings(int argc, char** argv, std::string& help) {
   s.kinds = words(kinds);
   if (s.jobs < 1 || s.solve.threads < 1 || s.cases.repeats < 1)
     throw InputError("--jobs, --threads and --repeats: expected at least 1");
+  if (s.solve.explain) s.jobs = 1;  // rankings of two cases would mix
   return s;
 }
 
@@ -191,18 +195,72 @@ void write_records(const hidden::Case& c, const fs::path& folder) {
   }
 }
 
+/// Runs the cases, each printed when it is done. Those of an earlier run are taken from its file; after
+/// Ctrl-C the rest is left out.
+std::vector<Outcome> solve_all(const std::vector<Specification>& cases, const Settings& s) {
+  const auto before = read_results(s.output);
+  std::ofstream log;
+  if (!s.output.empty()) {
+    log.open(s.output, std::ios::app);
+    if (!log) throw InputError(fmt::format("{}: cannot be written", s.output));
+  }
+  std::vector<std::optional<Outcome>> outcomes(cases.size());
+  std::atomic<std::size_t> next = 0;
+  std::size_t done = 0;
+  std::mutex printing;
+  const bodesmith::Stopwatch watch;
+  const auto solve_one = [&](std::size_t i) {
+    const auto known = before.find(cases[i].key());
+    std::string complaint;
+    if (known != before.end()) {
+      outcomes[i] = from_json(cases[i], known->second);
+    } else {
+      try {
+        auto outcome = hidden::solve(hidden::make_case(cases[i]), s.solve);
+        if (bodesmith::interrupted()) return;  // cut short: not a result
+        outcomes[i] = std::move(outcome);
+      } catch (const std::exception& e) {
+        complaint = e.what();
+      }
+    }
+    const std::lock_guard lock(printing);
+    fmt::print("{}\n", outcomes[i] ? hidden::line_of(*outcomes[i])
+                                   : fmt::format("ERR {}: {}", cases[i].key(), complaint));
+    std::fflush(stdout);
+    if (outcomes[i] && known == before.end() && log.is_open())
+      log << to_json(*outcomes[i]).dump() << std::endl;
+    fmt::print(stderr, "\r{} of {} cases, {:.0f} s ", ++done, cases.size(), watch.seconds());
+  };
+  const auto work = [&] {
+    for (std::size_t i = next++; i < cases.size() && !bodesmith::interrupted(); i = next++) solve_one(i);
+  };
+  {
+    std::vector<std::jthread> others;
+    for (int k = 1; k < s.jobs; ++k) others.emplace_back(work);
+    work();
+  }
+  fmt::print(stderr, "\n");
+  std::vector<Outcome> all;
+  for (auto& o : outcomes)
+    if (o) all.push_back(std::move(*o));
+  return all;
+}
+
 int run(const Settings& s) {
   std::vector<Specification> cases;
-  for (const auto& c : hidden::list_cases(s.cases))
-    if (wanted(s, c)) cases.push_back(c);
+  bool spice = false;
+  for (auto c : hidden::list_cases(s.cases)) {
+    if (c.world != World::responses) c.rows = s.rows;
+    if (!wanted(s, c)) continue;
+    spice = spice || c.world == World::ngspice;
+    cases.push_back(std::move(c));
+  }
   if (cases.empty())
     throw InputError("no case is left, expected other --bases, --effects, --kinds or --only");
   if (s.list) {
     for (const auto& c : cases) fmt::print("{}\n", c.key());
     return 0;
   }
-  const bool spice =
-      std::any_of(cases.begin(), cases.end(), [](const auto& c) { return c.world == World::ngspice; });
   if (spice && !bodesmith::ngspice_available())
     throw InputError(
         "--worlds ngspice: needs ngspice, which is not installed (Debian: apt-get install ngspice)");
@@ -214,54 +272,10 @@ int run(const Settings& s) {
     }
     return 0;
   }
-  const auto before = read_results(s.output);
-  std::ofstream log;
-  if (!s.output.empty()) {
-    log.open(s.output, std::ios::app);
-    if (!log) throw InputError(fmt::format("{}: cannot be written", s.output));
-  }
-  std::vector<std::unique_ptr<Outcome>> outcomes(cases.size());
-  std::atomic<std::size_t> next = 0;
-  std::atomic<std::size_t> done = 0;
-  std::mutex one_at_a_time;
   bodesmith::catch_interrupts();
-  const bodesmith::Stopwatch watch;
-  const auto work = [&] {
-    for (std::size_t i = next++; i < cases.size() && !bodesmith::interrupted(); i = next++) {
-      const auto known = before.find(cases[i].key());
-      std::string complaint;
-      if (known != before.end()) {
-        outcomes[i] = std::make_unique<Outcome>(from_json(cases[i], known->second));
-      } else {
-        try {
-          auto solve = s.solve;
-          outcomes[i] = std::make_unique<Outcome>(hidden::solve(hidden::make_case(cases[i]), solve));
-        } catch (const std::exception& e) {
-          complaint = e.what();
-        }
-      }
-      const std::lock_guard lock(one_at_a_time);
-      if (outcomes[i] == nullptr) {
-        fmt::print("ERR {}: {}\n", cases[i].key(), complaint);
-      } else {
-        fmt::print("{}\n", hidden::line_of(*outcomes[i]));
-        if (known == before.end() && log) log << to_json(*outcomes[i]).dump() << std::endl;
-      }
-      std::fflush(stdout);
-      ++done;
-      fmt::print(stderr, "\r{} of {} cases, {:.0f} s ", done.load(), cases.size(), watch.seconds());
-    }
-  };
-  std::vector<std::jthread> others;
-  for (int k = 1; k < s.jobs; ++k) others.emplace_back(work);
-  work();
-  others.clear();
-  fmt::print(stderr, "\n");
-  std::vector<Outcome> all;
-  for (auto& o : outcomes)
-    if (o != nullptr) all.push_back(std::move(*o));
-  if (!all.empty()) fmt::print("\n{}", hidden::confusion_tables(all));
-  return bodesmith::interrupted() || all.size() < cases.size() ? 1 : 0;
+  const auto outcomes = solve_all(cases, s);
+  if (!outcomes.empty()) fmt::print("\n{}", hidden::confusion_tables(outcomes));
+  return outcomes.size() < cases.size() ? 1 : 0;
 }
 
 }  // namespace

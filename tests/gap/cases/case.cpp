@@ -11,7 +11,8 @@ std::string Specification::what_text() const {
 }
 
 std::string Specification::key() const {
-  return fmt::format("{}:{}:{}:{}:{}:{}", word(world), word(kind), base, what_text(), ratio, seed);
+  return fmt::format("{}:{}:{}:{}:{}:{}{}", word(world), word(kind), base, what_text(), ratio, seed,
+                     rows > 0 ? fmt::format(":{}", rows) : "");
 }
 
 std::uint64_t Specification::salt() const {

@@ -83,7 +83,9 @@ Outcome solve(const Case& c, const SolveOptions& wanted) {
   gap::SearchOptions options;
   options.threads = wanted.threads;
   Stopwatch watch;
-  options.stop = [&] { return wanted.most_seconds > 0.0 && watch.seconds() > wanted.most_seconds; };
+  options.stop = [&] {
+    return interrupted() || (wanted.most_seconds > 0.0 && watch.seconds() > wanted.most_seconds);
+  };
   const auto result = gap::search(base, train.experiments, holdout.experiments, options);
   o.seconds = watch.seconds();
   const auto verdict = gap::verdict_of(result, gap::rms_of(result.final, train.experiments), options.enough);

@@ -110,7 +110,10 @@ LoopResult run_cvode(const chain::Chain& plant, const std::vector<double>& feedf
   } catch (const Interrupted&) {
     throw;
   } catch (const std::runtime_error& error) {
-    throw InputError(fmt::format("the loop cannot be solved: {} (is it unstable?)", error.what()));
+    throw InputError(
+        fmt::format("the loop cannot be solved: {} (an unstable loop? or a block that jumps when its input "
+                    "turns, which only a sampled controller can drive)",
+                    error.what()));
   }
 }
 

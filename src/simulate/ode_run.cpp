@@ -1,7 +1,10 @@
 #include "simulate/ode_run.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "base/progress.hpp"
 #include "chain/linear_kernel.hpp"
@@ -440,6 +443,9 @@ void OdeRun::solve(const Options& options, const Wanted& wanted, Stats& stats, d
     (*wanted.values)[next_time++] = last_;
   }
   double t = first;
+  constexpr std::size_t kCrowd = 200;
+  std::size_t crowded = 0;
+  double crowd_begin = first;
   std::size_t since_look = 0;
   for (const double stop : stops) {
     segment(t, stop);
@@ -486,6 +492,13 @@ void OdeRun::solve(const Options& options, const Wanted& wanted, Stats& stats, d
       commit();
       if (outcome == Cvode::Outcome::event) {
         ++stats.events;
+        if (++crowded % kCrowd == 0) {
+          // Time must go on; a block that jumps when its input turns may turn its own input back in a loop.
+          if (t - crowd_begin < 1e-3 * shortest_detail_s) {
+            throw std::runtime_error(fmt::format("blocks switch to and fro without end at {:.6g} s", t));
+          }
+          crowd_begin = t;
+        }
         restart_at(t, &solver.crossings());
         if (wanted.dense != nullptr) wanted.dense->corner(t);
       }

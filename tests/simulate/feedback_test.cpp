@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -213,6 +214,57 @@ TEST(Feedback, RefusesWhatCannotBeALoop) {
                                     make_block("lowpass").set("corner_hz", 10.0)}},
                              std::nullopt, {}, r),
                DesignError);
+}
+
+TEST(Feedback, ABlockThatJumpsAtTurnsNeedsASampledController) {
+  // Rising and falling polynomials differ where the drive turns: the loop turns it back at once, and again.
+  const Chain plant{{make_block("polynomial_hysteresis")
+                         .set("ascending", std::vector<double>{0.3546, -0.6433, 0.2887})
+                         .set("descending", std::vector<double>{-0.2398, 0.0838, 0.156}),
+                     make_block("lowpass").set("corner_hz", 1000.0),
+                     make_block("resonator").set("natural_frequency_hz", 3000.0).set("damping_ratio", 0.3)}};
+  ReferenceSpec spec;
+  spec.frequency = Hertz{20.0};
+  spec.duration_s = 0.04;
+  spec.step_s = 1e-4;
+  PidController c;
+  c.proportional = 0.2;
+  c.integral_per_s = 500.0;
+  const auto r = make_reference(spec);
+  EXPECT_THROW(simulate_loop(plant, std::nullopt, c, r), InputError);
+  c.period_s = 1e-4;
+  EXPECT_LT(compare_records(simulate_loop(plant, std::nullopt, c, r).y, r.u).max, 0.2);
+}
+
+TEST(Feedback, HysteresisInASampledLoopIsItsOwnRecursion) {
+  // Held drive, play, lag: between samples everything is a constant and an exponential.
+  const double width = 0.1, tau = 0.004, period = 1e-3;
+  const Chain plant{{make_block("backlash").set("width", width),
+                     make_block("lowpass").set("corner_hz", 1.0 / (2.0 * kPi * tau))}};
+  PidController c;
+  c.proportional = 0.4;
+  c.integral_per_s = 80.0;
+  c.period_s = period;
+  ReferenceSpec spec;
+  spec.frequency = Hertz{5.0};
+  spec.duration_s = 0.5;
+  spec.step_s = period;
+  const auto r = make_reference(spec);
+  Options options;
+  options.relative_tolerance = 1e-11;
+  options.absolute_tolerance = 1e-13;
+  const auto got = simulate_loop(plant, std::nullopt, c, r, options);
+  double y = 0.0, play = 0.0, integral = 0.0, last = r.u[0];
+  const double a = std::exp(-period / tau);
+  for (std::size_t k = 0; k < r.size(); ++k) {
+    ASSERT_NEAR(got.y[k], y, 1e-9) << k;
+    const double e = r.u[k] - y;
+    if (k > 0) integral += 80.0 * period * 0.5 * (e + last);
+    last = e;
+    const double u = 0.4 * e + integral;
+    play = std::clamp(play, u - 0.5 * width, u + 0.5 * width);
+    y = a * y + (1.0 - a) * play;
+  }
 }
 
 }  // namespace

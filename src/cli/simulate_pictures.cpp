@@ -140,12 +140,12 @@ std::string picture_of(const std::vector<simulate::SweepRow>& rows, const std::s
                        const std::string& file) {
   const report::Axis hertz{"frequency, Hz", true};
   Figure figures{{plot("RMS error", hertz, {"% of range"}), plot("Loop height", hertz, {"% of range"})},
-                 "y against u, last period."};
+                 "y against the input, last period."};
   Figure response{
       {plot("Gain of the fundamental", hertz, {"dB"}), plot("Phase of the fundamental", hertz, {"degrees"}),
        plot("Harmonics 2 to 20", hertz, {"% of the fundamental"})},
       "What becomes of the fundamental."};
-  Figure shapes{{plot("Loops", {"u"}, {"y"})}, "The last period of each run."};
+  Figure shapes{{plot("Loops", {"input"}, {"y"})}, "The last period of each run."};
   std::vector<double> amplitudes;
   for (const auto& row : rows) {
     if (std::find(amplitudes.begin(), amplitudes.end(), row.amplitude) == amplitudes.end())

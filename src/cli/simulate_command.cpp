@@ -16,6 +16,7 @@
 #include "simulate/controller_file.hpp"
 #include "simulate/record_metrics.hpp"
 #include "simulate/references.hpp"
+#include "simulate/segments.hpp"
 #include "simulate/signal_study.hpp"
 #include "simulate/simulate.hpp"
 #include "simulate/sweep.hpp"
@@ -350,6 +351,11 @@ int run_simulate(const std::vector<std::string>& arguments) {
   json["samples"] = record.size();
   json["engine"] = run.stats.engine;
   json["steps"] = run.stats.steps;
+  if (!loop) {
+    json["segments"] = Json::array();
+    for (const simulate::Segment& s : simulate::segments_of(model, run.stats.engine))
+      json["segments"].push_back({{"blocks", {s.first, s.last}}, {"method", s.method}});
+  }
   if (run.stats.degree > 0) json["hold_degree"] = run.stats.degree;
   if (run.stats.engine == "cvode") {
     json["evaluations"] = run.stats.evaluations;

@@ -16,14 +16,6 @@ using chain::LinearKernel;
 using chain::MemoryKernel;
 using chain::SampledKernel;
 
-bool in_ode(const Kernel& kernel) {
-  if (const auto* linear = std::get_if<LinearKernel>(&kernel)) return linear->delay_s == 0.0;
-  if (const auto* memory = std::get_if<std::unique_ptr<MemoryKernel>>(&kernel)) {
-    return (*memory)->rate_independent() || (*memory)->slew_rate() > 0.0;
-  }
-  return !std::holds_alternative<std::unique_ptr<SampledKernel>>(kernel);
-}
-
 DenseSignal delayed(const DenseSignal& in, double delay) {
   DenseSignal out;
   out.before = in.before;
@@ -115,6 +107,14 @@ DenseSignal clocked(SampledKernel& kernel, const DenseSignal& in, bool equilibri
 
 }  // namespace
 
+bool can_stand_in_ode(const Kernel& kernel) {
+  if (const auto* linear = std::get_if<LinearKernel>(&kernel)) return linear->delay_s == 0.0;
+  if (const auto* memory = std::get_if<std::unique_ptr<MemoryKernel>>(&kernel)) {
+    return (*memory)->rate_independent() || (*memory)->slew_rate() > 0.0;
+  }
+  return !std::holds_alternative<std::unique_ptr<SampledKernel>>(kernel);
+}
+
 std::vector<double> run_cvode_engine(const chain::Chain& chain, const TimeRecord& input,
                                      const Options& options, Stats& stats, std::vector<std::string>& notes,
                                      double& model_error) {
@@ -141,9 +141,9 @@ std::vector<double> run_cvode_engine(const chain::Chain& chain, const TimeRecord
   bool at_samples = false;  // whether `values` is the signal's latest state
   for (std::size_t i = 0; i < kernels.size();) {
     at_samples = false;
-    if (in_ode(kernels[i])) {
+    if (can_stand_in_ode(kernels[i])) {
       std::vector<Kernel*> run;
-      while (i < kernels.size() && in_ode(kernels[i])) run.push_back(&kernels[i++]);
+      while (i < kernels.size() && can_stand_in_ode(kernels[i])) run.push_back(&kernels[i++]);
       OdeRun ode(run, signal);
       ode.start(options.start, rest);
       OdeRun::Wanted wanted;

@@ -49,6 +49,37 @@ TEST_F(SimulateCommand, EnginesAgreeAndTheSummarySaysWhatWasDone) {
   EXPECT_EQ(a.y[0], 0.0);
 }
 
+TEST_F(SimulateCommand, AutomaticSaysWhatItPickedForEachSegment) {
+  const auto segments = [&](const std::string& more) {
+    const auto done =
+        run_bodesmith("simulate " + file("mixed.toml") + " --reference triangle --frequency-hz 5 -o " +
+                      file("y.csv") + " --json " + more);
+    EXPECT_EQ(done.status, 0) << done.err;
+    const Node summary = parse_json(done.out, "summary");
+    EXPECT_TRUE(summary.has("error_estimate"));
+    std::string out = summary.at("engine").string();
+    for (const Node& s : summary.at("segments").items()) {
+      out += "; " + std::to_string(s.at("blocks")[0].integer(1, 9)) + "-" +
+             std::to_string(s.at("blocks")[1].integer(1, 9)) + " " + s.at("method").string();
+    }
+    return out;
+  };
+  const std::string lags =
+      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"lowpass\"\ncorner_hz = 30.0\n"
+      "[[block]]\ntype = \"lowpass\"\ncorner_hz = 50.0\n";
+  write_file(folder / "mixed.toml", lags);
+  EXPECT_EQ(segments(""), "exact; 1-2 closed form between corners");
+  write_file(folder / "mixed.toml", lags +
+                                        "[[block]]\ntype = \"saturation\"\nlower = 0.2\nupper = 0.6\n"
+                                        "[[block]]\ntype = \"delay\"\ndelay_s = 0.002\n"
+                                        "[[block]]\ntype = \"backlash\"\nwidth = 0.1\n");
+  EXPECT_EQ(segments("--tolerance 1e-6"),
+            "record; 1-2 matrix exponential on each hold; 3-3 value by value; 4-4 matrix exponential on each "
+            "hold; 5-5 memory, node by node");
+  EXPECT_EQ(segments("--engine cvode"),
+            "cvode; 1-3 one ODE with events; 4-4 delay, shifted; 5-5 one ODE with events");
+}
+
 TEST_F(SimulateCommand, EquilibriumStartsAtRest) {
   std::string csv = "time_s,u\n";
   for (int i = 0; i < 20; ++i) csv += std::to_string(0.001 * i) + ",2.0\n";

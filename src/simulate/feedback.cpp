@@ -10,6 +10,7 @@
 #include "simulate/dense_signal.hpp"
 #include "simulate/feedback_exact.hpp"
 #include "simulate/ode_run.hpp"
+#include "simulate/record_metrics.hpp"
 
 namespace bodesmith::simulate {
 namespace {
@@ -67,12 +68,6 @@ LoopResult run_in_cvode(const chain::Chain& plant, const TimeRecord& forward, co
   return out;
 }
 
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
-}
-
 /// Nothing, and the reason, when there is no closed form.
 std::optional<LoopResult> run_exact(const chain::Chain& plant, const std::vector<double>& feedforward,
                                     const PidController& controller, const TimeRecord& reference,
@@ -83,7 +78,7 @@ std::optional<LoopResult> run_exact(const chain::Chain& plant, const std::vector
   out->stats.compute_s = watch.seconds();
   if (options.estimate_error) {
     const auto again = run_exact_loop(plant, feedforward, controller, reference, options.start, 2, why_not);
-    out->error_estimate = largest_difference(out->y, again->y);
+    out->error_estimate = compare_records(out->y, again->y).max;
   }
   return out;
 }
@@ -102,7 +97,7 @@ LoopResult run_cvode(const chain::Chain& plant, const std::vector<double>& feedf
       finer.relative_tolerance *= 0.1;
       finer.absolute_tolerance *= 0.1;
       const LoopResult again = run_in_cvode(plant, forward, controller, reference, finer);
-      out.error_estimate = largest_difference(out.y, again.y);
+      out.error_estimate = compare_records(out.y, again.y).max;
     }
     return out;
   } catch (const InputError&) {

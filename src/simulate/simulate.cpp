@@ -10,16 +10,11 @@
 #include "base/progress.hpp"
 #include "simulate/cvode_engine.hpp"
 #include "simulate/exact_engine.hpp"
+#include "simulate/record_metrics.hpp"
 #include "simulate/record_simulator.hpp"
 
 namespace bodesmith::simulate {
 namespace {
-
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double most = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
-}
 
 std::vector<double> run_record(const chain::Chain& chain, const TimeRecord& input, const Options& options,
                                int degree, int oversample, Result& result) {
@@ -52,7 +47,7 @@ bool refine(const chain::Chain& chain, const TimeRecord& input, const Options& o
     stop_if_interrupted();
     Result finer;
     finer.y = run_record(chain, input, options, result.stats.degree, 2 * oversample, finer);
-    const double difference = largest_difference(result.y, finer.y);
+    const double difference = compare_records(result.y, finer.y).max;
     double size = 0.0;
     for (const double y : finer.y) size = std::max(size, std::abs(y));
     result.y = std::move(finer.y);
@@ -87,7 +82,7 @@ double cvode_error(const chain::Chain& chain, const TimeRecord& input, const Opt
   finer.relative_tolerance *= 0.1;
   finer.absolute_tolerance *= 0.1;
   Result ignored;
-  return largest_difference(y, run_cvode(chain, input, finer, ignored));
+  return compare_records(y, run_cvode(chain, input, finer, ignored)).max;
 }
 
 /// A kink or jump inside a sample interval lowers the record engine's order; CVODE's events find it. Takes
@@ -161,8 +156,9 @@ Result simulate(const chain::Chain& chain, const TimeRecord& input, const Option
     result.stats.compute_s = watch.seconds();
     if (options.estimate_error) {
       Result finer;
-      result.error_estimate = largest_difference(
-          result.y, run_record(chain, input, options, result.stats.degree, 2 * options.oversample, finer));
+      result.error_estimate = compare_records(result.y, run_record(chain, input, options, result.stats.degree,
+                                                                   2 * options.oversample, finer))
+                                  .max;
     }
   } else {
     result.notes.clear();

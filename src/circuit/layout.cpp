@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "circuit/layout_build.hpp"
 
 namespace bodesmith {
@@ -32,6 +33,17 @@ void check(const LayoutInput& input, const LayoutOptions& options) {
       (options.analog_switch && !(options.analog_switch->on_ohm >= 0.0))) {
     throw DesignError(
         "the multiplier's scale and the full scale must be above 0, the switch's resistance not below");
+  }
+}
+
+void warn_when_slow(DisturbanceLayout& layout, Hertz highest) {
+  for (const LayoutCandidate& one : layout.candidates) {
+    if (one.chosen && one.bandwidth.value < LayoutScheme::kBandwidthRatio * highest.value) {
+      layout.warnings.push_back(fmt::format(
+          "the signal path ends at {} Hz, less than {} times the highest "
+          "reference frequency of {} Hz",
+          rounded_text(one.bandwidth.value, 3), LayoutScheme::kBandwidthRatio, rounded_text(highest.value)));
+    }
   }
 }
 
@@ -109,6 +121,7 @@ DisturbanceLayout layout_disturbance(const LayoutInput& input, const LayoutOptio
   const int group = chosen == candidates.end() ? options.scheme.group : chosen->group;
   DisturbanceLayout out = layout_build::build(input, options, group);
   out.candidates = std::move(candidates);
+  warn_when_slow(out, options.highest);
   if (!input.alpha.empty()) layout_build::add_amplitude(out, input, options);
   layout_build::add_nodes(out);
   return out;

@@ -28,6 +28,8 @@ struct MultiplierModel {
 /// input adds P_j. g = 1 is Horner's scheme, g >= degree shares all powers.
 struct LayoutScheme {
   static constexpr int kAutomatic = 0, kHorner = 1, kShared = 7;
+  /// Bandwidth of the path over the highest reference frequency that the choice asks for.
+  static constexpr double kBandwidthRatio = 20.0;
   int group = kAutomatic;
 
   /// "auto", "shared", "horner" or the number of powers to a group, "2" to "6". Throws InputError.

@@ -109,6 +109,7 @@ class Amplitude {
     output();
     rectifiers();
     for (size_t b = 0; b < layout_.branches.size(); ++b) control(b);
+    check_outputs(layout_, out_.multipliers);
     layout_.amplitude = std::move(out_);
     check();
   }
@@ -129,8 +130,8 @@ class Amplitude {
     }
     if (!(greatest > 0.0)) throw DesignError("all amplitude gains are 0, expected at least one other");
     const double input = layout_.branch_gain * layout_.part(layout_.output_feedback).realised;
-    const double wanted =
-        input * layout_.multiplier.scale_v / layout_.branch_gain * greatest / (kRoom * options_.full_scale_v);
+    const double wanted = input * layout_.multiplier.scale_v / layout_.branch_gain * greatest /
+                          (kRoom * std::min(options_.full_scale_v, layout_.multiplier.greatest_input_v));
     // The next value up makes the control voltage smaller, not larger.
     double feedback = wanted;
     for (const double r : options_.resistors.values(wanted, 2.5 * wanted)) {

@@ -334,6 +334,15 @@ std::string branch_letter(size_t branch, size_t count) {
   return fmt::format("{}_", branch + 1);
 }
 
+void check_outputs(const DisturbanceLayout& layout, const std::vector<LayoutMultiplier>& multipliers) {
+  for (const LayoutMultiplier& m : multipliers) {
+    if (m.peak_v <= layout.multiplier.greatest_output_v) continue;
+    throw DesignError(fmt::format("{} reaches {} V, expected at most the {}'s {} V", m.name,
+                                  rounded_text(m.peak_v), layout.multiplier.name,
+                                  rounded_text(layout.multiplier.greatest_output_v)));
+  }
+}
+
 int add_part(DisturbanceLayout& layout, LayoutPart part) {
   layout.parts.push_back(std::move(part));
   return static_cast<int>(layout.parts.size()) - 1;
@@ -346,7 +355,9 @@ int add_resistor(DisturbanceLayout& layout, const Series& series, std::string na
 }
 
 DisturbanceLayout build(const LayoutInput& input, const LayoutOptions& options, int group) {
-  return Builder(input, options, group).build();
+  DisturbanceLayout out = Builder(input, options, group).build();
+  check_outputs(out, out.multipliers);
+  return out;
 }
 
 void add_nodes(DisturbanceLayout& layout) {

@@ -25,6 +25,9 @@ std::string power_text(int power);
 /// part.
 std::string branch_letter(std::size_t branch, std::size_t count);
 
+/// Throws DesignError when a multiplier would have to leave its output range.
+void check_outputs(const DisturbanceLayout& layout, const std::vector<LayoutMultiplier>& multipliers);
+
 int add_part(DisturbanceLayout& layout, LayoutPart part);
 int add_resistor(DisturbanceLayout& layout, const Series& series, std::string name, std::string role,
                  std::string from, std::string to, double wanted, double realised);

@@ -64,12 +64,10 @@ std::vector<LayoutCandidate> compare_schemes(const LayoutInput& input, const Lay
     try {
       out.push_back(measure(build(input, exact, group), group, most));
     } catch (const DesignError&) {
-      // This split needs parts that do not exist; if all do, the build of the chosen one says so.
+      // This split cannot be made; if none can, or it was asked for, building it says why.
     }
   }
-  if (out.empty()) {
-    build(input, exact, most);  // throws the reason
-  }
+  if (out.empty()) build(input, exact, most);  // throws the reason
   const int asked = std::min(options.scheme.group, most);
   if (options.scheme.group != LayoutScheme::kAutomatic) {
     for (LayoutCandidate& one : out) one.chosen = one.group == asked;
@@ -79,7 +77,9 @@ std::vector<LayoutCandidate> compare_schemes(const LayoutInput& input, const Lay
   for (const LayoutCandidate& one : out) error = std::min(error, one.rss_percent);
   LayoutCandidate* best = nullptr;
   for (LayoutCandidate& one : out) {
-    if (one.rss_percent > 1.5 * error || one.bandwidth.value < 20.0 * options.highest.value) continue;
+    if (one.rss_percent > 1.5 * error ||
+        one.bandwidth.value < LayoutScheme::kBandwidthRatio * options.highest.value)
+      continue;
     const auto rank = [](const LayoutCandidate& c) {
       return std::tuple(c.multipliers, c.opamps, c.rss_percent);
     };

@@ -104,6 +104,11 @@ std::string summary(const DisturbanceLayout& layout, const LayoutBudget& budget,
         percent(layout.amplitude->max_error_percent),
         percent(*std::max_element(budget.amplitude_rss_percent.begin(), budget.amplitude_rss_percent.end())));
   }
+  for (const SlopeDetectorFigures::Delay& one : timing.detector.delays) {
+    if (!one.triangle_s)
+      text += fmt::format("{} Hz triangle: the slope detector does not follow it\n",
+                          rounded_text(one.frequency.value));
+  }
   for (const SwitchFigures::Late& one : timing.analog_switch.late) {
     text += fmt::format(
         "{} Hz triangle: branch {}s late, steps up to {}, {} rms ({} with the multipliers' limits)\n",

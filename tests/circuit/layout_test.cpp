@@ -240,6 +240,13 @@ TEST(Layout, RefusesWhatItCannotMake) {
   // 1 V stands for d = 1: no op-amp reaches 300 V.
   EXPECT_THROW(layout_polynomials({{"a", {300.0}, {}}}), DesignError);
   EXPECT_THROW(LayoutScheme::named("9"), InputError);
+  // With U = 0.5 V x^3 would be 4 V, beyond the multiplier's 2.5 V; Horner's products stay within.
+  LayoutOptions small;
+  small.multiplier.scale_v = 0.5;
+  small.scheme = LayoutScheme::named("shared");
+  EXPECT_THROW(layout_disturbance(seed_disturbance(), small), DesignError);
+  small.scheme = LayoutScheme::named("horner");
+  EXPECT_EQ(layout_disturbance(seed_disturbance(), small).multipliers.size(), 4u);
 }
 
 }  // namespace

@@ -171,7 +171,7 @@ std::string check_summary(const LayoutCheck& check, Json& json) {
   return text + "\n";
 }
 
-/// The columns of the op-amp circuit's parts.csv, without a section.
+/// The op-amp circuit's parts.csv with the role in place of the section.
 std::string parts_text(const DisturbanceLayout& layout) {
   std::string out = "part,role,series,wanted_ohm,realised_ohm,wanted_f,realised_f\n";
   for (const LayoutPart& part : layout.parts) {

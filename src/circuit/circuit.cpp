@@ -69,18 +69,20 @@ Biquad Biquad::from_section(const Section& section) {
 
 std::complex<double> Circuit::response(RadPerSecond w) const {
   Complex h = 1.0;
-  for (const Stage& stage : stages) h *= stage.realised.response(w);
+  for (const Stage& stage : stages) h *= stage.response(w);
   return h;
 }
 
 Sections Circuit::realised_sections() const {
   Sections out;
   for (const Stage& stage : stages) {
-    Section section = stage.realised.section();
-    if (section.poles.empty()) {
-      out.gain *= section.gain;
-    } else {
-      out.sections.push_back(std::move(section));
+    for (const Biquad& factor : stage.realised) {
+      Section section = factor.section();
+      if (section.poles.empty()) {
+        out.gain *= section.gain;
+      } else {
+        out.sections.push_back(std::move(section));
+      }
     }
   }
   return out;

@@ -50,13 +50,26 @@ class StageForm;
 /// One stage of the chain: what it should do, what its parts make it do.
 struct Stage {
   std::string realization;  ///< name in realizations(), e.g. "first-order", "tow-thomas", "inverter"
-  Biquad wanted;            ///< its share of the design, sign included (most stages invert)
-  Biquad realised;          ///< with the realised parts and ideal op-amps
+  /// Its share of the design, sign included (most stages invert): a product, of one factor unless the stage
+  /// makes more than two poles (ladders).
+  std::vector<Biquad> wanted;
+  std::vector<Biquad> realised;  ///< with the realised parts and ideal op-amps
   std::string in;
   std::string out;
   int first_part = 0;  ///< its parts are Circuit::parts[first_part, first_part + part_count)
   int part_count = 0;
-  std::shared_ptr<const StageForm> form;  ///< its equations: transfer() of any part values (realization.hpp)
+  /// Its equations: transfer() of any part values (realization.hpp). Ladders have none.
+  std::shared_ptr<const StageForm> form;
+
+  std::complex<double> response(RadPerSecond w) const { return product(realised, w); }
+  std::complex<double> wanted_response(RadPerSecond w) const { return product(wanted, w); }
+
+ private:
+  static std::complex<double> product(const std::vector<Biquad>& factors, RadPerSecond w) {
+    std::complex<double> out = 1.0;
+    for (const Biquad& factor : factors) out *= factor.response(w);
+    return out;
+  }
 };
 
 /// A cascade of op-amp RC stages between nodes "in" and "out": wanted sections made of parts that can be

@@ -3,25 +3,53 @@
 #include <algorithm>
 #include <cmath>
 
+#include "circuit/response.hpp"
 #include "circuit/yield_counts.hpp"
 #include "circuit/yield_design.hpp"
 
 namespace bodesmith {
 namespace {
 
-Json section_json(const Biquad& h) {
-  const Section section = h.section();
+Json section_json(const std::vector<Biquad>& factors) {
   Json out;
-  out["gain"] = section.gain;
+  double gain = 1.0;
+  out["gain"] = gain;
   out["zeros_rad_s"] = Json::array();
   out["poles_rad_s"] = Json::array();
-  for (const auto& zero : section.zeros) out["zeros_rad_s"].push_back({zero.real(), zero.imag()});
-  for (const auto& pole : section.poles) out["poles_rad_s"].push_back({pole.real(), pole.imag()});
+  for (const Biquad& h : factors) {
+    const Section section = h.section();
+    gain *= section.gain;
+    for (const auto& zero : section.zeros) out["zeros_rad_s"].push_back({zero.real(), zero.imag()});
+    for (const auto& pole : section.poles) out["poles_rad_s"].push_back({pole.real(), pole.imag()});
+  }
+  out["gain"] = gain;
+  return out;
+}
+
+/// The same of a circuit whose stages have no equations, by central differences of the network.
+std::vector<double> network_sensitivities(const Circuit& circuit, const std::vector<Hertz>& grid) {
+  std::vector<double> out;
+  Circuit moved = circuit;
+  constexpr double kStep = 1e-3;
+  for (size_t i = 0; i < circuit.parts.size(); ++i) {
+    moved.parts[i].realised = circuit.parts[i].realised * (1.0 + kStep);
+    const auto up = network_response_ideal(moved, grid);
+    moved.parts[i].realised = circuit.parts[i].realised * (1.0 - kStep);
+    const auto down = network_response_ideal(moved, grid);
+    moved.parts[i].realised = circuit.parts[i].realised;
+    double worst = 0.0;
+    for (size_t k = 0; k < grid.size(); ++k)
+      worst = std::max(worst, std::abs(to_decibel(std::abs(up[k] / down[k]))));
+    out.push_back(worst * 0.01 / (2.0 * kStep));
+  }
   return out;
 }
 
 /// Greatest change of the magnitude over the band, dB for 1 % of each part.
 std::vector<double> part_sensitivities(const Realised& realised) {
+  for (const Stage& stage : realised.circuit.stages) {
+    if (!stage.form) return network_sensitivities(realised.circuit, log_grid(realised.report.band, 61));
+  }
   YieldOptions options;
   options.grid = log_grid(realised.report.band, 61);
   std::vector<double> out;

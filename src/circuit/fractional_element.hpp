@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "circuit/rc_ladder.hpp"
 #include "circuit/series.hpp"
 #include "lti/frequency_grid.hpp"
 
@@ -12,13 +13,7 @@ namespace bodesmith {
 /// A constant-phase element, Z(s) = 1/(Q s^alpha) with 0 < alpha < 1 and Q in S s^alpha, as a passive RC
 /// network: Oustaloup's alternating poles and zeros (CRONE, 1991) over a band give
 ///   Z(s) = (1/Q) wh^-alpha prod (s + wp_k)/(s + wz_k),   wz_k < wp_k: an RC impedance,
-/// which is drawn in one of four ways:
-///   Foster I   series chain of R||C (partial fractions of Z)
-///   Foster II  parallel branches of R + C (partial fractions of Z^-1/s)
-///   Cauer I    ladder of series R, shunt C (continued fraction about infinity)
-///   Cauer II   ladder of shunt R, series C (continued fraction about zero)
-enum class LadderForm { foster1, foster2, cauer1, cauer2 };
-
+/// which is drawn in one of four ways (rc_ladder.hpp).
 struct FractionalElement {
   double alpha = 0.5;
   double q = 1e-6;

@@ -23,6 +23,7 @@ struct OpAmpModel {
   double voltage_noise_corner_hz = 100.0;  ///< 1/f corner of the voltage noise
   double current_noise_a_per_rthz = 1e-15;
   double greatest_output_current_a = 20e-3;
+  int per_package = 1;  ///< op-amps in one 8-pin package: 1 or 2
 
   std::complex<double> open_loop(RadPerSecond w) const;
 };

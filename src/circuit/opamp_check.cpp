@@ -95,17 +95,19 @@ OpAmpCheck check_opamps(const Circuit& circuit, Band band, double amplitude_v) {
   for (const Hertz f : grid) {
     Complex h = 1.0;
     for (const Stage& stage : circuit.stages) {
-      h *= stage.realised.response(f.rad_s());
+      h *= stage.response(f.rad_s());
       highest = std::max(highest, std::abs(h));
     }
   }
   out.full_swing_hz = model.slew_v_per_s / (2.0 * 3.14159265358979323846 * highest * amplitude_v);
   double greatest_qf = 0.0, q_at = 0.0, f_at = 0.0;
   for (const Stage& stage : circuit.stages) {
-    const double q = quality(stage.realised);
+    // Ladders, which have several factors, have real poles only.
+    const Biquad& h = stage.realised.front();
+    const double q = quality(h);
     out.highest_q = std::max(out.highest_q, q);
     if (q == 0.0) continue;
-    const double f = RadPerSecond{std::sqrt(stage.realised.a0 / stage.realised.a2)}.hz().value;
+    const double f = RadPerSecond{std::sqrt(h.a0 / h.a2)}.hz().value;
     if (q * f > greatest_qf) {
       greatest_qf = q * f;
       q_at = q;

@@ -13,7 +13,8 @@ void OpAmpLibrary::add(const Node& document) {
   for (const Node& node : document.at("opamp").items()) {
     node.allow_only({"name", "gain_bandwidth_hz", "dc_gain", "slew_v_per_s", "output_resistance_ohm",
                      "swing_v", "bias_current_a", "offset_v", "voltage_noise_v_per_rthz",
-                     "voltage_noise_corner_hz", "current_noise_a_per_rthz", "greatest_output_current_a"});
+                     "voltage_noise_corner_hz", "current_noise_a_per_rthz", "greatest_output_current_a",
+                     "per_package"});
     OpAmpModel model;
     model.name = node.at("name").string();
     for (const OpAmpModel& other : types_) {
@@ -35,6 +36,7 @@ void OpAmpLibrary::add(const Node& document) {
     if (node.has("greatest_output_current_a")) {
       model.greatest_output_current_a = node.at("greatest_output_current_a").positive();
     }
+    if (node.has("per_package")) model.per_package = static_cast<int>(node.at("per_package").integer(1, 2));
     types_.push_back(std::move(model));
   }
 }

@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "circuit/parts_polish.hpp"
 
 namespace bodesmith {
 namespace {
@@ -48,6 +49,7 @@ class StageSearch {
       : form_(form),
         options_(options),
         alone_(stages == 1),
+        few_stages_(stages <= 3),
         neighbours_(stages == 1 ? 6 : (stages == 2 ? 4 : 2)) {
     for (const Hertz f : grid) {
       w_.push_back(f.rad_s());
@@ -96,7 +98,10 @@ class StageSearch {
     } else {
       const double target = chosen[0] * form_.capacitor_ratios()[i] / form_.capacitor_ratios()[0];
       const bool coarse = options_.capacitors.name() == "E3" || options_.capacitors.name() == "E6";
-      const double usual = coarse ? 1.6 : 1.3;
+      // A drawer may hold one value a decade: take what comes near.
+      // Few parts have nothing else to make good with than other ratios of their capacitors.
+      const double usual =
+          options_.capacitors.is_stock() || (few_stages_ && resistors_ <= 3) ? 3.3 : (coarse ? 1.6 : 1.3);
       const double slack = std::max(usual, form_.capacitor_slacks()[i]);
       low = std::max(low, target / slack);
       high = target * slack;
@@ -256,6 +261,7 @@ class StageSearch {
   const StageForm& form_;
   const RealiseOptions& options_;
   bool alone_;
+  bool few_stages_;
   int neighbours_;
   double shift_ = 1.0;
   double least_exchanged_ = std::numeric_limits<double>::infinity();
@@ -274,28 +280,32 @@ class Exchange {
     points_ = all_.empty() || all_[0].empty() ? 0 : all_[0][0].error.size();
   }
 
-  std::vector<size_t> best() {
-    std::vector<size_t> found(all_.size(), 0);
-    double least = std::numeric_limits<double>::infinity();
+  /// The best `count` choices of all starts, each once, best first.
+  std::vector<std::vector<size_t>> best(size_t count) {
+    std::vector<std::pair<double, std::vector<size_t>>> ends;
     std::mt19937_64 chance(20210901);  // fixed: the same parts every time
-    const int starts = all_.size() == 1 ? 1 : 24;
+    const int starts = all_.size() == 1 ? static_cast<int>(count) : 24;
     for (int start = 0; start < starts; ++start) {
       std::vector<size_t> pick(all_.size(), 0);
+      if (all_.size() == 1) {
+        pick[0] = std::min<size_t>(static_cast<size_t>(start), all_[0].size() - 1);
+        ends.emplace_back(worst(all_[0][pick[0]].error), pick);
+        continue;
+      }
       if (start > 0) {
         for (size_t i = 0; i < pick.size(); ++i) {
           pick[i] = chance() % std::min<size_t>(all_[i].size(), 1 + 4 * static_cast<size_t>(start));
         }
       }
       const double here = descend(pick);
-      if (here < least) {
-        least = here;
-        found = pick;
-      }
+      ends.emplace_back(here, pick);
     }
-    worst_ = std::sqrt(least);
-    return found;
+    std::sort(ends.begin(), ends.end());
+    ends.erase(std::unique(ends.begin(), ends.end()), ends.end());
+    std::vector<std::vector<size_t>> out;
+    for (size_t i = 0; i < ends.size() && i < count; ++i) out.push_back(ends[i].second);
+    return out;
   }
-  double worst_error() const { return worst_; }
 
  private:
   double descend(std::vector<size_t>& pick) const {
@@ -330,8 +340,29 @@ class Exchange {
 
   const std::vector<std::vector<Candidate>>& all_;
   size_t points_ = 0;
-  double worst_ = 0.0;
 };
+
+/// Other candidates of single stages, polished again, until the goal is met: for stages with many resistors,
+/// whose first candidates are only the ends of descents.
+void improve(PartsFound& found, const std::vector<std::vector<Candidate>>& all,
+             const std::vector<std::unique_ptr<StageForm>>& forms, const RealiseOptions& options,
+             const std::vector<Hertz>& grid) {
+  constexpr double kGoalPercent = 0.2;
+  constexpr int kTrials = 10;
+  constexpr size_t kAmong = 60;
+  if (options.resistors.is_exact()) return;
+  std::mt19937_64 chance(20210902);  // fixed: the same parts every time
+  for (int trial = 0; trial < kTrials && found.worst_complex_percent > kGoalPercent; ++trial) {
+    std::vector<std::vector<double>> values = found.values;
+    const size_t stage = chance() % all.size();
+    values[stage] = all[stage][chance() % std::min(all[stage].size(), kAmong)].values;
+    const double percent = 100.0 * polish_parts(forms, options, grid, values);
+    if (percent < found.worst_complex_percent) {
+      found.worst_complex_percent = percent;
+      found.values = std::move(values);
+    }
+  }
+}
 
 }  // namespace
 
@@ -351,10 +382,20 @@ PartsFound search_parts(const std::vector<std::unique_ptr<StageForm>>& forms,
     }
   }
   Exchange exchange(all);
-  const std::vector<size_t> pick = exchange.best();
   PartsFound out;
-  for (size_t i = 0; i < pick.size(); ++i) out.values.push_back(all[i][pick[i]].values);
-  out.worst_complex_percent = 100.0 * exchange.worst_error();
+  out.worst_complex_percent = std::numeric_limits<double>::infinity();
+  // Many stages have so many ways to make good for each other that one start is enough.
+  const bool few_stages = forms.size() <= 3;
+  for (const std::vector<size_t>& pick : exchange.best(few_stages ? 6 : 1)) {
+    std::vector<std::vector<double>> values;
+    for (size_t i = 0; i < pick.size(); ++i) values.push_back(all[i][pick[i]].values);
+    const double percent = 100.0 * polish_parts(forms, options, grid, values);
+    if (percent < out.worst_complex_percent) {
+      out.worst_complex_percent = percent;
+      out.values = std::move(values);
+    }
+  }
+  if (few_stages) improve(out, all, forms, options, grid);
   return out;
 }
 

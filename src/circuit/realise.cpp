@@ -14,6 +14,7 @@
 #include "circuit/ordering.hpp"
 #include "circuit/pairing.hpp"
 #include "circuit/parts_search.hpp"
+#include "circuit/realise_ladder.hpp"
 #include "circuit/realization.hpp"
 #include "circuit/response.hpp"
 
@@ -24,7 +25,8 @@ using Complex = std::complex<double>;
 
 constexpr int kSearchGrid = 33;
 constexpr int kReportGrid = 121;
-constexpr double kTrimAbove = 0.4;  // percent
+constexpr double kTrimAbove = 0.4;       // percent
+constexpr double kOtherFormAbove = 1.0;  // percent
 constexpr double kIsolationAboveDb = 0.005;
 // A fifth of the output resistance leaves a lag of at most asin(5/7) = 46 degrees, and that below the
 // crossing.
@@ -76,8 +78,8 @@ void add_stage(Circuit& circuit, const StageForm& form, const Realization& reali
                size_t count, const std::vector<double>& values, const RealiseOptions& options) {
   Stage stage;
   stage.realization = realization.name;
-  stage.wanted = form.wanted();
-  stage.realised = form.transfer(values);
+  stage.wanted = {form.wanted()};
+  stage.realised = {form.transfer(values)};
   stage.in = node_name("in", index, count);
   stage.out = node_name("out", index, count);
   stage.first_part = static_cast<int>(circuit.parts.size());
@@ -112,7 +114,7 @@ void set_wanted(Circuit& circuit, const std::vector<const Realization*>& how,
   for (const Stage& stage : circuit.stages) {
     double mean = 0.0;
     for (const Hertz f : grid) {
-      mean += std::log(std::abs(stage.realised.response(f.rad_s()) / stage.wanted.response(f.rad_s())));
+      mean += std::log(std::abs(stage.response(f.rad_s()) / stage.wanted_response(f.rad_s())));
     }
     level.push_back(mean / static_cast<double>(grid.size()));
     sum += level.back();
@@ -122,7 +124,7 @@ void set_wanted(Circuit& circuit, const std::vector<const Realization*>& how,
     Section section = stages[i];
     section.gain *= std::exp(level[i] - share);
     const std::shared_ptr<const StageForm> form = how[i]->make(section, form_options);
-    circuit.stages[i].wanted = form->wanted();
+    circuit.stages[i].wanted = {form->wanted()};
     circuit.stages[i].form = form;
     std::vector<double> exact;
     if (!form->exact_near(values[i], exact)) continue;
@@ -132,11 +134,10 @@ void set_wanted(Circuit& circuit, const std::vector<const Realization*>& how,
   }
 }
 
-ResponseDifference nearest_rounding(const std::vector<const Realization*>& how,
-                                    const std::vector<Section>& stages, const Circuit& circuit,
-                                    const RealiseOptions& options, const std::vector<Hertz>& grid,
-                                    const std::vector<Complex>& wanted, const FormOptions& form_options) {
-  std::vector<Complex> got(grid.size(), 1.0);
+std::vector<Biquad> nearest_rounding(const std::vector<const Realization*>& how,
+                                     const std::vector<Section>& stages, const Circuit& circuit,
+                                     const RealiseOptions& options, const FormOptions& form_options) {
+  std::vector<Biquad> out;
   for (size_t i = 0; i < stages.size(); ++i) {
     const std::unique_ptr<StageForm> form = how[i]->make(stages[i], form_options);
     const Stage& stage = circuit.stages[i];
@@ -146,10 +147,9 @@ ResponseDifference nearest_rounding(const std::vector<const Realization*>& how,
       values.push_back(
           (part.kind == Part::Kind::resistor ? options.resistors : options.capacitors).nearest(part.wanted));
     }
-    const Biquad h = form->transfer(values);
-    for (size_t k = 0; k < grid.size(); ++k) got[k] *= h.response(grid[k].rad_s());
+    out.push_back(form->transfer(values));
   }
-  return compare_responses(grid, got, wanted);
+  return out;
 }
 
 /// What the isolating resistors take from the magnitude.
@@ -173,7 +173,7 @@ void measure_nodes(const Circuit& circuit, const std::vector<Hertz>& grid, Reali
   for (const Hertz f : grid) {
     Complex h = 1.0;
     for (const Stage& stage : circuit.stages) {
-      h *= stage.realised.response(f.rad_s());
+      h *= stage.response(f.rad_s());
       report.highest_node_db = std::max(report.highest_node_db, to_decibel(std::abs(h)));
       report.lowest_node_db = std::min(report.lowest_node_db, to_decibel(std::max(std::abs(h), 1e-300)));
     }
@@ -182,8 +182,53 @@ void measure_nodes(const Circuit& circuit, const std::vector<Hertz>& grid, Reali
 
 }  // namespace
 
-Realised realise(const Sections& sections, const RealiseOptions& options) {
+void report_realised(Realised& made, const Sections& sections, Band band,
+                     const std::function<Complex(RadPerSecond)>& nearest) {
+  RealiseReport& report = made.report;
+  report.band = band;
+  const std::vector<Hertz> grid = log_grid(band, kReportGrid);
+  std::vector<Complex> wanted, rounded;
+  for (const Hertz f : grid) {
+    wanted.push_back(sections.response(f.rad_s()));
+    rounded.push_back(nearest(f.rad_s()));
+  }
+  const std::vector<Complex> ideal = circuit_response(made.circuit, grid);
+  const std::vector<Complex> real = network_response(made.circuit, grid, made.circuit.model);
+  report.parts = compare_responses(grid, ideal, wanted);
+  report.nearest = compare_responses(grid, rounded, wanted);
+  report.opamps = compare_responses(grid, real, ideal);
+  report.all = compare_responses(grid, real, wanted);
+  measure_nodes(made.circuit, grid, report);
+  report.warnings = check_opamps(made.circuit, band).warnings;
+}
+
+Sections without_far_zeros(const Sections& sections) {
+  double highest = 0.0;
+  for (const Section& section : sections.sections) {
+    for (const Complex pole : section.poles) highest = std::max(highest, std::abs(pole));
+  }
+  Sections out = sections;
+  for (Section& section : out.sections) {
+    std::vector<Complex> kept;
+    Complex gain = section.gain;
+    for (const Complex zero : section.zeros) {
+      if (std::abs(zero) <= 1000.0 * highest) {
+        kept.push_back(zero);
+      } else {
+        gain *= -zero;
+      }
+    }
+    section.gain = gain.real();  // complex zeros come in pairs
+    section.zeros = kept;
+  }
+  return out;
+}
+
+Realised realise(const Sections& asked, const RealiseOptions& options) {
   check(options);
+  const Sections sections = without_far_zeros(asked);
+  if (const auto ladder = ladder_form_named(options.realization))
+    return realise_ladders(asked, *ladder, options);
   const bool two_poles = options.realization != "opamp-rc" && options.realization != "first-order";
   if (options.realization != "opamp-rc") realization_named(options.realization);
   const Split split = two_poles ? split_into_two_pole_stages(sections) : split_into_stages(sections);
@@ -247,12 +292,36 @@ Realised realise(const Sections& sections, const RealiseOptions& options) {
     }
   }
 
+  if (found.worst_complex_percent > kOtherFormAbove && options.realization == "opamp-rc" &&
+      !options.resistors.is_exact()) {
+    // Zeros far from the poles are small differences in Tow-Thomas; KHN makes them by sums.
+    const Realization& khn = realization_named("khn");
+    std::vector<const Realization*> other = how;
+    std::vector<std::unique_ptr<StageForm>> other_forms;
+    for (size_t i = 0; i < stages.size(); ++i) {
+      if (how[i]->name == "tow-thomas" && khn.inverts == how[i]->inverts && khn.refusal(stages[i]).empty())
+        other[i] = &khn;
+      other_forms.push_back(other[i]->make(stages[i], form_options));
+    }
+    std::optional<PartsFound> better;
+    try {
+      if (other != how) better = search_parts(other_forms, titles, options, search_grid);
+    } catch (const DesignError&) {
+      // Not within these limits: what was found stands.
+    }
+    if (better && better->worst_complex_percent < 0.7 * found.worst_complex_percent) {
+      how = std::move(other);
+      forms = std::move(other_forms);
+      found = *std::move(better);
+    }
+  }
+
   if (!options.isolation_ohm && form_options.isolation_ohm > 0.0 &&
       isolation_costs_db(forms, found, search_grid) > kIsolationAboveDb) {
     // The band reaches up to the isolating poles: better a warning of the phase margin.
     RealiseOptions bare = options;
     bare.isolation_ohm = 0.0;
-    return realise(sections, bare);
+    return realise(asked, bare);
   }
 
   Realised out;
@@ -263,19 +332,12 @@ Realised realise(const Sections& sections, const RealiseOptions& options) {
   }
   set_wanted(circuit, how, stages, found.values, search_grid, form_options);
 
-  RealiseReport& report = out.report;
-  report.band = band;
-  const std::vector<Hertz> grid = log_grid(band, kReportGrid);
-  std::vector<Complex> wanted;
-  for (const Hertz f : grid) wanted.push_back(sections.response(f.rad_s()));
-  const std::vector<Complex> ideal = circuit_response(circuit, grid);
-  const std::vector<Complex> real = network_response(circuit, grid, options.opamp);
-  report.parts = compare_responses(grid, ideal, wanted);
-  report.opamps = compare_responses(grid, real, ideal);
-  report.all = compare_responses(grid, real, wanted);
-  report.nearest = nearest_rounding(how, stages, circuit, options, grid, wanted, form_options);
-  measure_nodes(circuit, grid, report);
-  report.warnings = check_opamps(circuit, band).warnings;
+  const std::vector<Biquad> nearest = nearest_rounding(how, stages, circuit, options, form_options);
+  report_realised(out, asked, band, [&](RadPerSecond w) {
+    Complex h = 1.0;
+    for (const Biquad& one : nearest) h *= one.response(w);
+    return h;
+  });
   return out;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -12,7 +13,8 @@
 namespace bodesmith {
 
 struct RealiseOptions {
-  /// "opamp-rc": first-order sections for real roots, Tow-Thomas for complex ones; or one of realizations().
+  /// "opamp-rc": first-order sections for real roots, Tow-Thomas for complex ones; or one of realizations();
+  /// or a ladder, "foster1", "foster2", "cauer1", "cauer2" (realise_ladder.hpp).
   std::string realization = "opamp-rc";
   Series resistors = Series::named("E96");
   Series capacitors = Series::named("E12");
@@ -47,6 +49,15 @@ struct Realised {
   Circuit circuit;
   RealiseReport report;
 };
+
+/// Without the zeros that lie more than 1000 times above the highest pole (a fit's way to say that there is
+/// none): below ten times that pole they count for less than 0.0005 dB and 0.6 degrees, and would take parts
+/// that cannot be had. The gain at rest is kept.
+Sections without_far_zeros(const Sections& sections);
+
+/// Fills made.report for made.circuit; `nearest` is the response with every value rounded on its own.
+void report_realised(Realised& made, const Sections& sections, Band band,
+                     const std::function<std::complex<double>(RadPerSecond)>& nearest);
 
 /// Sections as a chain of op-amp RC stages. Real poles and zeros of all sections are pooled, paired sorted by
 /// frequency (least span a stage) and each pair becomes R1||C1 into R2||C2 around an inverting op-amp,

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "circuit/forms.hpp"
@@ -36,10 +38,18 @@ const Realization& realization_named(const std::string& name) {
     if (one.name == name) return one;
     names.push_back(one.name);
   }
+  for (const char* ladder : {"foster1", "foster2", "cauer1", "cauer2"}) names.emplace_back(ladder);
   throw InputError(fmt::format("'{}' is not a realization, expected one of {}", name, join(names, ", ")));
 }
 
 const Realization& default_realization(const Section& section) {
+  // Zeros at the origin: Tow-Thomas makes them as differences of resistors, which no preferred value meets.
+  if (section.poles.size() == 2 && section.zeros.size() == 2 && std::abs(section.zeros[0]) == 0.0 &&
+      std::abs(section.zeros[1]) == 0.0) {
+    const double quality =
+        std::abs(section.poles[0]) / std::abs((section.poles[0] + section.poles[1]).real());
+    return realization_named(quality <= 3.0 ? "sallen-key" : "khn");
+  }
   for (const char* name : {"inverter", "first-order", "first-order-right-zero", "tow-thomas"}) {
     const Realization& one = realization_named(name);
     if (one.refusal(section).empty()) return one;

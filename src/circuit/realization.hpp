@@ -104,7 +104,8 @@ struct Realization {
 const std::vector<Realization>& realizations();
 /// Throws InputError that lists the names.
 const Realization& realization_named(const std::string& name);
-/// "opamp-rc": the first-order form for one pole, Tow-Thomas for two.
+/// "opamp-rc": the first-order form for one pole; for two Tow-Thomas, but for a high-pass Sallen-Key up to Q
+/// = 3 and KHN above.
 const Realization& default_realization(const Section& section);
 
 }  // namespace bodesmith

@@ -18,6 +18,7 @@ class Series {
 
   const std::string& name() const { return name_; }
   bool is_exact() const { return mantissas_.empty() && stock_.empty(); }
+  bool is_stock() const { return !stock_.empty(); }
   /// Every value in [low, high], rising. Empty for `exact`.
   std::vector<double> values(double low, double high) const;
   /// Nearest in log; the value itself for `exact`. Rounds up a decade when that is nearer (9.95 to 10).

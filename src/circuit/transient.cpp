@@ -42,10 +42,13 @@ class Cascade {
       for (int i = 0; i < stage.part_count; ++i) {
         values.push_back(circuit.parts[static_cast<size_t>(stage.first_part + i)].realised);
       }
-      const Biquad h = stage.form ? stage.form->aim(values) : stage.realised;
-      stages_.push_back(canonical(h));
-      states_ += stages_.back().order;
-      for (const auto& pole : h.section().poles) fastest_ = std::max(fastest_, std::abs(pole));
+      const std::vector<Biquad> factors =
+          stage.form ? std::vector<Biquad>{stage.form->aim(values)} : stage.realised;
+      for (const Biquad& h : factors) {
+        stages_.push_back(canonical(h));
+        states_ += stages_.back().order;
+        for (const auto& pole : h.section().poles) fastest_ = std::max(fastest_, std::abs(pole));
+      }
     }
   }
   int states() const { return states_; }

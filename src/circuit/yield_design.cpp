@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.hpp"
 #include "circuit/realization.hpp"
 
 namespace bodesmith {
@@ -161,6 +162,7 @@ YieldDesign yield_design(const Realised& realised, const Sections& wanted, std::
   }
   for (size_t i = 0; i < realised.circuit.stages.size(); ++i) {
     const Stage& stage = realised.circuit.stages[i];
+    if (!stage.form) throw DesignError("tolerance statistics are for op-amp RC forms, not for ladders");
     YieldStage one;
     one.name = fmt::format("stage{}", i + 1);
     one.first_part = stage.first_part;

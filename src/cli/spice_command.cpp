@@ -7,6 +7,8 @@
 #include "circuit/opamp_check.hpp"
 #include "circuit/opamp_library.hpp"
 #include "circuit/realise.hpp"
+#include "circuit/realise_ladder.hpp"
+#include "circuit/stock.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "spice/check.hpp"
@@ -20,18 +22,24 @@ namespace po = boost::program_options;
 
 void declare(CommandLine& line) {
   line.positional("SECTIONS.json", 1, 1);
-  line.output("folder for compensator.sub, decks for ngspice, LTspice and Xyce, parts.csv and circuit.json");
+  line.output(
+      "folder for compensator.sub, decks for ngspice, LTspice and Xyce, a KiCad project, parts.csv and "
+      "circuit.json");
   line.options().add_options()(
       "realization", po::value<std::string>()->default_value("opamp-rc"),
-      "opamp-rc (chooses for each stage) or one form for all: first-order, tow-thomas, …")(
-      "series", po::value<std::string>()->default_value("E96"),
-      "series of the resistors, E3 to E192; exact: values as computed, capacitors too")(
+      "opamp-rc (chooses for each stage); one form for all: first-order, tow-thomas, khn, sallen-key, "
+      "multiple-feedback; or RC ladders for poles and zeros that alternate: foster1, foster2, cauer1, "
+      "cauer2")("series", po::value<std::string>()->default_value("E96"),
+                "series of the resistors, E3 to E192; exact: values as computed, capacitors too")(
       "capacitor-series", po::value<std::string>(),
       "series of the capacitors (E12, or exact with --series exact)")(
-      "min-ohm", po::value<double>()->default_value(1e3), "least resistor")(
-      "max-ohm", po::value<double>()->default_value(2.2e6), "greatest resistor")(
+      "stock", po::value<std::string>(),
+      "parts at hand instead of series, TOML (bodesmith.stock/1: values_ohm, values_f, limits) or CSV "
+      "(resistance_ohm,capacitance_f, one value a row)")("min-ohm", po::value<double>()->default_value(1e3),
+                                                         "least resistor (ladders: 100)")(
+      "max-ohm", po::value<double>()->default_value(2.2e6), "greatest resistor (ladders: 1e7)")(
       "min-f", po::value<double>()->default_value(47e-12), "least capacitor")(
-      "max-f", po::value<double>()->default_value(220e-9), "greatest capacitor")(
+      "max-f", po::value<double>()->default_value(220e-9), "greatest capacitor (ladders: 4.7e-6)")(
       "isolation-ohm", po::value<double>(),
       "in series with the input capacitor of first-order stages, so that the op-amp before does not ring "
       "(default: a fifth of its "
@@ -60,10 +68,21 @@ RealiseOptions read_options(const CommandLine& line, Provenance& from) {
   options.resistors = Series::named(line.get<std::string>("series"));
   options.capacitors = Series::named(
       line.maybe<std::string>("capacitor-series").value_or(options.resistors.is_exact() ? "exact" : "E12"));
-  options.least_ohm = line.positive("min-ohm");
-  options.greatest_ohm = line.positive("max-ohm");
-  options.least_f = line.positive("min-f");
-  options.greatest_f = line.positive("max-f");
+  // A list's own limits stand before the usual ones, and behind those that are typed.
+  const bool ladder = ladder_form_named(options.realization).has_value();
+  if (ladder) set_ladder_limits(options);
+  if (line.has("stock")) StockList::read(line.get<std::string>("stock"), from).apply_to(options);
+  const auto limit = [&](const char* name, double& value) {
+    const double given = line.positive(name);
+    if (line.has(name) || !(ladder || line.has("stock"))) value = given;
+  };
+  limit("min-ohm", options.least_ohm);
+  limit("max-ohm", options.greatest_ohm);
+  limit("min-f", options.least_f);
+  limit("max-f", options.greatest_f);
+  if (line.has("stock") && options.resistors.is_exact() != options.capacitors.is_exact()) {
+    line.fail("--stock does not mix with exact parts, expected a series for what the list leaves out");
+  }
   if (line.has("isolation-ohm")) {
     const double ohm = line.get<double>("isolation-ohm");
     if (!(ohm >= 0.0) || ohm > 1e6) line.fail("--isolation-ohm is out of range, expected 0 to 1e6");

@@ -14,7 +14,7 @@ struct SpiceCheck {
   ResponseDifference against_sections;  ///< ngspice against the wanted sections
   double transient_percent =
       0.0;  ///< worst difference of a triangle's answer, percent of its peak, from ideal op-amps
-  double noise_percent = 0.0;  ///< worst difference of the output noise density (no 1/f part)
+  double noise_percent = 0.0;  ///< worst difference of the output noise density
 };
 
 /// Runs compensator_library() through ngspice: small-signal from 1/10 of the lowest to 10 times the highest

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -13,6 +14,7 @@ namespace {
 
 std::string factors(const std::vector<std::complex<double>>& roots) {
   if (roots.empty()) return "1";
+  if (std::abs(roots[0]) == 0.0 && std::abs(roots.back()) == 0.0) return roots.size() == 1 ? "s" : "s^2";
   if (roots[0].imag() != 0.0) {
     return fmt::format("(s^2 + {}s + {})", rounded_text(-2.0 * roots[0].real(), 6),
                        rounded_text(std::norm(roots[0]), 6));
@@ -52,7 +54,19 @@ std::string opamp_library(const OpAmpModel& model) {
   constexpr double k4T = 4.0 * 1.380649e-23 * 300.15;
   data["voltage_noise"] = model.voltage_noise_v_per_rthz > 0.0;
   data["voltage_noise_v_per_rthz"] = spice_number(model.voltage_noise_v_per_rthz);
-  data["noise_ohm"] = spice_number(std::pow(model.voltage_noise_v_per_rthz, 2) / k4T);
+  const double white = std::pow(model.voltage_noise_v_per_rthz, 2);
+  // The part that falls with frequency is that of two diodes in opposition, which all three simulators have:
+  // current noise KF I/f behind r = kT/(q I) each. Their shot noise, 2 q I, is taken off the resistor's.
+  constexpr double kCharge = 1.602176634e-19, kThermalV = 1.380649e-23 * 300.15 / kCharge;
+  constexpr double kDiodeA = 0.1, kDiodeOhm = kThermalV / kDiodeA;
+  const bool flicker = white > 0.0 && model.voltage_noise_corner_hz > 0.0;
+  const double shot = flicker ? 2.0 * 2.0 * kCharge * kDiodeA * kDiodeOhm * kDiodeOhm : 0.0;
+  data["flicker"] = flicker;
+  data["corner_hz"] = spice_number(model.voltage_noise_corner_hz);
+  data["diode_a"] = spice_number(kDiodeA);
+  data["kf"] = spice_number(white * model.voltage_noise_corner_hz / (2.0 * kDiodeOhm * kDiodeOhm * kDiodeA));
+  data["flicker_term"] = flicker ? "+v(d1)-v(d2)" : "";
+  data["noise_ohm"] = spice_number(std::max(white - shot, 1e-3 * white) / k4T);
   data["current_noise"] = model.current_noise_a_per_rthz > 0.0;
   constexpr double kUnit = 1e3;
   data["unit_ohm"] = spice_number(kUnit);
@@ -60,10 +74,16 @@ std::string opamp_library(const OpAmpModel& model) {
   return render_template("spice/opamp.sub", data);
 }
 
-std::string transfer_text(const Biquad& h) {
-  const Section section = h.section();
-  return fmt::format("{} {}/{}", rounded_text(section.gain, 6), factors(section.zeros),
-                     factors(section.poles));
+std::string transfer_text(const std::vector<Biquad>& product) {
+  double gain = 1.0;
+  std::string zeros, poles;
+  for (const Biquad& h : product) {
+    const Section section = h.section();
+    gain *= section.gain;
+    zeros += factors(section.zeros);
+    poles += factors(section.poles);
+  }
+  return fmt::format("{} {}/{}", rounded_text(gain, 6), zeros, poles);
 }
 
 }  // namespace bodesmith

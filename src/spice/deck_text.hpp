@@ -13,6 +13,6 @@ std::string spice_number(double value);
 std::string opamp_library(const OpAmpModel& model);
 
 /// "-1.88 (s + 107.6)/(s + 126.4)" for comments.
-std::string transfer_text(const Biquad& h);
+std::string transfer_text(const std::vector<Biquad>& factors);
 
 }  // namespace bodesmith

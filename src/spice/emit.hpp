@@ -6,6 +6,7 @@
 #include "circuit/circuit.hpp"
 #include "circuit/layout.hpp"
 #include "circuit/realise.hpp"
+#include "spice/deck_tolerances.hpp"
 
 namespace bodesmith {
 
@@ -17,17 +18,9 @@ std::string compensator_library(const Circuit& circuit, const std::string& title
 /// and capacitor_tolerance.
 std::string compensator_library_with_tolerances(const Circuit& circuit, const std::string& title);
 
-/// Tolerances written into the Monte Carlo decks.
-struct DeckTolerances {
-  double resistor_percent = 1.0;
-  double capacitor_percent = 5.0;
-  int runs = 100;
-  unsigned seed = 1;
-};
-
 /// Every file of `spice -o DIR` but circuit.json: compensator.sub, parts.csv; for ngspice ac.cir,
 /// transient.cir, noise.cir, monte_carlo_ngspice.cir; ltspice_ac.cir, ltspice_monte_carlo.cir with
-/// compensator_mc.sub; xyce_ac.cir.
+/// compensator_mc.sub; xyce_ac.cir; the KiCad project of kicad_schematic.hpp.
 void add_spice_files(const Realised& realised, const std::string& title, OutputSet& out,
                      const DeckTolerances& tolerances = {});
 

@@ -1,0 +1,30 @@
+#pragma once
+
+#include <map>
+#include <set>
+#include <string>
+#include <vector>
+
+namespace bodesmith {
+
+/// A KiCad 6 schematic as KiCad understands it, read by this test's own means: s-expressions, pins of the
+/// embedded symbols turned and mirrored to their places, wires, junctions, labels and sheet pins resolved to
+/// nets by where they are.
+struct KicadSchematic {
+  struct Component {
+    std::string value, footprint;
+    std::map<std::string, std::string> fields;
+    std::map<std::string, int> pin_nets;  ///< pin number to net
+  };
+  std::map<std::string, Component> components;  ///< by reference; supplies and flags left out
+  std::map<int, std::set<std::string>> names;   ///< of a net: labels ("/" in front in a sub-sheet), supplies
+  int dangling_ends = 0;                        ///< ends of wires where nothing else is
+  int stacked_texts = 0;                        ///< references or values of two parts at one place
+  bool off_page = false;
+  int sheets = 0;
+};
+
+/// Throws std::runtime_error for what KiCad would not load.
+KicadSchematic read_kicad(const std::string& folder, const std::string& root = "compensator.kicad_sch");
+
+}  // namespace bodesmith

@@ -18,8 +18,8 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr int kSearchGrid = 33;
-constexpr int kLevels = 96;  // tried between the limits
-constexpr int kSearchedLevels = 8;
+constexpr int kLevels = 192;  // tried between the limits
+constexpr int kSearchedLevels = 12;
 constexpr int kNeighbours = 4;
 
 std::vector<double> corners(const std::vector<Complex>& roots) {
@@ -41,7 +41,7 @@ class Chain {
  public:
   Chain(const LadderChain& chain, double gain, LadderForm form, const RealiseOptions& options,
         const std::vector<Hertz>& grid)
-      : chain_(chain), form_(form), options_(options), gain_(gain) {
+      : chain_(chain), form_(form), options_(options) {
     z_.poles = chain.lag ? chain.poles : chain.zeros;
     z_.zeros = chain.lag ? chain.zeros : chain.poles;
     // Lag: H(inf) = -Z(inf)/R1; lead: -R2/Z(inf). With the resistor at 1 ohm:
@@ -64,31 +64,11 @@ class Chain {
     }
   }
 
-  void search() {
-    const auto [low, high] = levels();
-    if (options_.resistors.is_exact() && options_.capacitors.is_exact()) {
-      exact_ = at_level(std::sqrt(low * high));
-      values_ = nearest_ = exact_;
-      return;
-    }
-    std::vector<std::pair<double, double>> ranked;
-    for (int i = 0; i < kLevels; ++i) {
-      const double level = low * std::pow(high / low, (i + 0.5) / kLevels);
-      ranked.emplace_back(miss(rounded(at_level(level))), level);
-    }
-    std::sort(ranked.begin(), ranked.end());
-    nearest_ = rounded(at_level(std::sqrt(low * high)));
-    double least = std::numeric_limits<double>::infinity();
-    for (int i = 0; i < kSearchedLevels; ++i) {
-      const std::vector<double> exact = at_level(ranked[static_cast<size_t>(i)].second);
-      std::vector<double> values = rounded(exact);
-      const double here = descend(exact, values);
-      if (here < least) {
-        least = here;
-        exact_ = exact;
-        values_ = values;
-      }
-    }
+  /// `owed`: wanted over realised of the chains before, which this one makes good as far as it can.
+  void search(std::vector<Complex>& owed) {
+    for (size_t k = 0; k < owed.size(); ++k) wanted_[k] *= owed[k];
+    find();
+    for (size_t k = 0; k < owed.size(); ++k) owed[k] = wanted_[k] / ratio(values_, s_[k]);
   }
 
   size_t size() const { return unit_.size(); }
@@ -129,6 +109,36 @@ class Chain {
     std::vector<double> out(unit_.size());
     for (size_t i = 0; i < out.size(); ++i) out[i] = resistor(i) ? unit_[i] * level : unit_[i] / level;
     return out;
+  }
+
+  void find() {
+    const auto [low, high] = levels();
+    if (options_.resistors.is_exact() && options_.capacitors.is_exact()) {
+      exact_ = at_level(std::sqrt(low * high));
+      values_ = nearest_ = exact_;
+      return;
+    }
+    std::vector<std::pair<double, double>> ranked;
+    for (int i = 0; i < kLevels; ++i) {
+      const double level = low * std::pow(high / low, (i + 0.5) / kLevels);
+      ranked.emplace_back(miss(rounded(at_level(level))), level);
+    }
+    std::sort(ranked.begin(), ranked.end());
+    // The middle, too: what is found is then no worse than plain rounding there.
+    const double middle = std::sqrt(low * high);
+    nearest_ = rounded(at_level(middle));
+    ranked.insert(ranked.begin(), {miss(nearest_), middle});
+    double least = std::numeric_limits<double>::infinity();
+    for (int i = 0; i < kSearchedLevels; ++i) {
+      const std::vector<double> exact = at_level(ranked[static_cast<size_t>(i)].second);
+      std::vector<double> values = rounded(exact);
+      const double here = descend(exact, values);
+      if (here < least) {
+        least = here;
+        exact_ = exact;
+        values_ = values;
+      }
+    }
   }
 
   std::pair<double, double> levels() const {
@@ -210,7 +220,6 @@ class Chain {
   LadderChain chain_;
   LadderForm form_;
   const RealiseOptions& options_;
-  double gain_;
   RcImpedance z_;
   std::vector<LadderPart> drawn_;
   std::vector<double> unit_;  ///< with the resistor at 1 ohm
@@ -387,9 +396,10 @@ Realised realise_ladders(const Sections& sections, LadderForm form, const Realis
   }
   const double share = std::pow(rest, 1.0 / static_cast<double>(chains.size()));
   std::vector<Chain> made;
+  std::vector<Complex> owed(search_grid.size(), 1.0);
   for (size_t i = 0; i < chains.size(); ++i) {
     made.emplace_back(chains[i], gains[i] * share, form, options, search_grid);
-    made.back().search();
+    made.back().search(owed);
   }
 
   Realised out;

@@ -79,5 +79,49 @@ TEST(SpiceCommand, BadInputIsOneLineAndWritesNothing) {
   }
 }
 
+TEST(SpiceCommand, StockListIsWhatPartsAreMadeOf) {
+  const TemporaryFolder folder;
+  write_file(folder / "sections.json", kSections);
+  write_file(folder / "drawer.csv", "resistance_ohm,capacitance_f\n100e3,\n4k7,\n");
+  const std::string out = (folder / "spice").string();
+  const std::string command = "spice " + (folder / "sections.json").string() + " -o " + out + " --stock ";
+  const ProgramResult bad = run_bodesmith(command + (folder / "drawer.csv").string());
+  EXPECT_EQ(bad.status, 2);
+  EXPECT_NE(bad.err.find("drawer.csv:3: '4k7'"), std::string::npos) << bad.err;
+  EXPECT_FALSE(std::filesystem::exists(folder / "spice"));
+  write_file(folder / "drawer.toml",
+             "schema = \"bodesmith.stock/1\"\n[resistors]\nseries = \"E24\"\n[capacitors]\n"
+             "values_f = [1e-9, 2.2e-9, 4.7e-9, 1e-8, 2.2e-8, 4.7e-8, 1e-7, 2.2e-7]\n");
+  const ProgramResult good = run_bodesmith(command + (folder / "drawer.toml").string() + " --json");
+  ASSERT_EQ(good.status, 0) << good.err;
+  const Node error = parse_json(good.out, "stdout").at("error");
+  EXPECT_LT(error.at("parts").at("max_magnitude_db").number(), 0.1);
+  EXPECT_LT(error.at("parts").at("max_magnitude_db").number(),
+            error.at("nearest_rounding").at("max_magnitude_db").number());
+  const std::string parts = read_file(folder / "spice" / "parts.csv");
+  EXPECT_NE(parts.find(",stock,"), std::string::npos);
+  EXPECT_NE(parts.find(",E24,"), std::string::npos);
+  EXPECT_EQ(parts.find(",E12,"), std::string::npos);
+}
+
+TEST(SpiceCommand, LaddersAgreeWithNgspice) {
+  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  const TemporaryFolder folder;
+  write_file(folder / "sections.json", kSections);
+  for (const std::string form : {"foster1", "foster2", "cauer1", "cauer2"}) {
+    SCOPED_TRACE(form);
+    const ProgramResult run =
+        run_bodesmith("spice " + (folder / "sections.json").string() + " --realization " + form +
+                      " --check --json -o " + (folder / "spice").string());
+    ASSERT_EQ(run.status, 0) << run.err;
+    const Node summary = parse_json(run.out, "stdout"), check = summary.at("ngspice");
+    EXPECT_LT(check.at("against_program").at("max_complex_percent").number(), 1e-6);
+    EXPECT_LT(check.at("against_sections").at("max_magnitude_db").number(), 0.2);
+    EXPECT_LT(check.at("transient_percent").number(), 0.05);
+    EXPECT_LT(check.at("noise_percent").number(), 2e-3);
+    EXPECT_LT(summary.at("opamps").number(), 7);
+  }
+}
+
 }  // namespace
 }  // namespace bodesmith

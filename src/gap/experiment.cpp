@@ -4,6 +4,7 @@
 #include <cmath>
 #include <exception>
 
+#include "gap/statistics.hpp"
 #include "simulate/record_simulator.hpp"
 
 namespace bodesmith::gap {
@@ -11,8 +12,9 @@ namespace {
 
 class TimeBench final : public Bench {
  public:
-  TimeBench(const chain::Chain& chain, const TimeRecord& record, std::size_t from, std::size_t to)
-      : record_(record), from_(from), to_(to), simulator_(chain, record.step_s, options(record)) {}
+  TimeBench(const chain::Chain& chain, const TimeRecord& record, std::size_t from, std::size_t to,
+            bool coarse)
+      : record_(record), from_(from), to_(to), simulator_(chain, record.step_s, options(record, coarse)) {}
   chain::Chain& chain() override { return simulator_.chain(); }
   bool residuals(std::vector<double>& append) override {
     const auto y = simulator_.run(std::span<const double>(record_.u).first(to_));
@@ -33,10 +35,12 @@ class TimeBench final : public Bench {
   }
 
  private:
-  static simulate::RecordOptions options(const TimeRecord& record) {
+  static simulate::RecordOptions options(const TimeRecord& record, bool coarse) {
     simulate::RecordOptions o;
     o.start_s = record.start_s;
     o.most_parts = 3.0;
+    o.newton_tolerance = coarse ? 1e-8 : 1e-10;
+    if (coarse) o.most_turn_rad = 1.6;
     return o;
   }
   const TimeRecord& record_;
@@ -78,7 +82,7 @@ void copy_values(const Model& model, chain::Chain& chain) {
 }  // namespace
 
 std::unique_ptr<Bench> TimeExperiment::bench(const chain::Chain& chain) const {
-  return std::make_unique<TimeBench>(chain, record_, skip_, to_);
+  return std::make_unique<TimeBench>(chain, record_, skip_, to_, coarse_);
 }
 
 double TimeExperiment::range() const {
@@ -132,8 +136,25 @@ std::vector<double> current_values(const Model& model) {
 
 LeastSquaresResult fit(Model& model, const Experiments& experiments, const LeastSquaresOptions& options) {
   Runner runner(model, experiments);
+  const auto unknowns = model.unknowns();
+  // What was known beforehand counts as one more sample each, in units of the residual at the start.
+  double unit = 0.0;
+  {
+    std::vector<double> out;
+    if (runner(current_values(model), out)) unit = rms(out);
+  }
   const auto result = least_squares(
-      model.unknowns(), [&](std::span<const double> v, std::vector<double>& out) { return runner(v, out); },
+      unknowns,
+      [&](std::span<const double> v, std::vector<double>& out) {
+        if (!runner(v, out)) return false;
+        for (std::size_t k = 0; k < unknowns.size(); ++k) {
+          const auto& u = unknowns[k];
+          if (!(u.given_spread > 0.0)) continue;
+          const double off = u.logarithmic ? std::log(v[k] / u.given) : v[k] - u.given;
+          out.push_back(unit * off / u.given_spread);
+        }
+        return true;
+      },
       options);
   if (result.usable) model.set_values(result.values);
   return result;

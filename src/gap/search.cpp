@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <map>
 #include <memory>
@@ -21,11 +22,16 @@ namespace {
 /// Long records are first fitted on a stretch of this many samples.
 constexpr std::size_t kStretch = 8000;
 
+/// Held-out gain that a term must earn when one of its few unknowns rests at a bound.
+constexpr double kGainAtBound = 0.05;
+
 class Search {
  public:
   Search(const chain::Chain& base, const Experiments& train, const Experiments& holdout,
          const SearchOptions& options)
-      : train_(train), holdout_(holdout), options_(options), initial_(base), model_(base) {
+      : options_(options), initial_(base), model_(base) {
+    train_ = own(train);
+    holdout_ = own(holdout);
     make_stretches();
   }
 
@@ -36,6 +42,8 @@ class Search {
   void report(double fraction) const {
     if (options_.progress) options_.progress(fraction);
   }
+  Experiments own(const Experiments& given);
+  bool drop_wrong_starts(const Model& model);
   void make_stretches();
   LeastSquaresOptions fit_options(int iterations) const {
     LeastSquaresOptions o;
@@ -57,13 +65,24 @@ class Search {
   bool earns_its_place(Ranked& r, double before_holdout) const;
   double control_gain(const Model& before, const Ranked& winner) const;
   std::optional<Step> choose(const Model& before, std::vector<Ranked>& ranking);
+  std::optional<std::array<Step, 2>> choose_pair(const Model& before, const std::vector<Ranked>& ranking);
+  /// What taking term k out again would cost; `without` becomes the refitted model that lacks it.
+  struct Worth {
+    double gain = 0.0;  ///< held-out, share of rms
+    double z = 0.0;
+    double train_z = 0.0;
+  };
+  Worth worth_of(const Model& with, std::size_t k, Model& without) const;
+  bool something_left(const Model& model) const;
   bool prune(std::vector<Step>& steps);
   bool swap_earlier(std::vector<Step>& steps);
   std::vector<Leftover> leftovers(const Model& model, const Experiments& records) const;
 
-  const Experiments& train_;
-  const Experiments& holdout_;
   SearchOptions options_;
+  std::vector<std::unique_ptr<TimeExperiment>> owned_;
+  std::map<const Experiment*, std::size_t> start_;  ///< samples of each record's start, see drop_wrong_starts
+  Experiments train_;
+  Experiments holdout_;
   std::vector<std::unique_ptr<Experiment>> stretches_;
   Experiments look_;
   Model initial_;
@@ -71,6 +90,48 @@ class Search {
   std::vector<std::string> notes_;
   bool long_records_ = false;
 };
+
+/// Copies in which the start is scored at first.
+Experiments Search::own(const Experiments& given) {
+  Experiments mine;
+  for (const auto* e : given) {
+    const auto* time = dynamic_cast<const TimeExperiment*>(e);
+    if (time == nullptr) {
+      mine.push_back(e);
+      continue;
+    }
+    owned_.push_back(std::make_unique<TimeExperiment>(*time));
+    start_[owned_.back().get()] = time->skip();
+    owned_.back()->set_skip(0);
+    mine.push_back(owned_.back().get());
+  }
+  return mine;
+}
+
+/// A record should begin at rest, and its start then tells much (how a resonance rings up). When it began
+/// otherwise, the residual stands out there, whatever else is missing: that start is no longer scored.
+bool Search::drop_wrong_starts(const Model& model) {
+  constexpr double kStandsOut = 1.35;
+  bool changed = false;
+  for (const auto& e : owned_) {
+    const std::size_t start = start_[e.get()];
+    if (e->skip() > 0 || start == 0) continue;
+    const auto residual = residuals_of(model, {e.get()});
+    if (residual.size() <= start) continue;
+    const auto part = [&](std::size_t from, std::size_t to) {
+      return rms({residual.begin() + static_cast<std::ptrdiff_t>(from),
+                  residual.begin() + static_cast<std::ptrdiff_t>(to)});
+    };
+    const double rest = part(start, residual.size());
+    bool stands_out = false;
+    for (std::size_t length : {start / 4, start / 2, start})
+      stands_out = stands_out || (length >= 12 && part(0, length) > kStandsOut * rest);
+    if (!stands_out) continue;
+    e->set_skip(start);
+    changed = true;
+  }
+  return changed;
+}
 
 void Search::make_stretches() {
   std::size_t total = 0;
@@ -82,7 +143,7 @@ void Search::make_stretches() {
       look_.push_back(e);
       continue;
     }
-    const std::size_t lead = std::max<std::size_t>(time->skip(), 200);
+    const std::size_t lead = std::max<std::size_t>(start_.at(time), 200);
     const std::size_t samples = std::max<std::size_t>(1500, kStretch / train_.size());
     TimeRecord cut = time->record();
     cut.u.resize(time->to());
@@ -90,6 +151,7 @@ void Search::make_stretches() {
     cut = lively_stretch(cut, lead, samples);
     auto shorter = std::make_unique<TimeExperiment>(std::move(cut));
     shorter->set_skip(lead);
+    shorter->set_coarse();
     look_.push_back(shorter.get());
     stretches_.push_back(std::move(shorter));
   }
@@ -143,7 +205,7 @@ NoiseFloor Search::floor_of(const Model& model) const {
     for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = time->record().y[i] - outputs[0][i];
     const std::vector<double> input(time->record().u.begin(),
                                     time->record().u.begin() + static_cast<std::ptrdiff_t>(time->to()));
-    const auto floor = noise_floor(residual, input, time->skip(), time->record().step_s);
+    const auto floor = noise_floor(residual, input, start_.at(time), time->record().step_s);
     if (floor.how != NoiseFloor::How::unknown) return floor;
   }
   return {};
@@ -313,6 +375,15 @@ bool Search::earns_its_place(Ranked& r, double before_holdout) const {
     r.word = "ill-conditioned";
     return false;
   }
+  // A shape that only fits at the end of its range is another's.
+  const auto& unknowns = r.model.terms().back().unknowns;
+  const bool at_bound = unknowns.size() < 4 &&
+                        std::any_of(unknowns.begin(), unknowns.end(),
+                                    [](const Unknown& u) { return u.value <= u.low || u.value >= u.high; });
+  if (at_bound && gain < kGainAtBound) {
+    r.word = "at the end of its range";
+    return false;
+  }
   return true;
 }
 
@@ -351,7 +422,9 @@ double Search::control_gain(const Model& before, const Ranked& winner) const {
     fit(plain, fake_train, fit_options(4));
     const auto result = fit(model, fake_train, fit_options(6));
     if (!result.usable) continue;
-    most = std::max(most, 1.0 - rms_of(model, fake_holdout) / rms_of(plain, fake_holdout));
+    // `before` is the truth of these records: a refit of it that got worse is no gain of the term's.
+    const double without = std::min(rms_of(plain, fake_holdout), rms_of(before, fake_holdout));
+    most = std::max(most, 1.0 - rms_of(model, fake_holdout) / without);
   }
   return most;
 }
@@ -427,16 +500,74 @@ std::optional<Step> Search::choose(const Model& before, std::vector<Ranked>& ran
   return std::nullopt;
 }
 
+Search::Worth Search::worth_of(const Model& with, std::size_t k, Model& without) const {
+  without = with;
+  without.remove(k);
+  fit_all(without, 12);
+  const auto holdout_with = residuals_of(with, holdout_);
+  const auto holdout_without = residuals_of(without, holdout_);
+  Worth worth;
+  if (holdout_without.empty()) return {1.0, 1e9, 1e9};
+  worth.gain = 1.0 - rms(holdout_with) / std::max(rms(holdout_without), 1e-300);
+  worth.z = improvement_z(holdout_without, holdout_with);
+  worth.train_z = improvement_z(residuals_of(without, train_), residuals_of(with, train_));
+  return worth;
+}
+
+bool Search::something_left(const Model& model) const {
+  const auto floor = floor_of(model);
+  if (floor.how == NoiseFloor::How::periods && rms_of(model, holdout_) > 1.5 * floor.rms) return true;
+  return !signs_of_structure(leftovers(model, train_), leftovers(model, holdout_)).empty();
+}
+
+/// Two effects can hide each other: neither earns its place while the other one's share stands as noise. When
+/// nothing does alone and yet something is left, the most promising ones are put in on trial; they stay when
+/// a second one then earns its place and they earn theirs beside it.
+std::optional<std::array<Step, 2>> Search::choose_pair(const Model& before,
+                                                       const std::vector<Ranked>& ranking) {
+  const double train0 = rms_of(before, train_);
+  const double holdout0 = rms_of(before, holdout_);
+  std::vector<const Ranked*> trials;
+  for (const auto& r : ranking) {
+    if (r.condition_number > options_.largest_condition || r.unknowns > options_.most_unknowns) continue;
+    if (pooled(r, train0, holdout0) < 0.98 && r.train_rms < 0.99 * train0) trials.push_back(&r);
+  }
+  std::stable_sort(trials.begin(), trials.end(), [&](const Ranked* a, const Ranked* b) {
+    return pooled(*a, train0, holdout0) < pooled(*b, train0, holdout0);
+  });
+  std::set<const Effect*> tried;
+  for (const auto* first : trials) {
+    if (stopped() || tried.size() >= 3) break;
+    if (!tried.insert(first->effect).second) continue;
+    auto second_ranking = round(first->model, nullptr);
+    auto second = stopped() ? std::nullopt : choose(first->model, second_ranking);
+    if (!second) continue;
+    Model without;
+    const std::size_t k = first->model.terms().size() - 1;
+    const auto worth = worth_of(second->after, k, without);
+    const double both = (worth.z + std::min(worth.train_z, 2.0 * worth.z)) / std::sqrt(2.0);
+    if (worth.gain < options_.least_gain || worth.z < options_.least_significance ||
+        worth.train_z < options_.least_significance || both < options_.least_combined)
+      continue;
+    if (!(rms_of(second->after, holdout_) < (1.0 - 3.0 * options_.least_gain) * holdout0)) continue;
+    Step step;
+    step.effect = first->effect;
+    step.placed = first->placed;
+    step.before = before;
+    step.after = first->model;
+    step.ranking = ranking;
+    notes_.push_back(fmt::format("{} and {} earn their places only together", first->effect->name(),
+                                 second->effect->name()));
+    return std::array<Step, 2>{std::move(step), std::move(*second)};
+  }
+  return std::nullopt;
+}
+
 bool Search::prune(std::vector<Step>& steps) {
   bool changed = false;
   for (std::size_t k = 0; k + 1 < steps.size() && k + 1 < model_.terms().size();) {
-    Model without = model_;
-    without.remove(k);
-    fit_all(without, 12);
-    const auto with_residual = residuals_of(model_, holdout_);
-    const auto without_residual = residuals_of(without, holdout_);
-    const double gain = 1.0 - rms(with_residual) / std::max(rms(without_residual), 1e-300);
-    const double z = improvement_z(without_residual, with_residual);
+    Model without;
+    const auto [gain, z, train_z] = worth_of(model_, k, without);
     if (gain < options_.least_gain || z < 2.0) {
       notes_.push_back(fmt::format("{} was taken out again: a later term explains what it did",
                                    model_.terms()[k].effect->name()));
@@ -498,6 +629,7 @@ SearchResult Search::run() {
   result.initial = initial_;
   report(0.02);
   refit_base();
+  if (drop_wrong_starts(model_)) refit_base();
   result.base = model_;
   std::vector<Step> steps;
   const std::set<std::string_view> unrelated = {"drift", "mains_hum", "creep"};
@@ -507,12 +639,19 @@ SearchResult Search::run() {
     const bool quiet = at_floor(model_);
     auto ranking = round(model_, quiet ? &unrelated : nullptr);
     auto step = stopped() ? std::nullopt : choose(model_, ranking);
+    const Model model_before = model_;
+    const std::vector<Step> steps_before = steps;
+    if (!step && !stopped() && !quiet && k + 1 < options_.most_terms && something_left(model_)) {
+      if (auto pair = choose_pair(model_, ranking)) {
+        steps.push_back(std::move((*pair)[0]));
+        step = std::move((*pair)[1]);
+        ++k;
+      }
+    }
     if (!step) {
       result.refused = std::move(ranking);
       break;
     }
-    const Model model_before = model_;
-    const std::vector<Step> steps_before = steps;
     Model refitted = step->after;
     fit_all(refitted, 8);
     // A joint refit that costs held-out error has only come closer to the training records.
@@ -525,6 +664,7 @@ SearchResult Search::run() {
       changed = swap_earlier(steps) || changed;
       if (changed) prune(steps);
     }
+    if (drop_wrong_starts(model_)) fit_all(model_, 8);
     // Whatever was taken out or put in another's place: a round must leave the held-out error smaller.
     if (!(rms_of(model_, holdout_) <= (1.0 - options_.least_gain) * rms_of(model_before, holdout_))) {
       model_ = model_before;

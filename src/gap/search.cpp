@@ -25,6 +25,15 @@ constexpr std::size_t kStretch = 8000;
 /// Held-out gain that a term must earn when one of its few unknowns rests at a bound.
 constexpr double kGainAtBound = 0.05;
 
+/// Held-out rms within which a rival with up to two unknowns more counts as a tie.
+constexpr double kNearlyEqual = 0.02;
+
+double range_of(const Experiments& records) {
+  double range = 0.0;
+  for (const auto* e : records) range = std::max(range, e->range());
+  return range;
+}
+
 class Search {
  public:
   Search(const chain::Chain& base, const Experiments& train, const Experiments& holdout,
@@ -44,6 +53,9 @@ class Search {
   }
   Experiments own(const Experiments& given);
   bool drop_wrong_starts(const Model& model);
+  bool stands_out_at_start(const Model& model, const TimeExperiment& record) const;
+  void leave_out_starts(const Model& model);
+  bool score_starts_again(Model& model);
   void make_stretches();
   LeastSquaresOptions fit_options(int iterations) const {
     LeastSquaresOptions o;
@@ -53,7 +65,9 @@ class Search {
   }
   /// Fits on a stretch first when the records are long.
   LeastSquaresResult fit_all(Model& model, int iterations) const;
+  std::vector<std::vector<double>> base_starts() const;
   void refit_base();
+  void settle_open_parameters();
   NoiseFloor floor_of(const Model& model) const;
   bool at_floor(const Model& model) const;
 
@@ -81,6 +95,7 @@ class Search {
   SearchOptions options_;
   std::vector<std::unique_ptr<TimeExperiment>> owned_;
   std::map<const Experiment*, std::size_t> start_;  ///< samples of each record's start, see drop_wrong_starts
+  std::set<const Experiment*> dropped_;             ///< began in another state than rest
   Experiments train_;
   Experiments holdout_;
   std::vector<std::unique_ptr<Experiment>> stretches_;
@@ -101,36 +116,93 @@ Experiments Search::own(const Experiments& given) {
       continue;
     }
     owned_.push_back(std::make_unique<TimeExperiment>(*time));
-    start_[owned_.back().get()] = time->skip();
-    owned_.back()->set_skip(0);
+    start_[owned_.back().get()] = time->start_may_be_scored() ? time->skip() : 0;
+    if (time->start_may_be_scored()) owned_.back()->set_skip(0);
     mine.push_back(owned_.back().get());
   }
   return mine;
 }
 
-/// A record should begin at rest, and its start then tells much (how a resonance rings up). When it began
-/// otherwise, the residual stands out there, whatever else is missing: that start is no longer scored.
-bool Search::drop_wrong_starts(const Model& model) {
+/// Whether the residual of a whole record is plainly larger at its start than in the rest.
+bool Search::stands_out_at_start(const Model& model, const TimeExperiment& record) const {
   constexpr double kStandsOut = 1.35;
+  const std::size_t start = start_.at(&record);
+  TimeExperiment whole(record);
+  whole.set_skip(0);
+  whole.set_free_start({});
+  const auto residual = residuals_of(model, {&whole});
+  if (residual.size() <= start) return false;
+  const auto part = [&](std::size_t from, std::size_t to) {
+    return rms({residual.begin() + static_cast<std::ptrdiff_t>(from),
+                residual.begin() + static_cast<std::ptrdiff_t>(to)});
+  };
+  const double rest = part(start, residual.size());
+  for (std::size_t length : {start / 4, start / 2, start}) {
+    if (length >= 12 && part(0, length) > kStandsOut * rest) return true;
+  }
+  return false;
+}
+
+/// A record should begin at rest, and its start then tells much (how a resonance rings up). When it began
+/// otherwise, the residual stands out there, whatever else is missing: that start is no longer scored, or,
+/// when it would take too much of the record, what unknown initial states explain is taken out.
+bool Search::drop_wrong_starts(const Model& model) {
   bool changed = false;
   for (const auto& e : owned_) {
-    const std::size_t start = start_[e.get()];
-    if (e->skip() > 0 || start == 0) continue;
-    const auto residual = residuals_of(model, {e.get()});
-    if (residual.size() <= start) continue;
-    const auto part = [&](std::size_t from, std::size_t to) {
-      return rms({residual.begin() + static_cast<std::ptrdiff_t>(from),
-                  residual.begin() + static_cast<std::ptrdiff_t>(to)});
-    };
-    const double rest = part(start, residual.size());
-    bool stands_out = false;
-    for (std::size_t length : {start / 4, start / 2, start})
-      stands_out = stands_out || (length >= 12 && part(0, length) > kStandsOut * rest);
-    if (!stands_out) continue;
-    e->set_skip(start);
+    if (dropped_.count(e.get()) != 0 || start_[e.get()] == 0 || !stands_out_at_start(model, *e)) continue;
+    dropped_.insert(e.get());
     changed = true;
   }
+  if (changed) leave_out_starts(model);
   return changed;
+}
+
+/// The records whose starts do not count, with free responses as the model has them now.
+void Search::leave_out_starts(const Model& model) {
+  for (const auto& e : owned_) {
+    if (dropped_.count(e.get()) == 0) continue;
+    const std::size_t start = start_[e.get()];
+    const bool long_start = 4 * start >= e->to();
+    e->set_skip(long_start ? e->to() * 3 / 100 : start);
+    e->set_free_start(long_start ? free_responses(model, *e, e->skip()) : std::vector<std::vector<double>>{});
+  }
+}
+
+/// What stood out at a start may have been the missing effect itself. With a better model the starts are
+/// tried again: those that now fit as well as the rest are scored.
+bool Search::score_starts_again(Model& model) {
+  if (dropped_.empty()) return false;
+  const double before = rms_of(model, holdout_);
+  const auto dropped_before = dropped_;
+  for (const auto& e : owned_) {
+    if (dropped_.count(e.get()) == 0) continue;
+    e->set_skip(0);
+    e->set_free_start({});
+  }
+  Model refitted = model;
+  fit_all(refitted, 20);
+  for (const auto& e : owned_) {
+    if (dropped_.count(e.get()) != 0 && !stands_out_at_start(refitted, *e)) dropped_.erase(e.get());
+  }
+  leave_out_starts(refitted);
+  const auto dropped_after = dropped_;
+  bool better = dropped_after.size() < dropped_before.size();
+  if (better) {
+    fit_all(refitted, 8);
+    // The rest of the records must not pay for it.
+    dropped_ = dropped_before;
+    leave_out_starts(model);
+    better = rms_of(refitted, holdout_) < 1.03 * before;
+  }
+  dropped_ = better ? dropped_after : dropped_before;
+  if (better) model = refitted;
+  for (const auto& e : owned_) {
+    if (dropped_.count(e.get()) != 0 || dropped_before.count(e.get()) == 0) continue;
+    e->set_skip(0);
+    e->set_free_start({});
+  }
+  leave_out_starts(model);
+  return better;
 }
 
 void Search::make_stretches() {
@@ -163,35 +235,121 @@ LeastSquaresResult Search::fit_all(Model& model, int iterations) const {
   return fit(model, train_, fit_options(std::min(iterations, 4)));
 }
 
-void Search::refit_base() {
-  // Parameters that are far off make the sum of squares hilly (a resonance beside its peak): a few starts
-  // around.
-  Model best = model_;
-  auto result = fit_all(best, 40);
+/// Parameters that are off make the sum of squares hilly (a resonance beside its peak): frequencies are first
+/// tried over a comb, each alone and all together, the output's size left free, and the best few are fitted.
+std::vector<std::vector<double>> Search::base_starts() const {
   const auto unknowns = initial_.unknowns();
-  double least = result.usable ? result.rms : 1e300;
-  for (double factor : {0.8, 1.25}) {
-    if (stopped() || unknowns.empty()) break;
-    Model other = initial_;
-    auto values = current_values(other);
-    bool moved = false;
-    for (std::size_t k = 0; k < values.size(); ++k) {
-      if (unknowns[k].name.find("_hz") == std::string::npos) continue;
-      values[k] = std::clamp(values[k] * factor, unknowns[k].low, unknowns[k].high);
-      moved = true;
+  const auto given = current_values(initial_);
+  std::vector<std::size_t> tuned;
+  for (std::size_t k = 0; k < unknowns.size(); ++k) {
+    if (unknowns[k].name.find("_hz") != std::string::npos) tuned.push_back(k);
+  }
+  std::vector<std::vector<double>> starts = {given};
+  if (tuned.empty()) return starts;
+  Runner runner(initial_, look_);
+  std::vector<double> measured;
+  for (const auto* e : look_) {
+    const auto* time = dynamic_cast<const TimeExperiment*>(e);
+    if (time == nullptr) return starts;
+    measured.insert(measured.end(), time->record().y.begin() + static_cast<std::ptrdiff_t>(time->skip()),
+                    time->record().y.begin() + static_cast<std::ptrdiff_t>(time->to()));
+  }
+  std::vector<double> e;
+  std::vector<std::pair<double, std::vector<double>>> scored;
+  const auto look = [&](const std::vector<double>& values) {
+    if (!runner(values, e)) return;
+    double ym = 0.0;
+    double yy = 0.0;
+    double mm = 0.0;
+    for (std::size_t i = 0; i < e.size(); ++i) {
+      const double y = e[i] + measured[i];
+      ym += y * measured[i];
+      yy += y * y;
+      mm += measured[i] * measured[i];
     }
-    if (!moved) break;
-    other.set_values(values);
-    const auto there = fit(other, look_, fit_options(25));
-    if (!there.usable) continue;
-    if (long_records_) fit(other, train_, fit_options(6));
-    const double reached = rms_of(other, train_);
+    scored.emplace_back(yy > 0.0 ? mm - ym * ym / yy : mm, values);
+  };
+  std::vector<double> factors;
+  for (double f = -0.42; f < 0.43; f += 0.06) factors.push_back(std::exp(f));
+  for (double f : factors) {
+    auto values = given;
+    for (std::size_t k : tuned) values[k] = std::clamp(given[k] * f, unknowns[k].low, unknowns[k].high);
+    look(values);
+    if (tuned.size() < 2) continue;
+    for (std::size_t k : tuned) {
+      values = given;
+      values[k] = std::clamp(given[k] * f, unknowns[k].low, unknowns[k].high);
+      look(values);
+    }
+  }
+  std::stable_sort(scored.begin(), scored.end(),
+                   [](const auto& a, const auto& b) { return a.first < b.first; });
+  for (const auto& [size, values] : scored) {
+    // Neighbours on the comb lead to the same place.
+    const bool near = std::any_of(starts.begin() + 1, starts.end(), [&](const auto& s) {
+      double apart = 0.0;
+      for (std::size_t k : tuned) apart = std::max(apart, std::abs(std::log(s[k] / values[k])));
+      return apart < 0.09;
+    });
+    if (!near) starts.push_back(values);
+    if (starts.size() >= 4) break;
+  }
+  return starts;
+}
+
+void Search::refit_base() {
+  double least = 1e300;
+  Model best = initial_;
+  for (const auto& start : base_starts()) {
+    if (stopped() && least < 1e299) break;
+    Model m = initial_;
+    m.set_values(start);
+    if (!fit_all(m, 40).usable) continue;
+    const double reached = rms_of(m, train_);
+    // The given values' own neighbourhood is preferred to another hill as good.
     if (reached < 0.98 * least) {
       least = reached;
-      best = other;
+      best = m;
     }
   }
   model_ = best;
+}
+
+/// Training records may leave the free parameters open (one sine cannot tell gain, frequency and damping of a
+/// resonator apart). When values exist that serve the held-out records far better at no cost to the training
+/// records, it was the parameters, not the model: those are taken, and said.
+void Search::settle_open_parameters() {
+  constexpr double kFarBetter = 0.7;
+  constexpr double kNoCost = 1.03;
+  if (initial_.unknowns().empty()) return;
+  const double train = rms_of(model_, train_);
+  const double holdout = rms_of(model_, holdout_);
+  if (holdout < 1.2 * train && holdout < 0.01 * range_of(holdout_)) return;
+  Experiments both = train_;
+  both.insert(both.end(), holdout_.begin(), holdout_.end());
+  Model best = model_;
+  double least = holdout;
+  for (const auto& start : base_starts()) {
+    if (stopped()) return;
+    Model m = initial_;
+    m.set_values(start);
+    if (!fit(m, both, fit_options(25)).usable) continue;
+    leave_out_starts(m);
+    fit(m, both, fit_options(12));
+    const double reached = rms_of(m, holdout_);
+    if (reached < least && rms_of(m, train_) < kNoCost * train) {
+      least = reached;
+      best = m;
+    }
+  }
+  if (least < kFarBetter * holdout) {
+    model_ = best;
+    notes_.push_back(
+        "The training records leave free parameters of the model open; they were fitted to the held-out "
+        "records "
+        "as well");
+  }
+  leave_out_starts(model_);
 }
 
 NoiseFloor Search::floor_of(const Model& model) const {
@@ -221,14 +379,21 @@ bool Search::at_floor(const Model& model) const {
     if (time == nullptr) continue;
     if (rms_of(model, {time}) > options_.enough * floor.rms) return false;
   }
-  return rms_of(model, holdout_) <= options_.enough * floor.rms;
+  if (rms_of(model, holdout_) > options_.enough * floor.rms) return false;
+  // What does not repeat may be more than noise (a gain that drifts away).
+  return signs_of_structure(leftovers(model, train_), leftovers(model, holdout_)).empty();
 }
 
 std::vector<Leftover> Search::leftovers(const Model& model, const Experiments& records) const {
   std::vector<Leftover> all;
   for (const auto* e : records) {
     const auto* time = dynamic_cast<const TimeExperiment*>(e);
-    if (time == nullptr) continue;
+    if (time == nullptr) {
+      Leftover l;
+      l.response = residuals_of(model, {e});
+      all.push_back(std::move(l));
+      continue;
+    }
     Runner runner(model, {e});
     const auto outputs = runner.outputs(current_values(model));
     if (outputs.empty()) continue;
@@ -239,6 +404,7 @@ std::vector<Leftover> Search::leftovers(const Model& model, const Experiments& r
       l.input.push_back(time->record().u[i]);
       l.output.push_back(outputs[0][i]);
     }
+    time->take_out_free_start(l.residual);
     all.push_back(std::move(l));
   }
   return all;
@@ -255,25 +421,31 @@ Ranked Search::fit_candidate(const Promising& p, const std::vector<double>& befo
   double least = 1e300;
   const std::size_t tries = std::min<std::size_t>(p.best_starts.size(), p.proposal.starts.size() > 4 ? 3 : 2);
   const int most = r.unknowns > 8 ? 14 : 30;
-  // Earlier terms may have taken over what the new one explains better: one more try begins with the last of
-  // them weak.
+  // Earlier terms, and the free parameters, may have taken over what the new one explains better: one more
+  // try begins with the last of them weak, one with the parameters as they were given.
+  const auto given = initial_.unknowns();
   const std::size_t earlier = p.proposal.model.terms().size() - 1;
-  for (std::size_t t = 0; t < tries + (earlier > 0 ? 1 : 0); ++t) {
+  for (std::size_t t = 0; t < tries + 2; ++t) {
     if (stopped() && least < 1e299) break;
     Model m = p.proposal.model;
     auto values = current_values(m);
     const auto& start = p.proposal.starts[p.best_starts[t < tries ? t : 0]];
+    if (t == tries + 1) {
+      if (given.empty()) break;
+      for (std::size_t k = 0; k < given.size(); ++k) values[k] = given[k].value;
+    }
     if (t == tries) {
+      if (earlier == 0) continue;
       std::size_t at = m.free_count();
       for (std::size_t k = 0; k + 1 < earlier; ++k) at += m.terms()[k].unknowns.size();
       const auto& u = m.terms()[earlier - 1].unknowns.front();
-      if (!u.logarithmic) break;
+      if (!u.logarithmic) continue;
       const bool large_is_weak = u.name.ends_with("_hz") || u.name.ends_with("rate_per_s");
       values[at] = std::clamp(values[at] * (large_is_weak ? 8.0 : 0.125), u.low, u.high);
     }
     std::copy(start.begin(), start.end(), values.end() - static_cast<std::ptrdiff_t>(start.size()));
     m.set_values(values);
-    const auto result = fit(m, look_, fit_options(t == 0 || t == tries ? most : std::min(most, 15)));
+    const auto result = fit(m, look_, fit_options(t == 0 || t >= tries ? most : std::min(most, 15)));
     if (!result.usable || !(result.rms < least)) continue;
     least = result.rms;
     r.model = m;
@@ -404,8 +576,11 @@ double Search::control_gain(const Model& before, const Ranked& winner) const {
         if (outputs.empty()) return 0.0;
         TimeRecord record = time->record();
         std::vector<double> residual;
-        for (std::size_t i = time->skip(); i < time->to(); ++i)
-          residual.push_back(record.y[i] - outputs[0][i]);
+        // What the term leaves, so that what it took away (a line of the mains) does not stand in the noise.
+        const auto after = Runner(winner.model, {e}).outputs(current_values(winner.model));
+        if (after.empty()) return 0.0;
+        for (std::size_t i = time->skip(); i < time->to(); ++i) residual.push_back(record.y[i] - after[0][i]);
+        time->take_out_free_start(residual);
         const auto noise = phase_surrogate(residual, options_.seed * 77 + 13 * k + owned.size());
         for (std::size_t i = 0; i < record.size(); ++i) {
           record.y[i] =
@@ -414,6 +589,7 @@ double Search::control_gain(const Model& before, const Ranked& winner) const {
         owned.push_back(std::make_unique<TimeExperiment>(std::move(record)));
         owned.back()->set_to(time->to());
         owned.back()->set_skip(time->skip());
+        owned.back()->set_free_start(time->free_start());
         (records == &train_ ? fake_train : fake_holdout).push_back(owned.back().get());
       }
     }
@@ -480,9 +656,12 @@ std::optional<Step> Search::choose(const Model& before, std::vector<Ranked>& ran
         continue;
       }
       const std::string name(r->effect->name());
+      // A rival with a little more freedom is as good a name when it is at least as near.
+      const bool as_free =
+          r->unknowns <= winner->unknowns || (r->unknowns <= winner->unknowns + 2 && worse < kNearlyEqual);
       if (worse >= options_.tie_within) {
         r->word = "worse";
-      } else if (r->unknowns > winner->unknowns) {
+      } else if (!as_free) {
         r->word = "also fits, with more unknowns";
         if (std::find(step.also_fit.begin(), step.also_fit.end(), name) == step.also_fit.end())
           step.also_fit.push_back(name);
@@ -629,7 +808,20 @@ SearchResult Search::run() {
   result.initial = initial_;
   report(0.02);
   refit_base();
-  if (drop_wrong_starts(model_)) refit_base();
+  if (drop_wrong_starts(model_)) {
+    // Free responses of a model that is off are of no use: first without the starts, then with them.
+    for (const auto& e : owned_) {
+      if (dropped_.count(e.get()) == 0) continue;
+      e->set_skip(start_[e.get()]);
+      e->set_free_start({});
+    }
+    refit_base();
+    for (int again = 0; again < 3; ++again) {
+      leave_out_starts(model_);
+      fit_all(model_, 12);
+    }
+  }
+  settle_open_parameters();
   result.base = model_;
   std::vector<Step> steps;
   const std::set<std::string_view> unrelated = {"drift", "mains_hum", "creep"};
@@ -665,6 +857,8 @@ SearchResult Search::run() {
       if (changed) prune(steps);
     }
     if (drop_wrong_starts(model_)) fit_all(model_, 8);
+    score_starts_again(model_);
+    leave_out_starts(model_);
     // Whatever was taken out or put in another's place: a round must leave the held-out error smaller.
     if (!(rms_of(model_, holdout_) <= (1.0 - options_.least_gain) * rms_of(model_before, holdout_))) {
       model_ = model_before;
@@ -677,6 +871,7 @@ SearchResult Search::run() {
   result.stopped = stopped();
   result.steps = std::move(steps);
   result.floor = floor_of(model_);
+  result.train_rms = rms_of(model_, train_);
   if (!result.stopped)
     result.structure = signs_of_structure(leftovers(model_, train_), leftovers(model_, holdout_));
   result.notes = notes_;

@@ -34,6 +34,12 @@ double range_of(const Experiments& records) {
   return range;
 }
 
+/// Iterations that each start of a candidate gets before the best ones go on, and what is near to the best.
+constexpr int kFirstSteps = 6;
+constexpr double kWorthGoingOn = 1.15;
+/// A rival is tried in an earlier term's place when it was not this much worse in that term's own round.
+constexpr double kFarWorse = 2.5;
+
 class Search {
  public:
   Search(const chain::Chain& base, const Experiments& train, const Experiments& holdout,
@@ -425,8 +431,13 @@ Ranked Search::fit_candidate(const Promising& p, const std::vector<double>& befo
   // try begins with the last of them weak, one with the parameters as they were given.
   const auto given = initial_.unknowns();
   const std::size_t earlier = p.proposal.model.terms().size() - 1;
+  struct Try {
+    Model model;
+    double rms = 1e300;
+  };
+  std::vector<Try> begun;
   for (std::size_t t = 0; t < tries + 2; ++t) {
-    if (stopped() && least < 1e299) break;
+    if (stopped() && !begun.empty()) break;
     Model m = p.proposal.model;
     auto values = current_values(m);
     const auto& start = p.proposal.starts[p.best_starts[t < tries ? t : 0]];
@@ -445,7 +456,19 @@ Ranked Search::fit_candidate(const Promising& p, const std::vector<double>& befo
     }
     std::copy(start.begin(), start.end(), values.end() - static_cast<std::ptrdiff_t>(start.size()));
     m.set_values(values);
-    const auto result = fit(m, look_, fit_options(t == 0 || t >= tries ? most : std::min(most, 15)));
+    auto options = fit_options(kFirstSteps);
+    options.cost_tolerance = 1e-4;
+    const auto result = fit(m, look_, options);
+    if (result.usable) begun.push_back({std::move(m), result.rms});
+  }
+  // A few steps from everywhere, then on from where they led furthest.
+  std::stable_sort(begun.begin(), begun.end(), [](const Try& x, const Try& y) { return x.rms < y.rms; });
+  for (std::size_t t = 0; t < std::min<std::size_t>(begun.size(), 2); ++t) {
+    if (t > 0 && (begun[t].rms > kWorthGoingOn * begun[0].rms || stopped())) break;
+    auto options = fit_options(most);
+    options.cost_tolerance = 1e-6;
+    auto& m = begun[t].model;
+    const auto result = fit(m, look_, options);
     if (!result.usable || !(result.rms < least)) continue;
     least = result.rms;
     r.model = m;
@@ -766,23 +789,27 @@ bool Search::swap_earlier(std::vector<Step>& steps) {
   bool changed = false;
   for (std::size_t k = 0; k + 1 < steps.size(); ++k) {
     if (stopped()) break;
+    std::set<std::string_view> rivals;
+    for (const auto& name : steps[k].tied_with) rivals.insert(find_effect(name)->name());
+    const double own = rms_of(steps[k].after, holdout_);
+    for (const auto& r : steps[k].ranking) {
+      if (r.effect != steps[k].effect && rivals.size() < 5 && r.holdout_rms < kFarWorse * own)
+        rivals.insert(r.effect->name());
+    }
+    if (rivals.empty()) continue;
     Model without = model_;
     without.remove(k);
     fit_all(without, 12);
-    std::set<std::string_view> rivals;
-    for (const auto& name : steps[k].tied_with) rivals.insert(find_effect(name)->name());
-    for (const auto& r : steps[k].ranking) {
-      if (r.effect != steps[k].effect && rivals.size() < 4) rivals.insert(r.effect->name());
-    }
     auto ranking = round(without, &rivals);
     const double now = rms_of(model_, holdout_);
     const double now_train = rms_of(model_, train_);
     const Ranked* best = nullptr;
     for (const auto& r : ranking) {
       if (r.condition_number > options_.largest_condition || r.unknowns > options_.most_unknowns) continue;
-      if (r.holdout_rms < 0.97 * now && r.train_rms < 0.99 * now_train &&
-          (best == nullptr || r.holdout_rms < best->holdout_rms))
-        best = &r;
+      const bool better = r.holdout_rms < 0.97 * now && r.train_rms < 0.99 * now_train;
+      const bool simpler = r.unknowns < model_.terms()[k].unknowns.size() && r.holdout_rms < 1.01 * now &&
+                           r.train_rms < 1.01 * now_train;
+      if ((better || simpler) && (best == nullptr || r.holdout_rms < best->holdout_rms)) best = &r;
     }
     if (best == nullptr) continue;
     notes_.push_back(fmt::format("{} took the place of {} once the other terms were there",

@@ -89,9 +89,11 @@ class MemoryKernel {
   virtual double slew_rate() const { return 0.0; }
   /// Inputs at which the output jumps, for engines that stop there.
   virtual std::vector<double> corners() const { return {}; }
-  /// Not empty: while the input rises (direction 1) or falls (-1), y is this polynomial [c0, c1, ...] of u,
-  /// whatever came before.
+  /// Not empty: while the input rises (direction 1, also before it first moves) or falls (-1), y is this
+  /// polynomial [c0, c1, ...] of u, whatever came before; switch_delay_s() later, to be exact.
   virtual std::vector<double> branch_polynomial(int /*direction*/) const { return {}; }
+  /// Of operators with branch polynomials: the branch follows the input's direction this much later.
+  virtual double switch_delay_s() const { return 0.0; }
 };
 
 /// Works on samples taken at t = first_edge + k/clock_hz; its output is held from `delay_s` after each sample

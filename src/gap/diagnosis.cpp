@@ -231,7 +231,7 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   add_parameters(d, study.train());
   d.where = where_is(d.search.initial, study, scorer.holdout_from());
   d.remaining_where = where_is(d.search.final, study, scorer.holdout_from());
-  d.verdict = verdict_of(d.search, rms_of(d.search.final, study.train()), options.enough);
+  d.verdict = verdict_of(d.search, d.search.train_rms, options.enough);
   d.advice = advice_for(d, study);
   d.compute_s = watch.seconds();
   return d;
@@ -254,6 +254,20 @@ Json json_of(const std::vector<Cell>& cells) {
         {{"axis", c.axis}, {"from", c.from}, {"to", c.to}, {"share", c.share}, {"extent", c.extent}});
   }
   return all;
+}
+
+Json json_of(const Ranked& r) {
+  Json values = Json::object();
+  if (!r.model.terms().empty()) {
+    for (const auto& u : r.model.terms().back().unknowns) values[u.name] = u.value;
+  }
+  return {{"effect", r.effect->name()},
+          {"placed", r.placed},
+          {"parameters", values},
+          {"train_rms_after", r.train_rms},
+          {"holdout_rms_after", r.holdout_rms},
+          {"significance", std::clamp(r.z, -1e6, 1e6)},
+          {"outcome", r.word}};
 }
 
 Json json_of(const DiagnosedStep& s) {
@@ -304,25 +318,18 @@ Json to_json(const Diagnosis& d) {
   j["where"] = json_of(d.where);
   j["remaining_where"] = json_of(d.remaining_where);
   Json steps = Json::array();
-  for (const auto& s : d.steps) steps.push_back(json_of(s));
+  for (std::size_t k = 0; k < d.steps.size(); ++k) {
+    steps.push_back(json_of(d.steps[k]));
+    Json candidates = Json::array();
+    for (const auto& r : d.search.steps[k].ranking) candidates.push_back(json_of(r));
+    steps.back()["candidates"] = candidates;
+  }
   j["steps"] = steps;
   Json signs = Json::array();
   for (const auto& s : d.search.structure) signs.push_back({{"sign", s.what}, {"times_chance", s.strength}});
   j["signs_of_more"] = signs;
   Json refused = Json::array();
-  for (const auto& r : d.search.refused) {
-    Json values = Json::object();
-    if (!r.model.terms().empty()) {
-      for (const auto& u : r.model.terms().back().unknowns) values[u.name] = u.value;
-    }
-    refused.push_back({{"effect", r.effect->name()},
-                       {"placed", r.placed},
-                       {"parameters", values},
-                       {"train_rms_after", r.train_rms},
-                       {"holdout_rms_after", r.holdout_rms},
-                       {"significance", std::clamp(r.z, -1e6, 1e6)},
-                       {"outcome", r.word}});
-  }
+  for (const auto& r : d.search.refused) refused.push_back(json_of(r));
   j["refused"] = refused;
   j["verdict"] = word(d.verdict);
   j["advice"] = d.advice;

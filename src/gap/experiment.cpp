@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <numeric>
 
+#include "gap/statistics.hpp"
 #include "simulate/record_simulator.hpp"
 
 namespace bodesmith::gap {
@@ -11,8 +13,12 @@ namespace {
 
 class TimeBench final : public Bench {
  public:
-  TimeBench(const chain::Chain& chain, const TimeRecord& record, std::size_t from, std::size_t to)
-      : record_(record), from_(from), to_(to), simulator_(chain, record.step_s, options(record)) {}
+  TimeBench(const chain::Chain& chain, const TimeExperiment& experiment, bool coarse)
+      : experiment_(experiment),
+        record_(experiment.record()),
+        from_(experiment.skip()),
+        to_(experiment.to()),
+        simulator_(chain, record_.step_s, options(record_, coarse)) {}
   chain::Chain& chain() override { return simulator_.chain(); }
   bool residuals(std::vector<double>& append) override {
     const auto y = simulator_.run(std::span<const double>(record_.u).first(to_));
@@ -25,6 +31,7 @@ class TimeBench final : public Bench {
       append[start + i - from_] = e;
       check += e * e;
     }
+    experiment_.take_out_free_start(std::span(append).subspan(start));
     return !simulator_.diverged() && std::isfinite(check) && check < limit * limit;
   }
   std::vector<double> output() override {
@@ -33,12 +40,15 @@ class TimeBench final : public Bench {
   }
 
  private:
-  static simulate::RecordOptions options(const TimeRecord& record) {
+  static simulate::RecordOptions options(const TimeRecord& record, bool coarse) {
     simulate::RecordOptions o;
     o.start_s = record.start_s;
     o.most_parts = 3.0;
+    o.newton_tolerance = coarse ? 1e-8 : 1e-10;
+    if (coarse) o.most_turn_rad = 1.6;
     return o;
   }
+  const TimeExperiment& experiment_;
   const TimeRecord& record_;
   std::size_t from_;
   std::size_t to_;
@@ -78,7 +88,14 @@ void copy_values(const Model& model, chain::Chain& chain) {
 }  // namespace
 
 std::unique_ptr<Bench> TimeExperiment::bench(const chain::Chain& chain) const {
-  return std::make_unique<TimeBench>(chain, record_, skip_, to_);
+  return std::make_unique<TimeBench>(chain, *this, coarse_);
+}
+
+void TimeExperiment::take_out_free_start(std::span<double> residual) const {
+  for (const auto& direction : free_start_) {
+    const double part = std::inner_product(residual.begin(), residual.end(), direction.begin(), 0.0);
+    for (std::size_t i = 0; i < residual.size(); ++i) residual[i] -= part * direction[i];
+  }
 }
 
 double TimeExperiment::range() const {
@@ -132,11 +149,76 @@ std::vector<double> current_values(const Model& model) {
 
 LeastSquaresResult fit(Model& model, const Experiments& experiments, const LeastSquaresOptions& options) {
   Runner runner(model, experiments);
-  const auto result = least_squares(
-      model.unknowns(), [&](std::span<const double> v, std::vector<double>& out) { return runner(v, out); },
-      options);
-  if (result.usable) model.set_values(result.values);
+  const auto unknowns = model.unknowns();
+  const auto known =
+      std::count_if(unknowns.begin(), unknowns.end(), [](const Unknown& u) { return u.given_spread > 0.0; });
+  // What was known beforehand counts as one more sample each, in units of the residual that is left in the
+  // end: a fit that began far off is done again with the smaller unit.
+  LeastSquaresResult result;
+  double unit = 0.0;
+  {
+    std::vector<double> out;
+    if (runner(current_values(model), out)) unit = rms(out);
+  }
+  for (int round = 0; round < 4; ++round) {
+    result = least_squares(
+        model.unknowns(),
+        [&](std::span<const double> v, std::vector<double>& out) {
+          if (!runner(v, out)) return false;
+          for (std::size_t k = 0; k < unknowns.size(); ++k) {
+            const auto& u = unknowns[k];
+            if (!(u.given_spread > 0.0)) continue;
+            const double off = u.logarithmic ? std::log(v[k] / u.given) : v[k] - u.given;
+            out.push_back(unit * off / u.given_spread);
+          }
+          return true;
+        },
+        options);
+    if (!result.usable) break;
+    model.set_values(result.values);
+    result.residuals.resize(result.residuals.size() - static_cast<std::size_t>(known));
+    const double left = rms(result.residuals);
+    if (known == 0 || left > 0.5 * unit || (options.stop && options.stop())) break;
+    unit = left;
+  }
+  result.rms = rms(result.residuals);
   return result;
+}
+
+std::vector<std::vector<double>> free_responses(const Model& model, const TimeExperiment& experiment,
+                                                std::size_t skip) {
+  const auto& record = experiment.record();
+  const auto input = std::span<const double>(record.u).first(experiment.to());
+  simulate::RecordOptions options;
+  options.start_s = record.start_s;
+  simulate::RecordSimulator simulator(model.chain(), record.step_s, options);
+  const auto plain = simulator.run(input);
+  const std::vector<double> base(plain.begin() + static_cast<std::ptrdiff_t>(skip), plain.end());
+  // Small against the output, so that nonlinear dynamics answer in proportion.
+  const double nudge = 1e-5 * std::max(rms(base), 1e-300);
+  std::vector<std::vector<double>> directions;
+  for (std::size_t k = 0; k < simulator.initial_states().size(); ++k) {
+    simulator.initial_states()[k] = nudge;
+    const auto y = simulator.run(input);
+    simulator.initial_states()[k] = 0.0;
+    std::vector<double> d(base.size());
+    for (std::size_t i = 0; i < d.size(); ++i) d[i] = (y[i + skip] - base[i]) / nudge;
+    const double size = rms(d);
+    if (!(size > 0.0) || !std::isfinite(size)) continue;
+    for (double& x : d) x /= size;
+    for (int twice = 0; twice < 2; ++twice) {
+      for (const auto& q : directions) {
+        const double part = std::inner_product(d.begin(), d.end(), q.begin(), 0.0);
+        for (std::size_t i = 0; i < d.size(); ++i) d[i] -= part * q[i];
+      }
+    }
+    const double left = rms(d);
+    if (left < 1e-3) continue;
+    const double length = left * std::sqrt(static_cast<double>(d.size()));
+    for (double& x : d) x /= length;
+    directions.push_back(std::move(d));
+  }
+  return directions;
 }
 
 std::vector<double> residuals_of(const Model& model, const Experiments& experiments) {

@@ -53,11 +53,24 @@ class TimeExperiment final : public Experiment {
   /// Samples from here on are neither run nor scored (a shorter look for the shortlist).
   std::size_t to() const { return to_; }
   void set_to(std::size_t samples) { to_ = samples < record_.size() ? samples : record_.size(); }
+  /// False: what comes before `skip` belongs to another use of the record and is never scored.
+  bool start_may_be_scored() const { return start_may_be_scored_; }
+  void never_score_start() { start_may_be_scored_ = false; }
+  /// The record began in an unknown state: what orthonormal `directions` over the scored samples can explain
+  /// (free responses) is taken out of the residual.
+  void set_free_start(std::vector<std::vector<double>> directions) { free_start_ = std::move(directions); }
+  const std::vector<std::vector<double>>& free_start() const { return free_start_; }
+  void take_out_free_start(std::span<double> residual) const;
+  /// Nonlinear dynamics in steps of a whole sample: about twice as fast, right to some 1e-4 of the output.
+  void set_coarse() { coarse_ = true; }
 
  private:
   TimeRecord record_;
   std::size_t skip_ = 0;
   std::size_t to_ = 0;
+  bool coarse_ = false;
+  bool start_may_be_scored_ = true;
+  std::vector<std::vector<double>> free_start_;
 };
 
 /// A frequency response; the residual is H_model/H_measured − 1, real and imaginary part a point, relative.
@@ -93,8 +106,14 @@ class Runner {
 /// The values now in a model's unknowns.
 std::vector<double> current_values(const Model& model);
 
-/// Refits all unknowns of the model on the records; the model then carries the best values.
+/// Refits all unknowns of the model on the records; the model then carries the best values. What is known
+/// of them beforehand (Unknown::given) counts as one more sample each.
 LeastSquaresResult fit(Model& model, const Experiments& experiments, const LeastSquaresOptions& options = {});
+
+/// Orthonormal directions over the samples from `skip` on of what unknown initial states of the model's
+/// dynamics add to its output.
+std::vector<std::vector<double>> free_responses(const Model& model, const TimeExperiment& experiment,
+                                                std::size_t skip);
 
 /// Residuals with the model's present values; empty when it cannot be run.
 std::vector<double> residuals_of(const Model& model, const Experiments& experiments);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "gap/spectrum.hpp"
 #include "gap/statistics.hpp"
@@ -175,7 +176,7 @@ Sign bunched_in_time(const Leftover& record) {
     }
     const double middle = sum / count;
     const double spread = std::sqrt(std::max(0.0, square / count - middle * middle));
-    const double limit = std::max(1.25 * chance, middle + 6.0 * spread);
+    const double limit = std::max(1.45 * chance, middle + 7.0 * spread);
     if (got / limit > sign.strength) sign.strength = got / limit;
   }
   sign.found = sign.strength > 1.0;
@@ -225,6 +226,75 @@ Sign spectral_line(const Leftover& record) {
   return sign;
 }
 
+Sign jumps(const Leftover& record) {
+  Sign sign;
+  const std::size_t n = record.residual.size();
+  if (n < 200) return sign;
+  std::vector<double> change(n - 1);
+  for (std::size_t i = 1; i < n; ++i) change[i - 1] = std::abs(record.residual[i] - record.residual[i - 1]);
+  const double largest = *std::max_element(change.begin(), change.end());
+  const double usual = 1.4826 * median(std::move(change));
+  // Gaussian noise reaches five of its deviations in a million samples.
+  constexpr double kLimit = 8.0;
+  sign.strength = usual > 0.0 ? largest / (kLimit * usual) : 0.0;
+  sign.found = sign.strength > 1.0;
+  sign.what = "the residual jumps";
+  return sign;
+}
+
+Sign gain_varies(const Leftover& record) {
+  Sign sign;
+  const auto n = static_cast<Eigen::Index>(record.residual.size());
+  if (n < 400) return sign;
+  Eigen::VectorXd y = Eigen::Map<const Eigen::VectorXd>(record.output.data(), n);
+  y.array() -= y.mean();
+  // Output times slow cosines; what a constant gain would explain is the fit's business and is left out.
+  constexpr int kTerms = 6;
+  Eigen::MatrixXd x(n, kTerms + 1);
+  for (int k = 0; k <= kTerms; ++k) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      x(i, k) =
+          y(i) * std::cos(std::numbers::pi * k * (static_cast<double>(i) + 0.5) / static_cast<double>(n));
+    }
+  }
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(x);
+  const Eigen::MatrixXd q = qr.householderQ() * Eigen::MatrixXd::Identity(n, kTerms + 1);
+  const auto share = [&](const Eigen::VectorXd& e) {
+    return (q.rightCols(kTerms).transpose() * e).squaredNorm() / std::max(e.squaredNorm(), 1e-300);
+  };
+  const double got = share(centred(record.residual));
+  double chance = 0.0;
+  for (int k = 0; k < 24; ++k)
+    chance = std::max(chance,
+                      share(centred(phase_surrogate(record.residual, 4000 + static_cast<std::uint64_t>(k)))));
+  sign.strength = got / std::max(0.03, 2.0 * chance);
+  sign.found = sign.strength > 1.0;
+  sign.what = "the gain varies with time";
+  return sign;
+}
+
+Sign smooth_over_frequency(const Leftover& record) {
+  Sign sign;
+  const std::size_t n = record.response.size() / 2;
+  if (n < 12) return sign;
+  double together = 0.0;
+  double energy = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t part = 0; part < 2; ++part) {
+      const double e = record.response[2 * i + part];
+      energy += e * e;
+      if (i > 0) together += e * record.response[2 * (i - 1) + part];
+    }
+  }
+  // Independent errors: the correlation of neighbours has the deviation 1/sqrt(2n); heavy ones a larger one.
+  constexpr double kLimit = 4.5;
+  const double z = energy > 0.0 ? together / energy * std::sqrt(2.0 * static_cast<double>(n)) : 0.0;
+  sign.strength = z / kLimit;
+  sign.found = sign.strength > 1.0;
+  sign.what = "neighbouring frequencies err alike";
+  return sign;
+}
+
 std::vector<Sign> signs_of_structure(const std::vector<Leftover>& train,
                                      const std::vector<Leftover>& holdout) {
   std::vector<Sign> signs;
@@ -233,6 +303,7 @@ std::vector<Sign> signs_of_structure(const std::vector<Leftover>& train,
   };
   for (const auto& a : train) {
     for (const auto& b : holdout) {
+      if (!a.response.empty() || !b.response.empty()) continue;
       const auto there = depends_on_signals(a, b);
       const auto back = depends_on_signals(b, a);
       // Either way round will do when it is plain, both when it is not.
@@ -243,6 +314,12 @@ std::vector<Sign> signs_of_structure(const std::vector<Leftover>& train,
   }
   for (const auto* records : {&train, &holdout}) {
     for (const auto& r : *records) {
+      if (!r.response.empty()) {
+        consider(smooth_over_frequency(r));
+        continue;
+      }
+      consider(jumps(r));
+      consider(gain_varies(r));
       consider(bunched_in_time(r));
       consider(spectral_line(r));
     }

@@ -13,6 +13,8 @@ struct Leftover {
   std::vector<double> input;
   std::vector<double> output;
   double step_s = 0.0;
+  /// Of a frequency response instead: relative residual, real and imaginary part point by point.
+  std::vector<double> response;
 };
 
 /// A sign that a residual is more than noise, whatever its colour.
@@ -32,6 +34,15 @@ Sign bunched_in_time(const Leftover& record);
 
 /// A line stands in the spectrum, narrower and higher than noise makes them.
 Sign spectral_line(const Leftover& record);
+
+/// The residual jumps once or a few times, far beyond its usual changes from sample to sample.
+Sign jumps(const Leftover& record);
+
+/// The residual is a slowly changing multiple of the output: a gain that varies with time.
+Sign gain_varies(const Leftover& record);
+
+/// Neighbouring points of a frequency response err alike, which noise of separate points does not.
+Sign smooth_over_frequency(const Leftover& record);
 
 /// All signs that hold, strongest first.
 std::vector<Sign> signs_of_structure(const std::vector<Leftover>& train,

@@ -8,6 +8,13 @@
 
 namespace bodesmith::gap {
 
+namespace {
+
+/// Relative spread of the free parameters' values in a base model.
+constexpr double kGivenSpread = 0.25;
+
+}  // namespace
+
 Model::Model(const chain::Chain& base) {
   int number = 0;
   for (const auto& block : base.blocks) {
@@ -22,6 +29,10 @@ Model::Model(const chain::Chain& base) {
       u.high = p.high;
       u.logarithmic = p.low >= 0.0 && p.value > 0.0 && p.key.find("offset") == std::string::npos;
       u.scale = std::max(std::abs(p.value), 1e-3);
+      // A free parameter's value in the file is a guess, but not any guess: it decides where the records do
+      // not (a sine cannot tell gain, frequency and damping of a resonator apart).
+      u.given = p.value;
+      u.given_spread = u.logarithmic ? kGivenSpread : kGivenSpread * std::abs(p.value);
       if (u.logarithmic) u.low = std::max(p.low, p.value * 1e-3);
       if (u.logarithmic) u.high = std::min(p.high, p.value * 1e3);
       free_.push_back({next_id_, k, u});

@@ -22,6 +22,10 @@ struct Unknown {
   double high = std::numeric_limits<double>::infinity();
   bool logarithmic = false;  ///< searched as ln(value); value, low > 0
   double scale = 1.0;        ///< size of a typical change (linear ones)
+  /// What is known beforehand, as one more observation: the value given, right to `given_spread` (of
+  /// ln(value) when logarithmic). 0: nothing is.
+  double given = 0.0;
+  double given_spread = 0.0;
 };
 
 /// A named effect put into the chain: blocks of its own, or a change inside a block of the base model.

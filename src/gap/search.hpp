@@ -66,6 +66,7 @@ struct SearchResult {
   std::vector<Ranked> refused;  ///< the ranking of the round in which nothing earned its place
   std::vector<Sign> structure;  ///< what still points to something missing
   NoiseFloor floor;
+  double train_rms = 0.0;  ///< of the final model, over what the search scored
   bool stopped = false;
   std::vector<std::string> notes;
 };

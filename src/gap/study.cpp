@@ -54,6 +54,7 @@ Study Study::of(std::vector<TimeRecord> data, std::vector<TimeRecord> holdout, c
     if (study.split_) {
       auto later = std::make_unique<TimeExperiment>(record);
       later->set_skip(cut);
+      later->never_score_start();
       study.add(std::move(later), true);
     }
     auto e = prepared(std::move(record), base);

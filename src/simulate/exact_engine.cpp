@@ -85,10 +85,11 @@ std::optional<ExactOutcome> run_exact_engine(const chain::Chain& chain, const Ti
     const auto* curve = std::get_if<std::unique_ptr<CurveKernel>>(&kernels[i]);
     const auto* source = std::get_if<std::unique_ptr<SourceKernel>>(&kernels[i]);
     const auto* memory = std::get_if<std::unique_ptr<MemoryKernel>>(&kernels[i]);
-    const bool fits = std::holds_alternative<LinearKernel>(kernels[i]) ||
-                      (curve != nullptr && (*curve)->polynomial() != nullptr) ||
-                      (source != nullptr && (*source)->straight()) ||
-                      (memory != nullptr && !(*memory)->branch_polynomial(1).empty());
+    const bool fits =
+        std::holds_alternative<LinearKernel>(kernels[i]) ||
+        (curve != nullptr && (*curve)->polynomial() != nullptr) ||
+        (source != nullptr && (*source)->straight()) ||
+        (memory != nullptr && !(*memory)->branch_polynomial(1).empty() && (*memory)->switch_delay_s() == 0.0);
     if (!fits)
       return no(fmt::format("block {} ({}) is neither linear nor a polynomial", i + 1,
                             chain.blocks[i].type_name()));

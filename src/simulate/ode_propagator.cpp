@@ -19,9 +19,15 @@ void OdePropagator::prepare(const chain::OdeKernel& system, double h, const Hold
     for (int j = 0; j < order_; ++j) row += std::abs(a[static_cast<size_t>(i * order_ + j)]);
     norm = std::max(norm, row);
   }
-  constexpr double kTurn = 0.75;
   first_level_ =
-      std::clamp(static_cast<int>(std::ceil(std::log2(std::max(1e-300, norm * h / kTurn)))), 0, kFinest);
+      std::clamp(static_cast<int>(std::ceil(std::log2(std::max(1e-300, norm * h / turn)))), 0, kFinest);
+  if (parts_degree_ != degree_) {
+    parts_degree_ = degree_;
+    parts_.clear();
+    for (int index = 1; index <= kTabled; ++index) {
+      for (int k = 0; k < (1 << index); ++k) parts_.push_back(make_part(index, std::ldexp(k, -index)));
+    }
+  }
   states_.assign(static_cast<size_t>((degree_ + 1) * order_), 0.0);
   base_.assign(states_.size(), 0.0);
   force_.assign(static_cast<size_t>(degree_ + 1), 0.0);
@@ -50,6 +56,31 @@ const OdePropagator::Level& OdePropagator::level(const chain::OdeKernel& system,
   }
   l.ready = true;
   return l;
+}
+
+OdePropagator::Part OdePropagator::make_part(int index, double from) const {
+  const int width = degree_ + 1;
+  const double size = std::ldexp(1.0, -index);
+  Part p;
+  p.first = width;
+  for (int i = 0; i < width; ++i) {
+    nodes_->weights(from + size * nodes_->at[static_cast<size_t>(i)], p.inward + i * width);
+    const double s = (nodes_->at[static_cast<size_t>(i)] - from) / size;
+    const bool mine = i == 0 ? from == 0.0 : s > 0.0 && s <= 1.0;
+    if (!mine) continue;
+    p.first = std::min(p.first, i);
+    p.last = i;
+    nodes_->weights(s, p.outward + i * width);
+  }
+  return p;
+}
+
+const OdePropagator::Part& OdePropagator::part(int index, double from, Part& made) const {
+  if (index <= kTabled) {
+    // Levels 1, 2, … have 2, 4, … parts: level `index` begins at 2^index - 2.
+    return parts_[static_cast<size_t>((1 << index) - 2 + static_cast<int>(std::ldexp(from, index)))];
+  }
+  return made = make_part(index, from);
 }
 
 bool OdePropagator::step(const chain::OdeKernel& system, const Level& m, const double* u, const double* x) {
@@ -139,8 +170,8 @@ bool OdePropagator::step_sized(const chain::OdeKernel& system, const Level& m, c
     size = states_from_forces();
     // Linear convergence at the rate seen: what is left after this change is most * rate.
     const double rate = last > 0.0 && std::isfinite(last) ? most / last : 1.0;
-    if (most * std::min(rate, 1.0) <= 1e-13 * force_size + 1e-300) return true;
-    if (iteration > 1 && rate > 0.6) return most <= 1e-11 * force_size;
+    if (most * std::min(rate, 1.0) <= tolerance * force_size + 1e-300) return true;
+    if (iteration > 1 && rate > 0.6) return most <= 100.0 * tolerance * force_size;
     last = most;
   }
   return false;
@@ -148,44 +179,46 @@ bool OdePropagator::step_sized(const chain::OdeKernel& system, const Level& m, c
 
 void OdePropagator::cover(const chain::OdeKernel& system, int index, double from, const double* u, double* x,
                           double* y) {
-  const int n = order_;
-  const int width = degree_ + 1;
-  const double part = std::ldexp(1.0, -index);
-  double inner[kMaxDegree + 1];
-  for (int j = 0; j < width; ++j)
-    inner[j] = index == 0 ? u[j] : nodes_->value(u, from + part * nodes_->at[static_cast<size_t>(j)]);
   if (failures_ > 0) return;
   if (--steps_left_ < 0.0) {
     ++failures_;
     return;
   }
-  const bool may_split = index < kFinest;
-  if (index < first_level_ || (!step(system, level(system, index), inner, x) && may_split)) {
+  const int n = order_;
+  const int width = degree_ + 1;
+  const auto halves = [&] {
     cover(system, index + 1, from, u, x, y);
-    cover(system, index + 1, from + 0.5 * part, u, x, y);
-    return;
+    cover(system, index + 1, from + std::ldexp(0.5, -index), u, x, y);
+  };
+  if (index < first_level_) return halves();
+  Part made;
+  const Part* p = index == 0 ? nullptr : &part(index, from, made);
+  double inner[kMaxDegree + 1];
+  if (p != nullptr) {
+    for (int i = 0; i < width; ++i) {
+      double sum = 0.0;
+      for (int j = 0; j < width; ++j) sum += p->inward[i * width + j] * u[j];
+      inner[i] = sum;
+    }
   }
-  if (!may_split) {
-    // The finest level either converged or its last iterate is what there is.
+  if (!step(system, level(system, index), p == nullptr ? u : inner, x)) {
+    if (index < kFinest) return halves();
+    // The finest level's last iterate is what there is.
     if (!std::isfinite(states_[static_cast<size_t>((width - 1) * n)])) {
       ++failures_;
       std::fill(states_.begin(), states_.end(), 0.0);
     }
   }
   const auto& linear = system.linear();
-  for (int i = 0; i < width; ++i) {
-    // Output nodes of the whole hold that lie in this part.
-    const double s = (nodes_->at[static_cast<size_t>(i)] - from) / part;
-    const bool mine = i == 0 ? from == 0.0 : s > 0.0 && s <= 1.0;
-    if (!mine) continue;
+  for (int i = p == nullptr ? 0 : p->first; i <= (p == nullptr ? width - 1 : p->last); ++i) {
     double sum = linear.offset + linear.d * u[i];
-    double w[kMaxDegree + 1] = {};
-    if (index > 0) nodes_->weights(s, w);
     for (int a = 0; a < n; ++a) {
-      double value = states_[static_cast<size_t>(i * n + a)];
-      if (index > 0) {
-        value = 0.0;
-        for (int j = 0; j < width; ++j) value += w[j] * states_[static_cast<size_t>(j * n + a)];
+      double value = 0.0;
+      if (p == nullptr) {
+        value = states_[static_cast<size_t>(i * n + a)];
+      } else {
+        for (int j = 0; j < width; ++j)
+          value += p->outward[i * width + j] * states_[static_cast<size_t>(j * n + a)];
       }
       sum += linear.c[static_cast<size_t>(a)] * value;
     }

@@ -12,7 +12,7 @@ namespace bodesmith::simulate {
 /// x' = A x + b u + e n(x, u) over holds of equal length: n is the polynomial through its values at the
 /// hold's nodes (Lobatto collocation, order 2p in the step), its linear surroundings exact. The implicit
 /// equations are solved by a simplified Newton iteration; a hold in which that does not
-/// contract, or over which the linear part turns by more than 0.7 rad, is halved, as often as needed (at most
+/// contract, or over which the linear part turns by more than `turn`, is halved, as often as needed (at most
 /// 2^12 parts).
 class OdePropagator {
  public:
@@ -23,6 +23,10 @@ class OdePropagator {
   std::size_t failures() const { return failures_; }
   /// Parts a hold, on the average of a run, at which it is given up.
   double effort = 64.0;
+  /// Turn of the linear part over one step, in rad, above which a hold is halved from the start.
+  double turn = 0.75;
+  /// Newton's iteration ends when the forces are right to this share of their size.
+  double tolerance = 1e-13;
 
  private:
   /// Everything for one length of step.
@@ -39,16 +43,30 @@ class OdePropagator {
   /// The same with sizes known to the compiler; 0: as they come.
   template <int Order, int Degree>
   bool step_sized(const chain::OdeKernel& system, const Level& matrices, const double* u, const double* x);
+  /// Interpolation weights of one part of a hold, row by row: the input at the part's nodes from the hold's,
+  /// and the states at the hold's nodes `first` to `last` (those that lie in the part) from the part's.
+  struct Part {
+    int first = 0;
+    int last = -1;
+    double inward[(kMaxDegree + 1) * (kMaxDegree + 1)];
+    double outward[(kMaxDegree + 1) * (kMaxDegree + 1)];
+  };
+  Part make_part(int index, double from) const;
+  /// The same from a table for the coarse levels, into `made` for the others.
+  const Part& part(int index, double from, Part& made) const;
   /// Covers the part [from, from + 2^-index] of the hold with node values u; fills outputs whose node lies in
   /// it.
   void cover(const chain::OdeKernel& system, int index, double from, const double* u, double* x, double* y);
 
   static constexpr int kFinest = 12;
+  static constexpr int kTabled = 4;  ///< levels with a table
   double h_ = 0.0;
   int order_ = 0;
   int degree_ = 1;
   int first_level_ = 0;
   const HoldNodes* nodes_ = nullptr;
+  std::vector<Part> parts_;  ///< levels 1 to kTabled, 2^index each
+  int parts_degree_ = 0;
   std::vector<Level> levels_;
   HoldResponseSolver solver_;
   HoldResponse response_;

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "chain/linear_kernel.hpp"
+#include "simulate/branch_propagator.hpp"
 #include "simulate/linear_propagator.hpp"
 #include "simulate/ode_propagator.hpp"
 #include "simulate/sampled_propagator.hpp"
@@ -104,6 +105,7 @@ struct RecordSimulator::Implementation {
   std::vector<double> output;
   LinearPropagator linear;
   OdePropagator ode;
+  BranchPropagator branch;
   int degree = 1;
   double model_error = 0.0;
   bool diverged = false;
@@ -308,8 +310,10 @@ struct RecordSimulator::Implementation {
       }
       rest = y;
     }
-    ode.prepare(system, h, nodes);
     ode.effort = options.most_parts;
+    ode.turn = options.most_turn_rad;
+    ode.tolerance = options.newton_tolerance;
+    ode.prepare(system, h, nodes);
     ode.run(system, signal.data(), other.data(), holds, x);
     diverged = diverged || ode.failures() > 0;
     std::swap(signal, other);
@@ -317,6 +321,10 @@ struct RecordSimulator::Implementation {
 
   void run_memory(MemoryKernel& memory, double h, const HoldNodes& nodes, size_t holds, bool equilibrium,
                   double& rest) {
+    if (branch.prepare(memory, h, nodes)) {
+      rest = branch.run(signal.data(), holds, equilibrium ? signal[0] : 0.0);
+      return;
+    }
     const auto width = static_cast<size_t>(nodes.degree + 1);
     double gaps[kMaxDegree + 1] = {};
     for (size_t j = 1; j < width; ++j) gaps[j] = h * (nodes.at[j] - nodes.at[j - 1]);

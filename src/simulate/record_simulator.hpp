@@ -18,6 +18,10 @@ struct RecordOptions {
   /// A run whose nonlinear dynamics need more parts a hold than this (on the average, beyond what their linear part asks
   /// for) is given up as diverged. Searches through wild parameter values set it low.
   double most_parts = 64.0;
+  /// Nonlinear dynamics: turn of the linear part over one step, in rad, above which a hold is halved; and the
+  /// share of the forces at which Newton's iteration ends. Searches take them coarser.
+  double most_turn_rad = 0.75;
+  double newton_tolerance = 1e-13;
 };
 
 /// The record engine: a chain worked out from sample to sample, thousands of times with other parameters.

@@ -15,10 +15,20 @@ using hysteresis::ParameterInfo;
 /// Any operator of the hysteresis room.
 class OperatorKernel final : public MemoryKernel {
  public:
-  OperatorKernel(std::unique_ptr<Operator> op, bool jumps, bool cubic)
-      : operator_(std::move(op)), jumps_(jumps), cubic_(cubic) {}
+  /// `at_once`: the same operator whose switch does not wait, when its branches are cubic and nothing else
+  /// counts.
+  OperatorKernel(std::unique_ptr<Operator> op, bool jumps, const Operator* at_once = nullptr,
+                 double switch_delay_s = 0.0)
+      : operator_(std::move(op)), jumps_(jumps), switch_delay_s_(switch_delay_s) {
+    if (at_once == nullptr) return;
+    up_ = branch(*at_once, 1);
+    down_ = branch(*at_once, -1);
+  }
   std::unique_ptr<MemoryKernel> clone() const override {
-    auto copy = std::make_unique<OperatorKernel>(operator_->clone(), jumps_, cubic_);
+    auto copy = std::make_unique<OperatorKernel>(operator_->clone(), jumps_);
+    copy->switch_delay_s_ = switch_delay_s_;
+    copy->up_ = up_;
+    copy->down_ = down_;
     copy->u_ = u_;
     copy->y_ = y_;
     return copy;
@@ -40,10 +50,14 @@ class OperatorKernel final : public MemoryKernel {
     return operator_->peek(u_ + 1e-12 * (next - u_), 0.0);
   }
   bool jumps_at_turns() const override { return jumps_; }
-  std::vector<double> branch_polynomial(int direction) const override {
-    if (!cubic_) return {};
-    // The cubic through four of its values, met while moving in that direction.
-    const auto probe = operator_->clone();
+  std::vector<double> branch_polynomial(int direction) const override { return direction > 0 ? up_ : down_; }
+  double switch_delay_s() const override { return switch_delay_s_; }
+  bool rate_independent() const override { return operator_->rate_independent(); }
+
+ private:
+  /// The cubic through four of its values, met while moving in that direction.
+  static std::vector<double> branch(const Operator& at_once, int direction) {
+    const auto probe = at_once.clone();
     double y[4];
     for (int i = 0; i < 4; ++i) {
       const double x = i / 3.0;
@@ -56,12 +70,12 @@ class OperatorKernel final : public MemoryKernel {
     const double d3 = y[3] - 3.0 * y[2] + 3.0 * y[1] - y[0];
     return {y[0], 3.0 * d1 - 1.5 * d2 + d3, 4.5 * d2 - 4.5 * d3, 4.5 * d3};
   }
-  bool rate_independent() const override { return operator_->rate_independent(); }
 
- private:
   std::unique_ptr<Operator> operator_;
   bool jumps_;
-  bool cubic_;
+  double switch_delay_s_ = 0.0;
+  std::vector<double> up_;  ///< see branch_polynomial()
+  std::vector<double> down_;
   double u_ = 0.0;
   double y_ = 0.0;
 };
@@ -106,9 +120,14 @@ class HysteresisBlock final : public NamedBlockType {
     // them.
     const bool by_slope = (name() == "polynomial_hysteresis" || name() == "sine_hysteresis") &&
                           block.word("minor") == "slope_sign";
-    return std::make_unique<OperatorKernel>(
-        hysteresis::make_operator(hysteresis::checked_model(name(), parameters_of(block))), by_slope,
-        by_slope && name() == "polynomial_hysteresis" && block.get("switch_delay_s") == 0.0);
+    auto parameters = parameters_of(block);
+    auto op = hysteresis::make_operator(hysteresis::checked_model(name(), parameters));
+    if (!by_slope || name() != "polynomial_hysteresis")
+      return std::make_unique<OperatorKernel>(std::move(op), by_slope);
+    const double delay = block.get("switch_delay_s");
+    parameters.set("switch_delay_s", 0.0);
+    const auto at_once = hysteresis::make_operator(hysteresis::checked_model(name(), parameters));
+    return std::make_unique<OperatorKernel>(std::move(op), by_slope, at_once.get(), delay);
   }
 
  private:

@@ -1,3 +1,6 @@
+#include <cmath>
+#include <numbers>
+
 #include "chain/blocks/block_list.hpp"
 
 namespace bodesmith::chain {
@@ -24,6 +27,13 @@ class SampleHold final : public NamedBlockType {
  public:
   SampleHold()
       : NamedBlockType("sample_hold", "clocked sample and hold", {above_zero("clock_hz", "clock"), flag()}) {}
+  /// Of the part at the input's own frequency; images about the clock's multiples come besides.
+  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+    const double cycle = w.hz().value / block.get("clock_hz");
+    const double angle = std::numbers::pi * cycle;
+    const double droop = angle == 0.0 ? 1.0 : std::sin(angle) / angle;
+    return std::polar(1.0, -angle * (block.flag("half_cycle") ? 2.0 : 1.0)) * droop;
+  }
   Kernel kernel(const Block& block) const override {
     return std::make_unique<Hold>(block.get("clock_hz"), block.flag("half_cycle"));
   }

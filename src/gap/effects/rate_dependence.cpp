@@ -7,6 +7,9 @@
 namespace bodesmith::gap {
 namespace {
 
+/// Nearer to one it is a pole or a zero.
+constexpr double kMostOrder = 0.6;
+
 class RateDependence final : public Effect {
  public:
   std::string_view name() const override { return "rate_dependence"; }
@@ -29,11 +32,11 @@ class RateDependence final : public Effect {
       auto block = chain::make_block("fractional_lead_lag");
       block.set("lambda_s", starts[0][0]).set("x", 0.05).set("beta", 0.0);
       const double t = 1.0 / Hertz{scene.band_hz}.rad_s().value;
-      out.push_back(
-          insert_block(scene, *this, at, block,
-                       {logarithmic_unknown("lambda_s", 0.1 * t, 1e4 * t),
-                        logarithmic_unknown("x", 1e-4, 0.8), linear_unknown("beta", -0.9, 0.9, 0.1)},
-                       starts));
+      out.push_back(insert_block(
+          scene, *this, at, block,
+          {logarithmic_unknown("lambda_s", 0.1 * t, 1e4 * t), logarithmic_unknown("x", 1e-4, 0.8),
+           linear_unknown("beta", -kMostOrder, kMostOrder, 0.1)},
+          starts));
     }
   }
 };

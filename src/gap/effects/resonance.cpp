@@ -7,6 +7,9 @@
 namespace bodesmith::gap {
 namespace {
 
+/// More damping leaves no peak: two lags, which have names of their own.
+constexpr double kMostDamping = 0.7;
+
 class Resonance final : public Effect {
  public:
   std::string_view name() const override { return "resonance"; }
@@ -24,6 +27,14 @@ class Resonance final : public Effect {
       starts.push_back({hz, 0.05});
       starts.push_back({hz, 0.4});
     }
+    if (scene.frequency_only) {
+      // Runs are cheap there, and a sharp mode is only seen from near by.
+      const double ratio = std::pow(1.2 * scene.top_hz / scene.low_hz, 1.0 / 39.0);
+      double hz = scene.low_hz;
+      for (int k = 0; k < 40; ++k, hz *= ratio) {
+        for (double damping : {0.01, 0.05, 0.3}) starts.push_back({hz, damping});
+      }
+    }
     if (starts.empty()) return;
     for (std::size_t at : scene.linear_places()) {
       auto block = chain::make_block("resonator");
@@ -31,7 +42,7 @@ class Resonance final : public Effect {
       out.push_back(
           insert_block(scene, *this, at, block,
                        {logarithmic_unknown("natural_frequency_hz", 0.05 * scene.low_hz, 3.0 * scene.top_hz),
-                        logarithmic_unknown("damping_ratio", 1e-3, 2.0)},
+                        logarithmic_unknown("damping_ratio", 1e-3, kMostDamping)},
                        starts));
     }
   }

@@ -12,10 +12,33 @@ namespace {
 /// Delay that would explain most of the residual, in seconds; 0 when that is next to nothing.
 double mean_lag(const Scene& scene) {
   const auto& y = scene.boundary.back().values;
+  const std::size_t n = y.size();
+  const auto distance = [&](std::size_t lag) {
+    double sum = 0.0;
+    for (std::size_t i = lag; i < n; ++i) {
+      const double e = y[i] + scene.residual[i] - y[i - lag];
+      sum += e * e;
+    }
+    return sum / static_cast<double>(n - lag);
+  };
+  const double none = distance(0);
+  std::size_t best = 0;
+  double least = none;
+  const auto most =
+      std::min<std::size_t>({n / 8, 400, static_cast<std::size_t>(1.0 / (scene.band_hz * scene.step_s)) + 2});
+  for (std::size_t lag = 1; lag <= most; ++lag) {
+    const double d = distance(lag);
+    if (d < least) {
+      least = d;
+      best = lag;
+    }
+  }
+  if (best >= 2) return least < 0.96 * none ? static_cast<double>(best) * scene.step_s : 0.0;
+  // Less than a sample or two: from the residual's likeness to the slope.
   double rs = 0.0;
   double ss = 0.0;
   double rr = 0.0;
-  for (std::size_t i = 1; i + 1 < y.size(); ++i) {
+  for (std::size_t i = 1; i + 1 < n; ++i) {
     const double slope = (y[i + 1] - y[i - 1]) / (2.0 * scene.step_s);
     rs -= scene.residual[i] * slope;
     ss += slope * slope;
@@ -73,11 +96,26 @@ class SampleHold final : public Effect {
     return "a staircase: a residual that repeats with the clock";
   }
   std::vector<std::string_view> confused_with() const override { return {"time_delay", "amplifier_pole"}; }
+  bool linear() const override { return true; }
   std::string_view experiment() const override {
     return "a faster clock, or a record sampled much faster than it";
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    if (scene.frequency_only) return;
+    if (scene.frequency_only) {
+      for (std::size_t at : scene.linear_places()) {
+        for (bool half : {false, true}) {
+          auto block = chain::make_block("sample_hold");
+          block.set("half_cycle", half ? 1.0 : 0.0);
+          std::vector<std::vector<double>> starts;
+          for (double factor : {1.2, 2.5, 6.0, 20.0}) starts.push_back({factor * scene.top_hz});
+          block.set("clock_hz", starts[0][0]);
+          out.push_back(insert_block(
+              scene, *this, at, block,
+              {logarithmic_unknown("clock_hz", 0.6 * scene.top_hz, 1e3 * scene.top_hz)}, starts));
+        }
+      }
+      return;
+    }
     // A held signal lags by half a clock on the average: without a lag in the residual there is nothing to
     // look for.
     const double lag = mean_lag(scene);

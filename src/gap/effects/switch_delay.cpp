@@ -25,9 +25,14 @@ class SwitchDelay final : public Effect {
         continue;
       if (is_free_or_set(block, "switch_delay_s")) continue;
       const double step = scene.step_s;
+      // Every turn moves with the delay, so the sum of squares is hilly: a comb over what is possible.
+      std::vector<std::vector<double>> starts;
+      for (double delay = 1.2 * step; delay < 0.4 / scene.low_hz && starts.size() < 30; delay *= 1.3)
+        starts.push_back({delay});
+      if (starts.empty()) starts.push_back({0.5 * step});
       out.push_back(change_block(scene, *this, at,
                                  {logarithmic_unknown("switch_delay_s", 0.01 * step, 0.5 / scene.low_hz)},
-                                 {{1.5 * step}, {6.0 * step}, {25.0 * step}, {0.05 / scene.band_hz}}));
+                                 starts));
     }
   }
 };

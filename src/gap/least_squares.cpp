@@ -98,30 +98,35 @@ LeastSquaresResult least_squares(const std::vector<Unknown>& unknowns, const Res
       Eigen::MatrixXd damped = normal;
       const double floor = 1e-12 * std::max(normal.diagonal().maxCoeff(), 1e-300);
       for (Eigen::Index j = 0; j < p; ++j) damped(j, j) += damping * std::max(normal(j, j), floor) + floor;
-      // Unknowns that stand at a bound and would go on outwards are held there, the others take the step
-      // without them.
+      // Unknowns that would go beyond a bound go to it, and the others take the step that is then best for
+      // them (clipping alone would stall among many weights that may not be negative).
       std::vector<char> held(unknowns.size(), 0);
+      Eigen::VectorXd fixed = Eigen::VectorXd::Zero(p);
       Eigen::VectorXd step;
       for (Eigen::Index pass = 0; pass <= p; ++pass) {
         Eigen::MatrixXd system = damped;
-        Eigen::VectorXd right = gradient;
+        Eigen::VectorXd right = -gradient - normal * fixed;
         for (Eigen::Index j = 0; j < p; ++j) {
           if (held[static_cast<std::size_t>(j)] == 0) continue;
           system.row(j).setZero();
           system.col(j).setZero();
           system(j, j) = 1.0;
-          right(j) = 0.0;
+          right(j) = fixed(j);
         }
-        step = -system.ldlt().solve(right);
+        step = system.ldlt().solve(right);
         bool more = false;
         for (Eigen::Index j = 0; j < p && step.allFinite(); ++j) {
-          const auto& u = unknowns[static_cast<std::size_t>(j)];
-          const double value = result.values[static_cast<std::size_t>(j)];
           if (held[static_cast<std::size_t>(j)] != 0) continue;
-          if ((value <= u.low && step(j) < 0.0) || (value >= u.high && step(j) > 0.0)) {
-            held[static_cast<std::size_t>(j)] = 1;
-            more = true;
-          }
+          const auto& u = unknowns[static_cast<std::size_t>(j)];
+          const double here = to_search(u, result.values[static_cast<std::size_t>(j)]);
+          const double low =
+              std::isfinite(u.low) && !(u.logarithmic && u.low <= 0.0) ? to_search(u, u.low) : -1e300;
+          const double high = std::isfinite(u.high) ? to_search(u, u.high) : 1e300;
+          const double to = std::clamp(here + step(j), low, high);
+          if (to == here + step(j)) continue;
+          held[static_cast<std::size_t>(j)] = 1;
+          fixed(j) = to - here;
+          more = true;
         }
         if (!more) break;
       }

@@ -28,6 +28,13 @@ constexpr double kGainAtBound = 0.05;
 /// Held-out rms within which a rival with up to two unknowns more counts as a tie.
 constexpr double kNearlyEqual = 0.02;
 
+/// Unknowns that do not rest at a bound: weights of 0 cost nothing.
+std::size_t effective_of(const Term& term) {
+  const auto inside = std::count_if(term.unknowns.begin(), term.unknowns.end(),
+                                    [](const Unknown& u) { return u.value > u.low && u.value < u.high; });
+  return std::max<std::size_t>(1, static_cast<std::size_t>(inside));
+}
+
 double range_of(const Experiments& records) {
   double range = 0.0;
   for (const auto* e : records) range = std::max(range, e->range());
@@ -74,6 +81,7 @@ class Search {
   std::vector<std::vector<double>> base_starts() const;
   void refit_base();
   void settle_open_parameters();
+  void settle(Model& model) const;
   NoiseFloor floor_of(const Model& model) const;
   bool at_floor(const Model& model) const;
 
@@ -321,12 +329,35 @@ void Search::refit_base() {
   model_ = best;
 }
 
+/// The model as good as its own freedom makes it, so that no term is credited with what a refit alone gains.
+void Search::settle(Model& model) const {
+  double least = rms_of(model, train_);
+  const auto given = initial_.unknowns();
+  Model best = model;
+  for (const bool from_given : {false, true}) {
+    if (from_given && given.empty()) break;
+    Model m = model;
+    if (from_given) {
+      auto values = current_values(m);
+      for (std::size_t k = 0; k < given.size(); ++k) values[k] = given[k].value;
+      m.set_values(values);
+    }
+    if (!fit_all(m, 12).usable) continue;
+    const double reached = rms_of(m, train_);
+    if (reached < 0.9999 * least) {
+      least = reached;
+      best = m;
+    }
+  }
+  model = best;
+}
+
 /// Training records may leave the free parameters open (one sine cannot tell gain, frequency and damping of a
 /// resonator apart). When values exist that serve the held-out records far better at no cost to the training
 /// records, it was the parameters, not the model: those are taken, and said.
 void Search::settle_open_parameters() {
-  constexpr double kFarBetter = 0.7;
-  constexpr double kNoCost = 1.03;
+  constexpr double kFarBetter = 0.9;
+  constexpr double kNoCost = 1.01;
   if (initial_.unknowns().empty()) return;
   const double train = rms_of(model_, train_);
   const double holdout = rms_of(model_, holdout_);
@@ -487,6 +518,7 @@ void Search::judge(Ranked& r, const std::vector<double>& before_train,
   const auto e = residuals_of(r.model, train_);
   const auto f = residuals_of(r.model, holdout_);
   if (e.size() != before_train.size() || f.size() != before_holdout.size()) return;
+  r.effective = effective_of(r.model.terms().back());
   r.train_rms = rms(e);
   r.holdout_rms = rms(f);
   r.train_z = improvement_z(before_train, e);
@@ -511,17 +543,21 @@ std::vector<Ranked> Search::round(const Model& model, const std::set<std::string
   });
   auto promising = shortlist(model, std::move(proposals), look_, options_.threads);
   if (stopped()) return ranking;
-  // The best two places of each effect, and the best effects.
+  // The best two places of each effect, one more when it is of another form, and the best effects.
   std::map<const Effect*, int> places;
+  std::map<const Effect*, std::set<std::size_t>> forms;
   std::vector<Promising> chosen;
   std::set<const Effect*> kinds;
   for (auto& p : promising) {
     const auto* effect = p.proposal.model.terms().back().effect;
     if (p.score < 0.003) continue;
-    if (places[effect] >= 2) continue;
+    const std::size_t form = p.proposal.model.terms().back().unknowns.size();
+    const bool new_form = forms[effect].count(form) == 0;
+    if (places[effect] >= (new_form ? 3 : 2)) continue;
     if (kinds.count(effect) == 0 && static_cast<int>(kinds.size()) >= options_.shortlist) continue;
     kinds.insert(effect);
     ++places[effect];
+    forms[effect].insert(form);
     chosen.push_back(std::move(p));
   }
   const auto before_train = residuals_of(model, train_);
@@ -648,9 +684,9 @@ std::optional<Step> Search::choose(const Model& before, std::vector<Ranked>& ran
     Ranked* winner = good.front();
     // Fewer unknowns win when more of them buy next to nothing.
     for (auto* r : good) {
-      if (r->unknowns >= winner->unknowns) continue;
+      if (r->effective >= winner->effective) continue;
       const double worse = size(*r) / size(*good.front()) - 1.0;
-      if (worse < 0.01 + 0.004 * static_cast<double>(good.front()->unknowns - r->unknowns)) winner = r;
+      if (worse < 0.01 + 0.004 * static_cast<double>(good.front()->effective - r->effective)) winner = r;
     }
     const double control = control_gain(before, *winner);
     const double gain = 1.0 - winner->holdout_rms / holdout0;
@@ -807,7 +843,7 @@ bool Search::swap_earlier(std::vector<Step>& steps) {
     for (const auto& r : ranking) {
       if (r.condition_number > options_.largest_condition || r.unknowns > options_.most_unknowns) continue;
       const bool better = r.holdout_rms < 0.97 * now && r.train_rms < 0.99 * now_train;
-      const bool simpler = r.unknowns < model_.terms()[k].unknowns.size() && r.holdout_rms < 1.01 * now &&
+      const bool simpler = r.effective < effective_of(model_.terms()[k]) && r.holdout_rms < 1.01 * now &&
                            r.train_rms < 1.01 * now_train;
       if ((better || simpler) && (best == nullptr || r.holdout_rms < best->holdout_rms)) best = &r;
     }
@@ -886,6 +922,7 @@ SearchResult Search::run() {
     if (drop_wrong_starts(model_)) fit_all(model_, 8);
     score_starts_again(model_);
     leave_out_starts(model_);
+    settle(model_);
     // Whatever was taken out or put in another's place: a round must leave the held-out error smaller.
     if (!(rms_of(model_, holdout_) <= (1.0 - options_.least_gain) * rms_of(model_before, holdout_))) {
       model_ = model_before;

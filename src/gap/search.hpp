@@ -41,6 +41,7 @@ struct Ranked {
   double train_z = 0.0;
   double condition_number = 0.0;
   std::size_t unknowns = 0;
+  std::size_t effective = 0;      ///< of them not at a bound: weights of 0 cost nothing
   std::vector<double> deviation;  ///< of the term's unknowns
   std::string word;               ///< named, tied, also fits, no gain, not significant, ill-conditioned, …
 };

@@ -7,8 +7,8 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Loops run through in the leading sense have negative weights; six of these still leave the output rising.
-constexpr double kLeastWeight = -0.15;
+/// Loops run through in the leading sense have negative weights; all of them together still leave the output rising.
+constexpr double kLeastWeight = -0.1;
 
 class AsymmetricHysteresis final : public Effect {
  public:

@@ -23,7 +23,7 @@ class Creep final : public Effect {
   bool linear() const override { return true; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     const double slow = scene.frequency_only ? 1.0 / scene.low_hz : 0.7 * scene.duration_s;
-    const double fast = 0.5 / scene.band_hz;
+    const double fast = 0.08 / scene.band_hz;
     for (std::size_t at : scene.linear_places()) {
       // One relaxation with a time constant of its own, and a logarithmic spectrum of fixed ones.
       auto one = chain::make_block("creep");
@@ -36,12 +36,12 @@ class Creep final : public Effect {
                                   logarithmic_unknown("time_constants_s[0]", fast, 3.0 * slow)},
                                  starts));
       auto many = chain::make_block("creep");
-      const int count = 4;
+      const int count = 8;
       std::vector<double> times;
       std::vector<double> gains(count, 0.01);
       std::vector<Unknown> unknowns;
       for (int k = 0; k < count; ++k) {
-        times.push_back(2.0 * fast * std::pow(slow / (2.0 * fast), k / (count - 1.0)));
+        times.push_back(fast * std::pow(slow / fast, k / (count - 1.0)));
         unknowns.push_back(linear_unknown("gains[" + std::to_string(k) + "]", 0.0, 1.0, 0.05));
       }
       many.set("gains", gains).set("time_constants_s", times);

@@ -7,8 +7,8 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Loops run through in the leading sense have negative weights; six of these still leave the output rising.
-constexpr double kLeastWeight = -0.15;
+/// Loops run through in the leading sense have negative weights; all of them together still leave the output rising.
+constexpr double kLeastWeight = -0.1;
 
 class Hysteresis final : public Effect {
  public:
@@ -30,7 +30,7 @@ class Hysteresis final : public Effect {
     for (std::size_t at : scene.static_places()) {
       const double half = 0.5 * scene.boundary[at].span();
       if (!(half > 0.0)) continue;
-      const std::vector<double> parts = {0.04, 0.12, 0.25, 0.42, 0.62, 0.82};
+      const std::vector<double> parts = {0.02, 0.06, 0.12, 0.2, 0.3, 0.42, 0.56, 0.72, 0.88};
       std::vector<double> radius = {0.0};
       std::vector<double> weight = {1.0};
       std::vector<Unknown> unknowns;
@@ -44,7 +44,32 @@ class Hysteresis final : public Effect {
       auto block = chain::make_block("prandtl_ishlinskii");
       block.set("r", radius).set("w", weight);
       out.push_back(insert_block(scene, *this, at, block, unknowns, {start}));
+      propose_bouc_wen(scene, at, half, out);
     }
+  }
+
+ private:
+  /// y = u - z with gamma as a share of beta: a smooth loop that the plays only follow in corners.
+  void propose_bouc_wen(const Scene& scene, std::size_t at, double half, std::vector<Proposal>& out) const {
+    Proposal p{*scene.model, {}};
+    Term term;
+    term.effect = this;
+    term.placed = p.model.placed(at);
+    auto block = chain::make_block("bouc_wen").set("k", 1.0).set("A", 0.1).set("beta", 1.0).set("gamma", 0.0);
+    const int id = p.model.insert(at, std::move(block));
+    term.blocks = {id};
+    term.unknowns = {linear_unknown("A", -3.0, 0.9, 0.1),
+                     logarithmic_unknown("beta", 0.02 / half, 200.0 / half),
+                     linear_unknown("gamma_over_beta", -0.98, 1.0, 0.2), linear_unknown("n", 1.0, 3.0, 0.3)};
+    for (double a : {0.1, -0.1}) {
+      for (double beta : {1.0 / half, 5.0 / half}) p.starts.push_back({a, beta, 0.0, 1.1});
+    }
+    for (std::size_t k = 0; k < term.unknowns.size(); ++k) term.unknowns[k].value = p.starts[0][k];
+    term.write = [id](Model& model, std::span<const double> v) {
+      model.block(id).set("A", v[0]).set("beta", v[1]).set("gamma", v[2] * v[1]).set("n", v[3]);
+    };
+    p.model.add(std::move(term));
+    out.push_back(std::move(p));
   }
 };
 

@@ -32,6 +32,8 @@ class MultiplierError final : public Effect {
           if (p.free) return;
         }
         propose_in(scene, at, {"ascending", "descending"}, 0, out);
+      } else if (block.type_name() == "multiplier") {
+        propose_in_multiplier(scene, at, out);
       } else if (block.type_name() == "polynomial" && block.list("coefficients").size() > 2) {
         propose_in(scene, at, {"coefficients"}, 1, out);
       }
@@ -39,13 +41,34 @@ class MultiplierError final : public Effect {
   }
 
  private:
+  static constexpr unsigned kScale = 1;
+  static constexpr unsigned kFeedthrough = 2;
+  static constexpr unsigned kOffset = 4;
+
+  void propose_in_multiplier(const Scene& scene, std::size_t at, std::vector<Proposal>& out) const {
+    const double size = scene.boundary[at].size();
+    const auto& block = scene.model->at(at);
+    const double scale = block.get("scale_v");
+    const auto scale_v = linear_unknown("scale_v", 0.5 * scale, 2.0 * scale, 0.05 * scale);
+    const auto feedthrough = linear_unknown("feedthrough", -1.0, 1.0, 0.05);
+    const auto z_offset =
+        linear_unknown("z_offset_v", -size * size / scale, size * size / scale, 0.05 * size * size / scale);
+    const double part = 0.01 * size * size / scale;
+    out.push_back(change_block(scene, *this, at, {scale_v}, {{1.02 * scale}}));
+    out.push_back(change_block(scene, *this, at, {feedthrough}, {{0.01}}));
+    out.push_back(change_block(scene, *this, at, {z_offset}, {{part}}));
+    out.push_back(
+        change_block(scene, *this, at, {scale_v, feedthrough, z_offset}, {{1.02 * scale, 0.01, part}}));
+  }
+
   /// Powers by multipliers of output scale (x + feedthrough) y: x, m(x,x), m(m(x,x),x). A coefficient of x^n
   /// then leaks into that of x^(n-1). `zero_power`: index of x^1 in the lists. The offset stands behind the
   /// sum.
   void propose_in(const Scene& scene, std::size_t at, std::vector<std::string> lists, std::size_t first,
                   std::vector<Proposal>& out) const {
     const double size = scene.boundary[at].size();
-    for (int unknown_count : {1, 3}) {
+    // Each alone, and all together.
+    for (const unsigned which : {kScale, kFeedthrough, kOffset, kScale | kFeedthrough | kOffset}) {
       Proposal p{*scene.model, {}};
       Term term;
       term.effect = this;
@@ -53,19 +76,27 @@ class MultiplierError final : public Effect {
       std::vector<std::vector<double>> before;
       for (const auto& list : lists) before.push_back(p.model.at(at).list(list));
       term.placed = "inside block " + std::to_string(p.model.base_number(at));
-      term.unknowns = {linear_unknown("scale", 0.5, 2.0, 0.05)};
-      p.starts = {{1.02}};
-      int offset = -1;
-      if (unknown_count == 3) {
+      std::vector<double> start;
+      if ((which & kScale) != 0) {
+        term.unknowns.push_back(linear_unknown("scale", 0.5, 2.0, 0.05));
+        start.push_back(1.02);
+      }
+      if ((which & kFeedthrough) != 0) {
         term.unknowns.push_back(linear_unknown("feedthrough", -size, size, 0.05 * size));
+        start.push_back(0.005 * size);
+      }
+      int offset = -1;
+      if ((which & kOffset) != 0) {
         term.unknowns.push_back(linear_unknown("offset", -size, size, 0.05 * size));
-        p.starts = {{1.02, 0.005 * size, 0.005 * size}};
+        start.push_back(0.005 * size);
         offset = p.model.insert(at + 1, chain::make_block("gain").set("gain", 1.0));
         term.blocks = {offset};
       }
+      p.starts = {start};
       term.write = [=](Model& model, std::span<const double> v) {
-        const double scale = v[0];
-        const double feed = v.size() > 1 ? v[1] : 0.0;
+        std::size_t next = 0;
+        const double scale = (which & kScale) != 0 ? v[next++] : 1.0;
+        const double feed = (which & kFeedthrough) != 0 ? v[next++] : 0.0;
         for (std::size_t k = 0; k < lists.size(); ++k) {
           auto a = before[k];
           double factor = 1.0;
@@ -76,7 +107,7 @@ class MultiplierError final : public Effect {
           }
           model.block(id).set(lists[k], a);
         }
-        if (offset >= 0) model.block(offset).set("offset", v[2]);
+        if (offset >= 0) model.block(offset).set("offset", v[next]);
       };
       term.undo = [=](Model& model) {
         for (std::size_t k = 0; k < lists.size(); ++k) model.block(id).set(lists[k], before[k]);

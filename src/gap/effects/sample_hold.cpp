@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "chain/registry.hpp"
@@ -88,6 +89,62 @@ std::vector<std::vector<double>> clocks(const Scene& scene, const Model& model, 
   }
 }
 
+/// Clocks by the staircase alone: the residual is likened to what a hold of the model's output leaves beside
+/// its mean lag, which free corners of the model may have taken over. A comb over all clocks on the first
+/// samples, the best refined as the look grows longer.
+std::vector<std::vector<double>> clocks_by_stairs(const Scene& scene, bool half) {
+  const auto& y = scene.boundary.back().values;
+  const double h = scene.step_s;
+  const auto likeness = [&](double clock, std::size_t from, std::size_t n) {
+    const double cycle = 1.0 / (clock * h);  // in samples
+    const double late = half ? 0.5 * cycle : 0.0;
+    const double lag = 0.5 * cycle + late;
+    double along = 0.0;
+    double size = 0.0;
+    for (std::size_t i = from; i < n; ++i) {
+      const auto t = static_cast<double>(i);
+      const double edge = std::floor((t - late) / cycle) * cycle;
+      const double mean = t - lag;
+      if (edge < 0.0 || mean < 0.0) continue;
+      const auto at = [&](double s) {
+        const auto k = static_cast<std::size_t>(s);
+        return k + 1 < n ? y[k] + (s - static_cast<double>(k)) * (y[k + 1] - y[k]) : y[k];
+      };
+      const double feature = at(edge) - at(mean);
+      along += scene.residual[i] * feature;
+      size += feature * feature;
+    }
+    return along > 0.0 && size > 0.0 ? along * along / size : 0.0;
+  };
+  const std::size_t most = std::min<std::size_t>(y.size(), 16000);
+  std::size_t length = std::min<std::size_t>(most, 3000);
+  double spacing = 0.2 / (static_cast<double>(length) * h);
+  std::vector<std::pair<double, double>> scored;
+  for (double f = std::max(1.5 * scene.band_hz, 8.0 / (static_cast<double>(length) * h)); f < 0.7 / h;
+       f += spacing)
+    scored.emplace_back(likeness(f, length / 10, length), f);
+  while (true) {
+    std::sort(scored.rbegin(), scored.rend());
+    if (scored.size() > 4) scored.resize(4);
+    if (length == most) break;
+    length = std::min(most, 2 * length);
+    std::vector<std::pair<double, double>> finer;
+    for (const auto& [size, f] : scored) {
+      for (int k = -4; k <= 4; ++k) {
+        const double g = f + 0.25 * k * spacing;
+        finer.emplace_back(likeness(g, length / 10, length), g);
+      }
+    }
+    scored = std::move(finer);
+    spacing *= 0.5;
+  }
+  std::vector<std::vector<double>> starts;
+  for (const auto& [size, f] : scored) {
+    if (size > 0.0) starts.push_back({f});
+  }
+  return starts;
+}
+
 class SampleHold final : public Effect {
  public:
   std::string_view name() const override { return "sample_hold"; }
@@ -116,19 +173,33 @@ class SampleHold final : public Effect {
       }
       return;
     }
-    // A held signal lags by half a clock on the average: without a lag in the residual there is nothing to
-    // look for.
+    // A held signal lags by half a clock on the average; that, and the staircase itself, tell the clock.
     const double lag = mean_lag(scene);
-    if (!(lag > 0.05 * scene.step_s)) return;
+    std::array<std::vector<std::vector<double>>, 2> stairs = {clocks_by_stairs(scene, false),
+                                                              clocks_by_stairs(scene, true)};
     for (std::size_t at : scene.static_places()) {
       for (bool half : {false, true}) {
+        auto starts = stairs[half ? 1 : 0];
         auto block = chain::make_block("sample_hold");
-        const double guess = std::clamp((half ? 1.0 : 0.5) / lag, 0.5 * scene.band_hz, 1.0 / scene.step_s);
-        block.set("clock_hz", guess).set("half_cycle", half ? 1.0 : 0.0);
-        auto p = insert_block(scene, *this, at, block,
-                              {logarithmic_unknown("clock_hz", 0.2 * guess, 5.0 * guess)}, {{guess}});
-        p.starts = clocks(scene, p.model, guess);
-        if (!p.starts.empty()) out.push_back(std::move(p));
+        block.set("half_cycle", half ? 1.0 : 0.0);
+        if (lag > 0.05 * scene.step_s) {
+          const double guess = std::clamp((half ? 1.0 : 0.5) / lag, 0.5 * scene.band_hz, 1.0 / scene.step_s);
+          block.set("clock_hz", guess);
+          const auto p = insert_block(scene, *this, at, block,
+                                      {logarithmic_unknown("clock_hz", 0.2 * guess, 5.0 * guess)}, {{guess}});
+          const auto more = clocks(scene, p.model, guess);
+          starts.insert(starts.end(), more.begin(), more.end());
+        }
+        if (starts.empty()) continue;
+        double low = starts[0][0];
+        double high = low;
+        for (const auto& start : starts) {
+          low = std::min(low, start[0]);
+          high = std::max(high, start[0]);
+        }
+        block.set("clock_hz", starts[0][0]);
+        out.push_back(insert_block(scene, *this, at, block,
+                                   {logarithmic_unknown("clock_hz", 0.5 * low, 2.0 * high)}, starts));
       }
     }
   }

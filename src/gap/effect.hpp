@@ -67,6 +67,8 @@ class Effect {
   virtual std::string_view experiment() const = 0;
   /// Shows in a frequency response.
   virtual bool linear() const { return false; }
+  /// Its start values are found in the residual, so they are worth finding from more than one model.
+  virtual bool starts_from_residual() const { return false; }
   /// Every place it can sit, with start values from the data.
   virtual void propose(const Scene& scene, std::vector<Proposal>& out) const = 0;
 };

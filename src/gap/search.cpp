@@ -44,6 +44,8 @@ double range_of(const Experiments& records) {
 /// Iterations that each start of a candidate gets before the best ones go on, and what is near to the best.
 constexpr int kFirstSteps = 6;
 constexpr double kWorthGoingOn = 1.15;
+/// Effects shortlisted in the first round besides, as seen from the given parameters.
+constexpr std::size_t kSeenFromGiven = 3;
 /// A rival is tried in an earlier term's place when it was not this much worse in that term's own round.
 constexpr double kFarWorse = 2.5;
 
@@ -85,6 +87,7 @@ class Search {
   NoiseFloor floor_of(const Model& model) const;
   bool at_floor(const Model& model) const;
 
+  std::vector<Promising> look_from(const Model& model, const std::set<std::string_view>* only) const;
   std::vector<Ranked> round(const Model& model, const std::set<std::string_view>* only);
   Ranked fit_candidate(const Promising& p, const std::vector<double>& before_train,
                        const std::vector<double>& before_holdout) const;
@@ -525,8 +528,8 @@ void Search::judge(Ranked& r, const std::vector<double>& before_train,
   r.z = improvement_z(before_holdout, f);
 }
 
-std::vector<Ranked> Search::round(const Model& model, const std::set<std::string_view>* only) {
-  std::vector<Ranked> ranking;
+/// What every effect promises when the search stands at this model, best first.
+std::vector<Promising> Search::look_from(const Model& model, const std::set<std::string_view>* only) const {
   const auto scene = make_scene(model, train_);
   std::vector<Proposal> proposals;
   for (const auto* effect : effects()) {
@@ -541,24 +544,45 @@ std::vector<Ranked> Search::round(const Model& model, const std::set<std::string
            std::any_of(terms.begin(), terms.end() - 1,
                        [&](const Term& t) { return t.effect == terms.back().effect; });
   });
-  auto promising = shortlist(model, std::move(proposals), look_, options_.threads);
-  if (stopped()) return ranking;
+  return shortlist(model, std::move(proposals), look_, options_.threads);
+}
+
+std::vector<Ranked> Search::round(const Model& model, const std::set<std::string_view>* only) {
+  std::vector<Ranked> ranking;
   // The best two places of each effect, one more when it is of another form, and the best effects.
   std::map<const Effect*, int> places;
   std::map<const Effect*, std::set<std::size_t>> forms;
   std::vector<Promising> chosen;
   std::set<const Effect*> kinds;
-  for (auto& p : promising) {
-    const auto* effect = p.proposal.model.terms().back().effect;
-    if (p.score < 0.003) continue;
-    const std::size_t form = p.proposal.model.terms().back().unknowns.size();
-    const bool new_form = forms[effect].count(form) == 0;
-    if (places[effect] >= (new_form ? 3 : 2)) continue;
-    if (kinds.count(effect) == 0 && static_cast<int>(kinds.size()) >= options_.shortlist) continue;
-    kinds.insert(effect);
-    ++places[effect];
-    forms[effect].insert(form);
-    chosen.push_back(std::move(p));
+  const auto choose_from = [&](std::vector<Promising> promising, std::size_t most_kinds,
+                               const std::set<const Effect*>& already) {
+    for (auto& p : promising) {
+      const auto* effect = p.proposal.model.terms().back().effect;
+      if (p.score < 0.003 || already.count(effect) != 0) continue;
+      const std::size_t form = p.proposal.model.terms().back().unknowns.size();
+      const bool new_form = forms[effect].count(form) == 0;
+      if (places[effect] >= (new_form ? 3 : 2)) continue;
+      if (kinds.count(effect) == 0 && kinds.size() >= most_kinds) continue;
+      kinds.insert(effect);
+      ++places[effect];
+      forms[effect].insert(form);
+      chosen.push_back(std::move(p));
+    }
+  };
+  const auto most = static_cast<std::size_t>(options_.shortlist);
+  choose_from(look_from(model, only), most, {});
+  if (stopped()) return ranking;
+  if (model.terms().empty() && model.free_count() > 0) {
+    // Free parameters that took over a missing effect's share hide it: a few more, as they look from the
+    // parameters that were given.
+    auto already = kinds;
+    for (const auto* effect : kinds) {
+      if (!effect->starts_from_residual()) continue;
+      already.erase(effect);
+      places[effect] = 0;
+    }
+    choose_from(look_from(initial_, only), most + kSeenFromGiven, already);
+    if (stopped()) return ranking;
   }
   const auto before_train = residuals_of(model, train_);
   const auto before_holdout = residuals_of(model, holdout_);

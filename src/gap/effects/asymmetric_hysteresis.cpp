@@ -7,9 +7,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Loops run through in the leading sense have negative weights; all of them together still leave the output rising.
-constexpr double kLeastWeight = -0.1;
-
 class AsymmetricHysteresis final : public Effect {
  public:
   std::string_view name() const override { return "asymmetric_hysteresis"; }
@@ -73,7 +70,7 @@ class AsymmetricHysteresis final : public Effect {
         for (std::size_t k = 0; k < parts.size(); ++k) {
           radius.push_back(parts[k] * half);
           weight.push_back(0.01);
-          unknowns.push_back(linear_unknown("w[" + std::to_string(k + 1) + "]", kLeastWeight, 5.0, 0.05));
+          unknowns.push_back(linear_unknown("w[" + std::to_string(k + 1) + "]", 0.0, 5.0, 0.05));
           start.push_back(0.01);
         }
         std::vector<double> threshold;

@@ -1,11 +1,13 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <span>
 
 #include "chain/registry.hpp"
 #include "gap/effects/list.hpp"
 #include "gap/experiment.hpp"
 #include "gap/statistics.hpp"
+#include "simulate/record_simulator.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -145,6 +147,53 @@ std::vector<std::vector<double>> clocks_by_stairs(const Scene& scene, bool half)
   return starts;
 }
 
+bool dynamics_follow(const Scene& scene, std::size_t at) {
+  for (std::size_t k = at; k < scene.model->size(); ++k) {
+    const auto type = scene.model->at(k).type_name();
+    if (type == "lowpass" || type == "resonator" || type == "pole_zero") return true;
+  }
+  return false;
+}
+
+/// The same for a hold in front of dynamics, which soften its stairs: the feature is what the whole model
+/// makes of a hold beside a plain delay of the same mean, on the first samples.
+std::vector<std::vector<double>> clocks_behind_dynamics(const Scene& scene, std::size_t at, bool half) {
+  Model held = *scene.model;
+  auto hold = chain::make_block("sample_hold").set("half_cycle", half ? 1.0 : 0.0);
+  const int hold_id = held.insert(at, hold.set("clock_hz", 1.0 / scene.step_s));
+  Model late = *scene.model;
+  const int delay_id = late.insert(at, chain::make_block("delay").set("delay_s", scene.step_s));
+  const std::size_t n = std::min<std::size_t>(scene.residual.size(), 1200);
+  const auto u = std::span<const double>(scene.boundary.front().values).first(n);
+  simulate::RecordOptions options;
+  options.start_s = scene.start_s;
+  simulate::RecordSimulator with_hold(held.chain(), scene.step_s, options);
+  simulate::RecordSimulator with_delay(late.chain(), scene.step_s, options);
+  auto& hold_block = with_hold.chain().blocks[held.position_of(hold_id)];
+  auto& delay_block = with_delay.chain().blocks[late.position_of(delay_id)];
+  std::vector<std::pair<double, double>> scored;
+  const double spacing = 0.25 / (static_cast<double>(n) * scene.step_s);
+  for (double f = 1.5 * scene.band_hz; f < 0.5 / scene.step_s && scored.size() < 2500; f += spacing) {
+    hold_block.set("clock_hz", f);
+    delay_block.set("delay_s", (half ? 1.0 : 0.5) / f);
+    const auto a = with_hold.run(u);
+    const auto b = with_delay.run(u);
+    double along = 0.0;
+    double size = 0.0;
+    for (std::size_t i = n / 10; i < n; ++i) {
+      along += scene.residual[i] * (a[i] - b[i]);
+      size += (a[i] - b[i]) * (a[i] - b[i]);
+    }
+    scored.emplace_back(along > 0.0 && size > 0.0 ? along * along / size : 0.0, f);
+  }
+  std::sort(scored.rbegin(), scored.rend());
+  std::vector<std::vector<double>> starts;
+  for (std::size_t k = 0; k < std::min<std::size_t>(3, scored.size()); ++k) {
+    if (scored[k].first > 0.0) starts.push_back({scored[k].second});
+  }
+  return starts;
+}
+
 class SampleHold final : public Effect {
  public:
   std::string_view name() const override { return "sample_hold"; }
@@ -154,6 +203,7 @@ class SampleHold final : public Effect {
   }
   std::vector<std::string_view> confused_with() const override { return {"time_delay", "amplifier_pole"}; }
   bool linear() const override { return true; }
+  bool starts_from_residual() const override { return true; }
   std::string_view experiment() const override {
     return "a faster clock, or a record sampled much faster than it";
   }
@@ -180,6 +230,10 @@ class SampleHold final : public Effect {
     for (std::size_t at : scene.static_places()) {
       for (bool half : {false, true}) {
         auto starts = stairs[half ? 1 : 0];
+        if (at < scene.model->size() && dynamics_follow(scene, at)) {
+          const auto more = clocks_behind_dynamics(scene, at, half);
+          starts.insert(starts.begin(), more.begin(), more.end());
+        }
         auto block = chain::make_block("sample_hold");
         block.set("half_cycle", half ? 1.0 : 0.0);
         if (lag > 0.05 * scene.step_s) {

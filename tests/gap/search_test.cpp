@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <regex>
 
 #include "base/document.hpp"
 #include "chain/model_file.hpp"
@@ -129,7 +130,7 @@ TEST(Diagnosis, claimsEqualRecomputation) {
   EXPECT_FALSE(json["where"].empty());
   const auto page = gap::report_page(d, study);
   EXPECT_NE(page.find("<svg"), std::string::npos);
-  EXPECT_EQ(page.find("nan"), std::string::npos);
+  EXPECT_FALSE(std::regex_search(page, std::regex("\\bnan\\b")));  // "resonance" holds the letters
 }
 
 }  // namespace

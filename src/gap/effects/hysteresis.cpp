@@ -56,8 +56,8 @@ class Hysteresis final : public Effect {
     const int id = p.model.insert(at, std::move(block));
     term.blocks = {id};
     term.unknowns = {linear_unknown("A", -3.0, 0.9, 0.1),
-                     logarithmic_unknown("beta", 0.02 / half, 200.0 / half),
-                     linear_unknown("gamma_over_beta", -0.98, 1.0, 0.2), linear_unknown("n", 1.0, 3.0, 0.3)};
+                     logarithmic_unknown("beta", 0.02 / half, 20.0 / half),
+                     linear_unknown("gamma_over_beta", -0.98, 1.0, 0.2), linear_unknown("n", 1.0, 2.0, 0.3)};
     for (double a : {0.1, -0.1}) {
       for (double beta : {1.0 / half, 5.0 / half}) p.starts.push_back({a, beta, 0.0, 1.1});
     }

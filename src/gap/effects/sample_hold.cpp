@@ -6,6 +6,7 @@
 #include "chain/registry.hpp"
 #include "gap/effects/list.hpp"
 #include "gap/experiment.hpp"
+#include "gap/spectrum.hpp"
 #include "gap/statistics.hpp"
 #include "simulate/record_simulator.hpp"
 
@@ -91,6 +92,22 @@ std::vector<std::vector<double>> clocks(const Scene& scene, const Model& model, 
   }
 }
 
+/// Whether the residual's spectrum above the input's band is anything but flat, as images of a clock make it.
+bool images_stand_out(const Scene& scene) {
+  const auto p = periodogram(scene.residual, scene.step_s);
+  constexpr std::size_t kReach = 4;
+  std::vector<double> smooth;
+  for (std::size_t k = kReach; k + kReach < p.power.size(); ++k) {
+    if (p.bin_hz * static_cast<double>(k) < 1.5 * scene.band_hz) continue;
+    double sum = 0.0;
+    for (std::size_t j = k - kReach; j <= k + kReach; ++j) sum += p.power[j];
+    smooth.push_back(sum);
+  }
+  // White noise: 2.3.
+  constexpr double kUneven = 2.7;
+  return smooth.size() < 20 || quantile(smooth, 0.95) > kUneven * quantile(smooth, 0.2);
+}
+
 /// Clocks by the staircase alone: the residual is likened to what a hold of the model's output leaves beside
 /// its mean lag, which free corners of the model may have taken over. A comb over all clocks on the first
 /// samples, the best refined as the look grows longer.
@@ -119,7 +136,7 @@ std::vector<std::vector<double>> clocks_by_stairs(const Scene& scene, bool half)
     return along > 0.0 && size > 0.0 ? along * along / size : 0.0;
   };
   const std::size_t most = std::min<std::size_t>(y.size(), 16000);
-  std::size_t length = std::min<std::size_t>(most, 3000);
+  std::size_t length = std::min<std::size_t>(most, 2500);
   double spacing = 0.2 / (static_cast<double>(length) * h);
   std::vector<std::pair<double, double>> scored;
   for (double f = std::max(1.5 * scene.band_hz, 8.0 / (static_cast<double>(length) * h)); f < 0.7 / h;
@@ -163,7 +180,7 @@ std::vector<std::vector<double>> clocks_behind_dynamics(const Scene& scene, std:
   const int hold_id = held.insert(at, hold.set("clock_hz", 1.0 / scene.step_s));
   Model late = *scene.model;
   const int delay_id = late.insert(at, chain::make_block("delay").set("delay_s", scene.step_s));
-  const std::size_t n = std::min<std::size_t>(scene.residual.size(), 1200);
+  const std::size_t n = std::min<std::size_t>(scene.residual.size(), 800);
   const auto u = std::span<const double>(scene.boundary.front().values).first(n);
   simulate::RecordOptions options;
   options.start_s = scene.start_s;
@@ -173,7 +190,7 @@ std::vector<std::vector<double>> clocks_behind_dynamics(const Scene& scene, std:
   auto& delay_block = with_delay.chain().blocks[late.position_of(delay_id)];
   std::vector<std::pair<double, double>> scored;
   const double spacing = 0.25 / (static_cast<double>(n) * scene.step_s);
-  for (double f = 1.5 * scene.band_hz; f < 0.5 / scene.step_s && scored.size() < 2500; f += spacing) {
+  for (double f = 1.5 * scene.band_hz; f < 0.25 / scene.step_s; f += spacing) {
     hold_block.set("clock_hz", f);
     delay_block.set("delay_s", (half ? 1.0 : 0.5) / f);
     const auto a = with_hold.run(u);
@@ -225,12 +242,16 @@ class SampleHold final : public Effect {
     }
     // A held signal lags by half a clock on the average; that, and the staircase itself, tell the clock.
     const double lag = mean_lag(scene);
-    std::array<std::vector<std::vector<double>>, 2> stairs = {clocks_by_stairs(scene, false),
-                                                              clocks_by_stairs(scene, true)};
+    const bool images = images_stand_out(scene);
+    if (!images && !(lag > 0.05 * scene.step_s)) return;
+    std::array<std::vector<std::vector<double>>, 2> stairs;
+    for (bool half : {false, true}) {
+      if (images) stairs[half ? 1 : 0] = clocks_by_stairs(scene, half);
+    }
     for (std::size_t at : scene.static_places()) {
       for (bool half : {false, true}) {
         auto starts = stairs[half ? 1 : 0];
-        if (at < scene.model->size() && dynamics_follow(scene, at)) {
+        if (images && at < scene.model->size() && dynamics_follow(scene, at)) {
           const auto more = clocks_behind_dynamics(scene, at, half);
           starts.insert(starts.begin(), more.begin(), more.end());
         }

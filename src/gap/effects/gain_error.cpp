@@ -20,7 +20,13 @@ class GainError final : public Effect {
     for (const auto& u : scene.model->unknowns()) {
       if (u.name.ends_with(" gain")) return;
     }
-    for (std::size_t at : scene.linear_places()) {
+    auto places = scene.linear_places();
+    // Before a gain that adds a constant it is another thing than behind it.
+    for (std::size_t at = 0; at < scene.model->size(); ++at) {
+      const auto& block = scene.model->at(at);
+      if (block.type_name() == "gain" && block.get("offset") != 0.0) places.push_back(at);
+    }
+    for (std::size_t at : places) {
       out.push_back(insert_block(scene, *this, at, chain::make_block("gain").set("gain", 1.0),
                                  {linear_unknown("gain", 0.2, 5.0, 0.1)}, {{1.02}}));
     }

@@ -57,7 +57,7 @@ class Hysteresis final : public Effect {
     term.blocks = {id};
     term.unknowns = {linear_unknown("A", -3.0, 0.9, 0.1),
                      logarithmic_unknown("beta", 0.02 / half, 20.0 / half),
-                     linear_unknown("gamma_over_beta", -0.98, 1.0, 0.2), linear_unknown("n", 1.0, 2.0, 0.3)};
+                     linear_unknown("gamma_over_beta", -0.9, 1.0, 0.2), linear_unknown("n", 1.0, 2.0, 0.3)};
     for (double a : {0.1, -0.1}) {
       for (double beta : {1.0 / half, 5.0 / half}) p.starts.push_back({a, beta, 0.0, 1.1});
     }

@@ -572,7 +572,7 @@ std::vector<Ranked> Search::round(const Model& model, const std::set<std::string
   const auto most = static_cast<std::size_t>(options_.shortlist);
   choose_from(look_from(model, only), most, {});
   if (stopped()) return ranking;
-  if (model.terms().empty() && model.free_count() > 0) {
+  if (model.terms().empty() && model.free_count() > 0 && !long_records_) {
     // Free parameters that took over a missing effect's share hide it: a few more, as they look from the
     // parameters that were given.
     auto already = kinds;

@@ -7,6 +7,9 @@
 namespace bodesmith::gap {
 namespace {
 
+/// Samples of a short record.
+constexpr std::size_t kShort = 5000;
+
 class Hysteresis final : public Effect {
  public:
   std::string_view name() const override { return "hysteresis"; }
@@ -58,12 +61,22 @@ class Hysteresis final : public Effect {
     term.unknowns = {linear_unknown("A", -3.0, 0.9, 0.1),
                      logarithmic_unknown("beta", 0.02 / half, 20.0 / half),
                      linear_unknown("gamma_over_beta", -0.9, 1.0, 0.2), linear_unknown("n", 1.0, 2.0, 0.3)};
+    // Another sharpness than 1 has no closed form and costs ten times as much: for short records only.
+    const bool sharpness = scene.residual.size() <= kShort;
+    if (!sharpness) term.unknowns.pop_back();
     for (double a : {0.1, -0.1}) {
-      for (double beta : {1.0 / half, 5.0 / half}) p.starts.push_back({a, beta, 0.0, 1.1});
+      for (double beta : {1.0 / half, 5.0 / half}) {
+        p.starts.push_back({a, beta, 0.0});
+        if (sharpness) p.starts.back().push_back(1.1);
+      }
     }
     for (std::size_t k = 0; k < term.unknowns.size(); ++k) term.unknowns[k].value = p.starts[0][k];
     term.write = [id](Model& model, std::span<const double> v) {
-      model.block(id).set("A", v[0]).set("beta", v[1]).set("gamma", v[2] * v[1]).set("n", v[3]);
+      model.block(id)
+          .set("A", v[0])
+          .set("beta", v[1])
+          .set("gamma", v[2] * v[1])
+          .set("n", v.size() > 3 ? v[3] : 1.0);
     };
     p.model.add(std::move(term));
     out.push_back(std::move(p));

@@ -3,7 +3,7 @@
 #include <benchmark/benchmark.h>
 
 #include "circuit/realise.hpp"
-#include "circuit/yield.hpp"
+#include "yield/yield.hpp"
 
 namespace {
 

@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-build_packages=(g++ cmake ninja-build ccache libeigen3-dev libsundials-dev libboost-program-options-dev libceres-dev
+build_packages=(g++ cmake ninja-build ccache libeigen3-dev libsundials-dev libboost-program-options-dev
   nlohmann-json3-dev libtomlplusplus-dev libfmt-dev libkainjow-mustache-dev libssl-dev libopenmpi-dev openmpi-bin)
 check_packages=(ngspice libgtest-dev libgmock-dev libboost-dev chromium)
 

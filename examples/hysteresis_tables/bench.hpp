@@ -9,9 +9,9 @@
 #include <string>
 #include <vector>
 
-#include "hysteresis/identify_stage.hpp"
 #include "hysteresis/registry.hpp"
 #include "hysteresis/virtual_stage.hpp"
+#include "identify/identify_stage.hpp"
 
 /// What the five programs share: waveforms, driving the stage, and eq. 8 of the first seed.
 namespace bench {

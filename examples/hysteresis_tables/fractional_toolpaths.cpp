@@ -2,7 +2,7 @@
 // paper has it.
 #include "bench.hpp"
 #include "hysteresis/fractional_dynamic.hpp"
-#include "hysteresis/numeric/random.hpp"
+#include "numeric/random.hpp"
 
 namespace {
 

@@ -8,6 +8,7 @@
 #include "approximate/limit_law.hpp"
 #include "approximate/order_search.hpp"
 #include "base/error.hpp"
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "lti/section_making.hpp"
 

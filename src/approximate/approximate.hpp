@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "approximate/method.hpp"
-#include "base/json.hpp"
+#include "base/json_fwd.hpp"
 #include "lti/cascade.hpp"
 #include "lti/fractional_lead_lag.hpp"
 #include "lti/sections.hpp"

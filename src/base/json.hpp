@@ -1,16 +1,5 @@
 #pragma once
 
 #include <nlohmann/json.hpp>
-#include <string>
 
-namespace bodesmith {
-
-/// JSON that keeps the order in which keys were written (for writing; reading goes through Node,
-/// document.hpp).
-using Json = nlohmann::ordered_json;
-
-/// Text of a JSON document: two-space indent, short arrays of numbers on one line, a newline at the end.
-/// Throws std::logic_error when a number is not finite: nothing may be silently NaN.
-std::string to_text(const Json& value);
-
-}  // namespace bodesmith
+#include "base/json_fwd.hpp"  // IWYU pragma: export

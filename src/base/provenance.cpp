@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "base/files.hpp"
-#include "base/version.hpp"
 
 namespace bodesmith {
 
@@ -25,17 +24,6 @@ std::string Provenance::read(const std::filesystem::path& path) {
   std::string bytes = read_file(path);
   inputs.push_back({path.string(), sha256_hex(bytes)});
   return bytes;
-}
-
-Json json_header(std::string_view name, const Provenance& from) {
-  Json header;
-  header["schema"] = fmt::format("bodesmith.{}/1", name);
-  header["program"] = fmt::format("bodesmith {}", kVersion);
-  header["inputs"] = Json::array();
-  for (const InputFile& input : from.inputs) {
-    header["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
-  }
-  return header;
 }
 
 }  // namespace bodesmith

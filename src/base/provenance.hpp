@@ -5,8 +5,6 @@
 #include <string_view>
 #include <vector>
 
-#include "base/json.hpp"
-
 namespace bodesmith {
 
 /// Lower-case hexadecimal SHA-256 of the bytes.
@@ -25,9 +23,5 @@ struct Provenance {
   /// read_file(), remembered here.
   std::string read(const std::filesystem::path& path);
 };
-
-/// The beginning of every JSON output:
-/// {"schema": "bodesmith.NAME/1", "program": "bodesmith VERSION", "inputs": [{"path", "sha256"}]}.
-Json json_header(std::string_view name, const Provenance& from);
 
 }  // namespace bodesmith

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <map>
 
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "chain/registry.hpp"

@@ -4,7 +4,7 @@
 #include <string>
 
 #include "base/document.hpp"
-#include "base/json.hpp"
+#include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "chain/chain.hpp"
 

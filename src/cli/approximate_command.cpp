@@ -8,6 +8,7 @@
 #include "approximate/merge_sections.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
+#include "base/json_header.hpp"
 #include "base/text.hpp"
 #include "cli/approximate_modes.hpp"
 #include "cli/command_line.hpp"

@@ -6,6 +6,8 @@
 #include "approximate/fractional_transfer.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/json.hpp"
+#include "base/json_header.hpp"
 #include "base/text.hpp"
 #include "cli/approximate_modes.hpp"
 #include "cli/commands.hpp"

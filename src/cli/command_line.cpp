@@ -7,6 +7,7 @@
 #include <sstream>
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 
 namespace po = boost::program_options;
 

@@ -5,6 +5,8 @@
 #include <vector>
 
 #include "base/files.hpp"
+#include "base/json.hpp"
+#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"

@@ -3,6 +3,8 @@
 #include <chrono>
 
 #include "base/files.hpp"
+#include "base/json.hpp"
+#include "base/json_header.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "cli/fit_modes.hpp"

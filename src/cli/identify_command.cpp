@@ -8,11 +8,12 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
+#include "base/json_header.hpp"
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "hysteresis/identify_stage.hpp"
 #include "hysteresis/registry.hpp"
+#include "identify/identify_stage.hpp"
 
 namespace bodesmith::cli {
 namespace {

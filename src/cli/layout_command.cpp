@@ -3,13 +3,15 @@
 #include <algorithm>
 
 #include "base/files.hpp"
+#include "base/json.hpp"
+#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "circuit/layout.hpp"
-#include "circuit/layout_budget.hpp"
-#include "circuit/layout_timing.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "multiplier_layout/budget.hpp"
+#include "multiplier_layout/layout.hpp"
+#include "multiplier_layout/timing.hpp"
 #include "spice/emit.hpp"
 #include "spice/emit_disturbance.hpp"
 #include "spice/layout_check.hpp"

@@ -1,3 +1,5 @@
+#include "base/json.hpp"
+#include "base/json_header.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "project/whole_way.hpp"

@@ -1,9 +1,10 @@
 #include <fmt/format.h>
 
 #include "base/files.hpp"
+#include "base/json.hpp"
+#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "circuit/circuit_json.hpp"
 #include "circuit/opamp_check.hpp"
 #include "circuit/opamp_library.hpp"
 #include "circuit/realise.hpp"
@@ -11,9 +12,11 @@
 #include "circuit/stock.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "kicad/schematic.hpp"
 #include "spice/check.hpp"
 #include "spice/emit.hpp"
 #include "spice/ngspice.hpp"
+#include "yield/circuit_json.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -165,7 +168,9 @@ int run_spice(const std::vector<std::string>& arguments) {
     status = kLimitMissed;
   }
   OutputSet out(line.output_path());
-  add_spice_files(made, fmt::format("compensator from {}", line.files()[0]), out);
+  const std::string title = fmt::format("compensator from {}", line.files()[0]);
+  add_spice_files(made, title, out);
+  add_kicad_files(made.circuit, title, out);
   out.add("circuit.json", to_text(circuit));
   out.commit();
   print_summary(line, text, circuit);

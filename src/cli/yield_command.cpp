@@ -4,12 +4,14 @@
 
 #include "base/document.hpp"
 #include "base/files.hpp"
+#include "base/json.hpp"
+#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "circuit/realise.hpp"
-#include "circuit/yield.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "yield/yield.hpp"
 
 namespace bodesmith::cli {
 namespace {

@@ -6,8 +6,9 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 #include "base/text.hpp"
-#include "fit/bounded_least_squares.hpp"
+#include "numeric/bounded_least_squares.hpp"
 
 namespace bodesmith {
 namespace {

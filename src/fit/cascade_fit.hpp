@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json.hpp"
+#include "base/json_fwd.hpp"
 #include "base/units.hpp"
 #include "lti/cascade.hpp"
 #include "signal/bode_points.hpp"

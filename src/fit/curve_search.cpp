@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fit/quadratic_program.hpp"
+#include "numeric/quadratic_program.hpp"
 
 namespace bodesmith {
 namespace {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json.hpp"
+#include "base/json_fwd.hpp"
 #include "base/units.hpp"
 #include "lti/sections.hpp"
 #include "signal/bode_points.hpp"

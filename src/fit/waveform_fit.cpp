@@ -10,13 +10,14 @@
 #include <numbers>
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "fit/cascade_fit.hpp"
 #include "fit/curve_search.hpp"
-#include "fit/quadratic_program.hpp"
 #include "fit/start_builder.hpp"
 #include "fit/triangle_series.hpp"
 #include "lti/section_making.hpp"
+#include "numeric/quadratic_program.hpp"
 
 namespace bodesmith {
 namespace {

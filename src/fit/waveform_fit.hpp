@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/json.hpp"
+#include "base/json_fwd.hpp"
 #include "fit/waveform_error.hpp"
 #include "lti/sections.hpp"
 #include "signal/disturbance.hpp"

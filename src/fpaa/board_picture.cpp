@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "fpaa/cam_words.hpp"

@@ -6,6 +6,7 @@
 #include <map>
 #include <random>
 
+#include "base/json.hpp"
 #include "fpaa/cams/filter_bilinear.hpp"
 #include "fpaa/cams/filter_biquad.hpp"
 #include "fpaa/noise.hpp"

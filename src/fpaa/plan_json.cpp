@@ -2,6 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 #include "fpaa/plan.hpp"
 
 namespace bodesmith::fpaa {

@@ -5,10 +5,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/json.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "gap/spectrum.hpp"
-#include "gap/statistics.hpp"
+#include "signal/periodogram.hpp"
+#include "signal/statistics.hpp"
 #include "simulate/simulate.hpp"
 
 namespace bodesmith::gap {

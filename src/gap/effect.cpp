@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gap/statistics.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 

@@ -5,7 +5,7 @@
 #include <exception>
 #include <numeric>
 
-#include "gap/statistics.hpp"
+#include "signal/statistics.hpp"
 #include "simulate/record_simulator.hpp"
 
 namespace bodesmith::gap {

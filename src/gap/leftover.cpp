@@ -6,8 +6,8 @@
 #include <functional>
 #include <numbers>
 
-#include "gap/spectrum.hpp"
-#include "gap/statistics.hpp"
+#include "signal/periodogram.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {

@@ -3,8 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gap/spectrum.hpp"
-#include "gap/statistics.hpp"
+#include "signal/periodogram.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 

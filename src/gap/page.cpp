@@ -6,10 +6,10 @@
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
-#include "gap/spectrum.hpp"
-#include "gap/statistics.hpp"
 #include "report/page.hpp"
 #include "report/plot.hpp"
+#include "signal/periodogram.hpp"
+#include "signal/statistics.hpp"
 #include "simulate/simulate.hpp"
 
 namespace bodesmith::gap {

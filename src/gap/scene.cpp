@@ -4,8 +4,8 @@
 #include <cmath>
 #include <span>
 
-#include "gap/spectrum.hpp"
-#include "gap/statistics.hpp"
+#include "signal/periodogram.hpp"
+#include "signal/statistics.hpp"
 #include "simulate/record_simulator.hpp"
 
 namespace bodesmith::gap {

@@ -10,11 +10,11 @@
 #include <optional>
 #include <set>
 
-#include "gap/parallel.hpp"
 #include "gap/scene.hpp"
 #include "gap/shortlist.hpp"
-#include "gap/spectrum.hpp"
-#include "gap/statistics.hpp"
+#include "numeric/parallel_for.hpp"
+#include "signal/periodogram.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "gap/parallel.hpp"
+#include "numeric/parallel_for.hpp"
 
 namespace bodesmith::gap {
 namespace {

@@ -4,8 +4,8 @@
 #include <cmath>
 #include <numeric>
 
-#include "gap/spectrum.hpp"
-#include "gap/statistics.hpp"
+#include "signal/periodogram.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {

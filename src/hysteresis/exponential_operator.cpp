@@ -7,9 +7,9 @@
 #include <limits>
 
 #include "base/error.hpp"
-#include "hysteresis/numeric/least_squares.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
+#include "numeric/least_squares.hpp"
 
 namespace bodesmith::hysteresis {
 

@@ -5,10 +5,10 @@
 
 #include "base/error.hpp"
 #include "hysteresis/fractional_dynamic.hpp"
-#include "hysteresis/numeric/differential_evolution.hpp"
-#include "hysteresis/numeric/least_squares.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
+#include "numeric/differential_evolution.hpp"
+#include "numeric/least_squares.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {

@@ -7,11 +7,11 @@
 
 #include "base/error.hpp"
 #include "hysteresis/everett_trace.hpp"
-#include "hysteresis/numeric/least_squares.hpp"
-#include "hysteresis/numeric/pso_cuckoo.hpp"
 #include "hysteresis/preisach_identify.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
+#include "numeric/least_squares.hpp"
+#include "numeric/particle_swarm.hpp"
 
 namespace bodesmith::hysteresis {
 

@@ -9,7 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "hysteresis/numeric/least_squares.hpp"
+#include "numeric/least_squares.hpp"
 #include "signal/disturbance.hpp"
 
 namespace bodesmith::hysteresis {

@@ -5,10 +5,10 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "hysteresis/numeric/least_squares.hpp"
 #include "hysteresis/prandtl_ishlinskii.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
+#include "numeric/least_squares.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {

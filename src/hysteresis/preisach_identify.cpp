@@ -5,11 +5,11 @@
 
 #include "base/error.hpp"
 #include "hysteresis/everett_trace.hpp"
-#include "hysteresis/numeric/non_negative_map.hpp"
 #include "hysteresis/preisach.hpp"
 #include "hysteresis/preisach_identify.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
+#include "numeric/non_negative_map.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {

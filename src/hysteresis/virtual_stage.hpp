@@ -4,7 +4,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "hysteresis/numeric/random.hpp"
+#include "numeric/random.hpp"
 
 namespace bodesmith::hysteresis {
 

@@ -1,4 +1,5 @@
 #include "lti/cascade.hpp"
+#include "base/json.hpp"
 
 #include <algorithm>
 #include <cmath>

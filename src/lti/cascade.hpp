@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/document.hpp"
-#include "base/json.hpp"
+#include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "lti/fractional_lead_lag.hpp"
 #include "lti/frequency_grid.hpp"

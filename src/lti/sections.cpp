@@ -1,4 +1,5 @@
 #include "lti/sections.hpp"
+#include "base/json.hpp"
 
 #include <fmt/format.h>
 

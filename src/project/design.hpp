@@ -7,11 +7,11 @@
 #include <vector>
 
 #include "approximate/approximate.hpp"
-#include "circuit/layout.hpp"
 #include "circuit/realise.hpp"
 #include "fit/cascade_fit.hpp"
 #include "fit/waveform_error.hpp"
 #include "fpaa/plan.hpp"
+#include "multiplier_layout/layout.hpp"
 #include "project/alternatives.hpp"
 #include "project/project_file.hpp"
 #include "spice/check.hpp"

@@ -7,7 +7,7 @@
 
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "simulate/tracking.hpp"
+#include "tracking/tracking.hpp"
 
 namespace bodesmith::project {
 namespace {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include "base/json.hpp"
 #include "project/tracking_study.hpp"
 #include "signal/csv.hpp"
 

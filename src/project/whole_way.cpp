@@ -6,16 +6,19 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/json.hpp"
+#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "circuit/circuit_json.hpp"
 #include "fpaa/board_picture.hpp"
 #include "fpaa/build_sheet.hpp"
+#include "kicad/schematic.hpp"
 #include "project/report_page.hpp"
 #include "signal/csv.hpp"
 #include "spice/emit.hpp"
 #include "spice/emit_disturbance.hpp"
 #include "spice/ngspice.hpp"
+#include "yield/circuit_json.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -77,6 +80,7 @@ OutputSet design_files(const WholeWay& way, const fs::path& folder) {
   if (design.circuit) {
     OutputSet spice;
     add_spice_files(*design.circuit, way.project.name, spice);
+    add_kicad_files(design.circuit->circuit, way.project.name, spice);
     out.include("spice", spice);
     out.add("spice/circuit.json", json_text("circuit", way, to_json(*design.circuit), design.compute_s));
   }

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/files.hpp"
-#include "base/json.hpp"
+#include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "project/design.hpp"
 #include "project/limits.hpp"

@@ -16,9 +16,13 @@ std::string& Page::body() {
   return chapters_.back().body;
 }
 
-void Page::chapter(const std::string& heading) { chapters_.push_back({heading, ""}); }
+void Page::chapter(const std::string& heading) {
+  chapters_.push_back({heading, ""});
+}
 
-void Page::paragraph(const std::string& text) { body() += fmt::format("<p>{}</p>\n", escape_xml(text)); }
+void Page::paragraph(const std::string& text) {
+  body() += fmt::format("<p>{}</p>\n", escape_xml(text));
+}
 
 void Page::warning(const std::string& text) {
   body() += fmt::format("<p class=\"warning\">{}</p>\n", escape_xml(text));
@@ -52,7 +56,9 @@ void Page::figure(const std::string& svg, const std::string& caption) {
   body() += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", svg, escape_xml(caption));
 }
 
-void Page::listing(const std::string& text) { body() += fmt::format("<pre>{}</pre>\n", escape_xml(text)); }
+void Page::listing(const std::string& text) {
+  body() += fmt::format("<pre>{}</pre>\n", escape_xml(text));
+}
 
 std::string Page::html() const {
   Json data = {{"title", title_}, {"subtitle", subtitle_}, {"version", kVersion}};

@@ -1,4 +1,5 @@
 #include "signal/disturbance.hpp"
+#include "base/json.hpp"
 
 #include <fmt/format.h>
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/document.hpp"
-#include "base/json.hpp"
+#include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "base/units.hpp"
 

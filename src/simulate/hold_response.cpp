@@ -1,6 +1,6 @@
 #include "simulate/hold_response.hpp"
 
-#include "simulate/matrix_exponential.hpp"
+#include "numeric/matrix_exponential.hpp"
 
 namespace bodesmith::simulate {
 

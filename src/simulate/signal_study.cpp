@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <stdexcept>
 
+#include "base/json.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::simulate {

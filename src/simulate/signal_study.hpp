@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "base/json.hpp"
+#include "base/json_fwd.hpp"
+#include "signal/spectrum.hpp"
 #include "simulate/loop.hpp"
-#include "simulate/spectrum.hpp"
 
 namespace bodesmith::simulate {
 

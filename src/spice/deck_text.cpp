@@ -6,6 +6,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 

@@ -4,11 +4,11 @@
 
 #include <cmath>
 
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "base/version.hpp"
 #include "spice/deck_text.hpp"
-#include "spice/kicad_schematic.hpp"
 
 namespace bodesmith {
 namespace {
@@ -137,7 +137,6 @@ void add_spice_files(const Realised& realised, const std::string& title, OutputS
     out.add(deck, render_template(std::string("spice/") + deck, data));
   }
   out.add("parts.csv", parts_csv(circuit));
-  add_kicad_files(circuit, title, out, tolerances);
 }
 
 }  // namespace bodesmith

@@ -4,8 +4,8 @@
 
 #include "base/files.hpp"
 #include "circuit/circuit.hpp"
-#include "circuit/layout.hpp"
 #include "circuit/realise.hpp"
+#include "multiplier_layout/layout.hpp"
 #include "spice/deck_tolerances.hpp"
 
 namespace bodesmith {
@@ -20,7 +20,7 @@ std::string compensator_library_with_tolerances(const Circuit& circuit, const st
 
 /// Every file of `spice -o DIR` but circuit.json: compensator.sub, parts.csv; for ngspice ac.cir,
 /// transient.cir, noise.cir, monte_carlo_ngspice.cir; ltspice_ac.cir, ltspice_monte_carlo.cir with
-/// compensator_mc.sub; xyce_ac.cir; the KiCad project of kicad_schematic.hpp.
+/// compensator_mc.sub; xyce_ac.cir.
 void add_spice_files(const Realised& realised, const std::string& title, OutputSet& out,
                      const DeckTolerances& tolerances = {});
 

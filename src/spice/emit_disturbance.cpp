@@ -4,10 +4,11 @@
 
 #include <algorithm>
 
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "base/version.hpp"
-#include "circuit/layout_timing.hpp"
+#include "multiplier_layout/timing.hpp"
 #include "spice/deck_text.hpp"
 #include "spice/emit.hpp"
 

@@ -3,8 +3,8 @@
 #include <optional>
 #include <string>
 
-#include "circuit/layout.hpp"
-#include "circuit/layout_budget.hpp"
+#include "multiplier_layout/budget.hpp"
+#include "multiplier_layout/layout.hpp"
 
 namespace bodesmith {
 

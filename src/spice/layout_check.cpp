@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "circuit/layout_timing.hpp"
+#include "multiplier_layout/timing.hpp"
 #include "spice/emit_disturbance.hpp"
 #include "spice/ngspice.hpp"
 

@@ -43,7 +43,8 @@ TEST(FractionalElement, FourFormsAreOneImpedance) {
 TEST(FractionalElement, HoldsItsPhaseOverTheBand) {
   const FractionalElement one = exact(0.5, 8, LadderForm::foster1);
   for (const Hertz f : log_grid({Hertz{10}, Hertz{1000}}, 30)) {
-    EXPECT_NEAR(to_degrees(std::arg(one.impedance(f.rad_s()))), -45.0, f.value < 25.0 || f.value > 400.0 ? 3.0 : 1.2);
+    EXPECT_NEAR(to_degrees(std::arg(one.impedance(f.rad_s()))), -45.0,
+                f.value < 25.0 || f.value > 400.0 ? 3.0 : 1.2);
     EXPECT_NEAR(to_decibel(std::abs(one.impedance(f.rad_s()) / one.ideal(f.rad_s()))), 0.0, 0.3);
   }
   const FractionalElement bought =

@@ -6,7 +6,7 @@
 #include <random>
 
 #include "base/error.hpp"
-#include "fit/bounded_least_squares.hpp"
+#include "numeric/bounded_least_squares.hpp"
 
 namespace bodesmith {
 namespace {

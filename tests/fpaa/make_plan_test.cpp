@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/error.hpp"
+#include "base/json_header.hpp"
 #include "fpaa/build_sheet.hpp"
 #include "fpaa/plan.hpp"
 #include "seed_sections.hpp"

@@ -7,9 +7,9 @@
 #include <random>
 
 #include "gap/least_squares.hpp"
-#include "gap/spectrum.hpp"
-#include "gap/statistics.hpp"
 #include "gap/where.hpp"
+#include "signal/periodogram.hpp"
+#include "signal/statistics.hpp"
 
 namespace {
 

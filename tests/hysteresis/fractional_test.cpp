@@ -4,8 +4,8 @@
 #include <numbers>
 
 #include "hysteresis/fractional_dynamic.hpp"
-#include "hysteresis/numeric/differential_evolution.hpp"
 #include "hysteresis/registry.hpp"
+#include "numeric/differential_evolution.hpp"
 #include "test_signals.hpp"
 
 namespace bodesmith::hysteresis {

@@ -4,7 +4,7 @@
 #include <gtest/gtest.h>
 
 #include "fit/waveform_error.hpp"
-#include "simulate/tracking.hpp"
+#include "tracking/tracking.hpp"
 
 namespace bodesmith {
 namespace {

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "circuit/layout.hpp"
-#include "circuit/layout_timing.hpp"
+#include "multiplier_layout/layout.hpp"
+#include "multiplier_layout/timing.hpp"
 #include "spice/layout_check.hpp"
 #include "spice/ngspice.hpp"
 

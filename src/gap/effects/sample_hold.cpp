@@ -6,8 +6,8 @@
 #include "chain/registry.hpp"
 #include "gap/effects/list.hpp"
 #include "gap/experiment.hpp"
-#include "gap/spectrum.hpp"
-#include "gap/statistics.hpp"
+#include "signal/periodogram.hpp"
+#include "signal/statistics.hpp"
 #include "simulate/record_simulator.hpp"
 
 namespace bodesmith::gap {

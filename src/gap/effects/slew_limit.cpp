@@ -3,7 +3,7 @@
 
 #include "chain/registry.hpp"
 #include "gap/effects/list.hpp"
-#include "gap/statistics.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {

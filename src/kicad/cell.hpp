@@ -1,0 +1,41 @@
+#pragma once
+
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "kicad/drawing.hpp"
+#include "spice/series_parallel.hpp"
+
+namespace bodesmith::kicad {
+
+/// Where a piece of drawing can be joined to another one: by a wire or by a label.
+struct Anchor {
+  Point at;
+  std::string net;
+  /// end: a wire that ends here and needs a name; inner: named only when other pieces use the net;
+  /// output: always named.
+  enum class Kind { end, inner, output } kind = Kind::end;
+};
+
+/// One op-amp with the parts at its inputs and around it, drawn left to right; or, without an op-amp, parts
+/// that belong to none. The op-amp's centre is the origin.
+struct Cell {
+  Drawing drawing;
+  std::vector<Anchor> anchors;
+  std::optional<size_t> entry;  ///< the anchor that the piece to the left may be wired to
+  std::optional<size_t> exit;
+};
+
+/// The texts of a part's symbol: reference, value, footprint and fields.
+using PartTexts = std::function<Symbol(const Part&)>;
+
+/// The cells of one stage, op-amps in their order. Around every op-amp: its own feedback above (for the lower
+/// input below), what leads to its inputs on the left, the parts of an inner node that also goes to the
+/// output or to ground (Sallen-Key, multiple feedback) between them; every other net by its name.
+std::vector<Cell> stage_cells(const std::vector<Part>& parts, const std::vector<OpAmp>& opamps,
+                              const std::string& in, const std::string& out, const PartTexts& texts,
+                              const std::function<Symbol(const OpAmp&)>& opamp_symbol);
+
+}  // namespace bodesmith::kicad

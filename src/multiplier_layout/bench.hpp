@@ -1,0 +1,54 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "multiplier_layout/layout.hpp"
+
+namespace bodesmith {
+
+/// One multiplier's departures from W = X Y/U + Z:
+///   W = (X + x)(Y + y)/(U (1 + scale)) (1 + bend) + Z + w.
+struct MultiplierOff {
+  double x = 0.0, y = 0.0, w = 0.0, scale = 0.0, bend = 0.0;
+};
+
+/// The whole generator at rest with ideal op-amps (but for their offsets); everything that may be off is a
+/// member.
+class LayoutBench {
+ public:
+  explicit LayoutBench(const DisturbanceLayout& layout);
+
+  std::vector<MultiplierOff> multiplier;  ///< layout.multipliers, then amplitude's
+  std::vector<double> resistor;           ///< relative, by place in layout.parts
+  /// V at the inputs of the op-amps: layout.sums, the output amplifier, then amplitude's controls.
+  std::vector<double> offset;
+  double switch_relative = 0.0;
+
+  /// d at each x, without amplitude gains.
+  std::vector<double> curve(size_t branch, const std::vector<double>& x) const;
+  /// d of the amplitude version.
+  std::vector<double> curve(size_t branch, const std::vector<double>& x, double alpha) const;
+  /// Control voltage of a branch, V.
+  double control_v(size_t branch, double alpha) const;
+
+ private:
+  struct Product {
+    int x, y, z, out;
+  };
+  int node(const std::string& name);
+  double ohm(int part) const;
+  double multiply(const MultiplierOff& off, double x, double y, double z) const;
+  std::vector<double> run(size_t branch, const std::vector<double>& x, std::optional<double> control_v) const;
+  std::vector<double> gains(const LayoutSum& sum, double& noise_gain) const;
+
+  const DisturbanceLayout& layout_;
+  std::map<std::string, int> names_;
+  std::vector<Product> products_;
+  std::vector<std::vector<int>> terms_;  ///< nodes, one list a sum
+  std::vector<int> sum_out_, branch_out_;
+};
+
+}  // namespace bodesmith

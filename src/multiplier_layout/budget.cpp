@@ -1,0 +1,175 @@
+#include "multiplier_layout/budget.hpp"
+#include "base/json.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <functional>
+
+namespace bodesmith {
+namespace {
+
+std::vector<double> points() {
+  std::vector<double> out;
+  for (int i = 0; i <= 100; ++i) out.push_back(i / 100.0);
+  return out;
+}
+
+double greatest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double out = 0.0;
+  for (size_t i = 0; i < a.size(); ++i) out = std::max(out, std::abs(a[i] - b[i]));
+  return out;
+}
+
+std::vector<MultiplierOff> kinds(const LayoutErrors& e) {
+  return {{e.input_offset_v, 0, 0, 0, 0},
+          {0, e.input_offset_v, 0, 0, 0},
+          {0, 0, e.output_offset_v, 0, 0},
+          {0, 0, 0, e.scale_percent / 100.0, 0},
+          {0, 0, 0, 0, e.nonlinearity_percent / 100.0}};
+}
+const char* const kKindNames[] = {"offset of X", "offset of Y", "offset of W", "scale U", "nonlinearity"};
+
+using Spoil = std::function<void(LayoutBench&)>;
+/// d of a branch at all points (and amplitudes).
+using Curve = std::function<std::vector<double>(const LayoutBench&, size_t branch)>;
+
+/// Spoils one thing after the other and notes how far d moves.
+class Budgeting {
+ public:
+  Budgeting(const DisturbanceLayout& layout, Curve curve) : layout_(layout), curve_(std::move(curve)) {
+    const LayoutBench good(layout);
+    for (size_t b = 0; b < layout.branches.size(); ++b) good_.push_back(curve_(good, b));
+  }
+
+  void line(std::string cause, const Spoil& spoil) {
+    LayoutBench bad(layout_);
+    spoil(bad);
+    LayoutBudgetLine one{std::move(cause), {}};
+    for (size_t b = 0; b < good_.size(); ++b)
+      one.percent.push_back(100.0 * greatest_difference(curve_(bad, b), good_[b]));
+    lines.push_back(std::move(one));
+  }
+
+  void multiplier(const std::string& name, size_t index, const LayoutErrors& errors) {
+    const std::vector<MultiplierOff> all = kinds(errors);
+    for (size_t i = 0; i < all.size(); ++i) {
+      line(name + ", " + kKindNames[i], [&](LayoutBench& bench) { bench.multiplier[index] = all[i]; });
+    }
+  }
+
+  void resistors(bool of_amplitude, const LayoutErrors& errors) {
+    for (size_t i = 0; i < layout_.parts.size(); ++i) {
+      const LayoutPart& part = layout_.parts[i];
+      if (part.kind != LayoutPart::Kind::resistor || part.role.starts_with("slope detector")) continue;
+      if (part.role.starts_with("amplitude") != of_amplitude) continue;
+      line(part.name + ", tolerance",
+           [&](LayoutBench& bench) { bench.resistor[i] = errors.resistor_percent / 100.0; });
+    }
+  }
+
+  void sort() {
+    const auto size = [](const LayoutBudgetLine& one) {
+      return *std::max_element(one.percent.begin(), one.percent.end());
+    };
+    std::stable_sort(lines.begin(), lines.end(),
+                     [&](const LayoutBudgetLine& a, const LayoutBudgetLine& b) { return size(a) > size(b); });
+  }
+
+  std::vector<LayoutBudgetLine> lines;
+
+ private:
+  const DisturbanceLayout& layout_;
+  Curve curve_;
+  std::vector<std::vector<double>> good_;
+};
+
+std::vector<double> root_of_squares(const std::vector<LayoutBudgetLine>& lines, size_t branches) {
+  std::vector<double> out(branches, 0.0);
+  for (const LayoutBudgetLine& one : lines) {
+    for (size_t b = 0; b < branches; ++b) out[b] += one.percent[b] * one.percent[b];
+  }
+  for (double& value : out) value = std::sqrt(value);
+  return out;
+}
+
+void amplitude_budget(const DisturbanceLayout& layout, LayoutBudget& out) {
+  const LayoutAmplitude& amplitude = *layout.amplitude;
+  std::vector<double> x;
+  for (int i = 0; i <= 20; ++i) x.push_back(i / 20.0);
+  Budgeting all(layout, [&](const LayoutBench& bench, size_t b) {
+    std::vector<double> d;
+    for (const double alpha : amplitude.alpha) {
+      const std::vector<double> one = bench.curve(b, x, alpha);
+      d.insert(d.end(), one.begin(), one.end());
+    }
+    return d;
+  });
+  for (size_t b = 0; b < amplitude.multipliers.size(); ++b) {
+    all.multiplier(amplitude.multipliers[b].name, layout.multipliers.size() + b, out.errors);
+    all.line("control op-amp of " + layout.branches[b].name + ", offset", [&](LayoutBench& bench) {
+      bench.offset[layout.sums.size() + 1 + b] = out.errors.opamp_offset_v;
+    });
+  }
+  all.resistors(true, out.errors);
+  all.sort();
+  out.amplitude_lines = std::move(all.lines);
+  out.amplitude_rss_percent = root_of_squares(out.amplitude_lines, layout.branches.size());
+  for (size_t b = 0; b < layout.branches.size(); ++b)
+    out.amplitude_rss_percent[b] = std::hypot(out.amplitude_rss_percent[b], out.rss_percent[b]);
+}
+
+Json lines_json(const std::vector<LayoutBudgetLine>& lines) {
+  Json out = Json::array();
+  for (const LayoutBudgetLine& one : lines) out.push_back({{"cause", one.cause}, {"percent", one.percent}});
+  return out;
+}
+
+}  // namespace
+
+LayoutBudget layout_budget(const DisturbanceLayout& layout, const LayoutErrors& errors) {
+  LayoutBudget out;
+  out.errors = errors;
+  const size_t branches = layout.branches.size();
+  const std::vector<double> x = points();
+  Budgeting all(layout, [&](const LayoutBench& bench, size_t b) { return bench.curve(b, x); });
+  for (size_t i = 0; i < layout.multipliers.size(); ++i)
+    all.multiplier(layout.multipliers[i].name, i, errors);
+  for (size_t s = 0; s < layout.sums.size(); ++s) {
+    all.line("op-amp " + layout.sums[s].opamp + " of " + layout.sums[s].what + ", offset",
+             [&](LayoutBench& bench) { bench.offset[s] = errors.opamp_offset_v; });
+  }
+  all.line("output op-amp, offset",
+           [&](LayoutBench& bench) { bench.offset[layout.sums.size()] = errors.opamp_offset_v; });
+  if (layout.switched()) {
+    all.line("switch, on-resistance",
+             [&](LayoutBench& bench) { bench.switch_relative = errors.switch_ohm_percent / 100.0; });
+  }
+  all.resistors(false, errors);
+  all.sort();
+  out.lines = std::move(all.lines);
+  out.rss_percent = root_of_squares(out.lines, branches);
+  out.worst_percent.assign(branches, 0.0);
+  for (const LayoutBudgetLine& one : out.lines) {
+    for (size_t b = 0; b < branches; ++b) out.worst_percent[b] += one.percent[b];
+  }
+  if (layout.amplitude) amplitude_budget(layout, out);
+  return out;
+}
+
+Json LayoutBudget::to_json() const {
+  Json out;
+  out["assumed"] = {
+      {"input_offset_v", errors.input_offset_v},        {"output_offset_v", errors.output_offset_v},
+      {"scale_percent", errors.scale_percent},          {"nonlinearity_percent", errors.nonlinearity_percent},
+      {"opamp_offset_v", errors.opamp_offset_v},        {"resistor_percent", errors.resistor_percent},
+      {"switch_ohm_percent", errors.switch_ohm_percent}};
+  out["rss_percent"] = rss_percent;
+  out["worst_percent"] = worst_percent;
+  out["causes"] = lines_json(lines);
+  if (!amplitude_lines.empty()) {
+    out["amplitude"] = {{"rss_percent", amplitude_rss_percent}, {"causes", lines_json(amplitude_lines)}};
+  }
+  return out;
+}
+
+}  // namespace bodesmith

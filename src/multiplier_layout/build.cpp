@@ -1,0 +1,412 @@
+#include "multiplier_layout/build.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "circuit/weights_search.hpp"
+
+namespace bodesmith::layout_build {
+namespace {
+
+constexpr int kPoints = 1000;
+
+std::string power_node(int power) {
+  return power == 1 ? "x" : fmt::format("x{}", power);
+}
+
+/// "x^2/U", "x^3/U^2"
+std::string power_over_scale(int power) {
+  return power_text(power) + (power == 1 ? "" : (power == 2 ? "/U" : fmt::format("/U^{}", power - 1)));
+}
+
+class Builder {
+ public:
+  Builder(const LayoutInput& input, const LayoutOptions& options, int group)
+      : input_(input), options_(options), group_(group) {
+    out_.multiplier = options.multiplier;
+    out_.opamp = options.opamp;
+    out_.analog_switch = options.analog_switch.value_or(SwitchModel::for_branches(input.branches.size()));
+    out_.group = group;
+    out_.full_scale_v = options.full_scale_v;
+  }
+
+  DisturbanceLayout build() {
+    powers();
+    output();
+    for (const LayoutPolynomial& one : input_.branches) branch(one);
+    detector();
+    return std::move(out_);
+  }
+
+ private:
+  int groups(const std::vector<double>& a) const {
+    return std::max(1, (layout_build::degree(a) + group_ - 1) / group_);
+  }
+
+  /// a_{jg+1} …: coefficients of P_j.
+  std::vector<double> group_coefficients(const std::vector<double>& a, int j) const {
+    std::vector<double> out;
+    for (int i = 0; i < group_; ++i) {
+      const size_t k = static_cast<size_t>(j * group_ + i);
+      out.push_back(k < a.size() ? a[k] : 0.0);
+    }
+    return out;
+  }
+
+  /// Fewest multipliers for the powers that any group uses: x^k from the two halves of k, which may have to
+  /// be made too.
+  void powers() {
+    std::vector<bool> needed(kMostPowers + 1, false);
+    for (const LayoutPolynomial& one : input_.branches) {
+      const int count = groups(one.coefficients);
+      for (int j = 0; j < count; ++j) {
+        const std::vector<double> a = group_coefficients(one.coefficients, j);
+        for (size_t i = 0; i < a.size(); ++i) {
+          if (a[i] != 0.0) needed[i + 1] = true;
+        }
+      }
+      if (count > 1) needed[static_cast<size_t>(group_)] = true;
+    }
+    for (int k = kMostPowers; k >= 2; --k) {
+      if (!needed[static_cast<size_t>(k)]) continue;
+      const auto [a, b] = factors(k, needed);
+      needed[static_cast<size_t>(a)] = true;
+      needed[static_cast<size_t>(b)] = true;
+    }
+    for (int k = 2; k <= kMostPowers; ++k) {
+      if (!needed[static_cast<size_t>(k)]) continue;
+      const auto [a, b] = factors(k, needed);
+      const double top = level(options_.multiplier, k);
+      out_.multipliers.push_back({fmt::format("M{}", k), power_over_scale(k), power_node(a), power_node(b),
+                                  "0", power_node(k), top});
+      warn_above(out_.multipliers.back().name, top);
+    }
+  }
+
+  void warn_above(const std::string& name, double peak_v) {
+    if (peak_v > options_.full_scale_v * (1.0 + 1e-9)) {
+      out_.warnings.push_back(fmt::format("{} reaches {} V, above the full scale of {} V", name,
+                                          rounded_text(peak_v), rounded_text(options_.full_scale_v)));
+    }
+  }
+
+  /// The two powers that make x^k: both there already if possible, otherwise as equal as possible (short
+  /// chains).
+  static std::pair<int, int> factors(int k, const std::vector<bool>& needed) {
+    for (int a = (k + 1) / 2; a < k; ++a) {
+      const int b = k - a;
+      if ((a == 1 || needed[static_cast<size_t>(a)]) && (b == 1 || needed[static_cast<size_t>(b)]))
+        return {a, b};
+    }
+    return {(k + 1) / 2, k / 2};
+  }
+
+  int resistor(std::string name, std::string role, std::string from, std::string to, double wanted,
+               double realised) {
+    return add_resistor(out_, options_.resistors, std::move(name), std::move(role), std::move(from),
+                        std::move(to), wanted, realised);
+  }
+
+  /// Volts of the chain node T_j per unit of h_j, for one volt of T_0 per unit of d: each product x^g T/U
+  /// costs U^-g.
+  double chain_scale(int j) const { return std::pow(options_.multiplier.scale_v, group_ * j); }
+
+  /// Greatest |voltage| of any sum or product of a branch for 1 V per unit of d.
+  double greatest_inside(const std::vector<double>& a) const {
+    double out = 0.0;
+    for (int j = 0; j < groups(a); ++j) {
+      const std::vector<double> tail(a.begin() + std::min<long>(j * group_, static_cast<long>(a.size())),
+                                     a.end());
+      out = std::max({out, chain_scale(j) * peak(tail), chain_scale(j) * peak(group_coefficients(a, j))});
+    }
+    return out;
+  }
+
+  /// Output amplifier: -(Rg/(Rin + Ron)), its gain such that the greatest node of the branches uses the full
+  /// scale.
+  void output() {
+    double greatest = 0.0, top = 0.0;
+    for (const LayoutPolynomial& one : input_.branches) {
+      greatest = std::max(greatest, greatest_inside(one.coefficients));
+      top = std::max(top, peak(one.coefficients));
+    }
+    const double swing = 0.95 * options_.opamp.swing_v;
+    if (top > swing) {
+      throw DesignError(
+          fmt::format("d(x) reaches {} and 1 V stands for d = 1: the output amplifier ends at {} V",
+                      rounded_text(top), rounded_text(swing)));
+    }
+    if (top > options_.full_scale_v) {
+      out_.warnings.push_back(fmt::format("out reaches {} V, above the full scale of {} V (1 V is d = 1)",
+                                          rounded_text(top), rounded_text(options_.full_scale_v)));
+    }
+    const double asked = greatest > 0.0 ? std::min(kRoom * options_.full_scale_v / greatest, 50.0) : 1.0;
+    const double input = 20e3;
+    const double on = input_.branches.size() > 1 ? out_.analog_switch.on_ohm : 0.0;
+    double feedback = options_.resistors.nearest((input + on) / asked);
+    // Never above full scale: the next value up lowers the gain.
+    if ((input + on) / feedback > asked) {
+      for (const double r : options_.resistors.values(feedback, feedback * 2.5)) {
+        if ((input + on) / r <= asked) {
+          feedback = r;
+          break;
+        }
+      }
+    }
+    if (feedback > 10e6) {
+      throw DesignError(
+          fmt::format("the coefficients need nodes of {} V per volt of output, more than resistors up to 10 "
+                      "Mohm can scale",
+                      rounded_text(greatest)));
+    }
+    const double rin = options_.resistors.nearest(input);
+    out_.branch_gain = (rin + on) / feedback;
+    const std::string source = input_.branches.size() > 1 ? "sw" : "b1";
+    out_.output_input = resistor("Rin", "output amplifier, input", source, "mo", rin, rin);
+    out_.output_feedback = resistor("Rg", "output amplifier, feedback", "mo", "out", feedback, feedback);
+  }
+
+  void branch(const LayoutPolynomial& polynomial) {
+    const size_t number = out_.branches.size() + 1;
+    const std::string letter = branch_letter(number - 1, input_.branches.size());
+    LayoutBranch b;
+    b.name = polynomial.name;
+    b.wanted = polynomial.coefficients;
+    b.realised.assign(b.wanted.size(), 0.0);
+    b.out = fmt::format("b{}", number);
+    const int count = groups(b.wanted);
+    std::string inner;
+    for (int j = count - 1; j >= 0; --j) {
+      const std::vector<double> a = group_coefficients(b.wanted, j);
+      const bool zero = std::all_of(a.begin(), a.end(), [](double one) { return one == 0.0; });
+      std::string added = "0";
+      if (!zero || count == 1) {
+        const std::string suffix = count == 1 ? "" : fmt::format("_{}", j);
+        added = count == 1 ? b.out : fmt::format("{}{}_{}", j == count - 1 ? "t" : "z", number, j);
+        b.sums.push_back(sum(b, a, j, letter, suffix, fmt::format("{}{}", number, suffix), added));
+      }
+      if (j == count - 1) {
+        inner = added;
+        continue;
+      }
+      const std::string out = j == 0 ? b.out : fmt::format("t{}_{}", number, j);
+      const std::vector<double> tail(b.wanted.begin() + j * group_, b.wanted.end());
+      const double top = out_.branch_gain * chain_scale(j) * peak(tail);
+      // M2 to M7 are the powers.
+      out_.multipliers.push_back({fmt::format("M{}{}", letter.empty() ? "c" : letter, j),
+                                  fmt::format("group {} of {}", j, b.name), power_node(group_), inner, added,
+                                  out, top});
+      b.multipliers.push_back(static_cast<int>(out_.multipliers.size()) - 1);
+      inner = out;
+    }
+    b.peak_v = out_.branch_gain * peak(b.realised);
+    for (int i = 0; i <= kPoints; ++i) {
+      const double x = static_cast<double>(i) / kPoints;
+      b.max_error_percent =
+          std::max(b.max_error_percent, 100.0 * std::abs(b.value(x) - polynomial_value(b.wanted, x)));
+    }
+    out_.max_error_percent = std::max(out_.max_error_percent, b.max_error_percent);
+    out_.branches.push_back(std::move(b));
+  }
+
+  static double polynomial_value(const std::vector<double>& a, double x) {
+    return layout_build::polynomial(a, x);
+  }
+
+  /// The sum -branch_gain * chain_scale * P_j at `node`; fills the coefficients that its resistors make.
+  int sum(LayoutBranch& b, const std::vector<double>& a, int j, const std::string& letter,
+          const std::string& suffix, const std::string& place, const std::string& node) {
+    LayoutSum out;
+    out.opamp = fmt::format("U{}", out_.sums.size() + 1);
+    out.what = b.name;
+    out.plus = "p" + place;
+    out.minus = "m" + place;
+    out.out = node;
+    const double volts = out_.branch_gain * chain_scale(j);
+    std::vector<double> gains, scale;
+    for (size_t k = 0; k < a.size(); ++k) {
+      scale.push_back(level(options_.multiplier, static_cast<int>(k) + 1));
+      gains.push_back(-volts * a[k] / scale.back());
+    }
+    const SummingDesign design = search_summing_resistors(gains, scale, options_.resistors);
+    bool plus_used = false;
+    double minus_siemens = 0.0;
+    for (size_t k = 0; k < a.size(); ++k) {
+      if (gains[k] == 0.0) continue;
+      const int power = j * group_ + static_cast<int>(k) + 1;
+      const bool at_plus = gains[k] > 0.0;
+      const std::string from = power_node(static_cast<int>(k) + 1);
+      const int part = resistor(
+          fmt::format("R{}{}", letter, power), fmt::format("weight of {}, {}", power_text(power), b.name),
+          from, at_plus ? out.plus : out.minus, design.exact.weights[k], design.realised.weights[k]);
+      out.terms.push_back({from, part, at_plus, design.gains[k]});
+      b.realised[static_cast<size_t>(power) - 1] = -design.gains[k] * scale[k] / volts;
+      plus_used = plus_used || at_plus;
+      if (!at_plus) minus_siemens += 1.0 / design.realised.weights[k];
+    }
+    out.feedback =
+        resistor(fmt::format("R{}f{}", letter, suffix), fmt::format("feedback of the sum, {}", b.name),
+                 out.minus, out.out, design.exact.feedback, design.realised.feedback);
+    if (design.realised.balance > 0.0) {
+      const bool at_plus = design.realised.balance_at_plus;
+      out.balance =
+          resistor(fmt::format("R{}b{}", letter, suffix), fmt::format("balance of the sum, {}", b.name),
+                   at_plus ? out.plus : out.minus, "0", design.exact.balance, design.realised.balance);
+      if (!at_plus) minus_siemens += 1.0 / design.realised.balance;
+    }
+    if (!plus_used) out.plus = "0";
+    out.peak_v = volts * peak(a);
+    out.noise_gain = 1.0 + minus_siemens * design.realised.feedback;
+    out_.sums.push_back(std::move(out));
+    return static_cast<int>(out_.sums.size()) - 1;
+  }
+
+  /// Differentiator with a logarithmic limit (two diodes across Rd) and a comparator with hysteresis:
+  /// v = -Rd Cd dx/dt as long as it is small, +-0.6 V above; the sign is right over four decades of slope.
+  void detector() {
+    if (!out_.switched()) return;
+    const auto resistance = [&](std::string name, std::string role, std::string from, std::string to,
+                                double ohm) {
+      const double near = options_.resistors.nearest(ohm);
+      out_.detector.push_back(
+          resistor(std::move(name), std::move(role), std::move(from), std::move(to), ohm, near));
+    };
+    const auto capacitance = [&](std::string name, std::string role, std::string from, std::string to,
+                                 double farad) {
+      out_.detector.push_back(
+          add_part(out_, {LayoutPart::Kind::capacitor, std::move(name), std::move(role), std::move(from),
+                          std::move(to), "E12", farad, Series::named("E12").nearest(farad)}));
+    };
+    // A triangle of 0 to 1 V rises with 2 f V/s. At the lowest frequency the differentiator gives 100 mV
+    // into 4.7 Mohm.
+    const double rd = 4.7e6;
+    const double cd = Series::named("E12").nearest(0.1 / (2.0 * options_.lowest.value * rd));
+    resistance("Rs", "slope detector, damping", "x", "sa", 100.0);
+    capacitance("Cd", "slope detector, differentiates", "sa", "sb", cd);
+    resistance("Rd", "slope detector, gain for slow signals", "sb", "sc", rd);
+    capacitance("Cf", "slope detector, damping", "sb", "sc", std::max(1e-3 * cd, 1e-12));
+    resistance("Rh1", "slope detector, hysteresis", "sp", "0", 1e3);
+    resistance("Rh2", "slope detector, hysteresis", "so", "sp", options_.opamp.swing_v / 0.02 * 1e3);
+  }
+
+  const LayoutInput& input_;
+  const LayoutOptions& options_;
+  int group_;
+  DisturbanceLayout out_;
+};
+
+}  // namespace
+
+double polynomial(const std::vector<double>& a, double x) {
+  double out = 0.0;
+  for (size_t k = a.size(); k-- > 0;) out = (out + a[k]) * x;
+  return out;
+}
+
+double peak(const std::vector<double>& a) {
+  double out = 0.0;
+  for (int i = 0; i <= kPoints; ++i)
+    out = std::max(out, std::abs(polynomial(a, static_cast<double>(i) / kPoints)));
+  return out;
+}
+
+int degree(const std::vector<double>& a) {
+  size_t n = a.size();
+  while (n > 0 && a[n - 1] == 0.0) --n;
+  return static_cast<int>(n);
+}
+
+double level(const MultiplierModel& m, int power) {
+  return std::pow(m.scale_v, 1 - power);
+}
+
+std::string power_text(int power) {
+  return power == 1 ? "x" : fmt::format("x^{}", power);
+}
+
+std::string branch_letter(size_t branch, size_t count) {
+  if (count == 1) return "";
+  if (count == 2) return branch == 0 ? "a" : "d";
+  return fmt::format("{}_", branch + 1);
+}
+
+void check_outputs(const DisturbanceLayout& layout, const std::vector<LayoutMultiplier>& multipliers) {
+  for (const LayoutMultiplier& m : multipliers) {
+    if (m.peak_v <= layout.multiplier.greatest_output_v) continue;
+    throw DesignError(fmt::format("{} reaches {} V, expected at most the {}'s {} V", m.name,
+                                  rounded_text(m.peak_v), layout.multiplier.name,
+                                  rounded_text(layout.multiplier.greatest_output_v)));
+  }
+}
+
+int add_part(DisturbanceLayout& layout, LayoutPart part) {
+  layout.parts.push_back(std::move(part));
+  return static_cast<int>(layout.parts.size()) - 1;
+}
+
+int add_resistor(DisturbanceLayout& layout, const Series& series, std::string name, std::string role,
+                 std::string from, std::string to, double wanted, double realised) {
+  return add_part(layout, {LayoutPart::Kind::resistor, std::move(name), std::move(role), std::move(from),
+                           std::move(to), series.name(), wanted, realised});
+}
+
+DisturbanceLayout build(const LayoutInput& input, const LayoutOptions& options, int group) {
+  DisturbanceLayout out = Builder(input, options, group).build();
+  check_outputs(out, out.multipliers);
+  return out;
+}
+
+void add_nodes(DisturbanceLayout& layout) {
+  // + 0.0: no "-0.0" in the files.
+  const auto add = [&](std::string name, std::string what, double low, double high) {
+    layout.nodes.push_back({std::move(name), std::move(what), low + 0.0, high + 0.0});
+  };
+  add("x", "reference, 1 V is full stroke", 0.0, 1.0);
+  std::vector<bool> in_branch(layout.multipliers.size(), false);
+  for (const LayoutBranch& b : layout.branches) {
+    for (const int index : b.multipliers) in_branch[static_cast<size_t>(index)] = true;
+  }
+  for (size_t i = 0; i < layout.multipliers.size(); ++i) {
+    const LayoutMultiplier& m = layout.multipliers[i];
+    if (!in_branch[i]) add(m.out, m.what, 0.0, m.peak_v);
+  }
+  double low_out = 0.0, high_out = 0.0;
+  for (const LayoutBranch& b : layout.branches) {
+    for (const int index : b.sums) {
+      const LayoutSum& s = layout.sums[static_cast<size_t>(index)];
+      if (s.out != b.out) add(s.out, fmt::format("sum of a group, {}", b.name), -s.peak_v, s.peak_v);
+    }
+    for (const int index : b.multipliers) {
+      const LayoutMultiplier& m = layout.multipliers[static_cast<size_t>(index)];
+      if (m.out != b.out) add(m.out, m.what, -m.peak_v, m.peak_v);
+    }
+    double low = 0.0, high = 0.0;
+    for (int i = 0; i <= kPoints; ++i) {
+      const double d = b.value(static_cast<double>(i) / kPoints);
+      low = std::min(low, d);
+      high = std::max(high, d);
+    }
+    add(b.out, fmt::format("-{} d(x), {}", rounded_text(layout.branch_gain), b.name),
+        -layout.branch_gain * high, -layout.branch_gain * low);
+    low_out = std::min(low_out, low);
+    high_out = std::max(high_out, high);
+  }
+  if (layout.switched()) {
+    add("sw", "behind the branch switch", -layout.branch_gain * high_out, -layout.branch_gain * low_out);
+  }
+  if (layout.amplitude) {
+    for (size_t b = 0; b < layout.branches.size(); ++b) {
+      const LayoutSum& control = layout.amplitude->controls[b].sum;
+      add(control.out, "control voltage, " + layout.branches[b].name, -control.peak_v, control.peak_v);
+      const LayoutMultiplier& m = layout.amplitude->multipliers[b];
+      add(m.out, m.what, -m.peak_v, m.peak_v);
+    }
+  }
+  add("out", "d(x), 1 V per unit", low_out, high_out);
+}
+
+}  // namespace bodesmith::layout_build

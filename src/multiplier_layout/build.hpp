@@ -1,0 +1,43 @@
+#pragma once
+
+#include <vector>
+
+#include "multiplier_layout/layout.hpp"
+
+/// The steps of layout_disturbance(), for its own files only.
+namespace bodesmith::layout_build {
+
+constexpr int kMostPowers = 7;
+constexpr std::size_t kMostBranches = 64;
+/// Greatest |voltage| aimed at, as a share of full scale: room for what E-series resistors round.
+constexpr double kRoom = 0.97;
+
+/// a[0] x + a[1] x^2 + …
+double polynomial(const std::vector<double>& a, double x);
+/// Greatest |f| over x in [0, 1].
+double peak(const std::vector<double>& a);
+/// Number of coefficients without trailing zeros.
+int degree(const std::vector<double>& a);
+/// Node voltage of x^k at x = 1: U^(1-k).
+double level(const MultiplierModel& m, int power);
+std::string power_text(int power);
+/// "a" and "d" for two branches, "" for one, "1_", "2_", … for more: between the kind and the number of a
+/// part.
+std::string branch_letter(std::size_t branch, std::size_t count);
+
+/// Throws DesignError when a multiplier would have to leave its output range.
+void check_outputs(const DisturbanceLayout& layout, const std::vector<LayoutMultiplier>& multipliers);
+
+int add_part(DisturbanceLayout& layout, LayoutPart part);
+int add_resistor(DisturbanceLayout& layout, const Series& series, std::string name, std::string role,
+                 std::string from, std::string to, double wanted, double realised);
+
+/// Powers, sums, chains, output amplifier and slope detector for this group size.
+DisturbanceLayout build(const LayoutInput& input, const LayoutOptions& options, int group);
+/// Control voltages and voltage-controlled gains.
+void add_amplitude(DisturbanceLayout& layout, const LayoutInput& input, const LayoutOptions& options);
+void add_nodes(DisturbanceLayout& layout);
+/// Every group size from 1 to the degree; marks the one to build.
+std::vector<LayoutCandidate> compare_schemes(const LayoutInput& input, const LayoutOptions& options);
+
+}  // namespace bodesmith::layout_build

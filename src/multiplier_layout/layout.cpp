@@ -1,0 +1,214 @@
+#include "multiplier_layout/layout.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "multiplier_layout/build.hpp"
+
+namespace bodesmith {
+namespace {
+
+void check(const LayoutInput& input, const LayoutOptions& options) {
+  if (input.branches.empty() || input.branches.size() > layout_build::kMostBranches) {
+    throw DesignError(fmt::format("{} branches were asked for, expected 1 to {}", input.branches.size(),
+                                  layout_build::kMostBranches));
+  }
+  for (const LayoutPolynomial& one : input.branches) {
+    if (one.coefficients.empty() || one.coefficients.size() > layout_build::kMostPowers) {
+      throw DesignError(fmt::format("branch {} has degree {}, expected 1 to {}", one.name,
+                                    one.coefficients.size(), layout_build::kMostPowers));
+    }
+    for (const double a : one.coefficients) {
+      if (!std::isfinite(a) || std::abs(a) > 1e6) {
+        throw DesignError(
+            fmt::format("branch {} has a coefficient of {}, expected at most 1e6", one.name, a));
+      }
+    }
+  }
+  if (!(options.multiplier.scale_v > 0.0) || !(options.full_scale_v > 0.0) ||
+      (options.analog_switch && !(options.analog_switch->on_ohm >= 0.0))) {
+    throw DesignError(
+        "the multiplier's scale and the full scale must be above 0, the switch's resistance not below");
+  }
+}
+
+void warn_when_slow(DisturbanceLayout& layout, Hertz highest) {
+  for (const LayoutCandidate& one : layout.candidates) {
+    if (one.chosen && one.bandwidth.value < LayoutScheme::kBandwidthRatio * highest.value) {
+      layout.warnings.push_back(fmt::format(
+          "the signal path ends at {} Hz, less than {} times the highest "
+          "reference frequency of {} Hz",
+          rounded_text(one.bandwidth.value, 3), LayoutScheme::kBandwidthRatio, rounded_text(highest.value)));
+    }
+  }
+}
+
+Json multiplier_json(const LayoutMultiplier& m) {
+  return {{"name", m.name}, {"what", m.what}, {"x", m.x},          {"y", m.y},
+          {"z", m.z},       {"w", m.out},     {"peak_v", m.peak_v}};
+}
+
+Json amplitude_json(const DisturbanceLayout& layout) {
+  const LayoutAmplitude& a = *layout.amplitude;
+  Json out;
+  out["alpha"] = a.alpha;
+  out["gains"] = a.wanted;
+  out["control_scale_v"] = a.control_scale_v;
+  out["rectifiers"] = Json::array();
+  for (const LayoutAmplitude::Rectifier& r : a.rectifiers) {
+    out["rectifiers"].push_back(
+        {{"opamp", r.opamp}, {"node", r.node}, {"wanted_alpha", r.wanted}, {"realised_alpha", r.realised}});
+  }
+  out["gain_multipliers"] = Json::array();
+  for (const LayoutMultiplier& m : a.multipliers) out["gain_multipliers"].push_back(multiplier_json(m));
+  out["max_error_percent"] = a.max_error_percent;
+  return out;
+}
+
+}  // namespace
+
+double LayoutBranch::value(double x) const {
+  return layout_build::polynomial(realised, x);
+}
+
+double LayoutAmplitude::wanted_gain(size_t branch, double at) const {
+  const std::vector<double>& gain = wanted[branch];
+  if (at <= alpha.front()) return gain.front();
+  if (at >= alpha.back()) return gain.back();
+  const size_t i = static_cast<size_t>(std::upper_bound(alpha.begin(), alpha.end(), at) - alpha.begin());
+  return gain[i - 1] + (at - alpha[i - 1]) / (alpha[i] - alpha[i - 1]) * (gain[i] - gain[i - 1]);
+}
+
+const LayoutPart* DisturbanceLayout::part_named(const std::string& name) const {
+  for (const LayoutPart& one : parts) {
+    if (one.name == name) return &one;
+  }
+  return nullptr;
+}
+
+int DisturbanceLayout::select_lines() const {
+  int lines = 0;
+  while ((2u << lines) < branches.size()) ++lines;
+  return lines;
+}
+
+int DisturbanceLayout::branch_at(int select, bool rising) const {
+  const int count = static_cast<int>(branches.size());
+  const int code = 2 * select + (rising ? 0 : 1);
+  if (code < count) return code;
+  return code == count && count % 2 == 1 ? count - 1 : -1;
+}
+
+int DisturbanceLayout::opamps() const {
+  size_t out = sums.size() + 1 + (switched() ? 2 : 0);
+  if (amplitude) {
+    out += amplitude->rectifiers.size();
+    for (const LayoutAmplitude::Control& one : amplitude->controls) out += one.negative ? 2 : 1;
+  }
+  return static_cast<int>(out);
+}
+
+DisturbanceLayout layout_disturbance(const LayoutInput& input, const LayoutOptions& options) {
+  check(input, options);
+  std::vector<LayoutCandidate> candidates = layout_build::compare_schemes(input, options);
+  const auto chosen = std::find_if(candidates.begin(), candidates.end(),
+                                   [](const LayoutCandidate& one) { return one.chosen; });
+  // Asked for, but it cannot be made: building it says why.
+  const int group = chosen == candidates.end() ? options.scheme.group : chosen->group;
+  DisturbanceLayout out = layout_build::build(input, options, group);
+  out.candidates = std::move(candidates);
+  warn_when_slow(out, options.highest);
+  if (!input.alpha.empty()) layout_build::add_amplitude(out, input, options);
+  layout_build::add_nodes(out);
+  return out;
+}
+
+DisturbanceLayout layout_disturbance(const Disturbance& disturbance, const LayoutOptions& options) {
+  return layout_disturbance(LayoutInput::of(disturbance), options);
+}
+
+DisturbanceLayout layout_polynomials(const std::vector<LayoutPolynomial>& branches,
+                                     const LayoutOptions& options) {
+  return layout_disturbance(LayoutInput{branches, {}}, options);
+}
+
+Json DisturbanceLayout::to_json() const {
+  Json out;
+  out["multiplier"] = {{"name", multiplier.name},
+                       {"scale_v", multiplier.scale_v},
+                       {"greatest_input_v", multiplier.greatest_input_v},
+                       {"bandwidth_hz", multiplier.bandwidth.value}};
+  out["opamp"] = {{"name", opamp.name}, {"gain_bandwidth_hz", opamp.gain_bandwidth.value}};
+  out["opamps"] = opamps();
+  out["branch_gain"] = branch_gain;
+  out["schemes"] = Json::array();
+  for (const LayoutCandidate& one : candidates) {
+    out["schemes"].push_back({{"name", one.name},
+                              {"powers_to_a_group", one.group},
+                              {"multipliers", one.multipliers},
+                              {"opamps", one.opamps},
+                              {"multipliers_in_series", one.depth},
+                              {"rss_percent", one.rss_percent},
+                              {"bandwidth_hz", one.bandwidth.value},
+                              {"chosen", one.chosen}});
+  }
+  out["multipliers"] = Json::array();
+  for (const LayoutMultiplier& m : multipliers) out["multipliers"].push_back(multiplier_json(m));
+  out["branches"] = Json::array();
+  for (const LayoutBranch& b : branches) {
+    out["branches"].push_back({{"name", b.name},
+                               {"wanted", b.wanted},
+                               {"realised", b.realised},
+                               {"peak_v", b.peak_v},
+                               {"max_error_percent", b.max_error_percent}});
+  }
+  if (switched()) {
+    out["switch"] = {{"name", analog_switch.name},
+                     {"on_ohm", analog_switch.on_ohm},
+                     {"on_delay_s", analog_switch.on_delay_s},
+                     {"break_before_make_s", analog_switch.gap_s},
+                     {"charge_injection_c", analog_switch.charge_c},
+                     {"source_capacitance_f", analog_switch.source_f},
+                     {"drain_capacitance_f", analog_switch.drain_f},
+                     {"select_lines", select_lines()},
+                     {"control", "branch > 0.5 V: " + branches[0].name},
+                     {"codes", Json::array()}};
+    for (int select = 0; select < (1 << select_lines()); ++select) {
+      for (const bool rising : {true, false}) {
+        const int b = branch_at(select, rising);
+        out["switch"]["codes"].push_back({{"select", select},
+                                          {"branch_v", rising ? 1 : 0},
+                                          {"name", b < 0 ? "none" : branches[static_cast<size_t>(b)].name}});
+      }
+    }
+  }
+  if (amplitude) out["amplitude"] = amplitude_json(*this);
+  out["nodes"] = Json::array();
+  for (const LayoutNode& node : nodes) {
+    out["nodes"].push_back({{"name", node.name},
+                            {"what", node.what},
+                            {"lowest_v", node.lowest_v},
+                            {"highest_v", node.highest_v}});
+  }
+  out["parts"] = Json::array();
+  for (const LayoutPart& one : parts) {
+    const bool resistor = one.kind == LayoutPart::Kind::resistor;
+    out["parts"].push_back({{"part", one.name},
+                            {"role", one.role},
+                            {"from", one.from},
+                            {"to", one.to},
+                            {"series", one.series},
+                            {resistor ? "wanted_ohm" : "wanted_f", one.wanted},
+                            {resistor ? "realised_ohm" : "realised_f", one.realised}});
+  }
+  out["error"] = {{"max_error_percent", max_error_percent}};
+  out["warnings"] = warnings;
+  return out;
+}
+
+}  // namespace bodesmith

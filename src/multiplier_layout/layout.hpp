@@ -1,0 +1,218 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/json_fwd.hpp"
+#include "circuit/opamp.hpp"
+#include "circuit/series.hpp"
+#include "multiplier_layout/switch.hpp"
+#include "signal/disturbance.hpp"
+
+namespace bodesmith {
+
+/// An analog multiplier of the AD835's kind: W = X Y/U + Z.
+struct MultiplierModel {
+  std::string name = "AD835";
+  double scale_v = 1.05;  ///< U
+  double greatest_input_v = 1.0;
+  double greatest_output_v = 2.5;
+  Hertz bandwidth{250e6};
+  double noise_v_per_rthz = 50e-9;
+};
+
+/// How a polynomial is split for multipliers. With g powers to a group,
+///   d(x) = P_0(x) + x^g (P_1(x) + x^g (P_2(x) + …)),   P_j(x) = a_{jg+1} x + … + a_{jg+g} x^g:
+/// the powers up to x^g are shared by all branches, each further group costs one multiplier a branch, whose Z
+/// input adds P_j. g = 1 is Horner's scheme, g >= degree shares all powers.
+struct LayoutScheme {
+  static constexpr int kAutomatic = 0, kHorner = 1, kShared = 7;
+  /// Bandwidth of the path over the highest reference frequency that the choice asks for.
+  static constexpr double kBandwidthRatio = 20.0;
+  int group = kAutomatic;
+
+  /// "auto", "shared", "horner" or the number of powers to a group, "2" to "6". Throws InputError.
+  static LayoutScheme named(const std::string& name);
+};
+
+struct LayoutOptions {
+  MultiplierModel multiplier;
+  OpAmpModel opamp;
+  Series resistors = Series::named("E96");
+  std::optional<SwitchModel> analog_switch;  ///< none: SwitchModel::for_branches
+  double full_scale_v = 1.0;                 ///< greatest |voltage| at every node but the output
+  /// Lowest and highest reference frequency that the slope detector must follow (triangle of 0 to 1 V).
+  Hertz lowest{1.0};
+  Hertz highest{5000.0};
+  LayoutScheme scheme;
+};
+
+/// W = X Y/U + Z between named nodes.
+struct LayoutMultiplier {
+  std::string name;
+  std::string what;  ///< for people: "x^2/U"
+  std::string x, y, z, out;
+  double peak_v = 0.0;  ///< greatest |W| for x in [0, 1]
+};
+
+struct LayoutPart {
+  enum class Kind { resistor, capacitor };
+  Kind kind = Kind::resistor;
+  std::string name;
+  std::string role;  ///< for people: "weight of x^2, ascending"
+  std::string from, to;
+  std::string series;
+  double wanted = 0.0;
+  double realised = 0.0;
+};
+
+/// One op-amp that sums with both signs: terms that must come out negative enter at its inverting input (gain
+/// -Rf/Rk), positive ones at the other through equal conductances, and `balance` at one of the inputs makes
+/// the conductances at both equal.
+struct LayoutSum {
+  struct Term {
+    std::string node;
+    int part = -1;  ///< place in DisturbanceLayout::parts
+    bool at_plus = false;
+    double gain = 0.0;  ///< with the realised resistors
+  };
+  std::string opamp;  ///< "U1"
+  std::string what;
+  std::vector<Term> terms;
+  std::string plus, minus, out;  ///< nodes; plus is "0" when nothing enters there
+  int feedback = -1;
+  int balance = -1;
+  double peak_v = 0.0;
+  double noise_gain = 1.0;
+};
+
+/// One polynomial d(x) = a1 x + a2 x^2 + …; its node `out` carries -branch_gain * d(x).
+struct LayoutBranch {
+  std::string name;
+  std::vector<double> wanted;    ///< a1, a2, …
+  std::vector<double> realised;  ///< what the resistors make of it, output amplifier and switch included
+  std::vector<int> sums;         ///< places in DisturbanceLayout::sums, innermost group first
+  std::vector<int> multipliers;  ///< places in DisturbanceLayout::multipliers of its chain, innermost first
+  std::string out;
+  double peak_v = 0.0;
+  double max_error_percent =
+      0.0;  ///< greatest |realised - wanted| of d(x) over x in [0, 1], percent of the range of x
+
+  double value(double x) const;  ///< with `realised`
+};
+
+struct LayoutNode {
+  std::string name;
+  std::string what;
+  double lowest_v = 0.0, highest_v = 0.0;  ///< for x in [0, 1]
+};
+
+/// Amplitude-varying gains (first seed, Fig. 3c, d) as hardware: d = g_b(alpha) d_b(x), g_b piecewise linear
+/// in the stroke alpha, constant beyond its table. Precision rectifiers make -max(0, alpha - alpha_k), shared
+/// by the branches; two inverting sums a branch make the control voltage control_scale_v * g_b; a multiplier
+/// as voltage-controlled gain stands between each branch and the switch. x stays the reference divided by its
+/// stroke, 0 to 1 V.
+struct LayoutAmplitude {
+  std::vector<double> alpha;
+  std::vector<std::vector<double>> wanted;  ///< one table a branch
+  double control_scale_v = 1.0;             ///< V at the control input for a gain of 1
+
+  struct Rectifier {
+    std::string opamp, node;
+    double wanted = 0.0, realised = 0.0;            ///< alpha_k
+    int input = -1, reference = -1, feedback = -1;  ///< parts; reference from -1 V
+  };
+  std::vector<Rectifier> rectifiers;
+  /// Control voltage of a branch = -(what `negative` makes + its own terms); both sums invert only.
+  struct Control {
+    std::optional<LayoutSum> negative;
+    LayoutSum sum;
+  };
+  std::vector<Control> controls;              ///< one a branch
+  std::vector<LayoutMultiplier> multipliers;  ///< one a branch
+  int output_feedback = -1;                   ///< takes the place of DisturbanceLayout::output_feedback
+  double max_error_percent = 0.0;  ///< of g_b(alpha) d_b(x) by the parts, worst alpha, percent of range
+
+  double wanted_gain(size_t branch, double alpha) const;
+};
+
+/// One way to split the polynomials, laid out with exact resistors and compared.
+struct LayoutCandidate {
+  int group = 0;
+  std::string name;
+  int multipliers = 0, opamps = 0;
+  int depth = 0;             ///< multipliers in series
+  double rss_percent = 0.0;  ///< of the error budget, worst branch
+  Hertz bandwidth{0.0};      ///< of the longest path, from the sum of its lags
+  bool chosen = false;
+};
+
+/// The disturbance generator of the first seed's Fig. 2 as a circuit: powers of x by multipliers, shared by
+/// the branches; weighted sums; a switch driven by the slope of x (and, with more than two branches, by
+/// select lines); an inverting amplifier back to 1 V per unit of d.
+///
+/// Branches come in pairs, first the one for rising x; pair s is chosen when the select lines read s in
+/// binary (select1 is the lowest bit, above 0.5 V is 1). A last single branch serves both slopes.
+struct DisturbanceLayout {
+  MultiplierModel multiplier;
+  OpAmpModel opamp;
+  SwitchModel analog_switch;
+  int group = LayoutScheme::kShared;
+  double full_scale_v = 1.0;
+  double branch_gain =
+      1.0;  ///< V per unit of d at the branches' nodes: (Rin + Ron)/Rg of the output amplifier
+  std::vector<LayoutMultiplier> multipliers;  ///< in the order of the signal
+  std::vector<LayoutSum> sums;
+  std::vector<LayoutBranch> branches;           ///< first: switch at branch > 0.5 V (ascending)
+  int output_input = -1, output_feedback = -1;  ///< parts Rin, Rg
+  std::vector<int> detector;                    ///< parts of the slope detector
+  std::optional<LayoutAmplitude> amplitude;
+  std::vector<LayoutPart> parts;
+  std::vector<LayoutNode> nodes;
+  std::vector<LayoutCandidate> candidates;
+  std::vector<std::string> warnings;
+  double max_error_percent = 0.0;
+
+  const LayoutPart& part(int index) const { return parts[static_cast<size_t>(index)]; }
+  const LayoutPart* part_named(const std::string& name) const;
+  bool switched() const { return branches.size() > 1; }
+  /// Lines select1, select2, … beside `branch`.
+  int select_lines() const;
+  /// The branch behind select code `select` for rising or falling x; -1: none, the output rests at 0.
+  int branch_at(int select, bool rising) const;
+  int opamps() const;
+  /// Without the header.
+  Json to_json() const;
+};
+
+/// The same for any number of polynomials of degree 1 to 7 (coefficients a1, a2, …; no constant: d(0) = 0).
+struct LayoutPolynomial {
+  std::string name;
+  std::vector<double> coefficients;
+  std::vector<double> amplitude;  ///< gains at LayoutInput::alpha; empty: 1 everywhere
+};
+
+struct LayoutInput {
+  std::vector<LayoutPolynomial> branches;
+  std::vector<double> alpha;  ///< empty: no amplitude-varying gains
+
+  /// ascending, descending and their amplitude table.
+  static LayoutInput of(const Disturbance& disturbance);
+  /// A disturbance file. Beside the contract's keys it may list
+  ///   "branches": [{"name": …, "coefficients": [a1, …, a7], "amplitude": [gain at each amplitude.alpha]}, …]
+  /// (`amplitude` optional, `name` too); these then take the place of ascending and descending.
+  static LayoutInput read(const std::filesystem::path& path, Provenance& from);
+  static LayoutInput from_node(const Node& node);
+};
+
+/// Throws DesignError when a term cannot be made with the allowed parts.
+DisturbanceLayout layout_disturbance(const LayoutInput& input, const LayoutOptions& options = {});
+DisturbanceLayout layout_disturbance(const Disturbance& disturbance, const LayoutOptions& options = {});
+DisturbanceLayout layout_polynomials(const std::vector<LayoutPolynomial>& branches,
+                                     const LayoutOptions& options = {});
+
+/// The schematic as SVG.
+std::string layout_drawing(const DisturbanceLayout& layout);
+
+}  // namespace bodesmith

@@ -1,0 +1,85 @@
+#pragma once
+
+#include <optional>
+#include <vector>
+
+#include "base/json_fwd.hpp"
+#include "multiplier_layout/budget.hpp"
+#include "multiplier_layout/layout.hpp"
+
+namespace bodesmith {
+
+/// The two diodes across Rd of the slope detector, and those of the precision rectifiers; a 1N4148's order of
+/// magnitude, assumed: i = saturation (exp(v/(emission kT/q)) - 1), junction capacitance
+/// junction/sqrt(1 - v), diffusion charge transit * i.
+struct DiodeModel {
+  double saturation_a = 2e-9;
+  double emission = 1.8;
+  double series_ohm = 0.5;
+  double junction_f = 4e-12;
+  double transit_s = 4e-9;
+};
+
+/// The slope detector as it is built: its states are the capacitors and both op-amps, integrated from the
+/// circuit's equations (Rosenbrock, L-stable, second order, adaptive).
+struct SlopeDetectorFigures {
+  double threshold_v = 0.0;          ///< half the comparator's hysteresis, at the differentiator's output
+  double least_slope_v_per_s = 0.0;  ///< of x, that reaches the threshold
+  double noise_v = 0.0;              ///< rms at the differentiator's output, its op-amp's and Rd's
+  double noise_margin = 0.0;         ///< full hysteresis over noise_v
+  double hum_50_hz_v = 0.0;          ///< amplitude of 50 Hz on a resting x that reaches the threshold
+  double ripple_v = 0.0;             ///< the same at the frequency where least is enough
+  double ripple_hz = 0.0;
+
+  /// From the reversal of x to the switch's control: x a triangle or a sinusoid of 0 to 1 V; none: the slope
+  /// never reaches the threshold.
+  struct Delay {
+    Hertz frequency;
+    std::optional<double> triangle_s, sine_s;
+  };
+  std::vector<Delay> delays;
+};
+
+/// What a reversal does to the output.
+struct SwitchFigures {
+  double opens_s = 0.0;        ///< the old contact, after the control
+  double closes_s = 0.0;       ///< the new contact
+  double hold_s = 0.0;         ///< time constant of the open node: its capacitance and Rin
+  double charge_step_v = 0.0;  ///< at the open node
+  /// Greatest departure from the held value at the output while both contacts are open, percent of range:
+  /// from the droop of a node at full scale, from the injected charge, both.
+  double droop_percent = 0.0, charge_percent = 0.0, glitch_percent = 0.0;
+  double glitch_area_percent_s = 0.0;
+
+  /// Triangle of 0 to 1 V: slope detector and switch together.
+  struct Late {
+    Hertz frequency;
+    double delay_s = 0.0;
+    double step_percent = 0.0;  ///< greatest |d_wrong - d_right| before the new branch comes
+    double rms_percent = 0.0;   ///< of the whole period against the polynomials: parts, lags, late switching
+    double rms_at_limit_percent = 0.0;  ///< the same with every multiplier's errors at their limits
+    double peak_percent = 0.0;          ///< greatest |error| of the period, without the glitch
+  };
+  std::vector<Late> late;
+};
+
+struct LayoutTiming {
+  SlopeDetectorFigures detector;
+  SwitchFigures analog_switch;
+
+  Json to_json() const;
+  /// The transient causes beside the budget at rest: percent of range while they last, s.
+  Json budget_json() const;
+};
+
+/// `frequencies` of the reference. Empty figures for a layout with one branch.
+LayoutTiming layout_timing(const DisturbanceLayout& layout, const std::vector<Hertz>& frequencies,
+                           const LayoutErrors& errors = {});
+
+/// Glitch at the output for a branch node at `held_v` when the switch opens, V: greatest departure from the
+/// output's value before. With tau = hold time, w = the output amplifier's closed-loop bandwidth,
+///   y(t) = -(Rg/Rin) [ v0 w/(w - 1/tau) (exp(-t/tau) - exp(-w t)) - held (1 - exp(-w t)) ],
+/// v0 = held + injected charge/capacitance, t up to the gap, |y| at most the op-amp's slew rate times t.
+double switch_glitch_v(const DisturbanceLayout& layout, double held_v, double charge_sign);
+
+}  // namespace bodesmith

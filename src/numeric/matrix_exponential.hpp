@@ -1,0 +1,11 @@
+#pragma once
+
+#include <vector>
+
+namespace bodesmith {
+
+/// exp(M) of a small dense matrix (row-major, n x n), in place, by scaling and squaring of a Taylor sum:
+/// relative error of a few 2^s eps, 2^s the scaling. `work` is resized to what is needed and can be kept.
+void matrix_exponential(double* m, int n, std::vector<double>& work);
+
+}  // namespace bodesmith

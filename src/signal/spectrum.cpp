@@ -1,0 +1,96 @@
+#include "signal/spectrum.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <stdexcept>
+
+#include "numeric/fourier.hpp"
+
+namespace bodesmith {
+namespace {
+
+constexpr double kTurn = 2.0 * std::numbers::pi;
+
+}  // namespace
+
+std::optional<Repetition> find_repetition(std::span<const double> u) {
+  if (u.size() < 3) return std::nullopt;
+  const auto [low, high] = std::minmax_element(u.begin(), u.end());
+  const double close = 1e-9 * (*high - *low);
+  if (!(close > 0.0)) return std::nullopt;
+  const auto repeats = [&](std::size_t lag) {
+    for (std::size_t i = 0; i + lag < u.size(); ++i) {
+      if (std::abs(u[i + lag] - u[i]) > close) return false;
+    }
+    return true;
+  };
+  // The second period may lack nothing: half the record at most. Signals that stay close to themselves for
+  // long would cost the square of their length: enough looking is enough.
+  std::size_t looked = 0;
+  for (std::size_t lag = 1; 2 * lag <= u.size(); ++lag) {
+    if (std::abs(u[lag] - u[0]) > close) continue;
+    if (repeats(lag)) return Repetition{lag, 1};
+    if (++looked > 2000) break;
+  }
+  return std::nullopt;
+}
+
+std::optional<Repetition> repetition_of(Hertz fundamental, double step_s, std::size_t samples) {
+  const double period = 1.0 / (fundamental.value * step_s);
+  for (std::size_t cycles = 1; static_cast<double>(cycles) * period < static_cast<double>(samples) + 0.5;
+       ++cycles) {
+    const double length = static_cast<double>(cycles) * period;
+    if (std::abs(length - std::round(length)) > 1e-6) continue;
+    const auto whole = static_cast<std::size_t>(std::round(length));
+    if (whole >= 2 && whole <= samples) return Repetition{whole, cycles};
+  }
+  return std::nullopt;
+}
+
+Spectrum spectrum_of(std::span<const double> x, double start_s, double step_s, bool periodic) {
+  const std::size_t n = x.size();
+  if (n < 2) throw std::logic_error("a spectrum needs at least two samples");
+  std::vector<double> weighted(x.begin(), x.end());
+  double weight = static_cast<double>(n);
+  if (!periodic) {
+    weight = 0.0;
+    for (std::size_t i = 0; i < n; ++i) {
+      const double w = 0.5 - 0.5 * std::cos(kTurn * static_cast<double>(i) / static_cast<double>(n));
+      weighted[i] *= w;
+      weight += w;
+    }
+  }
+  const std::vector<std::complex<double>> lines = fourier_of_any_length(weighted);
+  Spectrum out;
+  double largest = 0.0;
+  const double seconds = step_s * static_cast<double>(n);
+  for (std::size_t k = 0; 2 * k <= n; ++k) {
+    const bool once = k == 0 || 2 * k == n;  // the others stand for a pair of lines
+    const double f = static_cast<double>(k) / seconds;
+    const std::complex<double> line =
+        lines[k] * std::polar((once ? 1.0 : 2.0) / weight, -kTurn * f * start_s);
+    out.frequency.push_back(Hertz{f});
+    out.amplitude.push_back(std::abs(line));
+    out.phase_deg.push_back(to_degrees(std::arg(line)));
+    largest = std::max(largest, out.amplitude.back());
+  }
+  out.phase_deg[0] = lines[0].real() < 0.0 ? 180.0 : 0.0;
+  for (std::size_t k = 0; k < out.amplitude.size(); ++k) {
+    if (out.amplitude[k] <= 1e-10 * largest) out.phase_deg[k] = 0.0;
+  }
+  return out;
+}
+
+std::optional<double> distortion_percent(const Spectrum& spectrum, std::size_t fundamental) {
+  if (fundamental == 0 || fundamental >= spectrum.amplitude.size()) return std::nullopt;
+  const double first = spectrum.amplitude[fundamental];
+  if (!(first > 0.0)) return std::nullopt;
+  double power = 0.0;
+  for (std::size_t k = 2 * fundamental; k < spectrum.amplitude.size(); k += fundamental) {
+    power += spectrum.amplitude[k] * spectrum.amplitude[k];
+  }
+  return 100.0 * std::sqrt(power) / first;
+}
+
+}  // namespace bodesmith

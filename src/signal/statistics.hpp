@@ -1,0 +1,25 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+namespace bodesmith {
+
+double mean(const std::vector<double>& v);
+double rms(const std::vector<double>& v);
+double median(std::vector<double> v);
+/// The value below which the fraction q of v lies.
+double quantile(std::vector<double> v, double q);
+
+/// Samples over which v forgets itself: 1 + 2 sum of the autocorrelation up to its first crossing of 0.05.
+/// n / correlation_time(v) is the effective sample size of its mean.
+double correlation_time(const std::vector<double>& v);
+
+/// How many standard deviations the improvement from residual `before` to residual `after` lies above what
+/// chance gives. The improvement is 2 sum(before d) - sum(d^2) with d = before - after, so the question is
+/// whether `before` goes along with d; by chance sum(after d) has the variance (2/N^2) sum |A(k)|^2 |D(k)|^2
+/// over the bins of their spectra (A smoothed), which counts the noise's colour and how unevenly d is spread
+/// over the record.
+double improvement_z(const std::vector<double>& before, const std::vector<double>& after);
+
+}  // namespace bodesmith

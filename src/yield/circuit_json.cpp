@@ -1,0 +1,128 @@
+#include "yield/circuit_json.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/json.hpp"
+#include "circuit/response.hpp"
+#include "yield/counts.hpp"
+#include "yield/design.hpp"
+
+namespace bodesmith {
+namespace {
+
+Json section_json(const std::vector<Biquad>& factors) {
+  Json out;
+  double gain = 1.0;
+  out["gain"] = gain;
+  out["zeros_rad_s"] = Json::array();
+  out["poles_rad_s"] = Json::array();
+  for (const Biquad& h : factors) {
+    const Section section = h.section();
+    gain *= section.gain;
+    for (const auto& zero : section.zeros) out["zeros_rad_s"].push_back({zero.real(), zero.imag()});
+    for (const auto& pole : section.poles) out["poles_rad_s"].push_back({pole.real(), pole.imag()});
+  }
+  out["gain"] = gain;
+  return out;
+}
+
+/// The same of a circuit whose stages have no equations, by central differences of the network.
+std::vector<double> network_sensitivities(const Circuit& circuit, const std::vector<Hertz>& grid) {
+  std::vector<double> out;
+  Circuit moved = circuit;
+  constexpr double kStep = 1e-3;
+  for (size_t i = 0; i < circuit.parts.size(); ++i) {
+    moved.parts[i].realised = circuit.parts[i].realised * (1.0 + kStep);
+    const auto up = network_response_ideal(moved, grid);
+    moved.parts[i].realised = circuit.parts[i].realised * (1.0 - kStep);
+    const auto down = network_response_ideal(moved, grid);
+    moved.parts[i].realised = circuit.parts[i].realised;
+    double worst = 0.0;
+    for (size_t k = 0; k < grid.size(); ++k)
+      worst = std::max(worst, std::abs(to_decibel(std::abs(up[k] / down[k]))));
+    out.push_back(worst * 0.01 / (2.0 * kStep));
+  }
+  return out;
+}
+
+/// Greatest change of the magnitude over the band, dB for 1 % of each part.
+std::vector<double> part_sensitivities(const Realised& realised) {
+  for (const Stage& stage : realised.circuit.stages) {
+    if (!stage.form) return network_sensitivities(realised.circuit, log_grid(realised.report.band, 61));
+  }
+  YieldOptions options;
+  options.grid = log_grid(realised.report.band, 61);
+  std::vector<double> out;
+  for (const auto& row : yield_sensitivity(yield_design(realised, {}, ""), options).db_per_percent) {
+    double worst = 0.0;
+    for (const double db : row) worst = std::max(worst, std::abs(db));
+    out.push_back(worst);
+  }
+  return out;
+}
+
+}  // namespace
+
+Json to_json(const ResponseDifference& difference) {
+  return {{"max_magnitude_db", difference.max_magnitude_db},
+          {"max_phase_deg", difference.max_phase_deg},
+          {"max_complex_percent", difference.max_complex_percent},
+          {"worst_hz", difference.worst.value}};
+}
+
+Json to_json(const OpAmpCheck& check) {
+  return {{"name", check.name},
+          {"against_ideal", to_json(check.against_ideal)},
+          {"least_phase_margin_deg", check.least_phase_margin_deg},
+          {"tightest_stage", check.tightest_stage},
+          {"output_offset_v", check.output_offset_v},
+          {"full_swing_hz", check.full_swing_hz},
+          {"highest_q", check.highest_q},
+          {"noise_rms_v", check.noise_rms_v},
+          {"warnings", check.warnings}};
+}
+
+Json to_json(const Realised& realised) {
+  const std::vector<double> sensitivity = part_sensitivities(realised);
+  const Circuit& circuit = realised.circuit;
+  const RealiseReport& report = realised.report;
+  Json out;
+  out["stages"] = Json::array();
+  for (const Stage& stage : circuit.stages) {
+    Json parts = Json::array();
+    for (int i = 0; i < stage.part_count; ++i) {
+      const Part& part = circuit.parts[static_cast<size_t>(stage.first_part + i)];
+      const bool resistor = part.kind == Part::Kind::resistor;
+      parts.push_back({{"part", part.name},
+                       {"from", part.from},
+                       {"to", part.to},
+                       {"series", part.series},
+                       {resistor ? "wanted_ohm" : "wanted_f", part.wanted},
+                       {resistor ? "realised_ohm" : "realised_f", part.realised},
+                       {"worst_db_per_percent", sensitivity[static_cast<size_t>(stage.first_part + i)]}});
+    }
+    out["stages"].push_back({{"realization", stage.realization},
+                             {"in", stage.in},
+                             {"out", stage.out},
+                             {"wanted", section_json(stage.wanted)},
+                             {"realised", section_json(stage.realised)},
+                             {"parts", parts}});
+  }
+  out["opamps"] = circuit.opamps.size();
+  out["opamp"] = {{"name", circuit.model.name},
+                  {"gain_bandwidth_hz", circuit.model.gain_bandwidth.value},
+                  {"slew_v_per_s", circuit.model.slew_v_per_s},
+                  {"output_resistance_ohm", circuit.model.output_resistance_ohm},
+                  {"swing_v", circuit.model.swing_v}};
+  out["nodes"] = {{"highest_db", report.highest_node_db}, {"lowest_db", report.lowest_node_db}};
+  out["error"] = {{"band_hz", {report.band.from.value, report.band.to.value}},
+                  {"parts", to_json(report.parts)},
+                  {"nearest_rounding", to_json(report.nearest)},
+                  {"opamps", to_json(report.opamps)},
+                  {"all", to_json(report.all)}};
+  out["warnings"] = report.warnings;
+  return out;
+}
+
+}  // namespace bodesmith

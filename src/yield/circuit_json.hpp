@@ -1,0 +1,15 @@
+#pragma once
+
+#include "base/json_fwd.hpp"
+#include "circuit/opamp_check.hpp"
+#include "circuit/realise.hpp"
+
+namespace bodesmith {
+
+/// stages, parts, op-amp and the error of each step; without the header.
+Json to_json(const Realised& realised);
+/// {"max_magnitude_db", "max_phase_deg", "max_complex_percent", "worst_hz"}.
+Json to_json(const ResponseDifference& difference);
+Json to_json(const OpAmpCheck& check);
+
+}  // namespace bodesmith

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "yield/yield.hpp"
+
+namespace bodesmith {
+
+/// Everything that samples are counted into: one histogram of dB and one of degrees a frequency, one each of
+/// the worst over the grid, and how many stayed within the limits.
+class YieldCounts {
+ public:
+  static constexpr int kBins = 8192;
+
+  /// Ranges are those of `shape`.
+  explicit YieldCounts(const YieldResult& shape);
+
+  /// Adds one sample's deviations; `stride` between frequencies.
+  void add(std::size_t i, double decibel, double degrees) {
+    count(2 * i, decibel);
+    count(2 * i + 1, degrees);
+  }
+  void add_worst(double decibel, double degrees, bool within) {
+    count(histograms_ - 2, decibel);
+    count(histograms_ - 1, degrees);
+    within_ += within ? 1 : 0;
+    ++samples_;
+  }
+  void merge(const YieldCounts& other);
+  /// Sums over the team, on the leader.
+  void gather(const Team& team);
+  void put_into(YieldResult& result) const;
+
+  std::uint64_t samples() const { return samples_; }
+  /// Bytes of a checkpoint, and back; false when they do not fit.
+  std::string bytes() const;
+  bool from_bytes(std::string_view bytes);
+
+ private:
+  void count(std::size_t h, double value) {
+    least_[h] = value < least_[h] ? value : least_[h];
+    greatest_[h] = value > greatest_[h] ? value : greatest_[h];
+    double place = (value - low_[h]) * per_bin_[h];
+    place = place < 0.0 ? 0.0 : (place > kBins - 1 ? kBins - 1 : place);
+    ++counts_[h * kBins + static_cast<std::size_t>(place)];
+  }
+
+  std::size_t histograms_ = 0;
+  std::vector<double> low_, per_bin_;
+  std::vector<std::uint64_t> counts_;
+  std::vector<double> least_, greatest_;
+  std::uint64_t samples_ = 0;
+  std::uint64_t within_ = 0;
+};
+
+/// Sensitivities d ln H / d ln part by central differences: ranges, worst case and ranking without chance.
+struct YieldSensitivity {
+  std::vector<std::vector<double>> db_per_percent;  ///< [part][frequency]
+  std::vector<std::vector<double>> deg_per_percent;
+  std::vector<double> limit_percent;  ///< of each part (three standard deviations where there is no limit)
+};
+YieldSensitivity yield_sensitivity(const YieldDesign& design, const YieldOptions& options);
+
+}  // namespace bodesmith

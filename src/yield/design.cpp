@@ -1,0 +1,189 @@
+#include "yield/design.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "circuit/realization.hpp"
+
+namespace bodesmith {
+namespace {
+
+using Complex = std::complex<double>;
+
+Complex variable(const YieldStage& stage, Hertz f) {
+  if (stage.clock_hz == 0.0) return {0.0, f.rad_s().value};
+  return 1.0 - std::polar(1.0, -f.rad_s().value / stage.clock_hz);
+}
+
+/// Coefficients in v = 1 - 1/z of a polynomial in 1/z of degree at most 2.
+std::array<double, 3> in_v(const std::vector<double>& z) {
+  const double c0 = !z.empty() ? z[0] : 0.0, c1 = z.size() > 1 ? z[1] : 0.0, c2 = z.size() > 2 ? z[2] : 0.0;
+  return {c0 + c1 + c2, -c1 - 2.0 * c2, c2};
+}
+
+Biquad from_z(const Node& cam) {
+  const std::vector<double> numerator = cam.at("z_numerator").numbers(),
+                            denominator = cam.at("z_denominator").numbers();
+  if (numerator.empty() || numerator.size() > 3)
+    cam.at("z_numerator").fail("expected one to three coefficients");
+  if (denominator.empty() || denominator.size() > 3)
+    cam.at("z_denominator").fail("expected one to three coefficients");
+  const auto n = in_v(numerator), d = in_v(denominator);
+  return {n[0], n[1], n[2], d[0], d[1], d[2]};
+}
+
+/// Same transfer up to a common factor.
+bool same(const Biquad& a, const Biquad& b) {
+  for (const double w : {0.01, 0.3, 1.0, 2.0}) {
+    const Complex v = 1.0 - std::polar(1.0, -w);
+    const Complex x = a.response(v), y = b.response(v);
+    if (!(std::abs(x - y) <= 1e-6 * (std::abs(x) + std::abs(y)))) return false;
+  }
+  return true;
+}
+
+class PlanReader {
+ public:
+  explicit PlanReader(std::string name) { out_.name = std::move(name); }
+
+  YieldDesign read(const Node& plan) {
+    plan.expect_schema("fpaa_plan");
+    double low = INFINITY, high = 0.0;
+    for (const Node& chip : plan.at("chips").items()) {
+      for (const Node& cam : chip.at("cams").items()) {
+        read_cam(cam, fmt::format("chip{}.{}", chip.at("chip").integer(1, 1000), cam.at("name").string()));
+      }
+    }
+    if (out_.stages.empty()) plan.at("chips").fail("holds no CAM, expected at least one");
+    const std::vector<double> band = plan.at("error").at("band_hz").numbers();
+    if (band.size() == 2 && band[0] > 0.0 && band[1] > band[0]) {
+      low = band[0];
+      high = band[1];
+    } else {
+      plan.at("error").at("band_hz").fail("expected [from, to]");
+    }
+    out_.band = {Hertz{low}, Hertz{high}};
+    out_.reference_name = "nominal";
+    return std::move(out_);
+  }
+
+ private:
+  void read_cam(const Node& cam, const std::string& name) {
+    YieldStage stage;
+    stage.name = name;
+    stage.clock_hz = cam.at("clock_a_hz").positive();
+    stage.first_part = static_cast<int>(out_.parts.size());
+    std::vector<std::string> names;
+    for (const auto& [key, value] : cam.at("capacitors").members()) {
+      names.push_back(key);
+      out_.parts.push_back({name + "." + key, YieldPart::Kind::switched_capacitor, value.positive()});
+    }
+    stage.part_count = static_cast<int>(names.size());
+    const Biquad nominal = from_z(cam);
+    const auto at = [&](const char* key) {
+      return static_cast<size_t>(std::find(names.begin(), names.end(), key) - names.begin());
+    };
+    const size_t none = names.size();
+    if (at("Ca") < none && at("Cb") < none && at("Cc") < none && at("Cd") < none && none == 4) {
+      const size_t a = at("Ca"), b = at("Cb"), c = at("Cc"), d = at("Cd");
+      stage.transfer = [=](std::span<const double> v) { return Biquad{-v[a], -v[b], 0.0, v[c], v[d], 0.0}; };
+      out_.poles += 1;
+    } else if (at("Cin") < none && at("Cout") < none && at("Cint") < none && none == 3) {
+      const size_t i = at("Cin"), o = at("Cout"), t = at("Cint");
+      stage.transfer = [=](std::span<const double> v) { return Biquad{-v[i], 0.0, 0.0, v[o], v[t], 0.0}; };
+      out_.poles += 1;
+    } else {
+      // Which capacitor makes what is not in the plan: the gain as the ratio of two of them.
+      if (names.empty()) {
+        stage.transfer = [=](std::span<const double>) { return nominal; };
+      } else {
+        const double ratio = names.size() > 1
+                                 ? out_.parts[static_cast<size_t>(stage.first_part)].nominal /
+                                       out_.parts[static_cast<size_t>(stage.first_part) + 1].nominal
+                                 : out_.parts[static_cast<size_t>(stage.first_part)].nominal;
+        stage.transfer = [=](std::span<const double> v) {
+          const double now = (v.size() > 1 ? v[0] / v[1] : v[0]) / ratio;
+          Biquad h = nominal;
+          h.b0 *= now;
+          h.b1 *= now;
+          h.b2 *= now;
+          return h;
+        };
+        out_.notes.push_back(name + ": mismatch is counted in its gain only");
+      }
+      out_.poles += nominal.a2 != 0.0 ? 2 : (nominal.a1 != 0.0 ? 1 : 0);
+    }
+    std::vector<double> values;
+    for (int i = 0; i < stage.part_count; ++i) {
+      values.push_back(out_.parts[static_cast<size_t>(stage.first_part + i)].nominal);
+    }
+    if (!same(stage.transfer(values), nominal)) {
+      cam.at("capacitors")
+          .fail(
+              "do not make z_numerator and z_denominator, expected -(Ca + Cb v)/(Cc + Cd v) or -Cin/(Cout + "
+              "Cint v)");
+    }
+    out_.stages.push_back(std::move(stage));
+  }
+
+  YieldDesign out_;
+};
+
+}  // namespace
+
+Complex YieldDesign::response(Hertz f, std::span<const double> values) const {
+  Complex h = 1.0;
+  for (const YieldStage& stage : stages) {
+    h *= stage
+             .transfer(
+                 values.subspan(static_cast<size_t>(stage.first_part), static_cast<size_t>(stage.part_count)))
+             .response(variable(stage, f));
+  }
+  return h;
+}
+
+Complex YieldDesign::nominal(Hertz f) const {
+  std::vector<double> values;
+  for (const YieldPart& part : parts) values.push_back(part.nominal);
+  return response(f, values);
+}
+
+YieldDesign yield_design(const Realised& realised, const Sections& wanted, std::string name) {
+  YieldDesign out;
+  out.name = std::move(name);
+  for (const Part& part : realised.circuit.parts) {
+    out.parts.push_back(
+        {part.name,
+         part.kind == Part::Kind::resistor ? YieldPart::Kind::resistor : YieldPart::Kind::capacitor,
+         part.realised});
+  }
+  for (size_t i = 0; i < realised.circuit.stages.size(); ++i) {
+    const Stage& stage = realised.circuit.stages[i];
+    if (!stage.form) throw DesignError("tolerance statistics are for op-amp RC forms, not for ladders");
+    YieldStage one;
+    one.name = fmt::format("stage{}", i + 1);
+    one.first_part = stage.first_part;
+    one.part_count = stage.part_count;
+    one.transfer = [form = stage.form](std::span<const double> v) { return form->transfer(v); };
+    out.stages.push_back(std::move(one));
+  }
+  out.reference = [wanted](Hertz f) { return wanted.response(f.rad_s()); };
+  out.reference_name = "sections";
+  const Band corners = wanted.corner_band();
+  out.band = corners.to.value > 0.0 && corners.to > corners.from ? corners : realised.report.band;
+  out.poles = wanted.pole_count();
+  return out;
+}
+
+YieldDesign yield_design_of_plan(const Node& plan, std::string name) {
+  YieldDesign out = PlanReader(std::move(name)).read(plan);
+  // The nominal response is fixed here: a copy of what it needs, not of itself.
+  auto fixed = std::make_shared<YieldDesign>(out);
+  out.reference = [fixed](Hertz f) { return fixed->nominal(f); };
+  return out;
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstdint>
+#include <vector>
+
+#include "yield/yield.hpp"
+
+namespace bodesmith {
+
+/// Evaluates blocks of samples. One a thread; allocates in the constructor only.
+class YieldKernel {
+ public:
+  static constexpr int kBlock = 64;
+
+  YieldKernel(const YieldDesign& design, const YieldOptions& options);
+
+  /// Samples [first, first + count), count <= kBlock.
+  void evaluate(std::uint64_t first, int count);
+
+  /// Deviations of the last block in dB and degrees at frequency i, one a sample.
+  const double* decibel(std::size_t i) const { return decibel_.data() + i * kBlock; }
+  const double* degrees(std::size_t i) const { return degrees_.data() + i * kBlock; }
+
+ private:
+  struct Pair {  ///< two stages of first order (or one of second) on the same variable, multiplied out
+    int first = 0, second = -1;
+    double clock_hz = 0.0;
+  };
+
+  void draw(std::uint64_t sample);
+  void coefficients(int lane);
+
+  const YieldDesign& design_;
+  const YieldOptions& options_;
+  std::vector<Pair> pairs_;
+  std::vector<double> values_;
+  std::vector<double> scale_;  ///< tolerance (or standard deviation) of each part, relative
+  std::vector<double> ppm_;    ///< temperature coefficient of each part
+  bool warm_ = false;
+  std::vector<double> b0_, b1_, b2_, a0_, a1_, a2_;  ///< [pair][lane]
+  std::vector<double> vr_, vi_, v2r_, v2i_;          ///< [pair][frequency]
+  std::vector<double> reference_re_, reference_im_;  ///< 1/reference
+  std::vector<double> nr_, ni_, dr_, di_;            ///< [lane]
+  std::vector<double> decibel_, degrees_;            ///< [frequency][lane]
+};
+
+}  // namespace bodesmith

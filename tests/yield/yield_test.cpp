@@ -1,0 +1,202 @@
+#include "yield/yield.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "../circuit/seed_sections.hpp"
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "numeric/counter_random.hpp"
+#include "temporary_folder.hpp"
+#include "yield/counts.hpp"
+#include "yield/kernel.hpp"
+
+namespace bodesmith {
+namespace {
+
+YieldOptions small(std::uint64_t samples = 20000) {
+  YieldOptions options;
+  options.samples = samples;
+  options.grid = log_grid({Hertz{1}, Hertz{100}}, 20);
+  return options;
+}
+
+YieldDesign seed_design() {
+  return yield_design(realise(seed_sections()), seed_sections(), "seed");
+}
+
+std::string text_of(const YieldResult& result, const YieldOptions& options) {
+  return to_text(to_json(result, options));
+}
+
+// Known answers of Random123's kat_vectors for philox4x32-10.
+TEST(Random, PhiloxKnownAnswers) {
+  EXPECT_EQ(philox({0, 0, 0, 0}, {0, 0}),
+            (std::array<std::uint32_t, 4>{0x6627e8d5, 0xe169c58d, 0xbc57ac4c, 0x9b00dbd8}));
+  EXPECT_EQ(philox({0xffffffff, 0xffffffff, 0xffffffff, 0xffffffff}, {0xffffffff, 0xffffffff}),
+            (std::array<std::uint32_t, 4>{0x408f276d, 0x41c83b0e, 0xa20bc7c6, 0x6d5451fd}));
+  EXPECT_EQ(philox({0x243f6a88, 0x85a308d3, 0x13198a2e, 0x03707344}, {0xa4093822, 0x299f31d0}),
+            (std::array<std::uint32_t, 4>{0xd16cfe09, 0x94fdcceb, 0x5001e420, 0x24126ea1}));
+}
+
+TEST(Random, NormalQuantileInvertsTheDistribution) {
+  for (const double p : {1e-12, 1e-6, 0.01, 0.3, 0.5, 0.7, 0.925, 0.99, 1.0 - 1e-6}) {
+    const double z = normal_quantile(p);
+    EXPECT_NEAR(0.5 * std::erfc(-z / std::sqrt(2.0)) / p, 1.0, 1e-12) << p;
+  }
+  EXPECT_NEAR(normal_quantile(0.975), 1.959963984540054, 1e-14);
+}
+
+// One resistor divider-like stage whose distribution is known: an inverter -R2/R1 with only R2 spread.
+TEST(Yield, UniformSpreadOfOneResistorIsItsDistribution) {
+  YieldDesign design;
+  design.name = "gain";
+  design.parts = {{"R2", YieldPart::Kind::resistor, 1000.0}};
+  design.stages = {
+      {"s", 0, 1, 0.0, [](std::span<const double> v) { return Biquad{v[0] / 1000.0, 0, 0, 1, 0, 0}; }}};
+  design.reference = [](Hertz) { return std::complex<double>(1.0, 0.0); };
+  YieldOptions options = small(200000);
+  options.spread.resistor_percent = 10.0;
+  options.limit_db = to_decibel(1.05);
+  const YieldResult result = run_yield_of(design, options, Team());
+  for (const double p : {0.05, 0.25, 0.5, 0.75, 0.95}) {
+    EXPECT_NEAR(result.magnitude_db[3].quantile(p), to_decibel(0.9 + 0.2 * p), 0.008);
+  }
+  // |20 log10 u| <= 20 log10 1.05: u between 1/1.05 and 1.05.
+  EXPECT_NEAR(static_cast<double>(result.within) / 200000.0, (1.05 - 1.0 / 1.05) / 0.2, 0.004);
+  options.spread.kind = Spread::Kind::gaussian;
+  const YieldResult normal = run_yield_of(design, options, Team());
+  EXPECT_NEAR(normal.magnitude_db[0].quantile(0.8413447), to_decibel(1.0 + 0.1 / 3.0), 0.006);
+  options.spread.kind = Spread::Kind::corners;
+  const YieldResult corners = run_yield_of(design, options, Team());
+  EXPECT_NEAR(corners.worst_db.greatest, -to_decibel(0.9), 1e-9);
+  EXPECT_NEAR(corners.worst_db.least, to_decibel(1.1), 1e-9);
+}
+
+// The fast kernel against the plain complex product, sample by sample.
+TEST(Yield, KernelAgreesWithThePlainResponse) {
+  const YieldDesign design = seed_design();
+  YieldOptions options = small();
+  options.spread.resistor_percent = options.spread.capacitor_percent = 0.0;
+  YieldKernel kernel(design, options);
+  kernel.evaluate(0, 3);
+  for (size_t i = 0; i < options.grid.size(); ++i) {
+    const auto ratio = design.nominal(options.grid[i]) / design.reference(options.grid[i]);
+    EXPECT_NEAR(kernel.decibel(i)[0], to_decibel(std::abs(ratio)), 1e-11);
+    EXPECT_NEAR(kernel.degrees(i)[2], to_degrees(std::arg(ratio)), 1e-10);
+  }
+}
+
+// Facts: 1 % R / 5 % C 1.68 dB, 1 % / 1 % 0.44 dB at the 95th percentile, for another choice of parts.
+TEST(Yield, SeedSectionsLoseWhatTheFactsSay) {
+  YieldOptions options = small();
+  const YieldResult wide = run_yield_of(seed_design(), options, Team());
+  EXPECT_NEAR(wide.worst_db.quantile(0.95), 1.68, 0.12);
+  options.spread.capacitor_percent = 1.0;
+  EXPECT_NEAR(run_yield_of(seed_design(), options, Team()).worst_db.quantile(0.95), 0.44, 0.03);
+  EXPECT_LT(wide.worst_db.greatest, wide.worst_case_db * 1.1);
+  double share = 0.0;
+  for (const PartRank& rank : wide.ranking) share += rank.share;
+  EXPECT_NEAR(share, 1.0, 1e-9);
+}
+
+TEST(Yield, SameBytesForAnyNumberOfThreads) {
+  YieldOptions options = small(30000);
+  options.spread.kind = Spread::Kind::gaussian;
+  options.spread.temperature_low_c = -20.0;
+  options.spread.temperature_high_c = 70.0;
+  options.threads = 1;
+  const std::string one = text_of(run_yield_of(seed_design(), options, Team()), options);
+  for (const int threads : {2, 3, 7}) {
+    options.threads = threads;
+    EXPECT_EQ(text_of(run_yield_of(seed_design(), options, Team()), options), one) << threads;
+  }
+  options.seed = 2;
+  EXPECT_NE(text_of(run_yield_of(seed_design(), options, Team()), options), one);
+}
+
+TEST(Yield, CountsComeBackFromACheckpoint) {
+  const YieldDesign design = seed_design();
+  YieldOptions options = small(3000);
+  const YieldResult shape = run_yield_of(design, options, Team());
+  YieldCounts a(shape);
+  a.add(3, 0.1, 2.0);
+  a.add_worst(0.1, 2.0, true);
+  YieldCounts b(shape);
+  ASSERT_TRUE(b.from_bytes(a.bytes()));
+  EXPECT_EQ(a.bytes(), b.bytes());
+  EXPECT_EQ(b.samples(), 1u);
+  EXPECT_FALSE(b.from_bytes("short"));
+}
+
+// A checkpoint that does not belong to the job, or is broken, is passed over, not believed.
+TEST(Yield, AForeignCheckpointIsPassedOver) {
+  const TemporaryFolder folder;
+  YieldOptions options = small(2000);
+  const std::string clean = text_of(run_yield_of(seed_design(), options, Team()), options);
+  options.checkpoint = folder / "yield.checkpoint";
+  write_file(options.checkpoint, "bodesmith yield checkpoint 1\nno such job\n\x01\x02");
+  EXPECT_EQ(text_of(run_yield_of(seed_design(), options, Team()), options), clean);
+  EXPECT_FALSE(std::filesystem::exists(options.checkpoint));
+}
+
+TEST(Yield, ToleranceToBuyMeetsTheLimit) {
+  YieldOptions options = small();
+  const YieldDesign design = seed_design();
+  const auto buy = tolerances_to_buy(design, options, 0.5);
+  ASSERT_FALSE(buy.empty());
+  ASSERT_TRUE(buy[0].meets);
+  options.spread.resistor_percent = buy[0].resistor_percent;
+  options.spread.capacitor_percent = buy[0].capacitor_percent;
+  EXPECT_LT(run_yield_of(design, options, Team()).worst_db.quantile(0.95), 0.52);
+  for (const Purchase& one : tolerances_to_buy(design, options, 1e-3)) EXPECT_FALSE(one.meets);
+}
+
+const char* const kPlan =
+    R"({"schema":"bodesmith.fpaa_plan/1","board":"an231k04-quad4","chips":[{"chip":1,"master_clock_hz":16e6,
+"clocks_hz":{},"cams":[{"name":"F1","cam":"FilterBilinear","option":"Pole and Zero","cab":1,"clock_a_hz":2000,"phase":1,
+"requested":{},"realised":{},"capacitors":{"Ca":10,"Cb":200,"Cc":12,"Cd":210},
+"z_numerator":[-210,200],"z_denominator":[222,-210]}],"resources":{"opamps":1,"capacitors":4,"comparators":0}}],
+"signal_path":["chip1.in1","chip1.F1","chip1.out1"],"error":{"band_hz":[1,100],"max_magnitude_db":0,"max_phase_deg":0,"max_complex_percent":0}})";
+
+TEST(Yield, PlanMismatchFollowsTheCapacitorRatio) {
+  const YieldDesign design = yield_design_of_plan(parse_json(kPlan, "plan.json"), "plan");
+  ASSERT_EQ(design.parts.size(), 4u);
+  YieldOptions options = small(100000);
+  options.grid = {Hertz{0.001}};
+  options.spread.unit_capacitor_percent = 0.5;
+  // At DC the gain is Ca/Cc: relative variance s^2 (1/10 + 1/12).
+  const YieldResult result = run_yield_of(design, options, Team());
+  const double sigma = 0.005 * std::sqrt(1.0 / 10.0 + 1.0 / 12.0);
+  EXPECT_NEAR(result.magnitude_db[0].quantile(0.8413447) / (sigma * kDecibelPerNeper), 1.0, 0.02);
+  // And against the z-domain itself.
+  const std::complex<double> z1 = std::polar(1.0, -2.0 * 3.14159265358979323846 * 50.0 / 2000.0);
+  EXPECT_NEAR(std::abs(design.nominal(Hertz{50.0}) - (-210.0 + 200.0 * z1) / (222.0 - 210.0 * z1)), 0.0,
+              1e-12);
+}
+
+TEST(Yield, APlanWhoseCapacitorsDoNotMakeItsCoefficientsIsRefused) {
+  std::string text = kPlan;
+  text.replace(text.find("[222"), 4, "[233");
+  try {
+    yield_design_of_plan(parse_json(text, "plan.json"), "plan");
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("plan.json:3"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Yield, RefusesNonsense) {
+  YieldOptions options = small(0);
+  EXPECT_THROW(run_yield_of(seed_design(), options, Team()), InputError);
+  options = small();
+  options.spread.resistor_percent = -1.0;
+  EXPECT_THROW(run_yield_of(seed_design(), options, Team()), InputError);
+  options = small();
+  options.grid.clear();
+  EXPECT_THROW(run_yield_of(seed_design(), options, Team()), InputError);
+}
+
+}  // namespace
+}  // namespace bodesmith

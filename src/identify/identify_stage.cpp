@@ -8,7 +8,7 @@
 #include "hysteresis/registry.hpp"
 #include "numeric/least_squares.hpp"
 
-namespace bodesmith::identify {
+namespace bodesmith::hysteresis {
 namespace {
 
 std::vector<TimeRecord> all_advanced(std::span<const TimeRecord> records, double delay_s) {
@@ -128,4 +128,4 @@ StageFit fit_stage(const std::string& model, std::span<const TimeRecord> trainin
   return out;
 }
 
-}  // namespace bodesmith::identify
+}  // namespace bodesmith::hysteresis

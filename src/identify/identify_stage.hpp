@@ -7,7 +7,7 @@
 
 #include "hysteresis/identification.hpp"
 
-namespace bodesmith::identify {
+namespace bodesmith::hysteresis {
 
 /// One model held against records: what identify reports.
 struct StageFit {
@@ -40,4 +40,4 @@ TimeRecord advanced(const TimeRecord& record, double delay_s);
 /// y = offset + gain u, the model without hysteresis, as the ladder's lowest step.
 Identified identify_linear(std::span<const TimeRecord> records, const IdentifyOptions& options);
 
-}  // namespace bodesmith::identify
+}  // namespace bodesmith::hysteresis

@@ -12,12 +12,12 @@
 namespace bodesmith::project {
 namespace {
 
-using simulate::ClockedCompensator;
-using simulate::Compensator;
-using simulate::ConstantGain;
-using simulate::ResponseCompensator;
-using simulate::TrackingDesign;
-using simulate::Uncompensated;
+using tracking::ClockedCompensator;
+using tracking::Compensator;
+using tracking::ConstantGain;
+using tracking::ResponseCompensator;
+using tracking::TrackingDesign;
+using tracking::Uncompensated;
 
 /// The plan's CAMs as one sampled chain.
 ClockedCompensator clocked(const fpaa::Plan& plan, bool hold_and_delays) {
@@ -77,7 +77,7 @@ std::vector<Choice> choices(const Project& project, const Design& design) {
   const Disturbance::RateGains& rate = project.target.disturbance.rate;
   if (!rate.frequency.empty()) {
     const bool ascending = project.target.branch == Disturbance::Branch::ascending;
-    const simulate::ScheduledGain scheduled{rate.frequency, ascending ? rate.ascending : rate.descending};
+    const tracking::ScheduledGain scheduled{rate.frequency, ascending ? rate.ascending : rate.descending};
     out.push_back(compensated(project, "scheduled", "gain set by the measured frequency", scheduled, ""));
   }
   if (design.plan) {
@@ -93,12 +93,12 @@ std::vector<Choice> choices(const Project& project, const Design& design) {
   return out;
 }
 
-simulate::TrackingPlant plant_of(const Project& project) {
-  simulate::TrackingPlant plant;
+tracking::TrackingPlant plant_of(const Project& project) {
+  tracking::TrackingPlant plant;
   plant.disturbance = project.target.disturbance;
   plant.stroke = project.plant.stroke_m;
   if (project.plant.amplifier_corner)
-    plant.drive_path = simulate::lowpass_path(*project.plant.amplifier_corner);
+    plant.drive_path = tracking::lowpass_path(*project.plant.amplifier_corner);
   std::vector<Sections> stage;
   if (project.plant.damping_compensator) {
     Sections damping;
@@ -106,16 +106,16 @@ simulate::TrackingPlant plant_of(const Project& project) {
     stage.push_back(damping);
   }
   if (project.plant.resonance)
-    stage.push_back(simulate::resonance_path(*project.plant.resonance, project.plant.damping_ratio));
-  if (!stage.empty()) plant.stage_path = simulate::in_series(stage);
+    stage.push_back(tracking::resonance_path(*project.plant.resonance, project.plant.damping_ratio));
+  if (!stage.empty()) plant.stage_path = tracking::in_series(stage);
   return plant;
 }
 
-void keep_period(const simulate::TrackingReport& report, const std::vector<Choice>& all, double stroke,
+void keep_period(const tracking::TrackingReport& report, const std::vector<Choice>& all, double stroke,
                  TrackingStudy& study) {
   study.shown.frequency = *std::max_element(study.frequency.begin(), study.frequency.end());
   for (const Choice& choice : all) {
-    const simulate::TrackingCase* found = report.find(study.shown.frequency, choice.design.name);
+    const tracking::TrackingCase* found = report.find(study.shown.frequency, choice.design.name);
     if (study.shown.time_s.empty()) {
       study.shown.time_s = found->time_s;
       for (const double r : found->reference) study.shown.reference.push_back(r / stroke);
@@ -197,14 +197,14 @@ void find_what_a_schedule_would_do(TrackingStudy& study) {
 
 /// At which step most of the accuracy goes: rms change of the compensating waveform from one design to the
 /// next.
-void find_largest_loss(const std::vector<Choice>& all, const simulate::TrackingReport& report,
+void find_largest_loss(const std::vector<Choice>& all, const tracking::TrackingReport& report,
                        TrackingStudy& study) {
-  const simulate::TrackingCase* largest = nullptr;
+  const tracking::TrackingCase* largest = nullptr;
   const Choice* step = nullptr;
   for (const Choice& choice : all) {
     if (choice.design.made_from.empty()) continue;
     for (const Hertz f : study.frequency) {
-      const simulate::TrackingCase* found = report.find(f, choice.design.name);
+      const tracking::TrackingCase* found = report.find(f, choice.design.name);
       if (largest == nullptr || found->lost_rms_percent > largest->lost_rms_percent) {
         largest = found;
         step = &choice;
@@ -251,14 +251,14 @@ TrackingStudy study_tracking(const Project& project, const Design& design, const
   const std::vector<Choice> all = choices(project, design);
   std::vector<TrackingDesign> designs;
   for (const Choice& choice : all) designs.push_back(choice.design);
-  simulate::TrackingOptions options;
+  tracking::TrackingOptions options;
   options.frequencies = project.track.frequency;
   // A compensator stands in the path of its own branch; the switch picks behind it (first seed, Fig. 2).
-  options.place = simulate::TrackingOptions::Place::before_switch;
-  options.reference = project.track.sine ? simulate::TrackingOptions::Reference::sine
-                                         : simulate::TrackingOptions::Reference::triangle;
-  const simulate::TrackingPlant plant = plant_of(project);
-  const simulate::TrackingReport report = simulate::track(plant, designs, options);
+  options.place = tracking::TrackingOptions::Place::before_switch;
+  options.reference = project.track.sine ? tracking::TrackingOptions::Reference::sine
+                                         : tracking::TrackingOptions::Reference::triangle;
+  const tracking::TrackingPlant plant = plant_of(project);
+  const tracking::TrackingReport report = tracking::track(plant, designs, options);
 
   TrackingStudy study;
   study.frequency = project.track.frequency;
@@ -266,7 +266,7 @@ TrackingStudy study_tracking(const Project& project, const Design& design, const
   for (const Choice& choice : all) {
     TrackedDesign tracked{choice.key, choice.design.name, {}, {}, {}, {}};
     for (const Hertz f : study.frequency) {
-      const simulate::TrackingCase* found = report.find(f, choice.design.name);
+      const tracking::TrackingCase* found = report.find(f, choice.design.name);
       tracked.rms_percent.push_back(found->rms_percent);
       tracked.max_percent.push_back(found->max_percent);
       tracked.rms_percent_without_lag.push_back(found->rms_percent_without_lag);

@@ -10,6 +10,9 @@ namespace bodesmith::tracking {
 namespace {
 
 using chain::LinearKernel;
+using simulate::hold_nodes;
+using simulate::HoldResponse;
+using simulate::HoldResponseSolver;
 
 /// A switched-capacitor chain, one sample after the other (transposed direct form II).
 class SampledChain {

@@ -12,6 +12,11 @@ namespace {
 
 using Branch = Disturbance::Branch;
 using chain::LinearKernel;
+using simulate::Cvode;
+using simulate::hold_nodes;
+using simulate::HoldNodes;
+using simulate::HoldResponse;
+using simulate::HoldResponseSolver;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
 std::optional<LinearKernel> kernel_of(const Compensator& c) {

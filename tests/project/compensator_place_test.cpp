@@ -1,5 +1,5 @@
 // Two independent computations of what a compensator's waveform is worth, harmonic sums with exact Fourier
-// coefficients (fit) and sampled periods with CVODE (simulate), for a compensator before and behind the
+// coefficients (fit) and sampled periods with CVODE (tracking), for a compensator before and behind the
 // branch switch.
 #include <gtest/gtest.h>
 
@@ -9,8 +9,8 @@
 namespace bodesmith {
 namespace {
 
-using simulate::ConstantGain;
-using Place = simulate::TrackingOptions::Place;
+using tracking::ConstantGain;
+using Place = tracking::TrackingOptions::Place;
 
 Disturbance seed(bool both_branches) {
   Disturbance d;
@@ -32,14 +32,14 @@ Sections lead() {
 void compare(bool both_branches, Place place, DrivenPath path) {
   const Disturbance disturbance = seed(both_branches);
   const Sections g = lead();
-  simulate::TrackingPlant plant;
+  tracking::TrackingPlant plant;
   plant.disturbance = disturbance;
-  simulate::TrackingDesign design{"lead", ConstantGain{}, g, ""};
+  tracking::TrackingDesign design{"lead", ConstantGain{}, g, ""};
   if (both_branches) design.ascending = g;
-  simulate::TrackingOptions options;
+  tracking::TrackingOptions options;
   options.frequencies = disturbance.rate.frequency;
   options.place = place;
-  const auto tracked = simulate::track(plant, {design}, options);
+  const auto tracked = tracking::track(plant, {design}, options);
   WaveformErrorOptions error_options;
   error_options.path = path;
   const WaveformError error = waveform_error([&](RadPerSecond w) { return g.response(w); }, disturbance,
@@ -66,14 +66,14 @@ TEST(CompensatorPlace, BeforeTheSwitchInItsBranchsPath) {
 
 TEST(CompensatorPlace, ThePlaceMatters) {
   const Disturbance disturbance = seed(false);
-  simulate::TrackingPlant plant;
+  tracking::TrackingPlant plant;
   plant.disturbance = disturbance;
-  simulate::TrackingOptions options;
+  tracking::TrackingOptions options;
   options.frequencies = {Hertz{100}};
-  const simulate::TrackingDesign design{"lead", ConstantGain{}, lead(), ""};
-  const double behind = simulate::track(plant, {design}, options).cases[0].rms_percent;
+  const tracking::TrackingDesign design{"lead", ConstantGain{}, lead(), ""};
+  const double behind = tracking::track(plant, {design}, options).cases[0].rms_percent;
   options.place = Place::before_switch;
-  const double before = simulate::track(plant, {design}, options).cases[0].rms_percent;
+  const double before = tracking::track(plant, {design}, options).cases[0].rms_percent;
   EXPECT_GT(std::abs(behind - before), 0.01);
 }
 

@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "lti/cascade.hpp"
 
-namespace bodesmith::simulate {
+namespace bodesmith::tracking {
 namespace {
 
 constexpr double kPi = std::numbers::pi;
@@ -201,4 +201,4 @@ TEST(Tracking, AGainScheduledOnFrequencyLeavesOnlyItsTablesError) {
 }
 
 }  // namespace
-}  // namespace bodesmith::simulate
+}  // namespace bodesmith::tracking

@@ -175,8 +175,8 @@ std::string sweep_spectra_csv(const std::vector<simulate::SweepRow>& rows) {
   std::vector<double> columns[7];
   for (const auto& row : rows) {
     const double step = 1.0 / (row.frequency.value * static_cast<double>(row.u.size()));
-    const simulate::Spectrum u = simulate::spectrum_of(row.u, 0.0, step, true);
-    const simulate::Spectrum y = simulate::spectrum_of(row.y, 0.0, step, true);
+    const Spectrum u = spectrum_of(row.u, 0.0, step, true);
+    const Spectrum y = spectrum_of(row.y, 0.0, step, true);
     for (std::size_t k = 0; k < u.amplitude.size(); ++k) {
       const double values[] = {row.frequency.value, row.amplitude,  static_cast<double>(k), u.amplitude[k],
                                u.phase_deg[k],      y.amplitude[k], y.phase_deg[k]};

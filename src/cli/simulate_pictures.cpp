@@ -64,7 +64,7 @@ Figure over_time(const SimulatedRun& run) {
   return out;
 }
 
-Series lines_of(const std::string& name, const simulate::Spectrum& spectrum, bool marks) {
+Series lines_of(const std::string& name, const Spectrum& spectrum, bool marks) {
   // What is only rounding would stretch the axis down to nothing.
   const double floor = 1e-8 * *std::max_element(spectrum.amplitude.begin(), spectrum.amplitude.end());
   Series out{name, {}, {}};

@@ -15,6 +15,18 @@ namespace bodesmith::chain {
 
 class Block;
 
+/// y = factor u + constant.
+struct Affine {
+  double factor = 1.0;
+  double constant = 0.0;
+};
+
+/// A list parameter of a block that holds the coefficients of a polynomial.
+struct PolynomialList {
+  std::string_view key;
+  std::size_t first = 0;  ///< place of the coefficient of x^1 in it
+};
+
 /// What a block type says about one of its parameters.
 struct ParameterSpec {
   enum class Shape { number, list, flag, word };
@@ -64,6 +76,21 @@ class BlockType {
   virtual std::optional<std::complex<double>> response(const Block&, RadPerSecond) const {
     return std::nullopt;
   }
+
+  // What other rooms ask of a block, so that none of them has to know it by name.
+
+  /// The slowest time constant of the block, in seconds: seven of them, and a step at its input is forgotten.
+  /// (For a pure delay a seventh of it.) 0: nothing to wait for.
+  virtual double slowest_time_constant_s(const Block&) const { return 0.0; }
+  /// The straight line that the block is for every input at every time; nothing for any other block.
+  virtual std::optional<Affine> affine(const Block&) const { return std::nullopt; }
+  /// The delay of a block that does nothing else.
+  virtual std::optional<double> pure_delay_s(const Block&) const { return std::nullopt; }
+  /// Order of the circuit section (poles by amplifiers, resistors and capacitors) that the block stands for:
+  /// 1 for a corner, 2 for a resonance; 0 for blocks that are no section.
+  virtual int section_order() const { return 0; }
+  /// Lists of coefficients whose powers of the input a circuit makes by multipliers.
+  virtual std::vector<PolynomialList> polynomials() const { return {}; }
 };
 
 /// A block of a chain: its type and the values of its parameters. A value: copies are independent.
@@ -97,6 +124,16 @@ class Block {
   std::string complaint() const;
   Kernel kernel() const { return type_->kernel(*this); }
   std::optional<std::complex<double>> response(RadPerSecond w) const { return type_->response(*this, w); }
+  double slowest_time_constant_s() const { return type_->slowest_time_constant_s(*this); }
+  std::optional<Affine> affine() const { return type_->affine(*this); }
+  /// True when the block multiplies by a constant and does nothing else.
+  bool scales_only() const {
+    const auto line = affine();
+    return line && line->constant == 0.0;
+  }
+  std::optional<double> pure_delay_s() const { return type_->pure_delay_s(*this); }
+  int section_order() const { return type_->section_order(); }
+  std::vector<PolynomialList> polynomials() const { return type_->polynomials(); }
 
   /// Line of model.toml it came from; 0: none.
   int line = 0;

@@ -1,3 +1,5 @@
+#include <algorithm>
+
 #include "chain/blocks/block_list.hpp"
 
 namespace bodesmith::chain {
@@ -38,6 +40,11 @@ class Creep final : public NamedBlockType {
     for (std::size_t i = 0; i < gains.size(); ++i)
       h += gains[i] / std::complex<double>(1.0, w.value * times[i]);
     return h;
+  }
+  double slowest_time_constant_s(const Block& block) const override {
+    double slowest = 0.0;
+    for (const double time : block.list("time_constants_s")) slowest = std::max(slowest, time);
+    return slowest;
   }
 };
 

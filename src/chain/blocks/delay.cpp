@@ -16,6 +16,8 @@ class Delay final : public NamedBlockType {
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     return std::polar(1.0, -w.value * block.get("delay_s"));
   }
+  double slowest_time_constant_s(const Block& block) const override { return block.get("delay_s") / 7.0; }
+  std::optional<double> pure_delay_s(const Block& block) const override { return block.get("delay_s"); }
 };
 
 }  // namespace

@@ -51,6 +51,10 @@ class FractionalLeadLagBlock final : public NamedBlockType {
     return term_of(block).response(w);
   }
 
+  double slowest_time_constant_s(const Block& block) const override {
+    return block.get("lambda_s") * std::max(1.0, block.get("x"));
+  }
+
  private:
   static FractionalLeadLag term_of(const Block& block) {
     return {block.get("lambda_s"), block.get("x"), block.get("beta")};

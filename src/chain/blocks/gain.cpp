@@ -17,6 +17,9 @@ class Gain final : public NamedBlockType {
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond) const override {
     return block.get("gain");
   }
+  std::optional<Affine> affine(const Block& block) const override {
+    return Affine{block.get("gain"), block.get("offset")};
+  }
 };
 
 }  // namespace

@@ -129,6 +129,10 @@ class HysteresisBlock final : public NamedBlockType {
     const auto at_once = hysteresis::make_operator(hysteresis::checked_model(name(), parameters));
     return std::make_unique<OperatorKernel>(std::move(op), by_slope, at_once.get(), delay);
   }
+  std::vector<PolynomialList> polynomials() const override {
+    if (name() != "polynomial_hysteresis") return {};
+    return {{"ascending", 0}, {"descending", 0}};
+  }
 
  private:
   hysteresis::Parameters parameters_of(const Block& block) const {

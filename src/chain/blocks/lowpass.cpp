@@ -19,6 +19,10 @@ class Lowpass final : public NamedBlockType {
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     return 1.0 / std::complex<double>(1.0, w.value / Hertz{block.get("corner_hz")}.rad_s().value);
   }
+  double slowest_time_constant_s(const Block& block) const override {
+    return 1.0 / Hertz{block.get("corner_hz")}.rad_s().value;
+  }
+  int section_order() const override { return 1; }
 };
 
 }  // namespace

@@ -20,6 +20,10 @@ class PoleZero final : public NamedBlockType {
     return block.get("gain") * std::complex<double>(1.0, f / block.get("zero_hz")) /
            std::complex<double>(1.0, f / block.get("pole_hz"));
   }
+  double slowest_time_constant_s(const Block& block) const override {
+    return 1.0 / Hertz{block.get("pole_hz")}.rad_s().value;
+  }
+  int section_order() const override { return 1; }
 };
 
 }  // namespace

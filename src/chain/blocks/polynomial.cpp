@@ -34,6 +34,7 @@ class Polynomial final : public NamedBlockType {
   Kernel kernel(const Block& block) const override {
     return std::make_unique<PolynomialCurve>(block.list("coefficients"));
   }
+  std::vector<PolynomialList> polynomials() const override { return {{"coefficients", 1}}; }
 };
 
 }  // namespace

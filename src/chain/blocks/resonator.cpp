@@ -86,6 +86,13 @@ class Resonator final : public NamedBlockType {
     return block.get("gain") / std::complex<double>(1.0 - r * r, 2.0 * block.get("damping_ratio") * r);
   }
 
+  double slowest_time_constant_s(const Block& block) const override {
+    const double w = Hertz{block.get("natural_frequency_hz")}.rad_s().value;
+    const double d = block.get("damping_ratio");
+    return 1.0 / (w * (d < 1.0 ? d : d - std::sqrt(d * d - 1.0)));
+  }
+  int section_order() const override { return 2; }
+
  private:
   static bool is_linear(const Block& block) {
     return block.get("quadratic") == 0.0 && block.get("cubic") == 0.0 && block.get("drag") == 0.0;

@@ -17,6 +17,12 @@ function(bodesmith_warnings target)
   endif()
 endfunction()
 
+# Files of a room share what they instantiate (Eigen, JSON, formatting) when they are compiled together. Names in anonymous
+# namespaces are therefore unique within a room.
+function(bodesmith_unity target)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${BODESMITH_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+endfunction()
+
 function(bodesmith_room name)
   cmake_parse_arguments(ROOM "" "" "USES;PUBLIC;PRIVATE" ${ARGN})
   set(target bodesmith_${name})
@@ -41,6 +47,7 @@ function(bodesmith_room name)
   list(TRANSFORM above PREPEND bodesmith_)
   target_link_libraries(${target} PUBLIC ${above} ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
   bodesmith_warnings(${target})
+  bodesmith_unity(${target})
   set(BODESMITH_ROOMS ${BODESMITH_ROOMS} ${name} CACHE INTERNAL "")
 endfunction()
 

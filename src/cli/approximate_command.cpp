@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <optional>
 #include <string>
 
@@ -9,6 +8,7 @@
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
+#include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/approximate_modes.hpp"
 #include "cli/command_line.hpp"
@@ -96,7 +96,7 @@ int run_approximate(const std::vector<std::string>& arguments) {
 
   Provenance from;
   const Cascade cascade = Cascade::read(line.files().front(), from);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   CascadeApproximation result = approximate_cascade(cascade, options);
   std::optional<int> left_out;
   if (line.has("merge-db")) {
@@ -111,7 +111,7 @@ int run_approximate(const std::vector<std::string>& arguments) {
     arranged = order_sections(result.sections, result.error.band);
     result.sections = arranged->sections;
   }
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
 
   Json out = json_header("sections", from);
   out.update(result.sections.to_json());

@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <cmath>
 
 #include "approximate/fractional_transfer.hpp"
@@ -8,6 +7,7 @@
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
+#include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/approximate_modes.hpp"
 #include "cli/commands.hpp"
@@ -72,7 +72,7 @@ int approximate_fractional(const CommandLine& line) {
   options.real = line.has("real");
   options.seed = line.seed_value();
   const auto limit = line.maybe<double>("max-error-db");
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   DirectFit fit;
   const int first = line.has("order") ? line.get<int>("order") : limit ? 1 : 4;
   const int last = line.has("order") || !limit ? first : std::min(12, line.get<int>("max-order"));
@@ -80,7 +80,7 @@ int approximate_fractional(const CommandLine& line) {
     fit = fit_directly(points, options);
     if (limit && fit.max_db <= *limit) break;
   }
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
   const bool met = !limit || fit.max_db <= *limit;
 
   Json report = fit.report_json();

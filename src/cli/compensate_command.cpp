@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <optional>
 #include <string>
 
@@ -9,6 +8,7 @@
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
+#include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
@@ -40,10 +40,10 @@ int run_compensate(const std::vector<std::string>& arguments) {
       hysteresis::stage_model_from_node(read_document(line.files().front(), from));
   const TimeRecord reference = TimeRecord::read_csv_column(line.get<std::string>("reference"), from, "r");
 
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const hysteresis::Compensation drive =
       hysteresis::compensate(stage, reference.u, reference.step_s, !line.has("no-preview"));
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
   const hysteresis::ErrorFigures error = hysteresis::error_figures(drive.predicted, reference.u);
 
   CsvWriter csv;

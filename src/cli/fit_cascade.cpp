@@ -1,11 +1,11 @@
 #include <fmt/format.h>
 
-#include <chrono>
 #include <string>
 
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
+#include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
@@ -78,9 +78,9 @@ int fit_to_cascade(const CommandLine& line) {
   }
   Provenance from;
   const BodePoints points = BodePoints::read_csv(line.files().front(), from);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const CascadeFit fit = fit_cascade(points, options);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
   for (const std::string& warning : fit.warnings) note("warning: " + warning);
 
   Json out = json_header("cascade", from);

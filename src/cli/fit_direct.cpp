@@ -1,10 +1,9 @@
 #include <fmt/format.h>
 
-#include <chrono>
-
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
+#include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "cli/fit_modes.hpp"
@@ -69,7 +68,7 @@ int fit_to_sections(const CommandLine& line) {
   const BodePoints points = BodePoints::read_csv(line.files().front(), from);
   if (line.has("upper")) options.upper = BodePoints::read_csv(line.get<std::string>("upper"), from);
   if (line.has("lower")) options.lower = BodePoints::read_csv(line.get<std::string>("lower"), from);
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   DirectFit fit;
   if (line.has("order")) {
     options.order = line.get<int>("order");
@@ -80,7 +79,7 @@ int fit_to_sections(const CommandLine& line) {
       if (fit.max_db <= *limit) break;
     }
   }
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
   for (const std::string& warning : fit.warnings) note("warning: " + warning);
 
   Json out = json_header("sections", from);

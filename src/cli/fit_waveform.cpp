@@ -1,10 +1,9 @@
 #include <fmt/format.h>
 
-#include <chrono>
-
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
+#include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "cli/fit_modes.hpp"
@@ -89,9 +88,9 @@ int fit_to_waveform(const CommandLine& line) {
   } else {
     options.path = path_to_compensate(disturbance);
   }
-  const auto start = std::chrono::steady_clock::now();
+  const Stopwatch watch;
   const WaveformFit fit = fit_waveform(disturbance, options);
-  const double seconds = std::chrono::duration<double>(std::chrono::steady_clock::now() - start).count();
+  const double seconds = watch.seconds();
   for (const std::string& warning : fit.warnings) note("warning: " + warning);
 
   Json report;

@@ -10,6 +10,7 @@
 #include "fpaa/cams/filter_bilinear.hpp"
 #include "fpaa/cams/filter_biquad.hpp"
 #include "fpaa/noise.hpp"
+#include "numeric/random.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -88,10 +89,9 @@ ErrorBudget::Mismatch mismatch(const Plan& plan, const BudgetOptions& options) {
   const std::vector<Hertz> grid = log_grid(plan.error.band, kMismatchPoints);
   const auto cams = plan.cams();
   std::mt19937_64 random(options.seed);
-  // Box-Muller on the raw generator: the standard's distributions differ from library to library.
-  const auto uniform = [&] { return (static_cast<double>(random() >> 11) + 0.5) * 0x1.0p-53; };
   const auto normal = [&] {
-    return std::sqrt(-2.0 * std::log(uniform())) * std::cos(2.0 * M_PI * uniform());
+    const double log_u = std::log(open_unit_interval(random()));
+    return box_muller(log_u, open_unit_interval(random()));
   };
   const double sigma = options.mismatch_sigma_percent / 100.0 / std::sqrt(2.0);
   std::vector<double> worst;

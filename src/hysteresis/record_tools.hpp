@@ -1,11 +1,11 @@
 #pragma once
 
 #include <Eigen/Dense>
-#include <chrono>
 #include <limits>
 #include <span>
 #include <vector>
 
+#include "base/progress.hpp"
 #include "hysteresis/identification.hpp"
 #include "hysteresis/operator.hpp"
 #include "signal/time_record.hpp"
@@ -41,15 +41,5 @@ struct Branch {
 /// Cuts at the turning points of the input; moves smaller than `dead` times the input's range do not count as
 /// turns.
 std::vector<Branch> branches(const std::vector<double>& u, double dead = 1e-3);
-
-class Stopwatch {
- public:
-  double seconds() const {
-    return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-  }
-
- private:
-  std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();
-};
 
 }  // namespace bodesmith::hysteresis

@@ -7,8 +7,8 @@
 
 namespace bodesmith {
 
-/// The standard library counts with std::size_t, Eigen with Eigen::Index. A loop counts in the type of what it walks
-/// over; where the two meet, these say so (and -Wsign-conversion catches what does not).
+/// The standard library counts with std::size_t, Eigen with Eigen::Index. A loop counts in the type of what
+/// it walks over; where the two meet, these say so (and -Wsign-conversion catches what does not).
 constexpr Eigen::Index eigen_index(std::size_t n) {
   return static_cast<Eigen::Index>(n);
 }

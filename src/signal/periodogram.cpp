@@ -6,6 +6,7 @@
 #include <random>
 #include <unsupported/Eigen/FFT>
 
+#include "numeric/random.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith {
@@ -66,7 +67,7 @@ std::vector<double> phase_surrogate(const std::vector<double>& v, std::uint64_t 
   auto bins = half_spectrum(centred);
   std::mt19937_64 random(seed);
   for (std::size_t k = 1; k < bins.size(); ++k) {
-    const double phase = 2.0 * std::numbers::pi * static_cast<double>(random() >> 11) * 0x1.0p-53;
+    const double phase = 2.0 * std::numbers::pi * unit_interval(random());
     bins[k] = 2 * k == n ? bins[k] : std::polar(std::abs(bins[k]), phase);
   }
   auto turned = from_half_spectrum(bins, n);

@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "numeric/random.hpp"
 
 namespace bodesmith::simulate {
 namespace {
@@ -62,8 +63,7 @@ void fill_multisine(const ReferenceSpec& s, TimeRecord& r) {
   std::mt19937_64 random(s.seed);
   std::vector<std::pair<double, double>> lines;
   for (int k = 1; k * s.frequency.value <= s.last.value * (1.0 + 1e-12); k += 2) {
-    // Not std::uniform_real_distribution, whose numbers differ between libraries.
-    lines.emplace_back(k * s.frequency.value, kTurn * static_cast<double>(random() >> 11) * 0x1p-53);
+    lines.emplace_back(k * s.frequency.value, kTurn * unit_interval(random()));
     if (lines.size() > 20000) throw InputError("a multisine of more than 20000 lines, expected fewer");
   }
   double peak = 0.0;

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "numeric/counter_random.hpp"
+#include "numeric/random.hpp"
 
 namespace bodesmith {
 namespace {

@@ -7,7 +7,7 @@
 #include "../circuit/seed_sections.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "numeric/counter_random.hpp"
+#include "numeric/random.hpp"
 #include "temporary_folder.hpp"
 #include "yield/counts.hpp"
 #include "yield/kernel.hpp"

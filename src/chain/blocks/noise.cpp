@@ -3,7 +3,7 @@
 #include <numbers>
 
 #include "chain/blocks/block_list.hpp"
-#include "chain/blocks/random_numbers.hpp"
+#include "numeric/random.hpp"
 
 namespace bodesmith::chain {
 namespace {

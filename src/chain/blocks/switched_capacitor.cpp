@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "chain/blocks/block_list.hpp"
-#include "chain/blocks/random_numbers.hpp"
+#include "numeric/random.hpp"
 
 namespace bodesmith::chain {
 namespace {

@@ -4,17 +4,19 @@
 
 #include <algorithm>
 #include <cmath>
-#include <future>
+#include <functional>
+#include <thread>
 
 #include "base/progress.hpp"
 #include "fit/direct_fit.hpp"
 #include "fit/waveform_fit.hpp"
+#include "numeric/parallel_for.hpp"
 
 namespace bodesmith::project {
 namespace {
 
-Alternative judged(const Project& project, std::string name, Alternative::Kind kind,
-                   const Sections& sections) {
+Alternative rated_alternative(const Project& project, std::string name, Alternative::Kind kind,
+                              const Sections& sections) {
   Alternative out;
   out.name = std::move(name);
   out.kind = kind;
@@ -25,9 +27,9 @@ Alternative judged(const Project& project, std::string name, Alternative::Kind k
     out.points_max_db = std::max(out.points_max_db, std::abs(to_decibel(std::abs(h) / point.gain)));
     out.phase_at_points_deg = std::max(out.phase_at_points_deg, std::abs(to_degrees(std::arg(h))));
   }
-  double highest = sections.gain;
-  for (const Section& section : sections.sections) highest *= section.high_frequency_gain();
-  out.above_band_db = highest == 0.0 ? -INFINITY : to_decibel(highest);
+  double gain_at_infinity = sections.gain;
+  for (const Section& section : sections.sections) gain_at_infinity *= section.high_frequency_gain();
+  out.above_band_db = gain_at_infinity == 0.0 ? -INFINITY : to_decibel(gain_at_infinity);
   WaveformErrorOptions options;
   options.path = compensated_path(project);
   out.waveform = waveform_error([&sections](RadPerSecond w) { return sections.response(w); },
@@ -35,6 +37,27 @@ Alternative judged(const Project& project, std::string name, Alternative::Kind k
   const int poles = sections.pole_count();
   out.fpaa_blocks = poles + poles % 2;
   return out;
+}
+
+Alternative direct_alternative(const Project& project, int order) {
+  DirectFitOptions options;
+  options.order = order;
+  options.real = true;
+  options.max_corner = Hertz{5.0 * project.target.points.points.back().frequency.value};
+  const DirectFit fit = fit_directly(project.target.points, options);
+  return rated_alternative(project, fmt::format("direct fit, {} poles", order), Alternative::Kind::direct,
+                           fit.sections);
+}
+
+Alternative waveform_alternative(const Project& project, int order) {
+  WaveformFitOptions options;
+  options.order = order;
+  options.path = compensated_path(project);
+  options.worst = true;
+  options.operating = project.track.frequency;
+  const WaveformFit fit = fit_waveform(project.target.disturbance, options);
+  return rated_alternative(project, fmt::format("waveform fit, {} pole{}", order, order == 1 ? "" : "s"),
+                           Alternative::Kind::waveform, fit.sections);
 }
 
 }  // namespace
@@ -46,53 +69,36 @@ DrivenPath compensated_path(const Project& project) {
 
 std::vector<Alternative> make_alternatives(const Project& project,
                                            const CascadeApproximation& approximation) {
-  const auto direct = [&project](int order) {
-    DirectFitOptions options;
-    options.order = order;
-    options.real = true;
-    options.max_corner = Hertz{5.0 * project.target.points.points.back().frequency.value};
-    const DirectFit fit = fit_directly(project.target.points, options);
-    return judged(project, fmt::format("direct fit, {} poles", order), Alternative::Kind::direct,
-                  fit.sections);
-  };
-  const auto waveform = [&project](int order) {
-    WaveformFitOptions options;
-    options.order = order;
-    options.path = compensated_path(project);
-    options.worst = true;
-    options.operating = project.track.frequency;
-    const WaveformFit fit = fit_waveform(project.target.disturbance, options);
-    return judged(project, fmt::format("waveform fit, {} pole{}", order, order == 1 ? "" : "s"),
-                  Alternative::Kind::waveform, fit.sections);
-  };
-  // The fits know nothing of one another: both cores.
-  std::vector<std::future<Alternative>> fits;
-  for (const int order : {2, 3, 4}) fits.push_back(std::async(std::launch::async, direct, order));
+  std::vector<std::function<Alternative()>> makers;
+  makers.emplace_back([&] {
+    return rated_alternative(project, "cascade, " + approximation.method, Alternative::Kind::cascade,
+                             approximation.sections);
+  });
+  for (const int order : {2, 3, 4})
+    makers.emplace_back([&project, order] { return direct_alternative(project, order); });
   if (!project.target.disturbance.is_static(project.target.branch)) {
-    for (const int order : {1, 2, 4}) fits.push_back(std::async(std::launch::async, waveform, order));
+    for (const int order : {1, 2, 4})
+      makers.emplace_back([&project, order] { return waveform_alternative(project, order); });
   }
-  std::vector<Alternative> out;
-  out.push_back(judged(project, "cascade, " + approximation.method, Alternative::Kind::cascade,
-                       approximation.sections));
-  for (std::future<Alternative>& fit : fits) out.push_back(fit.get());
+  std::vector<Alternative> out(makers.size());
+  const int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
+  parallel_for(makers.size(), threads, [&](std::size_t i) { out[i] = makers[i](); });
   stop_if_interrupted();
   return out;
 }
 
 std::vector<std::size_t> rank_alternatives(const Project& project,
                                            const std::vector<Alternative>& alternatives) {
-  std::vector<std::size_t> order;
-  if (project.choose == Project::Choose::as_asked) return {0};
+  if (project.choice == Project::Choice::as_asked) return {0};
+  const bool by_waveform = project.choice == Project::Choice::waveform;
   const double limit = project.limits.points_db.value_or(0.05);
+  std::vector<std::size_t> order;
   for (std::size_t i = 0; i < alternatives.size(); ++i) {
-    if (project.choose == Project::Choose::waveform || alternatives[i].points_max_db <= limit)
-      order.push_back(i);
+    if (by_waveform || alternatives[i].points_max_db <= limit) order.push_back(i);
   }
   if (order.empty()) return {0};
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    if (project.choose == Project::Choose::waveform) {
-      return alternatives[a].waveform.worst_percent < alternatives[b].waveform.worst_percent;
-    }
+    if (by_waveform) return alternatives[a].waveform.worst_percent < alternatives[b].waveform.worst_percent;
     return alternatives[a].sections.pole_count() < alternatives[b].sections.pole_count();
   });
   return order;

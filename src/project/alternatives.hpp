@@ -5,31 +5,32 @@
 
 #include "approximate/approximate.hpp"
 #include "fit/waveform_error.hpp"
-#include "project/project_file.hpp"
+#include "project/project.hpp"
 
 namespace bodesmith::project {
 
-/// One way to meet the wish with integer sections.
+/// One set of integer sections that could be built for the target, and how well it meets it.
 struct Alternative {
   std::string name;  ///< "cascade, minimax", "direct fit, 3 poles", "waveform fit, 2 poles"
   enum class Kind { cascade, direct, waveform } kind = Kind::cascade;
   Sections sections;
-  double points_max_db = 0.0;        ///< largest miss at the wanted points above the base
-  double phase_at_points_deg = 0.0;  ///< largest phase that it turns at the wanted points
+  double points_max_db = 0.0;        ///< largest error at the target points above the base
+  double phase_at_points_deg = 0.0;  ///< largest phase shift at the target points
   double above_band_db = 0.0;        ///< gain at infinity: what it does to noise above the band
   WaveformError waveform;            ///< at the tracked frequencies, percent of range
-  int fpaa_blocks = 0;               ///< one a real pole-zero pair, and one more where the sign needs it
+  int fpaa_blocks = 0;               ///< one per real pole-zero pair, and one more where the sign needs it
 };
 
-/// The way that was asked for first, then direct fits (real poles and zeros, corners up to five times the
+/// The cascade's approximation first, then direct fits (real poles and zeros, corners up to five times the
 /// highest point) and waveform fits of rising order.
 std::vector<Alternative> make_alternatives(const Project& project, const CascadeApproximation& approximation);
 
-/// Indices in the order in which they should be built, by the project's [choose]; the first that the hardware
-/// can make is taken:
+/// Indices in the order in which they should be built, by the project's [choose]; the first one that the
+/// hardware can make is taken:
 ///   as_asked         the cascade's approximation, nothing else
-///   fewest_sections  those with every wanted point within limits.points_db (0.05 dB when absent), fewest
-///   poles first waveform         smallest worst waveform error first
+///   fewest_sections  those with every target point within limits.points_db (0.05 dB when absent), fewest
+///                    poles first
+///   waveform         smallest worst-case waveform error first
 std::vector<std::size_t> rank_alternatives(const Project& project,
                                            const std::vector<Alternative>& alternatives);
 

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "project/design.hpp"
-#include "project/project_file.hpp"
+#include "project/project.hpp"
 
 namespace bodesmith::project {
 

@@ -26,7 +26,7 @@ TEST(TrackingStudy, PureLagIsToldFromTheRest) {
   const Project project = seed_project({Hertz{10}, Hertz{1000}, Hertz{5000}});
   const Design design = make_design(project);
   const TrackingStudy study = study_tracking(project, design, make_budget(project, design));
-  const TrackedDesign* scheduled = study.find("scheduled");
+  const TrackedDesign* scheduled = study.find(TrackedStage::scheduled);
   ASSERT_NE(scheduled, nullptr);
   // Group delay of amplifier, damping compensator and resonance at low frequency: 1/w_a + 1.917e5/1.436e11 -
   // 9.854e4/1.67e11 + 2 0.1206/w_r.
@@ -42,9 +42,9 @@ TEST(TrackingStudy, PureLagIsToldFromTheRest) {
   for (const TrackedDesign& d : study.designs) {
     ASSERT_EQ(d.rms_percent_without_lag.size(), 3u);
     for (size_t i = 0; i < 3; ++i)
-      EXPECT_LE(d.rms_percent_without_lag[i], 1.0001 * d.rms_percent[i]) << d.key;
+      EXPECT_LE(d.rms_percent_without_lag[i], 1.0001 * d.rms_percent[i]) << d.name;
   }
-  EXPECT_NE(study.csv().find("circuit_without_lag_percent"), std::string::npos);
+  EXPECT_NE(tracking_csv(study).find("circuit_without_lag_percent"), std::string::npos);
   EXPECT_TRUE(says(study, "The disturbance's gains are known up to 100 Hz; at 1000 and 5000 Hz"));
   EXPECT_TRUE(says(study, "The FPAA samples at 2000 Hz"));
   EXPECT_TRUE(says(study, "Most accuracy is lost from 'FPAA, capacitors only' to 'FPAA with sample, hold"));
@@ -54,11 +54,11 @@ TEST(TrackingStudy, MagnitudeOnlyIsSaidToBeWorseOnlyWhereItIs) {
   const Project project = seed_project({Hertz{60}, Hertz{100}});
   const Design design = make_design(project);
   const TrackingStudy study = study_tracking(project, design, make_budget(project, design));
-  EXPECT_GT(study.find("cascade")->rms_percent_without_lag[1],
-            study.find("polynomial")->rms_percent_without_lag[1]);
+  EXPECT_GT(study.find(TrackedStage::cascade)->rms_percent_without_lag[1],
+            study.find(TrackedStage::polynomial)->rms_percent_without_lag[1]);
   EXPECT_TRUE(says(study, "worse than the constant polynomial at 60 and 100 Hz"));
   EXPECT_FALSE(says(study, "gains are known up to"));
-  EXPECT_LT(study.largest_cross_check_percent, 0.1);
+  EXPECT_LT(study.max_cross_check_percent, 0.1);
 }
 
 }  // namespace

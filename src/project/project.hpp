@@ -3,6 +3,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/provenance.hpp"
@@ -13,8 +14,7 @@
 
 namespace bodesmith::project {
 
-/// What a person wants, from project.toml (schema bodesmith.project/1). Paths in it are relative to its
-/// folder.
+/// The specification in project.toml (schema bodesmith.project/1). Paths in it are relative to its folder.
 struct Project {
   std::string name;
 
@@ -37,23 +37,24 @@ struct Project {
     std::optional<double> max_error_db;
   } approximate;
 
-  /// Which of the ways to sections is built, see alternatives.hpp.
-  enum class Choose { as_asked, fewest_sections, waveform } choose = Choose::as_asked;
+  /// Which of the alternatives is built ([choose] by), see alternatives.hpp.
+  enum class Choice { as_asked, fewest_sections, waveform } choice = Choice::as_asked;
 
   struct Fpaa {
     std::string board = "an231k04-quad4";
     std::optional<Hertz> clock;
   };
-  std::optional<Fpaa> fpaa;  ///< absent: no board wanted
+  std::optional<Fpaa> fpaa;  ///< absent: no board is designed
 
   struct Circuit {
     std::string realization = "opamp-rc";
     std::string resistors = "E96";
     std::string capacitors = "E12";
   };
-  std::optional<Circuit> circuit;  ///< absent: no op-amp circuit wanted
+  std::optional<Circuit> circuit;  ///< absent: no op-amp circuit is designed
 
-  /// Stage of the first seed, Fig. 1(b): amplifier pole, damping compensator (eq. 20), resonance.
+  /// The stage of "Modeling and Control of Piezoelectric Hysteresis: A Polynomial-Based Fractional Order
+  /// Disturbance Compensation Approach", Fig. 1(b): amplifier pole, damping compensator (eq. 20), resonance.
   struct Plant {
     double stroke_m = 0.0;
     std::optional<Hertz> amplifier_corner;
@@ -62,8 +63,10 @@ struct Project {
     std::optional<Section> damping_compensator;
   } plant;
 
+  /// The full-stroke reference that the stage must follow.
+  enum class Waveform { triangle, sine };
   struct Track {
-    bool sine = false;
+    Waveform waveform = Waveform::triangle;
     std::vector<Hertz> frequency;
   } track;
 
@@ -75,8 +78,12 @@ struct Project {
     std::optional<double> circuit_db;
   } limits;
 
-  /// Reads the project and the files it names; every complaint has file and line.
+  /// Reads the project and the files it names; every InputError has file and line.
   static Project read(const std::filesystem::path& path, Provenance& from);
 };
+
+/// The words of the project file.
+std::string_view to_string(Project::Choice choice);
+std::string_view to_string(Project::Waveform waveform);
 
 }  // namespace bodesmith::project

@@ -1,4 +1,4 @@
-#include "project/project_file.hpp"
+#include "project/project.hpp"
 
 #include <fmt/format.h>
 
@@ -23,13 +23,22 @@ std::vector<std::complex<double>> quadratic_roots(const Node& node) {
   return {{far, 0.0}, {c[1] / far, 0.0}};
 }
 
-/// A path in the project, which must be readable: the complaint names the project's line.
+/// The one of `values` whose to_string() the node holds.
+template <class Enum, class... Enums>
+Enum one_of(const Node& node, Enum first, Enums... others) {
+  const std::string word = node.one_of({to_string(first), to_string(others)...});
+  Enum found = first;
+  ((to_string(others) == word ? void(found = others) : void()), ...);
+  return found;
+}
+
+/// A file that the project names, which must exist: the error names the project's line.
 fs::path file_at(const Node& table, std::string_view key, const fs::path& folder) {
   const Node node = table.at(key);
   const fs::path path = folder / node.string();
   std::error_code ignored;
   if (!fs::is_regular_file(path, ignored))
-    node.fail(fmt::format("names {}, which is not there", path.string()));
+    node.fail(fmt::format("names {}, which does not exist", path.string()));
   return path;
 }
 
@@ -92,66 +101,87 @@ Project::Plant read_plant(const Node& node) {
 Project::Track read_track(const Node& node) {
   node.allow_only({"waveform", "frequency_hz"});
   Project::Track track;
-  track.sine = node.has("waveform") && node.at("waveform").one_of({"triangle", "sine"}) == "sine";
+  if (node.has("waveform")) {
+    track.waveform = one_of(node.at("waveform"), Project::Waveform::triangle, Project::Waveform::sine);
+  }
   for (const Node& item : node.at("frequency_hz").items()) track.frequency.push_back(Hertz{item.positive()});
   if (track.frequency.empty()) node.at("frequency_hz").fail("is empty, expected at least one frequency");
   return track;
 }
 
-std::optional<double> limit(const Node& node, std::string_view key) {
-  if (!node.has(key)) return std::nullopt;
-  return node.at(key).positive();
+Project::Choice read_choice(const Node& node) {
+  using Choice = Project::Choice;
+  node.allow_only({"by"});
+  return one_of(node.at("by"), Choice::as_asked, Choice::fewest_sections, Choice::waveform);
+}
+
+Project::Fpaa read_fpaa(const Node& node) {
+  node.allow_only({"board", "clock_hz"});
+  Project::Fpaa fpaa;
+  fpaa.board = node.string_or("board", fpaa.board);
+  if (node.has("clock_hz")) fpaa.clock = Hertz{node.at("clock_hz").positive()};
+  return fpaa;
+}
+
+Project::Circuit read_circuit(const Node& node) {
+  node.allow_only({"realization", "resistors", "capacitors"});
+  Project::Circuit circuit;
+  circuit.realization = node.string_or("realization", circuit.realization);
+  circuit.resistors = node.string_or("resistors", circuit.resistors);
+  circuit.capacitors = node.string_or("capacitors", circuit.capacitors);
+  return circuit;
+}
+
+Project::Limits read_limits(const Node& node) {
+  node.allow_only({"fit_db", "points_db", "approximation_db", "fpaa_percent", "circuit_db"});
+  const auto limit = [&node](std::string_view key) -> std::optional<double> {
+    if (!node.has(key)) return std::nullopt;
+    return node.at(key).positive();
+  };
+  return {limit("fit_db"), limit("points_db"), limit("approximation_db"), limit("fpaa_percent"),
+          limit("circuit_db")};
 }
 
 }  // namespace
+
+std::string_view to_string(Project::Choice choice) {
+  switch (choice) {
+    case Project::Choice::as_asked:
+      return "as_asked";
+    case Project::Choice::fewest_sections:
+      return "fewest_sections";
+    case Project::Choice::waveform:
+      return "waveform";
+  }
+  return "";
+}
+
+std::string_view to_string(Project::Waveform waveform) {
+  return waveform == Project::Waveform::sine ? "sine" : "triangle";
+}
 
 Project Project::read(const fs::path& path, Provenance& from) {
   const Node node = read_document(path, from);
   node.expect_schema("project");
   node.allow_only(
       {"schema", "name", "target", "fit", "approximate", "choose", "hardware", "plant", "track", "limits"});
-  const fs::path folder = path.parent_path();
   Project project;
   project.name = node.string_or("name", path.stem().string());
-  project.target = read_target(node.at("target"), folder, from);
+  project.target = read_target(node.at("target"), path.parent_path(), from);
   if (node.has("fit")) project.fit = read_fit(node.at("fit"));
+  // Without [approximate] the design with the fewest sections that meets the points is built.
+  project.choice = node.has("approximate") ? Choice::as_asked : Choice::fewest_sections;
   if (node.has("approximate")) project.approximate = read_approximate(node.at("approximate"));
-  // Who says nothing of how sections are made gets the fewest that do.
-  if (!node.has("approximate")) project.choose = Choose::fewest_sections;
-  if (node.has("choose")) {
-    const Node choose = node.at("choose");
-    choose.allow_only({"by"});
-    const std::string by = choose.at("by").one_of({"as_asked", "fewest_sections", "waveform"});
-    if (by == "fewest_sections") project.choose = Choose::fewest_sections;
-    if (by == "waveform") project.choose = Choose::waveform;
-  }
+  if (node.has("choose")) project.choice = read_choice(node.at("choose"));
   if (node.has("hardware")) {
     const Node hardware = node.at("hardware");
     hardware.allow_only({"fpaa", "circuit"});
-    if (hardware.has("fpaa")) {
-      const Node fpaa = hardware.at("fpaa");
-      fpaa.allow_only({"board", "clock_hz"});
-      project.fpaa = Fpaa{};
-      project.fpaa->board = fpaa.string_or("board", project.fpaa->board);
-      if (fpaa.has("clock_hz")) project.fpaa->clock = Hertz{fpaa.at("clock_hz").positive()};
-    }
-    if (hardware.has("circuit")) {
-      const Node circuit = hardware.at("circuit");
-      circuit.allow_only({"realization", "resistors", "capacitors"});
-      project.circuit = Circuit{};
-      project.circuit->realization = circuit.string_or("realization", project.circuit->realization);
-      project.circuit->resistors = circuit.string_or("resistors", project.circuit->resistors);
-      project.circuit->capacitors = circuit.string_or("capacitors", project.circuit->capacitors);
-    }
+    if (hardware.has("fpaa")) project.fpaa = read_fpaa(hardware.at("fpaa"));
+    if (hardware.has("circuit")) project.circuit = read_circuit(hardware.at("circuit"));
   }
   project.plant = read_plant(node.at("plant"));
   project.track = read_track(node.at("track"));
-  if (node.has("limits")) {
-    const Node limits = node.at("limits");
-    limits.allow_only({"fit_db", "points_db", "approximation_db", "fpaa_percent", "circuit_db"});
-    project.limits = {limit(limits, "fit_db"), limit(limits, "points_db"), limit(limits, "approximation_db"),
-                      limit(limits, "fpaa_percent"), limit(limits, "circuit_db")};
-  }
+  if (node.has("limits")) project.limits = read_limits(node.at("limits"));
   return project;
 }
 

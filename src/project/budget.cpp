@@ -1,0 +1,84 @@
+#include "project/budget.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/progress.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// Largest error at the target points, dB. The base is left out: its gain is a consequence of the fit, not a
+/// condition.
+double max_error_at_points(const Project& project, const DesignStage& stage) {
+  double out = 0.0;
+  for (const BodePoint& point : project.target.points.points) {
+    if (point.frequency <= project.target.base) continue;
+    const double got = to_decibel(std::abs(stage.response(point.frequency.rad_s())));
+    out = std::max(out, std::abs(got - to_decibel(point.gain)));
+  }
+  return out;
+}
+
+std::vector<Complex> sample_response(const DesignStage& stage, const std::vector<Hertz>& grid) {
+  std::vector<Complex> out;
+  out.reserve(grid.size());
+  for (const Hertz f : grid) out.push_back(stage.response(f.rad_s()));
+  return out;
+}
+
+/// The constant gain of smallest squared waveform error. e(k) = (k - K) d: the squared error is a parabola in k,
+/// so three values determine it.
+template <class Waveform>
+double best_constant_gain(const Waveform& waveform) {
+  const auto square_sum = [&waveform](double k) {
+    double sum = 0.0;
+    for (const WaveformErrorPoint& point : waveform([k](RadPerSecond) { return Complex(k); }).points) {
+      sum += point.rms_percent * point.rms_percent;
+    }
+    return sum;
+  };
+  const double at0 = square_sum(0.0);
+  const double at1 = square_sum(1.0);
+  const double at2 = square_sum(2.0);
+  const double curvature = at0 - 2.0 * at1 + at2;
+  return curvature > 0.0 ? 1.0 - 0.5 * (at2 - at0) / curvature : 1.0;
+}
+
+}  // namespace
+
+Budget make_budget(const Project& project, const Design& design) {
+  WaveformErrorOptions options;
+  options.path = compensated_path(project);
+  const auto waveform = [&](const FrequencyResponse& g) {
+    return waveform_error(g, project.target.disturbance, project.track.frequency, options);
+  };
+  Budget budget;
+  budget.band = design_band(project, design);
+  const std::vector<Hertz> grid = log_grid(budget.band, 240);
+  const std::vector<DesignStage> stages = design_stages(design);
+  std::vector<std::vector<Complex>> responses;
+  for (const DesignStage& stage : stages) {
+    stop_if_interrupted();
+    BudgetRow row;
+    row.stage = stage.name;
+    responses.push_back(sample_response(stage, grid));
+    if (stage.previous) {
+      row.previous = stages[*stage.previous].name;
+      row.against_previous = compare_responses(grid, responses.back(), responses[*stage.previous]);
+    }
+    row.points_max_db = max_error_at_points(project, stage);
+    row.waveform = waveform(stage.response);
+    budget.rows.push_back(std::move(row));
+  }
+  budget.uncompensated = waveform([](RadPerSecond) { return Complex(1.0); });
+  budget.constant_gain = best_constant_gain(waveform);
+  budget.constant = waveform([&budget](RadPerSecond) { return Complex(budget.constant_gain); });
+  budget.magnitude_only_is_worse =
+      budget.rows.front().waveform.worst_percent > budget.uncompensated.worst_percent;
+  return budget;
+}
+
+}  // namespace bodesmith::project

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "project/design.hpp"
+
+namespace bodesmith::project {
+
+/// What a stage adds to the error, and what has accumulated so far.
+struct BudgetRow {
+  std::string stage;
+  std::string previous;                 ///< the stage it is compared with; empty for the first
+  ResponseDifference against_previous;  ///< over the band; zero for the cascade
+  double points_max_db = 0.0;           ///< largest error at the target points
+  WaveformError waveform;  ///< compensating waveform at the tracked frequencies, percent of range
+};
+
+/// The error of every stage, in terms of the response and of the compensating waveform.
+struct Budget {
+  Band band;
+  std::vector<BudgetRow> rows;
+  WaveformError uncompensated;  ///< no rate compensation: gain 1 at every frequency
+  WaveformError constant;       ///< the best single gain
+  double constant_gain = 1.0;
+  /// The cascade's magnitude fits, and yet its waveform is worse than with no rate compensation at all.
+  bool magnitude_only_is_worse = false;
+};
+Budget make_budget(const Project& project, const Design& design);
+
+}  // namespace bodesmith::project

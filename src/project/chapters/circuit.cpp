@@ -1,0 +1,54 @@
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "project/report_chapters.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+std::string ngspice_sentence(const SpiceCheck& check) {
+  return fmt::format(
+      "ngspice on the emitted netlist, {} to {} Hz: {} dB from the program's own network solution, "
+      "{} dB and {} degrees from the sections.",
+      rounded_text(check.band.from.value), rounded_text(check.band.to.value),
+      rounded_text(check.against_network.max_magnitude_db, 3),
+      rounded_text(check.against_sections.max_magnitude_db, 3),
+      rounded_text(check.against_sections.max_phase_deg, 3));
+}
+
+report::Table parts_table(const std::vector<Part>& parts) {
+  report::Table table{{"part", "stage", "series", "exact", "fitted", "difference, %"}, {}, {}};
+  for (const Part& part : parts) {
+    const char* unit = part.kind == Part::Kind::resistor ? "Ω" : "F";
+    table.rows.push_back({part.name, std::to_string(part.stage + 1), part.series,
+                          engineering_text(part.wanted, unit, 5), engineering_text(part.realised, unit, 5),
+                          fmt::format("{:+.2f}", 100.0 * (part.realised / part.wanted - 1.0))});
+  }
+  return table;
+}
+
+}  // namespace
+
+void circuit_chapter(report::Page& page, const ProjectRun& run) {
+  if (!run.design.circuit) return;
+  const Realised& realised = *run.design.circuit;
+  const RealiseReport& report = realised.report;
+  page.chapter("Circuit");
+  page.paragraph(fmt::format(
+      "{} op-amp stages, {} parts ({} resistors, {} capacitors). Error against the sections between {} and {} Hz: {} "
+      "dB from the preferred values ({} dB if each were rounded by itself), {} dB from the op-amps ({}).",
+      realised.circuit.stages.size(), realised.circuit.parts.size(), run.project.circuit->resistors,
+      run.project.circuit->capacitors, rounded_text(report.band.from.value),
+      rounded_text(report.band.to.value), rounded_text(report.parts.max_magnitude_db, 3),
+      rounded_text(report.nearest.max_magnitude_db, 3), rounded_text(report.opamps.max_magnitude_db, 3),
+      realised.circuit.model.name));
+  if (run.ngspice) {
+    page.paragraph(ngspice_sentence(*run.ngspice));
+  } else {
+    page.warning("ngspice is not installed: the netlist was not simulated.");
+  }
+  page.table(parts_table(realised.circuit.parts));
+  for (const std::string& warning : report.warnings) page.warning(warning);
+}
+
+}  // namespace bodesmith::project

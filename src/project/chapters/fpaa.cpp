@@ -1,0 +1,43 @@
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "fpaa/board_picture.hpp"
+#include "project/report_chapters.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+report::Table cams_table(const fpaa::Plan& plan) {
+  report::Table table{{"CAM", "CAB", "clock, Hz", "capacitors"}, {}, {}};
+  for (const fpaa::ChipPlan& chip : plan.chips) {
+    for (const fpaa::PlacedCam& cam : chip.cams) {
+      std::vector<std::string> capacitors;
+      for (const auto& c : cam.capacitors) capacitors.push_back(fmt::format("{} {}", c.name, c.units));
+      table.rows.push_back({fmt::format("chip {} {} ({}, {})", chip.chip, cam.name, cam.cam, cam.option),
+                            std::to_string(cam.cab), rounded_text(cam.clock_a.value, 6),
+                            join(capacitors, ", ")});
+    }
+  }
+  return table;
+}
+
+}  // namespace
+
+void fpaa_chapter(report::Page& page, const ProjectRun& run) {
+  if (!run.design.plan) return;
+  const fpaa::Plan& plan = *run.design.plan;
+  page.chapter("FPAA");
+  page.paragraph(fmt::format(
+      "{} filter blocks on {} chip(s) of {}. Worst complex error against the sections, gain included: {} % between {} "
+      "and {} Hz; with every hold and half-cycle delay {} %.",
+      plan.cams().size(), plan.chips.size(), plan.board, rounded_text(plan.error.max_complex_percent, 3),
+      rounded_text(plan.error.band.from.value), rounded_text(plan.error.band.to.value),
+      rounded_text(plan.error_with_delays.max_complex_percent, 3)));
+  page.figure(fpaa::board_picture_svg(plan), "Chips, configurable blocks, wires and what is used of them.");
+  page.table(cams_table(plan),
+             "As entered in the designer; the full build sheet is in the folder of the plan.");
+  for (const std::string& note : plan.notes) page.paragraph(note);
+  for (const std::string& assumption : plan.assumptions) page.warning("Assumed: " + assumption);
+}
+
+}  // namespace bodesmith::project

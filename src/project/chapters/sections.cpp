@@ -1,0 +1,80 @@
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "project/report_chapters.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+report::Table approximated_terms_table(const CascadeApproximation& approximation) {
+  report::Table table{
+      {"term", "beta", "corner ratio", "order", "error everywhere, dB", "limit of any method, dB"}, {}, {}};
+  for (const TermApproximation& term : approximation.terms) {
+    table.rows.push_back({fmt::format("{} - {} Hz", rounded_text(term.term.low_corner().hz().value),
+                                      rounded_text(term.term.high_corner().hz().value)),
+                          fmt::format("{:+.4f}", term.term.beta), rounded_text(term.term.corner_ratio()),
+                          std::to_string(term.order), rounded_text(term.error.everywhere_db, 3),
+                          term.limit_law_db > 0.0 ? rounded_text(term.limit_law_db, 3) : "-"});
+  }
+  return table;
+}
+
+report::Table alternatives_table(const Design& design) {
+  report::Table table{{"alternative", "poles", "error at the points, dB", "phase there, degrees",
+                       "above the band, dB", "waveform rms, %", "worst frequency, %", "FPAA blocks"},
+                      {},
+                      {design.chosen}};
+  for (const Alternative& a : design.alternatives) {
+    table.rows.push_back({a.name, std::to_string(a.sections.pole_count()), rounded_text(a.points_max_db, 3),
+                          rounded_text(a.phase_at_points_deg, 3), fmt::format("{:.2f}", a.above_band_db),
+                          fmt::format("{:.3f}", a.waveform.rms_percent),
+                          fmt::format("{:.3f}", a.waveform.worst_percent), std::to_string(a.fpaa_blocks)});
+  }
+  return table;
+}
+
+std::string roots_text(const std::vector<std::complex<double>>& roots) {
+  std::vector<std::string> parts;
+  for (const auto& root : roots) {
+    parts.push_back(root.imag() == 0.0
+                        ? rounded_text(root.real(), 6)
+                        : fmt::format("{} {} {}j", rounded_text(root.real(), 6), root.imag() < 0 ? "-" : "+",
+                                      rounded_text(std::abs(root.imag()), 6)));
+  }
+  return parts.empty() ? std::string("-") : join(parts, ", ");
+}
+
+report::Table built_sections_table(const Sections& sections) {
+  report::Table table{{"section", "gain", "zeros, rad/s", "poles, rad/s"}, {}, {}};
+  for (const Section& section : sections.sections) {
+    table.rows.push_back({std::to_string(table.rows.size() + 1), rounded_text(section.gain, 6),
+                          roots_text(section.zeros), roots_text(section.poles)});
+  }
+  return table;
+}
+
+}  // namespace
+
+void sections_chapter(report::Page& page, const ProjectRun& run) {
+  page.chapter("Sections");
+  const CascadeApproximation& a = run.design.approximation;
+  page.paragraph(fmt::format(
+      "The cascade approximated by the method {}: {} poles in all. Largest error {} dB over all frequencies, {} dB "
+      "and {} degrees between {} and {} Hz.",
+      a.method, a.sections.pole_count(), rounded_text(a.error.everywhere_db, 3),
+      rounded_text(a.error.band_db, 3), rounded_text(a.error.band_deg, 3),
+      rounded_text(a.error.band.from.value), rounded_text(a.error.band.to.value)));
+  if (!a.limit_met) page.warning("The error limit could not be met at the largest order.");
+  page.table(approximated_terms_table(a));
+  page.table(
+      alternatives_table(run.design),
+      "Alternatives (marked: the one that is built). Direct and waveform fits have real poles and zeros. "
+      "Waveform: error of the compensating waveform at the tracked frequencies, % of range.");
+  for (const std::string& reason : run.design.passed_over)
+    page.paragraph("Passed over because it cannot be built: " + reason);
+  const Sections& built = run.design.sections();
+  page.table(built_sections_table(built),
+             fmt::format("H(s) = {} times the product of these", rounded_text(built.gain, 8)));
+}
+
+}  // namespace bodesmith::project

@@ -1,0 +1,48 @@
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "project/report_chapters.hpp"
+#include "report/plot.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+report::Series disturbance_curve(const std::string& name, const Disturbance& disturbance,
+                                 Disturbance::Branch branch) {
+  report::Series out{name, {}, {}};
+  for (int i = 0; i <= 100; ++i) {
+    out.x.push_back(i / 100.0);
+    out.y.push_back(disturbance.value(branch, out.x.back()));
+  }
+  return out;
+}
+
+}  // namespace
+
+void target_chapter(report::Page& page, const ProjectRun& run) {
+  using Branch = Disturbance::Branch;
+  page.chapter("Target");
+  const Project::Target& target = run.project.target;
+  page.paragraph(fmt::format(
+      "The {} disturbance of the stage changes in size with the operating frequency. The compensator's gain is to "
+      "follow it through {} measured points, relative to {} Hz, so that the hysteresis that is subtracted is always "
+      "as large as the one that is there.",
+      target.branch == Branch::ascending ? "ascending" : "descending", target.points.points.size(),
+      rounded_text(target.base.value)));
+  report::Table table{{"frequency, Hz", "gain", "dB"}, {}, {}};
+  for (const BodePoint& point : target.points.points) {
+    table.rows.push_back({rounded_text(point.frequency.value, 6), rounded_text(point.gain, 5),
+                          fmt::format("{:.4f}", to_decibel(point.gain))});
+  }
+  page.table(table);
+  report::Plot polynomials;
+  polynomials.title = "Full-stroke disturbance d(x)";
+  polynomials.x = {"reference x"};
+  polynomials.y = {"d, of range"};
+  polynomials.height = 280;
+  polynomials.series = {disturbance_curve("ascending", target.disturbance, Branch::ascending),
+                        disturbance_curve("descending", target.disturbance, Branch::descending)};
+  page.figure(report::to_svg(polynomials), "The polynomials of both branches at the base frequency.");
+}
+
+}  // namespace bodesmith::project

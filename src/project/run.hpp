@@ -1,0 +1,38 @@
+#pragma once
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/provenance.hpp"
+#include "project/budget.hpp"
+#include "project/design.hpp"
+#include "project/limits.hpp"
+#include "project/project.hpp"
+#include "project/tracking_study.hpp"
+#include "spice/check.hpp"
+
+namespace bodesmith::project {
+
+/// Everything that `bodesmith run` computed and wrote.
+struct ProjectRun {
+  Project project;
+  Provenance from;
+  Design design;
+  Budget budget;
+  TrackingStudy tracking;
+  std::optional<SpiceCheck> ngspice;  ///< absent when ngspice is not installed, or the project has no circuit
+  std::vector<LimitCheck> limits;
+  double compute_s = 0.0;
+  std::vector<std::filesystem::path> files;  ///< written, relative to the output folder
+
+  bool limits_met() const;
+};
+
+/// Reads a project, designs, checks and simulates it, and writes every artefact: fit, sections, FPAA plan, circuit,
+/// layout, tracking study, report. The design's files are written as soon as they are known, so that an
+/// interrupted simulation does not lose them; nothing is written when the input is bad.
+ProjectRun run_project(const std::filesystem::path& project_file, const std::filesystem::path& folder);
+
+}  // namespace bodesmith::project

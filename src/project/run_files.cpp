@@ -1,0 +1,106 @@
+#include "project/run_files.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/json.hpp"
+#include "base/json_header.hpp"
+#include "fpaa/board_picture.hpp"
+#include "fpaa/build_sheet.hpp"
+#include "kicad/schematic.hpp"
+#include "project/stages_plot.hpp"
+#include "signal/csv.hpp"
+#include "spice/emit.hpp"
+#include "spice/emit_disturbance.hpp"
+#include "yield/circuit_json.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+std::string json_file(std::string_view schema, const ProjectRun& run, const Json& body) {
+  Json json = json_header(schema, run.from);
+  json.update(body);
+  json["timing_s"] = {{"compute", run.design.compute_s}};
+  return to_text(json);
+}
+
+/// Every stage's response, a decade beyond the compared band on either side.
+std::string stages_csv(const ProjectRun& run) {
+  const std::vector<Hertz> grid = stages_grid(run.budget.band);
+  CsvWriter csv;
+  std::vector<double> hertz;
+  for (const Hertz f : grid) hertz.push_back(f.value);
+  csv.add("frequency_hz", hertz);
+  for (const DesignStage& stage : design_stages(run.design)) {
+    std::vector<double> db;
+    std::vector<double> degrees;
+    for (const Hertz f : grid) {
+      const std::complex<double> h = stage.response(f.rad_s());
+      db.push_back(to_decibel(std::abs(h)));
+      degrees.push_back(to_degrees(std::arg(h)));
+    }
+    std::string column = stage.name;
+    std::replace(column.begin(), column.end(), ' ', '_');
+    std::replace(column.begin(), column.end(), '-', '_');
+    csv.add(column + "_magnitude_db", db);
+    csv.add(column + "_phase_deg", degrees);
+  }
+  return csv.text();
+}
+
+std::string sections_file(const ProjectRun& run) {
+  const Design& design = run.design;
+  Sections built = design.sections();
+  if (!built.error) {
+    const ApproximationError error = approximation_error(built, design.fit.cascade);
+    built.error = Sections::Error{error.band, error.band_db, error.band_deg, error.everywhere_db};
+  }
+  Json sections = built.to_json();
+  sections["made_by"] = design.built().name;
+  if (design.built().kind == Alternative::Kind::cascade) sections.update(design.approximation.report_json());
+  return json_file("sections", run, sections);
+}
+
+void add_plan(const ProjectRun& run, OutputSet& out) {
+  const fpaa::Plan& plan = *run.design.plan;
+  out.add("fpaa/plan.json", json_file("fpaa_plan", run, plan.to_json()));
+  out.add("fpaa/board.svg", fpaa::board_picture_svg(plan));
+  out.add("fpaa/build_sheet.md", fpaa::build_sheet_markdown(plan));
+  out.add("fpaa/build_sheet.html", fpaa::build_sheet_html(plan));
+}
+
+void add_circuit(const ProjectRun& run, OutputSet& out) {
+  const Realised& realised = *run.design.circuit;
+  OutputSet spice;
+  add_spice_files(realised, run.project.name, spice);
+  add_kicad_files(realised.circuit, run.project.name, spice);
+  out.include("spice", spice);
+  out.add("spice/circuit.json", json_file("circuit", run, to_json(realised)));
+}
+
+void add_layout(const ProjectRun& run, OutputSet& out) {
+  const DisturbanceLayout& layout = run.design.layout;
+  out.add("layout/layout.json", json_file("layout", run, layout.to_json()));
+  out.add("layout/disturbance.sub", disturbance_library(layout, run.project.name));
+  if (layout.amplitude) {
+    out.add("layout/disturbance_amplitude.sub",
+            disturbance_library(layout, run.project.name, {true, std::nullopt}));
+  }
+  out.add("layout/disturbance.svg", layout_drawing(layout));
+}
+
+}  // namespace
+
+OutputSet design_files(const ProjectRun& run, const std::filesystem::path& folder) {
+  OutputSet out(folder);
+  out.add("cascade.json", json_file("cascade", run, run.design.fit.to_json()));
+  out.add("sections.json", sections_file(run));
+  if (run.design.plan) add_plan(run, out);
+  if (run.design.circuit) add_circuit(run, out);
+  add_layout(run, out);
+  out.add("bode.csv", stages_csv(run));
+  out.add("bode.svg", stages_svg(run.project, run.design, run.budget));
+  return out;
+}
+
+}  // namespace bodesmith::project

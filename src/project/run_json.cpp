@@ -1,0 +1,82 @@
+#include <cmath>
+
+#include "base/json.hpp"
+#include "project/run_summary.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+Json waveform_json(const WaveformError& error) {
+  return {{"rms_percent", error.rms_percent}, {"worst_percent", error.worst_percent}};
+}
+
+Json limits_json(const std::vector<LimitCheck>& limits) {
+  Json out = Json::array();
+  for (const LimitCheck& check : limits) {
+    out.push_back({{"name", check.name}, {"limit", check.limit}, {"got", check.got}, {"met", check.met()}});
+  }
+  return out;
+}
+
+Json alternatives_json(const Design& design) {
+  Json out = Json::array();
+  for (std::size_t i = 0; i < design.alternatives.size(); ++i) {
+    const Alternative& a = design.alternatives[i];
+    Json item = {{"name", a.name},
+                 {"built", i == design.chosen},
+                 {"poles", a.sections.pole_count()},
+                 {"points_max_db", a.points_max_db},
+                 {"phase_at_points_deg", a.phase_at_points_deg},
+                 {"waveform", waveform_json(a.waveform)},
+                 {"fpaa_blocks", a.fpaa_blocks}};
+    if (std::isfinite(a.above_band_db)) item["above_band_db"] = a.above_band_db;
+    out.push_back(std::move(item));
+  }
+  return out;
+}
+
+Json budget_json(const Budget& budget) {
+  Json out = Json::array();
+  for (const BudgetRow& row : budget.rows) {
+    out.push_back({{"stage", row.stage},
+                   {"against", row.previous},
+                   {"max_magnitude_db", row.against_previous.max_magnitude_db},
+                   {"max_phase_deg", row.against_previous.max_phase_deg},
+                   {"max_complex_percent", row.against_previous.max_complex_percent},
+                   {"points_max_db", row.points_max_db},
+                   {"waveform", waveform_json(row.waveform)}});
+  }
+  return out;
+}
+
+Json ngspice_json(const std::optional<SpiceCheck>& check) {
+  if (!check) return nullptr;
+  return {{"against_network_db", check->against_network.max_magnitude_db},
+          {"against_sections_db", check->against_sections.max_magnitude_db},
+          {"band_hz", {check->band.from.value, check->band.to.value}}};
+}
+
+}  // namespace
+
+Json run_json(const ProjectRun& run) {
+  Json out;
+  out["name"] = run.project.name;
+  out["limits"] = limits_json(run.limits);
+  out["alternatives"] = alternatives_json(run.design);
+  out["passed_over"] = run.design.passed_over;
+  out["budget"] = budget_json(run.budget);
+  out["waveform_without_rate_compensation"] = waveform_json(run.budget.uncompensated);
+  out["waveform_best_constant_gain"] = waveform_json(run.budget.constant);
+  out["best_constant_gain"] = run.budget.constant_gain;
+  out["ngspice"] = ngspice_json(run.ngspice);
+  out["tracking"] = to_json(run.tracking);
+  out["files"] = Json::array();
+  for (const std::filesystem::path& path : run.files) out["files"].push_back(path.string());
+  out["timing_s"] = {{"compute", run.compute_s},
+                     {"design", run.design.compute_s},
+                     {"alternatives", run.design.alternatives_s},
+                     {"tracking", run.tracking.compute_s}};
+  return out;
+}
+
+}  // namespace bodesmith::project

@@ -1,0 +1,89 @@
+#include "project/run_summary.hpp"
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+std::string synthesis_text(const Design& design) {
+  std::string out;
+  if (design.fit.cascade.fit) {
+    out += fmt::format("cascade    {} terms, largest error at the points {:.1e} dB\n",
+                       design.fit.cascade.terms.size(), design.fit.cascade.fit->max_db);
+  }
+  if (design.built().kind == Alternative::Kind::cascade) {
+    out += fmt::format("sections   {} poles, at most {} dB from the cascade at any frequency\n",
+                       design.approximation.sections.pole_count(),
+                       rounded_text(design.approximation.error.everywhere_db, 3));
+  } else {
+    out += fmt::format("sections   {}: {} dB at the points\n", design.built().name,
+                       rounded_text(design.built().points_max_db, 3));
+  }
+  return out;
+}
+
+std::string alternatives_text(const Design& design) {
+  std::string out =
+      "           alternatives (*: built): poles, error at the points in dB, worst waveform error in % of range, "
+      "gain above the band\n";
+  for (std::size_t i = 0; i < design.alternatives.size(); ++i) {
+    const Alternative& a = design.alternatives[i];
+    out += fmt::format("         {} {:<22} {:>2} {:>9} {:>7.3f} {:>7.2f} dB\n",
+                       i == design.chosen ? "*" : " ", a.name, a.sections.pole_count(),
+                       rounded_text(a.points_max_db, 2), a.waveform.worst_percent, a.above_band_db);
+  }
+  for (const std::string& reason : design.passed_over) out += "           cannot be built: " + reason + "\n";
+  return out;
+}
+
+std::string hardware_text(const ProjectRun& run) {
+  std::string out;
+  if (run.design.plan) {
+    const fpaa::Plan& plan = *run.design.plan;
+    out += fmt::format("fpaa       {} CAMs at {} Hz, worst complex error {} % ({} % with holds and delays)\n",
+                       plan.cams().size(), rounded_text(plan.cams().front()->clock_a.value, 6),
+                       rounded_text(plan.error.max_complex_percent, 3),
+                       rounded_text(plan.error_with_delays.max_complex_percent, 3));
+  }
+  if (run.design.circuit) {
+    const Realised& realised = *run.design.circuit;
+    out += fmt::format("circuit    {} stages, {} dB by its parts", realised.circuit.stages.size(),
+                       rounded_text(realised.report.parts.max_magnitude_db, 3));
+    out += run.ngspice ? fmt::format(", ngspice {} dB from the sections\n",
+                                     rounded_text(run.ngspice->against_sections.max_magnitude_db, 3))
+                       : std::string("; not simulated: ngspice is not installed\n");
+  }
+  const DisturbanceLayout& layout = run.design.layout;
+  out += fmt::format("layout     {} multipliers, d within {} % of range\n", layout.multipliers.size(),
+                     rounded_text(layout.max_error_percent, 3));
+  return out;
+}
+
+std::string tracking_text(const TrackingStudy& tracking) {
+  std::string out = "tracking   rms error, % of range, at";
+  for (const Hertz f : tracking.frequency) out += fmt::format(" {:>8}", rounded_text(f.value));
+  out += " Hz\n";
+  for (const TrackedDesign& tracked : tracking.designs) {
+    out += fmt::format("  {:<35}", tracked.name);
+    for (const double value : tracked.rms_percent) out += fmt::format(" {:>8.3f}", value);
+    out += "\n";
+  }
+  for (const std::string& finding : tracking.findings) out += "note: " + finding + "\n";
+  return out;
+}
+
+}  // namespace
+
+std::string run_summary(const ProjectRun& run) {
+  std::string out = run.project.name + "\n" + synthesis_text(run.design) + alternatives_text(run.design) +
+                    hardware_text(run) + tracking_text(run.tracking);
+  for (const LimitCheck& check : run.limits) {
+    out += fmt::format("limit      {} {}: {} {}\n", check.name, rounded_text(check.limit),
+                       rounded_text(check.got, 3), check.met() ? "met" : "NOT met");
+  }
+  return out + "report     report.html\n";
+}
+
+}  // namespace bodesmith::project

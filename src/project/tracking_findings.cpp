@@ -1,0 +1,141 @@
+#include "project/tracking_findings.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/text.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+using Findings = std::vector<std::string>;
+
+/// "1, 10 and 100 Hz"; "12 frequencies from 1 to 5000 Hz" when there are many.
+std::string frequency_list(const std::vector<Hertz>& frequencies) {
+  if (frequencies.size() > 6) {
+    const auto [low, high] = std::minmax_element(frequencies.begin(), frequencies.end());
+    return fmt::format("{} frequencies from {} to {} Hz", frequencies.size(), rounded_text(low->value),
+                       rounded_text(high->value));
+  }
+  std::vector<std::string> parts;
+  for (const Hertz f : frequencies) parts.push_back(rounded_text(f.value));
+  std::string last = parts.back();
+  parts.pop_back();
+  return (parts.empty() ? last : join(parts, ", ") + " and " + last) + " Hz";
+}
+
+double worst_without_lag(const TrackedDesign& design) {
+  return *std::max_element(design.rms_percent_without_lag.begin(), design.rms_percent_without_lag.end());
+}
+
+/// The magnitude is met, and yet the waveform may get worse. Pure delay is not the compensator's doing: figures without
+/// it.
+Findings cascade_worse_than_constant(const Budget& budget, const TrackingStudy& study) {
+  const std::vector<double>& constant = study.find(TrackedStage::polynomial)->rms_percent_without_lag;
+  const std::vector<double>& cascade = study.find(TrackedStage::cascade)->rms_percent_without_lag;
+  std::vector<Hertz> worse;
+  std::size_t worst = 0;
+  for (std::size_t i = 0; i < study.frequency.size(); ++i) {
+    if (cascade[i] > 1.02 * constant[i]) worse.push_back(study.frequency[i]);
+    if (cascade[i] - constant[i] > cascade[worst] - constant[worst]) worst = i;
+  }
+  if (worse.empty()) return {};
+  Findings out = {fmt::format(
+      "Magnitude-only compensation is worse than the constant polynomial at {} ({} % of range rms instead of "
+      "{} % at {} Hz, pure delay removed): it meets the gain at the fundamental, but shifts the phase of a "
+      "waveform that has harmonics. Fit the waveform instead: bodesmith fit --waveform.",
+      frequency_list(worse), rounded_text(cascade[worst], 3), rounded_text(constant[worst], 3),
+      rounded_text(study.frequency[worst].value))};
+  if (budget.magnitude_only_is_worse) {
+    out.push_back(fmt::format(
+        "Over all tracked frequencies the error of the cascade's compensating waveform is {} % of range at worst; "
+        "it is {} % without any rate compensation and {} % with the best fixed gain.",
+        rounded_text(budget.rows.front().waveform.worst_percent, 3),
+        rounded_text(budget.uncompensated.worst_percent, 3), rounded_text(budget.constant.worst_percent, 3)));
+  }
+  return out;
+}
+
+/// A filter shifts the phase whatever its order; a gain driven by the frequency does not.
+Findings what_a_schedule_would_do(const TrackingStudy& study) {
+  const TrackedDesign* scheduled = study.find(TrackedStage::scheduled);
+  const TrackedDesign* filter = study.find(TrackedStage::waveform);
+  if (filter == nullptr) filter = study.find(TrackedStage::sections);
+  if (scheduled == nullptr || filter == nullptr) return {};
+  const double with = worst_without_lag(*scheduled);
+  const double without = worst_without_lag(*filter);
+  if (with > 0.5 * without) return {};
+  return {fmt::format(
+      "A gain set by the measured frequency does better than any linear filter: {} % of range rms at "
+      "worst (pure delay removed), against {} % with '{}'.",
+      rounded_text(with, 3), rounded_text(without, 3), filter->name)};
+}
+
+/// At which step most accuracy is lost: rms change of the compensating waveform from one design to the next.
+Findings largest_loss(const std::vector<TrackedCandidate>& candidates, const tracking::TrackingReport& report,
+                      const TrackingStudy& study) {
+  const tracking::TrackingCase* largest = nullptr;
+  const TrackedCandidate* step = nullptr;
+  for (const TrackedCandidate& candidate : candidates) {
+    if (candidate.design.made_from.empty()) continue;
+    for (const Hertz f : study.frequency) {
+      const tracking::TrackingCase* found = report.find(f, candidate.design.name);
+      if (largest == nullptr || found->lost_rms_percent > largest->lost_rms_percent) {
+        largest = found;
+        step = &candidate;
+      }
+    }
+  }
+  if (largest == nullptr) return {};
+  return {fmt::format(
+      "Most accuracy is lost from '{}' to '{}': the compensating waveform changes by {} % of range rms "
+      "at {} Hz.",
+      step->design.made_from, step->design.name, rounded_text(largest->lost_rms_percent, 3),
+      rounded_text(largest->frequency.value))};
+}
+
+Findings beyond_the_known_gains(const Project& project, const TrackingStudy& study) {
+  const std::vector<Hertz>& known = project.target.disturbance.rate.frequency;
+  if (known.empty()) return {};
+  std::vector<Hertz> beyond;
+  for (const Hertz f : study.frequency) {
+    if (f.value > 1.001 * known.back().value) beyond.push_back(f);
+  }
+  if (beyond.empty()) return {};
+  return {fmt::format(
+      "The disturbance's gains are known up to {} Hz; at {} the stage keeps the last of them, so these "
+      "figures show phase, lag and clock, not the stage's own rate dependence there.",
+      rounded_text(known.back().value), frequency_list(beyond))};
+}
+
+Findings few_samples_a_period(const Design& design, const TrackingStudy& study) {
+  if (!design.plan) return {};
+  const Hertz clock = clocked_compensator(*design.plan, true).clock;
+  std::vector<Hertz> sampled;
+  for (const Hertz f : study.frequency) {
+    if (f.value > 0.05 * clock.value) sampled.push_back(f);
+  }
+  if (sampled.empty()) return {};
+  return {fmt::format(
+      "The FPAA samples at {} Hz, fewer than twenty times a period at {}: its compensating waveform is "
+      "then a coarse staircase, and aliases above half the clock.",
+      rounded_text(clock.value), frequency_list(sampled))};
+}
+
+}  // namespace
+
+std::vector<std::string> tracking_findings(const Project& project, const Design& design, const Budget& budget,
+                                           const std::vector<TrackedCandidate>& candidates,
+                                           const tracking::TrackingReport& report,
+                                           const TrackingStudy& study) {
+  Findings out;
+  for (const Findings& some : {cascade_worse_than_constant(budget, study), what_a_schedule_would_do(study),
+                               largest_loss(candidates, report, study),
+                               beyond_the_known_gains(project, study), few_samples_a_period(design, study)}) {
+    out.insert(out.end(), some.begin(), some.end());
+  }
+  return out;
+}
+
+}  // namespace bodesmith::project

@@ -128,8 +128,8 @@ class Block {
   std::optional<Affine> affine() const { return type_->affine(*this); }
   /// True when the block multiplies by a constant and does nothing else.
   bool scales_only() const {
-    const auto line = affine();
-    return line && line->constant == 0.0;
+    const auto curve = affine();
+    return curve && curve->constant == 0.0;
   }
   std::optional<double> pure_delay_s() const { return type_->pure_delay_s(*this); }
   int section_order() const { return type_->section_order(); }

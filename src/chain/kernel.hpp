@@ -5,25 +5,18 @@
 #include <variant>
 #include <vector>
 
+#include "lti/state_space.hpp"
+
 namespace bodesmith::chain {
 
 /// What an engine (simulate/) runs: a block with its parameters turned into numbers. A block type picks one
 /// of these kinds; the engines know the kinds, never the blocks.
 
-/// x' = A x + b u + constant,  y = c x + d u + offset, the output then delayed by delay_s. `a` is row-major,
-/// order x order; an empty `constant` is zero. States are chosen of the size of the signal, so that A is
-/// balanced. All eigenvalues of A have Re < 0, or order is 0.
-struct LinearKernel {
-  int order = 0;
-  std::vector<double> a;
-  std::vector<double> b;
-  std::vector<double> c;
-  std::vector<double> constant;
-  double d = 0.0;
-  double offset = 0.0;
+/// A state space, its output then delayed by delay_s. All eigenvalues of A have Re < 0.
+struct LinearKernel : StateSpace {
   double delay_s = 0.0;
-  /// False when the linear system is itself an approximation (a fractional term); `approximation_error` then
-  /// bounds |H_this/H_exact - 1| over all frequencies.
+  /// Not 0 when the linear system is itself an approximation (a fractional term): a bound on
+  /// |H_this/H_exact - 1| over all frequencies.
   double approximation_error = 0.0;
 };
 
@@ -55,11 +48,12 @@ class SourceKernel {
   virtual double time_scale_s() const = 0;
 };
 
-/// Smooth nonlinear dynamics, x' = A x + b u + e n(x, u),  y = c x + d u (+ offset), A/b/c/d in `linear()`.
+/// Smooth nonlinear dynamics, x' = A x + b u + constant + e n(x, u),  y = c x + d u + offset, all but e and n
+/// in `linear()`.
 class OdeKernel {
  public:
   virtual ~OdeKernel() = default;
-  virtual const LinearKernel& linear() const = 0;
+  virtual const StateSpace& linear() const = 0;
   virtual const std::vector<double>& entry() const = 0;  ///< e
   virtual double nonlinear(const double* x, double u) const = 0;
   /// dn/dx into `by_x`; returns dn/du.

@@ -3,7 +3,6 @@
 #include <complex>
 
 #include "chain/kernel.hpp"
-#include "lti/sections.hpp"
 
 namespace bodesmith::chain {
 
@@ -11,16 +10,11 @@ namespace bodesmith::chain {
 LinearKernel gain_kernel(double gain, double offset = 0.0);
 /// gain (1 + s/zero)/(1 + s/pole), rad/s; zero = infinity: gain/(1 + s/pole).
 LinearKernel pole_zero_kernel(double gain, double zero_rad_s, double pole_rad_s);
-/// One section; real poles become two first-order systems in series.
-LinearKernel section_kernel(const Section& section);
-LinearKernel sections_kernel(const Sections& sections);
 /// `first` feeding `second`: states of the first, then of the second; delays add (the first one's delay then
 /// also holds back the second one's offset: engines that care keep those apart).
 LinearKernel in_series(const LinearKernel& first, const LinearKernel& second);
 
 /// H(s) of the kernel as it is, delay included, offset left out.
 std::complex<double> response(const LinearKernel& kernel, std::complex<double> s);
-/// The state at rest under u, -A^-1 (b u + constant), into x (order values).
-void equilibrium(const LinearKernel& kernel, double u, double* x);
 
 }  // namespace bodesmith::chain

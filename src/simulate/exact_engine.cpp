@@ -108,13 +108,13 @@ std::optional<ExactOutcome> run_exact_engine(const chain::Chain& chain, const Ti
   for (std::size_t i = 0; i < kernels.size(); ++i) {
     if (const auto* k = std::get_if<LinearKernel>(&kernels[i])) {
       model_error += k->approximation_error;
-      if (!dynamic && k->order == 0 && k->delay_s == 0.0) {
+      if (!dynamic && k->order() == 0 && k->delay_s == 0.0) {
         for (Segment& s : segments) compose(s, {k->offset, k->d});
         rest = k->offset + k->d * rest;
         continue;
       }
       dynamic = true;
-      if (k->order > 0 && after != 0.0)
+      if (k->order() > 0 && after != 0.0)
         return no(fmt::format("a constant enters between dynamics in front of block {}", i + 1));
       if (!k->constant.empty()) return no(fmt::format("block {} is driven by a constant", i + 1));
       after = k->d * after + k->offset;
@@ -160,7 +160,7 @@ std::optional<ExactOutcome> run_exact_engine(const chain::Chain& chain, const Ti
   double before = 0.0;
   if (equilibrium) {
     propagator.rest_under(rest);
-    before = rest * chain::response(linear, 0.0).real();
+    before = rest * response(linear, 0.0).real();
   }
   out.y.assign(n, before + after);
   // With a delay the output at t is that of t - delay: the first samples still show what was before.
@@ -173,7 +173,7 @@ std::optional<ExactOutcome> run_exact_engine(const chain::Chain& chain, const Ti
     size = std::max(size, std::abs(v));
     v += after;
   }
-  out.rounding = 4e-16 * condition * size * (1.0 + static_cast<double>(linear.order));
+  out.rounding = 4e-16 * condition * size * (1.0 + static_cast<double>(linear.order()));
   return out;
 }
 

@@ -61,10 +61,10 @@ ModalSystem ModalSystem::from(const Sections& sections) {
   return m;
 }
 
-ModalSystem ModalSystem::from(const chain::LinearKernel& kernel) {
+ModalSystem ModalSystem::from(const StateSpace& kernel) {
   ModalSystem m;
   m.direct = kernel.d;
-  const int n = kernel.order;
+  const int n = static_cast<int>(kernel.order());
   if (n == 0) return m;
   const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> a(
       kernel.a.data(), n, n);

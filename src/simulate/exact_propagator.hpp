@@ -5,8 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "chain/kernel.hpp"
-#include "lti/sections.hpp"
+#include "lti/state_space.hpp"
 
 namespace bodesmith::simulate {
 
@@ -22,8 +21,8 @@ struct ModalSystem {
 
   /// Products over the roots, cost n^2. Poles that are exactly equal give an infinite condition.
   static ModalSystem from(const Sections& sections);
-  /// Eigenvalues of a state space (its offset, constant and delay are left to the caller).
-  static ModalSystem from(const chain::LinearKernel& kernel);
+  /// Eigenvalues of a state space (its offset and constant are left to the caller).
+  static ModalSystem from(const StateSpace& system);
   /// Above it an engine should not use the modes.
   static constexpr double kMostCondition = 1e6;
 };

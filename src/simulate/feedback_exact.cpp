@@ -17,8 +17,8 @@ using chain::LinearKernel;
 /// x' = A x + sum_q b_q v_q + constant over one step, each v_q a straight line.
 class Stepper {
  public:
-  Stepper(const LinearKernel& system, const std::vector<const double*>& inputs, double step_s)
-      : next_(static_cast<std::size_t>(system.order)) {
+  Stepper(const StateSpace& system, const std::vector<const double*>& inputs, double step_s)
+      : next_(system.order()) {
     HoldResponseSolver().solve(system, inputs, step_s, hold_nodes(1), 1.0, response_);
   }
 
@@ -44,7 +44,7 @@ class Stepper {
   std::vector<double> next_;
 };
 
-double output_of(const LinearKernel& plant, const std::vector<double>& x) {
+double output_of(const StateSpace& plant, const std::vector<double>& x) {
   double y = plant.offset;
   for (std::size_t i = 0; i < plant.c.size(); ++i) y += plant.c[i] * x[i];
   return y;
@@ -55,14 +55,14 @@ double between(double begin, double end, int i, int count) {
   return i == count ? end : begin + (end - begin) * i / count;
 }
 
-void run_continuous(const LinearKernel& plant, const std::vector<double>& f, const PidController& c,
+void run_continuous(const StateSpace& plant, const std::vector<double>& f, const PidController& c,
                     const TimeRecord& r, int parts, std::vector<double> state, LoopResult& out) {
-  const auto n = static_cast<std::size_t>(plant.order);
+  const auto n = plant.order();
   const std::size_t size = n + 2;
   const double wd = c.derivative_s == 0.0 ? 0.0 : c.derivative_corner.rad_s().value;
   const double direct = c.proportional + c.derivative_s * wd;
-  LinearKernel closed;
-  closed.order = static_cast<int>(size);
+  StateSpace closed;
+  closed.b.assign(size, 0.0);
   closed.a.assign(size * size, 0.0);
   closed.constant.assign(size, 0.0);
   std::vector<double> by_f(size, 0.0);
@@ -101,7 +101,7 @@ void run_continuous(const LinearKernel& plant, const std::vector<double>& f, con
 }
 
 /// `edges` clock edges a sample interval, or one in `interval` samples.
-void run_sampled(const LinearKernel& plant, const std::vector<double>& f, const PidController& c,
+void run_sampled(const StateSpace& plant, const std::vector<double>& f, const PidController& c,
                  const TimeRecord& r, int edges, std::size_t interval, int parts, std::vector<double> state,
                  LoopResult& out) {
   const int pieces = edges * parts;
@@ -148,7 +148,7 @@ std::optional<LoopResult> run_exact_loop(const chain::Chain& plant, const std::v
     out.model_error += k->approximation_error;
     linear = chain::in_series(linear, *k);
   }
-  if (linear.d != 0.0 || linear.order == 0) return no("the plant answers its drive at once");
+  if (linear.d != 0.0 || linear.order() == 0) return no("the plant answers its drive at once");
   int edges = 1;
   std::size_t interval = 1;
   if (controller.period_s > 0.0) {
@@ -165,8 +165,8 @@ std::optional<LoopResult> run_exact_loop(const chain::Chain& plant, const std::v
   } else if (controller.limited()) {
     return no("a continuous controller with limits is not linear");
   }
-  std::vector<double> state(static_cast<std::size_t>(linear.order), 0.0);
-  if (start == Start::equilibrium) chain::equilibrium(linear, feedforward.front(), state.data());
+  std::vector<double> state(linear.order(), 0.0);
+  if (start == Start::equilibrium) equilibrium(linear, feedforward.front(), state.data());
   out.y.reserve(reference.size());
   out.drive.reserve(reference.size());
   if (controller.period_s > 0.0) {

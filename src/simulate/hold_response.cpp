@@ -4,9 +4,9 @@
 
 namespace bodesmith::simulate {
 
-void HoldResponseSolver::solve(const chain::LinearKernel& system, const std::vector<const double*>& inputs,
-                               double h, const HoldNodes& nodes, double s, HoldResponse& out) {
-  const int n = system.order;
+void HoldResponseSolver::solve(const StateSpace& system, const std::vector<const double*>& inputs, double h,
+                               const HoldNodes& nodes, double s, HoldResponse& out) {
+  const int n = static_cast<int>(system.order());
   const int p = nodes.degree;
   const int q_count = static_cast<int>(inputs.size());
   const bool constant = !system.constant.empty();

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "chain/kernel.hpp"
+#include "lti/state_space.hpp"
 #include "simulate/hold_nodes.hpp"
 
 namespace bodesmith::simulate {
@@ -19,7 +19,7 @@ struct HoldResponse {
 
 class HoldResponseSolver {
  public:
-  void solve(const chain::LinearKernel& system, const std::vector<const double*>& inputs, double h,
+  void solve(const StateSpace& system, const std::vector<const double*>& inputs, double h,
              const HoldNodes& nodes, double s, HoldResponse& out);
 
  private:

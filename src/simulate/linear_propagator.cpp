@@ -6,7 +6,7 @@
 namespace bodesmith::simulate {
 
 void LinearPropagator::prepare(const chain::LinearKernel& system, double h, const HoldNodes& nodes) {
-  const int n = order_ = system.order;
+  const int n = order_ = static_cast<int>(system.order());
   const int p = degree_ = nodes.degree;
   gain_ = system.d;
   offset_ = system.offset;

@@ -7,18 +7,12 @@ namespace bodesmith::simulate {
 
 void OdePropagator::prepare(const chain::OdeKernel& system, double h, const HoldNodes& nodes) {
   h_ = h;
-  order_ = system.linear().order;
+  order_ = static_cast<int>(system.linear().order());
   degree_ = nodes.degree;
   nodes_ = &nodes;
   levels_.resize(kFinest + 1);
   for (Level& l : levels_) l.ready = false;
-  double norm = 0.0;
-  const auto& a = system.linear().a;
-  for (int i = 0; i < order_; ++i) {
-    double row = 0.0;
-    for (int j = 0; j < order_; ++j) row += std::abs(a[static_cast<size_t>(i * order_ + j)]);
-    norm = std::max(norm, row);
-  }
+  const double norm = max_row_sum(system.linear());
   first_level_ =
       std::clamp(static_cast<int>(std::ceil(std::log2(std::max(1e-300, norm * h / turn)))), 0, kFinest);
   if (parts_degree_ != degree_) {

@@ -34,9 +34,9 @@ OdeRun::OdeRun(std::vector<chain::Kernel*> kernels, const DenseSignal& input)
     part.kernel = kernel;
     part.state = order_;
     if (const auto* linear = std::get_if<LinearKernel>(kernel)) {
-      part.order = linear->order;
+      part.order = static_cast<int>(linear->order());
     } else if (const auto* ode = as<OdeKernel>(kernel)) {
-      part.order = ode->linear().order;
+      part.order = static_cast<int>(ode->linear().order());
     } else if (const auto* curve = as<CurveKernel>(kernel)) {
       part.corners = curve->corners();
       part.events = static_cast<int>(part.corners.size());
@@ -63,13 +63,11 @@ void OdeRun::start(Start how, double& rest) {
   for (Part& part : parts_) {
     double* x = state_.data() + part.state;
     if (const auto* linear = std::get_if<LinearKernel>(part.kernel)) {
-      if (still) chain::equilibrium(*linear, u, x);
-      u = linear->d * u + linear->offset;
-      for (int i = 0; i < part.order; ++i) u += linear->c[static_cast<std::size_t>(i)] * x[i];
+      if (still) equilibrium(*linear, u, x);
+      u = output(*linear, u, x);
     } else if (const auto* ode = as<OdeKernel>(part.kernel)) {
       if (still) ode->equilibrium(u, x);
-      u = ode->linear().d * u + ode->linear().offset;
-      for (int i = 0; i < part.order; ++i) u += ode->linear().c[static_cast<std::size_t>(i)] * x[i];
+      u = output(ode->linear(), u, x);
     } else if (const auto* curve = as<CurveKernel>(part.kernel)) {
       u = curve->value(u);
     } else if (const auto* source = as<SourceKernel>(part.kernel)) {
@@ -106,9 +104,9 @@ void OdeRun::memory_output(Part& part, const MemoryKernel& memory, double u) con
 bool OdeRun::close_loop(const PidController& controller, const DenseSignal& reference) {
   std::size_t proper = parts_.size();
   for (std::size_t i = 0; i < parts_.size(); ++i) {
-    const LinearKernel* k = std::get_if<LinearKernel>(parts_[i].kernel);
+    const StateSpace* k = std::get_if<LinearKernel>(parts_[i].kernel);
     if (const OdeKernel* ode = as<OdeKernel>(parts_[i].kernel)) k = &ode->linear();
-    if (k != nullptr && k->order > 0 && k->d == 0.0) proper = i;
+    if (k != nullptr && k->order() > 0 && k->d == 0.0) proper = i;
   }
   if (proper == parts_.size()) return false;
   // What comes after it must follow from its output alone.
@@ -126,11 +124,10 @@ double OdeRun::output_of(double t, const double* x) const {
   double u = 0.0;
   for (std::size_t i = loop_->proper; i < parts_.size(); ++i) {
     const Part& part = parts_[i];
-    const LinearKernel* k = std::get_if<LinearKernel>(part.kernel);
+    const StateSpace* k = std::get_if<LinearKernel>(part.kernel);
     if (const OdeKernel* ode = as<OdeKernel>(part.kernel)) k = &ode->linear();
     if (k != nullptr) {
-      u = k->d * u + k->offset;
-      for (int j = 0; j < part.order; ++j) u += k->c[static_cast<std::size_t>(j)] * x[part.state + j];
+      u = output(*k, u, x + part.state);
     } else if (const auto* curve = as<CurveKernel>(part.kernel)) {
       u = curve->value(u);
     } else if (const auto* source = as<SourceKernel>(part.kernel)) {
@@ -205,7 +202,7 @@ void OdeRun::walk(double t, double u, double du, const double* x, double* dx, bo
       u = y;
       du = dy;
     } else if (const auto* ode = as<OdeKernel>(part.kernel)) {
-      const LinearKernel& k = ode->linear();
+      const StateSpace& k = ode->linear();
       const double extra = ode->nonlinear(xs, u);
       double y = k.d * u + k.offset;
       double dy = k.d * du;
@@ -256,7 +253,7 @@ void OdeRun::newton(double t, const double* x, double gamma, double* b) {
   for (Part& part : parts_) {
     const int n = part.order;
     double* z = b + part.state;
-    const LinearKernel* k = std::get_if<LinearKernel>(part.kernel);
+    const StateSpace* k = std::get_if<LinearKernel>(part.kernel);
     const OdeKernel* ode = as<OdeKernel>(part.kernel);
     if (ode != nullptr) k = &ode->linear();
     if (k != nullptr) {
@@ -375,14 +372,9 @@ void OdeRun::restart_at(double t, const std::vector<int>* crossings) {
 double OdeRun::stiffness() const {
   double norm = 0.0;
   for (const Part& part : parts_) {
-    const LinearKernel* k = std::get_if<LinearKernel>(part.kernel);
+    const StateSpace* k = std::get_if<LinearKernel>(part.kernel);
     if (const OdeKernel* ode = as<OdeKernel>(part.kernel)) k = &ode->linear();
-    if (k == nullptr) continue;
-    for (int i = 0; i < k->order; ++i) {
-      double row = 0.0;
-      for (int c = 0; c < k->order; ++c) row += std::abs(k->a[static_cast<std::size_t>(i * k->order + c)]);
-      norm = std::max(norm, row);
-    }
+    if (k != nullptr) norm = std::max(norm, max_row_sum(*k));
   }
   return norm;
 }

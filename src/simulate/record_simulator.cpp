@@ -25,7 +25,7 @@ using chain::SampledKernel;
 using chain::SourceKernel;
 
 /// Merged state spaces cost the square of their order.
-constexpr int kMostMerged = 12;
+constexpr std::size_t kMostMerged = 12;
 
 /// One block with its kernel, rebuilt only when a parameter changed.
 struct Slot {
@@ -44,8 +44,9 @@ struct Slot {
 };
 
 int order_of(const Kernel& kernel) {
-  if (const auto* linear = std::get_if<LinearKernel>(&kernel)) return linear->order;
-  if (const auto* ode = std::get_if<std::unique_ptr<OdeKernel>>(&kernel)) return (*ode)->linear().order;
+  if (const auto* linear = std::get_if<LinearKernel>(&kernel)) return static_cast<int>(linear->order());
+  if (const auto* ode = std::get_if<std::unique_ptr<OdeKernel>>(&kernel))
+    return static_cast<int>((*ode)->linear().order());
   return 0;
 }
 
@@ -59,15 +60,15 @@ struct Stage {
   size_t end = 0;
   bool linear = false;
   LinearKernel merged;
-  int front = 0;        ///< states of `merged` in front of its delay
+  size_t front = 0;     ///< states of `merged` in front of its delay
   LinearKernel beside;  ///< driven by constants only; its states are those behind the delay
   size_t state = 0;     ///< place of its states among all states
 };
 
 /// Whether `next` may join: a second delay would hold back what runs beside, and the order stays small.
 bool joins(const Stage& stage, const LinearKernel& next) {
-  if (next.delay_s > 0.0 && (stage.beside.order > 0 || stage.beside.offset != 0.0)) return false;
-  return stage.merged.order + next.order <= kMostMerged || next.order == 0;
+  if (next.delay_s > 0.0 && (stage.beside.order() > 0 || stage.beside.offset != 0.0)) return false;
+  return stage.merged.order() + next.order() <= kMostMerged || next.order() == 0;
 }
 
 void join(Stage& stage, LinearKernel next) {
@@ -78,12 +79,12 @@ void join(Stage& stage, LinearKernel next) {
     next.constant.clear();
   }
   stage.merged = chain::in_series(stage.merged, next);
-  if (stage.merged.delay_s == 0.0) stage.front = stage.merged.order;
+  if (stage.merged.delay_s == 0.0) stage.front = stage.merged.order();
 }
 
 bool is_silent(const LinearKernel& k, const double* x) {
   return k.offset == 0.0 && k.constant.empty() &&
-         std::all_of(x, x + k.order, [](double v) { return v == 0.0; });
+         std::all_of(x, x + k.order(), [](double v) { return v == 0.0; });
 }
 
 }  // namespace
@@ -160,7 +161,7 @@ struct RecordSimulator::Implementation {
       if (stage.linear) {
         const double delay = stage.merged.delay_s / h;
         const bool whole = std::abs(delay - std::round(delay)) < 1e-12;
-        const bool dynamics = stage.merged.order > 0 || !whole;
+        const bool dynamics = stage.merged.order() > 0 || !whole;
         if (dynamics && !straight) return 3;
         if (dynamics) straight = false;
       } else if (std::holds_alternative<std::unique_ptr<OdeKernel>>(kernel)) {
@@ -251,8 +252,8 @@ struct RecordSimulator::Implementation {
 
   /// Output of a linear kernel at rest under u; adds its states at rest to x.
   static double at_rest(const LinearKernel& k, double u, double* x) {
-    std::vector<double> still(static_cast<size_t>(k.order));
-    chain::equilibrium(k, u, still.data());
+    std::vector<double> still(k.order());
+    equilibrium(k, u, still.data());
     double y = k.offset + k.d * u;
     for (size_t i = 0; i < still.size(); ++i) {
       y += k.c[i] * still[i];
@@ -266,10 +267,10 @@ struct RecordSimulator::Implementation {
     const LinearKernel& k = stage.merged;
     const bool delayed = k.delay_s > 0.0;
     // States behind the delay belong to what runs beside.
-    main_state.assign(static_cast<size_t>(k.order), 0.0);
-    std::copy_n(x, delayed ? stage.front : k.order, main_state.begin());
-    beside_state.assign(static_cast<size_t>(stage.beside.order), 0.0);
-    std::copy_n(x + stage.front, stage.beside.order, beside_state.begin());
+    main_state.assign(k.order(), 0.0);
+    std::copy_n(x, delayed ? stage.front : k.order(), main_state.begin());
+    beside_state.assign(stage.beside.order(), 0.0);
+    std::copy_n(x + stage.front, stage.beside.order(), beside_state.begin());
     double before = 0.0;
     if (equilibrium) {
       before = at_rest(k, rest, main_state.data());
@@ -299,9 +300,9 @@ struct RecordSimulator::Implementation {
 
   void run_ode(const OdeKernel& system, double h, const HoldNodes& nodes, size_t holds, bool equilibrium,
                double& rest, double* x) {
-    const LinearKernel& k = system.linear();
+    const StateSpace& k = system.linear();
     if (equilibrium) {
-      std::vector<double> still(static_cast<size_t>(k.order));
+      std::vector<double> still(k.order());
       system.equilibrium(rest, still.data());
       double y = k.offset + k.d * rest;
       for (size_t i = 0; i < still.size(); ++i) {

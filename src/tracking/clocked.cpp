@@ -2,14 +2,13 @@
 #include <cmath>
 #include <map>
 
-#include "chain/linear_kernel.hpp"
+#include "lti/state_space.hpp"
 #include "simulate/hold_response.hpp"
 #include "tracking/time.hpp"
 
 namespace bodesmith::tracking {
 namespace {
 
-using chain::LinearKernel;
 using simulate::hold_nodes;
 using simulate::HoldResponse;
 using simulate::HoldResponseSolver;
@@ -158,9 +157,8 @@ TimeTracking track_clocked(const TrackingPlant& plant, const TrackingDesign& des
     for (std::size_t i = 0; i < base.size(); ++i) base[i] += full[i] - with[i];
   }
 
-  const LinearKernel path =
-      chain::in_series(chain::sections_kernel(plant.drive_path), chain::sections_kernel(plant.stage_path));
-  const int n = path.order;
+  const StateSpace path = in_series(state_space(plant.drive_path), state_space(plant.stage_path));
+  const int n = static_cast<int>(path.order());
   std::vector<double> x(static_cast<std::size_t>(n), 0.0);
   std::vector<double> next(x);
   std::map<long long, HoldResponse> known;  // equal intervals are common: clock and samples share a grid
@@ -173,7 +171,7 @@ TimeTracking track_clocked(const TrackingPlant& plant, const TrackingDesign& des
     if (found == known.end()) {
       if (known.size() > 4096) known.clear();
       found = known.emplace(key, HoldResponse{}).first;
-      LinearKernel constant = path;
+      StateSpace constant = path;
       constant.constant = path.b;
       solver.solve(constant, {}, dt, hold_nodes(1), 1.0, found->second);
     }

@@ -2,7 +2,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "chain/linear_kernel.hpp"
+#include "lti/state_space.hpp"
 #include "simulate/cvode.hpp"
 #include "simulate/hold_response.hpp"
 #include "tracking/time.hpp"
@@ -11,7 +11,6 @@ namespace bodesmith::tracking {
 namespace {
 
 using Branch = Disturbance::Branch;
-using chain::LinearKernel;
 using simulate::Cvode;
 using simulate::hold_nodes;
 using simulate::HoldNodes;
@@ -19,12 +18,12 @@ using simulate::HoldResponse;
 using simulate::HoldResponseSolver;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-std::optional<LinearKernel> kernel_of(const Compensator& c) {
-  if (std::holds_alternative<Uncompensated>(c)) return chain::gain_kernel(0.0);
-  if (const auto* constant = std::get_if<ConstantGain>(&c)) return chain::gain_kernel(constant->gain);
-  if (const auto* sections = std::get_if<Sections>(&c)) return chain::sections_kernel(*sections);
+std::optional<StateSpace> kernel_of(const Compensator& c) {
+  if (std::holds_alternative<Uncompensated>(c)) return gain_system(0.0);
+  if (const auto* constant = std::get_if<ConstantGain>(&c)) return gain_system(constant->gain);
+  if (const auto* sections = std::get_if<Sections>(&c)) return state_space(*sections);
   if (const auto* response = std::get_if<ResponseCompensator>(&c)) {
-    if (response->approximation) return chain::sections_kernel(*response->approximation);
+    if (response->approximation) return state_space(*response->approximation);
   }
   return std::nullopt;
 }
@@ -40,29 +39,29 @@ struct Inputs {
 /// Compensators, drive path and stage path, one behind the other.
 class System {
  public:
-  System(LinearKernel ascending, LinearKernel descending, LinearKernel drive, LinearKernel path)
+  System(StateSpace ascending, StateSpace descending, StateSpace drive, StateSpace path)
       : ascending_(std::move(ascending)),
         descending_(std::move(descending)),
         drive_(std::move(drive)),
         path_(std::move(path)) {}
 
-  int order() const { return front() + path_.order; }
-  int front() const { return ascending_.order + descending_.order + drive_.order; }
+  std::size_t order() const { return front() + path_.order(); }
+  std::size_t front() const { return ascending_.order() + descending_.order() + drive_.order(); }
 
   /// Rates of all states; also v and y.
   void evaluate(const Inputs& in, const double* x, double* dx) {
-    const double* x_drive = x + ascending_.order + descending_.order;
+    const double* x_drive = x + ascending_.order() + descending_.order();
     const double up = through(ascending_, in.ascending, x, dx);
-    const double down = through(descending_, in.descending, x + ascending_.order, dx + ascending_.order);
+    const double down = through(descending_, in.descending, x + ascending_.order(), dx + ascending_.order());
     const double c = (open[0] ? up : 0.0) + (open[1] ? down : 0.0);
     v = through(drive_, in.x - c, x_drive, dx + (x_drive - x));
-    y = through(path_, v + in.stage, x_drive + drive_.order, dx + front());
+    y = through(path_, v + in.stage, x_drive + drive_.order(), dx + front());
   }
   /// dv/dt, after evaluate() filled dx.
   double drive_slope(const Inputs& slopes, const double* dx) const {
-    const double c = (open[0] ? slope(ascending_, slopes.ascending, dx) : 0.0) +
-                     (open[1] ? slope(descending_, slopes.descending, dx + ascending_.order) : 0.0);
-    return slope(drive_, slopes.x - c, dx + ascending_.order + descending_.order);
+    const double c = (open[0] ? output_slope(ascending_, slopes.ascending, dx) : 0.0) +
+                     (open[1] ? output_slope(descending_, slopes.descending, dx + ascending_.order()) : 0.0);
+    return output_slope(drive_, slopes.x - c, dx + ascending_.order() + descending_.order());
   }
 
   double v = 0.0;
@@ -71,24 +70,11 @@ class System {
   bool open[2] = {true, true};
 
  private:
-  static double through(const LinearKernel& k, double u, const double* x, double* dx) {
-    double y = k.d * u;
-    const int n = k.order;
-    const double* a = k.a.data();
-    for (int i = 0; i < n; ++i) {
-      double sum = k.b[static_cast<size_t>(i)] * u;
-      for (int j = 0; j < n; ++j) sum += a[i * n + j] * x[j];
-      dx[i] = sum;
-      y += k.c[static_cast<size_t>(i)] * x[i];
-    }
-    return y;
+  static double through(const StateSpace& system, double u, const double* x, double* dx) {
+    derivative(system, u, x, dx);
+    return output(system, u, x);
   }
-  static double slope(const LinearKernel& k, double du, const double* dx) {
-    double dy = k.d * du;
-    for (int i = 0; i < k.order; ++i) dy += k.c[static_cast<size_t>(i)] * dx[i];
-    return dy;
-  }
-  LinearKernel ascending_, descending_, drive_, path_;
+  StateSpace ascending_, descending_, drive_, path_;
 };
 
 }  // namespace
@@ -103,10 +89,10 @@ std::optional<TimeTracking> track_in_cvode(const TrackingPlant& plant, const Tra
   auto ascending = kernel_of(design.ascending);
   auto descending = kernel_of(design.descending);
   if (!ascending || !descending) return std::nullopt;
-  System system(std::move(*ascending), std::move(*descending), chain::sections_kernel(plant.drive_path),
-                chain::sections_kernel(plant.stage_path));
-  const int n = system.order();
-  const int front = system.front();
+  System system(std::move(*ascending), std::move(*descending), state_space(plant.drive_path),
+                state_space(plant.stage_path));
+  const int n = static_cast<int>(system.order());
+  const int front = static_cast<int>(system.front());
   const bool before_switch = options.place == TrackingOptions::Place::before_switch;
   const TrackingWaveforms generator(plant.generator ? *plant.generator : plant.disturbance, options,
                                     !before_switch);
@@ -166,8 +152,8 @@ std::optional<TimeTracking> track_in_cvode(const TrackingPlant& plant, const Tra
     RowMatrix all = RowMatrix::Identity(n, n);
     const int width = nodes.degree + 1;
     for (int half = 0; half < 2; ++half) {
-      LinearKernel whole;
-      whole.order = n;
+      StateSpace whole;
+      whole.b.assign(static_cast<size_t>(n), 0.0);
       whole.a.assign(a[half].data(), a[half].data() + a[half].size());
       HoldResponse part;
       solver.solve(whole, {b[half][0].data(), b[half][1].data(), b[half][2].data(), b[half][3].data()},

@@ -187,35 +187,5 @@ TEST(Blocks, FractionalKernelStaysWithinItsStatedError) {
   }
 }
 
-TEST(Blocks, SectionsOfEveryShapeBecomeStateSpaces) {
-  using Roots = std::vector<std::complex<double>>;
-  const std::vector<std::pair<Roots, Roots>> shapes = {
-      {{}, {-3.0}},
-      {{-5.0}, {-3.0}},
-      {{}, {-3.0, -1e5}},
-      {{-2.0}, {-3.0, -1e5}},
-      {{-2.0, -9.0}, {-3.0, -4.0}},
-      {{{-1.0, 7.0}, {-1.0, -7.0}}, {-3.0, -4.0}},
-      {{}, {{-1.0, 9.0}, {-1.0, -9.0}}},
-      {{0.0}, {{-1.0, 9.0}, {-1.0, -9.0}}},
-      {{{-1.0, 7.0}, {-1.0, -7.0}}, {{-2.0, 9.0}, {-2.0, -9.0}}},
-      {{4.0, -8.0}, {{-2.0, 9.0}, {-2.0, -9.0}}}};
-  Sections all;
-  all.gain = 1.7;
-  for (const auto& [zeros, poles] : shapes) {
-    const Section s{2.3, zeros, poles};
-    all.sections.push_back(s);
-    for (const double w : {0.0, 1.0, 9.0, 300.0, 1e6}) {
-      EXPECT_LT(std::abs(response(section_kernel(s), {0.0, w}) - s.response(RadPerSecond{w})),
-                1e-12 * std::max(1e-3, std::abs(s.response(RadPerSecond{w}))))
-          << w;
-    }
-  }
-  for (const double w : {0.0, 9.0, 300.0}) {
-    const auto wanted = all.response(RadPerSecond{w});
-    EXPECT_LT(std::abs(response(sections_kernel(all), {0.0, w}) - wanted), 1e-10 * std::abs(wanted) + 1e-12);
-  }
-}
-
 }  // namespace
 }  // namespace bodesmith::chain

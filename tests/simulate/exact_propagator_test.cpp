@@ -191,7 +191,6 @@ TEST(ExactPropagator, ComplexModes) {
 TEST(ExactPropagator, EigenvaluesAndProductsGiveTheSameModes) {
   const Sections sections = eight_poles();
   chain::LinearKernel k;  // the cascade by hand
-  k.order = 8;
   k.a.assign(64, 0.0);
   k.b.assign(8, 1.0);
   k.c.resize(8);

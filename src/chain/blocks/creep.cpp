@@ -21,7 +21,6 @@ class Creep final : public NamedBlockType {
     const auto gains = block.list("gains");
     const auto times = block.list("time_constants_s");
     LinearKernel k;
-    k.order = static_cast<int>(gains.size());
     const std::size_t n = gains.size();
     k.a.assign(n * n, 0.0);
     k.b.resize(n);

@@ -41,8 +41,9 @@ class FractionalLeadLagBlock final : public NamedBlockType {
            order < kMostPoles) {
       got = approximate_term(term, options, ++order);
     }
-    LinearKernel out = gain_kernel(1.0);
-    for (const Section& section : got.sections) out = in_series(out, section_kernel(section));
+    StateSpace system = gain_system(1.0);
+    for (const Section& section : got.sections) system = in_series(system, state_space(section));
+    LinearKernel out{system};
     out.approximation_error = std::hypot(std::expm1(got.error.everywhere_db / kDecibelPerNeper),
                                          to_radians(got.error.everywhere_deg));
     return out;

@@ -21,7 +21,7 @@ class OpampKernel final : public OdeKernel {
     // pole_zero_kernel's state is the output over the gain.
     entry_ = {1.0 / gain_};
   }
-  const LinearKernel& linear() const override { return linear_; }
+  const StateSpace& linear() const override { return linear_; }
   const std::vector<double>& entry() const override { return entry_; }
   double nonlinear(const double* x, double u) const override {
     const double y = gain_ * x[0];
@@ -60,7 +60,7 @@ class OpampKernel final : public OdeKernel {
   double low_;
   double high_;
   double clamp_;
-  LinearKernel linear_;
+  StateSpace linear_;
   std::vector<double> entry_;
 };
 

@@ -8,10 +8,9 @@ namespace {
 /// With w = 2 pi natural_frequency_hz, states x0 = y and x1 = y'/w:
 ///   x0' = w x1
 ///   x1' = w (gain u - x0 - 2 zeta x1) + w n,   n = -(quadratic y^2 + cubic y^3) - drag |y'| y' / w
-LinearKernel linear_part(const Block& block) {
+StateSpace linear_part(const Block& block) {
   const double w = Hertz{block.get("natural_frequency_hz")}.rad_s().value;
-  LinearKernel k;
-  k.order = 2;
+  StateSpace k;
   k.a = {0.0, w, -w, -2.0 * block.get("damping_ratio") * w};
   k.b = {0.0, w * block.get("gain")};
   k.c = {1.0, 0.0};
@@ -28,7 +27,7 @@ class NonlinearResonator final : public OdeKernel {
         cubic_(block.get("cubic")),
         drag_(block.get("drag") * linear_.a[1]) {}  // |y'| y' / w = w |x1| x1
 
-  const LinearKernel& linear() const override { return linear_; }
+  const StateSpace& linear() const override { return linear_; }
   const std::vector<double>& entry() const override { return entry_; }
   double nonlinear(const double* x, double) const override {
     return -(quadratic_ + cubic_ * x[0]) * x[0] * x[0] - drag_ * std::abs(x[1]) * x[1];
@@ -56,7 +55,7 @@ class NonlinearResonator final : public OdeKernel {
   }
 
  private:
-  LinearKernel linear_;
+  StateSpace linear_;
   std::vector<double> entry_;
   double gain_;
   double quadratic_;
@@ -77,7 +76,7 @@ class Resonator final : public NamedBlockType {
              any_number("drag", "factor of w |y'| y', s per unit of y", 0.0)}) {}
 
   Kernel kernel(const Block& block) const override {
-    if (is_linear(block)) return linear_part(block);
+    if (is_linear(block)) return LinearKernel{linear_part(block)};
     return std::make_unique<NonlinearResonator>(block);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {

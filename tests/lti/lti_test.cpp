@@ -4,6 +4,7 @@
 #include <complex>
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 #include "lti/cascade.hpp"
 #include "lti/fractional_lead_lag.hpp"
 #include "lti/frequency_grid.hpp"

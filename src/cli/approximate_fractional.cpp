@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "approximate/fractional_transfer.hpp"
@@ -16,10 +17,8 @@
 namespace bodesmith::cli {
 namespace {
 
-namespace po = boost::program_options;
-
 /// The exact response as complex Bode points, 40 a decade.
-BodePoints sample(const FractionalTransfer& transfer, const std::string& file, Band band) {
+BodePoints sampled_points(const FractionalTransfer& transfer, const std::string& file, Band band) {
   BodePoints out;
   out.file = file;
   const int count = std::max(20, static_cast<int>(40.0 * std::log10(band.to.value / band.from.value)));
@@ -40,65 +39,42 @@ Json stability_json(const FractionalStability& s) {
   return out;
 }
 
-}  // namespace
+/// The transfer function of the file, which must be stable and minimum-phase.
+struct FractionalInput {
+  FractionalTransfer transfer;
+  FractionalStability stability;
+};
 
-void add_fractional_options(po::options_description& options) {
-  options.add_options()("from-hz", po::value<double>(),
-                        "with a FRACTIONAL.toml: the band it is approximated over")(
-      "to-hz", po::value<double>(), "the end of that band")(
-      "real", "with a FRACTIONAL.toml: real poles and zeros only");
+FractionalInput read_fractional(const std::string& file, Provenance& from) {
+  FractionalInput out;
+  out.transfer = FractionalTransfer::read(file, from);
+  out.stability = fractional_stability(out.transfer.denominator);
+  if (!out.stability.stable()) {
+    throw DesignError(
+        file, 0,
+        fmt::format("is unstable ({} poles in the right half plane), expected a stable transfer function",
+                    out.stability.unstable_poles));
+  }
+  if (fractional_stability(out.transfer.numerator).unstable_poles > 0) {
+    throw DesignError(file, 0,
+                      "has zeros in the right half plane, expected a minimum-phase transfer function");
+  }
+  return out;
 }
 
-int approximate_fractional(const CommandLine& line) {
-  if (!line.has("from-hz") || !line.has("to-hz")) line.fail("a FRACTIONAL.toml needs --from-hz and --to-hz");
-  const Band band{Hertz{line.positive("from-hz")}, Hertz{line.positive("to-hz")}};
-  if (!(band.to > band.from)) line.fail("--to-hz is not above --from-hz");
-  Provenance from;
-  const FractionalTransfer transfer = FractionalTransfer::read(line.files().front(), from);
-  const FractionalStability stability = fractional_stability(transfer.denominator);
-  if (!stability.stable()) {
-    throw DesignError(
-        line.files().front(), 0,
-        fmt::format("is unstable ({} poles in the right half plane), expected a stable transfer function",
-                    stability.unstable_poles));
-  }
-  if (fractional_stability(transfer.numerator).unstable_poles > 0) {
-    throw DesignError(line.files().front(), 0,
-                      "has zeros in the right half plane, expected a minimum-phase one");
-  }
-  const BodePoints points = sample(transfer, line.files().front(), band);
+DirectFit fit_fractional(const CommandLine& line, const BodePoints& points, std::optional<double> limit) {
   DirectFitOptions options;
   options.use_phase = true;
   options.real = line.has("real");
   options.seed = line.seed_value();
-  const auto limit = line.maybe<double>("max-error-db");
-  const Stopwatch watch;
-  DirectFit fit;
-  const int first = line.has("order") ? line.get<int>("order") : limit ? 1 : 4;
-  const int last = line.has("order") || !limit ? first : std::min(12, line.get<int>("max-order"));
-  for (options.order = first; options.order <= last; ++options.order) {
-    fit = fit_directly(points, options);
-    if (limit && fit.max_db <= *limit) break;
+  if (limit && !line.has("order")) {
+    return fit_directly_within(points, options, *limit, 1, std::min(12, line.get<int>("max-order")));
   }
-  const double seconds = watch.seconds();
-  const bool met = !limit || fit.max_db <= *limit;
+  if (line.has("order")) options.order = line.get<int>("order");
+  return fit_directly(points, options);
+}
 
-  Json report = fit.report_json();
-  report.erase("points");
-  report["max_phase_deg"] = fit.max_phase_deg;
-  report["stability"] = stability_json(stability);
-  Json out = json_header("sections", from);
-  out.update(fit.sections.to_json());
-  out["approximation"] = report;
-  out["timing_s"] = {{"compute", seconds}};
-  write_file(line.output_path(), to_text(out));
-
-  Json summary = json_header("approximate_summary", from);
-  summary["sections"] = fit.sections.sections.size();
-  summary["poles"] = fit.sections.pole_count();
-  summary.update(report);
-  summary["limit_met"] = met;
-  summary["timing_s"] = {{"compute", seconds}};
+std::string fractional_summary(const DirectFit& fit, const FractionalStability& stability, const Band& band) {
   std::string text =
       fmt::format("{} sections, {} poles: {} dB and {} deg over {} .. {} Hz\n", fit.sections.sections.size(),
                   fit.sections.pole_count(), rounded_text(fit.max_db, 3), rounded_text(fit.max_phase_deg, 3),
@@ -107,10 +83,43 @@ int approximate_fractional(const CommandLine& line) {
   if (stability.matignon_count)
     text += fmt::format("; Matignon counts {} unstable poles", *stability.matignon_count);
   if (stability.powers_of_s > 0.0)
-    text += fmt::format("; holds an integrator of order {}", rounded_text(stability.powers_of_s));
-  text += "\n";
-  if (!met) text += fmt::format("the limit of {} dB is NOT met\n", rounded_text(*limit));
-  print_summary(line, text, summary);
+    text += fmt::format("; contains an integrator of order {}", rounded_text(stability.powers_of_s));
+  return text + "\n";
+}
+
+}  // namespace
+
+void add_fractional_options(CommandLine& line) {
+  line.band("with a FRACTIONAL.toml: the band it is approximated over", "the end of that band");
+  line.flag("real", "with a FRACTIONAL.toml: real poles and zeros only");
+}
+
+int approximate_fractional(const CommandLine& line) {
+  const std::optional<Band> band = line.maybe_band();
+  if (!band) line.fail("a FRACTIONAL.toml needs --from-hz and --to-hz");
+  const auto limit = line.maybe_positive("max-error-db");
+  Provenance from;
+  const FractionalInput input = read_fractional(line.files().front(), from);
+  const BodePoints points = sampled_points(input.transfer, line.files().front(), *band);
+  const Stopwatch watch;
+  const DirectFit fit = fit_fractional(line, points, limit);
+  const double seconds = watch.seconds();
+  const bool met = !limit || fit.max_db <= *limit;
+
+  Json report = fit.report_json();
+  report.erase("points");
+  report["max_phase_deg"] = fit.max_phase_deg;
+  report["stability"] = stability_json(input.stability);
+  Json out = fit.sections.to_json();
+  out["approximation"] = report;
+  write_file(line.output_path(), to_text(timed_document("sections", from, out, seconds)));
+
+  Json summary = {{"sections", fit.sections.sections.size()}, {"poles", fit.sections.pole_count()}};
+  summary.update(report);
+  summary["limit_met"] = met;
+  std::string text = fractional_summary(fit, input.stability, *band);
+  if (!met) text += limit_not_met(*limit, "dB");
+  print_summary(line, text, timed_document("approximate_summary", from, summary, seconds));
   return met ? kDone : kLimitMissed;
 }
 

@@ -4,8 +4,8 @@
 
 namespace bodesmith::cli {
 
-/// A whole fractional transfer function instead of a cascade.
-void add_fractional_options(boost::program_options::options_description& options);
+/// The subcommand for a whole fractional transfer function instead of a cascade.
+void add_fractional_options(CommandLine& line);
 int approximate_fractional(const CommandLine& line);
 
 }  // namespace bodesmith::cli

@@ -14,14 +14,12 @@
 #include "cli/response_source.hpp"
 #include "report/plot.hpp"
 
-namespace po = boost::program_options;
-
 namespace bodesmith::cli {
 namespace {
 
 /// Two files of the same stem get columns of different names.
 void make_stems_unique(std::vector<ResponseSource>& sources) {
-  for (size_t i = 0; i < sources.size(); ++i) {
+  for (std::size_t i = 0; i < sources.size(); ++i) {
     const std::string stem = sources[i].stem;
     int number = 1;
     const auto taken = [&] {
@@ -54,17 +52,16 @@ std::vector<Hertz> choose_grid(const CommandLine& line, const std::vector<Respon
     line.fail(fmt::format("the band {} to {} Hz is empty, expected --from-hz below --to-hz", band.from.value,
                           band.to.value));
   }
-  int count = line.get<int>("count");
-  if (count < 1 || count > 10'000'000) line.fail(fmt::format("--count is {}, expected 1 to 10000000", count));
+  int count = line.integer("count", 1, 10'000'000);
   if (band.from == band.to) count = 1;
   if (count == 1) band.to = band.from;
   return log_grid(band, count);
 }
 
-std::string csv_text(const std::vector<Hertz>& grid, const std::vector<ResponseSource>& sources,
+std::string bode_csv(const std::vector<Hertz>& grid, const std::vector<ResponseSource>& sources,
                      const std::vector<ResponseColumns>& columns) {
   std::string out = "frequency_hz";
-  for (size_t i = 0; i < sources.size(); ++i) {
+  for (std::size_t i = 0; i < sources.size(); ++i) {
     out += fmt::format(",{}_magnitude_db", sources[i].stem);
     if (!columns[i].phase_deg.empty()) out += fmt::format(",{}_phase_deg", sources[i].stem);
   }
@@ -73,7 +70,7 @@ std::string csv_text(const std::vector<Hertz>& grid, const std::vector<ResponseS
     out += ",";
     if (value && std::isfinite(*value)) out += number_text(*value);
   };
-  for (size_t row = 0; row < grid.size(); ++row) {
+  for (std::size_t row = 0; row < grid.size(); ++row) {
     out += number_text(grid[row].value);
     for (const ResponseColumns& c : columns) {
       cell(c.magnitude_db[row]);
@@ -81,6 +78,13 @@ std::string csv_text(const std::vector<Hertz>& grid, const std::vector<ResponseS
     }
     out += "\n";
   }
+  return out;
+}
+
+/// Gaps where the file has no value.
+std::vector<double> with_gaps(const std::vector<std::optional<double>>& column) {
+  std::vector<double> out;
+  for (const auto& value : column) out.push_back(value.value_or(NAN));
   return out;
 }
 
@@ -95,24 +99,60 @@ std::string plot_svg(const std::vector<Hertz>& grid, const std::vector<ResponseS
   report::Plot phase = magnitude;
   phase.title = "Phase";
   phase.y = {"degrees"};
-  for (size_t i = 0; i < sources.size(); ++i) {
-    const auto values = [](const std::vector<std::optional<double>>& column) {
-      std::vector<double> out;
-      for (const auto& value : column) out.push_back(value.value_or(NAN));
-      return out;
-    };
-    report::Series series{sources[i].stem, f, values(columns[i].magnitude_db)};
-    if (!sources[i].own_frequencies.empty() && sources[i].own_frequencies.size() < 60) {
-      series.style = report::Series::Style::marks;
-    }
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    report::Series series{sources[i].stem, f, with_gaps(columns[i].magnitude_db)};
+    const std::size_t measured = sources[i].own_frequencies.size();
+    if (measured > 0 && measured < 60) series.style = report::Series::Style::marks;
     series.color = static_cast<int>(i);
     magnitude.series.push_back(series);
-    if (!columns[i].phase_deg.empty()) {
-      series.y = values(columns[i].phase_deg);
-      phase.series.push_back(series);
-    }
+    if (columns[i].phase_deg.empty()) continue;
+    series.y = with_gaps(columns[i].phase_deg);
+    phase.series.push_back(series);
   }
   return report::stack_svg({magnitude, phase});
+}
+
+void declare_bode(CommandLine& line) {
+  line.positional("FILE...", 1, -1);
+  line.band("lowest frequency", "highest frequency");
+  line.option<int>("count", "number of frequencies, evenly spaced in log frequency", 200);
+  line.flag(
+      "with-holds",
+      "FPAA plans: with every hold and half-cycle delay (default: the capacitors' exact transfer function)");
+  line.option<std::string>("subcircuit", "of a .sub file: its name", "");
+  line.option<std::string>("svg", "also draw the Bode plot into this file");
+  line.output("table (CSV); without it the table goes to stdout", true);
+}
+
+struct DecibelRange {
+  double low = INFINITY;
+  double high = -INFINITY;
+};
+
+DecibelRange decibel_range(const ResponseColumns& columns) {
+  DecibelRange out;
+  for (const auto& value : columns.magnitude_db) {
+    if (!value || !std::isfinite(*value)) continue;
+    out.low = std::min(out.low, *value);
+    out.high = std::max(out.high, *value);
+  }
+  return out.low > out.high ? DecibelRange{0.0, 0.0} : out;
+}
+
+void print_bode_summary(const CommandLine& line, const Provenance& from, const std::vector<Hertz>& grid,
+                        const std::vector<ResponseSource>& sources,
+                        const std::vector<ResponseColumns>& columns, double seconds) {
+  std::string text = fmt::format("{} frequencies, {} to {} Hz\n", grid.size(),
+                                 rounded_text(grid.front().value, 6), rounded_text(grid.back().value, 6));
+  Json summary = {{"count", grid.size()},
+                  {"band_hz", {grid.front().value, grid.back().value}},
+                  {"responses", Json::array()}};
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    const auto [low, high] = decibel_range(columns[i]);
+    summary["responses"].push_back({{"name", sources[i].stem}, {"lowest_db", low}, {"highest_db", high}});
+    text += fmt::format("  {}: {} to {} dB\n", sources[i].stem, rounded_text(low, 5), rounded_text(high, 5));
+  }
+  print_summary(line, text, timed_document("bode_summary", from, summary, seconds));
 }
 
 }  // namespace
@@ -120,18 +160,10 @@ std::string plot_svg(const std::vector<Hertz>& grid, const std::vector<ResponseS
 int run_bode(const std::vector<std::string>& arguments) {
   CommandLine line(
       "bode", "bodesmith bode cascade.json sections.json plan.json compensator.sub measured.csv -o bode.csv",
-      "Frequency responses of any of the files in one table: magnitude in dB and unwrapped phase in\n"
+      "Frequency responses of any of these files in one table: magnitude in dB and unwrapped phase in\n"
       "degrees. A measured CSV is interpolated in log frequency; cells outside its range stay empty.\n"
       "Without a band the grid is that of the first measured CSV, else a decade beyond all corners.");
-  line.positional("FILE...", 1, -1);
-  line.options().add_options()("from-hz", po::value<double>(), "lowest frequency")(
-      "to-hz", po::value<double>(), "highest frequency")(
-      "count", po::value<int>()->default_value(200), "number of frequencies, evenly spaced in log frequency")(
-      "with-holds",
-      "FPAA plans: with every hold and half-cycle delay (default: the capacitors' exact transfer)")(
-      "subcircuit", po::value<std::string>()->default_value(""), "of a .sub file: its name")(
-      "svg", po::value<std::string>(), "also draw the Bode plot into this file");
-  line.output("table (CSV); without it the table goes to stdout", true);
+  declare_bode(line);
   if (!line.parse(arguments)) return kDone;
 
   Provenance from;
@@ -150,35 +182,16 @@ int run_bode(const std::vector<std::string>& arguments) {
   const double seconds = watch.seconds();
 
   OutputSet out;
-  const bool to_file = line.maybe<std::string>("output").has_value();
-  if (to_file) out.add(line.output_path(), csv_text(grid, sources, columns));
+  const bool to_file = line.has("output");
+  const std::string csv = bode_csv(grid, sources, columns);
+  if (to_file) out.add(line.output_path(), csv);
   if (line.has("svg")) out.add(line.get<std::string>("svg"), plot_svg(grid, sources, columns));
   out.commit();
   if (!to_file && !line.json()) {
-    fmt::print("{}", csv_text(grid, sources, columns));
+    fmt::print("{}", csv);
     return kDone;
   }
-
-  Json summary = json_header("bode_summary", from);
-  std::string text = fmt::format("{} frequencies, {} to {} Hz\n", grid.size(),
-                                 rounded_text(grid.front().value, 6), rounded_text(grid.back().value, 6));
-  summary["count"] = grid.size();
-  summary["band_hz"] = {grid.front().value, grid.back().value};
-  summary["responses"] = Json::array();
-  for (size_t i = 0; i < sources.size(); ++i) {
-    double low = INFINITY;
-    double high = -INFINITY;
-    for (const auto& value : columns[i].magnitude_db) {
-      if (!value || !std::isfinite(*value)) continue;
-      low = std::min(low, *value);
-      high = std::max(high, *value);
-    }
-    if (low > high) low = high = 0.0;
-    summary["responses"].push_back({{"name", sources[i].stem}, {"lowest_db", low}, {"highest_db", high}});
-    text += fmt::format("  {}: {} to {} dB\n", sources[i].stem, rounded_text(low, 5), rounded_text(high, 5));
-  }
-  summary["timing_s"] = {{"compute", seconds}};
-  print_summary(line, text, summary);
+  print_bode_summary(line, from, grid, sources, columns, seconds);
   return kDone;
 }
 

@@ -8,35 +8,67 @@
 
 #include "base/error.hpp"
 #include "base/json.hpp"
+#include "base/json_header.hpp"
+#include "base/text.hpp"
 
 namespace po = boost::program_options;
 
 namespace bodesmith::cli {
+namespace {
 
-CommandLine::CommandLine(std::string name, std::string example, std::string what)
-    : name_(std::move(name)), example_(std::move(example)), what_(std::move(what)), options_("Options", 100) {
-  options_.add_options()("help,h", "show this text")("json", "print the summary as one JSON object");
+/// "a, b or c".
+std::string join_alternatives(std::vector<std::string> words) {
+  const std::string last = words.back();
+  words.pop_back();
+  return words.empty() ? last : join(words, ", ") + " or " + last;
 }
 
-void CommandLine::positional(const std::string& name, int least, int most) {
+}  // namespace
+
+CommandLine::CommandLine(std::string name, std::string example, std::string what)
+    : name_(std::move(name)), example_(std::move(example)), what_(std::move(what)) {
+  group("Options");
+  flag("help,h", "show this text");
+  flag("json", "print the summary as one JSON object");
+}
+
+void CommandLine::add(const std::string& name, const po::value_semantic* value, const std::string& what) {
+  groups_.back().add_options()(name.c_str(), value, what.c_str());
+}
+
+void CommandLine::flag(const std::string& name, const std::string& what) {
+  groups_.back().add_options()(name.c_str(), what.c_str());
+}
+
+void CommandLine::group(const std::string& caption) {
+  groups_.emplace_back(caption, 100);
+}
+
+void CommandLine::positional(const std::string& name, int min, int max) {
   positional_name_ = name;
-  least_ = least;
-  most_ = most;
+  min_files_ = min;
+  max_files_ = max;
 }
 
 void CommandLine::output(const std::string& what, bool optional) {
   output_needed_ = !optional;
-  options_.add_options()("output,o", po::value<std::string>(), what.c_str());
+  option<std::string>("output,o", what);
 }
 
 void CommandLine::seed() {
-  options_.add_options()("seed", po::value<std::uint64_t>()->default_value(1),
-                         "seed of everything left to chance");
+  option<std::uint64_t>("seed", "seed of the random numbers", 1);
+}
+
+void CommandLine::band(const std::string& from_what, const std::string& to_what) {
+  option<double>("from-hz", from_what);
+  option<double>("to-hz", to_what);
 }
 
 bool CommandLine::parse(const std::vector<std::string>& arguments) {
+  po::options_description shown;
+  for (const po::options_description& some : groups_) shown.add(some);
   po::options_description all;
-  all.add(options_);
+  all.add(shown);
   all.add_options()("__files", po::value<std::vector<std::string>>());
   po::positional_options_description places;
   places.add("__files", -1);
@@ -45,7 +77,7 @@ bool CommandLine::parse(const std::vector<std::string>& arguments) {
     po::store(po::command_line_parser(arguments).options(all).positional(places).style(style).run(), values_);
     if (values_.count("help") > 0) {
       std::ostringstream text;
-      text << options_;
+      text << shown;
       fmt::print("Example:\n  {}\n\n{}\n\nUsage: bodesmith {}{} [options]\n{}", example_, what_, name_,
                  positional_name_.empty() ? "" : " " + positional_name_, text.str());
       return false;
@@ -55,10 +87,12 @@ bool CommandLine::parse(const std::vector<std::string>& arguments) {
     fail(error.what());
   }
   const int given = static_cast<int>(files().size());
-  if (given < least_) fail(fmt::format("{} is missing", positional_name_));
-  if (most_ >= 0 && given > most_)
-    fail(fmt::format("'{}' is one file too many", files()[static_cast<size_t>(most_)]));
-  if (output_needed_ && values_.count("output") == 0) fail("-o is missing, expected where the result goes");
+  if (given < min_files_) fail(fmt::format("{} is missing", positional_name_));
+  if (max_files_ >= 0 && given > max_files_) {
+    fail(fmt::format("'{}' is one file too many", files()[static_cast<std::size_t>(max_files_)]));
+  }
+  if (output_needed_ && values_.count("output") == 0)
+    fail("-o is missing, expected where to write the result");
   if (values_.count("output") > 0 && get<std::string>("output").empty()) fail("-o is empty");
   return true;
 }
@@ -76,8 +110,32 @@ double CommandLine::positive(const std::string& option) const {
   return value;
 }
 
+std::optional<double> CommandLine::maybe_positive(const std::string& option) const {
+  if (values_.count(option) == 0) return std::nullopt;
+  return positive(option);
+}
+
+int CommandLine::integer(const std::string& option, int min, int max) const {
+  const int value = get<int>(option);
+  if (value < min || value > max) fail(fmt::format("--{} is {}, expected {} to {}", option, value, min, max));
+  return value;
+}
+
+std::optional<Band> CommandLine::maybe_band() const {
+  if (has("from-hz") != has("to-hz")) fail("--from-hz and --to-hz must be given together");
+  if (!has("from-hz")) return std::nullopt;
+  const Band band{Hertz{positive("from-hz")}, Hertz{positive("to-hz")}};
+  if (!(band.from < band.to)) fail("--from-hz is not below --to-hz");
+  return band;
+}
+
 void CommandLine::fail(const std::string& message) const {
   throw InputError(fmt::format("{}: {} (see bodesmith {} --help)", name_, message, name_));
+}
+
+void CommandLine::fail_choice(const std::string& option, const std::string& given,
+                              const std::vector<std::string>& words) const {
+  fail(fmt::format("--{} is '{}', expected {}", option, given, join_alternatives(words)));
 }
 
 void print_summary(const CommandLine& line, const std::string& text, const Json& json) {
@@ -90,6 +148,21 @@ void print_summary(const CommandLine& line, const std::string& text, const Json&
 
 void note(const std::string& text) {
   fmt::print(stderr, "bodesmith: {}\n", text);
+}
+
+void warn_each(const std::vector<std::string>& warnings) {
+  for (const std::string& warning : warnings) note("warning: " + warning);
+}
+
+Json timed_document(std::string_view schema, const Provenance& from, const Json& body, double seconds) {
+  Json out = json_header(schema, from);
+  out.update(body);
+  out["timing_s"] = {{"compute", seconds}};
+  return out;
+}
+
+std::string limit_not_met(double limit, std::string_view unit) {
+  return fmt::format("the limit of {} {} is NOT met\n", rounded_text(limit), unit);
 }
 
 }  // namespace bodesmith::cli

@@ -3,12 +3,15 @@
 #include <boost/program_options.hpp>
 #include <cstdint>
 #include <filesystem>
+#include <initializer_list>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
+#include "lti/frequency_grid.hpp"
 
 namespace bodesmith::cli {
 
@@ -18,14 +21,39 @@ class CommandLine {
   /// `example` is the line that --help shows first.
   CommandLine(std::string name, std::string example, std::string what);
 
-  /// For `.add_options()("order", po::value<int>(), "…")`.
-  boost::program_options::options_description& options() { return options_; }
-  /// Positional files, kept in the order given. `most` < 0: any number.
-  void positional(const std::string& name, int least, int most);
+  /// Adds --name with a value of type T (int, double, std::string, std::uint64_t).
+  template <class T>
+  void option(const std::string& name, const std::string& what) {
+    add(name, boost::program_options::value<T>(), what);
+  }
+  template <class T>
+  void option(const std::string& name, const std::string& what, const T& default_value) {
+    add(name, boost::program_options::value<T>()->default_value(default_value), what);
+  }
+  /// Adds --name without a value.
+  void flag(const std::string& name, const std::string& what);
+  /// Adds --name with several values after one name; the option's value is a std::vector<T>.
+  template <class T>
+  void list(const std::string& name, const std::string& what) {
+    add(name, boost::program_options::value<std::vector<T>>()->multitoken(), what);
+  }
+  /// Adds --name that may be given several times; the option's value is a std::vector<T>.
+  template <class T>
+  void repeatable(const std::string& name, const std::string& what) {
+    add(name, boost::program_options::value<std::vector<T>>()->composing(), what);
+  }
+  boost::program_options::options_description& options() { return groups_.back(); }
+  /// Options added from here on stand under this heading of --help.
+  void group(const std::string& caption);
+
+  /// Positional files, kept in the order given. `max` < 0: any number.
+  void positional(const std::string& name, int min, int max);
   /// Adds -o/--output; required unless `optional`.
   void output(const std::string& what, bool optional = false);
   /// Adds --seed.
   void seed();
+  /// Adds --from-hz and --to-hz.
+  void band(const std::string& from_what, const std::string& to_what);
 
   /// False when --help was asked for and shown. Throws InputError for bad usage.
   bool parse(const std::vector<std::string>& arguments);
@@ -42,24 +70,46 @@ class CommandLine {
     if (values_.count(option) == 0) return std::nullopt;
     return values_[option].as<T>();
   }
+  /// The one of `choices` whose to_string() was given.
+  template <class Enum>
+  Enum choice(const std::string& option, std::initializer_list<Enum> choices) const {
+    const auto given = get<std::string>(option);
+    std::vector<std::string> words;
+    for (const Enum value : choices) {
+      words.emplace_back(to_string(value));
+      if (words.back() == given) return value;
+    }
+    fail_choice(option, given, words);
+  }
   /// A number option that must be finite and above 0.
   double positive(const std::string& option) const;
+  std::optional<double> maybe_positive(const std::string& option) const;
+  /// An integer option that must be within [min, max].
+  int integer(const std::string& option, int min, int max) const;
+  /// --from-hz and --to-hz together, or neither.
+  std::optional<Band> maybe_band() const;
   std::vector<std::string> files() const;
   std::filesystem::path output_path() const { return get<std::string>("output"); }
   std::uint64_t seed_value() const { return get<std::uint64_t>("seed"); }
   bool json() const { return values_.count("json") > 0; }
-  /// Throws InputError "bodesmith NAME: message, see --help".
+  /// Throws InputError "NAME: message (see bodesmith NAME --help)".
   [[noreturn]] void fail(const std::string& message) const;
 
  private:
+  void add(const std::string& name, const boost::program_options::value_semantic* value,
+           const std::string& what);
+  [[noreturn]] void fail_choice(const std::string& option, const std::string& given,
+                                const std::vector<std::string>& words) const;
+
   std::string name_;
   std::string example_;
   std::string what_;
   std::string positional_name_;
-  int least_ = 0;
-  int most_ = 0;
+  int min_files_ = 0;
+  int max_files_ = 0;
   bool output_needed_ = false;
-  boost::program_options::options_description options_;
+  /// The subcommand's own options, then the groups with a heading.
+  std::vector<boost::program_options::options_description> groups_;
   boost::program_options::variables_map values_;
 };
 
@@ -67,5 +117,12 @@ class CommandLine {
 void print_summary(const CommandLine& line, const std::string& text, const Json& json);
 /// A note or warning for a person: one line on stderr.
 void note(const std::string& text);
+void warn_each(const std::vector<std::string>& warnings);
+
+/// A JSON document with header, `body` and the time of the work itself.
+Json timed_document(std::string_view schema, const Provenance& from, const Json& body, double seconds);
+
+/// "the limit of 0.5 dB is NOT met\n"
+std::string limit_not_met(double limit, std::string_view unit);
 
 }  // namespace bodesmith::cli

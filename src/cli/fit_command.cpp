@@ -4,35 +4,32 @@
 
 namespace bodesmith::cli {
 
-namespace po = boost::program_options;
-
 int run_fit(const std::vector<std::string>& arguments) {
   CommandLine line(
       "fit", "bodesmith fit gains.csv -o cascade.json",
-      "Finds a cascade of fractional lead-lags through wanted gains; or, with --direct, integer sections\n"
-      "straight to them; or, with --waveform, sections for the compensating waveform of a disturbance:\n"
+      "Fits a cascade of fractional lead-lags to target gains; or, with --direct, integer sections\n"
+      "directly to them; or, with --waveform, sections for the compensating waveform of a disturbance:\n"
       "  bodesmith fit gains.csv --direct --order 4 -o sections.json\n"
       "  bodesmith fit --waveform disturbance.json --order 2 -o sections.json");
-  line.options().add_options()("direct", "integer sections straight to the points")(
-      "waveform", po::value<std::string>(), "a disturbance.json: sections that minimise the waveform error")(
-      "order", po::value<int>(), "poles, with --direct (1 to 12) or --waveform (1 to 6)")(
-      "real", "real poles and zeros only")(
-      "max-error-db", po::value<double>(),
-      "exit with 1 when a point is missed by more than this; --direct without "
-      "--order takes the smallest order that keeps it");
-  po::options_description cascade("To a cascade", 100);
-  add_cascade_options(cascade);
-  po::options_description direct("With --direct", 100);
-  add_direct_options(direct);
-  po::options_description waveform("With --waveform", 100);
-  add_waveform_options(waveform);
-  line.options().add(cascade).add(direct).add(waveform);
+  line.flag("direct", "integer sections directly to the points");
+  line.option<std::string>("waveform", "a disturbance.json: sections that minimise the waveform error");
+  line.option<int>("order", "poles, with --direct (1 to 12) or --waveform (1 to 6)");
+  line.flag("real", "real poles and zeros only");
+  line.option<double>("max-error-db",
+                      "exit with 1 when the error at a point is larger; --direct without --order takes the "
+                      "smallest order that meets it");
   line.positional("POINTS.csv", 0, 1);
-  line.output("where the cascade or the sections go");
+  line.output("file for the cascade or the sections");
   line.seed();
+  line.group("To a cascade");
+  add_cascade_options(line);
+  line.group("With --direct");
+  add_direct_options(line);
+  line.group("With --waveform");
+  add_waveform_options(line);
   if (!line.parse(arguments)) return kDone;
   if (line.has("waveform")) {
-    if (line.has("direct")) line.fail("--direct and --waveform exclude each other");
+    if (line.has("direct")) line.fail("--direct and --waveform cannot be combined");
     if (!line.files().empty()) line.fail("--waveform takes its disturbance file and no POINTS.csv");
     return fit_to_waveform(line);
   }

@@ -4,14 +4,14 @@
 
 namespace bodesmith::cli {
 
-/// The three ways to fit, one file each.
-void add_cascade_options(boost::program_options::options_description& options);
+/// The three kinds of fit, one file each.
+void add_cascade_options(CommandLine& line);
 int fit_to_cascade(const CommandLine& line);
 
-void add_direct_options(boost::program_options::options_description& options);
+void add_direct_options(CommandLine& line);
 int fit_to_sections(const CommandLine& line);
 
-void add_waveform_options(boost::program_options::options_description& options);
+void add_waveform_options(CommandLine& line);
 int fit_to_waveform(const CommandLine& line);
 
 }  // namespace bodesmith::cli

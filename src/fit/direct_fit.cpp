@@ -366,4 +366,14 @@ Json DirectFit::report_json() const {
   return out;
 }
 
+DirectFit fit_directly_within(const BodePoints& points, DirectFitOptions options, double limit_db,
+                              int min_order, int max_order) {
+  DirectFit fit;
+  for (options.order = min_order; options.order <= max_order; ++options.order) {
+    fit = fit_directly(points, options);
+    if (fit.max_db <= limit_db) break;
+  }
+  return fit;
+}
+
 }  // namespace bodesmith

@@ -60,5 +60,9 @@ struct DirectFit {
 /// quadratic (rms) or linear (Chebyshev) programming in a trust region. Throws InputError for an order out of
 /// range or no points.
 DirectFit fit_directly(const BodePoints& points, const DirectFitOptions& options);
+/// Orders from `min_order` up to `max_order` until the largest error is within `limit_db`; the fit of the last order
+/// when none is. `options.order` does not apply.
+DirectFit fit_directly_within(const BodePoints& points, DirectFitOptions options, double limit_db,
+                              int min_order, int max_order);
 
 }  // namespace bodesmith

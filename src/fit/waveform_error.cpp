@@ -9,6 +9,18 @@
 
 namespace bodesmith {
 
+std::string_view to_string(DrivenPath path) {
+  switch (path) {
+    case DrivenPath::whole:
+      return "whole";
+    case DrivenPath::ascending:
+      return "ascending";
+    case DrivenPath::descending:
+      return "descending";
+  }
+  return "";
+}
+
 std::vector<Hertz> operating_frequencies(const Disturbance& disturbance) {
   return disturbance.rate.frequency;
 }

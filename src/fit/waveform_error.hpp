@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <functional>
+#include <string_view>
 #include <vector>
 
 #include "base/units.hpp"
@@ -18,6 +19,7 @@ enum class DrivenPath {
   ascending,   ///< in the ascending polynomial's own path, before the switch; only the rising half counts
   descending,  ///< the same for the descending one
 };
+std::string_view to_string(DrivenPath path);
 
 struct WaveformErrorOptions {
   DrivenPath path = DrivenPath::whole;

@@ -95,19 +95,54 @@ void fill_complex(const ReferenceSpec&, TimeRecord& r) {
   }
 }
 
+/// Highest frequency that the samples must show.
+Hertz own_frequency(const ReferenceSpec& spec) {
+  return spec.frequency;
+}
+Hertz end_of_band(const ReferenceSpec& spec) {
+  return std::max(spec.frequency, spec.last);
+}
+/// The fixed frequencies of fill_complex are never refused.
+Hertz any_step_will_do(const ReferenceSpec&) {
+  return Hertz{0.0};
+}
+
+std::optional<Hertz> repeats(const ReferenceSpec& spec) {
+  return spec.frequency;
+}
+std::optional<Hertz> repeats_never(const ReferenceSpec&) {
+  return std::nullopt;
+}
+std::optional<Hertz> complex_repeats(const ReferenceSpec&) {
+  return Hertz{0.1};
+}
+
 struct Kind {
   ReferenceKind about;
   void (*fill)(const ReferenceSpec&, TimeRecord&);
+  Hertz (*highest)(const ReferenceSpec&);
+  std::optional<Hertz> (*fundamental)(const ReferenceSpec&);
 };
 
 const std::vector<Kind>& kinds() {
-  static const std::vector<Kind> all = {{{"triangle", "straight lines up and down"}, fill_triangle},
-                                        {{"sine", "one frequency"}, fill_sine},
-                                        {{"stair", "equal levels up and down"}, fill_stair},
-                                        {{"multisine", "odd lines with random phases"}, fill_multisine},
-                                        {{"chirp", "one frequency after the other"}, fill_chirp},
-                                        {{"complex", "the first seed's complex signal"}, fill_complex}};
+  static const std::vector<Kind> all = {
+      {{"triangle", "straight lines up and down"}, fill_triangle, own_frequency, repeats},
+      {{"sine", "one frequency"}, fill_sine, own_frequency, repeats},
+      {{"stair", "equal levels up and down"}, fill_stair, own_frequency, repeats},
+      {{"multisine", "odd lines with random phases"}, fill_multisine, end_of_band, repeats},
+      {{"chirp", "one frequency after the other"}, fill_chirp, end_of_band, repeats_never},
+      {{"complex", "three sines"}, fill_complex, any_step_will_do, complex_repeats}};
   return all;
+}
+
+const Kind& kind_named(const std::string& name) {
+  std::vector<std::string> names;
+  for (const Kind& kind : kinds()) {
+    if (kind.about.name == name) return kind;
+    names.push_back(kind.about.name);
+  }
+  throw InputError(
+      fmt::format("the reference '{}' is not known, expected one of {}", name, join(names, ", ")));
 }
 
 }  // namespace
@@ -131,25 +166,22 @@ TimeRecord make_reference(const ReferenceSpec& spec) {
     throw InputError(
         fmt::format("a reference of {} samples, expected 2 to 50 million", rounded_text(count + 1.0)));
   }
-  const bool banded = spec.kind == "chirp" || spec.kind == "multisine";
-  const double highest = banded ? std::max(spec.frequency.value, spec.last.value) : spec.frequency.value;
-  if (spec.kind != "complex" && highest * spec.step_s > 0.5) {
+  const Kind& kind = kind_named(spec.kind);
+  const double highest = kind.highest(spec).value;
+  if (highest * spec.step_s > 0.5) {
     throw InputError(fmt::format("a step of {} s cannot show {} Hz, expected at most {} s",
                                  rounded_text(spec.step_s), rounded_text(highest),
                                  rounded_text(0.5 / highest)));
   }
-  for (const Kind& kind : kinds()) {
-    if (kind.about.name != spec.kind) continue;
-    TimeRecord record;
-    record.step_s = spec.step_s;
-    record.u.resize(static_cast<std::size_t>(count) + 1);
-    kind.fill(spec, record);
-    return record;
-  }
-  std::vector<std::string> names;
-  for (const Kind& kind : kinds()) names.push_back(kind.about.name);
-  throw InputError(
-      fmt::format("the reference '{}' is not known, expected one of {}", spec.kind, join(names, ", ")));
+  TimeRecord record;
+  record.step_s = spec.step_s;
+  record.u.resize(static_cast<std::size_t>(count) + 1);
+  kind.fill(spec, record);
+  return record;
+}
+
+std::optional<Hertz> fundamental_of(const ReferenceSpec& spec) {
+  return kind_named(spec.kind).fundamental(spec);
 }
 
 }  // namespace bodesmith::simulate

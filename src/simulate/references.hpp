@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -37,5 +38,8 @@ const std::vector<ReferenceKind>& reference_kinds();
 /// InputError for an unknown kind, a step or duration that is not above 0, a frequency the step cannot show
 /// (above half the sampling rate), more than 5e7 samples.
 TimeRecord make_reference(const ReferenceSpec& spec);
+
+/// The frequency at which the reference repeats; absent for a chirp.
+std::optional<Hertz> fundamental_of(const ReferenceSpec& spec);
 
 }  // namespace bodesmith::simulate

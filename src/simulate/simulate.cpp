@@ -14,6 +14,25 @@
 #include "simulate/record_simulator.hpp"
 
 namespace bodesmith::simulate {
+
+std::string_view to_string(Engine engine) {
+  switch (engine) {
+    case Engine::automatic:
+      return "automatic";
+    case Engine::record:
+      return "record";
+    case Engine::exact:
+      return "exact";
+    case Engine::cvode:
+      return "cvode";
+  }
+  return "";
+}
+
+std::string_view to_string(Start start) {
+  return start == Start::equilibrium ? "equilibrium" : "zero";
+}
+
 namespace {
 
 std::vector<double> run_record(const chain::Chain& chain, const TimeRecord& input, const Options& options,

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "chain/chain.hpp"
@@ -24,6 +25,9 @@ enum class Start {
   zero,         ///< every state is zero before the first sample
   equilibrium,  ///< at rest under the first input
 };
+
+std::string_view to_string(Engine engine);
+std::string_view to_string(Start start);
 
 struct Options {
   Engine engine = Engine::automatic;

@@ -73,7 +73,7 @@ def fits(folder):
 
 # ---- simulation -----------------------------------------------------------------------------------------------------
 
-# The sections that the first seed prints (eq. 21-24, its pole 625.1 read as 652.1), each of gain 1 at DC.
+# The sections that the paper prints (eq. 21-24, its pole 625.1 read as 652.1), each of gain 1 at DC.
 ZEROS = [48.79, 14.8, 107.6, 63.68, 380.2, 221.6, 400.0, 365.6]
 POLES = [47.49, 13.99, 126.4, 102.2, 214.9, 124.8, 652.1, 589.4]
 FREQUENCY = 100.0
@@ -213,7 +213,7 @@ Made by `docs/compare_octave.py` in one run on {machine}.
 
 ## Direct fits
 
-Octave's `invfreqs` (signal) gets the exact minimum-phase response, `fit --direct` the magnitudes alone. Largest miss in
+Octave's `invfreqs` (signal) gets the exact minimum-phase response, `fit --direct` the magnitudes alone. Largest error in
 dB at the points of the examples. Where the curve is rational and its phase is given, `invfreqs` is exact; where it is not,
 or the poles lie far apart, it is far off.
 
@@ -221,8 +221,8 @@ or the poles lie far apart, it is far off.
 
 ## Simulation
 
-The eight sections that the first seed prints, 100 Hz triangle of height 1 from rest, 1 s. The reference for the errors is
-the closed form, mode by mode, worked out in the script; for this input `lsim` is exact too.
+The eight sections that "Modeling and Control of Piezoelectric Hysteresis: A Polynomial-Based Fractional Order Disturbance Compensation Approach" prints, 100 Hz triangle of height 1 from rest, 1 s. The reference for the errors is
+the closed form, mode by mode, computed in the script; for this input `lsim` is exact too.
 Wall times on a shared machine, so the ratios say more than the times: of `simulate`'s engine and of `lsim` alone (median of five, of three for `lsim`), of ngspice the whole process with
 `reltol` 1e-6 and steps of at most 10 us. Its netlist is the one that `spice --series exact --opamp ideal` emits for the
 same sections. The speed of all eight poles behind the switched cubic is in `bench/simulate_speed.cpp`.

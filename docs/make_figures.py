@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes README's pictures and its table of figures from what the built program measures, in one run.
+"""Makes README's plot and its table of figures from what the built program measures, in one run.
 
 Usage: docs/make_figures.py [path of bodesmith]     (default build/bin/bodesmith; run ./run first)
 """
@@ -44,7 +44,7 @@ def main():
         got = {limit["name"]: limit["got"] for limit in run["limits"]}
         rows.append(("main example, whole process (median of 5)", f"{statistics.median(walls):.2f} s"))
         rows.append(("  of it fit to plan, netlist and layout", f"{run['timing_s']['design']:.2f} s"))
-        rows.append(("largest miss of the cascade at the points", number(got["fit_db"], 2) + " dB"))
+        rows.append(("largest error of the cascade at the points", number(got["fit_db"], 2) + " dB"))
         rows.append(("sections against the cascade, every frequency", number(got["approximation_db"]) + " dB"))
         rows.append(("FPAA plan at 2 kHz against the sections, worst complex error", number(got["fpaa_percent"]) + " %"))
         rows.append(("E96/E12 circuit against the sections", number(got["circuit_db"]) + " dB"))

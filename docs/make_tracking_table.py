@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Makes docs/tracking_table.md: the first seed paper's Table II by simulation, for every design choice.
+"""Makes docs/tracking_table.md: Table II of "Modeling and Control of Piezoelectric Hysteresis" by simulation, for every alternative.
 
 Usage: docs/make_tracking_table.py [path of bodesmith]     (default build/bin/bodesmith; run ./run first)
 """
@@ -24,42 +24,43 @@ SHORT = {"none": "none", "polynomial": "constant polynomial", "cascade": "ideal 
 
 PAGE = """# Tracking from 1 Hz to 5 kHz
 
-Made by `docs/make_tracking_table.py`, which runs `bodesmith run {project}`: the stage of the
-first seed paper follows a triangle over its full stroke of 6.92 um, in steady state. Figures are rms errors in percent of
+Made by `docs/make_tracking_table.py`, which runs `bodesmith run {project}`: the stage of
+"Modeling and Control of Piezoelectric Hysteresis: A Polynomial-Based Fractional Order Disturbance Compensation Approach"
+follows a triangle over its full stroke of 6.92 um, in steady state. Figures are rms errors in percent of
 range (eq. 8 there).
 
 The paper's Table II is a measurement (90 V peak to peak, polynomial-based, its last column here), with the phase lag of
-the amplifier taken out. It contains what no simulation of ours has: sensor noise, creep, and polynomials that fit the
+the amplifier removed. It contains what this simulation does not have: sensor noise, creep, and polynomials that fit the
 measured branches only within about 0.7 %. Here the generator has the stage's own polynomials, so what is left is the rate
-dependence and what each way of building does to it.
+dependence and what each realisation does to it.
 
-## The pure delay taken out
+## The pure delay removed
 
-As in the paper, but for each cell on its own: the delay of the reference that makes the error smallest is removed. Part of
+As in the paper, but for each cell separately: the delay of the reference that makes the error smallest is removed. Part of
 what hysteresis does looks like a delay and goes with it, most of all without compensation: compare such cells in the second
-table, which up to 200 Hz holds hardly any lag of the stage.
+table, which up to 200 Hz contains hardly any lag of the stage.
 
 {without_lag}
 
-## Nothing taken out
+## Nothing removed
 
 {with_lag}
 
 ## How to read it
 
-- **Up to 100 Hz** the stage's disturbance grows by the gains that the paper prints (Table I and its 10 Hz point). This is
-  where the compensator is designed, and where the columns tell designs apart.
+- **Up to 100 Hz** the stage's disturbance grows by the gains that the paper prints (Table I and its 10 Hz point). The compensator
+  is designed for this range, and here the columns differ by design.
 - **From 200 Hz** the gains are not known (the paper's Fig. 10 is not printed as numbers, its compensators for high frequencies
   neither). The stage keeps the gain of 100 Hz, and the compensator, designed for 1 to 100 Hz, keeps its own flat gain above its
-  corners. So these rows tell of phase, lag and clock only. The scheduled gain is then exact by construction.
+  corners. So these rows show phase, lag and clock only. The scheduled gain is then exact by construction.
 - **From about 1 kHz** amplifier (100 kHz, assumed), damping compensator and resonance delay the stage by {lag_us:.2f} us: a triangle
   that is late by t is off by 2 f t of its height, {late_1k:.2f} % at 1 kHz and {late_5k:.2f} % at 5 kHz, whatever stands in front of it. That
   is the second table; with the delay removed what remains is the rounding of the triangle's corners.
 - **FPAA with holds** runs at {clock_hz:g} Hz, the clock that corners of 1 to 100 Hz allow. Above 100 Hz it has fewer than twenty
-  samples a period, from half the clock its output is alias: these cells say that this board at this clock is no compensator
+  samples a period, from half the clock its output is alias: at this clock the board does not work as a compensator
   there. The capacitors alone are the same filter without sampling.
 
-What the program says of it:
+The program's own findings:
 
 {findings}
 """

@@ -19,7 +19,7 @@ using bodesmith::cli::commands;
 void print_help() {
   fmt::print(
       "Example:\n  bodesmith run examples/nanopositioner/project.toml -o out/nanopositioner\n\n"
-      "bodesmith {}: from a wanted Bode magnitude, or measured records of a piezo stage, to checked analog\n"
+      "bodesmith {}: from a target Bode magnitude, or measured records of a piezo stage, to checked analog\n"
       "hardware: FPAA configurations, SPICE netlists, multiplier layouts.\n\nSubcommands "
       "(bodesmith NAME --help):\n",
       bodesmith::kVersion);

@@ -13,7 +13,7 @@
 #include "hysteresis/virtual_stage.hpp"
 #include "identify/identify_stage.hpp"
 
-/// What the five programs share: waveforms, driving the stage, and eq. 8 of the first seed.
+/// What the five programs share: waveforms, driving the stage, and the error of eq. 8 of "Modeling and Control of Piezoelectric Hysteresis".
 namespace bench {
 
 using namespace bodesmith;
@@ -46,12 +46,13 @@ inline TimeRecord measure(const VirtualStageSettings& settings, const std::vecto
   return out;
 }
 
-struct Miss {
+struct TrackingError {
   double rms, max, rms_percent, max_percent;
 };
 
 /// Over the samples from `first` on; the percentages are of the wanted signal's range there.
-inline Miss miss(const std::vector<double>& got, const std::vector<double>& wanted, std::size_t first) {
+inline TrackingError tracking_error(const std::vector<double>& got, const std::vector<double>& wanted,
+                                    std::size_t first) {
   double squares = 0.0, largest = 0.0, low = wanted[first], high = wanted[first];
   for (std::size_t i = first; i < wanted.size(); ++i) {
     const double e = got[i] - wanted[i];
@@ -66,14 +67,14 @@ inline Miss miss(const std::vector<double>& got, const std::vector<double>& want
 
 /// The same after the delay that makes it least (linear between samples), as papers do that "eliminate the
 /// phase lag".
-inline Miss miss_without_delay(const std::vector<double>& got, const std::vector<double>& wanted,
-                               std::size_t first, double most_samples, double* found = nullptr) {
+inline TrackingError error_without_delay(const std::vector<double>& got, const std::vector<double>& wanted,
+                                         std::size_t first, double most_samples, double* found = nullptr) {
   const auto at = [&](double delay) {
     std::vector<double> shifted = delayed(got, 1.0, -delay);
     const auto cut = static_cast<std::size_t>(std::ceil(most_samples)) + 1;
     shifted.resize(shifted.size() - cut);
     std::vector<double> r(wanted.begin(), wanted.end() - static_cast<std::ptrdiff_t>(cut));
-    return miss(shifted, r, first);
+    return tracking_error(shifted, r, first);
   };
   double best = 0.0;
   for (int i = 1; i <= 80; ++i)

@@ -13,8 +13,8 @@ struct Gains {
 };
 
 /// Eq. 3 with the feedforward of eq. 6; drive in parts of 150 V, displacement in parts of 67.66 um.
-Miss run(const VirtualStageSettings& settings, const Model* forward, const Gains* pid, double f,
-         bool take_mean_out) {
+TrackingError run(const VirtualStageSettings& settings, const Model* forward, const Gains* pid, double f,
+                  bool take_mean_out) {
   VirtualStage stage(settings);
   std::unique_ptr<Inverse> inverse;
   if (forward != nullptr) inverse = make_inverse(*forward);
@@ -44,7 +44,7 @@ Miss run(const VirtualStageSettings& settings, const Model* forward, const Gains
       mean += (got[i] - wanted[i]) / static_cast<double>(got.size() - first);
     for (double& value : got) value -= mean;
   }
-  return miss(got, wanted, first);
+  return tracking_error(got, wanted, first);
 }
 
 }  // namespace
@@ -76,10 +76,10 @@ int main() {
       "\nTable I, 100 Hz, percent of the displacement range: largest (MTE), rms (RMSTE)\n{:<24} | {:>14} | "
       "{:>14}\n",
       "", "paper", "ours");
-  const Miss open = run(settings, &found.stage.model, nullptr, 100.0, false);
-  const Miss open_free = run(settings, &found.stage.model, nullptr, 100.0, true);
-  const Miss feedback = run(settings, nullptr, &pid, 100.0, false);
-  const Miss hybrid = run(settings, &found.stage.model, &pid, 100.0, false);
+  const TrackingError open = run(settings, &found.stage.model, nullptr, 100.0, false);
+  const TrackingError open_free = run(settings, &found.stage.model, nullptr, 100.0, true);
+  const TrackingError feedback = run(settings, nullptr, &pid, 100.0, false);
+  const TrackingError hybrid = run(settings, &found.stage.model, &pid, 100.0, false);
   fmt::print("{:<24} | {:>6} {:>6}  | {:6.2f} {:6.2f}\n", "feedforward", 7.16, 5.33, open.max_percent,
              open.rms_percent);
   fmt::print("{:<24} | {:>6} {:>6}  | {:6.2f} {:6.2f}\n", "  its bias taken out", "", "",
@@ -97,8 +97,8 @@ int main() {
               {50, 3.76, 2.6, .41, .17},
               {300, 41.17, 28.19, 3.22, 1.68}};
   for (const auto& row : rows) {
-    const Miss a = run(settings, nullptr, &pid, row.f, false);
-    const Miss b = run(settings, &found.stage.model, &pid, row.f, false);
+    const TrackingError a = run(settings, nullptr, &pid, row.f, false);
+    const TrackingError b = run(settings, &found.stage.model, &pid, row.f, false);
     fmt::print("{:>6} {:<8} | {:>6} {:>6}  | {:6.2f} {:6.2f}\n", row.f, "PID", row.pm, row.pr, a.max_percent,
                a.rms_percent);
     fmt::print("{:>6} {:<8} | {:>6} {:>6}  | {:6.2f} {:6.2f}\n", "", "hybrid", row.hm, row.hr, b.max_percent,

@@ -135,8 +135,8 @@ int main() {
   std::vector<double> sections;
   const std::vector<double> u = toolpath(true, 0.25, step_s);
   for (const double value : u) sections.push_back(sections.empty() ? model.delta : zero.step(value, step_s));
-  const Miss one = miss(gl, sections, 1500);
-  const Miss four = miss(gl4, sections, 1500);
+  const TrackingError one = tracking_error(gl, sections, 1500);
+  const TrackingError four = tracking_error(gl4, sections, 1500);
   fmt::print(
       "\nSimulation: Gruenwald-Letnikov with the paper's 0.1 ms differs from the sections by {:.2f} % of "
       "range at most, with\n0.025 ms by {:.2f} %: eq. 2 is of first order, and 0.1 ms is a fifth of the "

@@ -14,14 +14,14 @@ TimeRecord sine_record(const VirtualStageSettings& settings, double f) {
       1.0 / (kSamples * f));
 }
 
-/// Drive by the inverse, run the stage, miss against the reference over the last two periods.
-Miss track(const VirtualStageSettings& settings, Inverse& inverse, const std::vector<double>& r,
-           double step_s) {
+/// Drive by the inverse, run the stage, error against the reference over the last two periods.
+TrackingError track(const VirtualStageSettings& settings, Inverse& inverse, const std::vector<double>& r,
+                    double step_s) {
   std::vector<double> drive;
   for (std::size_t i = 0; i < r.size(); ++i)
     drive.push_back(i == 0 ? inverse.reset(r[0]) : inverse.step(r[i], step_s));
   const TimeRecord got = measure(settings, drive, step_s);
-  return miss(got.y, r, r.size() / 2);
+  return tracking_error(got.y, r, r.size() / 2);
 }
 
 }  // namespace
@@ -87,9 +87,9 @@ int main() {
       const auto exact_kp = make_inverse(classic.stage.model);
       const auto exact_rd = make_inverse(rated.stage.model);
       RecursiveInverse recursive(make_operator(classic.stage.model), 0.01, 0.0, 120.0);
-      const Miss one = track(settings, *exact_kp, r, step_s);
-      const Miss two = track(settings, *exact_rd, r, step_s);
-      const Miss three = track(settings, recursive, r, step_s);
+      const TrackingError one = track(settings, *exact_kp, r, step_s);
+      const TrackingError two = track(settings, *exact_rd, r, step_s);
+      const TrackingError three = track(settings, recursive, r, step_s);
       fmt::print(
           "{:>6} | {:>8.4f} ({:4.2f}) {:>8.4f} ({:4.2f}) | {:>8.4f} ({:5.2f}) {:>8.4f} ({:5.2f}) {:>12.4f} "
           "({:5.2f})\n",

@@ -1,4 +1,4 @@
-// 000, the first seed: Table II (triangles, 1 Hz - 5 kHz), Fig. 8 (growing amplitude), Fig. 11 (complex),
+// "Modeling and Control of Piezoelectric Hysteresis": Table II (triangles, 1 Hz - 5 kHz), Fig. 8 (growing amplitude), Fig. 11 (complex),
 // Fig. 12 (stair); polynomial against sine against Preisach.
 #include "bench.hpp"
 #include "hysteresis/polynomial_disturbance.hpp"
@@ -39,7 +39,7 @@ double track(const VirtualStageSettings& settings, const Scale& scale, double f,
   for (std::size_t i = 0; i < r.size(); ++i) drive.push_back(r[i] - d(i == 0 || r[i] > r[i - 1], r[i]));
   TimeRecord got = measure(settings, drive, 1.0 / (kSamples * f));
   for (double& y : got.y) y = scale(y);
-  return miss_without_delay(got.y, r, 2 * kSamples, 0.08 * kSamples * std::min(1.0, f / 500.0 + 0.01))
+  return error_without_delay(got.y, r, 2 * kSamples, 0.08 * kSamples * std::min(1.0, f / 500.0 + 0.01))
       .rms_percent;
 }
 
@@ -152,7 +152,7 @@ int main() {
       const Compensation drive = compensate(found.stage, r, record.step_s, false);
       const TimeRecord got = measure(settings, drive.drive, record.step_s);
       return fmt::format("{:.2f}   {:.2f}", model.rms_percent,
-                         miss(got.y, r, record.u.size() / 20).rms_percent);
+                         tracking_error(got.y, r, record.u.size() / 20).rms_percent);
     };
     fmt::print("{:<24} | {:>17} {:>17} {:>17}\n", name, pair(growing), pair(complex_record),
                pair(stair_record));

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 using Complex = std::complex<double>;
@@ -67,6 +67,12 @@ Biquad Biquad::from_section(const Section& section) {
   return out;
 }
 
+std::vector<double> Circuit::realised_values(const Stage& stage) const {
+  std::vector<double> out;
+  for (const Part& part : parts_of(stage)) out.push_back(part.realised);
+  return out;
+}
+
 std::complex<double> Circuit::response(RadPerSecond w) const {
   Complex h = 1.0;
   for (const Stage& stage : stages) h *= stage.response(w);
@@ -88,4 +94,4 @@ Sections Circuit::realised_sections() const {
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

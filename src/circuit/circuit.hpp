@@ -1,21 +1,23 @@
 #pragma once
 
 #include <complex>
+#include <cstddef>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
 #include "circuit/opamp.hpp"
 #include "lti/sections.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// A resistor (ohm) or a capacitor (farad) between two named nodes; node "0" is ground.
 struct Part {
   enum class Kind { resistor, capacitor };
   Kind kind = Kind::resistor;
-  std::string name;  ///< "R2_1": part R2 of stage 1
-  int stage = 0;     ///< which Circuit::stages it belongs to
+  std::string name;       ///< "R2_1": part R2 of stage 1
+  std::size_t stage = 0;  ///< which Circuit::stages it belongs to
   std::string from;
   std::string to;
   std::string series;     ///< where the realised value was taken from: "E96", "E12", "exact"
@@ -25,7 +27,7 @@ struct Part {
 
 struct OpAmp {
   std::string name;
-  int stage = 0;
+  std::size_t stage = 0;
   std::string plus;
   std::string minus;
   std::string out;
@@ -56,8 +58,8 @@ struct Stage {
   std::vector<Biquad> realised;  ///< with the realised parts and ideal op-amps
   std::string in;
   std::string out;
-  int first_part = 0;  ///< its parts are Circuit::parts[first_part, first_part + part_count)
-  int part_count = 0;
+  std::size_t first_part = 0;  ///< its parts are Circuit::parts[first_part, first_part + part_count)
+  std::size_t part_count = 0;
   /// Its equations: transfer() of any part values (realization.hpp). Ladders have none.
   std::shared_ptr<const StageForm> form;
 
@@ -80,6 +82,11 @@ struct Circuit {
   std::vector<OpAmp> opamps;
   OpAmpModel model;  ///< used for every op-amp
 
+  std::span<const Part> parts_of(const Stage& stage) const {
+    return std::span(parts).subspan(stage.first_part, stage.part_count);
+  }
+  std::vector<double> realised_values(const Stage& stage) const;
+
   /// With ideal op-amps and the realised parts.
   std::complex<double> response(RadPerSecond w) const;
   /// The same as sections (for the simulator): the product of the stages' realised transfers. Stages that are
@@ -87,4 +94,4 @@ struct Circuit {
   Sections realised_sections() const;
 };
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

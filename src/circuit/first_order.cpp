@@ -3,7 +3,7 @@
 
 #include "circuit/forms.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 /// R1||C1 into R2||C2 around an inverting op-amp (Sedra and Smith, first-order active RC):
@@ -104,4 +104,4 @@ Realization first_order_realization() {
           }};
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

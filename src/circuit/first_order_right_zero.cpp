@@ -1,6 +1,6 @@
 #include "circuit/forms.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 /// A zero in the right half plane: the resistive path is inverted before the summing node, the capacitive one
@@ -66,4 +66,4 @@ Realization first_order_right_zero_realization() {
           }};
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -2,7 +2,7 @@
 
 #include "circuit/forms.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 /// The first-order form with a second capacitor C3 beside C1, for designs of one or two stages: H(inf) = -(C1
@@ -68,4 +68,4 @@ Realization first_order_trimmed_realization() {
           }};
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -2,7 +2,7 @@
 
 #include "circuit/realization.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 // One file a form; realizations() in realization.cpp lists them.
 Realization first_order_realization();
@@ -20,4 +20,4 @@ inline Section negated(Section section) {
   return section;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -5,9 +5,9 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "circuit/network_of_two_terminals.hpp"
+#include "circuit/two_terminal_network.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 using Real = long double;
@@ -74,4 +74,4 @@ FractionalElement make_fractional_element(double alpha, double q, Band band, int
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

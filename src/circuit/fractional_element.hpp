@@ -8,7 +8,7 @@
 #include "circuit/series.hpp"
 #include "lti/frequency_grid.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// A constant-phase element, Z(s) = 1/(Q s^alpha) with 0 < alpha < 1 and Q in S s^alpha, as a passive RC
 /// network: Oustaloup's alternating poles and zeros (CRONE, 1991) over a band give
@@ -39,4 +39,4 @@ struct FractionalElement {
 FractionalElement make_fractional_element(double alpha, double q, Band band, int order, LadderForm form,
                                           const Series& resistors, const Series& capacitors);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -2,7 +2,7 @@
 
 #include "circuit/forms.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 /// H = -R2/R1.
@@ -46,4 +46,4 @@ Realization inverter_realization() {
           }};
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -4,7 +4,7 @@
 
 #include "circuit/forms.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 /// Kerwin-Huelsman-Newcomb state-variable filter (IEEE J. Solid-State Circuits SC-2, 1967) with a summing
@@ -116,4 +116,4 @@ Realization khn_realization() {
           }};
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -3,7 +3,7 @@
 
 #include "circuit/forms.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 /// Multiple feedback (Rauch), low-pass:
@@ -150,4 +150,4 @@ Realization multiple_feedback_realization() {
           }};
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -2,7 +2,7 @@
 
 #include <stdexcept>
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 Network::Network(const Circuit& circuit) : circuit_(circuit) {
   for (const Part& part : circuit.parts) {
@@ -73,4 +73,4 @@ Network::Complex Network::output(RadPerSecond w, const OpAmpModel* model) const 
   return s.a.partialPivLu().solve(s.b)(node("out"));
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

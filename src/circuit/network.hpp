@@ -7,7 +7,7 @@
 
 #include "circuit/circuit.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// Modified nodal analysis of a circuit: unknowns are the node voltages and one output current an op-amp; the
 /// first rows are Kirchhoff's current law, the rest the op-amps' equations. V(in) = 1 is known. Internal to
@@ -40,4 +40,4 @@ class Network {
   std::map<std::string, int> nodes_;
 };
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -4,7 +4,7 @@
 
 #include "circuit/network.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 constexpr double kBoltzmann = 1.380649e-23;
@@ -78,4 +78,4 @@ double worst_output_offset(const Circuit& circuit, const OpAmpModel& model) {
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

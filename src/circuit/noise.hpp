@@ -5,7 +5,7 @@
 #include "circuit/circuit.hpp"
 #include "lti/frequency_grid.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// Spectral density of the output noise in V/sqrt(Hz): thermal noise of every resistor (and output
 /// resistance) at 300.15 K (27 C, SPICE's own temperature), voltage and current noise of every op-amp. One
@@ -18,4 +18,4 @@ double output_noise_rms(const Circuit& circuit, const OpAmpModel& model, Band ba
 /// |V(out)| at rest with every op-amp's offset and bias currents at the signs that add up.
 double worst_output_offset(const Circuit& circuit, const OpAmpModel& model);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -5,7 +5,7 @@
 
 #include "base/units.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// An operational amplifier as far as this program needs one. Open loop
 ///   A(s) = A0 / (1 + s A0 / (2 pi GBW)),  behind `output_resistance_ohm`,
@@ -24,8 +24,13 @@ struct OpAmpModel {
   double current_noise_a_per_rthz = 1e-15;
   double greatest_output_current_a = 20e-3;
   int per_package = 1;  ///< op-amps in one 8-pin package: 1 or 2
+  /// Stands for a nullor: its figures are far beyond any that matter, netlists have a plain source.
+  bool is_ideal = false;
+
+  /// The type "ideal".
+  static OpAmpModel ideal();
 
   std::complex<double> open_loop(RadPerSecond w) const;
 };
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -12,7 +12,7 @@
 #include "circuit/noise.hpp"
 #include "circuit/response.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 using Complex = std::complex<double>;
@@ -156,7 +156,7 @@ Realised realise_with_best_opamp(const Sections& sections, const RealiseOptions&
   std::optional<Realised> best;
   size_t fewest = 0;
   for (const OpAmpModel& model : library.types()) {
-    if (model.name == "ideal") continue;
+    if (model.is_ideal) continue;
     RealiseOptions trial = options;
     trial.opamp = model;
     Realised made = realise(sections, trial);
@@ -171,4 +171,4 @@ Realised realise_with_best_opamp(const Sections& sections, const RealiseOptions&
   return *std::move(best);
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

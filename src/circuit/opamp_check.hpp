@@ -6,7 +6,7 @@
 #include "circuit/opamp_library.hpp"
 #include "circuit/realise.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// What a type of op-amp does in a circuit, in numbers.
 struct OpAmpCheck {
@@ -14,7 +14,7 @@ struct OpAmpCheck {
   ResponseDifference against_ideal;  ///< over the band, the whole network
   double output_offset_v = 0.0;      ///< all offsets and bias currents at their worst signs, at the output
   double least_phase_margin_deg = 90.0;  ///< of any stage, its capacitive load counted
-  int tightest_stage = 0;                ///< counted from 1
+  std::size_t tightest_stage = 0;        ///< counted from 1
   double full_swing_hz =
       0.0;  ///< highest frequency of a sine of `amplitude_v` at the highest node without slewing
   double highest_q = 0.0;    ///< of any stage's poles; 0 when all are real
@@ -30,4 +30,4 @@ OpAmpCheck check_opamps(const Circuit& circuit, Band band, double amplitude_v = 
 Realised realise_with_best_opamp(const Sections& sections, const RealiseOptions& options,
                                  const OpAmpLibrary& library, double amplitude_v);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

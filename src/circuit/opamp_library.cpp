@@ -6,7 +6,7 @@
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 void OpAmpLibrary::add(const Node& document) {
   document.expect_schema("opamps");
@@ -47,16 +47,7 @@ OpAmpLibrary OpAmpLibrary::built_in() {
     if (one.name == "spice/opamps.toml") out.add(parse_toml(one.text, "opamps.toml"));
   }
   out.types_.emplace_back();
-  OpAmpModel ideal;
-  ideal.name = "ideal";
-  ideal.gain_bandwidth = Hertz{1e15};
-  ideal.dc_gain = 1e12;
-  ideal.slew_v_per_s = 1e18;
-  ideal.swing_v = 1e6;
-  ideal.output_resistance_ohm = ideal.bias_current_a = ideal.offset_v = 0.0;
-  ideal.voltage_noise_v_per_rthz = ideal.current_noise_a_per_rthz = 0.0;
-  ideal.greatest_output_current_a = 1e6;
-  out.types_.push_back(ideal);
+  out.types_.push_back(OpAmpModel::ideal());
   return out;
 }
 
@@ -80,4 +71,4 @@ const OpAmpModel& OpAmpLibrary::named(const std::string& name) const {
   throw InputError(fmt::format("'{}' is not a known op-amp, expected one of {}", name, join(names, ", ")));
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

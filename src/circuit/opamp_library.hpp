@@ -8,7 +8,7 @@
 #include "base/provenance.hpp"
 #include "circuit/opamp.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// Op-amp types by name; "generic-10M" (this program's default) and "ideal" are always there.
 class OpAmpLibrary {
@@ -27,4 +27,4 @@ class OpAmpLibrary {
   std::vector<OpAmpModel> types_;
 };
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 constexpr int kGrid = 41;
@@ -116,4 +116,4 @@ Ordered order_stages(const std::vector<Section>& stages, double gain, Band band)
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -5,7 +5,7 @@
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// Stages with their share of the gain, in the order of the signal.
 struct Ordered {
@@ -19,4 +19,4 @@ struct Ordered {
 /// between stages is least: exactly, over all subsets, up to 14 stages; nearest next stage above that.
 Ordered order_stages(const std::vector<Section>& stages, double gain, Band band);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

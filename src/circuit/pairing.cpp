@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 using Complex = std::complex<double>;
@@ -108,4 +108,4 @@ Split split_into_two_pole_stages(const Sections& sections) {
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

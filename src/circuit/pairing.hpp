@@ -4,7 +4,7 @@
 
 #include "lti/sections.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// Sections for a cascade of stages: the real poles and zeros of all sections whose roots are real are
 /// pooled, sorted and paired so that the greatest |ln(zero/pole)| of a pair is least (the least span a stage;
@@ -19,4 +19,4 @@ Split split_into_stages(const Sections& sections);
 /// their number is odd), for realizations that make two poles.
 Split split_into_two_pole_stages(const Sections& sections);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

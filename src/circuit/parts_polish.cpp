@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 using Complex = std::complex<double>;
@@ -200,4 +200,4 @@ double polish_parts(const std::vector<std::unique_ptr<StageForm>>& forms, const 
   return std::min(led.greatest(), direct.greatest());
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

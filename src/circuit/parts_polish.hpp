@@ -6,7 +6,7 @@
 #include "circuit/realise.hpp"
 #include "circuit/realization.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// Exchanges resistors of all stages for their neighbours in the series, two at a time (of one stage or of
 /// two), while the greatest |ln(H/H_wanted)| of the whole chain over the grid falls. `values`: a stage each,
@@ -14,4 +14,4 @@ namespace bodesmith {
 double polish_parts(const std::vector<std::unique_ptr<StageForm>>& forms, const RealiseOptions& options,
                     const std::vector<Hertz>& grid, std::vector<std::vector<double>>& values);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -11,7 +11,7 @@
 #include "base/text.hpp"
 #include "circuit/parts_polish.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 using Complex = std::complex<double>;
@@ -399,4 +399,4 @@ PartsFound search_parts(const std::vector<std::unique_ptr<StageForm>>& forms,
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

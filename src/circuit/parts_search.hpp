@@ -7,7 +7,7 @@
 #include "circuit/realise.hpp"
 #include "circuit/realization.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// Values of every stage's parts, searched jointly.
 struct PartsFound {
@@ -23,4 +23,4 @@ PartsFound search_parts(const std::vector<std::unique_ptr<StageForm>>& forms,
                         const std::vector<std::string>& titles, const RealiseOptions& options,
                         const std::vector<Hertz>& grid);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 using Real = long double;
@@ -279,4 +279,4 @@ RcImpedance impedance_of(LadderForm form, std::span<const double> v) {
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// The four canonical forms of an RC impedance (Guillemin, Synthesis of Passive Networks, 1957):
 ///   Foster I   series chain of R||C (partial fractions of Z)
@@ -45,4 +45,4 @@ std::complex<double> ladder_impedance(LadderForm form, std::span<const double> v
 /// terminals, from the symmetric pencil of the capacitors' voltages (Cauer II: of the loop currents).
 RcImpedance impedance_of(LadderForm form, std::span<const double> values);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -18,7 +18,7 @@
 #include "circuit/realization.hpp"
 #include "circuit/response.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 using Complex = std::complex<double>;
@@ -82,14 +82,14 @@ void add_stage(Circuit& circuit, const StageForm& form, const Realization& reali
   stage.realised = {form.transfer(values)};
   stage.in = node_name("in", index, count);
   stage.out = node_name("out", index, count);
-  stage.first_part = static_cast<int>(circuit.parts.size());
-  stage.part_count = static_cast<int>(form.parts().size());
+  stage.first_part = circuit.parts.size();
+  stage.part_count = form.parts().size();
   for (size_t i = 0; i < form.parts().size(); ++i) {
     const StagePart& drawn = form.parts()[i];
     Part part;
     part.kind = drawn.kind;
     part.name = fmt::format("{}_{}", drawn.name, index + 1);
-    part.stage = static_cast<int>(index);
+    part.stage = index;
     part.from = node_name(drawn.from, index, count);
     part.to = node_name(drawn.to, index, count);
     part.series = drawn.kind == Part::Kind::resistor ? options.resistors.name() : options.capacitors.name();
@@ -97,7 +97,7 @@ void add_stage(Circuit& circuit, const StageForm& form, const Realization& reali
     circuit.parts.push_back(std::move(part));
   }
   for (const StageOpAmp& drawn : form.opamps()) {
-    circuit.opamps.push_back({fmt::format("{}_{}", drawn.name, index + 1), static_cast<int>(index),
+    circuit.opamps.push_back({fmt::format("{}_{}", drawn.name, index + 1), index,
                               node_name(drawn.plus, index, count), node_name(drawn.minus, index, count),
                               node_name(drawn.out, index, count)});
   }
@@ -129,7 +129,7 @@ void set_wanted(Circuit& circuit, const std::vector<const Realization*>& how,
     std::vector<double> exact;
     if (!form->exact_near(values[i], exact)) continue;
     for (size_t k = 0; k < exact.size(); ++k) {
-      circuit.parts[static_cast<size_t>(circuit.stages[i].first_part) + k].wanted = exact[k];
+      circuit.parts[circuit.stages[i].first_part + k].wanted = exact[k];
     }
   }
 }
@@ -142,8 +142,7 @@ std::vector<Biquad> nearest_rounding(const std::vector<const Realization*>& how,
     const std::unique_ptr<StageForm> form = how[i]->make(stages[i], form_options);
     const Stage& stage = circuit.stages[i];
     std::vector<double> values;
-    for (int k = 0; k < stage.part_count; ++k) {
-      const Part& part = circuit.parts[static_cast<size_t>(stage.first_part + k)];
+    for (const Part& part : circuit.parts_of(stage)) {
       values.push_back(
           (part.kind == Part::Kind::resistor ? options.resistors : options.capacitors).nearest(part.wanted));
     }
@@ -341,4 +340,4 @@ Realised realise(const Sections& asked, const RealiseOptions& options) {
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

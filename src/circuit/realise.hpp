@@ -10,7 +10,7 @@
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 struct RealiseOptions {
   /// "opamp-rc": first-order sections for real roots, Tow-Thomas for complex ones; or one of realizations();
@@ -68,4 +68,4 @@ void report_realised(Realised& made, const Sections& sections, Band band,
 /// error of the whole chain.
 Realised realise(const Sections& sections, const RealiseOptions& options = {});
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

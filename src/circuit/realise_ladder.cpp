@@ -12,7 +12,7 @@
 #include "circuit/opamp_check.hpp"
 #include "circuit/response.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 using Complex = std::complex<double>;
@@ -252,14 +252,13 @@ void add_part(Circuit& circuit, size_t stage, size_t count, bool resistor, const
               const std::string& from, const std::string& to, const Series& series, double wanted,
               double realised) {
   circuit.parts.push_back({resistor ? Part::Kind::resistor : Part::Kind::capacitor,
-                           fmt::format("{}_{}", name, stage + 1), static_cast<int>(stage),
-                           node(from, stage, count), node(to, stage, count), series.name(), wanted,
-                           realised});
+                           fmt::format("{}_{}", name, stage + 1), stage, node(from, stage, count),
+                           node(to, stage, count), series.name(), wanted, realised});
 }
 
 void add_opamp(Circuit& circuit, size_t stage, size_t count) {
-  circuit.opamps.push_back({fmt::format("U1_{}", stage + 1), static_cast<int>(stage), "0",
-                            node("m", stage, count), node("out", stage, count)});
+  circuit.opamps.push_back(
+      {fmt::format("U1_{}", stage + 1), stage, "0", node("m", stage, count), node("out", stage, count)});
 }
 
 void add_chain(Circuit& circuit, const Chain& chain, LadderForm form, size_t stage, size_t count,
@@ -270,8 +269,8 @@ void add_chain(Circuit& circuit, const Chain& chain, LadderForm form, size_t sta
   one.realised = chain.realised_factors();
   one.in = node("in", stage, count);
   one.out = node("out", stage, count);
-  one.first_part = static_cast<int>(circuit.parts.size());
-  one.part_count = static_cast<int>(chain.size());
+  one.first_part = circuit.parts.size();
+  one.part_count = chain.size();
   const auto terminal = [&](const std::string& local) -> std::string {
     if (local == "a") return chain.lag() ? "m" : "in";
     if (local == "b") return chain.lag() ? "out" : "m";
@@ -417,4 +416,4 @@ Realised realise_ladders(const Sections& sections, LadderForm form, const Realis
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

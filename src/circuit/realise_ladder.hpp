@@ -3,7 +3,7 @@
 #include "circuit/rc_ladder.hpp"
 #include "circuit/realise.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// Poles and zeros that alternate, made by one inverting op-amp with one RC ladder and one resistor.
 struct LadderChain {
@@ -29,4 +29,4 @@ void set_ladder_limits(RealiseOptions& options);
 /// many of one as of the other, and where no level puts all parts between their limits.
 Realised realise_ladders(const Sections& sections, LadderForm form, const RealiseOptions& options);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

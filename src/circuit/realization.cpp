@@ -8,7 +8,7 @@
 #include "base/text.hpp"
 #include "circuit/forms.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 std::vector<double> StageForm::capacitors(std::span<const double> values) const {
   std::vector<double> out;
@@ -57,4 +57,4 @@ const Realization& default_realization(const Section& section) {
   throw DesignError("a section fits none of the op-amp RC forms");
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

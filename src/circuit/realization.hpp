@@ -7,7 +7,7 @@
 
 #include "circuit/circuit.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// A part of a stage before it is placed in a chain. Nodes: "in", "out", "0" (ground), anything else is the
 /// stage's own.
@@ -108,4 +108,4 @@ const Realization& realization_named(const std::string& name);
 /// = 3 and KHN above.
 const Realization& default_realization(const Section& section);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

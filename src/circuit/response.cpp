@@ -2,7 +2,7 @@
 
 #include "circuit/network.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 std::vector<std::complex<double>> over(const Circuit& circuit, const std::vector<Hertz>& grid,
@@ -33,4 +33,4 @@ std::vector<std::complex<double>> circuit_response(const Circuit& circuit, const
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -5,7 +5,7 @@
 
 #include "circuit/circuit.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// V(out)/V(in) of the whole network, solved at once by modified nodal analysis with the realised parts, so
 /// that every stage loads the one before it. `model` is used for every op-amp.
@@ -21,4 +21,4 @@ inline std::complex<double> circuit_response(const Circuit& circuit, RadPerSecon
   return circuit.response(w);
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

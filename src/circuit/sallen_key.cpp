@@ -3,7 +3,7 @@
 
 #include "circuit/forms.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 /// Sallen and Key (IRE Trans. Circuit Theory CT-2, 1955), low-pass with gain K = 1 + Rb/Ra:
@@ -173,4 +173,4 @@ Realization sallen_key_realization() {
           }};
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

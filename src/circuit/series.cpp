@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 // IEC 60063: E3 to E24 are a table (they do not follow the rounded geometric series), the finer ones a
@@ -118,4 +118,4 @@ std::vector<double> Series::nearest(double value, int count) const {
   return all;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

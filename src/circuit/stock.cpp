@@ -6,7 +6,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 /// One table of the TOML form.
@@ -119,4 +119,4 @@ void StockList::apply_to(RealiseOptions& options) const {
   options.greatest_f = greatest_f.value_or(options.greatest_f);
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

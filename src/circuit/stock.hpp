@@ -7,7 +7,7 @@
 #include "base/provenance.hpp"
 #include "circuit/realise.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// The parts that are at hand, and within which limits they may be used. What a list does not say stays as
 /// it was.
@@ -39,4 +39,4 @@ struct StockList {
   void apply_to(RealiseOptions& options) const;
 };
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -2,7 +2,7 @@
 
 #include "circuit/forms.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 /// Tow-Thomas two-integrator loop with the input fed forward to all three op-amps (Fleischer and Tow, Bell
@@ -115,4 +115,4 @@ Realization tow_thomas_realization() {
           }};
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -5,7 +5,7 @@
 
 #include "circuit/realization.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 struct StageState {
@@ -38,12 +38,8 @@ class Cascade {
  public:
   explicit Cascade(const Circuit& circuit) {
     for (const Stage& stage : circuit.stages) {
-      std::vector<double> values;
-      for (int i = 0; i < stage.part_count; ++i) {
-        values.push_back(circuit.parts[static_cast<size_t>(stage.first_part + i)].realised);
-      }
       const std::vector<Biquad> factors =
-          stage.form ? std::vector<Biquad>{stage.form->aim(values)} : stage.realised;
+          stage.form ? std::vector<Biquad>{stage.form->aim(circuit.realised_values(stage))} : stage.realised;
       for (const Biquad& h : factors) {
         stages_.push_back(canonical(h));
         states_ += stages_.back().order;
@@ -108,4 +104,4 @@ std::vector<double> simulate_stages(const Circuit& circuit, const std::function<
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

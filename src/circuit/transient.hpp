@@ -5,7 +5,7 @@
 
 #include "circuit/circuit.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// Output of the realised stages with ideal op-amps (without isolating resistors) for an input voltage, all
 /// at rest before: every stage in controllable canonical form, classical Runge-Kutta of fourth order in steps
@@ -14,4 +14,4 @@ namespace bodesmith {
 std::vector<double> simulate_stages(const Circuit& circuit, const std::function<double(double)>& input,
                                     double step_s, int count);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -12,9 +12,9 @@
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/layout.hpp"
 #include "multiplier_layout/timing.hpp"
+#include "spice/disturbance_check.hpp"
+#include "spice/disturbance_library.hpp"
 #include "spice/emit.hpp"
-#include "spice/emit_disturbance.hpp"
-#include "spice/layout_check.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::cli {
@@ -27,7 +27,7 @@ void declare(CommandLine& line) {
   line.output(
       "folder for layout.json, disturbance.sub (with amplitude gains also disturbance_amplitude.sub), "
       "parts.csv and layout.svg");
-  const LayoutOptions defaults;
+  const multiplier_layout::Options defaults;
   line.options().add_options()("series", po::value<std::string>()->default_value("E96"),
                                "series of the resistors, E3 to E192 or exact")(
       "scheme", po::value<std::string>()->default_value("auto"),
@@ -53,15 +53,15 @@ void declare(CommandLine& line) {
       "exit with 1 when d(x) is off by more percent of the range of x");
 }
 
-LayoutOptions read_options(const CommandLine& line, size_t branches) {
-  LayoutOptions options;
-  options.resistors = Series::named(line.get<std::string>("series"));
-  options.scheme = LayoutScheme::named(line.get<std::string>("scheme"));
+multiplier_layout::Options read_options(const CommandLine& line, size_t branches) {
+  multiplier_layout::Options options;
+  options.resistors = circuit::Series::named(line.get<std::string>("series"));
+  options.scheme = multiplier_layout::Scheme::named(line.get<std::string>("scheme"));
   options.multiplier.scale_v = line.positive("multiplier-scale-v");
   options.full_scale_v = line.positive("full-scale-v");
   options.lowest = Hertz{line.positive("lowest-hz")};
   options.highest = Hertz{line.positive("highest-hz")};
-  SwitchModel model = SwitchModel::for_branches(branches);
+  multiplier_layout::SwitchModel model = multiplier_layout::SwitchModel::for_branches(branches);
   const auto set = [&](const char* name, double& value) {
     if (line.has(name)) value = line.positive(name);
   };
@@ -70,7 +70,7 @@ LayoutOptions read_options(const CommandLine& line, size_t branches) {
   set("switch-gap-s", model.gap_s);
   set("switch-charge-c", model.charge_c);
   set("switch-drain-f", model.drain_f);
-  SwitchTimer::of(model);
+  multiplier_layout::SwitchTimer::of(model);
   options.analog_switch = model;
   return options;
 }
@@ -79,16 +79,17 @@ std::string percent(double value) {
   return rounded_text(value, 3) + " %";
 }
 
-std::string summary(const DisturbanceLayout& layout, const LayoutBudget& budget, const LayoutTiming& timing) {
+std::string summary(const multiplier_layout::Layout& layout, const multiplier_layout::Budget& budget,
+                    const multiplier_layout::Timing& timing) {
   std::string text = fmt::format("{} multipliers ({}), {} op-amps, branch sums at {} V per unit\n",
                                  layout.multipliers.size(), layout.multiplier.name, layout.opamps(),
                                  rounded_text(layout.branch_gain));
-  for (const LayoutCandidate& one : layout.candidates) {
+  for (const multiplier_layout::Candidate& one : layout.candidates) {
     text += fmt::format("{} {}: {} multipliers ({} in series), {} op-amps, {} of range rms, {}Hz\n",
                         one.chosen ? "*" : " ", one.name, one.multipliers, one.depth, one.opamps,
                         percent(one.rss_percent), engineering_text(one.bandwidth.value, ""));
   }
-  for (const LayoutBranch& branch : layout.branches) {
+  for (const multiplier_layout::Branch& branch : layout.branches) {
     text +=
         fmt::format("{}: {} of range from the polynomial\n", branch.name, percent(branch.max_error_percent));
   }
@@ -106,12 +107,12 @@ std::string summary(const DisturbanceLayout& layout, const LayoutBudget& budget,
         percent(layout.amplitude->max_error_percent),
         percent(*std::max_element(budget.amplitude_rss_percent.begin(), budget.amplitude_rss_percent.end())));
   }
-  for (const SlopeDetectorFigures::Delay& one : timing.detector.delays) {
+  for (const multiplier_layout::SlopeDetectorFigures::Delay& one : timing.detector.delays) {
     if (!one.triangle_s)
       text += fmt::format("{} Hz triangle: the slope detector does not follow it\n",
                           rounded_text(one.frequency.value));
   }
-  for (const SwitchFigures::Late& one : timing.analog_switch.late) {
+  for (const multiplier_layout::SwitchFigures::Late& one : timing.analog_switch.late) {
     text += fmt::format(
         "{} Hz triangle: branch {}s late, steps up to {}, {} rms ({} with the multipliers' limits)\n",
         rounded_text(one.frequency.value), engineering_text(one.delay_s, ""), percent(one.step_percent),
@@ -128,8 +129,8 @@ std::string summary(const DisturbanceLayout& layout, const LayoutBudget& budget,
   return text;
 }
 
-std::string check_summary(const LayoutCheck& check, Json& json) {
-  json["ngspice"] = {{"version", ngspice_version()},
+std::string check_summary(const spice::DisturbanceCheck& check, Json& json) {
+  json["ngspice"] = {{"version", spice::ngspice_version()},
                      {"static_percent", check.static_percent},
                      {"static_against_program_percent", check.static_against_program},
                      {"multipliers_at_limit",
@@ -140,7 +141,7 @@ std::string check_summary(const LayoutCheck& check, Json& json) {
   std::string text = fmt::format(
       "ngspice: {} of range from the polynomials at rest ({} with the multipliers' limits, predicted {})",
       percent(check.static_percent), percent(check.limit_percent), percent(check.limit_predicted_percent));
-  for (const LayoutCheck::Dynamic& one : check.dynamic) {
+  for (const spice::DisturbanceCheck::Dynamic& one : check.dynamic) {
     json["ngspice"]["dynamic"].push_back({{"frequency_hz", one.frequency.value},
                                           {"rms_percent", one.rms_percent},
                                           {"rms_multipliers_at_limit_percent", one.rms_at_limit_percent},
@@ -174,14 +175,14 @@ std::string check_summary(const LayoutCheck& check, Json& json) {
 }
 
 /// The op-amp circuit's parts.csv with the role in place of the section.
-std::string parts_text(const DisturbanceLayout& layout) {
+std::string parts_text(const multiplier_layout::Layout& layout) {
   std::string out = "part,role,series,wanted_ohm,realised_ohm,wanted_f,realised_f\n";
-  for (const LayoutPart& part : layout.parts) {
+  for (const multiplier_layout::Part& part : layout.parts) {
     const std::string values = number_text(part.wanted) + "," + number_text(part.realised);
     std::string role = part.role;
     std::replace(role.begin(), role.end(), ',', ';');
     out += part.name + "," + role + "," + part.series + "," +
-           (part.kind == LayoutPart::Kind::resistor ? values + ",," : ",," + values) + "\n";
+           (part.kind == multiplier_layout::Part::Kind::resistor ? values + ",," : ",," + values) + "\n";
   }
   return out;
 }
@@ -194,17 +195,18 @@ int run_layout(const std::vector<std::string>& arguments) {
   declare(line);
   if (!line.parse(arguments)) return kDone;
   if (line.has("max-error-percent")) line.positive("max-error-percent");
-  if (line.has("check") && !ngspice_available()) {
+  if (line.has("check") && !spice::ngspice_available()) {
     line.fail("--check needs ngspice, which is not installed (Debian: apt-get install ngspice)");
   }
   Provenance from;
-  const LayoutInput input = LayoutInput::read(line.files()[0], from);
-  const LayoutOptions options = read_options(line, input.branches.size());
+  const multiplier_layout::Input input = multiplier_layout::Input::read(line.files()[0], from);
+  const multiplier_layout::Options options = read_options(line, input.branches.size());
 
   const Stopwatch watch;
-  const DisturbanceLayout layout = layout_disturbance(input, options);
-  const LayoutBudget budget = layout_budget(layout);
-  const LayoutTiming timing = layout_timing(layout, {options.lowest, Hertz{100}, options.highest});
+  const multiplier_layout::Layout layout = multiplier_layout::make_layout(input, options);
+  const multiplier_layout::Budget budget = multiplier_layout::make_budget(layout);
+  const multiplier_layout::Timing timing =
+      multiplier_layout::make_timing(layout, {options.lowest, Hertz{100}, options.highest});
   const double compute_s = watch.seconds();
   for (const std::string& warning : layout.warnings) note(warning);
 
@@ -218,7 +220,7 @@ int run_layout(const std::vector<std::string>& arguments) {
   json["timing_s"] = {{"compute", compute_s}};
   std::string text = summary(layout, budget, timing);
   if (line.has("check"))
-    text += check_summary(check_layout_with_ngspice(layout, {Hertz{100}, options.highest}), json);
+    text += check_summary(spice::check_disturbance(layout, {Hertz{100}, options.highest}), json);
   int status = kDone;
   if (const auto limit = line.maybe<double>("max-error-percent");
       limit && layout.max_error_percent > *limit) {
@@ -229,11 +231,11 @@ int run_layout(const std::vector<std::string>& arguments) {
   const std::string title = fmt::format("disturbance generator from {}", line.files()[0]);
   OutputSet out(line.output_path());
   out.add("layout.json", to_text(json));
-  out.add("disturbance.sub", disturbance_library(layout, title));
+  out.add("disturbance.sub", spice::disturbance_library(layout, title));
   if (layout.amplitude)
-    out.add("disturbance_amplitude.sub", disturbance_library(layout, title, {true, std::nullopt}));
+    out.add("disturbance_amplitude.sub", spice::disturbance_library(layout, title, {true, std::nullopt}));
   out.add("parts.csv", parts_text(layout));
-  out.add("layout.svg", layout_drawing(layout));
+  out.add("layout.svg", multiplier_layout::drawing_svg(layout));
   out.commit();
   print_summary(line, text, json);
   return status;

@@ -122,13 +122,13 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
   if (ending == ".sub" || ending == ".lib") {
     from.read(path);
     set_evaluation(source, [path, name = options.subcircuit](const std::vector<Hertz>& grid) {
-      return run_ac_of_sub(path, grid, name);
+      return spice::run_ac_of_sub(path, grid, name);
     });
     return source;
   }
   if (ending == ".cir" || ending == ".net" || ending == ".sp") {
     from.read(path);
-    set_evaluation(source, [path](const std::vector<Hertz>& grid) { return run_ac_of_deck(path, grid); });
+    set_evaluation(source, [path](const std::vector<Hertz>& grid) { return spice::run_ac_of_deck(path, grid); });
     return source;
   }
   const Node node = read_document(path, from);

@@ -5,6 +5,7 @@
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
+#include "circuit/json.hpp"
 #include "circuit/opamp_check.hpp"
 #include "circuit/opamp_library.hpp"
 #include "circuit/realise.hpp"
@@ -13,10 +14,9 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "kicad/schematic.hpp"
-#include "spice/check.hpp"
+#include "spice/compensator_check.hpp"
 #include "spice/emit.hpp"
 #include "spice/ngspice.hpp"
-#include "yield/circuit_json.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -60,21 +60,22 @@ void declare(CommandLine& line) {
       "check", "run ngspice and compare with the program's own response");
 }
 
-OpAmpLibrary library_of(const CommandLine& line, Provenance& from) {
-  if (const auto file = line.maybe<std::string>("opamp-library")) return OpAmpLibrary::read(*file, from);
-  return OpAmpLibrary::built_in();
+circuit::OpAmpLibrary library_of(const CommandLine& line, Provenance& from) {
+  if (const auto file = line.maybe<std::string>("opamp-library"))
+    return circuit::OpAmpLibrary::read(*file, from);
+  return circuit::OpAmpLibrary::built_in();
 }
 
-RealiseOptions read_options(const CommandLine& line, Provenance& from) {
-  RealiseOptions options;
+circuit::RealiseOptions read_options(const CommandLine& line, Provenance& from) {
+  circuit::RealiseOptions options;
   options.realization = line.get<std::string>("realization");
-  options.resistors = Series::named(line.get<std::string>("series"));
-  options.capacitors = Series::named(
+  options.resistors = circuit::Series::named(line.get<std::string>("series"));
+  options.capacitors = circuit::Series::named(
       line.maybe<std::string>("capacitor-series").value_or(options.resistors.is_exact() ? "exact" : "E12"));
   // A list's own limits stand before the usual ones, and behind those that are typed.
-  const bool ladder = ladder_form_named(options.realization).has_value();
-  if (ladder) set_ladder_limits(options);
-  if (line.has("stock")) StockList::read(line.get<std::string>("stock"), from).apply_to(options);
+  const bool ladder = circuit::ladder_form_named(options.realization).has_value();
+  if (ladder) circuit::set_ladder_limits(options);
+  if (line.has("stock")) circuit::StockList::read(line.get<std::string>("stock"), from).apply_to(options);
   const auto limit = [&](const char* name, double& value) {
     const double given = line.positive(name);
     if (line.has(name) || !(ladder || line.has("stock"))) value = given;
@@ -109,19 +110,20 @@ int run_spice(const std::vector<std::string>& arguments) {
   declare(line);
   if (!line.parse(arguments)) return kDone;
   Provenance from;
-  RealiseOptions options = read_options(line, from);
+  circuit::RealiseOptions options = read_options(line, from);
   if (line.has("max-error-db")) line.positive("max-error-db");
-  if (line.has("check") && !ngspice_available()) {
+  if (line.has("check") && !spice::ngspice_available()) {
     line.fail("--check needs ngspice, which is not installed (Debian: apt-get install ngspice)");
   }
   const Sections sections = Sections::read(line.files()[0], from);
   const double amplitude_v = line.positive("amplitude-v");
 
   const Stopwatch watch;
-  const Realised made = line.get<std::string>("opamp") == "auto"
-                            ? realise_with_best_opamp(sections, options, library_of(line, from), amplitude_v)
-                            : realise(sections, options);
-  const OpAmpCheck opamps = check_opamps(made.circuit, made.report.band, amplitude_v);
+  const circuit::Realised made =
+      line.get<std::string>("opamp") == "auto"
+          ? circuit::realise_with_best_opamp(sections, options, library_of(line, from), amplitude_v)
+          : circuit::realise(sections, options);
+  const circuit::OpAmpCheck opamps = circuit::check_opamps(made.circuit, made.report.band, amplitude_v);
   const double compute_s = watch.seconds();
   for (const std::string& warning : opamps.warnings) note("warning: " + warning);
 
@@ -129,7 +131,7 @@ int run_spice(const std::vector<std::string>& arguments) {
   circuit.update(to_json(made));
   circuit["opamp_check"] = to_json(opamps);
   circuit["timing_s"] = {{"compute", compute_s}};
-  const RealiseReport& report = made.report;
+  const circuit::RealiseReport& report = made.report;
   std::string text = fmt::format(
       "{} stages, {} op-amps, {} parts ({} resistors, {} capacitors)\n"
       "parts against the sections, {} to {} Hz: {} dB, {} deg ({} dB with every value rounded on its own)\n"
@@ -145,11 +147,11 @@ int run_spice(const std::vector<std::string>& arguments) {
       rounded_text(opamps.least_phase_margin_deg, 3), rounded_text(opamps.output_offset_v, 3),
       rounded_text(opamps.noise_rms_v, 3));
   if (line.has("check")) {
-    const SpiceCheck check = check_with_ngspice(made.circuit, sections);
-    circuit["ngspice"] = {{"version", ngspice_version()},
+    const spice::CompensatorCheck check = spice::check_compensator(made.circuit, sections);
+    circuit["ngspice"] = {{"version", spice::ngspice_version()},
                           {"band_hz", {check.band.from.value, check.band.to.value}},
-                          {"against_program", to_json(check.against_network)},
-                          {"against_sections", to_json(check.against_sections)},
+                          {"against_program", circuit::to_json(check.against_network)},
+                          {"against_sections", circuit::to_json(check.against_sections)},
                           {"transient_percent", check.transient_percent},
                           {"noise_percent", check.noise_percent}};
     text += fmt::format(
@@ -169,8 +171,8 @@ int run_spice(const std::vector<std::string>& arguments) {
   }
   OutputSet out(line.output_path());
   const std::string title = fmt::format("compensator from {}", line.files()[0]);
-  add_spice_files(made, title, out);
-  add_kicad_files(made.circuit, title, out);
+  spice::add_spice_files(made, title, out);
+  kicad::add_kicad_files(made.circuit, title, out);
   out.add("circuit.json", to_text(circuit));
   out.commit();
   print_summary(line, text, circuit);

@@ -22,7 +22,7 @@ void declare(CommandLine& line) {
   line.positional("SECTIONS.json|PLAN.json…", 1, -1);
   line.output("yield.json (percentiles a frequency, ranking of the parts, what to buy)", true);
   line.seed();
-  const Spread s;
+  const yield::Spread s;
   line.options().add_options()("samples", po::value<std::uint64_t>()->default_value(100000),
                                "circuits drawn")(
       "distribution", po::value<std::string>()->default_value("uniform"),
@@ -55,15 +55,15 @@ void declare(CommandLine& line) {
       "threads", po::value<int>()->default_value(0), "0: all cores (one a process under mpirun)");
 }
 
-Spread read_spread(const CommandLine& line) {
-  Spread s;
+yield::Spread read_spread(const CommandLine& line) {
+  yield::Spread s;
   const std::string kind = line.get<std::string>("distribution");
   if (kind == "uniform") {
-    s.kind = Spread::Kind::uniform;
+    s.kind = yield::Spread::Kind::uniform;
   } else if (kind == "gaussian") {
-    s.kind = Spread::Kind::gaussian;
+    s.kind = yield::Spread::Kind::gaussian;
   } else if (kind == "corners") {
-    s.kind = Spread::Kind::corners;
+    s.kind = yield::Spread::Kind::corners;
   } else {
     line.fail(fmt::format("--distribution is {}, expected uniform, gaussian or corners", kind));
   }
@@ -78,20 +78,21 @@ Spread read_spread(const CommandLine& line) {
   return s;
 }
 
-YieldDesign read_design(const CommandLine& line, const std::string& file, Provenance& from) {
+yield::Design read_design(const CommandLine& line, const std::string& file, Provenance& from) {
   const Node node = read_document(file, from);
   if (node.kind() == Node::Kind::object && node.string_or("schema", "") == "bodesmith.fpaa_plan/1") {
-    return yield_design_of_plan(node, file);
+    return yield::design_of_plan(node, file);
   }
   const Sections sections = Sections::from_node(node);
-  RealiseOptions options;
+  circuit::RealiseOptions options;
   options.realization = line.get<std::string>("realization");
-  options.resistors = Series::named(line.get<std::string>("series"));
-  options.capacitors = Series::named(line.get<std::string>("capacitor-series"));
-  return yield_design(realise(sections, options), sections, file);
+  options.resistors = circuit::Series::named(line.get<std::string>("series"));
+  options.capacitors = circuit::Series::named(line.get<std::string>("capacitor-series"));
+  return yield::design_of_circuit(circuit::realise(sections, options), sections, file);
 }
 
-std::string describe(const YieldDesign& design, const YieldResult& result, const YieldOptions& options) {
+std::string describe(const yield::Design& design, const yield::Result& result,
+                     const yield::Options& options) {
   std::string text = fmt::format(
       "{}: {} poles, {} parts, {} circuits\n  worst over {} frequencies: {} dB, {} deg in 95 of 100 circuits "
       "(median {} dB, "
@@ -107,16 +108,16 @@ std::string describe(const YieldDesign& design, const YieldResult& result, const
   }
   text += "  parts that matter most:";
   for (size_t i = 0; i < std::min<size_t>(4, result.ranking.size()); ++i) {
-    const PartRank& rank = result.ranking[i];
+    const yield::PartRank& rank = result.ranking[i];
     text += fmt::format("{} {} ({} % of the variance)", i == 0 ? "" : ",", rank.part,
                         rounded_text(100.0 * rank.share, 3));
   }
   return text + "\n";
 }
 
-Json purchase_json(const std::vector<Purchase>& all) {
+Json purchase_json(const std::vector<yield::Purchase>& all) {
   Json out = Json::array();
-  for (const Purchase& one : all) {
+  for (const yield::Purchase& one : all) {
     out.push_back({{"resistor_percent", one.resistor_percent},
                    {"capacitor_percent", one.capacitor_percent},
                    {"worst_db_p95", one.worst_db_95},
@@ -125,7 +126,7 @@ Json purchase_json(const std::vector<Purchase>& all) {
   return out;
 }
 
-std::string purchase_text(const std::vector<Purchase>& all, double limit_db) {
+std::string purchase_text(const std::vector<yield::Purchase>& all, double limit_db) {
   if (all.empty() || !all[0].meets) {
     return fmt::format("  no tolerance on the list keeps 95 % of the circuits within {} dB\n",
                        rounded_text(limit_db));
@@ -136,8 +137,8 @@ std::string purchase_text(const std::vector<Purchase>& all, double limit_db) {
 }
 
 /// Everything that the counts depend on, for the checkpoint.
-std::string job_text(const YieldOptions& o, const Provenance& from) {
-  const Spread& s = o.spread;
+std::string job_text(const yield::Options& o, const Provenance& from) {
+  const yield::Spread& s = o.spread;
   std::string text = fmt::format(
       "{} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(s.kind), s.sigmas, s.resistor_percent,
       s.capacitor_percent, s.unit_capacitor_percent, s.temperature_low_c, s.temperature_high_c,
@@ -157,7 +158,7 @@ int run_yield(const std::vector<std::string>& arguments) {
       "the designs are compared. Under `mpirun -n N` the work is shared; results do not depend on N.");
   declare(line);
   if (!line.parse(arguments)) return kDone;
-  YieldOptions options;
+  yield::Options options;
   options.spread = read_spread(line);
   options.samples = line.get<std::uint64_t>("samples");
   options.seed = line.seed_value();
@@ -170,9 +171,9 @@ int run_yield(const std::vector<std::string>& arguments) {
   const int count = line.get<int>("count");
   if (count < 1 || count > 100000) line.fail(fmt::format("--count is {}, expected 1 to 100000", count));
 
-  const std::unique_ptr<Team> team = join_team();
+  const std::unique_ptr<yield::Team> team = yield::join_team();
   Provenance from;
-  std::vector<YieldDesign> designs;
+  std::vector<yield::Design> designs;
   for (const std::string& file : line.files()) designs.push_back(read_design(line, file, from));
   const double low = line.has("from-hz") ? line.positive("from-hz") : designs[0].band.from.value;
   const double high = line.has("to-hz") ? line.positive("to-hz") : designs[0].band.to.value;
@@ -196,7 +197,7 @@ int run_yield(const std::vector<std::string>& arguments) {
       options.checkpoint = line.output_path().string() + fmt::format(".checkpoint{}", i + 1);
     Progress progress("yield of " + designs[i].name);
     if (team->leads()) options.progress = [&](double fraction) { progress.at(fraction); };
-    const YieldResult result = run_yield_of(designs[i], options, *team);
+    const yield::Result result = yield::run_monte_carlo(designs[i], options, *team);
     if (!team->leads()) continue;
     for (const std::string& one : designs[i].notes) note(one);
     Json one = to_json(result, options);
@@ -205,7 +206,8 @@ int run_yield(const std::vector<std::string>& arguments) {
     one["reference"] = designs[i].reference_name;
     text += describe(designs[i], result, options);
     if (options.limit_db && designs[i].reference_name == "sections") {
-      const std::vector<Purchase> buy = tolerances_to_buy(designs[i], options, *options.limit_db);
+      const std::vector<yield::Purchase> buy =
+          yield::tolerances_to_buy(designs[i], options, *options.limit_db);
       one["to_buy"] = purchase_json(buy);
       text += purchase_text(buy, *options.limit_db);
     }

@@ -6,6 +6,10 @@
 namespace bodesmith::kicad {
 namespace {
 
+using circuit::Branch;
+using circuit::OpAmp;
+using circuit::Part;
+
 constexpr int kPitch = 8;      // between rows of parts
 constexpr int kPartWidth = 8;  // a part and a step of wire on both sides
 constexpr int kBus = -8;       // where the wires of the inputs stand, from the op-amp's centre
@@ -308,7 +312,7 @@ std::vector<Cell> stage_cells(const std::vector<Part>& parts, const std::vector<
                               const std::function<Symbol(const OpAmp&)>& opamp_symbol) {
   std::set<std::string> terminals = {"0", in, out};
   for (const OpAmp& opamp : opamps) terminals.insert({opamp.plus, opamp.minus, opamp.out});
-  std::vector<Branch> rest = series_parallel_branches(parts, terminals);
+  std::vector<Branch> rest = circuit::series_parallel_branches(parts, terminals);
   std::vector<Cell> cells;
   std::string before = in;
   for (const OpAmp& opamp : opamps) {

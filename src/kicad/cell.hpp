@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
+#include "circuit/series_parallel.hpp"
 #include "kicad/drawing.hpp"
-#include "spice/series_parallel.hpp"
 
 namespace bodesmith::kicad {
 
@@ -29,13 +29,14 @@ struct Cell {
 };
 
 /// The texts of a part's symbol: reference, value, footprint and fields.
-using PartTexts = std::function<Symbol(const Part&)>;
+using PartTexts = std::function<Symbol(const circuit::Part&)>;
 
 /// The cells of one stage, op-amps in their order. Around every op-amp: its own feedback above (for the lower
 /// input below), what leads to its inputs on the left, the parts of an inner node that also goes to the
 /// output or to ground (Sallen-Key, multiple feedback) between them; every other net by its name.
-std::vector<Cell> stage_cells(const std::vector<Part>& parts, const std::vector<OpAmp>& opamps,
-                              const std::string& in, const std::string& out, const PartTexts& texts,
-                              const std::function<Symbol(const OpAmp&)>& opamp_symbol);
+std::vector<Cell> stage_cells(const std::vector<circuit::Part>& parts,
+                              const std::vector<circuit::OpAmp>& opamps, const std::string& in,
+                              const std::string& out, const PartTexts& texts,
+                              const std::function<Symbol(const circuit::OpAmp&)>& opamp_symbol);
 
 }  // namespace bodesmith::kicad

@@ -10,14 +10,14 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
+#include "circuit/text.hpp"
 #include "kicad/cell.hpp"
 #include "kicad/text.hpp"
-#include "spice/deck_text.hpp"
 
-namespace bodesmith {
+namespace bodesmith::kicad {
 namespace {
 
-using namespace kicad;
+using circuit::plain_number;
 
 struct Paper {
   const char* name;
@@ -221,7 +221,7 @@ class Rows {
 
 class Schematic {
  public:
-  Schematic(const Circuit& circuit, const DeckTolerances& tolerances)
+  Schematic(const circuit::Circuit& circuit, const circuit::Tolerances& tolerances)
       : circuit_(circuit), tolerances_(tolerances) {
     for (size_t i = 0; i < circuit.stages.size(); ++i) groups_.push_back(stage_group(i));
     board_ = board_groups();
@@ -308,8 +308,8 @@ class Schematic {
     throw std::logic_error("the net " + net + " has no label to lead it out of the sheet");
   }
 
-  Symbol texts_of(const Part& part) const {
-    const bool resistor = part.kind == Part::Kind::resistor;
+  Symbol texts_of(const circuit::Part& part) const {
+    const bool resistor = part.kind == circuit::Part::Kind::resistor;
     const char* const unit = resistor ? " ohm" : " F";
     Symbol out;
     out.reference = part.name;
@@ -319,8 +319,8 @@ class Schematic {
         {"Series", part.series},
         {"Tolerance",
          rounded_text(resistor ? tolerances_.resistor_percent : tolerances_.capacitor_percent) + "%"},
-        {"Wanted", spice_number(part.wanted) + unit},
-        {"Realised", spice_number(part.realised) + unit},
+        {"Wanted", plain_number(part.wanted) + unit},
+        {"Realised", plain_number(part.realised) + unit},
         {"Section", std::to_string(part.stage + 1)}};
     return out;
   }
@@ -347,21 +347,22 @@ class Schematic {
   }
 
   Group stage_group(size_t index) const {
-    const Stage& stage = circuit_.stages[index];
-    const auto first = circuit_.parts.begin() + stage.first_part;
-    const std::vector<Part> parts(first, first + stage.part_count);
-    std::vector<OpAmp> opamps;
-    for (const OpAmp& opamp : circuit_.opamps) {
-      if (opamp.stage == static_cast<int>(index)) opamps.push_back(opamp);
+    const circuit::Stage& stage = circuit_.stages[index];
+    const std::span<const circuit::Part> placed = circuit_.parts_of(stage);
+    const std::vector<circuit::Part> parts(placed.begin(), placed.end());
+    std::vector<circuit::OpAmp> opamps;
+    for (const circuit::OpAmp& opamp : circuit_.opamps) {
+      if (opamp.stage == index) opamps.push_back(opamp);
     }
     Group out;
     out.in = stage.in;
     out.out = stage.out;
     out.cells = stage_cells(
-        parts, opamps, stage.in, stage.out, [&](const Part& part) { return texts_of(part); },
-        [&](const OpAmp& opamp) {
-          const auto place = std::find_if(circuit_.opamps.begin(), circuit_.opamps.end(),
-                                          [&](const OpAmp& other) { return other.name == opamp.name; });
+        parts, opamps, stage.in, stage.out, [&](const circuit::Part& part) { return texts_of(part); },
+        [&](const circuit::OpAmp& opamp) {
+          const auto place =
+              std::find_if(circuit_.opamps.begin(), circuit_.opamps.end(),
+                           [&](const circuit::OpAmp& other) { return other.name == opamp.name; });
           const int number = static_cast<int>(place - circuit_.opamps.begin());
           Symbol symbol =
               opamp_unit(number / circuit_.model.per_package, number % circuit_.model.per_package);
@@ -370,7 +371,7 @@ class Schematic {
         });
     out.text = fmt::format("stage {}: {}\n{}", index + 1, stage.realization,
                            stage.wanted.size() == 1
-                               ? transfer_text(stage.wanted)
+                               ? circuit::transfer_text(stage.wanted)
                                : fmt::format("{} poles, {} to {} rad/s", stage.wanted.size(),
                                              rounded_text(std::abs(stage.wanted.front().section().poles[0])),
                                              rounded_text(std::abs(stage.wanted.back().section().poles[0]))));
@@ -452,8 +453,8 @@ class Schematic {
     drawing.supply("VCC", {0, -6}, "VCC");
     drawing.supply("VEE", {0, 6}, "VEE");
     for (const bool upper : {true, false}) {
-      Part part;
-      part.kind = Part::Kind::capacitor;
+      circuit::Part part;
+      part.kind = circuit::Part::Kind::capacitor;
       Symbol texts;
       texts.reference = fmt::format("Cd{}", 2 * package + (upper ? 1 : 2));
       texts.value = "100n";
@@ -491,8 +492,8 @@ class Schematic {
     return out;
   }
 
-  const Circuit& circuit_;
-  DeckTolerances tolerances_;
+  const circuit::Circuit& circuit_;
+  circuit::Tolerances tolerances_;
   std::vector<Group> groups_, board_;
 };
 
@@ -505,8 +506,8 @@ std::string kicad_value(double value) {
   return rounded_text(value / std::pow(10.0, power), 6) + kPrefixes.at(power);
 }
 
-void add_kicad_files(const Circuit& circuit, const std::string& title, OutputSet& out,
-                     const DeckTolerances& tolerances) {
+void add_kicad_files(const circuit::Circuit& circuit, const std::string& title, OutputSet& out,
+                     const circuit::Tolerances& tolerances) {
   const std::vector<Sheet> sheets = Schematic(circuit, tolerances).sheets();
   const std::vector<std::string> texts =
       sheet_texts(sheets, title, fmt::format("bodesmith {}; op-amps {}", kVersion, circuit.model.name));
@@ -523,4 +524,4 @@ void add_kicad_files(const Circuit& circuit, const std::string& title, OutputSet
       "(options \"\")(descr \"symbols of bodesmith's schematics\"))\n)\n");
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::kicad

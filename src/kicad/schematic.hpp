@@ -4,9 +4,9 @@
 
 #include "base/files.hpp"
 #include "circuit/circuit.hpp"
-#include "spice/deck_tolerances.hpp"
+#include "circuit/tolerances.hpp"
 
-namespace bodesmith {
+namespace bodesmith::kicad {
 
 /// The circuit as a KiCad 6 project: compensator.kicad_pro, compensator.kicad_sch (and
 /// compensator_2.kicad_sch, … with whole stages on sheets of their own when one A3 sheet does not hold them),
@@ -15,10 +15,10 @@ namespace bodesmith {
 /// of the model); their netlist name is the field Netlist, a unit that is left over is a follower at ground.
 /// What a netlist does not have and a board needs is added: connectors, supplies, 100 nF at every supply pin.
 /// Values in KiCad's own writing (20.5k, 10n); fields Series, Tolerance, Wanted, Realised, Section.
-void add_kicad_files(const Circuit& circuit, const std::string& title, OutputSet& out,
-                     const DeckTolerances& tolerances = {});
+void add_kicad_files(const circuit::Circuit& circuit, const std::string& title, OutputSet& out,
+                     const circuit::Tolerances& tolerances = {});
 
 /// 20500 is "20.5k", 1e-8 is "10n"; up to 6 digits.
 std::string kicad_value(double value);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::kicad

@@ -9,7 +9,7 @@
 #include "multiplier_layout/bench.hpp"
 #include "multiplier_layout/build.hpp"
 
-namespace bodesmith::layout_build {
+namespace bodesmith::multiplier_layout {
 namespace {
 
 /// g(alpha) = base + sum change_k max(0, alpha - at_k)
@@ -46,7 +46,7 @@ struct Weights {
 };
 
 Weights search(const std::vector<Term>& terms, const std::vector<double>& grid,
-               const std::vector<double>& wanted, const Series& series) {
+               const std::vector<double>& wanted, const circuit::Series& series) {
   double largest = 0.0;
   for (const Term& term : terms) largest = std::max(largest, std::abs(term.weight));
   std::vector<std::vector<double>> ramps;
@@ -96,12 +96,12 @@ Weights search(const std::vector<Term>& terms, const std::vector<double>& grid,
 
 class Amplitude {
  public:
-  Amplitude(DisturbanceLayout& layout, const LayoutInput& input, const LayoutOptions& options)
+  Amplitude(Layout& layout, const Input& input, const Options& options)
       : layout_(layout), input_(input), options_(options) {}
 
   void add() {
     out_.alpha = input_.alpha;
-    for (const LayoutPolynomial& one : input_.branches) {
+    for (const Polynomial& one : input_.branches) {
       out_.wanted.push_back(one.amplitude.empty() ? std::vector<double>(input_.alpha.size(), 1.0)
                                                   : one.amplitude);
       bends_.push_back(bends_of(out_.alpha, out_.wanted.back()));
@@ -148,7 +148,7 @@ class Amplitude {
       double change = 0.0;
       for (const Bends& one : bends_) change = std::max(change, std::abs(one.change[k]));
       if (change * out_.control_scale_v < 1e-4) continue;
-      LayoutAmplitude::Rectifier r;
+      AmplitudeControl::Rectifier r;
       const size_t number = out_.rectifiers.size() + 1;
       const std::string minus = fmt::format("km{}", number);
       r.opamp = fmt::format("UK{}", number);
@@ -201,8 +201,8 @@ class Amplitude {
       wanted.push_back(kappa * out_.wanted_gain(b, grid.back()));
       top = std::max(top, std::abs(wanted.back()));
     }
-    LayoutAmplitude::Control out;
-    LayoutSum negative;
+    AmplitudeControl::Control out;
+    Sum negative;
     out.sum.opamp = "UC" + number;
     out.sum.what = "control voltage, " + layout_.branches[b].name;
     out.sum.plus = negative.plus = "0";
@@ -218,7 +218,7 @@ class Amplitude {
     double sum_siemens = 0.0, negative_siemens = 0.0;
     for (size_t k = 0; k < terms.size(); ++k) {
       const bool falls = terms[k].weight < 0.0;
-      LayoutSum& sum = falls ? negative : out.sum;
+      Sum& sum = falls ? negative : out.sum;
       if (found.ohm[k] > 10e6 || found.ohm[k] < 1e3) {
         throw DesignError("the amplitude gains are too far apart for resistors of 1 kohm to 10 Mohm");
       }
@@ -228,7 +228,7 @@ class Amplitude {
       sum.terms.push_back({terms[k].node, part, false, -found.feedback / found.ohm[k]});
       (falls ? negative_siemens : sum_siemens) += 1.0 / found.ohm[k];
     }
-    const auto feedback = [&](LayoutSum& sum, const std::string& letter) {
+    const auto feedback = [&](Sum& sum, const std::string& letter) {
       sum.feedback = resistor(fmt::format("R{}{}_f", letter, number), "feedback, " + sum.what, sum.minus,
                               sum.out, found.feedback, found.feedback);
     };
@@ -251,10 +251,10 @@ class Amplitude {
 
   /// The parts' error, by the bench.
   void check() {
-    const LayoutBench bench(layout_);
+    const Bench bench(layout_);
     std::vector<double> x;
     for (int i = 0; i <= 50; ++i) x.push_back(i / 50.0);
-    LayoutAmplitude& a = *layout_.amplitude;
+    AmplitudeControl& a = *layout_.amplitude;
     for (size_t b = 0; b < layout_.branches.size(); ++b) {
       for (int i = 1; i <= 100; ++i) {
         const double alpha = i / 100.0 * std::max(1.0, a.alpha.back());
@@ -269,18 +269,18 @@ class Amplitude {
     }
   }
 
-  DisturbanceLayout& layout_;
-  const LayoutInput& input_;
-  const LayoutOptions& options_;
-  LayoutAmplitude out_;
+  Layout& layout_;
+  const Input& input_;
+  const Options& options_;
+  AmplitudeControl out_;
   std::vector<Bends> bends_;
   std::vector<size_t> place_;  ///< in the table, one a rectifier
 };
 
 }  // namespace
 
-void add_amplitude(DisturbanceLayout& layout, const LayoutInput& input, const LayoutOptions& options) {
+void add_amplitude(Layout& layout, const Input& input, const Options& options) {
   Amplitude(layout, input, options).add();
 }
 
-}  // namespace bodesmith::layout_build
+}  // namespace bodesmith::multiplier_layout

@@ -2,46 +2,46 @@
 
 #include <algorithm>
 
-#include "circuit/weights_search.hpp"
+#include "circuit/summing_amplifier.hpp"
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 
-LayoutBench::LayoutBench(const DisturbanceLayout& layout) : layout_(layout) {
+Bench::Bench(const Layout& layout) : layout_(layout) {
   const size_t gains = layout.amplitude ? layout.branches.size() : 0;
   multiplier.resize(layout.multipliers.size() + gains);
   resistor.resize(layout.parts.size(), 0.0);
   offset.resize(layout.sums.size() + 1 + gains, 0.0);
   names_ = {{"0", 0}, {"x", 1}};
-  for (const LayoutMultiplier& m : layout.multipliers)
+  for (const Multiplier& m : layout.multipliers)
     products_.push_back({node(m.x), node(m.y), node(m.z), node(m.out)});
-  for (const LayoutSum& sum : layout.sums) {
+  for (const Sum& sum : layout.sums) {
     std::vector<int> nodes;
-    for (const LayoutSum::Term& term : sum.terms) nodes.push_back(node(term.node));
+    for (const Sum::Term& term : sum.terms) nodes.push_back(node(term.node));
     terms_.push_back(nodes);
     sum_out_.push_back(node(sum.out));
   }
-  for (const LayoutBranch& branch : layout.branches) branch_out_.push_back(node(branch.out));
+  for (const Branch& branch : layout.branches) branch_out_.push_back(node(branch.out));
 }
 
-int LayoutBench::node(const std::string& name) {
+int Bench::node(const std::string& name) {
   return names_.emplace(name, static_cast<int>(names_.size())).first->second;
 }
 
-double LayoutBench::ohm(int part) const {
+double Bench::ohm(int part) const {
   return layout_.part(part).realised * (1.0 + resistor[static_cast<size_t>(part)]);
 }
 
-double LayoutBench::multiply(const MultiplierOff& off, double x, double y, double z) const {
+double Bench::multiply(const MultiplierDeviation& off, double x, double y, double z) const {
   return (x + off.x) * (y + off.y) / (layout_.multiplier.scale_v * (1.0 + off.scale)) * (1.0 + off.bend) + z +
          off.w;
 }
 
-std::vector<double> LayoutBench::gains(const LayoutSum& sum, double& noise_gain) const {
-  SummingResistors r;
+std::vector<double> Bench::gains(const Sum& sum, double& noise_gain) const {
+  circuit::SummingResistors r;
   std::vector<double> signs;
   double minus = 0.0;
   r.feedback = ohm(sum.feedback);
-  for (const LayoutSum::Term& term : sum.terms) {
+  for (const Sum::Term& term : sum.terms) {
     r.weights.push_back(ohm(term.part));
     signs.push_back(term.at_plus ? 1.0 : -1.0);
     if (!term.at_plus) minus += 1.0 / r.weights.back();
@@ -52,11 +52,11 @@ std::vector<double> LayoutBench::gains(const LayoutSum& sum, double& noise_gain)
     if (!r.balance_at_plus) minus += 1.0 / r.balance;
   }
   noise_gain = 1.0 + minus * r.feedback;
-  return summing_gains(r, signs);
+  return circuit::summing_gains(r, signs);
 }
 
-std::vector<double> LayoutBench::run(size_t branch, const std::vector<double>& x,
-                                     std::optional<double> control) const {
+std::vector<double> Bench::run(size_t branch, const std::vector<double>& x,
+                               std::optional<double> control) const {
   std::vector<std::vector<double>> weights;
   std::vector<double> rest;
   for (size_t s = 0; s < layout_.sums.size(); ++s) {
@@ -64,7 +64,7 @@ std::vector<double> LayoutBench::run(size_t branch, const std::vector<double>& x
     weights.push_back(gains(layout_.sums[s], noise_gain));
     rest.push_back(offset[s] * noise_gain);
   }
-  const LayoutBranch& wanted = layout_.branches[branch];
+  const Branch& wanted = layout_.branches[branch];
   const double input = ohm(layout_.output_input) +
                        (layout_.switched() ? layout_.analog_switch.on_ohm * (1.0 + switch_relative) : 0.0);
   const double gain = ohm(control ? layout_.amplitude->output_feedback : layout_.output_feedback) / input;
@@ -76,7 +76,7 @@ std::vector<double> LayoutBench::run(size_t branch, const std::vector<double>& x
   };
   const size_t chains = [&] {
     size_t first = layout_.multipliers.size();
-    for (const LayoutBranch& b : layout_.branches) {
+    for (const Branch& b : layout_.branches) {
       for (const int index : b.multipliers) first = std::min(first, static_cast<size_t>(index));
     }
     return first;
@@ -99,30 +99,30 @@ std::vector<double> LayoutBench::run(size_t branch, const std::vector<double>& x
   return out;
 }
 
-std::vector<double> LayoutBench::curve(size_t branch, const std::vector<double>& x) const {
+std::vector<double> Bench::curve(size_t branch, const std::vector<double>& x) const {
   return run(branch, x, std::nullopt);
 }
 
-std::vector<double> LayoutBench::curve(size_t branch, const std::vector<double>& x, double alpha) const {
+std::vector<double> Bench::curve(size_t branch, const std::vector<double>& x, double alpha) const {
   return run(branch, x, control_v(branch, alpha));
 }
 
-double LayoutBench::control_v(size_t branch, double alpha) const {
-  const LayoutAmplitude& amplitude = *layout_.amplitude;
+double Bench::control_v(size_t branch, double alpha) const {
+  const AmplitudeControl& amplitude = *layout_.amplitude;
   std::map<std::string, double> v = {{"vr", -1.0}};
-  for (const LayoutAmplitude::Rectifier& r : amplitude.rectifiers) {
+  for (const AmplitudeControl::Rectifier& r : amplitude.rectifiers) {
     const double current = alpha / ohm(r.input) - 1.0 / ohm(r.reference);
     v[r.node] = -std::max(0.0, current * ohm(r.feedback));
   }
-  const auto sum = [&](const LayoutSum& one, double off) {
+  const auto sum = [&](const Sum& one, double off) {
     double noise_gain = 1.0, out = 0.0;
     const std::vector<double> weights = gains(one, noise_gain);
     for (size_t k = 0; k < weights.size(); ++k) out += weights[k] * v[one.terms[k].node];
     return out + off * noise_gain;
   };
-  const LayoutAmplitude::Control& control = amplitude.controls[branch];
+  const AmplitudeControl::Control& control = amplitude.controls[branch];
   if (control.negative) v[control.negative->out] = sum(*control.negative, 0.0);
   return sum(control.sum, offset[layout_.sums.size() + 1 + branch]);
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

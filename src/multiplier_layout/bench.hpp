@@ -7,22 +7,22 @@
 
 #include "multiplier_layout/layout.hpp"
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 
 /// One multiplier's departures from W = X Y/U + Z:
 ///   W = (X + x)(Y + y)/(U (1 + scale)) (1 + bend) + Z + w.
-struct MultiplierOff {
+struct MultiplierDeviation {
   double x = 0.0, y = 0.0, w = 0.0, scale = 0.0, bend = 0.0;
 };
 
 /// The whole generator at rest with ideal op-amps (but for their offsets); everything that may be off is a
 /// member.
-class LayoutBench {
+class Bench {
  public:
-  explicit LayoutBench(const DisturbanceLayout& layout);
+  explicit Bench(const Layout& layout);
 
-  std::vector<MultiplierOff> multiplier;  ///< layout.multipliers, then amplitude's
-  std::vector<double> resistor;           ///< relative, by place in layout.parts
+  std::vector<MultiplierDeviation> multiplier;  ///< layout.multipliers, then amplitude's
+  std::vector<double> resistor;                 ///< relative, by place in layout.parts
   /// V at the inputs of the op-amps: layout.sums, the output amplifier, then amplitude's controls.
   std::vector<double> offset;
   double switch_relative = 0.0;
@@ -40,15 +40,15 @@ class LayoutBench {
   };
   int node(const std::string& name);
   double ohm(int part) const;
-  double multiply(const MultiplierOff& off, double x, double y, double z) const;
+  double multiply(const MultiplierDeviation& off, double x, double y, double z) const;
   std::vector<double> run(size_t branch, const std::vector<double>& x, std::optional<double> control_v) const;
-  std::vector<double> gains(const LayoutSum& sum, double& noise_gain) const;
+  std::vector<double> gains(const Sum& sum, double& noise_gain) const;
 
-  const DisturbanceLayout& layout_;
+  const Layout& layout_;
   std::map<std::string, int> names_;
   std::vector<Product> products_;
   std::vector<std::vector<int>> terms_;  ///< nodes, one list a sum
   std::vector<int> sum_out_, branch_out_;
 };
 
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <functional>
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 namespace {
 
 std::vector<double> points() {
@@ -20,7 +20,7 @@ double greatest_difference(const std::vector<double>& a, const std::vector<doubl
   return out;
 }
 
-std::vector<MultiplierOff> kinds(const LayoutErrors& e) {
+std::vector<MultiplierDeviation> kinds(const ErrorLimits& e) {
   return {{e.input_offset_v, 0, 0, 0, 0},
           {0, e.input_offset_v, 0, 0, 0},
           {0, 0, e.output_offset_v, 0, 0},
@@ -29,74 +29,74 @@ std::vector<MultiplierOff> kinds(const LayoutErrors& e) {
 }
 const char* const kKindNames[] = {"offset of X", "offset of Y", "offset of W", "scale U", "nonlinearity"};
 
-using Spoil = std::function<void(LayoutBench&)>;
+using Spoil = std::function<void(Bench&)>;
 /// d of a branch at all points (and amplitudes).
-using Curve = std::function<std::vector<double>(const LayoutBench&, size_t branch)>;
+using Curve = std::function<std::vector<double>(const Bench&, size_t branch)>;
 
 /// Spoils one thing after the other and notes how far d moves.
 class Budgeting {
  public:
-  Budgeting(const DisturbanceLayout& layout, Curve curve) : layout_(layout), curve_(std::move(curve)) {
-    const LayoutBench good(layout);
+  Budgeting(const Layout& layout, Curve curve) : layout_(layout), curve_(std::move(curve)) {
+    const Bench good(layout);
     for (size_t b = 0; b < layout.branches.size(); ++b) good_.push_back(curve_(good, b));
   }
 
   void line(std::string cause, const Spoil& spoil) {
-    LayoutBench bad(layout_);
+    Bench bad(layout_);
     spoil(bad);
-    LayoutBudgetLine one{std::move(cause), {}};
+    BudgetLine one{std::move(cause), {}};
     for (size_t b = 0; b < good_.size(); ++b)
       one.percent.push_back(100.0 * greatest_difference(curve_(bad, b), good_[b]));
     lines.push_back(std::move(one));
   }
 
-  void multiplier(const std::string& name, size_t index, const LayoutErrors& errors) {
-    const std::vector<MultiplierOff> all = kinds(errors);
+  void multiplier(const std::string& name, size_t index, const ErrorLimits& errors) {
+    const std::vector<MultiplierDeviation> all = kinds(errors);
     for (size_t i = 0; i < all.size(); ++i) {
-      line(name + ", " + kKindNames[i], [&](LayoutBench& bench) { bench.multiplier[index] = all[i]; });
+      line(name + ", " + kKindNames[i], [&](Bench& bench) { bench.multiplier[index] = all[i]; });
     }
   }
 
-  void resistors(bool of_amplitude, const LayoutErrors& errors) {
+  void resistors(bool of_amplitude, const ErrorLimits& errors) {
     for (size_t i = 0; i < layout_.parts.size(); ++i) {
-      const LayoutPart& part = layout_.parts[i];
-      if (part.kind != LayoutPart::Kind::resistor || part.role.starts_with("slope detector")) continue;
+      const Part& part = layout_.parts[i];
+      if (part.kind != Part::Kind::resistor || part.role.starts_with("slope detector")) continue;
       if (part.role.starts_with("amplitude") != of_amplitude) continue;
       line(part.name + ", tolerance",
-           [&](LayoutBench& bench) { bench.resistor[i] = errors.resistor_percent / 100.0; });
+           [&](Bench& bench) { bench.resistor[i] = errors.resistor_percent / 100.0; });
     }
   }
 
   void sort() {
-    const auto size = [](const LayoutBudgetLine& one) {
+    const auto size = [](const BudgetLine& one) {
       return *std::max_element(one.percent.begin(), one.percent.end());
     };
     std::stable_sort(lines.begin(), lines.end(),
-                     [&](const LayoutBudgetLine& a, const LayoutBudgetLine& b) { return size(a) > size(b); });
+                     [&](const BudgetLine& a, const BudgetLine& b) { return size(a) > size(b); });
   }
 
-  std::vector<LayoutBudgetLine> lines;
+  std::vector<BudgetLine> lines;
 
  private:
-  const DisturbanceLayout& layout_;
+  const Layout& layout_;
   Curve curve_;
   std::vector<std::vector<double>> good_;
 };
 
-std::vector<double> root_of_squares(const std::vector<LayoutBudgetLine>& lines, size_t branches) {
+std::vector<double> root_of_squares(const std::vector<BudgetLine>& lines, size_t branches) {
   std::vector<double> out(branches, 0.0);
-  for (const LayoutBudgetLine& one : lines) {
+  for (const BudgetLine& one : lines) {
     for (size_t b = 0; b < branches; ++b) out[b] += one.percent[b] * one.percent[b];
   }
   for (double& value : out) value = std::sqrt(value);
   return out;
 }
 
-void amplitude_budget(const DisturbanceLayout& layout, LayoutBudget& out) {
-  const LayoutAmplitude& amplitude = *layout.amplitude;
+void amplitude_budget(const Layout& layout, Budget& out) {
+  const AmplitudeControl& amplitude = *layout.amplitude;
   std::vector<double> x;
   for (int i = 0; i <= 20; ++i) x.push_back(i / 20.0);
-  Budgeting all(layout, [&](const LayoutBench& bench, size_t b) {
+  Budgeting all(layout, [&](const Bench& bench, size_t b) {
     std::vector<double> d;
     for (const double alpha : amplitude.alpha) {
       const std::vector<double> one = bench.curve(b, x, alpha);
@@ -106,9 +106,8 @@ void amplitude_budget(const DisturbanceLayout& layout, LayoutBudget& out) {
   });
   for (size_t b = 0; b < amplitude.multipliers.size(); ++b) {
     all.multiplier(amplitude.multipliers[b].name, layout.multipliers.size() + b, out.errors);
-    all.line("control op-amp of " + layout.branches[b].name + ", offset", [&](LayoutBench& bench) {
-      bench.offset[layout.sums.size() + 1 + b] = out.errors.opamp_offset_v;
-    });
+    all.line("control op-amp of " + layout.branches[b].name + ", offset",
+             [&](Bench& bench) { bench.offset[layout.sums.size() + 1 + b] = out.errors.opamp_offset_v; });
   }
   all.resistors(true, out.errors);
   all.sort();
@@ -118,45 +117,45 @@ void amplitude_budget(const DisturbanceLayout& layout, LayoutBudget& out) {
     out.amplitude_rss_percent[b] = std::hypot(out.amplitude_rss_percent[b], out.rss_percent[b]);
 }
 
-Json lines_json(const std::vector<LayoutBudgetLine>& lines) {
+Json lines_json(const std::vector<BudgetLine>& lines) {
   Json out = Json::array();
-  for (const LayoutBudgetLine& one : lines) out.push_back({{"cause", one.cause}, {"percent", one.percent}});
+  for (const BudgetLine& one : lines) out.push_back({{"cause", one.cause}, {"percent", one.percent}});
   return out;
 }
 
 }  // namespace
 
-LayoutBudget layout_budget(const DisturbanceLayout& layout, const LayoutErrors& errors) {
-  LayoutBudget out;
+Budget make_budget(const Layout& layout, const ErrorLimits& errors) {
+  Budget out;
   out.errors = errors;
   const size_t branches = layout.branches.size();
   const std::vector<double> x = points();
-  Budgeting all(layout, [&](const LayoutBench& bench, size_t b) { return bench.curve(b, x); });
+  Budgeting all(layout, [&](const Bench& bench, size_t b) { return bench.curve(b, x); });
   for (size_t i = 0; i < layout.multipliers.size(); ++i)
     all.multiplier(layout.multipliers[i].name, i, errors);
   for (size_t s = 0; s < layout.sums.size(); ++s) {
     all.line("op-amp " + layout.sums[s].opamp + " of " + layout.sums[s].what + ", offset",
-             [&](LayoutBench& bench) { bench.offset[s] = errors.opamp_offset_v; });
+             [&](Bench& bench) { bench.offset[s] = errors.opamp_offset_v; });
   }
   all.line("output op-amp, offset",
-           [&](LayoutBench& bench) { bench.offset[layout.sums.size()] = errors.opamp_offset_v; });
+           [&](Bench& bench) { bench.offset[layout.sums.size()] = errors.opamp_offset_v; });
   if (layout.switched()) {
     all.line("switch, on-resistance",
-             [&](LayoutBench& bench) { bench.switch_relative = errors.switch_ohm_percent / 100.0; });
+             [&](Bench& bench) { bench.switch_relative = errors.switch_ohm_percent / 100.0; });
   }
   all.resistors(false, errors);
   all.sort();
   out.lines = std::move(all.lines);
   out.rss_percent = root_of_squares(out.lines, branches);
   out.worst_percent.assign(branches, 0.0);
-  for (const LayoutBudgetLine& one : out.lines) {
+  for (const BudgetLine& one : out.lines) {
     for (size_t b = 0; b < branches; ++b) out.worst_percent[b] += one.percent[b];
   }
   if (layout.amplitude) amplitude_budget(layout, out);
   return out;
 }
 
-Json LayoutBudget::to_json() const {
+Json Budget::to_json() const {
   Json out;
   out["assumed"] = {
       {"input_offset_v", errors.input_offset_v},        {"output_offset_v", errors.output_offset_v},
@@ -172,4 +171,4 @@ Json LayoutBudget::to_json() const {
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

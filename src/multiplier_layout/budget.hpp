@@ -7,13 +7,13 @@
 #include "multiplier_layout/bench.hpp"
 #include "multiplier_layout/layout.hpp"
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 
 /// What multipliers and op-amps do wrong at rest. The figures are parameters, to be set for the parts that
 /// are bought:
 ///   W = (X + input_offset)(Y + input_offset)/(U (1 + scale_error)) (1 + nonlinearity) + Z + output_offset.
 /// An offset at one input is the feedthrough of the other: input_offset/U of it comes through.
-struct LayoutErrors {
+struct ErrorLimits {
   double input_offset_v = 3e-3;
   double output_offset_v = 5e-3;
   double scale_percent = 0.5;         ///< of U, after trimming
@@ -23,30 +23,30 @@ struct LayoutErrors {
   double switch_ohm_percent = 20.0;
 
   /// Every departure of a multiplier at its limit, all positive.
-  MultiplierOff multiplier_at_limit() const {
+  MultiplierDeviation multiplier_at_limit() const {
     return {input_offset_v, input_offset_v, output_offset_v, scale_percent / 100.0,
             nonlinearity_percent / 100.0};
   }
 };
 
 /// One cause, alone, at its limit: greatest change of d(x) over x in [0, 1], percent of the range of x.
-struct LayoutBudgetLine {
+struct BudgetLine {
   std::string cause;
   std::vector<double> percent;  ///< one a branch
 };
 
-struct LayoutBudget {
-  LayoutErrors errors;
-  std::vector<LayoutBudgetLine> lines;  ///< largest first
-  std::vector<double> rss_percent;      ///< root of the sum of squares, one a branch
-  std::vector<double> worst_percent;    ///< sum
+struct Budget {
+  ErrorLimits errors;
+  std::vector<BudgetLine> lines;      ///< largest first
+  std::vector<double> rss_percent;    ///< root of the sum of squares, one a branch
+  std::vector<double> worst_percent;  ///< sum
   /// What the amplitude gains add, worst alpha of the table; empty without them.
-  std::vector<LayoutBudgetLine> amplitude_lines;
+  std::vector<BudgetLine> amplitude_lines;
   std::vector<double> amplitude_rss_percent;  ///< with the causes of `lines`
 
   Json to_json() const;
 };
 
-LayoutBudget layout_budget(const DisturbanceLayout& layout, const LayoutErrors& errors = {});
+Budget make_budget(const Layout& layout, const ErrorLimits& errors = {});
 
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

@@ -7,9 +7,9 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "circuit/weights_search.hpp"
+#include "circuit/summing_amplifier.hpp"
 
-namespace bodesmith::layout_build {
+namespace bodesmith::multiplier_layout {
 namespace {
 
 constexpr int kPoints = 1000;
@@ -25,7 +25,7 @@ std::string power_over_scale(int power) {
 
 class Builder {
  public:
-  Builder(const LayoutInput& input, const LayoutOptions& options, int group)
+  Builder(const Input& input, const Options& options, int group)
       : input_(input), options_(options), group_(group) {
     out_.multiplier = options.multiplier;
     out_.opamp = options.opamp;
@@ -34,18 +34,16 @@ class Builder {
     out_.full_scale_v = options.full_scale_v;
   }
 
-  DisturbanceLayout build() {
+  Layout build() {
     powers();
     output();
-    for (const LayoutPolynomial& one : input_.branches) branch(one);
+    for (const Polynomial& one : input_.branches) branch(one);
     detector();
     return std::move(out_);
   }
 
  private:
-  int groups(const std::vector<double>& a) const {
-    return std::max(1, (layout_build::degree(a) + group_ - 1) / group_);
-  }
+  int groups(const std::vector<double>& a) const { return std::max(1, (degree(a) + group_ - 1) / group_); }
 
   /// a_{jg+1} …: coefficients of P_j.
   std::vector<double> group_coefficients(const std::vector<double>& a, int j) const {
@@ -61,7 +59,7 @@ class Builder {
   /// be made too.
   void powers() {
     std::vector<bool> needed(kMostPowers + 1, false);
-    for (const LayoutPolynomial& one : input_.branches) {
+    for (const Polynomial& one : input_.branches) {
       const int count = groups(one.coefficients);
       for (int j = 0; j < count; ++j) {
         const std::vector<double> a = group_coefficients(one.coefficients, j);
@@ -130,7 +128,7 @@ class Builder {
   /// scale.
   void output() {
     double greatest = 0.0, top = 0.0;
-    for (const LayoutPolynomial& one : input_.branches) {
+    for (const Polynomial& one : input_.branches) {
       greatest = std::max(greatest, greatest_inside(one.coefficients));
       top = std::max(top, peak(one.coefficients));
     }
@@ -170,10 +168,10 @@ class Builder {
     out_.output_feedback = resistor("Rg", "output amplifier, feedback", "mo", "out", feedback, feedback);
   }
 
-  void branch(const LayoutPolynomial& polynomial) {
+  void branch(const Polynomial& polynomial) {
     const size_t number = out_.branches.size() + 1;
     const std::string letter = branch_letter(number - 1, input_.branches.size());
-    LayoutBranch b;
+    Branch b;
     b.name = polynomial.name;
     b.wanted = polynomial.coefficients;
     b.realised.assign(b.wanted.size(), 0.0);
@@ -213,14 +211,12 @@ class Builder {
     out_.branches.push_back(std::move(b));
   }
 
-  static double polynomial_value(const std::vector<double>& a, double x) {
-    return layout_build::polynomial(a, x);
-  }
+  static double polynomial_value(const std::vector<double>& a, double x) { return polynomial(a, x); }
 
   /// The sum -branch_gain * chain_scale * P_j at `node`; fills the coefficients that its resistors make.
-  int sum(LayoutBranch& b, const std::vector<double>& a, int j, const std::string& letter,
+  int sum(Branch& b, const std::vector<double>& a, int j, const std::string& letter,
           const std::string& suffix, const std::string& place, const std::string& node) {
-    LayoutSum out;
+    Sum out;
     out.opamp = fmt::format("U{}", out_.sums.size() + 1);
     out.what = b.name;
     out.plus = "p" + place;
@@ -232,7 +228,7 @@ class Builder {
       scale.push_back(level(options_.multiplier, static_cast<int>(k) + 1));
       gains.push_back(-volts * a[k] / scale.back());
     }
-    const SummingDesign design = search_summing_resistors(gains, scale, options_.resistors);
+    const circuit::SummingDesign design = circuit::search_summing_resistors(gains, scale, options_.resistors);
     bool plus_used = false;
     double minus_siemens = 0.0;
     for (size_t k = 0; k < a.size(); ++k) {
@@ -278,13 +274,13 @@ class Builder {
     const auto capacitance = [&](std::string name, std::string role, std::string from, std::string to,
                                  double farad) {
       out_.detector.push_back(
-          add_part(out_, {LayoutPart::Kind::capacitor, std::move(name), std::move(role), std::move(from),
-                          std::move(to), "E12", farad, Series::named("E12").nearest(farad)}));
+          add_part(out_, {Part::Kind::capacitor, std::move(name), std::move(role), std::move(from),
+                          std::move(to), "E12", farad, circuit::Series::named("E12").nearest(farad)}));
     };
     // A triangle of 0 to 1 V rises with 2 f V/s. At the lowest frequency the differentiator gives 100 mV
     // into 4.7 Mohm.
     const double rd = 4.7e6;
-    const double cd = Series::named("E12").nearest(0.1 / (2.0 * options_.lowest.value * rd));
+    const double cd = circuit::Series::named("E12").nearest(0.1 / (2.0 * options_.lowest.value * rd));
     resistance("Rs", "slope detector, damping", "x", "sa", 100.0);
     capacitance("Cd", "slope detector, differentiates", "sa", "sb", cd);
     resistance("Rd", "slope detector, gain for slow signals", "sb", "sc", rd);
@@ -293,10 +289,10 @@ class Builder {
     resistance("Rh2", "slope detector, hysteresis", "so", "sp", options_.opamp.swing_v / 0.02 * 1e3);
   }
 
-  const LayoutInput& input_;
-  const LayoutOptions& options_;
+  const Input& input_;
+  const Options& options_;
   int group_;
-  DisturbanceLayout out_;
+  Layout out_;
 };
 
 }  // namespace
@@ -334,8 +330,8 @@ std::string branch_letter(size_t branch, size_t count) {
   return fmt::format("{}_", branch + 1);
 }
 
-void check_outputs(const DisturbanceLayout& layout, const std::vector<LayoutMultiplier>& multipliers) {
-  for (const LayoutMultiplier& m : multipliers) {
+void check_outputs(const Layout& layout, const std::vector<Multiplier>& multipliers) {
+  for (const Multiplier& m : multipliers) {
     if (m.peak_v <= layout.multiplier.greatest_output_v) continue;
     throw DesignError(fmt::format("{} reaches {} V, expected at most the {}'s {} V", m.name,
                                   rounded_text(m.peak_v), layout.multiplier.name,
@@ -343,45 +339,45 @@ void check_outputs(const DisturbanceLayout& layout, const std::vector<LayoutMult
   }
 }
 
-int add_part(DisturbanceLayout& layout, LayoutPart part) {
+int add_part(Layout& layout, Part part) {
   layout.parts.push_back(std::move(part));
   return static_cast<int>(layout.parts.size()) - 1;
 }
 
-int add_resistor(DisturbanceLayout& layout, const Series& series, std::string name, std::string role,
+int add_resistor(Layout& layout, const circuit::Series& series, std::string name, std::string role,
                  std::string from, std::string to, double wanted, double realised) {
-  return add_part(layout, {LayoutPart::Kind::resistor, std::move(name), std::move(role), std::move(from),
+  return add_part(layout, {Part::Kind::resistor, std::move(name), std::move(role), std::move(from),
                            std::move(to), series.name(), wanted, realised});
 }
 
-DisturbanceLayout build(const LayoutInput& input, const LayoutOptions& options, int group) {
-  DisturbanceLayout out = Builder(input, options, group).build();
+Layout build(const Input& input, const Options& options, int group) {
+  Layout out = Builder(input, options, group).build();
   check_outputs(out, out.multipliers);
   return out;
 }
 
-void add_nodes(DisturbanceLayout& layout) {
+void add_nodes(Layout& layout) {
   // + 0.0: no "-0.0" in the files.
   const auto add = [&](std::string name, std::string what, double low, double high) {
     layout.nodes.push_back({std::move(name), std::move(what), low + 0.0, high + 0.0});
   };
   add("x", "reference, 1 V is full stroke", 0.0, 1.0);
   std::vector<bool> in_branch(layout.multipliers.size(), false);
-  for (const LayoutBranch& b : layout.branches) {
+  for (const Branch& b : layout.branches) {
     for (const int index : b.multipliers) in_branch[static_cast<size_t>(index)] = true;
   }
   for (size_t i = 0; i < layout.multipliers.size(); ++i) {
-    const LayoutMultiplier& m = layout.multipliers[i];
+    const Multiplier& m = layout.multipliers[i];
     if (!in_branch[i]) add(m.out, m.what, 0.0, m.peak_v);
   }
   double low_out = 0.0, high_out = 0.0;
-  for (const LayoutBranch& b : layout.branches) {
+  for (const Branch& b : layout.branches) {
     for (const int index : b.sums) {
-      const LayoutSum& s = layout.sums[static_cast<size_t>(index)];
+      const Sum& s = layout.sums[static_cast<size_t>(index)];
       if (s.out != b.out) add(s.out, fmt::format("sum of a group, {}", b.name), -s.peak_v, s.peak_v);
     }
     for (const int index : b.multipliers) {
-      const LayoutMultiplier& m = layout.multipliers[static_cast<size_t>(index)];
+      const Multiplier& m = layout.multipliers[static_cast<size_t>(index)];
       if (m.out != b.out) add(m.out, m.what, -m.peak_v, m.peak_v);
     }
     double low = 0.0, high = 0.0;
@@ -400,13 +396,13 @@ void add_nodes(DisturbanceLayout& layout) {
   }
   if (layout.amplitude) {
     for (size_t b = 0; b < layout.branches.size(); ++b) {
-      const LayoutSum& control = layout.amplitude->controls[b].sum;
+      const Sum& control = layout.amplitude->controls[b].sum;
       add(control.out, "control voltage, " + layout.branches[b].name, -control.peak_v, control.peak_v);
-      const LayoutMultiplier& m = layout.amplitude->multipliers[b];
+      const Multiplier& m = layout.amplitude->multipliers[b];
       add(m.out, m.what, -m.peak_v, m.peak_v);
     }
   }
   add("out", "d(x), 1 V per unit", low_out, high_out);
 }
 
-}  // namespace bodesmith::layout_build
+}  // namespace bodesmith::multiplier_layout

@@ -4,8 +4,8 @@
 
 #include "multiplier_layout/layout.hpp"
 
-/// The steps of layout_disturbance(), for its own files only.
-namespace bodesmith::layout_build {
+/// The steps of make_layout(), for its own files only.
+namespace bodesmith::multiplier_layout {
 
 constexpr int kMostPowers = 7;
 constexpr std::size_t kMostBranches = 64;
@@ -26,18 +26,18 @@ std::string power_text(int power);
 std::string branch_letter(std::size_t branch, std::size_t count);
 
 /// Throws DesignError when a multiplier would have to leave its output range.
-void check_outputs(const DisturbanceLayout& layout, const std::vector<LayoutMultiplier>& multipliers);
+void check_outputs(const Layout& layout, const std::vector<Multiplier>& multipliers);
 
-int add_part(DisturbanceLayout& layout, LayoutPart part);
-int add_resistor(DisturbanceLayout& layout, const Series& series, std::string name, std::string role,
+int add_part(Layout& layout, Part part);
+int add_resistor(Layout& layout, const circuit::Series& series, std::string name, std::string role,
                  std::string from, std::string to, double wanted, double realised);
 
 /// Powers, sums, chains, output amplifier and slope detector for this group size.
-DisturbanceLayout build(const LayoutInput& input, const LayoutOptions& options, int group);
+Layout build(const Input& input, const Options& options, int group);
 /// Control voltages and voltage-controlled gains.
-void add_amplitude(DisturbanceLayout& layout, const LayoutInput& input, const LayoutOptions& options);
-void add_nodes(DisturbanceLayout& layout);
+void add_amplitude(Layout& layout, const Input& input, const Options& options);
+void add_nodes(Layout& layout);
 /// Every group size from 1 to the degree; marks the one to build.
-std::vector<LayoutCandidate> compare_schemes(const LayoutInput& input, const LayoutOptions& options);
+std::vector<Candidate> compare_schemes(const Input& input, const Options& options);
 
-}  // namespace bodesmith::layout_build
+}  // namespace bodesmith::multiplier_layout

@@ -9,7 +9,7 @@
 #include "base/text_template.hpp"
 #include "multiplier_layout/layout.hpp"
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 namespace {
 
 std::string superscript(int power) {
@@ -20,11 +20,11 @@ std::string power_label(int power) {
   return "x" + superscript(power);
 }
 
-std::string value_label(const LayoutPart& part) {
-  return engineering_text(part.realised, part.kind == LayoutPart::Kind::resistor ? "\u2126" : "F");
+std::string value_label(const Part& part) {
+  return engineering_text(part.realised, part.kind == Part::Kind::resistor ? "\u2126" : "F");
 }
 
-std::string formula(const LayoutBranch& branch) {
+std::string formula(const Branch& branch) {
   std::string out = branch.name + ":  d(x) =";
   bool first = true;
   for (size_t k = 0; k < branch.wanted.size(); ++k) {
@@ -63,7 +63,7 @@ class Sheet {
     for (int i = 0; i < 3; ++i)
       line({{x - 9 + 3 * i, y + (8 + 4 * i) * s}, {x + 9 - 3 * i, y + (8 + 4 * i) * s}});
   }
-  void resistor_down(double x, double y, const LayoutPart& part) {
+  void resistor_down(double x, double y, const Part& part) {
     box(x - 6, y, 12, 40, "resistor");
     text(x + 10, y + 17, part.name, "name");
     text(x + 10, y + 31, value_label(part), "value");
@@ -72,7 +72,7 @@ class Sheet {
   void net(double x, double y, const std::string& name, const std::string& anchor = "middle") {
     text(x, y, name, "net " + anchor);
   }
-  void resistor_right(double x, double y, const LayoutPart& part) {
+  void resistor_right(double x, double y, const Part& part) {
     box(x, y - 6, 44, 12, "resistor");
     text(x + 22, y - 11, fmt::format("{}  {}", part.name, value_label(part)), "value middle");
   }
@@ -109,7 +109,7 @@ class Sheet {
 /// Blocks in rows, joined by net labels: the names in the netlist.
 class Drawing {
  public:
-  explicit Drawing(const DisturbanceLayout& layout) : layout_(layout) {}
+  explicit Drawing(const Layout& layout) : layout_(layout) {}
 
   std::string draw() {
     header();
@@ -127,7 +127,7 @@ class Drawing {
   void header() {
     sheet_.text(kLeft, 34, "Disturbance generator", "title");
     y_ = 58;
-    for (const LayoutBranch& branch : layout_.branches) {
+    for (const Branch& branch : layout_.branches) {
       sheet_.text(kLeft, y_, formula(branch), "formula");
       y_ += 19;
     }
@@ -163,18 +163,18 @@ class Drawing {
 
   /// The shared powers on rails.
   void powers() {
-    std::vector<const LayoutMultiplier*> shared;
-    for (const LayoutMultiplier& m : layout_.multipliers) {
+    std::vector<const Multiplier*> shared;
+    for (const Multiplier& m : layout_.multipliers) {
       if (m.z == "0" && m.x.starts_with("x") && m.y.starts_with("x") && m.out.starts_with("x"))
         shared.push_back(&m);
     }
     std::map<std::string, double> rail = {{"x", y_}}, from = {{"x", kLeft + 30}};
     double y = y_;
-    for (const LayoutMultiplier* m : shared) rail[m->out] = y += 28;
+    for (const Multiplier* m : shared) rail[m->out] = y += 28;
     const double top = y + 24;
     const double end = kLeft + 70 + 140.0 * static_cast<double>(shared.size());
     double x = kLeft + 60;
-    for (const LayoutMultiplier* m : shared) {
+    for (const Multiplier* m : shared) {
       multiplier_box(x, top, m->name);
       for (const auto& [pin, node] : {std::pair{14.0, m->x}, std::pair{42.0, m->y}}) {
         sheet_.line({{x + pin, top}, {x + pin, rail[node]}});
@@ -190,7 +190,7 @@ class Drawing {
     for (const auto& [node, at] : rail) {
       sheet_.line({{from[node], at}, {end, at}}, "rail");
       std::string label = node;
-      for (const LayoutMultiplier* m : shared) {
+      for (const Multiplier* m : shared) {
         if (m->out == node) label += " = " + label_of(m->what);
       }
       sheet_.text(end + 8, at + 5, label, "net");
@@ -223,7 +223,7 @@ class Drawing {
   }
 
   /// X and Y by labels above, Z from `z` (a point to wire to, or ground), W to a label.
-  void multiplier(const LayoutMultiplier& m, const std::pair<double, double>* z) {
+  void multiplier(const Multiplier& m, const std::pair<double, double>* z) {
     const double x = x_ + 26, y = z != nullptr ? z->second - 44 : y_ + 42;
     multiplier_box(x, y, m.name);
     sheet_.text(x + 10, y + 48, "Z", "value middle");
@@ -243,10 +243,10 @@ class Drawing {
   }
 
   /// A sum from x_ on; the point where its output ends.
-  std::pair<double, double> sum(const LayoutSum& one) {
+  std::pair<double, double> sum(const Sum& one) {
     const double top = y_ + 22, minus = top + 84, plus = minus + 40;
     double first_minus = 0.0, first_plus = 0.0, x = x_ + 16;
-    const auto column = [&](const std::string& node, const LayoutPart& part, bool to_plus) {
+    const auto column = [&](const std::string& node, const Part& part, bool to_plus) {
       if (node == "0") {
         sheet_.ground(x, top, true);
       } else {
@@ -265,7 +265,7 @@ class Drawing {
       x += kColumn;
     };
     for (const bool to_plus : {true, false}) {
-      for (const LayoutSum::Term& term : one.terms) {
+      for (const Sum::Term& term : one.terms) {
         if (term.at_plus == to_plus) column(term.node, layout_.part(term.part), to_plus);
       }
       if (one.balance >= 0 && (layout_.part(one.balance).from == one.plus) == to_plus)
@@ -292,11 +292,11 @@ class Drawing {
     return {out + 14, tip.second};
   }
 
-  static double sum_width(const LayoutSum& one) {
+  static double sum_width(const Sum& one) {
     return kColumn * static_cast<double>(one.terms.size() + (one.balance >= 0 ? 1 : 0)) + 250;
   }
 
-  void sum_with_label(const LayoutSum& one) {
+  void sum_with_label(const Sum& one) {
     room(sum_width(one), 190);
     const auto end = sum(one);
     sheet_.net(end.first + 4, end.second + 4, one.out, "start");
@@ -304,14 +304,14 @@ class Drawing {
   }
 
   void branch(size_t b) {
-    const LayoutBranch& branch = layout_.branches[b];
+    const Branch& branch = layout_.branches[b];
     sheet_.text(
         kLeft, y_ + 2,
         fmt::format("{}: {} = \u2212{} d(x)", branch.name, branch.out, rounded_text(layout_.branch_gain)),
         "note");
     y_ += 22;
     x_ = kLeft;
-    const auto sum_at = [&](const std::string& node) -> const LayoutSum* {
+    const auto sum_at = [&](const std::string& node) -> const Sum* {
       for (const int index : branch.sums) {
         if (layout_.sums[static_cast<size_t>(index)].out == node)
           return &layout_.sums[static_cast<size_t>(index)];
@@ -320,8 +320,8 @@ class Drawing {
     };
     sum_with_label(layout_.sums[static_cast<size_t>(branch.sums[0])]);
     for (const int index : branch.multipliers) {
-      const LayoutMultiplier& m = layout_.multipliers[static_cast<size_t>(index)];
-      if (const LayoutSum* added = sum_at(m.z)) {
+      const Multiplier& m = layout_.multipliers[static_cast<size_t>(index)];
+      if (const Sum* added = sum_at(m.z)) {
         room(sum_width(*added) + 160, 190);
         const auto end = sum(*added);
         multiplier(m, &end);
@@ -338,7 +338,7 @@ class Drawing {
   }
 
   void amplitude() {
-    const LayoutAmplitude& a = *layout_.amplitude;
+    const AmplitudeControl& a = *layout_.amplitude;
     sheet_.text(kLeft, y_ + 2,
                 fmt::format("amplitude gains: control voltages of {} V for a gain of 1; bends by precision "
                             "rectifiers (op-amp, two diodes)",
@@ -346,14 +346,14 @@ class Drawing {
                 "note");
     y_ += 18;
     x_ = kLeft + 40;
-    for (const LayoutAmplitude::Rectifier& r : a.rectifiers) {
+    for (const AmplitudeControl::Rectifier& r : a.rectifiers) {
       room(250, 84);
       sheet_.box(x_, y_, 178, 66, "box", 6);
       sheet_.text(x_ + 10, y_ + 18,
                   fmt::format("{}: \u2212max(0, \u03b1 \u2212 {})", r.opamp, rounded_text(r.realised)),
                   "name");
-      const LayoutPart& in = layout_.part(r.input);
-      const LayoutPart& reference = layout_.part(r.reference);
+      const Part& in = layout_.part(r.input);
+      const Part& reference = layout_.part(r.reference);
       sheet_.text(x_ + 10, y_ + 36,
                   fmt::format("{}, {}: {}", in.name, layout_.part(r.feedback).name, value_label(in)),
                   "value");
@@ -367,7 +367,7 @@ class Drawing {
     }
     next_row();
     y_ += 14;
-    for (const LayoutAmplitude::Control& one : a.controls) {
+    for (const AmplitudeControl::Control& one : a.controls) {
       if (one.negative) sum_with_label(*one.negative);
       sum_with_label(one.sum);
     }
@@ -401,7 +401,7 @@ class Drawing {
     sheet_.terminal(out + 44, tip.second);
     sheet_.text(out + 56, tip.second + 5, layout_.amplitude ? "out" : "out = d(x)", "net");
     if (layout_.amplitude) {
-      const LayoutPart& without = layout_.part(layout_.output_feedback);
+      const Part& without = layout_.part(layout_.output_feedback);
       sheet_.text(knot - 60, y + 78,
                   fmt::format("without the amplitude gains: {} {} and no gain multipliers", without.name,
                               value_label(without)),
@@ -438,7 +438,7 @@ class Drawing {
                 fmt::format("slope detector, U{} and U{}", layout_.sums.size() + 2, layout_.sums.size() + 3),
                 "name");
     const auto value = [&](const char* name) {
-      const LayoutPart* part = layout_.part_named(name);
+      const Part* part = layout_.part_named(name);
       return part == nullptr ? std::string() : fmt::format("{} {}", name, value_label(*part));
     };
     sheet_.text(left + 12, top + 25, fmt::format("differentiator: {}, {}", value("Cd"), value("Rd")),
@@ -465,15 +465,15 @@ class Drawing {
     return {x + 61, common};
   }
 
-  const DisturbanceLayout& layout_;
+  const Layout& layout_;
   Sheet sheet_;
   double x_ = kLeft, y_ = 0.0, row_ = 0.0, right_ = 0.0;
 };
 
 }  // namespace
 
-std::string layout_drawing(const DisturbanceLayout& layout) {
+std::string drawing_svg(const Layout& layout) {
   return Drawing(layout).draw();
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

@@ -4,27 +4,26 @@
 
 #include "multiplier_layout/build.hpp"
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 
-LayoutInput LayoutInput::of(const Disturbance& disturbance) {
+Input Input::of(const Disturbance& disturbance) {
   const auto list = [](const std::array<double, 3>& a) { return std::vector<double>(a.begin(), a.end()); };
-  LayoutInput out;
+  Input out;
   out.alpha = disturbance.amplitude.alpha;
   out.branches = {{"ascending", list(disturbance.ascending), disturbance.amplitude.ascending},
                   {"descending", list(disturbance.descending), disturbance.amplitude.descending}};
   return out;
 }
 
-LayoutInput LayoutInput::from_node(const Node& node) {
+Input Input::from_node(const Node& node) {
   if (!node.has("branches")) return of(Disturbance::from_node(node));
   node.expect_schema("disturbance");
   // What the contract fixes must be right, even if the branches take its place here.
   if (node.has("ascending") || node.has("descending")) Disturbance::from_node(node);
-  LayoutInput out;
+  Input out;
   const Node branches = node.at("branches");
-  if (branches.size() == 0 || branches.size() > layout_build::kMostBranches) {
-    branches.fail(
-        fmt::format("has {} branches, expected 1 to {}", branches.size(), layout_build::kMostBranches));
+  if (branches.size() == 0 || branches.size() > kMostBranches) {
+    branches.fail(fmt::format("has {} branches, expected 1 to {}", branches.size(), kMostBranches));
   }
   if (node.has("amplitude")) {
     const Node alpha = node.at("amplitude").at("alpha");
@@ -38,13 +37,13 @@ LayoutInput LayoutInput::from_node(const Node& node) {
   for (size_t b = 0; b < branches.size(); ++b) {
     const Node one = branches[b];
     one.allow_only({"name", "coefficients", "amplitude"});
-    LayoutPolynomial polynomial;
+    Polynomial polynomial;
     polynomial.name = one.string_or("name", fmt::format("branch {}", b + 1));
     const Node coefficients = one.at("coefficients");
     polynomial.coefficients = coefficients.numbers();
-    if (polynomial.coefficients.empty() || polynomial.coefficients.size() > layout_build::kMostPowers) {
+    if (polynomial.coefficients.empty() || polynomial.coefficients.size() > kMostPowers) {
       coefficients.fail(fmt::format("has {} numbers, expected [a1, …] with 1 to {}",
-                                    polynomial.coefficients.size(), layout_build::kMostPowers));
+                                    polynomial.coefficients.size(), kMostPowers));
     }
     if (one.has("amplitude")) {
       polynomial.amplitude = one.at("amplitude").numbers();
@@ -59,8 +58,8 @@ LayoutInput LayoutInput::from_node(const Node& node) {
   return out;
 }
 
-LayoutInput LayoutInput::read(const std::filesystem::path& path, Provenance& from) {
+Input Input::read(const std::filesystem::path& path, Provenance& from) {
   return from_node(read_document(path, from));
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

@@ -10,18 +10,18 @@
 #include "base/text.hpp"
 #include "multiplier_layout/build.hpp"
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 namespace {
 
-void check(const LayoutInput& input, const LayoutOptions& options) {
-  if (input.branches.empty() || input.branches.size() > layout_build::kMostBranches) {
-    throw DesignError(fmt::format("{} branches were asked for, expected 1 to {}", input.branches.size(),
-                                  layout_build::kMostBranches));
+void check(const Input& input, const Options& options) {
+  if (input.branches.empty() || input.branches.size() > kMostBranches) {
+    throw DesignError(
+        fmt::format("{} branches were asked for, expected 1 to {}", input.branches.size(), kMostBranches));
   }
-  for (const LayoutPolynomial& one : input.branches) {
-    if (one.coefficients.empty() || one.coefficients.size() > layout_build::kMostPowers) {
+  for (const Polynomial& one : input.branches) {
+    if (one.coefficients.empty() || one.coefficients.size() > kMostPowers) {
       throw DesignError(fmt::format("branch {} has degree {}, expected 1 to {}", one.name,
-                                    one.coefficients.size(), layout_build::kMostPowers));
+                                    one.coefficients.size(), kMostPowers));
     }
     for (const double a : one.coefficients) {
       if (!std::isfinite(a) || std::abs(a) > 1e6) {
@@ -37,46 +37,46 @@ void check(const LayoutInput& input, const LayoutOptions& options) {
   }
 }
 
-void warn_when_slow(DisturbanceLayout& layout, Hertz highest) {
-  for (const LayoutCandidate& one : layout.candidates) {
-    if (one.chosen && one.bandwidth.value < LayoutScheme::kBandwidthRatio * highest.value) {
+void warn_when_slow(Layout& layout, Hertz highest) {
+  for (const Candidate& one : layout.candidates) {
+    if (one.chosen && one.bandwidth.value < Scheme::kBandwidthRatio * highest.value) {
       layout.warnings.push_back(fmt::format(
           "the signal path ends at {} Hz, less than {} times the highest "
           "reference frequency of {} Hz",
-          rounded_text(one.bandwidth.value, 3), LayoutScheme::kBandwidthRatio, rounded_text(highest.value)));
+          rounded_text(one.bandwidth.value, 3), Scheme::kBandwidthRatio, rounded_text(highest.value)));
     }
   }
 }
 
-Json multiplier_json(const LayoutMultiplier& m) {
+Json multiplier_json(const Multiplier& m) {
   return {{"name", m.name}, {"what", m.what}, {"x", m.x},          {"y", m.y},
           {"z", m.z},       {"w", m.out},     {"peak_v", m.peak_v}};
 }
 
-Json amplitude_json(const DisturbanceLayout& layout) {
-  const LayoutAmplitude& a = *layout.amplitude;
+Json amplitude_json(const Layout& layout) {
+  const AmplitudeControl& a = *layout.amplitude;
   Json out;
   out["alpha"] = a.alpha;
   out["gains"] = a.wanted;
   out["control_scale_v"] = a.control_scale_v;
   out["rectifiers"] = Json::array();
-  for (const LayoutAmplitude::Rectifier& r : a.rectifiers) {
+  for (const AmplitudeControl::Rectifier& r : a.rectifiers) {
     out["rectifiers"].push_back(
         {{"opamp", r.opamp}, {"node", r.node}, {"wanted_alpha", r.wanted}, {"realised_alpha", r.realised}});
   }
   out["gain_multipliers"] = Json::array();
-  for (const LayoutMultiplier& m : a.multipliers) out["gain_multipliers"].push_back(multiplier_json(m));
+  for (const Multiplier& m : a.multipliers) out["gain_multipliers"].push_back(multiplier_json(m));
   out["max_error_percent"] = a.max_error_percent;
   return out;
 }
 
 }  // namespace
 
-double LayoutBranch::value(double x) const {
-  return layout_build::polynomial(realised, x);
+double Branch::value(double x) const {
+  return polynomial(realised, x);
 }
 
-double LayoutAmplitude::wanted_gain(size_t branch, double at) const {
+double AmplitudeControl::wanted_gain(size_t branch, double at) const {
   const std::vector<double>& gain = wanted[branch];
   if (at <= alpha.front()) return gain.front();
   if (at >= alpha.back()) return gain.back();
@@ -84,60 +84,59 @@ double LayoutAmplitude::wanted_gain(size_t branch, double at) const {
   return gain[i - 1] + (at - alpha[i - 1]) / (alpha[i] - alpha[i - 1]) * (gain[i] - gain[i - 1]);
 }
 
-const LayoutPart* DisturbanceLayout::part_named(const std::string& name) const {
-  for (const LayoutPart& one : parts) {
+const Part* Layout::part_named(const std::string& name) const {
+  for (const Part& one : parts) {
     if (one.name == name) return &one;
   }
   return nullptr;
 }
 
-int DisturbanceLayout::select_lines() const {
+int Layout::select_lines() const {
   int lines = 0;
   while ((2u << lines) < branches.size()) ++lines;
   return lines;
 }
 
-int DisturbanceLayout::branch_at(int select, bool rising) const {
+int Layout::branch_at(int select, bool rising) const {
   const int count = static_cast<int>(branches.size());
   const int code = 2 * select + (rising ? 0 : 1);
   if (code < count) return code;
   return code == count && count % 2 == 1 ? count - 1 : -1;
 }
 
-int DisturbanceLayout::opamps() const {
+int Layout::opamps() const {
   size_t out = sums.size() + 1 + (switched() ? 2 : 0);
   if (amplitude) {
     out += amplitude->rectifiers.size();
-    for (const LayoutAmplitude::Control& one : amplitude->controls) out += one.negative ? 2 : 1;
+    for (const AmplitudeControl::Control& one : amplitude->controls) out += one.negative ? 2 : 1;
   }
   return static_cast<int>(out);
 }
 
-DisturbanceLayout layout_disturbance(const LayoutInput& input, const LayoutOptions& options) {
+Layout make_layout(const Input& input, const Options& options) {
   check(input, options);
-  std::vector<LayoutCandidate> candidates = layout_build::compare_schemes(input, options);
-  const auto chosen = std::find_if(candidates.begin(), candidates.end(),
-                                   [](const LayoutCandidate& one) { return one.chosen; });
+  std::vector<Candidate> candidates = compare_schemes(input, options);
+  const auto chosen =
+      std::find_if(candidates.begin(), candidates.end(), [](const Candidate& one) { return one.chosen; });
   // Asked for, but it cannot be made: building it says why.
   const int group = chosen == candidates.end() ? options.scheme.group : chosen->group;
-  DisturbanceLayout out = layout_build::build(input, options, group);
+  Layout out = build(input, options, group);
   out.candidates = std::move(candidates);
   warn_when_slow(out, options.highest);
-  if (!input.alpha.empty()) layout_build::add_amplitude(out, input, options);
-  layout_build::add_nodes(out);
+  if (!input.alpha.empty()) add_amplitude(out, input, options);
+  add_nodes(out);
   return out;
 }
 
-DisturbanceLayout layout_disturbance(const Disturbance& disturbance, const LayoutOptions& options) {
-  return layout_disturbance(LayoutInput::of(disturbance), options);
+Layout make_layout(const Disturbance& disturbance, const Options& options) {
+  return make_layout(Input::of(disturbance), options);
 }
 
-DisturbanceLayout layout_polynomials(const std::vector<LayoutPolynomial>& branches,
-                                     const LayoutOptions& options) {
-  return layout_disturbance(LayoutInput{branches, {}}, options);
+Layout make_layout_of_polynomials(const std::vector<Polynomial>& branches, const Options& options) {
+  return make_layout(Input{branches, {}}, options);
 }
 
-Json DisturbanceLayout::to_json() const {
+Json Layout::to_json() const {
   Json out;
   out["multiplier"] = {{"name", multiplier.name},
                        {"scale_v", multiplier.scale_v},
@@ -147,7 +146,7 @@ Json DisturbanceLayout::to_json() const {
   out["opamps"] = opamps();
   out["branch_gain"] = branch_gain;
   out["schemes"] = Json::array();
-  for (const LayoutCandidate& one : candidates) {
+  for (const Candidate& one : candidates) {
     out["schemes"].push_back({{"name", one.name},
                               {"powers_to_a_group", one.group},
                               {"multipliers", one.multipliers},
@@ -158,9 +157,9 @@ Json DisturbanceLayout::to_json() const {
                               {"chosen", one.chosen}});
   }
   out["multipliers"] = Json::array();
-  for (const LayoutMultiplier& m : multipliers) out["multipliers"].push_back(multiplier_json(m));
+  for (const Multiplier& m : multipliers) out["multipliers"].push_back(multiplier_json(m));
   out["branches"] = Json::array();
-  for (const LayoutBranch& b : branches) {
+  for (const Branch& b : branches) {
     out["branches"].push_back({{"name", b.name},
                                {"wanted", b.wanted},
                                {"realised", b.realised},
@@ -189,15 +188,15 @@ Json DisturbanceLayout::to_json() const {
   }
   if (amplitude) out["amplitude"] = amplitude_json(*this);
   out["nodes"] = Json::array();
-  for (const LayoutNode& node : nodes) {
+  for (const NodeRange& node : nodes) {
     out["nodes"].push_back({{"name", node.name},
                             {"what", node.what},
                             {"lowest_v", node.lowest_v},
                             {"highest_v", node.highest_v}});
   }
   out["parts"] = Json::array();
-  for (const LayoutPart& one : parts) {
-    const bool resistor = one.kind == LayoutPart::Kind::resistor;
+  for (const Part& one : parts) {
+    const bool resistor = one.kind == Part::Kind::resistor;
     out["parts"].push_back({{"part", one.name},
                             {"role", one.role},
                             {"from", one.from},
@@ -211,4 +210,4 @@ Json DisturbanceLayout::to_json() const {
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

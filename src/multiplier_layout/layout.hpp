@@ -10,7 +10,7 @@
 #include "multiplier_layout/switch.hpp"
 #include "signal/disturbance.hpp"
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 
 /// An analog multiplier of the AD835's kind: W = X Y/U + Z.
 struct MultiplierModel {
@@ -26,37 +26,37 @@ struct MultiplierModel {
 ///   d(x) = P_0(x) + x^g (P_1(x) + x^g (P_2(x) + …)),   P_j(x) = a_{jg+1} x + … + a_{jg+g} x^g:
 /// the powers up to x^g are shared by all branches, each further group costs one multiplier a branch, whose Z
 /// input adds P_j. g = 1 is Horner's scheme, g >= degree shares all powers.
-struct LayoutScheme {
+struct Scheme {
   static constexpr int kAutomatic = 0, kHorner = 1, kShared = 7;
   /// Bandwidth of the path over the highest reference frequency that the choice asks for.
   static constexpr double kBandwidthRatio = 20.0;
   int group = kAutomatic;
 
   /// "auto", "shared", "horner" or the number of powers to a group, "2" to "6". Throws InputError.
-  static LayoutScheme named(const std::string& name);
+  static Scheme named(const std::string& name);
 };
 
-struct LayoutOptions {
+struct Options {
   MultiplierModel multiplier;
-  OpAmpModel opamp;
-  Series resistors = Series::named("E96");
+  circuit::OpAmpModel opamp;
+  circuit::Series resistors = circuit::Series::named("E96");
   std::optional<SwitchModel> analog_switch;  ///< none: SwitchModel::for_branches
   double full_scale_v = 1.0;                 ///< greatest |voltage| at every node but the output
   /// Lowest and highest reference frequency that the slope detector must follow (triangle of 0 to 1 V).
   Hertz lowest{1.0};
   Hertz highest{5000.0};
-  LayoutScheme scheme;
+  Scheme scheme;
 };
 
 /// W = X Y/U + Z between named nodes.
-struct LayoutMultiplier {
+struct Multiplier {
   std::string name;
   std::string what;  ///< for people: "x^2/U"
   std::string x, y, z, out;
   double peak_v = 0.0;  ///< greatest |W| for x in [0, 1]
 };
 
-struct LayoutPart {
+struct Part {
   enum class Kind { resistor, capacitor };
   Kind kind = Kind::resistor;
   std::string name;
@@ -70,10 +70,10 @@ struct LayoutPart {
 /// One op-amp that sums with both signs: terms that must come out negative enter at its inverting input (gain
 /// -Rf/Rk), positive ones at the other through equal conductances, and `balance` at one of the inputs makes
 /// the conductances at both equal.
-struct LayoutSum {
+struct Sum {
   struct Term {
     std::string node;
-    int part = -1;  ///< place in DisturbanceLayout::parts
+    int part = -1;  ///< place in Layout::parts
     bool at_plus = false;
     double gain = 0.0;  ///< with the realised resistors
   };
@@ -88,12 +88,12 @@ struct LayoutSum {
 };
 
 /// One polynomial d(x) = a1 x + a2 x^2 + …; its node `out` carries -branch_gain * d(x).
-struct LayoutBranch {
+struct Branch {
   std::string name;
   std::vector<double> wanted;    ///< a1, a2, …
   std::vector<double> realised;  ///< what the resistors make of it, output amplifier and switch included
-  std::vector<int> sums;         ///< places in DisturbanceLayout::sums, innermost group first
-  std::vector<int> multipliers;  ///< places in DisturbanceLayout::multipliers of its chain, innermost first
+  std::vector<int> sums;         ///< places in Layout::sums, innermost group first
+  std::vector<int> multipliers;  ///< places in Layout::multipliers of its chain, innermost first
   std::string out;
   double peak_v = 0.0;
   double max_error_percent =
@@ -102,7 +102,7 @@ struct LayoutBranch {
   double value(double x) const;  ///< with `realised`
 };
 
-struct LayoutNode {
+struct NodeRange {
   std::string name;
   std::string what;
   double lowest_v = 0.0, highest_v = 0.0;  ///< for x in [0, 1]
@@ -113,7 +113,7 @@ struct LayoutNode {
 /// by the branches; two inverting sums a branch make the control voltage control_scale_v * g_b; a multiplier
 /// as voltage-controlled gain stands between each branch and the switch. x stays the reference divided by its
 /// stroke, 0 to 1 V.
-struct LayoutAmplitude {
+struct AmplitudeControl {
   std::vector<double> alpha;
   std::vector<std::vector<double>> wanted;  ///< one table a branch
   double control_scale_v = 1.0;             ///< V at the control input for a gain of 1
@@ -126,19 +126,19 @@ struct LayoutAmplitude {
   std::vector<Rectifier> rectifiers;
   /// Control voltage of a branch = -(what `negative` makes + its own terms); both sums invert only.
   struct Control {
-    std::optional<LayoutSum> negative;
-    LayoutSum sum;
+    std::optional<Sum> negative;
+    Sum sum;
   };
-  std::vector<Control> controls;              ///< one a branch
-  std::vector<LayoutMultiplier> multipliers;  ///< one a branch
-  int output_feedback = -1;                   ///< takes the place of DisturbanceLayout::output_feedback
-  double max_error_percent = 0.0;  ///< of g_b(alpha) d_b(x) by the parts, worst alpha, percent of range
+  std::vector<Control> controls;        ///< one a branch
+  std::vector<Multiplier> multipliers;  ///< one a branch
+  int output_feedback = -1;             ///< takes the place of Layout::output_feedback
+  double max_error_percent = 0.0;       ///< of g_b(alpha) d_b(x) by the parts, worst alpha, percent of range
 
   double wanted_gain(size_t branch, double alpha) const;
 };
 
 /// One way to split the polynomials, laid out with exact resistors and compared.
-struct LayoutCandidate {
+struct Candidate {
   int group = 0;
   std::string name;
   int multipliers = 0, opamps = 0;
@@ -154,28 +154,28 @@ struct LayoutCandidate {
 ///
 /// Branches come in pairs, first the one for rising x; pair s is chosen when the select lines read s in
 /// binary (select1 is the lowest bit, above 0.5 V is 1). A last single branch serves both slopes.
-struct DisturbanceLayout {
+struct Layout {
   MultiplierModel multiplier;
-  OpAmpModel opamp;
+  circuit::OpAmpModel opamp;
   SwitchModel analog_switch;
-  int group = LayoutScheme::kShared;
+  int group = Scheme::kShared;
   double full_scale_v = 1.0;
   double branch_gain =
       1.0;  ///< V per unit of d at the branches' nodes: (Rin + Ron)/Rg of the output amplifier
-  std::vector<LayoutMultiplier> multipliers;  ///< in the order of the signal
-  std::vector<LayoutSum> sums;
-  std::vector<LayoutBranch> branches;           ///< first: switch at branch > 0.5 V (ascending)
+  std::vector<Multiplier> multipliers;  ///< in the order of the signal
+  std::vector<Sum> sums;
+  std::vector<Branch> branches;                 ///< first: switch at branch > 0.5 V (ascending)
   int output_input = -1, output_feedback = -1;  ///< parts Rin, Rg
   std::vector<int> detector;                    ///< parts of the slope detector
-  std::optional<LayoutAmplitude> amplitude;
-  std::vector<LayoutPart> parts;
-  std::vector<LayoutNode> nodes;
-  std::vector<LayoutCandidate> candidates;
+  std::optional<AmplitudeControl> amplitude;
+  std::vector<Part> parts;
+  std::vector<NodeRange> nodes;
+  std::vector<Candidate> candidates;
   std::vector<std::string> warnings;
   double max_error_percent = 0.0;
 
-  const LayoutPart& part(int index) const { return parts[static_cast<size_t>(index)]; }
-  const LayoutPart* part_named(const std::string& name) const;
+  const Part& part(int index) const { return parts[static_cast<size_t>(index)]; }
+  const Part* part_named(const std::string& name) const;
   bool switched() const { return branches.size() > 1; }
   /// Lines select1, select2, … beside `branch`.
   int select_lines() const;
@@ -187,32 +187,31 @@ struct DisturbanceLayout {
 };
 
 /// The same for any number of polynomials of degree 1 to 7 (coefficients a1, a2, …; no constant: d(0) = 0).
-struct LayoutPolynomial {
+struct Polynomial {
   std::string name;
   std::vector<double> coefficients;
-  std::vector<double> amplitude;  ///< gains at LayoutInput::alpha; empty: 1 everywhere
+  std::vector<double> amplitude;  ///< gains at Input::alpha; empty: 1 everywhere
 };
 
-struct LayoutInput {
-  std::vector<LayoutPolynomial> branches;
+struct Input {
+  std::vector<Polynomial> branches;
   std::vector<double> alpha;  ///< empty: no amplitude-varying gains
 
   /// ascending, descending and their amplitude table.
-  static LayoutInput of(const Disturbance& disturbance);
+  static Input of(const Disturbance& disturbance);
   /// A disturbance file. Beside the contract's keys it may list
   ///   "branches": [{"name": …, "coefficients": [a1, …, a7], "amplitude": [gain at each amplitude.alpha]}, …]
   /// (`amplitude` optional, `name` too); these then take the place of ascending and descending.
-  static LayoutInput read(const std::filesystem::path& path, Provenance& from);
-  static LayoutInput from_node(const Node& node);
+  static Input read(const std::filesystem::path& path, Provenance& from);
+  static Input from_node(const Node& node);
 };
 
 /// Throws DesignError when a term cannot be made with the allowed parts.
-DisturbanceLayout layout_disturbance(const LayoutInput& input, const LayoutOptions& options = {});
-DisturbanceLayout layout_disturbance(const Disturbance& disturbance, const LayoutOptions& options = {});
-DisturbanceLayout layout_polynomials(const std::vector<LayoutPolynomial>& branches,
-                                     const LayoutOptions& options = {});
+Layout make_layout(const Input& input, const Options& options = {});
+Layout make_layout(const Disturbance& disturbance, const Options& options = {});
+Layout make_layout_of_polynomials(const std::vector<Polynomial>& branches, const Options& options = {});
 
 /// The schematic as SVG.
-std::string layout_drawing(const DisturbanceLayout& layout);
+std::string drawing_svg(const Layout& layout);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

@@ -11,9 +11,9 @@
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/build.hpp"
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 
-LayoutScheme LayoutScheme::named(const std::string& name) {
+Scheme Scheme::named(const std::string& name) {
   if (name == "auto") return {kAutomatic};
   if (name == "horner") return {kHorner};
   if (name == "shared") return {kShared};
@@ -24,24 +24,23 @@ LayoutScheme LayoutScheme::named(const std::string& name) {
   return {static_cast<int>(group)};
 }
 
-namespace layout_build {
 namespace {
 
-LayoutCandidate measure(const DisturbanceLayout& layout, int group, int degree) {
-  LayoutCandidate out;
+Candidate measure(const Layout& layout, int group, int degree) {
+  Candidate out;
   out.group = group;
   out.name = group >= degree ? "shared powers" : (group == 1 ? "Horner" : fmt::format("x^{} (…)", group));
   out.multipliers = static_cast<int>(layout.multipliers.size());
   out.opamps = layout.opamps();
   std::map<std::string, int> depth;
-  for (const LayoutMultiplier& m : layout.multipliers) {
+  for (const Multiplier& m : layout.multipliers) {
     depth[m.out] = 1 + std::max({depth[m.x], depth[m.y], depth[m.z]});
     out.depth = std::max(out.depth, depth[m.out]);
   }
-  const LayoutBudget budget = layout_budget(layout);
+  const Budget budget = make_budget(layout);
   out.rss_percent = *std::max_element(budget.rss_percent.begin(), budget.rss_percent.end());
   double noise_gain = 1.0;
-  for (const LayoutSum& sum : layout.sums) noise_gain = std::max(noise_gain, sum.noise_gain);
+  for (const Sum& sum : layout.sums) noise_gain = std::max(noise_gain, sum.noise_gain);
   const double lag =
       out.depth / layout.multiplier.bandwidth.rad_s().value +
       (noise_gain + 1.0 + 1.0 / layout.branch_gain) / layout.opamp.gain_bandwidth.rad_s().value;
@@ -54,12 +53,12 @@ LayoutCandidate measure(const DisturbanceLayout& layout, int group, int degree) 
 /// Fewest multipliers among those whose budget is at most 1.5 times the least and whose bandwidth is at least
 /// 20 times the highest reference frequency; of equals the fewest op-amps, then the least
 /// error.
-std::vector<LayoutCandidate> compare_schemes(const LayoutInput& input, const LayoutOptions& options) {
+std::vector<Candidate> compare_schemes(const Input& input, const Options& options) {
   int most = 1;
-  for (const LayoutPolynomial& one : input.branches) most = std::max(most, degree(one.coefficients));
-  LayoutOptions exact = options;
-  exact.resistors = Series::named("exact");
-  std::vector<LayoutCandidate> out;
+  for (const Polynomial& one : input.branches) most = std::max(most, degree(one.coefficients));
+  Options exact = options;
+  exact.resistors = circuit::Series::named("exact");
+  std::vector<Candidate> out;
   for (int group = most; group >= 1; --group) {
     try {
       out.push_back(measure(build(input, exact, group), group, most));
@@ -69,25 +68,23 @@ std::vector<LayoutCandidate> compare_schemes(const LayoutInput& input, const Lay
   }
   if (out.empty()) build(input, exact, most);  // throws the reason
   const int asked = std::min(options.scheme.group, most);
-  if (options.scheme.group != LayoutScheme::kAutomatic) {
-    for (LayoutCandidate& one : out) one.chosen = one.group == asked;
+  if (options.scheme.group != Scheme::kAutomatic) {
+    for (Candidate& one : out) one.chosen = one.group == asked;
     return out;
   }
   double error = 1e300;
-  for (const LayoutCandidate& one : out) error = std::min(error, one.rss_percent);
-  LayoutCandidate* best = nullptr;
-  for (LayoutCandidate& one : out) {
+  for (const Candidate& one : out) error = std::min(error, one.rss_percent);
+  Candidate* best = nullptr;
+  for (Candidate& one : out) {
     if (one.rss_percent > 1.5 * error ||
-        one.bandwidth.value < LayoutScheme::kBandwidthRatio * options.highest.value)
+        one.bandwidth.value < Scheme::kBandwidthRatio * options.highest.value)
       continue;
-    const auto rank = [](const LayoutCandidate& c) {
-      return std::tuple(c.multipliers, c.opamps, c.rss_percent);
-    };
+    const auto rank = [](const Candidate& c) { return std::tuple(c.multipliers, c.opamps, c.rss_percent); };
     if (best == nullptr || rank(one) < rank(*best)) best = &one;
   }
   // None is fast enough: the most accurate.
   if (best == nullptr) {
-    best = &*std::min_element(out.begin(), out.end(), [](const LayoutCandidate& a, const LayoutCandidate& b) {
+    best = &*std::min_element(out.begin(), out.end(), [](const Candidate& a, const Candidate& b) {
       return a.rss_percent < b.rss_percent;
     });
   }
@@ -95,5 +92,4 @@ std::vector<LayoutCandidate> compare_schemes(const LayoutInput& input, const Lay
   return out;
 }
 
-}  // namespace layout_build
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

@@ -6,7 +6,7 @@
 #include <complex>
 #include <numbers>
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 namespace {
 
 constexpr double kBoltzmann = 1.380649e-23;
@@ -22,7 +22,7 @@ using Jacobian = Eigen::Matrix<double, 4, 4>;
 
 }  // namespace
 
-SlopeDetector::SlopeDetector(const DisturbanceLayout& layout, const DiodeModel& diode)
+SlopeDetector::SlopeDetector(const Layout& layout, const DiodeModel& diode)
     : opamp_(layout.opamp), diode_(diode), vt_(diode.emission * kBoltzmann * kKelvin / kCharge) {
   const auto value = [&](const char* name) { return layout.part_named(name)->realised; };
   rs_ = value("Rs");
@@ -145,4 +145,4 @@ std::optional<double> SlopeDetector::delay_s(const std::function<double(double)>
   return std::nullopt;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

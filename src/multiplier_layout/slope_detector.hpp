@@ -6,13 +6,13 @@
 
 #include "multiplier_layout/timing.hpp"
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 
 /// The slope detector of a layout as differential equations: Rs and Cd into an op-amp with Rd, Cf and two
 /// antiparallel diodes around it, then an op-amp as comparator with hysteresis.
 class SlopeDetector {
  public:
-  explicit SlopeDetector(const DisturbanceLayout& layout, const DiodeModel& diode = {});
+  explicit SlopeDetector(const Layout& layout, const DiodeModel& diode = {});
 
   /// Half the hysteresis at the differentiator's output, V.
   double threshold_v() const;
@@ -39,10 +39,10 @@ class SlopeDetector {
   Loop loop(RadPerSecond w) const;
   double feedback_f(double v) const;
 
-  OpAmpModel opamp_;
+  circuit::OpAmpModel opamp_;
   DiodeModel diode_;
   double vt_ = 0.0;
   double rs_ = 0.0, cd_ = 0.0, rd_ = 0.0, cf_ = 0.0, hysteresis_ = 0.0;
 };
 
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

@@ -4,7 +4,7 @@
 
 #include "base/error.hpp"
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 
 SwitchModel SwitchModel::for_branches(std::size_t count) {
   SwitchModel out;
@@ -35,4 +35,4 @@ SwitchTimer SwitchTimer::of(const SwitchModel& model) {
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

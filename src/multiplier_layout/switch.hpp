@@ -3,7 +3,7 @@
 #include <cstddef>
 #include <string>
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 
 /// An analog switch with break-before-make. All figures are typical data-sheet values, assumptions until a
 /// type is bought and measured.
@@ -32,4 +32,4 @@ struct SwitchTimer {
   static SwitchTimer of(const SwitchModel& model);
 };
 
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

@@ -8,16 +8,14 @@
 #include "multiplier_layout/build.hpp"
 #include "multiplier_layout/slope_detector.hpp"
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 namespace {
 
-using layout_build::polynomial;
-
-double hold_farad(const DisturbanceLayout& layout) {
+double hold_farad(const Layout& layout) {
   return layout.analog_switch.drain_f * static_cast<double>(layout.branches.size());
 }
 
-double output_gain(const DisturbanceLayout& layout) {
+double output_gain(const Layout& layout) {
   return layout.part(layout.output_feedback).realised / layout.part(layout.output_input).realised;
 }
 
@@ -54,22 +52,21 @@ SlopeDetectorFigures detector_figures(const SlopeDetector& detector, const std::
 }
 
 /// Lag of the signal path, s: multipliers in series, the slowest sum, the output amplifier.
-double lag_s(const DisturbanceLayout& layout) {
-  for (const LayoutCandidate& one : layout.candidates) {
+double lag_s(const Layout& layout) {
+  for (const Candidate& one : layout.candidates) {
     if (one.chosen) return 1.0 / one.bandwidth.rad_s().value;
   }
   return 0.0;
 }
 
-SwitchFigures::Late late_figures(const DisturbanceLayout& layout, Hertz f, double delay_s,
-                                 const LayoutErrors& errors) {
+SwitchFigures::Late late_figures(const Layout& layout, Hertz f, double delay_s, const ErrorLimits& errors) {
   SwitchFigures::Late out;
   out.frequency = f;
   out.delay_s = delay_s;
   const double period = 1.0 / f.value, lag = lag_s(layout);
   constexpr int kSteps = 4000;
-  const LayoutBench good(layout);
-  LayoutBench limit(layout);
+  const Bench good(layout);
+  Bench limit(layout);
   for (size_t i = 0; i < layout.multipliers.size(); ++i) limit.multiplier[i] = errors.multiplier_at_limit();
   for (int select = 0; select < (1 << layout.select_lines()); ++select) {
     const int up = layout.branch_at(select, true), down = layout.branch_at(select, false);
@@ -88,7 +85,7 @@ SwitchFigures::Late late_figures(const DisturbanceLayout& layout, Hertz f, doubl
       wanted.push_back(polynomial(layout.branches[static_cast<size_t>(rising ? up : down)].wanted, x.back()));
       first.push_back(std::fmod(t - delay_s + period, period) < 0.5 * period);
     }
-    const auto errors_of = [&](const LayoutBench& bench, double& rms, double* peak) {
+    const auto errors_of = [&](const Bench& bench, double& rms, double* peak) {
       const std::vector<double> a = bench.curve(static_cast<size_t>(up), x_late);
       const std::vector<double> d = bench.curve(static_cast<size_t>(down), x_late);
       double sum = 0.0;
@@ -116,7 +113,7 @@ SwitchFigures::Late late_figures(const DisturbanceLayout& layout, Hertz f, doubl
 
 }  // namespace
 
-double switch_glitch_v(const DisturbanceLayout& layout, double held_v, double charge_sign) {
+double switch_glitch_v(const Layout& layout, double held_v, double charge_sign) {
   const double tau = hold_farad(layout) * layout.part(layout.output_input).realised;
   if (!(tau > 0.0) || layout.analog_switch.gap_s <= 0.0) return 0.0;
   const double gain = output_gain(layout);
@@ -135,9 +132,8 @@ double switch_glitch_v(const DisturbanceLayout& layout, double held_v, double ch
   return out;
 }
 
-LayoutTiming layout_timing(const DisturbanceLayout& layout, const std::vector<Hertz>& frequencies,
-                           const LayoutErrors& errors) {
-  LayoutTiming out;
+Timing make_timing(const Layout& layout, const std::vector<Hertz>& frequencies, const ErrorLimits& errors) {
+  Timing out;
   if (!layout.switched()) return out;
   const SwitchModel& model = layout.analog_switch;
   SwitchTimer::of(model);  // refuses delays that cannot be
@@ -148,7 +144,7 @@ LayoutTiming layout_timing(const DisturbanceLayout& layout, const std::vector<He
   s.hold_s = hold_farad(layout) * layout.part(layout.output_input).realised;
   s.charge_step_v = hold_farad(layout) > 0.0 ? model.charge_c / hold_farad(layout) : 0.0;
   double held = 0.0;
-  for (const LayoutBranch& b : layout.branches) held = std::max(held, b.peak_v);
+  for (const Branch& b : layout.branches) held = std::max(held, b.peak_v);
   // 1 V at the output is 100 percent of the range of x.
   s.droop_percent = 100.0 * switch_glitch_v(layout, held, 0.0);
   s.charge_percent = 100.0 * switch_glitch_v(layout, 0.0, 1.0);
@@ -165,7 +161,7 @@ LayoutTiming layout_timing(const DisturbanceLayout& layout, const std::vector<He
   return out;
 }
 
-Json LayoutTiming::to_json() const {
+Json Timing::to_json() const {
   Json out;
   if (detector.delays.empty()) return out;
   out["slope_detector"] = {
@@ -199,7 +195,7 @@ Json LayoutTiming::to_json() const {
   return out;
 }
 
-Json LayoutTiming::budget_json() const {
+Json Timing::budget_json() const {
   Json out = Json::array();
   if (detector.delays.empty()) return out;
   const double gap = analog_switch.closes_s - analog_switch.opens_s;
@@ -218,4 +214,4 @@ Json LayoutTiming::budget_json() const {
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

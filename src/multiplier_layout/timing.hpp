@@ -7,7 +7,7 @@
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/layout.hpp"
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 
 /// The two diodes across Rd of the slope detector, and those of the precision rectifiers; a 1N4148's order of
 /// magnitude, assumed: i = saturation (exp(v/(emission kT/q)) - 1), junction capacitance
@@ -63,7 +63,7 @@ struct SwitchFigures {
   std::vector<Late> late;
 };
 
-struct LayoutTiming {
+struct Timing {
   SlopeDetectorFigures detector;
   SwitchFigures analog_switch;
 
@@ -73,13 +73,13 @@ struct LayoutTiming {
 };
 
 /// `frequencies` of the reference. Empty figures for a layout with one branch.
-LayoutTiming layout_timing(const DisturbanceLayout& layout, const std::vector<Hertz>& frequencies,
-                           const LayoutErrors& errors = {});
+Timing make_timing(const Layout& layout, const std::vector<Hertz>& frequencies,
+                   const ErrorLimits& errors = {});
 
 /// Glitch at the output for a branch node at `held_v` when the switch opens, V: greatest departure from the
 /// output's value before. With tau = hold time, w = the output amplifier's closed-loop bandwidth,
 ///   y(t) = -(Rg/Rin) [ v0 w/(w - 1/tau) (exp(-t/tau) - exp(-w t)) - held (1 - exp(-w t)) ],
 /// v0 = held + injected charge/capacitance, t up to the gap, |y| at most the op-amp's slew rate times t.
-double switch_glitch_v(const DisturbanceLayout& layout, double held_v, double charge_sign);
+double switch_glitch_v(const Layout& layout, double held_v, double charge_sign);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

@@ -29,7 +29,7 @@ ApproximationOptions approximation_options(const Project& project) {
 /// What the chosen sections are made of.
 struct Hardware {
   std::optional<fpaa::Plan> plan;
-  std::optional<Realised> circuit;
+  std::optional<circuit::Realised> circuit;
 };
 
 /// Why an alternative cannot be built.
@@ -45,11 +45,11 @@ fpaa::PlanOptions plan_options(const Project& project, const Band& band) {
   return options;
 }
 
-RealiseOptions circuit_options(const Project& project) {
-  RealiseOptions options;
+circuit::RealiseOptions circuit_options(const Project& project) {
+  circuit::RealiseOptions options;
   options.realization = project.circuit->realization;
-  options.resistors = Series::named(project.circuit->resistors);
-  options.capacitors = Series::named(project.circuit->capacitors);
+  options.resistors = circuit::Series::named(project.circuit->resistors);
+  options.capacitors = circuit::Series::named(project.circuit->capacitors);
   return options;
 }
 
@@ -59,7 +59,7 @@ std::variant<Hardware, Refusal> build_hardware(const Project& project, const Sec
   try {
     Hardware out;
     if (project.fpaa) out.plan = fpaa::make_plan(sections, plan_options(project, band));
-    if (project.circuit) out.circuit = realise(sections, circuit_options(project));
+    if (project.circuit) out.circuit = circuit::realise(sections, circuit_options(project));
     return out;
   } catch (const DesignError& error) {
     return Refusal{error.what()};
@@ -106,7 +106,7 @@ Design make_design(const Project& project) {
   design.alternatives = make_alternatives(project, design.approximation);
   design.alternatives_s = alternatives_watch.seconds();
   build_best_alternative(project, design);
-  design.layout = layout_disturbance(project.target.disturbance);
+  design.layout = multiplier_layout::make_layout(project.target.disturbance);
   design.compute_s = watch.seconds() - design.alternatives_s;
   return design;
 }
@@ -130,7 +130,8 @@ std::vector<DesignStage> design_stages(const Design& design) {
     const std::size_t circuit =
         add("circuit", sections, [&design](RadPerSecond w) { return design.circuit->circuit.response(w); });
     add("circuit with op-amps", circuit, [&design](RadPerSecond w) {
-      return network_response(design.circuit->circuit, {w.hz()}, design.circuit->circuit.model).front();
+      return circuit::network_response(design.circuit->circuit, {w.hz()}, design.circuit->circuit.model)
+          .front();
     });
   }
   return stages;

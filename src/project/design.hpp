@@ -14,7 +14,7 @@
 #include "multiplier_layout/layout.hpp"
 #include "project/alternatives.hpp"
 #include "project/project.hpp"
-#include "spice/check.hpp"
+#include "spice/compensator_check.hpp"
 
 namespace bodesmith::project {
 
@@ -25,8 +25,8 @@ struct Design {
   std::vector<Alternative> alternatives;
   std::size_t chosen = 0;  ///< of the alternatives: what plan and circuit are made of
   std::optional<fpaa::Plan> plan;
-  std::optional<Realised> circuit;
-  DisturbanceLayout layout;
+  std::optional<circuit::Realised> circuit;
+  multiplier_layout::Layout layout;
   std::vector<std::string> passed_over;  ///< better alternatives that the hardware cannot make, and why
   double compute_s = 0.0;  ///< fit to plan, netlist and layout, without the alternatives that are not built
   double alternatives_s = 0.0;

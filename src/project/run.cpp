@@ -61,8 +61,8 @@ ProjectRun run_project(const fs::path& project_file, const fs::path& folder) {
   list_files(run, design);
   progress.at(0.2);
 
-  if (run.design.circuit && ngspice_available()) {
-    run.ngspice = check_with_ngspice(run.design.circuit->circuit, run.design.sections());
+  if (run.design.circuit && spice::ngspice_available()) {
+    run.ngspice = spice::check_compensator(run.design.circuit->circuit, run.design.sections());
   }
   stop_if_interrupted();
   progress.at(0.4);

@@ -11,7 +11,7 @@
 #include "project/limits.hpp"
 #include "project/project.hpp"
 #include "project/tracking_study.hpp"
-#include "spice/check.hpp"
+#include "spice/compensator_check.hpp"
 
 namespace bodesmith::project {
 
@@ -22,7 +22,8 @@ struct ProjectRun {
   Design design;
   Budget budget;
   TrackingStudy tracking;
-  std::optional<SpiceCheck> ngspice;  ///< absent when ngspice is not installed, or the project has no circuit
+  std::optional<spice::CompensatorCheck>
+      ngspice;  ///< absent when ngspice is not installed, or the project has no circuit
   std::vector<LimitCheck> limits;
   double compute_s = 0.0;
   std::vector<std::filesystem::path> files;  ///< written, relative to the output folder

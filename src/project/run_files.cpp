@@ -5,14 +5,14 @@
 
 #include "base/json.hpp"
 #include "base/json_header.hpp"
+#include "circuit/json.hpp"
 #include "fpaa/board_picture.hpp"
 #include "fpaa/build_sheet.hpp"
 #include "kicad/schematic.hpp"
 #include "project/stages_plot.hpp"
 #include "signal/csv.hpp"
+#include "spice/disturbance_library.hpp"
 #include "spice/emit.hpp"
-#include "spice/emit_disturbance.hpp"
-#include "yield/circuit_json.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -70,23 +70,23 @@ void add_plan(const ProjectRun& run, OutputSet& out) {
 }
 
 void add_circuit(const ProjectRun& run, OutputSet& out) {
-  const Realised& realised = *run.design.circuit;
+  const circuit::Realised& realised = *run.design.circuit;
   OutputSet spice;
-  add_spice_files(realised, run.project.name, spice);
-  add_kicad_files(realised.circuit, run.project.name, spice);
+  spice::add_spice_files(realised, run.project.name, spice);
+  kicad::add_kicad_files(realised.circuit, run.project.name, spice);
   out.include("spice", spice);
   out.add("spice/circuit.json", json_file("circuit", run, to_json(realised)));
 }
 
 void add_layout(const ProjectRun& run, OutputSet& out) {
-  const DisturbanceLayout& layout = run.design.layout;
+  const multiplier_layout::Layout& layout = run.design.layout;
   out.add("layout/layout.json", json_file("layout", run, layout.to_json()));
-  out.add("layout/disturbance.sub", disturbance_library(layout, run.project.name));
+  out.add("layout/disturbance.sub", spice::disturbance_library(layout, run.project.name));
   if (layout.amplitude) {
     out.add("layout/disturbance_amplitude.sub",
-            disturbance_library(layout, run.project.name, {true, std::nullopt}));
+            spice::disturbance_library(layout, run.project.name, {true, std::nullopt}));
   }
-  out.add("layout/disturbance.svg", layout_drawing(layout));
+  out.add("layout/disturbance.svg", multiplier_layout::drawing_svg(layout));
 }
 
 }  // namespace

@@ -49,7 +49,7 @@ Json budget_json(const Budget& budget) {
   return out;
 }
 
-Json ngspice_json(const std::optional<SpiceCheck>& check) {
+Json ngspice_json(const std::optional<spice::CompensatorCheck>& check) {
   if (!check) return nullptr;
   return {{"against_network_db", check->against_network.max_magnitude_db},
           {"against_sections_db", check->against_sections.max_magnitude_db},

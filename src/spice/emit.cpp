@@ -8,13 +8,16 @@
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "base/version.hpp"
-#include "spice/deck_text.hpp"
+#include "circuit/text.hpp"
+#include "spice/opamp_macromodel.hpp"
 
-namespace bodesmith {
+namespace bodesmith::spice {
 namespace {
 
+using circuit::plain_number;
+
 /// A node of the chain as the stage's own subcircuit names it.
-std::string local_node(const Stage& stage, int index, const std::string& node) {
+std::string local_node(const circuit::Stage& stage, std::size_t index, const std::string& node) {
   if (node == "0") return node;
   if (node == stage.in) return "in";
   if (node == stage.out) return "out";
@@ -22,35 +25,35 @@ std::string local_node(const Stage& stage, int index, const std::string& node) {
   return node.starts_with(prefix) ? node.substr(prefix.size()) : node;
 }
 
-std::string fixed_value(const Part& part) {
-  return spice_number(part.realised);
+std::string fixed_value(const circuit::Part& part) {
+  return plain_number(part.realised);
 }
 
-std::string spread_value(const Part& part) {
-  return fmt::format("{{mc({},{})}}", spice_number(part.realised),
-                     part.kind == Part::Kind::resistor ? "resistor_tolerance" : "capacitor_tolerance");
+std::string spread_value(const circuit::Part& part) {
+  return fmt::format(
+      "{{mc({},{})}}", plain_number(part.realised),
+      part.kind == circuit::Part::Kind::resistor ? "resistor_tolerance" : "capacitor_tolerance");
 }
 
-using ValueText = std::string (*)(const Part&);
+using ValueText = std::string (*)(const circuit::Part&);
 
-Json stage_json(const Circuit& circuit, int index, ValueText value) {
-  const Stage& stage = circuit.stages[static_cast<size_t>(index)];
+Json stage_json(const circuit::Circuit& circuit, std::size_t index, ValueText value) {
+  const circuit::Stage& stage = circuit.stages[index];
   const auto local = [&](const std::string& node) { return local_node(stage, index, node); };
   Json elements = Json::array();
-  for (int i = 0; i < stage.part_count; ++i) {
-    const Part& part = circuit.parts[static_cast<size_t>(stage.first_part + i)];
+  for (const circuit::Part& part : circuit.parts_of(stage)) {
     elements.push_back(
         {{"line", fmt::format("{} {} {} {}", part.name, local(part.from), local(part.to), value(part))}});
   }
-  for (const OpAmp& opamp : circuit.opamps) {
+  for (const circuit::OpAmp& opamp : circuit.opamps) {
     if (opamp.stage != index) continue;
     elements.push_back({{"line", fmt::format("X{} {} {} {} bodesmith_opamp", opamp.name, local(opamp.plus),
                                              local(opamp.minus), local(opamp.out))}});
   }
   return {{"number", index + 1},
           {"realization", stage.realization},
-          {"wanted", transfer_text(stage.wanted)},
-          {"realised", transfer_text(stage.realised)},
+          {"wanted", circuit::transfer_text(stage.wanted)},
+          {"realised", circuit::transfer_text(stage.realised)},
           {"in", stage.in},
           {"out", stage.out},
           {"elements", elements}};
@@ -64,70 +67,61 @@ std::string triangle_points(double frequency_hz) {
   return out;
 }
 
-std::string library(const Circuit& circuit, const std::string& title, ValueText value) {
+std::string library(const circuit::Circuit& circuit, const std::string& title, ValueText value) {
   Json stages = Json::array();
-  for (int i = 0; i < static_cast<int>(circuit.stages.size()); ++i)
+  for (std::size_t i = 0; i < circuit.stages.size(); ++i)
     stages.push_back(stage_json(circuit, i, value));
-  return render_template(
-      "spice/compensator.sub",
-      {{"title", title}, {"version", kVersion}, {"stages", stages}, {"opamp", opamp_library(circuit.model)}});
+  return render_template("spice/compensator.sub", {{"title", title},
+                                                   {"version", kVersion},
+                                                   {"stages", stages},
+                                                   {"opamp", opamp_macromodel(circuit.model)}});
 }
 
 /// ngspice names a part of a subcircuit r.xc.x1.r1_1.
-Json alters(const Circuit& circuit, const DeckTolerances& tolerances) {
+Json alters(const circuit::Circuit& circuit, const circuit::Tolerances& tolerances) {
   Json out = Json::array();
-  for (const Part& part : circuit.parts) {
-    const bool resistor = part.kind == Part::Kind::resistor;
+  for (const circuit::Part& part : circuit.parts) {
+    const bool resistor = part.kind == circuit::Part::Kind::resistor;
     std::string name = part.name;
     for (char& c : name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
     const double tolerance = (resistor ? tolerances.resistor_percent : tolerances.capacitor_percent) / 100.0;
     out.push_back(
         {{"line", fmt::format("alter {}.xc.x{}.{} = {}*(1+{}*sunif(0))", resistor ? "r" : "c", part.stage + 1,
-                              name, spice_number(part.realised), spice_number(tolerance))}});
+                              name, plain_number(part.realised), plain_number(tolerance))}});
   }
   return out;
 }
 
 }  // namespace
 
-std::string compensator_library(const Circuit& circuit, const std::string& title) {
+std::string compensator_library(const circuit::Circuit& circuit, const std::string& title) {
   return library(circuit, title, fixed_value);
 }
 
-std::string compensator_library_with_tolerances(const Circuit& circuit, const std::string& title) {
+std::string compensator_library_with_tolerances(const circuit::Circuit& circuit, const std::string& title) {
   return library(circuit, title, spread_value);
 }
 
-std::string parts_csv(const Circuit& circuit) {
-  std::string out = "part,section,series,wanted_ohm,realised_ohm,wanted_f,realised_f\n";
-  for (const Part& part : circuit.parts) {
-    const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
-    out += part.kind == Part::Kind::resistor
-               ? fmt::format("{},{},{},{},{},,\n", part.name, part.stage + 1, part.series, wanted, realised)
-               : fmt::format("{},{},{},,,{},{}\n", part.name, part.stage + 1, part.series, wanted, realised);
-  }
-  return out;
-}
-
-void add_spice_files(const Realised& realised, const std::string& title, OutputSet& out,
-                     const DeckTolerances& tolerances) {
-  const Circuit& circuit = realised.circuit;
+void add_spice_files(const circuit::Realised& realised, const std::string& title, OutputSet& out,
+                     const MonteCarloOptions& monte_carlo) {
+  const circuit::Tolerances& tolerances = monte_carlo.tolerances;
+  const circuit::Circuit& circuit = realised.circuit;
   const Band& band = realised.report.band;
   const double middle = std::sqrt(band.from.value * band.to.value);
   Json data;
   data["title"] = title;
-  data["from_hz"] = spice_number(band.from.value);
-  data["to_hz"] = spice_number(band.to.value);
+  data["from_hz"] = plain_number(band.from.value);
+  data["to_hz"] = plain_number(band.to.value);
   data["frequency_hz"] = rounded_text(middle);
   data["points"] = triangle_points(middle);
-  data["step_s"] = spice_number(1.0 / (middle * 1000.0));
-  data["stop_s"] = spice_number(2.0 / middle);
-  data["runs"] = tolerances.runs;
-  data["seed"] = tolerances.seed;
-  data["resistor_percent"] = spice_number(tolerances.resistor_percent);
-  data["capacitor_percent"] = spice_number(tolerances.capacitor_percent);
-  data["resistor_tolerance"] = spice_number(tolerances.resistor_percent / 100.0);
-  data["capacitor_tolerance"] = spice_number(tolerances.capacitor_percent / 100.0);
+  data["step_s"] = plain_number(1.0 / (middle * 1000.0));
+  data["stop_s"] = plain_number(2.0 / middle);
+  data["runs"] = monte_carlo.runs;
+  data["seed"] = monte_carlo.seed;
+  data["resistor_percent"] = plain_number(tolerances.resistor_percent);
+  data["capacitor_percent"] = plain_number(tolerances.capacitor_percent);
+  data["resistor_tolerance"] = plain_number(tolerances.resistor_percent / 100.0);
+  data["capacitor_tolerance"] = plain_number(tolerances.capacitor_percent / 100.0);
   data["alters"] = alters(circuit, tolerances);
   out.add("compensator.sub", compensator_library(circuit, title));
   out.add("compensator_mc.sub",
@@ -136,7 +130,7 @@ void add_spice_files(const Realised& realised, const std::string& title, OutputS
                            "ltspice_ac.cir", "ltspice_monte_carlo.cir", "xyce_ac.cir"}) {
     out.add(deck, render_template(std::string("spice/") + deck, data));
   }
-  out.add("parts.csv", parts_csv(circuit));
+  out.add("parts.csv", circuit::parts_csv(circuit));
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::spice

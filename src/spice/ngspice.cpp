@@ -15,11 +15,13 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/text.hpp"
-#include "spice/deck_text.hpp"
+#include "circuit/text.hpp"
 #include "spice/user_deck.hpp"
 
-namespace bodesmith {
+namespace bodesmith::spice {
 namespace {
+
+using circuit::plain_number;
 
 namespace fs = std::filesystem;
 using Complex = std::complex<double>;
@@ -327,7 +329,7 @@ std::vector<Complex> run_ac_of_deck(const fs::path& path, const std::vector<Hert
 DcSweep run_dc(const std::string& deck, const std::string& source, double from, double to, double step,
                const std::vector<std::string>& nodes, const std::string& what) {
   const Columns columns = run_columns(
-      deck, fmt::format("dc {} {} {} {}", source, spice_number(from), spice_number(to), spice_number(step)),
+      deck, fmt::format("dc {} {} {} {}", source, plain_number(from), plain_number(to), plain_number(step)),
       voltages(nodes), what);
   return {columns.first, columns.rest};
 }
@@ -335,7 +337,7 @@ DcSweep run_dc(const std::string& deck, const std::string& source, double from, 
 Transient run_transient(const std::string& deck, const std::vector<std::string>& nodes, double step_s,
                         double stop_s, const std::string& what) {
   const Columns columns = run_columns(
-      deck, fmt::format("tran {} {} 0 {}", spice_number(step_s), spice_number(stop_s), spice_number(step_s)),
+      deck, fmt::format("tran {} {} 0 {}", plain_number(step_s), plain_number(stop_s), plain_number(step_s)),
       voltages(nodes), what);
   if (columns.first.back() < stop_s * (1.0 - 1e-6)) {
     throw InputError(fmt::format("{}: ngspice stopped at {} s, expected {} s", what,
@@ -349,7 +351,7 @@ NoiseSpectrum run_noise_of_text(const std::string& library, Band band, int per_d
   const std::string deck = "noise\n" + library + "Vin in 0 dc 0 ac 1\nXc in out compensator\n";
   const Columns columns = run_columns(deck,
                                       fmt::format("noise v(out) Vin dec {} {} {}\nsetplot noise1", per_decade,
-                                                  spice_number(band.from.value), spice_number(band.to.value)),
+                                                  plain_number(band.from.value), plain_number(band.to.value)),
                                       {"onoise_spectrum"}, what);
   NoiseSpectrum out;
   for (const double f : columns.first) out.grid.push_back(Hertz{f});
@@ -357,4 +359,4 @@ NoiseSpectrum run_noise_of_text(const std::string& library, Band band, int per_d
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::spice

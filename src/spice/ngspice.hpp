@@ -8,7 +8,7 @@
 #include "base/units.hpp"
 #include "lti/frequency_grid.hpp"
 
-namespace bodesmith {
+namespace bodesmith::spice {
 
 /// Whether an ngspice program is found on PATH (or named by the environment variable BODESMITH_NGSPICE).
 bool ngspice_available();
@@ -75,4 +75,4 @@ struct NoiseSpectrum {
 NoiseSpectrum run_noise_of_text(const std::string& library, Band band, int per_decade,
                                 const std::string& what);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::spice

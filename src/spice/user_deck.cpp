@@ -12,7 +12,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 
-namespace bodesmith {
+namespace bodesmith::spice {
 namespace {
 
 std::string lower(std::string_view text) {
@@ -200,4 +200,4 @@ UserDeck read_user_deck(const std::filesystem::path& path, const std::string& no
   return Reader(path, node).read();
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::spice

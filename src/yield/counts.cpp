@@ -4,9 +4,9 @@
 #include <cstring>
 #include <limits>
 
-namespace bodesmith {
+namespace bodesmith::yield {
 
-YieldCounts::YieldCounts(const YieldResult& shape) {
+Counts::Counts(const Result& shape) {
   const auto range = [&](const Histogram& h) {
     low_.push_back(h.low);
     per_bin_.push_back(kBins / (h.high - h.low));
@@ -23,7 +23,7 @@ YieldCounts::YieldCounts(const YieldResult& shape) {
   greatest_.assign(histograms_, -std::numeric_limits<double>::infinity());
 }
 
-void YieldCounts::merge(const YieldCounts& other) {
+void Counts::merge(const Counts& other) {
   for (size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
   for (size_t i = 0; i < histograms_; ++i) {
     least_[i] = std::min(least_[i], other.least_[i]);
@@ -33,7 +33,7 @@ void YieldCounts::merge(const YieldCounts& other) {
   within_ += other.within_;
 }
 
-void YieldCounts::gather(const Team& team) {
+void Counts::gather(const Team& team) {
   if (team.size() == 1) return;
   std::vector<std::uint64_t> whole = {samples_, within_};
   team.add_up(whole);
@@ -44,7 +44,7 @@ void YieldCounts::gather(const Team& team) {
   within_ = whole[1];
 }
 
-void YieldCounts::put_into(YieldResult& result) const {
+void Counts::put_into(Result& result) const {
   const auto put = [&](Histogram& h, size_t index) {
     const auto begin = counts_.begin() + static_cast<std::ptrdiff_t>(index * kBins);
     h.counts.assign(begin, begin + kBins);
@@ -61,7 +61,7 @@ void YieldCounts::put_into(YieldResult& result) const {
   result.within = within_;
 }
 
-std::string YieldCounts::bytes() const {
+std::string Counts::bytes() const {
   std::string out;
   const auto put = [&](const void* from, size_t size) { out.append(static_cast<const char*>(from), size); };
   put(&samples_, sizeof samples_);
@@ -72,7 +72,7 @@ std::string YieldCounts::bytes() const {
   return out;
 }
 
-bool YieldCounts::from_bytes(std::string_view bytes) {
+bool Counts::from_bytes(std::string_view bytes) {
   if (bytes.size() !=
       2 * sizeof samples_ + counts_.size() * sizeof(std::uint64_t) + 2 * histograms_ * sizeof(double)) {
     return false;
@@ -89,44 +89,4 @@ bool YieldCounts::from_bytes(std::string_view bytes) {
   return true;
 }
 
-YieldSensitivity yield_sensitivity(const YieldDesign& design, const YieldOptions& options) {
-  YieldSensitivity out;
-  std::vector<double> values;
-  for (const YieldPart& part : design.parts) values.push_back(part.nominal);
-  constexpr double kStep = 1e-4;
-  for (size_t i = 0; i < design.parts.size(); ++i) {
-    const YieldPart& part = design.parts[i];
-    std::vector<double> db, deg;
-    for (const Hertz f : options.grid) {
-      values[i] = part.nominal * (1.0 + kStep);
-      const std::complex<double> up = design.response(f, values);
-      values[i] = part.nominal * (1.0 - kStep);
-      const std::complex<double> ratio = up / design.response(f, values);
-      const double per_percent = 0.01 / (2.0 * kStep);
-      // A null of the response has no slope in dB.
-      const bool finite = std::isfinite(ratio.real()) && std::isfinite(ratio.imag()) && std::abs(ratio) > 0.0;
-      db.push_back(finite ? to_decibel(std::abs(ratio)) * per_percent : 0.0);
-      deg.push_back(finite ? to_degrees(std::arg(ratio)) * per_percent : 0.0);
-    }
-    values[i] = part.nominal;
-    out.db_per_percent.push_back(std::move(db));
-    out.deg_per_percent.push_back(std::move(deg));
-    const Spread& spread = options.spread;
-    const double kelvin =
-        std::max(std::abs(spread.temperature_low_c - 25.0), std::abs(spread.temperature_high_c - 25.0));
-    switch (part.kind) {
-      case YieldPart::Kind::resistor:
-        out.limit_percent.push_back(spread.resistor_percent + spread.resistor_ppm_per_k * kelvin * 1e-4);
-        break;
-      case YieldPart::Kind::capacitor:
-        out.limit_percent.push_back(spread.capacitor_percent + spread.capacitor_ppm_per_k * kelvin * 1e-4);
-        break;
-      case YieldPart::Kind::switched_capacitor:
-        out.limit_percent.push_back(3.0 * spread.unit_capacitor_percent / std::sqrt(part.nominal));
-        break;
-    }
-  }
-  return out;
-}
-
-}  // namespace bodesmith
+}  // namespace bodesmith::yield

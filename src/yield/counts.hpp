@@ -6,16 +6,16 @@
 
 #include "yield/yield.hpp"
 
-namespace bodesmith {
+namespace bodesmith::yield {
 
 /// Everything that samples are counted into: one histogram of dB and one of degrees a frequency, one each of
 /// the worst over the grid, and how many stayed within the limits.
-class YieldCounts {
+class Counts {
  public:
   static constexpr int kBins = 8192;
 
   /// Ranges are those of `shape`.
-  explicit YieldCounts(const YieldResult& shape);
+  explicit Counts(const Result& shape);
 
   /// Adds one sample's deviations; `stride` between frequencies.
   void add(std::size_t i, double decibel, double degrees) {
@@ -28,10 +28,10 @@ class YieldCounts {
     within_ += within ? 1 : 0;
     ++samples_;
   }
-  void merge(const YieldCounts& other);
+  void merge(const Counts& other);
   /// Sums over the team, on the leader.
   void gather(const Team& team);
-  void put_into(YieldResult& result) const;
+  void put_into(Result& result) const;
 
   std::uint64_t samples() const { return samples_; }
   /// Bytes of a checkpoint, and back; false when they do not fit.
@@ -55,12 +55,4 @@ class YieldCounts {
   std::uint64_t within_ = 0;
 };
 
-/// Sensitivities d ln H / d ln part by central differences: ranges, worst case and ranking without chance.
-struct YieldSensitivity {
-  std::vector<std::vector<double>> db_per_percent;  ///< [part][frequency]
-  std::vector<std::vector<double>> deg_per_percent;
-  std::vector<double> limit_percent;  ///< of each part (three standard deviations where there is no limit)
-};
-YieldSensitivity yield_sensitivity(const YieldDesign& design, const YieldOptions& options);
-
-}  // namespace bodesmith
+}  // namespace bodesmith::yield

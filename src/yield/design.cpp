@@ -8,12 +8,12 @@
 #include "base/error.hpp"
 #include "circuit/realization.hpp"
 
-namespace bodesmith {
+namespace bodesmith::yield {
 namespace {
 
 using Complex = std::complex<double>;
 
-Complex variable(const YieldStage& stage, Hertz f) {
+Complex variable(const Stage& stage, Hertz f) {
   if (stage.clock_hz == 0.0) return {0.0, f.rad_s().value};
   return 1.0 - std::polar(1.0, -f.rad_s().value / stage.clock_hz);
 }
@@ -24,7 +24,7 @@ std::array<double, 3> in_v(const std::vector<double>& z) {
   return {c0 + c1 + c2, -c1 - 2.0 * c2, c2};
 }
 
-Biquad from_z(const Node& cam) {
+circuit::Biquad from_z(const Node& cam) {
   const std::vector<double> numerator = cam.at("z_numerator").numbers(),
                             denominator = cam.at("z_denominator").numbers();
   if (numerator.empty() || numerator.size() > 3)
@@ -36,7 +36,7 @@ Biquad from_z(const Node& cam) {
 }
 
 /// Same transfer up to a common factor.
-bool same(const Biquad& a, const Biquad& b) {
+bool same(const circuit::Biquad& a, const circuit::Biquad& b) {
   for (const double w : {0.01, 0.3, 1.0, 2.0}) {
     const Complex v = 1.0 - std::polar(1.0, -w);
     const Complex x = a.response(v), y = b.response(v);
@@ -49,7 +49,7 @@ class PlanReader {
  public:
   explicit PlanReader(std::string name) { out_.name = std::move(name); }
 
-  YieldDesign read(const Node& plan) {
+  Design read(const Node& plan) {
     plan.expect_schema("fpaa_plan");
     double low = INFINITY, high = 0.0;
     for (const Node& chip : plan.at("chips").items()) {
@@ -72,41 +72,44 @@ class PlanReader {
 
  private:
   void read_cam(const Node& cam, const std::string& name) {
-    YieldStage stage;
+    Stage stage;
     stage.name = name;
     stage.clock_hz = cam.at("clock_a_hz").positive();
-    stage.first_part = static_cast<int>(out_.parts.size());
+    stage.first_part = out_.parts.size();
     std::vector<std::string> names;
     for (const auto& [key, value] : cam.at("capacitors").members()) {
       names.push_back(key);
-      out_.parts.push_back({name + "." + key, YieldPart::Kind::switched_capacitor, value.positive()});
+      out_.parts.push_back({name + "." + key, Part::Kind::switched_capacitor, value.positive()});
     }
-    stage.part_count = static_cast<int>(names.size());
-    const Biquad nominal = from_z(cam);
+    stage.part_count = names.size();
+    const circuit::Biquad nominal = from_z(cam);
     const auto at = [&](const char* key) {
       return static_cast<size_t>(std::find(names.begin(), names.end(), key) - names.begin());
     };
     const size_t none = names.size();
     if (at("Ca") < none && at("Cb") < none && at("Cc") < none && at("Cd") < none && none == 4) {
       const size_t a = at("Ca"), b = at("Cb"), c = at("Cc"), d = at("Cd");
-      stage.transfer = [=](std::span<const double> v) { return Biquad{-v[a], -v[b], 0.0, v[c], v[d], 0.0}; };
+      stage.transfer = [=](std::span<const double> v) {
+        return circuit::Biquad{-v[a], -v[b], 0.0, v[c], v[d], 0.0};
+      };
       out_.poles += 1;
     } else if (at("Cin") < none && at("Cout") < none && at("Cint") < none && none == 3) {
       const size_t i = at("Cin"), o = at("Cout"), t = at("Cint");
-      stage.transfer = [=](std::span<const double> v) { return Biquad{-v[i], 0.0, 0.0, v[o], v[t], 0.0}; };
+      stage.transfer = [=](std::span<const double> v) {
+        return circuit::Biquad{-v[i], 0.0, 0.0, v[o], v[t], 0.0};
+      };
       out_.poles += 1;
     } else {
       // Which capacitor makes what is not in the plan: the gain as the ratio of two of them.
       if (names.empty()) {
         stage.transfer = [=](std::span<const double>) { return nominal; };
       } else {
-        const double ratio = names.size() > 1
-                                 ? out_.parts[static_cast<size_t>(stage.first_part)].nominal /
-                                       out_.parts[static_cast<size_t>(stage.first_part) + 1].nominal
-                                 : out_.parts[static_cast<size_t>(stage.first_part)].nominal;
+        const double ratio =
+            names.size() > 1 ? out_.parts[stage.first_part].nominal / out_.parts[stage.first_part + 1].nominal
+                             : out_.parts[stage.first_part].nominal;
         stage.transfer = [=](std::span<const double> v) {
           const double now = (v.size() > 1 ? v[0] / v[1] : v[0]) / ratio;
-          Biquad h = nominal;
+          circuit::Biquad h = nominal;
           h.b0 *= now;
           h.b1 *= now;
           h.b2 *= now;
@@ -117,8 +120,8 @@ class PlanReader {
       out_.poles += nominal.a2 != 0.0 ? 2 : (nominal.a1 != 0.0 ? 1 : 0);
     }
     std::vector<double> values;
-    for (int i = 0; i < stage.part_count; ++i) {
-      values.push_back(out_.parts[static_cast<size_t>(stage.first_part + i)].nominal);
+    for (std::size_t i = 0; i < stage.part_count; ++i) {
+      values.push_back(out_.parts[stage.first_part + i].nominal);
     }
     if (!same(stage.transfer(values), nominal)) {
       cam.at("capacitors")
@@ -129,41 +132,41 @@ class PlanReader {
     out_.stages.push_back(std::move(stage));
   }
 
-  YieldDesign out_;
+  Design out_;
 };
 
 }  // namespace
 
-Complex YieldDesign::response(Hertz f, std::span<const double> values) const {
+Complex Design::response(Hertz f, std::span<const double> values) const {
   Complex h = 1.0;
-  for (const YieldStage& stage : stages) {
-    h *= stage
-             .transfer(
-                 values.subspan(static_cast<size_t>(stage.first_part), static_cast<size_t>(stage.part_count)))
-             .response(variable(stage, f));
+  for (const Stage& stage : stages) {
+    h *= stage.transfer(values.subspan(stage.first_part, stage.part_count)).response(variable(stage, f));
   }
   return h;
 }
 
-Complex YieldDesign::nominal(Hertz f) const {
-  std::vector<double> values;
-  for (const YieldPart& part : parts) values.push_back(part.nominal);
-  return response(f, values);
+std::vector<double> Design::nominal_values() const {
+  std::vector<double> out;
+  for (const Part& part : parts) out.push_back(part.nominal);
+  return out;
 }
 
-YieldDesign yield_design(const Realised& realised, const Sections& wanted, std::string name) {
-  YieldDesign out;
+Complex Design::nominal(Hertz f) const {
+  return response(f, nominal_values());
+}
+
+Design design_of_circuit(const circuit::Realised& realised, const Sections& wanted, std::string name) {
+  Design out;
   out.name = std::move(name);
-  for (const Part& part : realised.circuit.parts) {
+  for (const circuit::Part& part : realised.circuit.parts) {
     out.parts.push_back(
-        {part.name,
-         part.kind == Part::Kind::resistor ? YieldPart::Kind::resistor : YieldPart::Kind::capacitor,
+        {part.name, part.kind == circuit::Part::Kind::resistor ? Part::Kind::resistor : Part::Kind::capacitor,
          part.realised});
   }
   for (size_t i = 0; i < realised.circuit.stages.size(); ++i) {
-    const Stage& stage = realised.circuit.stages[i];
+    const circuit::Stage& stage = realised.circuit.stages[i];
     if (!stage.form) throw DesignError("tolerance statistics are for op-amp RC forms, not for ladders");
-    YieldStage one;
+    Stage one;
     one.name = fmt::format("stage{}", i + 1);
     one.first_part = stage.first_part;
     one.part_count = stage.part_count;
@@ -178,12 +181,12 @@ YieldDesign yield_design(const Realised& realised, const Sections& wanted, std::
   return out;
 }
 
-YieldDesign yield_design_of_plan(const Node& plan, std::string name) {
-  YieldDesign out = PlanReader(std::move(name)).read(plan);
+Design design_of_plan(const Node& plan, std::string name) {
+  Design out = PlanReader(std::move(name)).read(plan);
   // The nominal response is fixed here: a copy of what it needs, not of itself.
-  auto fixed = std::make_shared<YieldDesign>(out);
+  auto fixed = std::make_shared<Design>(out);
   out.reference = [fixed](Hertz f) { return fixed->nominal(f); };
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::yield

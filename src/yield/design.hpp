@@ -10,10 +10,10 @@
 #include "circuit/realise.hpp"
 #include "lti/frequency_grid.hpp"
 
-namespace bodesmith {
+namespace bodesmith::yield {
 
 /// A part as statistics see it.
-struct YieldPart {
+struct Part {
   enum class Kind { resistor, capacitor, switched_capacitor };
   std::string name;
   Kind kind = Kind::resistor;
@@ -22,37 +22,38 @@ struct YieldPart {
 
 /// A stage whose transfer is a ratio of two quadratics in v with coefficients made by its parts. v = s, or,
 /// for a switched-capacitor stage clocked at f, v = 1 - exp(-s/f).
-struct YieldStage {
+struct Stage {
   std::string name;
-  int first_part = 0;
-  int part_count = 0;
+  std::size_t first_part = 0;
+  std::size_t part_count = 0;
   double clock_hz = 0.0;  ///< 0: v = s
-  std::function<Biquad(std::span<const double>)> transfer;
+  std::function<circuit::Biquad(std::span<const double>)> transfer;
 };
 
 /// What a yield run needs to know of a design: op-amp RC or FPAA.
-struct YieldDesign {
+struct Design {
   std::string name;
-  std::vector<YieldPart> parts;
-  std::vector<YieldStage> stages;
+  std::vector<Part> parts;
+  std::vector<Stage> stages;
   std::function<std::complex<double>(Hertz)> reference;  ///< deviations are counted from here
   std::string reference_name;                            ///< "sections" or "nominal"
   Band band;
   int poles = 0;
   std::vector<std::string> notes;
 
+  std::vector<double> nominal_values() const;
   std::complex<double> response(Hertz f, std::span<const double> values) const;
   std::complex<double> nominal(Hertz f) const;
 };
 
 /// Ideal op-amps; deviations from the sections. The band is that of the corners, or as given.
-YieldDesign yield_design(const Realised& realised, const Sections& wanted, std::string name);
+Design design_of_circuit(const circuit::Realised& realised, const Sections& wanted, std::string name);
 /// The CAMs of a plan.json (`bodesmith.fpaa_plan/1`): pole-zero and low-pass FilterBilinear by their
 /// capacitors,
 ///   H = -(Ca + Cb v)/(Cc + Cd v)  and  H = -Cin/(Cout + Cint v),  v = 1 - 1/z,
 /// other CAMs with two or more capacitors as a gain whose ratio of two capacitors may be off. Deviations from
 /// the plan's own nominal response. A plan whose capacitors do not make its z-domain coefficients is an error
 /// (file and line).
-YieldDesign yield_design_of_plan(const Node& plan, std::string name);
+Design design_of_plan(const Node& plan, std::string name);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::yield

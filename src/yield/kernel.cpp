@@ -4,22 +4,22 @@
 
 #include "numeric/random.hpp"
 
-namespace bodesmith {
+namespace bodesmith::yield {
 namespace {
 
 using Complex = std::complex<double>;
 
-bool first_order(const Biquad& h) {
+bool first_order(const circuit::Biquad& h) {
   return h.b2 == 0.0 && h.a2 == 0.0;
 }
 
-double relative_scale(const YieldPart& part, const Spread& spread) {
+double relative_scale(const Part& part, const Spread& spread) {
   switch (part.kind) {
-    case YieldPart::Kind::resistor:
+    case Part::Kind::resistor:
       return spread.resistor_percent / 100.0;
-    case YieldPart::Kind::capacitor:
+    case Part::Kind::capacitor:
       return spread.capacitor_percent / 100.0;
-    case YieldPart::Kind::switched_capacitor:
+    case Part::Kind::switched_capacitor:
       return spread.unit_capacitor_percent / 100.0 / std::sqrt(part.nominal);
   }
   return 0.0;
@@ -27,20 +27,18 @@ double relative_scale(const YieldPart& part, const Spread& spread) {
 
 }  // namespace
 
-YieldKernel::YieldKernel(const YieldDesign& design, const YieldOptions& options)
-    : design_(design), options_(options) {
-  for (const YieldPart& part : design.parts) {
+Kernel::Kernel(const Design& design, const Options& options) : design_(design), options_(options) {
+  for (const Part& part : design.parts) {
     values_.push_back(part.nominal);
     scale_.push_back(relative_scale(part, options.spread));
-    ppm_.push_back(part.kind == YieldPart::Kind::resistor    ? options.spread.resistor_ppm_per_k * 1e-6
-                   : part.kind == YieldPart::Kind::capacitor ? options.spread.capacitor_ppm_per_k * 1e-6
-                                                             : 0.0);
+    ppm_.push_back(part.kind == Part::Kind::resistor    ? options.spread.resistor_ppm_per_k * 1e-6
+                   : part.kind == Part::Kind::capacitor ? options.spread.capacitor_ppm_per_k * 1e-6
+                                                        : 0.0);
   }
   warm_ = options.spread.temperature_low_c != 25.0 || options.spread.temperature_high_c != 25.0;
   for (int i = 0; i < static_cast<int>(design.stages.size()); ++i) {
-    const YieldStage& stage = design.stages[static_cast<size_t>(i)];
-    const Biquad h = stage.transfer(std::span(values_).subspan(static_cast<size_t>(stage.first_part),
-                                                               static_cast<size_t>(stage.part_count)));
+    const Stage& stage = design.stages[static_cast<size_t>(i)];
+    const circuit::Biquad h = stage.transfer(std::span(values_).subspan(stage.first_part, stage.part_count));
     Pair* open = nullptr;
     if (first_order(h)) {
       for (Pair& pair : pairs_) {
@@ -75,15 +73,15 @@ YieldKernel::YieldKernel(const YieldDesign& design, const YieldOptions& options)
   }
 }
 
-void YieldKernel::draw(std::uint64_t sample) {
+void Kernel::draw(std::uint64_t sample) {
   const Spread& spread = options_.spread;
   const size_t n = values_.size();
   for (size_t i = 0; i < n; i += 2) {
     const auto u = uniform_pair(options_.seed, sample, static_cast<std::uint32_t>(i / 2));
     for (size_t k = 0; k < 2 && i + k < n; ++k) {
-      const YieldPart& part = design_.parts[i + k];
+      const Part& part = design_.parts[i + k];
       double unit = 0.0;
-      if (part.kind == YieldPart::Kind::switched_capacitor) {
+      if (part.kind == Part::Kind::switched_capacitor) {
         unit = spread.kind == Spread::Kind::corners ? (u[k] < 0.5 ? -spread.sigmas : spread.sigmas)
                                                     : normal_quantile(u[k]);
       } else if (spread.kind == Spread::Kind::uniform) {
@@ -108,16 +106,15 @@ void YieldKernel::draw(std::uint64_t sample) {
   }
 }
 
-void YieldKernel::coefficients(int lane) {
+void Kernel::coefficients(int lane) {
   const auto transfer = [&](int index) {
-    const YieldStage& stage = design_.stages[static_cast<size_t>(index)];
-    return stage.transfer(std::span(values_).subspan(static_cast<size_t>(stage.first_part),
-                                                     static_cast<size_t>(stage.part_count)));
+    const Stage& stage = design_.stages[static_cast<size_t>(index)];
+    return stage.transfer(std::span(values_).subspan(stage.first_part, stage.part_count));
   };
   for (size_t p = 0; p < pairs_.size(); ++p) {
-    Biquad h = transfer(pairs_[p].first);
+    circuit::Biquad h = transfer(pairs_[p].first);
     if (pairs_[p].second >= 0) {
-      const Biquad g = transfer(pairs_[p].second);
+      const circuit::Biquad g = transfer(pairs_[p].second);
       h = {h.b0 * g.b0, h.b0 * g.b1 + h.b1 * g.b0, h.b1 * g.b1,
            h.a0 * g.a0, h.a0 * g.a1 + h.a1 * g.a0, h.a1 * g.a1};
     }
@@ -132,7 +129,7 @@ void YieldKernel::coefficients(int lane) {
   }
 }
 
-void YieldKernel::evaluate(std::uint64_t first, int count) {
+void Kernel::evaluate(std::uint64_t first, int count) {
   for (int lane = 0; lane < count; ++lane) {
     draw(first + static_cast<std::uint64_t>(lane));
     coefficients(lane);
@@ -192,4 +189,4 @@ void YieldKernel::evaluate(std::uint64_t first, int count) {
   }
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::yield

@@ -5,14 +5,14 @@
 
 #include "yield/yield.hpp"
 
-namespace bodesmith {
+namespace bodesmith::yield {
 
 /// Evaluates blocks of samples. One a thread; allocates in the constructor only.
-class YieldKernel {
+class Kernel {
  public:
   static constexpr int kBlock = 64;
 
-  YieldKernel(const YieldDesign& design, const YieldOptions& options);
+  Kernel(const Design& design, const Options& options);
 
   /// Samples [first, first + count), count <= kBlock.
   void evaluate(std::uint64_t first, int count);
@@ -30,8 +30,8 @@ class YieldKernel {
   void draw(std::uint64_t sample);
   void coefficients(int lane);
 
-  const YieldDesign& design_;
-  const YieldOptions& options_;
+  const Design& design_;
+  const Options& options_;
   std::vector<Pair> pairs_;
   std::vector<double> values_;
   std::vector<double> scale_;  ///< tolerance (or standard deviation) of each part, relative
@@ -44,4 +44,4 @@ class YieldKernel {
   std::vector<double> decibel_, degrees_;            ///< [frequency][lane]
 };
 
-}  // namespace bodesmith
+}  // namespace bodesmith::yield

@@ -8,7 +8,7 @@
 
 #include "base/error.hpp"
 
-namespace bodesmith {
+namespace bodesmith::yield {
 namespace {
 
 bool started_by_mpirun() {
@@ -81,4 +81,4 @@ std::unique_ptr<Team> join_team() {
       "started by mpirun, but built without MPI; expected an MPI library when bodesmith was configured");
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::yield

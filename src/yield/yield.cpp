@@ -16,8 +16,9 @@
 #include "base/text.hpp"
 #include "yield/counts.hpp"
 #include "yield/kernel.hpp"
+#include "yield/sensitivity.hpp"
 
-namespace bodesmith {
+namespace bodesmith::yield {
 namespace {
 
 constexpr std::uint64_t kChunk = 1024;        // samples a thread takes at a time
@@ -25,7 +26,7 @@ constexpr std::uint64_t kRound = 128 * 1024;  // samples between two looks at th
 constexpr double kFar = 400.0;                // dB: a null of the response
 constexpr std::string_view kMagic = "bodesmith yield checkpoint 1\n";
 
-void check(const YieldDesign& design, const YieldOptions& options) {
+void check(const Design& design, const Options& options) {
   if (options.samples == 0) throw InputError("yield of 0 samples was asked for, expected at least 1");
   if (options.grid.empty()) throw InputError("yield at no frequency was asked for, expected at least 1");
   const Spread& s = options.spread;
@@ -47,11 +48,11 @@ void check(const YieldDesign& design, const YieldOptions& options) {
 }
 
 /// Ranges of the histograms from the sensitivities; worst case and ranking.
-YieldResult empty_result(const YieldDesign& design, const YieldOptions& options) {
-  YieldResult out;
+Result empty_result(const Design& design, const Options& options) {
+  Result out;
   out.name = design.name;
   out.grid = options.grid;
-  const YieldSensitivity s = yield_sensitivity(design, options);
+  const Sensitivity s = sensitivity_of(design, options);
   // Twice the first-order worst case: far enough for six standard deviations and for curvature.
   constexpr double kRoom = 2.0;
   double worst_db = 0.0, worst_deg = 0.0, largest_variance = -1.0;
@@ -99,8 +100,8 @@ YieldResult empty_result(const YieldDesign& design, const YieldOptions& options)
   return out;
 }
 
-void count_block(const YieldKernel& kernel, const YieldOptions& options, int count, YieldCounts& counts) {
-  double worst_db[YieldKernel::kBlock] = {}, worst_deg[YieldKernel::kBlock] = {};
+void count_block(const Kernel& kernel, const Options& options, int count, Counts& counts) {
+  double worst_db[Kernel::kBlock] = {}, worst_deg[Kernel::kBlock] = {};
   for (size_t i = 0; i < options.grid.size(); ++i) {
     const double* const db = kernel.decibel(i);
     const double* const deg = kernel.degrees(i);
@@ -119,8 +120,8 @@ void count_block(const YieldKernel& kernel, const YieldOptions& options, int cou
 }
 
 /// Samples [first, last) of this process: every size()-th chunk from rank() on.
-void run_round(std::vector<YieldKernel>& kernels, std::vector<YieldCounts>& counts,
-               const YieldOptions& options, std::uint64_t first, std::uint64_t last, const Team& team) {
+void run_round(std::vector<Kernel>& kernels, std::vector<Counts>& counts, const Options& options,
+               std::uint64_t first, std::uint64_t last, const Team& team) {
   std::atomic<std::uint64_t> next{static_cast<std::uint64_t>(team.rank())};
   const auto work = [&](size_t thread) {
     for (;;) {
@@ -128,8 +129,8 @@ void run_round(std::vector<YieldKernel>& kernels, std::vector<YieldCounts>& coun
       const std::uint64_t begin = first + chunk * kChunk;
       if (begin >= last || interrupted()) return;
       const std::uint64_t end = std::min(begin + kChunk, last);
-      for (std::uint64_t at = begin; at < end; at += YieldKernel::kBlock) {
-        const int count = static_cast<int>(std::min<std::uint64_t>(YieldKernel::kBlock, end - at));
+      for (std::uint64_t at = begin; at < end; at += Kernel::kBlock) {
+        const int count = static_cast<int>(std::min<std::uint64_t>(Kernel::kBlock, end - at));
         kernels[thread].evaluate(at, count);
         count_block(kernels[thread], options, count, counts[thread]);
       }
@@ -141,13 +142,13 @@ void run_round(std::vector<YieldKernel>& kernels, std::vector<YieldCounts>& coun
   for (std::thread& thread : others) thread.join();
 }
 
-std::string checkpoint_key(const YieldDesign& design, const YieldOptions& options) {
+std::string checkpoint_key(const Design& design, const Options& options) {
   return sha256_hex(fmt::format("{}|{}|{}|{}|{}", options.job, design.name, options.samples, options.seed,
                                 options.grid.size()));
 }
 
 /// Where to go on, with the counts so far; 0 when there is nothing (valid) to take up.
-std::uint64_t take_up(const YieldDesign& design, const YieldOptions& options, YieldCounts& counts) {
+std::uint64_t take_up(const Design& design, const Options& options, Counts& counts) {
   std::error_code ignored;
   if (options.checkpoint.empty() || !std::filesystem::exists(options.checkpoint, ignored)) return 0;
   const std::string text = read_file(options.checkpoint);
@@ -176,10 +177,10 @@ double Histogram::quantile(double p) const {
   return greatest;
 }
 
-YieldResult run_yield_of(const YieldDesign& design, const YieldOptions& options, const Team& team) {
+Result run_monte_carlo(const Design& design, const Options& options, const Team& team) {
   check(design, options);
-  YieldResult result = empty_result(design, options);
-  YieldCounts total(result);  // of this process; the leader's holds what a checkpoint gave
+  Result result = empty_result(design, options);
+  Counts total(result);  // of this process; the leader's holds what a checkpoint gave
   std::uint64_t done = team.leads() ? take_up(design, options, total) : 0;
   done = team.from_leader(done);
 
@@ -188,9 +189,9 @@ YieldResult run_yield_of(const YieldDesign& design, const YieldOptions& options,
     threads = team.size() > 1 ? 1 : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
   const std::uint64_t chunks = (options.samples - std::min(done, options.samples) + kChunk - 1) / kChunk;
   threads = static_cast<int>(std::clamp<std::uint64_t>(chunks, 1, static_cast<std::uint64_t>(threads)));
-  std::vector<YieldKernel> kernels;
+  std::vector<Kernel> kernels;
   kernels.reserve(static_cast<size_t>(threads));
-  std::vector<YieldCounts> counts;
+  std::vector<Counts> counts;
   for (int t = 0; t < threads; ++t) {
     kernels.emplace_back(design, options);
     counts.emplace_back(result);
@@ -198,7 +199,7 @@ YieldResult run_yield_of(const YieldDesign& design, const YieldOptions& options,
 
   Stopwatch since;
   double kept_at = 0.0;
-  YieldCounts whole = total;
+  Counts whole = total;
   while (done < options.samples) {
     const std::uint64_t last = std::min(done + kRound, options.samples);
     run_round(kernels, counts, options, done, last, team);
@@ -211,7 +212,7 @@ YieldResult run_yield_of(const YieldDesign& design, const YieldOptions& options,
     const bool keep = team.from_leader(since.seconds() - kept_at > 0.5 ? 1 : 0) != 0;
     if (!keep) continue;
     whole = total;
-    for (const YieldCounts& one : counts) whole.merge(one);
+    for (const Counts& one : counts) whole.merge(one);
     whole.gather(team);
     if (team.leads()) {
       write_file(options.checkpoint,
@@ -219,7 +220,7 @@ YieldResult run_yield_of(const YieldDesign& design, const YieldOptions& options,
     }
     kept_at = since.seconds();
   }
-  for (const YieldCounts& one : counts) total.merge(one);
+  for (const Counts& one : counts) total.merge(one);
   total.gather(team);
   total.put_into(result);
   if (team.leads() && !options.checkpoint.empty()) {
@@ -229,9 +230,8 @@ YieldResult run_yield_of(const YieldDesign& design, const YieldOptions& options,
   return result;
 }
 
-std::vector<Purchase> tolerances_to_buy(const YieldDesign& design, const YieldOptions& options,
-                                        double limit_db) {
-  YieldOptions trial = options;
+std::vector<Purchase> tolerances_to_buy(const Design& design, const Options& options, double limit_db) {
+  Options trial = options;
   trial.samples = 4096;
   trial.checkpoint.clear();
   trial.progress = nullptr;
@@ -241,7 +241,7 @@ std::vector<Purchase> tolerances_to_buy(const YieldDesign& design, const YieldOp
     for (const double capacitor : {10.0, 5.0, 2.0, 1.0, 0.5}) {
       trial.spread.resistor_percent = resistor;
       trial.spread.capacitor_percent = capacitor;
-      const YieldResult result = run_yield_of(design, trial, alone);
+      const Result result = run_monte_carlo(design, trial, alone);
       Purchase one{resistor, capacitor, result.worst_db.quantile(0.95), false};
       one.meets = one.worst_db_95 <= limit_db;
       out.push_back(one);
@@ -256,7 +256,7 @@ std::vector<Purchase> tolerances_to_buy(const YieldDesign& design, const YieldOp
   return out;
 }
 
-Json to_json(const YieldResult& result, const YieldOptions& options) {
+Json to_json(const Result& result, const Options& options) {
   static const std::pair<const char*, double> kQuantiles[] = {
       {"p0_135", 0.00135}, {"p2_5", 0.025}, {"p50", 0.5}, {"p97_5", 0.975}, {"p99_865", 0.99865}};
   Json out;
@@ -312,4 +312,4 @@ Json to_json(const YieldResult& result, const YieldOptions& options) {
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::yield

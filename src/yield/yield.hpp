@@ -11,7 +11,7 @@
 #include "yield/design.hpp"
 #include "yield/team.hpp"
 
-namespace bodesmith {
+namespace bodesmith::yield {
 
 /// How parts differ from what is printed on them.
 struct Spread {
@@ -35,7 +35,7 @@ struct Spread {
   double unit_capacitor_percent = 0.5;
 };
 
-struct YieldOptions {
+struct Options {
   Spread spread;
   std::uint64_t samples = 100000;
   std::uint64_t seed = 1;
@@ -69,7 +69,7 @@ struct PartRank {
   double share = 0.0;  ///< of the variance of dB at the frequency where the design's variance is greatest
 };
 
-struct YieldResult {
+struct Result {
   std::string name;
   std::uint64_t samples = 0;
   std::vector<Hertz> grid;
@@ -86,7 +86,7 @@ struct YieldResult {
 /// that they are the same bit for bit for any number of threads and processes, and after an interruption.
 /// Throws Interrupted (with the checkpoint written) after Ctrl-C. Only the team's leader gets a complete
 /// result.
-YieldResult run_yield_of(const YieldDesign& design, const YieldOptions& options, const Team& team);
+Result run_monte_carlo(const Design& design, const Options& options, const Team& team);
 
 /// Tolerance classes of resistors and capacitors that can be bought, each with the 95th percentile of the
 /// worst dB.
@@ -98,10 +98,9 @@ struct Purchase {
 };
 /// What to buy so that 95 % of the circuits stay within limit_db; cheapest (largest tolerances) first among
 /// those that meet it.
-std::vector<Purchase> tolerances_to_buy(const YieldDesign& design, const YieldOptions& options,
-                                        double limit_db);
+std::vector<Purchase> tolerances_to_buy(const Design& design, const Options& options, double limit_db);
 
 /// One design's part of yield.json.
-Json to_json(const YieldResult& result, const YieldOptions& options);
+Json to_json(const Result& result, const Options& options);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::yield

@@ -5,7 +5,7 @@
 #include "circuit/realization.hpp"
 #include "circuit/response.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 using Complex = std::complex<double>;
@@ -107,4 +107,4 @@ TEST(Forms, RefusalsSayWhy) {
 }
 
 }  // namespace
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

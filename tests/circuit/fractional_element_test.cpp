@@ -4,7 +4,7 @@
 
 #include "base/error.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 const LadderForm kForms[] = {LadderForm::foster1, LadderForm::foster2, LadderForm::cauer1,
@@ -67,4 +67,4 @@ TEST(FractionalElement, RefusesWhatItCannotMake) {
 }
 
 }  // namespace
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -3,13 +3,13 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "circuit/network_of_two_terminals.hpp"
 #include "circuit/rc_ladder.hpp"
 #include "circuit/realise_ladder.hpp"
 #include "circuit/response.hpp"
+#include "circuit/two_terminal_network.hpp"
 #include "seed_sections.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 constexpr LadderForm kForms[] = {LadderForm::foster1, LadderForm::foster2, LadderForm::cauer1,
@@ -156,4 +156,4 @@ TEST(Ladder, WhatItCannotMakeIsSaid) {
 }
 
 }  // namespace
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -10,7 +10,7 @@
 #include "seed_sections.hpp"
 #include "temporary_folder.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 /// -R2/R1 around one op-amp.
@@ -100,4 +100,4 @@ TEST(OpAmpCheck, WarnsWithNumbers) {
 }
 
 }  // namespace
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -11,7 +11,7 @@
 #include "circuit/response.hpp"
 #include "seed_sections.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 using Complex = std::complex<double>;
@@ -235,4 +235,4 @@ TEST(Pairing, IsBestOverAllAssignments) {
 }
 
 }  // namespace
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -5,7 +5,7 @@
 #include "base/error.hpp"
 #include "seed_sections.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 std::string complaint(const std::string& text, bool csv) {
@@ -82,4 +82,4 @@ TEST(Stock, OnlyPartsOfTheListAreUsed) {
 }
 
 }  // namespace
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

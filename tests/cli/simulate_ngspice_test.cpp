@@ -58,7 +58,7 @@ double largest_difference(const std::vector<double>& mine, const Transient& got)
 /// Every engine against ngspice, and against the first of them; the figures stand in --gtest_output=xml.
 void expect_agreement(const Chain& chain, const std::vector<std::pair<const char*, Engine>>& engines,
                       const std::string& deck, const std::string& node, double limit) {
-  const Transient got = run_transient(deck, {node}, kStep / 4.0, kStop, "test.cir");
+  const Transient got = spice::run_transient(deck, {node}, kStep / 4.0, kStop, "test.cir");
   EXPECT_GT(got.time_s.size(), 2000u);
   std::vector<double> first;
   for (const auto& [name, engine] : engines) {
@@ -82,7 +82,7 @@ void expect_agreement(const Chain& chain, const std::vector<std::pair<const char
 
 struct SimulateAgainstNgspice : ::testing::Test {
   void SetUp() override {
-    if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+    if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
   }
 };
 

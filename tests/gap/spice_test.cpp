@@ -20,7 +20,7 @@ using hidden::Kind;
 class Measured : public testing::Test {
  protected:
   void SetUp() override {
-    if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed: nothing to measure with";
+    if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed: nothing to measure with";
   }
   static hidden::Outcome named(Kind kind, const std::string& base, const std::string& what,
                                std::uint64_t seed) {

@@ -9,7 +9,7 @@
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/timing.hpp"
 
-namespace bodesmith {
+namespace bodesmith::multiplier_layout {
 namespace {
 
 Disturbance seed_disturbance() {
@@ -26,10 +26,10 @@ double horner(const std::vector<double>& a, double x) {
 }
 
 TEST(Layout, SeedPolynomialsShareTwoMultipliers) {
-  const DisturbanceLayout layout = layout_disturbance(seed_disturbance());
+  const Layout layout = make_layout(seed_disturbance());
   EXPECT_EQ(layout.multipliers.size(), 2u);
   EXPECT_LT(layout.max_error_percent, 0.04);
-  for (const LayoutNode& node : layout.nodes) {
+  for (const NodeRange& node : layout.nodes) {
     EXPECT_LE(std::max(std::abs(node.lowest_v), std::abs(node.highest_v)), 1.0 + 1e-9) << node.name;
   }
   EXPECT_TRUE(layout.warnings.empty());
@@ -41,19 +41,19 @@ TEST(Layout, MultiplierCountsByDegree) {
   for (int degree = 1; degree <= 7; ++degree) {
     std::vector<double> all(static_cast<size_t>(degree), 0.1), alone(static_cast<size_t>(degree), 0.0);
     alone.back() = 0.3;
-    LayoutOptions options;
-    options.scheme = LayoutScheme::named("shared");
-    EXPECT_EQ(layout_polynomials({{"up", all, {}}}, options).multipliers.size(),
+    Options options;
+    options.scheme = Scheme::named("shared");
+    EXPECT_EQ(make_layout_of_polynomials({{"up", all, {}}}, options).multipliers.size(),
               static_cast<size_t>(degree - 1));
-    EXPECT_EQ(layout_polynomials({{"up", alone, {}}}, options).multipliers.size(),
+    EXPECT_EQ(make_layout_of_polynomials({{"up", alone, {}}}, options).multipliers.size(),
               static_cast<size_t>(top_alone[degree]))
         << degree;
   }
 }
 
 TEST(Layout, ExactPartsMakeThePolynomialExactly) {
-  LayoutOptions options;
-  options.resistors = Series::named("exact");
+  Options options;
+  options.resistors = circuit::Series::named("exact");
   for (const std::vector<double>& a :
        std::vector<std::vector<double>>{{0.5},
                                         {-0.5},
@@ -61,20 +61,19 @@ TEST(Layout, ExactPartsMakeThePolynomialExactly) {
                                         {-0.1, -0.2, -0.3},
                                         {0, 0, 0.4},
                                         {0.3, -0.2, 0.1, 0.2, -0.15, 0.05, 0.02}}) {
-    const DisturbanceLayout layout = layout_polynomials({{"up", a, {}}, {"down", {-0.2, 0.1}, {}}}, options);
+    const Layout layout = make_layout_of_polynomials({{"up", a, {}}, {"down", {-0.2, 0.1}, {}}}, options);
     for (int i = 0; i <= 10; ++i) EXPECT_NEAR(layout.branches[0].value(i / 10.0), horner(a, i / 10.0), 1e-12);
   }
 }
 
 TEST(Layout, ABranchThatIsZeroGivesZero) {
-  const DisturbanceLayout layout =
-      layout_polynomials({{"up", {0.0, 0.0, 0.0}, {}}, {"down", {-0.2, 0.1}, {}}});
+  const Layout layout = make_layout_of_polynomials({{"up", {0.0, 0.0, 0.0}, {}}, {"down", {-0.2, 0.1}, {}}});
   EXPECT_EQ(layout.branches[0].value(0.7), 0.0);
 }
 
 TEST(Layout, EverySchemeMakesThePolynomialWithEveryNodeInFullScale) {
-  LayoutOptions options;
-  options.resistors = Series::named("exact");
+  Options options;
+  options.resistors = circuit::Series::named("exact");
   const std::vector<std::vector<double>> all = {{0.5},
                                                 {0.3, -0.2, 0.1, 0.2, -0.15, 0.05, 0.02},
                                                 {0, 0, 0, 0, 0, 0, 0.4},
@@ -84,14 +83,14 @@ TEST(Layout, EverySchemeMakesThePolynomialWithEveryNodeInFullScale) {
   for (int group = 1; group <= 7; ++group) {
     options.scheme = {group};
     for (const std::vector<double>& a : all) {
-      const DisturbanceLayout layout =
-          layout_polynomials({{"up", a, {}}, {"down", {-0.2, 0.1, 0.1}, {}}}, options);
-      for (const LayoutNode& node : layout.nodes) {
+      const Layout layout =
+          make_layout_of_polynomials({{"up", a, {}}, {"down", {-0.2, 0.1, 0.1}, {}}}, options);
+      for (const NodeRange& node : layout.nodes) {
         if (node.name == "out") continue;
         EXPECT_LE(std::max(std::abs(node.lowest_v), std::abs(node.highest_v)), 1.0 + 1e-9)
             << node.name << ", group " << group;
       }
-      const LayoutBench bench(layout);
+      const Bench bench(layout);
       for (size_t b = 0; b < 2; ++b) {
         const std::vector<double> d = bench.curve(b, {0.0, 0.3, 0.7, 1.0});
         EXPECT_NEAR(d[0], 0.0, 1e-12);
@@ -108,16 +107,16 @@ TEST(Layout, CountsOfTheSchemes) {
   for (int degree = 1; degree <= 7; ++degree) {
     const std::vector<double> a(static_cast<size_t>(degree), 0.1);
     for (size_t branches : {1u, 2u}) {
-      const DisturbanceLayout layout =
-          layout_polynomials(std::vector<LayoutPolynomial>(branches, LayoutPolynomial{"b", a, {}}));
+      const Layout layout =
+          make_layout_of_polynomials(std::vector<Polynomial>(branches, Polynomial{"b", a, {}}));
       ASSERT_EQ(layout.candidates.size(), static_cast<size_t>(degree));
-      for (const LayoutCandidate& one : layout.candidates) {
+      for (const Candidate& one : layout.candidates) {
         const int groups = (degree + one.group - 1) / one.group;
         EXPECT_EQ(one.multipliers, one.group - 1 + static_cast<int>(branches) * (groups - 1))
             << degree << " by " << one.group;
       }
       const auto chosen = std::find_if(layout.candidates.begin(), layout.candidates.end(),
-                                       [](const LayoutCandidate& one) { return one.chosen; });
+                                       [](const Candidate& one) { return one.chosen; });
       ASSERT_NE(chosen, layout.candidates.end());
       EXPECT_EQ(static_cast<int>(layout.multipliers.size()), chosen->multipliers);
     }
@@ -125,8 +124,8 @@ TEST(Layout, CountsOfTheSchemes) {
 }
 
 TEST(Layout, BranchesAreChosenInPairs) {
-  const LayoutPolynomial one{"b", {0.1, -0.1}, {}};
-  const DisturbanceLayout five = layout_polynomials(std::vector<LayoutPolynomial>(5, one));
+  const Polynomial one{"b", {0.1, -0.1}, {}};
+  const Layout five = make_layout_of_polynomials(std::vector<Polynomial>(5, one));
   EXPECT_EQ(five.select_lines(), 2);
   EXPECT_EQ(five.branch_at(0, true), 0);
   EXPECT_EQ(five.branch_at(1, false), 3);
@@ -134,7 +133,7 @@ TEST(Layout, BranchesAreChosenInPairs) {
   EXPECT_EQ(five.branch_at(2, false), 4);
   EXPECT_EQ(five.branch_at(3, true), -1);
   EXPECT_EQ(five.multipliers.size(), 1u);
-  EXPECT_EQ(layout_polynomials({one, one}).select_lines(), 0);
+  EXPECT_EQ(make_layout_of_polynomials({one, one}).select_lines(), 0);
 }
 
 TEST(Layout, AmplitudeGainsFollowTheirTable) {
@@ -142,37 +141,37 @@ TEST(Layout, AmplitudeGainsFollowTheirTable) {
   d.amplitude.alpha = {0.1, 0.25, 0.5, 0.75, 1.0};
   d.amplitude.ascending = {0.05, 0.2, 0.45, 0.7, 1.0};
   d.amplitude.descending = {0.4, 0.3, 0.5, 0.9, 0.8};
-  const DisturbanceLayout layout = layout_disturbance(d);
+  const Layout layout = make_layout(d);
   ASSERT_TRUE(layout.amplitude.has_value());
   EXPECT_LT(layout.amplitude->max_error_percent, 0.15);
-  const LayoutBench bench(layout);
+  const Bench bench(layout);
   for (const double alpha : {0.05, 0.1, 0.3, 0.62, 0.9, 1.0}) {
     EXPECT_NEAR(bench.control_v(1, alpha) / layout.amplitude->control_scale_v,
                 d.amplitude_gain(Disturbance::Branch::descending, alpha), 0.01)
         << alpha;
     EXPECT_LE(std::abs(bench.control_v(1, alpha)), 1.0);
   }
-  const LayoutBudget budget = layout_budget(layout);
+  const Budget budget = make_budget(layout);
   // Offset of a gain multiplier's output weighs U/(branch_gain control_scale) in d.
   const double percent = 100.0 * budget.errors.output_offset_v * layout.multiplier.scale_v /
                          (layout.branch_gain * layout.amplitude->control_scale_v);
   const auto line = std::find_if(budget.amplitude_lines.begin(), budget.amplitude_lines.end(),
-                                 [](const LayoutBudgetLine& one) { return one.cause == "MV1, offset of W"; });
+                                 [](const BudgetLine& one) { return one.cause == "MV1, offset of W"; });
   ASSERT_NE(line, budget.amplitude_lines.end());
   EXPECT_NEAR(line->percent[0], percent, 1e-9);
   EXPECT_GT(budget.amplitude_rss_percent[0], budget.rss_percent[0]);
 }
 
-TEST(LayoutBudget, CausesByHand) {
-  LayoutErrors errors;
+TEST(Budget, CausesByHand) {
+  ErrorLimits errors;
   errors.output_offset_v = 10e-3;
   errors.opamp_offset_v = 1e-3;
-  LayoutOptions options;
-  options.resistors = Series::named("exact");
-  const DisturbanceLayout layout = layout_disturbance(seed_disturbance(), options);
-  const LayoutBudget budget = layout_budget(layout, errors);
-  const auto cause = [&](const LayoutBudget& of, const std::string& name) {
-    for (const LayoutBudgetLine& line : of.lines) {
+  Options options;
+  options.resistors = circuit::Series::named("exact");
+  const Layout layout = make_layout(seed_disturbance(), options);
+  const Budget budget = make_budget(layout, errors);
+  const auto cause = [&](const Budget& of, const std::string& name) {
+    for (const BudgetLine& line : of.lines) {
       if (line.cause == name) return line.percent;
     }
     return std::vector<double>{};
@@ -187,10 +186,10 @@ TEST(LayoutBudget, CausesByHand) {
               1e-9);
   EXPECT_GE(budget.worst_percent[0], budget.rss_percent[0]);
   // In Horner's scheme the last product's offset is 10 mV/branch_gain of d.
-  options.scheme = LayoutScheme::named("horner");
-  const DisturbanceLayout chain = layout_disturbance(seed_disturbance(), options);
+  options.scheme = Scheme::named("horner");
+  const Layout chain = make_layout(seed_disturbance(), options);
   EXPECT_EQ(chain.multipliers.size(), 4u);
-  const auto last = cause(layout_budget(chain, errors), "Ma0, offset of W");
+  const auto last = cause(make_budget(chain, errors), "Ma0, offset of W");
   ASSERT_EQ(last.size(), 2u);
   EXPECT_NEAR(last[0], 100.0 * 0.01 / chain.branch_gain, 1e-9);
   EXPECT_EQ(last[1], 0.0);
@@ -207,14 +206,14 @@ TEST(LayoutSwitch, OneTimeConstantMakesBothDelays) {
   EXPECT_THROW(SwitchTimer::of(model), DesignError);
 }
 
-TEST(LayoutTiming, GlitchAndDetectorByHand) {
-  const DisturbanceLayout layout = layout_disturbance(seed_disturbance());
-  const LayoutTiming timing = layout_timing(layout, {Hertz{5000}});
+TEST(Timing, GlitchAndDetectorByHand) {
+  const Layout layout = make_layout(seed_disturbance());
+  const Timing timing = make_timing(layout, {Hertz{5000}});
   const double swing = layout.opamp.swing_v;
   const double rh1 = layout.part_named("Rh1")->realised, rh2 = layout.part_named("Rh2")->realised;
   EXPECT_NEAR(timing.detector.threshold_v, swing * rh1 / (rh1 + rh2), 1e-12);
   // An op-amp much faster than the gap shows the bare charge: Rg/Rin Q/C.
-  DisturbanceLayout fast = layout;
+  Layout fast = layout;
   fast.opamp.gain_bandwidth = Hertz{10e9};
   fast.analog_switch.gap_s = 5e-9;
   const double bare = fast.part(fast.output_feedback).realised / fast.part(fast.output_input).realised *
@@ -233,21 +232,21 @@ TEST(LayoutTiming, GlitchAndDetectorByHand) {
 }
 
 TEST(Layout, RefusesWhatItCannotMake) {
-  EXPECT_THROW(layout_polynomials({}), DesignError);
-  EXPECT_THROW(layout_polynomials({{"a", std::vector<double>(8, 0.1), {}}}), DesignError);
-  EXPECT_THROW(layout_polynomials({{"a", {NAN}, {}}}), DesignError);
-  EXPECT_THROW(layout_polynomials({{"a", {0.5, 1e-9}, {}}}), DesignError);
+  EXPECT_THROW(make_layout_of_polynomials({}), DesignError);
+  EXPECT_THROW(make_layout_of_polynomials({{"a", std::vector<double>(8, 0.1), {}}}), DesignError);
+  EXPECT_THROW(make_layout_of_polynomials({{"a", {NAN}, {}}}), DesignError);
+  EXPECT_THROW(make_layout_of_polynomials({{"a", {0.5, 1e-9}, {}}}), DesignError);
   // 1 V stands for d = 1: no op-amp reaches 300 V.
-  EXPECT_THROW(layout_polynomials({{"a", {300.0}, {}}}), DesignError);
-  EXPECT_THROW(LayoutScheme::named("9"), InputError);
+  EXPECT_THROW(make_layout_of_polynomials({{"a", {300.0}, {}}}), DesignError);
+  EXPECT_THROW(Scheme::named("9"), InputError);
   // With U = 0.5 V x^3 would be 4 V, beyond the multiplier's 2.5 V; Horner's products stay within.
-  LayoutOptions small;
+  Options small;
   small.multiplier.scale_v = 0.5;
-  small.scheme = LayoutScheme::named("shared");
-  EXPECT_THROW(layout_disturbance(seed_disturbance(), small), DesignError);
-  small.scheme = LayoutScheme::named("horner");
-  EXPECT_EQ(layout_disturbance(seed_disturbance(), small).multipliers.size(), 4u);
+  small.scheme = Scheme::named("shared");
+  EXPECT_THROW(make_layout(seed_disturbance(), small), DesignError);
+  small.scheme = Scheme::named("horner");
+  EXPECT_EQ(make_layout(seed_disturbance(), small).multipliers.size(), 4u);
 }
 
 }  // namespace
-}  // namespace bodesmith
+}  // namespace bodesmith::multiplier_layout

@@ -6,18 +6,19 @@
 #include "base/error.hpp"
 #include "circuit/realise.hpp"
 #include "circuit/response.hpp"
-#include "spice/check.hpp"
-#include "spice/deck_text.hpp"
+#include "circuit/text.hpp"
+#include "spice/compensator_check.hpp"
 #include "spice/emit.hpp"
 #include "spice/ngspice.hpp"
+#include "spice/opamp_macromodel.hpp"
 
-namespace bodesmith {
+namespace bodesmith::spice {
 namespace {
 
 TEST(Compensator, NgspiceAgreesWithTheNetworkAndTheSections) {
   if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
-  const Realised made = realise(seed_sections());
-  const SpiceCheck check = check_with_ngspice(made.circuit, seed_sections());
+  const circuit::Realised made = circuit::realise(seed_sections());
+  const CompensatorCheck check = check_compensator(made.circuit, seed_sections());
   EXPECT_LT(check.against_network.max_complex_percent, 1e-8);
   EXPECT_LT(check.against_sections.max_magnitude_db, 0.015);
   EXPECT_LT(check.transient_percent, 0.05);
@@ -35,15 +36,15 @@ TEST(Compensator, BiquadAndIdealOpAmps) {
   right.zeros = {{300, 0}};
   right.poles = {{-300, 0}};
   sections.sections = {peak, right};
-  RealiseOptions options;
-  options.opamp.name = "ideal";
-  const Realised made = realise(sections, options);
-  const SpiceCheck check = check_with_ngspice(made.circuit, sections, 30);
+  circuit::RealiseOptions options;
+  options.opamp = circuit::OpAmpModel::ideal();
+  const circuit::Realised made = circuit::realise(sections, options);
+  const CompensatorCheck check = check_compensator(made.circuit, sections, 30);
   EXPECT_LT(check.against_network.max_complex_percent, 1e-5);
 }
 
 TEST(Compensator, LibraryIsPortable) {
-  const std::string text = compensator_library(realise(seed_sections()).circuit, "seed");
+  const std::string text = compensator_library(circuit::realise(seed_sections()).circuit, "seed");
   EXPECT_EQ(text.find(".control"), std::string::npos);
   EXPECT_EQ(text.find(".ac"), std::string::npos);
   EXPECT_EQ(text.find('^'), std::string::npos);
@@ -61,7 +62,7 @@ TEST(Compensator, LibraryIsPortable) {
 }
 
 TEST(Compensator, ToleranceLibraryOnlyChangesTheValues) {
-  const Circuit circuit = realise(seed_sections()).circuit;
+  const circuit::Circuit circuit = circuit::realise(seed_sections()).circuit;
   const std::string plain = compensator_library(circuit, "t"),
                     spread = compensator_library_with_tolerances(circuit, "t");
   EXPECT_EQ(std::count(plain.begin(), plain.end(), '\n'), std::count(spread.begin(), spread.end(), '\n'));
@@ -70,7 +71,7 @@ TEST(Compensator, ToleranceLibraryOnlyChangesTheValues) {
 }
 
 TEST(Compensator, PartsCsvHasTheContractsColumns) {
-  const std::string text = parts_csv(realise(seed_sections()).circuit);
+  const std::string text = circuit::parts_csv(circuit::realise(seed_sections()).circuit);
   EXPECT_EQ(text.substr(0, text.find('\n')),
             "part,section,series,wanted_ohm,realised_ohm,wanted_f,realised_f");
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 41);
@@ -79,9 +80,9 @@ TEST(Compensator, PartsCsvHasTheContractsColumns) {
 // Gain-bandwidth, slew rate and swing as set (facts: 10 MHz, 20 V/us, +-14.1 V).
 TEST(OpAmpMacro, BehavesAsSet) {
   if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
-  const OpAmpModel model;
+  const circuit::OpAmpModel model;
   const std::string follower =
-      opamp_library(model) + ".subckt follower in out\nX1 in out out bodesmith_opamp\n.ends\n";
+      opamp_macromodel(model) + ".subckt follower in out\nX1 in out out bodesmith_opamp\n.ends\n";
   const auto h = run_ac_of_text(follower, "follower.sub", {Hertz{1e3}, Hertz{1e7}}, "follower");
   EXPECT_NEAR(std::abs(h[0]), 1.0, 1e-5);
   EXPECT_NEAR(std::abs(h[1]), std::sqrt(0.5), 1e-3);
@@ -114,4 +115,4 @@ TEST(Ngspice, ComplaintsNameTheFile) {
 }
 
 }  // namespace
-}  // namespace bodesmith
+}  // namespace bodesmith::spice

@@ -3,11 +3,12 @@
 
 #include "base/files.hpp"
 #include "circuit/response.hpp"
+#include "circuit/text.hpp"
 #include "run_program.hpp"
 #include "spice/emit.hpp"
 #include "spice/ngspice.hpp"
 
-namespace bodesmith {
+namespace bodesmith::spice {
 namespace {
 
 const std::filesystem::path kFolder = std::filesystem::path(BODESMITH_SOURCE_DIR) / "netlists/first_seed";
@@ -15,7 +16,7 @@ const std::filesystem::path kFolder = std::filesystem::path(BODESMITH_SOURCE_DIR
 TEST(ReferenceNetlists, PartsAreWhatTheProgramChoosesToday) {
   Provenance from;
   const Sections sections = Sections::read(kFolder / "sections.json", from);
-  EXPECT_EQ(read_file(kFolder / "parts.csv"), parts_csv(realise(sections).circuit));
+  EXPECT_EQ(read_file(kFolder / "parts.csv"), circuit::parts_csv(circuit::realise(sections).circuit));
 }
 
 TEST(ReferenceNetlists, CompensatorMeetsTheSectionsInNgspice) {
@@ -49,4 +50,4 @@ TEST(ReferenceNetlists, DecksRun) {
 }
 
 }  // namespace
-}  // namespace bodesmith
+}  // namespace bodesmith::spice

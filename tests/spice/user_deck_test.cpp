@@ -7,7 +7,7 @@
 #include "spice/ngspice.hpp"
 #include "temporary_folder.hpp"
 
-namespace bodesmith {
+namespace bodesmith::spice {
 namespace {
 
 const char* const kDeck = R"(my own low-pass
@@ -57,4 +57,4 @@ TEST(UserDeck, MistakesNameFileAndLine) {
 }
 
 }  // namespace
-}  // namespace bodesmith
+}  // namespace bodesmith::spice

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "../circuit/seed_sections.hpp"
+#include "base/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "numeric/random.hpp"
@@ -12,21 +13,21 @@
 #include "yield/counts.hpp"
 #include "yield/kernel.hpp"
 
-namespace bodesmith {
+namespace bodesmith::yield {
 namespace {
 
-YieldOptions small(std::uint64_t samples = 20000) {
-  YieldOptions options;
+Options small(std::uint64_t samples = 20000) {
+  Options options;
   options.samples = samples;
   options.grid = log_grid({Hertz{1}, Hertz{100}}, 20);
   return options;
 }
 
-YieldDesign seed_design() {
-  return yield_design(realise(seed_sections()), seed_sections(), "seed");
+Design seed_design() {
+  return design_of_circuit(circuit::realise(seed_sections()), seed_sections(), "seed");
 }
 
-std::string text_of(const YieldResult& result, const YieldOptions& options) {
+std::string text_of(const Result& result, const Options& options) {
   return to_text(to_json(result, options));
 }
 
@@ -50,36 +51,36 @@ TEST(Random, NormalQuantileInvertsTheDistribution) {
 
 // One resistor divider-like stage whose distribution is known: an inverter -R2/R1 with only R2 spread.
 TEST(Yield, UniformSpreadOfOneResistorIsItsDistribution) {
-  YieldDesign design;
+  Design design;
   design.name = "gain";
-  design.parts = {{"R2", YieldPart::Kind::resistor, 1000.0}};
-  design.stages = {
-      {"s", 0, 1, 0.0, [](std::span<const double> v) { return Biquad{v[0] / 1000.0, 0, 0, 1, 0, 0}; }}};
+  design.parts = {{"R2", Part::Kind::resistor, 1000.0}};
+  design.stages = {{"s", 0, 1, 0.0,
+                    [](std::span<const double> v) { return circuit::Biquad{v[0] / 1000.0, 0, 0, 1, 0, 0}; }}};
   design.reference = [](Hertz) { return std::complex<double>(1.0, 0.0); };
-  YieldOptions options = small(200000);
+  Options options = small(200000);
   options.spread.resistor_percent = 10.0;
   options.limit_db = to_decibel(1.05);
-  const YieldResult result = run_yield_of(design, options, Team());
+  const Result result = run_monte_carlo(design, options, Team());
   for (const double p : {0.05, 0.25, 0.5, 0.75, 0.95}) {
     EXPECT_NEAR(result.magnitude_db[3].quantile(p), to_decibel(0.9 + 0.2 * p), 0.008);
   }
   // |20 log10 u| <= 20 log10 1.05: u between 1/1.05 and 1.05.
   EXPECT_NEAR(static_cast<double>(result.within) / 200000.0, (1.05 - 1.0 / 1.05) / 0.2, 0.004);
   options.spread.kind = Spread::Kind::gaussian;
-  const YieldResult normal = run_yield_of(design, options, Team());
+  const Result normal = run_monte_carlo(design, options, Team());
   EXPECT_NEAR(normal.magnitude_db[0].quantile(0.8413447), to_decibel(1.0 + 0.1 / 3.0), 0.006);
   options.spread.kind = Spread::Kind::corners;
-  const YieldResult corners = run_yield_of(design, options, Team());
+  const Result corners = run_monte_carlo(design, options, Team());
   EXPECT_NEAR(corners.worst_db.greatest, -to_decibel(0.9), 1e-9);
   EXPECT_NEAR(corners.worst_db.least, to_decibel(1.1), 1e-9);
 }
 
 // The fast kernel against the plain complex product, sample by sample.
 TEST(Yield, KernelAgreesWithThePlainResponse) {
-  const YieldDesign design = seed_design();
-  YieldOptions options = small();
+  const Design design = seed_design();
+  Options options = small();
   options.spread.resistor_percent = options.spread.capacitor_percent = 0.0;
-  YieldKernel kernel(design, options);
+  Kernel kernel(design, options);
   kernel.evaluate(0, 3);
   for (size_t i = 0; i < options.grid.size(); ++i) {
     const auto ratio = design.nominal(options.grid[i]) / design.reference(options.grid[i]);
@@ -90,11 +91,11 @@ TEST(Yield, KernelAgreesWithThePlainResponse) {
 
 // Facts: 1 % R / 5 % C 1.68 dB, 1 % / 1 % 0.44 dB at the 95th percentile, for another choice of parts.
 TEST(Yield, SeedSectionsLoseWhatTheFactsSay) {
-  YieldOptions options = small();
-  const YieldResult wide = run_yield_of(seed_design(), options, Team());
+  Options options = small();
+  const Result wide = run_monte_carlo(seed_design(), options, Team());
   EXPECT_NEAR(wide.worst_db.quantile(0.95), 1.68, 0.12);
   options.spread.capacitor_percent = 1.0;
-  EXPECT_NEAR(run_yield_of(seed_design(), options, Team()).worst_db.quantile(0.95), 0.44, 0.03);
+  EXPECT_NEAR(run_monte_carlo(seed_design(), options, Team()).worst_db.quantile(0.95), 0.44, 0.03);
   EXPECT_LT(wide.worst_db.greatest, wide.worst_case_db * 1.1);
   double share = 0.0;
   for (const PartRank& rank : wide.ranking) share += rank.share;
@@ -102,28 +103,28 @@ TEST(Yield, SeedSectionsLoseWhatTheFactsSay) {
 }
 
 TEST(Yield, SameBytesForAnyNumberOfThreads) {
-  YieldOptions options = small(30000);
+  Options options = small(30000);
   options.spread.kind = Spread::Kind::gaussian;
   options.spread.temperature_low_c = -20.0;
   options.spread.temperature_high_c = 70.0;
   options.threads = 1;
-  const std::string one = text_of(run_yield_of(seed_design(), options, Team()), options);
+  const std::string one = text_of(run_monte_carlo(seed_design(), options, Team()), options);
   for (const int threads : {2, 3, 7}) {
     options.threads = threads;
-    EXPECT_EQ(text_of(run_yield_of(seed_design(), options, Team()), options), one) << threads;
+    EXPECT_EQ(text_of(run_monte_carlo(seed_design(), options, Team()), options), one) << threads;
   }
   options.seed = 2;
-  EXPECT_NE(text_of(run_yield_of(seed_design(), options, Team()), options), one);
+  EXPECT_NE(text_of(run_monte_carlo(seed_design(), options, Team()), options), one);
 }
 
 TEST(Yield, CountsComeBackFromACheckpoint) {
-  const YieldDesign design = seed_design();
-  YieldOptions options = small(3000);
-  const YieldResult shape = run_yield_of(design, options, Team());
-  YieldCounts a(shape);
+  const Design design = seed_design();
+  Options options = small(3000);
+  const Result shape = run_monte_carlo(design, options, Team());
+  Counts a(shape);
   a.add(3, 0.1, 2.0);
   a.add_worst(0.1, 2.0, true);
-  YieldCounts b(shape);
+  Counts b(shape);
   ASSERT_TRUE(b.from_bytes(a.bytes()));
   EXPECT_EQ(a.bytes(), b.bytes());
   EXPECT_EQ(b.samples(), 1u);
@@ -133,23 +134,23 @@ TEST(Yield, CountsComeBackFromACheckpoint) {
 // A checkpoint that does not belong to the job, or is broken, is passed over, not believed.
 TEST(Yield, AForeignCheckpointIsPassedOver) {
   const TemporaryFolder folder;
-  YieldOptions options = small(2000);
-  const std::string clean = text_of(run_yield_of(seed_design(), options, Team()), options);
+  Options options = small(2000);
+  const std::string clean = text_of(run_monte_carlo(seed_design(), options, Team()), options);
   options.checkpoint = folder / "yield.checkpoint";
   write_file(options.checkpoint, "bodesmith yield checkpoint 1\nno such job\n\x01\x02");
-  EXPECT_EQ(text_of(run_yield_of(seed_design(), options, Team()), options), clean);
+  EXPECT_EQ(text_of(run_monte_carlo(seed_design(), options, Team()), options), clean);
   EXPECT_FALSE(std::filesystem::exists(options.checkpoint));
 }
 
 TEST(Yield, ToleranceToBuyMeetsTheLimit) {
-  YieldOptions options = small();
-  const YieldDesign design = seed_design();
+  Options options = small();
+  const Design design = seed_design();
   const auto buy = tolerances_to_buy(design, options, 0.5);
   ASSERT_FALSE(buy.empty());
   ASSERT_TRUE(buy[0].meets);
   options.spread.resistor_percent = buy[0].resistor_percent;
   options.spread.capacitor_percent = buy[0].capacitor_percent;
-  EXPECT_LT(run_yield_of(design, options, Team()).worst_db.quantile(0.95), 0.52);
+  EXPECT_LT(run_monte_carlo(design, options, Team()).worst_db.quantile(0.95), 0.52);
   for (const Purchase& one : tolerances_to_buy(design, options, 1e-3)) EXPECT_FALSE(one.meets);
 }
 
@@ -161,13 +162,13 @@ const char* const kPlan =
 "signal_path":["chip1.in1","chip1.F1","chip1.out1"],"error":{"band_hz":[1,100],"max_magnitude_db":0,"max_phase_deg":0,"max_complex_percent":0}})";
 
 TEST(Yield, PlanMismatchFollowsTheCapacitorRatio) {
-  const YieldDesign design = yield_design_of_plan(parse_json(kPlan, "plan.json"), "plan");
+  const Design design = design_of_plan(parse_json(kPlan, "plan.json"), "plan");
   ASSERT_EQ(design.parts.size(), 4u);
-  YieldOptions options = small(100000);
+  Options options = small(100000);
   options.grid = {Hertz{0.001}};
   options.spread.unit_capacitor_percent = 0.5;
   // At DC the gain is Ca/Cc: relative variance s^2 (1/10 + 1/12).
-  const YieldResult result = run_yield_of(design, options, Team());
+  const Result result = run_monte_carlo(design, options, Team());
   const double sigma = 0.005 * std::sqrt(1.0 / 10.0 + 1.0 / 12.0);
   EXPECT_NEAR(result.magnitude_db[0].quantile(0.8413447) / (sigma * kDecibelPerNeper), 1.0, 0.02);
   // And against the z-domain itself.
@@ -180,7 +181,7 @@ TEST(Yield, APlanWhoseCapacitorsDoNotMakeItsCoefficientsIsRefused) {
   std::string text = kPlan;
   text.replace(text.find("[222"), 4, "[233");
   try {
-    yield_design_of_plan(parse_json(text, "plan.json"), "plan");
+    design_of_plan(parse_json(text, "plan.json"), "plan");
     FAIL();
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("plan.json:3"), std::string::npos) << error.what();
@@ -188,15 +189,15 @@ TEST(Yield, APlanWhoseCapacitorsDoNotMakeItsCoefficientsIsRefused) {
 }
 
 TEST(Yield, RefusesNonsense) {
-  YieldOptions options = small(0);
-  EXPECT_THROW(run_yield_of(seed_design(), options, Team()), InputError);
+  Options options = small(0);
+  EXPECT_THROW(run_monte_carlo(seed_design(), options, Team()), InputError);
   options = small();
   options.spread.resistor_percent = -1.0;
-  EXPECT_THROW(run_yield_of(seed_design(), options, Team()), InputError);
+  EXPECT_THROW(run_monte_carlo(seed_design(), options, Team()), InputError);
   options = small();
   options.grid.clear();
-  EXPECT_THROW(run_yield_of(seed_design(), options, Team()), InputError);
+  EXPECT_THROW(run_monte_carlo(seed_design(), options, Team()), InputError);
 }
 
 }  // namespace
-}  // namespace bodesmith
+}  // namespace bodesmith::yield

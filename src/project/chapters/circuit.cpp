@@ -6,7 +6,7 @@
 namespace bodesmith::project {
 namespace {
 
-std::string ngspice_sentence(const SpiceCheck& check) {
+std::string ngspice_sentence(const spice::CompensatorCheck& check) {
   return fmt::format(
       "ngspice on the emitted netlist, {} to {} Hz: {} dB from the program's own network solution, "
       "{} dB and {} degrees from the sections.",
@@ -16,10 +16,10 @@ std::string ngspice_sentence(const SpiceCheck& check) {
       rounded_text(check.against_sections.max_phase_deg, 3));
 }
 
-report::Table parts_table(const std::vector<Part>& parts) {
+report::Table parts_table(const std::vector<circuit::Part>& parts) {
   report::Table table{{"part", "stage", "series", "exact", "fitted", "difference, %"}, {}, {}};
-  for (const Part& part : parts) {
-    const char* unit = part.kind == Part::Kind::resistor ? "Ω" : "F";
+  for (const circuit::Part& part : parts) {
+    const char* unit = part.kind == circuit::Part::Kind::resistor ? "Ω" : "F";
     table.rows.push_back({part.name, std::to_string(part.stage + 1), part.series,
                           engineering_text(part.wanted, unit, 5), engineering_text(part.realised, unit, 5),
                           fmt::format("{:+.2f}", 100.0 * (part.realised / part.wanted - 1.0))});
@@ -31,8 +31,8 @@ report::Table parts_table(const std::vector<Part>& parts) {
 
 void circuit_chapter(report::Page& page, const ProjectRun& run) {
   if (!run.design.circuit) return;
-  const Realised& realised = *run.design.circuit;
-  const RealiseReport& report = realised.report;
+  const circuit::Realised& realised = *run.design.circuit;
+  const circuit::RealiseReport& report = realised.report;
   page.chapter("Circuit");
   page.paragraph(fmt::format(
       "{} op-amp stages, {} parts ({} resistors, {} capacitors). Error against the sections between {} and {} Hz: {} "

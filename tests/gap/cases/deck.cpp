@@ -291,7 +291,7 @@ std::vector<double> run_deck(const std::vector<TwoPort>& ports, const std::vecto
   const double step = step_s / static_cast<double>(parts);
   // One sample more than is wanted: the last one may fall to rounding.
   const auto run =
-      bodesmith::run_transient(deck, {"out"}, step, step_s * static_cast<double>(u.size()), "hidden.cir");
+      bodesmith::spice::run_transient(deck, {"out"}, step, step_s * static_cast<double>(u.size()), "hidden.cir");
   std::vector<double> y;
   for (size_t i = 0; i < u.size(); ++i) {
     const size_t at = i * parts;

@@ -1,14 +1,9 @@
-#include "yield/circuit_json.hpp"
-
-#include <algorithm>
-#include <cmath>
+#include "circuit/json.hpp"
 
 #include "base/json.hpp"
-#include "circuit/response.hpp"
-#include "yield/counts.hpp"
-#include "yield/design.hpp"
+#include "circuit/sensitivity.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 Json section_json(const std::vector<Biquad>& factors) {
@@ -24,41 +19,6 @@ Json section_json(const std::vector<Biquad>& factors) {
     for (const auto& pole : section.poles) out["poles_rad_s"].push_back({pole.real(), pole.imag()});
   }
   out["gain"] = gain;
-  return out;
-}
-
-/// The same of a circuit whose stages have no equations, by central differences of the network.
-std::vector<double> network_sensitivities(const Circuit& circuit, const std::vector<Hertz>& grid) {
-  std::vector<double> out;
-  Circuit moved = circuit;
-  constexpr double kStep = 1e-3;
-  for (size_t i = 0; i < circuit.parts.size(); ++i) {
-    moved.parts[i].realised = circuit.parts[i].realised * (1.0 + kStep);
-    const auto up = network_response_ideal(moved, grid);
-    moved.parts[i].realised = circuit.parts[i].realised * (1.0 - kStep);
-    const auto down = network_response_ideal(moved, grid);
-    moved.parts[i].realised = circuit.parts[i].realised;
-    double worst = 0.0;
-    for (size_t k = 0; k < grid.size(); ++k)
-      worst = std::max(worst, std::abs(to_decibel(std::abs(up[k] / down[k]))));
-    out.push_back(worst * 0.01 / (2.0 * kStep));
-  }
-  return out;
-}
-
-/// Greatest change of the magnitude over the band, dB for 1 % of each part.
-std::vector<double> part_sensitivities(const Realised& realised) {
-  for (const Stage& stage : realised.circuit.stages) {
-    if (!stage.form) return network_sensitivities(realised.circuit, log_grid(realised.report.band, 61));
-  }
-  YieldOptions options;
-  options.grid = log_grid(realised.report.band, 61);
-  std::vector<double> out;
-  for (const auto& row : yield_sensitivity(yield_design(realised, {}, ""), options).db_per_percent) {
-    double worst = 0.0;
-    for (const double db : row) worst = std::max(worst, std::abs(db));
-    out.push_back(worst);
-  }
   return out;
 }
 
@@ -84,15 +44,15 @@ Json to_json(const OpAmpCheck& check) {
 }
 
 Json to_json(const Realised& realised) {
-  const std::vector<double> sensitivity = part_sensitivities(realised);
+  const std::vector<double> sensitivity = worst_db_per_percent(realised);
   const Circuit& circuit = realised.circuit;
   const RealiseReport& report = realised.report;
   Json out;
   out["stages"] = Json::array();
   for (const Stage& stage : circuit.stages) {
     Json parts = Json::array();
-    for (int i = 0; i < stage.part_count; ++i) {
-      const Part& part = circuit.parts[static_cast<size_t>(stage.first_part + i)];
+    for (std::size_t i = stage.first_part; i < stage.first_part + stage.part_count; ++i) {
+      const Part& part = circuit.parts[i];
       const bool resistor = part.kind == Part::Kind::resistor;
       parts.push_back({{"part", part.name},
                        {"from", part.from},
@@ -100,7 +60,7 @@ Json to_json(const Realised& realised) {
                        {"series", part.series},
                        {resistor ? "wanted_ohm" : "wanted_f", part.wanted},
                        {resistor ? "realised_ohm" : "realised_f", part.realised},
-                       {"worst_db_per_percent", sensitivity[static_cast<size_t>(stage.first_part + i)]}});
+                       {"worst_db_per_percent", sensitivity[i]}});
     }
     out["stages"].push_back({{"realization", stage.realization},
                              {"in", stage.in},
@@ -125,4 +85,4 @@ Json to_json(const Realised& realised) {
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -4,7 +4,7 @@
 
 #include "circuit/series.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// Resistors of a summing op-amp: out = sum_k g_k v_k with g of both signs.
 struct SummingResistors {
@@ -29,4 +29,4 @@ std::vector<double> summing_gains(const SummingResistors& resistors, const std::
 SummingDesign search_summing_resistors(const std::vector<double>& wanted, const std::vector<double>& scale,
                                        const Series& series);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -6,7 +6,7 @@
 
 #include "base/units.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 struct TwoTerminalPart {
   bool resistor = true;
@@ -18,4 +18,4 @@ struct TwoTerminalPart {
 std::complex<double> impedance_between(const std::vector<TwoTerminalPart>& parts, const std::string& a,
                                        const std::string& b, RadPerSecond w);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

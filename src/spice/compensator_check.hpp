@@ -5,10 +5,10 @@
 
 #include "circuit/realise.hpp"
 
-namespace bodesmith {
+namespace bodesmith::spice {
 
 /// ngspice against the program's own figures for one circuit.
-struct SpiceCheck {
+struct CompensatorCheck {
   Band band;
   ResponseDifference against_network;   ///< ngspice against network_response() with the same op-amp model
   ResponseDifference against_sections;  ///< ngspice against the wanted sections
@@ -19,6 +19,6 @@ struct SpiceCheck {
 
 /// Runs compensator_library() through ngspice: small-signal from 1/10 of the lowest to 10 times the highest
 /// corner, two periods of a triangle at the middle of the corners, noise over the same band.
-SpiceCheck check_with_ngspice(const Circuit& circuit, const Sections& wanted, int points = 60);
+CompensatorCheck check_compensator(const circuit::Circuit& circuit, const Sections& wanted, int points = 60);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::spice

@@ -1,4 +1,4 @@
-#include "circuit/weights_search.hpp"
+#include "circuit/summing_amplifier.hpp"
 
 #include <fmt/format.h>
 
@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 constexpr double kLeast = 1e3;
@@ -161,4 +161,4 @@ SummingDesign search_summing_resistors(const std::vector<double>& wanted, const 
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

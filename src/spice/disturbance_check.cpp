@@ -1,4 +1,4 @@
-#include "spice/layout_check.hpp"
+#include "spice/disturbance_check.hpp"
 
 #include <fmt/format.h>
 
@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "multiplier_layout/timing.hpp"
-#include "spice/emit_disturbance.hpp"
+#include "spice/disturbance_library.hpp"
 #include "spice/ngspice.hpp"
 
-namespace bodesmith {
+namespace bodesmith::spice {
 namespace {
 
 double polynomial(const std::vector<double>& a, double x) {
@@ -19,7 +19,7 @@ double polynomial(const std::vector<double>& a, double x) {
 }
 
 /// Sources for the select lines.
-std::string select_sources(const DisturbanceLayout& layout, int select) {
+std::string select_sources(const multiplier_layout::Layout& layout, int select) {
   std::string out;
   for (int line = 0; line < layout.select_lines(); ++line)
     out += fmt::format("Vs{0} select{0} 0 {1}\n", line + 1, (select >> line) & 1);
@@ -31,8 +31,8 @@ std::pair<int, bool> code_of(size_t branch) {
   return {static_cast<int>(branch) / 2, branch % 2 == 0};
 }
 
-std::vector<double> sweep_branch(const DisturbanceLayout& layout, const std::string& library, size_t branch,
-                                 std::optional<double> alpha, std::vector<double>& x) {
+std::vector<double> sweep_branch(const multiplier_layout::Layout& layout, const std::string& library,
+                                 size_t branch, std::optional<double> alpha, std::vector<double>& x) {
   const auto [select, rising] = code_of(branch);
   std::string deck = "static\n.options reltol=1e-6\n" + library +
                      fmt::format("Vx x 0 0\nVb branch 0 {}\n", rising ? 1 : 0) +
@@ -45,12 +45,13 @@ std::vector<double> sweep_branch(const DisturbanceLayout& layout, const std::str
   return sweep.v[0];
 }
 
-void check_static(const DisturbanceLayout& layout, const std::string& library, const std::string& spoilt,
-                  const LayoutErrors& errors, LayoutCheck& out) {
-  LayoutBench limit(layout);
-  for (MultiplierOff& off : limit.multiplier) off = errors.multiplier_at_limit();
+void check_static(const multiplier_layout::Layout& layout, const std::string& library,
+                  const std::string& spoilt, const multiplier_layout::ErrorLimits& errors,
+                  DisturbanceCheck& out) {
+  multiplier_layout::Bench limit(layout);
+  for (multiplier_layout::MultiplierDeviation& off : limit.multiplier) off = errors.multiplier_at_limit();
   for (size_t b = 0; b < layout.branches.size(); ++b) {
-    const LayoutBranch& branch = layout.branches[b];
+    const multiplier_layout::Branch& branch = layout.branches[b];
     std::vector<double> x;
     const std::vector<double> v = sweep_branch(layout, library, b, std::nullopt, x);
     const std::vector<double> off = sweep_branch(layout, spoilt, b, std::nullopt, x);
@@ -70,8 +71,8 @@ void check_static(const DisturbanceLayout& layout, const std::string& library, c
 }
 
 /// Two periods of a triangle through the slope detector; the second is judged.
-LayoutCheck::Dynamic check_triangle(const DisturbanceLayout& layout, const std::string& library, Hertz f,
-                                    std::optional<double> alpha) {
+DisturbanceCheck::Dynamic check_triangle(const multiplier_layout::Layout& layout, const std::string& library,
+                                         Hertz f, std::optional<double> alpha) {
   const double period = 1.0 / f.value;
   std::string points = "0 0";
   for (int half = 1; half <= 4; ++half) points += fmt::format(" {:.12g} {}", half * 0.5 * period, half % 2);
@@ -82,7 +83,7 @@ LayoutCheck::Dynamic check_triangle(const DisturbanceLayout& layout, const std::
                       alpha ? "_amplitude" : "");
   const Transient run =
       run_transient(deck, {"x", "branch", "out"}, period / 4000.0, 2.0 * period, "disturbance.sub");
-  LayoutCheck::Dynamic out;
+  DisturbanceCheck::Dynamic out;
   out.frequency = f;
   double sum = 0.0, total = 0.0, late = 0.0;
   for (size_t i = 1; i < run.time_s.size(); ++i) {
@@ -104,8 +105,8 @@ LayoutCheck::Dynamic check_triangle(const DisturbanceLayout& layout, const std::
 }
 
 /// x at rest where the first branch is greatest, the branch line stepped from the first to the second.
-LayoutCheck::Change check_change(const DisturbanceLayout& layout, const std::string& library) {
-  LayoutCheck::Change out;
+DisturbanceCheck::Change check_change(const multiplier_layout::Layout& layout, const std::string& library) {
+  DisturbanceCheck::Change out;
   double held = 0.0;
   for (int i = 0; i <= 100; ++i) {
     const double v = -layout.branch_gain * layout.branches[0].value(i / 100.0);
@@ -120,7 +121,7 @@ LayoutCheck::Change check_change(const DisturbanceLayout& layout, const std::str
                            fmt::format("Vb branch 0 PWL(0 1 {0:.12g} 1 {1:.12g} 0)\n", kStep, kStep + 1e-10) +
                            fmt::format("X1 {} disturbance\n", disturbance_pins(layout, false));
   const Transient run = run_transient(deck, {"out", "x1.sw"}, 2.5e-10, 2.0 * kStep, "disturbance.sub");
-  const SwitchModel& model = layout.analog_switch;
+  const multiplier_layout::SwitchModel& model = layout.analog_switch;
   double before = 0.0;
   const double arrived = run.v[1].back(), change = std::abs(held - arrived);
   for (size_t i = 0; i < run.time_s.size(); ++i) {
@@ -131,15 +132,15 @@ LayoutCheck::Change check_change(const DisturbanceLayout& layout, const std::str
     if (t > 0.0 && change > 1e-3 && std::abs(run.v[1][i] - arrived) > 0.1 * change) out.delay_s = t;
   }
   // An opening contact takes charge off the node.
-  out.predicted_percent = 100.0 * switch_glitch_v(layout, held, -1.0);
+  out.predicted_percent = 100.0 * multiplier_layout::switch_glitch_v(layout, held, -1.0);
   return out;
 }
 
-LayoutCheck::Amplitude check_amplitude(const DisturbanceLayout& layout, Hertz f) {
+DisturbanceCheck::Amplitude check_amplitude(const multiplier_layout::Layout& layout, Hertz f) {
   const std::string library = disturbance_library(layout, "check", {true, std::nullopt});
-  const LayoutAmplitude& amplitude = *layout.amplitude;
-  LayoutCheck::Amplitude out;
-  const LayoutBench bench(layout);
+  const multiplier_layout::AmplitudeControl& amplitude = *layout.amplitude;
+  DisturbanceCheck::Amplitude out;
+  const multiplier_layout::Bench bench(layout);
   std::vector<double> strokes = amplitude.alpha;
   for (size_t k = 1; k < amplitude.alpha.size(); ++k)
     strokes.push_back(0.5 * (amplitude.alpha[k - 1] + amplitude.alpha[k]));
@@ -167,11 +168,12 @@ LayoutCheck::Amplitude check_amplitude(const DisturbanceLayout& layout, Hertz f)
 
 }  // namespace
 
-LayoutCheck check_layout_with_ngspice(const DisturbanceLayout& layout, const std::vector<Hertz>& triangles,
-                                      const LayoutErrors& errors) {
+DisturbanceCheck check_disturbance(const multiplier_layout::Layout& layout,
+                                   const std::vector<Hertz>& triangles,
+                                   const multiplier_layout::ErrorLimits& errors) {
   const std::string library = disturbance_library(layout, "check", {});
   const std::string spoilt = disturbance_library(layout, "check", {false, errors});
-  LayoutCheck out;
+  DisturbanceCheck out;
   check_static(layout, library, spoilt, errors, out);
   if (layout.switched()) {
     for (const Hertz f : triangles) {
@@ -185,4 +187,4 @@ LayoutCheck check_layout_with_ngspice(const DisturbanceLayout& layout, const std
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::spice

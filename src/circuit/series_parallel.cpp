@@ -1,10 +1,10 @@
-#include "spice/series_parallel.hpp"
+#include "circuit/series_parallel.hpp"
 
 #include <algorithm>
 #include <map>
 #include <utility>
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 namespace {
 
 void put(Branch::Kind kind, Branch child, std::vector<Branch>& into) {
@@ -85,4 +85,4 @@ std::vector<Branch> series_parallel_branches(const std::vector<Part>& parts,
   return all;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -6,11 +6,11 @@
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/layout.hpp"
 
-namespace bodesmith {
+namespace bodesmith::spice {
 
 /// disturbance.sub (and disturbance_amplitude.sub) in ngspice against the polynomials and against what the
 /// program predicts.
-struct LayoutCheck {
+struct DisturbanceCheck {
   double static_percent =
       0.0;  ///< greatest |d - wanted| over x in [0, 1], all branches, percent of the range of x
   double static_against_program = 0.0;  ///< the same against the program's own figures
@@ -48,7 +48,8 @@ struct LayoutCheck {
 
 /// Static sweeps of every branch, a triangle of 0 to 1 V at each frequency through the slope detector, one
 /// change of branch. Needs ngspice.
-LayoutCheck check_layout_with_ngspice(const DisturbanceLayout& layout, const std::vector<Hertz>& triangles,
-                                      const LayoutErrors& errors = {});
+DisturbanceCheck check_disturbance(const multiplier_layout::Layout& layout,
+                                   const std::vector<Hertz>& triangles,
+                                   const multiplier_layout::ErrorLimits& errors = {});
 
-}  // namespace bodesmith
+}  // namespace bodesmith::spice

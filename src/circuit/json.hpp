@@ -4,7 +4,7 @@
 #include "circuit/opamp_check.hpp"
 #include "circuit/realise.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// stages, parts, op-amp and the error of each step; without the header.
 Json to_json(const Realised& realised);
@@ -12,4 +12,4 @@ Json to_json(const Realised& realised);
 Json to_json(const ResponseDifference& difference);
 Json to_json(const OpAmpCheck& check);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

@@ -1,4 +1,4 @@
-#include "spice/check.hpp"
+#include "spice/compensator_check.hpp"
 
 #include <fmt/format.h>
 
@@ -11,10 +11,10 @@
 #include "spice/emit.hpp"
 #include "spice/ngspice.hpp"
 
-namespace bodesmith {
+namespace bodesmith::spice {
 namespace {
 
-double check_transient(const Circuit& circuit, const std::string& library, double frequency_hz) {
+double check_transient(const circuit::Circuit& circuit, const std::string& library, double frequency_hz) {
   const double period = 1.0 / frequency_hz;
   std::string points = "0 0";
   for (int half = 1; half <= 4; ++half) points += fmt::format(" {:.12g} {}", half * 0.5 * period, half % 2);
@@ -26,7 +26,7 @@ double check_transient(const Circuit& circuit, const std::string& library, doubl
     const double phase = t / period - std::floor(t / period);
     return phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase;
   };
-  const std::vector<double> own = simulate_stages(circuit, triangle, step, 4001);
+  const std::vector<double> own = circuit::simulate_stages(circuit, triangle, step, 4001);
   double worst = 0.0, peak = 0.0;
   for (size_t i = 0; i < got.time_s.size(); ++i) {
     const double place = std::clamp(got.time_s[i] / step, 0.0, 3999.999);
@@ -39,9 +39,9 @@ double check_transient(const Circuit& circuit, const std::string& library, doubl
   return peak > 0.0 ? 100.0 * worst / peak : 0.0;
 }
 
-double check_noise(const Circuit& circuit, const std::string& library, Band band) {
+double check_noise(const circuit::Circuit& circuit, const std::string& library, Band band) {
   const NoiseSpectrum got = run_noise_of_text(library, band, 5, "compensator.sub");
-  const std::vector<double> own = output_noise(circuit, circuit.model, got.grid);
+  const std::vector<double> own = circuit::output_noise(circuit, circuit.model, got.grid);
   double worst = 0.0;
   for (size_t i = 0; i < own.size(); ++i)
     worst = std::max(worst, 100.0 * std::abs(got.v_per_rthz[i] / own[i] - 1.0));
@@ -50,17 +50,16 @@ double check_noise(const Circuit& circuit, const std::string& library, Band band
 
 }  // namespace
 
-SpiceCheck check_with_ngspice(const Circuit& circuit, const Sections& wanted, int points) {
-  SpiceCheck out;
-  const Band corners = without_far_zeros(wanted).corner_band();
+CompensatorCheck check_compensator(const circuit::Circuit& circuit, const Sections& wanted, int points) {
+  CompensatorCheck out;
+  const Band corners = circuit::without_far_zeros(wanted).corner_band();
   out.band = corners.to.value > 0.0 ? Band{Hertz{corners.from.value / 10.0}, Hertz{corners.to.value * 10.0}}
                                     : Band{Hertz{1.0}, Hertz{1000.0}};
   const std::vector<Hertz> grid = log_grid(out.band, points);
   const std::string library = compensator_library(circuit, "check");
   const auto got = run_ac_of_text(library, "compensator.sub", grid);
-  const bool ideal = circuit.model.name == "ideal";
-  const auto network =
-      ideal ? network_response_ideal(circuit, grid) : network_response(circuit, grid, circuit.model);
+  const auto network = circuit.model.is_ideal ? circuit::network_response_ideal(circuit, grid)
+                                              : circuit::network_response(circuit, grid, circuit.model);
   std::vector<std::complex<double>> target;
   for (const Hertz f : grid) target.push_back(wanted.response(f.rad_s()));
   out.against_network = compare_responses(grid, got, network);
@@ -71,4 +70,4 @@ SpiceCheck check_with_ngspice(const Circuit& circuit, const Sections& wanted, in
   return out;
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::spice

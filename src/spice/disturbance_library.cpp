@@ -1,4 +1,4 @@
-#include "spice/emit_disturbance.hpp"
+#include "spice/disturbance_library.hpp"
 
 #include <fmt/format.h>
 
@@ -8,23 +8,27 @@
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "base/version.hpp"
+#include "circuit/text.hpp"
 #include "multiplier_layout/timing.hpp"
-#include "spice/deck_text.hpp"
 #include "spice/emit.hpp"
+#include "spice/opamp_macromodel.hpp"
 
-namespace bodesmith {
+namespace bodesmith::spice {
 namespace {
+
+using circuit::plain_number;
 
 /// Of the source that pushes the injected charge through Cg, V.
 constexpr double kGateSwing = 10.0;
 
-Json line_of(const LayoutPart& part) {
-  return {{"line", fmt::format("{} {} {} {}", part.name, part.from, part.to, spice_number(part.realised))}};
+Json line_of(const multiplier_layout::Part& part) {
+  return {{"line", fmt::format("{} {} {} {}", part.name, part.from, part.to, plain_number(part.realised))}};
 }
 
-Json sum_json(const DisturbanceLayout& layout, const LayoutSum& sum) {
+Json sum_json(const multiplier_layout::Layout& layout, const multiplier_layout::Sum& sum) {
   Json resistors = Json::array();
-  for (const LayoutSum::Term& term : sum.terms) resistors.push_back(line_of(layout.part(term.part)));
+  for (const multiplier_layout::Sum::Term& term : sum.terms)
+    resistors.push_back(line_of(layout.part(term.part)));
   resistors.push_back(line_of(layout.part(sum.feedback)));
   if (sum.balance >= 0) resistors.push_back(line_of(layout.part(sum.balance)));
   return {{"what", fmt::format("{}: {}", sum.what, sum.out)},
@@ -35,12 +39,12 @@ Json sum_json(const DisturbanceLayout& layout, const LayoutSum& sum) {
           {"resistors", resistors}};
 }
 
-Json multiplier_json(const LayoutMultiplier& m) {
+Json multiplier_json(const multiplier_layout::Multiplier& m) {
   return {{"name", m.name}, {"x", m.x}, {"y", m.y}, {"z", m.z}, {"w", m.out}};
 }
 
 /// 1 when the lines (levels lb, l1, l2, …) select this branch.
-std::string logic_of(const DisturbanceLayout& layout, int branch) {
+std::string logic_of(const multiplier_layout::Layout& layout, int branch) {
   const int lines = layout.select_lines();
   for (int select = 0; select < (1 << lines); ++select) {
     const bool up = layout.branch_at(select, true) == branch,
@@ -56,7 +60,7 @@ std::string logic_of(const DisturbanceLayout& layout, int branch) {
   return "0";
 }
 
-std::string codes_of(const DisturbanceLayout& layout) {
+std::string codes_of(const multiplier_layout::Layout& layout) {
   std::vector<std::string> out;
   for (int select = 0; select < (1 << layout.select_lines()); ++select) {
     for (const bool rising : {true, false}) {
@@ -69,21 +73,21 @@ std::string codes_of(const DisturbanceLayout& layout) {
   return join(out, ", ");
 }
 
-void add_switch(const DisturbanceLayout& layout, bool amplitude, Json& data) {
-  const SwitchModel& model = layout.analog_switch;
-  const SwitchTimer timer = SwitchTimer::of(model);
+void add_switch(const multiplier_layout::Layout& layout, bool amplitude, Json& data) {
+  const multiplier_layout::SwitchModel& model = layout.analog_switch;
+  const multiplier_layout::SwitchTimer timer = multiplier_layout::SwitchTimer::of(model);
   data["switch"] = model.name;
-  data["on_ohm"] = spice_number(model.on_ohm);
-  data["on_delay_s"] = spice_number(model.on_delay_s);
-  data["off_delay_s"] = spice_number(model.off_delay_s());
-  data["charge_c"] = spice_number(model.charge_c);
-  data["off_siemens"] = spice_number(model.off_siemens);
-  data["on_siemens"] = spice_number(1.0 / std::max(model.on_ohm, 1e-3));
-  data["level"] = spice_number(timer.level);
-  data["timer_f"] = spice_number(timer.tau_s / 1000.0);
-  data["charge_f"] = spice_number(model.charge_c / kGateSwing);
-  data["source_f"] = spice_number(model.source_f);
-  data["drain_f"] = spice_number(std::max(model.drain_f - model.charge_c / kGateSwing, 0.0));
+  data["on_ohm"] = plain_number(model.on_ohm);
+  data["on_delay_s"] = plain_number(model.on_delay_s);
+  data["off_delay_s"] = plain_number(model.off_delay_s());
+  data["charge_c"] = plain_number(model.charge_c);
+  data["off_siemens"] = plain_number(model.off_siemens);
+  data["on_siemens"] = plain_number(1.0 / std::max(model.on_ohm, 1e-3));
+  data["level"] = plain_number(timer.level);
+  data["timer_f"] = plain_number(timer.tau_s / 1000.0);
+  data["charge_f"] = plain_number(model.charge_c / kGateSwing);
+  data["source_f"] = plain_number(model.source_f);
+  data["drain_f"] = plain_number(std::max(model.drain_f - model.charge_c / kGateSwing, 0.0));
   data["lines"] = Json::array({{{"level", "lb"}, {"pin", "branch"}}});
   for (int line = 1; line <= layout.select_lines(); ++line)
     data["lines"].push_back({{"level", fmt::format("l{}", line)}, {"pin", fmt::format("select{}", line)}});
@@ -101,10 +105,10 @@ void add_switch(const DisturbanceLayout& layout, bool amplitude, Json& data) {
   data["comparator_opamp"] = fmt::format("XU{}", layout.sums.size() + 3);
 }
 
-void add_amplitude(const DisturbanceLayout& layout, Json& data) {
-  const LayoutAmplitude& a = *layout.amplitude;
+void add_amplitude(const multiplier_layout::Layout& layout, Json& data) {
+  const multiplier_layout::AmplitudeControl& a = *layout.amplitude;
   data["rectifiers"] = Json::array();
-  for (const LayoutAmplitude::Rectifier& r : a.rectifiers) {
+  for (const multiplier_layout::AmplitudeControl::Rectifier& r : a.rectifiers) {
     data["rectifiers"].push_back(
         {{"at", rounded_text(r.realised, 6)},
          {"node", r.node},
@@ -115,27 +119,27 @@ void add_amplitude(const DisturbanceLayout& layout, Json& data) {
                                     line_of(layout.part(r.feedback))})}});
   }
   data["controls"] = Json::array();
-  for (const LayoutAmplitude::Control& one : a.controls) {
+  for (const multiplier_layout::AmplitudeControl::Control& one : a.controls) {
     if (one.negative) data["controls"].push_back(sum_json(layout, *one.negative));
     data["controls"].push_back(sum_json(layout, one.sum));
   }
   data["gains"] = Json::array();
-  for (const LayoutMultiplier& m : a.multipliers) data["gains"].push_back(multiplier_json(m));
+  for (const multiplier_layout::Multiplier& m : a.multipliers) data["gains"].push_back(multiplier_json(m));
 }
 
 }  // namespace
 
-std::string disturbance_pins(const DisturbanceLayout& layout, bool amplitude) {
+std::string disturbance_pins(const multiplier_layout::Layout& layout, bool amplitude) {
   std::string out = "x branch";
   for (int line = 1; line <= layout.select_lines(); ++line) out += fmt::format(" select{}", line);
   return out + (amplitude ? " amplitude out" : " out");
 }
 
-std::string disturbance_library(const DisturbanceLayout& layout, const std::string& title) {
+std::string disturbance_library(const multiplier_layout::Layout& layout, const std::string& title) {
   return disturbance_library(layout, title, {});
 }
 
-std::string disturbance_library(const DisturbanceLayout& layout, const std::string& title,
+std::string disturbance_library(const multiplier_layout::Layout& layout, const std::string& title,
                                 const DisturbanceLibrary& options) {
   Json data;
   data["title"] = title;
@@ -147,44 +151,45 @@ std::string disturbance_library(const DisturbanceLayout& layout, const std::stri
   data["selected"] = layout.select_lines() > 0;
   data["codes"] = codes_of(layout);
   data["multipliers"] = Json::array();
-  for (const LayoutMultiplier& m : layout.multipliers) data["multipliers"].push_back(multiplier_json(m));
+  for (const multiplier_layout::Multiplier& m : layout.multipliers)
+    data["multipliers"].push_back(multiplier_json(m));
   data["sums"] = Json::array();
-  for (const LayoutSum& sum : layout.sums) data["sums"].push_back(sum_json(layout, sum));
+  for (const multiplier_layout::Sum& sum : layout.sums) data["sums"].push_back(sum_json(layout, sum));
   data["amplitude"] = options.amplitude;
   if (options.amplitude) add_amplitude(layout, data);
   data["switched"] = layout.switched();
   if (layout.switched()) add_switch(layout, options.amplitude, data);
-  const LayoutPart& input = layout.part(layout.output_input);
+  const multiplier_layout::Part& input = layout.part(layout.output_input);
   const std::string from =
       options.amplitude && !layout.switched() ? layout.amplitude->multipliers[0].out : input.from;
   const int feedback = options.amplitude ? layout.amplitude->output_feedback : layout.output_feedback;
   data["output"] = Json::array(
-      {{{"line", fmt::format("{} {} {} {}", input.name, from, input.to, spice_number(input.realised))}},
+      {{{"line", fmt::format("{} {} {} {}", input.name, from, input.to, plain_number(input.realised))}},
        line_of(layout.part(feedback))});
   data["output_opamp"] = fmt::format("XU{}", layout.sums.size() + 1);
-  const DiodeModel diode;
+  const multiplier_layout::DiodeModel diode;
   data["diodes"] = layout.switched() || options.amplitude;
-  data["saturation_a"] = spice_number(diode.saturation_a);
-  data["emission"] = spice_number(diode.emission);
-  data["series_ohm"] = spice_number(diode.series_ohm);
-  data["junction_f"] = spice_number(diode.junction_f);
-  data["transit_s"] = spice_number(diode.transit_s);
+  data["saturation_a"] = plain_number(diode.saturation_a);
+  data["emission"] = plain_number(diode.emission);
+  data["series_ohm"] = plain_number(diode.series_ohm);
+  data["junction_f"] = plain_number(diode.junction_f);
+  data["transit_s"] = plain_number(diode.transit_s);
   data["multiplier"] = layout.multiplier.name;
-  data["scale_v"] = spice_number(layout.multiplier.scale_v);
+  data["scale_v"] = plain_number(layout.multiplier.scale_v);
   double inverse = 1.0 / layout.multiplier.scale_v;
   data["spoilt"] = options.errors.has_value();
   if (options.errors) {
-    const MultiplierOff off = options.errors->multiplier_at_limit();
+    const multiplier_layout::MultiplierDeviation off = options.errors->multiplier_at_limit();
     inverse *= (1.0 + off.bend) / (1.0 + off.scale);
-    data["input_offset_v"] = spice_number(off.x);
-    data["output_offset_v"] = spice_number(off.w);
+    data["input_offset_v"] = plain_number(off.x);
+    data["output_offset_v"] = plain_number(off.w);
   }
-  data["inverse_scale"] = spice_number(inverse);
-  data["bandwidth_hz"] = spice_number(layout.multiplier.bandwidth.value);
-  data["pole_f"] = spice_number(1.0 / layout.multiplier.bandwidth.rad_s().value);
-  data["limit_v"] = spice_number(layout.multiplier.greatest_output_v);
-  data["opamp"] = opamp_library(layout.opamp);
+  data["inverse_scale"] = plain_number(inverse);
+  data["bandwidth_hz"] = plain_number(layout.multiplier.bandwidth.value);
+  data["pole_f"] = plain_number(1.0 / layout.multiplier.bandwidth.rad_s().value);
+  data["limit_v"] = plain_number(layout.multiplier.greatest_output_v);
+  data["opamp"] = opamp_macromodel(layout.opamp);
   return render_template("spice/disturbance.sub", data);
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::spice

@@ -1,9 +1,9 @@
-#include "circuit/network_of_two_terminals.hpp"
+#include "circuit/two_terminal_network.hpp"
 
 #include <Eigen/Dense>
 #include <map>
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 std::complex<double> impedance_between(const std::vector<TwoTerminalPart>& parts, const std::string& a,
                                        const std::string& b, RadPerSecond w) {
@@ -31,4 +31,4 @@ std::complex<double> impedance_between(const std::vector<TwoTerminalPart>& parts
   return y.partialPivLu().solve(current)(nodes.at(a));
 }
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

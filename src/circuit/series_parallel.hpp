@@ -6,7 +6,7 @@
 
 #include "circuit/circuit.hpp"
 
-namespace bodesmith {
+namespace bodesmith::circuit {
 
 /// Parts between two nodes, as far as they are series and parallel connections of each other.
 struct Branch {
@@ -32,4 +32,4 @@ struct Branch {
 std::vector<Branch> series_parallel_branches(const std::vector<Part>& parts,
                                              const std::set<std::string>& kept);
 
-}  // namespace bodesmith
+}  // namespace bodesmith::circuit

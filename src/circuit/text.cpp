@@ -1,0 +1,56 @@
+#include "circuit/text.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/text.hpp"
+
+namespace bodesmith::circuit {
+namespace {
+
+std::string factors_text(const std::vector<std::complex<double>>& roots) {
+  if (roots.empty()) return "1";
+  if (std::abs(roots[0]) == 0.0 && std::abs(roots.back()) == 0.0) return roots.size() == 1 ? "s" : "s^2";
+  if (roots[0].imag() != 0.0) {
+    return fmt::format("(s^2 + {}s + {})", rounded_text(-2.0 * roots[0].real(), 6),
+                       rounded_text(std::norm(roots[0]), 6));
+  }
+  std::string out;
+  for (const auto& root : roots) {
+    out += root.real() > 0.0 ? fmt::format("(s - {})", rounded_text(root.real(), 6))
+                             : fmt::format("(s + {})", rounded_text(-root.real(), 6));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::string plain_number(double value) {
+  return fmt::format("{:.12g}", value);
+}
+
+std::string transfer_text(const std::vector<Biquad>& product) {
+  double gain = 1.0;
+  std::string zeros, poles;
+  for (const Biquad& h : product) {
+    const Section section = h.section();
+    gain *= section.gain;
+    zeros += factors_text(section.zeros);
+    poles += factors_text(section.poles);
+  }
+  return fmt::format("{} {}/{}", rounded_text(gain, 6), zeros, poles);
+}
+
+std::string parts_csv(const Circuit& circuit) {
+  std::string out = "part,section,series,wanted_ohm,realised_ohm,wanted_f,realised_f\n";
+  for (const Part& part : circuit.parts) {
+    const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
+    out += part.kind == Part::Kind::resistor
+               ? fmt::format("{},{},{},{},{},,\n", part.name, part.stage + 1, part.series, wanted, realised)
+               : fmt::format("{},{},{},,,{},{}\n", part.name, part.stage + 1, part.series, wanted, realised);
+  }
+  return out;
+}
+
+}  // namespace bodesmith::circuit

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <vector>
+
+#include "circuit/sensitivity.hpp"
+#include "yield/yield.hpp"
+
+namespace bodesmith::yield {
+
+/// d ln H/d ln part of a design, and how far each part may be off: ranges, worst case and ranking without
+/// chance.
+struct Sensitivity : circuit::Sensitivity {
+  std::vector<double> limit_percent;  ///< of each part (three standard deviations where there is no limit)
+};
+Sensitivity sensitivity_of(const Design& design, const Options& options);
+
+}  // namespace bodesmith::yield

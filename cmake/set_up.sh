@@ -4,8 +4,10 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 build_packages=(g++ cmake ninja-build ccache libeigen3-dev libsundials-dev libboost-program-options-dev
-  nlohmann-json3-dev libtomlplusplus-dev libfmt-dev libkainjow-mustache-dev libssl-dev libopenmpi-dev openmpi-bin)
-check_packages=(ngspice libgtest-dev libgmock-dev libboost-dev chromium)
+  nlohmann-json3-dev libtomlplusplus-dev libfmt-dev libkainjow-mustache-dev libssl-dev)
+# libboost-dev: special functions as an oracle; libopenmpi-dev, openmpi-bin: yield under mpirun, which is optional;
+# clang-format, clang-tidy: .ci/lint.
+check_packages=(ngspice libgtest-dev libgmock-dev libboost-dev libopenmpi-dev openmpi-bin chromium clang-format clang-tidy)
 
 install_missing() {
   local missing=() package
@@ -19,7 +21,7 @@ install_missing() {
   local as_root=()
   if [ "$(id -u)" -ne 0 ]; then
     if ! command -v sudo >/dev/null; then
-      echo "these packages are missing and neither root nor sudo is at hand: ${missing[*]}" >&2
+      echo "these packages are missing and there is neither root nor sudo: ${missing[*]}" >&2
       exit 2
     fi
     as_root=(sudo)

@@ -7,6 +7,7 @@
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
+#include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "multiplier_layout/budget.hpp"
@@ -20,40 +21,41 @@
 namespace bodesmith::cli {
 namespace {
 
-namespace po = boost::program_options;
-
-void declare(CommandLine& line) {
+void declare_layout(CommandLine& line) {
   line.positional("DISTURBANCE.json", 1, 1);
   line.output(
       "folder for layout.json, disturbance.sub (with amplitude gains also disturbance_amplitude.sub), "
       "parts.csv and layout.svg");
   const multiplier_layout::Options defaults;
-  line.options().add_options()("series", po::value<std::string>()->default_value("E96"),
-                               "series of the resistors, E3 to E192 or exact")(
-      "scheme", po::value<std::string>()->default_value("auto"),
-      "how the polynomials are split for multipliers: shared (powers), horner, 2 to 6 (that many powers to a "
-      "group), or auto: fewest multipliers among those of small error and large bandwidth")(
-      "multiplier-scale-v", po::value<double>()->default_value(defaults.multiplier.scale_v),
-      "U in W = X Y/U + Z")("switch-ohm", po::value<double>(),
-                            "on-resistance of the branch switch; this and the next four are absent: typical "
-                            "for an ADG413 (up to two "
-                            "branches) or an ADG408, assumed")("switch-delay-s", po::value<double>(),
-                                                               "from the control to the new contact")(
-      "switch-gap-s", po::value<double>(), "break before make: both contacts open")(
-      "switch-charge-c", po::value<double>(), "charge that an opening contact leaves")(
-      "switch-drain-f", po::value<double>(), "capacitance of the common node for each contact")(
-      "full-scale-v", po::value<double>()->default_value(defaults.full_scale_v),
-      "greatest voltage at any node but the output")(
-      "lowest-hz", po::value<double>()->default_value(defaults.lowest.value),
-      "lowest reference frequency (triangle) that the slope detector must see")(
-      "highest-hz", po::value<double>()->default_value(defaults.highest.value),
-      "highest reference frequency: late switching is stated there")(
-      "check", "run ngspice: static, triangles at 100 Hz and the highest frequency, one change of branch")(
-      "max-error-percent", po::value<double>(),
-      "exit with 1 when d(x) is off by more percent of the range of x");
+  line.option<std::string>("series", "series of the resistors, E3 to E192 or exact", "E96");
+  line.option<std::string>(
+      "scheme",
+      "how the polynomials are split for multipliers: shared (powers), horner, 2 to 6 (that many "
+      "powers to a group), or auto: fewest multipliers among those of small error and large "
+      "bandwidth",
+      "auto");
+  line.option<double>("multiplier-scale-v", "U in W = X Y/U + Z", defaults.multiplier.scale_v);
+  line.option<double>(
+      "switch-ohm",
+      "on-resistance of the branch switch; default of this and the next four: typical values of an "
+      "ADG413 (up to two branches) or an ADG408, assumed");
+  line.option<double>("switch-delay-s", "from the control to the new contact");
+  line.option<double>("switch-gap-s", "break before make: both contacts open");
+  line.option<double>("switch-charge-c", "charge that an opening contact injects");
+  line.option<double>("switch-drain-f", "capacitance of the common node for each contact");
+  line.option<double>("full-scale-v", "largest voltage at any node but the output", defaults.full_scale_v);
+  line.option<double>("lowest-hz",
+                      "lowest reference frequency (triangle) that the slope detector must follow",
+                      defaults.lowest.value);
+  line.option<double>("highest-hz", "highest reference frequency, at which late switching is stated",
+                      defaults.highest.value);
+  add_check_option(
+      line, "run ngspice: static, triangles at 100 Hz and the highest frequency, one change of branch");
+  line.option<double>("max-error-percent",
+                      "exit with 1 when the error of d(x) is larger, in percent of the range of x");
 }
 
-multiplier_layout::Options read_options(const CommandLine& line, size_t branches) {
+multiplier_layout::Options read_layout_options(const CommandLine& line, std::size_t branches) {
   multiplier_layout::Options options;
   options.resistors = circuit::Series::named(line.get<std::string>("series"));
   options.scheme = multiplier_layout::Scheme::named(line.get<std::string>("scheme"));
@@ -79,8 +81,7 @@ std::string percent(double value) {
   return rounded_text(value, 3) + " %";
 }
 
-std::string summary(const multiplier_layout::Layout& layout, const multiplier_layout::Budget& budget,
-                    const multiplier_layout::Timing& timing) {
+std::string layout_summary(const multiplier_layout::Layout& layout, const multiplier_layout::Budget& budget) {
   std::string text = fmt::format("{} multipliers ({}), {} op-amps, branch sums at {} V per unit\n",
                                  layout.multipliers.size(), layout.multiplier.name, layout.opamps(),
                                  rounded_text(layout.branch_gain));
@@ -94,9 +95,8 @@ std::string summary(const multiplier_layout::Layout& layout, const multiplier_la
         fmt::format("{}: {} of range from the polynomial\n", branch.name, percent(branch.max_error_percent));
   }
   text += fmt::format(
-      "offsets, scales and tolerances (assumed, see layout.json): {} of range rms of all causes, worst "
-      "branch; "
-      "largest: {}\n",
+      "offsets, scales and tolerances (assumed, see layout.json): {} of range rms from all causes, worst "
+      "branch; largest: {}\n",
       percent(*std::max_element(budget.rss_percent.begin(), budget.rss_percent.end())),
       budget.lines[0].cause);
   if (layout.amplitude) {
@@ -107,6 +107,11 @@ std::string summary(const multiplier_layout::Layout& layout, const multiplier_la
         percent(layout.amplitude->max_error_percent),
         percent(*std::max_element(budget.amplitude_rss_percent.begin(), budget.amplitude_rss_percent.end())));
   }
+  return text;
+}
+
+std::string timing_summary(const multiplier_layout::Layout& layout, const multiplier_layout::Timing& timing) {
+  std::string text;
   for (const multiplier_layout::SlopeDetectorFigures::Delay& one : timing.detector.delays) {
     if (!one.triangle_s)
       text += fmt::format("{} Hz triangle: the slope detector does not follow it\n",
@@ -129,44 +134,54 @@ std::string summary(const multiplier_layout::Layout& layout, const multiplier_la
   return text;
 }
 
-std::string check_summary(const spice::DisturbanceCheck& check, Json& json) {
-  json["ngspice"] = {{"version", spice::ngspice_version()},
-                     {"static_percent", check.static_percent},
-                     {"static_against_program_percent", check.static_against_program},
-                     {"multipliers_at_limit",
-                      {{"static_percent", check.limit_percent},
-                       {"predicted_percent", check.limit_predicted_percent},
-                       {"against_program_percent", check.limit_against_program}}},
-                     {"dynamic", Json::array()}};
+Json layout_check_json(const spice::DisturbanceCheck& check) {
+  Json out = {{"version", spice::ngspice_version()},
+              {"static_percent", check.static_percent},
+              {"static_against_program_percent", check.static_against_program},
+              {"multipliers_at_limit",
+               {{"static_percent", check.limit_percent},
+                {"predicted_percent", check.limit_predicted_percent},
+                {"against_program_percent", check.limit_against_program}}},
+              {"dynamic", Json::array()}};
+  for (const spice::DisturbanceCheck::Dynamic& one : check.dynamic) {
+    out["dynamic"].push_back({{"frequency_hz", one.frequency.value},
+                              {"rms_percent", one.rms_percent},
+                              {"rms_multipliers_at_limit_percent", one.rms_at_limit_percent},
+                              {"peak_percent", one.peak_percent},
+                              {"detector_delay_s", one.delay_s},
+                              {"late_share", one.late_share}});
+  }
+  if (check.change) {
+    out["change_of_branch"] = {{"x", check.change->x},
+                               {"delay_s", check.change->delay_s},
+                               {"glitch_percent", check.change->glitch_percent},
+                               {"predicted_glitch_percent", check.change->predicted_percent}};
+  }
+  if (check.amplitude) {
+    out["amplitude"] = {{"static_percent", check.amplitude->static_percent},
+                        {"static_against_program_percent", check.amplitude->against_program},
+                        {"alpha", check.amplitude->alpha},
+                        {"frequency_hz", check.amplitude->frequency.value},
+                        {"rms_percent", check.amplitude->rms_percent}};
+  }
+  return out;
+}
+
+std::string layout_check_text(const spice::DisturbanceCheck& check) {
   std::string text = fmt::format(
       "ngspice: {} of range from the polynomials at rest ({} with the multipliers' limits, predicted {})",
       percent(check.static_percent), percent(check.limit_percent), percent(check.limit_predicted_percent));
   for (const spice::DisturbanceCheck::Dynamic& one : check.dynamic) {
-    json["ngspice"]["dynamic"].push_back({{"frequency_hz", one.frequency.value},
-                                          {"rms_percent", one.rms_percent},
-                                          {"rms_multipliers_at_limit_percent", one.rms_at_limit_percent},
-                                          {"peak_percent", one.peak_percent},
-                                          {"detector_delay_s", one.delay_s},
-                                          {"late_share", one.late_share}});
     text += fmt::format(", {} rms at {} Hz ({} with limits, detector {}s late)", percent(one.rms_percent),
                         rounded_text(one.frequency.value), percent(one.rms_at_limit_percent),
                         engineering_text(one.delay_s, ""));
   }
   if (check.change) {
-    json["ngspice"]["change_of_branch"] = {{"x", check.change->x},
-                                           {"delay_s", check.change->delay_s},
-                                           {"glitch_percent", check.change->glitch_percent},
-                                           {"predicted_glitch_percent", check.change->predicted_percent}};
     text += fmt::format("; a change of branch takes {}s, glitch {} (predicted {})",
                         engineering_text(check.change->delay_s, ""), percent(check.change->glitch_percent),
                         percent(check.change->predicted_percent));
   }
   if (check.amplitude) {
-    json["ngspice"]["amplitude"] = {{"static_percent", check.amplitude->static_percent},
-                                    {"static_against_program_percent", check.amplitude->against_program},
-                                    {"alpha", check.amplitude->alpha},
-                                    {"frequency_hz", check.amplitude->frequency.value},
-                                    {"rms_percent", check.amplitude->rms_percent}};
     text += fmt::format("; amplitude gains {} at rest, {} rms at {} Hz and alpha {}",
                         percent(check.amplitude->static_percent), percent(check.amplitude->rms_percent),
                         rounded_text(check.amplitude->frequency.value), rounded_text(check.amplitude->alpha));
@@ -175,7 +190,7 @@ std::string check_summary(const spice::DisturbanceCheck& check, Json& json) {
 }
 
 /// The op-amp circuit's parts.csv with the role in place of the section.
-std::string parts_text(const multiplier_layout::Layout& layout) {
+std::string layout_parts_csv(const multiplier_layout::Layout& layout) {
   std::string out = "part,role,series,wanted_ohm,realised_ohm,wanted_f,realised_f\n";
   for (const multiplier_layout::Part& part : layout.parts) {
     const std::string values = number_text(part.wanted) + "," + number_text(part.realised);
@@ -187,20 +202,30 @@ std::string parts_text(const multiplier_layout::Layout& layout) {
   return out;
 }
 
+void write_layout(const CommandLine& line, const multiplier_layout::Layout& layout, const Json& json) {
+  const std::string title = fmt::format("disturbance generator from {}", line.files()[0]);
+  OutputSet out(line.output_path());
+  out.add("layout.json", to_text(json));
+  out.add("disturbance.sub", spice::disturbance_library(layout, title));
+  if (layout.amplitude)
+    out.add("disturbance_amplitude.sub", spice::disturbance_library(layout, title, {true, std::nullopt}));
+  out.add("parts.csv", layout_parts_csv(layout));
+  out.add("layout.svg", multiplier_layout::drawing_svg(layout));
+  out.commit();
+}
+
 }  // namespace
 
 int run_layout(const std::vector<std::string>& arguments) {
   CommandLine line("layout", "bodesmith layout disturbance.json -o layout/",
                    "The disturbance generator as multipliers, weighted sums and a branch switch.");
-  declare(line);
+  declare_layout(line);
   if (!line.parse(arguments)) return kDone;
-  if (line.has("max-error-percent")) line.positive("max-error-percent");
-  if (line.has("check") && !spice::ngspice_available()) {
-    line.fail("--check needs ngspice, which is not installed (Debian: apt-get install ngspice)");
-  }
+  const std::optional<double> limit = line.maybe_positive("max-error-percent");
+  require_ngspice_for_check(line);
   Provenance from;
   const multiplier_layout::Input input = multiplier_layout::Input::read(line.files()[0], from);
-  const multiplier_layout::Options options = read_options(line, input.branches.size());
+  const multiplier_layout::Options options = read_layout_options(line, input.branches.size());
 
   const Stopwatch watch;
   const multiplier_layout::Layout layout = multiplier_layout::make_layout(input, options);
@@ -218,27 +243,20 @@ int run_layout(const std::vector<std::string>& arguments) {
     json["budget"]["transient"] = timing.budget_json();
   }
   json["timing_s"] = {{"compute", compute_s}};
-  std::string text = summary(layout, budget, timing);
-  if (line.has("check"))
-    text += check_summary(spice::check_disturbance(layout, {Hertz{100}, options.highest}), json);
-  int status = kDone;
-  if (const auto limit = line.maybe<double>("max-error-percent");
-      limit && layout.max_error_percent > *limit) {
-    text += fmt::format("the limit of {} % is not met\n", rounded_text(*limit));
-    json["limit_missed"] = true;
-    status = kLimitMissed;
+  std::string text = layout_summary(layout, budget) + timing_summary(layout, timing);
+  if (line.has("check")) {
+    const spice::DisturbanceCheck check = spice::check_disturbance(layout, {Hertz{100}, options.highest});
+    json["ngspice"] = layout_check_json(check);
+    text += layout_check_text(check);
   }
-  const std::string title = fmt::format("disturbance generator from {}", line.files()[0]);
-  OutputSet out(line.output_path());
-  out.add("layout.json", to_text(json));
-  out.add("disturbance.sub", spice::disturbance_library(layout, title));
-  if (layout.amplitude)
-    out.add("disturbance_amplitude.sub", spice::disturbance_library(layout, title, {true, std::nullopt}));
-  out.add("parts.csv", parts_text(layout));
-  out.add("layout.svg", multiplier_layout::drawing_svg(layout));
-  out.commit();
+  const bool met = !limit || layout.max_error_percent <= *limit;
+  if (!met) {
+    text += limit_not_met(*limit, "%");
+    json["limit_missed"] = true;
+  }
+  write_layout(line, layout, json);
   print_summary(line, text, json);
-  return status;
+  return met ? kDone : kLimitMissed;
 }
 
 }  // namespace bodesmith::cli

@@ -128,7 +128,8 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
   }
   if (ending == ".cir" || ending == ".net" || ending == ".sp") {
     from.read(path);
-    set_evaluation(source, [path](const std::vector<Hertz>& grid) { return spice::run_ac_of_deck(path, grid); });
+    set_evaluation(source,
+                   [path](const std::vector<Hertz>& grid) { return spice::run_ac_of_deck(path, grid); });
     return source;
   }
   const Node node = read_document(path, from);

@@ -11,6 +11,7 @@
 #include "circuit/realise.hpp"
 #include "circuit/realise_ladder.hpp"
 #include "circuit/stock.hpp"
+#include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "kicad/schematic.hpp"
@@ -21,43 +22,34 @@
 namespace bodesmith::cli {
 namespace {
 
-namespace po = boost::program_options;
-
-void declare(CommandLine& line) {
+void declare_spice(CommandLine& line) {
   line.positional("SECTIONS.json", 1, 1);
   line.output(
       "folder for compensator.sub, decks for ngspice, LTspice and Xyce, a KiCad project, parts.csv and "
       "circuit.json");
-  line.options().add_options()(
-      "realization", po::value<std::string>()->default_value("opamp-rc"),
-      "opamp-rc (chooses for each stage); one form for all: first-order, tow-thomas, khn, sallen-key, "
-      "multiple-feedback; or RC ladders for poles and zeros that alternate: foster1, foster2, cauer1, "
-      "cauer2")("series", po::value<std::string>()->default_value("E96"),
-                "series of the resistors, E3 to E192; exact: values as computed, capacitors too")(
-      "capacitor-series", po::value<std::string>(),
-      "series of the capacitors (E12, or exact with --series exact)")(
-      "stock", po::value<std::string>(),
-      "parts at hand instead of series, TOML (bodesmith.stock/1: values_ohm, values_f, limits) or CSV "
-      "(resistance_ohm,capacitance_f, one value a row)")("min-ohm", po::value<double>()->default_value(1e3),
-                                                         "least resistor (ladders: 100)")(
-      "max-ohm", po::value<double>()->default_value(2.2e6), "greatest resistor (ladders: 1e7)")(
-      "min-f", po::value<double>()->default_value(47e-12), "least capacitor")(
-      "max-f", po::value<double>()->default_value(220e-9), "greatest capacitor (ladders: 4.7e-6)")(
-      "isolation-ohm", po::value<double>(),
-      "in series with the input capacitor of first-order stages, so that the op-amp before does not ring "
-      "(default: a fifth of its "
-      "output resistance where the band allows it; 0: none)")(
-      "opamp", po::value<std::string>()->default_value("generic-10M"),
-      "type of op-amp; auto: the first of the list that is good enough; ideal")(
-      "opamp-library", po::value<std::string>(), "a TOML list of op-amps of your own")(
-      "amplitude-v", po::value<double>()->default_value(1.0),
-      "greatest input, for the checks of slew rate and swing")(
-      "max-error-db", po::value<double>(),
-      "exit with 1 when parts and op-amps together miss the sections by more")(
-      "from-hz", po::value<double>(),
-      "band of the search and of the errors (default: 1/10 of the lowest corner")(
-      "to-hz", po::value<double>(), "to 10 times the highest)")(
-      "check", "run ngspice and compare with the program's own response");
+  add_circuit_options(line);
+  line.option<std::string>(
+      "stock",
+      "a list of parts in stock instead of series: TOML (bodesmith.stock/1: values_ohm, values_f, "
+      "limits) or CSV (resistance_ohm,capacitance_f, one value a row)");
+  line.option<double>("min-ohm", "smallest resistor (ladders: 100)", 1e3);
+  line.option<double>("max-ohm", "largest resistor (ladders: 1e7)", 2.2e6);
+  line.option<double>("min-f", "smallest capacitor", 47e-12);
+  line.option<double>("max-f", "largest capacitor (ladders: 4.7e-6)", 220e-9);
+  line.option<double>(
+      "isolation-ohm",
+      "in series with the input capacitor of first-order stages, so that the op-amp before does not "
+      "ring (default: a fifth of its output resistance where the band allows it; 0: none)");
+  line.option<std::string>(
+      "opamp", "type of op-amp; auto: the first one in the list that is good enough; ideal", "generic-10M");
+  line.option<std::string>("opamp-library", "a TOML list of op-amps of your own");
+  line.option<double>("amplitude-v", "largest input, for the checks of slew rate and swing", 1.0);
+  line.option<double>(
+      "max-error-db",
+      "exit with 1 when the error of parts and op-amps together against the sections is larger");
+  line.band("band of the search and of the errors (default: 1/10 of the lowest corner",
+            "to 10 times the highest)");
+  add_check_option(line, "run ngspice and compare with the program's own response");
 }
 
 circuit::OpAmpLibrary library_of(const CommandLine& line, Provenance& from) {
@@ -66,13 +58,12 @@ circuit::OpAmpLibrary library_of(const CommandLine& line, Provenance& from) {
   return circuit::OpAmpLibrary::built_in();
 }
 
-circuit::RealiseOptions read_options(const CommandLine& line, Provenance& from) {
-  circuit::RealiseOptions options;
-  options.realization = line.get<std::string>("realization");
-  options.resistors = circuit::Series::named(line.get<std::string>("series"));
-  options.capacitors = circuit::Series::named(
-      line.maybe<std::string>("capacitor-series").value_or(options.resistors.is_exact() ? "exact" : "E12"));
-  // A list's own limits stand before the usual ones, and behind those that are typed.
+bool automatic_opamp(const CommandLine& line) {
+  return line.get<std::string>("opamp") == "auto";
+}
+
+/// Limits of the values: the form's or the stock list's own, then those that were given.
+void read_value_limits(const CommandLine& line, Provenance& from, circuit::RealiseOptions& options) {
   const bool ladder = circuit::ladder_form_named(options.realization).has_value();
   if (ladder) circuit::set_ladder_limits(options);
   if (line.has("stock")) circuit::StockList::read(line.get<std::string>("stock"), from).apply_to(options);
@@ -85,21 +76,68 @@ circuit::RealiseOptions read_options(const CommandLine& line, Provenance& from) 
   limit("min-f", options.least_f);
   limit("max-f", options.greatest_f);
   if (line.has("stock") && options.resistors.is_exact() != options.capacitors.is_exact()) {
-    line.fail("--stock does not mix with exact parts, expected a series for what the list leaves out");
+    line.fail("--stock cannot be combined with exact parts, expected a series for what the list leaves out");
   }
+}
+
+circuit::RealiseOptions read_spice_options(const CommandLine& line, Provenance& from) {
+  circuit::RealiseOptions options = read_circuit_options(line);
+  read_value_limits(line, from, options);
   if (line.has("isolation-ohm")) {
     const double ohm = line.get<double>("isolation-ohm");
     if (!(ohm >= 0.0) || ohm > 1e6) line.fail("--isolation-ohm is out of range, expected 0 to 1e6");
     options.isolation_ohm = ohm;
   }
-  if (line.get<std::string>("opamp") != "auto")
-    options.opamp = library_of(line, from).named(line.get<std::string>("opamp"));
-  if (line.has("from-hz") != line.has("to-hz")) line.fail("--from-hz and --to-hz belong together");
-  if (line.has("from-hz")) {
-    options.band = Band{Hertz{line.positive("from-hz")}, Hertz{line.positive("to-hz")}};
-    if (!(options.band->from < options.band->to)) line.fail("--from-hz is not below --to-hz");
-  }
+  if (!automatic_opamp(line)) options.opamp = library_of(line, from).named(line.get<std::string>("opamp"));
+  options.band = line.maybe_band();
   return options;
+}
+
+std::string circuit_summary(const circuit::Realised& made, const circuit::RealiseOptions& options,
+                            const circuit::OpAmpCheck& opamps) {
+  const circuit::RealiseReport& report = made.report;
+  return fmt::format(
+             "{} stages, {} op-amps, {} parts ({} resistors, {} capacitors)\n"
+             "parts against the sections, {} to {} Hz: {} dB, {} deg ({} dB with every value rounded on its own)\n"
+             "op-amps ({}): {} dB; all together: {} dB, {} deg\n",
+             made.circuit.stages.size(), made.circuit.opamps.size(), made.circuit.parts.size(),
+             options.resistors.name(), options.capacitors.name(), rounded_text(report.band.from.value),
+             rounded_text(report.band.to.value), rounded_text(report.parts.max_magnitude_db, 3),
+             rounded_text(report.parts.max_phase_deg, 3), rounded_text(report.nearest.max_magnitude_db, 3),
+             made.circuit.model.name, rounded_text(report.opamps.max_magnitude_db, 3),
+             rounded_text(report.all.max_magnitude_db, 3), rounded_text(report.all.max_phase_deg, 3)) +
+         fmt::format(
+             "phase margin of every op-amp {} deg or more; offset at most {} V; noise {} V rms over the band\n",
+             rounded_text(opamps.least_phase_margin_deg, 3), rounded_text(opamps.output_offset_v, 3),
+             rounded_text(opamps.noise_rms_v, 3));
+}
+
+Json check_json(const spice::CompensatorCheck& check) {
+  return {{"version", spice::ngspice_version()},
+          {"band_hz", {check.band.from.value, check.band.to.value}},
+          {"against_program", circuit::to_json(check.against_network)},
+          {"against_sections", circuit::to_json(check.against_sections)},
+          {"transient_percent", check.transient_percent},
+          {"noise_percent", check.noise_percent}};
+}
+
+std::string check_text(const spice::CompensatorCheck& check) {
+  return fmt::format(
+      "ngspice, {} to {} Hz: {} dB from the program's own response, {} dB from the sections; a triangle within {} %, "
+      "noise within {} %\n",
+      rounded_text(check.band.from.value), rounded_text(check.band.to.value),
+      rounded_text(check.against_network.max_magnitude_db, 3),
+      rounded_text(check.against_sections.max_magnitude_db, 3), rounded_text(check.transient_percent, 3),
+      rounded_text(check.noise_percent, 3));
+}
+
+void write_circuit(const CommandLine& line, const circuit::Realised& made, const Json& circuit) {
+  OutputSet out(line.output_path());
+  const std::string title = fmt::format("compensator from {}", line.files()[0]);
+  spice::add_spice_files(made, title, out);
+  kicad::add_kicad_files(made.circuit, title, out);
+  out.add("circuit.json", to_text(circuit));
+  out.commit();
 }
 
 }  // namespace
@@ -107,76 +145,42 @@ circuit::RealiseOptions read_options(const CommandLine& line, Provenance& from) 
 int run_spice(const std::vector<std::string>& arguments) {
   CommandLine line("spice", "bodesmith spice sections.json -o spice/ --check",
                    "Sections as op-amp RC circuits with parts that can be bought, and portable netlists.");
-  declare(line);
+  declare_spice(line);
   if (!line.parse(arguments)) return kDone;
   Provenance from;
-  circuit::RealiseOptions options = read_options(line, from);
-  if (line.has("max-error-db")) line.positive("max-error-db");
-  if (line.has("check") && !spice::ngspice_available()) {
-    line.fail("--check needs ngspice, which is not installed (Debian: apt-get install ngspice)");
-  }
+  const circuit::RealiseOptions options = read_spice_options(line, from);
+  const std::optional<double> limit = line.maybe_positive("max-error-db");
+  require_ngspice_for_check(line);
   const Sections sections = Sections::read(line.files()[0], from);
   const double amplitude_v = line.positive("amplitude-v");
 
   const Stopwatch watch;
   const circuit::Realised made =
-      line.get<std::string>("opamp") == "auto"
+      automatic_opamp(line)
           ? circuit::realise_with_best_opamp(sections, options, library_of(line, from), amplitude_v)
           : circuit::realise(sections, options);
   const circuit::OpAmpCheck opamps = circuit::check_opamps(made.circuit, made.report.band, amplitude_v);
   const double compute_s = watch.seconds();
-  for (const std::string& warning : opamps.warnings) note("warning: " + warning);
+  warn_each(opamps.warnings);
 
   Json circuit = json_header("circuit", from);
   circuit.update(to_json(made));
   circuit["opamp_check"] = to_json(opamps);
   circuit["timing_s"] = {{"compute", compute_s}};
-  const circuit::RealiseReport& report = made.report;
-  std::string text = fmt::format(
-      "{} stages, {} op-amps, {} parts ({} resistors, {} capacitors)\n"
-      "parts against the sections, {} to {} Hz: {} dB, {} deg ({} dB with every value rounded on its own)\n"
-      "op-amps ({}): {} dB; all together: {} dB, {} deg\n",
-      made.circuit.stages.size(), made.circuit.opamps.size(), made.circuit.parts.size(),
-      options.resistors.name(), options.capacitors.name(), rounded_text(report.band.from.value),
-      rounded_text(report.band.to.value), rounded_text(report.parts.max_magnitude_db, 3),
-      rounded_text(report.parts.max_phase_deg, 3), rounded_text(report.nearest.max_magnitude_db, 3),
-      made.circuit.model.name, rounded_text(report.opamps.max_magnitude_db, 3),
-      rounded_text(report.all.max_magnitude_db, 3), rounded_text(report.all.max_phase_deg, 3));
-  text += fmt::format(
-      "phase margin of every op-amp {} deg or more; offset at most {} V; noise {} V rms over the band\n",
-      rounded_text(opamps.least_phase_margin_deg, 3), rounded_text(opamps.output_offset_v, 3),
-      rounded_text(opamps.noise_rms_v, 3));
+  std::string text = circuit_summary(made, options, opamps);
   if (line.has("check")) {
     const spice::CompensatorCheck check = spice::check_compensator(made.circuit, sections);
-    circuit["ngspice"] = {{"version", spice::ngspice_version()},
-                          {"band_hz", {check.band.from.value, check.band.to.value}},
-                          {"against_program", circuit::to_json(check.against_network)},
-                          {"against_sections", circuit::to_json(check.against_sections)},
-                          {"transient_percent", check.transient_percent},
-                          {"noise_percent", check.noise_percent}};
-    text += fmt::format(
-        "ngspice, {} to {} Hz: {} dB from the program's own response, {} dB from the sections; a triangle "
-        "within {} "
-        "%, noise within {} %\n",
-        rounded_text(check.band.from.value), rounded_text(check.band.to.value),
-        rounded_text(check.against_network.max_magnitude_db, 3),
-        rounded_text(check.against_sections.max_magnitude_db, 3), rounded_text(check.transient_percent, 3),
-        rounded_text(check.noise_percent, 3));
+    circuit["ngspice"] = check_json(check);
+    text += check_text(check);
   }
-  int status = kDone;
-  if (const auto limit = line.maybe<double>("max-error-db"); limit && report.all.max_magnitude_db > *limit) {
-    text += fmt::format("the limit of {} dB is not met\n", rounded_text(*limit));
+  const bool met = !limit || made.report.all.max_magnitude_db <= *limit;
+  if (!met) {
+    text += limit_not_met(*limit, "dB");
     circuit["limit_missed"] = true;
-    status = kLimitMissed;
   }
-  OutputSet out(line.output_path());
-  const std::string title = fmt::format("compensator from {}", line.files()[0]);
-  spice::add_spice_files(made, title, out);
-  kicad::add_kicad_files(made.circuit, title, out);
-  out.add("circuit.json", to_text(circuit));
-  out.commit();
+  write_circuit(line, made, circuit);
   print_summary(line, text, circuit);
-  return status;
+  return met ? kDone : kLimitMissed;
 }
 
 }  // namespace bodesmith::cli

@@ -9,64 +9,51 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "circuit/realise.hpp"
+#include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "yield/job.hpp"
 #include "yield/yield.hpp"
 
 namespace bodesmith::cli {
 namespace {
 
-namespace po = boost::program_options;
-
-void declare(CommandLine& line) {
+void declare_yield(CommandLine& line) {
   line.positional("SECTIONS.json|PLAN.json…", 1, -1);
   line.output("yield.json (percentiles a frequency, ranking of the parts, what to buy)", true);
   line.seed();
   const yield::Spread s;
-  line.options().add_options()("samples", po::value<std::uint64_t>()->default_value(100000),
-                               "circuits drawn")(
-      "distribution", po::value<std::string>()->default_value("uniform"),
-      "uniform within the tolerance, gaussian (tolerance = --sigmas standard deviations), or corners")(
-      "sigmas", po::value<double>()->default_value(s.sigmas),
-      "standard deviations that a tolerance stands for")(
-      "resistor-percent", po::value<double>()->default_value(s.resistor_percent),
-      "tolerance of the resistors")("capacitor-percent",
-                                    po::value<double>()->default_value(s.capacitor_percent),
-                                    "tolerance of the capacitors")(
-      "unit-capacitor-percent", po::value<double>()->default_value(s.unit_capacitor_percent),
-      "FPAA: standard deviation of one unit; n units have 1/sqrt(n) of it")(
-      "temperature-low-c", po::value<double>()->default_value(25.0),
-      "every circuit is at a temperature from here")(
-      "temperature-high-c", po::value<double>()->default_value(25.0), "to here; 25 is neutral")(
-      "resistor-ppm", po::value<double>()->default_value(s.resistor_ppm_per_k),
-      "temperature coefficient, +- ppm/K")("capacitor-ppm",
-                                           po::value<double>()->default_value(s.capacitor_ppm_per_k),
-                                           "temperature coefficient, +- ppm/K")(
-      "count", po::value<int>()->default_value(60), "frequencies, evenly in log")(
-      "from-hz", po::value<double>(), "lowest frequency (default: lowest corner of the first design)")(
-      "to-hz", po::value<double>(), "highest frequency (default: highest corner)")(
-      "limit-db", po::value<double>(),
-      "count the circuits that stay within, say which tolerances to buy for it")(
-      "limit-deg", po::value<double>(), "the same for the phase")(
-      "min-yield-percent", po::value<double>(), "exit with 1 when fewer circuits stay within the limits")(
-      "realization", po::value<std::string>()->default_value("opamp-rc"), "as in bodesmith spice")(
-      "series", po::value<std::string>()->default_value("E96"), "series of the resistors")(
-      "capacitor-series", po::value<std::string>()->default_value("E12"), "series of the capacitors")(
-      "threads", po::value<int>()->default_value(0), "0: all cores (one a process under mpirun)");
+  line.option<std::uint64_t>("samples", "number of circuits drawn", 100000);
+  line.option<std::string>(
+      "distribution",
+      "uniform within the tolerance, gaussian (tolerance = --sigmas standard deviations), or "
+      "corners",
+      "uniform");
+  line.option<double>("sigmas", "number of standard deviations that a tolerance stands for", s.sigmas);
+  line.option<double>("resistor-percent", "tolerance of the resistors", s.resistor_percent);
+  line.option<double>("capacitor-percent", "tolerance of the capacitors", s.capacitor_percent);
+  line.option<double>("unit-capacitor-percent",
+                      "FPAA: standard deviation of one unit; n units have 1/sqrt(n) of it",
+                      s.unit_capacitor_percent);
+  line.option<double>("temperature-low-c", "every circuit is at a temperature from here", 25.0);
+  line.option<double>("temperature-high-c", "to here; 25 is neutral", 25.0);
+  line.option<double>("resistor-ppm", "temperature coefficient, +- ppm/K", s.resistor_ppm_per_k);
+  line.option<double>("capacitor-ppm", "temperature coefficient, +- ppm/K", s.capacitor_ppm_per_k);
+  line.option<int>("count", "number of frequencies, evenly spaced in log frequency", 60);
+  line.band("lowest frequency (default: lowest corner of the first design)",
+            "highest frequency (default: highest corner)");
+  line.option<double>("limit-db",
+                      "count the circuits that stay within this, and say which tolerances to buy for it");
+  line.option<double>("limit-deg", "the same for the phase");
+  line.option<double>("min-yield-percent", "exit with 1 when fewer circuits stay within the limits");
+  add_circuit_options(line);
+  line.option<int>("threads", "0: all cores (one per process under mpirun)", 0);
 }
 
 yield::Spread read_spread(const CommandLine& line) {
+  using Kind = yield::Spread::Kind;
   yield::Spread s;
-  const std::string kind = line.get<std::string>("distribution");
-  if (kind == "uniform") {
-    s.kind = yield::Spread::Kind::uniform;
-  } else if (kind == "gaussian") {
-    s.kind = yield::Spread::Kind::gaussian;
-  } else if (kind == "corners") {
-    s.kind = yield::Spread::Kind::corners;
-  } else {
-    line.fail(fmt::format("--distribution is {}, expected uniform, gaussian or corners", kind));
-  }
+  s.kind = line.choice("distribution", {Kind::uniform, Kind::gaussian, Kind::corners});
   s.sigmas = line.positive("sigmas");
   s.resistor_percent = line.get<double>("resistor-percent");
   s.capacitor_percent = line.get<double>("capacitor-percent");
@@ -78,36 +65,56 @@ yield::Spread read_spread(const CommandLine& line) {
   return s;
 }
 
+yield::Options read_yield_options(const CommandLine& line) {
+  yield::Options options;
+  options.spread = read_spread(line);
+  options.samples = line.get<std::uint64_t>("samples");
+  options.seed = line.seed_value();
+  options.threads = line.get<int>("threads");
+  options.limit_db = line.maybe_positive("limit-db");
+  options.limit_deg = line.maybe_positive("limit-deg");
+  if (line.has("min-yield-percent") && !options.limit_db && !options.limit_deg) {
+    line.fail("--min-yield-percent needs --limit-db or --limit-deg");
+  }
+  return options;
+}
+
+std::vector<Hertz> read_grid(const CommandLine& line, const Band& corners) {
+  const int count = line.integer("count", 1, 100000);
+  const Hertz low{line.has("from-hz") ? line.positive("from-hz") : corners.from.value};
+  const Hertz high{line.has("to-hz") ? line.positive("to-hz") : corners.to.value};
+  return count == 1 ? std::vector<Hertz>{low} : log_grid({low, high}, count);
+}
+
 yield::Design read_design(const CommandLine& line, const std::string& file, Provenance& from) {
   const Node node = read_document(file, from);
   if (node.kind() == Node::Kind::object && node.string_or("schema", "") == "bodesmith.fpaa_plan/1") {
     return yield::design_of_plan(node, file);
   }
   const Sections sections = Sections::from_node(node);
-  circuit::RealiseOptions options;
-  options.realization = line.get<std::string>("realization");
-  options.resistors = circuit::Series::named(line.get<std::string>("series"));
-  options.capacitors = circuit::Series::named(line.get<std::string>("capacitor-series"));
+  circuit::RealiseOptions options = read_circuit_options(line);
+  if (!line.has("capacitor-series")) options.capacitors = circuit::Series::named("E12");
   return yield::design_of_circuit(circuit::realise(sections, options), sections, file);
+}
+
+double yield_percent(const yield::Result& result) {
+  return 100.0 * static_cast<double>(result.within) / static_cast<double>(result.samples);
 }
 
 std::string describe(const yield::Design& design, const yield::Result& result,
                      const yield::Options& options) {
   std::string text = fmt::format(
       "{}: {} poles, {} parts, {} circuits\n  worst over {} frequencies: {} dB, {} deg in 95 of 100 circuits "
-      "(median {} dB, "
-      "greatest {} dB; all parts at their limits {} dB)\n",
+      "(median {} dB, largest {} dB; all parts at their limits {} dB)\n",
       result.name, design.poles, design.parts.size(), result.samples, result.grid.size(),
       rounded_text(result.worst_db.quantile(0.95), 3), rounded_text(result.worst_deg.quantile(0.95), 3),
       rounded_text(result.worst_db.quantile(0.5), 3), rounded_text(result.worst_db.greatest, 3),
       rounded_text(result.worst_case_db, 3));
   if (options.limit_db || options.limit_deg) {
-    text += fmt::format(
-        "  within the limits: {} %\n",
-        rounded_text(100.0 * static_cast<double>(result.within) / static_cast<double>(result.samples), 5));
+    text += fmt::format("  within the limits: {} %\n", rounded_text(yield_percent(result), 5));
   }
   text += "  parts that matter most:";
-  for (size_t i = 0; i < std::min<size_t>(4, result.ranking.size()); ++i) {
+  for (std::size_t i = 0; i < std::min<std::size_t>(4, result.ranking.size()); ++i) {
     const yield::PartRank& rank = result.ranking[i];
     text += fmt::format("{} {} ({} % of the variance)", i == 0 ? "" : ",", rank.part,
                         rounded_text(100.0 * rank.share, 3));
@@ -136,16 +143,53 @@ std::string purchase_text(const std::vector<yield::Purchase>& all, double limit_
                      rounded_text(all[0].capacitor_percent), rounded_text(all[0].worst_db_95, 3));
 }
 
-/// Everything that the counts depend on, for the checkpoint.
-std::string job_text(const yield::Options& o, const Provenance& from) {
-  const yield::Spread& s = o.spread;
-  std::string text = fmt::format(
-      "{} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(s.kind), s.sigmas, s.resistor_percent,
-      s.capacitor_percent, s.unit_capacitor_percent, s.temperature_low_c, s.temperature_high_c,
-      s.resistor_ppm_per_k, s.capacitor_ppm_per_k, o.limit_db.value_or(-1.0), o.limit_deg.value_or(-1.0));
-  for (const Hertz f : o.grid) text += " " + number_text(f.value);
-  for (const InputFile& file : from.inputs) text += " " + file.sha256;
-  return text;
+/// One design in yield.json, and its lines of the summary.
+Json design_json(const yield::Design& design, const yield::Result& result, const yield::Options& options,
+                 std::string& text) {
+  Json out = to_json(result, options);
+  out["poles"] = design.poles;
+  out["parts"] = design.parts.size();
+  out["reference"] = design.reference_name;
+  text += describe(design, result, options);
+  if (options.limit_db && design.reference_name == "sections") {
+    const std::vector<yield::Purchase> buy = yield::tolerances_to_buy(design, options, *options.limit_db);
+    out["to_buy"] = purchase_json(buy);
+    text += purchase_text(buy, *options.limit_db);
+  }
+  return out;
+}
+
+Json settings_json(const yield::Options& options) {
+  const yield::Spread& s = options.spread;
+  return {{"distribution", to_string(s.kind)},
+          {"seed", options.seed},
+          {"resistor_percent", s.resistor_percent},
+          {"capacitor_percent", s.capacitor_percent},
+          {"unit_capacitor_percent", s.unit_capacitor_percent},
+          {"temperature_c", {s.temperature_low_c, s.temperature_high_c}},
+          {"designs", Json::array()}};
+}
+
+/// The results of all designs, in their order; only the leader of the team has complete ones.
+std::vector<yield::Result> run_designs(const CommandLine& line, const std::vector<yield::Design>& designs,
+                                       yield::Options options, const yield::Team& team) {
+  std::vector<yield::Result> results;
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    if (line.has("output"))
+      options.checkpoint = line.output_path().string() + fmt::format(".checkpoint{}", i + 1);
+    Progress progress("yield of " + designs[i].name);
+    if (team.leads()) options.progress = [&progress](double fraction) { progress.at(fraction); };
+    results.push_back(yield::run_monte_carlo(designs[i], options, team));
+  }
+  return results;
+}
+
+/// The design whose worst error in 95 of 100 circuits is smallest.
+const yield::Result& best_design(const std::vector<yield::Result>& results) {
+  return *std::min_element(results.begin(), results.end(),
+                           [](const yield::Result& a, const yield::Result& b) {
+                             return a.worst_db.quantile(0.95) < b.worst_db.quantile(0.95);
+                           });
 }
 
 }  // namespace
@@ -153,89 +197,46 @@ std::string job_text(const yield::Options& o, const Provenance& from) {
 int run_yield(const std::vector<std::string>& arguments) {
   CommandLine line(
       "yield", "bodesmith yield sections.json -o yield.json --limit-db 0.5",
-      "What tolerances make of a design: Monte Carlo over op-amp RC parts or FPAA capacitors. With several "
-      "files\n"
+      "What tolerances do to a design: Monte Carlo over op-amp RC parts or FPAA capacitors. With several files\n"
       "the designs are compared. Under `mpirun -n N` the work is shared; results do not depend on N.");
-  declare(line);
+  declare_yield(line);
   if (!line.parse(arguments)) return kDone;
-  yield::Options options;
-  options.spread = read_spread(line);
-  options.samples = line.get<std::uint64_t>("samples");
-  options.seed = line.seed_value();
-  options.threads = line.get<int>("threads");
-  if (line.has("limit-db")) options.limit_db = line.positive("limit-db");
-  if (line.has("limit-deg")) options.limit_deg = line.positive("limit-deg");
-  if (line.has("min-yield-percent") && !options.limit_db && !options.limit_deg) {
-    line.fail("--min-yield-percent needs --limit-db or --limit-deg");
-  }
-  const int count = line.get<int>("count");
-  if (count < 1 || count > 100000) line.fail(fmt::format("--count is {}, expected 1 to 100000", count));
-
+  yield::Options options = read_yield_options(line);
   const std::unique_ptr<yield::Team> team = yield::join_team();
   Provenance from;
   std::vector<yield::Design> designs;
   for (const std::string& file : line.files()) designs.push_back(read_design(line, file, from));
-  const double low = line.has("from-hz") ? line.positive("from-hz") : designs[0].band.from.value;
-  const double high = line.has("to-hz") ? line.positive("to-hz") : designs[0].band.to.value;
-  options.grid = count == 1 ? std::vector<Hertz>{Hertz{low}} : log_grid({Hertz{low}, Hertz{high}}, count);
+  options.grid = read_grid(line, designs[0].band);
+  options.job = job_text(options, from);
 
-  Json json = json_header("yield", from);
-  json["distribution"] = line.get<std::string>("distribution");
-  json["seed"] = options.seed;
-  json["resistor_percent"] = options.spread.resistor_percent;
-  json["capacitor_percent"] = options.spread.capacitor_percent;
-  json["unit_capacitor_percent"] = options.spread.unit_capacitor_percent;
-  json["temperature_c"] = {options.spread.temperature_low_c, options.spread.temperature_high_c};
-  json["designs"] = Json::array();
-  std::string text;
-  double least_yield = 100.0, best = INFINITY;
-  std::string survivor;
   const Stopwatch watch;
-  for (size_t i = 0; i < designs.size(); ++i) {
-    options.job = job_text(options, from);
-    if (line.has("output"))
-      options.checkpoint = line.output_path().string() + fmt::format(".checkpoint{}", i + 1);
-    Progress progress("yield of " + designs[i].name);
-    if (team->leads()) options.progress = [&](double fraction) { progress.at(fraction); };
-    const yield::Result result = yield::run_monte_carlo(designs[i], options, *team);
-    if (!team->leads()) continue;
-    for (const std::string& one : designs[i].notes) note(one);
-    Json one = to_json(result, options);
-    one["poles"] = designs[i].poles;
-    one["parts"] = designs[i].parts.size();
-    one["reference"] = designs[i].reference_name;
-    text += describe(designs[i], result, options);
-    if (options.limit_db && designs[i].reference_name == "sections") {
-      const std::vector<yield::Purchase> buy =
-          yield::tolerances_to_buy(designs[i], options, *options.limit_db);
-      one["to_buy"] = purchase_json(buy);
-      text += purchase_text(buy, *options.limit_db);
-    }
-    json["designs"].push_back(std::move(one));
-    least_yield = std::min(least_yield,
-                           100.0 * static_cast<double>(result.within) / static_cast<double>(result.samples));
-    if (const double p95 = result.worst_db.quantile(0.95); p95 < best) {
-      best = p95;
-      survivor = result.name;
-    }
-  }
+  const std::vector<yield::Result> results = run_designs(line, designs, options, *team);
   if (!team->leads()) return kDone;
-  if (designs.size() > 1) {
-    text += fmt::format("{} survives its parts best: {} dB in 95 of 100 circuits\n", survivor,
-                        rounded_text(best, 3));
-    json["best"] = survivor;
+  Json json = json_header("yield", from);
+  json.update(settings_json(options));
+  std::string text;
+  double min_yield = 100.0;
+  for (std::size_t i = 0; i < designs.size(); ++i) {
+    for (const std::string& one : designs[i].notes) note(one);
+    json["designs"].push_back(design_json(designs[i], results[i], options, text));
+    min_yield = std::min(min_yield, yield_percent(results[i]));
   }
-  int status = kDone;
-  if (line.has("min-yield-percent") && least_yield < line.get<double>("min-yield-percent")) {
-    text += fmt::format("the wanted yield of {} % is not met\n",
-                        rounded_text(line.get<double>("min-yield-percent")));
+  if (designs.size() > 1) {
+    const yield::Result& best = best_design(results);
+    text += fmt::format("{} tolerates its parts best: {} dB in 95 of 100 circuits\n", best.name,
+                        rounded_text(best.worst_db.quantile(0.95), 3));
+    json["best"] = best.name;
+  }
+  const std::optional<double> required = line.maybe<double>("min-yield-percent");
+  const bool met = !required || min_yield >= *required;
+  if (!met) {
+    text += fmt::format("the required yield of {} % is NOT met\n", rounded_text(*required));
     json["limit_missed"] = true;
-    status = kLimitMissed;
   }
   json["timing_s"] = {{"compute", watch.seconds()}};
   if (line.has("output")) write_file(line.output_path(), to_text(json));
   print_summary(line, text, json);
-  return status;
+  return met ? kDone : kLimitMissed;
 }
 
 }  // namespace bodesmith::cli

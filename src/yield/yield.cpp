@@ -19,6 +19,19 @@
 #include "yield/sensitivity.hpp"
 
 namespace bodesmith::yield {
+
+std::string_view to_string(Spread::Kind kind) {
+  switch (kind) {
+    case Spread::Kind::uniform:
+      return "uniform";
+    case Spread::Kind::gaussian:
+      return "gaussian";
+    case Spread::Kind::corners:
+      return "corners";
+  }
+  return "";
+}
+
 namespace {
 
 constexpr std::uint64_t kChunk = 1024;        // samples a thread takes at a time

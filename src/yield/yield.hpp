@@ -5,6 +5,7 @@
 #include <functional>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/json_fwd.hpp"
@@ -34,6 +35,8 @@ struct Spread {
   /// ratio of two capacitors of 50 units is off by 0.1 % with 0.5 %.
   double unit_capacitor_percent = 0.5;
 };
+
+std::string_view to_string(Spread::Kind kind);
 
 struct Options {
   Spread spread;

@@ -1,4 +1,5 @@
-// 001: Table I (feedforward, PID, hybrid at 100 Hz) and Table II (PID and hybrid over frequency).
+// "High-speed tracking control of piezoelectric actuators using an ellipse-based hysteresis model":
+// Table I (feedforward, PID, hybrid at 100 Hz) and Table II (PID and hybrid over frequency).
 #include "bench.hpp"
 #include "hysteresis/ellipse.hpp"
 

@@ -1,4 +1,5 @@
-// 002: Table 3 (number of operators), Table 5 (PI with and without the inverse model).
+// "Modeling of piezoelectric actuator for compensation and controller design":
+// Table 3 (number of operators), Table 5 (PI with and without the inverse model).
 #include "bench.hpp"
 #include "hysteresis/exponential_operator.hpp"
 

@@ -1,4 +1,5 @@
-// 003: Table 1's parameters on the two toolpaths; identification from the first 0.25 s of case 2, as the
+// "A Novel Fractional Order Model for the Dynamic Hysteresis of Piezoelectrically Actuated Fast Tool Servo":
+// Table 1's parameters on the two toolpaths; identification from the first 0.25 s of case 2, as the
 // paper has it.
 #include "bench.hpp"
 #include "hysteresis/fractional_dynamic.hpp"

@@ -1,4 +1,5 @@
-// 004: rate-dependent KP against classic KP. Table 1 (modelling), Table 2 (sines), Table 3 (triangles).
+// "Rate Dependent Krasnoselskii-Pokrovskii Modeling and Inverse Compensation Control of Piezoceramic Actuated Stages":
+// rate-dependent KP against classic KP. Table 1 (modelling), Table 2 (sines), Table 3 (triangles).
 #include "bench.hpp"
 #include "hysteresis/krasnoselskii_pokrovskii.hpp"
 

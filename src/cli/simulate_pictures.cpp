@@ -54,7 +54,7 @@ Figure over_time(const SimulatedRun& run) {
     out.plots[0].series = {{"r", run.time_s, run.in, Series::Style::dashed}, {"y", run.time_s, run.y}};
     out.plots[1].series = {{"", run.time_s, std::move(error), Series::Style::line, 1}};
     out.plots[2].series = {{"", run.time_s, run.drive, Series::Style::line, 2}};
-    out.caption = "What was wanted, what came of it, and the drive that did it.";
+    out.caption = "Reference and output, the tracking error, and the drive.";
     return out;
   }
   out.plots = {plot("Input", time, {"u"}), plot("Output", time, {"y"})};

@@ -196,7 +196,7 @@ void leave_out_each(CascadeFit& fit, const Problem& problem, const CascadeFitOpt
 void add_warnings(CascadeFit& fit, const CascadeFitOptions& options) {
   for (const Excursion& e : fit.excursions) {
     fit.warnings.push_back(
-        fmt::format("between {} and {} Hz the curve leaves what its two points span by {} dB (at {} Hz): add "
+        fmt::format("between {} and {} Hz the curve leaves the range of its two points by {} dB (at {} Hz): add "
                     "a point there",
                     rounded_text(e.between.from.value), rounded_text(e.between.to.value),
                     rounded_text(e.outside_db, 3), rounded_text(e.worst.value, 3)));
@@ -204,8 +204,8 @@ void add_warnings(CascadeFit& fit, const CascadeFitOptions& options) {
   for (const LeftOutPoint& l : fit.left_out) {
     if (l.max_change_db <= options.surprise_db) continue;
     fit.warnings.push_back(
-        fmt::format("the curve hangs on the point at {} Hz: without it the curve misses it by {} dB and "
-                    "changes by up to {} dB (at {} Hz)",
+        fmt::format("the curve depends on the point at {} Hz: without it the error there is {} dB, "
+                    "and the curve changes by up to {} dB (at {} Hz)",
                     rounded_text(l.frequency.value), rounded_text(l.miss_db, 3),
                     rounded_text(l.max_change_db, 3), rounded_text(l.max_change_at.value, 3)));
   }

@@ -44,7 +44,7 @@ class ExpressionReader {
  public:
   ExpressionReader(std::string text, const std::set<std::string>& names, bool mc)
       : text_(std::move(text)), names_(names), mc_(mc) {}
-  std::string complaint() {
+  std::string error_text() {
     ternary();
     skip();
     if (problem_.empty() && at_ != text_.size()) problem_ = "unexpected '" + text_.substr(at_) + "'";
@@ -156,7 +156,7 @@ class DeckReader {
 
   void read(const std::filesystem::path& path, bool top) {
     if (!std::filesystem::exists(path)) {
-      complaints.push_back(path.filename().string() + " is not there");
+      errors.push_back(path.filename().string() + " is not there");
       return;
     }
     std::istringstream text(read_file(path));
@@ -166,21 +166,21 @@ class DeckReader {
     while (std::getline(text, raw)) {
       ++number;
       where_ = path.filename().string() + ":" + std::to_string(number);
-      if (raw.size() > 2000) complain("a line of more than 2000 characters");
+      if (raw.size() > 2000) report("a line of more than 2000 characters");
       if (raw.find('\r') != std::string::npos || raw.find('\t') != std::string::npos)
-        complain("tab or carriage return");
+        report("tab or carriage return");
       for (const char c : raw) {
         if ((static_cast<unsigned char>(c) & 0x80U) != 0) {
-          complain("a character that is not ASCII");
+          report("a character that is not ASCII");
           break;
         }
       }
       if (top && number == 1) {
-        if (raw.empty() || raw[0] == '.') complain("the first line is not a title");
+        if (raw.empty() || raw[0] == '.') report("the first line is not a title");
         continue;
       }
       if (raw.empty() || raw[0] == '*') continue;
-      if (ended) complain("something behind .end");
+      if (ended) report("something behind .end");
       const std::string line = lower(raw);
       if (control_) {
         if (line == ".endc") control_ = false;
@@ -188,7 +188,7 @@ class DeckReader {
       }
       if (line == ".end") {
         ended = true;
-        if (!top) complain(".end in a library");
+        if (!top) report(".end in a library");
       } else if (line[0] == '.') {
         command(line, raw, path, top);
       } else {
@@ -196,43 +196,43 @@ class DeckReader {
       }
     }
     if (top) {
-      if (!ended) complaints.push_back("no .end");
-      if (control_) complaints.push_back("no .endc");
-      if (analyses_ != 1) complaints.push_back(std::to_string(analyses_) + " analyses, expected one");
+      if (!ended) errors.push_back("no .end");
+      if (control_) errors.push_back("no .endc");
+      if (analyses_ != 1) errors.push_back(std::to_string(analyses_) + " analyses, expected one");
     }
-    if (!inside_.empty()) complaints.push_back(".subckt " + inside_ + " is not closed");
+    if (!inside_.empty()) errors.push_back(".subckt " + inside_ + " is not closed");
   }
 
   void finish() {
     for (const auto& [where, name, pins] : calls_) {
       if (!pins_.contains(name)) {
-        complaints.push_back(where + ": " + name + " is not defined");
+        errors.push_back(where + ": " + name + " is not defined");
       } else if (pins_.at(name) != pins) {
-        complaints.push_back(where + ": " + name + " has " + std::to_string(pins_.at(name)) + " pins");
+        errors.push_back(where + ": " + name + " has " + std::to_string(pins_.at(name)) + " pins");
       }
     }
     for (const auto& [where, model] : models_used_) {
-      if (!models_.contains(model)) complaints.push_back(where + ": no .model " + model);
+      if (!models_.contains(model)) errors.push_back(where + ": no .model " + model);
     }
     // A node that only one thing touches floats; controlling voltages do not hold a node.
     for (const auto& [scope, nodes] : touched_) {
       for (const auto& [node, count] : nodes) {
         if (node != "0" && count < 2)
-          complaints.push_back(scope + ": node " + node + " hangs on one element");
+          errors.push_back(scope + ": node " + node + " is connected to one element only");
       }
     }
     for (const auto& [scope, nodes] : read_) {
       for (const std::string& node : nodes) {
         if (node != "0" && !touched_[scope].contains(node))
-          complaints.push_back(scope + ": v(" + node + ") of no node");
+          errors.push_back(scope + ": v(" + node + ") of no node");
       }
     }
   }
 
-  std::vector<std::string> complaints;
+  std::vector<std::string> errors;
 
  private:
-  void complain(const std::string& what) { complaints.push_back(where_ + ": " + what); }
+  void report(const std::string& what) { errors.push_back(where_ + ": " + what); }
 
   static std::vector<std::string> words_of(const std::string& line) {
     std::istringstream words(line);
@@ -243,7 +243,7 @@ class DeckReader {
 
   bool only(Dialect dialect, const std::string& what) {
     if (!every_ && dialect_ == dialect) return true;
-    complain(what + " is not portable here");
+    report(what + " is not portable here");
     return false;
   }
 
@@ -251,22 +251,22 @@ class DeckReader {
     const std::vector<std::string> words = words_of(line);
     const std::string& name = words[0];
     if (name == ".subckt") {
-      if (!inside_.empty()) complain("a .subckt inside another");
-      if (words.size() < 3) complain("a .subckt without pins");
+      if (!inside_.empty()) report("a .subckt inside another");
+      if (words.size() < 3) report("a .subckt without pins");
       inside_ = words.size() > 1 ? words[1] : "?";
-      if (pins_.contains(inside_)) complain(inside_ + " is defined twice");
+      if (pins_.contains(inside_)) report(inside_ + " is defined twice");
       pins_[inside_] = static_cast<int>(words.size()) - 2;
       for (size_t i = 2; i < words.size(); ++i) touched_[inside_][words[i]] += 2;  // held from outside
       names_.clear();
     } else if (name == ".ends") {
-      if (words.size() != 2 || words[1] != inside_) complain(".ends does not name its .subckt");
+      if (words.size() != 2 || words[1] != inside_) report(".ends does not name its .subckt");
       inside_.clear();
       names_.clear();
     } else if (name == ".model") {
-      if (words.size() < 3 || words[2].substr(0, 2) != "d(") complain("a .model that is not a diode");
+      if (words.size() < 3 || words[2].substr(0, 2) != "d(") report("a .model that is not a diode");
       models_.insert(words.at(1));
     } else if (!top) {
-      complain(name + " in a library");
+      report(name + " in a library");
     } else if (name == ".include") {
       std::string file = words_of(raw).at(1);
       if (file.size() > 1 && file[0] == '"') file = file.substr(1, file.size() - 2);
@@ -277,7 +277,7 @@ class DeckReader {
       ++analyses_;
       if (words.size() != 5 || words[1] != "dec" || !plain_number(words[2]) || !plain_number(words[3]) ||
           !plain_number(words[4]))
-        complain(".ac is not 'dec points from to'");
+        report(".ac is not 'dec points from to'");
     } else if (name == ".control") {
       if (only(Dialect::ngspice, name)) control_ = true;
       ++analyses_;
@@ -287,27 +287,27 @@ class DeckReader {
         for (size_t i = 1; i < words.size(); ++i) {
           const size_t equals = words[i].find('=');
           if (equals == std::string::npos || !plain_number(words[i].substr(equals + 1)))
-            complain("'" + words[i] + "' is not name=number");
+            report("'" + words[i] + "' is not name=number");
           else
             parameters_.insert(words[i].substr(0, equals));
         }
       } else if (name == ".step" && (words.size() != 6 || words[1] != "param")) {
-        complain(".step is not 'param name from to step'");
+        report(".step is not 'param name from to step'");
       }
     } else if (name == ".print") {
       if (!only(Dialect::xyce, name)) return;
       if (words.size() < 5 || words[1] != "ac" || words[2] != "format=csv" ||
           words[3].substr(0, 5) != "file=")
-        complain(".print is not 'ac format=csv file=… outputs'");
+        report(".print is not 'ac format=csv file=… outputs'");
     } else {
-      complain(name + " is not known");
+      report(name + " is not known");
     }
   }
 
   void element(const std::string& line) {
     const std::string scope = inside_.empty() ? "deck" : inside_;
     std::vector<std::string> words = words_of(line);
-    if (!names_.insert(words[0]).second) complain(words[0] + " is there twice");
+    if (!names_.insert(words[0]).second) report(words[0] + " is there twice");
     const auto touch = [&](size_t from, size_t to) {
       for (size_t i = from; i < to && i < words.size(); ++i) ++touched_[scope][words[i]];
     };
@@ -315,17 +315,17 @@ class DeckReader {
       case 'r':
       case 'c': {
         if (words.size() != 4) {
-          complain("not 'name node node value'");
+          report("not 'name node node value'");
           return;
         }
         touch(1, 3);
         // A resistor to ground holds its node by itself (and is a source of thermal noise).
         if (line[0] == 'r' && words[2] == "0") ++touched_[scope][words[1]];
         if (words[3][0] == '{') {
-          if (words[3].back() != '}') complain("an open brace");
+          if (words[3].back() != '}') report("an open brace");
           expression(words[3].substr(1, words[3].size() - 2), scope);
         } else if (!plain_number(words[3]) || words[3][0] == '-') {
-          complain("'" + words[3] + "' is not a plain positive number");
+          report("'" + words[3] + "' is not a plain positive number");
         }
         break;
       }
@@ -333,7 +333,7 @@ class DeckReader {
       case 'g': {
         const size_t open = line.find("value={");
         if (words.size() < 4 || words[3].substr(0, 7) != "value={" || line.back() != '}') {
-          complain("not 'name node node VALUE={…}'");
+          report("not 'name node node VALUE={…}'");
           return;
         }
         touch(1, 3);
@@ -342,14 +342,14 @@ class DeckReader {
       }
       case 'x':
         if (words.size() < 3) {
-          complain("not 'name nodes subcircuit'");
+          report("not 'name nodes subcircuit'");
           return;
         }
         touch(1, words.size() - 1);
         calls_.push_back({where_, words.back(), static_cast<int>(words.size()) - 2});
         break;
       case 'd':
-        if (words.size() != 4) complain("not 'name node node model'");
+        if (words.size() != 4) report("not 'name node node model'");
         touch(1, 3);
         models_used_.emplace_back(where_, words.back());
         break;
@@ -358,7 +358,7 @@ class DeckReader {
         source(line, words);
         break;
       default:
-        complain("an element '" + words[0] + "' that is not among the portable ones");
+        report("an element '" + words[0] + "' that is not among the portable ones");
     }
   }
 
@@ -367,16 +367,16 @@ class DeckReader {
     if (pwl != std::string::npos) {
       const size_t close = line.find(')', pwl);
       if (close != line.size() - 1) {
-        complain("something behind PWL(…)");
+        report("something behind PWL(…)");
         return;
       }
       const std::vector<std::string> points = words_of(line.substr(pwl + 4, close - pwl - 4));
-      if (points.size() % 2 != 0) complain("PWL with an odd number of values");
+      if (points.size() % 2 != 0) report("PWL with an odd number of values");
       double last = -1.0;
       for (size_t i = 0; i < points.size(); ++i) {
-        if (!plain_number(points[i])) complain("'" + points[i] + "' in PWL");
+        if (!plain_number(points[i])) report("'" + points[i] + "' in PWL");
         if (i % 2 == 0) {
-          if (std::stod(points[i]) <= last) complain("PWL goes back in time");
+          if (std::stod(points[i]) <= last) report("PWL goes back in time");
           last = std::stod(points[i]);
         }
       }
@@ -384,15 +384,15 @@ class DeckReader {
     }
     for (size_t i = 3; i + 1 < words.size(); i += 2) {
       if ((words[i] != "dc" && words[i] != "ac") || !plain_number(words[i + 1]))
-        complain("not dc or ac with a number");
+        report("not dc or ac with a number");
     }
-    if (words.size() % 2 == 0) complain("not dc or ac with a number");
+    if (words.size() % 2 == 0) report("not dc or ac with a number");
   }
 
   void expression(const std::string& text, const std::string& scope) {
     ExpressionReader reader(text, parameters_, !every_ && dialect_ == Dialect::ltspice);
-    const std::string problem = reader.complaint();
-    if (!problem.empty()) complain(problem);
+    const std::string problem = reader.error_text();
+    if (!problem.empty()) report(problem);
     read_[scope].insert(reader.nodes().begin(), reader.nodes().end());
   }
 
@@ -416,18 +416,18 @@ class DeckReader {
 
 }  // namespace
 
-std::vector<std::string> dialect_complaints(const std::filesystem::path& deck, Dialect dialect) {
+std::vector<std::string> dialect_errors(const std::filesystem::path& deck, Dialect dialect) {
   DeckReader reader(dialect, false);
   reader.read(deck, true);
   reader.finish();
-  return reader.complaints;
+  return reader.errors;
 }
 
-std::vector<std::string> library_complaints(const std::filesystem::path& library) {
+std::vector<std::string> library_errors(const std::filesystem::path& library) {
   DeckReader reader(Dialect::ngspice, true);
   reader.read(library, false);
   reader.finish();
-  return reader.complaints;
+  return reader.errors;
 }
 
 }  // namespace bodesmith

@@ -18,8 +18,8 @@ enum class Dialect { ngspice, ltspice, xyce };
 ///   ngspice  .control at the end allowed, and only here
 ///   ltspice  .param, .step param, .save; mc(value,tolerance) of parameters that are set
 ///   xyce     .include "file", .print ac
-std::vector<std::string> dialect_complaints(const std::filesystem::path& deck, Dialect dialect);
+std::vector<std::string> dialect_errors(const std::filesystem::path& deck, Dialect dialect);
 /// A library: what all three take, without title and analysis.
-std::vector<std::string> library_complaints(const std::filesystem::path& library);
+std::vector<std::string> library_errors(const std::filesystem::path& library);
 
 }  // namespace bodesmith

@@ -22,7 +22,7 @@ TEST(Dialect, EveryDeckOfEveryExampleIsReadAlike) {
       const ProgramResult run =
           run_bodesmith("spice " + sections + example.limits + options + " -o " + made.string());
       ASSERT_EQ(run.status, 0) << run.err;
-      EXPECT_THAT(library_complaints(made / "compensator.sub"), IsEmpty());
+      EXPECT_THAT(library_errors(made / "compensator.sub"), IsEmpty());
       int decks = 0;
       for (const auto& file : std::filesystem::directory_iterator(made)) {
         if (file.path().extension() != ".cir") continue;
@@ -31,7 +31,7 @@ TEST(Dialect, EveryDeckOfEveryExampleIsReadAlike) {
         const Dialect dialect = name.starts_with("ltspice") ? Dialect::ltspice
                                 : name.starts_with("xyce")  ? Dialect::xyce
                                                             : Dialect::ngspice;
-        EXPECT_THAT(dialect_complaints(file.path(), dialect), IsEmpty()) << name;
+        EXPECT_THAT(dialect_errors(file.path(), dialect), IsEmpty()) << name;
       }
       EXPECT_EQ(decks, 7);
     }
@@ -41,12 +41,12 @@ TEST(Dialect, EveryDeckOfEveryExampleIsReadAlike) {
 // The forms that lie or are rejected, each alone in a library that is otherwise good.
 TEST(Dialect, FormsThatLieAreSeen) {
   const TemporaryFolder folder;
-  const auto complaints = [&](const std::string& line) {
+  const auto errors = [&](const std::string& line) {
     write_file(folder / "a.sub",
                ".subckt a in out\nRin in 0 1e3\n" + line + "\nRout out 0 1e3\nRm m 0 1\n.ends a\n");
-    return library_complaints(folder / "a.sub");
+    return library_errors(folder / "a.sub");
   };
-  EXPECT_THAT(complaints("E1 out m VALUE={ v(in)*v(in)*(1+2e-3*tanh(v(in)))-max(v(in),0)/3 }"), IsEmpty());
+  EXPECT_THAT(errors("E1 out m VALUE={ v(in)*v(in)*(1+2e-3*tanh(v(in)))-max(v(in),0)/3 }"), IsEmpty());
   for (const char* bad : {"E1 out m VALUE={ v(in)^3 }",
                           "E1 out m VALUE={ v(in)**3 }",
                           "E1 out m VALUE={ pow(v(in),3) }",
@@ -73,7 +73,7 @@ TEST(Dialect, FormsThatLieAreSeen) {
                           "D1 out m nothing",
                           "E1 out m 1 0 5",
                           "B1 out m V=v(in)"})
-    EXPECT_THAT(complaints(bad), Not(IsEmpty())) << bad;
+    EXPECT_THAT(errors(bad), Not(IsEmpty())) << bad;
 }
 
 TEST(Dialect, DecksKeepToTheirProgram) {
@@ -83,7 +83,7 @@ TEST(Dialect, DecksKeepToTheirProgram) {
                     end = "\n.end\n";
   const auto count = [&](const std::string& text, Dialect dialect) {
     write_file(folder / "deck.cir", text);
-    return dialect_complaints(folder / "deck.cir", dialect).size();
+    return dialect_errors(folder / "deck.cir", dialect).size();
   };
   const std::string ac = ".ac dec 50 1 1e3", control = ".control\nac dec 1 1 1\n.endc",
                     step = ".step param run 1 9 1\n";

@@ -158,7 +158,7 @@ KicadSchematic expect_same(const std::string& folder, double tolerance = 0.0) {
         same(p, b, name);
         same(q, a, name);
       } else {
-        EXPECT_LT(pass, netlist.parts.size()) << name << " hangs on nothing that is known";
+        EXPECT_LT(pass, netlist.parts.size()) << name << " is connected to nothing known";
       }
     }
   }

@@ -12,7 +12,7 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/response_source.hpp"
-#include "report/plot.hpp"
+#include "report/bode.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -92,24 +92,18 @@ std::string plot_svg(const std::vector<Hertz>& grid, const std::vector<ResponseS
                      const std::vector<ResponseColumns>& columns) {
   std::vector<double> f;
   for (const Hertz h : grid) f.push_back(h.value);
-  report::Plot magnitude;
-  magnitude.title = "Magnitude";
-  magnitude.x = {"frequency, Hz", true};
-  magnitude.y = {"dB"};
-  report::Plot phase = magnitude;
-  phase.title = "Phase";
-  phase.y = {"degrees"};
+  report::BodePlot plot;
   for (std::size_t i = 0; i < sources.size(); ++i) {
     report::Series series{sources[i].stem, f, with_gaps(columns[i].magnitude_db)};
     const std::size_t measured = sources[i].own_frequencies.size();
     if (measured > 0 && measured < 60) series.style = report::Series::Style::marks;
     series.color = static_cast<int>(i);
-    magnitude.series.push_back(series);
+    plot.magnitude.series.push_back(series);
     if (columns[i].phase_deg.empty()) continue;
     series.y = with_gaps(columns[i].phase_deg);
-    phase.series.push_back(series);
+    plot.phase.series.push_back(series);
   }
-  return report::stack_svg({magnitude, phase});
+  return plot.svg();
 }
 
 void declare_bode(CommandLine& line) {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "report/plot.hpp"
+#include "report/bode.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -69,27 +69,21 @@ std::vector<Hertz> stages_grid(const Band& band) {
 
 std::string stages_svg(const Project& project, const Design& design, const Budget& budget) {
   const std::vector<Hertz> grid = stages_grid(budget.band);
-  report::Plot magnitude;
-  magnitude.title = "Magnitude";
-  magnitude.x = {"frequency, Hz", true};
-  magnitude.y = {"dB"};
-  report::Plot phase = magnitude;
-  phase.title = "Phase";
-  phase.y = {"degrees"};
+  report::BodePlot plot;
   int number = 0;
   for (const DesignStage& stage : design_stages(design)) {
     StageCurves curves = stage_curves(stage, grid, number++);
-    magnitude.series.push_back(std::move(curves.magnitude));
-    phase.series.push_back(std::move(curves.phase));
+    plot.magnitude.series.push_back(std::move(curves.magnitude));
+    plot.phase.series.push_back(std::move(curves.phase));
   }
-  magnitude.series.push_back(target_marks(project));
+  plot.magnitude.series.push_back(target_marks(project));
   // What lies far outside (the notches of a sampled chain) must not flatten the curves that matter.
-  const PlotRange db = range_of(magnitude.series.front().y, {0.0, 0.0});
+  const PlotRange db = range_of(plot.magnitude.series.front().y, {0.0, 0.0});
   const double margin = 0.25 * std::max(0.5, db.high - db.low);
-  fix_axis(magnitude.y, db.low - margin, db.high + margin);
-  const PlotRange degrees = range_of(phase.series.front().y, {-5.0, 5.0});
-  fix_axis(phase.y, 2.0 * degrees.low, 1.5 * degrees.high);
-  return report::stack_svg({magnitude, phase});
+  fix_axis(plot.magnitude.y, db.low - margin, db.high + margin);
+  const PlotRange degrees = range_of(plot.phase.series.front().y, {-5.0, 5.0});
+  fix_axis(plot.phase.y, 2.0 * degrees.low, 1.5 * degrees.high);
+  return plot.svg();
 }
 
 }  // namespace bodesmith::project

@@ -16,7 +16,7 @@
 #include "fpaa/plan.hpp"
 #include "lti/cascade.hpp"
 #include "lti/sections.hpp"
-#include "project/project_file.hpp"
+#include "project/project.hpp"
 #include "run_program.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/disturbance.hpp"

@@ -1,4 +1,4 @@
-// Time of one term's approximation, and of the smallest order search of the first seed's cascade.
+// Time of one term's approximation, and of the smallest order search of the disturbance paper's cascade.
 #include <benchmark/benchmark.h>
 
 #include "approximate/approximate.hpp"

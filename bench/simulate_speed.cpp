@@ -1,4 +1,4 @@
-// Simulation: eight poles behind the switched cubic of the first seed, 100 Hz triangle, 1 s, by every engine
+// Simulation: eight poles behind the switched cubic of the disturbance paper, 100 Hz triangle, 1 s, by every engine
 // and by ngspice on the same (ideal) chain; the record engine at the size the gap workflow uses; cost against
 // the number of sections.
 #include <benchmark/benchmark.h>

@@ -30,7 +30,7 @@ struct WaveformErrorOptions {
 /// The periodic steady state at one operating frequency, triangle x(t) from 0 to 1 and back.
 struct WaveformErrorPoint {
   Hertz frequency;
-  double rms_percent = 0.0;   ///< of the range of x (= 1), over a whole period (first seed, eq. 8)
+  double rms_percent = 0.0;   ///< of the range of x (= 1), over a whole period (disturbance paper, eq. 8)
   double peak_percent = 0.0;  ///< largest |error| over the period
 };
 

@@ -6,7 +6,7 @@
 
 namespace bodesmith {
 
-/// The fractional-order compensator of the first seed, eq. 14:
+/// The fractional-order compensator of the disturbance paper, eq. 14:
 ///   G(s) = ((lambda s + 1) / (x lambda s + 1))^beta,   lambda > 0 (seconds), x > 0, beta real.
 /// Corners at 1/lambda (zero of the base for beta > 0) and 1/(x lambda). G(0) = 1, G(infinity) = x^(-beta).
 /// With x < 1 and beta > 0 it is a lead: between the corners the magnitude rises by 20 beta dB a decade.

@@ -13,8 +13,8 @@ tracking::TrackingOptions tracking_options(const Project& project) {
   using Reference = tracking::TrackingOptions::Reference;
   tracking::TrackingOptions options;
   options.frequencies = project.track.frequency;
-  // A compensator stands in the path of its own branch; the switch selects behind it (Fig. 2 of the paper that
-  // project.hpp cites).
+  // A compensator stands in the path of its own branch; the switch selects behind it (disturbance paper,
+  // Fig. 2).
   options.place = tracking::TrackingOptions::Place::before_switch;
   options.reference =
       project.track.waveform == Project::Waveform::sine ? Reference::sine : Reference::triangle;

@@ -29,9 +29,8 @@ std::string_view to_string(TrackedStage stage);
 /// One stage of the design followed through the plant at every tracked frequency.
 struct TrackedDesign {
   TrackedStage stage = TrackedStage::none;
-  std::string name;  ///< for a person
-  std::vector<double>
-      rms_percent;  ///< of the range, one a frequency (eq. 8 of the paper that project.hpp cites)
+  std::string name;                 ///< for a person
+  std::vector<double> rms_percent;  ///< of the range, one a frequency (disturbance paper, eq. 8)
   std::vector<double> max_percent;
   std::vector<double> rms_percent_without_lag;  ///< the best pure delay of the reference removed
   std::vector<double> lag_s;                    ///< that delay
@@ -45,7 +44,7 @@ struct TrackedPeriod {
   std::vector<std::vector<double>> error_percent;  ///< one curve a design
 };
 
-/// That paper's Table II by simulation, for every stage of the design.
+/// Table II of the disturbance paper (docs/papers.md) by simulation, for every stage of the design.
 struct TrackingStudy {
   std::vector<Hertz> frequency;
   std::vector<TrackedDesign> designs;

@@ -12,7 +12,7 @@
 
 namespace bodesmith {
 
-/// The hysteretic disturbance of a piezo stage, first seed eq. 1-13:
+/// The hysteretic disturbance of a piezo stage, disturbance paper eq. 1-13:
 ///   d(x) = a1 x + a2 x^2 + a3 x^3, x in [0, 1], other coefficients while x rises (ascending) than while it
 ///   falls.
 /// Optional tables: amplitude gains alpha_1(alpha), alpha_2(alpha) (Fig. 3c, d) and rate gains over the

@@ -29,3 +29,5 @@ const std::vector<Command>& commands() {
 }
 
 }  // namespace bodesmith::cli
+
+#undef BODESMITH_COMMANDS

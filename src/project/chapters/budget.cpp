@@ -1,8 +1,9 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "project/report_chapters.hpp"
+#include "project/run.hpp"
 #include "project/stages_plot.hpp"
+#include "report/page.hpp"
 
 namespace bodesmith::project {
 namespace {

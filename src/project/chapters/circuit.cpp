@@ -1,7 +1,8 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "project/report_chapters.hpp"
+#include "project/run.hpp"
+#include "report/page.hpp"
 
 namespace bodesmith::project {
 namespace {

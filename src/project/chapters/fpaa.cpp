@@ -2,7 +2,8 @@
 
 #include "base/text.hpp"
 #include "fpaa/board_picture.hpp"
-#include "project/report_chapters.hpp"
+#include "project/run.hpp"
+#include "report/page.hpp"
 
 namespace bodesmith::project {
 namespace {

@@ -1,4 +1,5 @@
-#include "project/report_chapters.hpp"
+#include "project/run.hpp"
+#include "report/page.hpp"
 
 namespace bodesmith::project {
 

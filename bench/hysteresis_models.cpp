@@ -5,6 +5,7 @@
 #include <cmath>
 #include <vector>
 
+#include "../tests/hysteresis/brute_force.hpp"
 #include "hysteresis/krasnoselskii_pokrovskii.hpp"
 #include "hysteresis/registry.hpp"
 
@@ -37,12 +38,12 @@ Model bank(std::size_t plays) {
     r.push_back(0.5 * static_cast<double>(i) / static_cast<double>(plays));
     w.push_back(i == 0 ? 0.6 : 0.4 / static_cast<double>(plays));
   }
-  return checked_model("prandtl_ishlinskii", Parameters().set("r", r).set("w", w));
+  return make_model("prandtl_ishlinskii", Parameters().set("r", r).set("w", w));
 }
 
 Model kp() {
-  return checked_model("krasnoselskii_pokrovskii",
-                       Parameters().set("u_min", 0.0).set("u_max", 1.0).set("mu", weights(200)));
+  return make_model("krasnoselskii_pokrovskii",
+                    Parameters().set("u_min", 0.0).set("u_max", 1.0).set("mu", weights(200)));
 }
 
 benchmark::Counter a_sample(std::size_t n) {
@@ -82,7 +83,7 @@ void inverse(benchmark::State& state, const Model& model) {
 
 void kp_every_kernel(benchmark::State& state) {
   const std::vector<double> u = modulated_triangle(500);
-  BruteForceKp all(0.0, 1.0, 200, weights(200));
+  testing::BruteForceKp all(0.0, 1.0, 200, weights(200));
   all.reset(u[0]);
   for (auto _ : state) {
     double sum = 0.0;
@@ -115,33 +116,31 @@ BENCHMARK_CAPTURE(forward, prandtl_ishlinskii_8, bank(8));
 BENCHMARK_CAPTURE(forward, prandtl_ishlinskii_256, bank(256));
 BENCHMARK_CAPTURE(inverse, prandtl_ishlinskii_8, bank(8));
 BENCHMARK_CAPTURE(inverse, prandtl_ishlinskii_256, bank(256));
-BENCHMARK_CAPTURE(
-    forward, exponential_4,
-    checked_model("exponential_operator",
-                  Parameters().set("k", {0.5, 0.2, 0.1, 0.2}).set("tau", {80.0, 20.0, 5.0, 1.0})));
-BENCHMARK_CAPTURE(
-    inverse, exponential_4,
-    checked_model("exponential_operator",
-                  Parameters().set("k", {0.5, 0.2, 0.1, 0.2}).set("tau", {80.0, 20.0, 5.0, 1.0})));
+BENCHMARK_CAPTURE(forward, exponential_4,
+                  make_model("exponential_operator",
+                             Parameters().set("k", {0.5, 0.2, 0.1, 0.2}).set("tau", {80.0, 20.0, 5.0, 1.0})));
+BENCHMARK_CAPTURE(inverse, exponential_4,
+                  make_model("exponential_operator",
+                             Parameters().set("k", {0.5, 0.2, 0.1, 0.2}).set("tau", {80.0, 20.0, 5.0, 1.0})));
 BENCHMARK_CAPTURE(forward, polynomial_nested,
-                  checked_model("polynomial_hysteresis", Parameters()
-                                                             .set("ascending", {-0.3546, 0.6433, -0.2887})
-                                                             .set("descending", {0.2398, -0.0838, -0.156})
-                                                             .set("minor", "nested")));
+                  make_model("polynomial_hysteresis", Parameters()
+                                                          .set("ascending", {-0.3546, 0.6433, -0.2887})
+                                                          .set("descending", {0.2398, -0.0838, -0.156})
+                                                          .set("minor", "nested")));
 BENCHMARK_CAPTURE(forward, bouc_wen,
-                  checked_model("bouc_wen",
-                                Parameters().set("k", 2.0).set("A", 0.5).set("beta", 3.0).set("gamma", 1.0)));
+                  make_model("bouc_wen",
+                             Parameters().set("k", 2.0).set("A", 0.5).set("beta", 3.0).set("gamma", 1.0)));
 BENCHMARK_CAPTURE(forward, fractional_60_sections,
-                  checked_model("fractional_dynamic", Parameters()
-                                                          .set("K_M", 1.71e8)
-                                                          .set("xi", 0.031)
-                                                          .set("omega_n", 1.28e4)
-                                                          .set("tau", 4.18e-4)
-                                                          .set("eta", 0.756)
-                                                          .set("lambda", 0.811)
-                                                          .set("K_p", 0.192)
-                                                          .set("Theta", 5.923)
-                                                          .set("chi", 6.897)));
+                  make_model("fractional_dynamic", Parameters()
+                                                       .set("K_M", 1.71e8)
+                                                       .set("xi", 0.031)
+                                                       .set("omega_n", 1.28e4)
+                                                       .set("tau", 4.18e-4)
+                                                       .set("eta", 0.756)
+                                                       .set("lambda", 0.811)
+                                                       .set("K_p", 0.192)
+                                                       .set("Theta", 5.923)
+                                                       .set("chi", 6.897)));
 
 }  // namespace
 

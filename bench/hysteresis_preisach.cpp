@@ -7,6 +7,7 @@
 #include <cmath>
 #include <vector>
 
+#include "../tests/hysteresis/brute_force.hpp"
 #include "hysteresis/preisach.hpp"
 #include "hysteresis/preisach_identify.hpp"
 #include "hysteresis/registry.hpp"
@@ -40,7 +41,7 @@ std::vector<double> weights() {
 Model model(const char* interpolation) {
   Parameters values;
   values.set("u_min", 0.0).set("u_max", 1.0).set("w", weights()).set("interpolation", interpolation);
-  return checked_model("preisach", values);
+  return make_model("preisach", values);
 }
 
 void forward(benchmark::State& state, const char* interpolation) {
@@ -118,7 +119,7 @@ BENCHMARK(brute_force_simd);
 
 void brute_force(benchmark::State& state) {
   const std::vector<double> u = modulated_triangle(2000);
-  BruteForceRelays all(0.0, 1.0, kLevels, weights(), 0.0);
+  testing::BruteForceRelays all(0.0, 1.0, kLevels, weights(), 0.0);
   all.reset(u[0]);
   for (auto _ : state) {
     double sum = 0.0;

@@ -10,14 +10,16 @@
 #include <vector>
 
 #include "hysteresis/registry.hpp"
-#include "hysteresis/virtual_stage.hpp"
-#include "identify/identify_stage.hpp"
+#include "identify/compensation.hpp"
+#include "identify/stage_fit.hpp"
+#include "virtual_stage.hpp"
 
 /// What the five programs share: waveforms, driving the stage, and the error of eq. 8 of "Modeling and Control of Piezoelectric Hysteresis".
 namespace bench {
 
 using namespace bodesmith;
 using namespace bodesmith::hysteresis;
+using namespace bodesmith::identify;
 
 inline constexpr double kPi = std::numbers::pi;
 
@@ -50,30 +52,30 @@ struct TrackingError {
   double rms, max, rms_percent, max_percent;
 };
 
-/// Over the samples from `first` on; the percentages are of the wanted signal's range there.
-inline TrackingError tracking_error(const std::vector<double>& got, const std::vector<double>& wanted,
+/// Over the samples from `first` on; the percentages are of the reference signal's range there.
+inline TrackingError tracking_error(const std::vector<double>& got, const std::vector<double>& reference,
                                     std::size_t first) {
-  double squares = 0.0, largest = 0.0, low = wanted[first], high = wanted[first];
-  for (std::size_t i = first; i < wanted.size(); ++i) {
-    const double e = got[i] - wanted[i];
+  double squares = 0.0, largest = 0.0, low = reference[first], high = reference[first];
+  for (std::size_t i = first; i < reference.size(); ++i) {
+    const double e = got[i] - reference[i];
     squares += e * e;
     largest = std::max(largest, std::abs(e));
-    low = std::min(low, wanted[i]);
-    high = std::max(high, wanted[i]);
+    low = std::min(low, reference[i]);
+    high = std::max(high, reference[i]);
   }
-  const double rms = std::sqrt(squares / static_cast<double>(wanted.size() - first));
+  const double rms = std::sqrt(squares / static_cast<double>(reference.size() - first));
   return {rms, largest, 100.0 * rms / (high - low), 100.0 * largest / (high - low)};
 }
 
 /// The same after the delay that makes it least (linear between samples), as papers do that "eliminate the
 /// phase lag".
-inline TrackingError error_without_delay(const std::vector<double>& got, const std::vector<double>& wanted,
+inline TrackingError error_without_delay(const std::vector<double>& got, const std::vector<double>& reference,
                                          std::size_t first, double most_samples, double* found = nullptr) {
   const auto at = [&](double delay) {
     std::vector<double> shifted = delayed(got, 1.0, -delay);
     const auto cut = static_cast<std::size_t>(std::ceil(most_samples)) + 1;
     shifted.resize(shifted.size() - cut);
-    std::vector<double> r(wanted.begin(), wanted.end() - static_cast<std::ptrdiff_t>(cut));
+    std::vector<double> r(reference.begin(), reference.end() - static_cast<std::ptrdiff_t>(cut));
     return tracking_error(shifted, r, first);
   };
   double best = 0.0;

@@ -64,8 +64,8 @@ int main() {
   IdentifyOptions options;
   options.size = 4;
   options.skip_s = 0.0;
-  const Identified found = model_type("ellipse").identify(records, options);
-  const Ellipse model = Ellipse::from(found.stage.model.parameters);
+  const Identified found = model_type_registry().get("ellipse").identify(records, options);
+  const Ellipse model = Ellipse::from(found.model.parameters);
   fmt::print("Ellipse model: {}\n", found.method);
   for (const double f : {1.0, 100.0, 300.0}) {
     const Ellipse::Coefficients p = model.inverse_coefficients(6.5, f, kSampling);
@@ -77,10 +77,10 @@ int main() {
       "\nTable I, 100 Hz, percent of the displacement range: largest (MTE), rms (RMSTE)\n{:<24} | {:>14} | "
       "{:>14}\n",
       "", "paper", "ours");
-  const TrackingError open = run(settings, &found.stage.model, nullptr, 100.0, false);
-  const TrackingError open_free = run(settings, &found.stage.model, nullptr, 100.0, true);
+  const TrackingError open = run(settings, &found.model, nullptr, 100.0, false);
+  const TrackingError open_free = run(settings, &found.model, nullptr, 100.0, true);
   const TrackingError feedback = run(settings, nullptr, &pid, 100.0, false);
-  const TrackingError hybrid = run(settings, &found.stage.model, &pid, 100.0, false);
+  const TrackingError hybrid = run(settings, &found.model, &pid, 100.0, false);
   fmt::print("{:<24} | {:>6} {:>6}  | {:6.2f} {:6.2f}\n", "feedforward", 7.16, 5.33, open.max_percent,
              open.rms_percent);
   fmt::print("{:<24} | {:>6} {:>6}  | {:6.2f} {:6.2f}\n", "  its bias taken out", "", "",
@@ -99,7 +99,7 @@ int main() {
               {300, 41.17, 28.19, 3.22, 1.68}};
   for (const auto& row : rows) {
     const TrackingError a = run(settings, nullptr, &pid, row.f, false);
-    const TrackingError b = run(settings, &found.stage.model, &pid, row.f, false);
+    const TrackingError b = run(settings, &found.model, &pid, row.f, false);
     fmt::print("{:>6} {:<8} | {:>6} {:>6}  | {:6.2f} {:6.2f}\n", row.f, "PID", row.pm, row.pr, a.max_percent,
                a.rms_percent);
     fmt::print("{:>6} {:<8} | {:>6} {:>6}  | {:6.2f} {:6.2f}\n", "", "hybrid", row.hm, row.hr, b.max_percent,

@@ -22,7 +22,7 @@ struct Control {
 
 /// Eq. 6 at 10 kHz; drive and displacement in parts of 100 V and 12 um, as the printed gains mean.
 std::pair<double, double> bound(const VirtualStageSettings& settings, const Control& control,
-                                const StageModel& inverse_model, double f, bool closed) {
+                                const Identified& inverse_model, double f, bool closed) {
   const double ts = 1e-4;
   VirtualStage stage(settings);
   const auto inverse = make_operator(inverse_model.model);
@@ -88,17 +88,17 @@ int main() {
     IdentifyOptions options;
     options.size = row == 7 ? 2 : row == 6 ? 4 : 3 + row;
     options.skip_s = 1.0;
-    Identified found = model_type("exponential_operator").identify({&train, 1}, options);
-    if (options.size == 4) four = found.stage;
+    Identified found = model_type_registry().get("exponential_operator").identify({&train, 1}, options);
+    if (options.size == 4) four = StageModel(found, 0.0);
     if (row == 6) {
-      const ExponentialOperators simple =
-          ExponentialOperators::from(found.stage.model.parameters).dominant_only();
-      found.stage.model.parameters.set("k", simple.k).set("tau", simple.tau);
+      const ExponentialOperators simple = ExponentialOperators::from(found.model.parameters).dominant_only();
+      found.model.parameters.set("k", simple.k).set("tau", simple.tau);
     }
     std::string a, b;
     for (int i = 0; i < 5; ++i) {
       a += row < 7 ? fmt::format("{:6.2f}", paper[row][i]) : std::string();
-      b += fmt::format("{:6.2f}", largest(found.stage.simulate(tests[i].u, tests[i].step_s), tests[i].y));
+      b += fmt::format("{:6.2f}",
+                       largest(StageModel(found, 0.0).simulate(tests[i].u, tests[i].step_s), tests[i].y));
     }
     fmt::print("{:>10} | {:>30} | {:>30}\n",
                row == 7   ? "2 refitted"
@@ -109,9 +109,9 @@ int main() {
 
   // Eq. 4, 5: the inverse by the same form, on the exchanged record, dominant operator only.
   const TimeRecord turned = exchanged(train);
-  const Identified inverse = model_type("exponential_operator").identify({&turned, 1}, {});
+  const Identified inverse = model_type_registry().get("exponential_operator").identify({&turned, 1}, {});
   fmt::print("\nInverse by operators of the same form (eq. 4): rms {:.2f} % of the drive's range\n\n",
-             error_figures(inverse.stage, {&turned, 1}).rms_percent);
+             error_figures(StageModel(inverse, 0.0), {&turned, 1}).rms_percent);
   fmt::print(
       "Table 5, tracking 5 + 4 sin um, smallest and largest error in um\n{:<24} | {:>16} {:>16} | {:>18} "
       "{:>18}\n",
@@ -133,8 +133,8 @@ int main() {
       {"open loop", {0, 0, Control::Forward::none}, false, "-", "-1 to 0.5"},
   };
   for (const auto& row : rows) {
-    const auto fast = bound(settings, row.control, inverse.stage, 100.0, row.closed);
-    const auto slow = bound(settings, row.control, inverse.stage, 10.0, row.closed);
+    const auto fast = bound(settings, row.control, inverse, 100.0, row.closed);
+    const auto slow = bound(settings, row.control, inverse, 10.0, row.closed);
     fmt::print("{:<24} | {:>16} {:>16} | {:>18} {:>18}\n", row.name, row.at_100, row.at_10,
                fmt::format("{:.2f} to {:.2f}", fast.first, fast.second),
                fmt::format("{:.2f} to {:.2f}", slow.first, slow.second));

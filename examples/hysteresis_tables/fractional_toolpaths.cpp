@@ -79,10 +79,10 @@ int main() {
   TimeRecord training = case_2;
   training.u.resize(2501);
   training.y.resize(2501);
-  const Identified found = model_type("fractional_dynamic").identify({&training, 1}, {});
+  const Identified found = model_type_registry().get("fractional_dynamic").identify({&training, 1}, {});
   fmt::print("Identified from case 2, 0 .. 0.25 s: {} in {:.1f} s\n{:>10} {:>14} {:>14} {:>12}\n",
              found.method, found.compute_s, "", "Table 1", "ours", "+-");
-  const Parameters& p = found.stage.model.parameters;
+  const Parameters& p = found.model.parameters;
   const auto line = [&](const char* name, double paper, double ours) {
     double deviation = NAN;
     for (const auto& one : found.uncertainty)
@@ -90,19 +90,19 @@ int main() {
     fmt::print("{:>10} {:>14.5g} {:>14.5g} {:>12}\n", name, paper, ours,
                std::isfinite(deviation) ? fmt::format("{:.2g}", deviation) : "");
   };
-  line("tau", model.tau, p.scalar("tau"));
-  line("omega_n", model.omega_n, p.scalar("omega_n"));
-  line("xi", model.xi, p.scalar("xi"));
-  line("eta", model.eta, p.scalar("eta"));
-  line("lambda", model.lambda, p.scalar("lambda"));
-  line("chi", model.chi, p.scalar("chi"));
-  line("Theta/K_p", model.theta / model.k_p, p.scalar("Theta") / p.scalar("K_p"));
-  line("gain", model.static_gain(), p.scalar("K_M") * p.scalar("K_p") / std::pow(p.scalar("omega_n"), 2));
+  line("tau", model.tau, p.number("tau"));
+  line("omega_n", model.omega_n, p.number("omega_n"));
+  line("xi", model.xi, p.number("xi"));
+  line("eta", model.eta, p.number("eta"));
+  line("lambda", model.lambda, p.number("lambda"));
+  line("chi", model.chi, p.number("chi"));
+  line("Theta/K_p", model.theta / model.k_p, p.number("Theta") / p.number("K_p"));
+  line("gain", model.static_gain(), p.number("K_M") * p.number("K_p") / std::pow(p.number("omega_n"), 2));
 
   fmt::print("\n{:<36} {:>14} {:>22}\n", "largest error, percent of full span", "paper",
              "ours (noise included)");
   for (const auto* one : {&case_1, &case_2}) {
-    const ErrorFigures e = error_figures(found.stage, {one, 1}, 0.1);
+    const ErrorFigures e = error_figures(StageModel(found, 0.0), {one, 1}, 0.1);
     fmt::print("{:<36} {:>14} {:>14.2f} (rms {:.2f})\n",
                one == &case_1 ? "case 1, sinusoidal array" : "case 2, sinusoidal grid", "within +-2.5",
                e.max_percent, e.rms_percent);
@@ -120,7 +120,7 @@ int main() {
       .set("chi", model.chi)
       .set("rho", model.rho)
       .set("delta", model.delta);
-  truth.model = checked_model("fractional_dynamic", exact);
+  truth.model = make_model("fractional_dynamic", exact);
   fmt::print(
       "(Table 1 itself: case 1 rms {:.3f} %, case 2 rms {:.3f} %: the sensor's noise. Parameters with a "
       "deviation as large\nas themselves are not determined by such a record, whatever the optimiser "

@@ -35,21 +35,23 @@ int main() {
 
   IdentifyOptions options;
   options.size = 60;
-  const Identified classic = model_type("krasnoselskii_pokrovskii").identify({records.data(), 1}, options);
-  const Identified rated = model_type("krasnoselskii_pokrovskii").identify(records, options);
+  const Identified classic =
+      model_type_registry().get("krasnoselskii_pokrovskii").identify({records.data(), 1}, options);
+  const Identified rated = model_type_registry().get("krasnoselskii_pokrovskii").identify(records, options);
   IdentifyOptions swarm;
   swarm.method = "paper";
-  const Identified by_swarm = model_type("krasnoselskii_pokrovskii").identify({records.data(), 1}, swarm);
-  const double a1 = rated.stage.model.parameters.scalar("a1");
-  const double a2 = rated.stage.model.parameters.scalar("a2");
+  const Identified by_swarm =
+      model_type_registry().get("krasnoselskii_pokrovskii").identify({records.data(), 1}, swarm);
+  const double a1 = rated.model.parameters.number("a1");
+  const double a2 = rated.model.parameters.number("a2");
   fmt::print(
       "Rate function found: a1 = {:.4f}, a2 = {:.3e} s/V   (paper: 0.96 and \"2.5e7\", see the README)\n", a1,
       a2);
   fmt::print(
       "Densities at 1 Hz: convex solve {:.3f} % in {:.2f} s, swarm with cuckoo (55 kernels) {:.3f} % in "
       "{:.2f} s\n\n",
-      error_figures(classic.stage, {records.data(), 1}).rms_percent, classic.compute_s,
-      error_figures(by_swarm.stage, {records.data(), 1}).rms_percent, by_swarm.compute_s);
+      error_figures(StageModel(classic, 0.0), {records.data(), 1}).rms_percent, classic.compute_s,
+      error_figures(StageModel(by_swarm, 0.0), {records.data(), 1}).rms_percent, by_swarm.compute_s);
 
   fmt::print("Table 1, modelling error, RMSE um (RE %)\n{:>6} | {:>22} {:>22} | {:>22} {:>22}\n", "Hz",
              "paper KP", "paper RDKP", "ours KP", "ours RDKP");
@@ -60,8 +62,8 @@ int main() {
                                {2.4464, 7.01, 1.6341, 4.69}};
   for (int i = 0; i < 5; ++i) {
     const TimeRecord& record = records[static_cast<std::size_t>(i)];
-    const ErrorFigures kp = error_figures(classic.stage, {&record, 1});
-    const ErrorFigures rd = error_figures(rated.stage, {&record, 1});
+    const ErrorFigures kp = error_figures(StageModel(classic, 0.0), {&record, 1});
+    const ErrorFigures rd = error_figures(StageModel(rated, 0.0), {&record, 1});
     fmt::print("{:>6} | {:>13.4f} ({:5.2f}) {:>13.4f} ({:5.2f}) | {:>13.4f} ({:5.2f}) {:>13.4f} ({:5.2f})\n",
                frequencies[i], paper1[i][0], paper1[i][1], paper1[i][2], paper1[i][3], kp.rms, kp.rms_percent,
                rd.rms, rd.rms_percent);
@@ -71,8 +73,8 @@ int main() {
       wave(kSamples, 12.0,
            [](double c) { return 60.0 + 60.0 * std::exp(-0.15 * c) * std::sin(2 * kPi * c + 1.5 * kPi); }),
       1.0 / (kSamples * 50.0));
-  const ErrorFigures kp = error_figures(classic.stage, {&damped, 1});
-  const ErrorFigures rd = error_figures(rated.stage, {&damped, 1});
+  const ErrorFigures kp = error_figures(StageModel(classic, 0.0), {&damped, 1});
+  const ErrorFigures rd = error_figures(StageModel(rated, 0.0), {&damped, 1});
   fmt::print(
       "Fig. 11, decaying amplitude (50 Hz here): paper KP 1.0076 (5.57), RDKP 0.7065 (3.83); ours KP {:.4f} "
       "({:.2f}), RDKP {:.4f} ({:.2f})\n\n",
@@ -85,9 +87,9 @@ int main() {
     for (int i = 0; i < 5; ++i) {
       const double step_s = 1.0 / (kSamples * frequencies[i]);
       const std::vector<double> r = wave(kSamples, 4.0, shape);
-      const auto exact_kp = make_inverse(classic.stage.model);
-      const auto exact_rd = make_inverse(rated.stage.model);
-      RecursiveInverse recursive(make_operator(classic.stage.model), 0.01, 0.0, 120.0);
+      const auto exact_kp = make_inverse(classic.model);
+      const auto exact_rd = make_inverse(rated.model);
+      RecursiveInverse recursive(make_operator(classic.model), 0.01, 0.0, 120.0);
       const TrackingError one = track(settings, *exact_kp, r, step_s);
       const TrackingError two = track(settings, *exact_rd, r, step_s);
       const TrackingError three = track(settings, recursive, r, step_s);

@@ -2,6 +2,7 @@
 // Fig. 12 (stair); polynomial against sine against Preisach.
 #include "bench.hpp"
 #include "hysteresis/polynomial_disturbance.hpp"
+#include "hysteresis/polynomial_fit.hpp"
 
 namespace {
 
@@ -142,14 +143,14 @@ int main() {
   fmt::print("{:<24} | {:>17} {:>17} {:>17}\n", "paper Preisach", "1.90   2.17", "4.11   4.62",
              "       2.70");
   for (const char* name : {"polynomial_hysteresis", "sine_hysteresis", "preisach"}) {
-    const Identified found = model_type(name).identify({&train, 1}, options);
+    const Identified found = model_type_registry().get(name).identify({&train, 1}, options);
     const auto pair = [&](const TimeRecord& record) {
-      const ErrorFigures model = error_figures(found.stage, {&record, 1}, 0.05);
+      const ErrorFigures model = error_figures(StageModel(found, 0.0), {&record, 1}, 0.05);
       // Reference: the record's own output shape, smoothed of noise by asking for the input scaled to the
       // stroke.
       std::vector<double> r;
       for (const double u : record.u) r.push_back(scale.low + 0.02 + (scale.high - scale.low - 0.04) * u);
-      const Compensation drive = compensate(found.stage, r, record.step_s, false);
+      const Compensation drive = compensate(StageModel(found, 0.0), r, record.step_s, false);
       const TimeRecord got = measure(settings, drive.drive, record.step_s);
       return fmt::format("{:.2f}   {:.2f}", model.rms_percent,
                          tracking_error(got.y, r, record.u.size() / 20).rms_percent);

@@ -1,15 +1,19 @@
 #pragma once
 
 #include <complex>
-#include <limits>
 #include <optional>
 #include <string>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "base/parameter.hpp"
 #include "base/units.hpp"
 #include "chain/kernel.hpp"
+
+namespace bodesmith::hysteresis {
+class ModelType;
+}
 
 namespace bodesmith::chain {
 
@@ -27,49 +31,46 @@ struct PolynomialList {
   std::size_t first = 0;  ///< place of the coefficient of x^1 in it
 };
 
-/// What a block type says about one of its parameters.
-struct ParameterSpec {
-  enum class Shape { number, list, flag, word };
-
-  std::string name;  ///< key in model.toml, ending in its unit
-  std::string what;  ///< one line for a person
-  Shape shape = Shape::number;
-  std::optional<double>
-      standard;  ///< value when the key is absent; none: the key is needed (for a list: none)
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-  bool low_excluded = false;            ///< the value must be above `low`, not at it
-  bool optional_list = false;           ///< a list that may be left out
-  std::vector<std::string> words = {};  ///< legal words of a Shape::word, the standard one first
-};
-
-/// One scalar of a block; a list of model.toml is one Parameter an entry.
+/// One number of a block; a list of model.toml is one Parameter an entry.
 struct Parameter {
-  std::string key;   ///< as in model.toml
-  int element = -1;  ///< place in its list; -1: not in a list
+  const ParameterSpec* spec = nullptr;  ///< the block type's, never null
+  int element = -1;                     ///< place in its list; -1: not in a list
   double value = 0.0;
-  double low = -std::numeric_limits<double>::infinity();
-  double high = std::numeric_limits<double>::infinity();
-  bool low_excluded = false;
   bool free = false;  ///< identify and diagnose may refit it
 
-  /// "coefficients[2]" or "corner_hz".
+  const std::string& key() const { return spec->name; }
+  const std::string& unit() const { return spec->unit; }
+  double min() const { return spec->min; }
+  double max() const { return spec->max; }
+  /// "corner_hz", or "coefficients[2]".
   std::string name() const;
-  /// Unit at the end of the key ("Hz", "s", "1/s", ...); empty: that of the signal, or none.
-  std::string unit() const;
+};
+
+/// What is wrong with a block.
+struct ValidationError {
+  const Parameter* parameter = nullptr;  ///< null: it is about several, and the message names them
+  std::string message;                   ///< "is 3, expected at most 1"
+
+  std::string text() const { return parameter == nullptr ? message : parameter->name() + " " + message; }
 };
 
 /// A type of block: its parameters, and what engines run for it. One object a type, in a file of its own
 /// under chain/blocks/, listed in chain/registry.cpp.
 class BlockType {
  public:
+  BlockType(std::string name, std::string what, std::vector<ParameterSpec> specs)
+      : name_(std::move(name)), what_(std::move(what)), specs_(std::move(specs)) {}
   virtual ~BlockType() = default;
-  virtual std::string_view name() const = 0;
-  virtual std::string_view what() const = 0;
-  virtual const std::vector<ParameterSpec>& specs() const = 0;
-  /// Relations between parameters; a message when they are broken, empty when all is well. Bounds of single
-  /// parameters are checked by Block::check already.
-  virtual std::string complaint(const Block&) const { return {}; }
+  BlockType(const BlockType&) = delete;
+  BlockType& operator=(const BlockType&) = delete;
+
+  const std::string& name() const { return name_; }
+  const std::string& what() const { return what_; }  ///< one line for a person
+  const std::vector<ParameterSpec>& specs() const { return specs_; }
+
+  /// Relations between parameters, each of them legal by itself: what is wrong, empty when all is well. A
+  /// message about one number begins with its key.
+  virtual std::string validate(const Block&) const { return {}; }
   virtual Kernel kernel(const Block& block) const = 0;
   /// The exact H(jw), for linear blocks (offsets, hum and drift do not count; a fractional term is exact
   /// here, though its kernel is not). Nothing for the others.
@@ -91,16 +92,23 @@ class BlockType {
   virtual int section_order() const { return 0; }
   /// Lists of coefficients whose powers of the input a circuit makes by multipliers.
   virtual std::vector<PolynomialList> polynomials() const { return {}; }
+  /// The model of a block that is one of hysteresis/, otherwise null.
+  virtual const hysteresis::ModelType* hysteresis_model() const { return nullptr; }
+
+ private:
+  std::string name_;
+  std::string what_;
+  std::vector<ParameterSpec> specs_;
 };
 
 /// A block of a chain: its type and the values of its parameters. A value: copies are independent.
 class Block {
  public:
-  /// Standard values; list parameters empty.
+  /// Default values (0 where there is none); lists empty.
   explicit Block(const BlockType& type);
 
   const BlockType& type() const { return *type_; }
-  std::string_view type_name() const { return type_->name(); }
+  const std::string& type_name() const { return type_->name(); }
 
   std::vector<Parameter>& parameters() { return parameters_; }
   const std::vector<Parameter>& parameters() const { return parameters_; }
@@ -120,8 +128,8 @@ class Block {
   /// Frees a key (all entries of a list), or one entry "key[i]". False when there is no such parameter.
   bool free(std::string_view name);
 
-  /// Empty when every value is within its bounds and they fit together; else what is wrong.
-  std::string complaint() const;
+  /// Nothing when every value is legal and they fit together.
+  std::optional<ValidationError> validate() const;
   Kernel kernel() const { return type_->kernel(*this); }
   std::optional<std::complex<double>> response(RadPerSecond w) const { return type_->response(*this, w); }
   double slowest_time_constant_s() const { return type_->slowest_time_constant_s(*this); }
@@ -134,12 +142,12 @@ class Block {
   std::optional<double> pure_delay_s() const { return type_->pure_delay_s(*this); }
   int section_order() const { return type_->section_order(); }
   std::vector<PolynomialList> polynomials() const { return type_->polynomials(); }
+  const hysteresis::ModelType* hysteresis_model() const { return type_->hysteresis_model(); }
 
   /// Line of model.toml it came from; 0: none.
   int line = 0;
 
  private:
-  const ParameterSpec* spec(std::string_view key) const;
   const BlockType* type_;
   std::vector<Parameter> parameters_;
   std::vector<std::pair<std::string, std::string>> words_;

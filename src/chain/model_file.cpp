@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <map>
 
 #include "base/json.hpp"
 #include "base/text.hpp"
@@ -12,18 +11,6 @@
 
 namespace bodesmith::chain {
 namespace {
-
-std::string names_of_types() {
-  std::vector<std::string> names;
-  for (const BlockType* type : block_types()) names.emplace_back(type->name());
-  return join(names, ", ");
-}
-
-std::string names_of(const std::vector<ParameterSpec>& specs) {
-  std::vector<std::string> names;
-  for (const ParameterSpec& spec : specs) names.push_back(spec.name);
-  return join(names, ", ");
-}
 
 void read_parameter(Block& block, const ParameterSpec& spec, const Node& node) {
   switch (spec.shape) {
@@ -40,13 +27,50 @@ void read_parameter(Block& block, const ParameterSpec& spec, const Node& node) {
       break;
     case ParameterSpec::Shape::word: {
       const std::string word = node.string();
-      if (std::find(spec.words.begin(), spec.words.end(), word) == spec.words.end()) {
-        node.fail(fmt::format("is '{}', expected one of {}", word, join(spec.words, ", ")));
-      }
+      if (const std::string error = spec.validate(word); !error.empty()) node.fail(error);
       block.set_word(spec.name, word);
       break;
     }
   }
+}
+
+void read_free(Block& block, const Node& free) {
+  if (free.kind() == Node::Kind::string) free.fail("is one word, expected a list of parameter names");
+  for (const Node& item : free.items()) {
+    const std::string name = item.string();
+    if (!block.free(name)) {
+      item.fail(fmt::format("'{}' is not a numeric parameter of this '{}' block, expected one of {}", name,
+                            block.type_name(), names_of(block.type().specs())));
+    }
+  }
+}
+
+/// At the parameter's own line where the error is about one.
+[[noreturn]] void fail_at(const Node& node, const std::string& type, const ValidationError& error) {
+  if (error.parameter != nullptr && node.has(error.parameter->key())) {
+    const Node at = node.at(error.parameter->key());
+    (error.parameter->element >= 0 ? at[static_cast<std::size_t>(error.parameter->element)] : at)
+        .fail(error.message);
+  }
+  node.fail(fmt::format("block '{}': {}", type, error.text()));
+}
+
+constexpr std::size_t kMaxLine = 118;
+
+/// `key = [a, b, …]`, broken over lines; without the key.
+std::string toml_list(const std::string& key, const std::vector<double>& values) {
+  std::string out;
+  std::string line = key + " = [";
+  const std::size_t start = key.size() + 3;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    const std::string piece = number_text(values[i]) + (i + 1 < values.size() ? ", " : "");
+    if (line.size() + piece.size() > kMaxLine) {
+      out += std::string(trim(line)) + "\n";
+      line = "  ";
+    }
+    line += piece;
+  }
+  return (out + line + "]").substr(start);
 }
 
 /// The values of one key as they stand in a TOML file.
@@ -61,36 +85,22 @@ std::string toml_value(const Block& block, const ParameterSpec& spec) {
     case ParameterSpec::Shape::list:
       break;
   }
-  std::string out = "[";
-  size_t column = 0;
-  bool first = true;
-  for (const double value : block.list(spec.name)) {
-    const std::string text = number_text(value);
-    if (!first) out += ", ";
-    if (!first && column + text.size() > 100) {
-      out += "\n  ";
-      column = 0;
-    }
-    out += text;
-    column += text.size() + 2;
-    first = false;
-  }
-  return out + "]";
+  return toml_list(spec.name, block.list(spec.name));
 }
 
 /// Whole keys where every entry is free, single entries otherwise.
 std::vector<std::string> free_names(const Block& block) {
   std::vector<std::string> out;
   const auto& all = block.parameters();
-  for (size_t i = 0; i < all.size();) {
-    size_t end = i;
-    while (end < all.size() && all[end].key == all[i].key) ++end;
+  for (std::size_t i = 0; i < all.size();) {
+    std::size_t end = i;
+    while (end < all.size() && all[end].key() == all[i].key()) ++end;
     const bool whole = std::all_of(all.begin() + static_cast<std::ptrdiff_t>(i),
                                    all.begin() + static_cast<std::ptrdiff_t>(end),
                                    [](const Parameter& p) { return p.free; });
-    for (size_t j = i; j < end; ++j) {
+    for (std::size_t j = i; j < end; ++j) {
       if (whole) {
-        if (j == i) out.push_back(all[j].key);
+        if (j == i) out.push_back(all[j].key());
       } else if (all[j].free) {
         out.push_back(all[j].name());
       }
@@ -100,57 +110,30 @@ std::vector<std::string> free_names(const Block& block) {
   return out;
 }
 
-bool stands_in_file(const Block& block, const ParameterSpec& spec) {
-  return !(spec.optional_list && block.list(spec.name).empty());
-}
-
 }  // namespace
 
 Block block_from_node(const Node& node) {
   const Node type_node = node.at("type");
-  const BlockType* type = find_block_type(type_node.string());
+  const BlockType* type = block_type_registry().find(type_node.string());
   if (type == nullptr)
-    type_node.fail(fmt::format("is '{}', expected one of {}", type_node.string(), names_of_types()));
+    type_node.fail(
+        fmt::format("is '{}', expected one of {}", type_node.string(), block_type_registry().names()));
   Block block(*type);
   block.line = node.line();
   const auto& specs = type->specs();
   for (const auto& [key, value] : node.members()) {
     if (key == "type" || key == "free") continue;
-    const auto spec =
-        std::find_if(specs.begin(), specs.end(), [&](const ParameterSpec& s) { return s.name == key; });
-    if (spec == specs.end()) {
+    const ParameterSpec* spec = find_parameter(specs, key);
+    if (spec == nullptr)
       value.fail(
           fmt::format("is not a parameter of '{}', expected one of {}", type->name(), names_of(specs)));
-    }
     read_parameter(block, *spec, value);
   }
   for (const ParameterSpec& spec : specs) {
-    const bool may_be_absent =
-        spec.standard || spec.optional_list || spec.shape == ParameterSpec::Shape::word;
-    if (!may_be_absent) node.at(spec.name);
+    if (!spec.optional()) node.at(spec.name);
   }
-  if (node.has("free")) {
-    const Node free = node.at("free");
-    if (free.kind() == Node::Kind::string) free.fail("is one word, expected a list of parameter names");
-    for (const Node& item : free.items()) {
-      const std::string name = item.string();
-      if (!block.free(name)) {
-        item.fail(fmt::format("'{}' is not a numeric parameter of this '{}' block, expected one of {}", name,
-                              type->name(), names_of(specs)));
-      }
-    }
-  }
-  if (const std::string complaint = block.complaint(); !complaint.empty()) {
-    // The parameter's own line where the complaint is about one.
-    for (const Parameter& p : block.parameters()) {
-      if (node.has(p.key) && complaint.starts_with(p.name() + " ")) {
-        const Node at = node.at(p.key);
-        (p.element >= 0 ? at[static_cast<size_t>(p.element)] : at)
-            .fail(complaint.substr(p.name().size() + 1));
-      }
-    }
-    node.fail(fmt::format("block '{}': {}", type->name(), complaint));
-  }
+  if (node.has("free")) read_free(block, node.at("free"));
+  if (const auto error = block.validate()) fail_at(node, type->name(), *error);
   return block;
 }
 
@@ -176,17 +159,15 @@ std::string model_text(const Chain& chain, const std::string& comment) {
   data["blocks"] = Json::array();
   for (const Block& block : chain.blocks) {
     Json out;
-    out["type"] = std::string(block.type_name());
+    out["type"] = block.type_name();
     out["parameters"] = Json::array();
     for (const ParameterSpec& spec : block.type().specs()) {
-      if (stands_in_file(block, spec))
-        out["parameters"].push_back({{"key", spec.name}, {"value", toml_value(block, spec)}});
+      out["parameters"].push_back({{"key", spec.name}, {"value", toml_value(block, spec)}});
     }
-    const auto names = free_names(block);
-    out["has_free"] = !names.empty();
     std::vector<std::string> quoted;
-    for (const std::string& name : names) quoted.push_back("\"" + name + "\"");
-    out["free"] = join(quoted, ", ");
+    for (const std::string& name : free_names(block)) quoted.push_back("\"" + name + "\"");
+    if (!quoted.empty())
+      out["parameters"].push_back({{"key", "free"}, {"value", "[" + join(quoted, ", ") + "]"}});
     data["blocks"].push_back(std::move(out));
   }
   return render_template("model.toml", data);
@@ -197,9 +178,8 @@ Json model_json(const Chain& chain) {
   out["blocks"] = Json::array();
   for (const Block& block : chain.blocks) {
     Json item;
-    item["type"] = std::string(block.type_name());
+    item["type"] = block.type_name();
     for (const ParameterSpec& spec : block.type().specs()) {
-      if (!stands_in_file(block, spec)) continue;
       switch (spec.shape) {
         case ParameterSpec::Shape::number:
           item[spec.name] = block.get(spec.name);
@@ -208,7 +188,8 @@ Json model_json(const Chain& chain) {
           item[spec.name] = block.flag(spec.name);
           break;
         case ParameterSpec::Shape::list:
-          item[spec.name] = block.list(spec.name);
+          // A list that may be left out and is empty says nothing to a reader of the report.
+          if (!spec.optional() || !block.list(spec.name).empty()) item[spec.name] = block.list(spec.name);
           break;
         case ParameterSpec::Shape::word:
           item[spec.name] = block.word(spec.name);

@@ -1,43 +1,53 @@
 #include "chain/registry.hpp"
 
-#include <stdexcept>
+#include "chain/blocks/hysteresis.hpp"
+#include "hysteresis/registry.hpp"
 
-#include "chain/blocks/block_list.hpp"
+// Each function stands in the block's own file under chain/blocks/. A new block is one line here.
+#define BODESMITH_BLOCKS(ENTRY)        \
+  ENTRY(gain_block)                    \
+  ENTRY(lowpass_block)                 \
+  ENTRY(pole_zero_block)               \
+  ENTRY(fractional_lead_lag_block)     \
+  ENTRY(resonator_block)               \
+  ENTRY(delay_block)                   \
+  ENTRY(saturation_block)              \
+  ENTRY(slew_limit_block)              \
+  ENTRY(dead_zone_block)               \
+  ENTRY(backlash_block)                \
+  ENTRY(polynomial_block)              \
+  ENTRY(creep_block)                   \
+  ENTRY(hum_block)                     \
+  ENTRY(drift_block)                   \
+  ENTRY(sample_hold_block)             \
+  ENTRY(opamp_block)                   \
+  ENTRY(multiplier_block)              \
+  ENTRY(voltage_controlled_gain_block) \
+  ENTRY(comparator_block)              \
+  ENTRY(switched_capacitor_block)      \
+  ENTRY(noise_block)
 
 namespace bodesmith::chain {
 
-const std::vector<const BlockType*>& block_types() {
-  static const std::vector<const BlockType*> all = [] {
-    std::vector<const BlockType*> types = {
-        &gain_block(),        &lowpass_block(),
-        &pole_zero_block(),   &fractional_lead_lag_block(),
-        &resonator_block(),   &delay_block(),
-        &saturation_block(),  &slew_limit_block(),
-        &dead_zone_block(),   &backlash_block(),
-        &polynomial_block(),  &creep_block(),
-        &hum_block(),         &drift_block(),
-        &sample_hold_block(), &opamp_block(),
-        &multiplier_block(),  &voltage_controlled_gain_block(),
-        &comparator_block(),  &switched_capacitor_block(),
-        &noise_block(),
-    };
-    for (const BlockType* type : hysteresis_blocks()) types.push_back(type);
-    return types;
-  }();
-  return all;
-}
+#define BODESMITH_DECLARE(function) const BlockType& function();
+BODESMITH_BLOCKS(BODESMITH_DECLARE)
+#undef BODESMITH_DECLARE
 
-const BlockType* find_block_type(std::string_view name) {
-  for (const BlockType* type : block_types()) {
-    if (type->name() == name) return type;
-  }
-  return nullptr;
+Registry<BlockType>& block_type_registry() {
+#define BODESMITH_ADDRESS(function) &function(),
+  static Registry<BlockType> registry("block type", {BODESMITH_BLOCKS(BODESMITH_ADDRESS)});
+#undef BODESMITH_ADDRESS
+  static std::size_t models_known = 0;
+  const auto& models = hysteresis::model_type_registry().all();
+  for (; models_known < models.size(); ++models_known)
+    registry.add(hysteresis_block_type(*models[models_known]));
+  return registry;
 }
 
 Block make_block(std::string_view type) {
-  const BlockType* found = find_block_type(type);
-  if (found == nullptr) throw std::logic_error("no block type '" + std::string(type) + "'");
-  return Block(*found);
+  return Block(block_type_registry().get(type));
 }
 
 }  // namespace bodesmith::chain
+
+#undef BODESMITH_BLOCKS

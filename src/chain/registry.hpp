@@ -1,19 +1,17 @@
 #pragma once
 
-#include <string>
 #include <string_view>
-#include <vector>
 
+#include "base/registry.hpp"
 #include "chain/block.hpp"
 
 namespace bodesmith::chain {
 
-/// Every block type, in the order of the documentation. A new one is one line in registry.cpp.
-const std::vector<const BlockType*>& block_types();
-/// Null when there is no such type.
-const BlockType* find_block_type(std::string_view name);
-/// A block with standard values; std::logic_error for an unknown type (for programs; files go through
-/// model_file.hpp).
+/// Every block type, in the order of the documentation: those of chain/blocks/, then one for each model of
+/// hysteresis::model_type_registry(), also for models that were added there later.
+Registry<BlockType>& block_type_registry();
+
+/// A block with default values; InputError for an unknown type.
 Block make_block(std::string_view type);
 
 }  // namespace bodesmith::chain

@@ -3,17 +3,17 @@
 #include <optional>
 #include <string>
 
-#include "base/document.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
+#include "chain/model_file.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "hysteresis/identification.hpp"
-#include "hysteresis/stage_model.hpp"
+#include "identify/compensation.hpp"
+#include "identify/error_figures.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::cli {
@@ -36,15 +36,15 @@ int run_compensate(const std::vector<std::string>& arguments) {
   if (line.maybe<double>("max-error-percent")) limit = line.positive("max-error-percent");
 
   Provenance from;
-  const hysteresis::StageModel stage =
-      hysteresis::stage_model_from_node(read_document(line.files().front(), from));
+  const std::string file = line.files().front();
+  const identify::StageModel stage = identify::StageModel::of(chain::read_model(file, from), file);
   const TimeRecord reference = TimeRecord::read_csv_column(line.get<std::string>("reference"), from, "r");
 
   const Stopwatch watch;
-  const hysteresis::Compensation drive =
-      hysteresis::compensate(stage, reference.u, reference.step_s, !line.has("no-preview"));
+  const identify::Compensation drive =
+      identify::compensate(stage, reference.u, reference.step_s, !line.has("no-preview"));
   const double seconds = watch.seconds();
-  const hysteresis::ErrorFigures error = hysteresis::error_figures(drive.predicted, reference.u);
+  const identify::ErrorFigures error = identify::error_figures(drive.predicted, reference.u);
 
   CsvWriter csv;
   std::vector<double> time(reference.size());

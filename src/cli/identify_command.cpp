@@ -1,6 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -10,17 +9,17 @@
 #include "base/json.hpp"
 #include "base/json_header.hpp"
 #include "base/text.hpp"
+#include "chain/model_file.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "hysteresis/registry.hpp"
-#include "identify/identify_stage.hpp"
+#include "identify/stage_fit.hpp"
 
 namespace bodesmith::cli {
 namespace {
 
-namespace po = boost::program_options;
-using hysteresis::ErrorFigures;
-using hysteresis::StageFit;
+using identify::ErrorFigures;
+using identify::StageFit;
 
 Json to_json(const ErrorFigures& figures) {
   return {{"rms", figures.rms},
@@ -42,7 +41,7 @@ Json to_json(const StageFit& fit) {
   out["converged"] = fit.identified.converged;
   out["training"] = to_json(fit.training);
   if (fit.holdout) out["holdout"] = to_json(*fit.holdout);
-  out["delay_s"] = fit.identified.stage.delay_s;
+  out["delay_s"] = fit.stage.delay_s;
   Json parameters = Json::array();
   for (const auto& one : fit.identified.uncertainty) {
     Json entry = {{"name", one.name}, {"value", one.value}};
@@ -52,7 +51,7 @@ Json to_json(const StageFit& fit) {
   }
   out["parameters"] = parameters;
   out["notes"] = fit.identified.notes;
-  out["compute_s"] = fit.identified.compute_s;
+  out["compute_s"] = fit.compute_s;
   return out;
 }
 
@@ -67,8 +66,7 @@ std::string text_of(const StageFit& fit) {
   std::string text = fmt::format("{}: {}\n", fit.model, fit.identified.method);
   text += fmt::format("  training  {}\n", figures_text(fit.training));
   if (fit.holdout) text += fmt::format("  holdout   {}\n", figures_text(*fit.holdout));
-  if (fit.identified.stage.delay_s != 0.0)
-    text += fmt::format("  delay     {} s\n", rounded_text(fit.identified.stage.delay_s));
+  if (fit.stage.delay_s != 0.0) text += fmt::format("  delay     {} s\n", rounded_text(fit.stage.delay_s));
   std::size_t shown = 0;
   for (const auto& one : fit.identified.uncertainty) {
     if (++shown > 24) break;
@@ -78,7 +76,7 @@ std::string text_of(const StageFit& fit) {
   }
   for (const std::string& remark : fit.identified.notes) text += "  note: " + remark + "\n";
   if (!fit.identified.converged) text += "  note: the search stopped at its limit, not at a minimum\n";
-  text += fmt::format("  time      {} s\n", rounded_text(fit.identified.compute_s, 3));
+  text += fmt::format("  time      {} s\n", rounded_text(fit.compute_s, 3));
   return text;
 }
 
@@ -96,7 +94,7 @@ std::string table_of(const std::vector<StageFit>& fits, bool with_holdout) {
                         fit.holdout ? rounded_text(fit.holdout->rms) : std::string(),
                         fit.holdout ? rounded_text(fit.holdout->rms_percent, 3) : std::string(),
                         fit.holdout ? rounded_text(fit.holdout->rms_free_offset) : std::string(),
-                        rounded_text(fit.identified.compute_s, 3));
+                        rounded_text(fit.compute_s, 3));
   }
   return text;
 }
@@ -105,139 +103,190 @@ double score(const StageFit& fit) {
   return fit.holdout ? fit.holdout->rms : fit.training.rms;
 }
 
+constexpr const char* kLinear = "linear";
+
+std::string model_names() {
+  return std::string(kLinear) + ", " + hysteresis::model_type_registry().names();
+}
+
+/// Null for the straight line.
+const hysteresis::ModelType* model_of_name(const std::string& name) {
+  return name == kLinear ? nullptr : &hysteresis::model_type_registry().get(name);
+}
+
+/// What is asked for.
+struct IdentifyRequest {
+  bool all_models = false;
+  const hysteresis::ModelType* model = nullptr;  ///< unless all
+  bool both_methods = false;
+  identify::StageFitOptions options;
+  std::optional<double> max_error_percent;
+
+  /// The comparison of several fits, instead of one.
+  bool table() const { return all_models || both_methods; }
+};
+
+void describe_options(CommandLine& line) {
+  const std::string models = "one of " + model_names() + ", or all for the comparison table";
+  line.option<std::string>("model", models);
+  line.repeatable<std::string>("holdout", "record that is not fitted, only judged (repeatable)");
+  line.option<std::string>("method", "best, paper (what the model's own paper does), or both in one table",
+                           "best");
+  line.option<int>("size", "plays, operators or levels of the model (0: its default)", 0);
+  line.option<std::string>("delay", "none, find, or a pure delay in seconds", "none");
+  line.option<double>(
+      "skip-s", "seconds at the start of every record that are simulated but not counted (start transients)",
+      0.0);
+  line.option<double>("frequency-hz", "operating frequency for models that ask for it (0: found)", 0.0);
+  line.flag("asymmetric", "prandtl_ishlinskii: with dead zones behind the plays");
+  line.option<double>("effort", "length of stochastic and iterative searches, relative", 1.0);
+  line.option<double>("max-error-percent", "exit with 1 when the RMS error (holdout if given) is larger");
+  line.positional("RECORD.csv...", 1, -1);
+  line.output("where the model goes (with --model all: the best one)");
+  line.seed();
+}
+
+void read_delay(const CommandLine& line, identify::StageFitOptions& options) {
+  const std::string delay = line.get<std::string>("delay");
+  options.find_delay = delay == "find";
+  if (options.find_delay || delay == "none") return;
+  double value = 0.0;
+  if (!parse_number(delay, value) || value < 0.0)
+    line.fail(fmt::format("--delay is '{}', expected none, find or seconds", delay));
+  options.delay_s = value;
+}
+
+IdentifyRequest request_of(CommandLine& line) {
+  IdentifyRequest out;
+  const std::string models = "one of " + model_names() + ", or all for the comparison table";
+  if (!line.has("model")) line.fail("--model is missing, expected " + models);
+  const std::string model = line.get<std::string>("model");
+  out.all_models = model == "all";
+  if (!out.all_models && model != kLinear && hysteresis::model_type_registry().find(model) == nullptr)
+    line.fail(fmt::format("--model is '{}', expected {}", model, models));
+  if (!out.all_models) out.model = model_of_name(model);
+  hysteresis::IdentifyOptions& options = out.options.identify;
+  options.seed = line.seed_value();
+  options.method = line.get<std::string>("method");
+  out.both_methods = options.method == "both";
+  if (options.method != "best" && options.method != "paper" && !out.both_methods)
+    line.fail(fmt::format("--method is '{}', expected best, paper or both", options.method));
+  options.size = line.get<int>("size");
+  if (options.size < 0 || options.size > 2000) line.fail("--size is out of range, expected 0 .. 2000");
+  options.skip_s = line.get<double>("skip-s");
+  if (!(options.skip_s >= 0.0)) line.fail("--skip-s is below 0, expected seconds");
+  options.frequency_hz = line.get<double>("frequency-hz");
+  if (!(options.frequency_hz >= 0.0)) line.fail("--frequency-hz is below 0, expected hertz");
+  options.effort = line.positive("effort");
+  options.asymmetric = line.has("asymmetric");
+  read_delay(line, out.options);
+  out.max_error_percent = line.maybe_positive("max-error-percent");
+  return out;
+}
+
+std::vector<TimeRecord> read_records(const std::vector<std::string>& files, double skip_s, Provenance& from) {
+  std::vector<TimeRecord> out;
+  for (const std::string& file : files) {
+    out.push_back(TimeRecord::read_csv(file, from, true));
+    if (out.back().duration_s() <= skip_s)
+      throw InputError(
+          out.back().file, 0,
+          fmt::format("lasts {} s, expected more than --skip-s", number_text(out.back().duration_s())));
+  }
+  return out;
+}
+
+/// Every model (or the one) by every method asked for; those that the records cannot determine with the reason.
+std::vector<StageFit> fit_table(IdentifyRequest request, const std::vector<TimeRecord>& training,
+                                const std::vector<TimeRecord>& holdout) {
+  identify::StageFitOptions& options = request.options;
+  if (options.find_delay) options.delay_s = identify::best_delay(training, options.identify, false);
+  std::vector<const hysteresis::ModelType*> models{request.model};
+  if (request.all_models) {
+    const auto& types = hysteresis::model_type_registry().all();
+    models = {nullptr};
+    models.insert(models.end(), types.begin(), types.end());
+  }
+  std::vector<std::string> methods{options.identify.method};
+  if (request.both_methods) methods = {"paper", "best"};
+  std::vector<StageFit> fits;
+  for (const hysteresis::ModelType* model : models) {
+    for (const std::string& method : methods) {
+      options.identify.method = method;
+      try {
+        fits.push_back(identify::fit_stage(model, training, holdout, options));
+      } catch (const InputError& error) {
+        fits.push_back({});
+        fits.back().model = model == nullptr ? kLinear : model->name();
+        fits.back().refused = error.what();
+      }
+      if (request.both_methods) fits.back().model += fmt::format(" ({})", method);
+    }
+  }
+  return fits;
+}
+
+/// Throws InputError when no model fits.
+const StageFit& best_of(const std::vector<StageFit>& fits) {
+  const StageFit* best = nullptr;
+  for (const StageFit& fit : fits) {
+    if (fit.refused.empty() && (best == nullptr || score(fit) < score(*best))) best = &fit;
+  }
+  if (best == nullptr) throw InputError("identify: no model fits these records: " + fits.front().refused);
+  return *best;
+}
+
+std::string model_comment(const StageFit& fit) {
+  std::string out = fmt::format(
+      "{} by {}\ntraining: {}\n"
+      "the errors are for a start at rest under the first input (simulate --start equilibrium)",
+      fit.model, fit.identified.method, figures_text(fit.training));
+  if (fit.holdout) out += fmt::format("\nholdout: {}", figures_text(*fit.holdout));
+  return out;
+}
+
 }  // namespace
 
 int run_identify(const std::vector<std::string>& arguments) {
-  std::vector<std::string> names{"linear"};
-  for (const hysteresis::ModelType& type : hysteresis::model_types()) names.push_back(type.name);
-
   CommandLine line("identify",
                    "bodesmith identify train.csv --model prandtl_ishlinskii --holdout test.csv -o model.toml",
                    "Fits a hysteresis model to measured records (time_s,u,y) and holds it against others.\n"
                    "Errors are RMS and maximum in percent of the record's range (first seed, eq. 8).");
-  const std::string models = "one of " + join(names, ", ") + ", or all for the comparison table";
-  line.options().add_options()("model", po::value<std::string>(), models.c_str())(
-      "holdout", po::value<std::vector<std::string>>()->composing(),
-      "record that is not fitted, only judged (repeatable)")(
-      "method", po::value<std::string>()->default_value("best"),
-      "best, paper (what the model's own paper does), or both in one table")(
-      "size", po::value<int>()->default_value(0), "plays, operators or levels of the model (0: its default)")(
-      "delay", po::value<std::string>()->default_value("none"), "none, find, or a pure delay in seconds")(
-      "skip-s", po::value<double>()->default_value(0.0),
-      "seconds at the start of every record that are simulated but not counted (start transients)")(
-      "frequency-hz", po::value<double>()->default_value(0.0),
-      "operating frequency for models that ask for it (0: found)")(
-      "asymmetric", "prandtl_ishlinskii: with dead zones behind the plays")(
-      "effort", po::value<double>()->default_value(1.0),
-      "length of stochastic and iterative searches, relative")(
-      "max-error-percent", po::value<double>(),
-      "exit with 1 when the RMS error (holdout if given) is larger");
-  line.positional("RECORD.csv...", 1, -1);
-  line.output("where the model goes (with --model all: the best one)");
-  line.seed();
+  describe_options(line);
   if (!line.parse(arguments)) return kDone;
-
-  if (!line.has("model")) line.fail("--model is missing, expected " + models);
-  const std::string model = line.get<std::string>("model");
-  if (model != "all" && std::find(names.begin(), names.end(), model) == names.end())
-    line.fail(fmt::format("--model is '{}', expected {}", model, models));
-  hysteresis::StageFitOptions options;
-  options.identify.seed = line.seed_value();
-  options.identify.method = line.get<std::string>("method");
-  if (options.identify.method != "best" && options.identify.method != "paper" &&
-      options.identify.method != "both")
-    line.fail(fmt::format("--method is '{}', expected best, paper or both", options.identify.method));
-  options.identify.size = line.get<int>("size");
-  if (options.identify.size < 0 || options.identify.size > 2000)
-    line.fail("--size is out of range, expected 0 .. 2000");
-  options.identify.skip_s = line.get<double>("skip-s");
-  if (!(options.identify.skip_s >= 0.0)) line.fail("--skip-s is below 0, expected seconds");
-  options.identify.frequency_hz = line.get<double>("frequency-hz");
-  if (!(options.identify.frequency_hz >= 0.0)) line.fail("--frequency-hz is below 0, expected hertz");
-  options.identify.effort = line.positive("effort");
-  options.identify.asymmetric = line.has("asymmetric");
-  const std::string delay = line.get<std::string>("delay");
-  if (delay == "find") {
-    options.find_delay = true;
-  } else if (delay != "none") {
-    double value = 0.0;
-    if (!parse_number(delay, value) || value < 0.0)
-      line.fail(fmt::format("--delay is '{}', expected none, find or seconds", delay));
-    options.delay_s = value;
-  }
-  std::optional<double> limit;
-  if (line.maybe<double>("max-error-percent")) limit = line.positive("max-error-percent");
+  const IdentifyRequest request = request_of(line);
 
   Provenance from;
-  std::vector<TimeRecord> training, holdout;
-  for (const std::string& file : line.files()) training.push_back(TimeRecord::read_csv(file, from, true));
+  const double skip_s = request.options.identify.skip_s;
+  const std::vector<TimeRecord> training = read_records(line.files(), skip_s, from);
+  std::vector<TimeRecord> holdout;
   if (line.has("holdout"))
-    for (const std::string& file : line.get<std::vector<std::string>>("holdout"))
-      holdout.push_back(TimeRecord::read_csv(file, from, true));
-  for (const TimeRecord& record : training)
-    if (record.duration_s() <= options.identify.skip_s)
-      throw InputError(
-          record.file, 0,
-          fmt::format("lasts {} s, expected more than --skip-s", number_text(record.duration_s())));
-  for (const TimeRecord& record : holdout)
-    if (record.duration_s() <= options.identify.skip_s)
-      throw InputError(
-          record.file, 0,
-          fmt::format("lasts {} s, expected more than --skip-s", number_text(record.duration_s())));
+    holdout = read_records(line.get<std::vector<std::string>>("holdout"), skip_s, from);
 
-  std::vector<StageFit> fits;
-  double seconds = 0.0;
-  const bool both = options.identify.method == "both";
-  const bool table = model == "all" || both;
-  if (!table) {
-    fits.push_back(hysteresis::fit_stage(model, training, holdout, options));
-  } else {
-    if (options.find_delay) options.delay_s = hysteresis::best_delay(training, options.identify, false);
-    if (model != "all") names = {model};
-    for (const std::string& name : names) {
-      for (const char* method : {"paper", "best"}) {
-        if (!both && method != options.identify.method) continue;
-        if (both) options.identify.method = method;
-        try {
-          fits.push_back(hysteresis::fit_stage(name, training, holdout, options));
-        } catch (const InputError& error) {
-          fits.push_back({});
-          fits.back().model = name;
-          fits.back().refused = error.what();
-        }
-        if (both) fits.back().model += fmt::format(" ({})", method);
-      }
-    }
-  }
-  const StageFit* best = nullptr;
-  for (const StageFit& fit : fits) {
-    seconds += fit.identified.compute_s;
-    if (fit.refused.empty() && (best == nullptr || score(fit) < score(*best))) best = &fit;
-  }
-  if (best == nullptr) throw InputError("identify: no model fits these records: " + fits.front().refused);
-
-  std::vector<std::string> remarks = {
-      fmt::format("{} by {}", best->model, best->identified.method),
-      fmt::format("training: {}", figures_text(best->training)),
-      "the errors are for a start at rest under the first input (simulate --start equilibrium)"};
-  if (best->holdout) remarks.push_back(fmt::format("holdout: {}", figures_text(*best->holdout)));
-  write_file(line.output_path(), best->identified.stage.to_toml(remarks));
+  const std::vector<StageFit> fits =
+      request.table() ? fit_table(request, training, holdout)
+                      : std::vector{identify::fit_stage(request.model, training, holdout, request.options)};
+  const StageFit& best = best_of(fits);
+  write_file(line.output_path(), chain::model_text(best.stage.chain(), model_comment(best)));
 
   Json json = json_header("identification", from);
-  if (table) {
-    json["chosen"] = best->model;
+  if (request.table()) {
+    json["chosen"] = best.model;
     Json list = Json::array();
     for (const StageFit& fit : fits) list.push_back(to_json(fit));
     json["models"] = list;
   } else {
-    json.update(to_json(*best));
+    json.update(to_json(best));
   }
-  const bool met =
-      !limit || (best->holdout ? best->holdout->rms_percent : best->training.rms_percent) <= *limit;
+  const std::optional<double> limit = request.max_error_percent;
+  const bool met = !limit || (best.holdout ? best.holdout->rms_percent : best.training.rms_percent) <= *limit;
   if (limit) json["limit_met"] = met;
+  double seconds = 0.0;
+  for (const StageFit& fit : fits) seconds += fit.compute_s;
   json["timing_s"] = {{"compute", seconds}};
-  std::string text =
-      table ? table_of(fits, !holdout.empty()) + fmt::format("best: {}\n", best->model) : text_of(*best);
+  std::string text = request.table()
+                         ? table_of(fits, !holdout.empty()) + fmt::format("best: {}\n", best.model)
+                         : text_of(best);
   if (!met) text += fmt::format("the limit of {} % is NOT met\n", rounded_text(*limit));
   print_summary(line, text, json);
   return met ? kDone : kLimitMissed;

@@ -25,16 +25,16 @@ Model::Model(const chain::Chain& base) {
       Unknown u;
       u.name = fmt::format("block {} {}", number, p.name());
       u.value = p.value;
-      u.low = p.low;
-      u.high = p.high;
-      u.logarithmic = p.low >= 0.0 && p.value > 0.0 && p.key.find("offset") == std::string::npos;
+      u.low = p.min();
+      u.high = p.max();
+      u.logarithmic = p.min() >= 0.0 && p.value > 0.0;
       u.scale = std::max(std::abs(p.value), 1e-3);
       // A free parameter's value in the file is a guess, but not any guess: it decides where the records do
       // not (a sine cannot tell gain, frequency and damping of a resonator apart).
       u.given = p.value;
       u.given_spread = u.logarithmic ? kGivenSpread : kGivenSpread * std::abs(p.value);
-      if (u.logarithmic) u.low = std::max(p.low, p.value * 1e-3);
-      if (u.logarithmic) u.high = std::min(p.high, p.value * 1e3);
+      if (u.logarithmic) u.low = std::max(p.min(), p.value * 1e-3);
+      if (u.logarithmic) u.high = std::min(p.max(), p.value * 1e3);
       free_.push_back({next_id_, k, u});
     }
     ++next_id_;
@@ -114,8 +114,7 @@ chain::Chain Model::chain() const {
 
 std::string Model::complaint() const {
   for (const auto& slot : slots_) {
-    auto text = slot.block.complaint();
-    if (!text.empty()) return text;
+    if (const auto error = slot.block.validate()) return error->text();
   }
   return {};
 }

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "hysteresis/inverse.hpp"
-#include "hysteresis/operator.hpp"
-#include "hysteresis/parameters.hpp"
+#include <span>
+
+#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::hysteresis {
 
@@ -53,5 +53,7 @@ class BoucWenOperator final : public Operator {
   double u_ = 0.0;
   double z_ = 0.0;
 };
+
+Identified identify_bouc_wen(std::span<const TimeRecord> records, const IdentifyOptions& options);
 
 }  // namespace bodesmith::hysteresis

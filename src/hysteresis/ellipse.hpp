@@ -3,9 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "hysteresis/inverse.hpp"
-#include "hysteresis/operator.hpp"
-#include "hysteresis/parameters.hpp"
+#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::hysteresis {
 
@@ -33,6 +31,14 @@ struct Ellipse {
   double operating_hz = 1.0;
 
   static Ellipse from(const Parameters& values);
+
+  /// Weights of the surfaces' nodes about an amplitude: 1 − part at `low`, part at `high`.
+  struct Place {
+    std::size_t low = 0;
+    std::size_t high = 0;
+    double part = 0.0;
+  };
+  Place place_of_amplitude(double amplitude_u) const;
 
   struct Point {
     double gain, phase_rad, y_0;
@@ -111,5 +117,7 @@ struct SineThrough {
   double rms = 0.0;  ///< what is left
 };
 SineThrough sine_through(std::span<const double> values, double step_s, double frequency_hz);
+
+Identified identify_ellipse(std::span<const TimeRecord> records, const IdentifyOptions& options);
 
 }  // namespace bodesmith::hysteresis

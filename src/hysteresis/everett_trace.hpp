@@ -11,9 +11,11 @@
 namespace bodesmith::hysteresis {
 
 /// How a kernel's weight lies in its cell of the plane: f and g are the fractions of the upper and lower end
-/// in their cells, m(f, g) the part of the corner cell (i, j) that is swept :
-///   bilinear m = f (1 − g) (evenly over the cell), relays (all in one corner), kp m = max(0, f − g) (along
-///   the diagonal: the Krasnoselskii-Pokrovskii kernel with a ramp as long as the cell).
+/// in their cells, m(f, g) the part of the corner cell (i, j) that is swept:
+///   bilinear  m = f (1 − g)        evenly over the cell
+///   relays                         all in one corner
+///   kp        m = max(0, f − g)    along the diagonal: the Krasnoselskii-Pokrovskii kernel with a ramp as long
+///                                  as the cell
 enum class CellShape { bilinear, relays, kp };
 
 /// The linear map from the weights of a Preisach plane to the outputs of records, kept as the stack saw it:

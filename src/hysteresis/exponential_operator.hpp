@@ -3,10 +3,8 @@
 #include <span>
 #include <vector>
 
-#include "hysteresis/inverse.hpp"
+#include "hysteresis/model_type.hpp"
 #include "hysteresis/nested_loops.hpp"
-#include "hysteresis/operator.hpp"
-#include "hysteresis/parameters.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::hysteresis {
@@ -83,5 +81,8 @@ class ExponentialInverse final : public Inverse {
 
 /// The record with input and output exchanged: identifying it gives h_i, α_i of eq. 4.
 TimeRecord exchanged(const TimeRecord& record);
+
+Identified identify_exponential_operators(std::span<const TimeRecord> records,
+                                          const IdentifyOptions& options);
 
 }  // namespace bodesmith::hysteresis

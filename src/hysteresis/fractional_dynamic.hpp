@@ -2,27 +2,29 @@
 
 #include <Eigen/Dense>
 #include <complex>
+#include <span>
 #include <vector>
 
-#include "hysteresis/inverse.hpp"
-#include "hysteresis/operator.hpp"
-#include "hysteresis/parameters.hpp"
+#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::hysteresis {
 
 /// The linearised fractional dynamic hysteresis model of a fast tool servo (003, eq. 8-19):
-///   P(s) = 1/(τ s + 1) · K_M/(s² + 2ξω_n s + ω_n²) · F(s),   F(s) = (K_p + Θ s^η)/(1 + χ s^λ) (15) y(t) = P
-///   u + ρ t + δ                                                                                (18)
+///   P(s) = 1/(τ s + 1) · K_M/(s² + 2ξω_n s + ω_n²) · F(s),   F(s) = (K_p + Θ s^η)/(1 + χ s^λ)   (15)
+///   y(t) = P u + ρ t + δ                                                                        (18)
 /// with 0 < η, λ < 1. Linear: one frequency, one ellipse, whatever the amplitude. s^α has its cut on the
 /// negative real axis, where F has no pole, so F is exactly a spread of first-order lags,
 ///   F(s) = K_p − s ∫ r(σ)/(σ (s + σ)) dσ,   r(σ) = −(1/π) Im F(σ e^(iπ)),
 /// and `modes` first-order sections (trapezoid rule in ln σ, points crowded where r has its pole beside the
 /// axis) are the simulation by sections. They, the lag and the resonance are propagated exactly for an input
 /// that is linear between samples, at any sampling time. Grünwald and Letnikov's sum (eq. 2), which keeps all
-/// the past, is simulate_grunwald_letnikov(). Note on eq. 20: with Table 1 the printed denominator agrees
-/// within 1 % where it has terms (τχ s^3.811, τ s³, χ(1 + 2ξω_nτ) s^2.811, (1 + 2ξω_nτ) s², χ(ω_n²τ + 2ξω_n)
-/// s^1.811), but its last term lacks its s, and χω_n² s^λ and ω_n² are missing. Stability: the factors are
-/// stable for τ, ξ, ω_n > 0, and 1 + χ s^λ has no root with χ > 0, λ < 1; check any denominator with
+/// the past, is simulate_grunwald_letnikov().
+///
+/// Note on eq. 20: with Table 1 the printed denominator agrees within 1 % where it has terms (τχ s^3.811, τ s³,
+/// χ(1 + 2ξω_nτ) s^2.811, (1 + 2ξω_nτ) s², χ(ω_n²τ + 2ξω_n) s^1.811), but its last term lacks its s, and
+/// χω_n² s^λ and ω_n² are missing.
+///
+/// Stability: the factors are stable for τ, ξ, ω_n > 0, and 1 + χ s^λ has no root with χ > 0, λ < 1; check any denominator with
 /// right_half_plane_roots() (argument principle) or unstable_by_matignon().
 ///
 /// Inverse: of F and the constant gain (F⁻¹ has the same form). The lag and the resonance are left in: an
@@ -117,5 +119,7 @@ int right_half_plane_roots(const FractionalPolynomial& polynomial);
 /// qπ/2. Exponents must be multiples of q, the degree at most 600 (a companion matrix of degree 3811, as q =
 /// 0.001 asks for, is not a sound way to find roots).
 int unstable_by_matignon(const FractionalPolynomial& polynomial, double q);
+
+Identified identify_fractional_dynamic(std::span<const TimeRecord> records, const IdentifyOptions& options);
 
 }  // namespace bodesmith::hysteresis

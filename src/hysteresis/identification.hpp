@@ -1,34 +1,12 @@
 #pragma once
 
 #include <cstdint>
-#include <optional>
-#include <span>
 #include <string>
 #include <vector>
 
-#include "hysteresis/stage_model.hpp"
-#include "signal/time_record.hpp"
+#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::hysteresis {
-
-/// How far a model's output is from a record's (first seed, eq. 8; the percentages are of the record's own
-/// range).
-struct ErrorFigures {
-  double rms = 0.0;
-  double max = 0.0;
-  double range = 0.0;
-  double rms_percent = 0.0;
-  double max_percent = 0.0;
-  /// RMS with every record's own mean miss taken out: a sensor's zero that moves between records is not the
-  /// model's.
-  double rms_free_offset = 0.0;
-};
-ErrorFigures error_figures(const std::vector<double>& got, const std::vector<double>& wanted);
-/// Over several records: all samples together, the range of all of them. The first `skip_s` seconds of every
-/// record are simulated but not counted (start transients).
-ErrorFigures error_figures(const StageModel& stage, std::span<const TimeRecord> records, double skip_s = 0.0);
-/// Index of the first counted sample.
-std::size_t first_counted(const TimeRecord& record, double skip_s);
 
 struct IdentifyOptions {
   std::uint64_t seed = 1;
@@ -45,6 +23,8 @@ struct IdentifyOptions {
   bool asymmetric = false;
   /// Effort of a stochastic search, relative to its default.
   double effort = 1.0;
+
+  bool as_in_paper() const { return method == "paper"; }
 };
 
 /// A parameter with its standard deviation, from the residual's Jacobian at the solution, widened for the
@@ -55,12 +35,23 @@ struct ParameterUncertainty {
   double standard_deviation = 0.0;
 };
 
+/// gain u + offset.
+struct Scaling {
+  double gain = 1.0;
+  double offset = 0.0;
+
+  double operator()(double u) const { return offset + gain * u; }
+};
+
+/// What was found: y = output(H[input(u)]), H the model.
 struct Identified {
-  StageModel stage;
+  Model model;
+  Scaling input;
+  Scaling output;
   std::string method;  ///< in words
   std::vector<ParameterUncertainty> uncertainty;
   std::vector<std::string> notes;  ///< what a person must know (not identifiable, limits met)
-  bool converged = true;
+  bool converged = true;           ///< false: the search stopped at its limit, not at a minimum
   double compute_s = 0.0;
 };
 

@@ -45,67 +45,67 @@ double BracketingInverse::reset(double y) {
   return u_;
 }
 
-double BracketingInverse::step(double y, double dt_s) {
-  // The miss where the input stays; its sign says which way to go.
-  double a = u_;
-  double miss_a = forward_->peek(a, dt_s) - y;
-  if (std::abs(miss_a) <= tolerance_) {
-    achieved_ = forward_->step(u_, dt_s);
-    return u_;
-  }
-  const double limit = miss_a < 0.0 ? u_max_ : u_min_;
-  const double direction = miss_a < 0.0 ? 1.0 : -1.0;
+/// From where the input stands by growing strides towards the reference y, as far as the limits of the input.
+BracketingInverse::Bracket BracketingInverse::bracket(double y, double dt_s, double error_here) const {
+  Bracket out{u_, error_here, u_, error_here, false};
+  const double limit = error_here < 0.0 ? u_max_ : u_min_;
+  const double direction = error_here < 0.0 ? 1.0 : -1.0;
   double stride = std::max(stride_, 1e-9 * std::min(u_max_ - u_min_, 1.0 + std::abs(u_)));
-  double b = a;
-  double miss_b = miss_a;
-  bool bracketed = false;
-  while (b != limit) {
-    const double next = direction > 0.0 ? std::min(b + stride, limit) : std::max(b - stride, limit);
-    const double miss = forward_->peek(next, dt_s) - y;
-    if (miss == 0.0 || (miss < 0.0) != (miss_a < 0.0)) {
-      a = b;
-      miss_a = miss_b;
-      b = next;
-      miss_b = miss;
-      bracketed = true;
-      break;
-    }
-    b = next;
-    miss_b = miss;
+  while (out.b != limit) {
+    const double next = direction > 0.0 ? std::min(out.b + stride, limit) : std::max(out.b - stride, limit);
+    const double error = forward_->peek(next, dt_s) - y;
+    if (error == 0.0 || (error < 0.0) != (error_here < 0.0)) return {out.b, out.error_b, next, error, true};
+    out.b = next;
+    out.error_b = error;
     stride *= 4.0;
   }
-  double best = b;
-  double best_miss = std::abs(miss_b);
-  if (bracketed) {
-    if (std::abs(miss_a) < best_miss) {
-      best = a;
-      best_miss = std::abs(miss_a);
+  return out;
+}
+
+/// The input inside a closed bracket with the smallest error, by false position with halved weights (Illinois)
+/// and a bisection every third time.
+double BracketingInverse::narrowed(double y, double dt_s, Bracket in) const {
+  double best = in.b;
+  double best_error = std::abs(in.error_b);
+  if (std::abs(in.error_a) < best_error) {
+    best = in.a;
+    best_error = std::abs(in.error_a);
+  }
+  double weight_a = in.error_a;
+  double weight_b = in.error_b;
+  for (int i = 0; i < 200 && best_error > tolerance_; ++i) {
+    const double middle = 0.5 * (in.a + in.b);
+    double c = i % 3 == 2 ? middle : in.b - weight_b * (in.b - in.a) / (weight_b - weight_a);
+    if (!(c > std::min(in.a, in.b) && c < std::max(in.a, in.b))) c = middle;
+    if (c == in.a || c == in.b) break;
+    const double error = forward_->peek(c, dt_s) - y;
+    if (std::abs(error) < best_error) {
+      best = c;
+      best_error = std::abs(error);
     }
-    double weight_a = miss_a;
-    double weight_b = miss_b;
-    for (int i = 0; i < 200 && best_miss > tolerance_; ++i) {
-      double c = i % 3 == 2 ? 0.5 * (a + b) : b - weight_b * (b - a) / (weight_b - weight_a);
-      if (!(c > std::min(a, b) && c < std::max(a, b))) c = 0.5 * (a + b);
-      if (c == a || c == b) break;
-      const double miss = forward_->peek(c, dt_s) - y;
-      if (std::abs(miss) < best_miss) {
-        best = c;
-        best_miss = std::abs(miss);
-      }
-      if (miss == 0.0) break;
-      if ((miss < 0.0) == (miss_b < 0.0)) {
-        b = c;
-        miss_b = weight_b = miss;
-        weight_a *= 0.5;
-      } else {
-        a = c;
-        miss_a = weight_a = miss;
-        weight_b *= 0.5;
-      }
+    if (error == 0.0) break;
+    if ((error < 0.0) == (in.error_b < 0.0)) {
+      in.b = c;
+      in.error_b = weight_b = error;
+      weight_a *= 0.5;
+    } else {
+      in.a = c;
+      in.error_a = weight_a = error;
+      weight_b *= 0.5;
     }
   }
-  stride_ = std::abs(best - u_);
-  u_ = best;
+  return best;
+}
+
+double BracketingInverse::step(double y, double dt_s) {
+  // The error where the input stays; its sign says which way to go.
+  const double error_here = forward_->peek(u_, dt_s) - y;
+  if (std::abs(error_here) > tolerance_) {
+    const Bracket found = bracket(y, dt_s, error_here);
+    const double best = found.closed ? narrowed(y, dt_s, found) : found.b;
+    stride_ = std::abs(best - u_);
+    u_ = best;
+  }
   achieved_ = forward_->step(u_, dt_s);
   return u_;
 }

@@ -6,19 +6,19 @@
 
 namespace bodesmith::hysteresis {
 
-/// The right inverse of an Operator along a wanted output: step(y) returns the input u for which H[…, u] = y,
+/// The right inverse of an Operator along a reference: step(y) returns the input u for which H[…, u] = y,
 /// and remembers that it was applied. Nothing allocates in step().
 class Inverse {
  public:
   virtual ~Inverse() = default;
   virtual std::unique_ptr<Inverse> clone() const = 0;
 
-  /// Forgets everything; the model rests under the returned input, at the wanted output y where it can be
+  /// Forgets everything; the model rests under the returned input, at the reference y where it can be
   /// reached.
   virtual double reset(double y) = 0;
-  /// The wanted output moves to y within dt_s seconds; returns the input at its end.
+  /// The reference moves to y within dt_s seconds; returns the input at its end.
   virtual double step(double y, double dt_s) = 0;
-  /// What the model puts out under the input returned last: the wanted output, unless that is out of reach.
+  /// What the model puts out under the input returned last: the reference, unless that is out of reach.
   virtual double achieved() const = 0;
 };
 
@@ -35,6 +35,15 @@ class BracketingInverse final : public Inverse {
   double achieved() const override { return achieved_; }
 
  private:
+  /// Inputs and the errors of their outputs; the reference lies between them when it is closed, else b is as near
+  /// as the input's limits allow.
+  struct Bracket {
+    double a, error_a, b, error_b;
+    bool closed;
+  };
+  Bracket bracket(double y, double dt_s, double error_here) const;
+  double narrowed(double y, double dt_s, Bracket in) const;
+
   std::unique_ptr<Operator> forward_;
   double u_min_;
   double u_max_;
@@ -45,7 +54,7 @@ class BracketingInverse final : public Inverse {
 };
 
 /// The paper's recursive search (004 eq. 13, 14): the input moves by delta_u until the output passes the
-/// wanted one, then the last two outputs are interpolated linearly. Slower and less exact than
+/// reference, then the last two outputs are interpolated linearly. Slower and less exact than
 /// BracketingInverse; kept for the comparison. Gives up at [u_min, u_max].
 class RecursiveInverse final : public Inverse {
  public:

@@ -1,21 +1,19 @@
 #pragma once
 
 #include <memory>
+#include <span>
 #include <vector>
 
-#include "hysteresis/inverse.hpp"
-#include "hysteresis/operator.hpp"
-#include "hysteresis/parameters.hpp"
+#include "hysteresis/model_type.hpp"
 #include "hysteresis/preisach.hpp"
 
 namespace bodesmith::hysteresis {
 
 /// The Krasnoselskii-Pokrovskii model and its rate-dependent form (004, eq. 1-7), v = (u − u_min)/(u_max −
 /// u_min):
-///   k_p[v, ξ] = max(ξ, s(v − p2)) while v rises, min(ξ, s(v − p1)) while it falls,  p1 ≤ p2        (4), (5)
-///   s(x) = 0 for x < 0, x/a on [0, a], 1 above                                                    (6)
-///   y = offset + ψ Σ μ(p2, p1) k_p[v],     ψ = a1 e^(−a2 u̇)                                       (2), (3),
-///   (7)
+///   k_p[v, ξ] = max(ξ, s(v − p2)) while v rises, min(ξ, s(v − p1)) while it falls,  p1 ≤ p2     (4), (5)
+///   s(x) = 0 for x < 0, x/a on [0, a], 1 above                                                  (6)
+///   y = offset + ψ Σ μ(p2, p1) k_p[v],     ψ = a1 e^(−a2 u̇)                                     (2), (3), (7)
 /// on the grid p = 0, a, 2a, …, a = 1/(L − 1). With u̇ in the input's unit per second a2 has the unit s/u: the
 /// printed 2.5·10⁷ cannot be meant in V/s (e^(−9·10¹¹) at 100 Hz); 2.5·10⁻⁷ s/V gives the printed trend. a1 =
 /// 1, a2 = 0: classic KP. Kernels with p2 = 1 never move on [0, 1] and are left out: L − 1 = `levels` rows, μ
@@ -31,7 +29,7 @@ namespace bodesmith::hysteresis {
 /// With a2 ≠ 0 a sample-by-sample inverse exists only while a2 H < dt dH/du: at a short sampling time ψ makes
 /// the output fall when the input rises, and every search (the paper's too) runs away. KpRateInverse takes
 /// the slope in ψ from the static inverse of the reference instead, a lead that is stable at any sampling
-/// time; its miss is of second order in a2.
+/// time; its error is of second order in a2.
 class KpEverett {
  public:
   using Cache = TablePlace;
@@ -115,20 +113,7 @@ class KpRateInverse final : public Inverse {
   double achieved_ = 0.0;
 };
 
-/// Every kernel by itself, eq. 4-7 as printed: the reference for tests and for the speed comparison.
-class BruteForceKp {
- public:
-  BruteForceKp(double u_min, double u_max, std::size_t levels, std::vector<double> mu);
-  double reset(double u);
-  double step(double u);
-
- private:
-  double u_min_;
-  double scale_;
-  std::size_t levels_;
-  std::vector<double> mu_;
-  std::vector<double> xi_;
-  double v_ = 0.0;
-};
+Identified identify_krasnoselskii_pokrovskii(std::span<const TimeRecord> records,
+                                             const IdentifyOptions& options);
 
 }  // namespace bodesmith::hysteresis

@@ -21,10 +21,12 @@ struct LoopTurn {
 /// Passing the oldest point leaves only the newest one. Amortised O(1) a step, worst O(depth).
 ///
 /// `Rule` gives the shape of a branch:
-///   using Cache = …;  Cache cache(double u) const;                      what it wants kept with a turning
-///   point double output(from, toward /* may be null */, int direction, u) const;   y on the branch double
-///   input(from, toward, direction, y, u_now) const;              its inverse, for outputs that rise with u
-/// where from and toward are Turns (u, y, cache) and u_now is where the input is before the move.
+///   using Cache = …;
+///   Cache cache(double u) const;                                 what it wants kept with a turning point
+///   double output(from, toward, int direction, u) const;         y on the branch
+///   double input(from, toward, int direction, y, u_now) const;   its inverse, for outputs that rise with u
+/// where from and toward (which may be null) are Turns (u, y, cache) and u_now is where the input is before the
+/// move.
 ///
 /// Memory is fixed: when more than `capacity` loops are nested, the innermost (smallest) closed one is
 /// forgotten. Nothing allocates after construction.

@@ -2,44 +2,40 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "base/error.hpp"
 #include "base/units.hpp"
-#include "numeric/least_squares.hpp"
 #include "signal/disturbance.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 void read_common(const Parameters& values, PolynomialDisturbance& out) {
   out.nested = values.word("minor") == "nested";
-  out.amplitude = values.scalar("amplitude");
-  out.switch_delay_s = values.scalar("switch_delay_s");
-  out.alpha = values.array("alpha");
-  out.alpha_1 = values.array("alpha_1");
-  out.alpha_2 = values.array("alpha_2");
+  out.amplitude = values.number("amplitude");
+  out.switch_delay_s = values.number("switch_delay_s");
+  out.alpha = values.list("alpha");
+  out.alpha_1 = values.list("alpha_1");
+  out.alpha_2 = values.list("alpha_2");
   if (out.alpha_1.size() != out.alpha.size() || out.alpha_2.size() != out.alpha.size())
     throw DesignError(fmt::format("alpha, alpha_1, alpha_2 have {}, {} and {} numbers, expected one length",
                                   out.alpha.size(), out.alpha_1.size(), out.alpha_2.size()));
   for (std::size_t i = 1; i < out.alpha.size(); ++i)
     if (!(out.alpha[i] > out.alpha[i - 1])) throw DesignError("alpha does not rise");
   Disturbance rates;
-  for (const double f : values.array("rate_frequency_hz")) rates.rate.frequency.push_back(Hertz{f});
-  rates.rate.ascending = values.array("rate_ascending");
-  rates.rate.descending = values.array("rate_descending");
+  for (const double f : values.list("rate_frequency_hz")) rates.rate.frequency.push_back(Hertz{f});
+  rates.rate.ascending = values.list("rate_ascending");
+  rates.rate.descending = values.list("rate_descending");
   if (rates.rate.ascending.size() != rates.rate.frequency.size() ||
       rates.rate.descending.size() != rates.rate.frequency.size())
     throw DesignError("rate_frequency_hz, rate_ascending and rate_descending differ in length");
   for (std::size_t i = 1; i < rates.rate.frequency.size(); ++i)
     if (!(rates.rate.frequency[i] > rates.rate.frequency[i - 1]))
       throw DesignError("rate_frequency_hz does not rise");
-  const double operating = values.scalar("operating_hz");
+  const double operating = values.number("operating_hz");
   if (operating > 0.0 && !rates.rate.frequency.empty()) {
     out.rate_gain_ascending = rates.rate_gain(Disturbance::Branch::ascending, Hertz{operating});
     out.rate_gain_descending = rates.rate_gain(Disturbance::Branch::descending, Hertz{operating});
@@ -47,7 +43,7 @@ void read_common(const Parameters& values, PolynomialDisturbance& out) {
 }
 
 std::array<double, 3> three(const Parameters& values, std::string_view name) {
-  const std::vector<double>& numbers = values.array(name);
+  const std::vector<double>& numbers = values.list(name);
   if (numbers.size() != 3)
     throw DesignError(fmt::format("{} has {} numbers, expected [a1, a2, a3]", name, numbers.size()));
   return {numbers[0], numbers[1], numbers[2]};
@@ -105,56 +101,53 @@ double solve_rising(F&& f, double low, double high, double y) {
   double weight_low = at_low;
   double weight_high = at_high;
   double best = low;
-  double best_miss = -at_low;
+  double best_error = -at_low;
   for (int i = 0; i < 100; ++i) {
     double x =
         i % 3 == 2 ? 0.5 * (low + high) : high - weight_high * (high - low) / (weight_high - weight_low);
     if (!(x > low && x < high)) x = 0.5 * (low + high);
     if (x <= low || x >= high) break;
-    const double miss = f(x) - y;
-    if (std::abs(miss) < best_miss) {
+    const double error = f(x) - y;
+    if (std::abs(error) < best_error) {
       best = x;
-      best_miss = std::abs(miss);
+      best_error = std::abs(error);
     }
-    if (miss == 0.0) break;
-    if (miss > 0.0) {
+    if (error == 0.0) break;
+    if (error > 0.0) {
       high = x;
-      weight_high = miss;
+      weight_high = error;
       weight_low *= 0.5;
     } else {
       low = x;
-      weight_low = miss;
+      weight_low = error;
       weight_high *= 0.5;
     }
   }
-  return best_miss <= std::abs(at_high) ? best : high;
+  return best_error <= std::abs(at_high) ? best : high;
 }
 
 }  // namespace
 
 double BranchShape::value(double s) const {
-  if (is_sine) return sine * std::sin(kPi * s);
+  if (is_sine) return sine * std::sin(std::numbers::pi * s);
   return s * (polynomial[0] + s * (polynomial[1] + s * polynomial[2]));
 }
 
 double BranchShape::slope(double s) const {
-  if (is_sine) return sine * kPi * std::cos(kPi * s);
+  if (is_sine) return sine * std::numbers::pi * std::cos(std::numbers::pi * s);
   return polynomial[0] + s * (2.0 * polynomial[1] + 3.0 * s * polynomial[2]);
 }
 
-PolynomialDisturbance PolynomialDisturbance::from_polynomial(const Parameters& values) {
+PolynomialDisturbance PolynomialDisturbance::from(const Parameters& values) {
   PolynomialDisturbance out;
-  out.ascending.polynomial = three(values, "ascending");
-  out.descending.polynomial = three(values, "descending");
-  read_common(values, out);
-  return out;
-}
-
-PolynomialDisturbance PolynomialDisturbance::from_sine(const Parameters& values) {
-  PolynomialDisturbance out;
-  out.ascending.is_sine = out.descending.is_sine = true;
-  out.ascending.sine = values.scalar("A_ascending");
-  out.descending.sine = values.scalar("A_descending");
+  if (values.has("A_ascending")) {
+    out.ascending.is_sine = out.descending.is_sine = true;
+    out.ascending.sine = values.number("A_ascending");
+    out.descending.sine = values.number("A_descending");
+  } else {
+    out.ascending.polynomial = three(values, "ascending");
+    out.descending.polynomial = three(values, "descending");
+  }
   read_common(values, out);
   return out;
 }
@@ -188,92 +181,6 @@ double PolynomialDisturbance::plain(bool rising, double x) const {
   const double gain = (alpha.empty() && amplitude == 1.0 ? 1.0 : amplitude_gain(rising, amplitude)) *
                       (rising ? rate_gain_ascending : rate_gain_descending);
   return x + gain * shape.value(x / amplitude);
-}
-
-double disturbance_gain(const std::array<double, 3>& basis, const std::array<double, 3>& other,
-                        GainReading reading) {
-  double cross = 0.0;
-  double own = 0.0;
-  const std::array<double, 3>& below = reading == GainReading::basis_times_gain ? basis : other;
-  for (int i = 0; i < 3; ++i) {
-    for (int j = 0; j < 3; ++j) {
-      const double weight = 1.0 / (i + j + 3);  // the integral of x^(i+1) x^(j+1) over [0, 1]
-      const auto a = static_cast<std::size_t>(i);
-      const auto b = static_cast<std::size_t>(j);
-      cross += weight * basis[a] * other[b];
-      own += weight * below[a] * below[b];
-    }
-  }
-  if (!(own > 0.0)) throw DesignError("the disturbance is zero everywhere: it has no gain");
-  return cross / own;
-}
-
-PolynomialFit fit_polynomial(std::span<const double> x, std::span<const double> d) {
-  Eigen::Matrix2d gram = Eigen::Matrix2d::Zero();
-  Eigen::Vector2d rhs = Eigen::Vector2d::Zero();
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double cube = x[i] * x[i] * x[i];
-    const Eigen::Vector2d row(x[i] - cube, x[i] * x[i] - cube);
-    gram += row * row.transpose();
-    rhs += d[i] * row;
-  }
-  if (!(gram.determinant() > 1e-12 * gram(0, 0) * gram(1, 1)))
-    throw DesignError("the samples do not cover the branch: a1 and a2 cannot be told apart");
-  const Eigen::Vector2d a = gram.ldlt().solve(rhs);
-  PolynomialFit out;
-  out.a = {a(0), a(1), -a(0) - a(1)};
-  Eigen::VectorXd residual(static_cast<Eigen::Index>(x.size()));
-  for (std::size_t i = 0; i < x.size(); ++i)
-    residual(static_cast<Eigen::Index>(i)) = x[i] * (out.a[0] + x[i] * (out.a[1] + x[i] * out.a[2])) - d[i];
-  const Eigen::VectorXd deviation = parameter_deviation(gram, residual);
-  out.deviation = {deviation(0), deviation(1)};
-  out.rms = std::sqrt(residual.squaredNorm() / static_cast<double>(std::max<std::size_t>(x.size(), 1)));
-  return out;
-}
-
-SineFit fit_sine(std::span<const double> x, std::span<const double> d) {
-  double top = 0.0;
-  double bottom = 0.0;
-  for (std::size_t i = 0; i < x.size(); ++i) {
-    const double s = std::sin(kPi * x[i]);
-    top += d[i] * s;
-    bottom += s * s;
-  }
-  if (!(bottom > 0.0))
-    throw DesignError("the samples do not cover the branch: the amplitude is not determined");
-  SineFit out;
-  out.amplitude = top / bottom;
-  Eigen::VectorXd residual(static_cast<Eigen::Index>(x.size()));
-  for (std::size_t i = 0; i < x.size(); ++i)
-    residual(static_cast<Eigen::Index>(i)) = out.amplitude * std::sin(kPi * x[i]) - d[i];
-  Eigen::MatrixXd gram(1, 1);
-  gram(0, 0) = bottom;
-  out.deviation = parameter_deviation(gram, residual)(0);
-  out.rms = std::sqrt(residual.squaredNorm() / static_cast<double>(std::max<std::size_t>(x.size(), 1)));
-  return out;
-}
-
-void scale_to_load(std::vector<double>& alpha, std::vector<double>& alpha_1, std::vector<double>& alpha_2,
-                   double share) {
-  if (!(share > 0.0 && share <= 1.0)) throw DesignError("the share of the stroke is not in (0, 1]");
-  PolynomialDisturbance table;
-  table.alpha = alpha;
-  table.alpha_1 = alpha_1;
-  table.alpha_2 = alpha_2;
-  const double end_1 = table.amplitude_gain(true, share);
-  const double end_2 = table.amplitude_gain(false, share);
-  std::vector<double> a, one, two;
-  for (std::size_t i = 0; i < alpha.size() && alpha[i] < share; ++i) {
-    a.push_back(alpha[i] / share);
-    one.push_back(alpha_1[i] / end_1);
-    two.push_back(alpha_2[i] / end_2);
-  }
-  a.push_back(1.0);
-  one.push_back(1.0);
-  two.push_back(1.0);
-  alpha = a;
-  alpha_1 = one;
-  alpha_2 = two;
 }
 
 PolynomialOperator::PolynomialOperator(PolynomialDisturbance model) : loops_(std::move(model), 4096) {
@@ -320,7 +227,8 @@ double PolynomialOperator::peek(double u, double dt_s) const {
   if (!late()) return loops_.rule().plain(u == u_ ? rising_ : u > u_, u);
   const bool turned = u != u_ && (u > u_) != rising_;
   std::size_t done = turned && loops_.rule().switch_delay_s <= dt_s ? 1 : 0;
-  for (std::size_t i = 0; i < waiting_; ++i) done += due_[i] <= dt_s ? 1 : 0;
+  for (std::size_t i = 0; i < waiting_; ++i)
+    if (due_[i] <= dt_s) ++done;
   return loops_.rule().plain(done % 2 == 1 ? !branch_ : branch_, u);
 }
 

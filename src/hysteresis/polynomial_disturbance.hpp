@@ -4,17 +4,15 @@
 #include <span>
 #include <vector>
 
-#include "hysteresis/inverse.hpp"
+#include "hysteresis/model_type.hpp"
 #include "hysteresis/nested_loops.hpp"
-#include "hysteresis/operator.hpp"
-#include "hysteresis/parameters.hpp"
 
 namespace bodesmith::hysteresis {
 
 /// The hysteretic disturbance of the first seed (000, eq. 1-13): y = x + d(x), x in [0, 1] of the full
 /// stroke, with
-///   d(x) = a1 x + a2 x² + a3 x³           (eq. 1, 12; polynomial)      or      d(x) = A sin(π x)   (eq. 9;
-///   sine)
+///   d(x) = a1 x + a2 x² + a3 x³    (eq. 1, 12; polynomial)   or
+///   d(x) = A sin(π x)              (eq. 9; sine)
 /// one set for the ascending, one for the descending branch, d(0) = d(1) = 0 (eq. 2, 3: a3 = −a1 − a2).
 ///
 /// Amplitude gains (Fig. 3c, d): on a stroke of length α the disturbance is α_b(α) d(x/α), α_b interpolated
@@ -24,11 +22,9 @@ namespace bodesmith::hysteresis {
 ///
 /// Two rules for which branch holds (`minor`):
 ///  * slope_sign: the sign of the input's slope alone (contract, Fig. 2): y = x + α_b(α) d_b(x/α) with the
-///  fixed
-///    `amplitude` α. A reversal inside the stroke jumps from one polynomial to the other.
+///    fixed `amplitude` α. A reversal inside the stroke jumps from one polynomial to the other.
 ///  * nested: turning points are remembered (NestedLoops). A branch between the turning point it left and the
-///  one it
-///    heads for, x_lo … x_hi, carries the disturbance of a stroke of that length on the chord between them:
+///    one it heads for, x_lo … x_hi, carries the disturbance of a stroke of that length on the chord between them:
 ///      y = chord(x) + α_b(Δ) [d_b(s) − d_b(0) − s (d_b(1) − d_b(0))],  s = (x − x_lo)/Δ,  Δ = x_hi − x_lo,
 ///    so it is continuous, closes every loop (return-point memory) and is the paper's model on every triangle
 ///    from 0. Before there is a turning point to head for, the branch heads for the end of the stroke (0 or
@@ -62,8 +58,8 @@ struct PolynomialDisturbance {
   /// rate-independent then.
   double switch_delay_s = 0.0;
 
-  static PolynomialDisturbance from_polynomial(const Parameters& values);
-  static PolynomialDisturbance from_sine(const Parameters& values);
+  /// From the parameters of polynomial_hysteresis or of sine_hysteresis.
+  static PolynomialDisturbance from(const Parameters& values);
 
   /// α_1 or α_2 at a stroke of length α.
   double amplitude_gain(bool rising, double stroke) const;
@@ -77,39 +73,6 @@ struct PolynomialDisturbance {
   /// x + d(x) of the slope_sign rule.
   double plain(bool rising, double x) const;
 };
-
-/// Ways to find the gain K_i between the polynomial of one frequency or amplitude and the basis one (eq.
-/// 11-13).
-enum class GainReading {
-  /// p_i ≈ K p_1: K = Σ p_1 p_i / Σ p_1². What eq. 17 needs (the compensator multiplies the basis). The
-  /// default.
-  basis_times_gain,
-  /// p_1 ≈ K p_i: K = Σ p_1 p_i / Σ p_i², eq. 13 as printed.
-  as_printed,
-};
-/// Over x_k evenly spread on [0, 1], in closed form (integrals instead of sums).
-double disturbance_gain(const std::array<double, 3>& basis, const std::array<double, 3>& other,
-                        GainReading reading = GainReading::basis_times_gain);
-
-/// Eq. 4, 5: a1, a2, a3 = −a1 − a2 by least squares over the samples (x_i, d_i).
-struct PolynomialFit {
-  std::array<double, 3> a{};
-  std::array<double, 2> deviation{};  ///< standard deviation of a1 and a2
-  double rms = 0.0;
-};
-PolynomialFit fit_polynomial(std::span<const double> x, std::span<const double> d);
-/// Eq. 10.
-struct SineFit {
-  double amplitude = 0.0;
-  double deviation = 0.0;
-  double rms = 0.0;
-};
-SineFit fit_sine(std::span<const double> x, std::span<const double> d);
-
-/// A linear load of large stiffness shortens the stroke to `share` of the former full one (000, V.C.2): the
-/// part α ≤ share of the gain tables, normalised again to 1.
-void scale_to_load(std::vector<double>& alpha, std::vector<double>& alpha_1, std::vector<double>& alpha_2,
-                   double share);
 
 class PolynomialOperator final : public Operator {
  public:
@@ -147,5 +110,9 @@ class PolynomialInverse final : public Inverse {
   bool rising_ = true;
   double achieved_ = 0.0;
 };
+
+/// With cubics (polynomial_hysteresis) or half sines.
+Identified identify_polynomial(std::span<const TimeRecord> records, const IdentifyOptions& options,
+                               bool sine);
 
 }  // namespace bodesmith::hysteresis

@@ -3,48 +3,30 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.hpp"
+#include "hysteresis/identification.hpp"
 
 namespace bodesmith::hysteresis {
 
-PrandtlIshlinskii PrandtlIshlinskii::from(const Parameters& values) {
-  PrandtlIshlinskii out;
-  out.r = values.array("r");
-  out.w = values.array("w");
-  out.s = values.array("s");
-  out.v = values.array("v");
-  out.gamma = values.array("gamma");
-  out.u_0 = values.scalar("u_0");
-  out.offset = values.scalar("offset");
-  const std::string& start = values.word("start");
-  out.start = start == "rest_zero"    ? Start::rest_zero
-              : start == "from_above" ? Start::from_above
-                                      : Start::from_below;
-  if (out.r.empty() || out.r.size() != out.w.size())
+namespace {
+
+using Start = PrandtlIshlinskii::Start;
+
+constexpr std::array kStarts = {Start::rest_zero, Start::from_above, Start::from_below};
+
+/// S must rise on every piece.
+void validate_dead_zones(const PrandtlIshlinskii& model) {
+  if (model.s.size() != model.v.size())
     throw DesignError(
-        fmt::format("r has {} and w has {} numbers, expected as many", out.r.size(), out.w.size()));
-  if (out.r.front() != 0.0) throw DesignError("r does not begin with 0, expected 0 = r[0] < r[1] < …");
-  double sum = 0.0;
-  for (std::size_t i = 0; i < out.r.size(); ++i) {
-    if (i > 0 && !(out.r[i] > out.r[i - 1]))
-      throw DesignError("r does not rise, expected 0 = r[0] < r[1] < …");
-    sum += out.w[i];
-    if (!(sum > 0.0))
-      throw DesignError(fmt::format("the sum of w[0..{}] is not above 0, expected a rising output", i));
-  }
-  if (out.s.size() != out.v.size())
-    throw DesignError(
-        fmt::format("s has {} and v has {} numbers, expected as many", out.s.size(), out.v.size()));
-  if (!out.gamma.empty() && (out.gamma.size() != 4 || !(out.gamma[0] * out.gamma[1] > 0.0)))
-    throw DesignError("gamma is not [c0, c1, c2, c3] with c0 c1 > 0");
-  // S must rise on every piece.
+        fmt::format("s has {} and v has {} numbers, expected as many", model.s.size(), model.v.size()));
   for (const double side : {1.0, -1.0}) {
     std::vector<std::pair<double, double>> knees;
-    for (std::size_t k = 0; k < out.s.size(); ++k) {
-      if (out.s[k] == 0.0) throw DesignError("s holds a 0, expected thresholds on either side of it");
-      if (out.s[k] * side > 0.0) knees.emplace_back(std::abs(out.s[k]), out.v[k]);
+    for (std::size_t k = 0; k < model.s.size(); ++k) {
+      if (model.s[k] == 0.0) throw DesignError("s holds a 0, expected thresholds on either side of it");
+      if (model.s[k] * side > 0.0) knees.emplace_back(std::abs(model.s[k]), model.v[k]);
     }
     std::sort(knees.begin(), knees.end());
     double slope = 1.0;
@@ -54,6 +36,52 @@ PrandtlIshlinskii PrandtlIshlinskii::from(const Parameters& values) {
         throw DesignError("the dead zones s, v make the output fall, expected 1 + the sum of v > 0");
     }
   }
+}
+
+void validate_plays(const PrandtlIshlinskii& model) {
+  if (model.r.empty() || model.r.size() != model.w.size())
+    throw DesignError(
+        fmt::format("r has {} and w has {} numbers, expected as many", model.r.size(), model.w.size()));
+  if (model.r.front() != 0.0) throw DesignError("r does not begin with 0, expected 0 = r[0] < r[1] < …");
+  double sum = 0.0;
+  for (std::size_t i = 0; i < model.r.size(); ++i) {
+    if (i > 0 && !(model.r[i] > model.r[i - 1]))
+      throw DesignError("r does not rise, expected 0 = r[0] < r[1] < …");
+    sum += model.w[i];
+    if (!(sum > 0.0))
+      throw DesignError(fmt::format("the sum of w[0..{}] is not above 0, expected a rising output", i));
+  }
+}
+
+}  // namespace
+
+std::string_view to_string(PrandtlIshlinskii::Start start) {
+  switch (start) {
+    case Start::rest_zero:
+      return "rest_zero";
+    case Start::from_above:
+      return "from_above";
+    case Start::from_below:
+      break;
+  }
+  return "from_below";
+}
+
+PrandtlIshlinskii PrandtlIshlinskii::from(const Parameters& values) {
+  PrandtlIshlinskii out;
+  out.r = values.list("r");
+  out.w = values.list("w");
+  out.s = values.list("s");
+  out.v = values.list("v");
+  out.gamma = values.list("gamma");
+  out.u_0 = values.number("u_0");
+  out.offset = values.number("offset");
+  out.start = *std::find_if(kStarts.begin(), kStarts.end(),
+                            [&](Start start) { return to_string(start) == values.word("start"); });
+  validate_plays(out);
+  if (!out.gamma.empty() && (out.gamma.size() != 4 || !(out.gamma[0] * out.gamma[1] > 0.0)))
+    throw DesignError("gamma is not [c0, c1, c2, c3] with c0 c1 > 0");
+  validate_dead_zones(out);
   return out;
 }
 
@@ -80,7 +108,7 @@ double PrandtlIshlinskii::shape_inverse(double y) const {
   if (s.empty()) return y;
   // Piecewise linear and rising with S(0) = 0: walk outwards knee by knee on the side of y.
   const double side = y >= 0.0 ? 1.0 : -1.0;
-  const double wanted = std::abs(y);
+  const double target = std::abs(y);
   double at = 0.0;
   double value = 0.0;
   double slope = 1.0;
@@ -90,7 +118,7 @@ double PrandtlIshlinskii::shape_inverse(double y) const {
       if (knee * side > 0.0 && std::abs(knee) > at) next = std::min(next, std::abs(knee));
     }
     const double reach = value + slope * (next - at);
-    if (!(reach < wanted)) return side * (at + (wanted - value) / slope);
+    if (!(reach < target)) return side * (at + (target - value) / slope);
     value = reach;
     at = next;
     for (std::size_t k = 0; k < s.size(); ++k)
@@ -103,13 +131,13 @@ namespace {
 void set_states(const PrandtlIshlinskii& model, double v, std::vector<double>& z) {
   for (std::size_t i = 0; i < z.size(); ++i) {
     switch (model.start) {
-      case PrandtlIshlinskii::Start::rest_zero:
+      case Start::rest_zero:
         z[i] = std::max(v - model.r[i], std::min(v + model.r[i], 0.0));
         break;
-      case PrandtlIshlinskii::Start::from_above:
+      case Start::from_above:
         z[i] = v + model.r[i];
         break;
-      case PrandtlIshlinskii::Start::from_below:
+      case Start::from_below:
         z[i] = v - model.r[i];
         break;
     }
@@ -211,6 +239,49 @@ double PrandtlIshlinskiiInverse::step(double y, double) {
   const double u = model_.envelope_inverse(v);
   achieved_ = forward_ ? forward_->step(u, 0.0) : y;
   return u;
+}
+
+namespace {
+
+class PrandtlIshlinskiiType final : public ShapedModelType<PrandtlIshlinskii> {
+ public:
+  PrandtlIshlinskiiType()
+      : ShapedModelType(
+            "prandtl_ishlinskii",
+            "weighted plays, optionally with dead zones (asymmetry) and an envelope; analytic inverse",
+            "Kuhnen 2003; Al Janaideh, Rakheja, Su 2011",
+            {
+                list_of(not_negative("r", "u", "thresholds of the plays, 0 = r[0] < r[1] < …")),
+                list_of(
+                    any_number("w", "y/u", "weights of the plays; w[0] > 0 and every partial sum above 0")),
+                optional_list_of(any_number("s", "y", "thresholds of the one-sided dead zones (asymmetry)")),
+                optional_list_of(
+                    any_number("v", "1", "weights of the dead zones, 1 + their sum on either side > 0")),
+                optional_list_of(
+                    any_number("gamma", "1", "[c0, c1, c2, c3] of the envelope c0 tanh(c1 x + c2) + c3")),
+                any_number("u_0", "u", "input at which the virgin curve starts").with_default(0.0),
+                any_number("offset", "y", "constant added at the output").with_default(0.0),
+                one_word_of("start", "the past that a reset assumes",
+                            {"rest_zero", "from_above", "from_below"}),
+            }) {}
+
+ protected:
+  std::unique_ptr<Operator> operator_of(const PrandtlIshlinskii& model) const override {
+    return std::make_unique<PrandtlIshlinskiiOperator>(model);
+  }
+  std::unique_ptr<Inverse> inverse_of(const PrandtlIshlinskii& model) const override {
+    return std::make_unique<PrandtlIshlinskiiInverse>(model);
+  }
+  Identified fit(std::span<const TimeRecord> records, const IdentifyOptions& options) const override {
+    return identify_prandtl_ishlinskii(records, options);
+  }
+};
+
+}  // namespace
+
+const ModelType& prandtl_ishlinskii_type() {
+  static const PrandtlIshlinskiiType type;
+  return type;
 }
 
 }  // namespace bodesmith::hysteresis

@@ -1,11 +1,11 @@
 #pragma once
 
 #include <optional>
+#include <span>
+#include <string_view>
 #include <vector>
 
-#include "hysteresis/inverse.hpp"
-#include "hysteresis/operator.hpp"
-#include "hysteresis/parameters.hpp"
+#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::hysteresis {
 
@@ -41,6 +41,9 @@ struct PrandtlIshlinskii {
   double shape(double p) const;
   double shape_inverse(double y) const;
 };
+
+/// The words of `start` in model.toml.
+std::string_view to_string(PrandtlIshlinskii::Start start);
 
 class PrandtlIshlinskiiOperator final : public Operator {
  public:
@@ -78,5 +81,7 @@ class PrandtlIshlinskiiInverse final : public Inverse {
   std::optional<PrandtlIshlinskiiOperator> forward_;  ///< only with an envelope, which can run out of reach
   double achieved_ = 0.0;
 };
+
+Identified identify_prandtl_ishlinskii(std::span<const TimeRecord> records, const IdentifyOptions& options);
 
 }  // namespace bodesmith::hysteresis

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "hysteresis/identification.hpp"
 
 namespace bodesmith::hysteresis {
 
@@ -45,18 +46,18 @@ double BilinearEverett::input(const Turn& from, const Turn* toward, int directio
   const std::ptrdiff_t stride = cells_ + 1;
   const double t = from.cache.fraction;
   if (direction > 0) {
-    // v(a) = T(n_a, from) rises with a: the first cell whose upper node reaches the wanted gain.
-    const double wanted = y - from.y;
+    // v(a) = T(n_a, from) rises with a: the first cell whose upper node reaches the target.
+    const double target = y - from.y;
     const double* column = data_ + from.cache.cell;
     const auto at = [&](int a) {
       const double* p = column + a * stride;
       return p[0] + t * (p[1] - p[0]);
     };
-    int low = cache(now).cell;  // the gain at this node is below what is wanted
+    int low = cache(now).cell;  // the gain at this node is below the target
     int high = toward != nullptr ? toward->cache.cell : cells_ - 1;
     while (low < high) {
       const int middle = (low + high) >> 1;
-      if (at(middle + 1) >= wanted) {
+      if (at(middle + 1) >= target) {
         high = middle;
       } else {
         low = middle + 1;
@@ -64,17 +65,17 @@ double BilinearEverett::input(const Turn& from, const Turn* toward, int directio
     }
     const double below = at(low);
     const double above = at(low + 1);
-    const double fraction = above > below ? (wanted - below) / (above - below) : 1.0;
+    const double fraction = above > below ? (target - below) / (above - below) : 1.0;
     return std::max(now, u_min_ + (low + std::min(fraction, 1.0)) * step_);
   }
-  const double wanted = from.y - y;  // T(from, n_b) rises as b falls
+  const double target = from.y - y;  // T(from, n_b) rises as b falls
   const double* row = data_ + from.cache.cell * stride;
   const auto at = [&](int b) { return row[b] + t * (row[b + stride] - row[b]); };
   int high = cache(now).cell;
   int low = toward != nullptr ? toward->cache.cell : 0;
   while (low < high) {
     const int middle = (low + high + 1) >> 1;
-    if (at(middle) >= wanted) {
+    if (at(middle) >= target) {
       low = middle;
     } else {
       high = middle - 1;
@@ -82,7 +83,7 @@ double BilinearEverett::input(const Turn& from, const Turn* toward, int directio
   }
   const double below = at(low);  // the larger one
   const double above = at(low + 1);
-  const double fraction = below > above ? (below - wanted) / (below - above) : 0.0;
+  const double fraction = below > above ? (below - target) / (below - above) : 0.0;
   return std::min(now, u_min_ + (low + std::clamp(fraction, 0.0, 1.0)) * step_);
 }
 
@@ -112,52 +113,66 @@ double RelayEverett::output(const Turn& from, const Turn*, int direction, double
 }
 
 Preisach Preisach::from(const Parameters& values) {
-  const double u_min = values.scalar("u_min");
-  const double u_max = values.scalar("u_max");
+  const double u_min = values.number("u_min");
+  const double u_max = values.number("u_max");
   if (!(u_max > u_min)) throw DesignError("u_max is not above u_min");
-  const std::vector<double>& w = values.array("w");
+  const std::vector<double>& w = values.list("w");
   const auto levels = static_cast<std::size_t>(
       std::llround((std::sqrt(8.0 * static_cast<double>(w.size()) + 1.0) - 1.0) / 2.0));
   if (w.empty() || levels * (levels + 1) / 2 != w.size())
     throw DesignError(fmt::format("w has {} numbers, expected L (L + 1)/2 for L levels", w.size()));
   Preisach out;
   out.table = std::make_shared<const EverettTable>(EverettTable::from_weights(u_min, u_max, levels, w));
-  out.offset = values.scalar("offset");
+  out.offset = values.number("offset");
   out.bilinear = values.word("interpolation") == "bilinear";
   return out;
 }
 
-BruteForceRelays::BruteForceRelays(double u_min, double u_max, std::size_t levels,
-                                   std::vector<double> weights, double offset)
-    : offset_(offset),
-      weights_(std::move(weights)),
-      state_(weights_.size(), 0.0),
-      u_min_(u_min),
-      scale_(static_cast<double>(levels) / (u_max - u_min)) {
-  for (std::size_t i = 0; i < levels; ++i) {
-    for (std::size_t j = 0; j <= i; ++j) {
-      up_.push_back(static_cast<float>(i + 1));
-      down_.push_back(static_cast<float>(j));
-    }
-  }
-}
+namespace {
 
-double BruteForceRelays::reset(double u) {
-  std::fill(state_.begin(), state_.end(), 0.0);
-  return step(u);
-}
+class PreisachType final : public ShapedModelType<Preisach> {
+ public:
+  PreisachType()
+      : ShapedModelType(
+            "preisach",
+            "weighted relays by a stack of turning points and the Everett function; exact inverse",
+            "Mayergoyz 1991; first seed, section V.B",
+            {
+                any_number("u_min", "u", "lower end of the input range: all relays off"),
+                any_number("u_max", "u", "upper end of the input range: all relays on"),
+                list_of(not_negative(
+                    "w", "y", "weights of the relays, L (L + 1)/2 of them: (0,0), (1,0), (1,1), (2,0), …")),
+                any_number("offset", "y", "output with all relays off").with_default(0.0),
+                one_word_of("interpolation", "how a relay's weight is spread", {"bilinear", "relays"}),
+            }) {}
 
-double BruteForceRelays::step(double u) {
-  const double x = (u - u_min_) * scale_;
-  double sum = 0.0;
-  for (std::size_t k = 0; k < state_.size(); ++k) {
-    double s = state_[k];
-    s = x >= static_cast<double>(up_[k]) ? 1.0 : s;
-    s = x <= static_cast<double>(down_[k]) ? 0.0 : s;
-    state_[k] = s;
-    sum += weights_[k] * s;
+ protected:
+  std::unique_ptr<Operator> operator_of(const Preisach& model) const override {
+    if (model.bilinear)
+      return std::make_unique<EverettOperator<BilinearEverett>>(BilinearEverett(model.table),
+                                                                model.table->u_min, model.offset);
+    return std::make_unique<EverettOperator<RelayEverett>>(RelayEverett(model.table), model.table->u_min,
+                                                           model.offset);
   }
-  return offset_ + sum;
+  std::unique_ptr<Inverse> inverse_of(const Preisach& model) const override {
+    if (!model.bilinear)
+      throw DesignError("relays make a staircase, which has no inverse; use interpolation = \"bilinear\"");
+    const EverettTable& table = *model.table;
+    using Op = EverettOperator<BilinearEverett>;
+    return std::make_unique<EverettInverse<BilinearEverett>>(
+        Op(BilinearEverett(model.table), table.u_min, model.offset), table.u_min, model.offset,
+        model.offset + table.at(table.levels, 0));
+  }
+  Identified fit(std::span<const TimeRecord> records, const IdentifyOptions& options) const override {
+    return identify_preisach(records, options);
+  }
+};
+
+}  // namespace
+
+const ModelType& preisach_type() {
+  static const PreisachType type;
+  return type;
 }
 
 }  // namespace bodesmith::hysteresis

@@ -2,12 +2,11 @@
 
 #include <cstddef>
 #include <memory>
+#include <span>
 #include <vector>
 
-#include "hysteresis/inverse.hpp"
+#include "hysteresis/model_type.hpp"
 #include "hysteresis/nested_loops.hpp"
-#include "hysteresis/operator.hpp"
-#include "hysteresis/parameters.hpp"
 
 namespace bodesmith::hysteresis {
 
@@ -17,15 +16,14 @@ namespace bodesmith::hysteresis {
 /// w(i, j) ≥ 0:
 ///   y = offset + Σ w(i, j) R_ij[u].
 /// Instead of all relays, the Everett function at the nodes
-///   T(a, b) = Σ_{b ≤ j ≤ i < a} w(i, j)     (what y gains when u rises from n_b to n_a, all relays of it
-///   being off)
-/// and the stack of turning points: on a branch that left (u_t, y_t), y = y_t ± T(max, min).
+///   T(a, b) = Σ_{b ≤ j ≤ i < a} w(i, j),
+/// what y gains when u rises from n_b to n_a, all relays of it being off,
+/// and the stack of turning points serve: on a branch that left (u_t, y_t), y = y_t ± T(max, min).
 ///  * interpolation "bilinear" (default): T is bilinear between the nodes (and −T mirrored above the
-///  diagonal), i.e. a
-///    relay's weight is spread evenly over its cell, the narrowest ones (i, i) become reversible. Continuous;
-///    the inverse is exact (search among nodes, then a linear equation).
+///    diagonal), i.e. a relay's weight is spread evenly over its cell, the narrowest ones (i, i) become
+///    reversible. Continuous; the inverse is exact (search among nodes, then a linear equation).
 ///  * interpolation "relays": the relays as they are, a staircase. Equal to all relays by brute force to
-///  rounding.
+///    rounding.
 /// Outside [u_min, u_max] y stays saturated. A reset comes up from u_min (all relays off). Rate-independent;
 /// wiping-out, congruency, return-point memory hold exactly. w ≥ 0 makes y rise with u and loops run
 /// counter-clockwise: ∮ u dy ≥ 0.
@@ -170,22 +168,6 @@ class EverettInverse final : public Inverse {
   double y_max_;
 };
 
-/// All relays, one by one: the reference for tests and for the speed comparison.
-class BruteForceRelays {
- public:
-  BruteForceRelays(double u_min, double u_max, std::size_t levels, std::vector<double> weights,
-                   double offset);
-  double reset(double u);
-  double step(double u);
-
- private:
-  double offset_;
-  std::vector<float> up_;  ///< thresholds in units of the node distance
-  std::vector<float> down_;
-  std::vector<double> weights_;
-  std::vector<double> state_;
-  double u_min_;
-  double scale_;
-};
+Identified identify_preisach(std::span<const TimeRecord> records, const IdentifyOptions& options);
 
 }  // namespace bodesmith::hysteresis

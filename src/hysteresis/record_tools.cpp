@@ -1,6 +1,25 @@
 #include "hysteresis/record_tools.hpp"
 
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/error.hpp"
+#include "numeric/index.hpp"
+
 namespace bodesmith::hysteresis {
+
+std::size_t first_counted(const TimeRecord& record, double skip_s) {
+  const double steps = std::ceil(skip_s / record.step_s - 1e-9);
+  if (!(steps > 0.0)) return 0;
+  return steps >= static_cast<double>(record.size()) ? record.size() - 1 : static_cast<std::size_t>(steps);
+}
+
+std::size_t counted_samples(std::span<const TimeRecord> records, double skip_s) {
+  std::size_t out = 0;
+  for (const TimeRecord& record : records) out += record.size() - first_counted(record, skip_s);
+  return out;
+}
 
 Range input_range(std::span<const TimeRecord> records, double skip_s) {
   Range out;
@@ -16,25 +35,28 @@ Range output_range(std::span<const TimeRecord> records, double skip_s) {
   return out;
 }
 
-std::size_t counted_samples(std::span<const TimeRecord> records, double skip_s) {
-  std::size_t out = 0;
-  for (const TimeRecord& record : records) out += record.size() - first_counted(record, skip_s);
+Range swept_range(std::span<const TimeRecord> records, double skip_s) {
+  const Range out = input_range(records, skip_s);
+  if (!(out.width() > 0.0))
+    throw InputError(records[0].file, 0, "the input never moves, expected a record that sweeps it");
+  return out;
+}
+
+Eigen::VectorXd counted_outputs(std::span<const TimeRecord> records, double skip_s) {
+  Eigen::VectorXd out(eigen_index(counted_samples(records, skip_s)));
+  Eigen::Index at = 0;
+  for (const TimeRecord& record : records)
+    for (std::size_t i = first_counted(record, skip_s); i < record.size(); ++i) out(at++) = record.y[i];
   return out;
 }
 
 void operator_residual(const Operator& op, std::span<const TimeRecord> records, double skip_s,
                        Eigen::VectorXd& residual) {
-  residual.resize(static_cast<Eigen::Index>(counted_samples(records, skip_s)));
+  residual.resize(eigen_index(counted_samples(records, skip_s)));
   Eigen::Index at = 0;
-  for (const TimeRecord& record : records) {
-    const std::unique_ptr<Operator> run = op.clone();
-    const std::size_t first = first_counted(record, skip_s);
-    double y = run->reset(record.u[0]);
-    for (std::size_t i = 0; i < record.size(); ++i) {
-      if (i > 0) y = run->step(record.u[i], record.step_s);
-      if (i >= first) residual(at++) = y - record.y[i];
-    }
-  }
+  const std::unique_ptr<Operator> run = op.clone();
+  drive(*run, records, skip_s,
+        [&](double y, const TimeRecord& record, std::size_t i) { residual(at++) = y - record.y[i]; });
 }
 
 std::vector<Branch> branches(const std::vector<double>& u, double dead) {
@@ -42,21 +64,21 @@ std::vector<Branch> branches(const std::vector<double>& u, double dead) {
   if (u.size() < 2) return out;
   Range range;
   for (const double value : u) range.include(value);
-  const double least = dead * range.width();
+  const double min_move = dead * range.width();
   if (!(range.width() > 0.0)) return out;
   std::size_t first = 0;
   std::size_t extreme = 0;
   int direction = 0;
   for (std::size_t i = 1; i < u.size(); ++i) {
     if (direction == 0) {
-      if (u[i] > u[first] + least) direction = 1;
-      if (u[i] < u[first] - least) direction = -1;
+      if (u[i] > u[first] + min_move) direction = 1;
+      if (u[i] < u[first] - min_move) direction = -1;
       extreme = i;
       continue;
     }
     if ((u[i] - u[extreme]) * direction >= 0.0) {
       extreme = i;
-    } else if ((u[extreme] - u[i]) * direction > least) {
+    } else if ((u[extreme] - u[i]) * direction > min_move) {
       out.push_back({first, extreme, direction > 0});
       first = extreme;
       direction = -direction;
@@ -65,6 +87,13 @@ std::vector<Branch> branches(const std::vector<double>& u, double dead) {
   }
   if (direction != 0 && extreme > first) out.push_back({first, extreme, direction > 0});
   return out;
+}
+
+void add_uncertainty(std::vector<ParameterUncertainty>& out, std::string_view list,
+                     const Eigen::VectorXd& values, const Eigen::VectorXd& deviations, Eigen::Index from,
+                     Eigen::Index count) {
+  for (Eigen::Index i = 0; i < count; ++i)
+    out.push_back({fmt::format("{}[{}]", list, i), values(from + i), deviations(from + i)});
 }
 
 }  // namespace bodesmith::hysteresis

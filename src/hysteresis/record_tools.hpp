@@ -5,12 +5,14 @@
 #include <span>
 #include <vector>
 
-#include "base/progress.hpp"
 #include "hysteresis/identification.hpp"
 #include "hysteresis/operator.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::hysteresis {
+
+/// What the identifications of all models do with their records. "Counted" are the samples from skip_s on: those
+/// before are simulated but not fitted (start transients).
 
 struct Range {
   double low = std::numeric_limits<double>::infinity();
@@ -23,10 +25,31 @@ struct Range {
   double middle() const { return 0.5 * (low + high); }
 };
 
+/// Index of the first counted sample; the last sample counts always.
+std::size_t first_counted(const TimeRecord& record, double skip_s);
+std::size_t counted_samples(std::span<const TimeRecord> records, double skip_s);
 /// Over the counted samples of all records.
 Range input_range(std::span<const TimeRecord> records, double skip_s);
 Range output_range(std::span<const TimeRecord> records, double skip_s);
-std::size_t counted_samples(std::span<const TimeRecord> records, double skip_s);
+/// input_range(), of all samples unless told. Throws InputError when the input never moves.
+Range swept_range(std::span<const TimeRecord> records, double skip_s = 0.0);
+/// y of the counted samples, one record after the other.
+Eigen::VectorXd counted_outputs(std::span<const TimeRecord> records, double skip_s);
+
+/// Drives the operator through every record, each from rest under its first input, and calls
+/// use(output, record, i) for every counted sample.
+template <class AnyOperator, class Use>
+void drive(AnyOperator& op, std::span<const TimeRecord> records, double skip_s, Use&& use,
+           const Scaling& input = {}) {
+  for (const TimeRecord& record : records) {
+    const std::size_t first = first_counted(record, skip_s);
+    double y = op.reset(input(record.u[0]));
+    for (std::size_t i = 0; i < record.size(); ++i) {
+      if (i > 0) y = op.step(input(record.u[i]), record.step_s);
+      if (i >= first) use(y, record, i);
+    }
+  }
+}
 
 /// Model minus record for every counted sample; every record starts at rest under its first input.
 void operator_residual(const Operator& op, std::span<const TimeRecord> records, double skip_s,
@@ -41,5 +64,10 @@ struct Branch {
 /// Cuts at the turning points of the input; moves smaller than `dead` times the input's range do not count as
 /// turns.
 std::vector<Branch> branches(const std::vector<double>& u, double dead = 1e-3);
+
+/// "w[0]", "w[1]", … with their values and deviations; the first of them at `from` in both.
+void add_uncertainty(std::vector<ParameterUncertainty>& out, std::string_view list,
+                     const Eigen::VectorXd& values, const Eigen::VectorXd& deviations, Eigen::Index from,
+                     Eigen::Index count);
 
 }  // namespace bodesmith::hysteresis

@@ -1,88 +1,34 @@
 #include "hysteresis/registry.hpp"
 
-#include <fmt/format.h>
-
-#include "base/error.hpp"
-#include "base/text.hpp"
+// Each function stands in the model's own file. A new model is one line here.
+#define BODESMITH_HYSTERESIS_MODELS(ENTRY) \
+  ENTRY(polynomial_hysteresis_type)        \
+  ENTRY(sine_hysteresis_type)              \
+  ENTRY(exponential_operator_type)         \
+  ENTRY(ellipse_type)                      \
+  ENTRY(fractional_dynamic_type)           \
+  ENTRY(krasnoselskii_pokrovskii_type)     \
+  ENTRY(preisach_type)                     \
+  ENTRY(prandtl_ishlinskii_type)           \
+  ENTRY(bouc_wen_type)
 
 namespace bodesmith::hysteresis {
 
-// Each stands in the model's own file.
-ModelType polynomial_hysteresis_type();
-ModelType sine_hysteresis_type();
-ModelType exponential_operator_type();
-ModelType ellipse_type();
-ModelType fractional_dynamic_type();
-ModelType krasnoselskii_pokrovskii_type();
-ModelType preisach_type();
-ModelType prandtl_ishlinskii_type();
-ModelType bouc_wen_type();
+#define BODESMITH_DECLARE(function) const ModelType& function();
+BODESMITH_HYSTERESIS_MODELS(BODESMITH_DECLARE)
+#undef BODESMITH_DECLARE
 
-const std::vector<ModelType>& model_types() {
-  static const std::vector<ModelType> all = {
-      polynomial_hysteresis_type(),
-      sine_hysteresis_type(),
-      exponential_operator_type(),
-      ellipse_type(),
-      fractional_dynamic_type(),
-      krasnoselskii_pokrovskii_type(),
-      preisach_type(),
-      prandtl_ishlinskii_type(),
-      bouc_wen_type(),
-  };
-  return all;
+Registry<ModelType>& model_type_registry() {
+#define BODESMITH_ADDRESS(function) &function(),
+  static Registry<ModelType> registry("hysteresis model", {BODESMITH_HYSTERESIS_MODELS(BODESMITH_ADDRESS)});
+#undef BODESMITH_ADDRESS
+  return registry;
 }
 
-const ModelType* find_model_type(std::string_view name) {
-  for (const ModelType& type : model_types()) {
-    if (type.name == name) return &type;
-  }
-  return nullptr;
-}
-
-const ModelType& model_type(std::string_view name) {
-  if (const ModelType* found = find_model_type(name)) return *found;
-  std::vector<std::string> names;
-  for (const ModelType& type : model_types()) names.push_back(type.name);
-  throw InputError(
-      fmt::format("there is no hysteresis model '{}', expected one of {}", name, join(names, ", ")));
-}
-
-Model model_from_node(const Node& block) {
-  const std::string name = block.at("type").string();
-  const ModelType* type = find_model_type(name);
-  if (type == nullptr) {
-    std::vector<std::string> names;
-    for (const ModelType& known : model_types()) names.push_back(known.name);
-    block.at("type").fail(fmt::format("is \"{}\", expected a hysteresis model: {}", name, join(names, ", ")));
-  }
-  Model out{name, parameters_from_node(block, type->parameters, {"type", "free"})};
-  try {
-    type->check(out.parameters);
-  } catch (const DesignError& error) {
-    block.fail(error.what());
-  }
-  return out;
-}
-
-Model checked_model(std::string_view name, const Parameters& values) {
-  const ModelType& type = model_type(name);
-  Model out{type.name, checked(values, type.parameters, type.name)};
-  type.check(out.parameters);
-  return out;
-}
-
-std::string to_toml(const Model& model) {
-  return fmt::format("type = \"{}\"\n{}", model.type,
-                     to_toml(model.parameters, model_type(model.type).parameters));
-}
-
-std::unique_ptr<Operator> make_operator(const Model& model) {
-  return model_type(model.type).make_operator(model.parameters);
-}
-
-std::unique_ptr<Inverse> make_inverse(const Model& model) {
-  return model_type(model.type).make_inverse(model.parameters);
+Model make_model(std::string_view type, const Parameters& values) {
+  return model_type_registry().get(type).model(values);
 }
 
 }  // namespace bodesmith::hysteresis
+
+#undef BODESMITH_HYSTERESIS_MODELS

@@ -152,8 +152,8 @@ bool run_exact(const chain::Chain& chain, const TimeRecord& input, const Options
 Result simulate(const chain::Chain& chain, const TimeRecord& input, const Options& options) {
   if (input.u.empty()) throw InputError("the input record has no samples");
   for (std::size_t i = 0; i < chain.blocks.size(); ++i) {
-    if (const std::string complaint = chain.blocks[i].complaint(); !complaint.empty()) {
-      throw InputError(fmt::format("block {} ({}): {}", i + 1, chain.blocks[i].type_name(), complaint));
+    if (const auto error = chain.blocks[i].validate()) {
+      throw InputError(fmt::format("block {} ({}): {}", i + 1, chain.blocks[i].type_name(), error->text()));
     }
   }
   Result result;

@@ -50,10 +50,10 @@ TEST(ModelFile, EveryBlockOfTheContractIsThere) {
   for (const char* name :
        {"gain", "lowpass", "pole_zero", "fractional_lead_lag", "resonator", "delay", "saturation",
         "slew_limit", "dead_zone", "backlash", "polynomial", "creep", "hum", "drift", "sample_hold"}) {
-    EXPECT_NE(find_block_type(name), nullptr) << name;
+    EXPECT_NE(block_type_registry().find(name), nullptr) << name;
   }
-  for (const auto& model : hysteresis::model_types())
-    EXPECT_NE(find_block_type(model.name), nullptr) << model.name;
+  for (const hysteresis::ModelType* model : hysteresis::model_type_registry().all())
+    EXPECT_NE(block_type_registry().find(model->name()), nullptr) << model->name();
 }
 
 TEST(ModelFile, WrittenTextReadsBackAsTheSameChain) {
@@ -142,7 +142,7 @@ TEST(ModelFile, BrokenFilesNeverDoWorseThanAnInputError) {
     }
     try {
       const Chain chain = parse(text);
-      for (const Block& block : chain.blocks) EXPECT_EQ(block.complaint(), "");
+      for (const Block& block : chain.blocks) EXPECT_FALSE(block.validate().has_value());
     } catch (const InputError&) {
     }
   }

@@ -17,7 +17,7 @@ using nlohmann::json;
 void write_record(const std::filesystem::path& path, double modulation) {
   hysteresis::Parameters values;
   values.set("r", {0.0, 0.2, 0.4, 0.6}).set("w", {1.0, 0.2, 0.3, 0.1}).set("offset", 3.0);
-  const auto op = make_operator(hysteresis::checked_model("prandtl_ishlinskii", values));
+  const auto op = make_operator(hysteresis::make_model("prandtl_ishlinskii", values));
   std::vector<double> t, u, y;
   for (int i = 0; i < 3000; ++i) {
     t.push_back(i * 1e-3);

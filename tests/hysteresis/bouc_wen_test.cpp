@@ -59,7 +59,7 @@ TEST(BoucWen, OneMoveOrManyGiveTheSame) {
 TEST(BoucWen, InverseTracks) {
   Parameters values;
   values.set("k", 2.0).set("A", 0.5).set("beta", 1.3).set("gamma", 0.9);
-  const Model model = checked_model("bouc_wen", values);
+  const Model model = make_model("bouc_wen", values);
   const auto forward = make_operator(model);
   const auto inverse = make_inverse(model);
   EXPECT_NEAR(forward->reset(inverse->reset(0.2)), 0.2, 1e-9);
@@ -70,7 +70,7 @@ TEST(BoucWen, InverseTracks) {
     ASSERT_NEAR(forward->step(inverse->step(y, 1.0), 1.0), y, 1e-12);
   }
   values.set("k", 0.3);
-  EXPECT_THROW(make_inverse(checked_model("bouc_wen", values)), DesignError);
+  EXPECT_THROW(make_inverse(make_model("bouc_wen", values)), DesignError);
 }
 
 TEST(BoucWen, IdentificationFindsItsOwnParameters) {
@@ -80,8 +80,8 @@ TEST(BoucWen, IdentificationFindsItsOwnParameters) {
   std::vector<double> y{op.reset(u[0])};
   for (std::size_t i = 1; i < u.size(); ++i) y.push_back(op.step(u[i], 1e-3));
   const TimeRecord record = testing::record(u, y);
-  const Identified found = model_type("bouc_wen").identify({&record, 1}, {});
-  EXPECT_LT(error_figures(found.stage, {&record, 1}).rms_percent, 0.02);
+  const Identified found = model_type_registry().get("bouc_wen").identify({&record, 1}, {});
+  EXPECT_LT(testing::errors_of(found, {&record, 1}).rms_percent, 0.02);
 }
 
 }  // namespace

@@ -23,7 +23,7 @@ ExponentialOperators paper_model() {
 Model as_model(const ExponentialOperators& m) {
   Parameters values;
   values.set("k", m.k).set("tau", m.tau).set("V_off", m.v_off).set("L_off", m.l_off);
-  return checked_model("exponential_operator", values);
+  return make_model("exponential_operator", values);
 }
 
 TEST(Exponential, Equation2OnTheFirstBranchAndAfterTurns) {
@@ -73,16 +73,16 @@ TEST(Exponential, BothIdentificationsRecoverTheCurveAndTheInverseForm) {
   std::vector<double> u = testing::modulated_triangle(3000, 9.0, 100.0, 150), y;
   for (std::size_t i = 0; i < u.size(); ++i) y.push_back(i == 0 ? op->reset(u[0]) : op->step(u[i], 1e-3));
   const TimeRecord record = testing::record(u, y);
-  const Identified best = model_type("exponential_operator").identify({&record, 1}, {});
-  EXPECT_LT(error_figures(best.stage, {&record, 1}).rms_percent, 0.1);
+  const Identified best = model_type_registry().get("exponential_operator").identify({&record, 1}, {});
+  EXPECT_LT(testing::errors_of(best, {&record, 1}).rms_percent, 0.1);
   IdentifyOptions options;
   options.method = "paper";
-  const Identified paper = model_type("exponential_operator").identify({&record, 1}, options);
-  EXPECT_LT(error_figures(paper.stage, {&record, 1}).rms_percent, 1.5);
+  const Identified paper = model_type_registry().get("exponential_operator").identify({&record, 1}, options);
+  EXPECT_LT(testing::errors_of(paper, {&record, 1}).rms_percent, 1.5);
   // Eq. 4: the inverse by operators of the same form on the exchanged record.
   const TimeRecord turned = exchanged(record);
-  const Identified inverse = model_type("exponential_operator").identify({&turned, 1}, {});
-  EXPECT_LT(error_figures(inverse.stage, {&turned, 1}).rms_percent, 0.5);
+  const Identified inverse = model_type_registry().get("exponential_operator").identify({&turned, 1}, {});
+  EXPECT_LT(testing::errors_of(inverse, {&turned, 1}).rms_percent, 0.5);
 }
 
 }  // namespace

@@ -11,8 +11,6 @@
 namespace bodesmith::hysteresis {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 /// 003, Table 1.
 FractionalDynamic table_1() {
   FractionalDynamic out;
@@ -74,7 +72,7 @@ TEST(Fractional, SectionsAgreeWithGrunwaldLetnikovAndTheFrequencyResponse) {
   FractionalDynamic model = table_1();
   const double step_s = 1e-4;
   std::vector<double> u;
-  for (int i = 0; i < 600; ++i) u.push_back(2.0 - 2.0 * std::cos(2 * kPi * 60.0 * i * step_s));
+  for (int i = 0; i < 600; ++i) u.push_back(2.0 - 2.0 * std::cos(2 * std::numbers::pi * 60.0 * i * step_s));
   FractionalOperator op(model);
   std::vector<double> sections{op.reset(0.0)};
   for (std::size_t i = 1; i < u.size(); ++i) sections.push_back(op.step(u[i], step_s));
@@ -91,7 +89,7 @@ TEST(Fractional, SectionsAgreeWithGrunwaldLetnikovAndTheFrequencyResponse) {
   model.rho = model.delta = 0.0;
   FractionalOperator again(model);
   again.reset(0.0);
-  const double w = 2 * kPi * 100.0;
+  const double w = 2 * std::numbers::pi * 100.0;
   std::complex<double> sum = 0.0;
   const int period = 400;
   for (int i = 1; i <= 60 * period; ++i) {
@@ -161,15 +159,16 @@ TEST(Fractional, IdentificationFollowsItsOwnRecord) {
   std::vector<double> u, y;
   for (int i = 0; i < 2500; ++i) {
     const double t = i * 1e-4;
-    u.push_back(3.0 + 1.5 * std::sin(2 * kPi * 20 * t) + 0.8 * std::sin(2 * kPi * 90 * t + 1.0) +
-                0.3 * std::sin(2 * kPi * 310 * t));
-    y.push_back(i == 0 ? op.reset(u[0]) : op.step(u[i], 1e-4));
+    u.push_back(3.0 + 1.5 * std::sin(2 * std::numbers::pi * 20 * t) +
+                0.8 * std::sin(2 * std::numbers::pi * 90 * t + 1.0) +
+                0.3 * std::sin(2 * std::numbers::pi * 310 * t));
+    y.push_back(i == 0 ? op.reset(u[0]) : op.step(u.back(), 1e-4));
   }
   const TimeRecord record = testing::record(u, y, 1e-4);
   IdentifyOptions options;
   options.effort = 0.3;
-  const Identified found = model_type("fractional_dynamic").identify({&record, 1}, options);
-  EXPECT_LT(error_figures(found.stage, {&record, 1}).rms_percent, 0.5);
+  const Identified found = model_type_registry().get("fractional_dynamic").identify({&record, 1}, options);
+  EXPECT_LT(testing::errors_of(found, {&record, 1}).rms_percent, 0.5);
 }
 
 TEST(Fractional, InverseOfTheForceTracksSlowReferences) {
@@ -181,12 +180,12 @@ TEST(Fractional, InverseOfTheForceTracksSlowReferences) {
       .set("eta", 0.756)
       .set("lambda", 0.811);
   values.set("K_p", 0.192).set("Theta", 5.923).set("chi", 6.897);
-  const Model model = checked_model("fractional_dynamic", values);
+  const Model model = make_model("fractional_dynamic", values);
   const auto inverse = make_inverse(model);
   inverse->reset(0.5);
   double worst = 0.0;
   for (int i = 1; i < 3000; ++i) {
-    const double r = 0.5 + 0.3 * std::sin(2 * kPi * 10.0 * i * 1e-4);
+    const double r = 0.5 + 0.3 * std::sin(2 * std::numbers::pi * 10.0 * i * 1e-4);
     inverse->step(r, 1e-4);
     worst = std::max(worst, std::abs(inverse->achieved() - r));
   }

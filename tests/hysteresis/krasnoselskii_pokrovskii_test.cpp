@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "brute_force.hpp"
 #include "hysteresis/registry.hpp"
 #include "test_signals.hpp"
 
@@ -20,17 +21,17 @@ std::vector<double> densities(std::size_t levels, std::uint64_t seed, double zer
   return mu;
 }
 
-Model model_of(std::size_t levels, std::uint64_t seed, double a1 = 1.0, double a2 = 0.0) {
+Model kp_model(std::size_t levels, std::uint64_t seed, double a1 = 1.0, double a2 = 0.0) {
   Parameters values;
   values.set("u_min", 0.0).set("u_max", 120.0).set("mu", densities(levels, seed, 0.3)).set("offset", 0.1);
   values.set("a1", a1).set("a2", a2);
-  return checked_model("krasnoselskii_pokrovskii", values);
+  return make_model("krasnoselskii_pokrovskii", values);
 }
 
 TEST(KrasnoselskiiPokrovskii, StackEqualsEveryKernelAsPrinted) {
   for (const std::size_t levels : {1u, 2u, 9u, 40u}) {
-    const auto stack = make_operator(model_of(levels, levels));
-    BruteForceKp all(0.0, 120.0, levels, densities(levels, levels, 0.3));
+    const auto stack = make_operator(kp_model(levels, levels));
+    testing::BruteForceKp all(0.0, 120.0, levels, densities(levels, levels, 0.3));
     Random random(levels);
     double u = 30.0;
     ASSERT_NEAR(stack->reset(u), 0.1 + all.reset(u), 1e-12);
@@ -42,7 +43,7 @@ TEST(KrasnoselskiiPokrovskii, StackEqualsEveryKernelAsPrinted) {
 }
 
 TEST(KrasnoselskiiPokrovskii, ExactInverseAndRecursiveInverse) {
-  const Model model = model_of(100, 4);
+  const Model model = kp_model(100, 4);
   const auto forward = make_operator(model);
   const auto inverse = make_inverse(model);
   const double top = forward->step(120.0, 1.0) - 0.1;
@@ -71,8 +72,8 @@ TEST(KrasnoselskiiPokrovskii, ExactInverseAndRecursiveInverse) {
 }
 
 TEST(KrasnoselskiiPokrovskii, RateFunctionIsEquation3) {
-  const auto classic = make_operator(model_of(20, 6));
-  const auto rated = make_operator(model_of(20, 6, 0.96, 2.5e-4));
+  const auto classic = make_operator(kp_model(20, 6));
+  const auto rated = make_operator(kp_model(20, 6, 0.96, 2.5e-4));
   classic->reset(0.0);
   rated->reset(0.0);
   double u = 0.0;
@@ -83,7 +84,7 @@ TEST(KrasnoselskiiPokrovskii, RateFunctionIsEquation3) {
     EXPECT_NEAR(rated->step(next, 1e-2) - 0.1, y * 0.96 * std::exp(-2.5e-4 * slope), 1e-12);
   }
   EXPECT_FALSE(rated->rate_independent());
-  const Model model = model_of(20, 6, 0.96, 1e-6);
+  const Model model = kp_model(20, 6, 0.96, 1e-6);
   const auto forward = make_operator(model);
   const auto inverse = make_inverse(model);
   forward->reset(inverse->reset(0.2));
@@ -94,25 +95,28 @@ TEST(KrasnoselskiiPokrovskii, RateFunctionIsEquation3) {
 }
 
 TEST(KrasnoselskiiPokrovskii, ConvexSolveBeatsSwarmAndBothPredict) {
-  const auto op = make_operator(model_of(8, 3));
+  const auto op = make_operator(kp_model(8, 3));
   std::vector<double> u = testing::modulated_triangle(3000, 0.0, 120.0, 60), y;
   for (std::size_t i = 0; i < u.size(); ++i) y.push_back(i == 0 ? op->reset(u[0]) : op->step(u[i], 1e-3));
   const TimeRecord record = testing::record(u, y);
   IdentifyOptions options;
   options.size = 8;
-  const Identified convex = model_type("krasnoselskii_pokrovskii").identify({&record, 1}, options);
+  const Identified convex =
+      model_type_registry().get("krasnoselskii_pokrovskii").identify({&record, 1}, options);
   options.method = "paper";
   options.effort = 0.5;
-  const Identified swarm = model_type("krasnoselskii_pokrovskii").identify({&record, 1}, options);
-  EXPECT_LT(error_figures(convex.stage, {&record, 1}).rms_percent, 0.01);
-  EXPECT_LT(error_figures(swarm.stage, {&record, 1}).rms_percent, 3.0);
-  EXPECT_GT(error_figures(swarm.stage, {&record, 1}).rms, error_figures(convex.stage, {&record, 1}).rms);
-  const Identified again = model_type("krasnoselskii_pokrovskii").identify({&record, 1}, options);
-  EXPECT_EQ(to_toml(again.stage.model), to_toml(swarm.stage.model));  // same seed, same bytes
+  const Identified swarm =
+      model_type_registry().get("krasnoselskii_pokrovskii").identify({&record, 1}, options);
+  EXPECT_LT(testing::errors_of(convex, {&record, 1}).rms_percent, 0.01);
+  EXPECT_LT(testing::errors_of(swarm, {&record, 1}).rms_percent, 3.0);
+  EXPECT_GT(testing::errors_of(swarm, {&record, 1}).rms, testing::errors_of(convex, {&record, 1}).rms);
+  const Identified again =
+      model_type_registry().get("krasnoselskii_pokrovskii").identify({&record, 1}, options);
+  EXPECT_EQ(again.model.parameters.list("mu"), swarm.model.parameters.list("mu"));  // same seed, same numbers
 }
 
 TEST(KrasnoselskiiPokrovskii, RateParametersAreFoundFromTwoRates) {
-  const auto op = make_operator(model_of(20, 9, 0.96, 3e-6));
+  const auto op = make_operator(kp_model(20, 9, 0.96, 3e-6));
   std::vector<TimeRecord> records;
   for (const double step_s : {1e-2, 1e-4}) {
     std::vector<double> u = testing::modulated_triangle(2000, 0.0, 120.0, 100), y;
@@ -121,11 +125,11 @@ TEST(KrasnoselskiiPokrovskii, RateParametersAreFoundFromTwoRates) {
   }
   IdentifyOptions options;
   options.size = 20;
-  const Identified found = model_type("krasnoselskii_pokrovskii").identify(records, options);
+  const Identified found = model_type_registry().get("krasnoselskii_pokrovskii").identify(records, options);
   // The slow record's own a1 and tiny rate effect are absorbed by the densities.
-  EXPECT_NEAR(found.stage.model.parameters.scalar("a1"), 1.0, 0.01);
-  EXPECT_NEAR(found.stage.model.parameters.scalar("a2"), 3e-6, 5e-7);
-  EXPECT_LT(error_figures(found.stage, records).rms_percent, 0.5);
+  EXPECT_NEAR(found.model.parameters.number("a1"), 1.0, 0.01);
+  EXPECT_NEAR(found.model.parameters.number("a2"), 3e-6, 5e-7);
+  EXPECT_LT(testing::errors_of(found, records).rms_percent, 0.5);
 }
 
 }  // namespace

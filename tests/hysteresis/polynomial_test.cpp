@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "hysteresis/polynomial_disturbance.hpp"
+#include "hysteresis/polynomial_fit.hpp"
 #include "hysteresis/registry.hpp"
 #include "test_signals.hpp"
 
@@ -24,7 +25,7 @@ Model seed_model(const char* minor) {
   values.set("ascending", std::vector<double>(kAscending.begin(), kAscending.end()));
   values.set("descending", std::vector<double>(kDescending.begin(), kDescending.end()));
   values.set("minor", minor);
-  return checked_model("polynomial_hysteresis", values);
+  return make_model("polynomial_hysteresis", values);
 }
 
 TEST(Polynomial, ContractBlockIsTheSignOfTheSlopeAlone) {
@@ -139,7 +140,7 @@ TEST(Polynomial, AmplitudeAndRateGains) {
   values.set("alpha", {0.5, 1.0}).set("alpha_1", {0.4, 1.0}).set("alpha_2", {0.3, 1.0}).set("amplitude", 0.5);
   values.set("rate_frequency_hz", {1.0, 100.0}).set("rate_ascending", {1.0, 1.0});
   values.set("rate_descending", {1.0, 1.2}).set("operating_hz", 10.0);
-  const auto op = make_operator(checked_model("polynomial_hysteresis", values));
+  const auto op = make_operator(make_model("polynomial_hysteresis", values));
   op->reset(0.0);
   EXPECT_NEAR(op->step(0.25, 1.0), 0.25 + 0.4 * cubic(kAscending, 0.5), 1e-15);
   EXPECT_NEAR(op->step(0.2, 1.0), 0.2 + 1.1 * 0.3 * cubic(kDescending, 0.4), 1e-15);
@@ -164,29 +165,28 @@ TEST(Polynomial, IdentificationRecoversTheSeedsNumbers) {
     u[i] = 95.0 * u[i] + 5.0;
   }
   const TimeRecord record = testing::record(u, y);
-  const Identified found = model_type("polynomial_hysteresis").identify({&record, 1}, {});
-  EXPECT_NEAR(found.stage.model.parameters.array("ascending")[0], 0.3546, 0.01);
-  EXPECT_NEAR(found.stage.output_gain, 6.92, 0.02);
-  EXPECT_LT(error_figures(found.stage, {&record, 1}).rms, 0.0025);
+  const Identified found = model_type_registry().get("polynomial_hysteresis").identify({&record, 1}, {});
+  EXPECT_NEAR(found.model.parameters.list("ascending")[0], 0.3546, 0.01);
+  EXPECT_NEAR(found.output.gain, 6.92, 0.02);
+  EXPECT_LT(testing::errors_of(found, {&record, 1}).rms, 0.0025);
   // The deviation is about right: within a factor of 4 of the miss for all.
   for (const ParameterUncertainty& one : found.uncertainty)
     EXPECT_LT(one.standard_deviation, 0.05) << one.name;
   IdentifyOptions paper;
   paper.method = "paper";
-  const Identified printed = model_type("polynomial_hysteresis").identify({&record, 1}, paper);
-  EXPECT_GT(error_figures(printed.stage, {&record, 1}).rms,
-            2.0 * error_figures(found.stage, {&record, 1}).rms);
-  const Identified sine = model_type("sine_hysteresis").identify({&record, 1}, {});
-  EXPECT_GT(error_figures(sine.stage, {&record, 1}).rms, error_figures(found.stage, {&record, 1}).rms);
-  EXPECT_LT(error_figures(sine.stage, {&record, 1}).rms_percent, 2.0);
+  const Identified printed = model_type_registry().get("polynomial_hysteresis").identify({&record, 1}, paper);
+  EXPECT_GT(testing::errors_of(printed, {&record, 1}).rms, 2.0 * testing::errors_of(found, {&record, 1}).rms);
+  const Identified sine = model_type_registry().get("sine_hysteresis").identify({&record, 1}, {});
+  EXPECT_GT(testing::errors_of(sine, {&record, 1}).rms, testing::errors_of(found, {&record, 1}).rms);
+  EXPECT_LT(testing::errors_of(sine, {&record, 1}).rms_percent, 2.0);
 }
 
 TEST(Polynomial, RefusesAFallingBranchAndBadTables) {
   Parameters values = seed_model("slope_sign").parameters;
   values.set("ascending", {3.0, -8.0, 5.0});
-  EXPECT_THROW(make_inverse(checked_model("polynomial_hysteresis", values)), DesignError);
+  EXPECT_THROW(make_inverse(make_model("polynomial_hysteresis", values)), DesignError);
   values.set("ascending", {3.0, -8.0});
-  EXPECT_THROW(checked_model("polynomial_hysteresis", values), DesignError);
+  EXPECT_THROW(make_model("polynomial_hysteresis", values), DesignError);
 }
 
 }  // namespace

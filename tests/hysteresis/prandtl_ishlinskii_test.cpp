@@ -80,10 +80,10 @@ TEST(PrandtlIshlinskii, IdentificationFindsItsOwnWeights) {
   std::vector<double> y{op.reset(u[0])};
   for (std::size_t i = 1; i < u.size(); ++i) y.push_back(op.step(u[i], 1e-3));
   const TimeRecord record = testing::record(u, y);
-  const Identified found = model_type("prandtl_ishlinskii").identify({&record, 1}, {});
-  EXPECT_LT(error_figures(found.stage, {&record, 1}).rms, 1e-8);
+  const Identified found = model_type_registry().get("prandtl_ishlinskii").identify({&record, 1}, {});
+  EXPECT_LT(testing::errors_of(found, {&record, 1}).rms, 1e-8);
   for (std::size_t i = 0; i < 10; ++i)
-    EXPECT_NEAR(found.stage.model.parameters.array("w")[i], model.w[i], 1e-6) << i;
+    EXPECT_NEAR(found.model.parameters.list("w")[i], model.w[i], 1e-6) << i;
 }
 
 TEST(PrandtlIshlinskii, AsymmetricIdentificationBeatsSymmetricOnAsymmetricData) {
@@ -100,21 +100,20 @@ TEST(PrandtlIshlinskii, AsymmetricIdentificationBeatsSymmetricOnAsymmetricData) 
   for (std::size_t i = 1; i < u.size(); ++i) y.push_back(op.step(u[i], 1e-3));
   const TimeRecord record = testing::record(u, y);
   IdentifyOptions options;
-  const Identified plain = model_type("prandtl_ishlinskii").identify({&record, 1}, options);
+  const Identified plain = model_type_registry().get("prandtl_ishlinskii").identify({&record, 1}, options);
   options.asymmetric = true;
-  const Identified shaped = model_type("prandtl_ishlinskii").identify({&record, 1}, options);
-  EXPECT_LT(error_figures(shaped.stage, {&record, 1}).rms,
-            0.7 * error_figures(plain.stage, {&record, 1}).rms);
+  const Identified shaped = model_type_registry().get("prandtl_ishlinskii").identify({&record, 1}, options);
+  EXPECT_LT(testing::errors_of(shaped, {&record, 1}).rms, 0.7 * testing::errors_of(plain, {&record, 1}).rms);
 }
 
 TEST(PrandtlIshlinskii, RefusesWhatHasNoMeaning) {
   Parameters values;
   values.set("r", {0.0, 1.0}).set("w", {1.0, -1.0});
-  EXPECT_THROW(checked_model("prandtl_ishlinskii", values), DesignError);
+  EXPECT_THROW(make_model("prandtl_ishlinskii", values), DesignError);
   values.set("w", std::vector<double>{1.0});
-  EXPECT_THROW(checked_model("prandtl_ishlinskii", values), DesignError);
+  EXPECT_THROW(make_model("prandtl_ishlinskii", values), DesignError);
   values.set("r", std::vector<double>{0.5});
-  EXPECT_THROW(checked_model("prandtl_ishlinskii", values), DesignError);
+  EXPECT_THROW(make_model("prandtl_ishlinskii", values), DesignError);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "brute_force.hpp"
 #include "hysteresis/everett_trace.hpp"
 #include "hysteresis/preisach_identify.hpp"
 #include "hysteresis/registry.hpp"
@@ -23,17 +24,17 @@ std::vector<double> random_weights(std::size_t levels, std::uint64_t seed, doubl
   return w;
 }
 
-Model model_of(std::size_t levels, std::uint64_t seed, const char* interpolation = "bilinear") {
+Model preisach_model(std::size_t levels, std::uint64_t seed, const char* interpolation = "bilinear") {
   Parameters values;
   values.set("u_min", -1.0).set("u_max", 3.0).set("w", random_weights(levels, seed)).set("offset", 0.25);
   values.set("interpolation", interpolation);
-  return checked_model("preisach", values);
+  return make_model("preisach", values);
 }
 
 TEST(Preisach, StackEqualsAllRelaysByBruteForce) {
   for (const std::size_t levels : {1u, 2u, 7u, 60u}) {
-    const auto stack = make_operator(model_of(levels, levels, "relays"));
-    BruteForceRelays all(-1.0, 3.0, levels, random_weights(levels, levels), 0.25);
+    const auto stack = make_operator(preisach_model(levels, levels, "relays"));
+    testing::BruteForceRelays all(-1.0, 3.0, levels, random_weights(levels, levels), 0.25);
     Random random(levels + 100);
     ASSERT_NEAR(stack->reset(0.4), all.reset(0.4), 1e-12);
     double u = 0.4;
@@ -54,8 +55,8 @@ TEST(Preisach, StackEqualsAllRelaysByBruteForce) {
 
 TEST(Preisach, BilinearAgreesWithTheRelaysAtTheNodes) {
   const std::size_t levels = 64;  // nodes are exact doubles
-  const auto smooth = make_operator(model_of(levels, 3));
-  BruteForceRelays all(-1.0, 3.0, levels, random_weights(levels, 3), 0.25);
+  const auto smooth = make_operator(preisach_model(levels, 3));
+  testing::BruteForceRelays all(-1.0, 3.0, levels, random_weights(levels, 3), 0.25);
   Random random(9);
   smooth->reset(-1.0);
   all.reset(-1.0);
@@ -66,7 +67,7 @@ TEST(Preisach, BilinearAgreesWithTheRelaysAtTheNodes) {
 }
 
 TEST(Preisach, PeekIsStepWithoutTheStep) {
-  const auto op = make_operator(model_of(30, 5));
+  const auto op = make_operator(preisach_model(30, 5));
   Random random(4);
   op->reset(0.0);
   double u = 0.0;
@@ -81,7 +82,7 @@ TEST(Preisach, InverseIsExact) {
   for (const double zeros : {0.0, 0.3, 0.97}) {
     Parameters values;
     values.set("u_min", 0.0).set("u_max", 1.0).set("w", random_weights(200, 17, zeros));
-    const Model model = checked_model("preisach", values);
+    const Model model = make_model("preisach", values);
     const auto forward = make_operator(model);
     const auto inverse = make_inverse(model);
     const double top = forward->step(1.0, 1.0);
@@ -122,7 +123,7 @@ TEST(Preisach, TraceIsTheOperatorAndItsAdjointIsTransposed) {
         Eigen::Map<const Eigen::VectorXd>(w.data(), static_cast<Eigen::Index>(w.size()));
     Eigen::VectorXd y;
     trace.apply(weights, y);
-    const auto op = make_operator(model_of(levels, 8, bilinear ? "bilinear" : "relays"));
+    const auto op = make_operator(preisach_model(levels, 8, bilinear ? "bilinear" : "relays"));
     std::vector<double> direct;
     for (int pass = 0; pass < 2; ++pass)
       for (std::size_t i = 0; i < u.size(); ++i) {
@@ -150,7 +151,7 @@ TEST(Preisach, IdentificationPredictsUnseenMotion) {
                   (1.0 + 0.01 * static_cast<double>(i)) / 500.0);
   Parameters values;
   values.set("u_min", 0.0).set("u_max", 1.0).set("w", w).set("offset", -2.0);
-  const auto op = make_operator(checked_model("preisach", values));
+  const auto op = make_operator(make_model("preisach", values));
   const auto run = [&](const std::vector<double>& u, double noise, Random& random) {
     std::vector<double> y;
     for (std::size_t i = 0; i < u.size(); ++i)
@@ -162,20 +163,20 @@ TEST(Preisach, IdentificationPredictsUnseenMotion) {
   const TimeRecord test = run(testing::random_walk(random, 0.0, 1.0, 40, 30), 0.0, random);
   IdentifyOptions options;
   options.size = static_cast<int>(levels);
-  const Identified found = model_type("preisach").identify({&train, 1}, options);
-  EXPECT_LT(error_figures(found.stage, {&train, 1}).rms, 1.1e-3);
-  EXPECT_LT(error_figures(found.stage, {&test, 1}).rms_percent, 1.0);
+  const Identified found = model_type_registry().get("preisach").identify({&train, 1}, options);
+  EXPECT_LT(testing::errors_of(found, {&train, 1}).rms, 1.1e-3);
+  EXPECT_LT(testing::errors_of(found, {&test, 1}).rms_percent, 1.0);
   EXPECT_TRUE(found.converged);
 }
 
 TEST(Preisach, RefusesWrongCountsAndNegativeWeights) {
   Parameters values;
   values.set("u_min", 0.0).set("u_max", 1.0).set("w", std::vector<double>(4, 1.0));
-  EXPECT_THROW(checked_model("preisach", values), DesignError);
+  EXPECT_THROW(make_model("preisach", values), DesignError);
   values.set("w", std::vector<double>{1.0, -1.0, 1.0});
-  EXPECT_THROW(checked_model("preisach", values), DesignError);
+  EXPECT_THROW(make_model("preisach", values), DesignError);
   values.set("w", std::vector<double>{1.0}).set("u_max", 0.0);
-  EXPECT_THROW(checked_model("preisach", values), DesignError);
+  EXPECT_THROW(make_model("preisach", values), DesignError);
 }
 
 }  // namespace

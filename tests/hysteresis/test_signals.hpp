@@ -1,9 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <span>
 #include <vector>
 
+#include "hysteresis/registry.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::hysteresis::testing {
@@ -64,6 +67,32 @@ inline TimeRecord record(std::vector<double> u, std::vector<double> y, double st
   out.u = std::move(u);
   out.y = std::move(y);
   return out;
+}
+
+/// What an identified model is off by, over the samples from skip_s on; percent of the records' range.
+struct Errors {
+  double rms = 0.0;
+  double rms_percent = 0.0;
+};
+inline Errors errors_of(const Identified& found, std::span<const TimeRecord> records, double skip_s = 0.0) {
+  double squares = 0.0;
+  double count = 0.0;
+  double low = INFINITY;
+  double high = -INFINITY;
+  for (const TimeRecord& one : records) {
+    const auto op = make_operator(found.model);
+    for (std::size_t i = 0; i < one.size(); ++i) {
+      const double h =
+          i == 0 ? op->reset(found.input(one.u[0])) : op->step(found.input(one.u[i]), one.step_s);
+      if (static_cast<double>(i) * one.step_s < skip_s - 1e-9) continue;
+      squares += std::pow(found.output(h) - one.y[i], 2);
+      count += 1.0;
+      low = std::min(low, one.y[i]);
+      high = std::max(high, one.y[i]);
+    }
+  }
+  const double rms = std::sqrt(squares / count);
+  return {rms, 100.0 * rms / (high - low)};
 }
 
 }  // namespace bodesmith::hysteresis::testing

@@ -1,4 +1,4 @@
-#include "hysteresis/virtual_stage.hpp"
+#include "../../examples/hysteresis_tables/virtual_stage.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,7 +6,7 @@
 #include <complex>
 #include <numbers>
 
-namespace bodesmith::hysteresis {
+namespace bench {
 namespace {
 
 TEST(VirtualStage, HasLoopsThatShrinkWithRateAndMirrorsNoModel) {
@@ -66,4 +66,4 @@ TEST(VirtualStage, SameSeedSameNoise) {
 }
 
 }  // namespace
-}  // namespace bodesmith::hysteresis
+}  // namespace bench

@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -24,11 +24,11 @@ class Play final : public MemoryKernel {
 
 /// Play: y stays until the input pushes it, max(u - width/2, min(u + width/2, y)). At rest the output stands
 /// in the middle, y = u.
-class Backlash final : public NamedBlockType {
+class Backlash final : public BlockType {
  public:
   Backlash()
-      : NamedBlockType("backlash", "play of constant width",
-                       {not_negative("width", "full width, units of the input")}) {}
+      : BlockType("backlash", "play of constant width",
+                  {not_negative("width", "u", "full width, units of the input")}) {}
   Kernel kernel(const Block& block) const override { return std::make_unique<Play>(block.get("width")); }
 };
 

@@ -1,4 +1,4 @@
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -38,14 +38,14 @@ class ComparatorKernel final : public MemoryKernel {
 
 /// y = high_v once u has risen above threshold + hysteresis/2, low_v once it has fallen below threshold -
 /// hysteresis/2. Its delay is a delay block behind it.
-class Comparator final : public NamedBlockType {
+class Comparator final : public BlockType {
  public:
   Comparator()
-      : NamedBlockType(
-            "comparator", "two levels by a threshold with hysteresis",
-            {any_number("threshold_v", "middle of the switching levels", 0.0),
-             not_negative("hysteresis_v", "distance of the switching levels", 0.0),
-             any_number("low_v", "output below", 0.0), any_number("high_v", "output above", 1.0)}) {}
+      : BlockType("comparator", "two levels by a threshold with hysteresis",
+                  {any_number("threshold_v", "V", "middle of the switching levels").with_default(0.0),
+                   not_negative("hysteresis_v", "V", "distance of the switching levels").with_default(0.0),
+                   any_number("low_v", "V", "output below").with_default(0.0),
+                   any_number("high_v", "V", "output above").with_default(1.0)}) {}
   Kernel kernel(const Block& block) const override { return std::make_unique<ComparatorKernel>(block); }
 };
 

@@ -1,18 +1,18 @@
 #include <algorithm>
 
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 
 namespace bodesmith::chain {
 namespace {
 
 /// H(s) = 1 + sum gains[i]/(1 + s time_constants_s[i]): slow relaxation beside the direct path.
-class Creep final : public NamedBlockType {
+class Creep final : public BlockType {
  public:
   Creep()
-      : NamedBlockType("creep", "slow relaxation, 1 + sum g/(1 + s tau)",
-                       {list_of(any_number("gains", "share of each relaxation")),
-                        list_of(above_zero("time_constants_s", "time constant of each relaxation"))}) {}
-  std::string complaint(const Block& block) const override {
+      : BlockType("creep", "slow relaxation, 1 + sum g/(1 + s tau)",
+                  {list_of(any_number("gains", "1", "share of each relaxation")),
+                   list_of(above_zero("time_constants_s", "s", "time constant of each relaxation"))}) {}
+  std::string validate(const Block& block) const override {
     return block.list("gains").size() == block.list("time_constants_s").size()
                ? ""
                : "gains and time_constants_s have different lengths";

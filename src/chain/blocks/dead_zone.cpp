@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -20,11 +20,11 @@ class DeadZoneCurve final : public CurveKernel {
 };
 
 /// y = 0 for |u| <= width/2, otherwise u moved by width/2 towards 0.
-class DeadZone final : public NamedBlockType {
+class DeadZone final : public BlockType {
  public:
   DeadZone()
-      : NamedBlockType("dead_zone", "no response near zero",
-                       {not_negative("width", "full width, units of the input")}) {}
+      : BlockType("dead_zone", "no response near zero",
+                  {not_negative("width", "u", "full width, units of the input")}) {}
   Kernel kernel(const Block& block) const override {
     return std::make_unique<DeadZoneCurve>(block.get("width"));
   }

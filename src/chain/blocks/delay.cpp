@@ -1,13 +1,13 @@
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 #include "chain/linear_kernel.hpp"
 
 namespace bodesmith::chain {
 namespace {
 
 /// y(t) = u(t - delay_s).
-class Delay final : public NamedBlockType {
+class Delay final : public BlockType {
  public:
-  Delay() : NamedBlockType("delay", "pure delay", {not_negative("delay_s", "delay")}) {}
+  Delay() : BlockType("delay", "pure delay", {not_negative("delay_s", "s", "delay")}) {}
   Kernel kernel(const Block& block) const override {
     LinearKernel k = gain_kernel(1.0);
     k.delay_s = block.get("delay_s");

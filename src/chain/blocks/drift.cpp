@@ -1,4 +1,4 @@
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -16,11 +16,11 @@ class DriftSource final : public SourceKernel {
 };
 
 /// y = u + rate_per_s t, t as in the record's time_s.
-class Drift final : public NamedBlockType {
+class Drift final : public BlockType {
  public:
   Drift()
-      : NamedBlockType("drift", "adds a slow straight line",
-                       {any_number("rate_per_s", "units of the signal a second")}) {}
+      : BlockType("drift", "adds a slow straight line",
+                  {any_number("rate_per_s", "y/s", "units of the signal a second")}) {}
   Kernel kernel(const Block& block) const override {
     return std::make_unique<DriftSource>(block.get("rate_per_s"));
   }

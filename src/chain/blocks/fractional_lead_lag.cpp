@@ -5,25 +5,25 @@
 
 #include "approximate/approximate.hpp"
 #include "approximate/limit_law.hpp"
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 #include "chain/linear_kernel.hpp"
 
 namespace bodesmith::chain {
 namespace {
 
 constexpr double kMaxErrorDb = 2e-5;
-constexpr int kMostPoles = 16;
+constexpr int kMaxPoles = 16;
 
 /// H(s) = ((lambda s + 1)/(x lambda s + 1))^beta, first seed eq. 14. Simulated by the mid-band Pade
 /// approximation of the lowest order (at most 16 poles) that stays within 2e-5 dB; the error it really has,
 /// over all frequencies, is stated in the kernel.
-class FractionalLeadLagBlock final : public NamedBlockType {
+class FractionalLeadLagBlock final : public BlockType {
  public:
   FractionalLeadLagBlock()
-      : NamedBlockType("fractional_lead_lag", "((lambda s + 1)/(x lambda s + 1))^beta",
-                       {above_zero("lambda_s", "time constant of the first corner"),
-                        above_zero("x", "ratio of the second time constant to the first"),
-                        any_number("beta", "order")}) {}
+      : BlockType("fractional_lead_lag", "((lambda s + 1)/(x lambda s + 1))^beta",
+                  {above_zero("lambda_s", "s", "time constant of the first corner"),
+                   above_zero("x", "1", "ratio of the second time constant to the first"),
+                   any_number("beta", "1", "order")}) {}
 
   Kernel kernel(const Block& block) const override {
     const FractionalLeadLag term = term_of(block);
@@ -31,14 +31,14 @@ class FractionalLeadLagBlock final : public NamedBlockType {
     if (term.beta == 0.0 || kappa == 1.0) return gain_kernel(1.0);
     ApproximationOptions options;
     options.method = "pade";
-    const int least = std::max(1, static_cast<int>(std::ceil(std::abs(term.beta))));
+    const int min_order = std::max(1, static_cast<int>(std::ceil(std::abs(term.beta))));
     // No approximation can do with fewer poles than the limit law says; from there on until the error itself
     // is met.
-    int order = std::max(least, minimax_order(kappa, term.beta, kMaxErrorDb, kMostPoles));
+    int order = std::max(min_order, minimax_order(kappa, term.beta, kMaxErrorDb, kMaxPoles));
     TermApproximation got = approximate_term(term, options, order);
     while (std::hypot(got.error.everywhere_db, kDecibelPerNeper * to_radians(got.error.everywhere_deg)) >
                kMaxErrorDb &&
-           order < kMostPoles) {
+           order < kMaxPoles) {
       got = approximate_term(term, options, ++order);
     }
     StateSpace system = gain_system(1.0);

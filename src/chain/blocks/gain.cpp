@@ -1,16 +1,16 @@
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 #include "chain/linear_kernel.hpp"
 
 namespace bodesmith::chain {
 namespace {
 
 /// y = gain u + offset.
-class Gain final : public NamedBlockType {
+class Gain final : public BlockType {
  public:
   Gain()
-      : NamedBlockType(
-            "gain", "y = gain u + offset",
-            {any_number("gain", "factor", 1.0), any_number("offset", "constant added to the output", 0.0)}) {}
+      : BlockType("gain", "y = gain u + offset",
+                  {any_number("gain", "y/u", "factor").with_default(1.0),
+                   any_number("offset", "y", "constant added to the output").with_default(0.0)}) {}
   Kernel kernel(const Block& block) const override {
     return gain_kernel(block.get("gain"), block.get("offset"));
   }

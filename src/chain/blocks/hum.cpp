@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -19,13 +19,13 @@ class HumSource final : public SourceKernel {
 };
 
 /// y = u + amplitude sin(2 pi frequency_hz t + phase_deg), t as in the record's time_s.
-class Hum final : public NamedBlockType {
+class Hum final : public BlockType {
  public:
   Hum()
-      : NamedBlockType(
-            "hum", "adds a sinusoid of the mains",
-            {any_number("amplitude", "peak, units of the signal"), above_zero("frequency_hz", "frequency"),
-             any_number("phase_deg", "phase at t = 0", 0.0)}) {}
+      : BlockType("hum", "adds a sinusoid of the mains",
+                  {any_number("amplitude", "y", "peak, units of the signal"),
+                   above_zero("frequency_hz", "Hz", "frequency"),
+                   any_number("phase_deg", "deg", "phase at t = 0").with_default(0.0)}) {}
   Kernel kernel(const Block& block) const override {
     return std::make_unique<HumSource>(block.get("amplitude"), Hertz{block.get("frequency_hz")}.rad_s().value,
                                        to_radians(block.get("phase_deg")));

@@ -1,34 +1,24 @@
-#include <algorithm>
+#include "chain/blocks/hysteresis.hpp"
+
+#include <map>
 #include <memory>
 
 #include "base/error.hpp"
-#include "chain/blocks/block_list.hpp"
-#include "hysteresis/registry.hpp"
 
 namespace bodesmith::chain {
 namespace {
 
+using hysteresis::BranchCurves;
 using hysteresis::ModelType;
 using hysteresis::Operator;
-using hysteresis::ParameterInfo;
 
 /// Any operator of the hysteresis room.
 class OperatorKernel final : public MemoryKernel {
  public:
-  /// `at_once`: the same operator whose switch does not wait, when its branches are cubic and nothing else
-  /// counts.
-  OperatorKernel(std::unique_ptr<Operator> op, bool jumps, const Operator* at_once = nullptr,
-                 double switch_delay_s = 0.0)
-      : operator_(std::move(op)), jumps_(jumps), switch_delay_s_(switch_delay_s) {
-    if (at_once == nullptr) return;
-    up_ = branch(*at_once, 1);
-    down_ = branch(*at_once, -1);
-  }
+  OperatorKernel(std::unique_ptr<Operator> op, std::optional<BranchCurves> curves)
+      : operator_(std::move(op)), curves_(std::move(curves)) {}
   std::unique_ptr<MemoryKernel> clone() const override {
-    auto copy = std::make_unique<OperatorKernel>(operator_->clone(), jumps_);
-    copy->switch_delay_s_ = switch_delay_s_;
-    copy->up_ = up_;
-    copy->down_ = down_;
+    auto copy = std::make_unique<OperatorKernel>(operator_->clone(), curves_);
     copy->u_ = u_;
     copy->y_ = y_;
     return copy;
@@ -46,129 +36,101 @@ class OperatorKernel final : public MemoryKernel {
   double peek(double u, double dt_s) const override { return operator_->peek(u, dt_s); }
   double departing(double next) const override {
     // The smallest move that still has a direction shows the branch that is about to be taken.
-    if (!jumps_ || next == u_) return y_;
+    if (!curves_ || next == u_) return y_;
     return operator_->peek(u_ + 1e-12 * (next - u_), 0.0);
   }
-  bool jumps_at_turns() const override { return jumps_; }
-  std::vector<double> branch_polynomial(int direction) const override { return direction > 0 ? up_ : down_; }
-  double switch_delay_s() const override { return switch_delay_s_; }
+  bool jumps_at_turns() const override { return curves_.has_value(); }
+  std::vector<double> branch_polynomial(int direction) const override {
+    if (!curves_) return {};
+    return direction > 0 ? curves_->rising : curves_->falling;
+  }
+  double switch_delay_s() const override { return curves_ ? curves_->switch_delay_s : 0.0; }
   bool rate_independent() const override { return operator_->rate_independent(); }
 
  private:
-  /// The cubic through four of its values, met while moving in that direction.
-  static std::vector<double> branch(const Operator& at_once, int direction) {
-    const auto probe = at_once.clone();
-    double y[4];
-    for (int i = 0; i < 4; ++i) {
-      const double x = i / 3.0;
-      probe->reset(x - direction);
-      y[i] = probe->step(x, 0.0);
-    }
-    // Newton's divided differences at 0, 1/3, 2/3, 1, multiplied out.
-    const double d1 = y[1] - y[0];
-    const double d2 = y[2] - 2.0 * y[1] + y[0];
-    const double d3 = y[3] - 3.0 * y[2] + 3.0 * y[1] - y[0];
-    return {y[0], 3.0 * d1 - 1.5 * d2 + d3, 4.5 * d2 - 4.5 * d3, 4.5 * d3};
-  }
-
   std::unique_ptr<Operator> operator_;
-  bool jumps_;
-  double switch_delay_s_ = 0.0;
-  std::vector<double> up_;  ///< see branch_polynomial()
-  std::vector<double> down_;
+  std::optional<BranchCurves> curves_;
   double u_ = 0.0;
   double y_ = 0.0;
 };
 
-ParameterSpec spec_of(const ParameterInfo& info) {
-  ParameterSpec s;
-  s.name = info.name;
-  s.what = info.what;
-  s.low = info.lower;
-  s.high = info.upper;
-  s.words = info.words;
-  if (info.shape == ParameterInfo::Shape::array) s.shape = ParameterSpec::Shape::list;
-  if (info.shape == ParameterInfo::Shape::word) s.shape = ParameterSpec::Shape::word;
-  if (!info.required && info.shape == ParameterInfo::Shape::scalar && !info.otherwise.empty()) {
-    s.standard = info.otherwise.front();
-  }
-  s.optional_list = !info.required && info.shape == ParameterInfo::Shape::array;
-  return s;
-}
-
-std::vector<ParameterSpec> specs_of(const ModelType& model) {
-  std::vector<ParameterSpec> out;
-  for (const ParameterInfo& info : model.parameters) out.push_back(spec_of(info));
-  return out;
-}
-
-class HysteresisBlock final : public NamedBlockType {
+/// Any model of hysteresis/ as a block.
+class HysteresisBlock final : public BlockType {
  public:
   explicit HysteresisBlock(const ModelType& model)
-      : NamedBlockType(model.name, model.what, specs_of(model)), model_(&model) {}
+      : BlockType(model.name(), model.what(), model.parameters()), model_(&model) {}
 
-  std::string complaint(const Block& block) const override {
+  std::string validate(const Block& block) const override {
     try {
-      hysteresis::checked_model(name(), parameters_of(block));
-    } catch (const InputError& error) {
+      model_->validate(parameters_of(block));
+    } catch (const DesignError& error) {
       return error.what();
     }
     return {};
   }
   Kernel kernel(const Block& block) const override {
-    // With the slope's sign as the rule each branch is one curve, and a turn inside the stroke jumps between
-    // them.
-    const bool by_slope = (name() == "polynomial_hysteresis" || name() == "sine_hysteresis") &&
-                          block.word("minor") == "slope_sign";
-    auto parameters = parameters_of(block);
-    auto op = hysteresis::make_operator(hysteresis::checked_model(name(), parameters));
-    if (!by_slope || name() != "polynomial_hysteresis")
-      return std::make_unique<OperatorKernel>(std::move(op), by_slope);
-    const double delay = block.get("switch_delay_s");
-    parameters.set("switch_delay_s", 0.0);
-    const auto at_once = hysteresis::make_operator(hysteresis::checked_model(name(), parameters));
-    return std::make_unique<OperatorKernel>(std::move(op), by_slope, at_once.get(), delay);
+    const hysteresis::Model model = hysteresis_model_of(block);
+    return std::make_unique<OperatorKernel>(make_operator(model), model_->branch_curves(model.parameters));
   }
   std::vector<PolynomialList> polynomials() const override {
-    if (name() != "polynomial_hysteresis") return {};
-    return {{"ascending", 0}, {"descending", 0}};
+    std::vector<PolynomialList> out;
+    for (const std::string_view key : model_->polynomial_lists()) out.push_back({key, 0});
+    return out;
   }
+  const ModelType* hysteresis_model() const override { return model_; }
 
- private:
-  hysteresis::Parameters parameters_of(const Block& block) const {
+  static hysteresis::Parameters parameters_of(const Block& block) {
     hysteresis::Parameters out;
-    for (const ParameterInfo& info : model_->parameters) {
-      switch (info.shape) {
-        case ParameterInfo::Shape::scalar:
-          out.set(info.name, block.get(info.name));
+    for (const ParameterSpec& spec : block.type().specs()) {
+      switch (spec.shape) {
+        case ParameterSpec::Shape::number:
+        case ParameterSpec::Shape::flag:
+          out.set(spec.name, block.get(spec.name));
           break;
-        case ParameterInfo::Shape::word:
-          out.set(info.name, block.word(info.name));
+        case ParameterSpec::Shape::word:
+          out.set(spec.name, std::string_view(block.word(spec.name)));
           break;
-        case ParameterInfo::Shape::array: {
-          std::vector<double> values = block.list(info.name);
-          if (!values.empty() || info.required) out.set(info.name, std::move(values));
+        case ParameterSpec::Shape::list:
+          out.set(spec.name, block.list(spec.name));
           break;
-        }
       }
     }
     return out;
   }
 
+ private:
   const ModelType* model_;
 };
 
 }  // namespace
 
-std::vector<const BlockType*> hysteresis_blocks() {
-  static const std::vector<std::unique_ptr<HysteresisBlock>> owned = [] {
-    std::vector<std::unique_ptr<HysteresisBlock>> all;
-    for (const ModelType& model : hysteresis::model_types())
-      all.push_back(std::make_unique<HysteresisBlock>(model));
-    return all;
-  }();
-  std::vector<const BlockType*> out;
-  for (const auto& type : owned) out.push_back(type.get());
+const BlockType& hysteresis_block_type(const ModelType& model) {
+  static std::map<const ModelType*, std::unique_ptr<HysteresisBlock>> types;
+  std::unique_ptr<HysteresisBlock>& type = types[&model];
+  if (type == nullptr) type = std::make_unique<HysteresisBlock>(model);
+  return *type;
+}
+
+hysteresis::Model hysteresis_model_of(const Block& block) {
+  return block.hysteresis_model()->model(HysteresisBlock::parameters_of(block));
+}
+
+Block hysteresis_block(const hysteresis::Model& model) {
+  Block out(hysteresis_block_type(*model.type));
+  for (const ParameterSpec& spec : model.type->parameters()) {
+    switch (spec.shape) {
+      case ParameterSpec::Shape::number:
+      case ParameterSpec::Shape::flag:
+        out.set(spec.name, model.parameters.number(spec.name));
+        break;
+      case ParameterSpec::Shape::word:
+        out.set_word(spec.name, model.parameters.word(spec.name));
+        break;
+      case ParameterSpec::Shape::list:
+        out.set(spec.name, model.parameters.list(spec.name));
+        break;
+    }
+  }
   return out;
 }
 

@@ -1,17 +1,17 @@
 #include <limits>
 
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 #include "chain/linear_kernel.hpp"
 
 namespace bodesmith::chain {
 namespace {
 
 /// H(s) = 1/(1 + s/(2 pi corner_hz)): an amplifier's first-order lag.
-class Lowpass final : public NamedBlockType {
+class Lowpass final : public BlockType {
  public:
   Lowpass()
-      : NamedBlockType("lowpass", "first-order lag, 1/(1 + s/w)",
-                       {above_zero("corner_hz", "-3 dB frequency")}) {}
+      : BlockType("lowpass", "first-order lag, 1/(1 + s/w)",
+                  {above_zero("corner_hz", "Hz", "-3 dB frequency")}) {}
   Kernel kernel(const Block& block) const override {
     return pole_zero_kernel(1.0, std::numeric_limits<double>::infinity(),
                             Hertz{block.get("corner_hz")}.rad_s().value);

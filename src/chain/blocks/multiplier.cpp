@@ -1,4 +1,4 @@
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -24,16 +24,17 @@ class SquarerCurve final : public CurveKernel {
 /// disturbance generator:
 ///   y = (u + x_offset)(u + y_offset)/scale + feedthrough u + z_offset.
 /// Its bandwidth is a lowpass block behind it.
-class Multiplier final : public NamedBlockType {
+class Multiplier final : public BlockType {
  public:
   Multiplier()
-      : NamedBlockType(
+      : BlockType(
             "multiplier", "squarer with scale, offsets and feedthrough",
-            {above_zero("scale_v", "U: volts in for which volts out are the same", 1.0),
-             any_number("x_offset_v", "offset of the X input", 0.0),
-             any_number("y_offset_v", "offset of the Y input", 0.0),
-             any_number("z_offset_v", "offset of the output", 0.0),
-             any_number("feedthrough", "part of the input that reaches the output directly", 0.0)}) {}
+            {above_zero("scale_v", "V", "U: volts in for which volts out are the same").with_default(1.0),
+             any_number("x_offset_v", "V", "offset of the X input").with_default(0.0),
+             any_number("y_offset_v", "V", "offset of the Y input").with_default(0.0),
+             any_number("z_offset_v", "V", "offset of the output").with_default(0.0),
+             any_number("feedthrough", "1", "part of the input that reaches the output directly")
+                 .with_default(0.0)}) {}
   Kernel kernel(const Block& block) const override { return std::make_unique<SquarerCurve>(block); }
 };
 

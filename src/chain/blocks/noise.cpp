@@ -2,7 +2,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith::chain {
@@ -69,16 +69,16 @@ class NoiseSource final : public SourceKernel {
 /// y = u + noise of one-sided density density_per_rthz^2 (1 + corner_hz/f) up to about bandwidth_hz (half its
 /// power at 0.64 bandwidth), 1/f down to lowest_hz within 1 dB. The same seed is the same signal for every
 /// engine. kT/C noise belongs to a switched_capacitor block.
-class Noise final : public NamedBlockType {
+class Noise final : public BlockType {
  public:
   Noise()
-      : NamedBlockType(
+      : BlockType(
             "noise", "adds white and 1/f noise",
-            {not_negative("density_per_rthz", "white density, units of the signal per root hertz"),
-             above_zero("bandwidth_hz", "where the noise ends"),
-             not_negative("corner_hz", "below it 1/f noise is larger; 0: none", 0.0),
-             above_zero("lowest_hz", "where 1/f noise ends", 1e-3),
-             ParameterSpec{"seed", "of the random numbers", ParameterSpec::Shape::number, 1.0, 0.0, 9e15}}) {}
+            {not_negative("density_per_rthz", "y/√Hz", "white density, units of the signal per root hertz"),
+             above_zero("bandwidth_hz", "Hz", "where the noise ends"),
+             not_negative("corner_hz", "Hz", "below it 1/f noise is larger; 0: none").with_default(0.0),
+             above_zero("lowest_hz", "Hz", "where 1/f noise ends").with_default(1e-3),
+             between("seed", "1", "of the random numbers", 0.0, 9e15).with_default(1.0)}) {}
   Kernel kernel(const Block& block) const override { return std::make_unique<NoiseSource>(block); }
   std::optional<std::complex<double>> response(const Block&, RadPerSecond) const override { return 1.0; }
 };

@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 #include "chain/linear_kernel.hpp"
 
 namespace bodesmith::chain {
@@ -68,17 +68,16 @@ class OpampKernel final : public OdeKernel {
 ///   y' = SR tanh(2 pi GBW (u - y/G)/SR), held between the rails (a clamp of 30 times the closed-loop
 ///   bandwidth on y itself).
 /// Small signals see G/(1 + s G/(2 pi GBW)).
-class Opamp final : public NamedBlockType {
+class Opamp final : public BlockType {
  public:
   Opamp()
-      : NamedBlockType(
-            "opamp", "op-amp stage with gain-bandwidth, slew rate and rails",
-            {ParameterSpec{"gain", "closed-loop gain, at least 1", ParameterSpec::Shape::number, 1.0, 1.0},
-             above_zero("gain_bandwidth_hz", "gain-bandwidth product"),
-             above_zero("slew_rate_v_per_s", "fastest change of the output"),
-             any_number("lower_rail_v", "lowest output", -1e6),
-             any_number("upper_rail_v", "highest output", 1e6)}) {}
-  std::string complaint(const Block& block) const override {
+      : BlockType("opamp", "op-amp stage with gain-bandwidth, slew rate and rails",
+                  {at_least("gain", "1", "closed-loop gain, at least 1", 1.0).with_default(1.0),
+                   above_zero("gain_bandwidth_hz", "Hz", "gain-bandwidth product"),
+                   above_zero("slew_rate_v_per_s", "V/s", "fastest change of the output"),
+                   any_number("lower_rail_v", "V", "lowest output").with_default(-1e6),
+                   any_number("upper_rail_v", "V", "highest output").with_default(1e6)}) {}
+  std::string validate(const Block& block) const override {
     return block.get("lower_rail_v") < block.get("upper_rail_v") ? ""
                                                                  : "lower_rail_v is not below upper_rail_v";
   }

@@ -1,16 +1,17 @@
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 #include "chain/linear_kernel.hpp"
 
 namespace bodesmith::chain {
 namespace {
 
 /// H(s) = gain (1 + s/(2 pi zero_hz))/(1 + s/(2 pi pole_hz)): one integer section of a compensator.
-class PoleZero final : public NamedBlockType {
+class PoleZero final : public BlockType {
  public:
   PoleZero()
-      : NamedBlockType("pole_zero", "gain (1 + s/z)/(1 + s/p)",
-                       {any_number("gain", "gain at DC", 1.0), above_zero("zero_hz", "corner of the zero"),
-                        above_zero("pole_hz", "corner of the pole")}) {}
+      : BlockType("pole_zero", "gain (1 + s/z)/(1 + s/p)",
+                  {any_number("gain", "y/u", "gain at DC").with_default(1.0),
+                   above_zero("zero_hz", "Hz", "corner of the zero"),
+                   above_zero("pole_hz", "Hz", "corner of the pole")}) {}
   Kernel kernel(const Block& block) const override {
     return pole_zero_kernel(block.get("gain"), Hertz{block.get("zero_hz")}.rad_s().value,
                             Hertz{block.get("pole_hz")}.rad_s().value);

@@ -1,4 +1,4 @@
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -26,11 +26,11 @@ class PolynomialCurve final : public CurveKernel {
 };
 
 /// y = sum c_i u^i.
-class Polynomial final : public NamedBlockType {
+class Polynomial final : public BlockType {
  public:
   Polynomial()
-      : NamedBlockType("polynomial", "smooth static curve",
-                       {list_of(any_number("coefficients", "[c0, c1, ...]"))}) {}
+      : BlockType("polynomial", "smooth static curve",
+                  {list_of(any_number("coefficients", "y/uⁿ", "[c0, c1, ...]"))}) {}
   Kernel kernel(const Block& block) const override {
     return std::make_unique<PolynomialCurve>(block.list("coefficients"));
   }

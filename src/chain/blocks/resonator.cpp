@@ -1,6 +1,6 @@
 #include <cmath>
 
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -64,16 +64,16 @@ class NonlinearResonator final : public OdeKernel {
 };
 
 /// y'' + 2 zeta w y' + w^2 (y + quadratic y^2 + cubic y^3) + drag w |y'| y' = gain w^2 u.
-class Resonator final : public NamedBlockType {
+class Resonator final : public BlockType {
  public:
   Resonator()
-      : NamedBlockType(
-            "resonator", "second-order mode; nonlinear spring and drag if given",
-            {any_number("gain", "gain at DC", 1.0),
-             above_zero("natural_frequency_hz", "undamped natural frequency"),
-             above_zero("damping_ratio", "zeta"), any_number("quadratic", "spring, per unit of y", 0.0),
-             any_number("cubic", "spring, per unit of y squared", 0.0),
-             any_number("drag", "factor of w |y'| y', s per unit of y", 0.0)}) {}
+      : BlockType("resonator", "second-order mode; nonlinear spring and drag if given",
+                  {any_number("gain", "y/u", "gain at DC").with_default(1.0),
+                   above_zero("natural_frequency_hz", "Hz", "undamped natural frequency"),
+                   above_zero("damping_ratio", "1", "zeta"),
+                   any_number("quadratic", "1/y", "spring, per unit of y").with_default(0.0),
+                   any_number("cubic", "1/y²", "spring, per unit of y squared").with_default(0.0),
+                   any_number("drag", "s/y", "factor of w |y'| y', s per unit of y").with_default(0.0)}) {}
 
   Kernel kernel(const Block& block) const override {
     if (is_linear(block)) return LinearKernel{linear_part(block)};

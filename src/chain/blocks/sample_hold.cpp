@@ -1,7 +1,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -23,10 +23,12 @@ class Hold final : public SampledKernel {
 /// half_cycle the sample appears half a cycle later, as between two phases of a switched-capacitor circuit.
 /// For signals well below the clock H(jw) = sinc(f/fc) exp(-j pi f/fc), times exp(-j pi f/fc) again with
 /// half_cycle.
-class SampleHold final : public NamedBlockType {
+class SampleHold final : public BlockType {
  public:
   SampleHold()
-      : NamedBlockType("sample_hold", "clocked sample and hold", {above_zero("clock_hz", "clock"), flag()}) {}
+      : BlockType("sample_hold", "clocked sample and hold",
+                  {above_zero("clock_hz", "Hz", "clock"),
+                   flag("half_cycle", "the sample appears half a cycle later")}) {}
   /// Of the part at the input's own frequency; images about the clock's multiples come besides.
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     const double cycle = w.hz().value / block.get("clock_hz");
@@ -36,15 +38,6 @@ class SampleHold final : public NamedBlockType {
   }
   Kernel kernel(const Block& block) const override {
     return std::make_unique<Hold>(block.get("clock_hz"), block.flag("half_cycle"));
-  }
-
- private:
-  static ParameterSpec flag() {
-    ParameterSpec s = any_number("half_cycle", "the sample appears half a cycle later", 0.0);
-    s.shape = ParameterSpec::Shape::flag;
-    s.low = 0.0;
-    s.high = 1.0;
-    return s;
   }
 };
 

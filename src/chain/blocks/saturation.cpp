@@ -1,6 +1,6 @@
 #include <algorithm>
 
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -21,12 +21,12 @@ class SaturationCurve final : public CurveKernel {
 };
 
 /// y = u held between lower and upper.
-class Saturation final : public NamedBlockType {
+class Saturation final : public BlockType {
  public:
   Saturation()
-      : NamedBlockType("saturation", "limits the amplitude",
-                       {any_number("lower", "lowest output"), any_number("upper", "highest output")}) {}
-  std::string complaint(const Block& block) const override {
+      : BlockType("saturation", "limits the amplitude",
+                  {any_number("lower", "y", "lowest output"), any_number("upper", "y", "highest output")}) {}
+  std::string validate(const Block& block) const override {
     return block.get("lower") < block.get("upper") ? "" : "lower is not below upper";
   }
   Kernel kernel(const Block& block) const override {

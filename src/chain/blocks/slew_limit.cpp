@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -50,12 +50,13 @@ class SlewLimiter final : public MemoryKernel {
 
 /// x follows u as fast as |x'| <= rate_per_s allows; y = x + feedthrough (u - x): the part of an input edge
 /// that reaches the output at once, as through the feedback network of a slewing op-amp.
-class SlewLimit final : public NamedBlockType {
+class SlewLimit final : public BlockType {
  public:
   SlewLimit()
-      : NamedBlockType("slew_limit", "limits the rate of change",
-                       {above_zero("rate_per_s", "fastest change a second"),
-                        not_negative("feedthrough", "part of the input that passes at once", 0.0)}) {}
+      : BlockType(
+            "slew_limit", "limits the rate of change",
+            {above_zero("rate_per_s", "y/s", "fastest change a second"),
+             not_negative("feedthrough", "1", "part of the input that passes at once").with_default(0.0)}) {}
   Kernel kernel(const Block& block) const override {
     return std::make_unique<SlewLimiter>(block.get("rate_per_s"), block.get("feedthrough"));
   }

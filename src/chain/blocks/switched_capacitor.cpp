@@ -1,7 +1,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "chain/blocks/block_list.hpp"
+#include "chain/block.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith::chain {
@@ -64,17 +64,18 @@ class SectionKernel final : public SampledKernel {
 /// A switched-capacitor section at its real clock: samples, H(z) = (b0 + b1 z^-1 + ...)/(a0 + a1 z^-1 + ...),
 /// output held for a cycle (half a cycle later with half_cycle). With noise_capacitor_f each sample carries
 /// the noise of two branches, sigma^2 = 2kT/C.
-class SwitchedCapacitor final : public NamedBlockType {
+class SwitchedCapacitor final : public BlockType {
  public:
   SwitchedCapacitor()
-      : NamedBlockType(
+      : BlockType(
             "switched_capacitor", "z-domain section, sampled and held at its clock",
-            {above_zero("clock_hz", "clock"), list_of(any_number("z_numerator", "[b0, b1, ...]")),
-             list_of(any_number("z_denominator", "[a0, a1, ...]")), flag(),
-             not_negative("noise_capacitor_f", "capacitor of the kT/C noise; 0: none", 0.0),
-             above_zero("temperature_k", "temperature", 300.0),
-             ParameterSpec{"seed", "of the random numbers", ParameterSpec::Shape::number, 1.0, 0.0, 9e15}}) {}
-  std::string complaint(const Block& block) const override {
+            {above_zero("clock_hz", "Hz", "clock"), list_of(any_number("z_numerator", "1", "[b0, b1, ...]")),
+             list_of(any_number("z_denominator", "1", "[a0, a1, ...]")),
+             flag("half_cycle", "the output appears half a cycle later"),
+             not_negative("noise_capacitor_f", "F", "capacitor of the kT/C noise; 0: none").with_default(0.0),
+             above_zero("temperature_k", "K", "temperature").with_default(300.0),
+             between("seed", "1", "of the random numbers", 0.0, 9e15).with_default(1.0)}) {}
+  std::string validate(const Block& block) const override {
     const auto numerator = block.list("z_numerator");
     const auto denominator = block.list("z_denominator");
     if (numerator.empty() || denominator.empty()) return "z_numerator or z_denominator is empty";
@@ -92,15 +93,6 @@ class SwitchedCapacitor final : public NamedBlockType {
     return {};
   }
   Kernel kernel(const Block& block) const override { return std::make_unique<SectionKernel>(block); }
-
- private:
-  static ParameterSpec flag() {
-    ParameterSpec s = any_number("half_cycle", "the output appears half a cycle later", 0.0);
-    s.shape = ParameterSpec::Shape::flag;
-    s.low = 0.0;
-    s.high = 1.0;
-    return s;
-  }
 };
 
 }  // namespace

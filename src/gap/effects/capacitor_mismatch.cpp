@@ -23,10 +23,10 @@ class CapacitorMismatch final : public Effect {
       if (!scene.model->is_base(at)) continue;
       if (section.type_name() != "pole_zero" && section.type_name() != "lowpass") continue;
       for (const auto& parameter : section.parameters()) {
-        if (parameter.free || !parameter.key.ends_with("_hz") || !(parameter.value > 0.0)) continue;
+        if (parameter.free || !parameter.spec->is_frequency() || !(parameter.value > 0.0)) continue;
         const double value = parameter.value;
         out.push_back(change_block(scene, *this, at,
-                                   {logarithmic_unknown(parameter.key, value / 1.5, value * 1.5)},
+                                   {logarithmic_unknown(parameter.key(), value / 1.5, value * 1.5)},
                                    {{value * 1.01}}));
       }
     }

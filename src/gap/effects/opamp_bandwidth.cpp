@@ -26,7 +26,7 @@ class OpampBandwidth final : public Effect {
       const auto& section = scene.model->at(at);
       if (!scene.model->is_base(at) || section.type_name() != "pole_zero") continue;
       bool free = false;
-      for (const auto& p : section.parameters()) free = free || (p.free && p.key == "pole_hz");
+      for (const auto& p : section.parameters()) free = free || (p.free && p.key() == "pole_hz");
       if (!free) sections.push_back(at);
     }
     for (const bool inverting : {true, false}) {

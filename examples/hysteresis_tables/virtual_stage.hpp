@@ -1,16 +1,96 @@
-#include "hysteresis/virtual_stage.hpp"
+#pragma once
 
+#include <Eigen/Dense>
 #include <cmath>
+#include <cstdint>
 #include <numbers>
 #include <unsupported/Eigen/MatrixFunctions>
+#include <vector>
 
-namespace bodesmith::hysteresis {
-namespace {
-constexpr double kTwoPi = 2.0 * std::numbers::pi;
-constexpr int kRateSections = 12;
-}  // namespace
+#include "numeric/random.hpp"
 
-VirtualStageSettings VirtualStageSettings::nanopositioner() {
+namespace bench {
+
+inline constexpr double kTwoPi = 2.0 * std::numbers::pi;
+inline constexpr int kRateSections = 12;
+
+/// A piezo stage that belongs to none of the models: the common bench on which their papers' tables are
+/// repeated.
+///   x = u/u_full
+///   memory:     dh/dx = α sgn(ẋ) (f(x) − h) + g(x),  f = x + asymmetry x (1 − x),  g = slope f'(x)
+///               (Coleman-Hodgdon / Duhem)
+///   rate:       q = h after ((1 + s/ω_b)/(1 + s/ω_a))^β between rate_from and rate_to
+///               (fractional lag, 12 sections)
+///   creep:      q + Σ creep_gain (1 − e^(−t/τ)) like lags of q
+///   amplifier:  first-order lag on the drive
+///   resonance:  second order on the motion
+///   sensor:     white noise.
+/// Every linear part is propagated exactly for an input that is linear between samples.
+struct VirtualStageSettings {
+  double full_drive = 1.0;   ///< u_full
+  double full_stroke = 1.0;  ///< y at x = 1, at rest
+  double alpha = 6.0;
+  double slope = 0.62;
+  double asymmetry = 0.12;
+  double rate_from_hz = 1.0;
+  double rate_to_hz = 1000.0;
+  double rate_beta = 0.02;           ///< above 0: falls with the rate
+  bool rate_on_disturbance = false;  ///< the rate acts on h - x only, the straight line stays (000's reading)
+  double amplifier_hz = 0.0;         ///< 0: none
+  double resonance_hz = 0.0;         ///< 0: none
+  double damping_ratio = 0.05;
+  std::vector<double> creep_gains;
+  std::vector<double> creep_time_s;
+  double noise_rms = 0.0;  ///< of y
+  std::uint64_t seed = 1;
+
+  /// The stages of the five papers as far as they print them (000 section V.A, 001 III, 002 Table 1, 004
+  /// section 4).
+  static VirtualStageSettings nanopositioner();  ///< 000: 6.92 um, 65.1 kHz, damped
+  static VirtualStageSettings stack_actuator();  ///< 001: 67.66 um at 150 V, 10 kHz
+  static VirtualStageSettings pusher();          ///< 002: 12 um at 100 V, 3.5 kHz
+  static VirtualStageSettings
+  piezoceramic();  ///< 004: 36 um at 120 V, loops that widen and shrink with the rate
+};
+
+class VirtualStage {
+ public:
+  explicit VirtualStage(VirtualStageSettings settings);
+  /// Rests at u after a long time there, come up from 0. Returns the measured y.
+  double reset(double u);
+  double step(double u, double dt_s);
+  const VirtualStageSettings& settings() const { return settings_; }
+
+ private:
+  /// First-order section k (s + z)/(s + p) for inputs linear between samples.
+  struct Section {
+    double p = 1.0, gap = 0.0, gain = 1.0;  ///< gain (1 + (z − p)/(s + p))
+    double x = 0.0;
+    double move(double from, double to, double dt);
+    double rest(double u);
+  };
+  double memory(double x);
+  double measured(double y);
+
+  VirtualStageSettings settings_;
+  std::vector<Section> rate_;
+  std::vector<Section> creep_;
+  Section amplifier_;
+  bodesmith::Random random_;
+  double x_ = 0.0;
+  double h_ = 0.0;
+  double drive_ = 0.0;
+  double q_ = 0.0;
+  std::vector<double> between_;
+  Eigen::Vector2d mass_ = Eigen::Vector2d::Zero();
+  double force_ = 0.0;
+  double prepared_ = -1.0;
+  Eigen::Matrix2d mass_decay_ = Eigen::Matrix2d::Identity();
+  Eigen::Vector2d hold_0_ = Eigen::Vector2d::Zero();
+  Eigen::Vector2d hold_1_ = Eigen::Vector2d::Zero();
+};
+
+inline VirtualStageSettings VirtualStageSettings::nanopositioner() {
   VirtualStageSettings out;
   out.full_drive = 1.0;
   out.full_stroke = 6.92;
@@ -24,7 +104,7 @@ VirtualStageSettings VirtualStageSettings::nanopositioner() {
   return out;
 }
 
-VirtualStageSettings VirtualStageSettings::stack_actuator() {
+inline VirtualStageSettings VirtualStageSettings::stack_actuator() {
   VirtualStageSettings out;
   out.full_drive = 150.0;
   out.full_stroke = 67.66;
@@ -40,7 +120,7 @@ VirtualStageSettings VirtualStageSettings::stack_actuator() {
   return out;
 }
 
-VirtualStageSettings VirtualStageSettings::pusher() {
+inline VirtualStageSettings VirtualStageSettings::pusher() {
   VirtualStageSettings out;
   out.full_drive = 100.0;
   out.full_stroke = 12.0;
@@ -55,7 +135,7 @@ VirtualStageSettings VirtualStageSettings::pusher() {
   return out;
 }
 
-VirtualStageSettings VirtualStageSettings::piezoceramic() {
+inline VirtualStageSettings VirtualStageSettings::piezoceramic() {
   VirtualStageSettings out;
   out.full_drive = 120.0;
   out.full_stroke = 36.0;
@@ -71,19 +151,19 @@ VirtualStageSettings VirtualStageSettings::piezoceramic() {
   return out;
 }
 
-double VirtualStage::Section::rest(double u) {
+inline double VirtualStage::Section::rest(double u) {
   x = u / p;
   return gain * (u + gap * x);
 }
 
-double VirtualStage::Section::move(double from, double to, double dt) {
+inline double VirtualStage::Section::move(double from, double to, double dt) {
   const double e = std::exp(-p * dt);
   const double hold = (1.0 - e) / p;
   x = e * x + hold * from + (dt > 0.0 ? (1.0 - hold / dt) / p : 0.0) * (to - from);
   return gain * (to + gap * x);
 }
 
-VirtualStage::VirtualStage(VirtualStageSettings settings)
+inline VirtualStage::VirtualStage(VirtualStageSettings settings)
     : settings_(std::move(settings)), random_(settings_.seed) {
   // A fractional lag of order beta: poles and zeros alternate, evenly in log frequency (Oustaloup).
   const double low = kTwoPi * settings_.rate_from_hz;
@@ -101,7 +181,7 @@ VirtualStage::VirtualStage(VirtualStageSettings settings)
   reset(0.0);
 }
 
-double VirtualStage::memory(double x) {
+inline double VirtualStage::memory(double x) {
   // The branch in small straight pieces of f, each in closed form.
   const double way = x - x_;
   if (way == 0.0) return h_;
@@ -121,12 +201,12 @@ double VirtualStage::memory(double x) {
   return h_;
 }
 
-double VirtualStage::measured(double y) {
+inline double VirtualStage::measured(double y) {
   return settings_.full_stroke * y +
          (settings_.noise_rms > 0.0 ? settings_.noise_rms * random_.normal() : 0.0);
 }
 
-double VirtualStage::reset(double u) {
+inline double VirtualStage::reset(double u) {
   x_ = 0.0;
   h_ = 0.0;
   drive_ = u;
@@ -145,7 +225,7 @@ double VirtualStage::reset(double u) {
   return measured(y);
 }
 
-double VirtualStage::step(double u, double dt_s) {
+inline double VirtualStage::step(double u, double dt_s) {
   double drive = u;
   if (settings_.amplifier_hz > 0.0) {
     // A pure lag: p/(s + p), the section's state times p.
@@ -186,4 +266,4 @@ double VirtualStage::step(double u, double dt_s) {
   return measured(y);
 }
 
-}  // namespace bodesmith::hysteresis
+}  // namespace bench

@@ -6,15 +6,22 @@
 #include <vector>
 
 #include "hysteresis/identification.hpp"
+#include "identify/error_figures.hpp"
+#include "identify/stage_model.hpp"
 
-namespace bodesmith::hysteresis {
+namespace bodesmith::identify {
+
+using hysteresis::Identified;
+using hysteresis::IdentifyOptions;
 
 /// One model held against records: what identify reports.
 struct StageFit {
   std::string model;
   Identified identified;
+  StageModel stage;
   ErrorFigures training;
   std::optional<ErrorFigures> holdout;
+  double compute_s = 0.0;
   /// Not empty: the model cannot be identified from these records, and why.
   std::string refused;
 };
@@ -27,11 +34,13 @@ struct StageFitOptions {
   std::optional<double> delay_s;
   bool find_delay = false;
 };
-StageFit fit_stage(const std::string& model, std::span<const TimeRecord> training,
+/// `model` null: the straight line without hysteresis, called "linear". Throws InputError when the records
+/// cannot determine the model.
+StageFit fit_stage(const hysteresis::ModelType* model, std::span<const TimeRecord> training,
                    std::span<const TimeRecord> holdout, const StageFitOptions& options);
 
-/// The pure delay in [0, 8 samples] that leaves the least to a bank of ten plays, by scan and golden section;
-/// with a linear model when `linear`.
+/// The pure delay in [0, 8 samples] that leaves the smallest error to a bank of ten plays, by scan and golden
+/// section; to a straight line when `linear`.
 double best_delay(std::span<const TimeRecord> records, const IdentifyOptions& options, bool linear);
 
 /// The record as a model without delay should see it: y advanced by the delay, the end cut off.
@@ -40,4 +49,4 @@ TimeRecord advanced(const TimeRecord& record, double delay_s);
 /// y = offset + gain u, the model without hysteresis, as the ladder's lowest step.
 Identified identify_linear(std::span<const TimeRecord> records, const IdentifyOptions& options);
 
-}  // namespace bodesmith::hysteresis
+}  // namespace bodesmith::identify

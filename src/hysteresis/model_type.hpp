@@ -1,0 +1,99 @@
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/parameter.hpp"
+#include "hysteresis/inverse.hpp"
+#include "hysteresis/operator.hpp"
+#include "hysteresis/parameters.hpp"
+#include "signal/time_record.hpp"
+
+namespace bodesmith::hysteresis {
+
+class ModelType;
+struct Identified;
+struct IdentifyOptions;
+
+/// A model as it stands in model.toml: its type and the values of all its parameters.
+struct Model {
+  const ModelType* type = nullptr;  ///< null: no hysteresis
+  Parameters parameters;
+};
+
+/// Of models whose output is one curve of the input while it rises and another one while it falls, whatever came
+/// before: it jumps between them when the input turns.
+struct BranchCurves {
+  /// y = c0 + c1 u + …, where the curves are polynomials; empty otherwise.
+  std::vector<double> rising;
+  std::vector<double> falling;
+  double switch_delay_s = 0.0;  ///< the branch follows the input's direction this much later
+};
+
+/// One kind of model: everything the program needs to know of it. A new one is a file of its own and one line
+/// in registry.cpp.
+class ModelType {
+ public:
+  ModelType(std::string name, std::string what, std::string source, std::vector<ParameterSpec> parameters);
+  virtual ~ModelType() = default;
+
+  const std::string& name() const { return name_; }      ///< `type` of the block in model.toml
+  const std::string& what() const { return what_; }      ///< one line for a person
+  const std::string& source() const { return source_; }  ///< paper and equations
+  const std::vector<ParameterSpec>& parameters() const { return parameters_; }
+
+  /// Fills in what is optional and checks everything; throws DesignError.
+  Model model(const Parameters& values) const;
+  /// From records that begin at rest. Throws InputError when the records cannot determine the model.
+  Identified identify(std::span<const TimeRecord> records, const IdentifyOptions& options) const;
+
+  // All of these take the values of every parameter, each legal by itself.
+
+  /// Throws DesignError when the values do not go together (lengths of lists, order of tables). A message about
+  /// one number begins with its name.
+  virtual void validate(const Parameters& values) const = 0;
+  virtual std::unique_ptr<Operator> make_operator(const Parameters& values) const = 0;
+  /// Throws DesignError when the model with these values has no inverse (not monotone).
+  virtual std::unique_ptr<Inverse> make_inverse(const Parameters& values) const = 0;
+  /// Nothing for models that remember more than the input's direction.
+  virtual std::optional<BranchCurves> branch_curves(const Parameters&) const { return std::nullopt; }
+  /// Lists that hold the coefficients of u, u², … of a polynomial which a circuit makes by multipliers.
+  virtual std::vector<std::string_view> polynomial_lists() const { return {}; }
+
+ protected:
+  virtual Identified fit(std::span<const TimeRecord> records, const IdentifyOptions& options) const = 0;
+
+ private:
+  std::string name_;
+  std::string what_;
+  std::string source_;
+  std::vector<ParameterSpec> parameters_;
+};
+
+/// A type whose parameters become one value: `Shape::from(parameters)`, which throws DesignError when they do
+/// not go together. Operator and inverse are made of that.
+template <class Shape>
+class ShapedModelType : public ModelType {
+ public:
+  using ModelType::ModelType;
+  void validate(const Parameters& values) const final { (void)Shape::from(values); }
+  std::unique_ptr<Operator> make_operator(const Parameters& values) const final {
+    return operator_of(Shape::from(values));
+  }
+  std::unique_ptr<Inverse> make_inverse(const Parameters& values) const final {
+    return inverse_of(Shape::from(values));
+  }
+
+ protected:
+  virtual std::unique_ptr<Operator> operator_of(const Shape& shape) const = 0;
+  virtual std::unique_ptr<Inverse> inverse_of(const Shape& shape) const = 0;
+};
+
+std::unique_ptr<Operator> make_operator(const Model& model);
+std::unique_ptr<Inverse> make_inverse(const Model& model);
+
+}  // namespace bodesmith::hysteresis

@@ -1,0 +1,226 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "hysteresis/polynomial_disturbance.hpp"
+#include "hysteresis/polynomial_fit.hpp"
+#include "hysteresis/record_tools.hpp"
+#include "hysteresis/registry.hpp"
+#include "numeric/index.hpp"
+#include "numeric/least_squares.hpp"
+
+namespace bodesmith::hysteresis {
+namespace {
+
+/// Scalings of the record and the branches' shapes; what both methods end with.
+struct DisturbanceFit {
+  Scaling input;
+  Scaling output;
+  PolynomialDisturbance model;
+};
+
+Parameters to_parameters(const PolynomialDisturbance& model) {
+  Parameters out;
+  if (model.ascending.is_sine) {
+    out.set("A_ascending", model.ascending.sine).set("A_descending", model.descending.sine);
+  } else {
+    const auto list = [](const std::array<double, 3>& a) { return std::vector<double>(a.begin(), a.end()); };
+    out.set("ascending", list(model.ascending.polynomial))
+        .set("descending", list(model.descending.polynomial));
+  }
+  out.set("minor", model.nested ? "nested" : "slope_sign");
+  if (!model.alpha.empty())
+    out.set("alpha", model.alpha).set("alpha_1", model.alpha_1).set("alpha_2", model.alpha_2);
+  return out;
+}
+
+/// The branches of the records that span the input's whole range.
+struct FullStroke {
+  const TimeRecord* record;
+  Branch branch;
+};
+
+std::vector<FullStroke> full_strokes(std::span<const TimeRecord> records, double skip_s, double range) {
+  std::vector<FullStroke> out;
+  for (const TimeRecord& record : records) {
+    for (const Branch& branch : branches(record.u)) {
+      if (branch.first >= first_counted(record, skip_s) &&
+          std::abs(record.u[branch.last] - record.u[branch.first]) > 0.97 * range)
+        out.push_back({&record, branch});
+    }
+  }
+  if (out.empty())
+    throw InputError(
+        records[0].file, 0,
+        "no branch spans the whole range of the input, expected full strokes (at least one up and one down)");
+  return out;
+}
+
+/// The paper's way: the line through the ends of the full stroke is what should be; the disturbance of each
+/// branch is fitted to what differs (eq. 4, 5 or 10), over all branches that span the stroke.
+DisturbanceFit fit_full_strokes(std::span<const TimeRecord> records, double skip_s, bool sine) {
+  const Range u = input_range(records, 0.0);
+  const std::vector<FullStroke> strokes = full_strokes(records, skip_s, u.width());
+  double low = 0.0, high = 0.0;
+  for (const auto& [record, branch] : strokes) {
+    (branch.rising ? low : high) += record->y[branch.first];
+    (branch.rising ? high : low) += record->y[branch.last];
+  }
+  low /= static_cast<double>(strokes.size());
+  high /= static_cast<double>(strokes.size());
+  if (!(high != low))
+    throw InputError(records[0].file, 0, "the output is the same at both ends of the stroke");
+  DisturbanceFit out;
+  out.input = {1.0 / u.width(), -u.low / u.width()};
+  out.output = {high - low, low};
+  std::vector<double> x[2], d[2];
+  for (const auto& [record, branch] : strokes) {
+    for (std::size_t i = branch.first; i <= branch.last; ++i) {
+      const double at = out.input(record->u[i]);
+      x[branch.rising].push_back(at);
+      d[branch.rising].push_back((record->y[i] - low) / (high - low) - at);
+    }
+  }
+  if (x[0].size() < 3 || x[1].size() < 3)
+    throw InputError(records[0].file, 0, "holds no full stroke up and down of at least three samples each");
+  if (sine) {
+    out.model.ascending.is_sine = out.model.descending.is_sine = true;
+    out.model.ascending.sine = fit_sine(x[1], d[1]).amplitude;
+    out.model.descending.sine = fit_sine(x[0], d[0]).amplitude;
+  } else {
+    out.model.ascending.polynomial = fit_polynomial(x[1], d[1]).a;
+    out.model.descending.polynomial = fit_polynomial(x[0], d[0]).a;
+  }
+  return out;
+}
+
+double shortest_stroke(std::span<const TimeRecord> records) {
+  const double full = input_range(records, 0.0).width();
+  double out = 1.0;
+  for (const TimeRecord& record : records) {
+    const std::vector<Branch> list = branches(record.u);
+    for (std::size_t i = 1; i + 1 < list.size(); ++i)
+      out = std::min(out, std::abs(record.u[list[i].last] - record.u[list[i].first]) / full);
+  }
+  return out;
+}
+
+/// The search's unknowns: offset and gain as parts of the output's range, the shapes, and the amplitude gains
+/// below the full stroke (ascending, then descending).
+class DisturbanceUnknowns {
+ public:
+  DisturbanceUnknowns(DisturbanceFit base, bool sine) : base_(std::move(base)), sine_(sine) {}
+
+  Eigen::Index shapes() const { return sine_ ? 2 : 4; }
+  /// Of one branch.
+  Eigen::Index gains() const {
+    return base_.model.alpha.empty() ? 0 : eigen_index(base_.model.alpha.size() - 1);
+  }
+  Eigen::Index count() const { return 2 + shapes() + 2 * gains(); }
+
+  Eigen::VectorXd start() const {
+    Eigen::VectorXd x(count());
+    x.head(2) << 0.0, 1.0;
+    const PolynomialDisturbance& model = base_.model;
+    if (sine_) {
+      x.segment(2, 2) << model.ascending.sine, model.descending.sine;
+    } else {
+      x.segment(2, 4) << model.ascending.polynomial[0], model.ascending.polynomial[1],
+          model.descending.polynomial[0], model.descending.polynomial[1];
+    }
+    for (const Eigen::Index branch : {0, 1})
+      x.segment(2 + shapes() + branch * gains(), gains()) = as_eigen(model.alpha).head(gains());
+    return x;
+  }
+
+  DisturbanceFit fit(const Eigen::VectorXd& x) const {
+    DisturbanceFit out = base_;
+    out.output = {base_.output.gain * x(1), base_.output.offset + base_.output.gain * x(0)};
+    if (sine_) {
+      out.model.ascending.sine = x(2);
+      out.model.descending.sine = x(3);
+    } else {
+      out.model.ascending.polynomial = {x(2), x(3), -x(2) - x(3)};
+      out.model.descending.polynomial = {x(4), x(5), -x(4) - x(5)};
+    }
+    as_eigen(out.model.alpha_1).head(gains()) = x.segment(2 + shapes(), gains());
+    as_eigen(out.model.alpha_2).head(gains()) = x.segment(2 + shapes() + gains(), gains());
+    return out;
+  }
+
+  std::vector<ParameterUncertainty> uncertainty(const Eigen::VectorXd& x,
+                                                const Eigen::VectorXd& deviation) const {
+    std::vector<ParameterUncertainty> out;
+    if (sine_) {
+      out = {{"A_ascending", x(2), deviation(2)}, {"A_descending", x(3), deviation(3)}};
+    } else {
+      add_uncertainty(out, "ascending", x, deviation, 2, 2);
+      add_uncertainty(out, "descending", x, deviation, 4, 2);
+    }
+    add_uncertainty(out, "alpha_1", x, deviation, 2 + shapes(), gains());
+    add_uncertainty(out, "alpha_2", x, deviation, 2 + shapes() + gains(), gains());
+    return out;
+  }
+
+ private:
+  DisturbanceFit base_;
+  bool sine_;
+};
+
+/// From the start on, all samples; `iterations` = 1 gives the deviations at the start.
+LeastSquaresResult refine(const DisturbanceUnknowns& unknowns, std::span<const TimeRecord> records,
+                          double skip_s, int iterations) {
+  const auto residual = [&](const Eigen::VectorXd& x, Eigen::VectorXd& r) {
+    const DisturbanceFit at = unknowns.fit(x);
+    r.resize(eigen_index(counted_samples(records, skip_s)));
+    Eigen::Index k = 0;
+    PolynomialOperator op(at.model);
+    drive(
+        op, records, skip_s,
+        [&](double y, const TimeRecord& record, std::size_t i) { r(k++) = at.output(y) - record.y[i]; },
+        at.input);
+  };
+  const Eigen::Index n = unknowns.count();
+  Eigen::VectorXd lower = Eigen::VectorXd::Constant(n, -5.0);
+  lower(1) = 0.1;
+  return least_squares(residual, unknowns.start(), lower, Eigen::VectorXd::Constant(n, 5.0),
+                       Eigen::VectorXd::Constant(n, 0.1), iterations);
+}
+
+}  // namespace
+
+Identified identify_polynomial(std::span<const TimeRecord> records, const IdentifyOptions& options,
+                               bool sine) {
+  DisturbanceFit fit = fit_full_strokes(records, options.skip_s, sine);
+  const bool paper = options.as_in_paper();
+  const bool with_gains = shortest_stroke(records) < 0.8;
+  fit.model.nested = !paper;
+  if (with_gains && !paper) {
+    fit.model.alpha = {0.25, 0.5, 0.75, 1.0};
+    fit.model.alpha_1 = fit.model.alpha_2 = fit.model.alpha;
+  }
+  const DisturbanceUnknowns unknowns(fit, sine);
+  // The paper's method only needs the deviations at its own solution.
+  const LeastSquaresResult solved = refine(unknowns, records, options.skip_s, paper ? 1 : 40);
+  if (!paper) fit = unknowns.fit(solved.x);
+  Identified out;
+  out.method =
+      paper
+          ? "least squares over full strokes (eq. 4, 5, 10), branch by the sign of the slope"
+          : "least squares over full strokes, then the nested rule on all samples by nonlinear least squares";
+  if (with_gains && paper)
+    out.notes.push_back(
+        "strokes shorter than 80 % are in the record, and the paper's rule has no memory of them");
+  if (!with_gains)
+    out.notes.push_back("the record has full strokes only: amplitude gains are taken as the stroke itself");
+  out.uncertainty = unknowns.uncertainty(paper ? unknowns.start() : solved.x, solved.deviation);
+  out.converged = paper || solved.converged;
+  out.input = fit.input;
+  out.output = fit.output;
+  out.model = make_model(sine ? "sine_hysteresis" : "polynomial_hysteresis", to_parameters(fit.model));
+  return out;
+}
+
+}  // namespace bodesmith::hysteresis

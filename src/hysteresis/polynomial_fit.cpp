@@ -1,0 +1,100 @@
+#include "hysteresis/polynomial_fit.hpp"
+
+#include <Eigen/Dense>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.hpp"
+#include "hysteresis/polynomial_disturbance.hpp"
+#include "numeric/index.hpp"
+#include "numeric/least_squares.hpp"
+
+namespace bodesmith::hysteresis {
+
+double disturbance_gain(const std::array<double, 3>& basis, const std::array<double, 3>& other,
+                        GainReading reading) {
+  double cross = 0.0;
+  double own = 0.0;
+  const std::array<double, 3>& below = reading == GainReading::basis_times_gain ? basis : other;
+  for (std::size_t i = 0; i < 3; ++i) {
+    for (std::size_t j = 0; j < 3; ++j) {
+      const double weight =
+          1.0 / static_cast<double>(i + j + 3);  // the integral of x^(i+1) x^(j+1) over [0, 1]
+      cross += weight * basis[i] * other[j];
+      own += weight * below[i] * below[j];
+    }
+  }
+  if (!(own > 0.0)) throw DesignError("the disturbance is zero everywhere: it has no gain");
+  return cross / own;
+}
+
+PolynomialFit fit_polynomial(std::span<const double> x, std::span<const double> d) {
+  Eigen::Matrix2d gram = Eigen::Matrix2d::Zero();
+  Eigen::Vector2d rhs = Eigen::Vector2d::Zero();
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double cube = x[i] * x[i] * x[i];
+    const Eigen::Vector2d row(x[i] - cube, x[i] * x[i] - cube);
+    gram += row * row.transpose();
+    rhs += d[i] * row;
+  }
+  if (!(gram.determinant() > 1e-12 * gram(0, 0) * gram(1, 1)))
+    throw DesignError("the samples do not cover the branch: a1 and a2 cannot be told apart");
+  const Eigen::Vector2d a = gram.ldlt().solve(rhs);
+  PolynomialFit out;
+  out.a = {a(0), a(1), -a(0) - a(1)};
+  Eigen::VectorXd residual(eigen_index(x.size()));
+  for (std::size_t i = 0; i < x.size(); ++i)
+    residual(eigen_index(i)) = x[i] * (out.a[0] + x[i] * (out.a[1] + x[i] * out.a[2])) - d[i];
+  const Eigen::VectorXd deviation = parameter_deviation(gram, residual);
+  out.deviation = {deviation(0), deviation(1)};
+  out.rms = std::sqrt(residual.squaredNorm() / static_cast<double>(std::max<std::size_t>(x.size(), 1)));
+  return out;
+}
+
+SineFit fit_sine(std::span<const double> x, std::span<const double> d) {
+  double top = 0.0;
+  double bottom = 0.0;
+  for (std::size_t i = 0; i < x.size(); ++i) {
+    const double s = std::sin(std::numbers::pi * x[i]);
+    top += d[i] * s;
+    bottom += s * s;
+  }
+  if (!(bottom > 0.0))
+    throw DesignError("the samples do not cover the branch: the amplitude is not determined");
+  SineFit out;
+  out.amplitude = top / bottom;
+  Eigen::VectorXd residual(eigen_index(x.size()));
+  for (std::size_t i = 0; i < x.size(); ++i)
+    residual(eigen_index(i)) = out.amplitude * std::sin(std::numbers::pi * x[i]) - d[i];
+  Eigen::MatrixXd gram(1, 1);
+  gram(0, 0) = bottom;
+  out.deviation = parameter_deviation(gram, residual)(0);
+  out.rms = std::sqrt(residual.squaredNorm() / static_cast<double>(std::max<std::size_t>(x.size(), 1)));
+  return out;
+}
+
+void scale_to_load(std::vector<double>& alpha, std::vector<double>& alpha_1, std::vector<double>& alpha_2,
+                   double share) {
+  if (!(share > 0.0 && share <= 1.0)) throw DesignError("the share of the stroke is not in (0, 1]");
+  PolynomialDisturbance table;
+  table.alpha = alpha;
+  table.alpha_1 = alpha_1;
+  table.alpha_2 = alpha_2;
+  const double end_1 = table.amplitude_gain(true, share);
+  const double end_2 = table.amplitude_gain(false, share);
+  std::vector<double> a, one, two;
+  for (std::size_t i = 0; i < alpha.size() && alpha[i] < share; ++i) {
+    a.push_back(alpha[i] / share);
+    one.push_back(alpha_1[i] / end_1);
+    two.push_back(alpha_2[i] / end_2);
+  }
+  a.push_back(1.0);
+  one.push_back(1.0);
+  two.push_back(1.0);
+  alpha = a;
+  alpha_1 = one;
+  alpha_2 = two;
+}
+
+}  // namespace bodesmith::hysteresis

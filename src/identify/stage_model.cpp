@@ -1,0 +1,100 @@
+#include "identify/stage_model.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "chain/blocks/hysteresis.hpp"
+#include "chain/registry.hpp"
+
+namespace bodesmith::identify {
+namespace {
+
+using hysteresis::Scaling;
+
+bool does_nothing(const Scaling& scaling) {
+  return scaling.gain == 1.0 && scaling.offset == 0.0;
+}
+
+/// `second` behind `first`.
+Scaling composed(const Scaling& first, const chain::Affine& second) {
+  return {first.gain * second.factor, first.offset * second.factor + second.constant};
+}
+
+chain::Block gain_block(const Scaling& scaling) {
+  return chain::make_block("gain").set("gain", scaling.gain).set("offset", scaling.offset);
+}
+
+}  // namespace
+
+std::vector<double> delayed(const std::vector<double>& u, double step_s, double delay_s) {
+  if (delay_s == 0.0 || u.empty()) return u;
+  std::vector<double> out(u.size());
+  const double shift = delay_s / step_s;
+  const double last = static_cast<double>(u.size() - 1);
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const double at = std::clamp(static_cast<double>(i) - shift, 0.0, last);
+    const auto k = std::min(static_cast<std::size_t>(at), u.size() - 1);
+    const double fraction = at - static_cast<double>(k);
+    out[i] = fraction == 0.0 ? u[k] : u[k] + fraction * (u[k + 1] - u[k]);
+  }
+  return out;
+}
+
+StageModel StageModel::of(const chain::Chain& chain, const std::string& file) {
+  if (chain.blocks.empty()) throw InputError(file, 0, "has no block, expected at least one");
+  StageModel out;
+  for (const chain::Block& block : chain.blocks) {
+    if (const auto line = block.affine()) {
+      Scaling& scaling = out.model.type == nullptr ? out.input : out.output;
+      scaling = composed(scaling, *line);
+    } else if (const auto delay = block.pure_delay_s()) {
+      out.delay_s += *delay;
+    } else if (block.hysteresis_model() == nullptr) {
+      throw InputError(
+          file, block.line,
+          fmt::format(
+              "type is '{}', which has no exact inverse here, expected gain, delay or a hysteresis model",
+              block.type_name()));
+    } else if (out.model.type != nullptr) {
+      throw InputError(file, block.line, "is a second hysteresis model, expected at most one");
+    } else {
+      out.model = chain::hysteresis_model_of(block);
+    }
+  }
+  return out;
+}
+
+chain::Chain StageModel::chain() const {
+  chain::Chain out;
+  if (!does_nothing(input)) out.blocks.push_back(gain_block(input));
+  if (model.type != nullptr) out.blocks.push_back(chain::hysteresis_block(model));
+  if (!does_nothing(output)) {
+    out.blocks.push_back(gain_block(output));
+    for (chain::Parameter& p : out.blocks.back().parameters()) p.free = true;
+  }
+  if (delay_s != 0.0) {
+    out.blocks.push_back(chain::make_block("delay").set("delay_s", delay_s));
+    for (chain::Parameter& p : out.blocks.back().parameters()) p.free = true;
+  }
+  return out;
+}
+
+std::vector<double> StageModel::simulate(const std::vector<double>& u, double step_s) const {
+  if (u.empty()) return {};
+  std::vector<double> y(u.size());
+  if (model.type == nullptr) {
+    for (std::size_t i = 0; i < u.size(); ++i) y[i] = output(input(u[i]));
+    return delayed(y, step_s, delay_s);
+  }
+  const std::unique_ptr<hysteresis::Operator> hysteresis = make_operator(model);
+  y[0] = output(hysteresis->reset(input(u[0])));
+  for (std::size_t i = 1; i < u.size(); ++i) y[i] = output(hysteresis->step(input(u[i]), step_s));
+  // A delay commutes with everything time-invariant; behind the operator it leaves the turning points where
+  // the samples are.
+  return delayed(y, step_s, delay_s);
+}
+
+}  // namespace bodesmith::identify

@@ -1,0 +1,39 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "chain/chain.hpp"
+#include "hysteresis/identification.hpp"
+
+namespace bodesmith::identify {
+
+/// What is identified and inverted: a hysteresis model (or none) between two scalings, with a pure delay,
+///   y(t) = output(H[input(u)](t − delay)),
+/// as a chain of blocks: gain, the model, gain, delay, those left out that do nothing.
+struct StageModel {
+  double delay_s = 0.0;
+  hysteresis::Scaling input;
+  hysteresis::Model model;  ///< without a type: H[u] = u
+  hysteresis::Scaling output;
+
+  StageModel() = default;
+  StageModel(const hysteresis::Identified& found, double delay)
+      : delay_s(delay), input(found.input), model(found.model), output(found.output) {}
+
+  /// The stage that a chain of gains, delays and at most one hysteresis model is, in any order. Throws InputError
+  /// at the line of `file` whose block is something else.
+  static StageModel of(const chain::Chain& chain, const std::string& file);
+  /// With the output's scaling and the delay free.
+  chain::Chain chain() const;
+
+  /// The output for every sample, starting at rest under the first input. The input is linear between
+  /// samples.
+  std::vector<double> simulate(const std::vector<double>& u, double step_s) const;
+};
+
+/// The input of a sampled signal delayed by a time that need not be a multiple of the step (linear between
+/// samples; before the first sample its value).
+std::vector<double> delayed(const std::vector<double>& u, double step_s, double delay_s);
+
+}  // namespace bodesmith::identify

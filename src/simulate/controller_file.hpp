@@ -29,7 +29,7 @@ struct LoopSetup {
 ///   lower = -0.1                  # limits of the control, absent: none
 ///   upper = 1.1
 ///   feedforward = "inverse.toml"  # a model.toml, or a CSV with time_s,u; relative to this file
-/// Gains may have either sign. Complaints name file and line.
+/// Gains may have either sign. Errors name file and line.
 LoopSetup read_controller(const std::filesystem::path& path, Provenance& from);
 
 /// The loop for one reference. InputError when the drive is not sampled as the reference is.

@@ -19,15 +19,15 @@ DenseSignal DenseSignal::from_record(const TimeRecord& record) {
   std::size_t first = 0;
   while (first + 1 < n) {
     std::size_t last = first + 1;
-    double least = u[last] - u[first] - close;
-    double most = u[last] - u[first] + close;
+    double min_slope = u[last] - u[first] - close;
+    double max_slope = u[last] - u[first] + close;
     while (last + 1 < n) {
       const auto steps = static_cast<double>(last + 1 - first);
       const double rise = u[last + 1] - u[first];
-      if (rise < least * steps || rise > most * steps) break;
+      if (rise < min_slope * steps || rise > max_slope * steps) break;
       const double part = 1.0 / steps;
-      least = std::max(least, (rise - close) * part);
-      most = std::min(most, (rise + close) * part);
+      min_slope = std::max(min_slope, (rise - close) * part);
+      max_slope = std::min(max_slope, (rise + close) * part);
       ++last;
     }
     Piece p;

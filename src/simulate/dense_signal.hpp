@@ -15,7 +15,7 @@ class DenseSignal {
   struct Piece {
     double begin = 0.0;
     double end = 0.0;
-    int degree = 1;
+    std::size_t degree = 1;
     double nodes[kMaxDegree + 1] = {};
   };
 

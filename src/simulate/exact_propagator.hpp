@@ -5,27 +5,9 @@
 #include <span>
 #include <vector>
 
-#include "lti/state_space.hpp"
+#include "simulate/modal_system.hpp"
 
 namespace bodesmith::simulate {
-
-/// A stable linear system H(s) = d + sum_k r_k/(s - p_k), pole by pole (a conjugate pair counts as one
-/// complex mode).
-struct ModalSystem {
-  double direct = 0.0;
-  std::vector<std::complex<double>> poles;  ///< one of each pair, imaginary part >= 0
-  std::vector<std::complex<double>> residues;
-  /// sum |r_k/p_k| over the largest |H| seen at its own corners: how many times larger the modes are than
-  /// what they add up to. Rounding is that much worse; near-equal poles make it large.
-  double condition = 1.0;
-
-  /// Products over the roots, cost n^2. Poles that are exactly equal give an infinite condition.
-  static ModalSystem from(const Sections& sections);
-  /// Eigenvalues of a state space (its offset and constant are left to the caller).
-  static ModalSystem from(const StateSpace& system);
-  /// Above it an engine should not use the modes.
-  static constexpr double kMostCondition = 1e6;
-};
 
 /// The exact output of a modal system under an input that is a polynomial on each of a few long segments, at
 /// many evenly spaced times.
@@ -37,13 +19,13 @@ struct ModalSystem {
 /// sample one or two a living mode. run() allocates nothing.
 class ExactPropagator {
  public:
-  static constexpr int kMostInputDegree = 8;
+  static constexpr std::size_t kMaxInputDegree = 8;
 
   struct Segment {
     double begin = 0.0;
     double end = 0.0;
-    int degree = 0;
-    double coefficients[kMostInputDegree + 1] = {};  ///< of ((t - begin)/(end - begin))^k
+    std::size_t degree = 0;
+    double coefficients[kMaxInputDegree + 1] = {};  ///< of ((t - begin)/(end - begin))^k
   };
 
   /// Output samples are taken at start_s + i step_s.
@@ -60,20 +42,30 @@ class ExactPropagator {
   const ModalSystem& system() const { return system_; }
 
  private:
-  static constexpr int kTaylor = 20;
-  static constexpr int kBlock = 8;
+  using Mode = std::complex<double>;
+  static constexpr std::size_t kTaylor = 20;
+  static constexpr std::size_t kBlock = 8;
   void polynomial_of(const Segment& segment);
-  void add_exponentials(double first, std::size_t count, double* output);
+  /// One mode over a segment: its share of the polynomial, its exponential's amplitude, its state at the end.
+  void fast_mode(std::size_t k, Mode q, Mode r, const Segment& segment);
+  void slow_mode(std::size_t k, Mode q, Mode r, const Segment& segment);
+  void write_polynomial(double first, double scale, std::span<double> output) const;
+  void add_exponentials(double first, std::size_t count, double* output) const;
+  void add_real(std::size_t k, double start, std::size_t count, double* output) const;
+  void add_pair(std::size_t k, Mode start, std::size_t count, double* output) const;
+  /// What is below 1e-22 of where it began no longer changes a sum of doubles; stopping also keeps denormals
+  /// away.
+  double negligible(std::size_t k) const { return 1e-22 * std::abs(amplitude_[k]); }
 
   ModalSystem system_;
   double step_;
   std::vector<double> pole_real_, pole_imag_;
-  std::vector<std::complex<double>> state_;
-  std::vector<std::complex<double>> amplitude_;    // of each fast mode's exponential; 0 for slow ones
-  std::vector<double> power_real_, power_imag_;    // exp(p step j), j = 0...7, a row a mode
-  std::vector<std::complex<double>> block_power_;  // exp(8 p step)
-  double sum_[kTaylor + 1] = {};                   // the output's polynomial in (t - begin)/T
-  int sum_degree_ = 0;
+  std::vector<Mode> state_;
+  std::vector<Mode> amplitude_;                  // of each fast mode's exponential; 0 for slow ones
+  std::vector<double> power_real_, power_imag_;  // exp(p step j), j = 0...7, a row a mode
+  std::vector<Mode> block_power_;                // exp(8 p step)
+  double sum_[kTaylor + 1] = {};                 // the output's polynomial in (t - begin)/T
+  std::size_t sum_degree_ = 0;
 };
 
 }  // namespace bodesmith::simulate

@@ -7,80 +7,78 @@
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
+#include "chain/linear_kernel.hpp"
+#include "simulate/cvode_solver.hpp"
 #include "simulate/dense_signal.hpp"
 #include "simulate/feedback_exact.hpp"
-#include "simulate/ode_run.hpp"
+#include "simulate/ode_solve.hpp"
 #include "simulate/record_metrics.hpp"
+#include "simulate/simulate.hpp"
 
 namespace bodesmith::simulate {
 namespace {
 
 using chain::Kernel;
 using chain::LinearKernel;
-using chain::MemoryKernel;
-using chain::SampledKernel;
 
-LoopResult run_in_cvode(const chain::Chain& plant, const TimeRecord& forward, const PidController& controller,
-                        const TimeRecord& reference, const Options& options) {
-  LoopResult out;
-  std::vector<Kernel> kernels;
+/// The plant's kernels, each of which can stand in an ODE. DesignError names one that cannot.
+std::vector<Kernel> plant_kernels(const chain::Chain& plant) {
+  std::vector<Kernel> out;
   for (std::size_t i = 0; i < plant.blocks.size(); ++i) {
-    kernels.push_back(plant.blocks[i].kernel());
-    const auto* linear = std::get_if<LinearKernel>(&kernels.back());
-    const auto* memory = std::get_if<std::unique_ptr<MemoryKernel>>(&kernels.back());
-    if (linear != nullptr) out.model_error += linear->approximation_error;
-    const bool fits = linear != nullptr ? linear->delay_s == 0.0
-                      : memory != nullptr
-                          ? (*memory)->rate_independent() || (*memory)->slew_rate() > 0.0
-                          : !std::holds_alternative<std::unique_ptr<SampledKernel>>(kernels.back());
-    if (!fits) {
+    out.push_back(plant.blocks[i].kernel());
+    if (!can_stand_in_ode(out.back())) {
       throw DesignError(fmt::format(
           "block {} ({}) of the plant cannot stand inside a feedback loop, expected dynamics, curves or "
           "rate-independent memory",
           i + 1, plant.blocks[i].type_name()));
     }
   }
-  std::vector<Kernel*> pointers;
-  for (Kernel& kernel : kernels) pointers.push_back(&kernel);
-  // A part at the front passes the drive on unchanged, so that it is seen even without blocks.
-  Kernel front = LinearKernel{};
-  std::get<LinearKernel>(front).d = 1.0;
-  pointers.insert(pointers.begin(), &front);
+  return out;
+}
 
+LoopResult run_in_cvode(const chain::Chain& plant, const TimeRecord& forward, const PidController& controller,
+                        const TimeRecord& reference, const Options& options) {
+  LoopResult out;
+  out.stats.engine = Engine::cvode;
+  std::vector<Kernel> kernels = plant_kernels(plant);
+  // A part at the front passes the drive on unchanged, so that it is seen even without blocks.
+  Kernel front = chain::gain_kernel(1.0);
+  std::vector<Kernel*> pointers = {&front};
+  for (Kernel& kernel : kernels) {
+    if (const auto* linear = std::get_if<LinearKernel>(&kernel))
+      out.model_error += linear->approximation_error;
+    pointers.push_back(&kernel);
+  }
   const DenseSignal input = DenseSignal::from_record(forward);
-  DenseSignal wanted_signal = DenseSignal::from_record(reference);
-  OdeRun ode(pointers, input);
-  double rest = forward.u.front();
-  ode.start(options.start, rest);
-  if (!ode.close_loop(controller, wanted_signal)) {
+  const DenseSignal dense_reference = DenseSignal::from_record(reference);
+  OdeSystem system(pointers, input);
+  system.start(options.start, forward.u.front());
+  if (system.close_loop(controller, dense_reference) == OdeSystem::LoopOutcome::algebraic) {
     throw DesignError(
         "the plant answers its drive at once, expected a strictly proper block in it (an amplifier's "
-        "lowpass, a resonator) with "
-        "no memory behind it");
+        "lowpass, a resonator) with no memory behind it");
   }
-  OdeRun::Wanted wanted;
+  OdeWanted wanted;
   wanted.right_limits = controller.period_s > 0.0;
   for (std::size_t i = 0; i < reference.size(); ++i) wanted.times.push_back(reference.time_s(i));
   wanted.values = &out.y;
   wanted.drive = &out.drive;
-  out.stats.engine = "cvode";
-  ode.solve(options, wanted, out.stats, reference.step_s);
+  solve_ode(system, options, wanted, out.stats, reference.step_s);
   return out;
 }
 
-/// Nothing, and the reason, when there is no closed form.
-std::optional<LoopResult> run_exact(const chain::Chain& plant, const std::vector<double>& feedforward,
-                                    const PidController& controller, const TimeRecord& reference,
-                                    const Options& options, std::string& why_not) {
+LoopOutcome run_exact(const chain::Chain& plant, const std::vector<double>& feedforward,
+                      const PidController& controller, const TimeRecord& reference, const Options& options) {
   const Stopwatch watch;
-  auto out = run_exact_loop(plant, feedforward, controller, reference, options.start, 1, why_not);
-  if (!out) return out;
+  LoopOutcome outcome = run_exact_loop(plant, feedforward, controller, reference, options.start, 1);
+  auto* out = std::get_if<LoopResult>(&outcome);
+  if (out == nullptr) return outcome;
   out->stats.compute_s = watch.seconds();
   if (options.estimate_error) {
-    const auto again = run_exact_loop(plant, feedforward, controller, reference, options.start, 2, why_not);
-    out->error_estimate = compare_records(out->y, again->y).max;
+    const LoopOutcome again = run_exact_loop(plant, feedforward, controller, reference, options.start, 2);
+    out->error_estimate = compare_records(out->y, std::get<LoopResult>(again).y).max;
   }
-  return out;
+  return outcome;
 }
 
 LoopResult run_cvode(const chain::Chain& plant, const std::vector<double>& feedforward,
@@ -93,23 +91,43 @@ LoopResult run_cvode(const chain::Chain& plant, const std::vector<double>& feedf
     LoopResult out = run_in_cvode(plant, forward, controller, reference, options);
     out.stats.compute_s = watch.seconds();
     if (options.estimate_error) {
-      Options finer = options;
-      finer.relative_tolerance *= 0.1;
-      finer.absolute_tolerance *= 0.1;
-      const LoopResult again = run_in_cvode(plant, forward, controller, reference, finer);
+      const LoopResult again = run_in_cvode(plant, forward, controller, reference, options.finer());
       out.error_estimate = compare_records(out.y, again.y).max;
     }
     return out;
-  } catch (const InputError&) {
-    throw;
-  } catch (const Interrupted&) {
-    throw;
-  } catch (const std::runtime_error& error) {
+  } catch (const SolverFailure& failure) {
     throw InputError(
         fmt::format("the loop cannot be solved: {} (an unstable loop? or a block that jumps when its input "
                     "turns, which only a sampled controller can drive)",
-                    error.what()));
+                    failure.what()));
   }
+}
+
+void validate_loop(const std::vector<double>& feedforward, const PidController& controller,
+                   const TimeRecord& reference, const Options& options) {
+  if (reference.size() < 2) throw InputError("the reference has fewer than two samples");
+  if (feedforward.size() != reference.size()) {
+    throw InputError(fmt::format("the feed-forward signal has {} samples, expected the reference's {}",
+                                 feedforward.size(), reference.size()));
+  }
+  if (!(controller.derivative_corner.value > 0.0) || controller.period_s < 0.0 ||
+      !(controller.lower < controller.upper)) {
+    throw InputError("the controller's derivative corner, period or limits are out of range");
+  }
+  if (options.engine == Engine::record) {
+    throw InputError("a loop cannot be worked out block by block, expected the engine exact or cvode");
+  }
+}
+
+/// In closed form where there is one and it is not forbidden, else in CVODE where that is allowed.
+LoopResult run_loop(const chain::Chain& plant, const std::vector<double>& feedforward,
+                    const PidController& controller, const TimeRecord& reference, const Options& options) {
+  if (options.engine == Engine::cvode) return run_cvode(plant, feedforward, controller, reference, options);
+  LoopOutcome exact = run_exact(plant, feedforward, controller, reference, options);
+  if (auto* out = std::get_if<LoopResult>(&exact)) return std::move(*out);
+  if (options.engine == Engine::exact)
+    throw InputError("the loop has no closed form: " + std::get<NoClosedForm>(exact).text);
+  return run_cvode(plant, feedforward, controller, reference, options);
 }
 
 }  // namespace
@@ -128,29 +146,13 @@ LoopResult simulate_loop(const chain::Chain& plant, const std::optional<chain::C
 LoopResult simulate_loop(const chain::Chain& plant, const std::vector<double>& feedforward,
                          const PidController& controller, const TimeRecord& reference,
                          const Options& options) {
-  if (reference.size() < 2) throw InputError("the reference has fewer than two samples");
-  if (feedforward.size() != reference.size()) {
-    throw InputError(fmt::format("the feed-forward signal has {} samples, expected the reference's {}",
-                                 feedforward.size(), reference.size()));
-  }
-  if (!(controller.derivative_corner.value > 0.0) || controller.period_s < 0.0 ||
-      !(controller.lower < controller.upper)) {
-    throw InputError("the controller's derivative corner, period or limits are out of range");
-  }
-  if (options.engine == Engine::record) {
-    throw InputError("a loop cannot be worked out block by block, expected the engine exact or cvode");
-  }
-  std::string why_not;
-  std::optional<LoopResult> out;
-  if (options.engine != Engine::cvode)
-    out = run_exact(plant, feedforward, controller, reference, options, why_not);
-  if (!out && options.engine == Engine::exact) throw InputError("the loop has no closed form: " + why_not);
-  if (!out) out = run_cvode(plant, feedforward, controller, reference, options);
-  for (const double y : out->y) {
+  validate_loop(feedforward, controller, reference, options);
+  LoopResult out = run_loop(plant, feedforward, controller, reference, options);
+  for (const double y : out.y) {
     if (!std::isfinite(y) || std::abs(y) > 1e100)
       throw InputError("the loop is unstable: its output grows without bound");
   }
-  return std::move(*out);
+  return out;
 }
 
 }  // namespace bodesmith::simulate

@@ -6,7 +6,7 @@
 #include "chain/chain.hpp"
 #include "signal/time_record.hpp"
 #include "simulate/pid.hpp"
-#include "simulate/simulate.hpp"
+#include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
 
@@ -21,7 +21,7 @@ struct LoopResult {
 };
 
 /// Engine::exact: a linear plant in closed form from sample to sample (feedback_exact.hpp); Engine::cvode:
-/// any plant of dynamics, curves and rate-independent memory, with the events of ode_run.hpp;
+/// any plant of dynamics, curves and rate-independent memory, with the events of ode_solve.hpp;
 /// Engine::automatic: exact where there is a closed form. The feed-forward signal of a chain is worked out
 /// before, F{r}; absent: none.
 ///

@@ -1,7 +1,6 @@
 #pragma once
 
-#include <optional>
-#include <string>
+#include <variant>
 #include <vector>
 
 #include "chain/chain.hpp"
@@ -17,11 +16,12 @@ namespace bodesmith::simulate {
 /// stepped by its matrix exponential (hold_response.hpp). Sampled controller: the plant alone is stepped, its
 /// drive a straight line plus the held control.
 ///
-/// `parts` steps are taken where one would do; the difference between one and two is rounding. Nothing, and a
-/// reason, when the plant is not linear or has a delay, when a continuous controller has limits, or when the
+/// `parts` steps are taken where one would do; the difference between one and two is rounding. No closed form
+/// when the plant is not linear or has a delay, when a continuous controller has limits, or when the
 /// controller's period and the record's step are not whole multiples of each other.
-std::optional<LoopResult> run_exact_loop(const chain::Chain& plant, const std::vector<double>& feedforward,
-                                         const PidController& controller, const TimeRecord& reference,
-                                         Start start, int parts, std::string& why_not);
+using LoopOutcome = std::variant<LoopResult, NoClosedForm>;
+LoopOutcome run_exact_loop(const chain::Chain& plant, const std::vector<double>& feedforward,
+                           const PidController& controller, const TimeRecord& reference, Start start,
+                           int parts);
 
 }  // namespace bodesmith::simulate

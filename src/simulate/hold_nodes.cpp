@@ -6,7 +6,7 @@
 namespace bodesmith::simulate {
 namespace {
 
-HoldNodes make(int degree) {
+HoldNodes nodes_of_degree(std::size_t degree) {
   HoldNodes n;
   n.degree = degree;
   const double r = std::sqrt(1.0 / 5.0);
@@ -25,18 +25,18 @@ HoldNodes make(int degree) {
       n.at = {0.0, 0.5 - 0.5 * q, 0.5, 0.5 + 0.5 * q, 1.0};
       break;
   }
-  for (int j = 0; j <= degree; ++j) {
+  for (std::size_t j = 0; j <= degree; ++j) {
     // Lagrange polynomial of node j, multiplied out.
     std::array<double, kMaxDegree + 2> c{};
     c[0] = 1.0;
-    int order = 0;
-    for (int i = 0; i <= degree; ++i) {
+    std::size_t order = 0;
+    for (std::size_t i = 0; i <= degree; ++i) {
       if (i == j) continue;
       const double scale = 1.0 / (n.at[j] - n.at[i]);
-      for (int k = order + 1; k >= 0; --k) c[k] = ((k > 0 ? c[k - 1] : 0.0) - n.at[i] * c[k]) * scale;
+      for (std::size_t k = order + 2; k-- > 0;) c[k] = ((k > 0 ? c[k - 1] : 0.0) - n.at[i] * c[k]) * scale;
       ++order;
     }
-    for (int k = 0; k <= degree; ++k) n.monomial[k][j] = c[k];
+    for (std::size_t k = 0; k <= degree; ++k) n.monomial[k][j] = c[k];
   }
   return n;
 }
@@ -44,9 +44,9 @@ HoldNodes make(int degree) {
 }  // namespace
 
 void HoldNodes::weights(double s, double* out) const {
-  for (int j = 0; j <= degree; ++j) {
+  for (std::size_t j = 0; j <= degree; ++j) {
     double w = 1.0;
-    for (int i = 0; i <= degree; ++i) {
+    for (std::size_t i = 0; i <= degree; ++i) {
       if (i != j) w *= (s - at[i]) / (at[j] - at[i]);
     }
     out[j] = w;
@@ -58,24 +58,25 @@ double HoldNodes::value(const double* nodes, double s) const {
   double w[kMaxDegree + 1];
   weights(s, w);
   double sum = 0.0;
-  for (int j = 0; j <= degree; ++j) sum += w[j] * nodes[j];
+  for (std::size_t j = 0; j <= degree; ++j) sum += w[j] * nodes[j];
   return sum;
 }
 
 double HoldNodes::slope(const double* nodes, double s) const {
   double sum = 0.0;
-  for (int k = degree; k >= 1; --k) {
+  for (std::size_t k = degree; k >= 1; --k) {
     double c = 0.0;
-    for (int j = 0; j <= degree; ++j) c += monomial[k][j] * nodes[j];
-    sum = sum * s + k * c;
+    for (std::size_t j = 0; j <= degree; ++j) c += monomial[k][j] * nodes[j];
+    sum = sum * s + static_cast<double>(k) * c;
   }
   return sum;
 }
 
-const HoldNodes& hold_nodes(int degree) {
-  static const std::array<HoldNodes, kMaxDegree> all = {make(1), make(2), make(3), make(4)};
+const HoldNodes& hold_nodes(std::size_t degree) {
+  static const std::array<HoldNodes, kMaxDegree> all = {nodes_of_degree(1), nodes_of_degree(2),
+                                                        nodes_of_degree(3), nodes_of_degree(4)};
   if (degree < 1 || degree > kMaxDegree) throw std::logic_error("hold degree out of range");
-  return all[static_cast<std::size_t>(degree - 1)];
+  return all[degree - 1];
 }
 
 }  // namespace bodesmith::simulate

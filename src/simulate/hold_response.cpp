@@ -4,44 +4,40 @@
 
 namespace bodesmith::simulate {
 
-void HoldResponseSolver::solve(const StateSpace& system, const std::vector<const double*>& inputs, double h,
-                               const HoldNodes& nodes, double s, HoldResponse& out) {
-  const int n = static_cast<int>(system.order());
-  const int p = nodes.degree;
-  const int q_count = static_cast<int>(inputs.size());
-  const bool constant = !system.constant.empty();
-  const int size = n + q_count * (p + 1) + (constant ? 1 : 0);
-  out.order = n;
-  out.e.assign(static_cast<size_t>(n * n), 0.0);
-  out.g.assign(inputs.size(), std::vector<double>(static_cast<size_t>(n * (p + 1)), 0.0));
-  out.k.assign(static_cast<size_t>(n), 0.0);
+void HoldResponseSolver::solve(const DrivenSystem& system, double h, const HoldNodes& nodes, double s,
+                               HoldResponse& out) {
+  const std::size_t n = system.order;
+  const std::size_t width = nodes.size();
+  const std::size_t input_count = system.inputs.size();
+  const bool constant = system.constant != nullptr;
+  const std::size_t size = n + input_count * width + (constant ? 1 : 0);
+  out.e.assign(n * n, 0.0);
+  out.g.assign(input_count, std::vector<double>(n * width, 0.0));
+  out.k.assign(n, 0.0);
   if (n == 0) return;
-  matrix_.assign(static_cast<size_t>(size * size), 0.0);
-  const auto at = [&](int i, int j) -> double& { return matrix_[static_cast<size_t>(i * size + j)]; };
+  matrix_.assign(size * size, 0.0);
+  const auto at = [&](std::size_t i, std::size_t j) -> double& { return matrix_[i * size + j]; };
   // Time runs from 0 to 1 over the hold; v = sum a_k s^k/k! is the first of a chain of integrators.
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) at(i, j) = system.a[static_cast<size_t>(i * n + j)] * h * s;
-    for (int q = 0; q < q_count; ++q) at(i, n + q * (p + 1)) = inputs[static_cast<size_t>(q)][i] * h * s;
-    if (constant) at(i, size - 1) = system.constant[static_cast<size_t>(i)] * h * s;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) at(i, j) = system.a[i * n + j] * h * s;
+    for (std::size_t q = 0; q < input_count; ++q) at(i, n + q * width) = system.inputs[q][i] * h * s;
+    if (constant) at(i, size - 1) = system.constant[i] * h * s;
   }
-  for (int q = 0; q < q_count; ++q) {
-    for (int k = 0; k < p; ++k) at(n + q * (p + 1) + k, n + q * (p + 1) + k + 1) = s;
+  for (std::size_t q = 0; q < input_count; ++q) {
+    for (std::size_t k = 0; k + 1 < width; ++k) at(n + q * width + k, n + q * width + k + 1) = s;
   }
-  matrix_exponential(matrix_.data(), size, work_);
-  for (int i = 0; i < n; ++i) {
-    for (int j = 0; j < n; ++j) out.e[static_cast<size_t>(i * n + j)] = at(i, j);
-    for (int q = 0; q < q_count; ++q) {
+  matrix_exponential(matrix_.data(), static_cast<int>(size), work_);
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t j = 0; j < n; ++j) out.e[i * n + j] = at(i, j);
+    for (std::size_t q = 0; q < input_count; ++q) {
       double factorial = 1.0;
-      for (int k = 0; k <= p; ++k) {
-        if (k > 0) factorial *= k;
-        const double weight = at(i, n + q * (p + 1) + k) * factorial;
-        for (int j = 0; j <= p; ++j) {
-          out.g[static_cast<size_t>(q)][static_cast<size_t>(i * (p + 1) + j)] +=
-              weight * nodes.monomial[k][j];
-        }
+      for (std::size_t k = 0; k < width; ++k) {
+        if (k > 0) factorial *= static_cast<double>(k);
+        const double weight = at(i, n + q * width + k) * factorial;
+        for (std::size_t j = 0; j < width; ++j) out.g[q][i * width + j] += weight * nodes.monomial[k][j];
       }
     }
-    if (constant) out.k[static_cast<size_t>(i)] = at(i, size - 1);
+    if (constant) out.k[i] = at(i, size - 1);
   }
 }
 

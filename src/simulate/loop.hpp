@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <span>
 #include <vector>
 
@@ -17,6 +18,6 @@ struct Loop {
 };
 
 /// `levels` levels strictly between the extremes of u. u and y of one length, straight lines between samples.
-Loop hysteresis_loop(std::span<const double> u, std::span<const double> y, int levels = 101);
+Loop hysteresis_loop(std::span<const double> u, std::span<const double> y, std::size_t levels = 101);
 
 }  // namespace bodesmith::simulate

@@ -4,6 +4,20 @@
 
 namespace bodesmith::simulate {
 
+double continuous_control(const PidController& c, double error, const double* states, double* rates) {
+  const double wd = c.derivative_corner.rad_s().value;
+  const double free = c.proportional * error + states[0] + c.derivative_s * wd * (error - states[1]);
+  rates[0] = c.integral_per_s * error;
+  if ((free > c.upper && rates[0] > 0.0) || (free < c.lower && rates[0] < 0.0)) rates[0] = 0.0;
+  rates[1] = c.derivative_s == 0.0 ? 0.0 : wd * (error - states[1]);
+  return std::clamp(free, c.lower, c.upper);
+}
+
+double continuous_control_slope(const PidController& c, double error_slope, const double* rates) {
+  const double wd = c.derivative_corner.rad_s().value;
+  return c.proportional * error_slope + rates[0] + c.derivative_s * wd * (error_slope - rates[1]);
+}
+
 double SampledPid::update(double error) {
   const PidController& c = controller_;
   if (!started_) last_error_ = error;

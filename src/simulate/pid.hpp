@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <limits>
 
 #include "base/units.hpp"
@@ -25,6 +26,13 @@ struct PidController {
            upper < std::numeric_limits<double>::infinity();
   }
 };
+
+/// The continuous form's own states: the integral, and the error behind the derivative's filter.
+inline constexpr std::size_t kPidStates = 2;
+/// The control for the error and the states; their rates into `rates`.
+double continuous_control(const PidController& controller, double error, const double* states, double* rates);
+/// Its slope (the limits apart) for the error's slope and the rates of the states.
+double continuous_control_slope(const PidController& controller, double error_slope, const double* rates);
 
 /// The sampled form: one update a period, starting from rest (integral 0, no derivative at the first sample).
 class SampledPid {

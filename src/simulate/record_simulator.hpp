@@ -6,21 +6,21 @@
 #include <vector>
 
 #include "chain/chain.hpp"
-#include "simulate/simulate.hpp"
+#include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
 
 struct RecordOptions {
   Start start = Start::zero;
-  int degree = 0;      ///< 1-4; 0: 1 when that is exact, else 3
-  int oversample = 1;  ///< holds a sample interval
+  std::size_t degree = 0;      ///< 1-4; 0: 1 when that is exact, else 3
+  std::size_t oversample = 1;  ///< holds a sample interval
   double start_s = 0.0;
-  /// A run whose nonlinear dynamics need more parts a hold than this (on the average, beyond what their linear part asks
-  /// for) is given up as diverged. Searches through wild parameter values set it low.
-  double most_parts = 64.0;
+  /// A run whose nonlinear dynamics need more parts a hold than this (on the average, beyond what their linear
+  /// part asks for) is given up as diverged. Searches through wild parameter values set it low.
+  double max_parts = 64.0;
   /// Nonlinear dynamics: turn of the linear part over one step, in rad, above which a hold is halved; and the
   /// share of the forces at which Newton's iteration ends. Searches take them coarser.
-  double most_turn_rad = 0.75;
+  double max_turn_rad = 0.75;
   double newton_tolerance = 1e-13;
 };
 
@@ -57,12 +57,18 @@ class RecordSimulator {
   /// The output of the first `blocks` blocks instead (0: the input itself).
   std::span<const double> run_until(std::span<const double> u, std::size_t blocks);
 
-  int degree() const;
+  /// How the last run ended. Unless finished its output is finite but means nothing from some time on.
+  enum class Outcome {
+    finished,
+    too_many_parts,  ///< nonlinear dynamics beyond RecordOptions::max_parts: an unstable spring
+    not_finite,      ///< steps that did not converge however short
+  };
+  Outcome outcome() const;
+  bool diverged() const { return outcome() != Outcome::finished; }
+
+  std::size_t degree() const;
   std::size_t holds_per_sample() const;
   double model_error() const;  ///< of the last run, see Result
-  /// True when the last run ran away to infinity (an unstable spring) or left steps that did not converge;
-  /// its output is then finite but means nothing from there on.
-  bool diverged() const;
 
  private:
   struct Implementation;

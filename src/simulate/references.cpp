@@ -122,13 +122,14 @@ struct Kind {
   void (*fill)(const ReferenceSpec&, TimeRecord&);
   Hertz (*highest)(const ReferenceSpec&);
   std::optional<Hertz> (*fundamental)(const ReferenceSpec&);
+  bool sweep = false;  ///< one amplitude, one frequency
 };
 
 const std::vector<Kind>& kinds() {
   static const std::vector<Kind> all = {
-      {{"triangle", "straight lines up and down"}, fill_triangle, own_frequency, repeats},
-      {{"sine", "one frequency"}, fill_sine, own_frequency, repeats},
-      {{"stair", "equal levels up and down"}, fill_stair, own_frequency, repeats},
+      {{"triangle", "straight lines up and down"}, fill_triangle, own_frequency, repeats, true},
+      {{"sine", "one frequency"}, fill_sine, own_frequency, repeats, true},
+      {{"stair", "equal levels up and down"}, fill_stair, own_frequency, repeats, true},
       {{"multisine", "odd lines with random phases"}, fill_multisine, end_of_band, repeats},
       {{"chirp", "one frequency after the other"}, fill_chirp, end_of_band, repeats_never},
       {{"complex", "three sines"}, fill_complex, any_step_will_do, complex_repeats}};
@@ -178,6 +179,11 @@ TimeRecord make_reference(const ReferenceSpec& spec) {
   record.u.resize(static_cast<std::size_t>(count) + 1);
   kind.fill(spec, record);
   return record;
+}
+
+bool can_be_swept(const std::string& kind) {
+  return std::any_of(kinds().begin(), kinds().end(),
+                     [&](const Kind& k) { return k.about.name == kind && k.sweep; });
 }
 
 std::optional<Hertz> fundamental_of(const ReferenceSpec& spec) {

@@ -39,6 +39,9 @@ const std::vector<ReferenceKind>& reference_kinds();
 /// (above half the sampling rate), more than 5e7 samples.
 TimeRecord make_reference(const ReferenceSpec& spec);
 
+/// Whether every period of a reference of this kind is the same, and as long as its frequency says (a sweep asks).
+bool can_be_swept(const std::string& kind);
+
 /// The frequency at which the reference repeats; absent for a chirp.
 std::optional<Hertz> fundamental_of(const ReferenceSpec& spec);
 

@@ -1,10 +1,11 @@
 #pragma once
 
 #include <cstddef>
-#include <string>
+#include <string_view>
 #include <vector>
 
 #include "chain/chain.hpp"
+#include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
 
@@ -12,11 +13,11 @@ namespace bodesmith::simulate {
 struct Segment {
   std::size_t first = 1;  ///< blocks count from 1
   std::size_t last = 1;
-  std::string method;
+  std::string_view method;
 };
 
-/// How the engine `name` (Stats::engine) cuts a chain up. Each cut is a choice by what the blocks are: linear
-/// ones by the matrix exponential, smooth nonlinear ones by collocation, memory step by step, and so on.
-std::vector<Segment> segments_of(const chain::Chain& chain, const std::string& name);
+/// How an engine (Stats::engine) cuts a chain up. Each cut is a choice by what the blocks are: linear ones by
+/// the matrix exponential, smooth nonlinear ones by collocation, memory step by step, and so on.
+std::vector<Segment> segments_of(const chain::Chain& chain, Engine engine);
 
 }  // namespace bodesmith::simulate

@@ -3,10 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <complex>
-#include <exception>
 #include <mutex>
 #include <numbers>
 #include <thread>
@@ -16,9 +14,11 @@
 #include "base/progress.hpp"
 #include "base/provenance.hpp"
 #include "base/text.hpp"
+#include "numeric/parallel_for.hpp"
 #include "signal/csv.hpp"
 #include "simulate/loop.hpp"
 #include "simulate/record_metrics.hpp"
+#include "simulate/simulate.hpp"
 
 namespace bodesmith::simulate {
 namespace {
@@ -42,6 +42,28 @@ std::pair<std::vector<double>, double> output_for(const chain::Chain& chain, con
   return {std::move(result.y), result.error_estimate.value_or(0.0)};
 }
 
+/// The figures of one period of u and y.
+SweepRow figures(std::span<const double> u, std::span<const double> y) {
+  constexpr int kMaxHarmonic = 20;
+  SweepRow row;
+  const auto [low, high] = std::minmax_element(y.begin(), y.end());
+  const RecordDifference difference = compare_records(u, y);  // range of y, as eq. 8
+  row.rms_percent = difference.rms_percent_of_range;
+  row.max_percent = *high > *low ? 100.0 * difference.max / (*high - *low) : 0.0;
+  row.loop_height_percent = hysteresis_loop(u, y).height_percent;
+  const auto in = line(u, 1);
+  const auto out = line(y, 1);
+  if (std::abs(in) > 0.0 && std::abs(out) > 0.0) {
+    row.gain_db = to_decibel(std::abs(out / in));
+    row.phase_deg = to_degrees(std::arg(out / in));
+    const int lines = static_cast<int>(u.size()) / 2 - 1;
+    double power = 0.0;
+    for (int k = 2; k <= std::min(kMaxHarmonic, lines); ++k) power += std::norm(line(y, k));
+    row.distortion_percent = 100.0 * std::sqrt(power) / std::abs(out);
+  }
+  return row;
+}
+
 SweepRow measure(const chain::Chain& chain, const SweepOptions& options, Hertz frequency, double amplitude) {
   ReferenceSpec spec;
   spec.kind = options.kind;
@@ -56,24 +78,9 @@ SweepRow measure(const chain::Chain& chain, const SweepOptions& options, Hertz f
   const std::size_t from = u.size() - 1 - last;
   const std::span<const double> x(u.u.data() + from, last);
   const std::span<const double> y(output.data() + from, last);
-  SweepRow row;
+  SweepRow row = figures(x, y);
   row.frequency = frequency;
   row.amplitude = amplitude;
-  const auto [low, high] = std::minmax_element(y.begin(), y.end());
-  const RecordDifference difference = compare_records(x, y);  // range of y, as eq. 8
-  row.rms_percent = difference.rms_percent_of_range;
-  row.max_percent = *high > *low ? 100.0 * difference.max / (*high - *low) : 0.0;
-  row.loop_height_percent = hysteresis_loop(x, y).height_percent;
-  const auto in = line(x, 1);
-  const auto out = line(y, 1);
-  if (std::abs(in) > 0.0 && std::abs(out) > 0.0) {
-    row.gain_db = to_decibel(std::abs(out / in));
-    row.phase_deg = to_degrees(std::arg(out / in));
-    double power = 0.0;
-    for (int k = 2; k <= std::min(20, options.samples_per_period / 2 - 1); ++k)
-      power += std::norm(line(y, k));
-    row.distortion_percent = 100.0 * std::sqrt(power) / std::abs(out);
-  }
   row.error_estimate = error_estimate;
   if (options.keep_periods) {
     row.u.assign(x.begin(), x.end());
@@ -82,58 +89,44 @@ SweepRow measure(const chain::Chain& chain, const SweepOptions& options, Hertz f
   return row;
 }
 
-}  // namespace
-
-std::vector<SweepRow> run_sweep(const chain::Chain& chain, const SweepOptions& options,
-                                const std::vector<SweepRow>& known) {
+void validate_sweep(const SweepOptions& options) {
   if (options.frequencies.empty() || options.amplitudes.empty())
     throw InputError("a sweep needs at least one frequency and one amplitude");
-  if (options.kind != "triangle" && options.kind != "sine" && options.kind != "stair") {
+  if (!can_be_swept(options.kind)) {
     throw InputError(
         fmt::format("a sweep cannot use the reference '{}', expected triangle, sine or stair", options.kind));
   }
   if (options.periods < 1 || options.samples_per_period < 8 || options.samples_per_period % 2 != 0) {
     throw InputError("a sweep needs at least one period of an even number of samples, 8 or more");
   }
+}
+
+}  // namespace
+
+std::vector<SweepRow> run_sweep(const chain::Chain& chain, const SweepOptions& options,
+                                const std::vector<SweepRow>& known) {
+  validate_sweep(options);
   const std::size_t total = options.frequencies.size() * options.amplitudes.size();
   std::vector<std::optional<SweepRow>> rows(total);
-  std::atomic<std::size_t> next{0};
-  std::atomic<std::size_t> done{0};
-  std::exception_ptr failure;
+  std::size_t done = 0;
   std::mutex lock;
   Progress progress("sweep");
-  const auto work = [&] {
-    while (true) {
-      const std::size_t i = next++;
-      if (i >= total || interrupted()) return;
-      const Hertz frequency = options.frequencies[i / options.amplitudes.size()];
-      const double amplitude = options.amplitudes[i % options.amplitudes.size()];
-      const auto old = std::find_if(known.begin(), known.end(), [&](const SweepRow& r) {
-        return r.frequency == frequency && r.amplitude == amplitude;
-      });
-      try {
-        rows[i] = old != known.end() ? *old : measure(chain, options, frequency, amplitude);
-      } catch (const Interrupted&) {
-        return;
-      } catch (...) {
-        const std::scoped_lock guard(lock);
-        if (!failure) failure = std::current_exception();
-        next = total;
-        return;
-      }
-      const std::size_t ready = ++done;
-      const std::scoped_lock guard(lock);
-      progress.at(static_cast<double>(ready) / static_cast<double>(total));
+  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
+  parallel_for(total, options.threads > 0 ? options.threads : cores, [&](std::size_t i) {
+    if (interrupted()) return;
+    const Hertz frequency = options.frequencies[i / options.amplitudes.size()];
+    const double amplitude = options.amplitudes[i % options.amplitudes.size()];
+    const auto old = std::find_if(known.begin(), known.end(), [&](const SweepRow& r) {
+      return r.frequency == frequency && r.amplitude == amplitude;
+    });
+    try {
+      rows[i] = old != known.end() ? *old : measure(chain, options, frequency, amplitude);
+    } catch (const Interrupted&) {
+      return;  // what is ready is kept
     }
-  };
-  const unsigned cores = std::max(1u, std::thread::hardware_concurrency());
-  const std::size_t count = std::min(
-      total, static_cast<std::size_t>(options.threads > 0 ? static_cast<unsigned>(options.threads) : cores));
-  std::vector<std::jthread> team;
-  for (std::size_t i = 1; i < count; ++i) team.emplace_back(work);
-  work();
-  team.clear();
-  if (failure) std::rethrow_exception(failure);
+    const std::scoped_lock guard(lock);
+    progress.at(static_cast<double>(++done) / static_cast<double>(total));
+  });
   std::vector<SweepRow> out;
   for (const auto& row : rows) {
     if (row) out.push_back(*row);

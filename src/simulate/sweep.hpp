@@ -8,7 +8,7 @@
 #include "chain/chain.hpp"
 #include "simulate/controller_file.hpp"
 #include "simulate/references.hpp"
-#include "simulate/simulate.hpp"
+#include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
 

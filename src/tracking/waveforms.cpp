@@ -7,32 +7,31 @@ namespace bodesmith::tracking {
 
 using Branch = Disturbance::Branch;
 
-TrackingWaveforms::TrackingWaveforms(const Disturbance& disturbance, const TrackingOptions& options,
-                                     bool gated)
+Waveforms::Waveforms(const Disturbance& disturbance, const Options& options, bool gated)
     : disturbance_(disturbance),
-      triangle_(options.reference == TrackingOptions::Reference::triangle),
+      triangle_(options.reference == Options::Reference::triangle),
       gated_(gated),
       alpha_(options.alpha),
       gain_{disturbance.amplitude_gain(Branch::ascending, options.alpha),
             disturbance.amplitude_gain(Branch::descending, options.alpha)} {}
 
-double TrackingWaveforms::x_at(double theta, bool rising) const {
+double Waveforms::x_at(double theta, bool rising) const {
   if (triangle_) return alpha_ * (rising ? 2.0 * theta : 2.0 - 2.0 * theta);
   const double s = std::sin(std::numbers::pi * theta);  // (1 - cos 2 pi theta)/2
   return alpha_ * s * s;
 }
 
-double TrackingWaveforms::branch(Branch which, double x) const {
+double Waveforms::branch(Branch which, double x) const {
   return gain_[which == Branch::ascending ? 0 : 1] * disturbance_.value(which, x / alpha_);
 }
 
-double TrackingWaveforms::branch_slope(Branch which, double x) const {
+double Waveforms::branch_slope(Branch which, double x) const {
   const auto& a = disturbance_.coefficients(which);
   const double z = x / alpha_;
   return gain_[which == Branch::ascending ? 0 : 1] * (a[0] + z * (2.0 * a[1] + z * 3.0 * a[2])) / alpha_;
 }
 
-TrackingWaveforms::Values TrackingWaveforms::at(double theta, bool rising) const {
+Waveforms::Values Waveforms::at(double theta, bool rising) const {
   Values out;
   out.x = x_at(theta, rising);
   if (rising || !gated_) out.ascending = branch(Branch::ascending, out.x);
@@ -40,7 +39,7 @@ TrackingWaveforms::Values TrackingWaveforms::at(double theta, bool rising) const
   return out;
 }
 
-TrackingWaveforms::Values TrackingWaveforms::slopes(double theta, bool rising) const {
+Waveforms::Values Waveforms::slopes(double theta, bool rising) const {
   const double x = x_at(theta, rising);
   Values out;
   out.x = triangle_ ? (rising ? 2.0 : -2.0) * alpha_
@@ -50,7 +49,7 @@ TrackingWaveforms::Values TrackingWaveforms::slopes(double theta, bool rising) c
   return out;
 }
 
-TrackingWaveforms::Values TrackingWaveforms::sampled(double theta) const {
+Waveforms::Values Waveforms::sampled(double theta) const {
   if (!gated_ || (theta != 0.0 && theta != 0.5)) return at(theta, theta < 0.5);
   const Values up = at(theta == 0.0 ? 0.0 : 0.5, true);
   const Values down = at(theta == 0.0 ? 1.0 : 0.5, false);

@@ -1,16 +1,16 @@
 #pragma once
 
 #include "signal/disturbance.hpp"
-#include "tracking/tracking.hpp"
+#include "tracking/types.hpp"
 
 namespace bodesmith::tracking {
 
 /// The reference and the generator's waveforms at one operating frequency, as functions of the phase theta in
 /// [0, 1) of a period; x rises over [0, 1/2] and falls over [1/2, 1].
-class TrackingWaveforms {
+class Waveforms {
  public:
   /// `gated`: a branch is 0 while the other one is on. The stage's own disturbance always is.
-  TrackingWaveforms(const Disturbance& disturbance, const TrackingOptions& options, bool gated = true);
+  Waveforms(const Disturbance& disturbance, const Options& options, bool gated = true);
 
   struct Values {
     double x = 0.0;

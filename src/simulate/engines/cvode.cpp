@@ -1,0 +1,179 @@
+// The whole chain in CVODE. Runs of blocks that are an ODE are solved as one (ode_solve.hpp); between them
+// stand pure delays, clocked blocks (edge by edge) and memory that depends on the rate (stepped eight times a
+// sample, said in the notes), which work on the dense signal the run before them left.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "simulate/cvode_solver.hpp"
+#include "simulate/dense_signal.hpp"
+#include "simulate/engines/dense_blocks.hpp"
+#include "simulate/engines/engine.hpp"
+#include "simulate/ode_solve.hpp"
+#include "simulate/record_metrics.hpp"
+
+namespace bodesmith::simulate {
+namespace {
+
+using chain::Kernel;
+using chain::LinearKernel;
+using chain::MemoryKernel;
+using chain::SampledKernel;
+
+/// The signal on its way through the chain.
+class ChainRun {
+ public:
+  ChainRun(const chain::Chain& chain, const TimeRecord& input, const Options& options);
+  Result run();
+
+ private:
+  /// From block `first` on, as many as can stand in one ODE; returns the block behind them.
+  std::size_t solve_from(std::size_t first);
+  /// A block that stands between ODEs.
+  void pass(std::size_t block);
+  void operator_between(const LinearKernel& linear, std::size_t block);
+  void operator_between(MemoryKernel& memory, std::size_t block);
+  void operator_between(SampledKernel& sampled, std::size_t block);
+
+  const chain::Chain& chain_;
+  const Options& options_;
+  std::size_t samples_;  ///< of the input
+  bool equilibrium_;
+  std::vector<Kernel> kernels_;
+  bool right_limits_ = false;  ///< clocked blocks show their new value at an edge
+  TimeRecord record_;
+  std::vector<double> times_;
+  DenseSignal signal_;
+  double rest_ = 0.0;
+  bool at_samples_ = false;  ///< result_.y is the signal's latest state, not signal_
+  Result result_;
+};
+
+ChainRun::ChainRun(const chain::Chain& chain, const TimeRecord& input, const Options& options)
+    : chain_(chain),
+      options_(options),
+      samples_(input.size()),
+      equilibrium_(options.start == Start::equilibrium),
+      record_(input) {
+  result_.stats.engine = Engine::cvode;
+  for (const chain::Block& block : chain.blocks) {
+    const Kernel& kernel = kernels_.emplace_back(block.kernel());
+    right_limits_ = right_limits_ || std::holds_alternative<std::unique_ptr<SampledKernel>>(kernel);
+    if (const auto* k = std::get_if<LinearKernel>(&kernel)) result_.model_error += k->approximation_error;
+  }
+  record_.y.clear();
+  if (record_.u.size() == 1 || right_limits_) record_.u.push_back(record_.u.back());  // the last edge shows
+  for (std::size_t i = 0; i < record_.size(); ++i) times_.push_back(record_.time_s(i));
+  signal_ = DenseSignal::from_record(record_);
+  rest_ = record_.u.front();
+  signal_.before = equilibrium_ ? rest_ : 0.0;
+}
+
+std::size_t ChainRun::solve_from(std::size_t first) {
+  std::size_t behind = first;
+  std::vector<Kernel*> run;
+  while (behind < kernels_.size() && can_stand_in_ode(kernels_[behind])) run.push_back(&kernels_[behind++]);
+  OdeSystem system(run, signal_);
+  rest_ = system.start(options_.start, rest_);
+  OdeWanted wanted;
+  wanted.right_limits = right_limits_;
+  DenseSignal dense;
+  at_samples_ = behind == kernels_.size();
+  if (at_samples_) {
+    wanted.times = times_;
+    wanted.values = &result_.y;
+  } else {
+    wanted.dense = &dense;
+  }
+  solve_ode(system, options_, wanted, result_.stats, record_.step_s);
+  dense.before = equilibrium_ ? rest_ : 0.0;
+  if (!at_samples_) signal_ = std::move(dense);
+  return behind;
+}
+
+void ChainRun::operator_between(const LinearKernel& linear, std::size_t /*block*/) {
+  signal_ = delayed(signal_, linear.delay_s);
+}
+
+void ChainRun::operator_between(MemoryKernel& memory, std::size_t block) {
+  if (equilibrium_) rest_ = memory.reset(rest_, true);
+  signal_ = stepped(memory, signal_, record_.step_s / 8.0, equilibrium_);
+  signal_.before = equilibrium_ ? rest_ : 0.0;
+  result_.notes.push_back(
+      fmt::format("block {} ({}) depends on the rate of its input and is stepped eight times a sample",
+                  block + 1, chain_.blocks[block].type_name()));
+}
+
+void ChainRun::operator_between(SampledKernel& sampled, std::size_t /*block*/) {
+  if (equilibrium_) rest_ = sampled.reset(rest_, true);
+  signal_ = clocked(sampled, signal_, equilibrium_, record_);
+  signal_.before = equilibrium_ ? rest_ : 0.0;
+}
+
+void ChainRun::pass(std::size_t block) {
+  at_samples_ = false;
+  Kernel& kernel = kernels_[block];
+  if (const auto* linear = std::get_if<LinearKernel>(&kernel)) {
+    operator_between(*linear, block);
+  } else if (const auto* memory = std::get_if<std::unique_ptr<MemoryKernel>>(&kernel)) {
+    operator_between(**memory, block);
+  } else {
+    operator_between(*std::get<std::unique_ptr<SampledKernel>>(kernel), block);
+  }
+}
+
+Result ChainRun::run() {
+  for (std::size_t i = 0; i < kernels_.size();) {
+    if (can_stand_in_ode(kernels_[i])) {
+      i = solve_from(i);
+    } else {
+      pass(i++);
+    }
+  }
+  if (!at_samples_) {
+    result_.y.clear();
+    DenseSignal::Reader reader(signal_);
+    for (const double t : times_) result_.y.push_back(reader.value(t, !right_limits_ && t > times_.front()));
+  }
+  result_.y.resize(samples_);
+  return std::move(result_);
+}
+
+Result run_in_cvode(const chain::Chain& chain, const TimeRecord& input, const Options& options) {
+  try {
+    return ChainRun(chain, input, options).run();
+  } catch (const SolverFailure& failure) {
+    throw InputError(fmt::format("the model cannot be solved for this input: {}", failure.what()));
+  }
+}
+
+class CvodeEngine final : public ChainEngine {
+ public:
+  Engine which() const override { return Engine::cvode; }
+  std::string_view method(const Kernel& kernel) const override {
+    if (can_stand_in_ode(kernel)) return "one ODE with events";
+    if (std::holds_alternative<LinearKernel>(kernel)) return "delay, shifted";
+    if (std::holds_alternative<std::unique_ptr<SampledKernel>>(kernel)) return "edge by edge";
+    return "memory, eight steps a sample";
+  }
+  std::variant<Result, NoClosedForm> run(const chain::Chain& chain, const TimeRecord& input,
+                                         const Options& options) const override {
+    return run_in_cvode(chain, input, options);
+  }
+  /// Largest change that a tenth of the tolerance makes.
+  double estimate_error(const chain::Chain& chain, const TimeRecord& input, const Options& options,
+                        const Result& result) const override {
+    return compare_records(result.y, run_in_cvode(chain, input, options.finer()).y).max;
+  }
+};
+
+}  // namespace
+
+const ChainEngine& cvode_engine() {
+  static const CvodeEngine engine;
+  return engine;
+}
+
+}  // namespace bodesmith::simulate

@@ -1,0 +1,100 @@
+// The record engine: record_simulator.hpp behind the common door.
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/progress.hpp"
+#include "simulate/engines/engine.hpp"
+#include "simulate/record_metrics.hpp"
+#include "simulate/record_simulator.hpp"
+
+namespace bodesmith::simulate {
+namespace {
+
+struct RecordMethod {
+  std::string_view operator()(const chain::LinearKernel&) const { return "matrix exponential on each hold"; }
+  std::string_view operator()(const std::unique_ptr<chain::OdeKernel>&) const {
+    return "collocation on each hold";
+  }
+  std::string_view operator()(const std::unique_ptr<chain::MemoryKernel>&) const {
+    return "memory, node by node";
+  }
+  std::string_view operator()(const std::unique_ptr<chain::SampledKernel>&) const { return "edge by edge"; }
+  template <class T>
+  std::string_view operator()(const std::unique_ptr<T>&) const {
+    return "value by value";
+  }
+};
+
+Result run_holds(const chain::Chain& chain, const TimeRecord& input, Start start, std::size_t degree,
+                 std::size_t oversample) {
+  RecordOptions options;
+  options.start = start;
+  options.degree = degree;
+  options.oversample = oversample;
+  options.start_s = input.start_s;
+  RecordSimulator simulator(chain, input.step_s, options);
+  const auto y = simulator.run(input.u);
+  if (simulator.diverged()) {
+    throw InputError(
+        "the model's output grows without bound for this input, expected a stable model (check its spring "
+        "and drag)");
+  }
+  Result out;
+  out.y.assign(y.begin(), y.end());
+  out.stats.engine = Engine::record;
+  out.stats.degree = simulator.degree();
+  out.stats.steps = input.size() * oversample;
+  out.model_error = simulator.model_error();
+  return out;
+}
+
+class RecordEngine final : public ChainEngine {
+ public:
+  Engine which() const override { return Engine::record; }
+  std::string_view method(const chain::Kernel& kernel) const override {
+    return std::visit(RecordMethod{}, kernel);
+  }
+  std::variant<Result, NoClosedForm> run(const chain::Chain& chain, const TimeRecord& input,
+                                         const Options& options) const override {
+    return run_holds(chain, input, options.start, options.degree, options.oversample);
+  }
+  double estimate_error(const chain::Chain& chain, const TimeRecord& input, const Options& options,
+                        const Result& result) const override {
+    const Result finer = run_holds(chain, input, options.start, result.stats.degree, 2 * options.oversample);
+    return compare_records(result.y, finer.y).max;
+  }
+};
+
+}  // namespace
+
+const ChainEngine& record_engine() {
+  static const RecordEngine engine;
+  return engine;
+}
+
+RefinedRecord run_record_refined(const chain::Chain& chain, const TimeRecord& input, const Options& options) {
+  constexpr std::size_t kMaxHolds = 4'000'000;
+  constexpr std::size_t kMaxOversample = 256;
+  RefinedRecord out;
+  std::size_t oversample = options.oversample;
+  out.result = run_holds(chain, input, options.start, options.degree, oversample);
+  while (true) {
+    stop_if_interrupted();
+    Result finer = run_holds(chain, input, options.start, out.result.stats.degree, 2 * oversample);
+    const double difference = compare_records(out.result.y, finer.y).max;
+    double size = 0.0;
+    for (const double y : finer.y) size = std::max(size, std::abs(y));
+    out.result.y = std::move(finer.y);
+    out.result.stats.steps += finer.stats.steps;
+    out.result.error_estimate = difference;
+    oversample *= 2;
+    if (difference <= std::max(options.absolute_tolerance, options.relative_tolerance * size)) return out;
+    if (input.size() * 2 * oversample > kMaxHolds || oversample >= kMaxOversample) {
+      out.outcome = RefinedRecord::Outcome::smallest_step;
+      return out;
+    }
+  }
+}
+
+}  // namespace bodesmith::simulate

@@ -1,0 +1,92 @@
+#include "simulate/modal_system.hpp"
+
+#include <Eigen/Dense>
+#include <Eigen/Eigenvalues>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "numeric/index.hpp"
+
+namespace bodesmith::simulate {
+namespace {
+
+using ModalComplex = std::complex<double>;
+
+void set_condition(ModalSystem& m) {
+  double modes = std::abs(m.direct);
+  for (std::size_t k = 0; k < m.poles.size(); ++k) {
+    modes += (m.poles[k].imag() != 0.0 ? 2.0 : 1.0) * std::abs(m.residues[k] / m.poles[k]);
+  }
+  double max_gain = 0.0;
+  const auto at = [&](double w) {
+    ModalComplex h = m.direct;
+    for (std::size_t k = 0; k < m.poles.size(); ++k) {
+      h += m.residues[k] / (ModalComplex(0.0, w) - m.poles[k]);
+      if (m.poles[k].imag() != 0.0)
+        h += std::conj(m.residues[k]) / (ModalComplex(0.0, w) - std::conj(m.poles[k]));
+    }
+    max_gain = std::max(max_gain, std::abs(h));
+  };
+  at(0.0);
+  for (const ModalComplex p : m.poles) at(std::abs(p));
+  m.condition = m.poles.empty() ? 1.0 : modes / max_gain;
+  if (!std::isfinite(m.condition)) m.condition = std::numeric_limits<double>::infinity();
+}
+
+}  // namespace
+
+ModalSystem ModalSystem::from(const Sections& sections) {
+  std::vector<ModalComplex> zeros;
+  std::vector<ModalComplex> poles;
+  double gain = sections.gain;
+  for (const Section& s : sections.sections) {
+    gain *= s.gain;
+    zeros.insert(zeros.end(), s.zeros.begin(), s.zeros.end());
+    poles.insert(poles.end(), s.poles.begin(), s.poles.end());
+  }
+  ModalSystem m;
+  if (zeros.size() == poles.size()) m.direct = gain;
+  for (std::size_t k = 0; k < poles.size(); ++k) {
+    if (poles[k].imag() < 0.0) continue;
+    // A zero over a pole at a time: no overflow for many roots.
+    ModalComplex r = gain;
+    std::size_t z = 0;
+    for (std::size_t j = 0; j < poles.size(); ++j) {
+      if (j != k) r /= poles[k] - poles[j];
+      if (z < zeros.size()) r *= poles[k] - zeros[z++];
+    }
+    m.poles.push_back(poles[k]);
+    m.residues.push_back(r);
+  }
+  set_condition(m);
+  return m;
+}
+
+ModalSystem ModalSystem::from(const StateSpace& system) {
+  ModalSystem m;
+  m.direct = system.d;
+  if (system.order() == 0) return m;
+  const Eigen::Index n = eigen_index(system.order());
+  const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> a(
+      system.a.data(), n, n);
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(a);
+  const Eigen::MatrixXcd v = solver.eigenvectors();
+  const Eigen::FullPivLU<Eigen::MatrixXcd> lu(v);
+  if (!lu.isInvertible() || solver.info() != Eigen::Success) {
+    m.condition = std::numeric_limits<double>::infinity();
+    return m;
+  }
+  const Eigen::VectorXcd in = lu.solve(as_eigen(system.b).cast<ModalComplex>());
+  const Eigen::RowVectorXcd out = as_eigen(system.c).cast<ModalComplex>().transpose() * v;
+  for (Eigen::Index k = 0; k < n; ++k) {
+    const ModalComplex p = solver.eigenvalues()(k);
+    if (p.imag() < 0.0) continue;
+    m.poles.push_back(p);
+    m.residues.push_back(in(k)*out(k));
+  }
+  set_condition(m);
+  return m;
+}
+
+}  // namespace bodesmith::simulate

@@ -1,0 +1,197 @@
+#include "simulate/propagators/branch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace bodesmith::simulate {
+namespace {
+
+/// Differences below this share of the signal are rounding, not a turn.
+constexpr double kRounding = 1e-12;
+/// Switch times this near to a hold's end belong to the end.
+constexpr double kAtEnd = 1e-9;
+
+double horner(const std::vector<double>& c, double u) {
+  double sum = 0.0;
+  for (std::size_t k = c.size(); k-- > 0;) sum = sum * u + c[k];
+  return sum;
+}
+
+/// Gauss-Legendre, five points on [0, 1].
+constexpr std::array<double, 5> kAt = {0.046910077030668004, 0.23076534494715845, 0.5, 0.76923465505284155,
+                                       0.953089922969332};
+constexpr std::array<double, 5> kWeight = {0.11846344252809454, 0.23931433524968324, 0.28444444444444444,
+                                           0.23931433524968324, 0.11846344252809454};
+
+/// Roots of c + b s + a s^2 inside (0, 1), rising.
+std::size_t quadratic_roots(double a, double b, double c, double* roots) {
+  const double inside = b * b - 4.0 * a * c;
+  if (inside <= 0.0) return 0;
+  std::size_t count = 0;
+  const double q = -0.5 * (b + std::copysign(std::sqrt(inside), b));
+  for (const double r : {a != 0.0 ? q / a : -1.0, q != 0.0 ? c / q : -1.0}) {
+    if (r > 0.0 && r < 1.0) roots[count++] = r;
+  }
+  if (count == 2 && roots[1] < roots[0]) std::swap(roots[0], roots[1]);
+  return count;
+}
+
+/// Roots of a slope of degree <= 3 inside (0, 1), rising: where the sign changes between samples of it, by
+/// bisection.
+std::size_t turning_points(const double* slope, std::size_t degree, double* roots) {
+  if (degree == 2) return quadratic_roots(slope[2], slope[1], slope[0], roots);
+  const auto at = [&](double s) {
+    double sum = 0.0;
+    for (std::size_t k = degree + 1; k-- > 0;) sum = sum * s + slope[k];
+    return sum;
+  };
+  std::size_t count = 0;
+  constexpr int kLooks = 12;
+  double left = at(0.0);
+  for (int k = 1; k <= kLooks && count < degree; ++k) {
+    double low = static_cast<double>(k - 1) / kLooks;
+    double high = static_cast<double>(k) / kLooks;
+    const double right = at(high);
+    if (left * right < 0.0) {
+      for (int i = 0; i < 52; ++i) {
+        const double middle = 0.5 * (low + high);
+        (at(middle) * left > 0.0 ? low : high) = middle;
+      }
+      roots[count++] = 0.5 * (low + high);
+    }
+    left = right;
+  }
+  return count;
+}
+
+}  // namespace
+
+bool BranchPropagator::prepare(const chain::MemoryKernel& memory, double h, const HoldNodes& nodes) {
+  up_ = memory.branch_polynomial(1);
+  down_ = memory.branch_polynomial(-1);
+  if (up_.empty() || down_.empty()) return false;
+  delay_ = memory.switch_delay_s() / h;
+  nodes_ = &nodes;
+  for (std::size_t j = 0; j <= nodes.degree; ++j) {
+    quadrature_[j] = 0.0;
+    for (std::size_t k = 0; k <= nodes.degree; ++k)
+      quadrature_[j] += nodes.monomial[k][j] / static_cast<double>(k + 1);
+  }
+  return true;
+}
+
+double BranchPropagator::on_branch(double u) const {
+  return horner(branch_ ? up_ : down_, u);
+}
+
+void BranchPropagator::turn(double when, bool rising) {
+  if (rising == rising_) return;
+  rising_ = rising;
+  due_.push_back(when + delay_);
+}
+
+void BranchPropagator::find_turns(const double* v, std::size_t hold, double last, double noise) {
+  const std::size_t p = nodes_->degree;
+  const auto start = static_cast<double>(hold);
+  if (std::abs(v[0] - last) > noise) turn(start, v[0] > last);
+  // The slope's polynomial, and the directions between its roots.
+  double slope[kMaxDegree] = {};
+  double roots[kMaxDegree + 1];
+  std::size_t count = 0;
+  if (p > 1) {
+    for (std::size_t k = 1; k <= p; ++k) {
+      for (std::size_t j = 0; j <= p; ++j)
+        slope[k - 1] += static_cast<double>(k) * nodes_->monomial[k][j] * v[j];
+    }
+    count = turning_points(slope, p - 1, roots);
+  }
+  roots[count] = 1.0;
+  double from = 0.0;
+  double value = v[0];
+  for (std::size_t k = 0; k <= count; ++k) {
+    const double end = roots[k] < 1.0 ? nodes_->value(v, roots[k]) : v[p];
+    if (std::abs(end - value) > noise) turn(start + from, end > value);
+    from = roots[k];
+    value = end;
+  }
+}
+
+double BranchPropagator::run(double* signal, std::size_t holds, double before) {
+  const std::size_t width = nodes_->size();
+  rising_ = branch_ = true;
+  due_.clear();
+  const double rest = on_branch(before);
+  double size = std::abs(before);
+  double last = before;
+  double* v = signal;
+  for (std::size_t hold = 0; hold < holds; ++hold, v += width) {
+    const auto start = static_cast<double>(hold);
+    for (std::size_t j = 0; j < width; ++j) size = std::max(size, std::abs(v[j]));
+    find_turns(v, hold, last, kRounding * size);
+    last = v[width - 1];
+    while (!due_.empty() && due_.front() <= start + kAtEnd) {
+      branch_ = !branch_;
+      due_.erase(due_.begin());
+    }
+    if (due_.empty() || due_.front() >= start + 1.0 - kAtEnd) {
+      for (std::size_t j = 0; j < width; ++j) v[j] = on_branch(v[j]);
+    } else {
+      broken_hold(v, hold);
+    }
+  }
+  return rest;
+}
+
+void BranchPropagator::moments(const double* v, std::size_t hold, double* moment) {
+  const std::size_t inner = nodes_->degree - 1;
+  const auto start = static_cast<double>(hold);
+  double from = 0.0;
+  while (true) {
+    const bool more = !due_.empty() && due_.front() < start + 1.0 - kAtEnd;
+    const double to = more ? due_.front() - start : 1.0;
+    for (std::size_t i = 0; i < kAt.size(); ++i) {
+      const double s = from + (to - from) * kAt[i];
+      double term = (to - from) * kWeight[i] * on_branch(nodes_->value(v, s));
+      for (std::size_t m = 0; m < inner; ++m, term *= s) moment[m] += term;
+    }
+    if (!more) return;
+    branch_ = !branch_;
+    due_.erase(due_.begin());
+    from = to;
+  }
+}
+
+void BranchPropagator::solve_inner_nodes(const double* moment, double* v) const {
+  const std::size_t p = nodes_->degree;
+  const std::size_t inner = p - 1;
+  // sum over the inner nodes of weight_j s_j^m y_j = moment_m - (the ends' part)
+  double system[kMaxDegree][kMaxDegree + 1] = {};
+  for (std::size_t m = 0; m < inner; ++m) {
+    for (std::size_t j = 1; j < p; ++j)
+      system[m][j - 1] = quadrature_[j] * std::pow(nodes_->at[j], static_cast<double>(m));
+    system[m][inner] = moment[m] - (m == 0 ? quadrature_[0] * v[0] : 0.0) - quadrature_[p] * v[p];
+  }
+  for (std::size_t k = 0; k < inner; ++k) {
+    for (std::size_t i = k + 1; i < inner; ++i) {
+      const double f = system[i][k] / system[k][k];
+      for (std::size_t j = k; j <= inner; ++j) system[i][j] -= f * system[k][j];
+    }
+  }
+  for (std::size_t k = inner; k-- > 0;) {
+    double sum = system[k][inner];
+    for (std::size_t j = k + 1; j < inner; ++j) sum -= system[k][j] * v[j + 1];
+    v[k + 1] = sum / system[k][k];
+  }
+}
+
+void BranchPropagator::broken_hold(double* v, std::size_t hold) {
+  const double first = on_branch(v[0]);
+  double moment[kMaxDegree] = {};
+  moments(v, hold, moment);
+  v[0] = first;
+  v[nodes_->degree] = on_branch(v[nodes_->degree]);
+  solve_inner_nodes(moment, v);
+}
+
+}  // namespace bodesmith::simulate

@@ -1,0 +1,54 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "chain/kernel.hpp"
+#include "simulate/hold_nodes.hpp"
+#include "simulate/hold_response.hpp"
+
+namespace bodesmith::simulate {
+
+/// A linear system with delay, run over holds of equal length: exact for inputs that are polynomials of the
+/// hold's degree.
+class LinearPropagator {
+ public:
+  void prepare(const chain::LinearKernel& system, double h, const HoldNodes& nodes);
+
+  /// u and y hold `holds` blocks of degree+1 node values and must not overlap. `x` starts the run and is left
+  /// at its end. Before the delay has passed the output is `before`.
+  void run(const double* u, double* y, std::size_t holds, double* x, double before);
+
+ private:
+  /// Where an output node looks: `shift` holds earlier, part s of that hold.
+  struct Source {
+    std::size_t shift = 0;
+    double s = 0.0;
+  };
+  Source source_of(std::size_t node, double delay, const HoldNodes& nodes) const;
+  void set_row(std::size_t node, const chain::LinearKernel& system, const double* weights,
+               const HoldResponse& response);
+  template <std::size_t N, std::size_t P>
+  void run_fixed(const double* u, double* y, std::size_t holds, double* x);
+  /// False when there is no fixed size for this order and degree.
+  bool run_fixed_size(const double* u, double* y, std::size_t holds, double* x);
+  void run_any(const double* u, double* y, std::size_t holds, double* x, double before);
+
+  std::size_t order_ = 0;
+  std::size_t degree_ = 1;
+  bool delayed_ = false;
+  double gain_ = 0.0;
+  double offset_ = 0.0;
+  // Row i gives node i of the output: c_rows x + d_rows u + k_rows. With a delay, that of the hold shift_[i]
+  // later.
+  std::vector<double> c_rows_;
+  std::vector<double> d_rows_;
+  std::vector<double> k_rows_;
+  std::vector<std::size_t> shift_;
+  HoldResponse end_;
+  HoldResponse inner_;
+  HoldResponseSolver solver_;
+  std::vector<double> next_;
+};
+
+}  // namespace bodesmith::simulate

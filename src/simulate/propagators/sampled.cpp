@@ -1,0 +1,126 @@
+#include "simulate/propagators/sampled.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+namespace bodesmith::simulate {
+namespace {
+
+/// Node values of the polynomial of degree p that has the same p+1 moments over [0, 1] as a staircase:
+/// shifted Legendre series, whose partial integrals are closed.
+class Staircase {
+ public:
+  explicit Staircase(const HoldNodes& nodes) : nodes_(nodes) {
+    for (std::size_t j = 0; j <= nodes.degree; ++j) legendre(2.0 * nodes.at[j] - 1.0, at_node_[j]);
+  }
+  void clear() { std::fill(sum_, sum_ + kMaxDegree + 1, 0.0); }
+  /// The staircase is `value` over [from, to].
+  void add(double from, double to, double value) {
+    double low[kMaxDegree + 2];
+    double high[kMaxDegree + 2];
+    legendre(2.0 * from - 1.0, low);
+    legendre(2.0 * to - 1.0, high);
+    for (std::size_t k = 0; k <= nodes_.degree; ++k) {
+      // (2k+1) int P_k(2s-1) ds = [P_{k+1} - P_{k-1}]/2
+      const double before_low = k == 0 ? -1.0 : low[k - 1];
+      const double before_high = k == 0 ? -1.0 : high[k - 1];
+      const double integral =
+          k == 0 ? to - from : 0.5 * ((high[k + 1] - before_high) - (low[k + 1] - before_low));
+      sum_[k] += value * integral;
+    }
+  }
+  void nodes(double* y) const {
+    for (std::size_t j = 0; j <= nodes_.degree; ++j) {
+      y[j] = 0.0;
+      for (std::size_t k = 0; k <= nodes_.degree; ++k) y[j] += sum_[k] * at_node_[j][k];
+    }
+  }
+
+ private:
+  static void legendre(double x, double* p) {
+    p[0] = 1.0;
+    p[1] = x;
+    for (std::size_t k = 1; k <= kMaxDegree; ++k) {
+      const auto n = static_cast<double>(k);
+      p[k + 1] = ((2.0 * n + 1.0) * x * p[k] - n * p[k - 1]) / (n + 1.0);
+    }
+  }
+  const HoldNodes& nodes_;
+  double at_node_[kMaxDegree + 1][kMaxDegree + 2]{};
+  double sum_[kMaxDegree + 1]{};
+};
+
+/// Edge k samples at k cycles (in holds); the sample shows a lag later.
+class EdgeRun {
+ public:
+  EdgeRun(chain::SampledKernel& kernel, const HoldNodes& nodes, double h, double held)
+      : kernel_(kernel),
+        nodes_(nodes),
+        cycle_(1.0 / (kernel.clock_hz() * h)),
+        lag_(kernel.delay_s() / h),
+        held_(held),
+        waiting_(static_cast<std::size_t>(lag_ / cycle_) + 3, 0.0) {}
+
+  /// Samples of the edges up to `until` from the hold with node values v that begins at `begin`.
+  void take_samples(double until, double begin, const double* v) {
+    while (static_cast<double>(sampled_) * cycle_ <= until) {
+      const double s = std::clamp(static_cast<double>(sampled_) * cycle_ - begin, 0.0, 1.0);
+      waiting_[sampled_ % waiting_.size()] = kernel_.update(nodes_.value(v, s));
+      ++sampled_;
+    }
+  }
+  double next_change() const { return static_cast<double>(shown_) * cycle_ + lag_; }
+  void change() {
+    held_ = waiting_[shown_ % waiting_.size()];
+    ++shown_;
+  }
+  double held() const { return held_; }
+
+ private:
+  chain::SampledKernel& kernel_;
+  const HoldNodes& nodes_;
+  double cycle_;
+  double lag_;
+  double held_;
+  std::size_t sampled_ = 0;      ///< edges whose sample is taken
+  std::size_t shown_ = 0;        ///< samples that have come out
+  std::vector<double> waiting_;  ///< samples wait here for their lag; never more than lag/cycle + 2
+};
+
+}  // namespace
+
+void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h, const double* u, double* y,
+                 std::size_t holds, bool equilibrium, bool point_values) {
+  constexpr double kClose = 1e-9;
+  const std::size_t width = nodes.size();
+  EdgeRun edges(kernel, nodes, h, holds > 0 ? kernel.reset(u[0], equilibrium) : 0.0);
+  Staircase staircase(nodes);
+  for (std::size_t hold = 0; hold < holds; ++hold, u += width, y += width) {
+    const double begin = static_cast<double>(hold);
+    // An edge at the end of a hold samples what is there before the next one begins, but shows in the next
+    // one.
+    edges.take_samples(begin + kClose, begin, u);
+    while (edges.next_change() - begin <= kClose) edges.change();
+    std::size_t node = 0;
+    double from = 0.0;
+    staircase.clear();
+    bool steps = false;
+    while (true) {
+      const double change = edges.next_change() - begin;
+      const bool inside = change < 1.0 - kClose;
+      const double to = inside ? change : 1.0;
+      while (node < width && (nodes.at[node] < to || !inside)) y[node++] = edges.held();
+      staircase.add(from, to, edges.held());
+      if (!inside) break;
+      steps = true;
+      edges.take_samples(begin + change, begin, u);
+      edges.change();
+      from = to;
+    }
+    if (steps && !point_values) staircase.nodes(y);
+    edges.take_samples(begin + 1.0 - kClose, begin, u);
+  }
+}
+
+}  // namespace bodesmith::simulate

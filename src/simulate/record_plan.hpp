@@ -1,0 +1,47 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <vector>
+
+#include "chain/chain.hpp"
+
+namespace bodesmith::simulate {
+
+/// One block with its kernel, rebuilt only when a parameter changed.
+class KernelSlot {
+ public:
+  void refresh(const chain::Block& block);
+  chain::Kernel& kernel() { return *kernel_; }
+  const chain::Kernel& kernel() const { return *kernel_; }
+
+ private:
+  std::optional<chain::Kernel> kernel_;
+  std::vector<double> values_;  ///< of the block's parameters when it was built
+};
+
+/// States of a block, in the order of Chain::blocks.
+std::size_t state_count(const chain::Kernel& kernel);
+
+/// Neighbouring linear blocks, or one block of another kind.
+///
+/// The delays of a linear run are moved to its end, where they are exact. What does not come from the input
+/// must not be delayed with it: constants and initial states of blocks behind a delay run beside, in a system
+/// of their own.
+struct RecordStage {
+  std::size_t first = 0;  ///< block
+  bool linear = false;
+  chain::LinearKernel merged;
+  std::size_t front = 0;       ///< states of `merged` in front of its delay
+  chain::LinearKernel beside;  ///< driven by constants only; its states are those behind the delay
+  std::size_t state = 0;       ///< place of its states among all states
+};
+
+/// The first `blocks` blocks as stages.
+std::vector<RecordStage> record_stages(const std::vector<KernelSlot>& slots, std::size_t blocks);
+
+/// 1 while every signal that enters dynamics is a straight line over each hold of h seconds, else 3.
+std::size_t needed_degree(const std::vector<RecordStage>& stages, const std::vector<KernelSlot>& slots,
+                          double h);
+
+}  // namespace bodesmith::simulate

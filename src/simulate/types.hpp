@@ -1,0 +1,83 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace bodesmith::simulate {
+
+/// How a chain is worked out.
+enum class Engine {
+  automatic,  ///< exact where the chain and its input allow it, else record, its step halved until the
+              ///< tolerance is met; where a kink keeps it from that, cvode if that does better
+  record,     ///< sample to sample with the step as given, see record_simulator.hpp
+  exact,      ///< closed form between the corners of the input; an error where there is none
+  cvode,      ///< the whole chain as an ODE with events, see ode_solve.hpp
+};
+/// "automatic", "record", "exact", "cvode".
+std::string_view to_string(Engine engine);
+
+enum class Start {
+  zero,         ///< every state is zero before the first sample
+  equilibrium,  ///< at rest under the first input
+};
+/// "zero", "equilibrium".
+std::string_view to_string(Start start);
+
+struct Options {
+  Engine engine = Engine::automatic;
+  Start start = Start::zero;
+  double relative_tolerance = 1e-8;   ///< automatic (of the largest output) and cvode
+  double absolute_tolerance = 1e-10;  ///< the same, in units of the signal
+  std::size_t degree = 0;      ///< record: degree of the hold between samples, 1-4; 0: as the chain needs
+  std::size_t oversample = 1;  ///< record: steps a sample interval
+  bool estimate_error = true;  ///< run a second time at half the step (or a tenth of the tolerance)
+
+  /// The same with a tenth of the tolerances.
+  Options finer() const;
+};
+
+struct Stats {
+  Engine engine = Engine::automatic;  ///< the one that did it: exact, record or cvode
+  std::size_t steps = 0;              ///< steps of the solver, or holds of the record engine
+  std::size_t evaluations = 0;        ///< right-hand sides (cvode)
+  std::size_t restarts = 0;           ///< at corners, clock edges and events (cvode)
+  std::size_t events = 0;             ///< roots found (cvode)
+  std::size_t degree = 0;             ///< record
+  double compute_s = 0.0;             ///< without the error estimate
+};
+
+struct Result {
+  std::vector<double> y;  ///< one a sample of the input
+  /// Largest difference to the second, finer run; none when it was not asked for. It covers the numerical
+  /// method, and in `model_error` what a block's own approximation (a fractional term) adds at most,
+  /// relative.
+  std::optional<double> error_estimate;
+  double model_error = 0.0;
+  Stats stats;
+  std::vector<std::string> notes;  ///< e.g. what an engine could only do approximately
+};
+
+/// Why there is no closed form.
+struct NoClosedForm {
+  enum class Reason {
+    one_sample,                 ///< the record has no interval
+    not_polynomial,             ///< a block that is neither linear nor a polynomial
+    many_corners,               ///< the record engine does it faster
+    constant_between_dynamics,  ///< an offset between dynamics, or a block driven by a constant
+    behind_dynamics,            ///< a curve, source or memory behind linear dynamics
+    high_degree,                ///< polynomials of polynomials
+    turn_in_segment,            ///< a memory's input turns elsewhere than at a corner
+    near_equal_poles,           ///< the modes are badly conditioned
+    not_linear,                 ///< a loop: a plant that is not linear dynamics
+    algebraic,                  ///< a loop: the plant answers its drive at once
+    unmatched_period,           ///< a loop: sample times of controller and record have no common grid
+    limited,                    ///< a loop: a continuous controller with limits
+  };
+  Reason reason;
+  std::string text;
+};
+
+}  // namespace bodesmith::simulate

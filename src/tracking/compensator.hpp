@@ -1,0 +1,70 @@
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <optional>
+#include <variant>
+#include <vector>
+
+#include "base/units.hpp"
+#include "lti/sections.hpp"
+
+namespace bodesmith::tracking {
+
+/// No compensation of this branch at all: c has nothing of it.
+struct Uncompensated {};
+
+/// The polynomial at constant gain (the generator alone, no rate compensation).
+struct ConstantGain {
+  double gain = 1.0;
+};
+
+/// A voltage-controlled gain driven by the measured operating frequency: `gain` over `frequency`,
+/// interpolated in log frequency and held at the ends, as the disturbance's own rate table. No linear filter,
+/// so it turns no phase; in steady state it is a constant gain. It needs a frequency-to-voltage converter
+/// that has settled.
+struct ScheduledGain {
+  std::vector<Hertz> frequency;  ///< rising
+  std::vector<double> gain;
+};
+
+/// A compensator known by its frequency response, e.g. the ideal fractional cascade: worked out harmonic by
+/// harmonic. `approximation` (high order, with `approximation_error_db`) stands for it in the time domain,
+/// when given.
+struct ResponseCompensator {
+  std::function<std::complex<double>(RadPerSecond)> response;
+  std::optional<Sections> approximation;
+  double approximation_error_db = 0.0;
+};
+
+/// A chain of switched-capacitor sections: sampled at the clock, filtered, held for a cycle.
+struct ClockedCompensator {
+  /// b0 + b1 z^-1 + ... over a0 + a1 z^-1 + ..., degree at most 2.
+  struct SectionZ {
+    std::vector<double> numerator;
+    std::vector<double> denominator;
+  };
+  std::vector<SectionZ> sections;
+  Hertz clock;
+  double gain = 1.0;
+  /// Pure delay beyond the hold, in clock cycles (half a cycle for each section that adds one).
+  double delay_cycles = 0.0;
+  /// False: only the transfer functions on the unit circle, H(e^(jw/fc)), without hold, delay and images:
+  /// what the capacitors alone change.
+  bool hold_and_delays = true;
+};
+
+using Compensator = std::variant<Uncompensated, ConstantGain, Sections, ResponseCompensator,
+                                 ClockedCompensator, ScheduledGain>;
+
+/// The frequency response by which a compensator acts on a waveform; for a clocked one with or without hold
+/// and delay. A scheduled gain has none (see settled_at) and counts as nothing.
+std::complex<double> compensator_response(const Compensator& compensator, RadPerSecond w);
+
+/// The compensator as it is at one operating frequency: a scheduled gain has become a constant one.
+Compensator settled_at(const Compensator& compensator, Hertz frequency);
+
+/// A clocked compensator that is worked out edge by edge; else null.
+const ClockedCompensator* clocked_part(const Compensator& compensator);
+
+}  // namespace bodesmith::tracking

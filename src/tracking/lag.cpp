@@ -1,0 +1,98 @@
+#include "tracking/lag.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "tracking/spectrum.hpp"
+
+namespace bodesmith::tracking {
+namespace {
+
+/// The correlation of y with the delayed x and its derivatives by the delay.
+struct Correlation {
+  double value = 0.0;
+  double slope = 0.0;
+  double curvature = 0.0;
+};
+
+/// A short cosine series: the cross spectrum up to its last term that counts.
+class CrossSpectrum {
+ public:
+  CrossSpectrum(const std::vector<Complex>& y_hat, const std::vector<Complex>& x_hat, double period_s)
+      : period_s_(period_s) {
+    const std::size_t n = y_hat.size();
+    const double scale = 1.0 / (static_cast<double>(n) * static_cast<double>(n));
+    std::size_t last = 0;
+    double max = 0.0;
+    terms_.resize(n / 2 + 1);
+    for (std::size_t k = 0; k <= n / 2; ++k) {
+      terms_[k] = y_hat[k] * std::conj(x_hat[k]) * scale * (k == 0 || k == n / 2 ? 1.0 : 2.0);
+      max = std::max(max, std::abs(terms_[k]));
+      if (std::abs(terms_[k]) > 1e-15 * max) last = k;
+    }
+    terms_.resize(last + 1);
+  }
+
+  Correlation at(double lag) const {
+    Correlation out;
+    const Complex step = std::polar(1.0, 2.0 * std::numbers::pi * lag / period_s_);
+    Complex turn = 1.0;
+    for (std::size_t k = 0; k < terms_.size(); ++k) {
+      const double w = 2.0 * std::numbers::pi * static_cast<double>(k) / period_s_;
+      const Complex part = terms_[k] * turn;
+      out.value += part.real();
+      out.slope -= w * part.imag();
+      out.curvature -= w * w * part.real();
+      turn *= step;
+    }
+    return out;
+  }
+  /// By the fundamental alone.
+  double first_guess() const {
+    return terms_.size() > 1 ? -std::arg(terms_[1]) / (2.0 * std::numbers::pi) * period_s_ : 0.0;
+  }
+
+ private:
+  double period_s_;
+  std::vector<Complex> terms_;
+};
+
+/// Newton's method from the fundamental's phase, which is close enough.
+double lag_of_largest(const CrossSpectrum& cross, double period_s) {
+  double lag = cross.first_guess();
+  Correlation best = cross.at(lag);
+  for (int i = 0; i < 30; ++i) {
+    if (!(best.curvature < 0.0)) break;
+    const double next = lag - best.slope / best.curvature;
+    const Correlation got = cross.at(next);
+    if (!(got.value >= best.value - 1e-18)) break;
+    const bool done = std::abs(next - lag) <= 1e-13 * period_s;
+    lag = next;
+    best = got;
+    if (done) break;
+  }
+  return lag;
+}
+
+}  // namespace
+
+LagResult best_lag(const std::vector<double>& y, const std::vector<double>& x, double period_s) {
+  const std::size_t n = y.size();
+  const auto y_hat = spectrum(y);
+  const auto x_hat = spectrum(x);
+  // The mean square of y - x(t - lag) is constants minus twice the correlation.
+  LagResult out;
+  out.lag_s = lag_of_largest(CrossSpectrum(y_hat, x_hat, period_s), period_s);
+  // Straight from the difference: the constants nearly cancel.
+  const double scale = 1.0 / (static_cast<double>(n) * static_cast<double>(n));
+  double mean_square = 0.0;
+  for (std::size_t k = 0; k < n; ++k) {
+    const double w = 2.0 * std::numbers::pi * harmonic_of_bin(k, n) / period_s;
+    mean_square += std::norm(y_hat[k] - x_hat[k] * std::polar(1.0, -w * out.lag_s)) * scale;
+  }
+  out.rms = std::sqrt(mean_square);
+  return out;
+}
+
+}  // namespace bodesmith::tracking

@@ -1,0 +1,191 @@
+#include "tracking/track.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <bit>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/progress.hpp"
+#include "tracking/clocked.hpp"
+#include "tracking/continuous.hpp"
+#include "tracking/lag.hpp"
+#include "tracking/periodic.hpp"
+
+namespace bodesmith::tracking {
+namespace {
+
+constexpr std::size_t kSamples = 1024;  ///< a period, in the time domain
+
+double rms_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return std::sqrt(sum / static_cast<double>(a.size()));
+}
+
+/// `count` values evenly from x.
+std::vector<double> thinned(const std::vector<double>& x, std::size_t count) {
+  std::vector<double> out;
+  const std::size_t stride = x.size() / count;
+  for (std::size_t i = 0; i < count; ++i) out.push_back(x[i * stride]);
+  return out;
+}
+
+struct TrackingError {
+  double rms_percent = 0.0;
+  double max_percent = 0.0;
+  double range = 0.0;
+};
+
+/// Eq. 8 over whole periods; the reference has one.
+TrackingError tracking_error(const std::vector<double>& y, const std::vector<double>& x) {
+  const auto [low, high] = std::minmax_element(y.begin(), y.end());
+  TrackingError out;
+  out.range = *high - *low;
+  double sum = 0.0;
+  double max = 0.0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    const double e = y[i] - x[i % x.size()];
+    sum += e * e;
+    max = std::max(max, std::abs(e));
+  }
+  out.rms_percent = 100.0 * std::sqrt(sum / static_cast<double>(y.size())) / out.range;
+  out.max_percent = 100.0 * max / out.range;
+  return out;
+}
+
+void validate(const std::string& design, const Compensator& compensator) {
+  const auto* scheduled = std::get_if<ScheduledGain>(&compensator);
+  if (scheduled != nullptr &&
+      (scheduled->frequency.empty() || scheduled->frequency.size() != scheduled->gain.size())) {
+    throw InputError(
+        fmt::format("design '{}': the gain's schedule has columns of different length or none", design));
+  }
+  const auto* clocked = std::get_if<ClockedCompensator>(&compensator);
+  if (clocked != nullptr && !(clocked->clock.value > 0.0)) {
+    throw InputError(fmt::format("design '{}': the clock is not above 0 Hz", design));
+  }
+}
+
+void validate(const Plant& plant, const std::vector<Design>& designs, const Options& options) {
+  if (options.frequencies.empty()) throw InputError("no operating frequency to track, expected at least one");
+  for (const Hertz f : options.frequencies) {
+    if (!(f.value > 0.0) || !std::isfinite(f.value))
+      throw InputError("an operating frequency is not above 0 Hz");
+  }
+  if (!(options.alpha > 0.0)) throw InputError("the reference amplitude alpha is not above 0");
+  if (!(plant.stroke > 0.0)) throw InputError("the stroke is not above 0");
+  if (options.harmonics < kSamples || !std::has_single_bit(options.harmonics)) {
+    throw std::logic_error("tracking needs a power of two, 1024 or more, of harmonics");
+  }
+  for (const Design& design : designs) {
+    validate(design.name, design.ascending);
+    validate(design.name, design.descending);
+  }
+}
+
+/// y/stroke over whole periods and x over one, with as many samples a period.
+struct Tracked {
+  Method method = Method::harmonic;
+  std::vector<double> displacement;
+  std::vector<double> reference;
+  std::optional<Case::Check> check;
+};
+
+/// In the time domain where that is wanted and the design has one, checked by the harmonic computation.
+Tracked displacement_of(const Plant& plant, const Design& design, const Options& options,
+                        const PeriodicTracking& periodic, const PeriodicState& state) {
+  Tracked out{Method::harmonic, state.displacement, periodic.reference(), std::nullopt};
+  if (!options.time_domain) return out;
+  if (clocked_part(design.ascending) != nullptr || clocked_part(design.descending) != nullptr) {
+    out.method = Method::exact;
+    out.displacement = track_clocked(plant, design, options, periodic.frequency(), kSamples);
+  } else if (auto sampled = track_continuous(plant, design, options, periodic.frequency(), kSamples)) {
+    out.method = Method::cvode;
+    out.displacement = std::move(*sampled);
+  } else {
+    return out;
+  }
+  const std::vector<double> coarse = thinned(state.displacement, kSamples);
+  out.reference = thinned(periodic.reference(), kSamples);
+  const std::vector<double>& y = out.displacement;
+  double sum = 0.0;
+  for (std::size_t i = 0; i < y.size(); ++i) sum += std::pow(y[i] - coarse[i % coarse.size()], 2);
+  out.check = Case::Check{
+      tracking_error(coarse, out.reference).rms_percent,
+      100.0 * std::sqrt(sum / static_cast<double>(y.size())) / tracking_error(y, out.reference).range};
+  return out;
+}
+
+/// What was tracked, judged; `last` is the last period of y.
+void judge(const Tracked& waves, const std::vector<double>& last, double period, Case& out) {
+  const TrackingError error = tracking_error(waves.displacement, waves.reference);
+  out.method = waves.method;
+  out.check = waves.check;
+  out.rms_percent = error.rms_percent;
+  out.max_percent = error.max_percent;
+  const LagResult lag = best_lag(last, waves.reference, period);
+  out.lag_s = lag.lag_s;
+  out.rms_percent_without_lag = 100.0 * lag.rms / error.range;
+}
+
+void keep_waveforms(const std::vector<double>& x, const std::vector<double>& y, double period, double stroke,
+                    std::size_t count, Case& out) {
+  for (std::size_t i = 0; i < count; ++i) {
+    const std::size_t at = i * x.size() / count;
+    out.time_s.push_back(period * static_cast<double>(at) / static_cast<double>(x.size()));
+    out.reference.push_back(stroke * x[at]);
+    out.displacement.push_back(stroke * y[at]);
+  }
+}
+
+/// All designs at one frequency.
+std::vector<Case> track_at(const Plant& plant, const std::vector<Design>& designs, const Options& options,
+                           Hertz frequency) {
+  const PeriodicTracking periodic(plant, options, frequency);
+  const double period = 1.0 / frequency.value;
+  std::vector<PeriodicState> states;
+  std::vector<Case> out;
+  for (Design design : designs) {
+    stop_if_interrupted();
+    design.ascending = settled_at(design.ascending, frequency);
+    design.descending = settled_at(design.descending, frequency);
+    states.push_back(periodic.solve(design));
+    const std::vector<double>& compensation = states.back().compensation;
+    const Tracked waves = displacement_of(plant, design, options, periodic, states.back());
+    const std::size_t samples = waves.reference.size();
+    const std::vector<double> last(waves.displacement.end() - static_cast<std::ptrdiff_t>(samples),
+                                   waves.displacement.end());
+    Case& c = out.emplace_back();
+    c.frequency = frequency;
+    c.design = design.name;
+    judge(waves, last, period, c);
+    c.waveform_rms_percent =
+        100.0 * rms_difference(compensation, periodic.stage_disturbance()) / options.alpha;
+    for (std::size_t i = 0; i + 1 < states.size(); ++i) {
+      if (designs[i].name != design.made_from) continue;
+      c.lost_rms_percent = 100.0 * rms_difference(compensation, states[i].compensation) / options.alpha;
+    }
+    keep_waveforms(waves.reference, last, period, plant.stroke, options.keep_samples, c);
+  }
+  return out;
+}
+
+}  // namespace
+
+Report track(const Plant& plant, const std::vector<Design>& designs, const Options& options) {
+  validate(plant, designs, options);
+  const Stopwatch watch;
+  Progress progress("tracking");
+  Report report;
+  const double total = static_cast<double>(options.frequencies.size() * designs.size());
+  for (const Hertz f : options.frequencies) {
+    for (Case& c : track_at(plant, designs, options, f)) report.cases.push_back(std::move(c));
+    progress.at(static_cast<double>(report.cases.size()) / total);
+  }
+  report.compute_s = watch.seconds();
+  return report;
+}
+
+}  // namespace bodesmith::tracking

@@ -1,0 +1,26 @@
+#include "tracking/types.hpp"
+
+#include <algorithm>
+
+namespace bodesmith::tracking {
+
+std::string_view to_string(Method method) {
+  switch (method) {
+    case Method::harmonic:
+      return "harmonic";
+    case Method::cvode:
+      return "cvode";
+    case Method::exact:
+      return "exact";
+  }
+  return "";
+}
+
+const Case* Report::find(Hertz frequency, const std::string& design) const {
+  const auto found = std::find_if(cases.begin(), cases.end(), [&](const Case& c) {
+    return c.frequency == frequency && c.design == design;
+  });
+  return found == cases.end() ? nullptr : &*found;
+}
+
+}  // namespace bodesmith::tracking

@@ -1,0 +1,112 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/units.hpp"
+#include "lti/sections.hpp"
+#include "signal/disturbance.hpp"
+#include "tracking/compensator.hpp"
+
+namespace bodesmith::tracking {
+
+// How well a disturbance compensator (first seed, Fig. 2) lets a stage follow a triangle or sine, in steady
+// state.
+//
+//   x(t)                              reference, 0 ... alpha of the stroke, at the operating frequency f
+//   w_a(t) = d_a(x) while x rises, else 0
+//   w_d(t) = d_d(x) while x falls, else 0          the disturbance generator
+//   c(t)   = C_a{w_a} + C_d{w_d}                   the two compensators
+//   v(t)   = D{x - c}                              drive path: the amplifier, ...
+//   q(t)   = v + k_a(f) w_a or k_d(f) w_d          rate gains of the table at f
+//   y(t)   = stroke P{q}                           damping compensator, resonance
+//   e_rms% = 100 rms(y - stroke x) / (max y - min y)                                            (eq. 8)
+//
+// The amplitude gains of the table at alpha multiply both the generator's and the stage's disturbance.
+
+/// One row of the comparison.
+struct Design {
+  std::string name;  ///< "constant polynomial", "E96 circuit", ...
+  Compensator ascending;
+  Compensator descending;
+  /// Name of the design it was made from; the report then states how much was lost on the way. Empty: none.
+  std::string made_from;
+};
+
+struct Plant {
+  Disturbance disturbance;
+  double stroke = 1.0;  ///< displacement at x = 1 (the unit is the caller's)
+  Sections drive_path;  ///< D: default the identity
+  Sections stage_path;  ///< P: default the identity
+  /// The generator's polynomials; absent: the plant's own, as if identified without error.
+  std::optional<Disturbance> generator;
+
+  const Disturbance& generated() const { return generator ? *generator : disturbance; }
+};
+
+struct Options {
+  enum class Reference { triangle, sine };
+  /// Where the compensators stand. Behind the switch: each filters its own branch's waveform, which is 0
+  /// while the other branch is on (w_a, w_d above); the same filter on both branches is one filter behind the
+  /// branch switch. Before the switch: each filters its branch's polynomial of x all the time, and the switch
+  /// picks one of the two outputs:
+  ///   c(t) = C_a{d_a(x)} while x rises, C_d{d_d(x)} while x falls.
+  enum class Place { behind_switch, before_switch };
+  /// What the stage's own disturbance is a function of: the seed evaluates it on the reference x; a real
+  /// stage sees its drive v, and its branch turns with the slope of v.
+  enum class Argument { reference, drive };
+
+  std::vector<Hertz> frequencies;
+  Reference reference = Reference::triangle;
+  Place place = Place::behind_switch;
+  Argument argument = Argument::reference;
+  double alpha = 1.0;       ///< amplitude of x
+  bool time_domain = true;  ///< integrate a period in CVODE (clocked designs: exact propagation) and check
+  double relative_tolerance = 1e-7;  ///< CVODE
+  std::size_t harmonics = 4096;      ///< of the periodic computation; a power of two
+  std::size_t keep_samples = 400;    ///< samples a period of the waveforms kept in the report
+};
+
+/// How a displacement was worked out.
+enum class Method {
+  harmonic,  ///< harmonic by harmonic; of clocked designs without the clock's images
+  cvode,     ///< one period integrated
+  exact,     ///< clocked: edge by edge, matrix exponentials between
+};
+std::string_view to_string(Method method);
+
+/// One design at one frequency.
+struct Case {
+  Hertz frequency;
+  std::string design;
+  double rms_percent = 0.0;  ///< eq. 8, nothing removed
+  double max_percent = 0.0;  ///< largest |y - stroke x| in percent of range
+  double lag_s = 0.0;        ///< the pure delay of the reference that makes the rms smallest
+  double rms_percent_without_lag = 0.0;
+  double waveform_rms_percent = 0.0;  ///< rms of c against the disturbance the stage adds, percent of stroke
+  double lost_rms_percent = 0.0;      ///< rms of c against the design it was made from, percent of stroke
+  Method method = Method::harmonic;
+  /// The same by the harmonic computation, when `method` is another.
+  struct Check {
+    double rms_percent = 0.0;
+    double difference_percent = 0.0;  ///< rms between both displacements, percent of range
+  };
+  std::optional<Check> check;
+  // One period in steady state, keep_samples of each.
+  std::vector<double> time_s;
+  std::vector<double> reference;     ///< stroke x
+  std::vector<double> displacement;  ///< y
+};
+
+struct Report {
+  std::vector<Case> cases;  ///< designs within frequencies, in the order given
+  double compute_s = 0.0;
+
+  /// Null when there is none.
+  const Case* find(Hertz frequency, const std::string& design) const;
+};
+
+}  // namespace bodesmith::tracking

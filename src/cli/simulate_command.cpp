@@ -15,7 +15,7 @@
 #include "simulate/controller_file.hpp"
 #include "simulate/record_metrics.hpp"
 #include "simulate/segments.hpp"
-#include "simulate/signal_study.hpp"
+#include "simulate/signal_study_files.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -61,8 +61,8 @@ simulate::Options read_simulation_options(const CommandLine& line) {
   options.start = line.choice("start", {Start::zero, Start::equilibrium});
   options.relative_tolerance = line.positive("tolerance");
   options.absolute_tolerance = 1e-2 * options.relative_tolerance;
-  options.oversample = line.integer("oversample", 1, 1024);
-  options.degree = line.integer("degree", 0, 4);
+  options.oversample = static_cast<std::size_t>(line.integer("oversample", 1, 1024));
+  options.degree = static_cast<std::size_t>(line.integer("degree", 0, 4));
   options.estimate_error = !line.has("no-error-estimate");
   return options;
 }
@@ -127,10 +127,10 @@ void add_study(const CommandLine& line, const SimulationInput& input, const std:
   if (line.has("report")) {
     out.add(line.get<std::string>("report"), study_report(line, record, time, run, study, name));
   }
-  if (line.has("spectra")) out.add(line.get<std::string>("spectra"), study.spectra_csv(name));
-  if (line.has("loops")) out.add(line.get<std::string>("loops"), study.loops_csv(name));
-  json["spectra"] = study.spectra_json(name);
-  json["loops"] = study.loops_json();
+  if (line.has("spectra")) out.add(line.get<std::string>("spectra"), spectra_csv(study, name));
+  if (line.has("loops")) out.add(line.get<std::string>("loops"), loops_csv(study, name));
+  json["spectra"] = spectra_json(study, name);
+  json["loops"] = loops_json(study);
   if (study.u_distortion_percent && study.y_distortion_percent) {
     text += fmt::format("harmonics of {} Hz: distortion of {} {} %, of y {} %\n",
                         rounded_text(study.fundamental->value), name,
@@ -153,7 +153,7 @@ std::string output_csv(const TimeRecord& record, const std::vector<double>& time
 
 /// What the engine did, for the summary as JSON.
 void add_engine_json(const chain::Chain& model, const SimulatedOutput& run, bool loop, Json& json) {
-  json["engine"] = run.stats.engine;
+  json["engine"] = to_string(run.stats.engine);
   json["steps"] = run.stats.steps;
   if (!loop) {
     json["segments"] = Json::array();
@@ -161,7 +161,7 @@ void add_engine_json(const chain::Chain& model, const SimulatedOutput& run, bool
       json["segments"].push_back({{"blocks", {s.first, s.last}}, {"method", s.method}});
   }
   if (run.stats.degree > 0) json["hold_degree"] = run.stats.degree;
-  if (run.stats.engine == to_string(simulate::Engine::cvode)) {
+  if (run.stats.engine == simulate::Engine::cvode) {
     json["evaluations"] = run.stats.evaluations;
     json["restarts"] = run.stats.restarts;
     json["events"] = run.stats.events;
@@ -172,7 +172,7 @@ void add_engine_json(const chain::Chain& model, const SimulatedOutput& run, bool
 
 std::string engine_text(const SimulatedOutput& run) {
   std::string text = fmt::format(
-      "engine {}{}\n", run.stats.engine,
+      "engine {}{}\n", to_string(run.stats.engine),
       run.error_estimate ? fmt::format(", numerical error about {:.1e}", *run.error_estimate) : "");
   if (run.model_error > 0.0) {
     text +=

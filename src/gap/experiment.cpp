@@ -43,9 +43,9 @@ class TimeBench final : public Bench {
   static simulate::RecordOptions options(const TimeRecord& record, bool coarse) {
     simulate::RecordOptions o;
     o.start_s = record.start_s;
-    o.most_parts = 3.0;
+    o.max_parts = 3.0;
     o.newton_tolerance = coarse ? 1e-8 : 1e-10;
-    if (coarse) o.most_turn_rad = 1.6;
+    if (coarse) o.max_turn_rad = 1.6;
     return o;
   }
   const TimeExperiment& experiment_;

@@ -1,5 +1,7 @@
 #include "project/tracked_designs.hpp"
 
+#include "tracking/paths.hpp"
+
 namespace bodesmith::project {
 namespace {
 
@@ -14,7 +16,7 @@ constexpr const char* kFpaaCapacitors = "FPAA, capacitors only";
 /// polynomial.
 TrackedCandidate compensated(const Project& project, TrackedStage stage, std::string name,
                              tracking::Compensator compensator, std::string made_from) {
-  tracking::TrackingDesign design{std::move(name), ConstantGain{}, ConstantGain{}, std::move(made_from)};
+  tracking::Design design{std::move(name), ConstantGain{}, ConstantGain{}, std::move(made_from)};
   (project.target.branch == Disturbance::Branch::ascending ? design.ascending : design.descending) =
       std::move(compensator);
   return {stage, std::move(design)};
@@ -97,8 +99,8 @@ std::vector<TrackedCandidate> tracked_candidates(const Project& project, const D
   return out;
 }
 
-tracking::TrackingPlant tracking_plant(const Project& project) {
-  tracking::TrackingPlant plant;
+tracking::Plant tracking_plant(const Project& project) {
+  tracking::Plant plant;
   plant.disturbance = project.target.disturbance;
   plant.stroke = project.plant.stroke_m;
   if (project.plant.amplifier_corner)

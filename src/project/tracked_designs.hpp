@@ -6,14 +6,14 @@
 #include "project/design.hpp"
 #include "project/project.hpp"
 #include "project/tracking_study.hpp"
-#include "tracking/tracking.hpp"
+#include "tracking/types.hpp"
 
 namespace bodesmith::project {
 
 /// A stage of the project's design as the tracking simulation takes it.
 struct TrackedCandidate {
   TrackedStage stage;
-  tracking::TrackingDesign design;
+  tracking::Design design;
 };
 
 /// Without compensation, the constant polynomial, then every stage from the ideal cascade to the hardware; and, where
@@ -21,7 +21,7 @@ struct TrackedCandidate {
 std::vector<TrackedCandidate> tracked_candidates(const Project& project, const Design& design);
 
 /// The project's stage: amplifier in the drive path, damping compensator and resonance behind the disturbance.
-tracking::TrackingPlant tracking_plant(const Project& project);
+tracking::Plant tracking_plant(const Project& project);
 
 /// The plan's CAMs as one sampled chain.
 tracking::ClockedCompensator clocked_compensator(const fpaa::Plan& plan, bool hold_and_delays);

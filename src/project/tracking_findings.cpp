@@ -73,14 +73,14 @@ Findings what_a_schedule_would_do(const TrackingStudy& study) {
 }
 
 /// At which step most accuracy is lost: rms change of the compensating waveform from one design to the next.
-Findings largest_loss(const std::vector<TrackedCandidate>& candidates, const tracking::TrackingReport& report,
+Findings largest_loss(const std::vector<TrackedCandidate>& candidates, const tracking::Report& report,
                       const TrackingStudy& study) {
-  const tracking::TrackingCase* largest = nullptr;
+  const tracking::Case* largest = nullptr;
   const TrackedCandidate* step = nullptr;
   for (const TrackedCandidate& candidate : candidates) {
     if (candidate.design.made_from.empty()) continue;
     for (const Hertz f : study.frequency) {
-      const tracking::TrackingCase* found = report.find(f, candidate.design.name);
+      const tracking::Case* found = report.find(f, candidate.design.name);
       if (largest == nullptr || found->lost_rms_percent > largest->lost_rms_percent) {
         largest = found;
         step = &candidate;
@@ -127,8 +127,7 @@ Findings few_samples_a_period(const Design& design, const TrackingStudy& study) 
 
 std::vector<std::string> tracking_findings(const Project& project, const Design& design, const Budget& budget,
                                            const std::vector<TrackedCandidate>& candidates,
-                                           const tracking::TrackingReport& report,
-                                           const TrackingStudy& study) {
+                                           const tracking::Report& report, const TrackingStudy& study) {
   Findings out;
   for (const Findings& some : {cascade_worse_than_constant(budget, study), what_a_schedule_would_do(study),
                                largest_loss(candidates, report, study),

@@ -11,7 +11,6 @@ namespace bodesmith::project {
 /// says less than it seems to.
 std::vector<std::string> tracking_findings(const Project& project, const Design& design, const Budget& budget,
                                            const std::vector<TrackedCandidate>& candidates,
-                                           const tracking::TrackingReport& report,
-                                           const TrackingStudy& study);
+                                           const tracking::Report& report, const TrackingStudy& study);
 
 }  // namespace bodesmith::project

@@ -4,30 +4,30 @@
 
 #include "project/tracked_designs.hpp"
 #include "project/tracking_findings.hpp"
-#include "tracking/tracking.hpp"
+#include "tracking/track.hpp"
 
 namespace bodesmith::project {
 namespace {
 
-tracking::TrackingOptions tracking_options(const Project& project) {
-  using Reference = tracking::TrackingOptions::Reference;
-  tracking::TrackingOptions options;
+tracking::Options tracking_options(const Project& project) {
+  using Reference = tracking::Options::Reference;
+  tracking::Options options;
   options.frequencies = project.track.frequency;
   // A compensator stands in the path of its own branch; the switch selects behind it (disturbance paper,
   // Fig. 2).
-  options.place = tracking::TrackingOptions::Place::before_switch;
+  options.place = tracking::Options::Place::before_switch;
   options.reference =
       project.track.waveform == Project::Waveform::sine ? Reference::sine : Reference::triangle;
   return options;
 }
 
 TrackedDesign tracked_design(const TrackedCandidate& candidate, const std::vector<Hertz>& frequencies,
-                             const tracking::TrackingReport& report) {
+                             const tracking::Report& report) {
   TrackedDesign out;
   out.stage = candidate.stage;
   out.name = candidate.design.name;
   for (const Hertz f : frequencies) {
-    const tracking::TrackingCase* found = report.find(f, out.name);
+    const tracking::Case* found = report.find(f, out.name);
     out.rms_percent.push_back(found->rms_percent);
     out.max_percent.push_back(found->max_percent);
     out.rms_percent_without_lag.push_back(found->rms_percent_without_lag);
@@ -38,23 +38,22 @@ TrackedDesign tracked_design(const TrackedCandidate& candidate, const std::vecto
 
 /// Largest difference between CVODE and the exact periodic solution. The images of a clocked chain are not in the
 /// harmonic computation: there the difference is no error of either.
-double max_cross_check(const tracking::TrackingReport& report) {
+double max_cross_check(const tracking::Report& report) {
   double out = 0.0;
-  for (const tracking::TrackingCase& one : report.cases) {
-    if (one.method != "cvode" || one.check_method.empty()) continue;
-    out = std::max(out, one.check_difference_percent);
+  for (const tracking::Case& one : report.cases) {
+    if (one.method != tracking::Method::cvode || !one.check) continue;
+    out = std::max(out, one.check->difference_percent);
   }
   return out;
 }
 
 /// One period at the highest frequency.
-TrackedPeriod shown_period(const tracking::TrackingReport& report,
-                           const std::vector<TrackedCandidate>& candidates,
+TrackedPeriod shown_period(const tracking::Report& report, const std::vector<TrackedCandidate>& candidates,
                            const std::vector<Hertz>& frequencies, double stroke) {
   TrackedPeriod out;
   out.frequency = *std::max_element(frequencies.begin(), frequencies.end());
   for (const TrackedCandidate& candidate : candidates) {
-    const tracking::TrackingCase* found = report.find(out.frequency, candidate.design.name);
+    const tracking::Case* found = report.find(out.frequency, candidate.design.name);
     if (out.time_s.empty()) {
       out.time_s = found->time_s;
       for (const double r : found->reference) out.reference.push_back(r / stroke);
@@ -102,10 +101,10 @@ const TrackedDesign* TrackingStudy::find(TrackedStage stage) const {
 
 TrackingStudy study_tracking(const Project& project, const Design& design, const Budget& budget) {
   const std::vector<TrackedCandidate> candidates = tracked_candidates(project, design);
-  std::vector<tracking::TrackingDesign> designs;
+  std::vector<tracking::Design> designs;
   for (const TrackedCandidate& candidate : candidates) designs.push_back(candidate.design);
-  const tracking::TrackingPlant plant = tracking_plant(project);
-  const tracking::TrackingReport report = tracking::track(plant, designs, tracking_options(project));
+  const tracking::Plant plant = tracking_plant(project);
+  const tracking::Report report = tracking::track(plant, designs, tracking_options(project));
 
   TrackingStudy study;
   study.frequency = project.track.frequency;

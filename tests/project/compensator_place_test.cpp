@@ -4,13 +4,13 @@
 #include <gtest/gtest.h>
 
 #include "fit/waveform_error.hpp"
-#include "tracking/tracking.hpp"
+#include "tracking/track.hpp"
 
 namespace bodesmith {
 namespace {
 
 using tracking::ConstantGain;
-using Place = tracking::TrackingOptions::Place;
+using Place = tracking::Options::Place;
 
 Disturbance seed(bool both_branches) {
   Disturbance d;
@@ -32,11 +32,11 @@ Sections lead() {
 void compare(bool both_branches, Place place, DrivenPath path) {
   const Disturbance disturbance = seed(both_branches);
   const Sections g = lead();
-  tracking::TrackingPlant plant;
+  tracking::Plant plant;
   plant.disturbance = disturbance;
-  tracking::TrackingDesign design{"lead", ConstantGain{}, g, ""};
+  tracking::Design design{"lead", ConstantGain{}, g, ""};
   if (both_branches) design.ascending = g;
-  tracking::TrackingOptions options;
+  tracking::Options options;
   options.frequencies = disturbance.rate.frequency;
   options.place = place;
   const auto tracked = tracking::track(plant, {design}, options);
@@ -51,7 +51,7 @@ void compare(bool both_branches, Place place, DrivenPath path) {
         << found.frequency.value << " Hz";
     // The stage of this plant is the identity: the displacement's error is the waveform's, but eq. 8 divides
     // by the range of y, which the error itself widens by a few percent.
-    EXPECT_EQ(found.method, "cvode");
+    EXPECT_EQ(found.method, tracking::Method::cvode);
     EXPECT_NEAR(found.rms_percent, error.points[i].rms_percent, 0.03 * error.points[i].rms_percent + 1e-3);
   }
 }
@@ -66,11 +66,11 @@ TEST(CompensatorPlace, BeforeTheSwitchInItsBranchsPath) {
 
 TEST(CompensatorPlace, ThePlaceMatters) {
   const Disturbance disturbance = seed(false);
-  tracking::TrackingPlant plant;
+  tracking::Plant plant;
   plant.disturbance = disturbance;
-  tracking::TrackingOptions options;
+  tracking::Options options;
   options.frequencies = {Hertz{100}};
-  const tracking::TrackingDesign design{"lead", ConstantGain{}, lead(), ""};
+  const tracking::Design design{"lead", ConstantGain{}, lead(), ""};
   const double behind = tracking::track(plant, {design}, options).cases[0].rms_percent;
   options.place = Place::before_switch;
   const double before = tracking::track(plant, {design}, options).cases[0].rms_percent;

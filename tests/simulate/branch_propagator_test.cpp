@@ -84,7 +84,7 @@ std::vector<double> in_small_steps(const TimeRecord& in, double delay_s, int par
   return out;
 }
 
-double worst(double delay_s, int oversample) {
+double worst(double delay_s, std::size_t oversample) {
   const TimeRecord in = two_sines();
   RecordOptions o;
   o.oversample = oversample;

@@ -48,7 +48,7 @@ Options cvode(double tolerance = 1e-11, Start start = Start::zero) {
   o.estimate_error = false;
   return o;
 }
-Options by_record(int oversample = 1, Start start = Start::zero, int degree = 0) {
+Options by_record(std::size_t oversample = 1, Start start = Start::zero, std::size_t degree = 0) {
   Options o;
   o.engine = Engine::record;
   o.oversample = oversample;
@@ -290,15 +290,15 @@ TEST(Engines, ExactRecordAndCvodeAgreeOnTheSeedsChainTo1e9) {
   for (const auto start : {Start::zero, Start::equilibrium}) {
     exact.start = start;
     const auto got = simulate(seed_chain(), in, exact);
-    EXPECT_EQ(got.stats.engine, "exact");
+    EXPECT_EQ(got.stats.engine, Engine::exact);
     EXPECT_EQ(got.stats.steps, 8u);
     EXPECT_LT(*got.error_estimate, 1e-10);
     EXPECT_LT(largest(got.y, simulate(seed_chain(), in, by_record(1, start)).y), 1e-11);
     EXPECT_LT(largest(got.y, simulate(seed_chain(), in, cvode(1e-12, start)).y), 1e-9);
   }
   Options automatic;
-  EXPECT_EQ(simulate(seed_chain(), in, automatic).stats.engine, "exact");
-  EXPECT_EQ(simulate(seed_chain(), record_of(201, 0.01, two_sines), automatic).stats.engine, "record");
+  EXPECT_EQ(simulate(seed_chain(), in, automatic).stats.engine, Engine::exact);
+  EXPECT_EQ(simulate(seed_chain(), record_of(201, 0.01, two_sines), automatic).stats.engine, Engine::record);
 }
 
 TEST(Engines, ExactWithDelayGainAndDrift) {
@@ -411,20 +411,20 @@ TEST(AutomaticEngine, PicksClosedFormElseSamplesElseEvents) {
     double most = 0.0;
     for (std::size_t i = 0; i < reference.size(); ++i)
       most = std::max(most, std::abs(got.y[i] - reference[i]));
-    EXPECT_LT(most, 20.0 * *got.error_estimate + 1e-9) << got.stats.engine;
-    EXPECT_LT(most, 1e-6) << got.stats.engine;
+    EXPECT_LT(most, 20.0 * *got.error_estimate + 1e-9) << to_string(got.stats.engine);
+    EXPECT_LT(most, 1e-6) << to_string(got.stats.engine);
     return got.stats.engine;
   };
-  EXPECT_EQ(engine_of(Chain{{lowpass(30.0), lowpass(50.0)}}), "exact");
+  EXPECT_EQ(engine_of(Chain{{lowpass(30.0), lowpass(50.0)}}), Engine::exact);
   EXPECT_EQ(engine_of(Chain{{lowpass(30.0),
                              make_block("polynomial").set("coefficients", std::vector<double>{0.0, 1.0, 0.4}),
                              lowpass(50.0)}}),
-            "record");
+            Engine::record);
   // Hysteresis behind a lag turns between samples, where its output has a corner: more and more steps, and
   // in the end events.
   const Chain turning{{lowpass(30.0), make_block("backlash").set("width", 0.07), lowpass(400.0)}};
-  EXPECT_EQ(engine_of(turning), "record");
-  EXPECT_EQ(engine_of(turning, 1e-11), "cvode");
+  EXPECT_EQ(engine_of(turning), Engine::record);
+  EXPECT_EQ(engine_of(turning, 1e-11), Engine::cvode);
 }
 
 }  // namespace

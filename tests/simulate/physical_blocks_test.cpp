@@ -26,7 +26,7 @@ double largest(const std::vector<double>& a, const std::vector<double>& b) {
   return most;
 }
 
-Options with(Engine engine, double tolerance = 1e-9, int oversample = 1) {
+Options with(Engine engine, double tolerance = 1e-9, std::size_t oversample = 1) {
   Options o;
   o.engine = engine;
   o.relative_tolerance = tolerance;

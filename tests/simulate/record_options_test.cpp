@@ -1,4 +1,4 @@
-// RecordOptions::most_parts: how long the record engine tries before it calls a run diverged.
+// RecordOptions::max_parts: how long the record engine tries before it calls a run diverged.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -29,9 +29,9 @@ std::vector<double> sine(std::size_t n) {
   return u;
 }
 
-RecordSimulator simulator(const Chain& chain, double most_parts) {
+RecordSimulator simulator(const Chain& chain, double max_parts) {
   RecordOptions options;
-  options.most_parts = most_parts;
+  options.max_parts = max_parts;
   return RecordSimulator(chain, 1e-3, options);
 }
 

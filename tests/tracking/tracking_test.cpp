@@ -1,4 +1,4 @@
-#include "tracking/tracking.hpp"
+#include "tracking/track.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,6 +8,7 @@
 #include "approximate/approximate.hpp"
 #include "base/error.hpp"
 #include "lti/cascade.hpp"
+#include "tracking/paths.hpp"
 
 namespace bodesmith::tracking {
 namespace {
@@ -46,8 +47,8 @@ ResponseCompensator ideal(const Cascade& cascade) {
   return r;
 }
 
-TrackingOptions at(std::vector<double> hz) {
-  TrackingOptions o;
+Options at(std::vector<double> hz) {
+  Options o;
   for (const double f : hz) o.frequencies.push_back(Hertz{f});
   return o;
 }
@@ -55,21 +56,21 @@ TrackingOptions at(std::vector<double> hz) {
 TEST(Tracking, MagnitudeOnlyCompensationIsWorseThanNoneAsTheFactsSay) {
   // Measured for this project by other means: 1.40 % of range at 100 Hz through the cascade, 0.85 % without
   // rate compensation (the same gains on both branches).
-  TrackingPlant plant;
+  Plant plant;
   plant.disturbance = seed_disturbance(true);
   const auto cascade = ideal(seed_cascade());
-  const std::vector<TrackingDesign> designs = {{"none", Uncompensated{}, Uncompensated{}, ""},
-                                               {"constant", ConstantGain{}, ConstantGain{}, ""},
-                                               {"ideal", cascade, cascade, ""}};
+  const std::vector<Design> designs = {{"none", Uncompensated{}, Uncompensated{}, ""},
+                                       {"constant", ConstantGain{}, ConstantGain{}, ""},
+                                       {"ideal", cascade, cascade, ""}};
   const auto report = track(plant, designs, at({100.0}));
   EXPECT_NEAR(report.find(Hertz{100.0}, "constant")->rms_percent, 0.85, 0.01);
   // The 1.40 % are of the stroke, before the stage's answer widens its range.
   EXPECT_NEAR(report.find(Hertz{100.0}, "ideal")->waveform_rms_percent, 1.40, 0.01);
   EXPECT_GT(report.find(Hertz{100.0}, "ideal")->rms_percent, 1.3);
   for (const auto& c : report.cases) {
-    EXPECT_EQ(c.method, "cvode") << c.design;
-    EXPECT_LT(c.check_difference_percent, 1e-4) << c.design;
-    EXPECT_NEAR(c.check_rms_percent, c.rms_percent, 1e-4) << c.design;
+    EXPECT_EQ(c.method, Method::cvode) << c.design;
+    EXPECT_LT(c.check->difference_percent, 1e-4) << c.design;
+    EXPECT_NEAR(c.check->rms_percent, c.rms_percent, 1e-4) << c.design;
   }
   EXPECT_GT(report.find(Hertz{100.0}, "ideal")->rms_percent_without_lag,
             report.find(Hertz{100.0}, "constant")->rms_percent_without_lag);
@@ -77,8 +78,8 @@ TEST(Tracking, MagnitudeOnlyCompensationIsWorseThanNoneAsTheFactsSay) {
 
 /// Everything of the seed's stage: amplifier, damping compensator (eq. 20), mode at 65.1 kHz; rate gains on
 /// one branch.
-TrackingPlant seed_plant() {
-  TrackingPlant plant;
+Plant seed_plant() {
+  Plant plant;
   plant.disturbance = seed_disturbance(false);
   plant.stroke = 6.92;
   plant.drive_path = lowpass_path(Hertz{1e5});
@@ -104,22 +105,22 @@ ClockedCompensator bilinear(const Sections& sections, Hertz clock) {
 
 TEST(Tracking, EveryDesignAgreesWithTheHarmonicComputation) {
   const auto cascade = ideal(seed_cascade());
-  const std::vector<TrackingDesign> designs = {{"none", Uncompensated{}, Uncompensated{}, ""},
-                                               {"constant", ConstantGain{}, ConstantGain{}, ""},
-                                               {"ideal", ConstantGain{}, cascade, ""},
-                                               {"sections", ConstantGain{}, *cascade.approximation, "ideal"}};
-  for (const auto reference : {TrackingOptions::Reference::triangle, TrackingOptions::Reference::sine}) {
-    for (const auto argument : {TrackingOptions::Argument::reference, TrackingOptions::Argument::drive}) {
+  const std::vector<Design> designs = {{"none", Uncompensated{}, Uncompensated{}, ""},
+                                       {"constant", ConstantGain{}, ConstantGain{}, ""},
+                                       {"ideal", ConstantGain{}, cascade, ""},
+                                       {"sections", ConstantGain{}, *cascade.approximation, "ideal"}};
+  for (const auto reference : {Options::Reference::triangle, Options::Reference::sine}) {
+    for (const auto argument : {Options::Argument::reference, Options::Argument::drive}) {
       auto options = at({1, 20, 100, 5000});
       options.reference = reference;
       options.argument = argument;
       const auto report = track(seed_plant(), designs, options);
       for (const auto& c : report.cases) {
-        EXPECT_EQ(c.method, "cvode");
+        EXPECT_EQ(c.method, Method::cvode);
         // The harmonic side finds where the drive turns only to a sample of 8192.
-        const double allowed = argument == TrackingOptions::Argument::reference ? 5e-4 : 1e-2;
-        EXPECT_LT(c.check_difference_percent, allowed) << c.design << " at " << c.frequency.value;
-        EXPECT_NEAR(c.rms_percent, c.check_rms_percent, allowed);
+        const double allowed = argument == Options::Argument::reference ? 5e-4 : 1e-2;
+        EXPECT_LT(c.check->difference_percent, allowed) << c.design << " at " << c.frequency.value;
+        EXPECT_NEAR(c.rms_percent, c.check->rms_percent, allowed);
         EXPECT_EQ(c.displacement.size(), 400u);
       }
     }
@@ -127,7 +128,7 @@ TEST(Tracking, EveryDesignAgreesWithTheHarmonicComputation) {
 }
 
 TEST(Tracking, AnIdealPlantAndAnIdealCompensatorLeaveNothing) {
-  TrackingPlant plant;
+  Plant plant;
   plant.disturbance = seed_disturbance(false);
   plant.disturbance.rate = {};
   const auto report = track(plant, {{"constant", ConstantGain{}, ConstantGain{}, ""}}, at({3.0}));
@@ -137,11 +138,11 @@ TEST(Tracking, AnIdealPlantAndAnIdealCompensatorLeaveNothing) {
 
 TEST(Tracking, ThePureDelayOfAPathIsFoundAndRemoved) {
   // A lag of 50 us far above the reference is a delay.
-  TrackingPlant plant;
+  Plant plant;
   plant.disturbance.ascending = plant.disturbance.descending = {0.0, 0.0, 0.0};
   plant.drive_path = lowpass_path(RadPerSecond{1.0 / 50e-6}.hz());
   auto options = at({10.0});
-  options.reference = TrackingOptions::Reference::sine;
+  options.reference = Options::Reference::sine;
   const auto report = track(plant, {{"none", Uncompensated{}, Uncompensated{}, ""}}, options);
   EXPECT_NEAR(report.cases[0].lag_s, 50e-6, 1e-9);
   // What is left is the lag's loss of amplitude, (w tau)^2/2 of 1/2.
@@ -153,11 +154,11 @@ TEST(Tracking, AFastClockTendsToTheContinuousSections) {
   const auto cascade = ideal(seed_cascade());
   double last = 1e9;
   for (const double clock : {2e3, 2e4, 2e5}) {
-    const std::vector<TrackingDesign> designs = {
+    const std::vector<Design> designs = {
         {"sections", ConstantGain{}, *cascade.approximation, ""},
         {"clocked", ConstantGain{}, bilinear(*cascade.approximation, Hertz{clock}), "sections"}};
     const auto report = track(seed_plant(), designs, at({60.0}));
-    EXPECT_EQ(report.cases[1].method, "exact");
+    EXPECT_EQ(report.cases[1].method, Method::exact);
     const double difference = std::abs(report.cases[1].rms_percent - report.cases[0].rms_percent);
     EXPECT_LT(difference, 0.3 * last);
     EXPECT_NEAR(report.cases[1].lost_rms_percent, 0.4618 * 2e3 / clock, 0.1 * 2e3 / clock);
@@ -170,21 +171,21 @@ TEST(Tracking, CapacitorsAloneAreSeparatedFromHoldAndDelay) {
   auto quantised = bilinear(*cascade.approximation, Hertz{2000.0});
   const auto whole = quantised;
   quantised.hold_and_delays = false;
-  const std::vector<TrackingDesign> designs = {{"constant", ConstantGain{}, ConstantGain{}, ""},
-                                               {"sections", ConstantGain{}, *cascade.approximation, ""},
-                                               {"quantised", ConstantGain{}, quantised, "sections"},
-                                               {"fpaa", ConstantGain{}, whole, "quantised"}};
+  const std::vector<Design> designs = {{"constant", ConstantGain{}, ConstantGain{}, ""},
+                                       {"sections", ConstantGain{}, *cascade.approximation, ""},
+                                       {"quantised", ConstantGain{}, quantised, "sections"},
+                                       {"fpaa", ConstantGain{}, whole, "quantised"}};
   const auto report = track(seed_plant(), designs, at({10.0, 100.0}));
   EXPECT_LT(report.find(Hertz{100.0}, "quantised")->lost_rms_percent, 0.03);
   EXPECT_GT(report.find(Hertz{100.0}, "fpaa")->lost_rms_percent, 0.5);
 }
 
 TEST(Tracking, AGainScheduledOnFrequencyLeavesOnlyItsTablesError) {
-  TrackingPlant plant;
+  Plant plant;
   plant.disturbance.ascending = {0.3546, -0.6433, 0.2887};
   plant.disturbance.descending = {-0.2398, 0.0838, 0.156};
   plant.disturbance.rate = {{Hertz{1}, Hertz{10}, Hertz{100}}, {1.0, 1.0, 1.0}, {1.0, 1.06, 1.17}};
-  TrackingOptions options;
+  Options options;
   options.frequencies = {Hertz{1}, Hertz{10}, Hertz{31.6}, Hertz{100}};
   const ScheduledGain exact{plant.disturbance.rate.frequency, plant.disturbance.rate.descending};
   const ScheduledGain wrong{{Hertz{1}}, {1.0}};

@@ -20,6 +20,7 @@ void parallel_for(std::size_t count, int threads, const std::function<void(std::
       } catch (...) {
         const std::lock_guard lock(guard);
         if (!failure) failure = std::current_exception();
+        next = count;
       }
     }
   };

@@ -11,31 +11,39 @@
 #include <type_traits>
 
 namespace bodesmith::simulate {
-namespace {
 
-/// SUNDIALS' objects are pointers, each with a function that frees it.
-template <class Pointer, auto free>
-struct SundialsDeleter {
-  void operator()(Pointer p) const { free(p); }
+/// SUNDIALS' objects are pointers, each kind with a function that frees it.
+namespace sundials {
+
+struct Free {
+  void operator()(SUNContext p) const { SUNContext_Free(&p); }
+  void operator()(void* p) const { CVodeFree(&p); }
+  void operator()(N_Vector p) const { N_VDestroy(p); }
+  void operator()(SUNMatrix p) const { SUNMatDestroy(p); }
+  void operator()(SUNLinearSolver p) const { SUNLinSolFree(p); }
+  void operator()(SUNNonlinearSolver p) const { SUNNonlinSolFree(p); }
 };
-template <class Pointer, auto free>
-using Owned = std::unique_ptr<std::remove_pointer_t<Pointer>, SundialsDeleter<Pointer, free>>;
+template <class Pointer>
+using Owned = std::unique_ptr<std::remove_pointer_t<Pointer>, Free>;
+using Context = Owned<SUNContext>;
+using Memory = Owned<void*>;
+using Vector = Owned<N_Vector>;
+using Matrix = Owned<SUNMatrix>;
+using LinearSolver = Owned<SUNLinearSolver>;
+using NonlinearSolver = Owned<SUNNonlinearSolver>;
 
-using Context = Owned<SUNContext, [](SUNContext p) { SUNContext_Free(&p); }>;
-using Memory = Owned<void*, [](void* p) { CVodeFree(&p); }>;
-using Vector = Owned<N_Vector, [](N_Vector p) { N_VDestroy(p); }>;
-using Matrix = Owned<SUNMatrix, [](SUNMatrix p) { SUNMatDestroy(p); }>;
-using LinearSolver = Owned<SUNLinearSolver, [](SUNLinearSolver p) { SUNLinSolFree(p); }>;
-using NonlinearSolver = Owned<SUNNonlinearSolver, [](SUNNonlinearSolver p) { SUNNonlinSolFree(p); }>;
+}  // namespace sundials
+
+namespace {
 
 void expect_success(int flag, const char* what) {
   if (flag < 0) throw SolverFailure(fmt::format("CVODE gave up in {} (code {})", what, flag));
 }
 
-Context new_context() {
+sundials::Context new_context() {
   SUNContext out = nullptr;
   expect_success(SUNContext_Create(nullptr, &out), "SUNContext_Create");
-  return Context(out);
+  return sundials::Context(out);
 }
 
 /// The solver's own messages would go to stderr; its codes are enough.
@@ -46,13 +54,13 @@ void silent(int, const char*, const char*, char*, void*) {}
 struct CvodeSolver::Implementation {
   // Freed in the reverse order: what uses an object before the object.
   CvodeProblem problem;
-  Context context = new_context();
-  Vector x;
-  Vector scratch;
-  Matrix matrix;
-  LinearSolver linear;
-  NonlinearSolver nonlinear;
-  Memory memory;
+  sundials::Context context = new_context();
+  sundials::Vector x;
+  sundials::Vector scratch;
+  sundials::Matrix matrix;
+  sundials::LinearSolver linear;
+  sundials::NonlinearSolver nonlinear;
+  sundials::Memory memory;
   double time = 0.0;
   double begin = 0.0;
   double stop = 0.0;
@@ -101,8 +109,8 @@ struct CvodeSolver::Implementation {
     return 0;
   }
 
-  LinearSolver own_solver() {
-    LinearSolver out(SUNLinSolNewEmpty(context.get()));
+  sundials::LinearSolver own_solver() {
+    sundials::LinearSolver out(SUNLinSolNewEmpty(context.get()));
     if (out == nullptr) throw SolverFailure("CVODE could not be set up");
     out->content = this;
     out->ops->gettype = [](SUNLinearSolver) { return SUNLINEARSOLVER_MATRIX_EMBEDDED; };

@@ -1,0 +1,176 @@
+// Engines that share no code agree on every kind of block.
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "chain/registry.hpp"
+#include "simulate/records.hpp"
+#include "simulate/simulate.hpp"
+
+namespace bodesmith::simulate {
+namespace {
+
+using chain::Block;
+using chain::Chain;
+using chain::make_block;
+
+TEST(Engines, AgreeOnALinearChainTo1e9) {
+  Chain chain{
+      {make_block("pole_zero").set("gain", 1.2).set("zero_hz", 3.0).set("pole_hz", 17.0),
+       make_block("resonator").set("gain", 0.8).set("natural_frequency_hz", 40.0).set("damping_ratio", 0.05),
+       make_block("creep")
+           .set("gains", std::vector<double>{0.1, 0.05})
+           .set("time_constants_s", std::vector<double>{0.3, 2.0}),
+       make_block("gain").set("gain", -3.0).set("offset", 0.25)}};
+  const auto in = record_of(401, 0.0025, two_sines);
+  for (const auto start : {Start::zero, Start::equilibrium}) {
+    EXPECT_LT(max_difference(simulate(chain, in, by_record(1, start)).y,
+                             simulate(chain, in, cvode(1e-12, start)).y),
+              1e-9);
+  }
+}
+
+TEST(Engines, AgreeOnCurveThenDynamicsTo1e9) {
+  Chain chain{{make_block("lowpass").set("corner_hz", 30.0),
+               make_block("polynomial").set("coefficients", std::vector<double>{0.1, 1.0, -0.3, 0.2}),
+               make_block("resonator").set("natural_frequency_hz", 25.0).set("damping_ratio", 0.2)}};
+  const auto in = record_of(401, 0.0025, two_sines);
+  const auto exact = simulate(chain, in, cvode(1e-12)).y;
+  EXPECT_LT(max_difference(simulate(chain, in, by_record(4)).y, exact), 1e-9);
+  // Order of the hold: halving the step at degree 3 gains at least 2^3.
+  const double coarse = max_difference(simulate(chain, in, by_record(1)).y, exact);
+  const double fine = max_difference(simulate(chain, in, by_record(2)).y, exact);
+  EXPECT_LT(fine, coarse / 8.0);
+}
+
+TEST(Engines, AgreeOnADuffingResonatorTo1e9) {
+  Chain chain{{make_block("resonator")
+                   .set("gain", 0.9)
+                   .set("natural_frequency_hz", 12.0)
+                   .set("damping_ratio", 0.04)
+                   .set("cubic", 2.5)
+                   .set("quadratic", -0.4)}};
+  const auto in = record_of(801, 0.00125, two_sines);
+  const auto exact = simulate(chain, in, cvode(1e-12)).y;
+  EXPECT_LT(max_difference(simulate(chain, in, by_record(2)).y, exact), 1e-9);
+  const auto still = simulate(chain, in, by_record(2, Start::equilibrium)).y;
+  EXPECT_LT(max_difference(still, simulate(chain, in, cvode(1e-12, Start::equilibrium)).y), 1e-9);
+  const double y0 = still[0];
+  EXPECT_NEAR(y0 - 0.4 * y0 * y0 + 2.5 * y0 * y0 * y0, 0.9 * in.u[0], 1e-12);
+}
+
+TEST(Engines, AgreeOnDrag) {
+  // |y'| y' is only once differentiable: the hold's order falls where y' changes sign.
+  Chain chain{{make_block("resonator")
+                   .set("natural_frequency_hz", 12.0)
+                   .set("damping_ratio", 0.02)
+                   .set("drag", 0.01)}};
+  const auto in = record_of(801, 0.00125, two_sines);
+  EXPECT_LT(max_difference(simulate(chain, in, by_record(8)).y, simulate(chain, in, cvode(1e-11)).y), 1e-8);
+}
+
+TEST(Engines, AgreeOnKinks) {
+  // Second order in the step where a kink falls inside it.
+  const auto in = record_of(401, 0.0025, two_sines);
+  const Block lag = make_block("lowpass").set("corner_hz", 20.0);
+  const Block after = make_block("lowpass").set("corner_hz", 40.0);
+  for (const Block& kink :
+       {make_block("saturation").set("lower", -0.3).set("upper", 0.4),
+        make_block("dead_zone").set("width", 0.2), make_block("backlash").set("width", 0.15),
+        make_block("slew_limit").set("rate_per_s", 8.0)}) {
+    Chain chain{{lag, kink, after}};
+    for (const auto start : {Start::zero, Start::equilibrium}) {
+      const auto exact = simulate(chain, in, cvode(1e-11, start));
+      EXPECT_LT(max_difference(simulate(chain, in, by_record(64, start)).y, exact.y), 2e-7)
+          << kink.type_name();
+      EXPECT_GT(exact.stats.events, 3u) << kink.type_name();
+    }
+  }
+}
+
+TEST(Engines, SlewLimitOfATriangleIsExact) {
+  // Slower than the triangle: straight lines of the limit's slope, turning where they meet it.
+  Chain chain{{make_block("slew_limit").set("rate_per_s", 3.0)}};
+  const auto in = record_of(1001, 0.001, triangle);
+  EXPECT_LT(max_difference(simulate(chain, in, by_record()).y, simulate(chain, in, cvode()).y), 1e-10);
+  const auto y = simulate(chain, in, by_record()).y;
+  EXPECT_NEAR(y[100], 0.3, 1e-14);  // climbing behind
+  // u = 2 - 8t meets 3t at t = 2/11.
+  EXPECT_NEAR(y[181], 3.0 * 0.181, 1e-14);
+  EXPECT_NEAR(y[200], 3.0 * 2.0 / 11.0 - 3.0 * (0.2 - 2.0 / 11.0), 1e-13);
+}
+
+TEST(Engines, PolynomialHysteresisTakesTheBranchOfTheSlope) {
+  Chain chain{{make_block("polynomial_hysteresis")
+                   .set("ascending", std::vector<double>{0.3546, -0.6433, 0.2887})
+                   .set("descending", std::vector<double>{-0.2398, 0.0838, 0.156})}};
+  const auto in = record_of(1001, 0.001, triangle);
+  const auto y = simulate(chain, in, by_record()).y;
+  for (std::size_t i = 1; i < in.size(); ++i) {
+    const double u = in.u[i];
+    const double d = u > in.u[i - 1] ? 0.3546 * u - 0.6433 * u * u + 0.2887 * u * u * u
+                                     : -0.2398 * u + 0.0838 * u * u + 0.156 * u * u * u;
+    EXPECT_NEAR(y[i], u + d, 1e-14);
+  }
+  EXPECT_LT(max_difference(y, simulate(chain, in, cvode()).y), 1e-11);
+}
+
+TEST(Engines, PolynomialHysteresisBehindALagThenDynamics) {
+  Chain chain{{make_block("lowpass").set("corner_hz", 15.0),
+               make_block("polynomial_hysteresis")
+                   .set("ascending", std::vector<double>{0.3546, -0.6433, 0.2887})
+                   .set("descending", std::vector<double>{-0.2398, 0.0838, 0.156}),
+               make_block("lowpass").set("corner_hz", 60.0)}};
+  const auto in = record_of(501, 0.002, triangle);
+  const auto exact = simulate(chain, in, cvode(1e-11));
+  EXPECT_GE(exact.stats.events, 6u);
+  // Jumps inside a hold: first order in the step, seen through the lag.
+  EXPECT_LT(max_difference(simulate(chain, in, by_record(1)).y, exact.y), 1e-2);
+  EXPECT_LT(max_difference(simulate(chain, in, by_record(32)).y, exact.y), 3e-4);
+}
+
+TEST(Engines, HumAndDriftAreInTheTimeOfTheRecord) {
+  Chain chain{{make_block("hum").set("amplitude", 0.3).set("frequency_hz", 50.0).set("phase_deg", 30.0),
+               make_block("drift").set("rate_per_s", 0.7)}};
+  const auto in = record_of(101, 0.001, one, 4.2);
+  const auto y = simulate(chain, in, by_record()).y;
+  for (std::size_t i = 0; i < in.size(); ++i) {
+    const double t = in.time_s(i);
+    EXPECT_NEAR(y[i], 1.0 + 0.3 * std::sin(2.0 * kPi * 50.0 * t + kPi / 6.0) + 0.7 * t, 1e-12);
+  }
+  chain.blocks.push_back(make_block("lowpass").set("corner_hz", 80.0));
+  EXPECT_LT(max_difference(simulate(chain, in, by_record(8)).y, simulate(chain, in, cvode(1e-12)).y), 1e-9);
+}
+
+TEST(Engines, SampleAndHoldOnItsOwnClock) {
+  for (const bool half : {false, true}) {
+    Chain chain{{make_block("sample_hold").set("clock_hz", 130.0).set("half_cycle", half ? 1.0 : 0.0)}};
+    const auto in = record_of(401, 0.001, two_sines);
+    const auto y = simulate(chain, in, by_record()).y;
+    const auto straight = [&](double t) {  // the record between samples
+      const auto k = std::min<std::size_t>(static_cast<std::size_t>(t / 0.001), 399);
+      return in.u[k] + (in.u[k + 1] - in.u[k]) * (t - 0.001 * static_cast<double>(k)) / 0.001;
+    };
+    for (std::size_t i = 0; i < in.size(); ++i) {
+      const double shown = std::floor((in.time_s(i) - (half ? 0.5 / 130.0 : 0.0)) * 130.0 + 1e-9);
+      EXPECT_NEAR(y[i], shown < 0.0 ? 0.0 : straight(shown / 130.0), 1e-12) << i << half;
+    }
+    EXPECT_LT(max_difference(y, simulate(chain, in, cvode()).y), 1e-12);
+    // Behind it a lag sees the true steps, not their samples.
+    chain.blocks.push_back(make_block("lowpass").set("corner_hz", 60.0));
+    EXPECT_LT(max_difference(simulate(chain, in, by_record(2)).y, simulate(chain, in, cvode(1e-12)).y), 1e-5);
+    EXPECT_LT(max_difference(simulate(chain, in, by_record(8)).y, simulate(chain, in, cvode(1e-12)).y), 1e-7);
+  }
+}
+
+TEST(Engines, FractionalTermMeetsItsStatedError) {
+  Chain chain{{make_block("fractional_lead_lag").set("lambda_s", 0.05).set("x", 0.1).set("beta", 0.6)}};
+  const auto in = record_of(401, 0.0025, two_sines);
+  const auto got = simulate(chain, in, by_record());
+  EXPECT_GT(got.model_error, 0.0);
+  EXPECT_LT(got.model_error, 5e-6);
+  EXPECT_LT(max_difference(got.y, simulate(chain, in, cvode(1e-11)).y), 1e-8);
+}
+
+}  // namespace
+}  // namespace bodesmith::simulate

@@ -10,7 +10,7 @@
 
 namespace bodesmith::simulate {
 
-/// What stands round a plant: a controller and, if wanted, a feed-forward path (first seeds' hybrid
+/// What stands round a plant: a controller and, if wanted, a feed-forward path (disturbance paper's hybrid
 /// controllers: the inverse model in front, feedback for what it leaves).
 struct LoopSetup {
   PidController controller;

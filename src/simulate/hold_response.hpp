@@ -9,7 +9,8 @@
 
 namespace bodesmith::simulate {
 
-/// x' = A x + sum_q b_q v_q + constant. `a` is row-major, order x order; every other array has `order` values.
+/// x' = A x + sum_q b_q v_q + constant. `a` is row-major, order x order; every other array has `order`
+/// values.
 struct DrivenSystem {
   std::size_t order = 0;
   const double* a = nullptr;

@@ -11,8 +11,8 @@
 namespace bodesmith::simulate {
 namespace {
 
-/// Clock edges of a sampled controller in (first, last). One that is a corner but for rounding is that corner,
-/// and left out. `corners` are sorted.
+/// Clock edges of a sampled controller in (first, last). One that is a corner but for rounding is that
+/// corner, and left out. `corners` are sorted.
 std::vector<double> clock_edges(double first, double last, double period,
                                 const std::vector<double>& corners) {
   std::vector<double> out;

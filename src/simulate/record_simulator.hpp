@@ -15,8 +15,8 @@ struct RecordOptions {
   std::size_t degree = 0;      ///< 1-4; 0: 1 when that is exact, else 3
   std::size_t oversample = 1;  ///< holds a sample interval
   double start_s = 0.0;
-  /// A run whose nonlinear dynamics need more parts a hold than this (on the average, beyond what their linear
-  /// part asks for) is given up as diverged. Searches through wild parameter values set it low.
+  /// A run whose nonlinear dynamics need more parts a hold than this (on the average, beyond what their
+  /// linear part asks for) is given up as diverged. Searches through wild parameter values set it low.
   double max_parts = 64.0;
   /// Nonlinear dynamics: turn of the linear part over one step, in rad, above which a hold is halved; and the
   /// share of the forces at which Newton's iteration ends. Searches take them coarser.

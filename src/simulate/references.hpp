@@ -31,15 +31,17 @@ struct ReferenceKind {
 /// triangle: from the lowest value up, corners on the samples only where the period allows it. sine: the same
 /// phase, from the lowest value up. stair: the triangle held on `steps` equal levels up and down. multisine:
 /// odd lines frequency, 3 frequency, ... up to `last` with random phases, scaled to the amplitude's peak.
-/// chirp: from `frequency` to `last`, logarithmic, over the duration. complex: the first seed's u = 0.415 +
-/// 0.23 (sin 2 pi t + 0.3 sin pi t + 0.5 sin 0.2 pi t), as printed; amplitude and offset do not apply.
+/// chirp: from `frequency` to `last`, logarithmic, over the duration. complex: the disturbance paper's u =
+/// 0.415 + 0.23 (sin 2 pi t + 0.3 sin pi t + 0.5 sin 0.2 pi t), as printed; amplitude and offset do not
+/// apply.
 const std::vector<ReferenceKind>& reference_kinds();
 
 /// InputError for an unknown kind, a step or duration that is not above 0, a frequency the step cannot show
 /// (above half the sampling rate), more than 5e7 samples.
 TimeRecord make_reference(const ReferenceSpec& spec);
 
-/// Whether every period of a reference of this kind is the same, and as long as its frequency says (a sweep asks).
+/// Whether every period of a reference of this kind is the same, and as long as its frequency says (a sweep
+/// asks).
 bool can_be_swept(const std::string& kind);
 
 /// The frequency at which the reference repeats; absent for a chirp.

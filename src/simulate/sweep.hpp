@@ -48,8 +48,8 @@ std::vector<SweepRow> run_sweep(const chain::Chain& chain, const SweepOptions& o
 
 /// CSV with a comment that names what it belongs to (`key`, a hash of the model and of the settings).
 std::string sweep_csv(const std::vector<SweepRow>& rows, const std::string& key);
-/// The hysteresis loops of every run, one below the other, and the harmonics of u and y likewise. They need rows that
-/// kept their signals.
+/// The hysteresis loops of every run, one below the other, and the harmonics of u and y likewise. They need
+/// rows that kept their signals.
 std::string sweep_loops_csv(const std::vector<SweepRow>& rows);
 std::string sweep_spectra_csv(const std::vector<SweepRow>& rows);
 /// Rows of such a file; none when it does not exist or belongs to something else.

@@ -9,7 +9,7 @@ Sections lowpass_path(Hertz corner) {
   return Sections{1.0, {Section{w, {}, {-w}}}, std::nullopt};
 }
 
-Sections seed_damping_compensator() {
+Sections published_damping_compensator() {
   // Roots of s^2 + linear s + constant.
   const auto roots = [](double linear, double constant) {
     const double im = std::sqrt(constant - 0.25 * linear * linear);

@@ -13,8 +13,8 @@
 
 namespace bodesmith::tracking {
 
-// How well a disturbance compensator (first seed, Fig. 2) lets a stage follow a triangle or sine, in steady
-// state.
+// How well a disturbance compensator (disturbance paper, Fig. 2) lets a stage follow a triangle or sine, in
+// steady state.
 //
 //   x(t)                              reference, 0 ... alpha of the stroke, at the operating frequency f
 //   w_a(t) = d_a(x) while x rises, else 0
@@ -55,8 +55,8 @@ struct Options {
   /// picks one of the two outputs:
   ///   c(t) = C_a{d_a(x)} while x rises, C_d{d_d(x)} while x falls.
   enum class Place { behind_switch, before_switch };
-  /// What the stage's own disturbance is a function of: the seed evaluates it on the reference x; a real
-  /// stage sees its drive v, and its branch turns with the slope of v.
+  /// What the stage's own disturbance is a function of: the disturbance paper evaluates it on the reference
+  /// x; a real stage sees its drive v, and its branch turns with the slope of v.
   enum class Argument { reference, drive };
 
   std::vector<Hertz> frequencies;

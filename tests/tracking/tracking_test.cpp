@@ -83,7 +83,7 @@ Plant seed_plant() {
   plant.disturbance = seed_disturbance(false);
   plant.stroke = 6.92;
   plant.drive_path = lowpass_path(Hertz{1e5});
-  plant.stage_path = in_series({seed_damping_compensator(), resonance_path(Hertz{65.1e3}, 0.1206)});
+  plant.stage_path = in_series({published_damping_compensator(), resonance_path(Hertz{65.1e3}, 0.1206)});
   return plant;
 }
 

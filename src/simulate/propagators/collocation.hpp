@@ -16,7 +16,8 @@ namespace bodesmith::simulate {
 class CollocationPropagator {
  public:
   struct Limits {
-    /// Parts a hold, on the average of a run and beyond what the linear part asks for, at which it is given up.
+    /// Parts a hold, on the average of a run and beyond what the linear part asks for, at which it is given
+    /// up.
     double max_parts = 64.0;
     /// Turn of the linear part over one step, in rad, above which a hold is halved from the start.
     double max_turn_rad = 0.75;

@@ -58,12 +58,12 @@ LoopResult run_in_cvode(const chain::Chain& plant, const TimeRecord& forward, co
         "the plant answers its drive at once, expected a strictly proper block in it (an amplifier's "
         "lowpass, a resonator) with no memory behind it");
   }
-  OdeWanted wanted;
-  wanted.right_limits = controller.period_s > 0.0;
-  for (std::size_t i = 0; i < reference.size(); ++i) wanted.times.push_back(reference.time_s(i));
-  wanted.values = &out.y;
-  wanted.drive = &out.drive;
-  solve_ode(system, options, wanted, out.stats, reference.step_s);
+  OdeRequest request;
+  request.right_limits = controller.period_s > 0.0;
+  for (std::size_t i = 0; i < reference.size(); ++i) request.times.push_back(reference.time_s(i));
+  request.values = &out.y;
+  request.drive = &out.drive;
+  solve_ode(system, options, request, out.stats, reference.step_s);
   return out;
 }
 

@@ -67,13 +67,13 @@ CvodeSolver make_solver(OdeSystem& system, const Options& options, double typica
 }
 
 /// Time must go on; a block that jumps when its input turns may turn its own input back in a loop.
-class EventCrowd {
+class ChatterGuard {
  public:
-  EventCrowd(double begin, double shortest_detail_s) : begin_(begin), detail_s_(shortest_detail_s) {}
+  ChatterGuard(double begin, double shortest_detail_s) : begin_(begin), detail_s_(shortest_detail_s) {}
   /// Throws SolverFailure when too many events come at nearly one time.
   void event(double t) {
-    constexpr std::size_t kCrowd = 200;
-    if (++count_ % kCrowd != 0) return;
+    constexpr std::size_t kEvents = 200;
+    if (++count_ % kEvents != 0) return;
     if (t - begin_ < 1e-3 * detail_s_)
       throw SolverFailure(fmt::format("blocks switch to and fro without end at {:.6g} s", t));
     begin_ = t;
@@ -85,26 +85,26 @@ class EventCrowd {
   std::size_t count_ = 0;
 };
 
-/// Takes what is wanted from the solver's steps.
-class OutputTaker {
+/// Takes what is asked for from the solver's steps.
+class OutputSampler {
  public:
-  OutputTaker(OdeSystem& system, const CvodeSolver& solver, const OdeWanted& wanted)
-      : system_(system), solver_(solver), wanted_(wanted), inside_(system.state().size()) {
-    if (wanted.values != nullptr) wanted.values->resize(wanted.times.size());
-    if (wanted.drive != nullptr) wanted.drive->resize(wanted.times.size());
+  OutputSampler(OdeSystem& system, const CvodeSolver& solver, const OdeRequest& request)
+      : system_(system), solver_(solver), request_(request), inside_(system.state().size()) {
+    if (request.values != nullptr) request.values->resize(request.times.size());
+    if (request.drive != nullptr) request.drive->resize(request.times.size());
   }
 
   void first(double t) {
-    if (wanted_.values == nullptr || wanted_.times.empty() || wanted_.times.front() > t) return;
+    if (request_.values == nullptr || request_.times.empty() || request_.times.front() > t) return;
     take(system_.evaluate(t));
   }
   /// The last step; `stop`: where the stretch ends, `final`: nothing comes after it.
   void step(double stop, bool final) {
-    if (wanted_.values != nullptr) values(!wanted_.right_limits || solver_.time() < stop || final);
-    if (wanted_.dense != nullptr && solver_.time() > solver_.step_begin()) dense();
+    if (request_.values != nullptr) values(!request_.right_limits || solver_.time() < stop || final);
+    if (request_.dense != nullptr && solver_.time() > solver_.step_begin()) dense();
   }
   void corner(double t) {
-    if (wanted_.dense != nullptr) wanted_.dense->corner(t);
+    if (request_.dense != nullptr) request_.dense->corner(t);
   }
 
  private:
@@ -113,14 +113,14 @@ class OutputTaker {
     return system_.output(t, inside_.data());
   }
   void take(double value) {
-    if (wanted_.drive != nullptr) (*wanted_.drive)[next_] = system_.drive();
-    (*wanted_.values)[next_++] = value;
+    if (request_.drive != nullptr) (*request_.drive)[next_] = system_.drive();
+    (*request_.values)[next_++] = value;
   }
   void values(bool to_end) {
     const double end = solver_.time();
-    while (next_ < wanted_.times.size() &&
-           (to_end ? wanted_.times[next_] <= end : wanted_.times[next_] < end))
-      take(output_at(std::max(wanted_.times[next_], solver_.step_begin())));
+    while (next_ < request_.times.size() &&
+           (to_end ? request_.times[next_] <= end : request_.times[next_] < end))
+      take(output_at(std::max(request_.times[next_], solver_.step_begin())));
   }
   /// Two pieces a step.
   void dense() {
@@ -136,20 +136,20 @@ class OutputTaker {
       for (std::size_t i = 0; i < kMaxDegree; ++i)
         piece.nodes[i] = output_at(from + nodes.at[i] * (to - from));
       piece.nodes[kMaxDegree] = output_at(to);
-      if (to > from) wanted_.dense->append(piece);
+      if (to > from) request_.dense->append(piece);
     }
   }
 
   OdeSystem& system_;
   const CvodeSolver& solver_;
-  const OdeWanted& wanted_;
+  const OdeRequest& request_;
   std::vector<double> inside_;
   std::size_t next_ = 0;
 };
 
 /// From t to `stop`, through the events between.
 void solve_stretch(OdeSystem& system, CvodeSolver& solver, double t, double stop, bool final,
-                   OutputTaker& output, EventCrowd& crowd, Stats& stats) {
+                   OutputSampler& output, ChatterGuard& chatter, Stats& stats) {
   constexpr std::size_t kLookEvery = 4096;
   while (t < stop) {
     solver.start(t, system.state().data(), stop);
@@ -165,7 +165,7 @@ void solve_stretch(OdeSystem& system, CvodeSolver& solver, double t, double stop
     system.commit();
     if (outcome == CvodeSolver::Outcome::event) {
       ++stats.events;
-      crowd.event(t);
+      chatter.event(t);
       system.restart(t, &solver.crossings());
       output.corner(t);
     }
@@ -174,7 +174,7 @@ void solve_stretch(OdeSystem& system, CvodeSolver& solver, double t, double stop
 
 }  // namespace
 
-void solve_ode(OdeSystem& system, const Options& options, const OdeWanted& wanted, Stats& stats,
+void solve_ode(OdeSystem& system, const Options& options, const OdeRequest& request, Stats& stats,
                double shortest_detail_s) {
   const double first = system.input().begin();
   const double last = system.input().end();
@@ -182,8 +182,8 @@ void solve_ode(OdeSystem& system, const Options& options, const OdeWanted& wante
   const std::vector<double> stops = stop_times(system);
   CvodeSolver solver =
       make_solver(system, options, (last - first) / static_cast<double>(stops.size()), shortest_detail_s);
-  OutputTaker output(system, solver, wanted);
-  EventCrowd crowd(first, shortest_detail_s);
+  OutputSampler output(system, solver, request);
+  ChatterGuard chatter(first, shortest_detail_s);
 
   system.run_until(stops.front());
   if (period > 0.0) system.sample_controller(first);
@@ -192,7 +192,7 @@ void solve_ode(OdeSystem& system, const Options& options, const OdeWanted& wante
   double t = first;
   for (std::size_t i = 0; i < stops.size(); ++i) {
     const double stop = stops[i];
-    solve_stretch(system, solver, t, stop, i + 1 == stops.size(), output, crowd, stats);
+    solve_stretch(system, solver, t, stop, i + 1 == stops.size(), output, chatter, stats);
     t = stop;
     if (i + 1 == stops.size()) break;
     system.run_until(stops[i + 1]);

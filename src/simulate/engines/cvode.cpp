@@ -77,17 +77,17 @@ std::size_t ChainRun::solve_from(std::size_t first) {
   while (behind < kernels_.size() && can_stand_in_ode(kernels_[behind])) run.push_back(&kernels_[behind++]);
   OdeSystem system(run, signal_);
   rest_ = system.start(options_.start, rest_);
-  OdeWanted wanted;
-  wanted.right_limits = right_limits_;
+  OdeRequest request;
+  request.right_limits = right_limits_;
   DenseSignal dense;
   at_samples_ = behind == kernels_.size();
   if (at_samples_) {
-    wanted.times = times_;
-    wanted.values = &result_.y;
+    request.times = times_;
+    request.values = &result_.y;
   } else {
-    wanted.dense = &dense;
+    request.dense = &dense;
   }
-  solve_ode(system, options_, wanted, result_.stats, record_.step_s);
+  solve_ode(system, options_, request, result_.stats, record_.step_s);
   dense.before = equilibrium_ ? rest_ : 0.0;
   if (!at_samples_) signal_ = std::move(dense);
   return behind;

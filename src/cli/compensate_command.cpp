@@ -18,22 +18,41 @@
 
 namespace bodesmith::cli {
 
-namespace po = boost::program_options;
+namespace {
+
+std::string drive_csv(const TimeRecord& reference, const identify::Compensation& drive) {
+  CsvWriter csv;
+  std::vector<double> time(reference.size());
+  for (std::size_t i = 0; i < time.size(); ++i) time[i] = reference.time_s(i);
+  csv.add("time_s", std::move(time));
+  csv.add("r", reference.u);
+  csv.add("u", drive.drive);
+  return csv.text();
+}
+
+std::string error_text(const identify::ErrorFigures& error) {
+  return fmt::format(
+      "predicted tracking error: rms {} ({} % of range), max {} ({} %)\n"
+      "(with a perfect model; add the model's own error against the stage)\n",
+      rounded_text(error.rms), rounded_text(error.rms_percent, 3), rounded_text(error.max),
+      rounded_text(error.max_percent, 3));
+}
+
+}  // namespace
 
 int run_compensate(const std::vector<std::string>& arguments) {
   CommandLine line(
       "compensate", "bodesmith compensate model.toml --reference r.csv -o drive.csv",
-      "The drive that makes the model follow a wanted trajectory (time_s,r), by the model's inverse, and\n"
+      "The drive that makes the model follow a required trajectory (time_s,r), by the model's inverse, and\n"
       "the tracking error that is left. Blocks: gain, delay and at most one hysteresis model.");
-  line.options().add_options()("reference", po::value<std::string>(), "wanted output, CSV time_s,r")(
-      "no-preview", "do not look ahead by the model's delay (a causal drive lags by it)")(
-      "max-error-percent", po::value<double>(), "exit with 1 when the predicted RMS error is larger");
+  line.option<std::string>("reference", "required output, CSV time_s,r");
+  line.flag("no-preview", "do not look ahead by the model's delay (a causal drive lags by it)");
+  line.option<double>("max-error-percent", "exit with 1 when the predicted RMS error is larger");
   line.positional("MODEL.toml", 1, 1);
-  line.output("where the drive goes: CSV time_s,r,u");
+  line.output("file for the drive: CSV time_s,r,u");
   if (!line.parse(arguments)) return kDone;
   if (!line.has("reference")) line.fail("--reference is missing, expected a CSV with time_s,r");
-  std::optional<double> limit;
-  if (line.maybe<double>("max-error-percent")) limit = line.positive("max-error-percent");
+  const std::optional<double> limit = line.maybe_positive("max-error-percent");
 
   Provenance from;
   const std::string file = line.files().front();
@@ -46,13 +65,7 @@ int run_compensate(const std::vector<std::string>& arguments) {
   const double seconds = watch.seconds();
   const identify::ErrorFigures error = identify::error_figures(drive.predicted, reference.u);
 
-  CsvWriter csv;
-  std::vector<double> time(reference.size());
-  for (std::size_t i = 0; i < time.size(); ++i) time[i] = reference.time_s(i);
-  csv.add("time_s", std::move(time));
-  csv.add("r", reference.u);
-  csv.add("u", drive.drive);
-  write_file(line.output_path(), csv.text());
+  write_file(line.output_path(), drive_csv(reference, drive));
 
   const bool met = !limit || error.rms_percent <= *limit;
   Json json = json_header("compensation", from);
@@ -65,14 +78,11 @@ int run_compensate(const std::vector<std::string>& arguments) {
                              {"max_percent_of_range", error.max_percent}};
   if (limit) json["limit_met"] = met;
   json["timing_s"] = {{"compute", seconds}};
-  std::string text = fmt::format("predicted tracking error: rms {} ({} % of range), max {} ({} %)\n",
-                                 rounded_text(error.rms), rounded_text(error.rms_percent, 3),
-                                 rounded_text(error.max), rounded_text(error.max_percent, 3));
-  text += "(what the model cannot do; add the model's own error against the stage)\n";
+  std::string text = error_text(error);
   if (drive.out_of_reach > 0)
     note(fmt::format("warning: {} of {} samples ask for more than the model can reach", drive.out_of_reach,
                      reference.size()));
-  if (!met) text += fmt::format("the limit of {} % is NOT met\n", rounded_text(*limit));
+  if (!met) text += limit_not_met(*limit, "%");
   print_summary(line, text, json);
   return met ? kDone : kLimitMissed;
 }

@@ -129,7 +129,7 @@ struct IdentifyRequest {
 void describe_options(CommandLine& line) {
   const std::string models = "one of " + model_names() + ", or all for the comparison table";
   line.option<std::string>("model", models);
-  line.repeatable<std::string>("holdout", "record that is not fitted, only judged (repeatable)");
+  line.repeatable<std::string>("holdout", "record that is not fitted, only compared with (repeatable)");
   line.option<std::string>("method", "best, paper (what the model's own paper does), or both in one table",
                            "best");
   line.option<int>("size", "plays, operators or levels of the model (0: its default)", 0);
@@ -142,7 +142,7 @@ void describe_options(CommandLine& line) {
   line.option<double>("effort", "length of stochastic and iterative searches, relative", 1.0);
   line.option<double>("max-error-percent", "exit with 1 when the RMS error (holdout if given) is larger");
   line.positional("RECORD.csv...", 1, -1);
-  line.output("where the model goes (with --model all: the best one)");
+  line.output("file for the model (with --model all: the best one)");
   line.seed();
 }
 
@@ -248,10 +248,11 @@ std::string model_comment(const StageFit& fit) {
 }  // namespace
 
 int run_identify(const std::vector<std::string>& arguments) {
-  CommandLine line("identify",
-                   "bodesmith identify train.csv --model prandtl_ishlinskii --holdout test.csv -o model.toml",
-                   "Fits a hysteresis model to measured records (time_s,u,y) and holds it against others.\n"
-                   "Errors are RMS and maximum in percent of the record's range (first seed, eq. 8).");
+  CommandLine line(
+      "identify", "bodesmith identify train.csv --model prandtl_ishlinskii --holdout test.csv -o model.toml",
+      "Fits a hysteresis model to measured records (time_s,u,y) and compares it with held-out ones.\n"
+      "Errors are RMS and maximum in percent of the record's range (eq. 8 of \"Modeling and Control of\n"
+      "Piezoelectric Hysteresis: A Polynomial-Based Fractional Order Disturbance Compensation Approach\").");
   describe_options(line);
   if (!line.parse(arguments)) return kDone;
   const IdentifyRequest request = request_of(line);
@@ -287,7 +288,7 @@ int run_identify(const std::vector<std::string>& arguments) {
   std::string text = request.table()
                          ? table_of(fits, !holdout.empty()) + fmt::format("best: {}\n", best.model)
                          : text_of(best);
-  if (!met) text += fmt::format("the limit of {} % is NOT met\n", rounded_text(*limit));
+  if (!met) text += limit_not_met(*limit, "%");
   print_summary(line, text, json);
   return met ? kDone : kLimitMissed;
 }

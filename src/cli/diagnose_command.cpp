@@ -17,8 +17,6 @@
 namespace bodesmith::cli {
 namespace {
 
-namespace po = boost::program_options;
-
 std::vector<std::filesystem::path> paths(const CommandLine& line, const char* option) {
   std::vector<std::filesystem::path> out;
   for (const auto& p : line.maybe<std::vector<std::string>>(option).value_or(std::vector<std::string>{}))
@@ -45,7 +43,7 @@ std::string summary_text(const gap::Diagnosis& d, const std::filesystem::path& f
                       d.refitted.holdout_percent_of_range);
   for (const auto& s : d.steps) {
     text += fmt::format("  + {} ({}){}: held-out {} -> {}\n", s.effect, s.placed,
-                        s.tied_with.empty() ? "" : ", not to be told from " + join(s.tied_with, ", "),
+                        s.tied_with.empty() ? "" : ", indistinguishable from " + join(s.tied_with, ", "),
                         rounded_text(s.before.holdout_rms), rounded_text(s.after.holdout_rms));
   }
   text += fmt::format("  noise floor: {}\n", d.floor.how == gap::NoiseFloor::How::unknown
@@ -66,13 +64,12 @@ int run_diagnose(const std::vector<std::string>& arguments) {
   line.positional("MODEL.toml", 1, 1);
   line.output("folder for diagnosis.json, model.toml, base_refitted.toml and report.html");
   line.seed();
-  line.options().add_options()("data", po::value<std::vector<std::string>>()->multitoken(),
-                               "records to fit: time_s,u,y or frequency_hz,magnitude_db,phase_deg")(
-      "holdout", po::value<std::vector<std::string>>()->multitoken(),
-      "records that are not fitted, best with another excitation; none: 30 % of each record is held out")(
-      "max-terms", po::value<int>()->default_value(5), "most effects to name")(
-      "threads", po::value<int>()->default_value(2),
-      "threads of the search (the result does not depend on it)");
+  line.list<std::string>("data", "records to fit: time_s,u,y or frequency_hz,magnitude_db,phase_deg");
+  line.list<std::string>(
+      "holdout",
+      "records that are not fitted, best with another excitation; none: 30 % of each record is held out");
+  line.option<int>("max-terms", "largest number of effects to name", 5);
+  line.option<int>("threads", "threads of the search (the result does not depend on it)", 2);
   if (!line.parse(arguments)) return kDone;
   const auto data = paths(line, "data");
   if (data.empty()) line.fail("--data is missing, expected at least one CSV file");

@@ -51,7 +51,7 @@ class StageForm;
 
 /// One stage of the chain: what it should do, what its parts make it do.
 struct Stage {
-  std::string realization;  ///< name in realizations(), e.g. "first-order", "tow-thomas", "inverter"
+  std::string realisation;  ///< its form, e.g. "first-order", "tow-thomas", "inverter"
   /// Its share of the design, sign included (most stages invert): a product, of one factor unless the stage
   /// makes more than two poles (ladders).
   std::vector<Biquad> wanted;
@@ -60,7 +60,7 @@ struct Stage {
   std::string out;
   std::size_t first_part = 0;  ///< its parts are Circuit::parts[first_part, first_part + part_count)
   std::size_t part_count = 0;
-  /// Its equations: transfer() of any part values (realization.hpp). Ladders have none.
+  /// Its equations: transfer() of any part values (stages/stage_form.hpp). Ladders have none.
   std::shared_ptr<const StageForm> form;
 
   std::complex<double> response(RadPerSecond w) const { return product(realised, w); }

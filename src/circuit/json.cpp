@@ -62,7 +62,7 @@ Json to_json(const Realised& realised) {
                        {resistor ? "realised_ohm" : "realised_f", part.realised},
                        {"worst_db_per_percent", sensitivity[i]}});
     }
-    out["stages"].push_back({{"realization", stage.realization},
+    out["stages"].push_back({{"realization", stage.realisation},
                              {"in", stage.in},
                              {"out", stage.out},
                              {"wanted", section_json(stage.wanted)},

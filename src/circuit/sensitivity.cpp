@@ -4,8 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "circuit/realization.hpp"
 #include "circuit/response.hpp"
+#include "circuit/stages/stage_form.hpp"
 
 namespace bodesmith::circuit {
 namespace {

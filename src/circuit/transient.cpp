@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "circuit/realization.hpp"
+#include "circuit/stages/stage_form.hpp"
 
 namespace bodesmith::circuit {
 namespace {

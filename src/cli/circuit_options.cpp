@@ -19,7 +19,7 @@ void add_circuit_options(CommandLine& line) {
 
 circuit::RealiseOptions read_circuit_options(const CommandLine& line) {
   circuit::RealiseOptions options;
-  options.realization = line.get<std::string>("realization");
+  options.realisation = line.get<std::string>("realization");
   options.resistors = circuit::Series::named(line.get<std::string>("series"));
   options.capacitors = circuit::Series::named(
       line.maybe<std::string>("capacitor-series").value_or(options.resistors.is_exact() ? "exact" : "E12"));

@@ -8,9 +8,8 @@
 #include "circuit/json.hpp"
 #include "circuit/opamp_check.hpp"
 #include "circuit/opamp_library.hpp"
-#include "circuit/realise.hpp"
-#include "circuit/realise_ladder.hpp"
-#include "circuit/stock.hpp"
+#include "circuit/parts/stock.hpp"
+#include "circuit/realisation.hpp"
 #include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
@@ -64,17 +63,16 @@ bool automatic_opamp(const CommandLine& line) {
 
 /// Limits of the values: the form's or the stock list's own, then those that were given.
 void read_value_limits(const CommandLine& line, Provenance& from, circuit::RealiseOptions& options) {
-  const bool ladder = circuit::ladder_form_named(options.realization).has_value();
-  if (ladder) circuit::set_ladder_limits(options);
+  options.limits = circuit::realisation_registry().get(options.realisation).usual_limits();
   if (line.has("stock")) circuit::StockList::read(line.get<std::string>("stock"), from).apply_to(options);
   const auto limit = [&](const char* name, double& value) {
     const double given = line.positive(name);
-    if (line.has(name) || !(ladder || line.has("stock"))) value = given;
+    if (line.has(name)) value = given;
   };
-  limit("min-ohm", options.least_ohm);
-  limit("max-ohm", options.greatest_ohm);
-  limit("min-f", options.least_f);
-  limit("max-f", options.greatest_f);
+  limit("min-ohm", options.limits.min_ohm);
+  limit("max-ohm", options.limits.max_ohm);
+  limit("min-f", options.limits.min_f);
+  limit("max-f", options.limits.max_f);
   if (line.has("stock") && options.resistors.is_exact() != options.capacitors.is_exact()) {
     line.fail("--stock cannot be combined with exact parts, expected a series for what the list leaves out");
   }

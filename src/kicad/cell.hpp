@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "circuit/series_parallel.hpp"
+#include "circuit/parts/series_parallel.hpp"
 #include "kicad/drawing.hpp"
 
 namespace bodesmith::kicad {

@@ -369,7 +369,7 @@ class Schematic {
           symbol.fields = {{"Netlist", opamp.name}, {"Section", std::to_string(index + 1)}};
           return symbol;
         });
-    out.text = fmt::format("stage {}: {}\n{}", index + 1, stage.realization,
+    out.text = fmt::format("stage {}: {}\n{}", index + 1, stage.realisation,
                            stage.wanted.size() == 1
                                ? circuit::transfer_text(stage.wanted)
                                : fmt::format("{} poles, {} to {} rad/s", stage.wanted.size(),

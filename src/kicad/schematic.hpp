@@ -4,7 +4,7 @@
 
 #include "base/files.hpp"
 #include "circuit/circuit.hpp"
-#include "circuit/tolerances.hpp"
+#include "circuit/parts/tolerances.hpp"
 
 namespace bodesmith::kicad {
 

@@ -2,7 +2,7 @@
 
 #include <algorithm>
 
-#include "circuit/summing_amplifier.hpp"
+#include "circuit/parts/summing_amplifier.hpp"
 
 namespace bodesmith::multiplier_layout {
 

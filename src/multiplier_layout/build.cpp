@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "circuit/summing_amplifier.hpp"
+#include "circuit/parts/summing_amplifier.hpp"
 
 namespace bodesmith::multiplier_layout {
 namespace {

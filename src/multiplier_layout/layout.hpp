@@ -6,7 +6,7 @@
 
 #include "base/json_fwd.hpp"
 #include "circuit/opamp.hpp"
-#include "circuit/series.hpp"
+#include "circuit/parts/series.hpp"
 #include "multiplier_layout/switch.hpp"
 #include "signal/disturbance.hpp"
 

@@ -47,7 +47,7 @@ fpaa::PlanOptions plan_options(const Project& project, const Band& band) {
 
 circuit::RealiseOptions circuit_options(const Project& project) {
   circuit::RealiseOptions options;
-  options.realization = project.circuit->realization;
+  options.realisation = project.circuit->realisation;
   options.resistors = circuit::Series::named(project.circuit->resistors);
   options.capacitors = circuit::Series::named(project.circuit->capacitors);
   return options;

@@ -126,7 +126,7 @@ Project::Fpaa read_fpaa(const Node& node) {
 Project::Circuit read_circuit(const Node& node) {
   node.allow_only({"realization", "resistors", "capacitors"});
   Project::Circuit circuit;
-  circuit.realization = node.string_or("realization", circuit.realization);
+  circuit.realisation = node.string_or("realization", circuit.realisation);
   circuit.resistors = node.string_or("resistors", circuit.resistors);
   circuit.capacitors = node.string_or("capacitors", circuit.capacitors);
   return circuit;

@@ -47,7 +47,7 @@ struct Project {
   std::optional<Fpaa> fpaa;  ///< absent: no board is designed
 
   struct Circuit {
-    std::string realization = "opamp-rc";
+    std::string realisation = "opamp-rc";
     std::string resistors = "E96";
     std::string capacitors = "E12";
   };

@@ -51,7 +51,7 @@ Json stage_json(const circuit::Circuit& circuit, std::size_t index, ValueText va
                                              local(opamp.minus), local(opamp.out))}});
   }
   return {{"number", index + 1},
-          {"realization", stage.realization},
+          {"realization", stage.realisation},
           {"wanted", circuit::transfer_text(stage.wanted)},
           {"realised", circuit::transfer_text(stage.realised)},
           {"in", stage.in},

@@ -5,7 +5,7 @@
 #include "base/files.hpp"
 #include "circuit/circuit.hpp"
 #include "circuit/realise.hpp"
-#include "circuit/tolerances.hpp"
+#include "circuit/parts/tolerances.hpp"
 #include "multiplier_layout/layout.hpp"
 
 namespace bodesmith::spice {

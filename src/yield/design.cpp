@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "circuit/realization.hpp"
+#include "circuit/stages/stage_form.hpp"
 
 namespace bodesmith::yield {
 namespace {

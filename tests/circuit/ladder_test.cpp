@@ -3,17 +3,17 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "circuit/rc_ladder.hpp"
-#include "circuit/realise_ladder.hpp"
+#include "circuit/ladders/alternating_chains.hpp"
+#include "circuit/ladders/rc_ladder.hpp"
+#include "circuit/ladders/two_terminal_network.hpp"
+#include "circuit/realisation.hpp"
 #include "circuit/response.hpp"
-#include "circuit/two_terminal_network.hpp"
 #include "seed_sections.hpp"
 
 namespace bodesmith::circuit {
 namespace {
 
-constexpr LadderForm kForms[] = {LadderForm::foster1, LadderForm::foster2, LadderForm::cauer1,
-                                 LadderForm::cauer2};
+const RcLadder* const kLadders[] = {&foster1(), &foster2(), &cauer1(), &cauer2()};
 
 RcImpedance half_order(int pairs) {
   RcImpedance z;
@@ -42,8 +42,8 @@ Sections term(int pairs, bool lag, double gain = 1.0) {
 TEST(Ladder, FourFormsAreTheSameImpedance) {
   for (const int pairs : {1, 2, 5, 8}) {
     const RcImpedance z = half_order(pairs);
-    for (const LadderForm form : kForms) {
-      const std::vector<LadderPart> parts = ladder_parts(z, form);
+    for (const RcLadder* form : kLadders) {
+      const std::vector<LadderPart> parts = form->parts(z);
       ASSERT_EQ(parts.size(), 2U * static_cast<size_t>(pairs) + 1U);
       std::vector<double> values;
       std::vector<TwoTerminalPart> network;
@@ -56,9 +56,9 @@ TEST(Ladder, FourFormsAreTheSameImpedance) {
         const std::complex<double> s(0.0, w), wanted = z(s);
         // Nodal analysis knows nothing of the forms.
         EXPECT_LT(std::abs(impedance_between(network, "a", "b", {w}) / wanted - 1.0), 1e-7);
-        EXPECT_LT(std::abs(ladder_impedance(form, values, s) / wanted - 1.0), 1e-7);
+        EXPECT_LT(std::abs(form->impedance(values, s) / wanted - 1.0), 1e-7);
       }
-      const RcImpedance back = impedance_of(form, values);
+      const RcImpedance back = form->impedance_of(values);
       EXPECT_NEAR(back.high / z.high, 1.0, 1e-9);
       for (size_t i = 0; i < z.poles.size(); ++i) {
         EXPECT_NEAR(back.poles[i] / z.poles[i], 1.0, 1e-7);
@@ -77,7 +77,7 @@ TEST(Ladder, CornersAreGroupedIntoAlternatingChains) {
   for (const auto& [poles, zeros] : std::vector<std::pair<std::vector<double>, std::vector<double>>>{
            {{1, 1.1, 10, 11}, {3, 3.3, 30, 33}}, {{1, 2, 3}, {10, 20, 30}}, {{5, 6, 1}, {2, 3, 50}}}) {
     size_t count = 0;
-    for (const LadderChain& chain : alternating_chains(poles, zeros)) {
+    for (const AlternatingChain& chain : alternating_chains(poles, zeros)) {
       ASSERT_EQ(chain.poles.size(), chain.zeros.size());
       count += chain.poles.size();
       for (size_t i = 0; i < chain.poles.size(); ++i) {
@@ -97,10 +97,10 @@ TEST(Ladder, CircuitMakesTheTerm) {
     for (const char* form : {"foster1", "foster2", "cauer1", "cauer2"}) {
       SCOPED_TRACE(form);
       RealiseOptions options;
-      options.realization = form;
-      options.greatest_ohm = 1e7;
-      options.greatest_f = 10e-6;
-      options.least_f = 10e-12;
+      options.realisation = form;
+      options.limits.max_ohm = 1e7;
+      options.limits.max_f = 10e-6;
+      options.limits.min_f = 10e-12;
       options.resistors = options.capacitors = Series::named("exact");
       const Sections wanted = term(4, lag, lag ? 2.0 : -0.3);
       const Realised exact = realise(wanted, options);
@@ -121,8 +121,8 @@ TEST(Ladder, CircuitMakesTheTerm) {
       EXPECT_LT(compare_responses(grid, again, stages).max_complex_percent, 1e-6);
       for (const Part& part : made.circuit.parts) {
         const bool resistor = part.kind == Part::Kind::resistor;
-        EXPECT_GE(part.realised, resistor ? options.least_ohm : options.least_f) << part.name;
-        EXPECT_LE(part.realised, resistor ? options.greatest_ohm : options.greatest_f) << part.name;
+        EXPECT_GE(part.realised, resistor ? options.limits.min_ohm : options.limits.min_f) << part.name;
+        EXPECT_LE(part.realised, resistor ? options.limits.max_ohm : options.limits.max_f) << part.name;
       }
     }
   }
@@ -130,8 +130,8 @@ TEST(Ladder, CircuitMakesTheTerm) {
 
 TEST(Ladder, OneOpAmpForEveryChain) {
   RealiseOptions options;
-  options.realization = "foster1";
-  set_ladder_limits(options);
+  options.realisation = "foster1";
+  options.limits = realisation_registry().get("foster1").usual_limits();
   const Realised made = realise(seed_sections(), options);
   EXPECT_LE(made.circuit.opamps.size(), 6U);  // eight and an inverter as first-order stages
   EXPECT_LT(made.report.parts.max_magnitude_db, 0.1);
@@ -139,7 +139,7 @@ TEST(Ladder, OneOpAmpForEveryChain) {
 
 TEST(Ladder, WhatItCannotMakeIsSaid) {
   RealiseOptions options;
-  options.realization = "cauer1";
+  options.realisation = "cauer1";
   Sections complex;
   complex.sections.push_back({1.0, {{-1, 2}, {-1, -2}}, {{-3, 0}, {-4, 0}}});
   EXPECT_THROW(realise(complex, options), DesignError);
@@ -150,8 +150,8 @@ TEST(Ladder, WhatItCannotMakeIsSaid) {
   right.sections.push_back({1.0, {{3, 0}}, {{-3, 0}}});
   EXPECT_THROW(realise(right, options), DesignError);
   EXPECT_THROW(realise(Sections{}, options), DesignError);
-  options.least_ohm = 1e4;
-  options.greatest_ohm = 2e4;
+  options.limits.min_ohm = 1e4;
+  options.limits.max_ohm = 2e4;
   EXPECT_THROW(realise(term(6, true), options), DesignError);
 }
 

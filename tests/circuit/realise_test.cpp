@@ -6,9 +6,9 @@
 #include <random>
 
 #include "base/error.hpp"
-#include "circuit/ordering.hpp"
-#include "circuit/pairing.hpp"
 #include "circuit/response.hpp"
+#include "circuit/stages/ordering.hpp"
+#include "circuit/stages/pairing.hpp"
 #include "seed_sections.hpp"
 
 namespace bodesmith::circuit {
@@ -68,8 +68,8 @@ TEST(Realise, EveryPartIsInItsSeriesAndLimits) {
     const bool resistor = part.kind == Part::Kind::resistor;
     EXPECT_EQ((resistor ? options.resistors : options.capacitors).nearest(part.realised), part.realised)
         << part.name;
-    EXPECT_GE(part.realised, resistor ? options.least_ohm : options.least_f);
-    EXPECT_LE(part.realised, resistor ? options.greatest_ohm : options.greatest_f);
+    EXPECT_GE(part.realised, resistor ? options.limits.min_ohm : options.limits.min_f);
+    EXPECT_LE(part.realised, resistor ? options.limits.max_ohm : options.limits.max_f);
     EXPECT_NEAR(part.wanted / part.realised, 1.0, resistor ? 0.06 : 0.06) << part.name;
   }
 }
@@ -183,10 +183,10 @@ TEST(Realise, SaysWhatCannotBeMade) {
   EXPECT_THROW(realise(slow), DesignError);
   Sections fine = seed_sections();
   RealiseOptions options;
-  options.realization = "no such";
+  options.realisation = "no such";
   EXPECT_THROW(realise(fine, options), InputError);
   options = {};
-  options.greatest_ohm = 10.0;
+  options.limits.max_ohm = 10.0;
   EXPECT_THROW(realise(fine, options), InputError);
 }
 

@@ -1,4 +1,4 @@
-#include "circuit/series.hpp"
+#include "circuit/parts/series.hpp"
 
 #include <gtest/gtest.h>
 

@@ -1,4 +1,4 @@
-#include "circuit/stock.hpp"
+#include "circuit/parts/stock.hpp"
 
 #include <gtest/gtest.h>
 
@@ -32,11 +32,11 @@ TEST(Stock, BothFormatsSayTheSame) {
   EXPECT_EQ(csv.resistors->values(1, 1e9), toml.resistors->values(1, 1e9));
   EXPECT_EQ(csv.capacitors->values(1e-12, 1), toml.capacitors->values(1e-12, 1));
   RealiseOptions options;
-  const double greatest_ohm = options.greatest_ohm;
+  const double greatest_ohm = options.limits.max_ohm;
   toml.apply_to(options);
-  EXPECT_EQ(options.least_ohm, 500);
-  EXPECT_EQ(options.greatest_f, 2e-8);
-  EXPECT_EQ(options.greatest_ohm, greatest_ohm);
+  EXPECT_EQ(options.limits.min_ohm, 500);
+  EXPECT_EQ(options.limits.max_f, 2e-8);
+  EXPECT_EQ(options.limits.max_ohm, greatest_ohm);
   const StockList half = StockList::parse_csv("capacitance_f\n1e-9\n", "drawer");
   EXPECT_FALSE(half.resistors.has_value());
   EXPECT_TRUE(half.capacitors.has_value());

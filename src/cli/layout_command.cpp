@@ -15,7 +15,6 @@
 #include "multiplier_layout/timing.hpp"
 #include "spice/disturbance_check.hpp"
 #include "spice/disturbance_library.hpp"
-#include "spice/emit.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::cli {

@@ -8,16 +8,16 @@
 #include "circuit/noise.hpp"
 #include "circuit/response.hpp"
 #include "circuit/transient.hpp"
-#include "spice/emit.hpp"
+#include "spice/compensator_library.hpp"
 #include "spice/ngspice.hpp"
+#include "spice/triangle.hpp"
 
 namespace bodesmith::spice {
 namespace {
 
 double check_transient(const circuit::Circuit& circuit, const std::string& library, double frequency_hz) {
   const double period = 1.0 / frequency_hz;
-  std::string points = "0 0";
-  for (int half = 1; half <= 4; ++half) points += fmt::format(" {:.12g} {}", half * 0.5 * period, half % 2);
+  const std::string points = triangle_points(frequency_hz);
   const Transient got =
       run_transient("triangle\n" + library + "Vin in 0 PWL(" + points + ")\nXc in out compensator\n", {"out"},
                     period / 1000.0, 2.0 * period, "compensator.sub");

@@ -8,6 +8,7 @@
 #include "multiplier_layout/timing.hpp"
 #include "spice/disturbance_library.hpp"
 #include "spice/ngspice.hpp"
+#include "spice/triangle.hpp"
 
 namespace bodesmith::spice {
 namespace {
@@ -74,8 +75,7 @@ void check_static(const multiplier_layout::Layout& layout, const std::string& li
 DisturbanceCheck::Dynamic check_triangle(const multiplier_layout::Layout& layout, const std::string& library,
                                          Hertz f, std::optional<double> alpha) {
   const double period = 1.0 / f.value;
-  std::string points = "0 0";
-  for (int half = 1; half <= 4; ++half) points += fmt::format(" {:.12g} {}", half * 0.5 * period, half % 2);
+  const std::string points = triangle_points(f.value);
   std::string deck = "triangle\n" + library + "Vx x 0 PWL(" + points + ")\nXs x branch slope_detector\n" +
                      select_sources(layout, 0);
   if (alpha) deck += fmt::format("Va amplitude 0 {:.12g}\n", *alpha);

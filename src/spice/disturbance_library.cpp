@@ -10,7 +10,6 @@
 #include "base/version.hpp"
 #include "circuit/text.hpp"
 #include "multiplier_layout/timing.hpp"
-#include "spice/emit.hpp"
 #include "spice/opamp_macromodel.hpp"
 
 namespace bodesmith::spice {
@@ -133,10 +132,6 @@ std::string disturbance_pins(const multiplier_layout::Layout& layout, bool ampli
   std::string out = "x branch";
   for (int line = 1; line <= layout.select_lines(); ++line) out += fmt::format(" select{}", line);
   return out + (amplitude ? " amplitude out" : " out");
-}
-
-std::string disturbance_library(const multiplier_layout::Layout& layout, const std::string& title) {
-  return disturbance_library(layout, title, {});
 }
 
 std::string disturbance_library(const multiplier_layout::Layout& layout, const std::string& title,

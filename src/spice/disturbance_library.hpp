@@ -18,7 +18,7 @@ struct DisturbanceLibrary {
 /// `.subckt disturbance x branch out`; more than two branches have their select lines after `branch`. Beside
 /// it, when there is a switch, `.subckt slope_detector x branch`.
 std::string disturbance_library(const multiplier_layout::Layout& layout, const std::string& title,
-                                const DisturbanceLibrary& options);
+                                const DisturbanceLibrary& options = {});
 
 /// `x branch out`, or with select lines and amplitude.
 std::string disturbance_pins(const multiplier_layout::Layout& layout, bool amplitude);

@@ -7,6 +7,7 @@
 
 #include "base/units.hpp"
 #include "lti/frequency_grid.hpp"
+#include "spice/subcircuits.hpp"
 
 namespace bodesmith::spice {
 
@@ -19,15 +20,6 @@ std::string ngspice_version();
 /// ngspice is not installed, ends with an error, or takes longer than `timeout_s`; `what` (a file name) leads
 /// the message.
 std::string run_ngspice(const std::string& deck, const std::string& what, double timeout_s = 300.0);
-
-/// A subcircuit as found in a library text: its name and pins.
-struct Subcircuit {
-  std::string name;
-  std::vector<std::string> pins;
-  int line = 0;
-};
-/// Every top-level .subckt of a library. Throws InputError with file and line when one is not ended.
-std::vector<Subcircuit> list_subcircuits(const std::string& text, const std::string& file);
 
 /// V(out)/V(in) of a two-pin subcircuit (`in out`, ground 0) of a library file, small-signal, at every
 /// frequency of the grid. `subcircuit` empty: "compensator" when there is one, otherwise the last with two

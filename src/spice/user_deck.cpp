@@ -11,16 +11,10 @@
 #include "base/files.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "spice/deck_words.hpp"
 
 namespace bodesmith::spice {
 namespace {
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(),
-                 [](unsigned char c) { return static_cast<char>(std::tolower(c)); });
-  return out;
-}
 
 std::vector<std::string> words_of(std::string_view line) {
   std::vector<std::string> out;
@@ -48,7 +42,7 @@ bool spice_value(const std::string& text, double& value) {
     ++end;
   }
   if (end == 0 || !parse_number(std::string_view(text).substr(0, end), value)) return false;
-  const std::string suffix = lower(std::string_view(text).substr(end));
+  const std::string suffix = lower_case(std::string_view(text).substr(end));
   static const std::pair<const char*, double> scales[] = {
       {"meg", 1e6}, {"mil", 25.4e-6}, {"t", 1e12}, {"g", 1e9},   {"k", 1e3},
       {"m", 1e-3},  {"u", 1e-6},      {"n", 1e-9}, {"p", 1e-12}, {"f", 1e-15}};
@@ -61,9 +55,9 @@ bool spice_value(const std::string& text, double& value) {
   return true;
 }
 
-class Reader {
+class UserDeckReader {
  public:
-  Reader(const std::filesystem::path& path, std::string node) : path_(path), node_(std::move(node)) {}
+  UserDeckReader(const std::filesystem::path& path, std::string node) : path_(path), node_(std::move(node)) {}
 
   UserDeck read() {
     const std::string whole = read_file(path_);
@@ -95,7 +89,7 @@ class Reader {
       throw InputError(
           fmt::format("{}: has no node named out and no .print of one, expected either", path_.string()));
     }
-    if (!nodes_.contains(lower(node_))) {
+    if (!nodes_.contains(lower_case(node_))) {
       throw InputError(fmt::format("{}: has no node {}", path_.string(), node_));
     }
     return {text_, node_, source_};
@@ -109,7 +103,7 @@ class Reader {
     }
     const std::vector<std::string> words = words_of(raw);
     if (words.empty() || words[0][0] == '*') return;
-    const std::string first = lower(words[0]);
+    const std::string first = lower_case(words[0]);
     if (control_ > 0) {
       if (first == ".endc") control_ = 0;
       return;
@@ -127,7 +121,7 @@ class Reader {
         ".ac",   ".tran", ".dc", ".op",    ".noise", ".meas", ".measure", ".four",  ".step",
         ".sens", ".tf",   ".pz", ".disto", ".print", ".plot", ".save",    ".probe", ".backanno"};
     if (outputs.contains(first) && printed_.empty()) {
-      const std::string all = lower(raw);
+      const std::string all = lower_case(raw);
       const size_t at = all.find("v(");
       if (at != std::string::npos) printed_ = all.substr(at + 2, all.find_first_of("),", at) - at - 2);
     }
@@ -145,7 +139,7 @@ class Reader {
 
   void remember(const std::vector<std::string>& words) {
     if (depth_ > 0) return;
-    for (size_t i = 1; i < words.size(); ++i) nodes_.insert(lower(words[i]));
+    for (size_t i = 1; i < words.size(); ++i) nodes_.insert(lower_case(words[i]));
   }
 
   void include(const std::vector<std::string>& words) {
@@ -163,7 +157,7 @@ class Reader {
 
   void source(const std::vector<std::string>& words) {
     for (size_t i = 3; i < words.size(); ++i) {
-      const std::string word = lower(words[i]);
+      const std::string word = lower_case(words[i]);
       if (word != "ac" && !word.starts_with("ac=")) continue;
       double magnitude = 1.0, phase = 0.0;
       size_t at = i + 1;
@@ -197,7 +191,7 @@ class Reader {
 }  // namespace
 
 UserDeck read_user_deck(const std::filesystem::path& path, const std::string& node) {
-  return Reader(path, node).read();
+  return UserDeckReader(path, node).read();
 }
 
 }  // namespace bodesmith::spice

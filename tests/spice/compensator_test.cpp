@@ -64,7 +64,9 @@ TEST(Compensator, LibraryIsPortable) {
 TEST(Compensator, ToleranceLibraryOnlyChangesTheValues) {
   const circuit::Circuit circuit = circuit::realise(seed_sections()).circuit;
   const std::string plain = compensator_library(circuit, "t"),
-                    spread = compensator_library_with_tolerances(circuit, "t");
+                    spread = compensator_library(circuit, "t", [](const circuit::Part&part) {
+                      return *dialect_registry().get("ltspice").value_with_tolerance(part);
+                    });
   EXPECT_EQ(std::count(plain.begin(), plain.end(), '\n'), std::count(spread.begin(), spread.end(), '\n'));
   EXPECT_NE(spread.find("{mc("), std::string::npos);
   EXPECT_EQ(list_subcircuits(plain, "a").size(), list_subcircuits(spread, "b").size());

@@ -1,0 +1,154 @@
+#include "spice/ngspice_process.hpp"
+
+#include <fcntl.h>
+#include <fmt/format.h>
+#include <signal.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cstdlib>
+#include <thread>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "base/text.hpp"
+#include "spice/deck_words.hpp"
+#include "spice/ngspice.hpp"
+
+namespace bodesmith::spice {
+namespace {
+
+namespace fs = std::filesystem;
+
+/// The program's path, or empty.
+std::string find_ngspice() {
+  if (const char* named = std::getenv("BODESMITH_NGSPICE"); named != nullptr) {
+    return ::access(named, X_OK) == 0 ? named : "";
+  }
+  const char* path = std::getenv("PATH");
+  if (path == nullptr) return {};
+  for (const std::string_view folder : split(path, ':')) {
+    const std::string candidate = std::string(folder) + "/ngspice";
+    if (::access(candidate.c_str(), X_OK) == 0) return candidate;
+  }
+  return {};
+}
+
+/// Starts `program arguments` in `folder` with its output in out.txt and err.txt; its exit status, or -1
+/// after a timeout.
+int run_program(const std::string& program, const std::vector<std::string>& arguments, const fs::path& folder,
+                double timeout_s) {
+  std::vector<char*> argv = {const_cast<char*>(program.c_str())};
+  for (const std::string& argument : arguments) argv.push_back(const_cast<char*>(argument.c_str()));
+  argv.push_back(nullptr);
+  const std::string directory = folder.string();
+  const std::string out_name = (folder / "out.txt").string(), err_name = (folder / "err.txt").string();
+  const pid_t child = ::fork();
+  if (child < 0) throw InputError("ngspice cannot be started: no more processes");
+  if (child == 0) {
+    const int in = ::open("/dev/null", O_RDONLY);
+    const int out = ::open(out_name.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    const int err = ::open(err_name.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    if (in < 0 || out < 0 || err < 0 || ::chdir(directory.c_str()) != 0) ::_exit(126);
+    ::dup2(in, 0);
+    ::dup2(out, 1);
+    ::dup2(err, 2);
+    ::execv(program.c_str(), argv.data());
+    ::_exit(127);
+  }
+  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
+  for (int wait_us = 200;; wait_us = std::min(wait_us * 2, 20000)) {
+    int status = 0;
+    const pid_t ended = ::waitpid(child, &status, WNOHANG);
+    if (ended == child) return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+    if (std::chrono::steady_clock::now() > deadline) {
+      ::kill(child, SIGKILL);
+      ::waitpid(child, &status, 0);
+      return -1;
+    }
+    std::this_thread::sleep_for(std::chrono::microseconds(wait_us));
+  }
+}
+
+/// The first line that reads like an error message.
+std::string reported_error(const std::string& text) {
+  for (const std::string_view line : split(text, '\n')) {
+    const std::string small = lower_case(line);
+    if (small.find("error") != std::string::npos || small.find("fatal") != std::string::npos ||
+        small.find("unknown") != std::string::npos || small.find("can't find") != std::string::npos) {
+      return std::string(trim(line));
+    }
+  }
+  return {};
+}
+
+std::string reported_error(const NgspiceOutput& ran) {
+  std::string out = reported_error(ran.err);
+  return out.empty() ? reported_error(ran.out) : out;
+}
+
+}  // namespace
+
+WorkFolder::WorkFolder() {
+  std::string name = (fs::temp_directory_path() / "bodesmith-spice-XXXXXX").string();
+  if (::mkdtemp(name.data()) == nullptr) {
+    throw InputError(fmt::format("{}: cannot be made, expected a writable folder for temporary files", name));
+  }
+  path_ = name;
+}
+
+WorkFolder::~WorkFolder() {
+  std::error_code ignored;
+  fs::remove_all(path_, ignored);
+}
+
+NgspiceOutput run_ngspice_in(const fs::path& folder, const std::string& deck, const std::string& what,
+                             double timeout_s) {
+  const std::string program = find_ngspice();
+  if (program.empty()) {
+    throw InputError(
+        fmt::format("{}: needs ngspice, which is not installed (Debian: apt-get install ngspice)", what));
+  }
+  write_file(folder / "deck.cir", deck);
+  const int status = run_program(program, {"-n", "-b", "deck.cir"}, folder, timeout_s);
+  NgspiceOutput ran{read_file(folder / "out.txt"), read_file(folder / "err.txt")};
+  if (status == -1) {
+    throw InputError(fmt::format("{}: ngspice did not finish within {} s", what, rounded_text(timeout_s)));
+  }
+  if (status != 0) {
+    std::string why = reported_error(ran);
+    throw InputError(fmt::format("{}: ngspice ended with {}{}", what, status, why.empty() ? "" : ": " + why));
+  }
+  return ran;
+}
+
+void fail_on_output(const std::string& what, const NgspiceOutput& ran) {
+  std::string why = reported_error(ran);
+  throw InputError(fmt::format("{}: ngspice gave no result{}", what,
+                               why.empty() ? ", expected a circuit that it can solve" : ": " + why));
+}
+
+bool ngspice_available() {
+  return !find_ngspice().empty();
+}
+
+std::string ngspice_version() {
+  const std::string program = find_ngspice();
+  if (program.empty()) return {};
+  const WorkFolder folder;
+  if (run_program(program, {"--version"}, folder.path(), 20.0) != 0) return {};
+  const std::string text = read_file(folder.path() / "out.txt");
+  const size_t at = text.find("ngspice-");
+  if (at == std::string::npos) return {};
+  return text.substr(at, text.find_first_of(" \n", at) - at);
+}
+
+std::string run_ngspice(const std::string& deck, const std::string& what, double timeout_s) {
+  const WorkFolder folder;
+  return run_ngspice_in(folder.path(), deck, what, timeout_s).out;
+}
+
+}  // namespace bodesmith::spice

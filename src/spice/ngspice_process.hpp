@@ -1,0 +1,34 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+namespace bodesmith::spice {
+
+/// A folder for one run, removed at the end.
+class WorkFolder {
+ public:
+  WorkFolder();
+  ~WorkFolder();
+  WorkFolder(const WorkFolder&) = delete;
+  WorkFolder& operator=(const WorkFolder&) = delete;
+  const std::filesystem::path& path() const { return path_; }
+
+ private:
+  std::filesystem::path path_;
+};
+
+/// What ngspice wrote to its standard output and error.
+struct NgspiceOutput {
+  std::string out;
+  std::string err;
+};
+
+/// Runs the deck in `folder`. Throws InputError when ngspice is not installed, ends with an error or takes
+/// longer than `timeout_s`; `what` (a file name) leads the message.
+NgspiceOutput run_ngspice_in(const std::filesystem::path& folder, const std::string& deck,
+                             const std::string& what, double timeout_s);
+/// Throws InputError: the run ended well and gave no result.
+[[noreturn]] void fail_on_output(const std::string& what, const NgspiceOutput& ran);
+
+}  // namespace bodesmith::spice

@@ -13,6 +13,7 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "yield/job.hpp"
+#include "yield/json.hpp"
 #include "yield/yield.hpp"
 
 namespace bodesmith::cli {
@@ -108,7 +109,7 @@ std::string describe(const yield::Design& design, const yield::Result& result,
       "(median {} dB, largest {} dB; all parts at their limits {} dB)\n",
       result.name, design.poles, design.parts.size(), result.samples, result.grid.size(),
       rounded_text(result.worst_db.quantile(0.95), 3), rounded_text(result.worst_deg.quantile(0.95), 3),
-      rounded_text(result.worst_db.quantile(0.5), 3), rounded_text(result.worst_db.greatest, 3),
+      rounded_text(result.worst_db.quantile(0.5), 3), rounded_text(result.worst_db.max, 3),
       rounded_text(result.worst_case_db, 3));
   if (options.limit_db || options.limit_deg) {
     text += fmt::format("  within the limits: {} %\n", rounded_text(yield_percent(result), 5));

@@ -1,4 +1,4 @@
-// The MPI side of circuit/team.cpp, a module of its own: loaded only when the program was started by mpirun.
+// The MPI side of yield/team.cpp, a module of its own: loaded only when the program was started by mpirun.
 #include <mpi.h>
 
 #include <cstddef>
@@ -40,10 +40,10 @@ void bodesmith_mpi_finish() {
 void bodesmith_mpi_sum(std::uint64_t* values, std::size_t count) {
   reduce(values, count, MPI_UINT64_T, MPI_SUM);
 }
-void bodesmith_mpi_least(double* values, std::size_t count) {
+void bodesmith_mpi_min(double* values, std::size_t count) {
   reduce(values, count, MPI_DOUBLE, MPI_MIN);
 }
-void bodesmith_mpi_greatest(double* values, std::size_t count) {
+void bodesmith_mpi_max(double* values, std::size_t count) {
   reduce(values, count, MPI_DOUBLE, MPI_MAX);
 }
 void bodesmith_mpi_broadcast(std::uint64_t* value) {

@@ -11,7 +11,7 @@ Counts::Counts(const Result& shape) {
     low_.push_back(h.low);
     per_bin_.push_back(kBins / (h.high - h.low));
   };
-  for (size_t i = 0; i < shape.magnitude_db.size(); ++i) {
+  for (std::size_t i = 0; i < shape.magnitude_db.size(); ++i) {
     range(shape.magnitude_db[i]);
     range(shape.phase_deg[i]);
   }
@@ -19,15 +19,15 @@ Counts::Counts(const Result& shape) {
   range(shape.worst_deg);
   histograms_ = low_.size();
   counts_.assign(histograms_ * kBins, 0);
-  least_.assign(histograms_, std::numeric_limits<double>::infinity());
-  greatest_.assign(histograms_, -std::numeric_limits<double>::infinity());
+  min_.assign(histograms_, std::numeric_limits<double>::infinity());
+  max_.assign(histograms_, -std::numeric_limits<double>::infinity());
 }
 
 void Counts::merge(const Counts& other) {
-  for (size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
-  for (size_t i = 0; i < histograms_; ++i) {
-    least_[i] = std::min(least_[i], other.least_[i]);
-    greatest_[i] = std::max(greatest_[i], other.greatest_[i]);
+  for (std::size_t i = 0; i < counts_.size(); ++i) counts_[i] += other.counts_[i];
+  for (std::size_t i = 0; i < histograms_; ++i) {
+    min_[i] = std::min(min_[i], other.min_[i]);
+    max_[i] = std::max(max_[i], other.max_[i]);
   }
   samples_ += other.samples_;
   within_ += other.within_;
@@ -36,22 +36,22 @@ void Counts::merge(const Counts& other) {
 void Counts::gather(const Team& team) {
   if (team.size() == 1) return;
   std::vector<std::uint64_t> whole = {samples_, within_};
-  team.add_up(whole);
-  team.add_up(counts_);
-  team.least(least_);
-  team.greatest(greatest_);
+  team.sum(whole);
+  team.sum(counts_);
+  team.min(min_);
+  team.max(max_);
   samples_ = whole[0];
   within_ = whole[1];
 }
 
 void Counts::put_into(Result& result) const {
-  const auto put = [&](Histogram& h, size_t index) {
+  const auto put = [&](Histogram& h, std::size_t index) {
     const auto begin = counts_.begin() + static_cast<std::ptrdiff_t>(index * kBins);
     h.counts.assign(begin, begin + kBins);
-    h.least = least_[index];
-    h.greatest = greatest_[index];
+    h.min = min_[index];
+    h.max = max_[index];
   };
-  for (size_t i = 0; i < result.magnitude_db.size(); ++i) {
+  for (std::size_t i = 0; i < result.magnitude_db.size(); ++i) {
     put(result.magnitude_db[i], 2 * i);
     put(result.phase_deg[i], 2 * i + 1);
   }
@@ -63,12 +63,14 @@ void Counts::put_into(Result& result) const {
 
 std::string Counts::bytes() const {
   std::string out;
-  const auto put = [&](const void* from, size_t size) { out.append(static_cast<const char*>(from), size); };
+  const auto put = [&](const void* from, std::size_t size) {
+    out.append(static_cast<const char*>(from), size);
+  };
   put(&samples_, sizeof samples_);
   put(&within_, sizeof within_);
   put(counts_.data(), counts_.size() * sizeof(std::uint64_t));
-  put(least_.data(), least_.size() * sizeof(double));
-  put(greatest_.data(), greatest_.size() * sizeof(double));
+  put(min_.data(), min_.size() * sizeof(double));
+  put(max_.data(), max_.size() * sizeof(double));
   return out;
 }
 
@@ -77,15 +79,15 @@ bool Counts::from_bytes(std::string_view bytes) {
       2 * sizeof samples_ + counts_.size() * sizeof(std::uint64_t) + 2 * histograms_ * sizeof(double)) {
     return false;
   }
-  const auto get = [&](void* to, size_t size) {
+  const auto get = [&](void* to, std::size_t size) {
     std::memcpy(to, bytes.data(), size);
     bytes.remove_prefix(size);
   };
   get(&samples_, sizeof samples_);
   get(&within_, sizeof within_);
   get(counts_.data(), counts_.size() * sizeof(std::uint64_t));
-  get(least_.data(), least_.size() * sizeof(double));
-  get(greatest_.data(), greatest_.size() * sizeof(double));
+  get(min_.data(), min_.size() * sizeof(double));
+  get(max_.data(), max_.size() * sizeof(double));
   return true;
 }
 

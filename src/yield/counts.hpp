@@ -40,8 +40,8 @@ class Counts {
 
  private:
   void count(std::size_t h, double value) {
-    least_[h] = value < least_[h] ? value : least_[h];
-    greatest_[h] = value > greatest_[h] ? value : greatest_[h];
+    min_[h] = value < min_[h] ? value : min_[h];
+    max_[h] = value > max_[h] ? value : max_[h];
     double place = (value - low_[h]) * per_bin_[h];
     place = place < 0.0 ? 0.0 : (place > kBins - 1 ? kBins - 1 : place);
     ++counts_[h * kBins + static_cast<std::size_t>(place)];
@@ -50,7 +50,7 @@ class Counts {
   std::size_t histograms_ = 0;
   std::vector<double> low_, per_bin_;
   std::vector<std::uint64_t> counts_;
-  std::vector<double> least_, greatest_;
+  std::vector<double> min_, max_;
   std::uint64_t samples_ = 0;
   std::uint64_t within_ = 0;
 };

@@ -25,8 +25,8 @@ class MpiTeam final : public Team {
     get(init_, "bodesmith_mpi_init");
     get(finish_, "bodesmith_mpi_finish");
     get(sum_, "bodesmith_mpi_sum");
-    get(least_, "bodesmith_mpi_least");
-    get(greatest_, "bodesmith_mpi_greatest");
+    get(min_, "bodesmith_mpi_min");
+    get(max_, "bodesmith_mpi_max");
     get(broadcast_, "bodesmith_mpi_broadcast");
     init_(&rank_, &size_);
   }
@@ -36,9 +36,9 @@ class MpiTeam final : public Team {
 
   int rank() const override { return rank_; }
   int size() const override { return size_; }
-  void add_up(std::vector<std::uint64_t>& values) const override { sum_(values.data(), values.size()); }
-  void least(std::vector<double>& values) const override { least_(values.data(), values.size()); }
-  void greatest(std::vector<double>& values) const override { greatest_(values.data(), values.size()); }
+  void sum(std::vector<std::uint64_t>& values) const override { sum_(values.data(), values.size()); }
+  void min(std::vector<double>& values) const override { min_(values.data(), values.size()); }
+  void max(std::vector<double>& values) const override { max_(values.data(), values.size()); }
   std::uint64_t from_leader(std::uint64_t value) const override {
     broadcast_(&value);
     return value;
@@ -58,8 +58,8 @@ class MpiTeam final : public Team {
   void (*init_)(int*, int*) = nullptr;
   void (*finish_)() = nullptr;
   void (*sum_)(std::uint64_t*, std::size_t) = nullptr;
-  void (*least_)(double*, std::size_t) = nullptr;
-  void (*greatest_)(double*, std::size_t) = nullptr;
+  void (*min_)(double*, std::size_t) = nullptr;
+  void (*max_)(double*, std::size_t) = nullptr;
   void (*broadcast_)(std::uint64_t*) = nullptr;
 };
 

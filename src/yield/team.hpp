@@ -13,10 +13,10 @@ class Team {
   virtual int rank() const { return 0; }
   virtual int size() const { return 1; }
   bool leads() const { return rank() == 0; }
-  /// Sums, least and greatest values of all processes; the result is the leader's only.
-  virtual void add_up(std::vector<std::uint64_t>&) const {}
-  virtual void least(std::vector<double>&) const {}
-  virtual void greatest(std::vector<double>&) const {}
+  /// Sums, minima and maxima of all processes; the result is the leader's only.
+  virtual void sum(std::vector<std::uint64_t>&) const {}
+  virtual void min(std::vector<double>&) const {}
+  virtual void max(std::vector<double>&) const {}
   /// The leader's value, for everyone.
   virtual std::uint64_t from_leader(std::uint64_t value) const { return value; }
 };

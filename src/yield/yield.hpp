@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/json_fwd.hpp"
 #include "yield/design.hpp"
+#include "yield/histogram.hpp"
 #include "yield/team.hpp"
 
 namespace bodesmith::yield {
@@ -53,17 +53,6 @@ struct Options {
   std::function<void(double)> progress;
 };
 
-/// Counts of one quantity in equal bins; `low` and `high` belong to the design, not to the samples, so that
-/// counts from different processes add up.
-struct Histogram {
-  double low = 0.0, high = 1.0;
-  std::vector<std::uint64_t> counts;
-  double least = 0.0, greatest = 0.0;  ///< exact
-
-  /// Linear within a bin.
-  double quantile(double p) const;
-};
-
 struct PartRank {
   std::string part;
   double worst_db = 0.0;  ///< by this part alone at its limit, at the frequency where that is most
@@ -102,8 +91,5 @@ struct Purchase {
 /// What to buy so that 95 % of the circuits stay within limit_db; cheapest (largest tolerances) first among
 /// those that meet it.
 std::vector<Purchase> tolerances_to_buy(const Design& design, const Options& options, double limit_db);
-
-/// One design's part of yield.json.
-Json to_json(const Result& result, const Options& options);
 
 }  // namespace bodesmith::yield

@@ -108,7 +108,7 @@ int Layout::opamps() const {
   size_t out = sums.size() + 1 + (switched() ? 2 : 0);
   if (amplitude) {
     out += amplitude->rectifiers.size();
-    for (const AmplitudeControl::Control& one : amplitude->controls) out += one.negative ? 2 : 1;
+    for (const AmplitudeControl::Control& one : amplitude->controls) out += one.negative ? 2U : 1U;
   }
   return static_cast<int>(out);
 }

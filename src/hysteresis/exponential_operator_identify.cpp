@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
 #include <limits>
 
 #include "base/error.hpp"
@@ -46,11 +47,15 @@ GainFit fit_gains(std::span<const TimeRecord> records, double skip_s, double v_o
   return out;
 }
 
-/// The paper's identification (its section 4): the gain (L − L_off)/(V − V_off) of every branch, measured
-/// from the measured turning points, fitted by conjugate gradients (Polak and Ribière) over k and τ.
-ExponentialOperators fit_gain_curve(std::span<const TimeRecord> records, double skip_s, int size,
-                                    double span) {
-  std::vector<double> distance, gain;
+/// What the paper's identification fits (its section 4): the gains (L − L_off)/(V − V_off) of every branch over
+/// the distance from its turning point, both as measured.
+struct BranchGains {
+  std::vector<double> distance;
+  std::vector<double> gain;
+};
+
+BranchGains branch_gains(std::span<const TimeRecord> records, double skip_s, double span) {
+  BranchGains out;
   for (const TimeRecord& record : records) {
     const std::size_t first = first_counted(record, skip_s);
     for (const Branch& branch : branches(record.u)) {
@@ -58,84 +63,106 @@ ExponentialOperators fit_gain_curve(std::span<const TimeRecord> records, double 
       for (std::size_t i = branch.first + 1; i <= branch.last; ++i) {
         const double dv = record.u[i] - record.u[branch.first];
         if (std::abs(dv) < 0.01 * span) continue;  // the quotient is all noise there
-        distance.push_back(std::abs(dv));
-        gain.push_back((record.y[i] - record.y[branch.first]) / dv);
+        out.distance.push_back(std::abs(dv));
+        out.gain.push_back((record.y[i] - record.y[branch.first]) / dv);
       }
     }
   }
-  if (distance.empty()) throw InputError(records[0].file, 0, "no branch is long enough to show a gain");
-  const auto n = static_cast<Eigen::Index>(size);
-  Eigen::VectorXd x(2 * n);
-  double last = 0.0;
-  for (std::size_t i = 0; i < gain.size(); ++i)
-    if (distance[i] > 0.8 * span) last = std::max(last, gain[i]);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    x(i) = last / size;
-    x(n + i) = std::log(100.0 / span * std::pow(0.005, static_cast<double>(i) / std::max(1, size - 1)));
-  }
-  const auto cost = [&](const Eigen::VectorXd& at, Eigen::VectorXd* gradient) {
-    double sum = 0.0;
-    if (gradient != nullptr) gradient->setZero(2 * n);
-    for (std::size_t s = 0; s < gain.size(); ++s) {
-      double miss = -gain[s];
-      for (Eigen::Index i = 0; i < n; ++i) miss -= at(i) * std::expm1(-std::exp(at(n + i)) * distance[s]);
-      sum += miss * miss;
-      if (gradient == nullptr) continue;
-      for (Eigen::Index i = 0; i < n; ++i) {
-        const double tau = std::exp(at(n + i));
-        const double decay = std::exp(-tau * distance[s]);
-        (*gradient)(i) += 2.0 * miss * (1.0 - decay);
-        (*gradient)(n + i) += 2.0 * miss * at(i) * tau * distance[s] * decay;
-      }
+  if (out.distance.empty()) throw InputError(records[0].file, 0, "no branch is long enough to show a gain");
+  return out;
+}
+
+/// Sum of the squared errors of the gain curve with the gains and the logarithms of the lags in x; its gradient
+/// where that is asked for.
+double gain_curve_cost(const BranchGains& data, const Eigen::VectorXd& x, Eigen::VectorXd* gradient) {
+  const Eigen::Index n = x.size() / 2;
+  double sum = 0.0;
+  if (gradient != nullptr) gradient->setZero(2 * n);
+  for (std::size_t s = 0; s < data.gain.size(); ++s) {
+    double error = -data.gain[s];
+    for (Eigen::Index i = 0; i < n; ++i) error -= x(i) * std::expm1(-std::exp(x(n + i)) * data.distance[s]);
+    sum += error * error;
+    if (gradient == nullptr) continue;
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double tau = std::exp(x(n + i));
+      const double decay = std::exp(-tau * data.distance[s]);
+      (*gradient)(i) += 2.0 * error * (1.0 - decay);
+      (*gradient)(n + i) += 2.0 * error * x(i) * tau * data.distance[s] * decay;
     }
-    return sum;
-  };
-  Eigen::VectorXd g, before, direction;
-  // Gains and logarithms of lags differ by orders: unit scale for both.
-  const double unit = std::max(last, 1e-300);
-  Eigen::VectorXd scale = Eigen::VectorXd::Ones(2 * n);
-  scale.head(n).setConstant(unit);
-  double value = cost(x, &g);
+  }
+  return sum;
+}
+
+/// The step t along a direction with the smallest cost, by strides from `first` on that grow while they gain and
+/// shrink until they do; 0 when nothing is gained.
+double line_search(const std::function<double(double)>& cost, double value, double first) {
+  double best = 0.0;
+  double best_value = value;
+  double t = first;
+  for (int probe = 0; probe<40; ++probe, t *= best> 0.0 ? 1.7 : 0.3) {
+    const double here = cost(t);
+    if (here < best_value) {
+      best_value = here;
+      best = t;
+    } else if (best > 0.0) {
+      break;
+    }
+  }
+  return best;
+}
+
+/// Conjugate gradients (Polak and Ribière) on the cost of the gain curve, the unknowns in units of `scale`.
+Eigen::VectorXd conjugate_gradients(const BranchGains& data, Eigen::VectorXd x,
+                                    const Eigen::VectorXd& scale) {
+  Eigen::VectorXd g, before;
+  double value = gain_curve_cost(data, x, &g);
   g = g.cwiseProduct(scale);
-  direction = -g;
+  Eigen::VectorXd direction = -g;
   double length = 1e-3 / std::max(g.norm(), 1e-300);
   for (int iteration = 0; iteration < 400; ++iteration) {
-    bool moved = false;
-    double best_length = 0.0;
-    double best_value = value;
-    double t = length * 2.0;
-    for (int probe = 0; probe < 40; ++probe, t *= moved ? 1.7 : 0.3) {
-      const double here = cost(x + t * scale.cwiseProduct(direction), nullptr);
-      if (here < best_value) {
-        best_value = here;
-        best_length = t;
-        moved = true;
-      } else if (moved) {
-        break;
-      }
-    }
-    if (!moved) {
+    const double step = line_search(
+        [&](double t) { return gain_curve_cost(data, x + t * scale.cwiseProduct(direction), nullptr); },
+        value, length * 2.0);
+    if (step == 0.0) {
       if ((direction + g).norm() < 1e-12 * g.norm()) break;
       direction = -g;
       length = 1e-3 / std::max(g.norm(), 1e-300);
       continue;
     }
-    x += best_length * scale.cwiseProduct(direction);
-    length = best_length;
+    x += step * scale.cwiseProduct(direction);
+    length = step;
     before = g;
     const double old = value;
-    value = cost(x, &g);
+    value = gain_curve_cost(data, x, &g);
     g = g.cwiseProduct(scale);
     if (old - value < 1e-9 * old) break;
     const double beta = std::max(0.0, g.dot(g - before) / std::max(before.squaredNorm(), 1e-300));
     direction = -g + beta * direction;
     if (direction.dot(g) >= 0.0) direction = -g;
   }
-  ExponentialOperators out;
+  return x;
+}
+
+/// The paper's identification: the measured gains of the branches, fitted by conjugate gradients over k and τ.
+ExponentialOperators fit_gain_curve(std::span<const TimeRecord> records, double skip_s, int size,
+                                    double span) {
+  const BranchGains data = branch_gains(records, skip_s, span);
+  double last = 0.0;
+  for (std::size_t i = 0; i < data.gain.size(); ++i)
+    if (data.distance[i] > 0.8 * span) last = std::max(last, data.gain[i]);
+  const Eigen::Index n = size;
+  Eigen::VectorXd start(2 * n);
   for (Eigen::Index i = 0; i < n; ++i) {
-    out.k.push_back(x(i));
-    out.tau.push_back(std::exp(x(n + i)));
+    start(i) = last / size;
+    start(n + i) = std::log(100.0 / span * std::pow(0.005, static_cast<double>(i) / std::max(1, size - 1)));
   }
+  // Gains and logarithms of lags differ by orders: unit scale for both.
+  Eigen::VectorXd scale = Eigen::VectorXd::Ones(2 * n);
+  scale.head(n).setConstant(std::max(last, 1e-300));
+  const Eigen::VectorXd x = conjugate_gradients(data, start, scale);
+  ExponentialOperators out;
+  out.k = to_vector(x.head(n));
+  for (Eigen::Index i = 0; i < n; ++i) out.tau.push_back(std::exp(x(n + i)));
   return out;
 }
 

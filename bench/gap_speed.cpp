@@ -9,8 +9,9 @@
 #include <random>
 
 #include "chain/registry.hpp"
+#include "gap/runner.hpp"
 #include "gap/search.hpp"
-#include "gap/settle.hpp"
+#include "gap/study.hpp"
 
 namespace {
 
@@ -90,16 +91,14 @@ TimeRecord clipped(std::size_t n, bool periodic, unsigned seed) {
 
 void run(benchmark::State& state, const chain::Chain& base, TimeRecord (*make)(std::size_t, bool, unsigned)) {
   const auto rows = static_cast<std::size_t>(state.range(0));
-  gap::TimeExperiment train(make(rows, true, 1));
-  gap::TimeExperiment holdout(make(rows, false, 2));
-  train.set_skip(gap::unscored_samples(base, train.record()));
-  holdout.set_skip(gap::unscored_samples(base, holdout.record()));
+  const auto study = gap::Study::of({make(rows, true, 1)}, {make(rows, false, 2)}, base);
   gap::SearchOptions options;
   options.threads = 2;
   for (auto _ : state) {
-    const auto result = gap::search(base, {&train}, {&holdout}, options);
+    const auto result = gap::search(base, study.train(), study.holdout(), options);
     state.counters["terms"] = static_cast<double>(result.steps.size());
-    state.counters["left"] = gap::rms_of(result.final, {&holdout}) / gap::rms_of(result.base, {&holdout});
+    state.counters["left"] =
+        gap::rms_of(result.final, study.holdout()) / gap::rms_of(result.base, study.holdout());
   }
 }
 

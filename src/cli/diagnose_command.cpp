@@ -13,6 +13,8 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "gap/diagnosis.hpp"
+#include "gap/diagnosis_json.hpp"
+#include "gap/page/page.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -26,8 +28,8 @@ std::vector<std::filesystem::path> paths(const CommandLine& line, const char* op
 
 gap::SearchOptions read_options(const CommandLine& line, Progress& progress) {
   gap::SearchOptions options;
-  options.most_terms = line.get<int>("max-terms");
-  if (options.most_terms < 0 || options.most_terms > 20) line.fail("--max-terms is outside 0 to 20");
+  options.max_terms = line.get<int>("max-terms");
+  if (options.max_terms < 0 || options.max_terms > 20) line.fail("--max-terms is outside 0 to 20");
   options.threads = line.get<int>("threads");
   if (options.threads < 1 || options.threads > 256) line.fail("--threads is outside 1 to 256");
   options.seed = line.seed_value();
@@ -37,7 +39,7 @@ gap::SearchOptions read_options(const CommandLine& line, Progress& progress) {
 }
 
 std::string summary_text(const gap::Diagnosis& d, const std::filesystem::path& folder) {
-  std::string text = fmt::format("{}\n", word(d.verdict));
+  std::string text = fmt::format("{}\n", to_string(d.verdict));
   text += fmt::format("  base model: {} rms on training, {} on held-out records ({:.3f} % of range)\n",
                       rounded_text(d.refitted.train_rms), rounded_text(d.refitted.holdout_rms),
                       d.refitted.holdout_percent_of_range);
@@ -46,12 +48,34 @@ std::string summary_text(const gap::Diagnosis& d, const std::filesystem::path& f
                         s.tied_with.empty() ? "" : ", indistinguishable from " + join(s.tied_with, ", "),
                         rounded_text(s.before.holdout_rms), rounded_text(s.after.holdout_rms));
   }
-  text += fmt::format("  noise floor: {}\n", d.floor.how == gap::NoiseFloor::How::unknown
-                                                 ? "unknown"
-                                                 : rounded_text(d.floor.rms) + " (" + d.floor.word() + ")");
+  const std::string floor = d.floor.source == gap::NoiseFloor::Source::unknown
+                                ? "unknown"
+                                : rounded_text(d.floor.rms) + " (" + to_string(d.floor.source) + ")";
+  text += fmt::format("  noise floor: {}\n", floor);
   if (!d.advice.empty()) text += "  " + d.advice + "\n";
   text += fmt::format("wrote {}\n", (folder / "diagnosis.json").string());
   return text;
+}
+
+/// diagnosis.json, model.toml, base_refitted.toml and report.html; returns diagnosis.json.
+Json write_results(const gap::Diagnosis& diagnosis, const gap::Study& study, const Provenance& from,
+                   const std::filesystem::path& folder) {
+  OutputSet files(folder);
+  Json json = json_header("diagnosis", from);
+  json.update(gap::to_json(diagnosis));
+  json["timing_s"] = {{"compute", diagnosis.compute_s}};
+  files.add("diagnosis.json", to_text(json));
+  std::vector<std::string> found;
+  for (const auto& s : diagnosis.steps) found.push_back(s.effect + " " + s.placed);
+  files.add("model.toml",
+            chain::model_text(diagnosis.search.final.chain(),
+                              "The base model, refitted, with what diagnose found: " +
+                                  (found.empty() ? std::string("nothing") : join(found, ", ")) + "."));
+  files.add("base_refitted.toml", chain::model_text(diagnosis.search.base.chain(),
+                                                    "The base model with its free parameters refitted."));
+  files.add("report.html", gap::report_page(diagnosis, study));
+  files.commit();
+  return json;
 }
 
 }  // namespace
@@ -81,21 +105,7 @@ int run_diagnose(const std::vector<std::string>& arguments) {
   const auto diagnosis = gap::diagnose(base, study, read_options(line, progress));
 
   const std::filesystem::path folder = line.output_path();
-  OutputSet files(folder);
-  Json json = json_header("diagnosis", from);
-  json.update(gap::to_json(diagnosis));
-  json["timing_s"] = {{"compute", diagnosis.compute_s}};
-  files.add("diagnosis.json", to_text(json));
-  std::vector<std::string> found;
-  for (const auto& s : diagnosis.steps) found.push_back(s.effect + " " + s.placed);
-  files.add("model.toml",
-            chain::model_text(diagnosis.search.final.chain(),
-                              "The base model, refitted, with what diagnose found: " +
-                                  (found.empty() ? std::string("nothing") : join(found, ", ")) + "."));
-  files.add("base_refitted.toml", chain::model_text(diagnosis.search.base.chain(),
-                                                    "The base model with its free parameters refitted."));
-  files.add("report.html", gap::report_page(diagnosis, study));
-  files.commit();
+  const Json json = write_results(diagnosis, study, from, folder);
   print_summary(line, summary_text(diagnosis, folder), json);
   return kDone;
 }

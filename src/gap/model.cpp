@@ -10,10 +10,19 @@ namespace bodesmith::gap {
 
 namespace {
 
-/// Relative spread of the free parameters' values in a base model.
+/// Relative spread of the free parameters' values in a base model: right to a quarter (docs/gap.md, 1).
 constexpr double kGivenSpread = 0.25;
+/// A base model's parameters on a logarithmic scale are searched within these factors of what is given.
+constexpr double kMinFactor = 1e-3;
+constexpr double kMaxFactor = 1e3;
 
 }  // namespace
+
+std::size_t Term::effective_unknowns() const {
+  const auto inside =
+      std::count_if(unknowns.begin(), unknowns.end(), [](const Unknown& u) { return !u.at_bound(); });
+  return std::max<std::size_t>(1, static_cast<std::size_t>(inside));
+}
 
 Model::Model(const chain::Chain& base) {
   int number = 0;
@@ -27,14 +36,16 @@ Model::Model(const chain::Chain& base) {
       u.value = p.value;
       u.low = p.min();
       u.high = p.max();
+      u.parameter = p.key();
+      u.unit = p.unit();
       u.logarithmic = p.min() >= 0.0 && p.value > 0.0;
       u.scale = std::max(std::abs(p.value), 1e-3);
       // A free parameter's value in the file is a guess, but not any guess: it decides where the records do
       // not (a sine cannot tell gain, frequency and damping of a resonator apart).
       u.given = p.value;
       u.given_spread = u.logarithmic ? kGivenSpread : kGivenSpread * std::abs(p.value);
-      if (u.logarithmic) u.low = std::max(p.min(), p.value * 1e-3);
-      if (u.logarithmic) u.high = std::min(p.max(), p.value * 1e3);
+      if (u.logarithmic) u.low = std::max(p.min(), p.value * kMinFactor);
+      if (u.logarithmic) u.high = std::min(p.max(), p.value * kMaxFactor);
       free_.push_back({next_id_, k, u});
     }
     ++next_id_;
@@ -79,6 +90,12 @@ void Model::remove(std::size_t term) {
   });
 }
 
+std::size_t Model::first_unknown_of(std::size_t term) const {
+  std::size_t at = free_.size();
+  for (std::size_t k = 0; k < term; ++k) at += terms_[k].unknowns.size();
+  return at;
+}
+
 std::vector<Unknown> Model::unknowns() const {
   std::vector<Unknown> all;
   for (const auto& f : free_) all.push_back(f.unknown);
@@ -112,7 +129,7 @@ chain::Chain Model::chain() const {
   return c;
 }
 
-std::string Model::complaint() const {
+std::string Model::validation_error() const {
   for (const auto& slot : slots_) {
     if (const auto error = slot.block.validate()) return error->text();
   }

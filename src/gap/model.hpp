@@ -26,20 +26,30 @@ struct Unknown {
   /// ln(value) when logarithmic). 0: nothing is.
   double given = 0.0;
   double given_spread = 0.0;
+  std::string parameter =
+      {};                 ///< key of the block's parameter that it is; empty: it is none of a block's own
+  std::string unit = {};  ///< of that parameter ("Hz", "s", "1/s", ...); empty: none
+
+  bool is_frequency() const { return unit == "Hz"; }
+  /// A corner frequency or a rate: the larger it is, the less its term does.
+  bool weak_when_large() const { return unit == "Hz" || unit == "1/s"; }
+  bool at_bound() const { return value <= low || value >= high; }
 };
 
 /// A named effect put into the chain: blocks of its own, or a change inside a block of the base model.
 struct Term {
   const Effect* effect = nullptr;
-  std::string
-      placed;  ///< "before block 2", "after block 3", "inside block 1" (blocks of the base model, from 1)
+  /// "before block 2", "after block 3", "inside block 1" (blocks of the base model, from 1).
+  std::string placed;
   std::vector<Unknown> unknowns;
   std::vector<int> blocks;  ///< ids of the blocks it brought
   /// Turns the unknowns' values into block parameters.
   std::function<void(Model&, std::span<const double>)> write;
   /// Takes a change inside a base block back. Empty when its blocks are all there is.
   std::function<void(Model&)> undo;
-  double z = 0.0;  ///< significance when it was accepted
+
+  /// Unknowns that do not rest at a bound, 1 at least: weights of 0 cost nothing.
+  std::size_t effective_unknowns() const;
 };
 
 /// The base chain together with the terms found so far, and one vector of everything a fit may change: the
@@ -67,7 +77,8 @@ class Model {
   const std::vector<Term>& terms() const { return terms_; }
   void add(Term term);
   void remove(std::size_t term);
-  void set_significance(std::size_t term, double z) { terms_[term].z = z; }
+  /// Place of a term's first unknown among the model's.
+  std::size_t first_unknown_of(std::size_t term) const;
 
   std::vector<Unknown> unknowns() const;
   std::size_t free_count() const { return free_.size(); }
@@ -75,7 +86,7 @@ class Model {
 
   chain::Chain chain() const;
   /// Empty when every block is within its bounds.
-  std::string complaint() const;
+  std::string validation_error() const;
 
  private:
   struct Slot {

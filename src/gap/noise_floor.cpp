@@ -7,14 +7,25 @@
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
+namespace {
 
-std::string NoiseFloor::word() const {
-  switch (how) {
-    case How::periods:
+/// The input's band ends where only this part of its power lies above;
+constexpr double kPowerAboveBand = 1e-6;
+/// an input whose band reaches beyond this part of the spectrum fills it.
+constexpr double kMaxBand = 0.7;
+/// Samples, and bins above the band, below which nothing is said.
+constexpr std::size_t kMinSamples = 64;
+constexpr std::size_t kMinBins = 8;
+
+}  // namespace
+
+std::string to_string(NoiseFloor::Source source) {
+  switch (source) {
+    case NoiseFloor::Source::periods:
       return "periods";
-    case How::high_frequency:
+    case NoiseFloor::Source::high_frequency:
       return "high_frequency";
-    case How::unknown:
+    case NoiseFloor::Source::unknown:
       break;
   }
   return "unknown";
@@ -39,7 +50,7 @@ NoiseFloor floor_from_periods(const std::vector<double>& residual, std::size_t f
     }
   }
   const double variance = spread / static_cast<double>(period * (periods - 1));
-  floor.how = NoiseFloor::How::periods;
+  floor.source = NoiseFloor::Source::periods;
   floor.rms = std::sqrt(variance);
   floor.period = period;
   floor.periods = static_cast<int>(periods);
@@ -62,24 +73,23 @@ NoiseFloor floor_from_periods(const std::vector<double>& residual, std::size_t f
 NoiseFloor floor_from_high_frequencies(const std::vector<double>& residual, const std::vector<double>& input,
                                        double step_s) {
   NoiseFloor floor;
-  if (residual.size() < 64 || input.size() < 64) return floor;
+  if (residual.size() < kMinSamples || input.size() < kMinSamples) return floor;
   const auto u = periodogram(input, step_s);
   double total = 0.0;
   for (double p : u.power) total += p;
   if (!(total > 0.0)) return floor;
-  // Above the frequency that leaves only a millionth of the input's power.
   double above = 0.0;
   std::size_t top = u.power.size();
-  while (top > 1 && above + u.power[top - 1] < 1e-6 * total) above += u.power[--top];
-  if (static_cast<double>(top) > 0.7 * static_cast<double>(u.power.size())) return floor;
+  while (top > 1 && above + u.power[top - 1] < kPowerAboveBand * total) above += u.power[--top];
+  if (static_cast<double>(top) > kMaxBand * static_cast<double>(u.power.size())) return floor;
   const auto e = periodogram(residual, step_s);
   const auto from = static_cast<std::size_t>(static_cast<double>(top) * u.bin_hz / e.bin_hz) + 1;
   // Half way between the input's top and Nyquist and beyond: harmonics have died down there.
   const std::size_t begin = from + (e.power.size() - from) / 2;
-  if (begin + 8 > e.power.size()) return floor;
+  if (begin + kMinBins > e.power.size()) return floor;
   const double density =
       median({e.power.begin() + static_cast<std::ptrdiff_t>(begin), e.power.end()}) / std::log(2.0);
-  floor.how = NoiseFloor::How::high_frequency;
+  floor.source = NoiseFloor::Source::high_frequency;
   floor.rms = std::sqrt(density * static_cast<double>(e.power.size()));
   return floor;
 }
@@ -90,7 +100,7 @@ NoiseFloor noise_floor(const std::vector<double>& residual, const std::vector<do
   const auto period = find_period(later);
   if (period > 0) {
     auto floor = floor_from_periods(residual, from, period);
-    if (floor.how == NoiseFloor::How::periods) return floor;
+    if (floor.source == NoiseFloor::Source::periods) return floor;
   }
   const std::vector<double> rest(residual.begin() + static_cast<std::ptrdiff_t>(from), residual.end());
   return floor_from_high_frequencies(rest, later, step_s);

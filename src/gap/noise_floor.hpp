@@ -8,18 +8,20 @@ namespace bodesmith::gap {
 
 /// What of a residual is noise, and how that is known.
 struct NoiseFloor {
-  enum class How { periods, high_frequency, unknown };
+  /// What tells it: what does not repeat over the input's periods, or the level above the input's band.
+  enum class Source { periods, high_frequency, unknown };
   double rms = 0.0;
-  How how = How::unknown;
+  Source source = Source::unknown;
   std::size_t period = 0;  ///< samples
   int periods = 0;
   /// rms of the part that repeats (periods only): the gap proper; of its harmonics, odd and even ones.
   double repeating_rms = 0.0;
   double odd_rms = 0.0;
   double even_rms = 0.0;
-
-  std::string word() const;  ///< as in diagnosis.json
 };
+
+/// "periods", "high_frequency" or "unknown", as in diagnosis.json.
+std::string to_string(NoiseFloor::Source source);
 
 /// Noise from the residual of a record whose input repeats every `period` samples (at least two whole periods
 /// from `from` on): the part that does not repeat, with the degrees of freedom that the mean takes counted.

@@ -2,14 +2,24 @@
 
 #include <algorithm>
 #include <cmath>
-#include <span>
 
+#include "gap/runner.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/record_simulator.hpp"
 
 namespace bodesmith::gap {
 namespace {
+
+/// Frequencies of the residual that effects are told.
+constexpr std::size_t kPeaks = 3;
+/// Parts of the input's power below low_hz and below band_hz.
+constexpr double kLowPart = 0.05;
+constexpr double kBandPart = 0.95;
+/// The band is at least as many bins of the spectrum wide.
+constexpr double kMinBand = 4.0;
+/// Another stretch is taken when it is this much livelier.
+constexpr double kLivelier = 1.02;
 
 Signal signal_of(std::span<const double> v, double step_s) {
   Signal s;
@@ -24,14 +34,14 @@ Signal signal_of(std::span<const double> v, double step_s) {
   return s;
 }
 
-/// Frequencies of the largest peaks of the residual relative to the input's own spectrum, well apart.
-std::vector<double> peaks(const Periodogram& e, std::size_t most) {
+/// Frequencies of the largest peaks of a spectrum, well apart.
+std::vector<double> largest_peaks(const Periodogram& e) {
   std::vector<double> smooth(e.power.size(), 0.0);
   for (std::size_t k = 2; k + 2 < e.power.size(); ++k) {
     for (std::size_t j = k - 2; j <= k + 2; ++j) smooth[k] += e.power[j];
   }
   std::vector<double> found;
-  for (std::size_t count = 0; count < most; ++count) {
+  while (found.size() < kPeaks) {
     const auto at = std::max_element(smooth.begin(), smooth.end());
     if (!(*at > 0.0)) break;
     const auto k = static_cast<std::size_t>(at - smooth.begin());
@@ -42,30 +52,29 @@ std::vector<double> peaks(const Periodogram& e, std::size_t most) {
   return found;
 }
 
-}  // namespace
+/// Where the input has its power.
+void find_band(Scene& scene, const TimeRecord& record) {
+  auto moving = record.u;
+  const double middle = mean(moving);
+  for (double& v : moving) v -= middle;
+  const auto p = periodogram(moving, record.step_s);
+  double total = 0.0;
+  for (double v : p.power) total += v;
+  double sum = 0.0;
+  for (std::size_t k = 0; k < p.power.size(); ++k) {
+    sum += p.power[k];
+    const double hz = p.bin_hz * static_cast<double>(std::max<std::size_t>(k, 1));
+    if (scene.low_hz == 0.0 && sum >= kLowPart * total) scene.low_hz = hz;
+    if (scene.band_hz == 0.0 && sum >= kBandPart * total) scene.band_hz = hz;
+  }
+  if (scene.low_hz == 0.0) scene.low_hz = p.bin_hz;
+  scene.band_hz = std::max(scene.band_hz, kMinBand * p.bin_hz);
+}
 
-Scene make_scene(const Model& model, const Experiments& train) {
+Scene scene_of(const Model& model, const TimeExperiment& experiment) {
+  const auto& record = experiment.record();
   Scene scene;
   scene.model = &model;
-  if (const auto* response = dynamic_cast<const FrequencyExperiment*>(train.front())) {
-    scene.frequency_only = true;
-    const auto& f = response->record().frequency;
-    scene.low_hz = f.front().value;
-    scene.top_hz = f.back().value;
-    scene.band_hz = f[f.size() / 2].value;
-    scene.duration_s = 1.0 / scene.low_hz;
-    scene.step_s = 0.5 / scene.top_hz;
-    const auto e = residuals_of(model, train);
-    std::vector<std::pair<double, double>> sizes;
-    for (std::size_t i = 0; i < f.size(); ++i)
-      sizes.emplace_back(std::hypot(e[2 * i], e[2 * i + 1]), f[i].value);
-    std::sort(sizes.rbegin(), sizes.rend());
-    for (std::size_t i = 0; i < std::min<std::size_t>(3, sizes.size()); ++i)
-      scene.residual_peaks_hz.push_back(sizes[i].second);
-    return scene;
-  }
-  const auto& experiment = dynamic_cast<const TimeExperiment&>(*train.front());
-  const auto& record = experiment.record();
   scene.start_s = record.start_s;
   scene.step_s = record.step_s;
   scene.duration_s = record.duration_s();
@@ -79,46 +88,79 @@ Scene make_scene(const Model& model, const Experiments& train) {
   const auto& output = scene.boundary.back().values;
   scene.residual.resize(record.size());
   for (std::size_t i = 0; i < record.size(); ++i) scene.residual[i] = record.y[i] - output[i];
-
-  auto moving = record.u;
-  const double middle = mean(moving);
-  for (double& v : moving) v -= middle;
-  const auto p = periodogram(moving, record.step_s);
-  double total = 0.0;
-  for (double v : p.power) total += v;
-  double sum = 0.0;
-  for (std::size_t k = 0; k < p.power.size(); ++k) {
-    sum += p.power[k];
-    const double hz = p.bin_hz * static_cast<double>(std::max<std::size_t>(k, 1));
-    if (scene.low_hz == 0.0 && sum >= 0.05 * total) scene.low_hz = hz;
-    if (scene.band_hz == 0.0 && sum >= 0.95 * total) scene.band_hz = hz;
-  }
-  if (scene.low_hz == 0.0) scene.low_hz = p.bin_hz;
-  scene.band_hz = std::max(scene.band_hz, 4.0 * p.bin_hz);
-  scene.residual_peaks_hz = peaks(periodogram(scene.residual, record.step_s), 3);
+  find_band(scene, record);
+  scene.residual_peaks_hz = largest_peaks(periodogram(scene.residual, record.step_s));
   return scene;
 }
 
-std::size_t settling_samples(const chain::Chain& chain, double step_s) {
-  double slowest = 0.0;
-  for (const auto& block : chain.blocks) {
-    const auto type = block.type_name();
-    double tau = 0.0;
-    if (type == "lowpass") tau = 1.0 / Hertz{block.get("corner_hz")}.rad_s().value;
-    if (type == "pole_zero") tau = 1.0 / Hertz{block.get("pole_hz")}.rad_s().value;
-    if (type == "resonator") {
-      const double w = Hertz{block.get("natural_frequency_hz")}.rad_s().value;
-      const double d = block.get("damping_ratio");
-      tau = 1.0 / (w * (d < 1.0 ? d : d - std::sqrt(d * d - 1.0)));
-    }
-    if (type == "fractional_lead_lag") tau = block.get("lambda_s") * std::max(1.0, block.get("x"));
-    if (type == "delay") tau = block.get("delay_s") / 7.0;
-    if (type == "creep") {
-      for (double t : block.list("time_constants_s")) tau = std::max(tau, t);
-    }
-    slowest = std::max(slowest, tau);
+Scene scene_of(const Model& model, const FrequencyExperiment& experiment, const Experiments& train) {
+  Scene scene;
+  scene.model = &model;
+  scene.frequency_only = true;
+  const auto& f = experiment.record().frequency;
+  scene.low_hz = f.front().value;
+  scene.top_hz = f.back().value;
+  scene.band_hz = f[f.size() / 2].value;
+  scene.duration_s = 1.0 / scene.low_hz;
+  scene.step_s = 0.5 / scene.top_hz;
+  const auto e = residuals_of(model, train);
+  std::vector<std::pair<double, double>> sizes;
+  for (std::size_t i = 0; i < f.size(); ++i)
+    sizes.emplace_back(std::hypot(e[2 * i], e[2 * i + 1]), f[i].value);
+  std::sort(sizes.rbegin(), sizes.rend());
+  for (std::size_t i = 0; i < std::min(kPeaks, sizes.size()); ++i)
+    scene.residual_peaks_hz.push_back(sizes[i].second);
+  return scene;
+}
+
+}  // namespace
+
+double Signal::size() const {
+  return std::max({std::abs(low), std::abs(high), 1e-300});
+}
+
+double Signal::slope_quantile(double q) const {
+  if (sorted_slopes.empty()) return 1.0;
+  return sorted_slopes[static_cast<std::size_t>(q * static_cast<double>(sorted_slopes.size() - 1))];
+}
+
+double Signal::value_quantile(double q) const {
+  return quantile(values, q);
+}
+
+bool Scene::linear(std::size_t position) const {
+  return model->at(position).response(RadPerSecond{1.0}).has_value();
+}
+
+std::vector<std::size_t> Scene::linear_places() const {
+  std::vector<std::size_t> places;
+  // The last boundary of every stretch of linear blocks (all of them stand for the same model).
+  for (std::size_t i = 0; i <= model->size(); ++i) {
+    if (i == model->size() || !linear(i)) places.push_back(i);
   }
-  return static_cast<std::size_t>(std::min(7.0 * slowest / step_s, 1e9));
+  return places;
+}
+
+std::vector<std::size_t> Scene::static_places() const {
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i <= model->size(); ++i) {
+    if (i == model->size() || !model->at(i).scales_only()) places.push_back(i);
+  }
+  return places;
+}
+
+std::vector<std::size_t> Scene::base_places() const {
+  std::vector<std::size_t> places;
+  for (std::size_t i = 0; i < model->size(); ++i) {
+    if (model->is_base(i)) places.push_back(i);
+  }
+  return places;
+}
+
+Scene make_scene(const Model& model, const Experiments& train) {
+  return std::visit(Visitor{[&](const TimeExperiment& e) { return scene_of(model, e); },
+                            [&](const FrequencyExperiment& e) { return scene_of(model, e, train); }},
+                    train.front());
 }
 
 TimeRecord lively_stretch(const TimeRecord& record, std::size_t lead, std::size_t samples) {
@@ -129,12 +171,12 @@ TimeRecord lively_stretch(const TimeRecord& record, std::size_t lead, std::size_
     energy[i + 1] = energy[i] + (record.y[i] - middle) * (record.y[i] - middle);
   }
   std::size_t best = 0;
-  double most = -1.0;
+  double liveliest = -1.0;
   for (std::size_t from = 0; from + lead + samples <= record.size();
        from += std::max<std::size_t>(1, samples / 8)) {
     const double e = energy[from + lead + samples] - energy[from + lead];
-    if (e > 1.02 * most) {
-      most = e;
+    if (e > kLivelier * liveliest) {
+      liveliest = e;
       best = from;
     }
   }
@@ -142,10 +184,12 @@ TimeRecord lively_stretch(const TimeRecord& record, std::size_t lead, std::size_
   cut.file = record.file;
   cut.step_s = record.step_s;
   cut.start_s = record.time_s(best);
-  const auto a = static_cast<std::ptrdiff_t>(best);
-  const auto b = static_cast<std::ptrdiff_t>(best + lead + samples);
-  cut.u.assign(record.u.begin() + a, record.u.begin() + b);
-  cut.y.assign(record.y.begin() + a, record.y.begin() + b);
+  const auto part = [&](const std::vector<double>& v) {
+    const auto kept = std::span(v).subspan(best, lead + samples);
+    return std::vector<double>(kept.begin(), kept.end());
+  };
+  cut.u = part(record.u);
+  cut.y = part(record.y);
   return cut;
 }
 

@@ -1,15 +1,53 @@
 #pragma once
 
-#include "gap/effect.hpp"
+#include <cstddef>
+#include <span>
+#include <vector>
+
 #include "gap/experiment.hpp"
+#include "gap/model.hpp"
 
 namespace bodesmith::gap {
 
+/// What is known about a signal at a boundary between two blocks (the first record used for fitting).
+struct Signal {
+  std::vector<double> values;
+  double low = 0.0;
+  double high = 0.0;
+  std::vector<double> sorted_slopes;  ///< |change| per second, rising
+  double span() const { return high - low; }
+  double size() const;  ///< largest |value|
+  double slope_quantile(double q) const;
+  double value_quantile(double q) const;
+};
+
+/// The present model and its residual, as an effect sees them when it proposes itself.
+struct Scene {
+  const Model* model = nullptr;
+  bool frequency_only = false;  ///< the records are frequency responses: no signals, linear effects only
+  double step_s = 0.0;
+  double start_s = 0.0;
+  double duration_s = 0.0;
+  double low_hz = 0.0;                    ///< where the input has its power: 5 % below,
+  double band_hz = 0.0;                   ///< 95 % below this
+  double top_hz = 0.0;                    ///< Nyquist, or the highest frequency of a response
+  std::vector<Signal> boundary;           ///< in front of each block, the last one: the output
+  std::vector<double> residual;           ///< measured - model, whole first record
+  std::vector<double> residual_peaks_hz;  ///< strongest frequencies of the residual
+
+  bool linear(std::size_t position) const;  ///< the block there is linear and time-invariant
+  /// One boundary of each class of places that a linear effect cannot tell apart.
+  std::vector<std::size_t> linear_places() const;
+  /// The same for a memoryless or rate-independent effect.
+  std::vector<std::size_t> static_places() const;
+  /// The base model's blocks (terms' blocks are not changed by other terms).
+  std::vector<std::size_t> base_places() const;
+  /// The output as it was measured.
+  double measured(std::size_t sample) const { return boundary.back().values[sample] + residual[sample]; }
+};
+
 /// What the effects look at: the first training record under the present model.
 Scene make_scene(const Model& model, const Experiments& train);
-
-/// Samples after which a model forgets its initial state: seven times its slowest time constant.
-std::size_t settling_samples(const chain::Chain& chain, double step_s);
 
 /// A shorter look at a long record: the stretch of about `samples` samples with the most lively output, with
 /// `lead` samples before it that are run but not scored.

@@ -1,49 +1,50 @@
 #pragma once
 
-#include <cstdint>
-#include <functional>
+#include <cstddef>
+#include <limits>
 #include <string>
 #include <vector>
 
 #include "gap/effect.hpp"
 #include "gap/experiment.hpp"
-#include "gap/leftover.hpp"
 #include "gap/noise_floor.hpp"
+#include "gap/search_options.hpp"
+#include "gap/signs.hpp"
 
 namespace bodesmith::gap {
 
-struct SearchOptions {
-  int most_terms = 5;
-  double least_gain = 0.01;         ///< of the held-out rms, that a term must earn
-  double least_significance = 2.8;  ///< standard deviations, held-out and training gain each (colour counted)
-  double least_combined = 5.0;      ///< of both together
-  double control_factor = 3.0;      ///< times the gain that surrogate data show
-  double tie_within = 0.10;         ///< a rival less than this worse is a tie
-  double enough = 1.2;              ///< times the floor: nothing more is looked for
-  double largest_condition = 1e7;
-  std::size_t most_unknowns = 99;  ///< of one term; few when nothing with another excitation is held out
-  int shortlist = 9;               ///< effects fitted in each round
-  int threads = 2;
-  std::uint64_t seed = 1;
-  std::function<void(double)> progress;  ///< fraction of the work, roughly
-  std::function<bool()> stop;            ///< true: keep the best so far and return
+/// What became of a candidate of a round.
+enum class CandidateOutcome {
+  not_judged,
+  named,
+  tied,  ///< as good a name as the one that was chosen
+  also_fits_with_more_unknowns,
+  other_place_or_form,  ///< of the effect that was named
+  worse,
+  no_heldout_gain,
+  not_significant,
+  too_free,  ///< for a study without another excitation held out
+  ill_conditioned,
+  at_end_of_range,
+  no_more_than_control,
 };
+/// As in diagnosis.json and on the page; empty for not_judged.
+std::string to_string(CandidateOutcome outcome);
 
 /// One candidate of a round, fitted.
 struct Ranked {
   const Effect* effect = nullptr;
   std::string placed;
   Model model;
-  double score = 0.0;  ///< share of the residual's energy that the shortlist foresaw
-  double train_rms = 0.0;
-  double holdout_rms = 0.0;
-  double z = 0.0;
+  double score = 0.0;  ///< share of the residual's energy that the shortlist predicted
+  double train_rms = std::numeric_limits<double>::infinity();
+  double holdout_rms = std::numeric_limits<double>::infinity();
+  double z = 0.0;  ///< standard deviations of its gain on the held-out records
   double train_z = 0.0;
   double condition_number = 0.0;
   std::size_t unknowns = 0;
-  std::size_t effective = 0;      ///< of them not at a bound: weights of 0 cost nothing
-  std::vector<double> deviation;  ///< of the term's unknowns
-  std::string word;               ///< named, tied, also fits, no gain, not significant, ill-conditioned, …
+  std::size_t effective = 0;  ///< of them not at a bound: weights of 0 cost nothing
+  CandidateOutcome outcome = CandidateOutcome::not_judged;
 };
 
 /// One term that was found.
@@ -60,8 +61,8 @@ struct Step {
 };
 
 struct SearchResult {
-  Model base;     ///< free parameters refitted, nothing added
   Model initial;  ///< as given
+  Model base;     ///< free parameters refitted, nothing added
   Model final;
   std::vector<Step> steps;
   std::vector<Ranked> refused;  ///< the ranking of the round in which nothing earned its place
@@ -75,8 +76,5 @@ struct SearchResult {
 /// The search described in docs/gap.md: shortlist, fit in place, accept or refuse, look again.
 SearchResult search(const chain::Chain& base, const Experiments& train, const Experiments& holdout,
                     const SearchOptions& options);
-
-/// rms over the scored samples.
-double rms_of(const Model& model, const Experiments& experiments);
 
 }  // namespace bodesmith::gap

@@ -1,9 +1,12 @@
 #include "gap/shortlist.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.hpp"
+#include "gap/runner.hpp"
+#include "numeric/index.hpp"
 #include "numeric/parallel_for.hpp"
 
 namespace bodesmith::gap {
@@ -11,9 +14,13 @@ namespace {
 
 using Vector = Eigen::VectorXd;
 
-Vector as_vector(const std::vector<double>& v) {
-  return Eigen::Map<const Vector>(v.data(), static_cast<Eigen::Index>(v.size()));
-}
+/// A direction that others explain but for this part of it is none of its own.
+constexpr double kMinOwnDirection = 1e-5;
+/// With more starts than this the change itself is enough; with fewer, the unknowns' own directions are worth
+/// their runs.
+constexpr std::size_t kFewStarts = 6;
+/// Step of an unknown for its own direction, as a part of it.
+constexpr double kDirectionStep = 0.02;
 
 /// Orthonormal directions built one at a time; nearly dependent ones are left out.
 class Span {
@@ -22,68 +29,76 @@ class Span {
     const double size = v.norm();
     if (!(size > 0.0) || !std::isfinite(size)) return;
     v /= size;
-    for (int twice = 0; twice < 2; ++twice) {
-      for (const auto& d : directions_) v -= d * d.dot(v);
-    }
+    for (int twice = 0; twice < 2; ++twice) v = without(std::move(v));
     const double left = v.norm();
-    if (left < 1e-5) return;
+    if (left < kMinOwnDirection) return;
     directions_.push_back(v / left);
   }
   Vector without(Vector v) const {
     for (const auto& d : directions_) v -= d * d.dot(v);
     return v;
   }
-  const std::vector<Vector>& directions() const { return directions_; }
+  std::size_t size() const { return directions_.size(); }
+  /// Energy of v along the directions from number `first` on.
+  double energy_along(const Vector& v, std::size_t first) const {
+    double sum = 0.0;
+    for (std::size_t d = first; d < directions_.size(); ++d) {
+      const double part = directions_[d].dot(v);
+      sum += part * part;
+    }
+    return sum;
+  }
 
  private:
   std::vector<Vector> directions_;
 };
 
-struct Look {
+/// What proposals are compared with.
+struct PresentModel {
+  Vector residuals;    ///< model - measured
+  Span known;          ///< what its own unknowns can change
+  Vector unexplained;  ///< the residuals without that
+  double energy = 0.0;
+};
+
+struct StartScore {
   std::size_t start = 0;
   double score = 0.0;
 };
 
-std::vector<Look> look_at(const Proposal& proposal, const Experiments& records, const Span& known,
-                          const Vector& base, const Vector& residual, double energy) {
-  std::vector<Look> looks;
+double moved_value(const Unknown& u, double value) {
+  const double step = kDirectionStep * (u.logarithmic ? value : u.scale);
+  return value + step > u.high ? value - step : value + step;
+}
+
+/// The score of a proposal's every start that can be run, best first.
+std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments& records,
+                                     const PresentModel& present) {
+  std::vector<StartScore> scores;
   Runner runner(proposal.model, records);
   auto values = current_values(proposal.model);
-  const auto& term = proposal.model.terms().back();
-  const std::size_t own = term.unknowns.size();
-  const std::size_t first = values.size() - own;
+  const auto& unknowns = proposal.model.terms().back().unknowns;
+  const std::size_t first = values.size() - unknowns.size();
   std::vector<double> out;
   std::vector<double> moved;
   for (std::size_t s = 0; s < proposal.starts.size(); ++s) {
     std::copy(proposal.starts[s].begin(), proposal.starts[s].end(),
               values.begin() + static_cast<std::ptrdiff_t>(first));
     if (!runner(values, out)) continue;
-    Span more = known;
-    const std::size_t before = more.directions().size();
-    const Vector here = as_vector(out);
-    more.add(here - base);
-    // With many starts the change itself is enough; with few, the unknowns' own directions are worth their
-    // runs.
-    if (proposal.starts.size() <= 6) {
-      for (std::size_t k = 0; k < own; ++k) {
-        const auto& u = term.unknowns[k];
-        auto other = values;
-        const double step = u.logarithmic ? 0.02 * values[first + k] : 0.02 * u.scale;
-        other[first + k] =
-            values[first + k] + step > u.high ? values[first + k] - step : values[first + k] + step;
-        if (runner(other, moved)) more.add(as_vector(moved) - here);
-      }
+    Span more = present.known;
+    const Vector here = as_eigen(out);
+    more.add(here - present.residuals);
+    for (std::size_t k = 0; k < unknowns.size() && proposal.starts.size() <= kFewStarts; ++k) {
+      auto other = values;
+      other[first + k] = moved_value(unknowns[k], values[first + k]);
+      if (runner(other, moved)) more.add(as_eigen(moved) - here);
     }
-    double explained = 0.0;
-    for (std::size_t d = before; d < more.directions().size(); ++d) {
-      const double part = more.directions()[d].dot(residual);
-      explained += part * part;
-    }
-    looks.push_back({s, energy > 0.0 ? explained / energy : 0.0});
+    const double explained = more.energy_along(present.unexplained, present.known.size());
+    scores.push_back({s, present.energy > 0.0 ? explained / present.energy : 0.0});
   }
-  std::stable_sort(looks.begin(), looks.end(),
-                   [](const Look& a, const Look& b) { return a.score > b.score; });
-  return looks;
+  std::stable_sort(scores.begin(), scores.end(),
+                   [](const StartScore& a, const StartScore& b) { return a.score > b.score; });
+  return scores;
 }
 
 }  // namespace
@@ -95,23 +110,22 @@ std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> propo
   std::vector<double> out;
   std::vector<Promising> all;
   if (!runner(values, out)) return all;
-  const Vector base = as_vector(out);
-  Span known;
-  for (const auto& column : sensitivities(
-           model.unknowns(), [&](std::span<const double> v, std::vector<double>&o) { return runner(v, o); },
-           values)) {
-    if (!column.empty()) known.add(as_vector(column));
+  PresentModel present;
+  present.residuals = as_eigen(out);
+  present.energy = present.residuals.squaredNorm();
+  const auto residuals = [&](std::span<const double> v, std::vector<double>& o) { return runner(v, o); };
+  for (const auto& column : sensitivities(model.unknowns(), residuals, values)) {
+    if (!column.empty()) present.known.add(as_eigen(column));
   }
-  const Vector residual = known.without(base);
-  const double energy = base.squaredNorm();
+  present.unexplained = present.known.without(present.residuals);
   all.resize(proposals.size());
   parallel_for(proposals.size(), threads, [&](std::size_t i) {
     auto& p = all[i];
     try {
-      const auto looks = look_at(proposals[i], look, known, base, residual, energy);
-      for (const auto& l : looks) p.best_starts.push_back(l.start);
-      p.score = looks.empty() ? 0.0 : looks.front().score;
-    } catch (const std::exception&) {
+      const auto scores = score_starts(proposals[i], look, present);
+      for (const auto& s : scores) p.best_starts.push_back(s.start);
+      p.score = scores.empty() ? 0.0 : scores.front().score;
+    } catch (const InputError&) {
       p.score = 0.0;  // a chain that cannot be run at its start values is no candidate
     }
     p.proposal = std::move(proposals[i]);

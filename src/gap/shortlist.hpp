@@ -2,8 +2,9 @@
 
 #include <vector>
 
-#include "gap/effect.hpp"
 #include "gap/experiment.hpp"
+#include "gap/least_squares.hpp"
+#include "gap/proposal.hpp"
 
 namespace bodesmith::gap {
 
@@ -11,7 +12,7 @@ namespace bodesmith::gap {
 struct Promising {
   Proposal proposal;
   std::vector<std::size_t> best_starts;  ///< best first
-  double score = 0.0;  ///< share of the residual's energy that the first look foresees it to explain
+  double score = 0.0;  ///< share of the residual's energy that the first look predicts it to explain
 };
 
 /// The first look: the residual is made orthogonal to everything that the model's own unknowns could still

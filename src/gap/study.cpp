@@ -1,20 +1,44 @@
+#include "gap/study.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "base/error.hpp"
-#include "gap/diagnosis.hpp"
-#include "gap/settle.hpp"
+#include "gap/settling.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::gap {
 namespace {
+
+constexpr std::size_t kMinSamplesOfRecord = 64;
+constexpr std::size_t kMinFrequencies = 8;
 
 bool is_frequency_response(const std::filesystem::path& path) {
   Provenance aside;
   return Csv::read(path, aside).has("frequency_hz");
 }
 
+/// Throws InputError unless all files are of one kind.
+void validate_kinds(const std::vector<std::filesystem::path>& files, const std::filesystem::path& like,
+                    bool frequency) {
+  for (const auto& path : files) {
+    if (is_frequency_response(path) == frequency) continue;
+    throw InputError(
+        path.string(), 0,
+        fmt::format("is a {}, expected a {} like {}", frequency ? "time record" : "frequency response",
+                    frequency ? "frequency response" : "time record", like.string()));
+  }
+}
+
+void validate_size(const std::string& file, std::size_t size, std::size_t min_size, const char* what) {
+  if (size < min_size) {
+    throw InputError(file, 0, fmt::format("has {} {}, expected at least {}", size, what, min_size));
+  }
+}
+
+/// Every second point, from number `first` on.
 FrequencyRecord every_second(const FrequencyRecord& record, std::size_t first) {
   FrequencyRecord part;
   part.file = record.file;
@@ -25,46 +49,69 @@ FrequencyRecord every_second(const FrequencyRecord& record, std::size_t first) {
   return part;
 }
 
-std::unique_ptr<TimeExperiment> prepared(TimeRecord record, const chain::Chain& base) {
-  const auto skip = unscored_samples(base, record);
-  auto e = std::make_unique<TimeExperiment>(std::move(record));
-  e->set_skip(skip);
-  return e;
+TimeExperiment experiment_with_start(TimeRecord record, const chain::Chain& base) {
+  const auto start = start_samples(base, record);
+  return TimeExperiment(std::move(record), start);
 }
 
-void check(const TimeRecord& record) {
-  if (record.size() < 64) {
-    throw InputError(record.file, 0, fmt::format("has {} samples, expected at least 64", record.size()));
+template <class Record>
+std::vector<Record> read_all(const std::vector<std::filesystem::path>& files, Provenance& from) {
+  std::vector<Record> records;
+  for (const auto& path : files) {
+    if constexpr (std::is_same_v<Record, TimeRecord>) {
+      records.push_back(TimeRecord::read_csv(path, from, true));
+    } else {
+      records.push_back(FrequencyRecord::read_csv(path, from));
+    }
   }
+  return records;
 }
 
 }  // namespace
 
-void Study::add(std::unique_ptr<Experiment> experiment, bool held_out) {
-  (held_out ? holdout_ : train_).push_back(experiment.get());
-  owned_.push_back(std::move(experiment));
+bool Study::frequency_responses() const {
+  return !train_.empty() && std::holds_alternative<FrequencyExperiment>(train_.front());
 }
 
 Study Study::of(std::vector<TimeRecord> data, std::vector<TimeRecord> holdout, const chain::Chain& base) {
   Study study;
   study.split_ = holdout.empty();
   for (auto& record : data) {
-    check(record);
-    const auto cut = record.size() * 7 / 10;
+    validate_size(record.file, record.size(), kMinSamplesOfRecord, "samples");
+    const std::size_t size = record.size();
+    const std::size_t cut = size * 7 / 10;
+    auto experiment = experiment_with_start(std::move(record), base);
     if (study.split_) {
-      auto later = std::make_unique<TimeExperiment>(record);
-      later->set_skip(cut);
-      later->never_score_start();
-      study.add(std::move(later), true);
+      TimeExperiment later(experiment);
+      later.use(cut, size);
+      study.holdout_.emplace_back(std::move(later));
+      experiment.use(0, cut);
     }
-    auto e = prepared(std::move(record), base);
-    if (study.split_) e->set_to(cut);
-    study.add(std::move(e), false);
+    study.train_.emplace_back(std::move(experiment));
   }
   for (auto& record : holdout) {
-    check(record);
-    study.add(prepared(std::move(record), base), true);
+    validate_size(record.file, record.size(), kMinSamplesOfRecord, "samples");
+    study.holdout_.emplace_back(experiment_with_start(std::move(record), base));
   }
+  return study;
+}
+
+Study Study::of(std::vector<FrequencyRecord> data, std::vector<FrequencyRecord> holdout,
+                const chain::Chain& base) {
+  Study study;
+  study.split_ = holdout.empty();
+  for (auto& record : data) {
+    validate_size(record.file, record.frequency.size(), kMinFrequencies, "frequencies");
+    if (!base.response(record.frequency.front().rad_s())) {
+      throw InputError(
+          record.file, 0,
+          "is a frequency response, but the model has a nonlinear block, expected time records for it");
+    }
+    if (study.split_) study.holdout_.emplace_back(FrequencyExperiment(every_second(record, 1)));
+    study.train_.emplace_back(
+        FrequencyExperiment(study.split_ ? every_second(record, 0) : std::move(record)));
+  }
+  for (auto& record : holdout) study.holdout_.emplace_back(FrequencyExperiment(std::move(record)));
   return study;
 }
 
@@ -73,42 +120,14 @@ Study Study::read(const std::vector<std::filesystem::path>& data,
                   Provenance& from) {
   if (data.empty()) throw InputError("no record to fit, expected at least one CSV file");
   const bool frequency = is_frequency_response(data.front());
-  for (const auto* files : {&data, &holdout}) {
-    for (const auto& path : *files) {
-      if (is_frequency_response(path) == frequency) continue;
-      throw InputError(
-          path.string(), 0,
-          fmt::format("is a {}, expected a {} like {}", frequency ? "time record" : "frequency response",
-                      frequency ? "frequency response" : "time record", data.front().string()));
-    }
+  validate_kinds(data, data.front(), frequency);
+  validate_kinds(holdout, data.front(), frequency);
+  if (frequency) {
+    auto train = read_all<FrequencyRecord>(data, from);
+    return of(std::move(train), read_all<FrequencyRecord>(holdout, from), base);
   }
-  if (!frequency) {
-    std::vector<TimeRecord> train;
-    std::vector<TimeRecord> held_out;
-    for (const auto& path : data) train.push_back(TimeRecord::read_csv(path, from, true));
-    for (const auto& path : holdout) held_out.push_back(TimeRecord::read_csv(path, from, true));
-    return of(std::move(train), std::move(held_out), base);
-  }
-  Study study;
-  study.frequency_ = true;
-  study.split_ = holdout.empty();
-  for (const auto& path : data) {
-    const auto record = FrequencyRecord::read_csv(path, from);
-    if (record.frequency.size() < 8) {
-      throw InputError(record.file, 0,
-                       fmt::format("has {} frequencies, expected at least 8", record.frequency.size()));
-    }
-    if (!chain::Chain(base).response(record.frequency.front().rad_s())) {
-      throw InputError(
-          record.file, 0,
-          "is a frequency response, but the model has a nonlinear block, expected time records for it");
-    }
-    if (study.split_) study.add(std::make_unique<FrequencyExperiment>(every_second(record, 1)), true);
-    study.add(std::make_unique<FrequencyExperiment>(study.split_ ? every_second(record, 0) : record), false);
-  }
-  for (const auto& path : holdout)
-    study.add(std::make_unique<FrequencyExperiment>(FrequencyRecord::read_csv(path, from)), true);
-  return study;
+  auto train = read_all<TimeRecord>(data, from);
+  return of(std::move(train), read_all<TimeRecord>(holdout, from), base);
 }
 
 }  // namespace bodesmith::gap

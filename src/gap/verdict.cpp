@@ -2,7 +2,7 @@
 
 namespace bodesmith::gap {
 
-std::string word(Verdict verdict) {
+std::string to_string(Verdict verdict) {
   switch (verdict) {
     case Verdict::explained:
       return "explained";
@@ -18,7 +18,7 @@ std::string word(Verdict verdict) {
 
 Verdict verdict_of(const SearchResult& result, double train_rms, double enough) {
   const bool above_floor =
-      result.floor.how == NoiseFloor::How::periods && train_rms > enough * result.floor.rms;
+      result.floor.source == NoiseFloor::Source::periods && train_rms > enough * result.floor.rms;
   const bool left = above_floor || !result.structure.empty();
   if (result.steps.empty()) return left ? Verdict::unexplained : Verdict::nothing_missing;
   return left ? Verdict::partly_explained : Verdict::explained;

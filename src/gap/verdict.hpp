@@ -8,7 +8,8 @@ namespace bodesmith::gap {
 
 enum class Verdict { explained, partly_explained, nothing_missing, unexplained };
 
-std::string word(Verdict verdict);
+/// "explained", "partly_explained", "nothing_missing" or "unexplained", as in diagnosis.json.
+std::string to_string(Verdict verdict);
 
 /// What a search's outcome amounts to. With a floor from periods, what is left counts as something missing
 /// when it is more than `enough` times the floor; in any case when signs of structure are left.

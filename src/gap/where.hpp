@@ -9,9 +9,20 @@
 
 namespace bodesmith::gap {
 
+/// What a gap is spread over.
+enum class Axis {
+  frequency,  ///< of the residual's spectrum, Hz
+  amplitude,  ///< of the input
+  time,       ///< of the record, s
+  branch,     ///< 1: input rising, -1: falling, 0: at rest
+  harmonic,   ///< of the input's period (only for periodic inputs)
+};
+/// "frequency_hz", "amplitude", "time_s", "branch" or "harmonic", as in diagnosis.json.
+std::string to_string(Axis axis);
+
 /// A stretch of an axis and the share of the gap (mean square of the residual) that lies in it.
 struct Cell {
-  std::string axis;  ///< frequency_hz, amplitude, time_s, branch, harmonic
+  Axis axis = Axis::time;
   double from = 0.0;
   double to = 0.0;
   double share = 0.0;
@@ -21,16 +32,11 @@ struct Cell {
 /// For each axis the stretch in which the gap is densest (largest share minus extent), kept when it holds at
 /// least half of the gap; largest share first. Axes on which the gap is spread evenly are left out, unless
 /// all are.
-///   frequency_hz  of the residual's spectrum
-///   amplitude     of the input
-///   time_s        of the record
-///   branch        1: input rising, -1: falling, 0: at rest
-///   harmonic      of the input's period (only for periodic inputs)
 std::vector<Cell> where(const TimeRecord& record, const std::vector<double>& residual, std::size_t from,
                         std::size_t period);
 std::vector<Cell> where(const FrequencyRecord& record, const std::vector<double>& residual);
 
-/// Share of the gap in each of `cells` equal stretches of time, for drawings.
-std::vector<double> share_over_time(const std::vector<double>& residual, std::size_t cells);
+/// A cell in words: "frequencies 40 to 60 Hz (71 % of it)".
+std::string to_text(const Cell& cell);
 
 }  // namespace bodesmith::gap

@@ -13,6 +13,7 @@
 
 namespace {
 
+using namespace bodesmith;
 using namespace bodesmith::gap;
 
 std::vector<double> noise(std::size_t n, double size, unsigned seed) {
@@ -45,10 +46,10 @@ TEST(NoiseFloor, fromPeriodsIsTheNonRepeatingPart) {
 TEST(NoiseFloor, fromHighFrequenciesWhenTheInputLeavesThemFree) {
   const auto u = sine(6000, 40, 1.0);
   const auto floor = floor_from_high_frequencies(noise(6000, 0.3, 2), u, 1e-3);
-  EXPECT_EQ(floor.how, NoiseFloor::How::high_frequency);
+  EXPECT_EQ(floor.source, NoiseFloor::Source::high_frequency);
   EXPECT_NEAR(floor.rms, 0.3, 0.03);
-  EXPECT_EQ(floor_from_high_frequencies(noise(6000, 0.3, 2), noise(6000, 1.0, 3), 1e-3).how,
-            NoiseFloor::How::unknown);
+  EXPECT_EQ(floor_from_high_frequencies(noise(6000, 0.3, 2), noise(6000, 1.0, 3), 1e-3).source,
+            NoiseFloor::Source::unknown);
 }
 
 TEST(Period, isFoundOnlyWhereThereIsOne) {
@@ -127,7 +128,7 @@ TEST(Where, findsTheStretchOfADropOut) {
   for (std::size_t i = 2000; i < 2200; ++i) e[i] += record.u[i];
   const auto cells = where(record, e, 0, 0);
   const auto time =
-      std::find_if(cells.begin(), cells.end(), [](const Cell& c) { return c.axis == "time_s"; });
+      std::find_if(cells.begin(), cells.end(), [](const Cell& c) { return c.axis == Axis::time; });
   ASSERT_NE(time, cells.end());
   EXPECT_GT(time->share, 0.9);
   EXPECT_NEAR(time->from, 2.0, 0.11);
@@ -143,7 +144,7 @@ TEST(Where, findsTheFrequencyOfATone) {
   for (std::size_t i = 0; i < e.size(); ++i) e[i] += tone[i];
   const auto cells = where(record, e, 0, 0);
   ASSERT_FALSE(cells.empty());
-  EXPECT_EQ(cells.front().axis, "frequency_hz");
+  EXPECT_EQ(cells.front().axis, Axis::frequency);
   EXPECT_LT(cells.front().from, 173.0);
   EXPECT_GT(cells.front().to, 173.0);
   EXPECT_GT(cells.front().share, 0.9);

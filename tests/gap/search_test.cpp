@@ -6,72 +6,86 @@
 #include <regex>
 
 #include "base/document.hpp"
+#include "base/json.hpp"
 #include "chain/model_file.hpp"
-#include "gap/cases/solve.hpp"
+#include "gap/cases/expect.hpp"
 #include "gap/cases/time_cases.hpp"
 #include "gap/diagnosis.hpp"
+#include "gap/diagnosis_json.hpp"
+#include "gap/page/page.hpp"
+#include "gap/runner.hpp"
 #include "simulate/simulate.hpp"
 
 namespace {
 
 using namespace bodesmith;
+using hidden::Hidden;
 using hidden::Kind;
 using hidden::solve;
 using hidden::World;
 
-hidden::Case make(Kind kind, const std::string& base, std::vector<std::string> what, std::uint64_t seed,
-                  double ratio = 10.0) {
-  return hidden::make_time_case({World::formulas, kind, base, std::move(what), ratio, seed, 3000});
+constexpr std::size_t kRows = 3000;
+
+hidden::Case make(Kind kind, const std::string& base, std::vector<std::string> what, std::uint64_t seed) {
+  return hidden::make_case({World::formulas, kind, base, std::move(what), 10.0, seed, kRows});
 }
 
-TEST(Search, namesAnEffectOfEachKindAtTenTimesTheNoise) {
-  struct Place {
-    const char* base;
-    const char* effect;
-    std::uint64_t seed;
-  };
-  const Place places[] = {{"gain", "saturation", 400},          {"gain", "hysteresis", 402},
-                          {"gain", "mains_hum", 402},           {"resonator", "cubic_stiffness", 403},
-                          {"resonator", "time_delay", 404},     {"gain", "drift", 405},
-                          {"sections", "dead_zone", 406},       {"sections", "capacitor_mismatch", 407},
-                          {"sections", "opamp_bandwidth", 410}, {"fixed_gain", "gain_error", 409}};
-  for (const auto& [base, effect, seed] : places) {
-    const auto o = solve(make(Kind::effect, base, {effect}, seed));
-    EXPECT_TRUE(o.right) << hidden::line_of(o);
-    EXPECT_GT(o.closure, 0.8) << hidden::line_of(o);
-  }
+class HiddenEffect : public testing::TestWithParam<Hidden> {};
+TEST_P(HiddenEffect, IsNamedAtTenTimesTheNoise) {
+  const auto outcome = hidden::expect_right(World::formulas, Kind::effect, GetParam(), kRows);
+  EXPECT_GT(outcome.closure, 0.8) << hidden::line_of(outcome);
 }
+INSTANTIATE_TEST_SUITE_P(
+    Search, HiddenEffect,
+    testing::Values(Hidden{"gain", "saturation", 400}, Hidden{"gain", "hysteresis", 402},
+                    Hidden{"gain", "mains_hum", 402}, Hidden{"resonator", "cubic_stiffness", 403},
+                    Hidden{"resonator", "time_delay", 404}, Hidden{"gain", "drift", 405},
+                    Hidden{"sections", "dead_zone", 406}, Hidden{"sections", "capacitor_mismatch", 407},
+                    Hidden{"sections", "opamp_bandwidth", 410}, Hidden{"fixed_gain", "gain_error", 409}),
+    hidden::HiddenName());
 
-TEST(Search, namesNothingInControlsOfEveryKind) {
+std::vector<Hidden> controls() {
+  std::vector<Hidden> all;
   std::uint64_t seed = 900;
   for (const char* base : {"gain", "resonator", "sections"}) {
-    for (const auto& kind : hidden::control_kinds()) {
-      const auto c = make(Kind::control, base, {kind}, ++seed);
-      const auto o = solve(c);
-      EXPECT_TRUE(o.named.empty()) << hidden::line_of(o);
-      EXPECT_EQ(o.verdict, "nothing_missing") << hidden::line_of(o);
-    }
+    for (const auto& kind : hidden::control_kinds()) all.push_back({base, kind.c_str(), ++seed});
   }
+  return all;
 }
 
-TEST(Search, doesNotCallOutsideCasesExplained) {
+class Control : public testing::TestWithParam<Hidden> {};
+TEST_P(Control, IsLeftAlone) {
+  const auto outcome = hidden::expect_right(World::formulas, Kind::control, GetParam(), kRows);
+  EXPECT_TRUE(outcome.named.empty()) << hidden::line_of(outcome);
+  EXPECT_EQ(outcome.verdict, "nothing_missing") << hidden::line_of(outcome);
+}
+INSTANTIATE_TEST_SUITE_P(Search, Control, testing::ValuesIn(controls()), hidden::HiddenName());
+
+std::vector<Hidden> outsiders() {
+  std::vector<Hidden> all;
   std::uint64_t seed = 1300;
   for (const auto& kind : hidden::outside_kinds()) {
     if (kind == "level_jump") continue;  // passes for red noise
-    const auto c = make(Kind::outside, "gain", {kind}, ++seed);
-    const auto o = solve(c);
-    EXPECT_TRUE(o.right) << hidden::line_of(o);
+    all.push_back({"gain", kind.c_str(), ++seed});
   }
+  return all;
 }
 
-TEST(Search, findsTwoEffectsWhicheverIsHiddenFirst) {
-  for (const auto& [first, second] :
-       {std::pair{"saturation", "mains_hum"}, std::pair{"mains_hum", "saturation"}}) {
-    const auto c = make(Kind::pair, "gain", {first, second}, 75);
-    const auto o = solve(c);
-    EXPECT_TRUE(o.right) << hidden::line_of(o);
-  }
+class Outsider : public testing::TestWithParam<Hidden> {};
+TEST_P(Outsider, IsNotCalledExplained) {
+  hidden::expect_right(World::formulas, Kind::outside, GetParam(), kRows);
 }
+INSTANTIATE_TEST_SUITE_P(Search, Outsider, testing::ValuesIn(outsiders()), hidden::HiddenName());
+
+class TwoEffects : public testing::TestWithParam<std::vector<std::string>> {};
+TEST_P(TwoEffects, AreBothNamedWhicheverIsHiddenFirst) {
+  const auto outcome = solve(make(Kind::pair, "gain", GetParam(), 75));
+  EXPECT_TRUE(outcome.right) << hidden::line_of(outcome);
+}
+INSTANTIATE_TEST_SUITE_P(Search, TwoEffects,
+                         testing::Values(std::vector<std::string>{"saturation", "mains_hum"},
+                                         std::vector<std::string>{"mains_hum", "saturation"}),
+                         [](const auto& test) { return test.param[0] + "_first"; });
 
 TEST(Search, isTheSameOnOneThreadAndOnTwo) {
   const auto c = make(Kind::effect, "gain", {"dead_zone"}, 5);
@@ -88,10 +102,10 @@ TEST(Search, keepsWhatItHasWhenStopped) {
   gap::TimeExperiment holdout(c.holdout[0]);
   gap::SearchOptions options;
   options.stop = [] { return true; };
-  const auto result = gap::search(chain, {&train}, {&holdout}, options);
+  const auto result = gap::search(chain, {train}, {holdout}, options);
   EXPECT_TRUE(result.stopped);
   EXPECT_TRUE(result.steps.empty());
-  EXPECT_FALSE(gap::residuals_of(result.final, {&train}).empty());
+  EXPECT_FALSE(gap::residuals_of(result.final, {train}).empty());
 }
 
 // What diagnosis.json claims is what simulate finds with the model that is written.

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -11,7 +11,7 @@ class AmplifierPole final : public Effect {
  public:
   std::string_view name() const override { return "amplifier_pole"; }
   std::string_view what() const override { return "a first-order lag"; }
-  std::string_view tell_tale() const override {
+  std::string_view symptom() const override {
     return "a residual in proportion to the slope, gain falling with frequency";
   }
   std::vector<std::string_view> confused_with() const override {

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -11,7 +11,7 @@ class Backlash final : public Effect {
  public:
   std::string_view name() const override { return "backlash"; }
   std::string_view what() const override { return "play of constant width"; }
-  std::string_view tell_tale() const override {
+  std::string_view symptom() const override {
     return "a residual that changes sign with the direction of motion";
   }
   std::vector<std::string_view> confused_with() const override {

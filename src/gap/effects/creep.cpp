@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -13,7 +13,7 @@ class Creep final : public Effect {
   std::string_view what() const override {
     return "slow relaxation, logarithmic or of several time constants";
   }
-  std::string_view tell_tale() const override {
+  std::string_view symptom() const override {
     return "a residual that lags the input by far more than its own time scale";
   }
   std::vector<std::string_view> confused_with() const override {
@@ -21,6 +21,7 @@ class Creep final : public Effect {
   }
   std::string_view experiment() const override { return "a long record after one step"; }
   bool linear() const override { return true; }
+  bool independent_of_input() const override { return true; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     const double slow = scene.frequency_only ? 1.0 / scene.low_hz : 0.7 * scene.duration_s;
     const double fast = 0.08 / scene.band_hz;
@@ -29,7 +30,7 @@ class Creep final : public Effect {
       auto one = chain::make_block("creep");
       one.set("gains", std::vector<double>{0.01})
           .set("time_constants_s", std::vector<double>{std::sqrt(fast * slow)});
-      std::vector<std::vector<double>> starts;
+      Starts starts;
       for (double part : {0.15, 0.4, 0.7, 0.95}) starts.push_back({0.01, fast * std::pow(slow / fast, part)});
       out.push_back(insert_block(scene, *this, at, one,
                                  {linear_unknown("gains[0]", 0.0, 1.0, 0.05),

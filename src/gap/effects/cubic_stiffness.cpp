@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -11,7 +11,7 @@ class CubicStiffness final : public Effect {
  public:
   std::string_view name() const override { return "cubic_stiffness"; }
   std::string_view what() const override { return "a cubic term in a resonator's spring"; }
-  std::string_view tell_tale() const override { return "odd harmonics that grow at the resonance"; }
+  std::string_view symptom() const override { return "odd harmonics that grow at the resonance"; }
   std::vector<std::string_view> confused_with() const override {
     return {"cubic_nonlinearity", "saturation", "drag"};
   }
@@ -20,10 +20,7 @@ class CubicStiffness final : public Effect {
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
-    for (std::size_t at = 0; at < scene.model->size(); ++at) {
-      const auto& block = scene.model->at(at);
-      if (!scene.model->is_base(at) || block.type_name() != "resonator" || is_free_or_set(block, "cubic"))
-        continue;
+    for (std::size_t at : places_of_unused(scene, "cubic")) {
       const double size = scene.boundary[at + 1].size();
       const double scale = 0.1 / std::pow(size, 2);
       out.push_back(change_block(

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -11,7 +11,7 @@ class Drag final : public Effect {
  public:
   std::string_view name() const override { return "drag"; }
   std::string_view what() const override { return "damping in proportion to |v| v inside a resonator"; }
-  std::string_view tell_tale() const override {
+  std::string_view symptom() const override {
     return "a residual in phase with the speed that grows with amplitude";
   }
   std::vector<std::string_view> confused_with() const override { return {"cubic_stiffness"}; }
@@ -20,10 +20,8 @@ class Drag final : public Effect {
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
-    for (std::size_t at = 0; at < scene.model->size(); ++at) {
+    for (std::size_t at : places_of_unused(scene, "drag")) {
       const auto& block = scene.model->at(at);
-      if (!scene.model->is_base(at) || block.type_name() != "resonator" || is_free_or_set(block, "drag"))
-        continue;
       const double size = scene.boundary[at + 1].size();
       // |y'| y' of a signal of size S at the natural frequency is about (w S)^2: as large as a tenth of the
       // damping.

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -11,20 +11,18 @@ class GainError final : public Effect {
  public:
   std::string_view name() const override { return "gain_error"; }
   std::string_view what() const override { return "a static gain differs"; }
-  std::string_view tell_tale() const override { return "residual in proportion to the model's output"; }
+  std::string_view symptom() const override { return "residual in proportion to the model's output"; }
   std::vector<std::string_view> confused_with() const override { return {"multiplier_error", "saturation"}; }
   std::string_view experiment() const override { return "a static gain test at several input levels"; }
   bool linear() const override { return true; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     // A gain that may be fitted is no error.
-    for (const auto& u : scene.model->unknowns()) {
-      if (u.name.ends_with(" gain")) return;
-    }
+    if (is_refitted(*scene.model, "gain")) return;
     auto places = scene.linear_places();
     // Before a gain that adds a constant it is another thing than behind it.
     for (std::size_t at = 0; at < scene.model->size(); ++at) {
-      const auto& block = scene.model->at(at);
-      if (block.type_name() == "gain" && block.get("offset") != 0.0) places.push_back(at);
+      const auto line = scene.model->at(at).affine();
+      if (line && line->constant != 0.0) places.push_back(at);
     }
     for (std::size_t at : places) {
       out.push_back(insert_block(scene, *this, at, chain::make_block("gain").set("gain", 1.0),

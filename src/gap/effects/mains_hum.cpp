@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -25,11 +25,12 @@ class MainsHum final : public Effect {
  public:
   std::string_view name() const override { return "mains_hum"; }
   std::string_view what() const override { return "a sinusoid of the mains is added"; }
-  std::string_view tell_tale() const override {
-    return "a line of the residual at 50 or 60 Hz or a harmonic";
-  }
+  std::string_view symptom() const override { return "a line of the residual at 50 or 60 Hz or a harmonic"; }
   std::vector<std::string_view> confused_with() const override { return {"resonance"}; }
   std::string_view experiment() const override { return "a record without drive: hum stays"; }
+  bool independent_of_input() const override { return true; }
+  /// The mains and its harmonics are separate lines.
+  bool repeatable() const override { return true; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
     struct Line {

@@ -1,11 +1,32 @@
 #include <algorithm>
-#include <cmath>
+#include <string>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
+
+/// Which of a multiplier's errors a term holds.
+struct MultiplierErrors {
+  bool scale = false;
+  bool feedthrough = false;
+  bool offset = false;
+};
+
+/// Powers made by multipliers of output scale (x + feedthrough) y: x, m(x,x), m(m(x,x),x). A coefficient of
+/// x^n then leaks into that of x^(n-1). `first`: place of the coefficient of x^1.
+std::vector<double> with_errors(const std::vector<double>& coefficients, std::size_t first, double scale,
+                                double feedthrough) {
+  auto a = coefficients;
+  double factor = 1.0;
+  for (std::size_t n = first + 1; n < a.size(); ++n) {
+    factor *= scale;
+    a[n] = factor * coefficients[n];
+    a[n - 1] += factor * feedthrough * coefficients[n];
+  }
+  return a;
+}
 
 class MultiplierError final : public Effect {
  public:
@@ -13,7 +34,7 @@ class MultiplierError final : public Effect {
   std::string_view what() const override {
     return "scale, feedthrough or offset of a multiplier in the chain";
   }
-  std::string_view tell_tale() const override {
+  std::string_view symptom() const override {
     return "a residual like the powers that multipliers make, on both branches alike";
   }
   std::vector<std::string_view> confused_with() const override {
@@ -24,27 +45,26 @@ class MultiplierError final : public Effect {
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
-    for (std::size_t at = 0; at < scene.model->size(); ++at) {
+    for (std::size_t at : scene.base_places()) {
       const auto& block = scene.model->at(at);
-      if (!scene.model->is_base(at)) continue;
-      if (block.type_name() == "polynomial_hysteresis") {
-        for (const auto& p : block.parameters()) {
-          if (p.free) return;
-        }
-        propose_in(scene, at, {"ascending", "descending"}, 0, out);
-      } else if (block.type_name() == "multiplier") {
-        propose_in_multiplier(scene, at, out);
-      } else if (block.type_name() == "polynomial" && block.list("coefficients").size() > 2) {
-        propose_in(scene, at, {"coefficients"}, 1, out);
+      if (block.has("scale_v")) propose_in_multiplier(scene, at, out);
+      const auto powers = block.polynomials();
+      const bool bends = std::any_of(powers.begin(), powers.end(), [&](const chain::PolynomialList& list) {
+        return block.list(list.key).size() > list.first + 1;
+      });
+      const bool refitted = std::any_of(block.parameters().begin(), block.parameters().end(),
+                                        [](const chain::Parameter& p) { return p.free; });
+      if (!bends || refitted) continue;
+      // Each alone, and all together.
+      for (const MultiplierErrors which :
+           {MultiplierErrors{.scale = true}, MultiplierErrors{.feedthrough = true},
+            MultiplierErrors{.offset = true}, MultiplierErrors{true, true, true}}) {
+        out.push_back(in_powers(scene, at, powers, which));
       }
     }
   }
 
  private:
-  static constexpr unsigned kScale = 1;
-  static constexpr unsigned kFeedthrough = 2;
-  static constexpr unsigned kOffset = 4;
-
   void propose_in_multiplier(const Scene& scene, std::size_t at, std::vector<Proposal>& out) const {
     const double size = scene.boundary[at].size();
     const auto& block = scene.model->at(at);
@@ -61,61 +81,45 @@ class MultiplierError final : public Effect {
         change_block(scene, *this, at, {scale_v, feedthrough, z_offset}, {{1.02 * scale, 0.01, part}}));
   }
 
-  /// Powers by multipliers of output scale (x + feedthrough) y: x, m(x,x), m(m(x,x),x). A coefficient of x^n
-  /// then leaks into that of x^(n-1). `zero_power`: index of x^1 in the lists. The offset stands behind the
-  /// sum.
-  void propose_in(const Scene& scene, std::size_t at, std::vector<std::string> lists, std::size_t first,
-                  std::vector<Proposal>& out) const {
+  /// Of the multipliers that make a block's powers; an offset stands behind their sum.
+  Proposal in_powers(const Scene& scene, std::size_t at, const std::vector<chain::PolynomialList>& powers,
+                     MultiplierErrors which) const {
     const double size = scene.boundary[at].size();
-    // Each alone, and all together.
-    for (const unsigned which : {kScale, kFeedthrough, kOffset, kScale | kFeedthrough | kOffset}) {
-      Proposal p{*scene.model, {}};
-      Term term;
-      term.effect = this;
-      const int id = p.model.id_at(at);
-      std::vector<std::vector<double>> before;
-      for (const auto& list : lists) before.push_back(p.model.at(at).list(list));
-      term.placed = "inside block " + std::to_string(p.model.base_number(at));
-      std::vector<double> start;
-      if ((which & kScale) != 0) {
-        term.unknowns.push_back(linear_unknown("scale", 0.5, 2.0, 0.05));
-        start.push_back(1.02);
-      }
-      if ((which & kFeedthrough) != 0) {
-        term.unknowns.push_back(linear_unknown("feedthrough", -size, size, 0.05 * size));
-        start.push_back(0.005 * size);
-      }
-      int offset = -1;
-      if ((which & kOffset) != 0) {
-        term.unknowns.push_back(linear_unknown("offset", -size, size, 0.05 * size));
-        start.push_back(0.005 * size);
-        offset = p.model.insert(at + 1, chain::make_block("gain").set("gain", 1.0));
-        term.blocks = {offset};
-      }
-      p.starts = {start};
-      term.write = [=](Model& model, std::span<const double> v) {
-        std::size_t next = 0;
-        const double scale = (which & kScale) != 0 ? v[next++] : 1.0;
-        const double feed = (which & kFeedthrough) != 0 ? v[next++] : 0.0;
-        for (std::size_t k = 0; k < lists.size(); ++k) {
-          auto a = before[k];
-          double factor = 1.0;
-          for (std::size_t n = first + 1; n < a.size(); ++n) {
-            factor *= scale;
-            a[n] = factor * before[k][n];
-            a[n - 1] += factor * feed * before[k][n];
-          }
-          model.block(id).set(lists[k], a);
-        }
-        if (offset >= 0) model.block(offset).set("offset", v[next]);
-      };
-      term.undo = [=](Model& model) {
-        for (std::size_t k = 0; k < lists.size(); ++k) model.block(id).set(lists[k], before[k]);
-      };
-      for (std::size_t k = 0; k < term.unknowns.size(); ++k) term.unknowns[k].value = p.starts[0][k];
-      p.model.add(std::move(term));
-      out.push_back(std::move(p));
+    Model model = *scene.model;
+    const int id = model.id_at(at);
+    std::vector<std::vector<double>> before;
+    for (const auto& list : powers) before.push_back(model.at(at).list(list.key));
+    Term term;
+    term.effect = this;
+    term.placed = inside_block(model, at);
+    std::vector<double> start;
+    if (which.scale) {
+      term.unknowns.push_back(linear_unknown("scale", 0.5, 2.0, 0.05));
+      start.push_back(1.02);
     }
+    if (which.feedthrough) {
+      term.unknowns.push_back(linear_unknown("feedthrough", -size, size, 0.05 * size));
+      start.push_back(0.005 * size);
+    }
+    int offset_id = 0;
+    if (which.offset) {
+      term.unknowns.push_back(linear_unknown("offset", -size, size, 0.05 * size));
+      start.push_back(0.005 * size);
+      offset_id = model.insert(at + 1, chain::make_block("gain").set("gain", 1.0));
+      term.blocks = {offset_id};
+    }
+    term.write = [=](Model& m, std::span<const double> v) {
+      std::size_t next = 0;
+      const double scale = which.scale ? v[next++] : 1.0;
+      const double feedthrough = which.feedthrough ? v[next++] : 0.0;
+      for (std::size_t k = 0; k < powers.size(); ++k)
+        m.block(id).set(powers[k].key, with_errors(before[k], powers[k].first, scale, feedthrough));
+      if (which.offset) m.block(offset_id).set("offset", v[next]);
+    };
+    term.undo = [=](Model& m) {
+      for (std::size_t k = 0; k < powers.size(); ++k) m.block(id).set(powers[k].key, before[k]);
+    };
+    return propose_term(std::move(model), std::move(term), {start});
   }
 };
 

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -11,7 +11,7 @@ class Offset final : public Effect {
  public:
   std::string_view name() const override { return "offset"; }
   std::string_view what() const override { return "a constant is added"; }
-  std::string_view tell_tale() const override { return "a residual with a mean"; }
+  std::string_view symptom() const override { return "a residual with a mean"; }
   std::vector<std::string_view> confused_with() const override {
     return {"quadratic_nonlinearity", "quadratic_stiffness", "drift"};
   }

@@ -3,16 +3,40 @@
 
 #include "base/text.hpp"
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
+
+/// A section g (1 + s/z)/(1 + s/p) of the chain, and the low-pass behind it that takes the second pole.
+struct SlowSection {
+  int id;
+  int lag;
+  double pole_hz;
+};
+
+/// H/(1 + N s/w_t), H = g (1 + s/z)/(1 + s/p), noise gain N = 1 + H when inverting, H when not: its zero
+/// stays, its two poles are those of 1 + b s + a s^2 in hertz. The one nearer to the section's own stays with
+/// its zero.
+void write_two_poles(Model& model, const SlowSection& section, double gain_bandwidth_hz, bool inverting) {
+  const double g = std::abs(model.block(section.id).get("gain"));
+  const double z = model.block(section.id).get("zero_hz");
+  const double b = 1.0 / section.pole_hz + (inverting ? 1.0 + g : g) / gain_bandwidth_hz;
+  const double a = ((inverting ? 1.0 / section.pole_hz : 0.0) + g / z) / gain_bandwidth_hz;
+  const double root = std::sqrt(std::max(0.0, b * b - 4.0 * a));
+  const double slow = 2.0 / (b + root);
+  const double fast = 0.5 * (b + root) / a;
+  const bool own_is_slow =
+      std::abs(std::log(slow / section.pole_hz)) <= std::abs(std::log(fast / section.pole_hz));
+  model.block(section.id).set("pole_hz", own_is_slow ? slow : fast);
+  model.block(section.lag).set("corner_hz", own_is_slow ? fast : slow);
+}
 
 class OpampBandwidth final : public Effect {
  public:
   std::string_view name() const override { return "opamp_bandwidth"; }
   std::string_view what() const override { return "finite gain-bandwidth of a section's op-amp"; }
-  std::string_view tell_tale() const override {
+  std::string_view symptom() const override {
     return "gain and phase lost at the top of the band, more where the section's noise gain is large";
   }
   std::vector<std::string_view> confused_with() const override {
@@ -22,67 +46,46 @@ class OpampBandwidth final : public Effect {
   bool linear() const override { return true; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     std::vector<std::size_t> sections;
-    for (std::size_t at = 0; at < scene.model->size(); ++at) {
+    for (std::size_t at : scene.base_places()) {
       const auto& section = scene.model->at(at);
-      if (!scene.model->is_base(at) || section.type_name() != "pole_zero") continue;
-      bool free = false;
-      for (const auto& p : section.parameters()) free = free || (p.free && p.key() == "pole_hz");
+      if (!section.has("pole_hz") || !section.has("zero_hz")) continue;
+      const bool free = std::any_of(section.parameters().begin(), section.parameters().end(),
+                                    [](const chain::Parameter& p) { return p.free && p.key() == "pole_hz"; });
       if (!free) sections.push_back(at);
     }
     for (const bool inverting : {true, false}) {
-      for (std::size_t at : sections) propose_in(scene, {at}, inverting, out);
+      for (std::size_t at : sections) out.push_back(in_sections(scene, {at}, inverting));
       // Boards carry one type of op-amp.
-      if (sections.size() > 1) propose_in(scene, sections, inverting, out);
+      if (sections.size() > 1) out.push_back(in_sections(scene, sections, inverting));
     }
   }
 
  private:
-  void propose_in(const Scene& scene, const std::vector<std::size_t>& sections, bool inverting,
-                  std::vector<Proposal>& out) const {
-    struct Section {
-      int id;
-      int lag;
-      double pole_hz;
-    };
-    Proposal p{*scene.model, {}};
+  Proposal in_sections(const Scene& scene, const std::vector<std::size_t>& sections, bool inverting) const {
+    Model model = *scene.model;
     Term term;
     term.effect = this;
-    std::vector<Section> found;
+    std::vector<SlowSection> found;
     // From behind, so that the places in front stay where they are.
     for (auto at = sections.rbegin(); at != sections.rend(); ++at) {
-      const int lag = p.model.insert(*at + 1, chain::make_block("lowpass"));
-      found.push_back({p.model.id_at(*at), lag, p.model.at(*at).get("pole_hz")});
+      const int lag = model.insert(*at + 1, chain::make_block("lowpass"));
+      found.push_back({model.id_at(*at), lag, model.at(*at).get("pole_hz")});
       term.blocks.push_back(lag);
     }
     std::vector<std::string> numbers;
     for (std::size_t at : sections) numbers.push_back(std::to_string(scene.model->base_number(at)));
     term.placed = (numbers.size() > 1 ? "inside blocks " : "inside block ") + join(numbers, ", ");
     term.unknowns = {logarithmic_unknown("gain_bandwidth_hz", 0.5 * scene.band_hz, 1e4 * scene.band_hz)};
-    for (double factor : {100.0, 20.0, 4.0}) p.starts.push_back({factor * scene.band_hz});
-    term.unknowns[0].value = p.starts[0][0];
-    term.write = [found, inverting](Model& model, std::span<const double> v) {
-      // H/(1 + N s/w_t), H = g (1 + s/z)/(1 + s/p), noise gain N = 1 + H inverting, H otherwise; its two
-      // poles.
-      for (const auto& section : found) {
-        const double g = std::abs(model.block(section.id).get("gain"));
-        const double z = model.block(section.id).get("zero_hz");
-        const double b = 1.0 / section.pole_hz + (inverting ? 1.0 + g : g) / v[0];
-        const double a = ((inverting ? 1.0 / section.pole_hz : 0.0) + g / z) / v[0];
-        const double root = std::sqrt(std::max(0.0, b * b - 4.0 * a));
-        const double slow = 2.0 / (b + root);
-        const double fast = 0.5 * (b + root) / a;
-        // The pole nearer to the section's own stays with its zero.
-        const bool own_is_slow =
-            std::abs(std::log(slow / section.pole_hz)) <= std::abs(std::log(fast / section.pole_hz));
-        model.block(section.id).set("pole_hz", own_is_slow ? slow : fast);
-        model.block(section.lag).set("corner_hz", own_is_slow ? fast : slow);
-      }
+    term.unknowns[0].unit = "Hz";
+    Starts starts;
+    for (double factor : {100.0, 20.0, 4.0}) starts.push_back({factor * scene.band_hz});
+    term.write = [found, inverting](Model& m, std::span<const double> v) {
+      for (const auto& section : found) write_two_poles(m, section, v[0], inverting);
     };
-    term.undo = [found](Model& model) {
-      for (const auto& section : found) model.block(section.id).set("pole_hz", section.pole_hz);
+    term.undo = [found](Model& m) {
+      for (const auto& section : found) m.block(section.id).set("pole_hz", section.pole_hz);
     };
-    p.model.add(std::move(term));
-    out.push_back(std::move(p));
+    return propose_term(std::move(model), std::move(term), std::move(starts));
   }
 };
 

@@ -1,4 +1,4 @@
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 #include "gap/effects/power_term.hpp"
 
 namespace bodesmith::gap {
@@ -8,7 +8,7 @@ class QuadraticNonlinearity final : public Effect {
  public:
   std::string_view name() const override { return "quadratic_nonlinearity"; }
   std::string_view what() const override { return "a smooth even static curve"; }
-  std::string_view tell_tale() const override { return "even harmonics, a residual like y to the power 2"; }
+  std::string_view symptom() const override { return "even harmonics, a residual like y to the power 2"; }
   std::vector<std::string_view> confused_with() const override {
     return {"offset", "quadratic_stiffness", "saturation"};
   }

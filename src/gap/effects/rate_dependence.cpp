@@ -2,19 +2,19 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
 /// Nearer to one it is a pole or a zero.
-constexpr double kMostOrder = 0.6;
+constexpr double kMaxOrder = 0.6;
 
 class RateDependence final : public Effect {
  public:
   std::string_view name() const override { return "rate_dependence"; }
   std::string_view what() const override { return "the gain changes with frequency by a fractional order"; }
-  std::string_view tell_tale() const override {
+  std::string_view symptom() const override {
     return "a slow slope of gain and phase over decades of frequency";
   }
   std::vector<std::string_view> confused_with() const override {
@@ -25,7 +25,7 @@ class RateDependence final : public Effect {
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     for (std::size_t at : scene.linear_places()) {
       const double low = std::max(scene.low_hz, 1e-3 * scene.band_hz);
-      std::vector<std::vector<double>> starts;
+      Starts starts;
       for (double corner : {low, std::sqrt(low * scene.band_hz)}) {
         for (double beta : {-0.05, 0.05}) starts.push_back({1.0 / Hertz{corner}.rad_s().value, 0.05, beta});
       }
@@ -35,7 +35,7 @@ class RateDependence final : public Effect {
       out.push_back(insert_block(
           scene, *this, at, block,
           {logarithmic_unknown("lambda_s", 0.1 * t, 1e4 * t), logarithmic_unknown("x", 1e-4, 0.8),
-           linear_unknown("beta", -kMostOrder, kMostOrder, 0.1)},
+           linear_unknown("beta", -kMaxOrder, kMaxOrder, 0.1)},
           starts));
     }
   }

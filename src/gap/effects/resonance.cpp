@@ -2,24 +2,24 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
 /// More damping leaves no peak: two lags, which have names of their own.
-constexpr double kMostDamping = 0.7;
+constexpr double kMaxDamping = 0.7;
 
 class Resonance final : public Effect {
  public:
   std::string_view name() const override { return "resonance"; }
   std::string_view what() const override { return "a second-order mode"; }
-  std::string_view tell_tale() const override { return "a peak of the residual's share beside a phase step"; }
+  std::string_view symptom() const override { return "a peak of the residual's share beside a phase step"; }
   std::vector<std::string_view> confused_with() const override { return {"amplifier_pole", "time_delay"}; }
   std::string_view experiment() const override { return "a sweep through the suspected frequency"; }
   bool linear() const override { return true; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    std::vector<std::vector<double>> starts;
+    Starts starts;
     auto peaks = scene.residual_peaks_hz;
     for (double factor : {0.6, 1.2, 2.0, 3.5, 6.0}) peaks.push_back(factor * scene.band_hz);
     for (double hz : peaks) {
@@ -42,7 +42,7 @@ class Resonance final : public Effect {
       out.push_back(
           insert_block(scene, *this, at, block,
                        {logarithmic_unknown("natural_frequency_hz", 0.05 * scene.low_hz, 3.0 * scene.top_hz),
-                        logarithmic_unknown("damping_ratio", 1e-3, kMostDamping)},
+                        logarithmic_unknown("damping_ratio", 1e-3, kMaxDamping)},
                        starts));
     }
   }

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -11,7 +11,7 @@ class Saturation final : public Effect {
  public:
   std::string_view name() const override { return "saturation"; }
   std::string_view what() const override { return "the amplitude is limited"; }
-  std::string_view tell_tale() const override { return "a residual only at the ends of the range"; }
+  std::string_view symptom() const override { return "a residual only at the ends of the range"; }
   std::vector<std::string_view> confused_with() const override {
     return {"cubic_nonlinearity", "gain_error", "quadratic_nonlinearity"};
   }
@@ -26,9 +26,9 @@ class Saturation final : public Effect {
       if (!(span > 0.0)) continue;
       const double far = 1e3 * std::max(signal.size(), span);
       const double middle = signal.value_quantile(0.5);
-      std::vector<std::vector<double>> above;
-      std::vector<std::vector<double>> below;
-      std::vector<std::vector<double>> both;
+      Starts above;
+      Starts below;
+      Starts both;
       for (double part : {0.95, 0.85, 0.7}) {
         const double high = middle + part * (signal.high - middle);
         const double low = middle + part * (signal.low - middle);

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
@@ -23,7 +23,7 @@ class SlewLimit final : public Effect {
  public:
   std::string_view name() const override { return "slew_limit"; }
   std::string_view what() const override { return "the rate of change is limited"; }
-  std::string_view tell_tale() const override { return "a residual only where the slope is large"; }
+  std::string_view symptom() const override { return "a residual only where the slope is large"; }
   std::vector<std::string_view> confused_with() const override {
     return {"amplifier_pole", "saturation", "opamp_bandwidth"};
   }
@@ -34,20 +34,20 @@ class SlewLimit final : public Effect {
     if (scene.frequency_only) return;
     for (std::size_t at : scene.static_places()) {
       const auto& signal = scene.boundary[at];
-      const double most = signal.slope_quantile(1.0);
-      if (!(most > 0.0)) continue;
-      std::vector<std::vector<double>> starts;
+      const double fastest = signal.slope_quantile(1.0);
+      if (!(fastest > 0.0)) continue;
+      Starts starts;
       // What the measured output's straight ramps show, brought to this place by the ratio of sizes.
       const double ratio = signal.span() / std::max(scene.boundary.back().span(), 1e-300);
       for (double q : {0.9, 0.97, 0.995}) {
         const double rate = ratio * measured_slope(scene, q);
-        if (rate > 1e-3 * most && rate < most) starts.push_back({rate});
+        if (rate > 1e-3 * fastest && rate < fastest) starts.push_back({rate});
       }
-      for (double rate : {0.9 * most, 0.6 * most, 0.3 * most, 0.1 * most, signal.slope_quantile(0.95),
-                          signal.slope_quantile(0.8)}) {
-        starts.push_back({std::max(rate, 1e-3 * most)});
+      for (double rate : {0.9 * fastest, 0.6 * fastest, 0.3 * fastest, 0.1 * fastest,
+                          signal.slope_quantile(0.95), signal.slope_quantile(0.8)}) {
+        starts.push_back({std::max(rate, 1e-3 * fastest)});
       }
-      const auto rate = logarithmic_unknown("rate_per_s", 1e-4 * most, 2.0 * most);
+      const auto rate = logarithmic_unknown("rate_per_s", 1e-4 * fastest, 2.0 * fastest);
       out.push_back(insert_block(scene, *this, at, chain::make_block("slew_limit"), {rate}, starts));
       // The same with what an edge sends past the slewing stage.
       for (auto& start : starts) start.push_back(0.03);

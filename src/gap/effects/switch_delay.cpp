@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -11,22 +11,17 @@ class SwitchDelay final : public Effect {
  public:
   std::string_view name() const override { return "switch_delay"; }
   std::string_view what() const override { return "the branch switch acts late"; }
-  std::string_view tell_tale() const override { return "a residual only just after the input turns"; }
+  std::string_view symptom() const override { return "a residual only just after the input turns"; }
   std::vector<std::string_view> confused_with() const override { return {"time_delay", "backlash"}; }
   std::string_view experiment() const override {
     return "a fast and a slow triangle: the wrong stretch after a turn lasts the same time in both";
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
-    for (std::size_t at = 0; at < scene.model->size(); ++at) {
-      const auto& block = scene.model->at(at);
-      if (!scene.model->is_base(at) || block.type_name() != "polynomial_hysteresis" ||
-          !block.has("switch_delay_s"))
-        continue;
-      if (is_free_or_set(block, "switch_delay_s")) continue;
+    for (std::size_t at : places_of_unused(scene, "switch_delay_s")) {
       const double step = scene.step_s;
       // Every turn moves with the delay, so the sum of squares is hilly: a comb over what is possible.
-      std::vector<std::vector<double>> starts;
+      Starts starts;
       for (double delay = 1.2 * step; delay < 0.4 / scene.low_hz && starts.size() < 30; delay *= 1.3)
         starts.push_back({delay});
       if (starts.empty()) starts.push_back({0.5 * step});

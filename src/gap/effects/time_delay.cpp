@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
-#include "gap/effects/list.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -11,7 +11,7 @@ class TimeDelay final : public Effect {
  public:
   std::string_view name() const override { return "time_delay"; }
   std::string_view what() const override { return "the signal arrives later"; }
-  std::string_view tell_tale() const override {
+  std::string_view symptom() const override {
     return "a residual in proportion to the slope, phase growing with frequency";
   }
   std::vector<std::string_view> confused_with() const override {
@@ -23,11 +23,12 @@ class TimeDelay final : public Effect {
   bool linear() const override { return true; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     const double step = scene.frequency_only ? 0.02 / scene.top_hz : scene.step_s;
-    const double most = scene.frequency_only ? 2.0 / scene.low_hz : 0.1 * scene.duration_s;
+    const double max_delay = scene.frequency_only ? 2.0 / scene.low_hz : 0.1 * scene.duration_s;
     for (std::size_t at : scene.linear_places()) {
-      out.push_back(insert_block(
-          scene, *this, at, chain::make_block("delay"), {logarithmic_unknown("delay_s", 1e-3 * step, most)},
-          {{0.3 * step}, {2.0 * step}, {0.05 / scene.band_hz}, {0.15 / scene.band_hz}}));
+      out.push_back(
+          insert_block(scene, *this, at, chain::make_block("delay"),
+                       {logarithmic_unknown("delay_s", 1e-3 * step, max_delay)},
+                       {{0.3 * step}, {2.0 * step}, {0.05 / scene.band_hz}, {0.15 / scene.band_hz}}));
     }
   }
 };

@@ -53,7 +53,7 @@ struct Settings {
 
 World world_of(const std::string& name) {
   for (const World w : {World::formulas, World::responses, World::ngspice})
-    if (name == hidden::word(w)) return w;
+    if (name == hidden::to_string(w)) return w;
   throw InputError(fmt::format("--worlds {}: is not one of formulas, responses, ngspice", name));
 }
 
@@ -80,7 +80,7 @@ Settings read_settings(int argc, char** argv, std::string& help) {
   add("only", po::value(&s.only), "only cases whose line's key contains this (see --list)");
   add("threads", po::value(&s.solve.threads)->default_value(1), "of one search");
   add("jobs", po::value(&s.jobs)->default_value(2), "cases at a time");
-  add("most-seconds", po::value(&s.solve.most_seconds)->default_value(0.0),
+  add("max-seconds", po::value(&s.solve.max_seconds)->default_value(0.0),
       "stop a search after these (0: never)");
   add("explain", po::bool_switch(&s.solve.explain), "print every ranking");
   add("list", po::bool_switch(&s.list), "print the cases' keys and stop");
@@ -129,7 +129,7 @@ bool wanted(const Settings& s, const Specification& c) {
   const bool effect =
       s.effects.empty() ||
       std::any_of(c.what.begin(), c.what.end(), [&](const std::string& w) { return among(s.effects, w); });
-  return effect && among(s.bases, c.base) && among(s.kinds, hidden::word(c.kind)) &&
+  return effect && among(s.bases, c.base) && among(s.kinds, hidden::to_string(c.kind)) &&
          c.key().find(s.only) != std::string::npos;
 }
 

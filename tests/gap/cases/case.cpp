@@ -11,7 +11,7 @@ std::string Specification::what_text() const {
 }
 
 std::string Specification::key() const {
-  return fmt::format("{}:{}:{}:{}:{}:{}{}", word(world), word(kind), base, what_text(), ratio, seed,
+  return fmt::format("{}:{}:{}:{}:{}:{}{}", to_string(world), to_string(kind), base, what_text(), ratio, seed,
                      rows > 0 ? fmt::format(":{}", rows) : "");
 }
 
@@ -22,7 +22,7 @@ std::uint64_t Specification::salt() const {
   return hash;
 }
 
-const char* word(World world) {
+const char* to_string(World world) {
   switch (world) {
     case World::formulas:
       return "formulas";
@@ -34,7 +34,7 @@ const char* word(World world) {
   return "ngspice";
 }
 
-const char* word(Kind kind) {
+const char* to_string(Kind kind) {
   switch (kind) {
     case Kind::effect:
       return "effect";

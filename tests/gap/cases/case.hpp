@@ -41,7 +41,7 @@ struct Case {
   std::vector<bodesmith::FrequencyRecord> train_responses, holdout_responses;
 };
 
-const char* word(World world);
-const char* word(Kind kind);
+const char* to_string(World world);
+const char* to_string(Kind kind);
 
 }  // namespace hidden

@@ -27,16 +27,16 @@ string opamp_text(const OpAmp& a, const string& plus, const string& minus, const
   constexpr double c = 1e-9;
   const string x = fmt::format("x{}{}", id, tail);
   const string p = fmt::format("p{}{}", id, tail);
-  const double most = a.slew_v_per_s * c;
+  const double current = a.slew_v_per_s * c;
   const double slope = kTwoPi * a.gain_bandwidth_hz / a.slew_v_per_s;
   string t = fmt::format("Vos{0}{1} {2} {3} DC {4}\n", id, tail, p, plus, n(a.offset_v));
-  t += fmt::format("Gm{0}{1} 0 {2} VALUE={{{3}*tanh({4}*V({5},{6}))}}\n", id, tail, x, n(most), n(slope), p,
-                   minus);
+  t += fmt::format("Gm{0}{1} 0 {2} VALUE={{{3}*tanh({4}*V({5},{6}))}}\n", id, tail, x, n(current), n(slope),
+                   p, minus);
   t += fmt::format("Cx{0}{1} {2} 0 {3}\nRx{0}{1} {2} 0 {4}\n", id, tail, x, n(c),
                    n(kOpenLoopGain / (kTwoPi * a.gain_bandwidth_hz * c)));
   // Steep enough to hold the full current within a millivolt.
   t += fmt::format("Gc{0}{1} {2} 0 VALUE={{{3}*(max(V({2})-({4}),0)+min(V({2})-({5}),0))}}\n", id, tail, x,
-                   n(most * 1e3), n(a.upper_v), n(a.lower_v));
+                   n(current * 1e3), n(a.upper_v), n(a.lower_v));
   t += fmt::format("Eo{0}{1} {2} 0 {3} 0 1\n", id, tail, out, x);
   return t;
 }
@@ -290,8 +290,8 @@ std::vector<double> run_deck(const std::vector<TwoPort>& ports, const std::vecto
   const size_t parts = resonant ? 8 : 1;
   const double step = step_s / static_cast<double>(parts);
   // One sample more than is wanted: the last one may fall to rounding.
-  const auto run =
-      bodesmith::spice::run_transient(deck, {"out"}, step, step_s * static_cast<double>(u.size()), "hidden.cir");
+  const auto run = bodesmith::spice::run_transient(deck, {"out"}, step,
+                                                   step_s * static_cast<double>(u.size()), "hidden.cir");
   std::vector<double> y;
   for (size_t i = 0; i < u.size(); ++i) {
     const size_t at = i * parts;

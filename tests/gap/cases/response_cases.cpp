@@ -90,7 +90,8 @@ Base make_base(const std::string& name, Random& random, bool right) {
   return b;
 }
 
-/// The base's response with the effect in it.
+/// The base's response with the effect in it: a table of effects, each of which draws what it needs from the
+/// seed.
 Response hide(const Base& b, const std::string& effect, Random& random) {
   const auto U = [&](double a, double c) { return uniform(random, a, c); };
   const auto sign = [&] { return coin(random) ? -1.0 : 1.0; };

@@ -44,11 +44,12 @@ double rms(const std::vector<double>& v) {
 }
 
 double largest(const std::vector<double>& v) {
-  double most = 0.0;
-  for (double x : v) most = std::max(most, std::abs(x));
-  return most;
+  double size = 0.0;
+  for (double x : v) size = std::max(size, std::abs(x));
+  return size;
 }
 
+// A table of drives, each of which draws what it needs from the seed.
 std::vector<double> make_drive(Drive kind, std::size_t n, double step_s, double band_hz, Random& random) {
   std::vector<double> u(n, 0.0);
   const double total = static_cast<double>(n) * step_s;

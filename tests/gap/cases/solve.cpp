@@ -4,12 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "base/progress.hpp"
 #include "chain/model_file.hpp"
+#include "gap/runner.hpp"
 #include "gap/search.hpp"
-#include "gap/settle.hpp"
+#include "gap/study.hpp"
 #include "gap/verdict.hpp"
 
 namespace hidden {
@@ -18,35 +18,29 @@ using namespace bodesmith;
 
 namespace {
 
-/// The records of one side as the search wants them.
-struct Side {
-  std::vector<std::unique_ptr<gap::Experiment>> owned;
-  gap::Experiments experiments;
+gap::Study study_of(const Case& c, const chain::Chain& base) {
+  return c.train_responses.empty() ? gap::Study::of(c.train, c.holdout, base)
+                                   : gap::Study::of(c.train_responses, c.holdout_responses, base);
+}
+
+std::size_t samples_of(const Case& c) {
   std::size_t samples = 0;
-
-  Side(const std::vector<TimeRecord>& records, const std::vector<FrequencyRecord>& responses,
-       const chain::Chain& base) {
-    for (const auto& r : records) {
-      auto e = std::make_unique<gap::TimeExperiment>(r);
-      e->set_skip(gap::unscored_samples(base, r));
-      owned.push_back(std::move(e));
-      samples += r.size();
-    }
-    for (const auto& r : responses) {
-      owned.push_back(std::make_unique<gap::FrequencyExperiment>(r));
-      samples += r.frequency.size();
-    }
-    for (const auto& e : owned) experiments.push_back(e.get());
+  for (const auto* records : {&c.train, &c.holdout}) {
+    for (const auto& r : *records) samples += r.size();
   }
-};
+  for (const auto* responses : {&c.train_responses, &c.holdout_responses}) {
+    for (const auto& r : *responses) samples += r.frequency.size();
+  }
+  return samples;
+}
 
-void explain(const gap::SearchResult& result, const Side& train, const Side& holdout, double noise) {
+void explain(const gap::SearchResult& result, const gap::Study& study, double noise) {
   const auto show = [&](const std::vector<gap::Ranked>& ranking) {
     for (const auto& r : ranking) {
       fmt::print(
           "      {:<24} {:<15} score {:.3f} train {:.4f} holdout {:.4f} z {:.1f}/{:.1f} cond {:.1e} {}",
           r.effect->name(), r.placed, r.score, r.train_rms / noise, r.holdout_rms / noise, r.train_z, r.z,
-          r.condition_number, r.word);
+          r.condition_number, to_string(r.outcome));
       if (!r.model.terms().empty()) {
         for (const auto& u : r.model.terms().back().unknowns) fmt::print(" {}={:.4g}", u.name, u.value);
       }
@@ -54,8 +48,8 @@ void explain(const gap::SearchResult& result, const Side& train, const Side& hol
     }
   };
   fmt::print("    base train {:.3f} holdout {:.3f} floor {} {:.3f}\n",
-             gap::rms_of(result.base, train.experiments) / noise,
-             gap::rms_of(result.base, holdout.experiments) / noise, result.floor.word(),
+             gap::rms_of(result.base, study.train()) / noise,
+             gap::rms_of(result.base, study.holdout()) / noise, to_string(result.floor.source),
              result.floor.rms / noise);
   for (const auto& s : result.steps) {
     fmt::print("    step {} control {:.3f}\n", s.effect->name(), s.control_gain);
@@ -63,7 +57,7 @@ void explain(const gap::SearchResult& result, const Side& train, const Side& hol
   }
   fmt::print("    refused\n");
   show(result.refused);
-  for (const auto& s : result.structure) fmt::print("    sign: {} {:.2f}\n", s.what, s.strength);
+  for (const auto& s : result.structure) fmt::print("    sign: {} {:.2f}\n", to_string(s.kind), s.strength);
   for (const auto& n : result.notes) fmt::print("    note: {}\n", n);
 }
 
@@ -77,26 +71,25 @@ Outcome solve(const Case& c, const SolveOptions& wanted) {
   Outcome o;
   o.specification = c.specification;
   const auto base = chain::model_from_node(parse_toml(c.model, "model.toml"));
-  const Side train(c.train, c.train_responses, base);
-  const Side holdout(c.holdout, c.holdout_responses, base);
-  o.samples = train.samples + holdout.samples;
+  const auto study = study_of(c, base);
+  o.samples = samples_of(c);
   gap::SearchOptions options;
   options.threads = wanted.threads;
   Stopwatch watch;
   options.stop = [&] {
-    return interrupted() || (wanted.most_seconds > 0.0 && watch.seconds() > wanted.most_seconds);
+    return interrupted() || (wanted.max_seconds > 0.0 && watch.seconds() > wanted.max_seconds);
   };
-  const auto result = gap::search(base, train.experiments, holdout.experiments, options);
+  const auto result = gap::search(base, study.train(), study.holdout(), options);
   o.seconds = watch.seconds();
-  const auto verdict = gap::verdict_of(result, gap::rms_of(result.final, train.experiments), options.enough);
-  o.verdict = gap::word(verdict);
+  const auto verdict = gap::verdict_of(result, gap::rms_of(result.final, study.train()), options.enough);
+  o.verdict = to_string(verdict);
   for (const auto& s : result.steps) {
     o.named.emplace_back(s.effect->name());
     o.tied.insert(o.tied.end(), s.tied_with.begin(), s.tied_with.end());
   }
-  if (wanted.explain) explain(result, train, holdout, c.noise_rms);
-  const double first = gap::rms_of(result.base, holdout.experiments);
-  const double last = gap::rms_of(result.final, holdout.experiments);
+  if (wanted.explain) explain(result, study, c.noise_rms);
+  const double first = gap::rms_of(result.base, study.holdout());
+  const double last = gap::rms_of(result.final, study.holdout());
   const double noise = c.noise_rms;
   o.noise_share = last / noise;
   const double open = std::sqrt(std::max(0.0, first * first - noise * noise));
@@ -137,8 +130,8 @@ std::string line_of(const Outcome& o) {
       "{} {:<9} {:<7} {:<14} {:<30} x{:<4} -> {} [{}]{}  closure {:.2f}  left {:.2f} noise  {} samples  "
       "{:.1f} s  "
       "seed {}",
-      o.right ? (o.exact ? "ok " : "tie") : "BAD", word(s.world), word(s.kind), s.base, s.what_text(),
-      s.ratio, o.verdict, named, tied, o.closure, o.noise_share, o.samples, o.seconds, s.seed);
+      o.right ? (o.exact ? "ok " : "tie") : "BAD", to_string(s.world), to_string(s.kind), s.base,
+      s.what_text(), s.ratio, o.verdict, named, tied, o.closure, o.noise_share, o.samples, o.seconds, s.seed);
 }
 
 }  // namespace hidden

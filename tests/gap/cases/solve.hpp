@@ -24,8 +24,8 @@ struct Outcome {
 
 struct SolveOptions {
   int threads = 2;
-  double most_seconds = 0.0;  ///< stop the search after these; 0: never
-  bool explain = false;       ///< print every ranking
+  double max_seconds = 0.0;  ///< stop the search after these; 0: never
+  bool explain = false;      ///< print every ranking
 };
 
 Outcome solve(const Case& c, const SolveOptions& options = {});

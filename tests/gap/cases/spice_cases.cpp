@@ -62,14 +62,16 @@ std::string lowpass_text(double corner) {
   return fmt::format("[[block]]\ntype = \"lowpass\"\ncorner_hz = {}\nfree = [\"corner_hz\"]\n", corner);
 }
 
-Base make_base(const std::string& name, Random& random, bool right, std::size_t rows,
-               double least_duration_s) {
+// One table of bases and one of effects: each entry draws what it needs from the seed, and is read on its
+// own.
+
+Base make_base(const std::string& name, Random& random, bool right, std::size_t rows, double min_duration_s) {
   const auto U = [&](double a, double c) { return uniform(random, a, c); };
   const auto off = [&](double value, double part) {
     return right ? value : value * U(1.0 - part, 1.0 + part);
   };
   Base b;
-  b.step_s = std::max(log_uniform(random, 1e-5, 4e-4), least_duration_s / static_cast<double>(rows));
+  b.step_s = std::max(log_uniform(random, 1e-5, 4e-4), min_duration_s / static_cast<double>(rows));
   b.band_hz = U(0.015, 0.04) / b.step_s;
   b.amplitude = U(0.4, 1.0);
   b.good = {.gain_bandwidth_hz = 1e5 * b.band_hz,
@@ -215,10 +217,10 @@ std::vector<TwoPort> hide(const Base& b, const std::string& effect, const Seen& 
     ports[section] = section_port(s, b.good);
   } else if (effect == "cubic_stiffness" || effect == "quadratic_stiffness" || effect == "drag") {
     SpringParts s = b.spring;
-    const double most = out.size();
-    if (effect == "cubic_stiffness") s.cubic = U(0.05, 0.2) / most / most;
-    if (effect == "quadratic_stiffness") s.quadratic = sign() * U(0.05, 0.15) / most;
-    if (effect == "drag") s.drag = U(1.0, 3.0) * s.damping / (most * kTwoPi * s.hz);
+    const double reach = out.size();
+    if (effect == "cubic_stiffness") s.cubic = U(0.05, 0.2) / reach / reach;
+    if (effect == "quadratic_stiffness") s.quadratic = sign() * U(0.05, 0.15) / reach;
+    if (effect == "drag") s.drag = U(1.0, 3.0) * s.damping / (reach * kTwoPi * s.hz);
     ports[0] = spring_port(s);
   } else if (effect == "multiplier_error") {
     const Multiplier m{.scale = 1.0 + sign() * U(0.02, 0.07),

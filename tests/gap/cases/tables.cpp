@@ -78,8 +78,9 @@ std::string effect_table(const std::vector<Outcome>& outcomes) {
 std::string base_table(const std::vector<Outcome>& outcomes) {
   std::map<std::string, std::map<Kind, Count>> bases;
   for (const auto& o : outcomes)
-    bases[fmt::format("{} `{}`", word(o.specification.world), o.specification.base)][o.specification.kind]
-        .add(o);
+    bases[fmt::format("{} `{}`", to_string(o.specification.world), o.specification.base)]
+         [o.specification.kind]
+             .add(o);
   std::string text =
       "| records by, base | effects | pairs | controls left alone | outside, told |\n|---|---|---|---|---|\n";
   for (auto& [base, kinds] : bases) {

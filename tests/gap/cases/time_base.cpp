@@ -74,14 +74,17 @@ std::vector<double> play_chain(const std::vector<Stage>& stages, const std::vect
   return y;
 }
 
+// One table of bases, one of effects, one of outsiders: each entry draws what it needs from the seed, and is
+// read on its own.
+
 TimeBase make_time_base(const std::string& name, Random& random, bool right, std::size_t rows,
-                        double least_duration_s) {
+                        double min_duration_s) {
   const auto off = [&](double value, double part) {
     return right ? value : value * uniform(random, 1.0 - part, 1.0 + part);
   };
   TimeBase b;
   b.name = name;
-  b.step_s = std::max(log_uniform(random, 2e-5, 4e-4), least_duration_s / static_cast<double>(rows));
+  b.step_s = std::max(log_uniform(random, 2e-5, 4e-4), min_duration_s / static_cast<double>(rows));
   b.band_hz = uniform(random, 0.015, 0.045) / b.step_s;
   b.amplitude = log_uniform(random, 0.3, 5.0);
   b.model = "schema = \"bodesmith.model/1\"\n";
@@ -251,10 +254,10 @@ void hide(TimeBase& b, std::vector<Stage>& stages, const std::string& effect, co
     put(stages, at, hold(b.band_hz * log_uniform(random, 4.0, 12.0)));
   else if (effect == "cubic_stiffness" || effect == "quadratic_stiffness" || effect == "drag") {
     Mode& m = b.inner;
-    const double most = largest(play_chain(b.stages, u, step));
-    if (effect == "cubic_stiffness") m.cubic = U(0.05, 0.2) / most / most;
-    if (effect == "quadratic_stiffness") m.quadratic = sign() * U(0.05, 0.15) / most;
-    if (effect == "drag") m.drag = U(0.5, 1.5) * m.damping / (most * kTwoPi * m.hz) * 2.0;
+    const double reach = largest(play_chain(b.stages, u, step));
+    if (effect == "cubic_stiffness") m.cubic = U(0.05, 0.2) / reach / reach;
+    if (effect == "quadratic_stiffness") m.quadratic = sign() * U(0.05, 0.15) / reach;
+    if (effect == "drag") m.drag = U(0.5, 1.5) * m.damping / (reach * kTwoPi * m.hz) * 2.0;
     stages[b.inner_at] = mode(m);
   } else if (effect == "multiplier_error") {
     const double scale = 1.0 + sign() * U(0.02, 0.07);

@@ -37,7 +37,7 @@ struct TimeBase {
 
 /// With `right` the model's free parameters are the true ones, otherwise up to 15 % off.
 TimeBase make_time_base(const std::string& name, Random& random, bool right, std::size_t rows,
-                        double least_duration_s);
+                        double min_duration_s);
 
 /// Changes the stages so that they have the effect; sizes are taken from the signals under the input u.
 void hide(TimeBase& base, std::vector<Stage>& stages, const std::string& effect, const std::vector<double>& u,

@@ -53,7 +53,7 @@ bool wants_changing_amplitude(const std::vector<std::string>& what) {
   });
 }
 
-double least_duration(const std::vector<std::string>& what) {
+double min_duration_s(const std::vector<std::string>& what) {
   return std::find(what.begin(), what.end(), "mains_hum") != what.end() ? 0.15 : 0.0;
 }
 
@@ -105,7 +105,7 @@ Case make_effects(const Specification& s, Random& random) {
   Case c;
   c.truth = s.what;
   const std::size_t rows = pick_rows(s, random);
-  TimeBase b = make_time_base(s.base, random, false, rows, least_duration(s.what));
+  TimeBase b = make_time_base(s.base, random, false, rows, min_duration_s(s.what));
   c.model = b.model;
   const auto in = make_inputs(b, wants_changing_amplitude(s.what), rows, random);
   const auto plain = play_all(b.stages, in.train, b.step_s);

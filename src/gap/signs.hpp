@@ -3,11 +3,9 @@
 #include <string>
 #include <vector>
 
-#include "signal/time_record.hpp"
-
 namespace bodesmith::gap {
 
-/// Residual and model output of one record, scored samples only.
+/// What a model leaves of one record, scored samples only: what signs of structure are looked for in.
 struct Leftover {
   std::vector<double> residual;
   std::vector<double> input;
@@ -17,16 +15,27 @@ struct Leftover {
   std::vector<double> response;
 };
 
+enum class SignKind {
+  depends_on_signals,
+  bunched_in_time,
+  spectral_line,
+  jumps,
+  gain_varies,
+  smooth_over_frequency,
+};
+/// For a person: "the residual jumps", ...
+std::string to_string(SignKind kind);
+
 /// A sign that a residual is more than noise, whatever its colour.
 struct Sign {
-  bool found = false;
+  SignKind kind = SignKind::depends_on_signals;
   double strength = 0.0;  ///< over what chance reaches, 1: at the limit
-  std::string what;       ///< for a person
+  bool found() const { return strength > 1.0; }
 };
 
-/// The residual can be foretold from input and output (cells of value, slope, branch, memory, earlier inputs)
-/// by weights learned on one record and applied to the other: noise cannot, because its surrogates (same
-/// spectrum, random phases) cannot.
+/// The residual can be predicted from input and output (cells of value, slope, branch, memory, earlier
+/// inputs) by weights learned on one record and applied to the other: noise cannot, because its surrogates
+/// (same spectrum, random phases) cannot.
 Sign depends_on_signals(const Leftover& learn, const Leftover& apply);
 
 /// The energy is bunched in time more than surrogates of the same spectrum ever are.

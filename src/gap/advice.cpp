@@ -1,0 +1,52 @@
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+#include "gap/diagnosis.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// The experiments that would tell a step's tied effects apart.
+std::string experiments_for(const DiagnosedStep& step) {
+  std::string text = fmt::format("These records cannot tell {} from {}; what would: {}", step.effect,
+                                 join(step.tied_with, ", "), effect_registry().get(step.effect).experiment());
+  for (const auto& tied : step.tied_with) {
+    const std::string other(effect_registry().get(tied).experiment());
+    if (text.find(other) == std::string::npos) text += "; " + other;
+  }
+  return text + ".";
+}
+
+std::string what_remains(const Diagnosis& d) {
+  std::string text = fmt::format("Something{} is missing that no effect of the catalogue explains",
+                                 d.steps.empty() ? "" : " else");
+  if (!d.remaining_where.empty()) text += "; look at " + to_text(d.remaining_where.front());
+  return text + ".";
+}
+
+}  // namespace
+
+std::string advice_for(const Diagnosis& d, const Study& study) {
+  std::vector<std::string> advice;
+  for (const auto& step : d.steps) {
+    if (!step.tied_with.empty()) advice.push_back(experiments_for(step));
+  }
+  if (d.verdict == Verdict::unexplained || d.verdict == Verdict::partly_explained) {
+    advice.push_back(what_remains(d));
+  }
+  if (d.floor.source == NoiseFloor::Source::unknown && !study.frequency_responses()) {
+    advice.emplace_back(
+        "The noise floor is unknown: record at least two periods of a repeating input to know it.");
+  }
+  if (study.split()) {
+    advice.emplace_back(
+        "Nothing was held out, so a part of the same records was: a record with another excitation would "
+        "prove more.");
+  }
+  if (d.search.stopped)
+    advice.emplace_back("The search was stopped before its end: this is the best so far.");
+  for (const auto& note : d.search.notes) advice.push_back(note + ".");
+  return join(advice, " ");
+}
+
+}  // namespace bodesmith::gap

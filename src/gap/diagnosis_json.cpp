@@ -1,0 +1,118 @@
+#include "gap/diagnosis_json.hpp"
+
+#include <algorithm>
+
+#include "base/json.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// JSON has no infinity: a term that explains all there is.
+constexpr double kMaxSignificance = 1e6;
+
+Json json_of(const GapSize& s) {
+  return {{"train_rms", s.train_rms},
+          {"holdout_rms", s.holdout_rms},
+          {"holdout_percent_of_range", s.holdout_percent_of_range},
+          {"train_whole_record_rms", s.train_whole_rms},
+          {"holdout_whole_record_rms", s.holdout_whole_rms}};
+}
+
+Json json_of(const std::vector<Cell>& cells) {
+  Json all = Json::array();
+  for (const auto& c : cells) {
+    all.push_back({{"axis", to_string(c.axis)},
+                   {"from", c.from},
+                   {"to", c.to},
+                   {"share", c.share},
+                   {"extent", c.extent}});
+  }
+  return all;
+}
+
+Json json_of(const Ranked& r) {
+  Json values = Json::object();
+  if (!r.model.terms().empty()) {
+    for (const auto& u : r.model.terms().back().unknowns) values[u.name] = u.value;
+  }
+  return {{"effect", r.effect->name()},
+          {"placed", r.placed},
+          {"parameters", values},
+          {"train_rms_after", r.train_rms},
+          {"holdout_rms_after", r.holdout_rms},
+          {"significance", std::clamp(r.z, -kMaxSignificance, kMaxSignificance)},
+          {"outcome", to_string(r.outcome)}};
+}
+
+Json json_of(const std::vector<Ranked>& ranking) {
+  Json all = Json::array();
+  for (const auto& r : ranking) all.push_back(json_of(r));
+  return all;
+}
+
+Json json_of(const RunnerUp& r) {
+  if (r.effect.empty()) return nullptr;
+  return {{"effect", r.effect}, {"holdout_rms_after", r.holdout_rms}, {"outcome", to_string(r.outcome)}};
+}
+
+Json json_of(const DiagnosedStep& s) {
+  Json parameters = Json::object();
+  for (const auto& p : s.parameters)
+    parameters[p.name] = {{"value", p.value}, {"low", p.low}, {"high", p.high}};
+  return {{"effect", s.effect},
+          {"tied_with", s.tied_with},
+          {"also_fitted_with_more_parameters", s.also_fit},
+          {"placed", s.placed},
+          {"also_placed", s.also_placed},
+          {"parameters", parameters},
+          {"holdout_rms_before", s.before.holdout_rms},
+          {"holdout_rms_after", s.after.holdout_rms},
+          {"train_rms_before", s.before.train_rms},
+          {"train_rms_after", s.after.train_rms},
+          {"significance", std::min(s.significance, kMaxSignificance)},
+          {"control_gain", s.control_gain},
+          {"runner_up", json_of(s.runner_up)}};
+}
+
+Json json_of(const NoiseFloor& floor) {
+  Json j = {{"rms", floor.rms}, {"how", to_string(floor.source)}};
+  if (floor.source == NoiseFloor::Source::unknown) j["rms"] = nullptr;
+  if (floor.source == NoiseFloor::Source::periods) {
+    j["periods"] = floor.periods;
+    j["repeating_odd_rms"] = floor.odd_rms;
+    j["repeating_even_rms"] = floor.even_rms;
+  }
+  return j;
+}
+
+}  // namespace
+
+Json to_json(const Diagnosis& d) {
+  Json j;
+  j["noise_floor"] = json_of(d.floor);
+  j["gap"] = {
+      {"initial", json_of(d.initial)}, {"refitted", json_of(d.refitted)}, {"final", json_of(d.final)}};
+  if (d.relative) j["gap"]["relative"] = "parts of H_model/H_measured - 1, real and imaginary";
+  j["scored"] = Json::array();
+  for (const auto& s : d.scored_from) {
+    j["scored"].push_back({{"file", s.file}, {"held_out", s.held_out}, {"scored_from_s", s.from_s}});
+  }
+  j["where"] = json_of(d.where);
+  j["remaining_where"] = json_of(d.remaining_where);
+  j["steps"] = Json::array();
+  for (std::size_t k = 0; k < d.steps.size(); ++k) {
+    Json step = json_of(d.steps[k]);
+    step["candidates"] = json_of(d.search.steps[k].ranking);
+    j["steps"].push_back(std::move(step));
+  }
+  j["signs_of_more"] = Json::array();
+  for (const auto& s : d.search.structure) {
+    j["signs_of_more"].push_back({{"sign", to_string(s.kind)}, {"times_chance", s.strength}});
+  }
+  j["refused"] = json_of(d.search.refused);
+  j["verdict"] = to_string(d.verdict);
+  j["advice"] = d.advice;
+  return j;
+}
+
+}  // namespace bodesmith::gap

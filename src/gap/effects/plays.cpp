@@ -1,0 +1,19 @@
+#include "gap/effects/plays.hpp"
+
+#include <string>
+
+namespace bodesmith::gap {
+
+PlayBank play_bank(std::span<const double> parts, double half_range) {
+  constexpr double kStart = 0.01;
+  PlayBank bank{{0.0}, {1.0}, {}, {}};
+  for (std::size_t k = 0; k < parts.size(); ++k) {
+    bank.radius.push_back(parts[k] * half_range);
+    bank.weight.push_back(kStart);
+    bank.unknowns.push_back(linear_unknown("w[" + std::to_string(k + 1) + "]", 0.0, 5.0, 0.05));
+    bank.start.push_back(kStart);
+  }
+  return bank;
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,21 @@
+#pragma once
+
+#include <span>
+#include <vector>
+
+#include "gap/proposal.hpp"
+
+namespace bodesmith::gap {
+
+/// A bank of plays with fixed radii beside the straight line u, as a prandtl_ishlinskii block: linear in its
+/// weights, which are the unknowns w[1], w[2], … and start small.
+struct PlayBank {
+  std::vector<double> radius;  ///< r of the block, the straight line's 0 in front
+  std::vector<double> weight;  ///< w of the block
+  std::vector<Unknown> unknowns;
+  std::vector<double> start;
+};
+/// Radii as parts of half the signal's range.
+PlayBank play_bank(std::span<const double> parts, double half_range);
+
+}  // namespace bodesmith::gap

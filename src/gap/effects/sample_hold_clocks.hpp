@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <vector>
+
+#include "gap/proposal.hpp"
+#include "gap/scene.hpp"
+
+/// How the clock of a missing sample-and-hold is found in the residual of time records. A staircase needs the
+/// clock to within a fraction of a cycle over the record, so each search begins with the first samples, where
+/// a coarse comb of clocks will do; most refine the best ones as the look grows longer.
+namespace bodesmith::gap {
+
+/// Delay that would explain most of the residual, in seconds; 0 when that is next to nothing.
+double mean_lag_s(const Scene& scene);
+
+/// Whether the residual's spectrum above the input's band is anything but flat, as images of a clock make it.
+bool images_stand_out(const Scene& scene);
+
+/// Clocks by the mean lag: `held` is the model with a hold whose clock is its last unknown, tried around
+/// `guess_hz`.
+Starts clocks_by_lag(const Scene& scene, const Model& held, double guess_hz);
+
+/// Clocks by the staircase alone: the residual is likened to what a hold of the model's output leaves beside
+/// its mean lag, which free corners of the model may have taken over. `half`: the hold acts half a cycle
+/// late.
+Starts clocks_by_stairs(const Scene& scene, bool half);
+
+/// The same for a hold at `at` in front of dynamics, which soften its stairs: the feature is what the whole
+/// model makes of a hold beside a plain delay of the same mean, on the first samples.
+Starts clocks_before_dynamics(const Scene& scene, std::size_t at, bool half);
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,130 @@
+#include "gap/gap_size.hpp"
+
+#include <algorithm>
+#include <tuple>
+
+#include "gap/runner.hpp"
+#include "signal/periodogram.hpp"
+#include "signal/statistics.hpp"
+#include "simulate/simulate.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// A start stands out under the final model when its residual is this much larger than the rest's.
+constexpr double kStartStandsOut = 1.5;
+
+/// Residual of one record from its first to its last sample, as `simulate` makes it.
+std::vector<double> whole_residual(const Model& model, const TimeExperiment& experiment) {
+  simulate::Options options;
+  options.estimate_error = false;
+  const auto& record = experiment.record();
+  const auto result = simulate::simulate(model.chain(), record, options);
+  std::vector<double> e(experiment.end());
+  for (std::size_t i = 0; i < e.size(); ++i) e[i] = record.y[i] - result.y[i];
+  return e;
+}
+
+std::vector<double> whole_residual(const Model& model, const FrequencyExperiment& experiment) {
+  auto e = residuals_of(model, {experiment});
+  for (double& x : e) x = -x;
+  return e;
+}
+
+std::vector<double> whole_residual(const Model& model, const Experiment& experiment) {
+  return std::visit([&](const auto& e) { return whole_residual(model, e); }, experiment);
+}
+
+double rms_of_part(std::span<const double> part) {
+  return rms({part.begin(), part.end()});
+}
+
+std::size_t scoring_start(const Model& final, const TimeExperiment& experiment, bool split) {
+  if (experiment.first() == 0) return 0;
+  const auto residual = whole_residual(final, experiment);
+  const auto start = std::span(residual).first(experiment.first());
+  const auto rest = std::span(residual).subspan(experiment.first());
+  const bool stands_out = rms_of_part(start) > kStartStandsOut * rms_of_part(rest);
+  return split || stands_out ? experiment.first() : 0;
+}
+
+/// `split`: the samples before the scored ones belong to the training records.
+std::vector<std::size_t> scoring_starts(const Model& final, const Experiments& experiments, bool split) {
+  std::vector<std::size_t> starts;
+  for (const auto& e : experiments) {
+    starts.push_back(
+        std::visit(Visitor{[&](const TimeExperiment& time) { return scoring_start(final, time, split); },
+                           [](const FrequencyExperiment&) { return std::size_t{0}; }},
+                   e));
+  }
+  return starts;
+}
+
+/// rms of all records together, from their scoring starts on, and whole.
+std::pair<double, double> pooled_rms(const Model& model, const Experiments& experiments,
+                                     const std::vector<std::size_t>& from) {
+  std::vector<double> scored;
+  std::vector<double> whole;
+  for (std::size_t i = 0; i < experiments.size(); ++i) {
+    const auto e = whole_residual(model, experiments[i]);
+    scored.insert(scored.end(), e.begin() + static_cast<std::ptrdiff_t>(from[i]), e.end());
+    whole.insert(whole.end(), e.begin(), e.end());
+  }
+  return {rms(scored), rms(whole)};
+}
+
+std::vector<Cell> where_in(const TimeExperiment& experiment, const std::vector<double>& residual,
+                           std::size_t from) {
+  const auto& u = experiment.record().u;
+  const auto later = std::span(u).subspan(from);
+  return where(experiment.record(), residual, from, find_period({later.begin(), later.end()}));
+}
+
+std::vector<Cell> where_in(const FrequencyExperiment& experiment, const std::vector<double>& residual,
+                           std::size_t) {
+  return where(experiment.record(), residual);
+}
+
+}  // namespace
+
+GapMeter::GapMeter(const Study& study, const Model& final)
+    : study_(study),
+      train_from_(scoring_starts(final, study.train(), false)),
+      holdout_from_(scoring_starts(final, study.holdout(), study.split())) {}
+
+GapSize GapMeter::size(const Model& model) const {
+  GapSize s;
+  std::tie(s.train_rms, s.train_whole_rms) = pooled_rms(model, study_.train(), train_from_);
+  std::tie(s.holdout_rms, s.holdout_whole_rms) = pooled_rms(model, study_.holdout(), holdout_from_);
+  s.holdout_percent_of_range = 100.0 * s.holdout_rms / largest_range(study_.holdout());
+  return s;
+}
+
+std::vector<Cell> GapMeter::where(const Model& model) const {
+  double largest = -1.0;
+  std::vector<Cell> cells;
+  for (std::size_t i = 0; i < study_.holdout().size(); ++i) {
+    const auto& experiment = study_.holdout()[i];
+    const auto residual = whole_residual(model, experiment);
+    const double size = rms(residual);
+    if (size <= largest) continue;
+    largest = size;
+    cells = std::visit([&](const auto& e) { return where_in(e, residual, holdout_from_[i]); }, experiment);
+  }
+  return cells;
+}
+
+std::vector<ScoredFrom> GapMeter::scored_from() const {
+  std::vector<ScoredFrom> all;
+  const auto add = [&](const Experiments& experiments, const std::vector<std::size_t>& from, bool held_out) {
+    for (std::size_t i = 0; i < experiments.size(); ++i) {
+      if (const auto* time = std::get_if<TimeExperiment>(&experiments[i]))
+        all.push_back({time->file(), held_out, time->record().time_s(from[i])});
+    }
+  };
+  add(study_.train(), train_from_, false);
+  add(study_.holdout(), holdout_from_, true);
+  return all;
+}
+
+}  // namespace bodesmith::gap

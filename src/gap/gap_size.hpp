@@ -1,0 +1,48 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gap/model.hpp"
+#include "gap/study.hpp"
+#include "gap/where.hpp"
+
+namespace bodesmith::gap {
+
+/// The sizes of a gap. Every figure is what `simulate` finds with the model.toml of that stage.
+struct GapSize {
+  double train_rms = 0.0;
+  double holdout_rms = 0.0;
+  double holdout_percent_of_range = 0.0;
+  double train_whole_rms = 0.0;  ///< from the first sample on, start transients included
+  double holdout_whole_rms = 0.0;
+};
+
+/// Where the score of a record begins.
+struct ScoredFrom {
+  std::string file;
+  bool held_out = false;
+  double from_s = 0.0;
+};
+
+/// Sizes of gaps of one study, all measured over the same samples: from the first one on, unless a record's
+/// start stands out even under the final model.
+class GapMeter {
+ public:
+  GapMeter(const Study& study, const Model& final);
+
+  GapSize size(const Model& model) const;
+  /// Where the gap of the held-out record with the largest gap lies.
+  std::vector<Cell> where(const Model& model) const;
+  /// Time records only.
+  std::vector<ScoredFrom> scored_from() const;
+
+ private:
+  const Study& study_;
+  std::vector<std::size_t> train_from_;
+  std::vector<std::size_t> holdout_from_;
+};
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,111 @@
+#include "gap/page/page.hpp"
+
+#include <fmt/format.h>
+
+#include <vector>
+
+#include "base/text.hpp"
+#include "chain/model_file.hpp"
+#include "gap/page/figures.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+std::string sentence(Verdict verdict) {
+  switch (verdict) {
+    case Verdict::explained:
+      return "What was missing has been found: nothing but noise seems to be left.";
+    case Verdict::partly_explained:
+      return "Part of what was missing has been found, and more is left that the catalogue does not explain.";
+    case Verdict::nothing_missing:
+      return "Nothing is missing that these records can show: what the model leaves is noise.";
+    case Verdict::unexplained:
+      break;
+  }
+  return "Something is missing, and no effect of the catalogue explains it. No name is given rather than a "
+         "wrong one.";
+}
+
+std::string subtitle(const Diagnosis& d) {
+  std::vector<std::string> named;
+  for (const auto& s : d.steps) named.push_back(s.effect);
+  return named.empty() ? to_string(d.verdict) : to_string(d.verdict) + ": " + join(named, ", ");
+}
+
+std::string step_text(const DiagnosedStep& s) {
+  std::vector<std::string> values;
+  for (const auto& p : s.parameters) {
+    values.push_back(fmt::format("{} = {} ({} to {})", p.name, figure_text(p.value), figure_text(p.low),
+                                 figure_text(p.high)));
+  }
+  std::string text = fmt::format("{} ({}): {}. {}.", s.effect, s.placed,
+                                 effect_registry().get(s.effect).what(), join(values, ", "));
+  if (!s.tied_with.empty())
+    text += fmt::format(" These records cannot tell it from {}.", join(s.tied_with, ", "));
+  return text;
+}
+
+void add_verdict(report::Page& page, const Diagnosis& d) {
+  page.chapter("Verdict");
+  page.paragraph(sentence(d.verdict));
+  const double closed =
+      d.refitted.holdout_rms > 0.0 ? 100.0 * (1.0 - d.final.holdout_rms / d.refitted.holdout_rms) : 0.0;
+  const bool floor_known = d.floor.source != NoiseFloor::Source::unknown;
+  page.key_figures({{to_string(d.verdict), "verdict"},
+                    {figure_text(d.refitted.holdout_rms), "held-out rms, base model refitted"},
+                    {figure_text(d.final.holdout_rms), "held-out rms, extended model"},
+                    {fmt::format("{:.1f} %", closed), "of the held-out rms removed"},
+                    {floor_known ? figure_text(d.floor.rms) : "unknown",
+                     "noise floor (" + to_string(d.floor.source) + ")"}});
+  for (const auto& s : d.steps) page.paragraph(step_text(s));
+  if (!d.advice.empty()) page.warning(d.advice);
+}
+
+void add_steps(report::Page& page, const Diagnosis& d) {
+  page.chapter("The gap, step by step");
+  page.table(steps_table(d), "Each figure is what `bodesmith simulate` finds with the model of that row.");
+  if (!d.steps.empty()) add_ladder_figure(page, d);
+}
+
+void add_where(report::Page& page, const Diagnosis& d) {
+  page.chapter("Where the gap lies");
+  page.table(cells_table(d.where), "The model as given: where the gap is densest on each axis.");
+  page.table(cells_table(d.remaining_where), "The extended model: where what remains is densest.");
+  if (d.floor.source != NoiseFloor::Source::periods) return;
+  page.paragraph(fmt::format(
+      "From {} periods: noise {} rms; what repeats of the final residual is {} in odd and {} in even harmonics.",
+      d.floor.periods, figure_text(d.floor.rms), figure_text(d.floor.odd_rms),
+      figure_text(d.floor.even_rms)));
+}
+
+void add_candidates(report::Page& page, const SearchResult& search) {
+  page.chapter("The candidates");
+  for (std::size_t k = 0; k < search.steps.size(); ++k) {
+    page.table(ranking_table(search.steps[k].ranking),
+               fmt::format("Round {}: {} was named.", k + 1, search.steps[k].effect->name()));
+  }
+  if (!search.refused.empty())
+    page.table(ranking_table(search.refused), "Last round: none earned its place.");
+  for (const auto& s : search.structure) {
+    page.paragraph(
+        fmt::format("Sign of more: {} ({:.1f} times what chance reaches).", to_string(s.kind), s.strength));
+  }
+}
+
+}  // namespace
+
+std::string report_page(const Diagnosis& d, const Study& study) {
+  report::Page page("What the model is missing", subtitle(d));
+  add_verdict(page, d);
+  add_steps(page, d);
+  add_where(page, d);
+  page.chapter("Before and after");
+  for (const auto& experiment : study.holdout())
+    std::visit([&](const auto& e) { add_record_figures(page, d, e); }, experiment);
+  add_candidates(page, d.search);
+  page.chapter("The extended model");
+  page.listing(chain::model_text(d.search.final.chain()));
+  return page.html();
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,110 @@
+#include "gap/proposal.hpp"
+
+#include <algorithm>
+#include <utility>
+
+namespace bodesmith::gap {
+namespace {
+
+std::function<void(Model&, std::span<const double>)> setter(int id, const std::vector<Unknown>& unknowns) {
+  std::vector<std::string> names;
+  for (const auto& u : unknowns) names.push_back(u.name);
+  return [id, names](Model& model, std::span<const double> values) {
+    auto& block = model.block(id);
+    for (std::size_t k = 0; k < names.size(); ++k) block.set(names[k], values[k]);
+  };
+}
+
+const chain::Parameter* find_parameter(const chain::Block& block, std::string_view name) {
+  const auto& all = block.parameters();
+  const auto found =
+      std::find_if(all.begin(), all.end(), [&](const chain::Parameter& p) { return p.name() == name; });
+  return found == all.end() ? nullptr : &*found;
+}
+
+void add_parameters(std::vector<Unknown>& unknowns, const chain::Block& block) {
+  for (auto& u : unknowns) {
+    const auto* parameter = find_parameter(block, u.name);
+    if (parameter == nullptr) continue;
+    u.parameter = parameter->key;
+    u.unit = parameter->unit();
+  }
+}
+
+}  // namespace
+
+Proposal insert_block(const Scene& scene, const Effect& effect, std::size_t position, chain::Block block,
+                      std::vector<Unknown> unknowns, Starts starts) {
+  Model model = *scene.model;
+  Term term;
+  term.effect = &effect;
+  term.placed = model.placed(position);
+  add_parameters(unknowns, block);
+  const int id = model.insert(position, std::move(block));
+  term.blocks = {id};
+  term.write = setter(id, unknowns);
+  term.unknowns = std::move(unknowns);
+  return propose_term(std::move(model), std::move(term), std::move(starts));
+}
+
+Proposal change_block(const Scene& scene, const Effect& effect, std::size_t position,
+                      std::vector<Unknown> unknowns, Starts starts) {
+  Term term;
+  term.effect = &effect;
+  term.placed = inside_block(*scene.model, position);
+  const auto& block = scene.model->at(position);
+  const int id = scene.model->id_at(position);
+  std::vector<std::pair<std::string, double>> before;
+  for (const auto& u : unknowns) before.emplace_back(u.name, block.get(u.name));
+  add_parameters(unknowns, block);
+  term.write = setter(id, unknowns);
+  term.undo = [id, before](Model& model) {
+    for (const auto& [name, value] : before) model.block(id).set(name, value);
+  };
+  term.unknowns = std::move(unknowns);
+  return propose_term(*scene.model, std::move(term), std::move(starts));
+}
+
+Proposal propose_term(Model model, Term term, Starts starts) {
+  for (std::size_t k = 0; k < term.unknowns.size(); ++k) term.unknowns[k].value = starts.front()[k];
+  model.add(std::move(term));
+  return {std::move(model), std::move(starts)};
+}
+
+std::string inside_block(const Model& model, std::size_t position) {
+  return "inside block " + std::to_string(model.base_number(position));
+}
+
+Unknown linear_unknown(std::string name, double low, double high, double scale) {
+  Unknown u;
+  u.name = std::move(name);
+  u.low = low;
+  u.high = high;
+  u.scale = scale;
+  return u;
+}
+
+Unknown logarithmic_unknown(std::string name, double low, double high) {
+  Unknown u;
+  u.name = std::move(name);
+  u.low = low;
+  u.high = high;
+  u.logarithmic = true;
+  return u;
+}
+
+std::vector<std::size_t> places_of_unused(const Scene& scene, std::string_view key) {
+  std::vector<std::size_t> places;
+  for (std::size_t at : scene.base_places()) {
+    const auto* parameter = find_parameter(scene.model->at(at), key);
+    if (parameter != nullptr && !parameter->free && parameter->value == 0.0) places.push_back(at);
+  }
+  return places;
+}
+
+bool is_refitted(const Model& model, std::string_view key) {
+  const auto unknowns = model.unknowns();
+  return std::any_of(unknowns.begin(), unknowns.end(), [&](const Unknown& u) { return u.parameter == key; });
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,46 @@
+#pragma once
+
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "gap/model.hpp"
+#include "gap/scene.hpp"
+
+namespace bodesmith::gap {
+
+class Effect;
+
+/// Values of a term's unknowns to start a fit from, each set as long as the term has unknowns.
+using Starts = std::vector<std::vector<double>>;
+
+/// A candidate: the model with the effect's term as its last one, and values of the term's unknowns to start
+/// from.
+struct Proposal {
+  Model model;
+  Starts starts;
+};
+
+/// For effects that are one block of their own: each unknown's name is the block's parameter, whose unit it
+/// gets.
+Proposal insert_block(const Scene& scene, const Effect& effect, std::size_t position, chain::Block block,
+                      std::vector<Unknown> unknowns, Starts starts);
+/// For effects inside a base block: the unknowns' names are its parameters.
+Proposal change_block(const Scene& scene, const Effect& effect, std::size_t position,
+                      std::vector<Unknown> unknowns, Starts starts);
+/// For all others: `model` is the scene's with the term's blocks in it, `term` knows how to write its
+/// unknowns; their values become those of the first start.
+Proposal propose_term(Model model, Term term, Starts starts);
+
+/// "inside block 2", for a term that changes the base block at `position`.
+std::string inside_block(const Model& model, std::size_t position);
+
+Unknown linear_unknown(std::string name, double low, double high, double scale);
+Unknown logarithmic_unknown(std::string name, double low, double high);
+
+/// The base model's blocks whose parameter `key` is at 0 and not refitted anyhow: where an effect may set it.
+std::vector<std::size_t> places_of_unused(const Scene& scene, std::string_view key);
+/// Whether one of the model's unknowns is a block's parameter `key`.
+bool is_refitted(const Model& model, std::string_view key);
+
+}  // namespace bodesmith::gap

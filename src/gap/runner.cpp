@@ -1,0 +1,166 @@
+#include "gap/runner.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "base/error.hpp"
+#include "signal/statistics.hpp"
+#include "simulate/record_simulator.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// A model that leaves more than this (root of the sum of squares) has run away.
+constexpr double kRunAway = 1e12;
+
+class TimeBench final : public Bench {
+ public:
+  TimeBench(const chain::Chain& chain, const TimeExperiment& experiment)
+      : experiment_(experiment), simulator_(chain, experiment.record().step_s, options(experiment)) {}
+
+  chain::Chain& chain() override { return simulator_.chain(); }
+
+  bool residuals(std::vector<double>& append) override {
+    const auto& record = experiment_.record();
+    const auto y = simulator_.run(std::span<const double>(record.u).first(experiment_.end()));
+    const std::size_t before = append.size();
+    append.resize(before + experiment_.scored());
+    const auto mine = std::span(append).subspan(before);
+    double sum_of_squares = 0.0;
+    for (std::size_t i = 0, k = experiment_.first(); k < experiment_.end(); ++i, ++k) {
+      mine[i] = y[k] - record.y[k];
+      sum_of_squares += mine[i] * mine[i];
+    }
+    experiment_.take_out_free_responses(mine);
+    return !simulator_.diverged() && std::isfinite(sum_of_squares) && sum_of_squares < kRunAway * kRunAway;
+  }
+
+  std::vector<double> output() override {
+    const auto y = simulator_.run(experiment_.record().u);
+    return {y.begin(), y.end()};
+  }
+
+ private:
+  static simulate::RecordOptions options(const TimeExperiment& experiment) {
+    simulate::RecordOptions o;
+    o.start_s = experiment.record().start_s;
+    // A search need not follow wild values to their end, nor leading ones to the last digit.
+    o.max_parts = 3.0;
+    o.newton_tolerance = experiment.coarse() ? 1e-8 : 1e-10;
+    if (experiment.coarse()) o.max_turn_rad = 1.6;
+    return o;
+  }
+  TimeExperiment experiment_;
+  simulate::RecordSimulator simulator_;
+};
+
+class FrequencyBench final : public Bench {
+ public:
+  FrequencyBench(const chain::Chain& chain, const FrequencyExperiment& experiment)
+      : chain_(chain), experiment_(experiment) {}
+
+  chain::Chain& chain() override { return chain_; }
+
+  bool residuals(std::vector<double>& append) override {
+    const auto& record = experiment_.record();
+    for (std::size_t i = 0; i < record.frequency.size(); ++i) {
+      const auto h = chain_.response(record.frequency[i].rad_s());
+      if (!h) return false;
+      const auto e = *h / record.response[i] - 1.0;
+      if (!std::isfinite(e.real()) || !std::isfinite(e.imag())) return false;
+      append.push_back(e.real());
+      append.push_back(e.imag());
+    }
+    return true;
+  }
+
+  std::vector<double> output() override { return {}; }
+
+ private:
+  chain::Chain chain_;
+  FrequencyExperiment experiment_;
+};
+
+std::unique_ptr<Bench> make_bench(const chain::Chain& chain, const Experiment& experiment) {
+  return std::visit(Visitor{[&](const TimeExperiment& e) -> std::unique_ptr<Bench> {
+                              return std::make_unique<TimeBench>(chain, e);
+                            },
+                            [&](const FrequencyExperiment& e) -> std::unique_ptr<Bench> {
+                              return std::make_unique<FrequencyBench>(chain, e);
+                            }},
+                    experiment);
+}
+
+void copy_values(const Model& model, chain::Chain& chain) {
+  for (std::size_t i = 0; i < model.size(); ++i) {
+    const auto& from = model.at(i).parameters();
+    auto& to = chain.blocks[i].parameters();
+    for (std::size_t k = 0; k < from.size(); ++k) to[k].value = from[k].value;
+  }
+}
+
+}  // namespace
+
+Runner::Runner(const Model& model, const Experiments& experiments) : model_(model) {
+  const auto chain = model.chain();
+  for (const auto& e : experiments) benches_.push_back(make_bench(chain, e));
+}
+Runner::~Runner() = default;
+Runner::Runner(Runner&&) noexcept = default;
+
+bool Runner::apply(std::span<const double> values) {
+  model_.set_values(values);
+  if (!model_.validation_error().empty()) return false;
+  for (auto& b : benches_) copy_values(model_, b->chain());
+  return true;
+}
+
+bool Runner::operator()(std::span<const double> values, std::vector<double>& out) {
+  out.clear();
+  try {
+    if (!apply(values)) return false;
+    for (auto& b : benches_) {
+      if (!b->residuals(out)) return false;
+    }
+    return true;
+  } catch (
+      const InputError&) {  // a relation between parameters that an engine needs and a trial value breaks
+    return false;
+  }
+}
+
+std::vector<std::vector<double>> Runner::outputs(std::span<const double> values) {
+  std::vector<std::vector<double>> all;
+  if (!apply(values)) return all;
+  for (auto& b : benches_) all.push_back(b->output());
+  return all;
+}
+
+std::vector<double> current_values(const Model& model) {
+  std::vector<double> values;
+  for (const auto& u : model.unknowns()) values.push_back(u.value);
+  return values;
+}
+
+std::vector<double> residuals_of(const Model& model, const Experiments& experiments) {
+  std::vector<double> out;
+  try {
+    Runner runner(model, experiments);
+    if (!runner(current_values(model), out)) out.clear();
+  } catch (const InputError&) {  // as in Runner: no outcome to compare
+    out.clear();
+  }
+  return out;
+}
+
+std::vector<double> output_of(const Model& model, const TimeExperiment& experiment) {
+  auto outputs = Runner(model, {experiment}).outputs(current_values(model));
+  return outputs.empty() ? std::vector<double>{} : std::move(outputs.front());
+}
+
+double rms_of(const Model& model, const Experiments& experiments) {
+  const auto e = residuals_of(model, experiments);
+  return e.empty() ? std::numeric_limits<double>::infinity() : rms(e);
+}
+
+}  // namespace bodesmith::gap

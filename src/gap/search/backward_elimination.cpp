@@ -1,0 +1,136 @@
+#include "gap/search/backward_elimination.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <set>
+#include <utility>
+
+#include "gap/runner.hpp"
+#include "gap/search/round.hpp"
+#include "signal/statistics.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// Iterations of the refit without a term.
+constexpr int kIterationsWithout = 12;
+
+Model refitted_without(const SearchSetting& setting, const SearchRecords& records, Model model,
+                       std::size_t term) {
+  model.remove(term);
+  return fit_in_turn(setting, records, std::move(model), kIterationsWithout).model;
+}
+
+/// Takes out earlier terms that no longer earn their place.
+Found prune(const SearchSetting& setting, const SearchRecords& records, Found found) {
+  const auto& options = setting.options;
+  for (std::size_t k = 0; k + 1 < found.steps.size() && k + 1 < found.model.terms().size();) {
+    auto without = without_term(setting, records, found.model, k);
+    const bool idle = without.gain.share < options.acceptance.min_gain ||
+                      without.gain.z < options.elimination.min_significance;
+    if (!idle) {
+      ++k;
+      continue;
+    }
+    found.notes.push_back(fmt::format("{} was taken out again: a later term explains what it did",
+                                      found.model.terms()[k].effect->name()));
+    found.model = std::move(without.model);
+    found.steps.erase(found.steps.begin() + static_cast<std::ptrdiff_t>(k));
+  }
+  return found;
+}
+
+/// Effects that may do better than the step's once later terms are there: its ties, and those that were not
+/// far worse.
+std::set<const Effect*> rivals_of(const SearchSetting& setting, const SearchRecords& records,
+                                  const Step& step) {
+  const auto& options = setting.options.elimination;
+  std::set<const Effect*> rivals;
+  for (const auto& name : step.tied_with) rivals.insert(&effect_registry().get(name));
+  const double own = rms_of(step.after, records.holdout);
+  for (const auto& r : step.ranking) {
+    if (r.effect != step.effect && rivals.size() < options.max_rivals &&
+        r.holdout_rms < options.far_worse * own)
+      rivals.insert(r.effect);
+  }
+  return rivals;
+}
+
+/// The candidate that best takes the place of a term of the present model; null when none does.
+const Ranked* best_successor(const SearchSetting& setting, const SearchRecords& records, const Model& now,
+                             const Term& term, const std::vector<Ranked>& ranking) {
+  const auto& accepted = setting.options.acceptance;
+  const auto& options = setting.options.elimination;
+  const double holdout = rms_of(now, records.holdout);
+  const double train = rms_of(now, records.train);
+  const Ranked* best = nullptr;
+  for (const auto& r : ranking) {
+    if (r.condition_number > accepted.max_condition || r.unknowns > accepted.max_unknowns) continue;
+    const bool better =
+        r.holdout_rms < options.swap_holdout * holdout && r.train_rms < options.swap_train * train;
+    const bool simpler = r.effective < term.effective_unknowns() &&
+                         r.holdout_rms < options.swap_simpler * holdout &&
+                         r.train_rms < options.swap_simpler * train;
+    if ((better || simpler) && (best == nullptr || r.holdout_rms < best->holdout_rms)) best = &r;
+  }
+  return best;
+}
+
+/// What is found with one earlier term exchanged; nothing when none of them should be.
+std::optional<Found> with_one_exchanged(const SearchSetting& setting, const SearchRecords& records,
+                                        const Found& found) {
+  for (std::size_t k = 0; k + 1 < found.steps.size(); ++k) {
+    if (setting.options.stopped()) break;
+    const auto rivals = rivals_of(setting, records, found.steps[k]);
+    if (rivals.empty()) continue;
+    Model without = refitted_without(setting, records, found.model, k);
+    auto ranking = fit_round(setting, records, without,
+                             [&](const Effect& effect) { return rivals.count(&effect) != 0; });
+    const Ranked* best = best_successor(setting, records, found.model, found.model.terms()[k], ranking);
+    if (best == nullptr) continue;
+    Found exchanged = found;
+    exchanged.notes.push_back(fmt::format("{} took the place of {} once the other terms were there",
+                                          best->effect->name(), found.steps[k].effect->name()));
+    exchanged.model = best->model;
+    // Terms keep the order of the steps: the new one is the last.
+    exchanged.steps.erase(exchanged.steps.begin() + static_cast<std::ptrdiff_t>(k));
+    Step& step = exchanged.steps.emplace_back();
+    step.effect = best->effect;
+    step.placed = best->placed;
+    step.before = std::move(without);
+    step.after = best->model;
+    step.ranking = std::move(ranking);
+    return exchanged;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+WithoutTerm without_term(const SearchSetting& setting, const SearchRecords& records, const Model& with,
+                         std::size_t term) {
+  constexpr double kIndispensable = 1e9;  // the model cannot be run without it
+  WithoutTerm without{refitted_without(setting, records, with, term), {1.0, kIndispensable, kIndispensable}};
+  const auto holdout_with = residuals_of(with, records.holdout);
+  const auto holdout_without = residuals_of(without.model, records.holdout);
+  if (holdout_without.empty()) return without;
+  without.gain.share = 1.0 - rms(holdout_with) / std::max(rms(holdout_without), 1e-300);
+  without.gain.z = improvement_z(holdout_without, holdout_with);
+  without.gain.train_z =
+      improvement_z(residuals_of(without.model, records.train), residuals_of(with, records.train));
+  return without;
+}
+
+Found test_earlier_terms(const SearchSetting& setting, const SearchRecords& records, Found found) {
+  if (found.steps.size() < 2) return found;
+  const std::size_t count = found.steps.size();
+  found = prune(setting, records, std::move(found));
+  const bool pruned = found.steps.size() < count;
+  auto exchanged = with_one_exchanged(setting, records, found);
+  if (exchanged) found = std::move(*exchanged);
+  return exchanged || pruned ? prune(setting, records, std::move(found)) : found;
+}
+
+}  // namespace bodesmith::gap

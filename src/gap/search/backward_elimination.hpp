@@ -1,0 +1,33 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "gap/search.hpp"
+#include "gap/search/acceptance.hpp"
+#include "gap/search/records.hpp"
+
+namespace bodesmith::gap {
+
+/// What a search has found so far: one step for each of the model's terms, in their order.
+struct Found {
+  Model model;
+  std::vector<Step> steps;
+  std::vector<std::string> notes;
+};
+
+/// A model refitted without one of its terms, and what that term gains.
+struct WithoutTerm {
+  Model model;
+  Gain gain;
+};
+WithoutTerm without_term(const SearchSetting& setting, const SearchRecords& records, const Model& with,
+                         std::size_t term);
+
+/// Takes out earlier terms that no longer earn their place, and exchanges one of them when a rival does
+/// better in its stead now that the later ones are there, or as well with fewer unknowns.
+Found test_earlier_terms(const SearchSetting& setting, const SearchRecords& records, Found found);
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,115 @@
+#include "gap/search/base_fit.hpp"
+
+#include <algorithm>
+#include <optional>
+#include <utility>
+
+#include "gap/runner.hpp"
+#include "gap/search/record_starts.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// Rounds in which free responses and the model that makes them come to agree.
+constexpr int kFreeResponseRounds = 3;
+
+Model with_values(Model model, const std::vector<double>& values) {
+  model.set_values(values);
+  return model;
+}
+
+/// The best fit from every start; the model as given when none can be run.
+Model refit_base(const SearchSetting& setting, const SearchRecords& records) {
+  const auto& options = setting.options.base;
+  std::optional<Model> best;
+  double min_rms = 0.0;
+  for (const auto& start : base_starts(setting, records.look())) {
+    if (setting.options.stopped() && best) break;
+    auto fitted = fit_in_turn(setting, records, with_values(setting.initial, start), options.iterations);
+    if (!fitted.result.usable) continue;
+    const double reached = rms_of(fitted.model, records.train);
+    if (best && !(reached < options.other_hill * min_rms)) continue;
+    min_rms = reached;
+    best = std::move(fitted.model);
+  }
+  return best.value_or(setting.initial);
+}
+
+/// Training records may leave the free parameters open (one sine cannot tell gain, frequency and damping of a
+/// resonator apart). When values exist that serve the held-out records far better at no cost to the training
+/// records, it was the parameters, not the model: those are taken, and said.
+BaseFit settle_open_parameters(const SearchSetting& setting, BaseFit fitted) {
+  const auto& options = setting.options.base;
+  if (setting.initial.unknowns().empty()) return fitted;
+  const double train = rms_of(fitted.model, fitted.records.train);
+  const double holdout = rms_of(fitted.model, fitted.records.holdout);
+  if (holdout < options.suspicious_ratio * train &&
+      holdout < options.suspicious_part_of_range * largest_range(fitted.records.holdout))
+    return fitted;
+  SearchRecords records = fitted.records;
+  Model best = fitted.model;
+  double min_rms = holdout;
+  for (const auto& start : base_starts(setting, records.look())) {
+    if (setting.options.stopped()) return fitted;
+    auto rough = fit(with_values(setting.initial, start), joined(records.train, records.holdout),
+                     fit_options(setting.options, options.open_iterations));
+    if (!rough.result.usable) continue;
+    records = renew_free_responses(setting, std::move(records), rough.model);
+    auto fine = fit(std::move(rough.model), joined(records.train, records.holdout),
+                    fit_options(setting.options, options.open_refit_iterations));
+    const double reached = rms_of(fine.model, records.holdout);
+    if (reached < min_rms && rms_of(fine.model, records.train) < options.no_cost * train) {
+      min_rms = reached;
+      best = std::move(fine.model);
+    }
+  }
+  if (min_rms < options.far_better * holdout) {
+    fitted.model = std::move(best);
+    fitted.notes.emplace_back(
+        "The training records leave free parameters of the model open; they were fitted to the held-out records as "
+        "well");
+  }
+  fitted.records = renew_free_responses(setting, std::move(records), fitted.model);
+  return fitted;
+}
+
+}  // namespace
+
+BaseFit fit_base(const SearchSetting& setting, SearchRecords records) {
+  Model model = refit_base(setting, records);
+  auto wrong = leave_out_wrong_starts(setting, std::move(records), model);
+  records = std::move(wrong.records);
+  if (wrong.found) {
+    // Free responses of a model that is off are of no use: first without the starts, then with them.
+    model = refit_base(setting, leave_out_whole_starts(records));
+    for (int round = 0; round < kFreeResponseRounds; ++round) {
+      records = renew_free_responses(setting, std::move(records), model);
+      model = fit_in_turn(setting, records, std::move(model), setting.options.base.settle_iterations).model;
+    }
+  }
+  return settle_open_parameters(setting, {std::move(model), std::move(records), {}});
+}
+
+Model settle(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
+  const auto& options = setting.options.base;
+  const auto given = current_values(setting.initial);
+  Model best = model;
+  double min_rms = rms_of(model, records.train);
+  const auto try_from = [&](Model start) {
+    auto fitted = fit_in_turn(setting, records, std::move(start), options.settle_iterations);
+    if (!fitted.result.usable) return;
+    const double reached = rms_of(fitted.model, records.train);
+    if (!(reached < options.settle_gain * min_rms)) return;
+    min_rms = reached;
+    best = std::move(fitted.model);
+  };
+  try_from(model);
+  if (!given.empty()) {
+    auto values = current_values(model);
+    std::copy(given.begin(), given.end(), values.begin());
+    try_from(with_values(model, values));
+  }
+  return best;
+}
+
+}  // namespace bodesmith::gap

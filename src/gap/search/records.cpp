@@ -1,0 +1,60 @@
+#include "gap/search/records.hpp"
+
+#include <algorithm>
+#include <utility>
+
+#include "gap/scene.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+Experiments with_starts_scored(Experiments experiments) {
+  for (auto& e : experiments) {
+    if (auto* time = std::get_if<TimeExperiment>(&e)) time->score_start();
+  }
+  return experiments;
+}
+
+Experiment stretch_of(const TimeExperiment& experiment, std::size_t samples, std::size_t min_lead) {
+  const std::size_t lead = std::max(experiment.start(), min_lead);
+  TimeRecord used = experiment.record();
+  used.u.resize(experiment.end());
+  used.y.resize(experiment.end());
+  TimeExperiment stretch(lively_stretch(used, lead, samples), lead);
+  stretch.set_coarse();
+  return stretch;
+}
+
+}  // namespace
+
+SearchRecords make_records(const Experiments& train, const Experiments& holdout,
+                           const StretchOptions& options) {
+  SearchRecords records{with_starts_scored(train), with_starts_scored(holdout), {}};
+  if (scored_samples(records.train) <= 3 * options.samples / 2) return records;
+  const std::size_t each = std::max(options.min_samples_each, options.samples / train.size());
+  for (const auto& e : records.train) {
+    records.stretches.push_back(std::visit(
+        Visitor{[&](const TimeExperiment& time) { return stretch_of(time, each, options.min_lead); },
+                [](const FrequencyExperiment& response) { return Experiment(response); }},
+        e));
+  }
+  return records;
+}
+
+LeastSquaresOptions fit_options(const SearchOptions& options, int iterations) {
+  LeastSquaresOptions o;
+  o.iterations = iterations;
+  o.stop = options.stop;
+  return o;
+}
+
+FittedModel fit_in_turn(const SearchSetting& setting, const SearchRecords& records, Model model,
+                        int iterations) {
+  const auto& options = setting.options;
+  if (!records.are_long()) return fit(std::move(model), records.train, fit_options(options, iterations));
+  auto rough = fit(std::move(model), records.stretches, fit_options(options, iterations));
+  return fit(std::move(rough.model), records.train,
+             fit_options(options, std::min(iterations, options.stretches.iterations_on_all)));
+}
+
+}  // namespace bodesmith::gap

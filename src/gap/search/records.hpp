@@ -1,0 +1,36 @@
+#pragma once
+
+#include "gap/experiment.hpp"
+#include "gap/model_fit.hpp"
+#include "gap/search_options.hpp"
+
+namespace bodesmith::gap {
+
+/// What stays the same during a search.
+struct SearchSetting {
+  const SearchOptions& options;
+  const Model& initial;  ///< the base model as given
+};
+
+/// The records of a search. A value: each step that changes what is scored returns new ones.
+struct SearchRecords {
+  Experiments train;
+  Experiments holdout;
+  Experiments stretches;  ///< the liveliest parts of long training records; empty when they are not long
+
+  bool are_long() const { return !stretches.empty(); }
+  /// What is looked at first.
+  const Experiments& look() const { return are_long() ? stretches : train; }
+};
+
+/// All starts scored, as a search begins.
+SearchRecords make_records(const Experiments& train, const Experiments& holdout,
+                           const StretchOptions& options);
+
+LeastSquaresOptions fit_options(const SearchOptions& options, int iterations);
+
+/// Fits on the stretches first when the records are long, then on the training records.
+FittedModel fit_in_turn(const SearchSetting& setting, const SearchRecords& records, Model model,
+                        int iterations);
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,88 @@
+#include "gap/search/remaining.hpp"
+
+#include <algorithm>
+#include <optional>
+
+#include "gap/runner.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+NoiseFloor floor_of(const Model& model, const TimeExperiment& experiment) {
+  const auto output = output_of(model, experiment);
+  if (output.empty()) return {};
+  const auto& record = experiment.record();
+  std::vector<double> residual(experiment.end());
+  for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = record.y[i] - output[i];
+  const auto used = std::span(record.u).first(experiment.end());
+  return noise_floor(residual, {used.begin(), used.end()}, experiment.start(), record.step_s);
+}
+
+std::optional<Leftover> leftover_of(const Model& model, const TimeExperiment& experiment) {
+  const auto output = output_of(model, experiment);
+  if (output.empty()) return std::nullopt;
+  const auto& record = experiment.record();
+  Leftover l;
+  l.step_s = record.step_s;
+  for (std::size_t i = experiment.first(); i < experiment.end(); ++i) {
+    l.residual.push_back(record.y[i] - output[i]);
+    l.input.push_back(record.u[i]);
+    l.output.push_back(output[i]);
+  }
+  experiment.take_out_free_responses(l.residual);
+  return l;
+}
+
+std::optional<Leftover> leftover_of(const Model& model, const FrequencyExperiment& experiment) {
+  Leftover l;
+  l.response = residuals_of(model, {experiment});
+  return l;
+}
+
+std::vector<Leftover> leftovers_of(const Model& model, const Experiments& records) {
+  std::vector<Leftover> all;
+  for (const auto& e : records) {
+    if (auto l = std::visit([&](const auto& record) { return leftover_of(model, record); }, e))
+      all.push_back(std::move(*l));
+  }
+  return all;
+}
+
+}  // namespace
+
+NoiseFloor floor_under(const Model& model, const SearchRecords& records) {
+  for (const auto& e : records.train) {
+    const auto* time = std::get_if<TimeExperiment>(&e);
+    if (time == nullptr) continue;
+    const auto floor = floor_of(model, *time);
+    if (floor.source != NoiseFloor::Source::unknown) return floor;
+  }
+  return {};
+}
+
+std::vector<Sign> signs_left(const Model& model, const SearchRecords& records) {
+  return signs_of_structure(leftovers_of(model, records.train), leftovers_of(model, records.holdout));
+}
+
+bool is_at_floor(const SearchOptions& options, const Model& model, const SearchRecords& records) {
+  const auto floor = floor_under(model, records);
+  if (floor.source != NoiseFloor::Source::periods || floor.periods < 2) return false;
+  // The floor belongs to the periodic record: compare there, and on held-out data as well, which may go
+  // further.
+  const double limit = options.enough * floor.rms;
+  const bool above = std::any_of(records.train.begin(), records.train.end(),
+                                 [&](const Experiment& e) { return rms_of(model, {e}) > limit; });
+  if (above || rms_of(model, records.holdout) > limit) return false;
+  // What does not repeat may be more than noise (a gain that drifts away).
+  return signs_left(model, records).empty();
+}
+
+bool is_something_left(const SearchOptions& options, const Model& model, const SearchRecords& records) {
+  const auto floor = floor_under(model, records);
+  if (floor.source == NoiseFloor::Source::periods &&
+      rms_of(model, records.holdout) > options.plainly_more * floor.rms)
+    return true;
+  return !signs_left(model, records).empty();
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,18 @@
+#pragma once
+
+#include <cstddef>
+
+#include "chain/chain.hpp"
+#include "signal/time_record.hpp"
+
+namespace bodesmith::gap {
+
+/// Samples after which a model forgets its initial state: seven times its slowest time constant.
+std::size_t settling_samples(const chain::Chain& chain, double step_s);
+
+/// How long the start of a record is, in samples, when the record may have begun in another state than rest:
+/// seven of the base model's slowest time constants, at most two fifths of the record; 3 % of the record at
+/// least when its input does not begin at zero, since an effect with memory may then start from anywhere.
+std::size_t start_samples(const chain::Chain& base, const TimeRecord& record);
+
+}  // namespace bodesmith::gap

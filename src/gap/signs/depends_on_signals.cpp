@@ -1,0 +1,81 @@
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "gap/signs.hpp"
+#include "gap/signs/chance.hpp"
+#include "gap/signs/signal_features.hpp"
+#include "numeric/index.hpp"
+#include "signal/periodogram.hpp"
+#include "signal/statistics.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+constexpr std::size_t kMinSamplesToLearn = 200;
+constexpr std::uint64_t kPredictedSurrogates = 24;
+/// A prediction counts when it explains more of the energy than this, and than surrogates' largest share and
+/// rms share times these.
+constexpr double kMinShare = 0.015;
+constexpr double kTimesLargest = 1.6;
+constexpr double kTimesRms = 5.0;
+/// The ridge of the weights: grows with the residual's memory, as fewer effective samples carry fewer
+/// features.
+constexpr double kRidgePerSample = 0.3;
+constexpr double kRidge = 1e-6;
+
+Eigen::VectorXd zero_mean(const std::vector<double>& v) {
+  const auto e = as_eigen(v);
+  return e.array() - e.mean();
+}
+
+/// Share of one residual's energy that weights learned on the other explain.
+class Prediction {
+ public:
+  Prediction(const Leftover& learn, const Leftover& apply) {
+    const auto scales = signal_scales(learn, apply);
+    x_ = signal_features(learn, scales);
+    z_ = signal_features(apply, scales);
+    for (Eigen::Index j = 0; j < x_.cols(); ++j) {
+      const double size = std::max(x_.col(j).norm() / std::sqrt(static_cast<double>(x_.rows())), 1e-12);
+      x_.col(j) /= size;
+      z_.col(j) /= size;
+    }
+    Eigen::MatrixXd gram = x_.transpose() * x_;
+    gram.diagonal().array() +=
+        kRidgePerSample * correlation_time(learn.residual) + kRidge * static_cast<double>(x_.rows());
+    solver_.compute(gram);
+  }
+  double share(const std::vector<double>& learn, const std::vector<double>& apply) const {
+    const Eigen::VectorXd f = zero_mean(apply);
+    const Eigen::VectorXd weights = solver_.solve(x_.transpose() * zero_mean(learn));
+    const Eigen::VectorXd predicted = z_ * weights;
+    // One factor for the whole prediction keeps a change of amplitude from spoiling it.
+    const double energy = predicted.squaredNorm();
+    const double factor = energy > 0.0 ? std::clamp(predicted.dot(f) / energy, 0.0, 1.0) : 0.0;
+    return 1.0 - (f - factor * predicted).squaredNorm() / std::max(f.squaredNorm(), 1e-300);
+  }
+
+ private:
+  Eigen::MatrixXd x_;
+  Eigen::MatrixXd z_;
+  Eigen::LDLT<Eigen::MatrixXd> solver_;
+};
+
+}  // namespace
+
+Sign depends_on_signals(const Leftover& learn, const Leftover& apply) {
+  Sign sign{SignKind::depends_on_signals, 0.0};
+  if (learn.residual.size() < kMinSamplesToLearn || apply.residual.size() < kMinSamplesToLearn) return sign;
+  const Prediction prediction(learn, apply);
+  const double got = prediction.share(learn.residual, apply.residual);
+  Chance chance;
+  for (std::uint64_t k = 0; k < kPredictedSurrogates; ++k) {
+    chance.add(prediction.share(phase_surrogate(learn.residual, 1000 + k),
+                                phase_surrogate(apply.residual, 2000 + k)));
+  }
+  sign.strength = got / std::max({kMinShare, kTimesLargest * chance.max(), kTimesRms * chance.rms()});
+  return sign;
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,61 @@
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "gap/signs.hpp"
+#include "gap/signs/chance.hpp"
+#include "numeric/index.hpp"
+#include "signal/periodogram.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+constexpr std::size_t kMinSamplesOfGain = 400;
+constexpr std::uint64_t kGainSurrogates = 24;
+/// The share of the energy must be above this, and above surrogates' largest one times that.
+constexpr double kMinGainShare = 0.03;
+constexpr double kGainTimesLargest = 2.0;
+/// Slow cosines of which the gain is made, the constant aside.
+constexpr Eigen::Index kCosines = 6;
+
+Eigen::VectorXd less_mean(const std::vector<double>& v) {
+  const auto e = as_eigen(v);
+  return e.array() - e.mean();
+}
+
+/// Orthonormal columns: output times 1, and output times slow cosines made orthogonal to it.
+Eigen::MatrixXd varying_gains(const std::vector<double>& output) {
+  const Eigen::VectorXd y = less_mean(output);
+  const Eigen::Index n = y.size();
+  Eigen::MatrixXd x(n, kCosines + 1);
+  for (Eigen::Index k = 0; k <= kCosines; ++k) {
+    for (Eigen::Index i = 0; i < n; ++i) {
+      x(i, k) = y(i) * std::cos(std::numbers::pi * static_cast<double>(k) * (static_cast<double>(i) + 0.5) /
+                                static_cast<double>(n));
+    }
+  }
+  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(x);
+  return qr.householderQ() * Eigen::MatrixXd::Identity(n, kCosines + 1);
+}
+
+}  // namespace
+
+Sign gain_varies(const Leftover& record) {
+  Sign sign{SignKind::gain_varies, 0.0};
+  if (record.residual.size() < kMinSamplesOfGain) return sign;
+  // What a constant gain would explain is the fit's business and is left out.
+  const Eigen::MatrixXd gains = varying_gains(record.output);
+  const auto share = [&](const std::vector<double>& residual) {
+    const Eigen::VectorXd e = less_mean(residual);
+    return (gains.rightCols(kCosines).transpose() * e).squaredNorm() / std::max(e.squaredNorm(), 1e-300);
+  };
+  const double got = share(record.residual);
+  Chance chance;
+  for (std::uint64_t k = 0; k < kGainSurrogates; ++k)
+    chance.add(share(phase_surrogate(record.residual, 4000 + k)));
+  sign.strength = got / std::max(kMinGainShare, kGainTimesLargest * chance.max());
+  return sign;
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,136 @@
+#include "gap/signs/signal_features.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "numeric/index.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+using Column = std::vector<double>;
+
+/// The record's signals in units of their scales.
+struct ScaledSignals {
+  Column y;
+  Column v;  ///< slope of y
+  Column u;
+  Column branch;  ///< 1 while the input rises, -1 while it falls
+};
+
+ScaledSignals scaled(const Leftover& r, const SignalScales& s) {
+  const std::size_t n = r.output.size();
+  ScaledSignals out{Column(n), Column(n), Column(n), Column(n)};
+  double sign = 1.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    out.y[i] = (r.output[i] - s.middle_y) / s.size_y;
+    out.u[i] = (r.input[i] - s.middle_u) / s.size_u;
+    out.v[i] = i > 0 ? (r.output[i] - r.output[i - 1]) / r.step_s / s.size_v : 0.0;
+    const double du = i > 0 ? r.input[i] - r.input[i - 1] : 0.0;
+    if (du != 0.0) sign = du > 0.0 ? 1.0 : -1.0;
+    out.branch[i] = sign;
+  }
+  return out;
+}
+
+double sign_of(double v) {
+  return v > 0.0 ? 1.0 : v < 0.0 ? -1.0 : 0.0;
+}
+
+/// Features of the present sample.
+std::vector<Column> memoryless_features(const ScaledSignals& s) {
+  constexpr double kEnd = 0.6;  // where the ends of the output's range begin
+  std::vector<Column> columns;
+  const auto add = [&](auto feature) {
+    Column& c = columns.emplace_back(s.y.size());
+    for (std::size_t i = 0; i < c.size(); ++i) c[i] = feature(s.y[i], s.v[i], s.u[i], s.branch[i]);
+  };
+  add([](double y, double, double, double) { return y; });
+  add([](double y, double, double, double) { return y * y; });
+  add([](double y, double, double, double) { return y * y * y; });
+  add([](double y, double, double, double) { return std::abs(y); });
+  add([](double, double v, double, double) { return v; });
+  add([](double, double v, double, double) { return std::abs(v); });
+  add([](double, double v, double, double) { return std::abs(v) * v; });
+  add([](double, double v, double, double) { return v * v; });
+  add([](double y, double v, double, double) { return y * v; });
+  add([](double y, double v, double, double) { return y * y * v; });
+  add([](double y, double v, double, double) { return y * std::abs(v); });
+  add([](double, double v, double, double) { return sign_of(v); });
+  add([](double y, double v, double, double) { return sign_of(v) * y; });
+  add([](double y, double v, double, double) { return sign_of(v) * (y * y); });
+  add([](double, double, double, double branch) { return branch; });
+  add([](double, double, double u, double branch) { return branch * u; });
+  add([](double, double, double u, double branch) { return branch * (u * u); });
+  add([](double y, double, double, double) { return std::max(y - kEnd, 0.0); });
+  add([](double y, double, double, double) { return std::max(-y - kEnd, 0.0); });
+  add([](double, double, double u, double) { return u; });
+  add([](double, double, double u, double) { return u * u; });
+  return columns;
+}
+
+/// Features that remember the input: earlier samples, plays, slow averages.
+void add_memory_features(const Column& u, std::vector<Column>& columns) {
+  const std::size_t n = u.size();
+  for (std::size_t lag : {1U, 2U, 4U, 8U, 16U, 32U, 64U}) {
+    Column& c = columns.emplace_back(n);
+    for (std::size_t i = 0; i < n; ++i) c[i] = u[i > lag ? i - lag : 0];
+  }
+  for (double radius : {0.05, 0.2, 0.5}) {
+    Column play(n);
+    double z = 0.0;
+    for (std::size_t i = 0; i < n; ++i) play[i] = z = std::clamp(z, u[i] - radius, u[i] + radius);
+    Column size(n);
+    for (std::size_t i = 0; i < n; ++i) size[i] = std::abs(play[i]);
+    columns.push_back(std::move(play));
+    columns.push_back(std::move(size));
+  }
+  for (double samples : {30.0, 200.0}) {
+    Column& c = columns.emplace_back(n);
+    double z = 0.0;
+    for (std::size_t i = 0; i < n; ++i) c[i] = z += (u[i] - z) / samples;
+  }
+}
+
+struct Range {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+  void widen(const std::vector<double>& v) {
+    for (double x : v) {
+      low = std::min(low, x);
+      high = std::max(high, x);
+    }
+  }
+  double middle() const { return 0.5 * (low + high); }
+  double half() const { return std::max(0.5 * (high - low), 1e-300); }
+};
+
+}  // namespace
+
+SignalScales signal_scales(const Leftover& a, const Leftover& b) {
+  Range y;
+  Range u;
+  double speed = 0.0;
+  for (const auto* r : {&a, &b}) {
+    y.widen(r->output);
+    u.widen(r->input);
+    for (std::size_t i = 1; i < r->output.size(); ++i)
+      speed = std::max(speed, std::abs(r->output[i] - r->output[i - 1]) / r->step_s);
+  }
+  return {y.middle(), y.half(), std::max(speed, 1e-300), u.middle(), u.half()};
+}
+
+Eigen::MatrixXd signal_features(const Leftover& record, const SignalScales& scales) {
+  const auto signals = scaled(record, scales);
+  auto columns = memoryless_features(signals);
+  add_memory_features(signals.u, columns);
+  Eigen::MatrixXd x(eigen_index(record.output.size()), eigen_index(columns.size()));
+  for (Eigen::Index k = 0; k < x.cols(); ++k) {
+    const auto column = as_eigen(columns[std_index(k)]);
+    x.col(k) = column.array() - column.mean();
+  }
+  return x;
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,24 @@
+#pragma once
+
+#include <Eigen/Core>
+
+#include "gap/signs.hpp"
+
+namespace bodesmith::gap {
+
+/// Middles and sizes of the signals of two records, so that both are seen on the same scale.
+struct SignalScales {
+  double middle_y = 0.0;
+  double size_y = 0.0;
+  double size_v = 0.0;  ///< of the output's slope
+  double middle_u = 0.0;
+  double size_u = 0.0;
+};
+SignalScales signal_scales(const Leftover& a, const Leftover& b);
+
+/// Features of signals from which a missing effect could be predicted: samples by features, each column of
+/// zero mean. Powers of value and slope, the input's branch, ends of the range, earlier inputs, plays, slow
+/// averages.
+Eigen::MatrixXd signal_features(const Leftover& record, const SignalScales& scales);
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,68 @@
+#include "gap/signs.hpp"
+
+#include <algorithm>
+
+namespace bodesmith::gap {
+namespace {
+
+/// A prediction this many times beyond chance in one direction will do; else both directions must hold.
+constexpr double kPlain = 2.0;
+
+/// The stronger of learning on one and applying to the other, and the reverse; nothing when it is not plain.
+Sign depends_either_way(const Leftover& a, const Leftover& b) {
+  const auto there = depends_on_signals(a, b);
+  const auto back = depends_on_signals(b, a);
+  const bool plain = (there.found() && back.found()) || there.strength > kPlain || back.strength > kPlain;
+  if (!plain) return {};
+  return there.strength > back.strength ? there : back;
+}
+
+}  // namespace
+
+std::string to_string(SignKind kind) {
+  switch (kind) {
+    case SignKind::depends_on_signals:
+      break;
+    case SignKind::bunched_in_time:
+      return "the residual is bunched in time";
+    case SignKind::spectral_line:
+      return "a line stands in the residual's spectrum";
+    case SignKind::jumps:
+      return "the residual jumps";
+    case SignKind::gain_varies:
+      return "the gain varies with time";
+    case SignKind::smooth_over_frequency:
+      return "neighbouring frequencies err alike";
+  }
+  return "the residual can be foretold from input and output";
+}
+
+std::vector<Sign> signs_of_structure(const std::vector<Leftover>& train,
+                                     const std::vector<Leftover>& holdout) {
+  std::vector<Sign> signs;
+  const auto consider = [&](const Sign& s) {
+    if (s.found()) signs.push_back(s);
+  };
+  for (const auto& a : train) {
+    for (const auto& b : holdout) {
+      if (a.response.empty() && b.response.empty()) consider(depends_either_way(a, b));
+    }
+  }
+  for (const auto* records : {&train, &holdout}) {
+    for (const auto& r : *records) {
+      if (!r.response.empty()) {
+        consider(smooth_over_frequency(r));
+        continue;
+      }
+      consider(jumps(r));
+      consider(gain_varies(r));
+      consider(bunched_in_time(r));
+      consider(spectral_line(r));
+    }
+  }
+  std::stable_sort(signs.begin(), signs.end(),
+                   [](const Sign& a, const Sign& b) { return a.strength > b.strength; });
+  return signs;
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,89 @@
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <optional>
+
+#include "gap/signs.hpp"
+#include "signal/periodogram.hpp"
+#include "signal/statistics.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+constexpr std::size_t kMinSamplesOfSpectrum = 400;
+/// A line holds at least this share of the energy.
+constexpr double kMinLineShare = 0.02;
+/// Neighbours begin beyond the width of the periodogram's window, and are so many to each side.
+constexpr std::size_t kWindowBins = 4;
+constexpr std::size_t kMinReach = 6;
+constexpr std::size_t kMaxReach = 24;
+constexpr int kMinNeighbours = 3;
+
+constexpr std::size_t kMinPoints = 12;
+/// Deviations of the correlation of neighbouring errors; of heavy-tailed ones it has a larger deviation than
+/// counted.
+constexpr double kSmooth = 4.5;
+
+/// Level beside bin k: the larger of the means to both sides, so that a slope does not count. Nothing near
+/// the ends.
+std::optional<double> level_beside(const std::vector<double>& power, std::size_t k) {
+  const std::size_t reach = std::clamp<std::size_t>(k / 4, kMinReach, kMaxReach);
+  double below = 0.0;
+  double above = 0.0;
+  int counted_below = 0;
+  int counted_above = 0;
+  for (std::size_t d = kWindowBins; d < kWindowBins + reach; ++d) {
+    if (k >= d + 1) {
+      below += power[k - d];
+      ++counted_below;
+    }
+    if (k + d < power.size()) {
+      above += power[k + d];
+      ++counted_above;
+    }
+  }
+  if (counted_below < kMinNeighbours || counted_above < kMinNeighbours) return std::nullopt;
+  return std::max(below / counted_below, above / counted_above);
+}
+
+}  // namespace
+
+Sign spectral_line(const Leftover& record) {
+  Sign sign{SignKind::spectral_line, 0.0};
+  if (record.residual.size() < kMinSamplesOfSpectrum) return sign;
+  auto e = record.residual;
+  const double middle = mean(e);
+  for (double& x : e) x -= middle;
+  const auto power = periodogram(e, record.step_s).power;
+  const double total = std::accumulate(power.begin(), power.end(), 0.0);
+  // The largest of n bins of noise lies about ln n above their mean.
+  const double limit = 4.0 * (std::log(static_cast<double>(power.size())) + 3.0);
+  for (std::size_t k = kWindowBins; k + kWindowBins < power.size(); ++k) {
+    if (power[k] < power[k - 1] || power[k] < power[k + 1]) continue;
+    const auto level = level_beside(power, k);
+    if (!level || power[k - 1] + power[k] + power[k + 1] < kMinLineShare * total) continue;
+    sign.strength = std::max(sign.strength, power[k] / std::max(*level, 1e-300) / limit);
+  }
+  return sign;
+}
+
+Sign smooth_over_frequency(const Leftover& record) {
+  Sign sign{SignKind::smooth_over_frequency, 0.0};
+  const std::size_t n = record.response.size() / 2;
+  if (n < kMinPoints) return sign;
+  double together = 0.0;
+  double energy = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    for (std::size_t part = 0; part < 2; ++part) {
+      const double e = record.response[2 * i + part];
+      energy += e * e;
+      if (i > 0) together += e * record.response[2 * (i - 1) + part];
+    }
+  }
+  // Independent errors: the correlation of neighbours has the deviation 1/sqrt(2n).
+  const double z = energy > 0.0 ? together / energy * std::sqrt(2.0 * static_cast<double>(n)) : 0.0;
+  sign.strength = z / kSmooth;
+  return sign;
+}
+
+}  // namespace bodesmith::gap

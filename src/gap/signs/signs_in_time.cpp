@@ -1,0 +1,71 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "gap/signs.hpp"
+#include "gap/signs/chance.hpp"
+#include "signal/periodogram.hpp"
+#include "signal/statistics.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+constexpr std::size_t kMinSamplesInTime = 400;
+constexpr std::size_t kMinSamplesForJumps = 200;
+
+/// Bunched energy: more in one cell than surrogates' largest share times this, and than so many deviations
+/// above their mean.
+constexpr std::uint64_t kBunchSurrogates = 30;
+constexpr double kBunchTimesLargest = 1.45;
+constexpr double kBunchDeviations = 7.0;
+
+/// A jump, over the usual change of Gaussian noise (which reaches five of its deviations in a million
+/// samples).
+constexpr double kJump = 8.0;
+/// Deviation of Gaussian numbers whose absolute value has the median 1.
+constexpr double kDeviationPerMedian = 1.4826;
+
+/// Share of the energy in the fullest of equal cells of time.
+double largest_share(const std::vector<double>& e, std::size_t cells) {
+  const std::size_t n = e.size();
+  double fullest = 0.0;
+  double total = 0.0;
+  for (std::size_t c = 0; c < cells; ++c) {
+    double energy = 0.0;
+    for (std::size_t i = c * n / cells; i < (c + 1) * n / cells; ++i) energy += e[i] * e[i];
+    fullest = std::max(fullest, energy);
+    total += energy;
+  }
+  return total > 0.0 ? fullest / total : 0.0;
+}
+
+}  // namespace
+
+Sign bunched_in_time(const Leftover& record) {
+  Sign sign{SignKind::bunched_in_time, 0.0};
+  if (record.residual.size() < kMinSamplesInTime) return sign;
+  for (std::size_t cells : {5U, 20U, 60U}) {
+    const double got = largest_share(record.residual, cells);
+    Chance chance;
+    for (std::uint64_t k = 0; k < kBunchSurrogates; ++k)
+      chance.add(largest_share(phase_surrogate(record.residual, 3000 + k), cells));
+    const double limit =
+        std::max(kBunchTimesLargest * chance.max(), chance.mean() + kBunchDeviations * chance.deviation());
+    sign.strength = std::max(sign.strength, got / limit);
+  }
+  return sign;
+}
+
+Sign jumps(const Leftover& record) {
+  Sign sign{SignKind::jumps, 0.0};
+  const std::size_t n = record.residual.size();
+  if (n < kMinSamplesForJumps) return sign;
+  std::vector<double> change(n - 1);
+  for (std::size_t i = 1; i < n; ++i) change[i - 1] = std::abs(record.residual[i] - record.residual[i - 1]);
+  const double largest = *std::max_element(change.begin(), change.end());
+  const double usual = kDeviationPerMedian * median(std::move(change));
+  sign.strength = usual > 0.0 ? largest / (kJump * usual) : 0.0;
+  return sign;
+}
+
+}  // namespace bodesmith::gap

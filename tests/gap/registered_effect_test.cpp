@@ -1,0 +1,84 @@
+// A new effect is one file: this one stands in the tests alone and is registered from here, and diagnose
+// names it.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+
+#include "base/document.hpp"
+#include "base/json.hpp"
+#include "chain/model_file.hpp"
+#include "chain/registry.hpp"
+#include "gap/diagnosis.hpp"
+#include "gap/diagnosis_json.hpp"
+#include "gap/effect.hpp"
+#include "gap/page/page.hpp"
+
+namespace {
+
+using namespace bodesmith;
+
+/// y = u + c u^6: nothing of the catalogue bends a signal at both ends so late.
+class SixthPower final : public gap::Effect {
+ public:
+  /// It stays registered, so it keeps out of the other tests of this program.
+  bool proposes = false;
+
+  std::string_view name() const override { return "sixth_power"; }
+  std::string_view what() const override { return "a curve that bends up at both ends"; }
+  std::string_view symptom() const override { return "a residual of one sign at both ends of the range"; }
+  std::vector<std::string_view> confused_with() const override { return {"quadratic_nonlinearity"}; }
+  std::string_view experiment() const override { return "a slow ramp to the ends of the range"; }
+  void propose(const gap::Scene& scene, std::vector<gap::Proposal>& out) const override {
+    if (!proposes || scene.frequency_only) return;
+    for (std::size_t at : scene.static_places()) {
+      auto block = chain::make_block("polynomial");
+      block.set("coefficients", {0.0, 1.0, 0.0, 0.0, 0.0, 0.0, 0.0});
+      out.push_back(gap::insert_block(scene, *this, at, block,
+                                      {gap::linear_unknown("coefficients[6]", -10.0, 10.0, 0.1)},
+                                      {{0.05}, {-0.05}}));
+    }
+  }
+};
+
+TimeRecord record_with_sixth_power(const char* file, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  TimeRecord r;
+  r.file = file;
+  r.step_s = 1e-3;
+  double x = 0.0;
+  for (int i = 0; i < 2000; ++i) {
+    x += 0.1 * (normal(random) - x);
+    const double u = std::tanh(3.0 * x);
+    const double v = 1.3 * u;
+    r.u.push_back(u);
+    r.y.push_back(v + 0.05 * std::pow(v, 6) + 0.002 * normal(random));
+  }
+  return r;
+}
+
+TEST(RegisteredEffect, IsNamedByDiagnose) {
+  static SixthPower effect;
+  gap::effect_registry().add(effect);
+  effect.proposes = true;
+  const auto base = chain::model_from_node(parse_toml(
+      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 1.25\nfree = [\"gain\"]\n",
+      "model.toml"));
+  const auto study = gap::Study::of({record_with_sixth_power("train.csv", 1)},
+                                    {record_with_sixth_power("holdout.csv", 2)}, base);
+  const auto diagnosis = gap::diagnose(base, study, {});
+  effect.proposes = false;
+
+  ASSERT_EQ(diagnosis.steps.size(), 1U);
+  EXPECT_EQ(diagnosis.steps[0].effect, "sixth_power");
+  EXPECT_TRUE(diagnosis.steps[0].tied_with.empty());
+  EXPECT_EQ(diagnosis.verdict, gap::Verdict::explained);
+  const auto json = gap::to_json(diagnosis);
+  EXPECT_EQ(json["steps"][0]["effect"], "sixth_power");
+  EXPECT_EQ(json["steps"][0]["placed"], "after block 1");
+  EXPECT_NEAR(json["steps"][0]["parameters"]["coefficients[6]"]["value"].get<double>(), 0.05, 1e-3);
+  EXPECT_NE(gap::report_page(diagnosis, study).find("a curve that bends up at both ends"), std::string::npos);
+}
+
+}  // namespace

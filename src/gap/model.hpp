@@ -28,11 +28,11 @@ struct Unknown {
   double given_spread = 0.0;
   std::string parameter =
       {};                 ///< key of the block's parameter that it is; empty: it is none of a block's own
-  std::string unit = {};  ///< of that parameter ("Hz", "s", "1/s", ...); empty: none
+  std::string unit = {};  ///< of that parameter ("Hz", "s", "y/s", ...); empty: none
 
   bool is_frequency() const { return unit == "Hz"; }
   /// A corner frequency or a rate: the larger it is, the less its term does.
-  bool weak_when_large() const { return unit == "Hz" || unit == "1/s"; }
+  bool weak_when_large() const { return unit == "Hz" || unit.ends_with("/s"); }
   bool at_bound() const { return value <= low || value >= high; }
 };
 

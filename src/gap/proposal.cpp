@@ -26,7 +26,7 @@ void add_parameters(std::vector<Unknown>& unknowns, const chain::Block& block) {
   for (auto& u : unknowns) {
     const auto* parameter = find_parameter(block, u.name);
     if (parameter == nullptr) continue;
-    u.parameter = parameter->key;
+    u.parameter = parameter->key();
     u.unit = parameter->unit();
   }
 }

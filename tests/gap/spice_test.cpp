@@ -19,7 +19,7 @@ using hidden::Hidden;
 using hidden::Kind;
 using hidden::World;
 
-constexpr std::size_t kRows = 1500;
+constexpr std::size_t kMeasuredRows = 1500;
 
 class Measured : public testing::TestWithParam<Hidden> {
  protected:
@@ -32,7 +32,7 @@ class Measured : public testing::TestWithParam<Hidden> {
 class CleanDeck : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
-    if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed: nothing to measure with";
+    if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed: nothing to measure with";
   }
 };
 TEST_P(CleanDeck, IsItsModel) {
@@ -55,7 +55,7 @@ INSTANTIATE_TEST_SUITE_P(Decks, CleanDeck, testing::ValuesIn(hidden::spice_bases
 
 using MeasuredEffect = Measured;
 TEST_P(MeasuredEffect, IsNamed) {
-  hidden::expect_right(World::ngspice, Kind::effect, GetParam(), kRows);
+  hidden::expect_right(World::ngspice, Kind::effect, GetParam(), kMeasuredRows);
 }
 INSTANTIATE_TEST_SUITE_P(Decks, MeasuredEffect,
                          testing::Values(Hidden{"opamp_gain", "slew_limit", 3},
@@ -67,7 +67,7 @@ INSTANTIATE_TEST_SUITE_P(Decks, MeasuredEffect,
 
 using MeasuredSection = Measured;
 TEST_P(MeasuredSection, IsNamedAndItsGapCloses) {
-  const auto outcome = hidden::expect_right(World::ngspice, Kind::effect, GetParam(), kRows);
+  const auto outcome = hidden::expect_right(World::ngspice, Kind::effect, GetParam(), kMeasuredRows);
   EXPECT_GT(outcome.closure, 0.8) << hidden::line_of(outcome);
 }
 INSTANTIATE_TEST_SUITE_P(Decks, MeasuredSection,
@@ -77,14 +77,14 @@ INSTANTIATE_TEST_SUITE_P(Decks, MeasuredSection,
 
 using MeasuredControl = Measured;
 TEST_P(MeasuredControl, IsLeftAlone) {
-  hidden::expect_right(World::ngspice, Kind::control, GetParam(), kRows);
+  hidden::expect_right(World::ngspice, Kind::control, GetParam(), kMeasuredRows);
 }
 INSTANTIATE_TEST_SUITE_P(Decks, MeasuredControl, testing::Values(Hidden{"opamp_sections", "coloured", 8}),
                          hidden::HiddenName());
 
 using MeasuredOutsider = Measured;
 TEST_P(MeasuredOutsider, IsNotInTheCatalogue) {
-  hidden::expect_right(World::ngspice, Kind::outside, GetParam(), kRows);
+  hidden::expect_right(World::ngspice, Kind::outside, GetParam(), kMeasuredRows);
 }
 INSTANTIATE_TEST_SUITE_P(Decks, MeasuredOutsider, testing::Values(Hidden{"opamp_gain", "diode", 9}),
                          hidden::HiddenName());

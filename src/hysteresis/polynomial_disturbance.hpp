@@ -9,7 +9,7 @@
 
 namespace bodesmith::hysteresis {
 
-/// The hysteretic disturbance of the first seed (000, eq. 1-13): y = x + d(x), x in [0, 1] of the full
+/// The hysteretic disturbance of the disturbance paper (eq. 1-13): y = x + d(x), x in [0, 1] of the full
 /// stroke, with
 ///   d(x) = a1 x + a2 x² + a3 x³    (eq. 1, 12; polynomial)   or
 ///   d(x) = A sin(π x)              (eq. 9; sine)

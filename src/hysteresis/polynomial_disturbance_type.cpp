@@ -77,7 +77,7 @@ class PolynomialHysteresisType final : public DisturbanceType {
   PolynomialHysteresisType()
       : DisturbanceType("polynomial_hysteresis",
                         "cubic disturbance added to the input, one polynomial a branch",
-                        "first seed, eq. 1-8, 11-13",
+                        "Modeling and Control of Piezoelectric Hysteresis, eq. 1-8, 11-13",
                         disturbance_parameters({
                             list_of(any_number("ascending", "1", "a1, a2, a3 of the ascending branch")),
                             list_of(any_number("descending", "1", "a1, a2, a3 of the descending branch")),

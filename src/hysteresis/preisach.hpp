@@ -10,7 +10,7 @@
 
 namespace bodesmith::hysteresis {
 
-/// The discretised Preisach model (Mayergoyz, Mathematical Models of Hysteresis, 1991; the first seed's rival
+/// The discretised Preisach model (Mayergoyz, Mathematical Models of Hysteresis, 1991; the rival in the disturbance paper
 /// with L = 200 levels and L(L+1)/2 = 20100 relays). The input range [u_min, u_max] has L + 1 nodes n_0 …
 /// n_L; relay (i, j), j ≤ i, switches to 1 when u rises to n_{i+1}, back to 0 when u falls to n_j, and weighs
 /// w(i, j) ≥ 0:

@@ -8,7 +8,7 @@
 
 namespace bodesmith::identify {
 
-/// How far a model's output is from a record's (first seed, eq. 8; the percentages are of the record's own
+/// How far a model's output is from a record's (disturbance paper, eq. 8; the percentages are of the record's own
 /// range).
 struct ErrorFigures {
   double rms = 0.0;

@@ -108,7 +108,7 @@ struct NodeRange {
   double lowest_v = 0.0, highest_v = 0.0;  ///< for x in [0, 1]
 };
 
-/// Amplitude-varying gains (first seed, Fig. 3c, d) as hardware: d = g_b(alpha) d_b(x), g_b piecewise linear
+/// Amplitude-varying gains (disturbance paper, Fig. 3c, d) as hardware: d = g_b(alpha) d_b(x), g_b piecewise linear
 /// in the stroke alpha, constant beyond its table. Precision rectifiers make -max(0, alpha - alpha_k), shared
 /// by the branches; two inverting sums a branch make the control voltage control_scale_v * g_b; a multiplier
 /// as voltage-controlled gain stands between each branch and the switch. x stays the reference divided by its
@@ -148,7 +148,7 @@ struct Candidate {
   bool chosen = false;
 };
 
-/// The disturbance generator of the first seed's Fig. 2 as a circuit: powers of x by multipliers, shared by
+/// The disturbance generator of the disturbance paper's Fig. 2 as a circuit: powers of x by multipliers, shared by
 /// the branches; weighted sums; a switch driven by the slope of x (and, with more than two branches, by
 /// select lines); an inverting amplifier back to 1 V per unit of d.
 ///

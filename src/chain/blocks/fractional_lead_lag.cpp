@@ -14,7 +14,7 @@ namespace {
 constexpr double kMaxErrorDb = 2e-5;
 constexpr int kMaxPoles = 16;
 
-/// H(s) = ((lambda s + 1)/(x lambda s + 1))^beta, first seed eq. 14. Simulated by the mid-band Pade
+/// H(s) = ((lambda s + 1)/(x lambda s + 1))^beta, disturbance paper eq. 14. Simulated by the mid-band Pade
 /// approximation of the lowest order (at most 16 poles) that stays within 2e-5 dB; the error it really has,
 /// over all frequencies, is stated in the kernel.
 class FractionalLeadLagBlock final : public BlockType {

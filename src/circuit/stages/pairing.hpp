@@ -16,7 +16,7 @@ struct Split {
 };
 Split split_into_stages(const Sections& sections);
 /// As split_into_stages(), but real roots are kept in pairs too: stages of two poles (one is left alone when
-/// their number is odd), for realizations that make two poles.
+/// their number is odd), for realisations that make two poles.
 Split split_into_two_pole_stages(const Sections& sections);
 
 }  // namespace bodesmith::circuit

@@ -11,6 +11,7 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "multiplier_layout/budget.hpp"
+#include "multiplier_layout/json.hpp"
 #include "multiplier_layout/layout.hpp"
 #include "multiplier_layout/timing.hpp"
 #include "spice/disturbance_check.hpp"
@@ -235,11 +236,11 @@ int run_layout(const std::vector<std::string>& arguments) {
   for (const std::string& warning : layout.warnings) note(warning);
 
   Json json = json_header("layout", from);
-  json.update(layout.to_json());
-  json["budget"] = budget.to_json();
+  json.update(to_json(layout));
+  json["budget"] = to_json(budget);
   if (layout.switched()) {
-    json["timing"] = timing.to_json();
-    json["budget"]["transient"] = timing.budget_json();
+    json["timing"] = to_json(timing);
+    json["budget"]["transient"] = multiplier_layout::transient_budget_json(timing);
   }
   json["timing_s"] = {{"compute", compute_s}};
   std::string text = layout_summary(layout, budget) + timing_summary(layout, timing);

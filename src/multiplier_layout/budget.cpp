@@ -1,5 +1,4 @@
 #include "multiplier_layout/budget.hpp"
-#include "base/json.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -117,12 +116,6 @@ void amplitude_budget(const Layout& layout, Budget& out) {
     out.amplitude_rss_percent[b] = std::hypot(out.amplitude_rss_percent[b], out.rss_percent[b]);
 }
 
-Json lines_json(const std::vector<BudgetLine>& lines) {
-  Json out = Json::array();
-  for (const BudgetLine& one : lines) out.push_back({{"cause", one.cause}, {"percent", one.percent}});
-  return out;
-}
-
 }  // namespace
 
 Budget make_budget(const Layout& layout, const ErrorLimits& errors) {
@@ -152,22 +145,6 @@ Budget make_budget(const Layout& layout, const ErrorLimits& errors) {
     for (size_t b = 0; b < branches; ++b) out.worst_percent[b] += one.percent[b];
   }
   if (layout.amplitude) amplitude_budget(layout, out);
-  return out;
-}
-
-Json Budget::to_json() const {
-  Json out;
-  out["assumed"] = {
-      {"input_offset_v", errors.input_offset_v},        {"output_offset_v", errors.output_offset_v},
-      {"scale_percent", errors.scale_percent},          {"nonlinearity_percent", errors.nonlinearity_percent},
-      {"opamp_offset_v", errors.opamp_offset_v},        {"resistor_percent", errors.resistor_percent},
-      {"switch_ohm_percent", errors.switch_ohm_percent}};
-  out["rss_percent"] = rss_percent;
-  out["worst_percent"] = worst_percent;
-  out["causes"] = lines_json(lines);
-  if (!amplitude_lines.empty()) {
-    out["amplitude"] = {{"rss_percent", amplitude_rss_percent}, {"causes", lines_json(amplitude_lines)}};
-  }
   return out;
 }
 

@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "base/json_fwd.hpp"
 #include "multiplier_layout/bench.hpp"
 #include "multiplier_layout/layout.hpp"
 
@@ -43,8 +42,6 @@ struct Budget {
   /// What the amplitude gains add, worst alpha of the table; empty without them.
   std::vector<BudgetLine> amplitude_lines;
   std::vector<double> amplitude_rss_percent;  ///< with the causes of `lines`
-
-  Json to_json() const;
 };
 
 Budget make_budget(const Layout& layout, const ErrorLimits& errors = {});

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "multiplier_layout/build.hpp"
 
@@ -46,28 +45,6 @@ void warn_when_slow(Layout& layout, Hertz highest) {
           rounded_text(one.bandwidth.value, 3), Scheme::kBandwidthRatio, rounded_text(highest.value)));
     }
   }
-}
-
-Json multiplier_json(const Multiplier& m) {
-  return {{"name", m.name}, {"what", m.what}, {"x", m.x},          {"y", m.y},
-          {"z", m.z},       {"w", m.out},     {"peak_v", m.peak_v}};
-}
-
-Json amplitude_json(const Layout& layout) {
-  const AmplitudeControl& a = *layout.amplitude;
-  Json out;
-  out["alpha"] = a.alpha;
-  out["gains"] = a.wanted;
-  out["control_scale_v"] = a.control_scale_v;
-  out["rectifiers"] = Json::array();
-  for (const AmplitudeControl::Rectifier& r : a.rectifiers) {
-    out["rectifiers"].push_back(
-        {{"opamp", r.opamp}, {"node", r.node}, {"wanted_alpha", r.wanted}, {"realised_alpha", r.realised}});
-  }
-  out["gain_multipliers"] = Json::array();
-  for (const Multiplier& m : a.multipliers) out["gain_multipliers"].push_back(multiplier_json(m));
-  out["max_error_percent"] = a.max_error_percent;
-  return out;
 }
 
 }  // namespace
@@ -134,80 +111,6 @@ Layout make_layout(const Disturbance& disturbance, const Options& options) {
 
 Layout make_layout_of_polynomials(const std::vector<Polynomial>& branches, const Options& options) {
   return make_layout(Input{branches, {}}, options);
-}
-
-Json Layout::to_json() const {
-  Json out;
-  out["multiplier"] = {{"name", multiplier.name},
-                       {"scale_v", multiplier.scale_v},
-                       {"greatest_input_v", multiplier.greatest_input_v},
-                       {"bandwidth_hz", multiplier.bandwidth.value}};
-  out["opamp"] = {{"name", opamp.name}, {"gain_bandwidth_hz", opamp.gain_bandwidth.value}};
-  out["opamps"] = opamps();
-  out["branch_gain"] = branch_gain;
-  out["schemes"] = Json::array();
-  for (const Candidate& one : candidates) {
-    out["schemes"].push_back({{"name", one.name},
-                              {"powers_to_a_group", one.group},
-                              {"multipliers", one.multipliers},
-                              {"opamps", one.opamps},
-                              {"multipliers_in_series", one.depth},
-                              {"rss_percent", one.rss_percent},
-                              {"bandwidth_hz", one.bandwidth.value},
-                              {"chosen", one.chosen}});
-  }
-  out["multipliers"] = Json::array();
-  for (const Multiplier& m : multipliers) out["multipliers"].push_back(multiplier_json(m));
-  out["branches"] = Json::array();
-  for (const Branch& b : branches) {
-    out["branches"].push_back({{"name", b.name},
-                               {"wanted", b.wanted},
-                               {"realised", b.realised},
-                               {"peak_v", b.peak_v},
-                               {"max_error_percent", b.max_error_percent}});
-  }
-  if (switched()) {
-    out["switch"] = {{"name", analog_switch.name},
-                     {"on_ohm", analog_switch.on_ohm},
-                     {"on_delay_s", analog_switch.on_delay_s},
-                     {"break_before_make_s", analog_switch.gap_s},
-                     {"charge_injection_c", analog_switch.charge_c},
-                     {"source_capacitance_f", analog_switch.source_f},
-                     {"drain_capacitance_f", analog_switch.drain_f},
-                     {"select_lines", select_lines()},
-                     {"control", "branch > 0.5 V: " + branches[0].name},
-                     {"codes", Json::array()}};
-    for (int select = 0; select < (1 << select_lines()); ++select) {
-      for (const bool rising : {true, false}) {
-        const int b = branch_at(select, rising);
-        out["switch"]["codes"].push_back({{"select", select},
-                                          {"branch_v", rising ? 1 : 0},
-                                          {"name", b < 0 ? "none" : branches[static_cast<size_t>(b)].name}});
-      }
-    }
-  }
-  if (amplitude) out["amplitude"] = amplitude_json(*this);
-  out["nodes"] = Json::array();
-  for (const NodeRange& node : nodes) {
-    out["nodes"].push_back({{"name", node.name},
-                            {"what", node.what},
-                            {"lowest_v", node.lowest_v},
-                            {"highest_v", node.highest_v}});
-  }
-  out["parts"] = Json::array();
-  for (const Part& one : parts) {
-    const bool resistor = one.kind == Part::Kind::resistor;
-    out["parts"].push_back({{"part", one.name},
-                            {"role", one.role},
-                            {"from", one.from},
-                            {"to", one.to},
-                            {"series", one.series},
-                            {resistor ? "wanted_ohm" : "wanted_f", one.wanted},
-                            {resistor ? "realised_ohm" : "realised_f", one.realised}});
-  }
-  out["error"] = {{"max_error_percent", max_error_percent}};
-  out["warnings"] = warnings;
-  return out;
 }
 
 }  // namespace bodesmith::multiplier_layout

@@ -4,7 +4,6 @@
 #include <string>
 #include <vector>
 
-#include "base/json_fwd.hpp"
 #include "circuit/opamp.hpp"
 #include "circuit/parts/series.hpp"
 #include "multiplier_layout/switch.hpp"
@@ -182,8 +181,6 @@ struct Layout {
   /// The branch behind select code `select` for rising or falling x; -1: none, the output rests at 0.
   int branch_at(int select, bool rising) const;
   int opamps() const;
-  /// Without the header.
-  Json to_json() const;
 };
 
 /// The same for any number of polynomials of degree 1 to 7 (coefficients a1, a2, …; no constant: d(0) = 0).

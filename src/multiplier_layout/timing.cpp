@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/json.hpp"
 #include "multiplier_layout/build.hpp"
 #include "multiplier_layout/slope_detector.hpp"
 
@@ -157,59 +156,6 @@ Timing make_timing(const Layout& layout, const std::vector<Hertz>& frequencies, 
   for (const SlopeDetectorFigures::Delay& one : out.detector.delays) {
     if (one.triangle_s)
       s.late.push_back(late_figures(layout, one.frequency, *one.triangle_s + model.on_delay_s, errors));
-  }
-  return out;
-}
-
-Json Timing::to_json() const {
-  Json out;
-  if (detector.delays.empty()) return out;
-  out["slope_detector"] = {
-      {"threshold_v", detector.threshold_v},       {"least_slope_v_per_s", detector.least_slope_v_per_s},
-      {"noise_rms_v", detector.noise_v},           {"hysteresis_over_noise", detector.noise_margin},
-      {"tolerated_50_hz_v", detector.hum_50_hz_v}, {"tolerated_ripple_v", detector.ripple_v},
-      {"ripple_hz", detector.ripple_hz},           {"delays", Json::array()}};
-  const auto maybe = [](const std::optional<double>& value) { return value ? Json(*value) : Json(nullptr); };
-  for (const SlopeDetectorFigures::Delay& one : detector.delays) {
-    out["slope_detector"]["delays"].push_back({{"frequency_hz", one.frequency.value},
-                                               {"triangle_s", maybe(one.triangle_s)},
-                                               {"sine_s", maybe(one.sine_s)}});
-  }
-  out["switch"] = {{"opens_s", analog_switch.opens_s},
-                   {"closes_s", analog_switch.closes_s},
-                   {"hold_s", analog_switch.hold_s},
-                   {"charge_step_v", analog_switch.charge_step_v},
-                   {"droop_percent", analog_switch.droop_percent},
-                   {"charge_percent", analog_switch.charge_percent},
-                   {"glitch_percent", analog_switch.glitch_percent},
-                   {"glitch_area_percent_s", analog_switch.glitch_area_percent_s},
-                   {"late", Json::array()}};
-  for (const SwitchFigures::Late& one : analog_switch.late) {
-    out["switch"]["late"].push_back({{"frequency_hz", one.frequency.value},
-                                     {"delay_s", one.delay_s},
-                                     {"step_percent", one.step_percent},
-                                     {"rms_percent", one.rms_percent},
-                                     {"rms_multipliers_at_limit_percent", one.rms_at_limit_percent},
-                                     {"peak_percent", one.peak_percent}});
-  }
-  return out;
-}
-
-Json Timing::budget_json() const {
-  Json out = Json::array();
-  if (detector.delays.empty()) return out;
-  const double gap = analog_switch.closes_s - analog_switch.opens_s;
-  out.push_back({{"cause", "break before make, droop from full scale"},
-                 {"percent", analog_switch.droop_percent},
-                 {"lasts_s", gap}});
-  out.push_back({{"cause", "break before make, injected charge"},
-                 {"percent", analog_switch.charge_percent},
-                 {"lasts_s", gap}});
-  for (const SwitchFigures::Late& one : analog_switch.late) {
-    out.push_back({{"cause", "late branch"},
-                   {"frequency_hz", one.frequency.value},
-                   {"percent", one.step_percent},
-                   {"lasts_s", one.delay_s}});
   }
   return out;
 }

@@ -3,7 +3,6 @@
 #include <optional>
 #include <vector>
 
-#include "base/json_fwd.hpp"
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/layout.hpp"
 
@@ -66,10 +65,6 @@ struct SwitchFigures {
 struct Timing {
   SlopeDetectorFigures detector;
   SwitchFigures analog_switch;
-
-  Json to_json() const;
-  /// The transient causes beside the budget at rest: percent of range while they last, s.
-  Json budget_json() const;
 };
 
 /// `frequencies` of the reference. Empty figures for a layout with one branch.

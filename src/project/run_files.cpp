@@ -9,6 +9,7 @@
 #include "fpaa/board_picture.hpp"
 #include "fpaa/build_sheet.hpp"
 #include "kicad/schematic.hpp"
+#include "multiplier_layout/json.hpp"
 #include "project/stages_plot.hpp"
 #include "signal/csv.hpp"
 #include "spice/disturbance_library.hpp"
@@ -80,7 +81,7 @@ void add_circuit(const ProjectRun& run, OutputSet& out) {
 
 void add_layout(const ProjectRun& run, OutputSet& out) {
   const multiplier_layout::Layout& layout = run.design.layout;
-  out.add("layout/layout.json", json_file("layout", run, layout.to_json()));
+  out.add("layout/layout.json", json_file("layout", run, to_json(layout)));
   out.add("layout/disturbance.sub", spice::disturbance_library(layout, run.project.name));
   if (layout.amplitude) {
     out.add("layout/disturbance_amplitude.sub",

@@ -2,8 +2,10 @@
 
 #include <optional>
 #include <string>
+#include <variant>
 #include <vector>
 
+#include "approximate/approximation_error.hpp"
 #include "approximate/method.hpp"
 #include "base/json_fwd.hpp"
 #include "lti/cascade.hpp"
@@ -11,16 +13,6 @@
 #include "lti/sections.hpp"
 
 namespace bodesmith {
-
-/// Difference between sections and the fractional response they stand for.
-struct ApproximationError {
-  Band band;
-  double band_db = 0.0;        ///< largest |magnitude error| over the band
-  double band_deg = 0.0;       ///< largest |phase error| over the band
-  double everywhere_db = 0.0;  ///< over all frequencies, 0 and infinity included
-  double everywhere_deg = 0.0;
-  Hertz worst;  ///< where everywhere_db is met (0 and infinity are given as the ends of the grid)
-};
 
 struct TermApproximation {
   FractionalLeadLag term;
@@ -33,7 +25,7 @@ struct TermApproximation {
 };
 
 struct ApproximationOptions {
-  std::string method = "minimax";
+  std::string method = "minimax";  ///< a name of method_registry()
   /// Poles of each term's approximation, whole powers counted inside it.
   std::optional<int> order{};
   /// Without `order`: the fewest poles in all with which the whole cascade stays within this, over all
@@ -50,21 +42,24 @@ struct CascadeApproximation {
   ApproximationError error;
   bool limit_met = true;  ///< false when max_error_db was asked for and could not be met up to max_order
   std::string method;
-  double max_error_db = 0.0;  ///< as asked, 0 when not
+  std::optional<double> max_error_db;  ///< as asked
 
   /// Extra fields beside the sections: method, order and error of every term, the limit law, phase
   /// everywhere.
   Json report_json() const;
 };
 
-/// Throws InputError for an unknown method, an order outside 1..40; DesignError when the method refuses.
+/// Sections for one term, or why the method makes none of this order. Throws InputError for an unknown method, an order
+/// outside 1..40, a term with beta = 0.
+std::variant<TermApproximation, Method::Refusal> try_approximate_term(const FractionalLeadLag& term,
+                                                                      const ApproximationOptions& options,
+                                                                      int order);
+/// The same where a refusal ends the work: throws DesignError with its reason.
 TermApproximation approximate_term(const FractionalLeadLag& term, const ApproximationOptions& options,
                                    int order);
 
-/// Integer sections for a whole cascade. With neither order nor max_error_db: order 4 a term.
+/// Integer sections for a whole cascade. With neither order nor max_error_db: order 4 a term. Throws DesignError when
+/// the method refuses, and for a cascade that is a plain gain.
 CascadeApproximation approximate_cascade(const Cascade& cascade, const ApproximationOptions& options = {});
-
-/// Compares sections with a cascade over its corner band and everywhere.
-ApproximationError approximation_error(const Sections& sections, const Cascade& cascade);
 
 }  // namespace bodesmith

@@ -1,28 +1,39 @@
+#include <fmt/format.h>
+
 #include <cmath>
 #include <numbers>
-#include <string>
 
-#include "approximate/all_methods.hpp"
-#include "base/error.hpp"
+#include "approximate/method.hpp"
 
 namespace bodesmith {
-// Carlson's step for a square root, H <- H (H^2 + 3 p)/(3 H^2 + p) from H = 1, triples an exponent:
-//   (H - c)/(H + c) = ((1 - c)/(1 + c))^N, c = sqrt p, N = 3^steps = 2 n + 1,
-// so that its zeros and poles are p = -tan^2 of equally spaced angles: no polynomial needs to be expanded.
-// (At these orders it equals the continued fraction; for q-th roots other than the square root it would not,
-// and these are refused.)
-NormalisedApproximation carlson(const ApproximationTask& task) {
+namespace {
+
+/// Newton's iteration for P^(1/q) (Carlson and Halijak, IEEE Trans. CT 11, 1964). The step for a square root,
+///   H <- H (H^2 + 3 p)/(3 H^2 + p)  from H = 1,
+/// triples an exponent:
+///   (H - c)/(H + c) = ((1 - c)/(1 + c))^N,  c = sqrt p,  N = 3^steps = 2 n + 1,
+/// so that its zeros and poles are p = -tan^2 of equally spaced angles: no polynomial needs to be expanded. (At these
+/// orders it equals the continued fraction; for q-th roots other than the square root it would not, and these are
+/// refused.)
+class Carlson final : public Method {
+ public:
+  std::string_view name() const override { return "carlson"; }
+  std::string_view source() const override { return "Carlson and Halijak 1964"; }
+  Outcome approximate(const ApproximationTask& task) const override;
+};
+
+Method::Outcome Carlson::approximate(const ApproximationTask& task) const {
   if (std::abs(task.beta - 0.5) > 1e-12) {
-    throw DesignError(
-        "carlson is built for |beta| = 1/2 beside whole powers, expected another method for this beta (" +
-        std::to_string(task.beta) + " remains)");
+    return Refusal{fmt::format(
+        "carlson is built for |beta| = 1/2 beside whole powers, expected another method for this beta ({:f} remains)",
+        task.beta)};
   }
   int n = 1;
   while (n < task.order) n = 3 * n + 1;
   if (n != task.order) {
-    throw DesignError(
-        "carlson has 1, 4, 13 or 40 poles beside whole powers, expected such an order instead of " +
-        std::to_string(task.order));
+    return Refusal{fmt::format(
+        "carlson has 1, 4, 13 or 40 poles beside whole powers, expected such an order instead of {}",
+        task.order)};
   }
   const int count = 2 * n + 1;
   const double r = std::sqrt(task.kappa);
@@ -42,6 +53,13 @@ NormalisedApproximation carlson(const ApproximationTask& task) {
     out.gain *= (1.0 + pole) / (1.0 + zero);
   }
   return out;
+}
+
+}  // namespace
+
+const Method& carlson_method() {
+  static const Carlson method;
+  return method;
 }
 
 }  // namespace bodesmith

@@ -2,20 +2,34 @@
 
 #include <array>
 #include <cmath>
+#include <cstddef>
 #include <numbers>
+#include <type_traits>
 
 namespace bodesmith {
+namespace {
 
-long double complete_elliptic_k_long(long double complementary_modulus) {
-  long double a = 1.0L;
-  long double b = complementary_modulus;
-  for (int i = 0; i < 64 && std::abs(a - b) > 1e-19L * a; ++i) {
-    const long double mean = 0.5L * (a + b);
+/// Where the two means have met, relative: a few roundings.
+template <class Real>
+constexpr Real kMeansMeet = std::is_same_v<Real, double> ? Real(1e-15) : Real(1e-19L);
+
+}  // namespace
+
+template <class Real>
+Real complete_elliptic_k(Real complementary_modulus) {
+  Real a = 1;
+  Real b = complementary_modulus;
+  // Convergence is quadratic: the count only guards against two roundings that take turns.
+  for (int i = 0; i < 64 && std::abs(a - b) > kMeansMeet<Real> * a; ++i) {
+    const Real mean = (a + b) / 2;
     b = std::sqrt(a * b);
     a = mean;
   }
-  return std::numbers::pi_v<long double> / (2.0L * a);
+  return std::numbers::pi_v<Real> / (2 * a);
 }
+
+template double complete_elliptic_k(double);
+template long double complete_elliptic_k(long double);
 
 EllipticFunctions jacobi_elliptic(long double argument, long double complementary_modulus) {
   // am(u) by the arithmetic-geometric mean: phi_N = 2^N a_N u, sin(2 phi_(n-1) - phi_n) = (c_n/a_n) sin phi_n
@@ -24,15 +38,15 @@ EllipticFunctions jacobi_elliptic(long double argument, long double complementar
   std::array<long double, 32> c{};
   long double b = complementary_modulus;
   a[0] = 1.0L;
-  size_t n = 0;
-  while (n + 1 < a.size() && std::abs(a[n] - b) > 1e-19L * a[n]) {
+  std::size_t n = 0;
+  while (n + 1 < a.size() && std::abs(a[n] - b) > kMeansMeet<long double> * a[n]) {
     c[n + 1] = 0.5L * (a[n] - b);
     a[n + 1] = 0.5L * (a[n] + b);
     b = std::sqrt(a[n] * b);
     ++n;
   }
   long double phi = std::ldexp(a[n] * argument, static_cast<int>(n));
-  for (size_t i = n; i > 0; --i) phi = 0.5L * (phi + std::asin(c[i] / a[i] * std::sin(phi)));
+  for (std::size_t i = n; i > 0; --i) phi = 0.5L * (phi + std::asin(c[i] / a[i] * std::sin(phi)));
   const long double sn = std::sin(phi);
   const long double cn = std::cos(phi);
   return {sn, cn, std::sqrt(cn * cn + complementary_modulus * complementary_modulus * sn * sn)};

@@ -4,20 +4,10 @@
 #include <numbers>
 #include <stdexcept>
 
+#include "approximate/elliptic.hpp"
 #include "base/units.hpp"
 
 namespace bodesmith {
-
-double complete_elliptic_k(double complementary_modulus) {
-  double a = 1.0;
-  double b = complementary_modulus;
-  while (std::abs(a - b) > 1e-15 * a) {
-    const double mean = 0.5 * (a + b);
-    b = std::sqrt(a * b);
-    a = mean;
-  }
-  return std::numbers::pi / (2.0 * a);
-}
 
 double minimax_limit_db(double kappa, double beta, int n) {
   const double size = std::abs(beta);
@@ -33,11 +23,11 @@ double minimax_limit_db(double kappa, double beta, int n) {
          std::exp(log_gamma - std::numbers::pi * (2 * n + 1) * ratio);
 }
 
-int minimax_order(double kappa, double beta, double max_db, int most) {
-  for (int n = static_cast<int>(std::floor(std::abs(beta))); n <= most; ++n) {
+int minimax_order(double kappa, double beta, double max_db, int max_order) {
+  for (int n = static_cast<int>(std::floor(std::abs(beta))); n <= max_order; ++n) {
     if (minimax_limit_db(kappa, beta, n) <= max_db) return n;
   }
-  return most + 1;
+  return max_order + 1;
 }
 
 }  // namespace bodesmith

@@ -12,11 +12,7 @@ namespace bodesmith {
 /// when kappa <= 1 or n < 0.
 double minimax_limit_db(double kappa, double beta, int n);
 
-/// Smallest n <= most whose law is at or below max_db; most + 1 when there is none.
-int minimax_order(double kappa, double beta, double max_db, int most);
-
-/// Complete elliptic integral of the first kind from the complementary modulus k' in (0, 1], by the
-/// arithmetic-geometric mean: K = pi / (2 agm(1, k')).
-double complete_elliptic_k(double complementary_modulus);
+/// Smallest n <= max_order whose law is at or below max_db; max_order + 1 when there is none.
+int minimax_order(double kappa, double beta, double max_db, int max_order);
 
 }  // namespace bodesmith

@@ -13,9 +13,9 @@ long double half_lead(long double v, long double z) {
   const long double sign = z < 0.0L ? -1.0L : 1.0L;
   z = std::abs(z);
   if (std::isinf(v)) return 0.5L * sign * z;
-  const long double least = std::min(v, z);
-  if (least < 0.5L) return sign * std::atanh(std::tanh(0.5L * v) * std::tanh(0.5L * z));
-  return 0.5L * sign * (least + std::log1p(std::exp(-(v + z))) - std::log1p(std::exp(-std::abs(v - z))));
+  const long double smaller = std::min(v, z);
+  if (smaller < 0.5L) return sign * std::atanh(std::tanh(0.5L * v) * std::tanh(0.5L * z));
+  return 0.5L * sign * (smaller + std::log1p(std::exp(-(v + z))) - std::log1p(std::exp(-std::abs(v - z))));
 }
 
 long double half_lead_slope(long double v, long double z) {
@@ -24,23 +24,38 @@ long double half_lead_slope(long double v, long double z) {
   return 0.5L * (1.0L - q) / (1.0L + q + std::exp(z - v) + std::exp(-z - v));
 }
 
-NormalisedApproximation from_log_positions(const std::vector<long double>& zeta, long double log_kappa,
-                                           long double beta) {
+namespace {
+
+/// A position on the real axis or off it.
+template <class Position>
+NormalisedApproximation mirrored_roots(const std::vector<Position>& zeta, long double log_kappa,
+                                       long double beta) {
   NormalisedApproximation out;
   long double log_gain = 0.5L * beta * log_kappa;
-  for (const long double z : zeta) {
-    out.zeros.emplace_back(static_cast<double>(-std::exp(-0.5L * z)), 0.0);
-    out.poles.emplace_back(static_cast<double>(-std::exp(0.5L * z)), 0.0);
-    log_gain += 0.5L * z;
+  for (const Position& z : zeta) {
+    out.zeros.push_back(static_cast<std::complex<double>>(-std::exp(-0.5L * z)));
+    out.poles.push_back(static_cast<std::complex<double>>(-std::exp(0.5L * z)));
+    log_gain += 0.5L * std::real(z);
   }
   out.gain = static_cast<double>(std::exp(log_gain));
   return out;
 }
 
+}  // namespace
+
+NormalisedApproximation from_log_positions(const std::vector<long double>& zeta, long double log_kappa,
+                                           long double beta) {
+  return mirrored_roots(zeta, log_kappa, beta);
+}
+NormalisedApproximation from_log_positions(const std::vector<std::complex<long double>>& zeta,
+                                           long double log_kappa, long double beta) {
+  return mirrored_roots(zeta, log_kappa, beta);
+}
+
 std::vector<long double> elliptic_positions(long double log_kappa, long double beta, int order) {
   const long double m = std::tanh(0.5L * log_kappa);
   const long double complement = 1.0L / std::cosh(0.5L * log_kappa);
-  const long double period = complete_elliptic_k_long(complement);
+  const long double period = complete_elliptic_k(complement);
   std::vector<long double> zeta;
   for (int k = 1; k <= order; ++k) {
     const auto e = jacobi_elliptic(period * (1.0L - (4 * k - 1 - 2.0L * beta) / (2 * order + 1)), complement);
@@ -73,19 +88,6 @@ std::vector<long double> pade_positions(long double log_kappa, long double beta,
   for (const auto& z : pade_positions_complex(log_kappa, beta, order)) zeta.push_back(z.real());
   std::sort(zeta.begin(), zeta.end(), std::greater<>());
   return zeta;
-}
-
-NormalisedApproximation from_log_positions_complex(const std::vector<std::complex<long double>>& zeta,
-                                                   long double log_kappa, long double beta) {
-  NormalisedApproximation out;
-  long double log_gain = 0.5L * beta * log_kappa;
-  for (const auto& z : zeta) {
-    out.zeros.push_back(static_cast<std::complex<double>>(-std::exp(-0.5L * z)));
-    out.poles.push_back(static_cast<std::complex<double>>(-std::exp(0.5L * z)));
-    log_gain += 0.5L * z.real();
-  }
-  out.gain = static_cast<double>(std::exp(log_gain));
-  return out;
 }
 
 }  // namespace bodesmith

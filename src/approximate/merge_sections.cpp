@@ -8,10 +8,8 @@
 namespace bodesmith {
 namespace {
 
-using Complex = std::complex<double>;
-
-/// The gain that balances the largest errors up and down, and what is then left.
-double centre(PooledRoots& roots, const Cascade& cascade, const std::vector<Hertz>& grid) {
+/// Sets the gain that balances the largest errors up and down; returns what is then left, dB.
+double balance_gain(PooledRoots& roots, const Cascade& cascade, const std::vector<Hertz>& grid) {
   const Sections whole = make_sections(roots.gain, roots.zeros, roots.poles);
   double low = INFINITY;
   double high = -INFINITY;
@@ -32,8 +30,8 @@ bool leave_out_closest(PooledRoots& roots) {
   std::size_t pole = 0;
   for (std::size_t i = 0; i < roots.zeros.size(); ++i) {
     for (std::size_t j = 0; j < roots.poles.size(); ++j) {
-      const Complex z = roots.zeros[i];
-      const Complex p = roots.poles[j];
+      const std::complex<double> z = roots.zeros[i];
+      const std::complex<double> p = roots.poles[j];
       if (z.imag() != 0.0 || p.imag() != 0.0 || !(z.real() * p.real() > 0.0)) continue;
       const double distance = std::abs(std::log(z.real() / p.real()));
       if (distance >= best) continue;
@@ -61,7 +59,7 @@ MergedSections merge_sections(const Sections& sections, const Cascade& cascade, 
       log_grid({Hertz{corners.from.value * 1e-4}, Hertz{corners.to.value * 1e4}}, 1201);
   PooledRoots roots = pooled_roots(sections);
   while (roots.poles.size() > 1 && leave_out_closest(roots)) {
-    if (centre(roots, cascade, grid) > limit_db) break;
+    if (balance_gain(roots, cascade, grid) > limit_db) break;
     const Sections made = make_sections(roots.gain, roots.zeros, roots.poles);
     const ApproximationError error = approximation_error(made, cascade);
     if (error.everywhere_db > limit_db) break;
@@ -69,8 +67,7 @@ MergedSections merge_sections(const Sections& sections, const Cascade& cascade, 
     out.error = error;
     ++out.pairs_left_out;
   }
-  out.sections.error =
-      Sections::Error{out.error.band, out.error.band_db, out.error.band_deg, out.error.everywhere_db};
+  out.sections.error = out.error.summary();
   return out;
 }
 

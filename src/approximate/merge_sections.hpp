@@ -1,6 +1,6 @@
 #pragma once
 
-#include "approximate/approximate.hpp"
+#include "approximate/approximation_error.hpp"
 #include "lti/cascade.hpp"
 #include "lti/sections.hpp"
 

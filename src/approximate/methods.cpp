@@ -1,37 +1,28 @@
-#include <array>
-#include <string>
+#include "approximate/method.hpp"
 
-#include "approximate/all_methods.hpp"
-#include "base/error.hpp"
+// Every method: one line here, and one file that defines the function.
+#define BODESMITH_METHODS(ENTRY)  \
+  ENTRY(minimax_method)           \
+  ENTRY(oustaloup_method)         \
+  ENTRY(refined_oustaloup_method) \
+  ENTRY(matsuda_method)           \
+  ENTRY(carlson_method)           \
+  ENTRY(pade_method)              \
+  ENTRY(charef_method)
 
 namespace bodesmith {
-namespace {
 
-constexpr std::array<ApproximationMethod, 7> kMethods = {{
-    {"minimax", "equal ripple in log magnitude (Remez exchange on log pole and zero positions)", minimax,
-     false},
-    {"oustaloup", "Oustaloup et al. 2000", oustaloup, true},
-    {"refined-oustaloup", "Xue, Zhao and Chen 2006", refined_oustaloup, true},
-    {"matsuda", "Matsuda and Fujii 1993, at real s", matsuda, true},
-    {"carlson", "Carlson and Halijak 1964", carlson, true},
-    {"pade", "continued fraction at the centre of the band", pade, true},
-    {"charef", "Charef et al. 1992", charef, true},
-}};
+#define BODESMITH_DECLARE(method) const Method& method();
+BODESMITH_METHODS(BODESMITH_DECLARE)
+#undef BODESMITH_DECLARE
 
-}  // namespace
-
-std::span<const ApproximationMethod> approximation_methods() {
-  return kMethods;
-}
-
-const ApproximationMethod& approximation_method(std::string_view name) {
-  std::string names;
-  for (const ApproximationMethod& method : kMethods) {
-    if (method.name == name) return method;
-    names += names.empty() ? "" : ", ";
-    names += method.name;
-  }
-  throw InputError("'" + std::string(name) + "' is no approximation method, expected one of " + names);
+Registry<Method>& method_registry() {
+#define BODESMITH_ADDRESS(method) &method(),
+  static Registry<Method> registry("approximation method", {BODESMITH_METHODS(BODESMITH_ADDRESS)});
+#undef BODESMITH_ADDRESS
+  return registry;
 }
 
 }  // namespace bodesmith
+
+#undef BODESMITH_METHODS

@@ -1,20 +1,38 @@
-#include <cmath>
+#include "approximate/oustaloup.hpp"
 
-#include "approximate/all_methods.hpp"
+#include <cmath>
 
 namespace bodesmith {
 
-NormalisedApproximation oustaloup(const ApproximationTask& task) {
+NormalisedApproximation oustaloup_recursion(double kappa, double beta, int order) {
   NormalisedApproximation out;
-  for (int k = 1; k <= task.order; ++k) {
+  for (int k = 1; k <= order; ++k) {
     // Exponents from the centre: aligned at -1/2 and +1/2 of the band.
-    const double middle = (2 * k - 1) / (2.0 * task.order) - 0.5;
-    const double half = task.beta / (2.0 * task.order);
-    out.zeros.emplace_back(-std::pow(task.kappa, middle - half), 0.0);
-    out.poles.emplace_back(-std::pow(task.kappa, middle + half), 0.0);
+    const double middle = (2 * k - 1) / (2.0 * order) - 0.5;
+    const double half = beta / (2.0 * order);
+    out.zeros.emplace_back(-std::pow(kappa, middle - half), 0.0);
+    out.poles.emplace_back(-std::pow(kappa, middle + half), 0.0);
   }
-  out.gain = std::pow(task.kappa, task.beta);  // at infinity; 1 at 0
+  out.gain = std::pow(kappa, beta);  // at infinity; 1 at 0
   return out;
+}
+
+namespace {
+
+class Oustaloup final : public Method {
+ public:
+  std::string_view name() const override { return "oustaloup"; }
+  std::string_view source() const override { return "Oustaloup et al., IEEE Trans. CAS-I 47, 2000"; }
+  Outcome approximate(const ApproximationTask& task) const override {
+    return oustaloup_recursion(task.kappa, task.beta, task.order);
+  }
+};
+
+}  // namespace
+
+const Method& oustaloup_method() {
+  static const Oustaloup method;
+  return method;
 }
 
 }  // namespace bodesmith

@@ -1,15 +1,28 @@
 #include <cmath>
 
-#include "approximate/all_methods.hpp"
 #include "approximate/log_symmetric.hpp"
+#include "approximate/method.hpp"
 
 namespace bodesmith {
+namespace {
 
-// The continued fraction of the literature, cut off after 2n terms, is the same function; by the zeros of the
-// Jacobi polynomial nothing cancels.
-NormalisedApproximation pade(const ApproximationTask& task) {
-  const long double log_kappa = std::log(static_cast<long double>(task.kappa));
-  return from_log_positions(pade_positions(log_kappa, task.beta, task.order), log_kappa, task.beta);
+/// Continued fraction at the centre of the band: the diagonal Pade approximant. The continued fraction of the
+/// literature, cut off after 2n terms, is the same function; by the zeros of the Jacobi polynomial nothing cancels.
+class Pade final : public Method {
+ public:
+  std::string_view name() const override { return "pade"; }
+  std::string_view source() const override { return "continued fraction at the centre of the band"; }
+  Outcome approximate(const ApproximationTask& task) const override {
+    const long double log_kappa = std::log(static_cast<long double>(task.kappa));
+    return from_log_positions(pade_positions(log_kappa, task.beta, task.order), log_kappa, task.beta);
+  }
+};
+
+}  // namespace
+
+const Method& pade_method() {
+  static const Pade method;
+  return method;
 }
 
 }  // namespace bodesmith

@@ -1,25 +1,30 @@
 #include <cmath>
 #include <complex>
 
-#include "approximate/all_methods.hpp"
-#include "base/error.hpp"
+#include "approximate/method.hpp"
+#include "approximate/oustaloup.hpp"
 
 namespace bodesmith {
+namespace {
 
-// Xue's refinement widens Oustaloup's band by b/d = 10/9 on both sides and multiplies by the first-order
-// Taylor expansion of (wanted/widened)^beta. His wanted function is s^beta, here it is the term itself:
-//   P = N0/D0, widened W = N1/D1, (P/W)^beta ~ 1 + beta (P/W - 1) = (beta N + (1 - beta) D)/D, N = N0 D1, D =
-//   D0 N1.
-NormalisedApproximation refined_oustaloup(const ApproximationTask& task) {
+/// Oustaloup over a wider band with a Taylor correction (Xue, Zhao and Chen, ICMA 2006). The refinement widens the
+/// band by b/d = 10/9 on both sides and multiplies by the first-order Taylor expansion of (target/widened)^beta. Its
+/// target is s^beta, here it is the term itself: P = N0/D0, widened W = N1/D1,
+///   (P/W)^beta ~ 1 + beta (P/W - 1) = (beta N + (1 - beta) D)/D,  N = N0 D1,  D = D0 N1.
+class RefinedOustaloup final : public Method {
+ public:
+  std::string_view name() const override { return "refined-oustaloup"; }
+  std::string_view source() const override { return "Xue, Zhao and Chen 2006"; }
+  Outcome approximate(const ApproximationTask& task) const override;
+};
+
+Method::Outcome RefinedOustaloup::approximate(const ApproximationTask& task) const {
   if (task.order < 3)
-    throw DesignError("refined-oustaloup needs an order of at least 3 (its correction takes 2)");
+    return Refusal{"refined-oustaloup needs an order of at least 3 (its correction takes 2)"};
   const double widen = 10.0 / 9.0;
   const double r = std::sqrt(task.kappa);
   const double wide = r * widen;
-  ApproximationTask inner = task;
-  inner.order = task.order - 2;
-  inner.kappa = wide * wide;
-  NormalisedApproximation out = oustaloup(inner);
+  NormalisedApproximation out = oustaloup_recursion(wide * wide, task.beta, task.order - 2);
   // N = (1 + r s)(1 + s/wide), D = (1 + s/r)(1 + wide s).
   const double n1 = r + 1.0 / wide;
   const double n2 = r / wide;
@@ -42,6 +47,13 @@ NormalisedApproximation refined_oustaloup(const ApproximationTask& task) {
   out.poles.emplace_back(-1.0 / wide, 0.0);
   out.gain *= c2 / d2;
   return out;
+}
+
+}  // namespace
+
+const Method& refined_oustaloup_method() {
+  static const RefinedOustaloup method;
+  return method;
 }
 
 }  // namespace bodesmith

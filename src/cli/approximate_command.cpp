@@ -33,16 +33,12 @@ std::string approximation_summary(const CascadeApproximation& result) {
                   rounded_text(result.error.band_db, 3), rounded_text(result.error.band_deg, 3),
                   rounded_text(result.error.band.from.value), rounded_text(result.error.band.to.value),
                   rounded_text(result.error.everywhere_db, 3), rounded_text(result.error.everywhere_deg, 3));
-  if (!result.limit_met) text += limit_not_met(result.max_error_db, "dB");
+  if (!result.limit_met) text += limit_not_met(*result.max_error_db, "dB");
   return text;
 }
 
 void declare_approximate(CommandLine& line) {
-  std::string methods;
-  for (const ApproximationMethod& method : approximation_methods()) {
-    methods += (methods.empty() ? "" : ", ") + std::string(method.name);
-  }
-  line.option<std::string>("method", methods, "minimax");
+  line.option<std::string>("method", method_registry().names(), ApproximationOptions{}.method);
   line.option<int>("order", "poles of each term's approximation, whole powers counted (default 4)");
   line.option<double>(
       "max-error-db",
@@ -68,7 +64,7 @@ void declare_approximate(CommandLine& line) {
 ApproximationOptions read_approximation_options(const CommandLine& line) {
   ApproximationOptions options;
   options.method = line.get<std::string>("method");
-  (void)approximation_method(options.method);
+  (void)method_registry().get(options.method);
   options.max_error_db = line.maybe_positive("max-error-db");
   if (line.has("order")) options.order = line.integer("order", 1, 40);
   if (options.order && options.max_error_db) line.fail("--order and --max-error-db cannot be combined");

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "approximate/fractional_stability.hpp"
 #include "approximate/fractional_transfer.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"

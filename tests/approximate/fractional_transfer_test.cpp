@@ -5,6 +5,7 @@
 #include <cmath>
 #include <random>
 
+#include "approximate/fractional_stability.hpp"
 #include "base/error.hpp"
 
 namespace bodesmith {

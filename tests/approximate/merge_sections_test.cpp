@@ -6,6 +6,8 @@
 
 #include "lti/section_making.hpp"
 
+#include "approximate/approximate.hpp"
+
 namespace bodesmith {
 namespace {
 

@@ -24,7 +24,7 @@ std::vector<double> alternation(const TermApproximation& made) {
     Exact np = 0;
     for (const Section& section : made.sections) {
       np += log(abs(Exact(section.gain)));
-      for (size_t i = 0; i < section.poles.size(); ++i) {
+      for (std::size_t i = 0; i < section.poles.size(); ++i) {
         const Exact zero = section.zeros[i].real();
         const Exact pole = section.poles[i].real();
         np += log((w * w + zero * zero) / (w * w + pole * pole)) / 2;
@@ -60,14 +60,15 @@ TEST(Minimax, AlternatesAsOftenAsChebyshevsTheoremAsks) {
         const double law_np = minimax_limit_db(kappa, beta, order) / kDecibelPerNeper;
         if (law_np < 1e-12) continue;  // rounding of the roots to doubles shows
         const auto heights = alternation(minimax_of(kappa, beta, order));
-        ASSERT_EQ(heights.size(), static_cast<size_t>(2 * order + 2)) << kappa << " " << beta << " " << order;
-        double least = INFINITY;
-        double most = 0.0;
+        ASSERT_EQ(heights.size(), static_cast<std::size_t>(2 * order + 2))
+            << kappa << " " << beta << " " << order;
+        double lowest = INFINITY;
+        double highest = 0.0;
         for (const double h : heights) {
-          least = std::min(least, std::abs(h));
-          most = std::max(most, std::abs(h));
+          lowest = std::min(lowest, std::abs(h));
+          highest = std::max(highest, std::abs(h));
         }
-        EXPECT_LT(most / least, 1.01) << kappa << " " << beta << " " << order;
+        EXPECT_LT(highest / lowest, 1.01) << kappa << " " << beta << " " << order;
       }
     }
   }
@@ -186,14 +187,6 @@ TEST(Minimax, RealRootsAboveTwoAreTheBestRealOnes) {
   EXPECT_NEAR(minimax_of(10, 3.5, 6).error.everywhere_db, 0.00014487, 2e-7);
   EXPECT_NEAR(minimax_of(100, 5.5, 8).error.everywhere_db, 0.014529, 2e-5);
   EXPECT_NEAR(minimax_of(2, 2.29, 3).error.everywhere_db, 0.00010442, 1e-7);
-}
-
-TEST(LimitLaw, RefusesWhatItIsNotMeantFor) {
-  EXPECT_THROW(minimax_limit_db(1.0, 0.5, 2), std::domain_error);
-  EXPECT_THROW(minimax_limit_db(10.0, 3.5, 2), std::domain_error);
-  EXPECT_EQ(minimax_limit_db(10.0, 1.0, 2), 0.0);
-  EXPECT_EQ(minimax_order(10.0, 0.5, 0.03, 12), 2);
-  EXPECT_EQ(minimax_order(1e6, 0.5, 1e-9, 12), 13);
 }
 
 }  // namespace

@@ -1,0 +1,116 @@
+#include "approximate/approximation_error.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "base/units.hpp"
+
+namespace bodesmith {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// ln |H(jw)|.
+double log_magnitude(const Section& section, RadPerSecond w) {
+  double out = std::log(std::abs(section.gain));
+  for (std::size_t i = 0; i < section.poles.size(); ++i) {
+    const Complex s(0.0, w.value);
+    if (i < section.zeros.size())
+      out += std::log(std::abs((s - section.zeros[i]) / (s - section.poles[i])));
+    else
+      out -= std::log(std::abs(s - section.poles[i]));
+  }
+  return out;
+}
+
+/// arg H(jw), each root's share by itself, so that it does not wrap.
+double phase_rad(const Section& section, RadPerSecond w) {
+  double out = section.gain < 0.0 ? std::numbers::pi : 0.0;
+  const Complex s(0.0, w.value);
+  for (const Complex& zero : section.zeros) out += std::arg(s - zero);
+  for (const Complex& pole : section.poles) out -= std::arg(s - pole);
+  return out;
+}
+
+struct ErrorAt {
+  double db = 0.0;
+  double deg = 0.0;
+};
+
+ErrorAt error_at(const Sections& sections, const Cascade& cascade, RadPerSecond w) {
+  double np = std::log(std::abs(sections.gain / cascade.gain));
+  double rad = 0.0;
+  for (const Section& section : sections.sections) {
+    np += log_magnitude(section, w);
+    rad += phase_rad(section, w);
+  }
+  for (const FractionalLeadLag& term : cascade.terms) {
+    np -= term.log_magnitude(w);
+    rad -= term.phase_rad(w);
+  }
+  return {kDecibelPerNeper * np, to_degrees(rad)};
+}
+
+/// Ends of the frequency axis, exactly.
+double error_db_at_zero(const Sections& sections, const Cascade& cascade) {
+  double np = std::log(std::abs(sections.gain / cascade.gain));
+  for (const Section& section : sections.sections) np += std::log(std::abs(section.dc_gain()));
+  return kDecibelPerNeper * np;
+}
+double error_db_at_infinity(const Sections& sections, const Cascade& cascade) {
+  double np = std::log(std::abs(sections.gain / cascade.gain));
+  for (const Section& section : sections.sections) np += std::log(std::abs(section.high_frequency_gain()));
+  for (const FractionalLeadLag& term : cascade.terms) np += term.beta * std::log(term.x);
+  return kDecibelPerNeper * np;
+}
+
+/// From the lowest to the highest corner of either.
+Band common_corner_band(const Sections& sections, const Cascade& cascade) {
+  Band band = cascade.corner_band();
+  const Band corners = sections.corner_band();
+  if (corners.to.value > 0.0) {
+    band.from = std::min(band.from, corners.from);
+    band.to = std::max(band.to, corners.to);
+  }
+  if (!(band.to.value > 0.0) || !std::isfinite(band.from.value)) return {Hertz{1.0}, Hertz{1.0}};
+  return band;
+}
+
+}  // namespace
+
+ApproximationError approximation_error(const Sections& sections, const Cascade& cascade) {
+  ApproximationError out;
+  out.band = common_corner_band(sections, cascade);
+  // Beyond 100 times the corners nothing turns any more; in between the ripples are wider than the grid by
+  // far.
+  const double below = out.band.from.value / 100.0;
+  const double above = out.band.to.value * 100.0;
+  const int count = std::clamp(static_cast<int>(120.0 * std::log10(above / below)), 200, 4000);
+  const auto grid = log_grid({Hertz{below}, Hertz{above}}, count);
+  const auto visit_db = [&](double db, Hertz f) {
+    if (db <= out.everywhere_db) return;
+    out.everywhere_db = db;
+    out.worst = f;
+  };
+  const auto visit = [&](Hertz f) {
+    const ErrorAt error = error_at(sections, cascade, f.rad_s());
+    const double db = std::abs(error.db);
+    const double deg = std::abs(error.deg);
+    visit_db(db, f);
+    out.everywhere_deg = std::max(out.everywhere_deg, deg);
+    if (f >= out.band.from && f <= out.band.to) {
+      out.band_db = std::max(out.band_db, db);
+      out.band_deg = std::max(out.band_deg, deg);
+    }
+  };
+  for (const Hertz f : grid) visit(f);
+  visit(out.band.from);
+  visit(out.band.to);
+  visit_db(std::abs(error_db_at_zero(sections, cascade)), grid.front());
+  visit_db(std::abs(error_db_at_infinity(sections, cascade)), grid.back());
+  return out;
+}
+
+}  // namespace bodesmith

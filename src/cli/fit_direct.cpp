@@ -51,7 +51,7 @@ DirectFitOptions read_direct_options(const CommandLine& line, Provenance& from) 
   options.least_squares = line.has("least-squares");
   options.relative_degree = line.get<int>("relative-degree");
   options.use_phase = line.has("phase");
-  options.least_damping = line.positive("least-damping");
+  options.min_damping = line.positive("least-damping");
   options.seed = line.seed_value();
   if (const auto corner = line.maybe_positive("max-corner-hz")) options.max_corner = Hertz{*corner};
   if (line.has("upper")) options.upper = BodePoints::read_csv(line.get<std::string>("upper"), from);

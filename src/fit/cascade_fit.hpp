@@ -11,7 +11,7 @@
 
 namespace bodesmith {
 
-/// How the orders beta_i of a cascade (first seed, eq. 15) are found from wanted gains.
+/// How the orders beta_i of a cascade (first seed, eq. 15) are found from target gains.
 struct CascadeFitOptions {
   /// The frequency of gain 1 at which the first band starts. Without it the lowest point. A point of the file
   /// at this frequency is the base and its gain becomes the cascade's gain; points below are left out.
@@ -23,7 +23,7 @@ struct CascadeFitOptions {
   /// minimum over it usually lies on 0, so 0 counts as allowed, and such a term is exactly 1.
   bool beta_positive = false;
   /// Fewest bands: only some of the points start and end bands, the orders are fitted to all of them (least
-  /// squares), and the fewest bands are taken with which no point is missed by more than this.
+  /// squares), and the fewest bands are taken with which the curve is within this of every point.
   std::optional<double> fewest_bands_db{};
   /// A curve that leaves the range of its two neighbouring points by more than this is warned about, and so
   /// is a point whose leaving out changes the curve by more than this.
@@ -42,7 +42,7 @@ struct CascadeFitTerm {
 /// What happens to the curve when one point is left out and the others are fitted again.
 struct LeftOutPoint {
   Hertz frequency;             ///< of the point that was left out
-  double miss_db = 0.0;        ///< curve without it minus its wanted value, at the point
+  double error_db = 0.0;       ///< curve without it minus its target, at the point
   double max_change_db = 0.0;  ///< largest difference of the two curves between base and last point
   Hertz max_change_at;
 };
@@ -51,7 +51,7 @@ struct LeftOutPoint {
 struct Excursion {
   Band between;
   Hertz worst;
-  double outside_db = 0.0;  ///< how far outside [min, max] of the two wanted values
+  double outside_db = 0.0;  ///< how far outside [min, max] of the two targets
 };
 
 /// A fitted cascade, and everything a person needs to judge it. Nothing here is an exception: ill
@@ -59,8 +59,8 @@ struct Excursion {
 struct CascadeFit {
   Cascade cascade;  ///< with its `fit` summary (the base is not one of its points)
   Hertz base;
-  double base_got_db =
-      0.0;  ///< magnitude at the base relative to its wanted gain: a consequence, not a condition
+  /// Magnitude at the base relative to its target: a consequence, not a condition.
+  double base_got_db = 0.0;
   bool bounded = false;
   bool fewest_bands = false;  ///< the bands were chosen; then the fit is least squares over all points
   bool limit_met = true;      ///< of fewest_bands_db
@@ -71,7 +71,7 @@ struct CascadeFit {
   double optimality_residual = 0.0;
   double condition_number = 0.0;  ///< of eq. 18's matrix, 2-norm
   std::vector<CascadeFitTerm> terms;
-  /// sensitivity[i][j]: change of beta_i when the wanted gain of fit point j grows by 1 %.
+  /// sensitivity[i][j]: change of beta_i when the target of fit point j grows by 1 %.
   std::vector<std::vector<double>> sensitivity;
   std::vector<Excursion> excursions;     ///< those over surprise_db
   std::vector<LeftOutPoint> left_out;    ///< every interior point
@@ -82,11 +82,11 @@ struct CascadeFit {
   Json to_json() const;
 };
 
-/// Finds beta so that |G(j 2 pi f_i)| meets the wanted gains (first seed, eq. 18 or 19), with
+/// Finds beta so that |G(j 2 pi f_i)| meets the target gains (first seed, eq. 18 or 19), with
 ///   lambda_i = 1/(2 pi f_i), x_i = f_i / f_(i+1), f_0 = base, f_1... the points above it.
 /// Solved in nepers, in extended precision: by QR (interpolation) or by an active-set method for
 /// box-constrained least squares whose result carries its optimality certificate. Weights multiply the
-/// squared misses. Throws InputError when there is no point above the base, or beta_max is not above 0.
+/// squared errors. Throws InputError when there is no point above the base, or beta_max is not above 0.
 CascadeFit fit_cascade(const BodePoints& points, const CascadeFitOptions& options = {});
 
 }  // namespace bodesmith

@@ -12,7 +12,7 @@
 
 namespace bodesmith {
 
-/// Integer sections straight to wanted gains, stable and minimum-phase, without a fractional detour.
+/// Integer sections straight to target gains, stable and minimum-phase, without a fractional detour.
 struct DirectFitOptions {
   int order = 4;               ///< poles, 1 to 12
   int relative_degree = 0;     ///< poles minus zeros
@@ -22,7 +22,7 @@ struct DirectFitOptions {
   /// No corner above this. Without it: 1000 times the highest point. A low cap keeps the gain above the band
   /// near the points' (the five points of the first seed fitted without one rise by 18 dB).
   std::optional<Hertz> max_corner{};
-  double least_damping = 0.05;  ///< of complex pairs
+  double min_damping = 0.05;  ///< of complex pairs
   /// Gain masks, in the points' own unit; interpolated linearly in dB over log frequency, active inside their
   /// range.
   std::optional<BodePoints> upper{};
@@ -44,8 +44,8 @@ struct DirectFit {
   double rms_db = 0.0;
   double max_phase_deg = 0.0;      ///< with use_phase
   double mask_violation_db = 0.0;  ///< largest, 0 when the masks are kept or absent
-  double highest_gain_above_band_db =
-      0.0;  ///< relative to the largest point: what happens where nothing was asked
+  /// Relative to the largest point: what happens where nothing was asked.
+  double highest_gain_above_band_db = 0.0;
   int parameters = 0;
   int starts_tried = 0;
   int cancelled = 0;  ///< poles of the order asked for that met a zero and were left out

@@ -9,7 +9,7 @@ namespace {
 using Complex = std::complex<double>;
 using Eigen::Index;
 
-constexpr double kMostDamping = 1e6;
+constexpr double kMaxDamping = 1e6;  ///< two roots twelve decades apart: beyond any band
 
 double log_of_larger_root(double log_w0, double log_zeta) {
   const double zeta = std::exp(log_zeta);
@@ -120,23 +120,25 @@ RootModel::Roots RootModel::roots(const Eigen::VectorXd& theta) const {
   return out;
 }
 
-void add_limits(const RootModel& model, const RootLimits& limits, const Eigen::VectorXd& theta,
-                std::vector<Eigen::RowVectorXd>& rows, std::vector<double>& most) {
+LinearLimits trust_region_limits(const RootModel& model, const RootLimits& limits,
+                                 const Eigen::VectorXd& theta, double radius) {
   const double low = std::log(limits.low.value);
   const double high = std::log(limits.high.value);
-  const double least = std::log(limits.least_damping);
-  const auto add = [&](Index at, double factor, double bound) {
-    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(theta.size());
-    row(at) = factor;
-    rows.push_back(std::move(row));
-    most.push_back(bound);
+  const double min_log_damping = std::log(limits.min_damping);
+  // Two rows a real root, four a pair, two a number.
+  const Index roots = model.real_zeros + model.real_poles;
+  const Index pairs = model.zero_pairs + model.pole_pairs;
+  const Index n = theta.size();
+  LinearLimits out{Eigen::MatrixXd::Zero(2 * roots + 4 * pairs + 2 * n, n),
+                   Eigen::VectorXd::Ones(2 * roots + 4 * pairs + 2 * n)};
+  Index row = 0;
+  const auto add = [&](Index at, double factor, double room) {
+    out.a(row, at) = factor;
+    out.b(row++) = std::max(0.0, room) / radius;
   };
-  const auto add_two = [&](Index at, double first, double second, double bound) {
-    Eigen::RowVectorXd row = Eigen::RowVectorXd::Zero(theta.size());
-    row(at) = first;
-    row(at + 1) = second;
-    rows.push_back(std::move(row));
-    most.push_back(bound);
+  const auto add_two = [&](Index at, double first, double second, double room) {
+    out.a(row, at + 1) = second;
+    add(at, first, room);
   };
   Index at = 1;
   for (const bool zero : {true, false}) {
@@ -145,8 +147,8 @@ void add_limits(const RootModel& model, const RootLimits& limits, const Eigen::V
       add(at, -1.0, theta(at) - low);
     }
     for (int i = 0; i < (zero ? model.zero_pairs : model.pole_pairs); ++i, at += 2) {
-      add(at + 1, -1.0, theta(at + 1) - least);
-      add(at + 1, 1.0, std::log(kMostDamping) - theta(at + 1));
+      add(at + 1, -1.0, theta(at + 1) - min_log_damping);
+      add(at + 1, 1.0, std::log(kMaxDamping) - theta(at + 1));
       // d ln(larger root)/d ln zeta = zeta / sqrt(zeta^2 - 1): infinite where the pair parts; a bounded slope
       // there.
       const double zeta = std::exp(theta(at + 1));
@@ -155,6 +157,11 @@ void add_limits(const RootModel& model, const RootLimits& limits, const Eigen::V
       add_two(at, -1.0, bend, log_of_smaller_root(theta(at), theta(at + 1)) - low);
     }
   }
+  for (Index i = 0; i < n; ++i) {
+    out.a(row++, i) = 1.0;
+    out.a(row++, i) = -1.0;
+  }
+  return out;
 }
 
 void clamp(const RootModel& model, const RootLimits& limits, Eigen::VectorXd& theta) {
@@ -167,7 +174,7 @@ void clamp(const RootModel& model, const RootLimits& limits, Eigen::VectorXd& th
     }
     for (int i = 0; i < (zero ? model.zero_pairs : model.pole_pairs); ++i, at += 2) {
       theta(at) = std::clamp(theta(at), low, high);
-      theta(at + 1) = std::clamp(theta(at + 1), std::log(limits.least_damping), std::log(kMostDamping));
+      theta(at + 1) = std::clamp(theta(at + 1), std::log(limits.min_damping), std::log(kMaxDamping));
       if (log_of_larger_root(theta(at), theta(at + 1)) > high ||
           log_of_smaller_root(theta(at), theta(at + 1)) < low) {
         const double spread = std::min(high - theta(at), theta(at) - low);  // ln of larger root over w0

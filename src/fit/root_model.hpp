@@ -2,10 +2,10 @@
 
 #include <Eigen/Core>
 #include <complex>
+#include <limits>
 #include <vector>
 
 #include "base/units.hpp"
-#include "lti/sections.hpp"
 
 namespace bodesmith {
 
@@ -22,7 +22,12 @@ struct RootModel {
 
   int zeros() const { return real_zeros + 2 * zero_pairs; }
   int poles() const { return real_poles + 2 * pole_pairs; }
-  Eigen::Index size() const { return 1 + real_zeros + 2 * zero_pairs + real_poles + 2 * pole_pairs; }
+  Eigen::Index size() const { return 1 + zeros() + poles(); }
+  /// Where each kind begins in theta.
+  Eigen::Index first_real_zero() const { return 1; }
+  Eigen::Index first_zero_pair() const { return first_real_zero() + real_zeros; }
+  Eigen::Index first_real_pole() const { return first_zero_pair() + 2 * zero_pairs; }
+  Eigen::Index first_pole_pair() const { return first_real_pole() + real_poles; }
 
   /// ln H(jw), the imaginary part unwrapped, and (unless null) its derivatives by theta.
   std::complex<double> log_response(const Eigen::VectorXd& theta, RadPerSecond w,
@@ -58,17 +63,23 @@ class RootResponse {
   std::vector<Root> roots_;
 };
 
-/// What a root may be: corner frequencies within [low, high], damping of pairs at least `least_damping`.
+/// What a root may be: corner frequencies within [low, high], damping of pairs at least `min_damping`.
 struct RootLimits {
-  RadPerSecond low{1e-300};
-  RadPerSecond high{1e300};
-  double least_damping = 1e-3;
+  RadPerSecond low{std::numeric_limits<double>::min()};
+  RadPerSecond high{std::numeric_limits<double>::max()};
+  double min_damping = 1e-3;
 };
 
-/// Linear inequalities A step <= b that keep theta + step within the limits (linearised for the larger root
-/// of an overdamped pair).
-void add_limits(const RootModel& model, const RootLimits& limits, const Eigen::VectorXd& theta,
-                std::vector<Eigen::RowVectorXd>& rows, std::vector<double>& most);
+/// A x <= b.
+struct LinearLimits {
+  Eigen::MatrixXd a;
+  Eigen::VectorXd b;
+};
+
+/// What keeps theta + radius x within the limits (linearised for the larger root of an overdamped pair) and every
+/// |x_i| <= 1: a step in units of a trust region's radius.
+LinearLimits trust_region_limits(const RootModel& model, const RootLimits& limits,
+                                 const Eigen::VectorXd& theta, double radius);
 /// Moves theta into the limits.
 void clamp(const RootModel& model, const RootLimits& limits, Eigen::VectorXd& theta);
 

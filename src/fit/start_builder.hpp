@@ -2,6 +2,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <random>
 #include <vector>
 
 #include "fit/curve_search.hpp"
@@ -34,6 +35,14 @@ class StartBuilder {
   static RootModel make_model(int zeros, int poles, bool real, RadPerSecond reference);
 
  private:
+  SearchResult try_start(const RootModel& model, const Eigen::VectorXd& theta);
+  /// The best of a smaller model, each with a new zero and pole (or pairs of them) that nearly cancel.
+  std::vector<SearchResult> grow(const std::vector<SearchResult>& best, const RootModel& old,
+                                 const RootModel& model);
+  /// Evenly spread roots, interlaced both ways round.
+  std::vector<SearchResult> spread_evenly(const RootModel& model);
+  std::vector<SearchResult> scatter(const RootModel& model, int count, std::mt19937_64& random);
+
   Settings settings_;
   Improve improve_;
   int tried_ = 0;

@@ -17,9 +17,9 @@ struct WaveformFitOptions {
   int order = 2;  ///< poles (and zeros), 1 to 6
   DrivenPath path = DrivenPath::whole;
   bool worst = false;  ///< make the worst frequency's rms smallest; otherwise the rms over frequencies
-  bool real = true;    ///< real poles and zeros; otherwise pairs of at least `least_damping` too
-  double least_damping =
-      0.5;  ///< four free resonators meet the frequencies of the table and miss between them
+  bool real = true;    ///< real poles and zeros; otherwise pairs of at least `min_damping` too
+  /// Of pairs: four free resonators would meet the frequencies of the table and nothing between them.
+  double min_damping = 0.5;
   std::vector<Hertz> operating{};  ///< empty: the frequencies of the rate table
   std::uint64_t seed = 1;
   int starts = 16;
@@ -38,7 +38,7 @@ struct WaveformFit {
   /// The magnitude-only way beside it: the fractional cascade interpolated through the rate gains
   /// (cascade_fit.hpp).
   WaveformError magnitude_only;
-  /// No linear filter, causal or not, of any order is better (in the norm asked for).
+  /// No linear filter, causal or not, of any order is better (in the norm asked for; waveform_bound.hpp).
   double lower_bound_percent = 0.0;
   int starts_tried = 0;
   std::vector<std::string> warnings;
@@ -55,11 +55,5 @@ WaveformFit fit_waveform(const Disturbance& disturbance, const WaveformFitOption
 /// the one branch that is not static. Throws InputError when both branches need different ones (choose) or
 /// none does.
 DrivenPath path_to_compensate(const Disturbance& disturbance);
-
-/// The same bound by itself, percent of range. Every harmonic of every operating frequency is one physical
-/// frequency, and harmonics that coincide share one value of G: a small least squares problem. For the worst
-/// frequency the largest weighted bound over the frequencies' weights is taken (each one is valid).
-double waveform_lower_bound(const Disturbance& disturbance, const std::vector<Hertz>& operating,
-                            DrivenPath path, bool worst);
 
 }  // namespace bodesmith

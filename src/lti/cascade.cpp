@@ -5,6 +5,12 @@
 #include <cmath>
 
 namespace bodesmith {
+namespace {
+
+/// JSON has no infinity: what a cascade file says for it.
+constexpr double kInfiniteInJson = 1e300;
+
+}  // namespace
 
 std::complex<double> Cascade::response(RadPerSecond w) const {
   double log_magnitude = 0.0;
@@ -87,7 +93,7 @@ Json Cascade::to_json() const {
     out["fit"] = {{"points", points},
                   {"rms_db", fit->rms_db},
                   {"max_db", fit->max_db},
-                  {"condition_number", fit->condition_number}};
+                  {"condition_number", std::min(fit->condition_number, kInfiniteInJson)}};
   }
   return out;
 }

@@ -29,7 +29,7 @@ struct Cascade {
     std::vector<FitPoint> points;
     double rms_db = 0.0;
     double max_db = 0.0;
-    double condition_number = 0.0;
+    double condition_number = 0.0;  ///< infinite for a singular fit (written as 1e300)
   };
   std::optional<FitSummary> fit;
 

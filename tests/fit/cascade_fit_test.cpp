@@ -79,7 +79,7 @@ TEST(CascadeFit, WarnsOfThePapersSurpriseWithoutKnowingTheAnswer) {
   EXPECT_TRUE(four.excursions.empty());
   ASSERT_FALSE(four.left_out.empty());
   EXPECT_EQ(four.left_out[0].frequency.value, 10.0);
-  EXPECT_NEAR(four.left_out[0].miss_db, 1.33 - 0.506, 0.01);
+  EXPECT_NEAR(four.left_out[0].error_db, 1.33 - 0.506, 0.01);
   EXPECT_GT(four.left_out[0].max_change_db, 1.0);
 }
 

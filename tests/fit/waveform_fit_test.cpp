@@ -3,6 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
+#include "fit/waveform_bound.hpp"
 
 namespace bodesmith {
 namespace {

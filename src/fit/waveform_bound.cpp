@@ -1,0 +1,103 @@
+#include "fit/waveform_bound.hpp"
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+#include "fit/waveform_problem.hpp"
+#include "numeric/index.hpp"
+
+namespace bodesmith {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kReweightings = 60;  ///< for the worst frequency: the bound then stands to four digits
+
+/// Unknowns of the least squares problem: Re and Im of G at each distinct frequency (Re only at 0).
+class SharedHarmonics {
+ public:
+  explicit SharedHarmonics(const std::vector<Hertz>& operating) : operating_(operating) {
+    for (const Hertz f : operating) {
+      for (Index k = 1; k <= kSearchHarmonics; ++k) {
+        if (place_.emplace(key(f, k), unknowns_).second) unknowns_ += 2;
+      }
+    }
+  }
+
+  Index unknowns() const { return unknowns_; }
+  /// Of column c (0: Re G_0, then Re G_1, Im G_1, ...) of operating frequency i.
+  Index unknown(std::size_t i, Index c) const {
+    if (c == 0) return 0;
+    return place_.at(key(operating_[i], (c + 1) / 2)) + (c + 1) % 2;
+  }
+
+ private:
+  /// Harmonics closer than a tenth of a microhertz are one.
+  static long long key(Hertz f, Index k) { return std::llround(f.value * static_cast<double>(k) * 1e7); }
+
+  const std::vector<Hertz>& operating_;
+  std::map<long long, Index> place_;
+  Index unknowns_ = 1;
+};
+
+/// Mean square errors of the best G at each operating frequency for given weights.
+std::vector<double> best_possible(const WaveformProblem& problem, const std::vector<double>& weight) {
+  const SharedHarmonics shared(problem.operating());
+  const MatrixXd map = problem.map().matrix();
+  const MatrixXd gram = map.transpose() * map;
+  MatrixXd normal = MatrixXd::Zero(shared.unknowns(), shared.unknowns());
+  VectorXd right = VectorXd::Zero(shared.unknowns());
+  std::vector<VectorXd> target;
+  for (std::size_t i = 0; i < problem.count(); ++i) {
+    // -e at G = 0.
+    VectorXd e;
+    problem.map().apply(Eigen::VectorXcd::Zero(kSearchHarmonics + 1), nullptr, problem.gains(i), e, nullptr);
+    target.push_back(-e);
+    const VectorXd pull = map.transpose() * target.back();
+    for (Index a = 0; a < map.cols(); ++a) {
+      right(shared.unknown(i, a)) += weight[i] * pull(a);
+      for (Index b = 0; b < map.cols(); ++b)
+        normal(shared.unknown(i, a), shared.unknown(i, b)) += weight[i] * gram(a, b);
+    }
+  }
+  normal.diagonal().array() += 1e-13 * normal.diagonal().maxCoeff();
+  const VectorXd g = normal.ldlt().solve(right);
+  std::vector<double> out;
+  for (std::size_t i = 0; i < problem.count(); ++i) {
+    VectorXd part(map.cols());
+    for (Index a = 0; a < map.cols(); ++a) part(a) = g(shared.unknown(i, a));
+    out.push_back((map * part - target[i]).squaredNorm());
+  }
+  return out;
+}
+
+}  // namespace
+
+double waveform_lower_bound(const Disturbance& disturbance, const std::vector<Hertz>& given, DrivenPath path,
+                            bool worst) {
+  const std::vector<Hertz> operating = checked_operating(disturbance, given);
+  const WaveformProblem problem(disturbance, operating, path);
+  std::vector<double> weight(operating.size(), 1.0 / static_cast<double>(operating.size()));
+  double bound = 0.0;
+  for (int iteration = 0; iteration < (worst ? kReweightings : 1); ++iteration) {
+    const std::vector<double> square = best_possible(problem, weight);
+    double sum = 0.0;
+    double total = 0.0;
+    for (std::size_t i = 0; i < square.size(); ++i) sum += weight[i] * square[i];
+    bound = std::max(bound, sum);
+    // Towards the frequencies with the larger errors; none quite to 0.
+    for (std::size_t i = 0; i < square.size(); ++i) {
+      weight[i] *= std::sqrt(square[i] + 1e-12 * sum) + std::numeric_limits<double>::min();
+      total += weight[i];
+    }
+    for (double& w : weight) w /= total;
+  }
+  return 100.0 * std::sqrt(bound);
+}
+
+}  // namespace bodesmith

@@ -1,0 +1,194 @@
+#include "fit/waveform_problem.hpp"
+
+#include <Eigen/QR>
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.hpp"
+#include "numeric/index.hpp"
+
+namespace bodesmith {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXcd;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+using Eigen::VectorXd;
+
+constexpr Index kUnknowns = 2 * kSearchHarmonics + 1;  ///< Re G_0, Re G_1, Im G_1, ...
+
+VectorXcd coefficients(const Disturbance& disturbance, DrivenPath path) {
+  const auto series = triangle_series(disturbance, path, kSearchHarmonics).coefficient;
+  return Eigen::Map<const VectorXcd>(series.data(), eigen_index(series.size()));
+}
+
+/// What one branch contributes to the whole waveform.
+VectorXcd branch_coefficients(Disturbance disturbance, Disturbance::Branch branch) {
+  (branch == Disturbance::Branch::ascending ? disturbance.descending : disturbance.ascending) = {0.0, 0.0,
+                                                                                                 0.0};
+  return coefficients(disturbance, DrivenPath::whole);
+}
+
+/// Samples of the half of the period that counts, as a triangular factor of their Gram matrix to keep rows few.
+MatrixXd half_period_map(const VectorXcd& coefficient, DrivenPath path) {
+  constexpr Index kSamples = 4 * kSearchHarmonics;
+  MatrixXd map(kSamples / 2, kUnknowns);
+  for (Index m = 0; m < kSamples / 2; ++m) {
+    const double phase =
+        (static_cast<double>(m) + 0.5) / kSamples + (path == DrivenPath::descending ? 0.5 : 0.0);
+    map(m, 0) = coefficient(0).real();
+    for (Index k = 1; k <= kSearchHarmonics; ++k) {
+      const double turns = std::fmod(static_cast<double>(k) * phase, 1.0);
+      const Complex turn = 2.0 * coefficient(k) * std::polar(1.0, 2.0 * std::numbers::pi * turns);
+      map(m, 2 * k - 1) = turn.real();
+      map(m, 2 * k) = -turn.imag();
+    }
+  }
+  map /= std::sqrt(static_cast<double>(kSamples));
+  const Eigen::HouseholderQR<MatrixXd> qr(map);
+  return qr.matrixQR().topRows(std::min(map.rows(), map.cols())).triangularView<Eigen::Upper>();
+}
+
+}  // namespace
+
+WaveformErrorMap::WaveformErrorMap(const Disturbance& disturbance, DrivenPath path)
+    : path_(path), coefficient_(coefficients(disturbance, path)) {
+  if (path == DrivenPath::whole) {
+    ascending_ = branch_coefficients(disturbance, Disturbance::Branch::ascending);
+    descending_ = branch_coefficients(disturbance, Disturbance::Branch::descending);
+  } else {
+    window_ = half_period_map(coefficient_, path);
+  }
+}
+
+Index WaveformErrorMap::rows() const {
+  return path_ == DrivenPath::whole ? kUnknowns : window_.rows();
+}
+
+void WaveformErrorMap::apply(const VectorXcd& g, const MatrixXcd* g_slope, const BranchGains& gains,
+                             VectorXd& e, MatrixXd* slope) const {
+  if (path_ == DrivenPath::whole)
+    apply_whole(g, g_slope, gains, e, slope);
+  else
+    apply_half(g, g_slope, path_ == DrivenPath::ascending ? gains.ascending : gains.descending, e, slope);
+}
+
+void WaveformErrorMap::apply_whole(const VectorXcd& g, const MatrixXcd* g_slope, const BranchGains& gains,
+                                   VectorXd& e, MatrixXd* slope) const {
+  e.resize(rows());
+  if (slope != nullptr) slope->resize(rows(), g_slope->cols());
+  for (Index k = 0; k <= kSearchHarmonics; ++k) {
+    const Complex u = coefficient_(k);
+    const double size = k == 0 ? 1.0 : std::numbers::sqrt2;
+    const Complex error =
+        size * (g(k) * u - gains.ascending * ascending_(k) - gains.descending * descending_(k));
+    const Index row = k == 0 ? 0 : 2 * k - 1;
+    e(row) = error.real();
+    if (k > 0) e(row + 1) = error.imag();
+    if (slope == nullptr) continue;
+    const Eigen::RowVectorXcd change = size * u * g_slope->row(k);
+    slope->row(row) = change.real();
+    if (k > 0) slope->row(row + 1) = change.imag();
+  }
+}
+
+void WaveformErrorMap::apply_half(const VectorXcd& g, const MatrixXcd* g_slope, double gain, VectorXd& e,
+                                  MatrixXd* slope) const {
+  VectorXd parts(kUnknowns);
+  parts(0) = g(0).real() - gain;
+  for (Index k = 1; k <= kSearchHarmonics; ++k) {
+    parts(2 * k - 1) = g(k).real() - gain;
+    parts(2 * k) = g(k).imag();
+  }
+  e = window_ * parts;
+  if (slope == nullptr) return;
+  MatrixXd changes(kUnknowns, g_slope->cols());
+  changes.row(0) = g_slope->row(0).real();
+  for (Index k = 1; k <= kSearchHarmonics; ++k) {
+    changes.row(2 * k - 1) = g_slope->row(k).real();
+    changes.row(2 * k) = g_slope->row(k).imag();
+  }
+  *slope = window_ * changes;
+}
+
+MatrixXd WaveformErrorMap::matrix() const {
+  if (path_ != DrivenPath::whole) return window_;
+  MatrixXd out = MatrixXd::Zero(rows(), rows());
+  out(0, 0) = coefficient_(0).real();
+  for (Index k = 1; k <= kSearchHarmonics; ++k) {
+    const Complex u = std::numbers::sqrt2 * coefficient_(k);
+    out(2 * k - 1, 2 * k - 1) = u.real();
+    out(2 * k - 1, 2 * k) = -u.imag();
+    out(2 * k, 2 * k - 1) = u.imag();
+    out(2 * k, 2 * k) = u.real();
+  }
+  return out;
+}
+
+WaveformProblem::WaveformProblem(const Disturbance& disturbance, const std::vector<Hertz>& operating,
+                                 DrivenPath path)
+    : map_(disturbance, path), operating_(operating) {
+  for (const Hertz f : operating) {
+    gains_.push_back({disturbance.rate_gain(Disturbance::Branch::ascending, f),
+                      disturbance.rate_gain(Disturbance::Branch::descending, f)});
+  }
+}
+
+void WaveformProblem::error(const RootModel& model, const VectorXd& theta, std::size_t i, VectorXd& e,
+                            MatrixXd* slope) const {
+  VectorXcd g(kSearchHarmonics + 1);
+  MatrixXcd g_slope;
+  if (slope != nullptr) g_slope.resize(kSearchHarmonics + 1, theta.size());
+  Eigen::RowVectorXcd row(theta.size());
+  const RootResponse response(model, theta);
+  for (Index k = 0; k <= kSearchHarmonics; ++k) {
+    // A real G has a real limit at 0 Hz; a frequency next to it stands for it.
+    const double at = operating_[i].value * (k == 0 ? 1e-9 : static_cast<double>(k));
+    const Complex log_g = response.at(Hertz{at}.rad_s(), slope != nullptr ? &row : nullptr, true);
+    g(k) = std::exp(log_g);
+    if (k == 0) g(k) = g(k).real();
+    if (slope != nullptr) g_slope.row(k) = g(k) * row;
+  }
+  map_.apply(g, slope != nullptr ? &g_slope : nullptr, gains_[i], e, slope);
+}
+
+void WaveformProblem::errors(const RootModel& model, const VectorXd& theta, VectorXd& e,
+                             MatrixXd* slope) const {
+  const Index rows = map_.rows();
+  e.resize(rows * eigen_index(count()));
+  if (slope != nullptr) slope->resize(e.size(), theta.size());
+  const double root = std::sqrt(1.0 / static_cast<double>(count()));
+  VectorXd one;
+  MatrixXd part;
+  for (std::size_t i = 0; i < count(); ++i) {
+    error(model, theta, i, one, slope != nullptr ? &part : nullptr);
+    const Index first = eigen_index(i) * rows;
+    e.segment(first, rows) = root * one;
+    if (slope != nullptr) slope->middleRows(first, rows) = root * part;
+  }
+}
+
+double WaveformProblem::worst_square(const RootModel& model, const VectorXd& theta) const {
+  double worst = 0.0;
+  VectorXd e;
+  for (std::size_t i = 0; i < count(); ++i) {
+    error(model, theta, i, e, nullptr);
+    worst = std::max(worst, e.squaredNorm());
+  }
+  return worst;
+}
+
+std::vector<Hertz> checked_operating(const Disturbance& disturbance, std::vector<Hertz> operating) {
+  if (operating.empty()) operating = operating_frequencies(disturbance);
+  if (operating.empty()) {
+    throw InputError(
+        "the disturbance has no rate gains, expected a 'rate' table (a static disturbance needs no filter)");
+  }
+  std::sort(operating.begin(), operating.end());
+  return operating;
+}
+
+}  // namespace bodesmith

@@ -12,7 +12,7 @@ using Eigen::Index;
 using Eigen::VectorXd;
 
 constexpr int kRounds = 3;
-constexpr int kPlaces = 9;            ///< evenly over log frequency
+constexpr int kMovePlaces = 9;            ///< evenly over log frequency
 constexpr std::size_t kRefined = 3;   ///< the best different ones of a round
 constexpr double kGoodEnough = 1e-6;  ///< Np: nothing left to gain
 constexpr double kWorthAnotherRound = 0.995;
@@ -63,10 +63,10 @@ void GroupMoves::screen_moves(const SearchResult& from, bool pairs, std::vector<
   for (int p = 0; p < poles; ++p) {
     const Index pole = first_pole + width * p;
     const Index zero = nearest_zero(from.theta, first_zero, zeros, width, pole);
-    for (int i = 0; i < kPlaces; ++i) {
+    for (int i = 0; i < kMovePlaces; ++i) {
       for (const double split : {0.15, -0.15}) {
         VectorXd theta = from.theta;
-        const double at = low + (high - low) * (i + 0.5) / kPlaces;
+        const double at = low + (high - low) * (i + 0.5) / kMovePlaces;
         theta(zero) = pairs ? at : at + split;
         theta(pole) = pairs ? at : at - split;
         if (pairs) {

@@ -7,7 +7,7 @@
 #include "base/json.hpp"
 #include "base/text_template.hpp"
 #include "base/version.hpp"
-#include "report/plot.hpp"
+#include "report/svg.hpp"
 
 namespace bodesmith::report {
 

@@ -40,16 +40,4 @@ std::string to_svg(const Plot& plot);
 /// Plots of equal width below one another in one <svg>, e.g. magnitude and phase.
 std::string stack_svg(const std::vector<Plot>& plots);
 
-/// Colour `index` of the palette as #rrggbb: eight hues told apart by colour-blind readers too (Okabe and
-/// Ito).
-std::string palette_color(int index);
-
-/// Round tick positions that cover [from, to] (linear), about `wanted` of them.
-std::vector<double> linear_ticks(double from, double to, int wanted);
-/// Decades in [from, to]; with fewer than two decades also 2 and 5 times them.
-std::vector<double> logarithmic_ticks(double from, double to);
-
-/// & < > " escaped.
-std::string escape_xml(const std::string& text);
-
 }  // namespace bodesmith::report

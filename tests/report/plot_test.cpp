@@ -8,13 +8,6 @@
 namespace bodesmith::report {
 namespace {
 
-TEST(Ticks, AreRoundAndCoverTheRange) {
-  EXPECT_EQ(linear_ticks(0.0, 1.0, 5), (std::vector<double>{0.0, 0.2, 0.4, 0.6000000000000001, 0.8, 1.0}));
-  EXPECT_EQ(logarithmic_ticks(1.0, 100.0), (std::vector<double>{1, 2, 5, 10, 20, 50, 100}));
-  EXPECT_EQ(logarithmic_ticks(1.0, 1e4), (std::vector<double>{1, 10, 100, 1000, 10000}));
-  EXPECT_TRUE(linear_ticks(1.0, 1.0, 5).empty());
-}
-
 TEST(Plot, MapsDataLogarithmically) {
   Plot plot;
   plot.x.logarithmic = true;

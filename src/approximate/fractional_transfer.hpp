@@ -12,7 +12,7 @@ namespace bodesmith {
 
 /// G(s) = (sum_i b_i s^beta_i) / (sum_k a_k s^alpha_k), powers >= 0 and of any size: a fractional PID
 ///   Kp + Ki s^-lambda + Kd s^mu = (Kp s^lambda + Ki + Kd s^(lambda + mu)) / s^lambda,
-/// a constant-phase element s^-alpha, the fourth seed's eq. 15.
+/// a constant-phase element s^-alpha, the tool-servo paper's eq. 15.
 struct FractionalTransfer {
   FractionalPolynomial numerator;
   FractionalPolynomial denominator;

@@ -11,7 +11,7 @@
 
 namespace bodesmith {
 
-/// How the orders beta_i of a cascade (first seed, eq. 15) are found from target gains.
+/// How the orders beta_i of a cascade (disturbance paper, eq. 15) are found from target gains.
 struct CascadeFitOptions {
   /// The frequency of gain 1 at which the first band starts. Without it the lowest point. A point of the file
   /// at this frequency is the base and its gain becomes the cascade's gain; points below are left out.
@@ -82,7 +82,7 @@ struct CascadeFit {
   Json to_json() const;
 };
 
-/// Finds beta so that |G(j 2 pi f_i)| meets the target gains (first seed, eq. 18 or 19), with
+/// Finds beta so that |G(j 2 pi f_i)| meets the target gains (disturbance paper, eq. 18 or 19), with
 ///   lambda_i = 1/(2 pi f_i), x_i = f_i / f_(i+1), f_0 = base, f_1... the points above it.
 /// Solved in nepers, in extended precision: by QR (interpolation) or by an active-set method for
 /// box-constrained least squares whose result carries its optimality certificate. Weights multiply the

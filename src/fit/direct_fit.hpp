@@ -20,7 +20,7 @@ struct DirectFitOptions {
   bool least_squares = false;  ///< smallest rms dB; otherwise the largest weighted |dB| is made smallest
   bool use_phase = false;      ///< fit the points' phase too (complex data)
   /// No corner above this. Without it: 1000 times the highest point. A low cap keeps the gain above the band
-  /// near the points' (the five points of the first seed fitted without one rise by 18 dB).
+  /// near the points' (the five points of the disturbance paper fitted without one rise by 18 dB).
   std::optional<Hertz> max_corner{};
   double min_damping = 0.05;  ///< of complex pairs
   /// Gain masks, in the points' own unit; interpolated linearly in dB over log frequency, active inside their

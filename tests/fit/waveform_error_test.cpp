@@ -11,7 +11,7 @@
 namespace bodesmith {
 namespace {
 
-/// The first seed's polynomials, its gains on both branches.
+/// The disturbance paper's polynomials, its gains on both branches.
 Disturbance both_driven() {
   Disturbance out;
   out.ascending = {0.3546, -0.6433, 0.2887};

@@ -20,7 +20,7 @@ class StartBuilder {
     RadPerSecond high;
     bool real = true;  ///< models grow root by root, otherwise pair by pair
     double log_gain = 0.0;
-    int random = 12;  ///< random starts at the wanted order; a quarter of it below
+    int random = 12;  ///< random starts at the order asked for; a quarter of it below
     int kept = 4;
     std::uint64_t seed = 1;
   };

@@ -21,6 +21,6 @@ struct TriangleSeries {
 
 /// What enters a compensator in that path: the switched disturbance, or one branch's polynomial on both
 /// slopes.
-TriangleSeries triangle_series(const Disturbance& disturbance, DrivenPath path, size_t harmonics);
+TriangleSeries triangle_series(const Disturbance& disturbance, DrivenPath path, std::size_t harmonics);
 
 }  // namespace bodesmith

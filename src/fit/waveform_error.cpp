@@ -8,6 +8,78 @@
 #include "fit/triangle_series.hpp"
 
 namespace bodesmith {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// cos and sin at the points of a period: samples stand in the middle of equal intervals, none on a corner.
+class PeriodTable {
+ public:
+  explicit PeriodTable(std::size_t samples) : size_(2 * samples), cosine_(size_), sine_(size_) {
+    for (std::size_t i = 0; i < size_; ++i) {
+      const double angle = std::numbers::pi * static_cast<double>(i) / static_cast<double>(samples);
+      cosine_[i] = std::cos(angle);
+      sine_[i] = std::sin(angle);
+    }
+  }
+
+  /// Re sum_k part_k e^(2 pi j k (m + 1/2)/samples), added to `start`.
+  double sum(const std::vector<Complex>& part, std::size_t m, double start) const {
+    const std::size_t turn = 2 * m + 1;
+    std::size_t index = 0;
+    for (const Complex& harmonic : part) {
+      start += harmonic.real() * cosine_[index] - harmonic.imag() * sine_[index];
+      index += turn;
+      if (index >= size_) index -= size_;
+    }
+    return start;
+  }
+
+ private:
+  std::size_t size_;
+  std::vector<double> cosine_;
+  std::vector<double> sine_;
+};
+
+/// Harmonics of (G - G_inf) u at one operating frequency; G_inf = `beyond`.
+std::vector<Complex> filtered_harmonics(const FrequencyResponse& g, const TriangleSeries& input, Hertz f,
+                                        double beyond) {
+  std::vector<Complex> part(input.coefficient.size());
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    // A real G has a real limit at 0 Hz; a millionth of the fundamental stands for it.
+    const double at = k == 0 ? f.value * 1e-6 : f.value * static_cast<double>(k);
+    Complex response = g(Hertz{at}.rad_s());
+    if (k == 0) response = response.real();
+    part[k] = (response - beyond) * input.coefficient[k] * (k == 0 ? 1.0 : 2.0);
+  }
+  return part;
+}
+
+/// e = sum over harmonics of (G - G_inf) U + G_inf u(t) - target(t): the harmonics left out see G_inf.
+WaveformErrorPoint error_at_frequency(const FrequencyResponse& g, const Disturbance& disturbance,
+                                      const TriangleSeries& input, const PeriodTable& table, Hertz f) {
+  const std::size_t harmonics = input.coefficient.size() - 1;
+  const std::size_t samples = 4 * harmonics;
+  const double beyond = g(Hertz{f.value * static_cast<double>(harmonics) * 1e3}.rad_s()).real();
+  const std::vector<Complex> part = filtered_harmonics(g, input, f, beyond);
+  const double gain_up = disturbance.rate_gain(Disturbance::Branch::ascending, f);
+  const double gain_down = disturbance.rate_gain(Disturbance::Branch::descending, f);
+  double square = 0.0;
+  double peak = 0.0;
+  for (std::size_t m = 0; m < samples; ++m) {
+    const double phase = (static_cast<double>(m) + 0.5) / static_cast<double>(samples);
+    const bool rising = phase < 0.5;
+    if ((input.path == DrivenPath::ascending && !rising) || (input.path == DrivenPath::descending && rising))
+      continue;
+    const double direct = (beyond - (rising ? gain_up : gain_down)) * input.value(phase);
+    const double e = table.sum(part, m, direct);
+    square += e * e;
+    peak = std::max(peak, std::abs(e));
+  }
+  return {f, 100.0 * std::sqrt(square / static_cast<double>(samples)), 100.0 * peak};
+}
+
+}  // namespace
 
 std::string_view to_string(DrivenPath path) {
   switch (path) {
@@ -29,57 +101,14 @@ WaveformError waveform_error(const FrequencyResponse& g, const Disturbance& dist
                              const std::vector<Hertz>& operating, const WaveformErrorOptions& options) {
   if (operating.empty()) throw InputError("the waveform error needs at least one operating frequency");
   if (options.harmonics < 8) throw InputError("the waveform error needs at least 8 harmonics");
-  const auto harmonics = static_cast<size_t>(options.harmonics);
-  const size_t samples = 4 * harmonics;
+  const auto harmonics = static_cast<std::size_t>(options.harmonics);
   const TriangleSeries input = triangle_series(disturbance, options.path, harmonics);
-  // Samples in the middle of equal intervals: none stands on a corner.
-  std::vector<double> cosine(2 * samples);
-  std::vector<double> sine(2 * samples);
-  for (size_t i = 0; i < 2 * samples; ++i) {
-    const double angle = std::numbers::pi * static_cast<double>(i) / static_cast<double>(samples);
-    cosine[i] = std::cos(angle);
-    sine[i] = std::sin(angle);
-  }
-
+  const PeriodTable table(4 * harmonics);
   WaveformError out;
   double mean_square = 0.0;
   for (const Hertz f : operating) {
     if (!(f.value > 0.0)) throw InputError("an operating frequency is not above 0");
-    // e = sum over harmonics of (G - G_inf) U + G_inf u(t) - wanted(t): the harmonics left out see G_inf.
-    const double beyond = g(Hertz{f.value * options.harmonics * 1e3}.rad_s()).real();
-    std::vector<std::complex<double>> part(harmonics + 1);
-    for (size_t k = 0; k <= harmonics; ++k) {
-      // A real G has a real limit at 0 Hz; a millionth of the fundamental stands for it.
-      const double at = k == 0 ? f.value * 1e-6 : f.value * static_cast<double>(k);
-      std::complex<double> response = g(Hertz{at}.rad_s());
-      if (k == 0) response = response.real();
-      part[k] = (response - beyond) * input.coefficient[k] * (k == 0 ? 1.0 : 2.0);
-    }
-    const double gain_up = disturbance.rate_gain(Disturbance::Branch::ascending, f);
-    const double gain_down = disturbance.rate_gain(Disturbance::Branch::descending, f);
-    double square = 0.0;
-    double peak = 0.0;
-    for (size_t m = 0; m < samples; ++m) {
-      const double phase = (static_cast<double>(m) + 0.5) / static_cast<double>(samples);
-      const bool rising = phase < 0.5;
-      if ((options.path == DrivenPath::ascending && !rising) ||
-          (options.path == DrivenPath::descending && rising))
-        continue;
-      double e = (beyond - (rising ? gain_up : gain_down)) * input.value(phase);
-      const size_t turn = 2 * m + 1;
-      size_t index = 0;
-      for (size_t k = 0; k <= harmonics; ++k) {
-        e += part[k].real() * cosine[index] - part[k].imag() * sine[index];
-        index += turn;
-        if (index >= 2 * samples) index -= 2 * samples;
-      }
-      square += e * e;
-      peak = std::max(peak, std::abs(e));
-    }
-    WaveformErrorPoint point;
-    point.frequency = f;
-    point.rms_percent = 100.0 * std::sqrt(square / static_cast<double>(samples));
-    point.peak_percent = 100.0 * peak;
+    const WaveformErrorPoint point = error_at_frequency(g, disturbance, input, table, f);
     mean_square += point.rms_percent * point.rms_percent / static_cast<double>(operating.size());
     out.worst_percent = std::max(out.worst_percent, point.rms_percent);
     out.points.push_back(point);

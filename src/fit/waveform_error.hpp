@@ -23,8 +23,8 @@ std::string_view to_string(DrivenPath path);
 
 struct WaveformErrorOptions {
   DrivenPath path = DrivenPath::whole;
-  int harmonics =
-      400;  ///< of the operating frequency; what lies above is added in closed form with G(infinity)
+  /// Of the operating frequency; what lies above is added in closed form with G(infinity).
+  int harmonics = 400;
 };
 
 /// The periodic steady state at one operating frequency, triangle x(t) from 0 to 1 and back.

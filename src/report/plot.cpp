@@ -7,6 +7,7 @@
 #include <cmath>
 #include <iterator>
 
+#include "report/scale.hpp"
 #include "report/svg.hpp"
 #include "report/ticks.hpp"
 
@@ -23,60 +24,6 @@ constexpr int kLegendRow = 18;
 
 /// Records longer than this are thinned to what can be seen.
 constexpr std::size_t kMaxPathPoints = 4000;
-
-struct Range {
-  double low;
-  double high;
-};
-
-/// Data range of one coordinate over all series; a default one when there is nothing to show.
-Range data_range(const Plot& plot, std::vector<double> Series::*coordinate, bool logarithmic) {
-  Range out{INFINITY, -INFINITY};
-  for (const Series& series : plot.series) {
-    for (const double value : series.*coordinate) {
-      if (!std::isfinite(value) || (logarithmic && value <= 0.0)) continue;
-      out.low = std::min(out.low, value);
-      out.high = std::max(out.high, value);
-    }
-  }
-  if (out.low <= out.high) return out;
-  return logarithmic ? Range{1.0, 10.0} : Range{0.0, 1.0};
-}
-
-/// A vertical axis stands a little off its data: whole decades, or a margin.
-Range with_margin(Range range, bool logarithmic) {
-  if (logarithmic)
-    return {std::pow(10.0, std::floor(std::log10(range.low))),
-            std::pow(10.0, std::ceil(std::log10(range.high)))};
-  const double margin =
-      range.high > range.low ? 0.06 * (range.high - range.low) : std::max(1e-12, 0.1 * std::abs(range.high));
-  return {range.low - margin, range.high + margin};
-}
-
-/// An axis with its final range, and the map from values to pixels.
-struct Scale {
-  bool logarithmic;
-  double from;
-  double to;
-  double pixel_from;
-  double pixel_to;
-
-  double pixel(double value) const {
-    const double t =
-        logarithmic ? std::log(value / from) / std::log(to / from) : (value - from) / (to - from);
-    return pixel_from + t * (pixel_to - pixel_from);
-  }
-  bool drawable(double value) const { return std::isfinite(value) && (!logarithmic || value > 0.0); }
-  std::vector<double> ticks(int count) const {
-    return logarithmic ? logarithmic_ticks(from, to) : linear_ticks(from, to, count);
-  }
-};
-
-Scale make_scale(const Axis& axis, Range range, double pixel_from, double pixel_to) {
-  if (axis.fixed) range = {axis.from, axis.to};
-  if (!(range.high > range.low)) range.high = axis.logarithmic ? range.low * 10.0 : range.low + 1.0;
-  return {axis.logarithmic, range.low, range.high, pixel_from, pixel_to};
-}
 
 /// The diagram's frame in pixels, and its two scales.
 struct Frame {

@@ -39,10 +39,19 @@ std::vector<double> input(std::size_t n, bool periodic, std::mt19937_64& random)
       v = y += 0.09 * (x - y);
     }
   }
-  double most = 0.0;
-  for (double v : u) most = std::max(most, std::abs(v));
-  for (double& v : u) v /= most;
+  double peak = 0.0;
+  for (double v : u) peak = std::max(peak, std::abs(v));
+  for (double& v : u) v /= peak;
   return u;
+}
+
+/// A record to be answered: train.csv (periodic) or holdout.csv.
+TimeRecord unanswered(std::size_t n, bool periodic, std::mt19937_64& random) {
+  TimeRecord r;
+  r.file = periodic ? "train.csv" : "holdout.csv";
+  r.step_s = kStep;
+  r.u = input(n, periodic, random);
+  return r;
 }
 
 /// y'' + 2 d w y' + w^2 (y + c y^3) = w^2 u, 260 Hz, by Runge-Kutta, eight steps a sample; noise of a fifth
@@ -50,10 +59,7 @@ std::vector<double> input(std::size_t n, bool periodic, std::mt19937_64& random)
 TimeRecord spring(std::size_t n, bool periodic, unsigned seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal(0.0, 0.01);
-  TimeRecord r;
-  r.file = periodic ? "train.csv" : "holdout.csv";
-  r.step_s = kStep;
-  r.u = input(n, periodic, random);
+  TimeRecord r = unanswered(n, periodic, random);
   const double w = kTwoPi * 260.0, d = 0.12, c = 0.2, h = kStep / 8.0;
   const auto f = [&](double u, double y, double v) {
     return w * w * (u - y * (1.0 + c * y * y)) - 2 * d * w * v;
@@ -81,10 +87,7 @@ TimeRecord spring(std::size_t n, bool periodic, unsigned seed) {
 TimeRecord clipped(std::size_t n, bool periodic, unsigned seed) {
   std::mt19937_64 random(seed);
   std::normal_distribution<double> normal(0.0, 0.005);
-  TimeRecord r;
-  r.file = periodic ? "train.csv" : "holdout.csv";
-  r.step_s = kStep;
-  r.u = input(n, periodic, random);
+  TimeRecord r = unanswered(n, periodic, random);
   for (const double u : r.u) r.y.push_back(std::min(2.0 * u, 1.4) + normal(random));
   return r;
 }

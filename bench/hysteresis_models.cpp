@@ -8,29 +8,11 @@
 #include "../tests/hysteresis/brute_force.hpp"
 #include "hysteresis/krasnoselskii_pokrovskii.hpp"
 #include "hysteresis/registry.hpp"
+#include "hysteresis_inputs.hpp"
 
 namespace {
 
 using namespace bodesmith::hysteresis;
-
-std::vector<double> modulated_triangle(std::size_t n) {
-  std::vector<double> out(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double cycle = static_cast<double>(i) / 400.0;
-    const double phase = cycle - std::floor(cycle);
-    const double triangle = phase < 0.5 ? 4.0 * phase - 1.0 : 3.0 - 4.0 * phase;
-    out[i] = 0.5 + 0.5 * (i < 400 ? 1.0 : 0.55 + 0.45 * std::cos(0.86 * cycle)) * triangle;
-  }
-  return out;
-}
-
-std::vector<double> weights(std::size_t levels) {
-  std::vector<double> w;
-  for (std::size_t i = 0; i < levels; ++i)
-    for (std::size_t j = 0; j <= i; ++j)
-      w.push_back(std::exp(-1e-3 * static_cast<double>((i - j) * (i - j))) / 1e4);
-  return w;
-}
 
 Model bank(std::size_t plays) {
   std::vector<double> r, w;
@@ -43,7 +25,7 @@ Model bank(std::size_t plays) {
 
 Model kp() {
   return make_model("krasnoselskii_pokrovskii",
-                    Parameters().set("u_min", 0.0).set("u_max", 1.0).set("mu", weights(200)));
+                    Parameters().set("u_min", 0.0).set("u_max", 1.0).set("mu", relay_weights(200)));
 }
 
 benchmark::Counter a_sample(std::size_t n) {
@@ -83,7 +65,7 @@ void inverse(benchmark::State& state, const Model& model) {
 
 void kp_every_kernel(benchmark::State& state) {
   const std::vector<double> u = modulated_triangle(500);
-  testing::BruteForceKp all(0.0, 1.0, 200, weights(200));
+  testing::BruteForceKp all(0.0, 1.0, 200, relay_weights(200));
   all.reset(u[0]);
   for (auto _ : state) {
     double sum = 0.0;

@@ -11,6 +11,7 @@
 #include "hysteresis/preisach.hpp"
 #include "hysteresis/preisach_identify.hpp"
 #include "hysteresis/registry.hpp"
+#include "hysteresis_inputs.hpp"
 
 namespace {
 
@@ -18,29 +19,9 @@ using namespace bodesmith::hysteresis;
 
 constexpr std::size_t kLevels = 200;
 
-std::vector<double> modulated_triangle(std::size_t n) {
-  std::vector<double> out(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const double cycle = static_cast<double>(i) / 400.0;
-    const double phase = cycle - std::floor(cycle);
-    const double triangle = phase < 0.5 ? 4.0 * phase - 1.0 : 3.0 - 4.0 * phase;
-    const double envelope = i < 400 ? 1.0 : 0.55 + 0.45 * std::cos(0.86 * cycle);
-    out[i] = 0.5 + 0.5 * envelope * triangle;
-  }
-  return out;
-}
-
-std::vector<double> weights() {
-  std::vector<double> w;
-  for (std::size_t i = 0; i < kLevels; ++i)
-    for (std::size_t j = 0; j <= i; ++j)
-      w.push_back(std::exp(-1e-3 * static_cast<double>((i - j) * (i - j))) / 10000.0);
-  return w;
-}
-
 Model model(const char* interpolation) {
   Parameters values;
-  values.set("u_min", 0.0).set("u_max", 1.0).set("w", weights()).set("interpolation", interpolation);
+  values.set("u_min", 0.0).set("u_max", 1.0).set("w", relay_weights(kLevels)).set("interpolation", interpolation);
   return make_model("preisach", values);
 }
 
@@ -84,7 +65,7 @@ __attribute__((target_clones("avx512f", "avx2", "default"))) double all_relays(c
 
 void brute_force_simd(benchmark::State& state) {
   const std::vector<double> u = modulated_triangle(2000);
-  std::vector<double> up, down, w = weights();
+  std::vector<double> up, down, w = relay_weights(kLevels);
   for (std::size_t i = 0; i < kLevels; ++i) {
     for (std::size_t j = 0; j <= i; ++j) {
       up.push_back(static_cast<double>(i + 1));
@@ -119,7 +100,7 @@ BENCHMARK(brute_force_simd);
 
 void brute_force(benchmark::State& state) {
   const std::vector<double> u = modulated_triangle(2000);
-  testing::BruteForceRelays all(0.0, 1.0, kLevels, weights(), 0.0);
+  testing::BruteForceRelays all(0.0, 1.0, kLevels, relay_weights(kLevels), 0.0);
   all.reset(u[0]);
   for (auto _ : state) {
     double sum = 0.0;

@@ -185,7 +185,8 @@ class EllipseType final : public ShapedModelType<Ellipse> {
  public:
   EllipseType()
       : ShapedModelType(
-            "ellipse", "ellipse over the input, surfaces over amplitude and frequency", "001, eq. 1-6",
+            "ellipse", "ellipse over the input, surfaces over amplitude and frequency",
+            "High-speed tracking control of piezoelectric actuators using an ellipse-based hysteresis model, eq. 1-6",
             {
                 any_number("u_0", "u", "centre of the input").with_default(0.0),
                 list_of(above_zero("u_A", "u", "amplitudes of the surfaces, rising")),

@@ -7,7 +7,7 @@
 
 namespace bodesmith::hysteresis {
 
-/// The ellipse model (001, eq. 1-6): under u = u_0 + u_A sin(2πft) the output is an ellipse over the input,
+/// The ellipse model (ellipse paper, eq. 1-6): under u = u_0 + u_A sin(2πft) the output is an ellipse over the input,
 ///   y = y_0 + G (u − u_0) cos Δ + G u̇ sin Δ / (2πf),     G = y_A/u_A,  Δ = α2 − α1 < 0 (2), (A1)
 /// with u̇ = (u_k − u_{k−1})/T_s, i.e. y_k = p1 u_k + p2 u_{k−1} + p3 (eq. 5) with
 ///   p1 = G (cos Δ + sin Δ/(2πf T_s)),  p2 = −G sin Δ/(2πf T_s),  p3 = y_0 − G u_0 cos Δ.

@@ -9,7 +9,7 @@
 
 namespace bodesmith::hysteresis {
 
-/// Exponential hysteresis operators with extreme stacks (002, eq. 2-5):
+/// Exponential hysteresis operators with extreme stacks (exponential-operator paper, eq. 2-5):
 ///   L = Σ k_i (1 − e^(−τ_i |V − V_off|)) (V − V_off) + L_off                                        (eq. 2)
 /// where (V_off, L_off) is the last turning point; conditions 1-4 (and Fig. 5) choose it:
 ///   1. at t = 0 it is (V_off(0), L_off(0)),

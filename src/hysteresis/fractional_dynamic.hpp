@@ -9,7 +9,7 @@
 
 namespace bodesmith::hysteresis {
 
-/// The linearised fractional dynamic hysteresis model of a fast tool servo (003, eq. 8-19):
+/// The linearised fractional dynamic hysteresis model of a fast tool servo (tool-servo paper, eq. 8-19):
 ///   P(s) = 1/(τ s + 1) · K_M/(s² + 2ξω_n s + ω_n²) · F(s),   F(s) = (K_p + Θ s^η)/(1 + χ s^λ)   (15)
 ///   y(t) = P u + ρ t + δ                                                                        (18)
 /// with 0 < η, λ < 1. Linear: one frequency, one ellipse, whatever the amplitude. s^α has its cut on the

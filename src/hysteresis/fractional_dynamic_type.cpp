@@ -55,7 +55,7 @@ class FractionalDynamicType final : public ShapedModelType<FractionalDynamic> {
   FractionalDynamicType()
       : ShapedModelType(
             "fractional_dynamic", "linear fractional hysteresis force with lag and resonance",
-            "003, eq. 8-19",
+            "A Novel Fractional Order Model for the Dynamic Hysteresis of Piezoelectrically Actuated Fast Tool Servo, eq. 8-19",
             {
                 any_number("K_M", "1", "gain in front of the resonance"),
                 between("xi", "1", "damping ratio of the resonance", 1e-6, 100.0),

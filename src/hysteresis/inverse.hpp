@@ -53,7 +53,7 @@ class BracketingInverse final : public Inverse {
   double achieved_ = 0.0;
 };
 
-/// The paper's recursive search (004 eq. 13, 14): the input moves by delta_u until the output passes the
+/// The paper's recursive search (KP paper, eq. 13, 14): the input moves by delta_u until the output passes the
 /// reference, then the last two outputs are interpolated linearly. Slower and less exact than
 /// BracketingInverse; kept for the comparison. Gives up at [u_min, u_max].
 class RecursiveInverse final : public Inverse {

@@ -9,7 +9,7 @@
 
 namespace bodesmith::hysteresis {
 
-/// The Krasnoselskii-Pokrovskii model and its rate-dependent form (004, eq. 1-7), v = (u − u_min)/(u_max −
+/// The Krasnoselskii-Pokrovskii model and its rate-dependent form (KP paper, eq. 1-7), v = (u − u_min)/(u_max −
 /// u_min):
 ///   k_p[v, ξ] = max(ξ, s(v − p2)) while v rises, min(ξ, s(v − p1)) while it falls,  p1 ≤ p2     (4), (5)
 ///   s(x) = 0 for x < 0, x/a on [0, a], 1 above                                                  (6)

@@ -94,7 +94,7 @@ class SineHysteresisType final : public DisturbanceType {
  public:
   SineHysteresisType()
       : DisturbanceType("sine_hysteresis", "half a sine added to the input, one amplitude a branch",
-                        "first seed, eq. 9, 10",
+                        "Modeling and Control of Piezoelectric Hysteresis, eq. 9, 10",
                         disturbance_parameters({
                             any_number("A_ascending", "1", "amplitude of the ascending branch"),
                             any_number("A_descending", "1", "amplitude of the descending branch"),

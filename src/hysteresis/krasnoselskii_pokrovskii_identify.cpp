@@ -118,7 +118,7 @@ Identified identify_krasnoselskii_pokrovskii(std::span<const TimeRecord> records
                                              const IdentifyOptions& options) {
   KpFit fit;
   fit.u = swept_range(records);
-  // The densities come from the slowest record (004, section 4.1), the rate function from all.
+  // The densities come from the slowest record (KP paper, section 4.1), the rate function from all.
   const TimeRecord* slowest = &records[0];
   double fastest = 0.0;
   for (const TimeRecord& record : records) {

@@ -15,7 +15,7 @@ struct LoopTurn {
 };
 
 /// The memory of every operator with wiping-out: the stack of turning points (u, y) that later motion has not
-/// yet passed (Mayergoyz, Mathematical Models of Hysteresis, 1991; the "extreme stacks" of 002, condition
+/// yet passed (Mayergoyz, Mathematical Models of Hysteresis, 1991; the "extreme stacks" of the exponential-operator paper, condition
 /// 1-4). The input leaves the last turning point `from` and heads for the one before it, `toward`; reaching
 /// that closes the inner loop, both are forgotten and the enclosing branch goes on (return-point memory).
 /// Passing the oldest point leaves only the newest one. Amortised O(1) a step, worst O(depth).

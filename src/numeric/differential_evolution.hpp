@@ -8,7 +8,7 @@ namespace bodesmith {
 
 /// Self-adaptive differential evolution, jDE (Brest, Greiner, Bošković, Mernik and Žumer, IEEE Trans. Evol.
 /// Comput. 10 (2006) 646): DE/rand/1/bin where every individual carries its own F in [0.1, 1] and CR in [0,
-/// 1], drawn anew with probability 0.1 each and inherited when they do well. 003 uses "a self-adaptive scheme
+/// 1], drawn anew with probability 0.1 each and inherited when they do well. The tool-servo paper uses "a self-adaptive scheme
 /// of the control parameters of DE".
 struct DifferentialEvolutionOptions {
   int population = 40;

@@ -6,7 +6,7 @@
 
 namespace bodesmith {
 
-/// Particle swarm followed, every generation, by cuckoo search around each particle's best (004, eq. 8-12):
+/// Particle swarm followed, every generation, by cuckoo search around each particle's best (KP paper, eq. 8-12):
 ///   V ← ω V + c1 r1 (p_best − X) + c2 r2 (g_best − X),  X ← X + V,  ω falling linearly        (8)-(10)
 ///   p_best ← p_best + α0 φ u / |v|^(1/λ) (p_best − g_best), kept when better                   (11)
 ///   φ = {Γ(1+λ) sin(πλ/2) / (Γ((1+λ)/2) λ 2^((λ−1)/2))}^(1/λ), λ = 1.5                         (12)

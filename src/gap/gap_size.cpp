@@ -4,6 +4,7 @@
 #include <tuple>
 
 #include "gap/runner.hpp"
+#include "signal/period.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/simulate.hpp"

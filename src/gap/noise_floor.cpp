@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "numeric/fourier.hpp"
+#include "signal/period.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
 

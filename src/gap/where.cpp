@@ -7,6 +7,7 @@
 #include <span>
 
 #include "base/text.hpp"
+#include "numeric/fourier.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
 

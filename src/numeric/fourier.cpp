@@ -1,73 +1,121 @@
 #include "numeric/fourier.hpp"
 
+#include <algorithm>
 #include <bit>
 #include <numbers>
 #include <stdexcept>
+#include <unsupported/Eigen/FFT>
+
+#include "numeric/index.hpp"
 
 namespace bodesmith {
+namespace {
 
-void fourier(std::vector<std::complex<double>>& x) {
-  const std::size_t n = x.size();
-  if (n == 0 || (n & (n - 1)) != 0)
-    throw std::logic_error("the length of a Fourier transform must be a power of two");
-  for (std::size_t i = 1, j = 0; i < n; ++i) {
-    std::size_t bit = n >> 1;
-    for (; j & bit; bit >>= 1) j ^= bit;
-    j ^= bit;
-    if (i < j) std::swap(x[i], x[j]);
+using Complex = std::complex<double>;
+using Bins = std::vector<Complex>;
+
+/// Whether kissfft is fast at n: a prime factor p costs n p.
+bool has_small_factors(std::size_t n) {
+  for (std::size_t p = 2; p <= 31; ++p) {
+    while (n % p == 0) n /= p;
   }
-  // One exact table: running products would lose digits.
-  std::vector<std::complex<double>> turn(n / 2);
-  for (std::size_t k = 0; k < n / 2; ++k) {
-    turn[k] = std::polar(1.0, -2.0 * std::numbers::pi * static_cast<double>(k) / static_cast<double>(n));
-  }
-  for (std::size_t length = 2; length <= n; length <<= 1) {
-    const std::size_t stride = n / length;
-    for (std::size_t i = 0; i < n; i += length) {
-      for (std::size_t k = 0; k < length / 2; ++k) {
-        const auto a = x[i + k];
-        const auto w = turn[k * stride];
-        const auto c = x[i + k + length / 2];
-        const std::complex<double> b(c.real() * w.real() - c.imag() * w.imag(),
-                                     c.real() * w.imag() + c.imag() * w.real());
-        x[i + k] = a + b;
-        x[i + k + length / 2] = a - b;
-      }
-    }
-  }
+  return n == 1;
 }
 
-void inverse_fourier(std::vector<std::complex<double>>& x) {
-  for (auto& v : x) v = std::conj(v);
-  fourier(x);
-  const double scale = 1.0 / static_cast<double>(x.size());
-  for (auto& v : x) v = std::conj(v) * scale;
+Bins transform_smooth(const Bins& x) {
+  Eigen::FFT<double> fft;
+  Bins out;
+  fft.fwd(out, x);
+  return out;
 }
 
-std::vector<std::complex<double>> fourier_of_any_length(std::span<const double> x) {
+Bins transform_any(const Bins& x) {
   const std::size_t n = x.size();
-  if (n == 0) throw std::logic_error("a Fourier transform needs at least one sample");
   // n k = (n^2 + k^2 - (k - n)^2)/2; squares are taken modulo 2 n so that the angles keep their digits.
-  std::vector<std::complex<double>> chirp(n);
+  Bins chirp(n);
   for (std::size_t k = 0; k < n; ++k) {
     const std::size_t square = k * k % (2 * n);
     chirp[k] = std::polar(1.0, -std::numbers::pi * static_cast<double>(square) / static_cast<double>(n));
   }
   const std::size_t size = std::bit_ceil(2 * n - 1);
-  std::vector<std::complex<double>> signal(size);
-  std::vector<std::complex<double>> kernel(size);
+  Bins signal(size);
+  Bins kernel(size);
   for (std::size_t k = 0; k < n; ++k) {
     signal[k] = x[k] * chirp[k];
     kernel[k] = std::conj(chirp[k]);
     if (k > 0) kernel[size - k] = kernel[k];
   }
-  fourier(signal);
-  fourier(kernel);
+  signal = transform_smooth(signal);
+  kernel = transform_smooth(kernel);
   for (std::size_t k = 0; k < size; ++k) signal[k] *= kernel[k];
-  inverse_fourier(signal);
+  signal = inverse_fourier(std::move(signal));
   signal.resize(n);
   for (std::size_t k = 0; k < n; ++k) signal[k] *= chirp[k];
   return signal;
+}
+
+void require_samples(std::size_t n) {
+  if (n == 0) throw std::logic_error("a Fourier transform needs at least one sample");
+}
+
+}  // namespace
+
+std::vector<Complex> fourier(std::vector<Complex> x) {
+  require_samples(x.size());
+  return has_small_factors(x.size()) ? transform_smooth(x) : transform_any(x);
+}
+
+std::vector<Complex> inverse_fourier(std::vector<Complex> bins) {
+  for (Complex& bin : bins) bin = std::conj(bin);
+  Bins x = fourier(std::move(bins));
+  const double scale = 1.0 / static_cast<double>(x.size());
+  for (Complex& v : x) v = std::conj(v) * scale;
+  return x;
+}
+
+std::vector<Complex> half_spectrum(std::span<const double> x) {
+  require_samples(x.size());
+  Bins bins;
+  if (has_small_factors(x.size())) {
+    Eigen::FFT<double> fft;
+    fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+    const std::vector<double> real(x.begin(), x.end());
+    fft.fwd(bins, real);
+  } else {
+    bins = transform_any(Bins(x.begin(), x.end()));
+    bins.resize(x.size() / 2 + 1);
+  }
+  return bins;
+}
+
+std::vector<double> from_half_spectrum(const std::vector<Complex>& bins, std::size_t n) {
+  require_samples(n);
+  std::vector<double> x(n);
+  if (has_small_factors(n)) {
+    Eigen::FFT<double> fft;
+    fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
+    fft.inv(x, bins, eigen_index(n));
+    return x;
+  }
+  Bins all(n);
+  for (std::size_t k = 0; k <= n / 2; ++k) {
+    all[k] = bins[k];
+    if (k > 0 && 2 * k != n) all[n - k] = std::conj(bins[k]);
+  }
+  all = inverse_fourier(std::move(all));
+  std::transform(all.begin(), all.end(), x.begin(), [](Complex v) { return v.real(); });
+  return x;
+}
+
+std::size_t smooth_length(std::size_t n) {
+  for (std::size_t m = n; m > 1; --m) {
+    std::size_t rest = m;
+    for (const std::size_t p : {2U, 3U, 5U}) {
+      while (rest % p == 0) rest /= p;
+    }
+    if (rest == 1 && m % 2 == 0) return m;
+  }
+  return n;
 }
 
 }  // namespace bodesmith

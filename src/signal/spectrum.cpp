@@ -1,6 +1,5 @@
 #include "signal/spectrum.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <stdexcept>
@@ -13,40 +12,6 @@ namespace {
 constexpr double kTurn = 2.0 * std::numbers::pi;
 
 }  // namespace
-
-std::optional<Repetition> find_repetition(std::span<const double> u) {
-  if (u.size() < 3) return std::nullopt;
-  const auto [low, high] = std::minmax_element(u.begin(), u.end());
-  const double close = 1e-9 * (*high - *low);
-  if (!(close > 0.0)) return std::nullopt;
-  const auto repeats = [&](std::size_t lag) {
-    for (std::size_t i = 0; i + lag < u.size(); ++i) {
-      if (std::abs(u[i + lag] - u[i]) > close) return false;
-    }
-    return true;
-  };
-  // The second period may lack nothing: half the record at most. Signals that stay close to themselves for
-  // long would cost the square of their length: enough looking is enough.
-  std::size_t looked = 0;
-  for (std::size_t lag = 1; 2 * lag <= u.size(); ++lag) {
-    if (std::abs(u[lag] - u[0]) > close) continue;
-    if (repeats(lag)) return Repetition{lag, 1};
-    if (++looked > 2000) break;
-  }
-  return std::nullopt;
-}
-
-std::optional<Repetition> repetition_of(Hertz fundamental, double step_s, std::size_t samples) {
-  const double period = 1.0 / (fundamental.value * step_s);
-  for (std::size_t cycles = 1; static_cast<double>(cycles) * period < static_cast<double>(samples) + 0.5;
-       ++cycles) {
-    const double length = static_cast<double>(cycles) * period;
-    if (std::abs(length - std::round(length)) > 1e-6) continue;
-    const auto whole = static_cast<std::size_t>(std::round(length));
-    if (whole >= 2 && whole <= samples) return Repetition{whole, cycles};
-  }
-  return std::nullopt;
-}
 
 Spectrum spectrum_of(std::span<const double> x, double start_s, double step_s, bool periodic) {
   const std::size_t n = x.size();
@@ -61,7 +26,7 @@ Spectrum spectrum_of(std::span<const double> x, double start_s, double step_s, b
       weight += w;
     }
   }
-  const std::vector<std::complex<double>> lines = fourier_of_any_length(weighted);
+  const std::vector<std::complex<double>> lines = half_spectrum(weighted);
   Spectrum out;
   double largest = 0.0;
   const double seconds = step_s * static_cast<double>(n);

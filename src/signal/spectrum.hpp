@@ -1,29 +1,13 @@
 #pragma once
 
-#include <complex>
 #include <cstddef>
 #include <optional>
 #include <span>
-#include <string>
 #include <vector>
 
 #include "base/units.hpp"
 
 namespace bodesmith {
-
-/// `cycles` periods of a signal are `samples` sampling steps: a signal of 3 Hz sampled at 1 kHz repeats after
-/// 1000 samples and 3 cycles.
-struct Repetition {
-  std::size_t samples = 0;
-  std::size_t cycles = 1;
-};
-
-/// The fewest samples after which the whole record repeats itself, within 1e-9 of its range; it must do so at
-/// least once in full. Nothing for a constant or a record that does not repeat.
-std::optional<Repetition> find_repetition(std::span<const double> u);
-/// The same for a known fundamental: the fewest samples that are whole cycles of it within 1e-6 of a sample.
-/// Nothing when no such number fits into the record.
-std::optional<Repetition> repetition_of(Hertz fundamental, double step_s, std::size_t samples);
 
 /// Lines of a real, uniformly sampled signal, x(t) = sum_i amplitude_i cos(2 pi f_i t + phase_i), from 0 Hz
 /// to half the sampling rate.

@@ -3,17 +3,17 @@
 #include <algorithm>
 #include <cmath>
 
-#include "signal/periodogram.hpp"
+#include "numeric/fourier.hpp"
 
 namespace bodesmith {
 
-double mean(const std::vector<double>& v) {
+double mean(std::span<const double> v) {
   double sum = 0.0;
   for (double x : v) sum += x;
   return v.empty() ? 0.0 : sum / static_cast<double>(v.size());
 }
 
-double rms(const std::vector<double>& v) {
+double rms(std::span<const double> v) {
   double sum = 0.0;
   for (double x : v) sum += x * x;
   return v.empty() ? 0.0 : std::sqrt(sum / static_cast<double>(v.size()));
@@ -30,7 +30,7 @@ double quantile(std::vector<double> v, double q) {
   return v[static_cast<std::size_t>(k)];
 }
 
-double correlation_time(const std::vector<double>& v) {
+double correlation_time(std::span<const double> v) {
   const std::size_t n = v.size();
   if (n < 8) return 1.0;
   const double middle = mean(v);

@@ -1,19 +1,20 @@
 #pragma once
 
 #include <cstddef>
+#include <span>
 #include <vector>
 
 namespace bodesmith {
 
-double mean(const std::vector<double>& v);
-double rms(const std::vector<double>& v);
+double mean(std::span<const double> v);
+double rms(std::span<const double> v);
 double median(std::vector<double> v);
 /// The value below which the fraction q of v lies.
 double quantile(std::vector<double> v, double q);
 
 /// Samples over which v forgets itself: 1 + 2 sum of the autocorrelation up to its first crossing of 0.05.
 /// n / correlation_time(v) is the effective sample size of its mean.
-double correlation_time(const std::vector<double>& v);
+double correlation_time(std::span<const double> v);
 
 /// How many standard deviations the improvement from residual `before` to residual `after` lies above what
 /// chance gives. The improvement is 2 sum(before d) - sum(d^2) with d = before - after, so the question is

@@ -4,6 +4,7 @@
 #include <span>
 #include <vector>
 
+#include "signal/period.hpp"
 #include "signal/spectrum.hpp"
 #include "simulate/loop.hpp"
 

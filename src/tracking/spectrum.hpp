@@ -12,13 +12,11 @@ using Complex = std::complex<double>;
 
 /// Of a power of two of samples; not scaled.
 inline std::vector<Complex> spectrum(const std::vector<double>& x) {
-  std::vector<Complex> out(x.begin(), x.end());
-  fourier(out);
-  return out;
+  return fourier({x.begin(), x.end()});
 }
 
-inline std::vector<double> samples_of(std::vector<Complex> x) {
-  inverse_fourier(x);
+inline std::vector<double> samples_of(const std::vector<Complex>& bins) {
+  const std::vector<Complex> x = inverse_fourier(bins);
   std::vector<double> out(x.size());
   for (std::size_t i = 0; i < x.size(); ++i) out[i] = x[i].real();
   return out;

@@ -8,6 +8,7 @@
 
 #include "gap/least_squares.hpp"
 #include "gap/where.hpp"
+#include "signal/period.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
 

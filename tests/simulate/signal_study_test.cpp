@@ -1,0 +1,101 @@
+#include "simulate/signal_study.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+#include "signal/period.hpp"
+#include "simulate/references.hpp"
+
+namespace bodesmith::simulate {
+namespace {
+
+constexpr double kPi = std::numbers::pi;
+
+TEST(SignalStudy, TriangleHasItsClosedForm) {
+  // Samples of a triangle of height 1: line k, odd, is 4/(N sin(pi k/N))^2; the continuous triangle's
+  // distortion is sqrt(pi^4/96 - 1).
+  ReferenceSpec spec;
+  spec.frequency = Hertz{10.0};
+  spec.step_s = 1e-4;
+  const TimeRecord r = make_reference(spec);
+  const auto study = study_signals(r.u, r.u, 0.0, r.step_s, std::nullopt);
+  ASSERT_TRUE(study.repetition);
+  EXPECT_EQ(study.repetition->samples, 1000u);
+  EXPECT_DOUBLE_EQ(study.fundamental->value, 10.0);
+  for (std::size_t k = 1; k < 500; ++k) {
+    const double root = 1000.0 * std::sin(kPi * static_cast<double>(k) / 1000.0);
+    EXPECT_NEAR(study.u.amplitude[k], k % 2 == 1 ? 4.0 / (root * root) : 0.0, 1e-13) << k;
+  }
+  EXPECT_NEAR(*study.y_distortion_percent, 100.0 * std::sqrt(std::pow(kPi, 4) / 96.0 - 1.0), 1e-3);
+  EXPECT_EQ(study.loops.size(), 10u);
+  EXPECT_NEAR(study.loops.front().height_percent, 0.0, 1e-9);
+}
+
+TEST(SignalStudy, RepetitionIsFoundOrNot) {
+  ReferenceSpec spec;
+  spec.kind = "sine";
+  spec.frequency = Hertz{3.0};  // 333.33 samples
+  spec.duration_s = 2.5;
+  const TimeRecord r = make_reference(spec);
+  EXPECT_EQ(find_repetition(r.u)->samples, 1000u);
+  const auto known = repetition_of(Hertz{3.0}, 1e-3, r.size());
+  EXPECT_EQ(known->samples, 1000u);
+  EXPECT_EQ(known->cycles, 3u);
+  EXPECT_FALSE(repetition_of(Hertz{3.0}, 1e-3, 900));
+  EXPECT_FALSE(repetition_of(Hertz{std::sqrt(2.0)}, 1e-3, 2000));
+  EXPECT_FALSE(find_repetition(std::vector<double>(50, 1.0)));
+  spec.kind = "chirp";
+  EXPECT_FALSE(find_repetition(make_reference(spec).u));
+  // The sine itself, by its third line of the repetition.
+  const auto study = study_signals(r.u, r.u, 0.0, r.step_s, Hertz{3.0});
+  EXPECT_NEAR(study.u.amplitude[3], 0.5, 1e-12);
+  EXPECT_LT(*study.u_distortion_percent, 1e-9);
+}
+
+TEST(Loop, PlayHasItsParallelogram) {
+  // y = max/min play of width 0.2 under a triangle 0..1: 0.9 - ... the branches are u - 0.1 and u + 0.1 where
+  // play is taken up.
+  std::vector<double> u, y;
+  double last = 0.0;
+  for (int i = 0; i <= 4000; ++i) {
+    const double part = (i % 2000) / 1000.0;
+    u.push_back(part < 1.0 ? part : 2.0 - part);
+    last = std::clamp(last, u.back() - 0.1, u.back() + 0.1);
+    y.push_back(last);
+  }
+  const auto study = study_signals(u, y, 0.0, 1e-3, std::nullopt);
+  ASSERT_EQ(study.loops.size(), 2u);
+  const Loop& loop = study.loops.back();
+  EXPECT_NEAR(loop.height, 0.2, 1e-12);
+  EXPECT_NEAR(loop.height_percent, 100.0 * 0.2 / 0.8, 1e-9);
+  ASSERT_EQ(loop.u.size(), 101u);
+  for (std::size_t i = 0; i < loop.u.size(); ++i) {
+    EXPECT_NEAR(loop.ascending[i], std::max(loop.u[i] - 0.1, 0.1), 1e-9) << i;
+    EXPECT_NEAR(loop.descending[i], std::min(loop.u[i] + 0.1, 0.9), 1e-9) << i;
+  }
+  EXPECT_EQ(hysteresis_loop(std::vector<double>{0, 1, 2}, std::vector<double>{0, 1, 2}).u.size(), 0u);
+}
+
+TEST(Loop, LagOfASineIsAnEllipse) {
+  // u = cos, y = cos(. - p): height 2 sin p over a range of 2.
+  const double p = 0.3;
+  std::vector<double> u, y;
+  for (int i = 0; i <= 20000; ++i) {
+    u.push_back(std::cos(2.0 * kPi * i / 20000.0));
+    y.push_back(std::cos(2.0 * kPi * i / 20000.0 - p));
+  }
+  const Loop loop = hysteresis_loop(u, y);
+  EXPECT_NEAR(loop.height, 2.0 * std::sin(p), 1e-6);
+  for (std::size_t i = 0; i < loop.u.size(); ++i) {
+    const double half = std::sin(p) * std::sqrt(1.0 - loop.u[i] * loop.u[i]);
+    EXPECT_NEAR(loop.descending[i], loop.u[i] * std::cos(p) + half, 1e-6);  // u falls first, y is late
+    EXPECT_NEAR(loop.ascending[i], loop.u[i] * std::cos(p) - half, 1e-6);
+  }
+}
+
+}  // namespace
+}  // namespace bodesmith::simulate

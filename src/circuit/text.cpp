@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/text.hpp"
+#include "signal/csv.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -43,14 +44,17 @@ std::string transfer_text(const std::vector<Biquad>& product) {
 }
 
 std::string parts_csv(const Circuit& circuit) {
-  std::string out = "part,section,series,wanted_ohm,realised_ohm,wanted_f,realised_f\n";
+  CsvTable table({"part", "section", "series", "wanted_ohm", "realised_ohm", "wanted_f", "realised_f"});
   for (const Part& part : circuit.parts) {
     const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
-    out += part.kind == Part::Kind::resistor
-               ? fmt::format("{},{},{},{},{},,\n", part.name, part.stage + 1, part.series, wanted, realised)
-               : fmt::format("{},{},{},,,{},{}\n", part.name, part.stage + 1, part.series, wanted, realised);
+    const std::string stage = std::to_string(part.stage + 1);
+    if (part.kind == Part::Kind::resistor) {
+      table.add_row({part.name, stage, part.series, wanted, realised, "", ""});
+    } else {
+      table.add_row({part.name, stage, part.series, "", "", wanted, realised});
+    }
   }
-  return out;
+  return table.text();
 }
 
 }  // namespace bodesmith::circuit

@@ -13,6 +13,8 @@
 #include "cli/commands.hpp"
 #include "cli/response_source.hpp"
 #include "report/bode.hpp"
+#include "signal/columns.hpp"
+#include "signal/csv.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -60,25 +62,25 @@ std::vector<Hertz> choose_grid(const CommandLine& line, const std::vector<Respon
 
 std::string bode_csv(const std::vector<Hertz>& grid, const std::vector<ResponseSource>& sources,
                      const std::vector<ResponseColumns>& columns) {
-  std::string out = "frequency_hz";
+  std::vector<std::string> names{std::string(column::frequency_hz)};
   for (std::size_t i = 0; i < sources.size(); ++i) {
-    out += fmt::format(",{}_magnitude_db", sources[i].stem);
-    if (!columns[i].phase_deg.empty()) out += fmt::format(",{}_phase_deg", sources[i].stem);
+    names.push_back(fmt::format("{}_{}", sources[i].stem, column::magnitude_db));
+    if (!columns[i].phase_deg.empty())
+      names.push_back(fmt::format("{}_{}", sources[i].stem, column::phase_deg));
   }
-  out += "\n";
-  const auto cell = [&out](const std::optional<double>& value) {
-    out += ",";
-    if (value && std::isfinite(*value)) out += number_text(*value);
+  CsvTable table(names);
+  const auto cell = [](const std::optional<double>& value) {
+    return value && std::isfinite(*value) ? number_text(*value) : std::string();
   };
   for (std::size_t row = 0; row < grid.size(); ++row) {
-    out += number_text(grid[row].value);
+    std::vector<std::string> cells{number_text(grid[row].value)};
     for (const ResponseColumns& c : columns) {
-      cell(c.magnitude_db[row]);
-      if (!c.phase_deg.empty()) cell(c.phase_deg[row]);
+      cells.push_back(cell(c.magnitude_db[row]));
+      if (!c.phase_deg.empty()) cells.push_back(cell(c.phase_deg[row]));
     }
-    out += "\n";
+    table.add_row(cells);
   }
-  return out;
+  return table.text();
 }
 
 /// Gaps where the file has no value.

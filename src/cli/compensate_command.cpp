@@ -14,6 +14,7 @@
 #include "cli/commands.hpp"
 #include "identify/compensation.hpp"
 #include "identify/error_figures.hpp"
+#include "signal/columns.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::cli {
@@ -24,9 +25,9 @@ std::string drive_csv(const TimeRecord& reference, const identify::Compensation&
   CsvWriter csv;
   std::vector<double> time(reference.size());
   for (std::size_t i = 0; i < time.size(); ++i) time[i] = reference.time_s(i);
-  csv.add("time_s", std::move(time));
-  csv.add("r", reference.u);
-  csv.add("u", drive.drive);
+  csv.add(column::time_s, std::move(time));
+  csv.add(column::reference, reference.u);
+  csv.add(column::input, drive.drive);
   return csv.text();
 }
 
@@ -57,7 +58,8 @@ int run_compensate(const std::vector<std::string>& arguments) {
   Provenance from;
   const std::string file = line.files().front();
   const identify::StageModel stage = identify::StageModel::of(chain::read_model(file, from), file);
-  const TimeRecord reference = TimeRecord::read_csv_column(line.get<std::string>("reference"), from, "r");
+  const TimeRecord reference =
+      TimeRecord::read_csv_column(line.get<std::string>("reference"), from, column::reference);
 
   const Stopwatch watch;
   const identify::Compensation drive =

@@ -14,6 +14,7 @@
 #include "multiplier_layout/json.hpp"
 #include "multiplier_layout/layout.hpp"
 #include "multiplier_layout/timing.hpp"
+#include "signal/csv.hpp"
 #include "spice/disturbance_check.hpp"
 #include "spice/disturbance_library.hpp"
 #include "spice/ngspice.hpp"
@@ -191,15 +192,16 @@ std::string layout_check_text(const spice::DisturbanceCheck& check) {
 
 /// The op-amp circuit's parts.csv with the role in place of the section.
 std::string layout_parts_csv(const multiplier_layout::Layout& layout) {
-  std::string out = "part,role,series,wanted_ohm,realised_ohm,wanted_f,realised_f\n";
+  CsvTable table({"part", "role", "series", "wanted_ohm", "realised_ohm", "wanted_f", "realised_f"});
   for (const multiplier_layout::Part& part : layout.parts) {
-    const std::string values = number_text(part.wanted) + "," + number_text(part.realised);
-    std::string role = part.role;
-    std::replace(role.begin(), role.end(), ',', ';');
-    out += part.name + "," + role + "," + part.series + "," +
-           (part.kind == multiplier_layout::Part::Kind::resistor ? values + ",," : ",," + values) + "\n";
+    const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
+    if (part.kind == multiplier_layout::Part::Kind::resistor) {
+      table.add_row({part.name, part.role, part.series, wanted, realised, "", ""});
+    } else {
+      table.add_row({part.name, part.role, part.series, "", "", wanted, realised});
+    }
   }
-  return out;
+  return table.text();
 }
 
 void write_layout(const CommandLine& line, const multiplier_layout::Layout& layout, const Json& json) {

@@ -11,6 +11,7 @@
 #include "cli/commands.hpp"
 #include "cli/simulate_modes.hpp"
 #include "cli/simulate_pictures.hpp"
+#include "signal/columns.hpp"
 #include "signal/csv.hpp"
 #include "simulate/controller_file.hpp"
 #include "simulate/record_metrics.hpp"
@@ -144,10 +145,10 @@ void add_study(const CommandLine& line, const SimulationInput& input, const std:
 std::string output_csv(const TimeRecord& record, const std::vector<double>& time, const SimulatedOutput& run,
                        bool loop) {
   CsvWriter csv;
-  csv.add("time_s", time);
-  csv.add(loop ? "r" : "u", record.u);
-  if (loop) csv.add("u", run.drive);
-  csv.add("y", run.y);
+  csv.add(column::time_s, time);
+  csv.add(loop ? column::reference : column::input, record.u);
+  if (loop) csv.add(column::input, run.drive);
+  csv.add(column::output, run.y);
   return csv.text();
 }
 

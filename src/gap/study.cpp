@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "gap/settling.hpp"
+#include "signal/columns.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::gap {
@@ -17,7 +18,7 @@ constexpr std::size_t kMinFrequencies = 8;
 
 bool is_frequency_response(const std::filesystem::path& path) {
   Provenance aside;
-  return Csv::read(path, aside).has("frequency_hz");
+  return Csv::read(path, aside).has(column::frequency_hz);
 }
 
 /// Throws InputError unless all files are of one kind.

@@ -16,6 +16,7 @@ using Bins = std::vector<Complex>;
 
 /// Whether kissfft is fast at n: a prime factor p costs n p.
 bool has_small_factors(std::size_t n) {
+  if (n == 1) return false;  // kissfft has no plan for it
   for (std::size_t p = 2; p <= 31; ++p) {
     while (n % p == 0) n /= p;
   }
@@ -23,6 +24,7 @@ bool has_small_factors(std::size_t n) {
 }
 
 Bins transform_smooth(const Bins& x) {
+  if (x.size() == 1) return x;
   Eigen::FFT<double> fft;
   Bins out;
   fft.fwd(out, x);

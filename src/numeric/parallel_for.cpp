@@ -25,10 +25,15 @@ void parallel_for(std::size_t count, int threads, const std::function<void(std::
     }
   };
   std::vector<std::thread> helpers;
-  for (int t = 1; t < std::min<int>(threads, static_cast<int>(count)); ++t) helpers.emplace_back(loop);
+  const std::size_t team = std::min(count, static_cast<std::size_t>(std::max(threads, 1)));
+  for (std::size_t t = 1; t < team; ++t) helpers.emplace_back(loop);
   loop();
   for (auto& h : helpers) h.join();
   if (failure) std::rethrow_exception(failure);
+}
+
+int thread_count(int wanted) {
+  return wanted > 0 ? wanted : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
 }
 
 }  // namespace bodesmith

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
-#include <thread>
 
 #include "base/progress.hpp"
 #include "fit/direct_fit.hpp"
@@ -81,8 +80,7 @@ std::vector<Alternative> make_alternatives(const Project& project,
       makers.emplace_back([&project, order] { return waveform_alternative(project, order); });
   }
   std::vector<Alternative> out(makers.size());
-  const int threads = std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
-  parallel_for(makers.size(), threads, [&](std::size_t i) { out[i] = makers[i](); });
+  parallel_for(makers.size(), thread_count(0), [&](std::size_t i) { out[i] = makers[i](); });
   stop_if_interrupted();
   return out;
 }

@@ -11,6 +11,7 @@
 #include "kicad/schematic.hpp"
 #include "multiplier_layout/json.hpp"
 #include "project/stages_plot.hpp"
+#include "signal/columns.hpp"
 #include "signal/csv.hpp"
 #include "spice/disturbance_library.hpp"
 #include "spice/emit.hpp"
@@ -31,7 +32,7 @@ std::string stages_csv(const ProjectRun& run) {
   CsvWriter csv;
   std::vector<double> hertz;
   for (const Hertz f : grid) hertz.push_back(f.value);
-  csv.add("frequency_hz", hertz);
+  csv.add(column::frequency_hz, hertz);
   for (const DesignStage& stage : design_stages(run.design)) {
     std::vector<double> db;
     std::vector<double> degrees;
@@ -40,11 +41,11 @@ std::string stages_csv(const ProjectRun& run) {
       db.push_back(to_decibel(std::abs(h)));
       degrees.push_back(to_degrees(std::arg(h)));
     }
-    std::string column = stage.name;
-    std::replace(column.begin(), column.end(), ' ', '_');
-    std::replace(column.begin(), column.end(), '-', '_');
-    csv.add(column + "_magnitude_db", db);
-    csv.add(column + "_phase_deg", degrees);
+    std::string name = stage.name;
+    std::replace(name.begin(), name.end(), ' ', '_');
+    std::replace(name.begin(), name.end(), '-', '_');
+    csv.add(fmt::format("{}_{}", name, column::magnitude_db), db);
+    csv.add(fmt::format("{}_{}", name, column::phase_deg), degrees);
   }
   return csv.text();
 }

@@ -1,5 +1,6 @@
 #include "base/json.hpp"
 #include "project/tracking_study.hpp"
+#include "signal/columns.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::project {
@@ -32,7 +33,7 @@ Json to_json(const TrackingStudy& study) {
 
 std::string tracking_csv(const TrackingStudy& study) {
   CsvWriter writer;
-  writer.add("frequency_hz", tracked_hertz(study));
+  writer.add(column::frequency_hz, tracked_hertz(study));
   for (const TrackedDesign& design : study.designs) {
     writer.add(std::string(to_string(design.stage)) + "_percent", design.rms_percent);
   }

@@ -5,6 +5,7 @@
 #include <algorithm>
 
 #include "base/error.hpp"
+#include "signal/columns.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith {
@@ -13,12 +14,12 @@ BodePoints BodePoints::read_csv(const std::filesystem::path& path, Provenance& f
   const Csv csv = Csv::read(path, from);
   BodePoints out;
   out.file = csv.file();
-  const auto& frequency = csv.column("frequency_hz");
-  const bool linear = csv.has("gain");
-  if (!linear && !csv.has("magnitude_db")) {
+  const auto& frequency = csv.column(column::frequency_hz);
+  const bool linear = csv.has(column::gain);
+  if (!linear && !csv.has(column::magnitude_db)) {
     throw InputError(csv.file(), csv.header_line(), "has neither a column 'gain' nor 'magnitude_db'");
   }
-  const auto& magnitude = csv.column(linear ? "gain" : "magnitude_db");
+  const auto& magnitude = csv.column(linear ? column::gain : column::magnitude_db);
   for (size_t i = 0; i < csv.rows(); ++i) {
     BodePoint point;
     point.frequency = Hertz{frequency[i]};
@@ -27,8 +28,8 @@ BodePoints BodePoints::read_csv(const std::filesystem::path& path, Provenance& f
     if (!(point.gain > 0.0) || !std::isfinite(point.gain)) {
       csv.fail(i, fmt::format("the gain is {}, expected a finite number above 0", point.gain));
     }
-    if (csv.has("phase_deg")) point.phase_deg = csv.column("phase_deg")[i];
-    if (csv.has("weight")) point.weight = csv.column("weight")[i];
+    if (csv.has(column::phase_deg)) point.phase_deg = csv.column(column::phase_deg)[i];
+    if (csv.has(column::weight)) point.weight = csv.column(column::weight)[i];
     if (point.weight < 0.0) csv.fail(i, fmt::format("weight is {}, expected at least 0", point.weight));
     point.line = csv.line(i);
     out.points.push_back(point);

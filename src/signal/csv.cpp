@@ -86,11 +86,11 @@ void Csv::fail(std::size_t row, std::string_view message) const {
   throw InputError(file_, lines_[row], message);
 }
 
-void CsvWriter::add(std::string name, std::vector<double> values) {
+void CsvWriter::add(std::string_view name, std::vector<double> values) {
   if (!columns_.empty() && columns_.front().size() != values.size()) {
-    throw std::logic_error("CSV columns of different length: " + name);
+    throw std::logic_error(fmt::format("CSV columns of different length: {}", name));
   }
-  names_.push_back(std::move(name));
+  names_.emplace_back(name);
   columns_.push_back(std::move(values));
 }
 
@@ -108,6 +108,14 @@ std::string CsvWriter::text() const {
     out += '\n';
   }
   return out;
+}
+
+void CsvTable::add_row(const std::vector<std::string>& cells) {
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    if (i > 0) text_ += ',';
+    for (const char c : cells[i]) text_ += c == ',' ? ';' : c;
+  }
+  text_ += '\n';
 }
 
 }  // namespace bodesmith

@@ -40,12 +40,24 @@ class Csv {
 /// Writes columns of equal length below their names; numbers so that they read back as the same doubles.
 class CsvWriter {
  public:
-  void add(std::string name, std::vector<double> values);
+  void add(std::string_view name, std::vector<double> values);
   std::string text() const;
 
  private:
   std::vector<std::string> names_;
   std::vector<std::vector<double>> columns_;
+};
+
+/// A table row by row, its cells text: names, numbers as number_text() writes them, empty cells. A comma in a
+/// cell becomes a semicolon.
+class CsvTable {
+ public:
+  explicit CsvTable(const std::vector<std::string>& names) { add_row(names); }
+  void add_row(const std::vector<std::string>& cells);
+  const std::string& text() const { return text_; }
+
+ private:
+  std::string text_;
 };
 
 }  // namespace bodesmith

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "signal/columns.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith {
@@ -11,10 +12,10 @@ FrequencyRecord FrequencyRecord::read_csv(const std::filesystem::path& path, Pro
   const Csv csv = Csv::read(path, from);
   FrequencyRecord record;
   record.file = csv.file();
-  const auto& frequency = csv.column("frequency_hz");
-  const auto& magnitude = csv.column("magnitude_db");
-  const auto& phase = csv.column("phase_deg");
-  if (csv.has("coherence")) record.coherence = csv.column("coherence");
+  const auto& frequency = csv.column(column::frequency_hz);
+  const auto& magnitude = csv.column(column::magnitude_db);
+  const auto& phase = csv.column(column::phase_deg);
+  if (csv.has(column::coherence)) record.coherence = csv.column(column::coherence);
   for (size_t i = 0; i < csv.rows(); ++i) {
     if (!(frequency[i] > 0.0)) csv.fail(i, fmt::format("frequency_hz is {}, expected above 0", frequency[i]));
     if (i > 0 && !(frequency[i] > frequency[i - 1])) csv.fail(i, "frequency_hz does not rise");

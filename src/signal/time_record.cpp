@@ -6,17 +6,18 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "signal/columns.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith {
 namespace {
 
-TimeRecord from_csv(const Csv& csv, const std::string& input_column) {
+TimeRecord from_csv(const Csv& csv, std::string_view input_column) {
   TimeRecord record;
   record.file = csv.file();
-  const auto& time = csv.column("time_s");
+  const auto& time = csv.column(column::time_s);
   record.u = csv.column(input_column);
-  if (csv.has("y") && input_column != "y") record.y = csv.column("y");
+  if (csv.has(column::output) && input_column != column::output) record.y = csv.column(column::output);
   if (time.size() < 2) csv.fail(0, "is the only row, expected at least two samples");
   record.start_s = time.front();
   // The median step is the step: one gap must not move it.
@@ -41,12 +42,12 @@ TimeRecord from_csv(const Csv& csv, const std::string& input_column) {
 
 TimeRecord TimeRecord::read_csv(const std::filesystem::path& path, Provenance& from, bool output_needed) {
   const Csv csv = Csv::read(path, from);
-  if (output_needed) csv.column("y");
-  return from_csv(csv, "u");
+  if (output_needed) csv.column(column::output);
+  return from_csv(csv, column::input);
 }
 
 TimeRecord TimeRecord::read_csv_column(const std::filesystem::path& path, Provenance& from,
-                                       const std::string& input_column) {
+                                       std::string_view input_column) {
   return from_csv(Csv::read(path, from), input_column);
 }
 

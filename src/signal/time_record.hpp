@@ -2,6 +2,7 @@
 
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/provenance.hpp"
@@ -25,7 +26,7 @@ struct TimeRecord {
   static TimeRecord read_csv(const std::filesystem::path& path, Provenance& from, bool output_needed = false);
   /// The same reader for other column names, e.g. a reference `time_s,r` (the column's values land in u).
   static TimeRecord read_csv_column(const std::filesystem::path& path, Provenance& from,
-                                    const std::string& input_column);
+                                    std::string_view input_column);
 };
 
 }  // namespace bodesmith

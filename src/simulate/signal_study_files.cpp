@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/json.hpp"
+#include "signal/columns.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::simulate {
@@ -16,7 +17,7 @@ std::string spectra_csv(const SignalStudy& study, const std::string& input) {
     if (study.repetition)
       harmonic.push_back(static_cast<double>(k) / static_cast<double>(study.repetition->cycles));
   }
-  csv.add("frequency_hz", std::move(hertz));
+  csv.add(column::frequency_hz, std::move(hertz));
   if (study.repetition) csv.add("harmonic", std::move(harmonic));
   csv.add(input + "_amplitude", study.u.amplitude);
   csv.add(input + "_phase_deg", study.u.phase_deg);

@@ -7,7 +7,6 @@
 #include <complex>
 #include <mutex>
 #include <numbers>
-#include <thread>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -15,6 +14,7 @@
 #include "base/provenance.hpp"
 #include "base/text.hpp"
 #include "numeric/parallel_for.hpp"
+#include "signal/columns.hpp"
 #include "signal/csv.hpp"
 #include "simulate/loop.hpp"
 #include "simulate/record_metrics.hpp"
@@ -111,8 +111,7 @@ std::vector<SweepRow> run_sweep(const chain::Chain& chain, const SweepOptions& o
   std::size_t done = 0;
   std::mutex lock;
   Progress progress("sweep");
-  const int cores = static_cast<int>(std::max(1u, std::thread::hardware_concurrency()));
-  parallel_for(total, options.threads > 0 ? options.threads : cores, [&](std::size_t i) {
+  parallel_for(total, thread_count(options.threads), [&](std::size_t i) {
     if (interrupted()) return;
     const Hertz frequency = options.frequencies[i / options.amplitudes.size()];
     const double amplitude = options.amplitudes[i % options.amplitudes.size()];
@@ -136,18 +135,18 @@ std::vector<SweepRow> run_sweep(const chain::Chain& chain, const SweepOptions& o
 
 std::string sweep_csv(const std::vector<SweepRow>& rows, const std::string& key) {
   CsvWriter csv;
-  const auto add = [&](const char* name, auto&& value) {
+  const auto add = [&](std::string_view name, auto&& value) {
     std::vector<double> column;
     for (const SweepRow& r : rows) column.push_back(value(r));
     csv.add(name, std::move(column));
   };
-  add("frequency_hz", [](const SweepRow& r) { return r.frequency.value; });
+  add(column::frequency_hz, [](const SweepRow& r) { return r.frequency.value; });
   add("amplitude", [](const SweepRow& r) { return r.amplitude; });
   add("rms_percent", [](const SweepRow& r) { return r.rms_percent; });
   add("max_percent", [](const SweepRow& r) { return r.max_percent; });
   add("loop_height_percent", [](const SweepRow& r) { return r.loop_height_percent; });
   add("gain_db", [](const SweepRow& r) { return r.gain_db; });
-  add("phase_deg", [](const SweepRow& r) { return r.phase_deg; });
+  add(column::phase_deg, [](const SweepRow& r) { return r.phase_deg; });
   add("distortion_percent", [](const SweepRow& r) { return r.distortion_percent; });
   add("error_estimate", [](const SweepRow& r) { return r.error_estimate; });
   return "# sweep of " + key + "\n" + csv.text();
@@ -160,13 +159,13 @@ std::vector<SweepRow> read_sweep_csv(const std::filesystem::path& path, const st
   const Csv csv = Csv::parse(text, path.string());
   std::vector<SweepRow> rows(csv.rows());
   for (std::size_t i = 0; i < rows.size(); ++i) {
-    rows[i].frequency = Hertz{csv.column("frequency_hz")[i]};
+    rows[i].frequency = Hertz{csv.column(column::frequency_hz)[i]};
     rows[i].amplitude = csv.column("amplitude")[i];
     rows[i].rms_percent = csv.column("rms_percent")[i];
     rows[i].max_percent = csv.column("max_percent")[i];
     rows[i].loop_height_percent = csv.column("loop_height_percent")[i];
     rows[i].gain_db = csv.column("gain_db")[i];
-    rows[i].phase_deg = csv.column("phase_deg")[i];
+    rows[i].phase_deg = csv.column(column::phase_deg)[i];
     rows[i].distortion_percent = csv.column("distortion_percent")[i];
     rows[i].error_estimate = csv.column("error_estimate")[i];
   }

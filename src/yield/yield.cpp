@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <thread>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -123,8 +122,7 @@ std::uint64_t take_up(const Design& design, const Options& options, Counts& coun
 std::vector<Worker> make_workers(const Design& design, const Options& options, const Result& shape,
                                  std::uint64_t samples_left, const Team& team) {
   int threads = options.threads;
-  if (threads <= 0)
-    threads = team.size() > 1 ? 1 : static_cast<int>(std::max(1U, std::thread::hardware_concurrency()));
+  if (threads <= 0) threads = team.size() > 1 ? 1 : thread_count(0);
   const std::uint64_t chunks = (samples_left + kChunk - 1) / kChunk;
   const std::uint64_t count = std::clamp<std::uint64_t>(chunks, 1, static_cast<std::uint64_t>(threads));
   std::vector<Worker> out;

@@ -9,6 +9,7 @@
 #include "base/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/json.hpp"
 #include "numeric/random.hpp"
 #include "temporary_folder.hpp"
 #include "yield/counts.hpp"

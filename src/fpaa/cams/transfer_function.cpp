@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "fpaa/cams/cam_type.hpp"
+#include "signal/csv.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -39,13 +40,12 @@ LookupTable LookupTable::of(const std::function<double(double)>& function, doubl
 }
 
 std::string LookupTable::csv(const std::function<double(double)>& wanted) const {
-  std::string out = "entry,input_v,wanted_v,output_v,byte\n";
+  CsvTable table({"entry", "input_v", "wanted_v", "output_v", "byte"});
   for (int entry = 0; entry < 256; ++entry) {
-    out += fmt::format("{},{},{},{},{}\n", entry, number_text(input_v(entry)),
-                       number_text(wanted(input_v(entry))), number_text(output_v(entry)),
-                       bytes[static_cast<std::size_t>(entry)]);
+    table.add_row({std::to_string(entry), number_text(input_v(entry)), number_text(wanted(input_v(entry))),
+                   number_text(output_v(entry)), std::to_string(bytes[static_cast<std::size_t>(entry)])});
   }
-  return out;
+  return table.text();
 }
 
 const CamType& transfer_function_type() {

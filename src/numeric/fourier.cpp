@@ -16,7 +16,7 @@ using Bins = std::vector<Complex>;
 
 /// Whether kissfft is fast at n: a prime factor p costs n p.
 bool has_small_factors(std::size_t n) {
-  if (n == 1) return false;  // kissfft has no plan for it
+  if (n == 1) return false;  // kissfft has no plan for one sample
   for (std::size_t p = 2; p <= 31; ++p) {
     while (n % p == 0) n /= p;
   }
@@ -24,7 +24,6 @@ bool has_small_factors(std::size_t n) {
 }
 
 Bins transform_smooth(const Bins& x) {
-  if (x.size() == 1) return x;
   Eigen::FFT<double> fft;
   Bins out;
   fft.fwd(out, x);
@@ -64,6 +63,7 @@ void require_samples(std::size_t n) {
 
 std::vector<Complex> fourier(std::vector<Complex> x) {
   require_samples(x.size());
+  if (x.size() == 1) return x;
   return has_small_factors(x.size()) ? transform_smooth(x) : transform_any(x);
 }
 
@@ -84,7 +84,7 @@ std::vector<Complex> half_spectrum(std::span<const double> x) {
     const std::vector<double> real(x.begin(), x.end());
     fft.fwd(bins, real);
   } else {
-    bins = transform_any(Bins(x.begin(), x.end()));
+    bins = fourier(Bins(x.begin(), x.end()));
     bins.resize(x.size() / 2 + 1);
   }
   return bins;

@@ -1,5 +1,7 @@
 #include "project/run_files.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "gap/model.hpp"
+#include "numeric/termination.hpp"
 
 namespace bodesmith::gap {
 
@@ -21,7 +22,7 @@ struct LeastSquaresOptions {
 struct LeastSquaresResult {
   std::vector<double> values;
   double rms = 0.0;
-  bool converged = false;
+  Termination termination = Termination::not_runnable;
   bool usable = false;  ///< false: not even the start could be run
   int runs = 0;
   std::vector<double> residuals;
@@ -30,10 +31,8 @@ struct LeastSquaresResult {
   double condition_number = 0.0;
 };
 
-/// Levenberg–Marquardt (Marquardt 1963, with Nielsen's damping rule) over bounded unknowns; those marked
-/// logarithmic are searched as ln(value), steps are clipped to the bounds. The Jacobian is by forward
-/// differences and kept through Broyden's rank-one updates (1965) while they go on paying, since a run of the
-/// model is what costs.
+/// The bounded fit of numeric/least_squares.hpp over a model's unknowns, with rank-one updates of the Jacobian,
+/// since a run of the model is what costs.
 LeastSquaresResult least_squares(const std::vector<Unknown>& unknowns, const Residuals& residuals,
                                  const LeastSquaresOptions& options = {});
 

@@ -11,6 +11,7 @@
 #include "hysteresis/registry.hpp"
 #include "numeric/index.hpp"
 #include "numeric/least_squares.hpp"
+#include "numeric/non_negative_least_squares.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {
@@ -55,14 +56,14 @@ BankFit fit_bank(std::span<const TimeRecord> records, double skip_s, PrandtlIshl
   gram = gram.selfadjointView<Eigen::Lower>();
   std::vector<bool> free_sign(model.r.size() + 1, false);
   free_sign.back() = true;
-  const NnlsResult solved = nnls(gram, rhs, free_sign);
+  const NonNegativeResult solved = non_negative_least_squares(gram, rhs, free_sign);
   std::vector<double> residual;
   visit([&](double y) { residual.push_back(row.dot(solved.x) - y); });
   std::vector<Eigen::Index> free;
   for (Eigen::Index k = 0; k <= n; ++k)
     if (k == n || solved.x(k) > 0.0) free.push_back(k);
   BankFit out;
-  out.converged = solved.converged;
+  out.converged = converged(solved.termination);
   out.cost = as_eigen(residual).squaredNorm();
   out.deviation = deviation_of_free(gram, free, as_eigen(residual));
   model.w = to_vector(solved.x.head(n));

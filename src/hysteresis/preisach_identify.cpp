@@ -10,7 +10,7 @@
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
 #include "numeric/index.hpp"
-#include "numeric/non_negative_map.hpp"
+#include "numeric/non_negative_least_squares.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {
@@ -73,8 +73,8 @@ Eigen::VectorXd even_weights(const Eigen::VectorXd& scale, double total) {
 class CentredTrace {
  public:
   explicit CentredTrace(const EverettTrace& trace) : trace_(trace) {}
-  NonNegativeMap map() {
-    NonNegativeMap out;
+  LinearMap map() {
+    LinearMap out;
     out.columns = trace_.columns();
     out.rows = trace_.rows();
     out.apply = [this](const Eigen::VectorXd& x, Eigen::VectorXd& r) {
@@ -112,11 +112,12 @@ PreisachWeights fit_preisach_weights(std::span<const TimeRecord> records, double
     const bool last = plane == levels;
     CentredTrace columns(trace);
     const NonNegativeResult solved =
-        solve_non_negative(columns.map(), centred, weights, scale, 1e-9, iterations, last ? 1e-4 : 1e-3);
+        non_negative_least_squares(columns.map(), centred, weights, scale,
+                                   {.max_iterations = iterations, .min_gain = last ? 1e-4 : 1e-3});
     weights = solved.x;
     out.iterations += solved.iterations;
     out.kkt = solved.kkt;
-    out.converged = solved.converged;
+    out.converged = converged(solved.termination);
     out.unseen = std_index((scale.array() == 0.0).count());
     before = plane;
     if (!last) continue;

@@ -7,6 +7,7 @@
 
 #include "hysteresis/identification.hpp"
 #include "hysteresis/operator.hpp"
+#include "hysteresis/parameter_fit.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::hysteresis {

@@ -2,207 +2,318 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <optional>
+
+#include "numeric/dense.hpp"
+#include "numeric/index.hpp"
 
 namespace bodesmith {
+namespace {
 
-NnlsResult nnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs, const std::vector<bool>& free_sign,
-                double tolerance) {
-  const Eigen::Index n = rhs.size();
-  NnlsResult out;
-  // Columns scaled to unit length: the tolerance then means the same for all.
-  Eigen::VectorXd scale(n);
-  for (Eigen::Index i = 0; i < n; ++i) scale(i) = gram(i, i) > 0.0 ? 1.0 / std::sqrt(gram(i, i)) : 0.0;
-  const Eigen::MatrixXd g = scale.asDiagonal() * gram * scale.asDiagonal();
-  const Eigen::VectorXd c = scale.asDiagonal() * rhs;
-  const double limit = tolerance * std::max(c.cwiseAbs().maxCoeff(), std::numeric_limits<double>::min());
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
 
-  std::vector<bool> passive(static_cast<std::size_t>(n), false);
-  const auto is_free = [&](Eigen::Index i) {
-    return !free_sign.empty() && free_sign[static_cast<std::size_t>(i)];
-  };
-  for (Eigen::Index i = 0; i < n; ++i) passive[static_cast<std::size_t>(i)] = is_free(i) && scale(i) > 0.0;
-  Eigen::VectorXd x = Eigen::VectorXd::Zero(n);
-
-  const auto solve_passive = [&](Eigen::VectorXd& z) {
-    std::vector<Eigen::Index> index;
-    for (Eigen::Index i = 0; i < n; ++i)
-      if (passive[static_cast<std::size_t>(i)]) index.push_back(i);
-    z = Eigen::VectorXd::Zero(n);
-    if (index.empty()) return;
-    const auto m = static_cast<Eigen::Index>(index.size());
-    Eigen::MatrixXd sub(m, m);
-    Eigen::VectorXd part(m);
-    for (Eigen::Index a = 0; a < m; ++a) {
-      part(a) = c(index[static_cast<std::size_t>(a)]);
-      for (Eigen::Index b = 0; b < m; ++b)
-        sub(a, b) = g(index[static_cast<std::size_t>(a)], index[static_cast<std::size_t>(b)]);
-      sub(a, a) += 1e-14;  // two equal columns share the weight instead of making it infinite
-    }
-    const Eigen::VectorXd solved = sub.ldlt().solve(part);
-    for (Eigen::Index a = 0; a < m; ++a) z(index[static_cast<std::size_t>(a)]) = solved(a);
-  };
-
-  Eigen::VectorXd z;
-  solve_passive(x);
-  for (Eigen::Index exchange = 0; exchange < 3 * n + 10; ++exchange) {
-    const Eigen::VectorXd gradient = c - g * x;
-    Eigen::Index entering = -1;
-    double best = limit;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      if (!passive[static_cast<std::size_t>(i)] && scale(i) > 0.0 && !is_free(i) && gradient(i) > best) {
-        best = gradient(i);
-        entering = i;
-      }
-    }
-    if (entering < 0) {
-      out.x = scale.asDiagonal() * x;
-      return out;
-    }
-    passive[static_cast<std::size_t>(entering)] = true;
-    for (;;) {
-      solve_passive(z);
-      double alpha = 1.0;
-      Eigen::Index leaving = -1;
-      for (Eigen::Index i = 0; i < n; ++i) {
-        if (passive[static_cast<std::size_t>(i)] && !is_free(i) && z(i) <= 0.0) {
-          const double way = x(i) - z(i);
-          const double ratio = way > 0.0 ? x(i) / way : 0.0;
-          if (leaving < 0 || ratio < alpha) {
-            alpha = ratio;
-            leaving = i;
-          }
-        }
-      }
-      if (leaving < 0) break;
-      x += alpha * (z - x);
-      x(leaving) = 0.0;
-      passive[static_cast<std::size_t>(leaving)] = false;
-    }
-    x = z;
-  }
-  out.x = scale.asDiagonal() * x;
-  out.converged = false;
-  return out;
+double to_search(const SearchVariable& u, double value) {
+  return u.logarithmic ? std::log(value) : value / u.scale;
+}
+double from_search(const SearchVariable& u, double s) {
+  return std::clamp(u.logarithmic ? std::exp(s) : s * u.scale, u.min, u.max);
+}
+/// d(value)/d(search coordinate).
+double search_slope(const SearchVariable& u, double value) {
+  return u.logarithmic ? value : u.scale;
+}
+double clamped_in_search(const SearchVariable& u, double s) {
+  const bool has_min = std::isfinite(u.min) && !(u.logarithmic && u.min <= 0.0);
+  const double low = has_min ? to_search(u, u.min) : -std::numeric_limits<double>::infinity();
+  const double high = std::isfinite(u.max) ? to_search(u, u.max) : std::numeric_limits<double>::infinity();
+  return std::clamp(s, low, high);
 }
 
-Eigen::VectorXd parameter_deviation(const Eigen::MatrixXd& gram, const Eigen::VectorXd& residual) {
-  const Eigen::Index n = gram.rows();
-  const Eigen::Index samples = residual.size();
-  const double infinite = std::numeric_limits<double>::infinity();
-  if (samples <= n + 1) return Eigen::VectorXd::Constant(n, infinite);
-  const double mean = residual.mean();
-  double around = 0.0;
-  double neighbour = 0.0;
-  for (Eigen::Index i = 0; i < samples; ++i) {
-    around += (residual(i) - mean) * (residual(i) - mean);
-    if (i > 0) neighbour += (residual(i) - mean) * (residual(i - 1) - mean);
+/// One column by a forward difference, backward at an upper bound; nothing where neither can be run.
+std::optional<VectorXd> difference_column(const SearchVariable& u, Index j, const Residuals& residuals,
+                                          const VectorXd& values, const VectorXd& base, double difference) {
+  const double s = to_search(u, values(j));
+  VectorXd column;
+  for (const double sign : {1.0, -1.0}) {
+    VectorXd moved = values;
+    moved(j) = from_search(u, s + sign * difference);
+    const double h = to_search(u, moved(j)) - s;
+    if (std::abs(h) < 0.5 * difference) continue;  // at a bound: go the other way
+    if (residuals(moved, column)) return (column - base) / h;
   }
-  const double correlation = around > 0.0 ? std::clamp(neighbour / around, 0.0, 0.999) : 0.0;
+  return std::nullopt;
+}
+
+/// The run of one fit: values, residuals and the Jacobian that is being kept.
+class LevenbergMarquardt {
+ public:
+  LevenbergMarquardt(const std::vector<SearchVariable>& unknowns, const Residuals& residuals,
+                     const LeastSquaresOptions& options)
+      : unknowns_(unknowns),
+        residuals_(residuals),
+        options_(options),
+        p_(eigen_index(unknowns.size())),
+        damping_(options.initial_damping) {}
+
+  LeastSquaresResult run();
+
+ private:
+  enum class Trial { better, worse, not_runnable };
+  /// An iteration's end: whether the values moved, and by how much the cost fell relative to itself.
+  struct Progress {
+    bool moved = false;
+    double drop = 0.0;
+  };
+
+  const SearchVariable& unknown(Index j) const { return unknowns_[std_index(j)]; }
+  bool start();
+  Termination iterate();
+  void renew_jacobian();
+  Progress improve();
+  VectorXd bounded_step(const MatrixXd& damped, const MatrixXd& normal, const VectorXd& gradient) const;
+  VectorXd moved_by(const VectorXd& step, VectorXd& taken) const;
+  Trial attempt(const VectorXd& values, const VectorXd& taken, double& drop);
+  void judge_uncertainty();
+
+  const std::vector<SearchVariable>& unknowns_;
+  const Residuals& residuals_;
+  const LeastSquaresOptions& options_;
+  Index p_;
+  LeastSquaresResult result_;
+  MatrixXd jacobian_;  ///< with respect to the search coordinates
+  bool fresh_ = false;
+  int rank_one_ = 0;  ///< updates since the last fresh Jacobian
+  double damping_;
+  double growth_ = 2.0;
+  int failed_ = 0;  ///< trials the model could not be run at, in a row
+};
+
+/// Trials that cannot be run, in a row, after which the search ends.
+constexpr int kMaxFailed = 6;
+constexpr int kMaxRankOne = 2;
+/// Relative drop of the cost above which a rank-one update is tried instead of a fresh Jacobian.
+constexpr double kPayingDrop = 0.02;
+
+bool LevenbergMarquardt::start() {
+  result_.values.resize(p_);
+  for (Index j = 0; j < p_; ++j)
+    result_.values(j) = std::clamp(unknown(j).value, unknown(j).min, unknown(j).max);
+  if (options_.project) options_.project(result_.values);
+  if (!residuals_(result_.values, result_.residuals)) {
+    result_.residuals.resize(0);
+    return false;
+  }
+  result_.runs = 1;
+  result_.cost = result_.residuals.squaredNorm();
+  return true;
+}
+
+void LevenbergMarquardt::renew_jacobian() {
+  if (options_.jacobian) {
+    options_.jacobian(result_.values, jacobian_);
+    for (Index j = 0; j < p_; ++j) jacobian_.col(j) *= search_slope(unknown(j), result_.values(j));
+  } else {
+    jacobian_.resize(result_.residuals.size(), p_);
+    for (Index j = 0; j < p_; ++j) {
+      ++result_.runs;
+      const auto column = difference_column(unknown(j), j, residuals_, result_.values, result_.residuals,
+                                            options_.difference);
+      if (column) {
+        jacobian_.col(j) = *column;
+      } else {
+        jacobian_.col(j).setZero();
+      }
+    }
+  }
+  fresh_ = true;
+}
+
+/// The damped step; unknowns that it would take beyond a bound are held there, the others solve again.
+VectorXd LevenbergMarquardt::bounded_step(const MatrixXd& damped, const MatrixXd& normal,
+                                          const VectorXd& gradient) const {
+  std::vector<bool> held(unknowns_.size(), false);
+  VectorXd fixed = VectorXd::Zero(p_);
+  VectorXd step;
+  for (Index pass = 0; pass <= p_; ++pass) {
+    MatrixXd system = damped;
+    VectorXd right = -gradient - times(normal, fixed);
+    for (Index j = 0; j < p_; ++j) {
+      if (!held[std_index(j)]) continue;
+      system.row(j).setZero();
+      system.col(j).setZero();
+      system(j, j) = 1.0;
+      right(j) = fixed(j);
+    }
+    step = solve_ldlt(system, right);
+    bool more = false;
+    for (Index j = 0; j < p_ && step.allFinite(); ++j) {
+      if (held[std_index(j)]) continue;
+      const double here = to_search(unknown(j), result_.values(j));
+      const double to = clamped_in_search(unknown(j), here + step(j));
+      if (to == here + step(j)) continue;
+      held[std_index(j)] = true;
+      fixed(j) = to - here;
+      more = true;
+    }
+    if (!more) break;
+  }
+  return step;
+}
+
+VectorXd LevenbergMarquardt::moved_by(const VectorXd& step, VectorXd& taken) const {
+  VectorXd values(p_);
+  for (Index j = 0; j < p_; ++j) {
+    const SearchVariable& u = unknown(j);
+    // ln(value) moves by a factor of e at most.
+    const double limit = std::min(u.logarithmic ? 1.0 : 1e6, options_.max_step);
+    values(j) = from_search(u, to_search(u, result_.values(j)) + std::clamp(step(j), -limit, limit));
+  }
+  if (options_.project) options_.project(values);
+  taken.resize(p_);
+  for (Index j = 0; j < p_; ++j)
+    taken(j) = to_search(unknown(j), values(j)) - to_search(unknown(j), result_.values(j));
+  return values;
+}
+
+LevenbergMarquardt::Trial LevenbergMarquardt::attempt(const VectorXd& values, const VectorXd& taken,
+                                                      double& drop) {
+  ++result_.runs;
+  VectorXd residuals;
+  if (!residuals_(values, residuals)) return Trial::not_runnable;
+  const double cost = residuals.squaredNorm();
+  if (!(cost < result_.cost)) return Trial::worse;
+  const VectorXd change = residuals - result_.residuals;
+  const VectorXd predicted = times(jacobian_, taken);
+  const double foreseen = result_.cost - (result_.residuals + predicted).squaredNorm();
+  const double ratio = foreseen > 0.0 ? (result_.cost - cost) / foreseen : 0.0;
+  damping_ *= std::max(1.0 / 3.0, 1.0 - std::pow(2.0 * ratio - 1.0, 3));
+  damping_ = std::clamp(damping_, 1e-12, 1e6);
+  growth_ = 2.0;
+  drop = (result_.cost - cost) / std::max(result_.cost, 1e-300);
+  result_.cost = cost;
+  result_.values = values;
+  result_.residuals = std::move(residuals);
+  // Broyden: the cheapest Jacobian that explains the step just made.
+  jacobian_ += (change - predicted) * taken.transpose() / taken.squaredNorm();
+  fresh_ = false;
+  return Trial::better;
+}
+
+LevenbergMarquardt::Progress LevenbergMarquardt::improve() {
+  const MatrixXd normal = gram(jacobian_);
+  const VectorXd gradient = transpose_times(jacobian_, result_.residuals);
+  const double floor = 1e-12 * std::max(normal.diagonal().maxCoeff(), 1e-300);
+  Progress progress;
+  for (int tried = 0; tried < 8; ++tried) {
+    MatrixXd damped = normal;
+    for (Index j = 0; j < p_; ++j) damped(j, j) += damping_ * std::max(normal(j, j), floor) + floor;
+    const VectorXd step = bounded_step(damped, normal, gradient);
+    if (!step.allFinite()) {
+      damping_ *= 10.0;
+      continue;
+    }
+    VectorXd taken;
+    const VectorXd values = moved_by(step, taken);
+    if (!(taken.norm() > 1e-10)) break;
+    const Trial trial = attempt(values, taken, progress.drop);
+    failed_ = trial == Trial::not_runnable ? failed_ + 1 : 0;
+    if (trial == Trial::better) {
+      progress.moved = true;
+      break;
+    }
+    damping_ *= trial == Trial::not_runnable ? 30.0 * growth_ : growth_;
+    growth_ *= 2.0;
+    // A stale Jacobian deserves the blame before the damping does.
+    if (!fresh_ && tried >= 1) break;
+  }
+  return progress;
+}
+
+Termination LevenbergMarquardt::iterate() {
+  for (int iteration = 0; iteration < options_.max_iterations; ++iteration) {
+    if (options_.stop && options_.stop()) return Termination::stopped;
+    if (!fresh_ && rank_one_ == 0) renew_jacobian();
+    const Progress progress = improve();
+    if (failed_ >= kMaxFailed) return Termination::not_runnable;
+    if (!progress.moved && fresh_) return Termination::step;
+    const bool little = progress.moved && progress.drop < options_.cost_tolerance;
+    if (little && rank_one_ == 0) return Termination::cost;
+    const bool keep = options_.broyden && progress.moved && !little && progress.drop > kPayingDrop &&
+                      rank_one_ < kMaxRankOne;
+    rank_one_ = keep ? rank_one_ + 1 : 0;
+  }
+  return Termination::max_iterations;
+}
+
+/// Uncertainty and conditioning from the last Jacobian; unknowns that rest at a bound or change nothing do
+/// not count for the latter.
+void LevenbergMarquardt::judge_uncertainty() {
+  const VectorXd length = jacobian_.colwise().norm();
+  MatrixXd scaled = jacobian_;
+  std::vector<Index> counted;
+  for (Index j = 0; j < p_; ++j) {
+    const bool at_bound = result_.values(j) <= unknown(j).min || result_.values(j) >= unknown(j).max;
+    if (!at_bound && length(j) > 1e-12 * length.maxCoeff()) counted.push_back(j);
+    if (length(j) > 0.0) scaled.col(j) /= length(j);
+  }
+  const MatrixXd correlation = gram(scaled);
+  double min = 1.0;
+  double max = 1.0;
+  if (!counted.empty()) {
+    const VectorXd values = symmetric_eigen(correlation(counted, counted)).values;
+    min = values.minCoeff();
+    max = values.maxCoeff();
+  }
+  result_.condition_number = min > 1e-30 * max ? std::sqrt(max / min) : 1e15;
+  const SymmetricEigen eigen = symmetric_eigen(correlation);
+  const VectorXd weight = eigen.values.cwiseMax(1e-15 * eigen.values.maxCoeff()).cwiseInverse();
+  const MatrixXd inverse =
+      times(MatrixXd(eigen.vectors * weight.asDiagonal()), MatrixXd(eigen.vectors.transpose()));
   const double variance =
-      residual.squaredNorm() / static_cast<double>(samples - n) * (1.0 + correlation) / (1.0 - correlation);
-  Eigen::VectorXd scale(n);
-  for (Eigen::Index i = 0; i < n; ++i) scale(i) = gram(i, i) > 0.0 ? 1.0 / std::sqrt(gram(i, i)) : 0.0;
-  const Eigen::MatrixXd scaled = scale.asDiagonal() * gram * scale.asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(scaled);
-  Eigen::VectorXd out(n);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    double sum = scale(i) > 0.0 ? 0.0 : infinite;
-    for (Eigen::Index k = 0; k < n && std::isfinite(sum); ++k) {
-      const double part = eigen.eigenvectors()(i, k) * eigen.eigenvectors()(i, k);
-      if (eigen.eigenvalues()(k) <= 1e-13) {
-        if (part > 1e-6) sum = infinite;
-      } else {
-        sum += part / eigen.eigenvalues()(k);
-      }
-    }
-    out(i) = scale(i) * std::sqrt(variance * sum);
-    if (!(scale(i) > 0.0)) out(i) = infinite;
+      result_.cost / std::max<double>(1.0, static_cast<double>(result_.residuals.size() - p_));
+  result_.deviation.resize(p_);
+  VectorXd slope(p_);
+  for (Index j = 0; j < p_; ++j) {
+    slope(j) = search_slope(unknown(j), result_.values(j));
+    const double in_search = length(j) > 0.0 ? std::sqrt(variance * inverse(j, j)) / length(j)
+                                             : std::numeric_limits<double>::infinity();
+    result_.deviation(j) = in_search * slope(j);
   }
-  return out;
+  const VectorXd per_value = slope.cwiseInverse();
+  result_.gram = per_value.asDiagonal() * gram(jacobian_) * per_value.asDiagonal();
 }
 
-LeastSquaresResult least_squares(const std::function<void(const Eigen::VectorXd&, Eigen::VectorXd&)>& f,
-                                 const Eigen::VectorXd& start, const Eigen::VectorXd& lower,
-                                 const Eigen::VectorXd& upper, const Eigen::VectorXd& typical,
-                                 int iterations) {
-  const Eigen::Index n = start.size();
-  LeastSquaresResult out;
-  out.x = start.cwiseMax(lower).cwiseMin(upper);
-  Eigen::VectorXd residual;
-  f(out.x, residual);
-  out.evaluations = 1;
-  out.cost = residual.squaredNorm();
-  Eigen::MatrixXd jacobian(residual.size(), n);
-  Eigen::VectorXd moved;
-  Eigen::MatrixXd gram;
-  double damping = 1e-3;
-  for (int iteration = 0; iteration < iterations; ++iteration) {
-    for (Eigen::Index i = 0; i < n; ++i) {
-      double h = 1e-6 * std::max(std::abs(out.x(i)), std::abs(typical(i)));
-      if (out.x(i) + h > upper(i)) h = -h;
-      Eigen::VectorXd at = out.x;
-      at(i) += h;
-      f(at, moved);
-      ++out.evaluations;
-      jacobian.col(i) = (moved - residual) / (at(i) - out.x(i));
-    }
-    gram = jacobian.transpose() * jacobian;
-    const Eigen::VectorXd gradient = jacobian.transpose() * residual;
-    // Parameters pressed against a bound stay there in this step.
-    std::vector<Eigen::Index> open;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      const bool pressed =
-          (out.x(i) <= lower(i) && gradient(i) > 0.0) || (out.x(i) >= upper(i) && gradient(i) < 0.0);
-      if (!pressed && gram(i, i) > 0.0) open.push_back(i);
-    }
-    if (open.empty()) {
-      out.converged = true;
-      break;
-    }
-    const auto m = static_cast<Eigen::Index>(open.size());
-    bool better = false;
-    double gain = 0.0;
-    for (int attempt = 0; attempt < 12 && !better; ++attempt) {
-      Eigen::MatrixXd system(m, m);
-      Eigen::VectorXd part(m);
-      for (Eigen::Index a = 0; a < m; ++a) {
-        for (Eigen::Index b = 0; b < m; ++b)
-          system(a, b) = gram(open[static_cast<std::size_t>(a)], open[static_cast<std::size_t>(b)]);
-        system(a, a) *= 1.0 + damping;
-        part(a) = -gradient(open[static_cast<std::size_t>(a)]);
-      }
-      const Eigen::VectorXd step = system.ldlt().solve(part);
-      Eigen::VectorXd at = out.x;
-      for (Eigen::Index a = 0; a < m; ++a) at(open[static_cast<std::size_t>(a)]) += step(a);
-      at = at.cwiseMax(lower).cwiseMin(upper);
-      if (!at.allFinite()) {
-        damping *= 10.0;
-        continue;
-      }
-      f(at, moved);
-      ++out.evaluations;
-      const double cost = moved.squaredNorm();
-      if (cost < out.cost) {
-        gain = (out.cost - cost) / out.cost;
-        out.cost = cost;
-        out.x = at;
-        residual = moved;
-        damping = std::max(damping * 0.2, 1e-12);
-        better = true;
-      } else {
-        damping *= 6.0;
-      }
-    }
-    if (!better || gain < 1e-10 || out.cost == 0.0) {
-      out.converged = true;
-      break;
-    }
+LeastSquaresResult LevenbergMarquardt::run() {
+  if (!start()) return std::move(result_);
+  if (p_ == 0) {
+    result_.termination = Termination::gradient;
+    return std::move(result_);
   }
-  out.deviation = gram.size() > 0
-                      ? parameter_deviation(gram, residual)
-                      : Eigen::VectorXd::Constant(n, std::numeric_limits<double>::infinity()).eval();
-  return out;
+  jacobian_ = MatrixXd::Zero(result_.residuals.size(), p_);
+  result_.termination = iterate();
+  judge_uncertainty();
+  return std::move(result_);
+}
+
+}  // namespace
+
+LeastSquaresResult least_squares(const std::vector<SearchVariable>& unknowns, const Residuals& residuals,
+                                 const LeastSquaresOptions& options) {
+  return LevenbergMarquardt(unknowns, residuals, options).run();
+}
+
+std::vector<VectorXd> sensitivities(const std::vector<SearchVariable>& unknowns, const Residuals& residuals,
+                                    const VectorXd& values, double difference) {
+  std::vector<VectorXd> columns(unknowns.size());
+  VectorXd base;
+  if (!residuals(values, base)) return columns;
+  for (std::size_t j = 0; j < unknowns.size(); ++j) {
+    auto column = difference_column(unknowns[j], eigen_index(j), residuals, values, base, difference);
+    if (column) columns[j] = std::move(*column);
+  }
+  return columns;
 }
 
 }  // namespace bodesmith

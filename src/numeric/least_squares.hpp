@@ -1,35 +1,72 @@
 #pragma once
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <functional>
+#include <limits>
 #include <vector>
+
+#include "numeric/termination.hpp"
 
 namespace bodesmith {
 
-/// min |A x − y|² subject to x_i ≥ 0 for the columns marked `signed_columns[i] == false`, from G = AᵀA and c
-/// = Aᵀy (Lawson and Hanson's active set in the form of Bro and de Jong). Ends at a point that satisfies the
-/// Kuhn-Tucker conditions to `tolerance` relative to |c|∞, or after 3·n exchanges (`converged` is then
-/// false).
-struct NnlsResult {
-  Eigen::VectorXd x;
-  bool converged = true;
+/// A number that a fit may change: where it starts, its bounds, and how it is searched.
+struct SearchVariable {
+  double value = 0.0;
+  double min = -std::numeric_limits<double>::infinity();
+  double max = std::numeric_limits<double>::infinity();
+  bool logarithmic = false;  ///< searched as ln(value); value, min > 0. Otherwise as value/scale
+  double scale = 1.0;        ///< size of a typical change (linear ones)
 };
-NnlsResult nnls(const Eigen::MatrixXd& gram, const Eigen::VectorXd& rhs,
-                const std::vector<bool>& free_sign = {}, double tolerance = 1e-12);
 
-/// Bounded nonlinear least squares by Levenberg and Marquardt with a forward-difference Jacobian; bounds by
-/// projection.
-struct LeastSquaresResult {
-  Eigen::VectorXd x;
-  double cost = 0.0;          ///< Σ r²
-  Eigen::VectorXd deviation;  ///< standard deviation of each x, see parameter_deviation()
-  int evaluations = 0;
-  bool converged = false;
+/// Residuals at some values of the unknowns; false when the model cannot be run there.
+using Residuals = std::function<bool(const Eigen::VectorXd& values, Eigen::VectorXd& residuals)>;
+/// Derivatives of the residuals (rows) by the values (columns).
+using Jacobian = std::function<void(const Eigen::VectorXd& values, Eigen::MatrixXd& derivatives)>;
+
+struct LeastSquaresOptions {
+  int max_iterations = 30;
+  double cost_tolerance = 1e-7;  ///< relative drop of the sum of squares at which it stops
+  /// Forward differences in search coordinates: large enough for an engine's own rounding, small against
+  /// curvature. Without effect where `jacobian` is given.
+  double difference = 1e-4;
+  Jacobian jacobian = {};
+  /// The Jacobian is kept through up to two rank-one updates while they go on paying: for models whose run is
+  /// expensive.
+  bool broyden = true;
+  double initial_damping = 1e-4;
+  double max_step = std::numeric_limits<double>::infinity();  ///< of any unknown, in search coordinates
+  /// Moves values within the bounds to where the model is defined, for what no bounds can say.
+  std::function<void(Eigen::VectorXd& values)> project = {};
+  std::function<bool()> stop = {};  ///< looked at every iteration
 };
-LeastSquaresResult least_squares(
-    const std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& residual)>& f,
-    const Eigen::VectorXd& start, const Eigen::VectorXd& lower, const Eigen::VectorXd& upper,
-    const Eigen::VectorXd& typical, int iterations = 100);
+
+struct LeastSquaresResult {
+  Eigen::VectorXd values;
+  Eigen::VectorXd residuals;  ///< empty: the model cannot be run at the start
+  double cost = 0.0;          ///< sum of the squared residuals
+  Termination termination = Termination::not_runnable;
+  int runs = 0;  ///< of the model
+  /// JᵀJ with respect to the values, from the last Jacobian.
+  Eigen::MatrixXd gram;
+  /// Standard deviations of the values for white residuals; infinite for what changes nothing.
+  Eigen::VectorXd deviation;
+  /// Of the column-scaled Jacobian, over the unknowns that rest at no bound and change something.
+  double condition_number = 0.0;
+};
+
+/// min |r(x)|² within bounds by Levenberg and Marquardt (Marquardt, J. SIAM 11 (1963) 431) with Nielsen's rule
+/// for the damping (IMM-REP-1999-05, Technical University of Denmark) and Broyden's rank-one updates of the
+/// Jacobian (Math. Comp. 19 (1965) 577). Unknowns that would go beyond a bound go to it, and the others take
+/// the step that is then best for them (clipping alone would stall among many weights that may not be
+/// negative). Ceres and Eigen's MINPACK port were measured against it, see docs/numeric.md.
+LeastSquaresResult least_squares(const std::vector<SearchVariable>& unknowns, const Residuals& residuals,
+                                 const LeastSquaresOptions& options = {});
+
+/// Columns d(residual)/d(unknown, in search coordinates) by differences at the given values; empty columns
+/// where it cannot be run.
+std::vector<Eigen::VectorXd> sensitivities(const std::vector<SearchVariable>& unknowns,
+                                           const Residuals& residuals, const Eigen::VectorXd& values,
+                                           double difference = 1e-4);
 
 /// Standard deviations from the normal matrix JᵀJ and the residual: σ² (JᵀJ)⁻¹ widened by (1+ρ)/(1−ρ), ρ the
 /// residual's correlation from sample to sample (an AR(1) residual carries that many fewer independent

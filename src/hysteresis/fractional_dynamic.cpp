@@ -4,9 +4,10 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <unsupported/Eigen/MatrixFunctions>
 
 #include "base/error.hpp"
+#include "numeric/grunwald_letnikov.hpp"
+#include "numeric/matrix_exponential.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {
@@ -60,7 +61,11 @@ void FractionalOperator::prepare(double dt_s) {
   a << -1.0 / model_.tau, 0.0, 0.0, 0.0, 0.0, 1.0, model_.k_m, -model_.omega_n * model_.omega_n,
       -2.0 * model_.xi * model_.omega_n;
   const Eigen::Vector3d b(1.0 / model_.tau, 0.0, 0.0);
-  plant_decay_ = (a * dt_s).eval().exp();
+  // Velocity over ω_n as the third state: the exponential then sees numbers of one size.
+  const Eigen::Vector3d size(1.0, 1.0, model_.omega_n);
+  const Eigen::Vector3d per_size = size.cwiseInverse();
+  const Eigen::MatrixXd even = per_size.asDiagonal() * (a * dt_s) * size.asDiagonal();
+  plant_decay_ = size.asDiagonal() * Eigen::Matrix3d(matrix_exponential(even)) * per_size.asDiagonal();
   // Constant and ramp inputs: a g0 = (e^{ah} − 1) b, a g1 = (g0 − h b)/h.
   const Eigen::PartialPivLU<Eigen::Matrix3d> lu(a);
   const Eigen::Vector3d g0 = lu.solve((plant_decay_ - Eigen::Matrix3d::Identity()) * b);
@@ -124,39 +129,27 @@ double FractionalOperator::peek(double u, double dt_s) const {
 
 std::vector<double> simulate_grunwald_letnikov(const FractionalDynamic& model, const std::vector<double>& u,
                                                double step_s, int refine) {
+  const auto parts = static_cast<std::size_t>(refine);
   const double h = step_s / refine;
-  const std::size_t n = u.empty() ? 0 : (u.size() - 1) * static_cast<std::size_t>(refine) + 1;
-  if (n == 0) return {};
-  const FractionalPolynomial below = FractionalPolynomial::denominator(model);
-  const FractionalPolynomial above{{{model.k_m * model.k_p, 0.0}, {model.k_m * model.theta, model.eta}}};
-  const auto sequence = [&](const FractionalPolynomial& polynomial) {
-    std::vector<double> out(n, 0.0);
-    for (const FractionalPolynomial::Term& term : polynomial.terms) {
-      double w = term.coefficient * std::pow(h, -term.exponent);
-      for (std::size_t j = 0; j < n; ++j) {
-        out[j] += w;
-        w *= 1.0 - (term.exponent + 1.0) / static_cast<double>(j + 1);
-        if (w == 0.0) break;
-      }
-    }
+  const std::vector<double> fine = straight_between(u, parts);
+  const auto weights = [&](const FractionalPolynomial& polynomial) {
+    std::vector<double> out(fine.size(), 0.0);
+    for (const FractionalPolynomial::Term& term : polynomial.terms)
+      add_difference_weights(term.coefficient * std::pow(h, -term.exponent), term.exponent, out);
     return out;
   };
-  const std::vector<double> a = sequence(below);
-  const std::vector<double> b = sequence(above);
-  std::vector<double> fine(n), y(n);
-  for (std::size_t i = 0; i < n; ++i) {
-    const std::size_t k = i / static_cast<std::size_t>(refine);
-    const double part = static_cast<double>(i % static_cast<std::size_t>(refine)) / refine;
-    fine[i] = part == 0.0 ? u[k] : u[k] + part * (u[k + 1] - u[k]);
-    double sum = 0.0;
-    for (std::size_t j = 0; j <= i; ++j) sum += b[j] * fine[i - j];
+  const std::vector<double> a = weights(FractionalPolynomial::denominator(model));
+  const std::vector<double> b =
+      weights({{{model.k_m * model.k_p, 0.0}, {model.k_m * model.theta, model.eta}}});
+  std::vector<double> y(fine.size());
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    double sum = sum_over_past(b, fine, i);
     for (std::size_t j = 1; j <= i; ++j) sum -= a[j] * y[i - j];
     y[i] = sum / a[0];
   }
   std::vector<double> out(u.size());
   for (std::size_t i = 0; i < u.size(); ++i)
-    out[i] =
-        y[i * static_cast<std::size_t>(refine)] + model.rho * step_s * static_cast<double>(i) + model.delta;
+    out[i] = y[i * parts] + model.rho * step_s * static_cast<double>(i) + model.delta;
   return out;
 }
 

@@ -51,4 +51,12 @@ void matrix_exponential(double* m, int n, std::vector<double>& work) {
   std::copy(sum, sum + size, m);
 }
 
+Eigen::MatrixXd matrix_exponential(const Eigen::MatrixXd& m) {
+  // Column-major data are the transpose's rows, and exp(Mᵀ) = exp(M)ᵀ.
+  Eigen::MatrixXd out = m;
+  std::vector<double> work;
+  matrix_exponential(out.data(), static_cast<int>(m.rows()), work);
+  return out;
+}
+
 }  // namespace bodesmith

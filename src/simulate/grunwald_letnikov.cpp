@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "numeric/grunwald_letnikov.hpp"
+
 namespace bodesmith::simulate {
 namespace {
 
@@ -24,23 +26,11 @@ std::vector<double> series(const FractionalLeadLag& term, double h, std::size_t 
   return f;
 }
 
+/// Outputs at the samples, u refined to `parts` steps a sample.
 std::vector<double> convolved(const std::vector<double>& f, std::span<const double> u, std::size_t parts) {
-  // u refined to `parts` steps a sample, straight between; outputs at the samples.
-  const std::size_t fine = (u.size() - 1) * parts + 1;
-  std::vector<double> in(fine);
-  for (std::size_t i = 0; i < fine; ++i) {
-    const std::size_t k = std::min(i / parts, u.size() - 1);
-    const double part = static_cast<double>(i - k * parts) / static_cast<double>(parts);
-    in[i] = k + 1 < u.size() ? u[k] + part * (u[k + 1] - u[k]) : u[k];
-  }
+  const std::vector<double> in = straight_between(u, parts);
   std::vector<double> y(u.size());
-  for (std::size_t i = 0; i < u.size(); ++i) {
-    const std::size_t now = i * parts;
-    const std::size_t used = std::min(now + 1, f.size());
-    double sum = 0.0;
-    for (std::size_t k = 0; k < used; ++k) sum += f[k] * in[now - k];
-    y[i] = sum;
-  }
+  for (std::size_t i = 0; i < u.size(); ++i) y[i] = sum_over_past(f, in, i * parts);
   return y;
 }
 

@@ -127,10 +127,10 @@ double Node::non_negative() const {
   return value;
 }
 
-long Node::integer(long least, long most) const {
+long Node::integer(long min, long max) const {
   const double value = number();
-  if (value != std::floor(value) || value < static_cast<double>(least) || value > static_cast<double>(most)) {
-    fail(fmt::format("is {}, expected a whole number from {} to {}", rounded_text(value, 6), least, most));
+  if (value != std::floor(value) || value < static_cast<double>(min) || value > static_cast<double>(max)) {
+    fail(fmt::format("is {}, expected a whole number from {} to {}", rounded_text(value, 6), min, max));
   }
   return static_cast<long>(value);
 }
@@ -141,14 +141,14 @@ std::vector<double> Node::numbers() const {
   return out;
 }
 
-double Node::number_or(std::string_view key, double otherwise) const {
-  return has(key) ? at(key).number() : otherwise;
+double Node::number_or(std::string_view key, double default_value) const {
+  return has(key) ? at(key).number() : default_value;
 }
-std::string Node::string_or(std::string_view key, std::string otherwise) const {
-  return has(key) ? at(key).string() : otherwise;
+std::string Node::string_or(std::string_view key, std::string default_value) const {
+  return has(key) ? at(key).string() : default_value;
 }
-bool Node::boolean_or(std::string_view key, bool otherwise) const {
-  return has(key) ? at(key).boolean() : otherwise;
+bool Node::boolean_or(std::string_view key, bool default_value) const {
+  return has(key) ? at(key).boolean() : default_value;
 }
 
 std::string Node::one_of(std::initializer_list<std::string_view> words) const {

@@ -13,7 +13,7 @@
 
 namespace bodesmith {
 
-/// One value of a JSON or TOML document, knowing the file and line it stands in, so that every complaint
+/// One value of a JSON or TOML document, knowing the file and line it stands in, so that every error
 /// about it can name both. Copies share the tree. Every accessor throws InputError with file and line when
 /// the value is not what the caller needs; the message says where in the document ("terms[2].beta") and what
 /// was expected.
@@ -44,13 +44,13 @@ class Node {
   double number() const;
   double positive() const;
   double non_negative() const;
-  /// A whole number in [least, most].
-  long integer(long least, long most) const;
+  /// A whole number in [min, max].
+  long integer(long min, long max) const;
   std::vector<double> numbers() const;
 
-  double number_or(std::string_view key, double otherwise) const;
-  std::string string_or(std::string_view key, std::string otherwise) const;
-  bool boolean_or(std::string_view key, bool otherwise) const;
+  double number_or(std::string_view key, double default_value) const;
+  std::string string_or(std::string_view key, std::string default_value) const;
+  bool boolean_or(std::string_view key, bool default_value) const;
 
   /// One of the given words, or an error that lists them.
   std::string one_of(std::initializer_list<std::string_view> words) const;

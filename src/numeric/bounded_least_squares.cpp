@@ -1,10 +1,13 @@
 #include "numeric/bounded_least_squares.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <stdexcept>
+#include <optional>
+
+#include "numeric/dense.hpp"
+#include "numeric/index.hpp"
 
 namespace bodesmith {
 namespace {
@@ -14,17 +17,15 @@ using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 using Vector = Eigen::Matrix<Real, Eigen::Dynamic, 1>;
 
 Matrix to_eigen(const LongMatrix& a) {
-  const auto rows = static_cast<Eigen::Index>(a.size());
-  const auto columns = static_cast<Eigen::Index>(a.empty() ? 0 : a.front().size());
-  Matrix out(rows, columns);
-  for (Eigen::Index i = 0; i < rows; ++i) {
-    for (Eigen::Index j = 0; j < columns; ++j) out(i, j) = a[static_cast<size_t>(i)][static_cast<size_t>(j)];
+  Matrix out(eigen_index(a.size()), eigen_index(a.empty() ? 0 : a.front().size()));
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    for (std::size_t j = 0; j < a[i].size(); ++j) out(eigen_index(i), eigen_index(j)) = a[i][j];
   }
   return out;
 }
 
 Vector to_eigen(const LongVector& b) {
-  return Eigen::Map<const Vector>(b.data(), static_cast<Eigen::Index>(b.size()));
+  return Eigen::Map<const Vector>(b.data(), eigen_index(b.size()));
 }
 
 Vector solve(const Matrix& a, const Vector& b) {
@@ -53,91 +54,143 @@ LongMatrix least_squares_inverse(const LongMatrix& a) {
 }
 
 double condition_number(const LongMatrix& a) {
-  const Eigen::BDCSVD<Eigen::MatrixXd> svd(to_eigen(a).cast<double>());
-  const auto& values = svd.singularValues();
-  const double least = values(values.size() - 1);
-  return least > 0.0 ? values(0) / least : std::numeric_limits<double>::infinity();
+  const Eigen::VectorXd values = singular_values(to_eigen(a).cast<double>());
+  const double min = values(values.size() - 1);
+  return min > 0.0 ? values(0) / min : std::numeric_limits<double>::infinity();
 }
 
-BoundedSolution bounded_least_squares(const LongMatrix& rows, const LongVector& wanted, Real lower,
-                                      Real upper) {
-  const Matrix a = to_eigen(rows);
-  const Vector b = to_eigen(wanted);
-  const Eigen::Index n = a.cols();
-  Vector x = Vector::Constant(n, lower);
-  std::vector<int> bound(static_cast<size_t>(n), -1);
-  const auto at = [&](Eigen::Index i) -> int& { return bound[static_cast<size_t>(i)]; };
-  const Real tiny = 1e-15L * (1.0L + b.norm()) * (1.0L + a.norm());
-  std::vector<char> barred(static_cast<size_t>(n), 0);  // freed in vain at this corner (rounding)
-  for (int guard = 0; guard < 100 * (static_cast<int>(n) + 1); ++guard) {
-    const Vector downhill = a.transpose() * (b - a * x);
-    Eigen::Index enter = -1;
-    Real steepest = tiny;
-    for (Eigen::Index i = 0; i < n; ++i) {
-      if (at(i) == 0 || barred[static_cast<size_t>(i)] != 0) continue;
-      const Real gain = at(i) < 0 ? downhill(i) : -downhill(i);
-      if (gain > steepest) {
-        steepest = gain;
+namespace {
+
+using Eigen::Index;
+
+/// The run of BVLS: x, and for every unknown the bound it rests at (-1 lower, +1 upper, 0 free).
+class BoundedSearch {
+ public:
+  BoundedSearch(Matrix a, Vector b, Real lower, Real upper)
+      : a_(std::move(a)),
+        b_(std::move(b)),
+        lower_(lower),
+        upper_(upper),
+        x_(Vector::Constant(a_.cols(), lower)),
+        bound_(std_index(a_.cols()), -1),
+        barred_(std_index(a_.cols()), false) {}
+
+  void run() {
+    const Index max_exchanges = 100 * (x_.size() + 1);
+    for (Index exchange = 0; exchange < max_exchanges; ++exchange) {
+      const std::optional<Index> entering = steepest();
+      if (!entering) return;
+      settle(*entering);
+    }
+  }
+
+  BoundedSolution solution() const {
+    BoundedSolution out;
+    out.x.assign(x_.data(), x_.data() + x_.size());
+    out.bound = bound_;
+    const Vector downhill = a_.transpose() * (b_ - a_ * x_);
+    for (Index i = 0; i < x_.size(); ++i) {
+      const Real violation = at(i) == 0 ? std::abs(downhill(i)) : gain(i, downhill);
+      out.optimality_residual = std::max(out.optimality_residual, violation);
+    }
+    return out;
+  }
+
+ private:
+  /// Where the way from x to the free minimum meets its first bound.
+  struct Stop {
+    Real way = 1.0L;  ///< part of the way
+    Index index = -1;
+    int side = 0;
+  };
+
+  int& at(Index i) { return bound_[std_index(i)]; }
+  int at(Index i) const { return bound_[std_index(i)]; }
+  /// What leaving its bound would gain; negative: it is pressed there.
+  Real gain(Index i, const Vector& downhill) const { return at(i) < 0 ? downhill(i) : -downhill(i); }
+
+  /// The bound that is best left.
+  std::optional<Index> steepest() const {
+    const Vector downhill = a_.transpose() * (b_ - a_ * x_);
+    std::optional<Index> enter;
+    Real best = 1e-15L * (1.0L + b_.norm()) * (1.0L + a_.norm());
+    for (Index i = 0; i < x_.size(); ++i) {
+      if (at(i) == 0 || barred_[std_index(i)]) continue;
+      if (gain(i, downhill) > best) {
+        best = gain(i, downhill);
         enter = i;
       }
     }
-    if (enter < 0) break;
-    const int came_from = at(enter);
-    at(enter) = 0;
+    return enter;
+  }
+
+  std::vector<Index> free_unknowns() const {
+    std::vector<Index> free;
+    for (Index i = 0; i < x_.size(); ++i)
+      if (at(i) == 0) free.push_back(i);
+    return free;
+  }
+
+  Vector free_minimum(const std::vector<Index>& free) const {
+    Vector rest = b_;
+    for (Index i = 0; i < x_.size(); ++i)
+      if (at(i) != 0) rest -= a_.col(i) * x_(i);
+    const Matrix part = a_(Eigen::all, free);
+    return solve(part, rest);
+  }
+
+  Stop first_bound(const std::vector<Index>& free, const Vector& target) const {
+    Stop stop;
+    for (std::size_t j = 0; j < free.size(); ++j) {
+      const Real z = target(eigen_index(j));
+      if (z >= lower_ && z <= upper_) continue;
+      const Real here = x_(free[j]);
+      const Real step = z == here ? 0.0L : ((z < lower_ ? lower_ : upper_) - here) / (z - here);
+      if (step < stop.way || stop.index < 0)
+        stop = {std::clamp(step, 0.0L, 1.0L), free[j], z < lower_ ? -1 : 1};
+    }
+    return stop;
+  }
+
+  /// Frees one unknown and goes to the minimum over all that are free; what meets a bound on the way stays.
+  void settle(Index entering) {
+    const int came_from = at(entering);
+    at(entering) = 0;
     for (bool first = true;; first = false) {
-      std::vector<Eigen::Index> free;
-      Vector fixed_part = b;
-      for (Eigen::Index i = 0; i < n; ++i) {
-        if (at(i) == 0)
-          free.push_back(i);
-        else
-          fixed_part -= a.col(i) * x(i);
+      const std::vector<Index> free = free_unknowns();
+      if (free.empty()) return;
+      const Vector target = free_minimum(free);
+      const Stop stop = first_bound(free, target);
+      for (std::size_t j = 0; j < free.size(); ++j)
+        x_(free[j]) += stop.way * (target(eigen_index(j)) - x_(free[j]));
+      if (stop.index < 0) {
+        std::fill(barred_.begin(), barred_.end(), false);
+        return;
       }
-      if (free.empty()) break;
-      Matrix part(a.rows(), static_cast<Eigen::Index>(free.size()));
-      for (size_t j = 0; j < free.size(); ++j) part.col(static_cast<Eigen::Index>(j)) = a.col(free[j]);
-      const Vector target = solve(part, fixed_part);
-      // The way from x to the target, up to the first bound.
-      Real way = 1.0L;
-      Eigen::Index stop = -1;
-      int side = 0;
-      for (size_t j = 0; j < free.size(); ++j) {
-        const Eigen::Index i = free[j];
-        const Real z = target(static_cast<Eigen::Index>(j));
-        if (z >= lower && z <= upper) continue;
-        const Real edge = z < lower ? lower : upper;
-        const Real step = z == x(i) ? 0.0L : (edge - x(i)) / (z - x(i));
-        if (step < way || stop < 0) {
-          way = std::clamp(step, 0.0L, 1.0L);
-          stop = i;
-          side = z < lower ? -1 : 1;
-        }
-      }
-      for (size_t j = 0; j < free.size(); ++j) {
-        const Eigen::Index i = free[j];
-        x(i) += way * (target(static_cast<Eigen::Index>(j)) - x(i));
-      }
-      if (stop < 0) {
-        std::fill(barred.begin(), barred.end(), 0);
-        break;
-      }
-      x(stop) = side < 0 ? lower : upper;
-      at(stop) = side;
-      if (first && stop == enter && side == came_from) {
-        barred[static_cast<size_t>(enter)] = 1;
-        break;
+      x_(stop.index) = stop.side < 0 ? lower_ : upper_;
+      at(stop.index) = stop.side;
+      if (first && stop.index == entering && stop.side == came_from) {
+        barred_[std_index(entering)] = true;
+        return;
       }
     }
   }
-  BoundedSolution out;
-  out.x.assign(x.data(), x.data() + n);
-  out.bound = bound;
-  const Vector downhill = a.transpose() * (b - a * x);
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const Real violation = at(i) == 0 ? std::abs(downhill(i)) : at(i) < 0 ? downhill(i) : -downhill(i);
-    out.optimality_residual = std::max(out.optimality_residual, violation);
-  }
-  return out;
+
+  Matrix a_;
+  Vector b_;
+  Real lower_;
+  Real upper_;
+  Vector x_;
+  std::vector<int> bound_;
+  std::vector<bool> barred_;  ///< freed in vain at this corner (rounding)
+};
+
+}  // namespace
+
+BoundedSolution bounded_least_squares(const LongMatrix& a, const LongVector& b, Real lower, Real upper) {
+  BoundedSearch search(to_eigen(a), to_eigen(b), lower, upper);
+  search.run();
+  return search.solution();
 }
 
 }  // namespace bodesmith

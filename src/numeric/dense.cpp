@@ -36,6 +36,10 @@ Eigen::VectorXd solve_svd(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   return a.bdcSvd(Eigen::ComputeThinU | Eigen::ComputeThinV).solve(b);
 }
 
+Eigen::VectorXd singular_values(const Eigen::MatrixXd& a) {
+  return Eigen::BDCSVD<Eigen::MatrixXd>(a).singularValues();
+}
+
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a) {
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(a);
   return {solver.eigenvalues(), solver.eigenvectors()};

@@ -24,6 +24,9 @@ Eigen::VectorXd solve_qr(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 /// The shortest x of min |A x − b| for any A, by the singular value decomposition.
 Eigen::VectorXd solve_svd(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 
+/// Falling.
+Eigen::VectorXd singular_values(const Eigen::MatrixXd& a);
+
 /// A = V diag(values) Vᵀ for a symmetric A, values rising.
 struct SymmetricEigen {
   Eigen::VectorXd values;

@@ -31,8 +31,8 @@ struct LeastSquaresResult {
   double condition_number = 0.0;
 };
 
-/// The bounded fit of numeric/least_squares.hpp over a model's unknowns, with rank-one updates of the Jacobian,
-/// since a run of the model is what costs.
+/// The bounded fit of numeric/least_squares.hpp over a model's unknowns, with rank-one updates of the
+/// Jacobian, since a run of the model is what costs.
 LeastSquaresResult least_squares(const std::vector<Unknown>& unknowns, const Residuals& residuals,
                                  const LeastSquaresOptions& options = {});
 

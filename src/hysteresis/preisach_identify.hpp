@@ -12,7 +12,7 @@ namespace bodesmith::hysteresis {
 /// Relay weights by non-negative least squares, min Σ (y − offset − Σ w R[u])², w ≥ 0, on the whole plane of
 /// L (L + 1)/2 relays. The system is never formed: products with it run over the stack's trace
 /// (EverettTrace), the plane is refined from coarse to fine (…, L/4, L/2, L), and each plane is solved by
-/// MPRGP (solve_non_negative()).
+/// MPRGP (non_negative_least_squares()).
 struct PreisachWeights {
   std::vector<double> weights;
   double offset = 0.0;

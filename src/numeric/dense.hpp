@@ -4,8 +4,8 @@
 
 namespace bodesmith {
 
-// The dense linear algebra that many files need, compiled once: Eigen's decompositions and products cost seconds
-// wherever they are instantiated. Same algorithms, same digits as the expressions named.
+// The dense linear algebra that many files need, compiled once: Eigen's decompositions and products cost
+// seconds wherever they are instantiated. Same algorithms, same digits as the expressions named.
 
 /// AᵀA.
 Eigen::MatrixXd gram(const Eigen::MatrixXd& a);

@@ -6,10 +6,12 @@
 
 namespace bodesmith {
 
-// Grünwald and Letnikov's fractional differences: D^a x(t) is the limit of h^-a sum_j (-1)^j binom(a, j) x(t - j h), a
-// convolution with all the past (Podlubny, Fractional Differential Equations, 1999, ch. 2.2). First order in h.
+// Grünwald and Letnikov's fractional differences: D^a x(t) is the limit of h^-a sum_j (-1)^j binom(a, j) x(t
+// - j h), a convolution with all the past (Podlubny, Fractional Differential Equations, 1999, ch. 2.2). First
+// order in h.
 
-/// Adds factor (-1)^j binom(order, j) to weights[j]; `factor` is coefficient h^-order for a term of an equation.
+/// Adds factor (-1)^j binom(order, j) to weights[j]; `factor` is coefficient h^-order for a term of an
+/// equation.
 void add_difference_weights(double factor, double order, std::span<double> weights);
 
 /// The samples and parts - 1 values on the straight line between each and the next.

@@ -54,10 +54,10 @@ struct LeastSquaresResult {
   double condition_number = 0.0;
 };
 
-/// min |r(x)|² within bounds by Levenberg and Marquardt (Marquardt, J. SIAM 11 (1963) 431) with Nielsen's rule
-/// for the damping (IMM-REP-1999-05, Technical University of Denmark) and Broyden's rank-one updates of the
-/// Jacobian (Math. Comp. 19 (1965) 577). Unknowns that would go beyond a bound go to it, and the others take
-/// the step that is then best for them (clipping alone would stall among many weights that may not be
+/// min |r(x)|² within bounds by Levenberg and Marquardt (Marquardt, J. SIAM 11 (1963) 431) with Nielsen's
+/// rule for the damping (IMM-REP-1999-05, Technical University of Denmark) and Broyden's rank-one updates of
+/// the Jacobian (Math. Comp. 19 (1965) 577). Unknowns that would go beyond a bound go to it, and the others
+/// take the step that is then best for them (clipping alone would stall among many weights that may not be
 /// negative). Ceres and Eigen's MINPACK port were measured against it, see docs/numeric.md.
 LeastSquaresResult least_squares(const std::vector<SearchVariable>& unknowns, const Residuals& residuals,
                                  const LeastSquaresOptions& options = {});

@@ -14,8 +14,8 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// The normal equations with columns scaled to unit length (a tolerance then means the same for all), and the set of
-/// unknowns that may move.
+/// The normal equations with columns scaled to unit length (a tolerance then means the same for all), and the
+/// set of unknowns that may move.
 class ActiveSet {
  public:
   ActiveSet(const MatrixXd& gram, const VectorXd& rhs, const std::vector<bool>& free_sign)

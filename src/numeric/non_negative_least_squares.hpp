@@ -8,9 +8,9 @@
 
 namespace bodesmith {
 
-// Least squares over x >= 0 twice, because the sizes are worlds apart: the active set solves for tens of unknowns to
-// rounding and needs the whole normal matrix; the conjugate gradients need only products, for the tens of thousands of
-// weights of a Preisach plane, whose normal matrix would fill gigabytes.
+// Least squares over x >= 0 twice, because the sizes are worlds apart: the active set solves for tens of
+// unknowns to rounding and needs the whole normal matrix; the conjugate gradients need only products, for the
+// tens of thousands of weights of a Preisach plane, whose normal matrix would fill gigabytes.
 
 struct NonNegativeResult {
   Eigen::VectorXd x;

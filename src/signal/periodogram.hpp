@@ -5,8 +5,8 @@
 
 namespace bodesmith {
 
-/// Energy of v a bin (Hann window, zero mean left in), bins 0 … n/2 over smooth_length(v.size()) samples (numeric/fourier.hpp);
-/// scaled so that the sum over all bins is the mean square of v.
+/// Energy of v a bin (Hann window, zero mean left in), bins 0 … n/2 over smooth_length(v.size()) samples
+/// (numeric/fourier.hpp); scaled so that the sum over all bins is the mean square of v.
 struct Periodogram {
   double bin_hz = 0.0;
   std::vector<double> power;

@@ -90,7 +90,7 @@ class Builder : public nlohmann::json_sax<Json> {
     std::string what = error.what();
     // "[json.exception.parse_error.101] parse error at line 3, column 2: syntax error while ..." -> the last
     // part
-    const size_t cut = what.find(": ");
+    const std::size_t cut = what.find(": ");
     if (cut != std::string::npos) what = what.substr(cut + 2);
     if (what.size() > 200) what = what.substr(0, 200) + "...";
     (void)token;

@@ -18,7 +18,9 @@ bool is_flat(const Json& value, int depth = 0) {
 }
 
 void write(const Json& value, int indent, bool inline_mode, std::string& out, const std::string& path) {
-  const auto new_line = [&](int depth) { out += "\n" + std::string(static_cast<size_t>(2 * depth), ' '); };
+  const auto new_line = [&](int depth) {
+    out += "\n" + std::string(static_cast<std::size_t>(2 * depth), ' ');
+  };
   if (value.is_number_float()) {
     if (!std::isfinite(value.get<double>())) {
       throw std::logic_error("a number that is not finite was to be written at " + path);
@@ -37,7 +39,7 @@ void write(const Json& value, int indent, bool inline_mode, std::string& out, co
         if (value.is_object()) one_line += Json(key).dump() + ": ";
         write(item, indent, true, one_line, path + "/" + key);
       }
-      if (one_line.size() + static_cast<size_t>(2 * indent) <= 110) {
+      if (one_line.size() + static_cast<std::size_t>(2 * indent) <= 110) {
         out += one_line;
         out += close;
         return;

@@ -33,9 +33,9 @@ std::string engineering_text(double value, std::string_view unit, int digits) {
 
 std::vector<std::string_view> split(std::string_view text, char separator) {
   std::vector<std::string_view> out;
-  size_t begin = 0;
+  std::size_t begin = 0;
   while (true) {
-    const size_t end = text.find(separator, begin);
+    const std::size_t end = text.find(separator, begin);
     out.push_back(text.substr(begin, end == std::string_view::npos ? end : end - begin));
     if (end == std::string_view::npos) return out;
     begin = end + 1;
@@ -44,7 +44,7 @@ std::vector<std::string_view> split(std::string_view text, char separator) {
 
 std::string_view trim(std::string_view text) {
   const char* blank = " \t\r\n";
-  const size_t begin = text.find_first_not_of(blank);
+  const std::size_t begin = text.find_first_not_of(blank);
   if (begin == std::string_view::npos) return {};
   return text.substr(begin, text.find_last_not_of(blank) - begin + 1);
 }

@@ -11,8 +11,8 @@ namespace {
 
 using Complex = std::complex<double>;
 
-constexpr size_t kMostPairs = 8;      // (subsets of poles) x (subsets of zeros): C(16, 8) states
-constexpr size_t kMostSections = 14;  // subsets of sections
+constexpr std::size_t kMaxPairs = 8;      // (subsets of poles) x (subsets of zeros): C(16, 8) states
+constexpr std::size_t kMaxSections = 14;  // subsets of sections
 
 double log_size(Complex root) {
   return std::log(std::max(std::abs(root), 1e-300));
@@ -49,9 +49,9 @@ class SubsetSpan {
   explicit SubsetSpan(std::vector<std::vector<double>> curves) : curves_(std::move(curves)) {}
   double operator()(std::uint32_t subset) const {
     std::vector<double> sum(curves_.front().size(), 0.0);
-    for (size_t i = 0; i < curves_.size(); ++i) {
+    for (std::size_t i = 0; i < curves_.size(); ++i) {
       if ((subset >> i & 1u) == 0) continue;
-      for (size_t j = 0; j < sum.size(); ++j) sum[j] += curves_[i][j];
+      for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += curves_[i][j];
     }
     const auto [low, high] = std::minmax_element(sum.begin(), sum.end());
     return *high - *low;
@@ -72,7 +72,7 @@ double largest_span(const std::vector<Section>& sections, const std::vector<Hert
   double worst = 0.0;
   for (const Section& section : sections) {
     const auto curve = log_curve(section, grid);
-    for (size_t j = 0; j < sum.size(); ++j) sum[j] += curve[j];
+    for (std::size_t j = 0; j < sum.size(); ++j) sum[j] += curve[j];
     const auto [low, high] = std::minmax_element(sum.begin(), sum.end());
     worst = std::max(worst, *high - *low);
   }
@@ -80,72 +80,116 @@ double largest_span(const std::vector<Section>& sections, const std::vector<Hert
 }
 
 /// Cheapest way through all subsets from none to all, one element a step, cost = largest span met.
-std::vector<size_t> best_order(size_t count, const SubsetSpan& span) {
-  const size_t states = size_t{1} << count;
+std::vector<std::size_t> best_order(std::size_t count, const SubsetSpan& span) {
+  const std::size_t states = std::size_t{1} << count;
   std::vector<double> cost(states, INFINITY);
-  std::vector<size_t> last(states, 0);
+  std::vector<std::size_t> last(states, 0);
   cost[0] = 0.0;
-  for (size_t state = 1; state < states; ++state) {
+  for (std::size_t state = 1; state < states; ++state) {
     const double own = span(static_cast<std::uint32_t>(state));
-    for (size_t i = 0; i < count; ++i) {
+    for (std::size_t i = 0; i < count; ++i) {
       if ((state >> i & 1u) == 0) continue;
-      const double reach = std::max(own, cost[state ^ (size_t{1} << i)]);
+      const double reach = std::max(own, cost[state ^ (std::size_t{1} << i)]);
       if (reach < cost[state]) {
         cost[state] = reach;
         last[state] = i;
       }
     }
   }
-  std::vector<size_t> order;
-  for (size_t state = states - 1; state != 0; state ^= size_t{1} << last[state]) order.push_back(last[state]);
+  std::vector<std::size_t> order;
+  for (std::size_t state = states - 1; state != 0; state ^= std::size_t{1} << last[state])
+    order.push_back(last[state]);
   std::reverse(order.begin(), order.end());
   return order;
+}
+
+/// ln(size) of every product of a subset of curves, at every frequency of the grid.
+using SubsetSums = std::vector<std::vector<double>>;
+
+SubsetSums subset_sums(const std::vector<std::vector<double>>& curves) {
+  const std::size_t points = curves.empty() ? 0 : curves.front().size();
+  SubsetSums out(std::size_t{1} << curves.size(), std::vector<double>(points, 0.0));
+  for (std::size_t state = 1; state < out.size(); ++state) {
+    const auto first = static_cast<std::size_t>(std::countr_zero(state));
+    for (std::size_t j = 0; j < points; ++j) out[state][j] = out[state & (state - 1)][j] + curves[first][j];
+  }
+  return out;
+}
+
+SubsetSums pole_sums(const std::vector<Section>& sections, const std::vector<Hertz>& grid) {
+  std::vector<std::vector<double>> curves(sections.size());
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    for (const Hertz f : grid)
+      curves[i].push_back(-std::log(std::abs(Complex(0.0, f.rad_s().value) - sections[i].poles[0])));
+  }
+  return subset_sums(curves);
+}
+
+SubsetSums zero_sums(const std::vector<Section>& sections, const std::vector<Hertz>& grid) {
+  std::vector<std::vector<double>> curves(sections.size());
+  for (std::size_t i = 0; i < sections.size(); ++i) {
+    for (const Hertz f : grid) {
+      const double size = std::abs(Complex(0.0, f.rad_s().value) - sections[i].zeros[0]);
+      curves[i].push_back(std::log(std::max(size, 1e-300)));
+    }
+  }
+  return subset_sums(curves);
+}
+
+/// Largest less smallest of the sum of two curves.
+double span_of_sum(const std::vector<double>& a, const std::vector<double>& b) {
+  double low = INFINITY;
+  double high = -INFINITY;
+  for (std::size_t j = 0; j < a.size(); ++j) {
+    low = std::min(low, a[j] + b[j]);
+    high = std::max(high, a[j] + b[j]);
+  }
+  return high - low;
+}
+
+/// The sections along the best way: from[p * subsets + z] is the pair (pole * n + zero) used last.
+std::vector<Section> pairs_along(const std::vector<Section>& sections,
+                                 const std::vector<std::uint8_t>& from) {
+  const std::size_t n = sections.size();
+  const std::size_t subsets = std::size_t{1} << n;
+  std::vector<Section> out;
+  std::size_t p = subsets - 1;
+  std::size_t z = subsets - 1;
+  while (p != 0) {
+    const std::size_t pair = from[p * subsets + z];
+    Section section;
+    section.poles = sections[pair / n].poles;
+    section.zeros = sections[pair % n].zeros;
+    out.push_back(std::move(section));
+    p ^= std::size_t{1} << (pair / n);
+    z ^= std::size_t{1} << (pair % n);
+  }
+  std::reverse(out.begin(), out.end());
+  return out;
 }
 
 /// Pairs and order of first-order sections: after i sections i poles and i zeros are used, whichever pairs
 /// they form.
 std::vector<Section> best_pairs(const std::vector<Section>& sections, const std::vector<Hertz>& grid) {
-  const size_t n = sections.size();
-  std::vector<std::vector<double>> pole(n);
-  std::vector<std::vector<double>> zero(n);
-  for (size_t i = 0; i < n; ++i) {
-    for (const Hertz f : grid) {
-      const Complex s(0.0, f.rad_s().value);
-      pole[i].push_back(-std::log(std::abs(s - sections[i].poles[0])));
-      zero[i].push_back(std::log(std::max(std::abs(s - sections[i].zeros[0]), 1e-300)));
-    }
-  }
-  const size_t subsets = size_t{1} << n;
-  const auto sums = [&](const std::vector<std::vector<double>>& curves) {
-    std::vector<std::vector<double>> out(subsets, std::vector<double>(grid.size(), 0.0));
-    for (size_t state = 1; state < subsets; ++state) {
-      const auto low = static_cast<size_t>(std::countr_zero(state));
-      for (size_t j = 0; j < grid.size(); ++j) out[state][j] = out[state & (state - 1)][j] + curves[low][j];
-    }
-    return out;
-  };
-  const auto poles = sums(pole);
-  const auto zeros = sums(zero);
+  const std::size_t n = sections.size();
+  const std::size_t subsets = std::size_t{1} << n;
+  const SubsetSums poles = pole_sums(sections, grid);
+  const SubsetSums zeros = zero_sums(sections, grid);
   std::vector<double> cost(subsets * subsets, INFINITY);
   std::vector<std::uint8_t> from(subsets * subsets, 0);
   cost[0] = 0.0;
-  for (size_t p = 1; p < subsets; ++p) {
-    for (size_t z = 1; z < subsets; ++z) {
+  for (std::size_t p = 1; p < subsets; ++p) {
+    for (std::size_t z = 1; z < subsets; ++z) {
       if (std::popcount(p) != std::popcount(z)) continue;
-      double low = INFINITY;
-      double high = -INFINITY;
-      for (size_t j = 0; j < grid.size(); ++j) {
-        low = std::min(low, poles[p][j] + zeros[z][j]);
-        high = std::max(high, poles[p][j] + zeros[z][j]);
-      }
-      for (size_t i = 0; i < n; ++i) {
-        for (size_t k = 0; k < n; ++k) {
+      const double span = span_of_sum(poles[p], zeros[z]);
+      for (std::size_t i = 0; i < n; ++i) {
+        for (std::size_t k = 0; k < n; ++k) {
           if ((p >> i & 1u) == 0 || (z >> k & 1u) == 0) continue;
-          const size_t before = (p ^ (size_t{1} << i)) * subsets + (z ^ (size_t{1} << k));
+          const std::size_t before = (p ^ (std::size_t{1} << i)) * subsets + (z ^ (std::size_t{1} << k));
           // A thousandth of the way's own spread breaks ties in favour of near pairs.
           const double near =
               1e-3 * std::abs(log_size(sections[i].poles[0]) - log_size(sections[k].zeros[0]));
-          const double reach = std::max(high - low, cost[before]) + 1e-3 * near;
+          const double reach = std::max(span, cost[before]) + 1e-3 * near;
           if (reach < cost[p * subsets + z]) {
             cost[p * subsets + z] = reach;
             from[p * subsets + z] = static_cast<std::uint8_t>(i * n + k);
@@ -154,20 +198,7 @@ std::vector<Section> best_pairs(const std::vector<Section>& sections, const std:
       }
     }
   }
-  std::vector<Section> out;
-  size_t p = subsets - 1;
-  size_t z = subsets - 1;
-  while (p != 0) {
-    const size_t pair = from[p * subsets + z];
-    Section section;
-    section.poles = sections[pair / n].poles;
-    section.zeros = sections[pair % n].zeros;
-    out.push_back(std::move(section));
-    p ^= size_t{1} << (pair / n);
-    z ^= size_t{1} << (pair % n);
-  }
-  std::reverse(out.begin(), out.end());
-  return out;
+  return pairs_along(sections, from);
 }
 
 }  // namespace
@@ -196,16 +227,16 @@ Sections make_sections(double gain, std::vector<Complex> zeros, std::vector<Comp
   std::vector<Group> slots = group(std::move(poles));
   std::vector<Group> zero_groups = group(std::move(zeros));
   const auto count_pairs = [](const std::vector<Group>& groups) {
-    return static_cast<size_t>(
+    return static_cast<std::size_t>(
         std::count_if(groups.begin(), groups.end(), [](const Group& g) { return g.roots.size() == 2; }));
   };
   // Neighbouring real poles join when there are more complex zero pairs than places for them, or on request.
   const auto join_nearest = [&] {
-    size_t best = slots.size();
+    std::size_t best = slots.size();
     double distance = INFINITY;
-    for (size_t i = 0; i < slots.size(); ++i) {
+    for (std::size_t i = 0; i < slots.size(); ++i) {
       if (slots[i].roots.size() != 1) continue;
-      for (size_t j = i + 1; j < slots.size(); ++j) {
+      for (std::size_t j = i + 1; j < slots.size(); ++j) {
         if (slots[j].roots.size() != 1) continue;
         if (slots[j].log_frequency - slots[i].log_frequency < distance) {
           distance = slots[j].log_frequency - slots[i].log_frequency;
@@ -215,7 +246,7 @@ Sections make_sections(double gain, std::vector<Complex> zeros, std::vector<Comp
       }
     }
     if (best == slots.size()) return false;
-    size_t other = best + 1;
+    std::size_t other = best + 1;
     while (slots[other].roots.size() != 1) ++other;
     slots[best].roots.push_back(slots[other].roots[0]);
     slots[best].log_frequency = 0.5 * (slots[best].log_frequency + slots[other].log_frequency);
@@ -227,11 +258,11 @@ Sections make_sections(double gain, std::vector<Complex> zeros, std::vector<Comp
   while (making.biquads && join_nearest()) {
   }
   std::vector<Section> sections(slots.size());
-  for (size_t i = 0; i < slots.size(); ++i) sections[i].poles = slots[i].roots;
+  for (std::size_t i = 0; i < slots.size(); ++i) sections[i].poles = slots[i].roots;
   const auto place = [&](const Group& zero) {
-    size_t best = sections.size();
+    std::size_t best = sections.size();
     double distance = INFINITY;
-    for (size_t i = 0; i < sections.size(); ++i) {
+    for (std::size_t i = 0; i < sections.size(); ++i) {
       if (sections[i].poles.size() - sections[i].zeros.size() < zero.roots.size()) continue;
       const double d = std::abs(slots[i].log_frequency - zero.log_frequency);
       if (d < distance) {
@@ -250,10 +281,10 @@ Sections make_sections(double gain, std::vector<Complex> zeros, std::vector<Comp
   std::vector<Group> reals;
   std::copy_if(zero_groups.begin(), zero_groups.end(), std::back_inserter(reals),
                [](const Group& g) { return g.roots.size() == 1; });
-  size_t room = 0;
+  std::size_t room = 0;
   for (const Section& section : sections) room += section.poles.size() - section.zeros.size();
   if (room == reals.size()) {
-    size_t next = 0;
+    std::size_t next = 0;
     for (Section& section : sections) {
       while (section.zeros.size() < section.poles.size()) section.zeros.push_back(reals[next++].roots[0]);
     }
@@ -272,7 +303,7 @@ Sections make_sections(double gain, std::vector<Complex> zeros, std::vector<Comp
 OrderedSections order_sections(const Sections& given, Band band) {
   OrderedSections out;
   out.sections = given;
-  const size_t n = given.sections.size();
+  const std::size_t n = given.sections.size();
   if (n == 0) return out;
   const auto grid = log_grid(band, band.from == band.to ? 1 : 121);
   const double db = kDecibelPerNeper;
@@ -282,24 +313,24 @@ OrderedSections order_sections(const Sections& given, Band band) {
   });
   std::vector<Section> sections = given.sections;
   const std::complex<double> whole = given.response(grid.front().rad_s());
-  if (first_order && n <= kMostPairs) {
+  if (first_order && n <= kMaxPairs) {
     sections = best_pairs(given.sections, grid);
     out.exhaustive = true;
-  } else if (n <= kMostSections) {
+  } else if (n <= kMaxSections) {
     std::vector<std::vector<double>> curves;
     for (const Section& section : given.sections) curves.push_back(log_curve(section, grid));
     const auto order = best_order(n, SubsetSpan(std::move(curves)));
-    for (size_t i = 0; i < n; ++i) sections[i] = given.sections[order[i]];
+    for (std::size_t i = 0; i < n; ++i) sections[i] = given.sections[order[i]];
     out.exhaustive = true;
   }
   // Gains: the stages' peaks in even steps from 1 to the whole's peak.
   double whole_peak = 0.0;
   for (const Hertz f : grid) whole_peak = std::max(whole_peak, std::abs(given.response(f.rad_s())));
   std::vector<Complex> product(grid.size(), 1.0);
-  for (size_t i = 0; i < n; ++i) {
+  for (std::size_t i = 0; i < n; ++i) {
     sections[i].gain = 1.0;
     double peak = 0.0;
-    for (size_t j = 0; j < grid.size(); ++j) {
+    for (std::size_t j = 0; j < grid.size(); ++j) {
       product[j] *= sections[i].response(grid[j].rad_s());
       peak = std::max(peak, std::abs(product[j]));
     }

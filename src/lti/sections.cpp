@@ -36,7 +36,7 @@ Json roots_json(const std::vector<Complex>& roots) {
 Complex Section::response(Complex s) const {
   // Factor by factor, a zero against a pole: no overflow for corners far apart.
   Complex h = gain;
-  for (size_t i = 0; i < std::max(zeros.size(), poles.size()); ++i) {
+  for (std::size_t i = 0; i < std::max(zeros.size(), poles.size()); ++i) {
     if (i < zeros.size()) h *= s - zeros[i];
     if (i < poles.size()) h /= s - poles[i];
   }
@@ -72,7 +72,7 @@ double Sections::dc_gain() const {
 }
 
 int Sections::pole_count() const {
-  size_t n = 0;
+  std::size_t n = 0;
   for (const Section& section : sections) n += section.poles.size();
   return static_cast<int>(n);
 }
@@ -156,7 +156,7 @@ ResponseDifference compare_responses(const std::vector<Hertz>& grid, const std::
     throw std::logic_error("responses of different length were compared");
   }
   ResponseDifference out;
-  for (size_t i = 0; i < grid.size(); ++i) {
+  for (std::size_t i = 0; i < grid.size(); ++i) {
     const Complex ratio = got[i] / wanted[i];
     out.max_magnitude_db = std::max(out.max_magnitude_db, std::abs(to_decibel(std::abs(ratio))));
     out.max_phase_deg = std::max(out.max_phase_deg, std::abs(to_degrees(std::arg(ratio))));

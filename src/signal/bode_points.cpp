@@ -20,7 +20,7 @@ BodePoints BodePoints::read_csv(const std::filesystem::path& path, Provenance& f
     throw InputError(csv.file(), csv.header_line(), "has neither a column 'gain' nor 'magnitude_db'");
   }
   const auto& magnitude = csv.column(linear ? column::gain : column::magnitude_db);
-  for (size_t i = 0; i < csv.rows(); ++i) {
+  for (std::size_t i = 0; i < csv.rows(); ++i) {
     BodePoint point;
     point.frequency = Hertz{frequency[i]};
     if (!(frequency[i] > 0.0)) csv.fail(i, fmt::format("frequency_hz is {}, expected above 0", frequency[i]));
@@ -36,7 +36,7 @@ BodePoints BodePoints::read_csv(const std::filesystem::path& path, Provenance& f
   }
   std::stable_sort(out.points.begin(), out.points.end(),
                    [](const BodePoint& a, const BodePoint& b) { return a.frequency < b.frequency; });
-  for (size_t i = 1; i < out.points.size(); ++i) {
+  for (std::size_t i = 1; i < out.points.size(); ++i) {
     if (out.points[i].frequency == out.points[i - 1].frequency) {
       throw InputError(out.file, std::max(out.points[i].line, out.points[i - 1].line),
                        fmt::format("{} Hz is given twice", out.points[i].frequency.value));

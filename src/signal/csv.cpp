@@ -22,7 +22,7 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
   int line_number = 0;
   while (!text.empty()) {
     ++line_number;
-    const size_t end = text.find('\n');
+    const std::size_t end = text.find('\n');
     const std::string_view line = trim(text.substr(0, end));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     if (line.empty() || line.front() == '#') continue;
@@ -52,7 +52,7 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
           file, line_number,
           fmt::format("has {} cells, expected {} as in the header", cells.size(), csv.names_.size()));
     }
-    for (size_t i = 0; i < cells.size(); ++i) {
+    for (std::size_t i = 0; i < cells.size(); ++i) {
       double value = 0.0;
       if (!parse_number(cells[i], value)) {
         throw InputError(file, line_number,
@@ -79,7 +79,7 @@ const std::vector<double>& Csv::column(std::string_view name) const {
     throw InputError(file_, header_line_,
                      fmt::format("has no column '{}', found: {}", name, join(names_, ", ")));
   }
-  return columns_[static_cast<size_t>(at - names_.begin())];
+  return columns_[static_cast<std::size_t>(at - names_.begin())];
 }
 
 void Csv::fail(std::size_t row, std::string_view message) const {
@@ -96,11 +96,11 @@ void CsvWriter::add(std::string_view name, std::vector<double> values) {
 
 std::string CsvWriter::text() const {
   std::string out = join(names_, ",") + "\n";
-  const size_t rows = columns_.empty() ? 0 : columns_.front().size();
+  const std::size_t rows = columns_.empty() ? 0 : columns_.front().size();
   out.reserve(out.size() + rows * columns_.size() * 20);
   char buffer[40];
-  for (size_t row = 0; row < rows; ++row) {
-    for (size_t c = 0; c < columns_.size(); ++c) {
+  for (std::size_t row = 0; row < rows; ++row) {
+    for (std::size_t c = 0; c < columns_.size(); ++c) {
       if (c > 0) out += ',';
       const auto result = std::to_chars(buffer, buffer + sizeof buffer, columns_[c][row]);
       out.append(buffer, result.ptr);

@@ -23,7 +23,7 @@ void check_table(const Node& node, std::string_view first, const std::vector<dou
     node.fail(fmt::format("has columns of {}, {} and {} numbers, expected one length", key.size(), ascending,
                           descending));
   }
-  for (size_t i = 0; i < key.size(); ++i) {
+  for (std::size_t i = 0; i < key.size(); ++i) {
     if (!(key[i] > 0.0) || (i > 0 && !(key[i] > key[i - 1]))) {
       node.at(first)[i].fail("is out of order, expected rising numbers above 0");
     }
@@ -35,7 +35,7 @@ double interpolate(const std::vector<double>& key, const std::vector<double>& va
   if (key.empty()) return 1.0;
   if (at <= key.front()) return value.front();
   if (at >= key.back()) return value.back();
-  const size_t i = static_cast<size_t>(std::upper_bound(key.begin(), key.end(), at) - key.begin());
+  const std::size_t i = static_cast<std::size_t>(std::upper_bound(key.begin(), key.end(), at) - key.begin());
   const double t = (at - key[i - 1]) / (key[i] - key[i - 1]);
   return value[i - 1] + t * (value[i] - value[i - 1]);
 }

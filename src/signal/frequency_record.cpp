@@ -16,7 +16,7 @@ FrequencyRecord FrequencyRecord::read_csv(const std::filesystem::path& path, Pro
   const auto& magnitude = csv.column(column::magnitude_db);
   const auto& phase = csv.column(column::phase_deg);
   if (csv.has(column::coherence)) record.coherence = csv.column(column::coherence);
-  for (size_t i = 0; i < csv.rows(); ++i) {
+  for (std::size_t i = 0; i < csv.rows(); ++i) {
     if (!(frequency[i] > 0.0)) csv.fail(i, fmt::format("frequency_hz is {}, expected above 0", frequency[i]));
     if (i > 0 && !(frequency[i] > frequency[i - 1])) csv.fail(i, "frequency_hz does not rise");
     if (!record.coherence.empty() && !(record.coherence[i] >= 0.0 && record.coherence[i] <= 1.0)) {

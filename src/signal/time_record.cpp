@@ -22,11 +22,11 @@ TimeRecord from_csv(const Csv& csv, std::string_view input_column) {
   record.start_s = time.front();
   // The median step is the step: one gap must not move it.
   std::vector<double> steps(time.size() - 1);
-  for (size_t i = 1; i < time.size(); ++i) steps[i - 1] = time[i] - time[i - 1];
+  for (std::size_t i = 1; i < time.size(); ++i) steps[i - 1] = time[i] - time[i - 1];
   std::nth_element(steps.begin(), steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2), steps.end());
   const double median = steps[steps.size() / 2];
   if (!(median > 0.0)) csv.fail(1, "time_s does not rise, expected uniform sampling");
-  for (size_t i = 1; i < time.size(); ++i) {
+  for (std::size_t i = 1; i < time.size(); ++i) {
     const double step = time[i] - time[i - 1];
     if (!(std::abs(step - median) <= 0.01 * median)) {
       csv.fail(i, fmt::format("time_s steps by {:.6g} s, expected {:.6g} s within 1 % (uniform sampling)",

@@ -66,7 +66,7 @@ struct Controller {
   Json to_json() const;
 };
 
-/// The whole controller of the first seed, Fig. 2 and section V-A: u = r - d(x), the branch by the slope's
+/// The whole controller of the disturbance paper, Fig. 2 and section V-A: u = r - d(x), the branch by the slope's
 /// sign, an amplitude gain and (where a branch changes with the rate) a compensator for each branch.
 /// `ascending` and `descending` are finished plans of the compensators, or null for a static branch. Throws
 /// DesignError when no way (or not the one asked for) fits the board, saying what would make it fit.

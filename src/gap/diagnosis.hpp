@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "chain/chain.hpp"
-#include "gap/gap_size.hpp"
+#include "gap/size.hpp"
 #include "gap/search.hpp"
 #include "gap/study.hpp"
 #include "gap/verdict.hpp"

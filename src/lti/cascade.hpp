@@ -14,7 +14,7 @@
 
 namespace bodesmith {
 
-/// G(s) = gain * prod_i ((lambda_i s + 1)/(x_i lambda_i s + 1))^beta_i, first seed eq. 15.
+/// G(s) = gain * prod_i ((lambda_i s + 1)/(x_i lambda_i s + 1))^beta_i, disturbance paper eq. 15.
 struct Cascade {
   double gain = 1.0;
   std::vector<FractionalLeadLag> terms;

@@ -30,7 +30,7 @@ class AsymmetricHysteresis final : public Effect {
   }
 
  private:
-  /// Branch polynomials (first seed, eq. 1). With a free gain in the chain their common slope would be
+  /// Branch polynomials (disturbance paper, eq. 1). With a free gain in the chain their common slope would be
   /// counted twice: the descending branch then has the ascending one's with the other sign.
   Proposal branches(const Scene& scene, std::size_t at) const {
     const bool free_gain = is_refitted(*scene.model, "gain");

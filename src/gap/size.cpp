@@ -1,4 +1,4 @@
-#include "gap/gap_size.hpp"
+#include "gap/size.hpp"
 
 #include <algorithm>
 #include <tuple>

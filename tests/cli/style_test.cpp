@@ -1,0 +1,122 @@
+// What keeps the code and its texts in one style: headers stay light, files are named once, one spelling, one vocabulary.
+#include <gtest/gtest.h>
+
+#include <filesystem>
+#include <regex>
+#include <set>
+#include <string>
+#include <vector>
+
+#include "base/files.hpp"
+#include "base/text.hpp"
+
+namespace bodesmith {
+namespace {
+namespace fs = std::filesystem;
+
+const fs::path kRoot = BODESMITH_SOURCE_DIR;
+
+std::vector<fs::path> files_below(const fs::path& folder, const std::set<std::string>& endings) {
+  std::vector<fs::path> out;
+  for (const auto& entry : fs::recursive_directory_iterator(folder)) {
+    if (entry.is_regular_file() && endings.count(entry.path().extension().string()) > 0)
+      out.push_back(entry.path());
+  }
+  return out;
+}
+
+TEST(Style, HeadersDoNotIncludeTheWholeOfJson) {
+  const std::regex heavy("#include [<\"](nlohmann/json\\.hpp|base/json\\.hpp)[>\"]");
+  for (const fs::path& file : files_below(kRoot / "src", {".hpp"})) {
+    if (file == kRoot / "src/base/json.hpp") continue;
+    EXPECT_FALSE(std::regex_search(read_file(file), heavy))
+        << file << " includes all of JSON, expected base/json_fwd.hpp";
+  }
+}
+
+TEST(Style, FilesDoNotRepeatTheNameOfTheirFolder) {
+  for (const fs::path& file : files_below(kRoot / "src", {".hpp", ".cpp"})) {
+    const std::string room = fs::relative(file, kRoot / "src").begin()->string();
+    EXPECT_NE(file.filename().string().rfind(room + "_", 0), 0u) << file;
+  }
+}
+
+TEST(Style, EverySubcommandHasAFileOfItsOwn) {
+  const std::string table = read_file(kRoot / "src/cli/commands.cpp");
+  const std::regex entry("COMMAND\\(([a-z]+), ");
+  int found = 0;
+  for (std::sregex_iterator it(table.begin(), table.end(), entry), end; it != end; ++it, ++found) {
+    EXPECT_TRUE(fs::exists(kRoot / "src/cli" / ((*it)[1].str() + "_command.cpp"))) << (*it)[1];
+  }
+  EXPECT_GE(found, 12);
+}
+
+/// A way of writing that is not used here, and what is used in its place.
+struct Rule {
+  std::string pattern;
+  std::string instead;
+};
+
+const std::vector<Rule>& rules() {
+  static const std::vector<Rule> all = {
+      {"realiz", "realis… (only the option and key `realization` are spelt so)"},
+      {"behavior", "behaviour"},
+      {"(minimi|maximi|optimi|lineari|normali|discreti|recogni|organi|colori|summari)z", "…is…"},
+      {"\\bdear(er|est)?\\b", "expensive"},
+      {"hangs on", "depends on"},
+      {"whole[ _]way", "run_project"},
+      {"\\btell_tale\\b", "symptom"},
+      {"\\bcomplaint", "validation error"},
+      {"(first|second|third|fourth|fifth) seed", "the paper's title, or its short name in docs/papers.md"},
+  };
+  return all;
+}
+
+/// Names of the contract and of outside APIs (Google Benchmark, Zrna) that keep their spelling.
+std::string without_exceptions(const std::string& line) {
+  static const std::regex exceptions(
+      "--realization|\"realization\"|`realization`|\\{\\{realization\\}\\}|^realization = |[.>]realization\\b|"
+      "std::string realization\\b|DoNotOptimize|\\.realized\\b");
+  return std::regex_replace(line, exceptions, "");
+}
+
+void check_style(const fs::path& file) {
+  static const std::vector<std::regex> patterns = [] {
+    std::vector<std::regex> out;
+    for (const Rule& rule : rules()) out.emplace_back(rule.pattern, std::regex::icase | std::regex::optimize);
+    return out;
+  }();
+  int number = 0;
+  const std::string text = read_file(file);
+  for (const std::string_view part : split(text, '\n')) {
+    ++number;
+    const std::string line = without_exceptions(std::string(part));
+    for (std::size_t i = 0; i < patterns.size(); ++i) {
+      EXPECT_FALSE(std::regex_search(line, patterns[i]))
+          << file.string() << ":" << number << ": " << part << "\n  expected " << rules()[i].instead;
+    }
+  }
+}
+
+TEST(Style, OneSpellingAndOneVocabulary) {
+  const std::set<std::string> endings = {".cpp", ".hpp", ".md",  ".toml", ".txt", ".html",
+                                         ".py",  ".c",   ".cir", ".sub",  ".svg", ".sh"};
+  for (const char* folder : {"src", "docs", "templates", "examples", "bench"}) {
+    for (const fs::path& file : files_below(kRoot / folder, endings)) check_style(file);
+  }
+  for (const char* file : {"README.md", "CONTRIBUTING.md", "CHANGELOG.md", "KNOWNBUGS.md", "CMakeLists.txt"})
+    check_style(kRoot / file);
+}
+
+TEST(Style, NothingNamesAMachine) {
+  const std::regex machine("/(work|home|root|tmp)/[a-z_]+/(build|src|main)\\b");
+  for (const char* folder : {"src", "tests", "docs", "templates", "examples", "bench", "cmake", ".ci"}) {
+    for (const fs::path& file :
+         files_below(kRoot / folder, {".cpp", ".hpp", ".md", ".toml", ".py", ".sh", ".cmake", ".txt", ""})) {
+      EXPECT_FALSE(std::regex_search(read_file(file), machine)) << file;
+    }
+  }
+}
+
+}  // namespace
+}  // namespace bodesmith

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "chain/chain.hpp"
-#include "gap/size.hpp"
 #include "gap/search.hpp"
+#include "gap/size.hpp"
 #include "gap/study.hpp"
 #include "gap/verdict.hpp"
 #include "gap/where.hpp"

@@ -9,7 +9,6 @@
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "chain/model_file.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "identify/compensation.hpp"
@@ -56,8 +55,7 @@ int run_compensate(const std::vector<std::string>& arguments) {
   const std::optional<double> limit = line.maybe_positive("max-error-percent");
 
   Provenance from;
-  const std::string file = line.files().front();
-  const identify::StageModel stage = identify::StageModel::of(chain::read_model(file, from), file);
+  const identify::StageModel stage = identify::StageModel::read(line.files().front(), from);
   const TimeRecord reference =
       TimeRecord::read_csv_column(line.get<std::string>("reference"), from, column::reference);
 

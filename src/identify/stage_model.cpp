@@ -5,8 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/document.hpp"
 #include "base/error.hpp"
 #include "chain/blocks/hysteresis.hpp"
+#include "chain/model_file.hpp"
 #include "chain/registry.hpp"
 
 namespace bodesmith::identify {
@@ -21,6 +23,15 @@ bool does_nothing(const Scaling& scaling) {
 /// `second` behind `first`.
 Scaling composed(const Scaling& first, const chain::Affine& second) {
   return {first.gain * second.factor, first.offset * second.factor + second.constant};
+}
+
+bool can_stand_in_stage(const chain::Block& block) {
+  return block.affine() || block.pure_delay_s() || block.hysteresis_model() != nullptr;
+}
+
+std::string no_inverse(const std::string& type) {
+  return fmt::format("is '{}', which has no exact inverse here, expected gain, delay or a hysteresis model",
+                     type);
 }
 
 chain::Block gain_block(const Scaling& scaling) {
@@ -53,11 +64,7 @@ StageModel StageModel::of(const chain::Chain& chain, const std::string& file) {
     } else if (const auto delay = block.pure_delay_s()) {
       out.delay_s += *delay;
     } else if (block.hysteresis_model() == nullptr) {
-      throw InputError(
-          file, block.line,
-          fmt::format(
-              "type is '{}', which has no exact inverse here, expected gain, delay or a hysteresis model",
-              block.type_name()));
+      throw InputError(file, block.line, "type " + no_inverse(block.type_name()));
     } else if (out.model.type != nullptr) {
       throw InputError(file, block.line, "is a second hysteresis model, expected at most one");
     } else {
@@ -65,6 +72,17 @@ StageModel StageModel::of(const chain::Chain& chain, const std::string& file) {
     }
   }
   return out;
+}
+
+StageModel StageModel::read(const std::filesystem::path& path, Provenance& from) {
+  const Node document = read_document(path, from);
+  document.expect_schema("model");
+  for (const Node& node : document.at("block").items()) {
+    const Node type = node.at("type");
+    const chain::BlockType* known = chain::block_type_registry().find(type.string());
+    if (known != nullptr && !can_stand_in_stage(chain::Block(*known))) type.fail(no_inverse(known->name()));
+  }
+  return of(chain::model_from_node(document), path.string());
 }
 
 chain::Chain StageModel::chain() const {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <functional>
+#include <limits>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -68,7 +69,7 @@ Weights search(const std::vector<Term>& terms, const std::vector<double>& grid,
   const std::vector<double> candidates =
       series.is_exact() ? std::vector<double>{low} : series.values(low, 10.0 * low);
   Weights best;
-  best.error = 1e300;
+  best.error = std::numeric_limits<double>::infinity();
   for (const double feedback : candidates) {
     Weights trial;
     trial.feedback = feedback;

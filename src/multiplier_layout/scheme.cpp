@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <tuple>
@@ -72,11 +73,11 @@ std::vector<Candidate> compare_schemes(const Input& input, const Options& option
     for (Candidate& one : out) one.chosen = one.group == asked;
     return out;
   }
-  double error = 1e300;
-  for (const Candidate& one : out) error = std::min(error, one.rss_percent);
+  double min_error = std::numeric_limits<double>::infinity();
+  for (const Candidate& one : out) min_error = std::min(min_error, one.rss_percent);
   Candidate* best = nullptr;
   for (Candidate& one : out) {
-    if (one.rss_percent > 1.5 * error ||
+    if (one.rss_percent > 1.5 * min_error ||
         one.bandwidth.value < Scheme::kBandwidthRatio * options.highest.value)
       continue;
     const auto rank = [](const Candidate& c) { return std::tuple(c.multipliers, c.opamps, c.rss_percent); };

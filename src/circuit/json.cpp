@@ -34,7 +34,7 @@ Json to_json(const ResponseDifference& difference) {
 Json to_json(const OpAmpCheck& check) {
   return {{"name", check.name},
           {"against_ideal", to_json(check.against_ideal)},
-          {"least_phase_margin_deg", check.least_phase_margin_deg},
+          {"least_phase_margin_deg", check.min_phase_margin_deg},
           {"tightest_stage", check.tightest_stage},
           {"output_offset_v", check.output_offset_v},
           {"full_swing_hz", check.full_swing_hz},

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "base/error.hpp"
@@ -72,11 +73,89 @@ void phase_margins(const Circuit& circuit, OpAmpCheck& out) {
   const Network network(circuit);
   for (size_t i = 0; i < circuit.opamps.size(); ++i) {
     const double margin = Loop(network, i).phase_margin_deg();
-    if (margin < out.least_phase_margin_deg) {
-      out.least_phase_margin_deg = margin;
+    if (margin < out.min_phase_margin_deg) {
+      out.min_phase_margin_deg = margin;
       out.tightest_stage = circuit.opamps[i].stage + 1;
     }
   }
+}
+
+/// The stages' greatest |gain| from the input over the grid, at least 1.
+double highest_gain(const Circuit& circuit, const std::vector<Hertz>& grid) {
+  double out = 1.0;
+  for (const Hertz f : grid) {
+    Complex h = 1.0;
+    for (const Stage& stage : circuit.stages) {
+      h *= stage.response(f.rad_s());
+      out = std::max(out, std::abs(h));
+    }
+  }
+  return out;
+}
+
+/// The pair of poles that asks most of an op-amp: the largest Q f.
+struct Resonance {
+  double q = 0.0, hz = 0.0;
+  double product_hz() const { return q * hz; }
+};
+
+Resonance hardest_resonance(const Circuit& circuit) {
+  Resonance out;
+  for (const Stage& stage : circuit.stages) {
+    // Ladders, which have several factors, have real poles only.
+    const Biquad& h = stage.realised.front();
+    const double q = quality(h);
+    if (q == 0.0) continue;
+    const Resonance one{q, RadPerSecond{std::sqrt(h.a0 / h.a2)}.hz().value};
+    if (one.product_hz() > out.product_hz()) out = one;
+  }
+  return out;
+}
+
+double highest_quality(const Circuit& circuit) {
+  double out = 0.0;
+  for (const Stage& stage : circuit.stages) out = std::max(out, quality(stage.realised.front()));
+  return out;
+}
+
+/// What a person should know, in the order of the figures. `peak_v`: at the highest node.
+std::vector<std::string> warnings_of(const OpAmpCheck& check, const OpAmpModel& model, Band band,
+                                     double amplitude_v, double peak_v, const Resonance& resonance) {
+  std::vector<std::string> out;
+  const auto warn = [&](std::string text) { out.push_back(std::move(text)); };
+  if (check.against_ideal.max_magnitude_db > 0.1) {
+    warn(fmt::format("{}: gain-bandwidth of {} Hz costs {} dB at {} Hz", model.name,
+                     rounded_text(model.gain_bandwidth.value),
+                     rounded_text(check.against_ideal.max_magnitude_db, 3),
+                     rounded_text(check.against_ideal.worst.value)));
+  }
+  if (check.min_phase_margin_deg < 30.0) {
+    warn(
+        fmt::format("{}: stage {} drives so much capacitance behind {} ohm that {} degrees of phase margin "
+                    "are left; smaller "
+                    "capacitors (a greater --max-ohm) help",
+                    model.name, check.tightest_stage, rounded_text(model.output_resistance_ohm),
+                    rounded_text(check.min_phase_margin_deg, 3)));
+  }
+  if (check.output_offset_v > 0.01 * amplitude_v) {
+    warn(fmt::format("{}: bias current of {} A and offset of {} V add up to {} V at the output", model.name,
+                     rounded_text(model.bias_current_a), rounded_text(model.offset_v),
+                     rounded_text(check.output_offset_v, 3)));
+  }
+  if (check.full_swing_hz < band.to.value) {
+    warn(fmt::format("{}: slews above {} Hz with {} V at the input", model.name,
+                     rounded_text(check.full_swing_hz, 3), rounded_text(amplitude_v)));
+  }
+  if (peak_v > model.swing_v) {
+    warn(fmt::format("{}: a stage reaches {} V, it swings to {} V", model.name, rounded_text(peak_v, 3),
+                     rounded_text(model.swing_v)));
+  }
+  if (resonance.product_hz() > 0.0 && 100.0 * resonance.product_hz() > model.gain_bandwidth.value) {
+    warn(fmt::format("{}: Q = {} at {} Hz wants a gain-bandwidth of {} Hz or more", model.name,
+                     rounded_text(resonance.q, 3), rounded_text(resonance.hz, 3),
+                     rounded_text(100.0 * resonance.product_hz(), 3)));
+  }
+  return out;
 }
 
 }  // namespace
@@ -90,64 +169,12 @@ OpAmpCheck check_opamps(const Circuit& circuit, Band band, double amplitude_v) {
   out.against_ideal = compare_responses(grid, network_response(circuit, grid, model), ideal);
   phase_margins(circuit, out);
   out.output_offset_v = worst_output_offset(circuit, model);
-
-  double highest = 1.0;
-  for (const Hertz f : grid) {
-    Complex h = 1.0;
-    for (const Stage& stage : circuit.stages) {
-      h *= stage.response(f.rad_s());
-      highest = std::max(highest, std::abs(h));
-    }
-  }
-  out.full_swing_hz = model.slew_v_per_s / (2.0 * 3.14159265358979323846 * highest * amplitude_v);
-  double greatest_qf = 0.0, q_at = 0.0, f_at = 0.0;
-  for (const Stage& stage : circuit.stages) {
-    // Ladders, which have several factors, have real poles only.
-    const Biquad& h = stage.realised.front();
-    const double q = quality(h);
-    out.highest_q = std::max(out.highest_q, q);
-    if (q == 0.0) continue;
-    const double f = RadPerSecond{std::sqrt(h.a0 / h.a2)}.hz().value;
-    if (q * f > greatest_qf) {
-      greatest_qf = q * f;
-      q_at = q;
-      f_at = f;
-    }
-  }
+  const double highest = highest_gain(circuit, grid);
+  out.full_swing_hz = model.slew_v_per_s / (2.0 * std::numbers::pi * highest * amplitude_v);
+  out.highest_q = highest_quality(circuit);
   out.noise_rms_v = output_noise_rms(circuit, model, band);
-
-  const auto warn = [&](std::string text) { out.warnings.push_back(std::move(text)); };
-  if (out.against_ideal.max_magnitude_db > 0.1) {
-    warn(fmt::format("{}: gain-bandwidth of {} Hz costs {} dB at {} Hz", model.name,
-                     rounded_text(model.gain_bandwidth.value),
-                     rounded_text(out.against_ideal.max_magnitude_db, 3),
-                     rounded_text(out.against_ideal.worst.value)));
-  }
-  if (out.least_phase_margin_deg < 30.0) {
-    warn(
-        fmt::format("{}: stage {} drives so much capacitance behind {} ohm that {} degrees of phase margin "
-                    "are left; smaller "
-                    "capacitors (a greater --max-ohm) help",
-                    model.name, out.tightest_stage, rounded_text(model.output_resistance_ohm),
-                    rounded_text(out.least_phase_margin_deg, 3)));
-  }
-  if (out.output_offset_v > 0.01 * amplitude_v) {
-    warn(fmt::format("{}: bias current of {} A and offset of {} V add up to {} V at the output", model.name,
-                     rounded_text(model.bias_current_a), rounded_text(model.offset_v),
-                     rounded_text(out.output_offset_v, 3)));
-  }
-  if (out.full_swing_hz < band.to.value) {
-    warn(fmt::format("{}: slews above {} Hz with {} V at the input", model.name,
-                     rounded_text(out.full_swing_hz, 3), rounded_text(amplitude_v)));
-  }
-  if (highest * amplitude_v > model.swing_v) {
-    warn(fmt::format("{}: a stage reaches {} V, it swings to {} V", model.name,
-                     rounded_text(highest * amplitude_v, 3), rounded_text(model.swing_v)));
-  }
-  if (greatest_qf > 0.0 && 100.0 * greatest_qf > model.gain_bandwidth.value) {
-    warn(fmt::format("{}: Q = {} at {} Hz wants a gain-bandwidth of {} Hz or more", model.name,
-                     rounded_text(q_at, 3), rounded_text(f_at, 3), rounded_text(100.0 * greatest_qf, 3)));
-  }
+  out.warnings =
+      warnings_of(out, model, band, amplitude_v, highest * amplitude_v, hardest_resonance(circuit));
   return out;
 }
 

@@ -106,7 +106,7 @@ std::string circuit_summary(const circuit::Realised& made, const circuit::Realis
              rounded_text(report.all.max_magnitude_db, 3), rounded_text(report.all.max_phase_deg, 3)) +
          fmt::format(
              "phase margin of every op-amp {} deg or more; offset at most {} V; noise {} V rms over the band\n",
-             rounded_text(opamps.least_phase_margin_deg, 3), rounded_text(opamps.output_offset_v, 3),
+             rounded_text(opamps.min_phase_margin_deg, 3), rounded_text(opamps.output_offset_v, 3),
              rounded_text(opamps.noise_rms_v, 3));
 }
 

@@ -82,7 +82,7 @@ TEST(OpAmpCheck, WarnsWithNumbers) {
   const Band band = made.report.band;
   const OpAmpCheck fine = check_opamps(made.circuit, band);
   EXPECT_TRUE(fine.warnings.empty()) << fine.warnings[0];
-  EXPECT_GT(fine.least_phase_margin_deg, 45.0);
+  EXPECT_GT(fine.min_phase_margin_deg, 45.0);
   RealiseOptions bare;
   bare.isolation_ohm = 0.0;
   const Realised ringing = realise(seed_sections(), bare);

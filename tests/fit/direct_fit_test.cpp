@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 
 namespace bodesmith {
 namespace {

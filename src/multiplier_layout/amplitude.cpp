@@ -181,13 +181,13 @@ class Amplitude {
     }
   }
 
-  void control(size_t b) {
-    const std::string number = fmt::format("{}", b + 1);
+  /// What the rectifiers and the constant have to add up to.
+  std::vector<Term> control_terms(std::size_t b) const {
     const double kappa = out_.control_scale_v;
     std::vector<Term> terms;
     if (bends_[b].base != 0.0)
       terms.push_back({"vr", "at rest", kappa * bends_[b].base, [](double) { return 1.0; }});
-    for (size_t i = 0; i < out_.rectifiers.size(); ++i) {
+    for (std::size_t i = 0; i < out_.rectifiers.size(); ++i) {
       const double weight = kappa * bends_[b].change[place_[i]];
       if (std::abs(weight) < 1e-4) continue;
       const double at = out_.rectifiers[i].realised;
@@ -195,6 +195,13 @@ class Amplitude {
                        fmt::format("above {}", rounded_text(out_.rectifiers[i].wanted)), weight,
                        [at](double alpha) { return std::max(0.0, alpha - at); }});
     }
+    return terms;
+  }
+
+  void control(std::size_t b) {
+    const std::string number = fmt::format("{}", b + 1);
+    const double kappa = out_.control_scale_v;
+    const std::vector<Term> terms = control_terms(b);
     std::vector<double> grid, wanted;
     double top = 0.0;
     for (int i = 0; i <= 200; ++i) {

@@ -1,0 +1,52 @@
+#include "kicad/schematic.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <stdexcept>
+
+#include "../circuit/seed_sections.hpp"
+#include "circuit/realise.hpp"
+#include "kicad/drawing.hpp"
+
+namespace bodesmith::kicad {
+namespace {
+
+TEST(Value, IsWrittenAsOnAPartsList) {
+  EXPECT_EQ(kicad_value(20500.0), "20.5k");
+  EXPECT_EQ(kicad_value(1e-8), "10n");
+  EXPECT_EQ(kicad_value(1e6), "1M");
+  EXPECT_EQ(kicad_value(47e-12), "47p");
+}
+
+TEST(Drawing, NetsThatTouchAreAnError) {
+  Drawing drawing;
+  drawing.wire({0, 0}, {10, 0}, "a");
+  EXPECT_NO_THROW(join_wires(drawing));
+  drawing.wire({5, -5}, {5, 0}, "b");
+  EXPECT_THROW(join_wires(drawing), std::logic_error);
+  EXPECT_THROW(drawing.wire({0, 0}, {1, 1}, "a"), std::logic_error);
+}
+
+TEST(Drawing, ThreeEndsMakeAJunction) {
+  Drawing drawing;
+  drawing.wire({0, 0}, {10, 0}, "a");
+  drawing.wire({5, -5}, {5, 0}, "a");
+  const Joined joined = join_wires(drawing);
+  EXPECT_EQ(joined.wires.size(), 3u);
+  ASSERT_EQ(joined.junctions.size(), 1u);
+  EXPECT_EQ(joined.junctions[0], (Point{5, 0}));
+}
+
+TEST(Schematic, HasTheFilesOfAProject) {
+  OutputSet out;
+  add_kicad_files(circuit::realise(seed_sections()).circuit, "seed", out);
+  const auto paths = out.paths();
+  for (const char* file :
+       {"compensator.kicad_pro", "compensator.kicad_sch", "bodesmith.kicad_sym", "sym-lib-table"}) {
+    EXPECT_NE(std::find(paths.begin(), paths.end(), std::filesystem::path(file)), paths.end()) << file;
+  }
+}
+
+}  // namespace
+}  // namespace bodesmith::kicad

@@ -49,14 +49,14 @@ std::vector<std::vector<FoundParameter>> found_parameters(const Model& model, co
   const auto result = least_squares(
       model.unknowns(), [&](std::span<const double> v, std::vector<double>& out) { return runner(v, out); },
       options);
-  const double inflation = result.usable ? std::sqrt(correlation_time(result.residuals)) : 1.0;
+  const double inflation = result.usable() ? std::sqrt(correlation_time(result.residuals)) : 1.0;
   std::vector<std::vector<FoundParameter>> all;
   std::size_t at = model.free_count();
   for (const auto& term : model.terms()) {
     auto& parameters = all.emplace_back();
     for (const auto& u : term.unknowns) {
       const double sigma =
-          result.usable && at < result.deviation.size() ? 2.0 * inflation * result.deviation[at] : 0.0;
+          result.usable() && at < result.deviation.size() ? 2.0 * inflation * result.deviation[at] : 0.0;
       parameters.push_back({u.name, u.value, std::clamp(u.value - sigma, u.low, u.value),
                             std::clamp(u.value + sigma, u.value, u.high)});
       ++at;

@@ -43,7 +43,6 @@ LeastSquaresResult least_squares(const std::vector<Unknown>& unknowns, const Res
   out.values = to_vector(found.values);
   out.residuals = to_vector(found.residuals);
   out.termination = found.termination;
-  out.usable = found.runs > 0;
   out.runs = found.runs;
   const double n = static_cast<double>(found.residuals.size());
   out.rms = n > 0.0 ? std::sqrt(found.cost / n) : 0.0;

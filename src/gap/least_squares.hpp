@@ -23,12 +23,14 @@ struct LeastSquaresResult {
   std::vector<double> values;
   double rms = 0.0;
   Termination termination = Termination::not_runnable;
-  bool usable = false;  ///< false: not even the start could be run
-  int runs = 0;
+  int runs = 0;  ///< of the model; 0: not even the start could be run
   std::vector<double> residuals;
   /// Standard deviations for white residuals, and the condition number of the column-scaled Jacobian.
   std::vector<double> deviation;
   double condition_number = 0.0;
+
+  /// The model could be run: there are values and residuals, whyever the fit ended.
+  bool usable() const { return runs > 0; }
 };
 
 /// The bounded fit of numeric/least_squares.hpp over a model's unknowns, with rank-one updates of the

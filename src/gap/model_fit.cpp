@@ -67,7 +67,7 @@ FittedModel fit(Model model, const Experiments& experiments, const LeastSquaresO
   LeastSquaresResult result;
   for (int round = 0; round < kMaxUnits; ++round) {
     result = least_squares(model.unknowns(), residuals, options);
-    if (!result.usable) break;
+    if (!result.usable()) break;
     model.set_values(result.values);
     result.residuals.resize(result.residuals.size() - known);
     const double left = rms(result.residuals);

@@ -103,7 +103,7 @@ TEST(LeastSquares, fitsAnExponentialToRounding) {
     return true;
   };
   const auto result = least_squares(unknowns, model);
-  ASSERT_TRUE(result.usable);
+  ASSERT_TRUE(result.usable());
   EXPECT_NEAR(result.values[0], 1.7, 1e-6);
   EXPECT_NEAR(result.values[1], 3.0, 1e-6);
   EXPECT_LT(result.rms, 1e-7);

@@ -26,7 +26,7 @@ Model refit_base(const SearchSetting& setting, const SearchRecords& records) {
   for (const auto& start : base_starts(setting, records.look())) {
     if (setting.options.stopped() && best) break;
     auto fitted = fit_in_turn(setting, records, with_values(setting.initial, start), options.iterations);
-    if (!fitted.result.usable) continue;
+    if (!fitted.result.usable()) continue;
     const double reached = rms_of(fitted.model, records.train);
     if (best && !(reached < options.other_hill * min_rms)) continue;
     min_rms = reached;
@@ -53,7 +53,7 @@ BaseFit settle_open_parameters(const SearchSetting& setting, BaseFit fitted) {
     if (setting.options.stopped()) return fitted;
     auto rough = fit(with_values(setting.initial, start), joined(records.train, records.holdout),
                      fit_options(setting.options, options.open_iterations));
-    if (!rough.result.usable) continue;
+    if (!rough.result.usable()) continue;
     records = renew_free_responses(setting, std::move(records), rough.model);
     auto fine = fit(std::move(rough.model), joined(records.train, records.holdout),
                     fit_options(setting.options, options.open_refit_iterations));
@@ -97,7 +97,7 @@ Model settle(const SearchSetting& setting, const SearchRecords& records, const M
   double min_rms = rms_of(model, records.train);
   const auto try_from = [&](Model start) {
     auto fitted = fit_in_turn(setting, records, std::move(start), options.settle_iterations);
-    if (!fitted.result.usable) return;
+    if (!fitted.result.usable()) return;
     const double reached = rms_of(fitted.model, records.train);
     if (!(reached < options.settle_gain * min_rms)) return;
     min_rms = reached;

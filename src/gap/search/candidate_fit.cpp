@@ -60,7 +60,7 @@ std::vector<FittedModel> begin_fits(const SearchSetting& setting, const SearchRe
   for (auto& start : starting_models(setting, p)) {
     if (setting.options.stopped() && !begun.empty()) break;
     auto fitted = fit(std::move(start), records.look(), options);
-    if (fitted.result.usable) begun.push_back(std::move(fitted));
+    if (fitted.result.usable()) begun.push_back(std::move(fitted));
   }
   std::stable_sort(begun.begin(), begun.end(),
                    [](const FittedModel& a, const FittedModel& b) { return a.result.rms < b.result.rms; });
@@ -96,7 +96,7 @@ std::optional<Ranked> fit_candidate(const SearchSetting& setting, const SearchRe
         (begun[t].result.rms > limits.worth_going_on * begun[0].result.rms || setting.options.stopped()))
       break;
     auto fitted = fit(begun[t].model, records.look(), options);
-    if (!fitted.result.usable || (best && !(fitted.result.rms < best->result.rms))) continue;
+    if (!fitted.result.usable() || (best && !(fitted.result.rms < best->result.rms))) continue;
     best = std::move(fitted);
   }
   if (!best) return std::nullopt;

@@ -61,7 +61,7 @@ double control_gain(const SearchSetting& setting, const SearchRecords& records, 
     if (!surrogates) return 0.0;
     const auto plain = fit(before, surrogates->train, fit_options(options, kIterationsBefore)).model;
     const auto with_term = fit(candidate.model, surrogates->train, fit_options(options, kIterationsAfter));
-    if (!with_term.result.usable) continue;
+    if (!with_term.result.usable()) continue;
     // `before` is the truth of these records: a refit of it that got worse is no gain of the term's.
     const double without = std::min(rms_of(plain, surrogates->holdout), rms_of(before, surrogates->holdout));
     max_gain = std::max(max_gain, 1.0 - rms_of(with_term.model, surrogates->holdout) / without);

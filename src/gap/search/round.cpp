@@ -91,7 +91,7 @@ void fit_leaders_on_all(const SearchSetting& setting, const SearchRecords& recor
     if (options.stopped()) return;
     Ranked better = ranking[i];
     auto fitted = fit(better.model, records.train, fit_options(options, options.stretches.iterations_on_all));
-    if (!fitted.result.usable) return;
+    if (!fitted.result.usable()) return;
     better.model = std::move(fitted.model);
     better.condition_number = fitted.result.condition_number;
     if (auto judged = with_gains(std::move(better), records, before)) ranking[i] = std::move(*judged);

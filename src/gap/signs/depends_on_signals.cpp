@@ -1,10 +1,10 @@
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
 #include "gap/signs.hpp"
 #include "gap/signs/chance.hpp"
 #include "gap/signs/signal_features.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
@@ -41,15 +41,14 @@ class Prediction {
       x_.col(j) /= size;
       z_.col(j) /= size;
     }
-    Eigen::MatrixXd gram = x_.transpose() * x_;
-    gram.diagonal().array() +=
+    gram_ = gram(x_);
+    gram_.diagonal().array() +=
         kRidgePerSample * correlation_time(learn.residual) + kRidge * static_cast<double>(x_.rows());
-    solver_.compute(gram);
   }
   double share(const std::vector<double>& learn, const std::vector<double>& apply) const {
     const Eigen::VectorXd f = zero_mean(apply);
-    const Eigen::VectorXd weights = solver_.solve(x_.transpose() * zero_mean(learn));
-    const Eigen::VectorXd predicted = z_ * weights;
+    const Eigen::VectorXd weights = solve_ldlt(gram_, transpose_times(x_, zero_mean(learn)));
+    const Eigen::VectorXd predicted = times(z_, weights);
     // One factor for the whole prediction keeps a change of amplitude from spoiling it.
     const double energy = predicted.squaredNorm();
     const double factor = energy > 0.0 ? std::clamp(predicted.dot(f) / energy, 0.0, 1.0) : 0.0;
@@ -59,7 +58,7 @@ class Prediction {
  private:
   Eigen::MatrixXd x_;
   Eigen::MatrixXd z_;
-  Eigen::LDLT<Eigen::MatrixXd> solver_;
+  Eigen::MatrixXd gram_;  ///< of the features learned from, with the ridge
 };
 
 }  // namespace

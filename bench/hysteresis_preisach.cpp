@@ -21,7 +21,10 @@ constexpr std::size_t kLevels = 200;
 
 Model model(const char* interpolation) {
   Parameters values;
-  values.set("u_min", 0.0).set("u_max", 1.0).set("w", relay_weights(kLevels)).set("interpolation", interpolation);
+  values.set("u_min", 0.0)
+      .set("u_max", 1.0)
+      .set("w", relay_weights(kLevels))
+      .set("interpolation", interpolation);
   return make_model("preisach", values);
 }
 

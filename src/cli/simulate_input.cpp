@@ -44,7 +44,8 @@ SimulationInput read_input(const CommandLine& line, bool loop, Provenance& from)
   if (const auto fundamental = line.maybe_positive("fundamental-hz")) out.fundamental = Hertz{*fundamental};
   if (line.has("input")) {
     const std::string path = line.get<std::string>("input");
-    out.record = loop ? TimeRecord::read_csv_column(path, from, column::reference) : TimeRecord::read_csv(path, from);
+    out.record =
+        loop ? TimeRecord::read_csv_column(path, from, column::reference) : TimeRecord::read_csv(path, from);
     return out;
   }
   if (out.fundamental) line.fail("--fundamental-hz belongs to --input; a reference has its --frequency-hz");

@@ -96,11 +96,11 @@ std::vector<LeftOutPoint> leave_out_each(const BandSolution& solution, const Cas
 std::vector<std::string> cascade_warnings(const CascadeFit& fit, const CascadeFitOptions& options) {
   std::vector<std::string> out;
   for (const Excursion& e : fit.excursions) {
-    out.push_back(
-        fmt::format("between {} and {} Hz the curve leaves the range of its two points by {} dB (at {} Hz): add "
-                    "a point there",
-                    rounded_text(e.between.from.value), rounded_text(e.between.to.value),
-                    rounded_text(e.outside_db, 3), rounded_text(e.worst.value, 3)));
+    out.push_back(fmt::format(
+        "between {} and {} Hz the curve leaves the range of its two points by {} dB (at {} Hz): add "
+        "a point there",
+        rounded_text(e.between.from.value), rounded_text(e.between.to.value), rounded_text(e.outside_db, 3),
+        rounded_text(e.worst.value, 3)));
   }
   for (const LeftOutPoint& l : fit.left_out) {
     if (l.max_change_db <= options.surprise_db) continue;

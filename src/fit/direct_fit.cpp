@@ -224,8 +224,8 @@ DirectFit fit_directly(const BodePoints& points, const DirectFitOptions& options
   return out;
 }
 
-DirectFit fit_directly_within(const BodePoints& points, DirectFitOptions options, double limit_db, int min_order,
-                              int max_order) {
+DirectFit fit_directly_within(const BodePoints& points, DirectFitOptions options, double limit_db,
+                              int min_order, int max_order) {
   DirectFit fit;
   for (options.order = min_order; options.order <= max_order; ++options.order) {
     fit = fit_directly(points, options);

@@ -1,12 +1,11 @@
-#include "yield/json.hpp"
 #include "yield/yield.hpp"
+#include "yield/json.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 
 #include "../circuit/seed_sections.hpp"
-#include "base/json.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"

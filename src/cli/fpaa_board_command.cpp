@@ -19,14 +19,10 @@
 namespace bodesmith::cli {
 namespace {
 
-namespace po = boost::program_options;
-
 void add_project_options(CommandLine& line) {
-  line.options().add_options()("api", po::value<std::string>(),
-                               "ApiCode.c of the project that the CAMs were typed into")(
-      "map", po::value<std::vector<std::string>>()->composing(),
-      "PLAN=TABLE: name of a plan's capacitor in the project's tables")("no-clocks",
-                                                                        "leave the clock divisors alone");
+  line.option<std::string>("api", "ApiCode.c of the project that the CAMs were typed into");
+  line.repeatable<std::string>("map", "PLAN=TABLE: name of a plan's capacitor in the project's tables");
+  line.flag("no-clocks", "leave the clock divisors alone");
 }
 
 fpaa::ApiProject read_project(const CommandLine& line, Provenance& from) {
@@ -40,7 +36,7 @@ fpaa::UpdateOptions update_options(const CommandLine& line) {
   out.clocks = !line.has("no-clocks");
   for (const std::string& pair :
        line.maybe<std::vector<std::string>>("map").value_or(std::vector<std::string>{})) {
-    const size_t cut = pair.find('=');
+    const std::size_t cut = pair.find('=');
     if (cut == std::string::npos || cut == 0 || cut + 1 == pair.size()) {
       line.fail(fmt::format("--map '{}', expected PLAN=TABLE", pair));
     }
@@ -140,7 +136,7 @@ int run_fpaa_verify(const std::vector<std::string>& arguments) {
     for (const fpaa::Bytes& bytes : read_streams(*file, from)) {
       const fpaa::ConfigStream stream = fpaa::decode(bytes, *file);
       const auto chip = std::find_if(plan.chips.begin(), plan.chips.end(), [&](const fpaa::ChipPlan& c) {
-        const auto number = static_cast<size_t>(c.chip - 1);
+        const auto number = static_cast<std::size_t>(c.chip - 1);
         return number < project.chips.size() && project.chips[number].address1 == stream.address1;
       });
       if (chip == plan.chips.end()) {
@@ -162,8 +158,7 @@ int run_fpaa_check(const std::vector<std::string>& arguments) {
       "Reads AnadigmDesigner2's HTML report and lists every difference from a plan. Exit status 1 when "
       "there is one.");
   line.positional("PLAN.json REPORT.htm", 2, 2);
-  line.options().add_options()("tolerance", po::value<double>()->default_value(0.005),
-                               "largest relative difference of a parameter (the report rounds)");
+  line.option<double>("tolerance", "largest relative difference of a parameter (the report rounds)", 0.005);
   if (!line.parse(arguments)) return kDone;
   Provenance from;
   const fpaa::Plan plan = fpaa::Plan::read(line.files()[0], from);
@@ -180,10 +175,10 @@ int run_fpaa_send(const std::vector<std::string>& arguments) {
       "Sends board packets over a serial port (57600 8N1): asks who and how many chips the board is, sends,\n"
       "and asks for the status after each packet.");
   line.positional("PACKETS.bin", 1, 1);
-  line.options().add_options()("port", po::value<std::string>(), "serial device")(
-      "dry-run", "decode and show the packets, send nothing")(
-      "timeout-s", po::value<double>()->default_value(1.0), "longest wait for a byte of an answer")(
-      "retries", po::value<int>()->default_value(3), "how often a question is asked again");
+  line.option<std::string>("port", "serial device");
+  line.flag("dry-run", "decode and show the packets, send nothing");
+  line.option<double>("timeout-s", "longest wait for a byte of an answer", 1.0);
+  line.option<int>("retries", "how often a question is asked again", 3);
   if (!line.parse(arguments)) return kDone;
   const bool dry = line.has("dry-run");
   if (!dry && !line.has("port")) line.fail("--port is missing, expected the serial device (or --dry-run)");
@@ -191,9 +186,7 @@ int run_fpaa_send(const std::vector<std::string>& arguments) {
   const std::string path = line.files()[0];
   fpaa::LinkOptions options;
   options.timeout_s = line.positive("timeout-s");
-  options.retries = line.get<int>("retries");
-  if (options.retries < 0 || options.retries > 1000)
-    line.fail("--retries is out of range, expected 0 to 1000");
+  options.retries = line.integer("retries", 0, 1000);
 
   std::vector<std::string> packets;
   std::string text;
@@ -220,7 +213,7 @@ int run_fpaa_send(const std::vector<std::string>& arguments) {
     summary["chips"] = report.chips;
     summary["status"] = report.status;
     text += fmt::format("board: {}, {} chips\n", report.identity, report.chips);
-    for (size_t i = 0; i < report.status.size(); ++i)
+    for (std::size_t i = 0; i < report.status.size(); ++i)
       text += fmt::format("after packet {}: {}\n", i + 1, report.status[i]);
   } else {
     text += "nothing sent (--dry-run)\n";

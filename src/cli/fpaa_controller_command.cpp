@@ -14,14 +14,59 @@
 namespace bodesmith::cli {
 namespace {
 
-namespace po = boost::program_options;
+void add_controller_options(CommandLine& line) {
+  line.positional("DISTURBANCE.json", 1, 1);
+  line.output("folder for controller.json, controller.md and the look-up tables");
+  line.option<std::string>("ascending", "plan.json of the ascending branch's compensator");
+  line.option<std::string>("descending", "plan.json of the descending branch's compensator");
+  line.option<std::string>("polynomial",
+                           "outside, multipliers or lookup (default: the most accurate that fits)");
+  line.option<double>("fast-clock-hz", "clock of everything but the compensators", 250e3);
+  line.option<double>("outside-error-percent", "error of each AD835, of its full scale", 0.1);
+}
 
-fpaa::PolynomialBy polynomial_named(const CommandLine& line, const std::string& name) {
-  for (const auto by :
-       {fpaa::PolynomialBy::outside, fpaa::PolynomialBy::multipliers, fpaa::PolynomialBy::lookup}) {
-    if (name == fpaa::word(by)) return by;
+fpaa::ControllerOptions controller_options(const CommandLine& line) {
+  fpaa::ControllerOptions out;
+  out.fast_clock = {line.positive("fast-clock-hz")};
+  out.outside_error_percent = line.positive("outside-error-percent");
+  if (line.has("polynomial")) {
+    using By = fpaa::PolynomialBy;
+    out.polynomial = line.choice("polynomial", {By::outside, By::multipliers, By::lookup});
   }
-  line.fail(fmt::format("--polynomial '{}', expected outside, multipliers or lookup", name));
+  return out;
+}
+
+std::optional<fpaa::Plan> read_compensator(const CommandLine& line, const char* option, Provenance& from) {
+  if (!line.has(option)) return std::nullopt;
+  return fpaa::Plan::read(line.get<std::string>(option), from);
+}
+
+void write_controller(const std::filesystem::path& folder, const fpaa::Controller& controller,
+                      const Json& json, const Disturbance& disturbance) {
+  OutputSet out(folder);
+  out.add("controller.json", to_text(json));
+  out.add("controller.md", fpaa::controller_sheet(controller));
+  using Branch = Disturbance::Branch;
+  for (const auto& [branch, name] :
+       {std::pair{Branch::ascending, "ascending"}, std::pair{Branch::descending, "descending"}}) {
+    const fpaa::BranchTable made = fpaa::or_throw(fpaa::branch_table(disturbance, branch));
+    const auto wanted = [&, b = branch](double v) {
+      return fpaa::branch_volts(disturbance, b, made.scale, v);
+    };
+    out.add(fmt::format("lookup_{}.csv", name), made.table.csv(wanted));
+  }
+  out.commit();
+}
+
+std::string controller_text(const fpaa::Controller& controller) {
+  std::string out = fmt::format("polynomials: {}\n", controller.why);
+  for (const fpaa::ControllerVariant& v : controller.variants) {
+    out += fmt::format(
+        "  {:<12} {}: worst {} %, delay {} us, {} CAMs on {} chips, {} op-amps, {} capacitors\n",
+        fpaa::to_string(v.by), v.fits() ? "fits" : "does not fit", rounded_text(v.max_error_percent, 3),
+        rounded_text(1e6 * v.delay_s, 4), v.cams.size(), v.chips, v.resources.opamps, v.resources.capacitors);
+  }
+  return out;
 }
 
 }  // namespace
@@ -33,64 +78,27 @@ int run_fpaa_controller(const std::vector<std::string>& arguments) {
       "Places the whole controller (both branches' polynomials, amplitude gains, compensators, branch "
       "switch)\n"
       "on the board; compares the ways to make the polynomials and says which it took and why.");
-  line.positional("DISTURBANCE.json", 1, 1);
-  line.output("folder for controller.json, controller.md and the look-up tables");
-  line.options().add_options()("ascending", po::value<std::string>(),
-                               "plan.json of the ascending branch's compensator")(
-      "descending", po::value<std::string>(), "plan.json of the descending branch's compensator")(
-      "polynomial", po::value<std::string>(),
-      "outside, multipliers or lookup (default: the most accurate that fits)")(
-      "fast-clock-hz", po::value<double>()->default_value(250e3), "clock of everything but the compensators")(
-      "outside-error-percent", po::value<double>()->default_value(0.1),
-      "error of each AD835, of its full scale");
+  add_controller_options(line);
   if (!line.parse(arguments)) return kDone;
   Provenance from;
   const std::string file = line.files()[0];
   const Disturbance disturbance = Disturbance::read(file, from);
-  const auto plan = [&](const char* option) -> std::optional<fpaa::Plan> {
-    if (!line.has(option)) return std::nullopt;
-    return fpaa::Plan::read(line.get<std::string>(option), from);
-  };
-  const auto ascending = plan("ascending");
-  const auto descending = plan("descending");
-  fpaa::ControllerOptions options;
-  options.fast_clock = {line.positive("fast-clock-hz")};
-  options.outside_error_percent = line.positive("outside-error-percent");
-  if (line.has("polynomial"))
-    options.polynomial = polynomial_named(line, line.get<std::string>("polynomial"));
+  const auto ascending = read_compensator(line, "ascending", from);
+  const auto descending = read_compensator(line, "descending", from);
 
   const Stopwatch watch;
-  const fpaa::Controller controller = [&] {
-    try {
-      return fpaa::make_controller(disturbance, ascending ? &*ascending : nullptr,
-                                   descending ? &*descending : nullptr, options);
-    } catch (const DesignError& error) {
-      throw DesignError(fmt::format("{}: {}", file, error.what()));
-    }
-  }();
+  const auto outcome = fpaa::make_controller(disturbance, ascending ? &*ascending : nullptr,
+                                             descending ? &*descending : nullptr, controller_options(line));
+  if (const fpaa::Refusal* refusal = refusal_of(outcome)) {
+    throw DesignError(fmt::format("{}: {}", file, refusal->reason));
+  }
+  const auto& controller = std::get<fpaa::Controller>(outcome);
   Json json = json_header("fpaa_controller", from);
   json.update(controller.to_json());
   json["timing_s"] = {{"compute", watch.seconds()}};
-  OutputSet out(line.output_path());
-  out.add("controller.json", to_text(json));
-  out.add("controller.md", fpaa::controller_sheet(controller));
-  using Branch = Disturbance::Branch;
-  for (const auto& [branch, name] :
-       {std::pair{Branch::ascending, "ascending"}, std::pair{Branch::descending, "descending"}}) {
-    double scale = 1.0;
-    const fpaa::LookupTable table = fpaa::branch_table(disturbance, branch, scale);
-    const auto wanted = [&, b = branch](double v) { return fpaa::branch_volts(disturbance, b, scale, v); };
-    out.add(fmt::format("lookup_{}.csv", name), table.csv(wanted));
-  }
-  out.commit();
-  std::string text = fmt::format("polynomials: {}\n", controller.why);
-  for (const fpaa::ControllerVariant& v : controller.variants) {
-    text += fmt::format(
-        "  {:<12} {}: worst {} %, delay {} us, {} CAMs on {} chips, {} op-amps, {} capacitors\n",
-        fpaa::word(v.by), v.fits ? "fits" : "does not fit", rounded_text(v.max_error_percent, 3),
-        rounded_text(1e6 * v.delay_s, 4), v.cams.size(), v.chips, v.resources.opamps, v.resources.capacitors);
-  }
-  print_summary(line, text + fmt::format("written to {}\n", line.output_path().string()), json);
+  write_controller(line.output_path(), controller, json, disturbance);
+  print_summary(
+      line, controller_text(controller) + fmt::format("written to {}\n", line.output_path().string()), json);
   return kDone;
 }
 

@@ -10,7 +10,7 @@
 namespace bodesmith::fpaa {
 namespace {
 
-using Kind = CToken::Kind;
+using TokenKind = CToken::Kind;
 
 bool ends_with(std::string_view text, std::string_view end) {
   return text.size() > end.size() && text.substr(text.size() - end.size()) == end;
@@ -24,7 +24,7 @@ class Parser {
 
   ApiProject run() {
     for (at_ = 0; at_ < t_.size(); ++at_) {
-      if (t_[at_].kind != Kind::word) continue;
+      if (t_[at_].kind != TokenKind::word) continue;
       const std::string_view word = t_[at_].text;
       if (ends_with(word, "_PrimaryConfigInfo") && opens_array()) primary(word);
       if (ends_with(word, "_Capacitor") && opens_array()) capacitors(word);
@@ -38,7 +38,7 @@ class Parser {
     }
     if (!addresses_.empty()) {
       // In the order of the chips' numbers, which is the order of their primary streams.
-      for (size_t i = 0; i < out_.chips.size() && i < addresses_.size(); ++i)
+      for (std::size_t i = 0; i < out_.chips.size() && i < addresses_.size(); ++i)
         out_.chips[i].address1 = addresses_[i];
     }
     split_names();
@@ -48,7 +48,7 @@ class Parser {
  private:
   /// Whether `name [ … ] = {` stands here; moves to behind the brace when it does.
   bool opens_array() {
-    size_t k = at_ + 1;
+    std::size_t k = at_ + 1;
     if (k >= t_.size() || t_[k].text != "[") return false;
     while (k < t_.size() && t_[k].text != "]") ++k;
     if (k + 2 >= t_.size() || t_[k + 1].text != "=") return false;
@@ -68,7 +68,7 @@ class Parser {
     ApiProject::Chip chip;
     chip.name = std::string(word);
     for (; need("}").text != "}"; ++at_) {
-      if (t_[at_].kind == Kind::comment || t_[at_].text == ",") continue;
+      if (t_[at_].kind == TokenKind::comment || t_[at_].text == ",") continue;
       chip.primary.push_back(static_cast<std::uint8_t>(c_integer(t_[at_], 255, file_)));
     }
     out_.chips.push_back(std::move(chip));
@@ -76,7 +76,7 @@ class Parser {
 
   void addresses() {
     for (; need("}").text != "}"; ++at_) {
-      if (t_[at_].kind == Kind::comment || t_[at_].text == ",") continue;
+      if (t_[at_].kind == TokenKind::comment || t_[at_].text == ",") continue;
       addresses_.push_back(c_integer(t_[at_], 255, file_));
     }
   }
@@ -87,7 +87,7 @@ class Parser {
     cam.line = line_;
     std::string name;
     for (; need("}").text != "}"; ++at_) {
-      if (t_[at_].kind == Kind::comment) {
+      if (t_[at_].kind == TokenKind::comment) {
         name = std::string(t_[at_].text);
         continue;
       }
@@ -97,7 +97,7 @@ class Parser {
       }
       std::vector<int> numbers;
       for (++at_; need("}").text != "}"; ++at_) {
-        if (t_[at_].kind == Kind::comment || t_[at_].text == ",") continue;
+        if (t_[at_].kind == TokenKind::comment || t_[at_].text == ",") continue;
         numbers.push_back(c_integer(t_[at_], 255, file_));
       }
       if (numbers.size() != 2) {
@@ -117,8 +117,8 @@ class Parser {
   /// `an_FPAA1_GainInv1` -> an, FPAA1, GainInv1. The chips' own arrays tell where the parts end.
   void split_names() {
     for (ApiProject::Chip& chip : out_.chips) {
-      const size_t first = chip.name.find('_');
-      const size_t last = chip.name.rfind("_PrimaryConfigInfo");
+      const std::size_t first = chip.name.find('_');
+      const std::size_t last = chip.name.rfind("_PrimaryConfigInfo");
       if (out_.prefix.empty()) out_.prefix = chip.name.substr(0, first);
       chip.name = chip.name.substr(first + 1, last - first - 1);
     }
@@ -135,7 +135,7 @@ class Parser {
       }
       if (owner == nullptr) {
         // No primary stream in the file: the chip's name ends at the next underscore.
-        const size_t cut = rest.find('_');
+        const std::size_t cut = rest.find('_');
         if (cut == std::string::npos) {
           throw InputError(file_, cam.line,
                            fmt::format("'{}_Capacitor' names no chip, expected prefix_chip_cam", whole));
@@ -152,7 +152,7 @@ class Parser {
 
   std::string file_;
   std::vector<CToken> t_;
-  size_t at_ = 0;
+  std::size_t at_ = 0;
   int line_ = 0;
   std::vector<int> addresses_;
   ApiProject out_;

@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "base/error.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::fpaa {
@@ -39,14 +38,18 @@ const std::vector<const Board*>& boards() {
   return all;
 }
 
-const Board& board_by_name(std::string_view name) {
+Outcome<const Board*> find_board(std::string_view name) {
   std::vector<std::string> names;
   for (const Board* board : boards()) {
-    if (board->name == name) return *board;
+    if (board->name == name) return board;
     names.push_back(board->name);
   }
-  throw DesignError(
-      fmt::format("'{}' is not a board that is known, expected one of: {}", name, join(names, ", ")));
+  return Refusal{
+      fmt::format("'{}' is not a board that is known, expected one of: {}", name, join(names, ", "))};
+}
+
+const Board& board_by_name(std::string_view name) {
+  return *or_throw(find_board(name));
 }
 
 }  // namespace bodesmith::fpaa

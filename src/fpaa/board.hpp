@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "base/units.hpp"
+#include "fpaa/refusal.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -31,7 +32,7 @@ struct Board {
   Resources per_cab;               ///< a CAM never straddles CABs
   int lookup_tables_per_chip = 1;  ///< 256 bytes
   int io_cells_per_chip = 7;
-  int largest_capacitor = 255;  ///< in unit capacitances
+  int max_capacitor = 255;  ///< in unit capacitances
   Hertz master_clock{16e6};
   double full_scale_v = 3.0;  ///< differential signals clip at +- this
   double common_mode_v = 1.5;
@@ -43,7 +44,9 @@ struct Board {
 const Board& an231k04_quad4();
 /// The boards known by name, in a fixed order.
 const std::vector<const Board*>& boards();
-/// Throws DesignError that lists the known names.
+/// Refused with the known names.
+Outcome<const Board*> find_board(std::string_view name);
+/// The same, or DesignError: for boards that were found before.
 const Board& board_by_name(std::string_view name);
 
 }  // namespace bodesmith::fpaa

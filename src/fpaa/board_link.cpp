@@ -12,12 +12,11 @@
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
+#include "fpaa/config_stream.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
-constexpr char kStx = 0x02;
-constexpr char kEtx = 0x03;
 constexpr int kXon = 0x11;
 constexpr int kXoff = 0x13;
 
@@ -55,27 +54,27 @@ class TerminalPort : public SerialPort {
       const ssize_t count = ::write(file_, bytes.data(), bytes.size());
       if (count < 0 && (errno == EAGAIN || errno == EINTR)) continue;
       if (count <= 0) throw InputError(fmt::format("{}: writing failed: {}", device_, std::strerror(errno)));
-      bytes.remove_prefix(static_cast<size_t>(count));
+      bytes.remove_prefix(static_cast<std::size_t>(count));
     }
   }
 
-  int read(double seconds) override {
+  std::optional<std::uint8_t> read(double seconds) override {
     const Stopwatch watch;
     while (true) {
       stop_if_interrupted();
       const double left = seconds - watch.seconds();
-      if (left <= 0.0) return -1;
+      if (left <= 0.0) return std::nullopt;
       pollfd wait{file_, POLLIN, 0};
-      const int ready = ::poll(&wait, 1, static_cast<int>(std::min(left, 0.2) * 1000.0) + 1);
+      const int ready = ::poll(&wait, 1, static_cast<int>(std::min(left, kReadSliceS) * 1000.0) + 1);
       if (ready <= 0) continue;
-      unsigned char byte = 0;
+      std::uint8_t byte = 0;
       const ssize_t count = ::read(file_, &byte, 1);
       if (count == 1) {
         if (byte == kXon || byte == kXoff) continue;
         return byte;
       }
       if (count == 0 || (errno != EAGAIN && errno != EINTR)) {
-        if (count < 0 && errno == EIO) return -1;  // the other end of a pseudo-terminal is closed
+        if (count < 0 && errno == EIO) return std::nullopt;  // the other end of a pseudo-terminal is closed
         throw InputError(fmt::format("{}: the line is gone", device_));
       }
     }
@@ -83,6 +82,7 @@ class TerminalPort : public SerialPort {
 
  private:
   static constexpr int kWriteTimeoutMs = 5000;
+  static constexpr double kReadSliceS = 0.2;  ///< after which a Ctrl-C is noticed
   std::string device_;
   int file_ = -1;
 };
@@ -117,19 +117,20 @@ class Link {
  private:
   /// What is still on the line from an earlier, late answer.
   void drain() {
-    while (port_.read(0.01) >= 0) {
+    while (port_.read(kQuietS)) {
     }
   }
 
   std::optional<std::string> read_answer(std::string& trouble) {
     std::string answer;
-    while (answer.size() < kLongestAnswer) {
-      const int byte = port_.read(options_.timeout_s);
-      if (byte < 0) {
+    while (answer.size() < kMaxAnswer) {
+      const auto received = port_.read(options_.timeout_s);
+      if (!received) {
         trouble =
             answer.empty() ? "silence" : fmt::format("the answer stops after {} characters", answer.size());
         return std::nullopt;
       }
+      const std::uint8_t byte = *received;
       if (byte == 0) {
         if (!answer.empty()) return answer;
         continue;
@@ -145,11 +146,21 @@ class Link {
     return std::nullopt;
   }
 
-  static constexpr size_t kLongestAnswer = 4096;
+  static constexpr std::size_t kMaxAnswer = 4096;
+  static constexpr double kQuietS = 0.01;  ///< nothing more comes of a late answer after this
   SerialPort& port_;
   LinkOptions options_;
   LinkReport report_;
 };
+
+/// Chips in the answer to 'T': three characters and seven a chip; eleven characters mean none.
+int chips_of(std::string_view answer) {
+  constexpr std::size_t kStart = 3;
+  constexpr std::size_t kOneChip = 7;
+  constexpr std::size_t kNone = 11;
+  if (answer.size() == kNone || answer.size() < kStart) return 0;
+  return static_cast<int>((answer.size() - kStart) / kOneChip);
+}
 
 }  // namespace
 
@@ -163,13 +174,12 @@ LinkReport send_packets(SerialPort& port, const std::vector<std::string>& packet
   LinkReport& report = link.report();
   report.identity = link.ask('#', "who it is ('#')", [] {});
   const std::string chips = link.ask('T', "which chips it has ('T')", [] {});
-  // Three characters and seven a chip; eleven characters mean none.
-  report.chips = chips.size() == 11 || chips.size() < 3 ? 0 : static_cast<int>((chips.size() - 3) / 7);
+  report.chips = chips_of(chips);
   if (report.chips < chips_needed) {
     throw InputError(fmt::format("the board has {} chips (it answers '{}'), the packets need {}",
                                  report.chips, chips, chips_needed));
   }
-  for (size_t i = 0; i < packets.size(); ++i) {
+  for (std::size_t i = 0; i < packets.size(); ++i) {
     report.status.push_back(link.ask('?', fmt::format("its status ('?') after packet {}", i + 1),
                                      [&] { port.write(packets[i]); }));
   }

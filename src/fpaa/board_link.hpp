@@ -1,6 +1,8 @@
 #pragma once
 
+#include <cstdint>
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -13,8 +15,8 @@ class SerialPort {
  public:
   virtual ~SerialPort() = default;
   virtual void write(std::string_view bytes) = 0;
-  /// One byte, or -1 when none comes within `seconds`.
-  virtual int read(double seconds) = 0;
+  /// One byte; nothing when none comes within `seconds`.
+  virtual std::optional<std::uint8_t> read(double seconds) = 0;
 };
 
 /// Opens a device at 57600 baud, 8 bits, no parity, raw. Throws InputError when it cannot.
@@ -27,7 +29,7 @@ struct LinkOptions {
 
 struct LinkReport {
   std::string identity;             ///< answer to '#'
-  int chips = 0;                    ///< from the answer to 'T': 7 characters a chip after 3
+  int chips = 0;                    ///< from the answer to 'T'
   std::vector<std::string> status;  ///< answer to '?' after each packet
   int tries = 0;                    ///< of all questions and packets together
 };

@@ -4,10 +4,12 @@
 
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
+#include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -42,7 +44,7 @@ struct Box {
 /// A polyline with rounded corners.
 std::string path_text(const std::vector<Point>& points) {
   std::string d = fmt::format("M{:.1f} {:.1f}", points[0].x, points[0].y);
-  for (size_t i = 1; i + 1 < points.size(); ++i) {
+  for (std::size_t i = 1; i + 1 < points.size(); ++i) {
     const Point& a = points[i - 1];
     const Point& b = points[i];
     const Point& c = points[i + 1];
@@ -99,30 +101,39 @@ Json pips(double x, double y, int used, int all, const char* kind) {
   return out;
 }
 
-std::string summary_of(const PlacedCam& cam) {
-  const auto hz = [&](const char* key) { return rounded_text(cam.realised[key].get<double>(), 4); };
-  if (cam.realised.contains("pole_hz"))
-    return fmt::format("zero {} Hz  pole {} Hz", hz("zero_hz"), hz("pole_hz"));
-  if (cam.realised.contains("corner_hz")) return fmt::format("corner {} Hz", hz("corner_hz"));
-  if (cam.realised.contains("gain")) return fmt::format("gain {}", hz("gain"));
-  return "";
-}
+/// The picture's data for the template, chip after chip.
+class BoardPicture {
+ public:
+  explicit BoardPicture(const Plan& plan) : plan_(plan), board_(board_by_name(plan.board)) {}
 
-}  // namespace
+  Json data() {
+    data_["board"] = plan_.board;
+    data_["chips"] = Json::array();
+    data_["wires"] = Json::array();
+    data_["links"] = Json::array();
+    for (int number = 1; number <= board_.chips; ++number) data_["chips"].push_back(chip_item(number));
+    add_frame();
+    return std::move(data_);
+  }
 
-std::string board_picture_svg(const Plan& plan) {
-  const Board& board = board_by_name(plan.board);
-  Json data;
-  data["board"] = plan.board;
-  data["chips"] = Json::array();
-  data["wires"] = Json::array();
-  data["links"] = Json::array();
-  std::map<int, const ChipPlan*> used;
-  for (const ChipPlan& chip : plan.chips) used[chip.chip] = &chip;
-  Point last_out;
-  bool have_out = false;
-  for (int number = 1; number <= board.chips; ++number) {
+ private:
+  /// Where a CAM is drawn.
+  struct DrawnCam {
+    Box box;
+    int cab = 1;
+  };
+  using DrawnCams = std::map<std::string, DrawnCam>;
+
+  const ChipPlan* chip_of(int number) const {
+    for (const ChipPlan& chip : plan_.chips) {
+      if (chip.chip == number) return &chip;
+    }
+    return nullptr;
+  }
+
+  Json chip_item(int number) {
     const Point o = chip_origin(number);
+    const ChipPlan* chip = chip_of(number);
     Json item;
     item["x"] = o.x;
     item["y"] = o.y;
@@ -131,120 +142,156 @@ std::string board_picture_svg(const Plan& plan) {
     item["title"] = fmt::format("Chip {}", number);
     item["title_x"] = o.x + 16;
     item["title_y"] = o.y + 28;
-    item["used"] = used.count(number) > 0;
-    item["clock_text"] = "not used";
+    item["used"] = chip != nullptr;
+    item["clock_text"] = chip != nullptr ? clocks_text(*chip) : "not used";
     item["clock_x"] = o.x + 16;
     item["clock_y"] = o.y + 50;
+    const DrawnCams drawn = add_cabs(number, chip, item);
+    item["resources"] = chip != nullptr && !chip->cams.empty() ? resources_text(*chip) : "";
+    item["pins"] = Json::array();
+    if (chip != nullptr && !chip->cams.empty()) add_wires(*chip, drawn, item);
+    item["resources_x"] = o.x + kPad;
+    item["resources_y"] = o.y + kChipHeight - 16;
+    return item;
+  }
+
+  std::string clocks_text(const ChipPlan& chip) const {
+    std::string out =
+        fmt::format("ACLK {}   Sys1 /{}", clock_text(chip.master_clock.value), chip.clocks.sys1_divisor);
+    for (std::size_t k = 0; k < chip.clocks.clocks.size(); ++k) {
+      out += fmt::format("   Clock {} /{} = {}", k, chip.clocks.clocks[k].divisor,
+                         clock_text(chip.clocks.frequency(board_, k).value));
+    }
+    return out;
+  }
+
+  std::string resources_text(const ChipPlan& chip) const {
+    const Resources sum = chip.resources();
+    return fmt::format("{} of {} op-amps, {} of {} capacitors", sum.opamps,
+                       board_.cabs_per_chip * board_.per_cab.opamps, sum.capacitors,
+                       board_.cabs_per_chip * board_.per_cab.capacitors);
+  }
+
+  /// The CABs of a chip and the CAMs in them.
+  DrawnCams add_cabs(int number, const ChipPlan* chip, Json& item) const {
+    DrawnCams drawn;
     item["cabs"] = Json::array();
     item["cams"] = Json::array();
-    const ChipPlan* chip = used.count(number) > 0 ? used[number] : nullptr;
-    std::map<int, std::vector<const PlacedCam*>> in_cab;
-    if (chip != nullptr) {
-      std::string clocks =
-          fmt::format("ACLK {}   Sys1 /{}", clock_text(chip->master_clock.value), chip->clocks.sys1_divisor);
-      for (size_t k = 0; k < chip->clocks.clocks.size(); ++k) {
-        clocks += fmt::format("   Clock {} /{} = {}", k, chip->clocks.clocks[k].divisor,
-                              clock_text(chip->clocks.frequency(board, k).value));
-      }
-      item["clock_text"] = clocks;
-      for (const PlacedCam& cam : chip->cams) in_cab[cam.cab].push_back(&cam);
-    }
-    std::map<std::string, std::pair<Box, int>> boxes;
-    for (int cab = 1; cab <= board.cabs_per_chip; ++cab) {
+    for (int cab = 1; cab <= board_.cabs_per_chip; ++cab) {
       const Box box = cab_box(number, cab);
       Resources sum;
       double y = box.y + 34;
-      for (const PlacedCam* cam : in_cab[cab]) {
-        sum += cam->resources;
+      const std::vector<PlacedCam> none;
+      for (const PlacedCam& cam : chip != nullptr ? chip->cams : none) {
+        if (cam.cab != cab) continue;
+        sum += cam.resources;
         const Box cam_box{box.x + 12, y, box.width - 24, kCamHeight};
         y += kCamHeight + 14;
-        boxes[cam->name] = {cam_box, cab};
-        item["cams"].push_back({{"x", cam_box.x},
-                                {"y", cam_box.y},
-                                {"width", cam_box.width},
-                                {"height", cam_box.height},
-                                {"text_x", cam_box.x + 12},
-                                {"name_y", cam_box.y + 20},
-                                {"kind_y", cam_box.y + 36},
-                                {"what_y", cam_box.y + 51},
-                                {"name", cam->name},
-                                {"kind", cam->option.empty() ? cam->cam : cam->cam + ", " + cam->option},
-                                {"what", summary_of(*cam)},
-                                {"gain", cam->cam == "GainInv"}});
+        drawn[cam.name] = {cam_box, cab};
+        item["cams"].push_back(cam_item(cam, cam_box));
       }
-      Json pip_list = pips(box.x + box.width - 14 - 9 * 8, box.y + 17, sum.capacitors,
-                           board.per_cab.capacitors, "capacitor");
-      for (auto& pip :
-           pips(box.x + box.width - 14 - 9 * 8 - 26, box.y + 17, sum.opamps, board.per_cab.opamps, "opamp")) {
-        pip_list.push_back(pip);
-      }
-      item["cabs"].push_back({{"x", box.x},
-                              {"y", box.y},
-                              {"width", box.width},
-                              {"height", box.height},
-                              {"title", fmt::format("CAB {}", cab)},
-                              {"title_x", box.x + 12},
-                              {"title_y", box.y + 21},
-                              {"pips", pip_list}});
+      item["cabs"].push_back(cab_item(cab, box, sum));
     }
-    if (chip != nullptr && !chip->cams.empty()) {
-      const auto& [first, first_cab] = boxes[chip->cams.front().name];
-      const auto& [last, last_cab] = boxes[chip->cams.back().name];
-      const Point in{o.x, first.left().y};
-      const Point out{o.x + kChipWidth, o.y + kChipHeight - 40};
-      item["pins"] = {
-          {{"x", in.x}, {"y", in.y}, {"label", "in1"}, {"label_x", in.x + 9}, {"label_y", in.y - 8}},
-          {{"x", out.x}, {"y", out.y}, {"label", "out1"}, {"label_x", out.x - 38}, {"label_y", out.y + 19}}};
-      data["wires"].push_back({{"d", path_text({in, first.left()})}});
-      for (size_t c = 0; c + 1 < chip->cams.size(); ++c) {
-        const auto& [a, a_cab] = boxes[chip->cams[c].name];
-        const auto& [b, b_cab] = boxes[chip->cams[c + 1].name];
-        data["wires"].push_back({{"d", path_text(route(a, a_cab, b, b_cab, number))}});
-      }
-      // Down the nearest gutter to the strip below the CABs, then out.
-      const double gutter = last.right().x + 24;
-      data["wires"].push_back(
-          {{"d", path_text({last.right(), {gutter, last.right().y}, {gutter, out.y}, out})}});
-      if (have_out) {
-        const double middle = last_out.x < in.x ? (last_out.x + in.x) / 2 : last_out.x + kChipGap / 2;
-        if (last_out.x < in.x) {
-          data["links"].push_back({{"d", path_text({last_out, {middle, last_out.y}, {middle, in.y}, in})}});
-        } else {
-          const double between = o.y - kChipGap / 2;
-          data["links"].push_back({{"d", path_text({last_out,
-                                                    {last_out.x + 14, last_out.y},
-                                                    {last_out.x + 14, between},
-                                                    {o.x - 14, between},
-                                                    {o.x - 14, in.y},
-                                                    in})}});
-        }
-      }
-      last_out = out;
-      have_out = true;
-      const Resources sum = chip->resources();
-      item["resources"] = fmt::format("{} of {} op-amps, {} of {} capacitors", sum.opamps,
-                                      board.cabs_per_chip * board.per_cab.opamps, sum.capacitors,
-                                      board.cabs_per_chip * board.per_cab.capacitors);
-    } else {
-      item["resources"] = "";
-      item["pins"] = Json::array();
-    }
-    item["resources_x"] = o.x + kPad;
-    item["resources_y"] = o.y + kChipHeight - 16;
-    data["chips"].push_back(item);
+    return drawn;
   }
-  const int rows = (board.chips + 1) / 2;
-  data["width"] = 2 * kMargin + 2 * kChipWidth + kChipGap;
-  data["height"] = kHeader + rows * kChipHeight + (rows - 1) * kChipGap + kMargin;
-  data["error"] = rounded_text(plan.error.max_complex_percent, 3);
-  data["from"] = rounded_text(plan.error.band.from.value, 3);
-  data["to"] = rounded_text(plan.error.band.to.value, 4);
-  data["margin"] = kMargin;
-  data["legend_x"] = 2 * kMargin + 2 * kChipWidth + kChipGap - kMargin - 210;
-  data["legend_text_1"] = 2 * kMargin + 2 * kChipWidth + kChipGap - kMargin - 198;
-  data["legend_x2"] = 2 * kMargin + 2 * kChipWidth + kChipGap - kMargin - 110;
-  data["legend_text_2"] = 2 * kMargin + 2 * kChipWidth + kChipGap - kMargin - 98;
-  return render_template("fpaa/board.svg", data);
+
+  static Json cam_item(const PlacedCam& cam, const Box& box) {
+    std::string kind(cam.cam_name());
+    if (!cam.option.empty()) kind += ", " + cam.option;
+    return {{"x", box.x},
+            {"y", box.y},
+            {"width", box.width},
+            {"height", box.height},
+            {"text_x", box.x + 12},
+            {"name_y", box.y + 20},
+            {"kind_y", box.y + 36},
+            {"what_y", box.y + 51},
+            {"name", cam.name},
+            {"kind", kind},
+            {"what", cam.cam->picture_text(cam)},
+            {"gain", cam.cam->is_gain()}};
+  }
+
+  Json cab_item(int cab, const Box& box, const Resources& used) const {
+    const double right = box.x + box.width - 14 - 9 * 8;
+    Json pip_list = pips(right, box.y + 17, used.capacitors, board_.per_cab.capacitors, "capacitor");
+    for (auto& pip : pips(right - 26, box.y + 17, used.opamps, board_.per_cab.opamps, "opamp")) {
+      pip_list.push_back(pip);
+    }
+    return {{"x", box.x},
+            {"y", box.y},
+            {"width", box.width},
+            {"height", box.height},
+            {"title", fmt::format("CAB {}", cab)},
+            {"title_x", box.x + 12},
+            {"title_y", box.y + 21},
+            {"pips", pip_list}};
+  }
+
+  /// From the input pin through the CAMs to the output pin, and the link from the chip before.
+  void add_wires(const ChipPlan& chip, const DrawnCams& drawn, Json& item) {
+    const Point o = chip_origin(chip.chip);
+    const DrawnCam& first = drawn.at(chip.cams.front().name);
+    const DrawnCam& last = drawn.at(chip.cams.back().name);
+    const Point in{o.x, first.box.left().y};
+    const Point out{o.x + kChipWidth, o.y + kChipHeight - 40};
+    item["pins"] = {
+        {{"x", in.x}, {"y", in.y}, {"label", "in1"}, {"label_x", in.x + 9}, {"label_y", in.y - 8}},
+        {{"x", out.x}, {"y", out.y}, {"label", "out1"}, {"label_x", out.x - 38}, {"label_y", out.y + 19}}};
+    add_wire({in, first.box.left()});
+    for (std::size_t c = 0; c + 1 < chip.cams.size(); ++c) {
+      const DrawnCam& a = drawn.at(chip.cams[c].name);
+      const DrawnCam& b = drawn.at(chip.cams[c + 1].name);
+      add_wire(route(a.box, a.cab, b.box, b.cab, chip.chip));
+    }
+    // Down the nearest gutter to the strip below the CABs, then out.
+    const double gutter = last.box.right().x + 24;
+    add_wire({last.box.right(), {gutter, last.box.right().y}, {gutter, out.y}, out});
+    if (last_out_) add_link(*last_out_, in, o);
+    last_out_ = out;
+  }
+
+  void add_wire(const std::vector<Point>& points) { data_["wires"].push_back({{"d", path_text(points)}}); }
+
+  /// From the output pin of one chip to the input pin of the next, whose origin is `o`.
+  void add_link(Point from, Point in, Point o) {
+    std::vector<Point> points;
+    if (from.x < in.x) {
+      const double middle = (from.x + in.x) / 2;
+      points = {from, {middle, from.y}, {middle, in.y}, in};
+    } else {
+      const double between = o.y - kChipGap / 2;
+      points = {from, {from.x + 14, from.y}, {from.x + 14, between}, {o.x - 14, between}, {o.x - 14, in.y},
+                in};
+    }
+    data_["links"].push_back({{"d", path_text(points)}});
+  }
+
+  void add_frame() {
+    const int rows = (board_.chips + 1) / 2;
+    const double width = 2 * kMargin + 2 * kChipWidth + kChipGap;
+    data_["width"] = width;
+    data_["height"] = kHeader + rows * kChipHeight + (rows - 1) * kChipGap + kMargin;
+    data_["error"] = rounded_text(plan_.error.max_complex_percent, 3);
+    data_["from"] = rounded_text(plan_.error.band.from.value, 3);
+    data_["to"] = rounded_text(plan_.error.band.to.value, 4);
+    data_["margin"] = kMargin;
+    data_["legend_x"] = width - kMargin - 210;
+    data_["legend_text_1"] = width - kMargin - 198;
+    data_["legend_x2"] = width - kMargin - 110;
+    data_["legend_text_2"] = width - kMargin - 98;
+  }
+
+  const Plan& plan_;
+  const Board& board_;
+  Json data_;
+  std::optional<Point> last_out_;  ///< output pin of the chip before
+};
+
+}  // namespace
+
+std::string board_picture_svg(const Plan& plan) {
+  return render_template("fpaa/board.svg", BoardPicture(plan).data());
 }
 
 }  // namespace bodesmith::fpaa

@@ -14,7 +14,7 @@ namespace bodesmith::fpaa {
 std::vector<CToken> c_tokens(std::string_view text, const std::string& file) {
   std::vector<CToken> out;
   int line = 1;
-  size_t at = 0;
+  std::size_t at = 0;
   const auto is_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
   while (at < text.size()) {
     const char c = text[at];
@@ -24,7 +24,7 @@ std::vector<CToken> c_tokens(std::string_view text, const std::string& file) {
     } else if (std::isspace(static_cast<unsigned char>(c)) != 0) {
       ++at;
     } else if (c == '/' && at + 1 < text.size() && text[at + 1] == '*') {
-      const size_t end = text.find("*/", at + 2);
+      const std::size_t end = text.find("*/", at + 2);
       if (end == std::string_view::npos)
         throw InputError(file, line, "the comment does not end, expected */");
       const std::string_view body = text.substr(at + 2, end - at - 2);
@@ -32,16 +32,16 @@ std::vector<CToken> c_tokens(std::string_view text, const std::string& file) {
       for (const char b : body) line += b == '\n' ? 1 : 0;
       at = end + 2;
     } else if (c == '/' && at + 1 < text.size() && text[at + 1] == '/') {
-      const size_t end = std::min(text.find('\n', at), text.size());
+      const std::size_t end = std::min(text.find('\n', at), text.size());
       out.push_back({CToken::Kind::comment, trim(text.substr(at + 2, end - at - 2)), line});
       at = end;
     } else if (c == '"' || c == '\'') {
-      size_t end = at + 1;
-      while (end < text.size() && text[end] != c && text[end] != '\n') end += text[end] == '\\' ? 2 : 1;
+      std::size_t end = at + 1;
+      while (end < text.size() && text[end] != c && text[end] != '\n') end += text[end] == '\\' ? 2U : 1U;
       if (end >= text.size() || text[end] != c) throw InputError(file, line, "the string does not end");
       at = end + 1;
     } else if (is_word(c)) {
-      size_t end = at;
+      std::size_t end = at;
       while (end < text.size() && is_word(text[end])) ++end;
       out.push_back({CToken::Kind::word, text.substr(at, end - at), line});
       at = end;
@@ -53,7 +53,7 @@ std::vector<CToken> c_tokens(std::string_view text, const std::string& file) {
   return out;
 }
 
-int c_integer(const CToken& token, int most, const std::string& file) {
+int c_integer(const CToken& token, int max, const std::string& file) {
   std::string_view digits = token.text;
   int base = 10;
   if (digits.size() > 2 && digits[0] == '0' && (digits[1] == 'x' || digits[1] == 'X')) {
@@ -63,8 +63,8 @@ int c_integer(const CToken& token, int most, const std::string& file) {
   int value = -1;
   const auto [end, code] = std::from_chars(digits.data(), digits.data() + digits.size(), value, base);
   if (token.kind != CToken::Kind::word || code != std::errc{} || end != digits.data() + digits.size() ||
-      value < 0 || value > most) {
-    throw InputError(file, token.line, fmt::format("'{}' is not a number from 0 to {}", token.text, most));
+      value < 0 || value > max) {
+    throw InputError(file, token.line, fmt::format("'{}' is not a number from 0 to {}", token.text, max));
   }
   return value;
 }
@@ -77,10 +77,10 @@ Bytes from_c_array(std::string_view text, const std::string& name, const std::st
   }
   Bytes out;
   bool found = false;
-  for (size_t i = 0; i + 2 < t.size(); ++i) {
+  for (std::size_t i = 0; i + 2 < t.size(); ++i) {
     // NAME [ … ] = {
     if (t[i].kind != CToken::Kind::word || t[i + 1].text != "[") continue;
-    size_t k = i + 2;
+    std::size_t k = i + 2;
     while (k < t.size() && t[k].text != "]") ++k;
     if (k + 2 >= t.size() || t[k + 1].text != "=" || t[k + 2].text != "{") continue;
     if (!name.empty() && t[i].text != name) continue;

@@ -17,7 +17,7 @@ struct CToken {
 /// Splits C source. Throws InputError for a comment or string that does not end.
 std::vector<CToken> c_tokens(std::string_view text, const std::string& file);
 
-/// A C integer literal between 0 and `most`; throws InputError otherwise.
-int c_integer(const CToken& token, int most, const std::string& file);
+/// A C integer literal between 0 and `max`; throws InputError otherwise.
+int c_integer(const CToken& token, int max, const std::string& file);
 
 }  // namespace bodesmith::fpaa

@@ -14,10 +14,8 @@ namespace {
 constexpr std::uint8_t kSynch = 0xD5;
 constexpr std::uint8_t kCheck = 0x2A;
 constexpr std::array<std::uint8_t, 4> kDevice = {0xB7, 0x20, 0x01, 0x00};
-constexpr char kStx = 0x02;
-constexpr char kEtx = 0x03;
 
-[[noreturn]] void fail_at(const std::string& file, size_t byte, const std::string& message) {
+[[noreturn]] void fail_at(const std::string& file, std::size_t byte, const std::string& message) {
   throw InputError(fmt::format("{}: byte {}: {}", file, byte, message));
 }
 
@@ -32,13 +30,13 @@ class Reader {
  public:
   Reader(const Bytes& bytes, const std::string& file) : bytes_(bytes), file_(file) {}
   bool at_end() const { return at_ >= bytes_.size(); }
-  size_t at() const { return at_; }
+  std::size_t at() const { return at_; }
   std::uint8_t next(const char* what) {
     if (at_end()) fail_at(file_, at_, fmt::format("the stream ends, expected {}", what));
     return bytes_[at_++];
   }
   void expect(std::uint8_t wanted, const char* what) {
-    const size_t where = at_;
+    const std::size_t where = at_;
     const std::uint8_t got = next(what);
     if (got != wanted)
       fail_at(file_, where, fmt::format("is {:02X}, expected {:02X} ({})", got, wanted, what));
@@ -56,18 +54,18 @@ class Reader {
  private:
   const Bytes& bytes_;
   const std::string& file_;
-  size_t at_ = 0;
+  std::size_t at_ = 0;
 };
 
 }  // namespace
 
 Bytes encode(const ConfigStream& stream) {
-  Bytes out(static_cast<size_t>(stream.leading_zeros), 0);
+  Bytes out(static_cast<std::size_t>(stream.leading_zeros), 0);
   out.push_back(kSynch);
   if (stream.primary) out.insert(out.end(), kDevice.begin(), kDevice.end());
   out.push_back(static_cast<std::uint8_t>(stream.address1));
   out.push_back(static_cast<std::uint8_t>(stream.control));
-  for (size_t i = 0; i < stream.blocks.size(); ++i) {
+  for (std::size_t i = 0; i < stream.blocks.size(); ++i) {
     const ConfigBlock& block = stream.blocks[i];
     if (block.byte < 0 || block.byte > 31 || block.bank < 0 || block.bank > 255 || block.data.empty() ||
         block.data.size() > 256) {
@@ -79,7 +77,7 @@ Bytes encode(const ConfigStream& stream) {
     out.insert(out.end(), block.data.begin(), block.data.end());
     out.push_back(kCheck);
   }
-  out.insert(out.end(), static_cast<size_t>(stream.trailing_zeros), 0);
+  out.insert(out.end(), static_cast<std::size_t>(stream.trailing_zeros), 0);
   return out;
 }
 
@@ -92,13 +90,13 @@ ConfigStream decode(const Bytes& bytes, const std::string& file) {
     out.primary = true;
     for (const std::uint8_t id : kDevice) in.expect(id, "the AN231 device id");
   }
-  const size_t address_at = in.at();
+  const std::size_t address_at = in.at();
   out.address1 = in.next("Address1");
   if (out.address1 == 0) fail_at(file, address_at, "Address1 is 0, expected 1 to 255");
   out.control = in.next("the control byte");
   bool another = !in.at_end() && (in.peek() & 0x80) != 0;
   while (another) {
-    const size_t start = in.at();
+    const std::size_t start = in.at();
     const std::uint8_t head = in.next("a block");
     if ((head & 0x80) == 0) {
       fail_at(file, start, fmt::format("is {:02X}, expected the head of a block (80 to FF)", head));
@@ -157,13 +155,13 @@ std::string to_packet(const Bytes& bytes, bool as_primary) {
 
 std::vector<Packet> from_packets(std::string_view text, const std::string& file) {
   std::vector<Packet> out;
-  size_t at = 0;
+  std::size_t at = 0;
   const auto next = [&](const char* what) {
     if (at >= text.size()) fail_at(file, at, fmt::format("the packet ends, expected {}", what));
     return text[at++];
   };
   const auto hex = [&](const char* what) {
-    const size_t where = at;
+    const std::size_t where = at;
     const int digit = hex_digit(next(what));
     if (digit < 0) fail_at(file, where, fmt::format("is not a hexadecimal digit, expected {}", what));
     return digit;

@@ -48,6 +48,10 @@ Bytes from_ahf(std::string_view text, const std::string& file);
 /// The bytes of `name[] = { 0x.., … };` in C source; an empty name takes the only array there is.
 Bytes from_c_array(std::string_view text, const std::string& name, const std::string& file);
 
+/// Around packets and answers on the serial line.
+inline constexpr char kStx = 0x02;
+inline constexpr char kEtx = 0x03;
+
 /// The board's serial packet: STX, '0' primary or '1' update, four hex digits = number of hex characters, the
 /// bytes as hex text, ETX.
 std::string to_packet(const Bytes& bytes, bool as_primary);

@@ -16,7 +16,7 @@ enum class PolynomialBy {
   multipliers,  ///< Multiplier CAMs (one input through 8 bits); weights on the board
   lookup,       ///< a TransferFunction CAM a branch (256 bytes; one table a chip)
 };
-const char* word(PolynomialBy by);
+const char* to_string(PolynomialBy by);
 
 struct ControllerOptions {
   std::string board = "an231k04-quad4";
@@ -28,10 +28,10 @@ struct ControllerOptions {
 /// One CAM of the controller, placed.
 struct ControllerCam {
   std::string name;
-  std::string cam;
+  const Cam* cam = nullptr;  ///< an entry of cam_registry()
   std::string option;
   std::vector<std::string> inputs;  ///< names of CAMs, or of signals from outside ("x", "r", "slope", …)
-  Json parameters = Json::object();
+  CamValues parameters;
   Hertz clock_a;
   double delay_cycles = 0.0;
   bool half_cycle = false;  ///< output valid during one phase only
@@ -44,8 +44,7 @@ struct ControllerCam {
 /// A way to make the polynomials, worked out as a whole controller.
 struct ControllerVariant {
   PolynomialBy by = PolynomialBy::outside;
-  bool fits = false;
-  std::string why_not;             ///< what does not fit, and what would make it fit
+  std::optional<Refusal> refusal;  ///< what does not fit on the board
   double max_error_percent = 0.0;  ///< of d over x in [0, 1], both branches, in percent of the stroke
   double rms_error_percent = 0.0;
   double delay_s = 0.0;       ///< longest path from x to the output, compensator's hold included
@@ -55,23 +54,25 @@ struct ControllerVariant {
   int chips = 0;
   std::vector<int> io_cells;  ///< used, of each chip
   Resources resources;
+
+  bool fits() const { return !refusal; }
 };
 
 struct Controller {
   std::vector<ControllerVariant> variants;
-  int chosen = 0;
+  std::size_t chosen = 0;
   std::string why;
   std::vector<std::string> assumptions;
-  const ControllerVariant& best() const { return variants[static_cast<size_t>(chosen)]; }
+  const ControllerVariant& best() const { return variants[chosen]; }
   Json to_json() const;
 };
 
 /// The whole controller of the disturbance paper, Fig. 2 and section V-A: u = r - d(x), the branch by the slope's
 /// sign, an amplitude gain and (where a branch changes with the rate) a compensator for each branch.
-/// `ascending` and `descending` are finished plans of the compensators, or null for a static branch. Throws
-/// DesignError when no way (or not the one asked for) fits the board, saying what would make it fit.
-Controller make_controller(const Disturbance& disturbance, const Plan* ascending, const Plan* descending,
-                           const ControllerOptions& options);
+/// `ascending` and `descending` are finished plans of the compensators, or null for a static branch. Refused
+/// when no way (or not the one asked for) fits the board, saying what would make it fit.
+Outcome<Controller> make_controller(const Disturbance& disturbance, const Plan* ascending,
+                                    const Plan* descending, const ControllerOptions& options);
 
 std::string controller_sheet(const Controller& controller);
 

@@ -39,7 +39,7 @@ struct ErrorBudget {
   double image_db = 0.0;
   Hertz image;
 
-  struct Cam {
+  struct CamShare {
     std::string name;
     double gain = 1.0;                 ///< the larger of DC and high-frequency gain
     double settling_product_hz = 0.0;  ///< (1 + gain) fc
@@ -47,7 +47,7 @@ struct ErrorBudget {
     double noise_kt_per_cu = 0.0;  ///< mean square at the plan's output, all frequencies to fc/2, in kT/C_u
     double noise_in_band_kt_per_cu = 0.0;
   };
-  std::vector<Cam> cams;
+  std::vector<CamShare> cams;
   double settling_limit_hz = 0.0;
   double noise_kt_per_cu = 0.0;
   double noise_in_band_kt_per_cu = 0.0;

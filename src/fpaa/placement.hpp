@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "fpaa/board.hpp"
+#include "fpaa/refusal.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -13,7 +14,7 @@ struct Place {
 
 /// Puts CAMs on chips and CABs in signal order: a CAM goes into the first CAB of the present chip that has
 /// room (no CAM straddles CABs), and a new chip is begun when none has, so that the path crosses from chip to
-/// chip only forwards. Throws DesignError that says how many CAMs fit.
-std::vector<Place> place_in_order(const std::vector<Resources>& cams, const Board& board);
+/// chip only forwards. Refused with how many CAMs fit.
+Outcome<std::vector<Place>> place_in_order(const std::vector<Resources>& cams, const Board& board);
 
 }  // namespace bodesmith::fpaa

@@ -2,15 +2,6 @@
 
 namespace bodesmith::fpaa {
 
-std::complex<double> PlacedCam::response(RadPerSecond w, bool with_delays) const {
-  std::complex<double> h = z.response(w, clock_a);
-  if (with_delays) {
-    h *= cycle_delay(w, clock_a, delay_cycles);
-    if (output_hold) h *= zero_order_hold(w, clock_a);
-  }
-  return h;
-}
-
 Resources ChipPlan::resources() const {
   Resources sum;
   for (const PlacedCam& cam : cams) sum += cam.resources;
@@ -22,6 +13,13 @@ std::vector<const PlacedCam*> Plan::cams() const {
   for (const ChipPlan& chip : chips) {
     for (const PlacedCam& cam : chip.cams) out.push_back(&cam);
   }
+  return out;
+}
+
+std::vector<std::string> Plan::signal_path() const {
+  std::vector<std::string> out;
+  if (!wires.empty()) out.push_back(wires.front().from);
+  for (const Wire& wire : wires) out.push_back(wire.to);
   return out;
 }
 

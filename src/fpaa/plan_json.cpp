@@ -1,8 +1,8 @@
 // plan.json, bodesmith.fpaa_plan/1: writing and reading back.
 #include <fmt/format.h>
 
-#include "base/error.hpp"
 #include "base/json.hpp"
+#include "fpaa/cams/cam.hpp"
 #include "fpaa/plan.hpp"
 
 namespace bodesmith::fpaa {
@@ -31,21 +31,21 @@ PlanError error_from(const Node& node) {
 Json cam_json(const PlacedCam& cam) {
   Json out;
   out["name"] = cam.name;
-  out["cam"] = cam.cam;
+  out["cam"] = cam.cam_name();
   out["option"] = cam.option;
   out["cab"] = cam.cab;
   out["clock_a_hz"] = cam.clock_a.value;
   out["chip_clock"] = cam.clock_index;
   out["phase"] = cam.phase;
   if (cam.section) out["section"] = *cam.section + 1;
-  out["requested"] = cam.requested;
-  out["realised"] = cam.realised;
+  out["requested"] = cam.requested.to_json();
+  out["realised"] = cam.realised.to_json();
   out["capacitors"] = Json::object();
   for (const Capacitor& c : cam.capacitors) out["capacitors"][c.name] = c.units;
   out["z_numerator"] = cam.z.numerator;
   out["z_denominator"] = cam.z.denominator;
   if (cam.own_error_percent) out["own_error_percent"] = *cam.own_error_percent;
-  if (cam.least_own_error_percent) out["least_own_error_percent"] = *cam.least_own_error_percent;
+  if (cam.min_own_error_percent) out["least_own_error_percent"] = *cam.min_own_error_percent;
   out["delay_cycles"] = cam.delay_cycles;
   out["output_hold"] = cam.output_hold;
   out["resources"] = {{"opamps", cam.resources.opamps},
@@ -62,33 +62,28 @@ Resources resources_from(const Node& node) {
   return out;
 }
 
-/// Parameter objects hold numbers and words.
-Json values_from(const Node& node) {
-  Json out = Json::object();
-  for (const auto& [key, value] : node.members()) {
-    if (value.kind() == Node::Kind::string) {
-      out[key] = value.string();
-    } else {
-      out[key] = value.number();
-    }
-  }
-  return out;
+const Cam& cam_type_from(const Node& node) {
+  const std::string name = node.string();
+  if (const Cam* cam = cam_registry().find(name)) return *cam;
+  node.fail(fmt::format("is '{}', expected a CAM of the library: {}", name, cam_registry().names()));
 }
 
 PlacedCam cam_from(const Node& node, const Board& board) {
   PlacedCam cam;
   cam.name = node.at("name").string();
-  cam.cam = node.at("cam").string();
+  cam.cam = &cam_type_from(node.at("cam"));
   cam.option = node.string_or("option", "");
   cam.cab = static_cast<int>(node.at("cab").integer(1, board.cabs_per_chip));
   cam.clock_a = {node.at("clock_a_hz").positive()};
   cam.clock_index = node.has("chip_clock") ? static_cast<int>(node.at("chip_clock").integer(0, 5)) : 0;
   cam.phase = node.has("phase") ? static_cast<int>(node.at("phase").integer(1, 2)) : 1;
-  if (node.has("section")) cam.section = static_cast<int>(node.at("section").integer(1, 1000000)) - 1;
-  if (node.has("requested")) cam.requested = values_from(node.at("requested"));
-  if (node.has("realised")) cam.realised = values_from(node.at("realised"));
+  if (node.has("section")) {
+    cam.section = static_cast<std::size_t>(node.at("section").integer(1, 1000000) - 1);
+  }
+  if (node.has("requested")) cam.requested = CamValues::from_node(node.at("requested"));
+  if (node.has("realised")) cam.realised = CamValues::from_node(node.at("realised"));
   for (const auto& [name, value] : node.at("capacitors").members()) {
-    cam.capacitors.push_back({name, static_cast<int>(value.integer(0, 2 * board.largest_capacitor))});
+    cam.capacitors.push_back({name, static_cast<int>(value.integer(0, 2 * board.max_capacitor))});
   }
   cam.z.numerator = node.at("z_numerator").numbers();
   cam.z.denominator = node.at("z_denominator").numbers();
@@ -98,7 +93,7 @@ PlacedCam cam_from(const Node& node, const Board& board) {
   }
   if (node.has("own_error_percent")) cam.own_error_percent = node.at("own_error_percent").number();
   if (node.has("least_own_error_percent")) {
-    cam.least_own_error_percent = node.at("least_own_error_percent").number();
+    cam.min_own_error_percent = node.at("least_own_error_percent").number();
   }
   cam.delay_cycles = node.has("delay_cycles") ? node.at("delay_cycles").non_negative() : 0.0;
   cam.output_hold = node.boolean_or("output_hold", false);
@@ -106,7 +101,7 @@ PlacedCam cam_from(const Node& node, const Board& board) {
   return cam;
 }
 
-ClockPlan clocks_from(const Node& chip, const Board& board) {
+ClockPlan clocks_from(const Node& chip) {
   ClockPlan out;
   if (!chip.has("clock_divisors")) return out;
   const Node node = chip.at("clock_divisors");
@@ -123,7 +118,59 @@ ClockPlan clocks_from(const Node& chip, const Board& board) {
     out.clocks.push_back(
         {static_cast<int>(node.at(key).at("system").integer(1, 2)), divisor(node.at(key).at("divisor"))});
   }
-  (void)board;
+  return out;
+}
+
+Json chip_json(const ChipPlan& chip, const Board& board) {
+  Json out;
+  out["chip"] = chip.chip;
+  out["master_clock_hz"] = chip.master_clock.value;
+  Json clocks = Json::object();
+  clocks["sys1_hz"] = chip.master_clock.value / chip.clocks.sys1_divisor;
+  clocks["sys2_hz"] = chip.master_clock.value / chip.clocks.sys2_divisor;
+  Json divisors = Json::object();
+  divisors["sys1"] = chip.clocks.sys1_divisor;
+  divisors["sys2"] = chip.clocks.sys2_divisor;
+  for (std::size_t k = 0; k < chip.clocks.clocks.size(); ++k) {
+    clocks[fmt::format("clock{}_hz", k)] = chip.clocks.frequency(board, k).value;
+    divisors[fmt::format("clock{}", k)] = {{"system", chip.clocks.clocks[k].system},
+                                           {"divisor", chip.clocks.clocks[k].divisor}};
+  }
+  out["clocks_hz"] = clocks;
+  out["clock_divisors"] = divisors;
+  out["cams"] = Json::array();
+  for (const PlacedCam& cam : chip.cams) out["cams"].push_back(cam_json(cam));
+  const Resources sum = chip.resources();
+  out["resources"] = {
+      {"opamps", sum.opamps}, {"capacitors", sum.capacitors}, {"comparators", sum.comparators}};
+  return out;
+}
+
+ChipPlan chip_from(const Node& node, const Board& board) {
+  ChipPlan out;
+  out.chip = static_cast<int>(node.at("chip").integer(1, board.chips));
+  out.master_clock = {node.at("master_clock_hz").positive()};
+  out.clocks = clocks_from(node);
+  for (const Node& cam : node.at("cams").items()) out.cams.push_back(cam_from(cam, board));
+  return out;
+}
+
+/// The signal path names every pin and CAM in order: each is wired to the next.
+std::vector<Wire> wires_from(const Node& signal_path) {
+  std::vector<Wire> out;
+  std::string last;
+  for (const Node& item : signal_path.items()) {
+    std::string next = item.string();
+    if (!last.empty()) out.push_back({.from = last, .to = next});
+    last = std::move(next);
+  }
+  return out;
+}
+
+std::vector<std::string> lines_from(const Node& node, const char* key) {
+  std::vector<std::string> out;
+  if (!node.has(key)) return out;
+  for (const Node& item : node.at(key).items()) out.push_back(item.string());
   return out;
 }
 
@@ -134,34 +181,11 @@ Json Plan::to_json() const {
   out["board"] = board;
   const Board& facts = board_by_name(board);
   out["chips"] = Json::array();
-  for (const ChipPlan& chip : chips) {
-    Json item;
-    item["chip"] = chip.chip;
-    item["master_clock_hz"] = chip.master_clock.value;
-    Json clocks = Json::object();
-    clocks["sys1_hz"] = chip.master_clock.value / chip.clocks.sys1_divisor;
-    clocks["sys2_hz"] = chip.master_clock.value / chip.clocks.sys2_divisor;
-    Json divisors = Json::object();
-    divisors["sys1"] = chip.clocks.sys1_divisor;
-    divisors["sys2"] = chip.clocks.sys2_divisor;
-    for (size_t k = 0; k < chip.clocks.clocks.size(); ++k) {
-      clocks[fmt::format("clock{}_hz", k)] = chip.clocks.frequency(facts, k).value;
-      divisors[fmt::format("clock{}", k)] = {{"system", chip.clocks.clocks[k].system},
-                                             {"divisor", chip.clocks.clocks[k].divisor}};
-    }
-    item["clocks_hz"] = clocks;
-    item["clock_divisors"] = divisors;
-    item["cams"] = Json::array();
-    for (const PlacedCam& cam : chip.cams) item["cams"].push_back(cam_json(cam));
-    const Resources sum = chip.resources();
-    item["resources"] = {
-        {"opamps", sum.opamps}, {"capacitors", sum.capacitors}, {"comparators", sum.comparators}};
-    out["chips"].push_back(item);
-  }
-  out["signal_path"] = signal_path;
+  for (const ChipPlan& chip : chips) out["chips"].push_back(chip_json(chip, facts));
+  out["signal_path"] = signal_path();
   out["error"] = error_json(error);
   out["error_with_delays"] = error_json(error_with_delays);
-  out["largest_input_v"] = largest_input_v;
+  out["largest_input_v"] = max_input_v;
   out["assumptions"] = assumptions;
   out["notes"] = notes;
   return out;
@@ -171,30 +195,17 @@ Plan Plan::from_node(const Node& node) {
   node.expect_schema("fpaa_plan");
   Plan out;
   out.board = node.at("board").string();
-  const Board* facts = nullptr;
-  try {
-    facts = &board_by_name(out.board);
-  } catch (const DesignError& error) {
-    node.at("board").fail(error.what());
-  }
+  const Outcome<const Board*> facts = find_board(out.board);
+  if (const Refusal* refusal = refusal_of(facts)) node.at("board").fail(refusal->reason);
   for (const Node& item : node.at("chips").items()) {
-    ChipPlan chip;
-    chip.chip = static_cast<int>(item.at("chip").integer(1, facts->chips));
-    chip.master_clock = {item.at("master_clock_hz").positive()};
-    chip.clocks = clocks_from(item, *facts);
-    for (const Node& cam : item.at("cams").items()) chip.cams.push_back(cam_from(cam, *facts));
-    out.chips.push_back(std::move(chip));
+    out.chips.push_back(chip_from(item, *std::get<const Board*>(facts)));
   }
-  for (const Node& item : node.at("signal_path").items()) out.signal_path.push_back(item.string());
+  out.wires = wires_from(node.at("signal_path"));
   out.error = error_from(node.at("error"));
   if (node.has("error_with_delays")) out.error_with_delays = error_from(node.at("error_with_delays"));
-  out.largest_input_v = node.number_or("largest_input_v", 0.0);
-  const auto lines = [&](const char* key, std::vector<std::string>& to) {
-    if (!node.has(key)) return;
-    for (const Node& item : node.at(key).items()) to.push_back(item.string());
-  };
-  lines("assumptions", out.assumptions);
-  lines("notes", out.notes);
+  out.max_input_v = node.number_or("largest_input_v", 0.0);
+  out.assumptions = lines_from(node, "assumptions");
+  out.notes = lines_from(node, "notes");
   return out;
 }
 

@@ -15,9 +15,14 @@ struct PolynomialError {
 PolynomialError polynomial_error(const Disturbance& disturbance, PolynomialBy by,
                                  double outside_error_percent);
 
-/// The look-up table of a branch: input -3 ... +3 V is x = 0 ... 1, output 3 V is d = `scale`.
-LookupTable branch_table(const Disturbance& disturbance, Disturbance::Branch branch, double& scale);
-/// The function that branch_table imitates, in volts.
+/// A branch as a look-up table: input -3 ... +3 V is x = 0 ... 1, output 3 V is d = `scale`.
+struct BranchTable {
+  LookupTable table;
+  double scale = 1.0;
+};
+/// Refused for a branch that is 0 everywhere.
+Outcome<BranchTable> branch_table(const Disturbance& disturbance, Disturbance::Branch branch);
+/// The function that a table of this scale imitates, in volts.
 double branch_volts(const Disturbance& disturbance, Disturbance::Branch branch, double scale, double input_v);
 
 }  // namespace bodesmith::fpaa

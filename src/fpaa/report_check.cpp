@@ -9,7 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "fpaa/cam_words.hpp"
+#include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -28,9 +28,9 @@ std::string lower(std::string_view text) {
 
 std::string plain(std::string_view text) {
   std::string out;
-  for (size_t i = 0; i < text.size(); ++i) {
+  for (std::size_t i = 0; i < text.size(); ++i) {
     if (text[i] == '&') {
-      const size_t end = text.find(';', i);
+      const std::size_t end = text.find(';', i);
       const std::string_view name = end == std::string_view::npos ? "" : text.substr(i + 1, end - i - 1);
       const char* found = name == "amp"    ? "&"
                           : name == "lt"   ? "<"
@@ -60,13 +60,13 @@ std::vector<Run> visible_text(std::string_view html) {
     text.clear();
     if (!clean.empty()) out.push_back({tag, clean});
   };
-  size_t at = 0;
+  std::size_t at = 0;
   while (at < html.size()) {
     if (html[at] != '<') {
       text += html[at++];
       continue;
     }
-    const size_t end = html.find('>', at);
+    const std::size_t end = html.find('>', at);
     if (end == std::string_view::npos) break;
     const std::string mark = lower(html.substr(at + 1, end - at - 1));
     at = end + 1;
@@ -75,7 +75,7 @@ std::vector<Run> visible_text(std::string_view html) {
       continue;
     }
     if (mark.rfind("style", 0) == 0 || mark.rfind("script", 0) == 0) {
-      const size_t close = lower(html.substr(at)).find("</");
+      const std::size_t close = lower(html.substr(at)).find("</");
       if (close == std::string::npos) break;
       at += close;
       continue;
@@ -98,7 +98,7 @@ std::vector<Run> visible_text(std::string_view html) {
 /// A leading number with an optional unit, in Hz when `frequency`.
 std::optional<double> number_in(std::string_view text, bool frequency) {
   text = trim(text);
-  size_t end = 0;
+  std::size_t end = 0;
   while (end < text.size() && (std::isdigit(static_cast<unsigned char>(text[end])) != 0 ||
                                std::string_view("+-.eE").find(text[end]) != std::string_view::npos)) {
     ++end;
@@ -117,14 +117,31 @@ bool is_close(double got, double wanted, double tolerance) {
   return std::abs(got - wanted) <= tolerance * std::max(std::abs(wanted), 1e-12);
 }
 
-void compare_cam(const ReportedCam& got, const PlacedCam& wanted, double tolerance,
-                 std::vector<std::string>& out) {
-  const auto differ = [&](const std::string& what, const std::string& is, const std::string& should) {
-    out.push_back(fmt::format("{}: {} is {}, the plan says {}", wanted.name, what, is, should));
-  };
-  if (got.cam != wanted.cam) differ("the CAM", got.cam, wanted.cam);
-  const auto row = [&](std::string_view label) -> const std::string* {
-    for (const auto& [key, value] : got.rows) {
+/// Compares one CAM of the report with the plan's.
+class CamComparison {
+ public:
+  CamComparison(const ReportedCam& got, const PlacedCam& wanted, double tolerance,
+                std::vector<std::string>& out)
+      : got_(got), wanted_(wanted), tolerance_(tolerance), out_(out) {}
+
+  void run() {
+    if (got_.cam != wanted_.cam_name()) differ("the CAM", got_.cam, std::string(wanted_.cam_name()));
+    clock();
+    phase();
+    option();
+    for (const CamValues::Entry& entry : wanted_.realised.entries()) parameter(entry);
+  }
+
+ private:
+  void differ(std::string_view what, std::string_view is, std::string_view should) {
+    out_.push_back(fmt::format("{}: {} is {}, the plan says {}", wanted_.name, what, is, should));
+  }
+  void missing(std::string_view what) {
+    out_.push_back(fmt::format("{}: no {} in the report", wanted_.name, what));
+  }
+
+  const std::string* row(std::string_view label) const {
+    for (const auto& [key, value] : got_.rows) {
       // "Gain 1 (UpperInput)" and the like: the words in front count.
       if (key == label || key.rfind(std::string(label) + " [", 0) == 0 ||
           key.rfind(std::string(label) + " (", 0) == 0) {
@@ -132,45 +149,59 @@ void compare_cam(const ReportedCam& got, const PlacedCam& wanted, double toleran
       }
     }
     return nullptr;
-  };
-  if (const std::string* clock = row("ClockA"); clock == nullptr) {
-    out.push_back(fmt::format("{}: no ClockA in the report", wanted.name));
-  } else {
-    const auto hz = number_in(*clock, true);
-    if (!hz || !is_close(*hz, wanted.clock_a.value, tolerance)) {
-      differ("ClockA", *clock, rounded_text(wanted.clock_a.value / 1e3, 6) + " kHz");
-    }
-    const std::string number = fmt::format("Chip Clock {}", wanted.clock_index);
-    if (clock->find("Chip Clock") != std::string::npos && clock->find(number) == std::string::npos) {
-      differ("ClockA", *clock, number);
-    }
   }
-  if (const std::string* phase = row("Output Phase"); phase != nullptr) {
-    const std::string should = fmt::format("Phase {}", wanted.phase);
-    if (*phase != should) differ("Output Phase", *phase, should);
-  }
-  if (!wanted.option.empty()) {
-    if (const std::string* type = row("Filter Type");
-        type != nullptr && lower(*type) != lower(wanted.option)) {
-      differ("Filter Type", *type, wanted.option);
-    }
-  }
-  for (const auto& [key, value] : wanted.realised.items()) {
-    const CamWord* word = find_word(key);
-    if (word == nullptr || !value.is_number()) continue;
-    const std::string* text = row(word->words);
+
+  void clock() {
+    const std::string* text = row("ClockA");
     if (text == nullptr) {
-      out.push_back(fmt::format("{}: no {} in the report", wanted.name, word->words));
-      continue;
+      missing("ClockA");
+      return;
     }
-    const auto number = number_in(*text, word->frequency);
-    const double should = value.get<double>();
-    if (!number || !is_close(*number, should, tolerance)) {
-      differ(std::string(word->words), *text,
-             word->frequency ? rounded_text(should / 1e3, 6) + " kHz" : rounded_text(should, 6));
+    const auto hz = number_in(*text, true);
+    if (!hz || !is_close(*hz, wanted_.clock_a.value, tolerance_)) {
+      differ("ClockA", *text, rounded_text(wanted_.clock_a.value / 1e3, 6) + " kHz");
+    }
+    const std::string number = fmt::format("Chip Clock {}", wanted_.clock_index);
+    if (text->find("Chip Clock") != std::string::npos && text->find(number) == std::string::npos) {
+      differ("ClockA", *text, number);
     }
   }
-}
+
+  void phase() {
+    const std::string* text = row("Output Phase");
+    const std::string should = fmt::format("Phase {}", wanted_.phase);
+    if (text != nullptr && *text != should) differ("Output Phase", *text, should);
+  }
+
+  void option() {
+    if (wanted_.option.empty()) return;
+    const std::string* text = row("Filter Type");
+    if (text != nullptr && lower(*text) != lower(wanted_.option)) {
+      differ("Filter Type", *text, wanted_.option);
+    }
+  }
+
+  void parameter(const CamValues::Entry& entry) {
+    const CamParameter* parameter = wanted_.cam->parameter(entry.key);
+    const auto should = entry.number();
+    if (parameter == nullptr || parameter->words.empty() || !should) return;
+    const std::string* text = row(parameter->words);
+    if (text == nullptr) {
+      missing(parameter->words);
+      return;
+    }
+    const auto number = number_in(*text, parameter->frequency);
+    if (!number || !is_close(*number, *should, tolerance_)) {
+      differ(parameter->words, *text,
+             parameter->frequency ? rounded_text(*should / 1e3, 6) + " kHz" : rounded_text(*should, 6));
+    }
+  }
+
+  const ReportedCam& got_;
+  const PlacedCam& wanted_;
+  double tolerance_;
+  std::vector<std::string>& out_;
+};
 
 void compare_clocks(const DesignerReport::Chip& got, const ChipPlan& wanted, std::vector<std::string>& out) {
   const auto find = [&](const std::string& start) -> const std::string* {
@@ -189,7 +220,7 @@ void compare_clocks(const DesignerReport::Chip& got, const ChipPlan& wanted, std
   };
   if (got.clocks.empty()) return;
   check("System Clock 1", std::to_string(wanted.clocks.sys1_divisor));
-  for (size_t k = 0; k < wanted.clocks.clocks.size(); ++k) {
+  for (std::size_t k = 0; k < wanted.clocks.clocks.size(); ++k) {
     const ChipClock& clock = wanted.clocks.clocks[k];
     check(fmt::format("Clock {}", k), std::to_string(clock.divisor));
     const std::string* label = find(fmt::format("Clock {}", k));
@@ -209,7 +240,7 @@ DesignerReport read_report(std::string_view html, const std::string& file) {
   std::string label;
   for (const Run& run : visible_text(html)) {
     if (run.tag == "h1") {
-      const size_t colon = run.text.find(": ");
+      const std::size_t colon = run.text.find(": ");
       const std::string what = run.text.substr(0, colon);
       chip = colon == std::string::npos ? "" : run.text.substr(colon + 2);
       part = what == "Clocks"                        ? Part::clocks
@@ -217,7 +248,7 @@ DesignerReport read_report(std::string_view html, const std::string& file) {
                                                      : Part::other;
       if (what == "Chip") out.chips.push_back({chip, {}});
     } else if (run.tag == "b" && part == Part::cams) {
-      const size_t open = run.text.rfind('(');
+      const std::size_t open = run.text.rfind('(');
       ReportedCam cam;
       cam.chip = chip;
       cam.name = std::string(trim(run.text.substr(0, open)));
@@ -250,20 +281,20 @@ std::vector<std::string> compare_report(const DesignerReport& report, const Plan
   std::vector<bool> seen(report.cams.size(), false);
   for (const PlacedCam* wanted : plan.cams()) {
     bool found = false;
-    for (size_t i = 0; i < report.cams.size() && !found; ++i) {
+    for (std::size_t i = 0; i < report.cams.size() && !found; ++i) {
       if (report.cams[i].name != wanted->name) continue;
       found = true;
       seen[i] = true;
-      compare_cam(report.cams[i], *wanted, tolerance, out);
+      CamComparison(report.cams[i], *wanted, tolerance, out).run();
     }
-    if (!found) out.push_back(fmt::format("{} ({}) is not in the report", wanted->name, wanted->cam));
+    if (!found) out.push_back(fmt::format("{} ({}) is not in the report", wanted->name, wanted->cam_name()));
   }
-  for (size_t i = 0; i < report.cams.size(); ++i) {
+  for (std::size_t i = 0; i < report.cams.size(); ++i) {
     if (!seen[i])
       out.push_back(
           fmt::format("{} ({}) is in the report, not in the plan", report.cams[i].name, report.cams[i].cam));
   }
-  for (size_t c = 0; c < plan.chips.size() && c < report.chips.size(); ++c) {
+  for (std::size_t c = 0; c < plan.chips.size() && c < report.chips.size(); ++c) {
     compare_clocks(report.chips[c], plan.chips[c], out);
   }
   return out;

@@ -8,47 +8,59 @@
 #include <mutex>
 #include <numbers>
 #include <numeric>
+#include <optional>
 
 namespace bodesmith::fpaa {
 namespace {
 
-using Complex = std::complex<double>;
+/// Slopes this near to a bound, relative, are still looked at.
+constexpr double kSlopeRounding = 1e-12;
+/// Halvings that take a gain to rounding.
+constexpr int kBisections = 60;
 
 /// A capacitor ratio in lowest terms. Its corner sits at w = 1/slope on the axis of tan(w/2fc).
-struct Ratio {
+struct CapacitorRatio {
   int c0 = 1;
   int c1 = 1;
   double slope() const { return 1.0 + 2.0 * c1 / c0; }
 };
 
-std::vector<Ratio> all_ratios(int largest) {
-  std::vector<Ratio> out;
-  for (int c0 = 1; c0 <= largest; ++c0) {
-    for (int c1 = 1; c1 <= largest; ++c1) {
+std::vector<CapacitorRatio> all_ratios(int max_capacitor) {
+  std::vector<CapacitorRatio> out;
+  for (int c0 = 1; c0 <= max_capacitor; ++c0) {
+    for (int c1 = 1; c1 <= max_capacitor; ++c1) {
       if (std::gcd(c0, c1) == 1) out.push_back({c0, c1});
     }
   }
-  std::sort(out.begin(), out.end(), [](const Ratio& a, const Ratio& b) { return a.c1 * b.c0 < b.c1 * a.c0; });
+  std::sort(out.begin(), out.end(),
+            [](const CapacitorRatio& a, const CapacitorRatio& b) { return a.c1 * b.c0 < b.c1 * a.c0; });
   return out;
 }
 
-const std::vector<Ratio>& ratios_to(int largest) {
+const std::vector<CapacitorRatio>& ratios_to(int max_capacitor) {
   static std::mutex mutex;
-  static std::map<int, std::vector<Ratio>> known;
+  static std::map<int, std::vector<CapacitorRatio>> known;
   const std::lock_guard<std::mutex> lock(mutex);
-  auto at = known.find(largest);
-  if (at == known.end()) at = known.emplace(largest, all_ratios(largest)).first;
+  auto at = known.find(max_capacitor);
+  if (at == known.end()) at = known.emplace(max_capacitor, all_ratios(max_capacitor)).first;
   return at->second;
 }
 
-class Search {
+struct SlopeRange {
+  double from = 0.0;
+  double to = 0.0;
+};
+
+/// Branch and bound over the ratios of the pole.
+class PoleZeroSearch {
  public:
-  Search(RadPerSecond zero, RadPerSecond pole, Hertz clock, const std::vector<RadPerSecond>& grid,
-         int largest)
-      : ratios_(ratios_to(largest)) {
+  PoleZeroSearch(RadPerSecond zero, RadPerSecond pole, Hertz clock, const std::vector<RadPerSecond>& grid,
+                 int max_capacitor)
+      : ratios_(ratios_to(max_capacitor)) {
     for (const RadPerSecond w : grid) {
       axis_.push_back(std::tan(0.5 * w.value / clock.value));
-      const Complex wanted = Complex(1.0, w.value / zero.value) / Complex(1.0, w.value / pole.value);
+      const std::complex<double> wanted =
+          std::complex<double>(1.0, w.value / zero.value) / std::complex<double>(1.0, w.value / pole.value);
       wanted_.push_back(wanted);
       phase_.push_back(std::arg(wanted));
     }
@@ -60,47 +72,46 @@ class Search {
 
   SectionOptimum run() {
     // A good start makes the bounds sharp: the ratios next to both corners.
-    const size_t p = nearest(nominal_pole_);
-    const size_t z = nearest(nominal_zero_);
-    for (size_t i = p > 2 ? p - 2 : 0; i < std::min(ratios_.size(), p + 3); ++i) {
-      for (size_t k = z > 8 ? z - 8 : 0; k < std::min(ratios_.size(), z + 9); ++k) evaluate(k, i);
+    const std::size_t p = nearest(nominal_pole_);
+    const std::size_t z = nearest(nominal_zero_);
+    for (std::size_t i = p > 2 ? p - 2 : 0; i < std::min(ratios_.size(), p + 3); ++i) {
+      for (std::size_t k = z > 8 ? z - 8 : 0; k < std::min(ratios_.size(), z + 9); ++k) evaluate(k, i);
     }
     visit(0, ratios_.size());
     return best_;
   }
 
  private:
-  size_t nearest(double slope) const {
+  std::size_t nearest(double slope) const {
     const auto at = std::lower_bound(ratios_.begin(), ratios_.end(), slope,
-                                     [](const Ratio& r, double s) { return r.slope() < s; });
+                                     [](const CapacitorRatio& r, double s) { return r.slope() < s; });
     if (at == ratios_.end()) return ratios_.size() - 1;
-    return static_cast<size_t>(at - ratios_.begin());
+    return static_cast<std::size_t>(at - ratios_.begin());
   }
 
-  /// Zero slopes that pole slopes in [low, high] leave possible; false: none.
-  bool zero_interval(double low, double high, double& from, double& to) const {
+  /// Zero slopes that pole slopes in [low, high] leave possible.
+  std::optional<SlopeRange> zero_range(double low, double high) const {
     const double slack =
         best_.max_complex_error < 1.0 ? std::asin(best_.max_complex_error) : std::numbers::pi;
-    from = 0.0;
-    to = std::numeric_limits<double>::infinity();
-    for (size_t k = 0; k < axis_.size(); ++k) {
-      const double least = phase_[k] + std::atan(axis_[k] * low) - slack;
-      const double most = phase_[k] + std::atan(axis_[k] * high) + slack;
-      if (least >= 0.5 * std::numbers::pi || most <= 0.0) return false;
-      if (least > 0.0) from = std::max(from, std::tan(least) / axis_[k]);
-      if (most < 0.5 * std::numbers::pi) to = std::min(to, std::tan(most) / axis_[k]);
+    SlopeRange out{0.0, std::numeric_limits<double>::infinity()};
+    for (std::size_t k = 0; k < axis_.size(); ++k) {
+      const double min_phase = phase_[k] + std::atan(axis_[k] * low) - slack;
+      const double max_phase = phase_[k] + std::atan(axis_[k] * high) + slack;
+      if (min_phase >= 0.5 * std::numbers::pi || max_phase <= 0.0) return std::nullopt;
+      if (min_phase > 0.0) out.from = std::max(out.from, std::tan(min_phase) / axis_[k]);
+      if (max_phase < 0.5 * std::numbers::pi) out.to = std::min(out.to, std::tan(max_phase) / axis_[k]);
     }
-    return from <= to;
+    if (!(out.from <= out.to)) return std::nullopt;
+    return out;
   }
 
   /// Pole ratios [first, last).
-  void visit(size_t first, size_t last) {
+  void visit(std::size_t first, std::size_t last) {
     if (first >= last) return;
-    double from = 0.0;
-    double to = 0.0;
-    if (!zero_interval(ratios_[first].slope(), ratios_[last - 1].slope(), from, to)) return;
+    const auto zeros = zero_range(ratios_[first].slope(), ratios_[last - 1].slope());
+    if (!zeros) return;
     if (last - first > 1) {
-      const size_t middle = first + (last - first) / 2;
+      const std::size_t middle = first + (last - first) / 2;
       // The half nearer to the wanted pole first.
       if (nominal_pole_ < ratios_[middle].slope()) {
         visit(first, middle);
@@ -111,14 +122,15 @@ class Search {
       }
       return;
     }
-    const auto less = [](const Ratio& r, double s) { return r.slope() < s; };
-    const auto begin = std::lower_bound(ratios_.begin(), ratios_.end(), from * (1.0 - 1e-12), less);
-    for (auto at = begin; at != ratios_.end() && at->slope() <= to * (1.0 + 1e-12); ++at) {
-      evaluate(static_cast<size_t>(at - ratios_.begin()), first);
+    const auto less = [](const CapacitorRatio& r, double s) { return r.slope() < s; };
+    const auto begin =
+        std::lower_bound(ratios_.begin(), ratios_.end(), zeros->from * (1.0 - kSlopeRounding), less);
+    for (auto at = begin; at != ratios_.end() && at->slope() <= zeros->to * (1.0 + kSlopeRounding); ++at) {
+      evaluate(static_cast<std::size_t>(at - ratios_.begin()), first);
     }
   }
 
-  void evaluate(size_t zero, size_t pole) {
+  void evaluate(std::size_t zero, std::size_t pole) {
     ++best_.evaluated;
     const double a = ratios_[zero].slope();
     const double b = ratios_[pole].slope();
@@ -126,8 +138,8 @@ class Search {
     double low = std::numeric_limits<double>::infinity();
     double high = 0.0;
     q_.resize(axis_.size());
-    for (size_t k = 0; k < axis_.size(); ++k) {
-      q_[k] = Complex(1.0, axis_[k] * a) / Complex(1.0, axis_[k] * b) / wanted_[k];
+    for (std::size_t k = 0; k < axis_.size(); ++k) {
+      q_[k] = std::complex<double>(1.0, axis_[k] * a) / std::complex<double>(1.0, axis_[k] * b) / wanted_[k];
       const double magnitude = std::norm(q_[k]);
       low = std::min(low, magnitude);
       high = std::max(high, magnitude);
@@ -135,19 +147,18 @@ class Search {
     low = std::sqrt(low);
     high = std::sqrt(high);
     if ((high - low) / (high + low) >= best_.max_complex_error) return;
-    double gain = 1.0;
-    const double error = best_free_gain_error(q_, gain);
-    if (error < best_.max_complex_error) {
-      best_.max_complex_error = error;
+    const FreeGain free = best_free_gain(q_);
+    if (free.error < best_.max_complex_error) {
+      best_.max_complex_error = free.error;
       best_.capacitors = {ratios_[zero].c0, ratios_[zero].c1, ratios_[pole].c0, ratios_[pole].c1};
       // q was taken with unit DC gain; the capacitors have theirs.
-      best_.free_gain = gain / best_.capacitors.dc_gain();
+      best_.free_gain = free.gain / best_.capacitors.dc_gain();
     }
   }
 
-  const std::vector<Ratio>& ratios_;
+  const std::vector<CapacitorRatio>& ratios_;
   std::vector<double> axis_, phase_;
-  std::vector<Complex> wanted_, q_;
+  std::vector<std::complex<double>> wanted_, q_;
   double nominal_pole_ = 1.0;
   double nominal_zero_ = 1.0;
   SectionOptimum best_;
@@ -155,42 +166,38 @@ class Search {
 
 }  // namespace
 
-double best_free_gain_error(const std::vector<Complex>& q, double& gain) {
+FreeGain best_free_gain(const std::vector<std::complex<double>>& q) {
   double low = std::numeric_limits<double>::infinity();
-  double high = 0.0;
-  for (const Complex& value : q) {
-    low = std::min(low, std::abs(value));
-    high = std::max(high, std::abs(value));
-  }
+  for (const std::complex<double>& value : q) low = std::min(low, std::abs(value));
   // max |g q - 1| is convex in g: bisect on its slope. The minimum lies where the largest and the smallest
   // |q| bracket.
   double from = 0.0;
   double to = 2.0 / low;
-  double error = 0.0;
-  for (int step = 0; step < 60; ++step) {
-    gain = 0.5 * (from + to);
+  FreeGain out;
+  for (int step = 0; step < kBisections; ++step) {
+    out.gain = 0.5 * (from + to);
     double worst = -1.0;
     double slope = 0.0;
-    for (const Complex& value : q) {
-      const double e = std::norm(gain * value - 1.0);
+    for (const std::complex<double>& value : q) {
+      const double e = std::norm(out.gain * value - 1.0);
       if (e > worst) {
         worst = e;
-        slope = gain * std::norm(value) - value.real();
+        slope = out.gain * std::norm(value) - value.real();
       }
     }
-    error = std::sqrt(worst);
+    out.error = std::sqrt(worst);
     if (slope > 0.0) {
-      to = gain;
+      to = out.gain;
     } else {
-      from = gain;
+      from = out.gain;
     }
   }
-  return error;
+  return out;
 }
 
 SectionOptimum best_pole_zero(RadPerSecond zero, RadPerSecond pole, Hertz clock,
-                              const std::vector<RadPerSecond>& grid, int largest) {
-  return Search(zero, pole, clock, grid, largest).run();
+                              const std::vector<RadPerSecond>& grid, int max_capacitor) {
+  return PoleZeroSearch(zero, pole, clock, grid, max_capacitor).run();
 }
 
 }  // namespace bodesmith::fpaa

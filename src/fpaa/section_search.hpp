@@ -8,8 +8,8 @@
 
 namespace bodesmith::fpaa {
 
-/// The best capacitors of one pole-zero CAM by itself, proven: no other set of 1 ... largest units has a
-/// smaller worst complex error min over g of max over grid |g H(jw)/S(jw) - 1|, S = (1 + jw/zero)/(1 +
+/// The best capacitors of one pole-zero CAM by itself, proven: no other set of 1 ... max_capacitor units has
+/// a smaller worst complex error min over g of max over grid |g H(jw)/S(jw) - 1|, S = (1 + jw/zero)/(1 +
 /// jw/pole). The gain g is free because the cascade carries it elsewhere.
 struct SectionOptimum {
   PoleZeroCapacitors capacitors;
@@ -23,9 +23,13 @@ struct SectionOptimum {
 /// within asin E at every frequency, which confines the zero's ratio to an interval for a whole interval of
 /// pole ratios; where the intervals of all frequencies do not meet, no set in there can be better.
 SectionOptimum best_pole_zero(RadPerSecond zero, RadPerSecond pole, Hertz clock,
-                              const std::vector<RadPerSecond>& grid, int largest = 255);
+                              const std::vector<RadPerSecond>& grid, int max_capacitor = 255);
 
-/// min over g > 0 of max |g q - 1| (exact up to rounding), and g.
-double best_free_gain_error(const std::vector<std::complex<double>>& q, double& gain);
+/// min over g > 0 of max |g q - 1| (exact up to rounding), and that g.
+struct FreeGain {
+  double error = 0.0;
+  double gain = 1.0;
+};
+FreeGain best_free_gain(const std::vector<std::complex<double>>& q);
 
 }  // namespace bodesmith::fpaa

@@ -3,18 +3,31 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
+#include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
+constexpr int kBankBytes = 32;
+/// Where the divisors stand in bank 0: chip clocks 0 to 3 downwards from here, and the two system clocks.
+constexpr int kClock0Byte = 7;
+constexpr std::size_t kUpdatedClocks = 4;
+constexpr int kSys1Byte = 9;
+constexpr int kSys2Byte = 10;
+
 /// Address in the memory, bank after bank.
 int flat(int bank, int byte) {
-  return 32 * bank + byte;
+  return kBankBytes * bank + byte;
+}
+/// "bank 3, byte 7".
+std::string place_text(int address) {
+  return fmt::format("bank {}, byte {}", address / kBankBytes, address % kBankBytes);
 }
 
 struct Cell {
@@ -25,34 +38,18 @@ using Memory = std::map<int, Cell>;
 
 const ApiProject::Chip& project_chip(const ChipPlan& chip, const ApiProject& project) {
   // The plan's chips are numbered; the project's stand in the order of their arrays.
-  if (static_cast<size_t>(chip.chip) > project.chips.size()) {
+  if (std::cmp_greater(chip.chip, project.chips.size())) {
     throw DesignError(fmt::format("{}: has {} chip{}, the plan needs chip {}", project.file,
                                   project.chips.size(), project.chips.size() == 1 ? "" : "s", chip.chip));
   }
-  return project.chips[static_cast<size_t>(chip.chip - 1)];
+  return project.chips[static_cast<std::size_t>(chip.chip - 1)];
 }
 
-/// A plan's capacitor in the vendor's pieces: a biquad's CA and CB are each two banks, GainInv has its pair
-/// twice.
-std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam, const ApiProject::Cam& table) {
-  const auto in_table = [&](const std::string& name) {
-    return std::any_of(table.capacitors.begin(), table.capacitors.end(),
-                       [&](const ApiProject::Capacitor& c) { return c.name == name; });
-  };
-  std::vector<Capacitor> out;
-  for (const Capacitor& c : cam.capacitors) {
-    if (cam.cam == "FilterBiquad" && (c.name == "CA" || c.name == "CB")) {
-      const int first = std::min(c.units, 255);
-      out.push_back({c.name + "1", first});
-      out.push_back({c.name + "2", c.units - first});
-    } else if (cam.cam == "GainInv") {
-      out.push_back(c);
-      if (in_table("a" + c.name)) out.push_back({"a" + c.name, c.units});
-    } else {
-      out.push_back(c);
-    }
-  }
-  return out;
+/// A plan's capacitors as the user's table has them.
+std::vector<Capacitor> table_capacitors(const PlacedCam& cam, const ApiProject::Cam& table) {
+  std::vector<std::string> names;
+  for (const ApiProject::Capacitor& c : table.capacitors) names.push_back(c.name);
+  return cam.cam->vendor_capacitors(cam, names);
 }
 
 const ApiProject::Cam& table_of(const PlacedCam& cam, const ApiProject::Chip& chip,
@@ -68,12 +65,12 @@ const ApiProject::Cam& table_of(const PlacedCam& cam, const ApiProject::Chip& ch
 }
 
 /// Place of a plan's capacitor in the user's table.
-size_t index_of(const Capacitor& c, const ApiProject::Cam& table, const PlacedCam& cam,
-                const ApiProject& project, const UpdateOptions& options) {
+std::size_t index_of(const Capacitor& c, const ApiProject::Cam& table, const PlacedCam& cam,
+                     const ApiProject& project, const UpdateOptions& options) {
   const auto renamed = options.names.find(c.name);
   const std::string& name = renamed == options.names.end() ? c.name : renamed->second;
   std::vector<std::string> names;
-  for (size_t i = 0; i < table.capacitors.size(); ++i) {
+  for (std::size_t i = 0; i < table.capacitors.size(); ++i) {
     if (table.capacitors[i].name == name) return i;
     names.push_back(table.capacitors[i].name);
   }
@@ -89,24 +86,24 @@ Memory memory_of(const ChipPlan& chip, const ApiProject& project, const UpdateOp
   const auto set = [&](int address, int value, const std::string& what) {
     const auto [at, fresh] = out.try_emplace(address, Cell{value, what});
     if (!fresh && at->second.value != value) {
-      throw DesignError(fmt::format("{}: {} and {} stand at the same address (bank {}, byte {})",
-                                    project.file, at->second.what, what, address / 32, address % 32));
+      throw DesignError(fmt::format("{}: {} and {} stand at the same address ({})", project.file,
+                                    at->second.what, what, place_text(address)));
     }
   };
   for (const PlacedCam& cam : chip.cams) {
-    const ApiProject::Cam* table = &table_of(cam, target, project);
-    for (const Capacitor& c : vendor_capacitors(cam, *table)) {
-      const auto& at = table->capacitors[index_of(c, *table, cam, project, options)];
+    const ApiProject::Cam& table = table_of(cam, target, project);
+    for (const Capacitor& c : table_capacitors(cam, table)) {
+      const auto& at = table.capacitors[index_of(c, table, cam, project, options)];
       set(flat(at.bank, at.byte), c.units, fmt::format("{} {}", cam.name, at.name));
     }
   }
   if (options.clocks) {
-    for (size_t k = 0; k < chip.clocks.clocks.size() && k < 4; ++k) {
-      set(flat(0, 7 - static_cast<int>(k)), divisor_byte(chip.clocks.clocks[k].divisor),
+    for (std::size_t k = 0; k < std::min(chip.clocks.clocks.size(), kUpdatedClocks); ++k) {
+      set(flat(0, kClock0Byte - static_cast<int>(k)), divisor_byte(chip.clocks.clocks[k].divisor),
           fmt::format("Clock {} divisor", k));
     }
-    set(flat(0, 9), divisor_byte(chip.clocks.sys1_divisor), "Sys1 divisor");
-    set(flat(0, 10), divisor_byte(chip.clocks.sys2_divisor), "Sys2 divisor");
+    set(flat(0, kSys1Byte), divisor_byte(chip.clocks.sys1_divisor), "Sys1 divisor");
+    set(flat(0, kSys2Byte), divisor_byte(chip.clocks.sys2_divisor), "Sys2 divisor");
   }
   return out;
 }
@@ -118,7 +115,8 @@ std::vector<ConfigBlock> wanted_memory(const ChipPlan& chip, const ApiProject& p
   std::vector<ConfigBlock> out;
   int next = -1;
   for (const auto& [address, cell] : memory_of(chip, project, options)) {
-    if (address != next || out.back().data.size() == 256) out.push_back({address / 32, address % 32, {}});
+    if (address != next || out.back().data.size() == 256)
+      out.push_back({address / kBankBytes, address % kBankBytes, {}});
     out.back().data.push_back(static_cast<std::uint8_t>(cell.value));
     next = address + 1;
   }
@@ -138,7 +136,7 @@ std::vector<std::string> compare_with_plan(const ConfigStream& stream, const Chi
                                            const ApiProject& project, const UpdateOptions& options) {
   std::map<int, int> memory;
   for (const ConfigBlock& block : stream.blocks) {
-    for (size_t i = 0; i < block.data.size(); ++i) {
+    for (std::size_t i = 0; i < block.data.size(); ++i) {
       memory[flat(block.bank, block.byte) + static_cast<int>(i)] = block.data[i];
     }
   }
@@ -151,7 +149,7 @@ std::vector<std::string> compare_with_plan(const ConfigStream& stream, const Chi
   }
   for (const auto& [address, cell] : wanted) {
     const auto at = memory.find(address);
-    const std::string place = fmt::format("bank {}, byte {}", address / 32, address % 32);
+    const std::string place = place_text(address);
     if (at == memory.end()) {
       // A primary stream leaves out what is 0.
       if (stream.primary && cell.value == 0) continue;
@@ -165,8 +163,8 @@ std::vector<std::string> compare_with_plan(const ConfigStream& stream, const Chi
   if (!stream.primary) {
     for (const auto& [address, value] : memory) {
       if (wanted.count(address) == 0) {
-        out.push_back(fmt::format("bank {}, byte {} is set to {}, the plan does not mention it", address / 32,
-                                  address % 32, value));
+        out.push_back(
+            fmt::format("{} is set to {}, the plan does not mention it", place_text(address), value));
       }
     }
   }
@@ -185,8 +183,8 @@ std::string c_calls(const Plan& plan, const ApiProject& project, const UpdateOpt
     for (const PlacedCam& cam : chip.cams) {
       const ApiProject::Cam& table = table_of(cam, target, project);
       Json calls = Json::array();
-      for (const Capacitor& c : vendor_capacitors(cam, table)) {
-        const size_t index = index_of(c, table, cam, project, options);
+      for (const Capacitor& c : table_capacitors(cam, table)) {
+        const std::size_t index = index_of(c, table, cam, project, options);
         calls.push_back({{"index", index}, {"units", c.units}, {"capacitor", table.capacitors[index].name}});
       }
       cams.push_back(
@@ -204,9 +202,9 @@ std::string c_arrays(const std::vector<std::pair<std::string, Bytes>>& arrays, c
   data["arrays"] = Json::array();
   for (const auto& [name, bytes] : arrays) {
     Json rows = Json::array();
-    for (size_t i = 0; i < bytes.size(); i += 8) {
+    for (std::size_t i = 0; i < bytes.size(); i += 8) {
       std::string row;
-      for (size_t k = i; k < std::min(bytes.size(), i + 8); ++k) {
+      for (std::size_t k = i; k < std::min(bytes.size(), i + 8); ++k) {
         row += fmt::format("0x{:02X}{}", bytes[k], k + 1 < bytes.size() ? ", " : "");
       }
       rows.push_back({{"row", std::string(trim(row))}});

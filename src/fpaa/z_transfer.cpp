@@ -6,10 +6,23 @@
 namespace bodesmith::fpaa {
 namespace {
 
-std::complex<double> polynomial(const std::vector<double>& coefficients, std::complex<double> z_inverse) {
+/// c0 + c1 x + c2 x^2 + ...
+std::complex<double> polynomial(const std::vector<double>& coefficients, std::complex<double> x) {
   std::complex<double> sum = 0.0;
-  for (auto c = coefficients.rbegin(); c != coefficients.rend(); ++c) sum = sum * z_inverse + *c;
+  for (auto c = coefficients.rbegin(); c != coefficients.rend(); ++c) sum = sum * x + *c;
   return sum;
+}
+
+/// A polynomial in 1 - x as one in x, by Horner's rule on polynomials.
+std::vector<double> expanded(const std::vector<double>& in_one_minus_x) {
+  std::vector<double> out;
+  for (auto c = in_one_minus_x.rbegin(); c != in_one_minus_x.rend(); ++c) {
+    // out (1 - x) + c
+    out.push_back(0.0);
+    for (std::size_t k = out.size() - 1; k > 0; --k) out[k] -= out[k - 1];
+    out[0] += *c;
+  }
+  return out;
 }
 
 double sum(const std::vector<double>& values) {
@@ -39,10 +52,19 @@ bool ZTransfer::is_stable() const {
     const double reflection = a.back() / a.front();
     if (!(std::abs(reflection) < 1.0)) return false;
     std::vector<double> next(a.size() - 1);
-    for (size_t i = 0; i + 1 < a.size(); ++i) next[i] = a[i] - reflection * a[a.size() - 1 - i];
+    for (std::size_t i = 0; i + 1 < a.size(); ++i) next[i] = a[i] - reflection * a[a.size() - 1 - i];
     a = std::move(next);
   }
   return a.front() != 0.0;
+}
+
+std::complex<double> DeltaTransfer::response(RadPerSecond w, Hertz clock) const {
+  const std::complex<double> d = 1.0 - std::polar(1.0, -w.value / clock.value);
+  return polynomial(numerator, d) / polynomial(denominator, d);
+}
+
+ZTransfer DeltaTransfer::in_z() const {
+  return {expanded(numerator), expanded(denominator)};
 }
 
 std::complex<double> zero_order_hold(RadPerSecond w, Hertz clock) {

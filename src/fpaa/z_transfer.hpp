@@ -21,6 +21,20 @@ struct ZTransfer {
   bool is_stable() const;
 };
 
+/// The same transfer in powers of D = 1 - 1/z, the form in which switched-capacitor circuits are written
+/// down:
+///   H = (n0 + n1 D + ...) / (d0 + d1 D + ...).
+/// D is small where the clock is fast, so that capacitors need not be whole numbers for this to be exact
+/// where ZTransfer would cancel.
+struct DeltaTransfer {
+  std::vector<double> numerator{1.0};
+  std::vector<double> denominator{1.0};
+
+  std::complex<double> response(RadPerSecond w, Hertz clock) const;
+  /// In powers of 1/z; exact for whole-number coefficients.
+  ZTransfer in_z() const;
+};
+
 /// Zero-order hold of one clock period: exp(-j pi f/fc) sinc(f/fc), the mean over a period of a held sample.
 std::complex<double> zero_order_hold(RadPerSecond w, Hertz clock);
 /// A delay of `cycles` periods of the clock.

@@ -6,35 +6,25 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
+#include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
-std::string module_class(const PlacedCam& cam) {
-  if (cam.cam == "GainInv") return "GainInv";
-  if (cam.cam == "FilterBilinear") {
-    return cam.option == "Pole and Zero" ? "FilterPoleZero"
-           : cam.option == "Low Pass"    ? "FilterLowpass"
-                                         : "FilterHighpass";
-  }
-  return cam.option == "Low Pass"    ? "FilterBiquadLowpass"
-         : cam.option == "Band Pass" ? "FilterBiquadBandpass"
-                                     : "FilterBiquadHighpass";
+ZrnaModule zrna_module_of(const PlacedCam& cam) {
+  if (auto module = cam.cam->zrna_module(cam)) return *std::move(module);
+  throw DesignError(fmt::format("{} is a {}, which the Zrna client does not have", cam.name, cam.cam_name()));
 }
 
-Json parameters(const PlacedCam& cam) {
+Json zrna_attributes(const PlacedCam& cam, const ZrnaModule& module) {
   Json out = Json::array();
-  const auto add = [&](const char* key, const char* name, double scale) {
-    if (!cam.realised.contains(key)) return;
-    out.push_back({{"name", name}, {"value", rounded_text(cam.realised[key].get<double>() * scale, 9)}});
-  };
-  const bool band = cam.option == "Band Pass";
-  add("pole_hz", "pole_frequency", 1e-3);
-  add("zero_hz", "zero_frequency", 1e-3);
-  add("corner_hz", band ? "center_frequency" : "corner_frequency", 1e-3);
-  add("quality", "quality_factor", 1.0);
-  add("dc_gain", "dc_gain", 1.0);
-  add("gain", "gain", 1.0);
+  for (const auto& [key, name] : module.attributes) {
+    const auto value = cam.realised.number(key);
+    if (!value) continue;
+    const CamParameter* parameter = cam.cam->parameter(key);
+    const double scale = parameter != nullptr && parameter->frequency ? 1e-3 : 1.0;
+    out.push_back({{"name", name}, {"value", rounded_text(*value * scale, 9)}});
+  }
   return out;
 }
 
@@ -48,16 +38,17 @@ std::string zrna_script(const Plan& plan) {
   Json data;
   data["sys1"] = chip.clocks.sys1_divisor;
   data["clocks"] = Json::array();
-  for (size_t k = 0; k < chip.clocks.clocks.size(); ++k) {
+  for (std::size_t k = 0; k < chip.clocks.clocks.size(); ++k) {
     data["clocks"].push_back({{"clock", k}, {"divisor", chip.clocks.clocks[k].divisor}});
   }
   data["cams"] = Json::array();
   for (const PlacedCam& cam : chip.cams) {
+    const ZrnaModule module = zrna_module_of(cam);
     data["cams"].push_back({{"name", cam.name},
-                            {"class", module_class(cam)},
+                            {"class", module.class_name},
+                            {"arguments", module.arguments},
                             {"clock", cam.clock_index},
-                            {"pole_zero", cam.option == "Pole and Zero"},
-                            {"parameters", parameters(cam)}});
+                            {"attributes", zrna_attributes(cam, module)}});
   }
   return render_template("fpaa/zrna.py", data);
 }

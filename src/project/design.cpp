@@ -58,7 +58,11 @@ std::variant<Hardware, Refusal> build_hardware(const Project& project, const Sec
                                                const Band& band) {
   try {
     Hardware out;
-    if (project.fpaa) out.plan = fpaa::make_plan(sections, plan_options(project, band));
+    if (project.fpaa) {
+      auto plan = fpaa::make_plan(sections, plan_options(project, band));
+      if (const auto* refusal = fpaa::refusal_of(plan)) return Refusal{refusal->reason};
+      out.plan = std::get<fpaa::Plan>(std::move(plan));
+    }
     if (project.circuit) out.circuit = circuit::realise(sections, circuit_options(project));
     return out;
   } catch (const DesignError& error) {

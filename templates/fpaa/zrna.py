@@ -28,15 +28,10 @@ def place(name, module, clock, values):
 
 
 {{#cams}}
-{{#pole_zero}}
-place("{{name}}", z.{{class}}(dependent_variable=z.HIGH_FREQUENCY_GAIN), z.CLOCK{{clock}}, {
-{{/pole_zero}}
-{{^pole_zero}}
-place("{{name}}", z.{{class}}(), z.CLOCK{{clock}}, {
-{{/pole_zero}}
-{{#parameters}}
+place("{{name}}", z.{{class}}({{arguments}}), z.CLOCK{{clock}}, {
+{{#attributes}}
     "{{name}}": {{value}},
-{{/parameters}}
+{{/attributes}}
 })
 {{/cams}}
 

@@ -10,7 +10,7 @@ namespace {
 
 int count(const std::string& text, const std::string& what) {
   int n = 0;
-  for (size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
+  for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + 1)) ++n;
   return n;
 }
 
@@ -21,12 +21,11 @@ TEST(BoardPicture, ShowsEveryCamAndOneWireAnEdgeOfTheSignalPath) {
   }
   PlanOptions options;
   options.clock = Hertz{2000.0};
-  const Plan plan = make_plan(sections, options);
+  const Plan plan = plan_of(sections, options);
   ASSERT_EQ(plan.chips.size(), 2u);
   const std::string svg = board_picture_svg(plan);
   for (const PlacedCam* cam : plan.cams()) EXPECT_THAT(svg, ::testing::HasSubstr(">" + cam->name + "<"));
-  EXPECT_EQ(count(svg, "class=\"wire\"") + count(svg, "class=\"link\""),
-            static_cast<int>(plan.signal_path.size()) - 1);
+  EXPECT_EQ(count(svg, "class=\"wire\"") + count(svg, "class=\"link\""), static_cast<int>(plan.wires.size()));
   EXPECT_EQ(count(svg, "nan"), 0);
 }
 

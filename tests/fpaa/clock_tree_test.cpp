@@ -21,7 +21,7 @@ TEST(ClockTree, EveryLegalClockIsMadeByItsDivisors) {
   const Board& board = an231k04_quad4();
   const auto clocks = legal_clocks(board, {100.0}, {16e6});
   ASSERT_GT(clocks.size(), 1000u);
-  for (size_t i = 0; i < clocks.size(); ++i) {
+  for (std::size_t i = 0; i < clocks.size(); ++i) {
     EXPECT_TRUE(is_legal_divisor(clocks[i].system_divisor));
     EXPECT_TRUE(is_legal_divisor(clocks[i].divisor));
     EXPECT_DOUBLE_EQ(clocks[i].frequency.value,

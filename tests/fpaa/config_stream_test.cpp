@@ -24,8 +24,8 @@ ConfigStream random_stream(std::mt19937& random) {
     ConfigBlock block;
     block.bank = static_cast<int>(random() % 24);
     block.byte = static_cast<int>(random() % 32);
-    const size_t count = random() % 7 == 0 ? 256 : 1 + random() % 40;
-    for (size_t i = 0; i < count; ++i) block.data.push_back(static_cast<std::uint8_t>(random()));
+    const std::size_t count = random() % 7 == 0 ? 256 : 1 + random() % 40;
+    for (std::size_t i = 0; i < count; ++i) block.data.push_back(static_cast<std::uint8_t>(random()));
     s.blocks.push_back(block);
   }
   return s;
@@ -95,7 +95,7 @@ TEST(ConfigStream, BrokenInputNeverPassesUnnoticedOrCrashes) {
   std::mt19937 random(11);
   for (int trial = 0; trial < 3000; ++trial) {
     Bytes bytes = encode(random_stream(random));
-    const size_t cut = random() % (bytes.size() + 1);
+    const std::size_t cut = random() % (bytes.size() + 1);
     if (random() % 2 == 0) bytes.resize(cut);
     for (int k = 0; k < 2 && !bytes.empty(); ++k)
       bytes[random() % bytes.size()] = static_cast<std::uint8_t>(random());

@@ -6,7 +6,7 @@
 #include <map>
 #include <set>
 
-#include "base/error.hpp"
+#include "fpaa/cams/hold.hpp"
 #include "fpaa/polynomial_error.hpp"
 #include "seed_sections.hpp"
 
@@ -21,15 +21,6 @@ Disturbance seed_disturbance() {
   d.ascending = {0.3546, -0.6433, 0.2887};
   d.descending = {-0.2398, 0.0838, 0.156};
   return d;
-}
-
-const Plan& seed_plan() {
-  static const Plan plan = [] {
-    PlanOptions options;
-    options.clock = Hertz{2000.0};
-    return make_plan(seed_sections(), options);
-  }();
-  return plan;
 }
 
 void expect_legal(const ControllerVariant& v) {
@@ -54,14 +45,14 @@ void expect_legal(const ControllerVariant& v) {
   for (const ControllerCam& cam : v.cams) {
     for (const std::string& input : cam.inputs) {
       const auto source = by_name.find(input);
-      if (source == by_name.end() || !source->second->half_cycle || cam.cam == "Hold") continue;
+      if (source == by_name.end() || !source->second->half_cycle || cam.cam == &hold_cam()) continue;
       EXPECT_EQ(source->second->chip, cam.chip) << input << " to " << cam.name;
       EXPECT_EQ(source->second->clock_a.value, cam.clock_a.value) << input << " to " << cam.name;
     }
     // Two Holds in series sample in opposite phases.
-    if (cam.cam == "Hold") {
+    if (cam.cam == &hold_cam()) {
       const auto source = by_name.find(cam.inputs[0]);
-      if (source != by_name.end() && source->second->cam == "Hold") {
+      if (source != by_name.end() && source->second->cam == &hold_cam()) {
         EXPECT_NE(source->second->phase, cam.phase);
       }
     }
@@ -69,10 +60,10 @@ void expect_legal(const ControllerVariant& v) {
 }
 
 TEST(Controller, SeedsWholeControllerFitsTheFourChips) {
-  const Controller controller = make_controller(seed_disturbance(), nullptr, &seed_plan(), {});
+  const Controller controller = or_throw(make_controller(seed_disturbance(), nullptr, &seed_plan(), {}));
   ASSERT_EQ(controller.variants.size(), 3u);
   for (const ControllerVariant& v : controller.variants) {
-    EXPECT_TRUE(v.fits) << word(v.by) << ": " << v.why_not;
+    EXPECT_TRUE(v.fits()) << to_string(v.by) << ": " << (v.fits() ? "" : v.refusal->reason);
     expect_legal(v);
     // Half a period of the compensator's 2 kHz clock is the most of the delay.
     EXPECT_GT(v.delay_s, 250e-6);
@@ -98,30 +89,28 @@ TEST(Controller, PolynomialErrorsAreThoseOfTheConverters) {
 }
 
 TEST(Controller, TwoCompensatorsStillFitAndTooManyAreRefused) {
-  const Controller two = make_controller(seed_disturbance(), &seed_plan(), &seed_plan(), {});
+  const Controller two = or_throw(make_controller(seed_disturbance(), &seed_plan(), &seed_plan(), {}));
   expect_legal(two.best());
   Sections many;
   for (int i = 0; i < 28; ++i)
     many.sections.push_back(Section::pole_zero(1.0, {50.0 + 10.0 * i}, {55.0 + 10.0 * i}));
   PlanOptions options;
   options.clock = Hertz{2000.0};
-  const Plan big = make_plan(many, options);
-  try {
-    make_controller(seed_disturbance(), nullptr, &big, {});
-    FAIL() << "28 sections and the rest of the controller cannot fit";
-  } catch (const DesignError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("fit"));
-    EXPECT_THAT(error.what(), HasSubstr("expected"));
-  }
+  const Plan big = plan_of(many, options);
+  const Outcome<Controller> outcome = make_controller(seed_disturbance(), nullptr, &big, {});
+  const Refusal* refusal = refusal_of(outcome);
+  ASSERT_NE(refusal, nullptr) << "28 sections and the rest of the controller cannot fit";
+  EXPECT_THAT(refusal->reason, HasSubstr("fit"));
+  EXPECT_THAT(refusal->reason, HasSubstr("expected"));
 }
 
 TEST(Controller, AskedForWayIsTaken) {
   ControllerOptions options;
   options.polynomial = PolynomialBy::lookup;
-  const Controller controller = make_controller(seed_disturbance(), nullptr, &seed_plan(), options);
+  const Controller controller = or_throw(make_controller(seed_disturbance(), nullptr, &seed_plan(), options));
   EXPECT_EQ(controller.best().by, PolynomialBy::lookup);
   options.fast_clock = {3.0};
-  EXPECT_THROW(make_controller(seed_disturbance(), nullptr, nullptr, options), DesignError);
+  EXPECT_NE(refusal_of(make_controller(seed_disturbance(), nullptr, nullptr, options)), nullptr);
 }
 
 }  // namespace

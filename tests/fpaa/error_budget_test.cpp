@@ -4,20 +4,14 @@
 
 #include <cmath>
 
-#include "fpaa/noise.hpp"
+#include "fpaa/cams/cam.hpp"
 #include "seed_sections.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
-Plan seed_plan() {
-  PlanOptions options;
-  options.clock = Hertz{2000.0};
-  return make_plan(seed_sections(), options);
-}
-
 TEST(ErrorBudget, PartsOfTheSeedsPlan) {
-  const Plan plan = seed_plan();
+  const Plan& plan = seed_plan();
   const ErrorBudget budget = error_budget(plan, seed_sections(), {});
   EXPECT_NEAR(budget.together_percent, plan.error.max_complex_percent, 1e-3);
   EXPECT_LE(budget.together_percent, budget.warping_percent + budget.quantisation_percent + 1e-3);
@@ -30,7 +24,7 @@ TEST(ErrorBudget, PartsOfTheSeedsPlan) {
     EXPECT_LT(cam.settling_product_hz, budget.settling_limit_hz);
     EXPECT_GT(cam.noise_kt_per_cu, cam.noise_in_band_kt_per_cu);
   }
-  EXPECT_NEAR(plan.largest_input_v * std::max(1.0, budget.cams[0].peak_node_gain), 3.0, 1.5);
+  EXPECT_NEAR(plan.max_input_v * std::max(1.0, budget.cams[0].peak_node_gain), 3.0, 1.5);
 }
 
 TEST(ErrorBudget, MismatchOfOneGainStageIsTheRatiosSpread) {
@@ -38,7 +32,7 @@ TEST(ErrorBudget, MismatchOfOneGainStageIsTheRatiosSpread) {
   plan.board = "an231k04-quad4";
   PlacedCam gain;
   gain.name = "Gain1";
-  gain.cam = "GainInv";
+  gain.cam = cam_registry().find("GainInv");
   gain.clock_a = {2000.0};
   gain.capacitors = {{"Cin", 100}, {"Cout", 100}};
   gain.z = {{-100.0}, {100.0}};
@@ -61,7 +55,7 @@ TEST(ErrorBudget, NoiseOfALowPassIsTheClosedForm) {
   plan.board = "an231k04-quad4";
   PlacedCam filter;
   filter.name = "Section1";
-  filter.cam = "FilterBilinear";
+  filter.cam = cam_registry().find("FilterBilinear");
   filter.option = "Low Pass";
   filter.clock_a = {2000.0};
   filter.capacitors = {{"Cin", 6}, {"Cint", 50}, {"Cout", 4}};

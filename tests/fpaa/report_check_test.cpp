@@ -6,7 +6,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "fpaa/cam_words.hpp"
+#include "fpaa/cams/cam.hpp"
 #include "fpaa/zrna_script.hpp"
 #include "run_program.hpp"
 #include "seed_sections.hpp"
@@ -29,7 +29,7 @@ std::string report_of(const Plan& plan) {
     out += "<h1>Chip: FPAA1</h1><img src=\"x.png\" /><br />\n<h1>Clocks: FPAA1</h1>\n<table>";
     out += row("Master Clock - ACLK (fc)", "16 MHz");
     out += row(fmt::format("System Clock 1 (sys1 = fc / {})", chip.clocks.sys1_divisor), "x");
-    for (size_t k = 0; k < chip.clocks.clocks.size(); ++k) {
+    for (std::size_t k = 0; k < chip.clocks.clocks.size(); ++k) {
       out += row(fmt::format("Clock {} (sys1 / {})", k, chip.clocks.clocks[k].divisor),
                  rounded_text(chip.clocks.frequency(board, k).value / 1e3) + " kHz");
     }
@@ -38,13 +38,13 @@ std::string report_of(const Plan& plan) {
       out += fmt::format(
           "<tr><td valign=\"top\"><b>{}<br />({} v1.0.1)</b><br />\n<i>Anadigm "
           "(Approved)</i>\n</td><td><table>",
-          cam.name, cam.cam);
+          cam.name, cam.cam_name());
       out += row("Filter Type", cam.option) + row("Output Phase", "Phase 1");
-      for (const auto& [key, value] : cam.realised.items()) {
-        const CamWord* word = find_word(key);
-        if (word == nullptr) continue;
-        out += row(std::string(word->words) + (word->frequency ? " [kHz]" : ""),
-                   rounded_text(value.get<double>() / (word->frequency ? 1e3 : 1.0), 4));
+      for (const CamValues::Entry& entry : cam.realised.entries()) {
+        const CamParameter* parameter = cam.cam->parameter(entry.key);
+        if (parameter == nullptr) continue;
+        out += row(std::string(parameter->words) + (parameter->frequency ? " [kHz]" : ""),
+                   rounded_text(*entry.number() / (parameter->frequency ? 1e3 : 1.0), 4));
       }
       out += row("ClockA", fmt::format("{} kHz (Chip Clock {})", rounded_text(cam.clock_a.value / 1e3, 4),
                                        cam.clock_index));
@@ -55,17 +55,8 @@ std::string report_of(const Plan& plan) {
   return out + "</body></html>";
 }
 
-const Plan& seed_plan() {
-  static const Plan plan = [] {
-    PlanOptions options;
-    options.clock = Hertz{2000.0};
-    return make_plan(seed_sections(), options);
-  }();
-  return plan;
-}
-
 std::string with(std::string text, const std::string& from, const std::string& to) {
-  const size_t at = text.find(from);
+  const std::size_t at = text.find(from);
   EXPECT_NE(at, std::string::npos) << from;
   return text.replace(at, from.size(), to);
 }
@@ -94,7 +85,7 @@ TEST(ReportCheck, EveryKindOfMistakeIsListed) {
   expect_one(with(good, "<b>Section2b<br />(FilterBilinear", "<b>Section2b<br />(FilterBiquad"),
              "Section2b: the CAM is FilterBiquad");
   EXPECT_EQ(differences(with(good, "<b>Section2b", "<b>Section9")).size(), 2u);
-  const double pole = seed_plan().cams()[0]->realised["pole_hz"].get<double>() / 1e3;
+  const double pole = seed_plan().cams()[0]->realised.required_number("pole_hz") / 1e3;
   expect_one(with(good, rounded_text(pole, 4), rounded_text(1.02 * pole, 4)), "Section1a: Pole Frequency");
   expect_one(
       with(good, fmt::format("(sys1 / {})", seed_plan().chips[0].clocks.clocks[0].divisor), "(sys1 / 6)"),
@@ -105,7 +96,7 @@ TEST(ReportCheck, BrokenPagesAreRefusedOrCompared) {
   EXPECT_THROW(read_report("", "r"), InputError);
   EXPECT_THROW(read_report("<html><b>x</b>", "r"), InputError);
   const std::string good = report_of(seed_plan());
-  for (size_t cut = 0; cut < good.rfind("ClockA"); cut += 97) {
+  for (std::size_t cut = 0; cut < good.rfind("ClockA"); cut += 97) {
     try {
       EXPECT_FALSE(compare_report(read_report(good.substr(0, cut), "r"), seed_plan()).empty());
     } catch (const InputError&) {
@@ -118,7 +109,7 @@ TEST(ZrnaScript, IsPythonAndSetsEveryParameter) {
   EXPECT_THAT(script, HasSubstr("z.FilterPoleZero(dependent_variable=z.HIGH_FREQUENCY_GAIN)"));
   for (const PlacedCam* cam : seed_plan().cams()) {
     EXPECT_THAT(script, HasSubstr("\"" + cam->name + "\""));
-    EXPECT_THAT(script, HasSubstr(rounded_text(cam->realised["pole_hz"].get<double>() * 1e-3, 9)));
+    EXPECT_THAT(script, HasSubstr(rounded_text(cam->realised.required_number("pole_hz") * 1e-3, 9)));
   }
   if (run_shell("python3 --version").status != 0) GTEST_SKIP() << "python3 is not installed";
   const TemporaryFolder folder;

@@ -52,23 +52,23 @@ TEST(SectionSearch, NoOtherSetIsBetterByExhaustion) {
   std::uniform_real_distribution<double> apart(-0.5, 0.5);
   for (int trial = 0; trial < 6; ++trial) {
     const Hertz clock{2000.0};
-    const int largest = 12;
+    const int max_capacitor = 12;
     const RadPerSecond zero = Hertz{clock.value / std::exp(ratio(random))}.rad_s();
     const RadPerSecond pole{zero.value * std::exp(apart(random))};
     const auto grid = grid_of(1.0, 300.0, 9);
-    double least = std::numeric_limits<double>::infinity();
-    for (int ca = 1; ca <= largest; ++ca) {
-      for (int cb = 1; cb <= largest; ++cb) {
-        for (int cc = 1; cc <= largest; ++cc) {
-          for (int cd = 1; cd <= largest; ++cd) {
-            least = std::min(least, error_of({ca, cb, cc, cd}, zero, pole, clock, grid));
+    double min_error = std::numeric_limits<double>::infinity();
+    for (int ca = 1; ca <= max_capacitor; ++ca) {
+      for (int cb = 1; cb <= max_capacitor; ++cb) {
+        for (int cc = 1; cc <= max_capacitor; ++cc) {
+          for (int cd = 1; cd <= max_capacitor; ++cd) {
+            min_error = std::min(min_error, error_of({ca, cb, cc, cd}, zero, pole, clock, grid));
           }
         }
       }
     }
-    const SectionOptimum got = best_pole_zero(zero, pole, clock, grid, largest);
-    EXPECT_NEAR(got.max_complex_error, least, 1e-9) << trial;
-    EXPECT_NEAR(error_of(got.capacitors, zero, pole, clock, grid), least, 1e-9) << trial;
+    const SectionOptimum got = best_pole_zero(zero, pole, clock, grid, max_capacitor);
+    EXPECT_NEAR(got.max_complex_error, min_error, 1e-9) << trial;
+    EXPECT_NEAR(error_of(got.capacitors, zero, pole, clock, grid), min_error, 1e-9) << trial;
   }
 }
 
@@ -87,10 +87,10 @@ TEST(SectionSearch, SeedsSectionsAloneMeetTheFactsFigure) {
 
 TEST(SectionSearch, FreeGainErrorOfTwoPoints) {
   // |g a - 1| = |g b - 1| for real a < 1 < b at g = 2/(a + b).
-  double gain = 0.0;
-  EXPECT_NEAR(best_free_gain_error({0.9, 1.2}, gain), 0.3 / 2.1, 1e-12);
-  EXPECT_NEAR(gain, 2.0 / 2.1, 1e-12);
-  EXPECT_NEAR(best_free_gain_error({Complex(1.0, 0.1)}, gain), 0.1 / std::hypot(1.0, 0.1), 1e-9);
+  const FreeGain free = best_free_gain({0.9, 1.2});
+  EXPECT_NEAR(free.error, 0.3 / 2.1, 1e-12);
+  EXPECT_NEAR(free.gain, 2.0 / 2.1, 1e-12);
+  EXPECT_NEAR(best_free_gain({Complex(1.0, 0.1)}).error, 0.1 / std::hypot(1.0, 0.1), 1e-9);
 }
 
 }  // namespace

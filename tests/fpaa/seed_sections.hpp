@@ -1,5 +1,6 @@
 #pragma once
 
+#include "fpaa/plan.hpp"
 #include "lti/sections.hpp"
 
 namespace bodesmith::fpaa {
@@ -20,6 +21,21 @@ inline Sections seed_sections() {
     out.sections.push_back(section);
   }
   return out;
+}
+
+/// A plan that can be made.
+inline Plan plan_of(const Sections& sections, const PlanOptions& options = {}) {
+  return or_throw(make_plan(sections, options));
+}
+
+/// The seed's plan at 2 kHz.
+inline const Plan& seed_plan() {
+  static const Plan plan = [] {
+    PlanOptions options;
+    options.clock = Hertz{2000.0};
+    return plan_of(seed_sections(), options);
+  }();
+  return plan;
 }
 
 }  // namespace bodesmith::fpaa

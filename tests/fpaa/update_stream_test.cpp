@@ -12,15 +12,6 @@ namespace {
 
 using ::testing::HasSubstr;
 
-const Plan& seed_plan() {
-  static const Plan plan = [] {
-    PlanOptions options;
-    options.clock = Hertz{2000.0};
-    return make_plan(seed_sections(), options);
-  }();
-  return plan;
-}
-
 TEST(ApiCode, ReadsTablesAddressesAndStreams) {
   const ApiProject project = parse_api_code(project_source(seed_plan()), "ApiCode.c");
   EXPECT_EQ(project.prefix, "an");
@@ -36,7 +27,7 @@ TEST(ApiCode, ReadsTablesAddressesAndStreams) {
 }
 
 TEST(ApiCode, BrokenSourceIsRefusedWithItsLine) {
-  const auto complaint = [](const std::string& text) -> std::string {
+  const auto message = [](const std::string& text) -> std::string {
     try {
       parse_api_code(text, "A.c");
     } catch (const InputError& error) {
@@ -44,12 +35,12 @@ TEST(ApiCode, BrokenSourceIsRefusedWithItsLine) {
     }
     return "";
   };
-  EXPECT_THAT(complaint("int x;"), HasSubstr("A.c: has no capacitor tables"));
-  EXPECT_THAT(complaint("\n/* never ends"), HasSubstr("A.c:2"));
-  EXPECT_THAT(complaint("an_T an_F_G_Capacitor[1] = {\n /* Cin */ { 0x03 } };"), HasSubstr("A.c:2"));
-  EXPECT_THAT(complaint("an_T an_F_G_Capacitor[1] = {\n /* Cin */ { 3, 32 } };"), HasSubstr("byte 32"));
-  EXPECT_THAT(complaint("an_T an_F_G_Capacitor[1] = {\n { 3, 1 } };"), HasSubstr("no comment"));
-  EXPECT_THAT(complaint("an_T an_F_G_Capacitor[1] = {\n /* Cin */ { 3, 1 }"), HasSubstr("does not end"));
+  EXPECT_THAT(message("int x;"), HasSubstr("A.c: has no capacitor tables"));
+  EXPECT_THAT(message("\n/* never ends"), HasSubstr("A.c:2"));
+  EXPECT_THAT(message("an_T an_F_G_Capacitor[1] = {\n /* Cin */ { 0x03 } };"), HasSubstr("A.c:2"));
+  EXPECT_THAT(message("an_T an_F_G_Capacitor[1] = {\n /* Cin */ { 3, 32 } };"), HasSubstr("byte 32"));
+  EXPECT_THAT(message("an_T an_F_G_Capacitor[1] = {\n { 3, 1 } };"), HasSubstr("no comment"));
+  EXPECT_THAT(message("an_T an_F_G_Capacitor[1] = {\n /* Cin */ { 3, 1 }"), HasSubstr("does not end"));
 }
 
 TEST(UpdateStream, SetsWhatThePlanWantsAndVerifies) {
@@ -61,7 +52,7 @@ TEST(UpdateStream, SetsWhatThePlanWantsAndVerifies) {
   EXPECT_TRUE(compare_with_plan(back, seed_plan().chips[0], project, {}).empty());
   EXPECT_EQ(back.control, 0x81);
   // 32 capacitors and three divisors (Clock 0, Sys1, Sys2).
-  size_t count = 0;
+  std::size_t count = 0;
   for (const ConfigBlock& block : back.blocks) count += block.data.size();
   EXPECT_EQ(count, 35u);
   // CAB 1's eight capacitors are one block, byte 0 the last one placed.
@@ -78,7 +69,7 @@ TEST(UpdateStream, EveryWrongByteIsNamed) {
   const ApiProject project = parse_api_code(project_source(seed_plan()), "ApiCode.c");
   ConfigStream stream = update_stream(seed_plan().chips[0], project, {});
   for (ConfigBlock& block : stream.blocks) {
-    for (size_t i = 0; i < block.data.size(); ++i) {
+    for (std::size_t i = 0; i < block.data.size(); ++i) {
       block.data[i] = static_cast<std::uint8_t>(block.data[i] ^ 0x40);
       const auto differences = compare_with_plan(stream, seed_plan().chips[0], project, {});
       ASSERT_EQ(differences.size(), 1u);
@@ -93,12 +84,12 @@ TEST(UpdateStream, EveryWrongByteIsNamed) {
 TEST(UpdateStream, MissingCamOrCapacitorSaysWhatToDo) {
   std::string source = project_source(seed_plan());
   const auto rename = [](std::string text, const std::string& from, const std::string& to) {
-    for (size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
+    for (std::size_t at = text.find(from); at != std::string::npos; at = text.find(from, at + to.size())) {
       text.replace(at, from.size(), to);
     }
     return text;
   };
-  const auto complaint = [&](const std::string& text, const UpdateOptions& options) -> std::string {
+  const auto message = [&](const std::string& text, const UpdateOptions& options) -> std::string {
     try {
       update_stream(seed_plan().chips[0], parse_api_code(text, "ApiCode.c"), options);
     } catch (const DesignError& error) {
@@ -106,13 +97,13 @@ TEST(UpdateStream, MissingCamOrCapacitorSaysWhatToDo) {
     }
     return "";
   };
-  EXPECT_THAT(complaint(rename(source, "Section3b", "FilterBilinear7"), {}),
+  EXPECT_THAT(message(rename(source, "Section3b", "FilterBilinear7"), {}),
               HasSubstr("no CAM named Section3b"));
   const std::string vendor = rename(source, "/* Ca ", "/* C9 ");
-  EXPECT_THAT(complaint(vendor, {}), HasSubstr("--map Ca=NAME"));
+  EXPECT_THAT(message(vendor, {}), HasSubstr("--map Ca=NAME"));
   UpdateOptions options;
   options.names = {{"Ca", "C9"}};
-  EXPECT_EQ(complaint(vendor, options), "");
+  EXPECT_EQ(message(vendor, options), "");
 }
 
 TEST(UpdateStream, CArraysReadBack) {
@@ -127,7 +118,7 @@ TEST(UpdateStream, CCallsSetEveryCapacitorByItsPlaceInTheTable) {
   const ApiProject project = parse_api_code(project_source(seed_plan()), "ApiCode.c");
   const std::string source = c_calls(seed_plan(), project, {}, "plan.json");
   int calls = 0;
-  for (size_t at = source.find("_SetCapValue("); at != std::string::npos;
+  for (std::size_t at = source.find("_SetCapValue("); at != std::string::npos;
        at = source.find("_SetCapValue(", at + 1))
     ++calls;
   EXPECT_EQ(calls, 32);

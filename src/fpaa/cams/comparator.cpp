@@ -1,20 +1,22 @@
-#include "fpaa/cams/cam_type.hpp"
+#include "fpaa/cams/comparator.hpp"
+
+#include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 
-const CamType& comparator_type() {
-  static const CamType type = [] {
-    CamType t;
-    t.name = "Comparator";
-    t.options = {"Signal Ground", "Dual Input", "Variable Reference"};
-    t.parameters = {"hysteresis_v"};
-    t.resources = Resources{.opamps = 0, .capacitors = 0, .comparators = 1, .sars = 0, .lookup_tables = 0};
-    t.transfer = "logic: input above reference";
-    t.transfer_ground = Ground::seen;
-    t.limits = "hysteresis 0 or 0.01 V";
-    return t;
-  }();
-  return type;
+const Cam& comparator_cam() {
+  static const Cam cam([] {
+    CamFacts f;
+    f.name = "Comparator";
+    f.options = {ComparatorSpec::kSignalGround, "Dual Input", "Variable Reference"};
+    f.parameters = {{"hysteresis_v"}};
+    f.resources = Resources{.opamps = 0, .capacitors = 0, .comparators = 1};
+    f.transfer = "logic: input above reference";
+    f.transfer_ground = Ground::seen;
+    f.limits = "hysteresis 0 or 0.01 V";
+    return f;
+  }());
+  return cam;
 }
 
 }  // namespace bodesmith::fpaa

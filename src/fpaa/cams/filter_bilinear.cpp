@@ -1,17 +1,301 @@
 #include "fpaa/cams/filter_bilinear.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "fpaa/cams/cam_type.hpp"
+#include "base/text.hpp"
+#include "fpaa/cams/cam.hpp"
+#include "fpaa/section_search.hpp"
 
 namespace bodesmith::fpaa {
+namespace {
+
+constexpr const char* kPoleAndZero = "Pole and Zero";
+constexpr const char* kLowPass = "Low Pass";
+constexpr const char* kHighPass = "High Pass";
+
+/// -(Ca + Cb D)/(Cc + Cd D), D = 1 - 1/z.
+DeltaTransfer pole_zero_form(double ca, double cb, double cc, double cd) {
+  return {{-ca, -cb}, {cc, cd}};
+}
+/// -Cin/(Cout + Cint D).
+DeltaTransfer low_pass_form(double cin, double cint, double cout) {
+  return {{-cin}, {cout, cint}};
+}
+
+enum class BilinearOption { pole_zero, low_pass, high_pass };
+
+const char* to_string(BilinearOption option) {
+  switch (option) {
+    case BilinearOption::pole_zero:
+      return kPoleAndZero;
+    case BilinearOption::low_pass:
+      return kLowPass;
+    case BilinearOption::high_pass:
+      break;
+  }
+  return kHighPass;
+}
+
+BilinearOption option_for(const FirstOrderPiece& piece) {
+  if (!piece.zero) return BilinearOption::low_pass;
+  return piece.zero->value == 0.0 ? BilinearOption::high_pass : BilinearOption::pole_zero;
+}
+
+class BilinearTask : public CamTask {
+ public:
+  BilinearTask(const Cam& cam, const FirstOrderPiece& piece)
+      : CamTask(cam, piece.name, piece.section),
+        option_(option_for(piece)),
+        zero_(piece.zero.value_or(RadPerSecond{})),
+        pole_(piece.pole) {}
+
+  Resources resources() const override {
+    return {.opamps = 1, .capacitors = option_ == BilinearOption::pole_zero ? 4 : 3};
+  }
+
+  std::complex<double> response(RadPerSecond w) const override {
+    const std::complex<double> s(0.0, w.value);
+    const std::complex<double> below = 1.0 + s / pole_.value;
+    switch (option_) {
+      case BilinearOption::pole_zero:
+        return (1.0 + s / zero_.value) / below;
+      case BilinearOption::high_pass:
+        return s / below;
+      case BilinearOption::low_pass:
+        break;
+    }
+    return 1.0 / below;
+  }
+
+  std::vector<RadPerSecond> corners() const override {
+    if (option_ == BilinearOption::pole_zero) return {pole_, zero_};
+    return {pole_};
+  }
+
+  Band possible_clocks(int max_capacitor) const override {
+    Band out = clocks_for_corner(pole_, max_capacitor);
+    if (option_ == BilinearOption::pole_zero) {
+      const Band zero = clocks_for_corner(zero_, max_capacitor);
+      out = {std::max(out.from, zero.from), std::min(out.to, zero.to)};
+    }
+    return out;
+  }
+
+  std::optional<std::string> unreachable_corner(Hertz clock, int max_capacitor) const override {
+    const auto reached = [&](RadPerSecond corner) {
+      return is_reachable({Branch::Kind::corner, corner, true, 0}, clock, max_capacitor);
+    };
+    if (!reached(pole_)) return corner_words("pole", pole_);
+    if (option_ == BilinearOption::pole_zero && !reached(zero_)) return corner_words("zero", zero_);
+    return std::nullopt;
+  }
+
+  std::vector<Branch> branches() const override {
+    using Kind = Branch::Kind;
+    const Kind above = option_ == BilinearOption::pole_zero   ? Kind::corner
+                       : option_ == BilinearOption::high_pass ? Kind::differentiating
+                                                              : Kind::constant;
+    return {{above, zero_, true, 0}, {Kind::corner, pole_, false, 0}};
+  }
+
+  PlacedCam realise(std::span<const BranchValue> values, const TaskSetting& setting) const override {
+    const BranchValue& above = values[0];
+    const BranchValue& below = values[1];
+    PlacedCam out = start(setting, to_string(option_));
+    switch (option_) {
+      case BilinearOption::pole_zero:
+        fill_pole_zero({above.c0, above.c1, below.c0, below.c1}, setting, out);
+        break;
+      case BilinearOption::low_pass:
+        fill_low_pass({above.c0, below.c1, below.c0}, setting, out);
+        break;
+      case BilinearOption::high_pass:
+        fill_high_pass({above.c1, below.c0, below.c1}, setting, out);
+        break;
+    }
+    return out;
+  }
+
+ private:
+  void fill_pole_zero(const PoleZeroCapacitors& c, const TaskSetting& setting, PlacedCam& out) const {
+    const Hertz pole = pole_.hz();
+    const Hertz zero = zero_.hz();
+    out.requested = PoleZeroSpec{pole, zero, setting.gain, setting.gain * pole.value / zero.value}.values();
+    out.realised = c.realised(setting.clock).values();
+    out.capacitors = {{"Ca", c.ca}, {"Cb", c.cb}, {"Cc", c.cc}, {"Cd", c.cd}};
+    out.z = c.transfer();
+    std::vector<std::complex<double>> q;
+    for (const RadPerSecond w : setting.grid) {
+      q.push_back(-out.z.response(w, setting.clock) / c.dc_gain() / response(w));
+    }
+    out.own_error_percent = 100.0 * best_free_gain(q).error;
+    out.min_own_error_percent =
+        100.0 *
+        best_pole_zero(zero_, pole_, setting.clock, setting.grid, setting.max_capacitor).max_complex_error;
+  }
+
+  void fill_low_pass(const LowPassCapacitors& c, const TaskSetting& setting, PlacedCam& out) const {
+    out.requested = CornerSpec{pole_.hz(), setting.gain}.values();
+    out.realised = CornerSpec{c.corner(setting.clock), c.gain()}.values();
+    out.capacitors = {{"Cin", c.cin}, {"Cint", c.cint}, {"Cout", c.cout}};
+    out.z = c.transfer();
+  }
+
+  void fill_high_pass(const HighPassCapacitors& c, const TaskSetting& setting, PlacedCam& out) const {
+    // The task's factor is s/(1 + s/pole): its gain at high frequency is the pole.
+    out.requested = CornerSpec{pole_.hz(), setting.gain * pole_.value}.values();
+    out.realised = CornerSpec{c.corner(setting.clock), c.gain()}.values();
+    out.capacitors = {{"Cb", c.cb}, {"Cc", c.cc}, {"Cd", c.cd}};
+    out.z = c.transfer();
+  }
+
+  BilinearOption option_;
+  RadPerSecond zero_;
+  RadPerSecond pole_;
+};
+
+CamFacts filter_bilinear_facts() {
+  CamFacts f;
+  f.name = "FilterBilinear";
+  f.options = {kLowPass, kHighPass, "All Pass", kPoleAndZero};
+  f.parameters = {{"corner_hz", "Corner Frequency", true},
+                  {"gain", "Gain"},
+                  {"pole_hz", "Pole Frequency", true},
+                  {"zero_hz", "Zero Frequency", true},
+                  {"dc_gain", "DC Gain"},
+                  {"high_frequency_gain", "High Frequency Gain"}};
+  f.resources = Resources{.opamps = 1, .capacitors = 4};
+  f.transfer =
+      "Low Pass: -Cin/(Cout + Cint(1 - 1/z)). Pole and Zero: -(Ca + Cb(1 - 1/z))/(Cc + Cd(1 - 1/z)). High "
+      "Pass: the same without Ca. All Pass: not made (it needs a zero in the right half plane)";
+  f.transfer_ground = Ground::assumed;
+  f.limits = "corners from fc/1605 to about fc/4; low pass and high pass take 3 capacitors";
+  return f;
+}
+
+class FilterBilinear : public Cam {
+ public:
+  FilterBilinear() : Cam(filter_bilinear_facts()) {}
+
+  CamOffer offer_first_order(const FirstOrderPiece& piece) const override {
+    if (piece.pole.value < 0.0) return {.refusal = right_half_plane(piece, "pole", piece.pole)};
+    if (piece.zero && piece.zero->value < 0.0)
+      return {.refusal = right_half_plane(piece, "zero", *piece.zero)};
+    return {.task = std::make_shared<BilinearTask>(*this, piece)};
+  }
+
+  /// Real poles that cannot be divided: their zeros are complex.
+  CamOffer offer_second_order(const SecondOrderPiece& piece) const override {
+    if (piece.poles[0].imag() != 0.0) return {};
+    return {.refusal =
+                Refusal{fmt::format("section {} has complex zeros, which the FilterBilinear CAM cannot make "
+                                    "and the FilterBiquad only with nothing but zeros at 0, expected real "
+                                    "ones (fit with --real, or make this section with spice)",
+                                    piece.section + 1)}};
+  }
+
+  std::string assumption() const override {
+    return "FilterBilinear 'Pole and Zero' is taken to be H(z) = -(Ca + Cb(1 - 1/z))/(Cc + Cd(1 - 1/z)) with "
+           "capacitors of 1 to 255 units; the vendor does not publish its topology. AnadigmDesigner2 chooses "
+           "capacitors itself: type the realised parameters and compare what it reports.";
+  }
+
+  std::string note(const PlacedCam& cam) const override {
+    if (cam.option != kLowPass) return {};
+    return "A FilterBilinear low pass has its zero at z = 0: it leads by up to half a clock period at "
+           "frequencies near the clock, which is most of the error here and makes up for part of the output "
+           "hold.";
+  }
+
+  DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    if (cam.option == kLowPass) return low_pass_form(c["Cin"], c["Cint"], c["Cout"]);
+    return pole_zero_form(c["Ca"], c["Cb"], c["Cc"], c["Cd"]);  // high pass: no Ca
+  }
+
+  std::complex<double> unquantised(const PlacedCam& cam, RadPerSecond w) const override {
+    if (cam.option == kPoleAndZero) {
+      const PoleZeroSpec spec = PoleZeroSpec::from(cam.requested);
+      const std::complex<double> s(0.0, std::tan(0.5 * w.value / cam.clock_a.value));
+      const auto warped = [&](Hertz corner) {
+        return std::tan(std::numbers::pi * corner.value / cam.clock_a.value);
+      };
+      return -spec.dc_gain * (1.0 + s / warped(spec.zero)) / (1.0 + s / warped(spec.pole));
+    }
+    const CornerSpec spec = CornerSpec::from(cam.requested);
+    const double ratio = branch_ratio(spec.corner, cam.clock_a);
+    const DeltaTransfer exact = cam.option == kLowPass
+                                    ? low_pass_form(spec.gain, ratio, 1.0)
+                                    : pole_zero_form(0.0, 0.5 * spec.gain * (1.0 + 2.0 * ratio), 1.0, ratio);
+    return exact.response(w, cam.clock_a);
+  }
+
+  std::vector<NoiseCharge> noise_charges(const PlacedCam& cam) const override {
+    // Ca, Cc (or Cin, Cout) are switched; Cb, Cd (Cint) are not.
+    const CapacitorUnits c(cam.capacitors);
+    return {{c["Ca"] + c["Cc"] + c["Cin"] + c["Cout"], {{1.0}, cam.z.denominator}}};
+  }
+
+  std::optional<ZrnaModule> zrna_module(const PlacedCam& cam) const override {
+    if (cam.option == kPoleAndZero) {
+      return ZrnaModule{
+          "FilterPoleZero",
+          "dependent_variable=z.HIGH_FREQUENCY_GAIN",
+          {{"pole_hz", "pole_frequency"}, {"zero_hz", "zero_frequency"}, {"dc_gain", "dc_gain"}}};
+    }
+    return ZrnaModule{cam.option == kLowPass ? "FilterLowpass" : "FilterHighpass",
+                      "",
+                      {{"corner_hz", "corner_frequency"}, {"gain", "gain"}}};
+  }
+
+  std::string picture_text(const PlacedCam& cam) const override {
+    if (cam.option == kPoleAndZero) {
+      const PoleZeroSpec spec = PoleZeroSpec::from(cam.realised);
+      return fmt::format("zero {} Hz  pole {} Hz", rounded_text(spec.zero.value, 4),
+                         rounded_text(spec.pole.value, 4));
+    }
+    return fmt::format("corner {} Hz", rounded_text(CornerSpec::from(cam.realised).corner.value, 4));
+  }
+
+ private:
+  static Refusal right_half_plane(const FirstOrderPiece& piece, const char* what, RadPerSecond corner) {
+    return {
+        fmt::format("section {} has a {} in the right half plane (s = {:.6g} rad/s), expected Re s <= 0: "
+                    "capacitors are not negative",
+                    piece.section + 1, what, -corner.value)};
+  }
+};
+
+}  // namespace
+
+CamValues PoleZeroSpec::values() const {
+  return {{"pole_hz", pole.value},
+          {"zero_hz", zero.value},
+          {"dc_gain", dc_gain},
+          {"high_frequency_gain", high_frequency_gain}};
+}
+
+PoleZeroSpec PoleZeroSpec::from(const CamValues& values) {
+  return {{values.required_number("pole_hz")},
+          {values.required_number("zero_hz")},
+          values.number("dc_gain").value_or(1.0),
+          values.number("high_frequency_gain").value_or(1.0)};
+}
+
+CamValues CornerSpec::values() const {
+  return {{"corner_hz", corner.value}, {"gain", gain}};
+}
+
+CornerSpec CornerSpec::from(const CamValues& values) {
+  return {{values.required_number("corner_hz")}, values.number("gain").value_or(1.0)};
+}
 
 ZTransfer PoleZeroCapacitors::transfer() const {
-  return {{-static_cast<double>(ca + cb), static_cast<double>(cb)},
-          {static_cast<double>(cc + cd), -static_cast<double>(cd)}};
+  return pole_zero_form(ca, cb, cc, cd).in_z();
 }
 Hertz PoleZeroCapacitors::zero(Hertz clock) const {
   return branch_corner(ca, cb, clock);
@@ -19,64 +303,46 @@ Hertz PoleZeroCapacitors::zero(Hertz clock) const {
 Hertz PoleZeroCapacitors::pole(Hertz clock) const {
   return branch_corner(cc, cd, clock);
 }
+PoleZeroSpec PoleZeroCapacitors::realised(Hertz clock) const {
+  return {pole(clock), zero(clock), dc_gain(), high_frequency_gain()};
+}
 
 ZTransfer LowPassCapacitors::transfer() const {
-  return {{-static_cast<double>(cin)}, {static_cast<double>(cout + cint), -static_cast<double>(cint)}};
+  return low_pass_form(cin, cint, cout).in_z();
 }
 Hertz LowPassCapacitors::corner(Hertz clock) const {
   return branch_corner(cout, cint, clock);
 }
 
 ZTransfer HighPassCapacitors::transfer() const {
-  return {{-static_cast<double>(cb), static_cast<double>(cb)},
-          {static_cast<double>(cc + cd), -static_cast<double>(cd)}};
+  return pole_zero_form(0.0, cb, cc, cd).in_z();
 }
 Hertz HighPassCapacitors::corner(Hertz clock) const {
   return branch_corner(cc, cd, clock);
 }
 
-Hertz branch_corner(double c0, double c1, Hertz clock) {
-  return {clock.value / std::numbers::pi * std::atan(c0 / (c0 + 2.0 * c1))};
-}
-
-double branch_ratio(Hertz corner, Hertz clock) {
-  return 0.5 * (1.0 / std::tan(std::numbers::pi * corner.value / clock.value) - 1.0);
-}
-
-LowPassCapacitors vendor_low_pass(Hertz corner, double gain, Hertz clock, int largest) {
+LowPassCapacitors vendor_low_pass(Hertz corner, double gain, Hertz clock, int max_capacitor) {
   const double w = 2.0 * clock.value * std::tan(std::numbers::pi * corner.value / clock.value);
   const double ratio = clock.value / w - 0.5;
+  const double max_units = max_capacitor;
   LowPassCapacitors best;
-  double least = std::numeric_limits<double>::infinity();
-  for (int cint = largest; cint >= 1; --cint) {
-    const double cout = std::clamp(std::round(cint / ratio), 1.0, static_cast<double>(largest));
-    const double cin = std::clamp(std::round(gain * cout), 1.0, static_cast<double>(largest));
+  double min_error = std::numeric_limits<double>::infinity();
+  for (int cint = max_capacitor; cint >= 1; --cint) {
+    const double cout = std::clamp(std::round(cint / ratio), 1.0, max_units);
+    const double cin = std::clamp(std::round(gain * cout), 1.0, max_units);
     const double realised_w = 2.0 * clock.value * cout / (2.0 * cint + cout);
     const double error = std::abs(realised_w / w - 1.0) + std::abs(cin / cout / gain - 1.0);
-    if (error < least) {
-      least = error;
+    if (error < min_error) {
+      min_error = error;
       best = {static_cast<int>(cin), cint, static_cast<int>(cout)};
     }
   }
   return best;
 }
 
-const CamType& filter_bilinear_type() {
-  static const CamType type = [] {
-    CamType t;
-    t.name = "FilterBilinear";
-    t.options = {"Low Pass", "High Pass", "All Pass", "Pole and Zero"};
-    t.parameters = {"corner_hz", "gain", "pole_hz", "zero_hz", "dc_gain", "high_frequency_gain"};
-    t.resources = Resources{.opamps = 1, .capacitors = 4, .comparators = 0, .sars = 0, .lookup_tables = 0};
-    t.transfer =
-        "Low Pass: -Cin/(Cout + Cint(1 - 1/z)). Pole and Zero: -(Ca + Cb(1 - 1/z))/(Cc + Cd(1 - 1/z)). High "
-        "Pass: the "
-        "same without Ca. All Pass: not made (it needs a zero in the right half plane)";
-    t.transfer_ground = Ground::assumed;
-    t.limits = "corners from fc/1605 to about fc/4; low pass and high pass take 3 capacitors";
-    return t;
-  }();
-  return type;
+const Cam& filter_bilinear_cam() {
+  static const FilterBilinear cam;
+  return cam;
 }
 
 }  // namespace bodesmith::fpaa

@@ -1,15 +1,35 @@
 #pragma once
 
-#include <string_view>
-
 #include "base/units.hpp"
-#include "fpaa/board.hpp"
+#include "fpaa/branch.hpp"
+#include "fpaa/cam_values.hpp"
 #include "fpaa/z_transfer.hpp"
 
 namespace bodesmith::fpaa {
 
+/// What the dialog of option "Pole and Zero" asks for: gain (1 + s/zero) / (1 + s/pole). (It takes one of the
+/// gains and shows the other.)
+struct PoleZeroSpec {
+  Hertz pole;
+  Hertz zero;
+  double dc_gain = 1.0;
+  double high_frequency_gain = 1.0;
+
+  CamValues values() const;
+  static PoleZeroSpec from(const CamValues& values);
+};
+
+/// What the dialogs of options "Low Pass" (gain at DC) and "High Pass" (gain at high frequency) ask for.
+struct CornerSpec {
+  Hertz corner;
+  double gain = 1.0;
+
+  CamValues values() const;
+  static CornerSpec from(const CamValues& values);
+};
+
 /// CAM FilterBilinear, option "Pole and Zero": four capacitors, one op-amp,
-///   H(z) = -(Ca + Cb (1 - z^-1)) / (Cc + Cd (1 - z^-1)).
+///   H(z) = -(Ca + Cb (1 - 1/z)) / (Cc + Cd (1 - 1/z)).
 /// With j tan(w/2fc) for s this is exactly -(Ca + s(Ca + 2Cb))/(Cc + s(Cc + 2Cd)): a bilinear image, so
 ///   tan(pi fz/fc) = Ca/(Ca + 2Cb),  tan(pi fp/fc) = Cc/(Cc + 2Cd),
 ///   DC gain -Ca/Cc,  gain at fc/2 -(Ca + 2Cb)/(Cc + 2Cd).
@@ -26,10 +46,11 @@ struct PoleZeroCapacitors {
   Hertz pole(Hertz clock) const;
   double dc_gain() const { return static_cast<double>(ca) / cc; }
   double high_frequency_gain() const { return static_cast<double>(ca + 2 * cb) / (cc + 2 * cd); }
+  PoleZeroSpec realised(Hertz clock) const;
 };
 
 /// CAM FilterBilinear, option "Low Pass": three capacitors, one op-amp,
-///   H(z) = -Cin / (Cout + Cint (1 - z^-1)),
+///   H(z) = -Cin / (Cout + Cint (1 - 1/z)),
 /// pole at tan(pi f0/fc) = Cout/(2 Cint + Cout), DC gain -Cin/Cout. Its zero lies at z = 0, not at z = -1.
 struct LowPassCapacitors {
   int cin = 1;
@@ -42,7 +63,7 @@ struct LowPassCapacitors {
 };
 
 /// CAM FilterBilinear, option "High Pass": three capacitors, one op-amp. Assumed to be the pole-zero form
-/// without its Ca branch, H(z) = -Cb (1 - z^-1) / (Cc + Cd (1 - z^-1)); gain at fc/2 is -2Cb/(Cc + 2Cd).
+/// without its Ca branch, H(z) = -Cb (1 - 1/z) / (Cc + Cd (1 - 1/z)); gain at fc/2 is -2Cb/(Cc + 2Cd).
 struct HighPassCapacitors {
   int cb = 1;
   int cc = 1;
@@ -53,16 +74,10 @@ struct HighPassCapacitors {
   double gain() const { return 2.0 * cb / (cc + 2 * cd); }
 };
 
-/// Corner at which a branch C0 + C1 (1 - z^-1) turns: fc/pi atan(C0/(C0 + 2 C1)).
-Hertz branch_corner(double c0, double c1, Hertz clock);
-/// The ratio C1/C0 that puts the corner of a branch exactly (by tan) at `corner`: (1/tan(pi f/fc) - 1)/2.
-/// Negative above fc/4, where no branch of positive capacitors turns.
-double branch_ratio(Hertz corner, Hertz clock);
-
 /// The vendor's generated code for the low pass (an_setFilterLowPass): scans Cint = 255 ... 1 with
 ///   Cout = round(Cint / (fc/w - 1/2)), Cin = round(G Cout),  w = 2 fc tan(pi f0/fc),
 /// (each constrained to 1 ... 255) and keeps the first set whose corner and gain errors are least (sum of
 /// both relative errors).
-LowPassCapacitors vendor_low_pass(Hertz corner, double gain, Hertz clock, int largest = 255);
+LowPassCapacitors vendor_low_pass(Hertz corner, double gain, Hertz clock, int max_capacitor = 255);
 
 }  // namespace bodesmith::fpaa

@@ -1,111 +1,300 @@
 #include "fpaa/cams/filter_biquad.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
-#include "fpaa/cams/cam_type.hpp"
+#include "base/text.hpp"
+#include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
-struct Near {
+using BiquadKind = BiquadCapacitors::Kind;
+
+/// The value of "form" among the realised parameters.
+constexpr const char* kHighQ = "high Q";
+constexpr const char* kLowQ = "low Q";
+
+/// Clock over corner: below, LDI warping and the delay in the loop spoil it; above, its loop capacitors get
+/// coarse.
+constexpr double kMinClockOverCorner = 8.0;
+constexpr double kMaxClockOverCorner = 500.0;
+
+/// How many of the sets nearest in corner and quality are judged by their complex error.
+constexpr std::size_t kJudgedSets = 400;
+/// No capacitor comes near this; beyond it a wanted value need not be rounded.
+constexpr double kFarBeyondUnits = 1e6;
+
+/// H of the capacitors, those of the other options 0.
+struct BiquadForm {
+  double c1 = 0.0, cp = 0.0, cpp = 0.0;
+  double c2 = 1.0, c3 = 1.0, c4 = 1.0, ca = 1.0, cb = 1.0;
+  bool high_q = false;
+
+  /// 1/z = 1 - D.
+  DeltaTransfer transfer() const {
+    const double loop = c2 * c3;
+    DeltaTransfer h;
+    h.denominator = high_q ? std::vector<double>{loop, c3 * c4 - loop, ca * cb - c3 * c4}
+                           : std::vector<double>{loop, ca * c4 - loop, ca * cb};
+    if (c1 != 0.0) {
+      h.numerator = {-c1 * c3, c1 * c3};
+    } else if (cp != 0.0) {
+      h.numerator = high_q ? std::vector<double>{0.0, -cp * c3, cp * c3} : std::vector<double>{0.0, -cp * ca};
+    } else {
+      h.numerator = {0.0, 0.0, -cpp * ca};
+    }
+    return h;
+  }
+};
+
+/// A set of capacitors and how far its corner, quality and gain are off, in nepers.
+struct NearBiquad {
   double off;
   BiquadCapacitors capacitors;
 };
 
-constexpr size_t kJudged = 400;
-
-/// Keeps the best kJudged, cheaply.
-class Shortlist {
+/// Keeps the best kJudgedSets, cheaply.
+class BiquadShortlist {
  public:
   void add(double off, const BiquadCapacitors& c) {
-    if (list_.size() >= 2 * kJudged) cut();
+    if (list_.size() >= 2 * kJudgedSets) cut();
     if (off < limit_) list_.push_back({off, c});
   }
-  std::vector<Near> take() {
+  std::vector<NearBiquad> take() {
     cut();
     return std::move(list_);
   }
 
  private:
   void cut() {
-    std::stable_sort(list_.begin(), list_.end(), [](const Near& a, const Near& b) { return a.off < b.off; });
-    if (list_.size() > kJudged) {
-      list_.resize(kJudged);
+    std::stable_sort(list_.begin(), list_.end(),
+                     [](const NearBiquad& a, const NearBiquad& b) { return a.off < b.off; });
+    if (list_.size() > kJudgedSets) {
+      list_.resize(kJudgedSets);
       limit_ = list_.back().off;
     }
   }
-  std::vector<Near> list_;
+  std::vector<NearBiquad> list_;
   double limit_ = std::numeric_limits<double>::infinity();
 };
 
-void collect(const BiquadTarget& target, Hertz clock, int largest, bool high_q, Shortlist& list) {
+/// The input capacitor that gives the wanted gain exactly.
+double exact_input(const BiquadTarget& target, const BiquadCapacitors& c) {
+  switch (target.kind) {
+    case BiquadKind::low_pass:
+      return target.gain * c.c2;
+    case BiquadKind::band_pass:
+      return target.gain * c.c4;
+    case BiquadKind::high_pass:
+      break;
+  }
+  return target.gain * c.cb;
+}
+
+/// All CA, CB with the C2, C3, C4 and input that come nearest to the target.
+void collect_near(const BiquadTarget& target, Hertz clock, int max_capacitor, bool high_q,
+                  BiquadShortlist& list) {
+  const auto fits = [&](int units) { return units >= 1 && units <= max_capacitor; };
   const double root = 2.0 * std::sin(0.5 * target.natural.value / clock.value);  // w0/fc by LDI
-  const int bank = 2 * largest;
-  for (int cb = 1; cb <= bank; ++cb) {
-    const int middle = static_cast<int>(std::lround(root * cb));
-    for (int c3 = std::max(1, middle - 2); c3 <= std::min(largest, middle + 2); ++c3) {
-      const double c2_per_ca = root * root * cb / c3;
-      for (int ca = 1; ca <= bank; ++ca) {
-        const int c2 = static_cast<int>(std::lround(c2_per_ca * ca));
-        if (c2 < 1 || c2 > largest) continue;
-        const double corner_off = 0.5 * std::abs(std::log(c2 / (c2_per_ca * ca)));
-        const double c4_wanted = high_q ? std::sqrt(static_cast<double>(ca) * cb * c2 / c3) / target.quality
-                                        : cb * root / target.quality;
-        const int c4 = static_cast<int>(std::lround(c4_wanted));
-        if (c4 < 1 || c4 > largest) continue;
-        BiquadCapacitors c;
-        c.kind = target.kind;
-        c.high_q = high_q;
-        c.c2 = c2;
-        c.c3 = c3;
-        c.c4 = c4;
-        c.ca = ca;
-        c.cb = cb;
-        double exact_input = 0.0;
-        switch (target.kind) {
-          case BiquadCapacitors::Kind::low_pass:
-            exact_input = target.gain * c2;
-            break;
-          case BiquadCapacitors::Kind::band_pass:
-            exact_input = target.gain * c4;
-            break;
-          case BiquadCapacitors::Kind::high_pass:
-            exact_input = target.gain * cb;
-            break;
-        }
-        c.input = static_cast<int>(std::lround(std::min(exact_input, 1e6)));
-        if (c.input < 1 || c.input > largest) continue;
-        list.add(corner_off + std::abs(std::log(c4 / c4_wanted)) + std::abs(std::log(c.input / exact_input)),
-                 c);
+  const int bank = 2 * max_capacitor;
+  BiquadCapacitors c;
+  c.kind = target.kind;
+  c.high_q = high_q;
+  for (c.cb = 1; c.cb <= bank; ++c.cb) {
+    const int middle = static_cast<int>(std::lround(root * c.cb));
+    for (c.c3 = std::max(1, middle - 2); c.c3 <= std::min(max_capacitor, middle + 2); ++c.c3) {
+      const double c2_per_ca = root * root * c.cb / c.c3;
+      for (c.ca = 1; c.ca <= bank; ++c.ca) {
+        c.c2 = static_cast<int>(std::lround(c2_per_ca * c.ca));
+        if (!fits(c.c2)) continue;
+        const double corner_off = 0.5 * std::abs(std::log(c.c2 / (c2_per_ca * c.ca)));
+        const double c4_wanted =
+            high_q ? std::sqrt(static_cast<double>(c.ca) * c.cb * c.c2 / c.c3) / target.quality
+                   : c.cb * root / target.quality;
+        c.c4 = static_cast<int>(std::lround(c4_wanted));
+        if (!fits(c.c4)) continue;
+        const double input = exact_input(target, c);
+        c.input = static_cast<int>(std::lround(std::min(input, kFarBeyondUnits)));
+        if (!fits(c.input)) continue;
+        list.add(corner_off + std::abs(std::log(c.c4 / c4_wanted)) + std::abs(std::log(c.input / input)), c);
       }
     }
   }
 }
 
-}  // namespace
-
-ZTransfer BiquadCapacitors::transfer() const {
-  const double a = ca, b = cb, two = c2, three = c3, four = c4, in = input;
-  ZTransfer h;
-  h.denominator = high_q
-                      ? std::vector<double>{a * b, -2.0 * a * b + three * (two + four), a * b - three * four}
-                      : std::vector<double>{a * (b + four), -a * (2.0 * b + four) + two * three, a * b};
+const char* to_string(BiquadKind kind) {
   switch (kind) {
-    case Kind::low_pass:
-      h.numerator = {0.0, -in * three};
-      break;
-    case Kind::band_pass:
-      h.numerator =
-          high_q ? std::vector<double>{0.0, -in * three, in * three} : std::vector<double>{-in * a, in * a};
-      break;
-    case Kind::high_pass:
-      h.numerator = {-in * a, 2.0 * in * a, -in * a};
+    case BiquadKind::low_pass:
+      return "Low Pass";
+    case BiquadKind::band_pass:
+      return "Band Pass";
+    case BiquadKind::high_pass:
       break;
   }
-  return h;
+  return "High Pass";
+}
+
+class BiquadTask : public CamTask {
+ public:
+  BiquadTask(const Cam& cam, const SecondOrderPiece& piece, const BiquadTarget& target)
+      : CamTask(cam, piece.name, piece.section), target_(target) {}
+
+  Resources resources() const override { return {.opamps = 2, .capacitors = 8}; }
+  std::complex<double> response(RadPerSecond w) const override { return target_.response(w); }
+  std::vector<RadPerSecond> corners() const override { return {target_.natural}; }
+  Band possible_clocks(int) const override {
+    const double f = target_.natural.hz().value;
+    return {{kMinClockOverCorner * f}, {kMaxClockOverCorner * f}};
+  }
+
+  std::optional<PlacedCam> settle(const TaskSetting& setting) const override {
+    BiquadTarget target = target_;
+    target.gain = setting.gain;
+    const auto solution = search_biquad(target, setting.clock, setting.grid, setting.max_capacitor);
+    if (!solution) return std::nullopt;
+    const BiquadCapacitors& c = solution->capacitors;
+    PlacedCam out = start(setting, to_string(c.kind));
+    out.requested = BiquadSpec{target.natural.hz(), target.quality, target.gain}.values();
+    out.realised = BiquadSpec{c.corner(setting.clock), c.quality(), c.gain()}.values();
+    out.realised.set("form", std::string(c.high_q ? kHighQ : kLowQ));
+    out.capacitors = c.named();
+    out.z = c.transfer();
+    return out;
+  }
+
+ private:
+  BiquadTarget target_;
+};
+
+CamFacts filter_biquad_facts() {
+  CamFacts f;
+  f.name = "FilterBiquad";
+  f.options = {"Low Pass", "Band Pass", "High Pass", "Pole and Zero"};
+  f.parameters = {{"corner_hz", "Corner Frequency", true}, {"quality", "Quality Factor"}, {"gain", "Gain"}};
+  f.resources = Resources{.opamps = 2, .capacitors = 8};
+  f.transfer = "see filter_biquad.hpp; Pole and Zero: not publicly known, not made";
+  f.transfer_ground = Ground::assumed;
+  f.limits = "CA and CB to 510 units, the others to 255";
+  return f;
+}
+
+class FilterBiquad : public Cam {
+ public:
+  FilterBiquad() : Cam(filter_biquad_facts()) {}
+
+  /// Complex poles without finite zeros, or with zeros at s = 0 only.
+  CamOffer offer_second_order(const SecondOrderPiece& piece) const override {
+    if (piece.poles[0].imag() == 0.0) return {};
+    for (const auto& zero : piece.zeros) {
+      if (zero == 0.0) continue;
+      return {.refusal = Refusal{fmt::format(
+                  "section {} has complex poles and a zero that is not at s = 0; the FilterBiquad's "
+                  "pole-and-zero form is not publicly known, expected real poles (fit with --real), no "
+                  "zeros, zeros at 0, or this section made with spice",
+                  piece.section + 1)}};
+    }
+    const double natural = std::abs(piece.poles[0]);
+    BiquadTarget target;
+    target.natural = {natural};
+    target.quality = natural / (-2.0 * piece.poles[0].real());
+    target.kind = piece.zeros.empty()       ? BiquadKind::low_pass
+                  : piece.zeros.size() == 1 ? BiquadKind::band_pass
+                                            : BiquadKind::high_pass;
+    double log_gain = 0.0;
+    if (target.kind == BiquadKind::low_pass) log_gain = -2.0 * std::log(natural);
+    if (target.kind == BiquadKind::band_pass) log_gain = std::log(target.quality / natural);
+    return {.task = std::make_shared<BiquadTask>(*this, piece, target), .log_gain = log_gain};
+  }
+
+  DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    return BiquadForm{.c1 = c["C1"],
+                      .cp = c["Cp"],
+                      .cpp = c["Cpp"],
+                      .c2 = c["C2"],
+                      .c3 = c["C3"],
+                      .c4 = c["C4"],
+                      .ca = c["CA"],
+                      .cb = c["CB"],
+                      .high_q = is_high_q(cam)}
+        .transfer();
+  }
+
+  std::vector<NoiseCharge> noise_charges(const PlacedCam& cam) const override {
+    const CapacitorUnits c(cam.capacitors);
+    const double first = c["C1"] + c["C2"];
+    const double second = c["C3"] + (is_high_q(cam) ? 0.0 : c["C4"] + c["Cp"]);
+    return {{first, {{0.0, c["C3"]}, cam.z.denominator}}, {second, {{c["CA"], -c["CA"]}, cam.z.denominator}}};
+  }
+
+  /// CA and CB are two banks each.
+  std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam,
+                                           std::span<const std::string>) const override {
+    std::vector<Capacitor> out;
+    for (const Capacitor& c : cam.capacitors) {
+      if (c.name == "CA" || c.name == "CB") {
+        const int first = std::min(c.units, kUnitsOfBank);
+        out.push_back({c.name + "1", first});
+        out.push_back({c.name + "2", c.units - first});
+      } else {
+        out.push_back(c);
+      }
+    }
+    return out;
+  }
+
+  std::optional<ZrnaModule> zrna_module(const PlacedCam& cam) const override {
+    const bool band = cam.option == to_string(BiquadKind::band_pass);
+    const bool low = cam.option == to_string(BiquadKind::low_pass);
+    return ZrnaModule{low    ? "FilterBiquadLowpass"
+                      : band ? "FilterBiquadBandpass"
+                             : "FilterBiquadHighpass",
+                      "",
+                      {{"corner_hz", band ? "center_frequency" : "corner_frequency"},
+                       {"quality", "quality_factor"},
+                       {"gain", "gain"}}};
+  }
+
+  std::string picture_text(const PlacedCam& cam) const override {
+    return fmt::format("corner {} Hz", rounded_text(BiquadSpec::from(cam.realised).corner.value, 4));
+  }
+
+ private:
+  static constexpr int kUnitsOfBank = 255;
+
+  static bool is_high_q(const PlacedCam& cam) { return cam.realised.text("form") == kHighQ; }
+};
+
+}  // namespace
+
+CamValues BiquadSpec::values() const {
+  return {{"corner_hz", corner.value}, {"quality", quality}, {"gain", gain}};
+}
+
+BiquadSpec BiquadSpec::from(const CamValues& values) {
+  return {{values.required_number("corner_hz")},
+          values.number("quality").value_or(1.0),
+          values.number("gain").value_or(1.0)};
+}
+
+ZTransfer BiquadCapacitors::transfer() const {
+  BiquadForm form{.c2 = static_cast<double>(c2),
+                  .c3 = static_cast<double>(c3),
+                  .c4 = static_cast<double>(c4),
+                  .ca = static_cast<double>(ca),
+                  .cb = static_cast<double>(cb),
+                  .high_q = high_q};
+  (kind == Kind::low_pass ? form.c1 : kind == Kind::band_pass ? form.cp : form.cpp) = input;
+  return form.transfer().in_z();
+}
+
+std::vector<Capacitor> BiquadCapacitors::named() const {
+  const char* const input_name = kind == Kind::low_pass ? "C1" : kind == Kind::band_pass ? "Cp" : "Cpp";
+  return {{input_name, input}, {"C2", c2}, {"C3", c3}, {"C4", c4}, {"CA", ca}, {"CB", cb}};
 }
 
 Hertz BiquadCapacitors::corner(Hertz clock) const {
@@ -113,7 +302,7 @@ Hertz BiquadCapacitors::corner(Hertz clock) const {
   return {clock.value / std::numbers::pi * std::asin(std::min(1.0, 0.5 * root))};
 }
 
-double BiquadCapacitors::quality(Hertz) const {
+double BiquadCapacitors::quality() const {
   const double root = std::sqrt(static_cast<double>(c2) * c3 / (static_cast<double>(ca) * cb));
   if (high_q) return std::sqrt(static_cast<double>(ca) * cb * c2 / c3) / c4;
   return cb * root / c4;
@@ -145,43 +334,31 @@ std::complex<double> BiquadTarget::response(RadPerSecond w) const {
   return gain * s * s / below;
 }
 
-BiquadSolution search_biquad(const BiquadTarget& target, Hertz clock, const std::vector<RadPerSecond>& grid,
-                             int largest) {
-  Shortlist list;
-  collect(target, clock, largest, false, list);
-  collect(target, clock, largest, true, list);
-  BiquadSolution best;
-  best.max_complex_error = std::numeric_limits<double>::infinity();
-  for (const Near& near : list.take()) {
+std::optional<BiquadSolution> search_biquad(const BiquadTarget& target, Hertz clock,
+                                            const std::vector<RadPerSecond>& grid, int max_capacitor) {
+  BiquadShortlist list;
+  for (const bool high_q : {false, true}) collect_near(target, clock, max_capacitor, high_q, list);
+  std::optional<BiquadSolution> best;
+  double min_error = std::numeric_limits<double>::infinity();
+  for (const NearBiquad& near : list.take()) {
     const ZTransfer h = near.capacitors.transfer();
     if (!h.is_stable()) continue;
     double worst = 0.0;
     for (const RadPerSecond w : grid) {
       worst = std::max(worst, std::abs(-h.response(w, clock) / target.response(w) - 1.0));
-      if (worst >= best.max_complex_error) break;
+      if (worst >= min_error) break;
     }
-    if (worst < best.max_complex_error) {
-      best.max_complex_error = worst;
-      best.capacitors = near.capacitors;
-      best.made = true;
+    if (worst < min_error) {
+      min_error = worst;
+      best = {near.capacitors, worst};
     }
   }
   return best;
 }
 
-const CamType& filter_biquad_type() {
-  static const CamType type = [] {
-    CamType t;
-    t.name = "FilterBiquad";
-    t.options = {"Low Pass", "Band Pass", "High Pass", "Pole and Zero"};
-    t.parameters = {"corner_hz", "quality", "gain"};
-    t.resources = Resources{.opamps = 2, .capacitors = 8};
-    t.transfer = "see filter_biquad.hpp; Pole and Zero: not publicly known, not made";
-    t.transfer_ground = Ground::assumed;
-    t.limits = "CA and CB to 510 units, the others to 255";
-    return t;
-  }();
-  return type;
+const Cam& filter_biquad_cam() {
+  static const FilterBiquad cam;
+  return cam;
 }
 
 }  // namespace bodesmith::fpaa

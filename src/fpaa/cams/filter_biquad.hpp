@@ -1,20 +1,35 @@
 #pragma once
 
 #include <complex>
+#include <optional>
 #include <vector>
 
 #include "base/units.hpp"
+#include "fpaa/cam_values.hpp"
+#include "fpaa/placed_cam.hpp"
 #include "fpaa/z_transfer.hpp"
 
 namespace bodesmith::fpaa {
 
+/// What the dialog asks for.
+struct BiquadSpec {
+  Hertz corner;
+  double quality = 1.0;
+  double gain = 1.0;  ///< at DC (low pass), at the centre (band pass), at high frequency (high pass)
+
+  CamValues values() const;
+  static BiquadSpec from(const CamValues& values);
+};
+
 /// CAM FilterBiquad: two integrators in a loop (CA first, CB second), 8 capacitors, 2 op-amps; CA and CB are
 /// each split over two banks (up to 510 units). With D = 1 - 1/z:
-///   low Q:  denominator CA D ((CB + C4) - CB/z) + C2 C3/z        (C4 switched, across the second integrator)
-///   high Q: denominator CA CB D^2 + C3/z (C2 + C4 D)             (C4 unswitched, from the output to the
-///   first) Low Pass  numerator -C1 C3/z      gain C1/C2 at DC Band Pass numerator -Cp CA D (low Q), -Cp C3
-///   D/z (high Q); gain Cp/C4 at the centre High Pass numerator -Cpp CA D^2   gain Cpp/CB far above the
-///   corner
+///
+///   low Q:   denominator CA D (CB D + C4) + C2 C3/z     (C4 switched, across the second integrator)
+///   high Q:  denominator CA CB D^2 + C3/z (C2 + C4 D)   (C4 unswitched, from the output to the first)
+///   Low Pass   numerator -C1 C3/z                                      gain C1/C2 at DC
+///   Band Pass  numerator -Cp CA D (low Q), -Cp C3 D/z (high Q)         gain Cp/C4 at the centre
+///   High Pass  numerator -Cpp CA D^2                                   gain Cpp/CB far above the corner
+///
 /// f0 = fc/2pi sqrt(C2 C3/(CA CB)) by LDI (sin, not tan): w0 = 2 fc sin(pi f0/fc). Low Q: Q = CB (w0/fc)/C4;
 /// high Q: Q = sqrt(CA CB C2/C3)/C4. The low-pass form is derived from vendor code; band and high pass are
 /// the standard circuit that has the vendor's gains (assumed). The pole-and-zero form is not publicly known.
@@ -27,8 +42,9 @@ struct BiquadCapacitors {
 
   ZTransfer transfer() const;
   Hertz corner(Hertz clock) const;
-  double quality(Hertz clock) const;
+  double quality() const;
   double gain() const;
+  std::vector<Capacitor> named() const;
 };
 
 struct BiquadTarget {
@@ -43,13 +59,12 @@ struct BiquadTarget {
 struct BiquadSolution {
   BiquadCapacitors capacitors;
   double max_complex_error = 0.0;  ///< gain included, sign not
-  bool made = false;
 };
 
 /// The best of both forms on the grid: all CA, CB and C4 with the loop capacitors that balance the
 /// integrators (within two units), the 400 nearest in corner and quality judged by their exact complex error.
-/// Not proven beyond that.
-BiquadSolution search_biquad(const BiquadTarget& target, Hertz clock, const std::vector<RadPerSecond>& grid,
-                             int largest = 255);
+/// Not proven beyond that. Nothing when no capacitors make a stable filter at this clock.
+std::optional<BiquadSolution> search_biquad(const BiquadTarget& target, Hertz clock,
+                                            const std::vector<RadPerSecond>& grid, int max_capacitor = 255);
 
 }  // namespace bodesmith::fpaa

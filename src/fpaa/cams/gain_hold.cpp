@@ -1,19 +1,19 @@
-#include "fpaa/cams/cam_type.hpp"
+#include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 
-const CamType& gain_hold_type() {
-  static const CamType type = [] {
-    CamType t;
-    t.name = "GainHold";
-    t.options = {"Inverting", "Non-inverting"};
-    t.parameters = {"gain"};
-    t.transfer = "-+gain, output held; its capacitor count is not publicly known";
-    t.transfer_ground = Ground::seen;
-    t.limits = "not placed by the program: resources unknown";
-    return t;
-  }();
-  return type;
+const Cam& gain_hold_cam() {
+  static const Cam cam([] {
+    CamFacts f;
+    f.name = "GainHold";
+    f.options = {"Inverting", "Non-inverting"};
+    f.parameters = {{"gain"}};
+    f.transfer = "-+gain, output held; its capacitor count is not publicly known";
+    f.transfer_ground = Ground::seen;
+    f.limits = "not placed by the program: resources unknown";
+    return f;
+  }());
+  return cam;
 }
 
 }  // namespace bodesmith::fpaa

@@ -1,21 +1,23 @@
-#include "fpaa/cams/cam_type.hpp"
+#include "fpaa/cams/gain_switch.hpp"
+
+#include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 
-const CamType& gain_switch_type() {
-  static const CamType type = [] {
-    CamType t;
-    t.name = "GainSwitch";
-    t.options = {"Ground", "Dual Input", "Variable Reference"};
-    t.parameters = {"gain"};
-    t.transfer =
+const Cam& gain_switch_cam() {
+  static const Cam cam([] {
+    CamFacts f;
+    f.name = "GainSwitch";
+    f.options = {"Ground", GainSwitchSpec::kDualInput, "Variable Reference"};
+    f.parameters = {{"gain_1"}, {"gain_2"}};
+    f.transfer =
         "gain of the input that the comparator selects; analogue output lags the control by one clock";
-    t.transfer_ground = Ground::seen;
-    t.delay_cycles = 1.0;
-    t.limits = "capacitor count not publicly known; taken as a CAB of its own when placed";
-    return t;
-  }();
-  return type;
+    f.transfer_ground = Ground::seen;
+    f.delay_cycles = 1.0;
+    f.limits = "capacitor count not publicly known; taken as a CAB of its own when placed";
+    return f;
+  }());
+  return cam;
 }
 
 }  // namespace bodesmith::fpaa

@@ -1,21 +1,21 @@
-#include "fpaa/cams/cam_type.hpp"
+#include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 
-const CamType& gain_voltage_controlled_type() {
-  static const CamType type = [] {
-    CamType t;
-    t.name = "GainVoltageControlled";
-    t.parameters = {"gain_most"};
-    t.transfer = "";
-    t.transfer_ground = Ground::unknown;
-    t.clock_b_ratio = 16;
-    t.limits =
+const Cam& gain_voltage_controlled_cam() {
+  static const Cam cam([] {
+    CamFacts f;
+    f.name = "GainVoltageControlled";
+    f.parameters = {{"max_gain"}};
+    f.transfer = "";
+    f.transfer_ground = Ground::unknown;
+    f.clock_b_ratio = 16;
+    f.limits =
         "parameters only: its numbers are not publicly known; the program uses a Multiplier where it needs "
         "one";
-    return t;
-  }();
-  return type;
+    return f;
+  }());
+  return cam;
 }
 
 }  // namespace bodesmith::fpaa

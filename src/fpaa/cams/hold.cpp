@@ -1,21 +1,22 @@
 #include "fpaa/cams/hold.hpp"
 
-#include "fpaa/cams/cam_type.hpp"
+#include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 
-const CamType& hold_type() {
-  static const CamType type = [] {
-    CamType t;
-    t.name = "Hold";
-    t.resources = Resources{.opamps = 1, .capacitors = 2, .comparators = 0, .sars = 0, .lookup_tables = 0};
-    t.transfer = "1/z";
-    t.transfer_ground = Ground::seen;
-    t.delay_cycles = 1.0;
-    t.limits = "two in series need opposite phases";
-    return t;
-  }();
-  return type;
+const Cam& hold_cam() {
+  static const Cam cam([] {
+    CamFacts f;
+    f.name = "Hold";
+    f.resources = Resources{.opamps = 1, .capacitors = 2};
+    f.transfer = "1/z";
+    f.transfer_ground = Ground::seen;
+    f.delay_cycles = 1.0;
+    f.takes_half_cycle_anywhere = true;
+    f.limits = "two in series need opposite phases";
+    return f;
+  }());
+  return cam;
 }
 
 }  // namespace bodesmith::fpaa

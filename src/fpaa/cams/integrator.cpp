@@ -1,23 +1,23 @@
 #include "fpaa/cams/integrator.hpp"
 
-#include "fpaa/cams/cam_type.hpp"
+#include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 
-const CamType& integrator_type() {
-  static const CamType type = [] {
-    CamType t;
-    t.name = "Integrator";
-    t.options = {"Inverting", "Non-inverting"};
-    t.parameters = {"integration_constant_per_s"};
-    t.resources = Resources{.opamps = 1, .capacitors = 2, .comparators = 0, .sars = 0, .lookup_tables = 0};
-    t.transfer =
+const Cam& integrator_cam() {
+  static const Cam cam([] {
+    CamFacts f;
+    f.name = "Integrator";
+    f.options = {"Inverting", "Non-inverting"};
+    f.parameters = {{"integration_constant_per_s"}};
+    f.resources = Resources{.opamps = 1, .capacitors = 2};
+    f.transfer =
         "inverting -(Cin/Cint)/(1 - 1/z), non-inverting (Cin/Cint) z^-1/(1 - 1/z); constant fc Cin/Cint";
-    t.transfer_ground = Ground::derived;
-    t.limits = "constant fc/255 to 255 fc";
-    return t;
-  }();
-  return type;
+    f.transfer_ground = Ground::derived;
+    f.limits = "constant fc/255 to 255 fc";
+    return f;
+  }());
+  return cam;
 }
 
 }  // namespace bodesmith::fpaa

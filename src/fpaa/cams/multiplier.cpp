@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fpaa/cams/cam_type.hpp"
+#include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -13,21 +13,21 @@ double Multiplier::quantised(double y_v) {
   return (code + 0.5) * step - 3.0;
 }
 
-const CamType& multiplier_type() {
-  static const CamType type = [] {
-    CamType t;
-    t.name = "Multiplier";
-    t.options = {"Sample and Hold Off", "Sample and Hold On"};
-    t.parameters = {"scale_per_v"};
-    t.resources = Resources{.opamps = 1, .capacitors = 4, .comparators = 1, .sars = 1, .lookup_tables = 0};
-    t.transfer = "scale X Y/z, Y converted to 8 bits over +-3 V";
-    t.transfer_ground = Ground::seen;
-    t.delay_cycles = 1.0;
-    t.clock_b_ratio = 16;
-    t.limits = "scale 0.33 to 4; with sample and hold 6 capacitors and 2 op-amps";
-    return t;
-  }();
-  return type;
+const Cam& multiplier_cam() {
+  static const Cam cam([] {
+    CamFacts f;
+    f.name = "Multiplier";
+    f.options = {"Sample and Hold Off", "Sample and Hold On"};
+    f.parameters = {{"scale_per_v"}};
+    f.resources = Resources{.opamps = 1, .capacitors = 4, .comparators = 1, .sars = 1};
+    f.transfer = "scale X Y/z, Y converted to 8 bits over +-3 V";
+    f.transfer_ground = Ground::seen;
+    f.delay_cycles = 1.0;
+    f.clock_b_ratio = 16;
+    f.limits = "scale 0.33 to 4; with sample and hold 6 capacitors and 2 op-amps";
+    return f;
+  }());
+  return cam;
 }
 
 }  // namespace bodesmith::fpaa

@@ -1,6 +1,10 @@
 #pragma once
 
+#include "fpaa/cam_values.hpp"
+
 namespace bodesmith::fpaa {
+
+class Cam;
 
 /// CAM Multiplier: Vout = scale X Y, one ClockA cycle late; Y goes through an 8-bit converter (SAR) over +-3
 /// V, which runs on ClockB = 16 ClockA. Four capacitors, one op-amp, one comparator; with sample and hold six
@@ -9,9 +13,15 @@ struct Multiplier {
   double scale_per_v = 1.0;  ///< 0.33 to 4
   bool sample_and_hold = false;
 
+  /// In the dialog.
+  const char* option() const { return sample_and_hold ? "Sample and Hold On" : "Sample and Hold Off"; }
+  CamValues values() const { return {{"scale_per_v", scale_per_v}}; }
+
   /// What the converter makes of Y: the middle of one of 256 steps of 6/256 V.
   static double quantised(double y_v);
   double output(double x_v, double y_v) const { return scale_per_v * x_v * quantised(y_v); }
 };
+
+const Cam& multiplier_cam();
 
 }  // namespace bodesmith::fpaa

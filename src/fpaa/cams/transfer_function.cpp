@@ -5,34 +5,33 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/error.hpp"
 #include "base/text.hpp"
-#include "fpaa/cams/cam_type.hpp"
+#include "fpaa/cams/cam.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::fpaa {
 
-int LookupTable::entry_of(double in_v) {
-  return static_cast<int>(std::clamp(std::floor((in_v + 3.0) * 256.0 / 6.0), 0.0, 255.0));
+std::size_t LookupTable::entry_of(double in_v) {
+  return static_cast<std::size_t>(std::clamp(std::floor((in_v + 3.0) * 256.0 / 6.0), 0.0, 255.0));
 }
 
-LookupTable LookupTable::of(const std::function<double(double)>& function, double full_scale_v) {
+Outcome<LookupTable> LookupTable::of(const std::function<double(double)>& function, double full_scale_v) {
   LookupTable out;
   std::array<double, 256> wanted{};
-  double most = 0.0;
-  for (int entry = 0; entry < 256; ++entry) {
+  double peak = 0.0;
+  for (std::size_t entry = 0; entry < wanted.size(); ++entry) {
     const double v = function(input_v(entry));
     if (!std::isfinite(v)) {
-      throw DesignError(
+      return Refusal{
           fmt::format("the look-up function is not finite at {} V, expected a number at every input",
-                      rounded_text(input_v(entry))));
+                      rounded_text(input_v(entry)))};
     }
-    wanted[static_cast<std::size_t>(entry)] = std::clamp(v, -full_scale_v, full_scale_v);
-    most = std::max(most, std::abs(wanted[static_cast<std::size_t>(entry)]));
+    wanted[entry] = std::clamp(v, -full_scale_v, full_scale_v);
+    peak = std::max(peak, std::abs(wanted[entry]));
   }
-  if (most == 0.0) throw DesignError("the look-up function is 0 everywhere, expected one that is not");
-  out.cout = static_cast<int>(std::clamp(std::round(254.0 / most), 1.0, 255.0));
-  for (std::size_t entry = 0; entry < 256; ++entry) {
+  if (peak == 0.0) return Refusal{"the look-up function is 0 everywhere, expected one that is not"};
+  out.cout = static_cast<int>(std::clamp(std::round(254.0 / peak), 1.0, 255.0));
+  for (std::size_t entry = 0; entry < wanted.size(); ++entry) {
     const double code = std::round(128.0 + 0.5 * wanted[entry] * out.cout);
     out.bytes[entry] = static_cast<std::uint8_t>(std::clamp(code, 0.0, 255.0));
   }
@@ -41,27 +40,27 @@ LookupTable LookupTable::of(const std::function<double(double)>& function, doubl
 
 std::string LookupTable::csv(const std::function<double(double)>& wanted) const {
   CsvTable table({"entry", "input_v", "wanted_v", "output_v", "byte"});
-  for (int entry = 0; entry < 256; ++entry) {
+  for (std::size_t entry = 0; entry < bytes.size(); ++entry) {
     table.add_row({std::to_string(entry), number_text(input_v(entry)), number_text(wanted(input_v(entry))),
-                   number_text(output_v(entry)), std::to_string(bytes[static_cast<std::size_t>(entry)])});
+                   number_text(output_v(entry)), std::to_string(bytes[entry])});
   }
   return table.text();
 }
 
-const CamType& transfer_function_type() {
-  static const CamType type = [] {
-    CamType t;
-    t.name = "TransferFunction";
-    t.parameters = {"table_v"};
-    t.resources = Resources{.opamps = 1, .capacitors = 5, .comparators = 1, .sars = 1, .lookup_tables = 1};
-    t.transfer = "2 V (LUT[input] - 128)/Cout, 256 entries over -3 to +3 V, one cycle late";
-    t.transfer_ground = Ground::seen;
-    t.delay_cycles = 1.0;
-    t.clock_b_ratio = 16;
-    t.limits = "one look-up table a chip";
-    return t;
-  }();
-  return type;
+const Cam& transfer_function_cam() {
+  static const Cam cam([] {
+    CamFacts f;
+    f.name = "TransferFunction";
+    f.parameters = {{"table_v"}};
+    f.resources = Resources{.opamps = 1, .capacitors = 5, .comparators = 1, .sars = 1, .lookup_tables = 1};
+    f.transfer = "2 V (LUT[input] - 128)/Cout, 256 entries over -3 to +3 V, one cycle late";
+    f.transfer_ground = Ground::seen;
+    f.delay_cycles = 1.0;
+    f.clock_b_ratio = 16;
+    f.limits = "one look-up table a chip";
+    return f;
+  }());
+  return cam;
 }
 
 }  // namespace bodesmith::fpaa

@@ -5,7 +5,11 @@
 #include <functional>
 #include <string>
 
+#include "fpaa/refusal.hpp"
+
 namespace bodesmith::fpaa {
+
+class Cam;
 
 /// CAM TransferFunction: the input is converted to 8 bits over -3 ... +3 V, a byte of the chip's look-up
 /// table sets the output, Vout = 2 V (LUT - 128)/Cout, Cout = round(254/max |V|)
@@ -15,16 +19,18 @@ struct LookupTable {
   int cout = 127;
 
   /// Voltage at the middle of an entry's input step.
-  static double input_v(int entry) { return (entry + 0.5) * 6.0 / 256.0 - 3.0; }
-  static int entry_of(double input_v);
-  double output_v(int entry) const { return 2.0 * (bytes[static_cast<std::size_t>(entry)] - 128) / cout; }
+  static double input_v(std::size_t entry) { return (static_cast<double>(entry) + 0.5) * 6.0 / 256.0 - 3.0; }
+  static std::size_t entry_of(double input_v);
+  double output_v(std::size_t entry) const { return 2.0 * (bytes[entry] - 128) / cout; }
   double output(double in_v) const { return output_v(entry_of(in_v)); }
 
-  /// The table of a static function of volts; `full_scale` limits it to +- that. Throws DesignError when it
-  /// is 0 everywhere or not finite.
-  static LookupTable of(const std::function<double(double)>& function, double full_scale_v = 3.0);
+  /// The table of a static function of volts; `full_scale` limits it to +- that. Refused when it is 0
+  /// everywhere or not finite.
+  static Outcome<LookupTable> of(const std::function<double(double)>& function, double full_scale_v = 3.0);
   /// `entry,input_v,wanted_v,output_v,byte`: the file to load in the CAM's dialog, 256 rows.
   std::string csv(const std::function<double(double)>& wanted) const;
 };
+
+const Cam& transfer_function_cam();
 
 }  // namespace bodesmith::fpaa

@@ -1,0 +1,109 @@
+#include "fpaa/cams/cam.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <limits>
+#include <stdexcept>
+
+#include "base/text.hpp"
+
+namespace bodesmith::fpaa {
+
+std::string_view to_string(Ground ground) {
+  switch (ground) {
+    case Ground::seen:
+      return "seen";
+    case Ground::derived:
+      return "derived";
+    case Ground::assumed:
+      return "assumed";
+    case Ground::unknown:
+      break;
+  }
+  return "unknown";
+}
+
+Band CamTask::possible_clocks(int) const {
+  return {{0.0}, {std::numeric_limits<double>::infinity()}};
+}
+
+std::optional<std::string> CamTask::unreachable_corner(Hertz, int) const {
+  return std::nullopt;
+}
+
+PlacedCam CamTask::realise(std::span<const BranchValue>, const TaskSetting&) const {
+  throw std::logic_error(fmt::format("{} is settled by itself", cam_.name()));
+}
+
+std::optional<PlacedCam> CamTask::settle(const TaskSetting&) const {
+  throw std::logic_error(fmt::format("{} is settled with the other CAMs of its chain", cam_.name()));
+}
+
+PlacedCam CamTask::start(const TaskSetting& setting, std::string option) const {
+  PlacedCam out;
+  out.name = name_;
+  out.cam = &cam_;
+  out.option = std::move(option);
+  out.clock_a = setting.clock;
+  out.section = section_;
+  out.resources = resources();
+  return out;
+}
+
+std::string CamTask::corner_words(const char* what, RadPerSecond corner) const {
+  return fmt::format("the {} of section {} at {} Hz", what, section_.value_or(0) + 1,
+                     rounded_text(corner.hz().value));
+}
+
+const CamParameter* Cam::parameter(std::string_view key) const {
+  const auto at = std::find_if(facts_.parameters.begin(), facts_.parameters.end(),
+                               [&](const CamParameter& p) { return p.key == key; });
+  return at == facts_.parameters.end() ? nullptr : &*at;
+}
+
+std::optional<Resources> Cam::resources(std::size_t) const {
+  return facts_.resources;
+}
+
+CamOffer Cam::offer_first_order(const FirstOrderPiece&) const {
+  return {};
+}
+
+CamOffer Cam::offer_second_order(const SecondOrderPiece&) const {
+  return {};
+}
+
+CamTaskPtr Cam::gain_stage(const std::string&) const {
+  return nullptr;
+}
+
+std::string Cam::note(const PlacedCam&) const {
+  return {};
+}
+
+DeltaTransfer Cam::transfer(const PlacedCam&, const CapacitorUnits&) const {
+  throw std::logic_error(fmt::format("plans do not use {}", name()));
+}
+
+std::complex<double> Cam::unquantised(const PlacedCam& cam, RadPerSecond w) const {
+  return cam.z.response(w, cam.clock_a);
+}
+
+std::vector<NoiseCharge> Cam::noise_charges(const PlacedCam&) const {
+  return {};
+}
+
+std::vector<Capacitor> Cam::vendor_capacitors(const PlacedCam& cam, std::span<const std::string>) const {
+  return cam.capacitors;
+}
+
+std::optional<ZrnaModule> Cam::zrna_module(const PlacedCam&) const {
+  return std::nullopt;
+}
+
+std::string Cam::picture_text(const PlacedCam&) const {
+  return {};
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,199 @@
+#pragma once
+
+#include <complex>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/registry.hpp"
+#include "fpaa/branch.hpp"
+#include "fpaa/placed_cam.hpp"
+#include "fpaa/refusal.hpp"
+
+namespace bodesmith::fpaa {
+
+// A CAM goes through three types: what it is (Cam, one object each, in the registry), what it has to do in a
+// design (CamTask, made by the Cam when it accepts a piece of a section), and what it is made of (PlacedCam:
+// capacitors, clock, place). Everything that is particular to one CAM stands in cams/<cam>.cpp.
+
+/// How well a fact about a CAM is founded.
+enum class Ground {
+  seen,     ///< read in public vendor-generated code
+  derived,  ///< follows from what was read
+  assumed,  ///< a standard circuit that fits what was read; plans that use it say so
+  unknown,  ///< not publicly known: parameters can be listed, nothing is computed
+};
+std::string_view to_string(Ground ground);
+
+/// One parameter of a CAM's dialog.
+struct CamParameter {
+  std::string_view key;         ///< in CamValues, ends in its unit
+  std::string_view words = {};  ///< in AnadigmDesigner2's dialogs and report; empty: not known
+  bool frequency = false;       ///< shown in kHz
+};
+
+/// What the library knows of one CAM apart from what it computes.
+struct CamFacts {
+  std::string_view name;  ///< as AnadigmDesigner2 writes it
+  std::vector<std::string_view> options;
+  std::vector<CamParameter> parameters;
+  std::optional<Resources> resources;  ///< of the plainest option; absent: not publicly known
+  std::string_view transfer;           ///< in z, as text
+  Ground transfer_ground = Ground::unknown;
+  double delay_cycles = 0.0;       ///< of its latest input
+  bool half_cycle_output = false;  ///< valid only during one phase: needs a Hold before a bypass output
+  bool takes_half_cycle_anywhere = false;  ///< may read a half-cycle output of another chip or clock
+  int clock_b_ratio = 0;                   ///< ClockB = ratio * ClockA; 0: no ClockB
+  bool chopped = false;  ///< ClockA must be Clock 0-3 with a divisor that is a multiple of 4
+  std::string_view limits;
+};
+
+/// A piece of a section with one real pole: (1 + s/zero) / (1 + s/pole), or s / (1 + s/pole) for a zero at 0,
+/// or 1 / (1 + s/pole) without one. A zero below 0 lies in the right half plane.
+struct FirstOrderPiece {
+  std::size_t section = 0;  ///< index into the sections, from 0
+  std::string name;         ///< of the CAM that makes it: "Section1", or "Section1a"
+  std::optional<RadPerSecond> zero;
+  RadPerSecond pole;
+};
+
+/// A section that cannot be divided: prod(s - zero) / prod(s - pole), complex roots in it.
+struct SecondOrderPiece {
+  std::size_t section = 0;
+  std::string name;
+  std::vector<std::complex<double>> zeros;  ///< rad/s
+  std::vector<std::complex<double>> poles;
+};
+
+/// What the search has decided for one CAM when its capacitors are chosen.
+struct TaskSetting {
+  double gain = 1.0;  ///< wanted magnitude of the task's factor
+  Hertz clock;
+  const std::vector<RadPerSecond>& grid;  ///< where errors are judged
+  int max_capacitor = 255;
+};
+
+/// What one CAM of a design has to do: its factor of the whole transfer, its gain left free. A CAM whose
+/// capacitors are switched branches over and under one fraction line gives branches(), and the chain search
+/// chooses them with those of all others; any other CAM is settled by itself, at each clock that is tried.
+class CamTask {
+ public:
+  CamTask(const Cam& cam, std::string name, std::optional<std::size_t> section)
+      : cam_(cam), name_(std::move(name)), section_(section) {}
+  virtual ~CamTask() = default;
+
+  const Cam& cam() const { return cam_; }
+  const std::string& name() const { return name_; }
+  std::optional<std::size_t> section() const { return section_; }
+
+  virtual Resources resources() const = 0;
+  /// The factor that it imitates (its sign apart: see inverts()).
+  virtual std::complex<double> response(RadPerSecond w) const = 0;
+  virtual bool inverts() const { return true; }
+  /// Corner frequencies, for the band in which errors count.
+  virtual std::vector<RadPerSecond> corners() const { return {}; }
+  /// The clocks at which it can be made.
+  virtual Band possible_clocks(int max_capacitor) const;
+  /// The corner that no capacitors reach at this clock, in words ("the pole of section 2 at 3 Hz").
+  virtual std::optional<std::string> unreachable_corner(Hertz clock, int max_capacitor) const;
+
+  /// Empty: settled by itself.
+  virtual std::vector<Branch> branches() const { return {}; }
+  bool is_settled_alone() const { return branches().empty(); }
+  /// The CAM with these branches, in the order of branches().
+  virtual PlacedCam realise(std::span<const BranchValue> values, const TaskSetting& setting) const;
+  /// The CAM with the best capacitors for its task alone; nothing when there are none at this clock.
+  virtual std::optional<PlacedCam> settle(const TaskSetting& setting) const;
+
+ protected:
+  /// With name, cam, section, clock and resources filled in.
+  PlacedCam start(const TaskSetting& setting, std::string option) const;
+  /// "the pole of section 2 at 3 Hz".
+  std::string corner_words(const char* what, RadPerSecond corner) const;
+
+ private:
+  const Cam& cam_;
+  std::string name_;
+  std::optional<std::size_t> section_;
+};
+
+using CamTaskPtr = std::shared_ptr<const CamTask>;
+
+/// A CAM's answer to a piece of a section. Neither task nor refusal: the piece is nothing for it.
+struct CamOffer {
+  CamTaskPtr task = nullptr;
+  double log_gain = 0.0;  ///< ln of |piece| over |task's factor|
+  std::optional<Refusal> refusal = std::nullopt;
+};
+
+/// A place where switched capacitors bring noise charge into a CAM.
+struct NoiseCharge {
+  double units = 0.0;   ///< sum of the switched capacitors there
+  ZTransfer to_output;  ///< volts at the CAM's output per unit of charge (V C_u)
+};
+
+/// How the Zrna client places a CAM.
+struct ZrnaModule {
+  std::string class_name;  ///< "FilterPoleZero"
+  std::string arguments;   ///< of its constructor
+  struct Attribute {
+    std::string_view key;   ///< of the realised value; a frequency is given in kHz
+    std::string_view name;  ///< "pole_frequency"
+  };
+  std::vector<Attribute> attributes;  ///< in the order in which they are set
+};
+
+/// One CAM of the library. The defaults are those of a CAM that plans do not use.
+class Cam {
+ public:
+  explicit Cam(CamFacts facts) : facts_(std::move(facts)) {}
+  virtual ~Cam() = default;
+  Cam(const Cam&) = delete;
+  Cam& operator=(const Cam&) = delete;
+
+  std::string_view name() const { return facts_.name; }
+  const CamFacts& facts() const { return facts_; }
+  /// Null for a key that is not one of its parameters.
+  const CamParameter* parameter(std::string_view key) const;
+  /// With so many inputs; nothing where it is not publicly known.
+  virtual std::optional<Resources> resources(std::size_t inputs) const;
+
+  // Planning.
+  virtual CamOffer offer_first_order(const FirstOrderPiece& piece) const;
+  virtual CamOffer offer_second_order(const SecondOrderPiece& piece) const;
+  /// A task that changes nothing but sign and gain; null: not what this CAM is for.
+  virtual CamTaskPtr gain_stage(const std::string& name) const;
+  /// What is not publicly known and is assumed when a plan uses it; empty: nothing.
+  virtual std::string assumption() const { return {}; }
+  /// What a person should know of this CAM in a plan; empty: nothing.
+  virtual std::string note(const PlacedCam& cam) const;
+
+  // A placed CAM. Only CAMs that are used in plans are asked.
+  /// H of these capacitors, which need not be whole numbers; `cam` says option and form.
+  virtual DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& units) const;
+  /// The response that `cam.requested` would have at its clock if capacitors could be any number: what
+  /// sampling alone makes of it. (As it is realised, where that is not known.)
+  virtual std::complex<double> unquantised(const PlacedCam& cam, RadPerSecond w) const;
+  virtual std::vector<NoiseCharge> noise_charges(const PlacedCam& cam) const;
+  /// The capacitors as the vendor's component table of this CAM lists them.
+  virtual std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam,
+                                                   std::span<const std::string> table) const;
+  /// Nothing when the Zrna client has no such module.
+  virtual std::optional<ZrnaModule> zrna_module(const PlacedCam& cam) const;
+  /// One line for the board's picture.
+  virtual std::string picture_text(const PlacedCam& cam) const;
+  /// Drawn and counted as a gain stage, not as a filter.
+  virtual bool is_gain() const { return false; }
+
+ private:
+  CamFacts facts_;
+};
+
+/// Every CAM, in the order of AnadigmDesigner2's menu (cams/registry.cpp).
+Registry<Cam>& cam_registry();
+
+}  // namespace bodesmith::fpaa

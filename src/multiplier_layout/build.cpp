@@ -12,8 +12,6 @@
 namespace bodesmith::multiplier_layout {
 namespace {
 
-constexpr int kPoints = 1000;
-
 std::string power_node(int power) {
   return power == 1 ? "x" : fmt::format("x{}", power);
 }
@@ -168,12 +166,12 @@ class Builder {
     out_.output_feedback = resistor("Rg", "output amplifier, feedback", "mo", "out", feedback, feedback);
   }
 
-  void branch(const Polynomial& polynomial) {
+  void branch(const Polynomial& asked) {
     const size_t number = out_.branches.size() + 1;
     const std::string letter = branch_letter(number - 1, input_.branches.size());
     Branch b;
-    b.name = polynomial.name;
-    b.wanted = polynomial.coefficients;
+    b.name = asked.name;
+    b.wanted = asked.coefficients;
     b.realised.assign(b.wanted.size(), 0.0);
     b.out = fmt::format("b{}", number);
     const int count = groups(b.wanted);
@@ -202,16 +200,14 @@ class Builder {
       inner = out;
     }
     b.peak_v = out_.branch_gain * peak(b.realised);
-    for (int i = 0; i <= kPoints; ++i) {
-      const double x = static_cast<double>(i) / kPoints;
+    for (int i = 0; i <= kPolynomialPoints; ++i) {
+      const double x = static_cast<double>(i) / kPolynomialPoints;
       b.max_error_percent =
-          std::max(b.max_error_percent, 100.0 * std::abs(b.value(x) - polynomial_value(b.wanted, x)));
+          std::max(b.max_error_percent, 100.0 * std::abs(b.value(x) - polynomial(b.wanted, x)));
     }
     out_.max_error_percent = std::max(out_.max_error_percent, b.max_error_percent);
     out_.branches.push_back(std::move(b));
   }
-
-  static double polynomial_value(const std::vector<double>& a, double x) { return polynomial(a, x); }
 
   /// The sum -branch_gain * chain_scale * P_j at `node`; fills the coefficients that its resistors make.
   int sum(Branch& b, const std::vector<double>& a, int j, const std::string& letter,
@@ -297,25 +293,6 @@ class Builder {
 
 }  // namespace
 
-double polynomial(const std::vector<double>& a, double x) {
-  double out = 0.0;
-  for (size_t k = a.size(); k-- > 0;) out = (out + a[k]) * x;
-  return out;
-}
-
-double peak(const std::vector<double>& a) {
-  double out = 0.0;
-  for (int i = 0; i <= kPoints; ++i)
-    out = std::max(out, std::abs(polynomial(a, static_cast<double>(i) / kPoints)));
-  return out;
-}
-
-int degree(const std::vector<double>& a) {
-  size_t n = a.size();
-  while (n > 0 && a[n - 1] == 0.0) --n;
-  return static_cast<int>(n);
-}
-
 double level(const MultiplierModel& m, int power) {
   return std::pow(m.scale_v, 1 - power);
 }
@@ -354,55 +331,6 @@ Layout build(const Input& input, const Options& options, int group) {
   Layout out = Builder(input, options, group).build();
   check_outputs(out, out.multipliers);
   return out;
-}
-
-void add_nodes(Layout& layout) {
-  // + 0.0: no "-0.0" in the files.
-  const auto add = [&](std::string name, std::string what, double low, double high) {
-    layout.nodes.push_back({std::move(name), std::move(what), low + 0.0, high + 0.0});
-  };
-  add("x", "reference, 1 V is full stroke", 0.0, 1.0);
-  std::vector<bool> in_branch(layout.multipliers.size(), false);
-  for (const Branch& b : layout.branches) {
-    for (const int index : b.multipliers) in_branch[static_cast<size_t>(index)] = true;
-  }
-  for (size_t i = 0; i < layout.multipliers.size(); ++i) {
-    const Multiplier& m = layout.multipliers[i];
-    if (!in_branch[i]) add(m.out, m.what, 0.0, m.peak_v);
-  }
-  double low_out = 0.0, high_out = 0.0;
-  for (const Branch& b : layout.branches) {
-    for (const int index : b.sums) {
-      const Sum& s = layout.sums[static_cast<size_t>(index)];
-      if (s.out != b.out) add(s.out, fmt::format("sum of a group, {}", b.name), -s.peak_v, s.peak_v);
-    }
-    for (const int index : b.multipliers) {
-      const Multiplier& m = layout.multipliers[static_cast<size_t>(index)];
-      if (m.out != b.out) add(m.out, m.what, -m.peak_v, m.peak_v);
-    }
-    double low = 0.0, high = 0.0;
-    for (int i = 0; i <= kPoints; ++i) {
-      const double d = b.value(static_cast<double>(i) / kPoints);
-      low = std::min(low, d);
-      high = std::max(high, d);
-    }
-    add(b.out, fmt::format("-{} d(x), {}", rounded_text(layout.branch_gain), b.name),
-        -layout.branch_gain * high, -layout.branch_gain * low);
-    low_out = std::min(low_out, low);
-    high_out = std::max(high_out, high);
-  }
-  if (layout.switched()) {
-    add("sw", "behind the branch switch", -layout.branch_gain * high_out, -layout.branch_gain * low_out);
-  }
-  if (layout.amplitude) {
-    for (size_t b = 0; b < layout.branches.size(); ++b) {
-      const Sum& control = layout.amplitude->controls[b].sum;
-      add(control.out, "control voltage, " + layout.branches[b].name, -control.peak_v, control.peak_v);
-      const Multiplier& m = layout.amplitude->multipliers[b];
-      add(m.out, m.what, -m.peak_v, m.peak_v);
-    }
-  }
-  add("out", "d(x), 1 V per unit", low_out, high_out);
 }
 
 }  // namespace bodesmith::multiplier_layout

@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "multiplier_layout/layout.hpp"
+#include "multiplier_layout/polynomial.hpp"
 
 /// The steps of make_layout(), for its own files only.
 namespace bodesmith::multiplier_layout {
@@ -12,12 +13,6 @@ constexpr std::size_t kMostBranches = 64;
 /// Greatest |voltage| aimed at, as a share of full scale: room for what E-series resistors round.
 constexpr double kRoom = 0.97;
 
-/// a[0] x + a[1] x^2 + …
-double polynomial(const std::vector<double>& a, double x);
-/// Greatest |f| over x in [0, 1].
-double peak(const std::vector<double>& a);
-/// Number of coefficients without trailing zeros.
-int degree(const std::vector<double>& a);
 /// Node voltage of x^k at x = 1: U^(1-k).
 double level(const MultiplierModel& m, int power);
 std::string power_text(int power);

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "multiplier_layout/polynomial.hpp"
 #include "multiplier_layout/timing.hpp"
 #include "spice/disturbance_library.hpp"
 #include "spice/ngspice.hpp"
@@ -13,11 +14,7 @@
 namespace bodesmith::spice {
 namespace {
 
-double polynomial(const std::vector<double>& a, double x) {
-  double out = 0.0;
-  for (size_t k = a.size(); k-- > 0;) out = (out + a[k]) * x;
-  return out;
-}
+using multiplier_layout::polynomial;
 
 /// Sources for the select lines.
 std::string select_sources(const multiplier_layout::Layout& layout, int select) {

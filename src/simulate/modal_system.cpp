@@ -1,7 +1,7 @@
 #include "simulate/modal_system.hpp"
 
-#include <Eigen/Dense>
 #include <Eigen/Eigenvalues>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>

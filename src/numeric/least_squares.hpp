@@ -58,7 +58,7 @@ struct LeastSquaresResult {
 /// rule for the damping (IMM-REP-1999-05, Technical University of Denmark) and Broyden's rank-one updates of
 /// the Jacobian (Math. Comp. 19 (1965) 577). Unknowns that would go beyond a bound go to it, and the others
 /// take the step that is then best for them (clipping alone would stall among many weights that may not be
-/// negative). Ceres and Eigen's MINPACK port were measured against it, see docs/numeric.md.
+/// negative).
 LeastSquaresResult least_squares(const std::vector<SearchVariable>& unknowns, const Residuals& residuals,
                                  const LeastSquaresOptions& options = {});
 

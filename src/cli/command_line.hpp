@@ -42,7 +42,6 @@ class CommandLine {
   void repeatable(const std::string& name, const std::string& what) {
     add(name, boost::program_options::value<std::vector<T>>()->composing(), what);
   }
-  boost::program_options::options_description& options() { return groups_.back(); }
   /// Options added from here on stand under this heading of --help.
   void group(const std::string& caption);
 

@@ -14,9 +14,9 @@ report::Table cams_table(const fpaa::Plan& plan) {
     for (const fpaa::PlacedCam& cam : chip.cams) {
       std::vector<std::string> capacitors;
       for (const auto& c : cam.capacitors) capacitors.push_back(fmt::format("{} {}", c.name, c.units));
-      table.rows.push_back({fmt::format("chip {} {} ({}, {})", chip.chip, cam.name, cam.cam_name(), cam.option),
-                            std::to_string(cam.cab), rounded_text(cam.clock_a.value, 6),
-                            join(capacitors, ", ")});
+      table.rows.push_back(
+          {fmt::format("chip {} {} ({}, {})", chip.chip, cam.name, cam.cam_name(), cam.option),
+           std::to_string(cam.cab), rounded_text(cam.clock_a.value, 6), join(capacitors, ", ")});
     }
   }
   return table;

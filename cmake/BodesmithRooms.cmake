@@ -20,7 +20,7 @@ endfunction()
 # Files of a room share what they instantiate (Eigen, JSON, formatting) when they are compiled together. Names in anonymous
 # namespaces are therefore unique within a room.
 function(bodesmith_unity target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${BODESMITH_UNITY} UNITY_BUILD_BATCH_SIZE 8)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${BODESMITH_UNITY} UNITY_BUILD_BATCH_SIZE 16)
 endfunction()
 
 function(bodesmith_room name)

@@ -11,7 +11,7 @@
 namespace bodesmith {
 namespace {
 
-using Exact = boost::multiprecision::cpp_bin_float_50;
+using Digits50 = boost::multiprecision::cpp_bin_float_50;
 
 TermApproximation minimax_of(double kappa, double beta, int order) {
   return approximate_term({1.0, 1.0 / kappa, beta}, {}, order);
@@ -20,19 +20,19 @@ TermApproximation minimax_of(double kappa, double beta, int order) {
 /// The alternating extrema of the log magnitude error in nepers, in 50 digits, from the written poles and
 /// zeros.
 std::vector<double> alternation(const TermApproximation& made) {
-  const auto error = [&](const Exact& w) {
-    Exact np = 0;
+  const auto error = [&](const Digits50& w) {
+    Digits50 np = 0;
     for (const Section& section : made.sections) {
-      np += log(abs(Exact(section.gain)));
+      np += log(abs(Digits50(section.gain)));
       for (std::size_t i = 0; i < section.poles.size(); ++i) {
-        const Exact zero = section.zeros[i].real();
-        const Exact pole = section.poles[i].real();
+        const Digits50 zero = section.zeros[i].real();
+        const Digits50 pole = section.poles[i].real();
         np += log((w * w + zero * zero) / (w * w + pole * pole)) / 2;
       }
     }
-    const Exact a = w * Exact(made.term.lambda_s);
-    const Exact b = a * Exact(made.term.x);
-    return static_cast<double>(np - Exact(made.term.beta) * log((1 + a * a) / (1 + b * b)) / 2);
+    const Digits50 a = w * Digits50(made.term.lambda_s);
+    const Digits50 b = a * Digits50(made.term.x);
+    return static_cast<double>(np - Digits50(made.term.beta) * log((1 + a * a) / (1 + b * b)) / 2);
   };
   std::vector<double> heights;
   const double low = std::log(made.term.low_corner().value) - 4.0;
@@ -41,7 +41,7 @@ std::vector<double> alternation(const TermApproximation& made) {
   for (int i = -1; i <= steps + 1; ++i) {
     // 0 and infinity stand at the ends.
     const double at = i < 0 ? low - 20.0 : i > steps ? high + 20.0 : low + (high - low) * i / steps;
-    const double e = error(exp(Exact(at)));
+    const double e = error(exp(Digits50(at)));
     if (heights.empty() || (e > 0.0) != (heights.back() > 0.0))
       heights.push_back(e);
     else if (std::abs(e) > std::abs(heights.back()))

@@ -13,7 +13,7 @@
 namespace bodesmith::circuit {
 namespace {
 
-const RcLadder* const kLadders[] = {&foster1(), &foster2(), &cauer1(), &cauer2()};
+const RcLadder* const kTestedLadders[] = {&foster1(), &foster2(), &cauer1(), &cauer2()};
 
 RcImpedance half_order(int pairs) {
   RcImpedance z;
@@ -42,7 +42,7 @@ Sections term(int pairs, bool lag, double gain = 1.0) {
 TEST(Ladder, FourFormsAreTheSameImpedance) {
   for (const int pairs : {1, 2, 5, 8}) {
     const RcImpedance z = half_order(pairs);
-    for (const RcLadder* form : kLadders) {
+    for (const RcLadder* form : kTestedLadders) {
       const std::vector<LadderPart> parts = form->parts(z);
       ASSERT_EQ(parts.size(), 2U * static_cast<size_t>(pairs) + 1U);
       std::vector<double> values;

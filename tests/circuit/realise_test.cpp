@@ -22,7 +22,7 @@ std::vector<Complex> wanted_response(const Sections& sections, const std::vector
   return out;
 }
 
-Section make(double gain, std::vector<Complex> zeros, std::vector<Complex> poles) {
+Section section_of(double gain, std::vector<Complex> zeros, std::vector<Complex> poles) {
   Section out;
   out.gain = gain;
   out.zeros = std::move(zeros);
@@ -40,7 +40,7 @@ Sections damping() {
   Sections out;
   const Complex z(-0.5 * 9.854e4, std::sqrt(1.67e11 - 0.25 * 9.854e4 * 9.854e4));
   const Complex p(-0.5 * 1.917e5, std::sqrt(1.436e11 - 0.25 * 1.917e5 * 1.917e5));
-  out.sections = {make(0.86, {z, std::conj(z)}, {p, std::conj(p)})};
+  out.sections = {section_of(0.86, {z, std::conj(z)}, {p, std::conj(p)})};
   return out;
 }
 
@@ -105,22 +105,22 @@ TEST(Realise, SameInputSameParts) {
 // Every shape a section may have, either sign: closed-form transfer = nodal analysis, and the design is met.
 TEST(Realise, AllShapesOfSections) {
   const std::vector<std::pair<const char*, Section>> shapes = {
-      {"lowpass", make(100.0, {}, {-100.0})},
-      {"lead", make(2.0, {-100.0}, {-300.0})},
-      {"highpass", make(1.5, {0.0}, {-250.0})},
-      {"all-pass", make(-1.0, {200.0}, {-200.0})},
-      {"right zero", make(0.3, {90.0}, {-400.0})},
-      {"resonant lowpass", make(1e4, {}, {{-20, 97}, {-20, -97}})},
-      {"bandpass", make(40.0, {0.0}, {{-20, 97}, {-20, -97}})},
-      {"one zero", make(100.0, {-50.0}, {{-20, 97}, {-20, -97}})},
-      {"right zero, two poles", make(100.0, {50.0}, {{-20, 97}, {-20, -97}})},
-      {"highpass 2", make(1.0, {0.0, 0.0}, {{-20, 97}, {-20, -97}})},
-      {"notch", make(1.0, {{0, 100}, {0, -100}}, {{-20, 97}, {-20, -97}})},
-      {"peak", make(1.0, {{-40, 90}, {-40, -90}}, {{-20, 97}, {-20, -97}})},
-      {"dip", make(1.0, {{-4, 99}, {-4, -99}}, {{-20, 97}, {-20, -97}})},
-      {"all-pass 2", make(1.0, {{20, 97}, {20, -97}}, {{-20, 97}, {-20, -97}})},
-      {"complex zeros, real poles", make(1.0, {{-4, 99}, {-4, -99}}, {-50.0, -200.0})},
-      {"real zeros, complex poles", make(1.0, {-10.0, -1000.0}, {{-20, 97}, {-20, -97}})},
+      {"lowpass", section_of(100.0, {}, {-100.0})},
+      {"lead", section_of(2.0, {-100.0}, {-300.0})},
+      {"highpass", section_of(1.5, {0.0}, {-250.0})},
+      {"all-pass", section_of(-1.0, {200.0}, {-200.0})},
+      {"right zero", section_of(0.3, {90.0}, {-400.0})},
+      {"resonant lowpass", section_of(1e4, {}, {{-20, 97}, {-20, -97}})},
+      {"bandpass", section_of(40.0, {0.0}, {{-20, 97}, {-20, -97}})},
+      {"one zero", section_of(100.0, {-50.0}, {{-20, 97}, {-20, -97}})},
+      {"right zero, two poles", section_of(100.0, {50.0}, {{-20, 97}, {-20, -97}})},
+      {"highpass 2", section_of(1.0, {0.0, 0.0}, {{-20, 97}, {-20, -97}})},
+      {"notch", section_of(1.0, {{0, 100}, {0, -100}}, {{-20, 97}, {-20, -97}})},
+      {"peak", section_of(1.0, {{-40, 90}, {-40, -90}}, {{-20, 97}, {-20, -97}})},
+      {"dip", section_of(1.0, {{-4, 99}, {-4, -99}}, {{-20, 97}, {-20, -97}})},
+      {"all-pass 2", section_of(1.0, {{20, 97}, {20, -97}}, {{-20, 97}, {-20, -97}})},
+      {"complex zeros, real poles", section_of(1.0, {{-4, 99}, {-4, -99}}, {-50.0, -200.0})},
+      {"real zeros, complex poles", section_of(1.0, {-10.0, -1000.0}, {{-20, 97}, {-20, -97}})},
   };
   for (const auto& [name, section] : shapes) {
     for (const double gain : {1.0, -0.5}) {
@@ -179,7 +179,7 @@ TEST(Realise, RandomCascadesStayCloseToTheDesign) {
 
 TEST(Realise, SaysWhatCannotBeMade) {
   Sections slow;
-  slow.sections = {make(1e-7, {}, {-1e-7})};
+  slow.sections = {section_of(1e-7, {}, {-1e-7})};
   EXPECT_THROW(realise(slow), DesignError);
   Sections fine = seed_sections();
   RealiseOptions options;
@@ -215,7 +215,7 @@ TEST(Pairing, IsBestOverAllAssignments) {
       p.push_back(std::exp(log_w(chance)));
       if (i < zeros) z.push_back(std::exp(log_w(chance)));
       sections.sections.push_back(
-          make(1.0, i < zeros ? std::vector<Complex>{-z.back()} : std::vector<Complex>{}, {-p.back()}));
+          section_of(1.0, i < zeros ? std::vector<Complex>{-z.back()} : std::vector<Complex>{}, {-p.back()}));
     }
     double best = 1e9;
     std::vector<size_t> order(poles);

@@ -13,12 +13,12 @@
 namespace bodesmith {
 namespace {
 
-const std::string kGains = std::string(BODESMITH_SOURCE_DIR) + "/examples/nanopositioner/gains.csv";
+const std::string kFitGains = std::string(BODESMITH_SOURCE_DIR) + "/examples/nanopositioner/gains.csv";
 
 TEST(FitCommand, WritesACascadeThatGoesThroughThePoints) {
   const TemporaryFolder folder;
   const std::string out = (folder / "cascade.json").string();
-  const auto result = run_bodesmith("fit " + kGains + " -o " + out);
+  const auto result = run_bodesmith("fit " + kFitGains + " -o " + out);
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_NE(result.out.find("lead"), std::string::npos);
   EXPECT_NE(result.err.find("depends on the point at 10 Hz"), std::string::npos);
@@ -40,9 +40,9 @@ TEST(FitCommand, BaseAndBounds) {
   EXPECT_NE(result.err.find("between 1 and 20 Hz"), std::string::npos);
   const Node summary = parse_json(result.out, "stdout");
   EXPECT_EQ(summary.at("terms").size(), 3u);
-  EXPECT_EQ(run_bodesmith("fit " + kGains + " --beta-max 2 --beta-positive --max-error-db 0.1" + to).status,
-            1);
-  EXPECT_EQ(run_bodesmith("fit " + kGains + " --beta-max 2 --max-error-db 0.1" + to).status, 0);
+  EXPECT_EQ(
+      run_bodesmith("fit " + kFitGains + " --beta-max 2 --beta-positive --max-error-db 0.1" + to).status, 1);
+  EXPECT_EQ(run_bodesmith("fit " + kFitGains + " --beta-max 2 --max-error-db 0.1" + to).status, 0);
 }
 
 TEST(FitCommand, BadInputIsOneLineAndWritesNothing) {
@@ -53,21 +53,21 @@ TEST(FitCommand, BadInputIsOneLineAndWritesNothing) {
   write_file(folder / "empty.csv", "");
   for (const std::string& arguments :
        {(folder / "one.csv").string(), (folder / "zero.csv").string(), (folder / "empty.csv").string(),
-        (folder / "none.csv").string(), kGains + " --base-hz -1", kGains + " --beta-max 0",
-        kGains + " --beta-positive", kGains + " --base-hz 100", kGains + " --wrong"}) {
+        (folder / "none.csv").string(), kFitGains + " --base-hz -1", kFitGains + " --beta-max 0",
+        kFitGains + " --beta-positive", kFitGains + " --base-hz 100", kFitGains + " --wrong"}) {
     const auto result = run_bodesmith("fit " + arguments + to);
     EXPECT_EQ(result.status, 2) << arguments;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;
     EXPECT_FALSE(std::filesystem::exists(folder / "c.json"));
   }
-  EXPECT_EQ(run_bodesmith("fit " + kGains).status, 2);
+  EXPECT_EQ(run_bodesmith("fit " + kFitGains).status, 2);
 }
 
 TEST(FitCommand, DirectFitOfTheFivePoints) {
   const TemporaryFolder folder;
   const std::string out = (folder / "sections.json").string();
   const auto result =
-      run_bodesmith("fit " + kGains + " --direct --order 3 --real --max-corner-hz 500 -o " + out);
+      run_bodesmith("fit " + kFitGains + " --direct --order 3 --real --max-corner-hz 500 -o " + out);
   ASSERT_EQ(result.status, 0) << result.err;
   Provenance from;
   const Sections sections = Sections::read(out, from);
@@ -78,10 +78,11 @@ TEST(FitCommand, DirectFitOfTheFivePoints) {
     EXPECT_NEAR(to_decibel(std::abs(sections.response(Hertz{f[i]}.rad_s()))), to_decibel(g[i]), 0.01);
   }
   EXPECT_LE(sections.corner_band().to.value, 500.0 * (1 + 1e-9));
-  EXPECT_EQ(run_bodesmith("fit " + kGains + " --direct --order 1 --max-error-db 0.001 -o " + out).status, 1);
-  EXPECT_EQ(run_bodesmith("fit " + kGains + " --direct --max-error-db 0.01 -o " + out).status, 0);
+  EXPECT_EQ(run_bodesmith("fit " + kFitGains + " --direct --order 1 --max-error-db 0.001 -o " + out).status,
+            1);
+  EXPECT_EQ(run_bodesmith("fit " + kFitGains + " --direct --max-error-db 0.01 -o " + out).status, 0);
   const auto again = [&] {
-    return run_bodesmith("fit " + kGains + " --direct --order 2 --seed 3 -o " + out).out;
+    return run_bodesmith("fit " + kFitGains + " --direct --order 2 --seed 3 -o " + out).out;
   };
   EXPECT_EQ(again(), again());
 }
@@ -107,9 +108,9 @@ TEST(FitCommand, ModesThatExcludeEachOther) {
       std::string(BODESMITH_SOURCE_DIR) + "/examples/nanopositioner/disturbance.json";
   const std::string to = " -o " + (folder / "c.json").string();
   for (const std::string& arguments :
-       {std::string(), kGains + " --direct", kGains + " --order 3", kGains + " --direct --order 13",
-        kGains + " --waveform " + disturbance, "--waveform " + disturbance + " --norm max",
-        "--waveform " + disturbance + " --branch ascending", "--waveform " + kGains}) {
+       {std::string(), kFitGains + " --direct", kFitGains + " --order 3", kFitGains + " --direct --order 13",
+        kFitGains + " --waveform " + disturbance, "--waveform " + disturbance + " --norm max",
+        "--waveform " + disturbance + " --branch ascending", "--waveform " + kFitGains}) {
     const auto result = run_bodesmith("fit " + arguments + to);
     EXPECT_EQ(result.status, 2) << arguments;
     EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1) << result.err;

@@ -12,7 +12,7 @@ namespace {
 
 using ::testing::HasSubstr;
 
-constexpr const char* kSections = R"({"schema": "bodesmith.sections/1", "gain": 1.0, "sections": [
+constexpr const char* kFpaaSections = R"({"schema": "bodesmith.sections/1", "gain": 1.0, "sections": [
   {"gain": 0.918, "zeros_rad_s": [[-48.79, 0], [-14.8, 0]], "poles_rad_s": [[-47.49, 0], [-13.99, 0]]},
   {"gain": 1.885, "zeros_rad_s": [[-107.6, 0], [-63.68, 0]], "poles_rad_s": [[-126.4, 0], [-102.2, 0]]}]})";
 
@@ -34,7 +34,7 @@ std::string project_for(const fpaa::Plan& plan) {
 
 TEST(FpaaCommand, PlanStreamsVerifySend) {
   const TemporaryFolder folder;
-  write_file(folder / "s.json", kSections);
+  write_file(folder / "s.json", kFpaaSections);
   const std::string dir = folder.path().string();
   auto result = run_bodesmith("fpaa " + dir + "/s.json -o " + dir + "/plan --clock-hz 2000 --json");
   ASSERT_EQ(result.status, 0) << result.err;
@@ -77,7 +77,7 @@ TEST(FpaaCommand, PlanStreamsVerifySend) {
 TEST(FpaaCommand, WholeController) {
   const TemporaryFolder folder;
   const std::string dir = folder.path().string();
-  write_file(folder / "s.json", kSections);
+  write_file(folder / "s.json", kFpaaSections);
   ASSERT_EQ(run_bodesmith("fpaa " + dir + "/s.json -o " + dir + "/plan --clock-hz 2000").status, 0);
   auto result =
       run_bodesmith("fpaa controller " BODESMITH_SOURCE_DIR "/examples/nanopositioner/disturbance.json " +
@@ -101,7 +101,7 @@ TEST(FpaaCommand, BadInputIsOneLineAndLeavesNothing) {
   EXPECT_THAT(result.err, HasSubstr("bad.json:2: "));
   EXPECT_EQ(std::count(result.err.begin(), result.err.end(), '\n'), 1);
   EXPECT_FALSE(std::filesystem::exists(folder / "out"));
-  write_file(folder / "s.json", kSections);
+  write_file(folder / "s.json", kFpaaSections);
   result = run_bodesmith("fpaa " + dir + "/s.json -o " + dir + "/out --clock-hz 1234");
   EXPECT_EQ(result.status, 2);
   EXPECT_THAT(result.err, HasSubstr("the nearest is"));

@@ -8,7 +8,7 @@
 namespace bodesmith {
 namespace {
 
-const char* const kSections = R"({"schema":"bodesmith.sections/1","gain":1.0,"sections":[
+const char* const kSpiceSections = R"({"schema":"bodesmith.sections/1","gain":1.0,"sections":[
 {"gain":0.918,"zeros_rad_s":[[-48.79,0],[-14.8,0]],"poles_rad_s":[[-47.49,0],[-13.99,0]]},
 {"gain":1.885,"zeros_rad_s":[[-107.6,0],[-63.68,0]],"poles_rad_s":[[-126.4,0],[-102.2,0]]},
 {"gain":0.318,"zeros_rad_s":[[-380.2,0],[-221.6,0]],"poles_rad_s":[[-214.9,0],[-124.8,0]]},
@@ -16,7 +16,7 @@ const char* const kSections = R"({"schema":"bodesmith.sections/1","gain":1.0,"se
 
 TEST(SpiceCommand, WritesItsFilesAndDecksRun) {
   const TemporaryFolder folder;
-  write_file(folder / "sections.json", kSections);
+  write_file(folder / "sections.json", kSpiceSections);
   const std::string out = (folder / "spice").string();
   const ProgramResult run =
       run_bodesmith("spice " + (folder / "sections.json").string() + " --json -o " + out);
@@ -40,7 +40,7 @@ TEST(SpiceCommand, WritesItsFilesAndDecksRun) {
 TEST(SpiceCommand, CheckAgreesWithNgspice) {
   if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
   const TemporaryFolder folder;
-  write_file(folder / "sections.json", kSections);
+  write_file(folder / "sections.json", kSpiceSections);
   const ProgramResult run = run_bodesmith("spice " + (folder / "sections.json").string() +
                                           " --check --json -o " + (folder / "spice").string());
   ASSERT_EQ(run.status, 0) << run.err;
@@ -53,7 +53,7 @@ TEST(SpiceCommand, CheckAgreesWithNgspice) {
 
 TEST(SpiceCommand, ALimitThatIsMissedIsStatusOne) {
   const TemporaryFolder folder;
-  write_file(folder / "sections.json", kSections);
+  write_file(folder / "sections.json", kSpiceSections);
   const ProgramResult run = run_bodesmith("spice " + (folder / "sections.json").string() +
                                           " --max-error-db 1e-6 -o " + (folder / "spice").string());
   EXPECT_EQ(run.status, 1) << run.err;
@@ -62,7 +62,7 @@ TEST(SpiceCommand, ALimitThatIsMissedIsStatusOne) {
 
 TEST(SpiceCommand, BadInputIsOneLineAndWritesNothing) {
   const TemporaryFolder folder;
-  write_file(folder / "sections.json", kSections);
+  write_file(folder / "sections.json", kSpiceSections);
   write_file(
       folder / "broken.json",
       R"({"schema":"bodesmith.sections/1","sections":[{"gain":0,"zeros_rad_s":[],"poles_rad_s":[[-1,0]]}]})");
@@ -81,7 +81,7 @@ TEST(SpiceCommand, BadInputIsOneLineAndWritesNothing) {
 
 TEST(SpiceCommand, StockListIsWhatPartsAreMadeOf) {
   const TemporaryFolder folder;
-  write_file(folder / "sections.json", kSections);
+  write_file(folder / "sections.json", kSpiceSections);
   write_file(folder / "drawer.csv", "resistance_ohm,capacitance_f\n100e3,\n4k7,\n");
   const std::string out = (folder / "spice").string();
   const std::string command = "spice " + (folder / "sections.json").string() + " -o " + out + " --stock ";
@@ -107,7 +107,7 @@ TEST(SpiceCommand, StockListIsWhatPartsAreMadeOf) {
 TEST(SpiceCommand, LaddersAgreeWithNgspice) {
   if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
   const TemporaryFolder folder;
-  write_file(folder / "sections.json", kSections);
+  write_file(folder / "sections.json", kSpiceSections);
   for (const std::string form : {"foster1", "foster2", "cauer1", "cauer2"}) {
     SCOPED_TRACE(form);
     const ProgramResult run =

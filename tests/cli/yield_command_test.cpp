@@ -7,7 +7,7 @@
 namespace bodesmith {
 namespace {
 
-const char* const kSections = R"({"schema":"bodesmith.sections/1","gain":1.0,"sections":[
+const char* const kYieldSections = R"({"schema":"bodesmith.sections/1","gain":1.0,"sections":[
 {"gain":0.918,"zeros_rad_s":[[-48.79,0],[-14.8,0]],"poles_rad_s":[[-47.49,0],[-13.99,0]]},
 {"gain":1.885,"zeros_rad_s":[[-107.6,0],[-63.68,0]],"poles_rad_s":[[-126.4,0],[-102.2,0]]}]})";
 
@@ -26,7 +26,7 @@ std::string without_timing(const std::string& text) {
 
 struct Job {
   TemporaryFolder folder;
-  Job() { write_file(folder / "sections.json", kSections); }
+  Job() { write_file(folder / "sections.json", kYieldSections); }
   std::string arguments(const std::string& more, const std::string& out) const {
     return "yield " + (folder / "sections.json").string() + " " + more + " -o " + (folder / out).string();
   }

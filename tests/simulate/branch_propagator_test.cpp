@@ -30,7 +30,7 @@ Chain chain_with(double delay_s) {
                 make_block("lowpass").set("corner_hz", kBehindHz)}};
 }
 
-TimeRecord two_sines() {
+TimeRecord two_sines_record() {
   TimeRecord r;
   r.step_s = 1e-3;
   for (int i = 0; i < 400; ++i) {
@@ -84,8 +84,8 @@ std::vector<double> in_small_steps(const TimeRecord& in, double delay_s, int par
   return out;
 }
 
-double worst(double delay_s, std::size_t oversample) {
-  const TimeRecord in = two_sines();
+double worst_of_delay(double delay_s, std::size_t oversample) {
+  const TimeRecord in = two_sines_record();
   RecordOptions o;
   o.oversample = oversample;
   RecordSimulator simulator(chain_with(delay_s), in.step_s, o);
@@ -99,9 +99,9 @@ double worst(double delay_s, std::size_t oversample) {
 /// A jump of about 0.3 met at the nearest node would cost 1e-2 and only halve with the step; met where it is,
 /// the error is of third order in the step. (The small steps themselves are good to some 1e-6.)
 void expect_third_order(double delay_s) {
-  const double one = worst(delay_s, 1);
-  const double two = worst(delay_s, 2);
-  const double four = worst(delay_s, 4);
+  const double one = worst_of_delay(delay_s, 1);
+  const double two = worst_of_delay(delay_s, 2);
+  const double four = worst_of_delay(delay_s, 4);
   EXPECT_LT(one, 3e-4);
   EXPECT_LT(two, one / 5.0);
   EXPECT_LT(four, std::max(two / 4.0, 4e-6));
@@ -120,7 +120,7 @@ TEST(BranchPropagator, ReversalsCloserThanTheDelayAreAllFollowed) {
 }
 
 TEST(BranchPropagator, AgreesWithCvode) {
-  const TimeRecord in = two_sines();
+  const TimeRecord in = two_sines_record();
   for (const double delay_s : {0.0, 3.371e-3}) {
     Options o;
     o.engine = Engine::automatic;

@@ -17,7 +17,6 @@ namespace {
 
 using chain::Chain;
 using chain::make_block;
-constexpr double kPi = std::numbers::pi;
 
 TimeRecord constant(double value, double step_s, std::size_t n) {
   TimeRecord r;
@@ -30,7 +29,7 @@ TEST(Feedback, PiRoundALagIsItsClosedForm) {
   // Plant 1/(1 + s tau), controller ki/s: y'' tau + y' + ki y = ki r.
   const double tau = 0.02;
   const double ki = 30.0;
-  const Chain plant{{make_block("lowpass").set("corner_hz", 1.0 / (2.0 * kPi * tau))}};
+  const Chain plant{{make_block("lowpass").set("corner_hz", 1.0 / (2.0 * std::numbers::pi * tau))}};
   PidController c;
   c.integral_per_s = ki;
   Options options;
@@ -56,7 +55,7 @@ TEST(Feedback, PiRoundALagIsItsClosedForm) {
 TEST(Feedback, SampledPiIsItsDifferenceEquation) {
   const double tau = 0.02;
   const double period = 0.005;
-  const Chain plant{{make_block("lowpass").set("corner_hz", 1.0 / (2.0 * kPi * tau))}};
+  const Chain plant{{make_block("lowpass").set("corner_hz", 1.0 / (2.0 * std::numbers::pi * tau))}};
   PidController c;
   c.proportional = 0.8;
   c.integral_per_s = 25.0;
@@ -71,7 +70,7 @@ TEST(Feedback, SampledPiIsItsDifferenceEquation) {
     const auto got = simulate_loop(plant, std::nullopt, c, constant(1.0, period, 60), options);
     double y = 0.0, integral = 0.0, derivative = 0.0, last = 1.0;
     const double a = std::exp(-period / tau);
-    const double wd = 2.0 * kPi * 40.0 * period;
+    const double wd = 2.0 * std::numbers::pi * 40.0 * period;
     const double close = engine == Engine::exact ? 1e-13 : 1e-9;
     for (std::size_t k = 0; k < got.y.size(); ++k) {
       EXPECT_NEAR(got.y[k], y, close) << k;
@@ -241,7 +240,7 @@ TEST(Feedback, HysteresisInASampledLoopIsItsOwnRecursion) {
   // Held drive, play, lag: between samples everything is a constant and an exponential.
   const double width = 0.1, tau = 0.004, period = 1e-3;
   const Chain plant{{make_block("backlash").set("width", width),
-                     make_block("lowpass").set("corner_hz", 1.0 / (2.0 * kPi * tau))}};
+                     make_block("lowpass").set("corner_hz", 1.0 / (2.0 * std::numbers::pi * tau))}};
   PidController c;
   c.proportional = 0.4;
   c.integral_per_s = 80.0;

@@ -17,7 +17,6 @@ namespace {
 using chain::Block;
 using chain::Chain;
 using chain::make_block;
-constexpr double kPi = std::numbers::pi;
 
 double largest(const std::vector<double>& a, const std::vector<double>& b) {
   EXPECT_EQ(a.size(), b.size());
@@ -50,7 +49,7 @@ TEST(Opamp, SmallSignalsSeeItsBandwidth) {
       {make_block("opamp").set("gain", 10.0).set("gain_bandwidth_hz", 10e6).set("slew_rate_v_per_s", 20e6)}};
   const auto in = steps_of(1e-4, 1e-8, 200);
   const auto y = simulate(chain, in, with(Engine::record)).y;
-  const double w = 2.0 * kPi * 1e6;
+  const double w = 2.0 * std::numbers::pi * 1e6;
   const double h = 1e-8;
   for (std::size_t i = 1; i < y.size(); ++i) {
     // Response to the ramp of the first sample interval.
@@ -120,10 +119,10 @@ TEST(Comparator, SwitchesWithHysteresisInBothEngines) {
   EXPECT_GE(exact.stats.events, 8u);
   EXPECT_LT(largest(simulate(chain, in, with(Engine::record, 1e-9, 64)).y, exact.y), 2e-3);
   // The lag's answer to the first switch at sin = 0.3, in closed form.
-  const double up = std::acos(-0.3) / (4.0 * kPi);
+  const double up = std::acos(-0.3) / (4.0 * std::numbers::pi);
   const std::size_t i = 180;  // still high
   const double t = in.time_s(i);
-  const double w = 2.0 * kPi * 3.0;
+  const double w = 2.0 * std::numbers::pi * 3.0;
   const double at_switch = -1.0 + std::exp(-w * up);
   EXPECT_NEAR(exact.y[i], 2.0 + (at_switch - 2.0) * std::exp(-w * (t - up)), 2e-4);
 }
@@ -227,7 +226,7 @@ TEST(GrunwaldLetnikov, ConvergesToTheApproximationAtSecondOrder) {
   for (const int n : {400, 800, 1600}) {
     TimeRecord in;
     in.step_s = 1.0 / n;
-    for (int i = 0; i <= n; ++i) in.u.push_back(std::sin(2.0 * kPi * 2.0 * i / n));
+    for (int i = 0; i <= n; ++i) in.u.push_back(std::sin(2.0 * std::numbers::pi * 2.0 * i / n));
     const auto wanted = simulate(chain, in, with(Engine::record)).y;
     const double got = largest(grunwald_letnikov(term, in.u, in.step_s).y, wanted);
     if (last > 0.0) {
@@ -276,7 +275,8 @@ TEST(References, HaveTheirShape) {
   r = make_reference(spec);
   EXPECT_EQ(r.u[0], 0.415);
   EXPECT_NEAR(r.u[100],
-              0.415 + 0.23 * (std::sin(0.2 * kPi) + 0.3 * std::sin(0.1 * kPi) + 0.5 * std::sin(0.02 * kPi)),
+              0.415 + 0.23 * (std::sin(0.2 * std::numbers::pi) + 0.3 * std::sin(0.1 * std::numbers::pi) +
+                              0.5 * std::sin(0.02 * std::numbers::pi)),
               1e-14);
   spec.kind = "multisine";
   spec.last = Hertz{90.0};

@@ -13,8 +13,6 @@
 namespace bodesmith::simulate {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
-
 TEST(SignalStudy, TriangleHasItsClosedForm) {
   // Samples of a triangle of height 1: line k, odd, is 4/(N sin(pi k/N))^2; the continuous triangle's
   // distortion is sqrt(pi^4/96 - 1).
@@ -27,10 +25,11 @@ TEST(SignalStudy, TriangleHasItsClosedForm) {
   EXPECT_EQ(study.repetition->samples, 1000u);
   EXPECT_DOUBLE_EQ(study.fundamental->value, 10.0);
   for (std::size_t k = 1; k < 500; ++k) {
-    const double root = 1000.0 * std::sin(kPi * static_cast<double>(k) / 1000.0);
+    const double root = 1000.0 * std::sin(std::numbers::pi * static_cast<double>(k) / 1000.0);
     EXPECT_NEAR(study.u.amplitude[k], k % 2 == 1 ? 4.0 / (root * root) : 0.0, 1e-13) << k;
   }
-  EXPECT_NEAR(*study.y_distortion_percent, 100.0 * std::sqrt(std::pow(kPi, 4) / 96.0 - 1.0), 1e-3);
+  EXPECT_NEAR(*study.y_distortion_percent, 100.0 * std::sqrt(std::pow(std::numbers::pi, 4) / 96.0 - 1.0),
+              1e-3);
   EXPECT_EQ(study.loops.size(), 10u);
   EXPECT_NEAR(study.loops.front().height_percent, 0.0, 1e-9);
 }
@@ -85,8 +84,8 @@ TEST(Loop, LagOfASineIsAnEllipse) {
   const double p = 0.3;
   std::vector<double> u, y;
   for (int i = 0; i <= 20000; ++i) {
-    u.push_back(std::cos(2.0 * kPi * i / 20000.0));
-    y.push_back(std::cos(2.0 * kPi * i / 20000.0 - p));
+    u.push_back(std::cos(2.0 * std::numbers::pi * i / 20000.0));
+    y.push_back(std::cos(2.0 * std::numbers::pi * i / 20000.0 - p));
   }
   const Loop loop = hysteresis_loop(u, y);
   EXPECT_NEAR(loop.height, 2.0 * std::sin(p), 1e-6);

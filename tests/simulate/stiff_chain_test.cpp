@@ -13,14 +13,14 @@ namespace {
 using chain::Chain;
 using chain::make_block;
 
-TimeRecord triangle(double step_s) {
+TimeRecord triangle_record(double step_s) {
   ReferenceSpec spec;
   spec.frequency = Hertz{2.0};
   spec.step_s = step_s;
   return make_reference(spec);
 }
 
-double worst(const std::vector<double>& a, const std::vector<double>& b) {
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
   EXPECT_EQ(a.size(), b.size());
   double most = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
@@ -43,11 +43,11 @@ TEST(StiffChain, SectionsPassTheirInputOnAndAreStillSolved) {
     const double pole = 0.5 * std::pow(10.0, 5.0 * i / 39.0);
     chain.blocks.push_back(make_block("pole_zero").set("pole_hz", pole).set("zero_hz", 1.04 * pole));
   }
-  const TimeRecord u = triangle(1e-3);
+  const TimeRecord u = triangle_record(1e-3);
   const Result got = simulate(chain, u, cvode(1e-8));
   Options exact;
   exact.engine = Engine::exact;
-  EXPECT_LT(worst(got.y, simulate(chain, u, exact).y), 2e-7);
+  EXPECT_LT(largest_difference(got.y, simulate(chain, u, exact).y), 2e-7);
   // BDF, not steps of the fastest pole (3e5 of them); a wrong Newton matrix would need many evaluations.
   EXPECT_LT(got.stats.steps, 5000u);
   EXPECT_LT(got.stats.evaluations, 4u * got.stats.steps);
@@ -66,15 +66,15 @@ TEST(StiffChain, NonlinearDynamicsCurvesAndMemoryInSeries) {
                          .set("cubic", 0.4),
                      make_block("saturation").set("lower", 0.0).set("upper", 0.9),
                      make_block("lowpass").set("corner_hz", 3.0)}};
-  const TimeRecord u = triangle(1e-3);
+  const TimeRecord u = triangle_record(1e-3);
   const Result coarse = simulate(chain, u, cvode(1e-7));
   const Result fine = simulate(chain, u, cvode(1e-10));
-  EXPECT_LT(worst(coarse.y, fine.y), 5e-6);
+  EXPECT_LT(largest_difference(coarse.y, fine.y), 5e-6);
   Options record;
   record.engine = Engine::record;
   record.oversample = 64;
   record.estimate_error = false;
-  EXPECT_LT(worst(fine.y, simulate(chain, u, record).y), 2e-6);
+  EXPECT_LT(largest_difference(fine.y, simulate(chain, u, record).y), 2e-6);
   EXPECT_LT(coarse.stats.evaluations, 8u * coarse.stats.steps);
 }
 

@@ -31,7 +31,7 @@ Block branches(double delay_s) {
 }
 
 /// 0 to 1 and back in 2 half_period samples, again and again.
-TimeRecord triangle(int half_period, int halves) {
+TimeRecord turning_triangle(int half_period, int halves) {
   TimeRecord r;
   r.step_s = 1e-3;
   for (int i = 0; i <= half_period * halves; ++i) {
@@ -41,7 +41,7 @@ TimeRecord triangle(int half_period, int halves) {
   return r;
 }
 
-Options with(Engine engine) {
+Options by_engine(Engine engine) {
   Options o;
   o.engine = engine;
   o.estimate_error = false;
@@ -49,9 +49,9 @@ Options with(Engine engine) {
 }
 
 TEST(SwitchDelay, TheOldBranchHoldsUntilTheSwitchActs) {
-  const TimeRecord in = triangle(50, 6);
+  const TimeRecord in = turning_triangle(50, 6);
   const double delay_s = 7.4e-3;
-  const auto y = simulate(Chain{{branches(delay_s)}}, in, with(Engine::record)).y;
+  const auto y = simulate(Chain{{branches(delay_s)}}, in, by_engine(Engine::record)).y;
   for (std::size_t i = 0; i < in.size(); ++i) {
     // Turns at 50, 100, ...; what a switch that looks at the slope delay_s ago stands at.
     const double then = static_cast<double>(i) - 7.4;
@@ -61,8 +61,8 @@ TEST(SwitchDelay, TheOldBranchHoldsUntilTheSwitchActs) {
 }
 
 TEST(SwitchDelay, ZeroIsTheSwitchedCubicItself) {
-  const TimeRecord in = triangle(40, 5);
-  const auto late = simulate(Chain{{branches(0.0)}}, in, with(Engine::record)).y;
+  const TimeRecord in = turning_triangle(40, 5);
+  const auto late = simulate(Chain{{branches(0.0)}}, in, by_engine(Engine::record)).y;
   for (std::size_t i = 1; i < in.size(); ++i) {
     if (i % 40 == 0) continue;  // the turn itself
     EXPECT_NEAR(late[i], curve(in.u[i] > in.u[i - 1], in.u[i]), 1e-12) << i;
@@ -71,8 +71,8 @@ TEST(SwitchDelay, ZeroIsTheSwitchedCubicItself) {
 
 TEST(SwitchDelay, TurnsFasterThanTheSwitchAreStillFollowedLate) {
   // The input turns every 5 ms, the switch is 12 ms late: it stands where the slope was 12 ms ago.
-  const TimeRecord in = triangle(5, 60);
-  const auto y = simulate(Chain{{branches(12.5e-3)}}, in, with(Engine::record)).y;
+  const TimeRecord in = turning_triangle(5, 60);
+  const auto y = simulate(Chain{{branches(12.5e-3)}}, in, by_engine(Engine::record)).y;
   for (std::size_t i = 0; i < in.size(); ++i) {
     const double then = static_cast<double>(i) - 12.5;
     const bool up = then <= 0.0 || static_cast<int>(std::floor(then / 5.0)) % 2 == 0;
@@ -81,10 +81,10 @@ TEST(SwitchDelay, TurnsFasterThanTheSwitchAreStillFollowedLate) {
 }
 
 TEST(SwitchDelay, BothEnginesAgreeBehindALag) {
-  const TimeRecord in = triangle(50, 6);
+  const TimeRecord in = turning_triangle(50, 6);
   const Chain chain{{branches(7.0e-3), make_block("lowpass").set("corner_hz", 40.0)}};
-  const auto record = simulate(chain, in, with(Engine::record)).y;
-  const auto cvode = simulate(chain, in, with(Engine::cvode)).y;
+  const auto record = simulate(chain, in, by_engine(Engine::record)).y;
+  const auto cvode = simulate(chain, in, by_engine(Engine::cvode)).y;
   ASSERT_EQ(record.size(), cvode.size());
   for (std::size_t i = 0; i < record.size(); ++i) EXPECT_NEAR(record[i], cvode[i], 2e-3) << i;
 }
@@ -94,8 +94,8 @@ TEST(SlewFeedthrough, BothEnginesAndALoopAgree) {
   in.step_s = 1e-3;
   for (int i = 0; i < 400; ++i) in.u.push_back(i / 60 % 2 == 0 ? 0.02 * (i % 60) : -0.5);
   const Chain chain{{make_block("slew_limit").set("rate_per_s", 9.0).set("feedthrough", 0.08)}};
-  const auto record = simulate(chain, in, with(Engine::record)).y;
-  const auto cvode = simulate(chain, in, with(Engine::cvode)).y;
+  const auto record = simulate(chain, in, by_engine(Engine::record)).y;
+  const auto cvode = simulate(chain, in, by_engine(Engine::cvode)).y;
   double x = 0.0;
   double u = in.u[0];
   for (std::size_t i = 0; i < in.size(); ++i) {

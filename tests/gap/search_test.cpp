@@ -71,9 +71,12 @@ std::vector<Hidden> outsiders() {
   return all;
 }
 
+/// Shorter than the others' records: every effect is tried here, the expensive ones too.
+constexpr std::size_t kOutsiderRows = 1200;
+
 class Outsider : public testing::TestWithParam<Hidden> {};
 TEST_P(Outsider, IsNotCalledExplained) {
-  hidden::expect_right(World::formulas, Kind::outside, GetParam(), kRows);
+  hidden::expect_right(World::formulas, Kind::outside, GetParam(), kOutsiderRows);
 }
 INSTANTIATE_TEST_SUITE_P(Search, Outsider, testing::ValuesIn(outsiders()), hidden::HiddenName());
 

@@ -19,8 +19,8 @@ endfunction()
 
 # Files of a room share what they instantiate (Eigen, JSON, formatting) when they are compiled together. Names in anonymous
 # namespaces are therefore unique within a room.
-function(bodesmith_unity target)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${BODESMITH_UNITY} UNITY_BUILD_BATCH_SIZE 16)
+function(bodesmith_unity target batch)
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${BODESMITH_UNITY} UNITY_BUILD_BATCH_SIZE ${batch})
 endfunction()
 
 function(bodesmith_room name)
@@ -47,7 +47,7 @@ function(bodesmith_room name)
   list(TRANSFORM above PREPEND bodesmith_)
   target_link_libraries(${target} PUBLIC ${above} ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
   bodesmith_warnings(${target})
-  bodesmith_unity(${target})
+  bodesmith_unity(${target} 16)
   set(BODESMITH_ROOMS ${BODESMITH_ROOMS} ${name} CACHE INTERNAL "")
 endfunction()
 

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
+#include "base/outcome.hpp"
 #include "circuit/circuit.hpp"
-#include "circuit/outcome.hpp"
 #include "circuit/parts/limits.hpp"
 #include "circuit/parts/series.hpp"
 #include "lti/frequency_grid.hpp"

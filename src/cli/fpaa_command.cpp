@@ -98,7 +98,7 @@ int plan_board(const std::vector<std::string>& arguments) {
 
   const Stopwatch watch;
   const auto outcome = fpaa::make_plan(sections, options);
-  if (const fpaa::Refusal* refusal = refusal_of(outcome)) {
+  if (const Refusal* refusal = refusal_of(outcome)) {
     throw DesignError(fmt::format("{}: {}", file, refusal->reason));
   }
   const auto& plan = std::get<fpaa::Plan>(outcome);

@@ -49,7 +49,7 @@ void write_controller(const std::filesystem::path& folder, const fpaa::Controlle
   using Branch = Disturbance::Branch;
   for (const auto& [branch, name] :
        {std::pair{Branch::ascending, "ascending"}, std::pair{Branch::descending, "descending"}}) {
-    const fpaa::BranchTable made = fpaa::or_throw(fpaa::branch_table(disturbance, branch));
+    const fpaa::BranchTable made = value_or_throw(fpaa::branch_table(disturbance, branch));
     const auto wanted = [&, b = branch](double v) {
       return fpaa::branch_volts(disturbance, b, made.scale, v);
     };
@@ -89,7 +89,7 @@ int run_fpaa_controller(const std::vector<std::string>& arguments) {
   const Stopwatch watch;
   const auto outcome = fpaa::make_controller(disturbance, ascending ? &*ascending : nullptr,
                                              descending ? &*descending : nullptr, controller_options(line));
-  if (const fpaa::Refusal* refusal = refusal_of(outcome)) {
+  if (const Refusal* refusal = refusal_of(outcome)) {
     throw DesignError(fmt::format("{}: {}", file, refusal->reason));
   }
   const auto& controller = std::get<fpaa::Controller>(outcome);

@@ -49,7 +49,7 @@ Outcome<const Board*> find_board(std::string_view name) {
 }
 
 const Board& board_by_name(std::string_view name) {
-  return *or_throw(find_board(name));
+  return *value_or_throw(find_board(name));
 }
 
 }  // namespace bodesmith::fpaa

@@ -4,8 +4,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/outcome.hpp"
 #include "base/units.hpp"
-#include "fpaa/refusal.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "base/outcome.hpp"
 #include "fpaa/board.hpp"
-#include "fpaa/refusal.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -8,12 +8,12 @@
 
 #include "base/document.hpp"
 #include "base/json_fwd.hpp"
+#include "base/outcome.hpp"
 #include "base/provenance.hpp"
 #include "base/units.hpp"
 #include "fpaa/board.hpp"
 #include "fpaa/clock_tree.hpp"
 #include "fpaa/placed_cam.hpp"
-#include "fpaa/refusal.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
 

@@ -38,7 +38,7 @@ class MadeBranch {
     for (std::size_t i = 0; i < weights_.size(); ++i) {
       weights_[i] = a_[i] == 0.0 ? 0.0 : sum.transfer(i).dc_gain();
     }
-    if (by == PolynomialBy::lookup) table_ = or_throw(branch_table(d, branch));
+    if (by == PolynomialBy::lookup) table_ = value_or_throw(branch_table(d, branch));
   }
 
   /// |made - d| at x.

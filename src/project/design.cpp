@@ -4,6 +4,7 @@
 #include <variant>
 
 #include "base/error.hpp"
+#include "base/outcome.hpp"
 #include "base/progress.hpp"
 #include "circuit/response.hpp"
 
@@ -32,11 +33,6 @@ struct Hardware {
   std::optional<circuit::Realised> circuit;
 };
 
-/// Why an alternative cannot be built.
-struct Refusal {
-  std::string reason;
-};
-
 fpaa::PlanOptions plan_options(const Project& project, const Band& band) {
   fpaa::PlanOptions options;
   options.board = project.fpaa->board;
@@ -54,13 +50,12 @@ circuit::RealiseOptions circuit_options(const Project& project) {
 }
 
 /// Plan and circuit of `sections`, or the reason why the board or the parts cannot make them.
-std::variant<Hardware, Refusal> build_hardware(const Project& project, const Sections& sections,
-                                               const Band& band) {
+Outcome<Hardware> build_hardware(const Project& project, const Sections& sections, const Band& band) {
   try {
     Hardware out;
     if (project.fpaa) {
       auto plan = fpaa::make_plan(sections, plan_options(project, band));
-      if (const auto* refusal = fpaa::refusal_of(plan)) return Refusal{refusal->reason};
+      if (const auto* refusal = refusal_of(plan)) return *refusal;
       out.plan = std::get<fpaa::Plan>(std::move(plan));
     }
     if (project.circuit) out.circuit = circuit::realise(sections, circuit_options(project));

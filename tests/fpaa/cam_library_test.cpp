@@ -156,7 +156,7 @@ TEST(Multiplier, QuantisesWithinHalfAStep) {
 
 TEST(TransferFunction, TableFollowsTheFunctionWithinOneStep) {
   const auto d = [](double v) { return 0.3546 * v - 0.6433 * v * v / 3.0; };
-  const LookupTable table = or_throw(LookupTable::of(d));
+  const LookupTable table = value_or_throw(LookupTable::of(d));
   double step = 2.0 / table.cout;
   for (std::size_t entry = 0; entry < 256; ++entry) {
     const double wanted = std::clamp(d(LookupTable::input_v(entry)), -3.0, 3.0);

@@ -60,7 +60,8 @@ void expect_legal(const ControllerVariant& v) {
 }
 
 TEST(Controller, SeedsWholeControllerFitsTheFourChips) {
-  const Controller controller = or_throw(make_controller(seed_disturbance(), nullptr, &seed_plan(), {}));
+  const Controller controller =
+      value_or_throw(make_controller(seed_disturbance(), nullptr, &seed_plan(), {}));
   ASSERT_EQ(controller.variants.size(), 3u);
   for (const ControllerVariant& v : controller.variants) {
     EXPECT_TRUE(v.fits()) << to_string(v.by) << ": " << (v.fits() ? "" : v.refusal->reason);
@@ -89,7 +90,7 @@ TEST(Controller, PolynomialErrorsAreThoseOfTheConverters) {
 }
 
 TEST(Controller, TwoCompensatorsStillFitAndTooManyAreRefused) {
-  const Controller two = or_throw(make_controller(seed_disturbance(), &seed_plan(), &seed_plan(), {}));
+  const Controller two = value_or_throw(make_controller(seed_disturbance(), &seed_plan(), &seed_plan(), {}));
   expect_legal(two.best());
   Sections many;
   for (int i = 0; i < 28; ++i)
@@ -107,7 +108,8 @@ TEST(Controller, TwoCompensatorsStillFitAndTooManyAreRefused) {
 TEST(Controller, AskedForWayIsTaken) {
   ControllerOptions options;
   options.polynomial = PolynomialBy::lookup;
-  const Controller controller = or_throw(make_controller(seed_disturbance(), nullptr, &seed_plan(), options));
+  const Controller controller =
+      value_or_throw(make_controller(seed_disturbance(), nullptr, &seed_plan(), options));
   EXPECT_EQ(controller.best().by, PolynomialBy::lookup);
   options.fast_clock = {3.0};
   EXPECT_NE(refusal_of(make_controller(seed_disturbance(), nullptr, nullptr, options)), nullptr);

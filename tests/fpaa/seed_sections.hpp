@@ -25,7 +25,7 @@ inline Sections seed_sections() {
 
 /// A plan that can be made.
 inline Plan plan_of(const Sections& sections, const PlanOptions& options = {}) {
-  return or_throw(make_plan(sections, options));
+  return value_or_throw(make_plan(sections, options));
 }
 
 /// The seed's plan at 2 kHz.

@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
+#include "base/outcome.hpp"
 #include "circuit/ladders/rc_ladder.hpp"
-#include "circuit/outcome.hpp"
 #include "circuit/parts/series.hpp"
 #include "lti/frequency_grid.hpp"
 

@@ -9,10 +9,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/outcome.hpp"
 #include "base/registry.hpp"
 #include "fpaa/branch.hpp"
 #include "fpaa/placed_cam.hpp"
-#include "fpaa/refusal.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "fpaa/refusal.hpp"
+#include "base/outcome.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -6,15 +6,15 @@
 
 #include "base/error.hpp"
 
-namespace bodesmith::fpaa {
+namespace bodesmith {
 
-/// Why a design cannot be made, and what would make it fit.
+/// Why a design cannot be made, and what could be asked for instead; one line for a person.
 struct Refusal {
   std::string reason;
 };
 
 /// A design, or why there is none. Inside the library a design that cannot be made is a value like any other
-/// (a search tries the next one); or_throw() is for the edge, where a person is told.
+/// (a search tries the next one).
 template <class T>
 using Outcome = std::variant<T, Refusal>;
 
@@ -23,11 +23,11 @@ const Refusal* refusal_of(const Outcome<T>& outcome) {
   return std::get_if<Refusal>(&outcome);
 }
 
-/// The design, or DesignError with the reason.
+/// For the edge of the library: a refusal becomes a DesignError.
 template <class T>
-T or_throw(Outcome<T> outcome) {
+T value_or_throw(Outcome<T> outcome) {
   if (const Refusal* refusal = refusal_of(outcome)) throw DesignError(refusal->reason);
   return std::get<T>(std::move(outcome));
 }
 
-}  // namespace bodesmith::fpaa
+}  // namespace bodesmith

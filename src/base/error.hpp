@@ -11,7 +11,7 @@ namespace bodesmith {
 /// ill-conditioned) are never exceptions; they are fields of a report.
 class InputError : public std::runtime_error {
  public:
-  explicit InputError(const std::string& message) : std::runtime_error(message) {}
+  explicit InputError(const std::string& message);
   /// `line` counts from 1; 0 means that no single line is to blame.
   InputError(std::string_view file, int line, std::string_view message);
 };

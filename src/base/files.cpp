@@ -2,26 +2,110 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cerrno>
+#include <csignal>
+#include <cstdio>
 #include <cstring>
 #include <fstream>
-#include <sstream>
+#include <memory>
+#include <set>
 #include <system_error>
 
 #include "base/error.hpp"
+#include "base/temporary.hpp"
 
 namespace bodesmith {
 namespace fs = std::filesystem;
 
+namespace {
+
+constexpr std::size_t kLargestFile = std::size_t{1} << 31;
+
+bool inputs_protected = false;
+
+std::vector<fs::path>& inputs() {
+  static std::vector<fs::path> all;
+  return all;
+}
+
+/// Where a link leads in the end, also when nothing stands there yet.
+fs::path followed(const fs::path& path) {
+  fs::path out = path;
+  std::error_code ec;
+  for (int links = 0; links < 40 && fs::is_symlink(out, ec); ++links) {
+    const fs::path next = fs::read_symlink(out, ec);
+    if (ec) return path;
+    out = next.is_absolute() ? next : out.parent_path() / next;
+  }
+  return out;
+}
+
+bool was_read(const fs::path& target) {
+  return std::any_of(inputs().begin(), inputs().end(), [&](const fs::path& input) {
+    std::error_code ec;
+    return fs::equivalent(input, target, ec) && !ec;
+  });
+}
+
+/// Devices and pipes are not replaced.
+bool is_special(const fs::path& target) {
+  std::error_code ec;
+  const fs::file_status status = fs::status(target, ec);
+  return !ec && fs::exists(status) && !fs::is_regular_file(status) && !fs::is_directory(status);
+}
+
+/// Temporary files of this name whose process is gone.
+void drop_stale(const fs::path& target) {
+  const std::string start = "." + target.filename().string() + ".tmp";
+  std::error_code ec;
+  const fs::path folder = target.has_parent_path() ? target.parent_path() : fs::path(".");
+  for (fs::directory_iterator it(folder, ec), end; !ec && it != end; it.increment(ec)) {
+    const std::string name = it->path().filename().string();
+    if (!name.starts_with(start)) continue;
+    const std::string digits = name.substr(start.size());
+    if (digits.empty() || digits.size() > 9 || digits.find_first_not_of("0123456789") != std::string::npos)
+      continue;
+    if (::kill(static_cast<pid_t>(std::stol(digits)), 0) == 0 || errno != ESRCH) continue;
+    std::error_code ignored;
+    fs::remove(it->path(), ignored);
+  }
+}
+
+void write_to(const fs::path& path, const std::string& content, std::string& why) {
+  std::ofstream out(path, std::ios::binary | std::ios::trunc);
+  if (out) out.write(content.data(), static_cast<std::streamsize>(content.size()));
+  const bool opened = out.is_open();
+  out.close();
+  if (!out || !opened) why = std::strerror(errno);
+}
+
+}  // namespace
+
+void protect_inputs() {
+  inputs_protected = true;
+}
+
+void remember_input(const fs::path& path) {
+  if (inputs_protected) inputs().push_back(path);
+}
+
 std::string read_file(const fs::path& path) {
   std::error_code ec;
   if (fs::is_directory(path, ec)) throw InputError(path.string(), 0, "is a folder, expected a file");
-  std::ifstream in(path, std::ios::binary);
-  if (!in) throw InputError(path.string(), 0, std::string("cannot be read: ") + std::strerror(errno));
-  std::ostringstream text;
-  text << in.rdbuf();
-  if (in.bad()) throw InputError(path.string(), 0, "cannot be read to its end");
-  return std::move(text).str();
+  const auto fail = [&](const char* what) {
+    throw InputError(path.string(), 0, std::string(what) + ": " + std::strerror(errno));
+  };
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(path.c_str(), "rb"), &std::fclose);
+  if (in == nullptr) fail("cannot be read");
+  std::string text;
+  std::vector<char> buffer(1 << 16);
+  while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), in.get())) {
+    text.append(buffer.data(), got);
+    if (text.size() > kLargestFile) throw InputError(path.string(), 0, "is larger than 2 GiB, expected less");
+  }
+  if (std::ferror(in.get()) != 0) fail("cannot be read to its end");
+  return text;
 }
 
 void OutputSet::add(const fs::path& relative, std::string content) {
@@ -40,42 +124,62 @@ std::vector<fs::path> OutputSet::paths() const {
 
 void OutputSet::commit() {
   struct Staged {
-    fs::path temporary;
+    fs::path temporary;  ///< empty: written to the target itself
     fs::path target;
+    const std::string* content;
   };
   std::vector<Staged> staged;
   const auto drop_all = [&staged] {
     std::error_code ignored;
-    for (const Staged& s : staged) fs::remove(s.temporary, ignored);
+    for (const Staged& s : staged) {
+      if (s.temporary.empty()) continue;
+      fs::remove(s.temporary, ignored);
+      forget_temporary(s.temporary);
+    }
   };
   const std::string suffix = ".tmp" + std::to_string(::getpid());
+  std::set<fs::path> seen;
   for (const File& file : files_) {
-    const fs::path target = folder_ / file.path;
+    const fs::path named = folder_ / file.path;
     const auto fail = [&](const std::string& why) {
       drop_all();
-      throw InputError(target.string(), 0, "cannot be written: " + why);
+      throw InputError(named.string(), 0, "cannot be written: " + why);
     };
     std::error_code ec;
-    if (target.has_parent_path()) {
-      fs::create_directories(target.parent_path(), ec);
+    if (named.has_parent_path()) {
+      fs::create_directories(named.parent_path(), ec);
       if (ec) fail(ec.message());
     }
+    const fs::path target = followed(named);
     if (fs::is_directory(target, ec)) fail("it is a folder");
+    if (is_special(target)) {
+      staged.push_back({{}, target, &file.content});
+      continue;
+    }
+    if (!seen.insert(target.lexically_normal()).second) fail("two outputs have this name");
+    if (was_read(target)) fail("it is an input, expected another name");
+    drop_stale(target);
     const fs::path temporary = target.parent_path() / ("." + target.filename().string() + suffix);
-    staged.push_back({temporary, target});
-    std::ofstream out(temporary, std::ios::binary | std::ios::trunc);
-    if (!out) fail(std::strerror(errno));
-    out.write(file.content.data(), static_cast<std::streamsize>(file.content.size()));
-    out.close();
-    if (!out) fail(std::strerror(errno));
+    staged.push_back({temporary, target, &file.content});
+    remember_temporary(temporary);
+    std::string why;
+    write_to(temporary, file.content, why);
+    if (!why.empty()) fail(why);
   }
   for (const Staged& s : staged) {
     std::error_code ec;
-    fs::rename(s.temporary, s.target, ec);
-    if (ec) {
-      drop_all();
-      throw InputError(s.target.string(), 0, "cannot be written: " + ec.message());
+    std::string why;
+    if (s.temporary.empty()) {
+      write_to(s.target, *s.content, why);
+    } else {
+      fs::rename(s.temporary, s.target, ec);
+      if (ec) why = ec.message();
     }
+    if (!why.empty()) {
+      drop_all();
+      throw InputError(s.target.string(), 0, "cannot be written: " + why);
+    }
+    if (!s.temporary.empty()) forget_temporary(s.temporary);
   }
 }
 

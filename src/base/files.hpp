@@ -6,11 +6,19 @@
 
 namespace bodesmith {
 
-/// The bytes of a file. Throws InputError (naming the path) when it cannot be read or is a folder.
+/// The bytes of a file. Throws InputError (naming the path) when it cannot be read to its end, is a folder, or is
+/// larger than 2 GiB.
 std::string read_file(const std::filesystem::path& path);
 
+/// From here on OutputSet refuses to write over what remember_input() has named: for programs that end after one
+/// command.
+void protect_inputs();
+void remember_input(const std::filesystem::path& path);
+
 /// Files that are written together, whole or not at all: nothing touches the disk before commit(), every file
-/// goes to a temporary name beside its target first, and only when all of them stand are they renamed.
+/// goes to a temporary name beside its target first, and only when all of them stand are they renamed. A link is
+/// followed; what is no ordinary file (a device, a pipe) is written to as it is. Temporary files go when the program
+/// is ended by a signal, and those that a killed run left go at the next commit to the same name.
 class OutputSet {
  public:
   /// Files are named relative to `folder`, which commit() makes; an empty folder means paths as they are.
@@ -19,7 +27,8 @@ class OutputSet {
   void add(const std::filesystem::path& relative, std::string content);
   /// Every file of another set, below a folder of this one.
   void include(const std::filesystem::path& below, const OutputSet& other);
-  /// Throws InputError when a file cannot be written; targets that existed are then untouched.
+  /// Throws InputError when a file cannot be written, was read as an input, or is named twice; targets that existed
+  /// are then untouched.
   void commit();
 
   const std::filesystem::path& folder() const { return folder_; }

@@ -1,8 +1,8 @@
 #include "base/json.hpp"
 
 #include <cmath>
-#include <stdexcept>
 
+#include "base/error.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith {
@@ -23,7 +23,8 @@ void write(const Json& value, int indent, bool inline_mode, std::string& out, co
   };
   if (value.is_number_float()) {
     if (!std::isfinite(value.get<double>())) {
-      throw std::logic_error("a number that is not finite was to be written at " + path);
+      throw InputError("the result at " + path +
+                       " is not a finite number: inputs whose numbers double precision cannot hold");
     }
     out += number_text(value.get<double>());
   } else if (value.is_object() || value.is_array()) {

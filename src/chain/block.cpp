@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "base/text.hpp"
+#include "chain/inverse.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -29,6 +30,14 @@ std::pair<std::string_view, int> split_name(std::string_view name) {
 
 std::string Parameter::name() const {
   return element < 0 ? key() : fmt::format("{}[{}]", key(), element);
+}
+
+std::optional<FoundInput> BlockType::inverse(const Block&, const WantedOutput&) const {
+  return std::nullopt;
+}
+
+std::optional<FoundInput> Block::inverse(const WantedOutput& wanted) const {
+  return type_->inverse(*this, wanted);
 }
 
 Block::Block(const BlockType& type) : type_(&type) {

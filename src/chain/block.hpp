@@ -18,6 +18,8 @@ class ModelType;
 namespace bodesmith::chain {
 
 class Block;
+struct FoundInput;
+struct WantedOutput;
 
 /// y = factor u + constant.
 struct Affine {
@@ -78,6 +80,10 @@ class BlockType {
     return std::nullopt;
   }
 
+  /// The input for a wanted output (chain/inverse.hpp). Nothing for blocks without one, which compensate then
+  /// inverts numerically.
+  virtual std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const;
+
   // What other rooms ask of a block, so that none of them has to know it by name.
 
   /// The slowest time constant of the block, in seconds: seven of them, and a step at its input is forgotten.
@@ -132,6 +138,7 @@ class Block {
   std::optional<ValidationError> validate() const;
   Kernel kernel() const { return type_->kernel(*this); }
   std::optional<std::complex<double>> response(RadPerSecond w) const { return type_->response(*this, w); }
+  std::optional<FoundInput> inverse(const WantedOutput& wanted) const;
   double slowest_time_constant_s() const { return type_->slowest_time_constant_s(*this); }
   std::optional<Affine> affine() const { return type_->affine(*this); }
   /// True when the block multiplies by a constant and does nothing else.

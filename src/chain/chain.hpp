@@ -7,12 +7,15 @@
 
 #include "base/units.hpp"
 #include "chain/block.hpp"
+#include "chain/trained.hpp"
 
 namespace bodesmith::chain {
 
 /// Blocks in series, input first.
 struct Chain {
   std::vector<Block> blocks;
+  /// Of identified models.
+  std::optional<Trained> trained = std::nullopt;
 
   /// Product of the blocks' exact responses; nothing when one of them is not linear.
   std::optional<std::complex<double>> response(RadPerSecond w) const;

@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
+#include "base/error.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
@@ -110,6 +112,48 @@ std::vector<std::string> free_names(const Block& block) {
   return out;
 }
 
+struct TrainedKey {
+  const char* key;
+  double SignalExtent::*of_input;
+  double Trained::*direct;
+};
+constexpr TrainedKey kTrainedKeys[] = {
+    {"input_lower", &SignalExtent::lower, nullptr},
+    {"input_upper", &SignalExtent::upper, nullptr},
+    {"input_max_rate_per_s", &SignalExtent::max_rate_per_s, nullptr},
+    {"input_from_hz", &SignalExtent::from_hz, nullptr},
+    {"input_to_hz", &SignalExtent::to_hz, nullptr},
+    {"output_lower", nullptr, &Trained::output_lower},
+    {"output_upper", nullptr, &Trained::output_upper},
+    {"training_rms", nullptr, &Trained::training_rms},
+    {"training_percent_of_range", nullptr, &Trained::training_percent},
+};
+
+Trained trained_from_node(const Node& node) {
+  node.allow_only({"input_lower", "input_upper", "input_max_rate_per_s", "input_from_hz", "input_to_hz",
+                   "output_lower", "output_upper", "training_rms", "training_percent_of_range", "holdout_rms",
+                   "holdout_percent_of_range"});
+  Trained out;
+  for (const TrainedKey& one : kTrainedKeys)
+    (one.direct == nullptr ? out.input.*one.of_input : out.*one.direct) = node.at(one.key).number();
+  if (node.has("holdout_rms")) out.holdout_rms = node.at("holdout_rms").non_negative();
+  if (node.has("holdout_percent_of_range"))
+    out.holdout_percent = node.at("holdout_percent_of_range").non_negative();
+  return out;
+}
+
+Json trained_json(const Trained& trained) {
+  Json values = Json::array();
+  const auto add = [&](const char* key, double value) {
+    values.push_back({{"key", key}, {"value", number_text(value)}});
+  };
+  for (const TrainedKey& one : kTrainedKeys)
+    add(one.key, one.direct == nullptr ? trained.input.*one.of_input : trained.*one.direct);
+  if (trained.holdout_rms) add("holdout_rms", *trained.holdout_rms);
+  if (trained.holdout_percent) add("holdout_percent_of_range", *trained.holdout_percent);
+  return {{"values", values}};
+}
+
 }  // namespace
 
 Block block_from_node(const Node& node) {
@@ -139,8 +183,9 @@ Block block_from_node(const Node& node) {
 
 Chain model_from_node(const Node& node) {
   node.expect_schema("model");
-  node.allow_only({"schema", "block", "name", "about"});
+  node.allow_only({"schema", "block", "name", "about", "trained"});
   Chain chain;
+  if (node.has("trained")) chain.trained = trained_from_node(node.at("trained"));
   for (const Node& item : node.at("block").items()) chain.blocks.push_back(block_from_node(item));
   return chain;
 }
@@ -149,13 +194,29 @@ Chain read_model(const std::filesystem::path& path, Provenance& from) {
   return model_from_node(read_document(path, from));
 }
 
+namespace {
+/// What is not finite does not read back.
+void check_finite(const Chain& chain) {
+  for (std::size_t i = 0; i < chain.blocks.size(); ++i) {
+    for (const Parameter& p : chain.blocks[i].parameters()) {
+      if (!std::isfinite(p.value))
+        throw InputError(fmt::format(
+            "{} is not a finite number: records whose numbers double precision cannot hold", chain.label(p)));
+    }
+  }
+}
+}  // namespace
+
 std::string model_text(const Chain& chain, const std::string& comment) {
+  check_finite(chain);
   Json data;
   data["comment"] = Json::array();
   if (!comment.empty()) {
     for (const std::string_view line : split(comment, '\n'))
       data["comment"].push_back({{"line", std::string(line)}});
   }
+  data["trained"] = Json::array();
+  if (chain.trained) data["trained"].push_back(trained_json(*chain.trained));
   data["blocks"] = Json::array();
   for (const Block& block : chain.blocks) {
     Json out;

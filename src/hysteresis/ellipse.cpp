@@ -198,6 +198,7 @@ class EllipseType final : public ShapedModelType<Ellipse> {
                 above_zero("amplitude", "u", "amplitude assumed before two turning points are known"),
                 above_zero("operating_hz", "Hz", "frequency assumed before two turning points are known"),
             }) {}
+  bool for_steady_sines() const override { return true; }
 
  protected:
   std::unique_ptr<Operator> operator_of(const Ellipse& model) const override {

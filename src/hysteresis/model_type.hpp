@@ -61,6 +61,8 @@ class ModelType {
   virtual std::unique_ptr<Inverse> make_inverse(const Parameters& values) const = 0;
   /// Nothing for models that remember more than the input's direction.
   virtual std::optional<BranchCurves> branch_curves(const Parameters&) const { return std::nullopt; }
+  /// True of models of steady sines, whose output for other inputs means little: never the best of several.
+  virtual bool for_steady_sines() const { return false; }
   /// Lists that hold the coefficients of u, u², … of a polynomial which a circuit makes by multipliers.
   virtual std::vector<std::string_view> polynomial_lists() const { return {}; }
 

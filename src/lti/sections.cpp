@@ -62,6 +62,7 @@ Section Section::pole_zero(double dc_gain, RadPerSecond zero, RadPerSecond pole)
 Complex Sections::response(Complex s) const {
   Complex h = gain;
   for (const Section& section : sections) h *= section.response(s);
+  if (delay_s != 0.0) h *= std::exp(-s * delay_s);
   return h;
 }
 
@@ -116,6 +117,8 @@ Sections Sections::from_node(const Node& node) {
     if (!section.is_stable()) item.at("poles_rad_s").fail("has a pole that is not in the left half plane");
     out.sections.push_back(std::move(section));
   }
+  out.delay_s = node.number_or("delay_s", 0.0);
+  if (out.delay_s < 0.0) node.at("delay_s").fail("is below 0, expected a delay of 0 or more");
   if (node.has("error")) {
     const Node error = node.at("error");
     const std::vector<double> band = error.at("band_hz").numbers();
@@ -141,6 +144,7 @@ Json Sections::to_json() const {
                                {"zeros_rad_s", roots_json(section.zeros)},
                                {"poles_rad_s", roots_json(section.poles)}});
   }
+  if (delay_s != 0.0) out["delay_s"] = delay_s;
   if (error) {
     out["error"] = {{"band_hz", {error->band.from.value, error->band.to.value}},
                     {"max_magnitude_db", error->max_magnitude_db},

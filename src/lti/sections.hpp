@@ -32,7 +32,8 @@ struct Section {
   static Section pole_zero(double dc_gain, RadPerSecond zero, RadPerSecond pole);
 };
 
-/// H(s) = gain * prod_i H_i(s), with its error against what it approximates.
+/// H(s) = gain * prod_i H_i(s) * exp(-s delay), with its error against what it approximates. Only a measured response has
+/// a delay; whatever is built of poles and zeros leaves it out.
 struct Sections {
   double gain = 1.0;
   std::vector<Section> sections;
@@ -44,6 +45,7 @@ struct Sections {
     double everywhere_max_magnitude_db = 0.0;
   };
   std::optional<Error> error;
+  double delay_s = 0.0;
 
   std::complex<double> response(std::complex<double> s) const;
   std::complex<double> response(RadPerSecond w) const { return response(std::complex<double>(0.0, w.value)); }
@@ -56,7 +58,7 @@ struct Sections {
   /// their conjugate, poles with Re >= 0, a gain of 0.
   static Sections from_node(const Node& node);
   static Sections read(const std::filesystem::path& path, Provenance& from);
-  /// gain, sections and (when present) error; without the header.
+  /// gain, sections and (when present) error and delay_s; without the header.
   Json to_json() const;
 };
 

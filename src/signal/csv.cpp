@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <charconv>
+#include <cmath>
 #include <stdexcept>
 
 #include "base/error.hpp"
@@ -20,13 +21,18 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
   csv.file_ = file;
   if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
   int line_number = 0;
+  char separator = ',';
   while (!text.empty()) {
     ++line_number;
     const std::size_t end = text.find('\n');
     const std::string_view line = trim(text.substr(0, end));
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     if (line.empty() || line.front() == '#') continue;
-    const std::vector<std::string_view> cells = split(line, ',');
+    // Spreadsheets of some countries separate by semicolons.
+    if (csv.names_.empty() && line.find(',') == std::string_view::npos &&
+        line.find(';') != std::string_view::npos)
+      separator = ';';
+    const std::vector<std::string_view> cells = split(line, separator);
     if (csv.names_.empty()) {
       csv.header_line_ = line_number;
       for (std::string_view cell : cells) {
@@ -56,8 +62,11 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
       double value = 0.0;
       if (!parse_number(cells[i], value)) {
         throw InputError(file, line_number,
-                         fmt::format("'{}' in column '{}' is not a finite number",
-                                     trim(cells[i]).substr(0, 40), csv.names_[i]));
+                         fmt::format("'{}' in column '{}' is not a finite number{}",
+                                     trim(cells[i]).substr(0, 40), csv.names_[i],
+                                     separator == ';' && cells[i].find(',') != std::string_view::npos
+                                         ? ", expected a point before the decimals"
+                                         : ""));
       }
       csv.columns_[i].push_back(value);
     }
@@ -95,6 +104,14 @@ void CsvWriter::add(std::string_view name, std::vector<double> values) {
 }
 
 std::string CsvWriter::text() const {
+  for (std::size_t c = 0; c < columns_.size(); ++c) {
+    for (const double value : columns_[c]) {
+      if (!std::isfinite(value))
+        throw InputError(fmt::format(
+            "the result in column '{}' is not a finite number: inputs whose numbers double precision cannot hold",
+            names_[c]));
+    }
+  }
   std::string out = join(names_, ",") + "\n";
   const std::size_t rows = columns_.empty() ? 0 : columns_.front().size();
   out.reserve(out.size() + rows * columns_.size() * 20);

@@ -10,7 +10,8 @@
 namespace bodesmith {
 
 /// A CSV file of numbers with a header row. `#` starts a comment (at the beginning of a line), blank lines
-/// are passed over, CRLF or LF, UTF-8 with or without byte order mark.
+/// are passed over, CRLF or LF, UTF-8 with or without byte order mark. Cells end at commas, or at semicolons when
+/// the header has no comma.
 class Csv {
  public:
   /// Errors (a cell that is not a finite number, a row of another length, no header, no rows) name file and
@@ -37,7 +38,8 @@ class Csv {
   std::vector<int> lines_;
 };
 
-/// Writes columns of equal length below their names; numbers so that they read back as the same doubles.
+/// Writes columns of equal length below their names; numbers so that they read back as the same doubles. text()
+/// throws InputError when one is not finite.
 class CsvWriter {
  public:
   void add(std::string_view name, std::vector<double> values);

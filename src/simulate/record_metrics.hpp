@@ -4,7 +4,7 @@
 
 namespace bodesmith::simulate {
 
-/// How far a simulated output is from a measured one, disturbance paper eq. 8.
+/// How far a simulated output is from a measured one, over all samples (signal/error_figures.hpp).
 struct RecordDifference {
   double rms = 0.0;
   double max = 0.0;

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -30,6 +31,18 @@ class Backlash final : public BlockType {
       : BlockType("backlash", "play of constant width",
                   {not_negative("width", "u", "full width, units of the input")}) {}
   Kernel kernel(const Block& block) const override { return std::make_unique<Play>(block.get("width")); }
+  /// Half the width ahead of what is wanted, on the side to which that moves: a jump where it turns.
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    const double half = 0.5 * block.get("width");
+    FoundInput out;
+    double side = 0.0;
+    for (std::size_t i = 0; i < wanted.values.size(); ++i) {
+      const double move = i == 0 ? 0.0 : wanted.values[i] - wanted.values[i - 1];
+      if (move != 0.0) side = move > 0.0 ? half : -half;
+      out.values.push_back(wanted.values[i] + side);
+    }
+    return out;
+  }
 };
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -27,6 +28,13 @@ class DeadZone final : public BlockType {
                   {not_negative("width", "u", "full width, units of the input")}) {}
   Kernel kernel(const Block& block) const override {
     return std::make_unique<DeadZoneCurve>(block.get("width"));
+  }
+  /// Over the dead zone by a jump; 0 where nothing is wanted.
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    const double half = 0.5 * block.get("width");
+    FoundInput out;
+    for (const double y : wanted.values) out.values.push_back(y > 0.0 ? y + half : y < 0.0 ? y - half : 0.0);
+    return out;
   }
 };
 

@@ -1,4 +1,5 @@
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 #include "chain/linear_kernel.hpp"
 
 namespace bodesmith::chain {
@@ -12,6 +13,9 @@ class Delay final : public BlockType {
     LinearKernel k = gain_kernel(1.0);
     k.delay_s = block.get("delay_s");
     return k;
+  }
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     return std::polar(1.0, -w.value * block.get("delay_s"));

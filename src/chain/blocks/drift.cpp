@@ -1,4 +1,5 @@
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -23,6 +24,9 @@ class Drift final : public BlockType {
                   {any_number("rate_per_s", "y/s", "units of the signal a second")}) {}
   Kernel kernel(const Block& block) const override {
     return std::make_unique<DriftSource>(block.get("rate_per_s"));
+  }
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    return inverse_of(*std::get<std::unique_ptr<SourceKernel>>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block&, RadPerSecond) const override { return 1.0; }
 };

@@ -6,6 +6,7 @@
 #include "approximate/approximate.hpp"
 #include "approximate/limit_law.hpp"
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 #include "chain/linear_kernel.hpp"
 
 namespace bodesmith::chain {
@@ -28,7 +29,7 @@ class FractionalLeadLagBlock final : public BlockType {
   Kernel kernel(const Block& block) const override {
     const FractionalLeadLag term = term_of(block);
     const double kappa = term.corner_ratio();
-    if (term.beta == 0.0 || kappa == 1.0) return gain_kernel(1.0);
+    if (std::abs(term.beta) < 1e-12 || kappa == 1.0) return gain_kernel(1.0);
     ApproximationOptions options;
     options.method = "pade";
     const int min_order = std::max(1, static_cast<int>(std::ceil(std::abs(term.beta))));
@@ -47,6 +48,9 @@ class FractionalLeadLagBlock final : public BlockType {
     out.approximation_error = std::hypot(std::expm1(got.error.everywhere_db / kDecibelPerNeper),
                                          to_radians(got.error.everywhere_deg));
     return out;
+  }
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     return term_of(block).response(w);

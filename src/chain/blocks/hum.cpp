@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -29,6 +30,9 @@ class Hum final : public BlockType {
   Kernel kernel(const Block& block) const override {
     return std::make_unique<HumSource>(block.get("amplitude"), Hertz{block.get("frequency_hz")}.rad_s().value,
                                        to_radians(block.get("phase_deg")));
+  }
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    return inverse_of(*std::get<std::unique_ptr<SourceKernel>>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block&, RadPerSecond) const override { return 1.0; }
 };

@@ -1,9 +1,12 @@
 #include "chain/blocks/hysteresis.hpp"
 
+#include <algorithm>
+#include <cmath>
 #include <map>
 #include <memory>
 
 #include "base/error.hpp"
+#include "chain/inverse.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -71,6 +74,25 @@ class HysteresisBlock final : public BlockType {
   Kernel kernel(const Block& block) const override {
     const hysteresis::Model model = hysteresis_model_of(block);
     return std::make_unique<OperatorKernel>(make_operator(model), model_->branch_curves(model.parameters));
+  }
+  /// The model's own inverse, sample by sample, where it has one.
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    if (wanted.values.empty()) return FoundInput{};
+    std::unique_ptr<hysteresis::Inverse> inverse;
+    try {
+      inverse = make_inverse(hysteresis_model_of(block));
+    } catch (const DesignError&) {
+      return std::nullopt;
+    }
+    const auto [low, high] = std::minmax_element(wanted.values.begin(), wanted.values.end());
+    const double tolerance = 1e-6 * std::max(*high - *low, 1e-300);
+    FoundInput out;
+    for (std::size_t i = 0; i < wanted.values.size(); ++i) {
+      const double y = wanted.values[i];
+      out.values.push_back(i == 0 ? inverse->reset(y) : inverse->step(y, wanted.step_s));
+      if (std::abs(inverse->achieved() - y) > tolerance) out.out_of_reach.push_back(i);
+    }
+    return out;
   }
   std::vector<PolynomialList> polynomials() const override {
     std::vector<PolynomialList> out;

@@ -1,6 +1,7 @@
 #include <limits>
 
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 #include "chain/linear_kernel.hpp"
 
 namespace bodesmith::chain {
@@ -15,6 +16,9 @@ class Lowpass final : public BlockType {
   Kernel kernel(const Block& block) const override {
     return pole_zero_kernel(1.0, std::numeric_limits<double>::infinity(),
                             Hertz{block.get("corner_hz")}.rad_s().value);
+  }
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     return 1.0 / std::complex<double>(1.0, w.value / Hertz{block.get("corner_hz")}.rad_s().value);

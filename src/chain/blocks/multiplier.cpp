@@ -1,4 +1,5 @@
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -36,6 +37,9 @@ class Multiplier final : public BlockType {
              any_number("feedthrough", "1", "part of the input that reaches the output directly")
                  .with_default(0.0)}) {}
   Kernel kernel(const Block& block) const override { return std::make_unique<SquarerCurve>(block); }
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    return inverse_of_polynomial(*SquarerCurve(block).polynomial(), wanted);
+  }
 };
 
 }  // namespace

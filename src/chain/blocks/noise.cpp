@@ -3,6 +3,7 @@
 #include <numbers>
 
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith::chain {
@@ -80,6 +81,10 @@ class Noise final : public BlockType {
              above_zero("lowest_hz", "Hz", "where 1/f noise ends").with_default(1e-3),
              between("seed", "1", "of the random numbers", 0.0, 9e15).with_default(1.0)}) {}
   Kernel kernel(const Block& block) const override { return std::make_unique<NoiseSource>(block); }
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    // The same seed is the same signal, so a model's noise is known; a stage's own is not.
+    return inverse_of(*std::get<std::unique_ptr<SourceKernel>>(block.kernel()), wanted);
+  }
   std::optional<std::complex<double>> response(const Block&, RadPerSecond) const override { return 1.0; }
 };
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 #include "chain/linear_kernel.hpp"
 
 namespace bodesmith::chain {
@@ -82,6 +83,21 @@ class Opamp final : public BlockType {
                                                                  : "lower_rail_v is not below upper_rail_v";
   }
   Kernel kernel(const Block& block) const override { return std::make_unique<OpampKernel>(block); }
+  /// Of the linear part; beyond the rails there is nothing.
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    const auto [low, high] = std::minmax({block.get("lower_rail_v"), block.get("upper_rail_v")});
+    WantedOutput inside = wanted;
+    std::vector<std::size_t> beyond;
+    for (std::size_t i = 0; i < inside.values.size(); ++i) {
+      inside.values[i] = std::clamp(wanted.values[i], low, high);
+      if (inside.values[i] != wanted.values[i]) beyond.push_back(i);
+    }
+    LinearKernel linear;
+    static_cast<StateSpace&>(linear) = OpampKernel(block).linear();
+    FoundInput out = inverse_of(linear, inside);
+    out.out_of_reach = std::move(beyond);
+    return out;
+  }
 };
 
 }  // namespace

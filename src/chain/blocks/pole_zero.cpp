@@ -1,4 +1,5 @@
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 #include "chain/linear_kernel.hpp"
 
 namespace bodesmith::chain {
@@ -15,6 +16,9 @@ class PoleZero final : public BlockType {
   Kernel kernel(const Block& block) const override {
     return pole_zero_kernel(block.get("gain"), Hertz{block.get("zero_hz")}.rad_s().value,
                             Hertz{block.get("pole_hz")}.rad_s().value);
+  }
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     const double f = w.hz().value;

@@ -1,4 +1,7 @@
+#include <algorithm>
+
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -33,6 +36,12 @@ class Polynomial final : public BlockType {
                   {list_of(any_number("coefficients", "y/uⁿ", "[c0, c1, ...]"))}) {}
   Kernel kernel(const Block& block) const override {
     return std::make_unique<PolynomialCurve>(block.list("coefficients"));
+  }
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    const std::vector<double> c = block.list("coefficients");
+    if (std::all_of(c.begin() + (c.empty() ? 0 : 1), c.end(), [](double v) { return v == 0.0; }))
+      return std::nullopt;
+    return inverse_of_polynomial(c, wanted);
   }
   std::vector<PolynomialList> polynomials() const override { return {{"coefficients", 1}}; }
 };

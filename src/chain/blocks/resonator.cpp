@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -78,6 +79,24 @@ class Resonator final : public BlockType {
   Kernel kernel(const Block& block) const override {
     if (is_linear(block)) return LinearKernel{linear_part(block)};
     return std::make_unique<NonlinearResonator>(block);
+  }
+  /// Of the linear part, to whose input the forces of spring and drag are added at the wanted output.
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    const double gain = block.get("gain");
+    if (gain == 0.0) return std::nullopt;
+    FoundInput out = inverse_of(LinearKernel{linear_part(block)}, wanted);
+    if (is_linear(block)) return out;
+    const NonlinearResonator kernel(block);
+    const double w = Hertz{block.get("natural_frequency_hz")}.rad_s().value;
+    const std::vector<double>& y = wanted.values;
+    for (std::size_t i = 0; i < y.size(); ++i) {
+      const std::size_t before = i == 0 ? 0 : i - 1;
+      const std::size_t next = std::min(i + 1, y.size() - 1);
+      const double span = wanted.step_s * static_cast<double>(next - before);
+      const double x[2] = {y[i], span > 0.0 ? (y[next] - y[before]) / (span * w) : 0.0};
+      out.values[i] -= kernel.nonlinear(x, 0.0) / gain;
+    }
+    return out;
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     if (!is_linear(block)) return std::nullopt;

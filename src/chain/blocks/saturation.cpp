@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -33,6 +34,15 @@ class Saturation final : public BlockType {
     // A fit may try limits the wrong way round on its way; the order is then taken as meant.
     const auto [low, high] = std::minmax({block.get("lower"), block.get("upper")});
     return std::make_unique<SaturationCurve>(low, high);
+  }
+  /// Itself: what is beyond the limits no input gives.
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    FoundInput out;
+    for (std::size_t i = 0; i < wanted.values.size(); ++i) {
+      out.values.push_back(std::clamp(wanted.values[i], block.get("lower"), block.get("upper")));
+      if (out.values[i] != wanted.values[i]) out.out_of_reach.push_back(i);
+    }
+    return out;
   }
 };
 

@@ -2,6 +2,7 @@
 #include <cmath>
 
 #include "chain/block.hpp"
+#include "chain/inverse.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -59,6 +60,18 @@ class SlewLimit final : public BlockType {
              not_negative("feedthrough", "1", "part of the input that passes at once").with_default(0.0)}) {}
   Kernel kernel(const Block& block) const override {
     return std::make_unique<SlewLimiter>(block.get("rate_per_s"), block.get("feedthrough"));
+  }
+  /// Itself where the limit allows it; a straight line at the limit from where it does not.
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    FoundInput out{wanted.values, {}};
+    const double reach = block.get("rate_per_s") * wanted.step_s;
+    for (std::size_t i = 1; i < out.values.size(); ++i) {
+      const double before = out.values[i - 1];
+      out.values[i] = std::clamp(wanted.values[i], before - reach, before + reach);
+      if (std::abs(out.values[i] - wanted.values[i]) > 1e-9 * (std::abs(wanted.values[i]) + reach))
+        out.out_of_reach.push_back(i);
+    }
+    return out;
   }
 };
 

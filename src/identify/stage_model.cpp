@@ -25,12 +25,8 @@ Scaling composed(const Scaling& first, const chain::Affine& second) {
   return {first.gain * second.factor, first.offset * second.factor + second.constant};
 }
 
-bool can_stand_in_stage(const chain::Block& block) {
-  return block.affine() || block.pure_delay_s() || block.hysteresis_model() != nullptr;
-}
-
-std::string no_inverse(const std::string& type) {
-  return fmt::format("is '{}', which has no exact inverse here, expected gain, delay or a hysteresis model",
+std::string no_part(const std::string& type) {
+  return fmt::format("is '{}', which is no part of a stage, expected gain, delay or a hysteresis model",
                      type);
 }
 
@@ -64,7 +60,7 @@ StageModel StageModel::of(const chain::Chain& chain, const std::string& file) {
     } else if (const auto delay = block.pure_delay_s()) {
       out.delay_s += *delay;
     } else if (block.hysteresis_model() == nullptr) {
-      throw InputError(file, block.line, "type " + no_inverse(block.type_name()));
+      throw InputError(file, block.line, "type " + no_part(block.type_name()));
     } else if (out.model.type != nullptr) {
       throw InputError(file, block.line, "is a second hysteresis model, expected at most one");
     } else {
@@ -72,17 +68,6 @@ StageModel StageModel::of(const chain::Chain& chain, const std::string& file) {
     }
   }
   return out;
-}
-
-StageModel StageModel::read(const std::filesystem::path& path, Provenance& from) {
-  const Node document = read_document(path, from);
-  document.expect_schema("model");
-  for (const Node& node : document.at("block").items()) {
-    const Node type = node.at("type");
-    const chain::BlockType* known = chain::block_type_registry().find(type.string());
-    if (known != nullptr && !can_stand_in_stage(chain::Block(*known))) type.fail(no_inverse(known->name()));
-  }
-  return of(chain::model_from_node(document), path.string());
 }
 
 chain::Chain StageModel::chain() const {

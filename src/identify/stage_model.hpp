@@ -1,10 +1,8 @@
 #pragma once
 
-#include <filesystem>
 #include <string>
 #include <vector>
 
-#include "base/provenance.hpp"
 #include "chain/chain.hpp"
 #include "hysteresis/identification.hpp"
 
@@ -26,9 +24,6 @@ struct StageModel {
   /// The stage that a chain of gains, delays and at most one hysteresis model is, in any order. Throws InputError
   /// at the line of `file` whose block is something else.
   static StageModel of(const chain::Chain& chain, const std::string& file);
-  /// Reads model.toml. Throws InputError with file and line; a block of another kind is refused before its
-  /// parameters are looked at.
-  static StageModel read(const std::filesystem::path& path, Provenance& from);
   /// With the output's scaling and the delay free.
   chain::Chain chain() const;
 

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "chain/inverse.hpp"
 #include "chain/model_file.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
-#include "identify/compensation.hpp"
 #include "identify/stage_fit.hpp"
 
 namespace bodesmith::identify {
@@ -135,11 +135,13 @@ TEST(NewModel, IsIdentifiedWrittenReadAndInverted) {
   EXPECT_EQ(back.model.type, &type);
   EXPECT_EQ(chain::model_text(back.chain(), "found"), text);
 
-  std::vector<double> reference;
-  for (int i = 0; i < 500; ++i) reference.push_back(std::sin(0.05 * i));
-  const Compensation drive = compensate(back, reference, 1e-3, true);
-  EXPECT_EQ(drive.out_of_reach, 0u);
-  EXPECT_LT(error_figures(drive.predicted, reference).max, 1e-12);
+  chain::WantedOutput wanted{0.0, 1e-3, {}};
+  for (int i = 0; i < 500; ++i) wanted.values.push_back(std::sin(0.05 * i));
+  ASSERT_EQ(back.chain().blocks.size(), 1u);
+  const auto drive = back.chain().blocks[0].inverse(wanted);
+  ASSERT_TRUE(drive.has_value());
+  EXPECT_TRUE(drive->out_of_reach.empty());
+  EXPECT_LT(bodesmith::error_figures(back.simulate(drive->values, 1e-3), wanted.values).max, 1e-12);
 }
 
 TEST(NewModel, ItsOwnRefusalCarriesTheLine) {

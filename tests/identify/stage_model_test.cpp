@@ -2,13 +2,14 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.hpp"
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
 #include "hysteresis/registry.hpp"
-#include "identify/compensation.hpp"
+#include "identify/record_findings.hpp"
 #include "identify/stage_fit.hpp"
 
 namespace bodesmith::identify {
@@ -63,18 +64,6 @@ TEST(StageModel, DelayedIsLinearBetweenSamplesAndHeldBefore) {
   EXPECT_EQ(delayed({1.0, 3.0, 5.0}, 1.0, -1.0), (std::vector<double>{3.0, 5.0, 5.0}));
 }
 
-TEST(Compensation, LooksAheadByTheDelayOrLagsByIt) {
-  StageModel stage;
-  stage.output = {2.0, 1.0};
-  stage.delay_s = 0.003;
-  std::vector<double> reference;
-  for (int i = 0; i < 100; ++i) reference.push_back(0.1 * i);
-  const Compensation ahead = compensate(stage, reference, 1e-3, true);
-  for (std::size_t i = 3; i < 97; ++i) EXPECT_NEAR(ahead.predicted[i], reference[i], 1e-12) << i;
-  const Compensation causal = compensate(stage, reference, 1e-3, false);
-  for (std::size_t i = 3; i < 97; ++i) EXPECT_NEAR(causal.predicted[i], reference[i - 3], 1e-12) << i;
-}
-
 TEST(StageFit, FindsTheDelayOfALine) {
   TimeRecord record;
   record.file = "record";
@@ -91,8 +80,48 @@ TEST(StageFit, FindsTheDelayOfALine) {
   EXPECT_NEAR(fit.stage.output.gain, 3.0, 5e-3);
 }
 
+/// A stage of two plays under a wave of changing size, late by `delay_s`; its first tenth drifts in from elsewhere.
+TimeRecord disturbed_record(double drift, double delay_s) {
+  TimeRecord out;
+  out.file = "record";
+  out.step_s = 1e-3;
+  double narrow = 0.0;
+  double wide = 0.0;
+  std::vector<double> y;
+  for (int i = 0; i < 4000; ++i) {
+    const double u = std::sin(0.02 * i) * (1.0 + 0.5 * std::sin(0.0013 * i));
+    narrow = std::clamp(narrow, u - 0.1, u + 0.1);
+    wide = std::clamp(wide, u - 0.3, u + 0.3);
+    out.u.push_back(u);
+    y.push_back(narrow + wide + (i < 400 ? drift * (1.0 - i / 400.0) : 0.0) + 1e-3 * std::sin(11.0 * i * i));
+  }
+  out.y = delayed(y, out.step_s, delay_s);
+  return out;
+}
+
+TEST(RecordFindings, SayTransientsDelaysAndSingleFrequencies) {
+  const TimeRecord clean = disturbed_record(0.0, 0.0);
+  const RecordFindings nothing = find_in_records({&clean, 1}, {}, true);
+  EXPECT_EQ(nothing.transient_s, 0.0);
+  EXPECT_EQ(nothing.delay_s, 0.0);
+  EXPECT_FALSE(nothing.frequency_hz.has_value());
+  const TimeRecord drifting = disturbed_record(3.0, 3.2e-3);
+  const RecordFindings found = find_in_records({&drifting, 1}, {}, true);
+  EXPECT_GT(found.transient_s, 0.2);
+  EXPECT_LT(found.transient_s, 0.6);
+  EXPECT_NEAR(found.delay_s, 3.2e-3, 5e-4);
+  EXPECT_EQ(found.notes.size(), 2u);
+  TimeRecord sine = clean;
+  for (std::size_t i = 0; i < sine.size(); ++i)
+    sine.u[i] = std::sin(0.01 * 3.14159265358979 * static_cast<double>(i));
+  sine.y = sine.u;
+  const RecordFindings single = find_in_records({&sine, 1}, {}, false);
+  ASSERT_TRUE(single.frequency_hz.has_value());
+  EXPECT_NEAR(*single.frequency_hz, 5.0, 0.05);
+}
+
 TEST(ErrorFigures, AreThoseOfEquation8) {
-  const ErrorFigures e = error_figures({1.0, 2.0, 4.0}, {0.0, 2.0, 4.0});
+  const ErrorFigures e = bodesmith::error_figures(std::vector{1.0, 2.0, 4.0}, std::vector{0.0, 2.0, 4.0});
   EXPECT_DOUBLE_EQ(e.rms, std::sqrt(1.0 / 3.0));
   EXPECT_DOUBLE_EQ(e.max, 1.0);
   EXPECT_DOUBLE_EQ(e.range, 4.0);

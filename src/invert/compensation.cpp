@@ -1,0 +1,111 @@
+#include "invert/compensation.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "invert/drive_search.hpp"
+
+namespace bodesmith::invert {
+namespace {
+
+/// Records whose every sample is simulated to its last digit again and again.
+constexpr std::size_t kMaxPolished = 20'000;
+/// An error that counts as one that a limit is to blame for, as a part of the reference's range.
+constexpr double kNoticed = 1e-3;
+
+/// Samples that stand at a limit of the drive while the output is off.
+class LimitCounts {
+ public:
+  LimitCounts(const TimeRecord& reference, const Compensation& found, const chain::DriveLimits& limits)
+      : reference_(reference), found_(found), limits_(limits) {
+    const auto [low, high] = std::minmax_element(reference.u.begin(), reference.u.end());
+    noticed_ = kNoticed * (*high - *low);
+  }
+
+  std::vector<OutOfReach> all(std::vector<bool>& any, std::size_t delayed) {
+    const std::vector<double>& u = found_.drive;
+    const auto near = [](double a, double b) { return std::abs(a - b) <= 1e-9 * (std::abs(b) + 1e-300); };
+    if (limits_.lower)
+      count("the drive's lower limit", any, delayed,
+            [&](std::size_t i) { return near(u[i], *limits_.lower); });
+    if (limits_.upper)
+      count("the drive's upper limit", any, delayed,
+            [&](std::size_t i) { return near(u[i], *limits_.upper); });
+    if (limits_.max_rate_per_s) {
+      const double reach = *limits_.max_rate_per_s * reference_.step_s;
+      count("the drive's largest rate", any, delayed,
+            [&](std::size_t i) { return i > 0 && std::abs(u[i] - u[i - 1]) >= (1.0 - 1e-9) * reach; });
+    }
+    return std::move(out_);
+  }
+
+ private:
+  template <class Holds>
+  void count(const std::string& why, std::vector<bool>& any, std::size_t delayed, Holds&& holds) {
+    OutOfReach one{why, 0, 0.0, 0.0};
+    for (std::size_t i = 0; i + delayed < found_.drive.size(); ++i) {
+      const std::size_t heard = i + delayed;
+      if (!holds(i) || std::abs(found_.predicted[heard] - reference_.u[heard]) <= noticed_) continue;
+      if (one.samples++ == 0) one.from_s = reference_.time_s(heard);
+      one.to_s = reference_.time_s(heard);
+      any[heard] = true;
+    }
+    if (one.samples > 0) out_.push_back(std::move(one));
+  }
+
+  const TimeRecord& reference_;
+  const Compensation& found_;
+  const chain::DriveLimits& limits_;
+  double noticed_ = 0.0;
+  std::vector<OutOfReach> out_;
+};
+
+void check(const TimeRecord& reference, const Options& options) {
+  if (reference.size() < 2) throw InputError("the reference has one sample, expected at least two");
+  const chain::DriveLimits& limits = options.limits;
+  if (limits.lower && limits.upper && !(*limits.lower < *limits.upper))
+    throw InputError("the drive's lower limit is not below its upper limit");
+  if (options.bandwidth && options.bandwidth->value * reference.step_s > 0.5)
+    throw InputError(
+        fmt::format("the drive's bandwidth of {} Hz is above half the reference's sampling rate, {} Hz",
+                    number_text(options.bandwidth->value), rounded_text(0.5 / reference.step_s)));
+}
+
+}  // namespace
+
+Compensation compensate(const chain::Chain& chain, const TimeRecord& reference, const Options& options) {
+  check(reference, options);
+  const TimeRecord record = as_read_back(reference);
+  DriveSearch search(chain, record, options);
+  Compensation out;
+  search.by_structure();
+  out.structure_rms = search.error_rms();
+  search.improve(options.max_steps);
+  if (record.size() <= kMaxPolished) search.polish(3);
+  out.drive = search.drive();
+  simulate::Result result = search.simulated(out.drive);
+  out.predicted = std::move(result.y);
+  out.error_estimate = result.error_estimate;
+  out.steps = search.steps();
+  out.delay_s = search.delay_s();
+  out.without_inverse = search.without_inverse();
+  out.out_of_reach = search.refused();
+  std::vector<bool> any = search.refused_samples();
+  const double late = std::min(std::round(out.delay_s / record.step_s), static_cast<double>(record.size()));
+  for (OutOfReach& one : LimitCounts(record, out, options.limits).all(any, static_cast<std::size_t>(late)))
+    out.out_of_reach.push_back(std::move(one));
+  out.samples_out_of_reach = static_cast<std::size_t>(std::count(any.begin(), any.end(), true));
+  return out;
+}
+
+TimeRecord as_read_back(TimeRecord record) {
+  const auto steps = static_cast<double>(record.size() - 1);
+  record.step_s = (record.time_s(record.size() - 1) - record.start_s) / steps;
+  return record;
+}
+
+}  // namespace bodesmith::invert

@@ -1,0 +1,58 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/units.hpp"
+#include "chain/chain.hpp"
+#include "chain/local_chain.hpp"
+#include "signal/time_record.hpp"
+#include "simulate/types.hpp"
+
+namespace bodesmith::invert {
+
+struct Options {
+  simulate::Start start = simulate::Start::equilibrium;
+  /// Delays are made good by looking ahead in the reference; otherwise they stay in the output.
+  bool preview = true;
+  chain::DriveLimits limits;
+  /// The drive holds nothing above it, but for what the limits make of it.
+  std::optional<Hertz> bandwidth;
+  int max_steps = 12;
+};
+
+/// A part of the reference that no drive reaches, and why.
+struct OutOfReach {
+  std::string why;
+  std::size_t samples = 0;
+  double from_s = 0.0;
+  double to_s = 0.0;
+};
+
+/// The drive that makes a chain follow a reference, and how well it does.
+struct Compensation {
+  std::vector<double> drive;
+  std::vector<double> predicted;  ///< what simulate() says of the drive: the same options, the same bytes
+  std::optional<double> error_estimate;      ///< of that simulation
+  int steps = 0;                             ///< of the search, beyond the inverse by structure
+  double structure_rms = 0.0;                ///< error of the inverse by structure alone
+  double delay_s = 0.0;                      ///< all delays of the chain, holds included
+  std::vector<std::string> without_inverse;  ///< blocks whose inverse was found numerically only
+  std::vector<OutOfReach> out_of_reach;
+  std::size_t samples_out_of_reach = 0;
+};
+
+/// Inverts the chain block by block from its output back (BlockType::inverse), each block's wanted output the next
+/// one's found input, on the samples of the reference. What is left after that (dynamics between samples, several
+/// nonlinear blocks, limits) goes by iterative learning on the chain's own simulation: the drive is moved by the
+/// answer of the chain's local linear model to the error (chain::LocalChain; Gauss-Newton with secant slopes for
+/// operators with memory), each move kept only if the simulated error falls. Throws DesignError when there is no
+/// drive under which the output stays finite.
+Compensation compensate(const chain::Chain& chain, const TimeRecord& reference, const Options& options);
+
+/// The record as a reader of its printed times sees it.
+TimeRecord as_read_back(TimeRecord record);
+
+}  // namespace bodesmith::invert

@@ -1,0 +1,66 @@
+#pragma once
+
+#include <vector>
+
+#include "chain/inverse.hpp"
+#include "invert/compensation.hpp"
+#include "invert/local_model.hpp"
+#include "simulate/record_simulator.hpp"
+
+namespace bodesmith::invert {
+
+/// The work behind compensate(): a drive, and what the chain makes of it.
+class DriveSearch {
+ public:
+  DriveSearch(const chain::Chain& chain, const TimeRecord& reference, const Options& options);
+
+  /// The inverse by structure, held to limits and bandwidth.
+  void by_structure();
+  /// Up to `steps` moves, each of which lowers the error of the output that the record engine finds.
+  void improve(int steps);
+  /// The same, judged by simulate(): the error that will be stated.
+  void polish(int steps);
+
+  const std::vector<double>& drive() const { return drive_; }
+  double error_rms() const;
+  int steps() const { return steps_; }
+  double delay_s() const { return delay_s_; }
+  const std::vector<std::string>& without_inverse() const { return without_inverse_; }
+  /// Of the blocks' own inverses: samples that no input of a block reaches, by block.
+  const std::vector<OutOfReach>& refused() const { return refused_; }
+  const std::vector<bool>& refused_samples() const { return refused_samples_; }
+  simulate::Result simulated(const std::vector<double>& drive) const;
+
+ private:
+  using Signals = std::vector<std::vector<double>>;
+  /// `first`: notes what has no inverse and what is out of reach.
+  std::vector<double> structure_for(const std::vector<double>& aim, bool first);
+  chain::FoundInput inverse_of_block(std::size_t index, const chain::WantedOutput& wanted, bool first);
+  std::vector<double> permitted(std::vector<double> u) const;
+  std::vector<double> output(const std::vector<double>& u);
+  Signals signals(const std::vector<double>& u);
+  double cost(const std::vector<double>& u, const std::vector<double>& y) const;
+  std::vector<double> change_towards(const std::vector<double>& y);
+  template <class Output>
+  bool move(const std::vector<double>& change, Output&& judged, double least_gain);
+  bool aim_again(double least_gain);
+
+  const chain::Chain& chain_;
+  const TimeRecord& reference_;
+  Options options_;
+  std::vector<chain::Kernel> kernels_;
+  simulate::RecordSimulator simulator_;
+  double delay_s_ = 0.0;
+  std::vector<double> target_;  ///< the reference, later by the delay when there is no preview
+  std::vector<double> aim_;     ///< what the inverse by structure was asked for last
+  std::vector<double> drive_;
+  std::vector<double> output_;
+  double gain_ = 1.0;
+  double smoothing_ = 3e-4;
+  int steps_ = 0;
+  std::vector<std::string> without_inverse_;
+  std::vector<OutOfReach> refused_;
+  std::vector<bool> refused_samples_;
+};
+
+}  // namespace bodesmith::invert

@@ -1,0 +1,48 @@
+#include "filters/family.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "base/units.hpp"
+
+namespace bodesmith::filters {
+
+std::complex<double> Prototype::response(std::complex<double> s) const {
+  std::complex<double> h = gain;
+  for (std::size_t i = 0; i < poles.size(); ++i) {
+    if (i < zeros.size()) h *= s - zeros[i];
+    h /= s - poles[i];
+  }
+  return h;
+}
+
+double Prototype::attenuation_db(double w) const {
+  return -to_decibel(std::abs(response({0.0, w})));
+}
+
+Prototype make_prototype(const Family& family, const PrototypeTask& task) {
+  if (task.order < 1 || task.order > family.highest_order()) {
+    throw InputError(fmt::format("order {} of the family {}, expected 1 to {}", task.order, family.name(),
+                                 family.highest_order()));
+  }
+  if (family.only_even() && task.order % 2 != 0) {
+    throw InputError(
+        fmt::format("order {} of the family {}, expected an even one", task.order, family.name()));
+  }
+  const auto above_zero = [](double db) { return std::isfinite(db) && db > 0.0; };
+  if (family.has_ripple() && !above_zero(task.ripple_db)) {
+    throw InputError(fmt::format("a ripple of {} dB, expected above 0", task.ripple_db));
+  }
+  if (family.has_stop() && !above_zero(task.stop_db)) {
+    throw InputError(fmt::format("a stop band {} dB down, expected above 0", task.stop_db));
+  }
+  if (family.has_ripple() && family.has_stop() && task.stop_db <= task.ripple_db) {
+    throw InputError(
+        fmt::format("a stop band {} dB down with a ripple of {} dB, expected more than the ripple",
+                    task.stop_db, task.ripple_db));
+  }
+  return family.prototype(task);
+}
+
+}  // namespace bodesmith::filters

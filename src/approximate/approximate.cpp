@@ -18,6 +18,11 @@ constexpr int kMaxOrder = 40;     ///< of one term, whatever the method
 constexpr int kDefaultOrder = 4;  ///< of one term, when neither an order nor a limit is asked for
 constexpr double kWhole = 1e-12;  ///< a power within this of a whole number is one
 
+/// A band whose true power is 0 comes out of a fit as a power of rounding's size.
+bool is_nothing(const FractionalLeadLag& term) {
+  return std::abs(term.beta) < kWhole;
+}
+
 /// |beta| = whole + rest: what is split off as exact sections, and what is left to the method.
 struct SplitPower {
   int whole = 0;
@@ -88,7 +93,7 @@ std::variant<TermApproximation, Method::Refusal> try_approximate_term(const Frac
   const Method& method = method_registry().get(options.method);
   if (order < 1 || order > kMaxOrder)
     throw InputError(fmt::format("the order is {}, expected 1 to {}", order, kMaxOrder));
-  if (term.beta == 0.0) throw InputError("a term with beta = 0 is 1 and needs no approximation");
+  if (is_nothing(term)) throw InputError("a term with beta = 0 is 1 and needs no approximation");
   const double size = std::abs(term.beta);
   const SplitPower power = split_power(method, size);
   if (power.min_order() > order) {
@@ -127,7 +132,7 @@ TermApproximation approximate_term(const FractionalLeadLag& term, const Approxim
 CascadeApproximation approximate_cascade(const Cascade& cascade, const ApproximationOptions& options) {
   std::vector<FractionalLeadLag> terms;
   std::copy_if(cascade.terms.begin(), cascade.terms.end(), std::back_inserter(terms),
-               [](const FractionalLeadLag& term) { return term.beta != 0.0; });
+               [](const FractionalLeadLag& term) { return !is_nothing(term); });
   CascadeApproximation out;
   out.method = options.method;
   out.max_error_db = options.max_error_db;

@@ -86,5 +86,19 @@ TEST(ApproximateCascade, PassesOverTermsOfOrderZeroAndRefusesPlainGains) {
   EXPECT_THROW(approximate_term({1.0, 0.1, 0.5}, {}, 0), InputError);
 }
 
+TEST(Cascade, ABandWhoseTruePowerIsZeroIsLeftOut) {
+  // What rounding leaves of it after an interpolation.
+  Cascade cascade;
+  cascade.terms = {{0.1, 0.1, 1e-15}, {0.01, 0.1, 0.5}, {0.001, 0.1, -3e-16}};
+  for (const char* method : {"minimax", "oustaloup", "matsuda", "carlson", "pade"}) {
+    ApproximationOptions options;
+    options.method = method;
+    options.order = 4;
+    const CascadeApproximation got = approximate_cascade(cascade, options);
+    EXPECT_EQ(got.terms.size(), 1u) << method;
+    EXPECT_FALSE(got.sections.sections.empty()) << method;
+  }
+}
+
 }  // namespace
 }  // namespace bodesmith

@@ -2,9 +2,10 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <map>
-#include <optional>
+#include <set>
 
 #include "base/json.hpp"
 #include "base/text.hpp"
@@ -26,7 +27,11 @@ constexpr double kCabGap = 48;
 constexpr double kCabWidth = (kChipWidth - 2 * kPad - kCabGap) / 2;
 constexpr double kCabHeight = 182;
 constexpr double kCabRowGap = 34;
+constexpr double kCabTitle = 34;
 constexpr double kCamHeight = 58;
+constexpr double kCamGap = 14;
+constexpr double kPinGap = 24;
+constexpr double kInputGap = 9;
 constexpr double kRound = 9;
 
 struct Point {
@@ -37,8 +42,6 @@ struct Box {
   double x = 0.0, y = 0.0, width = 0.0, height = 0.0;
   Point left() const { return {x, y + height / 2}; }
   Point right() const { return {x + width, y + height / 2}; }
-  Point bottom() const { return {x + width / 2, y + height}; }
-  Point top() const { return {x + width / 2, y}; }
 };
 
 /// A polyline with rounded corners.
@@ -71,20 +74,19 @@ Box cab_box(int chip, int cab) {
           o.y + kChipTop + ((cab - 1) / 2) * (kCabHeight + kCabRowGap), kCabWidth, kCabHeight};
 }
 
-/// From the right edge of one CAM to the left edge of another, through the gutters between CABs.
-std::vector<Point> route(const Box& from, int from_cab, const Box& to, int to_cab, int chip) {
-  if (from_cab == to_cab) return {from.bottom(), to.top()};
-  const Point a = from.right();
-  const Point b = to.left();
-  if (a.x < b.x) {
-    const double middle = (a.x + b.x) / 2;
-    return {a, {middle, a.y}, {middle, b.y}, b};
+/// From a point at the right of a CAM (or an input pin) to one at the left of another, through the gutters between
+/// CABs; `shift` keeps wires that share a gutter apart.
+std::vector<Point> route(Point from, Point to, int chip, double shift) {
+  if (from.x < to.x) {
+    const double gutter = to.x - 16 + shift;
+    if (std::abs(from.y - to.y) < 0.5) return {from, to};
+    return {from, {std::max(from.x + 4, gutter), from.y}, {std::max(from.x + 4, gutter), to.y}, to};
   }
   const Box first = cab_box(chip, 1);
-  const double channel = first.y + kCabHeight + kCabRowGap / 2;
-  const double out = a.x + 20;
-  const double in = b.x - 20;
-  return {a, {out, a.y}, {out, channel}, {in, channel}, {in, b.y}, b};
+  const double channel = first.y + kCabHeight + kCabRowGap / 2 + shift;
+  const double out = from.x + 18 + shift;
+  const double in = to.x - 16 + shift;
+  return {from, {out, from.y}, {out, channel}, {in, channel}, {in, to.y}, to};
 }
 
 std::string clock_text(double hertz) {
@@ -104,7 +106,8 @@ Json pips(double x, double y, int used, int all, const char* kind) {
 /// The picture's data for the template, chip after chip.
 class BoardPicture {
  public:
-  explicit BoardPicture(const Plan& plan) : plan_(plan), board_(board_by_name(plan.board)) {}
+  BoardPicture(const Plan& plan, const PinLabels& labels)
+      : plan_(plan), labels_(labels), board_(board_by_name(plan.board)) {}
 
   Json data() {
     data_["board"] = plan_.board;
@@ -112,17 +115,20 @@ class BoardPicture {
     data_["wires"] = Json::array();
     data_["links"] = Json::array();
     for (int number = 1; number <= board_.chips; ++number) data_["chips"].push_back(chip_item(number));
+    add_wires();
     add_frame();
     return std::move(data_);
   }
 
  private:
-  /// Where a CAM is drawn.
-  struct DrawnCam {
-    Box box;
-    int cab = 1;
+  /// Where a wire starts or ends.
+  struct DrawnEnd {
+    Point out;  ///< it leaves here
+    Point in;   ///< the first of its inputs
+    int inputs = 1;
+    int chip = 1;
+    bool cam = true;
   };
-  using DrawnCams = std::map<std::string, DrawnCam>;
 
   const ChipPlan* chip_of(int number) const {
     for (const ChipPlan& chip : plan_.chips) {
@@ -146,10 +152,10 @@ class BoardPicture {
     item["clock_text"] = chip != nullptr ? clocks_text(*chip) : "not used";
     item["clock_x"] = o.x + 16;
     item["clock_y"] = o.y + 50;
-    const DrawnCams drawn = add_cabs(number, chip, item);
+    add_cabs(number, chip, item);
     item["resources"] = chip != nullptr && !chip->cams.empty() ? resources_text(*chip) : "";
     item["pins"] = Json::array();
-    if (chip != nullptr && !chip->cams.empty()) add_wires(*chip, drawn, item);
+    if (chip != nullptr) add_pins(number, item);
     item["resources_x"] = o.x + kPad;
     item["resources_y"] = o.y + kChipHeight - 16;
     return item;
@@ -173,26 +179,38 @@ class BoardPicture {
   }
 
   /// The CABs of a chip and the CAMs in them.
-  DrawnCams add_cabs(int number, const ChipPlan* chip, Json& item) const {
-    DrawnCams drawn;
+  void add_cabs(int number, const ChipPlan* chip, Json& item) {
     item["cabs"] = Json::array();
     item["cams"] = Json::array();
     for (int cab = 1; cab <= board_.cabs_per_chip; ++cab) {
       const Box box = cab_box(number, cab);
-      Resources sum;
-      double y = box.y + 34;
       const std::vector<PlacedCam> none;
-      for (const PlacedCam& cam : chip != nullptr ? chip->cams : none) {
+      const std::vector<PlacedCam>& cams = chip != nullptr ? chip->cams : none;
+      const auto here = static_cast<double>(
+          std::count_if(cams.begin(), cams.end(), [&](const PlacedCam& cam) { return cam.cab == cab; }));
+      const double step = std::min(kCamHeight + kCamGap, (kCabHeight - kCabTitle) / std::max(1.0, here));
+      Resources sum;
+      double y = box.y + kCabTitle;
+      for (const PlacedCam& cam : cams) {
         if (cam.cab != cab) continue;
         sum += cam.resources;
-        const Box cam_box{box.x + 12, y, box.width - 24, kCamHeight};
-        y += kCamHeight + 14;
-        drawn[cam.name] = {cam_box, cab};
+        const Box cam_box{box.x + 12, y, box.width - 24, step - kCamGap * step / (kCamHeight + kCamGap)};
+        y += step;
+        const std::string name = fmt::format("chip{}.{}", number, cam.name);
+        ends_[name] = {cam_box.right(), cam_box.left(), inputs_of(name), number, true};
         item["cams"].push_back(cam_item(cam, cam_box));
       }
       item["cabs"].push_back(cab_item(cab, box, sum));
     }
-    return drawn;
+  }
+
+  /// The highest number of an input that a wire leads to.
+  int inputs_of(const std::string& name) const {
+    int out = 1;
+    for (const Wire& wire : plan_.wires) {
+      if (wire.to == name) out = std::max(out, wire.input);
+    }
+    return out;
   }
 
   static Json cam_item(const PlacedCam& cam, const Box& box) {
@@ -203,9 +221,9 @@ class BoardPicture {
             {"width", box.width},
             {"height", box.height},
             {"text_x", box.x + 12},
-            {"name_y", box.y + 20},
-            {"kind_y", box.y + 36},
-            {"what_y", box.y + 51},
+            {"name_y", box.y + 0.345 * box.height},
+            {"kind_y", box.y + 0.62 * box.height},
+            {"what_y", box.y + 0.88 * box.height},
             {"name", cam.name},
             {"kind", kind},
             {"what", cam.cam->picture_text(cam)},
@@ -228,40 +246,70 @@ class BoardPicture {
             {"pips", pip_list}};
   }
 
-  /// From the input pin through the CAMs to the output pin, and the link from the chip before.
-  void add_wires(const ChipPlan& chip, const DrawnCams& drawn, Json& item) {
-    const Point o = chip_origin(chip.chip);
-    const DrawnCam& first = drawn.at(chip.cams.front().name);
-    const DrawnCam& last = drawn.at(chip.cams.back().name);
-    const Point in{o.x, first.box.left().y};
-    const Point out{o.x + kChipWidth, o.y + kChipHeight - 40};
-    item["pins"] = {
-        {{"x", in.x}, {"y", in.y}, {"label", "in1"}, {"label_x", in.x + 9}, {"label_y", in.y - 8}},
-        {{"x", out.x}, {"y", out.y}, {"label", "out1"}, {"label_x", out.x - 38}, {"label_y", out.y + 19}}};
-    add_wire({in, first.box.left()});
-    for (std::size_t c = 0; c + 1 < chip.cams.size(); ++c) {
-      const DrawnCam& a = drawn.at(chip.cams[c].name);
-      const DrawnCam& b = drawn.at(chip.cams[c + 1].name);
-      add_wire(route(a.box, a.cab, b.box, b.cab, chip.chip));
+  /// The chip's pins that wires use: inputs down its left edge, outputs along its right one, at the bottom.
+  void add_pins(int chip, Json& item) {
+    const Point o = chip_origin(chip);
+    std::set<std::string> names;
+    for (const Wire& wire : plan_.wires) {
+      for (const std::string& end : {wire.from, wire.to}) {
+        if (end.rfind(fmt::format("chip{}.", chip), 0) == 0 && ends_.count(end) == 0) names.insert(end);
+      }
     }
-    // Down the nearest gutter to the strip below the CABs, then out.
-    const double gutter = last.box.right().x + 24;
-    add_wire({last.box.right(), {gutter, last.box.right().y}, {gutter, out.y}, out});
-    if (last_out_) add_link(*last_out_, in, o);
-    last_out_ = out;
+    double in_y = o.y + kChipTop + 22;
+    double out_y = o.y + kChipHeight - 24;
+    for (const std::string& name : names) {
+      const bool in = name.find(".in") != std::string::npos;
+      const Point at{in ? o.x : o.x + kChipWidth, in ? in_y : out_y};
+      (in ? in_y : out_y) += in ? kPinGap : -kPinGap;
+      ends_[name] = {at, at, 1, chip, false};
+      const std::string pin = name.substr(name.find('.') + 1);
+      const auto label = labels_.find(name);
+      const std::string text = label == labels_.end() ? pin : label->second;
+      const double width = 6.4 * static_cast<double>(text.size());
+      item["pins"].push_back({{"x", at.x},
+                              {"y", at.y},
+                              {"label", text},
+                              {"label_x", in ? at.x + 9 : at.x - 9 - width},
+                              {"label_y", in ? at.y - 7 : at.y + 15}});
+    }
+  }
+
+  /// Every wire of the plan: within a chip, and from chip to chip.
+  void add_wires() {
+    int number = 0;
+    for (const Wire& wire : plan_.wires) {
+      const auto from = ends_.find(wire.from);
+      const auto to = ends_.find(wire.to);
+      if (from == ends_.end() || to == ends_.end()) continue;
+      const DrawnEnd& a = from->second;
+      const DrawnEnd& b = to->second;
+      const double shift = 3.5 * (number++ % 5 - 2);
+      Point end = b.in;
+      end.y += kInputGap * (wire.input - 0.5 * (b.inputs + 1));
+      if (a.chip != b.chip) {
+        add_link(a.out, b.in, chip_origin(b.chip), shift);
+      } else if (!b.cam) {
+        // Down the nearest gutter to the strip below the CABs, then out.
+        const double gutter = a.out.x + 24 + shift;
+        add_wire({a.out, {gutter, a.out.y}, {gutter, end.y}, end});
+      } else {
+        add_wire(route(a.out, end, a.chip, shift));
+      }
+    }
   }
 
   void add_wire(const std::vector<Point>& points) { data_["wires"].push_back({{"d", path_text(points)}}); }
 
-  /// From the output pin of one chip to the input pin of the next, whose origin is `o`.
-  void add_link(Point from, Point in, Point o) {
+  /// From the output pin of one chip to the input pin of another, whose origin is `o`.
+  void add_link(Point from, Point in, Point o, double shift) {
     std::vector<Point> points;
     if (from.x < in.x) {
-      const double middle = (from.x + in.x) / 2;
+      const double middle = (from.x + in.x) / 2 + shift;
       points = {from, {middle, from.y}, {middle, in.y}, in};
     } else {
-      const double between = o.y - kChipGap / 2;
-      points = {from, {from.x + 14, from.y}, {from.x + 14, between}, {o.x - 14, between}, {o.x - 14, in.y},
+      const double between = o.y - kChipGap / 2 + shift;
+      const double out = from.x + 14 + shift;
+      points = {from, {out, from.y}, {out, between}, {o.x - 14 + shift, between}, {o.x - 14 + shift, in.y},
                 in};
     }
     data_["links"].push_back({{"d", path_text(points)}});
@@ -272,9 +320,11 @@ class BoardPicture {
     const double width = 2 * kMargin + 2 * kChipWidth + kChipGap;
     data_["width"] = width;
     data_["height"] = kHeader + rows * kChipHeight + (rows - 1) * kChipGap + kMargin;
-    data_["error"] = rounded_text(plan_.error.max_complex_percent, 3);
-    data_["from"] = rounded_text(plan_.error.band.from.value, 3);
-    data_["to"] = rounded_text(plan_.error.band.to.value, 4);
+    const PlanError& error = plan_.error_with_delays;
+    data_["has_error"] = error.band.to > error.band.from;
+    data_["error"] = rounded_text(error.max_complex_percent, 3);
+    data_["from"] = rounded_text(error.band.from.value, 3);
+    data_["to"] = rounded_text(error.band.to.value, 4);
     data_["margin"] = kMargin;
     data_["legend_x"] = width - kMargin - 210;
     data_["legend_text_1"] = width - kMargin - 198;
@@ -283,15 +333,16 @@ class BoardPicture {
   }
 
   const Plan& plan_;
+  const PinLabels& labels_;
   const Board& board_;
   Json data_;
-  std::optional<Point> last_out_;  ///< output pin of the chip before
+  std::map<std::string, DrawnEnd> ends_;
 };
 
 }  // namespace
 
-std::string board_picture_svg(const Plan& plan) {
-  return render_template("fpaa/board.svg", BoardPicture(plan).data());
+std::string board_picture_svg(const Plan& plan, const PinLabels& labels) {
+  return render_template("fpaa/board.svg", BoardPicture(plan, labels).data());
 }
 
 }  // namespace bodesmith::fpaa

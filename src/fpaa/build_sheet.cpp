@@ -81,6 +81,16 @@ Json error_texts(const PlanError& e) {
           {"percent", rounded_text(e.max_complex_percent, 3)}, {"worst", rounded_text(e.worst.value, 3)}};
 }
 
+/// Whether the CAM at the wire's end has several inputs.
+bool has_inputs(const Plan& plan, const Wire& wire) {
+  for (const ChipPlan& chip : plan.chips) {
+    for (const PlacedCam& cam : chip.cams) {
+      if (wire.to == fmt::format("chip{}.{}", chip.chip, cam.name)) return cam.input_count() > 1;
+    }
+  }
+  return false;
+}
+
 Json sheet_data(const Plan& plan) {
   Json data;
   const Board& board = board_by_name(plan.board);
@@ -90,7 +100,16 @@ Json sheet_data(const Plan& plan) {
   int step = 0;
   for (const ChipPlan& chip : plan.chips) data["chips"].push_back(chip_rows(chip, board, step));
   data["wires"] = Json::array();
-  for (const Wire& wire : plan.wires) data["wires"].push_back({{"from", wire.from}, {"to", wire.to}});
+  for (const Wire& wire : plan.wires) {
+    data["wires"].push_back({{"from", wire.from},
+                             {"to", wire.to},
+                             {"input", has_inputs(plan, wire) ? Json(wire.input) : Json(false)}});
+  }
+  data["image"] =
+      plan.image ? Json(fmt::format(
+                       "{} dB at {} Hz, with a sine of {} Hz", rounded_text(plan.image->magnitude_db, 3),
+                       rounded_text(plan.image->line.value, 4), rounded_text(plan.image->signal.value, 4)))
+                 : Json(false);
   data["error"] = error_texts(plan.error);
   data["delayed"] = error_texts(plan.error_with_delays);
   data["largest_input"] = rounded_text(plan.max_input_v, 3);

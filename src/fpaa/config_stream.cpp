@@ -49,7 +49,8 @@ class Reader {
     }
     return count;
   }
-  std::uint8_t peek() const { return at_end() ? 0 : bytes_[at_]; }
+  bool has(std::size_t ahead) const { return at_ + ahead < bytes_.size(); }
+  std::uint8_t peek(std::size_t ahead = 0) const { return has(ahead) ? bytes_[at_ + ahead] : 0; }
 
  private:
   const Bytes& bytes_;
@@ -86,7 +87,8 @@ ConfigStream decode(const Bytes& bytes, const std::string& file) {
   ConfigStream out;
   out.leading_zeros = in.zeros();
   in.expect(kSynch, "the synch byte");
-  if (in.peek() == kDevice[0]) {
+  // An update has the head of a block (80 to FF) behind its address and control byte, or ends there.
+  if (in.peek() == kDevice[0] || (in.peek(2) != 0 && (in.peek(2) & 0x80) == 0)) {
     out.primary = true;
     for (const std::uint8_t id : kDevice) in.expect(id, "the AN231 device id");
   }

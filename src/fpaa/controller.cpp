@@ -2,8 +2,11 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/text.hpp"
 #include "fpaa/controller_layout.hpp"
+#include "fpaa/controller_weights.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -11,52 +14,75 @@ namespace {
 constexpr PolynomialBy kPolynomialWays[] = {PolynomialBy::outside, PolynomialBy::multipliers,
                                             PolynomialBy::lookup};
 
-/// The index of the most accurate variant that fits, of those that may be taken.
+constexpr ControllerStructure kStructures[] = {ControllerStructure::loop, ControllerStructure::two_pass,
+                                               ControllerStructure::delayed, ControllerStructure::open};
+
+bool may_be_taken(const ControllerVariant& v, const ControllerOptions& options) {
+  return (!options.polynomial || v.by == *options.polynomial) &&
+         (!options.structure || v.structure == *options.structure);
+}
+
+/// The index of the first structure that works, with the most accurate polynomials of those that fit.
 std::optional<std::size_t> most_accurate(const std::vector<ControllerVariant>& variants,
-                                         std::optional<PolynomialBy> only) {
-  std::optional<std::size_t> best;
-  for (std::size_t i = 0; i < variants.size(); ++i) {
-    const ControllerVariant& v = variants[i];
-    if (!v.fits() || (only && v.by != *only)) continue;
-    if (!best || v.max_error_percent < variants[*best].max_error_percent) best = i;
+                                         const ControllerOptions& options) {
+  for (const ControllerStructure structure : kStructures) {
+    std::optional<std::size_t> best;
+    for (std::size_t i = 0; i < variants.size(); ++i) {
+      const ControllerVariant& v = variants[i];
+      if (v.structure != structure || !v.fits() || !may_be_taken(v, options)) continue;
+      if (!best || v.max_error_percent < variants[*best].max_error_percent) best = i;
+    }
+    if (best) return best;
   }
-  return best;
+  return std::nullopt;
 }
 
-/// Why nothing was chosen: what each way lacks.
-Refusal why_none(const std::vector<ControllerVariant>& variants, std::optional<PolynomialBy> only) {
+/// Why nothing was chosen: what each way lacks, or the one reason that they share.
+Refusal why_none(const std::vector<ControllerVariant>& variants, const ControllerOptions& options) {
   std::vector<std::string> reasons;
+  std::vector<std::string> names;
   for (const ControllerVariant& v : variants) {
-    if (v.fits()) continue;
-    if (only && v.by == *only) return *v.refusal;
-    reasons.push_back(fmt::format("{}: {}", to_string(v.by), v.refusal->reason));
+    if (v.fits() || !may_be_taken(v, options)) continue;
+    if (std::find(reasons.begin(), reasons.end(), v.refusal->reason) != reasons.end()) continue;
+    names.push_back(v.name());
+    reasons.push_back(v.refusal->reason);
   }
-  return {"no way of making the polynomials fits the board: " + join(reasons, "; ")};
+  if (reasons.size() == 1) return {reasons.front()};
+  for (std::size_t i = 0; i < reasons.size(); ++i) reasons[i] = fmt::format("{}: {}", names[i], reasons[i]);
+  return {"no way of making the controller fits the board: " + join(reasons, "; ")};
 }
 
-std::string why_chosen(const Controller& controller, bool asked_for) {
+std::string why_chosen(const Controller& controller, const ControllerOptions& options) {
   const ControllerVariant& best = controller.best();
-  if (asked_for) return fmt::format("'{}' was asked for", to_string(best.by));
+  if (options.polynomial && options.structure) return fmt::format("'{}' was asked for", best.name());
   std::vector<std::string> others;
   for (const ControllerVariant& v : controller.variants) {
-    if (v.by == best.by) continue;
+    if (v.by == best.by || v.structure != best.structure) continue;
     others.push_back(
         v.fits() ? fmt::format("'{}' is off by {} %", to_string(v.by), rounded_text(v.max_error_percent, 2))
                  : fmt::format("'{}' does not fit", to_string(v.by)));
   }
-  return fmt::format("'{}' has the least worst error of those that fit: {} % of the stroke ({})",
-                     to_string(best.by), rounded_text(best.max_error_percent, 2), join(others, ", "));
+  return fmt::format("'{}' has the least worst error of those that fit: {} % of the stroke ({})", best.name(),
+                     rounded_text(best.max_error_percent, 2), join(others, ", "));
 }
 
 std::vector<std::string> controller_assumptions(const ControllerOptions& options) {
   return {
-      "The amplitude gain is a Multiplier CAM with a control voltage: the numbers of GainVoltageControlled "
-      "are not publicly known.",
+      "The switched bytes of TransferFunction, Multiplier, Comparator and GainSwitch are not publicly known: these "
+      "CAMs are placed in the vendor's tool by the build sheet; their capacitors, tables and clocks can be set by "
+      "update streams.",
+      "TransferFunction and Multiplier are taken to show each result for a whole cycle, one cycle late; GainSwitch "
+      "likewise, signal and control alike.",
       "GainSwitch is given a CAB of its own: its capacitor count is not publicly known.",
-      "The slope's sign comes from outside (the reference generator knows it): the Differentiator's numbers "
+      "An amplitude gain is a Multiplier CAM with a control voltage: the numbers of GainVoltageControlled "
       "are not publicly known.",
-      fmt::format("Each AD835 is taken to be off by {} % of its full scale after trimming; measure yours.",
-                  rounded_text(options.outside_error_percent)),
+      "The slope detector's high pass is the pole-zero stage without its Ca branch.",
+      fmt::format(
+          "Each AD835 with its scaling is taken to have a gain error of {} % after trimming; measure yours.",
+          rounded_text(options.outside_error_percent)),
+      "The chips' clocks have their edges at the same time (one master clock, one release of reset): chips that are "
+      "not aligned add up to one clock period a crossing.",
+      "Op-amps settle within half a clock period and have no offset: their figures are not publicly known.",
       "I/O cells are counted as one a signal; which pins of the chips the board connects is left to the "
       "wiring."};
 }
@@ -75,6 +101,65 @@ const char* to_string(PolynomialBy by) {
   return "lookup";
 }
 
+const char* to_string(ControllerStructure structure) {
+  switch (structure) {
+    case ControllerStructure::loop:
+      return "loop";
+    case ControllerStructure::two_pass:
+      return "two-pass";
+    case ControllerStructure::delayed:
+      return "delayed";
+    case ControllerStructure::open:
+      break;
+  }
+  return "open";
+}
+
+const char* equation(ControllerStructure structure) {
+  switch (structure) {
+    case ControllerStructure::loop:
+      return "v = r - K d(v)";
+    case ControllerStructure::two_pass:
+      return "v = r - K d(r - K d(r)), reference delayed";
+    case ControllerStructure::delayed:
+      return "v = r - K d(r), reference delayed";
+    case ControllerStructure::open:
+      break;
+  }
+  return "v = r - K d(r)";
+}
+
+std::string ControllerVariant::name() const {
+  return fmt::format("{}, {}", to_string(by), to_string(structure));
+}
+
+int ControllerVariant::outside_multipliers() const {
+  return static_cast<int>(std::count_if(outside.begin(), outside.end(), [](const OutsidePart& p) {
+    return p.kind == OutsidePart::Kind::multiplier;
+  }));
+}
+
+ControllerVariant ControllerVariant::at(const Disturbance& disturbance, Hertz operating) const {
+  ControllerVariant out = *this;
+  for (ControllerCam& cam : out.cams) {
+    if (!cam.scheduled) continue;
+    set_weights(cam, disturbance.rate_gain(*cam.scheduled, operating), board_by_name(board).max_capacitor);
+  }
+  return out;
+}
+
+const ControllerCam* ControllerVariant::find(std::string_view cam) const {
+  const auto at =
+      std::find_if(cams.begin(), cams.end(), [&](const ControllerCam& c) { return c.name == cam; });
+  return at == cams.end() ? nullptr : &*at;
+}
+
+const OutsidePart* ControllerVariant::find_outside(std::string_view part) const {
+  const auto at =
+      std::find_if(outside.begin(), outside.end(), [&](const OutsidePart& p) { return p.name == part; });
+  return at == outside.end() ? nullptr : &*at;
+}
+
 Outcome<Controller> make_controller(const Disturbance& disturbance, const Plan* ascending,
                                     const Plan* descending, const ControllerOptions& options) {
   const Outcome<const Board*> known_board = find_board(options.board);
@@ -87,12 +172,14 @@ Outcome<Controller> make_controller(const Disturbance& disturbance, const Plan* 
   }
   Controller out;
   for (const PolynomialBy by : kPolynomialWays) {
-    out.variants.push_back(laid_out(by, disturbance, ascending, descending, options));
+    for (const ControllerStructure structure : kStructures) {
+      out.variants.push_back(laid_out(by, structure, disturbance, ascending, descending, options));
+    }
   }
-  const auto chosen = most_accurate(out.variants, options.polynomial);
-  if (!chosen) return why_none(out.variants, options.polynomial);
+  const auto chosen = most_accurate(out.variants, options);
+  if (!chosen) return why_none(out.variants, options);
   out.chosen = *chosen;
-  out.why = why_chosen(out, options.polynomial.has_value());
+  out.why = why_chosen(out, options);
   out.assumptions = controller_assumptions(options);
   return out;
 }

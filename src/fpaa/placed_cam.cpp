@@ -25,13 +25,16 @@ std::string_view PlacedCam::cam_name() const {
   return cam->name();
 }
 
-std::complex<double> PlacedCam::response(RadPerSecond w, bool with_delays) const {
-  std::complex<double> h = z.response(w, clock_a);
-  if (with_delays) {
-    h *= cycle_delay(w, clock_a, delay_cycles);
-    if (output_hold) h *= zero_order_hold(w, clock_a);
+ZTransfer PlacedCam::z_from(std::size_t input) const {
+  if (input == 1) return z;
+  return {more_numerators.at(input - 2), z.denominator};
+}
+
+int PlacedCam::units_of(std::string_view capacitor) const {
+  for (const Capacitor& c : capacitors) {
+    if (c.name == capacitor) return c.units;
   }
-  return h;
+  return 0;
 }
 
 }  // namespace bodesmith::fpaa

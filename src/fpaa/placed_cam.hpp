@@ -51,17 +51,22 @@ struct PlacedCam {
   CamValues requested;
   CamValues realised;
   std::vector<Capacitor> capacitors;
-  ZTransfer z;                              ///< exactly what the capacitors make, at clock_a
+  ZTransfer z;  ///< exactly what the capacitors make, at clock_a, from input 1 to the output
+  /// Numerators from input 2, 3, … on, over z's denominator; empty for a CAM with one input.
+  std::vector<std::vector<double>> more_numerators;
   double delay_cycles = 0.0;                ///< from input sample to output, beyond z
   std::optional<double> own_error_percent;  ///< of these capacitors alone, gain free, over the plan's band
   std::optional<double> min_own_error_percent;  ///< proven: no capacitors at this clock do better alone
-  bool output_hold = false;  ///< its held output leaves this clock's domain: one zero-order hold
+  bool output_hold = false;  ///< its held output leaves this clock's domain (pin, or a CAM of another clock)
   Resources resources;
 
   /// As AnadigmDesigner2 writes it: "FilterBilinear".
   std::string_view cam_name() const;
-  /// z, and with_delays also the delay and the hold.
-  std::complex<double> response(RadPerSecond w, bool with_delays) const;
+  std::size_t input_count() const { return 1 + more_numerators.size(); }
+  /// From one input (counted from 1) to the output, without delay and hold.
+  ZTransfer z_from(std::size_t input) const;
+  /// Of one capacitor; 0 for one that is not there.
+  int units_of(std::string_view capacitor) const;
 };
 
 }  // namespace bodesmith::fpaa

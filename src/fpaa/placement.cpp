@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <map>
 #include <optional>
 
 namespace bodesmith::fpaa {
@@ -11,11 +12,11 @@ namespace {
 class ChipRoom {
  public:
   explicit ChipRoom(const Board& board)
-      : board_(board), used_(static_cast<std::size_t>(board.cabs_per_chip)) {}
+      : board_(&board), used_(static_cast<std::size_t>(board.cabs_per_chip)) {}
 
   /// Takes the first CAB that has room (counted from 1); nothing when none has.
   std::optional<int> take(const Resources& cam) {
-    if (tables_ + cam.lookup_tables > board_.lookup_tables_per_chip) return std::nullopt;
+    if (tables_ + cam.lookup_tables > board_->lookup_tables_per_chip) return std::nullopt;
     Resources in_cab = cam;
     in_cab.lookup_tables = 0;  // the look-up table belongs to the chip, not to a CAB
     int cab = 0;
@@ -23,7 +24,7 @@ class ChipRoom {
       ++cab;
       Resources total = used;
       total += in_cab;
-      if (!total.fits_in(board_.per_cab)) continue;
+      if (!total.fits_in(board_->per_cab)) continue;
       used = total;
       tables_ += cam.lookup_tables;
       return cab;
@@ -32,10 +33,31 @@ class ChipRoom {
   }
 
  private:
-  const Board& board_;
+  const Board* board_;
   std::vector<Resources> used_;  ///< of each CAB
   int tables_ = 0;
 };
+
+/// Every CAM of the list on this chip, or nothing and the chip as it was.
+std::optional<std::vector<int>> take_all(ChipRoom& room, const std::vector<Resources>& cams,
+                                         const std::vector<std::size_t>& which) {
+  ChipRoom trial = room;
+  std::vector<int> out;
+  for (const std::size_t i : which) {
+    const std::optional<int> cab = trial.take(cams[i]);
+    if (!cab) return std::nullopt;
+    out.push_back(*cab);
+  }
+  room = trial;
+  return out;
+}
+
+Refusal too_many(std::size_t cams, std::size_t placed, const Board& board) {
+  return {fmt::format(
+      "the design needs {} CAMs, {} of them fit on the {} chips of {}; expected fewer sections (a lower "
+      "--order, or --max-error-db), or the rest made with spice",
+      cams, placed, board.chips, board.name)};
+}
 
 }  // namespace
 
@@ -51,12 +73,42 @@ Outcome<std::vector<Place>> place_in_order(const std::vector<Resources>& cams, c
       cab = room->take(cam);
     }
     if (!cab) {
-      return Refusal{fmt::format(
-          "the design needs {} CAMs, {} of them fit on the {} chips of {}; expected fewer sections (a lower "
-          "--order, or --max-error-db), or the rest made with spice",
-          cams.size(), out.size(), board.chips, board.name)};
+      return too_many(cams.size(), out.size(), board);
     }
     out.push_back({chip, *cab});
+  }
+  return out;
+}
+
+Outcome<std::vector<Place>> place_groups(const std::vector<Resources>& cams, const std::vector<int>& groups,
+                                         const Board& board) {
+  std::map<int, std::vector<std::size_t>> members;
+  for (std::size_t i = 0; i < cams.size(); ++i) members[groups[i]].push_back(i);
+  std::vector<Place> out(cams.size());
+  std::size_t placed = 0;
+  int chip = 1;
+  ChipRoom room(board);
+  const auto next_chip = [&] {
+    ++chip;
+    room = ChipRoom(board);
+  };
+  for (const auto& [group, which] : members) {
+    auto cabs = take_all(room, cams, which);
+    ChipRoom fresh(board);
+    if (!cabs && chip < board.chips && take_all(fresh, cams, which)) {
+      next_chip();
+      cabs = take_all(room, cams, which);
+    }
+    for (std::size_t k = 0; k < which.size(); ++k) {
+      std::optional<int> cab = cabs ? std::optional<int>((*cabs)[k]) : room.take(cams[which[k]]);
+      if (!cab && chip < board.chips) {
+        next_chip();
+        cab = room.take(cams[which[k]]);
+      }
+      if (!cab) return too_many(cams.size(), placed, board);
+      out[which[k]] = {chip, *cab};
+      ++placed;
+    }
   }
   return out;
 }

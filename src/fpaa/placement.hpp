@@ -17,4 +17,9 @@ struct Place {
 /// chip only forwards. Refused with how many CAMs fit.
 Outcome<std::vector<Place>> place_in_order(const std::vector<Resources>& cams, const Board& board);
 
+/// The same for CAMs in groups (`groups[i]` of CAM i, placed in the order of their numbers): a group goes
+/// whole onto the present chip, or the next one; only one that fills more than a chip is spread.
+Outcome<std::vector<Place>> place_groups(const std::vector<Resources>& cams, const std::vector<int>& groups,
+                                         const Board& board);
+
 }  // namespace bodesmith::fpaa

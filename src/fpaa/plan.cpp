@@ -1,5 +1,7 @@
 #include "fpaa/plan.hpp"
 
+#include "fpaa/multirate_response.hpp"
+
 namespace bodesmith::fpaa {
 
 Resources ChipPlan::resources() const {
@@ -17,18 +19,31 @@ std::vector<const PlacedCam*> Plan::cams() const {
 }
 
 std::vector<std::string> Plan::signal_path() const {
+  if (!path.empty()) return path;
   std::vector<std::string> out;
   if (!wires.empty()) out.push_back(wires.front().from);
   for (const Wire& wire : wires) out.push_back(wire.to);
   return out;
 }
 
-std::complex<double> plan_response(const Plan& plan, RadPerSecond w, bool with_delays) {
-  std::complex<double> h = 1.0;
-  for (const ChipPlan& chip : plan.chips) {
-    for (const PlacedCam& cam : chip.cams) h *= cam.response(w, with_delays);
+const char* to_string(PlanOptions::Topology topology) {
+  using Topology = PlanOptions::Topology;
+  switch (topology) {
+    case Topology::automatic:
+      return "auto";
+    case Topology::parallel:
+      return "parallel";
+    case Topology::cascade:
+      return "cascade";
+    case Topology::chain:
+      break;
   }
-  return h;
+  return "chain";
+}
+
+std::complex<double> plan_response(const Plan& plan, RadPerSecond w, bool with_delays) {
+  const MultirateResponse response(plan);
+  return with_delays ? response.as_it_runs(w) : response.without_delays(w);
 }
 
 }  // namespace bodesmith::fpaa

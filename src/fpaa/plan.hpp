@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <filesystem>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -13,6 +14,7 @@
 #include "base/units.hpp"
 #include "fpaa/board.hpp"
 #include "fpaa/clock_tree.hpp"
+#include "fpaa/mismatch.hpp"
 #include "fpaa/placed_cam.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
@@ -24,6 +26,8 @@ struct ChipPlan {
   Hertz master_clock;
   ClockPlan clocks;
   std::vector<PlacedCam> cams;  ///< in signal order
+  /// I/O cells of the pins ("in1" -> "IO1"), once a stream has been made.
+  std::map<std::string, std::string> pins = {};
   Resources resources() const;
 };
 
@@ -43,19 +47,31 @@ struct PlanError {
   Hertz worst;
 };
 
+/// A line that the holds add beside a sine.
+struct ImageLine {
+  Hertz signal;  ///< the sine that has it
+  Hertz line;
+  double magnitude_db = 0.0;  ///< against the signal at the output
+};
+
 /// Sections as switched-capacitor CAMs on the chips of a board (bodesmith.fpaa_plan/1).
 struct Plan {
   std::string board;
   std::vector<ChipPlan> chips;
-  std::vector<Wire> wires;  ///< one path from an input pin to an output pin, in signal order
-  PlanError error;          ///< product of all CAMs, gains included, without holds and delays
-  PlanError error_with_delays;
-  double max_input_v = 0.0;  ///< sine input at which the first node reaches full scale, any frequency
+  std::vector<Wire> wires;        ///< every connection
+  std::vector<std::string> path;  ///< the way of the constant path, "chip1.in1" to "chipN.outM"; empty: the
+                                  ///< wires are one path in this order
+  PlanError error;                ///< all wires, gains included, without holds and delays
+  PlanError error_with_delays;    ///< the board as it runs: every clock, hold and half cycle
+  double max_input_v = 0.0;  ///< input (sine of any frequency, or step) at which a node reaches full scale
+  double max_step_v = 0.0;   ///< the same for a step alone
+  std::optional<ImageLine> image;        ///< the largest line below 100 kHz that is not the signal
+  std::string topology;                  ///< "parallel", "cascade", "cascade and parallel", "chain"
   std::vector<std::string> assumptions;  ///< what is not publicly known and was assumed
   std::vector<std::string> notes;        ///< decisions a person should know
 
   std::vector<const PlacedCam*> cams() const;
-  /// Every pin and CAM along the wires: "chip1.in1", "chip1.Section1a", ..., "chipN.outM".
+  /// Every pin and CAM of the constant path: "chip1.in1", "chip1.Section1a", ..., "chipN.outM".
   std::vector<std::string> signal_path() const;
 
   static Plan from_node(const Node& node);
@@ -64,16 +80,24 @@ struct Plan {
   Json to_json() const;
 };
 
-/// Product of all CAMs on jw: what the board does to a sine of frequency w at that same frequency.
-/// `with_delays` includes every hold and half-cycle delay.
+/// What the board does to a sine of frequency w at that same frequency (multirate_response.hpp, which is
+/// quicker for many frequencies). `with_delays` includes every clock, hold and half-cycle delay.
 std::complex<double> plan_response(const Plan& plan, RadPerSecond w, bool with_delays);
 
 struct PlanOptions {
+  enum class Topology { automatic, parallel, cascade, chain };
   std::string board = "an231k04-quad4";
-  std::optional<Hertz> clock;  ///< one clock for all; absent: the best of the legal tree
-  std::optional<Band> band;    ///< where errors are minimised and stated; absent: the corners (and the band
-                               ///< that sections.json states), widened to a tenth of the lowest corner
+  Topology topology = Topology::automatic;
+  BoardAssumptions assumptions;  ///< mismatch and noise: what is not publicly known
+  std::optional<Hertz> clock;    ///< one clock for all, a chain of pole-zero stages; absent: searched
+  /// No clock below this (a stream that relies on no system divisor: 31.4 kHz): slow poles by two ratios.
+  std::optional<Hertz> lowest_clock;
+  std::optional<Band> band;  ///< where errors are minimised and stated; absent: the corners (and the band
+                             ///< that sections.json states), widened to a tenth of the lowest corner
 };
+
+/// "auto", "parallel", "cascade", "chain".
+const char* to_string(PlanOptions::Topology topology);
 
 /// Refused when the sections cannot be made of the board's CAMs, with what would make them fit.
 Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options);

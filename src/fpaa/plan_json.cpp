@@ -4,6 +4,7 @@
 #include "base/json.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan.hpp"
+#include "fpaa/plan_graph.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -43,6 +44,11 @@ Json cam_json(const PlacedCam& cam) {
   out["capacitors"] = Json::object();
   for (const Capacitor& c : cam.capacitors) out["capacitors"][c.name] = c.units;
   out["z_numerator"] = cam.z.numerator;
+  if (cam.input_count() > 1) {
+    Json numerators = Json::array({cam.z.numerator});
+    for (const auto& numerator : cam.more_numerators) numerators.push_back(numerator);
+    out["z_numerators"] = std::move(numerators);
+  }
   out["z_denominator"] = cam.z.denominator;
   if (cam.own_error_percent) out["own_error_percent"] = *cam.own_error_percent;
   if (cam.min_own_error_percent) out["least_own_error_percent"] = *cam.min_own_error_percent;
@@ -68,6 +74,30 @@ const Cam& cam_type_from(const Node& node) {
   node.fail(fmt::format("is '{}', expected a CAM of the library: {}", name, cam_registry().names()));
 }
 
+/// `z_numerators`, one an input; a CAM with one input may have `z_numerator` alone.
+void read_numerators(const Node& node, PlacedCam& cam) {
+  const auto numbers = [](const Node& list) {
+    std::vector<double> out = list.numbers();
+    if (out.empty()) list.fail("is empty, expected [b0, b1, ...]");
+    return out;
+  };
+  if (!node.has("z_numerators")) {
+    cam.z.numerator = numbers(node.at("z_numerator"));
+    return;
+  }
+  const Node all = node.at("z_numerators");
+  if (all.items().empty()) all.fail("is empty, expected one [b0, b1, ...] an input");
+  bool first = true;
+  for (const Node& list : all.items()) {
+    if (first) {
+      cam.z.numerator = numbers(list);
+    } else {
+      cam.more_numerators.push_back(numbers(list));
+    }
+    first = false;
+  }
+}
+
 PlacedCam cam_from(const Node& node, const Board& board) {
   PlacedCam cam;
   cam.name = node.at("name").string();
@@ -85,9 +115,8 @@ PlacedCam cam_from(const Node& node, const Board& board) {
   for (const auto& [name, value] : node.at("capacitors").members()) {
     cam.capacitors.push_back({name, static_cast<int>(value.integer(0, 2 * board.max_capacitor))});
   }
-  cam.z.numerator = node.at("z_numerator").numbers();
+  read_numerators(node, cam);
   cam.z.denominator = node.at("z_denominator").numbers();
-  if (cam.z.numerator.empty()) node.at("z_numerator").fail("is empty, expected [b0, b1, ...]");
   if (cam.z.denominator.empty() || cam.z.denominator[0] == 0.0) {
     node.at("z_denominator").fail("expected [a0, a1, ...] with a0 other than 0");
   }
@@ -140,6 +169,7 @@ Json chip_json(const ChipPlan& chip, const Board& board) {
   out["clock_divisors"] = divisors;
   out["cams"] = Json::array();
   for (const PlacedCam& cam : chip.cams) out["cams"].push_back(cam_json(cam));
+  if (!chip.pins.empty()) out["pins"] = chip.pins;
   const Resources sum = chip.resources();
   out["resources"] = {
       {"opamps", sum.opamps}, {"capacitors", sum.capacitors}, {"comparators", sum.comparators}};
@@ -152,14 +182,32 @@ ChipPlan chip_from(const Node& node, const Board& board) {
   out.master_clock = {node.at("master_clock_hz").positive()};
   out.clocks = clocks_from(node);
   for (const Node& cam : node.at("cams").items()) out.cams.push_back(cam_from(cam, board));
+  if (node.has("pins")) {
+    for (const auto& [pin, cell] : node.at("pins").members()) out.pins[pin] = cell.string();
+  }
   return out;
 }
 
-/// The signal path names every pin and CAM in order: each is wired to the next.
-std::vector<Wire> wires_from(const Node& signal_path) {
+Json wires_json(const std::vector<Wire>& wires) {
+  Json out = Json::array();
+  for (const Wire& wire : wires) {
+    out.push_back({{"from", wire.from}, {"to", wire.to}, {"input", wire.input}});
+  }
+  return out;
+}
+
+/// `wires`; a plan without them is one path, each pin and CAM of its signal path wired to the next.
+std::vector<Wire> wires_from(const Node& plan) {
   std::vector<Wire> out;
+  if (plan.has("wires")) {
+    for (const Node& item : plan.at("wires").items()) {
+      const int input = item.has("input") ? static_cast<int>(item.at("input").integer(1, 100)) : 1;
+      out.push_back({item.at("from").string(), item.at("to").string(), input});
+    }
+    return out;
+  }
   std::string last;
-  for (const Node& item : signal_path.items()) {
+  for (const Node& item : plan.at("signal_path").items()) {
     std::string next = item.string();
     if (!last.empty()) out.push_back({.from = last, .to = next});
     last = std::move(next);
@@ -174,6 +222,14 @@ std::vector<std::string> lines_from(const Node& node, const char* key) {
   return out;
 }
 
+/// A wire to what is not there, or a second one to one input, is the file's fault.
+void check_wires(const Plan& plan, const Node& node) {
+  const Outcome<PlanGraph> graph = plan_graph(plan);
+  if (const Refusal* refusal = refusal_of(graph)) {
+    node.at(node.has("wires") ? "wires" : "signal_path").fail(refusal->reason);
+  }
+}
+
 }  // namespace
 
 Json Plan::to_json() const {
@@ -182,10 +238,18 @@ Json Plan::to_json() const {
   const Board& facts = board_by_name(board);
   out["chips"] = Json::array();
   for (const ChipPlan& chip : chips) out["chips"].push_back(chip_json(chip, facts));
+  out["wires"] = wires_json(wires);
   out["signal_path"] = signal_path();
   out["error"] = error_json(error);
   out["error_with_delays"] = error_json(error_with_delays);
   out["largest_input_v"] = max_input_v;
+  out["largest_step_v"] = max_step_v;
+  if (image) {
+    out["largest_image"] = {{"signal_hz", image->signal.value},
+                            {"line_hz", image->line.value},
+                            {"magnitude_db", image->magnitude_db}};
+  }
+  if (!topology.empty()) out["topology"] = topology;
   out["assumptions"] = assumptions;
   out["notes"] = notes;
   return out;
@@ -200,10 +264,19 @@ Plan Plan::from_node(const Node& node) {
   for (const Node& item : node.at("chips").items()) {
     out.chips.push_back(chip_from(item, *std::get<const Board*>(facts)));
   }
-  out.wires = wires_from(node.at("signal_path"));
+  out.wires = wires_from(node);
+  if (node.has("wires")) out.path = lines_from(node, "signal_path");
+  check_wires(out, node);
   out.error = error_from(node.at("error"));
   if (node.has("error_with_delays")) out.error_with_delays = error_from(node.at("error_with_delays"));
   out.max_input_v = node.number_or("largest_input_v", 0.0);
+  out.max_step_v = node.number_or("largest_step_v", 0.0);
+  if (node.has("largest_image")) {
+    const Node image = node.at("largest_image");
+    out.image = ImageLine{
+        {image.at("signal_hz").number()}, {image.at("line_hz").number()}, image.at("magnitude_db").number()};
+  }
+  out.topology = node.string_or("topology", "");
   out.assumptions = lines_from(node, "assumptions");
   out.notes = lines_from(node, "notes");
   return out;

@@ -67,6 +67,12 @@ ZTransfer DeltaTransfer::in_z() const {
   return {expanded(numerator), expanded(denominator)};
 }
 
+DeltaTransfer in_delta(const ZTransfer& z) {
+  // z^-k = (1 - D)^k: the same change of variable in either direction.
+  const ZTransfer swapped = DeltaTransfer{z.numerator, z.denominator}.in_z();
+  return {swapped.numerator, swapped.denominator};
+}
+
 std::complex<double> zero_order_hold(RadPerSecond w, Hertz clock) {
   const double half = 0.5 * w.value / clock.value;
   const double sinc = std::abs(half) < 1e-8 ? 1.0 : std::sin(half) / half;

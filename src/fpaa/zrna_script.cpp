@@ -30,6 +30,15 @@ Json zrna_attributes(const PlacedCam& cam, const ZrnaModule& module) {
 
 }  // namespace
 
+bool has_zrna_script(const Plan& plan) {
+  if (plan.chips.size() != 1) return false;
+  for (const PlacedCam* cam : plan.cams()) {
+    if (cam->input_count() != 1 || !cam->cam->zrna_module(*cam)) return false;
+  }
+  // The script wires one CAM behind the other.
+  return plan.wires.size() == plan.cams().size() + 1;
+}
+
 std::string zrna_script(const Plan& plan) {
   if (plan.chips.size() != 1) {
     throw DesignError(fmt::format("the plan takes {} chips, a Zrna board has one", plan.chips.size()));

@@ -116,6 +116,7 @@ TEST(FilterBiquad, ComplexSectionsGoOnTheBoard) {
   sections.sections = {resonant, Section::pole_zero(1.0, {w}, {0.7 * w})};
   PlanOptions options;
   options.band = Band{{20.0}, {1500.0}};
+  options.topology = PlanOptions::Topology::chain;
   const Plan plan = plan_of(sections, options);
   EXPECT_EQ(plan.cams()[0]->cam_name(), "FilterBiquad");
   EXPECT_EQ(plan.cams()[0]->resources.opamps, 2);

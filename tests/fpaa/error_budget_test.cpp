@@ -37,15 +37,18 @@ TEST(ErrorBudget, MismatchOfOneGainStageIsTheRatiosSpread) {
   gain.capacitors = {{"Cin", 100}, {"Cout", 100}};
   gain.z = {{-100.0}, {100.0}};
   plan.chips = {{1, {16e6}, {}, {gain}}};
+  plan.wires = {{"chip1.in1", "chip1.Gain1"}, {"chip1.Gain1", "chip1.out1"}};
   plan.error.band = {{1.0}, {100.0}};
   Sections unity;
   unity.gain = -1.0;
   BudgetOptions options;
   options.draws = 20000;
   const ErrorBudget budget = error_budget(plan, unity, options);
-  // |N(0, 0.1 %)|: median 0.6745 sigma, 95 % 1.960 sigma.
-  EXPECT_NEAR(budget.mismatch.median_percent, 0.06745, 0.002);
-  EXPECT_NEAR(budget.mismatch.p95_percent, 0.1960, 0.004);
+  // 100 units: 0.05 % each, the ratio sqrt(2) of it. |N(0, sigma)|: median 0.6745 sigma, 95 % 1.960 sigma.
+  const double sigma = 0.05 * std::sqrt(2.0);
+  EXPECT_NEAR(budget.mismatch.median_percent, 0.6745 * sigma, 0.002);
+  EXPECT_NEAR(budget.mismatch.p95_percent, 1.960 * sigma, 0.004);
+  EXPECT_NEAR(budget.mismatch.shares[0].share, 0.5, 1e-3);
   EXPECT_EQ(error_budget(plan, unity, options).mismatch.max_percent, budget.mismatch.max_percent);
 }
 
@@ -62,11 +65,14 @@ TEST(ErrorBudget, NoiseOfALowPassIsTheClosedForm) {
   filter.z = {{-6.0}, {54.0, -50.0}};
   filter.requested = {{"corner_hz", 20.0}, {"gain", 1.5}};
   plan.chips = {{1, {16e6}, {}, {filter}}};
+  plan.wires = {{"chip1.in1", "chip1.Section1"}, {"chip1.Section1", "chip1.out1"}};
   plan.error.band = {{1.0}, {100.0}};
   Sections sections;
   sections.gain = -1.0;
   const ErrorBudget budget = error_budget(plan, sections, {});
   EXPECT_NEAR(budget.noise_kt_per_cu, 2.0 * 10.0 / (54.0 * 54.0 - 50.0 * 50.0), 1e-6);
+  // sqrt(kT/C) of 50 fF at 300 K is 287.8 uV.
+  EXPECT_NEAR(budget.noise_model.microvolts(1.0), 287.8, 0.1);
 }
 
 }  // namespace

@@ -145,7 +145,9 @@ class OwnCam : public ::testing::Test {
  protected:
   void SetUp() override {
     filter_notch();
-    plan_ = plan_of(notch_sections());
+    PlanOptions options;
+    options.topology = PlanOptions::Topology::chain;  // asks every CAM of the library
+    plan_ = plan_of(notch_sections(), options);
     cam_ = plan_.cams()[0];
   }
   Plan plan_;

@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "base/text.hpp"
+#include "fpaa/cams/cam_step.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -82,8 +83,20 @@ std::string Cam::note(const PlacedCam&) const {
   return {};
 }
 
-DeltaTransfer Cam::transfer(const PlacedCam&, const CapacitorUnits&) const {
-  throw std::logic_error(fmt::format("plans do not use {}", name()));
+DeltaTransfer Cam::transfer(const PlacedCam& cam, const CapacitorUnits&) const {
+  return in_delta(cam.z);
+}
+
+std::vector<DeltaTransfer> Cam::transfers(const PlacedCam& cam, const CapacitorUnits& units) const {
+  std::vector<DeltaTransfer> out{transfer(cam, units)};
+  for (std::size_t i = 2; i <= cam.input_count(); ++i) out.push_back(in_delta(cam.z_from(i)));
+  return out;
+}
+
+std::vector<DeltaTransfer> transfers_of(const PlacedCam& cam, std::span<const double> units) {
+  CapacitorUnits named(cam.capacitors);
+  std::copy_n(units.begin(), cam.capacitors.size(), named.values().begin());
+  return cam.cam->transfers(cam, named);
 }
 
 std::complex<double> Cam::unquantised(const PlacedCam& cam, RadPerSecond w) const {
@@ -94,8 +107,16 @@ std::vector<NoiseCharge> Cam::noise_charges(const PlacedCam&) const {
   return {};
 }
 
+std::unique_ptr<CamStep> Cam::step(const PlacedCam& cam) const {
+  return std::make_unique<LinearStep>(cam);
+}
+
 std::vector<Capacitor> Cam::vendor_capacitors(const PlacedCam& cam, std::span<const std::string>) const {
   return cam.capacitors;
+}
+
+std::optional<StageSwitches> Cam::switches(const PlacedCam&) const {
+  return std::nullopt;
 }
 
 std::optional<ZrnaModule> Cam::zrna_module(const PlacedCam&) const {

@@ -13,8 +13,11 @@
 #include "base/registry.hpp"
 #include "fpaa/branch.hpp"
 #include "fpaa/placed_cam.hpp"
+#include "fpaa/switches.hpp"
 
 namespace bodesmith::fpaa {
+
+class CamStep;
 
 // A CAM goes through three types: what it is (Cam, one object each, in the registry), what it has to do in a
 // design (CamTask, made by the Cam when it accepts a piece of a section), and what it is made of (PlacedCam:
@@ -173,15 +176,24 @@ class Cam {
   virtual std::string note(const PlacedCam& cam) const;
 
   // A placed CAM. Only CAMs that are used in plans are asked.
-  /// H of these capacitors, which need not be whole numbers; `cam` says option and form.
+  /// H of these capacitors, which need not be whole numbers; `cam` says option and form. (`cam.z` as it stands,
+  /// whatever the capacitors, where it is not known which of them makes what.)
   virtual DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& units) const;
-  /// The response that `cam.requested` would have at its clock if capacitors could be any number: what
+  /// The same from every input, over one denominator.
+  virtual std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& units) const;
+  /// The response (from input 1) that `cam.requested` would have at its clock if capacitors could be any number: what
   /// sampling alone makes of it. (As it is realised, where that is not known.)
   virtual std::complex<double> unquantised(const PlacedCam& cam, RadPerSecond w) const;
   virtual std::vector<NoiseCharge> noise_charges(const PlacedCam& cam) const;
+  /// The CAM at work (cam_step.hpp): what it makes at each edge. Linear by its z where its own file does not
+  /// say otherwise.
+  virtual std::unique_ptr<CamStep> step(const PlacedCam& cam) const;
   /// The capacitors as the vendor's component table of this CAM lists them.
   virtual std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam,
                                                    std::span<const std::string> table) const;
+  /// Its switched-capacitor circuit, for primary streams and for ngspice; nothing where that is not publicly
+  /// known, or is not made of switched capacitors alone.
+  virtual std::optional<StageSwitches> switches(const PlacedCam& cam) const;
   /// Nothing when the Zrna client has no such module.
   virtual std::optional<ZrnaModule> zrna_module(const PlacedCam& cam) const;
   /// One line for the board's picture.
@@ -192,6 +204,9 @@ class Cam {
  private:
   CamFacts facts_;
 };
+
+/// `cam.cam`'s transfers with these capacitors, in the order of `cam.capacitors` (more may follow).
+std::vector<DeltaTransfer> transfers_of(const PlacedCam& cam, std::span<const double> units);
 
 /// Every CAM, in the order of AnadigmDesigner2's menu (cams/registry.cpp).
 Registry<Cam>& cam_registry();

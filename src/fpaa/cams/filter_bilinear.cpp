@@ -240,6 +240,25 @@ class FilterBilinear : public Cam {
     return {{c["Ca"] + c["Cc"] + c["Cin"] + c["Cout"], {{1.0}, cam.z.denominator}}};
   }
 
+  /// The low pass is the vendor's; the pole-zero form is made by GainInv's switches with four different values
+  /// (the high pass: without Ca). AD2's own layout of the latter two is in no public stream.
+  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
+    const auto units = [&](const char* name) { return cam.units_of(name); };
+    const PlateNode in = PlateNode::input();
+    const PlateNode out = PlateNode::opamp();
+    StageSwitches s;
+    if (cam.option == kLowPass) {
+      s.capacitors = {switched_branch("Cin", units("Cin"), in), switched_branch("Cout", units("Cout"), out),
+                      static_branch("Cint", units("Cint"), out)};
+      return s;
+    }
+    s.capacitors = {static_branch("Cb", units("Cb"), in)};
+    if (cam.option == kPoleAndZero) s.capacitors.push_back(switched_branch("Ca", units("Ca"), in));
+    s.capacitors.push_back(static_branch("Cd", units("Cd"), out));
+    s.capacitors.push_back(switched_branch("Cc", units("Cc"), out));
+    return s;
+  }
+
   std::optional<ZrnaModule> zrna_module(const PlacedCam& cam) const override {
     if (cam.option == kPoleAndZero) {
       return ZrnaModule{

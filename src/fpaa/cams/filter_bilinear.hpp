@@ -7,6 +7,8 @@
 
 namespace bodesmith::fpaa {
 
+class Cam;
+
 /// What the dialog of option "Pole and Zero" asks for: gain (1 + s/zero) / (1 + s/pole). (It takes one of the
 /// gains and shows the other.)
 struct PoleZeroSpec {
@@ -79,5 +81,7 @@ struct HighPassCapacitors {
 /// (each constrained to 1 ... 255) and keeps the first set whose corner and gain errors are least (sum of
 /// both relative errors).
 LowPassCapacitors vendor_low_pass(Hertz corner, double gain, Hertz clock, int max_capacitor = 255);
+
+const Cam& filter_bilinear_cam();
 
 }  // namespace bodesmith::fpaa

@@ -247,6 +247,40 @@ class FilterBiquad : public Cam {
     return out;
   }
 
+  /// Op-amp 1 integrates input and output, op-amp 2 what op-amp 1 was a period before (C3). The vendor's band
+  /// pass of low quality is in public streams; the other options move the input and C4 as their equations say.
+  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
+    const PlateNode in = PlateNode::input();
+    const PlateNode first = PlateNode::opamp(1);
+    const PlateNode second = PlateNode::opamp(2);
+    const auto units = [&](const char* name) { return cam.units_of(name); };
+    const bool high_q = is_high_q(cam);
+    StageSwitches s;
+    s.opamps = {{}, {}};
+    s.output = 2;
+    const auto add_banks = [&](const char* name, PlateNode from, int opamp) {
+      const int one = std::min(units(name), kUnitsOfBank);
+      s.capacitors.push_back(static_branch(std::string(name) + "1", one, from, opamp));
+      if (units(name) == one) return;
+      s.capacitors.push_back(static_branch(std::string(name) + "2", units(name) - one, from, opamp));
+    };
+    s.capacitors = {switched_branch("C2", units("C2"), second, 1)};
+    add_banks("CA", first, 1);
+    if (cam.option == to_string(BiquadKind::low_pass)) {
+      s.capacitors.push_back(switched_branch("C1", units("C1"), in, 1));
+    } else if (cam.option == to_string(BiquadKind::band_pass)) {
+      s.capacitors.push_back(high_q ? static_branch("Cp", units("Cp"), in, 1)
+                                    : switched_branch("Cp", units("Cp"), in, 2));
+    } else {
+      s.capacitors.push_back(static_branch("Cpp", units("Cpp"), in, 2));
+    }
+    s.capacitors.push_back(delayed_branch("C3", units("C3"), first, 2));
+    s.capacitors.push_back(high_q ? static_branch("C4", units("C4"), second, 1)
+                                  : switched_branch("C4", units("C4"), second, 2));
+    add_banks("CB", second, 2);
+    return s;
+  }
+
   std::optional<ZrnaModule> zrna_module(const PlacedCam& cam) const override {
     const bool band = cam.option == to_string(BiquadKind::band_pass);
     const bool low = cam.option == to_string(BiquadKind::low_pass);

@@ -3,20 +3,47 @@
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
+namespace {
+
+constexpr const char* kGainHalfNonInverting = "Non-inverting";
+
+CamFacts gain_half_facts() {
+  CamFacts f;
+  f.name = "GainHalf";
+  f.options = {"Inverting", kGainHalfNonInverting};
+  f.parameters = {{"gain"}};
+  f.resources = Resources{.opamps = 1, .capacitors = 2};
+  f.transfer = "-+Cin/Cout, output returns to ground in the other half cycle";
+  f.transfer_ground = Ground::derived;
+  f.half_cycle_output = true;
+  f.limits = "(1 + gain) fc <= 19.68 MHz; non-inverting: half a cycle late";
+  return f;
+}
+
+class GainHalfCam : public Cam {
+ public:
+  GainHalfCam() : Cam(gain_half_facts()) {}
+
+  DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    return {{(cam.option == kGainHalfNonInverting ? 1.0 : -1.0) * c["Cin"]}, {c["Cout"]}};
+  }
+
+  /// SumDiff with one input.
+  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
+    StageCapacitor in = half_period_branch("Cin", cam.units_of("Cin"), PlateNode::input());
+    if (cam.option == kGainHalfNonInverting) in.near = in.near.mirrored();
+    StageSwitches s;
+    s.opamps = {{.reset_phase = 2}};
+    s.output_phase = 1;
+    s.capacitors = {in, half_period_branch("Cout", cam.units_of("Cout"), PlateNode::opamp())};
+    return cam.phase == 2 ? s.mirrored() : s;
+  }
+};
+
+}  // namespace
 
 const Cam& gain_half_cam() {
-  static const Cam cam([] {
-    CamFacts f;
-    f.name = "GainHalf";
-    f.options = {"Inverting", "Non-inverting"};
-    f.parameters = {{"gain"}};
-    f.resources = Resources{.opamps = 1, .capacitors = 2};
-    f.transfer = "-+Cin/Cout, output returns to ground in the other half cycle";
-    f.transfer_ground = Ground::derived;
-    f.half_cycle_output = true;
-    f.limits = "(1 + gain) fc <= 19.68 MHz; non-inverting: half a cycle late";
-    return f;
-  }());
+  static const GainHalfCam cam;
   return cam;
 }
 

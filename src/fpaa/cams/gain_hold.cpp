@@ -1,18 +1,57 @@
+#include "fpaa/cams/gain_hold.hpp"
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
+namespace {
+
+constexpr const char* kGainHoldNonInverting = "Non-inverting";
+
+CamFacts gain_hold_facts() {
+  CamFacts f;
+  f.name = "GainHold";
+  f.options = {"Inverting", kGainHoldNonInverting};
+  f.parameters = {{"gain"}};
+  f.resources = Resources{.opamps = 1, .capacitors = 3};
+  f.transfer = "-+Cin/Cout, output held for the whole period; non-inverting: half a cycle late";
+  f.transfer_ground = Ground::derived;
+  f.limits = "a third capacitor of 255 units holds";
+  return f;
+}
+
+class GainHoldCam : public Cam {
+ public:
+  GainHoldCam() : Cam(gain_hold_facts()) {}
+
+  DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    return {{(cam.option == kGainHoldNonInverting ? 1.0 : -1.0) * c["Cin"]}, {c["Cout"]}};
+  }
+
+  /// Cin and Cout are emptied in the other phase, while the third capacitor keeps the output.
+  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
+    StageCapacitor in = half_period_branch("Cin", cam.units_of("Cin"), PlateNode::input());
+    if (cam.option == kGainHoldNonInverting) in.near = in.near.mirrored();
+    StageSwitches s;
+    s.capacitors = {in,
+                    half_period_branch("Cout", cam.units_of("Cout"), PlateNode::opamp()),
+                    {"Chold",
+                     GainHold::kHoldUnits,
+                     Plate::fixed(PlateNode::opamp()),
+                     {PlateNode::ground(), PlateNode::virtual_ground()}}};
+    return cam.phase == 2 ? s.mirrored() : s;
+  }
+  std::string picture_text(const PlacedCam& cam) const override {
+    return fmt::format("gain {}, held", rounded_text(cam.realised.number("gain").value_or(1.0), 4));
+  }
+};
+
+}  // namespace
 
 const Cam& gain_hold_cam() {
-  static const Cam cam([] {
-    CamFacts f;
-    f.name = "GainHold";
-    f.options = {"Inverting", "Non-inverting"};
-    f.parameters = {{"gain"}};
-    f.transfer = "-+gain, output held; its capacitor count is not publicly known";
-    f.transfer_ground = Ground::seen;
-    f.limits = "not placed by the program: resources unknown";
-    return f;
-  }());
+  static const GainHoldCam cam;
   return cam;
 }
 

@@ -76,6 +76,17 @@ class GainInv : public Cam {
     return out;
   }
 
+  /// Both ratios twice, static and switched: the output is right in both phases.
+  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
+    const int cin = cam.units_of("Cin");
+    const int cout = cam.units_of("Cout");
+    StageSwitches s;
+    s.capacitors = {
+        static_branch("aCin", cin, PlateNode::input()), switched_branch("Cin", cin, PlateNode::input()),
+        static_branch("aCout", cout, PlateNode::opamp()), switched_branch("Cout", cout, PlateNode::opamp())};
+    return s;
+  }
+
   std::optional<ZrnaModule> zrna_module(const PlacedCam&) const override {
     return ZrnaModule{"GainInv", "", {{"gain", "gain"}}};
   }

@@ -3,19 +3,46 @@
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
+namespace {
+
+constexpr int kHoldUnits = 255;
+
+CamFacts hold_facts() {
+  CamFacts f;
+  f.name = "Hold";
+  f.resources = Resources{.opamps = 1, .capacitors = 2};
+  f.transfer = "1/z";
+  f.transfer_ground = Ground::seen;
+  f.delay_cycles = 1.0;
+  f.takes_half_cycle_anywhere = true;
+  f.limits = "two in series need opposite phases";
+  return f;
+}
+
+class HoldCam : public Cam {
+ public:
+  HoldCam() : Cam(hold_facts()) {}
+
+  /// It samples in the phase that is stated; the output is new in the other one.
+  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
+    using Node = PlateNode;
+    const Node virtual_ground = Node::virtual_ground();
+    StageSwitches s;
+    s.capacitors = {
+        {"C1", kHoldUnits, {Node::input(), Node::opamp()}, {Node::ground(), virtual_ground}},
+        {"C2", kHoldUnits, Plate::fixed(Node::opamp()), {virtual_ground, Node::ground()}},
+    };
+    return cam.phase == 2 ? s.mirrored() : s;
+  }
+  std::string picture_text(const PlacedCam& cam) const override {
+    return cam.phase == 2 ? "samples in phase 2" : "samples in phase 1";
+  }
+};
+
+}  // namespace
 
 const Cam& hold_cam() {
-  static const Cam cam([] {
-    CamFacts f;
-    f.name = "Hold";
-    f.resources = Resources{.opamps = 1, .capacitors = 2};
-    f.transfer = "1/z";
-    f.transfer_ground = Ground::seen;
-    f.delay_cycles = 1.0;
-    f.takes_half_cycle_anywhere = true;
-    f.limits = "two in series need opposite phases";
-    return f;
-  }());
+  static const HoldCam cam;
   return cam;
 }
 

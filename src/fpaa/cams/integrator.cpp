@@ -3,20 +3,47 @@
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
+namespace {
+
+constexpr const char* kNonInverting = "Non-inverting";
+
+CamFacts integrator_facts() {
+  CamFacts f;
+  f.name = "Integrator";
+  f.options = {"Inverting", kNonInverting};
+  f.parameters = {{"integration_constant_per_s"}};
+  f.resources = Resources{.opamps = 1, .capacitors = 2};
+  f.transfer =
+      "inverting -(Cin/Cint)/(1 - 1/z), non-inverting (Cin/Cint) z^-1/(1 - 1/z); constant fc Cin/Cint";
+  f.transfer_ground = Ground::derived;
+  f.limits = "constant fc/255 to 255 fc";
+  return f;
+}
+
+class IntegratorCam : public Cam {
+ public:
+  IntegratorCam() : Cam(integrator_facts()) {}
+
+  DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    if (cam.option == kNonInverting) return {{c["Cin"], -c["Cin"]}, {0.0, c["Cint"]}};
+    return {{-c["Cin"]}, {0.0, c["Cint"]}};
+  }
+
+  /// Not inverting: Cin takes up the input in phase 1 and gives it in phase 2, so that the sample is in the
+  /// next phase 1 for the first time.
+  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
+    StageCapacitor in = switched_branch("Cin", cam.units_of("Cin"), PlateNode::input());
+    if (cam.option == kNonInverting) in.far = in.far.mirrored();
+    StageSwitches s;
+    s.capacitors = {in, static_branch("Cint", cam.units_of("Cint"), PlateNode::opamp())};
+    return s;
+  }
+};
+
+}  // namespace
 
 const Cam& integrator_cam() {
-  static const Cam cam([] {
-    CamFacts f;
-    f.name = "Integrator";
-    f.options = {"Inverting", "Non-inverting"};
-    f.parameters = {{"integration_constant_per_s"}};
-    f.resources = Resources{.opamps = 1, .capacitors = 2};
-    f.transfer =
-        "inverting -(Cin/Cint)/(1 - 1/z), non-inverting (Cin/Cint) z^-1/(1 - 1/z); constant fc Cin/Cint";
-    f.transfer_ground = Ground::derived;
-    f.limits = "constant fc/255 to 255 fc";
-    return f;
-  }());
+  static const IntegratorCam cam;
   return cam;
 }
 

@@ -10,12 +10,14 @@
   ENTRY(gain_switch_cam)             \
   ENTRY(gain_voltage_controlled_cam) \
   ENTRY(sum_diff_cam)                \
+  ENTRY(sum_inv_cam)                 \
   ENTRY(sum_filter_cam)              \
   ENTRY(integrator_cam)              \
   ENTRY(hold_cam)                    \
   ENTRY(multiplier_cam)              \
   ENTRY(transfer_function_cam)       \
-  ENTRY(comparator_cam)
+  ENTRY(comparator_cam)              \
+  ENTRY(biquad_stage_cam)
 
 namespace bodesmith::fpaa {
 

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
@@ -65,6 +66,41 @@ class SumDiffCam : public Cam {
     Resources out = facts().resources.value();
     out.capacitors = static_cast<int>(inputs) + 1;
     return out;
+  }
+
+  std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& c) const override {
+    std::vector<DeltaTransfer> out;
+    for (std::size_t i = 1; i <= cam.input_count(); ++i) {
+      const double gain = cam.realised.number(fmt::format("gain_{}", i)).value_or(-1.0);
+      out.push_back({{std::copysign(c[fmt::format("Cin{}", i)], gain)}, {c["Cout"]}});
+    }
+    return out;
+  }
+
+  /// Gains below 0 invert.
+  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
+    StageSwitches s;
+    s.opamps = {{.reset_phase = 2}};
+    s.output_phase = 1;
+    for (int i = 1; i <= 4; ++i) {
+      const std::string name = fmt::format("Cin{}", i);
+      const int units = cam.units_of(name);
+      const auto gain = cam.realised.number(fmt::format("gain_{}", i));
+      if (units == 0 || !gain) continue;
+      StageCapacitor c = half_period_branch(name, units, PlateNode::input(i));
+      if (*gain > 0.0) c.near = c.near.mirrored();
+      s.capacitors.push_back(c);
+    }
+    s.capacitors.push_back(half_period_branch("Cout", cam.units_of("Cout"), PlateNode::opamp()));
+    return cam.phase == 2 ? s.mirrored() : s;
+  }
+  std::string picture_text(const PlacedCam& cam) const override {
+    std::string out;
+    for (const CamValues::Entry& entry : cam.realised.entries()) {
+      if (!out.empty()) out += ", ";
+      out += rounded_text(entry.number().value_or(0.0), 3);
+    }
+    return "gains " + out;
   }
 };
 

@@ -3,18 +3,43 @@
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
+namespace {
+
+CamFacts sum_filter_facts() {
+  CamFacts f;
+  f.name = "SumFilter";
+  f.parameters = {{"corner_hz"}, {"gain_1"}, {"gain_2"}};
+  f.resources = Resources{.opamps = 1, .capacitors = 4};
+  f.transfer = "-(C1 V1 + C2 V2)/(Cout + Cint(1 - 1/z))";
+  f.transfer_ground = Ground::assumed;
+  f.limits = "corner as the FilterBilinear low pass";
+  return f;
+}
+
+class SumFilterCam : public Cam {
+ public:
+  SumFilterCam() : Cam(sum_filter_facts()) {}
+
+  std::vector<DeltaTransfer> transfers(const PlacedCam&, const CapacitorUnits& c) const override {
+    const std::vector<double> denominator{c["Cout"], c["Cint"]};
+    return {{{-c["C1"]}, denominator}, {{-c["C2"]}, denominator}};
+  }
+
+  /// Taken to be the FilterBilinear low pass with a second input branch.
+  std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
+    StageSwitches s;
+    s.capacitors = {switched_branch("C1", cam.units_of("C1"), PlateNode::input(1)),
+                    switched_branch("C2", cam.units_of("C2"), PlateNode::input(2)),
+                    switched_branch("Cout", cam.units_of("Cout"), PlateNode::opamp()),
+                    static_branch("Cint", cam.units_of("Cint"), PlateNode::opamp())};
+    return s;
+  }
+};
+
+}  // namespace
 
 const Cam& sum_filter_cam() {
-  static const Cam cam([] {
-    CamFacts f;
-    f.name = "SumFilter";
-    f.parameters = {{"corner_hz"}, {"gain_1"}, {"gain_2"}};
-    f.resources = Resources{.opamps = 1, .capacitors = 4};
-    f.transfer = "-(C1 V1 + C2 V2)/(Cout + Cint(1 - 1/z))";
-    f.transfer_ground = Ground::assumed;
-    f.limits = "corner as the FilterBilinear low pass";
-    return f;
-  }());
+  static const SumFilterCam cam;
   return cam;
 }
 

@@ -3,10 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <charconv>
 #include <cmath>
 
+#include "base/error.hpp"
 #include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
+#include "fpaa/cams/cam_step.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::fpaa {
@@ -47,19 +50,68 @@ std::string LookupTable::csv(const std::function<double(double)>& wanted) const 
   return table.text();
 }
 
+namespace {
+
+constexpr const char* kTableKey = "table_hex";
+
+CamFacts transfer_function_facts() {
+  CamFacts f;
+  f.name = "TransferFunction";
+  f.parameters = {{"table_v"}};
+  f.resources = Resources{.opamps = 1, .capacitors = 5, .comparators = 1, .sars = 1, .lookup_tables = 1};
+  f.transfer = "2 V (LUT[input] - 128)/Cout, 256 entries over -3 to +3 V, one cycle late";
+  f.transfer_ground = Ground::seen;
+  f.delay_cycles = 1.0;
+  f.clock_b_ratio = 16;
+  f.limits = "one look-up table a chip";
+  return f;
+}
+
+class TransferFunctionStep final : public CamStep {
+ public:
+  explicit TransferFunctionStep(const LookupTable& table) : table_(table) {}
+  double at_edge(std::span<const double> inputs) override { return table_.output(inputs[0]); }
+
+ private:
+  LookupTable table_;
+};
+
+class TransferFunctionCam : public Cam {
+ public:
+  TransferFunctionCam() : Cam(transfer_function_facts()) {}
+
+  std::unique_ptr<CamStep> step(const PlacedCam& cam) const override {
+    return std::make_unique<TransferFunctionStep>(LookupTable::from(cam.requested));
+  }
+  std::string picture_text(const PlacedCam&) const override { return "256 bytes of look-up"; }
+};
+
+}  // namespace
+
+CamValues LookupTable::values() const {
+  std::string hex;
+  for (const std::uint8_t byte : bytes) hex += fmt::format("{:02X}", byte);
+  return {{"cout", static_cast<double>(cout)}, {kTableKey, hex}};
+}
+
+LookupTable LookupTable::from(const CamValues& values) {
+  LookupTable out;
+  const std::string_view hex = values.text(kTableKey);
+  if (hex.size() != 2 * out.bytes.size()) {
+    throw InputError(
+        fmt::format("a look-up table has {} hex digits, expected {}", hex.size(), 2 * out.bytes.size()));
+  }
+  for (std::size_t i = 0; i < out.bytes.size(); ++i) {
+    const auto [end, error] = std::from_chars(hex.data() + 2 * i, hex.data() + 2 * i + 2, out.bytes[i], 16);
+    if (error != std::errc{} || end != hex.data() + 2 * i + 2)
+      throw InputError(fmt::format("byte {} of a look-up table is not two hex digits", i));
+  }
+  out.cout = static_cast<int>(values.required_number("cout"));
+  return out;
+}
+
 const Cam& transfer_function_cam() {
-  static const Cam cam([] {
-    CamFacts f;
-    f.name = "TransferFunction";
-    f.parameters = {{"table_v"}};
-    f.resources = Resources{.opamps = 1, .capacitors = 5, .comparators = 1, .sars = 1, .lookup_tables = 1};
-    f.transfer = "2 V (LUT[input] - 128)/Cout, 256 entries over -3 to +3 V, one cycle late";
-    f.transfer_ground = Ground::seen;
-    f.delay_cycles = 1.0;
-    f.clock_b_ratio = 16;
-    f.limits = "one look-up table a chip";
-    return f;
-  }());
+  static const TransferFunctionCam cam;
   return cam;
 }
 

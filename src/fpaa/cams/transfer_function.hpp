@@ -6,6 +6,7 @@
 #include <string>
 
 #include "base/outcome.hpp"
+#include "fpaa/cam_values.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -27,6 +28,9 @@ struct LookupTable {
   /// The table of a static function of volts; `full_scale` limits it to +- that. Refused when it is 0
   /// everywhere or not finite.
   static Outcome<LookupTable> of(const std::function<double(double)>& function, double full_scale_v = 3.0);
+  /// The table as a placed CAM carries it ("cout", "table_hex": 512 digits), and back.
+  CamValues values() const;
+  static LookupTable from(const CamValues& values);
   /// `entry,input_v,wanted_v,output_v,byte`: the file to load in the CAM's dialog, 256 rows.
   std::string csv(const std::function<double(double)>& wanted) const;
 };

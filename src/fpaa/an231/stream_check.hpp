@@ -1,0 +1,36 @@
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "fpaa/an231/decoded_plan.hpp"
+#include "fpaa/an231/netlist.hpp"
+#include "fpaa/plan.hpp"
+
+namespace bodesmith::fpaa::an231 {
+
+/// What the bytes would do, against what is wanted.
+struct StreamErrors {
+  PlanError samples;  ///< without holds and delays
+  PlanError running;  ///< as the board runs, with every clock and hold
+};
+using WantedResponse = std::function<std::complex<double>(RadPerSecond)>;
+
+/// Refused where the bytes have no z transfer between the pins.
+Outcome<StreamErrors> stream_errors(const BoardCircuit& board, const SignalPins& pins, Band band,
+                                    const WantedResponse& wanted_samples,
+                                    const WantedResponse& wanted_running);
+
+/// The I/O cells that a plan with a stream names for its pins: plan's chip -> pin -> cell.
+std::map<int, std::map<std::string, int>> plan_pins(const Plan& plan);
+
+/// Byte by byte: a chip's memory against the stream that the plan itself makes (with the plan's own pins), one
+/// line a byte ("chip 1 bank 3 byte 5: 08, the plan has 0C (C3 of CAB 1)"). Refused when the plan makes none.
+Outcome<std::vector<std::string>> memory_differences(const Plan& plan, const std::vector<ChipImage>& chips);
+
+/// What stands at an address, for messages: "C3 of CAB 1", "divisor of Clock 0", …
+std::string address_text(Address at);
+
+}  // namespace bodesmith::fpaa::an231

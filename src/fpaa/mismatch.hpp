@@ -1,0 +1,54 @@
+#pragma once
+
+#include <complex>
+
+#include "base/json_fwd.hpp"
+
+namespace bodesmith::fpaa {
+
+/// How the capacitors of a chip differ from their whole numbers of units: the one model of `fpaa` (search and
+/// budget), `yield` and `fpaa trim`. A capacitor of n units is
+///   n (1 + unit_percent/100 / sqrt(n) * x) + systematic_units,   x standard normal, of each capacitor its
+///   own
+/// (Pelgrom, Duinmaijer and Welbers, IEEE J. Solid-State Circuits 24 (1989) 1433: n equal units side by side
+/// average). The vendor publishes neither figure: both are ASSUMPTIONS that the user may set.
+struct MismatchModel {
+  /// k: standard deviation of one unit. The ratio of two capacitors of 50 units is off by 0.1 % with 0.5 %.
+  double unit_percent = 0.5;
+  /// What every capacitor has too much, on every chip alike and whatever its size (wiring, switches).
+  double systematic_units = 0.0;
+
+  /// Standard deviation of a capacitor of `units` relative to itself; 0 for one that is not there.
+  double relative_sigma(double units) const;
+  /// The capacitor that was drawn with the standard normal number x; never below 0.
+  double drawn(double units, double x) const;
+
+  Json to_json() const;
+};
+
+/// An error that about 95 of 100 boards keep at one frequency: the designed complex error `offset` with a
+/// random one of standard deviation `sigma` (linear: the root of the summed squares of what each capacitor
+/// adds there). Cheap and smooth, for a search; error_budget() and `yield` draw boards.
+double error_of_95_percent(std::complex<double> offset, double sigma);
+
+/// What kT/C noise needs beside the capacitors in units. The unit capacitance is not publicly known: an
+/// ASSUMPTION that the user may set.
+struct NoiseModel {
+  double unit_capacitance_f = 50e-15;
+  double temperature_k = 300.0;
+
+  /// sqrt(kT/C_u): rms noise voltage of one unit.
+  double unit_noise_v() const;
+  /// rms in uV of a mean square given in kT/C_u.
+  double microvolts(double mean_square_kt_per_cu) const;
+
+  Json to_json() const;
+};
+
+/// Both, in every place where a plan is judged.
+struct BoardAssumptions {
+  MismatchModel mismatch;
+  NoiseModel noise;
+};
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,99 @@
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <deque>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/units.hpp"
+#include "lti/frequency_grid.hpp"
+#include "lti/sections.hpp"
+
+namespace bodesmith::fpaa {
+
+/// One stage of a design while it is searched: capacitors that need not be whole yet, wired to other stages.
+struct NetworkStage {
+  enum class Kind {
+    first,  ///< sum over inputs of -(Cin + aCin D)/(Cout + aCout D): SumInv, low pass, pole and zero, gain
+    second_low,   ///< BiquadStage, low Q
+    second_high,  ///< BiquadStage, high Q
+  };
+  Kind kind = Kind::first;
+  std::string name;
+  std::int64_t divisor = 1;  ///< of the master clock
+  std::vector<int> from;     ///< what feeds each input: a stage before this one, or kBoardInput
+  /// first: Cin1, aCin1, Cin2, aCin2, …, Cout, aCout. second: C1, Cp, Cpp, C2, C3, C4, CA, CB. 0: not there.
+  std::vector<double> c;
+  bool c1_inverting = true;
+  std::vector<char> free;  ///< those that the continuous fit moves (the others only fix the scale)
+
+  static constexpr int kBoardInput = -1;
+  enum Second { kC1, kCp, kCpp, kC2, kC3, kC4, kCA, kCB };
+
+  int capacitor_count() const;
+  int opamps() const { return kind == Kind::first ? 1 : 2; }
+  /// Reads input `input` (from 0), D = 1 - 1/z.
+  std::complex<double> response(std::size_t input, std::complex<double> d) const;
+  bool is_stable() const;
+  /// How large this capacitor may be: CA and CB have two banks in a stage with one input.
+  double largest_units(std::size_t capacitor, int max_capacitor) const;
+};
+
+/// Stages in an order in which each reads only those before it; the last drives the output pin.
+struct Network {
+  std::vector<NetworkStage> stages;
+  int opamps() const;
+};
+
+/// Where a design is judged: frequencies, what is wanted there, and how much an error there counts.
+struct NetworkTarget {
+  std::vector<RadPerSecond> grid;
+  std::vector<std::complex<double>> wanted;
+  std::vector<double> weight;      ///< of |got/wanted - 1|; 1 within the band
+  std::vector<double> reciprocal;  ///< 1/|wanted|, its zeros softened
+  Band band;
+  double master_hz = 16e6;
+  int max_capacitor = 255;
+};
+
+/// Evaluates networks on a target's grid, as they run: every clock and hold. Clocks that are read by another
+/// one are whole multiples of it or divide it, so that no line folds back (see MultirateResponse).
+class NetworkResponse {
+ public:
+  explicit NetworkResponse(const NetworkTarget& target) : target_(target) {}
+
+  /// Of every stage, at its own samples.
+  std::vector<std::vector<std::complex<double>>> nodes(const Network& network) const;
+  /// At the output pin, held.
+  std::vector<std::complex<double>> output(const Network& network) const;
+  /// weight (got/wanted - 1).
+  std::vector<std::complex<double>> errors(const Network& network) const;
+  /// From each stage's output to the output pin (hold of the last included).
+  std::vector<std::vector<std::complex<double>>> onward(const Network& network) const;
+
+  /// 1 - 1/z at a clock, on the grid.
+  const std::vector<std::complex<double>>& d_of(std::int64_t divisor) const;
+  /// What reading makes of the held output of `source` at clock `reader`.
+  const std::vector<std::complex<double>>& read_of(std::int64_t source, std::int64_t reader) const;
+  /// The hold of the output pin.
+  const std::vector<std::complex<double>>& hold_of(std::int64_t divisor) const;
+  const NetworkTarget& target() const { return target_; }
+
+ private:
+  struct Kept {
+    std::int64_t a, b;
+    std::vector<std::complex<double>> values;
+  };
+  const std::vector<std::complex<double>>& kept(std::deque<Kept>& list, std::int64_t a, std::int64_t b,
+                                                std::complex<double> (*make)(double f, std::int64_t a,
+                                                                             std::int64_t b)) const;
+  const NetworkTarget& target_;
+  mutable std::deque<Kept> d_, read_, hold_;  ///< references stay valid
+};
+
+/// Largest |error| of a list.
+double largest_error(const std::vector<std::complex<double>>& errors);
+
+}  // namespace bodesmith::fpaa

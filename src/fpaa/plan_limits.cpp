@@ -1,0 +1,120 @@
+#include "fpaa/plan_limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "fpaa/drawn_board.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kImagesBelowHz = 1e5;
+
+/// int_0^x sin(u)/u du, to 1e-6 (series; auxiliary functions of Abramowitz and Stegun 5.2.38-39 above 4).
+double sine_integral(double x) {
+  if (x <= 4.0) {
+    double term = x;
+    double sum = x;
+    for (int n = 1; n < 20; ++n) {
+      term *= -x * x / ((2.0 * n) * (2.0 * n + 1.0));
+      sum += term / (2.0 * n + 1.0);
+    }
+    return sum;
+  }
+  const double y = 1.0 / (x * x);
+  // f(x) and g(x) by their rational approximations.
+  const double f = (std::pow(x, 8) + 38.027264 * std::pow(x, 6) + 265.187033 * std::pow(x, 4) +
+                    335.677320 * x * x + 38.102495) /
+                   (std::pow(x, 8) + 40.021433 * std::pow(x, 6) + 322.624911 * std::pow(x, 4) +
+                    570.236280 * x * x + 157.105423) /
+                   x;
+  const double g = (std::pow(x, 8) + 42.242855 * std::pow(x, 6) + 302.757865 * std::pow(x, 4) +
+                    352.018498 * x * x + 21.821899) /
+                   (std::pow(x, 8) + 48.196927 * std::pow(x, 6) + 482.485984 * std::pow(x, 4) +
+                    1114.978885 * x * x + 449.690326) *
+                   y;
+  return 0.5 * std::numbers::pi - f * std::cos(x) - g * std::sin(x);
+}
+
+/// The largest |y(t)| of a node's step response.
+double step_peak(const std::vector<Hertz>& grid, const std::vector<Complex>& node) {
+  constexpr int kTimes = 90;
+  const double slowest = 1.0 / grid.front().rad_s().value;
+  const double fastest = 1.0 / grid.back().rad_s().value;
+  double peak = std::abs(node.front().real());
+  for (int i = 0; i < kTimes; ++i) {
+    const double t = fastest * std::pow(slowest / fastest, (i + 0.5) / kTimes);
+    double y = node.front().real() * sine_integral(grid.front().rad_s().value * t);
+    double before = sine_integral(grid.front().rad_s().value * t);
+    for (std::size_t k = 0; k + 1 < grid.size(); ++k) {
+      const double next = sine_integral(grid[k + 1].rad_s().value * t);
+      y += 0.5 * (node[k].real() + node[k + 1].real()) * (next - before);
+      before = next;
+    }
+    peak = std::max(peak, std::abs(y) * 2.0 / std::numbers::pi);
+  }
+  return peak;
+}
+
+double fastest_clock(const Plan& plan) {
+  double out = 0.0;
+  for (const PlacedCam* cam : plan.cams()) out = std::max(out, cam->clock_a.value);
+  return out;
+}
+
+}  // namespace
+
+Headroom headroom_of(const Plan& plan, Band band, const Board& board) {
+  constexpr int kPoints = 360;
+  const Band wide{{0.01 * band.from.value}, {0.45 * fastest_clock(plan)}};
+  const DrawnBoard drawn(plan, log_grid(wide, kPoints));
+  const auto nodes = drawn.nodes(drawn.transfers(drawn.nominal_units()));
+  double sine = 1.0;
+  double step = 1.0;
+  for (const std::vector<Complex>& node : nodes) {
+    for (const Complex& h : node) sine = std::max(sine, std::abs(h));
+    step = std::max(step, step_peak(drawn.grid(), node));
+  }
+  return {board.full_scale_v / sine, board.full_scale_v / step};
+}
+
+std::optional<ImageLine> largest_image(const Plan& plan, Band band) {
+  constexpr int kSignals = 9;
+  constexpr int kMultiples = 12;
+  std::optional<ImageLine> out;
+  for (const Hertz f : log_grid(band, kSignals)) {
+    std::vector<Hertz> grid{f};
+    std::vector<std::size_t> owner{0};
+    const PlanGraph graph = value_or_throw(plan_graph(plan));
+    for (std::size_t n = 0; n < graph.nodes.size(); ++n) {
+      if (!graph.nodes[n].cam->output_hold) continue;
+      const double clock = graph.nodes[n].cam->clock_a.value;
+      for (int k = 1; k <= kMultiples; ++k) {
+        for (const double line : {k * clock - f.value, k * clock + f.value}) {
+          if (!(line > 0.0) || line >= kImagesBelowHz) continue;
+          grid.push_back({line});
+          owner.push_back(n);
+        }
+      }
+    }
+    if (grid.size() == 1) continue;
+    const DrawnBoard board(plan, grid);
+    const auto transfers = board.transfers(board.nominal_units());
+    const auto nodes = board.nodes(transfers);
+    const auto onward = board.onward(transfers);
+    const double signal = std::abs(board.response(transfers)[0]);
+    if (!(signal > 0.0)) continue;
+    for (std::size_t i = 1; i < grid.size(); ++i) {
+      const double size = std::abs(nodes[owner[i]][0] * onward[owner[i]][i]) / signal;
+      const double db = to_decibel(std::max(size, 1e-15));
+      if (!out || db > out->magnitude_db) out = ImageLine{f, grid[i], db};
+    }
+  }
+  return out;
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,121 @@
+// The controller whose every stage is publicly known, as bytes: read back, and its gains as updates.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/files.hpp"
+#include "fpaa/an231/decoded_plan.hpp"
+#include "fpaa/an231/plan_stream.hpp"
+#include "fpaa/controller_gains.hpp"
+#include "fpaa/controller_io.hpp"
+#include "temporary_folder.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using ::testing::HasSubstr;
+
+Disturbance rated_disturbance() {
+  Disturbance d;
+  d.ascending = {0.3546, -0.6433, 0.2887};
+  d.descending = {-0.2398, 0.0838, 0.156};
+  d.rate.frequency = {{1}, {10}, {20}, {60}, {100}};
+  d.rate.ascending = {1, 1, 1, 1, 1};
+  d.rate.descending = {1, 1.06, 1.1, 1.04, 1.17};
+  return d;
+}
+
+const ControllerVariant& loop_of(const Controller& controller, PolynomialBy by) {
+  for (const ControllerVariant& v : controller.variants) {
+    if (v.by == by && v.structure == ControllerStructure::loop) return v;
+  }
+  throw std::logic_error("no such variant");
+}
+
+TEST(ControllerStreams, BytesMakeTheWeights) {
+  const Controller controller = value_or_throw(make_controller(rated_disturbance(), nullptr, nullptr, {}));
+  const ControllerVariant& v = loop_of(controller, PolynomialBy::outside);
+  const Plan plan = controller_plan(v);
+  const an231::PlanStreams streams = value_or_throw(an231::plan_streams(plan));
+  ASSERT_EQ(streams.chips.size(), 1u);
+  const an231::BoardCircuit board = an231::read_back(plan, streams);
+  const auto& pins = streams.chips[0].built.pins;
+  const auto cell = [&](const std::string& signal) -> int {
+    for (const auto& [pin, name] : pin_signals(v)) {
+      if (name == signal) return pins.at(pin.substr(pin.find('.') + 1));
+    }
+    return 0;
+  };
+  const auto gain = [&](const std::string& from, const std::string& to) {
+    const Plan path = value_or_throw(an231::decoded_plan(board, {1, cell(from)}, {1, cell(to)}));
+    return plan_response(path, Hertz{1e-3}.rad_s(), false).real();
+  };
+  const ControllerCam& up = *v.find("AscendingSum");
+  const ControllerCam& down = *v.find("DescendingSum");
+  EXPECT_NEAR(gain("x2", "AscendingSumHold"), up.realised.required_number("gain_2"), 1e-9);
+  EXPECT_NEAR(gain("x3", "AscendingSumHold"), up.realised.required_number("gain_3"), 1e-9);
+  EXPECT_NEAR(gain("x2", "DescendingSumHold"), down.realised.required_number("gain_2"), 1e-9);
+  EXPECT_NEAR(gain("x3", "DescendingSumHold"), down.realised.required_number("gain_3"), 1e-9);
+  EXPECT_NEAR(gain("r", "v"), 1.0, 1e-9);
+  EXPECT_NEAR(gain("Branch", "v"), v.find("Output")->realised.required_number("gain_2"), 1e-9);
+  // From the drive, which never leaves the chip, to the branch.
+  EXPECT_NEAR(gain("r", "DescendingSumHold"), down.realised.required_number("gain_1"), 1e-9);
+}
+
+TEST(ControllerStreams, UpdatesAreCapacitorsOnly) {
+  const Disturbance d = rated_disturbance();
+  const Controller controller = value_or_throw(make_controller(d, nullptr, nullptr, {}));
+  ControllerStreams made = value_or_throw(controller_streams(loop_of(controller, PolynomialBy::outside), d));
+  EXPECT_GT(made.sets, 40u);
+  const TemporaryFolder folder;
+  OutputSet out(folder.path());
+  out.include("stream", made.files);
+  out.commit();
+  const std::string primary = read_file(folder / "stream/chip1.ahf");
+  MemoryImage memory;
+  memory.lay_over(decode(from_ahf(primary, "chip1.ahf"), "chip1.ahf"), "chip1.ahf");
+  const MemoryImage before = memory;
+  const ConfigStream update =
+      decode(from_ahf(read_file(folder / "stream/updates/set010_address1.ahf"), "set"), "set");
+  EXPECT_FALSE(update.primary);
+  memory.lay_over(update, "set");
+  int changed = 0;
+  for (int bank = 0; bank < MemoryImage::kBanks; ++bank) {
+    for (int byte = 0; byte < MemoryImage::kBankBytes; ++byte) {
+      if (memory.at(bank, byte) == before.at(bank, byte)) continue;
+      ++changed;
+      EXPECT_TRUE(bank >= 3 && bank % 2 == 1 && byte < 8) << bank << ":" << byte << " is no capacitor";
+    }
+  }
+  EXPECT_GT(changed, 1);
+  EXPECT_LE(changed, 8);
+  EXPECT_THAT(read_file(folder / "stream/first_power_on.md"), HasSubstr("not tried on silicon"));
+}
+
+TEST(ControllerStreams, UnknownSwitchesAreNamed) {
+  const Disturbance d = rated_disturbance();
+  const Controller controller = value_or_throw(make_controller(d, nullptr, nullptr, {}));
+  const auto outcome = controller_streams(loop_of(controller, PolynomialBy::lookup), d);
+  const Refusal* refusal = refusal_of(outcome);
+  ASSERT_NE(refusal, nullptr);
+  EXPECT_THAT(refusal->reason, HasSubstr("not publicly known"));
+  // Its gains are in the table of sets all the same.
+  EXPECT_THAT(gain_sets_csv(loop_of(controller, PolynomialBy::lookup), d),
+              HasSubstr("DescendingGain_Cin_units"));
+}
+
+TEST(ControllerStreams, SetsAreNearEnough) {
+  const Disturbance d = rated_disturbance();
+  const std::vector<Hertz> sets = gain_set_frequencies(d);
+  for (double f = 1.0; f < 100.0; f *= 1.07) {
+    const Hertz served = serving_frequency(sets, {f});
+    for (const auto branch : {Disturbance::Branch::ascending, Disturbance::Branch::descending}) {
+      EXPECT_NEAR(d.rate_gain(branch, served) / d.rate_gain(branch, {f}), 1.0, 0.0027) << f;
+    }
+  }
+  EXPECT_EQ(serving_frequency({}, {7.0}).value, 7.0);
+}
+
+}  // namespace
+}  // namespace bodesmith::fpaa

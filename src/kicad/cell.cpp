@@ -309,8 +309,10 @@ void CellMaker::loose(std::vector<Branch>& rest) {
 
 std::vector<Cell> stage_cells(const std::vector<Part>& parts, const std::vector<OpAmp>& opamps,
                               const std::string& in, const std::string& out, const PartTexts& texts,
-                              const std::function<Symbol(const OpAmp&)>& opamp_symbol) {
+                              const std::function<Symbol(const OpAmp&)>& opamp_symbol,
+                              const std::set<std::string>& named) {
   std::set<std::string> terminals = {"0", in, out};
+  terminals.insert(named.begin(), named.end());
   for (const OpAmp& opamp : opamps) terminals.insert({opamp.plus, opamp.minus, opamp.out});
   std::vector<Branch> rest = circuit::series_parallel_branches(parts, terminals);
   std::vector<Cell> cells;

@@ -2,6 +2,7 @@
 
 #include <functional>
 #include <optional>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -33,10 +34,12 @@ using PartTexts = std::function<Symbol(const circuit::Part&)>;
 
 /// The cells of one stage, op-amps in their order. Around every op-amp: its own feedback above (for the lower
 /// input below), what leads to its inputs on the left, the parts of an inner node that also goes to the
-/// output or to ground (Sallen-Key, multiple feedback) between them; every other net by its name.
+/// output or to ground (Sallen-Key, multiple feedback) between them; every other net by its name. `named`: nodes
+/// that something beyond these parts needs.
 std::vector<Cell> stage_cells(const std::vector<circuit::Part>& parts,
                               const std::vector<circuit::OpAmp>& opamps, const std::string& in,
                               const std::string& out, const PartTexts& texts,
-                              const std::function<Symbol(const circuit::OpAmp&)>& opamp_symbol);
+                              const std::function<Symbol(const circuit::OpAmp&)>& opamp_symbol,
+                              const std::set<std::string>& named = {});
 
 }  // namespace bodesmith::kicad

@@ -71,7 +71,7 @@ void Drawing::supply(const std::string& kind, Point at, const std::string& net, 
   out.at = at;
   out.angle = angle;
   out.pins = {"1"};
-  const bool downwards = kind == "GND" || kind == "VEE" || angle == 180;
+  const bool downwards = kind == "GND" || kind == "VEE" || kind == "V5N" || angle == 180;
   const double away = downwards ? 3.302 : -3.556;
   out.value_mm[1] = away;
   reach(at + Point{0, downwards ? 4 : -4});

@@ -12,6 +12,7 @@
 #include "base/version.hpp"
 #include "circuit/text.hpp"
 #include "kicad/cell.hpp"
+#include "kicad/devices.hpp"
 #include "kicad/sheet_rows.hpp"
 #include "kicad/text.hpp"
 
@@ -134,25 +135,10 @@ class Schematic {
     return out;
   }
 
-  bool dual() const { return circuit_.model.per_package == 2; }
-
   /// A unit of a package; the power unit comes after the op-amps.
   Symbol opamp_unit(int package, int unit) const {
-    Symbol out;
-    out.kind = dual() ? "OpAmp_Dual" : "OpAmp";
-    out.reference = fmt::format("U{}", package + 1);
-    out.value = circuit_.model.name;
-    out.footprint = "Package_SO:SOIC-8_3.9x4.9mm_P1.27mm";
-    out.unit = unit + 1;
-    if (unit == circuit_.model.per_package) {
-      out.pins = dual() ? std::vector<std::string>{"8", "4"} : std::vector<std::string>{"7", "4"};
-    } else if (dual()) {
-      out.pins =
-          unit == 0 ? std::vector<std::string>{"1", "2", "3"} : std::vector<std::string>{"5", "6", "7"};
-    } else {
-      out.pins = {"2", "3", "6"};
-    }
-    return out;
+    return opamp_symbol(fmt::format("U{}", package + 1), circuit_.model.name, circuit_.model.per_package,
+                        unit);
   }
 
   Group stage_group(size_t index) const {
@@ -187,117 +173,26 @@ class Schematic {
     return out;
   }
 
-  static Symbol connector(const std::string& kind, const std::string& reference, const std::string& value) {
-    Symbol out;
-    out.kind = kind;
-    out.reference = reference;
-    out.value = value;
-    const bool three = kind == "Conn_1x03";
-    out.footprint = three ? "Connector_PinHeader_2.54mm:PinHeader_1x03_P2.54mm_Vertical"
-                          : "Connector_PinHeader_2.54mm:PinHeader_1x02_P2.54mm_Vertical";
-    out.reference_mm[1] = -5.08;
-    out.value_mm[1] = 6.35;
-    out.pins = three ? std::vector<std::string>{"1", "2", "3"} : std::vector<std::string>{"1", "2"};
-    return out;
-  }
-
   /// Connectors, supplies, and the packages' power units with their capacitors.
   std::vector<Group> board_groups() const {
     std::vector<Group> out(1);
     Group& connectors = out[0];
     connectors.text = "connectors, supplies, 100 nF at every supply pin";
-    for (const bool input : {true, false}) {
-      Cell cell;
-      const std::string net = input ? "in" : "out";
-      cell.drawing.symbol(connector("Conn_1x02", input ? "J1" : "J2", net), {{{4, 0}, net}, {{4, 2}, "0"}});
-      cell.drawing.wire({4, 0}, {6, 0}, net);
-      cell.drawing.label({{6, 0}, net, false});
-      cell.drawing.wire({4, 2}, {6, 2}, "0");
-      cell.drawing.supply("GND", {6, 2}, "0");
-      cell.drawing.reach({-3, -5});
-      connectors.cells.push_back(std::move(cell));
-    }
-    Cell power;
-    Drawing& drawing = power.drawing;
-    drawing.symbol(connector("Conn_1x03", "J3", "supply"),
-                   {{{4, -2}, "VCC"}, {{4, 0}, "0"}, {{4, 2}, "VEE"}});
-    drawing.reach({-3, -5});
-    drawing.wire({4, -2}, {16, -2}, "VCC");
-    drawing.supply("VCC", {8, -2}, "VCC");
-    drawing.supply("PWR_FLAG", {16, -2}, "VCC");
-    drawing.wire({4, 0}, {26, 0}, "0");
-    drawing.supply("PWR_FLAG", {26, 0}, "0");
-    drawing.wire({26, 0}, {26, 1}, "0");
-    drawing.supply("GND", {26, 1}, "0");
-    drawing.wire({4, 2}, {16, 2}, "VEE");
-    drawing.supply("VEE", {8, 2}, "VEE");
-    drawing.supply("PWR_FLAG", {16, 2}, "VEE", 180);
-    drawing.reach({30, 6});
-    connectors.cells.push_back(std::move(power));
+    connectors.cells.push_back(connector_cell("J1", "in"));
+    connectors.cells.push_back(connector_cell("J2", "out"));
+    connectors.cells.push_back(supply_connector_cell("J3", "VCC", "VEE"));
     const int per = circuit_.model.per_package;
     const int packages = (static_cast<int>(circuit_.opamps.size()) + per - 1) / per;
     for (int i = 0; i < packages; ++i) {
       Group group;
-      group.cells.push_back(supply_cell(i));
+      group.cells.push_back(package_supply_cell(opamp_unit(i, per), 2 * i + 1));
       out.push_back(std::move(group));
     }
     if (packages * per > static_cast<int>(circuit_.opamps.size())) {
       Group group;
-      group.cells.push_back(spare_cell(packages - 1, per - 1));
+      group.cells.push_back(spare_opamp_cell(opamp_unit(packages - 1, per - 1)));
       out.push_back(std::move(group));
     }
-    return out;
-  }
-
-  Cell supply_cell(int package) const {
-    Cell out;
-    Drawing& drawing = out.drawing;
-    Symbol unit = opamp_unit(package, circuit_.model.per_package);
-    unit.text_to_right = true;
-    unit.reference_mm[0] = unit.value_mm[0] = 1.27;
-    unit.reference_mm[1] = -1.27;
-    unit.value_mm[1] = 1.27;
-    drawing.symbol(std::move(unit), {{{0, -6}, "VCC"}, {{0, 6}, "VEE"}});
-    drawing.reach({static_cast<int>(circuit_.model.name.size()) + 1, 0});
-    drawing.supply("VCC", {0, -6}, "VCC");
-    drawing.supply("VEE", {0, 6}, "VEE");
-    for (const bool upper : {true, false}) {
-      circuit::Part part;
-      part.kind = circuit::Part::Kind::capacitor;
-      Symbol texts;
-      texts.reference = fmt::format("Cd{}", 2 * package + (upper ? 1 : 2));
-      texts.value = "100n";
-      texts.footprint = "Capacitor_SMD:C_0603_1608Metric";
-      // Beside the package: VCC to ground above, ground to VEE below.
-      const int x = -16, y = upper ? -3 : 3;
-      drawing.part(part, texts, {x, y}, false, upper ? "VCC" : "0", upper ? "0" : "VEE");
-      const int rail = upper ? -6 : 6;
-      drawing.wire({x, rail}, {0, rail}, upper ? "VCC" : "VEE");
-    }
-    drawing.wire({-16, 0}, {-20, 0}, "0");
-    drawing.supply("GND", {-20, 0}, "0");
-    drawing.reach({-22, 0});
-    return out;
-  }
-
-  Cell spare_cell(int package, int unit) const {
-    Cell out;
-    Drawing& drawing = out.drawing;
-    Symbol symbol = opamp_unit(package, unit);
-    symbol.text_to_right = true;
-    symbol.reference_mm[0] = symbol.value_mm[0] = 2.54;
-    symbol.reference_mm[1] = -5.08;
-    symbol.value_mm[1] = 5.08;
-    symbol.fields = {{"Netlist", "spare"}};
-    const std::string net = "spare";
-    drawing.symbol(std::move(symbol), {{{-6, -2}, net}, {{-6, 2}, "0"}, {{6, 0}, net}});
-    drawing.wire({-6, -2}, {-8, -2}, net);
-    drawing.wire({-8, -2}, {-8, -7}, net);
-    drawing.wire({-8, -7}, {8, -7}, net);
-    drawing.wire({8, -7}, {8, 0}, net);
-    drawing.wire({8, 0}, {6, 0}, net);
-    drawing.wire({-6, 2}, {-8, 2}, "0");
-    drawing.supply("GND", {-8, 2}, "0");
     return out;
   }
 
@@ -327,10 +222,7 @@ void add_kicad_files(const circuit::Circuit& circuit, const std::string& title, 
   project["text_variables"] = Json::object();
   out.add("compensator.kicad_pro", to_text(project));
   out.add("bodesmith.kicad_sym", symbol_library_text());
-  out.add(
-      "sym-lib-table",
-      "(sym_lib_table\n  (lib (name \"bodesmith\")(type \"KiCad\")(uri \"${KIPRJMOD}/bodesmith.kicad_sym\")"
-      "(options \"\")(descr \"symbols of bodesmith's schematics\"))\n)\n");
+  out.add("sym-lib-table", symbol_table_text());
 }
 
 }  // namespace bodesmith::kicad

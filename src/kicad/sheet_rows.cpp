@@ -98,6 +98,7 @@ std::map<std::string, int> Rows::count_uses() const {
     for (const Item& item : row.items) {
       std::set<std::string> here;
       for (const Anchor& anchor : item.cell.anchors) here.insert(anchor.net);
+      for (const Label& label : item.cell.drawing.labels) here.insert(label.net);
       for (const std::string& net : here) ++out[net];
     }
   }

@@ -39,9 +39,68 @@ std::string mm(int steps) {
   return mm(steps * kGridMm);
 }
 
+Json pin_json(const char* type, double x, double y, int angle, const char* name, const char* number) {
+  return {{"type", type}, {"x", mm(x)}, {"y", mm(y)}, {"angle", angle}, {"pin", name}, {"number", number}};
+}
+
+Json rectangle_json(const char* start, const char* end) {
+  return Json::array({{{"start", start}, {"end", end}}});
+}
+
+/// What is no resistor, capacitor, op-amp or connector (devices.hpp).
+Json boxes_json() {
+  Json multiplier = {
+      {"unit", 1},
+      {"rectangles", rectangle_json("-7.62 10.16", "7.62 -10.16")},
+      {"lines", Json::array()},
+      {"pins",
+       {pin_json("input", -10.16, 5.08, 0, "X1", "8"), pin_json("input", -10.16, 2.54, 0, "X2", "7"),
+        pin_json("input", -10.16, -2.54, 0, "Y1", "1"), pin_json("input", -10.16, -5.08, 0, "Y2", "2"),
+        pin_json("input", -10.16, -7.62, 0, "Z", "4"), pin_json("output", 10.16, 0, 180, "W", "5"),
+        pin_json("power_in", 0, 12.7, 270, "VP", "6"), pin_json("power_in", 0, -12.7, 90, "VN", "3")}}};
+  Json contacts = Json::array();
+  const char* const pins[4][3] = {{"1", "3", "2"}, {"16", "14", "15"}, {"9", "11", "10"}, {"8", "6", "7"}};
+  for (int unit = 0; unit < 4; ++unit) {
+    contacts.push_back({{"unit", unit + 1},
+                        {"rectangles", rectangle_json("-5.08 2.54", "5.08 -5.08")},
+                        {"lines", Json::array({{{"points", "(xy -2 0) (xy 2 1.8)"}}})},
+                        {"pins",
+                         {pin_json("input", -7.62, -2.54, 0, "IN", pins[unit][0]),
+                          pin_json("passive", -7.62, 0, 0, "S", pins[unit][1]),
+                          pin_json("passive", 7.62, 0, 180, "D", pins[unit][2])}}});
+  }
+  contacts.push_back(
+      {{"unit", 5},
+       {"rectangles", rectangle_json("-5.08 7.62", "5.08 -7.62")},
+       {"lines", Json::array()},
+       {"pins",
+        {pin_json("power_in", 0, 10.16, 270, "VDD", "13"), pin_json("power_in", 0, -10.16, 90, "VSS", "4"),
+         pin_json("power_in", -7.62, 0, 0, "GND", "5"), pin_json("power_in", 7.62, 0, 180, "VL", "12")}}});
+  Json diode = {
+      {"unit", 1},
+      {"rectangles", Json::array()},
+      {"lines", Json::array({{{"points", "(xy -1.27 1.27) (xy -1.27 -1.27) (xy 1.27 0) (xy -1.27 1.27)"}},
+                             {{"points", "(xy 1.27 1.27) (xy 1.27 -1.27)"}}})},
+      {"pins", {pin_json("passive", 3.81, 0, 180, "K", "1"), pin_json("passive", -3.81, 0, 0, "A", "2")}}};
+  Json reference = {
+      {"unit", 1},
+      {"rectangles", rectangle_json("-5.08 5.08", "5.08 -5.08")},
+      {"lines", Json::array()},
+      {"pins",
+       {pin_json("power_in", -7.62, 0, 0, "VIN", "2"), pin_json("output", 7.62, 0, 180, "VOUT", "6"),
+        pin_json("power_in", 0, -7.62, 90, "GND", "4")}}};
+  const auto box = [](const char* name, const char* letter, const char* top, const Json& units) {
+    return Json{{"name", name}, {"letter", letter}, {"top", top}, {"units", units}};
+  };
+  return Json::array({box("AD835", "U", "14", Json::array({multiplier})), box("ADG413", "U", "10", contacts),
+                      box("D", "D", "2.54", Json::array({diode})),
+                      box("VoltageReference", "U", "7.62", Json::array({reference}))});
+}
+
 Json symbols_json(const std::string& library) {
   Json data;
   data["library"] = library;
+  data["boxes"] = boxes_json();
   data["amplifiers"] = {{{"name", "OpAmp"},
                          {"units", {{{"unit", 1}, {"minus", "2"}, {"plus", "3"}, {"out", "6"}}}},
                          {"power_unit", 2},
@@ -81,6 +140,10 @@ Json symbols_json(const std::string& library) {
       supply("VCC", "power_in", true, "VCC", 90, "3.556",
              {up, "(xy -0.762 1.27) (xy 0 2.54) (xy 0.762 1.27)"}),
       supply("VEE", "power_in", true, "VEE", 270, "-3.302",
+             {"(xy 0 0) (xy 0 -2.54)", "(xy -0.762 -1.27) (xy 0 -2.54) (xy 0.762 -1.27)"}),
+      supply("V5P", "power_in", true, "V5P", 90, "3.556",
+             {up, "(xy -0.762 1.27) (xy 0 2.54) (xy 0.762 1.27)"}),
+      supply("V5N", "power_in", true, "V5N", 270, "-3.302",
              {"(xy 0 0) (xy 0 -2.54)", "(xy -0.762 -1.27) (xy 0 -2.54) (xy 0.762 -1.27)"}),
       supply("PWR_FLAG", "power_out", false, "pwr", 90, "3.556",
              {"(xy 0 0) (xy 0 1.27) (xy -1.016 1.905) (xy 0 2.54) (xy 1.016 1.905) (xy 0 1.27)"})};
@@ -172,6 +235,11 @@ Json box_json(const SheetBox& box, const std::string& uuid, Ids& ids) {
 
 std::string root_uuid(const std::string& title) {
   return uuid_of(title + "/0");
+}
+
+std::string symbol_table_text() {
+  return "(sym_lib_table\n  (lib (name \"bodesmith\")(type \"KiCad\")(uri \"${KIPRJMOD}/bodesmith.kicad_sym\")"
+         "(options \"\")(descr \"symbols of bodesmith's schematics\"))\n)\n";
 }
 
 std::string symbol_library_text() {

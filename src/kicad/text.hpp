@@ -28,6 +28,7 @@ struct Sheet {
 std::vector<std::string> sheet_texts(const std::vector<Sheet>& sheets, const std::string& title,
                                      const std::string& comment);
 std::string symbol_library_text();
+std::string symbol_table_text();
 /// The root sheet's identifier, for the project file.
 std::string root_uuid(const std::string& title);
 

@@ -2,23 +2,18 @@
 
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "base/version.hpp"
 #include "circuit/text.hpp"
-#include "multiplier_layout/timing.hpp"
+#include "spice/models.hpp"
 #include "spice/opamp_macromodel.hpp"
 
 namespace bodesmith::spice {
 namespace {
 
 using circuit::plain_number;
-
-/// Of the source that pushes the injected charge through Cg, V.
-constexpr double kGateSwing = 10.0;
 
 Json line_of(const multiplier_layout::Part& part) {
   return {{"line", fmt::format("{} {} {} {}", part.name, part.from, part.to, plain_number(part.realised))}};
@@ -74,19 +69,11 @@ std::string codes_of(const multiplier_layout::Layout& layout) {
 
 void add_switch(const multiplier_layout::Layout& layout, bool amplitude, Json& data) {
   const multiplier_layout::SwitchModel& model = layout.analog_switch;
-  const multiplier_layout::SwitchTimer timer = multiplier_layout::SwitchTimer::of(model);
   data["switch"] = model.name;
   data["on_ohm"] = plain_number(model.on_ohm);
   data["on_delay_s"] = plain_number(model.on_delay_s);
   data["off_delay_s"] = plain_number(model.off_delay_s());
-  data["charge_c"] = plain_number(model.charge_c);
-  data["off_siemens"] = plain_number(model.off_siemens);
-  data["on_siemens"] = plain_number(1.0 / std::max(model.on_ohm, 1e-3));
-  data["level"] = plain_number(timer.level);
-  data["timer_f"] = plain_number(timer.tau_s / 1000.0);
-  data["charge_f"] = plain_number(model.charge_c / kGateSwing);
-  data["source_f"] = plain_number(model.source_f);
-  data["drain_f"] = plain_number(std::max(model.drain_f - model.charge_c / kGateSwing, 0.0));
+  data["switch_model"] = switch_subcircuit(model);
   data["lines"] = Json::array({{{"level", "lb"}, {"pin", "branch"}}});
   for (int line = 1; line <= layout.select_lines(); ++line)
     data["lines"].push_back({{"level", fmt::format("l{}", line)}, {"pin", fmt::format("select{}", line)}});
@@ -162,27 +149,11 @@ std::string disturbance_library(const multiplier_layout::Layout& layout, const s
       {{{"line", fmt::format("{} {} {} {}", input.name, from, input.to, plain_number(input.realised))}},
        line_of(layout.part(feedback))});
   data["output_opamp"] = fmt::format("XU{}", layout.sums.size() + 1);
-  const multiplier_layout::DiodeModel diode;
   data["diodes"] = layout.switched() || options.amplitude;
-  data["saturation_a"] = plain_number(diode.saturation_a);
-  data["emission"] = plain_number(diode.emission);
-  data["series_ohm"] = plain_number(diode.series_ohm);
-  data["junction_f"] = plain_number(diode.junction_f);
-  data["transit_s"] = plain_number(diode.transit_s);
-  data["multiplier"] = layout.multiplier.name;
-  data["scale_v"] = plain_number(layout.multiplier.scale_v);
-  double inverse = 1.0 / layout.multiplier.scale_v;
-  data["spoilt"] = options.errors.has_value();
-  if (options.errors) {
-    const multiplier_layout::MultiplierDeviation off = options.errors->multiplier_at_limit();
-    inverse *= (1.0 + off.bend) / (1.0 + off.scale);
-    data["input_offset_v"] = plain_number(off.x);
-    data["output_offset_v"] = plain_number(off.w);
-  }
-  data["inverse_scale"] = plain_number(inverse);
-  data["bandwidth_hz"] = plain_number(layout.multiplier.bandwidth.value);
-  data["pole_f"] = plain_number(1.0 / layout.multiplier.bandwidth.rad_s().value);
-  data["limit_v"] = plain_number(layout.multiplier.greatest_output_v);
+  data["diode_model"] = diode_model(multiplier_layout::DiodeModel{});
+  MultiplierText multiplier{"bodesmith_multiplier", layout.multiplier, {}};
+  if (options.errors) multiplier.off = options.errors->multiplier_at_limit();
+  data["multiplier_model"] = multiplier_subcircuit(multiplier);
   data["opamp"] = opamp_macromodel(layout.opamp);
   return render_template("spice/disturbance.sub", data);
 }

@@ -112,6 +112,12 @@ std::vector<std::complex<double>> run_ac_of_text(const std::string& library, con
   return run_ac(library_head("library.sub", top), "out", name, grid, folder.path());
 }
 
+std::vector<std::complex<double>> run_ac_of_circuit(const std::string& deck, const std::string& node,
+                                                    const std::vector<Hertz>& grid, const std::string& what) {
+  const WorkFolder folder;
+  return run_ac(deck, node, what, grid, folder.path());
+}
+
 std::vector<std::complex<double>> run_ac_of_deck(const fs::path& path, const std::vector<Hertz>& grid,
                                                  const std::string& node) {
   const UserDeck deck = read_user_deck(path, node);

@@ -40,6 +40,11 @@ std::vector<std::complex<double>> run_ac_of_deck(const std::filesystem::path& de
                                                  const std::vector<Hertz>& grid,
                                                  const std::string& node = {});
 
+/// V(node) of a deck without analysis and `.end` whose sources have their AC values: small-signal, about its
+/// operating point. `what` leads error messages.
+std::vector<std::complex<double>> run_ac_of_circuit(const std::string& deck, const std::string& node,
+                                                    const std::vector<Hertz>& grid, const std::string& what);
+
 /// A d.c. sweep: values of the source and the wanted node voltages.
 struct DcSweep {
   std::vector<double> source_v;

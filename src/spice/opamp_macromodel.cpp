@@ -11,11 +11,12 @@ namespace bodesmith::spice {
 
 using circuit::plain_number;
 
-std::string opamp_macromodel(const circuit::OpAmpModel& model) {
-  if (model.is_ideal) return render_template("spice/ideal_opamp.sub", {});
+std::string opamp_macromodel(const circuit::OpAmpModel& model, const std::string& subcircuit) {
+  if (model.is_ideal) return render_template("spice/ideal_opamp.sub", {{"subcircuit", subcircuit}});
   constexpr double kIntegrator = 1e-9;
   const double gbw = model.gain_bandwidth.rad_s().value;
   Json data;
+  data["subcircuit"] = subcircuit;
   data["name"] = model.name;
   data["gbw_hz"] = plain_number(model.gain_bandwidth.value);
   data["dc_gain"] = plain_number(model.dc_gain);

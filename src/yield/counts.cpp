@@ -17,6 +17,7 @@ Counts::Counts(const Result& shape) {
   }
   range(shape.worst_db);
   range(shape.worst_deg);
+  range(shape.worst_percent);
   histograms_ = low_.size();
   counts_.assign(histograms_ * kBins, 0);
   min_.assign(histograms_, std::numeric_limits<double>::infinity());
@@ -55,8 +56,9 @@ void Counts::put_into(Result& result) const {
     put(result.magnitude_db[i], 2 * i);
     put(result.phase_deg[i], 2 * i + 1);
   }
-  put(result.worst_db, histograms_ - 2);
-  put(result.worst_deg, histograms_ - 1);
+  put(result.worst_db, histograms_ - 3);
+  put(result.worst_deg, histograms_ - 2);
+  put(result.worst_percent, histograms_ - 1);
   result.samples = samples_;
   result.within = within_;
 }

@@ -9,7 +9,7 @@
 namespace bodesmith::yield {
 
 /// Everything that samples are counted into: one histogram of dB and one of degrees a frequency, one each of
-/// the worst over the grid, and how many stayed within the limits.
+/// the worst (dB, degrees, complex percent) over the grid, and how many stayed within the limits.
 class Counts {
  public:
   static constexpr int kBins = 8192;
@@ -22,9 +22,10 @@ class Counts {
     count(2 * i, decibel);
     count(2 * i + 1, degrees);
   }
-  void add_worst(double decibel, double degrees, bool within) {
-    count(histograms_ - 2, decibel);
-    count(histograms_ - 1, degrees);
+  void add_worst(double decibel, double degrees, double percent, bool within) {
+    count(histograms_ - 3, decibel);
+    count(histograms_ - 2, degrees);
+    count(histograms_ - 1, percent);
     within_ += within ? 1 : 0;
     ++samples_;
   }

@@ -4,9 +4,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "base/error.hpp"
 #include "circuit/stages/stage_form.hpp"
+#include "fpaa/cams/cam.hpp"
+#include "fpaa/drawn_board.hpp"
 
 namespace bodesmith::yield {
 namespace {
@@ -45,11 +48,24 @@ bool same(const circuit::Biquad& a, const circuit::Biquad& b) {
   return true;
 }
 
+/// At one clock, each pin and CAM wired to one other.
+bool is_one_path(const fpaa::Plan& plan) {
+  std::set<std::string> sources;
+  for (const fpaa::Wire& wire : plan.wires) {
+    if (wire.input != 1 || !sources.insert(wire.from).second) return false;
+  }
+  const auto cams = plan.cams();
+  return std::all_of(cams.begin(), cams.end(), [&](const fpaa::PlacedCam* cam) {
+    return cam->input_count() == 1 && cam->delay_cycles == 0.0 &&
+           cam->clock_a.value == cams[0]->clock_a.value;
+  });
+}
+
 class PlanReader {
  public:
   explicit PlanReader(std::string name) { out_.name = std::move(name); }
 
-  Design read(const Node& plan) {
+  Design read(const Node& plan, bool wanted) {
     plan.expect_schema("fpaa_plan");
     double low = INFINITY, high = 0.0;
     for (const Node& chip : plan.at("chips").items()) {
@@ -57,7 +73,13 @@ class PlanReader {
         read_cam(cam, fmt::format("chip{}.{}", chip.at("chip").integer(1, 1000), cam.at("name").string()));
       }
     }
-    if (out_.stages.empty()) plan.at("chips").fail("holds no CAM, expected at least one");
+    if (out_.parts.empty()) plan.at("chips").fail("holds no CAM, expected at least one");
+    const fpaa::Plan board = fpaa::Plan::from_node(plan);
+    if (!is_product_ || wanted || !is_one_path(board)) {
+      check_board(board, plan);
+      out_.stages.clear();
+      out_.board = std::make_shared<const fpaa::Plan>(board);
+    }
     const std::vector<double> band = plan.at("error").at("band_hz").numbers();
     if (band.size() == 2 && band[0] > 0.0 && band[1] > band[0]) {
       low = band[0];
@@ -79,7 +101,7 @@ class PlanReader {
     std::vector<std::string> names;
     for (const auto& [key, value] : cam.at("capacitors").members()) {
       names.push_back(key);
-      out_.parts.push_back({name + "." + key, Part::Kind::switched_capacitor, value.positive()});
+      out_.parts.push_back({name + "." + key, Part::Kind::switched_capacitor, value.non_negative()});
     }
     stage.part_count = names.size();
     const circuit::Biquad nominal = from_z(cam);
@@ -99,25 +121,15 @@ class PlanReader {
         return circuit::Biquad{-v[i], 0.0, 0.0, v[o], v[t], 0.0};
       };
       out_.poles += 1;
+    } else if (at("Cin") < none && at("Cout") < none && none == 2 && cam.at("cam").string() == "GainInv") {
+      const size_t i = at("Cin"), o = at("Cout");
+      stage.transfer = [=](std::span<const double> v) {
+        return circuit::Biquad{-v[i], 0.0, 0.0, v[o], 0.0, 0.0};
+      };
     } else {
-      // Which capacitor makes what is not in the plan: the gain as the ratio of two of them.
-      if (names.empty()) {
-        stage.transfer = [=](std::span<const double>) { return nominal; };
-      } else {
-        const double ratio =
-            names.size() > 1 ? out_.parts[stage.first_part].nominal / out_.parts[stage.first_part + 1].nominal
-                             : out_.parts[stage.first_part].nominal;
-        stage.transfer = [=](std::span<const double> v) {
-          const double now = (v.size() > 1 ? v[0] / v[1] : v[0]) / ratio;
-          circuit::Biquad h = nominal;
-          h.b0 *= now;
-          h.b1 *= now;
-          h.b2 *= now;
-          return h;
-        };
-        out_.notes.push_back(name + ": mismatch is counted in its gain only");
-      }
       out_.poles += nominal.a2 != 0.0 ? 2 : (nominal.a1 != 0.0 ? 1 : 0);
+      is_product_ = false;
+      return;
     }
     std::vector<double> values;
     for (std::size_t i = 0; i < stage.part_count; ++i) {
@@ -132,12 +144,36 @@ class PlanReader {
     out_.stages.push_back(std::move(stage));
   }
 
+  /// A CAM whose capacitors do not make what the file says of it.
+  static void check_board(const fpaa::Plan& board, const Node& plan) {
+    std::size_t chip_index = 0;
+    const std::vector<Node> chips = plan.at("chips").items();
+    for (const fpaa::ChipPlan& chip : board.chips) {
+      const std::vector<Node> cams = chips.at(chip_index++).at("cams").items();
+      for (std::size_t c = 0; c < chip.cams.size(); ++c) {
+        const fpaa::PlacedCam& cam = chip.cams[c];
+        const auto made = cam.cam->transfers(cam, fpaa::CapacitorUnits(cam.capacitors));
+        for (std::size_t i = 0; i < made.size(); ++i) {
+          for (const double share : {0.01, 0.1, 0.4}) {
+            const RadPerSecond w = Hertz{share * cam.clock_a.value}.rad_s();
+            const Complex x = made[i].response(w, cam.clock_a),
+                          y = cam.z_from(i + 1).response(w, cam.clock_a);
+            if (std::abs(x - y) <= 1e-6 * (std::abs(x) + std::abs(y))) continue;
+            cams[c].at("capacitors").fail("do not make the CAM's z_numerators and z_denominator");
+          }
+        }
+      }
+    }
+  }
+
   Design out_;
+  bool is_product_ = true;
 };
 
 }  // namespace
 
 Complex Design::response(Hertz f, std::span<const double> values) const {
+  if (board) return fpaa::DrawnBoard(*board, {f}).response(values)[0];
   Complex h = 1.0;
   for (const Stage& stage : stages) {
     h *= stage.transfer(values.subspan(stage.first_part, stage.part_count)).response(variable(stage, f));
@@ -181,8 +217,13 @@ Design design_of_circuit(const circuit::Realised& realised, const Sections& want
   return out;
 }
 
-Design design_of_plan(const Node& plan, std::string name) {
-  Design out = PlanReader(std::move(name)).read(plan);
+Design design_of_plan(const Node& plan, std::string name, const std::optional<Sections>& wanted) {
+  Design out = PlanReader(std::move(name)).read(plan, wanted.has_value());
+  if (wanted) {
+    out.reference = [wanted = *wanted](Hertz f) { return wanted.response(f.rad_s()); };
+    out.reference_name = "sections";
+    return out;
+  }
   // The nominal response is fixed here: a copy of what it needs, not of itself.
   auto fixed = std::make_shared<Design>(out);
   out.reference = [fixed](Hertz f) { return fixed->nominal(f); };

@@ -2,12 +2,15 @@
 
 #include <complex>
 #include <functional>
+#include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
 
 #include "base/document.hpp"
 #include "circuit/realise.hpp"
+#include "fpaa/plan.hpp"
 #include "lti/frequency_grid.hpp"
 
 namespace bodesmith::yield {
@@ -34,7 +37,9 @@ struct Stage {
 struct Design {
   std::string name;
   std::vector<Part> parts;
-  std::vector<Stage> stages;
+  std::vector<Stage> stages;  ///< their product; none for a board
+  /// A board as it runs, wires, clocks and holds in it; its capacitors are the parts, in the same order.
+  std::shared_ptr<const fpaa::Plan> board;
   std::function<std::complex<double>(Hertz)> reference;  ///< deviations are counted from here
   std::string reference_name;                            ///< "sections" or "nominal"
   Band band;
@@ -48,12 +53,13 @@ struct Design {
 
 /// Ideal op-amps; deviations from the sections. The band is that of the corners, or as given.
 Design design_of_circuit(const circuit::Realised& realised, const Sections& wanted, std::string name);
-/// The CAMs of a plan.json (`bodesmith.fpaa_plan/1`): pole-zero and low-pass FilterBilinear by their
-/// capacitors,
-///   H = -(Ca + Cb v)/(Cc + Cd v)  and  H = -Cin/(Cout + Cint v),  v = 1 - 1/z,
-/// other CAMs with two or more capacitors as a gain whose ratio of two capacitors may be off. Deviations from
-/// the plan's own nominal response. A plan whose capacitors do not make its z-domain coefficients is an error
-/// (file and line).
-Design design_of_plan(const Node& plan, std::string name);
+/// A plan.json (`bodesmith.fpaa_plan/1`) as it runs, every CAM by its capacitors. Deviations from the plan's
+/// own nominal response, or from `wanted` (the plan's designed error is then in them). A plan whose capacitors
+/// do not make its z-domain coefficients is an error (file and line).
+///
+/// One path of pole-zero and low-pass FilterBilinear and GainInv CAMs at one clock is the product of
+///   H = -(Ca + Cb v)/(Cc + Cd v)  and  H = -Cin/(Cout + Cint v),  v = 1 - 1/z:
+/// its hold is the same in every board, and the product is quick.
+Design design_of_plan(const Node& plan, std::string name, const std::optional<Sections>& wanted = {});
 
 }  // namespace bodesmith::yield

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "yield/sensitivity.hpp"
 
@@ -72,6 +73,8 @@ Result expected_result(const Design& design, const Options& options) {
   }
   out.worst_db = {0.0, worst_db, {}, 0.0, 0.0};
   out.worst_deg = {0.0, worst_deg, {}, 0.0, 0.0};
+  const double most = std::expm1(worst_db / kDecibelPerNeper) + worst_deg * std::numbers::pi / 180.0;
+  out.worst_percent = {0.0, 100.0 * most, {}, 0.0, 0.0};
   for (std::size_t p = 0; p < design.parts.size(); ++p)
     out.ranking.push_back(rank_of(p, design, options, s, loudest, max_variance));
   std::stable_sort(out.ranking.begin(), out.ranking.end(),

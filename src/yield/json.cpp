@@ -47,12 +47,15 @@ Json to_json(const Result& result, const Options& options) {
   out["samples"] = result.samples;
   out["worst_db"] = Json::object();
   out["worst_deg"] = Json::object();
+  out["worst_percent"] = Json::object();
   for (const auto& [key, p] : {std::pair{"p50", 0.5}, {"p90", 0.9}, {"p95", 0.95}, {"p99", 0.99}}) {
     out["worst_db"][key] = result.worst_db.quantile(p);
     out["worst_deg"][key] = result.worst_deg.quantile(p);
+    out["worst_percent"][key] = result.worst_percent.quantile(p);
   }
   out["worst_db"]["max"] = result.worst_db.max;
   out["worst_deg"]["max"] = result.worst_deg.max;
+  out["worst_percent"]["max"] = result.worst_percent.max;
   out["worst_case_db"] = result.worst_case_db;
   if (options.limit_db || options.limit_deg) out["yield"] = within_json(result, options);
   Json frequencies = Json::array();

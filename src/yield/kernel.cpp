@@ -20,7 +20,7 @@ double relative_scale(const Part& part, const Spread& spread) {
     case Part::Kind::capacitor:
       return spread.capacitor_percent / 100.0;
     case Part::Kind::switched_capacitor:
-      return spread.unit_capacitor_percent / 100.0 / std::sqrt(part.nominal);
+      return spread.mismatch.relative_sigma(part.nominal);
   }
   return 0.0;
 }
@@ -31,6 +31,8 @@ Kernel::Kernel(const Design& design, const Options& options) : design_(design), 
   for (const Part& part : design.parts) {
     values_.push_back(part.nominal);
     scale_.push_back(relative_scale(part, options.spread));
+    const bool there = part.kind == Part::Kind::switched_capacitor && part.nominal > 0.0;
+    extra_.push_back(there ? options.spread.mismatch.systematic_units : 0.0);
     ppm_.push_back(part.kind == Part::Kind::resistor    ? options.spread.resistor_ppm_per_k * 1e-6
                    : part.kind == Part::Kind::capacitor ? options.spread.capacitor_ppm_per_k * 1e-6
                                                         : 0.0);
@@ -51,6 +53,7 @@ Kernel::Kernel(const Design& design, const Options& options) : design_(design), 
       pairs_.push_back({i, first_order(h) ? -1 : -2, stage.clock_hz});
     }
   }
+  if (design.board) board_.emplace(*design.board, options.grid);
   const size_t lanes = pairs_.size() * kBlock, points = options.grid.size();
   for (auto* list : {&b0_, &b1_, &b2_, &a0_, &a1_, &a2_}) list->assign(lanes, 0.0);
   for (auto* list : {&nr_, &ni_, &dr_, &di_}) list->assign(kBlock, 0.0);
@@ -66,6 +69,7 @@ Kernel::Kernel(const Design& design, const Options& options) : design_(design), 
       v2i_.push_back((v * v).imag());
     }
   }
+  drawn_.resize(points);
   for (const Hertz f : options.grid) {
     const Complex inverse = 1.0 / design.reference(f);
     reference_re_.push_back(inverse.real());
@@ -92,7 +96,7 @@ void Kernel::draw(std::uint64_t sample) {
         unit = u[k] < 0.5 ? -1.0 : 1.0;
       }
       // Six or more sigmas of a wide tolerance must not turn a part negative.
-      values_[i + k] = part.nominal * std::max(1.0 + scale_[i + k] * unit, 1e-3);
+      values_[i + k] = part.nominal * std::max(1.0 + scale_[i + k] * unit, 1e-3) + extra_[i + k];
     }
   }
   if (!warm_) return;
@@ -129,7 +133,20 @@ void Kernel::coefficients(int lane) {
   }
 }
 
+void Kernel::evaluate_board(std::uint64_t first, int count) {
+  for (int lane = 0; lane < count; ++lane) {
+    draw(first + static_cast<std::uint64_t>(lane));
+    board_->response(values_, drawn_);
+    for (size_t i = 0; i < drawn_.size(); ++i) {
+      const Complex ratio = drawn_[i] * Complex(reference_re_[i], reference_im_[i]);
+      decibel_[i * kBlock + static_cast<size_t>(lane)] = to_decibel(std::abs(ratio));
+      degrees_[i * kBlock + static_cast<size_t>(lane)] = to_degrees(std::arg(ratio));
+    }
+  }
+}
+
 void Kernel::evaluate(std::uint64_t first, int count) {
+  if (board_) return evaluate_board(first, count);
   for (int lane = 0; lane < count; ++lane) {
     draw(first + static_cast<std::uint64_t>(lane));
     coefficients(lane);

@@ -3,11 +3,12 @@
 #include <cstdint>
 #include <vector>
 
+#include "fpaa/drawn_board.hpp"
 #include "yield/yield.hpp"
 
 namespace bodesmith::yield {
 
-/// Evaluates blocks of samples. One a thread; allocates in the constructor only.
+/// Evaluates blocks of samples. One a thread; allocates in the constructor only (boards apart).
 class Kernel {
  public:
   static constexpr int kBlock = 64;
@@ -29,12 +30,16 @@ class Kernel {
 
   void draw(std::uint64_t sample);
   void coefficients(int lane);
+  void evaluate_board(std::uint64_t first, int count);
 
   const Design& design_;
   const Options& options_;
+  std::optional<fpaa::DrawnBoard> board_;    ///< instead of pairs
+  std::vector<std::complex<double>> drawn_;  ///< one of its responses
   std::vector<Pair> pairs_;
   std::vector<double> values_;
   std::vector<double> scale_;  ///< tolerance (or standard deviation) of each part, relative
+  std::vector<double> extra_;  ///< what each part has too much, in its own unit
   std::vector<double> ppm_;    ///< temperature coefficient of each part
   bool warm_ = false;
   std::vector<double> b0_, b1_, b2_, a0_, a1_, a2_;  ///< [pair][lane]

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <numbers>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -35,13 +36,13 @@ namespace {
 constexpr std::uint64_t kChunk = 1024;        // samples a thread takes at a time
 constexpr std::uint64_t kRound = 128 * 1024;  // samples between two looks at the clock and the checkpoint
 constexpr double kCheckpointEvery_s = 0.5;
-constexpr std::string_view kMagic = "bodesmith yield checkpoint 1\n";
+constexpr std::string_view kMagic = "bodesmith yield checkpoint 2\n";
 
 void validate(const Design& design, const Options& options) {
   if (options.samples == 0) throw InputError("yield of 0 samples was asked for, expected at least 1");
   if (options.grid.empty()) throw InputError("yield at no frequency was asked for, expected at least 1");
   const Spread& s = options.spread;
-  for (const double percent : {s.resistor_percent, s.capacitor_percent, s.unit_capacitor_percent}) {
+  for (const double percent : {s.resistor_percent, s.capacitor_percent, s.mismatch.unit_percent}) {
     if (!(percent >= 0.0) || percent >= 100.0) {
       throw InputError(
           fmt::format("a tolerance of {} % was asked for, expected 0 or more and less than 100", percent));
@@ -59,7 +60,7 @@ void validate(const Design& design, const Options& options) {
 }
 
 void count_block(const Kernel& kernel, const Options& options, int count, Counts& counts) {
-  double worst_db[Kernel::kBlock] = {}, worst_deg[Kernel::kBlock] = {};
+  double worst_db[Kernel::kBlock] = {}, worst_deg[Kernel::kBlock] = {}, worst_percent[Kernel::kBlock] = {};
   for (std::size_t i = 0; i < options.grid.size(); ++i) {
     const double* const db = kernel.decibel(i);
     const double* const deg = kernel.degrees(i);
@@ -68,12 +69,17 @@ void count_block(const Kernel& kernel, const Options& options, int count, Counts
       counts.add(i, d, deg[k]);
       worst_db[k] = std::max(worst_db[k], std::abs(d));
       worst_deg[k] = std::max(worst_deg[k], std::abs(deg[k]));
+      // |r e^{ja} - 1|^2 = (r - 1)^2 + 4 r sin^2(a/2)
+      const double r = std::exp(d / kDecibelPerNeper);
+      const double half = std::sin(deg[k] * std::numbers::pi / 360.0);
+      worst_percent[k] =
+          std::max(worst_percent[k], 100.0 * std::sqrt((r - 1.0) * (r - 1.0) + 4.0 * r * half * half));
     }
   }
   for (int k = 0; k < count; ++k) {
     const bool within = (!options.limit_db || worst_db[k] <= *options.limit_db) &&
                         (!options.limit_deg || worst_deg[k] <= *options.limit_deg);
-    counts.add_worst(worst_db[k], worst_deg[k], within);
+    counts.add_worst(worst_db[k], worst_deg[k], worst_percent[k], within);
   }
 }
 

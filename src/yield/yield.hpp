@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "fpaa/mismatch.hpp"
 #include "yield/design.hpp"
 #include "yield/histogram.hpp"
 #include "yield/team.hpp"
@@ -31,9 +32,7 @@ struct Spread {
   double temperature_high_c = 25.0;
   double resistor_ppm_per_k = 100.0;
   double capacitor_ppm_per_k = 30.0;
-  /// Standard deviation of one unit of a switched capacitor; n units have 1/sqrt(n) of it (Pelgrom). The
-  /// ratio of two capacitors of 50 units is off by 0.1 % with 0.5 %.
-  double unit_capacitor_percent = 0.5;
+  fpaa::MismatchModel mismatch;  ///< of switched capacitors
 };
 
 std::string_view to_string(Spread::Kind kind);
@@ -69,6 +68,7 @@ struct Result {
   std::vector<Histogram> phase_deg;
   Histogram worst_db;  ///< of each sample, the greatest |deviation| over the grid
   Histogram worst_deg;
+  Histogram worst_percent;        ///< the same of |H/reference - 1|: magnitude and phase in one
   std::uint64_t within = 0;       ///< samples within the limits
   double worst_case_db = 0.0;     ///< every part at its limit in the worst direction (first order)
   std::vector<PartRank> ranking;  ///< largest share first

@@ -124,7 +124,7 @@ TEST(Yield, CountsComeBackFromACheckpoint) {
   const Result shape = run_monte_carlo(design, options, Team());
   Counts a(shape);
   a.add(3, 0.1, 2.0);
-  a.add_worst(0.1, 2.0, true);
+  a.add_worst(0.1, 2.0, 3.7, true);
   Counts b(shape);
   ASSERT_TRUE(b.from_bytes(a.bytes()));
   EXPECT_EQ(a.bytes(), b.bytes());
@@ -167,7 +167,7 @@ TEST(Yield, PlanMismatchFollowsTheCapacitorRatio) {
   ASSERT_EQ(design.parts.size(), 4u);
   Options options = small(100000);
   options.grid = {Hertz{0.001}};
-  options.spread.unit_capacitor_percent = 0.5;
+  options.spread.mismatch.unit_percent = 0.5;
   // At DC the gain is Ca/Cc: relative variance s^2 (1/10 + 1/12).
   const Result result = run_monte_carlo(design, options, Team());
   const double sigma = 0.005 * std::sqrt(1.0 / 10.0 + 1.0 / 12.0);
@@ -187,6 +187,46 @@ TEST(Yield, APlanWhoseCapacitorsDoNotMakeItsCoefficientsIsRefused) {
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("plan.json:3"), std::string::npos) << error.what();
   }
+}
+
+/// A constant path and a low pass of a slower clock, summed: not a product.
+const char* const kParallelPlan =
+    R"({"schema":"bodesmith.fpaa_plan/1","board":"an231k04-quad4","chips":[{"chip":1,"master_clock_hz":16e6,
+"clocks_hz":{},"cams":[{"name":"Path1","cam":"FilterBilinear","option":"Low Pass","cab":1,"clock_a_hz":4000,"phase":1,
+"requested":{},"realised":{},"capacitors":{"Cin":3,"Cint":90,"Cout":3},"z_numerator":[-3],"z_denominator":[93,-90]},
+{"name":"Sum1","cam":"SumInv","option":"2 inputs","cab":1,"clock_a_hz":64000,"phase":1,"requested":{},"realised":{},
+"capacitors":{"Cin1":20,"aCin1":20,"Cin2":16,"aCin2":16,"Cout":40,"aCout":40},"z_numerator":[-40,20],
+"z_numerators":[[-40,20],[-32,16]],"z_denominator":[80,-40]}]}],
+"wires":[{"from":"chip1.in1","to":"chip1.Path1"},{"from":"chip1.in1","to":"chip1.Sum1","input":1},
+{"from":"chip1.Path1","to":"chip1.Sum1","input":2},{"from":"chip1.Sum1","to":"chip1.out1"}],
+"signal_path":["chip1.in1","chip1.Sum1","chip1.out1"],"error":{"band_hz":[1,100],"max_magnitude_db":0,"max_phase_deg":0,"max_complex_percent":0}})";
+
+TEST(Yield, ABoardOfSumsAndClocksIsDrawnAsItRuns) {
+  const Design design = design_of_plan(parse_json(kParallelPlan, "plan.json"), "plan");
+  ASSERT_TRUE(design.board);
+  ASSERT_EQ(design.parts.size(), 9u);
+  Options options = small(20000);
+  options.grid = {Hertz{0.001}};
+  // At DC: -Cin1/Cout + Cin2/Cout * Cin/Cout' = -1/2 + 0.4.
+  EXPECT_NEAR(design.nominal(Hertz{0.001}).real(), -0.1, 1e-4);
+  const Result result = run_monte_carlo(design, options, Team());
+  const double k = 0.005;
+  const double variance = 0.25 / 20.0 + 0.16 / 16.0 + 0.01 / 40.0 + 0.16 / 3.0 + 0.16 / 3.0;
+  const double sigma = k * std::sqrt(variance) / 0.1;
+  EXPECT_NEAR(result.magnitude_db[0].quantile(0.8413447) / (sigma * kDecibelPerNeper), 1.0, 0.03);
+  EXPECT_NEAR(result.worst_percent.quantile(0.95) / (100.0 * 1.96 * sigma), 1.0, 0.04);
+  EXPECT_NEAR(result.ranking[0].share, 0.16 / 3.0 / variance, 0.02);
+}
+
+TEST(Yield, DeviationsFromSectionsHaveTheDesignedErrorInThem) {
+  Sections wanted;
+  wanted.gain = -0.11;
+  Options options = small(1000);
+  options.grid = {Hertz{0.001}};
+  options.spread.mismatch.unit_percent = 0.0;
+  const Design design = design_of_plan(parse_json(kParallelPlan, "plan.json"), "plan", wanted);
+  EXPECT_EQ(design.reference_name, "sections");
+  EXPECT_NEAR(run_monte_carlo(design, options, Team()).worst_percent.max, 100.0 * (1.0 - 0.1 / 0.11), 0.05);
 }
 
 TEST(Yield, RefusesNonsense) {

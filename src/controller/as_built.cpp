@@ -1,0 +1,111 @@
+#include "controller/as_built.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/progress.hpp"
+#include "controller/library.hpp"
+#include "spice/ngspice.hpp"
+
+namespace bodesmith::controller {
+namespace {
+
+using tracking::Reference;
+
+constexpr int kMostRepeats = 20;
+
+/// SIN(offset amplitude frequency delay damping phase): -cos is a sine that begins 90 degrees earlier.
+std::string sine_source(const std::string& name, const std::string& from, const std::string& to,
+                        double offset, double top, double f) {
+  return fmt::format("{} {} {} SIN({:.15g} {:.15g} {:.15g} 0 0 -90)\n", name, from, to, offset, top, f);
+}
+
+/// v[column] at time t between the simulator's own steps; `i` moves on.
+double at_time(const spice::Transient& run, std::size_t column, double t, std::size_t& i) {
+  while (i + 1 < run.time_s.size() && run.time_s[i] < t) ++i;
+  const double part = std::clamp((t - run.time_s[i - 1]) / (run.time_s[i] - run.time_s[i - 1]), 0.0, 1.0);
+  return run.v[column][i - 1] + part * (run.v[column][i] - run.v[column][i - 1]);
+}
+
+}  // namespace
+
+std::string reference_sources(const Reference& reference, Hertz operating, int repeats) {
+  const double f = operating.value, half = 0.5 * reference.alpha();
+  switch (reference.shape()) {
+    case Reference::Shape::sine:
+      return sine_source("Vr", "r", "0", half, half, f);
+    case Reference::Shape::two_tone:
+      return sine_source("Vr1", "r", "tone3", half, half / 1.5, f) +
+             sine_source("Vr3", "tone3", "0", 0.0, half / 3.0, 3.0 * f);
+    default:
+      break;
+  }
+  const double repeat = static_cast<double>(reference.periods()) / f;
+  std::string points;
+  int count = 0;
+  for (int i = 0; i <= repeats; ++i) {
+    for (const double theta : reference.turns()) {
+      points += fmt::format(" {:.15g} {:.15g}", (i + theta) * repeat, reference.value(theta));
+      if (++count % 8 == 0) points += "\n+";
+      if (i == repeats) break;
+    }
+  }
+  return fmt::format("Vr r 0 PWL({})\n", points.substr(1));
+}
+
+Settled run_in_ngspice(const AnalogController& controller, const Reference& reference, Hertz operating,
+                       const NgspiceRun& options) {
+  const Stopwatch watch;
+  const double periods = static_cast<double>(reference.periods()), period = 1.0 / operating.value,
+               repeat = periods * period;
+  // At kilohertz the smoothing takes more periods to settle, which are cheap.
+  const double slowest = controller.slope ? 10.0 * controller.slope->smoothing_s : 0.0;
+  const int repeats =
+      std::clamp(static_cast<int>(std::ceil(slowest / repeat)), options.settle_repeats, kMostRepeats) + 1;
+  const std::string deck = "controller\n" +
+                           controller_library(controller, "controller", {options.off, false}) +
+                           reference_sources(reference, operating, repeats) + "Xc r v controller\n";
+  const spice::Transient run =
+      spice::run_transient(deck, {"r", "v"}, period / options.steps, repeats * repeat, "controller.sub");
+  const std::size_t samples = options.samples * reference.periods();
+  Settled out{reference, operating, repeat / static_cast<double>(samples), {}, {}, {}, 0.0};
+  const auto sample = [&](std::size_t column, int number, std::vector<double>& to) {
+    std::size_t i = 1;
+    for (std::size_t k = 0; k < samples; ++k)
+      to.push_back(at_time(run, column, number * repeat + static_cast<double>(k) * out.step_s, i));
+  };
+  sample(0, repeats - 1, out.r);
+  sample(1, repeats - 1, out.v);
+  sample(1, 0, out.first_v);
+  out.wall_s = watch.seconds();
+  return out;
+}
+
+tracking::TrackingError stage_error(const Disturbance& disturbance, const Settled& run) {
+  tracking::PolynomialStage::Options options;
+  options.alpha = run.reference.alpha();
+  Disturbance full = disturbance;  // the circuit has no amplitude gains, nor has the stage it is judged on
+  full.amplitude = {};
+  options.alpha = 1.0;
+  const tracking::PolynomialStage stage(full, {}, options);
+  return tracking::tracking_error(stage.response(run.v, run.step_s, run.operating), run.r, run.period_s());
+}
+
+std::string CircuitController::name() const {
+  return fmt::format("analog controller, {} (ngspice)", to_string(controller_->form));
+}
+
+int CircuitController::part_count() const {
+  const AnalogController& c = *controller_;
+  return static_cast<int>(c.parts.size() + c.opamps.size() + c.multipliers.size() + c.contacts.size() +
+                          c.references.size());
+}
+
+tracking::DriveWaveform CircuitController::drive(const Reference& reference, Hertz operating) const {
+  const Settled run = run_in_ngspice(*controller_, reference, operating, options_);
+  return {run.v, run.step_s};
+}
+
+}  // namespace bodesmith::controller

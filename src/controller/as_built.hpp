@@ -1,0 +1,62 @@
+#pragma once
+
+#include <memory>
+#include <string>
+#include <vector>
+
+#include "controller/controller.hpp"
+#include "controller/deviations.hpp"
+#include "tracking/built_controller.hpp"
+#include "tracking/reference.hpp"
+#include "tracking/stage.hpp"
+
+namespace bodesmith::controller {
+
+/// One repeat of the reference in steady state, sampled uniformly from its phase 0 on.
+struct Settled {
+  tracking::Reference reference;
+  Hertz operating;
+  double step_s = 0.0;
+  std::vector<double> r, v;
+  std::vector<double> first_v;  ///< the first repeat, from rest (ngspice only)
+  double wall_s = 0.0;          ///< of the simulation
+
+  double period_s() const { return step_s * static_cast<double>(v.size()); }
+};
+
+struct NgspiceRun {
+  const Deviations* off = nullptr;  ///< none: as realised
+  int settle_repeats = 1;           ///< before the one that is kept; more while what is slow still settles
+  int steps = 2000;                 ///< largest step: this part of an operating period
+  std::size_t samples = 2048;       ///< to an operating period
+};
+
+/// The emitted netlist through plain `.tran` from rest, r starting at 0 V. Throws InputError as
+/// spice::run_transient.
+Settled run_in_ngspice(const AnalogController& controller, const tracking::Reference& reference,
+                       Hertz operating, const NgspiceRun& options = {});
+
+/// Independent sources that make the reference from node `r` to ground, for a deck.
+std::string reference_sources(const tracking::Reference& reference, Hertz operating, int repeats);
+
+/// What the disturbance paper's stage makes of the drive, reading it: y = v + K_b(f) d_b(v) against r.
+tracking::TrackingError stage_error(const Disturbance& disturbance, const Settled& run);
+
+/// The circuit for a tracking study.
+class CircuitController final : public tracking::BuiltController {
+ public:
+  explicit CircuitController(std::shared_ptr<const AnalogController> controller, NgspiceRun options = {})
+      : controller_(std::move(controller)), options_(options) {}
+
+  std::string key() const override { return "controller_circuit"; }
+  std::string name() const override;
+  int part_count() const override;
+  tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override;
+  const AnalogController& circuit() const { return *controller_; }
+
+ private:
+  std::shared_ptr<const AnalogController> controller_;
+  NgspiceRun options_;
+};
+
+}  // namespace bodesmith::controller

@@ -1,0 +1,67 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "controller/controller.hpp"
+
+/// The steps of make_controller(), for its own files only.
+namespace bodesmith::controller {
+
+/// Greatest |voltage| aimed at, as a share of full scale: room for what E-series resistors round.
+constexpr double kRoom = 0.97;
+
+class Builder {
+ public:
+  Builder(const Disturbance& disturbance, const Options& options);
+  AnalogController build();
+
+ private:
+  // build.cpp
+  void check_polynomials();
+  void check_rates();
+  double peak_of(int b) const;
+  double gain_limit(int b, bool greatest) const;
+
+  // build_rate.cpp: the slope as a voltage, the gain curve, the sign of the slope
+  void detector();
+  void slope_meter();
+  void curve_rectifiers();
+  void rectifier(std::size_t k, double threshold_v, const std::string& low_reference, double low_v);
+  void control(int b);
+  std::vector<double> control_gains(int b) const;
+  std::vector<std::vector<double>> control_rows() const;
+  int inverting_sum(const std::vector<std::string>& from, const std::vector<double>& gains,
+                    const std::vector<std::vector<double>>& rows, const std::string& letters,
+                    const std::string& role, const std::string& node, std::vector<double>& realised);
+
+  // build_pass.cpp: powers, branches, switch, subtraction
+  void scale_branches();
+  void pass(const std::string& x, const std::string& out, int number);
+  void powers(Pass& pass, const std::string& tail);
+  void branch(Pass& pass, int b, const std::string& tail);
+  void rate_gain(BranchPath& path, int b, const std::string& node, const std::string& to,
+                 const std::string& tail);
+  void output(Pass& pass, const std::string& tail);
+
+  // parts
+  int resistor(const std::string& name, const std::string& role, const std::string& from,
+               const std::string& to, double wanted, double realised);
+  int resistor(const std::string& name, const std::string& role, const std::string& from,
+               const std::string& to, double wanted);
+  int capacitor(const std::string& name, const std::string& role, const std::string& from,
+                const std::string& to, double wanted);
+  int diode(const std::string& name, const std::string& role, const std::string& from, const std::string& to);
+  int opamp(const std::string& role, const std::string& plus, const std::string& minus,
+            const std::string& out);
+  int multiplier(const std::string& name, const std::string& role, const std::string& x, const std::string& y,
+                 const std::string& z, const std::string& to, double peak_v);
+
+  const Disturbance& disturbance_;
+  Options options_;
+  AnalogController out_;
+  std::string section_;
+  double greatest_gain_[2] = {1.0, 1.0};  ///< of the rate gains
+};
+
+}  // namespace bodesmith::controller

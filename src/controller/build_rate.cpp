@@ -1,0 +1,256 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "controller/build.hpp"
+#include "controller/rate_curve.hpp"
+#include "controller/sum_search.hpp"
+
+namespace bodesmith::controller {
+namespace {
+
+/// Of the slope meter at the table's highest frequency.
+constexpr double kFullSlopeV = 1.0;
+/// Tables that span more than this have a higher full slope: the lowest thresholds stand clear of offsets.
+constexpr double kWideTable = 300.0, kWideSlopeV = 4.0;
+constexpr double kReferenceV = 2.5;
+/// A threshold takes a resistor of at most so many times the rectifier's own.
+constexpr double kReferenceRatio = 50.0;
+constexpr double kRectifierOhm = 10e3;
+
+}  // namespace
+
+/// Differentiator with a logarithmic limit (two diodes across Rd) and a comparator with hysteresis, as in
+/// multiplier_layout. How late the sign is: sqrt(dV/(2 pi GBW ds)), dV the diodes' voltage and ds the slope, at
+/// least; hence the faster op-amp, and ten times that detector's current against the junctions' charge.
+void Builder::detector() {
+  section_ = "slope's sign";
+  AnalogController::Detector& d = out_.detector;
+  const double rd = 470e3;
+  // The slowest full-stroke triangle makes 100 mV at Rd.
+  const double cd = options_.capacitors.nearest(
+      std::clamp(0.1 / (2.0 * options_.lowest.value * options_.reference_stroke * rd), 1e-9, 1e-6));
+  d.parts.push_back(resistor("Rs", "slope's sign, damping", "r", "sa", 0.33e-6 / cd));
+  d.parts.push_back(capacitor("Cd", "slope's sign, differentiates", "sa", "sb", cd));
+  d.parts.push_back(resistor("Rd", "slope's sign, gain for slow signals", "sb", "sc", rd));
+  d.parts.push_back(capacitor("Cf", "slope's sign, damping", "sb", "sc", 3.3e-4 * cd));
+  d.parts.push_back(diode("D1", "slope's sign, limit", "sb", "sc"));
+  d.parts.push_back(diode("D2", "slope's sign, limit", "sc", "sb"));
+  d.differentiator = opamp("slope's sign, differentiator", "0", "sb", "sc");
+  d.parts.push_back(resistor("Rh1", "slope's sign, hysteresis", "sp", "0", 1e3));
+  d.parts.push_back(
+      resistor("Rh2", "slope's sign, hysteresis", "so", "sp", out_.fast_opamp.swing_v / 0.02 * 1e3));
+  d.comparator = opamp("slope's sign, comparator", "sp", "sc", "so");
+  for (const int one : {d.differentiator, d.comparator})
+    out_.opamps[static_cast<std::size_t>(one)].fast = true;
+}
+
+/// w = -Rd Cd dr/dt, then -|w| with a first-order smoothing: sn.
+void Builder::slope_meter() {
+  section_ = "slope";
+  AnalogController::SlopeMeter m;
+  const double last = disturbance_.rate.frequency.back().value,
+               first = disturbance_.rate.frequency.front().value;
+  const double full_v = last / first > kWideTable ? kWideSlopeV : kFullSlopeV;
+  const double product = std::min(full_v / (2.0 * last * options_.reference_stroke), 0.4);
+  const double cd = options_.capacitors.nearest(std::clamp(product / 50e3, 100e-12, 220e-9));
+  // The op-amp's own limit, sqrt(GBW/(2 pi Rd Cd)), with both time constants there: no ringing.
+  const double crossing = std::sqrt(out_.opamp.gain_bandwidth.value / (2.0 * std::numbers::pi * product));
+  const double lag = 1.2 / (2.0 * std::numbers::pi * crossing);
+  m.damping = resistor("Rw1", "slope, damping", "r", "wa", lag / cd);
+  m.differentiates = capacitor("Cw1", "slope, differentiates", "wa", "wb", cd);
+  m.gain = resistor("Rw2", "slope, gain", "wb", "w0", product / cd);
+  m.limits = capacitor("Cw2", "slope, damping", "wb", "w0", std::max(lag * cd / product, 1e-12));
+  m.opamp = opamp("slope, differentiator", "0", "wb", "w0");
+  m.volts_per_hz =
+      2.0 * options_.reference_stroke * out_.part(m.gain).realised * out_.part(m.differentiates).realised;
+  m.lag_s = lag;
+
+  Rectifier& h = m.half_wave;
+  h.positive = true;
+  h.node = "wh";
+  h.terms.push_back(
+      {"w0", resistor("Rw3", "half-wave rectifier, input", "w0", "wm", kRectifierOhm), false, 0.0});
+  h.feedback = resistor("Rw4", "half-wave rectifier, feedback", "wm", "wh", kRectifierOhm);
+  diode("Dw1", "half-wave rectifier", "we", "wh");
+  diode("Dw2", "half-wave rectifier", "wm", "we");
+  h.opamp = opamp("half-wave rectifier", "0", "wm", "we");
+
+  Sum sum;
+  const double twice = 2.0 * kRectifierOhm;
+  sum.terms.push_back({"w0", resistor("Rw5", "full-wave rectifier, slope", "w0", "wn", twice), false, 0.0});
+  sum.terms.push_back(
+      {"wh", resistor("Rw6", "full-wave rectifier, half wave", "wh", "wn", kRectifierOhm), false, 0.0});
+  sum.feedback = resistor("Rw7", "full-wave rectifier, feedback", "wn", "sn", twice);
+  m.smoothing_s = options_.averaging_s > 0.0 ? options_.averaging_s : 0.01 / last;
+  sum.smoothing = capacitor("Cw3", "full-wave rectifier, smoothing", "wn", "sn", m.smoothing_s / twice);
+  m.smoothing_s = out_.part(sum.smoothing).realised * out_.part(sum.feedback).realised;
+  sum.opamp = opamp("full-wave rectifier", "0", "wn", "sn");
+  out_.sums.push_back(std::move(sum));
+  m.full_wave = static_cast<int>(out_.sums.size()) - 1;
+  out_.slope = std::move(m);
+}
+
+/// One rectifier a corner of the gain curve: -max(0, s_k - s). They rest above their corner, so that beyond
+/// the last one the gain is held whatever the slope.
+void Builder::curve_rectifiers() {
+  section_ = "rate curve";
+  double peak[2];
+  for (const int b : {0, 1}) peak[b] = peak_of(b);
+  out_.curve = make_rate_curve(disturbance_, peak, options_.tracked, options_.rate_tolerance_percent);
+  const double least = out_.curve->corner.front().value * out_.slope->volts_per_hz;
+  out_.references.push_back({"Vref", "ADR4525 (2.5 V)", "vr", kReferenceV});
+  double low_v = kReferenceV;
+  std::string low_reference = "vr";
+  if (least < kReferenceV / kReferenceRatio) {
+    low_reference = "vl";
+    const double wanted = std::clamp(25.0 * least, 1e-3, 0.25), lower = 100.0;
+    const int up = resistor("Rl1", "low reference", "vr", "vm", lower * (kReferenceV / wanted - 1.0));
+    const int down = resistor("Rl2", "low reference", "vm", "0", lower);
+    const int buffer = opamp("low reference", "vm", "vl", "vl");
+    out_.low_reference = AnalogController::LowReference{{up, down}, buffer};
+    low_v = kReferenceV * out_.part(down).realised / (out_.part(down).realised + out_.part(up).realised);
+  }
+  for (std::size_t k = 0; k < out_.curve->corner.size(); ++k) {
+    const double threshold = out_.curve->corner[k].value * out_.slope->volts_per_hz;
+    const bool low = threshold < kReferenceV / kReferenceRatio;
+    rectifier(k, threshold, low ? low_reference : "vr", low ? low_v : kReferenceV);
+  }
+}
+
+void Builder::rectifier(std::size_t k, double threshold_v, const std::string& reference, double reference_v) {
+  // Input and feedback are equal; of a decade of them the one whose reference resistor is nearest the series.
+  double input = options_.resistors.nearest(kRectifierOhm), best = 1.0;
+  if (!options_.resistors.is_exact()) {
+    for (const double r : options_.resistors.values(kRectifierOhm, 2.2 * kRectifierOhm)) {
+      const double other = options_.resistors.nearest(r * reference_v / threshold_v);
+      const double off = std::abs(r * reference_v / other / threshold_v - 1.0);
+      if (off < best) {
+        best = off;
+        input = r;
+      }
+    }
+  }
+  const std::string node = fmt::format("k{}", k + 1), minus = "m" + node, end = "e" + node;
+  const std::string role = fmt::format("corner at {} Hz", rounded_text(out_.curve->corner[k].value));
+  Rectifier one;
+  one.node = node;
+  one.corner_hz = out_.curve->corner[k].value;
+  const std::string number = fmt::format("{}", k + 1);
+  one.terms.push_back(
+      {"sn", resistor("Rk" + number + "i", role + ", slope", "sn", minus, input, input), false, 0.0});
+  one.terms.push_back({reference,
+                       resistor("Rk" + number + "r", role + ", threshold", reference, minus,
+                                input * reference_v / threshold_v),
+                       false, 0.0});
+  one.feedback = resistor("Rk" + number + "f", role + ", feedback", minus, node, input, input);
+  diode("Dk" + number + "a", role, node, end);
+  diode("Dk" + number + "b", role, end, minus);
+  one.opamp = opamp(role, "0", minus, end);
+  out_.rectifiers.push_back(std::move(one));
+}
+
+/// Gains on the rectifiers' nodes and, last, on the reference that make U (K/K0 - 1): each corner's change of
+/// slope, the last frequency's gain.
+std::vector<double> Builder::control_gains(int b) const {
+  const RateCurve& curve = *out_.curve;
+  const std::vector<double>& k = curve.gain[b];
+  const std::size_t n = curve.corner.size();
+  const double per_gain = out_.multiplier.scale_v / out_.rate[b].at_rest, s = out_.slope->volts_per_hz;
+  const auto slope = [&](std::size_t i) {  // of the piece that ends at corner i, V per V of the slope meter
+    if (i == 0 || i >= n) return 0.0;
+    return per_gain * (k[i] - k[i - 1]) / ((curve.corner[i].value - curve.corner[i - 1].value) * s);
+  };
+  std::vector<double> out;
+  for (std::size_t i = 0; i < n; ++i) out.push_back(slope(i) - slope(i + 1));
+  out.push_back((per_gain * k.back() - out_.multiplier.scale_v) / kReferenceV);
+  return out;
+}
+
+/// Voltages of the rectifiers and the reference at the corners, the middles between them, and below the first
+/// corner, where the gain must rest.
+std::vector<std::vector<double>> Builder::control_rows() const {
+  const std::vector<Hertz>& corner = out_.curve->corner;
+  std::vector<double> at = {0.0, 0.5 * corner[0].value};
+  for (std::size_t i = 0; i < corner.size(); ++i) {
+    at.push_back(corner[i].value);
+    if (i + 1 < corner.size()) at.push_back(std::sqrt(corner[i].value * corner[i + 1].value));
+  }
+  std::vector<std::vector<double>> rows;
+  for (const double f : at) {
+    std::vector<double> row;
+    for (const Hertz one : corner) row.push_back(-std::max(0.0, (one.value - f) * out_.slope->volts_per_hz));
+    row.push_back(kReferenceV);
+    rows.push_back(std::move(row));
+  }
+  return rows;
+}
+
+/// One inverting sum of the control voltage; a rectifier that rests has its feedback's resistance only, so
+/// that its node must end at a virtual ground.
+int Builder::inverting_sum(const std::vector<std::string>& from, const std::vector<double>& gains,
+                           const std::vector<std::vector<double>>& rows, const std::string& letters,
+                           const std::string& role, const std::string& node, std::vector<double>& realised) {
+  const SumDesign design = search_sum(gains, rows, options_.resistors, 2e-5, role);
+  const std::string minus = "m" + node;
+  Sum sum;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (design.realised[i] == 0.0) continue;
+    sum.terms.push_back({from[i],
+                         resistor(fmt::format("R{}{}", letters, i + 1), role + " from " + from[i], from[i],
+                                  minus, design.wanted[i], design.realised[i]),
+                         false, 0.0});
+  }
+  sum.feedback =
+      resistor("R" + letters + "f", role + ", feedback", minus, node, design.feedback, design.feedback);
+  sum.opamp = opamp(role, "0", minus, node);
+  out_.sums.push_back(std::move(sum));
+  realised = design.gains;
+  return static_cast<int>(out_.sums.size()) - 1;
+}
+
+/// Control voltage of a branch. What enters with a positive gain passes an inverting sum of its own first.
+void Builder::control(int b) {
+  if (gain_limit(b, true) == gain_limit(b, false)) return;
+  const std::string name = b == 0 ? "ascending" : "descending", letter = b == 0 ? "a" : "d";
+  section_ = "rate gain, " + name;
+  const std::vector<double> gains = control_gains(b);
+  const std::vector<std::vector<double>> voltages = control_rows();
+  std::vector<std::string> from[2];  // inverted once, inverted twice
+  std::vector<double> gain[2];
+  std::vector<std::vector<double>> rows[2];
+  for (int side : {0, 1}) rows[side].resize(voltages.size());
+  std::vector<double> total(voltages.size(), 0.0), twice(voltages.size(), 0.0);
+  for (std::size_t i = 0; i < gains.size(); ++i) {
+    const std::size_t side = gains[i] > 0.0 ? 1 : 0;
+    from[side].push_back(i + 1 < gains.size() ? out_.rectifiers[i].node : "vr");
+    gain[side].push_back(-std::abs(gains[i]));
+    for (std::size_t row = 0; row < voltages.size(); ++row) {
+      rows[side][row].push_back(voltages[row][i]);
+      total[row] += gains[i] * voltages[row][i];
+      if (side == 1) twice[row] -= gains[i] * voltages[row][i];
+    }
+  }
+  std::vector<double> realised;
+  if (!from[1].empty()) {
+    for (std::size_t row = 0; row < voltages.size(); ++row) rows[1][row].push_back(twice[row]);
+    out_.rate[b].inverted = inverting_sum(from[1], gain[1], rows[1], "n" + letter,
+                                          "control voltage, inverted, " + name, "n" + letter, realised);
+    from[0].push_back("n" + letter);
+    gain[0].push_back(-1.0);
+    for (std::size_t row = 0; row < voltages.size(); ++row) {
+      double got = 0.0;
+      for (std::size_t k = 0; k < realised.size(); ++k) got += realised[k] * rows[1][row][k];
+      rows[0][row].push_back(got);
+    }
+  }
+  for (std::size_t row = 0; row < voltages.size(); ++row) rows[0][row].push_back(total[row]);
+  out_.rate[b].control = inverting_sum(from[0], gain[0], rows[0], "c" + letter, "control voltage, " + name,
+                                       "c" + letter, realised);
+}
+
+}  // namespace bodesmith::controller

@@ -1,0 +1,154 @@
+#pragma once
+
+#include <cstddef>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "circuit/opamp.hpp"
+#include "circuit/parts/series.hpp"
+#include "controller/parts.hpp"
+#include "multiplier_layout/layout.hpp"
+#include "multiplier_layout/switch.hpp"
+#include "signal/disturbance.hpp"
+
+/// The whole analog controller as one circuit: netlist, parts list, drawing, KiCad project, JSON and both
+/// simulations read the one description AnalogController.
+namespace bodesmith::controller {
+
+/// How the inverse of y = v + K d(v) is made (facts/tracking.md).
+enum class Form {
+  one_pass,  ///< v = r - K d(r), the disturbance paper's Fig. 2
+  two_pass,  ///< v = r - K d(r - K d(r))
+  self_fed,  ///< v = r - K d(v): the generator is fed by its own drive
+};
+std::string_view to_string(Form form);
+/// "seed" (or "one-pass"), "two-pass", "self-fed". Throws InputError that lists them.
+Form form_named(const std::string& name);
+
+struct Options {
+  Form form = Form::self_fed;
+  multiplier_layout::MultiplierModel multiplier;
+  circuit::OpAmpModel opamp;       ///< default: OPA2140
+  circuit::OpAmpModel fast_opamp;  ///< of the slope detector; default: AD8066
+  multiplier_layout::SwitchModel analog_switch;
+  circuit::Series resistors = circuit::Series::named("E96");
+  circuit::Series capacitors = circuit::Series::named("E12");
+  bool rates = true;                     ///< false: rate gains left out, as the constant polynomial
+  std::vector<Hertz> tracked;            ///< where the gain curve's corners are put when they fit
+  double rate_tolerance_percent = 0.03;  ///< of the curve against the table, percent of range
+  double averaging_s = 0.0;  ///< time constant behind the rectifier; 0: a hundredth of the shortest period
+  double reference_stroke = 1.0;  ///< peak to peak of the references whose slope means frequency, V
+  Hertz lowest{1.0};              ///< the slowest full-stroke triangle whose slope must set the switch
+
+  Options();
+};
+
+/// d_b(x) times K_b: from the powers of x to a contact of the switch.
+struct BranchPath {
+  Disturbance::Branch which = Disturbance::Branch::ascending;
+  int sum = -1;   ///< none: the polynomial is 0
+  int gain = -1;  ///< multiplier that applies the rate gain; none: constant
+  int contact = -1;
+};
+
+/// One evaluation of v = r - K d(x).
+struct Pass {
+  std::string x;                   ///< node of the argument: "r", "w" or "v"
+  std::string scaled;              ///< what the multipliers get of it: x, or a divider's node
+  int divider[2] = {-1, -1};       ///< parts, from x and to ground
+  int square = -1, cube = -1;      ///< multipliers
+  std::vector<BranchPath> branch;  ///< ascending, descending
+  int output = -1;                 ///< the sum r - (Rg/Rin) sw
+  std::string out;
+};
+
+/// The rate gain of one branch: K(f) = at_rest * (1 + control/U).
+struct RateGain {
+  Disturbance::Branch which = Disturbance::Branch::ascending;
+  double at_rest = 1.0;  ///< gain for control 0, in the weights of the branch
+  int control = -1;      ///< sum that makes the control voltage; none: constant
+  int inverted = -1;     ///< sum in front of it for what enters with the other sign
+};
+
+/// The table's gains as straight pieces over frequency: exact at the corners, constant beyond the ends.
+struct RateCurve {
+  std::vector<Hertz> corner;
+  std::vector<double> gain[2];  ///< ascending, descending, at the corners
+  double max_error = 0.0;       ///< greatest |gain - table|, either branch
+
+  double value(Disturbance::Branch which, Hertz frequency) const;
+};
+
+struct LoopFigures {
+  double greatest_gain = 0.0;   ///< greatest |K d'(v)| over both branches and all rates
+  double least_slope = 0.0;     ///< of 1 + K d'(v)
+  double greatest_drive = 0.0;  ///< V
+};
+
+struct AnalogController {
+  Form form = Form::self_fed;
+  Disturbance disturbance;
+  multiplier_layout::MultiplierModel multiplier;
+  circuit::OpAmpModel opamp, fast_opamp;
+  multiplier_layout::SwitchModel analog_switch;
+  std::vector<Hertz> tracked;
+  double reference_stroke = 1.0;
+  bool rates = true;
+
+  std::vector<Part> parts;
+  std::vector<OpAmp> opamps;
+  std::vector<Multiplier> multipliers;
+  std::vector<Contact> contacts;
+  std::vector<VoltageReference> references;
+
+  std::vector<Sum> sums;
+  std::vector<Rectifier> rectifiers;  ///< of the gain curve, lowest corner first
+  std::vector<Pass> passes;
+  double branch_gain = 1.0;  ///< V per unit of K d at the switch
+  RateGain rate[2];
+  std::optional<RateCurve> curve;  ///< none: no branch changes with rate
+
+  /// Slope in volts: differentiator, full-wave rectifier, smoothing; none without rate gains.
+  struct SlopeMeter {
+    int opamp = -1;
+    int damping = -1, differentiates = -1, gain = -1, limits = -1;  ///< parts Rs, Cd, Rd, Cf
+    Rectifier half_wave;
+    int full_wave = -1;         ///< sum: -|slope|
+    double volts_per_hz = 0.0;  ///< of a triangle of reference_stroke, realised parts
+    double smoothing_s = 0.0;
+    double lag_s = 0.0;  ///< each of the differentiator's two time constants
+  };
+  std::optional<SlopeMeter> slope;
+  /// Buffered divider of the reference for low corners of the gain curve: node vl.
+  struct LowReference {
+    int divider[2] = {-1, -1};
+    int opamp = -1;
+  };
+  std::optional<LowReference> low_reference;
+  /// Sign of the slope: differentiator with a logarithmic limit, comparator with hysteresis.
+  struct Detector {
+    int differentiator = -1, comparator = -1;  ///< op-amps
+    std::vector<int> parts;                    ///< Rs, Cd, Rd, Cf, Rh1, Rh2, two diodes
+  } detector;
+
+  LoopFigures loop;
+  double max_error_percent = 0.0;  ///< of K d(v) by the rounded parts and the gain curve, percent of range
+  std::vector<std::string> warnings;
+
+  const Part& part(int index) const { return parts[static_cast<std::size_t>(index)]; }
+  const OpAmp& op(int index) const { return opamps[static_cast<std::size_t>(index)]; }
+  const circuit::OpAmpModel& type_of(const OpAmp& one) const { return one.fast ? fast_opamp : opamp; }
+  const Sum& sum(int index) const { return sums[static_cast<std::size_t>(index)]; }
+  bool switched() const { return !contacts.empty(); }
+  bool rated() const { return curve.has_value(); }
+  /// The gain that a branch should have at f: the table's, or 1 (Options::rates off), or a constant table's.
+  double rated_gain(Disturbance::Branch which, Hertz frequency) const;
+};
+
+/// Throws DesignError, one line, when it cannot be made: |K d'| reaches 1 (the stage itself has no inverse there,
+/// and no loop converges), the drive leaves the supplies, a rate gain that is not above 0, parts out of reach.
+AnalogController make_controller(const Disturbance& disturbance, const Options& options = {});
+
+}  // namespace bodesmith::controller

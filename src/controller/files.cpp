@@ -1,0 +1,137 @@
+#include "controller/files.hpp"
+
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "controller/library.hpp"
+#include "controller/schematic.hpp"
+#include "signal/csv.hpp"
+
+namespace bodesmith::controller {
+namespace {
+
+Json parts_json(const AnalogController& controller) {
+  Json out = Json::array();
+  for (const Part& part : controller.parts) {
+    Json one = {{"name", part.name}, {"role", part.role}, {"section", part.section},
+                {"from", part.from}, {"to", part.to},     {"series", part.series}};
+    if (part.kind != Part::Kind::diode) {
+      const char* unit = part.kind == Part::Kind::resistor ? "ohm" : "f";
+      one[std::string("wanted_") + unit] = part.wanted;
+      one[std::string("realised_") + unit] = part.realised;
+    }
+    out.push_back(one);
+  }
+  return out;
+}
+
+Json curve_json(const AnalogController& controller) {
+  std::vector<double> corner;
+  for (const Hertz f : controller.curve->corner) corner.push_back(f.value);
+  return {{"corner_hz", corner},
+          {"ascending", controller.curve->gain[0]},
+          {"descending", controller.curve->gain[1]},
+          {"max_error", controller.curve->max_error},
+          {"slope_v_per_hz", controller.slope->volts_per_hz},
+          {"smoothing_s", controller.slope->smoothing_s}};
+}
+
+}  // namespace
+
+std::string parts_csv(const AnalogController& controller) {
+  CsvTable table(
+      {"part", "section", "series", "wanted_ohm", "realised_ohm", "wanted_f", "realised_f", "type", "role"});
+  for (const Part& part : controller.parts) {
+    const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
+    switch (part.kind) {
+      case Part::Kind::resistor:
+        table.add_row(
+            {part.name, part.section, part.series, wanted, realised, "", "", "resistor", part.role});
+        break;
+      case Part::Kind::capacitor:
+        table.add_row(
+            {part.name, part.section, part.series, "", "", wanted, realised, "capacitor", part.role});
+        break;
+      case Part::Kind::diode:
+        table.add_row({part.name, part.section, "", "", "", "", "", part.series, part.role});
+        break;
+    }
+  }
+  const auto component = [&](const std::string& name, const std::string& section, const std::string& type,
+                             const std::string& role) {
+    table.add_row({name, section, "", "", "", "", "", type, role});
+  };
+  for (const OpAmp& one : controller.opamps)
+    component(one.name, one.section, controller.type_of(one).name, one.role);
+  for (const Multiplier& one : controller.multipliers)
+    component(one.name, one.section, controller.multiplier.name, one.role);
+  for (const Contact& one : controller.contacts)
+    component(one.name, one.section, controller.analog_switch.name,
+              one.rising ? "closed while r rises" : "closed while r falls");
+  for (const VoltageReference& one : controller.references)
+    component(one.name, "references", one.type, "node " + one.node);
+  return table.text();
+}
+
+Json to_json(const AnalogController& controller) {
+  Json out;
+  out["form"] = std::string(to_string(controller.form));
+  out["opamp"] = controller.opamp.name;
+  out["fast_opamp"] = controller.fast_opamp.name;
+  out["multiplier"] = {{"name", controller.multiplier.name}, {"scale_v", controller.multiplier.scale_v}};
+  out["switch"] = controller.analog_switch.name;
+  out["branch_gain"] = controller.branch_gain;
+  out["counts"] = {{"multipliers", controller.multipliers.size()},
+                   {"opamps", controller.opamps.size()},
+                   {"parts", controller.parts.size()},
+                   {"contacts", controller.contacts.size()}};
+  out["loop"] = {{"greatest_gain", controller.loop.greatest_gain},
+                 {"least_slope", controller.loop.least_slope},
+                 {"greatest_drive_v", controller.loop.greatest_drive}};
+  if (controller.curve) out["rate_curve"] = curve_json(controller);
+  out["max_error_percent"] = controller.max_error_percent;
+  out["parts"] = parts_json(controller);
+  out["opamps"] = Json::array();
+  for (const OpAmp& one : controller.opamps) {
+    out["opamps"].push_back({{"name", one.name},
+                             {"type", controller.type_of(one).name},
+                             {"role", one.role},
+                             {"section", one.section},
+                             {"plus", one.plus},
+                             {"minus", one.minus},
+                             {"out", one.out}});
+  }
+  out["multipliers"] = Json::array();
+  for (const Multiplier& one : controller.multipliers) {
+    out["multipliers"].push_back({{"name", one.name},
+                                  {"role", one.role},
+                                  {"section", one.section},
+                                  {"x", one.x},
+                                  {"y", one.y},
+                                  {"z", one.z},
+                                  {"out", one.out},
+                                  {"peak_v", one.peak_v}});
+  }
+  out["contacts"] = Json::array();
+  for (const Contact& one : controller.contacts) {
+    out["contacts"].push_back({{"name", one.name},
+                               {"from", one.from},
+                               {"to", one.to},
+                               {"closed", one.rising ? "rising" : "falling"}});
+  }
+  out["references"] = Json::array();
+  for (const VoltageReference& one : controller.references)
+    out["references"].push_back(
+        {{"name", one.name}, {"type", one.type}, {"node", one.node}, {"voltage_v", one.volts}});
+  out["warnings"] = controller.warnings;
+  return out;
+}
+
+void add_controller_files(const AnalogController& controller, const std::string& title, const Json& json,
+                          OutputSet& out, const std::filesystem::path& folder) {
+  out.add(folder / "controller.sub", controller_library(controller, title));
+  out.add(folder / "parts.csv", parts_csv(controller));
+  out.add(folder / "controller.json", to_text(json));
+  add_schematic(controller, title, out, folder);
+}
+
+}  // namespace bodesmith::controller

@@ -1,0 +1,223 @@
+#include "controller/schematic.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cctype>
+#include <map>
+#include <set>
+
+#include "base/text.hpp"
+#include "base/version.hpp"
+#include "circuit/text.hpp"
+#include "kicad/devices.hpp"
+#include "kicad/schematic.hpp"
+
+namespace bodesmith::controller {
+namespace {
+
+using circuit::plain_number;
+
+class SchematicMaker {
+ public:
+  SchematicMaker(const AnalogController& controller, const circuit::Tolerances& tolerances)
+      : controller_(controller), tolerances_(tolerances) {
+    for (const OpAmp& one : controller.opamps) place_opamp(one);
+    for (const Multiplier& one : controller.multipliers) devices_[one.name] = next_package();
+    switch_reference_ = next_package();
+    for (const VoltageReference& one : controller.references) devices_[one.name] = next_package();
+  }
+
+  std::vector<kicad::Group> groups() {
+    std::vector<kicad::Group> out;
+    for (const std::string& name : sections()) out.push_back(section(name));
+    kicad::Group board;
+    board.text = "connectors, supplies, references";
+    board.cells.push_back(kicad::connector_cell("J1", "r"));
+    board.cells.push_back(kicad::connector_cell("J2", "v"));
+    board.cells.push_back(kicad::supply_connector_cell("J3", "VCC", "VEE"));
+    board.cells.push_back(kicad::supply_connector_cell("J4", "V5P", "V5N"));
+    for (const VoltageReference& one : controller_.references)
+      board.cells.push_back(kicad::reference_cell(devices_.at(one.name), one.type, one.name, one.node));
+    spare_contacts(board);
+    board.cells.push_back(kicad::contact_supply_cell(switch_reference_, controller_.analog_switch.name));
+    out.push_back(std::move(board));
+    int capacitor = 1;
+    for (const Package& package : packages_) {
+      const int per = package.type->per_package;
+      kicad::Group power;
+      power.cells.push_back(kicad::package_supply_cell(
+          kicad::opamp_symbol(package.reference, package.type->name, per, per), capacitor));
+      capacitor += 2;
+      for (int unit = package.used; unit < per; ++unit)
+        power.cells.push_back(
+            kicad::spare_opamp_cell(kicad::opamp_symbol(package.reference, package.type->name, per, unit)));
+      out.push_back(std::move(power));
+    }
+    return out;
+  }
+
+ private:
+  struct Package {
+    std::string reference;
+    const circuit::OpAmpModel* type = nullptr;
+    int used = 0;
+  };
+  struct Place {
+    std::string reference;
+    const circuit::OpAmpModel* type = nullptr;
+    int unit = 0;
+  };
+
+  std::string next_package() { return fmt::format("U{}", ++count_); }
+
+  void place_opamp(const OpAmp& one) {
+    const circuit::OpAmpModel& type = controller_.type_of(one);
+    const auto open = std::find_if(packages_.begin(), packages_.end(), [&](const Package& package) {
+      return package.type->name == type.name && package.used < type.per_package;
+    });
+    Package& package =
+        open != packages_.end() ? *open : packages_.emplace_back(Package{next_package(), &type, 0});
+    opamps_[one.name] = {package.reference, &type, package.used++};
+  }
+
+  std::vector<std::string> sections() const {
+    std::vector<std::string> out;
+    const auto see = [&](const std::string& name) {
+      if (std::find(out.begin(), out.end(), name) == out.end()) out.push_back(name);
+    };
+    for (const Pass& pass : controller_.passes) {
+      if (pass.square >= 0) see(controller_.multipliers[static_cast<std::size_t>(pass.square)].section);
+    }
+    for (const Part& one : controller_.parts) see(one.section);
+    for (const Contact& one : controller_.contacts) see(one.section);
+    return out;
+  }
+
+  /// Nodes that something else than this section's resistors, capacitors and op-amps needs by name.
+  std::set<std::string> named_outside(const std::string& section) const {
+    std::set<std::string> out = {"r", "v"};
+    for (const Part& one : controller_.parts) {
+      if (one.section != section || one.kind == Part::Kind::diode) out.insert({one.from, one.to});
+    }
+    for (const OpAmp& one : controller_.opamps) {
+      if (one.section != section) out.insert({one.plus, one.minus, one.out});
+    }
+    for (const Multiplier& one : controller_.multipliers) out.insert({one.x, one.y, one.z, one.out});
+    for (const Contact& one : controller_.contacts) out.insert({one.from, one.to});
+    for (const VoltageReference& one : controller_.references) out.insert(one.node);
+    return out;
+  }
+
+  kicad::Symbol texts_of(const circuit::Part& part, const std::string& section) const {
+    const bool resistor = part.kind == circuit::Part::Kind::resistor;
+    kicad::Symbol out;
+    out.reference = schematic_reference(part.name);
+    out.value = kicad::kicad_value(part.realised);
+    out.footprint = resistor                 ? "Resistor_SMD:R_0603_1608Metric"
+                    : part.realised <= 10e-9 ? "Capacitor_SMD:C_0603_1608Metric"
+                    : part.realised <= 100e-9
+                        ? "Capacitor_SMD:C_1206_3216Metric"
+                        : "Capacitor_THT:C_Rect_L7.2mm_W5.5mm_P5.00mm_FKS2_FKP2_MKS2_MKP2";
+    const char* const unit = resistor ? " ohm" : " F";
+    out.fields = {
+        {"Netlist", part.name},
+        {"Series", part.series},
+        {"Tolerance",
+         rounded_text(resistor ? tolerances_.resistor_percent : tolerances_.capacitor_percent) + "%"},
+        {"Wanted", plain_number(part.wanted) + unit},
+        {"Realised", plain_number(part.realised) + unit},
+        {"Section", section}};
+    return out;
+  }
+
+  kicad::Group section(const std::string& name) {
+    kicad::Group out;
+    out.text = name;
+    std::vector<circuit::Part> parts;
+    for (const Part& one : controller_.parts) {
+      if (one.section != name || one.kind == Part::Kind::diode) continue;
+      parts.push_back(
+          {one.kind == Part::Kind::resistor ? circuit::Part::Kind::resistor : circuit::Part::Kind::capacitor,
+           one.name, 0, one.from, one.to, one.series, one.wanted, one.realised});
+    }
+    std::vector<circuit::OpAmp> opamps;
+    for (const OpAmp& one : controller_.opamps) {
+      if (one.section == name) opamps.push_back({one.name, 0, one.plus, one.minus, one.out});
+    }
+    for (const Multiplier& one : controller_.multipliers) {
+      if (one.section == name)
+        out.cells.push_back(kicad::multiplier_cell(devices_.at(one.name), controller_.multiplier.name,
+                                                   one.name, one.x, one.y, one.z, one.out));
+    }
+    for (kicad::Cell& cell : kicad::stage_cells(
+             parts, opamps, "", "", [&](const circuit::Part& part) { return texts_of(part, name); },
+             [&](const circuit::OpAmp& one) {
+               const Place& place = opamps_.at(one.name);
+               kicad::Symbol symbol = kicad::opamp_symbol(place.reference, place.type->name,
+                                                          place.type->per_package, place.unit);
+               symbol.fields = {{"Netlist", one.name}, {"Section", name}};
+               return symbol;
+             },
+             named_outside(name))) {
+      // Pieces of a row meet by name: a section is no chain.
+      cell.entry.reset();
+      out.cells.push_back(std::move(cell));
+    }
+    for (const Part& one : controller_.parts) {
+      if (one.section == name && one.kind == Part::Kind::diode)
+        out.cells.push_back(
+            kicad::diode_cell(schematic_reference(one.name), one.series, one.name, one.from, one.to));
+    }
+    for (const Contact& one : controller_.contacts) {
+      if (one.section == name) out.cells.push_back(contact(one));
+    }
+    return out;
+  }
+
+  /// Units 0 and 3 close at logic 1.
+  kicad::Cell contact(const Contact& one) {
+    for (const int unit : one.rising ? std::vector<int>{0, 3} : std::vector<int>{1, 2}) {
+      if (!used_units_.insert(unit).second) continue;
+      return kicad::contact_cell(switch_reference_, controller_.analog_switch.name, one.name, unit, one.from,
+                                 one.to, "so");
+    }
+    throw std::logic_error("more contacts than the switch has");
+  }
+
+  void spare_contacts(kicad::Group& board) {
+    for (int unit = 0; unit < 4; ++unit) {
+      if (used_units_.insert(unit).second)
+        board.cells.push_back(kicad::contact_cell(switch_reference_, controller_.analog_switch.name, "spare",
+                                                  unit, "0", "0", "0"));
+    }
+  }
+
+  const AnalogController& controller_;
+  const circuit::Tolerances tolerances_;
+  std::vector<Package> packages_;
+  std::map<std::string, Place> opamps_;
+  std::map<std::string, std::string> devices_;
+  std::string switch_reference_;
+  std::set<int> used_units_;
+  int count_ = 0;
+};
+
+}  // namespace
+
+std::string schematic_reference(const std::string& name) {
+  return std::isdigit(static_cast<unsigned char>(name.back())) != 0 ? name : name + "0";
+}
+
+void add_schematic(const AnalogController& controller, const std::string& title, OutputSet& out,
+                   const std::filesystem::path& folder, const circuit::Tolerances& tolerances) {
+  SchematicMaker maker(controller, tolerances);
+  const kicad::Sheet sheet =
+      kicad::add_one_sheet_project(maker.groups(), "controller", title,
+                                   fmt::format("bodesmith {}; op-amps {}, slope detector {}", kVersion,
+                                               controller.opamp.name, controller.fast_opamp.name),
+                                   out, folder);
+  out.add(folder / "controller.svg", kicad::sheet_svg(sheet, title));
+}
+
+}  // namespace bodesmith::controller

@@ -1,0 +1,81 @@
+#include "controller/study.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/json.hpp"
+#include "controller/dynamics.hpp"
+
+namespace bodesmith::controller {
+namespace {
+
+double rms_percent(const std::vector<double>& a, const std::vector<double>& b, double range) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return 100.0 * std::sqrt(sum / static_cast<double>(a.size())) / range;
+}
+
+}  // namespace
+
+std::vector<AsBuilt> measure_as_built(const AnalogController& controller,
+                                      const std::vector<Hertz>& frequencies,
+                                      const tracking::Reference& reference, const NgspiceRun& options) {
+  std::vector<AsBuilt> out;
+  for (const Hertz f : frequencies) {
+    const Settled run = run_in_ngspice(controller, reference, f, options);
+    AsBuilt one;
+    one.frequency = f;
+    one.error = stage_error(controller.disturbance, run);
+    Settled plain = run;
+    plain.v = run.r;
+    one.without = stage_error(controller.disturbance, plain);
+    one.cvode_difference_percent =
+        rms_percent(run.v, run_in_cvode(controller, reference, f, run.v.size()).v, reference.alpha());
+    one.start_up_percent = rms_percent(run.first_v, run.v, reference.alpha());
+    one.wall_s = run.wall_s;
+    out.push_back(one);
+  }
+  return out;
+}
+
+double worst_percent(const std::vector<AsBuilt>& cases) {
+  double out = 0.0;
+  for (const AsBuilt& one : cases) out = std::max(out, one.error.rms_percent_without_lag);
+  return out;
+}
+
+Json to_json(const std::vector<AsBuilt>& cases) {
+  Json out = Json::array();
+  for (const AsBuilt& one : cases) {
+    out.push_back({{"frequency_hz", one.frequency.value},
+                   {"rms_percent", one.error.rms_percent},
+                   {"rms_percent_without_lag", one.error.rms_percent_without_lag},
+                   {"max_percent", one.error.max_percent},
+                   {"lag_s", one.error.lag_s},
+                   {"none_rms_percent", one.without.rms_percent},
+                   {"cvode_difference_percent", one.cvode_difference_percent},
+                   {"start_up_percent", one.start_up_percent},
+                   {"ngspice_s", one.wall_s}});
+  }
+  return out;
+}
+
+Json to_json(const std::vector<LoopPoint>& loop) {
+  Json out = Json::array();
+  for (const LoopPoint& one : loop) {
+    Json json = {{"branch", one.which == Disturbance::Branch::ascending ? "ascending" : "descending"},
+                 {"rate_hz", one.rate.value},
+                 {"drive", one.drive_v},
+                 {"slope", one.slope},
+                 {"greatest_gain", one.greatest_gain},
+                 {"greatest_at_hz", one.greatest_at.value},
+                 {"nearest", one.nearest},
+                 {"bandwidth_hz", one.bandwidth.value}};
+    if (one.phase_margin_deg) json["phase_margin_deg"] = *one.phase_margin_deg;
+    if (one.gain_margin_db) json["gain_margin_db"] = *one.gain_margin_db;
+    out.push_back(json);
+  }
+  return out;
+}
+
+}  // namespace bodesmith::controller

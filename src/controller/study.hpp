@@ -1,0 +1,31 @@
+#pragma once
+
+#include <vector>
+
+#include "base/json_fwd.hpp"
+#include "controller/as_built.hpp"
+#include "controller/loop.hpp"
+
+namespace bodesmith::controller {
+
+/// One tracked frequency as built: ngspice on the emitted netlist, the stage on the drive it found.
+struct AsBuilt {
+  Hertz frequency;
+  tracking::TrackingError error;
+  tracking::TrackingError without;        ///< no controller: v = r
+  double cvode_difference_percent = 0.0;  ///< rms of v against the same chain in CVODE, percent of range
+  double start_up_percent = 0.0;  ///< rms of v in the first repeat, from rest, against the settled one
+  double wall_s = 0.0;            ///< of ngspice
+};
+
+std::vector<AsBuilt> measure_as_built(const AnalogController& controller,
+                                      const std::vector<Hertz>& frequencies,
+                                      const tracking::Reference& reference = tracking::Reference(),
+                                      const NgspiceRun& options = {});
+/// The worst rms without lag; 0 for none.
+double worst_percent(const std::vector<AsBuilt>& cases);
+
+Json to_json(const std::vector<AsBuilt>& cases);
+Json to_json(const std::vector<LoopPoint>& loop);
+
+}  // namespace bodesmith::controller

@@ -1,0 +1,171 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "circuit/text.hpp"
+#include "controller/library.hpp"
+#include "lti/frequency_grid.hpp"
+#include "part_errors/loop_network.hpp"
+#include "part_errors/margin.hpp"
+#include "spice/ngspice.hpp"
+#include "spice/opamp_macromodel.hpp"
+
+namespace bodesmith::part_errors {
+namespace {
+
+using circuit::plain_number;
+using controller::AnalogController;
+
+constexpr int kGridPoints = 90;
+/// Of the stroke: within this a change of branch is over.
+constexpr double kSettledShare = 2e-4;
+
+/// The netlist with the slope meter and the branch from outside, and its sources but for x.
+std::string open_deck(const AnalogController& controller, const std::string& library, const LoopPoint& point,
+                      double reference_v, const std::string& branch) {
+  const double slope = controller.slope ? -point.operating.value * controller.slope->volts_per_hz : 0.0;
+  return fmt::format(
+      "loop\n{}\nVr r 0 {}\nVbranch branch 0 {}\nVslope slope 0 {}\nXc r x branch slope v controller_open\n",
+      library, plain_number(reference_v), branch, plain_number(slope));
+}
+
+std::string level(Disturbance::Branch branch) {
+  return branch == Disturbance::Branch::ascending ? "1" : "0";
+}
+
+/// The op-amp's line takes a copy of the macromodel with a source of 1 V behind the ideal output stage: there its
+/// whole return ratio passes, whatever is connected.
+std::string with_cut_opamp(const AnalogController& controller, std::string library, const std::string& name) {
+  const controller::OpAmp* opamp = nullptr;
+  for (const controller::OpAmp& one : controller.opamps) {
+    if (one.name == name) opamp = &one;
+  }
+  const std::string begin = "\nX" + name + " ";
+  const std::size_t at = library.find(begin);
+  if (opamp == nullptr || at == std::string::npos) throw std::logic_error("no op-amp " + name);
+  const std::size_t end = library.find('\n', at + 1), last = library.rfind(' ', end);
+  library.replace(last + 1, end - last - 1, "bodesmith_opamp_cut");
+  circuit::OpAmpModel quiet = controller.type_of(*opamp);
+  quiet.voltage_noise_v_per_rthz = quiet.current_noise_a_per_rthz = 0.0;
+  std::string macro = spice::opamp_macromodel(quiet, "bodesmith_opamp_cut");
+  const std::string output = "\nRo y o ";
+  const std::size_t ro = macro.find(output);
+  if (ro == std::string::npos) throw std::logic_error("the op-amp's macromodel has no output resistance");
+  macro.replace(ro, output.size(), "\nVcut z y 0 ac 1\nRo z o ");
+  return library + "\n" + macro;
+}
+
+std::vector<std::complex<double>> opamp_ratio(const AnalogController& controller, const std::string& opamp,
+                                              const LoopPoint& point, const std::vector<Hertz>& grid) {
+  controller::LibraryOptions options;
+  options.open = true;
+  const std::string library =
+      with_cut_opamp(controller, controller::controller_library(controller, "loop", options), opamp);
+  const LoopNetwork network(controller, point);
+  std::string deck = open_deck(controller, library, point, network.reference_v(), level(point.branch));
+  // The generator reads its own drive (or the reference).
+  deck += controller.form == controller::Form::self_fed ? "Vx x v 0\n" : "Vx x r 0\n";
+  std::vector<std::complex<double>> out =
+      spice::run_ac_of_circuit(deck, "xc.x" + opamp + ".y", grid, "controller.sub");
+  for (std::complex<double>& y : out) y = -y / (1.0 + y);
+  return out;
+}
+
+std::vector<std::complex<double>> generator_loop(const AnalogController& controller, const LoopPoint& point,
+                                                 const std::vector<Hertz>& grid) {
+  controller::LibraryOptions options;
+  options.open = true;
+  const LoopNetwork network(controller, point);
+  std::string deck = open_deck(controller, controller::controller_library(controller, "loop", options), point,
+                               network.reference_v(), level(point.branch));
+  deck += fmt::format("Vx x 0 {} ac 1\n", plain_number(point.v));
+  std::vector<std::complex<double>> out = spice::run_ac_of_circuit(deck, "v", grid, "controller.sub");
+  for (std::complex<double>& t : out) t = -t;
+  return out;
+}
+
+/// v of a branch at rest.
+double drive_of(RestPoint& rest, const Wiring& wiring, double r, bool rising) {
+  double v = r;
+  for (int i = 0; i < 60; ++i) {
+    const double made = rest.made(r, v, rising);
+    if (!wiring.self_fed()) return made;
+    v = made;
+  }
+  return v;
+}
+
+std::optional<SwitchStep> switch_step(const AnalogController& controller, const LoopPoint& at) {
+  if (!controller.switched() || controller.contacts.size() < 2) return std::nullopt;
+  const Wiring wiring(controller);
+  RestPoint rest(wiring, controller::Deviations::none(controller));
+  if (controller.slope) rest.set_slope(-at.operating.value * controller.slope->volts_per_hz);
+  double r = 0.5, greatest = 0.0;
+  for (int i = 0; i <= 40; ++i) {
+    const double here = i / 40.0;
+    const double apart = std::abs(drive_of(rest, wiring, here, true) - drive_of(rest, wiring, here, false));
+    if (apart > greatest) {
+      greatest = apart;
+      r = here;
+    }
+  }
+  if (!(greatest > 0.0)) return std::nullopt;
+  constexpr double kChangeS = 2e-6, kBackS = 12e-6, kStopS = 22e-6, kStepS = 10e-9;
+  controller::LibraryOptions options;
+  options.open = true;
+  std::string deck = open_deck(controller, controller::controller_library(controller, "switch", options), at,
+                               r, "pwl(0 0 2e-6 0 2.001e-6 1 12e-6 1 12.001e-6 0)");
+  deck += controller.form == controller::Form::self_fed ? "Vx x v 0\n" : "Vx x r 0\n";
+  const spice::Transient run = spice::run_transient(deck, {"v"}, kStepS, kStopS, "controller.sub");
+  const double v[2] = {drive_of(rest, wiring, r, true), drive_of(rest, wiring, r, false)};
+  SwitchStep out;
+  out.v = r;
+  out.step_percent = 100.0 * greatest;
+  const double low = std::min(v[0], v[1]), high = std::max(v[0], v[1]);
+  const auto last_before = [&](double t) {
+    double value = run.v[0].front();
+    for (std::size_t i = 0; i < run.time_s.size() && run.time_s[i] < t; ++i) value = run.v[0][i];
+    return value;
+  };
+  const double end[2] = {last_before(kBackS), last_before(kStopS)};
+  for (std::size_t i = 0; i < run.time_s.size(); ++i) {
+    const double t = run.time_s[i], now = run.v[0][i];
+    if (t < kChangeS) continue;
+    out.overshoot_percent = std::max({out.overshoot_percent, 100.0 * (low - now), 100.0 * (now - high)});
+    const bool second = t >= kBackS;
+    if (std::abs(now - end[second ? 1 : 0]) > kSettledShare)
+      out.settled_s = std::max(out.settled_s, t - (second ? kBackS : kChangeS));
+  }
+  return out;
+}
+
+}  // namespace
+
+LoopStability checked_loop_stability(const AnalogController& controller) {
+  LoopStability out = loop_stability(controller);
+  if (out.at.empty()) return out;
+  const std::vector<Hertz> grid = log_grid({Hertz{1e3}, Hertz{1e9}}, kGridPoints);
+  LoopStability::Checked checked;
+  const Margin margin = phase_margin(grid, opamp_ratio(controller, out.opamp, out.point, grid));
+  checked.margin_deg = margin.deg;
+  checked.crossing = margin.crossing;
+  if (controller.form == controller::Form::self_fed) {
+    const auto worst = std::max_element(out.at.begin(), out.at.end(), [](const LoopAt& a, const LoopAt& b) {
+      return a.greatest_gain < b.greatest_gain;
+    });
+    const LoopNetwork network(controller, worst->point);
+    const std::vector<std::complex<double>> t = generator_loop(controller, worst->point, grid);
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      checked.greatest_gain = std::max(checked.greatest_gain, std::abs(t[i]));
+      checked.greatest_difference =
+          std::max(checked.greatest_difference, std::abs(t[i] - network.generator(grid[i].rad_s())));
+    }
+  }
+  checked.step = switch_step(controller, out.point);
+  out.ngspice = checked;
+  return out;
+}
+
+}  // namespace bodesmith::part_errors

@@ -10,6 +10,7 @@
 #include "fit/direct_fit.hpp"
 #include "fit/waveform_fit.hpp"
 #include "numeric/parallel_for.hpp"
+#include "project/tracked_plant.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -33,6 +34,8 @@ Alternative rated_alternative(const Project& project, std::string name, Alternat
   options.path = compensated_path(project);
   out.waveform = waveform_error([&sections](RadPerSecond w) { return sections.response(w); },
                                 project.target.disturbance, project.track.frequency, options);
+  out.tracked_percent = worst_tracked_percent(
+      project, compensated_design(project, out.name, sections, tracking::GeneratorForm::self_fed()));
   const int poles = sections.pole_count();
   out.fpaa_blocks = poles + poles % 2;
   return out;
@@ -88,16 +91,20 @@ std::vector<Alternative> make_alternatives(const Project& project,
 std::vector<std::size_t> rank_alternatives(const Project& project,
                                            const std::vector<Alternative>& alternatives) {
   if (project.choice == Project::Choice::as_asked) return {0};
-  const bool by_waveform = project.choice == Project::Choice::waveform;
+  using Choice = Project::Choice;
+  const Choice by = project.choice;
   const double limit = project.limits.points_db.value_or(0.05);
   std::vector<std::size_t> order;
   for (std::size_t i = 0; i < alternatives.size(); ++i) {
-    if (by_waveform || alternatives[i].points_max_db <= limit) order.push_back(i);
+    if (by != Choice::fewest_sections || alternatives[i].points_max_db <= limit) order.push_back(i);
   }
   if (order.empty()) return {0};
   std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
-    if (by_waveform) return alternatives[a].waveform.worst_percent < alternatives[b].waveform.worst_percent;
-    return alternatives[a].sections.pole_count() < alternatives[b].sections.pole_count();
+    const Alternative& first = alternatives[a];
+    const Alternative& second = alternatives[b];
+    if (by == Choice::tracking) return first.tracked_percent < second.tracked_percent;
+    if (by == Choice::waveform) return first.waveform.worst_percent < second.waveform.worst_percent;
+    return first.sections.pole_count() < second.sections.pole_count();
   });
   return order;
 }

@@ -18,7 +18,10 @@ struct Alternative {
   double phase_at_points_deg = 0.0;  ///< largest phase shift at the target points
   double above_band_db = 0.0;        ///< gain at infinity: what it does to noise above the band
   WaveformError waveform;            ///< at the tracked frequencies, percent of range
-  int fpaa_blocks = 0;               ///< one per real pole-zero pair, and one more where the sign needs it
+  /// Worst tracking error of a stage that reads its drive, the sections in a generator fed by its own drive; percent
+  /// of range, pure delay removed (tracked_plant.hpp).
+  double tracked_percent = 0.0;
+  int fpaa_blocks = 0;  ///< one per real pole-zero pair, and one more where the sign needs it
 };
 
 /// The cascade's approximation first, then direct fits (real poles and zeros, corners up to five times the
@@ -27,6 +30,7 @@ std::vector<Alternative> make_alternatives(const Project& project, const Cascade
 
 /// Indices in the order in which they should be built, by the project's [choose]; the first one that the
 /// hardware can make is taken:
+///   tracking         smallest tracked_percent first
 ///   as_asked         the cascade's approximation, nothing else
 ///   fewest_sections  those with every target point within limits.points_db (0.05 dB when absent), fewest
 ///                    poles first

@@ -7,6 +7,7 @@
 #include "base/outcome.hpp"
 #include "base/progress.hpp"
 #include "circuit/response.hpp"
+#include "project/built_controllers.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -106,6 +107,7 @@ Design make_design(const Project& project) {
   design.alternatives_s = alternatives_watch.seconds();
   build_best_alternative(project, design);
   design.layout = multiplier_layout::make_layout(project.target.disturbance);
+  design.controller = make_analog_controller(project, design.passed_over);
   design.compute_s = watch.seconds() - design.alternatives_s;
   return design;
 }

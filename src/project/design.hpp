@@ -2,12 +2,14 @@
 
 #include <complex>
 #include <functional>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
 
 #include "approximate/approximate.hpp"
 #include "circuit/realise.hpp"
+#include "controller/controller.hpp"
 #include "fit/cascade_fit.hpp"
 #include "fit/waveform_error.hpp"
 #include "fpaa/plan.hpp"
@@ -27,6 +29,7 @@ struct Design {
   std::optional<fpaa::Plan> plan;
   std::optional<circuit::Realised> circuit;
   multiplier_layout::Layout layout;
+  std::shared_ptr<const controller::AnalogController> controller;  ///< null: no op-amps, or it cannot be made
   std::vector<std::string> passed_over;  ///< better alternatives that the hardware cannot make, and why
   double compute_s = 0.0;  ///< fit to plan, netlist and layout, without the alternatives that are not built
   double alternatives_s = 0.0;

@@ -15,7 +15,8 @@ std::vector<LimitCheck> check_limits(const Project& project, const Design& desig
         {"approximation_db", *limits.approximation_db, design.approximation.error.everywhere_db});
   }
   if (limits.fpaa_percent && design.plan) {
-    checks.push_back({"fpaa_percent", *limits.fpaa_percent, design.plan->error.max_complex_percent});
+    checks.push_back(
+        {"fpaa_percent", *limits.fpaa_percent, design.plan->error_with_delays.max_complex_percent});
   }
   if (limits.circuit_db && design.circuit) {
     checks.push_back({"circuit_db", *limits.circuit_db, design.circuit->report.parts.max_magnitude_db});

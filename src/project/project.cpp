@@ -5,6 +5,7 @@
 #include <cmath>
 
 #include "base/document.hpp"
+#include "project/track_file.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -76,8 +77,8 @@ Project::Approximate read_approximate(const Node& node) {
 }
 
 Project::Plant read_plant(const Node& node) {
-  node.allow_only(
-      {"stroke_m", "amplifier_corner_hz", "resonance_hz", "damping_ratio", "damping_compensator"});
+  node.allow_only({"stroke_m", "amplifier_corner_hz", "resonance_hz", "damping_ratio", "damping_compensator",
+                   "drive_range"});
   Project::Plant plant;
   plant.stroke_m = node.at("stroke_m").positive();
   if (node.has("amplifier_corner_hz"))
@@ -95,24 +96,19 @@ Project::Plant read_plant(const Node& node) {
     section.poles = quadratic_roots(damping.at("poles"));
     plant.damping_compensator = section;
   }
-  return plant;
-}
-
-Project::Track read_track(const Node& node) {
-  node.allow_only({"waveform", "frequency_hz"});
-  Project::Track track;
-  if (node.has("waveform")) {
-    track.waveform = one_of(node.at("waveform"), Project::Waveform::triangle, Project::Waveform::sine);
+  if (node.has("drive_range")) {
+    const std::vector<double> range = node.at("drive_range").numbers();
+    if (range.size() != 2 || !(range[0] < range[1]))
+      node.at("drive_range").fail("is no range, expected [lowest, highest] drive in full strokes");
+    plant.drive_range = {range[0], range[1]};
   }
-  for (const Node& item : node.at("frequency_hz").items()) track.frequency.push_back(Hertz{item.positive()});
-  if (track.frequency.empty()) node.at("frequency_hz").fail("is empty, expected at least one frequency");
-  return track;
+  return plant;
 }
 
 Project::Choice read_choice(const Node& node) {
   using Choice = Project::Choice;
   node.allow_only({"by"});
-  return one_of(node.at("by"), Choice::as_asked, Choice::fewest_sections, Choice::waveform);
+  return one_of(node.at("by"), Choice::tracking, Choice::as_asked, Choice::fewest_sections, Choice::waveform);
 }
 
 Project::Fpaa read_fpaa(const Node& node) {
@@ -132,6 +128,15 @@ Project::Circuit read_circuit(const Node& node) {
   return circuit;
 }
 
+Project::Controller read_controller(const Node& node) {
+  node.allow_only({"form", "errors", "allow_unstable"});
+  Project::Controller out;
+  if (node.has("errors")) out.errors = part_errors::PartErrors::from_node(node.at("errors"));
+  if (node.has("allow_unstable")) out.allow_unstable = node.at("allow_unstable").boolean();
+  if (node.has("form")) out.form = node.at("form").one_of({"self-fed", "two-pass", "seed"});
+  return out;
+}
+
 Project::Limits read_limits(const Node& node) {
   node.allow_only({"fit_db", "points_db", "approximation_db", "fpaa_percent", "circuit_db"});
   const auto limit = [&node](std::string_view key) -> std::optional<double> {
@@ -146,6 +151,8 @@ Project::Limits read_limits(const Node& node) {
 
 std::string_view to_string(Project::Choice choice) {
   switch (choice) {
+    case Project::Choice::tracking:
+      return "tracking";
     case Project::Choice::as_asked:
       return "as_asked";
     case Project::Choice::fewest_sections:
@@ -154,10 +161,6 @@ std::string_view to_string(Project::Choice choice) {
       return "waveform";
   }
   return "";
-}
-
-std::string_view to_string(Project::Waveform waveform) {
-  return waveform == Project::Waveform::sine ? "sine" : "triangle";
 }
 
 Project Project::read(const fs::path& path, Provenance& from) {
@@ -169,18 +172,24 @@ Project Project::read(const fs::path& path, Provenance& from) {
   project.name = node.string_or("name", path.stem().string());
   project.target = read_target(node.at("target"), path.parent_path(), from);
   if (node.has("fit")) project.fit = read_fit(node.at("fit"));
-  // Without [approximate] the design with the fewest sections that meets the points is built.
-  project.choice = node.has("approximate") ? Choice::as_asked : Choice::fewest_sections;
+  // What will be tracked decides, unless [choose] says otherwise.
   if (node.has("approximate")) project.approximate = read_approximate(node.at("approximate"));
   if (node.has("choose")) project.choice = read_choice(node.at("choose"));
   if (node.has("hardware")) {
     const Node hardware = node.at("hardware");
-    hardware.allow_only({"fpaa", "circuit"});
+    hardware.allow_only({"fpaa", "circuit", "controller"});
     if (hardware.has("fpaa")) project.fpaa = read_fpaa(hardware.at("fpaa"));
     if (hardware.has("circuit")) project.circuit = read_circuit(hardware.at("circuit"));
+    if (hardware.has("controller")) {
+      project.controller = read_controller(hardware.at("controller"));
+      if (!project.circuit)
+        hardware.at("controller").fail("needs [hardware.circuit], whose parts it is made of");
+    }
   }
   project.plant = read_plant(node.at("plant"));
   project.track = read_track(node.at("track"));
+  check_drive(project, node);
+  if (project.choice == Choice::tracking) check_loop(project, node, path.parent_path());
   if (node.has("limits")) project.limits = read_limits(node.at("limits"));
   return project;
 }

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <algorithm>
+#include <array>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -9,8 +11,10 @@
 #include "base/provenance.hpp"
 #include "base/units.hpp"
 #include "lti/sections.hpp"
+#include "part_errors/errors.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/disturbance.hpp"
+#include "tracking/reference.hpp"
 
 namespace bodesmith::project {
 
@@ -38,7 +42,7 @@ struct Project {
   } approximate;
 
   /// Which of the alternatives is built ([choose] by), see alternatives.hpp.
-  enum class Choice { as_asked, fewest_sections, waveform } choice = Choice::as_asked;
+  enum class Choice { tracking, as_asked, fewest_sections, waveform } choice = Choice::tracking;
 
   struct Fpaa {
     std::string board = "an231k04-quad4";
@@ -53,6 +57,13 @@ struct Project {
   };
   std::optional<Circuit> circuit;  ///< absent: no op-amp circuit is designed
 
+  /// The whole analog controller, which goes with [hardware.circuit].
+  struct Controller {
+    std::optional<std::string> form;  ///< "self-fed", "two-pass", "seed"; absent: see built_controllers.hpp
+    part_errors::PartErrors errors;   ///< how far its parts are off
+    bool allow_unstable = false;      ///< goes on with a phase margin below 30 degrees
+  } controller;
+
   /// The stage of "Modeling and Control of Piezoelectric Hysteresis: A Polynomial-Based Fractional Order
   /// Disturbance Compensation Approach", Fig. 1(b): amplifier pole, damping compensator (eq. 20), resonance.
   struct Plant {
@@ -61,13 +72,21 @@ struct Project {
     std::optional<Hertz> resonance;
     double damping_ratio = 0.0;
     std::optional<Section> damping_compensator;
+    /// What the amplifier can put out, in full strokes.
+    std::optional<std::array<double, 2>> drive_range;
   } plant;
 
-  /// The full-stroke reference that the stage must follow.
-  enum class Waveform { triangle, sine };
+  /// The references that the stage must follow. The design is chosen and stated for the first waveform at the
+  /// largest amplitude; the others are followed beside it.
   struct Track {
-    Waveform waveform = Waveform::triangle;
+    std::vector<tracking::Reference::Shape> waveforms = {tracking::Reference::Shape::triangle};
+    std::vector<double> amplitudes = {1.0};  ///< of the full stroke
     std::vector<Hertz> frequency;
+    std::vector<double>
+        measured_percent;  ///< rms errors that somebody measured, one a frequency; may be empty
+
+    tracking::Reference::Shape waveform() const { return waveforms.front(); }
+    double amplitude() const { return *std::max_element(amplitudes.begin(), amplitudes.end()); }
   } track;
 
   struct Limits {
@@ -84,6 +103,5 @@ struct Project {
 
 /// The words of the project file.
 std::string_view to_string(Project::Choice choice);
-std::string_view to_string(Project::Waveform waveform);
 
 }  // namespace bodesmith::project

@@ -16,6 +16,7 @@
   CHAPTER(fpaa_chapter)                    \
   CHAPTER(circuit_chapter)                 \
   CHAPTER(layout_chapter)                  \
+  CHAPTER(part_errors_chapter)             \
   CHAPTER(inputs_chapter)
 
 namespace bodesmith::project {
@@ -36,8 +37,8 @@ std::vector<std::pair<std::string, std::string>> key_figures(const Design& desig
       rounded_text(design.approximation.error.everywhere_db, 3) + " dB",
       fmt::format("sections against cascade, {} poles", design.approximation.sections.pole_count()));
   if (design.plan) {
-    out.emplace_back(rounded_text(design.plan->error.max_complex_percent, 3) + " %",
-                     "FPAA plan against sections, complex");
+    out.emplace_back(rounded_text(design.plan->error_with_delays.max_complex_percent, 3) + " %",
+                     "FPAA plan against sections, as the board runs");
   }
   if (design.circuit) {
     out.emplace_back(rounded_text(design.circuit->report.parts.max_magnitude_db, 3) + " dB",
@@ -56,8 +57,20 @@ report::Table limits_table(const std::vector<LimitCheck>& limits) {
   return table;
 }
 
+report::Table headline_table(const ProjectRun& run) {
+  report::Table table{{"", "as it is", "pure delay removed"}, {}, {}};
+  for (const HeadlineRow& row : headline(run.project, run.tracking)) {
+    table.rows.push_back({row.what, row.as_it_is_percent ? fmt::format("{:.3f}", *row.as_it_is_percent) : "",
+                          row.without_lag});
+  }
+  return table;
+}
+
 void summary_chapter(report::Page& page, const ProjectRun& run) {
   page.chapter("Summary");
+  page.table(headline_table(run),
+             fmt::format("Worst rms tracking error, % of range, {}, {}", to_string(run.tracking.waveform),
+                         frequency_span(run.tracking)));
   page.key_figures(key_figures(run.design));
   if (!run.limits.empty()) page.table(limits_table(run.limits));
   for (const std::string& finding : run.tracking.findings) page.warning(finding);

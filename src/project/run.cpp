@@ -7,6 +7,8 @@
 #include "base/json.hpp"
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
+#include "project/built_controllers.hpp"
+#include "project/controller_errors.hpp"
 #include "project/report_page.hpp"
 #include "project/run_files.hpp"
 #include "project/run_summary.hpp"
@@ -25,6 +27,14 @@ Design design_of(const Project& project, const fs::path& project_file) {
   }
 }
 
+std::optional<part_errors::Report> errors_of_parts(const ProjectRun& run, const fs::path& project_file) {
+  try {
+    return examine_controller(run.project, run.design);
+  } catch (const DesignError& error) {
+    throw DesignError(project_file.string() + ": " + error.what());
+  }
+}
+
 void list_files(ProjectRun& run, const OutputSet& out) {
   for (const fs::path& path : out.paths()) run.files.push_back(path);
 }
@@ -32,6 +42,7 @@ void list_files(ProjectRun& run, const OutputSet& out) {
 void write_study(ProjectRun& run, const fs::path& folder) {
   OutputSet out(folder);
   out.add("tracking.csv", tracking_csv(run.tracking));
+  if (!run.tracking.elsewhere.empty()) out.add("tracking_stages.csv", tracking_stages_csv(run.tracking));
   out.add("report.html", report_page(run));
   list_files(run, out);
   run.files.emplace_back("run.json");
@@ -56,6 +67,7 @@ ProjectRun run_project(const fs::path& project_file, const fs::path& folder) {
   progress.at(0.1);
   run.budget = make_budget(run.project, run.design);
   run.limits = check_limits(run.project, run.design);
+  run.part_errors = errors_of_parts(run, project_file);
   OutputSet design = design_files(run, folder);
   design.commit();
   list_files(run, design);
@@ -66,7 +78,10 @@ ProjectRun run_project(const fs::path& project_file, const fs::path& folder) {
   }
   stop_if_interrupted();
   progress.at(0.4);
-  run.tracking = study_tracking(run.project, run.design, run.budget);
+  const auto controllers = built_controllers(run.project, run.design);
+  BuiltControllers running;
+  for (const auto& controller : controllers) running.push_back(controller.get());
+  run.tracking = study_tracking(run.project, run.design, run.budget, running);
   progress.at(0.9);
   run.compute_s = watch.seconds();
   write_study(run, folder);

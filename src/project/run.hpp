@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/provenance.hpp"
+#include "part_errors/report.hpp"
 #include "project/budget.hpp"
 #include "project/design.hpp"
 #include "project/limits.hpp"
@@ -24,6 +25,7 @@ struct ProjectRun {
   TrackingStudy tracking;
   std::optional<spice::CompensatorCheck>
       ngspice;  ///< absent when ngspice is not installed, or the project has no circuit
+  std::optional<part_errors::Report> part_errors;  ///< of the analog controller
   std::vector<LimitCheck> limits;
   double compute_s = 0.0;
   std::vector<std::filesystem::path> files;  ///< written, relative to the output folder

@@ -8,6 +8,7 @@
 #include "base/json.hpp"
 #include "base/json_header.hpp"
 #include "circuit/json.hpp"
+#include "controller/files.hpp"
 #include "fpaa/board_picture.hpp"
 #include "fpaa/build_sheet.hpp"
 #include "kicad/schematic.hpp"
@@ -93,6 +94,18 @@ void add_layout(const ProjectRun& run, OutputSet& out) {
   out.add("layout/disturbance.svg", multiplier_layout::drawing_svg(layout));
 }
 
+void add_controller(const ProjectRun& run, OutputSet& out) {
+  const controller::AnalogController& controller = *run.design.controller;
+  Json json = json_header("controller", run.from);
+  json.update(controller::to_json(controller));
+  if (run.part_errors) {
+    json.update(part_errors::to_json(*run.part_errors, controller));
+    out.add("controller/trim.md",
+            part_errors::trim_page(*run.part_errors, controller, "the controller of " + run.project.name));
+  }
+  controller::add_controller_files(controller, run.project.name, json, out);
+}
+
 }  // namespace
 
 OutputSet design_files(const ProjectRun& run, const std::filesystem::path& folder) {
@@ -102,6 +115,7 @@ OutputSet design_files(const ProjectRun& run, const std::filesystem::path& folde
   if (run.design.plan) add_plan(run, out);
   if (run.design.circuit) add_circuit(run, out);
   add_layout(run, out);
+  if (run.design.controller) add_controller(run, out);
   out.add("bode.csv", stages_csv(run));
   out.add("bode.svg", stages_svg(run.project, run.design, run.budget));
   return out;

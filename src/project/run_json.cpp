@@ -22,13 +22,15 @@ Json alternatives_json(const Design& design) {
   Json out = Json::array();
   for (std::size_t i = 0; i < design.alternatives.size(); ++i) {
     const Alternative& a = design.alternatives[i];
-    Json item = {{"name", a.name},
-                 {"built", i == design.chosen},
-                 {"poles", a.sections.pole_count()},
-                 {"points_max_db", a.points_max_db},
-                 {"phase_at_points_deg", a.phase_at_points_deg},
-                 {"waveform", waveform_json(a.waveform)},
-                 {"fpaa_blocks", a.fpaa_blocks}};
+    Json item = {
+        {"name", a.name},
+        {"built", i == design.chosen},
+        {"poles", a.sections.pole_count()},
+        {"points_max_db", a.points_max_db},
+        {"phase_at_points_deg", a.phase_at_points_deg},
+        {"waveform", waveform_json(a.waveform)},
+        {"tracked_percent", std::isfinite(a.tracked_percent) ? Json(a.tracked_percent) : Json(nullptr)},
+        {"fpaa_blocks", a.fpaa_blocks}};
     if (std::isfinite(a.above_band_db)) item["above_band_db"] = a.above_band_db;
     out.push_back(std::move(item));
   }

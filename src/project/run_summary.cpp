@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/text.hpp"
 
 namespace bodesmith::project {
@@ -26,13 +28,14 @@ std::string synthesis_text(const Design& design) {
 
 std::string alternatives_text(const Design& design) {
   std::string out =
-      "           alternatives (*: built): poles, error at the points in dB, worst waveform error in % of range, "
-      "gain above the band\n";
+      "           alternatives (*: built): poles, error at the points in dB, worst waveform error, worst error tracked "
+      "self-fed in % of range, gain above the band\n";
   for (std::size_t i = 0; i < design.alternatives.size(); ++i) {
     const Alternative& a = design.alternatives[i];
-    out += fmt::format("         {} {:<22} {:>2} {:>9} {:>7.3f} {:>7.2f} dB\n",
+    out += fmt::format("         {} {:<22} {:>2} {:>9} {:>7.3f} {:>7.3f} {:>7.2f} dB\n",
                        i == design.chosen ? "*" : " ", a.name, a.sections.pole_count(),
-                       rounded_text(a.points_max_db, 2), a.waveform.worst_percent, a.above_band_db);
+                       rounded_text(a.points_max_db, 2), a.waveform.worst_percent, a.tracked_percent,
+                       a.above_band_db);
   }
   for (const std::string& reason : design.passed_over) out += "           cannot be built: " + reason + "\n";
   return out;
@@ -42,10 +45,10 @@ std::string hardware_text(const ProjectRun& run) {
   std::string out;
   if (run.design.plan) {
     const fpaa::Plan& plan = *run.design.plan;
-    out += fmt::format("fpaa       {} CAMs at {} Hz, worst complex error {} % ({} % with holds and delays)\n",
-                       plan.cams().size(), rounded_text(plan.cams().front()->clock_a.value, 6),
-                       rounded_text(plan.error.max_complex_percent, 3),
-                       rounded_text(plan.error_with_delays.max_complex_percent, 3));
+    out += fmt::format("fpaa       {} CAMs, worst complex error {} % as the board runs ({} to {} Hz)\n",
+                       plan.cams().size(), rounded_text(plan.error_with_delays.max_complex_percent, 3),
+                       rounded_text(plan.error_with_delays.band.from.value),
+                       rounded_text(plan.error_with_delays.band.to.value));
   }
   if (run.design.circuit) {
     const circuit::Realised& realised = *run.design.circuit;
@@ -61,15 +64,47 @@ std::string hardware_text(const ProjectRun& run) {
   return out;
 }
 
+/// The first lines: what was tracked as built, and what stands beside it.
+std::string headline_text(const ProjectRun& run) {
+  const TrackingStudy& study = run.tracking;
+  std::string out = fmt::format("{:<72}{:>9} {:>14}\n",
+                                fmt::format("tracked    worst rms error, % of range, {} {}",
+                                            to_string(study.waveform), frequency_span(study)),
+                                "as it is", "delay removed");
+  for (const HeadlineRow& row : headline(run.project, study)) {
+    const std::string plain =
+        row.as_it_is_percent ? fmt::format("{:.3f}", *row.as_it_is_percent) : std::string();
+    out += fmt::format("  {:<70}{:>9} {:>14}\n", row.what, plain, row.without_lag);
+  }
+  return out;
+}
+
+std::string elsewhere_text(const TrackingStudy& tracking) {
+  if (tracking.elsewhere.empty()) return {};
+  std::string out =
+      "           worst over the frequencies on other stages and references, pure delay removed (the model's own fit):\n";
+  for (const TrackedElsewhere& one : tracking.elsewhere) {
+    out += fmt::format("  {:<35}", fmt::format("{}, {} {}", one.stage, to_string(one.waveform),
+                                               rounded_text(one.amplitude)));
+    for (const TrackedDesign& design : one.designs)
+      out += fmt::format(" {} {:.2f}", design.key, design.worst_without_lag_percent());
+    if (!one.fit_percent.empty())
+      out += fmt::format(" (fit {:.2f})", *std::max_element(one.fit_percent.begin(), one.fit_percent.end()));
+    out += "\n";
+  }
+  return out;
+}
+
 std::string tracking_text(const TrackingStudy& tracking) {
-  std::string out = "tracking   rms error, % of range, at";
+  std::string out = "tracking   rms error, % of range (*: built), at";
   for (const Hertz f : tracking.frequency) out += fmt::format(" {:>8}", rounded_text(f.value));
   out += " Hz\n";
   for (const TrackedDesign& tracked : tracking.designs) {
-    out += fmt::format("  {:<35}", tracked.name);
+    out += fmt::format(" {}{:<45}", tracked.built ? "*" : " ", tracked.name);
     for (const double value : tracked.rms_percent) out += fmt::format(" {:>8.3f}", value);
     out += "\n";
   }
+  out += elsewhere_text(tracking);
   for (const std::string& finding : tracking.findings) out += "note: " + finding + "\n";
   return out;
 }
@@ -77,8 +112,8 @@ std::string tracking_text(const TrackingStudy& tracking) {
 }  // namespace
 
 std::string run_summary(const ProjectRun& run) {
-  std::string out = run.project.name + "\n" + synthesis_text(run.design) + alternatives_text(run.design) +
-                    hardware_text(run) + tracking_text(run.tracking);
+  std::string out = run.project.name + "\n" + headline_text(run) + synthesis_text(run.design) +
+                    alternatives_text(run.design) + hardware_text(run) + tracking_text(run.tracking);
   for (const LimitCheck& check : run.limits) {
     out += fmt::format("limit      {} {}: {} {}\n", check.name, rounded_text(check.limit),
                        rounded_text(check.got, 3), check.met() ? "met" : "NOT met");

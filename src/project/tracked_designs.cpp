@@ -1,26 +1,23 @@
 #include "project/tracked_designs.hpp"
 
-#include "tracking/paths.hpp"
+#include <algorithm>
+#include <memory>
+#include <set>
+
+#include "fpaa/multirate_response.hpp"
+#include "project/tracked_plant.hpp"
 
 namespace bodesmith::project {
 namespace {
 
 using tracking::ConstantGain;
+using tracking::GeneratorForm;
 using tracking::Uncompensated;
+using Candidates = std::vector<TrackedCandidate>;
 
 constexpr const char* kIdealCascade = "ideal fractional cascade";
 constexpr const char* kIntegerSections = "integer sections";
 constexpr const char* kFpaaCapacitors = "FPAA, capacitors only";
-
-/// The compensator stands in the path of the branch that changes with frequency; the other one keeps its
-/// polynomial.
-TrackedCandidate compensated(const Project& project, TrackedStage stage, std::string name,
-                             tracking::Compensator compensator, std::string made_from) {
-  tracking::Design design{std::move(name), ConstantGain{}, ConstantGain{}, std::move(made_from)};
-  (project.target.branch == Disturbance::Branch::ascending ? design.ascending : design.descending) =
-      std::move(compensator);
-  return {stage, std::move(design)};
-}
 
 /// In the time domain the ideal cascade needs integer states: an approximation far closer than anything built here.
 tracking::ResponseCompensator ideal_cascade(const Design& design) {
@@ -44,40 +41,152 @@ const Alternative* best_waveform_fit(const Design& design) {
   return best;
 }
 
-/// What other ways of compensating would reach, for comparison.
-void add_comparisons(const Project& project, const Design& design, std::vector<TrackedCandidate>& out) {
-  const Alternative* waveform = best_waveform_fit(design);
-  if (waveform != nullptr && design.built().kind != Alternative::Kind::waveform) {
-    out.push_back(compensated(project, TrackedStage::waveform, waveform->name, waveform->sections, ""));
-  }
-  // What no linear filter can do: a gain set by the measured frequency adds no phase.
+/// The rate gains of the branch that is compensated; nothing without a table.
+std::optional<tracking::ScheduledGain> rate_table(const Project& project) {
   const Disturbance::RateGains& rate = project.target.disturbance.rate;
-  if (!rate.frequency.empty()) {
-    const bool ascending = project.target.branch == Disturbance::Branch::ascending;
-    const tracking::ScheduledGain scheduled{rate.frequency, ascending ? rate.ascending : rate.descending};
-    out.push_back(
-        compensated(project, TrackedStage::scheduled, "gain set by the measured frequency", scheduled, ""));
+  if (rate.frequency.empty()) return std::nullopt;
+  const bool ascending = project.target.branch == Disturbance::Branch::ascending;
+  return tracking::ScheduledGain{rate.frequency, ascending ? rate.ascending : rate.descending};
+}
+
+/// A triangle's slope is its frequency all the time; anything else needs the mean over some periods.
+tracking::SlopeGain slope_gain(const Project& project, const tracking::ScheduledGain& table) {
+  tracking::SlopeGain out{table, 1e-4, 0.0};
+  const auto slowest = std::min_element(project.track.frequency.begin(), project.track.frequency.end());
+  if (project.track.waveform() != tracking::Reference::Shape::triangle)
+    out.smoothing_s = 3.0 / slowest->value;
+  return out;
+}
+
+/// A plan as it runs, or its capacitors alone: sampled where it is one chain at one clock, otherwise by its response
+/// at the input's own frequency.
+tracking::Compensator plan_compensator(const fpaa::Plan& plan, bool hold_and_delays) {
+  if (const auto chain = clocked_compensator(plan, hold_and_delays)) return *chain;
+  const auto response = std::make_shared<fpaa::MultirateResponse>(plan);
+  tracking::ResponseCompensator out;
+  out.response = [response, hold_and_delays](RadPerSecond w) {
+    return hold_and_delays ? response->as_it_runs(w) : response->without_delays(w);
+  };
+  return out;
+}
+
+/// Collects candidates of one project.
+class Collector {
+ public:
+  Collector(const Project& project, const Design& design) : project_(project), design_(design) {}
+  Candidates all();
+
+ private:
+  TrackedCandidate& add(std::string_view key, std::string name, tracking::Compensator compensator,
+                        GeneratorForm form = GeneratorForm::one_pass(), std::string made_from = {}) {
+    TrackedCandidate candidate{std::string(key), false, generator_parts(form),
+                               compensated_design(project_, std::move(name), std::move(compensator), form)};
+    candidate.design.made_from = std::move(made_from);
+    out_.push_back(std::move(candidate));
+    return out_.back();
+  }
+  int generator_parts(GeneratorForm form) const {
+    return static_cast<int>(design_.layout.multipliers.size()) * std::max(1, form.passes);
+  }
+  void add_comparisons();
+  void add_hardware();
+  void add_more_passes();
+  void add_self_fed_hardware();
+
+  const Project& project_;
+  const Design& design_;
+  Candidates out_;
+};
+
+/// What other ways of compensating would reach in one pass, for comparison.
+void Collector::add_comparisons() {
+  const Alternative* waveform = best_waveform_fit(design_);
+  if (waveform != nullptr && design_.built().kind != Alternative::Kind::waveform)
+    add(tracked::waveform, waveform->name, waveform->sections);
+  // What no linear filter can do: a gain set by the measured frequency adds no phase.
+  if (const auto table = rate_table(project_))
+    add(tracked::scheduled, "gain set by the known frequency", *table);
+}
+
+void Collector::add_hardware() {
+  if (design_.plan) {
+    add(tracked::fpaa, kFpaaCapacitors, plan_compensator(*design_.plan, false), GeneratorForm::one_pass(),
+        kIntegerSections);
+    add(tracked::fpaa_with_holds, "FPAA with sample, hold and delay", plan_compensator(*design_.plan, true),
+        GeneratorForm::one_pass(), kFpaaCapacitors)
+        .built = true;
+  }
+  if (design_.circuit) {
+    TrackedCandidate& circuit =
+        add(tracked::circuit, project_.circuit->resistors + " circuit",
+            design_.circuit->circuit.realised_sections(), GeneratorForm::one_pass(), kIntegerSections);
+    circuit.built = true;
+    circuit.parts += static_cast<int>(design_.circuit->circuit.stages.size());
   }
 }
 
-void add_hardware(const Project& project, const Design& design, std::vector<TrackedCandidate>& out) {
-  if (design.plan) {
-    out.push_back(compensated(project, TrackedStage::fpaa, kFpaaCapacitors,
-                              clocked_compensator(*design.plan, false), kIntegerSections));
-    out.push_back(compensated(project, TrackedStage::fpaa_with_holds, "FPAA with sample, hold and delay",
-                              clocked_compensator(*design.plan, true), kFpaaCapacitors));
+void Collector::add_more_passes() {
+  const auto table = rate_table(project_);
+  add(tracked::two_passes, "two passes", ConstantGain{}, GeneratorForm::two_passes());
+  if (table)
+    add(tracked::two_passes_scheduled, "two passes, gain by the known frequency", *table,
+        GeneratorForm::two_passes());
+  const GeneratorForm loop = GeneratorForm::self_fed();
+  add(tracked::self_fed, "self-fed", ConstantGain{}, loop).built = true;
+  add(tracked::self_fed_sections, "self-fed, integer sections", design_.sections(), loop);
+  if (!table) return;
+  add(tracked::self_fed_scheduled, "self-fed, gain by the known frequency", *table, loop);
+  add(tracked::self_fed_slope, "self-fed, gain by the measured slope", slope_gain(project_, *table), loop);
+  const tracking::FilterAndSchedule sum{
+      design_.sections(),
+      tracking::rest_of(design_.sections(), project_.target.disturbance, project_.target.branch)};
+  add(tracked::self_fed_sum, "self-fed, sections and gain by the known frequency", sum, loop);
+}
+
+void Collector::add_self_fed_hardware() {
+  const GeneratorForm loop = GeneratorForm::self_fed();
+  if (design_.plan) {
+    add(tracked::self_fed_fpaa, "self-fed, FPAA with holds", plan_compensator(*design_.plan, true), loop);
   }
-  if (design.circuit) {
-    out.push_back(compensated(project, TrackedStage::circuit, project.circuit->resistors + " circuit",
-                              design.circuit->circuit.realised_sections(), kIntegerSections));
+  if (design_.circuit) {
+    TrackedCandidate& circuit =
+        add(tracked::self_fed_circuit, "self-fed, " + project_.circuit->resistors + " circuit",
+            design_.circuit->circuit.realised_sections(), loop);
+    circuit.built = true;
+    circuit.parts += static_cast<int>(design_.circuit->circuit.stages.size());
   }
+}
+
+Candidates Collector::all() {
+  out_.push_back({std::string(tracked::none),
+                  false,
+                  0,
+                  {"without compensation", Uncompensated{}, Uncompensated{}, "", GeneratorForm::one_pass()}});
+  add(tracked::polynomial, "constant polynomial", ConstantGain{}).built = true;
+  add(tracked::cascade, kIdealCascade, ideal_cascade(design_));
+  const bool from_cascade = design_.built().kind == Alternative::Kind::cascade;
+  add(tracked::sections, kIntegerSections, design_.sections(), GeneratorForm::one_pass(),
+      from_cascade ? kIdealCascade : "");
+  add_comparisons();
+  add_hardware();
+  add_more_passes();
+  add_self_fed_hardware();
+  return std::move(out_);
 }
 
 }  // namespace
 
-tracking::ClockedCompensator clocked_compensator(const fpaa::Plan& plan, bool hold_and_delays) {
+std::optional<tracking::ClockedCompensator> clocked_compensator(const fpaa::Plan& plan,
+                                                                bool hold_and_delays) {
   tracking::ClockedCompensator out;
-  for (const fpaa::PlacedCam* cam : plan.cams()) {
+  const std::vector<const fpaa::PlacedCam*> cams = plan.cams();
+  // One chain at one clock: no two wires begin or end at the same place.
+  std::set<std::string> begins;
+  std::set<std::string> ends;
+  for (const fpaa::Wire& wire : plan.wires)
+    if (!begins.insert(wire.from).second || !ends.insert(wire.to).second) return std::nullopt;
+  for (const fpaa::PlacedCam* cam : cams) {
+    if (!(cam->clock_a == cams.front()->clock_a)) return std::nullopt;
     out.sections.push_back({cam->z.numerator, cam->z.denominator});
     out.delay_cycles += cam->delay_cycles;
     out.clock = cam->clock_a;
@@ -87,34 +196,7 @@ tracking::ClockedCompensator clocked_compensator(const fpaa::Plan& plan, bool ho
 }
 
 std::vector<TrackedCandidate> tracked_candidates(const Project& project, const Design& design) {
-  std::vector<TrackedCandidate> out;
-  out.push_back({TrackedStage::none, {"without compensation", Uncompensated{}, Uncompensated{}, ""}});
-  out.push_back({TrackedStage::polynomial, {"constant polynomial", ConstantGain{}, ConstantGain{}, ""}});
-  out.push_back(compensated(project, TrackedStage::cascade, kIdealCascade, ideal_cascade(design), ""));
-  const bool from_cascade = design.built().kind == Alternative::Kind::cascade;
-  out.push_back(compensated(project, TrackedStage::sections, kIntegerSections, design.sections(),
-                            from_cascade ? kIdealCascade : ""));
-  add_comparisons(project, design, out);
-  add_hardware(project, design, out);
-  return out;
-}
-
-tracking::Plant tracking_plant(const Project& project) {
-  tracking::Plant plant;
-  plant.disturbance = project.target.disturbance;
-  plant.stroke = project.plant.stroke_m;
-  if (project.plant.amplifier_corner)
-    plant.drive_path = tracking::lowpass_path(*project.plant.amplifier_corner);
-  std::vector<Sections> stage;
-  if (project.plant.damping_compensator) {
-    Sections damping;
-    damping.sections = {*project.plant.damping_compensator};
-    stage.push_back(damping);
-  }
-  if (project.plant.resonance)
-    stage.push_back(tracking::resonance_path(*project.plant.resonance, project.plant.damping_ratio));
-  if (!stage.empty()) plant.stage_path = tracking::in_series(stage);
-  return plant;
+  return Collector(project, design).all();
 }
 
 }  // namespace bodesmith::project

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -10,20 +11,21 @@
 
 namespace bodesmith::project {
 
-/// A stage of the project's design as the tracking simulation takes it.
+/// A way of compensating as the tracking simulation takes it, and its column.
 struct TrackedCandidate {
-  TrackedStage stage;
+  std::string key;     ///< see tracked:: in tracking_study.hpp
+  bool built = false;  ///< made of what the run writes
+  int parts = 0;       ///< op-amps and multipliers it takes, for ties
   tracking::Design design;
 };
 
-/// Without compensation, the constant polynomial, then every stage from the ideal cascade to the hardware; and, where
-/// something else is built, the best waveform fit and a gain scheduled by the measured frequency.
+/// Without compensation and the disturbance paper's one pass: constant polynomial, then every stage from the ideal
+/// cascade to the hardware, the best waveform fit and a gain scheduled by the measured frequency. Then what more than
+/// one pass does: two passes, and the generator fed by its own drive with no rate compensation, with the sections as
+/// designed and as built, and with gains by the known frequency, by the measured slope, and beside the filter.
 std::vector<TrackedCandidate> tracked_candidates(const Project& project, const Design& design);
 
-/// The project's stage: amplifier in the drive path, damping compensator and resonance behind the disturbance.
-tracking::Plant tracking_plant(const Project& project);
-
-/// The plan's CAMs as one sampled chain.
-tracking::ClockedCompensator clocked_compensator(const fpaa::Plan& plan, bool hold_and_delays);
+/// The plan's CAMs as one sampled chain; nothing for a plan with several clocks or paths.
+std::optional<tracking::ClockedCompensator> clocked_compensator(const fpaa::Plan& plan, bool hold_and_delays);
 
 }  // namespace bodesmith::project

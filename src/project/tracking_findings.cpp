@@ -10,6 +10,7 @@ namespace bodesmith::project {
 namespace {
 
 using Findings = std::vector<std::string>;
+using Shape = tracking::Reference::Shape;
 
 /// "1, 10 and 100 Hz"; "12 frequencies from 1 to 5000 Hz" when there are many.
 std::string frequency_list(const std::vector<Hertz>& frequencies) {
@@ -25,15 +26,11 @@ std::string frequency_list(const std::vector<Hertz>& frequencies) {
   return (parts.empty() ? last : join(parts, ", ") + " and " + last) + " Hz";
 }
 
-double worst_without_lag(const TrackedDesign& design) {
-  return *std::max_element(design.rms_percent_without_lag.begin(), design.rms_percent_without_lag.end());
-}
-
 /// The magnitude is met, and yet the waveform may get worse. Pure delay is not the compensator's doing: figures without
 /// it.
 Findings cascade_worse_than_constant(const Budget& budget, const TrackingStudy& study) {
-  const std::vector<double>& constant = study.find(TrackedStage::polynomial)->rms_percent_without_lag;
-  const std::vector<double>& cascade = study.find(TrackedStage::cascade)->rms_percent_without_lag;
+  const std::vector<double>& constant = study.find(tracked::polynomial)->rms_percent_without_lag;
+  const std::vector<double>& cascade = study.find(tracked::cascade)->rms_percent_without_lag;
   std::vector<Hertz> worse;
   std::size_t worst = 0;
   for (std::size_t i = 0; i < study.frequency.size(); ++i) {
@@ -57,19 +54,69 @@ Findings cascade_worse_than_constant(const Budget& budget, const TrackingStudy& 
   return out;
 }
 
+/// The stage adds d of its drive: how much subtracting d of the reference leaves, and the loop.
+Findings what_the_drive_changes(const TrackingStudy& study) {
+  const TrackedDesign* one = study.find(tracked::polynomial);
+  const TrackedDesign* loop = study.find(tracked::self_fed_scheduled);
+  if (loop == nullptr) loop = study.find(tracked::self_fed);
+  if (one == nullptr || loop == nullptr) return {};
+  return {fmt::format(
+      "The stage reads its drive: v = r - d(r) leaves {} % of range rms at {} Hz, where an evaluation of the stage on the "
+      "reference says {} %. The generator fed by its own drive, v = r - d(v), takes no more multipliers and leaves "
+      "{} % there.",
+      rounded_text(one->rms_percent.front(), 3), rounded_text(study.frequency.front().value),
+      rounded_text(one->on_reference_percent.front(), 2), rounded_text(loop->rms_percent.front(), 2))};
+}
+
 /// A filter shifts the phase whatever its order; a gain driven by the frequency does not.
 Findings what_a_schedule_would_do(const TrackingStudy& study) {
-  const TrackedDesign* scheduled = study.find(TrackedStage::scheduled);
-  const TrackedDesign* filter = study.find(TrackedStage::waveform);
-  if (filter == nullptr) filter = study.find(TrackedStage::sections);
+  const TrackedDesign* scheduled = study.find(tracked::self_fed_scheduled);
+  const TrackedDesign* filter = study.find(tracked::self_fed_sections);
   if (scheduled == nullptr || filter == nullptr) return {};
-  const double with = worst_without_lag(*scheduled);
-  const double without = worst_without_lag(*filter);
+  const double with = scheduled->worst_without_lag_percent();
+  const double without = filter->worst_without_lag_percent();
   if (with > 0.5 * without) return {};
   return {fmt::format(
-      "A gain set by the measured frequency does better than any linear filter: {} % of range rms at "
-      "worst (pure delay removed), against {} % with '{}'.",
+      "A gain set by the frequency does better than the linear filter: {} % of range rms at worst (pure delay "
+      "removed), against {} % with '{}'.",
       rounded_text(with, 3), rounded_text(without, 3), filter->name)};
+}
+
+/// What each way to follow the rate takes for granted where the reference is not a triangle.
+Findings what_is_assumed(const Project& project) {
+  Findings out;
+  for (const Shape shape : project.track.waveforms) {
+    if (shape == Shape::triangle) continue;
+    const char* slope = "";
+    if (shape == Shape::sine)
+      slope =
+          "the mean of the measured |slope| over some periods is that of a triangle of the same frequency";
+    if (shape == Shape::two_tone)
+      slope =
+          "the mean of the measured |slope| takes the inner turns for a higher frequency than the fundamental's";
+    if (shape == Shape::decaying_triangle)
+      slope = "the measured |slope| shrinks with the strokes and is taken for a lower frequency";
+    out.push_back(fmt::format(
+        "Reference {}: the stage's rate gains are those of its fundamental, the amplitude is known; a gain by the known "
+        "frequency assumes that the period is, a filter only that it was designed for such a slope; {}.",
+        to_string(shape), slope));
+  }
+  return out;
+}
+
+/// Where what is built is worse than the polynomial at constant gain.
+Findings worse_than_constant(const TrackingStudy& study) {
+  const TrackedDesign* built = study.find(study.as_built);
+  const TrackedDesign* constant = study.find(tracked::polynomial);
+  if (built == nullptr || constant == nullptr || built == constant) return {};
+  std::vector<Hertz> worse;
+  for (std::size_t i = 0; i < study.frequency.size(); ++i) {
+    if (built->rms_percent_without_lag[i] > 1.02 * constant->rms_percent_without_lag[i])
+      worse.push_back(study.frequency[i]);
+  }
+  if (worse.empty()) return {};
+  return {fmt::format("As built ('{}') the stage tracks worse than with the constant polynomial at {}.",
+                      built->name, frequency_list(worse))};
 }
 
 /// At which step most accuracy is lost: rms change of the compensating waveform from one design to the next.
@@ -111,7 +158,9 @@ Findings beyond_the_known_gains(const Project& project, const TrackingStudy& stu
 
 Findings few_samples_a_period(const Design& design, const TrackingStudy& study) {
   if (!design.plan) return {};
-  const Hertz clock = clocked_compensator(*design.plan, true).clock;
+  const auto chain = clocked_compensator(*design.plan, true);
+  if (!chain) return {};
+  const Hertz clock = chain->clock;
   std::vector<Hertz> sampled;
   for (const Hertz f : study.frequency) {
     if (f.value > 0.05 * clock.value) sampled.push_back(f);
@@ -129,9 +178,11 @@ std::vector<std::string> tracking_findings(const Project& project, const Design&
                                            const std::vector<TrackedCandidate>& candidates,
                                            const tracking::Report& report, const TrackingStudy& study) {
   Findings out;
-  for (const Findings& some : {cascade_worse_than_constant(budget, study), what_a_schedule_would_do(study),
-                               largest_loss(candidates, report, study),
-                               beyond_the_known_gains(project, study), few_samples_a_period(design, study)}) {
+  for (const Findings& some :
+       {what_the_drive_changes(study), cascade_worse_than_constant(budget, study),
+        what_a_schedule_would_do(study), worse_than_constant(study), largest_loss(candidates, report, study),
+        beyond_the_known_gains(project, study), few_samples_a_period(design, study),
+        what_is_assumed(project)}) {
     out.insert(out.end(), some.begin(), some.end());
   }
   return out;

@@ -1,43 +1,42 @@
 #include "project/tracking_study.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+
+#include "base/progress.hpp"
+#include "base/text.hpp"
+#include "numeric/parallel_for.hpp"
 #include "project/tracked_designs.hpp"
+#include "project/tracked_plant.hpp"
+#include "project/tracking_elsewhere.hpp"
 #include "project/tracking_findings.hpp"
 #include "tracking/track.hpp"
 
 namespace bodesmith::project {
 namespace {
 
-tracking::Options tracking_options(const Project& project) {
-  using Reference = tracking::Options::Reference;
-  tracking::Options options;
-  options.frequencies = project.track.frequency;
-  // A compensator stands in the path of its own branch; the switch selects behind it (disturbance paper,
-  // Fig. 2).
-  options.place = tracking::Options::Place::before_switch;
-  options.reference =
-      project.track.waveform == Project::Waveform::sine ? Reference::sine : Reference::triangle;
-  return options;
-}
-
 TrackedDesign tracked_design(const TrackedCandidate& candidate, const std::vector<Hertz>& frequencies,
-                             const tracking::Report& report) {
+                             const tracking::Report& report, const tracking::Report& on_reference) {
   TrackedDesign out;
-  out.stage = candidate.stage;
+  out.key = candidate.key;
   out.name = candidate.design.name;
+  out.built = candidate.built;
+  out.parts = candidate.parts;
   for (const Hertz f : frequencies) {
     const tracking::Case* found = report.find(f, out.name);
     out.rms_percent.push_back(found->rms_percent);
     out.max_percent.push_back(found->max_percent);
     out.rms_percent_without_lag.push_back(found->rms_percent_without_lag);
     out.lag_s.push_back(found->lag_s);
+    out.on_reference_percent.push_back(on_reference.find(f, out.name)->rms_percent);
   }
   return out;
 }
 
-/// Largest difference between CVODE and the exact periodic solution. The images of a clocked chain are not in the
-/// harmonic computation: there the difference is no error of either.
+/// Largest difference between CVODE and the harmonic computation. The images of a clocked chain are not in the
+/// latter: there the difference is no error of either.
 double max_cross_check(const tracking::Report& report) {
   double out = 0.0;
   for (const tracking::Case& one : report.cases) {
@@ -67,55 +66,102 @@ TrackedPeriod shown_period(const tracking::Report& report, const std::vector<Tra
   return out;
 }
 
-}  // namespace
-
-std::string_view to_string(TrackedStage stage) {
-  switch (stage) {
-    case TrackedStage::none:
-      return "none";
-    case TrackedStage::polynomial:
-      return "polynomial";
-    case TrackedStage::cascade:
-      return "cascade";
-    case TrackedStage::sections:
-      return "sections";
-    case TrackedStage::waveform:
-      return "waveform";
-    case TrackedStage::scheduled:
-      return "scheduled";
-    case TrackedStage::fpaa:
-      return "fpaa";
-    case TrackedStage::fpaa_with_holds:
-      return "fpaa_with_holds";
-    case TrackedStage::circuit:
-      return "circuit";
-  }
-  return "";
+tracking::Report evaluated_on_reference(const tracking::Plant& plant,
+                                        const std::vector<tracking::Design>& designs,
+                                        tracking::Options options) {
+  options.argument = tracking::Options::Argument::reference;
+  options.time_domain = false;
+  return tracking::track(plant, designs, options);
 }
 
-const TrackedDesign* TrackingStudy::find(TrackedStage stage) const {
+/// Of what the run writes the design that tracks best at its worst frequency; of those that differ by less than 1 %
+/// of that the one with the fewest parts. Where the project chose by something else, the disturbance paper's one
+/// pass through the hardware at hand.
+std::string as_built_key(const Project& project, const TrackingStudy& study) {
+  if (project.choice != Project::Choice::tracking) {
+    for (const std::string_view key : {tracked::circuit, tracked::fpaa_with_holds})
+      if (study.find(key) != nullptr) return std::string(key);
+    return std::string(tracked::sections);
+  }
+  const TrackedDesign* best = nullptr;
+  for (const TrackedDesign& design : study.designs) {
+    if (!design.built) continue;
+    const double worst = design.worst_without_lag_percent();
+    const double to_beat = best == nullptr ? INFINITY : best->worst_without_lag_percent();
+    const bool tie = std::abs(worst - to_beat) <= 0.01 * to_beat;
+    if (best == nullptr || (tie ? design.parts < best->parts : worst < to_beat)) best = &design;
+  }
+  return best == nullptr ? std::string(tracked::sections) : best->key;
+}
+
+}  // namespace
+
+double TrackedDesign::worst_percent() const {
+  return *std::max_element(rms_percent.begin(), rms_percent.end());
+}
+
+double TrackedDesign::worst_without_lag_percent() const {
+  return *std::max_element(rms_percent_without_lag.begin(), rms_percent_without_lag.end());
+}
+
+const TrackedDesign* TrackingStudy::find(std::string_view key) const {
   const auto found = std::find_if(designs.begin(), designs.end(),
-                                  [stage](const TrackedDesign& design) { return design.stage == stage; });
+                                  [key](const TrackedDesign& design) { return design.key == key; });
   return found == designs.end() ? nullptr : &*found;
 }
 
-TrackingStudy study_tracking(const Project& project, const Design& design, const Budget& budget) {
+TrackingStudy study_tracking(const Project& project, const Design& design, const Budget& budget,
+                             const BuiltControllers& controllers) {
+  const Stopwatch watch;
   const std::vector<TrackedCandidate> candidates = tracked_candidates(project, design);
   std::vector<tracking::Design> designs;
   for (const TrackedCandidate& candidate : candidates) designs.push_back(candidate.design);
   const tracking::Plant plant = tracking_plant(project);
-  const tracking::Report report = tracking::track(plant, designs, tracking_options(project));
+  const tracking::Options options = tracking_options(project);
+  const tracking::Report report = tracking::track(plant, designs, options);
+  const tracking::Report on_reference = evaluated_on_reference(plant, designs, options);
 
   TrackingStudy study;
   study.frequency = project.track.frequency;
-  study.compute_s = report.compute_s;
-  for (const TrackedCandidate& candidate : candidates) {
-    study.designs.push_back(tracked_design(candidate, study.frequency, report));
-  }
+  study.waveform = project.track.waveform();
+  study.amplitude = project.track.amplitude();
+  for (const TrackedCandidate& candidate : candidates)
+    study.designs.push_back(tracked_design(candidate, study.frequency, report, on_reference));
   study.max_cross_check_percent = max_cross_check(report);
   study.shown = shown_period(report, candidates, study.frequency, plant.stroke);
+  const std::vector<ControllerDrives> drives = controller_drives(project, controllers);
+  add_controllers(project, drives, study);
+  study.as_built = as_built_key(project, study);
+  study.elsewhere = tracked_elsewhere(project, candidates, drives);
   study.findings = tracking_findings(project, design, budget, candidates, report, study);
+  study.compute_s = watch.seconds();
   return study;
+}
+
+std::string frequency_span(const TrackingStudy& study) {
+  const auto [low, high] = std::minmax_element(study.frequency.begin(), study.frequency.end());
+  if (low == high) return rounded_text(low->value) + " Hz";
+  return fmt::format("{} to {} Hz", rounded_text(low->value), rounded_text(high->value));
+}
+
+std::vector<HeadlineRow> headline(const Project& project, const TrackingStudy& study) {
+  std::vector<HeadlineRow> out;
+  const auto add = [&](const std::string& what, const TrackedDesign* design) {
+    if (design == nullptr) return;
+    out.push_back(
+        {what, design->worst_percent(), fmt::format("{:.3f}", design->worst_without_lag_percent())});
+  };
+  const TrackedDesign* built = study.find(study.as_built);
+  add("as built: " + (built == nullptr ? std::string() : built->name), built);
+  add("without compensation", study.find(tracked::none));
+  add("the paper's design: one pass, ideal cascade", study.find(tracked::cascade));
+  const std::vector<double>& measured = project.track.measured_percent;
+  if (!measured.empty()) {
+    const auto [low, high] = std::minmax_element(measured.begin(), measured.end());
+    out.push_back(
+        {"measured on the paper's stage", std::nullopt, fmt::format("{:.2f} to {:.2f}", *low, *high)});
+  }
+  return out;
 }
 
 }  // namespace bodesmith::project

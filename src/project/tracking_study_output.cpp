@@ -1,3 +1,5 @@
+#include <fmt/format.h>
+
 #include "base/json.hpp"
 #include "project/tracking_study.hpp"
 #include "signal/columns.hpp"
@@ -12,20 +14,42 @@ std::vector<double> tracked_hertz(const TrackingStudy& study) {
   return out;
 }
 
+Json design_json(const TrackedDesign& design) {
+  Json out = {{"key", design.key},
+              {"name", design.name},
+              {"built", design.built},
+              {"rms_percent", design.rms_percent},
+              {"max_percent", design.max_percent},
+              {"rms_percent_without_lag", design.rms_percent_without_lag},
+              {"lag_s", design.lag_s}};
+  if (!design.on_reference_percent.empty()) out["rms_percent_on_reference"] = design.on_reference_percent;
+  return out;
+}
+
+Json elsewhere_json(const TrackedElsewhere& one) {
+  Json out = {{"stage", one.stage}, {"waveform", to_string(one.waveform)}, {"amplitude", one.amplitude}};
+  if (!one.fit_percent.empty()) out["fit_percent"] = one.fit_percent;
+  out["designs"] = Json::array();
+  for (const TrackedDesign& design : one.designs) out["designs"].push_back(design_json(design));
+  return out;
+}
+
 }  // namespace
 
 Json to_json(const TrackingStudy& study) {
   Json out;
   out["frequency_hz"] = tracked_hertz(study);
-  out["designs"] = Json::array();
-  for (const TrackedDesign& design : study.designs) {
-    out["designs"].push_back({{"key", to_string(design.stage)},
-                              {"name", design.name},
-                              {"rms_percent", design.rms_percent},
-                              {"max_percent", design.max_percent},
-                              {"rms_percent_without_lag", design.rms_percent_without_lag},
-                              {"lag_s", design.lag_s}});
+  out["waveform"] = to_string(study.waveform);
+  out["amplitude"] = study.amplitude;
+  out["as_built"] = study.as_built;
+  if (const TrackedDesign* built = study.find(study.as_built)) {
+    out["as_built_worst_percent"] = built->worst_percent();
+    out["as_built_worst_percent_without_lag"] = built->worst_without_lag_percent();
   }
+  out["designs"] = Json::array();
+  for (const TrackedDesign& design : study.designs) out["designs"].push_back(design_json(design));
+  out["elsewhere"] = Json::array();
+  for (const TrackedElsewhere& one : study.elsewhere) out["elsewhere"].push_back(elsewhere_json(one));
   out["cross_check_percent"] = study.max_cross_check_percent;
   out["findings"] = study.findings;
   return out;
@@ -34,13 +58,31 @@ Json to_json(const TrackingStudy& study) {
 std::string tracking_csv(const TrackingStudy& study) {
   CsvWriter writer;
   writer.add(column::frequency_hz, tracked_hertz(study));
+  for (const TrackedDesign& design : study.designs) writer.add(design.key + "_percent", design.rms_percent);
+  for (const TrackedDesign& design : study.designs)
+    writer.add(design.key + "_without_lag_percent", design.rms_percent_without_lag);
   for (const TrackedDesign& design : study.designs) {
-    writer.add(std::string(to_string(design.stage)) + "_percent", design.rms_percent);
-  }
-  for (const TrackedDesign& design : study.designs) {
-    writer.add(std::string(to_string(design.stage)) + "_without_lag_percent", design.rms_percent_without_lag);
+    if (!design.on_reference_percent.empty())
+      writer.add(design.key + "_on_reference_percent", design.on_reference_percent);
   }
   return writer.text();
+}
+
+std::string tracking_stages_csv(const TrackingStudy& study) {
+  std::string out =
+      "stage,waveform,amplitude,frequency_hz,design,rms_percent,without_lag_percent,fit_percent\n";
+  for (const TrackedElsewhere& one : study.elsewhere) {
+    for (const TrackedDesign& design : one.designs) {
+      for (std::size_t i = 0; i < study.frequency.size(); ++i) {
+        out += fmt::format("{},{},{},{},{},{:.6g},{:.6g},", one.stage, to_string(one.waveform), one.amplitude,
+                           study.frequency[i].value, design.key, design.rms_percent[i],
+                           design.rms_percent_without_lag[i]);
+        if (!one.fit_percent.empty()) out += fmt::format("{:.6g}", one.fit_percent[i]);
+        out += "\n";
+      }
+    }
+  }
+  return out;
 }
 
 }  // namespace bodesmith::project

@@ -7,7 +7,6 @@
 
 #include "lti/state_space.hpp"
 #include "simulate/hold_response.hpp"
-#include "tracking/periodic.hpp"
 #include "tracking/sampled_filter.hpp"
 #include "tracking/waveforms.hpp"
 
@@ -70,8 +69,8 @@ double settling_periods(const ClockedParts& parts, double period) {
 }
 
 /// Everything that happens from t = 0 to `end`, in order of time.
-std::vector<Change> changes_until(double end, const ClockedParts& parts, const Waveforms& generator,
-                                  double period, bool before_switch) {
+std::vector<Change> changes_until(double end, const ClockedParts& parts, const BranchCurve& generator,
+                                  const Reference& reference, double period, bool before_switch) {
   std::vector<Change> out;
   for (std::size_t branch = 0; branch < 2; ++branch) {
     if (parts[branch] == nullptr) continue;
@@ -82,35 +81,42 @@ std::vector<Change> changes_until(double end, const ClockedParts& parts, const W
       if (t > end) break;
       double theta = t / period;
       theta -= std::floor(theta);
-      const auto w = generator.at(theta, theta < 0.5);
-      const double value = filter.next(branch == 0 ? w.ascending : w.descending);
+      const bool heard = before_switch || Reference::rises(reference.piece(theta)) == (branch == 0);
+      const double value = filter.next(heard ? generator.value(branch, reference.value(theta)) : 0.0);
       out.push_back({t + c.delay_cycles / c.clock.value, branch, value, false});
     }
   }
   if (before_switch) {
-    for (std::size_t half = 0; 0.5 * static_cast<double>(half) * period <= end; ++half)
-      out.push_back({0.5 * static_cast<double>(half) * period, half % 2, 0.0, true});
+    for (std::size_t repeat = 0; static_cast<double>(repeat) * period <= end; ++repeat) {
+      for (std::size_t piece = 0; piece < reference.turns().size(); ++piece) {
+        const double t = (static_cast<double>(repeat) + reference.turns()[piece]) * period;
+        out.push_back({t, Reference::rises(piece) ? std::size_t{0} : std::size_t{1}, 0.0, true});
+      }
+    }
   }
   std::stable_sort(out.begin(), out.end(), [](const Change& p, const Change& q) { return p.time < q.time; });
   return out;
 }
 
-/// y/stroke without the staircases, over one period.
-std::vector<double> smooth_displacement(const Plant& plant, const Design& design, const Options& options,
-                                        Hertz frequency) {
-  Options by_reference = options;
-  by_reference.argument = Options::Argument::reference;
-  const PeriodicTracking linear(plant, by_reference, frequency);
-  std::vector<double> out = linear.solve(design, PeriodicTracking::Clocked::left_out).displacement;
-  if (options.argument == Options::Argument::drive) {
-    // The stage answers to the drive; there the clocked part counts by its smooth share, hold and delay
-    // included.
-    const PeriodicTracking on_drive(plant, options, frequency);
-    const auto with = linear.solve(design).displacement;
-    const auto full = on_drive.solve(design).displacement;
-    for (std::size_t i = 0; i < out.size(); ++i) out[i] += full[i] - with[i];
+/// What the stage reads without the staircases, over one repeat.
+std::vector<double> smooth_drive(const Plant& plant, const Design& design, const PeriodicTracking& periodic) {
+  const std::vector<double> v = periodic.solve(design, PeriodicTracking::Clocked::left_out).drive;
+  return through_path(plant.drive_path, v, periodic.repeat_s() / static_cast<double>(v.size()));
+}
+
+/// y/stroke of a stage that reads u (behind the drive path), over whole repeats.
+std::vector<double> answer(const Plant& plant, const Options& options, const PeriodicTracking& periodic,
+                           std::vector<double> u, std::size_t per_repeat) {
+  const double step = periodic.repeat_s() / static_cast<double>(per_repeat);
+  const BranchCurve own(plant.disturbance, options.alpha, periodic.frequency());
+  const bool on_drive = options.argument == Options::Argument::drive;
+  const std::vector<bool> rising = rising_samples(u, 0.02 * options.alpha);
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const double theta = static_cast<double>(i % per_repeat) / static_cast<double>(per_repeat);
+    const bool up = on_drive ? rising[i] : Reference::rises(periodic.form().piece(theta));
+    u[i] += own.value(up ? 0 : 1, on_drive ? u[i] : periodic.form().value(theta));
   }
-  return out;
+  return through_path(plant.stage_path, u, step);
 }
 
 /// A linear system under a staircase.
@@ -159,29 +165,29 @@ class StaircasePath {
 }  // namespace
 
 std::vector<double> track_clocked(const Plant& plant, const Design& design, const Options& options,
-                                  Hertz frequency, std::size_t per_period) {
-  const double period = 1.0 / frequency.value;
+                                  const PeriodicTracking& periodic, std::size_t per_repeat) {
+  const double repeat = periodic.repeat_s();
   const bool before_switch = options.place == Options::Place::before_switch;
   const ClockedParts parts = {clocked_part(design.ascending), clocked_part(design.descending)};
-  const int periods = common_periods(parts, period);
-  const double begin = settling_periods(parts, period) * period;
-  const Waveforms generator(plant.generated(), options, !before_switch);
+  const int repeats = common_periods(parts, repeat);
+  const double begin = settling_periods(parts, repeat) * repeat;
+  const BranchCurve generator(plant.generated(), options.alpha);
   const std::vector<Change> changes =
-      changes_until(begin + periods * period, parts, generator, period, before_switch);
-  const std::vector<double> smooth = smooth_displacement(plant, design, options, frequency);
-  const double tick = 1e-12 * period;
-  StaircasePath path(in_series(state_space(plant.drive_path), state_space(plant.stage_path)), tick);
+      changes_until(begin + repeats * repeat, parts, generator, periodic.form(), repeat, before_switch);
+  const std::vector<double> smooth = smooth_drive(plant, design, periodic);
+  const double tick = 1e-12 * repeat;
+  StaircasePath path(state_space(plant.drive_path), tick);
 
-  std::vector<double> out;
+  std::vector<double> drive;
   HeldOutputs outputs;
   auto change = changes.begin();
-  // The paths are far faster than a period: one period before the window is enough for them to settle.
-  double now = std::max(0.0, begin - period);
+  // The path is far faster than a repeat: one repeat before the window is enough for it to settle.
+  double now = std::max(0.0, begin - repeat);
   for (; change != changes.end() && change->time <= now; ++change) outputs.apply(*change);
-  const std::size_t count = static_cast<std::size_t>(periods) * per_period;
-  const std::size_t stride = smooth.size() / per_period;
+  const std::size_t count = static_cast<std::size_t>(repeats) * per_repeat;
+  const std::size_t stride = smooth.size() / per_repeat;
   for (std::size_t i = 0; i < count; ++i) {
-    const double when = begin + period * static_cast<double>(i) / static_cast<double>(per_period);
+    const double when = begin + repeat * static_cast<double>(i) / static_cast<double>(per_repeat);
     for (; change != changes.end() && change->time <= when + tick; ++change) {
       path.advance(change->time - now, outputs.sum());
       now = change->time;
@@ -189,9 +195,9 @@ std::vector<double> track_clocked(const Plant& plant, const Design& design, cons
     }
     path.advance(when - now, outputs.sum());
     now = std::max(now, when);
-    out.push_back(smooth[(i % per_period) * stride] - path.value(outputs.sum()));
+    drive.push_back(smooth[(i % per_repeat) * stride] - path.value(outputs.sum()));
   }
-  return out;
+  return answer(plant, options, periodic, std::move(drive), per_repeat);
 }
 
 }  // namespace bodesmith::tracking

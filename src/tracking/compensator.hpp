@@ -8,6 +8,7 @@
 
 #include "base/units.hpp"
 #include "lti/sections.hpp"
+#include "signal/disturbance.hpp"
 
 namespace bodesmith::tracking {
 
@@ -26,6 +27,25 @@ struct ConstantGain {
 struct ScheduledGain {
   std::vector<Hertz> frequency;  ///< rising
   std::vector<double> gain;
+};
+
+/// The gain of a branch taken from the slope of the reference as it is measured: a differentiator with a time
+/// constant, a rectifier, and where wanted a second time constant that smooths,
+///   s = tau-lagged dr/dt,   m = smoothing-lagged |s|,   f = m/(2 alpha),   gain = table(f).
+/// It assumes a known amplitude alpha and that the reference goes up and down once a period: a triangle then has
+/// |dr/dt| = 2 f alpha all the time, a sine on average (it needs the smoothing); other references are taken for
+/// slower or faster than they are.
+struct SlopeGain {
+  ScheduledGain table;
+  double differentiator_s = 1e-4;
+  double smoothing_s = 0.0;  ///< 0: none
+};
+
+/// A linear filter and a gain set by the known frequency, side by side: c = F{w} + k(f) w. The filter follows what
+/// is faster than a period, the schedule adds what the filter lacks at each frequency (rest_of).
+struct FilterAndSchedule {
+  Sections filter;
+  ScheduledGain schedule;
 };
 
 /// A compensator known by its frequency response, e.g. the ideal fractional cascade: worked out harmonic by
@@ -55,14 +75,23 @@ struct ClockedCompensator {
 };
 
 using Compensator = std::variant<Uncompensated, ConstantGain, Sections, ResponseCompensator,
-                                 ClockedCompensator, ScheduledGain>;
+                                 ClockedCompensator, ScheduledGain, SlopeGain, FilterAndSchedule>;
 
 /// The frequency response by which a compensator acts on a waveform; for a clocked one with or without hold
-/// and delay. A scheduled gain has none (see settled_at) and counts as nothing.
+/// and delay. Gains that are set by a frequency have none (see settled_at) and count as nothing.
 std::complex<double> compensator_response(const Compensator& compensator, RadPerSecond w);
 
 /// The compensator as it is at one operating frequency: a scheduled gain has become a constant one.
 Compensator settled_at(const Compensator& compensator, Hertz frequency);
+
+/// The table at a frequency in Hz, interpolated in log frequency and held at the ends; and its derivative.
+double gain_at(const ScheduledGain& table, double hz);
+double gain_slope_at(const ScheduledGain& table, double hz);
+
+/// The schedule that adds to `filter` what it lacks of the rate gains `wanted`: at each of its frequencies the gain
+/// k that makes the rms of F{w} + k w - K w smallest for the disturbance's waveform w of that branch, alternating
+/// as it does when a triangle is followed and the filter stands before the switch.
+ScheduledGain rest_of(const Sections& filter, const Disturbance& disturbance, Disturbance::Branch branch);
 
 /// A clocked compensator that is worked out edge by edge; else null.
 const ClockedCompensator* clocked_part(const Compensator& compensator);

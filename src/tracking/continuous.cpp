@@ -2,248 +2,212 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <array>
 #include <cmath>
 
 #include "numeric/index.hpp"
+#include "numeric/matrix_exponential.hpp"
 #include "simulate/cvode_solver.hpp"
 #include "simulate/hold_response.hpp"
-#include "tracking/switched_system.hpp"
-#include "tracking/waveforms.hpp"
+#include "tracking/driven_stage.hpp"
+#include "tracking/slope_meter.hpp"
 
 namespace bodesmith::tracking {
 namespace {
 
 using simulate::CvodeProblem;
 using simulate::CvodeSolver;
-using simulate::hold_nodes;
-using simulate::HoldNodes;
-using simulate::HoldResponse;
-using simulate::HoldResponseSolver;
-using Branch = Disturbance::Branch;
-using Inputs = SwitchedSystem::Inputs;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-std::optional<StateSpace> time_domain_of(const Compensator& c) {
-  if (std::holds_alternative<Uncompensated>(c)) return gain_system(0.0);
-  if (const auto* constant = std::get_if<ConstantGain>(&c)) return gain_system(constant->gain);
-  if (const auto* sections = std::get_if<Sections>(&c)) return state_space(*sections);
-  if (const auto* response = std::get_if<ResponseCompensator>(&c)) {
-    if (response->approximation) return state_space(*response->approximation);
-  }
-  return std::nullopt;
+Eigen::MatrixXd propagator(const StateSpace& system, double seconds) {
+  const Eigen::Index n = eigen_index(system.order());
+  const Eigen::MatrixXd a = Eigen::Map<const RowMatrix>(system.a.data(), n, n);
+  return matrix_exponential(Eigen::MatrixXd(a * seconds));
 }
 
-/// One period of one design, half by half: the reference rises, then falls.
-class PeriodRun {
+/// The states at the beginning of a repeat under an input that repeats and is straight between its samples.
+Eigen::VectorXd periodic_start(const StateSpace& system, const std::vector<double>& input, double repeat_s) {
+  const Eigen::Index n = eigen_index(system.order());
+  const double step = repeat_s / static_cast<double>(input.size());
+  const double* b = system.b.data();
+  simulate::HoldResponse part;
+  simulate::HoldResponseSolver().solve({system.order(), system.a.data(), {&b, 1}}, step,
+                                       simulate::hold_nodes(1), 1.0, part);
+  const Eigen::MatrixXd e = Eigen::Map<const RowMatrix>(part.e.data(), n, n);
+  const Eigen::MatrixXd g = Eigen::Map<const RowMatrix>(part.g[0].data(), n, 2);
+  Eigen::VectorXd forced = Eigen::VectorXd::Zero(n);
+  Eigen::VectorXd next(n);
+  for (std::size_t i = 0; i < input.size(); ++i) {
+    next.noalias() = e * forced;
+    next += g.col(0) * input[i] + g.col(1) * input[(i + 1) % input.size()];
+    forced.swap(next);
+  }
+  return (Eigen::MatrixXd::Identity(n, n) - propagator(system, repeat_s)).partialPivLu().solve(forced);
+}
+
+/// One repeat of one design, piece by piece between the reference's turning points.
+class RepeatRun {
  public:
-  PeriodRun(SwitchedSystem system, const Plant& plant, const Options& options, Hertz frequency);
-  std::vector<double> run(std::size_t samples);
+  RepeatRun(DrivenStage stage, const PeriodicTracking& periodic, const Options& options)
+      : stage_(std::move(stage)),
+        periodic_(periodic),
+        options_(options),
+        rates_(std::max<std::size_t>(stage_.order(), 1)) {}
+
+  std::vector<double> run(const PeriodicState& begin, std::size_t samples);
 
  private:
-  Inputs inputs_at(double theta, bool rising) const;
-  void begin_half(bool rising);
-  double phase(double t) const;
-  /// x at t = 0 in steady state, exactly; with the drive as argument only the states in front of the stage.
-  std::vector<double> periodic_state() const;
-  CvodeProblem make_problem();
+  std::vector<double> first_states(const PeriodicState& begin) const;
   CvodeSolver make_solver();
-  /// y; fills the rates.
-  double evaluate(double t, const double* x, double* dx);
-  void jacobian(double t, const double* x, double* j);
-  double slope_of_drive(double t, const double* x);
-  /// Integrates one half from x, writing the samples that lie in it; x is then the state at its end.
-  void sample_half(CvodeSolver& solver, bool rising, std::vector<double>& x, std::vector<double>& out);
+  DrivenStage::Outputs evaluate(double t, const double* x, double* dx) const;
+  double piece_end(std::size_t piece) const;
+  /// Integrates one piece from x, writing the samples that lie in it; x is then the state at its end.
+  void sample_piece(CvodeSolver& solver, std::size_t piece, std::vector<double>& x, std::vector<double>& out);
+  /// Moves x to where a repeat that ends at `end` should have begun, by the linear blocks alone; the largest move, of states larger than 1 relative.
+  double correct(std::vector<double>& x, const std::vector<double>& end) const;
 
-  SwitchedSystem system_;
+  DrivenStage stage_;
+  const PeriodicTracking& periodic_;
   const Options& options_;
-  Waveforms generator_;
-  Waveforms own_;
-  std::array<double, 2> gains_;
-  bool before_switch_;
-  bool on_drive_;
-  double period_;
-  std::size_t order_;
-  std::array<SwitchedSystem::Matrices, 2> halves_;  ///< while x rises, while it falls
-  bool rising_ = true;                              ///< of the reference
-  bool drive_rising_ = true;
   std::vector<double> rates_;
+  std::size_t piece_ = 0;
+  std::size_t sample_ = 0;
 };
 
-PeriodRun::PeriodRun(SwitchedSystem system, const Plant& plant, const Options& options, Hertz frequency)
-    : system_(std::move(system)),
-      options_(options),
-      generator_(plant.generated(), options, options.place == Options::Place::behind_switch),
-      own_(plant.disturbance, options),
-      gains_{plant.disturbance.rate_gain(Branch::ascending, frequency),
-             plant.disturbance.rate_gain(Branch::descending, frequency)},
-      before_switch_(options.place == Options::Place::before_switch),
-      on_drive_(options.argument == Options::Argument::drive),
-      period_(1.0 / frequency.value),
-      order_(system_.order()),
-      rates_(std::max<std::size_t>(order_, 1)) {
-  for (const bool rising : {true, false}) {
-    begin_half(rising);
-    halves_[rising ? 0 : 1] = system_.matrices();
+double RepeatRun::piece_end(std::size_t piece) const {
+  const std::vector<double>& turns = stage_.reference().turns();
+  return piece + 1 < turns.size() ? turns[piece + 1] : 1.0;
+}
+
+std::vector<double> RepeatRun::first_states(const PeriodicState& begin) const {
+  const double repeat = stage_.repeat_s();
+  std::vector<std::vector<double>> inputs;
+  for (std::size_t branch = 0; branch < 2; ++branch) {
+    const SlopeGain* detector = stage_.detector(branch);
+    if (detector == nullptr) continue;
+    // Their states are their outputs.
+    const MeasuredSlope measured =
+        measure_slope(*detector, stage_.reference(), periodic_.frequency(), begin.drive.size());
+    inputs.push_back(measured.slope);
+    inputs.push_back(measured.smoothed);
   }
-}
-
-Inputs PeriodRun::inputs_at(double theta, bool rising) const {
-  const auto g = generator_.at(theta, rising);
-  Inputs in{g.x, g.ascending, g.descending, 0.0};
-  if (!on_drive_) {
-    const auto s = own_.at(theta, rising);
-    in.stage = gains_[0] * s.ascending + gains_[1] * s.descending;
+  const std::size_t detectors = inputs.size();
+  for (const std::vector<double>& heard : begin.heard) {
+    for (std::size_t branch = 0; branch < 2; ++branch)
+      inputs.push_back(periodic_.branch_waveform(branch, heard));
   }
-  return in;
-}
+  inputs.push_back(begin.drive);
+  const StateSpace& path = stage_.blocks()[stage_.blocks().size() - 2];
+  std::vector<double> q = begin.drive;
+  if (path.order() > 0 && options_.argument == Options::Argument::drive) {
+    // Far faster than a period: a shift by its lag at most, which the first corrections take care of.
+    for (double& value : q) value *= response(path, 0.0).real();
+  }
+  const std::vector<double> added = periodic_.stage_disturbance(q);
+  for (std::size_t i = 0; i < q.size(); ++i) q[i] += added[i];
+  inputs.push_back(std::move(q));
 
-void PeriodRun::begin_half(bool rising) {
-  rising_ = rising;
-  if (before_switch_) system_.switch_to(rising);
-}
-
-double PeriodRun::phase(double t) const {
-  return std::clamp(t / period_, rising_ ? 0.0 : 0.5, rising_ ? 0.5 : 1.0);
-}
-
-std::vector<double> PeriodRun::periodic_state() const {
-  std::vector<double> x(std::max<std::size_t>(order_, 1), 0.0);
-  const std::size_t known = on_drive_ ? system_.front() : order_;
-  if (known == 0) return x;
-  // Over a half period a triangle's waveforms are cubics, a sine's are taken in 32 parts.
-  const bool triangle = options_.reference == Options::Reference::triangle;
-  const int parts = triangle ? 1 : 32;
-  const HoldNodes& nodes = hold_nodes(triangle ? 3 : 4);
-  const std::size_t width = nodes.size();
-  const Eigen::Index n = eigen_index(order_);
-  HoldResponse part;
-  Eigen::VectorXd forced = Eigen::VectorXd::Zero(n);
-  RowMatrix all = RowMatrix::Identity(n, n);
-  for (std::size_t half = 0; half < 2; ++half) {
-    const auto& [a, b] = halves_[half];
-    const std::array<const double*, SwitchedSystem::kInputs> inputs = {b[0].data(), b[1].data(), b[2].data(),
-                                                                       b[3].data()};
-    HoldResponseSolver().solve({order_, a.data(), inputs}, 0.5 * period_ / parts, nodes, 1.0, part);
-    const Eigen::Map<const RowMatrix> e(part.e.data(), n, n);
-    for (int i = 0; i < parts; ++i) {
-      Eigen::VectorXd next = e * forced;
-      for (std::size_t j = 0; j < width; ++j) {
-        const double theta = 0.5 * static_cast<double>(half) + 0.5 * (i + nodes.at[j]) / parts;
-        const Inputs in = inputs_at(theta, half == 0);
-        const double values[] = {in.x, in.ascending, in.descending, in.stage};
-        for (std::size_t q = 0; q < SwitchedSystem::kInputs; ++q) {
-          for (std::size_t r = 0; r < order_; ++r) {
-            next(eigen_index(r)) += part.g[q][r * width + j] * values[q];
-          }
-        }
-      }
-      forced = next;
-      all = e * all;
+  std::vector<double> x;
+  for (std::size_t i = 0; i < stage_.blocks().size(); ++i) {
+    const StateSpace& block = stage_.blocks()[i];
+    if (block.order() == 0) continue;
+    if (i < detectors) {
+      x.push_back(inputs[i].front());
+      continue;
     }
+    const Eigen::VectorXd states = periodic_start(block, inputs[i], repeat);
+    x.insert(x.end(), states.begin(), states.end());
   }
-  const Eigen::Index k = eigen_index(known);
-  as_eigen(x).head(k) =
-      (Eigen::MatrixXd::Identity(k, k) - all.topLeftCorner(k, k)).partialPivLu().solve(forced.head(k));
+  x.resize(std::max<std::size_t>(stage_.order(), 1), 0.0);
   return x;
 }
 
-double PeriodRun::evaluate(double t, const double* x, double* dx) {
-  Inputs in = inputs_at(phase(t), rising_);
-  // The drive does not depend on what the stage adds: work it out, then add.
-  auto out = system_.evaluate(in, x, dx);
-  if (on_drive_) {
-    const Branch branch = drive_rising_ ? Branch::ascending : Branch::descending;
-    in.stage = gains_[drive_rising_ ? 0 : 1] * own_.branch(branch, out.drive);
-    out = system_.evaluate(in, x, dx);
-  }
-  return out.displacement;
+DrivenStage::Outputs RepeatRun::evaluate(double t, const double* x, double* dx) const {
+  const std::vector<double>& turns = stage_.reference().turns();
+  return stage_.evaluate(std::clamp(t / stage_.repeat_s(), turns[piece_], piece_end(piece_)), x, dx);
 }
 
-void PeriodRun::jacobian(double t, const double* x, double* j) {
-  const std::vector<double>& now = halves_[rising_ ? 0 : 1].a;
-  std::copy(now.begin(), now.end(), j);
-  if (!on_drive_) return;
-  // The stage's disturbance answers to v, whose gradient is in the stage's rates already: times 1 + d'.
-  const double v = system_.evaluate(inputs_at(phase(t), rising_), x, rates_.data()).drive;
-  const double more = gains_[drive_rising_ ? 0 : 1] *
-                      own_.branch_slope(drive_rising_ ? Branch::ascending : Branch::descending, v);
-  const std::size_t front = system_.front();
-  for (std::size_t r = front; r < order_; ++r) {
-    for (std::size_t c = 0; c < front; ++c) j[r * order_ + c] *= 1.0 + more;
-  }
-}
-
-double PeriodRun::slope_of_drive(double t, const double* x) {
-  system_.evaluate(inputs_at(phase(t), rising_), x, rates_.data());
-  const auto s = generator_.slopes(phase(t), rising_);
-  return system_.drive_slope({s.x / period_, s.ascending / period_, s.descending / period_, 0.0},
-                             rates_.data());
-}
-
-CvodeProblem PeriodRun::make_problem() {
+CvodeSolver RepeatRun::make_solver() {
   CvodeProblem problem;
-  problem.order = std::max<std::size_t>(order_, 1);
+  problem.order = std::max<std::size_t>(stage_.order(), 1);
   problem.rate = [this](double t, const double* x, double* dx) {
-    if (order_ == 0) dx[0] = 0.0;
-    evaluate(t, x, order_ == 0 ? rates_.data() : dx);
+    if (stage_.order() == 0) dx[0] = 0.0;
+    evaluate(t, x, stage_.order() == 0 ? rates_.data() : dx);
   };
-  problem.jacobian = [this](double t, const double* x, double* j) {
-    if (order_ > 0) jacobian(t, x, j);
-  };
-  if (on_drive_) {
+  if (stage_.reads_drive()) {
     problem.events = 1;
-    problem.event = [this](double t, const double* x, double* g) { g[0] = slope_of_drive(t, x); };
+    problem.event = [this](double t, const double* x, double* g) {
+      g[0] = evaluate(t, x, rates_.data()).drive_slope;
+    };
   }
-  return problem;
-}
-
-CvodeSolver PeriodRun::make_solver() {
-  double norm = 0.0;
-  const Eigen::Map<const RowMatrix> a(halves_[0].a.data(), eigen_index(order_), eigen_index(order_));
-  for (Eigen::Index i = 0; i < a.rows(); ++i) norm = std::max(norm, a.row(i).lpNorm<1>());
-  const auto method = norm * 0.5 * period_ > 300.0 ? CvodeSolver::Method::bdf : CvodeSolver::Method::adams;
+  double fastest = 0.0;
+  for (const StateSpace& block : stage_.blocks()) fastest = std::max(fastest, max_row_sum(block));
+  const double piece = stage_.repeat_s() / static_cast<double>(stage_.reference().turns().size());
+  const auto method = fastest * piece > 300.0 ? CvodeSolver::Method::bdf : CvodeSolver::Method::adams;
   const double tolerance = options_.relative_tolerance;
-  return CvodeSolver(make_problem(), method, tolerance, 1e-2 * tolerance);
+  return CvodeSolver(std::move(problem), method, tolerance, 1e-2 * tolerance);
 }
 
-void PeriodRun::sample_half(CvodeSolver& solver, bool rising, std::vector<double>& x,
-                            std::vector<double>& out) {
-  const std::size_t samples = out.size();
-  std::size_t sample = rising ? 0 : samples / 2;
+void RepeatRun::sample_piece(CvodeSolver& solver, std::size_t piece, std::vector<double>& x,
+                             std::vector<double>& out) {
+  piece_ = piece;
+  stage_.enter_piece(piece);
+  const double repeat = stage_.repeat_s();
+  const double stop = repeat * piece_end(piece);
+  const bool last = piece + 1 == stage_.reference().turns().size();
   std::vector<double> inside(x.size());
-  double t = rising ? 0.0 : 0.5 * period_;
-  const double stop = rising ? 0.5 * period_ : period_;
-  if (on_drive_) drive_rising_ = slope_of_drive(t, x.data()) >= 0.0;
+  double t = repeat * stage_.reference().turns()[piece];
+  if (stage_.reads_drive()) stage_.turn_drive(evaluate(t, x.data(), rates_.data()).drive_slope >= 0.0);
   while (t < stop) {
     solver.start(t, x.data(), stop);
     auto outcome = CvodeSolver::Outcome::stepped;
     while (outcome == CvodeSolver::Outcome::stepped) {
       outcome = solver.step();
-      for (; sample < samples; ++sample) {
-        const double when = period_ * static_cast<double>(sample) / static_cast<double>(samples);
-        if (when > solver.time() || (when == stop && rising)) break;
+      for (; sample_ < out.size(); ++sample_) {
+        const double when = repeat * static_cast<double>(sample_) / static_cast<double>(out.size());
+        if (when > solver.time() || (when >= stop && !last)) break;
         solver.at(std::max(when, solver.step_begin()), inside.data());
-        out[sample] = evaluate(when, inside.data(), rates_.data());
+        out[sample_] = evaluate(when, inside.data(), rates_.data()).displacement;
       }
     }
     t = outcome == CvodeSolver::Outcome::stopped ? stop : solver.time();
     std::copy_n(solver.state(), x.size(), x.begin());
-    if (outcome == CvodeSolver::Outcome::event) drive_rising_ = solver.crossings()[0] > 0;
+    if (outcome == CvodeSolver::Outcome::event) stage_.turn_drive(solver.crossings()[0] > 0);
   }
 }
 
-std::vector<double> PeriodRun::run(std::size_t samples) {
-  std::vector<double> out(samples);
-  std::vector<double> x = periodic_state();
-  CvodeSolver solver = make_solver();
-  // One period; two for a stage that has yet to settle (its modes are far faster than the period).
-  const int rounds = on_drive_ && order_ > system_.front() ? 2 : 1;
-  for (int round = 0; round < rounds; ++round) {
-    for (const bool rising : {true, false}) {
-      begin_half(rising);
-      sample_half(solver, rising, x, out);
+double RepeatRun::correct(std::vector<double>& x, const std::vector<double>& end) const {
+  double most = 0.0;
+  std::size_t at = 0;
+  for (const StateSpace& block : stage_.blocks()) {
+    const Eigen::Index n = eigen_index(block.order());
+    if (n == 0) continue;
+    Eigen::VectorXd defect(n);
+    for (Eigen::Index i = 0; i < n; ++i)
+      defect(i) = end[at + static_cast<std::size_t>(i)] - x[at + static_cast<std::size_t>(i)];
+    const Eigen::VectorXd move =
+        (Eigen::MatrixXd::Identity(n, n) - propagator(block, stage_.repeat_s())).partialPivLu().solve(defect);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      double& state = x[at + static_cast<std::size_t>(i)];
+      most = std::max(most, std::abs(move(i)) / std::max(1.0, std::abs(state)));
+      state += move(i);
     }
+    at += block.order();
+  }
+  return most;
+}
+
+std::vector<double> RepeatRun::run(const PeriodicState& begin, std::size_t samples) {
+  constexpr int kMaxRounds = 12;
+  constexpr double kSettled = 2e-5;  // of the stroke; the next round leaves less than half of it
+  std::vector<double> out(samples);
+  std::vector<double> x = first_states(begin);
+  CvodeSolver solver = make_solver();
+  for (int round = 0; round < kMaxRounds; ++round) {
+    std::vector<double> end = x;
+    sample_ = 0;
+    for (std::size_t piece = 0; piece < stage_.reference().turns().size(); ++piece)
+      sample_piece(solver, piece, end, out);
+    if (correct(x, end) < kSettled) break;
   }
   return out;
 }
@@ -251,15 +215,11 @@ std::vector<double> PeriodRun::run(std::size_t samples) {
 }  // namespace
 
 std::optional<std::vector<double>> track_continuous(const Plant& plant, const Design& design,
-                                                    const Options& options, Hertz frequency,
-                                                    std::size_t samples) {
-  auto ascending = time_domain_of(design.ascending);
-  auto descending = time_domain_of(design.descending);
-  if (!ascending || !descending) return std::nullopt;
-  return PeriodRun({std::move(*ascending), std::move(*descending), state_space(plant.drive_path),
-                    state_space(plant.stage_path)},
-                   plant, options, frequency)
-      .run(samples);
+                                                    const Options& options, const PeriodicTracking& periodic,
+                                                    const PeriodicState& begin, std::size_t samples) {
+  auto stage = DrivenStage::of(plant, design, options, periodic.frequency());
+  if (!stage) return std::nullopt;
+  return RepeatRun(std::move(*stage), periodic, options).run(begin, samples);
 }
 
 }  // namespace bodesmith::tracking

@@ -27,7 +27,7 @@ class CrossSpectrum {
     double max = 0.0;
     terms_.resize(n / 2 + 1);
     for (std::size_t k = 0; k <= n / 2; ++k) {
-      terms_[k] = y_hat[k] * std::conj(x_hat[k]) * scale * (k == 0 || k == n / 2 ? 1.0 : 2.0);
+      terms_[k] = y_hat[k] * std::conj(x_hat[k]) * scale * (k == 0 || 2 * k == n ? 1.0 : 2.0);
       max = std::max(max, std::abs(terms_[k]));
       if (std::abs(terms_[k]) > 1e-15 * max) last = k;
     }
@@ -48,9 +48,14 @@ class CrossSpectrum {
     }
     return out;
   }
-  /// By the fundamental alone.
+  /// By the strongest line alone: the fundamental, unless the signals repeat several times.
   double first_guess() const {
-    return terms_.size() > 1 ? -std::arg(terms_[1]) / (2.0 * std::numbers::pi) * period_s_ : 0.0;
+    std::size_t strongest = 1;
+    for (std::size_t k = 1; k < terms_.size(); ++k)
+      if (std::abs(terms_[k]) > std::abs(terms_[strongest])) strongest = k;
+    if (strongest >= terms_.size()) return 0.0;
+    return -std::arg(terms_[strongest]) / (2.0 * std::numbers::pi * static_cast<double>(strongest)) *
+           period_s_;
   }
 
  private:

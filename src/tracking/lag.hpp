@@ -9,7 +9,7 @@ struct LagResult {
   double lag_s = 0.0;
   double rms = 0.0;
 };
-/// Both sampled over one period of `period_s`; lengths powers of two.
+/// Both sampled over `period_s`, after which both repeat.
 LagResult best_lag(const std::vector<double>& y, const std::vector<double>& x, double period_s);
 
 }  // namespace bodesmith::tracking

@@ -1,48 +1,31 @@
 #include "tracking/periodic.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
-#include "tracking/spectrum.hpp"
+#include "base/error.hpp"
+#include "numeric/fourier.hpp"
+#include "tracking/slope_meter.hpp"
 
 namespace bodesmith::tracking {
 namespace {
 
+using Complex = std::complex<double>;
 using Branch = Disturbance::Branch;
 
-/// Multiplies a real signal's spectrum by a response, kept conjugate-symmetric.
-template <class Response>
-void filter(std::vector<Complex>& x, Hertz f, const Response& response) {
-  const std::size_t n = x.size();
-  for (std::size_t k = 0; k <= n / 2; ++k) {
-    const Complex h = response(RadPerSecond{f.rad_s().value * static_cast<double>(k)});
-    if (k == 0 || k == n / 2) {
-      x[k] *= h.real();
-    } else {
-      x[k] *= h;
-      x[n - k] = std::conj(x[k]);
-    }
-  }
+std::vector<double> filtered(const std::vector<Complex>& response, const std::vector<double>& x) {
+  std::vector<Complex> bins = half_spectrum(x);
+  for (std::size_t k = 0; k < bins.size(); ++k) bins[k] *= response[k];
+  return from_half_spectrum(bins, x.size());
 }
 
-/// A response known at the harmonics 0 ... n/2, at bin k of n.
-Complex at_bin(const std::vector<Complex>& harmonics, std::size_t k, std::size_t n) {
-  const Complex h = k <= n / 2 ? harmonics[k] : std::conj(harmonics[n - k]);
-  return k == n / 2 ? Complex(h.real()) : h;
-}
-
-/// The first while x rises, the second while it falls; at a corner the mean of both.
-std::vector<double> switched(const std::vector<double>& rising, const std::vector<double>& falling) {
-  const std::size_t n = rising.size();
-  std::vector<double> out(n);
-  for (std::size_t i = 0; i < n; ++i) out[i] = i < n / 2 ? rising[i] : falling[i];
-  for (const std::size_t corner : {std::size_t{0}, n / 2})
-    out[corner] = 0.5 * (rising[corner] + falling[corner]);
+double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
+  double out = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) out = std::max(out, std::abs(a[i] - b[i]));
   return out;
-}
-
-void add(std::vector<Complex>& to, const std::vector<Complex>& what) {
-  for (std::size_t k = 0; k < to.size(); ++k) to[k] += what[k];
 }
 
 }  // namespace
@@ -51,74 +34,139 @@ PeriodicTracking::PeriodicTracking(const Plant& plant, const Options& options, H
     : plant_(plant),
       options_(options),
       frequency_(frequency),
-      n_(2 * options.harmonics),
-      generator_(plant.generated(), options, options.place == Options::Place::behind_switch),
-      own_(plant.disturbance, options),
-      gain_{plant.disturbance.rate_gain(Branch::ascending, frequency),
-            plant.disturbance.rate_gain(Branch::descending, frequency)} {
-  x_.resize(n_);
-  stage_.resize(n_);
-  std::vector<double> ascending(n_);
-  std::vector<double> descending(n_);
+      shape_(options.reference, options.alpha),
+      n_(2 * options.harmonics * shape_.periods()),
+      generator_(plant.generated(), options.alpha),
+      own_(plant.disturbance, options.alpha, frequency),
+      x_(shape_.samples(n_)) {
   for (std::size_t i = 0; i < n_; ++i) {
     const double theta = static_cast<double>(i) / static_cast<double>(n_);
-    const auto g = generator_.sampled(theta);
-    const auto s = own_.sampled(theta);
-    x_[i] = g.x;
-    ascending[i] = g.ascending;
-    descending[i] = g.descending;
-    stage_[i] = gain_[0] * s.ascending + gain_[1] * s.descending;
-  }
-  x_hat_ = spectrum(x_);
-  ascending_hat_ = spectrum(ascending);
-  descending_hat_ = spectrum(descending);
-  stage_hat_ = spectrum(stage_);
-  for (std::size_t k = 0; k <= n_ / 2; ++k) {
-    const RadPerSecond w{frequency.rad_s().value * static_cast<double>(k)};
-    drive_.push_back(plant.drive_path.response(w));
-    path_.push_back(plant.stage_path.response(w));
+    const std::size_t piece = shape_.piece(theta);
+    rising_.push_back(Reference::rises(piece));
+    corner_.push_back(shape_.turns()[piece] == theta);
   }
 }
 
-PeriodicTracking::Spectrum PeriodicTracking::compensated(const Compensator& compensator, Spectrum waveform,
-                                                         Clocked clocked) const {
-  if (clocked == Clocked::left_out && std::holds_alternative<ClockedCompensator>(compensator)) {
-    std::fill(waveform.begin(), waveform.end(), Complex());
-    return waveform;
-  }
-  filter(waveform, frequency_, [&](RadPerSecond w) { return compensator_response(compensator, w); });
-  return waveform;
-}
-
-PeriodicTracking::Spectrum PeriodicTracking::compensation(const Design& design, Clocked clocked) const {
-  Spectrum rising = compensated(design.ascending, ascending_hat_, clocked);
-  Spectrum falling = compensated(design.descending, descending_hat_, clocked);
-  if (options_.place == Options::Place::before_switch) {
-    return spectrum(switched(samples_of(std::move(rising)), samples_of(std::move(falling))));
-  }
-  add(rising, falling);
-  return rising;
-}
-
-PeriodicTracking::Spectrum PeriodicTracking::stage_spectrum(const Spectrum& v) const {
-  if (options_.argument == Options::Argument::reference) return stage_hat_;
-  const std::vector<double> drive = samples_of(v);
-  std::vector<double> added(n_);
+std::vector<double> PeriodicTracking::branch_waveform(std::size_t branch,
+                                                      const std::vector<double>& heard) const {
+  const bool gated = options_.place == Options::Place::behind_switch;
+  std::vector<double> w(n_);
   for (std::size_t i = 0; i < n_; ++i) {
-    const double slope = drive[(i + 1) % n_] - drive[(i + n_ - 1) % n_];
-    const Branch branch = slope >= 0.0 ? Branch::ascending : Branch::descending;
-    added[i] = gain_[branch == Branch::ascending ? 0 : 1] * own_.branch(branch, drive[i]);
+    const bool on = !gated || rising_[i] == (branch == 0);
+    // Where the switch turns the mean of both sides, which is what a jump's spectrum has there.
+    if (gated && corner_[i]) {
+      w[i] = 0.5 * generator_.value(branch, heard[i]);
+    } else if (on) {
+      w[i] = generator_.value(branch, heard[i]);
+    }
   }
-  return spectrum(added);
+  return w;
+}
+
+PeriodicTracking::Prepared PeriodicTracking::prepared(const Compensator& compensator, Clocked clocked) const {
+  Prepared out;
+  if (std::holds_alternative<Uncompensated>(compensator)) return out;
+  if (clocked == Clocked::left_out && std::holds_alternative<ClockedCompensator>(compensator)) return out;
+  if (const auto* constant = std::get_if<ConstantGain>(&compensator)) {
+    out.gain.assign(n_, constant->gain);
+    return out;
+  }
+  if (const auto* measured = std::get_if<SlopeGain>(&compensator)) {
+    out.gain = measure_slope(*measured, shape_, frequency_, n_).frequency_hz;
+    for (double& value : out.gain) value = gain_at(measured->table, value);
+    return out;
+  }
+  for (std::size_t k = 0; k <= n_ / 2; ++k) {
+    const RadPerSecond w{2.0 * std::numbers::pi * static_cast<double>(k) / repeat_s()};
+    const Complex h = compensator_response(compensator, w);
+    out.response.push_back(k == 0 || 2 * k == n_ ? Complex(h.real()) : h);
+  }
+  return out;
+}
+
+std::vector<double> PeriodicTracking::compensated(const Prepared& compensator, std::size_t branch,
+                                                  const std::vector<double>& heard) const {
+  if (!compensator.response.empty()) return filtered(compensator.response, branch_waveform(branch, heard));
+  std::vector<double> out(n_, 0.0);
+  if (compensator.gain.empty()) return out;
+  // A gain remembers nothing: no spectrum, and no mean at the corners.
+  const bool gated = options_.place == Options::Place::behind_switch;
+  for (std::size_t i = 0; i < n_; ++i) {
+    if (!gated || rising_[i] == (branch == 0))
+      out[i] = compensator.gain[i] * generator_.value(branch, heard[i]);
+  }
+  return out;
+}
+
+std::vector<double> PeriodicTracking::compensation(const Both& compensators,
+                                                   const std::vector<double>& heard) const {
+  std::vector<double> up = compensated(compensators[0], 0, heard);
+  const std::vector<double> down = compensated(compensators[1], 1, heard);
+  const bool picked = options_.place == Options::Place::before_switch;
+  for (std::size_t i = 0; i < n_; ++i) {
+    if (!picked) {
+      up[i] += down[i];
+    } else if (!rising_[i]) {
+      up[i] = down[i];
+    }
+  }
+  return up;
+}
+
+std::vector<double> PeriodicTracking::self_fed_drive(const Design& design, const Both& compensators) const {
+  // v = x - c(v): each round leaves about max |k d'| of the last one's change.
+  constexpr int kMaxRounds = 200;
+  constexpr double kSettled = 1e-11;
+  std::vector<double> v = x_;
+  for (int round = 0; round < kMaxRounds; ++round) {
+    std::vector<double> next = compensation(compensators, v);
+    for (std::size_t i = 0; i < n_; ++i) next[i] = x_[i] - next[i];
+    const double change = largest_difference(next, v);
+    v = std::move(next);
+    if (change < kSettled) return v;
+    if (!(change < 1e3)) break;
+  }
+  throw DesignError(fmt::format(
+      "design '{}': the generator fed by its own drive does not settle at {} Hz, expected gains of "
+      "less than 1 round the loop",
+      design.name, frequency_.value));
+}
+
+std::vector<double> PeriodicTracking::stage_disturbance(const std::vector<double>& drive) const {
+  const bool on_drive = options_.argument == Options::Argument::drive;
+  const std::vector<double>& read = on_drive ? drive : x_;
+  const std::vector<bool> rising = on_drive ? rising_samples(drive, 0.02 * options_.alpha) : rising_;
+  std::vector<double> out(n_);
+  for (std::size_t i = 0; i < n_; ++i) out[i] = own_.value(rising[i] ? 0 : 1, read[i]);
+  return out;
+}
+
+std::vector<double> PeriodicTracking::displacement(const std::vector<double>& drive) const {
+  const double step = repeat_s() / static_cast<double>(n_);
+  if (plant_.stage) return plant_.stage->response(drive, step, frequency_);
+  std::vector<double> q = through_path(plant_.drive_path, drive, step);
+  const std::vector<double> added = stage_disturbance(q);
+  for (std::size_t i = 0; i < n_; ++i) q[i] += added[i];
+  return through_path(plant_.stage_path, q, step);
 }
 
 PeriodicState PeriodicTracking::solve(const Design& design, Clocked clocked) const {
-  Spectrum c = compensation(design, clocked);
-  Spectrum q(n_);
-  for (std::size_t k = 0; k < n_; ++k) q[k] = (x_hat_[k] - c[k]) * at_bin(drive_, k, n_);
-  add(q, stage_spectrum(q));
-  for (std::size_t k = 0; k < n_; ++k) q[k] *= at_bin(path_, k, n_);
-  return {samples_of(std::move(c)), samples_of(std::move(q))};
+  PeriodicState out;
+  const Both compensators = {prepared(design.ascending, clocked), prepared(design.descending, clocked)};
+  if (design.form.is_self_fed()) {
+    out.drive = self_fed_drive(design, compensators);
+    out.heard.push_back(out.drive);
+  } else {
+    out.drive = x_;
+    for (int pass = 0; pass < design.form.passes; ++pass) {
+      out.heard.push_back(out.drive);
+      const std::vector<double> c = compensation(compensators, out.heard.back());
+      for (std::size_t i = 0; i < n_; ++i) out.drive[i] = x_[i] - c[i];
+    }
+  }
+  for (std::size_t i = 0; i < n_; ++i) out.compensation.push_back(x_[i] - out.drive[i]);
+  out.displacement = displacement(out.drive);
+  return out;
 }
 
 }  // namespace bodesmith::tracking

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <complex>
 #include <cstddef>
 #include <vector>
@@ -9,14 +10,16 @@
 
 namespace bodesmith::tracking {
 
-/// Steady state of one design at one frequency, harmonic by harmonic (samples over one period from theta =
-/// 0).
+/// Steady state of one design at one frequency, evenly sampled over one repeat of the reference.
 struct PeriodicState {
-  std::vector<double> compensation;  ///< c
-  std::vector<double> displacement;  ///< y/stroke
+  std::vector<double> compensation;        ///< c = x - v
+  std::vector<double> drive;               ///< v
+  std::vector<double> displacement;        ///< y/stroke
+  std::vector<std::vector<double>> heard;  ///< what each pass of the generator works on; the loop: v
 };
 
-/// Spectra of x, w_a, w_d at one frequency, shared by all designs. Keeps references to plant and options.
+/// One reference at one frequency, shared by all designs: the nonlinear parts sample by sample, the linear ones
+/// harmonic by harmonic. Keeps references to plant and options.
 class PeriodicTracking {
  public:
   PeriodicTracking(const Plant& plant, const Options& options, Hertz frequency);
@@ -24,31 +27,47 @@ class PeriodicTracking {
   /// Clocked branches: with their smooth share (hold and delay, no images), or left out (to be added in the
   /// time domain).
   enum class Clocked { smooth, left_out };
+  /// DesignError when a loop round the generator does not settle.
   PeriodicState solve(const Design& design, Clocked clocked = Clocked::smooth) const;
 
   Hertz frequency() const { return frequency_; }
+  const Reference& form() const { return shape_; }
+  /// Seconds of one repeat.
+  double repeat_s() const { return static_cast<double>(shape_.periods()) / frequency_.value; }
   const std::vector<double>& reference() const { return x_; }
-  /// What the stage adds, k_a w_a + k_d w_d, for the reference as argument.
-  const std::vector<double>& stage_disturbance() const { return stage_; }
+  /// Of the samples above: whether the reference rises.
+  const std::vector<bool>& rising() const { return rising_; }
+  /// What the stage adds: k_b d_b of the reference, or of its drive.
+  std::vector<double> stage_disturbance(const std::vector<double>& drive) const;
+  /// y/stroke under a drive v.
+  std::vector<double> displacement(const std::vector<double>& drive) const;
+  /// What goes into a branch's compensator when the generator works on h.
+  std::vector<double> branch_waveform(std::size_t branch, const std::vector<double>& heard) const;
 
  private:
-  using Spectrum = std::vector<std::complex<double>>;
-  Spectrum compensated(const Compensator& compensator, Spectrum waveform, Clocked clocked) const;
-  Spectrum compensation(const Design& design, Clocked clocked) const;
-  /// What the stage adds to the drive v.
-  Spectrum stage_spectrum(const Spectrum& v) const;
+  /// A branch's compensator at this frequency, worked out once for all rounds: the response at the harmonics, or the
+  /// gain sample by sample; neither: it gives nothing.
+  struct Prepared {
+    std::vector<std::complex<double>> response;
+    std::vector<double> gain;
+  };
+  using Both = std::array<Prepared, 2>;
+  Prepared prepared(const Compensator& compensator, Clocked clocked) const;
+  std::vector<double> compensated(const Prepared& compensator, std::size_t branch,
+                                  const std::vector<double>& heard) const;
+  std::vector<double> compensation(const Both& compensators, const std::vector<double>& heard) const;
+  std::vector<double> self_fed_drive(const Design& design, const Both& compensators) const;
 
   const Plant& plant_;
   const Options& options_;
   Hertz frequency_;
+  Reference shape_;
   std::size_t n_;
-  Waveforms generator_;
-  Waveforms own_;
-  double gain_[2];
+  BranchCurve generator_;
+  BranchCurve own_;
   std::vector<double> x_;
-  std::vector<double> stage_;
-  Spectrum x_hat_, ascending_hat_, descending_hat_, stage_hat_;
-  Spectrum drive_, path_;  // D and P at the harmonics
+  std::vector<bool> rising_;
+  std::vector<bool> corner_;
 };
 
 }  // namespace bodesmith::tracking

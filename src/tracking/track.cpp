@@ -10,7 +10,6 @@
 #include "base/progress.hpp"
 #include "tracking/clocked.hpp"
 #include "tracking/continuous.hpp"
-#include "tracking/lag.hpp"
 #include "tracking/periodic.hpp"
 
 namespace bodesmith::tracking {
@@ -32,36 +31,17 @@ std::vector<double> thinned(const std::vector<double>& x, std::size_t count) {
   return out;
 }
 
-struct TrackingError {
-  double rms_percent = 0.0;
-  double max_percent = 0.0;
-  double range = 0.0;
-};
-
-/// Eq. 8 over whole periods; the reference has one.
-TrackingError tracking_error(const std::vector<double>& y, const std::vector<double>& x) {
-  const auto [low, high] = std::minmax_element(y.begin(), y.end());
-  TrackingError out;
-  out.range = *high - *low;
-  double sum = 0.0;
-  double max = 0.0;
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    const double e = y[i] - x[i % x.size()];
-    sum += e * e;
-    max = std::max(max, std::abs(e));
-  }
-  out.rms_percent = 100.0 * std::sqrt(sum / static_cast<double>(y.size())) / out.range;
-  out.max_percent = 100.0 * max / out.range;
-  return out;
-}
-
-void validate(const std::string& design, const Compensator& compensator) {
-  const auto* scheduled = std::get_if<ScheduledGain>(&compensator);
-  if (scheduled != nullptr &&
-      (scheduled->frequency.empty() || scheduled->frequency.size() != scheduled->gain.size())) {
+void validate(const std::string& design, const ScheduledGain& table) {
+  if (table.frequency.empty() || table.frequency.size() != table.gain.size()) {
     throw InputError(
         fmt::format("design '{}': the gain's schedule has columns of different length or none", design));
   }
+}
+
+void validate(const std::string& design, const Compensator& compensator) {
+  if (const auto* scheduled = std::get_if<ScheduledGain>(&compensator)) validate(design, *scheduled);
+  if (const auto* measured = std::get_if<SlopeGain>(&compensator)) validate(design, measured->table);
+  if (const auto* sum = std::get_if<FilterAndSchedule>(&compensator)) validate(design, sum->schedule);
   const auto* clocked = std::get_if<ClockedCompensator>(&compensator);
   if (clocked != nullptr && !(clocked->clock.value > 0.0)) {
     throw InputError(fmt::format("design '{}': the clock is not above 0 Hz", design));
@@ -82,10 +62,12 @@ void validate(const Plant& plant, const std::vector<Design>& designs, const Opti
   for (const Design& design : designs) {
     validate(design.name, design.ascending);
     validate(design.name, design.descending);
+    if (design.form.passes < 0)
+      throw InputError(fmt::format("design '{}': a generator of fewer than no passes", design.name));
   }
 }
 
-/// y/stroke over whole periods and x over one, with as many samples a period.
+/// y/stroke over whole repeats and x over one, with as many samples a repeat.
 struct Tracked {
   Method method = Method::harmonic;
   std::vector<double> displacement;
@@ -93,41 +75,48 @@ struct Tracked {
   std::optional<Case::Check> check;
 };
 
+double range_of(const std::vector<double>& y) {
+  const auto [low, high] = std::minmax_element(y.begin(), y.end());
+  return *high - *low;
+}
+
 /// In the time domain where that is wanted and the design has one, checked by the harmonic computation.
 Tracked displacement_of(const Plant& plant, const Design& design, const Options& options,
                         const PeriodicTracking& periodic, const PeriodicState& state) {
   Tracked out{Method::harmonic, state.displacement, periodic.reference(), std::nullopt};
-  if (!options.time_domain) return out;
+  if (!options.time_domain || plant.stage) return out;
+  const std::size_t samples = kSamples * periodic.form().periods();
   if (clocked_part(design.ascending) != nullptr || clocked_part(design.descending) != nullptr) {
+    // Where the generator hears a clocked waveform the board's own simulation is the time domain.
+    if (design.form.passes != 1) return out;
     out.method = Method::exact;
-    out.displacement = track_clocked(plant, design, options, periodic.frequency(), kSamples);
-  } else if (auto sampled = track_continuous(plant, design, options, periodic.frequency(), kSamples)) {
+    out.displacement = track_clocked(plant, design, options, periodic, samples);
+  } else if (auto sampled = track_continuous(plant, design, options, periodic, state, samples)) {
     out.method = Method::cvode;
     out.displacement = std::move(*sampled);
   } else {
     return out;
   }
-  const std::vector<double> coarse = thinned(state.displacement, kSamples);
-  out.reference = thinned(periodic.reference(), kSamples);
+  const std::vector<double> coarse = thinned(state.displacement, samples);
+  out.reference = thinned(periodic.reference(), samples);
   const std::vector<double>& y = out.displacement;
   double sum = 0.0;
   for (std::size_t i = 0; i < y.size(); ++i) sum += std::pow(y[i] - coarse[i % coarse.size()], 2);
-  out.check = Case::Check{
-      tracking_error(coarse, out.reference).rms_percent,
-      100.0 * std::sqrt(sum / static_cast<double>(y.size())) / tracking_error(y, out.reference).range};
+  out.check = Case::Check{tracking_error(coarse, out.reference, periodic.repeat_s()).rms_percent,
+                          100.0 * std::sqrt(sum / static_cast<double>(y.size())) / range_of(y)};
   return out;
 }
 
-/// What was tracked, judged; `last` is the last period of y.
-void judge(const Tracked& waves, const std::vector<double>& last, double period, Case& out) {
-  const TrackingError error = tracking_error(waves.displacement, waves.reference);
+/// What was tracked, judged: eq. 8 over all of y, its lag by the last repeat.
+void judge(const Tracked& waves, const std::vector<double>& last, double repeat_s, Case& out) {
+  const TrackingError all = tracking_error(waves.displacement, waves.reference, repeat_s);
+  const TrackingError error = tracking_error(last, waves.reference, repeat_s);
   out.method = waves.method;
   out.check = waves.check;
-  out.rms_percent = error.rms_percent;
-  out.max_percent = error.max_percent;
-  const LagResult lag = best_lag(last, waves.reference, period);
-  out.lag_s = lag.lag_s;
-  out.rms_percent_without_lag = 100.0 * lag.rms / error.range;
+  out.rms_percent = all.rms_percent;
+  out.max_percent = all.max_percent;
+  out.lag_s = error.lag_s;
+  out.rms_percent_without_lag = error.rms_percent_without_lag;
 }
 
 void keep_waveforms(const std::vector<double>& x, const std::vector<double>& y, double period, double stroke,
@@ -144,7 +133,7 @@ void keep_waveforms(const std::vector<double>& x, const std::vector<double>& y, 
 std::vector<Case> track_at(const Plant& plant, const std::vector<Design>& designs, const Options& options,
                            Hertz frequency) {
   const PeriodicTracking periodic(plant, options, frequency);
-  const double period = 1.0 / frequency.value;
+  const double period = periodic.repeat_s();
   std::vector<PeriodicState> states;
   std::vector<Case> out;
   for (Design design : designs) {
@@ -162,7 +151,7 @@ std::vector<Case> track_at(const Plant& plant, const std::vector<Design>& design
     c.design = design.name;
     judge(waves, last, period, c);
     c.waveform_rms_percent =
-        100.0 * rms_difference(compensation, periodic.stage_disturbance()) / options.alpha;
+        100.0 * rms_difference(compensation, periodic.stage_disturbance(states.back().drive)) / options.alpha;
     for (std::size_t i = 0; i + 1 < states.size(); ++i) {
       if (designs[i].name != design.made_from) continue;
       c.lost_rms_percent = 100.0 * rms_difference(compensation, states[i].compensation) / options.alpha;

@@ -4,6 +4,13 @@
 
 namespace bodesmith::tracking {
 
+std::string to_string(GeneratorForm form) {
+  if (form.is_self_fed()) return "self_fed";
+  if (form.passes == 1) return "one_pass";
+  if (form.passes == 2) return "two_passes";
+  return std::to_string(form.passes) + "_passes";
+}
+
 std::string_view to_string(Method method) {
   switch (method) {
     case Method::harmonic:

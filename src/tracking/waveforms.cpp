@@ -1,59 +1,39 @@
 #include "tracking/waveforms.hpp"
 
+#include <algorithm>
 #include <cmath>
-#include <numbers>
+
+#include "tracking/stage.hpp"
 
 namespace bodesmith::tracking {
 
 using Branch = Disturbance::Branch;
 
-Waveforms::Waveforms(const Disturbance& disturbance, const Options& options, bool gated)
-    : disturbance_(disturbance),
-      triangle_(options.reference == Options::Reference::triangle),
-      gated_(gated),
-      alpha_(options.alpha),
-      gain_{disturbance.amplitude_gain(Branch::ascending, options.alpha),
-            disturbance.amplitude_gain(Branch::descending, options.alpha)} {}
-
-double Waveforms::x_at(double theta, bool rising) const {
-  if (triangle_) return alpha_ * (rising ? 2.0 * theta : 2.0 - 2.0 * theta);
-  const double s = std::sin(std::numbers::pi * theta);  // (1 - cos 2 pi theta)/2
-  return alpha_ * s * s;
+BranchCurve::BranchCurve(const Disturbance& disturbance, double alpha) : alpha_(alpha) {
+  for (const Branch branch : {Branch::ascending, Branch::descending}) {
+    double scale = stroke_gain(disturbance, branch, alpha);
+    for (std::size_t i = 0; i < 3; ++i) {
+      scale /= alpha;
+      a_[branch_index(branch)][i] = scale * disturbance.coefficients(branch)[i];
+    }
+  }
 }
 
-double Waveforms::branch(Branch which, double x) const {
-  return gain_[which == Branch::ascending ? 0 : 1] * disturbance_.value(which, x / alpha_);
+BranchCurve::BranchCurve(const Disturbance& disturbance, double alpha, Hertz operating)
+    : BranchCurve(disturbance, alpha) {
+  for (const Branch branch : {Branch::ascending, Branch::descending}) {
+    const double gain = disturbance.rate_gain(branch, operating);
+    for (double& a : a_[branch_index(branch)]) a *= gain;
+  }
 }
 
-double Waveforms::branch_slope(Branch which, double x) const {
-  const auto& a = disturbance_.coefficients(which);
-  const double z = x / alpha_;
-  return gain_[which == Branch::ascending ? 0 : 1] * (a[0] + z * (2.0 * a[1] + z * 3.0 * a[2])) / alpha_;
-}
-
-Waveforms::Values Waveforms::at(double theta, bool rising) const {
-  Values out;
-  out.x = x_at(theta, rising);
-  if (rising || !gated_) out.ascending = branch(Branch::ascending, out.x);
-  if (!rising || !gated_) out.descending = branch(Branch::descending, out.x);
-  return out;
-}
-
-Waveforms::Values Waveforms::slopes(double theta, bool rising) const {
-  const double x = x_at(theta, rising);
-  Values out;
-  out.x = triangle_ ? (rising ? 2.0 : -2.0) * alpha_
-                    : alpha_ * std::numbers::pi * std::sin(2.0 * std::numbers::pi * theta);
-  if (rising || !gated_) out.ascending = branch_slope(Branch::ascending, x) * out.x;
-  if (!rising || !gated_) out.descending = branch_slope(Branch::descending, x) * out.x;
-  return out;
-}
-
-Waveforms::Values Waveforms::sampled(double theta) const {
-  if (!gated_ || (theta != 0.0 && theta != 0.5)) return at(theta, theta < 0.5);
-  const Values up = at(theta == 0.0 ? 0.0 : 0.5, true);
-  const Values down = at(theta == 0.0 ? 1.0 : 0.5, false);
-  return {up.x, 0.5 * up.ascending, 0.5 * down.descending};
+double BranchCurve::steepest(std::size_t branch) const {
+  // d' is a parabola: its ends and, where that lies inside, its vertex.
+  const std::array<double, 3>& a = a_[branch];
+  double most = std::max(std::abs(slope(branch, 0.0)), std::abs(slope(branch, alpha_)));
+  const double vertex = a[2] == 0.0 ? -1.0 : -a[1] / (3.0 * a[2]);
+  if (vertex > 0.0 && vertex < alpha_) most = std::max(most, std::abs(slope(branch, vertex)));
+  return most;
 }
 
 }  // namespace bodesmith::tracking

@@ -1,40 +1,41 @@
 #pragma once
 
+#include <array>
+
 #include "signal/disturbance.hpp"
-#include "tracking/types.hpp"
+#include "tracking/reference.hpp"
 
 namespace bodesmith::tracking {
 
-/// The reference and the generator's waveforms at one operating frequency, as functions of the phase theta in
-/// [0, 1) of a period; x rises over [0, 1/2] and falls over [1/2, 1].
-class Waveforms {
+inline constexpr std::size_t branch_index(Disturbance::Branch branch) {
+  return branch == Disturbance::Branch::ascending ? 0 : 1;
+}
+inline constexpr Disturbance::Branch branch_of(bool rising) {
+  return rising ? Disturbance::Branch::ascending : Disturbance::Branch::descending;
+}
+
+/// The disturbance at one amplitude and operating frequency, as the generator or the stage makes it:
+///   k_b(f) alpha_b(alpha) d_b(x/alpha).
+class BranchCurve {
  public:
-  /// `gated`: a branch is 0 while the other one is on. The stage's own disturbance always is.
-  Waveforms(const Disturbance& disturbance, const Options& options, bool gated = true);
+  /// Without `operating`: rate gains of 1.
+  BranchCurve(const Disturbance& disturbance, double alpha);
+  BranchCurve(const Disturbance& disturbance, double alpha, Hertz operating);
 
-  struct Values {
-    double x = 0.0;
-    double ascending = 0.0;
-    double descending = 0.0;
-  };
-  /// `rising` decides the branch (both are right at a corner).
-  Values at(double theta, bool rising) const;
-  /// Derivatives by theta.
-  Values slopes(double theta, bool rising) const;
-  /// At a corner the mean of both sides.
-  Values sampled(double theta) const;
-
-  /// d of one branch for a stage input x in [0, alpha], and its derivative by x.
-  double branch(Disturbance::Branch which, double x) const;
-  double branch_slope(Disturbance::Branch which, double x) const;
+  double value(std::size_t branch, double x) const {
+    const std::array<double, 3>& a = a_[branch];
+    return x * (a[0] + x * (a[1] + x * a[2]));
+  }
+  double slope(std::size_t branch, double x) const {
+    const std::array<double, 3>& a = a_[branch];
+    return a[0] + x * (2.0 * a[1] + x * 3.0 * a[2]);
+  }
+  /// Largest |d'| of a branch over 0 ... alpha: the gain of a loop round the generator.
+  double steepest(std::size_t branch) const;
 
  private:
-  double x_at(double theta, bool rising) const;
-  const Disturbance& disturbance_;
-  bool triangle_;
-  bool gated_;
+  std::array<std::array<double, 3>, 2> a_{};  ///< of x itself
   double alpha_;
-  double gain_[2];
 };
 
 }  // namespace bodesmith::tracking

@@ -26,7 +26,7 @@ Project project_with(const std::string& tables) {
 }
 
 TEST(Alternatives, FewestSectionsMeetThePoints) {
-  const Design design = make_design(project_with(""));
+  const Design design = make_design(project_with("[choose]\nby = \"fewest_sections\"\n"));
   const Alternative& chosen = design.alternatives[design.chosen];
   EXPECT_LE(chosen.points_max_db, 0.05);
   EXPECT_LE(chosen.sections.pole_count(), 3) << "three real poles go through all five points";
@@ -56,7 +56,7 @@ TEST(Alternatives, WhatTheBoardCannotMakeIsPassedOverAndSaid) {
 }
 
 TEST(Alternatives, WhatWasAskedForIsBuilt) {
-  const Design design = make_design(project_with("[approximate]\norder = 3\n"));
+  const Design design = make_design(project_with("[approximate]\norder = 3\n[choose]\nby = \"as_asked\"\n"));
   EXPECT_EQ(design.chosen, 0u);
   EXPECT_EQ(design.sections().pole_count(), 12);
 }

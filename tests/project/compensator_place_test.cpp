@@ -39,6 +39,7 @@ void compare(bool both_branches, Place place, DrivenPath path) {
   tracking::Options options;
   options.frequencies = disturbance.rate.frequency;
   options.place = place;
+  options.argument = tracking::Options::Argument::reference;  // the formula's own evaluation
   const auto tracked = tracking::track(plant, {design}, options);
   WaveformErrorOptions error_options;
   error_options.path = path;

@@ -11,8 +11,8 @@ namespace {
 
 Project seed_project(std::vector<Hertz> frequencies) {
   Provenance from;
-  Project project = Project::read(
-      std::filesystem::path(BODESMITH_SOURCE_DIR) / "examples/nanopositioner/project.toml", from);
+  Project project =
+      Project::read(std::filesystem::path(BODESMITH_SOURCE_DIR) / "examples/nanopositioner/seed.toml", from);
   project.track.frequency = std::move(frequencies);
   return project;
 }
@@ -26,7 +26,7 @@ TEST(TrackingStudy, PureLagIsToldFromTheRest) {
   const Project project = seed_project({Hertz{10}, Hertz{1000}, Hertz{5000}});
   const Design design = make_design(project);
   const TrackingStudy study = study_tracking(project, design, make_budget(project, design));
-  const TrackedDesign* scheduled = study.find(TrackedStage::scheduled);
+  const TrackedDesign* scheduled = study.find(tracked::self_fed_scheduled);
   ASSERT_NE(scheduled, nullptr);
   // Group delay of amplifier, damping compensator and resonance at low frequency: 1/w_a + 1.917e5/1.436e11 -
   // 9.854e4/1.67e11 + 2 0.1206/w_r.
@@ -54,8 +54,8 @@ TEST(TrackingStudy, MagnitudeOnlyIsSaidToBeWorseOnlyWhereItIs) {
   const Project project = seed_project({Hertz{60}, Hertz{100}});
   const Design design = make_design(project);
   const TrackingStudy study = study_tracking(project, design, make_budget(project, design));
-  EXPECT_GT(study.find(TrackedStage::cascade)->rms_percent_without_lag[1],
-            study.find(TrackedStage::polynomial)->rms_percent_without_lag[1]);
+  EXPECT_GT(study.find(tracked::cascade)->rms_percent_without_lag[1],
+            study.find(tracked::polynomial)->rms_percent_without_lag[1]);
   EXPECT_TRUE(says(study, "worse than the constant polynomial at 60 and 100 Hz"));
   EXPECT_FALSE(says(study, "gains are known up to"));
   EXPECT_LT(study.max_cross_check_percent, 0.1);

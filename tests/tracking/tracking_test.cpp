@@ -62,7 +62,9 @@ TEST(Tracking, MagnitudeOnlyCompensationIsWorseThanNoneAsTheFactsSay) {
   const std::vector<Design> designs = {{"none", Uncompensated{}, Uncompensated{}, ""},
                                        {"constant", ConstantGain{}, ConstantGain{}, ""},
                                        {"ideal", cascade, cascade, ""}};
-  const auto report = track(plant, designs, at({100.0}));
+  auto options = at({100.0});
+  options.argument = Options::Argument::reference;
+  const auto report = track(plant, designs, options);
   EXPECT_NEAR(report.find(Hertz{100.0}, "constant")->rms_percent, 0.85, 0.01);
   // The 1.40 % are of the stroke, before the stage's answer widens its range.
   EXPECT_NEAR(report.find(Hertz{100.0}, "ideal")->waveform_rms_percent, 1.40, 0.01);
@@ -109,7 +111,7 @@ TEST(Tracking, EveryDesignAgreesWithTheHarmonicComputation) {
                                        {"constant", ConstantGain{}, ConstantGain{}, ""},
                                        {"ideal", ConstantGain{}, cascade, ""},
                                        {"sections", ConstantGain{}, *cascade.approximation, "ideal"}};
-  for (const auto reference : {Options::Reference::triangle, Options::Reference::sine}) {
+  for (const auto reference : {Reference::Shape::triangle, Reference::Shape::sine}) {
     for (const auto argument : {Options::Argument::reference, Options::Argument::drive}) {
       auto options = at({1, 20, 100, 5000});
       options.reference = reference;
@@ -131,9 +133,16 @@ TEST(Tracking, AnIdealPlantAndAnIdealCompensatorLeaveNothing) {
   Plant plant;
   plant.disturbance = seed_disturbance(false);
   plant.disturbance.rate = {};
-  const auto report = track(plant, {{"constant", ConstantGain{}, ConstantGain{}, ""}}, at({3.0}));
-  EXPECT_LT(report.cases[0].rms_percent, 1e-10);
-  EXPECT_NEAR(report.cases[0].lag_s, 0.0, 1e-9);
+  // By the formulas; a stage that reads its drive needs a generator that does so too.
+  auto options = at({3.0});
+  for (const auto argument : {Options::Argument::reference, Options::Argument::drive}) {
+    options.argument = argument;
+    const auto form =
+        argument == Options::Argument::drive ? GeneratorForm::self_fed() : GeneratorForm::one_pass();
+    const auto report = track(plant, {{"constant", ConstantGain{}, ConstantGain{}, "", form}}, options);
+    EXPECT_LT(report.cases[0].rms_percent, 1e-10);
+    EXPECT_NEAR(report.cases[0].lag_s, 0.0, 1e-9);
+  }
 }
 
 TEST(Tracking, ThePureDelayOfAPathIsFoundAndRemoved) {
@@ -142,7 +151,7 @@ TEST(Tracking, ThePureDelayOfAPathIsFoundAndRemoved) {
   plant.disturbance.ascending = plant.disturbance.descending = {0.0, 0.0, 0.0};
   plant.drive_path = lowpass_path(RadPerSecond{1.0 / 50e-6}.hz());
   auto options = at({10.0});
-  options.reference = Options::Reference::sine;
+  options.reference = Reference::Shape::sine;
   const auto report = track(plant, {{"none", Uncompensated{}, Uncompensated{}, ""}}, options);
   EXPECT_NEAR(report.cases[0].lag_s, 50e-6, 1e-9);
   // What is left is the lag's loss of amplitude, (w tau)^2/2 of 1/2.
@@ -190,7 +199,7 @@ TEST(Tracking, AGainScheduledOnFrequencyLeavesOnlyItsTablesError) {
   const ScheduledGain exact{plant.disturbance.rate.frequency, plant.disturbance.rate.descending};
   const ScheduledGain wrong{{Hertz{1}}, {1.0}};
   const auto report = track(plant,
-                            {{"scheduled", ConstantGain{}, exact, ""},
+                            {{"scheduled", ConstantGain{}, exact, "", GeneratorForm::self_fed()},
                              {"held", ConstantGain{}, wrong, ""},
                              {"constant", ConstantGain{}, ConstantGain{}, ""}},
                             options);

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/text.hpp"
 #include "project/run.hpp"
 #include "report/page.hpp"
@@ -46,11 +48,27 @@ std::string period_svg(const TrackingStudy& study) {
   error.x = {"time, s"};
   error.y = {"% of range"};
   for (std::size_t i = 0; i < study.shown.error_percent.size(); ++i) {
-    if (study.designs[i].stage == TrackedStage::none) continue;
+    if (study.designs[i].key == tracked::none) continue;
     error.series.push_back({study.designs[i].name, study.shown.time_s, study.shown.error_percent[i],
                             Series::Style::line, static_cast<int>(i)});
   }
   return report::stack_svg({reference, error});
+}
+
+report::Table elsewhere_table(const TrackingStudy& study) {
+  report::Table table;
+  table.head = {"stage", "reference", "amplitude", "model's own fit"};
+  for (const TrackedDesign& design : study.elsewhere.front().designs) table.head.push_back(design.name);
+  for (const TrackedElsewhere& one : study.elsewhere) {
+    const std::string fit =
+        one.fit_percent.empty()
+            ? std::string()
+            : fmt::format("{:.3f}", *std::max_element(one.fit_percent.begin(), one.fit_percent.end()));
+    table.rows.push_back({one.stage, std::string(to_string(one.waveform)), rounded_text(one.amplitude), fit});
+    for (const TrackedDesign& design : one.designs)
+      table.rows.back().push_back(fmt::format("{:.3f}", design.worst_without_lag_percent()));
+  }
+  return table;
 }
 
 }  // namespace
@@ -58,16 +76,23 @@ std::string period_svg(const TrackingStudy& study) {
 void tracking_chapter(report::Page& page, const ProjectRun& run) {
   page.chapter("Tracking");
   page.paragraph(fmt::format(
-      "A {} of full stroke ({} um) through disturbance generator, compensator, amplifier and stage, integrated by "
-      "CVODE until it repeats; rms error in percent of the range (eq. 8), as in the paper's Table II. The largest "
-      "difference from the exact periodic solution is {} % of range.",
-      to_string(run.project.track.waveform), rounded_text(run.project.plant.stroke_m * 1e6),
-      rounded_text(run.tracking.max_cross_check_percent, 2)));
+      "A {} of {} of the full stroke ({} um) through disturbance generator, compensator, amplifier and a stage that reads "
+      "its drive, y = v + K(f) d(v), integrated by CVODE until it repeats; rms error in percent of the range (eq. 8), as "
+      "in the paper's Table II. The largest difference from the harmonic computation is {} % of range.",
+      to_string(run.tracking.waveform), rounded_text(run.tracking.amplitude),
+      rounded_text(run.project.plant.stroke_m * 1e6), rounded_text(run.tracking.max_cross_check_percent, 2)));
   page.table(tracking_table(run.tracking), "rms tracking error, % of range");
   page.figure(report::to_svg(tracking_plot(run.tracking)),
               "The tracking error of every alternative over the frequency.");
   page.figure(period_svg(run.tracking),
               "The error without any compensation is left out: it would dwarf the others.");
+  if (run.tracking.elsewhere.empty()) return;
+  page.paragraph(
+      "A stage is not its polynomial: the same controllers on stages of other families that were identified from the "
+      "polynomials' loops, and along the other references. What a controller leaves there can be as good as the model's "
+      "own fit to the loops, not better.");
+  page.table(elsewhere_table(run.tracking),
+             "worst rms tracking error over the frequencies, % of range, pure delay removed");
 }
 
 }  // namespace bodesmith::project

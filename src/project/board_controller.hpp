@@ -1,0 +1,81 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/json_fwd.hpp"
+#include "base/units.hpp"
+#include "fpaa/controller.hpp"
+#include "signal/disturbance.hpp"
+#include "tracking/built_controller.hpp"
+#include "tracking/stage.hpp"
+
+namespace bodesmith::project {
+
+/// A controller on the FPAA board as a study sees it: the drive that the board makes, event by event, with
+/// the capacitors that the host has sent for the operating frequency (of its sets the nearest).
+class BoardController final : public tracking::BuiltController {
+ public:
+  BoardController(fpaa::ControllerVariant variant, Disturbance disturbance);
+
+  std::string key() const override;   ///< "controller_fpaa_lookup_loop"
+  std::string name() const override;  ///< "FPAA controller (lookup, loop)"
+  /// CAMs, and parts outside.
+  int part_count() const override;
+  tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override;
+  /// The same, and the CAMs that clipped on the way.
+  tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating,
+                                std::vector<std::string>& clipped) const;
+  const fpaa::ControllerVariant& variant() const { return variant_; }
+
+ private:
+  fpaa::ControllerVariant variant_;
+  Disturbance disturbance_;
+};
+
+/// One way of driving the stage, tracked at every frequency.
+struct BoardTrackingRow {
+  std::string key;
+  std::string name;
+  std::optional<std::size_t> variant;  ///< of the controller; absent: an ideal drive, for comparison
+  std::optional<std::string> why_not;  ///< it does not fit, or cannot work
+  std::vector<double> rms_percent;     ///< of the range, the best pure delay removed
+  std::vector<double> rms_percent_with_lag;
+  std::vector<double> max_percent;
+  std::vector<double> lag_s;
+  std::vector<std::string> clipped;  ///< CAMs that clip
+
+  /// Over the frequencies; infinite without any.
+  double worst_percent() const;
+};
+
+struct BoardTracking {
+  std::vector<Hertz> frequency;
+  std::vector<BoardTrackingRow>
+      rows;  ///< no compensation, constant polynomial, then the controller's variants
+  double compute_s = 0.0;
+
+  const BoardTrackingRow* find(std::string_view key) const;
+  Json to_json() const;
+  /// `frequency_hz` and a column `<key>_percent` a row that works.
+  std::string csv() const;
+  /// The table for a terminal or a page: head and rows of texts.
+  std::vector<std::string> head() const;
+  std::vector<std::vector<std::string>> table() const;
+};
+
+/// Every variant that fits, run at every frequency against the stage: y = v + K(f) d(v) and what stands
+/// before and behind it. The error is that of the whole displacement against the reference (disturbance
+/// paper, eq. 8).
+BoardTracking track_board(const fpaa::Controller& controller, const Disturbance& disturbance,
+                          const tracking::Stage& stage, const std::vector<Hertz>& frequencies,
+                          const tracking::Reference& reference = tracking::Reference());
+
+/// Takes the variant whose worst tracking error over the frequencies is least; ties (5 %) by fewer CAMs. Only
+/// variants that `polynomial` and `structure` allow.
+void choose_by_tracking(fpaa::Controller& controller, const BoardTracking& tracking,
+                        const fpaa::ControllerOptions& options);
+
+}  // namespace bodesmith::project

@@ -1,0 +1,24 @@
+#pragma once
+
+#include "project/project.hpp"
+#include "tracking/types.hpp"
+
+namespace bodesmith::project {
+
+/// The project's stage: amplifier in the drive path, damping compensator and resonance behind the disturbance.
+tracking::Plant tracking_plant(const Project& project);
+
+/// What is tracked: all frequencies, the first waveform at the largest amplitude.
+tracking::Options tracking_options(const Project& project);
+
+/// The compensator stands in the path of the branch that changes with frequency; the other one keeps its
+/// polynomial.
+tracking::Design compensated_design(const Project& project, std::string name,
+                                    tracking::Compensator compensator,
+                                    tracking::GeneratorForm form = tracking::GeneratorForm::one_pass());
+
+/// Largest rms error over the tracked frequencies, percent of range, the best pure delay removed; harmonic by
+/// harmonic. Infinite where the generator does not settle.
+double worst_tracked_percent(const Project& project, const tracking::Design& design);
+
+}  // namespace bodesmith::project

@@ -1,0 +1,199 @@
+#include "project/tracking_elsewhere.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "base/progress.hpp"
+#include "hysteresis/registry.hpp"
+#include "numeric/parallel_for.hpp"
+#include "project/tracked_plant.hpp"
+#include "tracking/model_stage.hpp"
+#include "tracking/track.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+using tracking::Reference;
+using tracking::Stage;
+
+/// What is followed elsewhere: one of each way of compensating.
+bool followed_elsewhere(const TrackedCandidate& candidate) {
+  for (const std::string_view key :
+       {tracked::none, tracked::polynomial, tracked::cascade, tracked::two_passes_scheduled,
+        tracked::self_fed, tracked::self_fed_sections, tracked::self_fed_scheduled, tracked::self_fed_slope})
+    if (candidate.key == key) return true;
+  return false;
+}
+
+void append(const tracking::TrackingError& error, TrackedDesign& to) {
+  to.rms_percent.push_back(error.rms_percent);
+  to.max_percent.push_back(error.max_percent);
+  to.rms_percent_without_lag.push_back(error.rms_percent_without_lag);
+  to.lag_s.push_back(error.lag_s);
+}
+
+/// One controller on one stage along one reference, all frequencies.
+TrackedDesign controller_on(const ControllerDrives& controller, const Stage& stage, Reference::Shape shape,
+                            double amplitude, const std::vector<Hertz>& frequencies) {
+  TrackedDesign out;
+  out.key = controller.controller->key();
+  out.name = controller.controller->name();
+  out.built = true;
+  out.parts = controller.controller->part_count();
+  for (const Hertz f : frequencies) {
+    const ControllerDrives::One& one = *controller.find(shape, amplitude, f);
+    const std::vector<double>& v = one.drive.v;
+    const double repeat = static_cast<double>(one.reference.periods()) / f.value;
+    const double repeats =
+        std::max(1.0, std::round(static_cast<double>(v.size()) * one.drive.step_s / repeat));
+    const auto samples = static_cast<std::size_t>(static_cast<double>(v.size()) / repeats);
+    append(tracking::tracking_error(stage.response(v, one.drive.step_s, f), one.reference.samples(samples),
+                                    repeat),
+           out);
+  }
+  return out;
+}
+
+/// One combination of stage and reference.
+struct Task {
+  std::string name;
+  std::shared_ptr<const Stage> stage;
+  const tracking::IdentifiedStage* identified = nullptr;
+  Reference::Shape waveform = Reference::Shape::triangle;
+  double amplitude = 1.0;
+};
+
+TrackedElsewhere followed(const Project& project, const Task& task,
+                          const std::vector<TrackedCandidate>& candidates,
+                          const std::vector<ControllerDrives>& controllers) {
+  TrackedElsewhere out{task.name, task.waveform, task.amplitude, {}, {}};
+  tracking::Plant plant = tracking_plant(project);
+  plant.stage = task.stage;
+  tracking::Options options = tracking_options(project);
+  options.reference = task.waveform;
+  options.alpha = task.amplitude;
+  options.time_domain = false;
+  options.harmonics = 2048;
+  std::vector<tracking::Design> designs;
+  for (const TrackedCandidate& candidate : candidates)
+    if (followed_elsewhere(candidate)) designs.push_back(candidate.design);
+  const tracking::Report report = tracking::track(plant, designs, options);
+  for (const TrackedCandidate& candidate : candidates) {
+    if (!followed_elsewhere(candidate)) continue;
+    TrackedDesign design;
+    design.key = candidate.key;
+    design.name = candidate.design.name;
+    for (const Hertz f : options.frequencies) {
+      const tracking::Case* found = report.find(f, design.name);
+      append({found->rms_percent, found->max_percent, 0.0, found->lag_s, found->rms_percent_without_lag},
+             design);
+    }
+    out.designs.push_back(std::move(design));
+  }
+  for (const ControllerDrives& controller : controllers)
+    out.designs.push_back(
+        controller_on(controller, *task.stage, task.waveform, task.amplitude, options.frequencies));
+  if (task.identified != nullptr) {
+    for (const Hertz f : options.frequencies)
+      out.fit_percent.push_back(task.identified->fit(f).full_stroke_percent);
+  }
+  return out;
+}
+
+std::vector<Task> all_tasks(const Project& project) {
+  const tracking::Plant plant = tracking_plant(project);
+  struct Family {
+    const char* name;
+    int size;
+  };
+  // 40 levels of a Preisach plane follow the loops as closely as the polynomials are known; the others' own sizes,
+  // Prandtl-Ishlinskii with dead zones, as the branches differ.
+  constexpr Family kFamilies[] = {{"preisach", 40}, {"prandtl_ishlinskii", 0}, {"bouc_wen", 0}};
+  std::vector<std::shared_ptr<const tracking::IdentifiedStage>> families;
+  for (const Family& family : kFamilies) {
+    tracking::IdentifiedStage::Options options;
+    options.identify.size = family.size;
+    options.identify.asymmetric = true;
+    families.push_back(std::make_shared<tracking::IdentifiedStage>(
+        hysteresis::model_type_registry().get(family.name), plant.disturbance, plant.paths(), options));
+  }
+  std::vector<Task> out;
+  for (const Reference::Shape waveform : project.track.waveforms) {
+    for (const double amplitude : project.track.amplitudes) {
+      const bool main = waveform == project.track.waveform() && amplitude == project.track.amplitude();
+      tracking::PolynomialStage::Options options;
+      options.alpha = amplitude;
+      if (!main) {
+        out.push_back({"polynomial",
+                       std::make_shared<tracking::PolynomialStage>(plant.disturbance, plant.paths(), options),
+                       nullptr, waveform, amplitude});
+        options.rule = tracking::PolynomialStage::Rule::nested;
+        out.push_back({"polynomial_nested",
+                       std::make_shared<tracking::PolynomialStage>(plant.disturbance, plant.paths(), options),
+                       nullptr, waveform, amplitude});
+      }
+      for (const auto& family : families)
+        out.push_back({family->name(), family, family.get(), waveform, amplitude});
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+const ControllerDrives::One* ControllerDrives::find(Reference::Shape shape, double amplitude,
+                                                    Hertz operating) const {
+  const auto found = std::find_if(drives.begin(), drives.end(), [&](const One& one) {
+    return one.reference.shape() == shape && one.reference.alpha() == amplitude && one.operating == operating;
+  });
+  return found == drives.end() ? nullptr : &*found;
+}
+
+std::vector<ControllerDrives> controller_drives(const Project& project, const BuiltControllers& controllers) {
+  std::vector<ControllerDrives> out;
+  std::vector<std::pair<std::size_t, std::size_t>> all;
+  for (const tracking::BuiltController* controller : controllers) {
+    ControllerDrives& drives = out.emplace_back();
+    drives.controller = controller;
+    for (const Reference::Shape waveform : project.track.waveforms) {
+      for (const double amplitude : project.track.amplitudes) {
+        for (const Hertz f : project.track.frequency) {
+          all.emplace_back(out.size() - 1, drives.drives.size());
+          drives.drives.push_back({Reference(waveform, amplitude), f, {}});
+        }
+      }
+    }
+  }
+  parallel_for(all.size(), thread_count(0), [&](std::size_t i) {
+    ControllerDrives& drives = out[all[i].first];
+    ControllerDrives::One& one = drives.drives[all[i].second];
+    one.drive = drives.controller->drive(one.reference, one.operating);
+  });
+  stop_if_interrupted();
+  return out;
+}
+
+void add_controllers(const Project& project, const std::vector<ControllerDrives>& controllers,
+                     TrackingStudy& study) {
+  const tracking::Plant plant = tracking_plant(project);
+  tracking::PolynomialStage::Options options;
+  options.alpha = study.amplitude;
+  const tracking::PolynomialStage stage(plant.disturbance, plant.paths(), options);
+  for (const ControllerDrives& controller : controllers)
+    study.designs.push_back(
+        controller_on(controller, stage, study.waveform, study.amplitude, study.frequency));
+}
+
+std::vector<TrackedElsewhere> tracked_elsewhere(const Project& project,
+                                                const std::vector<TrackedCandidate>& candidates,
+                                                const std::vector<ControllerDrives>& controllers) {
+  const std::vector<Task> tasks = all_tasks(project);
+  std::vector<TrackedElsewhere> out(tasks.size());
+  parallel_for(tasks.size(), thread_count(0),
+               [&](std::size_t i) { out[i] = followed(project, tasks[i], candidates, controllers); });
+  stop_if_interrupted();
+  return out;
+}
+
+}  // namespace bodesmith::project

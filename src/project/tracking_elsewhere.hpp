@@ -1,0 +1,39 @@
+#pragma once
+
+#include <vector>
+
+#include "project/tracked_designs.hpp"
+#include "project/tracking_study.hpp"
+
+namespace bodesmith::project {
+
+/// The drives that one built controller made: for every tracked frequency, waveform and amplitude that it was asked
+/// for.
+struct ControllerDrives {
+  const tracking::BuiltController* controller = nullptr;
+  struct One {
+    tracking::Reference reference;
+    Hertz operating;
+    tracking::DriveWaveform drive;
+  };
+  std::vector<One> drives;
+
+  const One* find(tracking::Reference::Shape shape, double amplitude, Hertz operating) const;
+};
+
+/// Every controller at every frequency, waveform and amplitude; several at a time.
+std::vector<ControllerDrives> controller_drives(const Project& project, const BuiltControllers& controllers);
+
+/// A column each, on the project's own stage.
+void add_controllers(const Project& project, const std::vector<ControllerDrives>& controllers,
+                     TrackingStudy& study);
+
+/// The project's other waveforms and amplitudes on its polynomials, by the branch's slope and with closed minor loops;
+/// and all of its references on stages of other families (Preisach, Prandtl-Ishlinskii, Bouc-Wen) identified from the
+/// same loops. A stage is not its polynomial: what is left there can be as good as the model's own fit, not better.
+/// Harmonic by harmonic, of the candidates only those that stand for a way of compensating.
+std::vector<TrackedElsewhere> tracked_elsewhere(const Project& project,
+                                                const std::vector<TrackedCandidate>& candidates,
+                                                const std::vector<ControllerDrives>& controllers);
+
+}  // namespace bodesmith::project

@@ -1,0 +1,151 @@
+#include "tracking/model_stage.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "simulate/simulate.hpp"
+
+namespace bodesmith::tracking {
+namespace {
+
+using Branch = Disturbance::Branch;
+
+/// Rounds until the output repeats, at most so many.
+constexpr int kMaxRounds = 40;
+
+/// The model through u, again and again until two rounds agree.
+std::vector<double> settled_output(const hysteresis::Identified& found, std::span<const double> u,
+                                   double step_s) {
+  const auto model = hysteresis::make_operator(found.model);
+  std::vector<double> y(u.size());
+  model->reset(found.input(u.front()));
+  for (int round = 0; round < kMaxRounds; ++round) {
+    double change = 0.0;
+    for (std::size_t i = 0; i < u.size(); ++i) {
+      const double next = found.output(model->step(found.input(u[i]), step_s));
+      change = std::max(change, std::abs(next - y[i]));
+      y[i] = next;
+    }
+    if (round > 0 && change < 1e-9) break;
+  }
+  return y;
+}
+
+double rms_percent_of_range(std::span<const double> got, std::span<const double> wanted) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < got.size(); ++i) sum += (got[i] - wanted[i]) * (got[i] - wanted[i]);
+  const auto [low, high] = std::minmax_element(wanted.begin(), wanted.end());
+  return 100.0 * std::sqrt(sum / static_cast<double>(got.size())) / (*high - *low);
+}
+
+/// Twice the area between the branches: above 0 where the descending one lies above the ascending one.
+double loop_area(const Disturbance& d) {
+  double sum = 0.0;
+  for (int i = 0; i <= 64; ++i) {
+    const double x = i / 64.0;
+    sum += d.value(Branch::descending, x) - d.value(Branch::ascending, x);
+  }
+  return sum;
+}
+
+std::vector<double> mirrored_at(const std::vector<double>& u, std::vector<double> y) {
+  for (std::size_t i = 0; i < y.size(); ++i) y[i] = 2.0 * u[i] - y[i];
+  return y;
+}
+
+}  // namespace
+
+IdentifiedStage::IdentifiedStage(const hysteresis::ModelType& type, Disturbance disturbance, StagePaths paths,
+                                 Options options)
+    : type_(type),
+      disturbance_(std::move(disturbance)),
+      paths_(std::move(paths)),
+      options_(std::move(options)),
+      mirrored_(loop_area(disturbance_) < 0.0) {}
+
+IdentifiedStage::IdentifiedStage(const hysteresis::ModelType& type, Disturbance disturbance, StagePaths paths)
+    : IdentifiedStage(type, std::move(disturbance), std::move(paths), Options{}) {}
+
+const std::string& IdentifiedStage::name() const {
+  return type_.name();
+}
+
+TimeRecord IdentifiedStage::loops(Hertz operating) const {
+  TimeRecord out;
+  out.file = "loops of the polynomial stage";
+  const auto samples = static_cast<double>(options_.samples);
+  out.step_s = 0.5 / (operating.value * samples);
+  out.u = {0.0};
+  // The first stroke twice: what happens before the loops have closed is not fitted.
+  std::vector<double> strokes = options_.strokes;
+  strokes.insert(strokes.begin(), strokes.front());
+  for (const double stroke : strokes) {
+    for (std::size_t i = 1; i <= options_.samples; ++i)
+      out.u.push_back(stroke * static_cast<double>(i) / samples);
+    for (std::size_t i = options_.samples; i-- > 0;)
+      out.u.push_back(stroke * static_cast<double>(i) / samples);
+  }
+  PolynomialStage::Options truth;
+  truth.rule = PolynomialStage::Rule::nested;
+  out.y = PolynomialStage(disturbance_, {}, truth).response(out.u, out.step_s, operating);
+  if (mirrored_) out.y = mirrored_at(out.u, std::move(out.y));
+  return out;
+}
+
+const IdentifiedStage::Found& IdentifiedStage::found(Hertz operating) const {
+  const std::pair<double, double> key = {disturbance_.rate_gain(Branch::ascending, operating),
+                                         disturbance_.rate_gain(Branch::descending, operating)};
+  const std::lock_guard<std::mutex> lock(mutex_);
+  const auto known = known_.find(key);
+  if (known != known_.end()) return known->second;
+  const TimeRecord record = loops(operating);
+  hysteresis::IdentifyOptions options = options_.identify;
+  const std::size_t stroke = 2 * options_.samples;
+  options.skip_s = static_cast<double>(stroke) * record.step_s;
+  Found out{type_.identify(std::span(&record, 1), options), {}};
+  const std::vector<double> y = settled_output(out.model, record.u, record.step_s);
+  const auto part = [&](const std::vector<double>& all, std::size_t from, std::size_t count) {
+    return std::span<const double>(all).subspan(from, count);
+  };
+  out.fit.full_stroke_percent = rms_percent_of_range(part(y, stroke, stroke), part(record.y, stroke, stroke));
+  out.fit.percent =
+      rms_percent_of_range(part(y, stroke, y.size() - stroke), part(record.y, stroke, y.size() - stroke));
+  return known_.emplace(key, std::move(out)).first->second;
+}
+
+IdentifiedStage::Fit IdentifiedStage::fit(Hertz operating) const {
+  return found(operating).fit;
+}
+
+std::vector<double> IdentifiedStage::response(std::span<const double> v, double step_s,
+                                              Hertz operating) const {
+  check_drive(v);
+  const std::vector<double> u = through_path(paths_.drive, v, step_s);
+  std::vector<double> q = settled_output(found(operating).model, u, step_s);
+  if (mirrored_) q = mirrored_at(u, std::move(q));
+  return through_path(paths_.mechanics, q, step_s);
+}
+
+ChainStage::ChainStage(std::string name, chain::Chain chain)
+    : name_(std::move(name)), chain_(std::move(chain)) {}
+
+std::vector<double> ChainStage::response(std::span<const double> v, double step_s, Hertz) const {
+  check_drive(v);
+  double slowest = 0.0;
+  for (const chain::Block& block : chain_.blocks) slowest += block.slowest_time_constant_s();
+  const double round_s = step_s * static_cast<double>(v.size());
+  const int rounds = 2 + static_cast<int>(std::min(1e3, std::ceil(20.0 * slowest / round_s)));
+  TimeRecord record;
+  record.file = name_;
+  record.step_s = step_s;
+  for (int i = 0; i < rounds; ++i) record.u.insert(record.u.end(), v.begin(), v.end());
+  simulate::Options options;
+  options.start = simulate::Start::equilibrium;
+  options.estimate_error = false;
+  std::vector<double> y = simulate::simulate(chain_, record, options).y;
+  y.erase(y.begin(), y.end() - static_cast<std::ptrdiff_t>(v.size()));
+  return y;
+}
+
+}  // namespace bodesmith::tracking

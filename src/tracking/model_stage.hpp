@@ -1,0 +1,75 @@
+#pragma once
+
+#include <map>
+#include <mutex>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "chain/chain.hpp"
+#include "hysteresis/identification.hpp"
+#include "signal/time_record.hpp"
+#include "tracking/stage.hpp"
+
+namespace bodesmith::tracking {
+
+/// A stage of another family: a hysteresis model (Preisach, Prandtl-Ishlinskii, Bouc-Wen, …) identified from the
+/// loops of a polynomial stage, full stroke and partial ones, at every operating frequency of its own, as the
+/// disturbance paper does with its Preisach model (section V-B). A stage is not its polynomial: what a controller
+/// made of the polynomial leaves here can be as good as the model's own fit, not better.
+///   u = D{v},   y = P{H[u]},  or P{2u - H[u]} where the loops run clockwise (as those of the printed polynomials
+/// do): these families' loops only run the other way, so they are identified from 2u - y.
+class IdentifiedStage final : public Stage {
+ public:
+  struct Options {
+    /// Turning points of the loops that are identified from: 0 … a and back for each of these.
+    std::vector<double> strokes = {1.0, 0.75, 0.5, 0.25};
+    std::size_t samples = 80;  ///< a half stroke
+    hysteresis::IdentifyOptions identify;
+  };
+
+  IdentifiedStage(const hysteresis::ModelType& type, Disturbance disturbance, StagePaths paths,
+                  Options options);
+  IdentifiedStage(const hysteresis::ModelType& type, Disturbance disturbance, StagePaths paths = {});
+
+  const std::string& name() const override;
+  std::vector<double> response(std::span<const double> v, double step_s, Hertz operating) const override;
+
+  /// How far the model is from the loops it was identified from at that frequency, percent of range (eq. 8), over
+  /// the full stroke, and over all of them.
+  struct Fit {
+    double full_stroke_percent = 0.0;
+    double percent = 0.0;
+  };
+  Fit fit(Hertz operating) const;
+
+ private:
+  struct Found {
+    hysteresis::Identified model;
+    Fit fit;
+  };
+  const Found& found(Hertz operating) const;
+  TimeRecord loops(Hertz operating) const;
+
+  const hysteresis::ModelType& type_;
+  Disturbance disturbance_;
+  StagePaths paths_;
+  Options options_;
+  bool mirrored_ = false;
+  mutable std::mutex mutex_;
+  mutable std::map<std::pair<double, double>, Found> known_;  ///< by the rate gains of both branches
+};
+
+/// Any chain of model.toml as a stage: simulated over as many rounds of the drive as its slowest block needs.
+class ChainStage final : public Stage {
+ public:
+  ChainStage(std::string name, chain::Chain chain);
+  const std::string& name() const override { return name_; }
+  std::vector<double> response(std::span<const double> v, double step_s, Hertz operating) const override;
+
+ private:
+  std::string name_;
+  chain::Chain chain_;
+};
+
+}  // namespace bodesmith::tracking

@@ -1,0 +1,182 @@
+#include "tracking/stage.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.hpp"
+#include "hysteresis/polynomial_disturbance.hpp"
+#include "numeric/fourier.hpp"
+#include "tracking/lag.hpp"
+
+namespace bodesmith::tracking {
+namespace {
+
+using Branch = Disturbance::Branch;
+
+/// Where a repeating signal turns; a maximum and a minimum by turns.
+struct TurningPoint {
+  std::size_t at = 0;
+  bool maximum = false;
+};
+
+/// The turning points of one round, from the global minimum on (index 0 of the rotated signal).
+std::vector<TurningPoint> turning_points(std::span<const double> u, std::size_t start, double turn_back) {
+  const std::size_t n = u.size();
+  std::vector<TurningPoint> out = {{start, false}};
+  std::size_t extreme = start;
+  bool rising = true;  // from the global minimum it can only rise
+  for (std::size_t i = 1; i < n; ++i) {
+    const std::size_t k = (start + i) % n;
+    const double ahead = rising ? u[k] - u[extreme] : u[extreme] - u[k];
+    if (ahead > 0.0) extreme = k;
+    if (-ahead > turn_back) {
+      out.push_back({extreme, rising});
+      rising = !rising;
+      extreme = k;
+    }
+  }
+  // The round ends falling to the minimum it began with; a last rise that is not over is none.
+  if (rising && out.size() > 1) out.pop_back();
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> Stage::displacement(std::span<const double> v, double step_s, Hertz operating) const {
+  const double exact = 1.0 / (operating.value * step_s);
+  const double periods = static_cast<double>(v.size()) / exact;
+  if (!(periods > 0.5) || std::abs(periods - std::round(periods)) > 1e-6 * periods) {
+    throw InputError(fmt::format("the drive lasts {} periods of {} Hz, expected a whole number", periods,
+                                 operating.value));
+  }
+  std::vector<double> y = response(v, step_s, operating);
+  const auto last = static_cast<std::size_t>(std::llround(exact));
+  y.erase(y.begin(), y.end() - static_cast<std::ptrdiff_t>(std::min(last, y.size())));
+  return y;
+}
+
+void check_drive(std::span<const double> v) {
+  if (v.empty()) throw InputError("the drive has no samples");
+  if (!std::all_of(v.begin(), v.end(), [](double value) { return std::isfinite(value); }))
+    throw InputError("the drive has a sample that is no number");
+}
+
+PolynomialStage::PolynomialStage(Disturbance disturbance, StagePaths paths)
+    : PolynomialStage(std::move(disturbance), std::move(paths), Options{}) {}
+
+PolynomialStage::PolynomialStage(Disturbance disturbance, StagePaths paths, Options options)
+    : disturbance_(std::move(disturbance)), paths_(std::move(paths)), options_(options) {
+  if (!(options_.alpha > 0.0)) throw InputError("the amplitude alpha of the stage is not above 0");
+}
+
+std::vector<double> PolynomialStage::response(std::span<const double> v, double step_s,
+                                              Hertz operating) const {
+  check_drive(v);
+  const std::vector<double> u = through_path(paths_.drive, v, step_s);
+  const std::vector<double> q =
+      options_.rule == Rule::nested ? by_turning_points(u, operating) : by_slope(u, operating);
+  return through_path(paths_.mechanics, q, step_s);
+}
+
+std::vector<double> PolynomialStage::by_slope(const std::vector<double>& u, Hertz operating) const {
+  const double alpha = options_.alpha;
+  double gain[2];
+  for (const Branch branch : {Branch::ascending, Branch::descending}) {
+    gain[branch == Branch::ascending ? 0 : 1] =
+        disturbance_.rate_gain(branch, operating) * stroke_gain(disturbance_, branch, alpha);
+  }
+  const std::vector<bool> rising = rising_samples(u, options_.turn_back * alpha);
+  std::vector<double> q(u.size());
+  for (std::size_t i = 0; i < u.size(); ++i) {
+    const Branch branch = rising[i] ? Branch::ascending : Branch::descending;
+    q[i] = u[i] + gain[rising[i] ? 0 : 1] * disturbance_.value(branch, u[i] / alpha);
+  }
+  return q;
+}
+
+std::vector<double> PolynomialStage::by_turning_points(const std::vector<double>& u, Hertz operating) const {
+  hysteresis::PolynomialDisturbance model;
+  model.ascending.polynomial = disturbance_.ascending;
+  model.descending.polynomial = disturbance_.descending;
+  model.nested = true;
+  model.alpha = disturbance_.amplitude.alpha;
+  model.alpha_1 = disturbance_.amplitude.ascending;
+  model.alpha_2 = disturbance_.amplitude.descending;
+  model.rate_gain_ascending = disturbance_.rate_gain(Branch::ascending, operating);
+  model.rate_gain_descending = disturbance_.rate_gain(Branch::descending, operating);
+  hysteresis::PolynomialOperator stage(std::move(model));
+  std::vector<double> q(u.size());
+  stage.reset(u[0]);
+  // Turning points repeat after one round: the second one is settled.
+  for (int round = 0; round < 2; ++round) {
+    for (std::size_t i = 0; i < u.size(); ++i) q[i] = stage.step(u[i], 0.0);
+  }
+  return q;
+}
+
+double stroke_gain(const Disturbance& disturbance, Disturbance::Branch branch, double alpha) {
+  return disturbance.amplitude.alpha.empty() ? alpha : disturbance.amplitude_gain(branch, alpha);
+}
+
+std::vector<double> through_path(const Sections& path, std::span<const double> u, double step_s) {
+  if (path.sections.empty() && path.gain == 1.0) return {u.begin(), u.end()};
+  const std::size_t n = u.size();
+  std::vector<std::complex<double>> bins = half_spectrum(u);
+  for (std::size_t k = 0; k < bins.size(); ++k) {
+    const double w = 2.0 * std::numbers::pi * static_cast<double>(k) / (static_cast<double>(n) * step_s);
+    const std::complex<double> h = path.response(RadPerSecond{w});
+    bins[k] *= k == 0 || 2 * k == n ? std::complex<double>(h.real()) : h;
+  }
+  return from_half_spectrum(bins, n);
+}
+
+std::vector<bool> rising_samples(std::span<const double> u, double turn_back) {
+  const std::size_t n = u.size();
+  const auto start = static_cast<std::size_t>(std::min_element(u.begin(), u.end()) - u.begin());
+  const std::vector<TurningPoint> turns = turning_points(u, start, turn_back);
+  std::vector<bool> out(n, true);
+  if (turns.size() == 1) return out;  // it never turns
+  for (std::size_t t = 0; t < turns.size(); ++t) {
+    const std::size_t end = t + 1 < turns.size() ? turns[t + 1].at : start;
+    const bool up = !turns[t].maximum;
+    // Where the drive jumps from branch to branch, the turning sample belongs to the side that it is close to.
+    const std::size_t at = turns[t].at;
+    const double before = std::abs(u[at] - u[(at + n - 1) % n]);
+    const double behind = std::abs(u[(at + 1) % n] - u[at]);
+    out[at] = behind > before ? !up : up;
+    for (std::size_t k = (at + 1) % n; k != end; k = (k + 1) % n) out[k] = up;
+  }
+  return out;
+}
+
+TrackingError tracking_error(std::span<const double> y, std::span<const double> x, double period_s) {
+  if (x.empty() || y.empty() || y.size() % x.size() != 0) {
+    throw InputError(fmt::format(
+        "a displacement of {} samples over a reference of {}, expected whole periods", y.size(), x.size()));
+  }
+  const auto [low, high] = std::minmax_element(y.begin(), y.end());
+  TrackingError out;
+  out.range = *high - *low;
+  if (!(out.range > 0.0)) throw InputError("the stage does not move");
+  std::vector<double> wanted;
+  double sum = 0.0;
+  double max = 0.0;
+  for (std::size_t i = 0; i < y.size(); ++i) {
+    wanted.push_back(x[i % x.size()]);
+    const double e = y[i] - wanted.back();
+    sum += e * e;
+    max = std::max(max, std::abs(e));
+  }
+  out.rms_percent = 100.0 * std::sqrt(sum / static_cast<double>(y.size())) / out.range;
+  out.max_percent = 100.0 * max / out.range;
+  const auto periods = static_cast<double>(y.size() / x.size());
+  const LagResult lag = best_lag({y.begin(), y.end()}, wanted, periods * period_s);
+  out.lag_s = lag.lag_s;
+  out.rms_percent_without_lag = 100.0 * lag.rms / out.range;
+  return out;
+}
+
+}  // namespace bodesmith::tracking

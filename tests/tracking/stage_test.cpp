@@ -1,0 +1,141 @@
+// The stage that reads its drive, against the figures worked out apart from the program (facts/tracking).
+#include "tracking/stage.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <numbers>
+
+#include "base/error.hpp"
+#include "hysteresis/registry.hpp"
+#include "tracking/model_stage.hpp"
+#include "tracking/reference.hpp"
+
+namespace bodesmith::tracking {
+namespace {
+
+using Shape = Reference::Shape;
+
+constexpr std::size_t kN = 8192;
+
+Disturbance printed_disturbance() {
+  Disturbance d;
+  d.ascending = {0.3546, -0.6433, 0.2887};
+  d.descending = {-0.2398, 0.0838, 0.156};
+  return d;
+}
+
+std::vector<double> full_triangle(std::size_t n = kN) {
+  std::vector<double> x(n);
+  for (std::size_t i = 0; i < n; ++i) {
+    const double theta = static_cast<double>(i) / static_cast<double>(n);
+    x[i] = theta < 0.5 ? 2.0 * theta : 2.0 - 2.0 * theta;
+  }
+  return x;
+}
+
+/// v = r - d(v) from v = r, so many times; branch by the slope of r.
+std::vector<double> passes(int count) {
+  const Disturbance d = printed_disturbance();
+  const std::vector<double> r = full_triangle();
+  std::vector<double> v = r;
+  for (int k = 0; k < count; ++k) {
+    for (std::size_t i = 0; i < kN; ++i) {
+      const auto branch = i < kN / 2 ? Disturbance::Branch::ascending : Disturbance::Branch::descending;
+      v[i] = r[i] - d.value(branch, v[i]);
+    }
+  }
+  return v;
+}
+
+double left_over(const Stage& stage, const std::vector<double>& v) {
+  const double step = 1.0 / static_cast<double>(v.size());
+  return tracking_error(stage.displacement(v, step, Hertz{1}), full_triangle(v.size()), 1.0).rms_percent;
+}
+
+TEST(Stage, WhatIsLeftIsWhatTheFactsSay) {
+  const PolynomialStage stage(printed_disturbance());
+  EXPECT_NEAR(left_over(stage, passes(0)), 4.98, 0.01);
+  EXPECT_NEAR(left_over(stage, passes(1)), 0.616, 0.001);
+  EXPECT_NEAR(left_over(stage, passes(2)), 0.131, 0.001);
+  EXPECT_NEAR(left_over(stage, passes(3)), 0.034, 0.001);
+  EXPECT_LT(left_over(stage, passes(60)), 1e-10);
+}
+
+TEST(Stage, NestedLoopsAreTheSameOnTheFullStroke) {
+  PolynomialStage::Options options;
+  options.rule = PolynomialStage::Rule::nested;
+  const PolynomialStage nested(printed_disturbance(), {}, options);
+  EXPECT_NEAR(left_over(nested, passes(1)), 0.616, 0.002);
+  EXPECT_LT(left_over(nested, passes(60)), 1e-3);
+}
+
+TEST(Stage, SmallReversalsOfTheDriveTurnNoBranch) {
+  const PolynomialStage stage(printed_disturbance());
+  std::vector<double> v = passes(60);
+  for (std::size_t i = 0; i < kN; ++i) v[i] += 1e-3 * std::cos(0.7 * static_cast<double>(i));
+  EXPECT_LT(left_over(stage, v), 0.12);
+  EXPECT_GT(left_over(stage, v), 0.05);
+}
+
+TEST(Stage, SeveralPeriodsGiveTheLastOne) {
+  const PolynomialStage stage(printed_disturbance());
+  const std::vector<double> one = passes(1);
+  std::vector<double> three;
+  for (int i = 0; i < 3; ++i) three.insert(three.end(), one.begin(), one.end());
+  const double step = 0.1 / kN;
+  const std::vector<double> y = stage.displacement(three, step, Hertz{10});
+  EXPECT_EQ(y.size(), kN);
+  EXPECT_EQ(y, stage.displacement(one, step, Hertz{10}));
+  EXPECT_THROW(stage.displacement(std::span(one).subspan(5), step, Hertz{10}), InputError);
+  EXPECT_THROW(stage.displacement(std::vector<double>(kN, NAN), step, Hertz{10}), InputError);
+}
+
+TEST(Stage, TheLagOfItsPathsIsFoundAndRemoved) {
+  // A second-order path far above the reference is a delay 2 zeta/w.
+  StagePaths paths;
+  paths.mechanics.sections = {Section{1e10, {}, {{-5e4, 8.660254e4}, {-5e4, -8.660254e4}}}};
+  const PolynomialStage stage(printed_disturbance(), paths);
+  const std::vector<double> y = stage.displacement(passes(60), 0.01 / kN, Hertz{100});
+  const TrackingError error = tracking_error(y, full_triangle(), 0.01);
+  EXPECT_NEAR(error.lag_s, 1e-5, 5e-8);
+  EXPECT_NEAR(error.rms_percent, 100.0 * 2.0 * 100.0 * 1e-5, 0.01);
+  EXPECT_LT(error.rms_percent_without_lag, 0.02);
+}
+
+TEST(Reference, TurnsWhereItSays) {
+  for (const Shape shape : {Shape::triangle, Shape::sine, Shape::two_tone, Shape::decaying_triangle}) {
+    const Reference r(shape, 0.5);
+    double low = 1.0;
+    double high = 0.0;
+    for (std::size_t i = 0; i < 4000; ++i) {
+      const double theta = (static_cast<double>(i) + 0.5) / 4000.0;
+      const std::size_t piece = r.piece(theta);
+      const double slope = (r.value(theta + 1e-7) - r.value(theta - 1e-7)) / 2e-7;
+      EXPECT_NEAR(slope, r.slope(theta, piece), 1e-5) << to_string(shape);
+      EXPECT_EQ(slope > 0.0, Reference::rises(piece)) << to_string(shape) << theta;
+      low = std::min(low, r.value(theta));
+      high = std::max(high, r.value(theta));
+    }
+    EXPECT_NEAR(low, 0.0, 1e-3) << to_string(shape);
+    EXPECT_NEAR(high, 0.5, 1e-3) << to_string(shape);
+    EXPECT_EQ(r.value(0.0), 0.0);
+  }
+}
+
+TEST(Stage, AnotherFamilyTracksAsWellAsItFits) {
+  for (const char* family : {"preisach", "prandtl_ishlinskii", "bouc_wen"}) {
+    IdentifiedStage::Options options;
+    options.samples = 40;
+    options.identify.size = 20;
+    const IdentifiedStage stage(hysteresis::model_type_registry().get(family), printed_disturbance(), {},
+                                options);
+    const double fit = stage.fit(Hertz{1}).full_stroke_percent;
+    EXPECT_NEAR(left_over(stage, passes(60)), fit, 0.5 * fit + 0.05) << family;
+    EXPECT_GT(left_over(stage, passes(0)), 4.0) << family;
+  }
+}
+
+}  // namespace
+}  // namespace bodesmith::tracking

@@ -10,6 +10,8 @@ std::string to_string(Verdict verdict) {
       return "partly_explained";
     case Verdict::nothing_missing:
       return "nothing_missing";
+    case Verdict::interrupted:
+      return "interrupted";
     case Verdict::unexplained:
       break;
   }
@@ -17,6 +19,7 @@ std::string to_string(Verdict verdict) {
 }
 
 Verdict verdict_of(const SearchResult& result, double train_rms, double enough) {
+  if (result.stopped) return Verdict::interrupted;
   const bool above_floor =
       result.floor.source == NoiseFloor::Source::periods && train_rms > enough * result.floor.rms;
   const bool left = above_floor || !result.structure.empty();

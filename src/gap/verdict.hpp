@@ -6,9 +6,15 @@
 
 namespace bodesmith::gap {
 
-enum class Verdict { explained, partly_explained, nothing_missing, unexplained };
+enum class Verdict {
+  explained,
+  partly_explained,
+  nothing_missing,
+  unexplained,
+  interrupted,  ///< the search was stopped before its end: what it found so far, and no judgement
+};
 
-/// "explained", "partly_explained", "nothing_missing" or "unexplained", as in diagnosis.json.
+/// "explained", "partly_explained", "nothing_missing", "unexplained" or "interrupted", as in diagnosis.json.
 std::string to_string(Verdict verdict);
 
 /// What a search's outcome amounts to. With a floor from periods, what is left counts as something missing

@@ -19,6 +19,8 @@ std::string sentence(Verdict verdict) {
       return "Part of what was missing has been found, and more is left that the catalogue does not explain.";
     case Verdict::nothing_missing:
       return "Nothing is missing that these records can show: what the model leaves is noise.";
+    case Verdict::interrupted:
+      return "The search was stopped before its end: this is what it had found, and no judgement.";
     case Verdict::unexplained:
       break;
   }

@@ -20,7 +20,12 @@ endfunction()
 # Files of a room share what they instantiate (Eigen, JSON, formatting) when they are compiled together. Names in anonymous
 # namespaces are therefore unique within a room.
 function(bodesmith_unity target batch)
-  set_target_properties(${target} PROPERTIES UNITY_BUILD ${BODESMITH_UNITY} UNITY_BUILD_BATCH_SIZE ${batch})
+  string(REGEX REPLACE "^bodesmith_" "" name ${target})
+  set(unity ${BODESMITH_UNITY})
+  if(name IN_LIST BODESMITH_SINGLE)
+    set(unity OFF)
+  endif()
+  set_target_properties(${target} PROPERTIES UNITY_BUILD ${unity} UNITY_BUILD_BATCH_SIZE ${batch})
 endfunction()
 
 function(bodesmith_room name)

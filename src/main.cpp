@@ -1,15 +1,20 @@
 #include <fmt/format.h>
 
+#include <cerrno>
 #include <clocale>
 #include <cstdio>
+#include <cstring>
 #include <exception>
 #include <new>
 #include <string>
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/files.hpp"
 #include "base/progress.hpp"
+#include "base/temporary.hpp"
 #include "base/version.hpp"
+#include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 
 namespace {
@@ -30,7 +35,7 @@ int run(const std::vector<std::string>& arguments) {
   using namespace bodesmith;
   if (arguments.empty()) {
     print_help();
-    return cli::kBadInput;
+    throw InputError("no subcommand given, expected one of those above");
   }
   if (arguments[0] == "--help" || arguments[0] == "-h" || arguments[0] == "help") {
     print_help();
@@ -52,14 +57,21 @@ int run(const std::vector<std::string>& arguments) {
 int main(int argc, char** argv) {
   std::setlocale(LC_ALL, "C");
   bodesmith::catch_interrupts();
+  bodesmith::catch_endings();
+  bodesmith::protect_inputs();
   try {
-    return run({argv + 1, argv + argc});
+    const int status = run({argv + 1, argv + argc});
+    bodesmith::cli::show_notes();
+    // What went to a full disk or a closed pipe is no result.
+    if (std::fflush(stdout) != 0 || std::ferror(stdout) != 0)
+      throw bodesmith::InputError(std::string("the summary cannot be written: ") + std::strerror(errno));
+    return status;
   } catch (const bodesmith::InputError& error) {
     fmt::print(stderr, "bodesmith: {}\n", error.what());
     return bodesmith::cli::kBadInput;
   } catch (const bodesmith::Interrupted&) {
     fmt::print(stderr, "bodesmith: interrupted\n");
-    return 130;
+    return bodesmith::cli::kInterrupted;
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "bodesmith: out of memory\n");
     return bodesmith::cli::kBadInput;

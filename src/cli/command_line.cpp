@@ -5,6 +5,7 @@
 #include <cmath>
 #include <iostream>
 #include <sstream>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/json.hpp"
@@ -21,6 +22,11 @@ std::string join_alternatives(std::vector<std::string> words) {
   const std::string last = words.back();
   words.pop_back();
   return words.empty() ? last : join(words, ", ") + " or " + last;
+}
+
+std::vector<std::string>& waiting_notes() {
+  static std::vector<std::string> notes;
+  return notes;
 }
 
 }  // namespace
@@ -139,6 +145,7 @@ void CommandLine::fail_choice(const std::string& option, const std::string& give
 }
 
 void print_summary(const CommandLine& line, const std::string& text, const Json& json) {
+  show_notes();
   if (line.json()) {
     fmt::print("{}", to_text(json));
   } else {
@@ -147,7 +154,12 @@ void print_summary(const CommandLine& line, const std::string& text, const Json&
 }
 
 void note(const std::string& text) {
-  fmt::print(stderr, "bodesmith: {}\n", text);
+  waiting_notes().push_back(text);
+}
+
+void show_notes() {
+  for (const std::string& text : std::exchange(waiting_notes(), {}))
+    fmt::print(stderr, "bodesmith: {}\n", text);
 }
 
 void warn_each(const std::vector<std::string>& warnings) {

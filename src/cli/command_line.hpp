@@ -114,8 +114,11 @@ class CommandLine {
 
 /// Prints either the text or, with --json, the JSON object (which should carry "schema" and "timing_s").
 void print_summary(const CommandLine& line, const std::string& text, const Json& json);
-/// A note or warning for a person: one line on stderr.
+/// A note or warning for a person: one line on stderr, once the command has done its work. A command that fails says
+/// one line only, its error.
 void note(const std::string& text);
+/// The notes so far, and none of them again.
+void show_notes();
 void warn_each(const std::vector<std::string>& warnings);
 
 /// A JSON document with header, `body` and the time of the work itself.

@@ -3,11 +3,13 @@
 /// The subcommands in the order of `bodesmith --help`: one line each. run_NAME stands in NAME_command.cpp.
 #define BODESMITH_COMMANDS(COMMAND)                                            \
   COMMAND(run, "a project file to checked hardware and a report")              \
+  COMMAND(design, "standard filters and equalisers to sections")               \
   COMMAND(fit, "Bode points to a fractional cascade, or directly to sections") \
   COMMAND(approximate, "a fractional cascade to integer pole-zero sections")   \
   COMMAND(fpaa, "sections to FPAA filter blocks on a board")                   \
   COMMAND(spice, "sections to op-amp circuits, netlists and parts")            \
   COMMAND(layout, "a disturbance generator to multipliers and a switch")       \
+  COMMAND(controller, "a whole analog controller as one checked circuit")      \
   COMMAND(bode, "frequency responses of any of these files in one table")      \
   COMMAND(simulate, "a model's output for an input record")                    \
   COMMAND(identify, "measured records to a model")                             \

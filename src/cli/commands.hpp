@@ -11,6 +11,7 @@ enum ExitStatus : int {
   kLimitMissed = 1,  ///< done, but a limit that the user asked for is not met
   kBadInput = 2,
   kBug = 3,
+  kInterrupted = 130,  ///< stopped by the user; what there was until then is kept
 };
 
 struct Command {

@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 
@@ -9,18 +11,23 @@
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
+#include "chain/model_file.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "identify/compensation.hpp"
-#include "identify/error_figures.hpp"
+#include "invert/compensation.hpp"
+#include "invert/settled.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
+#include "signal/error_figures.hpp"
+#include "simulate/simulate.hpp"
 
 namespace bodesmith::cli {
 
 namespace {
 
-std::string drive_csv(const TimeRecord& reference, const identify::Compensation& drive) {
+using invert::Compensation;
+
+std::string drive_csv(const TimeRecord& reference, const Compensation& drive) {
   CsvWriter csv;
   std::vector<double> time(reference.size());
   for (std::size_t i = 0; i < time.size(); ++i) time[i] = reference.time_s(i);
@@ -30,12 +37,133 @@ std::string drive_csv(const TimeRecord& reference, const identify::Compensation&
   return csv.text();
 }
 
-std::string error_text(const identify::ErrorFigures& error) {
-  return fmt::format(
-      "predicted tracking error: rms {} ({} % of range), max {} ({} %)\n"
-      "(with a perfect model; add the model's own error against the stage)\n",
+Json figures_json(const ErrorFigures& error) {
+  return {{"rms", error.rms},
+          {"max", error.max},
+          {"rms_percent_of_range", error.rms_percent},
+          {"max_percent_of_range", error.max_percent}};
+}
+
+invert::Options read_compensate_options(const CommandLine& line) {
+  invert::Options options;
+  options.preview = !line.has("no-preview");
+  options.start = line.choice("start", {simulate::Start::equilibrium, simulate::Start::zero});
+  options.limits.lower = line.maybe<double>("lower");
+  options.limits.upper = line.maybe<double>("upper");
+  for (const auto& [name, limit] :
+       {std::pair{"lower", options.limits.lower}, {"upper", options.limits.upper}}) {
+    if (limit && !std::isfinite(*limit))
+      line.fail(fmt::format("--{} is {}, expected a number", name, *limit));
+  }
+  if (options.limits.lower && options.limits.upper && !(*options.limits.lower < *options.limits.upper))
+    line.fail("--lower is not below --upper");
+  options.limits.max_rate_per_s = line.maybe_positive("max-rate");
+  if (const auto bandwidth = line.maybe_positive("bandwidth-hz")) options.bandwidth = Hertz{*bandwidth};
+  return options;
+}
+
+/// Everything that is said of a drive.
+struct DriveStatement {
+  const chain::Chain& model;
+  const TimeRecord& reference;
+  const invert::Options& options;
+  const Compensation& found;
+  invert::Settled settled;
+  ErrorFigures error;  ///< settled part
+  ErrorFigures whole;
+  SignalExtent drive;
+
+  /// With what the model missed on its records, which is independent of what the inverse misses on the model.
+  std::optional<double> expected_rms() const {
+    if (!model.trained) return std::nullopt;
+    return std::hypot(error.rms, model.trained->rms());
+  }
+  Json json() const;
+  std::string text() const;
+  void warn() const;
+};
+
+Json DriveStatement::json() const {
+  Json out;
+  out["samples"] = reference.size();
+  out["start"] = std::string(simulate::to_string(options.start));
+  out["out_of_reach"] = found.samples_out_of_reach;
+  out["out_of_reach_parts"] = Json::array();
+  for (const invert::OutOfReach& one : found.out_of_reach)
+    out["out_of_reach_parts"].push_back(
+        {{"why", one.why}, {"samples", one.samples}, {"from_s", one.from_s}, {"to_s", one.to_s}});
+  out["delay_s"] = found.delay_s;
+  out["steps"] = found.steps;
+  out["without_inverse"] = found.without_inverse;
+  out["percent_of_range"] = kPercentOfRange;
+  out["predicted_error"] = figures_json(error);
+  out["predicted_error"]["from_s"] = reference.time_s(settled.first);
+  out["predicted_error"]["counted"] = settled.why;
+  out["predicted_error"]["what"] = "the inverse's, on the model";
+  out["predicted_error_whole"] = figures_json(whole);
+  if (found.error_estimate) out["simulation_error_estimate"] = *found.error_estimate;
+  if (const auto rms = expected_rms()) {
+    out["expected_error"] = {{"rms", *rms}, {"model_rms", model.trained->rms()}};
+    if (error.range > 0.0) out["expected_error"]["rms_percent_of_range"] = 100.0 * *rms / error.range;
+    out["expected_error"]["what"] = model.trained->holdout_rms
+                                        ? "tracking, with what the model missed on held-out records"
+                                        : "tracking, with what the model missed on its training records";
+  }
+  out["drive"] = {{"lower", drive.lower},
+                  {"upper", drive.upper},
+                  {"max_rate_per_s", drive.max_rate_per_s},
+                  {"to_hz", drive.to_hz}};
+  return out;
+}
+
+std::string DriveStatement::text() const {
+  std::string out = fmt::format(
+      "the inverse's error on the model: rms {} ({} % of range), max {} ({} %)\n"
+      "  ({}, from {} s; over the whole record rms {}; as simulate --start {} finds it)\n",
       rounded_text(error.rms), rounded_text(error.rms_percent, 3), rounded_text(error.max),
-      rounded_text(error.max_percent, 3));
+      rounded_text(error.max_percent, 3), settled.why, rounded_text(reference.time_s(settled.first)),
+      rounded_text(whole.rms), simulate::to_string(options.start));
+  if (const auto rms = expected_rms()) {
+    out += fmt::format(
+        "expected tracking error: rms {}{}, with the {} that the model missed on {} records\n",
+        rounded_text(*rms),
+        error.range > 0.0 ? fmt::format(" ({} % of range)", rounded_text(100.0 * *rms / error.range, 3)) : "",
+        rounded_text(model.trained->rms()), model.trained->holdout_rms ? "held-out" : "its training");
+  } else {
+    out += "expected tracking error: not known, the model does not say what it missed on a record\n";
+  }
+  out += fmt::format("drive from {} to {}, by up to {} a second; percentages {}\n", rounded_text(drive.lower),
+                     rounded_text(drive.upper), rounded_text(drive.max_rate_per_s), kPercentOfRange);
+  return out;
+}
+
+void DriveStatement::warn() const {
+  for (const invert::OutOfReach& one : found.out_of_reach)
+    note(fmt::format("warning: {} of {} samples ask for more than the model can reach: {} ({} s to {} s)",
+                     one.samples, reference.size(), one.why, rounded_text(one.from_s),
+                     rounded_text(one.to_s)));
+  if (!model.trained) return;
+  const auto [low, high] = std::minmax_element(reference.u.begin(), reference.u.end());
+  for (const std::string& text : model.trained->beyond(drive, *low, *high))
+    note("warning: beyond what the model was fitted to: " + text);
+}
+
+void describe_compensate(CommandLine& line) {
+  line.option<std::string>("reference", "required output, CSV time_s,r");
+  line.flag("no-preview", "do not look ahead by the model's delays (the output then lags by them)");
+  line.option<std::string>(
+      "start", "the model before the first sample: equilibrium (at rest under it) or zero", "equilibrium");
+  line.option<double>("lower", "lowest drive");
+  line.option<double>("upper", "highest drive");
+  line.option<double>("max-rate", "fastest change of the drive a second");
+  line.option<double>("bandwidth-hz",
+                      "the drive holds nothing above it (but for what the limits make of it)");
+  line.option<double>("skip-s",
+                      "seconds at the start that the stated error does not count (default: all but the last "
+                      "period of a reference that repeats, otherwise the start alone)");
+  line.option<double>("max-error-percent", "exit with 1 when the predicted RMS error is larger");
+  line.positional("MODEL.toml", 1, 1);
+  line.output("file for the drive: CSV time_s,r,u");
 }
 
 }  // namespace
@@ -43,45 +171,45 @@ std::string error_text(const identify::ErrorFigures& error) {
 int run_compensate(const std::vector<std::string>& arguments) {
   CommandLine line(
       "compensate", "bodesmith compensate model.toml --reference r.csv -o drive.csv",
-      "The drive that makes the model follow a required trajectory (time_s,r), by the model's inverse, and\n"
-      "the tracking error that is left. Blocks: gain, delay and at most one hysteresis model.");
-  line.option<std::string>("reference", "required output, CSV time_s,r");
-  line.flag("no-preview", "do not look ahead by the model's delay (a causal drive lags by it)");
-  line.option<double>("max-error-percent", "exit with 1 when the predicted RMS error is larger");
-  line.positional("MODEL.toml", 1, 1);
-  line.output("file for the drive: CSV time_s,r,u");
+      "The drive that makes the model follow a required trajectory (time_s,r), and the tracking\n"
+      "error that is left: block by block where blocks have inverses, the rest numerically on\n"
+      "the model's own simulation, within limits of the drive.");
+  describe_compensate(line);
   if (!line.parse(arguments)) return kDone;
   if (!line.has("reference")) line.fail("--reference is missing, expected a CSV with time_s,r");
   const std::optional<double> limit = line.maybe_positive("max-error-percent");
+  const invert::Options options = read_compensate_options(line);
 
   Provenance from;
-  const identify::StageModel stage = identify::StageModel::read(line.files().front(), from);
+  const chain::Chain model = chain::read_model(line.files().front(), from);
+  if (model.blocks.empty()) throw InputError(line.files().front(), 0, "has no block, expected at least one");
   const TimeRecord reference =
       TimeRecord::read_csv_column(line.get<std::string>("reference"), from, column::reference);
 
   const Stopwatch watch;
-  const identify::Compensation drive =
-      identify::compensate(stage, reference.u, reference.step_s, !line.has("no-preview"));
+  const Compensation found = invert::compensate(model, reference, options);
   const double seconds = watch.seconds();
-  const identify::ErrorFigures error = identify::error_figures(drive.predicted, reference.u);
+  const invert::Settled settled = settled_part(model, reference, options, line.maybe<double>("skip-s"));
+  TimeRecord driven = invert::as_read_back(reference);
+  driven.u = found.drive;
+  const DriveStatement statement{model,
+                                 reference,
+                                 options,
+                                 found,
+                                 settled,
+                                 error_figures(found.predicted, reference.u, settled.first),
+                                 error_figures(found.predicted, reference.u),
+                                 input_extent({&driven, 1})};
 
-  write_file(line.output_path(), drive_csv(reference, drive));
+  write_file(line.output_path(), drive_csv(reference, found));
 
-  const bool met = !limit || error.rms_percent <= *limit;
+  const bool met = !limit || statement.error.rms_percent <= *limit;
   Json json = json_header("compensation", from);
-  json["samples"] = reference.size();
-  json["out_of_reach"] = drive.out_of_reach;
-  json["delay_s"] = stage.delay_s;
-  json["predicted_error"] = {{"rms", error.rms},
-                             {"max", error.max},
-                             {"rms_percent_of_range", error.rms_percent},
-                             {"max_percent_of_range", error.max_percent}};
+  json.update(statement.json());
   if (limit) json["limit_met"] = met;
   json["timing_s"] = {{"compute", seconds}};
-  std::string text = error_text(error);
-  if (drive.out_of_reach > 0)
-    note(fmt::format("warning: {} of {} samples ask for more than the model can reach", drive.out_of_reach,
-                     reference.size()));
+  std::string text = statement.text();
+  statement.warn();
   if (!met) text += limit_not_met(*limit, "%");
   print_summary(line, text, json);
   return met ? kDone : kLimitMissed;

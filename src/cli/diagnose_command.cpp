@@ -107,7 +107,7 @@ int run_diagnose(const std::vector<std::string>& arguments) {
   const std::filesystem::path folder = line.output_path();
   const Json json = write_results(diagnosis, study, from, folder);
   print_summary(line, summary_text(diagnosis, folder), json);
-  return kDone;
+  return diagnosis.verdict == gap::Verdict::interrupted ? kInterrupted : kDone;
 }
 
 }  // namespace bodesmith::cli

@@ -8,12 +8,16 @@ int run_fit(const std::vector<std::string>& arguments) {
   CommandLine line(
       "fit", "bodesmith fit gains.csv -o cascade.json",
       "Fits a cascade of fractional lead-lags to target gains; or, with --direct, integer sections\n"
-      "directly to them; or, with --waveform, sections for the compensating waveform of a disturbance:\n"
+      "directly to them; or, with --waveform, sections for the compensating waveform of a disturbance;\n"
+      "or, with --measured, a model of a measured complex response:\n"
       "  bodesmith fit gains.csv --direct --order 4 -o sections.json\n"
-      "  bodesmith fit --waveform disturbance.json --order 2 -o sections.json");
+      "  bodesmith fit --waveform disturbance.json --order 2 -o sections.json\n"
+      "  bodesmith fit --measured response.csv -o sections.json");
   line.flag("direct", "integer sections directly to the points");
   line.option<std::string>("waveform", "a disturbance.json: sections that minimise the waveform error");
-  line.option<int>("order", "poles, with --direct (1 to 12) or --waveform (1 to 6)");
+  line.option<std::string>("measured",
+                           "a measured response (frequency_hz,magnitude_db,phase_deg): its model");
+  line.option<int>("order", "poles, with --direct (1 to 12), --waveform (1 to 6) or --measured");
   line.flag("real", "real poles and zeros only");
   line.option<double>("max-error-db",
                       "exit with 1 when the error at a point is larger; --direct without --order takes the "
@@ -27,7 +31,15 @@ int run_fit(const std::vector<std::string>& arguments) {
   add_direct_options(line);
   line.group("With --waveform");
   add_waveform_options(line);
+  line.group("With --measured");
+  add_measured_options(line);
   if (!line.parse(arguments)) return kDone;
+  if (line.has("measured")) {
+    if (line.has("direct") || line.has("waveform"))
+      line.fail("--measured cannot be combined with another kind of fit");
+    if (!line.files().empty()) line.fail("--measured takes its response file and no POINTS.csv");
+    return fit_to_measurement(line);
+  }
   if (line.has("waveform")) {
     if (line.has("direct")) line.fail("--direct and --waveform cannot be combined");
     if (!line.files().empty()) line.fail("--waveform takes its disturbance file and no POINTS.csv");
@@ -36,7 +48,7 @@ int run_fit(const std::vector<std::string>& arguments) {
   if (line.files().empty()) line.fail("POINTS.csv is missing");
   if (line.has("direct")) return fit_to_sections(line);
   for (const char* option : {"order", "real"}) {
-    if (line.has(option)) line.fail(std::string("--") + option + " needs --direct or --waveform");
+    if (line.has(option)) line.fail(std::string("--") + option + " needs --direct, --waveform or --measured");
   }
   return fit_to_cascade(line);
 }

@@ -117,14 +117,21 @@ int run_fpaa_streams(const std::vector<std::string>& arguments) {
   return kDone;
 }
 
+void add_verify_options(CommandLine& line);
+int verify_complete_streams(const CommandLine& line);
+
 int run_fpaa_verify(const std::vector<std::string>& arguments) {
   CommandLine line(
-      "fpaa verify", "bodesmith fpaa verify out/fpaa/plan.json update_chip1.ahf --api ApiCode.c",
-      "Decodes configuration streams (AHF, C arrays, board packets) and compares every capacitor and "
-      "divisor with a plan.\nThe streams' Address1 tells the chip. Exit status 1 when they differ.");
+      "fpaa verify", "bodesmith fpaa verify out/fpaa/plan.json out/fpaa/stream/packets.bin --sections s.json",
+      "Complete streams (AHF, C arrays, board packets, raw; updates behind their primary): what the bytes would "
+      "do\nagainst a plan or sections (PLAN.json may be a SECTIONS.json): dB, degrees, percent over a band.\n"
+      "With --api (update streams for a project of your own): every capacitor and divisor against the plan.\n"
+      "Exit status 1 when they differ, or miss a limit.");
   line.positional("PLAN.json STREAM…", 2, -1);
   add_project_options(line);
+  add_verify_options(line);
   if (!line.parse(arguments)) return kDone;
+  if (!line.has("api")) return verify_complete_streams(line);
   Provenance from;
   const std::vector<std::string> files = line.files();
   const fpaa::Plan plan = fpaa::Plan::read(files[0], from);
@@ -196,11 +203,13 @@ int run_fpaa_send(const std::vector<std::string>& arguments) {
     const fpaa::ConfigStream stream = fpaa::decode(packet.bytes, path);
     chips = std::max(chips, stream.address1);
     packets.push_back(fpaa::to_packet(packet.bytes, packet.primary));
-    text += fmt::format("packet {}: {} to Address1 {}, {} blocks, {} bytes\n", packets.size(),
-                        packet.primary ? "primary" : "update", stream.address1, stream.blocks.size(),
-                        packet.bytes.size());
-    list.push_back(
-        {{"address1", stream.address1}, {"primary", packet.primary}, {"bytes", packet.bytes.size()}});
+    text += fmt::format("packet {}: {} to Address1 {}, {} blocks, {} bytes{}\n", packets.size(),
+                        stream.primary ? "primary" : "update", stream.address1, stream.blocks.size(),
+                        packet.bytes.size(), packet.primary ? ", resets the board" : "");
+    list.push_back({{"address1", stream.address1},
+                    {"primary", stream.primary},
+                    {"resets_board", packet.primary},
+                    {"bytes", packet.bytes.size()}});
   }
   Json summary = json_header("fpaa_send", from);
   summary["dry_run"] = dry;

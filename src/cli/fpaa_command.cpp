@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <set>
+
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
@@ -8,6 +10,10 @@
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "cli/fpaa_stream_options.hpp"
+#include "cli/mismatch_options.hpp"
+#include "cli/rational_part.hpp"
+#include "fpaa/board_netlist.hpp"
 #include "fpaa/board_picture.hpp"
 #include "fpaa/build_sheet.hpp"
 #include "fpaa/error_budget.hpp"
@@ -17,13 +23,26 @@
 namespace bodesmith::cli {
 namespace {
 
+constexpr double kLowestClockOfStreamsHz = 16e6 / 510.0;
+
 void add_plan_options(CommandLine& line) {
   line.positional("SECTIONS.json", 1, 1);
   line.output("folder for plan.json, build_sheet.md, build_sheet.html and board.svg");
   line.option<std::string>("board", "the board", "an231k04-quad4");
-  line.option<double>("clock-hz", "clock of all filters (default: the best of the legal divider tree)");
+  line.option<std::string>(
+      "topology",
+      "auto, parallel (partial fractions), cascade (one clock), chain (pole-zero stages at "
+      "one clock, holds not compensated)",
+      "auto");
+  line.option<double>("clock-hz", "one clock for all: a chain (default: every stage its own clock)");
+  line.option<double>("min-clock-hz", "no clock below this; slow poles by two capacitor ratios");
   line.band("lower end of the band in which errors are minimised and stated", "its upper end");
-  line.option<double>("max-error-percent", "exit with 1 when the complex error is above this");
+  line.option<double>("max-error-percent", "exit with 1 when the complex error as it runs is above this");
+  add_mismatch_options(line);
+  add_noise_options(line);
+  add_opamp_options(line);
+  add_stream_options(line);
+  line.flag("spice", "also the plan as switched capacitors: board.sub, and board.cir for ngspice");
   line.seed();
 }
 
@@ -31,31 +50,77 @@ fpaa::PlanOptions plan_options(const CommandLine& line) {
   fpaa::PlanOptions out;
   out.board = line.get<std::string>("board");
   if (const auto clock = line.maybe_positive("clock-hz")) out.clock = Hertz{*clock};
+  using Topology = fpaa::PlanOptions::Topology;
+  out.topology =
+      line.choice("topology", {Topology::automatic, Topology::parallel, Topology::cascade, Topology::chain});
+  if (const auto clock = line.maybe_positive("min-clock-hz")) {
+    out.lowest_clock = Hertz{*clock};
+  } else if (line.has("stream")) {
+    // No public stream uses a system divisor: without one 16 MHz/510 is the lowest clock.
+    out.lowest_clock = Hertz{kLowestClockOfStreamsHz};
+  }
   out.band = line.maybe_band();
+  out.assumptions = {read_mismatch(line), read_noise_model(line)};
   return out;
 }
 
-void write_plan(const std::filesystem::path& folder, const fpaa::Plan& plan, const Json& json) {
+std::optional<fpaa::NetlistParts> netlist_parts(const CommandLine& line) {
+  if (!line.has("spice")) return std::nullopt;
+  fpaa::NetlistParts out;
+  out.unit_capacitance_f = read_noise_model(line).unit_capacitance_f;
+  out.opamp = read_opamp_model(line);
+  return out;
+}
+
+void write_plan(const std::filesystem::path& folder, const fpaa::Plan& plan, const Json& json,
+                const OutputSet* streams, const std::optional<fpaa::NetlistParts>& netlist) {
   OutputSet out(folder);
+  if (streams != nullptr) out.include("stream", *streams);
   out.add("plan.json", to_text(json));
   out.add("build_sheet.md", fpaa::build_sheet_markdown(plan));
   out.add("build_sheet.html", fpaa::build_sheet_html(plan));
   out.add("board.svg", fpaa::board_picture_svg(plan));
-  if (plan.chips.size() == 1) out.add("zrna.py", fpaa::zrna_script(plan));
+  if (fpaa::has_zrna_script(plan)) out.add("zrna.py", fpaa::zrna_script(plan));
+  if (netlist) {
+    out.add("board.sub", value_or_throw(fpaa::board_netlist(plan, *netlist, "FPAA plan")));
+    out.add("board.cir", fpaa::board_deck(plan, "FPAA plan"));
+  }
   out.commit();
+}
+
+int opamps_of(const fpaa::Plan& plan) {
+  int out = 0;
+  for (const fpaa::ChipPlan& chip : plan.chips) out += chip.resources().opamps;
+  return out;
+}
+
+std::set<double> clocks_of(const fpaa::Plan& plan) {
+  std::set<double> out;
+  for (const fpaa::PlacedCam* cam : plan.cams()) out.insert(cam->clock_a.value);
+  return out;
+}
+
+std::string clocks_text(const fpaa::Plan& plan) {
+  std::vector<std::string> out;
+  for (const double clock : clocks_of(plan)) out.push_back(rounded_text(clock, 6));
+  return join(out, ", ");
 }
 
 Json plan_summary(const fpaa::Plan& plan, const Json& json, const Provenance& from, bool limits_met) {
   const auto cams = plan.cams();
   Json out = json_header("fpaa_summary", from);
   out["board"] = plan.board;
-  out["clock_hz"] = cams[0]->clock_a.value;
+  out["clock_hz"] = cams.back()->clock_a.value;
+  out["topology"] = plan.topology;
   out["cams"] = cams.size();
+  out["opamps"] = opamps_of(plan);
+  out["clocks_hz"] = clocks_of(plan);
   out["chips"] = plan.chips.size();
   out["error"] = json["error"];
   out["error_with_delays"] = json["error_with_delays"];
   out["mismatch"] = json["budget"]["mismatch"];
   out["largest_input_v"] = plan.max_input_v;
+  if (json.contains("largest_image")) out["largest_image"] = json["largest_image"];
   out["limits_met"] = limits_met;
   out["timing_s"] = json["timing_s"];
   return out;
@@ -63,24 +128,33 @@ Json plan_summary(const fpaa::Plan& plan, const Json& json, const Provenance& fr
 
 std::string plan_text(const fpaa::Plan& plan, const fpaa::ErrorBudget& budget) {
   const auto cams = plan.cams();
-  return fmt::format(
-      "{} CAMs on {} chip{} of {}, clock {} Hz\n"
-      "worst complex error {} to {} Hz: {} % ({} dB, {} deg) at {} Hz\n"
-      "with the output hold: {} % ({} deg)\n"
-      "0.1 % capacitor mismatch adds (95 %): {} %\n"
+  const fpaa::PlanError& runs = plan.error_with_delays;
+  std::string out = fmt::format(
+      "as it runs, {} to {} Hz: {} % ({} dB, {} deg) at {} Hz worst; every clock, hold and delay in it\n"
+      "{}: {} CAMs, {} op-amps on {} chip{} of {}, clocks {} Hz\n"
+      "without holds and delays: {} %\n"
+      "{} % mismatch of a unit capacitor adds (95 %): {} % ({} dB)\n"
+      "kT/C noise in the band: {} uV with units of {} fF\n"
       "largest input: {} V\n",
-      cams.size(), plan.chips.size(), plan.chips.size() == 1 ? "" : "s", plan.board,
-      rounded_text(cams[0]->clock_a.value, 7), rounded_text(plan.error.band.from.value),
-      rounded_text(plan.error.band.to.value), rounded_text(plan.error.max_complex_percent),
-      rounded_text(plan.error.max_magnitude_db), rounded_text(plan.error.max_phase_deg),
-      rounded_text(plan.error.worst.value), rounded_text(plan.error_with_delays.max_complex_percent),
-      rounded_text(plan.error_with_delays.max_phase_deg), rounded_text(budget.mismatch.p95_percent, 3),
-      rounded_text(plan.max_input_v));
+      rounded_text(runs.band.from.value), rounded_text(runs.band.to.value),
+      rounded_text(runs.max_complex_percent), rounded_text(runs.max_magnitude_db),
+      rounded_text(runs.max_phase_deg), rounded_text(runs.worst.value), plan.topology, cams.size(),
+      opamps_of(plan), plan.chips.size(), plan.chips.size() == 1 ? "" : "s", plan.board, clocks_text(plan),
+      rounded_text(plan.error.max_complex_percent), rounded_text(budget.mismatch_model.unit_percent),
+      rounded_text(budget.mismatch.p95_percent, 3), rounded_text(budget.mismatch.p95_db, 3),
+      rounded_text(budget.noise_model.microvolts(budget.noise_in_band_kt_per_cu), 3),
+      rounded_text(1e15 * budget.noise_model.unit_capacitance_f), rounded_text(plan.max_input_v));
+  if (plan.image) {
+    out += fmt::format("largest image below 100 kHz: {} dB, at {} Hz for a sine of {} Hz\n",
+                       rounded_text(plan.image->magnitude_db, 3), rounded_text(plan.image->line.value, 4),
+                       rounded_text(plan.image->signal.value, 4));
+  }
+  return out;
 }
 
 int plan_board(const std::vector<std::string>& arguments) {
   CommandLine line(
-      "fpaa", "bodesmith fpaa sections.json -o out/fpaa --clock-hz 2000",
+      "fpaa", "bodesmith fpaa sections.json -o out/fpaa",
       "Turns sections into the CAMs of an FPAA board: clocks, capacitors, places, wires; writes plan.json\n"
       "and a build sheet to type from.\n\n"
       "With a finished plan (each has its own --help):\n"
@@ -88,12 +162,15 @@ int plan_board(const std::vector<std::string>& arguments) {
       "  bodesmith fpaa verify PLAN.json STREAM… --api ApiCode.c   decodes streams, compares with the plan\n"
       "  bodesmith fpaa check PLAN.json REPORT.htm                 compares AnadigmDesigner2's report\n"
       "  bodesmith fpaa controller DISTURBANCE.json -o DIR         the whole controller on the board\n"
+      "  bodesmith fpaa gains DISTURBANCE.json --api ApiCode.c -o DIR   branch gains that a host sends\n"
+      "  bodesmith fpaa disassemble STREAM… -o netlist.json        any AN231 stream back to a netlist\n"
+      "  bodesmith fpaa trim PLAN.json --measured bode.csv -o DIR  new capacitors from the built board's response\n"
       "  bodesmith fpaa send PACKETS.bin --port DEVICE             sends packets to the board");
   add_plan_options(line);
   if (!line.parse(arguments)) return kDone;
   Provenance from;
   const std::string file = line.files()[0];
-  const Sections sections = Sections::read(file, from);
+  const Sections sections = rational_part(Sections::read(file, from), file);
   const fpaa::PlanOptions options = plan_options(line);
 
   const Stopwatch watch;
@@ -101,22 +178,31 @@ int plan_board(const std::vector<std::string>& arguments) {
   if (const Refusal* refusal = refusal_of(outcome)) {
     throw DesignError(fmt::format("{}: {}", file, refusal->reason));
   }
-  const auto& plan = std::get<fpaa::Plan>(outcome);
+  auto plan = std::get<fpaa::Plan>(outcome);
+  const std::optional<StreamArtefacts> stream = make_streams(plan, line);
   const double seconds = watch.seconds();
 
-  const fpaa::ErrorBudget budget = fpaa::error_budget(plan, sections, {.seed = line.seed_value()});
+  const fpaa::ErrorBudget budget = fpaa::error_budget(
+      plan, sections,
+      {.assumptions = options.assumptions, .opamp = read_opamp_model(line), .seed = line.seed_value()});
   Json json = json_header("fpaa_plan", from);
   json.update(plan.to_json());
   json["budget"] = budget.to_json();
   json["timing_s"] = {{"compute", seconds}};
-  write_plan(line.output_path(), plan, json);
+  if (stream) json["stream"] = *stream->json;
+  write_plan(line.output_path(), plan, json, stream ? &stream->files : nullptr, netlist_parts(line));
 
   const auto limit = line.maybe<double>("max-error-percent");
-  const bool met = !limit || plan.error.max_complex_percent <= *limit;
+  const bool met = !limit || plan.error_with_delays.max_complex_percent <= *limit;
   std::string text = plan_text(plan, budget);
-  if (!met) text += fmt::format("NOT met: the complex error is above {} %\n", *limit);
+  if (!met) text += fmt::format("NOT met: the complex error as it runs is above {} %\n", *limit);
+  Json summary = plan_summary(plan, json, from, met);
+  if (stream) {
+    text += "\n" + stream->text;
+    summary["stream"] = *stream->json;
+  }
   text += fmt::format("written to {}\n", line.output_path().string());
-  print_summary(line, text, plan_summary(plan, json, from, met));
+  print_summary(line, text, summary);
   return met ? kDone : kLimitMissed;
 }
 
@@ -125,8 +211,11 @@ int plan_board(const std::vector<std::string>& arguments) {
 int run_fpaa_streams(const std::vector<std::string>& arguments);
 int run_fpaa_verify(const std::vector<std::string>& arguments);
 int run_fpaa_check(const std::vector<std::string>& arguments);
+int run_fpaa_trim(const std::vector<std::string>& arguments);
 int run_fpaa_send(const std::vector<std::string>& arguments);
 int run_fpaa_controller(const std::vector<std::string>& arguments);
+int run_fpaa_disassemble(const std::vector<std::string>& arguments);
+int run_fpaa_gains(const std::vector<std::string>& arguments);
 
 int run_fpaa(const std::vector<std::string>& arguments) {
   const std::string verb = arguments.empty() ? "" : arguments[0];
@@ -135,7 +224,10 @@ int run_fpaa(const std::vector<std::string>& arguments) {
   if (verb == "verify") return run_fpaa_verify(rest);
   if (verb == "check") return run_fpaa_check(rest);
   if (verb == "controller") return run_fpaa_controller(rest);
+  if (verb == "gains") return run_fpaa_gains(rest);
+  if (verb == "trim") return run_fpaa_trim(rest);
   if (verb == "send") return run_fpaa_send(rest);
+  if (verb == "disassemble") return run_fpaa_disassemble(rest);
   return plan_board(arguments);
 }
 

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <optional>
 #include <string>
@@ -12,13 +13,15 @@
 #include "chain/model_file.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
+#include "identify/record_findings.hpp"
 #include "identify/stage_fit.hpp"
+#include "signal/extent.hpp"
 
 namespace bodesmith::cli {
 namespace {
 
-using identify::ErrorFigures;
 using identify::StageFit;
 
 Json to_json(const ErrorFigures& figures) {
@@ -56,6 +59,10 @@ Json to_json(const StageFit& fit) {
 }
 
 std::string figures_text(const ErrorFigures& figures) {
+  if (!std::isfinite(figures.rms) || !std::isfinite(figures.rms_percent)) {
+    throw InputError(
+        "the errors of the model are not finite: the record's numbers are beyond what double precision can square");
+  }
   return fmt::format("rms {} ({} % of range), max {} ({} %), rms with the offset free {}",
                      rounded_text(figures.rms), rounded_text(figures.rms_percent, 3),
                      rounded_text(figures.max), rounded_text(figures.max_percent, 3),
@@ -116,6 +123,8 @@ const hysteresis::ModelType* model_of_name(const std::string& name) {
 
 /// What is asked for.
 struct IdentifyRequest {
+  bool skip_given = false;
+  bool delay_given = false;
   bool all_models = false;
   const hysteresis::ModelType* model = nullptr;  ///< unless all
   bool both_methods = false;
@@ -174,6 +183,8 @@ IdentifyRequest request_of(CommandLine& line) {
   options.size = line.get<int>("size");
   if (options.size < 0 || options.size > 2000) line.fail("--size is out of range, expected 0 .. 2000");
   options.skip_s = line.get<double>("skip-s");
+  out.skip_given = line.has("skip-s");
+  out.delay_given = line.has("delay");
   if (!(options.skip_s >= 0.0)) line.fail("--skip-s is below 0, expected seconds");
   options.frequency_hz = line.get<double>("frequency-hz");
   if (!(options.frequency_hz >= 0.0)) line.fail("--frequency-hz is below 0, expected hertz");
@@ -226,14 +237,61 @@ std::vector<StageFit> fit_table(IdentifyRequest request, const std::vector<TimeR
   return fits;
 }
 
-/// Throws InputError when no model fits.
+bool for_steady_sines(const StageFit& fit) {
+  return fit.stage.model.type != nullptr && fit.stage.model.type->for_steady_sines();
+}
+
+/// The one with the smallest error, models of steady sines only where there is no other. Throws InputError when no
+/// model fits.
 const StageFit& best_of(const std::vector<StageFit>& fits) {
   const StageFit* best = nullptr;
-  for (const StageFit& fit : fits) {
-    if (fit.refused.empty() && (best == nullptr || score(fit) < score(*best))) best = &fit;
+  for (const bool sines : {false, true}) {
+    for (const StageFit& fit : fits) {
+      if (!fit.refused.empty() || for_steady_sines(fit) != sines) continue;
+      if (best == nullptr || score(fit) < score(*best)) best = &fit;
+    }
+    if (best != nullptr) break;
   }
   if (best == nullptr) throw InputError("identify: no model fits these records: " + fits.front().refused);
   return *best;
+}
+
+/// What is found in the records, used where nothing else was asked for.
+identify::RecordFindings findings_of(IdentifyRequest& request, const std::vector<TimeRecord>& training,
+                                     const std::vector<TimeRecord>& holdout) {
+  hysteresis::IdentifyOptions& options = request.options.identify;
+  const bool look_for_delay = request.all_models && !request.delay_given;
+  identify::RecordFindings out = identify::find_in_records(training, options, look_for_delay);
+  if (!request.all_models) {
+    if (out.transient_s > options.skip_s)
+      out.notes[0] += fmt::format(" (--skip-s {} leaves them out)", rounded_text(out.transient_s));
+    return out;
+  }
+  if (look_for_delay && out.delay_s > 0.0) request.options.delay_s = out.delay_s;
+  double shortest = training[0].duration_s();
+  for (const auto* records : {&training, &holdout}) {
+    for (const TimeRecord& record : *records) shortest = std::min(shortest, record.duration_s());
+  }
+  if (!request.skip_given && out.transient_s > 0.0 && out.transient_s < 0.5 * shortest) {
+    options.skip_s = out.transient_s;
+    out.notes[0] += "; they are not counted";
+  }
+  return out;
+}
+
+chain::Trained trained_of(const StageFit& fit, const std::vector<TimeRecord>& training, double skip_s) {
+  chain::Trained out;
+  out.input = input_extent(training, skip_s);
+  const hysteresis::Range output = hysteresis::output_range(training, skip_s);
+  out.output_lower = output.low;
+  out.output_upper = output.high;
+  out.training_rms = fit.training.rms;
+  out.training_percent = fit.training.rms_percent;
+  if (fit.holdout) {
+    out.holdout_rms = fit.holdout->rms;
+    out.holdout_percent = fit.holdout->rms_percent;
+  }
+  return out;
 }
 
 std::string model_comment(const StageFit& fit) {
@@ -255,22 +313,31 @@ int run_identify(const std::vector<std::string>& arguments) {
       "Piezoelectric Hysteresis: A Polynomial-Based Fractional Order Disturbance Compensation Approach\").");
   describe_options(line);
   if (!line.parse(arguments)) return kDone;
-  const IdentifyRequest request = request_of(line);
+  IdentifyRequest request = request_of(line);
 
   Provenance from;
-  const double skip_s = request.options.identify.skip_s;
-  const std::vector<TimeRecord> training = read_records(line.files(), skip_s, from);
+  const double asked_skip_s = request.options.identify.skip_s;
+  const std::vector<TimeRecord> training = read_records(line.files(), asked_skip_s, from);
   std::vector<TimeRecord> holdout;
   if (line.has("holdout"))
-    holdout = read_records(line.get<std::vector<std::string>>("holdout"), skip_s, from);
+    holdout = read_records(line.get<std::vector<std::string>>("holdout"), asked_skip_s, from);
+  const identify::RecordFindings findings = findings_of(request, training, holdout);
+  const double skip_s = request.options.identify.skip_s;
 
   const std::vector<StageFit> fits =
       request.table() ? fit_table(request, training, holdout)
                       : std::vector{identify::fit_stage(request.model, training, holdout, request.options)};
   const StageFit& best = best_of(fits);
-  write_file(line.output_path(), chain::model_text(best.stage.chain(), model_comment(best)));
+  chain::Chain model = best.stage.chain();
+  model.trained = trained_of(best, training, skip_s);
+  write_file(line.output_path(), chain::model_text(model, model_comment(best)));
 
   Json json = json_header("identification", from);
+  json["percent_of_range"] = kPercentOfRange;
+  json["records"] = {
+      {"transient_s", findings.transient_s}, {"delay_s", findings.delay_s}, {"notes", findings.notes}};
+  if (findings.frequency_hz) json["records"]["frequency_hz"] = *findings.frequency_hz;
+  json["skip_s"] = skip_s;
   if (request.table()) {
     json["chosen"] = best.model;
     Json list = Json::array();
@@ -288,6 +355,16 @@ int run_identify(const std::vector<std::string>& arguments) {
   std::string text = request.table()
                          ? table_of(fits, !holdout.empty()) + fmt::format("best: {}\n", best.model)
                          : text_of(best);
+  text += fmt::format("percentages {}\n", kPercentOfRange);
+  if (request.table()) {
+    for (const StageFit& fit : fits) {
+      if (&fit != &best && fit.refused.empty() && for_steady_sines(fit) && score(fit) < score(best))
+        note(fmt::format(
+            "{} fits closest, but is a model of steady sines: its drive for anything else means little",
+            fit.model));
+    }
+  }
+  for (const std::string& found : findings.notes) note(found);
   if (!met) text += limit_not_met(*limit, "%");
   print_summary(line, text, json);
   return met ? kDone : kLimitMissed;

@@ -13,6 +13,7 @@
 #include "cli/simulate_pictures.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
+#include "signal/error_figures.hpp"
 #include "simulate/controller_file.hpp"
 #include "simulate/record_metrics.hpp"
 #include "simulate/segments.hpp"
@@ -215,6 +216,7 @@ int simulate_file(const CommandLine& line, const chain::Chain& model,
   std::string text = fmt::format("{} samples of y, from {} to {}\n{}", record.size(), rounded_text(*low),
                                  rounded_text(*high), engine_text(run));
   if (loop) text += compare_signals("tracking_error", "r against y", record.u, run.y, json);
+  if (!record.y.empty() || loop) json["percent_of_range"] = kPercentOfRange;
   if (!record.y.empty())
     text += compare_signals("against_record", "against the record's y", run.y, record.y, json);
   if (line.has("spectra") || line.has("loops") || line.has("report"))

@@ -13,6 +13,7 @@
 #include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "cli/rational_part.hpp"
 #include "kicad/schematic.hpp"
 #include "spice/compensator_check.hpp"
 #include "spice/emit.hpp"
@@ -149,7 +150,7 @@ int run_spice(const std::vector<std::string>& arguments) {
   const circuit::RealiseOptions options = read_spice_options(line, from);
   const std::optional<double> limit = line.maybe_positive("max-error-db");
   require_ngspice_for_check(line);
-  const Sections sections = Sections::read(line.files()[0], from);
+  const Sections sections = rational_part(Sections::read(line.files()[0], from), line.files()[0]);
   const double amplitude_v = line.positive("amplitude-v");
 
   const Stopwatch watch;

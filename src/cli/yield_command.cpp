@@ -12,6 +12,8 @@
 #include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "cli/mismatch_options.hpp"
+#include "cli/rational_part.hpp"
 #include "yield/job.hpp"
 #include "yield/json.hpp"
 #include "yield/yield.hpp"
@@ -33,9 +35,8 @@ void declare_yield(CommandLine& line) {
   line.option<double>("sigmas", "number of standard deviations that a tolerance stands for", s.sigmas);
   line.option<double>("resistor-percent", "tolerance of the resistors", s.resistor_percent);
   line.option<double>("capacitor-percent", "tolerance of the capacitors", s.capacitor_percent);
-  line.option<double>("unit-capacitor-percent",
-                      "FPAA: standard deviation of one unit; n units have 1/sqrt(n) of it",
-                      s.unit_capacitor_percent);
+  add_mismatch_options(line);
+  line.option<std::string>("sections", "FPAA: deviations of the board as it runs from these sections");
   line.option<double>("temperature-low-c", "every circuit is at a temperature from here", 25.0);
   line.option<double>("temperature-high-c", "to here; 25 is neutral", 25.0);
   line.option<double>("resistor-ppm", "temperature coefficient, +- ppm/K", s.resistor_ppm_per_k);
@@ -58,7 +59,7 @@ yield::Spread read_spread(const CommandLine& line) {
   s.sigmas = line.positive("sigmas");
   s.resistor_percent = line.get<double>("resistor-percent");
   s.capacitor_percent = line.get<double>("capacitor-percent");
-  s.unit_capacitor_percent = line.get<double>("unit-capacitor-percent");
+  s.mismatch = read_mismatch(line);
   s.temperature_low_c = line.get<double>("temperature-low-c");
   s.temperature_high_c = line.get<double>("temperature-high-c");
   s.resistor_ppm_per_k = line.get<double>("resistor-ppm");
@@ -90,9 +91,11 @@ std::vector<Hertz> read_grid(const CommandLine& line, const Band& corners) {
 yield::Design read_design(const CommandLine& line, const std::string& file, Provenance& from) {
   const Node node = read_document(file, from);
   if (node.kind() == Node::Kind::object && node.string_or("schema", "") == "bodesmith.fpaa_plan/1") {
-    return yield::design_of_plan(node, file);
+    std::optional<Sections> wanted;
+    if (line.has("sections")) wanted = Sections::read(line.get<std::string>("sections"), from);
+    return yield::design_of_plan(node, file, wanted);
   }
-  const Sections sections = Sections::from_node(node);
+  const Sections sections = rational_part(Sections::from_node(node), node.file());
   circuit::RealiseOptions options = read_circuit_options(line);
   if (!line.has("capacitor-series")) options.capacitors = circuit::Series::named("E12");
   return yield::design_of_circuit(circuit::realise(sections, options), sections, file);
@@ -105,12 +108,12 @@ double yield_percent(const yield::Result& result) {
 std::string describe(const yield::Design& design, const yield::Result& result,
                      const yield::Options& options) {
   std::string text = fmt::format(
-      "{}: {} poles, {} parts, {} circuits\n  worst over {} frequencies: {} dB, {} deg in 95 of 100 circuits "
-      "(median {} dB, largest {} dB; all parts at their limits {} dB)\n",
+      "{}: {} poles, {} parts, {} circuits\n  worst over {} frequencies: {} dB, {} deg, {} % complex in 95 of 100 "
+      "circuits (median {} dB, largest {} dB; all parts at their limits {} dB)\n",
       result.name, design.poles, design.parts.size(), result.samples, result.grid.size(),
       rounded_text(result.worst_db.quantile(0.95), 3), rounded_text(result.worst_deg.quantile(0.95), 3),
-      rounded_text(result.worst_db.quantile(0.5), 3), rounded_text(result.worst_db.max, 3),
-      rounded_text(result.worst_case_db, 3));
+      rounded_text(result.worst_percent.quantile(0.95), 3), rounded_text(result.worst_db.quantile(0.5), 3),
+      rounded_text(result.worst_db.max, 3), rounded_text(result.worst_case_db, 3));
   if (options.limit_db || options.limit_deg) {
     text += fmt::format("  within the limits: {} %\n", rounded_text(yield_percent(result), 5));
   }
@@ -166,7 +169,8 @@ Json settings_json(const yield::Options& options) {
           {"seed", options.seed},
           {"resistor_percent", s.resistor_percent},
           {"capacitor_percent", s.capacitor_percent},
-          {"unit_capacitor_percent", s.unit_capacitor_percent},
+          {"unit_capacitor_percent", s.mismatch.unit_percent},
+          {"systematic_units", s.mismatch.systematic_units},
           {"temperature_c", {s.temperature_low_c, s.temperature_high_c}},
           {"designs", Json::array()}};
 }
@@ -195,11 +199,16 @@ const yield::Result& best_design(const std::vector<yield::Result>& results) {
 
 }  // namespace
 
+int run_yield_controller(const std::vector<std::string>& arguments);
+
 int run_yield(const std::vector<std::string>& arguments) {
+  if (!arguments.empty() && arguments[0] == "controller")
+    return run_yield_controller({arguments.begin() + 1, arguments.end()});
   CommandLine line(
       "yield", "bodesmith yield sections.json -o yield.json --limit-db 0.5",
       "What tolerances do to a design: Monte Carlo over op-amp RC parts or FPAA capacitors. With several files\n"
-      "the designs are compared. Under `mpirun -n N` the work is shared; results do not depend on N.");
+      "the designs are compared. Under `mpirun -n N` the work is shared; results do not depend on N.\n"
+      "  bodesmith yield controller DISTURBANCE.json -o DIR   the same of the whole analog controller, with trims");
   declare_yield(line);
   if (!line.parse(arguments)) return kDone;
   yield::Options options = read_yield_options(line);

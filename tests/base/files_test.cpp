@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <filesystem>
 
 #include "base/error.hpp"
@@ -38,6 +39,50 @@ TEST(Files, CommitMakesTheFolder) {
   EXPECT_EQ(read_file(folder / "a/b/c/d.txt"), "x");
 }
 
+TEST(Files, OneNameIsOneOutput) {
+  const TemporaryFolder folder;
+  OutputSet set(folder.path());
+  set.add("a.txt", "1");
+  set.add("./a.txt", "2");
+  EXPECT_THROW(set.commit(), InputError);
+  EXPECT_FALSE(fs::exists(folder / "a.txt"));
+}
+
+TEST(Files, LinksAreFollowedAndDevicesStay) {
+  const TemporaryFolder folder;
+  write_file(folder / "real.txt", "old");
+  fs::create_symlink("real.txt", folder / "link.txt");
+  write_file(folder / "link.txt", "new");
+  EXPECT_TRUE(fs::is_symlink(folder / "link.txt"));
+  EXPECT_EQ(read_file(folder / "real.txt"), "new");
+  fs::create_symlink("/dev/null", folder / "null");
+  write_file(folder / "null", "gone");
+  EXPECT_TRUE(fs::is_character_file(folder / "null"));
+  EXPECT_THROW(write_file("/dev/full", "no room"), InputError);
+}
+
+TEST(Files, WhatAKilledRunLeftGoes) {
+  const TemporaryFolder folder;
+  // No process has this number: the kernel's largest is 2^22.
+  write_file(folder / ".out.csv.tmp99999999", "half");
+  write_file(folder / ".other.csv.tmp99999999", "another output's");
+  write_file(folder / "out.csv", "whole");
+  EXPECT_FALSE(fs::exists(folder / ".out.csv.tmp99999999"));
+  EXPECT_TRUE(fs::exists(folder / ".other.csv.tmp99999999"));
+}
+
+TEST(Errors, AreOnePrintableLineOfBoundedLength) {
+  const std::string what = InputError("a\nb\x1b[31m" + std::string(5000, 'x')).what();
+  EXPECT_EQ(what.substr(0, 9), "a b?[31mx");
+  EXPECT_LT(what.size(), 700u);
+}
+
+TEST(Json, WhatIsNotFiniteIsRefused) {
+  Json json;
+  json["list"] = {1.0, INFINITY};
+  EXPECT_THROW(to_text(json), InputError);
+}
+
 TEST(Provenance, Sha256MatchesTheStandardsExample) {
   // FIPS 180-2, appendix B.1.
   EXPECT_EQ(sha256_hex("abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
@@ -64,7 +109,7 @@ TEST(Text, EngineersPrefixes) {
 }
 
 TEST(JsonText, RefusesNumbersThatAreNotFinite) {
-  EXPECT_THROW(to_text(Json{{"a", NAN}}), std::logic_error);
+  EXPECT_THROW(to_text(Json{{"a", NAN}}), InputError);
   EXPECT_EQ(to_text(Json{{"a", {1.0, 2.5}}}), "{\n  \"a\": [1.0, 2.5]\n}\n");
 }
 

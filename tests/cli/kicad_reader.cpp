@@ -116,7 +116,11 @@ class Reader {
     if (top.head() != "kicad_sch" || top.get("version").text(1) != "20211123")
       throw std::runtime_error("not a schematic of KiCad 6");
     const std::string paper = top.get("paper").text(1);
-    const std::map<std::string, Place> sizes = {{"A4", {29700, 21000}}, {"A3", {42000, 29700}}};
+    const std::map<std::string, Place> sizes = {{"A4", {29700, 21000}},
+                                                {"A3", {42000, 29700}},
+                                                {"A2", {59400, 42000}},
+                                                {"A1", {84100, 59400}},
+                                                {"A0", {118900, 84100}}};
     const Place size = sizes.at(paper);
 
     std::map<Place, int> nets;

@@ -2,6 +2,8 @@
 
 #include <gtest/gtest.h>
 
+#include <limits>
+
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "signal/bode_points.hpp"
@@ -111,6 +113,24 @@ TEST(FrequencyRecord, BecomesComplex) {
   const FrequencyRecord record = FrequencyRecord::read_csv(folder / "f.csv", from);
   EXPECT_NEAR(std::abs(record.response[0] - std::complex<double>(0, 1)), 0.0, 1e-15);
   EXPECT_NEAR(std::abs(record.response[1] + 10.0), 0.0, 1e-14);
+}
+
+TEST(Csv, SemicolonsSeparateWhereTheHeaderHasNoComma) {
+  const Csv csv = Csv::parse("time_s;u\n0;1.5\n1;2.5\n", "x.csv");
+  EXPECT_EQ(csv.column("u"), (std::vector<double>{1.5, 2.5}));
+  try {
+    Csv::parse("time_s;u\n0;1,5\n", "x.csv");
+    FAIL() << "accepted";
+  } catch (const InputError& error) {
+    EXPECT_NE(std::string(error.what()).find("x.csv:2: '1,5'"), std::string::npos) << error.what();
+    EXPECT_NE(std::string(error.what()).find("expected a point"), std::string::npos) << error.what();
+  }
+}
+
+TEST(Csv, NothingThatIsNotFiniteIsWritten) {
+  CsvWriter csv;
+  csv.add("y", {1.0, std::numeric_limits<double>::quiet_NaN()});
+  EXPECT_THROW(csv.text(), InputError);
 }
 
 }  // namespace

@@ -1,0 +1,233 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/files.hpp"
+#include "base/json.hpp"
+#include "base/json_header.hpp"
+#include "base/progress.hpp"
+#include "base/text.hpp"
+#include "circuit/opamp_library.hpp"
+#include "cli/circuit_options.hpp"
+#include "cli/command_line.hpp"
+#include "cli/commands.hpp"
+#include "controller/dynamics.hpp"
+#include "controller/files.hpp"
+#include "controller/study.hpp"
+#include "part_errors/report.hpp"
+#include "spice/ngspice.hpp"
+
+namespace bodesmith::cli {
+namespace {
+
+void declare_controller(CommandLine& line) {
+  line.positional("DISTURBANCE.json", 1, 1);
+  line.output("folder for controller.sub, controller.json, parts.csv, controller.svg and the KiCad project");
+  const controller::Options defaults;
+  line.option<std::string>(
+      "form",
+      "self-fed: v = r - K d(v), the generator fed by its own drive; two-pass: v = r - K d(r - K "
+      "d(r)); seed: v = r - K d(r)",
+      "self-fed");
+  line.list<double>("track-hz",
+                    "frequencies that are tracked (default: 1 10 20 40 60 80 100); the gain curve's corners "
+                    "are put there where they fit");
+  line.option<std::string>("waveform", "reference: triangle, sine, two_tone or decaying_triangle",
+                           "triangle");
+  line.option<double>("amplitude", "of the reference, of the full stroke", 1.0);
+  line.flag("constant", "leave the rate gains out: the constant polynomial");
+  line.option<double>("rate-tolerance-percent",
+                      "of the gain curve's straight pieces against the table, percent of range",
+                      defaults.rate_tolerance_percent);
+  line.option<double>(
+      "averaging-s",
+      "time constant behind the slope's rectifier; several periods: the mean slope, right for every "
+      "reference that goes once up and down (default: a hundredth of the shortest period)");
+  line.option<std::string>("series", "series of the resistors, E3 to E192 or exact", "E96");
+  line.option<std::string>("opamp", "type of the op-amps", defaults.opamp.name);
+  line.option<std::string>("fast-opamp", "type of the slope detector's op-amps", defaults.fast_opamp.name);
+  line.option<double>("multiplier-scale-v", "U in W = X Y/U + Z", defaults.multiplier.scale_v);
+  line.option<double>("lowest-hz", "slowest full-stroke triangle that the slope detector must follow",
+                      defaults.lowest.value);
+  add_check_option(line, "run ngspice on controller.sub at every tracked frequency, and the loop's margins");
+  line.flag("errors",
+            "errors of parts too: Monte Carlo, trims tried blind (trim.md); more options: yield controller");
+  line.flag("allow-unstable", "go on with a phase margin below 30 degrees");
+  line.option<double>("max-error-percent", "exit with 1 when the tracking error without lag is larger");
+}
+
+std::vector<Hertz> controller_frequencies(const CommandLine& line) {
+  std::vector<Hertz> out;
+  for (const double f : line.maybe<std::vector<double>>("track-hz")
+                            .value_or(std::vector<double>{1, 10, 20, 40, 60, 80, 100})) {
+    if (!(f > 0.0)) line.fail("--track-hz takes frequencies above 0");
+    out.push_back(Hertz{f});
+  }
+  return out;
+}
+
+controller::Options read_controller_options(const CommandLine& line) {
+  controller::Options out;
+  out.form = controller::form_named(line.get<std::string>("form"));
+  out.tracked = controller_frequencies(line);
+  out.rates = !line.has("constant");
+  out.rate_tolerance_percent = line.positive("rate-tolerance-percent");
+  out.averaging_s = line.maybe_positive("averaging-s").value_or(0.0);
+  out.resistors = circuit::Series::named(line.get<std::string>("series"));
+  if (out.resistors.is_exact()) out.capacitors = circuit::Series::named("exact");
+  const circuit::OpAmpLibrary types = circuit::OpAmpLibrary::built_in();
+  out.opamp = types.named(line.get<std::string>("opamp"));
+  out.fast_opamp = types.named(line.get<std::string>("fast-opamp"));
+  out.multiplier.scale_v = line.positive("multiplier-scale-v");
+  out.lowest = Hertz{line.positive("lowest-hz")};
+  return out;
+}
+
+tracking::Reference read_controller_reference(const CommandLine& line) {
+  using Shape = tracking::Reference::Shape;
+  const Shape shape =
+      line.choice("waveform", {Shape::triangle, Shape::sine, Shape::two_tone, Shape::decaying_triangle});
+  return tracking::Reference(shape, line.positive("amplitude"));
+}
+
+/// Without ngspice: the same chain in CVODE.
+std::vector<controller::AsBuilt> predict(const controller::AnalogController& built,
+                                         const tracking::Reference& reference) {
+  std::vector<controller::AsBuilt> out;
+  for (const Hertz f : built.tracked) {
+    controller::Settled run = controller::run_in_cvode(built, reference, f);
+    controller::AsBuilt one;
+    one.frequency = f;
+    one.error = controller::stage_error(built.disturbance, run);
+    run.v = run.r;
+    one.without = controller::stage_error(built.disturbance, run);
+    out.push_back(one);
+  }
+  return out;
+}
+
+std::string built_summary(const controller::AnalogController& built) {
+  std::string text = fmt::format(
+      "{}: {} multipliers ({}), {} op-amps ({}, slope detector {}), {} resistors, capacitors and diodes\n"
+      "parts and gain curve: K d within {} % of range; loop gain at most {}, drive up to {} V\n",
+      controller::to_string(built.form), built.multipliers.size(), built.multiplier.name, built.opamps.size(),
+      built.opamp.name, built.fast_opamp.name, built.parts.size(), rounded_text(built.max_error_percent, 3),
+      rounded_text(built.loop.greatest_gain, 3), rounded_text(built.loop.greatest_drive, 4));
+  if (built.curve) {
+    text += fmt::format("rate gains from the slope: {} straight pieces, held at {} Hz above\n",
+                        built.curve->corner.size() - 1, rounded_text(built.curve->corner.back().value));
+  }
+  return text;
+}
+
+std::string as_built_summary(const std::vector<controller::AsBuilt>& cases, bool checked) {
+  std::string text = fmt::format("tracking error, rms in percent of range, {}:\n",
+                                 checked ? "ngspice and a stage that reads its drive" : "by CVODE");
+  for (const controller::AsBuilt& one : cases) {
+    text += fmt::format("{:>8} Hz: {}, without lag {} (no controller {})", rounded_text(one.frequency.value),
+                        rounded_text(one.error.rms_percent, 3),
+                        rounded_text(one.error.rms_percent_without_lag, 3),
+                        rounded_text(one.without.rms_percent, 3));
+    if (checked) {
+      text +=
+          fmt::format("; from CVODE {}, first period {} from the settled one",
+                      rounded_text(one.cvode_difference_percent, 2), rounded_text(one.start_up_percent, 2));
+    }
+    text += "\n";
+  }
+  return text;
+}
+
+std::string loop_summary(const std::vector<controller::LoopPoint>& loop) {
+  if (loop.empty()) return {};
+  double gain = 0.0, nearest = 1.0, margin_db = 200.0, phase_deg = 360.0;
+  Hertz bandwidth = loop.front().bandwidth;
+  for (const controller::LoopPoint& one : loop) {
+    gain = std::max(gain, one.greatest_gain);
+    nearest = std::min(nearest, one.nearest);
+    margin_db = std::min(margin_db, one.gain_margin_db.value_or(margin_db));
+    phase_deg = std::min(phase_deg, one.phase_margin_deg.value_or(phase_deg));
+    if (one.bandwidth.value < bandwidth.value) bandwidth = one.bandwidth;
+  }
+  return fmt::format(
+      "loop in ngspice: gain at most {} ({}), gain margin {} dB, |1 + L| at least {}, {}Hz wide\n",
+      rounded_text(gain, 3),
+      phase_deg < 360.0 ? fmt::format("phase margin {} degrees", rounded_text(phase_deg, 3))
+                        : "never 1: no frequency at which it could oscillate",
+      rounded_text(margin_db, 3), rounded_text(nearest, 3), engineering_text(bandwidth.value, ""));
+}
+
+/// Keys `stability`, and with --errors `errors_of_parts` and `trim`; trim.md.
+std::string add_part_errors(const CommandLine& line, const controller::AnalogController& built,
+                            const tracking::Reference& reference, Json& json, OutputSet& out) {
+  part_errors::Report report;
+  std::string text;
+  if (line.has("errors")) {
+    part_errors::ReportOptions options;
+    options.study.frequencies = built.tracked;
+    options.study.reference = reference;
+    options.ngspice = line.has("check");
+    options.allow_unstable = line.has("allow-unstable");
+    tracking::PolynomialStage::Options stage_options;
+    stage_options.alpha = reference.alpha();
+    const tracking::PolynomialStage stage(built.disturbance, {}, stage_options);
+    report = part_errors::examine(built, stage, options);
+    json.update(part_errors::to_json(report, built));
+    out.add("trim.md", part_errors::trim_page(report, built, "the controller of " + line.files()[0]));
+    text = part_errors::summary_text(report);
+  } else {
+    report.loop = part_errors::loop_stability(built);
+    part_errors::require_stable(report.loop, line.has("allow-unstable"));
+    if (!report.loop.at.empty()) json["stability"] = part_errors::to_json(report.loop);
+  }
+  if (const std::string warning = part_errors::loop_warning(report.loop); !warning.empty()) note(warning);
+  return text;
+}
+
+}  // namespace
+
+int run_controller(const std::vector<std::string>& arguments) {
+  CommandLine line(
+      "controller", "bodesmith controller disturbance.json -o controller/ --check",
+      "The whole analog controller of a disturbance as one circuit: inverse, rate gains, switch.");
+  declare_controller(line);
+  if (!line.parse(arguments)) return kDone;
+  const std::optional<double> limit = line.maybe_positive("max-error-percent");
+  require_ngspice_for_check(line);
+  Provenance from;
+  const Disturbance disturbance = Disturbance::read(line.files()[0], from);
+  const controller::Options options = read_controller_options(line);
+  const tracking::Reference reference = read_controller_reference(line);
+
+  const Stopwatch watch;
+  const controller::AnalogController built = controller::make_controller(disturbance, options);
+  const bool checked = line.has("check");
+  const std::vector<controller::AsBuilt> cases =
+      checked ? controller::measure_as_built(built, built.tracked, reference) : predict(built, reference);
+  const std::vector<controller::LoopPoint> loop =
+      checked ? controller::measure_loop(built) : std::vector<controller::LoopPoint>{};
+  const double compute_s = watch.seconds();
+  for (const std::string& warning : built.warnings) note(warning);
+
+  Json json = json_header("analog_controller", from);
+  json.update(controller::to_json(built));
+  json["reference"] = {{"waveform", std::string(to_string(reference.shape()))},
+                       {"amplitude", reference.alpha()}};
+  json[checked ? "as_built" : "predicted"] = controller::to_json(cases);
+  if (checked) json["loop_ngspice"] = controller::to_json(loop);
+  json["timing_s"] = {{"compute", compute_s}};
+  std::string text = built_summary(built) + as_built_summary(cases, checked) + loop_summary(loop);
+  const bool met = !limit || controller::worst_percent(cases) <= *limit;
+  if (!met) {
+    text += limit_not_met(*limit, "%");
+    json["limit_missed"] = true;
+  }
+  OutputSet out(line.output_path());
+  text += add_part_errors(line, built, reference, json, out);
+  controller::add_controller_files(built, fmt::format("controller from {}", line.files()[0]), json, out, "");
+  out.commit();
+  print_summary(line, text, json);
+  return met ? kDone : kLimitMissed;
+}
+
+}  // namespace bodesmith::cli

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "hysteresis/registry.hpp"
-#include "identify/compensation.hpp"
 #include "identify/stage_fit.hpp"
+#include "invert/compensation.hpp"
 #include "virtual_stage.hpp"
 
 /// What the five programs share: waveforms, driving the stage, and the error of eq. 8 of "Modeling and Control of Piezoelectric Hysteresis".

@@ -150,7 +150,9 @@ int main() {
       // stroke.
       std::vector<double> r;
       for (const double u : record.u) r.push_back(scale.low + 0.02 + (scale.high - scale.low - 0.04) * u);
-      const Compensation drive = compensate(StageModel(found, 0.0), r, record.step_s, false);
+      TimeRecord reference = record;
+      reference.u = r;
+      const auto drive = invert::compensate(StageModel(found, 0.0).chain(), reference, {});
       const TimeRecord got = measure(settings, drive.drive, record.step_s);
       return fmt::format("{:.2f}   {:.2f}", model.rms_percent,
                          tracking_error(got.y, r, record.u.size() / 20).rms_percent);

@@ -1,12 +1,12 @@
 #include "approximate/fractional_stability.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <numbers>
 #include <numeric>
 
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith {
@@ -123,7 +123,7 @@ std::optional<int> matignon_count_of(const FractionalPolynomial& terms, double s
         -term.coefficient / terms.back().coefficient * std::pow(scale, static_cast<double>(k - n));
   }
   for (Eigen::Index k = 1; k < n; ++k) companion(k, k - 1) = 1.0;
-  const Eigen::VectorXcd roots = Eigen::EigenSolver<Eigen::MatrixXd>(companion, false).eigenvalues();
+  const Eigen::VectorXcd roots = eigenvalues(companion);
   return static_cast<int>(std::count_if(roots.begin(), roots.end(), [&](const Complex& root) {
     return std::abs(std::arg(root)) < 0.5 * std::numbers::pi * step;
   }));

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/progress.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "numeric/matrix_exponential.hpp"
 
@@ -238,7 +239,7 @@ Eigen::VectorXd LocalChain::at_rest() const {
     const Eigen::Index n = s.phi.rows();
     if (n > 0) {
       const Eigen::MatrixXd left = Eigen::MatrixXd::Identity(n, n) - s.phi;
-      const Eigen::VectorXd x = left.partialPivLu().solve((s.from + s.to) * signal);
+      const Eigen::VectorXd x = solve_lu(left, (s.from + s.to) * signal);
       out.segment(at, n) = x;
       signal = s.c.dot(x) + s.d * signal;
     } else {

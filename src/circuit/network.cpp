@@ -2,6 +2,8 @@
 
 #include <stdexcept>
 
+#include "numeric/dense.hpp"
+
 namespace bodesmith::circuit {
 
 Network::Network(const Circuit& circuit) : circuit_(circuit) {
@@ -70,7 +72,7 @@ Network::System Network::system(RadPerSecond w, const OpAmpModel* model) const {
 
 Network::Complex Network::output(RadPerSecond w, const OpAmpModel* model) const {
   const System s = system(w, model);
-  return s.a.partialPivLu().solve(s.b)(node("out"));
+  return solve_lu(s.a, s.b)(node("out"));
 }
 
 }  // namespace bodesmith::circuit

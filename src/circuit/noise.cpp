@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "circuit/network.hpp"
+#include "numeric/dense.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -15,7 +16,7 @@ Eigen::VectorXcd ways_to_output(const Network& network, RadPerSecond w, const Op
   const Network::System s = network.system(w, &model);
   Eigen::VectorXcd unit = Eigen::VectorXcd::Zero(s.b.size());
   unit(network.node("out")) = 1.0;
-  return s.a.transpose().partialPivLu().solve(unit);
+  return solve_lu(s.a.transpose(), unit);
 }
 
 std::complex<double> way(const Eigen::VectorXcd& ways, int node) {

@@ -12,6 +12,7 @@
 #include "circuit/network.hpp"
 #include "circuit/noise.hpp"
 #include "circuit/response.hpp"
+#include "numeric/dense.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -40,7 +41,7 @@ class Loop {
     s.a(row, row) = circuit.model.output_resistance_ohm;
     s.b.setZero();
     s.b(row) = 1.0;
-    const Eigen::VectorXcd x = s.a.partialPivLu().solve(s.b);
+    const Eigen::VectorXcd x = solve_lu(s.a, s.b);
     const auto at = [&](const std::string& node) {
       const int index = network_.node(node);
       return index < 0 ? Complex(0.0) : x(index);

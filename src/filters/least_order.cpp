@@ -9,15 +9,11 @@
 namespace bodesmith::filters {
 namespace {
 
-double corner_w(Hertz f) {
-  return f.rad_s().value;
-}
-
 /// |prototype frequency| of a band edge when the pass band's edges lie at 1.
 double selectivity_at(const Band& pass, Hertz edge) {
-  const double square = corner_w(pass.from) * corner_w(pass.to);
-  const double w = corner_w(edge);
-  return std::abs(w * w - square) / ((corner_w(pass.to) - corner_w(pass.from)) * w);
+  const double square = pass.from.value * pass.to.value;
+  const double w = edge.value;
+  return std::abs(w * w - square) / ((pass.to.value - pass.from.value) * w);
 }
 
 /// How far the stop band's nearer edge lies from the pass band's, as a ratio of prototype frequencies.

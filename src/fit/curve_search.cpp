@@ -1,9 +1,9 @@
 #include "fit/curve_search.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith {
@@ -46,12 +46,12 @@ SearchResult search_least_squares(const RootModel& model, const ErrorFunction& e
   double damping = 1e-2;
   int small = 0;
   for (int i = 0; i < iterations && damping < 1e10; ++i) {
-    const MatrixXd normal = slope.transpose() * slope;
+    const MatrixXd normal = gram(slope);
     const VectorXd downhill = -slope.transpose() * error;
     MatrixXd damped = normal;
     damped.diagonal().array() +=
         damping * (1e-6 * normal.diagonal().maxCoeff() + normal.diagonal().array()) + 1e-14;
-    VectorXd step = damped.ldlt().solve(downhill);
+    VectorXd step = solve_ldlt(damped, downhill);
     const double largest = step.tail(step.size() - 1).cwiseAbs().maxCoeff();
     if (largest > 1.5) step *= 1.5 / largest;
     VectorXd trial = theta + step;

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/json.hpp"
@@ -12,6 +13,7 @@
 #include "fit/measured_search.hpp"
 #include "fit/response_noise.hpp"
 #include "lti/section_making.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith {
 namespace {
@@ -75,20 +77,14 @@ std::vector<double> losses(const FactoredResponse& model, const ResponseSamples&
   return out;
 }
 
-double mean_of(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double v : values) sum += v;
-  return sum / static_cast<double>(values.size());
-}
-
 /// Mean of a - b in units of its standard error.
 double excess(const std::vector<double>& a, const std::vector<double>& b) {
   const auto n = static_cast<double>(a.size());
-  const double mean = mean_of(a) - mean_of(b);
+  const double lead = mean(a) - mean(b);
   double square = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) square += std::pow(a[i] - b[i] - mean, 2);
+  for (std::size_t i = 0; i < a.size(); ++i) square += std::pow(a[i] - b[i] - lead, 2);
   const double error = std::sqrt(square / (n * (n - 1.0)));
-  return error > 0.0 ? mean / error : (mean > 0.0 ? 1e9 : 0.0);
+  return error > 0.0 ? lead / error : (lead > 0.0 ? 1e9 : 0.0);
 }
 
 int most_poles(std::size_t points) {
@@ -112,17 +108,17 @@ OrderChoice choose_order(const ResponseSamples& all, const MeasuredFitOptions& o
   for (int order = 1; order <= top; ++order) {
     stop_if_interrupted();
     loss.push_back(losses(search.of_order(order), points.held_out));
-    if (mean_of(loss.back()) < mean_of(loss[best])) best = loss.size() - 1;
+    if (mean(loss.back()) < mean(loss[best])) best = loss.size() - 1;
     progress.at(static_cast<double>(order) / top);
-    if (static_cast<int>(loss.size() - 1 - best) >= kPatience && mean_of(loss[best]) < 30.0) break;
+    if (static_cast<int>(loss.size() - 1 - best) >= kPatience && mean(loss[best]) < 30.0) break;
   }
   OrderChoice out;
   for (std::size_t i = 0; i < loss.size(); ++i) {
-    out.orders.push_back({static_cast<int>(i) + 1, mean_of(loss[i]), excess(loss[i], loss[best])});
+    out.orders.push_back({static_cast<int>(i) + 1, mean(loss[i]), excess(loss[i], loss[best])});
   }
   const auto chosen =
       std::find_if(out.orders.begin(), out.orders.end(), [&](const MeasuredFit::Order& order) {
-        return order.against_best <= kStandardErrors && order.held_out <= 1.5 * mean_of(loss[best]);
+        return order.against_best <= kStandardErrors && order.held_out <= 1.5 * mean(loss[best]);
       });
   out.order = chosen->order;
   out.model = search.of_order(out.order);
@@ -206,8 +202,7 @@ void state_errors(const FrequencyRecord& record, const NormalisedRecord& normal,
   const auto count = static_cast<double>(noise.size());
   out.rms_db = std::sqrt(db / count);
   out.rms_percent = 100.0 * std::sqrt(relative / count);
-  std::nth_element(noise.begin(), noise.begin() + static_cast<std::ptrdiff_t>(noise.size() / 2), noise.end());
-  out.noise_percent = noise[noise.size() / 2];
+  out.noise_percent = median(std::move(noise));
 }
 
 void warn(const FactoredResponse& model, MeasuredFit& out) {

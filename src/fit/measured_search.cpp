@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
+
+#include "signal/statistics.hpp"
 
 namespace bodesmith {
 namespace {
@@ -63,9 +66,7 @@ void MeasuredSearch::find_delay() {
     slopes.push_back(-step / (samples_.s[i] - samples_.s[before]).imag());
   }
   if (slopes.empty()) return;
-  std::nth_element(slopes.begin(), slopes.begin() + static_cast<std::ptrdiff_t>(slopes.size() / 2),
-                   slopes.end());
-  const double slope = slopes[slopes.size() / 2];
+  const double slope = median(std::move(slopes));
   if (!(slope * largest_s_ > 0.05)) return;
   double best = INFINITY;
   const int order = static_cast<int>(std::clamp<std::size_t>(samples_.s.size() / 6, 1, 6));

@@ -2,6 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
+
+#include "signal/statistics.hpp"
 
 namespace bodesmith {
 namespace {
@@ -78,9 +81,7 @@ std::vector<double> noise_from_neighbours(const FrequencyRecord& record) {
                                variances.begin() + static_cast<std::ptrdiff_t>(to));
     double variance = 0.0;
     if (!window.empty()) {
-      const auto middle = window.begin() + static_cast<std::ptrdiff_t>(window.size() / 2);
-      std::nth_element(window.begin(), middle, window.end());
-      variance = *middle / std::log(2.0);  // |complex normal|^2 is exponential
+      variance = median(std::move(window)) / std::log(2.0);  // |complex normal|^2 is exponential
     }
     const double magnitude = std::abs(record.response[i]);
     out[i] = std::max(std::sqrt(variance), kLeastRelative * magnitude);

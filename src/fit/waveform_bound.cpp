@@ -1,12 +1,12 @@
 #include "fit/waveform_bound.hpp"
 
-#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <map>
 
 #include "fit/waveform_problem.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith {
@@ -66,7 +66,7 @@ std::vector<double> best_possible(const WaveformProblem& problem, const std::vec
     }
   }
   normal.diagonal().array() += 1e-13 * normal.diagonal().maxCoeff();
-  const VectorXd g = normal.ldlt().solve(right);
+  const VectorXd g = solve_ldlt(normal, right);
   std::vector<double> out;
   for (std::size_t i = 0; i < problem.count(); ++i) {
     VectorXd part(map.cols());

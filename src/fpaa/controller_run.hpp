@@ -29,7 +29,6 @@ class ControllerRun {
   /// CAMs that clipped since t = 0, the slope detector's (which may) left out.
   std::vector<std::string> clipped() const;
   /// Before t = 0: the loop and the slowest filter have forgotten their start.
-  double settling_s() const { return settling_s_; }
 
  private:
   double settling_s_;

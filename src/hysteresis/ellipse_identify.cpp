@@ -1,6 +1,7 @@
 #include <fmt/format.h>
+#include <Eigen/Cholesky>
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
@@ -9,6 +10,7 @@
 #include "hysteresis/exponential_operator.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "numeric/least_squares.hpp"
 
@@ -42,7 +44,7 @@ GainFit fit_gains(std::span<const TimeRecord> records, double skip_s, double v_o
   const Eigen::MatrixXd scaled = a * scale.asDiagonal();
   Eigen::MatrixXd gram = scaled.transpose() * scaled;
   gram.diagonal().array() += 1e-11;
-  out.x = scale.asDiagonal() * gram.ldlt().solve(scaled.transpose() * y);
+  out.x = scale.asDiagonal() * solve_ldlt(gram, transpose_times(scaled, y));
   out.residual = a * out.x - y;
   return out;
 }

@@ -1,11 +1,13 @@
 #include "hysteresis/fractional_dynamic.hpp"
 
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "base/error.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/grunwald_letnikov.hpp"
 #include "numeric/matrix_exponential.hpp"
 
@@ -250,7 +252,7 @@ int unstable_by_matignon(const FractionalPolynomial& polynomial, double q) {
   for (Eigen::Index i = 0; i < n; ++i)
     companion(i, n - 1) =
         -c[static_cast<std::size_t>(i)] / c.back() * std::pow(scale, static_cast<double>(i - n));
-  const Eigen::VectorXcd roots = companion.eigenvalues();
+  const Eigen::VectorXcd roots = eigenvalues(companion);
   int out = 0;
   for (Eigen::Index i = 0; i < n; ++i) out += std::abs(std::arg(roots(i))) < q * kPi / 2.0;
   return out;

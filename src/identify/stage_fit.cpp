@@ -1,5 +1,6 @@
 #include "identify/stage_fit.hpp"
 
+#include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -1,7 +1,8 @@
 #include "lti/state_space.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith {
@@ -65,7 +66,7 @@ std::complex<double> response(const StateSpace& system, std::complex<double> s) 
   if (system.order() == 0) return system.d;
   const Eigen::Index n = eigen_index(system.order());
   const Eigen::MatrixXcd left = s * Eigen::MatrixXcd::Identity(n, n) - matrix_of(system).cast<Complex>();
-  const Eigen::VectorXcd x = left.partialPivLu().solve(as_eigen(system.b).cast<Complex>());
+  const Eigen::VectorXcd x = solve_lu(left, as_eigen(system.b).cast<Complex>());
   return system.d + (as_eigen(system.c).cast<Complex>().transpose() * x)(0);
 }
 
@@ -77,7 +78,7 @@ void equilibrium(const StateSpace& system, double u, double* x) {
   }
   Eigen::VectorXd drive = as_eigen(system.b) * u;
   if (!system.constant.empty()) drive += as_eigen(system.constant);
-  const Eigen::VectorXd at_rest = -matrix_of(system).partialPivLu().solve(drive);
+  const Eigen::VectorXd at_rest = -solve_lu(matrix_of(system), drive);
   std::copy(at_rest.begin(), at_rest.end(), x);
 }
 

@@ -1,6 +1,7 @@
 #include "multiplier_layout/slope_detector.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
+#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <complex>

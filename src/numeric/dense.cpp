@@ -28,16 +28,16 @@ Eigen::VectorXd solve_lu(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   return a.partialPivLu().solve(b);
 }
 
+Eigen::VectorXcd solve_lu(const Eigen::MatrixXcd& a, const Eigen::VectorXcd& b) {
+  return a.partialPivLu().solve(b);
+}
+
 Eigen::VectorXd solve_qr(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   return a.colPivHouseholderQr().solve(b);
 }
 
-Eigen::VectorXd solve_svd(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
-  return a.bdcSvd(Eigen::ComputeThinU | Eigen::ComputeThinV).solve(b);
-}
-
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& a) {
-  return Eigen::BDCSVD<Eigen::MatrixXd>(a).singularValues();
+  return Eigen::JacobiSVD<Eigen::MatrixXd>(a).singularValues();
 }
 
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a) {

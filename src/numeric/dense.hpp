@@ -19,10 +19,9 @@ Eigen::MatrixXd times(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 Eigen::VectorXd solve_ldlt(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 /// x of A x = b for any square A, by LU with partial pivoting.
 Eigen::VectorXd solve_lu(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+Eigen::VectorXcd solve_lu(const Eigen::MatrixXcd& a, const Eigen::VectorXcd& b);
 /// x of min |A x − b|, A with independent columns, by QR with column pivoting.
 Eigen::VectorXd solve_qr(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
-/// The shortest x of min |A x − b| for any A, by the singular value decomposition.
-Eigen::VectorXd solve_svd(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 
 /// Falling.
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& a);

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "numeric/dense.hpp"
+
 namespace bodesmith::part_errors {
 namespace {
 
@@ -167,7 +169,7 @@ Complex LoopNetwork::generator(RadPerSecond w) const {
   std::vector<Complex> by_input;
   const Eigen::MatrixXcd a = matrix(w, true, by_input);
   const Eigen::Map<const Eigen::VectorXcd> b(by_input.data(), static_cast<Eigen::Index>(by_input.size()));
-  return -a.partialPivLu().solve(b)(node("v", false));
+  return -solve_lu(a, b)(node("v", false));
 }
 
 std::vector<Complex> LoopNetwork::return_ratios(RadPerSecond w) const {
@@ -185,7 +187,7 @@ std::vector<Complex> LoopNetwork::return_ratios(RadPerSecond w) const {
     if (minus >= 0) own(at, minus) -= gain;
     Eigen::VectorXcd b = Eigen::VectorXcd::Zero(a.rows());
     b(at) = 1.0 / ohm;
-    const Eigen::VectorXcd v = own.partialPivLu().solve(b);
+    const Eigen::VectorXcd v = solve_lu(own, b);
     const Complex difference = (plus >= 0 ? v(plus) : Complex(0.0)) - (minus >= 0 ? v(minus) : Complex(0.0));
     out.push_back(-type.open_loop(w) * difference);
   }

@@ -12,6 +12,7 @@
 #include "fpaa/controller_gains.hpp"
 #include "fpaa/controller_run.hpp"
 #include "signal/csv.hpp"
+#include "tracking/waveforms.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -49,7 +50,6 @@ class IdealDrive final : public tracking::BuiltController {
   }
   int part_count() const override { return 0; }
   tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override {
-    using Branch = Disturbance::Branch;
     tracking::DriveWaveform out;
     const double repeat = static_cast<double>(reference.periods()) / operating.value;
     out.step_s = repeat / static_cast<double>(kFewestSamples);
@@ -57,7 +57,7 @@ class IdealDrive final : public tracking::BuiltController {
       const double theta = static_cast<double>(i) / static_cast<double>(kFewestSamples);
       const double r = reference.value(theta);
       const bool up = tracking::Reference::rises(reference.piece(theta));
-      const double d = disturbance_.value(up ? Branch::ascending : Branch::descending, r);
+      const double d = disturbance_.value(tracking::branch_of(up), r);
       out.v.push_back(polynomial_ ? r - d : r);
     }
     return out;

@@ -6,6 +6,7 @@
 #include <charconv>
 #include <cmath>
 #include <stdexcept>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -82,13 +83,17 @@ bool Csv::has(std::string_view name) const {
   return std::find(names_.begin(), names_.end(), name) != names_.end();
 }
 
-const std::vector<double>& Csv::column(std::string_view name) const {
+const std::vector<double>& Csv::column(std::string_view name) const& {
   const auto at = std::find(names_.begin(), names_.end(), name);
   if (at == names_.end()) {
     throw InputError(file_, header_line_,
                      fmt::format("has no column '{}', found: {}", name, join(names_, ", ")));
   }
   return columns_[static_cast<std::size_t>(at - names_.begin())];
+}
+
+std::vector<double> Csv::column(std::string_view name) && {
+  return std::as_const(*this).column(name);
 }
 
 void Csv::fail(std::size_t row, std::string_view message) const {

@@ -23,8 +23,10 @@ class Csv {
   const std::vector<std::string>& names() const { return names_; }
   std::size_t rows() const { return lines_.size(); }
   bool has(std::string_view name) const;
-  /// Throws InputError naming the header's line when there is no such column.
-  const std::vector<double>& column(std::string_view name) const;
+  /// Throws InputError naming the header's line when there is no such column. Of a table that is about to go
+  /// (`Csv::read(path, from).column("u")`) the column is handed over instead.
+  const std::vector<double>& column(std::string_view name) const&;
+  std::vector<double> column(std::string_view name) &&;
   /// Line of the file in which row i stands.
   int line(std::size_t row) const { return lines_[row]; }
   int header_line() const { return header_line_; }

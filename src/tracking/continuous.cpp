@@ -1,9 +1,10 @@
 #include "tracking/continuous.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "numeric/matrix_exponential.hpp"
 #include "simulate/cvode_solver.hpp"
@@ -41,7 +42,7 @@ Eigen::VectorXd periodic_start(const StateSpace& system, const std::vector<doubl
     next += g.col(0) * input[i] + g.col(1) * input[(i + 1) % input.size()];
     forced.swap(next);
   }
-  return (Eigen::MatrixXd::Identity(n, n) - propagator(system, repeat_s)).partialPivLu().solve(forced);
+  return solve_lu(Eigen::MatrixXd::Identity(n, n) - propagator(system, repeat_s), forced);
 }
 
 /// One repeat of one design, piece by piece between the reference's turning points.
@@ -185,7 +186,7 @@ double RepeatRun::correct(std::vector<double>& x, const std::vector<double>& end
     for (Eigen::Index i = 0; i < n; ++i)
       defect(i) = end[at + static_cast<std::size_t>(i)] - x[at + static_cast<std::size_t>(i)];
     const Eigen::VectorXd move =
-        (Eigen::MatrixXd::Identity(n, n) - propagator(block, stage_.repeat_s())).partialPivLu().solve(defect);
+        solve_lu(Eigen::MatrixXd::Identity(n, n) - propagator(block, stage_.repeat_s()), defect);
     for (Eigen::Index i = 0; i < n; ++i) {
       double& state = x[at + static_cast<std::size_t>(i)];
       most = std::max(most, std::abs(move(i)) / std::max(1.0, std::abs(state)));

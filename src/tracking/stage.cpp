@@ -10,6 +10,7 @@
 #include "hysteresis/polynomial_disturbance.hpp"
 #include "numeric/fourier.hpp"
 #include "tracking/lag.hpp"
+#include "tracking/waveforms.hpp"
 
 namespace bodesmith::tracking {
 namespace {
@@ -85,13 +86,13 @@ std::vector<double> PolynomialStage::by_slope(const std::vector<double>& u, Hert
   const double alpha = options_.alpha;
   double gain[2];
   for (const Branch branch : {Branch::ascending, Branch::descending}) {
-    gain[branch == Branch::ascending ? 0 : 1] =
+    gain[branch_index(branch)] =
         disturbance_.rate_gain(branch, operating) * stroke_gain(disturbance_, branch, alpha);
   }
   const std::vector<bool> rising = rising_samples(u, options_.turn_back * alpha);
   std::vector<double> q(u.size());
   for (std::size_t i = 0; i < u.size(); ++i) {
-    const Branch branch = rising[i] ? Branch::ascending : Branch::descending;
+    const Branch branch = branch_of(rising[i]);
     q[i] = u[i] + gain[rising[i] ? 0 : 1] * disturbance_.value(branch, u[i] / alpha);
   }
   return q;

@@ -1,6 +1,7 @@
 #include "circuit/ladders/synthesis.hpp"
 
 #include <fmt/format.h>
+#include <Eigen/Eigenvalues>
 
 #include <cmath>
 #include <utility>

@@ -1,7 +1,9 @@
 #include "circuit/ladders/two_terminal_network.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <map>
+
+#include "numeric/dense.hpp"
 
 namespace bodesmith::circuit {
 
@@ -28,7 +30,7 @@ std::complex<double> impedance_between(const std::vector<TwoTerminalPart>& parts
   }
   Eigen::VectorXcd current = Eigen::VectorXcd::Zero(n);
   current(nodes.at(a)) = 1.0;
-  return y.partialPivLu().solve(current)(nodes.at(a));
+  return solve_lu(y, current)(nodes.at(a));
 }
 
 }  // namespace bodesmith::circuit

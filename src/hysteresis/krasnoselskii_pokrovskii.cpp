@@ -10,15 +10,6 @@
 
 namespace bodesmith::hysteresis {
 
-KpEverett::KpEverett(std::shared_ptr<const EverettTable> table)
-    : table_(std::move(table)),
-      data_(table_->values.data()),
-      u_min_(table_->u_min),
-      scale_(static_cast<double>(table_->levels) / (table_->u_max - table_->u_min)),
-      last_(static_cast<double>(table_->levels)),
-      step_((table_->u_max - table_->u_min) / static_cast<double>(table_->levels)),
-      cells_(static_cast<int>(table_->levels)) {}
-
 double KpEverett::input(const Turn& from, const Turn* toward, int direction, double y, double now) const {
   if (direction > 0) {
     const double target = y - from.y;

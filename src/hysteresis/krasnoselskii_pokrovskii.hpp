@@ -30,19 +30,9 @@ namespace bodesmith::hysteresis {
 /// the output fall when the input rises, and every search (the paper's too) runs away. KpRateInverse takes
 /// the slope in ψ from the static inverse of the reference instead, a lead that is stable at any sampling
 /// time; its error is of second order in a2.
-class KpEverett {
+class KpEverett : public TableRule<KpEverett> {
  public:
-  using Cache = TablePlace;
-  using Turn = LoopTurn<Cache>;
-
-  explicit KpEverett(std::shared_ptr<const EverettTable> table);
-  Cache cache(double u) const {
-    const double x = (u - u_min_) * scale_;
-    if (!(x > 0.0)) return {0, 0.0};
-    if (x >= last_) return {cells_ - 1, 1.0};
-    const int cell = static_cast<int>(x);
-    return {cell, x - cell};
-  }
+  explicit KpEverett(std::shared_ptr<const EverettTable> table) : TableRule(std::move(table)) {}
   double everett(const TablePlace& high, const TablePlace& low) const {
     const double* row = data_ + static_cast<std::ptrdiff_t>(high.cell) * (cells_ + 1) + low.cell;
     const double* next = row + cells_ + 1;
@@ -50,20 +40,7 @@ class KpEverett {
     return row[1] + high.fraction * (next[1] - row[1]) + (1.0 - low.fraction) * (row[0] - row[1]) +
            corner * (next[0] - row[0] - next[1] + row[1]);
   }
-  double output(const Turn& from, const Turn*, int direction, double u) const {
-    const TablePlace here = cache(u);
-    return direction > 0 ? from.y + everett(here, from.cache) : from.y - everett(from.cache, here);
-  }
   double input(const Turn& from, const Turn* toward, int direction, double y, double now) const;
-
- private:
-  std::shared_ptr<const EverettTable> table_;
-  const double* data_;
-  double u_min_;
-  double scale_;
-  double last_;
-  double step_;
-  int cells_;
 };
 
 struct KrasnoselskiiPokrovskii {

@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "hysteresis/model_type.hpp"
@@ -48,13 +49,14 @@ struct TablePlace {
   double fraction = 0.0;
 };
 
-/// Rule of NestedLoops: bilinear Everett function.
-class BilinearEverett {
+/// What the rules of NestedLoops over an EverettTable share; `Rule` gives double everett(high, low), the Everett
+/// function between the nodes.
+template <class Rule>
+class TableRule {
  public:
   using Cache = TablePlace;
   using Turn = LoopTurn<Cache>;
 
-  explicit BilinearEverett(std::shared_ptr<const EverettTable> table);
   Cache cache(double u) const {
     const double x = (u - u_min_) * scale_;
     if (!(x > 0.0)) return {0, 0.0};
@@ -62,6 +64,35 @@ class BilinearEverett {
     const int cell = static_cast<int>(x);
     return {cell, x - cell};
   }
+  double output(const Turn& from, const Turn*, int direction, double u) const {
+    const Rule& rule = static_cast<const Rule&>(*this);
+    const TablePlace here = cache(u);
+    return direction > 0 ? from.y + rule.everett(here, from.cache) : from.y - rule.everett(from.cache, here);
+  }
+
+ protected:
+  explicit TableRule(std::shared_ptr<const EverettTable> table)
+      : table_(std::move(table)),
+        data_(table_->values.data()),
+        u_min_(table_->u_min),
+        scale_(static_cast<double>(table_->levels) / (table_->u_max - table_->u_min)),
+        last_(static_cast<double>(table_->levels)),
+        step_((table_->u_max - table_->u_min) / static_cast<double>(table_->levels)),
+        cells_(static_cast<int>(table_->levels)) {}
+
+  std::shared_ptr<const EverettTable> table_;
+  const double* data_;
+  double u_min_;
+  double scale_;
+  double last_;
+  double step_;
+  int cells_;
+};
+
+/// Rule of NestedLoops: bilinear Everett function.
+class BilinearEverett : public TableRule<BilinearEverett> {
+ public:
+  explicit BilinearEverett(std::shared_ptr<const EverettTable> table) : TableRule(std::move(table)) {}
   /// T(high, low).
   double everett(const TablePlace& high, const TablePlace& low) const {
     const double* row = data_ + static_cast<std::ptrdiff_t>(high.cell) * (cells_ + 1) + low.cell;
@@ -70,20 +101,7 @@ class BilinearEverett {
     const double upper = next[0] + low.fraction * (next[1] - next[0]);
     return lower + high.fraction * (upper - lower);
   }
-  double output(const Turn& from, const Turn*, int direction, double u) const {
-    const TablePlace here = cache(u);
-    return direction > 0 ? from.y + everett(here, from.cache) : from.y - everett(from.cache, here);
-  }
   double input(const Turn& from, const Turn* toward, int direction, double y, double now) const;
-
- private:
-  std::shared_ptr<const EverettTable> table_;
-  const double* data_;
-  double u_min_;
-  double scale_;
-  double last_;
-  double step_;
-  int cells_;
 };
 
 /// Rule of NestedLoops: the relays as they are. No inverse (a staircase has none).

@@ -9,6 +9,7 @@
 #include <optional>
 
 #include "numeric/index.hpp"
+#include "numeric/log_ratio.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -94,7 +95,7 @@ class BeamSearch {
       } else if (branch.kind == Branch::Kind::differentiating) {
         got = lists_.one_minus_z(k) * problem_.clock.value;
       }
-      const std::complex<double> value = sign * std::log(got / branch.imitated(problem_.grid[k]));
+      const std::complex<double> value = sign * log_ratio(got, branch.imitated(problem_.grid[k]));
       u[eigen_index(k)] = value.real();
       u[eigen_index(lists_.points() + k)] = value.imag();
     }

@@ -5,6 +5,8 @@
 #include <limits>
 #include <numeric>
 
+#include "numeric/log_ratio.hpp"
+
 namespace bodesmith::fpaa {
 namespace {
 
@@ -111,7 +113,7 @@ Candidate CandidateLists::evaluate(const Branch& branch, const BranchValue& valu
   for (std::size_t k = 0; k < points(); ++k) {
     const std::complex<double> got =
         static_cast<double>(value.c0) + static_cast<double>(value.c1) * one_minus_z_[k];
-    const std::complex<double> u = sign * std::log(got / target[k]);
+    const std::complex<double> u = sign * log_ratio(got, target[k]);
     c.re.push_back(u.real());
     c.im.push_back(u.imag());
   }

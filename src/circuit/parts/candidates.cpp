@@ -5,6 +5,8 @@
 #include <limits>
 #include <random>
 
+#include "numeric/log_ratio.hpp"
+
 namespace bodesmith::circuit {
 namespace {
 
@@ -221,7 +223,7 @@ class StageSearch {
   std::vector<std::complex<double>> error_of(const std::vector<double>& values) const {
     const Biquad h = form_.aim(values);
     std::vector<std::complex<double>> out(w_.size());
-    for (std::size_t i = 0; i < w_.size(); ++i) out[i] = std::log(h.response(w_[i]) / wanted_[i]);
+    for (std::size_t i = 0; i < w_.size(); ++i) out[i] = log_ratio(h.response(w_[i]), wanted_[i]);
     return out;
   }
 

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "numeric/log_ratio.hpp"
+
 namespace bodesmith::circuit {
 namespace {
 
@@ -43,7 +45,7 @@ class StageMoves {
   std::vector<std::complex<double>> error(const std::vector<double>& values) const {
     const Biquad h = form_.aim(values);
     std::vector<std::complex<double>> out(w_.size());
-    for (std::size_t k = 0; k < w_.size(); ++k) out[k] = std::log(h.response(w_[k]) / wanted_[k]);
+    for (std::size_t k = 0; k < w_.size(); ++k) out[k] = log_ratio(h.response(w_[k]), wanted_[k]);
     return out;
   }
 

@@ -18,7 +18,7 @@ namespace bodesmith::fpaa {
 namespace {
 
 constexpr double kEdgeOfGap = 0.25;  ///< an edge of a phase, as a share of the gap
-constexpr double kPolePart = 1e-9;   ///< F: any value does, the op-amp's pole is R C and gm follows
+constexpr double kPolePart = 1e-11;  ///< F: about the others, gm follows; ngspice's chgtol is one for all
 
 /// Digits that every simulator reads: no unit letters.
 std::string spice_number(double value) {
@@ -67,7 +67,13 @@ class StageWriter {
     if (plate.is_static()) return node_name(stage, plate.phase1);
     if (plate.phase1.kind != PlateNode::Kind::open) add_switch(node_name(stage, plate.phase1), own, 1);
     if (plate.phase2.kind != PlateNode::Kind::open) add_switch(node_name(stage, plate.phase2), own, 2);
+    add_stray(own);
     return own;
+  }
+
+  void add_stray(const std::string& node) {
+    lines_.push_back(
+        fmt::format("CY{0} {0} 0 {1}", node, spice_number(parts_.stray_units * parts_.unit_capacitance_f)));
   }
 
   void add_opamp(const StageSwitches& stage, std::size_t index) {
@@ -77,6 +83,7 @@ class StageWriter {
     lines_.push_back(fmt::format("CA{0} x{0} 0 {1}", k, spice_number(kPolePart)));
     lines_.push_back(fmt::format("RA{0} x{0} 0 {1}", k, spice_number(parts_.opamp.gain / gm)));
     lines_.push_back(fmt::format("EA{0} {1} 0 x{0} 0 1", k, output_node(stage, k)));
+    add_stray(fmt::format("n{}", k));
     const int reset = stage.opamps[index].reset_phase;
     if (reset != 0) add_switch(output_node(stage, k), fmt::format("n{}", k), reset);
   }
@@ -138,6 +145,7 @@ Outcome<std::string> board_netlist(const Plan& plan, const NetlistParts& parts, 
             {"unit_f", spice_number(parts.unit_capacitance_f)},
             {"on_ohm", spice_number(parts.switch_on_ohm)},
             {"off_ohm", spice_number(parts.switch_off_ohm)},
+            {"stray_units", spice_number(parts.stray_units)},
             {"bandwidth_hz", spice_number(parts.opamp.gain_bandwidth.value)},
             {"gain", spice_number(parts.opamp.gain)},
             {"clocks", Json::array()},
@@ -178,15 +186,18 @@ Outcome<std::string> board_netlist(const Plan& plan, const NetlistParts& parts, 
 }
 
 std::string board_deck_options() {
-  return ".options method=gear reltol=1e-4 abstol=1e-14 vntol=1e-8 chgtol=1e-20 gmin=1e-13";
+  return ".options method=gear reltol=1e-4 abstol=1e-14 vntol=1e-8 chgtol=1e-15 gmin=1e-13";
 }
 
 std::string board_deck(const Plan& plan, const std::string& title) {
   constexpr double kPeriods = 5.0;
   constexpr double kStepsAPhase = 4.0;
-  const double frequency = std::sqrt(plan.error.band.from.value * plan.error.band.to.value);
+  constexpr double kMostClocks = 50e3;  ///< of the fastest clock in the run: about a minute of ngspice
   double fastest = 0.0;
   for (const PlacedCam* cam : plan.cams()) fastest = std::max(fastest, cam->clock_a.value);
+  const double middle = std::sqrt(plan.error.band.from.value * plan.error.band.to.value);
+  const double frequency =
+      std::max(middle, std::min(plan.error.band.to.value, kPeriods * fastest / kMostClocks));
   const double amplitude = plan.max_input_v > 0.0 ? std::min(1.0, 0.9 * plan.max_input_v) : 1.0;
   return render_template("fpaa/board.cir", {{"title", title},
                                             {"amplitude_v", spice_number(amplitude)},

@@ -14,6 +14,10 @@ struct NetlistParts {
   double unit_capacitance_f = 50e-15;
   double switch_on_ohm = 1e3;
   double switch_off_ohm = 1e15;
+  /// Stray capacitance to ground, in units, of every inverting input and of every plate behind switches. The
+  /// stages are insensitive to it; without any, an inverting input whose capacitors are all open between the
+  /// phases has no voltage, and a simulator's matrix no solution.
+  double stray_units = 1e-3;
   OpAmpModel opamp;
   /// Both phases of a clock end this share of a period before the other begins.
   double gap = 0.01;
@@ -30,7 +34,8 @@ struct NetlistParts {
 /// an ideal output. Refused for a plan with a CAM whose switches are not known.
 Outcome<std::string> board_netlist(const Plan& plan, const NetlistParts& parts, const std::string& title);
 
-/// board.cir: a sine in the middle of the plan's band through it, for ngspice.
+/// board.cir: a sine in the middle of the plan's band through it, for ngspice; nearer to the band's upper end where
+/// the fastest clock would turn too often.
 std::string board_deck(const Plan& plan, const std::string& title);
 
 /// Options that ngspice needs for capacitors of some fF (its default accuracy is a charge of 1e-14 C).

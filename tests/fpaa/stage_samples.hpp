@@ -15,7 +15,7 @@ struct StageSample {
   std::vector<double> late_periods;
 };
 
-/// Every CAM and option that says its switches.
+/// Every CAM and option that says its switches (cam_library_test.cpp: none is missing).
 inline std::vector<StageSample> stage_samples() {
   std::vector<StageSample> out;
   const auto add = [&](const char* cam, const char* option, std::vector<Capacitor> capacitors,
@@ -42,6 +42,9 @@ inline std::vector<StageSample> stage_samples() {
   add("GainInv", "", {{"Cin", 30}, {"Cout", 12}});
   add("SumInv", "2 inputs", {{"Cin1", 7}, {"aCin1", 20}, {"Cin2", 11}, {"Cout", 10}, {"aCout", 30}},
       {0.0, 0.0});
+  add("SumInv", "3 inputs",
+      {{"Cin1", 7}, {"aCin1", 7}, {"Cin2", 12}, {"aCin2", 5}, {"Cin3", 9}, {"Cout", 11}, {"aCout", 16}},
+      {0.0, 0.0, 0.0});
   add("SumFilter", "", {{"C1", 5}, {"C2", 9}, {"Cint", 22}, {"Cout", 8}}, {0.0, 0.0});
   for (const int phase : {1, 2}) {
     // In phase 2 the inputs of the same period are there already; in phase 1 a delayed one is a period old.
@@ -51,6 +54,9 @@ inline std::vector<StageSample> stage_samples() {
     add("GainHalf", "Inverting", {{"Cin", 15}, {"Cout", 10}}, {0.0}, phase);
     add("GainHalf", "Non-inverting", {{"Cin", 15}, {"Cout", 10}}, {late}, phase);
     add("GainHold", "Inverting", {{"Cin", 15}, {"Cout", 10}}, {phase == 1 ? 0.0 : 1.0}, phase);
+    // In phase 2 its output moves while it holds: GainHold's header says by how much.
+    if (phase == 1) add("GainHold", "Non-inverting", {{"Cin", 15}, {"Cout", 10}}, {1.0}, phase);
+    add("Hold", "", {}, {1.0}, phase);
   }
   add("Integrator", "Inverting", {{"Cin", 7}, {"Cint", 30}});
   add("Integrator", "Non-inverting", {{"Cin", 7}, {"Cint", 30}});

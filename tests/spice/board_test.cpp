@@ -67,6 +67,7 @@ double at_time(const Transient& run, double time) {
 struct RunLength {
   int settle = 45;
   int window = 40;
+  int steps = 8;  ///< ngspice's longest, in a period
   /// Whole turns in the window, each a tone.
   std::vector<int> turns{1, 2, 3, 4, 5, 7, 9, 12, 15, 18};
 };
@@ -89,7 +90,7 @@ Measured run_stage(const std::string& library, const std::string& call, std::siz
     deck += staircase(fmt::format("in{}", i + 1), fmt::format("in{}", i + 1), x.back(), period, gap);
   }
   deck += call + fpaa::board_deck_options() + "\n";
-  const Transient run = run_transient(deck, {"out"}, period / 8.0, count * period, "board.sub");
+  const Transient run = run_transient(deck, {"out"}, period / length.steps, count * period, "board.sub");
   std::vector<double> y;
   for (int n = 0; n < count; ++n) y.push_back(at_time(run, (n + read_at) * period));
   const auto from = static_cast<std::size_t>(length.settle);
@@ -121,7 +122,7 @@ NetlistParts ideal_parts(double clock) {
 }
 
 /// A stage by itself: its subcircuit and phases out of the plan's netlist, each input a node of the deck.
-Measured measured_stage(const PlacedCam& cam, const NetlistParts& parts, double read_at) {
+Measured measured_stage(const PlacedCam& cam, const NetlistParts& parts, double read_at, int steps = 8) {
   Plan plan = plan_of_one(cam);
   std::string library = value_or_throw(fpaa::board_netlist(plan, parts, "stage"));
   // All wires lead to the one input pin "in": give each input a node of its own.
@@ -139,7 +140,7 @@ Measured measured_stage(const PlacedCam& cam, const NetlistParts& parts, double 
   // With its line ends: the heading comment says the same words.
   replace("\n.subckt board in out\n", "\n.subckt board " + pins + "out\n");
   replace("Xchip1_Stage1 " + shared, "Xchip1_Stage1 " + pins);
-  const RunLength length{cam.cam->switches(cam)->opamps.size() > 1 ? 90 : 45};
+  const RunLength length{.settle = cam.cam->switches(cam)->opamps.size() > 1 ? 90 : 45, .steps = steps};
   return run_stage(library, "Xb " + pins + "out board\n", cam.input_count(), 1.0 / cam.clock_a.value,
                    parts.gap, read_at, length);
 }
@@ -159,11 +160,11 @@ Complex wanted_of(const fpaa::StageSample& sample, std::size_t input, RadPerSeco
   return sample.cam.z_from(input + 1).response(w, sample.cam.clock_a) * late;
 }
 
-TEST(Board, StagesOfSwitchesAreTheirEquationsInNgspice) {
+/// With one or two op-amps, so that two tests can run side by side.
+void expect_equations(std::size_t opamps) {
   if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
   for (const fpaa::StageSample& sample : fpaa::stage_samples()) {
-    // SumDiff and those after it are not shown: ngspice's step became too small (docs/fpaa_bench.md).
-    if (sample.cam.cam_name() == "SumDiff") break;
+    if (sample.cam.cam->switches(sample.cam)->opamps.size() != opamps) continue;
     const NetlistParts parts = ideal_parts(sample.cam.clock_a.value);
     const Measured got = measured_stage(sample.cam, parts, read_at_of(sample.cam, parts));
     ASSERT_EQ(got.h.size(), static_cast<std::size_t>(kTones));
@@ -171,34 +172,52 @@ TEST(Board, StagesOfSwitchesAreTheirEquationsInNgspice) {
       const RadPerSecond w{2.0 * std::numbers::pi * got.turns[k] / 40.0 * sample.cam.clock_a.value};
       const Complex wanted = wanted_of(sample, k % sample.cam.input_count(), w);
       EXPECT_LT(error_db(got.h[k], wanted), 0.01) << sample.title << " at " << w.hz().value << " Hz";
-      EXPECT_LT(std::abs(got.h[k] / wanted - 1.0), 2e-3) << sample.title << " at " << w.hz().value << " Hz";
+      EXPECT_LT(std::abs(got.h[k] / wanted - 1.0), 1e-3) << sample.title << " at " << w.hz().value << " Hz";
     }
   }
 }
 
-// Not met: up to .012 apart where .004 is wanted (docs/fpaa_bench.md).
-TEST(Board, DISABLED_SlowOpAmpsLeaveWhatTheChargeBalanceSays) {
+TEST(Board, EveryStageIsItsEquationInNgspice) {
+  expect_equations(1);
+}
+
+TEST(Board, EveryStageOfTwoOpAmpsIsItsEquationInNgspice) {
+  expect_equations(2);
+}
+
+/// Op-amps of twice the clock: a phase leaves up to a sixth. The phases' gap is not in the prediction, so it is
+/// made short; ngspice's steps are short against the op-amp's time constant (at 8 a period its own error was
+/// .012).
+void expect_settling(std::size_t opamps) {
   if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  double largest_effect = 0.0;
   for (const fpaa::StageSample& sample : fpaa::stage_samples()) {
-    const bool tried = sample.cam.cam_name() == "FilterBilinear" || sample.title == "SumInv 2 inputs" ||
-                       sample.title == "BiquadStage Low Q" || sample.title == "GainHalf Inverting";
-    if (!tried) continue;
+    const auto stage = sample.cam.cam->switches(sample.cam);
+    // Phase 2 is phase 1 mirrored.
+    if (stage->opamps.size() != opamps || sample.cam.phase == 2) continue;
     const double clock = sample.cam.clock_a.value;
     NetlistParts parts = ideal_parts(clock);
     parts.opamp = {{2.0 * clock}, 1e6};
-    parts.gap = 0.004;
-    const Measured got = measured_stage(sample.cam, parts, read_at_of(sample.cam, parts));
-    const fpaa::ChargeBalance said(*sample.cam.cam->switches(sample.cam), parts.opamp, sample.cam.clock_a);
-    double effect = 0.0;
+    parts.gap = 0.002;
+    const Measured got = measured_stage(sample.cam, parts, read_at_of(sample.cam, parts), 64);
+    const fpaa::ChargeBalance said(*stage, parts.opamp, sample.cam.clock_a);
     for (std::size_t k = 0; k < got.h.size(); ++k) {
       const RadPerSecond w{2.0 * std::numbers::pi * got.turns[k] / 40.0 * clock};
       const std::size_t input = k % sample.cam.input_count();
       const Complex predicted = said.response(w, static_cast<int>(input) + 1);
-      effect = std::max(effect, std::abs(predicted / wanted_of(sample, input, w) - 1.0));
-      EXPECT_LT(std::abs(got.h[k] / predicted - 1.0), 0.004) << sample.title << " at " << w.hz().value;
+      largest_effect = std::max(largest_effect, std::abs(predicted / wanted_of(sample, input, w) - 1.0));
+      EXPECT_LT(std::abs(got.h[k] / predicted - 1.0), 0.003) << sample.title << " at " << w.hz().value;
     }
-    EXPECT_GT(effect, 0.02) << sample.title << ": the op-amp is not slow enough to tell";
   }
+  EXPECT_GT(largest_effect, 0.05) << "the op-amps are not slow enough to tell";
+}
+
+TEST(Board, SlowOpAmpsLeaveWhatTheChargeBalanceSays) {
+  expect_settling(1);
+}
+
+TEST(Board, TwoSlowOpAmpsLeaveWhatTheChargeBalanceSays) {
+  expect_settling(2);
 }
 
 /// A stage of stage_samples() under another name and clock.
@@ -248,7 +267,7 @@ TEST(Board, AWholeCascadeIsTheProductOfItsStages) {
                 {"chip1.Section2", "chip1.out1"}, {"chip1.out1", "chip2.in1"},
                 {"chip2.in1", "chip2.Section3"},  {"chip2.Section3", "chip2.Gain4"},
                 {"chip2.Gain4", "chip2.out1"}};
-  expect_as_it_runs(plan, kClock, 3, {60});
+  expect_as_it_runs(plan, kClock, 3, {.settle = 60});
 }
 
 /// Partial fractions: a constant path and a low pass of a slower clock, summed at the fast one.
@@ -267,7 +286,7 @@ TEST(Board, AParallelPlanOfTwoClocksRunsAsItIsSaid) {
                 {"chip1.Path1", "chip1.Sum1", 2},
                 {"chip1.Sum1", "chip1.out1"}};
   // The slow clock turns 20 times in the window: no tone, nor its mirror image, may fold onto another.
-  expect_as_it_runs(plan, kClock, 1, {140, 80, {1, 2, 5, 7, 9, 12, 17, 24, 34}});
+  expect_as_it_runs(plan, kClock, 1, {.settle = 140, .window = 80, .turns = {1, 2, 5, 7, 9, 12, 17, 24, 34}});
 }
 
 TEST(Board, APlanWithSwitchesThatAreNotKnownIsRefusedInOneLine) {

@@ -28,10 +28,19 @@ void declare_trim(CommandLine& line) {
   line.option<std::string>("measured", "CSV: frequency_hz, magnitude_db (or gain), phase_deg where measured");
   line.option<std::string>("sections",
                            "what the board shall do (default: what the plan does with exact capacitors)");
+  line.option<std::string>(
+      "target",
+      "plan.json whose response with exact capacitors is wanted, when the board was trimmed "
+      "before: the plan as it was designed (default: PLAN.json itself)");
   line.option<double>("measurement-percent",
                       "standard deviation of a measured value (default: found from the measurement)");
   line.option<std::string>(
       "api", "ApiCode.c of the project on the board (default: it runs the streams of fpaa --stream)");
+  line.option<std::string>(
+      "unit-array",
+      "how a capacitor's number chooses its units: nested (each holds the smaller ones) or "
+      "binary (groups of 1, 2, 4 …: more of them change; not publicly known)",
+      "binary");
   line.option<int>("samples",
                    "boards that agree with the measurement, on all of which the new ones are better", 400);
   line.band("lower end of the band in which the board is trimmed (default: the plan's)", "its upper end");
@@ -61,8 +70,11 @@ fpaa::MeasuredBoard read_measured(const CommandLine& line, Provenance& from) {
 
 std::vector<std::complex<double>> wanted_response(const CommandLine& line, const fpaa::Plan& plan,
                                                   const std::vector<Hertz>& grid, Provenance& from) {
+  if (line.has("sections") && line.has("target")) line.fail("--sections and --target, expected one of them");
   if (!line.has("sections")) {
-    const fpaa::DrawnBoard board(plan, grid);
+    const fpaa::Plan target =
+        line.has("target") ? fpaa::Plan::read(line.get<std::string>("target"), from) : plan;
+    const fpaa::DrawnBoard board(target, grid);
     return board.response(board.nominal_units());
   }
   const Sections sections = Sections::read(line.get<std::string>("sections"), from);
@@ -164,6 +176,7 @@ int run_fpaa_trim(const std::vector<std::string>& arguments) {
   options.seed = line.seed_value();
   options.samples = line.integer("samples", 20, 100000);
   options.band = line.maybe_band();
+  options.array = line.choice("unit-array", {fpaa::UnitArray::binary, fpaa::UnitArray::nested});
   const fpaa::MeasuredBoard measured = read_measured(line, from);
   const std::vector<Hertz> grid = fpaa::trim_grid(plan, options);
   const auto wanted = wanted_response(line, plan, grid, from);

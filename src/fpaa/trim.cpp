@@ -103,6 +103,21 @@ double with_error(double units, double x, const MismatchModel& mismatch) {
   return units > 0.0 ? units * std::exp(x) + mismatch.systematic_units : 0.0;
 }
 
+double unit_variance(const MismatchModel& mismatch) {
+  return std::pow(mismatch.unit_percent / 100.0, 2);
+}
+
+ExchangedUnits exchanged(double from, int to, const TrimOptions& options) {
+  return exchanged_units(static_cast<int>(std::lround(from)), to, options.array,
+                         unit_variance(options.mismatch));
+}
+
+/// What a capacitor of n units with the relative error x (ln) is expected to be with `to` units.
+double trimmed_capacitor(double n, double x, int to, const TrimOptions& options) {
+  if (to == 0) return 0.0;
+  return to + n * std::expm1(x) * exchanged(n, to, options).kept + options.mismatch.systematic_units;
+}
+
 std::vector<double> with_errors(const std::vector<double>& units, const MismatchModel& mismatch,
                                 const VectorXd& x) {
   std::vector<double> out(units);
@@ -155,9 +170,8 @@ class TrimTrial {
       for (std::size_t c = 0; c < real.size(); ++c) {
         const double number = random.normal();
         if (units[c] == 0) continue;
-        const double fresh =
-            options_.mismatch.unit_percent / 100.0 * std::sqrt(std::abs(units[c] - old[c])) / units[c];
-        real[c] = with_error(units[c], x[c] + fresh * number, options_.mismatch);
+        const ExchangedUnits moved = exchanged(old[c], units[c], options_);
+        real[c] = trimmed_capacitor(old[c], x[c], units[c], options_) + std::sqrt(moved.variance) * number;
       }
       const WorstError is = worst_error(board_.response(real), wanted_);
       better = better && is.percent < was.percent && is.db <= was.db;
@@ -186,28 +200,78 @@ class TrimTrial {
   const TrimOptions& options_;
 };
 
-std::vector<int> best_trim_units(const Plan& plan, const std::vector<Hertz>& grid,
-                                 const std::vector<Complex>& wanted, const BoardEstimate& estimate,
-                                 const TrimOptions& options) {
-  const DrawnBoard board(plan, grid);
-  VectorXd x(static_cast<Index>(estimate.error.size()));
-  for (Index c = 0; c < x.size(); ++c) x(c) = estimate.error[static_cast<std::size_t>(c)];
-  const std::vector<double> real = with_errors(board.nominal_units(), options.mismatch, x);
-  const std::vector<Complex> got = board.response(real);
-  TrimProblem problem;
-  problem.max_units = board_by_name(plan.board).max_capacitor;
-  problem.unit_variance = std::pow(options.mismatch.unit_percent / 100.0, 2);
-  problem.slope = board.sensitivities(real);
-  for (const double units : board.nominal_units()) {
-    problem.units.push_back(static_cast<int>(std::lround(units)));
+/// Searches whole capacitors, linearised three times, nearer and nearer to what was found.
+class TrimDesign {
+ public:
+  TrimDesign(const Plan& plan, const std::vector<Hertz>& grid, const std::vector<Complex>& wanted,
+             const BoardEstimate& estimate, const TrimOptions& options)
+      : board_(plan, grid), wanted_(wanted), estimate_(estimate), options_(options) {
+    const std::vector<double>& built = board_.nominal_units();
+    problem_.max_units = board_by_name(plan.board).max_capacitor;
+    problem_.unit_variance = unit_variance(options.mismatch);
+    problem_.systematic_units = options.mismatch.systematic_units;
+    problem_.array = options.array;
+    problem_.steps = options.search_steps;
+    problem_.seed = options.seed;
+    for (std::size_t c = 0; c < built.size(); ++c) {
+      problem_.built.push_back(static_cast<int>(std::lround(built[c])));
+      problem_.excess.push_back(built[c] * std::expm1(estimate.error[c]));
+    }
+    problem_.units = problem_.built;
   }
-  for (std::size_t k = 0; k < got.size(); ++k) {
-    const Complex ratio = got[k] / wanted[k];
-    problem.error.push_back(ratio - 1.0);
-    for (auto& of_capacitor : problem.slope) of_capacitor[k] *= ratio;
+
+  std::vector<int> best() {
+    std::vector<int> best = problem_.built;
+    double least = linearise();
+    for (const double reach : {0.25, 0.04, 0.02}) {
+      problem_.reach = reach;
+      problem_.restarts = reach > 0.1 ? kRestarts : 0;
+      problem_.units = search_trim(problem_);
+      const double worst = linearise();
+      if (worst >= least) continue;
+      least = worst;
+      best = problem_.units;
+    }
+    return best;
   }
-  return search_trim(problem);
-}
+
+ private:
+  static constexpr int kRestarts = 12;
+  static constexpr double kSigmas = 2.0;
+
+  /// Error and slopes at problem_.units, not linear; the worst error expected there, with two standard
+  /// deviations of what exchanged units add.
+  double linearise() {
+    const std::vector<double>& built = board_.nominal_units();
+    std::vector<double> real(built.size());
+    for (std::size_t c = 0; c < real.size(); ++c) {
+      real[c] = trimmed_capacitor(built[c], estimate_.error[c], problem_.units[c], options_);
+    }
+    const std::vector<Complex> got = board_.response(real);
+    problem_.slope = board_.sensitivities(real);
+    problem_.error.clear();
+    double worst = 0.0;
+    for (std::size_t k = 0; k < got.size(); ++k) {
+      const Complex ratio = got[k] / wanted_[k];
+      problem_.error.push_back(ratio - 1.0);
+      double variance = 0.0;
+      for (std::size_t c = 0; c < real.size(); ++c) {
+        problem_.slope[c][k] *= ratio;
+        if (problem_.units[c] == 0) continue;
+        variance += exchanged(built[c], problem_.units[c], options_).variance / (real[c] * real[c]) *
+                    std::norm(problem_.slope[c][k]);
+      }
+      worst = std::max(worst, std::abs(ratio - 1.0) + kSigmas * std::sqrt(variance));
+    }
+    return worst;
+  }
+
+  DrawnBoard board_;
+  const std::vector<Complex>& wanted_;
+  const BoardEstimate& estimate_;
+  const TrimOptions& options_;
+  TrimProblem problem_;
+};
 
 }  // namespace
 
@@ -266,8 +330,9 @@ Plan with_capacitors(const Plan& plan, const std::vector<int>& units) {
 Trim trim_board(const Plan& plan, const std::vector<Complex>& wanted, const std::vector<Hertz>& grid,
                 const MeasuredBoard& measured, const TrimOptions& options) {
   Trim out;
+  out.array = options.array;
   out.estimate = estimate_board(plan, measured, options.mismatch);
-  const std::vector<int> units = best_trim_units(plan, grid, wanted, out.estimate, options);
+  const std::vector<int> units = TrimDesign(plan, grid, wanted, out.estimate, options).best();
   const DrawnBoard board(plan, grid);
   out.improved = TrimTrial(plan, grid, wanted, out.estimate, options).proves(units, out.before, out.after);
   if (!out.improved) {
@@ -288,6 +353,7 @@ Json Trim::to_json() const {
     return Json{{"median_percent", e.median_percent}, {"p95_percent", e.p95_percent}};
   };
   Json out{{"improved", improved},
+           {"unit_array", to_string(array)},
            {"before", error(before)},
            {"after", error(after)},
            {"measurement_deviation_percent", 100.0 * estimate.noise},

@@ -6,6 +6,7 @@
 
 #include "base/json_fwd.hpp"
 #include "fpaa/drawn_board.hpp"
+#include "fpaa/exchanged_units.hpp"
 #include "fpaa/plan.hpp"
 #include "lti/sections.hpp"
 
@@ -50,6 +51,8 @@ struct TrimmedCapacitor {
 
 struct TrimOptions {
   MismatchModel mismatch;
+  UnitArray array = UnitArray::binary;  ///< an ASSUMPTION: the one of the two that exchanges more units
+  int search_steps = 20000;             ///< of TrimProblem
   int samples = 400;  ///< of boards that agree with the measurement, by which a change must prove itself
   std::uint64_t seed = 1;
   std::optional<Band> band;  ///< absent: the plan's
@@ -61,15 +64,17 @@ struct Trim {
   std::vector<TrimmedCapacitor> changes;
   TrimError before;
   TrimError after;
+  UnitArray array = UnitArray::binary;
   BoardEstimate estimate;
 
   Json to_json() const;
 };
 
 /// New whole capacitors for a board that was measured, so that it comes to `wanted` (as it runs) over the
-/// plan's band. A capacitor that goes from n to m units keeps its relative error, and gains one of variance
-/// k^2 |m - n|/m^2 (the units that come or go are others). The old capacitors are kept unless the new ones
-/// are better on every one of `samples` boards drawn from what the measurement leaves open.
+/// plan's band. What a capacitor keeps of its error when its units change: exchanged_units(). The old
+/// capacitors are kept unless the new ones are better on every one of `samples` boards drawn from what the
+/// measurement and the exchanged units leave open. Measured and trimmed again, a board starts from the model
+/// anew, with the capacitors of the first trim as the plan.
 Trim trim_board(const Plan& plan, const std::vector<std::complex<double>>& wanted,
                 const std::vector<Hertz>& grid, const MeasuredBoard& measured, const TrimOptions& options);
 

@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstdlib>
 
 #include "base/error.hpp"
 #include "fpaa/cams/cam.hpp"
@@ -17,11 +16,6 @@ namespace bodesmith::fpaa {
 namespace {
 
 using Complex = std::complex<double>;
-
-struct BlindTrim {
-  double before = 0.0;  ///< worst complex error over the band, percent, of the true board
-  double after = 0.0;
-};
 
 double worst_percent_of(const std::vector<Complex>& got, const std::vector<Complex>& wanted) {
   double worst = 0.0;
@@ -43,29 +37,79 @@ MeasuredBoard measured_on(const Plan& plan, const std::vector<double>& units, co
   return out;
 }
 
-/// Draws a board, measures it with noise, trims it; the true board with the new capacitors, whose relative
-/// errors are the old ones.
-BlindTrim blind_trim(const Plan& plan, int points, double noise, bool with_phase, std::uint64_t seed) {
+/// A board drawn unit by unit: what each capacitor is with any number of units.
+class UnitBoard {
+ public:
+  /// Relative: every capacitor keeps its relative error, whatever its units.
+  enum class Kind { nested, binary, relative };
+  UnitBoard(std::size_t capacitors, Kind kind, double unit_percent, std::uint64_t seed)
+      : kind_(kind), k_(unit_percent / 100.0) {
+    Random random(seed);
+    for (std::size_t c = 0; c < capacitors; ++c) {
+      errors_.emplace_back();
+      for (int i = 0; i < 255; ++i) errors_[c].push_back(random.normal());
+    }
+  }
+  std::vector<double> sizes(const std::vector<double>& units, const std::vector<double>& designed) const {
+    std::vector<double> out;
+    for (std::size_t c = 0; c < units.size(); ++c) {
+      const int n = static_cast<int>(std::lround(units[c]));
+      double excess = 0.0;
+      for (int i = 0; kind_ == Kind::nested && i < n; ++i) excess += errors_[c][static_cast<std::size_t>(i)];
+      for (int bit = 0; kind_ == Kind::binary && bit < 8; ++bit) {
+        if ((n >> bit) & 1) excess += std::sqrt(1 << bit) * errors_[c][static_cast<std::size_t>(bit)];
+      }
+      if (kind_ == Kind::relative && n > 0) excess = n / std::sqrt(designed[c]) * errors_[c][0];
+      out.push_back(n + k_ * excess);
+    }
+    return out;
+  }
+
+ private:
+  Kind kind_;
+  double k_;
+  std::vector<std::vector<double>> errors_;
+};
+
+struct BlindSetting {
+  int boards = 20;
+  int points = 40;
+  double noise = 3e-4;
+  bool with_phase = true;
+  UnitBoard::Kind kind = UnitBoard::Kind::binary;
+  UnitArray array = UnitArray::binary;  ///< what the trim takes the units to be
+  std::uint64_t seed = 1000;
+};
+
+/// Worst complex error over the band, percent, of the true board: as built, after one trim, after a second
+/// (measured again).
+struct BlindTrim {
+  double before = 0.0;
+  double after = 0.0;
+  double again = 0.0;
+};
+
+BlindTrim blind_trim(const Plan& plan, const std::vector<Complex>& wanted, const std::vector<Hertz>& grid,
+                     const BlindSetting& setting, std::uint64_t seed, int rounds) {
+  TrimOptions options;
+  options.array = setting.array;
+  options.search_steps = 3000;
+  options.samples = 200;
   Random random(seed);
-  const TrimOptions options;
-  const std::vector<Hertz> grid = trim_grid(plan, options);
   const DrawnBoard designed(plan, grid);
-  const std::vector<Complex> wanted = designed.response(designed.nominal_units());
-  const std::vector<double> truth = designed.drawn(options.mismatch, random);
-  const MeasuredBoard measured =
-      measured_on(plan, truth, log_grid(plan.error.band, points), noise, with_phase, random);
-  const Trim trim = trim_board(plan, wanted, grid, measured, options);
-  const DrawnBoard changed(trim.plan, grid);
-  std::vector<double> now = changed.nominal_units();
-  for (std::size_t c = 0; c < now.size(); ++c) now[c] *= truth[c] / designed.nominal_units()[c];
-  const BlindTrim out{worst_percent_of(designed.response(truth), wanted),
-                      worst_percent_of(changed.response(now), wanted)};
-  if (std::getenv("BODESMITH_TRIM_BOARDS") != nullptr) {
-    std::printf(
-        "  board %d improved %d: %.4f -> %.4f, said %.4f (95 %% %.4f) -> %.4f (95 %% %.4f), noise %.2g, %zu changed\n",
-        static_cast<int>(seed), trim.improved ? 1 : 0, out.before, out.after, trim.before.median_percent,
-        trim.before.p95_percent, trim.after.median_percent, trim.after.p95_percent, trim.estimate.noise,
-        trim.changes.size());
+  const UnitBoard truth(designed.capacitor_count(), setting.kind, options.mismatch.unit_percent, seed + 77);
+  BlindTrim out;
+  Plan now = plan;
+  for (int round = 0; round <= rounds; ++round) {
+    const DrawnBoard board(now, grid);
+    const std::vector<double> sizes = truth.sizes(board.nominal_units(), designed.nominal_units());
+    (round == 0   ? out.before
+     : round == 1 ? out.after
+                  : out.again) = worst_percent_of(board.response(sizes), wanted);
+    if (round == rounds) break;
+    const MeasuredBoard measured = measured_on(now, sizes, log_grid(plan.error.band, setting.points),
+                                               setting.noise, setting.with_phase, random);
+    now = trim_board(now, wanted, grid, measured, options).plan;
   }
   return out;
 }
@@ -73,48 +117,73 @@ BlindTrim blind_trim(const Plan& plan, int points, double noise, bool with_phase
 struct BlindResult {
   double before_95 = 0.0;
   double after_95 = 0.0;
+  double again_95 = 0.0;
   int worse = 0;
 };
 
-BlindResult blind_boards(const Plan& plan, int boards, int points, double noise, bool with_phase,
-                         std::uint64_t seed) {
-  std::vector<double> before, after;
+BlindResult blind_boards(const Plan& plan, const BlindSetting& setting, int rounds = 1) {
+  const std::vector<Hertz> grid = trim_grid(plan, {});
+  const DrawnBoard designed(plan, grid);
+  const std::vector<Complex> wanted = designed.response(designed.nominal_units());
+  std::vector<double> before, after, again;
   BlindResult out;
-  for (int b = 0; b < boards; ++b) {
-    const BlindTrim one = blind_trim(plan, points, noise, with_phase, seed + static_cast<std::uint64_t>(b));
+  for (int b = 0; b < setting.boards; ++b) {
+    const BlindTrim one =
+        blind_trim(plan, wanted, grid, setting, setting.seed + static_cast<std::uint64_t>(b), rounds);
     before.push_back(one.before);
     after.push_back(one.after);
+    again.push_back(one.again);
     out.worse += one.after > one.before * (1.0 + 1e-12) ? 1 : 0;
   }
-  std::sort(before.begin(), before.end());
-  std::sort(after.begin(), after.end());
-  const auto at = static_cast<std::size_t>(0.95 * (boards - 1));
-  out.before_95 = before[at];
-  out.after_95 = after[at];
-  std::printf("boards %d points %d noise %g phase %d: 95 %% before %.4f after %.4f (%.3f), worse %d\n",
-              boards, points, noise, with_phase ? 1 : 0, out.before_95, out.after_95,
-              out.after_95 / out.before_95, out.worse);
+  const auto p95 = [&](std::vector<double>& values) {
+    std::sort(values.begin(), values.end());
+    return values[static_cast<std::size_t>(0.95 * (setting.boards - 1))];
+  };
+  out.before_95 = p95(before);
+  out.after_95 = p95(after);
+  out.again_95 = p95(again);
+  std::printf("95 %% before %.4f after %.4f (%.3f) again %.4f (%.3f), worse %d\n", out.before_95,
+              out.after_95, out.after_95 / out.before_95, out.again_95, out.again_95 / out.before_95,
+              out.worse);
   return out;
 }
 
-TEST(Trim, BringsBoardsNearerAndNoneFurtherAway) {
-  const BlindResult complex = blind_boards(seed_plan(), 40, 40, 3e-4, true, 1000);
-  EXPECT_LT(complex.after_95, 0.65 * complex.before_95);  // measured .56; wanted .2: see docs/fpaa_bench.md
-  EXPECT_EQ(complex.worse, 0);
+TEST(Trim, BringsBoardsToAFifthAndNoneFurtherAway) {
+  using Kind = UnitBoard::Kind;
+  for (const Kind kind : {Kind::binary, Kind::nested, Kind::relative}) {
+    const BlindResult boards = blind_boards(seed_plan(), {.kind = kind});
+    EXPECT_LT(boards.after_95, 0.2 * boards.before_95);
+    EXPECT_EQ(boards.worse, 0);
+  }
+}
+
+TEST(Trim, MeasuredAndTrimmedAgainIsBetterStill) {
+  const BlindResult boards = blind_boards(seed_plan(), {.boards = 10, .seed = 700}, 2);
+  EXPECT_LT(boards.again_95, boards.after_95);
+  EXPECT_LT(boards.again_95, 0.25 * boards.before_95);
+}
+
+/// The same sections as they are planned without being asked for a chain: partial fractions, four clocks. Its few
+/// capacitors are chosen for little mismatch and leave about a third (docs/fpaa_bench.md).
+TEST(Trim, HelpsParallelPlansToo) {
+  const Plan plan = plan_of(seed_sections());
+  const BlindResult boards = blind_boards(plan, {.boards = 10, .noise = 1e-4, .seed = 500});
+  EXPECT_LT(boards.after_95, 0.7 * boards.before_95);
+  EXPECT_EQ(boards.worse, 0);
 }
 
 TEST(Trim, FewFrequenciesAndMagnitudesAloneHelpToo) {
-  const BlindResult few = blind_boards(seed_plan(), 20, 5, 3e-4, true, 2000);
-  EXPECT_LT(few.after_95, 0.7 * few.before_95);  // measured .60
+  const BlindResult few = blind_boards(seed_plan(), {.points = 5, .seed = 2000});
+  EXPECT_LT(few.after_95, 0.35 * few.before_95);
   EXPECT_EQ(few.worse, 0);
-  const BlindResult magnitudes = blind_boards(seed_plan(), 20, 40, 3e-4, false, 3000);
-  EXPECT_LT(magnitudes.after_95, 0.6 * magnitudes.before_95);  // measured .47
+  const BlindResult magnitudes = blind_boards(seed_plan(), {.with_phase = false, .seed = 3000});
+  EXPECT_LT(magnitudes.after_95, 0.4 * magnitudes.before_95);
   EXPECT_EQ(magnitudes.worse, 0);
 }
 
 TEST(Trim, KeepsTheCapacitorsWhereTheMeasurementSaysNothing) {
   // 5 % of noise at three frequencies, on boards that are off by less.
-  const BlindResult noisy = blind_boards(seed_plan(), 20, 3, 0.05, true, 4000);
+  const BlindResult noisy = blind_boards(seed_plan(), {.points = 3, .noise = 0.05, .seed = 4000});
   EXPECT_EQ(noisy.worse, 0);
 }
 
@@ -145,7 +214,8 @@ TEST(Trim, RefusesAMeasurementOfAnotherBoard) {
 TEST(TrimSearch, FindsWholeCapacitorsThatUndoAKnownError) {
   // ln(a/b): 200/100 is off by the error that 203/100 has; slopes of a ratio.
   TrimProblem problem;
-  problem.units = {203, 100};
+  problem.built = problem.units = {203, 100};
+  problem.excess = {0.0, 0.0};
   problem.error = {std::log(203.0 / 200.0)};
   problem.slope = {{1.0}, {-1.0}};
   const std::vector<int> units = search_trim(problem);

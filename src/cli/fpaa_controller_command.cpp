@@ -38,6 +38,9 @@ void add_controller_options(CommandLine& line) {
                            "outside, multipliers or lookup (default: the one that tracks best)");
   line.option<std::string>("structure",
                            "loop, two-pass, delayed or open (default: the one that tracks best)");
+  line.flag("outside-switch",
+            "the branch by an analogue switch beside the board, driven by the reference generator: then the "
+            "look-up variant has complete streams too");
   line.list<double>("track-hz", "frequencies of the full-stroke triangle (default: 1 10 20 40 60 80 100)");
   line.option<double>("fast-clock-hz", "clock of everything but the compensators", 250e3);
   line.option<double>("outside-error-percent", "error of each AD835, of its full scale", 0.1);
@@ -47,6 +50,7 @@ fpaa::ControllerOptions controller_options(const CommandLine& line) {
   fpaa::ControllerOptions out;
   out.fast_clock = {line.positive("fast-clock-hz")};
   out.outside_error_percent = line.positive("outside-error-percent");
+  out.outside_switch = line.has("outside-switch");
   if (line.has("polynomial")) {
     using By = fpaa::PolynomialBy;
     out.polynomial = line.choice("polynomial", {By::outside, By::multipliers, By::lookup});

@@ -68,9 +68,9 @@ std::string why_chosen(const Controller& controller, const ControllerOptions& op
 
 std::vector<std::string> controller_assumptions(const ControllerOptions& options) {
   return {
-      "The switched bytes of TransferFunction, Multiplier, Comparator and GainSwitch are not publicly known: these "
-      "CAMs are placed in the vendor's tool by the build sheet; their capacitors, tables and clocks can be set by "
-      "update streams.",
+      "The switched bytes of Multiplier, Comparator and GainSwitch are not publicly known: these CAMs are placed in "
+      "the vendor's tool by the build sheet; their capacitors and clocks can be set by update streams. Those of "
+      "TransferFunction are copied from public streams, its converter without being understood.",
       "TransferFunction and Multiplier are taken to show each result for a whole cycle, one cycle late; GainSwitch "
       "likewise, signal and control alike.",
       "GainSwitch is given a CAB of its own: its capacitor count is not publicly known.",

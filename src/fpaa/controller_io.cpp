@@ -101,6 +101,11 @@ std::vector<Hertz> chip_clocks(const ControllerVariant& variant, int chip) {
     if (const int ratio = cam.cam->facts().clock_b_ratio) add({ratio * cam.clock_a.value});
   }
   std::sort(out.begin(), out.end(), [](Hertz f, Hertz g) { return f.value > g.value; });
+  // Converters: the two clocks once more as Clock 2 and 3, which public streams give them.
+  const bool converter = std::any_of(variant.cams.begin(), variant.cams.end(), [&](const ControllerCam& cam) {
+    return cam.chip == chip && cam.cam->facts().clock_b_ratio != 0;
+  });
+  if (converter && out.size() == 2) out = {out[0], out[1], out[0], out[1]};
   return out;
 }
 

@@ -11,6 +11,7 @@
 #include <set>
 
 #include "base/text.hpp"
+#include "fpaa/an231/lookup_stage.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/cams/comparator.hpp"
 #include "fpaa/cams/filter_bilinear.hpp"
@@ -101,10 +102,29 @@ class ControllerLayout {
         out_.cams[i].cab = places[i].cab;
       }
     } while (add_missing_hold());
+    put_tables_where_bytes_are_known();
     return std::nullopt;
   }
 
  private:
+  bool switches_outside() const { return out_.by == PolynomialBy::outside || options_.outside_switch; }
+
+  /// CABs are alike: each chip's look-up stage changes places with whatever stands in the CAB for which its
+  /// bytes are known.
+  void put_tables_where_bytes_are_known() {
+    for (const ControllerCam& table : std::vector<ControllerCam>(out_.cams)) {
+      if (table.cam != &transfer_function_cam()) continue;
+      for (ControllerCam& cam : out_.cams) {
+        if (cam.chip != table.chip) continue;
+        if (cam.cab == table.cab) {
+          cam.cab = an231::kLookupCab;
+        } else if (cam.cab == an231::kLookupCab) {
+          cam.cab = table.cab;
+        }
+      }
+    }
+  }
+
   ControllerCam& add(const std::string& name, const Cam& cam, const std::string& option,
                      std::vector<std::string> inputs, CamValues requested = {}) {
     out_.cams.push_back(made(name, cam, option, std::move(inputs), std::move(requested)));
@@ -124,7 +144,7 @@ class ControllerLayout {
   /// The sign of the reference's slope: a high pass, a gain that may clip, a comparator. Beside the board
   /// where the switch stands there too.
   void add_slope_detector() {
-    if (out_.by == PolynomialBy::outside) return;
+    if (switches_outside()) return;
     const double clock = options_.fast_clock.value;
     const int cd =
         std::clamp(static_cast<int>(std::lround(kSlopeTimeConstant * clock)), 1, board_.max_capacitor);
@@ -183,7 +203,7 @@ class ControllerLayout {
       }
     }
     const bool tables = out_.by == PolynomialBy::lookup && descending_ == nullptr;
-    if (out_.by != PolynomialBy::outside && !sums_late && !tables) ++group_;
+    if (!switches_outside() && !sums_late && !tables) ++group_;
     add_switch_and_difference(prefix, last, reference);
     return std::nullopt;
   }
@@ -191,7 +211,7 @@ class ControllerLayout {
   void add_switch_and_difference(const std::string& prefix, const std::array<std::string, 2>& last,
                                  const std::string& reference) {
     const std::string chosen = prefix + "Branch";
-    if (out_.by == PolynomialBy::outside) {
+    if (switches_outside()) {
       out_.outside.push_back({OutsidePart::Kind::switched, chosen, {last[0], last[1]}, 0.0});
     } else {
       const std::string slope = prefix + "Slope";

@@ -14,6 +14,7 @@
 #include "fpaa/an231/stream_output.hpp"
 #include "fpaa/cams/biquad_stage.hpp"
 #include "fpaa/cams/sum_inv.hpp"
+#include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/multirate_response.hpp"
 #include "seed_sections.hpp"
 
@@ -141,12 +142,20 @@ TEST(An231Plan, RefusesWhatCannotBeAStream) {
   plan.chips[1].cams[0].cam = cam_registry().find("TransferFunction");
   auto outcome = plan_streams(plan);
   ASSERT_NE(refusal_of(outcome), nullptr);
+  EXPECT_THAT(refusal_of(outcome)->reason, HasSubstr("has no look-up table"));
+  plan.chips[1].cams[0].requested = LookupTable{}.values();
+  outcome = plan_streams(plan);
+  ASSERT_NE(refusal_of(outcome), nullptr);
+  EXPECT_THAT(refusal_of(outcome)->reason, HasSubstr("known for one a chip, in CAB 4 at Clock 3"));
+  plan.chips[1].cams[0].cam = cam_registry().find("Multiplier");
+  outcome = plan_streams(plan);
+  ASSERT_NE(refusal_of(outcome), nullptr);
   EXPECT_THAT(refusal_of(outcome)->reason, HasSubstr("switches are not publicly known"));
   plan = parallel_plan();
   plan.chips[0].cams[1].clock_a = {16e6 / 193};
   outcome = plan_streams(plan);
   ASSERT_NE(refusal_of(outcome), nullptr);
-  EXPECT_THAT(refusal_of(outcome)->reason, HasSubstr("system divisor"));
+  EXPECT_THAT(refusal_of(outcome)->reason, HasSubstr("no one system divisor makes all of its clocks"));
   plan = parallel_plan();
   plan.chips[0].cams[0].capacitors[1].units = 0;
   outcome = plan_streams(plan);

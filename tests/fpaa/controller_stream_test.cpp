@@ -7,6 +7,7 @@
 #include "base/files.hpp"
 #include "fpaa/an231/decoded_plan.hpp"
 #include "fpaa/an231/plan_stream.hpp"
+#include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/controller_gains.hpp"
 #include "fpaa/controller_io.hpp"
 #include "temporary_folder.hpp"
@@ -91,6 +92,50 @@ TEST(ControllerStreams, UpdatesAreCapacitorsOnly) {
   EXPECT_GT(changed, 1);
   EXPECT_LE(changed, 8);
   EXPECT_THAT(read_file(folder / "stream/first_power_on.md"), HasSubstr("not tried on silicon"));
+}
+
+/// With the branch switch beside the board the look-up variant is bytes too: the vendor's, as public streams have
+/// them in CAB 4 (artecs-group/FPAA-NNs, five primaries), around our table, Cout, clocks and source.
+TEST(ControllerStreams, LookupTablesAreThePublicStreamsBytes) {
+  const Disturbance d = rated_disturbance();
+  ControllerOptions options;
+  options.outside_switch = true;
+  const Controller controller = value_or_throw(make_controller(d, nullptr, nullptr, options));
+  const ControllerVariant& v = loop_of(controller, PolynomialBy::lookup);
+  EXPECT_EQ(v.find("Slope"), nullptr);
+  const Plan plan = controller_plan(v);
+  const an231::PlanStreams streams = value_or_throw(an231::plan_streams(plan));
+  ASSERT_EQ(streams.chips.size(), 2u);
+  struct Byte {
+    int bank, byte, value;
+  };
+  const std::vector<Byte> vendor = {{9, 0x00, 0x80},  {9, 0x01, 0xAA},  {9, 0x06, 0xFF},  {9, 0x07, 0x80},
+                                    {9, 0x0F, 0xA8},  {9, 0x10, 0x05},  {9, 0x11, 0x14},  {9, 0x12, 0x2D},
+                                    {9, 0x13, 0x48},  {9, 0x1C, 0x02},  {9, 0x1D, 0x14},  {9, 0x1E, 0x00},
+                                    {9, 0x1F, 0x10},  {10, 0x00, 0xFE}, {10, 0x09, 0x1B}, {10, 0x0B, 0x03},
+                                    {10, 0x0C, 0x01}, {10, 0x0E, 0x01}, {10, 0x0F, 0x48}, {10, 0x16, 0x02},
+                                    {10, 0x17, 0x13}, {10, 0x18, 0x00}, {10, 0x19, 0x10}, {10, 0x1A, 0x82},
+                                    {10, 0x1B, 0x05}, {10, 0x1C, 0x02}, {10, 0x1D, 0x15}, {10, 0x1E, 0x00},
+                                    {10, 0x1F, 0x10}, {1, 0x05, 0x02},  {1, 0x10, 0x09},  {1, 0x11, 0x86},
+                                    {1, 0x12, 0xC0},  {1, 0x13, 0x30},  {1, 0x15, 0x02},  {0, 0x08, 0x31}};
+  for (std::size_t c = 0; c < 2; ++c) {
+    const MemoryImage& memory = streams.chips[c].built.memory;
+    for (const Byte& b : vendor) EXPECT_EQ(memory.at(b.bank, b.byte), b.value) << b.bank << ":" << b.byte;
+    const ControllerCam& cam = *v.find(c == 0 ? "AscendingTable" : "DescendingTable");
+    const LookupTable table = LookupTable::from(cam.requested);
+    EXPECT_EQ(memory.at(9, 0x05), table.cout);
+    for (int i = 0; i < 256; ++i) {
+      ASSERT_EQ(memory.at(16 + i / 32, i % 32), table.bytes[static_cast<std::size_t>(i)]) << i;
+    }
+    // 250 kHz for all CAMs by Clock 3, 4 MHz for the converter by Clock 2.
+    EXPECT_EQ(memory.at(0, 0x04), 32);
+    EXPECT_EQ(memory.at(0, 0x05), 2);
+    EXPECT_EQ(memory.at(10, 0x0D) >> 4, 1);  // the converter's input is let go in phase 2
+  }
+  EXPECT_THAT(streams.warnings, ::testing::Contains(HasSubstr("copied from what all public streams")));
+  const auto made = controller_streams(v, d);
+  EXPECT_EQ(refusal_of(made), nullptr);
+  EXPECT_GT(std::get<ControllerStreams>(made).sets, 40u);
 }
 
 TEST(ControllerStreams, UnknownSwitchesAreNamed) {

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "fpaa/an231/lookup_stage.hpp"
 #include "fpaa/an231/router.hpp"
 
 namespace bodesmith::fpaa::an231 {
@@ -62,29 +63,55 @@ class ChipWriter {
   using Step = std::optional<Refusal>;
 
   Step place_stages() {
-    std::array<int, kCabs> opamps{};
-    std::array<int, kCabs> capacitors{};
+    if (auto refusal = reserve_lookup()) return refusal;
     for (const WantedStage& stage : chip_.stages) {
-      const auto cab = static_cast<std::size_t>(stage.cab - 1);
-      StagePlace place{opamps[cab] + 1, capacitors[cab] + 1, kByClockA};
-      opamps[cab] += static_cast<int>(stage.switches.opamps.size());
-      capacitors[cab] += static_cast<int>(stage.switches.capacitors.size());
-      if (opamps[cab] > kOpAmps || capacitors[cab] > kCapacitors) {
-        return Refusal{
-            fmt::format("CAB {} of chip {} has {} op-amps and {} capacitors to hold, expected at most {} "
-                        "and {}",
-                        stage.cab, chip_.address1, opamps[cab], capacitors[cab], kOpAmps, kCapacitors)};
+      StagePlace place;
+      if (!stage.lookup) {
+        if (auto refusal = place_stage(stage, place)) return refusal;
       }
-      for (const StageCapacitor& c : stage.switches.capacitors) {
-        if (c.units < 1 || c.units > 255) {
-          return Refusal{
-              fmt::format("capacitor {} of {} is {} units, expected 1 to 255", c.name, stage.name, c.units)};
-        }
-      }
-      if (auto refusal = give_clock(stage, place)) return refusal;
       places_.push_back(place);
     }
     return std::nullopt;
+  }
+
+  /// The look-up stage has its place, and its CAB both clocks.
+  Step reserve_lookup() {
+    const auto is_lookup = [](const WantedStage& stage) { return stage.lookup.has_value(); };
+    const auto first = std::find_if(chip_.stages.begin(), chip_.stages.end(), is_lookup);
+    if (first == chip_.stages.end()) return std::nullopt;
+    if (std::count_if(chip_.stages.begin(), chip_.stages.end(), is_lookup) > 1 || first->cab != kLookupCab ||
+        first->clock != kLookupSlowClock) {
+      return Refusal{fmt::format(
+          "{} stands in CAB {} at Clock {}; the bytes of a look-up stage are known for one a chip, "
+          "in CAB {} at Clock {}",
+          first->name, first->cab, first->clock, kLookupCab, kLookupSlowClock)};
+    }
+    const auto cab = static_cast<std::size_t>(kLookupCab - 1);
+    opamps_[cab] = kLookupOpAmps;
+    capacitors_[cab] = kLookupCapacitors;
+    last_capacitor_[cab] = kLookupFreeUpTo;
+    cab_clocks_[cab] = {kLookupFastClock, kLookupSlowClock};
+    return std::nullopt;
+  }
+
+  Step place_stage(const WantedStage& stage, StagePlace& place) {
+    const auto cab = static_cast<std::size_t>(stage.cab - 1);
+    place = {opamps_[cab] + 1, capacitors_[cab] + 1, kByClockA};
+    opamps_[cab] += static_cast<int>(stage.switches.opamps.size());
+    capacitors_[cab] += static_cast<int>(stage.switches.capacitors.size());
+    if (opamps_[cab] > kOpAmps || capacitors_[cab] > last_capacitor_[cab]) {
+      return Refusal{fmt::format(
+          "CAB {} of chip {} has {} op-amps and {} capacitors to hold, expected at most {} "
+          "and {}",
+          stage.cab, chip_.address1, opamps_[cab], capacitors_[cab], kOpAmps, last_capacitor_[cab])};
+    }
+    for (const StageCapacitor& c : stage.switches.capacitors) {
+      if (c.units < 1 || c.units > 255) {
+        return Refusal{
+            fmt::format("capacitor {} of {} is {} units, expected 1 to 255", c.name, stage.name, c.units)};
+      }
+    }
+    return give_clock(stage, place);
   }
 
   Step give_clock(const WantedStage& stage, StagePlace& place) {
@@ -119,6 +146,12 @@ class ChipWriter {
         const WantedStage& source = chip_.stages[*stage.inputs[i].stage];
         const int valid = source.switches.output_phase;
         if (valid == 0) continue;
+        if (stage.lookup) {
+          return Refusal{
+              fmt::format("the half-period output of {} feeds the converter of {}, which reads all the time; "
+                          "expected a Hold in between",
+                          source.name, stage.name)};
+        }
         if (is_static) {
           return Refusal{
               fmt::format("the half-period output of {} feeds a static branch of {}, which would see "
@@ -276,6 +309,12 @@ class ChipWriter {
 
   void write_stage(std::size_t index) {
     const WantedStage& stage = chip_.stages[index];
+    if (stage.lookup) {
+      const int selector = near_nibble(index, PlateNode::input());
+      write_lookup(out_.memory, *stage.lookup, selector);
+      out_.notes.push_back(lookup_note(stage.name, selector));
+      return;
+    }
     const StagePlace& place = places_[index];
     int number = place.first_capacitor;
     for (const StageCapacitor& c : stage.switches.capacitors) {
@@ -296,6 +335,9 @@ class ChipWriter {
 
   const WantedChip& chip_;
   std::vector<StagePlace> places_;
+  std::array<int, kCabs> opamps_{};      ///< taken, of each CAB
+  std::array<int, kCabs> capacitors_{};  ///< the last one taken
+  std::array<int, kCabs> last_capacitor_{kCapacitors, kCapacitors, kCapacitors, kCapacitors};
   std::array<std::array<std::optional<int>, 2>, kCabs> cab_clocks_;
   RoutedPins routed_;
   BuiltChip out_;

@@ -7,6 +7,7 @@
 
 #include "base/outcome.hpp"
 #include "fpaa/an231/memory_image.hpp"
+#include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/switches.hpp"
 
 namespace bodesmith::fpaa::an231 {
@@ -23,6 +24,9 @@ struct WantedStage {
   int cab = 1;
   int clock = 0;  ///< chip clock
   std::vector<SignalRef> inputs;
+  /// The look-up stage instead of capacitors of known switches (lookup_stage.hpp); `switches` then only says
+  /// how its output stands.
+  std::optional<LookupTable> lookup = std::nullopt;
 };
 
 struct WantedPin {

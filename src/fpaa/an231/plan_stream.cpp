@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/text.hpp"
+#include "fpaa/an231/lookup_stage.hpp"
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa::an231 {
@@ -61,6 +62,13 @@ class PlanReader {
     out.address1 = chip.chip;
     for (const PlacedCam& cam : chip.cams) {
       const std::string name = fmt::format("chip{}.{}", chip.chip, cam.name);
+      if (cam.cam == &transfer_function_cam()) {
+        if (!cam.requested.number("cout")) {
+          return Refusal{fmt::format("{} has no look-up table, expected one (table_hex and cout)", name)};
+        }
+        out.stages.push_back(lookup_stage(name, cam));
+        continue;
+      }
       auto switches = cam.cam->switches(cam);
       if (!switches) {
         return Refusal{
@@ -77,6 +85,19 @@ class PlanReader {
     return std::nullopt;
   }
 
+  /// Its output stands in phase 1 and is 0 in phase 2.
+  static WantedStage lookup_stage(const std::string& name, const PlacedCam& cam) {
+    WantedStage out;
+    out.name = name;
+    out.cab = cam.cab;
+    out.clock = cam.clock_index;
+    out.lookup = LookupTable::from(cam.requested);
+    out.switches.opamps = {{.reset_phase = 2}};
+    out.switches.output_phase = 1;
+    out.inputs.resize(1);
+    return out;
+  }
+
   /// Both system divisors are the same, the smallest that lets every clock be made.
   std::optional<Refusal> read_clocks(const ChipPlan& chip, WantedChip& out) {
     std::map<int, int> totals;
@@ -88,6 +109,7 @@ class PlanReader {
         return Refusal{fmt::format("chip {}: Clock {} cannot be {} Hz for {}", chip.chip, cam.clock_index,
                                    rounded_text(cam.clock_a.value, 8), cam.name)};
       }
+      if (auto refusal = add_converter_clock(chip, cam, total, totals)) return refusal;
     }
     for (int system = 1; system <= kLargestStreamDivisor; system += system == 1 ? 1 : 2) {
       const bool fits = std::all_of(totals.begin(), totals.end(), [&](const auto& entry) {
@@ -99,10 +121,31 @@ class PlanReader {
       warn_of_system_divisor(chip, system, totals);
       return std::nullopt;
     }
-    return Refusal{
-        fmt::format("chip {}: its clocks need two different system divisors; which of them feeds a chip "
-                    "clock is not publicly known, expected clocks with one common system divisor",
-                    chip.chip)};
+    return Refusal{fmt::format(
+        "chip {}: no one system divisor makes all of its clocks ({} Hz), and which of two feeds a chip clock is not "
+        "publicly known; expected clocks from {} Hz up, which need none (fpaa --min-clock-hz), or none more than "
+        "{} times as fast as another",
+        chip.chip, clock_list(chip, totals), rounded_text(chip.master_clock.value / kLargestStreamDivisor, 6),
+        kLargestStreamDivisor)};
+  }
+
+  static std::string clock_list(const ChipPlan& chip, const std::map<int, int>& totals) {
+    std::vector<std::string> out;
+    for (const auto& [clock, total] : totals) out.push_back(rounded_text(chip.master_clock.value / total, 6));
+    return join(out, ", ");
+  }
+
+  /// The converter's clock, 16 times that of its CAM.
+  std::optional<Refusal> add_converter_clock(const ChipPlan& chip, const PlacedCam& cam, int total,
+                                             std::map<int, int>& totals) const {
+    if (cam.cam != &transfer_function_cam()) return std::nullopt;
+    const bool divides = total % kLookupClockRatio == 0;
+    const auto [at, fresh] = totals.try_emplace(kLookupFastClock, total / kLookupClockRatio);
+    if (divides && (fresh || at->second * kLookupClockRatio == total)) return std::nullopt;
+    return Refusal{fmt::format(
+        "chip {}: {} needs Clock {} at {} Hz for its converter, which another CAM has or the "
+        "master clock does not give",
+        chip.chip, cam.name, kLookupFastClock, rounded_text(kLookupClockRatio * cam.clock_a.value, 8))};
   }
 
   void warn_of_system_divisor(const ChipPlan& chip, int system, const std::map<int, int>& totals) {

@@ -22,9 +22,9 @@ CamSimulation::CamSimulation(const std::vector<Cell>& cells, std::vector<Part> p
     node.period = std::max<std::int64_t>(2, std::llround(ticks_per_second_ / cell.cam.clock_a.value));
     node.offset = cell.cam.phase == 2 ? node.period / 2 : 0;
     node.delay = std::llround(cell.cam.delay_cycles * static_cast<double>(node.period));
-    if (node.delay < 0 || node.delay > node.period) {
+    if (node.delay < 0) {
       throw DesignError(
-          fmt::format("{} is late by {} cycles, expected 0 to 1", node.name, cell.cam.delay_cycles));
+          fmt::format("{} is late by {} cycles, expected 0 or more", node.name, cell.cam.delay_cycles));
     }
     for (std::size_t i = 0; i < cell.late.size(); ++i) {
       if (cell.late[i]) node.late.push_back(i);
@@ -131,9 +131,20 @@ void CamSimulation::edge(std::size_t i) {
     }
   }
   const double made = node.step->at_edge(node.read);
-  node.pending = std::clamp(made, -full_scale_v_, full_scale_v_);
-  if (node.pending != made) node.clipped = true;
-  if (node.delay == 0) node.visible = node.pending;
+  const double out = std::clamp(made, -full_scale_v_, full_scale_v_);
+  if (out != made) node.clipped = true;
+  if (node.delay == 0) {
+    node.visible = out;
+  } else {
+    node.pending.push_back(out);
+  }
+}
+
+/// The sample that was made `delay` ago, if that was not before the first edge.
+void CamSimulation::appear(Node& node, std::int64_t tick) {
+  if (tick < node.offset + node.delay || node.pending.empty()) return;
+  node.visible = node.pending.front();
+  node.pending.pop_front();
 }
 
 void CamSimulation::run_beats(std::int64_t tick) {
@@ -145,7 +156,7 @@ void CamSimulation::run_beats(std::int64_t tick) {
     b.next += b.period;
     ++due;
     only = &b;
-    for (const std::size_t i : b.appear) nodes_[i].visible = nodes_[i].pending;
+    for (const std::size_t i : b.appear) appear(nodes_[i], tick);
   }
   const auto just = [&](const Beat& b) { return b.next - b.period == tick; };
   if (due == 1) {

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstdint>
+#include <deque>
 #include <functional>
 #include <memory>
 #include <span>
@@ -14,7 +15,7 @@
 namespace bodesmith::fpaa {
 
 /// CAMs of any kind run event by event: every clock, phase, hold and half cycle, converters and look-up
-/// tables, loops. (TickSimulation does it for the linear CAMs of a plan, from its wires.)
+/// tables, loops.
 ///
 /// Time is counted in half periods of the master clock from t = 0. A CAM of phase 1 has its edges at 0, T, 2T
 /// …, one of phase 2 half a period later (T: of its ClockA). An edge reads the inputs, except that an input
@@ -37,7 +38,7 @@ class CamSimulation {
     std::function<double(double time_s, std::span<const double> inputs)> value;
   };
 
-  /// Throws DesignError: an input that is nothing's name, a delay of more than a cycle, a loop without delay.
+  /// Throws DesignError: an input that is nothing's name, a delay below 0, a loop without delay.
   CamSimulation(const std::vector<Cell>& cells, std::vector<Part> parts, const Board& board);
 
   /// Everything up to and including this time.
@@ -56,7 +57,7 @@ class CamSimulation {
     std::vector<double> read;
     std::vector<std::size_t> late;  ///< indices of inputs
     std::int64_t period = 1, offset = 0, delay = 0;
-    double pending = 0.0;
+    std::deque<double> pending;  ///< made, not there yet: oldest first
     double visible = 0.0;
     bool clipped = false;
   };
@@ -76,6 +77,7 @@ class CamSimulation {
   void add_reads(std::size_t source, std::vector<std::size_t>& cells) const;
   double read(std::size_t source) const;
   void edge(std::size_t node);
+  static void appear(Node& node, std::int64_t tick);
   void run_beats(std::int64_t tick);
 
   std::vector<Node> nodes_;

@@ -10,7 +10,7 @@
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/multirate_response.hpp"
 #include "fpaa/plan.hpp"
-#include "fpaa/tick_simulation.hpp"
+#include "plan_simulation.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -54,7 +54,7 @@ Plan three_clock_plan(double fast_divisor) {
 void expect_agreement(const Plan& plan, std::initializer_list<double> frequencies) {
   const MultirateResponse response(plan);
   for (const double f : frequencies) {
-    const auto ticked = TickSimulation::fundamental(plan, {f}, 0.004, 0.0005);
+    const auto ticked = simulated_fundamental(plan, {f}, 0.004, 0.0005);
     const auto exact = response.as_it_runs(Hertz{f}.rad_s());
     EXPECT_NEAR(std::abs(ticked - exact), 0.0, 1e-6 * std::abs(exact)) << f << " Hz";
   }
@@ -140,19 +140,17 @@ TEST(Multirate, LoopsRunWhereSomethingReadsLate) {
   Plan plan;
   plan.board = "an231k04-quad4";
   ChipPlan chip{1, {16e6}, {}, {sum_at("S", 1e6, {-1.0, 0.5}), sum_at("D", 1e6, {-1.0})}};
-  chip.cams[1].z = {{0.0, 1.0}, {1.0}};
+  chip.cams[1].delay_cycles = 1.0;
   plan.chips = {chip};
   plan.wires = {{"chip1.in1", "chip1.S", 1},
                 {"chip1.S", "chip1.D"},
                 {"chip1.D", "chip1.S", 2},
                 {"chip1.S", "chip1.out1"}};
-  TickSimulation run(plan);
-  for (int n = 0; n < 8; ++n) {
-    run.step([](double t) { return t == 0.0 ? 1.0 : 0.0; });
-    EXPECT_NEAR(run.output_v(), std::pow(-0.5, n), 1e-12);
-  }
-  plan.chips[0].cams[1].z = {{1.0}, {1.0}};
-  EXPECT_THROW(TickSimulation{plan}, DesignError);
+  const auto impulse = [](double t) { return t == 0.0 ? 1.0 : 0.0; };
+  PlanSimulation run(plan, impulse);
+  for (int n = 0; n < 8; ++n) EXPECT_NEAR(run.output_v(32 * n), std::pow(-0.5, n), 1e-12);
+  plan.chips[0].cams[1].delay_cycles = 0.0;
+  EXPECT_THROW(PlanSimulation(plan, impulse), DesignError);
 }
 
 }  // namespace

@@ -13,7 +13,7 @@
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/multirate_response.hpp"
 #include "fpaa/plan_limits.hpp"
-#include "fpaa/tick_simulation.hpp"
+#include "plan_simulation.hpp"
 #include "seed_sections.hpp"
 
 namespace bodesmith::fpaa {
@@ -99,7 +99,7 @@ TEST(TopologySearch, SeedAsItRuns) {
 TEST(TopologySearch, SeedRunEdgeByEdge) {
   const Plan& plan = seed_as_it_runs();
   const double f = 97.0;
-  const Root ticked = TickSimulation::fundamental(plan, {f}, 0.6, 0.3);
+  const Root ticked = simulated_fundamental(plan, {f}, 0.6, 0.3);
   // The common period of the clocks is too long to wait for: what is left are the ends of the window.
   EXPECT_NEAR(std::abs(ticked / plan_response(plan, Hertz{f}.rad_s(), true) - 1.0), 0.0, 2e-4);
 }

@@ -2,9 +2,9 @@
 
 #include <fmt/format.h>
 
+#include <Eigen/LU>
 #include <algorithm>
-
-#include "numeric/complex_lu.hpp"
+#include <cmath>
 
 namespace bodesmith::fpaa::an231 {
 namespace {
@@ -169,52 +169,53 @@ Complex delayed(double value, int half_cycles, int divisor, const ChargeSystem::
 }
 }  // namespace
 
-std::vector<Complex> ChargeSystem::matrix(const HalfDelay& delay) const {
-  const std::size_t n = 2 * opamps_.size();
-  std::vector<Complex> out(n * n);
+Eigen::MatrixXcd ChargeSystem::matrix(const HalfDelay& delay) const {
+  const auto n = static_cast<Eigen::Index>(2 * opamps_.size());
+  Eigen::MatrixXcd out = Eigen::MatrixXcd::Zero(n, n);
   for (const Entry& e : entries_) {
-    if (!e.is_source) out[e.row * n + e.column] += delayed(e.value, e.half_cycles, e.divisor, delay);
+    if (e.is_source) continue;
+    out(static_cast<Eigen::Index>(e.row), static_cast<Eigen::Index>(e.column)) +=
+        delayed(e.value, e.half_cycles, e.divisor, delay);
   }
   return out;
 }
 
-std::vector<Complex> ChargeSystem::right_hand_side(const std::vector<Phases>& sources,
-                                                   const HalfDelay& delay) const {
-  std::vector<Complex> out(2 * opamps_.size());
+Eigen::VectorXcd ChargeSystem::right_hand_side(const std::vector<Phases>& sources,
+                                               const HalfDelay& delay) const {
+  Eigen::VectorXcd out = Eigen::VectorXcd::Zero(static_cast<Eigen::Index>(2 * opamps_.size()));
   for (const Entry& e : entries_) {
     if (!e.is_source) continue;
     const Complex voltage = e.phase == 1 ? sources[e.column].first : sources[e.column].second;
-    if (voltage != 0.0) out[e.row] -= delayed(e.value, e.half_cycles, e.divisor, delay) * voltage;
+    if (voltage == 0.0) continue;
+    out(static_cast<Eigen::Index>(e.row)) -= delayed(e.value, e.half_cycles, e.divisor, delay) * voltage;
   }
   return out;
 }
 
 std::optional<std::vector<ChargeSystem::Phases>> ChargeSystem::solve(const std::vector<Phases>& sources,
                                                                      const HalfDelay& delay) const {
-  const std::size_t n = 2 * opamps_.size();
-  const ComplexLu lu(matrix(delay), n);
-  if (lu.is_singular()) return std::nullopt;
-  const std::vector<Complex> x = lu.solve(right_hand_side(sources, delay));
+  const Eigen::PartialPivLU<Eigen::MatrixXcd> lu(matrix(delay));
+  // A pivot of 0: there is no solution.
+  const auto pivots = lu.matrixLU().diagonal().cwiseAbs();
+  if (!(pivots.minCoeff() > 0.0) || !std::isfinite(pivots.maxCoeff())) return std::nullopt;
+  const Eigen::VectorXcd x = lu.solve(right_hand_side(sources, delay));
   std::vector<Phases> out;
-  for (std::size_t i = 0; i < opamps_.size(); ++i) out.push_back({x[2 * i], x[2 * i + 1]});
+  for (Eigen::Index i = 0; i < x.size(); i += 2) out.push_back({x(i), x(i + 1)});
   return out;
 }
 
 Complex ChargeSystem::determinant(Complex z_inverse) const {
   const Complex half = std::sqrt(z_inverse);
-  return ComplexLu(matrix([&](int) { return half; }), 2 * opamps_.size()).determinant();
+  return matrix([&](int) { return half; }).partialPivLu().determinant();
 }
 
 Complex ChargeSystem::numerator(Complex z_inverse, std::size_t opamp, int phase,
                                 const std::vector<Phases>& sources) const {
   const Complex half = std::sqrt(z_inverse);
   const HalfDelay delay = [&](int) { return half; };
-  const std::size_t n = 2 * opamps_.size();
-  std::vector<Complex> a = matrix(delay);
-  const std::vector<Complex> b = right_hand_side(sources, delay);
-  const std::size_t column = 2 * opamp + static_cast<std::size_t>(phase - 1);
-  for (std::size_t row = 0; row < n; ++row) a[row * n + column] = b[row];
-  return ComplexLu(std::move(a), n).determinant();
+  Eigen::MatrixXcd a = matrix(delay);
+  a.col(static_cast<Eigen::Index>(2 * opamp) + phase - 1) = right_hand_side(sources, delay);
+  return a.partialPivLu().determinant();
 }
 
 }  // namespace bodesmith::fpaa::an231

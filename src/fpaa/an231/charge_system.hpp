@@ -1,5 +1,6 @@
 #pragma once
 
+#include <Eigen/Core>
 #include <complex>
 #include <functional>
 #include <map>
@@ -89,8 +90,8 @@ class ChargeSystem {
   void charge(std::size_t row, const BoardNode& who, const CapacitorCell& c, int phase, double sign,
               int half_cycles, int divisor);
   void add(std::size_t row, BoardNode node, int phase, double value, int half_cycles, int divisor);
-  std::vector<Complex> matrix(const HalfDelay& delay) const;
-  std::vector<Complex> right_hand_side(const std::vector<Phases>& sources, const HalfDelay& delay) const;
+  Eigen::MatrixXcd matrix(const HalfDelay& delay) const;
+  Eigen::VectorXcd right_hand_side(const std::vector<Phases>& sources, const HalfDelay& delay) const;
 
   const BoardCircuit& board_;
   std::vector<BoardNode> opamps_;

@@ -4,7 +4,7 @@ set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
 build_packages=(g++ cmake ninja-build ccache libeigen3-dev libsundials-dev libboost-program-options-dev
-  nlohmann-json3-dev libtomlplusplus-dev libfmt-dev libkainjow-mustache-dev libssl-dev)
+  nlohmann-json3-dev libtomlplusplus-dev libfmt-dev libkainjow-mustache-dev libssl-dev libmatio-dev)
 # libboost-dev: special functions as an oracle; libopenmpi-dev, openmpi-bin: yield under mpirun, which is optional;
 # clang-format, clang-tidy: .ci/lint.
 check_packages=(ngspice libgtest-dev libgmock-dev libboost-dev libopenmpi-dev openmpi-bin chromium clang-format clang-tidy)

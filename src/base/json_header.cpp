@@ -13,7 +13,9 @@ Json json_header(std::string_view name, const Provenance& from) {
   header["program"] = fmt::format("bodesmith {}", kVersion);
   header["inputs"] = Json::array();
   for (const InputFile& input : from.inputs) {
-    header["inputs"].push_back({{"path", input.path}, {"sha256", input.sha256}});
+    Json entry = {{"path", input.path}, {"sha256", input.sha256}};
+    if (!input.read_as.empty()) entry["read_as"] = input.read_as;
+    header["inputs"].push_back(std::move(entry));
   }
   return header;
 }

@@ -22,7 +22,7 @@ std::string sha256_hex(std::string_view bytes) {
 
 std::string Provenance::read(const std::filesystem::path& path) {
   std::string bytes = read_file(path);
-  inputs.push_back({path.string(), sha256_hex(bytes)});
+  inputs.push_back({path.string(), sha256_hex(bytes), {}});
   remember_input(path);
   return bytes;
 }

@@ -14,6 +14,8 @@ std::string sha256_hex(std::string_view bytes);
 struct InputFile {
   std::string path;
   std::string sha256;
+  /// Of a foreign format: which, what was chosen in it, what was converted. Empty for this program's own.
+  std::string read_as;
 };
 
 /// What a result came from. Readers add to it while they read.

@@ -157,9 +157,10 @@ int run_bode(const std::vector<std::string>& arguments) {
   CommandLine line(
       "bode", "bodesmith bode cascade.json sections.json plan.json compensator.sub measured.csv -o bode.csv",
       "Frequency responses of any of these files in one table: magnitude in dB and unwrapped phase in\n"
-      "degrees. A measured CSV is interpolated in log frequency; cells outside its range stay empty.\n"
-      "Without a band the grid is that of the first measured CSV, else a decade beyond all corners.");
+      "degrees. A measured response is interpolated in log frequency; cells outside its range stay empty.\n"
+      "Without a band the grid is that of the first measured one, else a decade beyond all corners.");
   declare_bode(line);
+  line.reads_measurements();
   if (!line.parse(arguments)) return kDone;
 
   Provenance from;
@@ -184,6 +185,7 @@ int run_bode(const std::vector<std::string>& arguments) {
   if (line.has("svg")) out.add(line.get<std::string>("svg"), plot_svg(grid, sources, columns));
   out.commit();
   if (!to_file && !line.json()) {
+    note_conversions(from);
     fmt::print("{}", csv);
     return kDone;
   }

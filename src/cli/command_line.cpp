@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <iostream>
+#include <set>
 #include <sstream>
 #include <utility>
 
@@ -86,6 +87,12 @@ bool CommandLine::parse(const std::vector<std::string>& arguments) {
       text << shown;
       fmt::print("Example:\n  {}\n\n{}\n\nUsage: bodesmith {}{} [options]\n{}", example_, what_, name_,
                  positional_name_.empty() ? "" : " " + positional_name_, text.str());
+      if (reads_measurements_)
+        fmt::print(
+            "{}",
+            "\nMeasured files may also be of Digilent WaveForms, Bode 100, REW/FRD/ZMA, Touchstone, ngspice,\n"
+            "LTspice, MATLAB 5, WAV or plain tables, told apart by content. FILE:s11, FILE:v(out),\n"
+            "FILE:v(in),v(out), FILE:gain, FILE:db choose what in them is meant (docs/formats.md).\n");
       return false;
     }
     po::notify(values_);
@@ -150,6 +157,11 @@ void print_summary(const CommandLine& line, const std::string& text, const Json&
     fmt::print("{}", to_text(json));
   } else {
     fmt::print("{}", text);
+    if (!json.contains("inputs")) return;
+    for (const Json& input : json["inputs"]) {
+      if (input.contains("read_as"))
+        fmt::print("{} read as {}\n", input["path"].get<std::string>(), input["read_as"].get<std::string>());
+    }
   }
 }
 
@@ -166,7 +178,16 @@ void warn_each(const std::vector<std::string>& warnings) {
   for (const std::string& warning : warnings) note("warning: " + warning);
 }
 
+void note_conversions(const Provenance& from) {
+  static std::set<std::string> said;
+  for (const InputFile& input : from.inputs) {
+    const std::string text = fmt::format("{} read as {}", input.path, input.read_as);
+    if (!input.read_as.empty() && said.insert(text).second) note(text);
+  }
+}
+
 Json timed_document(std::string_view schema, const Provenance& from, const Json& body, double seconds) {
+  note_conversions(from);
   Json out = json_header(schema, from);
   out.update(body);
   out["timing_s"] = {{"compute", seconds}};

@@ -47,6 +47,8 @@ class CommandLine {
 
   /// Positional files, kept in the order given. `max` < 0: any number.
   void positional(const std::string& name, int min, int max);
+  /// Has --help name the formats of other programs that are read wherever this command reads measured files.
+  void reads_measurements() { reads_measurements_ = true; }
   /// Adds -o/--output; required unless `optional`.
   void output(const std::string& what, bool optional = false);
   /// Adds --seed.
@@ -107,6 +109,7 @@ class CommandLine {
   int min_files_ = 0;
   int max_files_ = 0;
   bool output_needed_ = false;
+  bool reads_measurements_ = false;
   /// The subcommand's own options, then the groups with a heading.
   std::vector<boost::program_options::options_description> groups_;
   boost::program_options::variables_map values_;
@@ -120,6 +123,9 @@ void note(const std::string& text);
 /// The notes so far, and none of them again.
 void show_notes();
 void warn_each(const std::vector<std::string>& warnings);
+
+/// What was converted of foreign files, a note each; every summary and output says it too (timed_document()).
+void note_conversions(const Provenance& from);
 
 /// A JSON document with header, `body` and the time of the work itself.
 Json timed_document(std::string_view schema, const Provenance& from, const Json& body, double seconds);

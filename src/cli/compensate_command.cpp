@@ -175,6 +175,7 @@ int run_compensate(const std::vector<std::string>& arguments) {
       "error that is left: block by block where blocks have inverses, the rest numerically on\n"
       "the model's own simulation, within limits of the drive.");
   describe_compensate(line);
+  line.reads_measurements();
   if (!line.parse(arguments)) return kDone;
   if (!line.has("reference")) line.fail("--reference is missing, expected a CSV with time_s,r");
   const std::optional<double> limit = line.maybe_positive("max-error-percent");

@@ -94,6 +94,7 @@ int run_diagnose(const std::vector<std::string>& arguments) {
       "records that are not fitted, best with another excitation; none: 30 % of each record is held out");
   line.option<int>("max-terms", "largest number of effects to name", 5);
   line.option<int>("threads", "threads of the search (the result does not depend on it)", 2);
+  line.reads_measurements();
   if (!line.parse(arguments)) return kDone;
   const auto data = paths(line, "data");
   if (data.empty()) line.fail("--data is missing, expected at least one CSV file");

@@ -33,6 +33,7 @@ int run_fit(const std::vector<std::string>& arguments) {
   add_waveform_options(line);
   line.group("With --measured");
   add_measured_options(line);
+  line.reads_measurements();
   if (!line.parse(arguments)) return kDone;
   if (line.has("measured")) {
     if (line.has("direct") || line.has("waveform"))

@@ -167,6 +167,7 @@ int run_fpaa_trim(const std::vector<std::string>& arguments) {
       "it to\nthe sections, with the error before and after. The old capacitors are kept where "
       "better is not certain.");
   declare_trim(line);
+  line.reads_measurements();
   if (!line.parse(arguments)) return kDone;
   Provenance from;
   const std::string file = line.files()[0];

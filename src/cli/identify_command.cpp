@@ -312,6 +312,7 @@ int run_identify(const std::vector<std::string>& arguments) {
       "Errors are RMS and maximum in percent of the record's range (eq. 8 of \"Modeling and Control of\n"
       "Piezoelectric Hysteresis: A Polynomial-Based Fractional Order Disturbance Compensation Approach\").");
   describe_options(line);
+  line.reads_measurements();
   if (!line.parse(arguments)) return kDone;
   IdentifyRequest request = request_of(line);
 

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <fstream>
 
 #include "approximate/fractional_transfer.hpp"
 #include "base/document.hpp"
@@ -108,17 +109,42 @@ void load_model(const Node& node, ResponseSource& source) {
   set_evaluation(source, pointwise([chain](RadPerSecond w) { return *chain.response(w); }));
 }
 
+/// This program's own documents; everything else is measured or simulated.
+bool is_document(const std::filesystem::path& path) {
+  if (path.extension() == ".json" || path.extension() == ".toml") return true;
+  std::ifstream in(path, std::ios::binary);
+  char first = 0;
+  while (in.get(first)) {
+    if (std::isspace(static_cast<unsigned char>(first)) == 0) return first == '{';
+  }
+  return false;
+}
+
+/// Of FILE:CHOICE both, the choice in letters and digits.
+std::string stem_of(const std::filesystem::path& path) {
+  const std::string name = path.filename().string();
+  const std::size_t colon = name.find(':');
+  std::string stem = std::filesystem::path(name.substr(0, colon)).stem().string();
+  std::error_code ignored;
+  if (colon == std::string::npos || std::filesystem::exists(path, ignored)) return path.stem().string();
+  for (const char c : name.substr(colon)) {
+    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
+      stem += c;
+    } else if (stem.back() != '_') {
+      stem += '_';
+    }
+  }
+  while (stem.back() == '_') stem.pop_back();
+  return stem;
+}
+
 }  // namespace
 
 ResponseSource load_response(const std::filesystem::path& path, const ResponseOptions& options,
                              Provenance& from) {
   ResponseSource source;
-  source.stem = path.stem().string();
+  source.stem = stem_of(path);
   const std::string ending = path.extension().string();
-  if (ending == ".csv") {
-    load_measured(path, from, source);
-    return source;
-  }
   if (ending == ".sub" || ending == ".lib") {
     from.read(path);
     set_evaluation(source, [path, name = options.subcircuit](const std::vector<Hertz>& grid) {
@@ -130,6 +156,10 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
     from.read(path);
     set_evaluation(source,
                    [path](const std::vector<Hertz>& grid) { return spice::run_ac_of_deck(path, grid); });
+    return source;
+  }
+  if (!is_document(path)) {
+    load_measured(path, from, source);
     return source;
   }
   const Node node = read_document(path, from);

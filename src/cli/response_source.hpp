@@ -32,8 +32,8 @@ struct ResponseOptions {
   std::string subcircuit;   ///< .sub files: which one; empty: the obvious one
 };
 
-/// cascade.json, sections.json, plan.json, model.toml, .sub/.cir/.lib (through ngspice), measured CSV. Told
-/// apart by ending and schema; InputError for anything else.
+/// cascade.json, sections.json, plan.json, model.toml by their schema, .sub/.cir/.lib (through ngspice) by their ending;
+/// everything else is measured or simulated (docs/formats.md), by its content. InputError for anything else.
 ResponseSource load_response(const std::filesystem::path& path, const ResponseOptions& options,
                              Provenance& from);
 

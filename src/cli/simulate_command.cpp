@@ -232,6 +232,7 @@ int run_simulate(const std::vector<std::string>& arguments) {
   CommandLine line("simulate", "bodesmith simulate model.toml --input u.csv -o y.csv",
                    "A model's output for an input record, taken as a straight line between samples.");
   declare_simulate(line);
+  line.reads_measurements();
   if (!line.parse(arguments)) return kDone;
   const simulate::Options options = read_simulation_options(line);
   Provenance from;

@@ -11,7 +11,7 @@
 namespace bodesmith {
 
 BodePoints BodePoints::read_csv(const std::filesystem::path& path, Provenance& from) {
-  const Csv csv = Csv::read(path, from);
+  const Csv csv = Csv::read(path, from, formats::Content::response);
   BodePoints out;
   out.file = csv.file();
   const auto& frequency = csv.column(column::frequency_hz);

@@ -10,11 +10,101 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "signal/columns.hpp"
+#include "signal/formats/format.hpp"
+#include "signal/formats/text_encoding.hpp"
 
 namespace bodesmith {
+namespace {
 
-Csv Csv::read(const std::filesystem::path& path, Provenance& from) {
-  return parse(from.read(path), path.string());
+char separator_of(std::string_view header) {
+  if (header.find(',') != std::string_view::npos) return ',';
+  if (header.find(';') != std::string_view::npos) return ';';
+  return header.find('\t') != std::string_view::npos ? '\t' : ',';
+}
+
+std::string_view unquoted_name(std::string_view cell) {
+  cell = trim(cell);
+  return cell.size() >= 2 && cell.front() == '"' && cell.back() == '"' ? cell.substr(1, cell.size() - 2)
+                                                                       : cell;
+}
+
+/// Whether the first line that is no comment names columns as this program does.
+bool has_own_header(std::string_view text) {
+  while (!text.empty()) {
+    const std::size_t end = text.find('\n');
+    const std::string_view line = trim(text.substr(0, end));
+    text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
+    if (line.empty() || line.front() == '#') continue;
+    bool time = false;
+    bool frequency = false;
+    bool signal = false;
+    bool magnitude = false;
+    for (const std::string_view cell : split(line, separator_of(line))) {
+      const std::string_view name = unquoted_name(cell);
+      time = time || name == column::time_s;
+      frequency = frequency || name == column::frequency_hz;
+      signal = signal || name == column::input || name == column::output || name == column::reference;
+      magnitude = magnitude || name == column::gain || name == column::magnitude_db;
+    }
+    return (time && signal) || (frequency && magnitude);
+  }
+  return false;
+}
+
+/// The file and the choice in FILE:CHOICE: the shortest beginning up to a colon that is a file.
+std::pair<std::filesystem::path, std::string> split_path(const std::filesystem::path& path) {
+  const std::string text = path.string();
+  std::error_code ignored;
+  if (std::filesystem::exists(path, ignored)) return {path, ""};
+  for (std::size_t colon = text.find(':'); colon != std::string::npos; colon = text.find(':', colon + 1)) {
+    const std::filesystem::path file = text.substr(0, colon);
+    if (std::filesystem::exists(file, ignored) && !std::filesystem::is_directory(file, ignored))
+      return {file, text.substr(colon + 1)};
+  }
+  return {path, ""};
+}
+
+bool parse_cell(std::string_view cell, bool comma_allowed, double& value, bool& comma) {
+  if (parse_number(cell, value)) return true;
+  cell = trim(cell);
+  const std::size_t at = cell.find(',');
+  if (!comma_allowed || at == std::string_view::npos || cell.find('.') != std::string_view::npos)
+    return false;
+  std::string with_point(cell);
+  with_point[at] = '.';
+  comma = parse_number(with_point, value) || comma;
+  return parse_number(with_point, value);
+}
+
+}  // namespace
+
+Csv Csv::read(const std::filesystem::path& path, Provenance& from, formats::Content wanted) {
+  const auto [file, choice] = split_path(path);
+  const std::string bytes = from.read(file);
+  const std::string text = formats::to_utf8(bytes);
+  const auto own = [&] {
+    Csv csv = parse(text, file.string());
+    if (csv.decimal_commas_) from.inputs.back().read_as = "CSV with decimal commas";
+    return csv;
+  };
+  if (choice.empty() && has_own_header(text)) return own();
+  const formats::Source source{file.string(), bytes, text, choice, wanted};
+  const formats::Format* format = formats::format_of(source);
+  if (format == nullptr) {
+    if (!choice.empty())
+      throw InputError(file.string(), 0, fmt::format("has no choice '{}': its format is not known", choice));
+    return own();
+  }
+  formats::Foreign foreign = format->read(source);
+  Csv csv;
+  csv.file_ = file.string();
+  csv.names_ = std::move(foreign.names);
+  csv.columns_ = std::move(foreign.columns);
+  csv.lines_ = std::move(foreign.lines);
+  csv.read_as_ = foreign.read_as;
+  from.inputs.back().read_as = std::move(foreign.read_as);
+  return csv;
 }
 
 Csv Csv::parse(std::string_view text, const std::string& file) {
@@ -30,16 +120,12 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     if (line.empty() || line.front() == '#') continue;
     // Spreadsheets of some countries separate by semicolons.
-    if (csv.names_.empty() && line.find(',') == std::string_view::npos &&
-        line.find(';') != std::string_view::npos)
-      separator = ';';
+    if (csv.names_.empty()) separator = separator_of(line);
     const std::vector<std::string_view> cells = split(line, separator);
     if (csv.names_.empty()) {
       csv.header_line_ = line_number;
       for (std::string_view cell : cells) {
-        cell = trim(cell);
-        if (cell.size() >= 2 && cell.front() == '"' && cell.back() == '"')
-          cell = cell.substr(1, cell.size() - 2);
+        cell = unquoted_name(cell);
         double number = 0.0;
         if (cell.empty() || parse_number(cell, number)) {
           throw InputError(
@@ -61,13 +147,10 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
     }
     for (std::size_t i = 0; i < cells.size(); ++i) {
       double value = 0.0;
-      if (!parse_number(cells[i], value)) {
+      if (!parse_cell(cells[i], separator != ',', value, csv.decimal_commas_)) {
         throw InputError(file, line_number,
-                         fmt::format("'{}' in column '{}' is not a finite number{}",
-                                     trim(cells[i]).substr(0, 40), csv.names_[i],
-                                     separator == ';' && cells[i].find(',') != std::string_view::npos
-                                         ? ", expected a point before the decimals"
-                                         : ""));
+                         fmt::format("'{}' in column '{}' is not a finite number",
+                                     trim(cells[i]).substr(0, 40), csv.names_[i]));
       }
       csv.columns_[i].push_back(value);
     }
@@ -85,6 +168,12 @@ bool Csv::has(std::string_view name) const {
 
 const std::vector<double>& Csv::column(std::string_view name) const& {
   const auto at = std::find(names_.begin(), names_.end(), name);
+  if (at == names_.end() && foreign() && (name == column::frequency_hz || name == column::time_s)) {
+    throw InputError(file_, 0,
+                     fmt::format("is a {} ({}), expected a {}",
+                                 name == column::time_s ? "frequency response" : "time record", read_as_,
+                                 name == column::time_s ? "time record" : "frequency response"));
+  }
   if (at == names_.end()) {
     throw InputError(file_, header_line_,
                      fmt::format("has no column '{}', found: {}", name, join(names_, ", ")));
@@ -97,7 +186,8 @@ std::vector<double> Csv::column(std::string_view name) && {
 }
 
 void Csv::fail(std::size_t row, std::string_view message) const {
-  throw InputError(file_, lines_[row], message);
+  if (!lines_.empty()) throw InputError(file_, lines_[row], message);
+  throw InputError(file_, 0, fmt::format("point {}: {}", row + 1, message));
 }
 
 void CsvWriter::add(std::string_view name, std::vector<double> values) {

@@ -6,29 +6,35 @@
 #include <vector>
 
 #include "base/provenance.hpp"
+#include "signal/formats/content.hpp"
 
 namespace bodesmith {
 
 /// A CSV file of numbers with a header row. `#` starts a comment (at the beginning of a line), blank lines
-/// are passed over, CRLF or LF, UTF-8 with or without byte order mark. Cells end at commas, or at semicolons when
-/// the header has no comma.
+/// are passed over, CRLF or LF, UTF-8 with or without byte order mark. Cells end at commas, or at semicolons or tabs
+/// when the header has no comma; then decimals may begin with a comma.
 class Csv {
  public:
+  /// This program's CSV, or a file of any of the formats in signal/formats/ (told apart by content), converted to the
+  /// same columns; `from` then says what was converted. `path` may end with a choice, FILE:CHOICE.
   /// Errors (a cell that is not a finite number, a row of another length, no header, no rows) name file and
   /// line.
-  static Csv read(const std::filesystem::path& path, Provenance& from);
+  static Csv read(const std::filesystem::path& path, Provenance& from,
+                  formats::Content wanted = formats::Content::any);
   static Csv parse(std::string_view text, const std::string& file);
 
   const std::string& file() const { return file_; }
   const std::vector<std::string>& names() const { return names_; }
-  std::size_t rows() const { return lines_.size(); }
+  std::size_t rows() const { return columns_.empty() ? 0 : columns_.front().size(); }
+  /// Converted from another format.
+  bool foreign() const { return !read_as_.empty(); }
   bool has(std::string_view name) const;
   /// Throws InputError naming the header's line when there is no such column. Of a table that is about to go
   /// (`Csv::read(path, from).column("u")`) the column is handed over instead.
   const std::vector<double>& column(std::string_view name) const&;
   std::vector<double> column(std::string_view name) &&;
-  /// Line of the file in which row i stands.
-  int line(std::size_t row) const { return lines_[row]; }
+  /// Line of the file in which row i stands; 0 in binary files.
+  int line(std::size_t row) const { return lines_.empty() ? 0 : lines_[row]; }
   int header_line() const { return header_line_; }
   [[noreturn]] void fail(std::size_t row, std::string_view message) const;
 
@@ -38,6 +44,8 @@ class Csv {
   std::vector<std::string> names_;
   std::vector<std::vector<double>> columns_;
   std::vector<int> lines_;
+  std::string read_as_;
+  bool decimal_commas_ = false;
 };
 
 /// Writes columns of equal length below their names; numbers so that they read back as the same doubles. text()

@@ -9,7 +9,7 @@
 namespace bodesmith {
 
 FrequencyRecord FrequencyRecord::read_csv(const std::filesystem::path& path, Provenance& from) {
-  const Csv csv = Csv::read(path, from);
+  const Csv csv = Csv::read(path, from, formats::Content::response);
   FrequencyRecord record;
   record.file = csv.file();
   const auto& frequency = csv.column(column::frequency_hz);

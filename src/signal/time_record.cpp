@@ -16,6 +16,8 @@ TimeRecord from_csv(const Csv& csv, std::string_view input_column) {
   TimeRecord record;
   record.file = csv.file();
   const auto& time = csv.column(column::time_s);
+  // Other programs' files call nothing a reference: their first signal is it.
+  if (csv.foreign()) input_column = column::input;
   record.u = csv.column(input_column);
   if (csv.has(column::output) && input_column != column::output) record.y = csv.column(column::output);
   if (time.size() < 2) csv.fail(0, "is the only row, expected at least two samples");
@@ -41,14 +43,14 @@ TimeRecord from_csv(const Csv& csv, std::string_view input_column) {
 }  // namespace
 
 TimeRecord TimeRecord::read_csv(const std::filesystem::path& path, Provenance& from, bool output_needed) {
-  const Csv csv = Csv::read(path, from);
+  const Csv csv = Csv::read(path, from, formats::Content::record);
   if (output_needed) csv.column(column::output);
   return from_csv(csv, column::input);
 }
 
 TimeRecord TimeRecord::read_csv_column(const std::filesystem::path& path, Provenance& from,
                                        std::string_view input_column) {
-  return from_csv(Csv::read(path, from), input_column);
+  return from_csv(Csv::read(path, from, formats::Content::record), input_column);
 }
 
 }  // namespace bodesmith

@@ -1,0 +1,31 @@
+// OMICRON Bode 100 (Bode Analyzer Suite): semicolons, often decimal commas, headings "Frequency (Hz)", "Trace 1: Gain:
+// Real", "Trace 1: Gain: Imaginary", "Trace 1: Gain: Magnitude (dB)", "Trace 2: Gain: Phase (°)"; with or without a
+// block "---Measurement settings---" above.
+#include "signal/formats/all_formats.hpp"
+#include "signal/formats/table_meaning.hpp"
+
+namespace bodesmith::formats {
+namespace {
+
+class Bode100Csv : public Format {
+ public:
+  std::string_view name() const override { return "Bode 100 CSV"; }
+  bool recognises(const Source& source) const override {
+    const std::string_view head = source.text.substr(0, 8000);
+    return (head.find("---Measurement settings---") != std::string_view::npos ||
+            head.find("Trace 1: ") != std::string_view::npos) &&
+           looks_like_table(source);
+  }
+  Foreign read(const Source& source) const override {
+    return read_by_headings(source, read_table(source), {std::string(name()), {}});
+  }
+};
+
+}  // namespace
+
+const Format& bode100_csv() {
+  static const Bode100Csv format;
+  return format;
+}
+
+}  // namespace bodesmith::formats

@@ -1,0 +1,176 @@
+#include "signal/formats/headings.hpp"
+
+#include <algorithm>
+#include <numbers>
+#include <optional>
+#include <string_view>
+
+#include "base/text.hpp"
+
+namespace bodesmith::formats {
+namespace {
+
+std::string lower(std::string_view text) {
+  std::string out(text);
+  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  return out;
+}
+
+bool contains(const std::string& text, std::string_view part) {
+  return text.find(part) != std::string::npos;
+}
+
+/// The last text in brackets; what stands before them into `rest`.
+std::string bracketed(const std::string& text, std::string& rest) {
+  for (const char* pair : {"()", "[]"}) {
+    const std::size_t close = text.rfind(pair[1]);
+    const std::size_t open = close == std::string::npos ? close : text.rfind(pair[0], close);
+    if (open == std::string::npos || open == 0) continue;
+    // V(out) is a name, not a unit.
+    const std::string before(trim(std::string_view(text).substr(0, open)));
+    if (open > 0 && text[open - 1] != ' ' && (lower(before) == "v" || lower(before) == "i")) continue;
+    rest = before;
+    return std::string(trim(std::string_view(text).substr(open + 1, close - open - 1)));
+  }
+  rest = text;
+  return "";
+}
+
+struct Prefix {
+  std::string_view text;
+  double scale;
+};
+constexpr Prefix kPrefixes[] = {{"G", 1e9},  {"M", 1e6},  {"k", 1e3},         {"K", 1e3},  {"m", 1e-3},
+                                {"u", 1e-6}, {"µ", 1e-6}, {"\xCE\xBC", 1e-6}, {"n", 1e-9}, {"p", 1e-12}};
+
+/// Scale of `unit` in `base` ("kHz" in "Hz": 1e3); nothing for another unit. Prefixes are by case: mHz is not MHz.
+std::optional<double> scale_of(std::string_view unit, std::string_view base) {
+  if (lower(unit) == lower(base)) return 1.0;
+  for (const Prefix& prefix : kPrefixes) {
+    if (unit.starts_with(prefix.text) && lower(unit.substr(prefix.text.size())) == lower(base))
+      return prefix.scale;
+  }
+  return std::nullopt;
+}
+
+std::optional<double> frequency_scale(std::string_view unit) {
+  if (const auto scale = scale_of(unit, "Hz")) return scale;
+  if (unit == "KHZ") return 1e3;
+  if (unit == "MHZ") return 1e6;
+  if (unit == "GHZ") return 1e9;
+  return std::nullopt;
+}
+
+std::optional<double> time_scale(std::string_view unit) {
+  for (const char* base : {"s", "sec", "second", "seconds"}) {
+    if (const auto scale = scale_of(unit, base)) return scale;
+  }
+  return std::nullopt;
+}
+
+bool is_radians(const std::string& unit) {
+  return unit == "rad" || unit == "radian" || unit == "radians";
+}
+
+bool begins_with_word(const std::string& text, std::string_view word) {
+  if (!text.starts_with(word)) return false;
+  return text.size() == word.size() || std::isalpha(static_cast<unsigned char>(text[word.size()])) == 0;
+}
+
+bool is_frequency(const std::string& name, const Heading& heading) {
+  if (name.starts_with("freq") || name == "f" || name == "hz" || name == "frequenz") return true;
+  return !heading.unit.empty() && frequency_scale(heading.unit).has_value() && !contains(name, "gain");
+}
+
+void read_magnitude(Heading& heading, const std::string& name, const std::string& unit) {
+  heading.quantity = Quantity::magnitude;
+  const bool decibel = unit.starts_with("db") || contains(name, "db") || contains(name, "spl");
+  if (decibel) heading.magnitude = MagnitudeScale::decibel;
+  if (!decibel &&
+      (unit == "ohm" || unit == "ohms" || unit == "\xCE\xA9" || unit == "\xE2\x84\xA6" || unit == "v/v" ||
+       unit == "1" || unit == "lin" || unit == "linear" || contains(name, "linear")))
+    heading.magnitude = MagnitudeScale::linear;
+}
+
+}  // namespace
+
+Heading parse_heading(const std::string& text) {
+  Heading heading;
+  heading.text = std::string(trim(text));
+  std::string rest;
+  heading.unit = bracketed(heading.text, rest);
+  std::string name = lower(trim(rest));
+  // frequency_hz, time_s, phase_deg: units at the end of the name.
+  if (heading.unit.empty()) {
+    const std::size_t bar = name.rfind('_');
+    if (bar != std::string::npos && bar > 0 && is_unit_alone(rest.substr(bar + 1))) {
+      heading.unit = rest.substr(bar + 1);
+      name = name.substr(0, bar);
+    }
+  }
+  const std::string unit = lower(heading.unit);
+  if (name == "freq." || is_frequency(name, heading)) {
+    heading.quantity = Quantity::frequency;
+    heading.scale = frequency_scale(heading.unit).value_or(1.0);
+    if (unit == "rad/s" || unit == "rad/sec") heading.quantity = Quantity::angular_frequency;
+    if (name == "hz") heading.unit = "Hz";
+    return heading;
+  }
+  if (name == "w" || name == "omega" || name == "\xCF\x89" || unit == "rad/s") {
+    heading.quantity = Quantity::angular_frequency;
+    return heading;
+  }
+  if (begins_with_word(name, "time") || name == "t" || name == "zeit" || name == "second" ||
+      name == "seconds" || (time_scale(heading.unit) && name == "x-axis")) {
+    heading.quantity = Quantity::time;
+    heading.scale = time_scale(heading.unit).value_or(1.0);
+    if (heading.unit.empty() && name.starts_with("second")) heading.unit = "s";
+    return heading;
+  }
+  if (contains(name, "phase") || contains(name, "angle")) {
+    heading.quantity = Quantity::phase;
+    if (is_radians(unit)) heading.scale = 180.0 / std::numbers::pi;
+    return heading;
+  }
+  if (contains(name, "coherence")) {
+    heading.quantity = Quantity::coherence;
+    return heading;
+  }
+  if (contains(name, "imag") || name == "im" || name.starts_with("im(")) {
+    heading.quantity = Quantity::imaginary;
+    return heading;
+  }
+  if (contains(name, "real") || name == "re" || name.starts_with("re(")) {
+    heading.quantity = Quantity::real;
+    return heading;
+  }
+  if (contains(name, "mag") || contains(name, "gain") || contains(name, "spl") ||
+      contains(name, "amplitude") || contains(name, "level") || contains(name, "impedance") || name == "db" ||
+      name == "z" || contains(name, "|") || unit.starts_with("db")) {
+    read_magnitude(heading, name, unit);
+    return heading;
+  }
+  if (const auto volts = scale_of(heading.unit, "V")) heading.scale = *volts;
+  if (const auto amperes = scale_of(heading.unit, "A")) heading.scale = *amperes;
+  return heading;
+}
+
+std::vector<Heading> parse_headings(const std::vector<std::string>& texts) {
+  std::vector<Heading> out;
+  for (const std::string& text : texts) out.push_back(parse_heading(text));
+  return out;
+}
+
+bool is_unit_alone(const std::string& cell) {
+  std::string unit(trim(cell));
+  if (unit.size() > 2 && (unit.front() == '(' || unit.front() == '[')) unit = unit.substr(1, unit.size() - 2);
+  if (frequency_scale(unit) || time_scale(unit) || scale_of(unit, "V") || scale_of(unit, "A")) return true;
+  const std::string low = lower(unit);
+  for (const char* known :
+       {"db", "deg", "degree", "degrees", "\xC2\xB0", "\xB0", "rad", "rad/s", "ohm", "ohms"}) {
+    if (low == known) return true;
+  }
+  return false;
+}
+
+}  // namespace bodesmith::formats

@@ -1,0 +1,15 @@
+#pragma once
+
+#include <string>
+#include <string_view>
+
+namespace bodesmith::formats {
+
+/// UTF-16 with a byte order mark, or little-endian without one (as LTspice writes), becomes UTF-8; a UTF-8 mark goes.
+/// Everything else stays: an eight-bit degree sign is harmless where only numbers and unit names are looked for.
+std::string to_utf8(std::string_view bytes);
+
+/// Two bytes a character, the second of them 0 (Latin letters): how LTspice's binary files begin.
+bool begins_as_utf16(std::string_view bytes, std::string_view word);
+
+}  // namespace bodesmith::formats

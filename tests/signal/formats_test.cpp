@@ -1,0 +1,234 @@
+// Files of instruments and simulators. All samples hold one low-pass of 1 kHz (tests/signal/formats/README.md).
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "signal/bode_points.hpp"
+#include "signal/frequency_record.hpp"
+#include "signal/time_record.hpp"
+#include "temporary_folder.hpp"
+
+namespace bodesmith {
+namespace {
+namespace fs = std::filesystem;
+using testing::HasSubstr;
+using Complex = std::complex<double>;
+
+fs::path sample(const std::string& name) {
+  return fs::path(BODESMITH_SOURCE_DIR) / "tests/signal/formats" / name;
+}
+
+Complex low_pass(Hertz f) {
+  return 1.0 / Complex(1.0, f.value / 1000.0);
+}
+
+struct ResponseSample {
+  std::string name;  ///< with a choice
+  double scale;      ///< of the low-pass
+  double tolerance;  ///< of |got/wanted - 1|, after the printed digits
+  std::string said;
+};
+
+class ForeignResponse : public testing::TestWithParam<ResponseSample> {};
+
+TEST_P(ForeignResponse, IsTheLowPass) {
+  const ResponseSample& given = GetParam();
+  Provenance from;
+  const FrequencyRecord record = FrequencyRecord::read_csv(sample(given.name), from);
+  ASSERT_EQ(record.frequency.size(), 17u);
+  EXPECT_NEAR(record.frequency.front().value, 10.0, 1e-6);
+  EXPECT_NEAR(record.frequency.back().value, 1e5, 1e-2);
+  for (std::size_t i = 0; i < 17; ++i) {
+    const Complex wanted = given.scale * low_pass(record.frequency[i]);
+    EXPECT_LT(std::abs(record.response[i] / wanted - 1.0), given.tolerance)
+        << record.frequency[i].value << " Hz";
+  }
+  EXPECT_THAT(from.inputs.at(0).read_as, HasSubstr(given.said));
+  EXPECT_EQ(from.inputs.at(0).path, sample(given.name.substr(0, given.name.find(':'))).string());
+}
+
+INSTANTIATE_TEST_SUITE_P(
+    Formats, ForeignResponse,
+    testing::Values(
+        ResponseSample{"waveforms_network.csv", 1.0, 1e-8,
+                       "Digilent WaveForms CSV: channel 2 relative to channel 1"},
+        ResponseSample{"waveforms_network_khz.csv", 1.0, 1e-8, "channel 2 less channel 1 in dB"},
+        ResponseSample{"bode100.csv", 1.0, 1e-8, "Bode 100 CSV: decimal commas"},
+        ResponseSample{"bode100_settings.csv", 1.0, 1e-8, "Bode 100 CSV"},
+        ResponseSample{"rew.txt", 1e4, 1e-4, "REW text"},
+        ResponseSample{"speaker.frd", 1.0, 1e-4, "plain table without headings"},
+        ResponseSample{"impedance.zma", 8.0, 1e-4, "0 dB is 1 ohm"},
+        ResponseSample{"ma.s2p", 1.0, 1e-8, "S21 of 2 ports; magnitude and angle; frequency from MHz; noise"},
+        ResponseSample{"ri.s2p", 1.0, 1e-8, "Touchstone 1: S21"},
+        ResponseSample{"ri.s2p:s11", 0.5, 1e-8, "Touchstone 1: S11"},
+        ResponseSample{"db.s1p", 1.0, 1e-8, "S11 of 1 port; dB and angle"},
+        ResponseSample{"z.s1p", 1.0, 1e-8, "normalised to 50 ohm, undone"},
+        ResponseSample{"version2.s2p", 1.0, 1e-8, "Touchstone 2: S21"},
+        ResponseSample{"version2.s2p:S1,1", 0.5, 1e-8, "Touchstone 2: S11"},
+        ResponseSample{"four.s4p", 1.0, 1e-8, "S21 of 4 ports"},
+        ResponseSample{"ltspice_polar.txt", 1.0, 1e-12, "LTspice text: V(out)"},
+        ResponseSample{"ltspice_steps.txt", 2.0, 1e-12, "run 1 of 2"},
+        ResponseSample{"ltspice_steps.txt:v(out)/v(in)@2", 1.0, 1e-12, "V(out)/V(in); run 2 of 2"},
+        ResponseSample{"ltspice_ac.raw", 1.0, 1e-12, "LTspice raw file: V(out)"},
+        ResponseSample{"ngspice_ac_binary.raw", 1.0, 1e-9, "SPICE raw file: v(out)"},
+        ResponseSample{"ngspice_ac_binary.raw:v(out)/v(in)", 1.0, 1e-9, "v(out)/v(in)"},
+        ResponseSample{"ngspice_ac_ascii.raw:out", 1.0, 1e-9, "SPICE raw file: v(out)"},
+        ResponseSample{"response.mat", 1.0, 1e-12, "MATLAB 5 file: frequency f; response H"},
+        ResponseSample{"bode.mat", 1.0, 1e-12, "frequency from rad/s"},
+        ResponseSample{"plain_comma.csv", 1.0, 1e-6, "decimal commas"}));
+
+TEST(ForeignPoints, ATableWithoutHeadingsIsGainsWhereTheyCanBeNothingElse) {
+  Provenance from;
+  const BodePoints points = BodePoints::read_csv(sample("plain.txt"), from);
+  ASSERT_EQ(points.points.size(), 17u);
+  EXPECT_NEAR(points.points[8].gain, std::abs(low_pass(Hertz{1000.0})), 1e-9);
+  EXPECT_EQ(points.points[8].line, 9);
+  EXPECT_THAT(from.inputs[0].read_as, HasSubstr("linear gains"));
+}
+
+struct RecordSample {
+  std::string name;
+  std::size_t samples;
+  double start_s;
+  double step_s;
+  double tolerance;
+};
+class ForeignRecord : public testing::TestWithParam<RecordSample> {};
+
+TEST_P(ForeignRecord, IsASineAndItsAnswer) {
+  const RecordSample& given = GetParam();
+  Provenance from;
+  const TimeRecord record = TimeRecord::read_csv(sample(given.name), from);
+  ASSERT_EQ(record.size(), given.samples);
+  EXPECT_NEAR(record.start_s, given.start_s, 1e-12);
+  EXPECT_NEAR(record.step_s, given.step_s, 1e-9);
+  const Complex g = low_pass(Hertz{100.0});
+  for (std::size_t i = 0; i < record.size(); ++i) {
+    // The files whose times begin at 0 hold the same samples, from -2 ms on.
+    const double turn = 2.0 * std::numbers::pi * 100.0 * (-2e-3 + record.step_s * static_cast<double>(i));
+    EXPECT_NEAR(record.u[i], std::sin(turn), given.tolerance);
+    if (!record.y.empty()) {
+      EXPECT_NEAR(record.y[i], std::abs(g) * std::sin(turn + std::arg(g)), given.tolerance);
+    }
+  }
+}
+
+INSTANTIATE_TEST_SUITE_P(Formats, ForeignRecord,
+                         testing::Values(RecordSample{"waveforms_scope.csv", 80, -2e-3, 1e-4, 1e-9},
+                                         RecordSample{"picoscope.csv", 80, -2e-3, 1e-4, 1e-9},
+                                         RecordSample{"stereo16.wav", 80, 0.0, 1e-4, 5e-5},
+                                         RecordSample{"mono_float.wav", 80, 0.0, 1e-4, 1e-7},
+                                         RecordSample{"record.mat", 80, 0.0, 1e-4, 1e-15}));
+
+TEST(ForeignRecords, UnevenStepsOfSimulatorsBecomeEvenAndTheDepartureIsSaid) {
+  for (const char* name : {"ltspice_tran.raw", "ltspice_tran_fast.raw:v(in),v(out)"}) {
+    Provenance from;
+    const TimeRecord record = TimeRecord::read_csv(sample(name), from);
+    EXPECT_NEAR(record.duration_s(), 2e-3, 1e-12);
+    ASSERT_EQ(record.y.size(), record.u.size());
+    EXPECT_NEAR(record.y.back(), 1.0 - std::exp(-4.0 * std::numbers::pi), 1e-6);
+    EXPECT_THAT(from.inputs[0].read_as, HasSubstr("12 uneven steps made"));
+  }
+  Provenance from;
+  const TimeRecord record = TimeRecord::read_csv(sample("ngspice_tran_binary.raw"), from);
+  // After five time constants: the settled answer.
+  const Complex g = low_pass(Hertz{100.0});
+  for (std::size_t i = record.size() / 2; i < record.size(); ++i) {
+    const double turn = 2.0 * std::numbers::pi * 100.0 * record.time_s(i);
+    EXPECT_NEAR(record.u[i], std::sin(turn), 3e-3);
+    EXPECT_NEAR(record.y[i], std::abs(g) * std::sin(turn + std::arg(g)), 3e-3);
+  }
+}
+
+TEST(ForeignRecords, AnotherColumnOrNodeIsChosenByName) {
+  Provenance from;
+  const TimeRecord swapped = TimeRecord::read_csv(sample("waveforms_scope.csv:Channel 2,Channel 1"), from);
+  const TimeRecord usual = TimeRecord::read_csv(sample("waveforms_scope.csv"), from);
+  EXPECT_EQ(swapped.u, usual.y);
+  EXPECT_EQ(swapped.y, usual.u);
+  EXPECT_EQ(TimeRecord::read_csv_column(sample("stereo16.wav:2"), from, "r").u,
+            TimeRecord::read_csv(sample("stereo16.wav"), from).y);
+}
+
+std::string refusal(const std::string& name, bool record = false) {
+  Provenance from;
+  try {
+    if (record) {
+      TimeRecord::read_csv(name, from);
+    } else {
+      FrequencyRecord::read_csv(name, from);
+    }
+  } catch (const InputError& error) {
+    return error.what();
+  }
+  return "accepted";
+}
+
+TEST(ForeignFiles, RefusalsNameWhatIsThere) {
+  const auto at = [](const std::string& name) { return sample(name).string(); };
+  EXPECT_THAT(refusal(at("ma.s2p:s33")), HasSubstr("has no 's33', it holds S11 to S22"));
+  EXPECT_THAT(refusal(at("ltspice_ac.raw:v(x)")), HasSubstr("has no single 'v(x)', found: V(in), V(out)"));
+  EXPECT_THAT(refusal(at("ltspice_steps.txt:v(out)@3")), HasSubstr("holds 2 runs, there is no run 3"));
+  EXPECT_THAT(refusal(at("stereo16.wav")), HasSubstr("is a time record (WAV"));
+  EXPECT_THAT(refusal(at("ri.s2p"), true), HasSubstr("is a frequency response (Touchstone 1"));
+}
+
+std::string refusal_of(const std::string& text, bool record = false) {
+  const TemporaryFolder folder;
+  write_file(folder / "x", text);
+  std::string what = refusal((folder / "x").string(), record);
+  const std::string path = (folder / "x").string();
+  return what.rfind(path, 0) == 0 ? what.substr(path.size()) : what;
+}
+
+TEST(ForeignFiles, BrokenOnesAreRefusedByLineOrByte) {
+  EXPECT_THAT(refusal_of("# GHZ S MA R 50\n1 0.5 0\n2 x 0\n"), HasSubstr(":3: 'x' is not a finite number"));
+  EXPECT_THAT(refusal_of("# GHZ S MA R 50\n1 0.5 0\n1 0.5 0\n"),
+              HasSubstr(":3: has a frequency that does not rise"));
+  EXPECT_THAT(refusal_of("# GHZ S MA\n1 1 0 1 0 1 0 1 0\n2 1 0 1 0 1 0\n"),
+              HasSubstr(":3: begins a point of 6 numbers"));
+  EXPECT_THAT(refusal_of("[Version] 3.0\n"), HasSubstr(":1: is Touchstone version '3.0'"));
+  EXPECT_THAT(refusal_of("* Freq(Hz) SPL(dB) Phase(degrees)\n20 1 0\n30 2\n"),
+              HasSubstr(":3: has 2 cells, expected 3"));
+  EXPECT_THAT(refusal_of("Frequency (Hz),Gain (dB),Phase (deg)\n20,1,0\n30,nan,0\n"),
+              HasSubstr(":3: 'nan' is not a finite"));
+  EXPECT_THAT(refusal_of("Freq.\tV(out)\n1\t(0dB,0°)\n2\t(0dB 0°)\n"),
+              HasSubstr(":3: '(0dB 0°)' is neither"));
+  EXPECT_THAT(refusal_of("20 5\n30 50\n"), HasSubstr("has magnitudes from 5 to 50 without a unit"));
+  EXPECT_THAT(refusal_of("1 2 3 4\n2 3 4 5\n"), HasSubstr(":1: has 4 columns and no headings"));
+  const std::string wav = read_file(sample("mono_float.wav"));
+  EXPECT_THAT(refusal_of(wav.substr(0, 100), true), HasSubstr(": byte 100: the file ends within a chunk"));
+  const std::string raw = read_file(sample("ngspice_ac_binary.raw"));
+  EXPECT_THAT(refusal_of(raw.substr(0, raw.size() - 1)),
+              HasSubstr("byte " + std::to_string(raw.size() - 1) + ": the file ends within point 17 of 17"));
+  const std::string mat = read_file(sample("response.mat"));
+  EXPECT_THAT(refusal_of(mat.substr(0, mat.size() - 1)), HasSubstr("the file ends within a variable of"));
+}
+
+/// A wrong end or a changed byte anywhere: read or refused, never worse.
+TEST(ForeignFiles, EveryTruncationIsReadOrRefused) {
+  const TemporaryFolder folder;
+  int refused = 0;
+  for (const char* name :
+       {"ma.s2p", "bode100.csv", "ltspice_tran.raw", "stereo16.wav", "record.mat", "rew.txt"}) {
+    const std::string whole = read_file(sample(name));
+    for (std::size_t size = 0; size < whole.size(); size += 7) {
+      write_file(folder / "x", whole.substr(0, size));
+      for (const bool record : {false, true}) {
+        const std::string what = refusal((folder / "x").string(), record);
+        if (what == "accepted") continue;
+        ++refused;
+        EXPECT_EQ(what.rfind((folder / "x").string(), 0), 0u) << what;
+      }
+    }
+  }
+  EXPECT_GT(refused, 500);
+}
+
+}  // namespace
+}  // namespace bodesmith

@@ -190,21 +190,23 @@ std::string board_deck_options() {
 }
 
 std::string board_deck(const Plan& plan, const std::string& title) {
-  constexpr double kPeriods = 5.0;
+  constexpr double kMostPeriods = 5.0;
+  constexpr double kLeastPeriods = 1.5;
   constexpr double kStepsAPhase = 4.0;
-  constexpr double kMostClocks = 50e3;  ///< of the fastest clock in the run: about a minute of ngspice
+  constexpr double kMostClocks = 10e3;  ///< of the fastest clock in the run: a minute or two of ngspice
   double fastest = 0.0;
   for (const PlacedCam* cam : plan.cams()) fastest = std::max(fastest, cam->clock_a.value);
   const double middle = std::sqrt(plan.error.band.from.value * plan.error.band.to.value);
   const double frequency =
-      std::max(middle, std::min(plan.error.band.to.value, kPeriods * fastest / kMostClocks));
+      std::max(middle, std::min(plan.error.band.to.value, kMostPeriods * fastest / kMostClocks));
+  const double periods = std::clamp(kMostClocks * frequency / fastest, kLeastPeriods, kMostPeriods);
   const double amplitude = plan.max_input_v > 0.0 ? std::min(1.0, 0.9 * plan.max_input_v) : 1.0;
   return render_template("fpaa/board.cir", {{"title", title},
                                             {"amplitude_v", spice_number(amplitude)},
                                             {"frequency_hz", spice_number(frequency)},
                                             {"options", board_deck_options()},
                                             {"step_s", spice_number(0.5 / (fastest * kStepsAPhase))},
-                                            {"stop_s", spice_number(kPeriods / frequency)}});
+                                            {"stop_s", spice_number(periods / frequency)}});
 }
 
 }  // namespace bodesmith::fpaa

@@ -67,12 +67,27 @@ std::string power_on_text(const ControllerVariant& variant, const Disturbance& d
                {"scale_v", rounded_text(variant.scale.volts_per_stroke)},
                {"pins", Json::array()},
                {"readings", Json::array()},
+               {"multipliers", variant.by == PolynomialBy::outside},
+               {"tables", variant.by == PolynomialBy::lookup},
                {"warnings", Json::array()}};
   const auto signals = pin_signals(variant);
+  const auto cell_of = [&](const std::string& pin) {
+    const auto cell = streams.cells.find(pin);
+    return fmt::format("{} {}", pin.substr(0, pin.find('.')),
+                       cell == streams.cells.end() ? pin : cell->second);
+  };
+  std::map<std::string, std::string> wired;  // from chip to chip
+  for (const Wire& wire : controller_plan(variant).wires) {
+    if (streams.cells.count(wire.from) == 0 || streams.cells.count(wire.to) == 0) continue;
+    wired[wire.to] = "wired to " + cell_of(wire.from);
+    wired.try_emplace(wire.from, "wired to " + cell_of(wire.to));
+  }
   for (const auto& [pin, cell] : streams.cells) {
     const auto signal = signals.find(pin);
-    data["pins"].push_back({{"cell", fmt::format("{} {}", pin.substr(0, pin.find('.')), cell)},
-                            {"signal", signal == signals.end() ? pin : signal->second}});
+    const auto wire = wired.find(pin);
+    const std::string inside = wire == wired.end() ? pin : wire->second;
+    data["pins"].push_back(
+        {{"cell", cell_of(pin)}, {"signal", signal == signals.end() ? inside : signal->second}});
   }
   for (const double r : {0.0, 0.25, 0.5, 0.75, 1.0}) {
     const auto volts = [&](double x) { return fmt::format("{:.3f}", variant.scale.volts(x)); };

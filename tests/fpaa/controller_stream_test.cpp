@@ -16,6 +16,7 @@ namespace bodesmith::fpaa {
 namespace {
 
 using ::testing::HasSubstr;
+using ::testing::Not;
 
 Disturbance rated_disturbance() {
   Disturbance d;
@@ -127,6 +128,7 @@ TEST(ControllerStreams, LookupTablesAreThePublicStreamsBytes) {
     for (int i = 0; i < 256; ++i) {
       ASSERT_EQ(memory.at(16 + i / 32, i % 32), table.bytes[static_cast<std::size_t>(i)]) << i;
     }
+    EXPECT_EQ(an231::read_circuit(memory, 1).lookup_table.at(7), table.bytes[7]);
     // 250 kHz for all CAMs by Clock 3, 4 MHz for the converter by Clock 2.
     EXPECT_EQ(memory.at(0, 0x04), 32);
     EXPECT_EQ(memory.at(0, 0x05), 2);
@@ -135,7 +137,15 @@ TEST(ControllerStreams, LookupTablesAreThePublicStreamsBytes) {
   EXPECT_THAT(streams.warnings, ::testing::Contains(HasSubstr("copied from what all public streams")));
   const auto made = controller_streams(v, d);
   EXPECT_EQ(refusal_of(made), nullptr);
-  EXPECT_GT(std::get<ControllerStreams>(made).sets, 40u);
+  const auto& files = std::get<ControllerStreams>(made);
+  EXPECT_GT(files.sets, 40u);
+  const TemporaryFolder folder;
+  OutputSet out(folder.path());
+  out.include("stream", files.files);
+  out.commit();
+  const std::string text = read_file(folder / "stream/first_power_on.md");
+  EXPECT_THAT(text, HasSubstr("| chip1 IO1 | wired to chip2 IO"));  // the drive
+  EXPECT_THAT(text, Not(HasSubstr("AD835")));
 }
 
 TEST(ControllerStreams, UnknownSwitchesAreNamed) {

@@ -46,6 +46,8 @@ inline constexpr std::array<Constant, 8> kConstants = {{
     {{1, 0x1F}, 0xFF, "Address2 (52 of 52)"},
 }};
 
+inline constexpr int kLookupBank = 16;  ///< first of eight with the look-up table
+
 // Bank 2.
 struct CellBytes {
   int option1;  ///< -1: has none

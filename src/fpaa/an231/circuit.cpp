@@ -34,6 +34,7 @@ class CircuitReader {
     for (int cab = 1; cab <= kCabs; ++cab) cab_cell(cab);
     for (int cell = 1; cell <= kIoCells; ++cell) io_cell(cell);
     check_references();
+    lookup_table();
     rest();
     return std::move(out_);
   }
@@ -264,13 +265,23 @@ class CircuitReader {
     }
   }
 
+  void lookup_table() {
+    std::vector<int> bytes;
+    for (int bank = kLookupBank; bank < MemoryImage::kBanks; ++bank) {
+      for (int byte = 0; byte < MemoryImage::kBankBytes; ++byte) bytes.push_back(take({bank, byte}));
+    }
+    if (std::all_of(bytes.begin(), bytes.end(), [](int b) { return b == 0; })) return;
+    out_.lookup_table = std::move(bytes);
+    out_.notes.push_back(fmt::format("the look-up table is written: {:02X} at -3 V to {:02X} at 3 V",
+                                     out_.lookup_table.front(), out_.lookup_table.back()));
+  }
+
   void rest() {
     for (int bank = 0; bank < MemoryImage::kBanks; ++bank) {
       for (int byte = 0; byte < MemoryImage::kBankBytes; ++byte) {
         const Address at{bank, byte};
         if (memory_.at(bank, byte) == 0 || seen_[seen_index(at)]) continue;
-        unexplained(at, bank >= 16   ? "look-up table"
-                        : bank == 1  ? "digital pins, comparator routing, look-up counter"
+        unexplained(at, bank == 1    ? "digital pins, comparator routing, look-up counter"
                         : bank == 0  ? "clock delay or unknown"
                         : bank == 2  ? "unknown"
                         : bank >= 11 ? "beyond the CABs"

@@ -84,6 +84,7 @@ struct ChipCircuit {
   std::array<bool, kClocks> powered{};
   std::array<CabCell, kCabs> cabs;
   std::array<IoCell, kIoCells> cells;
+  std::vector<int> lookup_table;          ///< 256 bytes, -3 V first; empty: none is written
   std::vector<std::string> problems;      ///< what cannot work: two drivers, none, an op-amp that is off, …
   std::vector<std::string> notes;         ///< what a person should know
   std::vector<MemoryRemark> constants;    ///< bytes of unknown meaning with their usual value

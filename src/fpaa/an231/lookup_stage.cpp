@@ -7,7 +7,6 @@
 namespace bodesmith::fpaa::an231 {
 namespace {
 
-constexpr int kFirstTableBank = 16;
 constexpr int kMiddleOfTable = 128;
 constexpr int kConverterUnits = 170;
 constexpr int kSeenSelector = 0xA;  ///< of the converter's input, in all of the public streams
@@ -41,8 +40,7 @@ void write_words(MemoryImage& memory, int capacitor, int units, std::array<int, 
 void write_lookup(MemoryImage& memory, const LookupTable& table, int input_selector) {
   for (std::size_t i = 0; i < table.bytes.size(); ++i) {
     const int flat = static_cast<int>(i);
-    memory.set(kFirstTableBank + flat / MemoryImage::kBankBytes, flat % MemoryImage::kBankBytes,
-               table.bytes[i]);
+    memory.set(kLookupBank + flat / MemoryImage::kBankBytes, flat % MemoryImage::kBankBytes, table.bytes[i]);
   }
   for (const CopiedByte& byte : kCopied) memory.set(byte.address.bank, byte.address.byte, byte.value);
   write_words(memory, 1, kMiddleOfTable, {kByClockB, 0x15, kStatic, 0x10});  // +2 V, ground; static

@@ -121,6 +121,7 @@ Json netlist_chip_json(const ChipCircuit& chip, Hertz master) {
   for (const IoCell& cell : chip.cells) {
     if (cell.mode != IoCell::Mode::off) out["io_cells"].push_back(io_json(cell));
   }
+  if (!chip.lookup_table.empty()) out["lookup_table"] = chip.lookup_table;
   out["problems"] = chip.problems;
   out["notes"] = chip.notes;
   out["constants"] = remarks_json(chip.constants);

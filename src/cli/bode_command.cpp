@@ -9,6 +9,7 @@
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
+#include "cli/bode_loop.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/response_source.hpp"
@@ -61,12 +62,14 @@ std::vector<Hertz> choose_grid(const CommandLine& line, const std::vector<Respon
 }
 
 std::string bode_csv(const std::vector<Hertz>& grid, const std::vector<ResponseSource>& sources,
-                     const std::vector<ResponseColumns>& columns) {
+                     const std::vector<ResponseColumns>& columns,
+                     const std::vector<std::vector<ExtraColumn>>& extra) {
   std::vector<std::string> names{std::string(column::frequency_hz)};
   for (std::size_t i = 0; i < sources.size(); ++i) {
     names.push_back(fmt::format("{}_{}", sources[i].stem, column::magnitude_db));
     if (!columns[i].phase_deg.empty())
       names.push_back(fmt::format("{}_{}", sources[i].stem, column::phase_deg));
+    for (const ExtraColumn& more : extra[i]) names.push_back(more.name);
   }
   CsvTable table(names);
   const auto cell = [](const std::optional<double>& value) {
@@ -74,9 +77,10 @@ std::string bode_csv(const std::vector<Hertz>& grid, const std::vector<ResponseS
   };
   for (std::size_t row = 0; row < grid.size(); ++row) {
     std::vector<std::string> cells{number_text(grid[row].value)};
-    for (const ResponseColumns& c : columns) {
-      cells.push_back(cell(c.magnitude_db[row]));
-      if (!c.phase_deg.empty()) cells.push_back(cell(c.phase_deg[row]));
+    for (std::size_t i = 0; i < columns.size(); ++i) {
+      cells.push_back(cell(columns[i].magnitude_db[row]));
+      if (!columns[i].phase_deg.empty()) cells.push_back(cell(columns[i].phase_deg[row]));
+      for (const ExtraColumn& more : extra[i]) cells.push_back(cell(more.values[row]));
     }
     table.add_row(cells);
   }
@@ -118,6 +122,7 @@ void declare_bode(CommandLine& line) {
   line.option<std::string>("subcircuit", "of a .sub file: its name", "");
   line.option<std::string>("svg", "also draw the Bode plot into this file");
   line.output("table (CSV); without it the table goes to stdout", true);
+  add_loop_options(line);
 }
 
 struct DecibelRange {
@@ -147,6 +152,7 @@ void print_bode_summary(const CommandLine& line, const Provenance& from, const s
     const auto [low, high] = decibel_range(columns[i]);
     summary["responses"].push_back({{"name", sources[i].stem}, {"lowest_db", low}, {"highest_db", high}});
     text += fmt::format("  {}: {} to {} dB\n", sources[i].stem, rounded_text(low, 5), rounded_text(high, 5));
+    text += margins_text(line, grid, {sources[i], columns[i]}, summary["responses"].back());
   }
   print_summary(line, text, timed_document("bode_summary", from, summary, seconds));
 }
@@ -167,6 +173,10 @@ int run_bode(const std::vector<std::string>& arguments) {
   std::vector<ResponseSource> sources;
   const ResponseOptions options{line.has("with-holds"), line.get<std::string>("subcircuit")};
   for (const std::string& file : line.files()) sources.push_back(load_response(file, options, from));
+  if (line.has("series")) {
+    if (sources.size() < 2) line.fail("--series is the product of several files");
+    sources.push_back(series_of(sources));
+  }
   make_stems_unique(sources);
   const std::vector<Hertz> grid = choose_grid(line, sources);
 
@@ -176,15 +186,23 @@ int run_bode(const std::vector<std::string>& arguments) {
     columns.push_back(source.on_grid(grid));
     if (columns.back().phase_deg.empty()) note(source.stem + " has no phase_deg: magnitude only");
   }
+  std::vector<std::vector<ExtraColumn>> extra;
+  std::vector<BodeResponse> responses;
+  for (std::size_t i = 0; i < sources.size(); ++i) {
+    responses.push_back({sources[i], columns[i]});
+    extra.push_back(extra_columns(line, grid, responses.back()));
+  }
   const double seconds = watch.seconds();
 
   OutputSet out;
   const bool to_file = line.has("output");
-  const std::string csv = bode_csv(grid, sources, columns);
+  const std::string csv = bode_csv(grid, sources, columns, extra);
   if (to_file) out.add(line.output_path(), csv);
   if (line.has("svg")) out.add(line.get<std::string>("svg"), plot_svg(grid, sources, columns));
+  add_loop_files(line, responses, out);
   out.commit();
-  if (!to_file && !line.json()) {
+  // Without -o the table is the answer, unless margins were asked for.
+  if (!to_file && !line.json() && !line.has("margins")) {
     note_conversions(from);
     fmt::print("{}", csv);
     return kDone;

@@ -11,6 +11,7 @@
   COMMAND(layout, "a disturbance generator to multipliers and a switch")       \
   COMMAND(controller, "a whole analog controller as one checked circuit")      \
   COMMAND(bode, "frequency responses of any of these files in one table")      \
+  COMMAND(export, "sections, responses and records for other programs")        \
   COMMAND(simulate, "a model's output for an input record")                    \
   COMMAND(identify, "measured records to a model")                             \
   COMMAND(compensate, "a model's inverse: the drive for a required output")    \

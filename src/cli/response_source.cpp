@@ -43,9 +43,8 @@ ResponseColumns to_columns(const std::vector<Complex>& response) {
 }
 
 void set_evaluation(ResponseSource& source, Evaluate evaluate) {
-  source.on_grid = [evaluate = std::move(evaluate)](const std::vector<Hertz>& grid) {
-    return to_columns(evaluate(grid));
-  };
+  source.on_grid = [evaluate](const std::vector<Hertz>& grid) { return to_columns(evaluate(grid)); };
+  source.response = std::move(evaluate);
 }
 
 template <class Response>
@@ -138,7 +137,19 @@ std::string stem_of(const std::filesystem::path& path) {
   return stem;
 }
 
+bool is_netlist(const std::filesystem::path& path) {
+  const std::string ending = path.extension().string();
+  for (const char* known : {".sub", ".lib", ".cir", ".net", ".sp"}) {
+    if (ending == known) return true;
+  }
+  return false;
+}
+
 }  // namespace
+
+bool is_design(const std::filesystem::path& path) {
+  return is_netlist(path) || is_document(path);
+}
 
 ResponseSource load_response(const std::filesystem::path& path, const ResponseOptions& options,
                              Provenance& from) {
@@ -175,6 +186,7 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
   } else if (schema == "bodesmith.sections/1") {
     const Sections sections = Sections::from_node(node);
     source.band = usable(sections.corner_band());
+    source.sections = sections;
     set_evaluation(source, pointwise([sections](RadPerSecond w) { return sections.response(w); }));
   } else if (schema == "bodesmith.fpaa_plan/1") {
     const fpaa::Plan plan = fpaa::Plan::from_node(node);
@@ -194,6 +206,7 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
                     "FPAA plan or a model",
                     schema));
   }
+  source.quick = true;
   return source;
 }
 

@@ -9,6 +9,7 @@
 
 #include "base/provenance.hpp"
 #include "lti/frequency_grid.hpp"
+#include "lti/sections.hpp"
 
 namespace bodesmith::cli {
 
@@ -25,6 +26,10 @@ struct ResponseSource {
   std::optional<Band> band;            ///< where it is interesting (its corners, or a record's range)
   std::vector<Hertz> own_frequencies;  ///< a measured record's own grid; empty for everything else
   std::function<ResponseColumns(const std::vector<Hertz>&)> on_grid;
+  /// The same as complex numbers; empty for what is measured.
+  std::function<std::vector<std::complex<double>>(const std::vector<Hertz>&)> response;
+  std::optional<Sections> sections;  ///< where the file holds sections
+  bool quick = false;                ///< `response` costs little at a single frequency
 };
 
 struct ResponseOptions {
@@ -34,6 +39,8 @@ struct ResponseOptions {
 
 /// cascade.json, sections.json, plan.json, model.toml by their schema, .sub/.cir/.lib (through ngspice) by their ending;
 /// everything else is measured or simulated (docs/formats.md), by its content. InputError for anything else.
+/// This program's own documents and netlists; everything else is measured or simulated data.
+bool is_design(const std::filesystem::path& path);
 ResponseSource load_response(const std::filesystem::path& path, const ResponseOptions& options,
                              Provenance& from);
 

@@ -178,6 +178,24 @@ TEST(ForeignFiles, RefusalsNameWhatIsThere) {
   EXPECT_THAT(refusal(at("ri.s2p"), true), HasSubstr("is a frequency response (Touchstone 1"));
 }
 
+std::string read_as(const std::string& text) {
+  const TemporaryFolder folder;
+  write_file(folder / "x", text);
+  Provenance from;
+  const FrequencyRecord record = FrequencyRecord::read_csv(folder / "x", from);
+  return std::to_string(record.frequency.at(0).value) + " Hz " +
+         std::to_string(std::abs(record.response.at(0)));
+}
+
+TEST(ForeignTables, HeadingsSayTheUnits) {
+  EXPECT_EQ(read_as("f/kHz;Gain/dB;Phase/deg\n1,5;20;0\n2;20;0\n"), "1500.000000 Hz 10.000000");
+  EXPECT_EQ(read_as("Frequency MHz\tMagnitude (mV)\tPhase (rad)\n1\t500\t0\n2\t1\t0\n"),
+            "1000000.000000 Hz 0.500000");
+  EXPECT_EQ(read_as("freq (mHz),mag (dB),phase\n1,0,0\n2,0,0\n"), "0.001000 Hz 1.000000");
+  EXPECT_EQ(read_as("freq [ghz],Real,Imag\n1,3,4\n2,0,1\n"), "1000000000.000000 Hz 5.000000");
+  EXPECT_EQ(read_as("Frequency,Impedance,Phase\nHz,kOhm,deg\n10,2,0\n20,1,0\n"), "10.000000 Hz 2000.000000");
+}
+
 std::string refusal_of(const std::string& text, bool record = false) {
   const TemporaryFolder folder;
   write_file(folder / "x", text);
@@ -199,6 +217,8 @@ TEST(ForeignFiles, BrokenOnesAreRefusedByLineOrByte) {
               HasSubstr(":3: 'nan' is not a finite"));
   EXPECT_THAT(refusal_of("Freq.\tV(out)\n1\t(0dB,0°)\n2\t(0dB 0°)\n"),
               HasSubstr(":3: '(0dB 0°)' is neither"));
+  EXPECT_THAT(refusal_of("Frequency (rpm),Gain (dB)\n20,1\n"),
+              HasSubstr("'Frequency (rpm)' has a unit that is not known"));
   EXPECT_THAT(refusal_of("20 5\n30 50\n"), HasSubstr("has magnitudes from 5 to 50 without a unit"));
   EXPECT_THAT(refusal_of("1 2 3 4\n2 3 4 5\n"), HasSubstr(":1: has 4 columns and no headings"));
   const std::string wav = read_file(sample("mono_float.wav"));

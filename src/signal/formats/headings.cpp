@@ -33,6 +33,12 @@ std::string bracketed(const std::string& text, std::string& rest) {
     return std::string(trim(std::string_view(text).substr(open + 1, close - open - 1)));
   }
   rest = text;
+  // "f/Hz", "Gain dB"
+  const std::size_t end = text.find_last_of("/ ");
+  if (end != std::string::npos && end > 0 && is_unit_alone(text.substr(end + 1))) {
+    rest = std::string(trim(std::string_view(text).substr(0, end)));
+    return text.substr(end + 1);
+  }
   return "";
 }
 
@@ -54,11 +60,12 @@ std::optional<double> scale_of(std::string_view unit, std::string_view base) {
 }
 
 std::optional<double> frequency_scale(std::string_view unit) {
-  if (const auto scale = scale_of(unit, "Hz")) return scale;
-  if (unit == "KHZ") return 1e3;
-  if (unit == "MHZ") return 1e6;
-  if (unit == "GHZ") return 1e9;
-  return std::nullopt;
+  // All small or all large letters: nobody means millihertz then.
+  const std::string low = lower(unit);
+  if (low == "mhz" && unit != "mHz") return 1e6;
+  if (low == "ghz") return 1e9;
+  if (low == "khz") return 1e3;
+  return scale_of(unit, "Hz");
 }
 
 std::optional<double> time_scale(std::string_view unit) {
@@ -86,9 +93,14 @@ void read_magnitude(Heading& heading, const std::string& name, const std::string
   heading.quantity = Quantity::magnitude;
   const bool decibel = unit.starts_with("db") || contains(name, "db") || contains(name, "spl");
   if (decibel) heading.magnitude = MagnitudeScale::decibel;
-  if (!decibel &&
-      (unit == "ohm" || unit == "ohms" || unit == "\xCE\xA9" || unit == "\xE2\x84\xA6" || unit == "v/v" ||
-       unit == "1" || unit == "lin" || unit == "linear" || contains(name, "linear")))
+  if (decibel) return;
+  for (const char* base : {"V", "A", "ohm", "ohms", "\xCE\xA9", "\xE2\x84\xA6", "V/V", "X"}) {
+    if (const auto scale = scale_of(heading.unit, base)) {
+      heading.magnitude = MagnitudeScale::linear;
+      heading.scale = *scale;
+    }
+  }
+  if (unit == "1" || unit == "lin" || unit == "linear" || contains(name, "linear"))
     heading.magnitude = MagnitudeScale::linear;
 }
 
@@ -111,8 +123,13 @@ Heading parse_heading(const std::string& text) {
   const std::string unit = lower(heading.unit);
   if (name == "freq." || is_frequency(name, heading)) {
     heading.quantity = Quantity::frequency;
-    heading.scale = frequency_scale(heading.unit).value_or(1.0);
-    if (unit == "rad/s" || unit == "rad/sec") heading.quantity = Quantity::angular_frequency;
+    const auto scale = frequency_scale(heading.unit);
+    heading.scale = scale.value_or(1.0);
+    if (unit == "rad/s" || unit == "rad/sec") {
+      heading.quantity = Quantity::angular_frequency;
+    } else if (!scale && !heading.unit.empty()) {
+      heading.unit_known = false;
+    }
     if (name == "hz") heading.unit = "Hz";
     return heading;
   }
@@ -124,12 +141,14 @@ Heading parse_heading(const std::string& text) {
       name == "seconds" || (time_scale(heading.unit) && name == "x-axis")) {
     heading.quantity = Quantity::time;
     heading.scale = time_scale(heading.unit).value_or(1.0);
+    heading.unit_known = heading.unit.empty() || time_scale(heading.unit).has_value();
     if (heading.unit.empty() && name.starts_with("second")) heading.unit = "s";
     return heading;
   }
   if (contains(name, "phase") || contains(name, "angle")) {
     heading.quantity = Quantity::phase;
     if (is_radians(unit)) heading.scale = 180.0 / std::numbers::pi;
+    if (unit == "mrad") heading.scale = 0.18 / std::numbers::pi;
     return heading;
   }
   if (contains(name, "coherence")) {
@@ -166,6 +185,9 @@ bool is_unit_alone(const std::string& cell) {
   if (unit.size() > 2 && (unit.front() == '(' || unit.front() == '[')) unit = unit.substr(1, unit.size() - 2);
   if (frequency_scale(unit) || time_scale(unit) || scale_of(unit, "V") || scale_of(unit, "A")) return true;
   const std::string low = lower(unit);
+  for (const char* base : {"ohm", "ohms"}) {
+    if (scale_of(unit, base)) return true;
+  }
   for (const char* known :
        {"db", "deg", "degree", "degrees", "\xC2\xB0", "\xB0", "rad", "rad/s", "ohm", "ohms"}) {
     if (low == known) return true;

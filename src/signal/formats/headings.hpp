@@ -22,8 +22,9 @@ enum class MagnitudeScale { unknown, decibel, linear };
 struct Heading {
   std::string text;
   Quantity quantity = Quantity::signal;
-  double scale = 1.0;  ///< to Hz, rad/s, s, degrees, or the signal's unit without prefix
-  std::string unit;    ///< as written; empty when the heading has none
+  double scale = 1.0;      ///< to Hz, rad/s, s, degrees, or the signal's unit without prefix
+  std::string unit;        ///< as written; empty when the heading has none
+  bool unit_known = true;  ///< of a frequency or time
   MagnitudeScale magnitude = MagnitudeScale::unknown;
 };
 Heading parse_heading(const std::string& text);

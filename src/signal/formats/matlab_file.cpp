@@ -128,6 +128,20 @@ void collect(const matvar_t* variable, const std::string& prefix, std::vector<Ma
   throw InputError(source.file, 0, fmt::format("byte {}: {}", byte, what));
 }
 
+/// The parts of an uncompressed variable (flags, shape, name, numbers) must lie within it: libmatio believes their
+/// lengths. A part of up to four bytes has its length in the upper half of its first word.
+template <class Number>
+void validate_parts(const Source& source, const Number& number, std::size_t at, std::size_t end) {
+  while (at + 8 <= end) {
+    const std::size_t word = number(at, 4);
+    const std::size_t length = (word >> 16) != 0 ? 0 : number(at + 4, 4);
+    if ((word >> 16) > 4 || length > end - at - 8)
+      fail_at_mat_byte(source, at,
+                       fmt::format("a part of a variable goes beyond the variable's end at byte {}", end));
+    at += 8 + (length + 7) / 8 * 8;
+  }
+}
+
 /// The elements of the top level must fill the file to its end.
 void validate_elements(const Source& source) {
   const std::string_view b = source.bytes;
@@ -158,7 +172,31 @@ void validate_elements(const Source& source) {
       fail_at_mat_byte(
           source, b.size(),
           fmt::format("the file ends within a variable of {} bytes that begins at byte {}", length, at));
+    if (type == 14) validate_parts(source, number, at + 8, at + 8 + length);
     at += 8 + length;
+  }
+}
+
+/// A damaged shape would have libmatio read gigabytes of nothing: a number takes at least a byte, compressed a
+/// thousandth of one.
+void validate_shape(const Source& source, const matvar_t& variable, int depth) {
+  constexpr std::size_t kMostNumbersPerByte = 1100;
+  const std::size_t most = kMostNumbersPerByte * source.bytes.size();
+  std::size_t count = 1;
+  for (int i = 0; i < variable.rank; ++i) {
+    const std::size_t d = variable.dims[i];
+    if (d != 0 && count > most / d)
+      throw InputError(source.file, 0,
+                       fmt::format("holds a variable '{}' of more values than the file has room for",
+                                   variable.name != nullptr ? variable.name : ""));
+    count *= d;
+  }
+  if (variable.class_type != MAT_C_STRUCT || variable.data == nullptr || depth > 3) return;
+  const unsigned fields = Mat_VarGetNumberOfFields(const_cast<matvar_t*>(&variable));
+  if (variable.nbytes < fields * count * sizeof(matvar_t*)) return;
+  for (std::size_t i = 0; i < fields * count; ++i) {
+    const matvar_t* field = static_cast<matvar_t* const*>(variable.data)[i];
+    if (field != nullptr) validate_shape(source, *field, depth + 1);
   }
 }
 
@@ -171,8 +209,14 @@ std::vector<MatVector> read_vectors(const Source& source) {
   if (mat == nullptr) throw InputError(source.file, 0, "is not a MATLAB file that can be opened");
   std::vector<MatVector> out;
   while (true) {
-    const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(Mat_VarReadNext(mat.get()), &Mat_VarFree);
+    const std::unique_ptr<matvar_t, void (*)(matvar_t*)> variable(Mat_VarReadNextInfo(mat.get()),
+                                                                  &Mat_VarFree);
     if (variable == nullptr) break;
+    validate_shape(source, *variable, 0);
+    if (Mat_VarReadDataAll(mat.get(), variable.get()) != 0)
+      throw InputError(
+          source.file, 0,
+          fmt::format("holds a variable '{}' that is damaged", variable->name ? variable->name : ""));
     collect(variable.get(), "", out, 0);
   }
   if (out.empty()) throw InputError(source.file, 0, "holds no vectors of numbers");

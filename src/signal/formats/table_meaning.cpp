@@ -72,9 +72,16 @@ ResponseTrace complex_trace(const NumberTable& table, const std::vector<Heading>
   return to_trace(headings[real].text, response);
 }
 
+void validate_unit(const Source& source, const NumberTable& table, const Heading& heading) {
+  if (heading.unit_known) return;
+  throw InputError(source.file, table.lines.front(),
+                   fmt::format("begins a table whose '{}' has a unit that is not known here", heading.text));
+}
+
 Foreign response_of(const Source& source, NumberTable table, const std::vector<Heading>& headings,
                     Words words) {
   const std::size_t at = *frequency_column(headings);
+  validate_unit(source, table, headings[at]);
   std::vector<double> frequency = hertz(headings[at], std::move(table.columns[at]), words);
   const std::size_t column = chosen_column(source, headings);
   const auto phase = phase_of(headings, column);
@@ -98,6 +105,7 @@ Foreign response_of(const Source& source, NumberTable table, const std::vector<H
         fmt::format("'{}'", headings[column].text) +
         (phase ? fmt::format(" and '{}'", headings[*phase].text) : std::string(", no phase")));
     trace.name = headings[column].text;
+    for (double& value : table.columns[column]) value *= headings[column].scale;
     trace.magnitude_db = decibels(source, headings[column].magnitude, table.columns[column], words);
     if (phase) {
       trace.phase_deg = std::move(table.columns[*phase]);
@@ -114,6 +122,7 @@ Foreign response_of(const Source& source, NumberTable table, const std::vector<H
 Foreign record_of(const Source& source, NumberTable table, const std::vector<Heading>& headings,
                   Words words) {
   const std::size_t at = *first_of(headings, Quantity::time);
+  validate_unit(source, table, headings[at]);
   std::vector<double> time = std::move(table.columns[at]);
   if (headings[at].scale != 1.0) words.notes.push_back(fmt::format("time from {}", headings[at].unit));
   for (double& t : time) t *= headings[at].scale;

@@ -44,8 +44,14 @@ class WaveformsCsv : public Format {
     const std::vector<Heading> headings = parse_headings(table.headings);
     const auto first = channel_magnitude(headings, "Channel 1");
     const auto second = channel_magnitude(headings, "Channel 2");
-    if (!has_response_headings(headings) || !second || !source.choice.empty())
-      return read_by_headings(source, std::move(table), std::move(words));
+    Source chosen = source;
+    if (!has_response_headings(headings) || !second || !source.choice.empty()) {
+      // Beside the channels there may be mathematical ones.
+      if (source.choice.empty() && find_name(table.headings, "Channel 1") &&
+          find_name(table.headings, "Channel 2"))
+        chosen.choice = "Channel 1,Channel 2";
+      return read_by_headings(chosen, std::move(table), std::move(words));
+    }
     const auto relative = second_is_relative(table.above);
     if (first && relative && !*relative) {
       Words aside;
@@ -58,7 +64,6 @@ class WaveformsCsv : public Format {
     } else {
       words.notes.emplace_back("channel 2 relative to channel 1");
     }
-    Source chosen = source;
     chosen.choice = table.headings[*second];
     return read_by_headings(chosen, std::move(table), std::move(words));
   }

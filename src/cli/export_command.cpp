@@ -1,0 +1,134 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "base/json.hpp"
+#include "base/progress.hpp"
+#include "base/text.hpp"
+#include "cli/command_line.hpp"
+#include "cli/commands.hpp"
+#include "cli/response_source.hpp"
+#include "exchange/writer.hpp"
+#include "signal/bode_points.hpp"
+#include "signal/columns.hpp"
+#include "signal/csv.hpp"
+
+namespace bodesmith::cli {
+namespace {
+
+std::vector<Hertz> export_grid(const CommandLine& line, const ResponseSource& source) {
+  Band band = source.band ? Band{Hertz{source.band->from.value / 10.0}, Hertz{source.band->to.value * 10.0}}
+                          : Band{Hertz{1.0}, Hertz{1e5}};
+  if (const auto asked = line.maybe_band()) band = *asked;
+  return log_grid(band, line.integer("count", 2, 1'000'000));
+}
+
+/// With its phase, or nothing.
+std::optional<FrequencyRecord> measured_response(const std::filesystem::path& path, Provenance& from) {
+  const BodePoints points = BodePoints::read_csv(path, from);
+  FrequencyRecord out;
+  out.file = points.file;
+  for (const BodePoint& point : points.points) {
+    if (!point.phase_deg) return std::nullopt;
+    out.frequency.push_back(point.frequency);
+    out.response.push_back(std::polar(point.gain, to_radians(*point.phase_deg)));
+  }
+  return out;
+}
+
+exchange::Exportable load_exportable(const CommandLine& line, const std::string& file, Provenance& from) {
+  exchange::Exportable out;
+  out.source = file;
+  if (is_design(file)) {
+    const ResponseSource source = load_response(file, {line.has("with-holds"), ""}, from);
+    out.sections = source.sections;
+    FrequencyRecord record;
+    record.file = file;
+    record.frequency = export_grid(line, source);
+    record.response = source.response(record.frequency);
+    out.response = std::move(record);
+    out.name = exchange::identifier(source.stem);
+    return out;
+  }
+  for (const char* option : {"from-hz", "to-hz", "count"}) {
+    if (line.has(option)) line.fail(fmt::format("--{} is for designs; {} has its own points", option, file));
+  }
+  Provenance aside;
+  const Csv csv = Csv::read(file, aside);
+  if (csv.has(column::time_s)) {
+    out.record = TimeRecord::read_csv(file, from);
+  } else {
+    out.response = measured_response(file, from);
+    if (!out.response)
+      throw InputError(csv.file(), 0, "has no phase, expected a complex response or a time record");
+  }
+  out.name = exchange::identifier(std::filesystem::path(csv.file()).stem().string());
+  return out;
+}
+
+std::string writers_text() {
+  std::string out = "Formats, by the ending of -o or --as:\n";
+  for (const exchange::Writer* writer : exchange::writers().all())
+    out += fmt::format("  {:<15}{:<11}{}\n", writer->name(), writer->endings(), writer->what());
+  return out;
+}
+
+exchange::ExportOptions read_export_options(const CommandLine& line) {
+  using exchange::Discretisation;
+  exchange::ExportOptions out;
+  out.discretise.sample_hz = line.maybe_positive("sample-hz").value_or(0.0);
+  out.discretise.method = line.choice("method", {Discretisation::tustin, Discretisation::matched});
+  if (const auto f = line.maybe_positive("prewarp-hz")) out.discretise.prewarp = Hertz{*f};
+  out.discretise.single_precision = line.has("float");
+  const std::string signal = line.get<std::string>("signal");
+  if (signal != "u" && signal != "y") line.fail(fmt::format("--signal is '{}', expected u or y", signal));
+  out.output_signal = signal == "y";
+  return out;
+}
+
+}  // namespace
+
+int run_export(const std::vector<std::string>& arguments) {
+  CommandLine line(
+      "export", "bodesmith export sections.json --sample-hz 48000 -o filter.c",
+      "Writes a design, a response or a record for other programs:\n"
+      "  bodesmith export sections.json -o sections.py      (python-control; .m: Octave; .mat: MATLAB)\n"
+      "  bodesmith export plan.json -o plan.s2p             (.frd, .csv)\n"
+      "  bodesmith export drive.csv --signal u -o drive.pwl (LTspice; .inc: a source for any SPICE)\n"
+      "  bodesmith export run.raw:v(out) -o response.csv    (any format that is read, to own CSV)\n" +
+          writers_text());
+  line.positional("FILE", 1, 1);
+  line.option<std::string>("as", "format by its name (default: by the ending of -o)");
+  line.band("lowest frequency of a design's response (default: a decade below its corners)",
+            "highest frequency");
+  line.option<int>("count", "number of frequencies of a design's response", 200);
+  line.flag("with-holds", "FPAA plans: with every hold and half-cycle delay");
+  line.option<std::string>("signal", "of a record, where one is written: u or y", "u");
+  line.option<double>("sample-hz", "sampling rate of digital biquads");
+  line.option<std::string>("method", "tustin or matched", "tustin");
+  line.option<double>("prewarp-hz", "tustin: exact here (default: every section at its own corner)");
+  line.flag("float", "digital biquads in single precision");
+  line.output("file to write");
+  line.reads_measurements();
+  if (!line.parse(arguments)) return kDone;
+
+  Provenance from;
+  const exchange::Writer& writer = line.has("as") ? exchange::writers().get(line.get<std::string>("as"))
+                                                  : exchange::writer_for(line.output_path().string());
+  const exchange::ExportOptions options = read_export_options(line);
+  const exchange::Exportable source = load_exportable(line, line.files().front(), from);
+  const Stopwatch watch;
+  const exchange::Written written = writer.write(source, options);
+  const double seconds = watch.seconds();
+  write_file(line.output_path(), written.content);
+  std::string text = fmt::format("{}: {}\n", line.output_path().string(), writer.what());
+  for (const std::string& said : written.said) text += "  " + said + "\n";
+  const Json summary = {{"format", std::string(writer.name())}, {"said", written.said}};
+  print_summary(line, text, timed_document("export_summary", from, summary, seconds));
+  return kDone;
+}
+
+}  // namespace bodesmith::cli

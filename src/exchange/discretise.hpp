@@ -1,0 +1,60 @@
+#pragma once
+
+#include <complex>
+#include <optional>
+#include <string_view>
+#include <vector>
+
+#include "base/units.hpp"
+#include "lti/sections.hpp"
+
+namespace bodesmith::exchange {
+
+/// H(z) = (b0 + b1/z + b2/z^2)/(1 + a1/z + a2/z^2)
+struct Biquad {
+  double b0 = 1.0;
+  double b1 = 0.0;
+  double b2 = 0.0;
+  double a1 = 0.0;
+  double a2 = 0.0;
+};
+
+enum class Discretisation {
+  tustin,   ///< s = K (z - 1)/(z + 1), K = w/tan(w T/2): exact at w
+  matched,  ///< roots z = exp(s T), zeros at infinity to -1, gain met at one frequency
+};
+std::string_view to_string(Discretisation method);
+
+struct DiscretiseOptions {
+  double sample_hz = 0.0;
+  Discretisation method = Discretisation::tustin;
+  /// The frequency at which every section is exact (tustin) or has its gain (matched). Without it each section has its
+  /// own: tustin the corner of its poles, matched DC where the section has a gain there.
+  std::optional<Hertz> prewarp;
+  bool single_precision = false;  ///< coefficients rounded to float
+};
+
+/// A chain of biquads, and how far it is from the sections.
+struct DigitalFilter {
+  double gain = 1.0;
+  std::vector<Biquad> biquads;
+  double sample_hz = 0.0;
+  Discretisation method = Discretisation::tustin;
+
+  struct Error {
+    Band
+        band;  ///< from a tenth of the lowest corner to ten times the highest, at most 0.45 of the sampling rate
+    double max_magnitude_db = 0.0;
+    double max_phase_deg = 0.0;
+    double max_complex_percent = 0.0;
+    Hertz worst;
+  } error;
+
+  std::complex<double> response(Hertz f) const;
+};
+
+/// The sections' delay is left out, of the error too. InputError for a sampling rate that is not above twice the lowest
+/// corner, and for poles that rounding moved out of the unit circle.
+DigitalFilter discretise(const Sections& sections, const DiscretiseOptions& options);
+
+}  // namespace bodesmith::exchange

@@ -1,0 +1,59 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/registry.hpp"
+#include "exchange/discretise.hpp"
+#include "lti/sections.hpp"
+#include "signal/frequency_record.hpp"
+#include "signal/time_record.hpp"
+
+namespace bodesmith::exchange {
+
+/// What can be written for other programs: whatever the source has of these.
+struct Exportable {
+  std::string source;  ///< the file, as messages and comments name it
+  std::string name;    ///< of variables and functions: letters, digits and underscores
+  std::optional<Sections> sections;
+  std::optional<FrequencyRecord> response;
+  std::optional<TimeRecord> record;
+};
+
+struct ExportOptions {
+  DiscretiseOptions discretise;
+  bool output_signal = false;  ///< of a record where one signal is written: y instead of u
+};
+
+struct Written {
+  std::string content;
+  std::vector<std::string> said;  ///< conventions, errors, what was left out
+};
+
+/// One format that other programs read.
+class Writer {
+ public:
+  virtual ~Writer() = default;
+  virtual std::string_view name() const = 0;
+  /// Of file names, with their points: ".s2p .ts".
+  virtual std::string_view endings() const = 0;
+  virtual std::string_view what() const = 0;
+  /// InputError when the source lacks what the format holds.
+  virtual Written write(const Exportable& from, const ExportOptions& options) const = 0;
+};
+
+Registry<Writer>& writers();
+/// By the ending of a file name; InputError that lists them.
+const Writer& writer_for(std::string_view file_name);
+
+/// The part of the source that a writer needs, or an InputError that says what the format is of.
+const Sections& need_sections(const Exportable& from, const Writer& writer);
+const FrequencyRecord& need_response(const Exportable& from, const Writer& writer);
+const TimeRecord& need_record(const Exportable& from, const Writer& writer);
+
+/// Letters, digits and underscores of a text; begins with a letter.
+std::string identifier(std::string_view text);
+
+}  // namespace bodesmith::exchange

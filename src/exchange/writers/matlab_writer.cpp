@@ -1,0 +1,112 @@
+// MATLAB level 5, compressed, by libmatio. Sections: z, p, k (zeros and poles in rad/s, H = k prod(s - z)/prod(s - p)),
+// delay_s; a response: f (Hz), H; a record: t (s), u, y.
+#include <matio.h>
+
+#include <algorithm>
+#include <complex>
+#include <memory>
+#include <stdexcept>
+#include <vector>
+
+#include "base/memory_file.hpp"
+#include "exchange/writers/all_writers.hpp"
+
+namespace bodesmith::exchange {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// No date in it: the same input gives the same bytes.
+constexpr const char* kMatHeader = "MATLAB 5.0 MAT-file, Platform: any, written by bodesmith";
+
+class MatOutput {
+ public:
+  MatOutput() : mat_(Mat_CreateVer(file_.path().c_str(), kMatHeader, MAT_FT_MAT5), &Mat_Close) {
+    if (mat_ == nullptr) throw std::runtime_error("libmatio cannot create a file in memory");
+  }
+  void add(const char* name, std::vector<double> values) {
+    std::size_t dims[2] = {values.size(), 1};
+    put(Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, values.data(), 0));
+  }
+  void add(const char* name, const std::vector<Complex>& values) {
+    std::vector<double> re;
+    std::vector<double> im;
+    for (const Complex& v : values) {
+      re.push_back(v.real());
+      im.push_back(v.imag());
+    }
+    mat_complex_split_t split{re.data(), im.data()};
+    std::size_t dims[2] = {values.size(), 1};
+    put(Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, &split, MAT_F_COMPLEX));
+  }
+  std::string bytes() {
+    mat_.reset();
+    return file_.bytes();
+  }
+
+ private:
+  void put(matvar_t* variable) {
+    const std::unique_ptr<matvar_t, void (*)(matvar_t*)> owned(variable, &Mat_VarFree);
+    if (variable == nullptr || Mat_VarWrite(mat_.get(), variable, MAT_COMPRESSION_ZLIB) != 0)
+      throw std::runtime_error("libmatio cannot write a variable");
+  }
+
+  MemoryFile file_;
+  std::unique_ptr<mat_t, int (*)(mat_t*)> mat_;
+};
+
+class MatlabWriter : public Writer {
+ public:
+  std::string_view name() const override { return "matlab"; }
+  std::string_view endings() const override { return ".mat"; }
+  std::string_view what() const override { return "MATLAB 5: z, p, k; f, H; t, u, y"; }
+  Written write(const Exportable& from, const ExportOptions&) const override {
+    MatOutput out;
+    std::vector<std::string> said;
+    if (from.record) {
+      std::vector<double> time(from.record->size());
+      for (std::size_t i = 0; i < time.size(); ++i) time[i] = from.record->time_s(i);
+      out.add("t", std::move(time));
+      out.add("u", from.record->u);
+      if (!from.record->y.empty()) out.add("y", from.record->y);
+      said.push_back("t in s, u" + std::string(from.record->y.empty() ? "" : ", y"));
+    }
+    if (from.sections) {
+      add_sections(*from.sections, out);
+      said.emplace_back("z, p in rad/s, k, delay_s: H = k prod(s - z)/prod(s - p) exp(-s delay_s)");
+    }
+    if (from.response) {
+      std::vector<double> frequency;
+      for (const Hertz f : from.response->frequency) frequency.push_back(f.value);
+      out.add("f", std::move(frequency));
+      out.add("H", from.response->response);
+      said.emplace_back("f in Hz, H complex");
+    }
+    return {out.bytes(), said};
+  }
+
+ private:
+  static void add_sections(const Sections& sections, MatOutput& out) {
+    std::vector<Complex> zeros;
+    std::vector<Complex> poles;
+    double gain = sections.gain;
+    for (const Section& section : sections.sections) {
+      zeros.insert(zeros.end(), section.zeros.begin(), section.zeros.end());
+      poles.insert(poles.end(), section.poles.begin(), section.poles.end());
+      gain *= section.gain;
+    }
+    out.add("z", zeros);
+    out.add("p", poles);
+    out.add("k", std::vector<double>{gain});
+    out.add("delay_s", std::vector<double>{sections.delay_s});
+  }
+};
+
+}  // namespace
+
+const Writer& matlab_writer() {
+  static const MatlabWriter writer;
+  return writer;
+}
+
+}  // namespace bodesmith::exchange

@@ -1,0 +1,36 @@
+// An Octave (or MATLAB) script that rebuilds the sections, with the control package where it is there, and checks itself.
+#include <fmt/format.h>
+
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "base/text_template.hpp"
+#include "exchange/writers/all_writers.hpp"
+#include "exchange/writers/script_data.hpp"
+
+namespace bodesmith::exchange {
+namespace {
+
+class OctaveWriter : public Writer {
+ public:
+  std::string_view name() const override { return "octave"; }
+  std::string_view endings() const override { return ".m"; }
+  std::string_view what() const override { return "an Octave or MATLAB script that rebuilds the sections"; }
+  Written write(const Exportable& from, const ExportOptions&) const override {
+    const Sections& sections = need_sections(from, *this);
+    Json data = script_data(from, sections, [](const std::complex<double>& c) {
+      if (c.imag() == 0.0) return number_text(c.real());
+      return fmt::format("complex({}, {})", number_text(c.real()), number_text(c.imag()));
+    });
+    return {render_template("exchange/sections.m", data),
+            {"it compares itself with responses computed here and ends with an error where they differ"}};
+  }
+};
+
+}  // namespace
+
+const Writer& octave_writer() {
+  static const OctaveWriter writer;
+  return writer;
+}
+
+}  // namespace bodesmith::exchange

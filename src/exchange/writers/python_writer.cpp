@@ -1,0 +1,36 @@
+// A Python script that rebuilds the sections with python-control, and checks itself against responses computed here.
+#include <fmt/format.h>
+
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "base/text_template.hpp"
+#include "exchange/writers/all_writers.hpp"
+#include "exchange/writers/script_data.hpp"
+
+namespace bodesmith::exchange {
+namespace {
+
+class PythonWriter : public Writer {
+ public:
+  std::string_view name() const override { return "python-control"; }
+  std::string_view endings() const override { return ".py"; }
+  std::string_view what() const override { return "a script that rebuilds the sections with python-control"; }
+  Written write(const Exportable& from, const ExportOptions&) const override {
+    const Sections& sections = need_sections(from, *this);
+    Json data = script_data(from, sections, [](const std::complex<double>& c) {
+      if (c.imag() == 0.0) return number_text(c.real());
+      return fmt::format("complex({}, {})", number_text(c.real()), number_text(c.imag()));
+    });
+    return {render_template("exchange/sections.py", data),
+            {"run by itself it compares python-control's system with responses computed here"}};
+  }
+};
+
+}  // namespace
+
+const Writer& python_writer() {
+  static const PythonWriter writer;
+  return writer;
+}
+
+}  // namespace bodesmith::exchange

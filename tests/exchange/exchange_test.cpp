@@ -1,0 +1,237 @@
+// What is written for other programs: read back by this program's readers, run by a C compiler and by ngspice.
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <sstream>
+
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "exchange/writer.hpp"
+#include "lti/frequency_grid.hpp"
+#include "run_program.hpp"
+#include "temporary_folder.hpp"
+
+namespace bodesmith::exchange {
+namespace {
+
+using Complex = std::complex<double>;
+using testing::HasSubstr;
+
+/// A damped pair beside a real pole and zero: corners of 100 Hz and 1 kHz.
+Sections two_sections() {
+  Sections out;
+  out.gain = 2.0;
+  const double a = 2.0 * std::numbers::pi * 100.0;
+  const double b = 2.0 * std::numbers::pi * 1000.0;
+  out.sections.push_back({3.0, {-3.0 * a}, {-a}});
+  out.sections.push_back({b * b, {}, {std::polar(b, 2.0), std::polar(b, -2.0)}});
+  return out;
+}
+
+Exportable designed() {
+  Exportable out;
+  out.source = "sections.json";
+  out.name = "sections";
+  out.sections = two_sections();
+  FrequencyRecord record;
+  record.frequency = log_grid({Hertz{10.0}, Hertz{1e4}}, 25);
+  for (const Hertz f : record.frequency) record.response.push_back(out.sections->response(f.rad_s()));
+  out.response = record;
+  return out;
+}
+
+Exportable recorded() {
+  Exportable out;
+  out.source = "drive.csv";
+  out.name = "drive";
+  TimeRecord record;
+  record.start_s = -0.5;
+  record.step_s = 1.0 / 128.0;
+  for (int i = 0; i < 64; ++i) {
+    record.u.push_back(std::sin(0.3 * i));
+    record.y.push_back(std::cos(0.3 * i) / 3.0);
+  }
+  out.record = record;
+  return out;
+}
+
+std::filesystem::path written(const TemporaryFolder& folder, const std::string& name,
+                              const Exportable& from) {
+  write_file(folder / name, writer_for(name).write(from, {}).content);
+  return folder / name;
+}
+
+TEST(Export, ResponsesReadBack) {
+  const TemporaryFolder folder;
+  const Exportable from = designed();
+  for (const char* name : {"a.s2p", "a.frd", "a.csv", "a.mat"}) {
+    Provenance ignored;
+    const FrequencyRecord back = FrequencyRecord::read_csv(written(folder, name, from), ignored);
+    ASSERT_EQ(back.frequency.size(), 25u) << name;
+    for (std::size_t i = 0; i < 25; ++i) {
+      EXPECT_DOUBLE_EQ(back.frequency[i].value, from.response->frequency[i].value) << name;
+      EXPECT_LT(std::abs(back.response[i] / from.response->response[i] - 1.0), 1e-14) << name;
+    }
+  }
+}
+
+TEST(Export, RecordsReadBack) {
+  const TemporaryFolder folder;
+  const Exportable from = recorded();
+  for (const char* name : {"a.csv", "a.mat"}) {
+    Provenance ignored;
+    const TimeRecord back = TimeRecord::read_csv(written(folder, name, from), ignored, true);
+    EXPECT_EQ(back.u, from.record->u) << name;
+    EXPECT_EQ(back.y, from.record->y) << name;
+    EXPECT_EQ(back.start_s, -0.5);
+    EXPECT_EQ(back.step_s, 1.0 / 128.0);
+  }
+  Provenance ignored;
+  const TimeRecord points = TimeRecord::read_csv(written(folder, "a.pwl", from), ignored);
+  EXPECT_EQ(points.u, from.record->u);
+  EXPECT_EQ(points.start_s, 0.0);  // moved: sources begin at 0
+}
+
+TEST(Export, TheSameInputGivesTheSameBytes) {
+  EXPECT_EQ(writer_for("a.mat").write(designed(), {}).content,
+            writer_for("b.mat").write(designed(), {}).content);
+}
+
+TEST(Export, LevelStretchesNeedTheirEndsOnly) {
+  Exportable from = recorded();
+  from.record->u.assign(64, 1.0);
+  from.record->u[40] = 2.0;
+  const std::string text = writer_for("a.pwl").write(from, {}).content;
+  EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 5);
+  EXPECT_THAT(text, HasSubstr("0.3125 2.0\n"));
+}
+
+TEST(Export, RefusesWhatAFormatCannotHold) {
+  const auto refusal = [](const char* name, const Exportable& from) {
+    try {
+      writer_for(name).write(from, {});
+    } catch (const InputError& error) {
+      return std::string(error.what());
+    }
+    return std::string("accepted");
+  };
+  EXPECT_THAT(refusal("a.py", recorded()),
+              HasSubstr("drive.csv: is a time record, but python-control needs pole-zero"));
+  EXPECT_THAT(refusal("a.pwl", designed()), HasSubstr("but pwl needs a time record"));
+  EXPECT_THAT(refusal("a.s2p", recorded()), HasSubstr("needs a complex frequency response"));
+  EXPECT_THAT(refusal("a.c", designed()), HasSubstr("--sample-hz"));
+  EXPECT_THROW(writer_for("a.docx"), InputError);
+}
+
+DigitalFilter digital(Discretisation method, double sample_hz, std::optional<Hertz> prewarp = {}) {
+  DiscretiseOptions options;
+  options.method = method;
+  options.sample_hz = sample_hz;
+  options.prewarp = prewarp;
+  return discretise(two_sections(), options);
+}
+
+TEST(Discretise, TustinIsTheWarpedAxis) {
+  // s = K (z - 1)/(z + 1): the digital filter at f is the analog one at K tan(w T/2).
+  const DigitalFilter one = digital(Discretisation::tustin, 8000.0, Hertz{1000.0});
+  EXPECT_LT(std::abs(one.response(Hertz{1000.0}) / two_sections().response(Hertz{1000.0}.rad_s()) - 1.0),
+            1e-13);
+  const double k = Hertz{1000.0}.rad_s().value / std::tan(std::numbers::pi / 8.0);
+  for (const double f : {50.0, 400.0, 3000.0}) {
+    const RadPerSecond warped{k * std::tan(std::numbers::pi * f / 8000.0)};
+    EXPECT_LT(std::abs(one.response(Hertz{f}) / two_sections().response(warped) - 1.0), 1e-12) << f;
+  }
+}
+
+TEST(Discretise, MatchedHasThePolesAndTheGainAtDc) {
+  const DigitalFilter filter = digital(Discretisation::matched, 8000.0);
+  EXPECT_NEAR(filter.biquads[0].a1, -std::exp(-2.0 * std::numbers::pi * 100.0 / 8000.0), 1e-15);
+  EXPECT_NEAR(filter.biquads[1].a2, std::exp(2.0 * std::cos(2.0) * 2.0 * std::numbers::pi * 1000.0 / 8000.0),
+              1e-15);
+  EXPECT_NEAR(filter.response(Hertz{0.0}).real() / two_sections().dc_gain(), 1.0, 1e-13);
+}
+
+TEST(Discretise, TheErrorToldIsTheLargestThereIs) {
+  for (const Discretisation method : {Discretisation::tustin, Discretisation::matched}) {
+    const DigitalFilter filter = digital(method, 8000.0);
+    EXPECT_DOUBLE_EQ(filter.error.band.from.value, 10.0);
+    EXPECT_DOUBLE_EQ(filter.error.band.to.value, 3600.0);
+    double decibel = 0.0;
+    for (const Hertz f : log_grid(filter.error.band, 1000)) {
+      const Complex ratio = filter.response(f) / two_sections().response(f.rad_s());
+      decibel = std::max(decibel, std::abs(to_decibel(std::abs(ratio))));
+    }
+    EXPECT_NEAR(filter.error.max_magnitude_db, decibel, 1e-9);
+    EXPECT_GT(decibel, 0.1);
+    // Ten times the rate: about a hundredth of the error within a fixed band.
+    const double fine = std::abs(digital(method, 80000.0).response(Hertz{300.0}) /
+                                     two_sections().response(Hertz{300.0}.rad_s()) -
+                                 1.0);
+    EXPECT_LT(fine, 2e-2);
+  }
+  EXPECT_THROW(digital(Discretisation::tustin, 150.0), InputError);
+  EXPECT_THROW(digital(Discretisation::tustin, 8000.0, Hertz{4000.0}), InputError);
+}
+
+TEST(Export, TheCFileFiltersAsItsBiquadsSay) {
+  if (run_shell("command -v cc").status != 0) GTEST_SKIP() << "no C compiler";
+  const TemporaryFolder folder;
+  for (const bool single : {false, true}) {
+    ExportOptions options;
+    options.discretise.sample_hz = 8000.0;
+    options.discretise.single_precision = single;
+    write_file(folder / "filter.c", writer_for("filter.c").write(designed(), options).content);
+    write_file(
+        folder / "main.c",
+        "#include <stdio.h>\n#include \"filter.c\"\nint main(void) {\n  sections_state s = { 0 };\n  int i;\n"
+        "  for (i = 0; i < 2000; ++i) printf(\"%.17g\\n\", (double)sections_step(&s, i == 0));\n  return 0;\n}\n");
+    const std::string at = folder.path().string();
+    const ProgramResult run = run_shell("cc -std=c99 -Wall -Wextra -Werror -o " + at + "/filter " + at +
+                                        "/main.c && " + at + "/filter");
+    ASSERT_EQ(run.status, 0) << run.err;
+    const DigitalFilter filter = discretise(two_sections(), options.discretise);
+    // The transform of the impulse response is the filter's response.
+    for (const double f : {30.0, 300.0, 2500.0}) {
+      std::istringstream samples(run.out);
+      Complex sum = 0.0;
+      double h = 0.0;
+      for (int i = 0; samples >> h; ++i) sum += h * std::polar(1.0, -2.0 * std::numbers::pi * f / 8000.0 * i);
+      EXPECT_LT(std::abs(sum / filter.response(Hertz{f}) - 1.0), single ? 1e-5 : 1e-12) << f;
+    }
+  }
+}
+
+TEST(Export, NgspiceFollowsTheSource) {
+  if (run_shell("command -v ngspice").status != 0) GTEST_SKIP() << "no ngspice";
+  const TemporaryFolder folder;
+  const Exportable from = recorded();
+  written(folder, "drive.inc", from);
+  const std::string at = folder.path().string();
+  write_file(folder / "deck.cir", "* source\n.include " + at +
+                                      "/drive.inc\nR1 drive 0 1k\n.control\ntran 1m 0.49\nwrite " + at +
+                                      "/out.raw v(drive)\nquit\n.endc\n.end\n");
+  run_shell("ngspice -b " + at + "/deck.cir");
+  Provenance ignored;
+  const TimeRecord got = TimeRecord::read_csv(folder / "out.raw", ignored);
+  for (std::size_t i = 0; i < got.size(); i += 10) {
+    const double place = got.time_s(i) / from.record->step_s;
+    const auto k = std::min(static_cast<std::size_t>(place), from.record->size() - 2);
+    const double t = place - static_cast<double>(k);
+    EXPECT_NEAR(got.u[i], (1.0 - t) * from.record->u[k] + t * from.record->u[k + 1], 3e-3);
+  }
+}
+
+TEST(Export, ScriptsHoldTheSectionsAndChecks) {
+  for (const char* name : {"a.py", "a.m"}) {
+    const std::string text = writer_for(name).write(designed(), {}).content;
+    EXPECT_THAT(text, HasSubstr(name[2] == 'p' ? "GAIN = 2.0" : "gain = 2.0;"));
+    EXPECT_THAT(text, HasSubstr("complex("));
+    EXPECT_EQ(text.find("{{"), std::string::npos) << text;
+  }
+}
+
+}  // namespace
+}  // namespace bodesmith::exchange

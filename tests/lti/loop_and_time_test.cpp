@@ -1,0 +1,104 @@
+// Margins, group delay and time responses of k/(1 + s/a)^3 against their closed forms.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "lti/group_delay.hpp"
+#include "lti/loop_margins.hpp"
+#include "lti/time_response.hpp"
+
+namespace bodesmith {
+namespace {
+
+constexpr double kCorner = 1000.0;  // rad/s
+
+Sections three_lags(double k, double delay_s = 0.0) {
+  Sections out;
+  out.gain = k;
+  for (int i = 0; i < 3; ++i) out.sections.push_back({kCorner, {}, {-kCorner}});
+  out.delay_s = delay_s;
+  return out;
+}
+
+LoopMargins margins_of(const Sections& loop, int count = 60) {
+  return loop_margins([&loop](Hertz f) { return loop.response(f.rad_s()); },
+                      log_grid({Hertz{1.0}, Hertz{1e5}}, count));
+}
+
+TEST(LoopMargins, OfThreeLagsAreTheClosedForms) {
+  const LoopMargins m = margins_of(three_lags(4.0));
+  ASSERT_EQ(m.gain_crossings.size(), 1u);
+  ASSERT_EQ(m.phase_crossings.size(), 1u);
+  const double x = std::sqrt(std::pow(4.0, 2.0 / 3.0) - 1.0);
+  const double margin = std::numbers::pi - 3.0 * std::atan(x);
+  EXPECT_NEAR(m.gain_crossings[0].frequency.rad_s().value / (kCorner * x), 1.0, 1e-11);
+  EXPECT_NEAR(m.least_phase_margin()->phase_margin_deg, to_degrees(margin), 1e-8);
+  EXPECT_NEAR(m.gain_crossings[0].delay_margin_s, margin / (kCorner * x), 1e-14);
+  EXPECT_NEAR(m.phase_crossings[0].frequency.rad_s().value / (kCorner * std::sqrt(3.0)), 1.0, 1e-11);
+  EXPECT_NEAR(m.least_gain_margin()->gain_margin_db, to_decibel(2.0), 1e-9);
+  // |1 + L| beside -1: at sqrt(3) a it is 1/2; the peak of 1/|1 + L| lies a little below that frequency.
+  EXPECT_GT(m.max_sensitivity, 2.0);
+  EXPECT_LT(m.max_sensitivity_at.rad_s().value, kCorner * std::sqrt(3.0));
+}
+
+TEST(LoopMargins, StabilityIsThatOfTheRouthCriterion) {
+  EXPECT_EQ(closed_loop_is_stable(three_lags(7.9)), true);  // 8 is the limit
+  EXPECT_EQ(closed_loop_is_stable(three_lags(8.1)), false);
+  EXPECT_EQ(closed_loop_is_stable(three_lags(-0.9)), true);  // DC: 1 + L = 0.1
+  EXPECT_EQ(closed_loop_is_stable(three_lags(-1.1)), false);
+  // The delay margin is where a delay makes it unstable.
+  const double limit = margins_of(three_lags(4.0)).gain_crossings[0].delay_margin_s;
+  EXPECT_EQ(closed_loop_is_stable(three_lags(4.0, 0.99 * limit)), true);
+  EXPECT_EQ(closed_loop_is_stable(three_lags(4.0, 1.01 * limit)), false);
+  // k/(s (1 + s/a)^2): stable below k = 2 a.
+  for (const double k : {1.9, 2.1}) {
+    Sections integrator = three_lags(1.0);
+    integrator.sections[0] = {k * kCorner, {}, {0.0}};
+    EXPECT_EQ(closed_loop_is_stable(integrator), k < 2.0) << k;
+  }
+  Sections unstable = three_lags(1.0);
+  unstable.sections[0].poles = {kCorner};
+  EXPECT_FALSE(closed_loop_is_stable(unstable).has_value());
+}
+
+TEST(GroupDelay, OfThreeLagsAndADelayIsTheClosedForm) {
+  const Sections sections = three_lags(1.0, 1e-4);
+  for (const double x : {0.01, 1.0, 3.0}) {
+    const double wanted = 3.0 / (kCorner * (1.0 + x * x)) + 1e-4;
+    EXPECT_NEAR(group_delay_s(sections, RadPerSecond{x * kCorner}), wanted, 1e-15);
+    const auto response = [&](Hertz f) { return sections.response(f.rad_s()); };
+    EXPECT_NEAR(group_delay_s(response, RadPerSecond{x * kCorner}.hz()), wanted, 1e-7 * wanted);
+  }
+}
+
+TEST(TimeResponse, OfThreeLagsIsTheClosedFormLaterByTheDelay) {
+  const double delay = 1.234e-4;
+  const Sections sections = three_lags(2.0, delay);
+  const TimeResponse r = time_response(sections, 0.02, 801);
+  for (std::size_t i = 0; i < r.time_s.size(); ++i) {
+    const double x = kCorner * (r.time_s[i] - delay);
+    const double step = x < 0.0 ? 0.0 : 2.0 * (1.0 - std::exp(-x) * (1.0 + x + 0.5 * x * x));
+    const double impulse = x < 0.0 ? 0.0 : kCorner * x * x * std::exp(-x);
+    EXPECT_NEAR(r.step[i], step, 1e-12);
+    EXPECT_NEAR(r.impulse[i], impulse, 1e-9);
+  }
+  EXPECT_EQ(r.direct, 0.0);
+  ASSERT_TRUE(r.figures);
+  EXPECT_DOUBLE_EQ(r.figures->final_value, 2.0);
+  // Rise of three equal lags from 10 to 90 %: x = 1.10207 to 5.32232.
+  EXPECT_NEAR(r.figures->rise_s, (5.32232 - 1.10207) / kCorner, 2e-6);
+  EXPECT_EQ(r.figures->overshoot_percent, 0.0);
+}
+
+TEST(TimeResponse, WhatGoesStraightThroughIsTold) {
+  Sections lead;
+  lead.sections.push_back({3.0, {-10.0}, {-20.0}});
+  const TimeResponse r = time_response(lead, 1.0, 3);
+  EXPECT_EQ(r.direct, 3.0);
+  EXPECT_NEAR(r.step[0], 3.0, 1e-14);
+  EXPECT_NEAR(r.step[2], 1.5 + 1.5 * std::exp(-20.0), 1e-12);
+}
+
+}  // namespace
+}  // namespace bodesmith

@@ -37,6 +37,6 @@ std::string located(std::string_view file, int line, std::string_view message) {
 InputError::InputError(const std::string& message) : std::runtime_error(single_line(message)) {}
 
 InputError::InputError(std::string_view file, int line, std::string_view message)
-    : std::runtime_error(located(file, line, message)) {}
+    : std::runtime_error(located(file, line, message)), file_(file), line_(line) {}
 
 }  // namespace bodesmith

@@ -14,6 +14,14 @@ class InputError : public std::runtime_error {
   explicit InputError(const std::string& message);
   /// `line` counts from 1; 0 means that no single line is to blame.
   InputError(std::string_view file, int line, std::string_view message);
+
+  /// The file to blame, as what() begins with it; empty where none is.
+  const std::string& file() const { return file_; }
+  int line() const { return line_; }
+
+ private:
+  std::string file_;
+  int line_ = 0;
 };
 
 /// A design that cannot be made or does not fit (too many sections for the board, no legal clock).

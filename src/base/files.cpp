@@ -122,6 +122,12 @@ std::vector<fs::path> OutputSet::paths() const {
   return out;
 }
 
+const std::string* OutputSet::content(const fs::path& relative) const {
+  const auto found =
+      std::find_if(files_.begin(), files_.end(), [&](const File& file) { return file.path == relative; });
+  return found == files_.end() ? nullptr : &found->content;
+}
+
 void OutputSet::commit() {
   struct Staged {
     fs::path temporary;  ///< empty: written to the target itself

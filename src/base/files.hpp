@@ -34,6 +34,8 @@ class OutputSet {
   const std::filesystem::path& folder() const { return folder_; }
   /// Paths added so far (relative to the folder), in order.
   std::vector<std::filesystem::path> paths() const;
+  /// What commit() writes under one of them; null when there is none.
+  const std::string* content(const std::filesystem::path& relative) const;
 
  private:
   struct File {

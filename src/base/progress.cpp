@@ -6,6 +6,7 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <utility>
 
 #include "base/error.hpp"
 
@@ -13,6 +14,11 @@ namespace bodesmith {
 namespace {
 
 std::atomic<bool> stop_wanted{false};
+
+std::function<void(double)>& thread_listener() {
+  thread_local std::function<void(double)> listener;
+  return listener;
+}
 
 void on_interrupt(int) {
   if (stop_wanted.exchange(true)) ::_exit(130);
@@ -22,15 +28,21 @@ void on_interrupt(int) {
 
 Progress::Progress(std::string what)
     : what_(std::move(what)),
+      listener_(std::exchange(thread_listener(), {})),
       terminal_(::isatty(STDERR_FILENO) != 0),
       start_(std::chrono::steady_clock::now()),
       last_(start_) {}
 
 Progress::~Progress() {
+  if (listener_) thread_listener() = std::move(listener_);
   if (shown_) fmt::print(stderr, "\r\x1b[K");
 }
 
 void Progress::at(double fraction) {
+  if (listener_) {
+    listener_(fraction);
+    return;
+  }
   if (!terminal_) return;
   const auto now = std::chrono::steady_clock::now();
   const double elapsed = std::chrono::duration<double>(now - start_).count();
@@ -42,11 +54,24 @@ void Progress::at(double fraction) {
   std::fflush(stderr);
 }
 
+ProgressListener::ProgressListener(std::function<void(double)> listener)
+    : before_(std::exchange(thread_listener(), std::move(listener))) {}
+
+ProgressListener::~ProgressListener() {
+  thread_listener() = std::move(before_);
+}
+
 void catch_interrupts() {
   std::signal(SIGINT, on_interrupt);
 }
 bool interrupted() {
   return stop_wanted.load(std::memory_order_relaxed);
+}
+void ask_to_stop() {
+  stop_wanted.store(true);
+}
+void forget_interruption() {
+  stop_wanted.store(false);
 }
 void stop_if_interrupted() {
   if (interrupted()) throw Interrupted();

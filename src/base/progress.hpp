@@ -1,6 +1,7 @@
 #pragma once
 
 #include <chrono>
+#include <functional>
 #include <string>
 
 namespace bodesmith {
@@ -19,16 +20,33 @@ class Progress {
 
  private:
   std::string what_;
+  std::function<void(double)> listener_;
   bool terminal_;
   bool shown_ = false;
   std::chrono::steady_clock::time_point start_;
   std::chrono::steady_clock::time_point last_;
 };
 
+/// While it lives, the outermost Progress of this thread tells `listener` its fraction instead of stderr: for programs that
+/// show progress themselves. The listener is called from any thread.
+class ProgressListener {
+ public:
+  explicit ProgressListener(std::function<void(double)> listener);
+  ~ProgressListener();
+  ProgressListener(const ProgressListener&) = delete;
+  ProgressListener& operator=(const ProgressListener&) = delete;
+
+ private:
+  std::function<void(double)> before_;
+};
+
 /// From the first call on, Ctrl-C sets a flag instead of ending the program (a second Ctrl-C ends it).
 void catch_interrupts();
 /// Whether the user asked to stop. Long loops look here and return what they have.
 bool interrupted();
+/// The same wish from a program that hears of Ctrl-C in its own way; and its end, before the next piece of work.
+void ask_to_stop();
+void forget_interruption();
 /// Throws Interrupted when interrupted(): for places where there is nothing partial to return.
 void stop_if_interrupted();
 

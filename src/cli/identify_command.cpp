@@ -13,50 +13,15 @@
 #include "chain/model_file.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
+#include "identify/fit_report.hpp"
 #include "identify/record_findings.hpp"
 #include "identify/stage_fit.hpp"
-#include "signal/extent.hpp"
 
 namespace bodesmith::cli {
 namespace {
 
 using identify::StageFit;
-
-Json to_json(const ErrorFigures& figures) {
-  return {{"rms", figures.rms},
-          {"max", figures.max},
-          {"range", figures.range},
-          {"rms_percent_of_range", figures.rms_percent},
-          {"max_percent_of_range", figures.max_percent},
-          {"rms_free_offset", figures.rms_free_offset}};
-}
-
-Json to_json(const StageFit& fit) {
-  Json out;
-  out["model"] = fit.model;
-  if (!fit.refused.empty()) {
-    out["refused"] = fit.refused;
-    return out;
-  }
-  out["method"] = fit.identified.method;
-  out["converged"] = fit.identified.converged;
-  out["training"] = to_json(fit.training);
-  if (fit.holdout) out["holdout"] = to_json(*fit.holdout);
-  out["delay_s"] = fit.stage.delay_s;
-  Json parameters = Json::array();
-  for (const auto& one : fit.identified.uncertainty) {
-    Json entry = {{"name", one.name}, {"value", one.value}};
-    // A parameter that the record does not determine has no finite deviation.
-    if (std::isfinite(one.standard_deviation)) entry["standard_deviation"] = one.standard_deviation;
-    parameters.push_back(entry);
-  }
-  out["parameters"] = parameters;
-  out["notes"] = fit.identified.notes;
-  out["compute_s"] = fit.compute_s;
-  return out;
-}
 
 std::string figures_text(const ErrorFigures& figures) {
   if (!std::isfinite(figures.rms) || !std::isfinite(figures.rms_percent)) {
@@ -279,21 +244,6 @@ identify::RecordFindings findings_of(IdentifyRequest& request, const std::vector
   return out;
 }
 
-chain::Trained trained_of(const StageFit& fit, const std::vector<TimeRecord>& training, double skip_s) {
-  chain::Trained out;
-  out.input = input_extent(training, skip_s);
-  const hysteresis::Range output = hysteresis::output_range(training, skip_s);
-  out.output_lower = output.low;
-  out.output_upper = output.high;
-  out.training_rms = fit.training.rms;
-  out.training_percent = fit.training.rms_percent;
-  if (fit.holdout) {
-    out.holdout_rms = fit.holdout->rms;
-    out.holdout_percent = fit.holdout->rms_percent;
-  }
-  return out;
-}
-
 std::string model_comment(const StageFit& fit) {
   std::string out = fmt::format(
       "{} by {}\ntraining: {}\n"
@@ -330,7 +280,7 @@ int run_identify(const std::vector<std::string>& arguments) {
                       : std::vector{identify::fit_stage(request.model, training, holdout, request.options)};
   const StageFit& best = best_of(fits);
   chain::Chain model = best.stage.chain();
-  model.trained = trained_of(best, training, skip_s);
+  model.trained = identify::trained_of(best, training, skip_s);
   write_file(line.output_path(), chain::model_text(model, model_comment(best)));
 
   Json json = json_header("identification", from);

@@ -13,11 +13,10 @@
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/json.hpp"
 #include "multiplier_layout/layout.hpp"
+#include "multiplier_layout/parts_csv.hpp"
 #include "multiplier_layout/timing.hpp"
-#include "signal/csv.hpp"
 #include "spice/disturbance_check.hpp"
 #include "spice/disturbance_library.hpp"
-#include "spice/ngspice.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -135,39 +134,6 @@ std::string timing_summary(const multiplier_layout::Layout& layout, const multip
   return text;
 }
 
-Json layout_check_json(const spice::DisturbanceCheck& check) {
-  Json out = {{"version", spice::ngspice_version()},
-              {"static_percent", check.static_percent},
-              {"static_against_program_percent", check.static_against_program},
-              {"multipliers_at_limit",
-               {{"static_percent", check.limit_percent},
-                {"predicted_percent", check.limit_predicted_percent},
-                {"against_program_percent", check.limit_against_program}}},
-              {"dynamic", Json::array()}};
-  for (const spice::DisturbanceCheck::Dynamic& one : check.dynamic) {
-    out["dynamic"].push_back({{"frequency_hz", one.frequency.value},
-                              {"rms_percent", one.rms_percent},
-                              {"rms_multipliers_at_limit_percent", one.rms_at_limit_percent},
-                              {"peak_percent", one.peak_percent},
-                              {"detector_delay_s", one.delay_s},
-                              {"late_share", one.late_share}});
-  }
-  if (check.change) {
-    out["change_of_branch"] = {{"x", check.change->x},
-                               {"delay_s", check.change->delay_s},
-                               {"glitch_percent", check.change->glitch_percent},
-                               {"predicted_glitch_percent", check.change->predicted_percent}};
-  }
-  if (check.amplitude) {
-    out["amplitude"] = {{"static_percent", check.amplitude->static_percent},
-                        {"static_against_program_percent", check.amplitude->against_program},
-                        {"alpha", check.amplitude->alpha},
-                        {"frequency_hz", check.amplitude->frequency.value},
-                        {"rms_percent", check.amplitude->rms_percent}};
-  }
-  return out;
-}
-
 std::string layout_check_text(const spice::DisturbanceCheck& check) {
   std::string text = fmt::format(
       "ngspice: {} of range from the polynomials at rest ({} with the multipliers' limits, predicted {})",
@@ -190,20 +156,6 @@ std::string layout_check_text(const spice::DisturbanceCheck& check) {
   return text + "\n";
 }
 
-/// The op-amp circuit's parts.csv with the role in place of the section.
-std::string layout_parts_csv(const multiplier_layout::Layout& layout) {
-  CsvTable table({"part", "role", "series", "wanted_ohm", "realised_ohm", "wanted_f", "realised_f"});
-  for (const multiplier_layout::Part& part : layout.parts) {
-    const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
-    if (part.kind == multiplier_layout::Part::Kind::resistor) {
-      table.add_row({part.name, part.role, part.series, wanted, realised, "", ""});
-    } else {
-      table.add_row({part.name, part.role, part.series, "", "", wanted, realised});
-    }
-  }
-  return table.text();
-}
-
 void write_layout(const CommandLine& line, const multiplier_layout::Layout& layout, const Json& json) {
   const std::string title = fmt::format("disturbance generator from {}", line.files()[0]);
   OutputSet out(line.output_path());
@@ -211,7 +163,7 @@ void write_layout(const CommandLine& line, const multiplier_layout::Layout& layo
   out.add("disturbance.sub", spice::disturbance_library(layout, title));
   if (layout.amplitude)
     out.add("disturbance_amplitude.sub", spice::disturbance_library(layout, title, {true, std::nullopt}));
-  out.add("parts.csv", layout_parts_csv(layout));
+  out.add("parts.csv", multiplier_layout::parts_csv(layout));
   out.add("layout.svg", multiplier_layout::drawing_svg(layout));
   out.commit();
 }
@@ -248,7 +200,7 @@ int run_layout(const std::vector<std::string>& arguments) {
   std::string text = layout_summary(layout, budget) + timing_summary(layout, timing);
   if (line.has("check")) {
     const spice::DisturbanceCheck check = spice::check_disturbance(layout, {Hertz{100}, options.highest});
-    json["ngspice"] = layout_check_json(check);
+    json["ngspice"] = to_json(check);
     text += layout_check_text(check);
   }
   const bool met = !limit || layout.max_error_percent <= *limit;

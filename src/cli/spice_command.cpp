@@ -17,7 +17,6 @@
 #include "kicad/schematic.hpp"
 #include "spice/compensator_check.hpp"
 #include "spice/emit.hpp"
-#include "spice/ngspice.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -111,15 +110,6 @@ std::string circuit_summary(const circuit::Realised& made, const circuit::Realis
              rounded_text(opamps.noise_rms_v, 3));
 }
 
-Json check_json(const spice::CompensatorCheck& check) {
-  return {{"version", spice::ngspice_version()},
-          {"band_hz", {check.band.from.value, check.band.to.value}},
-          {"against_program", circuit::to_json(check.against_network)},
-          {"against_sections", circuit::to_json(check.against_sections)},
-          {"transient_percent", check.transient_percent},
-          {"noise_percent", check.noise_percent}};
-}
-
 std::string check_text(const spice::CompensatorCheck& check) {
   return fmt::format(
       "ngspice, {} to {} Hz: {} dB from the program's own response, {} dB from the sections; a triangle within {} %, "
@@ -169,7 +159,7 @@ int run_spice(const std::vector<std::string>& arguments) {
   std::string text = circuit_summary(made, options, opamps);
   if (line.has("check")) {
     const spice::CompensatorCheck check = spice::check_compensator(made.circuit, sections);
-    circuit["ngspice"] = check_json(check);
+    circuit["ngspice"] = to_json(check);
     text += check_text(check);
   }
   const bool met = !limit || made.report.all.max_magnitude_db <= *limit;

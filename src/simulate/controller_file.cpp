@@ -12,7 +12,10 @@
 namespace bodesmith::simulate {
 
 LoopSetup read_controller(const std::filesystem::path& path, Provenance& from) {
-  const Node node = read_document(path, from);
+  return controller_from_node(read_document(path, from), path.parent_path(), from);
+}
+
+LoopSetup controller_from_node(const Node& node, const std::filesystem::path& folder, Provenance& from) {
   node.expect_schema("controller");
   node.allow_only({"schema", "name", "about", "type", "kp", "ki_per_s", "kd_s", "derivative_corner_hz",
                    "sample_s", "lower", "upper", "feedforward"});
@@ -36,7 +39,7 @@ LoopSetup read_controller(const std::filesystem::path& path, Provenance& from) {
   if (!(c.lower < c.upper)) node.at("upper").fail("is not above lower");
   if (node.has("feedforward")) {
     const Node file = node.at("feedforward");
-    const std::filesystem::path target = path.parent_path() / file.string();
+    const std::filesystem::path target = folder / file.string();
     std::error_code ignored;
     if (!std::filesystem::is_regular_file(target, ignored))
       file.fail(fmt::format("names {}, which is not there", target.string()));

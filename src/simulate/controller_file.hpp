@@ -31,6 +31,8 @@ struct LoopSetup {
 ///   feedforward = "inverse.toml"  # a model.toml, or a CSV with time_s,u; relative to this file
 /// Gains may have either sign. Errors name file and line.
 LoopSetup read_controller(const std::filesystem::path& path, Provenance& from);
+/// The same from a document at hand; `feedforward` is relative to `folder`.
+LoopSetup controller_from_node(const Node& node, const std::filesystem::path& folder, Provenance& from);
 
 /// The loop for one reference. InputError when the drive is not sampled as the reference is.
 LoopResult simulate_loop(const chain::Chain& plant, const LoopSetup& setup, const TimeRecord& reference,

@@ -12,7 +12,7 @@
 namespace bodesmith::simulate {
 namespace {
 
-void validate(const chain::Chain& chain, const TimeRecord& input) {
+void validate(const chain::Chain& chain, const SampledInput& input) {
   if (input.u.empty()) throw InputError("the input record has no samples");
   for (std::size_t i = 0; i < chain.blocks.size(); ++i) {
     if (const auto error = chain.blocks[i].validate()) {
@@ -75,15 +75,35 @@ Result run_automatic(const chain::Chain& chain, const TimeRecord& input, const O
   return result;
 }
 
+void expect_finite(const Result& result) {
+  for (const double y : result.y) {
+    if (!std::isfinite(y)) throw InputError("the model's output is not finite for this input");
+  }
+}
+
 }  // namespace
 
 Result simulate(const chain::Chain& chain, const TimeRecord& input, const Options& options) {
   validate(chain, input);
   Result result = options.engine == Engine::automatic ? run_automatic(chain, input, options)
                                                       : run_one(options.engine, chain, input, options);
-  for (const double y : result.y) {
-    if (!std::isfinite(y)) throw InputError("the model's output is not finite for this input");
+  expect_finite(result);
+  return result;
+}
+
+Result simulate(const chain::Chain& chain, const SampledInput& input, const Options& options) {
+  if (options.engine != Engine::record || options.estimate_error) {
+    TimeRecord record;
+    record.start_s = input.start_s;
+    record.step_s = input.step_s;
+    record.u.assign(input.u.begin(), input.u.end());
+    return simulate(chain, record, options);
   }
+  validate(chain, input);
+  const Stopwatch watch;
+  Result result = run_record(chain, input, options);
+  result.stats.compute_s = watch.seconds();
+  expect_finite(result);
   return result;
 }
 

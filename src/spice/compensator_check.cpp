@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/json.hpp"
+#include "circuit/json.hpp"
 #include "circuit/noise.hpp"
 #include "circuit/response.hpp"
 #include "circuit/transient.hpp"
@@ -68,6 +70,15 @@ CompensatorCheck check_compensator(const circuit::Circuit& circuit, const Sectio
       check_transient(circuit, library, std::sqrt(out.band.from.value * out.band.to.value));
   out.noise_percent = check_noise(circuit, library, out.band);
   return out;
+}
+
+Json to_json(const CompensatorCheck& check) {
+  return {{"version", ngspice_version()},
+          {"band_hz", {check.band.from.value, check.band.to.value}},
+          {"against_program", circuit::to_json(check.against_network)},
+          {"against_sections", circuit::to_json(check.against_sections)},
+          {"transient_percent", check.transient_percent},
+          {"noise_percent", check.noise_percent}};
 }
 
 }  // namespace bodesmith::spice

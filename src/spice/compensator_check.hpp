@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "circuit/realise.hpp"
 
 namespace bodesmith::spice {
@@ -20,5 +21,8 @@ struct CompensatorCheck {
 /// Runs compensator_library() through ngspice: small-signal from 1/10 of the lowest to 10 times the highest
 /// corner, two periods of a triangle at the middle of the corners, noise over the same band.
 CompensatorCheck check_compensator(const circuit::Circuit& circuit, const Sections& wanted, int points = 60);
+
+/// "ngspice" of circuit.json.
+Json to_json(const CompensatorCheck& check);
 
 }  // namespace bodesmith::spice

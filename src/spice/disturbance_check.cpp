@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/json.hpp"
 #include "multiplier_layout/polynomial.hpp"
 #include "multiplier_layout/timing.hpp"
 #include "spice/disturbance_library.hpp"
@@ -181,6 +182,39 @@ DisturbanceCheck check_disturbance(const multiplier_layout::Layout& layout,
   }
   if (layout.amplitude)
     out.amplitude = check_amplitude(layout, triangles.empty() ? Hertz{5000.0} : triangles.back());
+  return out;
+}
+
+Json to_json(const DisturbanceCheck& check) {
+  Json out = {{"version", ngspice_version()},
+              {"static_percent", check.static_percent},
+              {"static_against_program_percent", check.static_against_program},
+              {"multipliers_at_limit",
+               {{"static_percent", check.limit_percent},
+                {"predicted_percent", check.limit_predicted_percent},
+                {"against_program_percent", check.limit_against_program}}},
+              {"dynamic", Json::array()}};
+  for (const DisturbanceCheck::Dynamic& one : check.dynamic) {
+    out["dynamic"].push_back({{"frequency_hz", one.frequency.value},
+                              {"rms_percent", one.rms_percent},
+                              {"rms_multipliers_at_limit_percent", one.rms_at_limit_percent},
+                              {"peak_percent", one.peak_percent},
+                              {"detector_delay_s", one.delay_s},
+                              {"late_share", one.late_share}});
+  }
+  if (check.change) {
+    out["change_of_branch"] = {{"x", check.change->x},
+                               {"delay_s", check.change->delay_s},
+                               {"glitch_percent", check.change->glitch_percent},
+                               {"predicted_glitch_percent", check.change->predicted_percent}};
+  }
+  if (check.amplitude) {
+    out["amplitude"] = {{"static_percent", check.amplitude->static_percent},
+                        {"static_against_program_percent", check.amplitude->against_program},
+                        {"alpha", check.amplitude->alpha},
+                        {"frequency_hz", check.amplitude->frequency.value},
+                        {"rms_percent", check.amplitude->rms_percent}};
+  }
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/layout.hpp"
 
@@ -51,5 +52,8 @@ struct DisturbanceCheck {
 DisturbanceCheck check_disturbance(const multiplier_layout::Layout& layout,
                                    const std::vector<Hertz>& triangles,
                                    const multiplier_layout::ErrorLimits& errors = {});
+
+/// "ngspice" of layout.json.
+Json to_json(const DisturbanceCheck& check);
 
 }  // namespace bodesmith::spice

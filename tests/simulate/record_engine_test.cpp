@@ -3,6 +3,7 @@
 
 #include <cmath>
 
+#include "base/error.hpp"
 #include "chain/registry.hpp"
 #include "simulate/record_simulator.hpp"
 #include "simulate/records.hpp"
@@ -102,6 +103,18 @@ TEST(RecordEngine, AStiffStageStaysAccurate) {
   const auto y = simulate(chain, in, by_record()).y;
   const double lag = 2.0 * 0.12 / (2.0 * kPi * 65100.0);
   for (std::size_t i = 1; i < in.size(); ++i) EXPECT_NEAR(y[i], in.u[i] - lag, 1e-10);
+}
+
+TEST(RecordEngine, SamplesThatLieElsewhereGiveTheSame) {
+  Chain chain{{make_block("lowpass").set("corner_hz", 3.0)}};
+  const auto in = record_of(50, 0.01, ramp);
+  const SampledInput view = in;
+  auto options = by_record();
+  for (const bool estimate : {false, true}) {
+    options.estimate_error = estimate;
+    EXPECT_EQ(simulate(chain, view, options).y, simulate(chain, in, options).y);
+  }
+  EXPECT_THROW(simulate(chain, SampledInput(0.0, 1.0, {}), options), InputError);
 }
 
 }  // namespace

@@ -5,6 +5,7 @@
 
 #include "chain/chain.hpp"
 #include "signal/time_record.hpp"
+#include "simulate/sampled_input.hpp"
 #include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
@@ -30,6 +31,9 @@ const ChainEngine& exact_engine();
 const ChainEngine& cvode_engine();
 /// Not of Engine::automatic, which is a choice between them (simulate.cpp).
 const ChainEngine& chain_engine(Engine which);
+
+/// The record engine once, on samples where they lie.
+Result run_record(const chain::Chain& chain, const SampledInput& input, const Options& options);
 
 /// The record engine, its step halved until that no longer changes the output by more than the tolerance;
 /// the finest run counts, error estimate included.

@@ -26,7 +26,7 @@ struct RecordMethod {
   }
 };
 
-Result run_holds(const chain::Chain& chain, const TimeRecord& input, Start start, std::size_t degree,
+Result run_holds(const chain::Chain& chain, const SampledInput& input, Start start, std::size_t degree,
                  std::size_t oversample) {
   RecordOptions options;
   options.start = start;
@@ -71,6 +71,10 @@ class RecordEngine final : public ChainEngine {
 const ChainEngine& record_engine() {
   static const RecordEngine engine;
   return engine;
+}
+
+Result run_record(const chain::Chain& chain, const SampledInput& input, const Options& options) {
+  return run_holds(chain, input, options.start, options.degree, options.oversample);
 }
 
 RefinedRecord run_record_refined(const chain::Chain& chain, const TimeRecord& input, const Options& options) {

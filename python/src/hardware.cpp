@@ -1,0 +1,167 @@
+// fpaa, spice, layout: sections and disturbances as hardware.
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "base/progress.hpp"
+#include "circuit/json.hpp"
+#include "circuit/opamp_check.hpp"
+#include "circuit/opamp_library.hpp"
+#include "circuit/realisation.hpp"
+#include "circuit_options.hpp"
+#include "fpaa/board_netlist.hpp"
+#include "fpaa/board_picture.hpp"
+#include "fpaa/build_sheet.hpp"
+#include "fpaa/error_budget.hpp"
+#include "fpaa/plan.hpp"
+#include "functions.hpp"
+#include "kicad/schematic.hpp"
+#include "multiplier_layout/budget.hpp"
+#include "multiplier_layout/json.hpp"
+#include "multiplier_layout/parts_csv.hpp"
+#include "multiplier_layout/timing.hpp"
+#include "spice/compensator_check.hpp"
+#include "spice/disturbance_check.hpp"
+#include "spice/disturbance_library.hpp"
+#include "spice/emit.hpp"
+#include "spice/ngspice.hpp"
+
+namespace bodesmith::python {
+namespace {
+
+fpaa::PlanOptions plan_options(const Node& o) {
+  using Topology = fpaa::PlanOptions::Topology;
+  fpaa::PlanOptions out;
+  out.board = o.string_or("board", out.board);
+  out.topology =
+      choice(o, "topology", {Topology::automatic, Topology::parallel, Topology::cascade, Topology::chain});
+  if (const auto clock = maybe_positive(o, "clock_hz")) out.clock = Hertz{*clock};
+  if (const auto clock = maybe_positive(o, "min_clock_hz")) out.lowest_clock = Hertz{*clock};
+  out.band = maybe_band(o);
+  out.assumptions.mismatch = mismatch_of(o);
+  out.assumptions.noise.unit_capacitance_f =
+      positive_or(o, "unit_capacitance_f", out.assumptions.noise.unit_capacitance_f);
+  return out;
+}
+
+void require_ngspice(const Node& options) {
+  if (options.boolean_or("check", false) && !spice::ngspice_available())
+    throw InputError("check needs ngspice, which is not installed (Debian: apt-get install ngspice)");
+}
+
+multiplier_layout::Options layout_options(const Node& o) {
+  multiplier_layout::Options out;
+  out.resistors = circuit::Series::named(o.string_or("series", "E96"));
+  out.scheme = multiplier_layout::Scheme::named(o.string_or("scheme", "auto"));
+  out.multiplier.scale_v = positive_or(o, "multiplier_scale_v", out.multiplier.scale_v);
+  out.full_scale_v = positive_or(o, "full_scale_v", out.full_scale_v);
+  out.lowest = Hertz{positive_or(o, "lowest_hz", out.lowest.value)};
+  out.highest = Hertz{positive_or(o, "highest_hz", out.highest.value)};
+  return out;
+}
+
+}  // namespace
+
+Answer plan_board(const Call& call) {
+  const Node& o = call.options;
+  o.allow_only({"sections", "board", "topology", "clock_hz", "min_clock_hz", "band_hz",
+                "unit_capacitor_percent", "systematic_units", "unit_capacitance_f", "opamp_bandwidth_hz",
+                "opamp_gain", "netlist", "seed"});
+  Answer out;
+  const Sections sections = rational_part(Sections::from_node(o.at("sections")), out.warnings);
+  const fpaa::PlanOptions options = plan_options(o);
+  fpaa::OpAmpModel opamp;
+  opamp.gain_bandwidth = Hertz{positive_or(o, "opamp_bandwidth_hz", opamp.gain_bandwidth.value)};
+  opamp.gain = positive_or(o, "opamp_gain", opamp.gain);
+  const Stopwatch watch;
+  const fpaa::Plan plan = value_or_throw(fpaa::make_plan(sections, options));
+  const double seconds = watch.seconds();
+  Json body = plan.to_json();
+  body["budget"] =
+      fpaa::error_budget(plan, sections,
+                         {.assumptions = options.assumptions, .opamp = opamp, .seed = seed_of(o)})
+          .to_json();
+  out.result = document("fpaa_plan", body, seconds);
+  out.files["build_sheet.md"] = fpaa::build_sheet_markdown(plan);
+  out.files["build_sheet.html"] = fpaa::build_sheet_html(plan);
+  out.files["board.svg"] = fpaa::board_picture_svg(plan);
+  if (o.boolean_or("netlist", false)) {
+    fpaa::NetlistParts parts;
+    parts.unit_capacitance_f = options.assumptions.noise.unit_capacitance_f;
+    parts.opamp = opamp;
+    out.files["board.sub"] = value_or_throw(fpaa::board_netlist(plan, parts, "FPAA plan"));
+    out.files["board.cir"] = fpaa::board_deck(plan, "FPAA plan");
+  }
+  return out;
+}
+
+Answer realise_circuit(const Call& call) {
+  const Node& o = call.options;
+  o.allow_only({"sections", "realization", "series", "capacitor_series", "min_ohm", "max_ohm", "min_f",
+                "max_f", "isolation_ohm", "opamp", "amplitude_v", "band_hz", "check"});
+  require_ngspice(o);
+  Answer out;
+  const Sections sections = rational_part(Sections::from_node(o.at("sections")), out.warnings);
+  circuit::RealiseOptions options = circuit_options(o);
+  options.limits = circuit::realisation_registry().get(options.realisation).usual_limits();
+  options.limits.min_ohm = positive_or(o, "min_ohm", options.limits.min_ohm);
+  options.limits.max_ohm = positive_or(o, "max_ohm", options.limits.max_ohm);
+  options.limits.min_f = positive_or(o, "min_f", options.limits.min_f);
+  options.limits.max_f = positive_or(o, "max_f", options.limits.max_f);
+  if (o.has("isolation_ohm")) options.isolation_ohm = o.at("isolation_ohm").non_negative();
+  options.band = maybe_band(o);
+  const double amplitude_v = positive_or(o, "amplitude_v", 1.0);
+  const auto library = circuit::OpAmpLibrary::built_in();
+  const std::string opamp = o.string_or("opamp", "generic-10M");
+  if (opamp != "auto") options.opamp = library.named(opamp);
+  const Stopwatch watch;
+  const circuit::Realised made = opamp == "auto"
+                                     ? realise_with_best_opamp(sections, options, library, amplitude_v)
+                                     : circuit::realise(sections, options);
+  const circuit::OpAmpCheck opamps = check_opamps(made.circuit, made.report.band, amplitude_v);
+  Json body = to_json(made);
+  body["opamp_check"] = to_json(opamps);
+  const double seconds = watch.seconds();
+  if (o.boolean_or("check", false))
+    body["ngspice"] = to_json(spice::check_compensator(made.circuit, sections));
+  out.result = document("circuit", body, seconds);
+  out.warnings.insert(out.warnings.end(), opamps.warnings.begin(), opamps.warnings.end());
+  OutputSet files;
+  spice::add_spice_files(made, "compensator", files);
+  kicad::add_kicad_files(made.circuit, "compensator", files);
+  for (const auto& path : files.paths()) out.files[path.string()] = *files.content(path);
+  return out;
+}
+
+Answer lay_out(const Call& call) {
+  namespace ml = multiplier_layout;
+  const Node& o = call.options;
+  o.allow_only({"disturbance", "series", "scheme", "multiplier_scale_v", "full_scale_v", "lowest_hz",
+                "highest_hz", "check"});
+  require_ngspice(o);
+  const ml::Input input = ml::Input::from_node(o.at("disturbance"));
+  const ml::Options options = layout_options(o);
+  const Stopwatch watch;
+  const ml::Layout layout = ml::make_layout(input, options);
+  const ml::Budget budget = ml::make_budget(layout);
+  const ml::Timing timing = ml::make_timing(layout, {options.lowest, Hertz{100}, options.highest});
+  const double seconds = watch.seconds();
+  Json body = to_json(layout);
+  body["budget"] = to_json(budget);
+  if (layout.switched()) {
+    body["timing"] = to_json(timing);
+    body["budget"]["transient"] = ml::transient_budget_json(timing);
+  }
+  if (o.boolean_or("check", false))
+    body["ngspice"] = to_json(spice::check_disturbance(layout, {Hertz{100}, options.highest}));
+  Answer out;
+  out.result = document("layout", body, seconds);
+  out.warnings = layout.warnings;
+  const std::string title = "disturbance generator";
+  out.files["disturbance.sub"] = spice::disturbance_library(layout, title);
+  if (layout.amplitude)
+    out.files["disturbance_amplitude.sub"] = spice::disturbance_library(layout, title, {true, std::nullopt});
+  out.files["parts.csv"] = ml::parts_csv(layout);
+  out.files["layout.svg"] = ml::drawing_svg(layout);
+  return out;
+}
+
+}  // namespace bodesmith::python

@@ -1,0 +1,20 @@
+// run: a project file to everything.
+#include "project/run.hpp"
+
+#include "base/json_header.hpp"
+#include "functions.hpp"
+#include "project/run_summary.hpp"
+
+namespace bodesmith::python {
+
+Answer run_project(const Call& call) {
+  const project::ProjectRun run =
+      project::run_project(call.options.at("path").string(), call.options.at("folder").string());
+  Answer out;
+  out.result = json_header("run", run.from);
+  out.result.update(project::run_json(run));
+  out.result["limits_met"] = run.limits_met();
+  return out;
+}
+
+}  // namespace bodesmith::python

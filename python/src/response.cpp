@@ -1,0 +1,102 @@
+// bode: responses of cascades, sections, plans, models and netlists.
+#include <cmath>
+
+#include "base/error.hpp"
+#include "chain/model_file.hpp"
+#include "fpaa/multirate_response.hpp"
+#include "functions.hpp"
+#include "lti/bulk_response.hpp"
+#include "lti/cascade.hpp"
+#include "records.hpp"
+#include "spice/ngspice.hpp"
+
+namespace bodesmith::python {
+namespace {
+
+std::vector<RadPerSecond> grid_of(const Call& call) {
+  std::vector<RadPerSecond> out;
+  for (const double f : call.array("frequency_hz")) {
+    if (!(f > 0.0) || !std::isfinite(f)) throw InputError("frequency_hz holds a value that is not above 0");
+    out.push_back(Hertz{f}.rad_s());
+  }
+  return out;
+}
+
+using Values = std::vector<std::complex<double>>;
+
+template <class Response>
+Values pointwise(const std::vector<RadPerSecond>& grid, Response response) {
+  Values out;
+  out.reserve(grid.size());
+  for (const RadPerSecond w : grid) out.push_back(response(w));
+  return out;
+}
+
+Values sections_response(const Sections& sections, const std::vector<RadPerSecond>& grid) {
+  Values out(grid.size());
+  BulkResponse(sections).responses(grid, out);
+  if (sections.delay_s != 0.0) {
+    for (std::size_t i = 0; i < grid.size(); ++i)
+      out[i] *= std::polar(1.0, -grid[i].value * sections.delay_s);
+  }
+  return out;
+}
+
+Values model_response(const chain::Chain& model, const std::vector<RadPerSecond>& grid) {
+  for (std::size_t i = 0; i < model.blocks.size(); ++i) {
+    if (!model.blocks[i].response(RadPerSecond{1.0})) {
+      throw InputError("block " + std::to_string(i + 1) + " is a " +
+                       std::string(model.blocks[i].type_name()) +
+                       ", which has no frequency response (it is not linear)");
+    }
+  }
+  return pointwise(grid, [&](RadPerSecond w) { return *model.response(w); });
+}
+
+}  // namespace
+
+Answer respond(const Call& call) {
+  const Node document = call.options.at("of");
+  const std::string schema = document.at("schema").string();
+  const std::vector<RadPerSecond> grid = grid_of(call);
+  Values values;
+  if (schema == "bodesmith.cascade/1") {
+    const Cascade cascade = Cascade::from_node(document);
+    values = pointwise(grid, [&](RadPerSecond w) { return cascade.response(w); });
+  } else if (schema == "bodesmith.sections/1") {
+    values = sections_response(Sections::from_node(document), grid);
+  } else if (schema == "bodesmith.fpaa_plan/1") {
+    const fpaa::Plan plan = fpaa::Plan::from_node(document);
+    const fpaa::MultirateResponse response(plan);
+    const bool delays = call.options.boolean_or("with_delays", true);
+    values = pointwise(
+        grid, [&](RadPerSecond w) { return delays ? response.as_it_runs(w) : response.without_delays(w); });
+  } else if (schema == "bodesmith.model/1") {
+    values = model_response(chain::model_from_node(document), grid);
+  } else {
+    document.at("schema").fail("is " + schema + ", which has no frequency response here");
+  }
+  Answer out;
+  out.arrays["response"] = interleaved(values);
+  return out;
+}
+
+Answer respond_netlist(const Call& call) {
+  const Node& o = call.options;
+  std::vector<Hertz> grid;
+  for (const RadPerSecond w : grid_of(call)) grid.push_back(w.hz());
+  const std::string name = o.string_or("subcircuit", "");
+  Values values;
+  if (o.has("text")) {
+    values = spice::run_ac_of_text(o.at("text").string(), o.string_or("name", "netlist"), grid, name);
+  } else {
+    const std::string path = o.at("path").string();
+    const bool library = path.ends_with(".sub") || path.ends_with(".lib");
+    values = library ? spice::run_ac_of_sub(path, grid, name) : spice::run_ac_of_deck(path, grid, name);
+  }
+  Answer out;
+  out.arrays["response"] = interleaved(values);
+  return out;
+}
+
+}  // namespace bodesmith::python

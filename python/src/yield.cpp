@@ -1,0 +1,127 @@
+// yield: what tolerances do to designs.
+#include "yield/yield.hpp"
+
+#include <algorithm>
+
+#include "base/progress.hpp"
+#include "circuit_options.hpp"
+#include "functions.hpp"
+#include "yield/json.hpp"
+
+namespace bodesmith::python {
+namespace {
+
+yield::Spread spread_of(const Node& o) {
+  using Kind = yield::Spread::Kind;
+  yield::Spread out;
+  out.kind = choice(o, "distribution", {Kind::uniform, Kind::gaussian, Kind::corners});
+  out.sigmas = positive_or(o, "sigmas", out.sigmas);
+  out.resistor_percent = o.number_or("resistor_percent", out.resistor_percent);
+  out.capacitor_percent = o.number_or("capacitor_percent", out.capacitor_percent);
+  out.mismatch = mismatch_of(o);
+  if (o.has("temperature_c")) {
+    const std::vector<double> range = o.at("temperature_c").numbers();
+    if (range.size() != 2) o.at("temperature_c").fail("has not two values, expected (low, high)");
+    out.temperature_low_c = range[0];
+    out.temperature_high_c = range[1];
+  }
+  out.resistor_ppm_per_k = o.number_or("resistor_ppm", out.resistor_ppm_per_k);
+  out.capacitor_ppm_per_k = o.number_or("capacitor_ppm", out.capacitor_ppm_per_k);
+  return out;
+}
+
+yield::Design design_of(const Node& document, const std::string& name, const Node& o, Answer& out) {
+  if (document.at("schema").string() == "bodesmith.fpaa_plan/1") {
+    std::optional<Sections> wanted;
+    if (o.has("sections")) wanted = Sections::from_node(o.at("sections"));
+    return yield::design_of_plan(document, name, wanted);
+  }
+  const Sections sections = rational_part(Sections::from_node(document), out.warnings);
+  circuit::RealiseOptions options = circuit_options(o);
+  if (!o.has("capacitor_series")) options.capacitors = circuit::Series::named("E12");
+  return yield::design_of_circuit(circuit::realise(sections, options), sections, name);
+}
+
+Json purchases_json(const std::vector<yield::Purchase>& all) {
+  Json out = Json::array();
+  for (const yield::Purchase& one : all) {
+    out.push_back({{"resistor_percent", one.resistor_percent},
+                   {"capacitor_percent", one.capacitor_percent},
+                   {"worst_db_p95", one.worst_db_95},
+                   {"meets", one.meets}});
+  }
+  return out;
+}
+
+}  // namespace
+
+Answer yield_of(const Call& call) {
+  const Node& o = call.options;
+  o.allow_only({"designs",
+                "names",
+                "sections",
+                "samples",
+                "seed",
+                "threads",
+                "distribution",
+                "sigmas",
+                "resistor_percent",
+                "capacitor_percent",
+                "unit_capacitor_percent",
+                "systematic_units",
+                "temperature_c",
+                "resistor_ppm",
+                "capacitor_ppm",
+                "limit_db",
+                "limit_deg",
+                "realization",
+                "series",
+                "capacitor_series",
+                "count",
+                "band_hz"});
+  yield::Options options;
+  options.spread = spread_of(o);
+  options.samples =
+      static_cast<std::uint64_t>(o.has("samples") ? o.at("samples").integer(1, 1'000'000'000'000) : 100'000);
+  options.seed = seed_of(o);
+  options.threads = integer_or(o, "threads", 0, 0, 1024);
+  options.limit_db = maybe_positive(o, "limit_db");
+  options.limit_deg = maybe_positive(o, "limit_deg");
+
+  Answer out;
+  const std::vector<Node> documents = o.at("designs").items();
+  if (documents.empty()) o.at("designs").fail("is empty, expected at least one design");
+  std::vector<yield::Design> designs;
+  for (std::size_t i = 0; i < documents.size(); ++i)
+    designs.push_back(design_of(documents[i], o.at("names")[i].string(), o, out));
+  const Band band = maybe_band(o).value_or(designs[0].band);
+  options.grid = log_grid(band, band.from == band.to ? 1 : integer_or(o, "count", 60, 2, 100'000));
+
+  const Stopwatch watch;
+  Json body = {{"distribution", to_string(options.spread.kind)},
+               {"seed", options.seed},
+               {"resistor_percent", options.spread.resistor_percent},
+               {"capacitor_percent", options.spread.capacitor_percent},
+               {"unit_capacitor_percent", options.spread.mismatch.unit_percent},
+               {"designs", Json::array()}};
+  const yield::Team alone;
+  for (const yield::Design& design : designs) {
+    Progress progress("yield of " + design.name);
+    options.progress = [&progress](double fraction) { progress.at(fraction); };
+    const yield::Result result = yield::run_monte_carlo(design, options, alone);
+    Json one = to_json(result, options);
+    one["poles"] = design.poles;
+    one["parts"] = design.parts.size();
+    one["reference"] = design.reference_name;
+    if (options.limit_db && design.reference_name == "sections") {
+      options.progress = nullptr;
+      one["to_buy"] = purchases_json(yield::tolerances_to_buy(design, options, *options.limit_db));
+    }
+    body["designs"].push_back(std::move(one));
+    out.warnings.insert(out.warnings.end(), design.notes.begin(), design.notes.end());
+  }
+  out.result = document("yield", body, watch.seconds());
+  return out;
+}
+
+}  // namespace bodesmith::python

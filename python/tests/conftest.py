@@ -1,0 +1,59 @@
+"""What the tests share: the program beside the package, the example's files, and folders of their own."""
+
+from __future__ import annotations
+
+import json
+import os
+import pathlib
+import subprocess
+from collections.abc import Callable
+from typing import Any
+
+import pytest
+
+import bodesmith as bs
+
+ROOT = pathlib.Path(__file__).resolve().parents[2]
+
+
+@pytest.fixture(scope="session")
+def example() -> pathlib.Path:
+    return ROOT / "examples/nanopositioner"
+
+
+@pytest.fixture
+def program(tmp_path: pathlib.Path) -> Callable[..., dict[str, Any]]:
+    """Runs the program in tmp_path; its --json summary."""
+
+    def run(*arguments: object) -> dict[str, Any]:
+        path = os.environ.get("BODESMITH_PROGRAM", str(ROOT / "build/bin/bodesmith"))
+        done = subprocess.run([path, *map(str, arguments), "--json"], cwd=tmp_path, capture_output=True, text=True)
+        assert done.returncode == 0, done.stderr
+        return json.loads(done.stdout)
+
+    return run
+
+
+@pytest.fixture(scope="session")
+def points(example: pathlib.Path) -> bs.BodePoints:
+    return bs.read_points(example / "gains.csv")
+
+
+@pytest.fixture(scope="session")
+def disturbance(example: pathlib.Path) -> bs.Disturbance:
+    return bs.Disturbance.load(example / "disturbance.json")
+
+
+@pytest.fixture(scope="session")
+def cascade(points: bs.BodePoints) -> bs.Cascade:
+    return bs.fit_cascade(points)
+
+
+@pytest.fixture(scope="session")
+def sections(cascade: bs.Cascade) -> bs.Sections:
+    return bs.approximate(cascade, max_error_db=0.05)
+
+
+def without_words(data: dict[str, Any]) -> dict[str, Any]:
+    """A document without what differs between a command and a call: inputs and times."""
+    return {key: value for key, value in data.items() if key not in ("inputs", "timing_s")}

@@ -1,0 +1,77 @@
+"""fpaa, spice, layout, yield: against the command line's files."""
+
+from __future__ import annotations
+
+import json
+import shutil
+
+import numpy as np
+import pytest
+
+import bodesmith as bs
+from conftest import without_words
+
+
+@pytest.fixture(scope="module")
+def plan(sections):
+    return bs.fpaa(sections)
+
+
+def test_plan_is_the_command_lines(plan, sections, program, tmp_path):
+    sections.save(tmp_path / "sections.json")
+    program("fpaa", "sections.json", "-o", "fpaa")
+    written = json.loads((tmp_path / "fpaa/plan.json").read_text())
+    assert without_words(plan.to_dict()) == without_words(written)
+    plan.write(tmp_path / "mine")
+    assert (tmp_path / "mine/build_sheet.md").read_text() == (tmp_path / "fpaa/build_sheet.md").read_text()
+    assert bs.Plan.load(tmp_path / "mine/plan.json").error == plan.error
+
+
+def test_plan_responds_as_it_says(plan, sections):
+    low, high = plan.error_with_delays["band_hz"]
+    f = np.geomspace(low, high, 100)
+    percent = 100 * np.max(np.abs(plan.response(f) / sections.response(f) - 1))
+    assert percent == pytest.approx(plan.error_with_delays["max_complex_percent"], rel=0.05)
+    without = 100 * np.max(np.abs(plan.response_without_delays(f) / sections.response(f) - 1))
+    assert without <= plan.error["max_complex_percent"] * 1.01
+
+
+def test_circuit_is_the_command_lines(sections, program, tmp_path):
+    sections.save(tmp_path / "sections.json")
+    program("spice", "sections.json", "-o", "spice")
+    circuit = bs.spice(sections)
+    assert without_words(circuit.to_dict()) == without_words(json.loads((tmp_path / "spice/circuit.json").read_text()))
+    written = {str(p.relative_to(tmp_path / "spice")) for p in (tmp_path / "spice").rglob("*") if p.is_file()}
+    assert written == set(circuit.files) | {"circuit.json"}
+    assert circuit.files["parts.csv"] == (tmp_path / "spice/parts.csv").read_text()
+
+
+@pytest.mark.skipif(shutil.which("ngspice") is None, reason="ngspice is not installed")
+def test_netlist_in_ngspice(sections):
+    circuit = bs.spice(sections)
+    f = np.geomspace(1, 100, 20)
+    difference = 20 * np.log10(np.abs(circuit.response(f) / sections.response(f)))
+    assert np.max(np.abs(difference)) <= circuit.error["all"]["max_magnitude_db"] * 1.01
+
+
+def test_layout_is_the_command_lines(disturbance, example, program, tmp_path):
+    program("layout", example / "disturbance.json", "-o", "layout")
+    layout = bs.layout(disturbance)
+    assert without_words(layout.to_dict()) == without_words(json.loads((tmp_path / "layout/layout.json").read_text()))
+    assert layout.files["parts.csv"] == (tmp_path / "layout/parts.csv").read_text()
+    assert ".subckt disturbance x branch out" in layout.netlist
+
+
+def test_yield_is_the_command_lines(sections, plan, program, tmp_path):
+    sections.save(tmp_path / "sections.json")
+    program("yield", "sections.json", "--samples", 500, "--limit-db", 0.5, "--seed", 7, "-o", "yield.json")
+    statistics = bs.yield_(sections, names=["sections.json"], samples=500, limit_db=0.5, seed=7)
+    written = json.loads((tmp_path / "yield.json").read_text())
+    assert statistics.designs == written["designs"]
+    assert bs.yield_(plan, samples=50).designs[0]["reference"] == "nominal"
+
+
+def test_delay_is_left_out_and_said():
+    with pytest.warns(bs.BodesmithWarning, match="delay"):
+        circuit = bs.spice(bs.Sections([(10.0, [], [-10.0])], delay_s=1e-3))
+    assert circuit.warnings

@@ -120,7 +120,9 @@ Json plan_summary(const fpaa::Plan& plan, const Json& json, const Provenance& fr
   out["error_with_delays"] = json["error_with_delays"];
   out["mismatch"] = json["budget"]["mismatch"];
   out["largest_input_v"] = plan.max_input_v;
-  if (json.contains("largest_image")) out["largest_image"] = json["largest_image"];
+  for (const char* key : {"largest_image", "largest_image_in_band"}) {
+    if (json.contains(key)) out[key] = json[key];
+  }
   out["limits_met"] = limits_met;
   out["timing_s"] = json["timing_s"];
   return out;
@@ -144,11 +146,14 @@ std::string plan_text(const fpaa::Plan& plan, const fpaa::ErrorBudget& budget) {
       rounded_text(budget.mismatch.p95_percent, 3), rounded_text(budget.mismatch.p95_db, 3),
       rounded_text(budget.noise_model.microvolts(budget.noise_in_band_kt_per_cu), 3),
       rounded_text(1e15 * budget.noise_model.unit_capacitance_f), rounded_text(plan.max_input_v));
-  if (plan.image) {
-    out += fmt::format("largest image below 100 kHz: {} dB, at {} Hz for a sine of {} Hz\n",
-                       rounded_text(plan.image->magnitude_db, 3), rounded_text(plan.image->line.value, 4),
-                       rounded_text(plan.image->signal.value, 4));
-  }
+  const auto add_image = [&](const char* what, const std::optional<fpaa::ImageLine>& image) {
+    if (!image) return;
+    out +=
+        fmt::format("{}: {} dB, at {} Hz for a sine of {} Hz\n", what, rounded_text(image->magnitude_db, 3),
+                    rounded_text(image->line.value, 4), rounded_text(image->signal.value, 4));
+  };
+  add_image("largest image below 100 kHz", plan.image);
+  add_image("largest image within the band", plan.image_in_band);
   return out;
 }
 

@@ -49,10 +49,16 @@ void add_noise_options(CommandLine& line) {
                       "an assumption, for noise in uV and the ngspice netlist: capacitance of one unit",
                       n.unit_capacitance_f);
   line.option<double>("noise-temperature-k", "temperature of the switches, for kT/C noise", n.temperature_k);
+  line.option<double>(
+      "noise-weight",
+      "FPAA search: kT/C noise in the band, as a share of a full-scale sine, times this counts as error",
+      n.weight);
 }
 
 fpaa::NoiseModel read_noise_model(const CommandLine& line) {
-  return {line.positive("unit-capacitance-f"), line.positive("noise-temperature-k")};
+  const double weight = line.get<double>("noise-weight");
+  if (!(weight >= 0.0)) line.fail(fmt::format("--noise-weight is {}, expected 0 or more", weight));
+  return {line.positive("unit-capacitance-f"), line.positive("noise-temperature-k"), weight};
 }
 
 }  // namespace bodesmith::cli

@@ -7,6 +7,7 @@
 
 #include "base/json.hpp"
 #include "fpaa/cams/cam.hpp"
+#include "fpaa/error_reference.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -98,6 +99,13 @@ double folded_share(const PlanGraph& graph, std::size_t source, std::size_t node
   return 0.0;
 }
 
+/// A CAM's own noise and what folds of it.
+double folds_of(const PlanGraph& graph, std::size_t source) {
+  double out = 1.0;
+  for (std::size_t n = 0; n < graph.nodes.size(); ++n) out += folded_share(graph, source, n);
+  return out;
+}
+
 /// Trapezoids over the band, up to half the CAM's clock.
 double noise_in_band(const PlacedCam& cam, const std::vector<Hertz>& grid,
                      const std::vector<Complex>& onward) {
@@ -126,8 +134,7 @@ void add_nodes_and_noise(const Plan& plan, Band band, std::vector<ErrorBudget::C
     if (fresh) at->second = noise_view(plan, cam.clock_a.value);
     const NoiseView& view = at->second;
     const std::vector<double> own = own_noise(cam, view.grid);
-    double folds = 1.0;
-    for (std::size_t n = 0; n < graph.nodes.size(); ++n) folds += folded_share(graph, c, n);
+    const double folds = folds_of(graph, c);
     for (std::size_t k = 0; k < view.grid.size(); ++k) {
       shares[c].peak_node_gain = std::max(shares[c].peak_node_gain, std::abs(view.nodes[c][k]));
       shares[c].noise_kt_per_cu += own[k] * folds * std::norm(view.onward[c][k]);
@@ -180,6 +187,8 @@ void add_response_errors(const Plan& plan, const Sections& sections, ErrorBudget
   std::vector<Complex> wanted, ideal, got, holds;
   for (const Hertz f : log_grid(plan.error.band, kPoints)) {
     const RadPerSecond w = f.rad_s();
+    // Nothing is relative to a response of 0.
+    if (beside_a_zero(sections, w)) continue;
     wanted.push_back(sections.response(w));
     Complex h = 1.0;
     for (const PlacedCam* cam : cams) h *= cam->cam->unquantised(*cam, w);
@@ -196,6 +205,18 @@ void add_response_errors(const Plan& plan, const Sections& sections, ErrorBudget
 
 }  // namespace
 
+double noise_in_band_kt_per_cu(const Plan& plan, Band band) {
+  constexpr int kSearchPoints = 60;
+  const DrawnBoard board(plan, log_grid(band, kSearchPoints));
+  const PlanGraph& graph = board.graph();
+  const auto onward = board.onward(board.transfers(board.nominal_units()));
+  double out = 0.0;
+  for (std::size_t c = 0; c < graph.nodes.size(); ++c) {
+    out += folds_of(graph, c) * noise_in_band(*graph.nodes[c].cam, board.grid(), onward[c]);
+  }
+  return out;
+}
+
 ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BudgetOptions& options) {
   ErrorBudget out;
   const auto cams = plan.cams();
@@ -203,8 +224,11 @@ ErrorBudget error_budget(const Plan& plan, const Sections& sections, const Budge
   out.mismatch_model = options.assumptions.mismatch;
   out.noise_model = options.assumptions.noise;
   out.seed = options.seed;
-  out.mismatch = mismatch_spread(DrawnBoard(plan, log_grid(plan.error.band, kMismatchPoints)),
-                                 out.mismatch_model, options.draws, options.seed);
+  std::vector<Hertz> drawn_at;
+  for (const Hertz f : log_grid(plan.error.band, kMismatchPoints)) {
+    if (!beside_a_zero(sections, f.rad_s())) drawn_at.push_back(f);
+  }
+  out.mismatch = mismatch_spread(DrawnBoard(plan, drawn_at), out.mismatch_model, options.draws, options.seed);
   const double clock = cams.back()->clock_a.value;
   const double top = plan.error.band.to.value;
   out.image = {clock - top};

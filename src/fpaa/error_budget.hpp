@@ -66,6 +66,9 @@ struct BudgetOptions {
   std::uint64_t seed = 1;
 };
 
+/// The noise in the band alone: mean square at the output pin in kT/C_u.
+double noise_in_band_kt_per_cu(const Plan& plan, Band band);
+
 /// Noise: every switched capacitor C brings 2 kT C of mean-square charge a sample, which its op-amp's
 /// feedback turns into the CAM's output and the rest of the chain filters; C_u, the unit capacitance, is not
 /// publicly known, so the result is in kT/C_u, and in uV for the assumed one. Op-amp noise is not in it (not

@@ -7,6 +7,8 @@
 #include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/chain_plan.hpp"
+#include "fpaa/clock_features.hpp"
+#include "fpaa/error_reference.hpp"
 #include "fpaa/multirate_response.hpp"
 #include "fpaa/plan.hpp"
 #include "fpaa/plan_limits.hpp"
@@ -16,45 +18,37 @@ namespace bodesmith::fpaa {
 namespace {
 
 constexpr int kStatedPoints = 801;  ///< of the errors that the plan states
-/// Of the peak: what counts as a zero of the response.
-constexpr double kZeroOfPeak = 1e-6;
-/// A corner up here is no concern of a board's whose band was stated lower (RIAA's zero at 20 MHz).
-constexpr double kHighestCornerHz = 1e5;
-
-/// The corners, and the band that the sections state.
-Band stated_band(const Sections& sections, const PlanOptions& options) {
-  if (options.band) return *options.band;
-  const Band corners = sections.corner_band();
-  double low = corners.from.value;
-  double high = corners.to.value;
-  if (sections.error && sections.error->band.from.value > 0.0) {
-    low = low > 0.0 ? std::min(low, sections.error->band.from.value) : sections.error->band.from.value;
-    if (high > kHighestCornerHz) high = std::max(sections.error->band.to.value, kHighestCornerHz);
-    high = std::max(high, sections.error->band.to.value);
-  }
-  // One corner is no band.
-  if (high < 2.0 * low) return {{low / 10.0}, {high * 2.0}};
-  return {{low}, {high}};
-}
+/// And beside the multiples of clocks within the band, in widths of the poles that are sampled there.
+constexpr double kBesideClocks[] = {-30.0, -10.0, -5.0, -3.0, -2.0, -1.4, -1.0, -0.7, -0.5, -0.3, -0.1,
+                                    0.1,   0.3,   0.5,  0.7,  1.0,  1.4,  2.0,  3.0,  5.0,  10.0, 30.0};
+constexpr int kStatedMultiples = 100;
 
 PlanError stated_error(const Plan& plan, const Sections& sections, Band band, bool with_delays) {
-  const std::vector<Hertz> grid = log_grid(band, kStatedPoints);
-  std::vector<std::complex<double>> got;
-  std::vector<std::complex<double>> wanted;
+  std::vector<Hertz> grid = log_grid(band, kStatedPoints);
+  if (with_delays) {
+    const std::vector<Hertz> beside = near_clocks(clocked_poles(plan), band, kBesideClocks, kStatedMultiples);
+    grid.insert(grid.end(), beside.begin(), beside.end());
+    std::sort(grid.begin(), grid.end(), [](Hertz a, Hertz b) { return a.value < b.value; });
+  }
   const MultirateResponse response(plan);
-  double peak = 0.0;
-  for (const Hertz f : grid) peak = std::max(peak, std::abs(sections.response(f.rad_s())));
-  std::vector<Hertz> stated;
+  PlanError out;
+  out.band = band;
   for (const Hertz f : grid) {
     const RadPerSecond w = f.rad_s();
-    // Just at a zero there is nothing that an error could be relative to.
-    if (std::abs(sections.response(w)) < kZeroOfPeak * peak) continue;
-    stated.push_back(f);
-    got.push_back(with_delays ? response.as_it_runs(w) : response.without_delays(w));
-    wanted.push_back(sections.response(f.rad_s()));
+    const std::complex<double> wanted = sections.response(w);
+    const std::complex<double> got = with_delays ? response.as_it_runs(w) : response.without_delays(w);
+    const double percent = 100.0 * std::abs(got - wanted) / error_reference(sections, w);
+    if (!(percent <= out.max_complex_percent)) {
+      out.max_complex_percent = percent;
+      out.worst = f;
+    }
+    // Beside a zero on the axis a ratio says nothing.
+    if (beside_a_zero(sections, w)) continue;
+    const std::complex<double> ratio = got / wanted;
+    out.max_magnitude_db = std::max(out.max_magnitude_db, std::abs(to_decibel(std::abs(ratio))));
+    out.max_phase_deg = std::max(out.max_phase_deg, std::abs(to_degrees(std::arg(ratio))));
   }
-  const ResponseDifference d = compare_responses(stated, got, wanted);
-  return {band, d.max_magnitude_db, d.max_phase_deg, d.max_complex_percent, d.worst};
+  return out;
 }
 
 void add_new(std::vector<std::string>& lines, std::string line) {
@@ -79,8 +73,8 @@ std::vector<std::string> assumptions_of(const Plan& plan) {
 }
 
 /// What a board does to a response that hardly deserves the name; errors below this share of the peak (deep in
-/// a notch) do not count.
-constexpr double kHopeless = 0.6;
+/// a stop band) do not count.
+constexpr double kHopeless = 0.25;
 constexpr double kHopelessFloor = 1e-2;
 
 bool is_hopeless(const Plan& plan, const Sections& sections, Band band) {
@@ -90,27 +84,29 @@ bool is_hopeless(const Plan& plan, const Sections& sections, Band band) {
   for (const Hertz f : grid) peak = std::max(peak, std::abs(sections.response(f.rad_s())));
   return std::any_of(grid.begin(), grid.end(), [&](Hertz f) {
     const std::complex<double> wanted = sections.response(f.rad_s());
-    const double size = std::max(std::abs(wanted), kHopelessFloor * peak);
+    const double size = std::max(error_reference(sections, f.rad_s()), kHopelessFloor * peak);
     return !(std::abs(response.as_it_runs(f.rad_s()) - wanted) < kHopeless * size);
   });
 }
 
-/// The part of the band that comes out within 5 %, in words; empty: none.
-std::string usable_band(const Plan& plan, const Sections& sections, Band band) {
-  constexpr double kUsable = 0.05;
+/// The longest part of the band that comes out within 2 %.
+std::optional<Band> usable_band(const Plan& plan, const Sections& sections, Band band) {
+  constexpr double kUsable = 0.02;
+  constexpr double kWorthNaming = 2.0;
   const MultirateResponse response(plan);
-  double from = 0.0, best_from = 0.0, best_to = 0.0;
+  double from = 0.0;
+  std::optional<Band> best;
   bool open = false;
   for (const Hertz f : log_grid(band, 200)) {
     const RadPerSecond w = f.rad_s();
-    const bool good = std::abs(response.as_it_runs(w) / sections.response(w) - 1.0) < kUsable;
+    const double off = std::abs(response.as_it_runs(w) - sections.response(w));
+    const bool good = off < kUsable * error_reference(sections, w);
     if (good && !open) from = f.value;
-    if (good && (best_from == 0.0 || f.value / from > best_to / best_from))
-      best_from = from, best_to = f.value;
+    if (good && (!best || f.value / from > best->to.value / best->from.value)) best = Band{{from}, f};
     open = good;
   }
-  if (!(best_to > best_from)) return "";
-  return fmt::format("--from-hz {} --to-hz {}", rounded_text(best_from, 3), rounded_text(best_to, 3));
+  if (best && best->to.value < kWorthNaming * best->from.value) return std::nullopt;
+  return best;
 }
 
 Outcome<Plan> searched_plan(const Sections& sections, const PlanOptions& options, Band band,
@@ -122,6 +118,56 @@ Outcome<Plan> searched_plan(const Sections& sections, const PlanOptions& options
   return std::move(found.plan);
 }
 
+int opamps_of(const Plan& plan) {
+  int out = 0;
+  for (const ChipPlan& chip : plan.chips) out += chip.resources().opamps;
+  return out;
+}
+
+/// A smaller wish, tried: in words, with what it came to; empty when that fails too.
+std::string tried_band(const Sections& sections, PlanOptions options, Band band, const Board& board) {
+  options.band = band;
+  const Outcome<Plan> made = searched_plan(sections, options, band, board);
+  if (refusal_of(made) != nullptr) return "";
+  const Plan& plan = std::get<Plan>(made);
+  const PlanError error = stated_error(plan, sections, band, true);
+  if (is_hopeless(plan, sections, band)) return "";
+  return fmt::format("with --from-hz {} --to-hz {} it is built, {} % off", rounded_text(band.from.value, 4),
+                     rounded_text(band.to.value, 4), rounded_text(error.max_complex_percent, 3));
+}
+
+/// The same on more chips than the board has.
+std::string tried_chips(const Sections& sections, const PlanOptions& options, Band band, Board board) {
+  constexpr int kTimes = 4;
+  board.chips *= kTimes;
+  const Outcome<Plan> made = searched_plan(sections, options, band, board);
+  if (refusal_of(made) != nullptr) return "";
+  const Plan& plan = std::get<Plan>(made);
+  if (is_hopeless(plan, sections, band)) return "";
+  return fmt::format("{} chips would do, {} % off", plan.chips.size(),
+                     rounded_text(stated_error(plan, sections, band, true).max_complex_percent, 3));
+}
+
+/// What would make it fit, each tried: part of the band (the one given, else the upper and the lower part without
+/// the corners that ask for the most), more chips.
+std::string least_change(const Sections& sections, const PlanOptions& options, Band band, const Board& board,
+                         std::optional<Band> usable) {
+  std::vector<Band> bands;
+  if (usable) {
+    bands.push_back(*usable);
+  } else {
+    const double middle = std::sqrt(band.from.value * band.to.value);
+    bands = {{{middle}, band.to}, {band.from, {middle}}};
+  }
+  for (const Band& part : bands) {
+    std::string words = tried_band(sections, options, part, board);
+    if (!words.empty()) return "; tried: " + words;
+  }
+  std::string words = tried_chips(sections, options, band, board);
+  if (!words.empty()) return "; tried: " + words;
+  return "; tried without success: parts of the band, more chips; expected fewer poles (a lower --order) or spice";
+}
+
 }  // namespace
 
 Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
@@ -131,7 +177,7 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
   if (sections.sections.empty()) {
     return Refusal{"there are no sections, expected at least one to put on the board"};
   }
-  const Band band = stated_band(sections, options);
+  const Band band = options.band ? *options.band : judged_band(sections);
   if (!(band.from.value > 0.0) || !(band.to > band.from) || !std::isfinite(band.to.value)) {
     return Refusal{
         fmt::format("the band {} to {} Hz is empty, expected 0 < from < to", band.from.value, band.to.value)};
@@ -139,22 +185,26 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
   const bool chain = options.clock || options.topology == PlanOptions::Topology::chain;
   Outcome<Plan> made =
       chain ? chain_plan(sections, options, band, board) : searched_plan(sections, options, band, board);
-  if (refusal_of(made) != nullptr) return made;
+  if (const Refusal* refusal = refusal_of(made)) {
+    if (chain) return made;
+    return Refusal{refusal->reason + least_change(sections, options, band, board, std::nullopt)};
+  }
   Plan& plan = std::get<Plan>(made);
   plan.error = stated_error(plan, sections, band, false);
   plan.error_with_delays = stated_error(plan, sections, band, true);
   if (!chain && is_hopeless(plan, sections, band)) {
-    const std::string usable = usable_band(plan, sections, band);
-    return Refusal{
-        fmt::format("the best board is {} % off at {} Hz as it runs; expected a band that it can do{}",
-                    rounded_text(plan.error_with_delays.max_complex_percent, 3),
-                    rounded_text(plan.error_with_delays.worst.value, 3),
-                    usable.empty() ? ", or fewer poles (a lower --order)" : " (" + usable + ")")};
+    const std::optional<Band> usable = usable_band(plan, sections, band);
+    return Refusal{fmt::format("the best board is {} % off at {} Hz as it runs ({}, {} op-amps){}",
+                               rounded_text(plan.error_with_delays.max_complex_percent, 3),
+                               rounded_text(plan.error_with_delays.worst.value, 3), plan.topology,
+                               opamps_of(plan), least_change(sections, options, band, board, usable))};
   }
   const Headroom headroom = headroom_of(plan, band, board);
   plan.max_input_v = std::min(headroom.sine_v, headroom.step_v);
   plan.max_step_v = headroom.step_v;
-  plan.image = largest_image(plan, band);
+  const ImageLines images = largest_images(plan, band);
+  plan.image = images.largest;
+  plan.image_in_band = images.in_band;
   plan.assumptions = assumptions_of(plan);
   for (const PlacedCam* cam : plan.cams()) add_new(plan.notes, cam->cam->note(*cam));
   return made;

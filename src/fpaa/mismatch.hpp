@@ -36,6 +36,9 @@ double error_of_95_percent(std::complex<double> offset, double sigma);
 struct NoiseModel {
   double unit_capacitance_f = 50e-15;
   double temperature_k = 300.0;
+  /// How much noise counts in a search beside the error: this times the noise in the band as a share of a
+  /// full-scale sine (3 V: 2.12 V rms).
+  double weight = 1.0;
 
   /// sqrt(kT/C_u): rms noise voltage of one unit.
   double unit_noise_v() const;

@@ -5,8 +5,6 @@
 #include <numbers>
 #include <numeric>
 
-#include "fpaa/cams/biquad_stage.hpp"
-
 namespace bodesmith::fpaa {
 namespace {
 
@@ -37,6 +35,100 @@ Complex quotient(Complex above, Complex below) {
 
 }  // namespace
 
+StageOnGrid::StageOnGrid(const NetworkStage& stage, const std::vector<Complex>& d)
+    : stage_(stage), d_(d), inverse_(d.size()) {
+  using Stage = NetworkStage;
+  const std::vector<double>& c = stage.c;
+  // q0 + q1 D + q2 D^2, with 1/z = 1 - D.
+  double q0, q1, q2;
+  if (stage.kind == Stage::Kind::first) {
+    q0 = c[2 * stage.from.size()];
+    q1 = c[2 * stage.from.size() + 1];
+    q2 = 0.0;
+  } else {
+    const double loop = c[Stage::kC2] * c[Stage::kC3];
+    const double damp =
+        c[Stage::kC4] * (stage.kind == Stage::Kind::second_low ? c[Stage::kCA] : c[Stage::kC3]);
+    const double late = stage.kind == Stage::Kind::second_low ? 0.0 : damp;
+    q0 = loop;
+    q1 = damp - loop;
+    q2 = c[Stage::kCA] * c[Stage::kCB] - late;
+  }
+  for (std::size_t k = 0; k < d.size(); ++k) {
+    const Complex below = q0 + product(d[k], q1 + q2 * d[k]);
+    inverse_[k] = std::conj(below) / std::norm(below);
+  }
+}
+
+std::vector<Complex> StageOnGrid::response(std::size_t input) const {
+  using Stage = NetworkStage;
+  const std::vector<double>& c = stage_.c;
+  double n0, n1, n2 = 0.0;
+  if (stage_.kind == Stage::Kind::first) {
+    n0 = c[2 * input];
+    n1 = c[2 * input + 1];
+  } else {
+    const double first = (stage_.c1_inverting ? 1.0 : -1.0) * c[Stage::kC1] * c[Stage::kC3];
+    const bool low = stage_.kind == Stage::Kind::second_low;
+    const double middle = c[Stage::kCp] * (low ? c[Stage::kCA] : c[Stage::kC3]);
+    n0 = first;
+    n1 = middle - first;
+    n2 = c[Stage::kCpp] * c[Stage::kCA] - (low ? 0.0 : middle);
+  }
+  std::vector<Complex> out(d_.size());
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    out[k] = -product(n0 + product(d_[k], n1 + n2 * d_[k]), inverse_[k]);
+  }
+  return out;
+}
+
+std::vector<Complex> StageOnGrid::derivative(std::size_t input, std::size_t capacitor,
+                                             const std::vector<Complex>& response) const {
+  using Stage = NetworkStage;
+  const std::vector<double>& c = stage_.c;
+  // H = -N/M: dH = -(dN + H dM)/M, dN and dM by ln c, each a0 + a1 D + a2 D^2.
+  double dn[3] = {0.0, 0.0, 0.0};
+  double dm[3] = {0.0, 0.0, 0.0};
+  if (stage_.kind == Stage::Kind::first) {
+    const std::size_t n = stage_.from.size();
+    if (capacitor >= 2 * n) {
+      dm[capacitor - 2 * n] = c[capacitor];
+    } else if (capacitor / 2 == input) {
+      dn[capacitor % 2] = c[capacitor];
+    } else {
+      return std::vector<Complex>(d_.size(), 0.0);
+    }
+  } else {
+    const bool low = stage_.kind == Stage::Kind::second_low;
+    const double first = (stage_.c1_inverting ? 1.0 : -1.0) * c[Stage::kC1] * c[Stage::kC3];
+    const double middle = c[Stage::kCp] * (low ? c[Stage::kCA] : c[Stage::kC3]);
+    const double last = c[Stage::kCpp] * c[Stage::kCA];
+    const double loop = c[Stage::kC2] * c[Stage::kC3];
+    const double damp = c[Stage::kC4] * (low ? c[Stage::kCA] : c[Stage::kC3]);
+    const double store = c[Stage::kCA] * c[Stage::kCB];
+    const double late = low ? 0.0 : 1.0;
+    const auto is = [&](int which) { return static_cast<int>(capacitor) == which; };
+    const auto add = [&](double* to, double a0, double a1, double a2) {
+      to[0] += a0;
+      to[1] += a1;
+      to[2] += a2;
+    };
+    if (is(Stage::kC1) || is(Stage::kC3)) add(dn, first, -first, 0.0);
+    if (is(Stage::kCp) || is(low ? Stage::kCA : Stage::kC3)) add(dn, 0.0, middle, -late * middle);
+    if (is(Stage::kCpp) || is(Stage::kCA)) add(dn, 0.0, 0.0, last);
+    if (is(Stage::kC2) || is(Stage::kC3)) add(dm, loop, -loop, 0.0);
+    if (is(Stage::kC4) || is(low ? Stage::kCA : Stage::kC3)) add(dm, 0.0, damp, -late * damp);
+    if (is(Stage::kCA) || is(Stage::kCB)) add(dm, 0.0, 0.0, store);
+  }
+  std::vector<Complex> out(d_.size());
+  for (std::size_t k = 0; k < out.size(); ++k) {
+    const Complex above = dn[0] + product(d_[k], dn[1] + dn[2] * d_[k]);
+    const Complex below = dm[0] + product(d_[k], dm[1] + dm[2] * d_[k]);
+    out[k] = -product(above + product(response[k], below), inverse_[k]);
+  }
+  return out;
+}
+
 int NetworkStage::capacitor_count() const {
   return static_cast<int>(std::count_if(c.begin(), c.end(), [](double v) { return v > 0.0; }));
 }
@@ -60,15 +152,24 @@ Complex NetworkStage::response(std::size_t input, Complex d) const {
 
 bool NetworkStage::is_stable() const {
   if (kind == Kind::first) return c[2 * from.size()] > 0.0;
-  return BiquadStageCapacitors{.high_q = kind == Kind::second_high,
-                               .c2 = c[kC2],
-                               .c3 = c[kC3],
-                               .c4 = c[kC4],
-                               .ca = c[kCA],
-                               .cb = c[kCB]}
-      .transfer()
-      .in_z()
-      .is_stable();
+  // q0 + q1 D + q2 D^2 in powers of 1/z: Jury's conditions.
+  const double loop = c[kC2] * c[kC3];
+  const double damp = c[kC4] * (kind == Kind::second_low ? c[kCA] : c[kC3]);
+  const double q1 = damp - loop;
+  const double q2 = c[kCA] * c[kCB] - (kind == Kind::second_low ? 0.0 : damp);
+  const double first = loop + q1 + q2;
+  return std::abs(q2) < first && std::abs(q1 + 2.0 * q2) < first + q2;
+}
+
+double NetworkStage::inner_gain(Complex d) const {
+  const Complex late = 1.0 - d;
+  const double in = c1_inverting ? c[kC1] : -c[kC1];
+  if (kind == Kind::second_low) {
+    const Complex below = c[kCA] * d * (c[kCB] * d + c[kC4]) + c[kC2] * c[kC3] * late;
+    return std::abs((in * (c[kC4] + c[kCB] * d) - c[kC2] * (c[kCp] + c[kCpp] * d)) / below);
+  }
+  const Complex below = c[kCA] * c[kCB] * d * d + c[kC3] * late * (c[kC2] + c[kC4] * d);
+  return std::abs(d * ((in + c[kCp] * d) * c[kCB] - (c[kC2] + c[kC4] * d) * c[kCpp]) / below);
 }
 
 double NetworkStage::largest_units(std::size_t capacitor, int max_capacitor) const {
@@ -104,20 +205,43 @@ const std::vector<Complex>& NetworkResponse::hold_of(std::int64_t divisor) const
   return kept(hold_, divisor, 0, make_hold);
 }
 
+NetworkResponse::Transfers NetworkResponse::transfers(const Network& network) const {
+  Transfers out;
+  for (const NetworkStage& stage : network.stages) {
+    const StageOnGrid on_grid(stage, d_of(stage.divisor));
+    std::vector<std::vector<Complex>> inputs;
+    for (std::size_t i = 0; i < stage.from.size(); ++i) {
+      inputs.push_back(on_grid.response(i));
+      if (stage.from[i] == NetworkStage::kBoardInput) continue;
+      const std::int64_t source = network.stages[static_cast<std::size_t>(stage.from[i])].divisor;
+      if (source == stage.divisor) continue;
+      const std::vector<Complex>& read = read_of(source, stage.divisor);
+      for (std::size_t k = 0; k < read.size(); ++k) inputs.back()[k] = product(inputs.back()[k], read[k]);
+    }
+    out.push_back(std::move(inputs));
+  }
+  return out;
+}
+
 std::vector<std::vector<Complex>> NetworkResponse::nodes(const Network& network) const {
+  return nodes(network, transfers(network));
+}
+
+std::vector<std::vector<Complex>> NetworkResponse::nodes(const Network& network,
+                                                         const Transfers& made) const {
   const std::size_t points = target_.grid.size();
   std::vector<std::vector<Complex>> out;
-  for (const NetworkStage& stage : network.stages) {
-    const std::vector<Complex>& d = d_of(stage.divisor);
+  for (std::size_t s = 0; s < network.stages.size(); ++s) {
+    const NetworkStage& stage = network.stages[s];
     std::vector<Complex> node(points, 0.0);
     for (std::size_t i = 0; i < stage.from.size(); ++i) {
+      const std::vector<Complex>& way = made[s][i];
       if (stage.from[i] == NetworkStage::kBoardInput) {
-        for (std::size_t k = 0; k < points; ++k) node[k] += stage.response(i, d[k]);
+        for (std::size_t k = 0; k < points; ++k) node[k] += way[k];
         continue;
       }
-      const auto source = static_cast<std::size_t>(stage.from[i]);
-      const std::vector<Complex>& read = read_of(network.stages[source].divisor, stage.divisor);
-      for (std::size_t k = 0; k < points; ++k) node[k] += stage.response(i, d[k]) * read[k] * out[source][k];
+      const std::vector<Complex>& source = out[static_cast<std::size_t>(stage.from[i])];
+      for (std::size_t k = 0; k < points; ++k) node[k] += product(way[k], source[k]);
     }
     out.push_back(std::move(node));
   }
@@ -127,33 +251,35 @@ std::vector<std::vector<Complex>> NetworkResponse::nodes(const Network& network)
 std::vector<Complex> NetworkResponse::output(const Network& network) const {
   std::vector<Complex> out = nodes(network).back();
   const std::vector<Complex>& hold = hold_of(network.stages.back().divisor);
-  for (std::size_t k = 0; k < out.size(); ++k) out[k] *= hold[k];
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = product(out[k], hold[k]);
   return out;
 }
 
 std::vector<Complex> NetworkResponse::errors(const Network& network) const {
   std::vector<Complex> out = output(network);
   for (std::size_t k = 0; k < out.size(); ++k) {
-    out[k] = target_.weight[k] * target_.reciprocal[k] * (out[k] - target_.wanted[k]);
+    out[k] = (target_.weight[k] * target_.reciprocal[k]) * (out[k] - target_.wanted[k]);
   }
   return out;
 }
 
 std::vector<std::vector<Complex>> NetworkResponse::onward(const Network& network) const {
+  return onward(network, transfers(network));
+}
+
+std::vector<std::vector<Complex>> NetworkResponse::onward(const Network& network,
+                                                          const Transfers& made) const {
   const std::size_t points = target_.grid.size();
   const std::size_t count = network.stages.size();
   std::vector<std::vector<Complex>> out(count, std::vector<Complex>(points, 0.0));
   out[count - 1] = hold_of(network.stages.back().divisor);
   for (std::size_t s = count; s-- > 0;) {
     const NetworkStage& stage = network.stages[s];
-    const std::vector<Complex>& d = d_of(stage.divisor);
     for (std::size_t i = 0; i < stage.from.size(); ++i) {
       if (stage.from[i] == NetworkStage::kBoardInput) continue;
-      const auto source = static_cast<std::size_t>(stage.from[i]);
-      const std::vector<Complex>& read = read_of(network.stages[source].divisor, stage.divisor);
-      for (std::size_t k = 0; k < points; ++k) {
-        out[source][k] += stage.response(i, d[k]) * read[k] * out[s][k];
-      }
+      std::vector<Complex>& source = out[static_cast<std::size_t>(stage.from[i])];
+      const std::vector<Complex>& way = made[s][i];
+      for (std::size_t k = 0; k < points; ++k) source[k] += product(way[k], out[s][k]);
     }
   }
   return out;

@@ -37,8 +37,32 @@ struct NetworkStage {
   /// Reads input `input` (from 0), D = 1 - 1/z.
   std::complex<double> response(std::size_t input, std::complex<double> d) const;
   bool is_stable() const;
+  /// |first op-amp of a second-order stage| for 1 V at its input (biquad_stage.hpp).
+  double inner_gain(std::complex<double> d) const;
   /// How large this capacitor may be: CA and CB have two banks in a stage with one input.
   double largest_units(std::size_t capacitor, int max_capacitor) const;
+};
+
+/// Without the care for NaN and overflow that the operator takes: everything here is of moderate size.
+inline std::complex<double> product(std::complex<double> a, std::complex<double> b) {
+  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
+}
+
+/// One stage on a grid: numerators and derivatives share what everything is divided by.
+class StageOnGrid {
+ public:
+  /// Both must outlive it. `d`: 1 - 1/z on the grid.
+  StageOnGrid(const NetworkStage& stage, const std::vector<std::complex<double>>& d);
+
+  std::vector<std::complex<double>> response(std::size_t input) const;
+  /// d response / d ln c[capacitor], from one input.
+  std::vector<std::complex<double>> derivative(std::size_t input, std::size_t capacitor,
+                                               const std::vector<std::complex<double>>& response) const;
+
+ private:
+  const NetworkStage& stage_;
+  const std::vector<std::complex<double>>& d_;
+  std::vector<std::complex<double>> inverse_;
 };
 
 /// Stages in an order in which each reads only those before it; the last drives the output pin.
@@ -64,14 +88,20 @@ class NetworkResponse {
  public:
   explicit NetworkResponse(const NetworkTarget& target) : target_(target) {}
 
+  /// Of every stage from each of its inputs, what reading makes of the source's held output included.
+  using Transfers = std::vector<std::vector<std::vector<std::complex<double>>>>;
+  Transfers transfers(const Network& network) const;
+
   /// Of every stage, at its own samples.
   std::vector<std::vector<std::complex<double>>> nodes(const Network& network) const;
+  std::vector<std::vector<std::complex<double>>> nodes(const Network& network, const Transfers& made) const;
   /// At the output pin, held.
   std::vector<std::complex<double>> output(const Network& network) const;
   /// weight (got/wanted - 1).
   std::vector<std::complex<double>> errors(const Network& network) const;
   /// From each stage's output to the output pin (hold of the last included).
   std::vector<std::vector<std::complex<double>>> onward(const Network& network) const;
+  std::vector<std::vector<std::complex<double>>> onward(const Network& network, const Transfers& made) const;
 
   /// 1 - 1/z at a clock, on the grid.
   const std::vector<std::complex<double>>& d_of(std::int64_t divisor) const;

@@ -12,11 +12,13 @@ namespace {
 using Complex = std::complex<double>;
 using Stage = NetworkStage;
 
-constexpr double kOneRatio = 220.0;   ///< largest ratio of two capacitors that is designed for
-constexpr double kFarZero = 3.0;      ///< radians a clock period: a zero up there is left out
-constexpr double kHelpingPole = 2.0;  ///< -D of the pole that makes a pair of a single one
-constexpr double kHighQuality = 1.5;  ///< above, the form whose C4 is not small
-constexpr double kBig = 200.0;        ///< units to start with
+constexpr double kOneRatio = 220.0;     ///< largest ratio of two capacitors that is designed for
+constexpr double kFarZero = 3.0;        ///< radians a clock period: a zero up there is left out
+constexpr double kHelpingPole = 2.0;    ///< -D of the pole that makes a pair of a single one
+constexpr double kHelpingZero = 0.3;    ///< its D^2 against D
+constexpr double kHighQuality = 1.5;    ///< above, the form whose C4 is not small
+constexpr double kLeastProduct = 1e-4;  ///< of two poles in one stage, in radians a clock period
+constexpr double kBig = 200.0;          ///< units to start with
 
 /// The roots of one stage.
 struct StageRoots {
@@ -79,11 +81,13 @@ class RootSharing {
         std::count_if(out_.begin(), out_.end(), [](const StageRoots& s) { return s.second; }));
   }
 
-  /// The lowest real pole with the highest; alone with a pole beyond the band.
+  /// The lowest real pole with the highest; alone with a pole beyond the band where that one is low as well.
   void pair_lowest() {
     StageRoots stage{{real_poles_.front()}, {}, true};
     real_poles_.erase(real_poles_.begin());
-    if (!real_poles_.empty()) {
+    // Both too low together: neither product nor sum would come to whole capacitors.
+    const auto in_periods = [&](Complex pole) { return std::abs(pole) * period_; };
+    if (!real_poles_.empty() && in_periods(stage.poles[0]) * in_periods(real_poles_.back()) > kLeastProduct) {
       stage.poles.push_back(real_poles_.back());
       real_poles_.pop_back();
     }
@@ -158,6 +162,8 @@ std::optional<Stage> second_order_cascade_stage(const StageRoots& roots, double 
   const double lambda = -(a + b).real();
   Quadratic n = numerator_of(roots, period);
   if (roots.zeros.empty()) n.n0 = mu;
+  // The helping pole's lag is the fit's to take back, by a zero beside it.
+  if (roots.poles.size() == 1 && roots.zeros.size() == 1) n.n2 = kHelpingZero * n.n1;
   const double quality = std::sqrt(mu) / std::max(lambda, 1e-12);
   Stage out;
   const bool high = quality > kHighQuality;

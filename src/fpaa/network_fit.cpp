@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "fpaa/stage_view.hpp"
 #include "numeric/least_squares.hpp"
 
 namespace bodesmith::fpaa {
@@ -12,24 +13,6 @@ using Complex = std::complex<double>;
 using Stage = NetworkStage;
 
 constexpr double kLeastContinuous = 0.02;  ///< units, before the stage is scaled up
-constexpr double kStep = 1e-5;             ///< of ln C, for the second-order stages' derivatives
-
-/// d response / d ln c[capacitor], from one input; `up` and `down` are the stage with a little more and less of it.
-Complex stage_derivative(const Stage& stage, const Stage& up, const Stage& down, std::size_t input,
-                         std::size_t capacitor, Complex d) {
-  if (stage.kind == Stage::Kind::first) {
-    const std::size_t n = stage.from.size();
-    const Complex below = stage.c[2 * n] + stage.c[2 * n + 1] * d;
-    const Complex inverse = std::conj(below) / std::norm(below);
-    const double c = stage.c[capacitor];
-    if (capacitor == 2 * input) return -c * inverse;
-    if (capacitor == 2 * input + 1) return -c * d * inverse;
-    if (capacitor < 2 * n) return 0.0;
-    return stage.response(input, d) * -(capacitor == 2 * n ? Complex(c) : c * d) * inverse;
-  }
-  return (up.response(input, d) - down.response(input, d)) / (2.0 * kStep);
-}
-
 /// The free capacitors as unknowns.
 struct FreeCapacitor {
   std::size_t stage = 0;
@@ -84,7 +67,7 @@ void fit_once(Network& network, const NetworkResponse& response, const std::vect
   options.jacobian = [&](const Eigen::VectorXd& values, Eigen::MatrixXd& out) {
     set(values);
     out.setZero(2 * points, static_cast<Eigen::Index>(list.size()));
-    for (const CapacitorEffect& effect : capacitor_effects(trial, response)) {
+    for (const CapacitorEffect& effect : capacitor_effects(trial, response, true)) {
       const auto at = std::find_if(list.begin(), list.end(), [&](const FreeCapacitor& f) {
         return f.stage == effect.stage && f.capacitor == effect.capacitor;
       });
@@ -107,30 +90,38 @@ void fit_once(Network& network, const NetworkResponse& response, const std::vect
 
 }  // namespace
 
-std::vector<CapacitorEffect> capacitor_effects(const Network& network, const NetworkResponse& response) {
+std::vector<CapacitorEffect> capacitor_effects(const Network& network, const NetworkResponse& response,
+                                               bool only_free) {
   std::vector<CapacitorEffect> out;
-  const auto nodes = response.nodes(network);
-  const auto onward = response.onward(network);
+  const auto transfers = response.transfers(network);
+  const auto nodes = response.nodes(network, transfers);
+  const auto onward = response.onward(network, transfers);
   const std::size_t points = response.target().grid.size();
   for (std::size_t s = 0; s < network.stages.size(); ++s) {
     const Stage& stage = network.stages[s];
-    const std::vector<Complex>& d = response.d_of(stage.divisor);
+    const bool any = std::any_of(stage.free.begin(), stage.free.end(), [](char f) { return f != 0; });
+    if (only_free && !any) continue;
+    const StageOnGrid on_grid(stage, response.d_of(stage.divisor));
+    std::vector<std::vector<Complex>> own,
+        ways;  // of each input: the stage's response; from there to the output
+    for (std::size_t i = 0; i < stage.from.size(); ++i) {
+      own.push_back(on_grid.response(i));
+      ways.push_back(onward[s]);
+      if (stage.from[i] == Stage::kBoardInput) continue;
+      const auto source = static_cast<std::size_t>(stage.from[i]);
+      const std::vector<Complex>& read = response.read_of(network.stages[source].divisor, stage.divisor);
+      for (std::size_t k = 0; k < points; ++k) {
+        ways.back()[k] = product(ways.back()[k], product(nodes[source][k], read[k]));
+      }
+    }
     for (std::size_t c = 0; c < stage.c.size(); ++c) {
-      if (!(stage.c[c] > 0.0)) continue;
+      if (!(stage.c[c] > 0.0) || (only_free && stage.free[c] == 0)) continue;
       CapacitorEffect effect{s, c, std::vector<Complex>(points, 0.0)};
-      Stage up = stage;
-      Stage down = stage;
-      up.c[c] *= std::exp(kStep);
-      down.c[c] *= std::exp(-kStep);
+      const bool of_one = stage.kind == Stage::Kind::first && c < 2 * stage.from.size();
       for (std::size_t i = 0; i < stage.from.size(); ++i) {
-        const bool outside = stage.from[i] == Stage::kBoardInput;
-        const auto source = static_cast<std::size_t>(std::max(0, stage.from[i]));
-        const std::vector<Complex>* read =
-            outside ? nullptr : &response.read_of(network.stages[source].divisor, stage.divisor);
-        for (std::size_t k = 0; k < points; ++k) {
-          const Complex x = outside ? 1.0 : nodes[source][k] * (*read)[k];
-          effect.values[k] += stage_derivative(stage, up, down, i, c, d[k]) * x * onward[s][k];
-        }
+        if (of_one && i != c / 2) continue;
+        const std::vector<Complex> by = on_grid.derivative(i, c, own[i]);
+        for (std::size_t k = 0; k < points; ++k) effect.values[k] += product(by[k], ways[i][k]);
       }
       out.push_back(std::move(effect));
     }
@@ -175,6 +166,31 @@ std::vector<double> mismatch_sigma(const Network& network, const NetworkResponse
   return variance;
 }
 
+double clipping_of(const Network& network, const NetworkResponse& response) {
+  const auto nodes = response.nodes(network);
+  double ends = 1.0;
+  for (const Complex& h : nodes.back()) ends = std::max(ends, std::abs(h));
+  double most = 0.0;
+  for (std::size_t s = 0; s < nodes.size(); ++s) {
+    const Stage& stage = network.stages[s];
+    const bool second = stage.kind != Stage::Kind::first;
+    const std::vector<Complex>& d = response.d_of(stage.divisor);
+    for (std::size_t k = 0; k < nodes[s].size(); ++k) {
+      most = std::max(most, std::abs(nodes[s][k]));
+      if (!second) continue;
+      const int from = stage.from[0];
+      const double in = from == Stage::kBoardInput ? 1.0 : std::abs(nodes[static_cast<std::size_t>(from)][k]);
+      most = std::max(most, in * stage.inner_gain(d[k]));
+    }
+  }
+  return most / ends;
+}
+
+double clipping_cost(double clipping) {
+  constexpr double kOfTwo = 0.5;
+  return clipping > 1.0 ? 1.0 + kOfTwo * std::log2(clipping) : 1.0;
+}
+
 NetworkScore network_score(const Network& network, const NetworkResponse& response,
                            const MismatchModel& mismatch, double mismatch_weight) {
   NetworkScore out;
@@ -194,14 +210,19 @@ NetworkScore network_score(const Network& network, const NetworkResponse& respon
 
 void polish_network(Network& network, const NetworkResponse& response, const MismatchModel& mismatch,
                     double mismatch_weight, int passes) {
-  const auto judge = [&](const Network& n) {
-    return mismatch_weight > 0.0 ? network_score(n, response, mismatch, mismatch_weight).total
-                                 : largest_error(response.errors(n));
-  };
-  double best = judge(network);
+  const bool spread = mismatch_weight > 0.0;
+  double best = spread ? network_score(network, response, mismatch, mismatch_weight).total
+                       : largest_error(response.errors(network));
   for (int pass = 0; pass < passes; ++pass) {
     const double before = best;
-    for (Stage& stage : network.stages) {
+    for (std::size_t s = 0; s < network.stages.size(); ++s) {
+      Stage& stage = network.stages[s];
+      std::vector<StageView> view;
+      if (!spread) view.emplace_back(network, s, response);
+      const auto judge = [&] {
+        return spread ? network_score(network, response, mismatch, mismatch_weight).total
+                      : view.front().largest_error_with(stage);
+      };
       for (std::size_t c = 0; c < stage.c.size(); ++c) {
         if (!(stage.c[c] > 0.0)) continue;
         for (const double step : {1.0, -1.0, 2.0, -2.0, 5.0, -5.0}) {
@@ -209,7 +230,7 @@ void polish_network(Network& network, const NetworkResponse& response, const Mis
           const double next = old + step;
           if (next < 1.0 || next > stage.largest_units(c, response.target().max_capacitor)) continue;
           stage.c[c] = next;
-          const double got = stage.is_stable() ? judge(network) : 1e300;
+          const double got = stage.is_stable() ? judge() : 1e300;
           if (got < best) {
             best = got;
           } else {

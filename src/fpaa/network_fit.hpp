@@ -14,7 +14,9 @@ struct CapacitorEffect {
   std::size_t capacitor = 0;
   std::vector<std::complex<double>> values;
 };
-std::vector<CapacitorEffect> capacitor_effects(const Network& network, const NetworkResponse& response);
+/// `only_free`: of those that the continuous fit moves.
+std::vector<CapacitorEffect> capacitor_effects(const Network& network, const NetworkResponse& response,
+                                               bool only_free = false);
 
 /// Moves the free capacitors (any real values within what a capacitor may be) to the least squares of the
 /// weighted errors, by Levenberg and Marquardt with exact derivatives; `passes` > 1 then leans on the points
@@ -43,6 +45,12 @@ void polish_pairs(Network& network, const NetworkResponse& response, const Misma
 /// Standard deviation of output/wanted by mismatch, on the grid.
 std::vector<double> mismatch_sigma(const Network& network, const NetworkResponse& response,
                                    const MismatchModel& mismatch);
+
+/// The largest node (op-amps inside second-order stages too) against the larger of the signal's two ends, over
+/// the grid: above 1 it is the first that clips.
+double clipping_of(const Network& network, const NetworkResponse& response);
+/// What that costs in a search, as a factor on the error: half of it more for each factor of two.
+double clipping_cost(double clipping);
 
 struct NetworkScore {
   double error = 0.0;    ///< largest weighted |got/wanted - 1|

@@ -34,7 +34,7 @@ constexpr std::int64_t kLargestOneDivisor = 510;
 constexpr double kFaint = 0.2;
 constexpr double kLoud = 20.0;
 /// The ratios of a second-order path are smaller: its quality takes one more on top.
-constexpr double kSecondOrderShare = 0.4;
+constexpr double kSecondOrderShare = 0.5;
 constexpr double kNegligibleWeight = 1e-7;
 
 /// D of a pole: 1 - exp(-s T).
@@ -54,6 +54,13 @@ SecondOrder second_order(const ParallelPath& path, double period) {
   const Complex a = d_pole(path.pole, period);
   const Complex b = d_pole(*path.second, period);
   return {(a * b).real(), -(a + b).real()};
+}
+
+/// Complex poles whose damping wants two ratios.
+bool is_high_quality(const ParallelPath& path) {
+  constexpr double kHighQuality = 1.0;
+  return path.second && path.pole.imag() != 0.0 &&
+         std::abs(path.pole) > -2.0 * kHighQuality * path.pole.real();
 }
 
 /// What a path makes, up to the output pin, per unit of weight: one function, two for a second-order path.
@@ -85,6 +92,20 @@ std::vector<std::vector<Complex>> path_functions(const ParallelPath& path, const
 std::vector<Complex> input_of(const Network& before, const NetworkResponse& response) {
   if (before.stages.empty()) return std::vector<Complex>(response.target().grid.size(), 1.0);
   return response.nodes(before).back();
+}
+
+/// What the last stage of `before` reads.
+int ahead_of(const Network& before) {
+  return before.stages.empty() ? Stage::kBoardInput : before.stages.back().from[0];
+}
+
+/// What a path reads, at the sum's clock.
+std::vector<Complex> input_of(const ParallelPath& path, const Network& before,
+                              const NetworkResponse& response) {
+  if (!path.ahead) return input_of(before, response);
+  const int source = ahead_of(before);
+  if (source == Stage::kBoardInput) return std::vector<Complex>(response.target().grid.size(), 1.0);
+  return response.nodes(before)[static_cast<std::size_t>(source)];
 }
 
 /// An input of the chain of sums.
@@ -163,21 +184,40 @@ Stage ratio_stage(const ParallelPath& path, double gain, const NetworkTarget& ta
     ca *= most * most / loop;
     loop = most * most;
   }
-  const double each = std::sqrt(loop);
-  out.c = {gain * each, 0.0, 0.0, each, each, c4, ca, c4 / kFastPole};
+  // The first op-amp swings C4/C3 as far as the output: a large C3, and few units for the input and C2.
+  constexpr double kFewUnits = 3.0;
+  const double c2 =
+      std::max(std::min(std::sqrt(loop), kFewUnits / std::min(1.0, gain)), loop / target.max_capacitor);
+  out.c = {gain * c2, 0.0, 0.0, c2, loop / c2, c4, ca, c4 / kFastPole};
   out.free = {0, 0, 0, 1, 0, 0, 0, 0};
   return out;
 }
 
 Stage second_order_stage(const ParallelPath& path, double low, double band, const NetworkTarget& target) {
   const SecondOrder below = second_order(path, period_of(path.divisor, target));
-  const double alpha = below.constant;
-  const double beta = below.linear + below.constant;  // C4/CB
   const double big = 0.8 * target.max_capacitor;
-  const double each = std::sqrt(alpha);
   Stage out;
-  out.kind = Stage::Kind::second_low;
   out.c1_inverting = low * (band == 0.0 ? 1.0 : band) > 0.0 || band == 0.0;
+  out.free = {1, 1, 0, 1, 0, 1, 0, 0};
+  if (is_high_quality(path)) {
+    // Damped through C3 C4/(CA CB), two ratios: C4 stays of the size of CA/Q however fast the clock is.
+    const double damp = below.linear + below.constant;
+    const double gamma = damp / (1.0 + damp);
+    const double each = std::sqrt(below.constant * (1.0 - gamma));
+    out.kind = Stage::Kind::second_high;
+    out.c = {std::abs(low) * each * big,
+             std::abs(band) * gamma / each * big,
+             0.0,
+             each * big,
+             each * big,
+             gamma / each * big,
+             big,
+             big};
+    return out;
+  }
+  const double beta = below.linear + below.constant;  // C4/CB
+  const double each = std::sqrt(below.constant);
+  out.kind = Stage::Kind::second_low;
   out.c = {std::abs(low) * each * big,
            std::abs(band) * beta * big,
            0.0,
@@ -186,7 +226,6 @@ Stage second_order_stage(const ParallelPath& path, double low, double band, cons
            beta * big,
            big,
            big};
-  out.free = {1, 1, 0, 1, 0, 1, 0, 0};
   return out;
 }
 
@@ -196,6 +235,7 @@ class ParallelBuilder {
   ParallelBuilder(Network before, const NetworkResponse& response, const ParallelOptions& options)
       : target_(response.target()), options_(options), out_(std::move(before)) {
     source_ = out_.stages.empty() ? Stage::kBoardInput : static_cast<int>(out_.stages.size()) - 1;
+    ahead_ = ahead_of(out_);
     // Of the output against what comes in here.
     const std::vector<Complex> input = input_of(out_, response);
     double in = 0.0;
@@ -224,7 +264,7 @@ class ParallelBuilder {
     Stage stage = path.second      ? second_order_stage(path, low * gain / size, band * gain / size, target_)
                   : path.by_ratios ? ratio_stage(path, gain, target_)
                                    : low_pass_stage(path, gain, target_, options_.cout);
-    stage.from = {source_};
+    stage.from = {path.ahead ? ahead_ : source_};
     stage.divisor = path.divisor;
     stage.name = fmt::format("{}{}", path.second ? "Path" : "LowPass", ++paths_);
     out_.stages.push_back(std::move(stage));
@@ -301,6 +341,7 @@ class ParallelBuilder {
   const ParallelOptions& options_;
   Network out_;
   int source_;
+  int ahead_;
   double peak_ = 0.0;
   double link_ = 1.0;  ///< weight with which a sum reads the one before it
   int paths_ = 0;
@@ -337,7 +378,8 @@ std::vector<ParallelPath> with_clocks(std::vector<ParallelPath> paths, const Net
   for (ParallelPath& path : paths) {
     double size = std::abs(path.pole);
     if (path.second) size = std::sqrt(size * std::abs(*path.second));
-    const double ratio = (path.second ? kSecondOrderShare : 1.0) * kLargestRatio / options.cout;
+    const bool smaller = path.second && !is_high_quality(path);
+    const double ratio = (smaller ? kSecondOrderShare : 1.0) * kLargestRatio / options.cout;
     wanted.push_back(target.master_hz / (ratio * size));
     path.by_ratios = !path.second && (path.by_ratios || wanted.back() > slowest);
     if (path.by_ratios) wanted.back() = std::max(path.least_divisor, target.master_hz / (kTwoRatios * size));
@@ -374,8 +416,8 @@ ParallelWeights parallel_weights(const std::vector<ParallelPath>& paths, const N
   std::vector<std::size_t> first;
   for (const ParallelPath& path : paths) {
     first.push_back(columns.size());
-    for (auto& f : path_functions(path, input, response, options.sum_divisor))
-      columns.push_back(std::move(f));
+    const std::vector<Complex> own = path.ahead ? input_of(path, before, response) : input;
+    for (auto& f : path_functions(path, own, response, options.sum_divisor)) columns.push_back(std::move(f));
   }
   const auto points = static_cast<Eigen::Index>(target.grid.size());
   const auto count = static_cast<Eigen::Index>(columns.size());
@@ -429,14 +471,14 @@ std::vector<std::vector<ParallelPath>> fewer_paths(std::vector<ParallelPath> pat
 }
 
 bool quicken_paths(std::vector<ParallelPath>& paths, const Network& before, const NetworkResponse& response,
-                   const ParallelOptions& options) {
+                   const ParallelOptions& options, double clock_over) {
   const NetworkTarget& target = response.target();
   const ParallelWeights weights = parallel_weights(paths, before, response, options);
-  const std::vector<Complex> input = input_of(before, response);
   bool any = false;
   for (std::size_t p = 0; p < paths.size(); ++p) {
     ParallelPath& path = paths[p];
     if (path.second || path.by_ratios || path.divisor <= options.sum_divisor) continue;
+    const std::vector<Complex> input = input_of(path, before, response);
     const auto functions = path_functions(path, input, response, options.sum_divisor);
     const std::vector<Complex>& hold = response.hold_of(options.sum_divisor);
     double cost = 0.0;
@@ -452,9 +494,8 @@ bool quicken_paths(std::vector<ParallelPath>& paths, const Network& before, cons
     }
     if (cost < kHoldWorthRatios) continue;
     // Fast against the frequency where it hurts; no faster than needed, the ratios stay moderate.
-    constexpr double kClockOver = 40.0;
     path.by_ratios = true;
-    path.least_divisor = target.master_hz / (kClockOver * at / (2.0 * std::numbers::pi));
+    path.least_divisor = target.master_hz / (clock_over * at / (2.0 * std::numbers::pi));
     any = true;
   }
   return any;

@@ -15,6 +15,7 @@ struct ParallelPath {
   std::optional<std::complex<double>> second;  ///< a two-op-amp path with a free numerator of first order
   bool by_ratios = false;      ///< a real pole as a two-op-amp low pass: two capacitor ratios, faster clock
   double least_divisor = 0.0;  ///< for one by ratios: no faster clock than this is needed
+  bool ahead = false;          ///< reads what the last stage of `before` reads, not what comes out of it
   std::int64_t divisor = 1;
 };
 
@@ -49,8 +50,9 @@ std::vector<std::vector<ParallelPath>> fewer_paths(std::vector<ParallelPath> pat
 
 /// Paths whose hold at one ratio's clock costs too much (their share of the response is large above it) become
 /// paths by two ratios; with_clocks() then gives them their clock. False when there are none.
+/// Their clock: `clock_over` times the frequency where it costs most.
 bool quicken_paths(std::vector<ParallelPath>& paths, const Network& before, const NetworkResponse& response,
-                   const ParallelOptions& options);
+                   const ParallelOptions& options, double clock_over);
 
 /// Constant path + paths + sums behind `before` (nothing: the board's input), capacitors not yet whole.
 ///

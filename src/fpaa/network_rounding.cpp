@@ -1,7 +1,9 @@
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "fpaa/network_fit.hpp"
+#include "fpaa/stage_view.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -24,6 +26,13 @@ std::vector<std::vector<std::size_t>> scale_groups(const Stage& stage) {
           {Stage::kCpp, Stage::kC3, Stage::kCB}};
 }
 
+/// An input of a second-order stage that has others: below half a unit nothing is nearer than one unit.
+bool may_be_left_out(const Stage& stage, std::size_t capacitor) {
+  if (stage.kind == Stage::Kind::first || capacitor > Stage::kCpp) return false;
+  const double inputs = stage.c[Stage::kC1] + stage.c[Stage::kCp] + stage.c[Stage::kCpp];
+  return inputs - stage.c[capacitor] > 0.5;
+}
+
 /// A stage's whole capacitors at given scales of its groups; false where one does not come to a unit.
 bool rounded_at(Stage& stage, const std::vector<double>& exact, double node_scale, double first,
                 double second, int max_capacitor) {
@@ -38,7 +47,7 @@ bool rounded_at(Stage& stage, const std::vector<double>& exact, double node_scal
     }
     const double units = std::round(exact[i] * scale);
     if (units > stage.largest_units(i, max_capacitor)) return false;
-    stage.c[i] = std::max(1.0, units);
+    stage.c[i] = units < 1.0 && may_be_left_out(stage, i) ? 0.0 : std::max(1.0, units);
   }
   return true;
 }
@@ -50,61 +59,118 @@ struct WholeStage {
   double cost_but_gain = 0.0;
 };
 
-/// Judges whole capacitors of one stage by the errors that the output has with them. The output is linear in the
-/// response of one stage, so this is exact while the others stay as they are.
-class StageCost {
+/// What whole capacitors of one stage cost.
+WholeStage cost_of(const StageView& view, const Stage& rounded) {
+  const std::vector<Complex> got = view.share_of(rounded);
+  const std::vector<Complex>& exact = view.share();
+  const std::vector<Complex>& errors = view.errors();
+  WholeStage out{rounded.c, 0.0, 0.0};
+  double over = 0.0;
+  double under = 0.0;
+  for (std::size_t k = 0; k < got.size(); ++k) {
+    over += got[k].real() * exact[k].real() + got[k].imag() * exact[k].imag();
+    under += std::norm(got[k]);
+  }
+  const double gain = under > 0.0 ? over / under : 1.0;
+  for (std::size_t k = 0; k < got.size(); ++k) {
+    out.cost = std::max(out.cost, std::norm(errors[k] + got[k] - exact[k]));
+    out.cost_but_gain = std::max(out.cost_but_gain, std::norm(errors[k] + gain * got[k] - exact[k]));
+  }
+  return out;
+}
+
+/// A stage's first op-amp against what its own output or input has at most; over 1: it clips first.
+class InnerHeadroom {
  public:
-  StageCost(const Network& network, std::size_t s, const NetworkResponse& response)
-      : d_(response.d_of(network.stages[s].divisor)), errors_(response.errors(network)) {
-    const Stage& stage = network.stages[s];
-    const NetworkTarget& target = response.target();
+  InnerHeadroom(const Network& network, std::size_t s, const NetworkResponse& response)
+      : d_(response.d_of(network.stages[s].divisor)), in_(d_.size(), 1.0) {
     const auto nodes = response.nodes(network);
-    const auto onward = response.onward(network);
-    for (const int from : stage.from) {
-      std::vector<Complex> way = onward[s];
-      for (std::size_t k = 0; k < way.size(); ++k) way[k] *= target.weight[k] * target.reciprocal[k];
-      if (from != Stage::kBoardInput) {
-        const auto source = static_cast<std::size_t>(from);
-        const std::vector<Complex>& read = response.read_of(network.stages[source].divisor, stage.divisor);
-        for (std::size_t k = 0; k < way.size(); ++k) way[k] *= read[k] * nodes[source][k];
-      }
-      ways_.push_back(std::move(way));
+    const int from = network.stages[s].from[0];
+    for (std::size_t k = 0; k < d_.size(); ++k) {
+      if (from != Stage::kBoardInput) in_[k] = std::abs(nodes[static_cast<std::size_t>(from)][k]);
     }
-    exact_ = share_of(stage);
+    // Any other node may be as large as the largest of the signal's ends.
+    for (std::size_t k = 0; k < d_.size(); ++k) {
+      most_ = std::max({most_, std::abs(nodes.back()[k]), in_[k]});
+    }
   }
 
-  WholeStage of(const Stage& rounded) const {
-    const std::vector<Complex> got = share_of(rounded);
-    WholeStage out{rounded.c, 0.0, 0.0};
-    double over = 0.0;
-    double under = 0.0;
-    for (std::size_t k = 0; k < got.size(); ++k) {
-      over += (std::conj(got[k]) * exact_[k]).real();
-      under += std::norm(got[k]);
-    }
-    const double gain = under > 0.0 ? over / under : 1.0;
-    for (std::size_t k = 0; k < got.size(); ++k) {
-      out.cost = std::max(out.cost, std::norm(errors_[k] + got[k] - exact_[k]));
-      out.cost_but_gain = std::max(out.cost_but_gain, std::norm(errors_[k] + gain * got[k] - exact_[k]));
-    }
-    return out;
+  /// What it costs, as a factor on the error.
+  double cost(const Stage& stage) const {
+    double inner = 0.0;
+    for (std::size_t k = 0; k < d_.size(); ++k) inner = std::max(inner, in_[k] * stage.inner_gain(d_[k]));
+    return clipping_cost(inner / most_);
   }
 
  private:
-  /// What a stage adds to the weighted output.
-  std::vector<Complex> share_of(const Stage& stage) const {
-    std::vector<Complex> out(d_.size(), 0.0);
-    for (std::size_t i = 0; i < ways_.size(); ++i) {
-      for (std::size_t k = 0; k < d_.size(); ++k) out[k] += stage.response(i, d_[k]) * ways_[i][k];
-    }
-    return out;
-  }
-
   const std::vector<Complex>& d_;
-  const std::vector<Complex> errors_;
-  std::vector<std::vector<Complex>> ways_;  ///< from each input's share of the stage to the weighted output
-  std::vector<Complex> exact_;
+  std::vector<double> in_;
+  double most_ = 1.0;
 };
+
+/// Whole capacitors of a second-order stage whose resonance is nearest to the exact one: the `count` best. Rounding
+/// each capacitor by itself leaves some 1/C of each; a sharp resonance needs more, and there are many sets:
+///   low Q:   C4/CB and C2 C3/(CA CB);   high Q:   C4/C2 and C2 C3/(CA CB)
+std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_capacitor,
+                                                    std::size_t count) {
+  constexpr double kRatioOff = 0.015;
+  const bool high = exact.kind == Stage::Kind::second_high;
+  const auto& e = exact.c;
+  const double product = e[Stage::kC2] * e[Stage::kC3] / (e[Stage::kCA] * e[Stage::kCB]);
+  const double ratio = e[Stage::kC4] / e[high ? Stage::kC2 : Stage::kCB];
+  std::vector<std::pair<double, std::vector<double>>> found;
+  const auto add = [&](double c2, double c3, double c4, double ca, double cb) {
+    const double off = std::abs(c2 * c3 / (ca * cb) / product - 1.0) +
+                       std::abs(c4 / (high ? c2 : cb) / ratio - 1.0) / (high ? 4.0 : 1.0);
+    if (found.size() == count && off >= found.back().first) return;
+    std::vector<double> c = e;
+    c[Stage::kC2] = c2;
+    c[Stage::kC3] = c3;
+    c[Stage::kC4] = c4;
+    c[Stage::kCA] = ca;
+    c[Stage::kCB] = cb;
+    // Numerators over the same: C1 C3, Cp CA (high Q: Cp C3) and Cpp CA against CA CB.
+    const double store = ca * cb / (e[Stage::kCA] * e[Stage::kCB]);
+    const double scales[] = {store * e[Stage::kC3] / c3,
+                             store * (high ? e[Stage::kC3] / c3 : e[Stage::kCA] / ca),
+                             store * e[Stage::kCA] / ca};
+    for (const int i : {Stage::kC1, Stage::kCp, Stage::kCpp}) {
+      const auto at = static_cast<std::size_t>(i);
+      if (!(e[at] > 0.0)) continue;
+      c[at] = std::round(e[at] * scales[i]);
+      if (c[at] > max_capacitor) return;
+    }
+    if (c[Stage::kC1] + c[Stage::kCp] + c[Stage::kCpp] < 1.0) return;
+    const auto at =
+        std::find_if(found.begin(), found.end(), [&](const auto& other) { return off < other.first; });
+    found.insert(at, {off, std::move(c)});
+    if (found.size() > count) found.pop_back();
+  };
+  const int c2_most = std::max(3, max_capacitor / 4);
+  for (int c2 = 1; c2 <= c2_most; ++c2) {
+    const double c4_high = std::round(ratio * c2);
+    if (high &&
+        (c4_high < 1.0 || c4_high > max_capacitor || std::abs(c4_high / c2 / ratio - 1.0) > kRatioOff)) {
+      continue;
+    }
+    // What CA and CB of at least a quarter and half of the largest leave for C3.
+    const double most = std::min<double>(max_capacitor, product * max_capacitor * max_capacitor / c2);
+    const auto least = static_cast<int>(std::max(1.0, product * max_capacitor * max_capacitor / (8.0 * c2)));
+    for (int c3 = least; c3 <= most; c3 += c3 < 40 ? 1 : 7) {
+      for (int cb = max_capacitor / 2; cb <= max_capacitor; cb += high ? 1 : 3) {
+        const double ca = std::round(c2 * c3 / (product * cb));
+        if (ca < max_capacitor / 4.0 || ca > max_capacitor) continue;
+        const double c4 = high ? c4_high : std::round(ratio * cb);
+        if (c4 < 1.0 || c4 > max_capacitor || std::abs(c4 / (high ? c2 : cb) / ratio - 1.0) > kRatioOff)
+          continue;
+        add(c2, c3, c4, ca, cb);
+      }
+    }
+  }
+  std::vector<std::vector<double>> out;
+  for (auto& [off, c] : found) out.push_back(std::move(c));
+  return out;
+}
 
 /// Keeps the `count` cheapest by one of the costs, each set of capacitors once.
 void keep_cheapest(std::vector<WholeStage>& list, const WholeStage& next, std::size_t count,
@@ -125,7 +191,7 @@ std::vector<std::vector<double>> whole_stages(const Network& network, std::size_
                                               const NetworkResponse& response, std::size_t choices) {
   Stage stage = network.stages[s];
   const std::vector<double> exact = stage.c;
-  const StageCost judge(network, s, response);
+  const StageView view(network, s, response);
   const int max = response.target().max_capacitor;
   const bool second_order = stage.kind != Stage::Kind::first;
   const auto largest_scale = [&](const std::vector<std::size_t>& group, double node_scale) {
@@ -138,10 +204,21 @@ std::vector<std::vector<double>> whole_stages(const Network& network, std::size_
     return out;
   };
   std::vector<WholeStage> as_is, but_gain;
+  const InnerHeadroom headroom(network, s, response);
+  const auto judge = [&] {
+    WholeStage whole = cost_of(view, stage);
+    if (second_order) {
+      const double clipping = headroom.cost(stage);
+      whole.cost *= clipping * clipping;
+      whole.cost_but_gain *= clipping * clipping;
+    }
+    keep_cheapest(as_is, whole, choices, &WholeStage::cost);
+    keep_cheapest(but_gain, whole, choices, &WholeStage::cost_but_gain);
+  };
   const auto groups = scale_groups(stage);
   const int scales = second_order ? 12 : 48;
   const double smallest = second_order ? 0.35 : 0.4;
-  for (int node = second_order ? -5 : 0; node <= (second_order ? 5 : 0); ++node) {
+  for (int node = second_order ? -4 : 0; node <= (second_order ? 7 : 0); ++node) {
     const double node_scale = std::pow(2.0, node / 3.0);
     for (int a = 0; a < scales; ++a) {
       const double first =
@@ -151,10 +228,16 @@ std::vector<std::vector<double>> whole_stages(const Network& network, std::size_
                                                  std::pow(smallest, static_cast<double>(b) / scales)
                                            : 1.0;
         if (!rounded_at(stage, exact, node_scale, first, second, max) || !stage.is_stable()) continue;
-        const WholeStage whole = judge.of(stage);
-        keep_cheapest(as_is, whole, choices, &WholeStage::cost);
-        keep_cheapest(but_gain, whole, choices, &WholeStage::cost_but_gain);
+        judge();
       }
+    }
+  }
+  if (second_order) {
+    constexpr std::size_t kResonances = 60;
+    stage.c = exact;
+    for (std::vector<double>& c : nearest_resonances(stage, max, kResonances)) {
+      stage.c = std::move(c);
+      if (stage.is_stable()) judge();
     }
   }
   std::vector<std::vector<double>> out;

@@ -65,10 +65,11 @@ struct Plan {
   PlanError error_with_delays;    ///< the board as it runs: every clock, hold and half cycle
   double max_input_v = 0.0;  ///< input (sine of any frequency, or step) at which a node reaches full scale
   double max_step_v = 0.0;   ///< the same for a step alone
-  std::optional<ImageLine> image;        ///< the largest line below 100 kHz that is not the signal
-  std::string topology;                  ///< "parallel", "cascade", "cascade and parallel", "chain"
-  std::vector<std::string> assumptions;  ///< what is not publicly known and was assumed
-  std::vector<std::string> notes;        ///< decisions a person should know
+  std::optional<ImageLine> image;          ///< the largest line below 100 kHz that is not the signal
+  std::optional<ImageLine> image_in_band;  ///< the largest that lies within the band
+  std::string topology;                    ///< "parallel", "cascade", "cascade and parallel", "chain"
+  std::vector<std::string> assumptions;    ///< what is not publicly known and was assumed
+  std::vector<std::string> notes;          ///< decisions a person should know
 
   std::vector<const PlacedCam*> cams() const;
   /// Every pin and CAM of the constant path: "chip1.in1", "chip1.Section1a", ..., "chipN.outM".

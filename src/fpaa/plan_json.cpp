@@ -17,6 +17,18 @@ Json error_json(const PlanError& error) {
           {"worst_hz", error.worst.value}};
 }
 
+Json image_json(const ImageLine& image) {
+  return {
+      {"signal_hz", image.signal.value}, {"line_hz", image.line.value}, {"magnitude_db", image.magnitude_db}};
+}
+
+std::optional<ImageLine> image_from(const Node& node, const char* key) {
+  if (!node.has(key)) return std::nullopt;
+  const Node image = node.at(key);
+  return ImageLine{
+      {image.at("signal_hz").number()}, {image.at("line_hz").number()}, image.at("magnitude_db").number()};
+}
+
 PlanError error_from(const Node& node) {
   PlanError out;
   const std::vector<double> band = node.at("band_hz").numbers();
@@ -244,11 +256,8 @@ Json Plan::to_json() const {
   out["error_with_delays"] = error_json(error_with_delays);
   out["largest_input_v"] = max_input_v;
   out["largest_step_v"] = max_step_v;
-  if (image) {
-    out["largest_image"] = {{"signal_hz", image->signal.value},
-                            {"line_hz", image->line.value},
-                            {"magnitude_db", image->magnitude_db}};
-  }
+  if (image) out["largest_image"] = image_json(*image);
+  if (image_in_band) out["largest_image_in_band"] = image_json(*image_in_band);
   if (!topology.empty()) out["topology"] = topology;
   out["assumptions"] = assumptions;
   out["notes"] = notes;
@@ -271,11 +280,8 @@ Plan Plan::from_node(const Node& node) {
   if (node.has("error_with_delays")) out.error_with_delays = error_from(node.at("error_with_delays"));
   out.max_input_v = node.number_or("largest_input_v", 0.0);
   out.max_step_v = node.number_or("largest_step_v", 0.0);
-  if (node.has("largest_image")) {
-    const Node image = node.at("largest_image");
-    out.image = ImageLine{
-        {image.at("signal_hz").number()}, {image.at("line_hz").number()}, image.at("magnitude_db").number()};
-  }
+  out.image = image_from(node, "largest_image");
+  out.image_in_band = image_from(node, "largest_image_in_band");
   out.topology = node.string_or("topology", "");
   out.assumptions = lines_from(node, "assumptions");
   out.notes = lines_from(node, "notes");

@@ -5,6 +5,8 @@
 #include <complex>
 #include <numbers>
 
+#include "fpaa/cams/cam.hpp"
+#include "fpaa/clock_features.hpp"
 #include "fpaa/drawn_board.hpp"
 
 namespace bodesmith::fpaa {
@@ -72,7 +74,19 @@ Headroom headroom_of(const Plan& plan, Band band, const Board& board) {
   constexpr int kPoints = 360;
   const Band wide{{0.01 * band.from.value}, {0.45 * fastest_clock(plan)}};
   const DrawnBoard drawn(plan, log_grid(wide, kPoints));
-  const auto nodes = drawn.nodes(drawn.transfers(drawn.nominal_units()));
+  const DrawnBoard::Transfers transfers = drawn.transfers(drawn.nominal_units());
+  auto nodes = drawn.nodes(transfers);
+  for (std::size_t n = 0; n < transfers.size(); ++n) {
+    const PlacedCam& cam = *drawn.graph().nodes[n].cam;
+    for (const DeltaTransfer& inner : cam.cam->inner_nodes(cam)) {
+      // The CAM as if its inner op-amp were its output.
+      DrawnBoard::Transfers seen = transfers;
+      for (std::size_t k = 0; k < drawn.grid().size(); ++k) {
+        seen[n][0][k] = inner.response(drawn.grid()[k].rad_s(), cam.clock_a);
+      }
+      nodes.push_back(drawn.nodes(seen)[n]);
+    }
+  }
   double sine = 1.0;
   double step = 1.0;
   for (const std::vector<Complex>& node : nodes) {
@@ -82,19 +96,25 @@ Headroom headroom_of(const Plan& plan, Band band, const Board& board) {
   return {board.full_scale_v / sine, board.full_scale_v / step};
 }
 
-std::optional<ImageLine> largest_image(const Plan& plan, Band band) {
+ImageLines largest_images(const Plan& plan, Band band) {
   constexpr int kSignals = 9;
   constexpr int kMultiples = 12;
-  std::optional<ImageLine> out;
-  for (const Hertz f : log_grid(band, kSignals)) {
+  constexpr int kBeatMultiples = 3;
+  constexpr double kBesideClock[] = {-0.3, 0.3};
+  ImageLines out;
+  std::vector<Hertz> signals = log_grid(band, kSignals);
+  for (const Hertz f : near_clocks(clocked_poles(plan), band, kBesideClock, kBeatMultiples)) {
+    signals.push_back(f);
+  }
+  const PlanGraph graph = value_or_throw(plan_graph(plan));
+  for (const Hertz f : signals) {
     std::vector<Hertz> grid{f};
     std::vector<std::size_t> owner{0};
-    const PlanGraph graph = value_or_throw(plan_graph(plan));
     for (std::size_t n = 0; n < graph.nodes.size(); ++n) {
       if (!graph.nodes[n].cam->output_hold) continue;
       const double clock = graph.nodes[n].cam->clock_a.value;
       for (int k = 1; k <= kMultiples; ++k) {
-        for (const double line : {k * clock - f.value, k * clock + f.value}) {
+        for (const double line : {std::abs(k * clock - f.value), k * clock + f.value}) {
           if (!(line > 0.0) || line >= kImagesBelowHz) continue;
           grid.push_back({line});
           owner.push_back(n);
@@ -110,8 +130,11 @@ std::optional<ImageLine> largest_image(const Plan& plan, Band band) {
     if (!(signal > 0.0)) continue;
     for (std::size_t i = 1; i < grid.size(); ++i) {
       const double size = std::abs(nodes[owner[i]][0] * onward[owner[i]][i]) / signal;
-      const double db = to_decibel(std::max(size, 1e-15));
-      if (!out || db > out->magnitude_db) out = ImageLine{f, grid[i], db};
+      const ImageLine line{f, grid[i], to_decibel(std::max(size, 1e-15))};
+      const bool within = line.line >= band.from && line.line <= band.to;
+      for (std::optional<ImageLine>* most : {&out.largest, within ? &out.in_band : nullptr}) {
+        if (most != nullptr && (!*most || line.magnitude_db > (*most)->magnitude_db)) *most = line;
+      }
     }
   }
   return out;

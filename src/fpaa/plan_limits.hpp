@@ -6,20 +6,25 @@
 
 namespace bodesmith::fpaa {
 
-/// Inputs at which the first node of the board reaches full scale.
+/// Inputs at which the first node of the board, op-amps inside a CAM among them, reaches full scale.
 struct Headroom {
   double sine_v = 0.0;  ///< amplitude, any frequency up to half the fastest clock
   double step_v = 0.0;  ///< height
 };
 
-/// The peak of every node, from the input pin to each CAM's output: over frequency, and of its step response,
+/// The peak of every node, from the input pin to each CAM's output and to the op-amps inside a CAM: over frequency, and of its step response,
 ///   y(t) = 2/pi int_0^oo Re H(jw) sin(w t)/w dw,
 /// by sine integrals between the points of a logarithmic grid (held outputs smoothed by their holds; within a
 /// few percent).
 Headroom headroom_of(const Plan& plan, Band band, const Board& board);
 
-/// The largest line below 100 kHz at the output pin that is not the signal, over sines of the band: k fc +- f of
-/// every CAM whose held output leaves its clock, against the signal at the output. Nothing when none lies there.
-std::optional<ImageLine> largest_image(const Plan& plan, Band band);
+/// Lines at the output pin that are not the signal, over sines of the band: k fc +- f of every CAM whose held
+/// output leaves its clock, against the signal at the output. Sines beside a clock within the band are among
+/// them: what a slow path samples there comes out as a slow beat, whose line may be larger than the signal.
+struct ImageLines {
+  std::optional<ImageLine> largest;  ///< below 100 kHz; nothing when none lies there
+  std::optional<ImageLine> in_band;  ///< within the band
+};
+ImageLines largest_images(const Plan& plan, Band band);
 
 }  // namespace bodesmith::fpaa

@@ -5,7 +5,11 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
+#include "fpaa/clock_features.hpp"
+#include "fpaa/error_budget.hpp"
+#include "fpaa/error_reference.hpp"
 #include "fpaa/network_cascade.hpp"
 #include "fpaa/network_parallel.hpp"
 #include "fpaa/network_plan.hpp"
@@ -35,10 +39,16 @@ constexpr std::size_t kRefinedExact = 2;
 constexpr int kPolishRounds = 40;
 constexpr int kSearchThreads = 2;
 constexpr double kNearPoles = 1.15;
+/// A response that falls below this share of its peak towards low frequencies has a high pass first.
+constexpr double kFallen = 0.1;
+/// Clock over the high pass's pole (in rad/s): within one capacitor ratio.
+constexpr double kHighPassReach = 225.0;
 constexpr double kPairReach = 6.0;
 constexpr std::size_t kManyPaths = 6;
 /// A band that goes up to this share of the sums' clock is worth a lead in every path.
 constexpr double kWorthLeading = 3e-4;
+/// A sine beside a clock within the band comes back as a slow beat: worth this share of the error.
+constexpr double kBeatCost = 1.0;
 /// And each further chip this.
 constexpr double kChipCost = 0.15;
 
@@ -48,7 +58,12 @@ struct TopologyCandidate {
   double exact_error = 0.0;
   NetworkScore score;
   std::string topology;
-  double rank() const { return score.total * (1.0 + kOpampCost * network.opamps()); }
+  bool beats = false;     ///< some path samples at a clock within twice the band
+  double clipping = 1.0;  ///< clipping_of()
+  double rank() const {
+    return score.total * (1.0 + kOpampCost * network.opamps()) * (beats ? 1.0 + kBeatCost : 1.0) *
+           clipping_cost(clipping);
+  }
 };
 
 /// A closer grid, and points beside the multiples of slow clocks: held outputs have narrow features there.
@@ -61,7 +76,7 @@ NetworkTarget seen_closer(NetworkTarget target, const Network& network, const Se
     target.grid.push_back(f.rad_s());
     target.wanted.push_back(wanted);
     target.weight.push_back(1.0);
-    target.reciprocal.push_back(1.0 / std::max(std::abs(wanted), soft));
+    target.reciprocal.push_back(1.0 / std::max(error_reference(sections, f.rad_s()), soft));
   };
   for (const Hertz f : log_grid(band, kCloser)) add(f);
   for (const NetworkStage& stage : network.stages) {
@@ -70,7 +85,32 @@ NetworkTarget seen_closer(NetworkTarget target, const Network& network, const Se
       if (f >= band.from && f <= band.to) add(f);
     }
   }
+  constexpr double kBeside[] = {-10.0, -3.0, -1.0, -0.5, -0.2, 0.2, 0.5, 1.0, 3.0, 10.0};
+  for (const Hertz f : near_clocks(clocked_poles(network, target.master_hz), band, kBeside, 20)) add(f);
   return target;
+}
+
+/// Some points beside the clocks within the band, for the fit.
+NetworkTarget with_clocks_seen(NetworkTarget target, const std::vector<ClockedPole>& poles,
+                               const Sections& sections) {
+  constexpr double kBeside[] = {-3.0, -0.6, 0.2, 0.6, 3.0};
+  constexpr int kMultiples = 4;
+  const double soft = 1.0 / *std::max_element(target.reciprocal.begin(), target.reciprocal.end());
+  for (const Hertz f : near_clocks(poles, target.band, kBeside, kMultiples)) {
+    target.grid.push_back(f.rad_s());
+    target.wanted.push_back(sections.response(f.rad_s()));
+    target.weight.push_back(1.0);
+    target.reciprocal.push_back(1.0 / std::max(error_reference(sections, f.rad_s()), soft));
+  }
+  return target;
+}
+
+std::vector<ClockedPole> clocked_poles(const std::vector<ParallelPath>& paths, double master_hz) {
+  std::vector<ClockedPole> out;
+  for (const ParallelPath& path : paths) {
+    out.push_back({{master_hz / static_cast<double>(path.divisor)}, path.pole / (2.0 * std::numbers::pi)});
+  }
+  return out;
 }
 
 /// Collects candidates; each is fitted, rounded and polished.
@@ -98,7 +138,10 @@ class TopologySearch {
       for (const double over : {16.0, 40.0, 100.0, 250.0}) try_cascade(divisor_for(over * band_.to.value));
     }
     if (options_.topology == Topology::automatic) {
-      for (const std::int64_t divisor : sum_divisors()) try_mixed(divisor);
+      for (const std::int64_t divisor : mixed_divisors()) {
+        try_mixed(divisor);
+      }
+      try_high_passed();
     }
     std::stable_sort(
         found_.begin(), found_.end(),
@@ -123,6 +166,16 @@ class TopologySearch {
     };
     std::vector<std::int64_t> out{even(8000.0)};
     if (even(200.0) == 4 && band_.to.value > 4e4) out.push_back(2);
+    return out;
+  }
+
+  /// Of a cascade in front of slow paths: as fast as the sums, and slower, where more poles are within reach.
+  std::vector<std::int64_t> mixed_divisors() const {
+    std::vector<std::int64_t> out = sum_divisors();
+    for (const double over : {400.0, 100.0, 40.0}) {
+      const auto divisor = std::clamp<std::int64_t>(divisor_for(over * band_.to.value), 4, 510);
+      if (divisor >= 2 * out.back()) out.push_back(divisor);
+    }
     return out;
   }
 
@@ -159,7 +212,7 @@ class TopologySearch {
   void keep(Network network, const NetworkResponse& response, const char* topology) {
     // Whole capacitors will not make it better than this.
     const double exact_error = largest_error(response.errors(network));
-    if (exact_error > least_rank_) return;
+    if (exact_error > least_rank_ || is_tried(network)) return;
     TopologyCandidate out{network, std::move(network), exact_error, {}, topology};
     if (!round_network(out.network, response)) return;
     polish_network(out.network, response, options_.assumptions.mismatch, 0.0, 4);
@@ -167,8 +220,33 @@ class TopologySearch {
     out.score =
         network_score(out.network, NetworkResponse(closer), options_.assumptions.mismatch, kMismatchShare);
     if (!std::isfinite(out.score.total)) return;
+    out.beats =
+        std::any_of(out.network.stages.begin(), out.network.stages.end(), [&](const NetworkStage& stage) {
+          return board_.master_clock.value < 2.0 * band_.to.value * static_cast<double>(stage.divisor);
+        });
+    out.clipping = clipping_of(out.network, response);
     least_rank_ = std::min(least_rank_, out.rank());
     found_.push_back(std::move(out));
+  }
+
+  /// Sizes of capacitors that no path uses make the same network again.
+  bool is_tried(const Network& network) {
+    const auto same = [&](const Network& other) {
+      constexpr double kSame = 1e-4;
+      if (other.stages.size() != network.stages.size()) return false;
+      for (std::size_t s = 0; s < network.stages.size(); ++s) {
+        const NetworkStage& a = network.stages[s];
+        const NetworkStage& b = other.stages[s];
+        if (a.kind != b.kind || a.divisor != b.divisor || a.from != b.from) return false;
+        for (std::size_t c = 0; c < a.c.size(); ++c) {
+          if (std::abs(a.c[c] - b.c[c]) > kSame * std::max(1.0, a.c[c])) return false;
+        }
+      }
+      return true;
+    };
+    if (std::any_of(tried_.begin(), tried_.end(), same)) return true;
+    tried_.push_back(network);
+    return false;
   }
 
   /// Of the networks fitted, those worth rounding: the best, and a smaller one that is hardly worse.
@@ -198,8 +276,7 @@ class TopologySearch {
   void try_parallel(std::int64_t divisor, const NetworkRoots& before_roots,
                     const std::vector<ParallelPath>& all, const char* topology, bool gained = false) {
     if (all.empty()) return;
-    const NetworkTarget target =
-        network_target(sections_, band_, board_.master_clock.value / static_cast<double>(divisor), board_);
+    const NetworkTarget target = target_at(divisor);
     const NetworkResponse response(target);
     Network before;
     if (!before_roots.poles.empty()) {
@@ -209,6 +286,17 @@ class TopologySearch {
     } else if (gained) {
       before.stages.push_back(first_gain(target, divisor));
     }
+    search_paths(divisor, before, response, all, topology);
+  }
+
+  NetworkTarget target_at(std::int64_t divisor) const {
+    return network_target(sections_, band_, board_.master_clock.value / static_cast<double>(divisor), board_);
+  }
+
+  /// Numbers of paths behind `before`, and sizes of their capacitors.
+  void search_paths(std::int64_t divisor, const Network& before, const NetworkResponse& response,
+                    const std::vector<ParallelPath>& all, const char* topology) {
+    const NetworkTarget& target = response.target();
     ParallelOptions options;
     options.sum_divisor = divisor;
     options.cout = 4;
@@ -216,11 +304,16 @@ class TopologySearch {
     if (options_.lowest_clock) options.lowest_clock_hz = options_.lowest_clock->value;
     std::vector<ParallelPath> paths = with_clocks(all, target, options);
     std::vector<Fitted> fitted;
-    for (int round = 0; round < 2; ++round) {
-      const auto lists = fewer_paths(paths, before, response, options);
-      for (Fitted& fit : fitted_lists(lists, before, response, options)) fitted.push_back(std::move(fit));
-      // A second time with two ratios where one ratio's clock is too slow.
-      if (!quicken_paths(paths, before, response, options)) break;
+    // Then with two ratios where one ratio's clock is too slow, the faster the more its first op-amp swings.
+    for (const double clock_over : {12.0, 40.0, 0.0}) {
+      const NetworkTarget seen = with_clocks_seen(target, clocked_poles(paths, target.master_hz), sections_);
+      const NetworkResponse at_clocks(seen);
+      const auto lists = fewer_paths(paths, before, at_clocks, options);
+      for (Fitted& fit : fitted_lists(lists, before, at_clocks, options)) fitted.push_back(std::move(fit));
+      if (clock_over == 0.0) break;
+      paths = all;
+      paths = with_clocks(paths, target, options);
+      if (!quicken_paths(paths, before, at_clocks, options, clock_over)) break;
       paths = with_clocks(paths, target, options);
     }
     for (const Fitted& fit : fitted) {
@@ -228,10 +321,13 @@ class TopologySearch {
         // A long sum is slow to search: the sizes between will do.
         if (cout > 9 && fit.paths.size() > kManyPaths) continue;
         options.cout = cout;
-        Network network =
-            parallel_network(with_clocks(fit.paths, target, options), before, response, options);
-        fit_network(network, response, 25, 3);
-        keep(std::move(network), response, topology);
+        const std::vector<ParallelPath> clocked = with_clocks(fit.paths, target, options);
+        const NetworkTarget seen =
+            with_clocks_seen(target, clocked_poles(clocked, target.master_hz), sections_);
+        const NetworkResponse at_clocks(seen);
+        Network network = parallel_network(clocked, before, at_clocks, options);
+        fit_network(network, at_clocks, 25, 3);
+        keep(std::move(network), at_clocks, topology);
       }
     }
   }
@@ -307,31 +403,113 @@ class TopologySearch {
   void try_mixed(std::int64_t divisor) {
     NetworkTarget clocks;
     clocks.master_hz = board_.master_clock.value;
-    const double lowest = lowest_one_ratio_corner(divisor, clocks);
+    const SplitRoots split = split_roots(lowest_one_ratio_corner(divisor, clocks));
+    if (split.slow.empty() || split.fast.poles.empty() || split.taken == 0) return;
+    try_parallel(divisor, split.fast, paths_of(split.slow, false), "cascade and parallel");
+  }
+
+  /// Where the response falls towards low frequencies, slow paths taken from a constant leave the small
+  /// difference of large numbers. Instead a high pass with its zero at 0 exactly (one ratio at the fast clock)
+  /// goes first, so that everything behind it is small there too; what the sections have left at DC enters by
+  /// paths ahead of the high pass, with small weights:
+  ///   N/prod(s + p_i) = s/(s + p_j) (c + sum r_i p_i/(s + p_i)) + sum q_i p_i/(s + p_i)
+  void try_high_passed() {
+    const std::optional<double> pole = high_pass_pole();
+    if (!pole) return;
+    const double total = board_.master_clock.value / (kHighPassReach * *pole);
+    const std::int64_t divisor =
+        std::max<std::int64_t>(4, 2 * static_cast<std::int64_t>(std::ceil(0.5 * total)));
+    const NetworkTarget target = target_at(divisor);
+    const NetworkResponse response(target);
+    double peak = 0.0;
+    for (std::size_t k = 0; k < target.grid.size(); ++k) {
+      if (target.weight[k] >= 1.0) peak = std::max(peak, std::abs(target.wanted[k]));
+    }
+    if (std::abs(target.wanted.front()) > kFallen * peak) return;
+    SplitRoots split = split_roots(0.999 * *pole);
+    const auto is_pole = [&](Complex p) { return p.imag() == 0.0 && -p.real() == *pole; };
+    const auto at = std::find_if(split.fast.poles.begin(), split.fast.poles.end(), is_pole);
+    if (at == split.fast.poles.end() || split.slow.empty()) return;
+    split.fast.poles.erase(at);
+    // With it the paths make one more zero.
+    take_lowest_zeros(split.fast.zeros, split.taken, split.slow.size() + 1);
+    Network before;
+    if (!split.fast.poles.empty()) {
+      auto cascade = cascade_network(split.fast, response, {.divisor = divisor, .leads = 0});
+      if (!cascade) return;
+      before = *std::move(cascade);
+    }
+    before.stages.push_back(
+        high_pass_stage(target, divisor, *pole, static_cast<int>(before.stages.size()) - 1));
+    for (const bool pair_near : {false, true}) {
+      std::vector<ParallelPath> paths = paths_of(split.slow, pair_near);
+      const std::size_t own = paths.size();
+      if (pair_near && own == split.slow.size()) break;
+      for (std::size_t i = 0; i < own; ++i) {
+        paths.push_back(paths[i]);
+        paths.back().ahead = true;
+      }
+      search_paths(divisor, before, response, paths, "high pass and parallel");
+    }
+  }
+
+  /// The lowest real pole that one ratio reaches at a clock that is fast enough for the band, rad/s.
+  std::optional<double> high_pass_pole() const {
+    constexpr double kClockOverBand = 20.0;
+    std::optional<double> out;
+    for (const Complex& pole : roots_.poles) {
+      if (pole.imag() != 0.0 || kHighPassReach * -pole.real() < kClockOverBand * band_.to.value) continue;
+      if (!out || -pole.real() < *out) out = -pole.real();
+    }
+    return out;
+  }
+
+  static NetworkStage high_pass_stage(const NetworkTarget& target, std::int64_t divisor, double pole,
+                                      int from) {
+    const double ratio = target.master_hz / static_cast<double>(divisor) / pole;  // aCout/Cout
+    NetworkStage out;
+    out.name = "HighPass0";
+    out.divisor = divisor;
+    out.from = {from};
+    const double cout = std::max(1.0, 200.0 / ratio);
+    out.c = {0.0, ratio * cout, cout, ratio * cout};
+    out.free = {0, 1, 0, 1};
+    return out;
+  }
+
+  /// Poles below a corner, with as many of the lowest zeros, and the rest.
+  struct SplitRoots {
     NetworkRoots fast;
     std::vector<Complex> slow;
+    std::size_t taken = 0;  ///< zeros
+  };
+  SplitRoots split_roots(double lowest) const {
+    SplitRoots out;
     // A complex pair takes more of the capacitors' range.
     for (const Complex& pole : roots_.poles) {
       const double reach = pole.imag() != 0.0 ? kPairReach * lowest : lowest;
-      (std::abs(pole) < reach ? slow : fast.poles).push_back(pole);
+      (std::abs(pole) < reach ? out.slow : out.fast.poles).push_back(pole);
     }
-    if (slow.empty() || fast.poles.empty()) return;
-    fast.zeros = roots_.zeros;
-    std::sort(fast.zeros.begin(), fast.zeros.end(),
+    out.fast.zeros = roots_.zeros;
+    std::sort(out.fast.zeros.begin(), out.fast.zeros.end(),
               [](Complex a, Complex b) { return std::abs(a) < std::abs(b); });
-    std::size_t taken = 0;
-    for (std::size_t i = 0; i < fast.zeros.size() && taken < slow.size();) {
-      const std::size_t size = fast.zeros[i].imag() == 0.0 ? 1 : 2;
-      if (taken + size > slow.size()) {
+    out.taken = take_lowest_zeros(out.fast.zeros, 0, out.slow.size());
+    return out;
+  }
+
+  /// Takes the lowest zeros out until `most` are taken (`taken` are already); pairs stay together.
+  static std::size_t take_lowest_zeros(std::vector<Complex>& zeros, std::size_t taken, std::size_t most) {
+    for (std::size_t i = 0; i < zeros.size() && taken < most;) {
+      const std::size_t size = zeros[i].imag() == 0.0 ? 1 : 2;
+      if (taken + size > most) {
         i += size;
         continue;
       }
-      const auto from = fast.zeros.begin() + static_cast<std::ptrdiff_t>(i);
-      fast.zeros.erase(from, from + static_cast<std::ptrdiff_t>(size));
+      const auto from = zeros.begin() + static_cast<std::ptrdiff_t>(i);
+      zeros.erase(from, from + static_cast<std::ptrdiff_t>(size));
       taken += size;
     }
-    if (taken == 0) return;
-    try_parallel(divisor, fast, paths_of(slow, false), "cascade and parallel");
+    return taken;
   }
 
   const Sections& sections_;
@@ -340,6 +518,7 @@ class TopologySearch {
   const Board& board_;
   NetworkRoots roots_;
   std::vector<TopologyCandidate> found_;
+  std::vector<Network> tried_;
   double least_rank_ = std::numeric_limits<double>::infinity();
   std::int64_t tried_cascade_ = 0;
 };
@@ -365,9 +544,17 @@ std::vector<TopologyCandidate> worth_refining(std::vector<TopologyCandidate> fou
   return out;
 }
 
-/// The one with the smallest rank, a further chip counted, among those that fit on the board; null: none does.
-TopologyCandidate* best_on_board(std::vector<TopologyCandidate>& found, const Board& board,
-                                 std::optional<Refusal>& why_not) {
+/// kT/C noise in the band as a share of a full-scale sine, times its weight.
+double noise_share(const Plan& plan, Band band, const NoiseModel& noise, const Board& board) {
+  if (!(noise.weight > 0.0)) return 0.0;
+  const double rms = 1e-6 * noise.microvolts(noise_in_band_kt_per_cu(plan, band));
+  return noise.weight * rms * std::numbers::sqrt2 / board.full_scale_v;
+}
+
+/// The one with the smallest rank, noise and further chips counted, among those that fit on the board; null: none
+/// does.
+TopologyCandidate* best_on_board(std::vector<TopologyCandidate>& found, Band band, const NoiseModel& noise,
+                                 const Board& board, std::optional<Refusal>& why_not) {
   TopologyCandidate* best = nullptr;
   double least = std::numeric_limits<double>::infinity();
   for (TopologyCandidate& candidate : found) {
@@ -377,8 +564,10 @@ TopologyCandidate* best_on_board(std::vector<TopologyCandidate>& found, const Bo
       if (!why_not) why_not = *refusal;
       continue;
     }
-    const double chips = static_cast<double>(std::get<Plan>(plan).chips.size());
-    const double rank = candidate.rank() * (1.0 + kChipCost * (chips - 1.0));
+    const Plan& placed = std::get<Plan>(plan);
+    const double chips = static_cast<double>(placed.chips.size());
+    const double rank =
+        (candidate.rank() + noise_share(placed, band, noise, board)) * (1.0 + kChipCost * (chips - 1.0));
     if (rank >= least) continue;
     least = rank;
     best = &candidate;
@@ -391,8 +580,9 @@ TopologyCandidate* best_on_board(std::vector<TopologyCandidate>& found, const Bo
 void refine(TopologyCandidate& candidate, const Sections& sections, Band band, const PlanOptions& options,
             const Board& board) {
   const std::int64_t divisor = candidate.exact.stages.back().divisor;
-  const NetworkTarget target =
-      network_target(sections, band, board.master_clock.value / static_cast<double>(divisor), board);
+  const NetworkTarget target = with_clocks_seen(
+      network_target(sections, band, board.master_clock.value / static_cast<double>(divisor), board),
+      clocked_poles(candidate.exact, board.master_clock.value), sections);
   const NetworkResponse response(target);
   const MismatchModel& mismatch = options.assumptions.mismatch;
   std::vector<Network> tries{candidate.network};
@@ -404,6 +594,7 @@ void refine(TopologyCandidate& candidate, const Sections& sections, Band band, c
     const NetworkTarget closer = seen_closer(target, network, sections);
     const NetworkScore score = network_score(network, NetworkResponse(closer), mismatch, kMismatchShare);
     if (!(score.total < candidate.score.total)) continue;
+    candidate.clipping = clipping_of(network, response);
     candidate.network = std::move(network);
     candidate.score = score;
   }
@@ -434,7 +625,9 @@ NetworkTarget network_target(const Sections& sections, Band band, double fast_cl
   }
   double peak = 0.0;
   for (const Complex& h : out.wanted) peak = std::max(peak, std::abs(h));
-  for (const Complex& h : out.wanted) out.reciprocal.push_back(1.0 / std::max(std::abs(h), kSoftZero * peak));
+  for (const RadPerSecond w : out.grid) {
+    out.reciprocal.push_back(1.0 / std::max(error_reference(sections, w), kSoftZero * peak));
+  }
   return out;
 }
 
@@ -443,14 +636,14 @@ Outcome<SearchedNetwork> search_topology(const Sections& sections, Band band, co
   std::vector<TopologyCandidate> found = TopologySearch(sections, band, options, board).run();
   if (found.empty()) return Refusal{"no topology makes these sections with the board's capacitors"};
   std::optional<Refusal> why_not;
-  TopologyCandidate* best = best_on_board(found, board, why_not);
+  TopologyCandidate* best = best_on_board(found, band, options.assumptions.noise, board, why_not);
   if (best == nullptr) return *why_not;
   std::vector<TopologyCandidate> chosen;
   if (best->score.in_band > kGoodEnough) {
     chosen = worth_refining(found, board);
     parallel_for(chosen.size(), kSearchThreads,
                  [&](std::size_t i) { refine(chosen[i], sections, band, options, board); });
-    best = best_on_board(chosen, board, why_not);
+    best = best_on_board(chosen, band, options.assumptions.noise, board, why_not);
     if (best == nullptr) return *why_not;
   } else {
     const std::int64_t divisor = best->network.stages.back().divisor;

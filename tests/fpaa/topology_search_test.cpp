@@ -162,6 +162,40 @@ TEST(TopologySearch, NotchIsDeep) {
   EXPECT_LT(least, 2e-3);
 }
 
+/// The order-4 fit of examples/a_weighting: complex zeros at 17.6 Hz, 50 dB below what passes at 1 kHz.
+Sections a_weighting() {
+  const Root low(-29.513282513100787, 106.38226138522134);
+  const Root high(-137857.52475538204, 127288.53231465221);
+  const Root pole(-62041.95163091147, 30070.070324004242);
+  Sections out;
+  out.gain = 0.16605;
+  out.sections = {{1.0, {low, std::conj(low)}, {-742.7033830263196, -4399.1652409418275}},
+                  {1.0, {high, std::conj(high)}, {pole, std::conj(pole)}}};
+  return out;
+}
+
+TEST(TopologySearch, SlowZerosUnderAFastClock) {
+  const Sections sections = a_weighting();
+  const Plan plan = plan_of(sections);
+  expect_buildable(plan);
+  EXPECT_LE(running_error(plan, sections, {{17.6}, {29900.0}}), 1.0);
+  EXPECT_NEAR(plan.error_with_delays.max_complex_percent, running_error(plan, sections, {{17.57}, {29863.0}}),
+              0.1);
+}
+
+TEST(TopologySearch, RefusalSaysWhatWasTried) {
+  Sections sections;
+  // A resonance of Q 3000 at 60 kHz: below what whole capacitors resolve.
+  const double w = 2.0 * M_PI * 6e4;
+  for (int i = 0; i < 3; ++i) {
+    sections.sections.push_back({w / 3000.0, {0.0}, {{-w / 6000.0, w}, {-w / 6000.0, -w}}});
+  }
+  const auto made = make_plan(sections, {});
+  const Refusal* refusal = refusal_of(made);
+  ASSERT_NE(refusal, nullptr);
+  EXPECT_THAT(refusal->reason, ::testing::HasSubstr("tried"));
+}
+
 TEST(TopologySearch, SixteenPoles) {
   Sections sections;
   for (int i = 0; i < 16; ++i) {

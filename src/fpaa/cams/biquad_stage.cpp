@@ -22,6 +22,17 @@ DeltaTransfer BiquadStageCapacitors::transfer() const {
   return h;
 }
 
+DeltaTransfer BiquadStageCapacitors::first_opamp() const {
+  DeltaTransfer h = transfer();
+  const double in = c1_inverting ? c1 : -c1;
+  if (high_q) {
+    h.numerator = {0.0, -(in * cb - c2 * cpp), -(cp * cb - c4 * cpp)};
+  } else {
+    h.numerator = {-(in * c4 - c2 * cp), -(in * cb - c2 * cpp)};
+  }
+  return h;
+}
+
 std::string biquad_stage_option(bool high_q, bool c1_inverting) {
   return fmt::format("{}{}", high_q ? "High Q" : "Low Q", c1_inverting ? "" : ", C1 non-inverting");
 }
@@ -71,6 +82,10 @@ class BiquadStage : public Cam {
     const BiquadStageCapacitors c = biquad_stage_of(cam, CapacitorUnits(cam.capacitors));
     const double second = c.c3 + (c.high_q ? 0.0 : c.c4 + c.cp);
     return {{c.c1 + c.c2, {{0.0, c.c3}, cam.z.denominator}}, {second, {{c.ca, -c.ca}, cam.z.denominator}}};
+  }
+
+  std::vector<DeltaTransfer> inner_nodes(const PlacedCam& cam) const override {
+    return {biquad_stage_of(cam, CapacitorUnits(cam.capacitors)).first_opamp()};
   }
 
   /// In the vendor's order for its band pass; what is not there takes no capacitor.

@@ -29,6 +29,10 @@ struct BiquadStageCapacitors {
   double c2 = 1.0, c3 = 1.0, c4 = 1.0, ca = 1.0, cb = 1.0;
 
   DeltaTransfer transfer() const;
+  /// From the input to the first op-amp, M the denominator above:
+  ///   low Q:   -(+-C1 (C4 + CB D) - C2 (Cp + Cpp D)) / M
+  ///   high Q:  -D ((+-C1 + Cp D) CB - (C2 + C4 D) Cpp) / M
+  DeltaTransfer first_opamp() const;
 };
 
 /// The words in PlacedCam::option, from which `transfer` takes the form: "Low Q", "Low Q, C1 non-inverting".

@@ -185,6 +185,8 @@ class Cam {
   /// sampling alone makes of it. (As it is realised, where that is not known.)
   virtual std::complex<double> unquantised(const PlacedCam& cam, RadPerSecond w) const;
   virtual std::vector<NoiseCharge> noise_charges(const PlacedCam& cam) const;
+  /// From input 1 to op-amps inside whose outputs are not the CAM's own: they clip as well.
+  virtual std::vector<DeltaTransfer> inner_nodes(const PlacedCam&) const { return {}; }
   /// The CAM at work (cam_step.hpp): what it makes at each edge. Linear by its z where its own file does not
   /// say otherwise.
   virtual std::unique_ptr<CamStep> step(const PlacedCam& cam) const;

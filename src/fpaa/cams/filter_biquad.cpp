@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "base/text.hpp"
+#include "fpaa/cams/biquad_stage.hpp"
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
@@ -229,6 +230,20 @@ class FilterBiquad : public Cam {
     const double first = c["C1"] + c["C2"];
     const double second = c["C3"] + (is_high_q(cam) ? 0.0 : c["C4"] + c["Cp"]);
     return {{first, {{0.0, c["C3"]}, cam.z.denominator}}, {second, {{c["CA"], -c["CA"]}, cam.z.denominator}}};
+  }
+
+  std::vector<DeltaTransfer> inner_nodes(const PlacedCam& cam) const override {
+    const CapacitorUnits c(cam.capacitors);
+    return {BiquadStageCapacitors{.high_q = is_high_q(cam),
+                                  .c1 = c["C1"],
+                                  .cp = c["Cp"],
+                                  .cpp = c["Cpp"],
+                                  .c2 = c["C2"],
+                                  .c3 = c["C3"],
+                                  .c4 = c["C4"],
+                                  .ca = c["CA"],
+                                  .cb = c["CB"]}
+                .first_opamp()};
   }
 
   /// CA and CB are two banks each.

@@ -103,19 +103,19 @@ double with_error(double units, double x, const MismatchModel& mismatch) {
   return units > 0.0 ? units * std::exp(x) + mismatch.systematic_units : 0.0;
 }
 
-double unit_variance(const MismatchModel& mismatch) {
+double variance_of_unit(const MismatchModel& mismatch) {
   return std::pow(mismatch.unit_percent / 100.0, 2);
 }
 
-ExchangedUnits exchanged(double from, int to, const TrimOptions& options) {
+ExchangedUnits exchange_of(double from, int to, const TrimOptions& options) {
   return exchanged_units(static_cast<int>(std::lround(from)), to, options.array,
-                         unit_variance(options.mismatch));
+                         variance_of_unit(options.mismatch));
 }
 
 /// What a capacitor of n units with the relative error x (ln) is expected to be with `to` units.
 double trimmed_capacitor(double n, double x, int to, const TrimOptions& options) {
   if (to == 0) return 0.0;
-  return to + n * std::expm1(x) * exchanged(n, to, options).kept + options.mismatch.systematic_units;
+  return to + n * std::expm1(x) * exchange_of(n, to, options).kept + options.mismatch.systematic_units;
 }
 
 std::vector<double> with_errors(const std::vector<double>& units, const MismatchModel& mismatch,
@@ -170,7 +170,7 @@ class TrimTrial {
       for (std::size_t c = 0; c < real.size(); ++c) {
         const double number = random.normal();
         if (units[c] == 0) continue;
-        const ExchangedUnits moved = exchanged(old[c], units[c], options_);
+        const ExchangedUnits moved = exchange_of(old[c], units[c], options_);
         real[c] = trimmed_capacitor(old[c], x[c], units[c], options_) + std::sqrt(moved.variance) * number;
       }
       const WorstError is = worst_error(board_.response(real), wanted_);
@@ -208,7 +208,7 @@ class TrimDesign {
       : board_(plan, grid), wanted_(wanted), estimate_(estimate), options_(options) {
     const std::vector<double>& built = board_.nominal_units();
     problem_.max_units = board_by_name(plan.board).max_capacitor;
-    problem_.unit_variance = unit_variance(options.mismatch);
+    problem_.unit_variance = variance_of_unit(options.mismatch);
     problem_.systematic_units = options.mismatch.systematic_units;
     problem_.array = options.array;
     problem_.steps = options.search_steps;
@@ -258,7 +258,7 @@ class TrimDesign {
       for (std::size_t c = 0; c < real.size(); ++c) {
         problem_.slope[c][k] *= ratio;
         if (problem_.units[c] == 0) continue;
-        variance += exchanged(built[c], problem_.units[c], options_).variance / (real[c] * real[c]) *
+        variance += exchange_of(built[c], problem_.units[c], options_).variance / (real[c] * real[c]) *
                     std::norm(problem_.slope[c][k]);
       }
       worst = std::max(worst, std::abs(ratio - 1.0) + kSigmas * std::sqrt(variance));

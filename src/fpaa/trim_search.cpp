@@ -32,13 +32,13 @@ constexpr double kLastTemperature = 0.004;
 constexpr double kLongestStep = 0.015;
 
 /// Where one capacitor may be: the logarithm of its change and the relative variance of its new units.
-struct Place {
+struct TrimPlace {
   double log_change = 0.0;
   double variance = 0.0;
 };
 
 /// Error and variance at every frequency for one set of capacitors.
-struct Prediction {
+struct TrimPrediction {
   std::vector<Complex> error;
   std::vector<double> variance;
 };
@@ -90,14 +90,14 @@ class TrimSearch {
         exchanged_units(problem_.built[c], units, problem_.array, problem_.unit_variance);
     return units + problem_.excess[c] * x.kept + problem_.systematic_units;
   }
-  Place place_of(std::size_t c, int units) const {
+  TrimPlace place_of(std::size_t c, int units) const {
     if (units <= 0) return {};
     const double size = capacitor(c, units);
     const ExchangedUnits x =
         exchanged_units(problem_.built[c], units, problem_.array, problem_.unit_variance);
     return {std::log(size / capacitor(c, problem_.units[c])), x.variance / (size * size)};
   }
-  const Place& place(std::size_t c, int units) const {
+  const TrimPlace& place(std::size_t c, int units) const {
     return places_[c][static_cast<std::size_t>(units - lowest_[c])];
   }
   bool is_place(std::size_t c, int units) const {
@@ -115,9 +115,9 @@ class TrimSearch {
     for (std::size_t c = 0; c < units.size(); ++c) move(c, units[c]);
   }
 
-  void add(std::size_t c, int to, Prediction& out) const {
-    const Place& was = place(c, units_[c]);
-    const Place& is = place(c, to);
+  void add(std::size_t c, int to, TrimPrediction& out) const {
+    const TrimPlace& was = place(c, units_[c]);
+    const TrimPlace& is = place(c, to);
     const double by = is.log_change - was.log_change;
     const double more = is.variance - was.variance;
     const std::vector<Complex>& slope = problem_.slope[c];
@@ -132,7 +132,7 @@ class TrimSearch {
     units_[c] = to;
   }
 
-  static double worst_cost(const Prediction& p) {
+  static double worst_cost(const TrimPrediction& p) {
     double worst = 0.0;
     double sum = 0.0;
     for (std::size_t k = 0; k < p.error.size(); ++k) {
@@ -143,7 +143,7 @@ class TrimSearch {
     return worst + 0.1 * std::sqrt(sum / static_cast<double>(p.error.size()));
   }
   /// The logarithm of the worst error's stand-in, an 8-norm.
-  static double smooth_cost(const Prediction& p) {
+  static double smooth_cost(const TrimPrediction& p) {
     double sum = 0.0;
     for (std::size_t k = 0; k < p.error.size(); ++k) {
       const double square = std::norm(p.error[k]) + kCounted * kCounted * std::max(0.0, p.variance[k]);
@@ -205,7 +205,7 @@ class TrimSearch {
     double cost = smooth_cost(now_);
     double best = cost;
     std::vector<int> best_units = units_;
-    Prediction trial;
+    TrimPrediction trial;
     const double cooling = std::pow(kLastTemperature / kFirstTemperature, 1.0 / std::max(1, problem_.steps));
     double temperature = kFirstTemperature;
     for (int step = 0; step < problem_.steps; ++step) {
@@ -251,7 +251,7 @@ class TrimSearch {
   double best_single(double now) {
     double best = now;
     std::pair<std::size_t, int> which{0, 0};
-    Prediction trial;
+    TrimPrediction trial;
     for (const std::size_t c : movable_) {
       for (int to = units_[c] - kReach; to <= units_[c] + kReach; ++to) {
         if (to == units_[c] || !is_place(c, to)) continue;
@@ -272,7 +272,7 @@ class TrimSearch {
     double best = now;
     std::pair<std::size_t, int> first{0, 0};
     std::pair<std::size_t, int> second{0, 0};
-    Prediction one, both;
+    TrimPrediction one, both;
     for (std::size_t i = 0; i < movable_.size(); ++i) {
       const std::size_t a = movable_[i];
       for (int to_a = units_[a] - kTrimPairReach; to_a <= units_[a] + kTrimPairReach; ++to_a) {
@@ -305,11 +305,11 @@ class TrimSearch {
   const TrimProblem& problem_;
   std::vector<int> units_;
   std::vector<int> lowest_;
-  std::vector<std::vector<Place>> places_;  ///< of each capacitor, from lowest_ on
+  std::vector<std::vector<TrimPlace>> places_;  ///< of each capacitor, from lowest_ on
   std::vector<std::vector<double>> slope_norm_;
   std::vector<std::size_t> movable_;
   Eigen::MatrixXd gram_;  ///< of the slopes, coarsest capacitor first, with the price of moves
-  Prediction now_;
+  TrimPrediction now_;
 };
 
 }  // namespace

@@ -98,7 +98,7 @@ void run(benchmark::State& state, const chain::Chain& base, TimeRecord (*make)(s
   gap::SearchOptions options;
   options.threads = 2;
   for (auto _ : state) {
-    const auto result = gap::search(base, study.train(), study.holdout(), options);
+    const auto result = gap::search(base, study.train(), options);
     state.counters["terms"] = static_cast<double>(result.steps.size());
     state.counters["left"] =
         gap::rms_of(result.final, study.holdout()) / gap::rms_of(result.base, study.holdout());

@@ -26,7 +26,7 @@ std::vector<std::filesystem::path> paths(const CommandLine& line, const char* op
   return out;
 }
 
-gap::SearchOptions read_options(const CommandLine& line, Progress& progress) {
+gap::SearchOptions read_options(const CommandLine& line, Progress& progress, const Stopwatch& watch) {
   gap::SearchOptions options;
   options.max_terms = line.get<int>("max-terms");
   if (options.max_terms < 0 || options.max_terms > 20) line.fail("--max-terms is outside 0 to 20");
@@ -35,6 +35,9 @@ gap::SearchOptions read_options(const CommandLine& line, Progress& progress) {
   options.seed = line.seed_value();
   options.progress = [&progress](double fraction) { progress.at(fraction); };
   options.stop = [] { return interrupted(); };
+  const double max_seconds = line.get<double>("max-seconds");
+  if (!(max_seconds > 0.0)) line.fail("--max-seconds is not above 0");
+  options.late = [&watch, max_seconds] { return watch.seconds() > max_seconds; };
   return options;
 }
 
@@ -74,6 +77,7 @@ Json write_results(const gap::Diagnosis& diagnosis, const gap::Study& study, con
   files.add("base_refitted.toml", chain::model_text(diagnosis.search.base.chain(),
                                                     "The base model with its free parameters refitted."));
   files.add("report.html", gap::report_page(diagnosis, study));
+  if (diagnosis.next_experiment) files.add("experiment.csv", gap::to_csv(*diagnosis.next_experiment));
   files.commit();
   return json;
 }
@@ -86,13 +90,17 @@ int run_diagnose(const std::vector<std::string>& arguments) {
       "Names what a model is missing: where it disagrees with measured records, which effect explains it, "
       "and how far the gap shrinks on records that were not fitted.");
   line.positional("MODEL.toml", 1, 1);
-  line.output("folder for diagnosis.json, model.toml, base_refitted.toml and report.html");
+  line.output(
+      "folder for diagnosis.json, model.toml, base_refitted.toml, report.html and, after a tie or with an open "
+      "parameter, experiment.csv");
   line.seed();
   line.list<std::string>("data", "records to fit: time_s,u,y or frequency_hz,magnitude_db,phase_deg");
   line.list<std::string>(
       "holdout",
       "records that are not fitted, best with another excitation; none: 30 % of each record is held out");
   line.option<int>("max-terms", "largest number of effects to name", 5);
+  line.option<double>("max-seconds", "time after which the best so far is kept and nothing new is begun",
+                      120.0);
   line.option<int>("threads", "threads of the search (the result does not depend on it)", 2);
   line.reads_measurements();
   if (!line.parse(arguments)) return kDone;
@@ -103,7 +111,8 @@ int run_diagnose(const std::vector<std::string>& arguments) {
   const auto base = chain::read_model(line.files()[0], from);
   const auto study = gap::Study::read(data, paths(line, "holdout"), base, from);
   Progress progress("looking for what is missing");
-  const auto diagnosis = gap::diagnose(base, study, read_options(line, progress));
+  const Stopwatch watch;
+  const auto diagnosis = gap::diagnose(base, study, read_options(line, progress, watch));
 
   const std::filesystem::path folder = line.output_path();
   const Json json = write_results(diagnosis, study, from, folder);

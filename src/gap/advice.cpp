@@ -43,8 +43,23 @@ std::string advice_for(const Diagnosis& d, const Study& study) {
         "Nothing was held out, so a part of the same records was: a record with another excitation would "
         "prove more.");
   }
+  if (!d.search.not_tried.empty()) {
+    advice.push_back("The time was over before these were tried: " + join(d.search.not_tried, ", ") + ".");
+  } else if (d.search.late) {
+    advice.emplace_back("The time was over before the search had ended: this is the best so far.");
+  }
   if (d.search.stopped)
     advice.emplace_back("The search was stopped before its end: this is the best so far.");
+  if (d.next_experiment) {
+    advice.push_back(fmt::format(
+        "experiment.csv holds the drive that would tell {} apart ({}; difference to expect: {:.1f} times what is left).",
+        join(d.next_experiment->rivals, " and "), d.next_experiment->shape,
+        d.next_experiment->difference_over_noise));
+  }
+  if (d.holdout_disagrees) {
+    advice.emplace_back(
+        "The held-out records disagree: what was found on the training records serves them badly.");
+  }
   for (const auto& note : d.search.notes) advice.push_back(note + ".");
   return join(advice, " ");
 }

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/progress.hpp"
 #include "gap/least_squares.hpp"
+#include "gap/lines.hpp"
 #include "gap/runner.hpp"
 #include "signal/statistics.hpp"
 
@@ -14,10 +16,15 @@ namespace {
 /// Unknowns of one term when nothing with another excitation is held out.
 constexpr std::size_t kMaxUnknownsWhenSplit = 2;
 
+/// Terms with more unknowns have no open parameter.
+constexpr std::size_t kFewUnknowns = 3;
+/// The held-out records disagree when this much more is left of them than of the training records.
+constexpr double kDisagrees = 2.0;
+
 const Ranked* best_rival(const Step& step) {
   const Ranked* rival = nullptr;
   for (const auto& r : step.ranking) {
-    if (r.effect != step.effect && (rival == nullptr || r.holdout_rms < rival->holdout_rms)) rival = &r;
+    if (r.effect != step.effect && (rival == nullptr || r.folds_rms < rival->folds_rms)) rival = &r;
   }
   return rival;
 }
@@ -32,6 +39,7 @@ DiagnosedStep describe(const Step& step, const GapMeter& meter) {
   s.before = meter.size(step.before);
   s.after = meter.size(step.after);
   s.control_gain = step.control_gain;
+  s.q_value = step.q_value;
   for (const auto& r : step.ranking) {
     if (r.effect == step.effect && r.outcome == CandidateOutcome::named) s.significance = r.z;
   }
@@ -39,6 +47,42 @@ DiagnosedStep describe(const Step& step, const GapMeter& meter) {
     s.runner_up = {std::string(rival->effect->name()), meter.size(rival->model).holdout_rms, rival->outcome};
   }
   return s;
+}
+
+/// Chance of a gain of so many standard deviations where there is none.
+double chance_of(const Ranked& r) {
+  return 0.5 * std::erfc(std::min(r.z, r.train_z) / std::numbers::sqrt2);
+}
+
+/// False discovery rates over everything that was looked at in all rounds (Benjamini and Hochberg 1995); what
+/// the shortlist dropped counts as tried in vain.
+void add_q_values(SearchResult& result) {
+  std::vector<double> chances;
+  const auto collect = [&](const std::vector<Ranked>& ranking) {
+    for (const auto& r : ranking) chances.push_back(chance_of(r));
+  };
+  for (const auto& s : result.steps) collect(s.ranking);
+  collect(result.refused);
+  std::sort(chances.begin(), chances.end());
+  const auto tried = static_cast<double>(std::max(result.looked_at, chances.size()));
+  for (auto& s : result.steps) {
+    double own = 1.0;
+    for (const auto& r : s.ranking) {
+      if (r.effect == s.effect) own = std::min(own, chance_of(r));
+    }
+    s.q_value = 1.0;
+    for (std::size_t i = 0; i < chances.size(); ++i) {
+      if (chances[i] >= own) s.q_value = std::min(s.q_value, chances[i] * tried / static_cast<double>(i + 1));
+    }
+  }
+}
+
+/// What the candidates leave of the held-out records, for the tables.
+void look_at_holdout(std::vector<Ranked>& ranking, const Experiments& holdout) {
+  for (auto& r : ranking) {
+    r.holdout_rms = rms_of(r.model, holdout);
+    r.folds.clear();
+  }
 }
 
 /// Values of the final model's terms, term by term.
@@ -61,8 +105,29 @@ std::vector<std::vector<FoundParameter>> found_parameters(const Model& model, co
                             std::clamp(u.value + sigma, u.value, u.high)});
       ++at;
     }
+    for (int id : term.lines) {
+      const auto& line = model.at(model.position_of(id));
+      for (const char* key : {"amplitude", "phase_deg"})
+        parameters.push_back({key, line.get(key), line.get(key), line.get(key)});
+    }
   }
   return all;
+}
+
+/// Parameters whose interval is wider than the value itself.
+std::vector<OpenParameter> open_parameters(const Diagnosis& d) {
+  std::vector<OpenParameter> open;
+  std::size_t at = d.search.final.free_count();
+  for (std::size_t k = 0; k < d.search.final.terms().size() && k < d.steps.size(); ++k) {
+    const auto& unknowns = d.search.final.terms()[k].unknowns;
+    // Of many unknowns (weights of plays) each alone may be open without the effect being so.
+    for (std::size_t j = 0; j < unknowns.size(); ++j, ++at) {
+      const auto& p = d.steps[k].parameters[j];
+      if (unknowns.size() <= kFewUnknowns && p.high - p.low > std::abs(p.value))
+        open.push_back({at, p.name, p.low, p.high});
+    }
+  }
+  return open;
 }
 
 }  // namespace
@@ -73,7 +138,13 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   d.relative = study.frequency_responses();
   SearchOptions chosen = options;
   if (study.split()) chosen.acceptance.max_unknowns = kMaxUnknownsWhenSplit;
-  d.search = search(base, study.train(), study.holdout(), chosen);
+  d.search = search(base, study.train(), chosen);
+  add_q_values(d.search);
+  // The held-out records come in here, when all is decided. Lines of the mains are written as the first of
+  // them has them.
+  d.search.final = with_lines_of(std::move(d.search.final), study.holdout().front());
+  for (auto& s : d.search.steps) look_at_holdout(s.ranking, study.holdout());
+  look_at_holdout(d.search.refused, study.holdout());
   const GapMeter meter(study, d.search.final);
   d.scored_from = meter.scored_from();
   d.initial = meter.size(d.search.initial);
@@ -88,6 +159,11 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   d.where = meter.where(d.search.initial);
   d.remaining_where = meter.where(d.search.final);
   d.verdict = verdict_of(d.search, d.search.train_rms, options.enough);
+  d.holdout_disagrees = !d.steps.empty() && (d.final.holdout_rms > d.refitted.holdout_rms ||
+                                             d.final.holdout_rms > kDisagrees * d.final.train_rms);
+  // What is claimed of the training records and does not hold elsewhere is not explained.
+  if (d.holdout_disagrees && d.verdict == Verdict::explained) d.verdict = Verdict::partly_explained;
+  if (!d.search.stopped) d.next_experiment = next_experiment(d.search, open_parameters(d), study);
   d.advice = advice_for(d, study);
   d.compute_s = watch.seconds();
   return d;

@@ -1,9 +1,11 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
 #include "chain/chain.hpp"
+#include "gap/next_experiment.hpp"
 #include "gap/search.hpp"
 #include "gap/size.hpp"
 #include "gap/study.hpp"
@@ -41,6 +43,7 @@ struct DiagnosedStep {
   RunnerUp runner_up;
   double significance = 0.0;
   double control_gain = 0.0;
+  double q_value = 1.0;
 };
 
 struct Diagnosis {
@@ -53,7 +56,11 @@ struct Diagnosis {
   std::vector<DiagnosedStep> steps;
   Verdict verdict = Verdict::unexplained;
   std::string advice;
+  std::optional<NextExperiment> next_experiment;  ///< for a tie or an open parameter
   std::vector<ScoredFrom> scored_from;
+  /// The final model leaves far more of the held-out records than of the training records, or more than the
+  /// base model did.
+  bool holdout_disagrees = false;
   bool relative = false;  ///< frequency responses: rms of |H_model/H_measured - 1| parts, no unit
   SearchResult search;
   double compute_s = 0.0;

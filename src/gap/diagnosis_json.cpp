@@ -1,6 +1,7 @@
 #include "gap/diagnosis_json.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/json.hpp"
 
@@ -30,6 +31,11 @@ Json json_of(const std::vector<Cell>& cells) {
   return all;
 }
 
+/// JSON has no infinity: of a model that runs away on a record.
+Json finite_or_null(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
 Json json_of(const Ranked& r) {
   Json values = Json::object();
   if (!r.model.terms().empty()) {
@@ -39,7 +45,8 @@ Json json_of(const Ranked& r) {
           {"placed", r.placed},
           {"parameters", values},
           {"train_rms_after", r.train_rms},
-          {"holdout_rms_after", r.holdout_rms},
+          {"folds_rms_after", r.folds_rms},
+          {"holdout_rms_after", finite_or_null(r.holdout_rms)},
           {"significance", std::clamp(r.z, -kMaxSignificance, kMaxSignificance)},
           {"outcome", to_string(r.outcome)}};
 }
@@ -52,7 +59,9 @@ Json json_of(const std::vector<Ranked>& ranking) {
 
 Json json_of(const RunnerUp& r) {
   if (r.effect.empty()) return nullptr;
-  return {{"effect", r.effect}, {"holdout_rms_after", r.holdout_rms}, {"outcome", to_string(r.outcome)}};
+  return {{"effect", r.effect},
+          {"holdout_rms_after", finite_or_null(r.holdout_rms)},
+          {"outcome", to_string(r.outcome)}};
 }
 
 Json json_of(const DiagnosedStep& s) {
@@ -71,6 +80,7 @@ Json json_of(const DiagnosedStep& s) {
           {"train_rms_after", s.after.train_rms},
           {"significance", std::min(s.significance, kMaxSignificance)},
           {"control_gain", s.control_gain},
+          {"q_value", s.q_value},
           {"runner_up", json_of(s.runner_up)}};
 }
 
@@ -112,6 +122,13 @@ Json to_json(const Diagnosis& d) {
   j["refused"] = json_of(d.search.refused);
   j["verdict"] = to_string(d.verdict);
   j["advice"] = d.advice;
+  if (d.next_experiment) {
+    j["experiment"] = {{"file", "experiment.csv"},
+                       {"separates", d.next_experiment->rivals},
+                       {"drive", d.next_experiment->shape},
+                       {"difference_over_noise", d.next_experiment->difference_over_noise}};
+  }
+  j["not_tried"] = d.search.not_tried;
   return j;
 }
 

@@ -31,6 +31,8 @@ class Effect {
   virtual bool repeatable() const { return false; }
   /// Its start values are found in the residual, so they are worth finding from more than one model.
   virtual bool starts_from_residual() const { return false; }
+  /// Places of it that a round fits at the most, one more when it is of another form.
+  virtual int places_a_round() const { return 2; }
   /// Every place it can sit, with start values from the data.
   virtual void propose(const Scene& scene, std::vector<Proposal>& out) const = 0;
 };

@@ -53,6 +53,8 @@ class TimeExperiment {
   /// The first `samples` are not scored. The record began in an unknown state: what `directions` over the
   /// samples that are scored can explain (free responses) is taken out of every residual.
   void leave_out_start(std::size_t samples, Directions directions = {});
+  /// Those directions; null when there are none.
+  const Directions* free_responses() const { return free_responses_.get(); }
   /// Takes what free responses can explain out of a residual over the scored samples.
   void take_out_free_responses(std::span<double> residual) const;
 

@@ -39,7 +39,7 @@ Model::Model(const chain::Chain& base) {
       u.parameter = p.key();
       u.unit = p.unit();
       u.logarithmic = p.min() >= 0.0 && p.value > 0.0;
-      u.scale = std::max(std::abs(p.value), 1e-3);
+      u.scale = p.value != 0.0 ? std::abs(p.value) : 1e-3;
       // A free parameter's value in the file is a guess, but not any guess: it decides where the records do
       // not (a sine cannot tell gain, frequency and damping of a resonator apart).
       u.given = p.value;
@@ -49,6 +49,13 @@ Model::Model(const chain::Chain& base) {
       free_.push_back({next_id_, k, u});
     }
     ++next_id_;
+  }
+}
+
+void Model::set_signal_size(double size) {
+  for (auto& f : free_) {
+    const bool is_signal = f.unknown.unit == "y" || f.unknown.unit == "u";
+    if (is_signal && f.unknown.value == 0.0 && size > 0.0) f.unknown.scale = size;
   }
 }
 
@@ -88,6 +95,19 @@ void Model::remove(std::size_t term) {
   std::erase_if(slots_, [&](const Slot& slot) {
     return std::find(gone.blocks.begin(), gone.blocks.end(), slot.id) != gone.blocks.end();
   });
+}
+
+std::vector<int> Model::line_blocks() const {
+  std::vector<int> all;
+  for (const auto& term : terms_) all.insert(all.end(), term.lines.begin(), term.lines.end());
+  return all;
+}
+
+std::size_t Model::end() const {
+  const auto lines = line_blocks();
+  std::size_t end = size();
+  while (end > 0 && std::find(lines.begin(), lines.end(), slots_[end - 1].id) != lines.end()) --end;
+  return end;
 }
 
 std::size_t Model::first_unknown_of(std::size_t term) const {

@@ -26,6 +26,9 @@ struct Unknown {
   /// ln(value) when logarithmic). 0: nothing is.
   double given = 0.0;
   double given_spread = 0.0;
+  /// Steps in which the value is tried around the place where a fit ends, for what moves edges across samples
+  /// (a clock, a switch): the sum of squares is then hilly on that scale. 0: it is smooth.
+  double hop = 0.0;
   std::string parameter =
       {};                 ///< key of the block's parameter that it is; empty: it is none of a block's own
   std::string unit = {};  ///< of that parameter ("Hz", "s", "y/s", ...); empty: none
@@ -43,6 +46,8 @@ struct Term {
   std::string placed;
   std::vector<Unknown> unknowns;
   std::vector<int> blocks;  ///< ids of the blocks it brought
+  /// Ids of hum blocks among them whose size and phase are each record's own (lines.hpp).
+  std::vector<int> lines = {};
   /// Turns the unknowns' values into block parameters.
   std::function<void(Model&, std::span<const double>)> write;
   /// Takes a change inside a base block back. Empty when its blocks are all there is.
@@ -69,12 +74,19 @@ class Model {
   std::size_t position_of(int id) const;
   chain::Block& block(int id) { return slots_[position_of(id)].block; }
 
+  /// Free parameters that are 0 and have the unit of a signal (offsets) say nothing of their size: changes of
+  /// them are typically as large as this.
+  void set_signal_size(double size);
   /// Inserts before `position` (size(): at the end); returns the new block's id.
   int insert(std::size_t position, chain::Block block);
   /// "before block 2" in the base model's numbers.
   std::string placed(std::size_t position) const;
 
   const std::vector<Term>& terms() const { return terms_; }
+  /// Hum blocks whose size and phase are each record's own; they stand at the end.
+  std::vector<int> line_blocks() const;
+  /// Where a block behind the whole chain goes: in front of the lines.
+  std::size_t end() const;
   void add(Term term);
   void remove(std::size_t term);
   /// Place of a term's first unknown among the model's.

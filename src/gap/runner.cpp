@@ -4,6 +4,7 @@
 #include <limits>
 
 #include "base/error.hpp"
+#include "gap/lines.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/record_simulator.hpp"
 
@@ -15,8 +16,11 @@ constexpr double kRunAway = 1e12;
 
 class TimeBench final : public Bench {
  public:
-  TimeBench(const chain::Chain& chain, const TimeExperiment& experiment)
-      : experiment_(experiment), simulator_(chain, experiment.record().step_s, options(experiment)) {}
+  /// `lines`: places of blocks whose size and phase are the record's own.
+  TimeBench(const chain::Chain& chain, std::vector<std::size_t> lines, const TimeExperiment& experiment)
+      : experiment_(experiment),
+        simulator_(chain, experiment.record().step_s, options(experiment)),
+        lines_(std::move(lines)) {}
 
   chain::Chain& chain() override { return simulator_.chain(); }
 
@@ -32,6 +36,7 @@ class TimeBench final : public Bench {
       sum_of_squares += mine[i] * mine[i];
     }
     experiment_.take_out_free_responses(mine);
+    take_out_lines(mine);
     return !simulator_.diverged() && std::isfinite(sum_of_squares) && sum_of_squares < kRunAway * kRunAway;
   }
 
@@ -50,8 +55,18 @@ class TimeBench final : public Bench {
     if (experiment.coarse()) o.max_turn_rad = 1.6;
     return o;
   }
+  void take_out_lines(std::span<double> residual) {
+    if (lines_.empty()) return;
+    std::vector<double> frequencies;
+    for (std::size_t at : lines_) frequencies.push_back(simulator_.chain().blocks[at].get("frequency_hz"));
+    basis_.set(frequencies, experiment_.record(), experiment_.first(), experiment_.end());
+    basis_.take_out(residual, experiment_.free_responses());
+  }
+
   TimeExperiment experiment_;
   simulate::RecordSimulator simulator_;
+  std::vector<std::size_t> lines_;
+  LineBasis basis_;
 };
 
 class FrequencyBench final : public Bench {
@@ -81,9 +96,10 @@ class FrequencyBench final : public Bench {
   FrequencyExperiment experiment_;
 };
 
-std::unique_ptr<Bench> make_bench(const chain::Chain& chain, const Experiment& experiment) {
+std::unique_ptr<Bench> make_bench(const chain::Chain& chain, const std::vector<std::size_t>& lines,
+                                  const Experiment& experiment) {
   return std::visit(Visitor{[&](const TimeExperiment& e) -> std::unique_ptr<Bench> {
-                              return std::make_unique<TimeBench>(chain, e);
+                              return std::make_unique<TimeBench>(chain, lines, e);
                             },
                             [&](const FrequencyExperiment& e) -> std::unique_ptr<Bench> {
                               return std::make_unique<FrequencyBench>(chain, e);
@@ -103,7 +119,9 @@ void copy_values(const Model& model, chain::Chain& chain) {
 
 Runner::Runner(const Model& model, const Experiments& experiments) : model_(model) {
   const auto chain = model.chain();
-  for (const auto& e : experiments) benches_.push_back(make_bench(chain, e));
+  std::vector<std::size_t> lines;
+  for (int id : model.line_blocks()) lines.push_back(model.position_of(id));
+  for (const auto& e : experiments) benches_.push_back(make_bench(chain, lines, e));
 }
 Runner::~Runner() = default;
 Runner::Runner(Runner&&) noexcept = default;
@@ -154,6 +172,10 @@ std::vector<double> residuals_of(const Model& model, const Experiments& experime
 }
 
 std::vector<double> output_of(const Model& model, const TimeExperiment& experiment) {
+  return bare_output_of(with_lines_of(model, experiment), experiment);
+}
+
+std::vector<double> bare_output_of(const Model& model, const TimeExperiment& experiment) {
   auto outputs = Runner(model, {experiment}).outputs(current_values(model));
   return outputs.empty() ? std::vector<double>{} : std::move(outputs.front());
 }

@@ -48,8 +48,11 @@ std::vector<double> current_values(const Model& model);
 /// Residuals with the model's present values; empty when it cannot be run.
 std::vector<double> residuals_of(const Model& model, const Experiments& experiments);
 
-/// The model's whole output for one time record; empty when it cannot be run.
+/// The model's whole output for one time record, its lines as the record has them; empty when it cannot be
+/// run.
 std::vector<double> output_of(const Model& model, const TimeExperiment& experiment);
+/// The same with the lines as the model has them.
+std::vector<double> bare_output_of(const Model& model, const TimeExperiment& experiment);
 
 /// rms of the residual over the scored samples; infinite when the model cannot be run.
 double rms_of(const Model& model, const Experiments& experiments);

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "gap/lines.hpp"
 #include "gap/runner.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
@@ -81,7 +82,7 @@ Scene scene_of(const Model& model, const TimeExperiment& experiment) {
   scene.top_hz = 0.5 / record.step_s;
   simulate::RecordOptions options;
   options.start_s = record.start_s;
-  simulate::RecordSimulator simulator(model.chain(), record.step_s, options);
+  simulate::RecordSimulator simulator(with_lines_of(model, experiment).chain(), record.step_s, options);
   for (std::size_t blocks = 0; blocks <= model.size(); ++blocks) {
     scene.boundary.push_back(signal_of(simulator.run_until(record.u, blocks), record.step_s));
   }
@@ -135,16 +136,16 @@ bool Scene::linear(std::size_t position) const {
 std::vector<std::size_t> Scene::linear_places() const {
   std::vector<std::size_t> places;
   // The last boundary of every stretch of linear blocks (all of them stand for the same model).
-  for (std::size_t i = 0; i <= model->size(); ++i) {
-    if (i == model->size() || !linear(i)) places.push_back(i);
+  for (std::size_t i = 0; i <= end(); ++i) {
+    if (i == end() || !linear(i)) places.push_back(i);
   }
   return places;
 }
 
 std::vector<std::size_t> Scene::static_places() const {
   std::vector<std::size_t> places;
-  for (std::size_t i = 0; i <= model->size(); ++i) {
-    if (i == model->size() || !model->at(i).scales_only()) places.push_back(i);
+  for (std::size_t i = 0; i <= end(); ++i) {
+    if (i == end() || !model->at(i).scales_only()) places.push_back(i);
   }
   return places;
 }

@@ -40,6 +40,8 @@ struct Scene {
   std::vector<std::size_t> linear_places() const;
   /// The same for a memoryless or rate-independent effect.
   std::vector<std::size_t> static_places() const;
+  /// Behind all blocks but lines.
+  std::size_t end() const { return model->end(); }
   /// The base model's blocks (terms' blocks are not changed by other terms).
   std::vector<std::size_t> base_places() const;
   /// The output as it was measured.

@@ -17,6 +17,8 @@ namespace {
 
 /// Iterations of the fit that follows a new term, and of the one that follows a change of what is scored.
 constexpr int kJointIterations = 8;
+/// Offsets that are free and given as 0, as a part of the output's range.
+constexpr double kTypicalOffset = 0.05;
 /// Progress before the base model's fit and after it; the rounds take the rest but a twentieth.
 constexpr double kBegun = 0.02;
 constexpr double kBaseFitted = 0.05;
@@ -26,6 +28,8 @@ constexpr double kRounds = 0.9;
 struct Round {
   std::vector<Step> steps;
   std::vector<Ranked> ranking;
+  std::vector<std::string> not_tried;
+  std::size_t looked_at = 0;
   std::vector<std::string> notes;
 };
 
@@ -37,13 +41,16 @@ Round look_for_terms(const SearchSetting& setting, const SearchRecords& records,
   EffectFilter filter;
   if (quiet) filter = [](const Effect& effect) { return effect.independent_of_input(); };
   Round round;
-  round.ranking = fit_round(setting, records, model, filter);
-  if (options.stopped()) return round;
+  auto fitted = fit_round(setting, records, model, filter);
+  round.ranking = std::move(fitted.ranking);
+  round.not_tried = std::move(fitted.not_tried);
+  round.looked_at = fitted.looked_at;
+  if (options.stopped() || round.ranking.empty()) return round;
   auto judged = judge(setting, records, model, std::move(round.ranking));
   round.ranking = std::move(judged.ranking);
   if (judged.step) {
     round.steps.push_back(std::move(*judged.step));
-  } else if (!options.stopped() && !quiet && pairs_allowed && is_something_left(options, model, records)) {
+  } else if (!options.is_late() && !quiet && pairs_allowed && is_something_left(options, model, records)) {
     if (auto pair = choose_pair(setting, records, model, round.ranking)) {
       round.steps = {std::move(pair->first), std::move(pair->second)};
       round.notes = {std::move(pair->note)};
@@ -52,11 +59,9 @@ Round look_for_terms(const SearchSetting& setting, const SearchRecords& records,
   return round;
 }
 
-/// A step's model refitted as a whole. One that costs held-out error has only come closer to the training
-/// records.
+/// A step's model refitted as a whole.
 Model refit_jointly(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
-  auto refitted = fit_in_turn(setting, records, model, kJointIterations).model;
-  return rms_of(refitted, records.holdout) <= rms_of(model, records.holdout) ? refitted : model;
+  return fit_in_turn(setting, records, model, kJointIterations).model;
 }
 
 /// What is found with a round's terms put in, earlier ones tested again, starts looked at again, and all of
@@ -80,19 +85,22 @@ Extended extend(const SearchSetting& setting, SearchRecords records, Found found
 
 }  // namespace
 
-SearchResult search(const chain::Chain& base, const Experiments& train, const Experiments& holdout,
-                    const SearchOptions& options) {
+SearchResult search(const chain::Chain& base, const Experiments& train, const SearchOptions& options) {
   SearchResult result;
   result.initial = Model(base);
-  const SearchSetting setting{options, result.initial};
+  result.initial.set_signal_size(kTypicalOffset * largest_range(train));
+  SearchSetting setting{options, result.initial};
   options.report(kBegun);
-  auto [model, records, notes] = fit_base(setting, make_records(train, holdout, options.stretches));
+  auto [model, records] = fit_base(setting, make_records(train, options.stretches));
   result.base = model;
-  Found found{std::move(model), {}, std::move(notes)};
-  for (int terms = 0; terms < options.max_terms && !options.stopped(); ++terms) {
+  setting.first_gap = rms_of(model, records.train);
+  Found found{std::move(model), {}, {}};
+  for (int terms = 0; terms < options.max_terms && !options.is_late(); ++terms) {
     options.report(kBaseFitted + kRounds * terms / options.max_terms);
     auto round = look_for_terms(setting, records, found.model, terms + 1 < options.max_terms);
     for (auto& note : round.notes) found.notes.push_back(std::move(note));
+    result.not_tried = std::move(round.not_tried);
+    result.looked_at += round.looked_at;
     if (round.steps.empty()) {
       result.refused = std::move(round.ranking);
       break;
@@ -101,9 +109,9 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Ex
     const auto ranking = round.steps.back().ranking;
     auto extended = extend(setting, records, found, std::move(round.steps));
     records = std::move(extended.records);
-    // Whatever was taken out or put in another's place: a round must leave the held-out error smaller.
-    const double enough = (1.0 - options.acceptance.min_gain) * rms_of(found.model, records.holdout);
-    if (!(rms_of(extended.found.model, records.holdout) <= enough)) {
+    // Whatever was taken out or put in another's place: a round must leave the error smaller.
+    const double enough = (1.0 - options.acceptance.min_gain) * rms_of(found.model, records.train);
+    if (!(rms_of(extended.found.model, records.train) <= enough)) {
       found.notes = std::move(extended.found.notes);
       result.refused = ranking;
       break;
@@ -111,6 +119,7 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Ex
     found = std::move(extended.found);
   }
   result.stopped = options.stopped();
+  result.late = options.is_late();
   result.floor = floor_under(found.model, records);
   result.train_rms = rms_of(found.model, records.train);
   if (!result.stopped) result.structure = signs_left(found.model, records);

@@ -21,7 +21,7 @@ enum class CandidateOutcome {
   also_fits_with_more_unknowns,
   other_place_or_form,  ///< of the effect that was named
   worse,
-  no_heldout_gain,
+  no_gain_on_folds,
   not_significant,
   too_free,  ///< for a study without another excitation held out
   ill_conditioned,
@@ -38,9 +38,13 @@ struct Ranked {
   Model model;
   double score = 0.0;  ///< share of the residual's energy that the shortlist predicted
   double train_rms = std::numeric_limits<double>::infinity();
-  double holdout_rms = std::numeric_limits<double>::infinity();
-  double z = 0.0;  ///< standard deviations of its gain on the held-out records
+  /// On folds of the training records (search/folds.hpp); of candidates far behind as on all of them.
+  double folds_rms = std::numeric_limits<double>::infinity();
+  double z = 0.0;  ///< standard deviations of its gain on the folds
   double train_z = 0.0;
+  std::vector<double> folds = {};  ///< residuals; empty for candidates far behind
+  /// Of the held-out records: looked at when all is decided, for the report.
+  double holdout_rms = std::numeric_limits<double>::infinity();
   double condition_number = 0.0;
   std::size_t unknowns = 0;
   std::size_t effective = 0;  ///< of them not at a bound: weights of 0 cost nothing
@@ -57,7 +61,8 @@ struct Step {
   Model before;
   Model after;
   std::vector<Ranked> ranking;
-  double control_gain = 0.0;  ///< held-out gain (share of rms) of the same term on surrogate data
+  double control_gain = 0.0;  ///< gain (share of rms) of the same term on surrogate data
+  double q_value = 1.0;       ///< share of false names to expect among those as significant
 };
 
 struct SearchResult {
@@ -70,11 +75,14 @@ struct SearchResult {
   NoiseFloor floor;
   double train_rms = 0.0;  ///< of the final model, over what the search scored
   bool stopped = false;
+  bool late = false;  ///< the time was over before the search had ended
+  std::vector<std::string> not_tried;  ///< effects for which the time was too short
+  std::size_t looked_at = 0;           ///< proposals of all rounds
   std::vector<std::string> notes;
 };
 
-/// The search described in docs/gap.md: shortlist, fit in place, accept or refuse, look again.
-SearchResult search(const chain::Chain& base, const Experiments& train, const Experiments& holdout,
-                    const SearchOptions& options);
+/// The search described in docs/gap.md: shortlist, fit in place, accept or refuse, look again. It sees the
+/// training records alone.
+SearchResult search(const chain::Chain& base, const Experiments& train, const SearchOptions& options);
 
 }  // namespace bodesmith::gap

@@ -39,15 +39,6 @@ struct BaseFitOptions {
   double other_hill = 0.98;    ///< the given values' own neighbourhood is preferred to another hill as good
   int settle_iterations = 12;  ///< of the refits that follow a step
   double settle_gain = 0.9999;
-  /// Values that serve the held-out records far better at no cost to the training records are taken.
-  double far_better = 0.9;
-  double no_cost = 1.01;
-  /// They are looked for unless the held-out rms is below both of these: times the training rms, part of the
-  /// range.
-  double suspicious_ratio = 1.2;
-  double suspicious_part_of_range = 0.01;
-  int open_iterations = 25;        ///< of the fit to all records,
-  int open_refit_iterations = 12;  ///< and of the one with free responses renewed
 };
 
 /// Rounds of candidates [4, 5].
@@ -55,34 +46,50 @@ struct RoundOptions {
   std::size_t effects = 9;             ///< fitted in each round
   std::size_t effects_from_given = 3;  ///< more in the first round, as seen from the given parameters
   double min_score = 0.003;            ///< share of the residual's energy that a candidate must promise
-  int places = 2;                      ///< of each effect, one more when it is of another form
-  int first_iterations = 6;            ///< that each start of a candidate gets before the best ones go on
-  double first_tolerance = 1e-4;
+  /// Standard deviations of that promise, without earlier terms and with them.
+  double min_promise = 2.0;
+  double min_promise_later = 4.0;
+  double in_the_running = 1.5;  ///< times the best candidate's rms, within which folds are looked at
+  int first_iterations = 3;     ///< that each start of a candidate gets before the best ones go on
+  double first_tolerance = 1e-3;
+  std::size_t few_unknowns = 4;  ///< of terms whose several starts are tried
   double worth_going_on = 1.15;  ///< times the best start's rms, at which the second best goes on too
   double tolerance = 1e-6;
-  int iterations = 30;
-  int iterations_when_free = 14;  ///< of terms with more than free_unknowns unknowns
-  std::size_t free_unknowns = 8;
-  double weakened = 8.0;  ///< factor by which the last earlier term is made weak for one more start
+  int iterations_a_stage = 5;
+  int stages = 6;
+  double far_behind = 3.0;  ///< times the leader's rms: such a fit stays where it is,
+  double behind = 1.1;      ///< and so does one behind by this
+  double no_nearer = 0.95;  ///< whose last stage left more than this of its rms
+  double weakened = 8.0;    ///< factor by which the last earlier term is made weak for one more start
 };
 
-/// What a term must show [6, 7].
+/// What a term must show [6, 7]. Gains are those on folds of the training records that did not choose its
+/// values.
 struct AcceptanceOptions {
-  /// Of the held-out rms, that a term must earn: false terms were seen to earn 0.16 % at the most.
-  double min_gain = 0.01;
+  /// Of the rms: false terms were seen to earn 0.16 % at the most, and what earns less than this beside a
+  /// floor is of no use.
+  double min_gain = 0.04;
   /// The same when one of few unknowns rests at a bound: a shape that only fits at the end of its range is
   /// another's.
-  double min_gain_at_bound = 0.05;
+  double min_gain_at_bound = 0.08;
   std::size_t few_unknowns = 3;
-  double min_significance = 2.8;  ///< standard deviations, held-out and training gain each (colour counted)
-  double min_combined = 5.0;      ///< of both together
+  /// What later terms must explain, as a part of the first gap's rms, and the same for each unknown beyond the
+  /// first, to the largest: less is the first one's form.
+  double min_part_of_gap = 0.05;
+  double min_part_each = 0.02;
+  double max_min_part = 0.2;
+  double min_significance = 5.0;  ///< standard deviations of the gain (colour counted), on folds and on all
   double control_factor = 3.0;    ///< times the gain that surrogate data show
+  double sure = 15.0;             ///< standard deviations beyond which surrogates are not asked
   std::uint64_t controls = 2;     ///< sets of surrogate data
   double max_condition = 1e7;
-  std::size_t max_unknowns = 99;       ///< of one term; few when nothing with another excitation is held out
-  double tie_within = 0.10;            ///< a rival less than this worse is a tie
-  double tie_with_more_within = 0.02;  ///< one with up to tie_more_unknowns more unknowns, less than this
+  std::size_t max_unknowns = 99;     ///< of one term; few when there is one excitation only
+  double tie_within = 0.10;          ///< a rival less than this worse may be a tie: when it is
+  double tie_significance = 2.0;     ///< less than so many standard deviations worse,
+  double tie_surely_within = 0.002;  ///< or by less than this part of the rms
+  /// A rival with up to so many unknowns more must be better by so many standard deviations.
   std::size_t tie_more_unknowns = 2;
+  double freedom_significance = 1.0;
   /// Fewer unknowns win when more of them buy no more than the first, and the second for each of them.
   double simpler_within = 0.01;
   double simpler_within_each = 0.004;
@@ -94,7 +101,7 @@ struct PairOptions {
   std::size_t trials = 3;
   double max_left = 0.98;  ///< of the pooled rms, by a candidate worth a trial
   double max_left_train = 0.99;
-  double min_gains = 3.0;  ///< times min_gain, of both together
+  double min_gains = 2.0;  ///< times min_gain, of both together
 };
 
 /// Earlier terms are tested again [8].
@@ -103,9 +110,8 @@ struct EliminationOptions {
   double min_significance = 2.0;
   double far_worse = 2.5;  ///< a rival is tried unless it was this many times worse in that term's own round
   std::size_t max_rivals = 5;
-  /// A rival takes a term's place when it leaves less than this of the held-out and training rms,
-  double swap_holdout = 0.97;
-  double swap_train = 0.99;
+  /// A rival takes a term's place when it leaves less than this of the rms,
+  double swap_gain = 0.98;
   /// or, with fewer unknowns, no more than this.
   double swap_simpler = 1.01;
 };
@@ -118,6 +124,7 @@ struct SearchOptions {
   std::uint64_t seed = 1;
   std::function<void(double)> progress;  ///< fraction of the work, roughly
   std::function<bool()> stop;            ///< true: keep the best so far and return
+  std::function<bool()> late;            ///< true: judge what has been fitted, and begin nothing new
 
   StartOptions starts;
   StretchOptions stretches;
@@ -128,6 +135,7 @@ struct SearchOptions {
   EliminationOptions elimination;
 
   bool stopped() const { return stop && stop(); }
+  bool is_late() const { return stopped() || (late && late()); }
   void report(double fraction) const {
     if (progress) progress(fraction);
   }

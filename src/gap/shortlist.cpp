@@ -8,6 +8,7 @@
 #include "gap/runner.hpp"
 #include "numeric/index.hpp"
 #include "numeric/parallel_for.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -38,16 +39,13 @@ class Span {
     for (const auto& d : directions_) v -= d * d.dot(v);
     return v;
   }
-  std::size_t size() const { return directions_.size(); }
-  /// Energy of v along the directions from number `first` on.
-  double energy_along(const Vector& v, std::size_t first) const {
-    double sum = 0.0;
-    for (std::size_t d = first; d < directions_.size(); ++d) {
-      const double part = directions_[d].dot(v);
-      sum += part * part;
-    }
-    return sum;
+  /// The part of v along the directions from number `first` on.
+  Vector along(const Vector& v, std::size_t first) const {
+    Vector part = Vector::Zero(v.size());
+    for (std::size_t d = first; d < directions_.size(); ++d) part += directions_[d] * directions_[d].dot(v);
+    return part;
   }
+  std::size_t size() const { return directions_.size(); }
 
  private:
   std::vector<Vector> directions_;
@@ -64,7 +62,17 @@ struct PresentModel {
 struct StartScore {
   std::size_t start = 0;
   double score = 0.0;
+  double z = 0.0;
 };
+
+bool worse(const StartScore& a, const StartScore& b) {
+  return a.score < b.score;
+}
+
+/// What `part` explains of the residual, in standard deviations.
+double significance(const Vector& unexplained, const Vector& part) {
+  return improvement_z(to_vector(unexplained), to_vector(unexplained - part));
+}
 
 double moved_value(const Unknown& u, double value) {
   const double step = kDirectionStep * (u.logarithmic ? value : u.scale);
@@ -93,8 +101,11 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
       other[first + k] = moved_value(unknowns[k], values[first + k]);
       if (runner(other, moved)) more.add(as_eigen(moved) - here);
     }
-    const double explained = more.energy_along(present.unexplained, present.known.size());
-    scores.push_back({s, present.energy > 0.0 ? explained / present.energy : 0.0});
+    const Vector part = more.along(present.unexplained, present.known.size());
+    const double score = present.energy > 0.0 ? part.squaredNorm() / present.energy : 0.0;
+    const double best = scores.empty() ? -1.0 : std::max_element(scores.begin(), scores.end(), worse)->score;
+    // Only the best start's significance is asked for.
+    scores.push_back({s, score, score > best ? significance(present.unexplained, part) : 0.0});
   }
   std::stable_sort(scores.begin(), scores.end(),
                    [](const StartScore& a, const StartScore& b) { return a.score > b.score; });
@@ -125,6 +136,7 @@ std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> propo
       const auto scores = score_starts(proposals[i], look, present);
       for (const auto& s : scores) p.best_starts.push_back(s.start);
       p.score = scores.empty() ? 0.0 : scores.front().score;
+      p.z = scores.empty() ? 0.0 : scores.front().z;
     } catch (const InputError&) {
       p.score = 0.0;  // a chain that cannot be run at its start values is no candidate
     }

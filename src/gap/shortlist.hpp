@@ -13,6 +13,7 @@ struct Promising {
   Proposal proposal;
   std::vector<std::size_t> best_starts;  ///< best first
   double score = 0.0;  ///< share of the residual's energy that the first look predicts it to explain
+  double z = 0.0;      ///< standard deviations of that (the residual's colour counted)
 };
 
 /// The first look: the residual is made orthogonal to everything that the model's own unknowns could still

@@ -21,6 +21,7 @@ enum class SignKind {
   spectral_line,
   jumps,
   gain_varies,
+  concentrated,
   smooth_over_frequency,
 };
 /// For a person: "the residual jumps", ...
@@ -53,8 +54,12 @@ Sign gain_varies(const Leftover& record);
 /// Neighbouring points of a frequency response err alike, which noise of separate points does not.
 Sign smooth_over_frequency(const Leftover& record);
 
-/// All signs that hold, strongest first.
-std::vector<Sign> signs_of_structure(const std::vector<Leftover>& train,
-                                     const std::vector<Leftover>& holdout);
+/// The energy lies in few cells of time and frequency together, as that of a chirp or of bursts does.
+Sign concentrated(const Leftover& record);
+
+/// All signs that hold, strongest first: of each record alone, and of every two of `parts` (the records, or
+/// the halves of the only one) what one foretells of the other.
+std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records,
+                                     const std::vector<Leftover>& parts);
 
 }  // namespace bodesmith::gap

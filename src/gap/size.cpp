@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "gap/lines.hpp"
 #include "gap/runner.hpp"
 #include "signal/period.hpp"
 #include "signal/periodogram.hpp"
@@ -14,6 +15,11 @@ namespace {
 
 /// A start stands out under the final model when its residual is this much larger than the rest's.
 constexpr double kStartStandsOut = 1.5;
+
+/// The model as a record of its own sees it: lines of the mains as this record has them.
+Model for_record(const Model& model, const Experiment& experiment) {
+  return model.line_blocks().empty() ? model : with_lines_of(model, experiment);
+}
 
 /// Residual of one record from its first to its last sample, as `simulate` makes it.
 std::vector<double> whole_residual(const Model& model, const TimeExperiment& experiment) {
@@ -63,11 +69,11 @@ std::vector<std::size_t> scoring_starts(const Model& final, const Experiments& e
 
 /// rms of all records together, from their scoring starts on, and whole.
 std::pair<double, double> pooled_rms(const Model& model, const Experiments& experiments,
-                                     const std::vector<std::size_t>& from) {
+                                     const std::vector<std::size_t>& from, bool own_lines) {
   std::vector<double> scored;
   std::vector<double> whole;
   for (std::size_t i = 0; i < experiments.size(); ++i) {
-    const auto e = whole_residual(model, experiments[i]);
+    const auto e = whole_residual(own_lines ? for_record(model, experiments[i]) : model, experiments[i]);
     scored.insert(scored.end(), e.begin() + static_cast<std::ptrdiff_t>(from[i]), e.end());
     whole.insert(whole.end(), e.begin(), e.end());
   }
@@ -95,8 +101,10 @@ GapMeter::GapMeter(const Study& study, const Model& final)
 
 GapSize GapMeter::size(const Model& model) const {
   GapSize s;
-  std::tie(s.train_rms, s.train_whole_rms) = pooled_rms(model, study_.train(), train_from_);
-  std::tie(s.holdout_rms, s.holdout_whole_rms) = pooled_rms(model, study_.holdout(), holdout_from_);
+  // Training records have lines of their own; the held-out ones are compared with what model.toml holds.
+  std::tie(s.train_rms, s.train_whole_rms) = pooled_rms(model, study_.train(), train_from_, true);
+  const Model written = for_record(model, study_.holdout().front());
+  std::tie(s.holdout_rms, s.holdout_whole_rms) = pooled_rms(written, study_.holdout(), holdout_from_, false);
   s.holdout_percent_of_range = 100.0 * s.holdout_rms / largest_range(study_.holdout());
   return s;
 }
@@ -106,7 +114,7 @@ std::vector<Cell> GapMeter::where(const Model& model) const {
   std::vector<Cell> cells;
   for (std::size_t i = 0; i < study_.holdout().size(); ++i) {
     const auto& experiment = study_.holdout()[i];
-    const auto residual = whole_residual(model, experiment);
+    const auto residual = whole_residual(for_record(model, experiment), experiment);
     const double size = rms(residual);
     if (size <= largest) continue;
     largest = size;

@@ -61,8 +61,7 @@ TEST(FrequencyResponse, aDelaysValueIsFound) {
   const auto c = hidden::make_case({World::responses, Kind::effect, "gain", {"time_delay"}, 50.0, 5});
   const auto base = chain::model_from_node(parse_toml(c.model, "model.toml"));
   gap::FrequencyExperiment train(c.train_responses[0]);
-  gap::FrequencyExperiment holdout(c.holdout_responses[0]);
-  const auto result = gap::search(base, {train}, {holdout}, {});
+  const auto result = gap::search(base, {train}, {});
   ASSERT_EQ(result.steps.size(), 1U);
   EXPECT_EQ(result.steps[0].effect->name(), "time_delay");
   // What the delay does to the phase at the top, read off the noisy record itself.

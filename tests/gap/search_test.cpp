@@ -102,10 +102,9 @@ TEST(Search, keepsWhatItHasWhenStopped) {
   const auto c = make(Kind::effect, "gain", {"saturation"}, 6);
   const auto chain = chain::model_from_node(parse_toml(c.model, "model.toml"));
   gap::TimeExperiment train(c.train[0]);
-  gap::TimeExperiment holdout(c.holdout[0]);
   gap::SearchOptions options;
   options.stop = [] { return true; };
-  const auto result = gap::search(chain, {train}, {holdout}, options);
+  const auto result = gap::search(chain, {train}, options);
   EXPECT_TRUE(result.stopped);
   EXPECT_TRUE(result.steps.empty());
   EXPECT_FALSE(gap::residuals_of(result.final, {train}).empty());

@@ -18,7 +18,7 @@ class Drift final : public Effect {
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
     const double rate = scene.boundary.back().size() / scene.duration_s;
-    out.push_back(insert_block(scene, *this, scene.model->size(), chain::make_block("drift"),
+    out.push_back(insert_block(scene, *this, scene.end(), chain::make_block("drift"),
                                {linear_unknown("rate_per_s", -10.0 * rate, 10.0 * rate, 0.1 * rate)},
                                {{0.01 * rate}}));
   }

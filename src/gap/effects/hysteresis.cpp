@@ -1,4 +1,5 @@
 #include <array>
+#include <cmath>
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
@@ -30,7 +31,8 @@ class Hysteresis final : public Effect {
       const double half = 0.5 * scene.boundary[at].span();
       if (!(half > 0.0)) continue;
       out.push_back(plays(scene, at, half));
-      out.push_back(bouc_wen(scene, at, half));
+      out.push_back(bouc_wen(scene, at, half, false));
+      if (scene.residual.size() <= kMaxSamplesWithSharpness) out.push_back(bouc_wen(scene, at, half, true));
     }
   }
 
@@ -44,8 +46,9 @@ class Hysteresis final : public Effect {
     return insert_block(scene, *this, at, block, bank.unknowns, {bank.start});
   }
 
-  /// y = u - z with gamma as a share of beta: a smooth loop that the plays only follow in corners.
-  Proposal bouc_wen(const Scene& scene, std::size_t at, double half) const {
+  /// y = u - z with gamma as a share of beta, and beta for a signal of half range 1 (whatever its unit): a
+  /// smooth loop that the plays only follow in corners.
+  Proposal bouc_wen(const Scene& scene, std::size_t at, double half, bool sharpness) const {
     Model model = *scene.model;
     Term term;
     term.effect = this;
@@ -53,24 +56,20 @@ class Hysteresis final : public Effect {
     auto block = chain::make_block("bouc_wen").set("k", 1.0).set("A", 0.1).set("beta", 1.0).set("gamma", 0.0);
     const int id = model.insert(at, std::move(block));
     term.blocks = {id};
-    term.unknowns = {linear_unknown("A", -3.0, 0.9, 0.1),
-                     logarithmic_unknown("beta", 0.02 / half, 20.0 / half),
+    term.unknowns = {linear_unknown("A", -3.0, 0.9, 0.1), logarithmic_unknown("beta", 0.02, 20.0),
                      linear_unknown("gamma_over_beta", -0.9, 1.0, 0.2), linear_unknown("n", 1.0, 2.0, 0.3)};
-    const bool sharpness = scene.residual.size() <= kMaxSamplesWithSharpness;
     if (!sharpness) term.unknowns.pop_back();
     Starts starts;
     for (double a : {0.1, -0.1}) {
-      for (double beta : {1.0 / half, 5.0 / half}) {
+      for (double beta : {1.0, 5.0}) {
         starts.push_back({a, beta, 0.0});
         if (sharpness) starts.back().push_back(1.1);
       }
     }
-    term.write = [id](Model& m, std::span<const double> v) {
-      m.block(id)
-          .set("A", v[0])
-          .set("beta", v[1])
-          .set("gamma", v[2] * v[1])
-          .set("n", v.size() > 3 ? v[3] : 1.0);
+    term.write = [id, half](Model& m, std::span<const double> v) {
+      const double n = v.size() > 3 ? v[3] : 1.0;
+      const double beta = v[1] / std::pow(half, n);
+      m.block(id).set("A", v[0]).set("beta", beta).set("gamma", v[2] * beta).set("n", n);
     };
     return propose_term(std::move(model), std::move(term), std::move(starts));
   }

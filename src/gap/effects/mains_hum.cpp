@@ -1,24 +1,66 @@
 #include <algorithm>
 #include <cmath>
+#include <complex>
 
+#include "base/units.hpp"
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
+#include "gap/proposal.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
-/// Amplitude and phase (degrees, at t = 0 of the scene) of a sine in the residual.
-std::pair<double, double> fit_line(const Scene& scene, double hz) {
-  double s = 0.0;
-  double c = 0.0;
-  const double w = Hertz{hz}.rad_s().value;
-  for (std::size_t i = 0; i < scene.residual.size(); ++i) {
-    const double t = scene.start_s + scene.step_s * static_cast<double>(i);
-    s += scene.residual[i] * std::sin(w * t);
-    c += scene.residual[i] * std::cos(w * t);
+/// The grid keeps to its nominal frequency within this part.
+constexpr double kTolerance = 0.005;
+constexpr int kHarmonics = 7;
+/// Fewer cycles in the record, as sampled, are a drift or an offset to it.
+constexpr double kMinCycles = 3.0;
+/// Steps of the search for a line, in parts of the record's resolution.
+constexpr double kStep = 0.2;
+/// Lines of a harmonic's neighbourhood that are proposed, and how far apart they are (resolutions).
+constexpr std::size_t kProposed = 2;
+constexpr double kApart = 1.5;
+constexpr double kDoubtAHarmonic = 0.03;
+
+/// Where a frequency comes to lie when sampled.
+double alias_of(double hz, double rate_hz) {
+  return std::abs(hz - rate_hz * std::round(hz / rate_hz));
+}
+
+/// Amplitude of a line in the residual, roughly.
+double amplitude_at(const Scene& scene, double hz) {
+  const auto turn = std::polar(1.0, -Hertz{hz}.rad_s().value * scene.step_s);
+  std::complex<double> pointer = 1.0;
+  std::complex<double> sum = 0.0;
+  for (double r : scene.residual) {
+    sum += r * pointer;
+    pointer *= turn;
   }
-  const double n = 0.5 * static_cast<double>(scene.residual.size());
-  return {std::hypot(s, c) / n, to_degrees(std::atan2(c, s))};
+  return 2.0 * std::abs(sum) / static_cast<double>(scene.residual.size());
+}
+
+struct Line {
+  double nominal_hz = 0.0;
+  double hz = 0.0;
+  double amplitude = 0.0;
+  int harmonic = 1;
+
+  /// Of harmonics that sampling folds to one place the lower one is likelier.
+  double rank() const { return amplitude * (1.0 - kDoubtAHarmonic * harmonic); }
+};
+
+/// The largest line within the grid's tolerance of a nominal frequency.
+Line largest_near(const Scene& scene, double nominal_hz) {
+  const double step = kStep / scene.duration_s;
+  const double reach = kTolerance * nominal_hz;
+  const int count = static_cast<int>(std::ceil(reach / step));
+  Line best{nominal_hz, nominal_hz, -1.0, 1};
+  for (int k = -count; k <= count; ++k) {
+    const double hz = nominal_hz + reach * k / count;
+    const double amplitude = amplitude_at(scene, hz);
+    if (amplitude > best.amplitude) best = {nominal_hz, hz, amplitude, 1};
+  }
+  return best;
 }
 
 class MainsHum final : public Effect {
@@ -31,35 +73,52 @@ class MainsHum final : public Effect {
   bool independent_of_input() const override { return true; }
   /// The mains and its harmonics are separate lines.
   bool repeatable() const override { return true; }
+  /// One line each, its frequency free within the grid's tolerance (above half the sampling rate it shows as
+  /// its alias), its size and phase each record's own.
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
-    struct Line {
-      double hz;
-      double amplitude;
-      double phase_deg;
-    };
     std::vector<Line> lines;
+    const double rate = 1.0 / scene.step_s;
     for (double mains : {50.0, 60.0}) {
-      for (int harmonic = 1; harmonic <= 5; ++harmonic) {
+      for (int harmonic = 1; harmonic <= kHarmonics; ++harmonic) {
         const double hz = mains * harmonic;
-        if (hz > 0.8 * scene.top_hz || hz * scene.duration_s < 3.0) continue;
-        const auto [amplitude, phase] = fit_line(scene, hz);
-        lines.push_back({hz, amplitude, phase});
+        const double seen = alias_of(hz, rate);
+        if (seen * scene.duration_s < kMinCycles || (0.5 * rate - seen) * scene.duration_s < kMinCycles)
+          continue;
+        lines.push_back(largest_near(scene, hz));
+        lines.back().harmonic = harmonic;
       }
     }
-    std::sort(lines.begin(), lines.end(),
-              [](const Line& a, const Line& b) { return a.amplitude > b.amplitude; });
-    if (lines.size() > 2) lines.resize(2);
+    std::stable_sort(lines.begin(), lines.end(),
+                     [](const Line& a, const Line& b) { return a.rank() > b.rank(); });
+    std::vector<Line> proposed;
     for (const auto& line : lines) {
-      auto block = chain::make_block("hum");
-      block.set("frequency_hz", line.hz);
-      const double size = scene.boundary.back().size();
-      out.push_back(insert_block(
-          scene, *this, scene.model->size(), block,
-          {linear_unknown("amplitude", -10.0 * size, 10.0 * size, std::max(line.amplitude, 1e-6 * size)),
-           linear_unknown("phase_deg", -1e4, 1e4, 30.0)},
-          {{std::max(line.amplitude, 1e-6 * size), line.phase_deg}}));
+      if (proposed.size() >= kProposed) break;
+      const bool seen = std::any_of(proposed.begin(), proposed.end(), [&](const Line& other) {
+        return std::abs(alias_of(other.hz, rate) - alias_of(line.hz, rate)) * scene.duration_s < kApart;
+      });
+      if (!seen) proposed.push_back(line);
     }
+    for (const auto& line : proposed) out.push_back(with_line(scene, line));
+  }
+
+ private:
+  Proposal with_line(const Scene& scene, const Line& line) const {
+    Model model = *scene.model;
+    Term term;
+    term.effect = this;
+    term.placed = model.placed(model.size());
+    const int id = model.insert(
+        model.size(),
+        chain::make_block("hum").set("amplitude", 0.0).set("frequency_hz", line.hz).set("phase_deg", 0.0));
+    term.blocks = {id};
+    term.lines = {id};
+    auto frequency = linear_unknown("frequency_hz", (1.0 - kTolerance) * line.nominal_hz,
+                                    (1.0 + kTolerance) * line.nominal_hz, 0.1 / scene.duration_s);
+    frequency.unit = "Hz";
+    term.unknowns = {frequency};
+    term.write = [id](Model& m, std::span<const double> v) { m.block(id).set("frequency_hz", v[0]); };
+    return propose_term(std::move(model), std::move(term), {{line.hz}});
   }
 };
 

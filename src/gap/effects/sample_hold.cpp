@@ -75,7 +75,9 @@ class SampleHold final : public Effect {
         }
         if (starts.empty()) continue;
         const auto [low, high] = std::minmax_element(starts.begin(), starts.end());
-        const auto clock = logarithmic_unknown("clock_hz", 0.5 * (*low)[0], 2.0 * (*high)[0]);
+        auto clock = logarithmic_unknown("clock_hz", 0.5 * (*low)[0], 2.0 * (*high)[0]);
+        // A tenth of a sample at the record's end.
+        clock.hop = 0.1 * starts[0][0] / static_cast<double>(scene.residual.size());
         out.push_back(insert_block(scene, *this, at, hold_block(half, starts[0][0]), {clock}, starts));
       }
     }

@@ -19,9 +19,12 @@ constexpr std::size_t kKept = 4;
 constexpr int kFiner = 4;
 /// Samples of the first look (stairs: of theirs), and of the last one.
 constexpr std::size_t kFirstLook = 800;
-constexpr std::size_t kFirstStairs = 2500;
+constexpr std::size_t kFirstStairs = 1200;
 constexpr std::size_t kLastLook = 12800;
 constexpr std::size_t kLastStairs = 16000;
+/// The fastest clock that is looked for, in samplings: a hold faster than the record leaves images that sampling
+/// folds down.
+constexpr double kFastest = 1.6;
 /// A lag of whole samples must leave less than this of the mean square, one below a sample must explain that
 /// share.
 constexpr double kMaxLeftByLag = 0.96;
@@ -50,15 +53,14 @@ struct Likeness {
   double value() const { return along > 0.0 && size > 0.0 ? along * along / size : 0.0; }
 };
 
-/// Likeness of the residual's samples `from` … n - 1 to stairs of the output less their mean lag.
-double likeness_to_stairs(const Scene& scene, bool half, double clock_hz, std::size_t from, std::size_t n) {
-  const auto& y = scene.boundary.back().values;
-  const double cycle = 1.0 / (clock_hz * scene.step_s);  // in samples
+/// Likeness of samples `from` … n - 1 of a residual to stairs of a signal less their mean lag.
+double likeness_to_stairs(const std::vector<double>& signal, const std::vector<double>& residual, bool half,
+                          double cycle, std::size_t from, std::size_t n) {
   const double late = half ? 0.5 * cycle : 0.0;
   const double lag = 0.5 * cycle + late;
   const auto at = [&](double s) {
     const auto k = static_cast<std::size_t>(s);
-    return k + 1 < n ? y[k] + (s - static_cast<double>(k)) * (y[k + 1] - y[k]) : y[k];
+    return k + 1 < n ? signal[k] + (s - static_cast<double>(k)) * (signal[k + 1] - signal[k]) : signal[k];
   };
   Likeness likeness;
   for (std::size_t i = from; i < n; ++i) {
@@ -66,9 +68,40 @@ double likeness_to_stairs(const Scene& scene, bool half, double clock_hz, std::s
     const double edge = std::floor((t - late) / cycle) * cycle;
     const double mean = t - lag;
     if (edge < 0.0 || mean < 0.0) continue;
-    likeness.add(scene.residual[i], at(edge) - at(mean));
+    likeness.add(residual[i], at(edge) - at(mean));
   }
   return likeness.value();
+}
+
+/// Clocks whose stairs of a signal the residual is like, best first.
+Starts clocks_of_stairs(const Scene& scene, const std::vector<double>& signal,
+                        const std::vector<double>& residual, bool half) {
+  const double h = scene.step_s;
+  const auto likeness = [&](double f, std::size_t n) {
+    return likeness_to_stairs(signal, residual, half, 1.0 / (f * h), n / 10, n);
+  };
+  const std::size_t last = std::min(residual.size(), kLastStairs);
+  std::size_t length = std::min(last, kFirstStairs);
+  double spacing = 0.2 / (static_cast<double>(length) * h);
+  std::vector<ScoredClock> scored;
+  for (double f = std::max(1.5 * scene.band_hz, 8.0 / (static_cast<double>(length) * h)); f < kFastest / h;
+       f += spacing)
+    scored.emplace_back(likeness(f, length), f);
+  while (true) {
+    std::sort(scored.rbegin(), scored.rend());
+    if (scored.size() > kKept) scored.resize(kKept);
+    if (length == last) return starts_of(scored);
+    length = std::min(last, 2 * length);
+    std::vector<ScoredClock> finer;
+    for (const auto& [size, f] : scored) {
+      for (int k = -kFiner; k <= kFiner; ++k) {
+        const double g = f + 0.25 * k * spacing;
+        finer.emplace_back(likeness(g, length), g);
+      }
+    }
+    scored = std::move(finer);
+    spacing *= 0.5;
+  }
 }
 
 /// Mean square of the measured output less the model's, `lag` samples later.
@@ -168,59 +201,24 @@ Starts clocks_by_lag(const Scene& scene, const Model& held, double guess_hz) {
 }
 
 Starts clocks_by_stairs(const Scene& scene, bool half) {
-  const double h = scene.step_s;
-  const std::size_t last = std::min(scene.residual.size(), kLastStairs);
-  std::size_t length = std::min(last, kFirstStairs);
-  double spacing = 0.2 / (static_cast<double>(length) * h);
-  std::vector<ScoredClock> scored;
-  for (double f = std::max(1.5 * scene.band_hz, 8.0 / (static_cast<double>(length) * h)); f < 0.7 / h;
-       f += spacing)
-    scored.emplace_back(likeness_to_stairs(scene, half, f, length / 10, length), f);
-  while (true) {
-    std::sort(scored.rbegin(), scored.rend());
-    if (scored.size() > kKept) scored.resize(kKept);
-    if (length == last) return starts_of(scored);
-    length = std::min(last, 2 * length);
-    std::vector<ScoredClock> finer;
-    for (const auto& [size, f] : scored) {
-      for (int k = -kFiner; k <= kFiner; ++k) {
-        const double g = f + 0.25 * k * spacing;
-        finer.emplace_back(likeness_to_stairs(scene, half, g, length / 10, length), g);
-      }
-    }
-    scored = std::move(finer);
-    spacing *= 0.5;
-  }
+  return clocks_of_stairs(scene, scene.boundary[scene.end()].values, scene.residual, half);
 }
 
 Starts clocks_before_dynamics(const Scene& scene, std::size_t at, bool half) {
-  Model held = *scene.model;
-  auto hold = chain::make_block("sample_hold").set("half_cycle", half ? 1.0 : 0.0);
-  const int hold_id = held.insert(at, hold.set("clock_hz", 1.0 / scene.step_s));
-  Model late = *scene.model;
-  const int delay_id = late.insert(at, chain::make_block("delay").set("delay_s", scene.step_s));
-  const std::size_t n = std::min(scene.residual.size(), kFirstLook);
-  const auto u = std::span<const double>(scene.boundary.front().values).first(n);
-  simulate::RecordOptions options;
-  options.start_s = scene.start_s;
-  simulate::RecordSimulator with_hold(held.chain(), scene.step_s, options);
-  simulate::RecordSimulator with_delay(late.chain(), scene.step_s, options);
-  auto& hold_block = with_hold.chain().blocks[held.position_of(hold_id)];
-  auto& delay_block = with_delay.chain().blocks[late.position_of(delay_id)];
-  std::vector<ScoredClock> scored;
-  const double spacing = 0.25 / (static_cast<double>(n) * scene.step_s);
-  for (double f = 1.5 * scene.band_hz; f < 0.25 / scene.step_s; f += spacing) {
-    hold_block.set("clock_hz", f);
-    delay_block.set("delay_s", (half ? 1.0 : 0.5) / f);
-    const auto a = with_hold.run(u);
-    const auto b = with_delay.run(u);
-    Likeness likeness;
-    for (std::size_t i = n / 10; i < n; ++i) likeness.add(scene.residual[i], a[i] - b[i]);
-    scored.emplace_back(likeness.value(), f);
+  chain::Chain behind;
+  for (std::size_t k = at; k < scene.end(); ++k) {
+    if (!scene.linear(k)) return {};
+    behind.blocks.push_back(scene.model->at(k));
   }
-  std::sort(scored.rbegin(), scored.rend());
-  if (scored.size() > 3) scored.resize(3);
-  return starts_of(scored);
+  // <r, H stairs> = <H* r, stairs>: what is behind runs once, over the residual from its end.
+  const std::vector<double> turned(scene.residual.rbegin(), scene.residual.rend());
+  simulate::RecordSimulator simulator(std::move(behind), scene.step_s);
+  const auto rest = simulator.run(std::vector<double>(turned.size(), 0.0));
+  const std::vector<double> constant(rest.begin(), rest.end());
+  const auto y = simulator.run(turned);
+  std::vector<double> seen(y.rbegin(), y.rend());
+  for (std::size_t i = 0; i < seen.size(); ++i) seen[i] -= constant[seen.size() - 1 - i];
+  return clocks_of_stairs(scene, scene.boundary[at].values, seen, half);
 }
 
 }  // namespace bodesmith::gap

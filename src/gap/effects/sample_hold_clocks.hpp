@@ -26,8 +26,8 @@ Starts clocks_by_lag(const Scene& scene, const Model& held, double guess_hz);
 /// late.
 Starts clocks_by_stairs(const Scene& scene, bool half);
 
-/// The same for a hold at `at` in front of dynamics, which soften its stairs: the feature is what the whole
-/// model makes of a hold beside a plain delay of the same mean, on the first samples.
+/// The same for a hold at `at` in front of linear dynamics, which soften its stairs: the residual is run
+/// through them backwards instead. None where what follows is not linear.
 Starts clocks_before_dynamics(const Scene& scene, std::size_t at, bool half);
 
 }  // namespace bodesmith::gap

@@ -18,6 +18,8 @@ class Saturation final : public Effect {
   std::string_view experiment() const override {
     return "a slow ramp to the ends of the range: a limit is flat";
   }
+  /// A clip anywhere in the chain is likelier than memory with many unknowns.
+  int places_a_round() const override { return 5; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
     for (std::size_t at : scene.static_places()) {

@@ -25,9 +25,9 @@ class SwitchDelay final : public Effect {
       for (double delay = 1.2 * step; delay < 0.4 / scene.low_hz && starts.size() < 30; delay *= 1.3)
         starts.push_back({delay});
       if (starts.empty()) starts.push_back({0.5 * step});
-      out.push_back(change_block(scene, *this, at,
-                                 {logarithmic_unknown("switch_delay_s", 0.01 * step, 0.5 / scene.low_hz)},
-                                 starts));
+      auto delay = logarithmic_unknown("switch_delay_s", 0.01 * step, 0.5 / scene.low_hz);
+      delay.hop = 0.1 * step;
+      out.push_back(change_block(scene, *this, at, {delay}, starts));
     }
   }
 };

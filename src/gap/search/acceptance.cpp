@@ -5,6 +5,8 @@
 #include <utility>
 
 #include "gap/runner.hpp"
+#include "gap/search/round.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -13,11 +15,25 @@ void add_once(std::vector<std::string>& list, std::string name) {
   if (std::find(list.begin(), list.end(), name) == list.end()) list.push_back(std::move(name));
 }
 
+/// What a round's candidates are measured against.
+struct Bar {
+  double folds_rms = 0.0;  ///< of the model before
+  double train_rms = 0.0;
+  double first_gap = 0.0;  ///< rms that the base model left; 0: this is the first term
+};
+
 /// What speaks against a candidate on its own; not_judged: nothing.
-CandidateOutcome objection_to(const AcceptanceOptions& options, const Ranked& r, double holdout_before) {
-  const double gain = 1.0 - r.holdout_rms / holdout_before;
-  if (!(gain >= options.min_gain)) return CandidateOutcome::no_heldout_gain;
-  if (!is_significant(options, {gain, r.z, r.train_z})) return CandidateOutcome::not_significant;
+CandidateOutcome objection_to(const AcceptanceOptions& options, const Ranked& r, const Bar& bar) {
+  const double gain = 1.0 - r.folds_rms / bar.folds_rms;
+  if (!(gain >= options.min_gain)) return CandidateOutcome::no_gain_on_folds;
+  const double explained =
+      std::sqrt(std::max(0.0, bar.folds_rms * bar.folds_rms - r.folds_rms * r.folds_rms));
+  const double min_part =
+      std::min(options.max_min_part,
+               options.min_part_of_gap + options.min_part_each * static_cast<double>(r.unknowns - 1));
+  if (explained < min_part * bar.first_gap) return CandidateOutcome::no_gain_on_folds;
+  if (!(r.z >= options.min_significance && r.train_z >= options.min_significance))
+    return CandidateOutcome::not_significant;
   if (r.unknowns > options.max_unknowns) return CandidateOutcome::too_free;
   if (r.condition_number > options.max_condition) return CandidateOutcome::ill_conditioned;
   const auto& unknowns = r.model.terms().back().unknowns;
@@ -28,16 +44,24 @@ CandidateOutcome objection_to(const AcceptanceOptions& options, const Ranked& r,
   return CandidateOutcome::not_judged;
 }
 
+/// Standard deviations by which one candidate leaves more on the folds than another.
+double significantly_worse(const Ranked& r, const Ranked& than) {
+  if (r.folds.empty() || r.folds.size() != than.folds.size()) return 1e9;
+  return improvement_z(r.folds, than.folds);
+}
+
 /// The first of the good candidates, unless more unknowns buy next to nothing: then one with fewer of them.
-template <class Size>
-Ranked* simplest_of_best(const AcceptanceOptions& options, const std::vector<Ranked*>& good, Size left) {
+Ranked* simplest_of_best(const AcceptanceOptions& options, const std::vector<Ranked*>& good) {
   const Ranked& best = *good.front();
   Ranked* winner = good.front();
   for (auto* r : good) {
     if (r->effective >= winner->effective) continue;
-    const double worse = left(*r) / left(best) - 1.0;
+    const double worse = r->folds_rms / best.folds_rms - 1.0;
     const auto fewer = static_cast<double>(best.effective - r->effective);
-    if (worse < options.simpler_within + options.simpler_within_each * fewer) winner = r;
+    const bool next_to_nothing = worse < options.simpler_within + options.simpler_within_each * fewer;
+    if (next_to_nothing ||
+        (worse < options.tie_within && significantly_worse(*r, best) < options.tie_significance))
+      winner = r;
   }
   return winner;
 }
@@ -45,18 +69,20 @@ Ranked* simplest_of_best(const AcceptanceOptions& options, const std::vector<Ran
 /// How a good candidate stands to the one that was chosen; the step keeps its name where that matters.
 CandidateOutcome compare(const AcceptanceOptions& options, const Ranked& r, const Ranked& winner,
                          Step& step) {
-  const double worse = r.holdout_rms / winner.holdout_rms - 1.0;
+  const double worse = r.folds_rms / winner.folds_rms - 1.0;
+  const bool alike =
+      worse < options.tie_surely_within ||
+      (worse < options.tie_within && significantly_worse(r, winner) < options.tie_significance);
   if (r.effect == winner.effect) {
-    if (worse < options.tie_within && r.placed != winner.placed) add_once(step.also_placed, r.placed);
+    if (alike && r.placed != winner.placed) add_once(step.also_placed, r.placed);
     return CandidateOutcome::other_place_or_form;
   }
-  if (worse >= options.tie_within) return CandidateOutcome::worse;
+  if (!alike) return CandidateOutcome::worse;
   const std::string name(r.effect->name());
-  // A rival with a little more freedom is as good a name when it is at least as near.
-  const bool as_free =
-      r.unknowns <= winner.unknowns ||
-      (r.unknowns <= winner.unknowns + options.tie_more_unknowns && worse < options.tie_with_more_within);
-  if (!as_free) {
+  // A rival with a little more freedom is as good a name when that freedom shows.
+  const bool freedom_shows = r.unknowns <= winner.unknowns + options.tie_more_unknowns &&
+                             significantly_worse(winner, r) > options.freedom_significance;
+  if (r.unknowns > winner.unknowns && !freedom_shows) {
     add_once(step.also_fit, name);
     return CandidateOutcome::also_fits_with_more_unknowns;
   }
@@ -76,52 +102,37 @@ Step make_step(const AcceptanceOptions& options, const Model& before, Ranked& wi
   for (auto* r : good) {
     if (r != &winner) r->outcome = compare(options, *r, winner, step);
   }
+  // The same effect in another place or form is no rival.
+  std::erase(step.tied_with, std::string(winner.effect->name()));
   return step;
 }
 
 }  // namespace
 
-bool is_significant(const AcceptanceOptions& options, const Gain& gain) {
-  // Training records, which were fitted, count for no more than twice what the held-out ones say.
-  const double both = (gain.z + std::min(gain.train_z, 2.0 * gain.z)) / std::sqrt(2.0);
-  return !(gain.z < options.min_significance || gain.train_z < options.min_significance ||
-           both < options.min_combined);
-}
-
-double pooled_left(const Ranked& r, double train_before, double holdout_before) {
-  return std::sqrt(0.5 * (r.train_rms * r.train_rms / (train_before * train_before) +
-                          r.holdout_rms * r.holdout_rms / (holdout_before * holdout_before)));
-}
-
 Judgement judge(const SearchSetting& setting, const SearchRecords& records, const Model& before,
                 std::vector<Ranked> ranking) {
   const auto& options = setting.options.acceptance;
-  const double train_before = rms_of(before, records.train);
-  const double holdout_before = rms_of(before, records.holdout);
-  const auto left = [&](const Ranked& r) { return pooled_left(r, train_before, holdout_before); };
+  const auto residuals = round_residuals(before, records);
+  Bar bar{rms(residuals.folds), rms(residuals.train), 0.0};
+  if (!before.terms().empty()) bar.first_gap = setting.first_gap;
   std::stable_sort(ranking.begin(), ranking.end(),
-                   [&](const Ranked& a, const Ranked& b) { return left(a) < left(b); });
+                   [](const Ranked& a, const Ranked& b) { return a.folds_rms < b.folds_rms; });
   std::vector<Ranked*> good;
   for (auto& r : ranking) {
-    const auto objection = objection_to(options, r, holdout_before);
-    if (objection == CandidateOutcome::not_judged) {
-      good.push_back(&r);
-    } else {
-      r.outcome = objection;
-    }
+    r.outcome = objection_to(options, r, bar);
+    if (r.outcome == CandidateOutcome::not_judged) good.push_back(&r);
   }
   while (!good.empty()) {
-    Ranked* winner = simplest_of_best(options, good, left);
-    const double control = control_gain(setting, records, before, *winner);
-    const double gain = 1.0 - winner->holdout_rms / holdout_before;
+    Ranked* winner = simplest_of_best(options, good);
+    const bool sure = std::min(winner->z, winner->train_z) > options.sure || setting.options.is_late();
+    const double control = sure ? 0.0 : control_gain(setting, records, before, *winner);
+    const double gain = 1.0 - winner->folds_rms / bar.folds_rms;
     if (gain < options.control_factor * control) {
       winner->outcome = CandidateOutcome::no_more_than_control;
       std::erase(good, winner);
       continue;
     }
     Step step = make_step(options, before, *winner, control, good);
-    std::stable_sort(ranking.begin(), ranking.end(),
-                     [](const Ranked& a, const Ranked& b) { return a.holdout_rms < b.holdout_rms; });
     step.ranking = ranking;
     return {std::move(step), std::move(ranking)};
   }

@@ -12,24 +12,18 @@ namespace bodesmith::gap {
 /// What a round comes to: the candidates with their outcomes, and the term that earned its place.
 struct Judgement {
   std::optional<Step> step;
-  std::vector<Ranked> ranking;  ///< of a step: by held-out rms; without one: most promising first
+  std::vector<Ranked> ranking;  ///< most promising first
 };
 Judgement judge(const SearchSetting& setting, const SearchRecords& records, const Model& before,
                 std::vector<Ranked> ranking);
 
-/// Gain of a term, as a share of the rms and in standard deviations.
+/// Gain of a term on folds of the training records, as a share of the rms and in standard deviations.
 struct Gain {
-  double share = 0.0;    ///< held-out
-  double z = 0.0;        ///< held-out
-  double train_z = 0.0;  ///< training
+  double share = 0.0;
+  double z = 0.0;
 };
-/// Whether the gain is significant on training and held-out records each, and on both together.
-bool is_significant(const AcceptanceOptions& options, const Gain& gain);
 
-/// Size of what a candidate leaves, training and held-out records counted alike: 1 when it leaves all.
-double pooled_left(const Ranked& candidate, double train_before, double holdout_before);
-
-/// The largest held-out gain (share of rms) that the candidate's term shows on records that cannot hold it:
+/// The largest gain on folds (share of rms) that the candidate's term shows on records that cannot hold it:
 /// the output of the model before plus noise with the spectrum of what the term leaves. 0 for frequency
 /// responses.
 double control_gain(const SearchSetting& setting, const SearchRecords& records, const Model& before,

@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <limits>
 #include <set>
+#include <string>
 #include <utility>
 
 #include "gap/runner.hpp"
+#include "gap/search/folds.hpp"
 #include "gap/search/round.hpp"
 #include "signal/statistics.hpp"
 
@@ -49,10 +51,10 @@ std::set<const Effect*> rivals_of(const SearchSetting& setting, const SearchReco
   const auto& options = setting.options.elimination;
   std::set<const Effect*> rivals;
   for (const auto& name : step.tied_with) rivals.insert(&effect_registry().get(name));
-  const double own = rms_of(step.after, records.holdout);
+  const double own = rms_of(step.after, records.train);
   for (const auto& r : step.ranking) {
     if (r.effect != step.effect && rivals.size() < options.max_rivals &&
-        r.holdout_rms < options.far_worse * own)
+        r.train_rms < options.far_worse * own)
       rivals.insert(r.effect);
   }
   return rivals;
@@ -63,33 +65,52 @@ const Ranked* best_successor(const SearchSetting& setting, const SearchRecords& 
                              const Term& term, const std::vector<Ranked>& ranking) {
   const auto& accepted = setting.options.acceptance;
   const auto& options = setting.options.elimination;
-  const double holdout = rms_of(now, records.holdout);
-  const double train = rms_of(now, records.train);
+  const double folds = rms(round_residuals(now, records).folds);
   const Ranked* best = nullptr;
   for (const auto& r : ranking) {
     if (r.condition_number > accepted.max_condition || r.unknowns > accepted.max_unknowns) continue;
-    const bool better =
-        r.holdout_rms < options.swap_holdout * holdout && r.train_rms < options.swap_train * train;
-    const bool simpler = r.effective < term.effective_unknowns() &&
-                         r.holdout_rms < options.swap_simpler * holdout &&
-                         r.train_rms < options.swap_simpler * train;
-    if ((better || simpler) && (best == nullptr || r.holdout_rms < best->holdout_rms)) best = &r;
+    const bool better = r.folds_rms < options.swap_gain * folds;
+    const bool simpler =
+        r.effective < term.effective_unknowns() && r.folds_rms < options.swap_simpler * folds;
+    if ((better || simpler) && (best == nullptr || r.folds_rms < best->folds_rms)) best = &r;
   }
   return best;
 }
 
-/// What is found with one earlier term exchanged; nothing when none of them should be.
+/// Which rivals are as good a name for an earlier term now that the later ones are there. `folds`: residuals of
+/// the present model.
+void judge_ties_again(const AcceptanceOptions& options, Step& step, const Term& term,
+                      const std::vector<double>& folds, const std::vector<Ranked>& ranking) {
+  const double own = rms(folds);
+  std::set<std::string> alike;
+  for (const auto& r : ranking) {
+    if (r.folds.size() != folds.size() || r.unknowns > term.unknowns.size()) continue;
+    if (r.folds_rms < (1.0 + options.tie_within) * own &&
+        improvement_z(r.folds, folds) < options.tie_significance)
+      alike.insert(std::string(r.effect->name()));
+  }
+  alike.erase(std::string(step.effect->name()));
+  step.tied_with.assign(alike.begin(), alike.end());
+}
+
+/// What is found with one earlier term exchanged; nothing when none of them should be: then the ties of those
+/// that stay are judged again.
 std::optional<Found> with_one_exchanged(const SearchSetting& setting, const SearchRecords& records,
-                                        const Found& found) {
+                                        Found& found) {
   for (std::size_t k = 0; k + 1 < found.steps.size(); ++k) {
-    if (setting.options.stopped()) break;
+    if (setting.options.is_late()) break;
     const auto rivals = rivals_of(setting, records, found.steps[k]);
     if (rivals.empty()) continue;
     Model without = refitted_without(setting, records, found.model, k);
-    auto ranking = fit_round(setting, records, without,
-                             [&](const Effect& effect) { return rivals.count(&effect) != 0; });
+    auto ranking = fit_round(setting, records, without, [&](const Effect& effect) {
+                     return rivals.count(&effect) != 0;
+                   }).ranking;
     const Ranked* best = best_successor(setting, records, found.model, found.model.terms()[k], ranking);
-    if (best == nullptr) continue;
+    if (best == nullptr) {
+      const auto now = folded_residuals(found.model, records.train, suitable_folds(without, records.train));
+      judge_ties_again(setting.options.acceptance, found.steps[k], found.model.terms()[k], now, ranking);
+      continue;
+    }
     Found exchanged = found;
     exchanged.notes.push_back(fmt::format("{} took the place of {} once the other terms were there",
                                           best->effect->name(), found.steps[k].effect->name()));
@@ -112,14 +133,13 @@ std::optional<Found> with_one_exchanged(const SearchSetting& setting, const Sear
 WithoutTerm without_term(const SearchSetting& setting, const SearchRecords& records, const Model& with,
                          std::size_t term) {
   constexpr double kIndispensable = 1e9;  // the model cannot be run without it
-  WithoutTerm without{refitted_without(setting, records, with, term), {1.0, kIndispensable, kIndispensable}};
-  const auto holdout_with = residuals_of(with, records.holdout);
-  const auto holdout_without = residuals_of(without.model, records.holdout);
-  if (holdout_without.empty()) return without;
-  without.gain.share = 1.0 - rms(holdout_with) / std::max(rms(holdout_without), 1e-300);
-  without.gain.z = improvement_z(holdout_without, holdout_with);
-  without.gain.train_z =
-      improvement_z(residuals_of(without.model, records.train), residuals_of(with, records.train));
+  WithoutTerm without{refitted_without(setting, records, with, term), {1.0, kIndispensable}};
+  const auto residuals = round_residuals(without.model, records);
+  const auto left_with = folded_residuals(with, records.train, residuals.kind);
+  const auto& left_without = residuals.folds;
+  if (left_without.empty()) return without;
+  without.gain.share = 1.0 - rms(left_with) / std::max(rms(left_without), 1e-300);
+  without.gain.z = improvement_z(left_without, left_with);
   return without;
 }
 

@@ -24,7 +24,7 @@ Model refit_base(const SearchSetting& setting, const SearchRecords& records) {
   std::optional<Model> best;
   double min_rms = 0.0;
   for (const auto& start : base_starts(setting, records.look())) {
-    if (setting.options.stopped() && best) break;
+    if (setting.options.is_late() && best) break;
     auto fitted = fit_in_turn(setting, records, with_values(setting.initial, start), options.iterations);
     if (!fitted.result.usable()) continue;
     const double reached = rms_of(fitted.model, records.train);
@@ -33,44 +33,6 @@ Model refit_base(const SearchSetting& setting, const SearchRecords& records) {
     best = std::move(fitted.model);
   }
   return best.value_or(setting.initial);
-}
-
-/// Training records may leave the free parameters open (one sine cannot tell gain, frequency and damping of a
-/// resonator apart). When values exist that serve the held-out records far better at no cost to the training
-/// records, it was the parameters, not the model: those are taken, and said.
-BaseFit settle_open_parameters(const SearchSetting& setting, BaseFit fitted) {
-  const auto& options = setting.options.base;
-  if (setting.initial.unknowns().empty()) return fitted;
-  const double train = rms_of(fitted.model, fitted.records.train);
-  const double holdout = rms_of(fitted.model, fitted.records.holdout);
-  if (holdout < options.suspicious_ratio * train &&
-      holdout < options.suspicious_part_of_range * largest_range(fitted.records.holdout))
-    return fitted;
-  SearchRecords records = fitted.records;
-  Model best = fitted.model;
-  double min_rms = holdout;
-  for (const auto& start : base_starts(setting, records.look())) {
-    if (setting.options.stopped()) return fitted;
-    auto rough = fit(with_values(setting.initial, start), joined(records.train, records.holdout),
-                     fit_options(setting.options, options.open_iterations));
-    if (!rough.result.usable()) continue;
-    records = renew_free_responses(setting, std::move(records), rough.model);
-    auto fine = fit(std::move(rough.model), joined(records.train, records.holdout),
-                    fit_options(setting.options, options.open_refit_iterations));
-    const double reached = rms_of(fine.model, records.holdout);
-    if (reached < min_rms && rms_of(fine.model, records.train) < options.no_cost * train) {
-      min_rms = reached;
-      best = std::move(fine.model);
-    }
-  }
-  if (min_rms < options.far_better * holdout) {
-    fitted.model = std::move(best);
-    fitted.notes.emplace_back(
-        "The training records leave free parameters of the model open; they were fitted to the held-out records as "
-        "well");
-  }
-  fitted.records = renew_free_responses(setting, std::move(records), fitted.model);
-  return fitted;
 }
 
 }  // namespace
@@ -87,7 +49,7 @@ BaseFit fit_base(const SearchSetting& setting, SearchRecords records) {
       model = fit_in_turn(setting, records, std::move(model), setting.options.base.settle_iterations).model;
     }
   }
-  return settle_open_parameters(setting, {std::move(model), std::move(records), {}});
+  return {std::move(model), std::move(records)};
 }
 
 Model settle(const SearchSetting& setting, const SearchRecords& records, const Model& model) {

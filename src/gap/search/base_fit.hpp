@@ -11,7 +11,6 @@ namespace bodesmith::gap {
 struct BaseFit {
   Model model;
   SearchRecords records;  ///< starts left out that stand out under the model
-  std::vector<std::string> notes;
 };
 BaseFit fit_base(const SearchSetting& setting, SearchRecords records);
 

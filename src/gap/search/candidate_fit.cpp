@@ -1,16 +1,25 @@
 #include <algorithm>
+#include <limits>
 #include <utility>
 
 #include "gap/runner.hpp"
 #include "gap/search/round.hpp"
+#include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
-/// Starts of a proposal that are tried: many of them lie close to each other.
-std::size_t tries_of(const Promising& p) {
-  return std::min<std::size_t>(p.best_starts.size(), p.proposal.starts.size() > 4 ? 3 : 2);
+/// Hops to both sides of where a fit ended, the coarse ones longer by this; and times the leader's rms within
+/// which they are tried.
+constexpr int kHops = 20;
+constexpr double kCoarseHop = 15.0;
+constexpr double kWorthCombing = 2.0;
+
+/// Starts of a proposal that are tried: many of them lie close to each other, and many unknowns are dear.
+std::size_t tries_of(const RoundOptions& options, const Promising& p) {
+  const bool many = p.proposal.model.terms().back().unknowns.size() > options.few_unknowns;
+  return std::min<std::size_t>(p.best_starts.size(), many ? 1 : p.proposal.starts.size() > 4 ? 3 : 2);
 }
 
 /// The proposal's model with its term at one of its starts, and other unknowns as given.
@@ -29,7 +38,8 @@ std::vector<Model> starting_models(const SearchSetting& setting, const Promising
   const auto& proposal = p.proposal;
   const auto here = current_values(proposal.model);
   std::vector<Model> all;
-  for (std::size_t t = 0; t < tries_of(p); ++t) all.push_back(with_term_at(proposal, here, p.best_starts[t]));
+  for (std::size_t t = 0; t < tries_of(setting.options.round, p); ++t)
+    all.push_back(with_term_at(proposal, here, p.best_starts[t]));
   const auto& terms = proposal.model.terms();
   if (terms.size() > 1) {
     const std::size_t last_earlier = terms.size() - 2;
@@ -43,7 +53,7 @@ std::vector<Model> starting_models(const SearchSetting& setting, const Promising
     }
   }
   const auto given = current_values(setting.initial);
-  if (!given.empty()) {
+  if (!given.empty() && terms.size() == 1) {
     auto values = here;
     std::copy(given.begin(), given.end(), values.begin());
     all.push_back(with_term_at(proposal, values, p.best_starts[0]));
@@ -58,7 +68,7 @@ std::vector<FittedModel> begin_fits(const SearchSetting& setting, const SearchRe
   options.cost_tolerance = setting.options.round.first_tolerance;
   std::vector<FittedModel> begun;
   for (auto& start : starting_models(setting, p)) {
-    if (setting.options.stopped() && !begun.empty()) break;
+    if (setting.options.is_late() && !begun.empty()) break;
     auto fitted = fit(std::move(start), records.look(), options);
     if (fitted.result.usable()) begun.push_back(std::move(fitted));
   }
@@ -67,47 +77,155 @@ std::vector<FittedModel> begin_fits(const SearchSetting& setting, const SearchRe
   return begun;
 }
 
+/// A fit on its way.
+struct Racer {
+  std::size_t candidate = 0;
+  FittedModel now;
+  bool stopped = false;
+};
+
+bool has_arrived(const FittedModel& fitted) {
+  return fitted.result.termination != Termination::max_iterations;
+}
+
+/// Stage by stage, until all have arrived or stay where they are.
+void race(const SearchSetting& setting, const SearchRecords& records, std::vector<Racer>& racers) {
+  const auto& limits = setting.options.round;
+  auto options = fit_options(setting.options, limits.iterations_a_stage);
+  options.cost_tolerance = limits.tolerance;
+  for (int stage = 0; stage < limits.stages && !setting.options.is_late(); ++stage) {
+    double leader = std::numeric_limits<double>::infinity();
+    for (const auto& r : racers) leader = std::min(leader, r.now.result.rms);
+    for (auto& r : racers) r.stopped = r.stopped || r.now.result.rms > limits.far_behind * leader;
+    std::vector<double> reached(racers.size());
+    parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
+      auto& r = racers[i];
+      reached[i] = r.now.result.rms;
+      if (r.stopped) return;
+      auto fitted = fit(r.now.model, records.look(), options);
+      r.stopped = !fitted.result.usable() || has_arrived(fitted);
+      if (fitted.result.usable() && fitted.result.rms <= r.now.result.rms) r.now = std::move(fitted);
+    });
+    for (const auto& r : racers) leader = std::min(leader, r.now.result.rms);
+    for (std::size_t i = 0; i < racers.size(); ++i) {
+      auto& r = racers[i];
+      const bool no_nearer = r.now.result.rms > limits.no_nearer * reached[i];
+      if (r.now.result.rms > limits.behind * leader && no_nearer) r.stopped = true;
+    }
+    if (std::all_of(racers.begin(), racers.end(), [](const Racer& r) { return r.stopped; })) return;
+  }
+}
+
+/// The best of the values around the one that unknown `at` has, the others as they are.
+bool hop_around(Runner& runner, std::vector<double>& values, std::size_t at, const Unknown& u, double hop,
+                double& least) {
+  std::vector<double> residual;
+  const double middle = values[at];
+  double best = middle;
+  for (int k = -kHops; k <= kHops; ++k) {
+    values[at] = std::clamp(middle + hop * k, u.low, u.high);
+    if (!runner(values, residual)) continue;
+    const double left = rms(residual);
+    if (!(left < least)) continue;
+    least = left;
+    best = values[at];
+  }
+  values[at] = best;
+  return best != middle;
+}
+
+/// Values that a fit cannot slide along, tried coarsely and finely around where it ended, then fitted on.
+void comb(const SearchSetting& setting, const SearchRecords& records, Racer& racer) {
+  const auto unknowns = racer.now.model.unknowns();
+  auto options = fit_options(setting.options, setting.options.round.iterations_a_stage);
+  for (std::size_t at = 0; at < unknowns.size(); ++at) {
+    if (unknowns[at].hop <= 0.0 || setting.options.is_late()) continue;
+    for (const double hop : {kCoarseHop * unknowns[at].hop, unknowns[at].hop}) {
+      auto values = current_values(racer.now.model);
+      Runner runner(racer.now.model, records.look());
+      std::vector<double> residual;
+      if (!runner(values, residual)) return;
+      double least = rms(residual);
+      if (!hop_around(runner, values, at, unknowns[at], hop, least)) continue;
+      Model moved = racer.now.model;
+      moved.set_values(values);
+      auto fitted = fit(std::move(moved), records.look(), options);
+      if (fitted.result.usable() && fitted.result.rms < racer.now.result.rms) racer.now = std::move(fitted);
+    }
+  }
+}
+
+/// The same for all that are in the running.
+void comb_leaders(const SearchSetting& setting, const SearchRecords& records, std::vector<Racer>& racers) {
+  double leader = std::numeric_limits<double>::infinity();
+  for (const auto& r : racers) leader = std::min(leader, r.now.result.rms);
+  parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
+    if (racers[i].now.result.rms < kWorthCombing * leader) comb(setting, records, racers[i]);
+  });
+}
+
 }  // namespace
 
 std::optional<Ranked> with_gains(Ranked r, const SearchRecords& records, const RoundResiduals& before) {
   const auto train = residuals_of(r.model, records.train);
-  const auto holdout = residuals_of(r.model, records.holdout);
-  if (train.size() != before.train.size() || holdout.size() != before.holdout.size()) return std::nullopt;
+  if (train.size() != before.train.size()) return std::nullopt;
   r.effective = r.model.terms().back().effective_unknowns();
-  r.train_rms = rms(train);
-  r.holdout_rms = rms(holdout);
-  r.train_z = improvement_z(before.train, train);
-  r.z = improvement_z(before.holdout, holdout);
+  r.train_rms = r.folds_rms = rms(train);
+  r.train_z = r.z = improvement_z(before.train, train);
   return r;
 }
 
-std::optional<Ranked> fit_candidate(const SearchSetting& setting, const SearchRecords& records,
-                                    const Promising& p, const RoundResiduals& before) {
-  const auto& limits = setting.options.round;
-  const auto& term = p.proposal.model.terms().back();
-  const bool free = term.unknowns.size() > limits.free_unknowns;
-  auto options = fit_options(setting.options, free ? limits.iterations_when_free : limits.iterations);
-  options.cost_tolerance = limits.tolerance;
-  auto begun = begin_fits(setting, records, p);
-  std::optional<FittedModel> best;
-  for (std::size_t t = 0; t < std::min<std::size_t>(begun.size(), 2); ++t) {
-    // begun[0] is still as it was begun: fits are made on copies.
-    if (t > 0 &&
-        (begun[t].result.rms > limits.worth_going_on * begun[0].result.rms || setting.options.stopped()))
-      break;
-    auto fitted = fit(begun[t].model, records.look(), options);
-    if (!fitted.result.usable() || (best && !(fitted.result.rms < best->result.rms))) continue;
-    best = std::move(fitted);
+Ranked with_folds(Ranked r, const SearchRecords& records, const RoundResiduals& before) {
+  r.folds = folded_residuals(r.model, records.train, before.kind);
+  if (r.folds.size() != before.folds.size()) {
+    r.folds.clear();
+    return r;
   }
-  if (!best) return std::nullopt;
-  Ranked r;
-  r.effect = term.effect;
-  r.placed = term.placed;
-  r.score = p.score;
-  r.unknowns = term.unknowns.size();
-  r.model = std::move(best->model);
-  r.condition_number = best->result.condition_number;
-  return with_gains(std::move(r), records, before);
+  r.folds_rms = rms(r.folds);
+  r.z = improvement_z(before.folds, r.folds);
+  return r;
+}
+
+RoundResiduals round_residuals(const Model& model, const SearchRecords& records) {
+  const auto kind = suitable_folds(model, records.train);
+  return {residuals_of(model, records.train), folded_residuals(model, records.train, kind), kind};
+}
+
+std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, const SearchRecords& records,
+                                                  const std::vector<Promising>& candidates,
+                                                  const RoundResiduals& before) {
+  const auto& options = setting.options;
+  std::vector<std::vector<FittedModel>> begun(candidates.size());
+  parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
+    if (!options.is_late()) begun[i] = begin_fits(setting, records, candidates[i]);
+  });
+  std::vector<Racer> racers;
+  for (std::size_t i = 0; i < begun.size(); ++i) {
+    for (std::size_t t = 0; t < std::min<std::size_t>(begun[i].size(), 2); ++t) {
+      if (t > 0 && begun[i][t].result.rms > options.round.worth_going_on * begun[i][0].result.rms) break;
+      racers.push_back({i, std::move(begun[i][t]), false});
+    }
+  }
+  race(setting, records, racers);
+  comb_leaders(setting, records, racers);
+  std::vector<std::optional<Ranked>> ranked(candidates.size());
+  for (std::size_t i = 0; i < candidates.size(); ++i) {
+    Racer* best = nullptr;
+    for (auto& r : racers) {
+      if (r.candidate == i && (best == nullptr || r.now.result.rms < best->now.result.rms)) best = &r;
+    }
+    if (best == nullptr) continue;
+    const auto& term = candidates[i].proposal.model.terms().back();
+    Ranked r;
+    r.effect = term.effect;
+    r.placed = term.placed;
+    r.score = candidates[i].score;
+    r.unknowns = term.unknowns.size();
+    r.model = std::move(best->now.model);
+    r.condition_number = best->now.result.condition_number;
+    ranked[i] = with_gains(std::move(r), records, before);
+  }
+  return ranked;
 }
 
 }  // namespace bodesmith::gap

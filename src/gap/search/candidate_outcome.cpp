@@ -16,8 +16,8 @@ std::string to_string(CandidateOutcome outcome) {
       return "other place or form";
     case CandidateOutcome::worse:
       return "worse";
-    case CandidateOutcome::no_heldout_gain:
-      return "no held-out gain";
+    case CandidateOutcome::no_gain_on_folds:
+      return "no gain on folds";
     case CandidateOutcome::not_significant:
       return "not significant";
     case CandidateOutcome::too_free:

@@ -46,7 +46,7 @@ std::optional<SearchRecords> surrogates_of(const SearchRecords& records, const M
     }
     return true;
   };
-  if (!add(records.train, surrogates.train) || !add(records.holdout, surrogates.holdout)) return std::nullopt;
+  if (!add(records.train, surrogates.train)) return std::nullopt;
   return surrogates;
 }
 
@@ -63,8 +63,8 @@ double control_gain(const SearchSetting& setting, const SearchRecords& records, 
     const auto with_term = fit(candidate.model, surrogates->train, fit_options(options, kIterationsAfter));
     if (!with_term.result.usable()) continue;
     // `before` is the truth of these records: a refit of it that got worse is no gain of the term's.
-    const double without = std::min(rms_of(plain, surrogates->holdout), rms_of(before, surrogates->holdout));
-    max_gain = std::max(max_gain, 1.0 - rms_of(with_term.model, surrogates->holdout) / without);
+    const double without = std::min(rms_of(plain, surrogates->train), rms_of(before, surrogates->train));
+    max_gain = std::max(max_gain, 1.0 - rms_of(with_term.model, surrogates->train) / without);
   }
   return max_gain;
 }

@@ -12,10 +12,8 @@ namespace {
 
 template <class Function>
 void for_each_time_record(SearchRecords& records, Function function) {
-  for (auto* experiments : {&records.train, &records.holdout}) {
-    for (auto& e : *experiments) {
-      if (auto* time = std::get_if<TimeExperiment>(&e)) function(*time);
-    }
+  for (auto& e : records.train) {
+    if (auto* time = std::get_if<TimeExperiment>(&e)) function(*time);
   }
 }
 
@@ -87,7 +85,7 @@ StartsTried score_starts_again(const SearchSetting& setting, SearchRecords recor
   const auto& options = setting.options.starts;
   const int before = starts_left_out(records);
   if (before == 0) return {std::move(records), std::move(model)};
-  const double holdout_before = rms_of(model, records.holdout);
+  const double rms_before = rms_of(model, records.train);
   SearchRecords all_scored = records;
   for_each_time_record(all_scored, [](TimeExperiment& e) { e.score_start(); });
   Model refitted = fit_in_turn(setting, all_scored, model, options.iterations).model;
@@ -104,7 +102,7 @@ StartsTried score_starts_again(const SearchSetting& setting, SearchRecords recor
   if (starts_left_out(tried) < before) {
     refitted = fit_in_turn(setting, tried, std::move(refitted), options.refit_iterations).model;
     const auto as_before = renew_free_responses(setting, records, model);
-    if (rms_of(refitted, as_before.holdout) < options.max_cost * holdout_before) {
+    if (rms_of(refitted, as_before.train) < options.max_cost * rms_before) {
       records = std::move(tried);
       model = std::move(refitted);
     }

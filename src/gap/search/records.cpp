@@ -27,9 +27,8 @@ Experiment stretch_of(const TimeExperiment& experiment, std::size_t samples, std
 
 }  // namespace
 
-SearchRecords make_records(const Experiments& train, const Experiments& holdout,
-                           const StretchOptions& options) {
-  SearchRecords records{with_starts_scored(train), with_starts_scored(holdout), {}};
+SearchRecords make_records(const Experiments& train, const StretchOptions& options) {
+  SearchRecords records{with_starts_scored(train), {}};
   if (scored_samples(records.train) <= 3 * options.samples / 2) return records;
   const std::size_t each = std::max(options.min_samples_each, options.samples / train.size());
   for (const auto& e : records.train) {
@@ -44,7 +43,7 @@ SearchRecords make_records(const Experiments& train, const Experiments& holdout,
 LeastSquaresOptions fit_options(const SearchOptions& options, int iterations) {
   LeastSquaresOptions o;
   o.iterations = iterations;
-  o.stop = options.stop;
+  o.stop = [&options] { return options.is_late(); };
   return o;
 }
 

@@ -9,13 +9,14 @@ namespace bodesmith::gap {
 /// What stays the same during a search.
 struct SearchSetting {
   const SearchOptions& options;
-  const Model& initial;  ///< the base model as given
+  const Model& initial;    ///< the base model as given
+  double first_gap = 0.0;  ///< rms that the base model leaves of the training records, refitted
 };
 
-/// The records of a search. A value: each step that changes what is scored returns new ones.
+/// The records of a search: the training records alone. A value: each step that changes what is scored
+/// returns new ones.
 struct SearchRecords {
   Experiments train;
-  Experiments holdout;
   Experiments stretches;  ///< the liveliest parts of long training records; empty when they are not long
 
   bool are_long() const { return !stretches.empty(); }
@@ -24,8 +25,7 @@ struct SearchRecords {
 };
 
 /// All starts scored, as a search begins.
-SearchRecords make_records(const Experiments& train, const Experiments& holdout,
-                           const StretchOptions& options);
+SearchRecords make_records(const Experiments& train, const StretchOptions& options);
 
 LeastSquaresOptions fit_options(const SearchOptions& options, int iterations);
 

@@ -39,6 +39,21 @@ std::optional<Leftover> leftover_of(const Model& model, const FrequencyExperimen
   return l;
 }
 
+/// A record's two halves, so that one can tell of the other.
+std::vector<Leftover> halves_of(const Leftover& whole) {
+  std::vector<Leftover> halves(2);
+  for (std::size_t k = 0; k < 2; ++k) {
+    const auto part = [&](const std::vector<double>& v) {
+      const std::size_t middle = v.size() / 2;
+      const auto all = std::span(v);
+      const auto kept = k == 0 ? all.first(middle) : all.subspan(middle);
+      return std::vector<double>(kept.begin(), kept.end());
+    };
+    halves[k] = {part(whole.residual), part(whole.input), part(whole.output), whole.step_s, {}};
+  }
+  return halves;
+}
+
 std::vector<Leftover> leftovers_of(const Model& model, const Experiments& records) {
   std::vector<Leftover> all;
   for (const auto& e : records) {
@@ -61,18 +76,19 @@ NoiseFloor floor_under(const Model& model, const SearchRecords& records) {
 }
 
 std::vector<Sign> signs_left(const Model& model, const SearchRecords& records) {
-  return signs_of_structure(leftovers_of(model, records.train), leftovers_of(model, records.holdout));
+  const auto all = leftovers_of(model, records.train);
+  if (all.size() == 1 && all.front().response.empty()) return signs_of_structure(all, halves_of(all.front()));
+  return signs_of_structure(all, all);
 }
 
 bool is_at_floor(const SearchOptions& options, const Model& model, const SearchRecords& records) {
   const auto floor = floor_under(model, records);
   if (floor.source != NoiseFloor::Source::periods || floor.periods < 2) return false;
-  // The floor belongs to the periodic record: compare there, and on held-out data as well, which may go
-  // further.
+  // The floor belongs to the periodic record: compare there, and on the others as well, which may go further.
   const double limit = options.enough * floor.rms;
   const bool above = std::any_of(records.train.begin(), records.train.end(),
                                  [&](const Experiment& e) { return rms_of(model, {e}) > limit; });
-  if (above || rms_of(model, records.holdout) > limit) return false;
+  if (above) return false;
   // What does not repeat may be more than noise (a gain that drifts away).
   return signs_left(model, records).empty();
 }
@@ -80,7 +96,7 @@ bool is_at_floor(const SearchOptions& options, const Model& model, const SearchR
 bool is_something_left(const SearchOptions& options, const Model& model, const SearchRecords& records) {
   const auto floor = floor_under(model, records);
   if (floor.source == NoiseFloor::Source::periods &&
-      rms_of(model, records.holdout) > options.plainly_more * floor.rms)
+      rms_of(model, records.train) > options.plainly_more * floor.rms)
     return true;
   return !signs_left(model, records).empty();
 }

@@ -14,7 +14,7 @@ NoiseFloor floor_under(const Model& model, const SearchRecords& records);
 /// Signs that what a model leaves is more than noise.
 std::vector<Sign> signs_left(const Model& model, const SearchRecords& records);
 
-/// A model leaves no more than the floor of periodic records, there and on the held-out ones, and no sign of
+/// A model leaves no more than the floor of periodic records, there and on the others, and no sign of
 /// more: what repeats with the input is then explained.
 bool is_at_floor(const SearchOptions& options, const Model& model, const SearchRecords& records);
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <map>
 #include <set>
+#include <string_view>
 #include <utility>
 
 #include "gap/runner.hpp"
@@ -42,17 +43,23 @@ std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecor
 /// effects.
 class Choice {
  public:
-  explicit Choice(const RoundOptions& options) : options_(options) {}
+  /// `later`: there are terms already, and what is left must promise more.
+  Choice(const RoundOptions& options, bool later)
+      : options_(options), min_promise_(later ? options.min_promise_later : options.min_promise) {}
 
   /// Goes on until `max_effects` are chosen in all; those in `done` are passed over.
   void add(std::vector<Promising> promising, std::size_t max_effects, const std::set<const Effect*>& done) {
     for (auto& p : promising) {
       const auto* effect = effect_of(p.proposal);
-      if (p.score < options_.min_score || done.count(effect) != 0) continue;
+      if (p.score < options_.min_score || p.z < min_promise_ || done.count(effect) != 0) continue;
       const std::size_t form = p.proposal.model.terms().back().unknowns.size();
       const bool new_form = forms_[effect].count(form) == 0;
-      if (places_[effect] >= options_.places + (new_form ? 1 : 0)) continue;
-      if (effects_.count(effect) == 0 && effects_.size() >= max_effects) continue;
+      if (places_[effect] >= effect->places_a_round() + (new_form ? 1 : 0)) continue;
+      // What changes inside a base block is of that block alone, and may act for a short time only (behind
+      // every turn): a small share of the whole does not keep it out.
+      const bool inside = static_cast<bool>(p.proposal.model.terms().back().undo);
+      if (!inside && effects_.count(effect) == 0 && outside_ >= max_effects) continue;
+      if (!inside && effects_.count(effect) == 0) ++outside_;
       effects_.insert(effect);
       ++places_[effect];
       forms_[effect].insert(form);
@@ -74,9 +81,11 @@ class Choice {
 
  private:
   const RoundOptions& options_;
+  double min_promise_;
   std::map<const Effect*, int> places_;
   std::map<const Effect*, std::set<std::size_t>> forms_;
   std::set<const Effect*> effects_;
+  std::size_t outside_ = 0;  ///< of them, with blocks of their own
   std::vector<Promising> chosen_;
 };
 
@@ -84,11 +93,9 @@ class Choice {
 void fit_leaders_on_all(const SearchSetting& setting, const SearchRecords& records,
                         const RoundResiduals& before, std::vector<Ranked>& ranking) {
   const auto& options = setting.options;
-  std::stable_sort(ranking.begin(), ranking.end(),
-                   [](const Ranked& a, const Ranked& b) { return a.holdout_rms < b.holdout_rms; });
   const std::size_t leaders = std::min(options.stretches.leaders, ranking.size());
   parallel_for(leaders, options.threads, [&](std::size_t i) {
-    if (options.stopped()) return;
+    if (options.is_late()) return;
     Ranked better = ranking[i];
     auto fitted = fit(better.model, records.train, fit_options(options, options.stretches.iterations_on_all));
     if (!fitted.result.usable()) return;
@@ -98,15 +105,29 @@ void fit_leaders_on_all(const SearchSetting& setting, const SearchRecords& recor
   });
 }
 
+/// Folds for those that may be named.
+void look_at_folds(const SearchSetting& setting, const SearchRecords& records, const RoundResiduals& before,
+                   std::vector<Ranked>& ranking) {
+  const auto& options = setting.options;
+  const double best = ranking.front().train_rms;
+  parallel_for(ranking.size(), options.threads, [&](std::size_t i) {
+    if (ranking[i].train_rms > options.round.in_the_running * best && i > 0) return;
+    ranking[i] = with_folds(std::move(ranking[i]), records, before);
+  });
+}
+
 }  // namespace
 
-std::vector<Ranked> fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model,
-                              const EffectFilter& filter) {
+FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model,
+                      const EffectFilter& filter) {
   const auto& options = setting.options;
-  Choice choice(options.round);
-  choice.add(look_from(setting, records, model, filter), options.round.effects, {});
+  FittedRound round;
+  Choice choice(options.round, !model.terms().empty());
+  auto promising = look_from(setting, records, model, filter);
+  round.looked_at = promising.size();
+  choice.add(std::move(promising), options.round.effects, {});
   if (options.stopped()) return {};
-  if (model.terms().empty() && model.free_count() > 0 && !records.are_long()) {
+  if (model.terms().empty() && model.free_count() > 0 && !records.are_long() && !options.is_late()) {
     // Free parameters that took over a missing effect's share hide it: a few more, as they look from the
     // parameters that were given.
     const auto done = choice.close_for_another_look();
@@ -114,17 +135,25 @@ std::vector<Ranked> fit_round(const SearchSetting& setting, const SearchRecords&
                options.round.effects + options.round.effects_from_given, done);
     if (options.stopped()) return {};
   }
-  const RoundResiduals before{residuals_of(model, records.train), residuals_of(model, records.holdout)};
-  std::vector<std::optional<Ranked>> fitted(choice.chosen().size());
-  parallel_for(fitted.size(), options.threads, [&](std::size_t i) {
-    fitted[i] = fit_candidate(setting, records, choice.chosen()[i], before);
-  });
-  std::vector<Ranked> ranking;
-  for (auto& r : fitted) {
-    if (r) ranking.push_back(std::move(*r));
+  if (choice.chosen().empty()) return round;
+  const auto before = round_residuals(model, records);
+  auto fitted = fit_candidates(setting, records, choice.chosen(), before);
+  std::set<std::string_view> missed;
+  for (std::size_t i = 0; i < fitted.size(); ++i) {
+    if (fitted[i])
+      round.ranking.push_back(std::move(*fitted[i]));
+    else if (options.is_late())
+      missed.insert(effect_of(choice.chosen()[i].proposal)->name());
   }
-  if (records.are_long()) fit_leaders_on_all(setting, records, before, ranking);
-  return ranking;
+  round.not_tried.assign(missed.begin(), missed.end());
+  const auto by_rms = [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; };
+  std::stable_sort(round.ranking.begin(), round.ranking.end(), by_rms);
+  if (records.are_long()) {
+    fit_leaders_on_all(setting, records, before, round.ranking);
+    std::stable_sort(round.ranking.begin(), round.ranking.end(), by_rms);
+  }
+  if (!round.ranking.empty()) look_at_folds(setting, records, before, round.ranking);
+  return round;
 }
 
 }  // namespace bodesmith::gap

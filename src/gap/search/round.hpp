@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "gap/search.hpp"
+#include "gap/search/folds.hpp"
 #include "gap/search/records.hpp"
 #include "gap/shortlist.hpp"
 
@@ -15,23 +16,35 @@ using EffectFilter = std::function<bool(const Effect&)>;
 
 /// One round: what every effect promises where the search stands, the best of it fitted in place, in no
 /// particular order and not yet judged. Empty when the search was stopped.
-std::vector<Ranked> fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model,
-                              const EffectFilter& filter = {});
+struct FittedRound {
+  std::vector<Ranked> ranking;
+  std::vector<std::string> not_tried;  ///< effects that promised something when the time was over
+  std::size_t looked_at = 0;           ///< proposals
+};
+FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model,
+                      const EffectFilter& filter = {});
 
 /// Residuals of the model that a round's candidates are compared with.
 struct RoundResiduals {
   std::vector<double> train;
-  std::vector<double> holdout;
+  std::vector<double> folds;
+  Folds kind = Folds::stretches;
 };
+RoundResiduals round_residuals(const Model& model, const SearchRecords& records);
 
-/// Fits one candidate in place, with the model's free parameters and all earlier terms: a few steps from
-/// several starts, then on from the best. Nothing when it cannot be run.
-std::optional<Ranked> fit_candidate(const SearchSetting& setting, const SearchRecords& records,
-                                    const Promising& promising, const RoundResiduals& before);
+/// Fits candidates in place, with the model's free parameters and all earlier terms: a few steps of each from
+/// several starts, then on from the best in stages; behind each stage those stay where they are that are far
+/// behind the leader, or behind it and no longer coming nearer. One entry a candidate, empty for those that
+/// cannot be run or were not begun in time.
+std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, const SearchRecords& records,
+                                                  const std::vector<Promising>& candidates,
+                                                  const RoundResiduals& before);
 
 /// The candidate with what its model leaves of the records. Nothing when the model cannot be run on one of
 /// them.
 std::optional<Ranked> with_gains(Ranked candidate, const SearchRecords& records,
                                  const RoundResiduals& before);
+/// The same for folds of the records.
+Ranked with_folds(Ranked candidate, const SearchRecords& records, const RoundResiduals& before);
 
 }  // namespace bodesmith::gap

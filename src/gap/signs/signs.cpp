@@ -31,34 +31,36 @@ std::string to_string(SignKind kind) {
       return "the residual jumps";
     case SignKind::gain_varies:
       return "the gain varies with time";
+    case SignKind::concentrated:
+      return "the residual keeps to few stretches of time and frequency together";
     case SignKind::smooth_over_frequency:
       return "neighbouring frequencies err alike";
   }
   return "the residual can be foretold from input and output";
 }
 
-std::vector<Sign> signs_of_structure(const std::vector<Leftover>& train,
-                                     const std::vector<Leftover>& holdout) {
+std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records,
+                                     const std::vector<Leftover>& parts) {
   std::vector<Sign> signs;
   const auto consider = [&](const Sign& s) {
     if (s.found()) signs.push_back(s);
   };
-  for (const auto& a : train) {
-    for (const auto& b : holdout) {
-      if (a.response.empty() && b.response.empty()) consider(depends_either_way(a, b));
+  for (std::size_t a = 0; a < parts.size(); ++a) {
+    for (std::size_t b = a + 1; b < parts.size(); ++b) {
+      if (parts[a].response.empty() && parts[b].response.empty())
+        consider(depends_either_way(parts[a], parts[b]));
     }
   }
-  for (const auto* records : {&train, &holdout}) {
-    for (const auto& r : *records) {
-      if (!r.response.empty()) {
-        consider(smooth_over_frequency(r));
-        continue;
-      }
-      consider(jumps(r));
-      consider(gain_varies(r));
-      consider(bunched_in_time(r));
-      consider(spectral_line(r));
+  for (const auto& r : records) {
+    if (!r.response.empty()) {
+      consider(smooth_over_frequency(r));
+      continue;
     }
+    consider(jumps(r));
+    consider(gain_varies(r));
+    consider(bunched_in_time(r));
+    consider(spectral_line(r));
+    consider(concentrated(r));
   }
   std::stable_sort(signs.begin(), signs.end(),
                    [](const Sign& a, const Sign& b) { return a.strength > b.strength; });

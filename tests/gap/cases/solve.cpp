@@ -79,7 +79,7 @@ Outcome solve(const Case& c, const SolveOptions& wanted) {
   options.stop = [&] {
     return interrupted() || (wanted.max_seconds > 0.0 && watch.seconds() > wanted.max_seconds);
   };
-  const auto result = gap::search(base, study.train(), study.holdout(), options);
+  const auto result = gap::search(base, study.train(), options);
   o.seconds = watch.seconds();
   const auto verdict = gap::verdict_of(result, gap::rms_of(result.final, study.train()), options.enough);
   o.verdict = to_string(verdict);

@@ -1,0 +1,70 @@
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <numeric>
+
+#include "gap/signs.hpp"
+#include "gap/signs/chance.hpp"
+#include "numeric/fourier.hpp"
+#include "signal/periodogram.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+constexpr std::size_t kMinSamplesOfSpectrogram = 512;
+constexpr std::size_t kMinColumns = 12;
+constexpr std::uint64_t kSpectrogramSurrogates = 24;
+/// What is found must exceed surrogates' largest figure by this factor, and their mean by so many deviations.
+constexpr double kConcentratedTimesLargest = 1.08;
+constexpr double kConcentratedDeviations = 7.0;
+
+/// How unevenly the energy of each frequency is spread over time: sum over frequencies, weighted with their
+/// energies, of the mean square of the power over the square of its mean. Gaussian noise of any colour: about
+/// 2; a chirp: about the number of columns it shares its energy among.
+double unevenness(const std::vector<double>& v, std::size_t window) {
+  const std::size_t hop = window / 2;
+  const std::size_t columns = (v.size() - window) / hop + 1;
+  std::vector<double> sum(window / 2 + 1, 0.0);
+  std::vector<double> squares(window / 2 + 1, 0.0);
+  std::vector<double> part(window);
+  for (std::size_t c = 0; c < columns; ++c) {
+    for (std::size_t i = 0; i < window; ++i) {
+      const double hann = 0.5 - 0.5 * std::cos(2.0 * std::numbers::pi * (static_cast<double>(i) + 0.5) /
+                                               static_cast<double>(window));
+      part[i] = hann * v[c * hop + i];
+    }
+    const auto bins = half_spectrum(part);
+    for (std::size_t k = 0; k < bins.size(); ++k) {
+      const double power = std::norm(bins[k]);
+      sum[k] += power;
+      squares[k] += power * power;
+    }
+  }
+  double weighted = 0.0;
+  for (std::size_t k = 0; k < sum.size(); ++k) {
+    if (sum[k] > 0.0) weighted += static_cast<double>(columns) * squares[k] / sum[k];
+  }
+  const double energy = std::accumulate(sum.begin(), sum.end(), 0.0);
+  return energy > 0.0 ? weighted / energy : 0.0;
+}
+
+}  // namespace
+
+Sign concentrated(const Leftover& record) {
+  Sign sign{SignKind::concentrated, 0.0};
+  const std::size_t n = record.residual.size();
+  if (n < kMinSamplesOfSpectrogram) return sign;
+  for (std::size_t window : {32U, 96U, 256U}) {
+    if (n < window * (kMinColumns + 1) / 2) continue;
+    const double got = unevenness(record.residual, window);
+    Chance chance;
+    for (std::uint64_t k = 0; k < kSpectrogramSurrogates; ++k)
+      chance.add(unevenness(phase_surrogate(record.residual, 5000 + k), window));
+    const double limit = std::max(kConcentratedTimesLargest * chance.max(),
+                                  chance.mean() + kConcentratedDeviations * chance.deviation());
+    sign.strength = std::max(sign.strength, got / limit);
+  }
+  return sign;
+}
+
+}  // namespace bodesmith::gap

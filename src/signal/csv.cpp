@@ -92,6 +92,9 @@ Csv Csv::read(const std::filesystem::path& path, Provenance& from, formats::Cont
   const formats::Source source{file.string(), bytes, text, choice, wanted};
   const formats::Format* format = formats::format_of(source);
   if (format == nullptr) {
+    if (bytes.find('\0') != std::string::npos)
+      throw InputError(file.string(), 0,
+                       "is a binary file of no format that is known here (docs/formats.md)");
     if (!choice.empty())
       throw InputError(file.string(), 0, fmt::format("has no choice '{}': its format is not known", choice));
     return own();

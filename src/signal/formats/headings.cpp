@@ -120,6 +120,10 @@ Heading parse_heading(const std::string& text) {
       name = name.substr(0, bar);
     }
   }
+  if (heading.unit.empty() && frequency_scale(heading.text)) {
+    heading.unit = heading.text;
+    name = "hz";
+  }
   const std::string unit = lower(heading.unit);
   if (name == "freq." || is_frequency(name, heading)) {
     heading.quantity = Quantity::frequency;
@@ -130,7 +134,6 @@ Heading parse_heading(const std::string& text) {
     } else if (!scale && !heading.unit.empty()) {
       heading.unit_known = false;
     }
-    if (name == "hz") heading.unit = "Hz";
     return heading;
   }
   if (name == "w" || name == "omega" || name == "\xCF\x89" || unit == "rad/s") {
@@ -145,7 +148,7 @@ Heading parse_heading(const std::string& text) {
     if (heading.unit.empty() && name.starts_with("second")) heading.unit = "s";
     return heading;
   }
-  if (contains(name, "phase") || contains(name, "angle")) {
+  if (contains(name, "phase") || contains(name, "angle") || name == "arg" || name == "deg") {
     heading.quantity = Quantity::phase;
     if (is_radians(unit)) heading.scale = 180.0 / std::numbers::pi;
     if (unit == "mrad") heading.scale = 0.18 / std::numbers::pi;
@@ -164,8 +167,8 @@ Heading parse_heading(const std::string& text) {
     return heading;
   }
   if (contains(name, "mag") || contains(name, "gain") || contains(name, "spl") ||
-      contains(name, "amplitude") || contains(name, "level") || contains(name, "impedance") || name == "db" ||
-      name == "z" || contains(name, "|") || unit.starts_with("db")) {
+      contains(name, "amplitude") || contains(name, "level") || contains(name, "impedance") ||
+      name == "abs" || name == "db" || name == "z" || contains(name, "|") || unit.starts_with("db")) {
     read_magnitude(heading, name, unit);
     return heading;
   }

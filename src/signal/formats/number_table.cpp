@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "signal/formats/headings.hpp"
+#include "signal/formats/table_meaning.hpp"
 
 namespace bodesmith::formats {
 namespace {
@@ -24,7 +25,7 @@ constexpr Writing kWritings[] = {{'\t', '.'}, {';', '.'}, {',', '.'}, {' ', '.'}
 constexpr std::size_t kLinesLookedAt = 400;
 
 bool is_comment(std::string_view line) {
-  return line.find_first_of("*#!%") == 0 || line.substr(0, 2) == "//";
+  return line.find_first_of("*#!%;") == 0 || line.substr(0, 2) == "//";
 }
 
 bool begins_like_number(std::string_view line) {
@@ -168,6 +169,11 @@ void find_headings(Attempt& found, char separator) {
     if (line.empty() || line == "*" || line == "#") continue;
     std::vector<std::string> cells = headings_in(line, separator, table.columns.size());
     if (cells.empty()) break;
+    if (is_comment(line)) {
+      // Prose may have as many words as the table columns.
+      const std::vector<Heading> meant = parse_headings(cells);
+      if (!has_response_headings(meant) && !has_record_headings(meant)) break;
+    }
     if (units.empty() && std::all_of(cells.begin(), cells.end(), is_unit_alone)) {
       units = std::move(cells);
       continue;
@@ -178,6 +184,8 @@ void find_headings(Attempt& found, char separator) {
     table.headings = std::move(cells);
     break;
   }
+  // "# Hz dB deg": the units say what the columns are.
+  if (table.headings.empty()) table.headings = std::move(units);
   for (const std::string_view line : found.raw_above) table.above.emplace_back(line);
 }
 

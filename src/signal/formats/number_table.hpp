@@ -21,8 +21,9 @@ struct NumberTable {
 };
 
 /// Cells end at tabs, semicolons, commas or blanks, decimals begin with a point or a comma: whichever makes numbers of
-/// all rows. Lines that begin with one of * # ! % or with // are comments. The headings are the line above the first
-/// row (a comment too) when it has as many cells; a line of units below them is added to them in brackets.
+/// all rows. Lines that begin with one of * # ! % ; or with // are comments. The headings are the line above the first
+/// row (a comment too, if it names a frequency or time) when it has as many cells; a line of units below them is added to
+/// them in brackets.
 /// InputError names the line of what is not a number, and of a row of another length.
 NumberTable read_table(const Source& source);
 /// The beginning of such a table with its headings, also of one that is broken further down; nothing where the text

@@ -41,7 +41,8 @@ Foreign plain_response(const Source& source, NumberTable table, Words words) {
     trace.magnitude_db = decibels(source, MagnitudeScale::unknown, table.columns[1], words);
     if (table.columns.size() == 3) {
       trace.phase_deg = std::move(table.columns[2]);
-      words.notes.emplace_back("phase in degrees");
+      words.notes.emplace_back(
+          "third column taken as the phase in degrees (real and imaginary part: FILE:ri)");
     }
   }
   return response_columns(source, std::move(words), std::move(table.columns[0]), std::move(trace),

@@ -2,6 +2,7 @@
 
 from __future__ import annotations
 
+import io
 from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any
 
@@ -27,7 +28,14 @@ def _figure(rows: int, columns: int = 1, *, share_x: bool = True, height: float 
         from matplotlib.figure import Figure
     except ImportError as error:
         raise ImportError("plots need matplotlib (Debian: apt-get install python3-matplotlib)") from error
-    figure = Figure(figsize=(3.6 + 3.6 * columns, height * rows), layout="constrained")
+
+    class Shown(Figure):
+        def _repr_png_(self) -> bytes:
+            out = io.BytesIO()
+            self.savefig(out, format="png")
+            return out.getvalue()
+
+    figure = Shown(figsize=(3.6 + 3.6 * columns, height * rows), layout="constrained")
     FigureCanvasAgg(figure)
     return figure, figure.subplots(rows, columns, sharex=share_x, squeeze=False)
 

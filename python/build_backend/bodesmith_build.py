@@ -1,4 +1,4 @@
-"""How pip builds the package (PEP 517, PEP 660): CMake makes the extension, the rest is a zip file. Standard library only.
+"""How pip builds the package (PEP 517): CMake makes the extension, the rest is a zip file. Standard library only.
 
 The extension is built in build/, as ./run and ./test build the program, so what they compiled is not compiled again;
 `pip install . --config-settings build-dir=DIR` builds elsewhere.
@@ -89,6 +89,14 @@ def build_wheel(wheel_directory: str, config_settings: dict | None = None, metad
     name = f"{_stem()}-{_tag()}.whl"
     _write_wheel(pathlib.Path(wheel_directory) / name, content)
     return name
+
+
+def prepare_metadata_for_build_wheel(metadata_directory: str, config_settings: dict | None = None) -> str:
+    folder = pathlib.Path(metadata_directory) / f"{_stem()}.dist-info"
+    folder.mkdir()
+    for name, text in _metadata().items():
+        (folder / name).write_text(text, encoding="utf-8")
+    return folder.name
 
 
 def build_sdist(sdist_directory: str, config_settings: dict | None = None) -> str:

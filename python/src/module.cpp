@@ -73,12 +73,14 @@ void wait_for(Work& work, const py::object& progress) {
   throw py::error_already_set(*thrown);
 }
 
-/// Without the place that values from Python seem to come from.
-std::string without_place(const std::string& text) {
-  const std::string place = std::string(kNoFile) + ":";
+/// Without the file that values from Python seem to come from, and the name under which a document is handed over.
+std::string without_place(std::string text) {
+  const std::string place = std::string(kNoFile) + ":", wrapping = "'document.";
   if (text.rfind(place, 0) != 0) return text;
   const std::size_t end = text.find(": ", place.size());
-  return end == std::string::npos ? text : text.substr(end + 2);
+  if (end != std::string::npos) text.erase(0, end + 2);
+  if (text.rfind(wrapping, 0) == 0) text.erase(1, wrapping.size() - 1);
+  return text;
 }
 
 [[noreturn]] void throw_to_python(const char* type, const InputError& error) {

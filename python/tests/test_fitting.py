@@ -8,13 +8,13 @@ import numpy as np
 import pytest
 
 import bodesmith as bs
-from conftest import without_words
+from conftest import assert_same
 
 
 def test_cascade_is_the_command_lines(points, cascade, example, program, tmp_path):
     program("fit", example / "gains.csv", "-o", "cascade.json")
     written = json.loads((tmp_path / "cascade.json").read_text())
-    assert without_words(cascade.to_dict()) == without_words(written)
+    assert_same(cascade.to_dict(), written)
     assert bs.Cascade.load(tmp_path / "cascade.json").to_dict() == written
 
 
@@ -37,7 +37,7 @@ def test_points_may_come_in_any_order_and_in_db(points, cascade):
 def test_direct_fit_is_the_command_lines(points, example, program, tmp_path):
     program("fit", example / "gains.csv", "--direct", "--order", 2, "--real", "-o", "sections.json")
     sections = bs.fit_direct(points, order=2, real=True)
-    assert without_words(sections.to_dict()) == without_words(json.loads((tmp_path / "sections.json").read_text()))
+    assert_same(sections.to_dict(), json.loads((tmp_path / "sections.json").read_text()))
     assert np.all(sections.poles_rad_s.imag == 0)
 
 
@@ -59,13 +59,13 @@ def test_measured_fit_finds_poles_and_delay():
 def test_waveform_fit_is_the_command_lines(disturbance, example, program, tmp_path):
     program("fit", "--waveform", example / "disturbance.json", "--order", 1, "-o", "sections.json")
     sections = bs.fit_waveform(disturbance, order=1)
-    assert without_words(sections.to_dict()) == without_words(json.loads((tmp_path / "sections.json").read_text()))
+    assert_same(sections.to_dict(), json.loads((tmp_path / "sections.json").read_text()))
 
 
 def test_sections_are_the_command_lines(cascade, sections, program, tmp_path):
     cascade.save(tmp_path / "cascade.json")
     program("approximate", "cascade.json", "--max-error-db", 0.05, "-o", "sections.json")
-    assert without_words(sections.to_dict()) == without_words(json.loads((tmp_path / "sections.json").read_text()))
+    assert_same(sections.to_dict(), json.loads((tmp_path / "sections.json").read_text()))
     f = np.geomspace(0.1, 1e3, 400)
     difference = 20 * np.log10(np.abs(sections.response(f) / cascade.response(f)))
     assert np.max(np.abs(difference)) <= sections.error["everywhere_max_magnitude_db"] * (1 + 1e-4)

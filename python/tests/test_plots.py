@@ -20,6 +20,7 @@ def test_bode_plot_shows_the_responses(cascade, sections, tmp_path):
     assert first_line(figure)[:, 1] == pytest.approx(cascade.at(f).magnitude_db)
     assert first_line(figure, 1)[:, 1] == pytest.approx(cascade.at(f).phase_deg)
     assert [text.get_text() for text in figure.axes[0].get_legend().get_texts()] == ["cascade", "sections"]
+    assert figure._repr_png_().startswith(b"\x89PNG")
     figure.savefig(tmp_path / "bode.svg")
     assert (tmp_path / "bode.svg").stat().st_size > 5000
 

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/above_zero.hpp"
 #include "base/document_tree.hpp"
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -117,7 +118,9 @@ double Node::number() const {
 
 double Node::positive() const {
   const double value = number();
-  if (!(value > 0.0)) fail(fmt::format("is {}, expected a number above 0", rounded_text(value, 6)));
+  if (!above_zero(value))
+    fail(fmt::format("is {}, expected a number above {}", rounded_text(value, 6),
+                     value > 0.0 ? "2.3e-308" : "0"));
   return value;
 }
 

@@ -99,6 +99,7 @@ std::string read_file(const fs::path& path) {
   const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(path.c_str(), "rb"), &std::fclose);
   if (in == nullptr) fail("cannot be read");
   std::string text;
+  if (const auto size = fs::file_size(path, ec); !ec && size <= kLargestFile) text.reserve(size);
   std::vector<char> buffer(1 << 16);
   while (const std::size_t got = std::fread(buffer.data(), 1, buffer.size(), in.get())) {
     text.append(buffer.data(), got);

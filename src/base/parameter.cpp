@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/above_zero.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith {
@@ -23,7 +24,12 @@ std::string bounds_text(const ParameterSpec& spec) {
 std::string ParameterSpec::validate(double value) const {
   if (!std::isfinite(value)) return "is not a finite number";
   const bool too_low = min_excluded ? !(value > min) : value < min;
-  if (!too_low && value <= max) return {};
+  if (!too_low && value <= max) {
+    // Above 0 means that it may stand below a fraction line.
+    if (min_excluded && min == 0.0 && !above_zero(value))
+      return fmt::format("is {}, expected a number above 2.3e-308", rounded_text(value));
+    return {};
+  }
   return fmt::format("is {}, expected {}", rounded_text(value), bounds_text(*this));
 }
 

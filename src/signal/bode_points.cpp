@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "base/above_zero.hpp"
 #include "base/error.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
@@ -23,7 +24,9 @@ BodePoints BodePoints::read_csv(const std::filesystem::path& path, Provenance& f
   for (std::size_t i = 0; i < csv.rows(); ++i) {
     BodePoint point;
     point.frequency = Hertz{frequency[i]};
-    if (!(frequency[i] > 0.0)) csv.fail(i, fmt::format("frequency_hz is {}, expected above 0", frequency[i]));
+    if (!above_zero(frequency[i]))
+      csv.fail(i, fmt::format("frequency_hz is {}, expected above {}", frequency[i],
+                              frequency[i] > 0.0 ? "2.3e-308" : "0"));
     point.gain = linear ? magnitude[i] : from_decibel(magnitude[i]);
     if (!(point.gain > 0.0) || !std::isfinite(point.gain)) {
       csv.fail(i, fmt::format("the gain is {}, expected a finite number above 0", point.gain));

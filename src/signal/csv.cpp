@@ -5,17 +5,48 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <memory>
 #include <stdexcept>
 #include <utility>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "numeric/parallel_for.hpp"
 #include "signal/columns.hpp"
+#include "signal/csv_rows.hpp"
 #include "signal/formats/format.hpp"
 #include "signal/formats/text_encoding.hpp"
 
 namespace bodesmith {
 namespace {
+
+/// The text of some rows.
+class RowsText {
+ public:
+  void write(const std::vector<std::vector<double>>& columns, std::size_t from, std::size_t to) {
+    // -1.7976931348623157e+308 and what separates it from the next.
+    constexpr std::size_t kLongestCell = 25;
+    const std::size_t capacity = (to - from) * columns.size() * kLongestCell;
+    if (capacity > capacity_) bytes_ = std::make_unique_for_overwrite<char[]>(capacity);
+    capacity_ = std::max(capacity_, capacity);
+    char* p = bytes_.get();
+    for (std::size_t row = from; row < to; ++row) {
+      for (std::size_t c = 0; c < columns.size(); ++c) {
+        if (c > 0) *p++ = ',';
+        p = std::to_chars(p, p + kLongestCell, columns[c][row]).ptr;
+      }
+      *p++ = '\n';
+    }
+    size_ = static_cast<std::size_t>(p - bytes_.get());
+  }
+  std::size_t size() const { return size_; }
+  std::string_view view() const { return {bytes_.get(), size_}; }
+
+ private:
+  std::unique_ptr<char[]> bytes_;
+  std::size_t capacity_ = 0;
+  std::size_t size_ = 0;
+};
 
 char separator_of(std::string_view header) {
   if (header.find(',') != std::string_view::npos) return ',';
@@ -141,6 +172,10 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
         csv.names_.emplace_back(cell);
       }
       csv.columns_.resize(csv.names_.size());
+      // Nearly always all that follows; a line of any other kind is left to this loop, which knows what to say.
+      const PlainRows plain = read_plain_rows(text, separator, line_number + 1, csv.columns_, csv.lines_);
+      text.remove_prefix(plain.bytes);
+      line_number += plain.lines;
       continue;
     }
     if (cells.size() != csv.names_.size()) {
@@ -212,15 +247,20 @@ std::string CsvWriter::text() const {
   }
   std::string out = join(names_, ",") + "\n";
   const std::size_t rows = columns_.empty() ? 0 : columns_.front().size();
-  out.reserve(out.size() + rows * columns_.size() * 20);
-  char buffer[40];
-  for (std::size_t row = 0; row < rows; ++row) {
-    for (std::size_t c = 0; c < columns_.size(); ++c) {
-      if (c > 0) out += ',';
-      const auto result = std::to_chars(buffer, buffer + sizeof buffer, columns_[c][row]);
-      out.append(buffer, result.ptr);
-    }
-    out += '\n';
+  // Pieces of rows side by side, a few at a time: the text stands twice in memory only for those.
+  constexpr std::size_t kRows = 16384;
+  constexpr std::size_t kPieces = 16;
+  const std::size_t pieces = (rows + kRows - 1) / kRows;
+  std::vector<RowsText> texts(std::min(pieces, kPieces));
+  const int threads = thread_count(0);
+  for (std::size_t done = 0; done < pieces; done += kPieces) {
+    const std::size_t now = std::min(kPieces, pieces - done);
+    parallel_for(now, threads, [&](std::size_t i) {
+      const std::size_t first = (done + i) * kRows;
+      texts[i].write(columns_, first, std::min(rows, first + kRows));
+    });
+    if (done == 0) out.reserve(out.size() + (texts[0].size() + texts[0].size() / 8) * pieces);
+    for (std::size_t i = 0; i < now; ++i) out += texts[i].view();
   }
   return out;
 }

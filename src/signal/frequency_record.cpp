@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/above_zero.hpp"
 #include "base/error.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
@@ -17,7 +18,9 @@ FrequencyRecord FrequencyRecord::read_csv(const std::filesystem::path& path, Pro
   const auto& phase = csv.column(column::phase_deg);
   if (csv.has(column::coherence)) record.coherence = csv.column(column::coherence);
   for (std::size_t i = 0; i < csv.rows(); ++i) {
-    if (!(frequency[i] > 0.0)) csv.fail(i, fmt::format("frequency_hz is {}, expected above 0", frequency[i]));
+    if (!above_zero(frequency[i]))
+      csv.fail(i, fmt::format("frequency_hz is {}, expected above {}", frequency[i],
+                              frequency[i] > 0.0 ? "2.3e-308" : "0"));
     if (i > 0 && !(frequency[i] > frequency[i - 1])) csv.fail(i, "frequency_hz does not rise");
     if (!record.coherence.empty() && !(record.coherence[i] >= 0.0 && record.coherence[i] <= 1.0)) {
       csv.fail(i, fmt::format("coherence is {}, expected 0 to 1", record.coherence[i]));

@@ -6,6 +6,7 @@
 #include <complex>
 #include <vector>
 
+#include "base/whole_number.hpp"
 #include "numeric/fourier.hpp"
 #include "signal/statistics.hpp"
 
@@ -74,7 +75,7 @@ std::optional<Repetition> repetition_of(Hertz fundamental, double step_s, std::s
        ++cycles) {
     const double length = static_cast<double>(cycles) * period;
     if (std::abs(length - std::round(length)) > 1e-6) continue;
-    const auto whole = static_cast<std::size_t>(std::round(length));
+    const auto whole = whole_number<std::size_t>(std::round(length));
     if (whole >= 2 && whole <= samples) return Repetition{whole, cycles};
   }
   return std::nullopt;

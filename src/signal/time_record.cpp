@@ -12,6 +12,15 @@
 namespace bodesmith {
 namespace {
 
+/// Whether every step is within 0.4 % of `step`, so that none can be 1 % off the median.
+bool all_steps_near(const std::vector<double>& time, double step) {
+  if (!(step > 0.0) || !std::isfinite(step)) return false;
+  bool near = true;
+  for (std::size_t i = 1; i < time.size(); ++i)
+    near &= std::abs(time[i] - time[i - 1] - step) <= 0.004 * step;
+  return near;
+}
+
 TimeRecord from_csv(const Csv& csv, std::string_view input_column) {
   TimeRecord record;
   record.file = csv.file();
@@ -22,6 +31,9 @@ TimeRecord from_csv(const Csv& csv, std::string_view input_column) {
   if (csv.has(column::output) && input_column != column::output) record.y = csv.column(column::output);
   if (time.size() < 2) csv.fail(0, "is the only row, expected at least two samples");
   record.start_s = time.front();
+  // Printed times are rounded; the mean step is the sharper figure.
+  record.step_s = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
+  if (all_steps_near(time, record.step_s)) return record;
   // The median step is the step: one gap must not move it.
   std::vector<double> steps(time.size() - 1);
   for (std::size_t i = 1; i < time.size(); ++i) steps[i - 1] = time[i] - time[i - 1];
@@ -35,8 +47,6 @@ TimeRecord from_csv(const Csv& csv, std::string_view input_column) {
                               step, median));
     }
   }
-  // Printed times are rounded; the mean step is the sharper figure.
-  record.step_s = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
   return record;
 }
 

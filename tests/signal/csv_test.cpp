@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <limits>
 
 #include "base/error.hpp"
@@ -46,6 +47,56 @@ TEST(Csv, ComplaintsNameTheLine) {
   EXPECT_EQ(parse_error("a,a\n1,2\n"), "f.csv:1: column 'a' is named twice");
   EXPECT_EQ(parse_error("a,b\n"), "f.csv:1: has no rows below the header");
   EXPECT_EQ(parse_error(""), "f.csv: has no header row, expected column names such as time_s,u,y");
+}
+
+/// Rows enough for several pieces, with what interrupts them.
+std::string long_text(std::size_t rows, std::size_t odd_row, const std::string& odd) {
+  std::string out = "t,u\n";
+  for (std::size_t i = 0; i < rows; ++i) {
+    if (i % 50000 == 7) out += "# a note\n\n";
+    out += i == odd_row ? odd
+                        : std::to_string(i) + ".25,-" + std::to_string(3 * i) + (i % 2 == 0 ? "\r\n" : "\n");
+  }
+  return out;
+}
+
+TEST(Csv, LongFilesKeepEveryRowAndLine) {
+  constexpr std::size_t kRows = 150000;  // 3 MB: read in pieces
+  const Csv csv = Csv::parse(long_text(kRows, 120000, " +7.5 ,\t1e3 \n"), "f.csv");
+  ASSERT_EQ(csv.rows(), kRows);
+  int line = 2;
+  for (std::size_t i = 0; i < kRows; ++i, ++line) {
+    if (i % 50000 == 7) line += 2;
+    ASSERT_EQ(csv.line(i), line);
+    ASSERT_EQ(csv.column("t")[i], i == 120000 ? 7.5 : static_cast<double>(i) + 0.25);
+    ASSERT_EQ(csv.column("u")[i], i == 120000 ? 1000.0 : -3.0 * static_cast<double>(i));
+  }
+}
+
+TEST(Csv, LongFilesComplainOfTheFirstBadLine) {
+  EXPECT_EQ(parse_error(long_text(150000, 130000, "1,two\n") + "3\n"),
+            "f.csv:130008: 'two' in column 'u' is not a finite number");
+  EXPECT_EQ(parse_error(long_text(150000, 10, "1,2,3\n") + "x\n"),
+            "f.csv:14: has 3 cells, expected 2 as in the header");
+  // What no double holds.
+  EXPECT_EQ(parse_error(long_text(150000, 149999, "1e999,0\n")),
+            "f.csv:150007: '1e999' in column 't' is not a finite number");
+}
+
+TEST(CsvWriter, LongTablesReadBackAsTheyWere) {
+  std::vector<double> x, y;
+  for (int i = 0; i < 100000; ++i) {
+    x.push_back(1e-3 * i);
+    y.push_back(std::sin(i) * std::pow(10.0, i % 600 - 300));
+  }
+  CsvWriter writer;
+  writer.add("x", x);
+  writer.add("y", y);
+  const std::string text = writer.text();
+  const Csv csv = Csv::parse(text, "f.csv");
+  EXPECT_EQ(csv.column("x"), x);
+  EXPECT_EQ(csv.column("y"), y);
+  EXPECT_EQ(text.substr(0, 16), "x,y\n0,0\n0.001,8.");
 }
 
 TEST(CsvWriter, WritesNumbersThatReadBack) {

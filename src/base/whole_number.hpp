@@ -1,0 +1,18 @@
+#pragma once
+
+#include <concepts>
+#include <limits>
+
+namespace bodesmith {
+
+/// `value` cut towards zero, held within [low, high]; NaN gives low. For every double that comes from an input: a plain
+/// cast of what the type cannot hold is undefined.
+template <std::integral Int>
+constexpr Int whole_number(double value, Int low = std::numeric_limits<Int>::min(),
+                           Int high = std::numeric_limits<Int>::max()) {
+  if (!(value > static_cast<double>(low))) return low;
+  if (value >= static_cast<double>(high)) return high;
+  return static_cast<Int>(value);
+}
+
+}  // namespace bodesmith

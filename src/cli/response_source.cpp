@@ -11,7 +11,9 @@
 #include "base/error.hpp"
 #include "chain/model_file.hpp"
 #include "fpaa/plan.hpp"
+#include "lti/bulk_response.hpp"
 #include "lti/cascade.hpp"
+#include "lti/level_and_phase.hpp"
 #include "lti/sections.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/csv.hpp"
@@ -24,21 +26,11 @@ namespace {
 using Complex = std::complex<double>;
 using Evaluate = std::function<std::vector<Complex>(const std::vector<Hertz>&)>;
 
-/// Phase in degrees without jumps of more than half a turn from one frequency to the next.
-std::vector<double> unwrapped_degrees(const std::vector<Complex>& response) {
-  std::vector<double> out;
-  for (const Complex& h : response) {
-    double phase = to_degrees(std::arg(h));
-    if (!out.empty()) phase += 360.0 * std::round((out.back() - phase) / 360.0);
-    out.push_back(phase);
-  }
-  return out;
-}
-
 ResponseColumns to_columns(const std::vector<Complex>& response) {
+  const LevelAndPhase curves = level_and_phase(response);
   ResponseColumns columns;
-  for (const Complex& h : response) columns.magnitude_db.emplace_back(to_decibel(std::abs(h)));
-  for (const double phase : unwrapped_degrees(response)) columns.phase_deg.emplace_back(phase);
+  columns.magnitude_db.assign(curves.magnitude_db.begin(), curves.magnitude_db.end());
+  columns.phase_deg.assign(curves.phase_deg.begin(), curves.phase_deg.end());
   return columns;
 }
 
@@ -187,7 +179,7 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
     const Sections sections = Sections::from_node(node);
     source.band = usable(sections.corner_band());
     source.sections = sections;
-    set_evaluation(source, pointwise([sections](RadPerSecond w) { return sections.response(w); }));
+    set_evaluation(source, [sections](const std::vector<Hertz>& grid) { return responses(sections, grid); });
   } else if (schema == "bodesmith.fpaa_plan/1") {
     const fpaa::Plan plan = fpaa::Plan::from_node(node);
     source.band = usable(plan.error.band);

@@ -172,4 +172,18 @@ void BulkResponse::responses(std::span<const RadPerSecond> w, std::span<std::com
   }
 }
 
+std::vector<std::complex<double>> responses(const Sections& sections, const std::vector<Hertz>& grid) {
+  std::vector<RadPerSecond> w;
+  w.reserve(grid.size());
+  for (const Hertz f : grid) w.push_back(f.rad_s());
+  std::vector<Complex> out(grid.size());
+  BulkResponse(sections).responses(w, out);
+  for (std::size_t i = 0; i < out.size(); ++i) {
+    const double size = std::norm(out[i]);
+    // Written so that a NaN counts as outside.
+    if (!(size > 1e-200 && size < 1e200)) out[i] = sections.response(w[i]);
+  }
+  return out;
+}
+
 }  // namespace bodesmith

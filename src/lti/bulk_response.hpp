@@ -34,4 +34,7 @@ class BulkResponse {
   std::vector<Quadratic> denominators_;
 };
 
+/// H(j2πf) at every frequency: BulkResponse, and Sections::response() where its products leave the range of a double.
+std::vector<std::complex<double>> responses(const Sections& sections, const std::vector<Hertz>& grid);
+
 }  // namespace bodesmith

@@ -23,10 +23,35 @@ bool has_small_factors(std::size_t n) {
   return n == 1;
 }
 
+/// A transformer that keeps its tables of sines: one a thread, begun anew before they grow without bound.
+class KeptTransform {
+ public:
+  Eigen::FFT<double>& of(std::size_t n, bool half) {
+    if (std::find(sizes_.begin(), sizes_.end(), n) == sizes_.end()) {
+      if (sizes_.size() == kMostSizes) {
+        sizes_.clear();
+        fft_ = Eigen::FFT<double>();
+      }
+      sizes_.push_back(n);
+    }
+    half ? fft_.SetFlag(Eigen::FFT<double>::HalfSpectrum) : fft_.ClearFlag(Eigen::FFT<double>::HalfSpectrum);
+    return fft_;
+  }
+
+ private:
+  static constexpr std::size_t kMostSizes = 8;
+  Eigen::FFT<double> fft_;
+  std::vector<std::size_t> sizes_;
+};
+
+Eigen::FFT<double>& transform_of(std::size_t n, bool half) {
+  thread_local KeptTransform kept;
+  return kept.of(n, half);
+}
+
 Bins transform_smooth(const Bins& x) {
-  Eigen::FFT<double> fft;
   Bins out;
-  fft.fwd(out, x);
+  transform_of(x.size(), false).fwd(out, x);
   return out;
 }
 
@@ -79,10 +104,8 @@ std::vector<Complex> half_spectrum(std::span<const double> x) {
   require_samples(x.size());
   Bins bins;
   if (has_small_factors(x.size())) {
-    Eigen::FFT<double> fft;
-    fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
     const std::vector<double> real(x.begin(), x.end());
-    fft.fwd(bins, real);
+    transform_of(x.size(), true).fwd(bins, real);
   } else {
     bins = fourier(Bins(x.begin(), x.end()));
     bins.resize(x.size() / 2 + 1);
@@ -94,9 +117,7 @@ std::vector<double> from_half_spectrum(const std::vector<Complex>& bins, std::si
   require_samples(n);
   std::vector<double> x(n);
   if (has_small_factors(n)) {
-    Eigen::FFT<double> fft;
-    fft.SetFlag(Eigen::FFT<double>::HalfSpectrum);
-    fft.inv(x, bins, eigen_index(n));
+    transform_of(n, true).inv(x, bins, eigen_index(n));
     return x;
   }
   Bins all(n);

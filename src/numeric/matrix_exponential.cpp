@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/whole_number.hpp"
+
 namespace bodesmith {
 namespace {
 
@@ -32,7 +34,7 @@ void matrix_exponential(double* m, int n, std::vector<double>& work) {
     for (int j = 0; j < n; ++j) row += std::abs(m[i * n + j]);
     norm = std::max(norm, row);
   }
-  const int squarings = norm > 0.5 ? std::max(0, static_cast<int>(std::ceil(std::log2(norm / 0.5)))) : 0;
+  const int squarings = norm > 0.5 ? whole_number(std::ceil(std::log2(norm / 0.5)), 0, 1100) : 0;
   const double scale = std::ldexp(1.0, -squarings);
   for (std::size_t i = 0; i < size; ++i) m[i] *= scale;
   // Horner: I + M (I + M/2 (I + M/3 (...))); 0.5^15/15! is below 3e-17.

@@ -5,11 +5,12 @@
 
 namespace bodesmith::simulate {
 
-DenseSignal DenseSignal::from_record(const TimeRecord& record) {
-  DenseSignal out;
-  const auto& u = record.u;
+namespace {
+
+/// The record as straight lines: each(first, last) for the samples at the ends of every one, until it says false.
+template <class Each>
+void each_line(const std::vector<double>& u, const Each& each) {
   const std::size_t n = u.size();
-  out.before = 0.0;
   double scale = 0.0;
   for (const double v : u) scale = std::max(scale, std::abs(v));
   // Samples belong to one line while a straight line from its first sample passes all of them within
@@ -30,15 +31,33 @@ DenseSignal DenseSignal::from_record(const TimeRecord& record) {
       max_slope = std::min(max_slope, (rise + close) * part);
       ++last;
     }
+    if (!each(first, last)) return;
+    first = last;
+  }
+}
+
+}  // namespace
+
+std::size_t DenseSignal::count_lines(const TimeRecord& record, std::size_t most) {
+  std::size_t count = 0;
+  each_line(record.u, [&](std::size_t, std::size_t) { return ++count <= most; });
+  return count;
+}
+
+DenseSignal DenseSignal::from_record(const TimeRecord& record) {
+  DenseSignal out;
+  const auto& u = record.u;
+  out.before = 0.0;
+  each_line(u, [&](std::size_t first, std::size_t last) {
     Piece p;
     p.begin = record.time_s(first);
     p.end = record.time_s(last);
     p.nodes[0] = u[first];
     p.nodes[1] = u[last];
     out.append(p);
-    if (last + 1 < n) out.corner(p.end);
-    first = last;
-  }
+    if (last + 1 < u.size()) out.corner(p.end);
+    return true;
+  });
   return out;
 }
 

@@ -21,6 +21,8 @@ class DenseSignal {
 
   /// Straight lines between samples; neighbouring samples on one line become one piece.
   static DenseSignal from_record(const TimeRecord& record);
+  /// How many pieces that makes, or most + 1 when there are more.
+  static std::size_t count_lines(const TimeRecord& record, std::size_t most);
 
   void append(const Piece& piece) { pieces_.push_back(piece); }
   /// Marks a time at which solvers must start again.

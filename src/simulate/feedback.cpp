@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
+#include "base/text.hpp"
 #include "chain/linear_kernel.hpp"
 #include "simulate/cvode_solver.hpp"
 #include "simulate/dense_signal.hpp"
@@ -14,6 +15,7 @@
 #include "simulate/ode_solve.hpp"
 #include "simulate/record_metrics.hpp"
 #include "simulate/simulate.hpp"
+#include "simulate/work_limit.hpp"
 
 namespace bodesmith::simulate {
 namespace {
@@ -40,6 +42,9 @@ LoopResult run_in_cvode(const chain::Chain& plant, const TimeRecord& forward, co
                         const TimeRecord& reference, const Options& options) {
   LoopResult out;
   out.stats.engine = Engine::cvode;
+  constexpr double kMostRestarts = 5e6;  // CVODE starts again at every one
+  if (controller.period_s > 0.0)
+    require_few_edges(reference.duration_s() / controller.period_s, "the controller's clock", kMostRestarts);
   std::vector<Kernel> kernels = plant_kernels(plant);
   // A part at the front passes the drive on unchanged, so that it is seen even without blocks.
   Kernel front = chain::gain_kernel(1.0);
@@ -114,6 +119,9 @@ void validate_loop(const std::vector<double>& feedforward, const PidController& 
       !(controller.lower < controller.upper)) {
     throw InputError("the controller's derivative corner, period or limits are out of range");
   }
+  if (controller.period_s > 0.0)
+    require_few_edges(reference.duration_s() / controller.period_s,
+                      fmt::format("a controller that samples every {} s", rounded_text(controller.period_s)));
   if (options.engine == Engine::record) {
     throw InputError("a loop cannot be worked out block by block, expected the engine exact or cvode");
   }

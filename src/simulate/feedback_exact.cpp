@@ -116,6 +116,7 @@ void run_sampled_controller(const StateSpace& plant, const std::vector<double>& 
                             const TimeRecord& r, int edges, std::size_t interval, int parts,
                             std::vector<double> state, LoopResult& out) {
   const int pieces = edges * parts;
+  const std::size_t look_every = std::max<std::size_t>(1, 65536 / static_cast<std::size_t>(pieces));
   const std::array<const double*, 1> inputs = {plant.b.data()};
   Stepper stepper(plant, inputs, r.step_s / pieces);
   SampledPid pid(c);
@@ -123,7 +124,7 @@ void run_sampled_controller(const StateSpace& plant, const std::vector<double>& 
   out.y.push_back(output(plant, 0.0, state.data()));
   out.drive.push_back(f[0] + held);
   for (std::size_t i = 1; i < r.size(); ++i) {
-    if (i % 65536 == 0) stop_if_interrupted();
+    if (i % look_every == 0) stop_if_interrupted();
     for (int piece = 0; piece < pieces; ++piece) {
       stepper.step(state, {{held + between(f[i - 1], f[i], piece, pieces),
                             held + between(f[i - 1], f[i], piece + 1, pieces)}});

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/whole_number.hpp"
 #include "numeric/grunwald_letnikov.hpp"
 
 namespace bodesmith::simulate {
@@ -45,8 +46,7 @@ GrunwaldLetnikovResult grunwald_letnikov(const FractionalLeadLag& term, std::spa
     const std::size_t all = (u.size() - 1) * parts + 1;
     const std::vector<double> whole = series(term, h, all);
     std::vector<double> used = whole;
-    if (memory_s > 0.0)
-      used.resize(std::clamp<std::size_t>(static_cast<std::size_t>(std::ceil(memory_s / h)), 1, all));
+    if (memory_s > 0.0) used.resize(whole_number<std::size_t>(std::ceil(memory_s / h), 1, all));
     double tail = 0.0;
     for (std::size_t k = used.size(); k < whole.size(); ++k) tail += std::abs(whole[k]);
     double largest = 0.0;

@@ -5,6 +5,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "base/whole_number.hpp"
+
 namespace bodesmith::simulate {
 namespace {
 
@@ -36,7 +38,7 @@ Loop hysteresis_loop(std::span<const double> u, std::span<const double> y, std::
     const double to = std::max(u[k - 1], u[k]);
     const bool up = u[k] > u[k - 1];
     // A level that is met exactly counts where it is left towards, so that it is counted once.
-    auto i = static_cast<std::size_t>(std::max(0.0, std::floor((from - *low) / gap) - 1.0));
+    auto i = whole_number<std::size_t>(std::floor((from - *low) / gap) - 1.0);
     for (; i < levels && level(i) <= to; ++i) {
       const bool crossed = up ? u[k - 1] < level(i) : u[k - 1] > level(i) && u[k] <= level(i);
       if (!crossed) continue;

@@ -13,28 +13,27 @@ namespace {
 
 using ModalComplex = std::complex<double>;
 
-void set_condition(ModalSystem& m) {
-  double modes = std::abs(m.direct);
-  for (std::size_t k = 0; k < m.poles.size(); ++k) {
-    modes += (m.poles[k].imag() != 0.0 ? 2.0 : 1.0) * std::abs(m.residues[k] / m.poles[k]);
+}  // namespace
+
+void ModalSystem::find_condition() {
+  double modes = std::abs(direct);
+  for (std::size_t k = 0; k < poles.size(); ++k) {
+    modes += (poles[k].imag() != 0.0 ? 2.0 : 1.0) * std::abs(residues[k] / poles[k]);
   }
   double max_gain = 0.0;
   const auto at = [&](double w) {
-    ModalComplex h = m.direct;
-    for (std::size_t k = 0; k < m.poles.size(); ++k) {
-      h += m.residues[k] / (ModalComplex(0.0, w) - m.poles[k]);
-      if (m.poles[k].imag() != 0.0)
-        h += std::conj(m.residues[k]) / (ModalComplex(0.0, w) - std::conj(m.poles[k]));
+    ModalComplex h = direct;
+    for (std::size_t k = 0; k < poles.size(); ++k) {
+      h += residues[k] / (ModalComplex(0.0, w) - poles[k]);
+      if (poles[k].imag() != 0.0) h += std::conj(residues[k]) / (ModalComplex(0.0, w) - std::conj(poles[k]));
     }
     max_gain = std::max(max_gain, std::abs(h));
   };
   at(0.0);
-  for (const ModalComplex p : m.poles) at(std::abs(p));
-  m.condition = m.poles.empty() ? 1.0 : modes / max_gain;
-  if (!std::isfinite(m.condition)) m.condition = std::numeric_limits<double>::infinity();
+  for (const ModalComplex p : poles) at(std::abs(p));
+  condition = poles.empty() ? 1.0 : modes / max_gain;
+  if (!std::isfinite(condition)) condition = std::numeric_limits<double>::infinity();
 }
-
-}  // namespace
 
 ModalSystem ModalSystem::from(const Sections& sections) {
   std::vector<ModalComplex> zeros;
@@ -59,7 +58,7 @@ ModalSystem ModalSystem::from(const Sections& sections) {
     m.poles.push_back(poles[k]);
     m.residues.push_back(r);
   }
-  set_condition(m);
+  m.find_condition();
   return m;
 }
 
@@ -85,7 +84,7 @@ ModalSystem ModalSystem::from(const StateSpace& system) {
     m.poles.push_back(p);
     m.residues.push_back(in(k)*out(k));
   }
-  set_condition(m);
+  m.find_condition();
   return m;
 }
 

@@ -21,6 +21,8 @@ struct ModalSystem {
   static ModalSystem from(const Sections& sections);
   /// Eigenvalues of a state space (its offset and constant are left to the caller).
   static ModalSystem from(const StateSpace& system);
+  /// Sets `condition` from the rest.
+  void find_condition();
   /// Above it an engine should not use the modes.
   static constexpr double kMaxCondition = 1e6;
 };

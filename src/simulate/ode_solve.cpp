@@ -6,7 +6,9 @@
 #include <cmath>
 
 #include "base/progress.hpp"
+#include "base/text.hpp"
 #include "simulate/cvode_solver.hpp"
+#include "simulate/work_limit.hpp"
 
 namespace bodesmith::simulate {
 namespace {
@@ -157,6 +159,10 @@ void solve_stretch(OdeSystem& system, CvodeSolver& solver, double t, double stop
     while (outcome == CvodeSolver::Outcome::stepped) {
       outcome = solver.step();
       if (solver.steps() % kLookEvery == 0) stop_if_interrupted();
+      if (solver.steps() > kMostSolverSteps)
+        throw SolverFailure(
+            fmt::format("more than {} steps at {} s of the record, where it asks for ever shorter ones",
+                        kMostSolverSteps, rounded_text(solver.time())));
       output.step(stop, final);
     }
     t = outcome == CvodeSolver::Outcome::stopped ? stop : solver.time();
@@ -192,6 +198,7 @@ void solve_ode(OdeSystem& system, const Options& options, const OdeRequest& requ
   double t = first;
   for (std::size_t i = 0; i < stops.size(); ++i) {
     const double stop = stops[i];
+    if (i % 1024 == 0) stop_if_interrupted();
     solve_stretch(system, solver, t, stop, i + 1 == stops.size(), output, chatter, stats);
     t = stop;
     if (i + 1 == stops.size()) break;

@@ -1,14 +1,20 @@
 #include "simulate/record_simulator.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <stdexcept>
 
+#include "base/text.hpp"
 #include "simulate/propagators/branch.hpp"
 #include "simulate/propagators/collocation.hpp"
 #include "simulate/propagators/linear.hpp"
 #include "simulate/propagators/memory.hpp"
 #include "simulate/propagators/sampled.hpp"
 #include "simulate/record_plan.hpp"
+#include "simulate/work_limit.hpp"
 
 namespace bodesmith::simulate {
 namespace {
@@ -111,11 +117,90 @@ struct RecordSimulator::Implementation {
     std::fill(out, signal.data() + signal.size(), u.back());
   }
 
+  /// Whether the values at the samples are all that is needed: linear dynamics under an input that is straight
+  /// between them, and what works value by value.
+  bool needs_samples_only() const {
+    if (options.degree != 0 || options.oversample != 1 || degree != 1) return false;
+    return std::all_of(stages.begin(), stages.end(), [&](const RecordStage& stage) {
+      if (!stage.linear) {
+        const auto& kernel = slots[stage.first].kernel();
+        return std::holds_alternative<std::unique_ptr<CurveKernel>>(kernel) ||
+               std::holds_alternative<std::unique_ptr<SourceKernel>>(kernel);
+      }
+      const double delay = stage.merged.delay_s / step_s;
+      const auto behind = initial.begin() + static_cast<std::ptrdiff_t>(stage.state + stage.front);
+      return std::abs(delay - std::round(delay)) < 1e-12 && stage.beside.offset == 0.0 &&
+             stage.beside.constant.empty() &&
+             std::all_of(behind, behind + static_cast<std::ptrdiff_t>(stage.beside.order()),
+                         [](double x) { return x == 0.0; });
+    });
+  }
+
+  /// What rounding may have done to the last run: that of a step, grown by the modes' cancellation, which a mode that
+  /// remembers many steps adds up at random.
+  double rounding_error(std::span<const double> y) const {
+    double size = 0.0;
+    for (const double v : y) size = std::max(size, std::abs(v));
+    double factor = 1.0;
+    for (const RecordStage& stage : stages) {
+      if (!stage.linear || stage.merged.order() == 0) continue;
+      const double steps = std::min(1.0 / (linear.slowest_rad_s() * step_s), static_cast<double>(y.size()));
+      factor *=
+          linear.condition() * (static_cast<double>(stage.merged.order()) + std::sqrt(std::max(steps, 1.0)));
+    }
+    return 4.0 * std::numeric_limits<double>::epsilon() * factor * size;
+  }
+
+  std::span<const double> run_samples(std::span<const double> u) {
+    std::copy(u.begin(), u.end(), result.begin());
+    state.assign(initial.begin(), initial.end());
+    double rest = u[0];
+    for (const RecordStage& stage : stages) {
+      if (stage.linear) {
+        run_linear_samples(stage, rest);
+      } else {
+        std::visit([&](auto& kernel) { run_sample_values(kernel, rest); }, slots[stage.first].kernel());
+      }
+    }
+    return result;
+  }
+
+  void run_linear_samples(const RecordStage& stage, double& rest) {
+    LinearKernel k = stage.merged;
+    const auto delay = static_cast<std::size_t>(
+        std::min(std::round(k.delay_s / step_s), static_cast<double>(result.size())));
+    k.delay_s = 0.0;
+    main_state.assign(k.order(), 0.0);
+    std::copy_n(state.data() + stage.state, delay > 0 ? stage.front : k.order(), main_state.begin());
+    double before = 0.0;
+    if (options.start == Start::equilibrium) rest = before = add_rest(k, rest, main_state.data());
+    linear.prepare(k, step_s, hold_nodes(1));
+    linear.run_samples(result.data(), result.size() - delay, main_state.data());
+    if (delay == 0) return;
+    std::copy_backward(result.begin(), result.end() - static_cast<std::ptrdiff_t>(delay), result.end());
+    std::fill_n(result.begin(), delay, before);
+  }
+
+  void run_sample_values(std::unique_ptr<CurveKernel>& curve, double& rest) {
+    curve->values(result.data(), result.data(), result.size());
+    rest = curve->value(rest);
+  }
+  void run_sample_values(std::unique_ptr<SourceKernel>& source, double& rest) {
+    for (std::size_t i = 0; i < result.size(); ++i)
+      result[i] += source->value(options.start_s + step_s * static_cast<double>(i));
+    rest += source->value(options.start_s);
+  }
+  template <class Other>
+  void run_sample_values(Other& /*kernel*/, double& /*rest*/) {
+    throw std::logic_error("a block with memory among values at samples");
+  }
+
   std::span<const double> run(std::span<const double> u, std::size_t blocks) {
     outcome = Outcome::finished;
     result.resize(u.size());
     if (u.empty()) return result;
     refresh(std::min(blocks, chain.blocks.size()));
+    if (needs_samples_only()) return run_samples(u);
     const bool right_limits = has_sampled();
     const std::size_t parts = options.oversample;
     Run run{hold_nodes(degree), step_s / static_cast<double>(parts),
@@ -214,6 +299,8 @@ struct RecordSimulator::Implementation {
   }
 
   void run_kernel(std::unique_ptr<SampledKernel>& sampled, Run& run, double*, bool last) {
+    require_few_edges(sampled->clock_hz() * run.h * static_cast<double>(run.holds),
+                      fmt::format("a clock of {} Hz", rounded_text(sampled->clock_hz())));
     run_sampled(*sampled, run.nodes, run.h, signal.data(), other.data(), run.holds, run.equilibrium, last);
     std::swap(signal, other);
   }
@@ -250,6 +337,10 @@ std::span<double> RecordSimulator::initial_states() {
 std::span<const double> RecordSimulator::run(std::span<const double> u) {
   return implementation_->run(u, implementation_->chain.blocks.size());
 }
+std::vector<double> RecordSimulator::run_once(std::span<const double> u) {
+  run(u);
+  return std::move(implementation_->result);
+}
 std::span<const double> RecordSimulator::run_until(std::span<const double> u, std::size_t blocks) {
   return implementation_->run(u, blocks);
 }
@@ -261,6 +352,10 @@ std::size_t RecordSimulator::degree() const {
 }
 std::size_t RecordSimulator::holds_per_sample() const {
   return implementation_->options.oversample;
+}
+std::optional<double> RecordSimulator::rounding_error(std::span<const double> y) const {
+  if (!implementation_->needs_samples_only()) return std::nullopt;
+  return implementation_->rounding_error(y);
 }
 double RecordSimulator::model_error() const {
   return implementation_->model_error;

@@ -2,6 +2,7 @@
 
 #include <cstddef>
 #include <memory>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -54,6 +55,8 @@ class RecordSimulator {
 
   /// Output at every sample of u; the view stays good until the next run.
   std::span<const double> run(std::span<const double> u);
+  /// The same, to keep: for a simulator that is used once.
+  std::vector<double> run_once(std::span<const double> u);
   /// The output of the first `blocks` blocks instead (0: the input itself).
   std::span<const double> run_until(std::span<const double> u, std::size_t blocks);
 
@@ -69,6 +72,9 @@ class RecordSimulator {
   std::size_t degree() const;
   std::size_t holds_per_sample() const;
   double model_error() const;  ///< of the last run, see Result
+  /// Where the last run, whose output was y, was exact but for rounding (degree 0, one hold a sample, and a chain that is linear where it has
+  /// memory): what rounding may have done. Nothing where the step matters.
+  std::optional<double> rounding_error(std::span<const double> y) const;
 
  private:
   struct Implementation;

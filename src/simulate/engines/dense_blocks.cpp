@@ -1,7 +1,13 @@
 #include "simulate/engines/dense_blocks.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
+
+#include "base/text.hpp"
+#include "base/whole_number.hpp"
+#include "simulate/work_limit.hpp"
 
 namespace bodesmith::simulate {
 namespace {
@@ -50,7 +56,7 @@ DenseSignal stepped(chain::MemoryKernel& memory, const DenseSignal& in, double m
   double y = memory.reset(reader.value(in.begin()), equilibrium);
   for (const auto& piece : in.pieces()) {
     const double length = piece.end - piece.begin;
-    const int parts = std::max(1, static_cast<int>(std::ceil(length / max_step_s - 1e-9)));
+    const int parts = whole_number(std::ceil(length / max_step_s - 1e-9), 1);
     const HoldNodes& nodes = hold_nodes(piece.degree);
     for (int i = 0; i < parts; ++i) {
       DenseSignal::Piece line;
@@ -73,6 +79,8 @@ DenseSignal clocked(chain::SampledKernel& kernel, const DenseSignal& in, bool eq
   DenseSignal::Reader reader(in);
   const double begin = in.begin();
   const double end = in.end();
+  require_few_edges((end - begin) * kernel.clock_hz(),
+                    fmt::format("a clock of {} Hz", rounded_text(kernel.clock_hz())));
   const double cycle = 1.0 / kernel.clock_hz();
   double held = kernel.reset(reader.value(begin), equilibrium);
   double from = begin;

@@ -17,7 +17,7 @@ class ChainEngine {
   virtual Engine which() const = 0;
   /// How it treats a block of this kind, in a word or two for a report.
   virtual std::string_view method(const chain::Kernel& kernel) const = 0;
-  /// Once, without an error estimate (but for the exact engine, whose rounding is known). InputError when the
+  /// Once, without an error estimate (but where the outcome is exact and its rounding known). InputError when the
   /// model cannot be solved for this input.
   virtual std::variant<Result, NoClosedForm> run(const chain::Chain& chain, const TimeRecord& input,
                                                  const Options& options) const = 0;

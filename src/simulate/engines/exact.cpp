@@ -129,10 +129,10 @@ ClosedForm::Refusal ClosedForm::build(bool any_input) {
   for (std::size_t i = 0; i < kernels.size(); ++i) {
     if (!std::visit(MayHaveClosedForm{}, kernels[i])) return no_polynomial(i);
   }
-  const DenseSignal signal = DenseSignal::from_record(input_);
-  if (!any_input && signal.pieces().size() > input_.size() / 8)
+  const std::size_t most = input_.size() / 8;
+  if (!any_input && DenseSignal::count_lines(input_, most) > most)
     return NoClosedForm{Reason::many_corners, "the input has a corner at nearly every sample"};
-  segments_ = straight_segments(signal);
+  segments_ = straight_segments(DenseSignal::from_record(input_));
   for (std::size_t i = 0; i < kernels.size(); ++i) {
     if (dynamic_ && !std::holds_alternative<LinearKernel>(kernels[i])) {
       return NoClosedForm{Reason::behind_dynamics, fmt::format("block {} ({}) stands behind linear dynamics",

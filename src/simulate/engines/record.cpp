@@ -34,18 +34,18 @@ Result run_holds(const chain::Chain& chain, const SampledInput& input, Start sta
   options.oversample = oversample;
   options.start_s = input.start_s;
   RecordSimulator simulator(chain, input.step_s, options);
-  const auto y = simulator.run(input.u);
+  Result out;
+  out.y = simulator.run_once(input.u);
   if (simulator.diverged()) {
     throw InputError(
         "the model's output grows without bound for this input, expected a stable model (check its spring "
         "and drag)");
   }
-  Result out;
-  out.y.assign(y.begin(), y.end());
   out.stats.engine = Engine::record;
   out.stats.degree = simulator.degree();
   out.stats.steps = input.size() * oversample;
   out.model_error = simulator.model_error();
+  out.error_estimate = simulator.rounding_error(out.y);
   return out;
 }
 
@@ -61,6 +61,7 @@ class RecordEngine final : public ChainEngine {
   }
   double estimate_error(const chain::Chain& chain, const TimeRecord& input, const Options& options,
                         const Result& result) const override {
+    if (result.error_estimate) return *result.error_estimate;  // exact but for rounding
     const Result finer = run_holds(chain, input, options.start, result.stats.degree, 2 * options.oversample);
     return compare_records(result.y, finer.y).max;
   }
@@ -83,6 +84,7 @@ RefinedRecord run_record_refined(const chain::Chain& chain, const TimeRecord& in
   RefinedRecord out;
   std::size_t oversample = options.oversample;
   out.result = run_holds(chain, input, options.start, options.degree, oversample);
+  if (out.result.error_estimate) return out;  // exact but for rounding
   while (true) {
     stop_if_interrupted();
     Result finer = run_holds(chain, input, options.start, out.result.stats.degree, 2 * oversample);

@@ -3,8 +3,19 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
+
+#include "simulate/propagators/two_lanes.hpp"
 
 namespace bodesmith::simulate {
+namespace {
+
+/// Below this order the full matrix is as fast.
+constexpr std::size_t kLeastModes = 5;
+/// Up to this order the full matrix has a loop of its own.
+constexpr std::size_t kMostFixed = 12;
+
+}  // namespace
 
 LinearPropagator::Source LinearPropagator::source_of(std::size_t node, double delay,
                                                      const HoldNodes& nodes) const {
@@ -50,7 +61,10 @@ void LinearPropagator::prepare(const chain::LinearKernel& system, double h, cons
   const std::size_t width = nodes.size();
   shift_.assign(width, 0);
   next_.resize(order_);
+  by_modes_ = false;
   if (order_ == 0 && !delayed_) return;
+  if (order_ >= kLeastModes && prepare_modes(system, h, nodes)) return;
+  seen_ = system.c;
   const std::array<const double*, 1> inputs = {system.b.data()};
   const DrivenSystem dynamics = driven(system, inputs);
   if (order_ > 0) solver_.solve(dynamics, h, nodes, 1.0, end_);
@@ -68,20 +82,34 @@ void LinearPropagator::prepare(const chain::LinearKernel& system, double h, cons
   }
 }
 
+bool LinearPropagator::prepare_modes(const chain::LinearKernel& system, double h, const HoldNodes& nodes) {
+  ModalPropagator::Output outputs[kMaxDegree + 1];
+  for (std::size_t i = 0; i < nodes.size(); ++i) {
+    const Source source = source_of(i, system.delay_s / h, nodes);
+    shift_[i] = source.shift;
+    outputs[i].s = source.s;
+    nodes.weights(source.s, outputs[i].weights);
+  }
+  by_modes_ = modal_.prepare(system, h, nodes, {outputs, nodes.size()});
+  return by_modes_;
+}
+
 template <std::size_t N, std::size_t P>
 void LinearPropagator::run_fixed(const double* u, double* y, std::size_t holds, double* x) {
   double c[(P + 1) * N];
   double d[(P + 1) * (P + 1)];
   double k[P + 1];
-  double e[N * N];
+  double e[N * N];  // by columns, so that the rows of a product run side by side
   double g[N * (P + 1)];
   double kx[N];
   double state[N];
   std::copy_n(c_rows_.data(), (P + 1) * N, c);
   std::copy_n(d_rows_.data(), (P + 1) * (P + 1), d);
   std::copy_n(k_rows_.data(), P + 1, k);
-  std::copy_n(end_.e.data(), N * N, e);
-  std::copy_n(end_.g[0].data(), N * (P + 1), g);
+  for (std::size_t a = 0; a < N; ++a) {
+    for (std::size_t b = 0; b < N; ++b) e[b * N + a] = end_.e[a * N + b];
+    for (std::size_t j = 0; j <= P; ++j) g[j * N + a] = end_.g[0][a * (P + 1) + j];
+  }
   std::copy_n(end_.k.data(), N, kx);
   std::copy_n(x, N, state);
   for (std::size_t hold = 0; hold < holds; ++hold) {
@@ -94,12 +122,11 @@ void LinearPropagator::run_fixed(const double* u, double* y, std::size_t holds, 
       y[i] = sum;
     }
     double after[N];
-    for (std::size_t a = 0; a < N; ++a) {
-      double sum = kx[a];
-      for (std::size_t j = 0; j <= P; ++j) sum += g[a * (P + 1) + j] * v[j];
-      for (std::size_t b = 0; b < N; ++b) sum += e[a * N + b] * state[b];
-      after[a] = sum;
-    }
+    for (std::size_t a = 0; a < N; ++a) after[a] = kx[a];
+    for (std::size_t j = 0; j <= P; ++j)
+      for (std::size_t a = 0; a < N; ++a) after[a] += g[j * N + a] * v[j];
+    for (std::size_t b = 0; b < N; ++b)
+      for (std::size_t a = 0; a < N; ++a) after[a] += e[b * N + a] * state[b];
     for (std::size_t a = 0; a < N; ++a) state[a] = after[a];
     u += P + 1;
     y += P + 1;
@@ -144,12 +171,14 @@ bool LinearPropagator::run_fixed_size(const double* u, double* y, std::size_t ho
     void (LinearPropagator::*run)(const double*, double*, std::size_t, double*);
   };
   static constexpr Size kSizes[] = {
-      {1, 1, &LinearPropagator::run_fixed<1, 1>}, {1, 2, &LinearPropagator::run_fixed<1, 2>},
-      {1, 3, &LinearPropagator::run_fixed<1, 3>}, {1, 4, &LinearPropagator::run_fixed<1, 4>},
-      {2, 1, &LinearPropagator::run_fixed<2, 1>}, {2, 2, &LinearPropagator::run_fixed<2, 2>},
-      {2, 3, &LinearPropagator::run_fixed<2, 3>}, {2, 4, &LinearPropagator::run_fixed<2, 4>},
-      {3, 1, &LinearPropagator::run_fixed<3, 1>}, {3, 3, &LinearPropagator::run_fixed<3, 3>},
-      {4, 1, &LinearPropagator::run_fixed<4, 1>}, {4, 3, &LinearPropagator::run_fixed<4, 3>}};
+      {1, 1, &LinearPropagator::run_fixed<1, 1>},   {1, 2, &LinearPropagator::run_fixed<1, 2>},
+      {1, 3, &LinearPropagator::run_fixed<1, 3>},   {1, 4, &LinearPropagator::run_fixed<1, 4>},
+      {2, 1, &LinearPropagator::run_fixed<2, 1>},   {2, 2, &LinearPropagator::run_fixed<2, 2>},
+      {2, 3, &LinearPropagator::run_fixed<2, 3>},   {2, 4, &LinearPropagator::run_fixed<2, 4>},
+      {3, 1, &LinearPropagator::run_fixed<3, 1>},   {3, 3, &LinearPropagator::run_fixed<3, 3>},
+      {4, 1, &LinearPropagator::run_fixed<4, 1>},   {4, 3, &LinearPropagator::run_fixed<4, 3>},
+      {6, 3, &LinearPropagator::run_fixed<6, 3>},   {8, 3, &LinearPropagator::run_fixed<8, 3>},
+      {10, 3, &LinearPropagator::run_fixed<10, 3>}, {12, 3, &LinearPropagator::run_fixed<12, 3>}};
   for (const Size& size : kSizes) {
     if (size.order != order_ || size.degree != degree_) continue;
     (this->*size.run)(u, y, holds, x);
@@ -164,8 +193,123 @@ void LinearPropagator::run(const double* u, double* y, std::size_t holds, double
     for (std::size_t i = 0; i < count; ++i) y[i] = gain_ * u[i] + offset_;
     return;
   }
+  if (by_modes_) return run_modes(u, y, holds, x, before);
   if (!delayed_ && run_fixed_size(u, y, holds, x)) return;
   run_any(u, y, holds, x, before);
+}
+
+void LinearPropagator::run_modes(const double* u, double* y, std::size_t holds, const double* x,
+                                 double before) {
+  modal_.start(x);
+  if (!delayed_) {
+    modal_.run(u, y, holds);
+    return;
+  }
+  const std::size_t width = degree_ + 1;
+  for (std::size_t i = 0; i < width; ++i) {
+    const std::size_t shift = std::min(shift_[i], holds);
+    for (std::size_t hold = 0; hold < shift; ++hold) y[hold * width + i] = before;
+  }
+  constexpr std::size_t kBlock = 64;
+  double block[kBlock * (kMaxDegree + 1)];
+  for (std::size_t first = 0; first < holds; first += kBlock) {
+    const std::size_t count = std::min(kBlock, holds - first);
+    modal_.run(u + first * width, block, count);
+    for (std::size_t i = 0; i < width; ++i) {
+      for (std::size_t hold = 0; hold < count; ++hold) {
+        const std::size_t target = first + hold + shift_[i];
+        if (target < holds) y[target * width + i] = block[hold * width + i];
+      }
+    }
+  }
+}
+
+// z[i+1] = E z[i] + (E g1 + g0) u[i] + k, as ModalPropagator::run_straight.
+template <std::size_t N, bool Lower>
+void LinearPropagator::run_straight(double* signal, std::size_t count, const double* x) {
+  constexpr std::size_t kPairs = (N + 1) / 2;
+  constexpr std::size_t kRows = 2 * kPairs;
+  double e[N * kRows] = {};  // by columns
+  double in[kRows] = {}, constant[kRows] = {}, see[kRows] = {}, z[kRows] = {};
+  double gain = gain_;
+  for (std::size_t a = 0; a < N; ++a) {
+    const double end = end_.g[0][2 * a + 1];
+    in[a] = end_.g[0][2 * a];
+    for (std::size_t b = 0; b < N; ++b) {
+      e[b * kRows + a] = end_.e[a * N + b];
+      in[a] += end_.e[a * N + b] * end_.g[0][2 * b + 1];
+    }
+    constant[a] = end_.k[a];
+    see[a] = seen_[a];
+    gain += seen_[a] * end;
+    z[a] = x[a] - end * signal[0];
+  }
+  for (std::size_t i = 0; i < count; ++i) {
+    const double u = signal[i];
+    TwoLanes next[kPairs];
+    TwoLanes sum = {offset_ + gain * u, 0.0};
+    for (std::size_t k = 0; k < kPairs; ++k) {
+      next[k] = load_lanes(constant + 2 * k) + load_lanes(in + 2 * k) * both_lanes(u);
+      sum += load_lanes(see + 2 * k) * load_lanes(z + 2 * k);
+    }
+    for (std::size_t b = 0; b < N; ++b) {
+      const TwoLanes state = both_lanes(z[b]);
+      // First-order blocks in series: a state moves only itself and those behind it.
+      for (std::size_t k = Lower ? b / 2 : 0; k < kPairs; ++k)
+        next[k] += load_lanes(e + b * kRows + 2 * k) * state;
+    }
+    for (std::size_t k = 0; k < kPairs; ++k) {
+      z[2 * k] = next[k][0];
+      z[2 * k + 1] = next[k][1];
+    }
+    signal[i] = sum[0] + sum[1];
+  }
+}
+
+template <std::size_t... N>
+void LinearPropagator::run_straight_of(std::index_sequence<N...> /*sizes*/, bool lower, double* signal,
+                                       std::size_t count, const double* x) {
+  using Run = void (LinearPropagator::*)(double*, std::size_t, const double*);
+  static constexpr Run kFull[] = {&LinearPropagator::run_straight<N + 1, false>...};
+  static constexpr Run kLower[] = {&LinearPropagator::run_straight<N + 1, true>...};
+  (this->*(lower ? kLower : kFull)[order_ - 1])(signal, count, x);
+}
+
+void LinearPropagator::run_straight_any(double* signal, std::size_t count, const double* x) {
+  const std::size_t n = order_;
+  std::vector<double> state(x, x + n);
+  for (std::size_t i = 0; i < count; ++i) {
+    const double u = signal[i];
+    const double after = i + 1 < count ? signal[i + 1] : u;
+    double sum = offset_ + gain_ * u;
+    for (std::size_t a = 0; a < n; ++a) {
+      sum += seen_[a] * state[a];
+      double value = end_.k[a] + end_.g[0][2 * a] * u + end_.g[0][2 * a + 1] * after;
+      for (std::size_t b = 0; b < n; ++b) value += end_.e[a * n + b] * state[b];
+      next_[a] = value;
+    }
+    std::swap(state, next_);
+    signal[i] = sum;
+  }
+}
+
+void LinearPropagator::run_samples(double* signal, std::size_t count, const double* x) {
+  if (count == 0) return;
+  if (order_ == 0) {
+    for (std::size_t i = 0; i < count; ++i) signal[i] = gain_ * signal[i] + offset_;
+    return;
+  }
+  if (by_modes_) {
+    modal_.start(x);
+    modal_.run_samples(signal, count);
+    return;
+  }
+  if (order_ > kMostFixed) return run_straight_any(signal, count, x);
+  bool lower = true;
+  for (std::size_t a = 0; a < order_; ++a) {
+    for (std::size_t b = a + 1; b < order_; ++b) lower = lower && end_.e[a * order_ + b] == 0.0;
+  }
+  run_straight_of(std::make_index_sequence<kMostFixed>(), lower, signal, count, x);
 }
 
 }  // namespace bodesmith::simulate

@@ -55,11 +55,54 @@ class StepProgram {
     double predicted = 0.0;  ///< merit there in first order
   };
   Step solve(const Linearised& at, double radius) const {
+    if (!least_squares_ && at.error.size() > kManyErrors) return solve_by_peaks(at, radius);
+    return solve_rows(at, radius, at.error, at.slope).step;
+  }
+
+ private:
+  static constexpr Index kNone = -1;
+  /// With more errors than this most constraints are idle, and only those that may bind are written down.
+  static constexpr Index kManyErrors = 100;
+
+  struct Solved {
+    Step step;
+    double level = 0.0;  ///< of the rows written down, as the program found it, Np
+  };
+
+  /// The same program, its rows found one after the other: those where the error peaks, then where the step found
+  /// would make it peak higher than the level of the rows so far, until it does so nowhere.
+  Step solve_by_peaks(const Linearised& at, double radius) const {
+    std::vector<Index> rows;
+    const auto add_peaks = [&](const Eigen::VectorXd& error, double above) {
+      const std::size_t before = rows.size();
+      const Index last = error.size() - 1;
+      for (Index i = 0; i <= last; ++i) {
+        const double here = std::abs(error(i));
+        const bool peak =
+            (i == 0 || here >= std::abs(error(i - 1))) && (i == last || here >= std::abs(error(i + 1)));
+        if (peak && here > above && std::find(rows.begin(), rows.end(), i) == rows.end()) rows.push_back(i);
+      }
+      return rows.size() > before;
+    };
+    // Spread rows keep the first program bounded in every direction.
+    const Index stride = std::max<Index>(1, at.error.size() / (4 * at.theta.size()));
+    for (Index i = 0; i < at.error.size(); i += stride) rows.push_back(i);
+    add_peaks(at.error, 0.5 * norm_of(at.error, false));
+    constexpr int kRounds = 20;
+    for (int round = 0;; ++round) {
+      const Solved found = solve_rows(at, radius, at.error(rows), at.slope(rows, Eigen::all));
+      const VectorXd there = at.error + at.slope * (found.step.theta - at.theta);
+      if (round == kRounds || !add_peaks(there, found.level * (1.0 + 1e-4))) return found.step;
+    }
+  }
+
+  Solved solve_rows(const Linearised& at, double radius, const VectorXd& error, const MatrixXd& slope) const {
     const Index n = at.theta.size();
     const Index level = least_squares_ ? kNone : n;
     const Index violation = target_.masks.empty() ? kNone : n + (least_squares_ ? 0 : 1);
     const double unit = std::max(at.merit, 1e-13);
-    const QuadraticProgram program = make_program(at, radius, unit, level, violation);
+    const QuadraticProgram program =
+        make_program({at.theta, error, slope, at.merit}, radius, unit, level, violation);
     VectorXd start = VectorXd::Zero(program.c.size());
     if (level != kNone) start(level) = 1.1;
     if (violation != kNone) start(violation) = 1.0;
@@ -68,11 +111,8 @@ class StepProgram {
     clamp(model_, limits_, step.theta);
     step.predicted = norm_of(at.error + at.slope * (step.theta - at.theta), least_squares_);
     if (violation != kNone) step.predicted += kMaskCost * unit * std::max(0.0, solution.x(violation));
-    return step;
+    return {std::move(step), level != kNone ? unit * solution.x(level) : 0.0};
   }
-
- private:
-  static constexpr Index kNone = -1;
 
   QuadraticProgram make_program(const Linearised& at, double radius, double unit, Index level,
                                 Index violation) const {

@@ -13,6 +13,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
+/// Magnitudes at so many frequencies are worked out root by root.
+constexpr Index kDense = 100;
+
 }  // namespace
 
 void curve_errors(const RootModel& model, const CurveTarget& target, const VectorXd& theta, VectorXd& error,
@@ -21,6 +24,12 @@ void curve_errors(const RootModel& model, const CurveTarget& target, const Vecto
   const bool phase = target.has_phase();
   error.resize(phase ? 2 * n : n);
   if (slope != nullptr) slope->resize(error.size(), theta.size());
+  if (!phase && n >= kDense) {
+    RootResponse(model, theta).levels(target.frequency, error, slope);
+    error = as_eigen(target.weight).cwiseProduct(error - as_eigen(target.log_gain));
+    if (slope != nullptr) slope->array().colwise() *= as_eigen(target.weight).array();
+    return;
+  }
   Eigen::RowVectorXcd row(theta.size());
   const RootResponse response(model, theta);
   for (Index i = 0; i < n; ++i) {

@@ -7,13 +7,17 @@
 #include <numbers>
 
 #include "base/error.hpp"
+#include "base/progress.hpp"
 #include "base/text.hpp"
+#include "fit/alternation.hpp"
 #include "fit/cancelling_roots.hpp"
 #include "fit/constrained_search.hpp"
 #include "fit/curve_search.hpp"
 #include "fit/group_moves.hpp"
+#include "fit/rational_start.hpp"
 #include "fit/start_builder.hpp"
 #include "lti/section_making.hpp"
+#include "numeric/parallel_for.hpp"
 
 namespace bodesmith {
 namespace {
@@ -24,6 +28,7 @@ constexpr std::size_t kMaxScreeningPoints = 160;  ///< dense curves are thinned 
 constexpr std::size_t kMaxFinalPoints = 3000;
 constexpr double kJoiningWeight = 0.02;  ///< between the points of an underdetermined fit
 constexpr double kExactFit = 1e-7;       ///< Np: no other kind of roots can do better
+constexpr double kNearlyExact = 1e-4;    ///< Np
 
 void validate_options(const DirectFitOptions& options) {
   if (options.order < 1 || options.order > 12)
@@ -91,6 +96,14 @@ struct DirectSearch {
   int tried = 0;
 };
 
+/// Whether no fit of these orders can be noticeably better, masks or not.
+bool is_best_possible(const DirectProblem& problem, const DirectSearch& search) {
+  constexpr double kProven = 0.999;
+  constexpr double kRoundedData = 1e-6;  // Np: what nine digits of a gain leave open
+  return search.best.value < kRoundedData ||
+         alternation_bound(search.model, problem.target, search.best.theta) >= kProven * search.best.value;
+}
+
 /// One screened start to its end.
 SearchResult refine_start(const DirectProblem& problem, const RootModel& model, const SearchResult& start,
                           bool least_squares) {
@@ -101,22 +114,90 @@ SearchResult refine_start(const DirectProblem& problem, const RootModel& model, 
   return search_constrained(model, problem.target, problem.limits, result.theta, least_squares, 80);
 }
 
+/// One start without a search: if what it ends in is provably as good as can be, there is nothing to search for.
+/// Pairs reach every kind of root; real ones are tried where pairs end elsewhere.
+std::optional<DirectSearch> search_from_rational(const DirectProblem& problem,
+                                                 const DirectFitOptions& options) {
+  if (problem.underdetermined || options.use_phase || options.least_squares) return std::nullopt;
+  std::optional<DirectSearch> out;
+  for (const bool real : options.real ? std::vector<bool>{true} : std::vector<bool>{false, true}) {
+    stop_if_interrupted();
+    const RootModel model = StartBuilder::make_model(problem.zeros, options.order, real, problem.reference);
+    const auto theta = rational_start(model, problem.screening, problem.limits);
+    if (!theta) continue;
+    const SearchResult near = search_least_squares(model, problem.screening, problem.limits, *theta, 20);
+    for (const VectorXd& start : {*theta, near.theta}) {
+      SearchResult result = search_constrained(model, problem.target, problem.limits, start, false, 80);
+      // Nearly exact: the curve is one of these, and least squares converge faster.
+      if (result.value < kNearlyExact) {
+        const SearchResult closer =
+            search_least_squares(model, problem.target, problem.limits, result.theta, 200);
+        SearchResult again =
+            search_constrained(model, problem.target, problem.limits, closer.theta, false, 80);
+        if (again.value < result.value) result = std::move(again);
+      }
+      const int tried = out ? out->tried + 1 : 1;
+      if (!out || result.value < out->best.value * (1.0 - 1e-6))
+        out = DirectSearch{model, std::move(result), tried};
+      out->tried = tried;
+      if (is_best_possible(problem, *out)) return out;
+    }
+  }
+  return out;
+}
+
+/// How much a search from many starts does. One that has a good fit already looks for other valleys only.
+struct SearchEffort {
+  bool both_kinds = true;  ///< real roots beside pairs
+  int random = 24;
+  int iterations = 40;        ///< of a start that is screened
+  std::size_t finished = 99;  ///< so many of the screened ones are refined to the end
+};
+
+SearchEffort effort_of(const DirectProblem& problem, const DirectFitOptions& options,
+                       const std::optional<DirectSearch>& have) {
+  // Far from its bound a fit stands in the wrong valley, or at a limit that the bound knows nothing of.
+  constexpr double kNear = 0.5;
+  const bool near =
+      have && alternation_bound(have->model, problem.target, have->best.theta) > kNear * have->best.value;
+  if (!near) return {true, options.starts, 40, 99};
+  return {false, options.starts / 4, 15, 4};
+}
+
 /// The best of many starts. Pairs reach real roots too, but their seam is hard to cross: complex fits try real ones as
 /// well.
-DirectSearch search_from_starts(const DirectProblem& problem, const DirectFitOptions& options) {
+DirectSearch search_from_starts(const DirectProblem& problem, const DirectFitOptions& options,
+                                const SearchEffort& effort) {
   DirectSearch out;
   out.best.value = INFINITY;
   StartBuilder::Settings settings = problem.starts;
-  for (const bool real : options.real ? std::vector<bool>{true} : std::vector<bool>{false, true}) {
+  std::vector<bool> kinds = {options.real};
+  if (!options.real && effort.both_kinds) kinds.push_back(true);
+  for (const bool real : kinds) {
     if (out.best.value < kExactFit) break;
     settings.real = real;
-    settings.random = real && !options.real ? options.starts / 4 : options.starts;
+    settings.random = real && !options.real ? effort.random / 4 : effort.random;
     StartBuilder builder(settings, [&](const RootModel& model, const VectorXd& start) {
-      return search_least_squares(model, problem.screening, problem.limits, start, 40);
+      return search_least_squares(model, problem.screening, problem.limits, start, effort.iterations);
     });
     const RootModel model = StartBuilder::make_model(problem.zeros, options.order, real, problem.reference);
-    for (const SearchResult& start : builder.build(problem.zeros, options.order, problem.reference)) {
-      SearchResult result = refine_start(problem, model, start, options.least_squares);
+    std::vector<SearchResult> starts = builder.build(problem.zeros, options.order, problem.reference);
+    const bool screen = starts.size() > effort.finished;
+    std::vector<SearchResult> refined(starts.size());
+    parallel_for(starts.size(), thread_count(0), [&](std::size_t i) {
+      stop_if_interrupted();
+      refined[i] =
+          screen ? search_constrained(model, problem.screening, problem.limits, starts[i].theta, false, 40)
+                 : refine_start(problem, model, starts[i], options.least_squares);
+    });
+    if (screen) {
+      std::stable_sort(refined.begin(), refined.end(),
+                       [](const SearchResult& a, const SearchResult& b) { return a.value < b.value; });
+      refined.resize(effort.finished);
+      for (SearchResult& result : refined)
+        result = search_constrained(model, problem.target, problem.limits, result.theta, false, 80);
+    }
+    for (SearchResult& result : refined) {
       if (result.value < out.best.value * (1.0 - 1e-6)) {
         out.best = std::move(result);
         out.model = model;
@@ -199,10 +280,23 @@ std::vector<std::string> direct_warnings(const DirectFit& fit, const DirectProbl
 DirectFit fit_directly(const BodePoints& points, const DirectFitOptions& options) {
   validate_options(options);
   const DirectProblem problem = make_direct_problem(points, options);
-  DirectSearch search = search_from_starts(problem, options);
+  std::optional<DirectSearch> rational = search_from_rational(problem, options);
+  const bool proven = rational && is_best_possible(problem, *rational);
+  DirectSearch search =
+      proven ? *rational : search_from_starts(problem, options, effort_of(problem, options, rational));
+  if (rational && !proven) {
+    search.tried += rational->tried;
+    if (rational->best.value < search.best.value) {
+      search.best = std::move(rational->best);
+      search.model = rational->model;
+    }
+  }
   DirectFit out;
   out.starts_tried = search.tried;
-  if (!problem.underdetermined) {
+  if (!std::isfinite(search.best.value) || search.best.theta.size() == 0)
+    throw DesignError(
+        "no fit to these points has finite gains: their numbers lie too far apart for double precision");
+  if (!problem.underdetermined && !proven) {
     GroupMoves moves(search.model, problem.limits, problem.starts, problem.screening, problem.target,
                      options.least_squares);
     search.best = moves.improve(std::move(search.best));

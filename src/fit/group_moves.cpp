@@ -3,7 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/progress.hpp"
 #include "fit/constrained_search.hpp"
+#include "numeric/parallel_for.hpp"
 
 namespace bodesmith {
 namespace {
@@ -60,6 +62,7 @@ void GroupMoves::screen_moves(const SearchResult& from, bool pairs, std::vector<
   const int poles = pairs ? model_.pole_pairs : model_.real_poles;
   const Index width = pairs ? 2 : 1;
   if (zeros == 0) return;
+  std::vector<VectorXd> starts;
   for (int p = 0; p < poles; ++p) {
     const Index pole = first_pole + width * p;
     const Index zero = nearest_zero(from.theta, first_zero, zeros, width, pole);
@@ -73,11 +76,19 @@ void GroupMoves::screen_moves(const SearchResult& from, bool pairs, std::vector<
           theta(zero + 1) = std::log(split > 0.0 ? 0.5 : 0.8);
           theta(pole + 1) = std::log(split > 0.0 ? 0.8 : 0.5);
         }
-        found.push_back(search_least_squares(model_, screening_, limits_, theta, 30));
-        ++tried_;
+        starts.push_back(std::move(theta));
       }
     }
   }
+  tried_ += static_cast<int>(starts.size());
+  // Dense curves have one valley where few points have a flat.
+  const int iterations = screening_.frequency.size() >= 100 ? 15 : 30;
+  const std::size_t before = found.size();
+  found.resize(before + starts.size());
+  parallel_for(starts.size(), thread_count(0), [&](std::size_t i) {
+    stop_if_interrupted();
+    found[before + i] = search_least_squares(model_, screening_, limits_, starts[i], iterations);
+  });
 }
 
 SearchResult GroupMoves::refine(std::vector<SearchResult> found, SearchResult best) const {

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "numeric/index.hpp"
+
 namespace bodesmith {
 namespace {
 
@@ -84,6 +86,40 @@ Complex RootResponse::at(RadPerSecond w, Eigen::RowVectorXcd* slope, bool phase)
     }
   }
   return {log_gain_ + log_size + 0.5 * std::log(product), angle};
+}
+
+void RootResponse::levels(const std::vector<RadPerSecond>& w, Eigen::VectorXd& log_gain,
+                          Eigen::MatrixXd* slope) const {
+  const Index n = eigen_index(w.size());
+  Eigen::ArrayXd square(n);
+  for (Index i = 0; i < n; ++i) square(i) = w[std_index(i)].value * w[std_index(i)].value;
+  // |H|^2 as one quotient: no root's factor leaves (w/reference)^4 or its inverse, so a dozen of them stay in range.
+  Eigen::ArrayXd top = Eigen::ArrayXd::Ones(n);
+  Eigen::ArrayXd bottom = Eigen::ArrayXd::Ones(n);
+  Eigen::ArrayXd norm(n), share(n);
+  Index place = 1;
+  if (slope != nullptr) slope->col(0).setOnes();
+  for (const Root& root : roots_) {
+    const double corner2 = root.corner * root.corner;
+    if (root.pair) {
+      share = corner2 - square;
+      norm = share * share + root.damping * root.damping * square;
+    } else {
+      norm = corner2 + square;
+    }
+    (root.sign > 0.0 ? top : bottom) *= norm * (1.0 / root.reference_square);
+    if (slope == nullptr) continue;
+    if (root.pair) {
+      const auto by_zeta = root.damping * root.damping * square / norm;
+      slope->col(place) =
+          root.sign * (by_zeta + 2.0 * corner2 * share / norm - root.reference_slope[0].real()).matrix();
+      slope->col(place + 1) = root.sign * (by_zeta - root.reference_slope[1].real()).matrix();
+      place += 2;
+    } else {
+      slope->col(place++) = root.sign * (corner2 / norm - root.reference_slope[0].real()).matrix();
+    }
+  }
+  log_gain = (log_gain_ + 0.5 * (top / bottom).log()).matrix();
 }
 
 Complex RootModel::log_response(const Eigen::VectorXd& theta, RadPerSecond w,

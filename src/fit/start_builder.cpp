@@ -4,6 +4,9 @@
 #include <cmath>
 #include <iterator>
 
+#include "base/progress.hpp"
+#include "numeric/parallel_for.hpp"
+
 namespace bodesmith {
 namespace {
 
@@ -106,24 +109,30 @@ RootModel StartBuilder::make_model(int zeros, int poles, bool real, RadPerSecond
   return model;
 }
 
-SearchResult StartBuilder::try_start(const RootModel& model, const VectorXd& theta) {
-  ++tried_;
-  return improve_(model, theta);
+std::vector<SearchResult> StartBuilder::try_starts(const RootModel& model,
+                                                   const std::vector<VectorXd>& starts) {
+  tried_ += static_cast<int>(starts.size());
+  std::vector<SearchResult> out(starts.size());
+  parallel_for(starts.size(), thread_count(0), [&](std::size_t i) {
+    stop_if_interrupted();
+    out[i] = improve_(model, starts[i]);
+  });
+  return out;
 }
 
 std::vector<SearchResult> StartBuilder::grow(const std::vector<SearchResult>& best, const RootModel& old,
                                              const RootModel& model) {
   const double low = std::log(settings_.low.value);
   const double high = std::log(settings_.high.value);
-  std::vector<SearchResult> out;
+  std::vector<VectorXd> starts;
   for (std::size_t k = 0; k < std::min(kGrown, best.size()); ++k) {
     for (int i = 0; i < kPlaces; ++i) {
       const double at = low + (high - low) * (i + 0.5) / kPlaces;
       for (const double split : {0.15, -0.15})
-        out.push_back(try_start(model, grown_theta(best[k].theta, old, model, settings_.real, at, split)));
+        starts.push_back(grown_theta(best[k].theta, old, model, settings_.real, at, split));
     }
   }
-  return out;
+  return try_starts(model, starts);
 }
 
 std::vector<SearchResult> StartBuilder::spread_evenly(const RootModel& model) {
@@ -135,18 +144,18 @@ std::vector<SearchResult> StartBuilder::spread_evenly(const RootModel& model) {
       out.push_back(low + (high - low) * (i + 0.5 + shift) / std::max(count, 1));
     return out;
   };
-  std::vector<SearchResult> out;
+  std::vector<VectorXd> starts;
   for (const double shift : {0.2, -0.2}) {
     const Corners corners{even(model.zeros(), shift), even(model.poles(), -shift)};
-    out.push_back(try_start(model, theta_of(model, corners, {}, settings_.log_gain)));
+    starts.push_back(theta_of(model, corners, {}, settings_.log_gain));
   }
-  return out;
+  return try_starts(model, starts);
 }
 
 std::vector<SearchResult> StartBuilder::scatter(const RootModel& model, int count, std::mt19937_64& random) {
   std::uniform_real_distribution<double> place(std::log(settings_.low.value), std::log(settings_.high.value));
   std::uniform_real_distribution<double> log_damping(std::log(0.15), std::log(2.0));
-  std::vector<SearchResult> out;
+  std::vector<VectorXd> starts;
   for (int i = 0; i < count; ++i) {
     Corners corners;
     for (int k = 0; k < model.zeros(); ++k) corners.zeros.push_back(place(random));
@@ -154,9 +163,9 @@ std::vector<SearchResult> StartBuilder::scatter(const RootModel& model, int coun
     std::vector<double> damping;
     for (int k = 0; k < model.zero_pairs + model.pole_pairs; ++k)
       damping.push_back(std::exp(log_damping(random)));
-    out.push_back(try_start(model, theta_of(model, std::move(corners), damping, settings_.log_gain)));
+    starts.push_back(theta_of(model, std::move(corners), damping, settings_.log_gain));
   }
-  return out;
+  return try_starts(model, starts);
 }
 
 std::vector<SearchResult> StartBuilder::build(int zeros, int poles, RadPerSecond reference) {

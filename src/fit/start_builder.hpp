@@ -24,6 +24,7 @@ class StartBuilder {
     int kept = 4;
     std::uint64_t seed = 1;
   };
+  /// Called from several threads at once.
   using Improve = std::function<SearchResult(const RootModel& model, const Eigen::VectorXd& start)>;
 
   StartBuilder(Settings settings, Improve improve) : settings_(settings), improve_(std::move(improve)) {}
@@ -35,7 +36,7 @@ class StartBuilder {
   static RootModel make_model(int zeros, int poles, bool real, RadPerSecond reference);
 
  private:
-  SearchResult try_start(const RootModel& model, const Eigen::VectorXd& theta);
+  std::vector<SearchResult> try_starts(const RootModel& model, const std::vector<Eigen::VectorXd>& starts);
   /// The best of a smaller model, each with a new zero and pole (or pairs of them) that nearly cancel.
   std::vector<SearchResult> grow(const std::vector<SearchResult>& best, const RootModel& old,
                                  const RootModel& model);

@@ -167,18 +167,28 @@ DrivenPath path_to_compensate(const Disturbance& disturbance) {
       "the two branches have different rate gains, expected a choice of branch (each needs its own filter)");
 }
 
-WaveformFit fit_waveform(const Disturbance& disturbance, const WaveformFitOptions& options) {
+WaveformSections fit_waveform_sections(const Disturbance& disturbance, const WaveformFitOptions& options) {
   if (options.order < 1 || options.order > 6)
     throw InputError(fmt::format("the order is {}, expected 1 to 6", options.order));
   const std::vector<Hertz> operating = checked_operating(disturbance, options.operating);
   validate_path(disturbance, options.path);
   const WaveformProblem problem(disturbance, operating, options.path);
   const WaveformSearch search = search_waveform(problem, options);
+  if (!std::isfinite(search.best.value) || search.best.theta.size() == 0)
+    throw DesignError(
+        "no waveform fit is finite: the numbers of the disturbance lie too far apart for double precision");
   const RootModel::Roots roots = search.model.roots(search.best.theta);
+  WaveformSections out{make_sections(roots.gain, roots.zeros, roots.poles), search.tried};
+  out.sections.error = gain_error(out.sections, disturbance, operating, options.path);
+  return out;
+}
 
+WaveformFit fit_waveform(const Disturbance& disturbance, const WaveformFitOptions& options) {
+  WaveformSections fitted = fit_waveform_sections(disturbance, options);
+  const std::vector<Hertz> operating = checked_operating(disturbance, options.operating);
   WaveformFit out;
-  out.starts_tried = search.tried;
-  out.sections = make_sections(roots.gain, roots.zeros, roots.poles);
+  out.starts_tried = fitted.starts_tried;
+  out.sections = std::move(fitted.sections);
   out.constant_gain = best_constant_gain(disturbance, operating, options);
   const auto error_of = [&](const FrequencyResponse& g, const std::vector<Hertz>& at) {
     return waveform_error(g, disturbance, at, {.path = options.path});
@@ -195,7 +205,6 @@ WaveformFit fit_waveform(const Disturbance& disturbance, const WaveformFitOption
   if (const auto cascade = magnitude_only_cascade(disturbance, operating, options.path))
     out.magnitude_only = error_of([&](RadPerSecond w) { return cascade->response(w); }, operating);
   out.lower_bound_percent = waveform_lower_bound(disturbance, operating, options.path, options.worst);
-  out.sections.error = gain_error(out.sections, disturbance, operating, options.path);
   out.warnings = waveform_warnings(out);
   return out;
 }

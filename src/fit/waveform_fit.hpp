@@ -47,6 +47,13 @@ struct WaveformFit {
   Json report_json() const;
 };
 
+/// The sections alone, without all that they are compared with, which takes longer than they do. Errors as below.
+struct WaveformSections {
+  Sections sections;
+  int starts_tried = 0;
+};
+WaveformSections fit_waveform_sections(const Disturbance& disturbance, const WaveformFitOptions& options);
+
 /// Throws InputError for an order out of range, a disturbance without rate table and no operating
 /// frequencies, or a path whose branch needs no compensator.
 WaveformFit fit_waveform(const Disturbance& disturbance, const WaveformFitOptions& options);

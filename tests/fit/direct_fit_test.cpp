@@ -181,5 +181,11 @@ TEST(DirectFit, SameSeedSameBytesAndRefusals) {
   EXPECT_LT(fit_directly(one, {.order = 1}).max_db, 1e-9);
 }
 
+TEST(DirectFit, NoFiniteCandidateIsRefused) {
+  BodePoints points = five();
+  for (BodePoint& point : points.points) point.weight = 1e300;
+  EXPECT_THROW(fit_directly(points, {.order = 2}), DesignError);
+}
+
 }  // namespace
 }  // namespace bodesmith

@@ -88,5 +88,13 @@ TEST(WaveformFit, RefusesWhatNeedsNoFilter) {
   EXPECT_THROW(path_to_compensate(d), InputError);
 }
 
+TEST(WaveformFit, NoFiniteCandidateIsRefused) {
+  Disturbance d;
+  d.ascending = {0.3546, -0.6433, 0.2887};
+  d.descending = {-0.2398, 0.0838, 0.156};
+  d.rate = {{Hertz{1.0}, Hertz{10.0}}, {1.0, 1e300}, {1.0, 1e300}};
+  EXPECT_THROW(fit_waveform(d, {.order = 1}), DesignError);
+}
+
 }  // namespace
 }  // namespace bodesmith

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/progress.hpp"
+#include "base/whole_number.hpp"
 #include "controller/library.hpp"
 #include "spice/ngspice.hpp"
 
@@ -62,8 +63,7 @@ Settled run_in_ngspice(const AnalogController& controller, const Reference& refe
                repeat = periods * period;
   // At kilohertz the smoothing takes more periods to settle, which are cheap.
   const double slowest = controller.slope ? 10.0 * controller.slope->smoothing_s : 0.0;
-  const int repeats =
-      std::clamp(static_cast<int>(std::ceil(slowest / repeat)), options.settle_repeats, kMostRepeats) + 1;
+  const int repeats = whole_number(std::ceil(slowest / repeat), options.settle_repeats, kMostRepeats) + 1;
   const std::string deck = "controller\n" +
                            controller_library(controller, "controller", {options.off, false}) +
                            reference_sources(reference, operating, repeats) + "Xc r v controller\n";

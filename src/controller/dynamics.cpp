@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/progress.hpp"
+#include "base/whole_number.hpp"
 #include "simulate/cvode_solver.hpp"
 
 namespace bodesmith::controller {
@@ -121,7 +122,7 @@ Settled run_in_cvode(const AnalogController& controller, const Reference& refere
   Chain chain(controller, reference, operating);
   const double repeat = chain.repeat();
   const double slowest = controller.slope ? kSettled * controller.slope->smoothing_s : 0.0;
-  const int repeats = std::clamp(static_cast<int>(std::ceil(slowest / repeat)), 1, 20) + 1;
+  const int repeats = whole_number(std::ceil(slowest / repeat), 1, 20) + 1;
   const double begin = (repeats - 1) * repeat;
   Settled out{reference, operating, repeat / static_cast<double>(samples), {}, {}, {}, 0.0};
   simulate::CvodeProblem problem;

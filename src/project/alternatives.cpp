@@ -57,7 +57,7 @@ Alternative waveform_alternative(const Project& project, int order) {
   options.path = compensated_path(project);
   options.worst = true;
   options.operating = project.track.frequency;
-  const WaveformFit fit = fit_waveform(project.target.disturbance, options);
+  const WaveformSections fit = fit_waveform_sections(project.target.disturbance, options);
   return rated_alternative(project, fmt::format("waveform fit, {} pole{}", order, order == 1 ? "" : "s"),
                            Alternative::Kind::waveform, fit.sections);
 }

@@ -1,6 +1,7 @@
 #include "project/run.hpp"
 
 #include <algorithm>
+#include <future>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -12,6 +13,7 @@
 #include "project/report_page.hpp"
 #include "project/run_files.hpp"
 #include "project/run_summary.hpp"
+#include "project/tracking_elsewhere.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::project {
@@ -39,6 +41,45 @@ void list_files(ProjectRun& run, const OutputSet& out) {
   for (const fs::path& path : out.paths()) run.files.push_back(path);
 }
 
+/// Stands in the folder from the design's files to the last ones.
+constexpr const char* kUnfinished = "UNFINISHED.txt";
+
+void add_unfinished(OutputSet& out) {
+  out.add(
+      kUnfinished,
+      "bodesmith run has not come to its end here. The design's files stand (cascade, sections, plan, netlists,\n"
+      "layout); tracking.csv, tracking_stages.csv, report.html and run.json are missing, or those of a run before.\n"
+      "The next run that ends takes this file away.\n");
+}
+
+/// What runs in ngspice and on the board's simulation needs the design alone: it is made beside everything else.
+class Background {
+ public:
+  explicit Background(const ProjectRun& run) : controllers_(built_controllers(run.project, run.design)) {
+    if (run.design.circuit && spice::ngspice_available()) {
+      check_ = std::async(std::launch::async, [&run] {
+        return spice::check_compensator(run.design.circuit->circuit, run.design.sections());
+      });
+    }
+    drives_ = std::async(std::launch::async, [this, &run] {
+      BuiltControllers running;
+      for (const auto& controller : controllers_) running.push_back(controller.get());
+      return controller_drives(run.project, running);
+    });
+  }
+
+  std::optional<spice::CompensatorCheck> check() {
+    if (!check_.valid()) return std::nullopt;
+    return check_.get();
+  }
+  std::vector<ControllerDrives> drives() { return drives_.get(); }
+
+ private:
+  std::vector<std::unique_ptr<tracking::BuiltController>> controllers_;
+  std::future<spice::CompensatorCheck> check_;
+  std::future<std::vector<ControllerDrives>> drives_;
+};
+
 void write_study(ProjectRun& run, const fs::path& folder) {
   OutputSet out(folder);
   out.add("tracking.csv", tracking_csv(run.tracking));
@@ -65,26 +106,26 @@ ProjectRun run_project(const fs::path& project_file, const fs::path& folder) {
   run.project = Project::read(project_file, run.from);
   run.design = design_of(run.project, project_file);
   progress.at(0.1);
+  Background background(run);
   run.budget = make_budget(run.project, run.design);
   run.limits = check_limits(run.project, run.design);
   run.part_errors = errors_of_parts(run, project_file);
   OutputSet design = design_files(run, folder);
-  design.commit();
   list_files(run, design);
+  add_unfinished(design);
+  design.commit();
   progress.at(0.2);
 
-  if (run.design.circuit && spice::ngspice_available()) {
-    run.ngspice = spice::check_compensator(run.design.circuit->circuit, run.design.sections());
-  }
+  run.ngspice = background.check();
   stop_if_interrupted();
   progress.at(0.4);
-  const auto controllers = built_controllers(run.project, run.design);
-  BuiltControllers running;
-  for (const auto& controller : controllers) running.push_back(controller.get());
-  run.tracking = study_tracking(run.project, run.design, run.budget, running);
+  run.tracking =
+      study_tracking(run.project, run.design, run.budget, [&background] { return background.drives(); });
   progress.at(0.9);
   run.compute_s = watch.seconds();
   write_study(run, folder);
+  std::error_code ignored;
+  fs::remove(folder / kUnfinished, ignored);
   return run;
 }
 

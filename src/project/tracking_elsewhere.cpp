@@ -166,6 +166,7 @@ std::vector<ControllerDrives> controller_drives(const Project& project, const Bu
     }
   }
   parallel_for(all.size(), thread_count(0), [&](std::size_t i) {
+    stop_if_interrupted();
     ControllerDrives& drives = out[all[i].first];
     ControllerDrives::One& one = drives.drives[all[i].second];
     one.drive = drives.controller->drive(one.reference, one.operating);
@@ -192,7 +193,6 @@ std::vector<TrackedElsewhere> tracked_elsewhere(const Project& project,
   std::vector<TrackedElsewhere> out(tasks.size());
   parallel_for(tasks.size(), thread_count(0),
                [&](std::size_t i) { out[i] = followed(project, tasks[i], candidates, controllers); });
-  stop_if_interrupted();
   return out;
 }
 

@@ -111,7 +111,7 @@ const TrackedDesign* TrackingStudy::find(std::string_view key) const {
 }
 
 TrackingStudy study_tracking(const Project& project, const Design& design, const Budget& budget,
-                             const BuiltControllers& controllers) {
+                             const DrivesLater& drives_later) {
   const Stopwatch watch;
   const std::vector<TrackedCandidate> candidates = tracked_candidates(project, design);
   std::vector<tracking::Design> designs;
@@ -129,7 +129,8 @@ TrackingStudy study_tracking(const Project& project, const Design& design, const
     study.designs.push_back(tracked_design(candidate, study.frequency, report, on_reference));
   study.max_cross_check_percent = max_cross_check(report);
   study.shown = shown_period(report, candidates, study.frequency, plant.stroke);
-  const std::vector<ControllerDrives> drives = controller_drives(project, controllers);
+  const std::vector<ControllerDrives> drives =
+      drives_later ? drives_later() : std::vector<ControllerDrives>();
   add_controllers(project, drives, study);
   study.as_built = as_built_key(project, study);
   study.elsewhere = tracked_elsewhere(project, candidates, drives);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -95,10 +96,13 @@ struct TrackingStudy {
   const TrackedDesign* find(std::string_view key) const;
 };
 
-/// `controllers`: as built, beside what the design is simulated as.
 using BuiltControllers = std::vector<const tracking::BuiltController*>;
+struct ControllerDrives;
+/// Asked for when they are needed, so that they may be made meanwhile.
+using DrivesLater = std::function<std::vector<ControllerDrives>()>;
+/// `drives`: of the controllers as built, beside what the design is simulated as; empty: none.
 TrackingStudy study_tracking(const Project& project, const Design& design, const Budget& budget,
-                             const BuiltControllers& controllers = {});
+                             const DrivesLater& drives = {});
 
 /// The study as it stands in run.json, and as tracking.csv and tracking_stages.csv.
 Json to_json(const TrackingStudy& study);

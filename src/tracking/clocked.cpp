@@ -5,6 +5,7 @@
 #include <cmath>
 #include <map>
 
+#include "base/whole_number.hpp"
 #include "lti/state_space.hpp"
 #include "simulate/hold_response.hpp"
 #include "tracking/sampled_filter.hpp"
@@ -143,7 +144,7 @@ class StaircasePath {
   const HoldResponse& response_over(double dt) {
     // Equal intervals are common: clock and samples share a grid.
     constexpr std::size_t kMaxKept = 4096;
-    const long long key = std::llround(dt / tick_);
+    const auto key = whole_number<long long>(std::round(dt / tick_));
     auto found = known_.find(key);
     if (found == known_.end()) {
       if (known_.size() > kMaxKept) known_.clear();

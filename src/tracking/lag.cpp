@@ -2,12 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
 #include <numbers>
 
-#include "tracking/spectrum.hpp"
+#include "numeric/fourier.hpp"
 
 namespace bodesmith::tracking {
 namespace {
+
+using Complex = std::complex<double>;
 
 /// The correlation of y with the delayed x and its derivatives by the delay.
 struct Correlation {
@@ -19,9 +22,10 @@ struct Correlation {
 /// A short cosine series: the cross spectrum up to its last term that counts.
 class CrossSpectrum {
  public:
-  CrossSpectrum(const std::vector<Complex>& y_hat, const std::vector<Complex>& x_hat, double period_s)
+  /// Both spectra up to the middle bin of n samples.
+  CrossSpectrum(const std::vector<Complex>& y_hat, const std::vector<Complex>& x_hat, std::size_t n,
+                double period_s)
       : period_s_(period_s) {
-    const std::size_t n = y_hat.size();
     const double scale = 1.0 / (static_cast<double>(n) * static_cast<double>(n));
     std::size_t last = 0;
     double max = 0.0;
@@ -84,18 +88,18 @@ double lag_of_largest(const CrossSpectrum& cross, double period_s) {
 
 LagResult best_lag(const std::vector<double>& y, const std::vector<double>& x, double period_s) {
   const std::size_t n = y.size();
-  const auto y_hat = spectrum(y);
-  const auto x_hat = spectrum(x);
+  const std::vector<Complex> y_hat = half_spectrum(y);
+  const std::vector<Complex> x_hat = half_spectrum(x);
   // The mean square of y - x(t - lag) is constants minus twice the correlation.
   LagResult out;
-  out.lag_s = lag_of_largest(CrossSpectrum(y_hat, x_hat, period_s), period_s);
-  // Straight from the difference: the constants nearly cancel.
+  out.lag_s = lag_of_largest(CrossSpectrum(y_hat, x_hat, n, period_s), period_s);
+  // Straight from the difference: the constants nearly cancel. Bins beyond the middle are conjugates.
   const double scale = 1.0 / (static_cast<double>(n) * static_cast<double>(n));
+  const Complex step = std::polar(1.0, -2.0 * std::numbers::pi * out.lag_s / period_s);
+  Complex turn = 1.0;
   double mean_square = 0.0;
-  for (std::size_t k = 0; k < n; ++k) {
-    const double w = 2.0 * std::numbers::pi * harmonic_of_bin(k, n) / period_s;
-    mean_square += std::norm(y_hat[k] - x_hat[k] * std::polar(1.0, -w * out.lag_s)) * scale;
-  }
+  for (std::size_t k = 0; k < y_hat.size(); ++k, turn *= step)
+    mean_square += std::norm(y_hat[k] - x_hat[k] * turn) * scale * (k == 0 || 2 * k == n ? 1.0 : 2.0);
   out.rms = std::sqrt(mean_square);
   return out;
 }

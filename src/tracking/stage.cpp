@@ -7,7 +7,9 @@
 #include <numbers>
 
 #include "base/error.hpp"
+#include "base/whole_number.hpp"
 #include "hysteresis/polynomial_disturbance.hpp"
+#include "lti/bulk_response.hpp"
 #include "numeric/fourier.hpp"
 #include "tracking/lag.hpp"
 #include "tracking/waveforms.hpp"
@@ -54,7 +56,7 @@ std::vector<double> Stage::displacement(std::span<const double> v, double step_s
                                  operating.value));
   }
   std::vector<double> y = response(v, step_s, operating);
-  const auto last = static_cast<std::size_t>(std::llround(exact));
+  const auto last = whole_number<std::size_t>(std::round(exact));
   y.erase(y.begin(), y.end() - static_cast<std::ptrdiff_t>(std::min(last, y.size())));
   return y;
 }
@@ -126,11 +128,13 @@ std::vector<double> through_path(const Sections& path, std::span<const double> u
   if (path.sections.empty() && path.gain == 1.0) return {u.begin(), u.end()};
   const std::size_t n = u.size();
   std::vector<std::complex<double>> bins = half_spectrum(u);
-  for (std::size_t k = 0; k < bins.size(); ++k) {
-    const double w = 2.0 * std::numbers::pi * static_cast<double>(k) / (static_cast<double>(n) * step_s);
-    const std::complex<double> h = path.response(RadPerSecond{w});
-    bins[k] *= k == 0 || 2 * k == n ? std::complex<double>(h.real()) : h;
-  }
+  std::vector<Hertz> grid;
+  grid.reserve(bins.size());
+  for (std::size_t k = 0; k < bins.size(); ++k)
+    grid.push_back({static_cast<double>(k) / (static_cast<double>(n) * step_s)});
+  const std::vector<std::complex<double>> h = responses(path, grid);
+  for (std::size_t k = 0; k < bins.size(); ++k)
+    bins[k] *= k == 0 || 2 * k == n ? std::complex<double>(h[k].real()) : h[k];
   return from_half_spectrum(bins, n);
 }
 

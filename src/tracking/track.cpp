@@ -5,9 +5,11 @@
 #include <algorithm>
 #include <bit>
 #include <cmath>
+#include <mutex>
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
+#include "numeric/parallel_for.hpp"
 #include "tracking/clocked.hpp"
 #include "tracking/continuous.hpp"
 #include "tracking/periodic.hpp"
@@ -168,11 +170,18 @@ Report track(const Plant& plant, const std::vector<Design>& designs, const Optio
   const Stopwatch watch;
   Progress progress("tracking");
   Report report;
-  const double total = static_cast<double>(options.frequencies.size() * designs.size());
-  for (const Hertz f : options.frequencies) {
-    for (Case& c : track_at(plant, designs, options, f)) report.cases.push_back(std::move(c));
-    progress.at(static_cast<double>(report.cases.size()) / total);
-  }
+  // The highest frequencies, listed last as a rule, are the longest work.
+  std::vector<std::vector<Case>> cases(options.frequencies.size());
+  std::size_t done = 0;
+  std::mutex shown;
+  parallel_for(cases.size(), thread_count(0), [&](std::size_t i) {
+    const std::size_t at = cases.size() - 1 - i;
+    cases[at] = track_at(plant, designs, options, options.frequencies[at]);
+    const std::lock_guard lock(shown);
+    progress.at(static_cast<double>(++done) / static_cast<double>(cases.size()));
+  });
+  for (std::vector<Case>& at : cases)
+    for (Case& c : at) report.cases.push_back(std::move(c));
   report.compute_s = watch.seconds();
   return report;
 }

@@ -10,6 +10,7 @@
 #include "circuit/text.hpp"
 #include "spice/deck_words.hpp"
 #include "spice/ngspice_process.hpp"
+#include "spice/plain_netlist.hpp"
 #include "spice/user_deck.hpp"
 
 namespace bodesmith::spice {
@@ -22,6 +23,8 @@ namespace fs = std::filesystem;
 std::vector<std::complex<double>> run_ac(const std::string& head, const std::string& node,
                                          const std::string& what, const std::vector<Hertz>& grid,
                                          const fs::path& folder) {
+  require_plain_netlist(head, what);
+  require_plain_node(node, what);
   const std::string vector = "v(" + node + ")";
   std::string deck = head + "\n.control\nset numdgt=16\nsave " + vector + "\n";
   for (size_t i = 0; i < grid.size(); i += 400) {
@@ -59,6 +62,7 @@ struct Columns {
 /// Runs one analysis and reads back its sweep variable and the nodes' voltages.
 Columns run_columns(const std::string& deck, const std::string& analysis,
                     const std::vector<std::string>& vectors, const std::string& what) {
+  require_plain_netlist(deck, what);
   const WorkFolder folder;
   std::string full = deck;
   if (!full.ends_with('\n')) full += '\n';
@@ -96,6 +100,10 @@ std::vector<std::string> voltages(const std::vector<std::string>& nodes) {
 std::vector<std::complex<double>> run_ac_of_sub(const fs::path& library, const std::vector<Hertz>& grid,
                                                 const std::string& subcircuit) {
   const std::string text = read_file(library);
+  require_plain_netlist(text, library);
+  if (library.string().find_first_of("\"\n\r") != std::string::npos)
+    throw InputError(fmt::format("{}: has a name that ngspice cannot be told, expected one without quotes",
+                                 library.string()));
   const std::string name =
       pick_subcircuit(list_subcircuits(text, library.string()), subcircuit, library.string());
   const WorkFolder folder;
@@ -106,6 +114,7 @@ std::vector<std::complex<double>> run_ac_of_sub(const fs::path& library, const s
 std::vector<std::complex<double>> run_ac_of_text(const std::string& library, const std::string& name,
                                                  const std::vector<Hertz>& grid,
                                                  const std::string& subcircuit) {
+  require_plain_netlist(library, name);
   const std::string top = pick_subcircuit(list_subcircuits(library, name), subcircuit, name);
   const WorkFolder folder;
   write_file(folder.path() / "library.sub", library);

@@ -14,6 +14,7 @@
 
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/progress.hpp"
 #include "base/text.hpp"
 #include "spice/deck_words.hpp"
 #include "spice/ngspice.hpp"
@@ -64,9 +65,11 @@ int run_program(const std::string& program, const std::vector<std::string>& argu
     int status = 0;
     const pid_t ended = ::waitpid(child, &status, WNOHANG);
     if (ended == child) return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
-    if (std::chrono::steady_clock::now() > deadline) {
+    const bool stopped = interrupted();
+    if (stopped || std::chrono::steady_clock::now() > deadline) {
       ::kill(child, SIGKILL);
       ::waitpid(child, &status, 0);
+      if (stopped) throw Interrupted();
       return -1;
     }
     std::this_thread::sleep_for(std::chrono::microseconds(wait_us));

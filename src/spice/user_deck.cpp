@@ -12,6 +12,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "spice/deck_words.hpp"
+#include "spice/plain_netlist.hpp"
 
 namespace bodesmith::spice {
 namespace {
@@ -98,17 +99,17 @@ class UserDeckReader {
  private:
   void line(std::string_view raw) {
     if (number_ == 1) {
-      text_ = std::string(raw) + "\n";
+      text_ = "a user's deck\n";  // not its own title, which ngspice may take for the beginning of a script
       return;
     }
     const std::vector<std::string> words = words_of(raw);
     if (words.empty() || words[0][0] == '*') return;
     const std::string first = lower_case(words[0]);
     if (control_ > 0) {
-      if (first == ".endc") control_ = 0;
+      if (first.starts_with(".endc")) control_ = 0;
       return;
     }
-    if (first == ".control") {
+    if (begins_control(raw)) {
       control_ = number_;
       return;
     }
@@ -151,6 +152,10 @@ class UserDeckReader {
     if (!std::filesystem::exists(file)) {
       throw InputError(path_.string(), number_, fmt::format("includes {}, which is not there", name));
     }
+    if (file.string().find('"') != std::string::npos)
+      throw InputError(path_.string(), number_,
+                       fmt::format("includes {}, expected a name without quotes", name));
+    require_plain_netlist(read_file(file), file);
     text_ += words[0] + " \"" + file.string() + "\"" +
              (words[0] == ".lib" && words.size() > 2 ? " " + words[2] : "") + "\n";
   }

@@ -9,6 +9,7 @@
 #include "approximate/limit_law.hpp"
 #include "approximate/order_search.hpp"
 #include "base/error.hpp"
+#include "base/whole_number.hpp"
 #include "lti/section_making.hpp"
 
 namespace bodesmith {
@@ -32,7 +33,7 @@ struct SplitPower {
 
 SplitPower split_power(const Method& method, double size) {
   SplitPower out;
-  if (method.splits_whole_powers()) out.whole = static_cast<int>(std::floor(size + kWhole));
+  if (method.splits_whole_powers()) out.whole = whole_number<int>(std::floor(size + kWhole));
   out.rest = size - out.whole;
   if (std::abs(out.rest) < kWhole) out.rest = 0.0;
   return out;

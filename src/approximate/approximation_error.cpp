@@ -6,6 +6,7 @@
 #include <numbers>
 
 #include "base/units.hpp"
+#include "base/whole_number.hpp"
 
 namespace bodesmith {
 namespace {
@@ -87,7 +88,7 @@ ApproximationError approximation_error(const Sections& sections, const Cascade& 
   // far.
   const double below = out.band.from.value / 100.0;
   const double above = out.band.to.value * 100.0;
-  const int count = std::clamp(static_cast<int>(120.0 * std::log10(above / below)), 200, 4000);
+  const int count = whole_number(120.0 * std::log10(above / below), 200, 4000);
   const auto grid = log_grid({Hertz{below}, Hertz{above}}, count);
   const auto visit_db = [&](double db, Hertz f) {
     if (db <= out.everywhere_db) return;

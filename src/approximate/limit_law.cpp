@@ -6,6 +6,7 @@
 
 #include "approximate/elliptic.hpp"
 #include "base/units.hpp"
+#include "base/whole_number.hpp"
 
 namespace bodesmith {
 
@@ -24,7 +25,7 @@ double minimax_limit_db(double kappa, double beta, int n) {
 }
 
 int minimax_order(double kappa, double beta, double max_db, int max_order) {
-  for (int n = static_cast<int>(std::floor(std::abs(beta))); n <= max_order; ++n) {
+  for (int n = whole_number<int>(std::floor(std::abs(beta))); n <= max_order; ++n) {
     if (minimax_limit_db(kappa, beta, n) <= max_db) return n;
   }
   return max_order + 1;

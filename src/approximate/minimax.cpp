@@ -11,6 +11,7 @@
 #include "approximate/method.hpp"
 #include "approximate/remez.hpp"
 #include "base/units.hpp"
+#include "base/whole_number.hpp"
 
 namespace bodesmith {
 namespace {
@@ -229,7 +230,7 @@ Method::Outcome Minimax::approximate(const ApproximationTask& task) const {
   const long double log_kappa = std::log(static_cast<long double>(task.kappa));
   const long double beta = task.beta;
   const int whole =
-      beta == std::round(beta) ? static_cast<int>(beta) : std::max(0, static_cast<int>(beta) - 1);
+      beta == std::round(beta) ? whole_number<int>(task.beta) : whole_number<int>(task.beta - 1.0, 0);
   const int order = task.order - whole;
   const long double rest = beta - whole;
   if (order < 0 || (rest > 0.0L && order < 1) || (rest > 1.0L && order < 2)) {

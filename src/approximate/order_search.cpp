@@ -6,6 +6,8 @@
 #include <numeric>
 #include <optional>
 
+#include "base/whole_number.hpp"
+
 namespace bodesmith {
 namespace {
 
@@ -23,7 +25,7 @@ class OrderCandidates {
       high = std::max(high, term.high_corner().hz().value);
     }
     const double decades = std::log10(high / low) + 6.0;
-    grid_ = log_grid({Hertz{low / 1000.0}, Hertz{high * 1000.0}}, static_cast<int>(60.0 * decades));
+    grid_ = log_grid({Hertz{low / 1000.0}, Hertz{high * 1000.0}}, whole_number(60.0 * decades, 2, 60 * 700));
   }
 
   struct Candidate {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/whole_number.hpp"
 #include "circuit/stages/stage_form.hpp"
 
 namespace bodesmith::circuit {
@@ -81,7 +82,7 @@ std::vector<double> simulate_stages(const Circuit& circuit, const std::function<
                                     double step_s, int count) {
   const Cascade cascade(circuit);
   const size_t n = static_cast<size_t>(cascade.states());
-  const int inner = std::max(1, static_cast<int>(std::ceil(step_s * cascade.fastest() / 0.1)));
+  const int inner = whole_number(std::ceil(step_s * cascade.fastest() / 0.1), 1);
   const double h = step_s / inner;
   std::vector<double> x(n, 0.0), k1(n), k2(n), k3(n), k4(n), at(n), out;
   const auto move = [&](const std::vector<double>& k, double by) {

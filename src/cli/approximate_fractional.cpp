@@ -11,6 +11,7 @@
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 #include "cli/approximate_modes.hpp"
 #include "cli/commands.hpp"
 #include "fit/direct_fit.hpp"
@@ -22,7 +23,7 @@ namespace {
 BodePoints sampled_points(const FractionalTransfer& transfer, const std::string& file, Band band) {
   BodePoints out;
   out.file = file;
-  const int count = std::max(20, static_cast<int>(40.0 * std::log10(band.to.value / band.from.value)));
+  const int count = whole_number(40.0 * std::log10(band.to.value / band.from.value), 20, 40 * 700);
   for (const Hertz f : log_grid(band, count)) {
     const auto g = transfer.response(f.rad_s());
     out.points.push_back({f, std::abs(g), to_degrees(std::arg(g)), 1.0, 0});

@@ -8,6 +8,7 @@
 #include <sstream>
 #include <utility>
 
+#include "base/above_zero.hpp"
 #include "base/error.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
@@ -117,8 +118,9 @@ std::vector<std::string> CommandLine::files() const {
 
 double CommandLine::positive(const std::string& option) const {
   const double value = get<double>(option);
-  if (!(value > 0.0) || !std::isfinite(value)) {
-    fail(fmt::format("--{} is {}, expected a number above 0", option, value));
+  if (!above_zero(value)) {
+    fail(
+        fmt::format("--{} is {}, expected a number above {}", option, value, value > 0.0 ? "2.3e-308" : "0"));
   }
   return value;
 }

@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "base/progress.hpp"
+#include "base/whole_number.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
 #include "numeric/index.hpp"
@@ -56,7 +57,7 @@ TimeRecord advanced(const TimeRecord& record, double delay_s) {
   TimeRecord out = record;
   if (delay_s == 0.0) return out;
   out.y = delayed(record.y, record.step_s, -delay_s);
-  const auto lost = static_cast<std::size_t>(std::ceil(delay_s / record.step_s));
+  const auto lost = whole_number<std::size_t>(std::ceil(delay_s / record.step_s));
   const std::size_t kept = record.size() > lost + 2 ? record.size() - lost : 2;
   out.u.resize(kept);
   out.y.resize(kept);

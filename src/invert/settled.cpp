@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/whole_number.hpp"
 #include "invert/local_model.hpp"
 #include "signal/period.hpp"
 
@@ -15,7 +16,7 @@ Settled settled_part(const chain::Chain& chain, const TimeRecord& reference, con
   if (skip_s) {
     if (!(*skip_s < reference.duration_s()))
       throw InputError("--skip-s is not shorter than the reference, expected a part of it");
-    return {static_cast<std::size_t>(std::ceil(*skip_s / reference.step_s - 1e-9)), "behind --skip-s"};
+    return {whole_number<std::size_t>(std::ceil(*skip_s / reference.step_s - 1e-9)), "behind --skip-s"};
   }
   if (const auto repeats = find_repetition(reference.u); repeats && n >= 2 * repeats->samples)
     return {n - repeats->samples, "the last period"};

@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/whole_number.hpp"
+
 namespace bodesmith::report {
 
 std::vector<double> linear_ticks(double from, double to, int count) {
@@ -28,9 +30,9 @@ std::vector<double> logarithmic_ticks(double from, double to) {
   std::vector<double> ticks;
   const double decades = std::log10(to / from);
   // Many decades: every second or third one, so that the numbers do not run into one another.
-  const int stride = std::max(1, static_cast<int>(std::ceil(decades / 9.0)));
-  const int first = static_cast<int>(std::floor(std::log10(from)));
-  const int last = static_cast<int>(std::ceil(std::log10(to)));
+  const int stride = whole_number(std::ceil(decades / 9.0), 1);
+  const int first = whole_number(std::floor(std::log10(from)), -400, 400);
+  const int last = whole_number(std::ceil(std::log10(to)), -400, 400);
   for (int e = first; e <= last; ++e) {
     if (((e % stride) + stride) % stride != 0) continue;
     for (const double factor : {1.0, 2.0, 5.0}) {

@@ -5,6 +5,7 @@
 
 #include "approximate/approximate.hpp"
 #include "approximate/limit_law.hpp"
+#include "base/whole_number.hpp"
 #include "chain/block.hpp"
 #include "chain/inverse.hpp"
 #include "chain/linear_kernel.hpp"
@@ -32,7 +33,7 @@ class FractionalLeadLagBlock final : public BlockType {
     if (std::abs(term.beta) < 1e-12 || kappa == 1.0) return gain_kernel(1.0);
     ApproximationOptions options;
     options.method = "pade";
-    const int min_order = std::max(1, static_cast<int>(std::ceil(std::abs(term.beta))));
+    const int min_order = whole_number(std::ceil(std::abs(term.beta)), 1);
     // No approximation can do with fewer poles than the limit law says; from there on until the error itself
     // is met.
     int order = std::max(min_order, minimax_order(kappa, term.beta, kMaxErrorDb, kMaxPoles));

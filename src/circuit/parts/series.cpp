@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/whole_number.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -90,8 +91,8 @@ std::vector<double> Series::values(double low, double high) const {
     if (value >= least && value <= most) out.push_back(value);
   }
   if (mantissas_.empty() || !(low > 0.0) || high < low) return out;
-  const int last = static_cast<int>(std::floor(std::log10(most)));
-  for (int decade = static_cast<int>(std::floor(std::log10(least))); decade <= last; ++decade) {
+  const int last = whole_number(std::floor(std::log10(most)), -400, 400);
+  for (int decade = whole_number(std::floor(std::log10(least)), -400, 400); decade <= last; ++decade) {
     for (const double mantissa : mantissas_) {
       const double value = scaled(mantissa, decade);
       if (value >= least && value <= most) out.push_back(value);

@@ -1,0 +1,15 @@
+#include "reader.hpp"
+#include "spice/plain_netlist.hpp"
+#include "spice/subcircuits.hpp"
+
+namespace bodesmith::fuzz {
+namespace {
+
+void read_netlist_bytes(std::string_view bytes) {
+  spice::require_plain_netlist(bytes, "library.sub");
+  spice::pick_subcircuit(spice::list_subcircuits(std::string(bytes), "library.sub"), "", "library.sub");
+}
+const Registered netlist_reader{"netlist", read_netlist_bytes};
+
+}  // namespace
+}  // namespace bodesmith::fuzz

@@ -1,0 +1,14 @@
+#include "fpaa/plan.hpp"
+#include "base/document.hpp"
+#include "reader.hpp"
+
+namespace bodesmith::fuzz {
+namespace {
+
+void read_plan_bytes(std::string_view bytes) {
+  fpaa::Plan::from_node(parse_json(bytes, "plan.json"));
+}
+const Registered plan_reader{"plan", read_plan_bytes};
+
+}  // namespace
+}  // namespace bodesmith::fuzz

@@ -1,0 +1,19 @@
+#include <stdexcept>
+
+#include "reader.hpp"
+#include "spice/plain_netlist.hpp"
+#include "spice/user_deck.hpp"
+
+namespace bodesmith::fuzz {
+namespace {
+
+/// Whatever stood in it, what is handed to ngspice has no command left.
+void read_user_deck_bytes(std::string_view bytes) {
+  const spice::UserDeck deck = spice::read_user_deck(as_file(bytes, "deck.cir"), "");
+  spice::require_plain_netlist(deck.text, "deck.cir");
+  require_finite(deck.source.real() + deck.source.imag());
+}
+const Registered user_deck_reader{"user_deck", read_user_deck_bytes};
+
+}  // namespace
+}  // namespace bodesmith::fuzz

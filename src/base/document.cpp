@@ -7,6 +7,7 @@
 #include "base/above_zero.hpp"
 #include "base/document_tree.hpp"
 #include "base/error.hpp"
+#include "base/quantity.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith {
@@ -111,6 +112,11 @@ std::string Node::string() const {
 }
 
 double Node::number() const {
+  // "4k7" is a number that a person typed; "12" in quotes is a slip.
+  double typed = 0.0;
+  double plain = 0.0;
+  if (kind() == Kind::string && !parse_number(data_->string, plain) && parse_quantity(data_->string, typed))
+    return typed;
   expect(*this, Kind::number);
   if (!std::isfinite(data_->number)) fail("is not finite, expected a finite number");
   return data_->number;

@@ -43,9 +43,16 @@ void Progress::at(double fraction) {
     listener_(fraction);
     return;
   }
-  if (!terminal_) return;
   const auto now = std::chrono::steady_clock::now();
   const double elapsed = std::chrono::duration<double>(now - start_).count();
+  if (!terminal_) {
+    // A log gets a line now and then, so that nobody takes long work for a standstill.
+    constexpr double kLogEveryS = 20.0;
+    if (std::chrono::duration<double>(now - last_).count() < kLogEveryS) return;
+    last_ = now;
+    fmt::print(stderr, "bodesmith: {}: {:.0f} %\n", what_, 100.0 * fraction);
+    return;
+  }
   if (elapsed < 0.5 || std::chrono::duration<double>(now - last_).count() < 0.1) return;
   last_ = now;
   shown_ = true;

@@ -6,8 +6,8 @@
 
 namespace bodesmith {
 
-/// A line on stderr that says how far long work is and how long it may still take. Silent unless stderr is a
-/// terminal, and for the first half second.
+/// A line on stderr that says how far long work is and how long it may still take; where stderr is no terminal, a
+/// line every 20 seconds. Silent for the first half second.
 class Progress {
  public:
   explicit Progress(std::string what);

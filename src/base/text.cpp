@@ -16,6 +16,12 @@ std::string number_text(double value) {
 }
 
 std::string rounded_text(double value, int digits) {
+  // 13210, not 1.321e+04: up to a million people read the digits.
+  const double size = std::abs(value);
+  if (digits >= 1 && size >= std::pow(10.0, digits) && size < 999999.5) {
+    const double unit = std::pow(10.0, std::floor(std::log10(size)) + 1 - digits);
+    return fmt::format("{:.0f}", unit * std::round(value / unit));
+  }
   return fmt::format("{:.{}g}", value, digits);
 }
 

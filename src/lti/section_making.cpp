@@ -38,6 +38,7 @@ std::vector<Group> group(std::vector<Complex> roots) {
 void normalise(Section& section, double& gain) {
   section.gain = 1.0;
   double size = std::abs(section.dc_gain());
+  if (std::isinf(size)) size = 1.0;  // an integrator has no level to go by
   if (!(size > 0.0)) size = std::abs(section.response(RadPerSecond{std::abs(section.poles.front())}));
   section.gain = 1.0 / size;
   gain *= size;

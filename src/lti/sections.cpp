@@ -7,6 +7,8 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "lti/integrators.hpp"
+
 namespace bodesmith {
 namespace {
 
@@ -44,11 +46,24 @@ Complex Section::response(Complex s) const {
 }
 
 double Section::dc_gain() const {
+  if (integrates(*this)) return std::copysign(INFINITY, gain);
   return response(Complex(0.0, 0.0)).real();
 }
 
 bool Section::is_stable() const {
   return std::all_of(poles.begin(), poles.end(), [](Complex p) { return p.real() < 0.0; });
+}
+
+bool integrates(const Section& section) {
+  bool out = false;
+  for (const Complex& pole : section.poles) {
+    if (pole == Complex(0.0, 0.0)) {
+      out = true;
+    } else if (!(pole.real() < 0.0)) {
+      return false;
+    }
+  }
+  return out;
 }
 
 Section Section::pole_zero(double dc_gain, RadPerSecond zero, RadPerSecond pole) {
@@ -70,6 +85,11 @@ double Sections::dc_gain() const {
   double g = gain;
   for (const Section& section : sections) g *= section.dc_gain();
   return g;
+}
+
+bool integrates(const Sections& sections) {
+  return std::any_of(sections.sections.begin(), sections.sections.end(),
+                     [](const Section& s) { return integrates(s); });
 }
 
 int Sections::pole_count() const {
@@ -114,7 +134,9 @@ Sections Sections::from_node(const Node& node) {
           .fail(fmt::format("has {} zeros with {} poles, expected no more zeros than poles",
                             section.zeros.size(), section.poles.size()));
     }
-    if (!section.is_stable()) item.at("poles_rad_s").fail("has a pole that is not in the left half plane");
+    if (!section.is_stable() && !integrates(section))
+      item.at("poles_rad_s")
+          .fail("has a pole that is not in the left half plane, expected Re < 0, or [0, 0]");
     out.sections.push_back(std::move(section));
   }
   out.delay_s = node.number_or("delay_s", 0.0);

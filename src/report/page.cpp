@@ -7,6 +7,7 @@
 #include "base/json.hpp"
 #include "base/text_template.hpp"
 #include "base/version.hpp"
+#include "report/inline_svg.hpp"
 #include "report/svg.hpp"
 
 namespace bodesmith::report {
@@ -53,7 +54,8 @@ void Page::table(const Table& table, const std::string& caption) {
 }
 
 void Page::figure(const std::string& svg, const std::string& caption) {
-  body() += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n", svg, escape_xml(caption));
+  body() += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n",
+                        inlined_svg(svg, fmt::format("figure-{}", ++figures_)), escape_xml(caption));
 }
 
 void Page::listing(const std::string& text) {

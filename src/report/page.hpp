@@ -26,6 +26,7 @@ class Page {
   /// A line with a large figure: "0.0589 %" "worst complex error of the FPAA plan".
   void key_figures(const std::vector<std::pair<std::string, std::string>>& value_and_meaning);
   void table(const Table& table, const std::string& caption = {});
+  /// The drawing keeps its own styles and ids (inline_svg.hpp).
   void figure(const std::string& svg, const std::string& caption);
   /// Text in a fixed-width box, e.g. a build sheet.
   void listing(const std::string& text);
@@ -40,6 +41,7 @@ class Page {
     std::string body;
   };
   std::vector<Chapter> chapters_;
+  int figures_ = 0;
   std::string& body();
 };
 

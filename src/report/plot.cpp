@@ -166,6 +166,10 @@ void draw_series(const Plot& plot, std::size_t index, const Frame& frame, std::s
   }
 }
 
+std::string tick_label(const Axis& axis, double value) {
+  return axis.label.ends_with("Hz") ? prefixed_tick_text(value) : tick_text(value);
+}
+
 void draw_grid(const Plot& plot, const Frame& frame, std::string& out) {
   auto sink = std::back_inserter(out);
   const auto vertical = [&](double value, const char* colour) {
@@ -178,13 +182,13 @@ void draw_grid(const Plot& plot, const Frame& frame, std::string& out) {
   for (const double value : frame.x.ticks(8)) {
     vertical(value, "#dcdfe4");
     fmt::format_to(sink, "<text x=\"{:.2f}\" y=\"{}\" text-anchor=\"middle\">{}</text>", frame.x.pixel(value),
-                   frame.bottom + 17, tick_text(value));
+                   frame.bottom + 17, tick_label(plot.x, value));
   }
   for (const double value : frame.y.ticks(std::max(3, (plot.height - kTop - kBottom) / 45))) {
     const double y = frame.y.pixel(value);
     fmt::format_to(sink, "<path d=\"M{} {:.2f}H{}\" stroke=\"#dcdfe4\"/>", kLeft, y, frame.right);
     fmt::format_to(sink, "<text x=\"{}\" y=\"{:.2f}\" text-anchor=\"end\">{}</text>", kLeft - 7, y + 4,
-                   tick_text(value));
+                   tick_label(plot.y, value));
   }
 }
 

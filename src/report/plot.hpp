@@ -30,7 +30,7 @@ struct Plot {
   Axis x;
   Axis y;
   std::vector<Series> series;
-  int width = 720;
+  int width = 900;  ///< of a page's column
   int height = 340;
 };
 

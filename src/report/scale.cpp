@@ -27,6 +27,25 @@ Range with_margin(Range range, bool logarithmic) {
   return {range.low - margin, range.high + margin};
 }
 
+std::vector<double> Scale::ticks(int count) const {
+  constexpr std::size_t kFewest = 4;
+  std::vector<double> out = logarithmic ? logarithmic_ticks(from, to) : linear_ticks(from, to, count);
+  if (logarithmic && out.size() < kFewest) {
+    // Few decades: 2 and 5 times them too.
+    out.clear();
+    for (double decade = std::pow(10.0, std::floor(std::log10(from))); decade <= to; decade *= 10.0) {
+      for (const double factor : {1.0, 2.0, 5.0}) {
+        const double value = factor * decade;
+        if (value >= from * (1.0 - 1e-9) && value <= to * (1.0 + 1e-9)) out.push_back(value);
+      }
+    }
+  }
+  // Within a decade, or where steps of 1, 2 and 5 fall badly.
+  for (int more = logarithmic ? count : count + 1; out.size() < kFewest && more < 4 * count; ++more)
+    out = linear_ticks(from, to, more);
+  return out;
+}
+
 Scale make_scale(const Axis& axis, Range range, double pixel_from, double pixel_to) {
   if (axis.fixed) range = {axis.from, axis.to};
   if (!(range.high > range.low)) range.high = axis.logarithmic ? range.low * 10.0 : range.low + 1.0;

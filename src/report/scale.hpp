@@ -33,9 +33,8 @@ struct Scale {
     return pixel_from + t * (pixel_to - pixel_from);
   }
   bool drawable(double value) const { return std::isfinite(value) && (!logarithmic || value > 0.0); }
-  std::vector<double> ticks(int count) const {
-    return logarithmic ? logarithmic_ticks(from, to) : linear_ticks(from, to, count);
-  }
+  /// About `count`, at least four.
+  std::vector<double> ticks(int count) const;
 };
 
 /// The axis' own range when it is fixed, otherwise the given one.

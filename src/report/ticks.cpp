@@ -65,4 +65,12 @@ std::string tick_text(double value) {
   return fmt::format("{:.6g}", value);
 }
 
+std::string prefixed_tick_text(double value) {
+  const double size = std::abs(value);
+  if (size >= 1e9) return fmt::format("{:.6g}G", value / 1e9);
+  if (size >= 1e6) return fmt::format("{:.6g}M", value / 1e6);
+  if (size >= 1e3) return fmt::format("{:.6g}k", value / 1e3);
+  return tick_text(value);
+}
+
 }  // namespace bodesmith::report

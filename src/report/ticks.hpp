@@ -14,5 +14,7 @@ std::vector<double> logarithmic_subdivisions(double from, double to);
 
 /// 0.25, 100, 1e5, 2.5e-4.
 std::string tick_text(double value);
+/// The same with prefixes, for axes of hertz: 0.25, 100, 20k, 1M.
+std::string prefixed_tick_text(double value);
 
 }  // namespace bodesmith::report

@@ -10,8 +10,10 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/quantity.hpp"
 #include "base/text.hpp"
 #include "numeric/parallel_for.hpp"
+#include "signal/column_words.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv_rows.hpp"
 #include "signal/formats/format.hpp"
@@ -185,7 +187,8 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
     }
     for (std::size_t i = 0; i < cells.size(); ++i) {
       double value = 0.0;
-      if (!parse_cell(cells[i], separator != ',', value, csv.decimal_commas_)) {
+      if (!parse_cell(cells[i], separator != ',', value, csv.decimal_commas_) &&
+          !parse_quantity(cells[i], value)) {
         throw InputError(file, line_number,
                          fmt::format("'{}' in column '{}' is not a finite number",
                                      trim(cells[i]).substr(0, 40), csv.names_[i]));
@@ -197,6 +200,15 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
   if (csv.names_.empty())
     throw InputError(file, 0, "has no header row, expected column names such as time_s,u,y");
   if (csv.lines_.empty()) throw InputError(file, csv.header_line_, "has no rows below the header");
+  // Under the program's own word too, where the file does not have that one itself.
+  const std::size_t given = csv.names_.size();
+  for (std::size_t i = 0; i < given; ++i) {
+    const ColumnWord word = column_word(csv.names_[i]);
+    if (csv.has(word.name)) continue;
+    csv.names_.push_back(word.name);
+    csv.columns_.push_back(csv.columns_[i]);
+    for (double& value : csv.columns_.back()) value *= word.scale;
+  }
   return csv;
 }
 

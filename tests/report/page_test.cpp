@@ -4,6 +4,7 @@
 
 #include <regex>
 
+#include "report/inline_svg.hpp"
 #include "report/svg.hpp"
 
 namespace bodesmith::report {
@@ -66,6 +67,21 @@ TEST(Page, MarkedRowsAreSetOff) {
   const std::string html = sample_page().html();
   EXPECT_EQ(count(html, "<tr class=\"marked\">"), 1u);
   EXPECT_LT(html.find("<td>0</td>"), html.find("<tr class=\"marked\">"));
+}
+
+TEST(InlinedSvg, KeepsItsStylesAndIdsToItself) {
+  const std::string drawing =
+      "<svg width=\"9\"><style>\n.name{fill:#fff} .a, .b { fill: red; }\nsvg{font-size:9px}\n</style>"
+      "<marker id=\"tip\"/><path class=\"name\" marker-end=\"url(#tip)\"/></svg>";
+  EXPECT_EQ(inlined_svg(drawing, "f1"),
+            "<svg id=\"f1\" width=\"9\"><style>\n#f1 .name{fill:#fff}\n#f1 .a,#f1 .b{ fill: red; }\n"
+            "#f1{font-size:9px}\n</style><marker id=\"f1-tip\"/>"
+            "<path class=\"name\" marker-end=\"url(#f1-tip)\"/></svg>");
+  Page page("p", "");
+  page.figure(drawing, "one");
+  page.figure(drawing, "two");
+  EXPECT_EQ(count(page.html(), "<svg id=\"figure-1\""), 1u);
+  EXPECT_EQ(count(page.html(), "url(#figure-2-tip)"), 1u);
 }
 
 TEST(Svg, PaletteGoesRound) {

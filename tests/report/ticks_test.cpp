@@ -1,4 +1,5 @@
 #include "report/ticks.hpp"
+#include "report/scale.hpp"
 
 #include <gtest/gtest.h>
 
@@ -61,7 +62,21 @@ TEST(Ticks, SubdivisionsAreBetweenDecades) {
   EXPECT_EQ(logarithmic_subdivisions(35.0, 65.0), (std::vector<double>{40, 50, 60}));
 }
 
+TEST(Ticks, AreAtLeastFour) {
+  for (const bool logarithmic : {false, true}) {
+    for (double low = 0.13; low < 20.0; low *= 1.37) {
+      for (double ratio = 1.05; ratio < 1e4; ratio *= 1.7) {
+        const Scale scale{logarithmic, low, low * ratio, 0.0, 100.0};
+        EXPECT_GE(scale.ticks(5).size(), 4u) << low << " " << ratio << " " << logarithmic;
+      }
+    }
+  }
+}
+
 TEST(Ticks, AreWrittenShortly) {
+  EXPECT_EQ(prefixed_tick_text(20000.0), "20k");
+  EXPECT_EQ(prefixed_tick_text(1e6), "1M");
+  EXPECT_EQ(prefixed_tick_text(0.5), "0.5");
   EXPECT_EQ(tick_text(0.0), "0");
   EXPECT_EQ(tick_text(0.6000000000000001), "0.6");
   EXPECT_EQ(tick_text(-250.0), "-250");

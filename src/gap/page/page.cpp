@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <vector>
 
 #include "base/text.hpp"
@@ -28,10 +29,17 @@ std::string sentence(Verdict verdict) {
          "wrong one.";
 }
 
+/// "partly explained".
+std::string in_words(Verdict verdict) {
+  std::string out = to_string(verdict);
+  std::replace(out.begin(), out.end(), '_', ' ');
+  return out;
+}
+
 std::string subtitle(const Diagnosis& d) {
   std::vector<std::string> named;
   for (const auto& s : d.steps) named.push_back(s.effect);
-  return named.empty() ? to_string(d.verdict) : to_string(d.verdict) + ": " + join(named, ", ");
+  return named.empty() ? in_words(d.verdict) : in_words(d.verdict) + ": " + join(named, ", ");
 }
 
 std::string step_text(const DiagnosedStep& s) {
@@ -53,7 +61,7 @@ void add_verdict(report::Page& page, const Diagnosis& d) {
   const double closed =
       d.refitted.holdout_rms > 0.0 ? 100.0 * (1.0 - d.final.holdout_rms / d.refitted.holdout_rms) : 0.0;
   const bool floor_known = d.floor.source != NoiseFloor::Source::unknown;
-  page.key_figures({{to_string(d.verdict), "verdict"},
+  page.key_figures({{in_words(d.verdict), "verdict"},
                     {figure_text(d.refitted.holdout_rms), "held-out rms, base model refitted"},
                     {figure_text(d.final.holdout_rms), "held-out rms, extended model"},
                     {fmt::format("{:.1f} %", closed), "of the held-out rms removed"},

@@ -98,8 +98,10 @@ std::variant<TermApproximation, Method::Refusal> try_approximate_term(const Frac
   const double size = std::abs(term.beta);
   const SplitPower power = split_power(method, size);
   if (power.min_order() > order) {
-    return Method::Refusal{fmt::format("{} with beta = {} needs an order of at least {}, not {}",
-                                       method.name(), term.beta, power.min_order(), order)};
+    return Method::Refusal{fmt::format(
+        "{} with beta = {} needs an order of at least {}, not {}; the method minimax makes its best of any "
+        "order",
+        method.name(), term.beta, power.min_order(), order)};
   }
   // (s/f1 + 1)/(s/f2 + 1) with f1 > f2 is the reciprocal of the term with the corners exchanged.
   const bool lag = !term.rises();
@@ -140,10 +142,8 @@ CascadeApproximation approximate_cascade(const Cascade& cascade, const Approxima
   out.terms = value_or_throw(approximate_terms(terms, options));
   out.sections.gain = cascade.gain;
   for (const TermApproximation& term : out.terms) append(out.sections.sections, term.sections);
-  if (out.sections.sections.empty()) {
-    throw DesignError(
-        "the cascade has no term with beta other than 0: it is a plain gain and needs no sections");
-  }
+  // A plain gain is its own approximation.
+  if (out.sections.sections.empty()) return out;
   out.error = approximation_error(out.sections, cascade);
   if (options.max_error_db) out.limit_met = out.error.everywhere_db <= *options.max_error_db;
   out.sections.error = out.error.summary();

@@ -58,8 +58,8 @@ std::variant<TermApproximation, Method::Refusal> try_approximate_term(const Frac
 TermApproximation approximate_term(const FractionalLeadLag& term, const ApproximationOptions& options,
                                    int order);
 
-/// Integer sections for a whole cascade. With neither order nor max_error_db: order 4 a term. Throws DesignError when
-/// the method refuses, and for a cascade that is a plain gain.
+/// Integer sections for a whole cascade. With neither order nor max_error_db: order 4 a term. A cascade that is a plain
+/// gain becomes that gain without sections. Throws DesignError when the method refuses.
 CascadeApproximation approximate_cascade(const Cascade& cascade, const ApproximationOptions& options = {});
 
 }  // namespace bodesmith

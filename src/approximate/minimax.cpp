@@ -223,6 +223,39 @@ class Minimax final : public Method {
   Outcome approximate(const ApproximationTask& task) const override;
 };
 
+/// Fewer poles than |beta|: the best real ones are all at one place, found by golden section.
+NormalisedApproximation minimax_of_one_place(const ApproximationTask& task) {
+  const long double log_kappa = std::log(static_cast<long double>(task.kappa));
+  const long double beta = task.beta;
+  const Remez remez(log_kappa, task.order, task.over_band, {});
+  const auto places = [&](long double at) { return Positions(static_cast<std::size_t>(task.order), at); };
+  const auto error = [&](long double at) { return remez.grid_error(beta, places(at)); };
+  constexpr long double kGolden = 0.61803398874989484820L;
+  // Where the total change is right, and up to twice that.
+  long double low = 0.5L * log_kappa;
+  long double high = 2.0L * log_kappa * beta / task.order;
+  long double a = high - kGolden * (high - low);
+  long double b = low + kGolden * (high - low);
+  long double at_a = error(a);
+  long double at_b = error(b);
+  while (high - low > 1e-12L * log_kappa) {
+    if (at_a < at_b) {
+      high = b;
+      b = a;
+      at_b = at_a;
+      a = high - kGolden * (high - low);
+      at_a = error(a);
+    } else {
+      low = a;
+      a = b;
+      at_a = at_b;
+      b = low + kGolden * (high - low);
+      at_b = error(b);
+    }
+  }
+  return from_log_positions(places(0.5L * (low + high)), log_kappa, beta);
+}
+
 /// Above beta = 2 the best positions leave the real axis. The best real ones then are a multiple root beyond the corner
 /// and simple ones for the rest; the search starts from as many whole powers split off, each a pole and a zero at the
 /// corners.
@@ -233,9 +266,8 @@ Method::Outcome Minimax::approximate(const ApproximationTask& task) const {
       beta == std::round(beta) ? whole_number<int>(task.beta) : whole_number<int>(task.beta - 1.0, 0);
   const int order = task.order - whole;
   const long double rest = beta - whole;
-  if (order < 0 || (rest > 0.0L && order < 1) || (rest > 1.0L && order < 2)) {
-    return Refusal{"minimax needs an order of at least |beta| rounded up"};
-  }
+  if (order < 0 || (rest > 0.0L && order < 1) || (rest > 1.0L && order < 2))
+    return minimax_of_one_place(task);
   if (!task.real_roots && beta > 2.0L && rest > 0.0L) return minimax_with_pairs(task);
   Positions zeta(static_cast<std::size_t>(whole), log_kappa);
   if (rest > 0.0L) {

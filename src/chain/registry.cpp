@@ -8,6 +8,7 @@
   ENTRY(gain_block)                    \
   ENTRY(lowpass_block)                 \
   ENTRY(pole_zero_block)               \
+  ENTRY(integrator_block)              \
   ENTRY(fractional_lead_lag_block)     \
   ENTRY(resonator_block)               \
   ENTRY(delay_block)                   \

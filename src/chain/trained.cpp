@@ -19,8 +19,8 @@ std::vector<std::string> Trained::beyond(const SignalExtent& drive, double least
   if (drive.lower < input.lower - width) say("the drive goes down to", drive.lower, range);
   if (drive.upper > input.upper + width) say("the drive goes up to", drive.upper, range);
   if (drive.max_rate_per_s > 1.1 * input.max_rate_per_s)
-    say("the drive moves by up to a second", drive.max_rate_per_s,
-        fmt::format("by up to {}", rounded_text(input.max_rate_per_s)));
+    say("the drive's rate a second goes up to", drive.max_rate_per_s,
+        fmt::format("up to {}", rounded_text(input.max_rate_per_s)));
   if (drive.to_hz > 1.5 * input.to_hz)
     say("the drive's frequencies in Hz go up to", drive.to_hz,
         fmt::format("up to {}", rounded_text(input.to_hz)));

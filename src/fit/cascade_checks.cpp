@@ -97,18 +97,18 @@ std::vector<std::string> cascade_warnings(const CascadeFit& fit, const CascadeFi
   std::vector<std::string> out;
   for (const Excursion& e : fit.excursions) {
     out.push_back(fmt::format(
-        "between {} and {} Hz the curve leaves the range of its two points by {} dB (at {} Hz): add "
+        "between {} and {} the curve leaves the range of its two points by {} dB (at {}): add "
         "a point there",
-        rounded_text(e.between.from.value), rounded_text(e.between.to.value), rounded_text(e.outside_db, 3),
-        rounded_text(e.worst.value, 3)));
+        engineering_text(e.between.from.value, "Hz", 4), engineering_text(e.between.to.value, "Hz", 4),
+        rounded_text(e.outside_db, 3), engineering_text(e.worst.value, "Hz")));
   }
   for (const LeftOutPoint& l : fit.left_out) {
     if (l.max_change_db <= options.surprise_db) continue;
-    out.push_back(
-        fmt::format("the curve depends on the point at {} Hz: without it the error there is {} dB, "
-                    "and the curve changes by up to {} dB (at {} Hz)",
-                    rounded_text(l.frequency.value), rounded_text(l.error_db, 3),
-                    rounded_text(l.max_change_db, 3), rounded_text(l.max_change_at.value, 3)));
+    out.push_back(fmt::format(
+        "the curve about {} is determined by this point alone: without it the error there is {} dB, "
+        "and the curve changes by up to {} dB (at {})",
+        engineering_text(l.frequency.value, "Hz", 4), rounded_text(l.error_db, 3),
+        rounded_text(l.max_change_db, 3), engineering_text(l.max_change_at.value, "Hz")));
   }
   double max_order = 0.0;
   for (const CascadeFitTerm& term : fit.terms) max_order = std::max(max_order, std::abs(term.beta));

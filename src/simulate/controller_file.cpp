@@ -45,6 +45,8 @@ LoopSetup controller_from_node(const Node& node, const std::filesystem::path& fo
       file.fail(fmt::format("names {}, which is not there", target.string()));
     if (target.extension() == ".csv") {
       out.drive = TimeRecord::read_csv(target, from);
+    } else if (read_document(target, from).string_or("schema", "") == "bodesmith.inverse/1") {
+      out.inverse = target;
     } else {
       out.feedforward = chain::read_model(target, from);
     }

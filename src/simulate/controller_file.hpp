@@ -16,6 +16,7 @@ struct LoopSetup {
   PidController controller;
   std::optional<chain::Chain> feedforward;  ///< u gets F{r}
   std::optional<TimeRecord> drive;          ///< or a drive worked out before (compensate), column u
+  std::filesystem::path inverse;  ///< or an inverse.toml, whose reader sets `drive` for each reference
 };
 
 /// controller.toml:
@@ -28,7 +29,7 @@ struct LoopSetup {
 ///   sample_s = 1e-4               # absent: continuous
 ///   lower = -0.1                  # limits of the control, absent: none
 ///   upper = 1.1
-///   feedforward = "inverse.toml"  # a model.toml, or a CSV with time_s,u; relative to this file
+///   feedforward = "inverse.toml"  # of compensate --inverse, or a model.toml, or a CSV with time_s,u; relative to this file
 /// Gains may have either sign. Errors name file and line.
 LoopSetup read_controller(const std::filesystem::path& path, Provenance& from);
 /// The same from a document at hand; `feedforward` is relative to `folder`.

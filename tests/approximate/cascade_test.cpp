@@ -74,7 +74,7 @@ TEST(ApproximateCascade, ErrorIsMeasuredEverywhere) {
   EXPECT_GE(made.sections.error->band.to.value, 100.0 * (1.0 - 1e-12));
 }
 
-TEST(ApproximateCascade, PassesOverTermsOfOrderZeroAndRefusesPlainGains) {
+TEST(ApproximateCascade, PassesOverTermsOfOrderZeroAndKeepsPlainGains) {
   Cascade cascade = paper_cascade();
   cascade.gain = 2.0;
   cascade.terms[1].beta = 0.0;
@@ -82,7 +82,9 @@ TEST(ApproximateCascade, PassesOverTermsOfOrderZeroAndRefusesPlainGains) {
   EXPECT_EQ(made.terms.size(), 3u);
   EXPECT_NEAR(made.sections.dc_gain(), 2.0, 1e-3);
   cascade.terms.clear();
-  EXPECT_THROW(approximate_cascade(cascade, {}), DesignError);
+  const auto plain = approximate_cascade(cascade, {});
+  EXPECT_TRUE(plain.sections.sections.empty());
+  EXPECT_EQ(plain.sections.gain, 2.0);
   EXPECT_THROW(approximate_term({1.0, 0.1, 0.5}, {}, 0), InputError);
 }
 

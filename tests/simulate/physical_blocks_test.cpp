@@ -43,6 +43,18 @@ TimeRecord steps_of(double height, double step_s, std::size_t n) {
   return r;
 }
 
+// Of straight lines between samples the integral is exact, by every engine.
+TEST(Integrator, AddsUpWhatGoesIn) {
+  const Chain chain{{make_block("integrator").set("gain_per_s", 3.0)}};
+  TimeRecord in;
+  in.step_s = 0.5;
+  in.u = {0.0, 1.0, 1.0, -2.0, 0.0};
+  const std::vector<double> wanted = {0.0, 0.75, 2.25, 1.5, 0.0};
+  for (const Engine engine : {Engine::automatic, Engine::exact, Engine::record, Engine::cvode})
+    EXPECT_LT(largest(simulate(chain, in, with(engine)).y, wanted), 1e-6) << to_string(engine);
+  EXPECT_NEAR(std::abs(*chain.response(RadPerSecond{6.0}) - std::complex<double>(0.0, -0.5)), 0.0, 1e-12);
+}
+
 TEST(Opamp, SmallSignalsSeeItsBandwidth) {
   // 10 MHz, gain 10: 1 MHz.
   Chain chain{

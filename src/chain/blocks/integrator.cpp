@@ -1,0 +1,42 @@
+#include "chain/block.hpp"
+#include "chain/inverse.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+/// Where the integrator of the engines ends, rad/s: their state spaces have no pole on the axis. A day's record is off by
+/// 1e-7 of itself.
+constexpr double kLeakRadS = 1e-12;
+
+/// y' = gain_per_s u, y = 0 at the start: H(s) = gain_per_s/s.
+class Integrator final : public BlockType {
+ public:
+  Integrator()
+      : BlockType("integrator", "gain/s, from 0",
+                  {any_number("gain_per_s", "y/(u s)", "slope of y for an input of 1")}) {}
+  Kernel kernel(const Block& block) const override {
+    // The state is y itself, so that tolerances mean what they say.
+    LinearKernel k;
+    k.a = {-kLeakRadS};
+    k.b = {block.get("gain_per_s")};
+    k.c = {1.0};
+    k.d = 0.0;
+    return k;
+  }
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
+  }
+  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+    return block.get("gain_per_s") / std::complex<double>(0.0, w.value);
+  }
+  int section_order() const override { return 1; }
+};
+
+}  // namespace
+
+const BlockType& integrator_block() {
+  static const Integrator type;
+  return type;
+}
+
+}  // namespace bodesmith::chain

@@ -1,0 +1,43 @@
+#include "fit/choice.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+namespace bodesmith {
+namespace {
+
+/// 30 points of the RIAA curve, rounded to .01 dB as a person types them.
+BodePoints typed_curve() {
+  BodePoints out;
+  for (int i = 0; i < 30; ++i) {
+    const double f = 20.0 * std::pow(1000.0, i / 29.0);
+    const std::complex<double> s(0.0, 2.0 * std::numbers::pi * f);
+    const double db = to_decibel(std::abs((1.0 + s * 318e-6) / ((1.0 + s * 3180e-6) * (1.0 + s * 75e-6))));
+    out.points.push_back({Hertz{f}, from_decibel(0.01 * std::round(100.0 * db)), {}, 1.0, 0});
+  }
+  return out;
+}
+
+TEST(FitChoice, ATypedCurveIsNotInterpolated) {
+  const BodePoints points = typed_curve();
+  const auto reason = why_unusable(fit_cascade(points));
+  ASSERT_TRUE(reason);
+  EXPECT_NE(reason->find("29 bands"), std::string::npos) << *reason;
+  const FitChoice choice = choose_fit(points, {}, {}, 0.05);
+  ASSERT_TRUE(choice.sections) << choice.why;
+  EXPECT_EQ(choice.sections->sections.pole_count(), 2);
+  EXPECT_LT(choice.sections->max_db, 0.01);
+  EXPECT_NE(choice.why.find("2 poles directly meet 0.05 dB"), std::string::npos) << choice.why;
+}
+
+TEST(FitChoice, FewBandsStayACascade) {
+  BodePoints points;
+  for (const auto& [f, g] : {std::pair{1.0, 1.0}, {10.0, 1.06}, {20.0, 1.1}, {60.0, 1.04}, {100.0, 1.17}})
+    points.points.push_back({Hertz{f}, g, {}, 1.0, 0});
+  EXPECT_FALSE(why_unusable(fit_cascade(points)));
+}
+
+}  // namespace
+}  // namespace bodesmith

@@ -72,6 +72,7 @@ Json to_json(const Realised& realised) {
   out["opamps"] = circuit.opamps.size();
   out["opamp"] = {{"name", circuit.model.name},
                   {"gain_bandwidth_hz", circuit.model.gain_bandwidth.value},
+                  {"dc_gain", circuit.model.dc_gain},
                   {"slew_v_per_s", circuit.model.slew_v_per_s},
                   {"output_resistance_ohm", circuit.model.output_resistance_ohm},
                   {"swing_v", circuit.model.swing_v}};

@@ -125,10 +125,10 @@ std::vector<std::string> warnings_of(const OpAmpCheck& check, const OpAmpModel& 
   std::vector<std::string> out;
   const auto warn = [&](std::string text) { out.push_back(std::move(text)); };
   if (check.against_ideal.max_magnitude_db > 0.1) {
-    warn(fmt::format("{}: gain-bandwidth of {} Hz costs {} dB at {} Hz", model.name,
-                     rounded_text(model.gain_bandwidth.value),
+    warn(fmt::format("{}: gain-bandwidth of {} costs {} dB at {}", model.name,
+                     engineering_text(model.gain_bandwidth.value, "Hz"),
                      rounded_text(check.against_ideal.max_magnitude_db, 3),
-                     rounded_text(check.against_ideal.worst.value)));
+                     engineering_text(check.against_ideal.worst.value, "Hz")));
   }
   if (check.min_phase_margin_deg < 30.0) {
     warn(
@@ -138,23 +138,28 @@ std::vector<std::string> warnings_of(const OpAmpCheck& check, const OpAmpModel& 
                     model.name, check.tightest_stage, rounded_text(model.output_resistance_ohm),
                     rounded_text(check.min_phase_margin_deg, 3)));
   }
-  if (check.output_offset_v > 0.01 * amplitude_v) {
-    warn(fmt::format("{}: bias current of {} A and offset of {} V add up to {} V at the output", model.name,
-                     rounded_text(model.bias_current_a), rounded_text(model.offset_v),
-                     rounded_text(check.output_offset_v, 3)));
+  if (check.output_offset_v > model.swing_v) {
+    warn(fmt::format(
+        "{}: offset and bias current drive the output to its rail, expected a loop closed round it (an "
+        "integrator) or less gain at rest",
+        model.name));
+  } else if (check.output_offset_v > 0.01 * amplitude_v) {
+    warn(fmt::format("{}: bias current of {} and offset of {} add up to {} at the output", model.name,
+                     engineering_text(model.bias_current_a, "A"), engineering_text(model.offset_v, "V"),
+                     engineering_text(check.output_offset_v, "V")));
   }
   if (check.full_swing_hz < band.to.value) {
-    warn(fmt::format("{}: slews above {} Hz with {} V at the input", model.name,
-                     rounded_text(check.full_swing_hz, 3), rounded_text(amplitude_v)));
+    warn(fmt::format("{}: slews above {} with {} V at the input", model.name,
+                     engineering_text(check.full_swing_hz, "Hz"), rounded_text(amplitude_v)));
   }
   if (peak_v > model.swing_v) {
     warn(fmt::format("{}: a stage reaches {} V, it swings to {} V", model.name, rounded_text(peak_v, 3),
                      rounded_text(model.swing_v)));
   }
   if (resonance.product_hz() > 0.0 && 100.0 * resonance.product_hz() > model.gain_bandwidth.value) {
-    warn(fmt::format("{}: Q = {} at {} Hz wants a gain-bandwidth of {} Hz or more", model.name,
-                     rounded_text(resonance.q, 3), rounded_text(resonance.hz, 3),
-                     rounded_text(100.0 * resonance.product_hz(), 3)));
+    warn(fmt::format("{}: Q = {} at {} wants a gain-bandwidth of {} or more", model.name,
+                     rounded_text(resonance.q, 3), engineering_text(resonance.hz, "Hz"),
+                     engineering_text(100.0 * resonance.product_hz(), "Hz")));
   }
   return out;
 }

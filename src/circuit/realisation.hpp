@@ -12,6 +12,7 @@
 namespace bodesmith::circuit {
 
 class StageRealisation;
+class RcLadder;
 
 /// A named way to make sections as a circuit of op-amps, resistors and capacitors (`--realization NAME`).
 class Realisation {
@@ -25,6 +26,8 @@ class Realisation {
   virtual Outcome<Realised> design(const Sections& sections, const RealiseOptions& options) const = 0;
   /// Itself where it makes one section as one stage; null otherwise.
   virtual const StageRealisation* stage_realisation() const { return nullptr; }
+  /// The ladder that it puts round its op-amps; null: none.
+  virtual const RcLadder* ladder() const { return nullptr; }
 
  protected:
   Realisation() = default;

@@ -56,6 +56,7 @@ Sections without_far_zeros(const Sections& sections) {
     for (const std::complex<double> pole : section.poles) highest = std::max(highest, std::abs(pole));
   }
   Sections out = sections;
+  if (highest == 0.0) return out;  // integrators alone: no corner to be far from
   for (Section& section : out.sections) {
     std::vector<std::complex<double>> kept;
     std::complex<double> gain = section.gain;

@@ -9,6 +9,7 @@
 #include "circuit/json.hpp"
 #include "circuit/noise.hpp"
 #include "circuit/response.hpp"
+#include "circuit/stated_band.hpp"
 #include "circuit/transient.hpp"
 #include "spice/compensator_library.hpp"
 #include "spice/ngspice.hpp"
@@ -54,9 +55,7 @@ double check_noise(const circuit::Circuit& circuit, const std::string& library, 
 
 CompensatorCheck check_compensator(const circuit::Circuit& circuit, const Sections& wanted, int points) {
   CompensatorCheck out;
-  const Band corners = circuit::without_far_zeros(wanted).corner_band();
-  out.band = corners.to.value > 0.0 ? Band{Hertz{corners.from.value / 10.0}, Hertz{corners.to.value * 10.0}}
-                                    : Band{Hertz{1.0}, Hertz{1000.0}};
+  out.band = circuit::searched_band(circuit::without_far_zeros(wanted));
   const std::vector<Hertz> grid = log_grid(out.band, points);
   const std::string library = compensator_library(circuit, "check");
   const auto got = run_ac_of_text(library, "compensator.sub", grid);

@@ -7,7 +7,10 @@
 #include <set>
 
 #include "base/error.hpp"
+#include "circuit/built_circuit.hpp"
+#include "circuit/response.hpp"
 #include "circuit/stages/stage_form.hpp"
+#include "circuit/stated_band.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/drawn_board.hpp"
 
@@ -89,6 +92,7 @@ class PlanReader {
     }
     out_.band = {Hertz{low}, Hertz{high}};
     out_.reference_name = "nominal";
+    out_.band_name = "the plan's own band";
     return std::move(out_);
   }
 
@@ -176,6 +180,10 @@ Complex Design::response(Hertz f, std::span<const double> values) const {
   if (board) return fpaa::DrawnBoard(*board, {f}).response(values)[0];
   Complex h = 1.0;
   for (const Stage& stage : stages) {
+    if (stage.by_parts) {
+      h *= stage.by_parts(values.subspan(stage.first_part, stage.part_count), f.rad_s());
+      continue;
+    }
     h *= stage.transfer(values.subspan(stage.first_part, stage.part_count)).response(variable(stage, f));
   }
   return h;
@@ -191,29 +199,75 @@ Complex Design::nominal(Hertz f) const {
   return response(f, nominal_values());
 }
 
-Design design_of_circuit(const circuit::Realised& realised, const Sections& wanted, std::string name) {
+bool Design::is_quick() const {
+  const std::vector<double> values = nominal_values();
+  return !board && std::none_of(stages.begin(), stages.end(), [&](const Stage& stage) {
+    return stage.by_parts ||
+           stage.transfer(std::span(values).subspan(stage.first_part, stage.part_count)).a0 == 0.0;
+  });
+}
+
+namespace {
+
+/// Parts and stages of a circuit; the reference is `wanted` over what the op-amps make of the nominal circuit.
+Design design_from_parts(const circuit::Circuit& circuit, std::function<Complex(Hertz)> wanted,
+                         OpAmps opamps) {
   Design out;
-  out.name = std::move(name);
-  for (const circuit::Part& part : realised.circuit.parts) {
+  for (const circuit::Part& part : circuit.parts) {
     out.parts.push_back(
         {part.name, part.kind == circuit::Part::Kind::resistor ? Part::Kind::resistor : Part::Kind::capacitor,
          part.realised});
   }
-  for (size_t i = 0; i < realised.circuit.stages.size(); ++i) {
-    const circuit::Stage& stage = realised.circuit.stages[i];
-    if (!stage.form) throw DesignError("tolerance statistics are for op-amp RC forms, not for ladders");
+  for (const circuit::Stage& stage : circuit.stages) {
     Stage one;
-    one.name = fmt::format("stage{}", i + 1);
+    one.name = fmt::format("stage{}", out.stages.size() + 1);
     one.first_part = stage.first_part;
     one.part_count = stage.part_count;
-    one.transfer = [form = stage.form](std::span<const double> v) { return form->transfer(v); };
+    one.by_parts = circuit::ladder_response(stage);
+    if (stage.form)
+      one.transfer = [form = stage.form](std::span<const double> v) { return form->transfer(v); };
+    if (!one.by_parts && !one.transfer)
+      throw DesignError(fmt::format("{} has no equations for other values of its parts", stage.realisation));
     out.stages.push_back(std::move(one));
   }
-  out.reference = [wanted](Hertz f) { return wanted.response(f.rad_s()); };
+  if (opamps == OpAmps::ideal || circuit.model.is_ideal) {
+    out.reference = std::move(wanted);
+  } else {
+    out.notes.push_back(
+        fmt::format("with the op-amps' own error ({}), at the nominal parts", circuit.model.name));
+    out.reference = [circuit, wanted = std::move(wanted)](Hertz f) {
+      return wanted(f) * circuit.response(f.rad_s()) /
+             circuit::network_response(circuit, {f}, circuit.model).front();
+    };
+  }
   out.reference_name = "sections";
-  const Band corners = wanted.corner_band();
-  out.band = corners.to.value > 0.0 && corners.to > corners.from ? corners : realised.report.band;
+  return out;
+}
+
+}  // namespace
+
+Design design_of_circuit(const circuit::Circuit& circuit, const Sections& wanted, std::string name,
+                         OpAmps opamps) {
+  Design out = design_from_parts(
+      circuit, [wanted](Hertz f) { return wanted.response(f.rad_s()); }, opamps);
+  out.name = std::move(name);
+  out.band = circuit::judged_band(wanted);
+  out.band_name = wanted.error ? "the sections' own band" : "the corners";
   out.poles = wanted.pole_count();
+  return out;
+}
+
+Design design_of_file(const Node& node, std::string name, OpAmps opamps) {
+  const circuit::CircuitFile file = circuit::CircuitFile::from_node(node);
+  Design out = design_from_parts(
+      file.circuit, [file](Hertz f) { return file.wanted(f.rad_s()); }, opamps);
+  out.name = std::move(name);
+  out.band = file.band;
+  out.band_name = "the circuit's own band";
+  for (const circuit::Stage& stage : file.circuit.stages) {
+    for (const circuit::Biquad& factor : stage.wanted)
+      out.poles += factor.a2 != 0.0 ? 2 : factor.a1 != 0.0 ? 1 : 0;
+  }
   return out;
 }
 

@@ -9,9 +9,11 @@
 #include <vector>
 
 #include "base/document.hpp"
-#include "circuit/realise.hpp"
+#include "circuit/circuit.hpp"
+#include "circuit/parts_response.hpp"
 #include "fpaa/plan.hpp"
 #include "lti/frequency_grid.hpp"
+#include "lti/sections.hpp"
 
 namespace bodesmith::yield {
 
@@ -31,6 +33,7 @@ struct Stage {
   std::size_t part_count = 0;
   double clock_hz = 0.0;  ///< 0: v = s
   std::function<circuit::Biquad(std::span<const double>)> transfer;
+  circuit::PartsResponse by_parts = nullptr;  ///< instead of transfer: a ladder
 };
 
 /// What a yield run needs to know of a design: op-amp RC or FPAA.
@@ -42,6 +45,7 @@ struct Design {
   std::shared_ptr<const fpaa::Plan> board;
   std::function<std::complex<double>(Hertz)> reference;  ///< deviations are counted from here
   std::string reference_name;                            ///< "sections" or "nominal"
+  std::string band_name;                                 ///< where the band below comes from
   Band band;
   int poles = 0;
   std::vector<std::string> notes;
@@ -49,10 +53,18 @@ struct Design {
   std::vector<double> nominal_values() const;
   std::complex<double> response(Hertz f, std::span<const double> values) const;
   std::complex<double> nominal(Hertz f) const;
+  /// Products of quadratics, none of them with a pole at 0: what the kernel evaluates in lanes.
+  bool is_quick() const;
 };
 
-/// Ideal op-amps; deviations from the sections. The band is that of the corners, or as given.
-Design design_of_circuit(const circuit::Realised& realised, const Sections& wanted, std::string name);
+enum class OpAmps { ideal, as_built };
+
+/// Deviations from the sections, in the band in which the sections state their error, else that of their corners.
+/// `as_built`: the op-amps' own error, at the parts' nominal values, counts too.
+Design design_of_circuit(const circuit::Circuit& circuit, const Sections& wanted, std::string name,
+                         OpAmps opamps);
+/// A circuit.json as it was built, in the band in which it was judged.
+Design design_of_file(const Node& circuit, std::string name, OpAmps opamps);
 /// A plan.json (`bodesmith.fpaa_plan/1`) as it runs, every CAM by its capacitors. Deviations from the plan's
 /// own nominal response, or from `wanted` (the plan's designed error is then in them). A plan whose capacitors
 /// do not make its z-domain coefficients is an error (file and line).

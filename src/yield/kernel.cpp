@@ -38,7 +38,8 @@ Kernel::Kernel(const Design& design, const Options& options) : design_(design), 
                                                         : 0.0);
   }
   warm_ = options.spread.temperature_low_c != 25.0 || options.spread.temperature_high_c != 25.0;
-  for (int i = 0; i < static_cast<int>(design.stages.size()); ++i) {
+  quick_ = design.is_quick();
+  for (int i = 0; quick_ && i < static_cast<int>(design.stages.size()); ++i) {
     const Stage& stage = design.stages[static_cast<size_t>(i)];
     const circuit::Biquad h = stage.transfer(std::span(values_).subspan(stage.first_part, stage.part_count));
     Pair* open = nullptr;
@@ -133,10 +134,14 @@ void Kernel::coefficients(int lane) {
   }
 }
 
-void Kernel::evaluate_board(std::uint64_t first, int count) {
+void Kernel::evaluate_one_by_one(std::uint64_t first, int count) {
   for (int lane = 0; lane < count; ++lane) {
     draw(first + static_cast<std::uint64_t>(lane));
-    board_->response(values_, drawn_);
+    if (board_) {
+      board_->response(values_, drawn_);
+    } else {
+      for (size_t i = 0; i < drawn_.size(); ++i) drawn_[i] = design_.response(options_.grid[i], values_);
+    }
     for (size_t i = 0; i < drawn_.size(); ++i) {
       const Complex ratio = drawn_[i] * Complex(reference_re_[i], reference_im_[i]);
       decibel_[i * kBlock + static_cast<size_t>(lane)] = to_decibel(std::abs(ratio));
@@ -146,7 +151,7 @@ void Kernel::evaluate_board(std::uint64_t first, int count) {
 }
 
 void Kernel::evaluate(std::uint64_t first, int count) {
-  if (board_) return evaluate_board(first, count);
+  if (!quick_) return evaluate_one_by_one(first, count);
   for (int lane = 0; lane < count; ++lane) {
     draw(first + static_cast<std::uint64_t>(lane));
     coefficients(lane);

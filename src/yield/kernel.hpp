@@ -30,11 +30,13 @@ class Kernel {
 
   void draw(std::uint64_t sample);
   void coefficients(int lane);
-  void evaluate_board(std::uint64_t first, int count);
+  /// Every response by itself: a board, ladders, integrators.
+  void evaluate_one_by_one(std::uint64_t first, int count);
 
   const Design& design_;
   const Options& options_;
-  std::optional<fpaa::DrawnBoard> board_;    ///< instead of pairs
+  bool quick_ = true;  ///< by pairs
+  std::optional<fpaa::DrawnBoard> board_;
   std::vector<std::complex<double>> drawn_;  ///< one of its responses
   std::vector<Pair> pairs_;
   std::vector<double> values_;

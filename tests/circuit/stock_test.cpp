@@ -44,15 +44,16 @@ TEST(Stock, BothFormatsSayTheSame) {
 
 TEST(Stock, ComplaintsNameTheLine) {
   const std::string head = "schema = \"bodesmith.stock/1\"\n[resistors]\n";
-  EXPECT_EQ(complaint("resistance_ohm\n4700\n4k7\n", true),
-            "drawer:3: '4k7' is not a value above 0, expected ohm as a plain number such as 4700");
+  EXPECT_EQ(complaint("resistance_ohm\n4700\n4q7\n", true),
+            "drawer:3: '4q7' is not a value above 0, expected ohm such as 4700 or 4k7");
+  EXPECT_EQ(complaint("resistance_ohm\n4700\n4k7\n", true), "none");
   for (const char* csv : {"resistance_ohm\n-1\n", "resistance_ohm\nnan\n",
                           "resistance_ohm,capacitance_f\n1,2\n", "resistance_ohm,capacitance_f\n1\n"})
     EXPECT_EQ(complaint(csv, true).substr(0, 9), "drawer:2:") << csv;
   for (const char* csv : {"ohm\n1\n", "resistance_ohm,resistance_ohm\n1,\n"})
     EXPECT_EQ(complaint(csv, true).substr(0, 9), "drawer:1:") << csv;
   EXPECT_NE(complaint("resistance_ohm\n", true), "none");
-  for (const char* toml : {"values_ohm = []\n", "values_ohm = [0]\n", "values_ohm = [\"4k7\"]\n",
+  for (const char* toml : {"values_ohm = []\n", "values_ohm = [0]\n", "values_ohm = [\"4q7\"]\n",
                            "value_ohm = [1]\n", "series = \"E97\"\n"})
     EXPECT_EQ(complaint(head + toml, false).substr(0, 9), "drawer:3:") << complaint(head + toml, false);
   EXPECT_EQ(complaint(head + "series = \"E12\"\nvalues_ohm = [1]\n", false).substr(0, 7), "drawer:");

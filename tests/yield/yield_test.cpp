@@ -9,6 +9,8 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
+#include "circuit/realise.hpp"
+#include "circuit/response.hpp"
 #include "numeric/random.hpp"
 #include "temporary_folder.hpp"
 #include "yield/counts.hpp"
@@ -25,7 +27,32 @@ Options small(std::uint64_t samples = 20000) {
 }
 
 Design seed_design() {
-  return design_of_circuit(circuit::realise(seed_sections()), seed_sections(), "seed");
+  return design_of_circuit(circuit::realise(seed_sections()).circuit, seed_sections(), "seed", OpAmps::ideal);
+}
+
+// Ladders have no quadratics: they are evaluated one by one, and agree with the sections they were made from.
+TEST(Yield, LaddersAndBuiltCircuitsAreJudgedAsTheyAre) {
+  circuit::RealiseOptions ladder;
+  ladder.realisation = "foster1";
+  ladder.limits = {100.0, 10e6, 47e-12, 4.7e-6};
+  const circuit::Realised made = circuit::realise(seed_sections(), ladder);
+  const Design ideal = design_of_circuit(made.circuit, seed_sections(), "ladder", OpAmps::ideal);
+  EXPECT_FALSE(ideal.is_quick());
+  Options options = small(200);
+  options.spread.resistor_percent = options.spread.capacitor_percent = 1e-9;
+  const Result exact = run_monte_carlo(ideal, options, Team());
+  EXPECT_NEAR(exact.worst_db.max, made.report.parts.max_magnitude_db, 0.05);
+  options.spread = {};
+  const Result spread = run_monte_carlo(ideal, options, Team());
+  EXPECT_GT(spread.worst_db.quantile(0.5), 0.02);
+  EXPECT_EQ(spread.samples, 200u);
+  // The op-amps' own error counts where the circuit is taken as built.
+  const Design built = design_of_circuit(made.circuit, seed_sections(), "ladder", OpAmps::as_built);
+  const Hertz high{1e5};
+  EXPECT_NEAR(std::abs(built.nominal(high) / built.reference(high)),
+              std::abs(circuit::network_response(made.circuit, {high}, made.circuit.model).front() /
+                       seed_sections().response(high.rad_s())),
+              1e-9);
 }
 
 std::string text_of(const Result& result, const Options& options) {

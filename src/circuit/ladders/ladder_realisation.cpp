@@ -7,6 +7,7 @@
 
 #include "base/text.hpp"
 #include "circuit/ladders/chain_search.hpp"
+#include "circuit/stated_band.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -79,6 +80,7 @@ StageDesign unity_inverter(const RealiseOptions& options) {
   out.opamps = {{"U1", "0", "m", "out"}};
   out.wanted_values = out.realised_values = {ohm, ohm};
   out.wanted = out.realised = {{-1.0, 0.0, 0.0, 1.0, 0.0, 0.0}};
+  out.form = inverter().make(Section{}, {});
   return out;
 }
 
@@ -110,8 +112,7 @@ Outcome<Realised> LadderRealisation::design(const Sections& sections, const Real
   const Outcome<RealCorners> asked = real_corners(sections);
   if (const Refusal* refusal = refusal_of(asked)) return *refusal;
   const RealCorners& corners = std::get<RealCorners>(asked);
-  const Band ends = sections.corner_band();
-  const Band band = options.band.value_or(Band{Hertz{ends.from.value / 10.0}, Hertz{ends.to.value * 10.0}});
+  const Band band = options.band.value_or(searched_band(sections));
   const auto outcome = find_ladders(ladder_, corners, options, log_grid(band, kLadderSearchGrid));
   if (const Refusal* refusal = refusal_of(outcome)) return *refusal;
   const auto& ladders = std::get<std::vector<FoundLadder>>(outcome);

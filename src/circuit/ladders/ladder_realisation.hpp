@@ -23,6 +23,7 @@ class LadderRealisation final : public Realisation {
   std::string_view description() const override { return "RC ladders for poles and zeros that alternate"; }
   /// The values of a ladder spread as wide as its corners do.
   PartLimits usual_limits() const override { return {100.0, 10e6, 47e-12, 4.7e-6}; }
+  const RcLadder* ladder() const override { return &ladder_; }
   Outcome<Realised> design(const Sections& sections, const RealiseOptions& options) const override;
 
  private:

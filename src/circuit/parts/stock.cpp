@@ -4,6 +4,7 @@
 
 #include "base/document.hpp"
 #include "base/error.hpp"
+#include "base/quantity.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::circuit {
@@ -89,10 +90,10 @@ StockList StockList::parse_csv(std::string_view text, const std::string& file) {
       if (cell.empty()) continue;
       ++filled;
       double value = 0.0;
-      if (!parse_number(cell, value) || !(value > 0.0)) {
-        fail(fmt::format("'{}' is not a value above 0, expected {} as a plain number such as {}", cell,
+      if (!parse_quantity(cell, value) || !(value > 0.0)) {
+        fail(fmt::format("'{}' is not a value above 0, expected {} such as {}", cell,
                          names[i] == "capacitance_f" ? "farad" : "ohm",
-                         names[i] == "capacitance_f" ? "4.7e-9" : "4700"));
+                         names[i] == "capacitance_f" ? "4.7e-9 or 4n7" : "4700 or 4k7"));
       }
       (names[i] == "capacitance_f" ? farad : ohm).push_back(value);
     }

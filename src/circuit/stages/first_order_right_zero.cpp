@@ -1,4 +1,5 @@
 #include "circuit/realisation.hpp"
+#include "lti/integrators.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -59,6 +60,7 @@ class FirstOrderRightZeroRealisation final : public StageRealisation {
   int bid(const Section& section) const override { return refusal(section) ? 0 : 1; }
   std::optional<Refusal> refusal(const Section& section) const override {
     if (section.poles.size() != 1) return Refusal{"it makes one pole"};
+    if (integrates(section)) return Refusal{"it makes no pole at 0"};
     if (section.zeros.empty() || section.zeros[0].real() <= 0.0)
       return Refusal{"it makes a zero in the right half plane"};
     return std::nullopt;

@@ -1,6 +1,7 @@
 #include <cmath>
 
 #include "circuit/realisation.hpp"
+#include "lti/integrators.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -63,6 +64,7 @@ class FirstOrderTrimmedRealisation final : public StageRealisation {
   std::optional<Refusal> refusal(const Section& section) const override {
     if (section.poles.size() != 1) return Refusal{"it makes one pole"};
     if (section.zeros.empty()) return Refusal{"it makes a zero"};
+    if (integrates(section)) return Refusal{"it makes no pole at 0"};
     if (section.zeros[0].real() > 0.0) return Refusal{"its zero cannot lie in the right half plane"};
     return std::nullopt;
   }

@@ -18,6 +18,8 @@ bool all_real(const Section& section) {
 double distance(Complex zero, Complex pole) {
   // A zero at the origin is infinitely far from every pole: the lowest pole takes it.
   if (std::abs(zero) == 0.0) return 0.0;
+  // A pole there takes the lowest zero: R and C in series round an op-amp.
+  if (std::abs(pole) == 0.0) return 0.0;
   return std::abs(std::log(std::abs(zero) / std::abs(pole)));
 }
 

@@ -11,6 +11,8 @@
 #include "circuit/stages/pairing.hpp"
 #include "circuit/stages/placement.hpp"
 #include "circuit/stages/stage_chain.hpp"
+#include "circuit/stated_band.hpp"
+#include "lti/integrators.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -24,12 +26,6 @@ constexpr double kIsolationAboveDb = 0.005;
 /// A fifth of the output resistance leaves a lag of at most asin(5/7) = 46 degrees, and that below the
 /// crossing.
 constexpr double kIsolationShare = 0.2;
-
-Band band_of_corners(const Sections& sections) {
-  const Band corners = sections.corner_band();
-  if (corners.to.value == 0.0) return {Hertz{1.0}, Hertz{1000.0}};
-  return {Hertz{corners.from.value / 10.0}, Hertz{corners.to.value * 10.0}};
-}
 
 /// Sections in the order of the signal, each with the form that makes it.
 struct ChainPlan {
@@ -48,7 +44,9 @@ struct ChainPlan {
 Outcome<const StageRealisation*> form_of(const Section& section, const StageRealisation* asked,
                                          std::size_t number) {
   if (asked == nullptr || section.poles.empty()) return best_form(section);
-  const std::optional<Refusal> refusal = asked->refusal(section);
+  const std::optional<Refusal> refusal = integrates(section) && section.poles.size() > 1
+                                             ? Refusal{"it makes no pole at 0"}
+                                             : asked->refusal(section);
   if (!refusal) return asked;
   // A single real pole beside two-pole forms is always made by the first-order one.
   if (section.poles.size() == 1) return best_form(section);
@@ -256,7 +254,7 @@ std::vector<Biquad> nearest_rounding(const FoundChain& found, const Circuit& cir
 Outcome<Realised> realise_as_stages(const Sections& asked, const StageRealisation* form,
                                     const RealiseOptions& options) {
   const Sections sections = without_far_zeros(asked);
-  const Band band = options.band.value_or(band_of_corners(sections));
+  const Band band = options.band.value_or(searched_band(sections));
   const Outcome<ChainPlan> planned = plan_chain(sections, form, band);
   if (const Refusal* refusal = refusal_of(planned)) return *refusal;
   const ChainPlan& plan = std::get<ChainPlan>(planned);

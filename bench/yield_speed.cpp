@@ -15,8 +15,8 @@ void yield_sixteen_poles(benchmark::State& state) {
     const double w = 20.0 * std::pow(1.3, i);
     sections.sections.push_back(Section::pole_zero(1.0, {w}, {i % 2 == 0 ? 1.2 * w : w / 1.2}));
   }
-  const yield::Design design =
-      yield::design_of_circuit(circuit::realise(sections), sections, "sixteen poles");
+  const yield::Design design = yield::design_of_circuit(circuit::realise(sections).circuit, sections,
+                                                        "sixteen poles", yield::OpAmps::ideal);
   yield::Options options;
   options.samples = 100000;
   options.grid = log_grid({Hertz{1}, Hertz{1000}}, 60);

@@ -1,10 +1,13 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <optional>
 #include <string>
 
 #include "approximate/approximate.hpp"
 #include "approximate/merge_sections.hpp"
+#include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
@@ -19,6 +22,10 @@ namespace bodesmith::cli {
 namespace {
 
 std::string approximation_summary(const CascadeApproximation& result) {
+  if (result.sections.sections.empty()) {
+    return fmt::format("every order is 0: a plain gain of {}, no filter is needed\n",
+                       rounded_text(result.sections.gain, 6));
+  }
   std::string text = fmt::format("{}: {} sections, {} poles\n", result.method,
                                  result.sections.sections.size(), result.sections.pole_count());
   for (const TermApproximation& term : result.terms) {
@@ -88,6 +95,7 @@ Rearrangement rearrange(const CommandLine& line, const Cascade& cascade, Cascade
     result.error = merged.error;
     out.pairs_left_out = merged.pairs_left_out;
   }
+  if (result.sections.sections.empty()) return out;
   if (line.has("biquads")) result.sections = as_biquads(result.sections);
   if (line.has("arrange")) {
     out.order = order_sections(result.sections, result.error.band);
@@ -122,8 +130,30 @@ std::string rearrangement_text(const CascadeApproximation& result, const Rearran
   return text;
 }
 
+/// With |beta| above 2 real poles and zeros cost accuracy; what complex pairs would reach, where that is worth a word.
+std::string complex_hint(const Cascade& cascade, const ApproximationOptions& options,
+                         const CascadeApproximation& real) {
+  constexpr double kWorthAWord = 0.97;
+  const bool steep = std::any_of(real.terms.begin(), real.terms.end(), [](const TermApproximation& term) {
+    return std::abs(term.term.beta) > 2.0;
+  });
+  if (!steep || !options.real_roots || options.method != ApproximationOptions{}.method ||
+      options.max_error_db)
+    return {};
+  ApproximationOptions complex = options;
+  complex.real_roots = false;
+  try {
+    const CascadeApproximation other = approximate_cascade(cascade, complex);
+    if (other.error.everywhere_db > kWorthAWord * real.error.everywhere_db) return {};
+    return fmt::format("with complex pairs of poles and zeros (--complex) {} dB at any frequency\n",
+                       rounded_text(other.error.everywhere_db, 3));
+  } catch (const DesignError&) {
+    return {};  // complex pairs do not converge for every term
+  }
+}
+
 int approximate_file(const CommandLine& line, const ApproximationOptions& options) {
-  for (const char* option : {"from-hz", "to-hz"}) {
+  for (const char* option : {"from-hz", "to-hz", "keep-integrator", "real"}) {
     if (line.has(option))
       line.fail(std::string("--") + option + " is for a FRACTIONAL.toml; a cascade has its corners");
   }
@@ -131,6 +161,7 @@ int approximate_file(const CommandLine& line, const ApproximationOptions& option
   const Cascade cascade = Cascade::read(line.files().front(), from);
   const Stopwatch watch;
   CascadeApproximation result = approximate_cascade(cascade, options);
+  const std::string hint = complex_hint(cascade, options, result);
   const Rearrangement done = rearrange(line, cascade, result);
   const double seconds = watch.seconds();
   write_file(line.output_path(),
@@ -138,8 +169,8 @@ int approximate_file(const CommandLine& line, const ApproximationOptions& option
 
   Json summary = {{"sections", result.sections.sections.size()}, {"poles", result.sections.pole_count()}};
   summary.update(result.report_json());
-  summary["error"] = result.sections.to_json()["error"];
-  print_summary(line, approximation_summary(result) + rearrangement_text(result, done),
+  if (result.sections.error) summary["error"] = result.sections.to_json()["error"];
+  print_summary(line, approximation_summary(result) + hint + rearrangement_text(result, done),
                 timed_document("approximate_summary", from, summary, seconds));
   return result.limit_met ? kDone : kLimitMissed;
 }

@@ -76,16 +76,68 @@ DirectFit fit_fractional(const CommandLine& line, const BodePoints& points, std:
   return fit_directly(points, options);
 }
 
-std::string fractional_summary(const DirectFit& fit, const FractionalStability& stability, const Band& band) {
+/// Poles at 0 that stand for an integrator of this power: 1 for s^-0.9, 2 for s^-1.6.
+int whole_integrators(double power) {
+  return power > 0.0 ? std::max(1, static_cast<int>(std::lround(power))) : 0;
+}
+
+/// The points without the integrators: times (j w)^n.
+BodePoints without_integrators(BodePoints points, int integrators) {
+  for (BodePoint& point : points.points) {
+    point.gain *= std::pow(point.frequency.rad_s().value, integrators);
+    point.phase_deg = *point.phase_deg + 90.0 * integrators;
+  }
+  return points;
+}
+
+void add_integrators(Sections& sections, int integrators) {
+  for (int i = 0; i < integrators; ++i) {
+    Section one;
+    one.poles = {{0.0, 0.0}};
+    sections.sections.insert(sections.sections.begin(), one);
+  }
+}
+
+/// The lowest pole: below it a finite gain takes the place of the integrator.
+Hertz lowest_pole(const Sections& sections) {
+  double out = INFINITY;
+  for (const Section& section : sections.sections) {
+    for (const std::complex<double>& pole : section.poles) out = std::min(out, std::abs(pole));
+  }
+  return RadPerSecond{out}.hz();
+}
+
+std::string integrator_text(double power, int kept, const Sections& sections) {
+  std::string text = fmt::format("; contains an integrator of order {}", rounded_text(power));
+  if (kept > 0) return text + fmt::format(", kept as {} pole{} at 0", kept, kept == 1 ? "" : "s");
+  return text +
+         fmt::format(
+             ", which these sections make down to {}: at rest their gain is {} dB (--keep-integrator: a pole at 0)",
+             engineering_text(lowest_pole(sections).value, "Hz"),
+             rounded_text(to_decibel(std::abs(sections.dc_gain())), 3));
+}
+
+/// A cascade has terms for a method; a transfer function is fitted as a whole.
+void refuse_cascade_options(const CommandLine& line) {
+  for (const char* option : {"method", "over-band", "complex", "arrange", "merge-db", "biquads"}) {
+    if (line.has(option))
+      line.fail(fmt::format(
+          "--{} is for the terms of a cascade; a FRACTIONAL.toml is fitted as a whole (minimax in dB "
+          "and degrees)",
+          option));
+  }
+}
+
+std::string fractional_summary(const DirectFit& fit, const FractionalStability& stability, int kept,
+                               const Band& band) {
   std::string text =
-      fmt::format("{} sections, {} poles: {} dB and {} deg over {} .. {} Hz\n", fit.sections.sections.size(),
+      fmt::format("{} sections, {} poles: {} dB and {} deg over {} to {}\n", fit.sections.sections.size(),
                   fit.sections.pole_count(), rounded_text(fit.max_db, 3), rounded_text(fit.max_phase_deg, 3),
-                  rounded_text(band.from.value), rounded_text(band.to.value));
+                  engineering_text(band.from.value, "Hz"), engineering_text(band.to.value, "Hz"));
   text += "stable by the argument principle";
   if (stability.matignon_count)
     text += fmt::format("; Matignon counts {} unstable poles", *stability.matignon_count);
-  if (stability.powers_of_s > 0.0)
-    text += fmt::format("; contains an integrator of order {}", rounded_text(stability.powers_of_s));
+  if (stability.powers_of_s > 0.0) text += integrator_text(stability.powers_of_s, kept, fit.sections);
   return text + "\n";
 }
 
@@ -94,17 +146,26 @@ std::string fractional_summary(const DirectFit& fit, const FractionalStability& 
 void add_fractional_options(CommandLine& line) {
   line.band("with a FRACTIONAL.toml: the band it is approximated over", "the end of that band");
   line.flag("real", "with a FRACTIONAL.toml: real poles and zeros only");
+  line.flag("keep-integrator",
+            "with a FRACTIONAL.toml: an integrator stays one, as poles at 0 (infinite gain at rest)");
 }
 
 int approximate_fractional(const CommandLine& line) {
+  refuse_cascade_options(line);
   const std::optional<Band> band = line.maybe_band();
   if (!band) line.fail("a FRACTIONAL.toml needs --from-hz and --to-hz");
   const auto limit = line.maybe_positive("max-error-db");
   Provenance from;
   const FractionalInput input = read_fractional(line.files().front(), from);
-  const BodePoints points = sampled_points(input.transfer, line.files().front(), *band);
+  const int kept = line.has("keep-integrator") ? whole_integrators(input.stability.powers_of_s) : 0;
+  if (line.has("keep-integrator") && kept == 0) {
+    throw DesignError(line.files().front(), 0, "has no integrator that --keep-integrator could keep");
+  }
+  const BodePoints points =
+      without_integrators(sampled_points(input.transfer, line.files().front(), *band), kept);
   const Stopwatch watch;
-  const DirectFit fit = fit_fractional(line, points, limit);
+  DirectFit fit = fit_fractional(line, points, limit);
+  add_integrators(fit.sections, kept);
   const double seconds = watch.seconds();
   const bool met = !limit || fit.max_db <= *limit;
 
@@ -112,6 +173,7 @@ int approximate_fractional(const CommandLine& line) {
   report.erase("points");
   report["max_phase_deg"] = fit.max_phase_deg;
   report["stability"] = stability_json(input.stability);
+  report["poles_at_0"] = kept;
   Json out = fit.sections.to_json();
   out["approximation"] = report;
   write_file(line.output_path(), to_text(timed_document("sections", from, out, seconds)));
@@ -119,7 +181,7 @@ int approximate_fractional(const CommandLine& line) {
   Json summary = {{"sections", fit.sections.sections.size()}, {"poles", fit.sections.pole_count()}};
   summary.update(report);
   summary["limit_met"] = met;
-  std::string text = fractional_summary(fit, input.stability, *band);
+  std::string text = fractional_summary(fit, input.stability, kept, *band);
   if (!met) text += limit_not_met(*limit, "dB");
   print_summary(line, text, timed_document("approximate_summary", from, summary, seconds));
   return met ? kDone : kLimitMissed;

@@ -94,23 +94,76 @@ std::vector<double> with_gaps(const std::vector<std::optional<double>>& column) 
   return out;
 }
 
-std::string plot_svg(const std::vector<Hertz>& grid, const std::vector<ResponseSource>& sources,
-                     const std::vector<ResponseColumns>& columns) {
-  std::vector<double> f;
-  for (const Hertz h : grid) f.push_back(h.value);
-  report::BodePlot plot;
-  for (std::size_t i = 0; i < sources.size(); ++i) {
-    report::Series series{sources[i].stem, f, with_gaps(columns[i].magnitude_db)};
-    const std::size_t measured = sources[i].own_frequencies.size();
-    if (measured > 0 && measured < 60) series.style = report::Series::Style::marks;
-    series.color = static_cast<int>(i);
-    plot.magnitude.series.push_back(series);
-    if (columns[i].phase_deg.empty()) continue;
-    series.y = with_gaps(columns[i].phase_deg);
-    plot.phase.series.push_back(series);
+/// A measured record's points as marks, everything else on a dense grid, and beneath them how far apart they are.
+class BodePicture {
+ public:
+  BodePicture(const std::vector<Hertz>& grid, const std::vector<ResponseSource>& sources,
+              const std::vector<ResponseColumns>& columns)
+      : sources_(sources), dense_(dense_grid(grid)) {
+    const bool same = dense_.size() == grid.size();
+    for (std::size_t i = 0; i < sources.size(); ++i) add(static_cast<int>(i), same ? &columns[i] : nullptr);
   }
-  return plot.svg();
-}
+
+  std::string svg() const {
+    std::vector<report::Plot> plots{plot_.magnitude, plot_.phase};
+    if (plot_.phase.series.empty()) plots.pop_back();
+    if (sources_.size() > 1 && sources_[0].own_frequencies.empty()) plots.push_back(difference());
+    return report::stack_svg(plots);
+  }
+
+ private:
+  static constexpr std::size_t kDense = 401;
+  static constexpr std::size_t kMostMarks = 200;
+
+  static std::vector<Hertz> dense_grid(const std::vector<Hertz>& grid) {
+    if (grid.size() >= kDense || !(grid.back() > grid.front())) return grid;
+    return log_grid({grid.front(), grid.back()}, static_cast<int>(kDense));
+  }
+
+  static std::vector<double> hertz_of(const std::vector<Hertz>& grid) {
+    std::vector<double> out;
+    for (const Hertz f : grid) out.push_back(f.value);
+    return out;
+  }
+
+  void add(int number, const ResponseColumns* known) {
+    const ResponseSource& source = sources_[static_cast<std::size_t>(number)];
+    const bool marks = !source.own_frequencies.empty() && source.own_frequencies.size() <= kMostMarks;
+    const std::vector<Hertz>& grid = marks ? source.own_frequencies : dense_;
+    const ResponseColumns columns = known != nullptr && !marks ? *known : source.on_grid(grid);
+    report::Series series{source.stem, hertz_of(grid), with_gaps(columns.magnitude_db)};
+    series.style = marks             ? report::Series::Style::marks
+                   : number % 2 == 0 ? report::Series::Style::line
+                                     : report::Series::Style::dashed;
+    series.color = number;
+    plot_.magnitude.series.push_back(series);
+    if (columns.phase_deg.empty()) return;
+    series.y = with_gaps(columns.phase_deg);
+    plot_.phase.series.push_back(std::move(series));
+  }
+
+  /// Of every file from the first, where both are known: curves that lie on each other are told apart here.
+  report::Plot difference() const {
+    report::Plot out;
+    out.title = "Difference from " + sources_[0].stem;
+    out.x = plot_.magnitude.x;
+    out.y = {"dB"};
+    out.height = 240;
+    for (std::size_t i = 1; i < plot_.magnitude.series.size(); ++i) {
+      report::Series series = plot_.magnitude.series[i];
+      std::vector<Hertz> grid;
+      for (const double f : series.x) grid.push_back(Hertz{f});
+      const std::vector<double> first = with_gaps(sources_[0].on_grid(grid).magnitude_db);
+      for (std::size_t k = 0; k < series.y.size(); ++k) series.y[k] -= first[k];
+      out.series.push_back(std::move(series));
+    }
+    return out;
+  }
+
+  const std::vector<ResponseSource>& sources_;
+  std::vector<Hertz> dense_;
+  report::BodePlot plot_;
+};
 
 void declare_bode(CommandLine& line) {
   line.positional("FILE...", 1, -1);
@@ -143,8 +196,9 @@ DecibelRange decibel_range(const ResponseColumns& columns) {
 void print_bode_summary(const CommandLine& line, const Provenance& from, const std::vector<Hertz>& grid,
                         const std::vector<ResponseSource>& sources,
                         const std::vector<ResponseColumns>& columns, double seconds) {
-  std::string text = fmt::format("{} frequencies, {} to {} Hz\n", grid.size(),
-                                 rounded_text(grid.front().value, 6), rounded_text(grid.back().value, 6));
+  std::string text =
+      fmt::format("{} frequencies, {} to {}\n", grid.size(), engineering_text(grid.front().value, "Hz", 5),
+                  engineering_text(grid.back().value, "Hz", 5));
   Json summary = {{"count", grid.size()},
                   {"band_hz", {grid.front().value, grid.back().value}},
                   {"responses", Json::array()}};
@@ -198,7 +252,7 @@ int run_bode(const std::vector<std::string>& arguments) {
   const bool to_file = line.has("output");
   const std::string csv = bode_csv(grid, sources, columns, extra);
   if (to_file) out.add(line.output_path(), csv);
-  if (line.has("svg")) out.add(line.get<std::string>("svg"), plot_svg(grid, sources, columns));
+  if (line.has("svg")) out.add(line.get<std::string>("svg"), BodePicture(grid, sources, columns).svg());
   add_loop_files(line, responses, out);
   out.commit();
   // Without -o the table is the answer, unless margins were asked for.

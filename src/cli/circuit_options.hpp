@@ -1,5 +1,6 @@
 #pragma once
 
+#include "circuit/opamp_library.hpp"
 #include "circuit/realise.hpp"
 #include "cli/command_line.hpp"
 
@@ -9,6 +10,16 @@ namespace bodesmith::cli {
 void add_circuit_options(CommandLine& line);
 /// A circuit with exact resistors has exact capacitors unless --capacitor-series says otherwise.
 circuit::RealiseOptions read_circuit_options(const CommandLine& line);
+
+/// --stock, limits of the values, --isolation-ohm, --opamp, --opamp-library.
+void add_parts_options(CommandLine& line);
+/// Those and add_circuit_options' together.
+circuit::RealiseOptions read_parts_options(const CommandLine& line, Provenance& from);
+/// The limits are the user's own, not the realisation's.
+bool parts_limits_given(const CommandLine& line);
+/// --opamp auto.
+bool automatic_opamp(const CommandLine& line);
+circuit::OpAmpLibrary opamp_library_of(const CommandLine& line, Provenance& from);
 
 /// Adds --check.
 void add_check_option(CommandLine& line, const std::string& what);

@@ -12,6 +12,7 @@
 #include "base/error.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
+#include "base/quantity.hpp"
 #include "base/text.hpp"
 
 namespace po = boost::program_options;
@@ -42,6 +43,34 @@ CommandLine::CommandLine(std::string name, std::string example, std::string what
 
 void CommandLine::add(const std::string& name, const po::value_semantic* value, const std::string& what) {
   groups_.back().add_options()(name.c_str(), value, what.c_str());
+}
+
+void CommandLine::add_quantity(const std::string& name, std::optional<double> default_value,
+                               const std::string& what) {
+  quantities_[name];
+  auto* value = po::value<std::string>();
+  add(name, default_value ? value->default_value(fmt::format("{}", *default_value)) : value, what);
+}
+
+void CommandLine::add_quantities(const std::string& name, const std::string& what) {
+  quantities_[name];
+  add(name, po::value<std::vector<std::string>>()->multitoken(), what);
+}
+
+void CommandLine::read_quantities() {
+  for (auto& [name, numbers] : quantities_) {
+    if (values_.count(name) == 0) continue;
+    const boost::any& given = values_[name].value();
+    const auto* one = boost::any_cast<std::string>(&given);
+    const std::vector<std::string> texts =
+        one != nullptr ? std::vector{*one} : boost::any_cast<const std::vector<std::string>&>(given);
+    for (const std::string& text : texts) {
+      double value = 0.0;
+      if (!parse_quantity(text, value))
+        fail(fmt::format("--{} is '{}', expected a number such as 4700 or 4k7", name, text));
+      numbers.push_back(value);
+    }
+  }
 }
 
 void CommandLine::flag(const std::string& name, const std::string& what) {
@@ -97,6 +126,7 @@ bool CommandLine::parse(const std::vector<std::string>& arguments) {
       return false;
     }
     po::notify(values_);
+    read_quantities();
   } catch (const po::error& error) {
     fail(error.what());
   }

@@ -4,9 +4,11 @@
 #include <cstdint>
 #include <filesystem>
 #include <initializer_list>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "base/json_fwd.hpp"
@@ -22,20 +24,33 @@ class CommandLine {
   CommandLine(std::string name, std::string example, std::string what);
 
   /// Adds --name with a value of type T (int, double, std::string, std::uint64_t).
+  /// A double may be typed with a prefix and a unit: 4k7, 10n, 13.2kHz (base/quantity.hpp).
   template <class T>
   void option(const std::string& name, const std::string& what) {
-    add(name, boost::program_options::value<T>(), what);
+    if constexpr (std::is_same_v<T, double>) {
+      add_quantity(name, std::nullopt, what);
+    } else {
+      add(name, boost::program_options::value<T>(), what);
+    }
   }
   template <class T>
   void option(const std::string& name, const std::string& what, const T& default_value) {
-    add(name, boost::program_options::value<T>()->default_value(default_value), what);
+    if constexpr (std::is_same_v<T, double>) {
+      add_quantity(name, default_value, what);
+    } else {
+      add(name, boost::program_options::value<T>()->default_value(default_value), what);
+    }
   }
   /// Adds --name without a value.
   void flag(const std::string& name, const std::string& what);
   /// Adds --name with several values after one name; the option's value is a std::vector<T>.
   template <class T>
   void list(const std::string& name, const std::string& what) {
-    add(name, boost::program_options::value<std::vector<T>>()->multitoken(), what);
+    if constexpr (std::is_same_v<T, double>) {
+      add_quantities(name, what);
+    } else {
+      add(name, boost::program_options::value<std::vector<T>>()->multitoken(), what);
+    }
   }
   /// Adds --name that may be given several times; the option's value is a std::vector<T>.
   template <class T>
@@ -64,12 +79,18 @@ class CommandLine {
   }
   template <class T>
   T get(const std::string& option) const {
-    return values_[option].as<T>();
+    if constexpr (std::is_same_v<T, double>) {
+      return quantities_.at(option).front();
+    } else if constexpr (std::is_same_v<T, std::vector<double>>) {
+      return quantities_.at(option);
+    } else {
+      return values_[option].as<T>();
+    }
   }
   template <class T>
   std::optional<T> maybe(const std::string& option) const {
     if (values_.count(option) == 0) return std::nullopt;
-    return values_[option].as<T>();
+    return get<T>(option);
   }
   /// The one of `choices` whose to_string() was given.
   template <class Enum>
@@ -99,6 +120,10 @@ class CommandLine {
  private:
   void add(const std::string& name, const boost::program_options::value_semantic* value,
            const std::string& what);
+  void add_quantity(const std::string& name, std::optional<double> default_value, const std::string& what);
+  void add_quantities(const std::string& name, const std::string& what);
+  /// Reads the text of every quantity that was given.
+  void read_quantities();
   [[noreturn]] void fail_choice(const std::string& option, const std::string& given,
                                 const std::vector<std::string>& words) const;
 
@@ -113,6 +138,7 @@ class CommandLine {
   /// The subcommand's own options, then the groups with a heading.
   std::vector<boost::program_options::options_description> groups_;
   boost::program_options::variables_map values_;
+  std::map<std::string, std::vector<double>> quantities_;  ///< numbers typed with or without prefix and unit
 };
 
 /// Prints either the text or, with --json, the JSON object (which should carry "schema" and "timing_s").

@@ -14,7 +14,9 @@
 #include "chain/model_file.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "cli/reference_options.hpp"
 #include "invert/compensation.hpp"
+#include "invert/inverse_file.hpp"
 #include "invert/settled.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
@@ -149,7 +151,16 @@ void DriveStatement::warn() const {
 }
 
 void describe_compensate(CommandLine& line) {
-  line.option<std::string>("reference", "required output, CSV time_s,r");
+  line.option<std::string>(
+      "reference",
+      "required output: CSV time_s,r, or one that is made: triangle, sine, stair (or steps), "
+      "multisine, chirp, complex");
+  line.group("Of a reference that is made");
+  add_reference_options(line, UsualLength::periods);
+  line.seed();
+  line.group("Of the drive");
+  line.option<std::string>("inverse",
+                           "also write the inverse itself (TOML): feedforward of simulate's controller.toml");
   line.flag("no-preview", "do not look ahead by the model's delays (the output then lags by them)");
   line.option<std::string>(
       "start", "the model before the first sample: equilibrium (at rest under it) or zero", "equilibrium");
@@ -166,26 +177,51 @@ void describe_compensate(CommandLine& line) {
   line.output("file for the drive: CSV time_s,r,u");
 }
 
+/// The file, or a reference that is made: over nine tenths of what the model's records reached where nothing else is said.
+TimeRecord read_wanted(const CommandLine& line, const chain::Chain& model, Provenance& from) {
+  const std::string wanted = line.get<std::string>("reference");
+  if (!names_a_reference(wanted)) return TimeRecord::read_csv_column(wanted, from, column::reference);
+  simulate::ReferenceSpec spec = read_reference_options(line, wanted, UsualLength::periods);
+  if (model.trained && !line.has("amplitude") && !line.has("offset")) {
+    constexpr double kShare = 0.9;
+    spec.amplitude = kShare * 0.5 * (model.trained->output_upper - model.trained->output_lower);
+    spec.offset = 0.5 * (model.trained->output_upper + model.trained->output_lower);
+    note(fmt::format(
+        "the reference runs from {} to {}, nine tenths of what the model's records reached (--amplitude, "
+        "--offset)",
+        rounded_text(spec.offset - spec.amplitude), rounded_text(spec.offset + spec.amplitude)));
+  }
+  return simulate::make_reference(spec);
+}
+
+/// inverse.toml, which names the model relative to itself.
+std::string inverse_text(const CommandLine& line, const invert::Options& options) {
+  const std::filesystem::path folder =
+      std::filesystem::absolute(line.get<std::string>("inverse")).lexically_normal().parent_path();
+  const std::filesystem::path model = std::filesystem::absolute(line.files().front()).lexically_normal();
+  return invert::InverseFile::text(model.lexically_relative(folder).generic_string(), options);
+}
+
 }  // namespace
 
 int run_compensate(const std::vector<std::string>& arguments) {
   CommandLine line(
-      "compensate", "bodesmith compensate model.toml --reference r.csv -o drive.csv",
+      "compensate", "bodesmith compensate model.toml --reference triangle --frequency-hz 10 -o drive.csv",
       "The drive that makes the model follow a required trajectory (time_s,r), and the tracking\n"
       "error that is left: block by block where blocks have inverses, the rest numerically on\n"
       "the model's own simulation, within limits of the drive.");
   describe_compensate(line);
   line.reads_measurements();
   if (!line.parse(arguments)) return kDone;
-  if (!line.has("reference")) line.fail("--reference is missing, expected a CSV with time_s,r");
+  if (!line.has("reference"))
+    line.fail("--reference is missing, expected a CSV with time_s,r, or triangle, sine, stair, …");
   const std::optional<double> limit = line.maybe_positive("max-error-percent");
   const invert::Options options = read_compensate_options(line);
 
   Provenance from;
   const chain::Chain model = chain::read_model(line.files().front(), from);
   if (model.blocks.empty()) throw InputError(line.files().front(), 0, "has no block, expected at least one");
-  const TimeRecord reference =
-      TimeRecord::read_csv_column(line.get<std::string>("reference"), from, column::reference);
+  const TimeRecord reference = read_wanted(line, model, from);
 
   const Stopwatch watch;
   const Compensation found = invert::compensate(model, reference, options);
@@ -202,7 +238,10 @@ int run_compensate(const std::vector<std::string>& arguments) {
                                  error_figures(found.predicted, reference.u),
                                  input_extent({&driven, 1})};
 
-  write_file(line.output_path(), drive_csv(reference, found));
+  OutputSet files;
+  files.add(line.output_path(), drive_csv(reference, found));
+  if (line.has("inverse")) files.add(line.get<std::string>("inverse"), inverse_text(line, options));
+  files.commit();
 
   const bool met = !limit || statement.error.rms_percent <= *limit;
   Json json = json_header("compensation", from);

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -42,7 +43,9 @@ gap::SearchOptions read_options(const CommandLine& line, Progress& progress, con
 }
 
 std::string summary_text(const gap::Diagnosis& d, const std::filesystem::path& folder) {
-  std::string text = fmt::format("{}\n", to_string(d.verdict));
+  std::string verdict = to_string(d.verdict);
+  std::replace(verdict.begin(), verdict.end(), '_', ' ');
+  std::string text = verdict + "\n";
   text += fmt::format("  base model: {} rms on training, {} on held-out records ({:.3f} % of range)\n",
                       rounded_text(d.refitted.train_rms), rounded_text(d.refitted.holdout_rms),
                       d.refitted.holdout_percent_of_range);

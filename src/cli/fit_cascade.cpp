@@ -2,6 +2,7 @@
 
 #include <string>
 
+#include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
@@ -11,6 +12,7 @@
 #include "cli/commands.hpp"
 #include "cli/fit_modes.hpp"
 #include "fit/cascade_fit.hpp"
+#include "fit/choice.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -20,7 +22,9 @@ std::string cascade_summary(const CascadeFit& fit) {
       fit.bounded ? fmt::format("bounded least squares, {} <= beta <= {}{}\n", rounded_text(fit.lower_bound),
                                 rounded_text(fit.upper_bound),
                                 fit.lower_bound == 0.0 ? " (a beta of 0 is allowed: that term is 1)" : "")
-                  : std::string("interpolation of every point above the base\n");
+      : fit.fewest_bands ? fmt::format("least squares of the fewest bands, {} for {} points\n",
+                                       fit.terms.size(), fit.cascade.fit->points.size())
+                         : std::string("interpolation of every point above the base\n");
   text += fmt::format("base {} Hz (gain {}; the curve has {} dB there, a consequence of the fit)\n",
                       rounded_text(fit.base.value), rounded_text(fit.cascade.gain),
                       rounded_text(fit.base_got_db, 3));
@@ -38,7 +42,7 @@ std::string cascade_summary(const CascadeFit& fit) {
     text += fmt::format("  {:>12}  {:>9.4f} {:>9.4f}\n", rounded_text(point.frequency.value, 6),
                         point.wanted_db, point.got_db);
   }
-  text += fmt::format("rms {} dB, largest error {} dB, condition number {}\n",
+  text += fmt::format("rms {} dB, largest error at a point {} dB, condition number {}\n",
                       rounded_text(fit.cascade.fit->rms_db, 3), rounded_text(fit.cascade.fit->max_db, 3),
                       rounded_text(fit.condition_number, 3));
   return text;
@@ -67,6 +71,9 @@ void add_cascade_options(CommandLine& line) {
                       "bounded fit (eq. 19): |beta| at most this; without it interpolation (eq. 18)");
   line.flag("beta-positive", "with --beta-max: 0 <= beta, as eq. 19 prints it (cannot follow a dip)");
   line.flag("fewest-bands", "with --max-error-db: the fewest bands that keep every point within it");
+  line.flag(
+      "allow-large-orders",
+      "write an interpolation even where an order is beyond use (|beta| above 20, of up to 12 points 200)");
   line.option<double>(
       "surprise-db",
       "warn when the curve leaves the range of two neighbouring points, or depends on a single "
@@ -74,24 +81,63 @@ void add_cascade_options(CommandLine& line) {
       0.5);
 }
 
-int fit_to_cascade(const CommandLine& line) {
-  const CascadeFitOptions options = read_cascade_options(line);
+namespace {
+
+int write_cascade(const CommandLine& line, const CascadeFit& fit, const Provenance& from, double seconds,
+                  const std::string& why) {
   const std::optional<double> limit = line.maybe_positive("max-error-db");
-  Provenance from;
-  const BodePoints points = BodePoints::read_csv(line.files().front(), from);
-  const Stopwatch watch;
-  const CascadeFit fit = fit_cascade(points, options);
-  const double seconds = watch.seconds();
   warn_each(fit.warnings);
   write_file(line.output_path(), to_text(timed_document("cascade", from, fit.to_json(), seconds)));
 
   const bool met = !limit || fit.cascade.fit->max_db <= *limit;
   Json summary = fit.to_json();
   if (limit) summary["limit_met"] = met;
+  if (!why.empty()) summary["chosen_because"] = why;
   std::string text = cascade_summary(fit);
   if (!met) text += limit_not_met(*limit, "dB");
   print_summary(line, text, timed_document("fit_summary", from, summary, seconds));
   return met ? kDone : kLimitMissed;
+}
+
+/// The interpolation cannot be built: with a limit to choose by, the fewest bands or sections; without one, what to ask for.
+int choose_other_fit(const CommandLine& line, const BodePoints& points, const CascadeFitOptions& options,
+                     const std::string& reason, Provenance& from) {
+  const std::optional<double> limit = line.maybe_positive("max-error-db");
+  if (!limit || line.has("fewest-bands")) {
+    throw DesignError(
+        points.file, 0,
+        reason + (line.has("fewest-bands")
+                      ? "; expected a larger --max-error-db, a bound (--beta-max 5) or --direct"
+                      : "; expected --max-error-db E (fit then chooses between fewer bands and sections), "
+                        "--direct --max-error-db E for sections, or a bound (--beta-max 5)"));
+  }
+  const Stopwatch watch;
+  FitChoice chosen = choose_fit(points, options, read_direct_options(line, from), *limit);
+  const double seconds = watch.seconds();
+  note(fmt::format("{}: {}", reason, chosen.why));
+  if (chosen.cascade) return write_cascade(line, *chosen.cascade, from, seconds, chosen.why);
+  note(fmt::format("{} holds sections, as with --direct", line.output_path().string()));
+  return write_direct_fit(line, *chosen.sections, from, seconds, chosen.why);
+}
+
+}  // namespace
+
+int fit_to_cascade(const CommandLine& line) {
+  const CascadeFitOptions options = read_cascade_options(line);
+  Provenance from;
+  const BodePoints points = BodePoints::read_csv(line.files().front(), from);
+  if (points.points.size() > kMostPointsToInterpolate && !options.fewest_bands_db && !options.beta_max &&
+      !line.has("allow-large-orders"))
+    return choose_other_fit(
+        line, points, options,
+        fmt::format("{} points would make {} bands", points.points.size(), points.points.size() - 1), from);
+  const Stopwatch watch;
+  const CascadeFit fit = fit_cascade(points, options);
+  const double seconds = watch.seconds();
+  const std::optional<std::string> unusable = why_unusable(fit);
+  if (unusable && !line.has("allow-large-orders"))
+    return choose_other_fit(line, points, options, *unusable, from);
+  return write_cascade(line, fit, from, seconds, "");
 }
 
 }  // namespace bodesmith::cli

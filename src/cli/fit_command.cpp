@@ -19,9 +19,11 @@ int run_fit(const std::vector<std::string>& arguments) {
                            "a measured response (frequency_hz,magnitude_db,phase_deg): its model");
   line.option<int>("order", "poles, with --direct (1 to 12), --waveform (1 to 6) or --measured");
   line.flag("real", "real poles and zeros only");
-  line.option<double>("max-error-db",
-                      "exit with 1 when the error at a point is larger; --direct without --order takes the "
-                      "smallest order that meets it");
+  line.option<double>(
+      "max-error-db",
+      "exit with 1 when the error at a point is larger; --direct without --order takes the "
+      "smallest order that meets it, and points that cannot be interpolated get the fewest bands or "
+      "sections, whichever takes fewer poles");
   line.positional("POINTS.csv", 0, 1);
   line.output("file for the cascade or the sections");
   line.seed();

@@ -18,8 +18,8 @@ namespace bodesmith::cli {
 namespace {
 
 std::string root_text(const std::complex<double>& root) {
-  if (root.imag() == 0.0) return fmt::format(" {} Hz", rounded_text(RadPerSecond{-root.real()}.hz().value));
-  return fmt::format(" {} Hz (damping {})", rounded_text(RadPerSecond{std::abs(root)}.hz().value),
+  if (root.imag() == 0.0) return " " + engineering_text(RadPerSecond{-root.real()}.hz().value, "Hz", 4);
+  return fmt::format(" {} (damping {})", engineering_text(RadPerSecond{std::abs(root)}.hz().value, "Hz", 4),
                      rounded_text(-root.real() / std::abs(root), 3));
 }
 
@@ -45,6 +45,8 @@ std::string direct_summary(const DirectFit& fit, bool real) {
   return text;
 }
 
+}  // namespace
+
 DirectFitOptions read_direct_options(const CommandLine& line, Provenance& from) {
   DirectFitOptions options;
   options.real = line.has("real");
@@ -58,8 +60,6 @@ DirectFitOptions read_direct_options(const CommandLine& line, Provenance& from) 
   if (line.has("lower")) options.lower = BodePoints::read_csv(line.get<std::string>("lower"), from);
   return options;
 }
-
-}  // namespace
 
 void add_direct_options(CommandLine& line) {
   line.option<double>("max-corner-hz", "no pole or zero above this");
@@ -83,8 +83,13 @@ int fit_to_sections(const CommandLine& line) {
                                           : fit_directly_within(points, options, *limit,
                                                                 std::max(1, options.relative_degree), 12);
   const double seconds = watch.seconds();
-  warn_each(fit.warnings);
+  return write_direct_fit(line, fit, from, seconds, "");
+}
 
+int write_direct_fit(const CommandLine& line, const DirectFit& fit, const Provenance& from, double seconds,
+                     const std::string& why) {
+  const std::optional<double> limit = line.maybe_positive("max-error-db");
+  warn_each(fit.warnings);
   Json out = fit.sections.to_json();
   out["fit"] = fit.report_json();
   write_file(line.output_path(), to_text(timed_document("sections", from, out, seconds)));
@@ -93,7 +98,8 @@ int fit_to_sections(const CommandLine& line) {
   Json summary = {{"sections", fit.sections.sections.size()}, {"poles", fit.sections.pole_count()}};
   summary.update(fit.report_json());
   if (limit) summary["limit_met"] = met;
-  std::string text = direct_summary(fit, options.real);
+  if (!why.empty()) summary["chosen_because"] = why;
+  std::string text = direct_summary(fit, line.has("real"));
   if (!met) text += limit_not_met(*limit, "dB");
   print_summary(line, text, timed_document("fit_summary", from, summary, seconds));
   return met ? kDone : kLimitMissed;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include "cli/command_line.hpp"
+#include "fit/direct_fit.hpp"
 
 namespace bodesmith::cli {
 
@@ -10,6 +11,11 @@ int fit_to_cascade(const CommandLine& line);
 
 void add_direct_options(CommandLine& line);
 int fit_to_sections(const CommandLine& line);
+/// The options above; the masks' files are remembered in `from`.
+DirectFitOptions read_direct_options(const CommandLine& line, Provenance& from);
+/// Writes the sections and the summary; `why`: what made `fit` choose them by itself.
+int write_direct_fit(const CommandLine& line, const DirectFit& fit, const Provenance& from, double seconds,
+                     const std::string& why);
 
 void add_waveform_options(CommandLine& line);
 int fit_to_waveform(const CommandLine& line);

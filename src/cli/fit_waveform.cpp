@@ -68,6 +68,19 @@ void add_waveform_options(CommandLine& line) {
   line.list<double>("operating-hz", "operating frequencies instead of the rate table's");
 }
 
+namespace {
+
+/// No branch changes with the frequency: what would compensate it is a gain of 1.
+int write_plain_gain(const CommandLine& line, const Provenance& from) {
+  const Sections sections;
+  write_file(line.output_path(), to_text(timed_document("sections", from, sections.to_json(), 0.0)));
+  print_summary(line, "the rate gains of both branches are 1: no filter is needed, its gain is 1\n",
+                timed_document("fit_summary", from, {{"sections", 0}, {"needed", false}}, 0.0));
+  return kDone;
+}
+
+}  // namespace
+
 int fit_to_waveform(const CommandLine& line) {
   WaveformFitOptions options;
   if (line.has("order")) options.order = line.get<int>("order");
@@ -77,6 +90,9 @@ int fit_to_waveform(const CommandLine& line) {
   options.operating = read_operating(line);
   Provenance from;
   const Disturbance disturbance = Disturbance::read(line.get<std::string>("waveform"), from);
+  const bool constant = disturbance.is_static(Disturbance::Branch::ascending) &&
+                        disturbance.is_static(Disturbance::Branch::descending);
+  if (constant && !line.has("branch")) return write_plain_gain(line, from);
   options.path =
       line.has("branch")
           ? line.choice("branch", {DrivenPath::whole, DrivenPath::ascending, DrivenPath::descending})

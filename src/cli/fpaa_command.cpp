@@ -19,6 +19,7 @@
 #include "fpaa/error_budget.hpp"
 #include "fpaa/plan.hpp"
 #include "fpaa/zrna_script.hpp"
+#include "lti/integrators.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -102,7 +103,7 @@ std::set<double> clocks_of(const fpaa::Plan& plan) {
 
 std::string clocks_text(const fpaa::Plan& plan) {
   std::vector<std::string> out;
-  for (const double clock : clocks_of(plan)) out.push_back(rounded_text(clock, 6));
+  for (const double clock : clocks_of(plan)) out.push_back(engineering_text(clock, "Hz", 6));
   return join(out, ", ");
 }
 
@@ -132,25 +133,26 @@ std::string plan_text(const fpaa::Plan& plan, const fpaa::ErrorBudget& budget) {
   const auto cams = plan.cams();
   const fpaa::PlanError& runs = plan.error_with_delays;
   std::string out = fmt::format(
-      "as it runs, {} to {} Hz: {} % ({} dB, {} deg) at {} Hz worst; every clock, hold and delay in it\n"
-      "{}: {} CAMs, {} op-amps on {} chip{} of {}, clocks {} Hz\n"
+      "as it runs, {} to {}: {} % ({} dB, {} deg) at {} worst; every clock, hold and delay in it\n"
+      "{}: {} CAMs, {} op-amps on {} chip{} of {}, clocks {}\n"
       "without holds and delays: {} %\n"
       "{} % mismatch of a unit capacitor adds (95 %): {} % ({} dB)\n"
       "kT/C noise in the band: {} uV with units of {} fF\n"
       "largest input: {} V\n",
-      rounded_text(runs.band.from.value), rounded_text(runs.band.to.value),
+      engineering_text(runs.band.from.value, "Hz", 4), engineering_text(runs.band.to.value, "Hz", 4),
       rounded_text(runs.max_complex_percent), rounded_text(runs.max_magnitude_db),
-      rounded_text(runs.max_phase_deg), rounded_text(runs.worst.value), plan.topology, cams.size(),
-      opamps_of(plan), plan.chips.size(), plan.chips.size() == 1 ? "" : "s", plan.board, clocks_text(plan),
-      rounded_text(plan.error.max_complex_percent), rounded_text(budget.mismatch_model.unit_percent),
-      rounded_text(budget.mismatch.p95_percent, 3), rounded_text(budget.mismatch.p95_db, 3),
+      rounded_text(runs.max_phase_deg), engineering_text(runs.worst.value, "Hz", 4), plan.topology,
+      cams.size(), opamps_of(plan), plan.chips.size(), plan.chips.size() == 1 ? "" : "s", plan.board,
+      clocks_text(plan), rounded_text(plan.error.max_complex_percent),
+      rounded_text(budget.mismatch_model.unit_percent), rounded_text(budget.mismatch.p95_percent, 3),
+      rounded_text(budget.mismatch.p95_db, 3),
       rounded_text(budget.noise_model.microvolts(budget.noise_in_band_kt_per_cu), 3),
       rounded_text(1e15 * budget.noise_model.unit_capacitance_f), rounded_text(plan.max_input_v));
   const auto add_image = [&](const char* what, const std::optional<fpaa::ImageLine>& image) {
     if (!image) return;
-    out +=
-        fmt::format("{}: {} dB, at {} Hz for a sine of {} Hz\n", what, rounded_text(image->magnitude_db, 3),
-                    rounded_text(image->line.value, 4), rounded_text(image->signal.value, 4));
+    out += fmt::format("{}: {} dB, at {} for a sine of {}\n", what, rounded_text(image->magnitude_db, 3),
+                       engineering_text(image->line.value, "Hz", 4),
+                       engineering_text(image->signal.value, "Hz", 4));
   };
   add_image("largest image below 100 kHz", plan.image);
   add_image("largest image within the band", plan.image_in_band);
@@ -176,6 +178,12 @@ int plan_board(const std::vector<std::string>& arguments) {
   Provenance from;
   const std::string file = line.files()[0];
   const Sections sections = rational_part(Sections::read(file, from), file);
+  if (integrates(sections)) {
+    throw DesignError(
+        file, 0,
+        "has a pole at 0, which a plan does not make (an integrator drifts to its rail without a loop): "
+        "expected the lowest pole above 0, as approximate without --keep-integrator leaves it");
+  }
   const fpaa::PlanOptions options = plan_options(line);
 
   const Stopwatch watch;

@@ -9,6 +9,7 @@
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
+#include "base/quantity.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
 #include "cli/command_line.hpp"
@@ -125,7 +126,7 @@ void read_delay(const CommandLine& line, identify::StageFitOptions& options) {
   options.find_delay = delay == "find";
   if (options.find_delay || delay == "none") return;
   double value = 0.0;
-  if (!parse_number(delay, value) || value < 0.0)
+  if (!parse_quantity(delay, value) || value < 0.0)
     line.fail(fmt::format("--delay is '{}', expected none, find or seconds", delay));
   options.delay_s = value;
 }

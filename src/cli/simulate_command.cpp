@@ -11,6 +11,7 @@
 #include "cli/commands.hpp"
 #include "cli/simulate_modes.hpp"
 #include "cli/simulate_pictures.hpp"
+#include "invert/inverse_file.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
 #include "signal/error_figures.hpp"
@@ -89,6 +90,16 @@ SimulatedOutput simulate_once(const chain::Chain& model, const std::optional<sim
   return {std::move(r.y), {}, r.error_estimate, r.model_error, r.stats, std::move(r.notes)};
 }
 
+/// The loop, the drive of its inverse.toml worked out for this reference.
+std::optional<simulate::LoopSetup> with_drive(std::optional<simulate::LoopSetup> loop,
+                                              const TimeRecord& reference, Provenance& from) {
+  if (!loop || loop->inverse.empty()) return loop;
+  const invert::InverseFile inverse = invert::InverseFile::read(loop->inverse, from);
+  loop->drive = reference;
+  loop->drive->u = invert::compensate(inverse.model, reference, inverse.options).drive;
+  return loop;
+}
+
 /// The plots that --report asks for.
 std::string study_report(const CommandLine& line, const TimeRecord& record, const std::vector<double>& time,
                          const SimulatedOutput& run, const simulate::SignalStudy& study,
@@ -101,10 +112,19 @@ std::string study_report(const CommandLine& line, const TimeRecord& record, cons
   picture.y = run.y;
   picture.drive = run.drive;
   picture.study = &study;
-  const auto against = simulate::compare_records(record.u, run.y);
-  picture.figures = {
-      {rounded_text(against.rms_percent_of_range, 3) + " %", "rms of y - " + name + ", of the range of y"},
-      {rounded_text(study.loops.back().height_percent, 3) + " %", "loop height, of the range of y"}};
+  // Only what has the same unit as y is compared with it.
+  picture.measured = record.y;
+  if (!record.y.empty()) {
+    const auto against = simulate::compare_records(run.y, record.y);
+    picture.figures.emplace_back(rounded_text(against.rms_percent_of_range, 3) + " %",
+                                 "rms of y - y measured, of the range of y measured");
+  } else if (!run.drive.empty()) {
+    const auto against = simulate::compare_records(record.u, run.y);
+    picture.figures.emplace_back(rounded_text(against.rms_percent_of_range, 3) + " %",
+                                 "rms of r - y, of the range of y");
+  }
+  picture.figures.emplace_back(rounded_text(study.loops.back().height_percent, 3) + " %",
+                               "loop height, of the range of y");
   if (study.y_distortion_percent)
     picture.figures.emplace_back(rounded_text(*study.y_distortion_percent, 3) + " %",
                                  "harmonic distortion of y");
@@ -198,7 +218,7 @@ int simulate_file(const CommandLine& line, const chain::Chain& model,
   const SimulationInput input = read_input(line, loop.has_value(), from);
   const TimeRecord& record = input.record;
   const Stopwatch watch;
-  const SimulatedOutput run = simulate_once(model, loop, record, options);
+  const SimulatedOutput run = simulate_once(model, with_drive(loop, record, from), record, options);
   const double compute_s = watch.seconds();
   for (const std::string& text : run.notes) note(text);
 

@@ -59,8 +59,15 @@ Figure over_time(const SimulatedRun& run) {
   }
   out.plots = {plot("Input", time, {"u"}), plot("Output", time, {"y"})};
   out.plots[0].series = {{"", run.time_s, run.in, Series::Style::line, 0}};
-  out.plots[1].series = {{"", run.time_s, run.y, Series::Style::line, 1}};
+  out.plots[1].series = {{run.measured.empty() ? "" : "y", run.time_s, run.y, Series::Style::line, 1}};
   out.caption = "Input and output over time.";
+  if (run.measured.empty()) return out;
+  out.plots[1].series.push_back({"y measured", run.time_s, run.measured, Series::Style::dashed, 6});
+  out.plots.push_back(plot("Error", time, {"y - y measured"}));
+  std::vector<double> error(run.y.size());
+  for (std::size_t i = 0; i < error.size(); ++i) error[i] = run.y[i] - run.measured[i];
+  out.plots[2].series = {{"", run.time_s, std::move(error), Series::Style::line, 3}};
+  out.caption = "Input, output beside the measured one, and their difference.";
   return out;
 }
 
@@ -113,7 +120,9 @@ Figure loops(const SimulatedRun& run) {
     return std::vector<double>(x.begin() + static_cast<std::ptrdiff_t>(from),
                                x.begin() + static_cast<std::ptrdiff_t>(to));
   };
-  out.plots[0].series = {{"", cut(run.in), cut(run.y)}};
+  out.plots[0].series = {{run.measured.empty() ? "" : "y", cut(run.in), cut(run.y)}};
+  if (!run.measured.empty())
+    out.plots[0].series.push_back({"y measured", cut(run.in), cut(run.measured), Series::Style::dashed, 6});
   const simulate::Loop& last = study.loops.back();
   out.caption = fmt::format("y over {}, {}. Height {}, {} % of the range.", run.input,
                             study.repetition ? "last repetition" : "whole record", rounded_text(last.height),

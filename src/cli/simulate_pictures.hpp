@@ -18,6 +18,7 @@ struct SimulatedRun {
   std::vector<double> in;
   std::vector<double> y;
   std::vector<double> drive;
+  std::vector<double> measured;  ///< the record's own y; empty: none
   const simulate::SignalStudy* study = nullptr;
   std::vector<std::pair<std::string, std::string>> figures;  ///< value and meaning
 };

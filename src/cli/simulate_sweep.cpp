@@ -7,6 +7,7 @@
 #include "base/json.hpp"
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
+#include "base/quantity.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "cli/simulate_modes.hpp"
@@ -22,7 +23,7 @@ std::vector<double> number_list(const CommandLine& line, const std::string& opti
   const std::string text = line.get<std::string>(option);
   for (const std::string_view part : split(text, ',')) {
     double value = 0.0;
-    if (!parse_number(trim(part), value) || !(value > 0.0)) {
+    if (!parse_quantity(trim(part), value) || !(value > 0.0)) {
       line.fail(fmt::format("--{} has '{}', expected numbers above 0 with commas between", option, part));
     }
     out.push_back(value);

@@ -8,7 +8,7 @@
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "circuit/realise.hpp"
+#include "circuit/realise_search.hpp"
 #include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
@@ -22,7 +22,7 @@ namespace bodesmith::cli {
 namespace {
 
 void declare_yield(CommandLine& line) {
-  line.positional("SECTIONS.json|PLAN.json…", 1, -1);
+  line.positional("SECTIONS.json|circuit.json|PLAN.json…", 1, -1);
   line.output("yield.json (percentiles a frequency, ranking of the parts, what to buy)", true);
   line.seed();
   const yield::Spread s;
@@ -42,13 +42,16 @@ void declare_yield(CommandLine& line) {
   line.option<double>("resistor-ppm", "temperature coefficient, +- ppm/K", s.resistor_ppm_per_k);
   line.option<double>("capacitor-ppm", "temperature coefficient, +- ppm/K", s.capacitor_ppm_per_k);
   line.option<int>("count", "number of frequencies, evenly spaced in log frequency", 60);
-  line.band("lowest frequency (default: lowest corner of the first design)",
-            "highest frequency (default: highest corner)");
+  line.band(
+      "lowest frequency (default: the band in which the first design states its error, else its corners)",
+      "highest frequency");
   line.option<double>("limit-db",
                       "count the circuits that stay within this, and say which tolerances to buy for it");
   line.option<double>("limit-deg", "the same for the phase");
   line.option<double>("min-yield-percent", "exit with 1 when fewer circuits stay within the limits");
+  line.group("The circuit of SECTIONS.json (circuit.json is taken as it was built)");
   add_circuit_options(line);
+  add_parts_options(line);
   line.option<int>("threads", "0: all cores (one per process under mpirun)", 0);
 }
 
@@ -95,22 +98,43 @@ yield::Design read_design(const CommandLine& line, const std::string& file, Prov
     if (line.has("sections")) wanted = Sections::read(line.get<std::string>("sections"), from);
     return yield::design_of_plan(node, file, wanted);
   }
+  if (node.kind() == Node::Kind::object && node.string_or("schema", "") == "bodesmith.circuit/1")
+    return yield::design_of_file(node, file, yield::OpAmps::as_built);
   const Sections sections = rational_part(Sections::from_node(node), node.file());
-  circuit::RealiseOptions options = read_circuit_options(line);
-  if (!line.has("capacitor-series")) options.capacitors = circuit::Series::named("E12");
-  return yield::design_of_circuit(circuit::realise(sections, options), sections, file);
+  circuit::BuildSearch search;
+  search.options = read_parts_options(line, from);
+  if (!line.has("capacitor-series") && !line.has("stock"))
+    search.options.capacitors = circuit::Series::named("E12");
+  search.limits_given = parts_limits_given(line);
+  search.may_choose = !line.has("realization");
+  std::optional<circuit::OpAmpLibrary> library;
+  if (automatic_opamp(line)) {
+    library = opamp_library_of(line, from);
+    search.opamps = &*library;
+  }
+  const circuit::BuildChoice choice = value_or_throw(circuit::realise_for_building(sections, search));
+  yield::Design out =
+      yield::design_of_circuit(choice.best.made.circuit, sections, file,
+                               line.has("opamp") ? yield::OpAmps::as_built : yield::OpAmps::ideal);
+  for (const std::string& reason : choice.passed_over)
+    out.notes.push_back(fmt::format("{}: {}; designed as {}", file, reason, choice.best.how));
+  return out;
 }
 
 double yield_percent(const yield::Result& result) {
   return 100.0 * static_cast<double>(result.within) / static_cast<double>(result.samples);
 }
 
-std::string describe(const yield::Design& design, const yield::Result& result,
-                     const yield::Options& options) {
+std::string describe(const yield::Design& design, const yield::Result& result, const yield::Options& options,
+                     bool asked_band) {
   std::string text = fmt::format(
-      "{}: {} poles, {} parts, {} circuits\n  worst over {} frequencies: {} dB, {} deg, {} % complex in 95 of 100 "
+      "{}: {} poles, {} parts, {} circuits, deviations from {}\n"
+      "  worst over {} frequencies from {} to {} ({}): {} dB, {} deg, {} % complex in 95 of 100 "
       "circuits (median {} dB, largest {} dB; all parts at their limits {} dB)\n",
-      result.name, design.poles, design.parts.size(), result.samples, result.grid.size(),
+      result.name, design.poles, design.parts.size(), result.samples,
+      design.reference_name == "sections" ? "the sections" : "its own nominal response", result.grid.size(),
+      engineering_text(result.grid.front().value, "Hz", 4),
+      engineering_text(result.grid.back().value, "Hz", 4), asked_band ? "as asked" : design.band_name,
       rounded_text(result.worst_db.quantile(0.95), 3), rounded_text(result.worst_deg.quantile(0.95), 3),
       rounded_text(result.worst_percent.quantile(0.95), 3), rounded_text(result.worst_db.quantile(0.5), 3),
       rounded_text(result.worst_db.max, 3), rounded_text(result.worst_case_db, 3));
@@ -149,12 +173,14 @@ std::string purchase_text(const std::vector<yield::Purchase>& all, double limit_
 
 /// One design in yield.json, and its lines of the summary.
 Json design_json(const yield::Design& design, const yield::Result& result, const yield::Options& options,
-                 std::string& text) {
+                 bool asked_band, std::string& text) {
   Json out = to_json(result, options);
   out["poles"] = design.poles;
   out["parts"] = design.parts.size();
   out["reference"] = design.reference_name;
-  text += describe(design, result, options);
+  out["band_hz"] = {result.grid.front().value, result.grid.back().value};
+  out["band"] = asked_band ? "as asked" : design.band_name;
+  text += describe(design, result, options, asked_band);
   if (options.limit_db && design.reference_name == "sections") {
     const std::vector<yield::Purchase> buy = yield::tolerances_to_buy(design, options, *options.limit_db);
     out["to_buy"] = purchase_json(buy);
@@ -226,9 +252,10 @@ int run_yield(const std::vector<std::string>& arguments) {
   json.update(settings_json(options));
   std::string text;
   double min_yield = 100.0;
+  const bool asked_band = line.has("from-hz") || line.has("to-hz");
   for (std::size_t i = 0; i < designs.size(); ++i) {
     for (const std::string& one : designs[i].notes) note(one);
-    json["designs"].push_back(design_json(designs[i], results[i], options, text));
+    json["designs"].push_back(design_json(designs[i], results[i], options, asked_band, text));
     min_yield = std::min(min_yield, yield_percent(results[i]));
   }
   if (designs.size() > 1) {

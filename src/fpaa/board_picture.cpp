@@ -77,6 +77,14 @@ Box cab_box(int chip, int cab) {
 /// From a point at the right of a CAM (or an input pin) to one at the left of another, through the gutters between
 /// CABs; `shift` keeps wires that share a gutter apart.
 std::vector<Point> route(Point from, Point to, int chip, double shift) {
+  const Box left_cab = cab_box(chip, 1);
+  if (from.x < left_cab.x && to.x > left_cab.x + left_cab.width) {
+    // From a pin past the left CABs: above them, not across what is written in them.
+    const double above = left_cab.y - 12 + shift;
+    const double in = from.x + 14 + shift;
+    const double gutter = to.x - 16 + shift;
+    return {from, {in, from.y}, {in, above}, {gutter, above}, {gutter, to.y}, to};
+  }
   if (from.x < to.x) {
     const double gutter = to.x - 16 + shift;
     if (std::abs(from.y - to.y) < 0.5) return {from, to};
@@ -87,6 +95,13 @@ std::vector<Point> route(Point from, Point to, int chip, double shift) {
   const double out = from.x + 18 + shift;
   const double in = to.x - 16 + shift;
   return {from, {out, from.y}, {out, channel}, {in, channel}, {in, to.y}, to};
+}
+
+/// Attributes that press a text into `width` where it would be wider in a font of `pixels`.
+std::string fitted(const std::string& text, double width, double pixels) {
+  constexpr double kWidthOfACharacter = 0.58;  // of the font's size
+  if (kWidthOfACharacter * pixels * static_cast<double>(text.size()) <= width) return {};
+  return fmt::format(" textLength=\"{:.0f}\" lengthAdjust=\"spacingAndGlyphs\"", width);
 }
 
 std::string clock_text(double hertz) {
@@ -150,6 +165,7 @@ class BoardPicture {
     item["title_y"] = o.y + 28;
     item["used"] = chip != nullptr;
     item["clock_text"] = chip != nullptr ? clocks_text(*chip) : "not used";
+    item["clock_fit"] = fitted(item["clock_text"].get<std::string>(), kChipWidth - 32, 12.0);
     item["clock_x"] = o.x + 16;
     item["clock_y"] = o.y + 50;
     add_cabs(number, chip, item);
@@ -216,17 +232,22 @@ class BoardPicture {
   static Json cam_item(const PlacedCam& cam, const Box& box) {
     std::string kind(cam.cam_name());
     if (!cam.option.empty()) kind += ", " + cam.option;
+    const std::string what = cam.cam->picture_text(cam);
+    const double room = box.width - 24;
     return {{"x", box.x},
             {"y", box.y},
             {"width", box.width},
             {"height", box.height},
+            {"name_fit", fitted(cam.name, room, 14.0)},
+            {"kind_fit", fitted(kind, room, 11.5)},
+            {"what_fit", fitted(what, room, 11.5)},
             {"text_x", box.x + 12},
             {"name_y", box.y + 0.345 * box.height},
             {"kind_y", box.y + 0.62 * box.height},
             {"what_y", box.y + 0.88 * box.height},
             {"name", cam.name},
             {"kind", kind},
-            {"what", cam.cam->picture_text(cam)},
+            {"what", what},
             {"gain", cam.cam->is_gain()}};
   }
 
@@ -323,8 +344,8 @@ class BoardPicture {
     const PlanError& error = plan_.error_with_delays;
     data_["has_error"] = error.band.to > error.band.from;
     data_["error"] = rounded_text(error.max_complex_percent, 3);
-    data_["from"] = rounded_text(error.band.from.value, 3);
-    data_["to"] = rounded_text(error.band.to.value, 4);
+    data_["from"] = engineering_text(error.band.from.value, "Hz");
+    data_["to"] = engineering_text(error.band.to.value, "Hz", 4);
     data_["margin"] = kMargin;
     data_["legend_x"] = width - kMargin - 210;
     data_["legend_text_1"] = width - kMargin - 198;

@@ -6,6 +6,7 @@
 #include "base/error.hpp"
 #include "base/outcome.hpp"
 #include "base/progress.hpp"
+#include "base/text.hpp"
 #include "circuit/response.hpp"
 #include "project/built_controllers.hpp"
 
@@ -102,6 +103,11 @@ Design make_design(const Project& project) {
   Design design;
   design.fit = fit_cascade(project.target.points, fit_options(project));
   design.approximation = approximate_cascade(design.fit.cascade, approximation_options(project));
+  if (design.approximation.sections.sections.empty()) {
+    throw DesignError("the target's gains are all alike: no filter is needed, its gain is " +
+                      rounded_text(design.approximation.sections.gain, 6) +
+                      "; the controller without one is made by bodesmith controller DISTURBANCE.json");
+  }
   const Stopwatch alternatives_watch;
   design.alternatives = make_alternatives(project, design.approximation);
   design.alternatives_s = alternatives_watch.seconds();

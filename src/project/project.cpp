@@ -5,11 +5,63 @@
 #include <cmath>
 
 #include "base/document.hpp"
+#include "project/tables.hpp"
 #include "project/track_file.hpp"
 
 namespace bodesmith::project {
-namespace {
 namespace fs = std::filesystem;
+
+/// A file that the project names, which must exist: the error names the project's line.
+fs::path file_at(const Node& table, std::string_view key, const fs::path& folder) {
+  const Node node = table.at(key);
+  const fs::path path = folder / node.string();
+  std::error_code ignored;
+  if (!fs::is_regular_file(path, ignored))
+    node.fail(fmt::format("names {}, which does not exist", path.string()));
+  return path;
+}
+
+Project::Approximate read_approximate(const Node& node) {
+  node.allow_only({"method", "order", "max_error_db"});
+  Project::Approximate out;
+  out.method = node.string_or("method", out.method);
+  if (node.has("order")) out.order = static_cast<int>(node.at("order").integer(1, 12));
+  if (node.has("max_error_db")) out.max_error_db = node.at("max_error_db").positive();
+  if (out.order && out.max_error_db) node.fail("has both order and max_error_db, expected one of them");
+  return out;
+}
+
+Project::Fpaa read_fpaa(const Node& node) {
+  node.allow_only({"board", "clock_hz"});
+  Project::Fpaa fpaa;
+  fpaa.board = node.string_or("board", fpaa.board);
+  if (node.has("clock_hz")) fpaa.clock = Hertz{node.at("clock_hz").positive()};
+  return fpaa;
+}
+
+Project::Circuit read_circuit(const Node& node) {
+  node.allow_only({"realization", "resistors", "capacitors"});
+  Project::Circuit circuit;
+  circuit.realisation = node.string_or("realization", circuit.realisation);
+  circuit.resistors = node.string_or("resistors", circuit.resistors);
+  circuit.capacitors = node.string_or("capacitors", circuit.capacitors);
+  return circuit;
+}
+
+Project::Limits read_limits(const Node& node, bool tolerances) {
+  if (!tolerances && node.has("yield_db"))
+    node.at("yield_db")
+        .fail("is for projects without a disturbance; here controller/trim.md says what parts do");
+  node.allow_only({"fit_db", "points_db", "approximation_db", "fpaa_percent", "circuit_db", "yield_db"});
+  const auto limit = [&node](std::string_view key) -> std::optional<double> {
+    if (!node.has(key)) return std::nullopt;
+    return node.at(key).positive();
+  };
+  return {limit("fit_db"), limit("points_db"), limit("approximation_db"), limit("fpaa_percent"),
+          limit("circuit_db")};
+}
+
+namespace {
 
 /// Roots of s^2 + c1 s + c0.
 std::vector<std::complex<double>> quadratic_roots(const Node& node) {
@@ -33,16 +85,6 @@ Enum one_of(const Node& node, Enum first, Enums... others) {
   return found;
 }
 
-/// A file that the project names, which must exist: the error names the project's line.
-fs::path file_at(const Node& table, std::string_view key, const fs::path& folder) {
-  const Node node = table.at(key);
-  const fs::path path = folder / node.string();
-  std::error_code ignored;
-  if (!fs::is_regular_file(path, ignored))
-    node.fail(fmt::format("names {}, which does not exist", path.string()));
-  return path;
-}
-
 Project::Target read_target(const Node& node, const fs::path& folder, Provenance& from) {
   node.allow_only({"points", "disturbance", "branch", "base_hz"});
   Project::Target target;
@@ -64,16 +106,6 @@ Project::Fit read_fit(const Node& node) {
   fit.beta_positive = node.boolean_or("beta_positive", false);
   if (fit.beta_positive && !fit.bounded) node.at("beta_positive").fail("needs method = \"bounded\"");
   return fit;
-}
-
-Project::Approximate read_approximate(const Node& node) {
-  node.allow_only({"method", "order", "max_error_db"});
-  Project::Approximate out;
-  out.method = node.string_or("method", out.method);
-  if (node.has("order")) out.order = static_cast<int>(node.at("order").integer(1, 12));
-  if (node.has("max_error_db")) out.max_error_db = node.at("max_error_db").positive();
-  if (out.order && out.max_error_db) node.fail("has both order and max_error_db, expected one of them");
-  return out;
 }
 
 Project::Plant read_plant(const Node& node) {
@@ -111,23 +143,6 @@ Project::Choice read_choice(const Node& node) {
   return one_of(node.at("by"), Choice::tracking, Choice::as_asked, Choice::fewest_sections, Choice::waveform);
 }
 
-Project::Fpaa read_fpaa(const Node& node) {
-  node.allow_only({"board", "clock_hz"});
-  Project::Fpaa fpaa;
-  fpaa.board = node.string_or("board", fpaa.board);
-  if (node.has("clock_hz")) fpaa.clock = Hertz{node.at("clock_hz").positive()};
-  return fpaa;
-}
-
-Project::Circuit read_circuit(const Node& node) {
-  node.allow_only({"realization", "resistors", "capacitors"});
-  Project::Circuit circuit;
-  circuit.realisation = node.string_or("realization", circuit.realisation);
-  circuit.resistors = node.string_or("resistors", circuit.resistors);
-  circuit.capacitors = node.string_or("capacitors", circuit.capacitors);
-  return circuit;
-}
-
 Project::Controller read_controller(const Node& node) {
   node.allow_only({"form", "errors", "allow_unstable"});
   Project::Controller out;
@@ -135,16 +150,6 @@ Project::Controller read_controller(const Node& node) {
   if (node.has("allow_unstable")) out.allow_unstable = node.at("allow_unstable").boolean();
   if (node.has("form")) out.form = node.at("form").one_of({"self-fed", "two-pass", "seed"});
   return out;
-}
-
-Project::Limits read_limits(const Node& node) {
-  node.allow_only({"fit_db", "points_db", "approximation_db", "fpaa_percent", "circuit_db"});
-  const auto limit = [&node](std::string_view key) -> std::optional<double> {
-    if (!node.has(key)) return std::nullopt;
-    return node.at(key).positive();
-  };
-  return {limit("fit_db"), limit("points_db"), limit("approximation_db"), limit("fpaa_percent"),
-          limit("circuit_db")};
 }
 
 }  // namespace
@@ -190,7 +195,7 @@ Project Project::read(const fs::path& path, Provenance& from) {
   project.track = read_track(node.at("track"));
   check_drive(project, node);
   if (project.choice == Choice::tracking) check_loop(project, node, path.parent_path());
-  if (node.has("limits")) project.limits = read_limits(node.at("limits"));
+  if (node.has("limits")) project.limits = read_limits(node.at("limits"), false);
   return project;
 }
 

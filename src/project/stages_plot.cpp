@@ -63,6 +63,33 @@ void fix_axis(report::Axis& axis, double from, double to) {
 
 }  // namespace
 
+namespace {
+
+/// What every stage has that the first one has not: curves that lie on each other are told apart here.
+report::Plot error_beneath(const report::Plot& magnitude, const Band& band) {
+  report::Plot out;
+  const Series& first = magnitude.series.front();
+  out.title = "Difference from the " + first.name;
+  out.x = magnitude.x;
+  out.y = {"dB"};
+  out.height = 240;
+  double largest = 1e-4;
+  for (const Series& stage : magnitude.series) {
+    if (&stage == &first || stage.style == Series::Style::marks) continue;
+    Series series = stage;
+    for (std::size_t i = 0; i < series.y.size(); ++i) {
+      series.y[i] -= first.y[i];
+      if (series.x[i] >= band.from.value && series.x[i] <= band.to.value)
+        largest = std::max(largest, std::abs(series.y[i]));
+    }
+    out.series.push_back(std::move(series));
+  }
+  fix_axis(out.y, -1.15 * largest, 1.15 * largest);
+  return out;
+}
+
+}  // namespace
+
 std::vector<Hertz> stages_grid(const Band& band) {
   return log_grid({Hertz{band.from.value / 10.0}, Hertz{band.to.value * 10.0}}, 241);
 }
@@ -83,7 +110,7 @@ std::string stages_svg(const Project& project, const Design& design, const Budge
   fix_axis(plot.magnitude.y, db.low - margin, db.high + margin);
   const PlotRange degrees = range_of(plot.phase.series.front().y, {-5.0, 5.0});
   fix_axis(plot.phase.y, 2.0 * degrees.low, 1.5 * degrees.high);
-  return plot.svg();
+  return report::stack_svg({plot.magnitude, plot.phase, error_beneath(plot.magnitude, budget.band)});
 }
 
 }  // namespace bodesmith::project

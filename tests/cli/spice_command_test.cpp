@@ -82,12 +82,12 @@ TEST(SpiceCommand, BadInputIsOneLineAndWritesNothing) {
 TEST(SpiceCommand, StockListIsWhatPartsAreMadeOf) {
   const TemporaryFolder folder;
   write_file(folder / "sections.json", kSpiceSections);
-  write_file(folder / "drawer.csv", "resistance_ohm,capacitance_f\n100e3,\n4k7,\n");
+  write_file(folder / "drawer.csv", "resistance_ohm,capacitance_f\n100e3,\n4q7,\n");
   const std::string out = (folder / "spice").string();
   const std::string command = "spice " + (folder / "sections.json").string() + " -o " + out + " --stock ";
   const ProgramResult bad = run_bodesmith(command + (folder / "drawer.csv").string());
   EXPECT_EQ(bad.status, 2);
-  EXPECT_NE(bad.err.find("drawer.csv:3: '4k7'"), std::string::npos) << bad.err;
+  EXPECT_NE(bad.err.find("drawer.csv:3: '4q7'"), std::string::npos) << bad.err;
   EXPECT_FALSE(std::filesystem::exists(folder / "spice"));
   write_file(folder / "drawer.toml",
              "schema = \"bodesmith.stock/1\"\n[resistors]\nseries = \"E24\"\n[capacitors]\n"

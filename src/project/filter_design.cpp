@@ -1,0 +1,254 @@
+#include "project/filter_design.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <memory>
+
+#include "approximate/fractional_stability.hpp"
+#include "base/error.hpp"
+#include "base/progress.hpp"
+#include "base/text.hpp"
+#include "circuit/response.hpp"
+#include "circuit/stated_band.hpp"
+#include "fit/choice.hpp"
+#include "fpaa/multirate_response.hpp"
+#include "lti/integrators.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+using Method = FilterProject::Fit::Method;
+
+constexpr double kUsualFitDb = 0.05;        ///< of a direct fit when the project asks for nothing
+constexpr int kLargestFittedOrder = 8;      ///< that a limit may ask for
+constexpr int kDefaultFractionalOrder = 6;  ///< of a fractional transfer
+constexpr std::uint64_t kYieldSamples = 20000;
+constexpr int kYieldPoints = 60;
+
+DirectFitOptions direct_options(const FilterProject& project) {
+  DirectFitOptions out;
+  out.real = project.fit.real;
+  out.relative_degree = project.fit.relative_degree;
+  out.max_corner = project.fit.max_corner;
+  return out;
+}
+
+DirectFit fit_sections(const FilterProject& project, const BodePoints& points, DirectFitOptions options) {
+  if (project.fit.order) {
+    options.order = *project.fit.order;
+    return fit_directly(points, options);
+  }
+  return fit_directly_within(points, options, project.fit.max_error_db.value_or(kUsualFitDb),
+                             std::max(1, options.relative_degree), kLargestFittedOrder);
+}
+
+void take_sections(FilterDesign& design, DirectFit fit) {
+  design.sections = fit.sections;
+  design.target_db = fit.max_db;
+  design.direct = std::move(fit);
+}
+
+void take_cascade(const FilterProject& project, FilterDesign& design, CascadeFit fit) {
+  ApproximationOptions options;
+  options.method = project.approximate.method;
+  options.order = project.approximate.order;
+  options.max_error_db = project.approximate.max_error_db;
+  design.approximation = approximate_cascade(fit.cascade, options);
+  design.sections = design.approximation->sections;
+  design.fit = std::move(fit);
+  for (const BodePoint& point : project.points->points) {
+    const double got = std::abs(design.sections.response(point.frequency.rad_s()));
+    if (point.frequency > design.fit->base)
+      design.target_db = std::max(design.target_db, std::abs(to_decibel(got / point.gain)));
+  }
+}
+
+CascadeFitOptions cascade_options(const FilterProject& project) {
+  CascadeFitOptions out;
+  out.base = project.fit.base;
+  if (project.fit.method == Method::bounded) out.beta_max = project.fit.beta_max;
+  return out;
+}
+
+/// Points: as asked, or interpolated where that can be built, else what takes fewer poles.
+void fit_points(const FilterProject& project, FilterDesign& design) {
+  const BodePoints& points = *project.points;
+  const FilterProject::Fit& asked = project.fit;
+  if (asked.method == Method::direct || (asked.method == Method::automatic && asked.order)) {
+    take_sections(design, fit_sections(project, points, direct_options(project)));
+    design.how = "Sections were fitted to the points directly, as asked.";
+    return;
+  }
+  const CascadeFitOptions options = cascade_options(project);
+  std::string reason =
+      fmt::format("{} points would make {} bands", points.points.size(), points.points.size() - 1);
+  if (points.points.size() <= kMostPointsToInterpolate || asked.method != Method::automatic) {
+    CascadeFit fit = fit_cascade(points, options);
+    const auto unusable = why_unusable(fit);
+    if (!unusable) {
+      design.how = fmt::format("A cascade of {} fractional terms goes through the points.", fit.terms.size());
+      take_cascade(project, design, std::move(fit));
+      return;
+    }
+    if (asked.method != Method::automatic)
+      throw DesignError(points.file, 0, *unusable + "; expected method = \"direct\"");
+    reason = *unusable;
+  }
+  FitChoice chosen =
+      choose_fit(points, options, direct_options(project), asked.max_error_db.value_or(kUsualFitDb));
+  design.how = fmt::format("{}: {}.", reason, chosen.why);
+  if (chosen.cascade) {
+    take_cascade(project, design, *std::move(chosen.cascade));
+  } else {
+    take_sections(design, *std::move(chosen.sections));
+  }
+}
+
+/// The exact response as complex points, 40 a decade.
+BodePoints points_of(const FractionalTransfer& transfer, const std::string& file, Band band) {
+  BodePoints out;
+  out.file = file;
+  const int count = std::max(20, static_cast<int>(40.0 * std::log10(band.to.value / band.from.value)));
+  for (const Hertz f : log_grid(band, count)) {
+    const std::complex<double> g = transfer.response(f.rad_s());
+    out.points.push_back({f, std::abs(g), to_degrees(std::arg(g)), 1.0, 0});
+  }
+  return out;
+}
+
+void fit_transfer(const FilterProject& project, FilterDesign& design) {
+  const FractionalStability stability = fractional_stability(project.fractional->denominator);
+  if (!stability.stable()) {
+    throw DesignError(
+        project.target_file, 0,
+        fmt::format("is unstable ({} poles in the right half plane)", stability.unstable_poles));
+  }
+  DirectFitOptions options = direct_options(project);
+  options.use_phase = true;
+  if (!project.fit.order && !project.fit.max_error_db) options.order = kDefaultFractionalOrder;
+  const BodePoints points = points_of(*project.fractional, project.target_file, project.band);
+  take_sections(design, project.fit.order || project.fit.max_error_db ? fit_sections(project, points, options)
+                                                                      : fit_directly(points, options));
+  design.how = "Sections were fitted to gain and phase of the fractional transfer function.";
+  if (stability.powers_of_s > 0.0) {
+    design.how += fmt::format(" Its integrator of order {} ends at a gain of {} dB.",
+                              rounded_text(stability.powers_of_s),
+                              rounded_text(to_decibel(std::abs(design.sections.dc_gain())), 3));
+  }
+}
+
+void make_sections_of(const FilterProject& project, FilterDesign& design) {
+  if (project.points) {
+    fit_points(project, design);
+  } else if (project.fractional) {
+    fit_transfer(project, design);
+  } else {
+    design.sections = *project.sections;
+    design.how = fmt::format("The sections are those of {}.", project.target_file);
+  }
+}
+
+void make_plan_of(const FilterProject& project, FilterDesign& design) {
+  fpaa::PlanOptions options;
+  options.board = project.fpaa->board;
+  options.clock = project.fpaa->clock;
+  options.band = project.band;
+  if (integrates(design.sections)) {
+    design.no_plan = "the sections have a pole at 0, which a plan does not make";
+    return;
+  }
+  auto plan = fpaa::make_plan(design.sections, options);
+  if (const Refusal* refusal = refusal_of(plan)) {
+    design.no_plan = refusal->reason;
+  } else {
+    design.plan = std::get<fpaa::Plan>(std::move(plan));
+  }
+}
+
+/// The sections, which state the project's band.
+Sections banded(Sections sections, Band band) {
+  if (!sections.error) sections.error = Sections::Error{};
+  sections.error->band = band;
+  return sections;
+}
+
+void make_circuit_of(const FilterProject& project, FilterDesign& design) {
+  circuit::BuildSearch search;
+  search.options.realisation = project.circuit->realisation;
+  search.options.resistors = circuit::Series::named(project.circuit->resistors);
+  search.options.capacitors = circuit::Series::named(project.circuit->capacitors);
+  search.may_choose = project.circuit->realisation == Project::Circuit{}.realisation;
+  design.circuit =
+      value_or_throw(circuit::realise_for_building(banded(design.sections, project.band), search));
+}
+
+void make_yield_of(const FilterProject& project, FilterDesign& design) {
+  const yield::Design built =
+      yield::design_of_circuit(design.circuit->best.made.circuit, banded(design.sections, project.band),
+                               project.name, yield::OpAmps::as_built);
+  yield::Options options;
+  options.spread = project.spread;
+  options.samples = kYieldSamples;
+  options.grid = log_grid(project.band, kYieldPoints);
+  options.limit_db = project.yield_db;
+  design.yield = yield::run_monte_carlo(built, options, yield::Team());
+}
+
+}  // namespace
+
+FilterDesign make_filter_design(const FilterProject& project) {
+  const Stopwatch watch;
+  FilterDesign design;
+  make_sections_of(project, design);
+  stop_if_interrupted();
+  if (project.fpaa) make_plan_of(project, design);
+  if (project.circuit) {
+    make_circuit_of(project, design);
+    make_yield_of(project, design);
+  }
+  design.compute_s = watch.seconds();
+  return design;
+}
+
+std::vector<FilterStage> filter_stages(const FilterDesign& design) {
+  std::vector<FilterStage> out;
+  if (design.fit) {
+    out.push_back({"cascade", [&design](RadPerSecond w) { return design.fit->cascade.response(w); }});
+  }
+  out.push_back({"sections", [&design](RadPerSecond w) { return design.sections.response(w); }});
+  if (design.plan) {
+    const auto runs = std::make_shared<const fpaa::MultirateResponse>(*design.plan);
+    out.push_back({"FPAA as it runs", [runs](RadPerSecond w) { return runs->as_it_runs(w); }});
+  }
+  if (design.circuit) {
+    const circuit::Circuit& built = design.circuit->best.made.circuit;
+    out.push_back({"circuit with op-amps", [&built](RadPerSecond w) {
+                     return circuit::network_response(built, {w.hz()}, built.model).front();
+                   }});
+  }
+  return out;
+}
+
+std::vector<LimitCheck> check_filter_limits(const FilterProject& project, const FilterDesign& design) {
+  std::vector<LimitCheck> out;
+  const Project::Limits& limits = project.limits;
+  const auto check = [&out](const char* name, const std::optional<double>& limit, std::optional<double> got) {
+    if (limit) out.push_back({name, *limit, got.value_or(INFINITY)});
+  };
+  const auto points = project.sections ? std::nullopt : std::optional(design.target_db);
+  check("fit_db", limits.fit_db, design.fit ? std::optional(design.fit->cascade.fit->max_db) : points);
+  check("points_db", limits.points_db, points);
+  check("approximation_db", limits.approximation_db,
+        design.approximation ? std::optional(design.approximation->error.everywhere_db) : std::optional(0.0));
+  check("fpaa_percent", limits.fpaa_percent,
+        design.plan ? std::optional(design.plan->error_with_delays.max_complex_percent) : std::nullopt);
+  check("circuit_db", limits.circuit_db,
+        design.circuit ? std::optional(design.circuit->best.judged.max_magnitude_db) : std::nullopt);
+  check("yield_db", project.yield_db,
+        design.yield ? std::optional(design.yield->worst_db.quantile(0.95)) : std::nullopt);
+  return out;
+}
+
+}  // namespace bodesmith::project

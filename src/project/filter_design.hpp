@@ -1,0 +1,50 @@
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "approximate/approximate.hpp"
+#include "circuit/realise_search.hpp"
+#include "fit/cascade_fit.hpp"
+#include "fit/direct_fit.hpp"
+#include "fpaa/plan.hpp"
+#include "project/filter_project.hpp"
+#include "project/limits.hpp"
+
+namespace bodesmith::project {
+
+/// A response from its target to its hardware, and what tolerances do to that.
+struct FilterDesign {
+  std::optional<CascadeFit> fit;                      ///< points that became a cascade
+  std::optional<CascadeApproximation> approximation;  ///< of it
+  std::optional<DirectFit> direct;  ///< points or a fractional transfer that became sections
+  std::string how;                  ///< a sentence: what was made of the target, and why that
+  Sections sections;
+  std::optional<fpaa::Plan> plan;
+  std::string no_plan;  ///< why not, where a board was asked for
+  std::optional<circuit::BuildChoice> circuit;
+  std::optional<yield::Result> yield;
+  double compute_s = 0.0;
+
+  /// Largest |error| of the sections at the points, or against the target over its band, dB.
+  double target_db = 0.0;
+};
+
+/// Throws DesignError when board or parts cannot make it.
+FilterDesign make_filter_design(const FilterProject& project);
+
+/// A stage's response: "sections", "circuit", …
+struct FilterStage {
+  std::string name;
+  std::function<std::complex<double>(RadPerSecond)> response;
+};
+/// Cascade (where there is one), sections, board as it runs, circuit as built. They refer to `design`.
+std::vector<FilterStage> filter_stages(const FilterDesign& design);
+
+/// fit_db, points_db, approximation_db, fpaa_percent (as it runs), circuit_db, yield_db.
+std::vector<LimitCheck> check_filter_limits(const FilterProject& project, const FilterDesign& design);
+
+}  // namespace bodesmith::project

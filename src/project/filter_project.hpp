@@ -1,0 +1,57 @@
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+
+#include "approximate/fractional_transfer.hpp"
+#include "base/provenance.hpp"
+#include "lti/sections.hpp"
+#include "project/project.hpp"
+#include "signal/bode_points.hpp"
+#include "yield/yield.hpp"
+
+namespace bodesmith::project {
+
+/// A project.toml without a disturbance: a response to build, nothing to track. Its [target] names points, sections or a
+/// fractional transfer function.
+struct FilterProject {
+  std::string name;
+
+  std::string target_file;
+  std::optional<BodePoints> points;
+  std::optional<Sections> sections;
+  std::optional<FractionalTransfer> fractional;
+  Band band;  ///< in which it is judged: the points', the sections' own, or as the project says
+
+  struct Fit {
+    enum class Method { automatic, interpolate, bounded, direct } method = Method::automatic;
+    std::optional<double> max_error_db;
+    std::optional<int> order;
+    double beta_max = 5.0;
+    bool real = false;
+    int relative_degree = 0;
+    std::optional<Hertz> max_corner;
+    std::optional<Hertz> base;
+  } fit;
+
+  Project::Approximate approximate;
+  std::optional<Project::Fpaa> fpaa;
+  std::optional<Project::Circuit> circuit;
+  yield::Spread spread;
+  Project::Limits limits;
+  std::optional<double> yield_db;  ///< [limits]: 95 of 100 circuits within it
+
+  /// Whether a project file has no disturbance. Throws InputError for a file that is no project.
+  static bool is_one(const std::filesystem::path& path);
+  /// Every InputError has file and line.
+  static FilterProject read(const std::filesystem::path& path, Provenance& from);
+
+  /// |target| in dB where it is known everywhere; nothing for points.
+  std::optional<std::complex<double>> target_response(RadPerSecond w) const;
+};
+
+std::string_view to_string(FilterProject::Fit::Method method);
+
+}  // namespace bodesmith::project

@@ -39,7 +39,8 @@ yield::Design design_of(const Node& document, const std::string& name, const Nod
   const Sections sections = rational_part(Sections::from_node(document), out.warnings);
   circuit::RealiseOptions options = circuit_options(o);
   if (!o.has("capacitor_series")) options.capacitors = circuit::Series::named("E12");
-  return yield::design_of_circuit(circuit::realise(sections, options), sections, name);
+  return yield::design_of_circuit(circuit::realise(sections, options).circuit, sections, name,
+                                  o.has("opamp") ? yield::OpAmps::as_built : yield::OpAmps::ideal);
 }
 
 Json purchases_json(const std::vector<yield::Purchase>& all) {

@@ -58,9 +58,9 @@ SecondOrder second_order(const ParallelPath& path, double period) {
 
 /// Complex poles whose damping wants two ratios.
 bool is_high_quality(const ParallelPath& path) {
-  constexpr double kHighQuality = 1.0;
+  constexpr double kResonantQuality = 1.0;
   return path.second && path.pole.imag() != 0.0 &&
-         std::abs(path.pole) > -2.0 * kHighQuality * path.pole.real();
+         std::abs(path.pole) > -2.0 * kResonantQuality * path.pole.real();
 }
 
 /// What a path makes, up to the output pin, per unit of weight: one function, two for a second-order path.

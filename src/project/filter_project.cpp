@@ -17,9 +17,9 @@ FilterFit read_filter_fit(const Node& node) {
       {"method", "max_error_db", "order", "beta_max", "real", "relative_degree", "max_corner_hz", "base_hz"});
   FilterFit out;
   if (node.has("method")) {
-    using Method = FilterFit::Method;
     const std::string word = node.at("method").one_of({"automatic", "interpolate", "bounded", "direct"});
-    for (const Method one : {Method::automatic, Method::interpolate, Method::bounded, Method::direct}) {
+    for (const Method one : {FilterFit::Method::automatic, FilterFit::Method::interpolate,
+                             FilterFit::Method::bounded, FilterFit::Method::direct}) {
       if (to_string(one) == word) out.method = one;
     }
   }

@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 
 constexpr std::size_t kFolds = 5;
 /// Keeps values that a fold's rest does not determine where they are (of the normal matrix' diagonal).
-constexpr double kRidge = 1e-6;
+constexpr double kFoldRidge = 1e-6;
 /// Values move by this much of the search's scale at most: beyond, Gauss-Newton means nothing.
 constexpr double kMaxMove = 0.5;
 /// A record leaves the model's values open when folds leave this much more than the fit.
@@ -91,7 +91,7 @@ std::vector<double> folded_residuals(const Model& model, const Experiments& trai
   std::vector<VectorXd> moved;
   for (std::size_t k = 0; k < folds; ++k) {
     MatrixXd rest = whole - normal[k];
-    for (Index a = 0; a < p; ++a) rest(a, a) += known(a) + kRidge * whole(a, a);
+    for (Index a = 0; a < p; ++a) rest(a, a) += known(a) + kFoldRidge * whole(a, a);
     // What the whole fit leaves of the slope (a fit that was cut short) is not the fold's doing.
     VectorXd move = solve_ldlt(rest, VectorXd(gradient[k] - slope * (1.0 / static_cast<double>(folds))));
     for (Index a = 0; a < p; ++a) {

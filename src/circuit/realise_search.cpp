@@ -16,8 +16,9 @@ namespace bodesmith::circuit {
 namespace {
 
 constexpr int kJudgedGrid = 121;
-/// Of the op-amp's output resistance: see stages/stage_chain.cpp.
-constexpr double kIsolatingShare = 0.2;
+/// Of the op-amp's output resistance: twice what stages take by themselves (stages/stage_chain.cpp), which is not enough
+/// where large capacitors load an op-amp.
+constexpr double kIsolatingShare = 0.4;
 
 /// As one types it: "22u", "4.7M".
 std::string typed(double value) {

@@ -16,7 +16,7 @@ constexpr int kHops = 20;
 constexpr double kCoarseHop = 15.0;
 constexpr double kWorthCombing = 2.0;
 
-/// Starts of a proposal that are tried: many of them lie close to each other, and many unknowns are dear.
+/// Starts of a proposal that are tried: many of them lie close to each other, and many unknowns are expensive.
 std::size_t tries_of(const RoundOptions& options, const Promising& p) {
   const bool many = p.proposal.model.terms().back().unknowns.size() > options.few_unknowns;
   return std::min<std::size_t>(p.best_starts.size(), many ? 1 : p.proposal.starts.size() > 4 ? 3 : 2);

@@ -207,6 +207,9 @@ std::vector<std::vector<double>> whole_stages(const Network& network, std::size_
   const InnerHeadroom headroom(network, s, response);
   const auto judge = [&] {
     WholeStage whole = cost_of(view, stage);
+    const bool enters = as_is.size() < choices || but_gain.size() < choices ||
+                        whole.cost < as_is.back().cost || whole.cost_but_gain < but_gain.back().cost_but_gain;
+    if (!enters) return;
     if (second_order) {
       const double clipping = headroom.cost(stage);
       whole.cost *= clipping * clipping;

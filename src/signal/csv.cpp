@@ -138,8 +138,12 @@ Csv Csv::read(const std::filesystem::path& path, Provenance& from, formats::Cont
   csv.names_ = std::move(foreign.names);
   csv.columns_ = std::move(foreign.columns);
   csv.lines_ = std::move(foreign.lines);
-  csv.read_as_ = foreign.read_as;
-  from.inputs.back().read_as = std::move(foreign.read_as);
+  // Names in binary files may be of any encoding, damaged ones of any bytes.
+  for (char& c : foreign.read_as) {
+    if (static_cast<unsigned char>(c) < 0x20) c = '?';
+  }
+  csv.read_as_ = formats::to_utf8(foreign.read_as);
+  from.inputs.back().read_as = csv.read_as_;
   return csv;
 }
 

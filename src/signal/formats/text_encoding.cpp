@@ -46,6 +46,28 @@ std::string from_utf16(std::string_view bytes, bool little) {
   return out;
 }
 
+bool is_utf8(std::string_view bytes) {
+  for (std::size_t i = 0; i < bytes.size();) {
+    const auto lead = static_cast<unsigned char>(bytes[i]);
+    const std::size_t more = lead < 0x80                   ? 0
+                             : lead >= 0xC2 && lead < 0xE0 ? 1
+                             : lead >= 0xE0 && lead < 0xF0 ? 2
+                             : lead >= 0xF0 && lead < 0xF5 ? 3
+                                                           : 4;
+    if (more == 4 || more >= bytes.size() - i) return false;
+    for (std::size_t k = 1; k <= more; ++k) {
+      if ((static_cast<unsigned char>(bytes[i + k]) & 0xC0U) != 0x80U) return false;
+    }
+    // Overlong forms, surrogates, beyond the last character.
+    const auto second = more > 1 ? static_cast<unsigned char>(bytes[i + 1]) : 0x80U;
+    if ((lead == 0xE0 && second < 0xA0) || (lead == 0xED && second > 0x9F) ||
+        (lead == 0xF0 && second < 0x90) || (lead == 0xF4 && second > 0x8F))
+      return false;
+    i += more + 1;
+  }
+  return true;
+}
+
 }  // namespace
 
 std::string to_utf8(std::string_view bytes) {
@@ -56,7 +78,11 @@ std::string to_utf8(std::string_view bytes) {
   if (bytes.size() >= 8 && bytes[0] != 0 && bytes[1] == 0 && bytes[2] != 0 && bytes[3] == 0 &&
       bytes[5] == 0 && bytes[7] == 0)
     return from_utf16(bytes, true);
-  return std::string(bytes);
+  if (is_utf8(bytes) || bytes.find('\0') != std::string_view::npos) return std::string(bytes);
+  std::string out;
+  out.reserve(bytes.size());
+  for (const char c : bytes) append_utf8(out, static_cast<unsigned char>(c));
+  return out;
 }
 
 bool begins_as_utf16(std::string_view bytes, std::string_view word) {

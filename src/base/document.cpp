@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/above_zero.hpp"
@@ -108,6 +109,10 @@ bool Node::boolean() const {
 
 std::string Node::string() const {
   expect(*this, Kind::string);
+  // Names and words end up in netlists, C sources and pages, where a second line would be a statement of its own.
+  const auto control = [](unsigned char c) { return c < 0x20 || c == 0x7F; };
+  if (std::any_of(data_->string.begin(), data_->string.end(), control))
+    fail("holds a line break or another control character, expected one line of text");
   return data_->string;
 }
 

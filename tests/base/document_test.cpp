@@ -61,5 +61,17 @@ TEST(Document, TomlKeepsLinesAndOrder) {
             "m.toml:1: 'a' is not finite, expected a finite number");
 }
 
+TEST(Document, TextsHaveOneLine) {
+  EXPECT_EQ(error_of([] { parse_json("{\"name\": \"a\\n.control\"}", "p.json").at("name").string(); }),
+            "p.json:1: 'name' holds a line break or another control character, expected one line of text");
+  EXPECT_EQ(parse_json("{\"name\": \"µF, 10 %\"}", "p.json").at("name").string(), "µF, 10 %");
+}
+
+TEST(Document, WhatStandsBelowAFractionLineHasAnInverse) {
+  EXPECT_EQ(parse_json("{\"f_hz\": 3e-308}", "p.json").at("f_hz").positive(), 3e-308);
+  EXPECT_EQ(error_of([] { parse_json("{\"f_hz\": 1e-320}", "p.json").at("f_hz").positive(); }),
+            "p.json:1: 'f_hz' is 9.99989e-321, expected a number above 2.3e-308");
+}
+
 }  // namespace
 }  // namespace bodesmith

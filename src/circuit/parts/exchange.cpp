@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <random>
 
+#include "base/progress.hpp"
+
 namespace bodesmith::circuit {
 namespace {
 
@@ -47,8 +49,10 @@ class Exchange {
     }
     double best = worst_square(sum);
     for (bool better = true; better;) {
+      stop_if_interrupted();
       better = false;
       for (std::size_t i = 0; i < pick.size(); ++i) {
+        if (i % 16 == 15) stop_if_interrupted();
         std::vector<std::complex<double>> rest = sum;
         for (std::size_t k = 0; k < points_; ++k) rest[k] -= all_[i][pick[i]].error[k];
         std::size_t chosen = pick[i];

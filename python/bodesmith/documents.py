@@ -3,14 +3,28 @@
 from __future__ import annotations
 
 import copy
+import hashlib
 import json
 import os
 from typing import Any, ClassVar, TypeVar
 
+from . import _core
 from ._call import Answer, call, plain
 
 Self = TypeVar("Self", bound="Document")
 PathLike = str | os.PathLike[str]
+
+
+def origin_of(path: PathLike, content: bytes) -> dict[str, str]:
+    return {"path": os.fspath(path), "sha256": hashlib.sha256(content).hexdigest()}
+
+
+def origins(*things: Any) -> list[dict[str, str]]:
+    """Path and SHA-256 of every file that these came from, each once."""
+    out: list[dict[str, str]] = []
+    for thing in things:
+        out += [one for one in getattr(thing, "origins", []) if one not in out]
+    return out
 
 
 class Document:
@@ -19,6 +33,7 @@ class Document:
     Attributes:
         warnings: what a person should know, one sentence each.
         files: texts that the program writes beside the main file, by name (netlists, build sheets, drawings).
+        origins: path and SHA-256 of the files that it came from; `inputs` of what is computed from it.
     """
 
     _name: ClassVar[str] = ""
@@ -27,6 +42,7 @@ class Document:
 
     def __init__(self, data: dict[str, Any], *, files: dict[str, str] | None = None, warnings: list[str] | None = None) -> None:
         self._data = data
+        self.origins: list[dict[str, str]] = data.get("inputs", [])
         self.files = dict(files or {})
         self.warnings = list(warnings or [])
 
@@ -37,7 +53,9 @@ class Document:
         return out
 
     @classmethod
-    def _from(cls: type[Self], answer: Answer) -> Self:
+    def _from(cls: type[Self], answer: Answer, *things: Any) -> Self:
+        if "inputs" in answer.result:
+            answer.result["inputs"] = origins(*things)
         return cls._of(answer.result, answer.files, answer.warnings)
 
     def to_dict(self) -> dict[str, Any]:
@@ -56,12 +74,15 @@ class Document:
     def load(cls: type[Self], path: PathLike) -> Self:
         """Reads a file of this kind. Raises InputError with `.file` and `.line`."""
         call("read_document", {"schema": cls._name, "path": os.fspath(path)})
-        with open(path, encoding="utf-8-sig") as file:
-            return cls._of(json.load(file))
+        with open(path, "rb") as file:
+            content = file.read()
+        out = cls._of(json.loads(content))
+        out.origins = [origin_of(path, content)]
+        return out
 
     def save(self, path: PathLike) -> None:
         """Writes the main file, whole or not at all."""
-        call("write_document", {"path": os.fspath(path), "text": json.dumps(self._data)})
+        call("write_document", {"path": os.fspath(path), "text": json.dumps(self._whole())})
 
     def write(self, folder: PathLike) -> None:
         """Writes the main file and all of `files` into a folder, which is made; all of them or none."""
@@ -69,7 +90,12 @@ class Document:
         call("write_files", {"folder": os.fspath(folder), "files": {**self.files, name: self._text()}})
 
     def _text(self) -> str:
-        return json.dumps(self._data, indent=2, ensure_ascii=False) + "\n"
+        return json.dumps(self._whole(), indent=2, ensure_ascii=False) + "\n"
+
+    def _whole(self) -> dict[str, Any]:
+        """With the header that every file of the program has."""
+        header = {"schema": f"bodesmith.{self._name}/1", "program": f"bodesmith {_core.version}", "inputs": []}
+        return {**header, **self._data}
 
     @property
     def compute_s(self) -> float | None:

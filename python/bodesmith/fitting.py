@@ -35,6 +35,7 @@ class BodePoints:
         self.gain = gain
         self.phase_deg = phase_deg
         self.weight = weight
+        self.origins: list[dict[str, str]] = []
 
     @property
     def magnitude_db(self) -> FloatArray:
@@ -48,8 +49,11 @@ class BodePoints:
 def read_points(path: PathLike) -> BodePoints:
     """Bode points: CSV `frequency_hz` and `gain` or `magnitude_db`, optional `phase_deg`, `weight`, or any foreign format
     that the program reads. Raises InputError with `.file` and `.line`."""
-    arrays = call("read_points", {"path": os.fspath(path)}).arrays
-    return BodePoints(arrays["frequency_hz"], arrays["gain"], arrays.get("phase_deg"), arrays["weight"])
+    answer = call("read_points", {"path": os.fspath(path)})
+    arrays = answer.arrays
+    out = BodePoints(arrays["frequency_hz"], arrays["gain"], arrays.get("phase_deg"), arrays["weight"])
+    out.origins = answer.result["inputs"]
+    return out
 
 
 def _point_arrays(
@@ -112,7 +116,7 @@ def fit_cascade(
         "surprise_db": surprise_db,
     }
     arrays = _point_arrays(frequency_hz, gain, magnitude_db, None, weight)
-    return Cascade._from(call("fit_cascade", options, arrays, progress))
+    return Cascade._from(call("fit_cascade", options, arrays, progress), frequency_hz)
 
 
 def fit_direct(
@@ -165,7 +169,7 @@ def fit_direct(
         "min_damping": min_damping,
         "seed": seed,
     }
-    return Sections._from(call("fit_direct", options, arrays, progress))
+    return Sections._from(call("fit_direct", options, arrays, progress), frequency_hz)
 
 
 def fit_measured(
@@ -190,6 +194,7 @@ def fit_measured(
         order: poles; default: chosen, up to `max_order`.
         delay: look for a pure delay.
     """
+    measured = frequency_hz
     if isinstance(frequency_hz, FrequencyResponse):
         response = frequency_hz.response
         frequency_hz = frequency_hz.frequency_hz
@@ -197,7 +202,7 @@ def fit_measured(
         raise InputError("response is missing")
     arrays = {"frequency_hz": signal(frequency_hz, "frequency_hz"), "response": parts(response, "response")}
     options = {"order": order, "max_order": max_order, "delay": delay}
-    return Sections._from(call("fit_measured", options, arrays, progress))
+    return Sections._from(call("fit_measured", options, arrays, progress), measured)
 
 
 def fit_waveform(
@@ -226,7 +231,7 @@ def fit_waveform(
         "operating_hz": None if operating_hz is None else signal(operating_hz, "operating_hz"),
         "seed": seed,
     }
-    return Sections._from(call("fit_waveform", options, None, progress))
+    return Sections._from(call("fit_waveform", options, None, progress), disturbance)
 
 
 @overload
@@ -280,7 +285,7 @@ def approximate(
         "biquads": biquads,
         "arrange": arrange,
     }
-    return Sections._from(call("approximate", options, None, progress))
+    return Sections._from(call("approximate", options, None, progress), cascade)
 
 
 def design(

@@ -174,7 +174,7 @@ def fpaa(
         "netlist": netlist,
         "seed": seed,
     }
-    return Plan._from(call("fpaa", options, None, progress))
+    return Plan._from(call("fpaa", options, None, progress), sections)
 
 
 def spice(
@@ -221,7 +221,7 @@ def spice(
         "band_hz": band_hz,
         "check": check,
     }
-    return Circuit._from(call("spice", options, None, progress))
+    return Circuit._from(call("spice", options, None, progress), sections)
 
 
 def layout(
@@ -256,4 +256,4 @@ def layout(
         "highest_hz": highest_hz,
         "check": check,
     }
-    return Layout._from(call("layout", options, None, progress))
+    return Layout._from(call("layout", options, None, progress), disturbance)

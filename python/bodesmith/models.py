@@ -11,7 +11,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._call import ComplexArray, FloatArray, call, plain, signal
-from .documents import Document, PathLike
+from .documents import Document, PathLike, origin_of
 from .errors import InputError
 from .responses import FrequencyResponse, response_of
 
@@ -41,7 +41,10 @@ class Model(Document):
     @classmethod
     def load(cls, path: PathLike) -> Model:
         """Reads a model.toml. Raises InputError with `.file` and `.line`."""
-        return cls._read("read_document", {"schema": "model", "path": os.fspath(path)})
+        out = cls._read("read_document", {"schema": "model", "path": os.fspath(path)})
+        with open(path, "rb") as file:
+            out.origins = [origin_of(path, file.read())]
+        return out
 
     @classmethod
     def _read(cls, name: str, options: dict[str, Any]) -> Model:
@@ -161,6 +164,7 @@ class Record:
         self.u: FloatArray = signal(u, "u")
         self.y: FloatArray | None = None if y is None else signal(y, "y")
         self.name = name
+        self.origins: list[dict[str, str]] = []
         if (step_s is None) == (time_s is None):
             raise InputError("expected either step_s or time_s")
         if time_s is not None:
@@ -221,7 +225,9 @@ def read_record(path: PathLike, column: str = "u") -> Record:
     """
     answer = call("read_record", {"path": os.fspath(path), "column": column})
     about = answer.result
-    return Record(answer.arrays["u"], answer.arrays.get("y"), step_s=about["step_s"], start_s=about["start_s"], name=about["name"])
+    out = Record(answer.arrays["u"], answer.arrays.get("y"), step_s=about["step_s"], start_s=about["start_s"], name=about["name"])
+    out.origins = about["inputs"]
+    return out
 
 
 def reference(

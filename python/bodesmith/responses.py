@@ -30,6 +30,7 @@ class FrequencyResponse:
         self.frequency_hz: FloatArray = signal(frequency_hz, "frequency_hz")
         self.response: ComplexArray = parts(response, "response").view(np.complex128)
         self.coherence = None if coherence is None else signal(coherence, "coherence")
+        self.origins: list[dict[str, str]] = []
         if self.response.size != self.frequency_hz.size:
             raise InputError(f"response has {self.response.size} values, expected {self.frequency_hz.size}")
 
@@ -48,6 +49,11 @@ class FrequencyResponse:
     def phase_deg(self) -> FloatArray:
         """Phase in degrees without jumps of more than half a turn, shape (N,)."""
         return np.degrees(np.unwrap(np.angle(self.response)))
+
+    @property
+    def group_delay_s(self) -> FloatArray:
+        """−dφ/dω in seconds, shape (N,), by differences between neighbouring frequencies: as good as the grid is dense."""
+        return -np.gradient(np.unwrap(np.angle(self.response)), 2.0 * np.pi * self.frequency_hz)
 
     def to_frd(self) -> Any:
         """A python-control FrequencyResponseData; ImportError when `control` is not installed."""
@@ -228,5 +234,8 @@ def _unique(names: Sequence[str]) -> list[str]:
 def read_response(path: PathLike) -> FrequencyResponse:
     """A measured response: CSV `frequency_hz,magnitude_db,phase_deg` (optional `coherence`), or any foreign format that the
     program reads. Raises InputError with `.file` and `.line`."""
-    arrays = call("read_response", {"path": os.fspath(path)}).arrays
-    return FrequencyResponse(arrays["frequency_hz"], arrays["response"].view(np.complex128), arrays.get("coherence"))
+    answer = call("read_response", {"path": os.fspath(path)})
+    arrays = answer.arrays
+    out = FrequencyResponse(arrays["frequency_hz"], arrays["response"].view(np.complex128), arrays.get("coherence"))
+    out.origins = answer.result["inputs"]
+    return out

@@ -377,7 +377,7 @@ def diagnose(
             for i, one in enumerate(group):
                 arrays[f"frequency_hz_{name}{i}"] = one.frequency_hz  # type: ignore[union-attr]
                 arrays[f"response_{name}{i}"] = parts(one.response, "response")  # type: ignore[union-attr]
-    return Diagnosis._from(call("diagnose", options, arrays, progress))
+    return Diagnosis._from(call("diagnose", options, arrays, progress), model, *lists["data"], *lists["holdout"])
 
 
 def _measured_list(given: Measured | Sequence[Measured] | None) -> list[Measured]:

@@ -101,4 +101,4 @@ def yield_(
         "threads": threads,
         "seed": seed,
     }
-    return Yield._from(call("yield", options, None, progress))
+    return Yield._from(call("yield", options, None, progress), *group, sections)

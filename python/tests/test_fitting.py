@@ -18,6 +18,20 @@ def test_cascade_is_the_command_lines(points, cascade, example, program, tmp_pat
     assert bs.Cascade.load(tmp_path / "cascade.json").to_dict() == written
 
 
+def test_a_result_knows_its_files(example, tmp_path, program):
+    path = example / "gains.csv"
+    program("fit", path, "-o", "cascade.json")
+    cascade = bs.fit_cascade(bs.read_points(path))
+    cascade.save(tmp_path / "mine.json")
+    inputs = json.loads((tmp_path / "cascade.json").read_text())["inputs"]
+    assert json.loads((tmp_path / "mine.json").read_text())["inputs"] == inputs
+    assert bs.approximate(cascade).to_dict()["inputs"] == inputs
+    loaded = bs.Cascade.load(tmp_path / "mine.json")
+    assert [one["path"] for one in bs.approximate(loaded).to_dict()["inputs"]] == [str(tmp_path / "mine.json")]
+    bs.Sections([(1.0, [], [-1.0])]).save(tmp_path / "hand.json")
+    assert json.loads((tmp_path / "hand.json").read_text())["program"] == f"bodesmith {bs.__version__}"
+
+
 def test_cascade_meets_its_points_and_its_formula(points, cascade):
     got = cascade.response(points.frequency_hz)
     assert np.abs(got[1:]) == pytest.approx(points.gain[1:], rel=1e-12)  # the base is not a condition
@@ -93,6 +107,7 @@ def test_masks_bands_and_equalisers():
     peak = bs.design("peaking", corner_hz=1000.0, gain_db=6.0, q=2.0)
     assert peak.at([1000.0]).magnitude_db[0] == pytest.approx(6.0, abs=1e-12)
     delay = bs.design("delay", delay_s=1e-3, order=3)
+    assert delay.at(np.linspace(1, 100, 50)).group_delay_s == pytest.approx(1e-3, rel=1e-3)
     assert delay.response([50.0])[0] == pytest.approx(np.exp(-2j * np.pi * 50 * 1e-3), abs=1e-5)
 
 

@@ -202,62 +202,37 @@ std::vector<Section> best_pairs(const std::vector<Section>& sections, const std:
   return pairs_along(sections, from);
 }
 
-}  // namespace
-
-PooledRoots pooled_roots(const Sections& sections) {
-  PooledRoots out;
-  out.gain = sections.gain;
-  for (const Section& section : sections.sections) {
-    out.gain *= section.gain;
-    out.zeros.insert(out.zeros.end(), section.zeros.begin(), section.zeros.end());
-    out.poles.insert(out.poles.end(), section.poles.begin(), section.poles.end());
-  }
-  return out;
-}
-
-Sections as_biquads(const Sections& sections) {
-  const PooledRoots roots = pooled_roots(sections);
-  Sections out = make_sections(roots.gain, roots.zeros, roots.poles, {true});
-  out.error = sections.error;
-  return out;
-}
-
-Sections make_sections(double gain, std::vector<Complex> zeros, std::vector<Complex> poles,
-                       const SectionMaking& making) {
-  if (zeros.size() > poles.size()) throw std::logic_error("sections need at least as many poles as zeros");
-  std::vector<Group> slots = group(std::move(poles));
-  std::vector<Group> zero_groups = group(std::move(zeros));
-  const auto count_pairs = [](const std::vector<Group>& groups) {
-    return static_cast<std::size_t>(
-        std::count_if(groups.begin(), groups.end(), [](const Group& g) { return g.roots.size() == 2; }));
-  };
-  // Neighbouring real poles join when there are more complex zero pairs than places for them, or on request.
-  const auto join_nearest = [&] {
-    std::size_t best = slots.size();
-    double distance = INFINITY;
-    for (std::size_t i = 0; i < slots.size(); ++i) {
-      if (slots[i].roots.size() != 1) continue;
-      for (std::size_t j = i + 1; j < slots.size(); ++j) {
-        if (slots[j].roots.size() != 1) continue;
-        if (slots[j].log_frequency - slots[i].log_frequency < distance) {
-          distance = slots[j].log_frequency - slots[i].log_frequency;
-          best = i;
-        }
-        break;
+/// Makes one slot of the two neighbouring real poles that are nearest; false when there are no two.
+bool join_nearest(std::vector<Group>& slots) {
+  std::size_t best = slots.size();
+  double distance = INFINITY;
+  for (std::size_t i = 0; i < slots.size(); ++i) {
+    if (slots[i].roots.size() != 1) continue;
+    for (std::size_t j = i + 1; j < slots.size(); ++j) {
+      if (slots[j].roots.size() != 1) continue;
+      if (slots[j].log_frequency - slots[i].log_frequency < distance) {
+        distance = slots[j].log_frequency - slots[i].log_frequency;
+        best = i;
       }
+      break;
     }
-    if (best == slots.size()) return false;
-    std::size_t other = best + 1;
-    while (slots[other].roots.size() != 1) ++other;
-    slots[best].roots.push_back(slots[other].roots[0]);
-    slots[best].log_frequency = 0.5 * (slots[best].log_frequency + slots[other].log_frequency);
-    slots.erase(slots.begin() + static_cast<std::ptrdiff_t>(other));
-    return true;
-  };
-  while (count_pairs(zero_groups) > count_pairs(slots) && join_nearest()) {
   }
-  while (making.biquads && join_nearest()) {
-  }
+  if (best == slots.size()) return false;
+  std::size_t other = best + 1;
+  while (slots[other].roots.size() != 1) ++other;
+  slots[best].roots.push_back(slots[other].roots[0]);
+  slots[best].log_frequency = 0.5 * (slots[best].log_frequency + slots[other].log_frequency);
+  slots.erase(slots.begin() + static_cast<std::ptrdiff_t>(other));
+  return true;
+}
+
+std::size_t count_pairs(const std::vector<Group>& groups) {
+  return static_cast<std::size_t>(
+      std::count_if(groups.begin(), groups.end(), [](const Group& g) { return g.roots.size() == 2; }));
+}
+
+/// Zeros to the slots' poles: pairs to the nearest slot with room, then the real ones.
+std::vector<Section> with_zeros(const std::vector<Group>& slots, const std::vector<Group>& zero_groups) {
   std::vector<Section> sections(slots.size());
   for (std::size_t i = 0; i < slots.size(); ++i) sections[i].poles = slots[i].roots;
   const auto place = [&](const Group& zero) {
@@ -291,6 +266,60 @@ Sections make_sections(double gain, std::vector<Complex> zeros, std::vector<Comp
     }
   } else {
     for (const Group& zero : reals) place(zero);
+  }
+  return sections;
+}
+
+/// How far the zeros lie from their poles, in nepers of frequency: what the sections must span.
+double distance_within(const std::vector<Section>& sections) {
+  double out = 0.0;
+  for (const Section& section : sections) {
+    std::vector<double> poles, zeros;
+    for (const Complex& root : section.poles) poles.push_back(log_size(root));
+    for (const Complex& root : section.zeros) zeros.push_back(log_size(root));
+    std::sort(poles.begin(), poles.end());
+    std::sort(zeros.begin(), zeros.end());
+    for (std::size_t i = 0; i < zeros.size(); ++i) out += std::abs(zeros[i] - poles[i]);
+  }
+  return out;
+}
+
+}  // namespace
+
+PooledRoots pooled_roots(const Sections& sections) {
+  PooledRoots out;
+  out.gain = sections.gain;
+  for (const Section& section : sections.sections) {
+    out.gain *= section.gain;
+    out.zeros.insert(out.zeros.end(), section.zeros.begin(), section.zeros.end());
+    out.poles.insert(out.poles.end(), section.poles.begin(), section.poles.end());
+  }
+  return out;
+}
+
+Sections as_biquads(const Sections& sections) {
+  const PooledRoots roots = pooled_roots(sections);
+  Sections out = make_sections(roots.gain, roots.zeros, roots.poles, {true});
+  out.error = sections.error;
+  return out;
+}
+
+Sections make_sections(double gain, std::vector<Complex> zeros, std::vector<Complex> poles,
+                       const SectionMaking& making) {
+  if (zeros.size() > poles.size()) throw std::logic_error("sections need at least as many poles as zeros");
+  std::vector<Group> slots = group(std::move(poles));
+  const std::vector<Group> zero_groups = group(std::move(zeros));
+  // Neighbouring real poles join when there are more complex zero pairs than places for them, or on request.
+  while (count_pairs(zero_groups) > count_pairs(slots) && join_nearest(slots)) {
+  }
+  while (making.biquads && join_nearest(slots)) {
+  }
+  std::vector<Section> sections = with_zeros(slots, zero_groups);
+  // Or when a zero pair would otherwise go to poles far away: a section of such roots spans what the whole does not.
+  constexpr double kNearer = 1.0;
+  while (count_pairs(zero_groups) > 0 && join_nearest(slots)) {
+    std::vector<Section> other = with_zeros(slots, zero_groups);
+    if (distance_within(other) < distance_within(sections) - kNearer) sections = std::move(other);
   }
   Sections out;
   out.gain = gain;

@@ -15,7 +15,8 @@ struct SectionMaking {
 
 /// H(s) = gain * prod (s - zero)/prod (s - pole) as sections of one or two poles, conjugate pairs together,
 /// zeros with the nearest poles (in log frequency), in rising order of their poles. Each section has a gain
-/// of 1 at 0 Hz (1 at its poles' frequency when it has a zero at the origin); the rest is the cascade's gain.
+/// of 1 at 0 Hz (1 at its poles' frequency when it has a zero at the origin); the rest is the cascade's gain. Real poles
+/// share a section where a complex pair of zeros needs one, or lies a factor of e nearer to them than otherwise.
 /// Needs no more zeros than poles; throws std::logic_error otherwise.
 Sections make_sections(double gain, std::vector<std::complex<double>> zeros,
                        std::vector<std::complex<double>> poles, const SectionMaking& making = {});

@@ -147,7 +147,7 @@ Barycentric MagnitudeSquare::fit(int order) const {
 }
 
 /// Zeros of sum beta_j/(x - z_j): eigenvalues of Z - beta z'/sum(beta), all but one that is 0.
-std::vector<Complex> zeros_of(const VectorXd& z, const VectorXd& beta) {
+std::vector<Complex> roots_in_square(const VectorXd& z, const VectorXd& beta) {
   const Index n = beta.size();
   const double sum = beta.sum();
   if (!(std::abs(sum) > 0.0)) return {};
@@ -226,8 +226,8 @@ std::optional<VectorXd> rational_start(const RootModel& model, const CurveTarget
   const Barycentric r = curve.fit(model.poles());
   VectorXd z(r.beta.size());
   for (Index j = 0; j < z.size(); ++j) z(j) = curve.support_x(r.support[std_index(j)]);
-  std::vector<Complex> zeros = zeros_of(z, r.alpha);
-  const std::vector<Complex> poles = zeros_of(z, r.beta);
+  std::vector<Complex> zeros = roots_in_square(z, r.alpha);
+  const std::vector<Complex> poles = roots_in_square(z, r.beta);
   // Fewer zeros than poles: those farthest out go.
   std::sort(zeros.begin(), zeros.end(),
             [](const Complex& a, const Complex& b) { return std::abs(a) < std::abs(b); });

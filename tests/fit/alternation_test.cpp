@@ -24,18 +24,18 @@ TEST(Alternation, TheLevelIsThatOfTheBestAlternatingErrors) {
   EXPECT_EQ(alternating_level({}, 2), 0.0);
 }
 
-BodePoints dense(double from, double to, int count, double (*gain)(double)) {
+BodePoints dense_curve(double from, double to, int count, double (*gain)(double)) {
   BodePoints out;
   for (const Hertz f : log_grid({Hertz{from}, Hertz{to}}, count))
     out.points.push_back({f, gain(f.value), std::nullopt, 1.0, 0});
   return out;
 }
 
-double pink(double f) {
+double pink_gain(double f) {
   return 1.0 / std::sqrt(f);
 }
 /// Two resonances on a slope: no rational function of low order.
-double peaked(double f) {
+double peaked_gain(double f) {
   const auto peak = [f](double at, double q) {
     const double x = f / at - at / f;
     return 1.0 + 3.0 / (1.0 + q * q * x * x);
@@ -44,7 +44,7 @@ double peaked(double f) {
 }
 
 /// What many starts find, and what the bound says of it.
-void expect_best(const BodePoints& points, int order) {
+void expect_best_fit(const BodePoints& points, int order) {
   const DirectFit fit = fit_directly(points, {.order = order});
   EXPECT_LT(fit.starts_tried, 12) << order;
   // The sections themselves, as a model again.
@@ -57,13 +57,13 @@ void expect_best(const BodePoints& points, int order) {
 }
 
 TEST(Alternation, DenseFitsEndWhereNothingBetterExists) {
-  for (const int order : {2, 4, 6, 8}) expect_best(dense(20, 20000, 400, pink), order);
-  expect_best(dense(20, 20000, 400, peaked), 4);
+  for (const int order : {2, 4, 6, 8}) expect_best_fit(dense_curve(20, 20000, 400, pink_gain), order);
+  expect_best_fit(dense_curve(20, 20000, 400, peaked_gain), 4);
 }
 
 TEST(Alternation, ABoundIsNeverAboveAFit) {
   // A fit far from the best, and the best one: the bound of the first lies below the error of the second.
-  const BodePoints points = dense(20, 20000, 200, pink);
+  const BodePoints points = dense_curve(20, 20000, 200, pink_gain);
   const CurveTarget target = make_curve_target(points, false);
   const RootModel model = StartBuilder::make_model(3, 3, true, RadPerSecond{6000.0});
   RootLimits limits;
@@ -78,7 +78,7 @@ TEST(Alternation, ABoundIsNeverAboveAFit) {
 }
 
 TEST(RationalStart, IsCloseToTheBestFit) {
-  const CurveTarget target = make_curve_target(dense(20, 20000, 160, pink), false);
+  const CurveTarget target = make_curve_target(dense_curve(20, 20000, 160, pink_gain), false);
   const RootModel model = StartBuilder::make_model(6, 6, false, RadPerSecond{6000.0});
   const auto start = rational_start(model, target, RootLimits());
   ASSERT_TRUE(start.has_value());
@@ -88,14 +88,14 @@ TEST(RationalStart, IsCloseToTheBestFit) {
 }
 
 TEST(RationalStart, FewPointsHaveNone) {
-  const CurveTarget target = make_curve_target(dense(20, 20000, 12, pink), false);
+  const CurveTarget target = make_curve_target(dense_curve(20, 20000, 12, pink_gain), false);
   const RootModel model = StartBuilder::make_model(4, 4, false, RadPerSecond{6000.0});
   EXPECT_FALSE(rational_start(model, target, RootLimits()).has_value());
 }
 
 // Root by root and frequency by frequency give the same errors and slopes.
 TEST(CurveErrors, DenseCurvesAgreeWithOneFrequencyAtATime) {
-  const CurveTarget target = make_curve_target(dense(1, 1e5, 150, pink), false);
+  const CurveTarget target = make_curve_target(dense_curve(1, 1e5, 150, pink_gain), false);
   RootModel model;
   model.reference = {500.0};
   model.real_zeros = model.real_poles = 1;

@@ -17,7 +17,7 @@ using chain::Block;
 using chain::Chain;
 using chain::make_block;
 
-TimeRecord noise(std::size_t count, double step_s) {
+TimeRecord noise_record(std::size_t count, double step_s) {
   std::mt19937_64 random(3);
   std::uniform_real_distribution<double> value(-1.0, 1.0);
   TimeRecord out;
@@ -59,7 +59,7 @@ std::vector<double> lowpasses_exactly(const std::vector<double>& corners_hz, con
   return y;
 }
 
-Chain lowpasses(const std::vector<double>& corners_hz) {
+Chain lowpass_row(const std::vector<double>& corners_hz) {
   Chain out;
   for (const double f : corners_hz) out.blocks.push_back(make_block("lowpass").set("corner_hz", f));
   return out;
@@ -67,8 +67,8 @@ Chain lowpasses(const std::vector<double>& corners_hz) {
 
 TEST(ModalPropagator, EightSectionsAreExactWithoutASecondRun) {
   const std::vector<double> corners = {3.0, 11.0, 40.0, 130.0, 5.0, 70.0, 200.0, 20.0};
-  const TimeRecord in = noise(2000, 1e-3);
-  const Result got = simulate(lowpasses(corners), in, Options());
+  const TimeRecord in = noise_record(2000, 1e-3);
+  const Result got = simulate(lowpass_row(corners), in, Options());
   EXPECT_EQ(got.stats.engine, Engine::record);
   EXPECT_EQ(got.stats.steps, in.size());
   ASSERT_TRUE(got.error_estimate.has_value());
@@ -79,19 +79,19 @@ TEST(ModalPropagator, EightSectionsAreExactWithoutASecondRun) {
 
 TEST(ModalPropagator, EqualSectionsGoByTheFullMatrix) {
   const std::vector<double> corners(8, 30.0);
-  const chain::LinearKernel one = std::get<chain::LinearKernel>(lowpasses({30.0}).blocks[0].kernel());
+  const chain::LinearKernel one = std::get<chain::LinearKernel>(lowpass_row({30.0}).blocks[0].kernel());
   EXPECT_TRUE(modal_pairs(one).has_value());
   EXPECT_FALSE(modal_pairs(in_series(one, one)).has_value());
-  const TimeRecord in = noise(1500, 1e-3);
-  const Result got = simulate(lowpasses(corners), in, Options());
+  const TimeRecord in = noise_record(1500, 1e-3);
+  const Result got = simulate(lowpass_row(corners), in, Options());
   const double error = max_difference(got.y, lowpasses_exactly(corners, in));
   EXPECT_LT(error, *got.error_estimate);
   EXPECT_LT(error, 1e-14);
 }
 
 /// A chain of every kind of linear block: real and complex modes, an odd number of them, constants.
-Chain mixed_chain(double delay_s) {
-  Chain out = lowpasses({7.0, 90.0, 25.0});
+Chain mixed_linear_chain(double delay_s) {
+  Chain out = lowpass_row({7.0, 90.0, 25.0});
   out.blocks.push_back(
       make_block("resonator").set("gain", 1.5).set("natural_frequency_hz", 35.0).set("damping_ratio", 0.1));
   if (delay_s > 0.0) out.blocks.push_back(make_block("delay").set("delay_s", delay_s));
@@ -105,15 +105,15 @@ TEST(ModalPropagator, PairsAndDelaysAgreeWithCvode) {
   const auto in = record_of(301, 2e-3, two_sines);
   for (const double delay : {0.0, 0.006, 0.0053}) {
     for (const Start start : {Start::zero, Start::equilibrium}) {
-      const Result got = simulate(mixed_chain(delay), in, by_record(1, start));
-      EXPECT_LT(max_difference(got.y, simulate(mixed_chain(delay), in, cvode(1e-11, start)).y), 2e-9)
+      const Result got = simulate(mixed_linear_chain(delay), in, by_record(1, start));
+      EXPECT_LT(max_difference(got.y, simulate(mixed_linear_chain(delay), in, cvode(1e-11, start)).y), 2e-9)
           << delay;
     }
   }
 }
 
 TEST(ModalPropagator, TheSamplesAreThoseOfAnyOtherStep) {
-  Chain chain = mixed_chain(0.004);
+  Chain chain = mixed_linear_chain(0.004);
   chain.blocks.insert(chain.blocks.begin(), make_block("gain").set("gain", 1.1).set("offset", 0.2));
   chain.blocks.push_back(make_block("saturation").set("lower", -0.4).set("upper", 0.6));
   const auto in = record_of(401, 2e-3, two_sines, 0.01);
@@ -126,7 +126,7 @@ TEST(ModalPropagator, TheSamplesAreThoseOfAnyOtherStep) {
 }
 
 TEST(ModalPropagator, BehindACurveTheyAgreeWithCvode) {
-  Chain chain = lowpasses({4.0, 9.0, 22.0, 50.0, 120.0, 15.0});
+  Chain chain = lowpass_row({4.0, 9.0, 22.0, 50.0, 120.0, 15.0});
   chain.blocks.insert(chain.blocks.begin(),
                       make_block("polynomial").set("coefficients", std::vector<double>{0.1, 1.0, 0.3, -0.2}));
   const auto in = record_of(251, 2e-3, two_sines);
@@ -139,7 +139,7 @@ TEST(ModalPropagator, ARecordThatDiesAwayStaysCheapAndEndsAtZero) {
   in.step_s = 1e-3;
   in.u.assign(20000, 0.0);
   in.u[1] = 1.0;
-  const Result got = simulate(lowpasses({10.0, 20.0, 40.0, 80.0, 160.0}), in, Options());
+  const Result got = simulate(lowpass_row({10.0, 20.0, 40.0, 80.0, 160.0}), in, Options());
   EXPECT_EQ(got.y.back(), 0.0);
 }
 

@@ -60,13 +60,13 @@ Answer check_document(const Call& call) {
 }
 
 Answer write_document(const Call& call) {
-  write_file(call.options.at("path").string(), to_text(Json::parse(call.options.at("text").string())));
+  write_file(call.options.at("path").string(), to_text(Json::parse(call.options.at("text").text())));
   return {};
 }
 
 Answer write_files(const Call& call) {
   OutputSet out(call.options.at("folder").string());
-  for (const auto& [path, content] : call.options.at("files").members()) out.add(path, content.string());
+  for (const auto& [path, content] : call.options.at("files").members()) out.add(path, content.text());
   out.commit();
   return {};
 }

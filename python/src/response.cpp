@@ -88,7 +88,7 @@ Answer respond_netlist(const Call& call) {
   const std::string name = o.string_or("subcircuit", "");
   Values values;
   if (o.has("text")) {
-    values = spice::run_ac_of_text(o.at("text").string(), o.string_or("name", "netlist"), grid, name);
+    values = spice::run_ac_of_text(o.at("text").text(), o.string_or("name", "netlist"), grid, name);
   } else {
     const std::string path = o.at("path").string();
     const bool library = path.ends_with(".sub") || path.ends_with(".lib");

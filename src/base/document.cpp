@@ -107,6 +107,11 @@ bool Node::boolean() const {
   return data_->boolean;
 }
 
+std::string Node::text() const {
+  expect(*this, Kind::string);
+  return data_->string;
+}
+
 std::string Node::string() const {
   expect(*this, Kind::string);
   // Names and words end up in netlists, C sources and pages, where a second line would be a statement of its own.

@@ -39,7 +39,10 @@ class Node {
   std::vector<Node> items() const;
 
   bool boolean() const;
+  /// One line without control characters.
   std::string string() const;
+  /// Any text.
+  std::string text() const;
   /// A finite number.
   double number() const;
   double positive() const;

@@ -38,8 +38,8 @@ def test_plan_responds_as_it_says(plan, sections):
 
 def test_circuit_is_the_command_lines(sections, program, tmp_path):
     sections.save(tmp_path / "sections.json")
-    program("spice", "sections.json", "-o", "spice")
-    circuit = bs.spice(sections)
+    program("spice", "sections.json", "--from-hz", 0.1, "--to-hz", 1000, "-o", "spice")
+    circuit = bs.spice(sections, band_hz=(0.1, 1000.0))
     assert_same(circuit.to_dict(), json.loads((tmp_path / "spice/circuit.json").read_text()))
     written = {str(p.relative_to(tmp_path / "spice")) for p in (tmp_path / "spice").rglob("*") if p.is_file()}
     assert set(circuit.files) <= written
@@ -64,8 +64,8 @@ def test_layout_is_the_command_lines(disturbance, example, program, tmp_path):
 
 def test_yield_is_the_command_lines(sections, plan, program, tmp_path):
     sections.save(tmp_path / "sections.json")
-    program("yield", "sections.json", "--samples", 500, "--limit-db", 0.5, "--seed", 7, "-o", "yield.json")
-    statistics = bs.yield_(sections, names=["sections.json"], samples=500, limit_db=0.5, seed=7)
+    program("yield", "sections.json", "--samples", 500, "--limit-db", 0.5, "--seed", 7, "--from-hz", 1, "--to-hz", 100, "-o", "yield.json")
+    statistics = bs.yield_(sections, names=["sections.json"], samples=500, limit_db=0.5, seed=7, band_hz=(1.0, 100.0))
     written = json.loads((tmp_path / "yield.json").read_text())
     assert_same(statistics.designs[0], written["designs"][0])
     assert bs.yield_(plan, samples=50).designs[0]["reference"] == "nominal"

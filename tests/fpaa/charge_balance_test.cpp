@@ -15,16 +15,14 @@ namespace {
 using Complex = std::complex<double>;
 
 /// So that the tests over stage_samples(), here and in ngspice, are over everything that has switches.
-TEST(ChargeBalance, SamplesHoldEveryCamButThoseOfUnknownSwitches) {
+TEST(ChargeBalance, SamplesHoldEveryCamThatSaysItsSwitches) {
   std::set<std::string_view> sampled;
   for (const StageSample& sample : stage_samples()) sampled.insert(sample.cam.cam_name());
-  const std::set<std::string_view> unknown{"GainSwitch", "GainVoltageControlled", "Multiplier",
-                                           "TransferFunction", "Comparator"};
+  EXPECT_GE(sampled.size(), 11u);
   for (const Cam* cam : cam_registry().all()) {
-    EXPECT_NE(sampled.count(cam->name()), unknown.count(cam->name())) << cam->name();
+    if (sampled.count(cam->name()) > 0) continue;
     PlacedCam bare;
     bare.cam = cam;
-    if (unknown.count(cam->name()) == 0) continue;
     EXPECT_FALSE(cam->switches(bare).has_value()) << cam->name();
   }
 }

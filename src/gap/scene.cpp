@@ -159,9 +159,11 @@ std::vector<std::size_t> Scene::base_places() const {
 }
 
 Scene make_scene(const Model& model, const Experiments& train) {
-  return std::visit(Visitor{[&](const TimeExperiment& e) { return scene_of(model, e); },
-                            [&](const FrequencyExperiment& e) { return scene_of(model, e, train); }},
-                    train.front());
+  auto scene = std::visit(Visitor{[&](const TimeExperiment& e) { return scene_of(model, e); },
+                                  [&](const FrequencyExperiment& e) { return scene_of(model, e, train); }},
+                          train.front());
+  scene.records = train.size();
+  return scene;
 }
 
 TimeRecord lively_stretch(const TimeRecord& record, std::size_t lead, std::size_t samples) {

@@ -24,6 +24,7 @@ struct Signal {
 /// The present model and its residual, as an effect sees them when it proposes itself.
 struct Scene {
   const Model* model = nullptr;
+  std::size_t records = 1;      ///< for fitting; all but `frequency_only` below is of the first one
   bool frequency_only = false;  ///< the records are frequency responses: no signals, linear effects only
   double step_s = 0.0;
   double start_s = 0.0;

@@ -66,6 +66,7 @@ TEST(DiagnoseCommand, refusesBadInputWithoutWritingAnything) {
   for (const std::string& arguments :
        {at + "/model.toml -o " + at + "/out", at + "/model.toml --data " + at + "/none.csv -o " + at + "/out",
         at + "/model.toml --data " + at + "/short.csv -o " + at + "/out",
+        at + "/model.toml --data " + at + "/short.csv --max-seconds 0 -o " + at + "/out",
         at + "/model.toml --data " + at + "/short.csv --holdout " + at + "/response.csv -o " + at + "/out"}) {
     const auto run = run_bodesmith("diagnose " + arguments);
     EXPECT_EQ(run.status, 2) << arguments;

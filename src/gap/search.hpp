@@ -75,7 +75,7 @@ struct SearchResult {
   NoiseFloor floor;
   double train_rms = 0.0;  ///< of the final model, over what the search scored
   bool stopped = false;
-  bool late = false;  ///< the time was over before the search had ended
+  bool late = false;                   ///< the time was over before the search had ended
   std::vector<std::string> not_tried;  ///< effects for which the time was too short
   std::size_t looked_at = 0;           ///< proposals of all rounds
   std::vector<std::string> notes;

@@ -101,6 +101,8 @@ template <class... Functions>
 struct Visitor : Functions... {
   using Functions::operator()...;
 };
+template <class... Functions>
+Visitor(Functions...) -> Visitor<Functions...>;
 
 /// Samples scored in all of them.
 std::size_t scored_samples(const Experiments& experiments);

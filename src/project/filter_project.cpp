@@ -18,8 +18,8 @@ FilterFit read_filter_fit(const Node& node) {
   FilterFit out;
   if (node.has("method")) {
     const std::string word = node.at("method").one_of({"automatic", "interpolate", "bounded", "direct"});
-    for (const Method one : {FilterFit::Method::automatic, FilterFit::Method::interpolate,
-                             FilterFit::Method::bounded, FilterFit::Method::direct}) {
+    for (const FilterFit::Method one : {FilterFit::Method::automatic, FilterFit::Method::interpolate,
+                                        FilterFit::Method::bounded, FilterFit::Method::direct}) {
       if (to_string(one) == word) out.method = one;
     }
   }

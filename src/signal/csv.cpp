@@ -116,8 +116,8 @@ Csv Csv::read(const std::filesystem::path& path, Provenance& from, formats::Cont
   const auto [file, choice] = split_path(path);
   const std::string bytes = from.read(file);
   const std::string text = formats::to_utf8(bytes);
-  const auto own = [&] {
-    Csv csv = parse(text, file.string());
+  const auto own = [&, name = file.string()] {
+    Csv csv = parse(text, name);
     if (csv.decimal_commas_) from.inputs.back().read_as = "CSV with decimal commas";
     return csv;
   };

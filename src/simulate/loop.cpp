@@ -30,7 +30,7 @@ Loop hysteresis_loop(std::span<const double> u, std::span<const double> y, std::
   const auto [low, high] = std::minmax_element(u.begin(), u.end());
   if (!(*high > *low)) return loop;
   const double gap = (*high - *low) / static_cast<double>(levels + 1);
-  const auto level = [&](std::size_t i) { return *low + gap * static_cast<double>(i + 1); };
+  const auto level = [&, from = *low](std::size_t i) { return from + gap * static_cast<double>(i + 1); };
   std::vector<Crossings> rising(levels);
   std::vector<Crossings> falling(rising.size());
   for (std::size_t k = 1; k < u.size(); ++k) {

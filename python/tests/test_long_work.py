@@ -32,7 +32,7 @@ def test_ctrl_c_ends_the_work_and_not_the_program():
     try:
         assert child.stdout.readline() == "begun\n"
         child.send_signal(signal.SIGINT)
-        said, _ = child.communicate(timeout=20)
+        said, _ = child.communicate(timeout=300)
     finally:
         child.kill()
     lines = [line for line in said.splitlines() if line != "begun"]

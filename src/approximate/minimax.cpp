@@ -12,6 +12,7 @@
 #include "approximate/remez.hpp"
 #include "base/units.hpp"
 #include "base/whole_number.hpp"
+#include "numeric/golden_section.hpp"
 
 namespace bodesmith {
 namespace {
@@ -230,30 +231,10 @@ NormalisedApproximation minimax_of_one_place(const ApproximationTask& task) {
   const Remez remez(log_kappa, task.order, task.over_band, {});
   const auto places = [&](long double at) { return Positions(static_cast<std::size_t>(task.order), at); };
   const auto error = [&](long double at) { return remez.grid_error(beta, places(at)); };
-  constexpr long double kGolden = 0.61803398874989484820L;
   // Where the total change is right, and up to twice that.
-  long double low = 0.5L * log_kappa;
-  long double high = 2.0L * log_kappa * beta / task.order;
-  long double a = high - kGolden * (high - low);
-  long double b = low + kGolden * (high - low);
-  long double at_a = error(a);
-  long double at_b = error(b);
-  while (high - low > 1e-12L * log_kappa) {
-    if (at_a < at_b) {
-      high = b;
-      b = a;
-      at_b = at_a;
-      a = high - kGolden * (high - low);
-      at_a = error(a);
-    } else {
-      low = a;
-      a = b;
-      at_a = at_b;
-      b = low + kGolden * (high - low);
-      at_b = error(b);
-    }
-  }
-  return from_log_positions(places(0.5L * (low + high)), log_kappa, beta);
+  const long double best = golden_section_minimum(0.5L * log_kappa, 2.0L * log_kappa * beta / task.order,
+                                                  1e-12L * log_kappa, error);
+  return from_log_positions(places(best), log_kappa, beta);
 }
 
 /// Above beta = 2 the best positions leave the real axis. The best real ones then are a multiple root beyond the corner

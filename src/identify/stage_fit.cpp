@@ -3,12 +3,12 @@
 #include <Eigen/Cholesky>
 #include <algorithm>
 #include <cmath>
-#include <functional>
 
 #include "base/progress.hpp"
 #include "base/whole_number.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
+#include "numeric/golden_section.hpp"
 #include "numeric/index.hpp"
 #include "numeric/least_squares.hpp"
 
@@ -24,31 +24,6 @@ std::vector<TimeRecord> all_advanced(std::span<const TimeRecord> records, double
 Identified identify_model(const hysteresis::ModelType* model, std::span<const TimeRecord> records,
                           const IdentifyOptions& options) {
   return model == nullptr ? identify_linear(records, options) : model->identify(records, options);
-}
-
-/// Golden section down to `tolerance`.
-double minimum_between(double low, double high, double tolerance, const std::function<double(double)>& cost) {
-  const double ratio = 0.5 * (std::sqrt(5.0) - 1.0);
-  double a = high - ratio * (high - low);
-  double b = low + ratio * (high - low);
-  double at_a = cost(a);
-  double at_b = cost(b);
-  while (high - low > tolerance) {
-    if (at_a < at_b) {
-      high = b;
-      b = a;
-      at_b = at_a;
-      a = high - ratio * (high - low);
-      at_a = cost(a);
-    } else {
-      low = a;
-      a = b;
-      at_a = at_b;
-      b = low + ratio * (high - low);
-      at_b = cost(b);
-    }
-  }
-  return 0.5 * (low + high);
 }
 
 }  // namespace
@@ -113,8 +88,8 @@ double best_delay(std::span<const TimeRecord> records, const IdentifyOptions& op
       best = i;
     }
   }
-  const double found =
-      minimum_between(std::max(best - 1, 0) * step, std::min(best + 1, kScan) * step, 0.02 * step, error_at);
+  const double found = golden_section_minimum(std::max(best - 1, 0) * step, std::min(best + 1, kScan) * step,
+                                              0.02 * step, error_at);
   return error_at(found) < error_at(0.0) ? found : 0.0;
 }
 

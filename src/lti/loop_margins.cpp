@@ -1,5 +1,7 @@
 #include "lti/loop_margins.hpp"
 
+#include "numeric/golden_section.hpp"
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -34,15 +36,10 @@ LoopMargins::GainCrossing gain_crossing(const Loop& loop, Hertz f) {
 /// Largest of `value` near the best of a grid, by golden sections in log frequency.
 Hertz refine_peak(const std::function<double(Hertz)>& value, const std::vector<Hertz>& grid,
                   std::size_t best) {
-  double low = std::log(grid[best > 0 ? best - 1 : 0].value);
-  double high = std::log(grid[std::min(best + 1, grid.size() - 1)].value);
-  const double golden = 0.5 * (std::sqrt(5.0) - 1.0);
-  while (high - low > 1e-9) {
-    const double a = high - golden * (high - low);
-    const double b = low + golden * (high - low);
-    value(Hertz{std::exp(a)}) > value(Hertz{std::exp(b)}) ? high = b : low = a;
-  }
-  return Hertz{std::exp(0.5 * (low + high))};
+  const double low = std::log(grid[best > 0 ? best - 1 : 0].value);
+  const double high = std::log(grid[std::min(best + 1, grid.size() - 1)].value);
+  return Hertz{std::exp(
+      golden_section_minimum(low, high, 1e-9, [&](double x) { return -value(Hertz{std::exp(x)}); }))};
 }
 
 /// Change of arg(1 + L) between two frequencies, halved until no step turns far. Nothing when that does not end.

@@ -7,6 +7,24 @@
 
 namespace bodesmith::fpaa {
 
+BiquadStageCapacitors BiquadStageCapacitors::from(const CapacitorUnits& c, bool high_q, bool c1_inverting) {
+  return {.high_q = high_q,
+          .c1_inverting = c1_inverting,
+          .c1 = c["C1"],
+          .cp = c["Cp"],
+          .cpp = c["Cpp"],
+          .c2 = c["C2"],
+          .c3 = c["C3"],
+          .c4 = c["C4"],
+          .ca = c["CA"],
+          .cb = c["CB"]};
+}
+
+std::vector<NoiseCharge> BiquadStageCapacitors::noise_charges(const std::vector<double>& denominator) const {
+  const double second = c3 + (high_q ? 0.0 : c4 + cp);
+  return {{c1 + c2, {{0.0, c3}, denominator}}, {second, {{ca, -ca}, denominator}}};
+}
+
 DeltaTransfer BiquadStageCapacitors::transfer() const {
   const double loop = c2 * c3;
   const double first = (c1_inverting ? 1.0 : -1.0) * c1 * c3;
@@ -40,16 +58,8 @@ std::string biquad_stage_option(bool high_q, bool c1_inverting) {
 namespace {
 
 BiquadStageCapacitors biquad_stage_of(const PlacedCam& cam, const CapacitorUnits& c) {
-  return {.high_q = cam.option.rfind("High", 0) == 0,
-          .c1_inverting = cam.option.find("non-inverting") == std::string::npos,
-          .c1 = c["C1"],
-          .cp = c["Cp"],
-          .cpp = c["Cpp"],
-          .c2 = c["C2"],
-          .c3 = c["C3"],
-          .c4 = c["C4"],
-          .ca = c["CA"],
-          .cb = c["CB"]};
+  return BiquadStageCapacitors::from(c, cam.option.rfind("High", 0) == 0,
+                                     cam.option.find("non-inverting") == std::string::npos);
 }
 
 CamFacts biquad_stage_facts() {
@@ -79,9 +89,7 @@ class BiquadStage : public Cam {
   }
 
   std::vector<NoiseCharge> noise_charges(const PlacedCam& cam) const override {
-    const BiquadStageCapacitors c = biquad_stage_of(cam, CapacitorUnits(cam.capacitors));
-    const double second = c.c3 + (c.high_q ? 0.0 : c.c4 + c.cp);
-    return {{c.c1 + c.c2, {{0.0, c.c3}, cam.z.denominator}}, {second, {{c.ca, -c.ca}, cam.z.denominator}}};
+    return biquad_stage_of(cam, CapacitorUnits(cam.capacitors)).noise_charges(cam.z.denominator);
   }
 
   std::vector<DeltaTransfer> inner_nodes(const PlacedCam& cam) const override {

@@ -30,28 +30,12 @@ constexpr std::size_t kJudgedSets = 400;
 /// No capacitor comes near this; beyond it a wanted value need not be rounded.
 constexpr double kFarBeyondUnits = 1e6;
 
-/// H of the capacitors, those of the other options 0.
-struct BiquadForm {
-  double c1 = 0.0, cp = 0.0, cpp = 0.0;
-  double c2 = 1.0, c3 = 1.0, c4 = 1.0, ca = 1.0, cb = 1.0;
-  bool high_q = false;
-
-  /// 1/z = 1 - D.
-  DeltaTransfer transfer() const {
-    const double loop = c2 * c3;
-    DeltaTransfer h;
-    h.denominator = high_q ? std::vector<double>{loop, c3 * c4 - loop, ca * cb - c3 * c4}
-                           : std::vector<double>{loop, ca * c4 - loop, ca * cb};
-    if (c1 != 0.0) {
-      h.numerator = {-c1 * c3, c1 * c3};
-    } else if (cp != 0.0) {
-      h.numerator = high_q ? std::vector<double>{0.0, -cp * c3, cp * c3} : std::vector<double>{0.0, -cp * ca};
-    } else {
-      h.numerator = {0.0, 0.0, -cpp * ca};
-    }
-    return h;
-  }
-};
+/// H of one input capacitor alone: the stage with all three without the others' powers of D.
+DeltaTransfer transfer_of_one_input(const BiquadStageCapacitors& c) {
+  DeltaTransfer h = c.transfer();
+  while (h.numerator.size() > 1 && h.numerator.back() == 0.0) h.numerator.pop_back();
+  return h;
+}
 
 /// A set of capacitors and how far its corner, quality and gain are off, in nepers.
 struct NearBiquad {
@@ -213,37 +197,15 @@ class FilterBiquad : public Cam {
   }
 
   DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
-    return BiquadForm{.c1 = c["C1"],
-                      .cp = c["Cp"],
-                      .cpp = c["Cpp"],
-                      .c2 = c["C2"],
-                      .c3 = c["C3"],
-                      .c4 = c["C4"],
-                      .ca = c["CA"],
-                      .cb = c["CB"],
-                      .high_q = is_high_q(cam)}
-        .transfer();
+    return transfer_of_one_input(form_of(cam, c));
   }
 
   std::vector<NoiseCharge> noise_charges(const PlacedCam& cam) const override {
-    const CapacitorUnits c(cam.capacitors);
-    const double first = c["C1"] + c["C2"];
-    const double second = c["C3"] + (is_high_q(cam) ? 0.0 : c["C4"] + c["Cp"]);
-    return {{first, {{0.0, c["C3"]}, cam.z.denominator}}, {second, {{c["CA"], -c["CA"]}, cam.z.denominator}}};
+    return form_of(cam, CapacitorUnits(cam.capacitors)).noise_charges(cam.z.denominator);
   }
 
   std::vector<DeltaTransfer> inner_nodes(const PlacedCam& cam) const override {
-    const CapacitorUnits c(cam.capacitors);
-    return {BiquadStageCapacitors{.high_q = is_high_q(cam),
-                                  .c1 = c["C1"],
-                                  .cp = c["Cp"],
-                                  .cpp = c["Cpp"],
-                                  .c2 = c["C2"],
-                                  .c3 = c["C3"],
-                                  .c4 = c["C4"],
-                                  .ca = c["CA"],
-                                  .cb = c["CB"]}
-                .first_opamp()};
+    return {form_of(cam, CapacitorUnits(cam.capacitors)).first_opamp()};
   }
 
   /// CA and CB are two banks each.
@@ -316,6 +278,9 @@ class FilterBiquad : public Cam {
   static constexpr int kUnitsOfBank = 255;
 
   static bool is_high_q(const PlacedCam& cam) { return cam.realised.text("form") == kHighQ; }
+  static BiquadStageCapacitors form_of(const PlacedCam& cam, const CapacitorUnits& c) {
+    return BiquadStageCapacitors::from(c, is_high_q(cam), true);
+  }
 };
 
 }  // namespace
@@ -331,14 +296,14 @@ BiquadSpec BiquadSpec::from(const CamValues& values) {
 }
 
 ZTransfer BiquadCapacitors::transfer() const {
-  BiquadForm form{.c2 = static_cast<double>(c2),
-                  .c3 = static_cast<double>(c3),
-                  .c4 = static_cast<double>(c4),
-                  .ca = static_cast<double>(ca),
-                  .cb = static_cast<double>(cb),
-                  .high_q = high_q};
+  BiquadStageCapacitors form{.high_q = high_q,
+                             .c2 = static_cast<double>(c2),
+                             .c3 = static_cast<double>(c3),
+                             .c4 = static_cast<double>(c4),
+                             .ca = static_cast<double>(ca),
+                             .cb = static_cast<double>(cb)};
   (kind == Kind::low_pass ? form.c1 : kind == Kind::band_pass ? form.cp : form.cpp) = input;
-  return form.transfer().in_z();
+  return transfer_of_one_input(form).in_z();
 }
 
 std::vector<Capacitor> BiquadCapacitors::named() const {

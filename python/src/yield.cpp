@@ -43,17 +43,6 @@ yield::Design design_of(const Node& document, const std::string& name, const Nod
                                   o.has("opamp") ? yield::OpAmps::as_built : yield::OpAmps::ideal);
 }
 
-Json purchases_json(const std::vector<yield::Purchase>& all) {
-  Json out = Json::array();
-  for (const yield::Purchase& one : all) {
-    out.push_back({{"resistor_percent", one.resistor_percent},
-                   {"capacitor_percent", one.capacitor_percent},
-                   {"worst_db_p95", one.worst_db_95},
-                   {"meets", one.meets}});
-  }
-  return out;
-}
-
 }  // namespace
 
 Answer yield_of(const Call& call) {
@@ -116,7 +105,7 @@ Answer yield_of(const Call& call) {
     one["reference"] = design.reference_name;
     if (options.limit_db && design.reference_name == "sections") {
       options.progress = nullptr;
-      one["to_buy"] = purchases_json(yield::tolerances_to_buy(design, options, *options.limit_db));
+      one["to_buy"] = yield::to_json(yield::tolerances_to_buy(design, options, *options.limit_db));
     }
     body["designs"].push_back(std::move(one));
     out.warnings.insert(out.warnings.end(), design.notes.begin(), design.notes.end());

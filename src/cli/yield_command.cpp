@@ -150,17 +150,6 @@ std::string describe(const yield::Design& design, const yield::Result& result, c
   return text + "\n";
 }
 
-Json purchase_json(const std::vector<yield::Purchase>& all) {
-  Json out = Json::array();
-  for (const yield::Purchase& one : all) {
-    out.push_back({{"resistor_percent", one.resistor_percent},
-                   {"capacitor_percent", one.capacitor_percent},
-                   {"worst_db_p95", one.worst_db_95},
-                   {"meets", one.meets}});
-  }
-  return out;
-}
-
 std::string purchase_text(const std::vector<yield::Purchase>& all, double limit_db) {
   if (all.empty() || !all[0].meets) {
     return fmt::format("  no tolerance on the list keeps 95 % of the circuits within {} dB\n",
@@ -183,7 +172,7 @@ Json design_json(const yield::Design& design, const yield::Result& result, const
   text += describe(design, result, options, asked_band);
   if (options.limit_db && design.reference_name == "sections") {
     const std::vector<yield::Purchase> buy = yield::tolerances_to_buy(design, options, *options.limit_db);
-    out["to_buy"] = purchase_json(buy);
+    out["to_buy"] = yield::to_json(buy);
     text += purchase_text(buy, *options.limit_db);
   }
   return out;

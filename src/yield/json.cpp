@@ -74,4 +74,15 @@ Json to_json(const Result& result, const Options& options) {
   return out;
 }
 
+Json to_json(const std::vector<Purchase>& purchases) {
+  Json out = Json::array();
+  for (const Purchase& one : purchases) {
+    out.push_back({{"resistor_percent", one.resistor_percent},
+                   {"capacitor_percent", one.capacitor_percent},
+                   {"worst_db_p95", one.worst_db_95},
+                   {"meets", one.meets}});
+  }
+  return out;
+}
+
 }  // namespace bodesmith::yield

@@ -11,11 +11,8 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "circuit/json.hpp"
-#include "fpaa/board_picture.hpp"
-#include "fpaa/build_sheet.hpp"
 #include "kicad/schematic.hpp"
-#include "signal/columns.hpp"
-#include "signal/csv.hpp"
+#include "project/artefacts.hpp"
 #include "spice/emit.hpp"
 #include "yield/json.hpp"
 
@@ -26,44 +23,14 @@ namespace fs = std::filesystem;
 constexpr int kTableRows = 241;
 
 std::string document(std::string_view schema, const FilterRun& run, const Json& body) {
-  Json json = json_header(schema, run.from);
-  json.update(body);
-  json["timing_s"] = {{"compute", run.design.compute_s}};
-  return to_text(json);
+  return artefact_json(schema, run.from, body, run.design.compute_s);
 }
 
 std::string bode_table(const FilterRun& run) {
   const Band& band = run.project.band;
-  const std::vector<Hertz> grid =
-      log_grid({Hertz{band.from.value / 2.0}, Hertz{band.to.value * 2.0}}, kTableRows);
-  CsvWriter csv;
-  std::vector<double> hertz;
-  for (const Hertz f : grid) hertz.push_back(f.value);
-  csv.add(column::frequency_hz, hertz);
-  for (const FilterStage& stage : filter_stages(run.design)) {
-    std::vector<double> db;
-    std::vector<double> degrees;
-    for (const Hertz f : grid) {
-      const std::complex<double> h = stage.response(f.rad_s());
-      db.push_back(to_decibel(std::abs(h)));
-      degrees.push_back(to_degrees(std::arg(h)));
-    }
-    std::string name = stage.name;
-    for (char& c : name) {
-      if (c == ' ' || c == '-') c = '_';
-    }
-    csv.add(fmt::format("{}_{}", name, column::magnitude_db), db);
-    csv.add(fmt::format("{}_{}", name, column::phase_deg), degrees);
-  }
-  return csv.text();
-}
-
-void add_board_files(const FilterRun& run, OutputSet& out) {
-  const fpaa::Plan& plan = *run.design.plan;
-  out.add("fpaa/plan.json", document("fpaa_plan", run, plan.to_json()));
-  out.add("fpaa/board.svg", fpaa::board_picture_svg(plan));
-  out.add("fpaa/build_sheet.md", fpaa::build_sheet_markdown(plan));
-  out.add("fpaa/build_sheet.html", fpaa::build_sheet_html(plan));
+  ResponseTable table(log_grid({Hertz{band.from.value / 2.0}, Hertz{band.to.value * 2.0}}, kTableRows));
+  for (const FilterStage& stage : filter_stages(run.design)) table.add(stage.name, stage.response);
+  return table.text();
 }
 
 void add_circuit_files(const FilterRun& run, OutputSet& out) {
@@ -92,7 +59,8 @@ OutputSet filter_files(const FilterRun& run, const fs::path& folder) {
   if (run.design.direct) sections["fit"] = run.design.direct->report_json();
   if (run.design.approximation) sections["approximation"] = run.design.approximation->report_json();
   out.add("sections.json", document("sections", run, sections));
-  if (run.design.plan) add_board_files(run, out);
+  if (const auto& plan = run.design.plan)
+    add_board_files(*plan, document("fpaa_plan", run, plan->to_json()), out);
   if (run.design.circuit) add_circuit_files(run, out);
   if (run.design.yield)
     out.add("yield.json", document("yield", run, {{"designs", Json::array({tolerances_json(run)})}}));

@@ -1,21 +1,13 @@
 #include "project/run_files.hpp"
 
-#include <fmt/format.h>
-
-#include <algorithm>
-#include <cmath>
-
 #include "base/json.hpp"
 #include "base/json_header.hpp"
 #include "circuit/json.hpp"
 #include "controller/files.hpp"
-#include "fpaa/board_picture.hpp"
-#include "fpaa/build_sheet.hpp"
 #include "kicad/schematic.hpp"
 #include "multiplier_layout/json.hpp"
+#include "project/artefacts.hpp"
 #include "project/stages_plot.hpp"
-#include "signal/columns.hpp"
-#include "signal/csv.hpp"
 #include "spice/disturbance_library.hpp"
 #include "spice/emit.hpp"
 
@@ -23,34 +15,14 @@ namespace bodesmith::project {
 namespace {
 
 std::string json_file(std::string_view schema, const ProjectRun& run, const Json& body) {
-  Json json = json_header(schema, run.from);
-  json.update(body);
-  json["timing_s"] = {{"compute", run.design.compute_s}};
-  return to_text(json);
+  return artefact_json(schema, run.from, body, run.design.compute_s);
 }
 
 /// Every stage's response, a decade beyond the compared band on either side.
 std::string stages_csv(const ProjectRun& run) {
-  const std::vector<Hertz> grid = stages_grid(run.budget.band);
-  CsvWriter csv;
-  std::vector<double> hertz;
-  for (const Hertz f : grid) hertz.push_back(f.value);
-  csv.add(column::frequency_hz, hertz);
-  for (const DesignStage& stage : design_stages(run.design)) {
-    std::vector<double> db;
-    std::vector<double> degrees;
-    for (const Hertz f : grid) {
-      const std::complex<double> h = stage.response(f.rad_s());
-      db.push_back(to_decibel(std::abs(h)));
-      degrees.push_back(to_degrees(std::arg(h)));
-    }
-    std::string name = stage.name;
-    std::replace(name.begin(), name.end(), ' ', '_');
-    std::replace(name.begin(), name.end(), '-', '_');
-    csv.add(fmt::format("{}_{}", name, column::magnitude_db), db);
-    csv.add(fmt::format("{}_{}", name, column::phase_deg), degrees);
-  }
-  return csv.text();
+  ResponseTable table(stages_grid(run.budget.band));
+  for (const DesignStage& stage : design_stages(run.design)) table.add(stage.name, stage.response);
+  return table.text();
 }
 
 std::string sections_file(const ProjectRun& run) {
@@ -64,14 +36,6 @@ std::string sections_file(const ProjectRun& run) {
   sections["made_by"] = design.built().name;
   if (design.built().kind == Alternative::Kind::cascade) sections.update(design.approximation.report_json());
   return json_file("sections", run, sections);
-}
-
-void add_plan(const ProjectRun& run, OutputSet& out) {
-  const fpaa::Plan& plan = *run.design.plan;
-  out.add("fpaa/plan.json", json_file("fpaa_plan", run, plan.to_json()));
-  out.add("fpaa/board.svg", fpaa::board_picture_svg(plan));
-  out.add("fpaa/build_sheet.md", fpaa::build_sheet_markdown(plan));
-  out.add("fpaa/build_sheet.html", fpaa::build_sheet_html(plan));
 }
 
 void add_circuit(const ProjectRun& run, OutputSet& out) {
@@ -112,7 +76,8 @@ OutputSet design_files(const ProjectRun& run, const std::filesystem::path& folde
   OutputSet out(folder);
   out.add("cascade.json", json_file("cascade", run, run.design.fit.to_json()));
   out.add("sections.json", sections_file(run));
-  if (run.design.plan) add_plan(run, out);
+  if (const auto& plan = run.design.plan)
+    add_board_files(*plan, json_file("fpaa_plan", run, plan->to_json()), out);
   if (run.design.circuit) add_circuit(run, out);
   add_layout(run, out);
   if (run.design.controller) add_controller(run, out);

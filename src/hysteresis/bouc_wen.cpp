@@ -54,11 +54,29 @@ double BoucWen::advance(double z, double du) const {
     const double power = std::pow(size, n);
     return direction * A - beta * (value >= 0.0 ? power : -power) - gamma * direction * power;
   };
+  // Steps of a twentieth of the decay where z is: beta + gamma and beta - gamma, of the two signs of z, may differ by any
+  // factor. On the way to 0 a quarter of it at most, until a step across 0 is one that the other side bears.
+  const double fastest = beta + std::abs(gamma);
+  const auto decay_step = [&](double c, double size) { return 0.05 / (c * n * std::pow(size, n - 1.0)); };
+  const auto rest_at = [&](double c) { return std::pow(std::abs(A) / c, 1.0 / n); };
+  const auto step_at = [&](double value, double rate) {
+    const double size = std::abs(value);
+    const bool positive = value != 0.0 ? value > 0.0 : direction * A > 0.0;
+    const double own = beta + gamma * direction * (positive ? 1.0 : -1.0);
+    if (direction * A * value >= 0.0) {
+      const double c = own > 0.0 ? own : fastest;
+      return decay_step(c, std::max(size, rest_at(c)));
+    }
+    const double across = std::max(0.25 * size / std::abs(rate), decay_step(fastest, rest_at(fastest)));
+    return own > 0.0 ? std::min(decay_step(own, size), across) : across;
+  };
   while (left > 0.0) {
-    const double size = std::max(std::abs(z), std::pow(std::abs(A) / (beta + std::abs(gamma)), 1.0 / n));
-    const double stiffness = (beta + std::abs(gamma)) * n * std::pow(size, n - 1.0);
-    const double h = std::min(left, stiffness > 0.0 ? 0.05 / stiffness : left);
     const double k1 = slope(z);
+    // Where z has settled it stays: its slope only falls on the way there. Without this a steep loop (a large beta
+    // that a search tries) costs steps in proportion to beta at every sample.
+    if (std::abs(k1) * left <= 1e-12 * std::abs(z) || std::abs(k1) <= 1e-13 * std::abs(A)) break;
+    const double longest = step_at(z, k1);
+    const double h = longest > 0.0 ? std::min(left, longest) : left;
     const double k2 = slope(z + 0.5 * h * k1);
     const double k3 = slope(z + 0.5 * h * k2);
     const double k4 = slope(z + h * k3);

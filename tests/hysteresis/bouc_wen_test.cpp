@@ -40,6 +40,21 @@ TEST(BoucWen, ClosedFormAndStepsAgreeWithBruteForce) {
   }
 }
 
+TEST(BoucWen, ASteepLoopSettlesWhereItsEquationSays) {
+  // In steps in proportion to beta these would never end.
+  for (const double n : {1.5, 3.0}) {
+    for (const double gamma : {-0.9, 0.0, 0.9}) {
+      const BoucWen model{1.0, 0.7, 1e12, gamma * 1e12, n, 0.0, 0.0};
+      double z = 2.0;
+      for (const double direction : {1.0, -1.0}) {
+        z = model.advance(z, direction);
+        const double settled = direction * std::pow(model.A / (model.beta + model.gamma), 1.0 / n);
+        EXPECT_NEAR(z / settled, 1.0, 1e-9) << n << " " << gamma;
+      }
+    }
+  }
+}
+
 TEST(BoucWen, OneMoveOrManyGiveTheSame) {
   const BoucWen model{2.0, 0.6, 1.3, 0.4, 1.0, 0.0, 0.0};
   BoucWenOperator once(model);

@@ -55,6 +55,7 @@ DirectFitOptions read_direct_options(const CommandLine& line, Provenance& from) 
   options.use_phase = line.has("phase");
   options.min_damping = line.positive("least-damping");
   options.seed = line.seed_value();
+  if (const auto seconds = line.maybe_positive("max-seconds")) options.deadline = Deadline(*seconds);
   if (const auto corner = line.maybe_positive("max-corner-hz")) options.max_corner = Hertz{*corner};
   if (line.has("upper")) options.upper = BodePoints::read_csv(line.get<std::string>("upper"), from);
   if (line.has("lower")) options.lower = BodePoints::read_csv(line.get<std::string>("lower"), from);
@@ -68,6 +69,8 @@ void add_direct_options(CommandLine& line) {
   line.flag("phase", "fit the column phase_deg too (stable, minimum-phase sections)");
   line.option<std::string>("upper", "CSV of Bode points the gain must stay below");
   line.option<std::string>("lower", "CSV of Bode points the gain must stay above");
+  line.option<double>("max-seconds",
+                      "time after which a direct fit begins nothing new and keeps the best so far");
   line.option<double>("least-damping", "smallest damping ratio of complex poles and zeros", 0.05);
 }
 
@@ -100,6 +103,7 @@ int write_direct_fit(const CommandLine& line, const DirectFit& fit, const Proven
   if (limit) summary["limit_met"] = met;
   if (!why.empty()) summary["chosen_because"] = why;
   std::string text = direct_summary(fit, line.has("real"));
+  for (const std::string& one : fit.not_tried) text += "not tried in the time given: " + one + "\n";
   if (!met) text += limit_not_met(*limit, "dB");
   print_summary(line, text, timed_document("fit_summary", from, summary, seconds));
   return met ? kDone : kLimitMissed;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numbers>
 
@@ -94,6 +95,7 @@ struct DirectSearch {
   RootModel model;
   SearchResult best;
   int tried = 0;
+  int left = 0;  ///< starts that were not followed when the deadline passed
 };
 
 /// Whether no fit of these orders can be noticeably better, masks or not.
@@ -178,14 +180,23 @@ DirectSearch search_from_starts(const DirectProblem& problem, const DirectFitOpt
     settings.real = real;
     settings.random = real && !options.real ? effort.random / 4 : effort.random;
     StartBuilder builder(settings, [&](const RootModel& model, const VectorXd& start) {
-      return search_least_squares(model, problem.screening, problem.limits, start, effort.iterations);
+      constexpr int kHurried = 3;
+      const int iterations = options.deadline.passed() ? kHurried : effort.iterations;
+      return search_least_squares(model, problem.screening, problem.limits, start, iterations);
     });
     const RootModel model = StartBuilder::make_model(problem.zeros, options.order, real, problem.reference);
     std::vector<SearchResult> starts = builder.build(problem.zeros, options.order, problem.reference);
     const bool screen = starts.size() > effort.finished;
     std::vector<SearchResult> refined(starts.size());
+    std::atomic<int> left{0};
     parallel_for(starts.size(), thread_count(0), [&](std::size_t i) {
       stop_if_interrupted();
+      // The first one is followed however late it is: there is an answer.
+      if (i > 0 && options.deadline.passed()) {
+        ++left;
+        refined[i].value = INFINITY;
+        return;
+      }
       refined[i] =
           screen ? search_constrained(model, problem.screening, problem.limits, starts[i].theta, false, 40)
                  : refine_start(problem, model, starts[i], options.least_squares);
@@ -194,8 +205,10 @@ DirectSearch search_from_starts(const DirectProblem& problem, const DirectFitOpt
       std::stable_sort(refined.begin(), refined.end(),
                        [](const SearchResult& a, const SearchResult& b) { return a.value < b.value; });
       refined.resize(effort.finished);
-      for (SearchResult& result : refined)
+      for (SearchResult& result : refined) {
+        if (result.theta.size() == 0) continue;
         result = search_constrained(model, problem.target, problem.limits, result.theta, false, 80);
+      }
     }
     for (SearchResult& result : refined) {
       if (result.value < out.best.value * (1.0 - 1e-6)) {
@@ -204,6 +217,7 @@ DirectSearch search_from_starts(const DirectProblem& problem, const DirectFitOpt
       }
     }
     out.tried += builder.tried();
+    out.left += left;
   }
   return out;
 }
@@ -296,7 +310,11 @@ DirectFit fit_directly(const BodePoints& points, const DirectFitOptions& options
   if (!std::isfinite(search.best.value) || search.best.theta.size() == 0)
     throw DesignError(
         "no fit to these points has finite gains: their numbers lie too far apart for double precision");
-  if (!problem.underdetermined && !proven) {
+  if (search.left > 0)
+    out.not_tried.push_back(fmt::format("{} of the starting points were not followed", search.left));
+  if (!problem.underdetermined && !proven && options.deadline.passed()) {
+    out.not_tried.emplace_back("groups of roots were not moved together");
+  } else if (!problem.underdetermined && !proven) {
     GroupMoves moves(search.model, problem.limits, problem.starts, problem.screening, problem.target,
                      options.least_squares);
     search.best = moves.improve(std::move(search.best));
@@ -324,6 +342,10 @@ DirectFit fit_directly_within(const BodePoints& points, DirectFitOptions options
   for (options.order = min_order; options.order <= max_order; ++options.order) {
     fit = fit_directly(points, options);
     if (fit.max_db <= limit_db) break;
+    if (options.order < max_order && options.deadline.passed()) {
+      fit.not_tried.push_back(fmt::format("orders above {}", options.order));
+      break;
+    }
   }
   return fit;
 }

@@ -5,6 +5,7 @@
 #include <string>
 #include <vector>
 
+#include "base/deadline.hpp"
 #include "base/json_fwd.hpp"
 #include "base/units.hpp"
 #include "lti/sections.hpp"
@@ -29,6 +30,7 @@ struct DirectFitOptions {
   std::optional<BodePoints> lower{};
   std::uint64_t seed = 1;  ///< of the starts beyond the constructed ones
   int starts = 24;         ///< random starts of the highest order
+  Deadline deadline{};     ///< what was not tried then stands in DirectFit::not_tried
 };
 
 struct DirectFitPoint {
@@ -50,6 +52,7 @@ struct DirectFit {
   int starts_tried = 0;
   int cancelled = 0;  ///< poles of the order asked for that met a zero and were left out
   std::vector<std::string> warnings;
+  std::vector<std::string> not_tried;  ///< when the deadline passed
 
   Json report_json() const;
 };

@@ -18,6 +18,7 @@ Json DirectFit::report_json() const {
   out["starts_tried"] = starts_tried;
   out["cancelled_poles"] = cancelled;
   out["warnings"] = warnings;
+  out["not_tried"] = not_tried;
   return out;
 }
 

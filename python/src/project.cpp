@@ -8,8 +8,8 @@
 namespace bodesmith::python {
 
 Answer run_project(const Call& call) {
-  const project::ProjectRun run =
-      project::run_project(call.options.at("path").string(), call.options.at("folder").string());
+  const project::ProjectRun run = project::run_project(
+      project::ProjectSource::read(call.options.at("path").string()), call.options.at("folder").string());
   Answer out;
   out.result = json_header("run", run.from);
   out.result.update(project::run_json(run));

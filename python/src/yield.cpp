@@ -94,7 +94,7 @@ Answer yield_of(const Call& call) {
                {"capacitor_percent", options.spread.capacitor_percent},
                {"unit_capacitor_percent", options.spread.mismatch.unit_percent},
                {"designs", Json::array()}};
-  const yield::Team alone;
+  const Team alone;
   for (const yield::Design& design : designs) {
     Progress progress("yield of " + design.name);
     options.progress = [&progress](double fraction) { progress.at(fraction); };

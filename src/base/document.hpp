@@ -59,6 +59,12 @@ class Node {
   std::string one_of(std::initializer_list<std::string_view> words) const;
   /// Refuses members that are not in the list (a misspelt key would otherwise do nothing).
   void allow_only(std::initializer_list<std::string_view> keys) const;
+  /// A copy in which `value` stands under the dotted `key` ("hardware.circuit.resistors"), in tables that are made where
+  /// they are missing. Errors about it name the file and line that it came from.
+  Node with(std::string_view key, const Node& value) const;
+  /// A copy without that member; what is not there is an error at `blame`.
+  Node without(std::string_view key, const Node& blame) const;
+
   /// Refuses a document whose "schema" is not `bodesmith.NAME/1`.
   void expect_schema(std::string_view name) const;
 

@@ -5,8 +5,23 @@
 #include "project/filter_run.hpp"
 #include "project/run.hpp"
 #include "project/run_summary.hpp"
+#include "project/sweep/sweep.hpp"
 
 namespace bodesmith::cli {
+namespace {
+
+int run_variants(const CommandLine& line) {
+  const std::unique_ptr<Team> team = join_team();
+  const project::Sweep sweep = project::run_sweep(line.files().front(), line.get<std::string>("sweep"),
+                                                  line.output_path(), {.resume = line.has("resume")}, *team);
+  if (!team->leads()) return kDone;
+  Json summary = json_header("sweep", sweep.from);
+  summary.update(project::sweep_json(sweep));
+  print_summary(line, project::sweep_summary(sweep), summary);
+  return sweep.limits_met() ? kDone : kLimitMissed;
+}
+
+}  // namespace
 
 int run_run(const std::vector<std::string>& arguments) {
   CommandLine line(
@@ -14,19 +29,27 @@ int run_run(const std::vector<std::string>& arguments) {
       "Runs a whole project: from target points, fit, approximation, hardware, plant and references to track\n"
       "to cascade, sections, FPAA plan, SPICE netlists, multiplier layout, a tracking study and report.html,\n"
       "a page that opens offline. A project without a disturbance (an audio curve, a filter, a fractional PID) goes\n"
-      "from its target to sections, board, circuit and tolerances. Exit status 1 when a limit of the project is not met.");
+      "from its target to sections, board, circuit and tolerances. Exit status 1 when a limit of the project is not met.\n"
+      "With --sweep a table of variants (each changes keys of the project) becomes a folder each and one table,\n"
+      "sweep.csv; under `mpirun -n N` the processes share them.");
   line.positional("PROJECT.toml", 1, 1);
   line.output("folder for every output file");
+  line.option<std::string>("sweep",
+                           "VARIANTS.toml: the project once for each of its [[variant]] or [grid] designs");
+  line.flag("resume", "with --sweep: keep what an earlier one finished with the same files");
   if (!line.parse(arguments)) return kDone;
+  if (line.has("sweep")) return run_variants(line);
+  if (line.has("resume")) line.fail("--resume goes with --sweep");
 
-  if (project::FilterProject::is_one(line.files().front())) {
-    const project::FilterRun run = project::run_filter_project(line.files().front(), line.output_path());
+  const auto source = project::ProjectSource::read(line.files().front());
+  if (source.is_filter()) {
+    const project::FilterRun run = project::run_filter_project(source, line.output_path());
     Json summary = json_header("run", run.from);
     summary.update(project::filter_json(run));
     print_summary(line, project::filter_summary(run), summary);
     return run.limits_met() ? kDone : kLimitMissed;
   }
-  const project::ProjectRun run = project::run_project(line.files().front(), line.output_path());
+  const project::ProjectRun run = project::run_project(source, line.output_path());
   Json summary = json_header("run", run.from);
   summary.update(project::run_json(run));
   print_summary(line, project::run_summary(run), summary);

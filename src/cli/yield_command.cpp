@@ -192,7 +192,7 @@ Json settings_json(const yield::Options& options) {
 
 /// The results of all designs, in their order; only the leader of the team has complete ones.
 std::vector<yield::Result> run_designs(const CommandLine& line, const std::vector<yield::Design>& designs,
-                                       yield::Options options, const yield::Team& team) {
+                                       yield::Options options, const Team& team) {
   std::vector<yield::Result> results;
   for (std::size_t i = 0; i < designs.size(); ++i) {
     if (line.has("output"))
@@ -227,7 +227,7 @@ int run_yield(const std::vector<std::string>& arguments) {
   declare_yield(line);
   if (!line.parse(arguments)) return kDone;
   yield::Options options = read_yield_options(line);
-  const std::unique_ptr<yield::Team> team = yield::join_team();
+  const std::unique_ptr<Team> team = join_team();
   Provenance from;
   std::vector<yield::Design> designs;
   for (const std::string& file : line.files()) designs.push_back(read_design(line, file, from));

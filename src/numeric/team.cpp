@@ -1,4 +1,4 @@
-#include "yield/team.hpp"
+#include "numeric/team.hpp"
 
 #include <dlfcn.h>
 #include <fmt/format.h>
@@ -8,7 +8,7 @@
 
 #include "base/error.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith {
 namespace {
 
 bool started_by_mpirun() {
@@ -81,4 +81,4 @@ std::unique_ptr<Team> join_team() {
       "started by mpirun, but built without MPI; expected an MPI library when bodesmith was configured");
 }
 
-}  // namespace bodesmith::yield
+}  // namespace bodesmith

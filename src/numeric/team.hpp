@@ -4,7 +4,7 @@
 #include <memory>
 #include <vector>
 
-namespace bodesmith::yield {
+namespace bodesmith {
 
 /// The processes that share one job: alone, or under `mpirun -n N`.
 class Team {
@@ -26,4 +26,4 @@ class Team {
 /// InputError when started by mpirun without MPI support. Leaves the job when destroyed.
 std::unique_ptr<Team> join_team();
 
-}  // namespace bodesmith::yield
+}  // namespace bodesmith

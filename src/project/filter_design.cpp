@@ -193,7 +193,7 @@ void make_yield_of(const FilterProject& project, FilterDesign& design) {
   options.samples = kYieldSamples;
   options.grid = log_grid(project.band, kYieldPoints);
   options.limit_db = project.yield_db;
-  design.yield = yield::run_monte_carlo(built, options, yield::Team());
+  design.yield = yield::run_monte_carlo(built, options, Team());
 }
 
 }  // namespace

@@ -85,16 +85,7 @@ std::string_view to_string(FilterProject::Fit::Method method) {
   return "";
 }
 
-bool FilterProject::is_one(const fs::path& path) {
-  Provenance unused;
-  const Node node = read_document(path, unused);
-  node.expect_schema("project");
-  return node.has("target") && node.at("target").kind() == Node::Kind::object &&
-         !node.at("target").has("disturbance") && !node.has("track") && !node.has("plant");
-}
-
-FilterProject FilterProject::read(const fs::path& path, Provenance& from) {
-  const Node node = read_document(path, from);
+FilterProject FilterProject::from_document(const Node& node, const fs::path& path, Provenance& from) {
   node.expect_schema("project");
   node.allow_only({"schema", "name", "target", "fit", "approximate", "hardware", "tolerances", "limits"});
   FilterProject out;

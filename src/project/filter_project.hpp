@@ -6,6 +6,7 @@
 #include <string>
 
 #include "approximate/fractional_transfer.hpp"
+#include "base/document.hpp"
 #include "base/provenance.hpp"
 #include "lti/sections.hpp"
 #include "project/project.hpp"
@@ -43,10 +44,9 @@ struct FilterProject {
   Project::Limits limits;
   std::optional<double> yield_db;  ///< [limits]: 95 of 100 circuits within it
 
-  /// Whether a project file has no disturbance. Throws InputError for a file that is no project.
-  static bool is_one(const std::filesystem::path& path);
-  /// Every InputError has file and line.
-  static FilterProject read(const std::filesystem::path& path, Provenance& from);
+  /// Of a document that was read from `path`; reads the file that it names. Every InputError has file and line.
+  static FilterProject from_document(const Node& document, const std::filesystem::path& path,
+                                     Provenance& from);
 
   /// |target| in dB where it is known everywhere; nothing for points.
   std::optional<std::complex<double>> target_response(RadPerSecond w) const;

@@ -78,15 +78,16 @@ bool FilterRun::limits_met() const {
   return met && design.no_plan.empty() && (!design.circuit || design.circuit->best.shortfalls.empty());
 }
 
-FilterRun run_filter_project(const fs::path& project_file, const fs::path& folder) {
+FilterRun run_filter_project(const ProjectSource& source, const fs::path& folder) {
   const Stopwatch watch;
   Progress progress("run");
   FilterRun run;
-  run.project = FilterProject::read(project_file, run.from);
+  run.from = source.from;
+  run.project = FilterProject::from_document(source.document, source.file, run.from);
   try {
     run.design = make_filter_design(run.project);
   } catch (const DesignError& error) {
-    throw DesignError(project_file.string() + ": " + error.what());
+    throw DesignError(source.file.string() + ": " + error.what());
   }
   progress.at(0.9);
   run.limits = check_filter_limits(run.project, run.design);

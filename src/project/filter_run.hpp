@@ -6,6 +6,7 @@
 
 #include "base/json_fwd.hpp"
 #include "project/filter_design.hpp"
+#include "project/project_source.hpp"
 
 namespace bodesmith::project {
 
@@ -22,7 +23,7 @@ struct FilterRun {
 };
 
 /// cascade.json (where there is one), sections.json, fpaa/, spice/, yield.json, bode.csv, bode.svg, report.html, run.json.
-FilterRun run_filter_project(const std::filesystem::path& project_file, const std::filesystem::path& folder);
+FilterRun run_filter_project(const ProjectSource& source, const std::filesystem::path& folder);
 
 std::string filter_summary(const FilterRun& run);
 Json filter_json(const FilterRun& run);

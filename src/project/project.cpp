@@ -169,7 +169,10 @@ std::string_view to_string(Project::Choice choice) {
 }
 
 Project Project::read(const fs::path& path, Provenance& from) {
-  const Node node = read_document(path, from);
+  return from_document(read_document(path, from), path, from);
+}
+
+Project Project::from_document(const Node& node, const fs::path& path, Provenance& from) {
   node.expect_schema("project");
   node.allow_only(
       {"schema", "name", "target", "fit", "approximate", "choose", "hardware", "plant", "track", "limits"});

@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/document.hpp"
 #include "base/provenance.hpp"
 #include "base/units.hpp"
 #include "lti/sections.hpp"
@@ -99,6 +100,8 @@ struct Project {
 
   /// Reads the project and the files it names; every InputError has file and line.
   static Project read(const std::filesystem::path& path, Provenance& from);
+  /// The same of a document that was read from `path` (and changed since, see ProjectSource).
+  static Project from_document(const Node& document, const std::filesystem::path& path, Provenance& from);
 };
 
 /// The words of the project file.

@@ -99,17 +99,18 @@ bool ProjectRun::limits_met() const {
   return std::all_of(limits.begin(), limits.end(), [](const LimitCheck& check) { return check.met(); });
 }
 
-ProjectRun run_project(const fs::path& project_file, const fs::path& folder) {
+ProjectRun run_project(const ProjectSource& source, const fs::path& folder) {
   const Stopwatch watch;
   Progress progress("run");
   ProjectRun run;
-  run.project = Project::read(project_file, run.from);
-  run.design = design_of(run.project, project_file);
+  run.from = source.from;
+  run.project = Project::from_document(source.document, source.file, run.from);
+  run.design = design_of(run.project, source.file);
   progress.at(0.1);
   Background background(run);
   run.budget = make_budget(run.project, run.design);
   run.limits = check_limits(run.project, run.design);
-  run.part_errors = errors_of_parts(run, project_file);
+  run.part_errors = errors_of_parts(run, source.file);
   OutputSet design = design_files(run, folder);
   list_files(run, design);
   add_unfinished(design);

@@ -11,6 +11,7 @@
 #include "project/design.hpp"
 #include "project/limits.hpp"
 #include "project/project.hpp"
+#include "project/project_source.hpp"
 #include "project/tracking_study.hpp"
 #include "spice/compensator_check.hpp"
 
@@ -36,6 +37,6 @@ struct ProjectRun {
 /// Reads a project, designs, checks and simulates it, and writes every artefact: fit, sections, FPAA plan, circuit,
 /// layout, tracking study, report. The design's files are written as soon as they are known, so that an
 /// interrupted simulation does not lose them; nothing is written when the input is bad.
-ProjectRun run_project(const std::filesystem::path& project_file, const std::filesystem::path& folder);
+ProjectRun run_project(const ProjectSource& source, const std::filesystem::path& folder);
 
 }  // namespace bodesmith::project

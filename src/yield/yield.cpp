@@ -34,7 +34,7 @@ std::string_view to_string(Spread::Kind kind) {
 namespace {
 
 constexpr std::uint64_t kChunk = 1024;        // samples a thread takes at a time
-constexpr std::uint64_t kRound = 128 * 1024;  // samples between two looks at the clock and the checkpoint
+constexpr std::uint64_t kRound = 128 * 1024;  // samples of a process between two looks at clock and checkpoint
 constexpr double kCheckpointEvery_s = 0.5;
 constexpr std::string_view kMagic = "bodesmith yield checkpoint 2\n";
 
@@ -158,8 +158,9 @@ Result run_monte_carlo(const Design& design, const Options& options, const Team&
 
   const Stopwatch since;
   double kept_at_s = 0.0;
+  const std::uint64_t round = kRound * static_cast<std::uint64_t>(team.size());
   while (done < options.samples) {
-    const std::uint64_t last = std::min(done + kRound, options.samples);
+    const std::uint64_t last = std::min(done + round, options.samples);
     run_round(workers, options, done, last, team);
     // One stops, all stop: the leader decides, what the others left out of the round is not counted.
     const bool stop = team.from_leader(interrupted() ? 1 : 0) != 0;

@@ -11,7 +11,7 @@
 #include "fpaa/mismatch.hpp"
 #include "yield/design.hpp"
 #include "yield/histogram.hpp"
-#include "yield/team.hpp"
+#include "numeric/team.hpp"
 
 namespace bodesmith::yield {
 

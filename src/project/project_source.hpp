@@ -1,0 +1,23 @@
+#pragma once
+
+#include <filesystem>
+
+#include "base/document.hpp"
+#include "base/provenance.hpp"
+
+namespace bodesmith::project {
+
+/// A project file as it was read, before anything is made of it: a sweep changes it in between.
+struct ProjectSource {
+  std::filesystem::path file;
+  Node document;
+  Provenance from;
+
+  /// Throws InputError (file and line) for what is no project.
+  static ProjectSource read(const std::filesystem::path& file);
+
+  /// Whether it has no disturbance: a response to build and nothing to track (FilterProject).
+  bool is_filter() const;
+};
+
+}  // namespace bodesmith::project

@@ -6,6 +6,7 @@
 #include <numbers>
 #include <numeric>
 
+#include "base/whole_number.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 
@@ -99,7 +100,8 @@ double common_step_of(const FractionalPolynomial& terms) {
     });
     if (!fits) continue;
     long common = 0;
-    for (const FractionalPower& t : terms) common = std::gcd(common, std::lround(t.power * denominator));
+    for (const FractionalPower& t : terms)
+      common = std::gcd(common, nearest_whole<long>(t.power * denominator));
     return common == 0 ? 0.0 : static_cast<double>(common) / denominator;
   }
   return 0.0;
@@ -111,13 +113,13 @@ std::optional<int> matignon_count_of(const FractionalPolynomial& terms, double s
   constexpr double kMaxDegree = 120.0;
   const double steps = step > 0.0 ? terms.back().power / step : 0.0;
   if (!(steps >= 1.0 && steps <= kMaxDegree)) return std::nullopt;
-  const Eigen::Index n = std::lround(steps);
+  const Eigen::Index n = nearest_whole<long>(steps);
   // Scaled so that first and last coefficient have one size.
   const double scale =
       std::pow(std::abs(terms.front().coefficient / terms.back().coefficient), 1.0 / static_cast<double>(n));
   Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(n, n);
   for (const FractionalPower& term : terms) {
-    const Eigen::Index k = std::lround(term.power / step);
+    const Eigen::Index k = nearest_whole<long>(term.power / step);
     if (k == n) continue;
     companion(k, n - 1) =
         -term.coefficient / terms.back().coefficient * std::pow(scale, static_cast<double>(k - n));
@@ -142,7 +144,7 @@ FractionalStability fractional_stability(const FractionalPolynomial& denominator
   const AxisWalk walk = walk_axis(terms);
   out.nearest_to_axis = walk.nearest_to_axis;
   const double turn_of_highest = 0.5 * std::numbers::pi * terms.back().power;
-  out.unstable_poles = static_cast<int>(std::lround((turn_of_highest - walk.turn_rad) / std::numbers::pi));
+  out.unstable_poles = nearest_whole<int>((turn_of_highest - walk.turn_rad) / std::numbers::pi);
   out.common_step = common_step_of(terms);
   out.matignon_count = matignon_count_of(terms, out.common_step);
   return out;

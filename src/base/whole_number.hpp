@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cmath>
 #include <concepts>
 #include <limits>
 
@@ -13,6 +14,14 @@ constexpr Int whole_number(double value, Int low = std::numeric_limits<Int>::min
   if (!(value > static_cast<double>(low))) return low;
   if (value >= static_cast<double>(high)) return high;
   return static_cast<Int>(value);
+}
+
+/// The whole number nearest to `value` (halves away from zero), held likewise: what std::lround leaves undefined is
+/// defined here.
+template <std::integral Int>
+Int nearest_whole(double value, Int low = std::numeric_limits<Int>::min(),
+                  Int high = std::numeric_limits<Int>::max()) {
+  return whole_number<Int>(std::round(value), low, high);
 }
 
 }  // namespace bodesmith

@@ -78,7 +78,7 @@ DirectFit fit_fractional(const CommandLine& line, const BodePoints& points, std:
 
 /// Poles at 0 that stand for an integrator of this power: 1 for s^-0.9, 2 for s^-1.6.
 int whole_integrators(double power) {
-  return power > 0.0 ? std::max(1, static_cast<int>(std::lround(power))) : 0;
+  return power > 0.0 ? std::max(1, nearest_whole<int>(power)) : 0;
 }
 
 /// The points without the integrators: times (j w)^n.

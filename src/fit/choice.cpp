@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 
 namespace bodesmith {
 namespace {
@@ -38,7 +39,7 @@ std::optional<std::string> why_unusable(const CascadeFit& fit) {
 int least_poles(const CascadeFit& fit) {
   int out = 0;
   for (const CascadeFitTerm& term : fit.terms) {
-    if (term.beta != 0.0) out += static_cast<int>(std::ceil(std::abs(term.beta))) + 1;
+    if (term.beta != 0.0) out += whole_number<int>(std::ceil(std::abs(term.beta)), 0, 1000) + 1;
   }
   return out;
 }

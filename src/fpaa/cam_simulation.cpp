@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/whole_number.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan_graph.hpp"
 
@@ -19,9 +20,10 @@ CamSimulation::CamSimulation(const std::vector<Cell>& cells, std::vector<Part> p
     Node node;
     node.name = cell.cam.name;
     node.step = cell.cam.cam->step(cell.cam);
-    node.period = std::max<std::int64_t>(2, std::llround(ticks_per_second_ / cell.cam.clock_a.value));
+    node.period =
+        std::max<std::int64_t>(2, nearest_whole<long long>(ticks_per_second_ / cell.cam.clock_a.value));
     node.offset = cell.cam.phase == 2 ? node.period / 2 : 0;
-    node.delay = std::llround(cell.cam.delay_cycles * static_cast<double>(node.period));
+    node.delay = nearest_whole<long long>(cell.cam.delay_cycles * static_cast<double>(node.period));
     if (node.delay < 0) {
       throw DesignError(
           fmt::format("{} is late by {} cycles, expected 0 or more", node.name, cell.cam.delay_cycles));
@@ -178,7 +180,7 @@ void CamSimulation::run_beats(std::int64_t tick) {
 }
 
 void CamSimulation::advance_to(double time_s) {
-  const auto last = static_cast<std::int64_t>(std::floor(time_s * ticks_per_second_ * (1.0 + 1e-15)));
+  const auto last = whole_number<std::int64_t>(std::floor(time_s * ticks_per_second_ * (1.0 + 1e-15)));
   for (;;) {
     std::int64_t next = last + 1;
     for (const Beat& b : beats_) next = std::min(next, b.next);

@@ -5,6 +5,7 @@
 #include <limits>
 #include <numeric>
 
+#include "base/whole_number.hpp"
 #include "numeric/log_ratio.hpp"
 
 namespace bodesmith::fpaa {
@@ -82,9 +83,9 @@ std::vector<BranchValue> CandidateLists::near_ratio(const Branch& branch, std::s
   std::vector<NearRatio> near;
   for (int c0 = 1; c0 <= max; ++c0) {
     // Beyond the largest capacitor the corner strays: still worth having where the gain needs that C0.
-    const int middle = static_cast<int>(std::lround(std::clamp(ratio * c0, 1.0, static_cast<double>(max))));
+    const int middle = nearest_whole<int>(std::clamp(ratio * c0, 1.0, static_cast<double>(max)));
     if (ratio * c0 > max && off(c0, middle) > kMaxCornerError) break;
-    const int reach = std::clamp(static_cast<int>(kReachTimesC0 / c0), kMinReach, kMaxReach);
+    const int reach = std::clamp(whole_number<int>(kReachTimesC0 / c0), kMinReach, kMaxReach);
     for (int c1 = std::max(1, middle - reach); c1 <= std::min(max, middle + reach); ++c1) {
       near.push_back({off(c0, c1), {c0, c1}});
     }

@@ -5,6 +5,8 @@
 #include <map>
 #include <stdexcept>
 
+#include "base/whole_number.hpp"
+
 namespace bodesmith::fpaa {
 namespace {
 
@@ -71,7 +73,7 @@ std::optional<LegalClock> find_clock(const Board& board, Hertz frequency) {
 LegalClock nearest_clock(const Board& board, Hertz frequency) {
   const auto& table = total_divisors();
   const double total = board.master_clock.value / frequency.value;
-  auto above = table.lower_bound(static_cast<long>(std::ceil(std::min(total, 1e9))));
+  auto above = table.lower_bound(whole_number<long>(std::ceil(std::min(total, 1e9))));
   if (above == table.end()) above = std::prev(above);
   auto best = above;
   if (above != table.begin()) {

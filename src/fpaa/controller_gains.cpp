@@ -9,6 +9,7 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
+#include "base/whole_number.hpp"
 #include "fpaa/an231/memory_image.hpp"
 #include "fpaa/an231/plan_stream.hpp"
 #include "fpaa/an231/stream_output.hpp"
@@ -112,7 +113,7 @@ std::vector<Hertz> gain_set_frequencies(const Disturbance& d, double step_percen
       const double smaller = std::max(1e-9, std::min(std::abs((*gains)[i]), std::abs((*gains)[i + 1])));
       largest = std::max(largest, std::abs((*gains)[i + 1] - (*gains)[i]) / smaller);
     }
-    const int steps = std::clamp(static_cast<int>(std::ceil(100.0 * largest / step_percent)), 1, 200);
+    const int steps = std::clamp(whole_number<int>(std::ceil(100.0 * largest / step_percent)), 1, 200);
     const double ratio = rate.frequency[i + 1].value / rate.frequency[i].value;
     for (int k = 1; k < steps; ++k) {
       out.push_back({rate.frequency[i].value * std::pow(ratio, k / static_cast<double>(steps))});

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/clock_tree.hpp"
 
@@ -29,7 +30,7 @@ ClockPlan clock_plan(const std::vector<Hertz>& clocks, const Board& board) {
   ClockPlan out;
   int shared = 0;
   for (const Hertz f : clocks) {
-    const auto whole = static_cast<int>(std::lround(board.master_clock.value / f.value));
+    const auto whole = nearest_whole<int>(board.master_clock.value / f.value);
     if (!is_legal_divisor(whole)) {
       // Not without a system divisor: the one that this clock needs serves all that are as slow.
       const auto legal = find_clock(board, f);
@@ -38,7 +39,7 @@ ClockPlan clock_plan(const std::vector<Hertz>& clocks, const Board& board) {
   }
   out.sys2_divisor = std::max(1, shared);
   for (const Hertz f : clocks) {
-    const auto whole = static_cast<int>(std::lround(board.master_clock.value / f.value));
+    const auto whole = nearest_whole<int>(board.master_clock.value / f.value);
     const bool direct = is_legal_divisor(whole);
     out.clocks.push_back({direct ? 1 : 2, direct ? whole : whole / out.sys2_divisor});
   }

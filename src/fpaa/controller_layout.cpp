@@ -11,6 +11,7 @@
 #include <set>
 
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 #include "fpaa/an231/lookup_stage.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/cams/comparator.hpp"
@@ -146,8 +147,7 @@ class ControllerLayout {
   void add_slope_detector() {
     if (switches_outside()) return;
     const double clock = options_.fast_clock.value;
-    const int cd =
-        std::clamp(static_cast<int>(std::lround(kSlopeTimeConstant * clock)), 1, board_.max_capacitor);
+    const int cd = std::clamp(nearest_whole<int>(kSlopeTimeConstant * clock), 1, board_.max_capacitor);
     const HighPassCapacitors high_pass{board_.max_capacitor, 1, cd};
     ControllerCam& filter = add("SlopeFilter", filter_bilinear_cam(), "High Pass", {"r"},
                                 CornerSpec{high_pass.corner(options_.fast_clock), high_pass.gain()}.values());
@@ -166,8 +166,8 @@ class ControllerLayout {
     // -1/(1 + n (1 - 1/z)) is late by n cycles. It inverts, so that the sum's own input does so without
     // delay.
     const double cycles = age(prefix + "Output", 1) * options_.fast_clock.value;
-    const int cout = std::max(1, static_cast<int>(board_.max_capacitor / std::max(1.0, cycles)));
-    const LowPassCapacitors low_pass{cout, static_cast<int>(std::lround(cycles * cout)), cout};
+    const int cout = std::max(1, whole_number<int>(board_.max_capacitor / std::max(1.0, cycles)));
+    const LowPassCapacitors low_pass{cout, nearest_whole<int>(cycles * cout), cout};
     ControllerCam filter = made(delay, filter_bilinear_cam(), "Low Pass", {"r"},
                                 CornerSpec{low_pass.corner(options_.fast_clock), low_pass.gain()}.values());
     filter.capacitors = {{"Cin", low_pass.cin}, {"Cint", low_pass.cint}, {"Cout", low_pass.cout}};
@@ -322,7 +322,7 @@ class ControllerLayout {
       if (from->output_hold) oldest += 0.5 * cycle;
       // It waits for the reader's edge where it changes in the other phase.
       if (from->clock_a == reader.clock_a) {
-        const auto changes = static_cast<long>(std::lround(2.0 * from->delay_cycles)) + from->phase - 1;
+        const auto changes = nearest_whole<long>(2.0 * from->delay_cycles) + from->phase - 1;
         const long reads = reader.phase - 1 + (late ? 1 : 0);
         if ((changes - reads) % 2 != 0) oldest += 0.5 * cycle;
       }

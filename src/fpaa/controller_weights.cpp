@@ -6,6 +6,7 @@
 #include <cmath>
 #include <limits>
 
+#include "base/whole_number.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/cams/gain_hold.hpp"
 
@@ -41,7 +42,7 @@ double best_over(const std::vector<double>& gains, const std::vector<double>& pr
     for (std::size_t i = 0; i < n; ++i) {
       const double wanted = std::abs(gains[i]) * cout;
       const double whole = std::floor(wanted) + static_cast<double>((choice >> i) & 1U);
-      units[i] = gains[i] == 0.0 ? 0 : static_cast<int>(std::clamp(whole, 1.0, 1.0 * max_capacitor));
+      units[i] = gains[i] == 0.0 ? 0 : whole_number<int>(whole, 1, max_capacitor);
       off[i] = std::copysign(units[i] / static_cast<double>(cout), gains[i]) - gains[i];
     }
     const double error = weighed_error(off, products);

@@ -15,7 +15,7 @@ constexpr const char* kPlaceForms = "expected CHIP.CAM, CHIP.CAM:OVER/UNDER or A
   throw InputError(fmt::format("{} '{}': {}", option, text, what));
 }
 
-std::optional<int> whole_number(std::string_view text, int max) {
+std::optional<int> digits_as_number(std::string_view text, int max) {
   if (text.empty() || text.size() > 5) return std::nullopt;
   int out = 0;
   for (const char c : text) {
@@ -29,8 +29,8 @@ std::optional<int> whole_number(std::string_view text, int max) {
 std::optional<MemoryPlace> memory_place(std::string_view text) {
   const std::size_t dot = text.find('.');
   if (dot == std::string_view::npos) return std::nullopt;
-  const auto bank = whole_number(text.substr(0, dot), 255);
-  const auto byte = whole_number(text.substr(dot + 1), 31);
+  const auto bank = digits_as_number(text.substr(0, dot), 255);
+  const auto byte = digits_as_number(text.substr(dot + 1), 31);
   if (!bank || !byte) return std::nullopt;
   return MemoryPlace{*bank, *byte};
 }
@@ -41,7 +41,7 @@ GainPlace known_address(const std::string& text, const std::string& option) {
     place_fails(option, text, kPlaceForms);
   GainPlace out;
   out.words = text;
-  const auto address = whole_number(std::string_view(text).substr(0, colon), 255);
+  const auto address = digits_as_number(std::string_view(text).substr(0, colon), 255);
   const auto over = memory_place(std::string_view(text).substr(colon + 1, slash - colon - 1));
   const std::string_view last = std::string_view(text).substr(slash + 1);
   if (!address || *address == 0 || !over) {
@@ -51,7 +51,7 @@ GainPlace known_address(const std::string& text, const std::string& option) {
   out.over.push_back(*over);
   if (const auto under = memory_place(last)) {
     out.under.push_back(*under);
-  } else if (const auto units = whole_number(last, 255); units && *units > 0) {
+  } else if (const auto units = digits_as_number(last, 255); units && *units > 0) {
     out.fixed_under = *units;
   } else {
     place_fails(option, text, "expected after the stroke BANK.BYTE or 1 to 255 units");
@@ -106,7 +106,7 @@ GainPlace parse_gain_place(const std::string& text, const ApiProject* project, c
                 fmt::format("{}:{}: has no capacitor {}, it has {}", project->file, table->line, over,
                             join(names, ", ")));
   }
-  if (const auto units = whole_number(under, 255); units && *units > 0) {
+  if (const auto units = digits_as_number(under, 255); units && *units > 0) {
     out.fixed_under = *units;
     return out;
   }

@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -23,7 +24,7 @@ GainCapacitors nearest_ratio(double gain, int fixed_under) {
   double least = 1e300;
   for (int under = fixed_under > 0 ? fixed_under : kMaxUnits; under >= (fixed_under > 0 ? fixed_under : 1);
        --under) {
-    const int over = static_cast<int>(std::lround(std::min(gain * under, kMaxUnits + 1.0)));
+    const int over = nearest_whole<int>(std::min(gain * under, kMaxUnits + 1.0));
     if (over < 1 || over > kMaxUnits) continue;
     const double error = std::abs(static_cast<double>(over) / under - gain);
     if (error < least * (1.0 - 1e-12)) {

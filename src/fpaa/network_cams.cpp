@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/whole_number.hpp"
 #include "fpaa/cams/biquad_stage.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/cams/filter_bilinear.hpp"
@@ -16,7 +17,7 @@ namespace {
 using Stage = NetworkStage;
 
 int whole(double units) {
-  return static_cast<int>(std::lround(units));
+  return nearest_whole<int>(units);
 }
 
 void fill_sum(const Stage& stage, PlacedCam& out) {

@@ -8,6 +8,8 @@
 #include <numbers>
 #include <set>
 
+#include "base/progress.hpp"
+#include "base/whole_number.hpp"
 #include "numeric/dense.hpp"
 
 namespace bodesmith::fpaa {
@@ -391,13 +393,14 @@ std::vector<ParallelPath> with_clocks(std::vector<ParallelPath> paths, const Net
   const std::int64_t step = options.sum_divisor;
   const double reach = static_cast<double>(kLargestOneDivisor);
   const std::int64_t system =
-      most <= reach ? step
-                    : step * static_cast<std::int64_t>(std::ceil(most / (reach * static_cast<double>(step))));
+      most <= reach
+          ? step
+          : step * whole_number<std::int64_t>(std::ceil(most / (reach * static_cast<double>(step))));
   for (std::size_t i = 0; i < paths.size(); ++i) {
     const bool one = wanted[i] <= reach;
     // Behind the second system clock another divisor follows, which is even (or 1).
     const std::int64_t unit = one ? step : system == step ? step : 2 * system;
-    const auto multiple = static_cast<std::int64_t>(std::floor(wanted[i] / static_cast<double>(unit) + 0.5));
+    const auto multiple = whole_number<std::int64_t>(std::floor(wanted[i] / static_cast<double>(unit) + 0.5));
     paths[i].divisor = unit * std::max<std::int64_t>(1, multiple);
     if (one && paths[i].divisor > kLargestOneDivisor) paths[i].divisor -= step;
   }
@@ -457,6 +460,7 @@ std::vector<std::vector<ParallelPath>> fewer_paths(std::vector<ParallelPath> pat
     double least = std::numeric_limits<double>::infinity();
     std::vector<ParallelPath> best;
     for (std::size_t i = 0; i < paths.size(); ++i) {
+      stop_if_interrupted();
       std::vector<ParallelPath> rest = paths;
       rest.erase(rest.begin() + static_cast<std::ptrdiff_t>(i));
       const double cost = parallel_weights(rest, before, response, options).cost;

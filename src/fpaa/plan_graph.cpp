@@ -6,6 +6,8 @@
 #include <cmath>
 #include <map>
 
+#include "base/whole_number.hpp"
+
 namespace bodesmith::fpaa {
 namespace {
 
@@ -41,8 +43,8 @@ class GraphBuilder {
         node.cam = &cam;
         node.name = fmt::format("chip{}.{}", chip.chip, cam.name);
         node.chip = chip.chip;
-        node.period = std::max<std::int64_t>(1, std::llround(out_.tick_rate / cam.clock_a.value));
-        node.delay = std::llround(cam.delay_cycles * static_cast<double>(node.period));
+        node.period = std::max<std::int64_t>(1, nearest_whole<long long>(out_.tick_rate / cam.clock_a.value));
+        node.delay = nearest_whole<long long>(cam.delay_cycles * static_cast<double>(node.period));
         node_of_[node.name] = out_.nodes.size();
         out_.nodes.push_back(std::move(node));
       }

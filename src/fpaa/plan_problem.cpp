@@ -7,6 +7,8 @@
 #include <limits>
 #include <stdexcept>
 
+#include "base/whole_number.hpp"
+
 namespace bodesmith::fpaa {
 namespace {
 
@@ -73,7 +75,7 @@ TaskChain with_gain_stages(TaskChain chain, Band band, std::size_t extra) {
   const double by_filters = std::log(kMaxGainOfFilter) * static_cast<double>(filters);
   std::size_t stages = 0;
   if (total > by_filters) {
-    stages = static_cast<std::size_t>(std::ceil((total - by_filters) / std::log(kMaxGainOfStage)));
+    stages = whole_number<std::size_t>(std::ceil((total - by_filters) / std::log(kMaxGainOfStage)));
   }
   const auto inverting = static_cast<std::size_t>(std::count_if(
       chain.tasks.begin(), chain.tasks.end(), [](const CamTaskPtr& task) { return task->inverts(); }));

@@ -9,6 +9,7 @@
 
 #include "base/error.hpp"
 #include "base/json.hpp"
+#include "base/whole_number.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/trim_search.hpp"
 #include "numeric/random.hpp"
@@ -108,8 +109,7 @@ double variance_of_unit(const MismatchModel& mismatch) {
 }
 
 ExchangedUnits exchange_of(double from, int to, const TrimOptions& options) {
-  return exchanged_units(static_cast<int>(std::lround(from)), to, options.array,
-                         variance_of_unit(options.mismatch));
+  return exchanged_units(nearest_whole<int>(from), to, options.array, variance_of_unit(options.mismatch));
 }
 
 /// What a capacitor of n units with the relative error x (ln) is expected to be with `to` units.
@@ -214,7 +214,7 @@ class TrimDesign {
     problem_.steps = options.search_steps;
     problem_.seed = options.seed;
     for (std::size_t c = 0; c < built.size(); ++c) {
-      problem_.built.push_back(static_cast<int>(std::lround(built[c])));
+      problem_.built.push_back(nearest_whole<int>(built[c]));
       problem_.excess.push_back(built[c] * std::expm1(estimate.error[c]));
     }
     problem_.units = problem_.built;
@@ -342,7 +342,7 @@ Trim trim_board(const Plan& plan, const std::vector<Complex>& wanted, const std:
   }
   out.plan = with_capacitors(plan, units);
   for (std::size_t c = 0; c < units.size(); ++c) {
-    const int old = static_cast<int>(std::lround(board.nominal_units()[c]));
+    const int old = nearest_whole<int>(board.nominal_units()[c]);
     if (old != units[c]) out.changes.push_back({board.names()[c], old, units[c]});
   }
   return out;

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/whole_number.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith::fpaa {
@@ -153,7 +154,7 @@ class TrimSearch {
   }
 
   int stepped(std::size_t c, Random& random) const {
-    const auto reach = static_cast<std::uint64_t>(std::max(1.0, kLongestStep * units_[c]));
+    const auto reach = whole_number<std::uint64_t>(kLongestStep * units_[c], 1);
     const int by = 1 + static_cast<int>(random.below(reach));
     return units_[c] + (random.uniform() < 0.5 ? -by : by);
   }
@@ -169,8 +170,8 @@ class TrimSearch {
       const double spread = random != nullptr ? kRoundingSpread * random->normal() : 0.0;
       const double wanted = units_[c] * std::exp(real_move(open, first)) + spread;
       const int last = lowest_[c] + static_cast<int>(places_[c].size()) - 1;
-      move(c, static_cast<int>(std::lround(
-                  std::clamp(wanted, static_cast<double>(lowest_[c]), static_cast<double>(last)))));
+      move(c, nearest_whole<int>(
+                  std::clamp(wanted, static_cast<double>(lowest_[c]), static_cast<double>(last))));
     }
   }
 

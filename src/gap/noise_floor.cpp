@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/whole_number.hpp"
 #include "numeric/fourier.hpp"
 #include "signal/period.hpp"
 #include "signal/periodogram.hpp"
@@ -85,7 +86,7 @@ NoiseFloor floor_from_high_frequencies(const std::vector<double>& residual, cons
   while (top > 1 && above + u.power[top - 1] < kPowerAboveBand * total) above += u.power[--top];
   if (static_cast<double>(top) > kMaxBand * static_cast<double>(u.power.size())) return floor;
   const auto e = periodogram(residual, step_s);
-  const auto from = static_cast<std::size_t>(static_cast<double>(top) * u.bin_hz / e.bin_hz) + 1;
+  const auto from = whole_number<std::size_t>(static_cast<double>(top) * u.bin_hz / e.bin_hz) + 1;
   // Half way between the input's top and Nyquist and beyond: harmonics have died down there.
   const std::size_t begin = from + (e.power.size() - from) / 2;
   if (begin + kMinBins > e.power.size()) return floor;

@@ -1,4 +1,5 @@
 #include "gap/settling.hpp"
+#include "base/whole_number.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -18,7 +19,7 @@ constexpr double kZero = 0.01;
 std::size_t settling_samples(const chain::Chain& chain, double step_s) {
   double slowest = 0.0;
   for (const auto& block : chain.blocks) slowest = std::max(slowest, block.slowest_time_constant_s());
-  return static_cast<std::size_t>(std::min(kTimeConstants * slowest / step_s, kNeverSettles));
+  return whole_number<std::size_t>(std::min(kTimeConstants * slowest / step_s, kNeverSettles));
 }
 
 std::size_t start_samples(const chain::Chain& base, const TimeRecord& record) {

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 #include "numeric/fourier.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
@@ -147,7 +148,7 @@ Bins amplitude_bins(const std::vector<double>& e, std::span<const double> u) {
     bins[b].to = *low + span * static_cast<double>(b + 1) / kCount;
   }
   for (std::size_t i = 0; i < u.size(); ++i) {
-    const auto b = std::min(kAmplitudeBins - 1, static_cast<std::size_t>(kCount * (u[i] - *low) / span));
+    const auto b = std::min(kAmplitudeBins - 1, whole_number<std::size_t>(kCount * (u[i] - *low) / span));
     bins[b].energy += e[i] * e[i];
     bins[b].extent += 1.0;
   }

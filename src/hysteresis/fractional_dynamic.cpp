@@ -7,6 +7,7 @@
 #include <numbers>
 
 #include "base/error.hpp"
+#include "base/whole_number.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/grunwald_letnikov.hpp"
 #include "numeric/matrix_exponential.hpp"
@@ -227,14 +228,14 @@ int right_half_plane_roots(const FractionalPolynomial& polynomial) {
     if (std::abs(turn) < 0.1) step = std::min(0.05, 1.5 * dx);
   }
   // From 0 to ∞ the argument would turn by (top − bottom)π/2 without roots to the right; each takes π away.
-  return static_cast<int>(std::lround(((top - bottom) * kPi / 2.0 - turned) / kPi));
+  return nearest_whole<int>(((top - bottom) * kPi / 2.0 - turned) / kPi);
 }
 
 int unstable_by_matignon(const FractionalPolynomial& polynomial, double q) {
   std::vector<double> c;
   for (const FractionalPolynomial::Term& term : polynomial.terms) {
     const double degree = term.exponent / q;
-    const auto whole = static_cast<std::size_t>(std::llround(degree));
+    const auto whole = nearest_whole<std::size_t>(degree);
     if (std::abs(degree - static_cast<double>(whole)) > 1e-6)
       throw DesignError("an exponent is no multiple of q");
     if (whole > 600)

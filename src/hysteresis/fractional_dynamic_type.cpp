@@ -1,6 +1,7 @@
 #include <algorithm>
 
 #include "base/error.hpp"
+#include "base/whole_number.hpp"
 #include "hysteresis/fractional_dynamic.hpp"
 #include "hysteresis/identification.hpp"
 
@@ -99,7 +100,7 @@ FractionalDynamic FractionalDynamic::from(const Parameters& values) {
   out.chi = values.number("chi");
   out.rho = values.number("rho");
   out.delta = values.number("delta");
-  out.modes = static_cast<int>(values.number("modes"));
+  out.modes = whole_number<int>(values.number("modes"));
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/whole_number.hpp"
 #include "hysteresis/identification.hpp"
 
 namespace bodesmith::hysteresis {
@@ -65,8 +66,8 @@ KrasnoselskiiPokrovskii KrasnoselskiiPokrovskii::from(const Parameters& values) 
   const double u_max = values.number("u_max");
   if (!(u_max > u_min)) throw DesignError("u_max is not above u_min");
   const std::vector<double>& mu = values.list("mu");
-  const auto levels = static_cast<std::size_t>(
-      std::llround((std::sqrt(8.0 * static_cast<double>(mu.size()) + 1.0) - 1.0) / 2.0));
+  const auto levels =
+      nearest_whole<std::size_t>((std::sqrt(8.0 * static_cast<double>(mu.size()) + 1.0) - 1.0) / 2.0);
   if (mu.empty() || levels * (levels + 1) / 2 != mu.size())
     throw DesignError(fmt::format("mu has {} numbers, expected n (n + 1)/2", mu.size()));
   EverettTable table = EverettTable::from_weights(u_min, u_max, levels, mu);

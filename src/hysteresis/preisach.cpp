@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/whole_number.hpp"
 #include "hysteresis/identification.hpp"
 
 namespace bodesmith::hysteresis {
@@ -108,8 +109,8 @@ Preisach Preisach::from(const Parameters& values) {
   const double u_max = values.number("u_max");
   if (!(u_max > u_min)) throw DesignError("u_max is not above u_min");
   const std::vector<double>& w = values.list("w");
-  const auto levels = static_cast<std::size_t>(
-      std::llround((std::sqrt(8.0 * static_cast<double>(w.size()) + 1.0) - 1.0) / 2.0));
+  const auto levels =
+      nearest_whole<std::size_t>((std::sqrt(8.0 * static_cast<double>(w.size()) + 1.0) - 1.0) / 2.0);
   if (w.empty() || levels * (levels + 1) / 2 != w.size())
     throw DesignError(fmt::format("w has {} numbers, expected L (L + 1)/2 for L levels", w.size()));
   Preisach out;

@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
+#include "base/whole_number.hpp"
 #include "invert/band_limit.hpp"
 #include "simulate/simulate.hpp"
 
@@ -192,7 +193,7 @@ std::vector<double> DriveSearch::change_towards(const std::vector<double>& y) {
   goal.change = later_by(error, -late);
   goal.weight.assign(y.size(), 1.0);
   // What is driven in the last moments comes out behind the record's end.
-  const auto lost = static_cast<std::size_t>(std::min(std::floor(late), static_cast<double>(y.size() - 1)));
+  const auto lost = whole_number<std::size_t>(std::min(std::floor(late), static_cast<double>(y.size() - 1)));
   std::fill(goal.weight.end() - static_cast<std::ptrdiff_t>(lost), goal.weight.end(), 0.0);
   goal.drive = drive_;
   goal.gain = model.gain;

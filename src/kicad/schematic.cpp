@@ -10,6 +10,7 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
+#include "base/whole_number.hpp"
 #include "circuit/text.hpp"
 #include "kicad/cell.hpp"
 #include "kicad/devices.hpp"
@@ -206,7 +207,8 @@ class Schematic {
 std::string kicad_value(double value) {
   static const std::map<int, const char*> kPrefixes = {
       {-15, "f"}, {-12, "p"}, {-9, "n"}, {-6, "u"}, {-3, "m"}, {0, ""}, {3, "k"}, {6, "M"}, {9, "G"}};
-  const int power = std::clamp(3 * static_cast<int>(std::floor(std::log10(value) / 3.0 + 1e-9)), -15, 9);
+  const int power =
+      std::clamp(3 * whole_number<int>(std::floor(std::log10(value) / 3.0 + 1e-9), -110, 110), -15, 9);
   return rounded_text(value / std::pow(10.0, power), 6) + kPrefixes.at(power);
 }
 

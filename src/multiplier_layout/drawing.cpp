@@ -7,6 +7,7 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
+#include "base/whole_number.hpp"
 #include "multiplier_layout/layout.hpp"
 
 namespace bodesmith::multiplier_layout {
@@ -91,8 +92,8 @@ class Sheet {
     for (const char* list : {"lines", "boxes", "opamps", "dots", "texts"}) {
       data[list] = shapes_.contains(list) ? shapes_[list] : Json::array();
     }
-    data["width"] = std::lround(width);
-    data["height"] = std::lround(height);
+    data["width"] = nearest_whole<long>(width);
+    data["height"] = nearest_whole<long>(height);
     data["title"] = title;
     return render_template("layout/drawing.svg", data);
   }

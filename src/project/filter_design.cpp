@@ -10,6 +10,7 @@
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 #include "circuit/response.hpp"
 #include "circuit/stated_band.hpp"
 #include "fit/choice.hpp"
@@ -110,7 +111,7 @@ void fit_points(const FilterProject& project, FilterDesign& design) {
 BodePoints points_of(const FractionalTransfer& transfer, const std::string& file, Band band) {
   BodePoints out;
   out.file = file;
-  const int count = std::max(20, static_cast<int>(40.0 * std::log10(band.to.value / band.from.value)));
+  const int count = std::max(20, whole_number<int>(40.0 * std::log10(band.to.value / band.from.value)));
   for (const Hertz f : log_grid(band, count)) {
     const std::complex<double> g = transfer.response(f.rad_s());
     out.points.push_back({f, std::abs(g), to_degrees(std::arg(g)), 1.0, 0});

@@ -57,7 +57,7 @@ std::vector<double> logarithmic_subdivisions(double from, double to) {
 
 std::string tick_text(double value) {
   if (value != 0.0 && (std::abs(value) >= 1e5 || std::abs(value) < 1e-3)) {
-    const int exponent = static_cast<int>(std::floor(std::log10(std::abs(value)) + 1e-9));
+    const int exponent = whole_number<int>(std::floor(std::log10(std::abs(value)) + 1e-9));
     const double mantissa = value / std::pow(10.0, exponent);
     if (std::abs(mantissa - 1.0) < 1e-9) return fmt::format("1e{}", exponent);
     return fmt::format("{:.3g}e{}", mantissa, exponent);

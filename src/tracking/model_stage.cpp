@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/whole_number.hpp"
 #include "simulate/simulate.hpp"
 
 namespace bodesmith::tracking {
@@ -135,7 +136,7 @@ std::vector<double> ChainStage::response(std::span<const double> v, double step_
   double slowest = 0.0;
   for (const chain::Block& block : chain_.blocks) slowest += block.slowest_time_constant_s();
   const double round_s = step_s * static_cast<double>(v.size());
-  const int rounds = 2 + static_cast<int>(std::min(1e3, std::ceil(20.0 * slowest / round_s)));
+  const int rounds = 2 + whole_number<int>(std::ceil(20.0 * slowest / round_s), 0, 1000);
   TimeRecord record;
   record.file = name_;
   record.step_s = step_s;

@@ -20,5 +20,13 @@ TEST(WholeNumber, HoldsWhatTheTypeCannot) {
   EXPECT_EQ(whole_number<int>(9.0, 2, 7), 7);
 }
 
+TEST(WholeNumber, NearestGoesAwayFromZeroAndHoldsToo) {
+  EXPECT_EQ(nearest_whole<int>(2.5), 3);
+  EXPECT_EQ(nearest_whole<int>(-2.5), -3);
+  EXPECT_EQ(nearest_whole<long>(1e300), std::numeric_limits<long>::max());
+  EXPECT_EQ(nearest_whole<int>(NAN, 1, 255), 1);
+  EXPECT_EQ(nearest_whole<int>(255.4, 1, 255), 255);
+}
+
 }  // namespace
 }  // namespace bodesmith

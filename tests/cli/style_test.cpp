@@ -108,6 +108,17 @@ TEST(Style, OneSpellingAndOneVocabulary) {
     check_style(kRoot / file);
 }
 
+TEST(Style, RoundedNumbersBecomeWholeOnesInOneWay) {
+  // What std::lround and a cast do with a number that the type cannot hold is undefined.
+  const std::regex unchecked(
+      R"(\bl?lround\(|static_cast<(int|long|long long|unsigned|std::size_t|std::u?int\d+_t|Eigen::Index)>\((std::)?(floor|ceil|round|trunc)\()");
+  for (const fs::path& file : files_below(kRoot / "src", {".cpp", ".hpp"})) {
+    if (file == kRoot / "src/base/whole_number.hpp") continue;
+    EXPECT_FALSE(std::regex_search(read_file(file), unchecked))
+        << file << ", expected nearest_whole() or whole_number()";
+  }
+}
+
 TEST(Style, NothingNamesAMachine) {
   const std::regex machine("/(work|home|root|tmp)/[a-z_]+/(build|src|main)\\b");
   for (const char* folder : {"src", "tests", "docs", "templates", "examples", "bench", "cmake", ".ci"}) {

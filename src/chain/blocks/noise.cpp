@@ -2,6 +2,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/whole_number.hpp"
 #include "chain/block.hpp"
 #include "chain/inverse.hpp"
 #include "numeric/random.hpp"
@@ -23,7 +24,7 @@ class Octave {
     return sigma_ * (a + (at - whole) * (normal_number(seed_, k + 1) - a));
   }
   double rate(double t) const {
-    const auto k = static_cast<std::int64_t>(std::floor(t / interval_));
+    const auto k = whole_number<std::int64_t>(std::floor(t / interval_));
     return sigma_ * (normal_number(seed_, k + 1) - normal_number(seed_, k)) / interval_;
   }
 

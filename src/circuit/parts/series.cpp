@@ -34,7 +34,7 @@ std::vector<double> geometric(int count) {
 
 /// mantissa * 10^decade as the decimal number that a person would write, not a product's rounding.
 double scaled(double mantissa, int decade) {
-  const long hundredths = std::lround(mantissa * 100.0);
+  const long hundredths = nearest_whole<long>(mantissa * 100.0);
   const int power = decade - 2;
   return power >= 0 ? static_cast<double>(hundredths) * std::pow(10.0, power)
                     : static_cast<double>(hundredths) / std::pow(10.0, -power);

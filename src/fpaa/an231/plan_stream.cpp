@@ -7,6 +7,7 @@
 #include <set>
 
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 #include "fpaa/an231/lookup_stage.hpp"
 #include "fpaa/cams/cam.hpp"
 
@@ -39,7 +40,7 @@ PlanEnd plan_end(const std::string& text) {
 
 /// Divisor of ACLK that a CAM's clock is made with.
 int total_divisor(const PlacedCam& cam, const ChipPlan& chip) {
-  return static_cast<int>(std::lround(chip.master_clock.value / cam.clock_a.value));
+  return nearest_whole<int>(chip.master_clock.value / cam.clock_a.value);
 }
 
 /// One plan as chips that are still to be placed.

@@ -8,6 +8,7 @@
 #include <numbers>
 
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 #include "fpaa/cams/biquad_stage.hpp"
 #include "fpaa/cams/cam.hpp"
 
@@ -91,20 +92,20 @@ void collect_near(const BiquadTarget& target, Hertz clock, int max_capacitor, bo
   c.kind = target.kind;
   c.high_q = high_q;
   for (c.cb = 1; c.cb <= bank; ++c.cb) {
-    const int middle = static_cast<int>(std::lround(root * c.cb));
+    const int middle = nearest_whole<int>(root * c.cb);
     for (c.c3 = std::max(1, middle - 2); c.c3 <= std::min(max_capacitor, middle + 2); ++c.c3) {
       const double c2_per_ca = root * root * c.cb / c.c3;
       for (c.ca = 1; c.ca <= bank; ++c.ca) {
-        c.c2 = static_cast<int>(std::lround(c2_per_ca * c.ca));
+        c.c2 = nearest_whole<int>(c2_per_ca * c.ca);
         if (!fits(c.c2)) continue;
         const double corner_off = 0.5 * std::abs(std::log(c.c2 / (c2_per_ca * c.ca)));
         const double c4_wanted =
             high_q ? std::sqrt(static_cast<double>(c.ca) * c.cb * c.c2 / c.c3) / target.quality
                    : c.cb * root / target.quality;
-        c.c4 = static_cast<int>(std::lround(c4_wanted));
+        c.c4 = nearest_whole<int>(c4_wanted);
         if (!fits(c.c4)) continue;
         const double input = exact_input(target, c);
-        c.input = static_cast<int>(std::lround(std::min(input, kFarBeyondUnits)));
+        c.input = nearest_whole<int>(std::min(input, kFarBeyondUnits));
         if (!fits(c.input)) continue;
         list.add(corner_off + std::abs(std::log(c.c4 / c4_wanted)) + std::abs(std::log(c.input / input)), c);
       }

@@ -8,6 +8,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/cams/cam_step.hpp"
 #include "signal/csv.hpp"
@@ -15,7 +16,7 @@
 namespace bodesmith::fpaa {
 
 std::size_t LookupTable::entry_of(double in_v) {
-  return static_cast<std::size_t>(std::clamp(std::floor((in_v + 3.0) * 256.0 / 6.0), 0.0, 255.0));
+  return whole_number<std::size_t>(std::floor((in_v + 3.0) * 256.0 / 6.0), 0, 255);
 }
 
 Outcome<LookupTable> LookupTable::of(const std::function<double(double)>& function, double full_scale_v) {
@@ -33,10 +34,10 @@ Outcome<LookupTable> LookupTable::of(const std::function<double(double)>& functi
     peak = std::max(peak, std::abs(wanted[entry]));
   }
   if (peak == 0.0) return Refusal{"the look-up function is 0 everywhere, expected one that is not"};
-  out.cout = static_cast<int>(std::clamp(std::round(254.0 / peak), 1.0, 255.0));
+  out.cout = nearest_whole<int>(254.0 / peak, 1, 255);
   for (std::size_t entry = 0; entry < wanted.size(); ++entry) {
     const double code = std::round(128.0 + 0.5 * wanted[entry] * out.cout);
-    out.bytes[entry] = static_cast<std::uint8_t>(std::clamp(code, 0.0, 255.0));
+    out.bytes[entry] = whole_number<std::uint8_t>(code);
   }
   return out;
 }
@@ -106,7 +107,7 @@ LookupTable LookupTable::from(const CamValues& values) {
     if (error != std::errc{} || end != hex.data() + 2 * i + 2)
       throw InputError(fmt::format("byte {} of a look-up table is not two hex digits", i));
   }
-  out.cout = static_cast<int>(values.required_number("cout"));
+  out.cout = whole_number<int>(values.required_number("cout"));
   return out;
 }
 

@@ -3,6 +3,7 @@
 #include <complex>
 
 #include "base/units.hpp"
+#include "base/whole_number.hpp"
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 #include "gap/proposal.hpp"
@@ -53,7 +54,7 @@ struct Line {
 Line largest_near(const Scene& scene, double nominal_hz) {
   const double step = kStep / scene.duration_s;
   const double reach = kTolerance * nominal_hz;
-  const int count = static_cast<int>(std::ceil(reach / step));
+  const int count = whole_number<int>(std::ceil(reach / step));
   Line best{nominal_hz, nominal_hz, -1.0, 1};
   for (int k = -count; k <= count; ++k) {
     const double hz = nominal_hz + reach * k / count;

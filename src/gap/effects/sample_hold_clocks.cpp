@@ -5,6 +5,7 @@
 #include <span>
 #include <utility>
 
+#include "base/whole_number.hpp"
 #include "chain/registry.hpp"
 #include "gap/runner.hpp"
 #include "signal/periodogram.hpp"
@@ -136,7 +137,7 @@ double mean_lag_s(const Scene& scene) {
   const double none = distance_at_lag(scene, 0);
   std::size_t best = 0;
   double min_distance = none;
-  const auto cycle = static_cast<std::size_t>(1.0 / (scene.band_hz * scene.step_s)) + 2;
+  const auto cycle = whole_number<std::size_t>(1.0 / (scene.band_hz * scene.step_s)) + 2;
   const auto max_lag = std::min<std::size_t>({scene.residual.size() / 8, kMaxLagSamples, cycle});
   for (std::size_t lag = 1; lag <= max_lag; ++lag) {
     const double d = distance_at_lag(scene, lag);

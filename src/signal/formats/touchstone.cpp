@@ -14,6 +14,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "base/whole_number.hpp"
 #include "signal/formats/all_formats.hpp"
 #include "signal/formats/traces.hpp"
 
@@ -233,7 +234,7 @@ class TouchstoneReader {
     if (network_.numbers.empty()) return;
     const std::size_t got = network_.numbers.back().size();
     if (network_.ports == 0) {
-      const auto n = static_cast<std::size_t>(std::lround(std::sqrt(static_cast<double>(got) / 2.0)));
+      const auto n = nearest_whole<std::size_t>(std::sqrt(static_cast<double>(got) / 2.0));
       if (n == 0 || 2 * n * n != got)
         throw InputError(
             source_.file, network_.lines.back(),

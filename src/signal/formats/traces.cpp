@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "base/whole_number.hpp"
 #include "signal/columns.hpp"
 
 namespace bodesmith::formats {
@@ -76,7 +77,7 @@ double departure(const std::vector<double>& time, const std::vector<double>& val
   double most = 0.0;
   for (std::size_t i = 0; i < time.size(); ++i) {
     const double place = (time[i] - time.front()) / step;
-    const auto at = std::min(static_cast<std::size_t>(std::max(place, 0.0)), even.size() - 2);
+    const auto at = std::min(whole_number<std::size_t>(place), even.size() - 2);
     const double f = place - static_cast<double>(at);
     most = std::max(most, std::abs(even[at] + f * (even[at + 1] - even[at]) - value[i]));
   }

@@ -7,6 +7,7 @@
 #include <cmath>
 #include <span>
 
+#include "base/whole_number.hpp"
 #include "chain/linear_kernel.hpp"
 #include "simulate/dense_signal.hpp"
 #include "simulate/engines/engine.hpp"
@@ -220,7 +221,7 @@ std::variant<Result, NoClosedForm> ClosedForm::run(Start start) const {
   out.y.assign(n, before + after_);
   // With a delay the output at t is that of t - delay: the first samples still show what was before.
   const double shift = linear_.delay_s / input_.step_s;
-  const auto skipped = static_cast<std::size_t>(std::min(std::ceil(shift - 1e-9), static_cast<double>(n)));
+  const auto skipped = whole_number<std::size_t>(std::min(std::ceil(shift - 1e-9), static_cast<double>(n)));
   const std::span<double> y(out.y.data() + skipped, n - skipped);
   propagator.run(segments_, input_.time_s(skipped) - linear_.delay_s, y);
   double size = 0.0;

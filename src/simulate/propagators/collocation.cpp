@@ -1,4 +1,5 @@
 #include "simulate/propagators/collocation.hpp"
+#include "base/whole_number.hpp"
 
 #include <algorithm>
 #include <array>
@@ -35,7 +36,7 @@ void CollocationPropagator::prepare(const chain::OdeKernel& system, double h, co
   for (Level& l : levels_) l.ready = false;
   const double turn = max_row_sum(system.linear()) * h / limits.max_turn_rad;
   const double halvings = std::ceil(std::log2(std::max(std::numeric_limits<double>::min(), turn)));
-  first_level_ = static_cast<std::size_t>(std::clamp(halvings, 0.0, static_cast<double>(kFinest)));
+  first_level_ = whole_number<std::size_t>(std::clamp(halvings, 0.0, static_cast<double>(kFinest)));
   if (parts_degree_ != degree_) {
     parts_degree_ = degree_;
     parts_.clear();

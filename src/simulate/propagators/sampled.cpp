@@ -1,4 +1,5 @@
 #include "simulate/propagators/sampled.hpp"
+#include "base/whole_number.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -60,7 +61,7 @@ class EdgeRun {
         cycle_(1.0 / (kernel.clock_hz() * h)),
         lag_(kernel.delay_s() / h),
         held_(held),
-        waiting_(static_cast<std::size_t>(lag_ / cycle_) + 3, 0.0) {}
+        waiting_(whole_number<std::size_t>(lag_ / cycle_) + 3, 0.0) {}
 
   /// Samples of the edges up to `until` from the hold with node values v that begins at `begin`.
   void take_samples(double until, double begin, const double* v) {

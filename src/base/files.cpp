@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cerrno>
-#include <csignal>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -66,7 +65,7 @@ void drop_stale(const fs::path& target) {
     const std::string digits = name.substr(start.size());
     if (digits.empty() || digits.size() > 9 || digits.find_first_not_of("0123456789") != std::string::npos)
       continue;
-    if (::kill(static_cast<pid_t>(std::stol(digits)), 0) == 0 || errno != ESRCH) continue;
+    if (is_running(static_cast<pid_t>(std::stol(digits)))) continue;
     std::error_code ignored;
     fs::remove(it->path(), ignored);
   }

@@ -6,9 +6,11 @@
 #include <atomic>
 #include <csignal>
 #include <cstdio>
+#include <string_view>
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/temporary.hpp"
 
 namespace bodesmith {
 namespace {
@@ -20,8 +22,19 @@ std::function<void(double)>& thread_listener() {
   return listener;
 }
 
+constexpr int kInterruptedStatus = 130;
+std::atomic<unsigned> seconds_to_stop{10};
+
 void on_interrupt(int) {
-  if (stop_wanted.exchange(true)) ::_exit(130);
+  if (stop_wanted.exchange(true)) end_at_once(kInterruptedStatus);
+  ::alarm(seconds_to_stop.load());
+}
+
+/// Nobody looked at the flag.
+void on_patience_ended(int) {
+  constexpr std::string_view kText = "bodesmith: interrupted\n";
+  [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kText.data(), kText.size());
+  end_at_once(kInterruptedStatus);
 }
 
 }  // namespace
@@ -70,6 +83,10 @@ ProgressListener::~ProgressListener() {
 
 void catch_interrupts() {
   std::signal(SIGINT, on_interrupt);
+  std::signal(SIGALRM, on_patience_ended);
+}
+void allow_to_stop(unsigned seconds) {
+  seconds_to_stop.store(seconds);
 }
 bool interrupted() {
   return stop_wanted.load(std::memory_order_relaxed);

@@ -40,8 +40,11 @@ class ProgressListener {
   std::function<void(double)> before_;
 };
 
-/// From the first call on, Ctrl-C sets a flag instead of ending the program (a second Ctrl-C ends it).
+/// From the first call on, Ctrl-C sets a flag instead of ending the program. A second Ctrl-C ends it, and so do
+/// ten seconds in which nothing looked at the flag: no loop, however deep, makes the user wait longer.
 void catch_interrupts();
+/// For work that keeps what it has when it is stopped and takes longer to write it down (10 s when never called).
+void allow_to_stop(unsigned seconds);
 /// Whether the user asked to stop. Long loops look here and return what they have.
 bool interrupted();
 /// The same wish from a program that hears of Ctrl-C in its own way; and its end, before the next piece of work.

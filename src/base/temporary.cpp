@@ -4,27 +4,26 @@
 
 #include <array>
 #include <atomic>
+#include <cerrno>
 #include <csignal>
 #include <cstring>
 
 namespace bodesmith {
 namespace {
 
-/// Fixed storage: a signal's handler may not allocate. `used` is set when the
-/// path stands.
-constexpr std::size_t kSlots = 64;
+/// Fixed storage: a signal's handler may not allocate.
+constexpr std::size_t kSlots = 256;
 constexpr std::size_t kLongestPath = 4096;
 struct Slot {
-  std::atomic<bool> used{false};
+  enum State { free, taken, set };  ///< `set` when the path stands
+  std::atomic<int> state{free};
   std::array<char, kLongestPath> path{};
 };
 std::array<Slot, kSlots> slots;
+std::array<std::atomic<pid_t>, 64> children;
 
 void on_ending(int signal) {
-  for (Slot& slot : slots) {
-    if (slot.used.load()) ::unlink(slot.path.data());
-  }
-  ::_exit(128 + signal);
+  end_at_once(128 + signal);
 }
 
 }  // namespace
@@ -33,23 +32,56 @@ void remember_temporary(const std::filesystem::path& path) {
   const std::string text = path.string();
   if (text.size() >= kLongestPath) return;
   for (Slot& slot : slots) {
-    if (slot.used.load()) continue;
+    int expected = Slot::free;
+    if (!slot.state.compare_exchange_strong(expected, Slot::taken)) continue;
     std::memcpy(slot.path.data(), text.c_str(), text.size() + 1);
-    slot.used.store(true);
+    slot.state.store(Slot::set);
     return;
   }
 }
 
 void forget_temporary(const std::filesystem::path& path) {
   for (Slot& slot : slots) {
-    if (slot.used.load() && path.string() == slot.path.data()) slot.used.store(false);
+    int expected = Slot::set;
+    if (slot.state.load() != Slot::set || path.string() != slot.path.data()) continue;
+    if (slot.state.compare_exchange_strong(expected, Slot::free)) return;
   }
 }
 
+void remember_child(pid_t child) {
+  for (auto& place : children) {
+    pid_t none = 0;
+    if (place.compare_exchange_strong(none, child)) return;
+  }
+}
+
+void forget_child(pid_t child) {
+  for (auto& place : children) {
+    pid_t it = child;
+    if (place.compare_exchange_strong(it, 0)) return;
+  }
+}
+
+void end_at_once(int status) {
+  for (const auto& child : children) {
+    if (const pid_t process = child.load(); process > 0) ::kill(process, SIGKILL);
+  }
+  for (const Slot& slot : slots) {
+    if (slot.state.load() == Slot::set) ::unlink(slot.path.data());
+  }
+  for (const Slot& slot : slots) {
+    if (slot.state.load() == Slot::set) ::rmdir(slot.path.data());
+  }
+  ::_exit(status);
+}
+
 void catch_endings() {
-  std::signal(SIGTERM, on_ending);
-  std::signal(SIGHUP, on_ending);
+  for (const int signal : {SIGTERM, SIGHUP, SIGQUIT}) std::signal(signal, on_ending);
   std::signal(SIGXFSZ, SIG_IGN);
+}
+
+bool is_running(pid_t process) {
+  return ::kill(process, 0) == 0 || errno != ESRCH;
 }
 
 }  // namespace bodesmith

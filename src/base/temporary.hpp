@@ -1,16 +1,27 @@
 #pragma once
 
+#include <sys/types.h>
+
 #include <filesystem>
 
 namespace bodesmith {
 
-/// Files that a signal which ends the program shall take with it (at most 64 at a time; more are left to
-/// OutputSet's next commit).
+/// Files and (then empty) folders that a signal which ends the program shall take with it (at most 256 at a time; more
+/// are left to OutputSet's next commit). From any thread.
 void remember_temporary(const std::filesystem::path& path);
 void forget_temporary(const std::filesystem::path& path);
 
-/// SIGTERM and SIGHUP remove them and end the program; a file that grows beyond its limit is a failed write, not
-/// a signal.
+/// A process that shall not outlive this one (at most 64 at a time).
+void remember_child(pid_t child);
+void forget_child(pid_t child);
+
+/// Ends the children, removes what is temporary and ends the program; nothing else of it runs. For handlers of signals.
+[[noreturn]] void end_at_once(int status);
+
+/// SIGTERM, SIGHUP and SIGQUIT end at once; a file that grows beyond its limit is a failed write, not a signal.
 void catch_endings();
+
+/// Whether that process runs.
+bool is_running(pid_t process);
 
 }  // namespace bodesmith

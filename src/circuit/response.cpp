@@ -1,5 +1,6 @@
 #include "circuit/response.hpp"
 
+#include "base/progress.hpp"
 #include "circuit/network.hpp"
 
 namespace bodesmith::circuit {
@@ -10,7 +11,10 @@ std::vector<std::complex<double>> over(const Circuit& circuit, const std::vector
   const Network network(circuit);
   std::vector<std::complex<double>> out;
   out.reserve(grid.size());
-  for (const Hertz f : grid) out.push_back(network.output(f.rad_s(), model));
+  for (const Hertz f : grid) {
+    stop_if_interrupted();
+    out.push_back(network.output(f.rad_s(), model));
+  }
   return out;
 }
 

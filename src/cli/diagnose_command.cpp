@@ -36,6 +36,8 @@ gap::SearchOptions read_options(const CommandLine& line, Progress& progress, con
   options.seed = line.seed_value();
   options.progress = [&progress](double fraction) { progress.at(fraction); };
   options.stop = [] { return interrupted(); };
+  constexpr unsigned kWritingUpS = 60;  // a stopped search still measures and writes what it found
+  allow_to_stop(kWritingUpS);
   const double max_seconds = line.get<double>("max-seconds");
   if (!(max_seconds > 0.0)) line.fail("--max-seconds is not above 0");
   options.late = [&watch, max_seconds] { return watch.seconds() > max_seconds; };

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/progress.hpp"
 #include "fpaa/stage_view.hpp"
 #include "numeric/least_squares.hpp"
 
@@ -51,6 +52,7 @@ void fit_once(Network& network, const NetworkResponse& response, const std::vect
     }
   };
   const auto residuals = [&](const Eigen::VectorXd& values, Eigen::VectorXd& out) {
+    stop_if_interrupted();
     set(values);
     const std::vector<Complex> e = response.errors(trial);
     out.resize(2 * points);

@@ -4,6 +4,7 @@
 #include <atomic>
 #include <exception>
 #include <mutex>
+#include <system_error>
 #include <thread>
 #include <vector>
 
@@ -26,7 +27,11 @@ void parallel_for(std::size_t count, int threads, const std::function<void(std::
   };
   std::vector<std::thread> helpers;
   const std::size_t team = std::min(count, static_cast<std::size_t>(std::max(threads, 1)));
-  for (std::size_t t = 1; t < team; ++t) helpers.emplace_back(loop);
+  try {
+    for (std::size_t t = 1; t < team; ++t) helpers.emplace_back(loop);
+  } catch (const std::system_error&) {
+    // No more threads are to be had: those that there are do the work.
+  }
   loop();
   for (auto& h : helpers) h.join();
   if (failure) std::rethrow_exception(failure);

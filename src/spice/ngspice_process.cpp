@@ -3,18 +3,25 @@
 #include <fcntl.h>
 #include <fmt/format.h>
 #include <signal.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
+#include <sys/stat.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
 #include <algorithm>
 #include <chrono>
 #include <cstdlib>
+#include <mutex>
+#include <string_view>
 #include <thread>
 #include <vector>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/progress.hpp"
+#include "base/temporary.hpp"
 #include "base/text.hpp"
 #include "spice/deck_words.hpp"
 #include "spice/ngspice.hpp"
@@ -38,6 +45,22 @@ std::string find_ngspice() {
   return {};
 }
 
+/// What ngspice reads and writes in its folder.
+constexpr const char* kWorkFiles[] = {"deck.cir", "out.txt", "err.txt", "result.txt", "library.sub"};
+constexpr std::string_view kWorkName = "bodesmith-spice-";
+
+/// Known to a signal that ends the program, as long as it lives.
+class ChildOf {
+ public:
+  explicit ChildOf(pid_t child) : child_(child) { remember_child(child); }
+  ~ChildOf() { forget_child(child_); }
+  ChildOf(const ChildOf&) = delete;
+  ChildOf& operator=(const ChildOf&) = delete;
+
+ private:
+  pid_t child_;
+};
+
 /// Starts `program arguments` in `folder` with its output in out.txt and err.txt; its exit status, or -1
 /// after a timeout.
 int run_program(const std::string& program, const std::vector<std::string>& arguments, const fs::path& folder,
@@ -50,6 +73,9 @@ int run_program(const std::string& program, const std::vector<std::string>& argu
   const pid_t child = ::fork();
   if (child < 0) throw InputError("ngspice cannot be started: no more processes");
   if (child == 0) {
+#ifdef __linux__
+    ::prctl(PR_SET_PDEATHSIG, SIGKILL);  // also when this program is killed so that it cannot say anything
+#endif
     const int in = ::open("/dev/null", O_RDONLY);
     const int out = ::open(out_name.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
     const int err = ::open(err_name.c_str(), O_WRONLY | O_CREAT | O_TRUNC, 0600);
@@ -60,10 +86,13 @@ int run_program(const std::string& program, const std::vector<std::string>& argu
     ::execv(program.c_str(), argv.data());
     ::_exit(127);
   }
+  const ChildOf here(child);
   const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
   for (int wait_us = 200;; wait_us = std::min(wait_us * 2, 20000)) {
     int status = 0;
     const pid_t ended = ::waitpid(child, &status, WNOHANG);
+    // Ctrl-C reaches ngspice too: how it ended then says nothing.
+    if (ended == child && interrupted()) throw Interrupted();
     if (ended == child) return WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
     const bool stopped = interrupted();
     if (stopped || std::chrono::steady_clock::now() > deadline) {
@@ -95,17 +124,47 @@ std::string reported_error(const NgspiceOutput& ran) {
 
 }  // namespace
 
+void drop_stale_work_folders(const fs::path& where) {
+  std::error_code ec;
+  const auto now = fs::file_time_type::clock::now();
+  for (fs::directory_iterator it(where, ec), end; !ec && it != end; it.increment(ec)) {
+    const std::string name = it->path().filename().string();
+    if (!name.starts_with(kWorkName)) continue;
+    const std::string digits =
+        name.substr(kWorkName.size(), name.find('-', kWorkName.size()) - kWorkName.size());
+    if (digits.empty() || digits.size() > 9 || digits.find_first_not_of("0123456789") != std::string::npos)
+      continue;
+    struct stat about {};
+    if (::lstat(it->path().c_str(), &about) != 0 || !S_ISDIR(about.st_mode) || about.st_uid != ::geteuid())
+      continue;
+    std::error_code ignored;
+    if (is_running(static_cast<pid_t>(std::stol(digits))) ||
+        now - fs::last_write_time(it->path(), ignored) < std::chrono::minutes(1))
+      continue;
+    fs::remove_all(it->path(), ignored);
+  }
+}
+
 WorkFolder::WorkFolder() {
-  std::string name = (fs::temp_directory_path() / "bodesmith-spice-XXXXXX").string();
+  std::error_code ec;
+  const fs::path where = fs::temp_directory_path(ec);
+  if (ec) throw InputError("TMPDIR is no folder, expected a writable one for temporary files");
+  static std::once_flag once;
+  std::call_once(once, drop_stale_work_folders, where);
+  std::string name = (where / fmt::format("{}{}-XXXXXX", kWorkName, ::getpid())).string();
   if (::mkdtemp(name.data()) == nullptr) {
     throw InputError(fmt::format("{}: cannot be made, expected a writable folder for temporary files", name));
   }
   path_ = name;
+  for (const char* file : kWorkFiles) remember_temporary(path_ / file);
+  remember_temporary(path_);
 }
 
 WorkFolder::~WorkFolder() {
   std::error_code ignored;
   fs::remove_all(path_, ignored);
+  for (const char* file : kWorkFiles) forget_temporary(path_ / file);
+  forget_temporary(path_);
 }
 
 NgspiceOutput run_ngspice_in(const fs::path& folder, const std::string& deck, const std::string& what,

@@ -5,7 +5,11 @@
 
 namespace bodesmith::spice {
 
-/// A folder for one run, removed at the end.
+/// Removes work folders in `where` that a killed run left: their process is gone, and they are this user's and older than
+/// a minute. The first WorkFolder of a process does so.
+void drop_stale_work_folders(const std::filesystem::path& where);
+
+/// A folder for one run, removed at the end, also when a signal ends the program.
 class WorkFolder {
  public:
   WorkFolder();

@@ -91,6 +91,22 @@ TEST(Safety, AFileThatGrowsTooLongIsAFailedWrite) {
   EXPECT_EQ(entries, 1) << "a temporary file was left behind";
 }
 
+TEST(Safety, TwoRunsIntoOneFolderAtOnceLeaveWholeFiles) {
+  const TemporaryFolder folder;
+  write_file(folder / "m.toml", kSafeModel);
+  write_file(folder / "r.csv", ramp_record());
+  const std::string simulate = std::string(BODESMITH_PROGRAM) + " simulate " + (folder / "m.toml").string() +
+                               " --input " + (folder / "r.csv").string() + " -o ";
+  const std::string out = (folder / "out/y.csv").string();
+  const ProgramResult both = run_shell("(" + simulate + out + ") & P=$!; " + simulate + out +
+                                       " && wait $P && " + simulate + (folder / "alone.csv").string());
+  EXPECT_EQ(both.status, 0) << both.err;
+  EXPECT_EQ(read_file(out), read_file(folder / "alone.csv"));
+  int entries = 0;
+  for ([[maybe_unused]] const auto& entry : fs::directory_iterator(folder / "out")) ++entries;
+  EXPECT_EQ(entries, 1) << "a temporary file was left behind";
+}
+
 TEST(Safety, NumbersBeyondDoublesAreRefusedNotWritten) {
   const TemporaryFolder folder;
   std::string text = "time_s,u,y\n";

@@ -197,6 +197,20 @@ void Node::expect_schema(std::string_view name) const {
     schema.fail(fmt::format("is \"{}\", expected \"{}\"", schema.string(), wanted));
 }
 
+void require_utf8(std::string_view text, const std::string& file) {
+  const auto begins = [&](std::string_view mark) { return text.substr(0, mark.size()) == mark; };
+  using namespace std::string_view_literals;
+  std::string_view found;
+  if (begins("\xFF\xFE\0\0"sv) || begins("\0\0\xFE\xFF"sv)) {
+    found = "UTF-32";
+  } else if (begins("\xFF\xFE"sv) || begins("\xFE\xFF"sv)) {
+    found = "UTF-16";
+  } else if (text.size() >= 4 && (text[0] == 0) != (text[1] == 0) && (text[2] == 0) != (text[3] == 0)) {
+    found = "UTF-16";  // without a mark: Latin letters have one byte that is 0
+  }
+  if (!found.empty()) throw InputError(file, 0, fmt::format("is {}, expected UTF-8", found));
+}
+
 Node read_document(const std::filesystem::path& path, Provenance& from) {
   const std::string text = from.read(path);
   return path.extension() == ".toml" ? parse_toml(text, path.string()) : parse_json(text, path.string());

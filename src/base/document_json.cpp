@@ -146,6 +146,7 @@ class Builder : public nlohmann::json_sax<Json> {
 }  // namespace
 
 Node parse_json(std::string_view text, const std::string& file) {
+  require_utf8(text, file);
   if (text.substr(0, 3) == "\xEF\xBB\xBF") text.remove_prefix(3);
   Cursor cursor{text.data(), text.data() + text.size()};
   Builder builder(cursor, std::make_shared<const std::string>(file));

@@ -49,6 +49,7 @@ std::shared_ptr<Data> convert(const toml::node& node, const std::shared_ptr<cons
 }  // namespace
 
 Node parse_toml(std::string_view text, const std::string& file) {
+  require_utf8(text, file);
   const auto name = std::make_shared<const std::string>(file);
   try {
     const toml::table table = toml::parse(text, std::string_view(file));

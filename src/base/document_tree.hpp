@@ -2,6 +2,7 @@
 
 #include <memory>
 #include <string>
+#include <string_view>
 #include <utility>
 #include <vector>
 
@@ -20,5 +21,8 @@ struct Node::Data {
   std::vector<std::shared_ptr<const Data>> items;
   std::vector<std::pair<std::string, std::shared_ptr<const Data>>> members;
 };
+
+/// InputError that names the encoding where these bytes are UTF-16 or UTF-32, which JSON and TOML files here are not.
+void require_utf8(std::string_view text, const std::string& file);
 
 }  // namespace bodesmith

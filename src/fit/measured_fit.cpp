@@ -51,6 +51,19 @@ NormalisedRecord normalised(const FrequencyRecord& record) {
   return out;
 }
 
+/// Evenly chosen, at most so many: enough to tell orders apart; the model is refined on all of them.
+ResponseSamples thinned(const ResponseSamples& all, std::size_t most) {
+  const std::size_t step = (all.s.size() + most - 1) / most;
+  if (step <= 1) return all;
+  ResponseSamples out;
+  for (std::size_t i = 0; i < all.s.size(); i += step) {
+    out.s.push_back(all.s[i]);
+    out.response.push_back(all.response[i]);
+    out.deviation.push_back(all.deviation[i]);
+  }
+  return out;
+}
+
 struct Split {
   ResponseSamples kept;
   ResponseSamples held_out;
@@ -99,7 +112,8 @@ struct OrderChoice {
 };
 
 OrderChoice choose_order(const ResponseSamples& all, const MeasuredFitOptions& options) {
-  const Split points = split(all);
+  constexpr std::size_t kEnoughPoints = 4000;
+  const Split points = split(thinned(all, kEnoughPoints));
   MeasuredSearch search(points.kept, options.delay);
   Progress progress("fit");
   const int top = std::min(options.max_order, most_poles(points.kept.s.size()));

@@ -61,6 +61,7 @@ std::vector<Record> read_all(const std::vector<std::filesystem::path>& files, Pr
   for (const auto& path : files) {
     if constexpr (std::is_same_v<Record, TimeRecord>) {
       records.push_back(TimeRecord::read_csv(path, from, true));
+      records.back().require_measured_sizes();
     } else {
       records.push_back(FrequencyRecord::read_csv(path, from));
     }

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/text.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
 
@@ -61,6 +62,21 @@ TimeRecord TimeRecord::read_csv(const std::filesystem::path& path, Provenance& f
 TimeRecord TimeRecord::read_csv_column(const std::filesystem::path& path, Provenance& from,
                                        std::string_view input_column) {
   return from_csv(Csv::read(path, from, formats::Content::record), input_column);
+}
+
+void TimeRecord::require_measured_sizes() const {
+  constexpr double kSmallest = 1e-50;
+  constexpr double kLargest = 1e50;
+  const auto require = [&](const std::vector<double>& signal, std::string_view name) {
+    double size = 0.0;
+    for (const double v : signal) size = std::max(size, std::abs(v));
+    if (size == 0.0 || (size >= kSmallest && size <= kLargest)) return;
+    throw InputError(file, 0,
+                     fmt::format("{} reaches {}, expected {} to {}: state it in another unit", name,
+                                 rounded_text(size, 3), kSmallest, kLargest));
+  };
+  require(u, "u");
+  require(y, "y");
 }
 
 }  // namespace bodesmith

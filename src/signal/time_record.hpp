@@ -27,6 +27,10 @@ struct TimeRecord {
   /// The same reader for other column names, e.g. a reference `time_s,r` (the column's values land in u).
   static TimeRecord read_csv_column(const std::filesystem::path& path, Provenance& from,
                                     std::string_view input_column);
+
+  /// InputError unless the greatest |u| and |y| are 0 or within 1e-50 to 1e50: for searches, where squares and products
+  /// of four of these numbers must stay far inside a double's range.
+  void require_measured_sizes() const;
 };
 
 }  // namespace bodesmith

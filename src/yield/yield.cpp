@@ -41,6 +41,11 @@ constexpr std::string_view kMagic = "bodesmith yield checkpoint 2\n";
 void validate(const Design& design, const Options& options) {
   if (options.samples == 0) throw InputError("yield of 0 samples was asked for, expected at least 1");
   if (options.grid.empty()) throw InputError("yield at no frequency was asked for, expected at least 1");
+  constexpr std::size_t kMostFrequencies = 2000;  // each takes 128 KiB of counts in every thread
+  if (options.grid.size() > kMostFrequencies) {
+    throw InputError(fmt::format("yield at {} frequencies was asked for, expected at most {}",
+                                 options.grid.size(), kMostFrequencies));
+  }
   const Spread& s = options.spread;
   for (const double percent : {s.resistor_percent, s.capacitor_percent, s.mismatch.unit_percent}) {
     if (!(percent >= 0.0) || percent >= 100.0) {
@@ -129,6 +134,8 @@ std::vector<Worker> make_workers(const Design& design, const Options& options, c
                                  std::uint64_t samples_left, const Team& team) {
   int threads = options.threads;
   if (threads <= 0) threads = team.size() > 1 ? 1 : thread_count(0);
+  constexpr int kThreadsOfACore = 4;  // more gain nothing, and each has its own counts
+  threads = std::min(threads, kThreadsOfACore * thread_count(0));
   const std::uint64_t chunks = (samples_left + kChunk - 1) / kChunk;
   const std::uint64_t count = std::clamp<std::uint64_t>(chunks, 1, static_cast<std::uint64_t>(threads));
   std::vector<Worker> out;

@@ -46,6 +46,23 @@ TEST(Document, BrokenJsonNamesTheLine) {
   EXPECT_NE(error_of([] { parse_json("{\"a\": 1e999}", "x.json"); }), "no error");
 }
 
+TEST(Document, OtherEncodingsAreToldByName) {
+  const auto answer = [](std::string_view bytes) -> std::string {
+    try {
+      (void)parse_json(bytes, "a.json");
+    } catch (const InputError& error) {
+      return error.what();
+    }
+    return "";
+  };
+  using namespace std::string_view_literals;
+  EXPECT_EQ(answer("\xFF\xFE{\0}\0"sv), "a.json: is UTF-16, expected UTF-8");
+  EXPECT_EQ(answer("{\0}\0"sv), "a.json: is UTF-16, expected UTF-8");
+  EXPECT_EQ(answer("\xFF\xFE\0\0{\0\0\0"sv), "a.json: is UTF-32, expected UTF-8");
+  EXPECT_THROW((void)parse_toml("\xFE\xFF\0a"sv, "a.toml"), InputError);
+  EXPECT_EQ(answer("\xEF\xBB\xBF{}"sv), "");
+}
+
 TEST(Document, TomlKeepsLinesAndOrder) {
   const Node node =
       parse_toml("schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 2\n", "m.toml");

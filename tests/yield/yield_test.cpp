@@ -265,6 +265,10 @@ TEST(Yield, RefusesNonsense) {
   options = small();
   options.grid.clear();
   EXPECT_THROW(run_monte_carlo(seed_design(), options, Team()), InputError);
+  options = Options{};
+  options.samples = 10;
+  options.grid.assign(100000, Hertz{1.0});  // 13 GB of counts
+  EXPECT_THROW(run_monte_carlo(seed_design(), options, Team()), InputError);
 }
 
 }  // namespace

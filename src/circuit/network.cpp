@@ -2,8 +2,6 @@
 
 #include <stdexcept>
 
-#include "numeric/dense.hpp"
-
 namespace bodesmith::circuit {
 
 Network::Network(const Circuit& circuit) : circuit_(circuit) {
@@ -29,16 +27,16 @@ int Network::node(const std::string& name) const {
   return nodes_.at(name);
 }
 
-Network::System Network::system(RadPerSecond w, const OpAmpModel* model) const {
+SparseSystem Network::system(RadPerSecond w, const OpAmpModel* model) const {
   const Eigen::Index n = nodes();
   const Eigen::Index m = static_cast<Eigen::Index>(circuit_.opamps.size());
-  System out{Eigen::MatrixXcd::Zero(n + m, n + m), Eigen::VectorXcd::Zero(n + m)};
+  SparseSystem out{{}, Eigen::VectorXcd::Zero(n + m)};
   const auto add = [&](Eigen::Index row, int column, Complex value) {
     if (column == kGround) return;
     if (column == kInput) {
       out.b(row) -= value;
     } else {
-      out.a(row, column) += value;
+      out.add(row, column, value);
     }
   };
   for (const Part& part : circuit_.parts) {
@@ -57,22 +55,21 @@ Network::System Network::system(RadPerSecond w, const OpAmpModel* model) const {
   for (Eigen::Index i = 0; i < m; ++i) {
     const OpAmp& opamp = circuit_.opamps[static_cast<size_t>(i)];
     const int at = node(opamp.out);
-    out.a(at, n + i) -= 1.0;  // its current flows into the node
+    out.add(at, n + i, -1.0);  // its current flows into the node
     add(n + i, node(opamp.plus), 1.0);
     add(n + i, node(opamp.minus), -1.0);
     if (model != nullptr) {
       // v+ - v- = (v_out + Ro i)/A
       const Complex inverse = 1.0 / model->open_loop(w);
       add(n + i, at, -inverse);
-      out.a(n + i, n + i) -= inverse * model->output_resistance_ohm;
+      out.add(n + i, n + i, -inverse * model->output_resistance_ohm);
     }
   }
   return out;
 }
 
 Network::Complex Network::output(RadPerSecond w, const OpAmpModel* model) const {
-  const System s = system(w, model);
-  return solve_lu(s.a, s.b)(node("out"));
+  return solve_sparse(system(w, model))(node("out"));
 }
 
 }  // namespace bodesmith::circuit

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "circuit/circuit.hpp"
+#include "numeric/sparse.hpp"
 
 namespace bodesmith::circuit {
 
@@ -21,12 +22,8 @@ class Network {
   /// Keeps a reference to the circuit.
   explicit Network(const Circuit& circuit);
 
-  struct System {
-    Eigen::MatrixXcd a;
-    Eigen::VectorXcd b;
-  };
   /// `model` null: nullors.
-  System system(RadPerSecond w, const OpAmpModel* model) const;
+  SparseSystem system(RadPerSecond w, const OpAmpModel* model) const;
   Complex output(RadPerSecond w, const OpAmpModel* model) const;
 
   int node(const std::string& name) const;

@@ -3,7 +3,6 @@
 #include <cmath>
 
 #include "circuit/network.hpp"
-#include "numeric/dense.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -13,10 +12,11 @@ constexpr double kKelvin = 300.15;
 
 /// V(out) for a unit right-hand side in each row.
 Eigen::VectorXcd ways_to_output(const Network& network, RadPerSecond w, const OpAmpModel& model) {
-  const Network::System s = network.system(w, &model);
-  Eigen::VectorXcd unit = Eigen::VectorXcd::Zero(s.b.size());
-  unit(network.node("out")) = 1.0;
-  return solve_lu(s.a.transpose(), unit);
+  SparseSystem s = network.system(w, &model);
+  s.transpose();
+  s.b.setZero();
+  s.b(network.node("out")) = 1.0;
+  return solve_sparse(s);
 }
 
 std::complex<double> way(const Eigen::VectorXcd& ways, int node) {

@@ -8,11 +8,11 @@
 #include <optional>
 
 #include "base/error.hpp"
+#include "base/progress.hpp"
 #include "base/text.hpp"
 #include "circuit/network.hpp"
 #include "circuit/noise.hpp"
 #include "circuit/response.hpp"
-#include "numeric/dense.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -32,16 +32,17 @@ class Loop {
   Loop(const Network& network, size_t opamp) : network_(network), opamp_(opamp) {}
 
   Complex gain(RadPerSecond w) const {
+    stop_if_interrupted();
     const Circuit& circuit = network_.circuit();
     const OpAmp& opamp = circuit.opamps[opamp_];
-    Network::System s = network_.system(w, &circuit.model);
+    SparseSystem s = network_.system(w, &circuit.model);
     const Eigen::Index row = network_.nodes() + static_cast<Eigen::Index>(opamp_);
-    s.a.row(row).setZero();
-    s.a(row, network_.node(opamp.out)) = 1.0;
-    s.a(row, row) = circuit.model.output_resistance_ohm;
+    s.clear_row(row);
+    s.add(row, network_.node(opamp.out), 1.0);
+    s.add(row, row, circuit.model.output_resistance_ohm);
     s.b.setZero();
     s.b(row) = 1.0;
-    const Eigen::VectorXcd x = solve_lu(s.a, s.b);
+    const Eigen::VectorXcd x = solve_sparse(s);
     const auto at = [&](const std::string& node) {
       const int index = network_.node(node);
       return index < 0 ? Complex(0.0) : x(index);

@@ -1,10 +1,13 @@
-// The same seed gives the same bytes, on one core and on all of them.
+// The same seed gives the same bytes, twice in a row, on one core and on all of them; every subcommand.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
 
-#include <cmath>
+#include <algorithm>
 #include <regex>
+#include <string>
+#include <vector>
 
+#include "cli/seeded_inputs.hpp"
 #include "run_program.hpp"
 
 namespace bodesmith {
@@ -27,46 +30,39 @@ std::string contents(const fs::path& folder) {
   return out;
 }
 
-void write_inputs(const fs::path& folder) {
-  std::string curve = "frequency_hz,gain\n", record = "time_s,u,y\n";
-  for (int i = 0; i < 150; ++i) {
-    const double f = 20.0 * std::pow(1000.0, i / 149.0);
-    curve += fmt::format("{:.9g},{:.9g}\n", f, 1.0 / std::sqrt(f) * (1.0 + 0.01 * std::sin(1e3 * i)));
+TEST(SameBytes, EverySubcommandIsAmongTheCommands) {
+  const ProgramResult help = run_bodesmith("--help");
+  const std::regex line("^  ([a-z]+) +[A-Za-z]", std::regex::multiline);
+  int found = 0;
+  const std::size_t begin = help.out.find("Subcommands");
+  ASSERT_NE(begin, std::string::npos);
+  const std::string list = help.out.substr(begin);
+  for (std::sregex_iterator it(list.begin(), list.end(), line), end; it != end; ++it, ++found) {
+    const std::string name = (*it)[1].str() + " ";
+    EXPECT_TRUE(std::any_of(seeded_commands().begin(), seeded_commands().end(),
+                            [&](const std::string& command) {
+                              return command.starts_with(name) ||
+                                     command.find("$BODESMITH " + name) != std::string::npos;
+                            }))
+        << name;
   }
-  for (int i = 0; i < 300; ++i)
-    record += fmt::format("{:.3f},{:.9g},{:.9g}\n", 1e-3 * i, std::sin(0.05 * i),
-                          0.9 * std::sin(0.05 * i) + 0.05 * std::pow(std::sin(0.05 * i), 2));
-  write_file(folder / "curve.csv", curve);
-  write_file(folder / "record.csv", record);
-  write_file(
-      folder / "sections.json",
-      R"({"schema":"bodesmith.sections/1","gain":1,"sections":[{"gain":2,"zeros_rad_s":[[-30000,0]],)"
-      R"("poles_rad_s":[[-10000,0]]},{"gain":1,"zeros_rad_s":[[-40000,0]],"poles_rad_s":[[-90000,0]]}]})");
-  write_file(folder / "model.toml",
-             "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"polynomial\"\ncoefficients = [0, 1, 0.2]\n"
-             "[[block]]\ntype = \"lowpass\"\ncorner_hz = 40.0\n");
+  EXPECT_GE(found, 15);
 }
 
-TEST(SameBytes, WhateverTheNumberOfCores) {
+TEST(SameBytes, TwiceInARowAndWhateverTheNumberOfCores) {
   if (run_shell("taskset -c 0 true").status != 0) GTEST_SKIP() << "taskset is not there";
   const TemporaryFolder folder;
-  const std::string commands[] = {
-      "fit curve.csv --direct --order 3 --seed 5 -o fit.json",
-      "yield sections.json --samples 200 --seed 3 -o yield.json",
-      "identify record.csv --model prandtl_ishlinskii -o model_out.toml",
-      "simulate model.toml --input record.csv -o y.csv --spectra s.csv --loops l.csv",
-      "bode sections.json --count 20000 -o bode.csv",
-  };
-  for (const std::string& command : commands) {
+  for (const std::string& command : seeded_commands()) {
     std::string first;
     int run = 0;
     for (const std::string cores : {"", "taskset -c 0 "}) {
       const fs::path at = folder / std::to_string(run++);
       fs::remove_all(at);
       fs::create_directories(at);
-      write_inputs(at);
+      write_seeded_inputs(at);
       const ProgramResult result =
-          run_shell(fmt::format("cd {} && {}{} {}", at.string(), cores, BODESMITH_PROGRAM, command));
+          run_shell(fmt::format("cd {} && export BODESMITH_NGSPICE=/nowhere BODESMITH={} && {}$BODESMITH {}",
+                                at.string(), BODESMITH_PROGRAM, cores, command));
       EXPECT_LE(result.status, 1) << command << result.err;
       if (cores.empty()) {
         first = contents(at);

@@ -6,8 +6,10 @@ configure_file(${CMAKE_CURRENT_SOURCE_DIR}/src/base/version.hpp.in
 
 function(bodesmith_warnings target)
   target_compile_options(${target} PRIVATE -Wall -Wextra -Wpedantic -Wshadow -Wnon-virtual-dtor
-                         -Woverloaded-virtual -Wimplicit-fallthrough
-                         -Wno-restrict -Wno-free-nonheap-object)  # GCC 12 warns falsely (its bugs 105329, 108088)
+                         -Woverloaded-virtual -Wimplicit-fallthrough)
+  if(CMAKE_CXX_COMPILER_ID STREQUAL "GNU")  # GCC 12 warns falsely (its bugs 105329, 108088)
+    target_compile_options(${target} PRIVATE -Wno-restrict -Wno-free-nonheap-object)
+  endif()
   # Rooms that still count with mixed signs; the list only shrinks.
   if(NOT target MATCHES "^(bodesmith|test|gap|bench)_(${BODESMITH_MIXED_SIGNS})")
     target_compile_options(${target} PRIVATE -Wsign-conversion)

@@ -1,6 +1,9 @@
 // Every reader on every file of its corpus: what the fuzzers started from, and what they found.
 #include <gtest/gtest.h>
 
+#include <cstdint>
+#include <cstdlib>
+#include <ctime>
 #include <fstream>
 #include <iterator>
 #include <random>
@@ -34,14 +37,18 @@ TEST(Fuzz, EveryReaderHasACorpusOfWhichItAcceptsSome) {
   }
 }
 
-/// A few hundred damaged copies of every file: cut, doubled, bytes changed.
+/// Damaged copies of every file: cut, doubled, bytes changed. For campaigns without clang, BODESMITH_FUZZ_COPIES says how
+/// many of each (40 else) and BODESMITH_FUZZ_SEED which; these then also tell what took more than a second.
 TEST(Fuzz, DamagedFilesAreReadOrRefused) {
-  std::mt19937_64 random(7);
+  const char* const asked = std::getenv("BODESMITH_FUZZ_COPIES");
+  const char* const seed = std::getenv("BODESMITH_FUZZ_SEED");
+  const int copies = asked == nullptr ? 40 : std::atoi(asked);
+  std::mt19937_64 random(seed == nullptr ? 7U : static_cast<std::uint64_t>(std::atoll(seed)));
   const auto below = [&](std::size_t n) { return n == 0 ? 0 : static_cast<std::size_t>(random() % n); };
   for (const Reader& reader : readers()) {
     for (const auto& entry : fs::directory_iterator(corpus_of(reader))) {
       const std::string whole = bytes_of(entry.path());
-      for (int i = 0; i < 40; ++i) {
+      for (int i = 0; i < copies; ++i) {
         std::string bytes = whole;
         switch (i % 4) {
           case 0:
@@ -58,7 +65,11 @@ TEST(Fuzz, DamagedFilesAreReadOrRefused) {
             for (int k = 0; k < 4 && !bytes.empty(); ++k)
               bytes[below(bytes.size())] = "0123456789-+.eE,;\"[]{}\n#"[below(24)];
         }
-        EXPECT_NO_THROW(run(reader, bytes)) << reader.name << ", " << entry.path();
+        const std::clock_t begin = std::clock();
+        EXPECT_NO_THROW(run(reader, bytes)) << reader.name << ", " << entry.path() << ", copy " << i;
+        const auto took = static_cast<double>(std::clock() - begin) / CLOCKS_PER_SEC;
+        if (asked != nullptr && took > 1.0)
+          ADD_FAILURE() << reader.name << ", " << entry.path() << ", copy " << i << ": " << took << " s";
       }
     }
   }

@@ -1,0 +1,15 @@
+#include "base/document.hpp"
+#include "circuit/built_circuit.hpp"
+#include "reader.hpp"
+
+namespace bodesmith::fuzz {
+namespace {
+
+void read_circuit_bytes(std::string_view bytes) {
+  const auto file = circuit::CircuitFile::from_node(parse_json(bytes, "circuit.json"));
+  for (const auto& part : file.circuit.parts) require_finite(part.realised);
+}
+const Registered circuit_reader{"circuit_file", read_circuit_bytes};
+
+}  // namespace
+}  // namespace bodesmith::fuzz

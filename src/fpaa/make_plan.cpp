@@ -170,6 +170,33 @@ std::string least_change(const Sections& sections, const PlanOptions& options, B
 
 }  // namespace
 
+namespace {
+
+/// What no capacitors make: a response that a double does not hold, or nothing at all.
+std::optional<Refusal> not_a_response(const Sections& sections, Band band) {
+  double sum = 0.0;  // which keeps what is not a number
+  for (const Hertz f : log_grid(band, 60)) sum += std::abs(sections.response(f.rad_s()));
+  if (sum > 0.0 && std::isfinite(sum)) return std::nullopt;
+  return Refusal{fmt::format("the response from {} to {} Hz is {}, expected numbers above 0",
+                             rounded_text(band.from.value), rounded_text(band.to.value),
+                             sum == 0.0 ? "0" : "not finite")};
+}
+
+/// Every pole is held by an op-amp: what has more poles than the board has op-amps needs no search.
+std::optional<Refusal> too_many_poles(const Sections& sections, const Board& board) {
+  std::size_t poles = 0;
+  for (const Section& section : sections.sections) poles += section.poles.size();
+  const auto per_chip = static_cast<std::size_t>(board.cabs_per_chip * board.per_cab.opamps);
+  const std::size_t opamps = static_cast<std::size_t>(board.chips) * per_chip;
+  if (poles <= opamps) return std::nullopt;
+  return Refusal{fmt::format(
+      "{} poles need at least as many op-amps, which {} chips have, and the board has {} op-amps; expected fewer "
+      "poles (a lower --order) or spice",
+      poles, (poles + per_chip - 1) / per_chip, opamps)};
+}
+
+}  // namespace
+
 Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
   const Outcome<const Board*> known_board = find_board(options.board);
   if (const Refusal* refusal = refusal_of(known_board)) return *refusal;
@@ -182,7 +209,15 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
     return Refusal{
         fmt::format("the band {} to {} Hz is empty, expected 0 < from < to", band.from.value, band.to.value)};
   }
+  if (2.0 * band.from.value >= board.master_clock.value) {
+    return Refusal{fmt::format("the band begins at {} Hz, expected one below half the board's clock of {} Hz",
+                               rounded_text(band.from.value), rounded_text(board.master_clock.value))};
+  }
+  if (const auto refusal = not_a_response(sections, band)) return *refusal;
   const bool chain = options.clock || options.topology == PlanOptions::Topology::chain;
+  if (!chain) {
+    if (const auto refusal = too_many_poles(sections, board)) return *refusal;
+  }
   Outcome<Plan> made =
       chain ? chain_plan(sections, options, band, board) : searched_plan(sections, options, band, board);
   if (const Refusal* refusal = refusal_of(made)) {

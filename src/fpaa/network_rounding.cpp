@@ -2,6 +2,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/whole_number.hpp"
 #include "fpaa/network_fit.hpp"
 #include "fpaa/stage_view.hpp"
 
@@ -155,7 +156,7 @@ std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_
     }
     // What CA and CB of at least a quarter and half of the largest leave for C3.
     const double most = std::min<double>(max_capacitor, product * max_capacitor * max_capacitor / c2);
-    const auto least = static_cast<int>(std::max(1.0, product * max_capacitor * max_capacitor / (8.0 * c2)));
+    const auto least = whole_number<int>(product * max_capacitor * max_capacitor / (8.0 * c2), 1);
     for (int c3 = least; c3 <= most; c3 += c3 < 40 ? 1 : 7) {
       for (int cb = max_capacitor / 2; cb <= max_capacitor; cb += high ? 1 : 3) {
         const double ca = std::round(c2 * c3 / (product * cb));
@@ -244,6 +245,7 @@ std::vector<std::vector<double>> whole_stages(const Network& network, std::size_
     }
   }
   std::vector<std::vector<double>> out;
+  if (but_gain.empty()) return out;  // no cost was a number
   for (std::size_t i = 0; i < as_is.size(); ++i) {
     for (const WholeStage* whole : {&as_is[i], &but_gain[std::min(i, but_gain.size() - 1)]}) {
       if (out.size() < choices && std::find(out.begin(), out.end(), whole->c) == out.end())

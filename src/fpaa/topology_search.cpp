@@ -7,6 +7,7 @@
 #include <limits>
 #include <numbers>
 
+#include "base/whole_number.hpp"
 #include "fpaa/clock_features.hpp"
 #include "fpaa/error_budget.hpp"
 #include "fpaa/error_reference.hpp"
@@ -158,9 +159,9 @@ class TopologySearch {
   std::int64_t divisor_for(double hz) const {
     const double lowest = std::max(hz, options_.lowest_clock.value_or(Hertz{0.0}).value);
     const double total = std::clamp(board_.master_clock.value / lowest, 2.0, 250000.0);
-    if (total <= 510.0) return 2 * static_cast<std::int64_t>(total / 2.0);
-    const auto system = 2 * static_cast<std::int64_t>(std::ceil(total / 1000.0));
-    return system * 2 * static_cast<std::int64_t>(total / (2.0 * static_cast<double>(system)));
+    if (total <= 510.0) return 2 * whole_number<std::int64_t>(total / 2.0);
+    const auto system = 2 * whole_number<std::int64_t>(std::ceil(total / 1000.0));
+    return system * 2 * whole_number<std::int64_t>(total / (2.0 * static_cast<double>(system)));
   }
 
   /// Of the sums: fast against the band, and against what lies above it.
@@ -216,7 +217,11 @@ class TopologySearch {
   void keep(Network network, const NetworkResponse& response, const char* topology) {
     // Whole capacitors will not make it better than this.
     const double exact_error = largest_error(response.errors(network));
-    if (exact_error > least_rank_ || is_tried(network)) return;
+    if (!(exact_error <= least_rank_) || is_tried(network)) return;
+    // Numbers beyond all capacitors leave paths, and then stages, that nothing enters.
+    if (std::any_of(network.stages.begin(), network.stages.end(),
+                    [](const NetworkStage& stage) { return stage.from.empty(); }))
+      return;
     TopologyCandidate out{network, std::move(network), exact_error, {}, topology};
     if (!round_network(out.network, response)) return;
     polish_network(out.network, response, options_.assumptions.mismatch, 0.0, 4);
@@ -422,7 +427,7 @@ class TopologySearch {
     if (!pole) return;
     const double total = board_.master_clock.value / (kHighPassReach * *pole);
     const std::int64_t divisor =
-        std::max<std::int64_t>(4, 2 * static_cast<std::int64_t>(std::ceil(0.5 * total)));
+        std::max<std::int64_t>(4, 2 * whole_number<std::int64_t>(std::ceil(0.5 * total)));
     const NetworkTarget target = target_at(divisor);
     const NetworkResponse response(target);
     double peak = 0.0;
@@ -646,7 +651,7 @@ NetworkTarget network_target(const Sections& sections, Band band, double fast_cl
   out.max_capacitor = board.max_capacitor;
   const auto points = [](Band b) {
     const double decades = std::log10(b.to.value / b.from.value);
-    return static_cast<int>(std::clamp(kPointsPerDecade * decades, 36.0, 130.0));
+    return whole_number<int>(kPointsPerDecade * decades, 36, 130);
   };
   const auto add = [&](Hertz f, double weight) {
     out.grid.push_back(f.rad_s());

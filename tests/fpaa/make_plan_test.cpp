@@ -179,6 +179,17 @@ TEST(MakePlan, RefusesWithWhatWouldHelp) {
   Sections many;
   for (int i = 0; i < 33; ++i) many.sections.push_back(Section::pole_zero(1.0, {100.0}, {120.0}));
   EXPECT_THAT(message(many, chain), HasSubstr("32 of them fit"));
+  EXPECT_THAT(message(many), HasSubstr("33 poles need"));
+
+  Sections endless = seed_sections();
+  endless.gain = 1e300;
+  endless.sections[0].gain = 1e300;
+  EXPECT_THAT(message(endless), HasSubstr("not finite"));
+
+  Sections fast_pole;
+  fast_pole.gain = 1e300;
+  fast_pole.sections = {Section{1e300, {}, {-1e300}}};
+  EXPECT_THAT(message(fast_pole), HasSubstr("below half the board's clock"));
 
   PlanOptions odd;
   odd.clock = Hertz{1999.0};

@@ -40,7 +40,10 @@ std::string transfer_text(const std::vector<Biquad>& product) {
     zeros += factors_text(section.zeros);
     poles += factors_text(section.poles);
   }
-  return fmt::format("{} {}/{}", rounded_text(gain, 6), zeros, poles);
+  // A constant is a number, and a denominator needs a numerator of its own only where there are zeros.
+  const std::string k = rounded_text(gain, 6);
+  if (poles == "1") return zeros == "1" ? k : fmt::format("{} {}", k, zeros);
+  return zeros == "1" ? fmt::format("{}/{}", k, poles) : fmt::format("{} {}/{}", k, zeros, poles);
 }
 
 std::string parts_csv(const Circuit& circuit) {

@@ -3,15 +3,16 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <map>
 #include <set>
 
 #include "base/text.hpp"
 #include "base/version.hpp"
+#include "circuit/references.hpp"
 #include "circuit/text.hpp"
 #include "kicad/devices.hpp"
 #include "kicad/schematic.hpp"
+#include "kicad/sheet_rows.hpp"
 
 namespace bodesmith::controller {
 namespace {
@@ -22,10 +23,15 @@ class SchematicMaker {
  public:
   SchematicMaker(const AnalogController& controller, const circuit::Tolerances& tolerances)
       : controller_(controller), tolerances_(tolerances) {
+    for (const Part& one : controller.parts)
+      references_[one.name] = counter_.next(one.kind == Part::Kind::resistor    ? "R"
+                                            : one.kind == Part::Kind::capacitor ? "C"
+                                                                                : "D");
     for (const OpAmp& one : controller.opamps) place_opamp(one);
     for (const Multiplier& one : controller.multipliers) devices_[one.name] = next_package();
     switch_reference_ = next_package();
     for (const VoltageReference& one : controller.references) devices_[one.name] = next_package();
+    for (const Contact& one : controller.contacts) contact_units_[one.name] = free_unit(one.rising);
   }
 
   std::vector<kicad::Group> groups() {
@@ -39,16 +45,16 @@ class SchematicMaker {
     board.cells.push_back(kicad::supply_connector_cell("J4", "V5P", "V5N"));
     for (const VoltageReference& one : controller_.references)
       board.cells.push_back(kicad::reference_cell(devices_.at(one.name), one.type, one.name, one.node));
-    spare_contacts(board);
+    if (std::vector<kicad::Cell> spare = spare_contacts(); !spare.empty())
+      board.cells.push_back(kicad::stacked(spare));
     board.cells.push_back(kicad::contact_supply_cell(switch_reference_, controller_.analog_switch.name));
     out.push_back(std::move(board));
-    int capacitor = 1;
     for (const Package& package : packages_) {
       const int per = package.type->per_package;
       kicad::Group power;
-      power.cells.push_back(kicad::package_supply_cell(
-          kicad::opamp_symbol(package.reference, package.type->name, per, per), capacitor));
-      capacitor += 2;
+      power.cells.push_back(
+          kicad::package_supply_cell(kicad::opamp_symbol(package.reference, package.type->name, per, per),
+                                     {counter_.next("C"), counter_.next("C")}));
       for (int unit = package.used; unit < per; ++unit)
         power.cells.push_back(
             kicad::spare_opamp_cell(kicad::opamp_symbol(package.reference, package.type->name, per, unit)));
@@ -69,7 +75,7 @@ class SchematicMaker {
     int unit = 0;
   };
 
-  std::string next_package() { return fmt::format("U{}", ++count_); }
+  std::string next_package() { return counter_.next("U"); }
 
   void place_opamp(const OpAmp& one) {
     const circuit::OpAmpModel& type = controller_.type_of(one);
@@ -112,7 +118,7 @@ class SchematicMaker {
   kicad::Symbol texts_of(const circuit::Part& part, const std::string& section) const {
     const bool resistor = part.kind == circuit::Part::Kind::resistor;
     kicad::Symbol out;
-    out.reference = schematic_reference(part.name);
+    out.reference = references_.at(part.name);
     out.value = kicad::kicad_value(part.realised);
     out.footprint = resistor                 ? "Resistor_SMD:R_0603_1608Metric"
                     : part.realised <= 10e-9 ? "Capacitor_SMD:C_0603_1608Metric"
@@ -164,50 +170,62 @@ class SchematicMaker {
       cell.entry.reset();
       out.cells.push_back(std::move(cell));
     }
+    std::vector<kicad::Cell> diodes;
     for (const Part& one : controller_.parts) {
       if (one.section == name && one.kind == Part::Kind::diode)
-        out.cells.push_back(
-            kicad::diode_cell(schematic_reference(one.name), one.series, one.name, one.from, one.to));
+        diodes.push_back(kicad::diode_cell(references_.at(one.name), one.series, one.name, one.from, one.to));
     }
+    add_columns(diodes, out);
+    std::vector<kicad::Cell> contacts;
     for (const Contact& one : controller_.contacts) {
-      if (one.section == name) out.cells.push_back(contact(one));
+      if (one.section == name)
+        contacts.push_back(kicad::contact_cell(switch_reference_, controller_.analog_switch.name, one.name,
+                                               contact_units_.at(one.name), one.from, one.to, "so"));
     }
+    add_columns(contacts, out);
     return out;
   }
 
+  /// Small cells above each other in columns about as high as what stands beside them.
+  static void add_columns(const std::vector<kicad::Cell>& cells, kicad::Group& into) {
+    constexpr std::size_t kInColumn = 3;
+    for (std::size_t first = 0; first < cells.size(); first += kInColumn) {
+      const auto begin = cells.begin() + static_cast<std::ptrdiff_t>(first);
+      const auto end = cells.begin() + static_cast<std::ptrdiff_t>(std::min(first + kInColumn, cells.size()));
+      into.cells.push_back(kicad::stacked({begin, end}));
+    }
+  }
+
   /// Units 0 and 3 close at logic 1.
-  kicad::Cell contact(const Contact& one) {
-    for (const int unit : one.rising ? std::vector<int>{0, 3} : std::vector<int>{1, 2}) {
-      if (!used_units_.insert(unit).second) continue;
-      return kicad::contact_cell(switch_reference_, controller_.analog_switch.name, one.name, unit, one.from,
-                                 one.to, "so");
+  int free_unit(bool rising) {
+    for (const int unit : rising ? std::vector<int>{0, 3} : std::vector<int>{1, 2}) {
+      if (used_units_.insert(unit).second) return unit;
     }
     throw std::logic_error("more contacts than the switch has");
   }
 
-  void spare_contacts(kicad::Group& board) {
+  std::vector<kicad::Cell> spare_contacts() {
+    std::vector<kicad::Cell> out;
     for (int unit = 0; unit < 4; ++unit) {
       if (used_units_.insert(unit).second)
-        board.cells.push_back(kicad::contact_cell(switch_reference_, controller_.analog_switch.name, "spare",
-                                                  unit, "0", "0", "0"));
+        out.push_back(kicad::contact_cell(switch_reference_, controller_.analog_switch.name, "spare", unit,
+                                          "0", "0", "0"));
     }
+    return out;
   }
 
   const AnalogController& controller_;
   const circuit::Tolerances tolerances_;
   std::vector<Package> packages_;
   std::map<std::string, Place> opamps_;
-  std::map<std::string, std::string> devices_;
+  std::map<std::string, std::string> devices_, references_;
+  std::map<std::string, int> contact_units_;
   std::string switch_reference_;
   std::set<int> used_units_;
-  int count_ = 0;
+  circuit::ReferenceCounter counter_;
 };
 
 }  // namespace
-
-std::string schematic_reference(const std::string& name) {
-  return std::isdigit(static_cast<unsigned char>(name.back())) != 0 ? name : name + "0";
-}
 
 void add_schematic(const AnalogController& controller, const std::string& title, OutputSet& out,
                    const std::filesystem::path& folder, const circuit::Tolerances& tolerances) {

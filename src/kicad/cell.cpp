@@ -92,7 +92,7 @@ class CellMaker {
   }
 
   void anchor(Point at, const std::string& net, Anchor::Kind kind) {
-    cell.anchors.push_back({at, net, kind});
+    cell.anchors.push_back({at, net, kind, std::nullopt});
   }
 
   /// Ends a branch that comes from the right at (x, y): ground, or a name.
@@ -160,7 +160,9 @@ void CellMaker::opamp(const OpAmp& opamp, Symbol symbol, std::vector<Branch>& re
   const std::string &upper = minus_above ? opamp.minus : opamp.plus,
                     &lower = minus_above ? opamp.plus : opamp.minus, &out = opamp.out;
   symbol.mirrored = !minus_above;
-  symbol.reference_mm[0] = symbol.value_mm[0] = 2.54;
+  // Right of the middle, where the value of a part in the feedback stands.
+  symbol.reference_mm[0] = 5.08;
+  symbol.value_mm[0] = 2.54;
   symbol.reference_mm[1] = -5.08;
   symbol.value_mm[1] = 5.08;
   symbol.text_to_right = true;
@@ -218,6 +220,7 @@ void CellMaker::opamp(const OpAmp& opamp, Symbol symbol, std::vector<Branch>& re
     above -= kPitch;
   }
   anchor(upper_bus, upper, Anchor::Kind::inner);
+  const size_t upper_anchor = cell.anchors.size() - 1;
   size_t first_left = cell.anchors.size();
   if (inner.empty()) {
     to_the_left(upper_left, upper, kBus, -2);
@@ -249,6 +252,16 @@ void CellMaker::opamp(const OpAmp& opamp, Symbol symbol, std::vector<Branch>& re
   for (size_t i = first_left; i < cell.anchors.size() && !cell.entry; ++i) {
     if (cell.anchors[i].kind == Anchor::Kind::end && cell.anchors[i].at.y == -2) cell.entry = i;
   }
+
+  // Left of the upper input stand its parts: its name goes above them.
+  int bus_top = upper_bus.y;
+  for (const Wire& wire : drawing().wires) {
+    if (wire.a.x == kBus && wire.b.x == kBus && wire.net == upper)
+      bus_top = std::min({bus_top, wire.a.y, wire.b.y});
+  }
+  const Point name_at{kBus, bus_top - 3};
+  cell.anchors[upper_anchor].name_at = name_at;
+  drawing().reach(name_at + Point{0, -1});
 
   // The lower input.
   const Point lower_bus{kBus, 2};

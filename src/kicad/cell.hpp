@@ -18,6 +18,8 @@ struct Anchor {
   /// end: a wire that ends here and needs a name; inner: named only when other pieces use the net;
   /// output: always named.
   enum class Kind { end, inner, output } kind = Kind::end;
+  /// Where the name stands, at the end of a wire straight from `at`, when there is no room at the place itself.
+  std::optional<Point> name_at = std::nullopt;
 };
 
 /// One op-amp with the parts at its inputs and around it, drawn left to right; or, without an op-amp, parts

@@ -78,7 +78,13 @@ Cell contact_cell(const std::string& reference, const std::string& value, const 
   symbol.value_mm[1] = 7.62;
   out.drawing.symbol(std::move(symbol), {{{-6, 2}, control}, {{-6, 0}, from}, {{6, 0}, to}});
   name_pin(out, {-6, 2}, control, true);
-  name_pin(out, {-6, 0}, from, true);
+  if (from == "0" && control == "0") {
+    // One ground for both: two beside each other stand on each other's names.
+    out.drawing.wire({-6, 0}, {-8, 0}, from);
+    out.drawing.wire({-8, 0}, {-8, 2}, from);
+  } else {
+    name_pin(out, {-6, 0}, from, true);
+  }
   name_pin(out, {6, 0}, to, false);
   out.drawing.reach({8, -6});
   out.drawing.reach({8, 8});
@@ -91,9 +97,9 @@ Cell contact_supply_cell(const std::string& reference, const std::string& value)
       device("ADG413", reference, value, "", "Package_SO:SOIC-16_3.9x9.9mm_P1.27mm", {"13", "4", "5", "12"});
   symbol.unit = 5;
   symbol.text_to_right = true;
-  symbol.reference_mm[0] = symbol.value_mm[0] = 5.08;
-  symbol.reference_mm[1] = -6.35;
-  symbol.value_mm[1] = 6.35;
+  symbol.reference_mm[0] = symbol.value_mm[0] = 6.35;
+  symbol.reference_mm[1] = -7.62;
+  symbol.value_mm[1] = 7.62;
   out.drawing.symbol(std::move(symbol), {{{0, -8}, "VCC"}, {{0, 8}, "VEE"}, {{-6, 0}, "0"}, {{6, 0}, "V5P"}});
   out.drawing.supply("VCC", {0, -8}, "VCC");
   out.drawing.supply("VEE", {0, 8}, "VEE");
@@ -123,9 +129,11 @@ Cell reference_cell(const std::string& reference, const std::string& value, cons
                     const std::string& net) {
   Cell out;
   Symbol symbol = device("VoltageReference", reference, value, netlist, kSmallPackage, {"2", "6", "4"});
+  symbol.text_to_right = true;
+  symbol.reference_mm[0] = -5.08;
   symbol.reference_mm[1] = -6.35;
-  symbol.value_mm[0] = 12.7;
-  symbol.value_mm[1] = 5.08;
+  symbol.value_mm[0] = 6.35;
+  symbol.value_mm[1] = 3.81;
   out.drawing.symbol(std::move(symbol), {{{-6, 0}, "V5P"}, {{6, 0}, net}, {{0, 6}, "0"}});
   out.drawing.wire({-6, 0}, {-8, 0}, "V5P");
   out.drawing.supply("V5P", {-8, 0}, "V5P");
@@ -175,7 +183,7 @@ Cell supply_connector_cell(const std::string& reference, const std::string& posi
   return out;
 }
 
-Cell package_supply_cell(Symbol unit, int number) {
+Cell package_supply_cell(Symbol unit, const std::array<std::string, 2>& capacitors) {
   Cell out;
   Drawing& drawing = out.drawing;
   const int name = static_cast<int>(unit.value.size()) + 1;
@@ -191,7 +199,7 @@ Cell package_supply_cell(Symbol unit, int number) {
     circuit::Part part;
     part.kind = circuit::Part::Kind::capacitor;
     Symbol texts;
-    texts.reference = "Cd" + std::to_string(number + (upper ? 0 : 1));
+    texts.reference = capacitors[upper ? 0 : 1];
     texts.value = "100n";
     texts.footprint = "Capacitor_SMD:C_0603_1608Metric";
     // Beside the package: VCC to ground above, ground to VEE below.

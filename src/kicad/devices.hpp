@@ -1,5 +1,6 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
@@ -30,15 +31,15 @@ Cell connector_cell(const std::string& reference, const std::string& net);
 /// VCC, ground, VEE; or V5P and V5N.
 Cell supply_connector_cell(const std::string& reference, const std::string& positive,
                            const std::string& negative);
-/// The power unit of an op-amp package between VCC and VEE with 100 nF at each pin (capacitors `number`, + 1).
-Cell package_supply_cell(Symbol unit, int number);
+/// The power unit of an op-amp package between VCC and VEE with 100 nF at each pin.
+Cell package_supply_cell(Symbol unit, const std::array<std::string, 2>& capacitors);
 /// An op-amp that nothing uses: a follower at ground.
 Cell spare_opamp_cell(Symbol unit);
 
 /// A unit (from 0) of an op-amp package; unit `per_package` is the power unit.
 Symbol opamp_symbol(const std::string& reference, const std::string& type, int per_package, int unit);
 
-/// STEM.kicad_pro, STEM.kicad_sch and the symbols: every group on one sheet, the smallest paper from A4 to A0 that
+/// STEM.kicad_pro, STEM.kicad_sch, bom.csv and the symbols: every group on one sheet, the smallest paper from A4 to A0 that
 /// holds them. Throws DesignError when none does. Gives the sheet back, for a picture.
 Sheet add_one_sheet_project(const std::vector<Group>& groups, const std::string& stem,
                             const std::string& title, const std::string& comment, OutputSet& out,

@@ -2,24 +2,19 @@
 
 #include "base/error.hpp"
 #include "base/json.hpp"
+#include "kicad/bom.hpp"
 #include "kicad/devices.hpp"
 
 namespace bodesmith::kicad {
-namespace {
-
-constexpr Paper kLargePapers[] = {
-    {"A4", 233, 165}, {"A3", 330, 233}, {"A2", 467, 330}, {"A1", 662, 467}, {"A0", 936, 662}};
-
-}  // namespace
 
 Sheet add_one_sheet_project(const std::vector<Group>& groups, const std::string& stem,
                             const std::string& title, const std::string& comment, OutputSet& out,
                             const std::filesystem::path& folder) {
-  for (const Paper& paper : kLargePapers) {
-    Rows rows(paper);
-    bool fits = true;
-    for (const Group& group : groups) fits = fits && rows.add(group);
-    if (!fits) continue;
+  std::vector<const Group*> all;
+  for (const Group& group : groups) all.push_back(&group);
+  for (const Paper& paper : kPapers) {
+    const Rows rows = fitted_rows(paper, all);
+    if (rows.empty()) continue;
     Sheet sheet{stem + ".kicad_sch", paper.name, rows.drawing(), {}};
     out.add(folder / sheet.file, sheet_texts({sheet}, title, comment)[0]);
     Json project;
@@ -28,6 +23,7 @@ Sheet add_one_sheet_project(const std::vector<Group>& groups, const std::string&
     project["text_variables"] = Json::object();
     out.add(folder / (stem + ".kicad_pro"), to_text(project));
     out.add(folder / "bodesmith.kicad_sym", symbol_library_text());
+    out.add(folder / "bom.csv", bill_of_materials({sheet}));
     out.add(folder / "sym-lib-table", symbol_table_text());
     return sheet;
   }

@@ -7,11 +7,14 @@
 #include <map>
 #include <set>
 
+#include "base/error.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "base/whole_number.hpp"
+#include "circuit/references.hpp"
 #include "circuit/text.hpp"
+#include "kicad/bom.hpp"
 #include "kicad/cell.hpp"
 #include "kicad/devices.hpp"
 #include "kicad/sheet_rows.hpp"
@@ -34,78 +37,129 @@ class Schematic {
  public:
   Schematic(const circuit::Circuit& circuit, const circuit::Tolerances& tolerances)
       : circuit_(circuit), tolerances_(tolerances) {
+    const std::vector<std::string> references = circuit::part_references(circuit);
+    for (size_t i = 0; i < references.size(); ++i) references_[circuit.parts[i].name] = references[i];
     for (size_t i = 0; i < circuit.stages.size(); ++i) groups_.push_back(stage_group(i));
     board_ = board_groups();
   }
 
   /// One sheet when A3 is enough, otherwise a first sheet with a box for each of the others.
   std::vector<Sheet> sheets() const {
-    for (const Paper& paper : kPapers) {
-      Rows rows(paper);
-      const auto fits = [&](const std::vector<Group>& groups) {
-        return std::all_of(groups.begin(), groups.end(), [&](const Group& group) { return rows.add(group); });
-      };
-      if (fits(groups_) && fits(board_)) return {{"compensator.kicad_sch", paper.name, rows.drawing(), {}}};
+    std::vector<const Group*> all;
+    for (const Group& group : groups_) all.push_back(&group);
+    for (const Group& group : board_) all.push_back(&group);
+    for (const Paper& paper : {kPapers[0], kPapers[1]}) {
+      const Rows rows = fitted_rows(paper, all);
+      if (!rows.empty()) return {{"compensator.kicad_sch", paper.name, rows.drawing(), {}}};
     }
     return with_boxes();
   }
 
  private:
   std::vector<Sheet> with_boxes() const {
-    const Paper& paper = kPapers[1];
+    const Paper& paper = paper_for_stages();
     std::vector<Sheet> out(1);
-    size_t first = 0;
-    while (first < groups_.size()) {
-      Rows rows(paper);
-      size_t last = first;
-      while (last < groups_.size() && rows.add(groups_[last])) ++last;
-      if (last == first) throw std::logic_error("a stage that is larger than a sheet");
-      Sheet sheet{fmt::format("compensator_{}.kicad_sch", out.size() + 1), paper.name, rows.drawing(), {}};
+    std::vector<SheetBox> boxes;
+    const auto add = [&](Sheet sheet, const std::string& name, const std::string& in,
+                         const std::string& end) {
+      sheet.file = fmt::format("compensator_{}.kicad_sch", out.size() + 1);
+      SheetBox box;
+      box.name = name;
+      box.file = sheet.file;
+      box.in = in;
+      box.out = end;
+      boxes.push_back(box);
+      out.push_back(std::move(sheet));
+    };
+    for (auto& [sheet, first, last] : filled(paper, groups_, 0)) {
       make_port(sheet.drawing, groups_[first].in, Label::Kind::input);
       make_port(sheet.drawing, groups_[last - 1].out, Label::Kind::output);
-      SheetBox box;
-      box.name =
-          last == first + 1 ? fmt::format("stage {}", last) : fmt::format("stages {} to {}", first + 1, last);
-      box.file = sheet.file;
-      box.in = groups_[first].in;
-      box.out = groups_[last - 1].out;
-      out[0].boxes.push_back(box);
-      out.push_back(std::move(sheet));
+      add(std::move(sheet),
+          last == first + 1 ? fmt::format("stage {}", last) : fmt::format("stages {} to {}", first + 1, last),
+          groups_[first].in, groups_[last - 1].out);
+    }
+    // Connectors and supplies below the boxes, or, when there are too many, the supplies on sheets like the stages.
+    std::vector<const Group*> board;
+    for (const Group& group : board_) board.push_back(&group);
+    const auto below = [&](const Paper& size) { return kMargin + kBoxLine * lines_of(boxes.size(), size); };
+    if (fitted_rows(paper, board, below(paper)).empty()) {
+      board.resize(1);
+      for (auto& [sheet, first, last] : filled(paper, board_, 1)) add(std::move(sheet), "supplies", "", "");
+    }
+    for (const Paper& size : kPapers) {
+      if (size.width < paper.width) continue;
+      const Rows rows = fitted_rows(size, board, below(size));
+      if (rows.empty()) continue;
+      Sheet& root = out[0];
+      root.file = "compensator.kicad_sch";
+      root.paper = size.name;
+      root.boxes = boxes;
+      place_boxes(root, columns_of(size));
+      root.drawing.append(rows.drawing(), {0, 0});
+      return out;
+    }
+    throw DesignError("the circuit is larger than a KiCad project of A0 sheets");
+  }
+
+  static constexpr int kBoxWidth = 28, kBoxHeight = 16, kBoxStep = 42, kBoxLine = 26;
+  static int columns_of(const Paper& paper) { return (paper.width - 2 * kMargin) / kBoxStep; }
+  static int lines_of(size_t boxes, const Paper& paper) {
+    return (static_cast<int>(boxes) + columns_of(paper) - 1) / columns_of(paper);
+  }
+
+  /// Sheets that take the groups from `first` on in their order, as many as each holds.
+  struct Filled {
+    Sheet sheet;
+    size_t first = 0, last = 0;
+  };
+  static std::vector<Filled> filled(const Paper& paper, const std::vector<Group>& groups, size_t first) {
+    std::vector<Filled> out;
+    while (first < groups.size()) {
+      Rows rows(paper);
+      std::vector<const Group*> here;
+      size_t last = first;
+      while (last < groups.size() && rows.add(groups[last])) here.push_back(&groups[last++]);
+      out.push_back({{"", paper.name, fitted_rows(paper, here).drawing(), {}}, first, last});
       first = last;
     }
-    Sheet& root = out[0];
-    root.file = "compensator.kicad_sch";
-    root.paper = paper.name;
-    // The boxes in rows above, supplies below.
-    constexpr int kBoxWidth = 28, kBoxHeight = 16, kStep = 42;
-    const int across = (paper.width - 2 * kMargin) / kStep;
+    return out;
+  }
+
+  /// In lines of `across`, the signal from each to the next by a wire or, at the end of a line, by name.
+  static void place_boxes(Sheet& root, int across) {
     Drawing& drawing = root.drawing;
     for (size_t i = 0; i < root.boxes.size(); ++i) {
       SheetBox& box = root.boxes[i];
       const int column = static_cast<int>(i) % across, line = static_cast<int>(i) / across;
-      box.at = {kMargin + 6 + column * kStep, kMargin + 4 + line * 26};
+      box.at = {kMargin + 6 + column * kBoxStep, kMargin + 4 + line * kBoxLine};
       box.width = kBoxWidth;
       box.height = kBoxHeight;
+      drawing.reach(box.at + Point{kBoxWidth, kBoxHeight + 2});
+      if (box.in.empty()) continue;
       const int y = box.at.y + kBoxHeight / 2;
       const Point in{box.at.x, y}, end{box.at.x + kBoxWidth, y};
       drawing.taps.push_back({in, box.in});
       drawing.taps.push_back({end, box.out});
       const bool wired_before = i > 0 && column > 0;
-      const bool wired_after = i + 1 < root.boxes.size() && column + 1 < across;
+      const bool wired_after =
+          i + 1 < root.boxes.size() && column + 1 < across && !root.boxes[i + 1].in.empty();
       if (!wired_before) {
         drawing.wire(in + Point{-2, 0}, in, box.in);
         drawing.label({in + Point{-2, 0}, box.in, true});
       }
-      drawing.wire(end, end + Point{wired_after ? kStep - kBoxWidth : 2, 0}, box.out);
+      drawing.wire(end, end + Point{wired_after ? kBoxStep - kBoxWidth : 2, 0}, box.out);
       drawing.label({end + Point{2, 0}, box.out, false});
     }
-    const int lines = (static_cast<int>(root.boxes.size()) + across - 1) / across;
-    Rows rows(paper);
-    for (const Group& group : board_) {
-      if (!rows.add(group)) throw std::logic_error("more packages than one sheet holds");
+  }
+
+  /// A3, or what the largest stage needs.
+  const Paper& paper_for_stages() const {
+    for (const Paper& paper : kPapers) {
+      const bool holds = std::all_of(groups_.begin(), groups_.end(),
+                                     [&](const Group& group) { return Rows(paper).add(group); });
+      if (holds && paper.width >= kPapers[1].width) return paper;
     }
-    drawing.append(rows.drawing(), {0, 26 * lines});
-    return out;
+    throw DesignError("a stage is larger than an A0 sheet");
   }
 
   /// The first label of the net leads out of the sheet.
@@ -123,10 +177,11 @@ class Schematic {
     const bool resistor = part.kind == circuit::Part::Kind::resistor;
     const char* const unit = resistor ? " ohm" : " F";
     Symbol out;
-    out.reference = part.name;
+    out.reference = references_.at(part.name);
     out.value = kicad_value(part.realised);
     out.footprint = resistor ? "Resistor_SMD:R_0603_1608Metric" : capacitor_footprint(part.realised);
     out.fields = {
+        {"Netlist", part.name},
         {"Series", part.series},
         {"Tolerance",
          rounded_text(resistor ? tolerances_.resistor_percent : tolerances_.capacitor_percent) + "%"},
@@ -177,6 +232,10 @@ class Schematic {
   /// Connectors, supplies, and the packages' power units with their capacitors.
   std::vector<Group> board_groups() const {
     std::vector<Group> out(1);
+    circuit::ReferenceCounter counter;
+    for (const circuit::Part& part : circuit_.parts) {
+      if (part.kind == circuit::Part::Kind::capacitor) counter.next("C");
+    }
     Group& connectors = out[0];
     connectors.text = "connectors, supplies, 100 nF at every supply pin";
     connectors.cells.push_back(connector_cell("J1", "in"));
@@ -186,7 +245,7 @@ class Schematic {
     const int packages = (static_cast<int>(circuit_.opamps.size()) + per - 1) / per;
     for (int i = 0; i < packages; ++i) {
       Group group;
-      group.cells.push_back(package_supply_cell(opamp_unit(i, per), 2 * i + 1));
+      group.cells.push_back(package_supply_cell(opamp_unit(i, per), {counter.next("C"), counter.next("C")}));
       out.push_back(std::move(group));
     }
     if (packages * per > static_cast<int>(circuit_.opamps.size())) {
@@ -199,6 +258,7 @@ class Schematic {
 
   const circuit::Circuit& circuit_;
   circuit::Tolerances tolerances_;
+  std::map<std::string, std::string> references_;  ///< by name in the netlist
   std::vector<Group> groups_, board_;
 };
 
@@ -224,6 +284,7 @@ void add_kicad_files(const circuit::Circuit& circuit, const std::string& title, 
   project["text_variables"] = Json::object();
   out.add("compensator.kicad_pro", to_text(project));
   out.add("bodesmith.kicad_sym", symbol_library_text());
+  out.add("bom.csv", bill_of_materials(sheets));
   out.add("sym-lib-table", symbol_table_text());
 }
 

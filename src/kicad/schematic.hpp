@@ -10,8 +10,8 @@ namespace bodesmith::kicad {
 
 /// The circuit as a KiCad 6 project: compensator.kicad_pro, compensator.kicad_sch (and
 /// compensator_2.kicad_sch, … with whole stages on sheets of their own when one A3 sheet does not hold them),
-/// the symbols in bodesmith.kicad_sym with sym-lib-table. Parts keep the names they have in the netlist and
-/// in parts.csv; every node keeps its name as a label. Op-amps are units of packages U1, U2, … (`per_package`
+/// the symbols in bodesmith.kicad_sym with sym-lib-table. Parts are R1, R2, C1, … as boards number them; the field Netlist is their name
+/// in the netlist, which bom.csv lists beside them; every node keeps its name as a label. Op-amps are units of packages U1, U2, … (`per_package`
 /// of the model); their netlist name is the field Netlist, a unit that is left over is a follower at ground.
 /// What a netlist does not have and a board needs is added: connectors, supplies, 100 nF at every supply pin.
 /// Values in KiCad's own writing (20.5k, 10n); fields Series, Tolerance, Wanted, Realised, Section.

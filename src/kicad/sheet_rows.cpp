@@ -1,20 +1,52 @@
 #include "kicad/sheet_rows.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
+#include <string_view>
+
+#include "base/text.hpp"
 
 namespace bodesmith::kicad {
+namespace {
+
+// Room that is shared out goes up to here between two cells and between two rows; the rest stays around the whole.
+constexpr int kWidestGap = 24, kHighestGap = 20;
+
+int width_of(const Cell& cell) {
+  return cell.drawing.right - cell.drawing.left;
+}
+
+}  // namespace
+
+int Group::width() const {
+  int sum = 0;
+  for (const Cell& cell : cells) sum += width_of(cell) + kGap;
+  return std::max(sum, text_width());
+}
+
+int Group::text_width() const {
+  std::size_t longest = 0;
+  for (const std::string_view line : split(text, '\n')) longest = std::max(longest, line.size());
+  return static_cast<int>(longest) + kGap;
+}
+
+int Group::text_height() const {
+  return 2 * static_cast<int>(std::count(text.begin(), text.end(), '\n')) + 3;
+}
+
+Rows::Rows(const Paper& paper, int width, int top)
+    : paper_(paper), width_(width > 0 ? width : paper.width - 2 * kMargin), top_(top) {}
 
 bool Rows::add(const Group& group) {
-  const int usable = paper_.width - 2 * kMargin;
-  if (group.width() <= usable) return place(group, 0, group.cells.size());
+  if (group.width() <= width_) return place(group, 0, group.cells.size());
   // Too wide for one row: as many cells as fit, and the rest below.
-  for (size_t first = 0; first < group.cells.size();) {
-    size_t last = first;
+  for (std::size_t first = 0; first < group.cells.size();) {
+    std::size_t last = first;
     int width = 0;
     while (last < group.cells.size()) {
-      width += group.cells[last].drawing.right - group.cells[last].drawing.left + kGap;
-      if (width > usable && last > first) break;
+      width += width_of(group.cells[last]) + kGap;
+      if (width > width_ && last > first) break;
       ++last;
     }
     if (!place(group, first, last)) return false;
@@ -23,73 +55,124 @@ bool Rows::add(const Group& group) {
   return true;
 }
 
-Drawing Rows::drawing() {
-  Drawing out;
-  int y = kMargin;
-  std::vector<std::vector<bool>> named;
-  const std::map<std::string, int> uses = count_uses();
-  for (const Row& row : rows_) {
-    const int axis = y + row.ascent;
-    for (size_t i = 0; i < row.items.size(); ++i) {
-      const Item& item = row.items[i];
-      const Item* next = i + 1 < row.items.size() ? &row.items[i + 1] : nullptr;
-      const Item* before = i > 0 ? &row.items[i - 1] : nullptr;
-      out.append(item.cell.drawing, {item.x, axis});
-      for (size_t a = 0; a < item.cell.anchors.size(); ++a)
-        finish(item, a, axis, before && wired(*before, item), next && wired(item, *next), uses, out);
-      if (next && wired(item, *next)) connect(item, *next, axis, out);
-      if (!item.text.empty()) {
-        out.texts.push_back({{item.x + item.cell.drawing.left, y + item.text_height - 2}, item.text});
-      }
+bool Rows::place(const Group& group, std::size_t first, std::size_t last) {
+  Row piece;
+  for (std::size_t i = first; i < last; ++i) {
+    const bool titled = i == 0 && !group.text.empty();
+    piece.items.push_back(
+        {piece.width, &group.cells[i], titled ? group.text : "", titled ? group.text_height() : 0});
+    piece.width += width_of(group.cells[i]) + kGap;
+  }
+  if (first == 0) piece.width = std::max(piece.width, group.text_width());
+  if (piece.width > usable_width() + kGap) return false;
+  const std::vector<Row> before = rows_;
+  if (rows_.empty() || rows_.back().width + piece.width > width_ + kGap) rows_.emplace_back();
+  Row& row = rows_.back();
+  for (Item& item : piece.items) {
+    item.x += row.width;
+    row.items.push_back(std::move(item));
+  }
+  row.width += piece.width;
+  if (height() <= usable_height()) return true;
+  rows_ = before;
+  return false;
+}
+
+std::vector<Rows::Run> Rows::runs_of(const Row& row) {
+  std::vector<Run> out;
+  int text_height = 0;
+  for (std::size_t i = 0; i < row.items.size(); ++i) {
+    const Item& item = row.items[i];
+    if (i == 0 || !wired(row.items[i - 1], item)) {
+      out.push_back({i, i, 0, 0});
+      text_height = 0;
     }
-    y += row.ascent + row.descent;
+    Run& run = out.back();
+    run.last = i;
+    const int free = std::max(1, item.text.empty() ? 1 : item.text_height + 1);
+    // Texts of a run stand in one line above the highest of its cells.
+    const int bare = std::max(run.ascent - std::max(1, text_height), -item.cell->drawing.top);
+    text_height = std::max(text_height, free);
+    run.ascent = bare + text_height;
+    run.descent = std::max(run.descent, item.cell->drawing.bottom + 2);
+  }
+  return out;
+}
+
+Rows::Heights Rows::heights_of(const Row& row) {
+  const std::vector<Run> runs = runs_of(row);
+  Heights out;
+  for (const Run& run : runs) out.height = std::max(out.height, run.ascent + run.descent);
+  // One line for the op-amps of as many runs as can have it; a run that cannot stands as near as it can.
+  const auto in_line = [&](int axis) {
+    return std::count_if(runs.begin(), runs.end(), [&](const Run& run) {
+      return axis >= run.ascent && axis + run.descent <= out.height;
+    });
+  };
+  int axis = 0;
+  for (const Run& run : runs) {
+    if (in_line(run.ascent) > in_line(axis)) axis = run.ascent;
+  }
+  for (const Run& run : runs) {
+    const int own = std::clamp(axis, run.ascent, out.height - run.descent);
+    for (std::size_t i = run.first; i <= run.last; ++i) {
+      out.axis.push_back(own);
+      out.top.push_back(own - run.ascent);
+    }
   }
   return out;
 }
 
 int Rows::height() const {
   int out = 0;
-  for (const Row& row : rows_) out += row.ascent + row.descent;
+  for (const Row& row : rows_) out += heights_of(row).height;
   return out;
 }
 
-bool Rows::place(const Group& group, size_t first, size_t last) {
-  const int usable = paper_.width - 2 * kMargin;
-  int width = first == 0 ? group.text_width() : 0, cells = 0, ascent = 0, descent = 0;
-  for (size_t i = first; i < last; ++i) {
-    const Drawing& drawing = group.cells[i].drawing;
-    cells += drawing.right - drawing.left + kGap;
-    ascent = std::max(ascent, -drawing.top);
-    descent = std::max(descent, drawing.bottom);
+double Rows::imbalance() const {
+  int width = 0;
+  for (const Row& row : rows_) width = std::max(width, row.width - kGap);
+  return std::abs(static_cast<double>(width) / usable_width() -
+                  static_cast<double>(height()) / usable_height());
+}
+
+Drawing Rows::drawing() const {
+  Drawing out;
+  const std::map<std::string, int> uses = count_uses();
+  const int count = static_cast<int>(rows_.size());
+  const int left_over = usable_height() - height();
+  const int between = count > 1 ? std::min(left_over / count, kHighestGap) : 0;
+  int y = top_ + (left_over - between * (count - 1)) / 2;
+  for (const Row& row : rows_) {
+    const Heights heights = heights_of(row);
+    const int cells = static_cast<int>(row.items.size());
+    const int room = usable_width() - (row.width - kGap);
+    const int apart = cells > 1 ? std::min(room / (cells - 1), kWidestGap) : 0;
+    const int x = kMargin + (room - apart * (cells - 1)) / 2;
+    std::vector<Point> origins;
+    for (std::size_t i = 0; i < row.items.size(); ++i)
+      origins.push_back({x + row.items[i].x + apart * static_cast<int>(i) - row.items[i].cell->drawing.left,
+                         y + heights.axis[i]});
+    for (std::size_t i = 0; i < row.items.size(); ++i) {
+      const Item& item = row.items[i];
+      const bool wired_after = i + 1 < row.items.size() && wired(item, row.items[i + 1]);
+      const bool wired_before = i > 0 && wired(row.items[i - 1], item);
+      out.append(item.cell->drawing, origins[i]);
+      for (std::size_t a = 0; a < item.cell->anchors.size(); ++a)
+        finish(item, a, origins[i], wired_before, wired_after, uses, out);
+      if (wired_after) connect(item, origins[i], row.items[i + 1], origins[i + 1], out);
+      if (!item.text.empty())
+        out.texts.push_back(
+            {{origins[i].x + item.cell->drawing.left, y + heights.top[i] + item.text_height - 2}, item.text});
+    }
+    y += heights.height + between;
   }
-  width = std::max(width, cells);
-  ascent += (group.text.empty() ? 1 : group.text_height() + 1);
-  descent += 2;
-  const bool new_row = rows_.empty() || rows_.back().width + width > usable;
-  const Row empty;
-  const Row& into = new_row ? empty : rows_.back();
-  const int grows =
-      std::max(into.ascent, ascent) + std::max(into.descent, descent) - into.ascent - into.descent;
-  if (height() + grows > paper_.height - kMargin - kTitleBlock) return false;
-  if (new_row) rows_.emplace_back();
-  Row& row = rows_.back();
-  row.ascent = std::max(row.ascent, ascent);
-  row.descent = std::max(row.descent, descent);
-  int x = kMargin + row.width;
-  for (size_t i = first; i < last; ++i) {
-    const Drawing& drawing = group.cells[i].drawing;
-    const bool titled = i == 0;
-    row.items.push_back(
-        {x - drawing.left, group.cells[i], titled ? group.text : "", titled ? group.text_height() : 0});
-    x += drawing.right - drawing.left + kGap;
-  }
-  row.width += width;
-  return true;
+  return out;
 }
 
 bool Rows::wired(const Item& left, const Item& right) {
-  return left.cell.exit && right.cell.entry &&
-         left.cell.anchors[*left.cell.exit].net == right.cell.anchors[*right.cell.entry].net;
+  return left.cell->exit && right.cell->entry &&
+         left.cell->anchors[*left.cell->exit].net == right.cell->anchors[*right.cell->entry].net;
 }
 
 std::map<std::string, int> Rows::count_uses() const {
@@ -97,52 +180,87 @@ std::map<std::string, int> Rows::count_uses() const {
   for (const Row& row : rows_) {
     for (const Item& item : row.items) {
       std::set<std::string> here;
-      for (const Anchor& anchor : item.cell.anchors) here.insert(anchor.net);
-      for (const Label& label : item.cell.drawing.labels) here.insert(label.net);
+      for (const Anchor& anchor : item.cell->anchors) here.insert(anchor.net);
+      for (const Label& label : item.cell->drawing.labels) here.insert(label.net);
       for (const std::string& net : here) ++out[net];
     }
   }
   return out;
 }
 
-void Rows::finish(const Item& item, size_t index, int axis, bool wired_before, bool wired_after,
+void Rows::finish(const Item& item, std::size_t index, Point origin, bool wired_before, bool wired_after,
                   const std::map<std::string, int>& uses, Drawing& out) {
-  const Anchor& anchor = item.cell.anchors[index];
-  const Point at = anchor.at + Point{item.x, axis};
+  const Anchor& anchor = item.cell->anchors[index];
+  const Point at = anchor.at + origin;
   switch (anchor.kind) {
     case Anchor::Kind::end:
-      if (wired_before && item.cell.entry == index) return;
+      if (wired_before && item.cell->entry == index) return;
       out.wire(at + Point{-1, 0}, at, anchor.net);
       out.label({at + Point{-1, 0}, anchor.net, true});
       break;
     case Anchor::Kind::inner:
       // An output that is also an input (a follower) has its name there already.
-      if ((uses.at(anchor.net) > 1 || ends_in(item, anchor.net)) && !is_output(item, anchor.net))
+      if ((uses.at(anchor.net) == 1 && !ends_in(item, anchor.net)) || is_output(item, anchor.net)) return;
+      if (anchor.name_at) {
+        out.wire(at, *anchor.name_at + origin, anchor.net);
+        out.label({*anchor.name_at + origin, anchor.net, false});
+      } else {
         out.label({at, anchor.net, true});
+      }
       break;
     case Anchor::Kind::output:
-      if (!(wired_after && item.cell.exit == index)) out.wire(at, at + Point{1, 0}, anchor.net);
+      if (!(wired_after && item.cell->exit == index)) out.wire(at, at + Point{1, 0}, anchor.net);
       out.label({at + Point{1, 0}, anchor.net, false});
       break;
   }
 }
 
 bool Rows::ends_in(const Item& item, const std::string& net) {
-  return std::any_of(item.cell.anchors.begin(), item.cell.anchors.end(),
+  return std::any_of(item.cell->anchors.begin(), item.cell->anchors.end(),
                      [&](const Anchor& one) { return one.kind == Anchor::Kind::end && one.net == net; });
 }
 
 bool Rows::is_output(const Item& item, const std::string& net) {
-  return item.cell.exit && item.cell.anchors[*item.cell.exit].net == net;
+  return item.cell->exit && item.cell->anchors[*item.cell->exit].net == net;
 }
 
-void Rows::connect(const Item& left, const Item& right, int axis, Drawing& out) {
-  const Anchor &from = left.cell.anchors[*left.cell.exit], &to = right.cell.anchors[*right.cell.entry];
-  const Point a = from.at + Point{left.x, axis}, b = to.at + Point{right.x, axis};
+void Rows::connect(const Item& left, Point left_origin, const Item& right, Point right_origin, Drawing& out) {
+  const Anchor &from = left.cell->anchors[*left.cell->exit], &to = right.cell->anchors[*right.cell->entry];
+  const Point a = from.at + left_origin, b = to.at + right_origin;
   const Point corner{b.x - 2, a.y};
   out.wire(a, corner, from.net);
   out.wire(corner, {corner.x, b.y}, from.net);
   out.wire({corner.x, b.y}, b, from.net);
+}
+
+Rows fitted_rows(const Paper& paper, const std::vector<const Group*>& groups, int top) {
+  const int widest = paper.width - 2 * kMargin;
+  int narrowest = 0;
+  for (const Group* group : groups) narrowest = std::max(narrowest, group->width());
+  Rows best(paper, widest, top);
+  for (int width = widest; width >= std::min(narrowest, widest); width -= 4) {
+    Rows rows(paper, width, top);
+    if (!std::all_of(groups.begin(), groups.end(), [&](const Group* group) { return rows.add(*group); }))
+      continue;
+    if (best.empty() || rows.imbalance() < best.imbalance()) best = std::move(rows);
+  }
+  return best;
+}
+
+Cell stacked(const std::vector<Cell>& cells) {
+  Cell out;
+  int y = 0, below = 0;
+  for (const Cell& cell : cells) {
+    y += below - cell.drawing.top;
+    out.drawing.append(cell.drawing, {0, y});
+    for (Anchor anchor : cell.anchors) {
+      anchor.at = anchor.at + Point{0, y};
+      if (anchor.name_at) anchor.name_at = *anchor.name_at + Point{0, y};
+      out.anchors.push_back(std::move(anchor));
+    }
+    below = cell.drawing.bottom + 1;
+  }
+  return out;
 }
 
 }  // namespace bodesmith::kicad

@@ -90,7 +90,9 @@ Json boxes_json() {
        {pin_json("power_in", -7.62, 0, 0, "VIN", "2"), pin_json("output", 7.62, 0, 180, "VOUT", "6"),
         pin_json("power_in", 0, -7.62, 90, "GND", "4")}}};
   const auto box = [](const char* name, const char* letter, const char* top, const Json& units) {
-    return Json{{"name", name}, {"letter", letter}, {"top", top}, {"units", units}};
+    // The names of a diode's pins would stand on its symbol.
+    return Json{
+        {"name", name}, {"letter", letter}, {"top", top}, {"plain", *letter == 'D'}, {"units", units}};
   };
   return Json::array({box("AD835", "U", "14", Json::array({multiplier})), box("ADG413", "U", "10", contacts),
                       box("D", "D", "2.54", Json::array({diode})),
@@ -228,7 +230,7 @@ Json box_json(const SheetBox& box, const std::string& uuid, Ids& ids) {
           {"name_y", mm(box.at.y * kGridMm - 0.7)},
           {"file", quoted(box.file)},
           {"file_y", mm((box.at.y + box.height) * kGridMm + 0.7)},
-          {"pins", Json::array({pin(box.in, true), pin(box.out, false)})}};
+          {"pins", box.in.empty() ? Json::array() : Json::array({pin(box.in, true), pin(box.out, false)})}};
 }
 
 }  // namespace

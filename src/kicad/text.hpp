@@ -13,7 +13,7 @@ struct SheetBox {
   Point at;
   int width = 0, height = 0;
   std::string name, file;
-  std::string in, out;  ///< its pins, left and right
+  std::string in, out;  ///< its pins, left and right; none when empty
 };
 
 struct Sheet {

@@ -61,7 +61,8 @@ class Pairing {
 class Comparison {
  public:
   explicit Comparison(const std::string& folder)
-      : drawn_(read_kicad(folder, "controller.kicad_sch")),
+      : folder_(folder),
+        drawn_(read_kicad(folder, "controller.kicad_sch")),
         elements_(controller_elements(folder + "/controller.sub")) {}
 
   void run() {
@@ -96,7 +97,7 @@ class Comparison {
         break;
       case 'D':
         ++expected_;
-        pins(reference(name), {{"2", line[1]}, {"1", line[2]}});
+        pins(find(name, 1), {{"2", line[1]}, {"1", line[2]}});
         break;
       case 'V':
         pins(find(name, 1), {{"6", line[1]}, {"4", "0"}, {"2", "V5P"}});
@@ -175,10 +176,6 @@ class Comparison {
     return {};
   }
 
-  static std::string reference(const std::string& name) {
-    return std::isdigit(static_cast<unsigned char>(name.back())) != 0 ? name : name + "0";
-  }
-
   void pins(const std::string& reference, const std::map<std::string, std::string>& nodes) {
     if (!drawn_.components.contains(reference)) {
       ADD_FAILURE() << reference << " is not drawn";
@@ -189,11 +186,8 @@ class Comparison {
   }
 
   void two_ends(const std::vector<std::string>& line, bool last) {
-    const std::string name = reference(line[0]);
-    if (!drawn_.components.contains(name)) {
-      if (last) ADD_FAILURE() << name << " is not drawn";
-      return;
-    }
+    const std::string name = find(line[0], 1, last);
+    if (name.empty()) return;
     const KicadSchematic::Component& part = drawn_.components.at(name);
     const int a = part.pin_nets.at("1"), b = part.pin_nets.at("2");
     const std::string &p = line[1], &q = line[2];
@@ -214,10 +208,29 @@ class Comparison {
     std::size_t extra = 0;
     for (const auto& [reference, one] : drawn_.components)
       extra += reference[0] == 'J' || one.fields.count("Netlist") == 0 ? 1U : 0U;
+    const std::map<std::string, std::string> listed = listed_references();
+    for (const auto& [name, reference] : listed)
+      EXPECT_TRUE(drawn_.components.contains(reference)) << name << " is listed as " << reference;
+    for (const auto& line : parts_) EXPECT_TRUE(listed.contains(line[0])) << line[0];
     EXPECT_EQ(extra, 4 + 2 * packages_.size());
     EXPECT_EQ(drawn_.components.size(), extra + expected_ + parts_.size() + chips_.size());
   }
 
+  /// bom.csv: references by the netlist's names.
+  std::map<std::string, std::string> listed_references() const {
+    std::istringstream text(read_file(folder_ + "/bom.csv"));
+    std::map<std::string, std::string> out;
+    std::string line;
+    std::getline(text, line);
+    EXPECT_EQ(line, "reference,value,footprint,netlist");
+    while (std::getline(text, line)) {
+      std::istringstream names(line.substr(line.rfind(',') + 1));
+      for (std::string name; names >> name;) out[name] = line.substr(0, line.find(','));
+    }
+    return out;
+  }
+
+  const std::string folder_;
   const KicadSchematic drawn_;
   const std::vector<std::vector<std::string>> elements_;
   Pairing pairs_;

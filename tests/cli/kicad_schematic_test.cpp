@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <map>
@@ -22,6 +23,20 @@ struct Netlist {
   std::map<std::string, Element> parts;   ///< R… and C…
   std::map<std::string, Element> opamps;  ///< without the leading X
 };
+
+/// bom.csv: the drawing's reference by the netlist's name.
+std::map<std::string, std::string> read_references(const std::string& path) {
+  std::istringstream text(read_file(path));
+  std::map<std::string, std::string> out;
+  std::string line;
+  std::getline(text, line);
+  EXPECT_EQ(line, "reference,value,footprint,netlist");
+  while (std::getline(text, line)) {
+    std::istringstream names(line.substr(line.rfind(',') + 1));
+    for (std::string name; names >> name;) out[name] = line.substr(0, line.find(','));
+  }
+  return out;
+}
 
 Netlist read_netlist(const std::string& path) {
   struct Line {
@@ -82,6 +97,7 @@ double value_of(const std::string& text) {
 /// The schematic joins exactly what the netlist joins, with the same parts and values.
 KicadSchematic expect_same(const std::string& folder, double tolerance = 0.0) {
   const Netlist netlist = read_netlist(folder + "/compensator.sub");
+  const std::map<std::string, std::string> references = read_references(folder + "/bom.csv");
   KicadSchematic schematic = read_kicad(folder);
   EXPECT_FALSE(netlist.parts.empty());
   EXPECT_EQ(schematic.dangling_ends, 0);
@@ -96,12 +112,15 @@ KicadSchematic expect_same(const std::string& folder, double tolerance = 0.0) {
     EXPECT_EQ(known, net) << where << ": node " << node << " is in two pieces";
     EXPECT_EQ(other, node) << where << ": two nodes are joined";
   };
+  std::set<std::string> parts_drawn;
   for (const auto& [name, part] : netlist.parts) {
-    if (!schematic.components.contains(name)) {
+    if (!references.contains(name) || !schematic.components.contains(references.at(name))) {
       ADD_FAILURE() << name << " is not drawn";
       continue;
     }
-    const auto& drawn = schematic.components.at(name);
+    const auto& drawn = schematic.components.at(references.at(name));
+    parts_drawn.insert(references.at(name));
+    EXPECT_EQ(drawn.fields.at("Netlist"), name);
     EXPECT_LE(std::abs(value_of(drawn.value) / part.value - 1.0), tolerance + 1e-12) << name << drawn.value;
     EXPECT_FALSE(drawn.footprint.empty()) << name;
     for (const char* field : {"Series", "Tolerance", "Wanted", "Realised", "Section"})
@@ -144,8 +163,8 @@ KicadSchematic expect_same(const std::string& folder, double tolerance = 0.0) {
   // Parts: by what is known of their nodes, until nothing new is learnt.
   for (size_t pass = 0; pass <= netlist.parts.size(); ++pass) {
     for (const auto& [name, part] : netlist.parts) {
-      if (!schematic.components.contains(name)) continue;
-      const auto& pins = schematic.components.at(name).pin_nets;
+      if (!references.contains(name) || !schematic.components.contains(references.at(name))) continue;
+      const auto& pins = schematic.components.at(references.at(name)).pin_nets;
       const int a = pins.at("1"), b = pins.at("2");
       const std::string &p = part.nodes[0], &q = part.nodes[1];
       const auto is = [&](const std::string& node, int net) {
@@ -162,12 +181,21 @@ KicadSchematic expect_same(const std::string& folder, double tolerance = 0.0) {
       }
     }
   }
+  EXPECT_EQ(parts_drawn.size(), netlist.parts.size());
   // Nothing else but what a board needs.
   size_t extra = 0;
   for (const auto& [reference, drawn] : schematic.components) {
-    if (netlist.parts.contains(reference) || packages.contains(reference)) continue;
+    if (parts_drawn.contains(reference) || packages.contains(reference)) continue;
     ++extra;
-    EXPECT_TRUE(reference.starts_with("J") || reference.starts_with("Cd")) << reference;
+    EXPECT_TRUE(reference.starts_with("J") || drawn.value == "100n") << reference;
+  }
+  // Numbered without a gap: as many as there are of each letter.
+  for (const char* letter : {"R", "C", "U", "J"}) {
+    const auto has = [&](const std::string& name) { return schematic.components.contains(name); };
+    const auto count = std::count_if(schematic.components.begin(), schematic.components.end(),
+                                     [&](const auto& one) { return one.first.starts_with(letter); });
+    EXPECT_TRUE(count == 0 || (has(letter + std::string("1")) && has(letter + std::to_string(count))))
+        << letter;
   }
   EXPECT_EQ(extra, 3 + 2 * packages.size());
   EXPECT_TRUE(std::filesystem::exists(folder + "/compensator.kicad_pro"));

@@ -7,6 +7,7 @@
 #include "circuit_options.hpp"
 #include "functions.hpp"
 #include "yield/json.hpp"
+#include "yield/nulls.hpp"
 
 namespace bodesmith::python {
 namespace {
@@ -86,6 +87,7 @@ Answer yield_of(const Call& call) {
     designs.push_back(design_of(documents[i], o.at("names")[i].string(), o, out));
   const Band band = maybe_band(o).value_or(designs[0].band);
   options.grid = log_grid(band, band.from == band.to ? 1 : integer_or(o, "count", 60, 2, 100'000));
+  yield::leave_out_nulls(designs, options.grid);
 
   const Stopwatch watch;
   Json body = {{"distribution", to_string(options.spread.kind)},

@@ -25,6 +25,7 @@ std::string root_text(const std::complex<double>& root) {
 
 std::string roots_text(const char* name, const std::vector<std::complex<double>>& roots) {
   std::string text = fmt::format(" {}", name);
+  if (roots.empty()) return fmt::format(" no {}", name);
   for (const std::complex<double>& root : roots) {
     if (root.imag() >= 0.0) text += root_text(root);
   }
@@ -41,6 +42,11 @@ std::string direct_summary(const DirectFit& fit, bool real) {
   }
   if (fit.cancelled > 0) {
     text += fmt::format("{} of the poles asked for coincided with a zero and were left out\n", fit.cancelled);
+  }
+  if (fit.distant_zeros > 0) {
+    text += fmt::format(
+        "{} zeros far above the points made nothing better and were left out: the gain falls there\n",
+        fit.distant_zeros);
   }
   return text;
 }

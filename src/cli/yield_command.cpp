@@ -16,6 +16,7 @@
 #include "cli/rational_part.hpp"
 #include "yield/job.hpp"
 #include "yield/json.hpp"
+#include "yield/nulls.hpp"
 #include "yield/yield.hpp"
 
 namespace bodesmith::cli {
@@ -118,6 +119,16 @@ yield::Design read_design(const CommandLine& line, const std::string& file, Prov
                                line.has("opamp") ? yield::OpAmps::as_built : yield::OpAmps::ideal);
   for (const std::string& reason : choice.passed_over)
     out.notes.push_back(fmt::format("{}: {}; designed as {}", file, reason, choice.best.how));
+  return out;
+}
+
+std::vector<Hertz> leave_out_nulls(const CommandLine& line, const std::vector<yield::Design>& designs,
+                                   std::vector<Hertz>& grid) {
+  const Hertz first = grid.front();
+  std::vector<Hertz> out = yield::leave_out_nulls(designs, grid);
+  if (grid.empty())
+    throw InputError(fmt::format("{}: the response is 0 at {} and every other frequency asked for",
+                                 line.files()[0], engineering_text(first.value, "Hz", 4)));
   return out;
 }
 
@@ -232,6 +243,7 @@ int run_yield(const std::vector<std::string>& arguments) {
   std::vector<yield::Design> designs;
   for (const std::string& file : line.files()) designs.push_back(read_design(line, file, from));
   options.grid = read_grid(line, designs[0].band);
+  const std::vector<Hertz> nulls = leave_out_nulls(line, designs, options.grid);
   options.job = job_text(options, from);
 
   const Stopwatch watch;
@@ -246,6 +258,17 @@ int run_yield(const std::vector<std::string>& arguments) {
     for (const std::string& one : designs[i].notes) note(one);
     json["designs"].push_back(design_json(designs[i], results[i], options, asked_band, text));
     min_yield = std::min(min_yield, yield_percent(results[i]));
+  }
+  if (!nulls.empty()) {
+    Json list = Json::array();
+    std::string places;
+    for (const Hertz f : nulls) {
+      list.push_back(f.value);
+      places += (places.empty() ? "" : ", ") + engineering_text(f.value, "Hz", 4);
+    }
+    json["left_out_hz"] = list;
+    text +=
+        fmt::format("  left out: {}, where the response is 0 and no deviation of it has a size\n", places);
   }
   if (designs.size() > 1) {
     const yield::Result& best = best_design(results);

@@ -49,10 +49,40 @@ std::optional<RootModel::Roots> drop_one(const RootModel::Roots& roots, const Cu
   return std::nullopt;
 }
 
+double allowed_error_db(const RootModel::Roots& roots, const CurveTarget& target, double value_db) {
+  return std::max(1.001 * std::max(value_db, max_weighted_error_db(roots, target)), 1e-5);
+}
+
+/// The roots without the highest zero (or pair), its gain at low frequencies kept.
+RootModel::Roots without_highest_zero(RootModel::Roots roots) {
+  const auto magnitude = [](const auto& a, const auto& b) { return std::abs(a) < std::abs(b); };
+  for (int count = std::max_element(roots.zeros.begin(), roots.zeros.end(), magnitude)->imag() == 0.0 ? 1 : 2;
+       count > 0; --count) {
+    const auto highest = std::max_element(roots.zeros.begin(), roots.zeros.end(), magnitude);
+    roots.gain *= std::abs(*highest);
+    roots.zeros.erase(highest);
+  }
+  return roots;
+}
+
 }  // namespace
 
+int drop_distant_zeros(RootModel::Roots& roots, const CurveTarget& target, double value_db) {
+  const double allowed_db = allowed_error_db(roots, target, value_db);
+  const double highest = target.frequency.back().value;
+  const std::size_t before = roots.zeros.size();
+  while (!roots.zeros.empty()) {
+    RootModel::Roots fewer = without_highest_zero(roots);
+    const bool distant =
+        std::any_of(roots.zeros.begin(), roots.zeros.end(), [&](auto z) { return std::abs(z) > highest; });
+    if (!distant || max_weighted_error_db(fewer, target) > allowed_db) break;
+    roots = std::move(fewer);
+  }
+  return static_cast<int>(before - roots.zeros.size());
+}
+
 int drop_cancelling(RootModel::Roots& roots, const CurveTarget& target, double value_db) {
-  const double allowed_db = std::max(1.001 * std::max(value_db, max_weighted_error_db(roots, target)), 1e-5);
+  const double allowed_db = allowed_error_db(roots, target, value_db);
   const std::size_t before = roots.poles.size();
   while (auto fewer = drop_one(roots, target, allowed_db)) roots = std::move(*fewer);
   return static_cast<int>(before - roots.poles.size());

@@ -9,5 +9,9 @@ namespace bodesmith {
 /// of a fit that is exact with fewer). `value_db` is the fit's largest weighted error as its search knows it. Returns
 /// how many poles went.
 int drop_cancelling(RootModel::Roots& roots, const CurveTarget& target, double value_db);
+/// Takes away zeros above the points, as far as the fit does not become worse by more than the same: a curve that falls
+/// to the end needs none, and one at a thousand times its highest frequency can neither be built nor be seen in it.
+/// Returns how many went.
+int drop_distant_zeros(RootModel::Roots& roots, const CurveTarget& target, double value_db);
 
 }  // namespace bodesmith

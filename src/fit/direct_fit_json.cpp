@@ -17,6 +17,7 @@ Json DirectFit::report_json() const {
   out["parameters"] = parameters;
   out["starts_tried"] = starts_tried;
   out["cancelled_poles"] = cancelled;
+  out["distant_zeros"] = distant_zeros;
   out["warnings"] = warnings;
   out["not_tried"] = not_tried;
   return out;

@@ -179,9 +179,9 @@ class BoardPicture {
 
   std::string clocks_text(const ChipPlan& chip) const {
     std::string out =
-        fmt::format("ACLK {}   Sys1 /{}", clock_text(chip.master_clock.value), chip.clocks.sys1_divisor);
+        fmt::format("ACLK {} · Sys1 /{}", clock_text(chip.master_clock.value), chip.clocks.sys1_divisor);
     for (std::size_t k = 0; k < chip.clocks.clocks.size(); ++k) {
-      out += fmt::format("   Clock {} /{} = {}", k, chip.clocks.clocks[k].divisor,
+      out += fmt::format(" · Clock {} /{} = {}", k, chip.clocks.clocks[k].divisor,
                          clock_text(chip.clocks.frequency(board_, k).value));
     }
     return out;
@@ -291,7 +291,7 @@ class BoardPicture {
                               {"y", at.y},
                               {"label", text},
                               {"label_x", in ? at.x + 9 : at.x - 9 - width},
-                              {"label_y", in ? at.y - 7 : at.y + 15}});
+                              {"label_y", at.y + 17}});  // wires that go up start at the pin's right
     }
   }
 
@@ -347,10 +347,10 @@ class BoardPicture {
     data_["from"] = engineering_text(error.band.from.value, "Hz");
     data_["to"] = engineering_text(error.band.to.value, "Hz", 4);
     data_["margin"] = kMargin;
-    data_["legend_x"] = width - kMargin - 210;
-    data_["legend_text_1"] = width - kMargin - 198;
-    data_["legend_x2"] = width - kMargin - 110;
-    data_["legend_text_2"] = width - kMargin - 98;
+    data_["legend_x"] = width - kMargin - 238;
+    data_["legend_text_1"] = width - kMargin - 228;
+    data_["legend_x2"] = width - kMargin - 122;
+    data_["legend_text_2"] = width - kMargin - 112;
   }
 
   const Plan& plan_;

@@ -16,6 +16,7 @@
 #include "fit/choice.hpp"
 #include "fpaa/multirate_response.hpp"
 #include "lti/integrators.hpp"
+#include "yield/nulls.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -193,6 +194,7 @@ void make_yield_of(const FilterProject& project, FilterDesign& design) {
   options.spread = project.spread;
   options.samples = kYieldSamples;
   options.grid = log_grid(project.band, kYieldPoints);
+  yield::leave_out_nulls({built}, options.grid);
   options.limit_db = project.yield_db;
   design.yield = yield::run_monte_carlo(built, options, Team());
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/document.hpp"
+#include "base/text.hpp"
 #include "circuit/stated_band.hpp"
 #include "project/tables.hpp"
 
@@ -28,7 +29,7 @@ FilterFit read_filter_fit(const Node& node) {
   if (node.has("beta_max")) out.beta_max = node.at("beta_max").positive();
   out.real = node.boolean_or("real", false);
   if (node.has("relative_degree"))
-    out.relative_degree = static_cast<int>(node.at("relative_degree").integer(0, 12));
+    out.relative_degree = static_cast<int>(node.at("relative_degree").integer(0, out.order.value_or(12)));
   if (node.has("max_corner_hz")) out.max_corner = Hertz{node.at("max_corner_hz").positive()};
   if (node.has("base_hz")) out.base = Hertz{node.at("base_hz").positive()};
   return out;
@@ -61,11 +62,17 @@ void read_filter_target(const Node& node, const fs::path& folder, Provenance& fr
   }
 }
 
+double tolerance_percent(const Node& node) {
+  const double out = node.positive();
+  if (!(out < 100.0)) node.fail(fmt::format("is {}, expected less than 100", rounded_text(out)));
+  return out;
+}
+
 yield::Spread read_spread(const Node& node) {
   node.allow_only({"resistor_percent", "capacitor_percent"});
   yield::Spread out;
-  if (node.has("resistor_percent")) out.resistor_percent = node.at("resistor_percent").positive();
-  if (node.has("capacitor_percent")) out.capacitor_percent = node.at("capacitor_percent").positive();
+  if (node.has("resistor_percent")) out.resistor_percent = tolerance_percent(node.at("resistor_percent"));
+  if (node.has("capacitor_percent")) out.capacitor_percent = tolerance_percent(node.at("capacitor_percent"));
   return out;
 }
 

@@ -4,7 +4,12 @@
 
 #include <cmath>
 
+#include "approximate/method.hpp"
 #include "base/document.hpp"
+#include "base/error.hpp"
+#include "circuit/parts/series.hpp"
+#include "circuit/realisation.hpp"
+#include "fpaa/board.hpp"
 #include "project/tables.hpp"
 #include "project/track_file.hpp"
 
@@ -21,10 +26,30 @@ fs::path file_at(const Node& table, std::string_view key, const fs::path& folder
   return path;
 }
 
+namespace {
+
+/// The name at `key`, or `otherwise`. `check` throws for one that is not known: then the error names the project's line.
+template <class Check>
+std::string known_name(const Node& table, std::string_view key, const std::string& otherwise,
+                       const Check& check) {
+  if (!table.has(key)) return otherwise;
+  const Node node = table.at(key);
+  try {
+    check(node.string());
+  } catch (const InputError& error) {
+    if (!error.file().empty()) throw;
+    node.fail(fmt::format("cannot be taken: {}", error.what()));
+  }
+  return node.string();
+}
+
+}  // namespace
+
 Project::Approximate read_approximate(const Node& node) {
   node.allow_only({"method", "order", "max_error_db"});
   Project::Approximate out;
-  out.method = node.string_or("method", out.method);
+  out.method =
+      known_name(node, "method", out.method, [](const std::string& name) { method_registry().get(name); });
   if (node.has("order")) out.order = static_cast<int>(node.at("order").integer(1, 12));
   if (node.has("max_error_db")) out.max_error_db = node.at("max_error_db").positive();
   if (out.order && out.max_error_db) node.fail("has both order and max_error_db, expected one of them");
@@ -34,7 +59,8 @@ Project::Approximate read_approximate(const Node& node) {
 Project::Fpaa read_fpaa(const Node& node) {
   node.allow_only({"board", "clock_hz"});
   Project::Fpaa fpaa;
-  fpaa.board = node.string_or("board", fpaa.board);
+  fpaa.board = known_name(node, "board", fpaa.board,
+                          [](const std::string& name) { value_or_throw(fpaa::find_board(name)); });
   if (node.has("clock_hz")) fpaa.clock = Hertz{node.at("clock_hz").positive()};
   return fpaa;
 }
@@ -42,9 +68,12 @@ Project::Fpaa read_fpaa(const Node& node) {
 Project::Circuit read_circuit(const Node& node) {
   node.allow_only({"realization", "resistors", "capacitors"});
   Project::Circuit circuit;
-  circuit.realisation = node.string_or("realization", circuit.realisation);
-  circuit.resistors = node.string_or("resistors", circuit.resistors);
-  circuit.capacitors = node.string_or("capacitors", circuit.capacitors);
+  const auto series = [](const std::string& name) { circuit::Series::named(name); };
+  circuit.realisation = known_name(node, "realization", circuit.realisation, [](const std::string& name) {
+    circuit::realisation_registry().get(name);
+  });
+  circuit.resistors = known_name(node, "resistors", circuit.resistors, series);
+  circuit.capacitors = known_name(node, "capacitors", circuit.capacitors, series);
   return circuit;
 }
 

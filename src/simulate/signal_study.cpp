@@ -4,6 +4,23 @@
 #include <stdexcept>
 
 namespace bodesmith::simulate {
+namespace {
+
+/// Cycles of the fundamental in one repetition of u: 60 Hz at 4 kHz repeats after 200 samples and 3 cycles. The
+/// strongest line, when the lines beside its multiples are below a hundredth of it (sampling folds the high harmonics of
+/// a kinked signal between them); else 1.
+std::size_t cycles_of(const Spectrum& u) {
+  if (u.amplitude.size() < 3) return 1;
+  const auto begin = u.amplitude.begin() + 1;  // no constant
+  const auto strongest = std::max_element(begin, u.amplitude.end());
+  const auto line = static_cast<std::size_t>(strongest - u.amplitude.begin());
+  for (std::size_t k = 1; k < u.amplitude.size(); ++k) {
+    if (k % line != 0 && u.amplitude[k] > 0.01 * *strongest) return 1;
+  }
+  return line;
+}
+
+}  // namespace
 
 SignalStudy study_signals(std::span<const double> u, std::span<const double> y, double start_s, double step_s,
                           std::optional<Hertz> fundamental) {
@@ -15,6 +32,8 @@ SignalStudy study_signals(std::span<const double> u, std::span<const double> y, 
   if (out.repetition) {
     count = out.repetition->samples;
     from = u.size() > count ? u.size() - 1 - count : 0;
+    if (!fundamental)
+      out.repetition->cycles = cycles_of(spectrum_of(u.subspan(from, count), start_s, step_s, true));
     out.fundamental =
         Hertz{static_cast<double>(out.repetition->cycles) / (step_s * static_cast<double>(count))};
   }

@@ -25,7 +25,7 @@ struct SignalStudy {
   std::vector<Loop> loops;
 };
 
-/// `fundamental`: of u, when known; else a repetition is looked for. Both of one length above 1.
+/// `fundamental`: of u, when known; else a repetition is looked for, and the cycles within it. Both of one length above 1.
 SignalStudy study_signals(std::span<const double> u, std::span<const double> y, double start_s, double step_s,
                           std::optional<Hertz> fundamental);
 

@@ -105,5 +105,26 @@ TEST(YieldCommand, BadInputIsOneLine) {
   }
 }
 
+// A notch and an elliptic stop band are 0 at a frequency of the grid: it is left out and named.
+TEST(YieldCommand, ResponsesWithZerosOnTheGridAreAnswered) {
+  const TemporaryFolder folder;
+  const std::string sections = (folder / "e.json").string(), out = (folder / "y.json").string();
+  ASSERT_EQ(
+      run_bodesmith(
+          "design lowpass --family elliptic --order 4 --corner-hz 1000 --ripple-db 0.5 --stop-db 40 -o " +
+          sections)
+          .status,
+      0);
+  const ProgramResult run = run_bodesmith("yield " + sections + " --samples 2000 -o " + out);
+  ASSERT_EQ(run.status, 0) << run.err;
+  EXPECT_NE(run.out.find("left out: 3.861 kHz, where the response is 0"), std::string::npos) << run.out;
+  const Node json = parse_json(read_file(out), out);
+  EXPECT_EQ(json.at("left_out_hz").numbers().size(), 1u);
+  EXPECT_EQ(json.at("designs")[0].at("frequency_hz").numbers().size(), 59u);
+  const ProgramResult only =
+      run_bodesmith("yield " + sections + " --samples 2000 --count 1 --from-hz 3861.4 -o " + out);
+  EXPECT_EQ(only.status, 0) << only.err;
+}
+
 }  // namespace
 }  // namespace bodesmith

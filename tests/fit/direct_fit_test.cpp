@@ -4,6 +4,7 @@
 
 #include <cmath>
 #include <functional>
+#include <numbers>
 
 #include "base/error.hpp"
 #include "base/json.hpp"
@@ -179,6 +180,23 @@ TEST(DirectFit, SameSeedSameBytesAndRefusals) {
   BodePoints one;
   one.points = {{Hertz{5.0}, 3.0, std::nullopt, 1.0, 0}};
   EXPECT_LT(fit_directly(one, {.order = 1}).max_db, 1e-9);
+}
+
+// A curve that falls to the end is fitted without zeros at a thousand times its highest frequency.
+TEST(DirectFit, ZerosFarAboveAreLeftOut) {
+  const auto one = fit_directly(
+      curve(10, 30000, 9, [](double f) { return 1.0 / std::hypot(1.0, f / 1000.0); }), {.order = 1});
+  EXPECT_EQ(one.distant_zeros, 1);
+  EXPECT_TRUE(one.sections.sections.at(0).zeros.empty());
+  EXPECT_LT(one.max_db, 1e-4);
+  EXPECT_NEAR(std::abs(one.sections.response(Hertz{1e6}.rad_s())), 1e-3, 1e-6);
+  // One that levels off keeps its zero.
+  const auto shelf = fit_directly(
+      curve(10, 30000, 9, [](double f) { return std::hypot(1.0, f / 2e5) / std::hypot(1.0, f / 1000.0); }),
+      {.order = 1});
+  EXPECT_EQ(shelf.distant_zeros, 0);
+  ASSERT_EQ(shelf.sections.sections.at(0).zeros.size(), 1u);
+  EXPECT_NEAR(shelf.sections.sections[0].zeros[0].real() / (-2e5 * 2.0 * std::numbers::pi), 1.0, 0.02);
 }
 
 TEST(DirectFit, NoFiniteCandidateIsRefused) {

@@ -79,6 +79,27 @@ TEST(Loop, PlayHasItsParallelogram) {
   EXPECT_EQ(hysteresis_loop(std::vector<double>{0, 1, 2}, std::vector<double>{0, 1, 2}).u.size(), 0u);
 }
 
+// 60 Hz at 4 kHz repeats after 200 samples and three cycles: the fundamental is 60 Hz, not 20 Hz.
+TEST(SignalStudy, KnowsTheCyclesWithinARepetition) {
+  std::vector<double> sine, triangle, two;
+  for (int i = 0; i < 1000; ++i) {
+    const double cycles = 60.0 * i / 4000.0, part = cycles - std::floor(cycles);
+    sine.push_back(std::sin(2.0 * std::numbers::pi * cycles));
+    triangle.push_back(part < 0.5 ? 2.0 * part : 2.0 - 2.0 * part);
+    two.push_back(sine.back() + 0.5 * std::sin(2.0 * std::numbers::pi * cycles * 5.0 / 3.0));
+  }
+  for (const auto& u : {sine, triangle}) {
+    const SignalStudy study = study_signals(u, u, 0.0, 1.0 / 4000.0, std::nullopt);
+    ASSERT_TRUE(study.fundamental);
+    EXPECT_NEAR(study.fundamental->value, 60.0, 1e-9);
+    EXPECT_EQ(study.repetition->samples, 200u);
+    EXPECT_EQ(study.repetition->cycles, 3u);
+  }
+  EXPECT_LT(*study_signals(sine, sine, 0.0, 1.0 / 4000.0, std::nullopt).u_distortion_percent, 1e-9);
+  // 60 and 100 Hz together have 20 Hz in common.
+  EXPECT_NEAR(study_signals(two, two, 0.0, 1.0 / 4000.0, std::nullopt).fundamental->value, 20.0, 1e-9);
+}
+
 TEST(Loop, LagOfASineIsAnEllipse) {
   // u = cos, y = cos(. - p): height 2 sin p over a range of 2.
   const double p = 0.3;

@@ -124,7 +124,8 @@ class BiquadStage : public Cam {
   }
 
   std::string picture_text(const PlacedCam& cam) const override {
-    return fmt::format("f0 {} Hz  Q {}", rounded_text(cam.realised.number("natural_hz").value_or(0.0), 4),
+    return fmt::format("f0 {} · Q {}",
+                       engineering_text(cam.realised.number("natural_hz").value_or(0.0), "Hz", 4),
                        rounded_text(cam.realised.number("quality").value_or(0.0), 3));
   }
 };

@@ -274,10 +274,10 @@ class FilterBilinear : public Cam {
   std::string picture_text(const PlacedCam& cam) const override {
     if (cam.option == kPoleAndZero) {
       const PoleZeroSpec spec = PoleZeroSpec::from(cam.realised);
-      return fmt::format("zero {} Hz  pole {} Hz", rounded_text(spec.zero.value, 4),
-                         rounded_text(spec.pole.value, 4));
+      return fmt::format("zero {} · pole {}", engineering_text(spec.zero.value, "Hz", 4),
+                         engineering_text(spec.pole.value, "Hz", 4));
     }
-    return fmt::format("corner {} Hz", rounded_text(CornerSpec::from(cam.realised).corner.value, 4));
+    return "corner " + engineering_text(CornerSpec::from(cam.realised).corner.value, "Hz", 4);
   }
 
  private:

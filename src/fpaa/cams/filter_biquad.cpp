@@ -272,7 +272,7 @@ class FilterBiquad : public Cam {
   }
 
   std::string picture_text(const PlacedCam& cam) const override {
-    return fmt::format("corner {} Hz", rounded_text(BiquadSpec::from(cam.realised).corner.value, 4));
+    return "corner " + engineering_text(BiquadSpec::from(cam.realised).corner.value, "Hz", 4);
   }
 
  private:

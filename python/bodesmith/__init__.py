@@ -15,10 +15,13 @@ Long work lets other threads run, ends at Ctrl-C and tells `progress` (a callabl
 from __future__ import annotations
 
 from ._core import version as __version__
+from .controllers import Controller, Streams, controller, streams, trim
 from .errors import BodesmithWarning, DesignError, InputError
+from .exchange import export
 from .fitting import (
     BodePoints,
     approximate,
+    approximate_fractional,
     design,
     families,
     fit,
@@ -30,21 +33,26 @@ from .fitting import (
     read_points,
 )
 from .hardware import Circuit, Layout, Plan, fpaa, layout, spice
+from .loops import Margins, margins
 from .lti import Cascade, Sections
 from .models import Disturbance, Model, Record, read_record, reference
 from .plots import plot_bode
 from .project import run
 from .responses import Bode, FrequencyResponse, bode, log_grid, read_response, response_of
 from .signals import (
+    Comparison,
     Diagnosis,
     Drive,
     Identification,
     Simulation,
+    Sweep,
+    compare_models,
     compensate,
     diagnose,
     hysteresis_models,
     identify,
     simulate,
+    sweep,
 )
 from .tolerance import Yield, yield_
 
@@ -54,6 +62,8 @@ __all__ = [
     "BodesmithWarning",
     "Cascade",
     "Circuit",
+    "Comparison",
+    "Controller",
     "DesignError",
     "Diagnosis",
     "Disturbance",
@@ -62,18 +72,25 @@ __all__ = [
     "Identification",
     "InputError",
     "Layout",
+    "Margins",
     "Model",
     "Plan",
     "Record",
     "Sections",
     "Simulation",
+    "Streams",
+    "Sweep",
     "Yield",
     "__version__",
     "approximate",
+    "approximate_fractional",
     "bode",
+    "compare_models",
     "compensate",
+    "controller",
     "design",
     "diagnose",
+    "export",
     "families",
     "fit",
     "fit_cascade",
@@ -85,6 +102,7 @@ __all__ = [
     "identify",
     "layout",
     "log_grid",
+    "margins",
     "methods",
     "plot_bode",
     "read_points",
@@ -95,5 +113,8 @@ __all__ = [
     "run",
     "simulate",
     "spice",
+    "streams",
+    "sweep",
+    "trim",
     "yield_",
 ]

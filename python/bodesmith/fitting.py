@@ -3,7 +3,7 @@
 from __future__ import annotations
 
 import os
-from collections.abc import Callable, Sequence
+from collections.abc import Callable, Mapping, Sequence
 from typing import Any, Literal, overload
 
 import numpy as np
@@ -286,6 +286,58 @@ def approximate(
         "arrange": arrange,
     }
     return Sections._from(call("approximate", options, None, progress), cascade)
+
+
+Terms = Sequence[tuple[float, float]]
+
+
+def approximate_fractional(
+    numerator: Terms | None = None,
+    denominator: Terms | None = None,
+    *,
+    band_hz: tuple[float, float],
+    pid: Mapping[str, float] | None = None,
+    order: int | None = None,
+    max_error_db: float | None = None,
+    max_order: int = 12,
+    real: bool = False,
+    keep_integrator: bool = False,
+    seed: int = 1,
+    progress: Progress | None = None,
+) -> Sections:
+    """Integer sections for a transfer function of fractional powers,
+
+        G(s) = (Σ b_i s^β_i)/(Σ a_k s^α_k),   or C(s) = kp + ki s^−λ + kd s^μ,
+
+    fitted as a whole: minimax in dB and degrees over the band. DesignError when it is unstable or not minimum-phase.
+
+    Args:
+        numerator, denominator: (coefficient, power) each.
+        pid: instead: {"kp": …, "ki": …, "lambda": …, "kd": …, "mu": …}; what is missing is 0.
+        band_hz: where it is approximated.
+        order: poles (default 4). max_error_db: instead: the fewest, up to max_order, that stay within this.
+        real: real poles and zeros only.
+        keep_integrator: an integrator stays one, as poles at 0; otherwise the gain at rest is finite.
+
+    `to_dict()["approximation"]` has errors, stability and poles_at_0.
+    """
+    transfer: dict[str, Any] = {"schema": "bodesmith.fractional/1"}
+    if pid is not None:
+        transfer["pid"] = dict(pid)
+    for name, terms in (("numerator", numerator), ("denominator", denominator)):
+        if terms is not None:
+            transfer[name] = [{"coefficient": float(c), "power": float(p)} for c, p in terms]
+    options = {
+        "transfer": transfer,
+        "band_hz": list(band_hz),
+        "order": order,
+        "max_error_db": max_error_db,
+        "max_order": max_order,
+        "real": real,
+        "keep_integrator": keep_integrator,
+        "seed": seed,
+    }
+    return Sections._from(call("approximate_fractional", options, None, progress))
 
 
 def design(

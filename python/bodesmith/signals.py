@@ -119,6 +119,72 @@ def simulate(
     return Simulation(record, answer.arrays["y"], answer.arrays.get("drive"), answer.result, answer.warnings)
 
 
+class Sweep:
+    """Figures of the last period of every run; arrays of shape (N,), frequencies outermost.
+
+    Attributes:
+        frequency_hz, amplitude: of the reference.
+        rms_percent, max_percent: output against input, percent of the output's range.
+        loop_height_percent: of the hysteresis loop, percent of the output's range.
+        gain_db, phase_deg: of the fundamental. distortion_percent: harmonics 2 to 20 over it.
+        error_estimate: of the simulation, in units of the output.
+    """
+
+    def __init__(self, arrays: Mapping[str, FloatArray]) -> None:
+        self.frequency_hz = arrays["frequency_hz"]
+        self.amplitude = arrays["amplitude"]
+        self.rms_percent = arrays["rms_percent"]
+        self.max_percent = arrays["max_percent"]
+        self.loop_height_percent = arrays["loop_height_percent"]
+        self.gain_db = arrays["gain_db"]
+        self.phase_deg = arrays["phase_deg"]
+        self.distortion_percent = arrays["distortion_percent"]
+        self.error_estimate = arrays["error_estimate"]
+
+    def __repr__(self) -> str:
+        return f"<bodesmith.Sweep {self.frequency_hz.size} runs>"
+
+
+def sweep(
+    model: Model,
+    frequency_hz: ArrayLike,
+    amplitude: ArrayLike = 0.5,
+    *,
+    kind: Literal["triangle", "sine", "stair"] = "triangle",
+    offset: float | None = None,
+    periods: int = 3,
+    samples_per_period: int = 1000,
+    controller: Mapping[str, Any] | None = None,
+    feedforward: Model | None = None,
+    progress: Progress | None = None,
+) -> Sweep:
+    """A model, or a loop round it, under a periodic reference of every frequency and amplitude; on all cores.
+
+    Args:
+        frequency_hz, amplitude: shape (N,) and (M,) or a number: N·M runs.
+        offset: of the reference; default: its amplitude, so that it starts at 0.
+        periods: of each run; the last one counts.
+        controller, feedforward: as in simulate().
+    """
+    options: dict[str, Any] = {
+        "model": model,
+        "kind": kind,
+        "offset": offset,
+        "periods": periods,
+        "samples_per_period": samples_per_period,
+        "feedforward": feedforward,
+    }
+    if controller is not None:
+        options["controller"] = {"schema": "bodesmith.controller/1", **controller}
+    elif feedforward is not None:
+        raise InputError("feedforward belongs to a loop, expected a controller beside it")
+    arrays = {
+        "frequency_hz": signal(np.atleast_1d(frequency_hz), "frequency_hz"),
+        "amplitude": signal(np.atleast_1d(amplitude), "amplitude"),
+    }
+    return Sweep(call("sweep", options, arrays, progress).arrays)
+
+
 class Drive:
     """The drive that makes a model follow a reference.
 
@@ -292,6 +358,79 @@ def identify(
     }
     answer = call("identify", options, arrays, progress)
     return Identification(answer.result, training, answer.warnings)
+
+
+class Comparison:
+    """Models fitted to the same records.
+
+    Attributes:
+        identifications: Identification by name, those of least error (held out, else training) first.
+        refused: why a model could not be fitted, by name.
+    """
+
+    def __init__(self, fitted: Mapping[str, Identification], refused: Mapping[str, str]) -> None:
+        self.identifications = dict(sorted(fitted.items(), key=lambda one: _score(one[1])))
+        self.refused = dict(refused)
+
+    @property
+    def best(self) -> Identification:
+        """The one of least error."""
+        if not self.identifications:
+            raise InputError("no model fits these records")
+        return next(iter(self.identifications.values()))
+
+    @property
+    def table(self) -> list[dict[str, Any]]:
+        """A line a model: model, rms and rms_percent_of_range of training and holdout (None without), compute_s."""
+        return [
+            {
+                "model": name,
+                "training_rms": one.training["rms"],
+                "training_percent": one.training["rms_percent_of_range"],
+                "holdout_rms": None if one.holdout is None else one.holdout["rms"],
+                "holdout_percent": None if one.holdout is None else one.holdout["rms_percent_of_range"],
+                "compute_s": one.details["timing_s"]["compute"],
+            }
+            for name, one in self.identifications.items()
+        ]
+
+    def __str__(self) -> str:
+        lines = [f"{'model':<28}{'training %':>12}{'held out %':>12}"]
+        for one in self.table:
+            held_out = "" if one["holdout_percent"] is None else f"{one['holdout_percent']:.3g}"
+            lines.append(f"{one['model']:<28}{one['training_percent']:>12.3g}{held_out:>12}")
+        return "\n".join(lines + [f"{name:<28}refused: {why}" for name, why in self.refused.items()])
+
+
+def _score(one: Identification) -> float:
+    return (one.training if one.holdout is None else one.holdout)["rms"]
+
+
+def compare_models(
+    records: Record | Sequence[Record],
+    models: Sequence[str] | None = None,
+    *,
+    holdout: Record | Sequence[Record] | None = None,
+    progress: Progress | None = None,
+    **options: Any,
+) -> Comparison:
+    """identify() with several models on the same records, in one table.
+
+    Args:
+        models: names (default: linear and all of `bodesmith.hysteresis_models()`).
+        options: those of identify(). Start transients are left out with its skip_s, delays found with delay_s="find".
+    """
+    names = list(models) if models is not None else ["linear", *hysteresis_models()]
+    fitted: dict[str, Identification] = {}
+    refused: dict[str, str] = {}
+    for i, name in enumerate(names):
+        try:
+            fitted[name] = identify(records, name, holdout=holdout, **options)
+        except InputError as error:
+            refused[name] = str(error)
+        if progress is not None:
+            progress((i + 1) / len(names))
+    return Comparison(fitted, refused)
 
 
 def hysteresis_models() -> list[str]:

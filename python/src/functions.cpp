@@ -29,6 +29,13 @@ const std::vector<Function>& functions() {
       {"diagnose", diagnose_model},
       {"yield", yield_of},
       {"run", run_project},
+      {"margins", loop_margins_of},
+      {"approximate_fractional", approximate_fractional},
+      {"export", export_to},
+      {"controller", analog_controller},
+      {"fpaa_streams", plan_streams},
+      {"fpaa_trim", trim_plan},
+      {"sweep", sweep_model},
       {"names", names},
   };
   return all;

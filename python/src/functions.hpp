@@ -31,6 +31,13 @@ Answer compensate_model(const Call& call);
 Answer diagnose_model(const Call& call);
 Answer yield_of(const Call& call);
 Answer run_project(const Call& call);
+Answer loop_margins_of(const Call& call);
+Answer approximate_fractional(const Call& call);
+Answer export_to(const Call& call);
+Answer analog_controller(const Call& call);
+Answer plan_streams(const Call& call);
+Answer trim_plan(const Call& call);
+Answer sweep_model(const Call& call);
 Answer names(const Call& call);
 
 const std::vector<Function>& functions();

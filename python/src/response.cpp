@@ -1,5 +1,6 @@
 // bode: responses of cascades, sections, plans, models and netlists.
 #include <cmath>
+#include <memory>
 
 #include "base/error.hpp"
 #include "chain/model_file.hpp"
@@ -8,6 +9,7 @@
 #include "lti/bulk_response.hpp"
 #include "lti/cascade.hpp"
 #include "records.hpp"
+#include "responses.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::python {
@@ -42,42 +44,47 @@ Values sections_response(const Sections& sections, const std::vector<RadPerSecon
   return out;
 }
 
-Values model_response(const chain::Chain& model, const std::vector<RadPerSecond>& grid) {
-  for (std::size_t i = 0; i < model.blocks.size(); ++i) {
-    if (!model.blocks[i].response(RadPerSecond{1.0})) {
+ResponseFunction model_function(const Node& document) {
+  auto model = std::make_shared<chain::Chain>(chain::model_from_node(document));
+  for (std::size_t i = 0; i < model->blocks.size(); ++i) {
+    if (!model->blocks[i].response(RadPerSecond{1.0})) {
       throw InputError("block " + std::to_string(i + 1) + " is a " +
-                       std::string(model.blocks[i].type_name()) +
+                       std::string(model->blocks[i].type_name()) +
                        ", which has no frequency response (it is not linear)");
     }
   }
-  return pointwise(grid, [&](RadPerSecond w) { return *model.response(w); });
+  return [model](RadPerSecond w) { return *model->response(w); };
+}
+
+ResponseFunction plan_function(const Node& document, bool with_delays) {
+  auto plan = std::make_shared<fpaa::Plan>(fpaa::Plan::from_node(document));
+  auto response = std::make_shared<fpaa::MultirateResponse>(*plan);
+  return [plan, response, with_delays](RadPerSecond w) {
+    return with_delays ? response->as_it_runs(w) : response->without_delays(w);
+  };
 }
 
 }  // namespace
 
+ResponseFunction response_function(const Node& document, bool with_delays) {
+  const std::string schema = document.at("schema").string();
+  if (schema == "bodesmith.cascade/1")
+    return [cascade = Cascade::from_node(document)](RadPerSecond w) { return cascade.response(w); };
+  if (schema == "bodesmith.sections/1")
+    return [sections = Sections::from_node(document)](RadPerSecond w) { return sections.response(w); };
+  if (schema == "bodesmith.fpaa_plan/1") return plan_function(document, with_delays);
+  if (schema == "bodesmith.model/1") return model_function(document);
+  document.at("schema").fail("is " + schema + ", which has no frequency response here");
+}
+
 Answer respond(const Call& call) {
   const Node document = call.options.at("of");
-  const std::string schema = document.at("schema").string();
   const std::vector<RadPerSecond> grid = grid_of(call);
-  Values values;
-  if (schema == "bodesmith.cascade/1") {
-    const Cascade cascade = Cascade::from_node(document);
-    values = pointwise(grid, [&](RadPerSecond w) { return cascade.response(w); });
-  } else if (schema == "bodesmith.sections/1") {
-    values = sections_response(Sections::from_node(document), grid);
-  } else if (schema == "bodesmith.fpaa_plan/1") {
-    const fpaa::Plan plan = fpaa::Plan::from_node(document);
-    const fpaa::MultirateResponse response(plan);
-    const bool delays = call.options.boolean_or("with_delays", true);
-    values = pointwise(
-        grid, [&](RadPerSecond w) { return delays ? response.as_it_runs(w) : response.without_delays(w); });
-  } else if (schema == "bodesmith.model/1") {
-    values = model_response(chain::model_from_node(document), grid);
-  } else {
-    document.at("schema").fail("is " + schema + ", which has no frequency response here");
-  }
+  const bool sections = document.at("schema").string() == "bodesmith.sections/1";
   Answer out;
-  out.arrays["response"] = interleaved(values);
+  out.arrays["response"] = interleaved(
+      sections ? sections_response(Sections::from_node(document), grid)
+               : pointwise(grid, response_function(document, call.options.boolean_or("with_delays", true))));
   return out;
 }
 

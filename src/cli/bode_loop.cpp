@@ -268,18 +268,7 @@ std::string margins_text(const CommandLine& line, const std::vector<Hertz>& grid
   const LoopOnBand loop = loop_on_band(grid, response);
   if (loop.grid.size() < 2) return fmt::format("  {}: fewer than two points, no margins\n", stem);
   const LoopMargins m = loop_margins(loop.at, loop.grid);
-  Json json = {{"gain_crossings", Json::array()},
-               {"phase_crossings", Json::array()},
-               {"max_sensitivity", m.max_sensitivity},
-               {"max_sensitivity_hz", m.max_sensitivity_at.value}};
-  for (const auto& c : m.gain_crossings) {
-    json["gain_crossings"].push_back({{"frequency_hz", c.frequency.value},
-                                      {"phase_margin_deg", c.phase_margin_deg},
-                                      {"delay_margin_s", c.delay_margin_s}});
-  }
-  for (const auto& c : m.phase_crossings)
-    json["phase_crossings"].push_back(
-        {{"frequency_hz", c.frequency.value}, {"gain_margin_db", c.gain_margin_db}});
+  Json json = to_json(m);
   std::string text = fmt::format("  {} as an open loop:", stem);
   const auto* phase = m.least_phase_margin();
   const auto* gain = m.least_gain_margin();

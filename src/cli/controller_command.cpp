@@ -90,22 +90,6 @@ tracking::Reference read_controller_reference(const CommandLine& line) {
   return tracking::Reference(shape, line.positive("amplitude"));
 }
 
-/// Without ngspice: the same chain in CVODE.
-std::vector<controller::AsBuilt> predict(const controller::AnalogController& built,
-                                         const tracking::Reference& reference) {
-  std::vector<controller::AsBuilt> out;
-  for (const Hertz f : built.tracked) {
-    controller::Settled run = controller::run_in_cvode(built, reference, f);
-    controller::AsBuilt one;
-    one.frequency = f;
-    one.error = controller::stage_error(built.disturbance, run);
-    run.v = run.r;
-    one.without = controller::stage_error(built.disturbance, run);
-    out.push_back(one);
-  }
-  return out;
-}
-
 std::string built_summary(const controller::AnalogController& built) {
   std::string text = fmt::format(
       "{}: {} multipliers ({}), {} op-amps ({}, slope detector {}), {} resistors, capacitors and diodes\n"
@@ -203,7 +187,8 @@ int run_controller(const std::vector<std::string>& arguments) {
   const controller::AnalogController built = controller::make_controller(disturbance, options);
   const bool checked = line.has("check");
   const std::vector<controller::AsBuilt> cases =
-      checked ? controller::measure_as_built(built, built.tracked, reference) : predict(built, reference);
+      checked ? controller::measure_as_built(built, built.tracked, reference)
+              : controller::predict_as_built(built, reference);
   const std::vector<controller::LoopPoint> loop =
       checked ? controller::measure_loop(built) : std::vector<controller::LoopPoint>{};
   const double compute_s = watch.seconds();

@@ -38,6 +38,21 @@ std::vector<AsBuilt> measure_as_built(const AnalogController& controller,
   return out;
 }
 
+std::vector<AsBuilt> predict_as_built(const AnalogController& controller,
+                                      const tracking::Reference& reference) {
+  std::vector<AsBuilt> out;
+  for (const Hertz f : controller.tracked) {
+    Settled run = run_in_cvode(controller, reference, f);
+    AsBuilt one;
+    one.frequency = f;
+    one.error = stage_error(controller.disturbance, run);
+    run.v = run.r;
+    one.without = stage_error(controller.disturbance, run);
+    out.push_back(one);
+  }
+  return out;
+}
+
 double worst_percent(const std::vector<AsBuilt>& cases) {
   double out = 0.0;
   for (const AsBuilt& one : cases) out = std::max(out, one.error.rms_percent_without_lag);

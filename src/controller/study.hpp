@@ -22,6 +22,9 @@ std::vector<AsBuilt> measure_as_built(const AnalogController& controller,
                                       const std::vector<Hertz>& frequencies,
                                       const tracking::Reference& reference = tracking::Reference(),
                                       const NgspiceRun& options = {});
+/// Without ngspice: the same chain in CVODE, at every tracked frequency.
+std::vector<AsBuilt> predict_as_built(const AnalogController& controller,
+                                      const tracking::Reference& reference);
 /// The worst rms without lag; 0 for none.
 double worst_percent(const std::vector<AsBuilt>& cases);
 

@@ -6,6 +6,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/json.hpp"
+
 namespace bodesmith {
 namespace {
 
@@ -142,6 +144,22 @@ std::optional<bool> closed_loop_is_stable(const Sections& loop) {
     turns += *turn;
   }
   return std::abs(turns - 0.5 * std::numbers::pi * integrators) < 0.5 * std::numbers::pi;
+}
+
+Json to_json(const LoopMargins& margins) {
+  Json out = {{"gain_crossings", Json::array()},
+              {"phase_crossings", Json::array()},
+              {"max_sensitivity", margins.max_sensitivity},
+              {"max_sensitivity_hz", margins.max_sensitivity_at.value}};
+  for (const auto& c : margins.gain_crossings) {
+    out["gain_crossings"].push_back({{"frequency_hz", c.frequency.value},
+                                     {"phase_margin_deg", c.phase_margin_deg},
+                                     {"delay_margin_s", c.delay_margin_s}});
+  }
+  for (const auto& c : margins.phase_crossings)
+    out["phase_crossings"].push_back(
+        {{"frequency_hz", c.frequency.value}, {"gain_margin_db", c.gain_margin_db}});
+  return out;
 }
 
 }  // namespace bodesmith

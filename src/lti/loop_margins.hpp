@@ -5,6 +5,7 @@
 #include <optional>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "lti/sections.hpp"
 
 namespace bodesmith {
@@ -32,6 +33,9 @@ struct LoopMargins {
 };
 
 using Loop = std::function<std::complex<double>(Hertz)>;
+
+/// `gain_crossings`, `phase_crossings`, `max_sensitivity`, `max_sensitivity_hz`.
+Json to_json(const LoopMargins& margins);
 
 /// Crossings between neighbours of the rising grid, found to 1e-12 of their frequency; two crossings within one step
 /// of the grid are missed.

@@ -34,6 +34,7 @@ std::string advice_for(const Diagnosis& d, const Study& study) {
   if (d.verdict == Verdict::unexplained || d.verdict == Verdict::partly_explained) {
     advice.push_back(what_remains(d));
   }
+  for (const auto& offset : d.constant_offsets) advice.push_back(to_text(offset));
   if (d.floor.source == NoiseFloor::Source::unknown && !study.frequency_responses()) {
     advice.emplace_back(
         "The noise floor is unknown: record at least two periods of a repeating input to know it.");

@@ -158,6 +158,7 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
     d.steps[k].parameters = std::move(parameters[k]);
   d.where = meter.where(d.search.initial);
   d.remaining_where = meter.where(d.search.final);
+  d.constant_offsets = constant_offsets(meter, d.search.final, study);
   d.verdict = verdict_of(d.search, d.search.train_rms, options.enough);
   d.holdout_disagrees = !d.steps.empty() && (d.final.holdout_rms > d.refitted.holdout_rms ||
                                              d.final.holdout_rms > kDisagrees * d.final.train_rms);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "chain/chain.hpp"
+#include "gap/constant_offset.hpp"
 #include "gap/next_experiment.hpp"
 #include "gap/search.hpp"
 #include "gap/size.hpp"
@@ -53,6 +54,7 @@ struct Diagnosis {
   GapSize final;
   std::vector<Cell> where;
   std::vector<Cell> remaining_where;
+  std::vector<ConstantOffset> constant_offsets;  ///< of what is left of the held-out records
   std::vector<DiagnosedStep> steps;
   Verdict verdict = Verdict::unexplained;
   std::string advice;

@@ -109,6 +109,10 @@ Json to_json(const Diagnosis& d) {
   }
   j["where"] = json_of(d.where);
   j["remaining_where"] = json_of(d.remaining_where);
+  j["constant_offsets"] = Json::array();
+  for (const auto& o : d.constant_offsets)
+    j["constant_offsets"].push_back(
+        {{"file", o.file}, {"value", o.value}, {"share", o.share}, {"holdout_rms_without", o.rms_without}});
   j["steps"] = Json::array();
   for (std::size_t k = 0; k < d.steps.size(); ++k) {
     Json step = json_of(d.steps[k]);

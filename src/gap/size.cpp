@@ -123,6 +123,12 @@ std::vector<Cell> GapMeter::where(const Model& model) const {
   return cells;
 }
 
+std::vector<double> GapMeter::holdout_residual(const Model& model, std::size_t record) const {
+  const Model written = for_record(model, study_.holdout().front());
+  const auto e = whole_residual(written, study_.holdout()[record]);
+  return {e.begin() + static_cast<std::ptrdiff_t>(holdout_from_[record]), e.end()};
+}
+
 std::vector<ScoredFrom> GapMeter::scored_from() const {
   std::vector<ScoredFrom> all;
   const auto add = [&](const Experiments& experiments, const std::vector<std::size_t>& from, bool held_out) {

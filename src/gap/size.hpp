@@ -36,6 +36,8 @@ class GapMeter {
   GapSize size(const Model& model) const;
   /// Where the gap of the held-out record with the largest gap lies.
   std::vector<Cell> where(const Model& model) const;
+  /// y - y_model of one held-out record over the samples that are scored, lines of the mains as size() takes them.
+  std::vector<double> holdout_residual(const Model& model, std::size_t record) const;
   /// Time records only.
   std::vector<ScoredFrom> scored_from() const;
 

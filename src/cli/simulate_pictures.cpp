@@ -31,7 +31,7 @@ std::string drawn(const std::string& title, const std::string& subtitle,
   }
   report::Page page(title, subtitle);
   if (!key.empty()) page.key_figures(key);
-  for (const Figure& figure : figures) page.figure(report::stack_svg(figure.plots), figure.caption);
+  for (const Figure& figure : figures) page.plots(figure.plots, figure.caption);
   return page.html();
 }
 

@@ -6,6 +6,7 @@
 #include "base/text.hpp"
 #include "fpaa/board_picture.hpp"
 #include "project/filter_run.hpp"
+#include "project/report_tables.hpp"
 #include "report/bode.hpp"
 #include "report/page.hpp"
 
@@ -111,13 +112,35 @@ report::Plot error_plot(const FilterRun& run, const std::vector<Hertz>& grid,
   return out;
 }
 
+std::vector<report::Plot> filter_plots(const FilterRun& run) {
+  const std::vector<Hertz> grid = plot_grid(run.project.band);
+  const std::vector<StageCurve> curves = curves_of(run, grid);
+  report::BodePlot plot;
+  for (std::size_t i = 0; i < curves.size(); ++i) {
+    const auto style = i % 2 == 0 ? Series::Style::line : Series::Style::dashed;
+    plot.magnitude.series.push_back(
+        {curves[i].name, values_of(grid), decibels_of(curves[i].response), style, static_cast<int>(i)});
+    plot.phase.series.push_back(
+        {curves[i].name, values_of(grid), unwrapped_degrees(curves[i].response), style, static_cast<int>(i)});
+  }
+  if (run.project.points) {
+    Series marks{"target", {}, {}, Series::Style::marks, 7};
+    for (const BodePoint& point : run.project.points->points) {
+      marks.x.push_back(point.frequency.value);
+      marks.y.push_back(to_decibel(point.gain));
+    }
+    plot.magnitude.series.push_back(std::move(marks));
+  }
+  return {plot.magnitude, plot.phase, error_plot(run, grid, curves)};
+}
+
 void target_of_filter(report::Page& page, const FilterRun& run) {
   const FilterProject& project = run.project;
   page.chapter("Target");
   page.paragraph(
       fmt::format("{}, judged from {}. {}", project.target_file, span_text(project.band), run.design.how));
-  page.figure(
-      filter_svg(run),
+  page.plots(
+      filter_plots(run),
       "Gain and phase of every stage, and beneath them what each leaves. Beyond the band nothing was asked.");
   if (!project.points || project.points->points.size() > 60) return;
   report::Table table{{"frequency", "target, dB", "sections, dB", "error, dB"}, {}, {}};
@@ -197,14 +220,7 @@ void circuit_of_filter(report::Page& page, const FilterRun& run) {
   for (const std::string& reason : run.design.circuit->passed_over)
     page.paragraph("Passed over: " + reason + ".");
   for (const std::string& shortfall : best.shortfalls) page.warning(shortfall);
-  report::Table table{{"part", "stage", "series", "exact", "fitted", "difference, %"}, {}, {}};
-  for (const circuit::Part& part : best.made.circuit.parts) {
-    const char* unit = part.kind == circuit::Part::Kind::resistor ? "Ω" : "F";
-    table.rows.push_back({part.name, std::to_string(part.stage + 1), part.series,
-                          engineering_text(part.wanted, unit, 5), engineering_text(part.realised, unit, 5),
-                          fmt::format("{:+.2f}", 100.0 * (part.realised / part.wanted - 1.0))});
-  }
-  page.table(table);
+  page.table(parts_table(best.made.circuit.parts));
   for (const std::string& warning : best.opamps.warnings) page.warning(warning);
 }
 
@@ -231,7 +247,7 @@ void yield_of_filter(report::Page& page, const FilterRun& run) {
     }
     plot.series.push_back(std::move(series));
   }
-  page.figure(report::to_svg(plot), "Between the dashed lines lie 95 of 100 circuits at each frequency.");
+  page.plots({plot}, "Between the dashed lines lie 95 of 100 circuits at each frequency.");
   report::Table table{{"part", "share of the variance, %"}, {}, {}};
   for (std::size_t i = 0; i < std::min<std::size_t>(8, result.ranking.size()); ++i)
     table.rows.push_back({result.ranking[i].part, rounded_text(100.0 * result.ranking[i].share, 3)});
@@ -241,25 +257,7 @@ void yield_of_filter(report::Page& page, const FilterRun& run) {
 }  // namespace
 
 std::string filter_svg(const FilterRun& run) {
-  const std::vector<Hertz> grid = plot_grid(run.project.band);
-  const std::vector<StageCurve> curves = curves_of(run, grid);
-  report::BodePlot plot;
-  for (std::size_t i = 0; i < curves.size(); ++i) {
-    const auto style = i % 2 == 0 ? Series::Style::line : Series::Style::dashed;
-    plot.magnitude.series.push_back(
-        {curves[i].name, values_of(grid), decibels_of(curves[i].response), style, static_cast<int>(i)});
-    plot.phase.series.push_back(
-        {curves[i].name, values_of(grid), unwrapped_degrees(curves[i].response), style, static_cast<int>(i)});
-  }
-  if (run.project.points) {
-    Series marks{"target", {}, {}, Series::Style::marks, 7};
-    for (const BodePoint& point : run.project.points->points) {
-      marks.x.push_back(point.frequency.value);
-      marks.y.push_back(to_decibel(point.gain));
-    }
-    plot.magnitude.series.push_back(std::move(marks));
-  }
-  return report::stack_svg({plot.magnitude, plot.phase, error_plot(run, grid, curves)});
+  return report::stack_svg(filter_plots(run));
 }
 
 std::string filter_page(const FilterRun& run) {
@@ -279,24 +277,14 @@ std::string filter_page(const FilterRun& run) {
     figures.emplace_back(rounded_text(run.design.yield->worst_db.quantile(0.95), 3) + " dB",
                          "95 of 100 circuits, tolerances in it");
   page.key_figures(figures);
-  if (!run.limits.empty()) {
-    report::Table table{{"limit", "asked", "got", ""}, {}, {}};
-    for (const LimitCheck& check : run.limits) {
-      if (!check.met()) table.marked.push_back(table.rows.size());
-      table.rows.push_back({check.name, rounded_text(check.limit), rounded_text(check.got, 3),
-                            check.met() ? "met" : "not met"});
-    }
-    page.table(table);
-  }
+  if (!run.limits.empty()) page.table(limits_table(run.limits));
   target_of_filter(page, run);
   sections_of_filter(page, run);
   board_of_filter(page, run);
   circuit_of_filter(page, run);
   yield_of_filter(page, run);
   page.chapter("Inputs");
-  report::Table inputs{{"input", "SHA-256"}, {}, {}};
-  for (const InputFile& file : run.from.inputs) inputs.rows.push_back({file.path, file.sha256});
-  page.table(inputs);
+  page.table(inputs_table(run.from));
   return page.html();
 }
 

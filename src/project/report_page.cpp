@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "project/report_tables.hpp"
 #include "report/page.hpp"
 
 /// The chapters of report.html behind the summary, in order. Each is a function in a file of its own in
@@ -45,16 +46,6 @@ std::vector<std::pair<std::string, std::string>> key_figures(const Design& desig
                      "circuit's parts against sections");
   }
   return out;
-}
-
-report::Table limits_table(const std::vector<LimitCheck>& limits) {
-  report::Table table{{"limit", "asked", "got", ""}, {}, {}};
-  for (const LimitCheck& check : limits) {
-    if (!check.met()) table.marked.push_back(table.rows.size());
-    table.rows.push_back(
-        {check.name, rounded_text(check.limit), rounded_text(check.got, 3), check.met() ? "met" : "not met"});
-  }
-  return table;
 }
 
 report::Table headline_table(const ProjectRun& run) {

@@ -82,7 +82,7 @@ OutputSet design_files(const ProjectRun& run, const std::filesystem::path& folde
   add_layout(run, out);
   if (run.design.controller) add_controller(run, out);
   out.add("bode.csv", stages_csv(run));
-  out.add("bode.svg", stages_svg(run.project, run.design, run.budget));
+  out.add("bode.svg", report::stack_svg(stages_plots(run.project, run.design, run.budget)));
   return out;
 }
 

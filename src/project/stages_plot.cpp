@@ -94,7 +94,7 @@ std::vector<Hertz> stages_grid(const Band& band) {
   return log_grid({Hertz{band.from.value / 10.0}, Hertz{band.to.value * 10.0}}, 241);
 }
 
-std::string stages_svg(const Project& project, const Design& design, const Budget& budget) {
+std::vector<report::Plot> stages_plots(const Project& project, const Design& design, const Budget& budget) {
   const std::vector<Hertz> grid = stages_grid(budget.band);
   report::BodePlot plot;
   int number = 0;
@@ -110,7 +110,7 @@ std::string stages_svg(const Project& project, const Design& design, const Budge
   fix_axis(plot.magnitude.y, db.low - margin, db.high + margin);
   const PlotRange degrees = range_of(plot.phase.series.front().y, {-5.0, 5.0});
   fix_axis(plot.phase.y, 2.0 * degrees.low, 1.5 * degrees.high);
-  return report::stack_svg({plot.magnitude, plot.phase, error_beneath(plot.magnitude, budget.band)});
+  return {plot.magnitude, plot.phase, error_beneath(plot.magnitude, budget.band)};
 }
 
 }  // namespace bodesmith::project

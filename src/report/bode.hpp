@@ -11,7 +11,7 @@ struct BodePlot {
   Plot magnitude;
   Plot phase;
   BodePlot();
-  std::string svg() const { return stack_svg({magnitude, phase}); }
+  std::vector<Plot> plots() const { return {magnitude, phase}; }
 };
 
 }  // namespace bodesmith::report

@@ -8,6 +8,8 @@
 #include "base/text_template.hpp"
 #include "base/version.hpp"
 #include "report/inline_svg.hpp"
+#include "report/page_parts.hpp"
+#include "report/script_data.hpp"
 #include "report/svg.hpp"
 
 namespace bodesmith::report {
@@ -42,7 +44,8 @@ void Page::table(const Table& table, const std::string& caption) {
   out += "<div class=\"wide\"><table>\n";
   if (!caption.empty()) out += fmt::format("<caption>{}</caption>\n", escape_xml(caption));
   out += "<thead><tr>";
-  for (const std::string& cell : table.head) out += fmt::format("<th>{}</th>", escape_xml(cell));
+  for (const std::string& cell : table.head)
+    out += fmt::format("<th scope=\"col\">{}</th>", escape_xml(cell));
   out += "</tr></thead>\n<tbody>\n";
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const bool marked = std::find(table.marked.begin(), table.marked.end(), i) != table.marked.end();
@@ -53,9 +56,22 @@ void Page::table(const Table& table, const std::string& caption) {
   out += "</tbody></table></div>\n";
 }
 
+std::string Page::drawing(const std::string& svg) {
+  const std::string out = inlined_svg(svg, fmt::format("figure-{}", ++figures_));
+  for (const std::string& style : styles_in(out)) styles_.push_back(style);
+  return out;
+}
+
 void Page::figure(const std::string& svg, const std::string& caption) {
-  body() += fmt::format("<figure>{}<figcaption>{}</figcaption></figure>\n",
-                        inlined_svg(svg, fmt::format("figure-{}", ++figures_)), escape_xml(caption));
+  body() += fmt::format("<figure><div class=\"still\">{}</div><figcaption>{}</figcaption></figure>\n",
+                        drawing(svg), escape_xml(caption));
+}
+
+void Page::plots(const std::vector<Plot>& plots, const std::string& caption) {
+  body() += fmt::format(
+      "<figure class=\"plots\"><div class=\"live\"></div><div class=\"still\">{}</div><script "
+      "type=\"application/json\">{}</script><figcaption>{}</figcaption></figure>\n",
+      drawing(stack_svg(plots)), json_for_script(live_plots(plots)), escape_xml(caption));
 }
 
 void Page::listing(const std::string& text) {
@@ -63,7 +79,12 @@ void Page::listing(const std::string& text) {
 }
 
 std::string Page::html() const {
-  Json data = {{"title", title_}, {"subtitle", subtitle_}, {"version", kVersion}};
+  const std::string script = page_script();
+  std::vector<std::string> styles = styles_;
+  styles.push_back(page_style());
+  Json data = {{"title", title_},        {"subtitle", subtitle_},
+               {"version", kVersion},    {"policy", content_policy({script}, styles)},
+               {"style", styles.back()}, {"script", script}};
   data["chapters"] = Json::array();
   int number = 0;
   for (const Chapter& chapter : chapters_) {

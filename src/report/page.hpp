@@ -1,7 +1,10 @@
 #pragma once
 
 #include <string>
+#include <utility>
 #include <vector>
+
+#include "report/plot.hpp"
 
 namespace bodesmith::report {
 
@@ -12,8 +15,8 @@ struct Table {
   std::vector<std::size_t> marked;
 };
 
-/// A report as one self-contained HTML file: no scripts, no outside styles, fonts or pictures, so it opens offline
-/// and prints. Text is plain (escaped here); figures are SVG elements as to_svg() makes them.
+/// A report as one self-contained HTML file: no outside scripts, styles, fonts or pictures, so it opens offline. Its plots
+/// are live where scripts run (docs/report.md) and drawings where they do not, or on paper. Text is plain (escaped here).
 class Page {
  public:
   Page(std::string title, std::string subtitle) : title_(std::move(title)), subtitle_(std::move(subtitle)) {}
@@ -28,6 +31,8 @@ class Page {
   void table(const Table& table, const std::string& caption = {});
   /// The drawing keeps its own styles and ids (inline_svg.hpp).
   void figure(const std::string& svg, const std::string& caption);
+  /// Plots below one another.
+  void plots(const std::vector<Plot>& plots, const std::string& caption);
   /// Text in a fixed-width box, e.g. a build sheet.
   void listing(const std::string& text);
 
@@ -42,7 +47,9 @@ class Page {
   };
   std::vector<Chapter> chapters_;
   int figures_ = 0;
+  std::vector<std::string> styles_;  ///< of the drawings
   std::string& body();
+  std::string drawing(const std::string& svg);
 };
 
 }  // namespace bodesmith::report

@@ -85,8 +85,14 @@ std::string colour_of(const Plot& plot, std::size_t series) {
   return palette_colour(chosen >= 0 ? chosen : static_cast<int>(series));
 }
 
-std::string dash_attribute(const Series& series) {
-  return series.style == Series::Style::dashed ? " stroke-dasharray=\"6 4\"" : "";
+/// Colours come again after eight series, with another dash.
+std::string dash_attribute(const Plot& plot, std::size_t index) {
+  static constexpr std::array<const char*, 3> kDashes = {"", " stroke-dasharray=\"2 3\"",
+                                                         " stroke-dasharray=\"9 3 2 3\""};
+  const Series& series = plot.series[index];
+  if (series.style == Series::Style::dashed) return " stroke-dasharray=\"6 4\"";
+  const std::size_t colour = series.color >= 0 ? static_cast<std::size_t>(series.color) : index;
+  return kDashes[colour / kPaletteColours % kDashes.size()];
 }
 
 /// Collects the d attribute of a path: a gap in the data lifts the pen.
@@ -154,7 +160,7 @@ void draw_series(const Plot& plot, std::size_t index, const Frame& frame, std::s
   if (series.style != Series::Style::marks) {
     fmt::format_to(
         sink, "<path d=\"{}\" fill=\"none\" stroke=\"{}\" stroke-width=\"{}\" stroke-linejoin=\"round\"{}/>",
-        path_of(series, frame), colour, series.width, dash_attribute(series));
+        path_of(series, frame), colour, series.width, dash_attribute(plot, index));
     return;
   }
   for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
@@ -218,7 +224,7 @@ void draw_legend(const Plot& plot, std::string& out) {
           entry.column_x + 12, y - 4, colour);
     } else {
       fmt::format_to(sink, "<path d=\"M{} {}h24\" stroke=\"{}\" stroke-width=\"{}\"{}/>", entry.column_x,
-                     y - 4, colour, series.width, dash_attribute(series));
+                     y - 4, colour, series.width, dash_attribute(plot, entry.series));
     }
     fmt::format_to(sink, "<text x=\"{}\" y=\"{}\" fill=\"#1b1f24\">{}</text>", entry.column_x + 30, y,
                    escape_xml(series.name));
@@ -257,15 +263,17 @@ std::string to_svg(const Plot& plot) {
 std::string stack_svg(const std::vector<Plot>& plots) {
   int height = 0;
   int width = 0;
+  std::string titles;
   for (const Plot& plot : plots) {
+    titles += (titles.empty() ? "" : "; ") + (plot.title.empty() ? plot.y.label : plot.title);
     height += total_height(plot);
     width = std::max(width, plot.width);
   }
   std::string out = fmt::format(
       "<svg xmlns=\"http://www.w3.org/2000/svg\" viewBox=\"0 0 {0} {1}\" width=\"{0}\" height=\"{1}\" "
-      "font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#4a515c\" role=\"img\">"
-      "<rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>",
-      width, height);
+      "font-family=\"Helvetica, Arial, sans-serif\" font-size=\"12\" fill=\"#4a515c\" role=\"img\" "
+      "aria-label=\"{2}\"><rect width=\"100%\" height=\"100%\" fill=\"#ffffff\"/>",
+      width, height, escape_xml(titles));
   // Clip paths need names of their own when several pictures stand in one page: take them from what is drawn.
   std::size_t hash = 0;
   for (const Plot& plot : plots)

@@ -14,6 +14,7 @@ struct Series {
   enum class Style { line, dashed, marks } style = Style::line;
   int color = -1;      ///< index into the palette; -1: the series' own place in the plot
   double width = 1.8;  ///< stroke width in pixels
+  bool shown = true;   ///< a live plot begins with it; the still one always has it
 };
 
 struct Axis {

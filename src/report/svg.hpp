@@ -1,10 +1,14 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 
 namespace bodesmith::report {
 
-/// Colour `index` of the palette as #rrggbb: eight hues told apart by colour-blind readers too (Okabe and Ito).
+inline constexpr std::size_t kPaletteColours = 8;
+
+/// Colour `index` of the palette as #rrggbb: the hues of Okabe and Ito, which colour-blind readers tell apart too, each dark
+/// enough for a contrast of 3 to 1 on white.
 std::string palette_colour(int index);
 
 /// & < > " escaped.

@@ -133,7 +133,8 @@ TEST_F(NanopositionerRun, ReportRendersInABrowser) {
   EXPECT_THAT(dom.out, HasSubstr("</svg>"));
 }
 
-/// report.html with the drawing whose text holds `mark` alone in view, at the top left; its id is kept.
+/// report.html with the drawing whose text holds `mark` alone in view, at the top left; its id is kept. The page's policy,
+/// which allows no style but its own, is taken out for that.
 std::string page_of_one_drawing(const std::string& html, const std::string& mark) {
   const std::size_t at = html.find(mark);
   const std::size_t svg = html.rfind("<svg id=\"", at);
@@ -145,7 +146,7 @@ std::string page_of_one_drawing(const std::string& html, const std::string& mark
       " *{visibility:visible}figure{overflow:visible!important}" + id +
       "{position:absolute!important;left:0;top:0;max-width:none!important;width:auto!important}"
       "html,body,main,section,figure,div{position:static!important;overflow:hidden!important}</style>";
-  std::string out = html;
+  std::string out = std::regex_replace(html, std::regex("<meta http-equiv=[^>]*>"), "");
   return out.insert(out.find("</head>"), style);
 }
 

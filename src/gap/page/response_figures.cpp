@@ -54,7 +54,7 @@ void add_record_figures(report::Page& page, const Diagnosis& d, const FrequencyE
   add_response(plot, "measured", 0, Style::marks, record, record.response);
   add_response(plot, "base model", 1, Style::dashed, record, response_of(d.search.base, record));
   add_response(plot, "extended model", 2, Style::line, record, response_of(d.search.final, record));
-  page.figure(plot.svg(), fmt::format("Held-out response {}.", record.file));
+  page.plots(plot.plots(), fmt::format("Held-out response {}.", record.file));
 }
 
 void add_ladder_figure(report::Page& page, const Diagnosis& d) {
@@ -86,7 +86,7 @@ void add_ladder_figure(report::Page& page, const Diagnosis& d) {
     line.y = {d.floor.rms, d.floor.rms};
     ladder.series.push_back(std::move(line));
   }
-  page.figure(report::to_svg(ladder), "Training and held-out records.");
+  page.plots({ladder}, "Training and held-out records.");
 }
 
 }  // namespace bodesmith::gap

@@ -6,6 +6,7 @@
 
 #include "gap/page/figures.hpp"
 #include "report/plot.hpp"
+#include "report/thin.hpp"
 #include "signal/periodogram.hpp"
 #include "simulate/simulate.hpp"
 
@@ -28,30 +29,6 @@ constexpr std::size_t kZoom = 25;
 constexpr std::size_t kMinZoomed = 60;
 /// Bands of the spectrum.
 constexpr double kBandRatio = 1.1;
-
-/// At most kMaxPoints points, keeping the extremes of every stretch so that peaks survive.
-void thin(std::vector<double>& x, std::vector<double>& y) {
-  if (x.size() <= kMaxPoints) return;
-  const std::size_t cells = kMaxPoints / 2;
-  std::vector<double> thin_x;
-  std::vector<double> thin_y;
-  for (std::size_t c = 0; c < cells; ++c) {
-    const std::size_t from = c * x.size() / cells;
-    const std::size_t to = (c + 1) * x.size() / cells;
-    const auto stretch = std::span(y).subspan(from, to - from);
-    const auto [low, high] = std::minmax_element(stretch.begin(), stretch.end());
-    auto a = from + static_cast<std::size_t>(low - stretch.begin());
-    auto b = from + static_cast<std::size_t>(high - stretch.begin());
-    if (a > b) std::swap(a, b);
-    for (std::size_t i : {a, b}) {
-      thin_x.push_back(x[i]);
-      thin_y.push_back(y[i]);
-      if (a == b) break;
-    }
-  }
-  x = std::move(thin_x);
-  y = std::move(thin_y);
-}
 
 std::vector<double> slice(const std::vector<double>& v, std::size_t from, std::size_t to) {
   const auto part = std::span(v).subspan(from, to - from);
@@ -108,9 +85,8 @@ Series curve(const BeforeAndAfter& s, std::string name, const std::vector<double
   Series c = series_of(std::move(name), color);
   c.x = slice(s.time, from, to);
   c.y = slice(y, from, to);
-  thin(c.x, c.y);
   c.width = 1.4;
-  return c;
+  return report::thinned(std::move(c), kMaxPoints);
 }
 
 Plot zoomed_output(const BeforeAndAfter& s) {
@@ -208,11 +184,11 @@ Plot residual_spectrum(const BeforeAndAfter& s, const NoiseFloor& floor) {
 
 void add_record_figures(report::Page& page, const Diagnosis& d, const TimeExperiment& experiment) {
   const auto s = simulate_both(d, experiment);
-  page.figure(report::stack_svg({zoomed_output(s), residual_over_time(s)}),
-              fmt::format("Held-out record {}: output and residual, before and after.", s.record.file));
-  page.figure(report::to_svg(residual_over_input(s)),
-              "Loops: memory opens them, a static curve bends them, noise fills a band.");
-  page.figure(report::to_svg(residual_spectrum(s, d.floor)), "Before and after, held-out record.");
+  page.plots({zoomed_output(s), residual_over_time(s)},
+             fmt::format("Held-out record {}: output and residual, before and after.", s.record.file));
+  page.plots({residual_over_input(s)},
+             "Loops: memory opens them, a static curve bends them, noise fills a band.");
+  page.plots({residual_spectrum(s, d.floor)}, "Before and after, held-out record.");
 }
 
 }  // namespace bodesmith::gap

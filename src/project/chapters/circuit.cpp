@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "project/report_tables.hpp"
 #include "project/run.hpp"
 #include "report/page.hpp"
 
@@ -15,17 +16,6 @@ std::string ngspice_sentence(const spice::CompensatorCheck& check) {
       rounded_text(check.against_network.max_magnitude_db, 3),
       rounded_text(check.against_sections.max_magnitude_db, 3),
       rounded_text(check.against_sections.max_phase_deg, 3));
-}
-
-report::Table parts_table(const std::vector<circuit::Part>& parts) {
-  report::Table table{{"part", "stage", "series", "exact", "fitted", "difference, %"}, {}, {}};
-  for (const circuit::Part& part : parts) {
-    const char* unit = part.kind == circuit::Part::Kind::resistor ? "Ω" : "F";
-    table.rows.push_back({part.name, std::to_string(part.stage + 1), part.series,
-                          engineering_text(part.wanted, unit, 5), engineering_text(part.realised, unit, 5),
-                          fmt::format("{:+.2f}", 100.0 * (part.realised / part.wanted - 1.0))});
-  }
-  return table;
 }
 
 }  // namespace

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "project/report_tables.hpp"
 #include "project/run.hpp"
 #include "report/page.hpp"
 
@@ -34,26 +35,6 @@ report::Table alternatives_table(const Design& design) {
   return table;
 }
 
-std::string roots_text(const std::vector<std::complex<double>>& roots) {
-  std::vector<std::string> parts;
-  for (const auto& root : roots) {
-    parts.push_back(root.imag() == 0.0
-                        ? rounded_text(root.real(), 6)
-                        : fmt::format("{} {} {}j", rounded_text(root.real(), 6), root.imag() < 0 ? "-" : "+",
-                                      rounded_text(std::abs(root.imag()), 6)));
-  }
-  return parts.empty() ? std::string("-") : join(parts, ", ");
-}
-
-report::Table built_sections_table(const Sections& sections) {
-  report::Table table{{"section", "gain", "zeros, rad/s", "poles, rad/s"}, {}, {}};
-  for (const Section& section : sections.sections) {
-    table.rows.push_back({std::to_string(table.rows.size() + 1), rounded_text(section.gain, 6),
-                          roots_text(section.zeros), roots_text(section.poles)});
-  }
-  return table;
-}
-
 }  // namespace
 
 void sections_chapter(report::Page& page, const ProjectRun& run) {
@@ -74,7 +55,7 @@ void sections_chapter(report::Page& page, const ProjectRun& run) {
   for (const std::string& reason : run.design.passed_over)
     page.paragraph("Passed over because it cannot be built: " + reason);
   const Sections& built = run.design.sections();
-  page.table(built_sections_table(built),
+  page.table(sections_table(built),
              fmt::format("H(s) = {} times the product of these", rounded_text(built.gain, 8)));
 }
 

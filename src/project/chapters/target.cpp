@@ -43,7 +43,7 @@ void target_chapter(report::Page& page, const ProjectRun& run) {
   polynomials.height = 280;
   polynomials.series = {disturbance_curve("ascending", target.disturbance, Branch::ascending),
                         disturbance_curve("descending", target.disturbance, Branch::descending)};
-  page.figure(report::to_svg(polynomials), "The polynomials of both branches at the base frequency.");
+  page.plots({polynomials}, "The polynomials of both branches at the base frequency.");
 }
 
 }  // namespace bodesmith::project

@@ -34,7 +34,7 @@ report::Plot tracking_plot(const TrackingStudy& study) {
 }
 
 /// Reference and errors over one period, below one another.
-std::string period_svg(const TrackingStudy& study) {
+std::vector<report::Plot> period_plots(const TrackingStudy& study) {
   using report::Series;
   report::Plot reference;
   reference.title = fmt::format("One period at {} Hz", rounded_text(study.shown.frequency.value));
@@ -52,7 +52,7 @@ std::string period_svg(const TrackingStudy& study) {
     error.series.push_back({study.designs[i].name, study.shown.time_s, study.shown.error_percent[i],
                             Series::Style::line, static_cast<int>(i)});
   }
-  return report::stack_svg({reference, error});
+  return {reference, error};
 }
 
 report::Table elsewhere_table(const TrackingStudy& study) {
@@ -82,10 +82,9 @@ void tracking_chapter(report::Page& page, const ProjectRun& run) {
       to_string(run.tracking.waveform), rounded_text(run.tracking.amplitude),
       rounded_text(run.project.plant.stroke_m * 1e6), rounded_text(run.tracking.max_cross_check_percent, 2)));
   page.table(tracking_table(run.tracking), "rms tracking error, % of range");
-  page.figure(report::to_svg(tracking_plot(run.tracking)),
-              "The tracking error of every alternative over the frequency.");
-  page.figure(period_svg(run.tracking),
-              "The error without any compensation is left out: it would dwarf the others.");
+  page.plots({tracking_plot(run.tracking)}, "The tracking error of every alternative over the frequency.");
+  page.plots(period_plots(run.tracking),
+             "The error without any compensation is left out: it would dwarf the others.");
   if (run.tracking.elsewhere.empty()) return;
   page.paragraph(
       "A stage is not its polynomial: the same controllers on stages of other families that were identified from the "

@@ -34,8 +34,10 @@ Alternative rated_alternative(const Project& project, std::string name, Alternat
   options.path = compensated_path(project);
   out.waveform = waveform_error([&sections](RadPerSecond w) { return sections.response(w); },
                                 project.target.disturbance, project.track.frequency, options);
-  out.tracked_percent = worst_tracked_percent(
+  out.tracked_at_percent = tracked_percents(
       project, compensated_design(project, out.name, sections, tracking::GeneratorForm::self_fed()));
+  for (const double percent : out.tracked_at_percent)
+    out.tracked_percent = std::max(out.tracked_percent, percent);
   const int poles = sections.pole_count();
   out.fpaa_blocks = poles + poles % 2;
   return out;

@@ -21,6 +21,7 @@ struct Alternative {
   /// Worst tracking error of a stage that reads its drive, the sections in a generator fed by its own drive; percent
   /// of range, pure delay removed (tracked_plant.hpp).
   double tracked_percent = 0.0;
+  std::vector<double> tracked_at_percent;  ///< the same at each tracked frequency
   int fpaa_blocks = 0;  ///< one per real pole-zero pair, and one more where the sign needs it
 };
 

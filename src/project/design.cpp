@@ -51,12 +51,20 @@ circuit::RealiseOptions circuit_options(const Project& project) {
   return options;
 }
 
+Outcome<fpaa::Plan> try_plan(const Project& project, const Sections& sections, const Band& band) {
+  try {
+    return fpaa::make_plan(sections, plan_options(project, band));
+  } catch (const DesignError& error) {
+    return Refusal{error.what()};
+  }
+}
+
 /// Plan and circuit of `sections`, or the reason why the board or the parts cannot make them.
 Outcome<Hardware> build_hardware(const Project& project, const Sections& sections, const Band& band) {
   try {
     Hardware out;
     if (project.fpaa) {
-      auto plan = fpaa::make_plan(sections, plan_options(project, band));
+      auto plan = try_plan(project, sections, band);
       if (const auto* refusal = refusal_of(plan)) return *refusal;
       out.plan = std::get<fpaa::Plan>(std::move(plan));
     }
@@ -96,6 +104,32 @@ Band design_band(const Project& project, const Design& design) {
   if (!design.fit.cascade.terms.empty()) widen(design.fit.cascade.corner_band());
   widen(design.sections().corner_band());
   return band;
+}
+
+Design with_alternative(const Project& project, const Design& design, std::size_t chosen,
+                        std::vector<std::string>& refused) {
+  Design out = design;
+  if (chosen == design.chosen) return out;
+  out.chosen = chosen;
+  out.plan.reset();
+  out.circuit.reset();
+  if (project.fpaa) {
+    auto plan = try_plan(project, out.sections(), design_band(project, out));
+    if (const auto* refusal = refusal_of(plan)) {
+      refused.push_back("Not on the board: " + refusal->reason);
+    } else {
+      out.plan = std::get<fpaa::Plan>(std::move(plan));
+    }
+  }
+  if (project.circuit) {
+    auto circuit = circuit::try_realise(out.sections(), circuit_options(project));
+    if (const auto* refusal = refusal_of(circuit)) {
+      refused.push_back("Not of these parts: " + refusal->reason);
+    } else {
+      out.circuit = std::get<circuit::Realised>(std::move(circuit));
+    }
+  }
+  return out;
 }
 
 Design make_design(const Project& project) {

@@ -42,6 +42,11 @@ struct Design {
 /// DesignError (with the last refusal) when they can make none.
 Design make_design(const Project& project);
 
+/// The same design with another alternative chosen, made on the board and of the parts by itself; what cannot be made stays
+/// empty, and why is added to `refused`. The one that is built already stays as it is.
+Design with_alternative(const Project& project, const Design& design, std::size_t chosen,
+                        std::vector<std::string>& refused);
+
 /// The frequencies at which the stages are compared: the target points and every corner of cascade and sections.
 Band design_band(const Project& project, const Design& design);
 

@@ -93,4 +93,18 @@ report::Table parts_table(const std::vector<circuit::Part>& parts) {
   return table;
 }
 
+report::Table cams_table(const fpaa::Plan& plan) {
+  report::Table table{{"CAM", "CAB", "clock, Hz", "capacitors"}, {}, {}};
+  for (const fpaa::ChipPlan& chip : plan.chips) {
+    for (const fpaa::PlacedCam& cam : chip.cams) {
+      std::vector<std::string> capacitors;
+      for (const auto& c : cam.capacitors) capacitors.push_back(fmt::format("{} {}", c.name, c.units));
+      table.rows.push_back(
+          {fmt::format("chip {} {} ({}, {})", chip.chip, cam.name, cam.cam_name(), cam.option),
+           std::to_string(cam.cab), rounded_text(cam.clock_a.value, 6), join(capacitors, ", ")});
+    }
+  }
+  return table;
+}
+
 }  // namespace bodesmith::project

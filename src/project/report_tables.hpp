@@ -19,5 +19,6 @@ report::Table budget_table(const Budget& budget);
 /// Poles and zeros in rad/s.
 report::Table sections_table(const Sections& sections);
 report::Table parts_table(const std::vector<circuit::Part>& parts);
+report::Table cams_table(const fpaa::Plan& plan);
 
 }  // namespace bodesmith::project

@@ -52,7 +52,8 @@ void add_unfinished(OutputSet& out) {
       "The next run that ends takes this file away.\n");
 }
 
-/// What runs in ngspice and on the board's simulation needs the design alone: it is made beside everything else.
+/// What runs in ngspice and on the board's simulation, and what the other alternatives become, needs the design alone: it is
+/// made beside everything else.
 class Background {
  public:
   explicit Background(const ProjectRun& run) : controllers_(built_controllers(run.project, run.design)) {
@@ -61,6 +62,8 @@ class Background {
         return spice::check_compensator(run.design.circuit->circuit, run.design.sections());
       });
     }
+    alternatives_ =
+        std::async(std::launch::async, [&run] { return study_alternatives(run.project, run.design); });
     drives_ = std::async(std::launch::async, [this, &run] {
       BuiltControllers running;
       for (const auto& controller : controllers_) running.push_back(controller.get());
@@ -73,11 +76,13 @@ class Background {
     return check_.get();
   }
   std::vector<ControllerDrives> drives() { return drives_.get(); }
+  std::vector<AlternativeStudy> alternatives() { return alternatives_.get(); }
 
  private:
   std::vector<std::unique_ptr<tracking::BuiltController>> controllers_;
   std::future<spice::CompensatorCheck> check_;
   std::future<std::vector<ControllerDrives>> drives_;
+  std::future<std::vector<AlternativeStudy>> alternatives_;
 };
 
 void write_study(ProjectRun& run, const fs::path& folder) {
@@ -122,6 +127,7 @@ ProjectRun run_project(const ProjectSource& source, const fs::path& folder) {
   progress.at(0.4);
   run.tracking =
       study_tracking(run.project, run.design, run.budget, [&background] { return background.drives(); });
+  run.alternatives = background.alternatives();
   progress.at(0.9);
   run.compute_s = watch.seconds();
   write_study(run, folder);

@@ -7,6 +7,7 @@
 
 #include "base/provenance.hpp"
 #include "part_errors/report.hpp"
+#include "project/alternative_study.hpp"
 #include "project/budget.hpp"
 #include "project/design.hpp"
 #include "project/limits.hpp"
@@ -24,6 +25,7 @@ struct ProjectRun {
   Design design;
   Budget budget;
   TrackingStudy tracking;
+  std::vector<AlternativeStudy> alternatives;  ///< one for each of design.alternatives
   std::optional<spice::CompensatorCheck>
       ngspice;  ///< absent when ngspice is not installed, or the project has no circuit
   std::optional<part_errors::Report> part_errors;  ///< of the analog controller

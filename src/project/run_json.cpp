@@ -18,25 +18,6 @@ Json limits_json(const std::vector<LimitCheck>& limits) {
   return out;
 }
 
-Json alternatives_json(const Design& design) {
-  Json out = Json::array();
-  for (std::size_t i = 0; i < design.alternatives.size(); ++i) {
-    const Alternative& a = design.alternatives[i];
-    Json item = {
-        {"name", a.name},
-        {"built", i == design.chosen},
-        {"poles", a.sections.pole_count()},
-        {"points_max_db", a.points_max_db},
-        {"phase_at_points_deg", a.phase_at_points_deg},
-        {"waveform", waveform_json(a.waveform)},
-        {"tracked_percent", std::isfinite(a.tracked_percent) ? Json(a.tracked_percent) : Json(nullptr)},
-        {"fpaa_blocks", a.fpaa_blocks}};
-    if (std::isfinite(a.above_band_db)) item["above_band_db"] = a.above_band_db;
-    out.push_back(std::move(item));
-  }
-  return out;
-}
-
 Json budget_json(const Budget& budget) {
   Json out = Json::array();
   for (const BudgetRow& row : budget.rows) {
@@ -47,6 +28,52 @@ Json budget_json(const Budget& budget) {
                    {"max_complex_percent", row.against_previous.max_complex_percent},
                    {"points_max_db", row.points_max_db},
                    {"waveform", waveform_json(row.waveform)}});
+  }
+  return out;
+}
+
+Json finite_or_null(double value) {
+  return std::isfinite(value) ? Json(value) : Json(nullptr);
+}
+
+/// What the alternative becomes on the board and in parts; null where it cannot be made there, or was not asked for.
+Json hardware_json(const Design& design) {
+  Json out = {{"fpaa", nullptr}, {"circuit", nullptr}};
+  if (design.plan) {
+    out["fpaa"] = {{"cams", design.plan->cams().size()},
+                   {"max_complex_percent_with_delays", design.plan->error_with_delays.max_complex_percent}};
+  }
+  if (design.circuit) {
+    const circuit::Realised& made = *design.circuit;
+    out["circuit"] = {{"opamps", made.circuit.opamps.size()},
+                      {"parts", made.circuit.parts.size()},
+                      {"max_magnitude_db", made.report.all.max_magnitude_db}};
+  }
+  return out;
+}
+
+Json alternatives_json(const ProjectRun& run) {
+  const Design& design = run.design;
+  Json out = Json::array();
+  for (std::size_t i = 0; i < design.alternatives.size(); ++i) {
+    const Alternative& a = design.alternatives[i];
+    Json item = {{"name", a.name},
+                 {"built", i == design.chosen},
+                 {"poles", a.sections.pole_count()},
+                 {"points_max_db", a.points_max_db},
+                 {"phase_at_points_deg", a.phase_at_points_deg},
+                 {"waveform", waveform_json(a.waveform)},
+                 {"tracked_percent", finite_or_null(a.tracked_percent)},
+                 {"fpaa_blocks", a.fpaa_blocks}};
+    if (std::isfinite(a.above_band_db)) item["above_band_db"] = a.above_band_db;
+    item["tracked_at_percent"] = Json::array();
+    for (const double percent : a.tracked_at_percent)
+      item["tracked_at_percent"].push_back(finite_or_null(percent));
+    const AlternativeStudy& study = run.alternatives[i];
+    item["hardware"] = hardware_json(study.design);
+    item["refused"] = study.refused;
+    item["budget"] = budget_json(study.budget);
+    out.push_back(std::move(item));
   }
   return out;
 }
@@ -64,7 +91,7 @@ Json run_json(const ProjectRun& run) {
   Json out;
   out["name"] = run.project.name;
   out["limits"] = limits_json(run.limits);
-  out["alternatives"] = alternatives_json(run.design);
+  out["alternatives"] = alternatives_json(run);
   out["passed_over"] = run.design.passed_over;
   out["budget"] = budget_json(run.budget);
   out["waveform_without_rate_compensation"] = waveform_json(run.budget.uncompensated);

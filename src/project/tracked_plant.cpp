@@ -1,6 +1,5 @@
 #include "project/tracked_plant.hpp"
 
-#include <algorithm>
 #include <limits>
 
 #include "base/error.hpp"
@@ -46,18 +45,19 @@ tracking::Design compensated_design(const Project& project, std::string name,
   return design;
 }
 
-double worst_tracked_percent(const Project& project, const tracking::Design& design) {
+std::vector<double> tracked_percents(const Project& project, const tracking::Design& design) {
   tracking::Options options = tracking_options(project);
   options.time_domain = false;
   options.harmonics = 1024;
-  double worst = 0.0;
+  std::vector<double> out;
   try {
     const tracking::Report report = tracking::track(tracking_plant(project), {design}, options);
-    for (const tracking::Case& one : report.cases) worst = std::max(worst, one.rms_percent_without_lag);
+    for (const Hertz f : options.frequencies)
+      out.push_back(report.find(f, design.name)->rms_percent_without_lag);
   } catch (const DesignError&) {
-    return std::numeric_limits<double>::infinity();
+    out.assign(options.frequencies.size(), std::numeric_limits<double>::infinity());
   }
-  return worst;
+  return out;
 }
 
 }  // namespace bodesmith::project

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "project/project.hpp"
 #include "tracking/types.hpp"
 
@@ -17,8 +19,8 @@ tracking::Design compensated_design(const Project& project, std::string name,
                                     tracking::Compensator compensator,
                                     tracking::GeneratorForm form = tracking::GeneratorForm::one_pass());
 
-/// Largest rms error over the tracked frequencies, percent of range, the best pure delay removed; harmonic by
-/// harmonic. Infinite where the generator does not settle.
-double worst_tracked_percent(const Project& project, const tracking::Design& design);
+/// Rms error at each tracked frequency, percent of range, the best pure delay removed; harmonic by harmonic. Infinite
+/// where the generator does not settle.
+std::vector<double> tracked_percents(const Project& project, const tracking::Design& design);
 
 }  // namespace bodesmith::project

@@ -15,6 +15,15 @@ struct Table {
   std::vector<std::size_t> marked;
 };
 
+/// A row of a table that can be chosen, and what is then shown of it. Every choice of a table has the same plots.
+struct Choice {
+  std::string name;
+  std::vector<std::pair<std::string, std::string>> figures;  ///< value and meaning
+  std::vector<Plot> plots;
+  std::vector<std::string> notes;                     ///< that must not be missed
+  std::vector<std::pair<Table, std::string>> tables;  ///< and their captions
+};
+
 /// A report as one self-contained HTML file: no outside scripts, styles, fonts or pictures, so it opens offline. Its plots
 /// are live where scripts run (docs/report.md) and drawings where they do not, or on paper. Text is plain (escaped here).
 class Page {
@@ -33,6 +42,10 @@ class Page {
   void figure(const std::string& svg, const std::string& caption);
   /// Plots below one another.
   void plots(const std::vector<Plot>& plots, const std::string& caption);
+  /// A table of which a row can be chosen, one for each choice; `chosen` is shown first. Without scripts the table stands
+  /// alone.
+  void choices(const Table& table, const std::string& caption, const std::vector<Choice>& choices,
+               std::size_t chosen);
   /// Text in a fixed-width box, e.g. a build sheet.
   void listing(const std::string& text);
 

@@ -14,9 +14,9 @@ namespace bodesmith::report {
 namespace {
 
 /// In the order in which they stand in the page: each may use what is above it when it starts.
-constexpr std::array<std::string_view, 14> kScripts = {"elements",   "units", "colours", "traces", "csv",
-                                                       "view",       "plot",  "links",   "legend", "keys",
-                                                       "data_table", "theme", "figure",  "start"};
+constexpr std::array<std::string_view, 16> kScripts = {
+    "elements", "units",  "colours", "traces",     "csv",   "view",   "ticks",   "plot",
+    "links",    "legend", "keys",    "data_table", "theme", "figure", "choices", "start"};
 
 std::string_view template_text(std::string_view name) {
   for (const EmbeddedTemplate& entry : embedded_templates()) {

@@ -60,8 +60,8 @@ class Columns {
   std::vector<Json> columns_;
 };
 
-Json trace_json(const Series& given, std::size_t place, Columns& columns) {
-  const Series series = thinned(given, kMostLivePoints);
+Json trace_json(const Series& given, const Plot& plot, std::size_t place, Columns& columns) {
+  const Series series = thinned(given, kMostLivePoints, plot.x.logarithmic);
   const std::size_t count = std::min(series.x.size(), series.y.size());
   return {{"name", series.name},
           {"x", columns.number_of(numbers(series.x, count, kDigitsOfX))},
@@ -111,13 +111,32 @@ std::string unit_of_label(const std::string& label) {
   return std::find(kUnits.begin(), kUnits.end(), last) != kUnits.end() ? last : std::string();
 }
 
+Json choices_json(const std::vector<Choice>& choices, std::size_t chosen) {
+  Json out = {{"chosen", chosen}, {"choices", Json::array()}};
+  for (const Choice& choice : choices) {
+    Json figures = Json::array();
+    for (const auto& [value, meaning] : choice.figures) figures.push_back({value, meaning});
+    Json tables = Json::array();
+    for (const auto& [table, caption] : choice.tables) {
+      tables.push_back(
+          {{"caption", caption}, {"head", table.head}, {"rows", table.rows}, {"marked", table.marked}});
+    }
+    out["choices"].push_back({{"name", choice.name},
+                              {"figures", std::move(figures)},
+                              {"plots", live_plots(choice.plots)},
+                              {"notes", choice.notes},
+                              {"tables", std::move(tables)}});
+  }
+  return out;
+}
+
 Json live_plots(const std::vector<Plot>& plots) {
   Columns columns;
   Json out = {{"plots", Json::array()}};
   for (const Plot& plot : plots) {
     Json traces = Json::array();
     for (std::size_t i = 0; i < plot.series.size(); ++i)
-      traces.push_back(trace_json(plot.series[i], i, columns));
+      traces.push_back(trace_json(plot.series[i], plot, i, columns));
     const Range y = with_margin(data_range(plot, &Series::y, plot.y.logarithmic), plot.y.logarithmic);
     out["plots"].push_back({{"title", plot.title},
                             {"height", plot.height},

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "base/json_fwd.hpp"
+#include "report/page.hpp"
 #include "report/plot.hpp"
 
 namespace bodesmith::report {
@@ -23,6 +24,10 @@ std::string unit_of_label(const std::string& label);
 ///    "traces": [{"name", "x": column, "y": […], "style", "colour", "width", "shown", "samples"}]}]}
 /// x with 9 significant digits, y with 7. A long series is thinned to kMostLivePoints; "samples" is what it had.
 Json live_plots(const std::vector<Plot>& plots);
+
+/// {"chosen", "choices": [{"name", "figures": [[value, meaning]], "plots": as live_plots(), "notes", "tables": [{"caption",
+/// "head", "rows", "marked"}]}]}.
+Json choices_json(const std::vector<Choice>& choices, std::size_t chosen);
 
 inline constexpr std::size_t kMostLivePoints = 4000;
 

@@ -7,7 +7,7 @@ namespace bodesmith::report {
 
 std::string palette_colour(int index) {
   static constexpr std::array<const char*, kPaletteColours> kPalette = {
-      "#0072b2", "#d55e00", "#008765", "#b8578c", "#2a8fc9", "#b27600", "#4d4d4d", "#8c564b"};
+      "#0072b2", "#d55e00", "#008765", "#b8578c", "#2a8fc9", "#8a7a00", "#4d4d4d", "#8c564b"};
   return kPalette[static_cast<std::size_t>(index) % kPalette.size()];
 }
 

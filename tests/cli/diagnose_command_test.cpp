@@ -7,6 +7,7 @@
 #include "base/document.hpp"
 #include "base/files.hpp"
 #include "base/text.hpp"
+#include "browser_check.hpp"
 #include "run_program.hpp"
 
 namespace {
@@ -55,6 +56,9 @@ TEST(DiagnoseCommand, namesASaturationAndItsModelRunsInSimulate) {
       run_bodesmith("simulate " + at + "/out/model.toml --input " + at + "/holdout.csv -o " + at + "/y.csv");
   EXPECT_EQ(again.status, 0) << again.err;
   EXPECT_NE(read_file(folder / "out/report.html").find("<svg"), std::string::npos);
+  if (const std::string why = no_browser(); !why.empty()) GTEST_SKIP() << "the page was not opened: " << why;
+  const ProgramResult page = drive_page("check_pages.py", at + "/out/report.html");
+  EXPECT_EQ(page.status, 0) << page.out << page.err;
 }
 
 TEST(DiagnoseCommand, refusesBadInputWithoutWritingAnything) {

@@ -8,6 +8,7 @@
 
 #include "base/document.hpp"
 #include "base/text.hpp"
+#include "browser_check.hpp"
 #include "lti/cascade.hpp"
 #include "lti/sections.hpp"
 #include "run_program.hpp"
@@ -102,7 +103,8 @@ TEST_F(NanopositionerRun, TrackingTableKnowsEveryDesignAndSaysTheSurprise) {
 
 TEST_F(NanopositionerRun, ReportIsOneSelfContainedPage) {
   const std::string html = read_file(out("report.html"));
-  EXPECT_THAT(html, Not(HasSubstr("<script")));
+  EXPECT_THAT(html, HasSubstr("content=\"default-src &apos;none&apos;; script-src &apos;sha256-"));
+  EXPECT_THAT(html, Not(HasSubstr("<script src")));
   EXPECT_THAT(html, Not(HasSubstr("<link")));
   EXPECT_FALSE(std::regex_search(html, std::regex("(src|href)=\"(https?:)?//")))
       << "something is loaded from outside";
@@ -131,6 +133,15 @@ TEST_F(NanopositionerRun, ReportRendersInABrowser) {
   EXPECT_GT(bytes.size(), 150000u);
   const ProgramResult dom = run_shell("timeout 120 " + flags + "--dump-dom " + page);
   EXPECT_THAT(dom.out, HasSubstr("</svg>"));
+}
+
+// What the page says of every alternative is what run.json says.
+TEST_F(NanopositionerRun, AlternativesAreChosenInThePage) {
+  if (const std::string why = no_browser(); !why.empty()) GTEST_SKIP() << why;
+  const ProgramResult checked =
+      drive_page("check_pages.py", out("report.html").string() + " " + out("run.json").string());
+  EXPECT_EQ(checked.status, 0) << checked.out << checked.err;
+  EXPECT_LT(read_file(out("report.html")).size(), 1000000u);
 }
 
 /// report.html with the drawing whose text holds `mark` alone in view, at the top left; its id is kept. The page's policy,

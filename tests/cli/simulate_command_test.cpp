@@ -6,6 +6,7 @@
 
 #include "base/document.hpp"
 #include "base/files.hpp"
+#include "browser_check.hpp"
 #include "run_program.hpp"
 #include "signal/csv.hpp"
 #include "signal/time_record.hpp"
@@ -205,6 +206,10 @@ TEST_F(SimulateCommand, SweepsCarryLoopsSpectraAndPictures) {
   const Csv loops = Csv::parse(read_file(folder / "l.csv"), "l.csv");
   EXPECT_GT(loops.rows(), 300u);
   EXPECT_NE(read_file(folder / "r.html").find("Loop height"), std::string::npos);
+  if (no_browser().empty()) {
+    const ProgramResult page = drive_page("check_pages.py", file("r.html"));
+    EXPECT_EQ(page.status, 0) << page.out << page.err;
+  }
   EXPECT_EQ(run_bodesmith(sweep + " --resume --loops " + file("l.csv")).status, 2);
 }
 

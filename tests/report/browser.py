@@ -113,7 +113,7 @@ class Browser:
 
     def place(self, expression):
         """Middle and size of an element, scrolled into view."""
-        return self.js("(e => { e.scrollIntoView({block: 'center', behavior: 'instant'}); const r = "
+        return self.js("(e => { e.scrollIntoView({block: 'center'}); const r = "
                        "e.getBoundingClientRect(); return {x: r.x + r.width / 2, y: r.y + r.height / 2, left: r.x, "
                        f"top: r.y, width: r.width, height: r.height}}; }})({expression})")
 
@@ -153,7 +153,7 @@ class Browser:
         with open(path, "wb") as file:
             file.write(base64.b64decode(shot["data"]))
 
-    def complaints(self):
+    def errors_and_requests(self):
         """What the page's scripts threw, what its Content-Security-Policy stopped, and every address it asked for."""
         self.js("0")
         said, asked = [], []

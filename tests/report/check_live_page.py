@@ -1,6 +1,6 @@
 """Drives the page that live_page_test.cpp writes: python3 check_live_page.py PAGE.html. Prints what is not as it should be.
 
-The page holds: figure 0 "Gain" and "Phase" over 1 Hz to 1 kHz, 31 logarithmic points, traces line (20 log10 f dB; -f/10
+The page holds three choices, the second of them chosen, and: figure 0 "Gain" and "Phase" over 1 Hz to 1 kHz, 31 logarithmic points, traces line (20 log10 f dB; -f/10
 degrees) and marks (at 10 and 100 Hz, 3 dB higher); figure 1 "Noise" over 10 Hz to 10 kHz; figure 2 a circle, y over x.
 """
 
@@ -122,6 +122,20 @@ def axes_become_linear(page):
            page.js(f"{plot(0, 1)}.logSwitches.y.disabled"))
 
 
+def lines_stand_at_round_numbers(page):
+    # Ranges that begin anywhere: uPlot's own lines of logarithmic axes never end there.
+    for view, wanted in (("[0.00999999, 5000]", ["0.01", "0.1", "1", "10", "100", "1k"]), ("[9.98, 101]", ["10", "20", "50", "100"]),
+                         ("[33, 41]", ["34", "36", "38", "40"]), ("[1e-20, 1e20]", None)):
+        page.js(f"{plot(1, 0)}.setView({{x: {view}}}, false)")
+        page.frames()
+        numbers = page.js(f"{plot(1, 0)}.u.axes[0]._values.filter(text => text !== '')")
+        if wanted:
+            expect("numbers of the axis over " + view, wanted, numbers)
+        elif not 5 <= len(numbers) <= 15:
+            failures.append(f"{len(numbers)} numbers on the axis over {view}")
+    page.js(f"{plot(1, 0)}.showWhole()")
+
+
 def csv_is_copied(page):
     page.js("Object.defineProperty(navigator, 'clipboard', {value: {writeText: async t => { window.copied = t; }}})")
     press(page, 0, 0, "copy CSV")
@@ -174,6 +188,27 @@ def the_policy_holds(page):
     expect("a request", "refused", page.js("fetch('http://127.0.0.1:9/').then(() => 'sent', () => 'refused')"))
 
 
+def a_row_is_chosen(page):
+    chosen = "document.querySelector('.chosen')"
+    plot = "bodesmith.choices[0].figure.plots[0]"
+    expect("chosen at first", [1, "choice 2", "2 dB"],
+           page.js(f"[bodesmith.choices[0].chosen, {chosen}.querySelector('h3').textContent, "
+                   f"{chosen}.querySelector('.key b').textContent]"))
+    expect("markup in a note stays text", "<b>not bold</b>", page.js(f"{chosen}.querySelector('.warning').textContent"))
+    page.js(f"{plot}.setView({{x: [10, 100]}}, false)")
+    page.click("document.querySelectorAll('.choices tbody tr')[2].cells[0]")
+    expect("the third one's table", "3 kΩ", page.js(f"{chosen}.querySelector('td:nth-child(2)').textContent"))
+    expect("its note is gone", None, page.js(f"{chosen}.querySelector('.warning')"))
+    expect("its gain at 10 Hz", 60, page.js(f"{plot}.u.data[1][1][10]"))
+    expect("the zoom stays, the other axis fits", [10, 100, True],
+           page.js(f"[...{plot}.view.x, {plot}.view.y[1] > 180]"))
+    page.js("document.querySelectorAll('.choices input')[2].focus()")
+    page.call("Input.dispatchKeyEvent", type="keyDown", key="ArrowUp", code="ArrowUp", windowsVirtualKeyCode=38)
+    page.frames()
+    expect("an arrow key chooses the row above", [1, "choice 2 is shown below."],
+           page.js(f"[bodesmith.choices[0].chosen, {chosen}.querySelector('.spoken').textContent]"))
+
+
 def light_and_dark(page):
     ground = "getComputedStyle(document.body).backgroundColor"
     page.scheme(True)
@@ -213,7 +248,7 @@ CONTRAST = """((a, b) => {
 def what_a_screen_reader_finds(page):
     nodes = page.call("Accessibility.getFullAXTree")["nodes"]
     named = lambda role: [n.get("name", {}).get("value", "") for n in nodes if n.get("role", {}).get("value") == role]
-    expect("plots", 4, len([name for name in named("application") if " over " in name]))
+    expect("plots", 5, len([name for name in named("application") if " over " in name]))
     for role in ("button", "application", "link", "combobox", "checkbox"):
         if "" in named(role):
             failures.append(f"a {role} without a name")
@@ -238,12 +273,12 @@ def main():
     with Browser() as page:
         page.open(url)
         expect("size of the figures", 3, page.js("bodesmith.figures.length"))
-        for check in (hover_reads_values_back, dragging_zooms_and_links, traces_are_switches, axes_become_linear,
-                      csv_is_copied, keys_walk_and_zoom, data_on_demand, text_stays_text, light_and_dark,
+        for check in (lines_stand_at_round_numbers, hover_reads_values_back, dragging_zooms_and_links, traces_are_switches, axes_become_linear,
+                      csv_is_copied, keys_walk_and_zoom, data_on_demand, text_stays_text, a_row_is_chosen, light_and_dark,
                       what_a_screen_reader_finds):
             check(page)
-        said, asked = page.complaints()
-        expect("what the page complains of", [], said)
+        said, asked = page.errors_and_requests()
+        expect("errors of the page", [], said)
         expect("addresses asked for", {url}, set(asked))
         the_policy_holds(page)
         page.open(url, width=400)

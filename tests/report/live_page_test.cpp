@@ -6,9 +6,9 @@
 
 #include "base/files.hpp"
 #include "base/provenance.hpp"
+#include "browser_check.hpp"
 #include "report/page.hpp"
 #include "report/page_parts.hpp"
-#include "run_program.hpp"
 
 namespace bodesmith::report {
 namespace {
@@ -61,26 +61,39 @@ Plot circle() {
   return out;
 }
 
+std::vector<Choice> choices() {
+  std::vector<Choice> out;
+  for (const double k : {1.0, 2.0, 3.0}) {
+    Plot plot = gain_and_phase().front();
+    plot.series.resize(1);
+    for (double& y : plot.series.front().y) y *= k;
+    const std::string number = std::to_string(static_cast<int>(k));
+    out.push_back({"choice " + number,
+                   {{number + " dB", "error"}},
+                   {plot},
+                   k == 2.0 ? std::vector<std::string>{"<b>not bold</b>"} : std::vector<std::string>{},
+                   {{{{"part", "value"}, {{"R1", number + " kΩ"}}, {}}, "Parts"}}});
+  }
+  return out;
+}
+
 std::string test_page() {
   Page page("A page", "to be clicked");
   page.chapter("Plots");
   page.plots(gain_and_phase(), "Two");
   page.plots({noise()}, "</script><script>window.bad = 1</script>");
   page.plots({circle()}, "A loop");
+  page.choices({{"design"}, {{"one"}, {"two"}, {"three"}}, {1}}, "Designs", choices(), 1);
   page.table({{"name", "a rather long heading of a column"}, {{"some value that takes room", "1"}}, {}});
   return page.html();
 }
 
 TEST(LivePage, AnswersToMouseAndKeys) {
-  for (const char* program : {"chromium", "python3"}) {
-    if (run_shell(std::string("command -v ") + program).status != 0)
-      GTEST_SKIP() << program << " is not installed";
-  }
+  if (const std::string why = no_browser(); !why.empty()) GTEST_SKIP() << why;
   const TemporaryFolder folder;
   const std::string page = (folder / "page.html").string();
   write_file(page, test_page());
-  const ProgramResult result =
-      run_shell("timeout 120 python3 -B " BODESMITH_SOURCE_DIR "/tests/report/check_live_page.py " + page);
+  const ProgramResult result = drive_page("check_live_page.py", page);
   EXPECT_EQ(result.status, 0) << result.out << result.err;
 }
 

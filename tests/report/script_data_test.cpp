@@ -78,5 +78,31 @@ TEST(Thin, KeepsPeaksAndGaps) {
   EXPECT_EQ(thinned({"", {1.0, 2.0}, {3.0, 4.0}}, 10).x.size(), 2u);
 }
 
+// Along a logarithmic axis the few samples of the first decades all stay; what has no place there goes.
+TEST(Thin, KeepsEveryDecade) {
+  Series spectrum;
+  for (int i = 0; i <= 100000; ++i) {
+    spectrum.x.push_back(0.01 * i);
+    spectrum.y.push_back(1.0 / (1 + i));
+  }
+  const Series thin = thinned(spectrum, 2000, true);
+  EXPECT_LE(thin.x.size(), 2000u);
+  ASSERT_GT(thin.x.size(), 100u);
+  for (int i = 1; i <= 20; ++i) EXPECT_EQ(thin.x[static_cast<std::size_t>(i - 1)], 0.01 * i);
+  EXPECT_EQ(thin.x.back(), spectrum.x.back());
+}
+
+TEST(Thin, LoopsAreCutByTheirSamples) {
+  Series loop;
+  for (int i = 0; i < 50000; ++i) {
+    loop.x.push_back(std::sin(0.01 * i));
+    loop.y.push_back(std::cos(0.01 * i));
+  }
+  const Series thin = thinned(loop, 4000);
+  EXPECT_LE(thin.x.size(), 4000u);
+  EXPECT_GE(thin.x.size(), 3900u);
+  for (std::size_t i = 0; i < thin.x.size(); ++i) EXPECT_NEAR(std::hypot(thin.x[i], thin.y[i]), 1.0, 1e-9);
+}
+
 }  // namespace
 }  // namespace bodesmith::report

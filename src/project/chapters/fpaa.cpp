@@ -2,28 +2,11 @@
 
 #include "base/text.hpp"
 #include "fpaa/board_picture.hpp"
+#include "project/report_tables.hpp"
 #include "project/run.hpp"
 #include "report/page.hpp"
 
 namespace bodesmith::project {
-namespace {
-
-report::Table cams_table(const fpaa::Plan& plan) {
-  report::Table table{{"CAM", "CAB", "clock, Hz", "capacitors"}, {}, {}};
-  for (const fpaa::ChipPlan& chip : plan.chips) {
-    for (const fpaa::PlacedCam& cam : chip.cams) {
-      std::vector<std::string> capacitors;
-      for (const auto& c : cam.capacitors) capacitors.push_back(fmt::format("{} {}", c.name, c.units));
-      table.rows.push_back(
-          {fmt::format("chip {} {} ({}, {})", chip.chip, cam.name, cam.cam_name(), cam.option),
-           std::to_string(cam.cab), rounded_text(cam.clock_a.value, 6), join(capacitors, ", ")});
-    }
-  }
-  return table;
-}
-
-}  // namespace
-
 void fpaa_chapter(report::Page& page, const ProjectRun& run) {
   if (!run.design.plan) return;
   const fpaa::Plan& plan = *run.design.plan;

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "project/alternatives_page.hpp"
 #include "project/report_tables.hpp"
 #include "project/run.hpp"
 #include "report/page.hpp"
@@ -21,20 +22,6 @@ report::Table approximated_terms_table(const CascadeApproximation& approximation
   return table;
 }
 
-report::Table alternatives_table(const Design& design) {
-  report::Table table{{"alternative", "poles", "error at the points, dB", "phase there, degrees",
-                       "above the band, dB", "waveform rms, %", "worst frequency, %", "FPAA blocks"},
-                      {},
-                      {design.chosen}};
-  for (const Alternative& a : design.alternatives) {
-    table.rows.push_back({a.name, std::to_string(a.sections.pole_count()), rounded_text(a.points_max_db, 3),
-                          rounded_text(a.phase_at_points_deg, 3), fmt::format("{:.2f}", a.above_band_db),
-                          fmt::format("{:.3f}", a.waveform.rms_percent),
-                          fmt::format("{:.3f}", a.waveform.worst_percent), std::to_string(a.fpaa_blocks)});
-  }
-  return table;
-}
-
 }  // namespace
 
 void sections_chapter(report::Page& page, const ProjectRun& run) {
@@ -48,10 +35,7 @@ void sections_chapter(report::Page& page, const ProjectRun& run) {
       rounded_text(a.error.band.from.value), rounded_text(a.error.band.to.value)));
   if (!a.limit_met) page.warning("The error limit could not be met at the largest order.");
   page.table(approximated_terms_table(a));
-  page.table(
-      alternatives_table(run.design),
-      "Alternatives (marked: the one that is built). Direct and waveform fits have real poles and zeros. "
-      "Waveform: error of the compensating waveform at the tracked frequencies, % of range.");
+  add_alternatives(page, run);
   for (const std::string& reason : run.design.passed_over)
     page.paragraph("Passed over because it cannot be built: " + reason);
   const Sections& built = run.design.sections();

@@ -21,6 +21,13 @@ report::Table tracking_table(const TrackingStudy& study) {
   return table;
 }
 
+/// Of twenty curves those that a reader looks for first: nothing, the polynomial, the disturbance paper's design, the ideal
+/// and what stands for the run. The others are switched on in the page.
+bool is_shown_first(const TrackingStudy& study, const TrackedDesign& design) {
+  return design.key == tracked::none || design.key == tracked::polynomial || design.key == tracked::cascade ||
+         design.key == tracked::self_fed_slope || design.key == study.as_built;
+}
+
 report::Plot tracking_plot(const TrackingStudy& study) {
   report::Plot plot;
   plot.title = "rms tracking error over the operating frequency";
@@ -28,8 +35,10 @@ report::Plot tracking_plot(const TrackingStudy& study) {
   plot.y = {"% of range", true};
   std::vector<double> hertz;
   for (const Hertz f : study.frequency) hertz.push_back(f.value);
-  for (const TrackedDesign& design : study.designs)
+  for (const TrackedDesign& design : study.designs) {
     plot.series.push_back({design.name, hertz, design.rms_percent});
+    plot.series.back().shown = is_shown_first(study, design);
+  }
   return plot;
 }
 
@@ -51,6 +60,7 @@ std::vector<report::Plot> period_plots(const TrackingStudy& study) {
     if (study.designs[i].key == tracked::none) continue;
     error.series.push_back({study.designs[i].name, study.shown.time_s, study.shown.error_percent[i],
                             Series::Style::line, static_cast<int>(i)});
+    error.series.back().shown = is_shown_first(study, study.designs[i]);
   }
   return {reference, error};
 }
@@ -82,7 +92,8 @@ void tracking_chapter(report::Page& page, const ProjectRun& run) {
       to_string(run.tracking.waveform), rounded_text(run.tracking.amplitude),
       rounded_text(run.project.plant.stroke_m * 1e6), rounded_text(run.tracking.max_cross_check_percent, 2)));
   page.table(tracking_table(run.tracking), "rms tracking error, % of range");
-  page.plots({tracking_plot(run.tracking)}, "The tracking error of every alternative over the frequency.");
+  page.plots({tracking_plot(run.tracking)},
+             "The tracking error of every way of compensating over the frequency.");
   page.plots(period_plots(run.tracking),
              "The error without any compensation is left out: it would dwarf the others.");
   if (run.tracking.elsewhere.empty()) return;

@@ -1,12 +1,14 @@
 // A figure of the page: its plots below one another, each with its controls, in place of the still drawing.
 
+/** What the page says in a `<script type="application/json">` of an element. */
+function dataOf(root) {
+  return JSON.parse(root.querySelector('script[type="application/json"]').textContent);
+}
+
 class LiveFigure {
-  constructor(root, number, links) {
-    this.root = root;
-    const data = JSON.parse(root.querySelector('script[type="application/json"]').textContent);
+  /** `live`: the element that the plots go into; `data`: as report/script_data.hpp says. */
+  constructor(live, data, number, links) {
     this.said = element('p', {className: 'spoken', role: 'status', 'aria-live': 'polite'});
-    const live = root.querySelector('.live');
-    live.hidden = false;
     this.plots = data.plots.map(plot => this.add(live, plot, data.columns, number, links));
     live.append(this.said);
   }
@@ -45,6 +47,15 @@ class LiveFigure {
       plot.zoom(event.deltaY < 0 ? 0.8 : 1.25);
     }, {passive: false});
     return plot;
+  }
+
+  /** Other data in the same plots. */
+  setData(data) {
+    this.plots.forEach((plot, i) => {
+      plot.setData(data.plots[i], data.columns);
+      plot.legend.fill();
+      for (const axis of ['x', 'y']) plot.logSwitches[axis].disabled = !plot.canBeLog(axis);
+    });
   }
 
   controls(plot) {

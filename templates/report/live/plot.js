@@ -72,10 +72,18 @@ class LivePlot {
     return this.traces.filter(trace => trace.shown);
   }
 
-  /** Other traces in place of those that are there. */
-  setTraces(traces) {
-    this.traces = traces;
-    this.at = traces.map(() => null);
+  /** Other data in place of those that are there: what the reader has zoomed to, or hidden, stays so. */
+  setData(data, columns) {
+    const before = this.whole(), hidden = new Set(this.traces.filter(trace => !trace.shown).map(trace => trace.name));
+    this.data = data;
+    this.traces = makeTraces(data, columns);
+    for (const trace of this.traces) trace.shown = trace.shown && !hidden.has(trace.name);
+    this.at = this.traces.map(() => null);
+    for (const axis of ['x', 'y']) {
+      this.log[axis] = this.log[axis] && this.canBeLog(axis);
+      const zoomed = this.view[axis].some((value, i) => value !== before[axis][i]);
+      if (!zoomed) this.view[axis] = this.whole()[axis];
+    }
     this.build();
   }
 
@@ -161,7 +169,13 @@ class LivePlot {
 
   axis(axis) {
     const {label, unit} = this.data[axis];
+    const ticks = () => logTicks(...this.view[axis]);
+    const log = {
+      splits: () => ticks().at,
+      filter: (u, splits) => splits.map(value => ticks().numbered.has(value) ? value : null),
+    };
     return {
+      ...(this.log[axis] ? log : {}),
       scale: axis,
       label,
       stroke: () => colours.text,

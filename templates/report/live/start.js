@@ -4,17 +4,20 @@ function start() {
   const links = new Links();
   const repaint = () => {
     readColours();
-    for (const figure of bodesmith.figures)
-      for (const plot of figure.plots) plot.u.redraw();
+    for (const {plot} of links.plots) plot.u.redraw();
   };
   const tools = document.querySelector('.tools');
-  const bodesmith = {figures: [], links, csvText, tableOf, valueText, numberText, columnName};
+  const bodesmith = {figures: [], choices: [], links, csvText, tableOf, valueText, numberText, columnName};
   tools.append(themeSwitch(repaint));
   readColours();
   document.documentElement.classList.add('scripted');
-  document.querySelectorAll('figure.plots')
-      .forEach((root, i) => bodesmith.figures.push(new LiveFigure(root, i, links)));
-  if (bodesmith.figures.length > 1) {
+  document.querySelectorAll('figure.plots').forEach((root, i) => {
+    bodesmith.figures.push(new LiveFigure(root.querySelector('.live'), dataOf(root), i, links));
+  });
+  document.querySelectorAll('.choices').forEach((root, i) => {
+    bodesmith.choices.push(new Choices(root, bodesmith.figures.length + i, links));
+  });
+  if (new Set(links.plots.filter(one => one.link === 'Hz').map(one => one.figure)).size > 1) {
     const link = element('input', {type: 'checkbox', checked: true});
     link.addEventListener('change', () => links.frequencies = link.checked);
     tools.append(element(

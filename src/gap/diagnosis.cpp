@@ -36,12 +36,14 @@ DiagnosedStep describe(const Step& step, const GapMeter& meter) {
   s.also_fit = step.also_fit;
   s.placed = step.placed;
   s.also_placed = step.also_placed;
+  s.pair_with = step.pair_with;
   s.before = meter.size(step.before);
   s.after = meter.size(step.after);
   s.control_gain = step.control_gain;
   s.q_value = step.q_value;
   for (const auto& r : step.ranking) {
-    if (r.effect == step.effect && r.outcome == CandidateOutcome::named) s.significance = r.z;
+    const bool named = r.outcome == CandidateOutcome::named || r.outcome == CandidateOutcome::named_in_pair;
+    if (r.effect == step.effect && named) s.significance = r.z;
   }
   if (const auto* rival = best_rival(step)) {
     s.runner_up = {std::string(rival->effect->name()), meter.size(rival->model).holdout_rms, rival->outcome};

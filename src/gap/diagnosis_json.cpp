@@ -27,6 +27,7 @@ Json json_of(const std::vector<Cell>& cells) {
                    {"to", c.to},
                    {"share", c.share},
                    {"extent", c.extent}});
+    if (c.axis == Axis::amplitude) all.back()["of"] = c.of_output ? "output" : "input";
   }
   return all;
 }
@@ -73,6 +74,7 @@ Json json_of(const DiagnosedStep& s) {
           {"also_fitted_with_more_parameters", s.also_fit},
           {"placed", s.placed},
           {"also_placed", s.also_placed},
+          {"pair_with", s.pair_with},
           {"parameters", parameters},
           {"holdout_rms_before", s.before.holdout_rms},
           {"holdout_rms_after", s.after.holdout_rms},

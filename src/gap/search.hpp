@@ -17,7 +17,8 @@ namespace bodesmith::gap {
 enum class CandidateOutcome {
   not_judged,
   named,
-  tied,  ///< as good a name as the one that was chosen
+  named_in_pair,  ///< earns its place only together with the candidate that the next round names
+  tied,           ///< as good a name as the one that was chosen
   also_fits_with_more_unknowns,
   other_place_or_form,  ///< of the effect that was named
   worse,
@@ -61,6 +62,7 @@ struct Step {
   Model before;
   Model after;
   std::vector<Ranked> ranking;
+  std::string pair_with;      ///< the effect with which it earns its place together; empty: it does so alone
   double control_gain = 0.0;  ///< gain (share of rms) of the same term on surrogate data
   double q_value = 1.0;       ///< share of false names to expect among those as significant
 };

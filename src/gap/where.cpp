@@ -136,7 +136,7 @@ Bins time_bins(const std::vector<double>& e, const TimeRecord& record, std::size
   return bins;
 }
 
-/// Empty when the input does not move.
+/// Of input or output; empty when it does not move.
 Bins amplitude_bins(const std::vector<double>& e, std::span<const double> u) {
   const auto [low, high] = std::minmax_element(u.begin(), u.end());
   const double span = *high - *low;
@@ -209,6 +209,13 @@ std::vector<Cell> where(const TimeRecord& record, const std::vector<double>& res
   cells.push_back(densest(Axis::time, time_bins(e, record, from)));
   const auto amplitudes = amplitude_bins(e, u);
   if (!amplitudes.empty()) cells.push_back(densest(Axis::amplitude, amplitudes));
+  if (record.y.size() >= n) {
+    const auto outputs = amplitude_bins(e, std::span(record.y).subspan(from, n - from));
+    if (!outputs.empty()) {
+      cells.push_back(densest(Axis::amplitude, outputs));
+      cells.back().of_output = true;
+    }
+  }
   cells.push_back(densest(Axis::branch, branch_bins(e, u)));
   if (period > 0 && e.size() >= 2 * period)
     cells.push_back(densest(Axis::harmonic, harmonic_bins(e, period)));
@@ -240,7 +247,7 @@ std::string to_text(const Cell& c) {
     case Axis::time:
       return fmt::format("times {} s {}", stretch, share);
     case Axis::amplitude:
-      return fmt::format("inputs from {} {}", stretch, share);
+      return fmt::format("{} from {} {}", c.of_output ? "outputs" : "inputs", stretch, share);
     case Axis::harmonic:
       break;
   }

@@ -12,7 +12,7 @@ namespace bodesmith::gap {
 /// What a gap is spread over.
 enum class Axis {
   frequency,  ///< of the residual's spectrum, Hz
-  amplitude,  ///< of the input
+  amplitude,  ///< of the input, or of the measured output (Cell::of_output)
   time,       ///< of the record, s
   branch,     ///< 1: input rising, -1: falling, 0: at rest
   harmonic,   ///< of the input's period (only for periodic inputs)
@@ -26,7 +26,8 @@ struct Cell {
   double from = 0.0;
   double to = 0.0;
   double share = 0.0;
-  double extent = 0.0;  ///< share of the record (samples, or band) that the stretch covers
+  double extent = 0.0;     ///< share of the record (samples, or band) that the stretch covers
+  bool of_output = false;  ///< of amplitudes: the measured output's, not the input's
 };
 
 /// For each axis the stretch in which the gap is densest (largest share minus extent), kept when it holds at

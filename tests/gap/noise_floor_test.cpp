@@ -136,6 +136,25 @@ TEST(Where, findsTheStretchOfADropOut) {
   EXPECT_NEAR(time->to, 2.2, 0.11);
 }
 
+// A gap above an output of 0.8 that the input, faster and behind a delay, does not tell.
+TEST(Where, tellsOutputsApartFromInputs) {
+  bodesmith::TimeRecord record;
+  record.step_s = 1e-3;
+  record.u = noise(5000, 1.0, 9);
+  record.y = sine(5000, 25, 1.0);
+  auto e = noise(5000, 0.01, 10);
+  for (std::size_t i = 0; i < e.size(); ++i) e[i] += std::max(0.0, record.y[i] - 0.8);
+  const auto cells = where(record, e, 0, 0);
+  const auto amplitude = [&](bool output) {
+    return std::find_if(cells.begin(), cells.end(),
+                        [&](const Cell& c) { return c.axis == Axis::amplitude && c.of_output == output; });
+  };
+  ASSERT_NE(amplitude(true), cells.end());
+  EXPECT_EQ(amplitude(false), cells.end());
+  EXPECT_GT(amplitude(true)->from, 0.75);
+  EXPECT_GT(amplitude(true)->share, 0.9);
+}
+
 TEST(Where, findsTheFrequencyOfATone) {
   bodesmith::TimeRecord record;
   record.step_s = 1e-3;

@@ -23,6 +23,8 @@ void add_record_figures(report::Page& page, const Diagnosis& diagnosis,
 
 report::Table steps_table(const Diagnosis& diagnosis);
 report::Table cells_table(const std::vector<Cell>& cells);
-report::Table ranking_table(const std::vector<Ranked>& ranking);
+report::Table ranking_table(const std::vector<Ranked>& ranking, bool relative);
+/// Every parameter of every step: the numbers behind the verdict's words.
+report::Table parameters_table(const Diagnosis& diagnosis);
 
 }  // namespace bodesmith::gap

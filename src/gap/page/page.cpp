@@ -8,6 +8,7 @@
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
 #include "gap/page/figures.hpp"
+#include "gap/page/words.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -30,29 +31,16 @@ std::string sentence(Verdict verdict) {
 }
 
 /// "partly explained".
-std::string in_words(Verdict verdict) {
-  std::string out = to_string(verdict);
-  std::replace(out.begin(), out.end(), '_', ' ');
-  return out;
+std::string in_words(std::string key) {
+  std::replace(key.begin(), key.end(), '_', ' ');
+  return key;
 }
 
 std::string subtitle(const Diagnosis& d) {
   std::vector<std::string> named;
   for (const auto& s : d.steps) named.push_back(s.effect);
-  return named.empty() ? in_words(d.verdict) : in_words(d.verdict) + ": " + join(named, ", ");
-}
-
-std::string step_text(const DiagnosedStep& s) {
-  std::vector<std::string> values;
-  for (const auto& p : s.parameters) {
-    values.push_back(fmt::format("{} = {} ({} to {})", p.name, figure_text(p.value), figure_text(p.low),
-                                 figure_text(p.high)));
-  }
-  std::string text = fmt::format("{} ({}): {}. {}.", s.effect, s.placed,
-                                 effect_registry().get(s.effect).what(), join(values, ", "));
-  if (!s.tied_with.empty())
-    text += fmt::format(" These records cannot tell it from {}.", join(s.tied_with, ", "));
-  return text;
+  return named.empty() ? in_words(to_string(d.verdict))
+                       : in_words(to_string(d.verdict)) + ": " + join(named, ", ");
 }
 
 void add_verdict(report::Page& page, const Diagnosis& d) {
@@ -61,20 +49,25 @@ void add_verdict(report::Page& page, const Diagnosis& d) {
   const double closed =
       d.refitted.holdout_rms > 0.0 ? 100.0 * (1.0 - d.final.holdout_rms / d.refitted.holdout_rms) : 0.0;
   const bool floor_known = d.floor.source != NoiseFloor::Source::unknown;
-  page.key_figures({{in_words(d.verdict), "verdict"},
-                    {figure_text(d.refitted.holdout_rms), "held-out rms, base model refitted"},
-                    {figure_text(d.final.holdout_rms), "held-out rms, extended model"},
-                    {fmt::format("{:.1f} %", closed), "of the held-out rms removed"},
-                    {floor_known ? figure_text(d.floor.rms) : "unknown",
-                     "noise floor (" + to_string(d.floor.source) + ")"}});
-  for (const auto& s : d.steps) page.paragraph(step_text(s));
+  page.key_figures(
+      {{in_words(to_string(d.verdict)), "verdict"},
+       {rms_text(d, d.refitted.holdout_rms), "held-out rms, base model refitted"},
+       {rms_text(d, d.final.holdout_rms), "held-out rms, extended model"},
+       {fmt::format("{:.1f} %", closed), "of the held-out rms removed"},
+       {floor_known ? rms_text(d, d.floor.rms) : "unknown",
+        floor_known ? "noise floor (" + in_words(to_string(d.floor.source)) + ")" : "noise floor"}});
+  for (const auto& s : d.steps) page.paragraph(step_in_words(s));
+  page.paragraph(rms_unit_sentence(d));
   if (!d.advice.empty()) page.warning(d.advice);
 }
 
 void add_steps(report::Page& page, const Diagnosis& d) {
   page.chapter("The gap, step by step");
   page.table(steps_table(d), "Each figure is what `bodesmith simulate` finds with the model of that row.");
-  if (!d.steps.empty()) add_ladder_figure(page, d);
+  if (d.steps.empty()) return;
+  add_ladder_figure(page, d);
+  page.table(parameters_table(d),
+             "What was found, each value with twice its standard deviation to both sides.");
 }
 
 void add_where(report::Page& page, const Diagnosis& d) {
@@ -88,14 +81,19 @@ void add_where(report::Page& page, const Diagnosis& d) {
       figure_text(d.floor.even_rms)));
 }
 
-void add_candidates(report::Page& page, const SearchResult& search) {
+void add_candidates(report::Page& page, const Diagnosis& d) {
+  const SearchResult& search = d.search;
   page.chapter("The candidates");
   for (std::size_t k = 0; k < search.steps.size(); ++k) {
-    page.table(ranking_table(search.steps[k].ranking),
-               fmt::format("Round {}: {} was named.", k + 1, search.steps[k].effect->name()));
+    const Step& step = search.steps[k];
+    page.table(ranking_table(step.ranking, d.relative),
+               step.pair_with.empty()
+                   ? fmt::format("Round {}: {} was named.", k + 1, step.effect->name())
+                   : fmt::format("Round {}: {} was named, in a pair with {}: neither earns its place alone.",
+                                 k + 1, step.effect->name(), step.pair_with));
   }
   if (!search.refused.empty())
-    page.table(ranking_table(search.refused), "Last round: none earned its place.");
+    page.table(ranking_table(search.refused, d.relative), "Last round: none earned its place.");
   for (const auto& s : search.structure) {
     page.paragraph(
         fmt::format("Sign of more: {} ({:.1f} times what chance reaches).", to_string(s.kind), s.strength));
@@ -112,7 +110,7 @@ std::string report_page(const Diagnosis& d, const Study& study) {
   page.chapter("Before and after");
   for (const auto& experiment : study.holdout())
     std::visit([&](const auto& e) { add_record_figures(page, d, e); }, experiment);
-  add_candidates(page, d.search);
+  add_candidates(page, d);
   page.chapter("The extended model");
   page.listing(chain::model_text(d.search.final.chain()));
   return page.html();

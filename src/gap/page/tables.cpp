@@ -4,6 +4,7 @@
 
 #include "base/text.hpp"
 #include "gap/page/figures.hpp"
+#include "gap/page/words.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -15,9 +16,30 @@ std::string percent_text(double share) {
   return fmt::format("{:.1f} %", 100.0 * share);
 }
 
-std::vector<std::string> size_row(std::string model, const GapSize& size, std::string runner_up) {
-  return {std::move(model), figure_text(size.train_rms), figure_text(size.holdout_rms),
-          fmt::format("{:.3f}", size.holdout_percent_of_range), std::move(runner_up)};
+std::string axis_words(const Cell& cell) {
+  switch (cell.axis) {
+    case Axis::frequency:
+      return "frequency, Hz";
+    case Axis::amplitude:
+      return cell.of_output ? "amplitude of the output" : "amplitude of the input";
+    case Axis::branch:
+      return "branch (-1 falling, 1 rising)";
+    case Axis::harmonic:
+      return "harmonic of the input's period";
+    case Axis::time:
+      break;
+  }
+  return "time, s";
+}
+
+std::vector<std::string> size_row(const Diagnosis& d, std::string model, const GapSize& size,
+                                  std::string runner_up) {
+  std::vector<std::string> row = {std::move(model), rms_text(d, size.train_rms),
+                                  rms_text(d, size.holdout_rms)};
+  // Of a response the rms itself is in percent.
+  if (!d.relative) row.push_back(fmt::format("{:.3f}", size.holdout_percent_of_range));
+  row.push_back(std::move(runner_up));
+  return row;
 }
 
 }  // namespace
@@ -28,15 +50,17 @@ std::string figure_text(double value) {
 
 report::Table steps_table(const Diagnosis& d) {
   report::Table t;
-  t.head = {"model", "training rms", "held-out rms", "held-out, % of range", "runner-up (held-out rms)"};
-  t.rows.push_back(size_row("as given", d.initial, ""));
-  t.rows.push_back(size_row("free parameters refitted", d.refitted, ""));
+  t.head = {"model", "training rms", "held-out rms"};
+  if (!d.relative) t.head.emplace_back("held-out, % of range");
+  t.head.emplace_back("runner-up (held-out rms)");
+  t.rows.push_back(size_row(d, "as given", d.initial, ""));
+  t.rows.push_back(size_row(d, "free parameters refitted", d.refitted, ""));
   for (const auto& s : d.steps) {
     const std::string ties = s.tied_with.empty() ? "" : " (or " + join(s.tied_with, ", ") + ")";
     const std::string rival = s.runner_up.effect.empty() ? ""
                                                          : fmt::format("{} ({})", s.runner_up.effect,
-                                                                       figure_text(s.runner_up.holdout_rms));
-    t.rows.push_back(size_row("+ " + s.effect + ties, s.after, rival));
+                                                                       rms_text(d, s.runner_up.holdout_rms));
+    t.rows.push_back(size_row(d, "+ " + s.effect + ties, s.after, rival));
   }
   return t;
 }
@@ -45,20 +69,34 @@ report::Table cells_table(const std::vector<Cell>& cells) {
   report::Table t;
   t.head = {"axis", "from", "to", "share of the gap", "share of the record"};
   for (const auto& c : cells) {
-    t.rows.push_back({to_string(c.axis), figure_text(c.from), figure_text(c.to), percent_text(c.share),
+    t.rows.push_back({axis_words(c), figure_text(c.from), figure_text(c.to), percent_text(c.share),
                       percent_text(c.extent)});
   }
   return t;
 }
 
-report::Table ranking_table(const std::vector<Ranked>& ranking) {
+report::Table parameters_table(const Diagnosis& d) {
+  report::Table t;
+  t.head = {"effect", "placed", "parameter", "value", "from", "to"};
+  for (const auto& s : d.steps) {
+    for (const auto& p : s.parameters) {
+      t.rows.push_back({s.effect, s.placed, parameter_words(p.name), parameter_text(p.name, p.value),
+                        parameter_text(p.name, p.low), parameter_text(p.name, p.high)});
+    }
+  }
+  return t;
+}
+
+report::Table ranking_table(const std::vector<Ranked>& ranking, bool relative) {
+  const auto rms = [relative](double value) { return relative ? percent_text(value) : figure_text(value); };
   report::Table t;
   t.head = {"effect",       "placed",       "unknowns",     "predicted",
             "training rms", "held-out rms", "significance", "outcome"};
   for (const auto& r : ranking) {
-    if (r.outcome == CandidateOutcome::named) t.marked.push_back(t.rows.size());
+    if (r.outcome == CandidateOutcome::named || r.outcome == CandidateOutcome::named_in_pair)
+      t.marked.push_back(t.rows.size());
     t.rows.push_back({std::string(r.effect->name()), r.placed, std::to_string(r.unknowns),
-                      percent_text(r.score), figure_text(r.train_rms), figure_text(r.holdout_rms),
+                      percent_text(r.score), rms(r.train_rms), rms(r.holdout_rms),
                       fmt::format("{:.1f}", std::min(r.z, kMaxShown)), to_string(r.outcome)});
   }
   return t;

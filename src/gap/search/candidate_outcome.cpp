@@ -8,6 +8,8 @@ std::string to_string(CandidateOutcome outcome) {
       break;
     case CandidateOutcome::named:
       return "named";
+    case CandidateOutcome::named_in_pair:
+      return "named in a pair";
     case CandidateOutcome::tied:
       return "tied";
     case CandidateOutcome::also_fits_with_more_unknowns:

@@ -62,6 +62,12 @@ std::optional<Pair> choose_pair(const SearchSetting& setting, const SearchRecord
     step.before = before;
     step.after = first->model;
     step.ranking = ranking;
+    step.ranking[static_cast<std::size_t>(first - ranking.data())].outcome = CandidateOutcome::named_in_pair;
+    step.pair_with = second->effect->name();
+    second->pair_with = first->effect->name();
+    for (auto& r : second->ranking) {
+      if (r.outcome == CandidateOutcome::named) r.outcome = CandidateOutcome::named_in_pair;
+    }
     auto note = fmt::format("{} and {} earn their places only together", first->effect->name(),
                             second->effect->name());
     return Pair{std::move(step), std::move(*second), std::move(note)};

@@ -11,8 +11,7 @@
 namespace bodesmith::circuit {
 
 /// Modified nodal analysis of a circuit: unknowns are the node voltages and one output current an op-amp; the
-/// first rows are Kirchhoff's current law, the rest the op-amps' equations. V(in) = 1 is known. Internal to
-/// this room.
+/// first rows are Kirchhoff's current law, the rest the op-amps' equations. V(in) = 1 is known.
 class Network {
  public:
   using Complex = std::complex<double>;

@@ -13,6 +13,7 @@
 #include "chain/model_file.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "cli/diagnose_modes.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/diagnosis_json.hpp"
 #include "gap/page/page.hpp"
@@ -42,6 +43,13 @@ gap::SearchOptions read_options(const CommandLine& line, Progress& progress, con
   if (!(max_seconds > 0.0)) line.fail("--max-seconds is not above 0");
   options.late = [&watch, max_seconds] { return watch.seconds() > max_seconds; };
   return options;
+}
+
+bool has_option(const std::vector<std::string>& arguments, const std::vector<std::string>& options) {
+  return std::any_of(arguments.begin(), arguments.end(), [&](const std::string& a) {
+    return std::any_of(options.begin(), options.end(),
+                       [&](const std::string& o) { return a == o || a.starts_with(o + "="); });
+  });
 }
 
 std::string summary_text(const gap::Diagnosis& d, const std::filesystem::path& folder) {
@@ -89,11 +97,24 @@ Json write_results(const gap::Diagnosis& diagnosis, const gap::Study& study, con
 
 }  // namespace
 
+void diagnose_into(const std::filesystem::path& folder, const std::filesystem::path& model,
+                   const std::filesystem::path& data, const std::filesystem::path& holdout,
+                   const gap::SearchOptions& options) {
+  Provenance from;
+  const auto base = chain::read_model(model, from);
+  const auto study = gap::Study::read({data}, {holdout}, base, from);
+  write_results(gap::diagnose(base, study, options), study, from, folder);
+}
+
 int run_diagnose(const std::vector<std::string>& arguments) {
+  if (has_option(arguments, {"--circuit", "--plan"})) return run_diagnose_board(arguments);
+  if (has_option(arguments, {"--course"})) return run_diagnose_course(arguments);
   CommandLine line(
       "diagnose", "bodesmith diagnose model.toml --data train.csv --holdout test.csv -o out/gap",
       "Names what a model is missing: where it disagrees with measured records, which effect explains it, "
-      "and how far the gap shrinks on records that were not fitted.");
+      "and how far the gap shrinks on records that were not fitted.\n"
+      "  bodesmith diagnose --circuit circuit.json --data bode.csv -o DIR   which part of a built board is wrong\n"
+      "  bodesmith diagnose --course examples/course                        ten hidden effects to try it on");
   line.positional("MODEL.toml", 1, 1);
   line.output(
       "folder for diagnosis.json, model.toml, base_refitted.toml, report.html and, after a tie or with an open "

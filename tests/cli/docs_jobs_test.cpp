@@ -108,7 +108,8 @@ TEST_P(DocumentedJob, RunsLineByLine) {
 }
 
 INSTANTIATE_TEST_SUITE_P(Docs, DocumentedJob,
-                         ::testing::Values("audio.md", "piezo.md", "fractional_pid.md", "board.md"));
+                         ::testing::Values("audio.md", "piezo.md", "fractional_pid.md", "board.md",
+                                           "faulty_board.md"));
 
 }  // namespace
 }  // namespace bodesmith

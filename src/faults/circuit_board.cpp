@@ -1,0 +1,358 @@
+#include "faults/circuit_board.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+#include <set>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "circuit/network.hpp"
+#include "numeric/index.hpp"
+
+namespace bodesmith::faults {
+namespace {
+
+using Complex = std::complex<double>;
+using circuit::Network;
+
+/// A uniform deviation within a tolerance has this standard deviation, a little widened.
+constexpr double kSigmaOfTolerance = 0.6;
+/// Time constant of a second pole, times the gain-bandwidth in rad/s: its standard deviation.
+constexpr double kSecondPole = 0.3;
+/// Unknowns that move nothing measured by more than this are left out.
+constexpr double kLeastSlope = 1e-5;
+
+/// Numbers that stand for an ideal op-amp, so that faults that need its equation have one.
+circuit::OpAmpModel computable(circuit::OpAmpModel model) {
+  if (!model.is_ideal) return model;
+  model.dc_gain = 1e9;
+  model.gain_bandwidth = Hertz{1e12};
+  model.output_resistance_ohm = 1e-3;
+  return model;
+}
+
+Complex read_of(const Stamp& stamp, const Eigen::VectorXcd& x) {
+  Complex out = stamp.constant;
+  for (const Stamp::Entry& e : stamp.reads) {
+    if (e.weight != 0.0) out += e.weight * x(e.at);
+  }
+  return out;
+}
+
+/// row' A^-1 u.
+Complex through(const Eigen::MatrixXcd& inverse, int row, const Stamp& stamp) {
+  Complex out = 0.0;
+  for (const Stamp::Entry& e : stamp.into) {
+    if (e.weight != 0.0) out += e.weight * inverse(row, e.at);
+  }
+  return out;
+}
+
+/// v_i' A^-1 u_j.
+Complex coupling(const Eigen::MatrixXcd& inverse, const Stamp& reads, const Stamp& into) {
+  Complex out = 0.0;
+  for (const Stamp::Entry& e : reads.reads) {
+    if (e.weight != 0.0) out += e.weight * through(inverse, e.at, into);
+  }
+  return out;
+}
+
+using Small = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, 0, 40, 40>;
+using SmallVector = Eigen::Matrix<Complex, Eigen::Dynamic, 1, 0, 40, 1>;
+
+/// The changes' own equations (1 + M D) l = l0: what flows through each of them.
+struct Changes {
+  Small system;       ///< 1 + M D
+  SmallVector delta;  ///< D
+  SmallVector reads;  ///< l
+};
+
+Changes changes_of(const std::vector<Stamp>& stamps, Complex s, const Eigen::MatrixXcd& inverse,
+                   const Eigen::VectorXcd& x) {
+  const Eigen::Index k = eigen_index(stamps.size());
+  Changes out;
+  out.system = Small::Identity(k, k);
+  out.delta.resize(k);
+  SmallVector before(k);
+  for (Eigen::Index j = 0; j < k; ++j) {
+    out.delta(j) = stamps[std_index(j)].delta(s);
+    before(j) = read_of(stamps[std_index(j)], x);
+    for (Eigen::Index i = 0; i < k; ++i)
+      out.system(i, j) += coupling(inverse, stamps[std_index(i)], stamps[std_index(j)]) * out.delta(j);
+  }
+  if (k == 1) {
+    out.reads = before / out.system(0, 0);
+  } else {
+    out.reads = out.system.partialPivLu().solve(before);
+  }
+  return out;
+}
+
+}  // namespace
+
+CircuitBoard::CircuitBoard(const circuit::Circuit& circuit, Measurement measured, const Spread& spread,
+                           const CircuitBoard* like)
+    : Board(std::move(measured)), circuit_(circuit), model_(computable(circuit.model)), spread_(spread) {
+  const Network network(circuit_);
+  for (const std::string& name : nodes()) nodes_[name] = network.node(name);
+  for (const Channel& channel : this->measured().channels) {
+    if (!nodes_.contains(channel.node))
+      throw InputError(fmt::format("{}: the circuit has no node '{}', expected one of {}", channel.file,
+                                   channel.node, join(nodes(), ", ")));
+    for (const Hertz f : channel.grid) solve(f.rad_s(), nodes_.at(channel.node));
+  }
+  set_good(response({}));
+  find_unknowns(like);
+}
+
+std::vector<std::string> CircuitBoard::nodes() const {
+  std::set<std::string> names;
+  for (const circuit::Part& part : circuit_.parts) names.insert({part.from, part.to});
+  for (const circuit::OpAmp& one : circuit_.opamps) names.insert({one.plus, one.minus, one.out});
+  names.erase("0");
+  names.erase("in");
+  return {names.begin(), names.end()};
+}
+
+std::vector<std::string> CircuitBoard::probe_nodes() const {
+  std::vector<std::string> out = nodes();
+  std::erase(out, "out");
+  return out;
+}
+
+void CircuitBoard::solve(RadPerSecond w, int out) {
+  const Network network(circuit_);
+  const Network::System system = network.system(w, &model_);
+  Point point;
+  point.s = Complex(0.0, w.value);
+  point.out = out;
+  point.inverse = system.a.partialPivLu().inverse();
+  point.x = point.inverse * system.b;
+  points_.push_back(std::move(point));
+}
+
+int CircuitBoard::node(const std::string& name) const {
+  if (name == "0") return Network::kGround;
+  if (name == "in") return Network::kInput;
+  return nodes_.at(name);
+}
+
+Stamp CircuitBoard::admittance(const std::string& from, const std::string& to, double g, double c) const {
+  Stamp out;
+  out.g = g;
+  out.c = c;
+  const std::array<int, 2> ends = {node(from), node(to)};
+  for (std::size_t i = 0; i < 2; ++i) {
+    const double sign = i == 0 ? 1.0 : -1.0;
+    if (ends[i] == Network::kInput) out.constant += sign;
+    if (ends[i] < 0) continue;
+    out.into[i] = {ends[i], sign};
+    out.reads[i] = {ends[i], sign};
+  }
+  return out;
+}
+
+Stamp CircuitBoard::slower(std::size_t opamp, double g, double c) const {
+  const int row = static_cast<int>(nodes_.size() + opamp);
+  Stamp out;
+  out.into[0] = {row, 1.0};
+  out.reads = {{{node(circuit_.opamps[opamp].out), 1.0}, {row, model_.output_resistance_ohm}}};
+  out.g = -g;
+  out.c = -c;
+  return out;
+}
+
+Effect CircuitBoard::slowed(std::size_t opamp, double factor, bool known) const {
+  const double ft = 2.0 * std::numbers::pi * model_.gain_bandwidth.value;
+  Effect out;
+  out.stamps = {slower(opamp, 0.0, (1.0 / factor - 1.0) / ft)};
+  const std::size_t unknown = unknown_of_opamp_[opamp];
+  out.spread = {{unknown, known ? 0.0 : 1.0 / factor}, {unknown + 1, 1.0 / (factor * factor)}};
+  return out;
+}
+
+Stamp CircuitBoard::plus_follows(std::size_t opamp, const std::string& name, double part) const {
+  Stamp out;
+  out.into[0] = {static_cast<int>(nodes_.size() + opamp), 1.0};
+  out.g = part;
+  if (const int at = node(name); at >= 0) {
+    out.reads[0] = {at, 1.0};
+  } else if (at == Network::kInput) {
+    out.constant = 1.0;
+  }
+  return out;
+}
+
+double CircuitBoard::tolerance(std::size_t part) const {
+  const bool resistor = circuit_.parts[part].kind == circuit::Part::Kind::resistor;
+  return 0.01 * (resistor ? spread_.resistor_percent : spread_.capacitor_percent);
+}
+
+Effect CircuitBoard::changed(std::size_t part, double factor) const {
+  const circuit::Part& p = circuit_.parts[part];
+  const bool resistor = p.kind == circuit::Part::Kind::resistor;
+  const double more = resistor ? 1.0 / factor : factor;  // of the admittance
+  const double y = resistor ? 1.0 / p.realised : p.realised;
+  Effect out;
+  out.stamps = {
+      admittance(p.from, p.to, resistor ? (more - 1.0) * y : 0.0, resistor ? 0.0 : (more - 1.0) * y)};
+  out.spread = {{unknown_of_part_[part], more}};
+  return out;
+}
+
+Effect CircuitBoard::replaced(std::size_t part, double siemens) const {
+  Effect out = changed(part, circuit_.parts[part].kind == circuit::Part::Kind::resistor
+                                 ? std::numeric_limits<double>::infinity()
+                                 : 0.0);
+  out.stamps[0].g += siemens;
+  return out;
+}
+
+void CircuitBoard::find_unknowns(const CircuitBoard* like) {
+  const double ft = 2.0 * std::numbers::pi * model_.gain_bandwidth.value;
+  for (std::size_t i = 0; i < circuit_.parts.size(); ++i) {
+    const circuit::Part& p = circuit_.parts[i];
+    const bool resistor = p.kind == circuit::Part::Kind::resistor;
+    const double sigma = kSigmaOfTolerance * tolerance(i);
+    const Stamp stamp =
+        admittance(p.from, p.to, resistor ? -sigma / p.realised : 0.0, resistor ? 0.0 : sigma * p.realised);
+    unknown_of_part_.push_back(unknowns_.size());
+    unknowns_.push_back({p.name, true, stamp});
+  }
+  std::vector<Unknown> small;
+  const double opamp_sigma = 0.01 * spread_.opamp_percent;
+  for (std::size_t i = 0; i < circuit_.opamps.size(); ++i) {
+    const std::string& name = circuit_.opamps[i].name;
+    unknown_of_opamp_.push_back(unknowns_.size());
+    unknowns_.push_back({name + " gain-bandwidth", false, slower(i, 0.0, -opamp_sigma / ft)});
+    Stamp second = slower(i, 0.0, kSecondPole / (ft * model_.dc_gain));
+    second.d = -kSecondPole / (ft * ft);
+    unknowns_.push_back({name + " second pole", false, second});
+    Stamp resistance =
+        slower(i, 1.0 / model_.dc_gain, 1.0 / ft).times(opamp_sigma * model_.output_resistance_ohm);
+    resistance.reads[0] = {resistance.reads[1].at, 1.0};
+    resistance.reads[1] = {};
+    small.push_back({name + " output resistance", false, resistance});
+  }
+  for (const std::string& name : nodes())
+    small.push_back({name + " stray capacitance", false, admittance(name, "0", 0.0, spread_.stray_f)});
+  for (Unknown& one : small) {
+    if (like != nullptr) {
+      const auto same = [&](const Unknown& u) { return u.name == one.name; };
+      if (std::any_of(like->unknowns_.begin(), like->unknowns_.end(), same))
+        unknowns_.push_back(std::move(one));
+      continue;
+    }
+    double largest = 0.0;
+    for (const Point& point : points_) {
+      const Complex change = through(point.inverse, point.out, one.stamp) * one.stamp.delta(point.s) *
+                             read_of(one.stamp, point.x);
+      largest = std::max(largest, std::abs(change) / std::max(std::abs(point.x(point.out)), 1e-12));
+    }
+    if (largest > kLeastSlope) unknowns_.push_back(std::move(one));
+  }
+}
+
+std::complex<double> CircuitBoard::at(const Point& point, const Effect& effect, int row) const {
+  Complex out = point.x(row);
+  if (effect.stamps.empty()) return out;
+  const Changes changes = changes_of(effect.stamps, point.s, point.inverse, point.x);
+  for (std::size_t j = 0; j < effect.stamps.size(); ++j) {
+    const Eigen::Index i = eigen_index(j);
+    out -= through(point.inverse, row, effect.stamps[j]) * changes.delta(i) * changes.reads(i);
+  }
+  return out;
+}
+
+Eigen::VectorXcd CircuitBoard::response(const Effect& effect) const {
+  Eigen::VectorXcd out(eigen_index(points_.size()));
+  for (std::size_t k = 0; k < points_.size(); ++k)
+    out(eigen_index(k)) = at(points_[k], effect, points_[k].out);
+  return out;
+}
+
+Eigen::VectorXcd CircuitBoard::at_node(const std::string& name, const Effect& effect) const {
+  const std::size_t count = measured().channels.front().grid.size();
+  Eigen::VectorXcd out(eigen_index(count));
+  for (std::size_t k = 0; k < count; ++k) out(eigen_index(k)) = at(points_[k], effect, nodes_.at(name));
+  return out;
+}
+
+Prediction CircuitBoard::predict(const Effect& effect) const {
+  Prediction out;
+  out.model_error = effect.model_error;
+  out.response.resize(eigen_index(points_.size()));
+  out.slopes.resize(eigen_index(points_.size()), eigen_index(unknowns_.size()));
+  std::vector<double> spread(unknowns_.size(), 1.0);
+  for (const auto& [unknown, factor] : effect.spread) spread[unknown] *= factor;
+  Eigen::VectorXcd x;
+  Eigen::RowVectorXcd row;  // of the changed inverse: how everything reaches the node that is read
+  for (std::size_t k = 0; k < points_.size(); ++k) {
+    const Point& point = points_[k];
+    x = point.x;
+    row = point.inverse.row(point.out);
+    if (!effect.stamps.empty()) {
+      const Changes changes = changes_of(effect.stamps, point.s, point.inverse, point.x);
+      SmallVector weights(changes.delta.size());
+      for (Eigen::Index j = 0; j < weights.size(); ++j)
+        weights(j) = through(point.inverse, point.out, effect.stamps[std_index(j)]) * changes.delta(j);
+      const SmallVector onward = changes.system.transpose().partialPivLu().solve(weights);
+      for (Eigen::Index j = 0; j < weights.size(); ++j) {
+        const Stamp& stamp = effect.stamps[std_index(j)];
+        for (const Stamp::Entry& e : stamp.into) {
+          if (e.weight != 0.0)
+            x -= (e.weight * changes.delta(j) * changes.reads(j)) * point.inverse.col(e.at);
+        }
+        for (const Stamp::Entry& e : stamp.reads) {
+          if (e.weight != 0.0) row -= (e.weight * onward(j)) * point.inverse.row(e.at);
+        }
+      }
+    }
+    const Complex h = x(point.out);
+    out.response(eigen_index(k)) = h;
+    const Complex scale = -1.0 / (std::abs(h) > 1e-12 ? h : Complex(1e-12, 0.0));
+    for (std::size_t u = 0; u < unknowns_.size(); ++u) {
+      const Stamp& stamp = unknowns_[u].stamp;
+      Complex reaches = 0.0;
+      for (const Stamp::Entry& e : stamp.into) {
+        if (e.weight != 0.0) reaches += e.weight * row(e.at);
+      }
+      out.slopes(eigen_index(k), eigen_index(u)) =
+          scale * spread[u] * reaches * stamp.delta(point.s) * read_of(stamp, x);
+    }
+  }
+  return out;
+}
+
+std::unique_ptr<Board> CircuitBoard::with_parts(const Eigen::VectorXd& deviations) const {
+  circuit::Circuit moved = circuit_;
+  for (std::size_t i = 0; i < moved.parts.size(); ++i)
+    moved.parts[i].realised *=
+        std::exp(kSigmaOfTolerance * tolerance(i) * deviations(eigen_index(unknown_of_part_[i])));
+  auto out = std::make_unique<CircuitBoard>(moved, measured(), spread_, this);
+  out->set_good(good_response());
+  return out;
+}
+
+std::vector<Board::SolderedPart> CircuitBoard::soldered_parts() const {
+  std::vector<SolderedPart> out;
+  for (const circuit::Part& p : circuit_.parts)
+    out.push_back({p.name, p.realised, p.kind == circuit::Part::Kind::resistor ? "Ω" : "F"});
+  return out;
+}
+
+Effect CircuitBoard::in_parallel(std::size_t part, double factor) const {
+  const circuit::Part& p = circuit_.parts[part];
+  const bool resistor = p.kind == circuit::Part::Kind::resistor;
+  Effect out;
+  out.stamps = {admittance(p.from, p.to, resistor ? 1.0 / (factor * p.realised) : 0.0,
+                           resistor ? 0.0 : factor * p.realised)};
+  return out;
+}
+
+}  // namespace bodesmith::faults

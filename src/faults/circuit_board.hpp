@@ -1,0 +1,82 @@
+#pragma once
+
+#include <map>
+
+#include "circuit/circuit.hpp"
+#include "faults/board.hpp"
+
+namespace bodesmith::faults {
+
+/// An op-amp RC circuit by nodal analysis. The inverse of its equations is kept at every measured frequency, so that
+/// a fault (a change of rank one or two) costs a few products instead of a solution:
+///   (A + U D V')^-1 = A^-1 - A^-1 U D (1 + V'A^-1 U D)^-1 V'A^-1   (Sherman, Morrison, Woodbury).
+class CircuitBoard : public Board {
+ public:
+  /// Throws InputError for a channel at a node that is not there.
+  /// `like`: takes the unknowns that this board has, so that both count them alike.
+  CircuitBoard(const circuit::Circuit& circuit, Measurement measured, const Spread& spread,
+               const CircuitBoard* like = nullptr);
+
+  std::size_t unknowns() const override { return unknowns_.size(); }
+  bool is_part(std::size_t unknown) const override { return unknowns_[unknown].part; }
+  std::string unknown_name(std::size_t unknown) const override { return unknowns_[unknown].name; }
+  Prediction predict(const Effect& effect) const override;
+  Eigen::VectorXcd response(const Effect& effect) const override;
+  std::unique_ptr<Board> with_parts(const Eigen::VectorXd& deviations) const override;
+  std::vector<std::string> probe_nodes() const override;
+  Eigen::VectorXcd at_node(const std::string& node, const Effect& effect) const override;
+  std::vector<SolderedPart> soldered_parts() const override;
+  Effect in_parallel(std::size_t part, double factor) const override;
+
+  // For the kinds of fault.
+  const circuit::Circuit& circuit() const { return circuit_; }
+  const circuit::OpAmpModel& opamp() const { return model_; }
+  const Spread& spread() const { return spread_; }
+  /// Every node but ground and input.
+  std::vector<std::string> nodes() const;
+  double tolerance(std::size_t part) const;  ///< relative
+  /// Part `part` with `factor` times its value (infinity: an open resistor, a shorted capacitor is 1e9).
+  Effect changed(std::size_t part, double factor) const;
+  /// A part whose admittance is replaced by a resistance.
+  Effect replaced(std::size_t part, double siemens) const;
+  /// Another admittance g + c s between two nodes.
+  Stamp admittance(const std::string& from, const std::string& to, double g, double c) const;
+  /// Adds g + c s to 1/A(s) of an op-amp.
+  Stamp slower(std::size_t opamp, double g, double c) const;
+  /// An op-amp with `factor` times its gain-bandwidth; its second pole is as much lower. `known`: the factor is
+  /// all that its gain-bandwidth varies by.
+  Effect slowed(std::size_t opamp, double factor, bool known) const;
+  /// V(plus) has `part` of a node's voltage added.
+  Stamp plus_follows(std::size_t opamp, const std::string& node, double part) const;
+
+ protected:
+  std::vector<Fault> faults_of(const FaultKind& kind) const override { return kind.on_circuit(*this); }
+
+ private:
+  struct Unknown {
+    std::string name;
+    bool part = false;
+    Stamp stamp;  ///< what one standard deviation adds, to first order
+  };
+  struct Point {
+    std::complex<double> s;
+    int out = 0;  ///< row of the node that is read
+    Eigen::MatrixXcd inverse;
+    Eigen::VectorXcd x;  ///< solution of the good board
+  };
+  void solve(RadPerSecond w, int out);
+  void find_unknowns(const CircuitBoard* like);
+  int node(const std::string& name) const;
+  std::complex<double> at(const Point& point, const Effect& effect, int row) const;
+
+  circuit::Circuit circuit_;
+  circuit::OpAmpModel model_;
+  Spread spread_;
+  std::map<std::string, int> nodes_;
+  std::vector<Point> points_;
+  std::vector<Unknown> unknowns_;
+  std::vector<std::size_t> unknown_of_part_;
+  std::vector<std::size_t> unknown_of_opamp_;  ///< gain-bandwidth; the second pole follows
+};
+
+}  // namespace bodesmith::faults

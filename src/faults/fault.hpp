@@ -1,0 +1,71 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/registry.hpp"
+#include "faults/stamp.hpp"
+
+namespace bodesmith::faults {
+
+class CircuitBoard;
+class PlanBoard;
+class FaultKind;
+
+/// What a fault does to a board: to the equations of a circuit, or to an FPAA plan.
+struct Effect {
+  std::vector<Stamp> stamps;
+  /// The spread of these unknowns of the good board (index, factor) changes with it: an open resistor has no tolerance.
+  std::vector<std::pair<std::size_t, double>> spread;
+
+  /// What is not known of such a fault's details, relative to the change of ln H that it makes.
+  double model_error = 0.0;
+
+  /// Of a plan: capacitors (index in DrawnBoard, new units), clocks of CAMs (index, factor on the frequency).
+  std::vector<std::pair<std::size_t, double>> units;
+  std::vector<std::pair<std::size_t, double>> clocks;
+};
+
+/// A quantity for files: {"value_ohm": 4700}.
+struct FaultSize {
+  std::string key;  ///< with its unit; empty: the fault has no size
+  double value = 0.0;
+};
+
+/// One thing that may be wrong with one board.
+struct Fault {
+  const FaultKind* kind = nullptr;
+  std::vector<std::string> parts;  ///< what it accuses: one name, two where two parts are swapped
+  std::string site;                ///< what the probabilities are summed over: the parts joined, or "node n1"
+  /// Its size t: uniform between these beforehand. Equal: the fault has one size.
+  double from = 0.0;
+  double to = 0.0;
+  std::function<Effect(double t)> effect;
+  std::function<std::string(double t)> words;  ///< "R2_1 is 12.1 kΩ instead of 10 kΩ"
+  std::function<FaultSize(double t)> size = [](double) { return FaultSize{}; };
+  std::string rework;  ///< what to do about it
+  std::vector<std::size_t>
+      replaces;  ///< indices of the parts (of the circuit) to exchange, if that is the rework
+
+  bool has_size() const { return to > from; }
+};
+
+/// A kind of fault: where on a board it can be. Each is an object in a file of its own in kinds/.
+class FaultKind {
+ public:
+  virtual ~FaultKind() = default;
+  virtual std::string_view name() const = 0;
+  /// For a person.
+  virtual std::string_view what() const = 0;
+  /// Share of all faulty boards that have it, beforehand (normalised over the kinds a board can have).
+  virtual double prior() const = 0;
+  virtual std::vector<Fault> on_circuit(const CircuitBoard&) const { return {}; }
+  virtual std::vector<Fault> on_plan(const PlanBoard&) const { return {}; }
+};
+
+Registry<FaultKind>& fault_kind_registry();
+
+}  // namespace bodesmith::faults

@@ -1,0 +1,73 @@
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "faults/circuit_board.hpp"
+
+namespace bodesmith::faults {
+namespace {
+
+/// What an op-amp's equation leaves out.
+constexpr double kFloatingModelError = 0.02;
+/// A floating input follows what it is next to through stray capacitances: V+ = k V of the other input (t = ln(1 - k):
+/// the op-amp loses its gain), of its own output or of the stage's input (t = ln k).
+constexpr double kFollowsMost = 1e-8;
+constexpr double kFollowsLeast = 0.9;
+constexpr double kPicksUpLeast = 1e-5;
+
+class MissingGround : public FaultKind {
+ public:
+  std::string_view name() const override { return "missing_ground"; }
+  std::string_view what() const override { return "a non-inverting input that is not connected to ground"; }
+  double prior() const override { return 0.06; }
+
+  std::vector<Fault> on_circuit(const CircuitBoard& board) const override {
+    std::vector<Fault> out;
+    const auto& opamps = board.circuit().opamps;
+    for (std::size_t i = 0; i < opamps.size(); ++i) {
+      if (opamps[i].plus != "0") continue;
+      const circuit::Stage& stage = board.circuit().stages[opamps[i].stage];
+      Fault beside_minus = start(opamps[i].name, kFollowsMost, kFollowsLeast);
+      beside_minus.effect = [&board, i](double t) {
+        return follows(board, i, board.circuit().opamps[i].minus, -std::expm1(t));
+      };
+      out.push_back(std::move(beside_minus));
+      for (const std::string& node : {opamps[i].out, stage.in}) {
+        Fault pickup = start(opamps[i].name, kPicksUpLeast, 1.0);
+        pickup.effect = [&board, i, node](double t) { return follows(board, i, node, std::exp(t)); };
+        out.push_back(std::move(pickup));
+      }
+    }
+    return out;
+  }
+
+ private:
+  static Fault start(const std::string& name, double from, double to) {
+    Fault out;
+    out.parts = {name};
+    out.site = name;
+    out.from = std::log(from);
+    out.to = std::log(to);
+    out.words = [name](double) {
+      return fmt::format("the non-inverting input of {} is not connected to ground", name);
+    };
+    out.rework = fmt::format("connect the non-inverting input of {} to ground", name);
+    return out;
+  }
+
+  static Effect follows(const CircuitBoard& board, std::size_t opamp, const std::string& node, double part) {
+    Effect out;
+    out.model_error = kFloatingModelError;
+    out.stamps = {board.plus_follows(opamp, node, part)};
+    return out;
+  }
+};
+
+}  // namespace
+
+const FaultKind& missing_ground_fault() {
+  static const MissingGround kind;
+  return kind;
+}
+
+}  // namespace bodesmith::faults

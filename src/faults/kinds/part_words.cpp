@@ -1,0 +1,27 @@
+#include "faults/kinds/part_words.hpp"
+
+#include <fmt/format.h>
+
+#include "base/text.hpp"
+
+namespace bodesmith::faults {
+
+std::string value_text(const circuit::Part& part, double value) {
+  return engineering_text(value, part.kind == circuit::Part::Kind::resistor ? "Ω" : "F");
+}
+
+std::string value_key(const circuit::Part& part) {
+  return part.kind == circuit::Part::Kind::resistor ? "value_ohm" : "value_f";
+}
+
+Fault fault_of_part(const CircuitBoard& board, std::size_t part) {
+  const circuit::Part& p = board.circuit().parts[part];
+  Fault out;
+  out.parts = {p.name};
+  out.site = p.name;
+  out.rework = fmt::format("replace {} by {}", p.name, value_text(p, p.realised));
+  out.replaces = {part};
+  return out;
+}
+
+}  // namespace bodesmith::faults

@@ -1,0 +1,165 @@
+#include "faults/likelihood.hpp"
+
+#include <Eigen/Cholesky>
+#include <cmath>
+#include <numbers>
+
+#include "numeric/index.hpp"
+
+namespace bodesmith::faults {
+namespace {
+
+/// Deviations of ln |H| and phase of what is nothing but floor.
+constexpr double kGainAtFloor = 0.6;
+constexpr double kPhaseAtFloor = 1.8;
+
+double within_half_turn(double angle) {
+  return std::remainder(angle, 2.0 * std::numbers::pi);
+}
+
+double log_above_floor(double log_gain, double floor) {
+  return 0.5 * std::log(std::exp(2.0 * log_gain) + floor * floor);
+}
+
+/// |ln| of what the fault changes, at most that to the floor.
+double change_of(const Board& board, const Prediction& prediction, Eigen::Index k) {
+  const double floor = board.floors()[std_index(k)];
+  const std::complex<double> good = board.good_response()(k);
+  const std::complex<double> got = prediction.response(k);
+  return std::abs(std::complex<double>(std::log((std::abs(got) + floor) / (std::abs(good) + floor)),
+                                       std::arg(got * std::conj(good))));
+}
+
+/// One value a row, from the real and imaginary part of one a point.
+template <class Real, class Imaginary>
+Eigen::VectorXd stacked(const Residual& layout, Real real, Imaginary imaginary) {
+  std::vector<double> out;
+  for (std::size_t k = 0; k < layout.gain.size(); ++k) out.push_back(real(k));
+  for (std::size_t k = 0; k < layout.gain.size(); ++k) {
+    if (layout.has_phase[k] != 0) out.push_back(imaginary(k));
+  }
+  return as_eigen(out);
+}
+
+}  // namespace
+
+Eigen::VectorXd Residual::rows() const {
+  return stacked(
+      *this, [&](std::size_t k) { return gain[k]; }, [&](std::size_t k) { return phase[k]; });
+}
+
+Residual residual_of(const Board& board, const Eigen::VectorXcd& response) {
+  Residual out;
+  Eigen::Index k = 0;
+  for (const Channel& channel : board.measured().channels) {
+    for (std::size_t i = 0; i < channel.grid.size(); ++i, ++k) {
+      const double size = std::abs(response(k));
+      const double floor = board.floors()[std_index(k)];
+      const double power = size * size + floor * floor;
+      out.gain.push_back(log_above_floor(channel.log_gain[i], floor) - 0.5 * std::log(power));
+      out.below_floor.push_back(floor * floor / power);
+      out.has_phase.push_back(channel.phase_rad.empty() ? 0 : 1);
+      out.phase.push_back(
+          channel.phase_rad.empty() ? 0.0 : within_half_turn(channel.phase_rad[i] - std::arg(response(k))));
+    }
+  }
+  return out;
+}
+
+Likelihood::Likelihood(const Board& board, const Prediction& prediction, const Noise& noise,
+                       double part_spread) {
+  set(board, prediction, noise, part_spread, nullptr);
+}
+
+Likelihood::Likelihood(const Board& board, const Prediction& prediction, const Noise& noise,
+                       double part_spread, const Eigen::VectorXd& around, const Likelihood& left) {
+  set(board, prediction, noise, part_spread, &left);
+  residual_ += slopes_ * around;
+}
+
+Eigen::VectorXd Likelihood::second_order(const Board& board, const Eigen::MatrixXcd& slopes,
+                                         const Likelihood* left) const {
+  if (left == nullptr) return 0.5 * slopes.cwiseAbs2().rowwise().sum();
+  Eigen::MatrixXd real = slopes.real().transpose();
+  Eigen::MatrixXd imaginary = slopes.imag().transpose();
+  Eigen::VectorXd others = Eigen::VectorXd::Zero(slopes.rows());
+  for (Eigen::Index u = 0; u < slopes.cols(); ++u) {
+    if (board.is_part(std_index(u))) continue;
+    others += slopes.col(u).cwiseAbs2();
+    real.row(u).setZero();
+    imaginary.row(u).setZero();
+  }
+  left->factor_.triangularView<Eigen::Lower>().solveInPlace(real);
+  left->factor_.triangularView<Eigen::Lower>().solveInPlace(imaginary);
+  return 0.5 * ((real.colwise().squaredNorm() + imaginary.colwise().squaredNorm()).transpose() + others);
+}
+
+void Likelihood::set(const Board& board, const Prediction& prediction, const Noise& noise, double part_spread,
+                     const Likelihood* left) {
+  const Residual residual = residual_of(board, prediction.response);
+  residual_ = residual.rows();
+  const auto above = [&](std::size_t k) { return 1.0 - residual.below_floor[k]; };
+  // At the floor the gain does not vary, the phase does.
+  rows_ = stacked(residual, above, [](std::size_t) { return 1.0; }).sum();
+  const Eigen::Index points = prediction.response.size();
+  const Eigen::Index rows = residual_.size();
+  Eigen::MatrixXcd slopes = prediction.slopes;
+  for (Eigen::Index u = 0; u < slopes.cols(); ++u) {
+    if (part_spread != 1.0 && board.is_part(std_index(u))) slopes.col(u) *= part_spread;
+  }
+  for (Eigen::Index k = 0; k < points; ++k) slopes.row(k) *= 1.0 - residual.below_floor[std_index(k)];
+  const Eigen::VectorXd second = second_order(board, slopes, left);
+  const auto variance = [&](std::size_t k, double of_noise, double at_floor) {
+    const double order = second(eigen_index(k));
+    const double model = prediction.model_error * change_of(board, prediction, eigen_index(k));
+    return of_noise * of_noise + order * order + model * model +
+           residual.below_floor[k] * at_floor * at_floor;
+  };
+  weight_ = stacked(
+                residual, [&](std::size_t k) { return variance(k, noise.gain, kGainAtFloor); },
+                [&](std::size_t k) { return variance(k, noise.phase, kPhaseAtFloor); })
+                .cwiseInverse();
+  slopes_.resize(rows, slopes.cols());
+  slopes_.topRows(points) = slopes.real();
+  Eigen::Index row = points;
+  for (Eigen::Index k = 0; k < points; ++k) {
+    if (residual.has_phase[std_index(k)] != 0) slopes_.row(row++) = slopes.imag().row(k);
+  }
+  weighted_ = slopes_.transpose() * weight_.asDiagonal();
+  Eigen::MatrixXd normal = Eigen::MatrixXd::Identity(slopes.cols(), slopes.cols());
+  normal.noalias() += weighted_ * slopes_;
+  factor_ = normal.llt().matrixL();
+  log_determinant_ = 2.0 * factor_.diagonal().array().log().sum() - weight_.array().log().sum() +
+                     static_cast<double>(rows) * std::log(2.0 * std::numbers::pi);
+}
+
+Eigen::VectorXd Likelihood::solved(const Eigen::VectorXd& a) const {
+  Eigen::VectorXd out = weighted_ * a;
+  factor_.triangularView<Eigen::Lower>().solveInPlace(out);
+  return out;
+}
+
+double Likelihood::inner(const Eigen::VectorXd& a, const Eigen::VectorXd& b) const {
+  return a.dot(weight_.cwiseProduct(b)) - solved(a).dot(solved(b));
+}
+
+double Likelihood::log_density() const {
+  return log_density_of(residual_);
+}
+
+double Likelihood::log_density_of(const Eigen::VectorXd& residual) const {
+  const Eigen::VectorXd y = solved(residual);
+  return -0.5 * (residual.dot(weight_.cwiseProduct(residual)) - y.squaredNorm() + log_determinant_);
+}
+
+Eigen::VectorXd Likelihood::errors() const {
+  Eigen::VectorXd out = solved(residual_);
+  factor_.triangularView<Eigen::Lower>().transpose().solveInPlace(out);
+  return out;
+}
+
+Eigen::VectorXd Likelihood::remaining() const {
+  return residual_ - slopes_ * errors();
+}
+
+}  // namespace bodesmith::faults

@@ -1,0 +1,74 @@
+#include "faults/pairs.hpp"
+
+#include <algorithm>
+#include <set>
+
+namespace bodesmith::faults {
+namespace {
+
+constexpr std::size_t kFirsts = 20;
+constexpr std::size_t kPolished = 24;
+constexpr int kTeethOfSecond = 13;
+
+struct TriedPair {
+  Finding finding;
+  double rough = 0.0;  ///< ln of density and prior, the first one's covariance
+};
+
+bool share_a_part(const Fault& a, const Fault& b) {
+  return std::any_of(a.parts.begin(), a.parts.end(), [&](const std::string& part) {
+    return std::find(b.parts.begin(), b.parts.end(), part) != b.parts.end();
+  });
+}
+
+/// The best size of `second` beside a first fault as it was found.
+TriedPair beside(const Board& board, const Finding& first, const Likelihood& likelihood,
+                 const Fault& second) {
+  TriedPair best;
+  best.rough = -1e300;
+  const Effect effect = first.effect();
+  for (const double t : comb(second, kTeethOfSecond)) {
+    const Eigen::VectorXcd response = board.response(joined(effect, second.effect(t)));
+    const double density = likelihood.log_density_of(residual_of(board, response).rows());
+    if (!(density > best.rough)) continue;
+    best.rough = density;
+    best.finding.sizes = {first.sizes[0], t};
+  }
+  best.finding.faults = {first.faults[0], &second};
+  return best;
+}
+
+}  // namespace
+
+std::vector<Finding> pairs_of(const Board& board, const std::vector<Finding>& singles,
+                              const std::vector<Fault>& faults, const std::vector<double>& log_priors,
+                              double log_prior_of_two, const Noise& noise) {
+  std::vector<TriedPair> tried;
+  std::size_t firsts = 0;
+  for (const Finding& first : singles) {
+    if (first.faults.size() != 1 || firsts++ == kFirsts) continue;
+    if (firsts > kFirsts) break;
+    const Likelihood likelihood(board, board.predict(first.effect()), noise);
+    const double of_first = log_priors[static_cast<std::size_t>(first.faults[0] - faults.data())];
+    for (std::size_t i = 0; i < faults.size(); ++i) {
+      if (share_a_part(*first.faults[0], faults[i])) continue;
+      TriedPair pair = beside(board, first, likelihood, faults[i]);
+      if (pair.finding.sizes.empty()) continue;
+      pair.finding.log_prior = log_prior_of_two + of_first + log_priors[i];
+      pair.rough += pair.finding.log_prior;
+      tried.push_back(std::move(pair));
+    }
+  }
+  std::stable_sort(tried.begin(), tried.end(),
+                   [](const auto& a, const auto& b) { return a.rough > b.rough; });
+  std::vector<Finding> out;
+  std::set<std::set<const Fault*>> known;
+  for (const TriedPair& pair : tried) {
+    if (out.size() == kPolished) break;
+    if (!known.insert({pair.finding.faults.begin(), pair.finding.faults.end()}).second) continue;
+    out.push_back(polished(board, pair.finding, noise));
+  }
+  return out;
+}
+
+}  // namespace bodesmith::faults

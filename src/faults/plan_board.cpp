@@ -1,0 +1,67 @@
+#include "faults/plan_board.hpp"
+
+#include <fmt/format.h>
+
+#include "base/error.hpp"
+#include "base/outcome.hpp"
+#include "numeric/index.hpp"
+
+namespace bodesmith::faults {
+
+PlanBoard::PlanBoard(const fpaa::Plan& plan, Measurement measured, const Spread& spread)
+    : Board(std::move(measured)), plan_(plan) {
+  for (const Channel& channel : this->measured().channels) {
+    if (channel.node != "out")
+      throw InputError(
+          fmt::format("{}: of an FPAA plan only the output can be measured, expected no node '{}'",
+                      channel.file, channel.node));
+    grid_.insert(grid_.end(), channel.grid.begin(), channel.grid.end());
+  }
+  drawn_ = std::make_unique<fpaa::DrawnBoard>(plan_, grid_);
+  for (std::size_t n = 0; n < graph().nodes.size(); ++n)
+    cam_of_.insert(cam_of_.end(), graph().nodes[n].cam->capacitors.size(), n);
+  fpaa::MismatchModel mismatch;
+  mismatch.unit_percent = spread.unit_capacitor_percent;
+  for (const double n : units()) sigma_.push_back(n > 0.0 ? mismatch.relative_sigma(n) : 0.0);
+  set_good(response({}));
+  const auto sensitivities = drawn_->sensitivities();
+  slopes_.resize(eigen_index(grid_.size()), eigen_index(sigma_.size()));
+  for (std::size_t c = 0; c < sigma_.size(); ++c) {
+    for (std::size_t k = 0; k < grid_.size(); ++k)
+      slopes_(eigen_index(k), eigen_index(c)) = sigma_[c] * sensitivities[c][k];
+  }
+}
+
+fpaa::Plan PlanBoard::with_clocks(const Effect& effect) const {
+  fpaa::Plan out = plan_;
+  std::vector<fpaa::PlacedCam*> cams;
+  for (fpaa::ChipPlan& chip : out.chips) {
+    for (fpaa::PlacedCam& cam : chip.cams) cams.push_back(&cam);
+  }
+  for (const auto& [cam, factor] : effect.clocks) cams[cam]->clock_a.value *= factor;
+  return out;
+}
+
+bool PlanBoard::can_run(const Effect& effect) const {
+  const fpaa::Plan plan = with_clocks(effect);
+  return refusal_of(fpaa::plan_graph(plan)) == nullptr;
+}
+
+Eigen::VectorXcd PlanBoard::response(const Effect& effect) const {
+  std::vector<double> units = drawn_->nominal_units();
+  for (const auto& [capacitor, value] : effect.units) units[capacitor] = value;
+  std::vector<std::complex<double>> got;
+  if (effect.clocks.empty()) {
+    got = drawn_->response(units);
+  } else {
+    const fpaa::Plan plan = with_clocks(effect);
+    got = fpaa::DrawnBoard(plan, grid_).response(units);
+  }
+  return Eigen::Map<const Eigen::VectorXcd>(got.data(), eigen_index(got.size()));
+}
+
+Prediction PlanBoard::predict(const Effect& effect) const {
+  return {response(effect), slopes_, effect.model_error};
+}
+
+}  // namespace bodesmith::faults

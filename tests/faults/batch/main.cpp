@@ -1,0 +1,136 @@
+// Blind boards: circuits that `bodesmith spice` made, soldered with parts of a tolerance and real op-amps, most of them
+// with something wrong, measured by ngspice with noise, and diagnosed. Prints what docs/faults.md quotes.
+//   faults_batch COUNT SEED FAULTS CIRCUIT.json…   (cmake --build build --target faults_batch)
+// FAULTS: how many each board has; -1: drawn, one in eight good, one in eight with two.
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <ctime>
+#include <map>
+
+#include "../boards/built.hpp"
+#include "base/document.hpp"
+#include "circuit/built_circuit.hpp"
+#include "faults/circuit_board.hpp"
+#include "faults/diagnosis.hpp"
+
+namespace bodesmith::faults {
+namespace {
+
+struct Tally {
+  int boards = 0;
+  int named = 0;
+  int extra = 0;  ///< named with something else beside it
+  int tied = 0;
+  int missed = 0;  ///< "nothing wrong"
+  int uncertain = 0;
+  int wrong = 0;
+  int unexplained = 0;
+};
+
+bool accuses(const Suspect& suspect, const std::vector<std::string>& names) {
+  return std::any_of(suspect.best.faults.begin(), suspect.best.faults.end(), [&](const Fault* fault) {
+    return std::any_of(fault->parts.begin(), fault->parts.end(), [&](const std::string& part) {
+      return std::find(names.begin(), names.end(), part) != names.end();
+    });
+  });
+}
+
+bool accuses_all(const Suspect& suspect, const BuiltBoard& board) {
+  return std::all_of(board.wrong.begin(), board.wrong.end(),
+                     [&](const auto& names) { return accuses(suspect, names); });
+}
+
+void count(const Diagnosis& d, const BuiltBoard& board, Tally& tally) {
+  ++tally.boards;
+  if (d.verdict == Verdict::nothing_wrong) {
+    ++tally.missed;
+  } else if (d.verdict == Verdict::uncertain) {
+    ++tally.uncertain;
+  } else if (d.verdict == Verdict::unexplained) {
+    ++tally.unexplained;
+  } else if (d.verdict != Verdict::tie) {
+    const bool right = accuses_all(d.suspects[0], board);
+    const bool more = d.suspects[0].best.faults.size() > board.wrong.size();
+    ++(!right ? tally.wrong : more ? tally.extra : tally.named);
+  } else {
+    const bool in = std::any_of(d.suspects.begin(), d.suspects.begin() + static_cast<std::ptrdiff_t>(d.tied),
+                                [&](const Suspect& s) { return accuses_all(s, board); });
+    ++(in ? tally.tied : tally.wrong);
+  }
+}
+
+double largest_change(const std::vector<std::complex<double>>& a,
+                      const std::vector<std::complex<double>>& b) {
+  double out = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) out = std::max(out, std::abs(a[i] / b[i] - 1.0));
+  return out;
+}
+
+int run(int boards, std::uint64_t seed, int wanted, const std::vector<std::string>& files) {
+  std::map<std::string, Tally> tallies;
+  std::vector<double> seconds;
+  for (int n = 0; n < boards; ++n) {
+    Random random(mixed_bits(seed + static_cast<std::uint64_t>(n)));
+    const std::string& file = files[static_cast<std::size_t>(n) % files.size()];
+    Provenance from;
+    const auto made = circuit::CircuitFile::from_node(read_document(file, from));
+    const int faults = wanted >= 0 ? wanted : std::array{0, 1, 1, 1, 1, 1, 1, 2}[random.below(8)];
+    BuiltBoard board = good_board(made.circuit, 1.0, 1.0, random);
+    const std::vector<Hertz> grid =
+        log_grid({Hertz{made.band.from.value / 5.0}, Hertz{made.band.to.value * 5.0}}, 60);
+    const auto good = response_of(board, grid);
+    for (int i = 0; i < faults; ++i) spoil(board, random);
+    const auto response = faults == 0 ? good : response_of(board, grid);
+    const bool with_phase = random.uniform() < 0.8;
+    Measurement measurement{{measured(response, grid, 0.02, 0.1, with_phase, random)}};
+    const double change = largest_change(response, good);
+    const std::clock_t started = std::clock();  // of the processor: other work does not count
+    const CircuitBoard designed(made.circuit, measurement, Spread());
+    const Diagnosis d = diagnose_board(designed, DiagnosisOptions());
+    seconds.push_back(static_cast<double>(std::clock() - started) / CLOCKS_PER_SEC);
+    const char* what = faults == 0     ? "good"
+                       : faults == 2   ? "two faults"
+                       : change < 0.03 ? "one, hidden"
+                                       : "one fault";
+    Tally& tally = tallies[what];
+    const Tally before = tally;
+    count(d, board, tally);
+    std::string suspects;
+    for (std::size_t i = 0; i < std::min<std::size_t>(d.suspects.size(), std::max<std::size_t>(d.tied, 2));
+         ++i)
+      suspects += fmt::format(" {} {:.3f}", d.suspects[i].site, d.suspects[i].probability);
+    const char* outcome = tally.named > before.named           ? "named"
+                          : tally.tied > before.tied           ? "tied"
+                          : tally.missed > before.missed       ? "nothing"
+                          : tally.uncertain > before.uncertain ? "uncertain"
+                          : tally.wrong > before.wrong         ? "WRONG"
+                                                               : "unexplained";
+    fmt::print("{:4} {:11} {:11} {:.1f} s change {:.2g} {} | good {:.3g} misfit {:.2f} |{} | {}\n", n, what,
+               outcome, seconds.back(), change, with_phase ? "" : "(magnitude)", d.good_probability, d.misfit,
+               suspects, board.words);
+    std::fflush(stdout);
+  }
+  fmt::print(
+      "\n| boards | number | named | named beside another | tie with it | nothing wrong | uncertain | wrong | unexplained |\n|---|---|---|---|---|---|---|---|---|\n");
+  for (const auto& [what, t] : tallies)
+    fmt::print("| {} | {} | {} | {} | {} | {} | {} | {} | {} |\n", what, t.boards, t.named, t.extra, t.tied,
+               t.missed, t.uncertain, t.wrong, t.unexplained);
+  std::sort(seconds.begin(), seconds.end());
+  fmt::print("median {:.2f} s, longest {:.2f} s\n", seconds[seconds.size() / 2], seconds.back());
+  return 0;
+}
+
+}  // namespace
+}  // namespace bodesmith::faults
+
+int main(int argc, char** argv) {
+  if (argc < 5) {
+    fmt::print(stderr, "usage: faults_batch COUNT SEED FAULTS CIRCUIT.json...\n");
+    return 2;
+  }
+  return bodesmith::faults::run(std::atoi(argv[1]), std::strtoull(argv[2], nullptr, 10), std::atoi(argv[3]),
+                                {argv + 4, argv + argc});
+}

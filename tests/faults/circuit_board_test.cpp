@@ -1,0 +1,104 @@
+// The quick equations against solving the changed circuit anew.
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "circuit/response.hpp"
+#include "circuits.hpp"
+#include "faults/circuit_board.hpp"
+
+namespace bodesmith::faults {
+namespace {
+
+using Complex = std::complex<double>;
+
+std::vector<Complex> solved(const circuit::Circuit& circuit, const std::vector<Hertz>& grid) {
+  return circuit::network_response(circuit, grid, circuit.model);
+}
+
+CircuitBoard board_of(const circuit::Circuit& circuit, const std::vector<Hertz>& grid) {
+  Measurement measurement;
+  measurement.channels.push_back(seen(grid, solved(circuit, grid), 1));
+  return CircuitBoard(circuit, measurement, Spread());
+}
+
+void expect_same(const Eigen::VectorXcd& quick, const std::vector<Complex>& anew) {
+  ASSERT_EQ(static_cast<std::size_t>(quick.size()), anew.size());
+  for (std::size_t k = 0; k < anew.size(); ++k)
+    EXPECT_LT(std::abs(quick(static_cast<Eigen::Index>(k)) / anew[k] - 1.0), 1e-8) << k;
+}
+
+TEST(CircuitBoard, AChangedPartIsWhatSolvingAnewFinds) {
+  const circuit::Circuit circuit = small_circuit();
+  const std::vector<Hertz> grid = small_grid(12);
+  const CircuitBoard board = board_of(circuit, grid);
+  expect_same(board.response({}), solved(circuit, grid));
+  for (std::size_t i = 0; i < circuit.parts.size(); ++i) {
+    circuit::Circuit changed = circuit;
+    changed.parts[i].realised *= 3.0;
+    expect_same(board.response(board.changed(i, 3.0)), solved(changed, grid));
+  }
+}
+
+TEST(CircuitBoard, TwoChangesAtOnceAndANodeInside) {
+  const circuit::Circuit circuit = small_circuit();
+  const std::vector<Hertz> grid = small_grid(12);
+  const CircuitBoard board = board_of(circuit, grid);
+  circuit::Circuit changed = circuit;
+  changed.parts[0].realised *= 0.2;
+  changed.parts[3].realised *= 7.0;
+  circuit::Part load;
+  load.kind = circuit::Part::Kind::capacitor;
+  load.name = "Cload";
+  load.from = "out";
+  load.to = "0";
+  load.realised = 2e-7;
+  changed.parts.push_back(load);
+  Effect effect = joined(board.changed(0, 0.2), board.changed(3, 7.0));
+  effect.stamps.push_back(board.admittance("out", "0", 0.0, 2e-7));
+  expect_same(board.response(effect), solved(changed, grid));
+  expect_same(board.at_node("out", effect), solved(changed, grid));
+  expect_same(board.predict(effect).response, solved(changed, grid));
+}
+
+TEST(CircuitBoard, ASlowerOpAmpIsWhatSolvingAnewFinds) {
+  const circuit::Circuit circuit = small_circuit();
+  const std::vector<Hertz> grid = small_grid(12);
+  const CircuitBoard board = board_of(circuit, grid);
+  circuit::Circuit slow = circuit;
+  slow.model.gain_bandwidth.value *= 0.01;
+  Effect effect;
+  const double ft = circuit.model.gain_bandwidth.rad_s().value;
+  for (std::size_t i = 0; i < circuit.opamps.size(); ++i)
+    effect.stamps.push_back(board.slower(i, 0.0, 99.0 / ft));
+  expect_same(board.response(effect), solved(slow, grid));
+}
+
+TEST(CircuitBoard, SlopesAreThoseOfFiniteDifferences) {
+  const circuit::Circuit circuit = small_circuit();
+  const std::vector<Hertz> grid = small_grid(8);
+  const CircuitBoard board = board_of(circuit, grid);
+  // On a board with a fault: the slopes belong to it, not to the good one.
+  const Effect fault = board.changed(1, 4.0);
+  const Prediction at = board.predict(fault);
+  for (std::size_t i = 0; i < circuit.parts.size(); ++i) {
+    if (i == 1) continue;
+    const double sigma = 0.6 * board.tolerance(i);
+    const double step = 1e-5;
+    const auto up = board.response(joined(fault, board.changed(i, 1.0 + step)));
+    for (Eigen::Index k = 0; k < up.size(); ++k) {
+      const Complex slope = std::log(up(k) / at.response(k)) / step * sigma;
+      EXPECT_LT(std::abs(slope - at.slopes(k, static_cast<Eigen::Index>(i))), 1e-4 * sigma * 10.0) << i;
+    }
+  }
+}
+
+TEST(CircuitBoard, ANodeThatIsNotThereIsRefused) {
+  const circuit::Circuit circuit = small_circuit();
+  Measurement measurement;
+  measurement.channels.push_back(seen(small_grid(8), solved(circuit, small_grid(8)), 1));
+  measurement.channels[0].node = "nowhere";
+  EXPECT_THROW(CircuitBoard(circuit, measurement, Spread()), InputError);
+}
+
+}  // namespace
+}  // namespace bodesmith::faults

@@ -1,0 +1,117 @@
+// Boards of the program's own equations with parts of 1 %: what is named, tied, refused.
+#include <gtest/gtest.h>
+
+#include "circuit/response.hpp"
+#include "circuits.hpp"
+#include "faults/circuit_board.hpp"
+#include "faults/diagnosis.hpp"
+
+namespace bodesmith::faults {
+namespace {
+
+Diagnosis diagnosed(const circuit::Circuit& designed, const circuit::Circuit& built, bool with_phase = true) {
+  const std::vector<Hertz> grid = small_grid();
+  Measurement measurement;
+  measurement.channels.push_back(
+      seen(grid, circuit::network_response(built, grid, built.model), 5, with_phase));
+  const CircuitBoard board(designed, measurement, Spread());
+  return diagnose_board(board, DiagnosisOptions());
+}
+
+bool among_tied(const Diagnosis& d, const std::string& part) {
+  for (std::size_t i = 0; i < d.tied; ++i) {
+    for (const Fault* fault : d.suspects[i].best.faults) {
+      if (std::find(fault->parts.begin(), fault->parts.end(), part) != fault->parts.end()) return true;
+    }
+  }
+  return false;
+}
+
+TEST(BoardDiagnosis, AGoodBoardIsNotAccused) {
+  const circuit::Circuit circuit = small_circuit();
+  for (const std::uint64_t seed : {1u, 2u, 3u}) {
+    const Diagnosis d = diagnosed(circuit, drawn_parts(circuit, seed));
+    EXPECT_EQ(d.verdict, Verdict::nothing_wrong) << seed;
+    EXPECT_GT(d.good_probability, 0.5) << seed;
+  }
+}
+
+TEST(BoardDiagnosis, ACapacitorOfAnotherValueIsNamedOrTied) {
+  const circuit::Circuit circuit = small_circuit();
+  for (std::size_t i = 0; i < circuit.parts.size(); ++i) {
+    if (circuit.parts[i].kind != circuit::Part::Kind::capacitor) continue;
+    circuit::Circuit built = drawn_parts(circuit, 7 + i);
+    built.parts[i].realised *= 1.47;
+    const Diagnosis d = diagnosed(circuit, built);
+    EXPECT_TRUE(d.verdict == Verdict::one_fault || d.verdict == Verdict::tie) << circuit.parts[i].name;
+    EXPECT_TRUE(among_tied(d, circuit.parts[i].name)) << circuit.parts[i].name;
+    if (d.verdict != Verdict::one_fault) continue;
+    EXPECT_NEAR(std::exp(std::exp(d.suspects[0].best.sizes[0])), 1.47, 0.05) << circuit.parts[i].name;
+    EXPECT_FALSE(d.rework.empty());
+  }
+}
+
+TEST(BoardDiagnosis, MagnitudeAloneIsEnoughForAWrongDecade) {
+  const circuit::Circuit circuit = small_circuit();
+  circuit::Circuit built = drawn_parts(circuit, 3);
+  built.parts[2].realised *= 10.0;
+  const Diagnosis d = diagnosed(circuit, built, false);
+  EXPECT_TRUE(among_tied(d, built.parts[2].name));
+}
+
+TEST(BoardDiagnosis, TwoFaultsAtOnce) {
+  const circuit::Circuit circuit = small_circuit();
+  circuit::Circuit built = drawn_parts(circuit, 4);
+  std::vector<std::size_t> capacitors;
+  for (std::size_t i = 0; i < built.parts.size(); ++i) {
+    if (built.parts[i].kind == circuit::Part::Kind::capacitor) capacitors.push_back(i);
+  }
+  built.parts[capacitors.front()].realised *= 1.6;
+  built.parts[capacitors.back()].realised *= 0.55;
+  const Diagnosis d = diagnosed(circuit, built);
+  EXPECT_TRUE(d.verdict == Verdict::two_faults || d.verdict == Verdict::tie);
+  EXPECT_EQ(d.suspects[0].best.faults.size(), 2u);
+  EXPECT_TRUE(among_tied(d, built.parts[capacitors.front()].name));
+  EXPECT_TRUE(among_tied(d, built.parts[capacitors.back()].name));
+}
+
+TEST(BoardDiagnosis, WhatNoFaultExplainsIsSaidToBeUnexplained) {
+  const circuit::Circuit circuit = small_circuit();
+  const std::vector<Hertz> grid = small_grid();
+  auto response = circuit::network_response(circuit, grid, circuit.model);
+  for (std::size_t k = 0; k < grid.size(); ++k)  // a comb: no circuit of these parts makes it
+    response[k] *= std::exp(std::complex<double>(0.3 * std::sin(1.7 * std::log(grid[k].value) * 2.0), 0.2));
+  Measurement measurement;
+  measurement.channels.push_back(seen(grid, response, 9));
+  const CircuitBoard board(circuit, measurement, Spread());
+  const Diagnosis d = diagnose_board(board, DiagnosisOptions());
+  EXPECT_EQ(d.verdict, Verdict::unexplained);
+  EXPECT_TRUE(d.rework.empty());
+}
+
+TEST(BoardDiagnosis, TheSecondMeasurementOfANodeIsUsed) {
+  const circuit::Circuit circuit = small_circuit();
+  circuit::Circuit built = drawn_parts(circuit, 11);
+  // Gain of a stage: which of them, the output alone may not say.
+  built.parts[0].realised *= 1.3;
+  const std::vector<Hertz> grid = small_grid();
+  Measurement measurement;
+  measurement.channels.push_back(seen(grid, circuit::network_response(built, grid, built.model), 5));
+  const CircuitBoard outside(circuit, measurement, Spread());
+  const Diagnosis first = diagnose_board(outside, DiagnosisOptions());
+  ASSERT_TRUE(among_tied(first, built.parts[0].name));
+  // The node after the first stage, of the board as it was built.
+  const std::string node = circuit.stages[0].out;
+  const CircuitBoard truth(built, measurement, Spread());
+  const Eigen::VectorXcd inside = truth.at_node(node, {});
+  Channel more = seen(grid, {inside.data(), inside.data() + inside.size()}, 6);
+  more.node = node;
+  measurement.channels.push_back(more);
+  const CircuitBoard both(circuit, measurement, Spread());
+  const Diagnosis second = diagnose_board(both, DiagnosisOptions());
+  EXPECT_TRUE(among_tied(second, built.parts[0].name));
+  EXPECT_LE(second.tied, first.tied);
+}
+
+}  // namespace
+}  // namespace bodesmith::faults

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <unistd.h>
 
 #include <cerrno>
 #include <clocale>
@@ -11,11 +12,14 @@
 
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/nearest_word.hpp"
 #include "base/progress.hpp"
 #include "base/temporary.hpp"
+#include "base/terminal.hpp"
 #include "base/version.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "cli/version_text.hpp"
 
 namespace {
 
@@ -41,21 +45,26 @@ int run(const std::vector<std::string>& arguments) {
     print_help();
     return cli::kDone;
   }
-  if (arguments[0] == "--version") {
-    fmt::print("bodesmith {}\n", kVersion);
-    return cli::kDone;
-  }
-  for (const auto& command : commands()) {
-    if (command.name == arguments[0]) return command.run({arguments.begin() + 1, arguments.end()});
-  }
-  throw InputError(fmt::format("'{}' is not a subcommand, expected one of those that bodesmith --help lists",
-                               arguments[0]));
+  const std::vector<std::string> rest(arguments.begin() + 1, arguments.end());
+  if (arguments[0] == "--version") return cli::print_version(rest);
+  if (const auto* command = cli::find_command(commands(), arguments)) return command->run(rest);
+  if (const auto* command = cli::find_command(cli::hidden_commands(), arguments)) return command->run(rest);
+  std::vector<std::string> known = {"--help", "--version"};
+  for (const auto& command : commands()) known.push_back(command.name);
+  throw InputError(
+      fmt::format("'{}' is not a subcommand{}, expected one of those that bodesmith --help lists",
+                  arguments[0], did_you_mean(arguments[0], known)));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
   std::setlocale(LC_ALL, "C");
+  const auto say = [](const std::string& text) {
+    bodesmith::hide_progress();
+    fmt::print(stderr, "{} {}\n", bodesmith::coloured("bodesmith:", bodesmith::Tone::error, STDERR_FILENO),
+               text);
+  };
   bodesmith::catch_interrupts();
   bodesmith::catch_endings();
   bodesmith::protect_inputs();
@@ -67,16 +76,16 @@ int main(int argc, char** argv) {
       throw bodesmith::InputError(std::string("the summary cannot be written: ") + std::strerror(errno));
     return status;
   } catch (const bodesmith::InputError& error) {
-    fmt::print(stderr, "bodesmith: {}\n", error.what());
+    say(error.what());
     return bodesmith::cli::kBadInput;
   } catch (const bodesmith::Interrupted&) {
-    fmt::print(stderr, "bodesmith: interrupted\n");
+    say("interrupted");
     return bodesmith::cli::kInterrupted;
   } catch (const std::bad_alloc&) {
-    fmt::print(stderr, "bodesmith: out of memory\n");
+    say("out of memory");
     return bodesmith::cli::kBadInput;
   } catch (const std::exception& error) {
-    fmt::print(stderr, "bodesmith: this is a bug, please report it: {}\n", error.what());
+    say(std::string("this is a bug, please report it: ") + error.what());
     return bodesmith::cli::kBug;
   }
 }

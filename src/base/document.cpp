@@ -8,6 +8,7 @@
 #include "base/above_zero.hpp"
 #include "base/document_tree.hpp"
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 #include "base/quantity.hpp"
 #include "base/text.hpp"
 
@@ -35,6 +36,15 @@ std::string_view kind_name(Node::Kind kind) {
 void expect(const Node& node, Node::Kind kind) {
   if (node.kind() == kind) return;
   node.fail(fmt::format("is {}, expected {}", kind_name(node.kind()), kind_name(kind)));
+}
+
+std::vector<std::string> words_of(std::initializer_list<std::string_view> words) {
+  return {words.begin(), words.end()};
+}
+
+/// "$schema" at the top names the JSON Schema for editors (schemas/); it says nothing to this program.
+bool names_schema(const std::string& place, std::string_view key) {
+  return place.empty() && key == "$schema";
 }
 
 std::string member_place(const std::string& place, std::string_view key) {
@@ -70,6 +80,13 @@ Node Node::at(std::string_view key) const {
   expect(*this, Kind::object);
   for (const auto& [name, value] : data_->members) {
     if (name == key) return Node(value, member_place(place_, key));
+  }
+  // A key that differs in one letter is likely the missing one.
+  for (const auto& [name, value] : data_->members) {
+    if (key.size() > 3 && edit_distance(name, key) == 1)
+      throw InputError(
+          file(), value->line,
+          fmt::format("'{}' is missing (did you mean it by '{}'?)", member_place(place_, key), name));
   }
   throw InputError(file(), line(), fmt::format("'{}' is missing", member_place(place_, key)));
 }
@@ -175,14 +192,17 @@ std::string Node::one_of(std::initializer_list<std::string_view> words) const {
   for (const std::string_view word : words) {
     if (value == word) return value;
   }
-  fail(fmt::format("is \"{}\", expected one of: {}", value, fmt::join(words, ", ")));
+  fail(fmt::format("is \"{}\"{}, expected one of: {}", value, did_you_mean(value, words_of(words)),
+                   fmt::join(words, ", ")));
 }
 
 void Node::allow_only(std::initializer_list<std::string_view> keys) const {
   for (const auto& [name, value] : members()) {
     bool known = false;
     for (const std::string_view key : keys) known = known || key == name;
-    if (!known) value.fail(fmt::format("is not known here, expected one of: {}", fmt::join(keys, ", ")));
+    if (known || names_schema(place_, name)) continue;
+    value.fail(fmt::format("is not known here{}, expected one of: {}", did_you_mean(name, words_of(keys)),
+                           fmt::join(keys, ", ")));
   }
 }
 

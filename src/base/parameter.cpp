@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/above_zero.hpp"
+#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith {
@@ -35,7 +36,7 @@ std::string ParameterSpec::validate(double value) const {
 
 std::string ParameterSpec::validate(std::string_view word) const {
   if (std::find(words.begin(), words.end(), word) != words.end()) return {};
-  return fmt::format("is '{}', expected one of {}", word, join(words, ", "));
+  return fmt::format("is '{}'{}, expected one of {}", word, did_you_mean(word, words), join(words, ", "));
 }
 
 ParameterSpec ParameterSpec::with_default(double value) const {

@@ -1,15 +1,14 @@
 #include "base/progress.hpp"
 
-#include <fmt/format.h>
 #include <unistd.h>
 
 #include <atomic>
 #include <csignal>
-#include <cstdio>
 #include <string_view>
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/progress_display.hpp"
 #include "base/temporary.hpp"
 
 namespace bodesmith {
@@ -26,12 +25,16 @@ constexpr int kInterruptedStatus = 130;
 std::atomic<unsigned> seconds_to_stop{10};
 
 void on_interrupt(int) {
-  if (stop_wanted.exchange(true)) end_at_once(kInterruptedStatus);
+  if (stop_wanted.exchange(true)) {
+    erase_progress_line();
+    end_at_once(kInterruptedStatus);
+  }
   ::alarm(seconds_to_stop.load());
 }
 
 /// Nobody looked at the flag.
 void on_patience_ended(int) {
+  erase_progress_line();
   constexpr std::string_view kText = "bodesmith: interrupted\n";
   [[maybe_unused]] const auto written = ::write(STDERR_FILENO, kText.data(), kText.size());
   end_at_once(kInterruptedStatus);
@@ -42,36 +45,27 @@ void on_patience_ended(int) {
 Progress::Progress(std::string what)
     : what_(std::move(what)),
       listener_(std::exchange(thread_listener(), {})),
-      terminal_(::isatty(STDERR_FILENO) != 0),
-      start_(std::chrono::steady_clock::now()),
-      last_(start_) {}
+      on_display_(put_on_display(*this)) {}
 
 Progress::~Progress() {
   if (listener_) thread_listener() = std::move(listener_);
-  if (shown_) fmt::print(stderr, "\r\x1b[K");
+  if (on_display_) take_off_display(*this);
 }
 
-void Progress::at(double fraction) {
+void Progress::at(double fraction, double next, const char* doing) {
   if (listener_) {
     listener_(fraction);
     return;
   }
-  const auto now = std::chrono::steady_clock::now();
-  const double elapsed = std::chrono::duration<double>(now - start_).count();
-  if (!terminal_) {
-    // A log gets a line now and then, so that nobody takes long work for a standstill.
-    constexpr double kLogEveryS = 20.0;
-    if (std::chrono::duration<double>(now - last_).count() < kLogEveryS) return;
-    last_ = now;
-    fmt::print(stderr, "bodesmith: {}: {:.0f} %\n", what_, 100.0 * fraction);
-    return;
-  }
-  if (elapsed < 0.5 || std::chrono::duration<double>(now - last_).count() < 0.1) return;
-  last_ = now;
-  shown_ = true;
-  fmt::print(stderr, "\r\x1b[K{}: {:.0f} %", what_, 100.0 * fraction);
-  if (fraction > 0.01) fmt::print(stderr, ", {:.0f} s left", elapsed * (1.0 - fraction) / fraction);
-  std::fflush(stderr);
+  next_.store(next, std::memory_order_relaxed);
+  doing_.store(doing, std::memory_order_relaxed);
+  fraction_.store(fraction, std::memory_order_relaxed);
+}
+
+Progress::Part Progress::part() const {
+  const char* doing = doing_.load(std::memory_order_relaxed);
+  return {doing == nullptr ? what_ : std::string(doing), fraction_.load(std::memory_order_relaxed),
+          next_.load(std::memory_order_relaxed)};
 }
 
 ProgressListener::ProgressListener(std::function<void(double)> listener)

@@ -1,13 +1,14 @@
 #pragma once
 
+#include <atomic>
 #include <chrono>
 #include <functional>
 #include <string>
 
 namespace bodesmith {
 
-/// A line on stderr that says how far long work is and how long it may still take; where stderr is no terminal, a
-/// line every 20 seconds. Silent for the first half second.
+/// Long work that says how far it is. What a person sees of it, show_progress() decides; a ProgressListener hears it instead.
+/// Pieces of work within work, on the same thread, are shown as parts of it.
 class Progress {
  public:
   explicit Progress(std::string what);
@@ -15,17 +16,36 @@ class Progress {
   Progress(const Progress&) = delete;
   Progress& operator=(const Progress&) = delete;
 
-  /// `fraction` in [0, 1]. Cheap enough for inner loops (it looks at the clock only).
-  void at(double fraction);
+  /// `fraction` in [0, 1]. Cheap enough for inner loops.
+  void at(double fraction) { at(fraction, fraction); }
+  /// What follows takes the work from `fraction` to `next`; a Progress made in it counts from the one to the other. `doing` is
+  /// shown until the next call (a text that stays, such as a literal).
+  void at(double fraction, double next, const char* doing = nullptr);
+
+  /// What a display shows of it.
+  struct Part {
+    std::string what;
+    double fraction = -1.0;  ///< below 0: not known
+    double next = 0.0;
+  };
+  Part part() const;
 
  private:
   std::string what_;
   std::function<void(double)> listener_;
-  bool terminal_;
-  bool shown_ = false;
-  std::chrono::steady_clock::time_point start_;
-  std::chrono::steady_clock::time_point last_;
+  bool on_display_ = false;
+  std::atomic<double> fraction_{-1.0};
+  std::atomic<double> next_{0.0};
+  std::atomic<const char*> doing_{nullptr};
 };
+
+/// From here on a terminal at stderr shows, after half a second, a line with a bar, what the work of this thread is at, and the
+/// time it may still take; nothing where stderr is no terminal, or after be_quiet(). `what`: the work as a whole.
+void show_progress(const std::string& what);
+/// Takes the line away for good: before anything else is written.
+void hide_progress();
+/// That line: "[####------]  40 %  run: tracking, 3 s left", no longer than `columns`; without a known fraction "run: tracking, 12 s".
+std::string progress_line(const std::string& what, double fraction, double elapsed_s, int columns);
 
 /// While it lives, the outermost Progress of this thread tells `listener` its fraction instead of stderr: for programs that
 /// show progress themselves. The listener is called from any thread.

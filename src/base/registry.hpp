@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith {
@@ -36,15 +37,18 @@ class Registry {
   /// Throws InputError that lists the names there are.
   const T& get(std::string_view name) const {
     if (const T* found = find(name)) return *found;
-    throw InputError("there is no " + kind_ + " '" + std::string(name) + "', expected one of " + names());
+    throw InputError("there is no " + kind_ + " '" + std::string(name) + "'" +
+                     did_you_mean(name, name_list()) + ", expected one of " + names());
+  }
+
+  std::vector<std::string> name_list() const {
+    std::vector<std::string> out;
+    for (const T* entry : entries_) out.emplace_back(entry->name());
+    return out;
   }
 
   /// "a, b, c".
-  std::string names() const {
-    std::vector<std::string> all;
-    for (const T* entry : entries_) all.emplace_back(entry->name());
-    return join(all, ", ");
-  }
+  std::string names() const { return join(name_list(), ", "); }
 
   /// Throws std::logic_error when the name is taken.
   void add(const T& entry) {

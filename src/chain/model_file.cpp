@@ -7,9 +7,11 @@
 
 #include "base/error.hpp"
 #include "base/json.hpp"
+#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "chain/registry.hpp"
+#include "chain/trained_keys.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -36,13 +38,20 @@ void read_parameter(Block& block, const ParameterSpec& spec, const Node& node) {
   }
 }
 
+std::vector<std::string> list_of_names(const std::vector<ParameterSpec>& specs) {
+  std::vector<std::string> out;
+  for (const ParameterSpec& spec : specs) out.push_back(spec.name);
+  return out;
+}
+
 void read_free(Block& block, const Node& free) {
   if (free.kind() == Node::Kind::string) free.fail("is one word, expected a list of parameter names");
   for (const Node& item : free.items()) {
     const std::string name = item.string();
     if (!block.free(name)) {
-      item.fail(fmt::format("'{}' is not a numeric parameter of this '{}' block, expected one of {}", name,
-                            block.type_name(), names_of(block.type().specs())));
+      item.fail(fmt::format("'{}' is not a numeric parameter of this '{}' block{}, expected one of {}", name,
+                            block.type_name(), did_you_mean(name, list_of_names(block.type().specs())),
+                            names_of(block.type().specs())));
     }
   }
 }
@@ -160,8 +169,9 @@ Block block_from_node(const Node& node) {
   const Node type_node = node.at("type");
   const BlockType* type = block_type_registry().find(type_node.string());
   if (type == nullptr)
-    type_node.fail(
-        fmt::format("is '{}', expected one of {}", type_node.string(), block_type_registry().names()));
+    type_node.fail(fmt::format("is '{}'{}, expected one of {}", type_node.string(),
+                               did_you_mean(type_node.string(), block_type_registry().name_list()),
+                               block_type_registry().names()));
   Block block(*type);
   block.line = node.line();
   const auto& specs = type->specs();
@@ -169,8 +179,8 @@ Block block_from_node(const Node& node) {
     if (key == "type" || key == "free") continue;
     const ParameterSpec* spec = find_parameter(specs, key);
     if (spec == nullptr)
-      value.fail(
-          fmt::format("is not a parameter of '{}', expected one of {}", type->name(), names_of(specs)));
+      value.fail(fmt::format("is not a parameter of '{}'{}, expected one of {}", type->name(),
+                             did_you_mean(key, list_of_names(specs)), names_of(specs)));
     read_parameter(block, *spec, value);
   }
   for (const ParameterSpec& spec : specs) {
@@ -206,6 +216,12 @@ void check_finite(const Chain& chain) {
   }
 }
 }  // namespace
+
+std::vector<std::string> needed_trained_keys() {
+  std::vector<std::string> out;
+  for (const TrainedKey& one : kTrainedKeys) out.emplace_back(one.key);
+  return out;
+}
 
 std::string model_text(const Chain& chain, const std::string& comment) {
   check_finite(chain);

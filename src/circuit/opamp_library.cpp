@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 
@@ -68,7 +69,8 @@ const OpAmpModel& OpAmpLibrary::named(const std::string& name) const {
     if (model.name == name) return model;
     names.push_back(model.name);
   }
-  throw InputError(fmt::format("'{}' is not a known op-amp, expected one of {}", name, join(names, ", ")));
+  throw InputError(fmt::format("'{}' is not a known op-amp{}, expected one of {}", name,
+                               did_you_mean(name, names), join(names, ", ")));
 }
 
 }  // namespace bodesmith::circuit

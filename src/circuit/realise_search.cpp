@@ -7,6 +7,7 @@
 #include <cmath>
 #include <utility>
 
+#include "base/progress.hpp"
 #include "base/text.hpp"
 #include "circuit/realisation.hpp"
 #include "circuit/response.hpp"
@@ -155,6 +156,7 @@ class Candidates {
 
   /// The reason when it cannot be made.
   std::optional<Refusal> add(const RealiseOptions& options, const std::string& how) {
+    const Progress progress("parts for " + how);
     Outcome<Candidate> one = candidate_of(sections_, search_, options);
     if (const Refusal* refusal = refusal_of(one)) return *refusal;
     auto& candidate = std::get<Candidate>(one);

@@ -46,6 +46,7 @@ std::string approximation_summary(const CascadeApproximation& result) {
 
 void declare_approximate(CommandLine& line) {
   line.option<std::string>("method", method_registry().names(), ApproximationOptions{}.method);
+  line.words("method", method_registry().name_list());
   line.option<int>("order", "poles of each term's approximation, whole powers counted (default 4)");
   line.option<double>(
       "max-error-db",

@@ -1,7 +1,9 @@
 #include "cli/command_line.hpp"
 
 #include <fmt/format.h>
+#include <unistd.h>
 
+#include <algorithm>
 #include <cmath>
 #include <iostream>
 #include <set>
@@ -12,7 +14,10 @@
 #include "base/error.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
+#include "base/nearest_word.hpp"
+#include "base/progress.hpp"
 #include "base/quantity.hpp"
+#include "base/terminal.hpp"
 #include "base/text.hpp"
 
 namespace po = boost::program_options;
@@ -27,6 +32,23 @@ std::string join_alternatives(std::vector<std::string> words) {
   return words.empty() ? last : join(words, ", ") + " or " + last;
 }
 
+constexpr std::string_view kWarning = "warning: ";
+constexpr std::string_view kMissed = "NOT met";
+
+constexpr std::string_view kMeasuredFormats =
+    "Measured files may also be of Digilent WaveForms, Bode 100, REW/FRD/ZMA, Touchstone, ngspice,\n"
+    "LTspice, MATLAB 5, WAV or plain tables, told apart by content. FILE:s11, FILE:v(out),\n"
+    "FILE:v(in),v(out), FILE:gain, FILE:db choose what in them is meant (docs/formats.md).\n";
+
+/// A limit that is missed stands out at a terminal.
+std::string with_colours(std::string text) {
+  if (!colours_wanted(STDOUT_FILENO)) return text;
+  const std::string shown = coloured(kMissed, Tone::error, STDOUT_FILENO);
+  for (std::size_t at = 0; (at = text.find(kMissed, at)) != std::string::npos; at += shown.size())
+    text.replace(at, kMissed.size(), shown);
+  return text;
+}
+
 std::vector<std::string>& waiting_notes() {
   static std::vector<std::string> notes;
   return notes;
@@ -39,6 +61,7 @@ CommandLine::CommandLine(std::string name, std::string example, std::string what
   group("Options");
   flag("help,h", "show this text");
   flag("json", "print the summary as one JSON object");
+  flag("quiet", "no summary (but that of --json), notes and progress: errors alone");
 }
 
 void CommandLine::add(const std::string& name, const po::value_semantic* value, const std::string& what) {
@@ -78,6 +101,7 @@ void CommandLine::flag(const std::string& name, const std::string& what) {
 }
 
 void CommandLine::group(const std::string& caption) {
+  captions_.push_back(caption);
   groups_.emplace_back(caption, 100);
 }
 
@@ -101,7 +125,50 @@ void CommandLine::band(const std::string& from_what, const std::string& to_what)
   option<double>("to-hz", to_what);
 }
 
+void CommandLine::show_help() const {
+  po::options_description shown;
+  for (const po::options_description& some : groups_) shown.add(some);
+  std::ostringstream text;
+  text << shown;
+  fmt::print("Example:\n  {}\n\n{}\n\nUsage: bodesmith {}{} [options]\n{}", example_, what_, name_,
+             positional_name_.empty() ? "" : " " + positional_name_, text.str());
+  if (reads_measurements_) fmt::print("\n{}", kMeasuredFormats);
+}
+
+CommandTable CommandLine::table() const {
+  CommandTable out{name_, example_, what_, positional_name_, reads_measurements_, {}};
+  for (std::size_t i = 0; i < groups_.size(); ++i) {
+    for (const auto& option : groups_[i].options()) {
+      OptionEntry entry;
+      entry.name = option->long_name();
+      // "-o [ --output ]" where there is a short name.
+      if (const std::string both = option->format_name(); both[1] != '-') entry.letter = both.substr(1, 1);
+      entry.group = captions_[i];
+      entry.what = option->description();
+      entry.takes_value = option->semantic()->max_tokens() > 0;
+      entry.several = option->semantic()->max_tokens() > 1 || option->semantic()->is_composing();
+      const std::string shown = option->format_parameter();  // "arg (=auto)"
+      if (const auto at = shown.find("(="); at != std::string::npos)
+        entry.default_text = shown.substr(at + 2, shown.size() - at - 3);
+      if (const auto words = words_.find(entry.name); words != words_.end()) entry.words = words->second;
+      out.options.push_back(std::move(entry));
+    }
+  }
+  return out;
+}
+
+void CommandLine::fail_unknown(const std::string& given) const {
+  std::vector<std::string> known;
+  for (const OptionEntry& option : table().options) known.push_back(option.name);
+  const std::string bare = given.substr(std::min(given.find_first_not_of('-'), given.size()));
+  fail(fmt::format("unrecognised option '{}'{}", given, did_you_mean(bare, known, "--")));
+}
+
 bool CommandLine::parse(const std::vector<std::string>& arguments) {
+  if (tables_wanted() != nullptr) {
+    tables_wanted()->push_back(table());
+    return false;
+  }
   po::options_description shown;
   for (const po::options_description& some : groups_) shown.add(some);
   po::options_description all;
@@ -113,20 +180,13 @@ bool CommandLine::parse(const std::vector<std::string>& arguments) {
     const int style = po::command_line_style::default_style & ~po::command_line_style::allow_guessing;
     po::store(po::command_line_parser(arguments).options(all).positional(places).style(style).run(), values_);
     if (values_.count("help") > 0) {
-      std::ostringstream text;
-      text << shown;
-      fmt::print("Example:\n  {}\n\n{}\n\nUsage: bodesmith {}{} [options]\n{}", example_, what_, name_,
-                 positional_name_.empty() ? "" : " " + positional_name_, text.str());
-      if (reads_measurements_)
-        fmt::print(
-            "{}",
-            "\nMeasured files may also be of Digilent WaveForms, Bode 100, REW/FRD/ZMA, Touchstone, ngspice,\n"
-            "LTspice, MATLAB 5, WAV or plain tables, told apart by content. FILE:s11, FILE:v(out),\n"
-            "FILE:v(in),v(out), FILE:gain, FILE:db choose what in them is meant (docs/formats.md).\n");
+      show_help();
       return false;
     }
     po::notify(values_);
     read_quantities();
+  } catch (const po::unknown_option& error) {
+    fail_unknown(error.get_option_name());
   } catch (const po::error& error) {
     fail(error.what());
   }
@@ -138,6 +198,8 @@ bool CommandLine::parse(const std::vector<std::string>& arguments) {
   if (output_needed_ && values_.count("output") == 0)
     fail("-o is missing, expected where to write the result");
   if (values_.count("output") > 0 && get<std::string>("output").empty()) fail("-o is empty");
+  if (quiet()) be_quiet();
+  show_progress(name_);
   return true;
 }
 
@@ -180,15 +242,16 @@ void CommandLine::fail(const std::string& message) const {
 
 void CommandLine::fail_choice(const std::string& option, const std::string& given,
                               const std::vector<std::string>& words) const {
-  fail(fmt::format("--{} is '{}', expected {}", option, given, join_alternatives(words)));
+  fail(fmt::format("--{} is '{}'{}, expected {}", option, given, did_you_mean(given, words),
+                   join_alternatives(words)));
 }
 
 void print_summary(const CommandLine& line, const std::string& text, const Json& json) {
   show_notes();
   if (line.json()) {
     fmt::print("{}", to_text(json));
-  } else {
-    fmt::print("{}", text);
+  } else if (!line.quiet()) {
+    fmt::print("{}", with_colours(text));
     if (!json.contains("inputs")) return;
     for (const Json& input : json["inputs"]) {
       if (input.contains("read_as"))
@@ -202,12 +265,16 @@ void note(const std::string& text) {
 }
 
 void show_notes() {
-  for (const std::string& text : std::exchange(waiting_notes(), {}))
-    fmt::print(stderr, "bodesmith: {}\n", text);
+  hide_progress();
+  for (const std::string& text : std::exchange(waiting_notes(), {})) {
+    if (quiet()) continue;
+    const bool warning = text.starts_with(kWarning);
+    fmt::print(stderr, "bodesmith: {}\n", warning ? coloured(text, Tone::warning, STDERR_FILENO) : text);
+  }
 }
 
 void warn_each(const std::vector<std::string>& warnings) {
-  for (const std::string& warning : warnings) note("warning: " + warning);
+  for (const std::string& warning : warnings) note(std::string(kWarning) + warning);
 }
 
 void note_conversions(const Provenance& from) {

@@ -13,11 +13,12 @@
 
 #include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
+#include "cli/option_table.hpp"
 #include "lti/frequency_grid.hpp"
 
 namespace bodesmith::cli {
 
-/// The options of one subcommand. Every subcommand has --help, --json and (when it writes) -o.
+/// The options of one subcommand. Every subcommand has --help, --json, --quiet and (when it writes) -o.
 class CommandLine {
  public:
   /// `example` is the line that --help shows first.
@@ -57,6 +58,8 @@ class CommandLine {
   void repeatable(const std::string& name, const std::string& what) {
     add(name, boost::program_options::value<std::vector<T>>()->composing(), what);
   }
+  /// The words that an option takes: offered by shells, and shown by the manual.
+  void words(const std::string& option, std::vector<std::string> words) { words_[option] = std::move(words); }
   /// Options added from here on stand under this heading of --help.
   void group(const std::string& caption);
 
@@ -73,6 +76,8 @@ class CommandLine {
 
   /// False when --help was asked for and shown. Throws InputError for bad usage.
   bool parse(const std::vector<std::string>& arguments);
+  /// What --help shows, for manual and completion.
+  CommandTable table() const;
 
   bool has(const std::string& option) const {
     return values_.count(option) > 0 && !values_[option].defaulted();
@@ -114,6 +119,7 @@ class CommandLine {
   std::filesystem::path output_path() const { return get<std::string>("output"); }
   std::uint64_t seed_value() const { return get<std::uint64_t>("seed"); }
   bool json() const { return values_.count("json") > 0; }
+  bool quiet() const { return values_.count("quiet") > 0; }
   /// Throws InputError "NAME: message (see bodesmith NAME --help)".
   [[noreturn]] void fail(const std::string& message) const;
 
@@ -122,6 +128,9 @@ class CommandLine {
            const std::string& what);
   void add_quantity(const std::string& name, std::optional<double> default_value, const std::string& what);
   void add_quantities(const std::string& name, const std::string& what);
+  void show_help() const;
+  /// "unrecognised option '--oder'", with the option that may be meant.
+  [[noreturn]] void fail_unknown(const std::string& given) const;
   /// Reads the text of every quantity that was given.
   void read_quantities();
   [[noreturn]] void fail_choice(const std::string& option, const std::string& given,
@@ -137,7 +146,9 @@ class CommandLine {
   bool reads_measurements_ = false;
   /// The subcommand's own options, then the groups with a heading.
   std::vector<boost::program_options::options_description> groups_;
+  std::vector<std::string> captions_;  ///< of the groups
   boost::program_options::variables_map values_;
+  std::map<std::string, std::vector<std::string>> words_;
   std::map<std::string, std::vector<double>> quantities_;  ///< numbers typed with or without prefix and unit
 };
 

@@ -1,5 +1,7 @@
 #include "cli/commands.hpp"
 
+#include <algorithm>
+
 /// The subcommands in the order of `bodesmith --help`: one line each. run_NAME stands in NAME_command.cpp.
 #define BODESMITH_COMMANDS(COMMAND)                                            \
   COMMAND(run, "a project file to checked hardware and a report")              \
@@ -16,7 +18,10 @@
   COMMAND(identify, "measured records to a model")                             \
   COMMAND(compensate, "a model's inverse: the drive for a required output")    \
   COMMAND(diagnose, "names what a model is missing")                           \
-  COMMAND(yield, "tolerance and mismatch statistics of a realised design")
+  COMMAND(yield, "tolerance and mismatch statistics of a realised design")     \
+  COMMAND(new, "a commented project to begin with")                            \
+  COMMAND(schema, "JSON Schemas of all files, for editors and validators")     \
+  COMMAND(completion, "completion of options for bash, zsh and fish")
 
 namespace bodesmith::cli {
 
@@ -29,6 +34,27 @@ const std::vector<Command>& commands() {
   static const std::vector<Command> all = {BODESMITH_COMMANDS(BODESMITH_LIST_COMMAND)};
 #undef BODESMITH_LIST_COMMAND
   return all;
+}
+
+int run_manual(const std::vector<std::string>& arguments);
+
+const std::vector<Command>& hidden_commands() {
+  static const std::vector<Command> all = {{"manual", "manual pages of all subcommands", run_manual}};
+  return all;
+}
+
+const std::vector<Command>& verbs_of(std::string_view command) {
+  static const std::vector<Command> none;
+  if (command == "fpaa") return fpaa_verbs();
+  if (command == "yield") return yield_verbs();
+  return none;
+}
+
+const Command* find_command(const std::vector<Command>& among, const std::vector<std::string>& arguments) {
+  if (arguments.empty()) return nullptr;
+  const auto found = std::find_if(among.begin(), among.end(),
+                                  [&](const Command& command) { return command.name == arguments[0]; });
+  return found == among.end() ? nullptr : &*found;
 }
 
 }  // namespace bodesmith::cli

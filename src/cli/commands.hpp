@@ -1,6 +1,7 @@
 #pragma once
 
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace bodesmith::cli {
@@ -22,5 +23,14 @@ struct Command {
 
 /// One line a subcommand; each lives in a file of its own, <name>_command.cpp.
 const std::vector<Command>& commands();
+/// Those that --help does not list: for the build.
+const std::vector<Command>& hidden_commands();
+/// The subcommands below one: `fpaa streams`.
+const std::vector<Command>& verbs_of(std::string_view command);
+const std::vector<Command>& fpaa_verbs();
+const std::vector<Command>& yield_verbs();
+
+/// The one that the first argument names; null when it names none.
+const Command* find_command(const std::vector<Command>& among, const std::vector<std::string>& arguments);
 
 }  // namespace bodesmith::cli

@@ -34,6 +34,7 @@ void declare_controller(CommandLine& line) {
                     "are put there where they fit");
   line.option<std::string>("waveform", "reference: triangle, sine, two_tone or decaying_triangle",
                            "triangle");
+  line.words("waveform", {"triangle", "sine", "two_tone", "decaying_triangle"});
   line.option<double>("amplitude", "of the reference, of the full stroke", 1.0);
   line.flag("constant", "leave the rate gains out: the constant polynomial");
   line.option<double>("rate-tolerance-percent",

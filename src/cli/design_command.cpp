@@ -22,6 +22,7 @@ using filters::Kind;
 void declare_design(CommandLine& line) {
   line.positional("lowpass|highpass|bandpass|bandstop|peaking|low-shelf|high-shelf|delay", 1, 1);
   line.option<std::string>("family", filters::family_registry().names(), "butterworth");
+  line.words("family", filters::family_registry().name_list());
   line.option<int>("order", "of the low-pass prototype (a band filter has twice as many poles)");
   line.option<double>("corner-hz", "low pass, high pass, shelf: the corner; peaking: the centre");
   line.band("band pass, band stop: lower corner", "upper corner");

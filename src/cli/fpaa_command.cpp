@@ -30,11 +30,13 @@ void add_plan_options(CommandLine& line) {
   line.positional("SECTIONS.json", 1, 1);
   line.output("folder for plan.json, build_sheet.md, build_sheet.html and board.svg");
   line.option<std::string>("board", "the board", "an231k04-quad4");
+  line.words("board", {"an231k04-quad4"});
   line.option<std::string>(
       "topology",
       "auto, parallel (partial fractions), cascade (one clock), chain (pole-zero stages at "
       "one clock, holds not compensated)",
       "auto");
+  line.words("topology", {"auto", "parallel", "cascade", "chain"});
   line.option<double>("clock-hz", "one clock for all: a chain (default: every stage its own clock)");
   line.option<double>("min-clock-hz", "no clock below this; slow poles by two capacitor ratios");
   line.band("lower end of the band in which errors are minimised and stated", "its upper end");
@@ -230,17 +232,22 @@ int run_fpaa_controller(const std::vector<std::string>& arguments);
 int run_fpaa_disassemble(const std::vector<std::string>& arguments);
 int run_fpaa_gains(const std::vector<std::string>& arguments);
 
+const std::vector<Command>& fpaa_verbs() {
+  static const std::vector<Command> all = {
+      {"streams", "update streams for the board", run_fpaa_streams},
+      {"verify", "decodes streams, compares with the plan", run_fpaa_verify},
+      {"check", "compares AnadigmDesigner2's report", run_fpaa_check},
+      {"controller", "the whole controller on the board", run_fpaa_controller},
+      {"gains", "branch gains that a host sends", run_fpaa_gains},
+      {"disassemble", "any AN231 stream back to a netlist", run_fpaa_disassemble},
+      {"trim", "new capacitors from the built board's response", run_fpaa_trim},
+      {"send", "sends packets to the board", run_fpaa_send}};
+  return all;
+}
+
 int run_fpaa(const std::vector<std::string>& arguments) {
-  const std::string verb = arguments.empty() ? "" : arguments[0];
-  const std::vector<std::string> rest(arguments.begin() + (arguments.empty() ? 0 : 1), arguments.end());
-  if (verb == "streams") return run_fpaa_streams(rest);
-  if (verb == "verify") return run_fpaa_verify(rest);
-  if (verb == "check") return run_fpaa_check(rest);
-  if (verb == "controller") return run_fpaa_controller(rest);
-  if (verb == "gains") return run_fpaa_gains(rest);
-  if (verb == "trim") return run_fpaa_trim(rest);
-  if (verb == "send") return run_fpaa_send(rest);
-  if (verb == "disassemble") return run_fpaa_disassemble(rest);
+  if (const Command* verb = find_command(fpaa_verbs(), arguments))
+    return verb->run({arguments.begin() + 1, arguments.end()});
   return plan_board(arguments);
 }
 

@@ -9,6 +9,7 @@
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
+#include "base/nearest_word.hpp"
 #include "base/quantity.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
@@ -104,9 +105,13 @@ struct IdentifyRequest {
 void describe_options(CommandLine& line) {
   const std::string models = "one of " + model_names() + ", or all for the comparison table";
   line.option<std::string>("model", models);
+  std::vector<std::string> names = hysteresis::model_type_registry().name_list();
+  names.insert(names.end(), {kLinear, "all"});
+  line.words("model", std::move(names));
   line.repeatable<std::string>("holdout", "record that is not fitted, only compared with (repeatable)");
   line.option<std::string>("method", "best, paper (what the model's own paper does), or both in one table",
                            "best");
+  line.words("method", {"best", "paper", "both"});
   line.option<int>("size", "plays, operators or levels of the model (0: its default)", 0);
   line.option<std::string>("delay", "none, find, or a pure delay in seconds", "none");
   line.option<double>(
@@ -138,7 +143,8 @@ IdentifyRequest request_of(CommandLine& line) {
   const std::string model = line.get<std::string>("model");
   out.all_models = model == "all";
   if (!out.all_models && model != kLinear && hysteresis::model_type_registry().find(model) == nullptr)
-    line.fail(fmt::format("--model is '{}', expected {}", model, models));
+    line.fail(fmt::format("--model is '{}'{}, expected {}", model,
+                          did_you_mean(model, hysteresis::model_type_registry().name_list()), models));
   if (!out.all_models) out.model = model_of_name(model);
   hysteresis::IdentifyOptions& options = out.options.identify;
   options.seed = line.seed_value();

@@ -30,12 +30,14 @@ void declare_simulate(CommandLine& line) {
   line.option<std::string>(
       "start", "zero: all states zero before the first sample; equilibrium: at rest under the first input",
       "zero");
+  line.words("start", {"zero", "equilibrium"});
   line.option<std::string>(
       "engine",
       "automatic: in closed form where there is one, else from sample to sample, refined until "
       "--tolerance is met; exact: closed form or nothing; record: from sample to sample with one "
       "step; cvode: the chain as an ODE with events",
       "automatic");
+  line.words("engine", {"automatic", "exact", "record", "cvode"});
   line.option<double>("tolerance", "relative, of the largest output (automatic) or of each state (cvode)",
                       1e-8);
   line.option<int>("oversample", "initial number of steps per sample interval (automatic, record)", 1);

@@ -227,9 +227,15 @@ const yield::Result& best_design(const std::vector<yield::Result>& results) {
 
 int run_yield_controller(const std::vector<std::string>& arguments);
 
+const std::vector<Command>& yield_verbs() {
+  static const std::vector<Command> all = {
+      {"controller", "what its parts do to the analog controller, with trims", run_yield_controller}};
+  return all;
+}
+
 int run_yield(const std::vector<std::string>& arguments) {
-  if (!arguments.empty() && arguments[0] == "controller")
-    return run_yield_controller({arguments.begin() + 1, arguments.end()});
+  if (const Command* verb = find_command(yield_verbs(), arguments))
+    return verb->run({arguments.begin() + 1, arguments.end()});
   CommandLine line(
       "yield", "bodesmith yield sections.json -o yield.json --limit-db 0.5",
       "What tolerances do to a design: Monte Carlo over op-amp RC parts or FPAA capacitors. With several files\n"

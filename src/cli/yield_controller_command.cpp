@@ -6,6 +6,7 @@
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
+#include "base/nearest_word.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "circuit/opamp_library.hpp"
@@ -64,7 +65,9 @@ part_errors::PartErrors part_errors_given(const CommandLine& line) {
       out.*one.value = value;
       known = true;
     }
-    if (!known) line.fail(fmt::format("--error {}: not known, expected one of {}", name, join(names, ", ")));
+    if (!known)
+      line.fail(fmt::format("--error {}: not known{}, expected one of {}", name, did_you_mean(name, names),
+                            join(names, ", ")));
   }
   return out;
 }

@@ -189,8 +189,11 @@ DirectSearch search_from_starts(const DirectProblem& problem, const DirectFitOpt
     const bool screen = starts.size() > effort.finished;
     std::vector<SearchResult> refined(starts.size());
     std::atomic<int> left{0};
+    Progress progress("starts of the fit");
+    std::atomic<std::size_t> begun = 0;
     parallel_for(starts.size(), thread_count(0), [&](std::size_t i) {
       stop_if_interrupted();
+      progress.at(static_cast<double>(begun++) / static_cast<double>(starts.size()));
       // The first one is followed however late it is: there is an answer.
       if (i > 0 && options.deadline.passed()) {
         ++left;

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::fpaa {
@@ -44,8 +45,8 @@ Outcome<const Board*> find_board(std::string_view name) {
     if (board->name == name) return board;
     names.push_back(board->name);
   }
-  return Refusal{
-      fmt::format("'{}' is not a board that is known, expected one of: {}", name, join(names, ", "))};
+  return Refusal{fmt::format("'{}' is not a board that is known{}, expected one of: {}", name,
+                             did_you_mean(name, names), join(names, ", "))};
 }
 
 const Board& board_by_name(std::string_view name) {

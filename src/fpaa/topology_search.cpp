@@ -3,10 +3,12 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "base/progress.hpp"
 #include "base/whole_number.hpp"
 #include "fpaa/clock_features.hpp"
 #include "fpaa/error_budget.hpp"
@@ -614,7 +616,11 @@ void refine(TopologyCandidate& candidate, const Sections& sections, Band band, c
 
 Outcome<SearchedNetwork> search_once(const Sections& sections, Band band, const PlanOptions& options,
                                      const Board& board) {
-  std::vector<TopologyCandidate> found = TopologySearch(sections, band, options, board).run();
+  std::vector<TopologyCandidate> found;
+  {
+    const Progress progress("topologies");
+    found = TopologySearch(sections, band, options, board).run();
+  }
   if (found.empty()) return Refusal{"no topology makes these sections with the board's capacitors"};
   std::optional<Refusal> why_not;
   TopologyCandidate* best = best_on_board(found, band, options.assumptions.noise, board, why_not);
@@ -622,8 +628,12 @@ Outcome<SearchedNetwork> search_once(const Sections& sections, Band band, const 
   std::vector<TopologyCandidate> chosen;
   if (best->score.in_band > kGoodEnough) {
     chosen = worth_refining(found, board);
-    parallel_for(chosen.size(), kSearchThreads,
-                 [&](std::size_t i) { refine(chosen[i], sections, band, options, board); });
+    Progress progress("capacitors");
+    std::atomic<std::size_t> done = 0;
+    parallel_for(chosen.size(), kSearchThreads, [&](std::size_t i) {
+      refine(chosen[i], sections, band, options, board);
+      progress.at(static_cast<double>(++done) / static_cast<double>(chosen.size()));
+    });
     best = best_on_board(chosen, band, options.assumptions.noise, board, why_not);
     if (best == nullptr) return *why_not;
   } else {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 #include "numeric/random.hpp"
 
@@ -120,7 +121,8 @@ PartErrors PartErrors::from_node(const Node& node) {
       known.emplace_back(one.name);
       if (key == one.name) found = &one;
     }
-    if (found == nullptr) value.fail("is not known, expected one of " + join(known, ", "));
+    if (found == nullptr)
+      value.fail("is not known" + did_you_mean(key, known) + ", expected one of " + join(known, ", "));
     out.*found->value = value.non_negative();
   }
   return out;

@@ -81,6 +81,7 @@ bool FilterRun::limits_met() const {
 FilterRun run_filter_project(const ProjectSource& source, const fs::path& folder) {
   const Stopwatch watch;
   Progress progress("run");
+  progress.at(0.0, 0.9, "design");
   FilterRun run;
   run.from = source.from;
   run.project = FilterProject::from_document(source.document, source.file, run.from);
@@ -89,7 +90,7 @@ FilterRun run_filter_project(const ProjectSource& source, const fs::path& folder
   } catch (const DesignError& error) {
     throw DesignError(source.file.string() + ": " + error.what());
   }
-  progress.at(0.9);
+  progress.at(0.9, 1.0, "netlists and report");
   run.limits = check_filter_limits(run.project, run.design);
   OutputSet out = filter_files(run, folder);
   for (const fs::path& path : out.paths()) run.files.push_back(path);

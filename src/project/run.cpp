@@ -107,11 +107,12 @@ bool ProjectRun::limits_met() const {
 ProjectRun run_project(const ProjectSource& source, const fs::path& folder) {
   const Stopwatch watch;
   Progress progress("run");
+  progress.at(0.0, 0.1, "design");
   ProjectRun run;
   run.from = source.from;
   run.project = Project::from_document(source.document, source.file, run.from);
   run.design = design_of(run.project, source.file);
-  progress.at(0.1);
+  progress.at(0.1, 0.2, "parts and files");
   Background background(run);
   run.budget = make_budget(run.project, run.design);
   run.limits = check_limits(run.project, run.design);
@@ -120,15 +121,15 @@ ProjectRun run_project(const ProjectSource& source, const fs::path& folder) {
   list_files(run, design);
   add_unfinished(design);
   design.commit();
-  progress.at(0.2);
+  progress.at(0.2, 0.4, "netlists in ngspice");
 
   run.ngspice = background.check();
   stop_if_interrupted();
-  progress.at(0.4);
+  progress.at(0.4, 0.9, "tracking");
   run.tracking =
       study_tracking(run.project, run.design, run.budget, [&background] { return background.drives(); });
   run.alternatives = background.alternatives();
-  progress.at(0.9);
+  progress.at(0.9, 1.0, "report");
   run.compute_s = watch.seconds();
   write_study(run, folder);
   std::error_code ignored;

@@ -60,7 +60,7 @@ void add_layout(const ProjectRun& run, OutputSet& out) {
 
 void add_controller(const ProjectRun& run, OutputSet& out) {
   const controller::AnalogController& controller = *run.design.controller;
-  Json json = json_header("controller", run.from);
+  Json json = json_header("analog_controller", run.from);
   json.update(controller::to_json(controller));
   if (run.part_errors) {
     json.update(part_errors::to_json(*run.part_errors, controller));

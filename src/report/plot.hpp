@@ -35,10 +35,10 @@ struct Plot {
   int height = 340;
 };
 
-/// The plot as one <svg> element that stands on its own (white ground, no scripts, no outside fonts).
+/// The plot as one `svg` element that stands on its own (white ground, no scripts, no outside fonts).
 std::string to_svg(const Plot& plot);
 
-/// Plots of equal width below one another in one <svg>, e.g. magnitude and phase.
+/// Plots of equal width below one another in one `svg`, e.g. magnitude and phase.
 std::string stack_svg(const std::vector<Plot>& plots);
 
 }  // namespace bodesmith::report

@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 #include "base/quantity.hpp"
 #include "base/text.hpp"
 #include "numeric/parallel_for.hpp"
@@ -216,6 +217,16 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
   return csv;
 }
 
+namespace {
+
+/// Columns that were misspelt, such as time_s as times_s: named where one stands in the place of the one that lacks.
+std::string column_meant(std::string_view name, const std::vector<std::string>& found) {
+  const auto near = nearest_word(name, found);
+  return near ? fmt::format(" (did you mean it by '{}'?)", *near) : std::string();
+}
+
+}  // namespace
+
 bool Csv::has(std::string_view name) const {
   return std::find(names_.begin(), names_.end(), name) != names_.end();
 }
@@ -229,8 +240,9 @@ const std::vector<double>& Csv::column(std::string_view name) const& {
                                  name == column::time_s ? "time record" : "frequency response"));
   }
   if (at == names_.end()) {
-    throw InputError(file_, header_line_,
-                     fmt::format("has no column '{}', found: {}", name, join(names_, ", ")));
+    throw InputError(
+        file_, header_line_,
+        fmt::format("has no column '{}', found: {}{}", name, join(names_, ", "), column_meant(name, names_)));
   }
   return columns_[static_cast<std::size_t>(at - names_.begin())];
 }

@@ -96,8 +96,12 @@ void run_continuous(const StateSpace& plant, const std::vector<double>& f, const
   const std::array inputs = {closed.by_feedforward.data(), closed.by_reference.data()};
   Stepper stepper(closed.system, inputs, r.step_s / parts);
   state.resize(n + kPidStates, 0.0);
+  Progress progress("simulation");
   for (std::size_t i = 0; i < r.size(); ++i) {
-    if (i % 65536 == 0) stop_if_interrupted();
+    if (i % 65536 == 0) {
+      stop_if_interrupted();
+      progress.at(static_cast<double>(i) / static_cast<double>(r.size()));
+    }
     for (int part = 0; i > 0 && part < parts; ++part) {
       stepper.step(
           state, {{between(f[i - 1], f[i], part, parts), between(f[i - 1], f[i], part + 1, parts)},
@@ -123,8 +127,12 @@ void run_sampled_controller(const StateSpace& plant, const std::vector<double>& 
   double held = pid.update(r.u[0] - output(plant, 0.0, state.data()));
   out.y.push_back(output(plant, 0.0, state.data()));
   out.drive.push_back(f[0] + held);
+  Progress progress("simulation");
   for (std::size_t i = 1; i < r.size(); ++i) {
-    if (i % look_every == 0) stop_if_interrupted();
+    if (i % look_every == 0) {
+      stop_if_interrupted();
+      progress.at(static_cast<double>(i) / static_cast<double>(r.size()));
+    }
     for (int piece = 0; piece < pieces; ++piece) {
       stepper.step(state, {{held + between(f[i - 1], f[i], piece, pieces),
                             held + between(f[i - 1], f[i], piece + 1, pieces)}});

@@ -149,16 +149,24 @@ class OutputSampler {
   std::size_t next_ = 0;
 };
 
+double part_of_record(OdeSystem& system, double time) {
+  const double first = system.input().begin();
+  return (time - first) / (system.input().end() - first);
+}
+
 /// From t to `stop`, through the events between.
 void solve_stretch(OdeSystem& system, CvodeSolver& solver, double t, double stop, bool final,
-                   OutputSampler& output, ChatterGuard& chatter, Stats& stats) {
+                   OutputSampler& output, ChatterGuard& chatter, Progress& progress, Stats& stats) {
   constexpr std::size_t kLookEvery = 4096;
   while (t < stop) {
     solver.start(t, system.state().data(), stop);
     auto outcome = CvodeSolver::Outcome::stepped;
     while (outcome == CvodeSolver::Outcome::stepped) {
       outcome = solver.step();
-      if (solver.steps() % kLookEvery == 0) stop_if_interrupted();
+      if (solver.steps() % kLookEvery == 0) {
+        stop_if_interrupted();
+        progress.at(part_of_record(system, solver.time()));
+      }
       if (solver.steps() > kMostSolverSteps)
         throw SolverFailure(
             fmt::format("more than {} steps at {} s of the record, where it asks for ever shorter ones",
@@ -196,10 +204,14 @@ void solve_ode(OdeSystem& system, const Options& options, const OdeRequest& requ
   system.restart(first, nullptr);
   output.first(first);
   double t = first;
+  Progress progress("simulation");
   for (std::size_t i = 0; i < stops.size(); ++i) {
     const double stop = stops[i];
-    if (i % 1024 == 0) stop_if_interrupted();
-    solve_stretch(system, solver, t, stop, i + 1 == stops.size(), output, chatter, stats);
+    if (i % 1024 == 0) {
+      stop_if_interrupted();
+      progress.at(part_of_record(system, t));
+    }
+    solve_stretch(system, solver, t, stop, i + 1 == stops.size(), output, chatter, progress, stats);
     t = stop;
     if (i + 1 == stops.size()) break;
     system.run_until(stops[i + 1]);

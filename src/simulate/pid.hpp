@@ -8,7 +8,7 @@
 namespace bodesmith::simulate {
 
 /// A PI or PID controller on the error e = r - y, in parallel form:
-///   control = clamp(proportional e + integral \int e dt + derivative w_d s/(s + w_d) e, lower, upper).
+///   control = clamp(proportional e + integral ∫ e dt + derivative w_d s/(s + w_d) e, lower, upper).
 /// While the clamp holds the control, the integral does not run further into it.
 /// period_s = 0: continuous. Otherwise sampled at t = k period_s from the record's start and held: the
 /// integral by trapezia, the derivative by backward differences.

@@ -7,6 +7,7 @@
 #include <limits>
 #include <stdexcept>
 
+#include "base/progress.hpp"
 #include "base/text.hpp"
 #include "simulate/propagators/branch.hpp"
 #include "simulate/propagators/collocation.hpp"
@@ -208,7 +209,12 @@ struct RecordSimulator::Implementation {
             options.start == Start::equilibrium, u[0]};
     spread_input(u, run);
     state.assign(initial.begin(), initial.end());
-    for (const RecordStage& stage : stages) run_stage(stage, run);
+    Progress progress("simulation");
+    const auto count = static_cast<double>(stages.size());
+    for (std::size_t i = 0; i < stages.size(); ++i) {
+      progress.at(static_cast<double>(i) / count, static_cast<double>(i + 1) / count);
+      run_stage(stages[i], run);
+    }
     // At a jump the value behind it (a clocked block's new output) or in front.
     const std::size_t stride = parts * run.nodes.size();
     result[0] = signal[0];

@@ -8,6 +8,7 @@
 #include <random>
 
 #include "base/error.hpp"
+#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 #include "numeric/random.hpp"
 
@@ -142,8 +143,8 @@ const Kind& kind_named(const std::string& name) {
     if (kind.about.name == (name == "steps" ? "stair" : name)) return kind;
     names.push_back(kind.about.name);
   }
-  throw InputError(
-      fmt::format("the reference '{}' is not known, expected one of {}", name, join(names, ", ")));
+  throw InputError(fmt::format("the reference '{}' is not known{}, expected one of {}", name,
+                               did_you_mean(name, names), join(names, ", ")));
 }
 
 }  // namespace

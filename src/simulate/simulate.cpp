@@ -24,13 +24,18 @@ void validate(const chain::Chain& chain, const SampledInput& input) {
 Result run_one(Engine which, const chain::Chain& chain, const TimeRecord& input, const Options& options) {
   const Stopwatch watch;
   const ChainEngine& engine = chain_engine(which);
+  // The second run, at half the step or a finer tolerance, takes longer.
+  Progress progress("simulation");
+  progress.at(0.0, options.estimate_error ? 0.4 : 1.0);
   auto outcome = engine.run(chain, input, options);
   if (const auto* none = std::get_if<NoClosedForm>(&outcome)) {
     throw InputError("the model has no closed form for this input: " + none->text);
   }
   Result result = std::get<Result>(std::move(outcome));
   result.stats.compute_s = watch.seconds();
-  if (options.estimate_error) result.error_estimate = engine.estimate_error(chain, input, options, result);
+  if (!options.estimate_error) return result;
+  progress.at(0.4, 1.0, "simulation again, for its numerical error");
+  result.error_estimate = engine.estimate_error(chain, input, options, result);
   return result;
 }
 

@@ -13,7 +13,7 @@ struct TemplateLines {
   std::vector<std::string> lines;
 };
 
-/// The deck `file` from templates/spice/<file>, with the request's title, band, triangle and tolerances.
+/// The deck `file` from templates/spice/FILE, with the request's title, band, triangle and tolerances.
 Deck deck_from_template(const std::string& file, const DeckRequest& request,
                         const std::vector<TemplateLines>& lists = {});
 

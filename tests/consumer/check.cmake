@@ -13,3 +13,21 @@ step(${CMAKE_COMMAND} -S ${CMAKE_CURRENT_LIST_DIR} -B ${WORK_DIR}/build -G Ninja
 step(${CMAKE_COMMAND} --build ${WORK_DIR}/build)
 step(${WORK_DIR}/build/consumer)
 step(${WORK_DIR}/installed/bin/bodesmith --version)
+
+# The same program by pkg-config, without CMake.
+find_program(PKG_CONFIG pkg-config)
+if(NOT PKG_CONFIG)
+  message("pkg-config is not installed: its consumer was not built")
+  return()
+endif()
+file(GLOB_RECURSE file ${WORK_DIR}/installed/*/bodesmith.pc)
+get_filename_component(folder ${file} DIRECTORY)
+set(ENV{PKG_CONFIG_PATH} ${folder})
+execute_process(COMMAND ${PKG_CONFIG} --cflags --libs bodesmith OUTPUT_VARIABLE flags RESULT_VARIABLE status
+                OUTPUT_STRIP_TRAILING_WHITESPACE)
+if(NOT status EQUAL 0)
+  message(FATAL_ERROR "pkg-config does not find bodesmith and what it requires")
+endif()
+separate_arguments(flags UNIX_COMMAND "${flags} ${CXX_FLAGS}")
+step(${CXX} ${CMAKE_CURRENT_LIST_DIR}/main.cpp -o ${WORK_DIR}/by_pkg_config ${flags})
+step(${WORK_DIR}/by_pkg_config)

@@ -85,8 +85,10 @@ RefinedRecord run_record_refined(const chain::Chain& chain, const TimeRecord& in
   std::size_t oversample = options.oversample;
   out.result = run_holds(chain, input, options.start, options.degree, oversample);
   if (out.result.error_estimate) return out;  // exact but for rounding
+  Progress progress("half the step");
   while (true) {
     stop_if_interrupted();
+    progress.at(0.0, 1.0);
     Result finer = run_holds(chain, input, options.start, out.result.stats.degree, 2 * oversample);
     const double difference = compare_records(out.result.y, finer.y).max;
     double size = 0.0;

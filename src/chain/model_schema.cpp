@@ -1,0 +1,109 @@
+#include "chain/model_schema.hpp"
+
+#include <cmath>
+
+#include "base/json.hpp"
+#include "chain/registry.hpp"
+#include "chain/trained_keys.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+/// A number, or one as people write it ("4k7", base/quantity.hpp).
+Json quantity_definition() {
+  return {{"description", "a number, or a text such as \"4k7\", \"10n\" or \"13.2 kHz\""},
+          {"anyOf", {{{"type", "number"}}, {{"type", "string"}, {"pattern", "^[-+0-9.].*[^-+0-9.].*$"}}}}};
+}
+
+Json number_schema(const ParameterSpec& spec) {
+  Json out = {{"$ref", "#/$defs/quantity"}};
+  if (std::isfinite(spec.min)) out[spec.min_excluded ? "exclusiveMinimum" : "minimum"] = spec.min;
+  if (std::isfinite(spec.max)) out["maximum"] = spec.max;
+  return out;
+}
+
+std::string description_of(const ParameterSpec& spec) {
+  return spec.unit.empty() || spec.unit == "1" ? spec.what : spec.what + " [" + spec.unit + "]";
+}
+
+Json parameter_schema(const ParameterSpec& spec) {
+  Json out;
+  switch (spec.shape) {
+    case ParameterSpec::Shape::number:
+      out = number_schema(spec);
+      break;
+    case ParameterSpec::Shape::flag:
+      out = {{"enum", {false, true, 0, 1}}};
+      break;
+    case ParameterSpec::Shape::list:
+      out = {{"type", "array"}, {"items", number_schema(spec)}};
+      break;
+    case ParameterSpec::Shape::word:
+      out = {{"enum", spec.words}};
+      break;
+  }
+  out["description"] = description_of(spec);
+  if (spec.shape == ParameterSpec::Shape::number && spec.default_value)
+    out["default"] = spec.default_value->front();
+  return out;
+}
+
+Json block_schema(const BlockType& type) {
+  Json properties = {{"type", {{"const", type.name()}}}};
+  Json required = {"type"};
+  for (const ParameterSpec& spec : type.specs()) {
+    properties[spec.name] = parameter_schema(spec);
+    if (!spec.optional()) required.push_back(spec.name);
+  }
+  properties["free"] = {{"$ref", "#/$defs/free"}};
+  return {{"title", type.name()},     {"description", type.what()}, {"type", "object"},
+          {"properties", properties}, {"required", required},       {"additionalProperties", false}};
+}
+
+Json trained_schema() {
+  Json properties = Json::object();
+  Json required = Json::array();
+  for (const std::string& key : needed_trained_keys()) {
+    properties[key] = {{"type", "number"}};
+    required.push_back(key);
+  }
+  for (const char* key : {"holdout_rms", "holdout_percent_of_range"})
+    properties[key] = {{"type", "number"}, {"minimum", 0}};
+  return {{"description", "what the model was fitted to; beyond it nothing was compared"},
+          {"type", "object"},
+          {"properties", properties},
+          {"required", required},
+          {"additionalProperties", false}};
+}
+
+}  // namespace
+
+Json model_schema() {
+  Json blocks = Json::array();
+  for (const BlockType* type : block_type_registry().all()) blocks.push_back(block_schema(*type));
+  Json out;
+  out["$schema"] = "https://json-schema.org/draft/2020-12/schema";
+  out["$id"] = "model.schema.json";
+  out["title"] = "bodesmith.model/1";
+  out["description"] = "A model: blocks in series, input first (model.toml).";
+  out["type"] = "object";
+  out["properties"] = {{"$schema", {{"type", "string"}}},
+                       {"schema", {{"const", "bodesmith.model/1"}}},
+                       {"name", {{"description", "for people"}}},
+                       {"about", {{"description", "for people"}}},
+                       {"trained", trained_schema()},
+                       {"block", {{"type", "array"}, {"items", {{"$ref", "#/$defs/block"}}}}}};
+  out["required"] = {"schema", "block"};
+  out["additionalProperties"] = false;
+  out["$defs"] = {
+      {"quantity", quantity_definition()},
+      {"free",
+       {{"description",
+         "parameters that identify and diagnose may refit: \"gain\", or one of a list \"gains[2]\""},
+        {"type", "array"},
+        {"items", {{"type", "string"}}}}},
+      {"block", {{"oneOf", blocks}}}};
+  return out;
+}
+
+}  // namespace bodesmith::chain

@@ -2,16 +2,22 @@
 
 #include <algorithm>
 #include <cmath>
+#include <variant>
 
+#include "base/document.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
+#include "chain/linear_kernel.hpp"
+#include "chain/model_file.hpp"
+#include "circuit/built_circuit.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/response_source.hpp"
 #include "exchange/writer.hpp"
+#include "fpaa/plan_graph.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
@@ -39,7 +45,91 @@ std::optional<FrequencyRecord> measured_response(const std::filesystem::path& pa
   return out;
 }
 
+/// The blocks of a model.toml, for scripts. Of a block that is itself an approximation (a fractional term), what its engine runs.
+void add_chain(const Node& node, exchange::Exportable& out) {
+  const chain::Chain chain = chain::model_from_node(node);
+  const auto linear = [](const chain::Block& block) {
+    return std::holds_alternative<chain::LinearKernel>(block.kernel());
+  };
+  if (!std::all_of(chain.blocks.begin(), chain.blocks.end(), linear)) return;
+  for (const chain::Block& block : chain.blocks) {
+    const auto kernel = std::get<chain::LinearKernel>(block.kernel());
+    out.chain.push_back({block.type_name(), kernel, kernel.delay_s});
+  }
+  for (std::size_t i = 0; i < out.response->frequency.size(); ++i) {
+    const std::complex<double> s(0.0, out.response->frequency[i].rad_s().value);
+    std::complex<double> h = 1.0;
+    for (const chain::Block& block : chain.blocks)
+      h *= chain::response(std::get<chain::LinearKernel>(block.kernel()), s);
+    out.response->response[i] = h;
+  }
+}
+
+/// The CAMs of a plan.json and what feeds them.
+void add_network(const Node& node, exchange::Exportable& out) {
+  const fpaa::Plan plan = fpaa::Plan::from_node(node);
+  const fpaa::PlanGraph graph = value_or_throw(fpaa::plan_graph(plan));
+  if (!graph.output || !graph.output->node) return;
+  exchange::SampledNetwork network;
+  for (const std::size_t i : graph.order) {
+    const fpaa::PlanGraph::PlanNode& cam = graph.nodes[i];
+    exchange::SampledBlock block{cam.name, cam.cam->clock_a.value, {}, cam.cam->z.denominator};
+    for (const fpaa::PlanGraph::Input& input : cam.inputs) {
+      block.inputs.push_back({input.from.node ? graph.nodes[*input.from.node].name : std::string(),
+                              cam.cam->z_from(input.number).numerator});
+    }
+    network.blocks.push_back(std::move(block));
+  }
+  network.output = graph.nodes[*graph.output->node].name;
+  out.network = std::move(network);
+}
+
+/// What a script rebuilds of a model or a plan.
+void add_system(const std::string& file, exchange::Exportable& out) {
+  Provenance again;
+  const Node node = read_document(file, again);
+  const std::string schema = node.string_or("schema", "");
+  if (schema == "bodesmith.model/1") add_chain(node, out);
+  if (schema == "bodesmith.fpaa_plan/1") add_network(node, out);
+}
+
+/// A circuit.json: its parts as they are mounted, and their response with ideal op-amps.
+exchange::Exportable load_circuit(const CommandLine& line, const std::string& file, Provenance& from) {
+  const circuit::CircuitFile made = circuit::CircuitFile::from_node(read_document(file, from));
+  exchange::Schematic schematic;
+  schematic.band = made.band;
+  schematic.open_loop_gain = made.circuit.model.dc_gain;
+  const double bandwidth = made.circuit.model.gain_bandwidth.value;
+  schematic.gain_bandwidth_hz = std::isfinite(bandwidth) ? bandwidth : 1e12;  // of an ideal one
+  for (const circuit::Part& part : made.circuit.parts) {
+    schematic.parts.push_back({part.kind == circuit::Part::Kind::capacitor, part.name, part.from, part.to,
+                               part.realised, part.stage});
+  }
+  for (const circuit::OpAmp& opamp : made.circuit.opamps)
+    schematic.opamps.push_back({opamp.name, opamp.plus, opamp.minus, opamp.out, opamp.stage});
+  exchange::Exportable out;
+  out.source = file;
+  out.name = exchange::identifier(std::filesystem::path(file).stem().string());
+  out.schematic = std::move(schematic);
+  FrequencyRecord record;
+  record.file = file;
+  ResponseSource source;
+  source.band = made.band;
+  record.frequency = export_grid(line, source);
+  for (const Hertz f : record.frequency) record.response.push_back(made.circuit.response(f.rad_s()));
+  out.response = std::move(record);
+  return out;
+}
+
+bool is_circuit(const std::string& file) {
+  Provenance aside;
+  if (!is_own_document(file)) return false;
+  const Node node = read_document(file, aside);
+  return node.kind() == Node::Kind::object && node.string_or("schema", "") == "bodesmith.circuit/1";
+}
+
 exchange::Exportable load_exportable(const CommandLine& line, const std::string& file, Provenance& from) {
+  if (is_circuit(file)) return load_circuit(line, file, from);
   exchange::Exportable out;
   out.source = file;
   if (is_design(file)) {
@@ -51,6 +141,7 @@ exchange::Exportable load_exportable(const CommandLine& line, const std::string&
     record.response = source.response(record.frequency);
     out.response = std::move(record);
     out.name = exchange::identifier(source.stem);
+    if (!line.has("with-holds") && is_own_document(file)) add_system(file, out);
     return out;
   }
   for (const char* option : {"from-hz", "to-hz", "count"}) {
@@ -96,19 +187,24 @@ int run_export(const std::vector<std::string>& arguments) {
       "export", "bodesmith export sections.json --sample-hz 48000 -o filter.c",
       "Writes a design, a response or a record for other programs:\n"
       "  bodesmith export sections.json -o sections.py      (python-control; .m: Octave; .mat: MATLAB)\n"
+      "  bodesmith export plan.json -o plan.m               (plans and linear models too: .py, .m)\n"
       "  bodesmith export plan.json -o plan.s2p             (.frd, .csv)\n"
+      "  bodesmith export circuit.json -o circuit.asc       (LTspice)\n"
       "  bodesmith export drive.csv --signal u -o drive.pwl (LTspice; .inc: a source for any SPICE)\n"
       "  bodesmith export run.raw:v(out) -o response.csv    (any format that is read, to own CSV)\n" +
           writers_text());
   line.positional("FILE", 1, 1);
   line.option<std::string>("as", "format by its name (default: by the ending of -o)");
+  line.words("as", exchange::writers().name_list());
   line.band("lowest frequency of a design's response (default: a decade below its corners)",
             "highest frequency");
   line.option<int>("count", "number of frequencies of a design's response", 200);
   line.flag("with-holds", "FPAA plans: with every hold and half-cycle delay");
   line.option<std::string>("signal", "of a record, where one is written: u or y", "u");
+  line.words("signal", {"u", "y"});
   line.option<double>("sample-hz", "sampling rate of digital biquads");
   line.option<std::string>("method", "tustin or matched", "tustin");
+  line.words("method", {"tustin", "matched"});
   line.option<double>("prewarp-hz", "tustin: exact here (default: every section at its own corner)");
   line.flag("float", "digital biquads in single precision");
   line.output("file to write");

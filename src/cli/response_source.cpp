@@ -139,6 +139,10 @@ bool is_netlist(const std::filesystem::path& path) {
 
 }  // namespace
 
+bool is_own_document(const std::filesystem::path& path) {
+  return !is_netlist(path) && is_document(path);
+}
+
 bool is_design(const std::filesystem::path& path) {
   return is_netlist(path) || is_document(path);
 }

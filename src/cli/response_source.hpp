@@ -41,6 +41,8 @@ struct ResponseOptions {
 /// everything else is measured or simulated (docs/formats.md), by its content. InputError for anything else.
 /// This program's own documents and netlists; everything else is measured or simulated data.
 bool is_design(const std::filesystem::path& path);
+/// This program's own documents alone.
+bool is_own_document(const std::filesystem::path& path);
 ResponseSource load_response(const std::filesystem::path& path, const ResponseOptions& options,
                              Provenance& from);
 

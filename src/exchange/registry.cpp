@@ -7,9 +7,10 @@
 namespace bodesmith::exchange {
 
 Registry<Writer>& writers() {
-  static Registry<Writer> all("export format", {&touchstone_writer(), &frd_writer(), &csv_writer(),
-                                                &pwl_writer(), &spice_source_writer(), &matlab_writer(),
-                                                &python_writer(), &octave_writer(), &c_writer()});
+  static Registry<Writer> all(
+      "export format",
+      {&touchstone_writer(), &frd_writer(), &csv_writer(), &pwl_writer(), &spice_source_writer(),
+       &matlab_writer(), &python_writer(), &octave_writer(), &c_writer(), &ltspice_writer()});
   return all;
 }
 
@@ -38,6 +39,10 @@ const Sections& need_sections(const Exportable& from, const Writer& writer) {
   if (!from.sections) lacks(from, writer, "pole-zero sections (for a measured response: fit --measured)");
   return *from.sections;
 }
+const Schematic& need_schematic(const Exportable& from, const Writer& writer) {
+  if (!from.schematic) lacks(from, writer, "a circuit.json (of spice or run)");
+  return *from.schematic;
+}
 const FrequencyRecord& need_response(const Exportable& from, const Writer& writer) {
   if (!from.response) lacks(from, writer, "a complex frequency response");
   return *from.response;
@@ -45,6 +50,13 @@ const FrequencyRecord& need_response(const Exportable& from, const Writer& write
 const TimeRecord& need_record(const Exportable& from, const Writer& writer) {
   if (!from.record) lacks(from, writer, "a time record");
   return *from.record;
+}
+
+bool is_model(const Exportable& from) {
+  return !from.chain.empty();
+}
+bool is_plan(const Exportable& from) {
+  return from.network.has_value();
 }
 
 std::string identifier(std::string_view text) {

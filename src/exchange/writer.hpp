@@ -7,6 +7,8 @@
 
 #include "base/registry.hpp"
 #include "exchange/discretise.hpp"
+#include "exchange/rebuilt_system.hpp"
+#include "exchange/schematic.hpp"
 #include "lti/sections.hpp"
 #include "signal/frequency_record.hpp"
 #include "signal/time_record.hpp"
@@ -18,6 +20,9 @@ struct Exportable {
   std::string source;  ///< the file, as messages and comments name it
   std::string name;    ///< of variables and functions: letters, digits and underscores
   std::optional<Sections> sections;
+  std::vector<ChainBlock> chain;          ///< of a linear model
+  std::optional<SampledNetwork> network;  ///< of a board's plan, without holds and delays
+  std::optional<Schematic> schematic;     ///< of a circuit.json
   std::optional<FrequencyRecord> response;
   std::optional<TimeRecord> record;
 };
@@ -50,8 +55,13 @@ const Writer& writer_for(std::string_view file_name);
 
 /// The part of the source that a writer needs, or an InputError that says what the format is of.
 const Sections& need_sections(const Exportable& from, const Writer& writer);
+const Schematic& need_schematic(const Exportable& from, const Writer& writer);
 const FrequencyRecord& need_response(const Exportable& from, const Writer& writer);
 const TimeRecord& need_record(const Exportable& from, const Writer& writer);
+
+/// Whether a script can rebuild the source as a model or as a plan, and not as sections.
+bool is_model(const Exportable& from);
+bool is_plan(const Exportable& from);
 
 /// Letters, digits and underscores of a text; begins with a letter.
 std::string identifier(std::string_view text);

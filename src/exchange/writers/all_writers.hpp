@@ -6,6 +6,7 @@
 namespace bodesmith::exchange {
 
 const Writer& c_writer();
+const Writer& ltspice_writer();
 const Writer& csv_writer();
 const Writer& frd_writer();
 const Writer& matlab_writer();

@@ -1,4 +1,4 @@
-// A Python script that rebuilds the sections with python-control, and checks itself against responses computed here.
+// A Python script that rebuilds sections, a linear model or an FPAA plan with python-control, and checks itself against responses computed here.
 #include <fmt/format.h>
 
 #include "base/json.hpp"
@@ -14,15 +14,20 @@ class PythonWriter : public Writer {
  public:
   std::string_view name() const override { return "python-control"; }
   std::string_view endings() const override { return ".py"; }
-  std::string_view what() const override { return "a script that rebuilds the sections with python-control"; }
+  std::string_view what() const override {
+    return "a script that rebuilds sections, a linear model or an FPAA plan with python-control";
+  }
   Written write(const Exportable& from, const ExportOptions&) const override {
-    const Sections& sections = need_sections(from, *this);
-    Json data = script_data(from, sections, [](const std::complex<double>& c) {
+    const auto text = [](const std::complex<double>& c) {
       if (c.imag() == 0.0) return number_text(c.real());
       return fmt::format("complex({}, {})", number_text(c.real()), number_text(c.imag()));
-    });
-    return {render_template("exchange/sections.py", data),
-            {"run by itself it compares python-control's system with responses computed here"}};
+    };
+    const std::vector<std::string> said = {
+        "run by itself it compares python-control's system with responses computed here"};
+    if (is_model(from)) return {render_template("exchange/model.py", model_script_data(from, text)), said};
+    if (is_plan(from)) return {render_template("exchange/plan.py", plan_script_data(from, text)), said};
+    return {render_template("exchange/sections.py", script_data(from, need_sections(from, *this), text)),
+            said};
   }
 };
 

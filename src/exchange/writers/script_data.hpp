@@ -16,4 +16,9 @@ using ComplexText = std::function<std::string(const std::complex<double>&)>;
 /// text), and responses at a few frequencies, by which a script checks itself.
 Json script_data(const Exportable& from, const Sections& sections, const ComplexText& text);
 
+/// {source, name, blocks: [{name, order, a, b, c, d, delay_s}], checks}: matrices row by row.
+Json model_script_data(const Exportable& from, const ComplexText& text);
+/// {source, name, output, blocks: [{name, clock_hz, denominator, inputs: [{from, numerator}]}], checks}.
+Json plan_script_data(const Exportable& from, const ComplexText& text);
+
 }  // namespace bodesmith::exchange

@@ -1,6 +1,7 @@
 // OMICRON Bode 100 (Bode Analyzer Suite): semicolons, often decimal commas, headings "Frequency (Hz)", "Trace 1: Gain:
 // Real", "Trace 1: Gain: Imaginary", "Trace 1: Gain: Magnitude (dB)", "Trace 2: Gain: Phase (°)"; with or without a
-// block "---Measurement settings---" above.
+// block "---Measurement settings---" above. The suite of 2016 wrote "---Measurement Setup---", commas and decimal points, and
+// "TR1: Gain (Real)", "TR1: Gain (Imag)", "TR1: Gain (dB)", "TR2: Gain (Degree)".
 #include "signal/formats/all_formats.hpp"
 #include "signal/formats/table_meaning.hpp"
 
@@ -13,6 +14,7 @@ class Bode100Csv : public Format {
   bool recognises(const Source& source) const override {
     const std::string_view head = source.text.substr(0, 8000);
     return (head.find("---Measurement settings---") != std::string_view::npos ||
+            head.find("---Measurement Setup---") != std::string_view::npos ||
             head.find("Trace 1: ") != std::string_view::npos) &&
            looks_like_table(source);
   }

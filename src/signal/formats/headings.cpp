@@ -104,6 +104,15 @@ void read_magnitude(Heading& heading, const std::string& name, const std::string
     heading.magnitude = MagnitudeScale::linear;
 }
 
+/// "TR1: Gain (Real)", "TR2: Gain (Degree)": what stands in brackets is a part of a complex number and no unit.
+std::optional<Quantity> part_in_brackets(const std::string& unit) {
+  if (unit == "real" || unit == "re") return Quantity::real;
+  if (unit == "imag" || unit == "imaginary" || unit == "im") return Quantity::imaginary;
+  if (unit == "degree" || unit == "degrees" || unit == "deg" || is_radians(unit)) return Quantity::phase;
+  if (unit == "absolut" || unit == "absolute" || unit == "abs") return Quantity::magnitude;
+  return std::nullopt;
+}
+
 }  // namespace
 
 Heading parse_heading(const std::string& text) {
@@ -125,6 +134,12 @@ Heading parse_heading(const std::string& text) {
     name = "hz";
   }
   const std::string unit = lower(heading.unit);
+  if (const auto part = part_in_brackets(unit)) {
+    heading.quantity = *part;
+    if (is_radians(unit)) heading.scale = 180.0 / std::numbers::pi;
+    if (*part == Quantity::magnitude) heading.magnitude = MagnitudeScale::linear;
+    return heading;
+  }
   if (name == "freq." || is_frequency(name, heading)) {
     heading.quantity = Quantity::frequency;
     const auto scale = frequency_scale(heading.unit);

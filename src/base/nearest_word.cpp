@@ -72,7 +72,10 @@ std::optional<std::string> nearest_word(std::string_view typed, const std::vecto
     fewest = changes;
     best = word;
   }
-  return best ? best : only_continuation(wanted, known);
+  // The beginning of a word is likelier than a word with two letters wrong.
+  if (best && fewest <= 1) return best;
+  const std::optional<std::string> longer = only_continuation(wanted, known);
+  return longer ? longer : best;
 }
 
 std::string did_you_mean(std::string_view typed, const std::vector<std::string>& known,

@@ -33,8 +33,9 @@ std::string_view to_string(Spread::Kind kind) {
 
 namespace {
 
-constexpr std::uint64_t kChunk = 1024;        // samples a thread takes at a time
-constexpr std::uint64_t kRound = 128 * 1024;  // samples of a process between two looks at clock and checkpoint
+constexpr std::uint64_t kChunk = 1024;  // samples a thread takes at a time
+constexpr std::uint64_t kRound =
+    128 * 1024;  // samples of a process between two looks at clock and checkpoint
 constexpr double kCheckpointEvery_s = 0.5;
 constexpr std::string_view kMagic = "bodesmith yield checkpoint 2\n";
 

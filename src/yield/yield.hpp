@@ -9,9 +9,9 @@
 #include <vector>
 
 #include "fpaa/mismatch.hpp"
+#include "numeric/team.hpp"
 #include "yield/design.hpp"
 #include "yield/histogram.hpp"
-#include "numeric/team.hpp"
 
 namespace bodesmith::yield {
 

@@ -65,8 +65,9 @@ TEST(Variants, SlipsAreSaidWhereTheyStand) {
             std::string::npos);
   EXPECT_NE(refusal("[[variant]]\nname = \"a\"\n[[variant]]\nname = \"a\"\n").find("v.toml:4: "),
             std::string::npos);
-  EXPECT_NE(refusal("[[variant]]\nname = \"a\"\nsett.x = 1\n").find("v.toml:4: 'variant[0].sett' is not known"),
-            std::string::npos)
+  EXPECT_NE(
+      refusal("[[variant]]\nname = \"a\"\nsett.x = 1\n").find("v.toml:4: 'variant[0].sett' is not known"),
+      std::string::npos)
       << refusal("[[variant]]\nname = \"a\"\nsett.x = 1\n");
   EXPECT_NE(refusal("[grid]\nfit.order = [1, 2]\n").find("keys with dots stand in quotes"),
             std::string::npos);

@@ -2,6 +2,8 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+
 #include "base/above_zero.hpp"
 #include "base/error.hpp"
 #include "signal/columns.hpp"
@@ -25,8 +27,11 @@ FrequencyRecord FrequencyRecord::read_csv(const std::filesystem::path& path, Pro
     if (!record.coherence.empty() && !(record.coherence[i] >= 0.0 && record.coherence[i] <= 1.0)) {
       csv.fail(i, fmt::format("coherence is {}, expected 0 to 1", record.coherence[i]));
     }
+    const double gain = from_decibel(magnitude[i]);
+    if (!std::isfinite(gain))
+      csv.fail(i, fmt::format("magnitude_db is {}, expected at most 6000", magnitude[i]));
     record.frequency.push_back(Hertz{frequency[i]});
-    record.response.push_back(std::polar(from_decibel(magnitude[i]), to_radians(phase[i])));
+    record.response.push_back(std::polar(gain, to_radians(phase[i])));
   }
   return record;
 }

@@ -8,6 +8,7 @@ namespace bodesmith::project {
 std::vector<AlternativeStudy> study_alternatives(const Project& project, const Design& design) {
   std::vector<AlternativeStudy> out(design.alternatives.size());
   parallel_for(out.size(), thread_count(0), [&](std::size_t i) {
+    stop_if_interrupted();
     out[i].design = with_alternative(project, design, i, out[i].refused);
     out[i].budget = make_budget(project, out[i].design);
   });

@@ -137,7 +137,7 @@ class Browser:
         self.call("Input.dispatchKeyEvent", type="keyUp", key=name)
         self.frames()
 
-    def wait(self, expression, seconds=20):
+    def wait(self, expression, seconds=60):
         """Waits for an expression to become true."""
         end = time.monotonic() + seconds
         while not self.js(expression):

@@ -11,9 +11,10 @@ class Choices {
     this.rows = rows;
     this.heading = element('h3');
     this.figures = element('div', {className: 'key'});
+    this.notes = element('div');
     this.plotsBox = element('div');
     this.rest = element('div');
-    this.details.append(this.said, this.heading, this.figures, this.plotsBox, this.rest);
+    this.details.append(this.said, this.heading, this.figures, this.notes, this.plotsBox, this.rest);
     this.figure = new LiveFigure(this.plotsBox, this.choices[data.chosen].plots, number, links);
     this.choose(data.chosen, false);
   }
@@ -38,9 +39,8 @@ class Choices {
     const card = ([value, meaning]) =>
         element('div', {}, element('b', {textContent: value}), element('span', {textContent: meaning}));
     this.figures.replaceChildren(...choice.figures.map(card));
-    this.rest.replaceChildren(
-        ...choice.notes.map(text => element('p', {className: 'warning', textContent: text})),
-        ...choice.tables.map(plainTable));
+    this.notes.replaceChildren(...choice.notes.map(text => element('p', {className: 'warning', textContent: text})));
+    this.rest.replaceChildren(...choice.tables.map(plainTable));
     if (tell) this.said.textContent = `${choice.name} is shown below.`;
   }
 }

@@ -258,6 +258,7 @@ int run_bode(const std::vector<std::string>& arguments) {
   // Without -o the table is the answer, unless margins were asked for.
   if (!to_file && !line.json() && !line.has("margins")) {
     note_conversions(from);
+    hide_progress();
     fmt::print("{}", csv);
     return kDone;
   }

@@ -284,7 +284,7 @@ TEST(Run, DisturbancesThatNoLoopCanFollowAreOneLine) {
     return result.err;
   };
   EXPECT_THAT(run_with("[-0.2398, 0.0838, 0.156]", "[-0.9398, 0.7838, 0.156]"),
-              HasSubstr("disturbance.json:4: 'descending' has a slope of 1.1 with its gains at 1 Hz"));
+              HasSubstr("disturbance.json:5: 'descending' has a slope of 1.1 with its gains at 1 Hz"));
   EXPECT_THAT(run_with("\"ascending\": [1, 1, 1, 1, 1]", "\"ascending\": [1, 1, 1, 1]"),
               HasSubstr("expected one length"));
   EXPECT_THAT(run_with("\"rate\": {",
@@ -330,7 +330,7 @@ TEST(Run, BadProjectsAreOneLineAndLeaveNothing) {
     EXPECT_FALSE(fs::exists(folder / "out")) << to;
     return result.err;
   };
-  EXPECT_THAT(run_with("gains.csv", "nowhere.csv"), HasSubstr("seed.toml:10: 'target.points' names"));
+  EXPECT_THAT(run_with("gains.csv", "nowhere.csv"), HasSubstr("seed.toml:11: 'target.points' names"));
   EXPECT_THAT(run_with("\"triangle\"", "\"square\""), HasSubstr("expected one of: triangle, sine, two_tone"));
   EXPECT_THAT(run_with("frequency_hz = [1, 10, 20", "amplitude = [1.0, 1.5]\nfrequency_hz = [1, 10, 20"),
               HasSubstr("'track.amplitude[1]' is 1.5, beyond the full stroke"));

@@ -1,0 +1,158 @@
+#include "cli/new_projects.hpp"
+
+#include <fmt/format.h>
+
+#include "base/files.hpp"
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "base/text_template.hpp"
+#include "signal/bode_points.hpp"
+#include "signal/disturbance.hpp"
+#include "signal/time_record.hpp"
+
+namespace bodesmith::cli {
+namespace {
+namespace fs = std::filesystem;
+
+/// The text of a file that a person has, checked by the reader that will read it, or the example's.
+template <class Read>
+std::string own_or_example(const CommandLine& line, const std::string& option, const std::string& example,
+                           Read read) {
+  if (!line.has(option)) return example;
+  const fs::path path = line.get<std::string>(option);
+  Provenance from;
+  read(path, from);
+  return read_file(path);
+}
+
+void choose_hardware(const CommandLine& line, const Answers& answers, const std::string& standard,
+                     Json& data) {
+  const std::string given =
+      answers.asks() || line.has("hardware")
+          ? answers.text("hardware", "Built from: circuit (op-amps), fpaa (a board), both")
+          : standard;
+  if (given != "circuit" && given != "fpaa" && given != "both")
+    line.fail(fmt::format("--hardware is '{}', expected circuit, fpaa or both", given));
+  data["circuit"] = given != "fpaa";
+  data["fpaa"] = given != "circuit";
+}
+
+NewProject filter_project(const CommandLine& line, const Answers& answers, Json& data) {
+  constexpr const char* kCurve =
+      "# A loudspeaker's correction, as read off a measurement: a lift in the bass, a dip at 3 kHz.\n"
+      "frequency_hz,gain_db\n20,5.5\n30,5.2\n50,4.2\n80,2.8\n120,1.6\n200,0.7\n400,0.1\n800,-0.3\n1500,-1.4\n"
+      "2500,-2.9\n3500,-3.1\n5000,-2.0\n8000,-0.8\n12000,-0.3\n20000,0\n";
+  NewProject out;
+  out.about = "A magnitude read off a curve, to op-amps or a board.";
+  data["max_error_db"] = number_text(answers.number("max-error-db", "Largest error at a point, in dB"));
+  choose_hardware(line, answers, "circuit", data);
+  out.command = "bodesmith run project.toml -o out";
+  out.schemas = {"project"};
+  out.files = {
+      {"points.csv", "the curve: put your own points here",
+       own_or_example(line, "points", kCurve,
+                      [](const fs::path& path, Provenance& from) { BodePoints::read_csv(path, from); })},
+      {"project.toml", "what is wanted, and what it is built from",
+       render_template("new/filter.toml", data)}};
+  out.next = {"`out/report.html`: the curve, the errors of every step, the parts",
+              "`bodesmith fit points.csv --direct --order 4 -o sections.json`: the fit alone"};
+  return out;
+}
+
+NewProject pid_project(const CommandLine& line, const Answers& answers, Json& data) {
+  NewProject out;
+  out.about = "A fractional PID as a circuit.";
+  for (const auto& [key, question] : {std::pair{"kp", "kp"},
+                                      {"ki", "ki (of ki s^-lambda)"},
+                                      {"lambda", "lambda"},
+                                      {"kd", "kd (of kd s^mu)"},
+                                      {"mu", "mu"}})
+    data[key] = number_text(answers.number(key, question));
+  data["from_hz"] = number_text(answers.number("from-hz", "Lower end of the band, in Hz"));
+  data["to_hz"] = number_text(answers.number("to-hz", "Upper end of the band, in Hz"));
+  choose_hardware(line, answers, "circuit", data);
+  out.command = "bodesmith run project.toml -o out";
+  out.schemas = {"project", "fractional"};
+  out.files = {{"pid.toml", "the controller: its gains and powers", render_template("new/pid.toml", data)},
+               {"project.toml", "the band, and what it is built from",
+                render_template("new/fractional-pid.toml", data)}};
+  out.next = {"`bodesmith bode --series pid.toml plant.toml --margins`: the loop with your plant"};
+  return out;
+}
+
+NewProject stage_project(const CommandLine& line, const Answers& answers, Json& data) {
+  // The stage of examples/nanopositioner.
+  constexpr const char* kGains =
+      "# How much larger the hysteresis of the descending branch is at each frequency than at the first one.\n"
+      "frequency_hz,gain\n1,1\n10,1.06\n20,1.1\n60,1.04\n100,1.17\n";
+  const Json disturbance = {{"$schema", ".schemas/disturbance.schema.json"},
+                            {"schema", "bodesmith.disturbance/1"},
+                            {"ascending", {0.3546, -0.6433, 0.2887}},
+                            {"descending", {-0.2398, 0.0838, 0.156}},
+                            {"rate",
+                             {{"frequency_hz", {1, 10, 20, 60, 100}},
+                              {"ascending", {1, 1, 1, 1, 1}},
+                              {"descending", {1.0, 1.06, 1.1, 1.04, 1.17}}}}};
+  NewProject out;
+  out.about = "An analog controller against the hysteresis of a piezo stage.";
+  data["stroke_m"] = number_text(answers.number("stroke-m", "Full stroke of the stage, in m"));
+  const std::string gains =
+      own_or_example(line, "points", kGains, [&](const fs::path& path, Provenance& from) {
+        data["base_hz"] = number_text(BodePoints::read_csv(path, from).points.front().frequency.value);
+      });
+  if (!data.contains("base_hz")) data["base_hz"] = "1.0";
+  std::vector<std::string> track = {"1", "10", "100"};
+  if (line.has("track-hz")) {
+    track.clear();
+    for (const double f : line.get<std::vector<double>>("track-hz")) track.push_back(number_text(f));
+  }
+  data["track_hz"] = join(track, ", ");
+  choose_hardware(line, answers, "both", data);
+  out.command = "bodesmith run project.toml -o out";
+  out.schemas = {"project", "disturbance"};
+  out.files = {
+      {"gains.csv", "gains of the hysteresis over frequency", gains},
+      {"disturbance.json", "its polynomials, and the same gains for the simulation",
+       own_or_example(line, "disturbance", to_text(disturbance),
+                      [](const fs::path& path, Provenance& from) { Disturbance::read(path, from); })},
+      {"project.toml", "what it is built from, and what the stage must follow",
+       render_template("new/nanopositioner.toml", data)}};
+  out.next = {"`out/controller/controller.sub`: the whole controller for any SPICE",
+              "`out/tracking.csv`: what is left at each frequency"};
+  return out;
+}
+
+NewProject diagnosis_project(const CommandLine& line, const Answers&, Json& data) {
+  if (line.has("data") != line.has("holdout"))
+    line.fail("--data and --holdout must be given together: one record to fit, another one to judge");
+  const auto read = [](const fs::path& path, Provenance& from) { TimeRecord::read_csv(path, from); };
+  NewProject out;
+  out.about = "A model and measured records that disagree: what the model is missing.";
+  out.command = "bodesmith diagnose model.toml --data train.csv --holdout test.csv -o out";
+  out.schemas = {"model"};
+  out.files = {
+      {"model.toml", "what is known of the stage", render_template("new/model.toml", data)},
+      {"train.csv", "a record (time_s,u,y) that is fitted; any format that is read will do",
+       line.has("data") ? own_or_example(line, "data", "", read) : example_record({3.1, 23.0, 97.0}, 1)},
+      {"test.csv", "another one, held out: the figures are its",
+       line.has("holdout") ? own_or_example(line, "holdout", "", read)
+                           : example_record({4.7, 31.0, 140.0}, 2)}};
+  if (!line.has("data"))
+    out.next.push_back(
+        "the records come from a stage with a lag of 180 Hz, which the model lacks: replace them by yours");
+  out.next.push_back("`out/model.toml`: the model with what was found");
+  return out;
+}
+
+}  // namespace
+
+const std::vector<NewKind>& new_kinds() {
+  static const std::vector<NewKind> all = {
+      {"filter", "a magnitude curve or audio curve to hardware", filter_project},
+      {"fractional-pid", "a fractional PID to a circuit", pid_project},
+      {"nanopositioner", "a piezo stage's hysteresis to its controller", stage_project},
+      {"diagnosis", "records and a model that lacks something", diagnosis_project}};
+  return all;
+}
+
+}  // namespace bodesmith::cli

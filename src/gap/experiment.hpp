@@ -76,7 +76,8 @@ class TimeExperiment {
 };
 
 /// A frequency response; the residual is H_model/H_measured - 1, real and imaginary part of each point,
-/// relative.
+/// relative. A search takes its logarithm ln(H_model/H_measured) instead: the same where it is small, but a peak that
+/// the model lacks weighs as much as a notch, and not 1 at the most.
 class FrequencyExperiment {
  public:
   explicit FrequencyExperiment(FrequencyRecord record)
@@ -88,8 +89,12 @@ class FrequencyExperiment {
   double range() const { return 1.0; }
   std::size_t scored() const { return 2 * record_->frequency.size(); }
 
+  void set_logarithmic() { logarithmic_ = true; }
+  bool logarithmic() const { return logarithmic_; }
+
  private:
   std::shared_ptr<const FrequencyRecord> record_;
+  bool logarithmic_ = false;
 };
 
 /// A measured record to compare a model with. What differs between the kinds is visited.

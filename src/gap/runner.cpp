@@ -1,6 +1,8 @@
 #include "gap/runner.hpp"
 
+#include <algorithm>
 #include <cmath>
+#include <complex>
 #include <limits>
 
 #include "base/error.hpp"
@@ -11,7 +13,7 @@
 namespace bodesmith::gap {
 namespace {
 
-/// A model that leaves more than this (root of the sum of squares) has run away.
+/// A model that leaves more than this many ranges of the record (root of the sum of squares) has run away.
 constexpr double kRunAway = 1e12;
 
 class TimeBench final : public Bench {
@@ -20,7 +22,8 @@ class TimeBench final : public Bench {
   TimeBench(const chain::Chain& chain, std::vector<std::size_t> lines, const TimeExperiment& experiment)
       : experiment_(experiment),
         simulator_(chain, experiment.record().step_s, options(experiment)),
-        lines_(std::move(lines)) {}
+        lines_(std::move(lines)),
+        run_away_(kRunAway * std::max(experiment.range(), std::numeric_limits<double>::min())) {}
 
   chain::Chain& chain() override { return simulator_.chain(); }
 
@@ -37,7 +40,7 @@ class TimeBench final : public Bench {
     }
     experiment_.take_out_free_responses(mine);
     take_out_lines(mine);
-    return !simulator_.diverged() && std::isfinite(sum_of_squares) && sum_of_squares < kRunAway * kRunAway;
+    return !simulator_.diverged() && std::isfinite(sum_of_squares) && std::sqrt(sum_of_squares) < run_away_;
   }
 
   std::vector<double> output() override {
@@ -66,6 +69,7 @@ class TimeBench final : public Bench {
   TimeExperiment experiment_;
   simulate::RecordSimulator simulator_;
   std::vector<std::size_t> lines_;
+  double run_away_ = 0.0;
   LineBasis basis_;
 };
 
@@ -81,7 +85,8 @@ class FrequencyBench final : public Bench {
     for (std::size_t i = 0; i < record.frequency.size(); ++i) {
       const auto h = chain_.response(record.frequency[i].rad_s());
       if (!h) return false;
-      const auto e = *h / record.response[i] - 1.0;
+      const auto ratio = *h / record.response[i];
+      const auto e = experiment_.logarithmic() ? std::log(ratio) : ratio - 1.0;
       if (!std::isfinite(e.real()) || !std::isfinite(e.imag())) return false;
       append.push_back(e.real());
       append.push_back(e.imag());

@@ -41,6 +41,14 @@ struct Scene {
   std::vector<std::size_t> linear_places() const;
   /// The same for a memoryless or rate-independent effect.
   std::vector<std::size_t> static_places() const;
+  /// The same for memory that starts at rest at 0: a constant is no rest, so what is behind one is taken in front
+  /// of it.
+  std::vector<std::size_t> memory_places() const;
+  /// All there is to fit is one record, in which this boundary runs along one loop again and again: what smaller
+  /// loops look like it cannot tell.
+  bool is_one_loop(std::size_t at) const;
+  /// The same with every loop taking as long: memory and lag look alike in it.
+  bool is_one_loop_of_one_speed(std::size_t at) const;
   /// Behind all blocks but lines.
   std::size_t end() const { return model->end(); }
   /// The base model's blocks (terms' blocks are not changed by other terms).

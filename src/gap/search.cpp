@@ -1,5 +1,6 @@
 #include "gap/search.hpp"
 
+#include <algorithm>
 #include <optional>
 #include <utility>
 
@@ -7,10 +8,12 @@
 #include "gap/search/acceptance.hpp"
 #include "gap/search/backward_elimination.hpp"
 #include "gap/search/base_fit.hpp"
+#include "gap/search/between_samples.hpp"
 #include "gap/search/record_starts.hpp"
 #include "gap/search/records.hpp"
 #include "gap/search/remaining.hpp"
 #include "gap/search/round.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -83,6 +86,28 @@ Extended extend(const SearchSetting& setting, SearchRecords records, Found found
   return {std::move(found), std::move(tried.records)};
 }
 
+/// Whether all that is left is less than a later term must explain (AcceptanceOptions::min_part_of_gap).
+bool is_too_little_for_a_name(const SearchSetting& setting, const SearchRecords& records,
+                              const Model& model) {
+  const double enough = setting.options.acceptance.min_part_of_gap * setting.first_gap;
+  return rms_of(model, records.train) < enough && rms(round_residuals(model, records).folds) < enough;
+}
+
+/// What a candidate without a name still explains is no noise: of the rms, and in standard deviations.
+constexpr double kMuchOfResidual = 0.2;
+constexpr double kSurely = 8.0;
+
+std::optional<Sign> sign_of_refused(const std::vector<Ranked>& refused, double train_rms) {
+  double most = 0.0;
+  for (const auto& r : refused) {
+    const bool sure =
+        std::min(r.z, r.train_z) > kSurely && r.outcome != CandidateOutcome::no_more_than_control;
+    if (sure) most = std::max(most, 1.0 - std::max(r.train_rms, r.folds_rms) / train_rms);
+  }
+  if (!(most > kMuchOfResidual)) return std::nullopt;
+  return Sign{SignKind::refused_candidate, most / kMuchOfResidual};
+}
+
 }  // namespace
 
 SearchResult search(const chain::Chain& base, const Experiments& train, const SearchOptions& options) {
@@ -95,8 +120,17 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   result.base = model;
   setting.first_gap = rms_of(model, records.train);
   Found found{std::move(model), {}, {}};
+  bool smooth_input = false;
+  bool taken_back = false;
   for (int terms = 0; terms < options.max_terms && !options.is_late(); ++terms) {
     options.report(kBaseFitted + kRounds * terms / options.max_terms);
+    if (terms > 0 && !smooth_input) {
+      if (auto smooth = with_smooth_input(setting, records, found.model)) {
+        found.model = std::move(*smooth);
+        smooth_input = true;
+      }
+    }
+    if (terms > 0 && is_too_little_for_a_name(setting, records, found.model)) break;
     auto round = look_for_terms(setting, records, found.model, terms + 1 < options.max_terms);
     for (auto& note : round.notes) found.notes.push_back(std::move(note));
     result.not_tried = std::move(round.not_tried);
@@ -113,6 +147,7 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
     const double enough = (1.0 - options.acceptance.min_gain) * rms_of(found.model, records.train);
     if (!(rms_of(extended.found.model, records.train) <= enough)) {
       found.notes = std::move(extended.found.notes);
+      taken_back = true;
       result.refused = ranking;
       break;
     }
@@ -122,10 +157,20 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   result.late = options.is_late();
   result.floor = floor_under(found.model, records);
   result.train_rms = rms_of(found.model, records.train);
-  if (!result.stopped) result.structure = signs_left(found.model, records);
+  if (!result.stopped) {
+    result.structure = signs_left(found.model, records);
+    // The ranking of a round that was taken back speaks of an earlier model.
+    if (!taken_back) {
+      if (auto sign = sign_of_refused(result.refused, result.train_rms)) result.structure.push_back(*sign);
+    }
+  }
   result.final = std::move(found.model);
   result.steps = std::move(found.steps);
   result.notes = std::move(found.notes);
+  if (smooth_input)
+    result.notes.emplace_back(
+        "The input goes in a curve between the samples, where a model takes it as straight: the first resonator of "
+        "model.toml, at 0.55 of the sampling rate, stands for that and is no effect");
   options.report(1.0);
   return result;
 }

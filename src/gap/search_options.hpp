@@ -74,10 +74,12 @@ struct AcceptanceOptions {
   double min_gain_at_bound = 0.08;
   std::size_t few_unknowns = 3;
   /// What later terms must explain, as a part of the first gap's rms, and the same for each unknown beyond the
-  /// first, to the largest: less is the first one's form.
-  double min_part_of_gap = 0.05;
+  /// first, to the largest: less is the first one's form. A few unknowns are not counted when their gain is plain.
+  double min_part_of_gap = 0.08;
   double min_part_each = 0.02;
   double max_min_part = 0.2;
+  std::size_t few_plain_unknowns = 4;
+  double plain_significance = 30.0;
   double min_significance = 5.0;  ///< standard deviations of the gain (colour counted), on folds and on all
   double control_factor = 3.0;    ///< times the gain that surrogate data show
   double sure = 15.0;             ///< standard deviations beyond which surrogates are not asked
@@ -89,7 +91,7 @@ struct AcceptanceOptions {
   double tie_surely_within = 0.002;  ///< or by less than this part of the rms
   /// A rival with up to so many unknowns more must be better by so many standard deviations.
   std::size_t tie_more_unknowns = 2;
-  double freedom_significance = 1.0;
+  double freedom_significance = 3.0;
   /// Fewer unknowns win when more of them buy no more than the first, and the second for each of them.
   double simpler_within = 0.01;
   double simpler_within_each = 0.004;

@@ -57,13 +57,23 @@ struct PresentModel {
   Span known;          ///< what its own unknowns can change
   Vector unexplained;  ///< the residuals without that
   double energy = 0.0;
+  /// Residuals are logarithms: a delay of any size then promises the same, and the nearest start is the best.
+  bool logarithmic = false;
 };
 
 struct StartScore {
   std::size_t start = 0;
   double score = 0.0;
   double z = 0.0;
+  double left = 0.0;  ///< of the energy, at the start itself
 };
+
+/// Starts whose scores differ by less than this are told apart by how near they are.
+constexpr double kNearness = 0.02;
+
+double merit(const StartScore& s) {
+  return s.score - kNearness * std::min(1.0, s.left);
+}
 
 bool worse(const StartScore& a, const StartScore& b) {
   return a.score < b.score;
@@ -105,10 +115,12 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
     const double score = present.energy > 0.0 ? part.squaredNorm() / present.energy : 0.0;
     const double best = scores.empty() ? -1.0 : std::max_element(scores.begin(), scores.end(), worse)->score;
     // Only the best start's significance is asked for.
-    scores.push_back({s, score, score > best ? significance(present.unexplained, part) : 0.0});
+    scores.push_back({s, score, score > best ? significance(present.unexplained, part) : 0.0,
+                      present.energy > 0.0 ? here.squaredNorm() / present.energy : 0.0});
   }
-  std::stable_sort(scores.begin(), scores.end(),
-                   [](const StartScore& a, const StartScore& b) { return a.score > b.score; });
+  std::stable_sort(scores.begin(), scores.end(), [&](const StartScore& a, const StartScore& b) {
+    return present.logarithmic ? merit(a) > merit(b) : a.score > b.score;
+  });
   return scores;
 }
 
@@ -124,6 +136,7 @@ std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> propo
   PresentModel present;
   present.residuals = as_eigen(out);
   present.energy = present.residuals.squaredNorm();
+  present.logarithmic = !look.empty() && std::holds_alternative<FrequencyExperiment>(look.front());
   const auto residuals = [&](std::span<const double> v, std::vector<double>& o) { return runner(v, o); };
   for (const auto& column : sensitivities(model.unknowns(), residuals, values)) {
     if (!column.empty()) present.known.add(as_eigen(column));
@@ -135,8 +148,11 @@ std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> propo
     try {
       const auto scores = score_starts(proposals[i], look, present);
       for (const auto& s : scores) p.best_starts.push_back(s.start);
-      p.score = scores.empty() ? 0.0 : scores.front().score;
-      p.z = scores.empty() ? 0.0 : scores.front().z;
+      for (const auto& s : scores) {
+        if (s.score < p.score || (s.score == p.score && s.z < p.z)) continue;
+        p.score = s.score;
+        p.z = s.z;
+      }
     } catch (const InputError&) {
       p.score = 0.0;  // a chain that cannot be run at its start values is no candidate
     }

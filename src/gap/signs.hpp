@@ -23,6 +23,8 @@ enum class SignKind {
   gain_varies,
   concentrated,
   smooth_over_frequency,
+  stands_apart,
+  refused_candidate,
 };
 /// For a person: "the residual jumps", ...
 std::string to_string(SignKind kind);
@@ -53,6 +55,9 @@ Sign gain_varies(const Leftover& record);
 
 /// Neighbouring points of a frequency response err alike, which noise of separate points does not.
 Sign smooth_over_frequency(const Leftover& record);
+
+/// Single points of a frequency response err far more than those around them (a narrow notch).
+Sign stands_apart(const Leftover& record);
 
 /// The energy lies in few cells of time and frequency together, as that of a chirp or of bursts does.
 Sign concentrated(const Leftover& record);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 #include "base/error.hpp"
@@ -37,6 +38,26 @@ void validate_size(const std::string& file, std::size_t size, std::size_t min_si
   if (size < min_size) {
     throw InputError(file, 0, fmt::format("has {} {}, expected at least {}", size, what, min_size));
   }
+}
+
+/// Cubes of signals, and squares of sums of them, must stay numbers.
+constexpr double kLargest = 1e30;
+constexpr double kSmallest = 1e-30;
+
+void validate_values(const std::string& file, const char* what, const std::vector<double>& values) {
+  double size = 0.0;
+  for (double v : values) size = std::max(size, std::abs(v));
+  if (size > kLargest || (size > 0.0 && size < kSmallest)) {
+    throw InputError(
+        file, 0,
+        fmt::format("has {} of size {:g}, expected 1e-30 to 1e30: give it another unit", what, size));
+  }
+}
+
+void validate(const TimeRecord& record) {
+  validate_size(record.file, record.size(), kMinSamplesOfRecord, "samples");
+  validate_values(record.file, "an input", record.u);
+  validate_values(record.file, "an output", record.y);
 }
 
 /// Every second point, from number `first` on.
@@ -79,7 +100,7 @@ Study Study::of(std::vector<TimeRecord> data, std::vector<TimeRecord> holdout, c
   Study study;
   study.split_ = holdout.empty();
   for (auto& record : data) {
-    validate_size(record.file, record.size(), kMinSamplesOfRecord, "samples");
+    validate(record);
     const std::size_t size = record.size();
     const std::size_t cut = size * 7 / 10;
     auto experiment = experiment_with_start(std::move(record), base);
@@ -92,7 +113,7 @@ Study Study::of(std::vector<TimeRecord> data, std::vector<TimeRecord> holdout, c
     study.train_.emplace_back(std::move(experiment));
   }
   for (auto& record : holdout) {
-    validate_size(record.file, record.size(), kMinSamplesOfRecord, "samples");
+    validate(record);
     study.holdout_.emplace_back(experiment_with_start(std::move(record), base));
   }
   return study;

@@ -42,4 +42,20 @@ TEST(Signs, aChirpAndBurstsAreConcentratedAndNoiseIsNot) {
   }
 }
 
+TEST(Signs, aNarrowNotchStandsApartAndNoiseOfAnyLevelDoesNot) {
+  const auto errors = [](unsigned seed, double rise) {
+    std::mt19937_64 random(seed);
+    std::normal_distribution<double> normal;
+    Leftover l;
+    for (int i = 0; i < 200; ++i) {
+      for (int part = 0; part < 2; ++part) l.response.push_back(std::pow(rise, i / 200.0) * normal(random));
+    }
+    return l;
+  };
+  for (unsigned seed = 1; seed < 60; ++seed) EXPECT_FALSE(stands_apart(errors(seed, 30.0)).found()) << seed;
+  auto notch = errors(1, 1.0);
+  notch.response[160] += 25.0;
+  EXPECT_TRUE(stands_apart(notch).found());
+}
+
 }  // namespace

@@ -5,6 +5,7 @@
 #include <random>
 
 #include "base/document.hpp"
+#include "base/error.hpp"
 #include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
 
@@ -56,6 +57,18 @@ TEST(Units, decideNeitherNamesNorFigures) {
     EXPECT_EQ(other.steps[0].placed, usual.steps[0].placed) << scale;
     EXPECT_NEAR(other.final.holdout_rms / scale, usual.final.holdout_rms, 0.02 * usual.final.holdout_rms)
         << scale;
+  }
+}
+
+TEST(Units, beyondWhatCubesAllowAreRefusedInAWord) {
+  for (const double scale : {1e150, 1e-150}) {
+    try {
+      diagnosis_in_units(scale);
+      ADD_FAILURE() << scale;
+    } catch (const InputError& e) {
+      EXPECT_NE(std::string(e.what()).find("train.csv"), std::string::npos);
+      EXPECT_NE(std::string(e.what()).find("another unit"), std::string::npos);
+    }
   }
 }
 

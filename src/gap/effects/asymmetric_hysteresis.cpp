@@ -11,36 +11,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Parts of a signal's span: a turn counts beyond the first, and turns within the second of each other are one.
-constexpr double kTurn = 0.02;
-constexpr double kSameTurn = 0.05;
-
-/// Whether a signal runs along one loop again and again: all its upper turns lie together, and all its lower ones
-/// (the way in from the start aside). What the branches of smaller loops are it cannot tell.
-bool is_one_loop(const Signal& signal) {
-  std::array<std::vector<double>, 2> turns;  // lower, upper
-  double low = signal.values.front();
-  double high = low;
-  int direction = 0;
-  for (double v : signal.values) {
-    low = direction > 0 ? low : std::min(low, v);
-    high = direction < 0 ? high : std::max(high, v);
-    if (direction <= 0 && v > low + kTurn * signal.span()) {
-      if (direction < 0) turns[0].push_back(low);
-      direction = 1;
-      high = v;
-    } else if (direction >= 0 && v < high - kTurn * signal.span()) {
-      if (direction > 0) turns[1].push_back(high);
-      direction = -1;
-      low = v;
-    }
-  }
-  return std::all_of(turns.begin(), turns.end(), [&](const std::vector<double>& side) {
-    const auto [least, most] = std::minmax_element(side.begin(), side.end());
-    return side.empty() || *most - *least < kSameTurn * signal.span();
-  });
-}
-
 class AsymmetricHysteresis final : public Effect {
  public:
   std::string_view name() const override { return "asymmetric_hysteresis"; }
@@ -54,10 +24,11 @@ class AsymmetricHysteresis final : public Effect {
   std::string_view experiment() const override { return "loops of several amplitudes about several biases"; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
-    for (std::size_t at : scene.static_places()) {
+    for (std::size_t at : scene.memory_places()) {
       if (!(scene.boundary[at].span() > 0.0)) continue;
-      // Branches fitted to one loop alone say nothing of smaller ones; plays behind dead zones do.
-      if (scene.records > 1 || !is_one_loop(scene.boundary[at])) out.push_back(branches(scene, at));
+      // One loop alone says nothing of smaller ones: fitted asymmetry would be that loop's shape.
+      if (scene.is_one_loop(at)) continue;
+      out.push_back(branches(scene, at));
       out.push_back(plays_and_dead_zones(scene, at));
     }
   }

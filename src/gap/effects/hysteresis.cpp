@@ -27,7 +27,7 @@ class Hysteresis final : public Effect {
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
-    for (std::size_t at : scene.static_places()) {
+    for (std::size_t at : scene.memory_places()) {
       const double half = 0.5 * scene.boundary[at].span();
       if (!(half > 0.0)) continue;
       out.push_back(plays(scene, at, half));
@@ -37,10 +37,12 @@ class Hysteresis final : public Effect {
   }
 
  private:
-  /// A bank of plays (Prandtl-Ishlinskii), dense enough for any smooth loop.
+  /// A bank of plays (Prandtl-Ishlinskii), dense enough for any smooth loop; a few of them where one loop is all
+  /// there is, whose exact shape (a lag's share in it) should not become memory.
   Proposal plays(const Scene& scene, std::size_t at, double half) const {
     constexpr std::array kParts = {0.02, 0.06, 0.12, 0.2, 0.3, 0.42, 0.56, 0.72, 0.88};
-    const auto bank = play_bank(kParts, half);
+    constexpr std::array kFewParts = {0.1, 0.2, 0.4, 0.7};
+    const auto bank = scene.is_one_loop(at) ? play_bank(kFewParts, half) : play_bank(kParts, half);
     auto block = chain::make_block("prandtl_ishlinskii");
     block.set("r", bank.radius).set("w", bank.weight);
     return insert_block(scene, *this, at, block, bank.unknowns, {bank.start});

@@ -28,9 +28,10 @@ CandidateOutcome objection_to(const AcceptanceOptions& options, const Ranked& r,
   if (!(gain >= options.min_gain)) return CandidateOutcome::no_gain_on_folds;
   const double explained =
       std::sqrt(std::max(0.0, bar.folds_rms * bar.folds_rms - r.folds_rms * r.folds_rms));
-  const double min_part =
-      std::min(options.max_min_part,
-               options.min_part_of_gap + options.min_part_each * static_cast<double>(r.unknowns - 1));
+  const bool plain =
+      r.unknowns <= options.few_plain_unknowns && std::min(r.z, r.train_z) > options.plain_significance;
+  const double for_unknowns = plain ? 0.0 : options.min_part_each * static_cast<double>(r.unknowns - 1);
+  const double min_part = std::min(options.max_min_part, options.min_part_of_gap + for_unknowns);
   if (explained < min_part * bar.first_gap) return CandidateOutcome::no_gain_on_folds;
   if (!(r.z >= options.min_significance && r.train_z >= options.min_significance))
     return CandidateOutcome::not_significant;
@@ -56,6 +57,8 @@ Ranked* simplest_of_best(const AcceptanceOptions& options, const std::vector<Ran
   Ranked* winner = good.front();
   for (auto* r : good) {
     if (r->effective >= winner->effective) continue;
+    // Weights that rest at 0 make no other form of a bank simpler than another.
+    if (r->effect == winner->effect && r->unknowns == winner->unknowns) continue;
     const double worse = r->folds_rms / best.folds_rms - 1.0;
     const auto fewer = static_cast<double>(best.effective - r->effective);
     const bool next_to_nothing = worse < options.simpler_within + options.simpler_within_each * fewer;

@@ -8,9 +8,12 @@
 namespace bodesmith::gap {
 namespace {
 
-Experiments with_starts_scored(Experiments experiments) {
+/// As searches score them: starts included, responses by their logarithm.
+Experiments as_searched(Experiments experiments) {
   for (auto& e : experiments) {
-    if (auto* time = std::get_if<TimeExperiment>(&e)) time->score_start();
+    std::visit(Visitor{[](TimeExperiment& time) { time.score_start(); },
+                       [](FrequencyExperiment& response) { response.set_logarithmic(); }},
+               e);
   }
   return experiments;
 }
@@ -28,7 +31,7 @@ Experiment stretch_of(const TimeExperiment& experiment, std::size_t samples, std
 }  // namespace
 
 SearchRecords make_records(const Experiments& train, const StretchOptions& options) {
-  SearchRecords records{with_starts_scored(train), {}};
+  SearchRecords records{as_searched(train), {}};
   if (scored_samples(records.train) <= 3 * options.samples / 2) return records;
   const std::size_t each = std::max(options.min_samples_each, options.samples / train.size());
   for (const auto& e : records.train) {

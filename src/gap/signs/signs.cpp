@@ -35,6 +35,10 @@ std::string to_string(SignKind kind) {
       return "the residual keeps to few stretches of time and frequency together";
     case SignKind::smooth_over_frequency:
       return "neighbouring frequencies err alike";
+    case SignKind::stands_apart:
+      return "single frequencies err far more than those around them";
+    case SignKind::refused_candidate:
+      return "an effect that was refused as a name would explain a good part of the residual";
   }
   return "the residual can be foretold from input and output";
 }
@@ -54,6 +58,7 @@ std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records,
   for (const auto& r : records) {
     if (!r.response.empty()) {
       consider(smooth_over_frequency(r));
+      consider(stands_apart(r));
       continue;
     }
     consider(jumps(r));

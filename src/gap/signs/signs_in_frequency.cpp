@@ -24,15 +24,20 @@ constexpr std::size_t kMinPoints = 12;
 /// counted.
 constexpr double kSmooth = 4.5;
 
-/// Level beside bin k: the larger of the means to both sides, so that a slope does not count. Nothing near
-/// the ends.
-std::optional<double> level_beside(const std::vector<double>& power, std::size_t k) {
+/// A point of a response stands apart when its energy is so many times that of the points from this distance on. Of
+/// noise, the largest of a thousand over the mean of a dozen reaches 21 once in a thousand times.
+constexpr std::size_t kApartFrom = 3;
+constexpr double kApart = 60.0;
+
+/// Level beside bin k, from `distance` bins on: the larger of the means to both sides, so that a slope does not count.
+/// Nothing near the ends.
+std::optional<double> level_beside(const std::vector<double>& power, std::size_t k, std::size_t distance) {
   const std::size_t reach = std::clamp<std::size_t>(k / 4, kMinReach, kMaxReach);
   double below = 0.0;
   double above = 0.0;
   int counted_below = 0;
   int counted_above = 0;
-  for (std::size_t d = kWindowBins; d < kWindowBins + reach; ++d) {
+  for (std::size_t d = distance; d < distance + reach; ++d) {
     if (k >= d + 1) {
       below += power[k - d];
       ++counted_below;
@@ -60,9 +65,22 @@ Sign spectral_line(const Leftover& record) {
   const double limit = 4.0 * (std::log(static_cast<double>(power.size())) + 3.0);
   for (std::size_t k = kWindowBins; k + kWindowBins < power.size(); ++k) {
     if (power[k] < power[k - 1] || power[k] < power[k + 1]) continue;
-    const auto level = level_beside(power, k);
+    const auto level = level_beside(power, k, kWindowBins);
     if (!level || power[k - 1] + power[k] + power[k + 1] < kMinLineShare * total) continue;
     sign.strength = std::max(sign.strength, power[k] / std::max(*level, 1e-300) / limit);
+  }
+  return sign;
+}
+
+Sign stands_apart(const Leftover& record) {
+  Sign sign{SignKind::stands_apart, 0.0};
+  const std::size_t n = record.response.size() / 2;
+  std::vector<double> energy(n);
+  for (std::size_t i = 0; i < n; ++i)
+    energy[i] = std::pow(record.response[2 * i], 2) + std::pow(record.response[2 * i + 1], 2);
+  for (std::size_t i = 0; i < n; ++i) {
+    if (const auto level = level_beside(energy, i, kApartFrom))
+      sign.strength = std::max(sign.strength, energy[i] / std::max(*level, 1e-300) / kApart);
   }
   return sign;
 }

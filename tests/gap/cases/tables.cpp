@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <map>
 #include <set>
 
@@ -18,6 +19,18 @@ struct Count {
     alone += o.exact && o.further() == 0 ? 1 : 0;
   }
 };
+
+/// Where the share lies that k of n were drawn from, at 95 % (Wilson 1927).
+std::string interval(int k, int n) {
+  constexpr double kZ = 1.96;
+  const auto count = static_cast<double>(n);
+  const double share = static_cast<double>(k) / count;
+  const double middle = share + kZ * kZ / (2.0 * count);
+  const double reach = kZ * std::sqrt(share * (1.0 - share) / count + kZ * kZ / (4.0 * count * count));
+  const double whole = 1.0 + kZ * kZ / count;
+  return fmt::format("{:.2f} to {:.2f} %", std::max(0.0, 100.0 * (middle - reach) / whole),
+                     100.0 * (middle + reach) / whole);
+}
 
 std::string of(int part, int whole) {
   return whole == 0 ? "–" : fmt::format("{} of {} ({:.1f} %)", part, whole, 100.0 * part / whole);
@@ -125,8 +138,9 @@ std::string sentences(const std::vector<Outcome>& outcomes) {
     text += fmt::format("Pairs: both named {}; at least one {}\n\n", of(pairs.right, pairs.cases),
                         of(one_of_two, pairs.cases));
   if (controls.cases > 0)
-    text += fmt::format("False alarms: an effect named in {} controls; verdict `nothing_missing` in {}\n\n",
-                        of(alarms, controls.cases), of(controls.right, controls.cases));
+    text += fmt::format(
+        "False alarms: an effect named in {} controls (95 %: {}); verdict `nothing_missing` in {}\n\n",
+        of(alarms, controls.cases), interval(alarms, controls.cases), of(controls.right, controls.cases));
   if (outside.cases > 0)
     text += fmt::format("Abstention: something outside the catalogue told as such in {}\n\n",
                         of(outside.right, outside.cases));

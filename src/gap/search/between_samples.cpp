@@ -1,0 +1,61 @@
+#include "gap/search/between_samples.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <utility>
+
+#include "chain/registry.hpp"
+#include "gap/runner.hpp"
+#include "gap/search/folds.hpp"
+#include "signal/statistics.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+constexpr int kIterations = 12;
+/// What it must leave of the rms at the most: a correction of the records is no small matter.
+constexpr double kMaxLeft = 0.8;
+/// Damping is a delay (0.002 of a sample), too little of it rings for long behind every jump (100 samples).
+constexpr double kDamping = 0.003;
+/// Steps of records that differ by less than this part are the same.
+constexpr double kSameStep = 1e-3;
+
+/// The sample step of all records; nothing when they differ, or for frequency responses.
+std::optional<double> common_step_s(const Experiments& records) {
+  std::optional<double> step;
+  for (const auto& e : records) {
+    const auto* time = std::get_if<TimeExperiment>(&e);
+    if (time == nullptr) return std::nullopt;
+    const double own = time->record().step_s;
+    if (step && std::abs(own / *step - 1.0) > kSameStep) return std::nullopt;
+    step = own;
+  }
+  return step;
+}
+
+}  // namespace
+
+std::optional<Model> with_smooth_input(const SearchSetting& setting, const SearchRecords& records,
+                                       const Model& model) {
+  const auto step_s = common_step_s(records.train);
+  if (!step_s) return std::nullopt;
+  Model smooth = model;
+  smooth.insert(0, chain::make_block("resonator")
+                       .set("gain", 1.0)
+                       .set("natural_frequency_hz", std::sqrt(12.0) / (2.0 * std::numbers::pi * *step_s))
+                       .set("damping_ratio", kDamping));
+  const auto first = fit(smooth, records.look(), fit_options(setting.options, kIterations));
+  if (!first.result.usable() || !(first.result.rms < kMaxLeft * rms_of(model, records.look())))
+    return std::nullopt;
+  auto fitted = fit_in_turn(setting, records, first.model, kIterations);
+  if (!fitted.result.usable()) return std::nullopt;
+  const auto kind = suitable_folds(model, records.train);
+  const auto before = folded_residuals(model, records.train, kind);
+  const auto after = folded_residuals(fitted.model, records.train, kind);
+  if (before.empty() || before.size() != after.size()) return std::nullopt;
+  const bool sure = improvement_z(before, after) > setting.options.acceptance.min_significance;
+  if (!sure || !(rms(after) < kMaxLeft * rms(before))) return std::nullopt;
+  return std::move(fitted.model);
+}
+
+}  // namespace bodesmith::gap

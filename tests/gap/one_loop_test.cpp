@@ -1,0 +1,63 @@
+// One loop, run along again and again, says nothing of the smaller ones inside it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "base/document.hpp"
+#include "chain/model_file.hpp"
+#include "gap/diagnosis.hpp"
+#include "gap/scene.hpp"
+
+namespace {
+
+using namespace bodesmith;
+
+/// A sine whose size changes by `growth` from the first period to the last; a loop whose branches differ (a play of a
+/// curve), and noise.
+TimeRecord loops(double growth, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  TimeRecord r;
+  r.file = "loops.csv";
+  r.step_s = 1e-2;
+  double play = 0.0;
+  for (int i = 0; i < 500; ++i) {
+    const double t = i * r.step_s;
+    const double u = (1.0 - growth * (1.0 - t / 5.0)) * std::sin(2.0 * std::numbers::pi * t);
+    const double curve = u + 0.5 * u * u;
+    play = std::clamp(play, curve - 0.2, curve + 0.2);
+    r.u.push_back(u);
+    r.y.push_back(u + 0.4 * (play - curve) + 0.004 * normal(random));
+  }
+  return r;
+}
+
+chain::Chain line() {
+  return chain::model_from_node(parse_toml(
+      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 1.0\noffset = 0.0\nfree = [\"gain\", \"offset\"]\n",
+      "model.toml"));
+}
+
+bool is_one_loop(const std::vector<TimeRecord>& records) {
+  const gap::Model model(line());
+  gap::Experiments experiments;
+  for (const auto& r : records) experiments.emplace_back(gap::TimeExperiment(r));
+  return gap::make_scene(model, experiments).is_one_loop(0);
+}
+
+TEST(OneLoop, isOneRecordOfOneSize) {
+  EXPECT_TRUE(is_one_loop({loops(0.0, 1)}));
+  EXPECT_FALSE(is_one_loop({loops(0.7, 1)}));
+  EXPECT_FALSE(is_one_loop({loops(0.0, 1), loops(0.0, 2)}));
+}
+
+TEST(OneLoop, isNoGroundForAsymmetry) {
+  const auto d = gap::diagnose(line(), gap::Study::of({loops(0.0, 1)}, {loops(0.6, 2)}, line()), {});
+  ASSERT_FALSE(d.steps.empty());
+  for (const auto& step : d.steps) EXPECT_NE(step.effect, "asymmetric_hysteresis");
+}
+
+}  // namespace

@@ -27,7 +27,7 @@ constexpr double kSmooth = 4.5;
 /// A point of a response stands apart when its energy is so many times that of the points from this distance on. Of
 /// noise, the largest of a thousand over the mean of a dozen reaches 21 once in a thousand times.
 constexpr std::size_t kApartFrom = 3;
-constexpr double kApart = 60.0;
+constexpr double kStandsApart = 60.0;
 
 /// Level beside bin k, from `distance` bins on: the larger of the means to both sides, so that a slope does not count.
 /// Nothing near the ends.
@@ -80,7 +80,7 @@ Sign stands_apart(const Leftover& record) {
     energy[i] = std::pow(record.response[2 * i], 2) + std::pow(record.response[2 * i + 1], 2);
   for (std::size_t i = 0; i < n; ++i) {
     if (const auto level = level_beside(energy, i, kApartFrom))
-      sign.strength = std::max(sign.strength, energy[i] / std::max(*level, 1e-300) / kApart);
+      sign.strength = std::max(sign.strength, energy[i] / std::max(*level, 1e-300) / kStandsApart);
   }
   return sign;
 }

@@ -34,6 +34,30 @@ double processor_seconds() {
   return static_cast<double>(std::clock()) / static_cast<double>(CLOCKS_PER_SEC);
 }
 
+void declare_drive(CommandLine& line) {
+  line.group("The drive of experiment.csv (what is not said is taken from the training records)");
+  line.option<double>("drive-lower", "least value of the drive");
+  line.option<double>("drive-upper", "largest value");
+  line.option<double>("drive-max-rate", "largest rate of change, a second");
+  line.option<double>("drive-seconds", "length");
+  line.option<double>("drive-step-s", "time between samples");
+}
+
+gap::DriveRequest read_drive(const CommandLine& line) {
+  gap::DriveRequest out;
+  out.lower = line.maybe<double>("drive-lower");
+  out.upper = line.maybe<double>("drive-upper");
+  if (out.lower && out.upper && !(*out.lower < *out.upper))
+    line.fail("--drive-lower is not below --drive-upper");
+  out.max_rate = line.maybe_positive("drive-max-rate");
+  out.duration_s = line.maybe_positive("drive-seconds");
+  out.step_s = line.maybe_positive("drive-step-s");
+  if (out.duration_s && out.step_s && *out.duration_s / *out.step_s > gap::DriveRequest::kMostSamples)
+    line.fail(fmt::format("--drive-seconds and --drive-step-s make more than {} samples",
+                          gap::DriveRequest::kMostSamples));
+  return out;
+}
+
 gap::SearchOptions read_options(const CommandLine& line, Progress& progress, const Stopwatch& watch) {
   gap::SearchOptions options;
   options.max_terms = line.get<int>("max-terms");
@@ -53,6 +77,7 @@ gap::SearchOptions read_options(const CommandLine& line, Progress& progress, con
   options.late = [&watch, max_seconds, asked] {
     return watch.seconds() > max_seconds && (asked || processor_seconds() > max_seconds);
   };
+  options.drive = read_drive(line);
   return options;
 }
 
@@ -142,6 +167,7 @@ int run_diagnose(const std::vector<std::string>& arguments) {
       "a busy machine finds the same)",
       120.0);
   line.option<int>("threads", "threads of the search (the result does not depend on it)", 2);
+  declare_drive(line);
   line.reads_measurements();
   if (!line.parse(arguments)) return kDone;
   const auto data = paths(line, "data");

@@ -12,7 +12,7 @@ namespace bodesmith::faults {
 namespace {
 
 /// A board is accused when nothing wrong is less likely than this.
-constexpr double kAccuse = 0.03;
+constexpr double kAccuse = 0.01;
 /// Between that and this it is said to be uncertain.
 constexpr double kDoubt = 0.5;
 /// One suspect is named when it has so much of what accuses; otherwise as many as have together so much.

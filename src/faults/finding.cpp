@@ -209,21 +209,23 @@ Finding refined(const Board& board, Finding finding, const std::vector<Fault>& f
   for (Eigen::Index u = 0; u < around.size(); ++u) {
     if (!board.is_part(std_index(u))) around(u) = 0.0;
   }
-  double density = 0.0;
+  double density = over_noise(noise, [&](const Noise& one) {
+    return Likelihood(board, first, one, finding.part_spread).log_density();
+  });
   const std::unique_ptr<Board> moved = board.with_parts(finding.part_spread * around);
   const std::optional<Effect> effect = moved ? effect_on(*moved, finding, faults) : std::nullopt;
   if (effect) {
     const Prediction there = moved->predict(*effect);
-    density = over_noise(noise, [&](const Noise& one) {
+    const double again = over_noise(noise, [&](const Noise& one) {
       return Likelihood(*moved, there, one, finding.part_spread, around, linear).log_density();
     });
-    const Likelihood at_noise(*moved, there, noise, finding.part_spread, around, linear);
-    finding.misfit = at_noise.misfit();
-    finding.rows = at_noise.rows();
-  } else {
-    density = over_noise(noise, [&](const Noise& one) {
-      return Likelihood(board, first, one, finding.part_spread).log_density();
-    });
+    // Where the linear form led far astray, what it says itself is the better of the two.
+    if (again > density) {
+      density = again;
+      const Likelihood at_noise(*moved, there, noise, finding.part_spread, around, linear);
+      finding.misfit = at_noise.misfit();
+      finding.rows = at_noise.rows();
+    }
   }
   finding.log_evidence += density - linear.log_density();
   return finding;

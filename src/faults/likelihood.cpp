@@ -1,6 +1,7 @@
 #include "faults/likelihood.hpp"
 
 #include <Eigen/Cholesky>
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -12,6 +13,9 @@ namespace {
 /// Deviations of ln |H| and phase of what is nothing but floor.
 constexpr double kGainAtFloor = 0.6;
 constexpr double kPhaseAtFloor = 1.8;
+/// Times the floor.
+constexpr double kNothing = 1.5;
+constexpr double kAnyPhase = 1.0;
 
 double within_half_turn(double angle) {
   return std::remainder(angle, 2.0 * std::numbers::pi);
@@ -21,13 +25,15 @@ double log_above_floor(double log_gain, double floor) {
   return 0.5 * std::log(std::exp(2.0 * log_gain) + floor * floor);
 }
 
-/// |ln| of what the fault changes, at most that to the floor.
+/// |ln| of what the fault changes, at most that to the floor, and no more than this counts.
+constexpr double kMostChange = 1.5;
 double change_of(const Board& board, const Prediction& prediction, Eigen::Index k) {
   const double floor = board.floors()[std_index(k)];
   const std::complex<double> good = board.good_response()(k);
   const std::complex<double> got = prediction.response(k);
-  return std::abs(std::complex<double>(std::log((std::abs(got) + floor) / (std::abs(good) + floor)),
-                                       std::arg(got * std::conj(good))));
+  return std::min(kMostChange,
+                  std::abs(std::complex<double>(std::log((std::abs(got) + floor) / (std::abs(good) + floor)),
+                                                std::arg(got * std::conj(good)))));
 }
 
 /// One value a row, from the real and imaginary part of one a point.
@@ -55,12 +61,25 @@ Residual residual_of(const Board& board, const Eigen::VectorXcd& response) {
     for (std::size_t i = 0; i < channel.grid.size(); ++i, ++k) {
       const double size = std::abs(response(k));
       const double floor = board.floors()[std_index(k)];
+      out.has_phase.push_back(channel.phase_rad.empty() ? 0 : 1);
+      // Nothing measured, nothing predicted: the same to every explanation.
+      if (std::exp(channel.log_gain[i]) < kNothing * floor && size < 2.0 * kNothing * floor) {
+        out.gain.push_back(0.0);
+        out.phase.push_back(0.0);
+        out.below_floor.push_back(1.0);
+        continue;
+      }
       const double power = size * size + floor * floor;
       out.gain.push_back(log_above_floor(channel.log_gain[i], floor) - 0.5 * std::log(power));
       out.below_floor.push_back(floor * floor / power);
-      out.has_phase.push_back(channel.phase_rad.empty() ? 0 : 1);
-      out.phase.push_back(
-          channel.phase_rad.empty() ? 0.0 : within_half_turn(channel.phase_rad[i] - std::arg(response(k))));
+      if (channel.phase_rad.empty()) {
+        out.phase.push_back(0.0);
+        continue;
+      }
+      // The phase of what is nothing but floor is anything: the same to every explanation.
+      const double floor_part = out.below_floor.back();
+      const double phase = within_half_turn(channel.phase_rad[i] - std::arg(response(k)));
+      out.phase.push_back((1.0 - floor_part) * phase + floor_part * kAnyPhase);
     }
   }
   return out;

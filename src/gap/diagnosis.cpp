@@ -166,7 +166,8 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
                                              d.final.holdout_rms > kDisagrees * d.final.train_rms);
   // What is claimed of the training records and does not hold elsewhere is not explained.
   if (d.holdout_disagrees && d.verdict == Verdict::explained) d.verdict = Verdict::partly_explained;
-  if (!d.search.stopped) d.next_experiment = next_experiment(d.search, open_parameters(d), study);
+  if (!d.search.stopped)
+    d.next_experiment = next_experiment(d.search, open_parameters(d), study, options.drive);
   d.advice = advice_for(d, study);
   d.compute_s = watch.seconds();
   return d;

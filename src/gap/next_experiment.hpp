@@ -4,19 +4,20 @@
 #include <string>
 #include <vector>
 
+#include "gap/drive_request.hpp"
 #include "gap/search.hpp"
 #include "gap/study.hpp"
 
 namespace bodesmith::gap {
 
-/// The drive that best tells two models apart that the records cannot.
+/// The drive that best tells models apart that the records cannot.
 struct NextExperiment {
   double step_s = 0.0;
   std::vector<double> u;
-  /// What is told apart: two effects, or the two ends of an open parameter; and what each predicts.
+  /// What is told apart: effects, or the two ends of an open parameter; and what each predicts.
   std::vector<std::string> rivals;
   std::vector<std::vector<double>> predicted;
-  double difference_over_noise = 0.0;  ///< rms to expect, after each rival's own refit
+  double difference_over_noise = 0.0;  ///< rms to expect of the nearest two, after each one's own refit
   std::string shape;                   ///< of the drive, for a person
 };
 
@@ -29,11 +30,13 @@ struct OpenParameter {
 };
 
 /// For the last tie of a search, or else the parameter that is most open; nothing when there is neither, or
-/// for frequency responses. Tried are multisines, sweeps, triangles of one and of falling size, and steps,
-/// within the training inputs' range, rate, length and step; the winner has the largest difference between
-/// the rivals that no refit within the parameters' uncertainty takes away, against the noise that was found.
+/// for frequency responses. Tried are multisines, sweeps, triangles of one and of falling size, and steps, of several
+/// sizes and speeds, within `request` and otherwise the training inputs' range, rate, length and step. The winner keeps the
+/// most pairs of rivals apart by the most standard deviations of the noise that was found, of what no refit within the
+/// parameters' uncertainty takes away, whichever of the two is right.
 std::optional<NextExperiment> next_experiment(const SearchResult& result,
-                                              const std::vector<OpenParameter>& open, const Study& study);
+                                              const std::vector<OpenParameter>& open, const Study& study,
+                                              const DriveRequest& request = {});
 
 /// time_s,u and a column a rival.
 std::string to_csv(const NextExperiment& experiment);

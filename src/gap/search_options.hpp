@@ -4,6 +4,8 @@
 #include <cstdint>
 #include <functional>
 
+#include "gap/drive_request.hpp"
+
 namespace bodesmith::gap {
 
 // The limits of each step of a search. The numbers in brackets are the steps of docs/gap.md that explain
@@ -135,6 +137,7 @@ struct SearchOptions {
   AcceptanceOptions acceptance;
   PairOptions pairs;
   EliminationOptions elimination;
+  DriveRequest drive;  ///< what experiment.csv may be
 
   bool stopped() const { return stop && stop(); }
   bool is_late() const { return stopped() || (late && late()); }

@@ -83,10 +83,11 @@ bool says(const std::string& output, const std::string& quoted) {
 
 class DocumentedJob : public ::testing::TestWithParam<const char*> {};
 
-TEST_P(DocumentedJob, RunsLineByLine) {
+/// Examples that run from the repository alone.
+class DocumentedExample : public ::testing::TestWithParam<const char*> {};
+
+void run_page(const std::vector<DocumentedStep>& steps) {
   const fs::path source = BODESMITH_SOURCE_DIR;
-  const std::vector<DocumentedStep> steps = steps_of(source / "docs/jobs" / GetParam());
-  ASSERT_GE(steps.size(), 4u);
   const TemporaryFolder folder;
   fs::create_directory_symlink(source / "examples", folder / "examples");
   const std::string enter = "cd '" + folder.path().string() + "' && PATH='" +
@@ -107,6 +108,19 @@ TEST_P(DocumentedJob, RunsLineByLine) {
   EXPECT_GE(quotes, 2u);
 }
 
+TEST_P(DocumentedJob, RunsLineByLine) {
+  const auto steps = steps_of(fs::path(BODESMITH_SOURCE_DIR) / "docs/jobs" / GetParam());
+  ASSERT_GE(steps.size(), 4u);
+  run_page(steps);
+}
+
+TEST_P(DocumentedExample, RunsFromTheRepositoryAlone) {
+  const auto steps = steps_of(fs::path(BODESMITH_SOURCE_DIR) / "examples" / GetParam() / "README.md");
+  ASSERT_GE(steps.size(), 1u);
+  run_page(steps);
+}
+
+INSTANTIATE_TEST_SUITE_P(Docs, DocumentedExample, ::testing::Values("picma_gap", "opamp_slew"));
 INSTANTIATE_TEST_SUITE_P(Docs, DocumentedJob,
                          ::testing::Values("audio.md", "piezo.md", "fractional_pid.md", "board.md",
                                            "faulty_board.md"));

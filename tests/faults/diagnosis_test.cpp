@@ -77,7 +77,7 @@ TEST(BoardDiagnosis, TwoFaultsAtOnce) {
 
 TEST(BoardDiagnosis, WhatNoFaultExplainsIsSaidToBeUnexplained) {
   const circuit::Circuit circuit = small_circuit();
-  const std::vector<Hertz> grid = small_grid();
+  const std::vector<Hertz> grid = small_grid(80);
   auto response = circuit::network_response(circuit, grid, circuit.model);
   for (std::size_t k = 0; k < grid.size(); ++k)  // a comb: no circuit of these parts makes it
     response[k] *= std::exp(std::complex<double>(0.3 * std::sin(1.7 * std::log(grid[k].value) * 2.0), 0.2));

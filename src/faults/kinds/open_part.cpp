@@ -16,8 +16,8 @@ class OpenPart : public FaultKind {
     for (std::size_t i = 0; i < board.circuit().parts.size(); ++i) {
       const circuit::Part& part = board.circuit().parts[i];
       Fault fault = fault_of_part(board, i);
-      // What is left is a leak of a gigaohm: a node that only this part fed stays defined.
-      fault.effect = [&board, i](double) { return board.replaced(i, 1e-9); };
+      // What is left is a leak of a teraohm: a node that only this part fed stays defined.
+      fault.effect = [&board, i](double) { return board.replaced(i, 1e-12); };
       fault.words = [part](double) {
         return fmt::format("{} ({}) is open: missing, broken or not soldered", part.name,
                            value_text(part, part.realised));

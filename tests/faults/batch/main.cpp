@@ -62,10 +62,12 @@ void count(const Diagnosis& d, const BuiltBoard& board, Tally& tally) {
   }
 }
 
+/// Relative to the good board, or to a thousandth of the input where that is more.
 double largest_change(const std::vector<std::complex<double>>& a,
                       const std::vector<std::complex<double>>& b) {
   double out = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) out = std::max(out, std::abs(a[i] / b[i] - 1.0));
+  for (std::size_t i = 0; i < a.size(); ++i)
+    out = std::max(out, std::abs(a[i] - b[i]) / std::max(std::abs(b[i]), 1e-3));
   return out;
 }
 

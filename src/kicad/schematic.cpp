@@ -84,10 +84,11 @@ class Schematic {
     const auto below = [&](const Paper& size) { return kMargin + kBoxLine * lines_of(boxes.size(), size); };
     if (fitted_rows(paper, board, below(paper)).empty()) {
       board.resize(1);
-      for (auto& [sheet, first, last] : filled(paper, board_, 1)) add(std::move(sheet), "supplies", "", "");
+      int number = 0;
+      for (auto& [sheet, first, last] : filled(paper, board_, 1))
+        add(std::move(sheet), fmt::format("supplies {}", ++number), "", "");
     }
     for (const Paper& size : kPapers) {
-      if (size.width < paper.width) continue;
       const Rows rows = fitted_rows(size, board, below(size));
       if (rows.empty()) continue;
       Sheet& root = out[0];

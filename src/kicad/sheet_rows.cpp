@@ -65,16 +65,22 @@ bool Rows::place(const Group& group, std::size_t first, std::size_t last) {
   }
   if (first == 0) piece.width = std::max(piece.width, group.text_width());
   if (piece.width > usable_width() + kGap) return false;
-  const std::vector<Row> before = rows_;
-  if (rows_.empty() || rows_.back().width + piece.width > width_ + kGap) rows_.emplace_back();
+  const bool own_row = rows_.empty() || rows_.back().width + piece.width > width_ + kGap;
+  if (own_row) rows_.emplace_back();
   Row& row = rows_.back();
+  const Row before{row.width, row.height, {}};
+  const std::size_t count = row.items.size();
   for (Item& item : piece.items) {
     item.x += row.width;
     row.items.push_back(std::move(item));
   }
   row.width += piece.width;
+  row.height = heights_of(row).height;
   if (height() <= usable_height()) return true;
-  rows_ = before;
+  row.items.resize(count);
+  row.width = before.width;
+  row.height = before.height;
+  if (own_row) rows_.pop_back();
   return false;
 }
 
@@ -125,7 +131,7 @@ Rows::Heights Rows::heights_of(const Row& row) {
 
 int Rows::height() const {
   int out = 0;
-  for (const Row& row : rows_) out += heights_of(row).height;
+  for (const Row& row : rows_) out += row.height;
   return out;
 }
 

@@ -54,7 +54,7 @@ class Rows {
     int text_height = 0;
   };
   struct Row {
-    int width = 0;
+    int width = 0, height = 0;
     std::vector<Item> items;
   };
   /// Cells that are wired to each other and so stand at one height.

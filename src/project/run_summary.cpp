@@ -84,10 +84,14 @@ std::string elsewhere_text(const TrackingStudy& tracking) {
   std::string out =
       "           worst over the frequencies on other stages and references, pure delay removed (the model's own fit):\n";
   for (const TrackedElsewhere& one : tracking.elsewhere) {
-    out += fmt::format("  {:<35}", fmt::format("{}, {} {}", one.stage, to_string(one.waveform),
-                                               rounded_text(one.amplitude)));
+    std::string line =
+        fmt::format("  {}, {} {}:", one.stage, to_string(one.waveform), rounded_text(one.amplitude));
     for (const TrackedDesign& design : one.designs)
-      out += fmt::format(" {} {:.2f}", design.key, design.worst_without_lag_percent());
+      line += fmt::format("{} {} {:.2f}", &design == &one.designs.front() ? "" : ";", design.key,
+                          design.worst_without_lag_percent());
+    // Keys of the CSV, as words.
+    std::replace(line.begin(), line.end(), '_', ' ');
+    out += line;
     if (!one.fit_percent.empty())
       out += fmt::format(" (fit {:.2f})", *std::max_element(one.fit_percent.begin(), one.fit_percent.end()));
     out += "\n";

@@ -37,11 +37,17 @@ int run_run(const std::vector<std::string>& arguments) {
   line.option<std::string>("sweep",
                            "VARIANTS.toml: the project once for each of its [[variant]] or [grid] designs");
   line.flag("resume", "with --sweep: keep what an earlier one finished with the same files");
+  line.option<double>(
+      "max-seconds",
+      "time after which what the design itself does not need (tolerances, other stages, other alternatives'\n"
+      "hardware) is left out, and said; not with --sweep");
   if (!line.parse(arguments)) return kDone;
+  if (line.has("sweep") && line.has("max-seconds")) line.fail("--max-seconds does not go with --sweep");
   if (line.has("sweep")) return run_variants(line);
   if (line.has("resume")) line.fail("--resume goes with --sweep");
 
-  const auto source = project::ProjectSource::read(line.files().front());
+  auto source = project::ProjectSource::read(line.files().front());
+  if (const auto seconds = line.maybe_positive("max-seconds")) source.deadline = Deadline(*seconds);
   if (source.is_filter()) {
     const project::FilterRun run = project::run_filter_project(source, line.output_path());
     Json summary = json_header("run", run.from);

@@ -113,6 +113,10 @@ Design with_alternative(const Project& project, const Design& design, std::size_
   out.chosen = chosen;
   out.plan.reset();
   out.circuit.reset();
+  if (project.deadline.passed()) {
+    refused.emplace_back("Not tried in the time given.");
+    return out;
+  }
   if (project.fpaa) {
     auto plan = try_plan(project, out.sections(), design_band(project, out));
     if (const auto* refusal = refusal_of(plan)) {

@@ -31,6 +31,7 @@ constexpr int kYieldPoints = 60;
 
 DirectFitOptions direct_options(const FilterProject& project) {
   DirectFitOptions out;
+  out.deadline = project.deadline;
   out.real = project.fit.real;
   out.relative_degree = project.fit.relative_degree;
   out.max_corner = project.fit.max_corner;
@@ -47,6 +48,7 @@ DirectFit fit_sections(const FilterProject& project, const BodePoints& points, D
 }
 
 void take_sections(FilterDesign& design, DirectFit fit) {
+  for (const std::string& one : fit.not_tried) design.not_tried.push_back("fit: " + one);
   design.sections = fit.sections;
   design.target_db = fit.max_db;
   design.direct = std::move(fit);
@@ -209,7 +211,11 @@ FilterDesign make_filter_design(const FilterProject& project) {
   if (project.fpaa) make_plan_of(project, design);
   if (project.circuit) {
     make_circuit_of(project, design);
-    make_yield_of(project, design);
+    if (project.deadline.passed()) {
+      design.not_tried.emplace_back("tolerances");
+    } else {
+      make_yield_of(project, design);
+    }
   }
   design.compute_s = watch.seconds();
   return design;

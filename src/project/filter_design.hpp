@@ -27,6 +27,7 @@ struct FilterDesign {
   std::string no_plan;  ///< why not, where a board was asked for
   std::optional<circuit::BuildChoice> circuit;
   std::optional<yield::Result> yield;
+  std::vector<std::string> not_tried;  ///< in the time given
   double compute_s = 0.0;
 
   /// Largest |error| of the sections at the points, or against the target over its band, dB.

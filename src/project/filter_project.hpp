@@ -43,6 +43,7 @@ struct FilterProject {
   yield::Spread spread;
   Project::Limits limits;
   std::optional<double> yield_db;  ///< [limits]: 95 of 100 circuits within it
+  Deadline deadline;               ///< as Project::deadline
 
   /// Of a document that was read from `path`; reads the file that it names. Every InputError has file and line.
   static FilterProject from_document(const Node& document, const std::filesystem::path& path,

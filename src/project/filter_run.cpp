@@ -85,6 +85,7 @@ FilterRun run_filter_project(const ProjectSource& source, const fs::path& folder
   FilterRun run;
   run.from = source.from;
   run.project = FilterProject::from_document(source.document, source.file, run.from);
+  run.project.deadline = source.deadline;
   try {
     run.design = make_filter_design(run.project);
   } catch (const DesignError& error) {
@@ -138,6 +139,7 @@ std::string filter_summary(const FilterRun& run) {
     out += fmt::format("limit      {} {}: {} {}\n", check.name, rounded_text(check.limit),
                        rounded_text(check.got, 3), check.met() ? "met" : "NOT met");
   }
+  for (const std::string& one : design.not_tried) out += "not tried  " + one + "\n";
   return out + "report     report.html\n";
 }
 
@@ -158,6 +160,7 @@ Json filter_json(const FilterRun& run) {
                       {"shortfalls", design.circuit->best.shortfalls},
                       {"passed_over", design.circuit->passed_over}};
   }
+  out["not_tried"] = design.not_tried;
   if (design.yield) out["yield_db"] = design.yield->worst_db.quantile(0.95);
   out["limits"] = Json::array();
   for (const LimitCheck& check : run.limits)

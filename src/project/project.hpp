@@ -8,6 +8,7 @@
 #include <string_view>
 #include <vector>
 
+#include "base/deadline.hpp"
 #include "base/document.hpp"
 #include "base/provenance.hpp"
 #include "base/units.hpp"
@@ -97,6 +98,9 @@ struct Project {
     std::optional<double> fpaa_percent;
     std::optional<double> circuit_db;
   } limits;
+
+  /// Not in the file: a time (`run --max-seconds`) after which what the design does not need is left out, and said.
+  Deadline deadline;
 
   /// Reads the project and the files it names; every InputError has file and line.
   static Project read(const std::filesystem::path& path, Provenance& from);

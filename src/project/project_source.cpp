@@ -6,7 +6,7 @@ ProjectSource ProjectSource::read(const std::filesystem::path& file) {
   Provenance from;
   const Node document = read_document(file, from);
   document.expect_schema("project");
-  return {file, document, std::move(from)};
+  return {file, document, std::move(from), {}};
 }
 
 bool ProjectSource::is_filter() const {

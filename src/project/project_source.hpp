@@ -2,6 +2,7 @@
 
 #include <filesystem>
 
+#include "base/deadline.hpp"
 #include "base/document.hpp"
 #include "base/provenance.hpp"
 
@@ -12,6 +13,7 @@ struct ProjectSource {
   std::filesystem::path file;
   Node document;
   Provenance from;
+  Deadline deadline{};  ///< of the run, see Project::deadline
 
   /// Throws InputError (file and line) for what is no project.
   static ProjectSource read(const std::filesystem::path& file);

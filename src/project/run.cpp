@@ -85,6 +85,18 @@ class Background {
   std::future<std::vector<AlternativeStudy>> alternatives_;
 };
 
+void say_what_was_left(ProjectRun& run) {
+  if (!run.project.deadline.passed()) return;
+  if (run.tracking.elsewhere.empty())
+    run.not_tried.emplace_back("stages of other families, other references");
+  for (std::size_t i = 0; i < run.alternatives.size(); ++i) {
+    const Design& design = run.alternatives[i].design;
+    if (i != run.design.chosen && run.project.circuit && !design.circuit &&
+        !run.alternatives[i].refused.empty())
+      run.not_tried.push_back("hardware of '" + run.design.alternatives[i].name + "'");
+  }
+}
+
 void write_study(ProjectRun& run, const fs::path& folder) {
   OutputSet out(folder);
   out.add("tracking.csv", tracking_csv(run.tracking));
@@ -111,12 +123,17 @@ ProjectRun run_project(const ProjectSource& source, const fs::path& folder) {
   ProjectRun run;
   run.from = source.from;
   run.project = Project::from_document(source.document, source.file, run.from);
+  run.project.deadline = source.deadline;
   run.design = design_of(run.project, source.file);
   progress.at(0.1, 0.2, "parts and files");
   Background background(run);
   run.budget = make_budget(run.project, run.design);
   run.limits = check_limits(run.project, run.design);
-  run.part_errors = errors_of_parts(run, source.file);
+  if (run.project.deadline.passed()) {
+    run.not_tried.emplace_back("errors of the controller's parts");
+  } else {
+    run.part_errors = errors_of_parts(run, source.file);
+  }
   OutputSet design = design_files(run, folder);
   list_files(run, design);
   add_unfinished(design);
@@ -129,6 +146,7 @@ ProjectRun run_project(const ProjectSource& source, const fs::path& folder) {
   run.tracking =
       study_tracking(run.project, run.design, run.budget, [&background] { return background.drives(); });
   run.alternatives = background.alternatives();
+  say_what_was_left(run);
   progress.at(0.9, 1.0, "report");
   run.compute_s = watch.seconds();
   write_study(run, folder);

@@ -31,6 +31,7 @@ struct ProjectRun {
   std::optional<part_errors::Report> part_errors;  ///< of the analog controller
   std::vector<LimitCheck> limits;
   double compute_s = 0.0;
+  std::vector<std::string> not_tried;        ///< in the time given
   std::vector<std::filesystem::path> files;  ///< written, relative to the output folder
 
   bool limits_met() const;

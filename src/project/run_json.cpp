@@ -99,6 +99,7 @@ Json run_json(const ProjectRun& run) {
   out["best_constant_gain"] = run.budget.constant_gain;
   out["ngspice"] = ngspice_json(run.ngspice);
   out["tracking"] = to_json(run.tracking);
+  out["not_tried"] = run.not_tried;
   out["files"] = Json::array();
   for (const std::filesystem::path& path : run.files) out["files"].push_back(path.string());
   out["timing_s"] = {{"compute", run.compute_s},

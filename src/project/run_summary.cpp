@@ -118,6 +118,7 @@ std::string tracking_text(const TrackingStudy& tracking) {
 std::string run_summary(const ProjectRun& run) {
   std::string out = run.project.name + "\n" + headline_text(run) + synthesis_text(run.design) +
                     alternatives_text(run.design) + hardware_text(run) + tracking_text(run.tracking);
+  for (const std::string& one : run.not_tried) out += "not tried in the time given: " + one + "\n";
   for (const LimitCheck& check : run.limits) {
     out += fmt::format("limit      {} {}: {} {}\n", check.name, rounded_text(check.limit),
                        rounded_text(check.got, 3), check.met() ? "met" : "NOT met");

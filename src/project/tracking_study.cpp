@@ -133,7 +133,7 @@ TrackingStudy study_tracking(const Project& project, const Design& design, const
       drives_later ? drives_later() : std::vector<ControllerDrives>();
   add_controllers(project, drives, study);
   study.as_built = as_built_key(project, study);
-  study.elsewhere = tracked_elsewhere(project, candidates, drives);
+  if (!project.deadline.passed()) study.elsewhere = tracked_elsewhere(project, candidates, drives);
   study.findings = tracking_findings(project, design, budget, candidates, report, study);
   study.compute_s = watch.seconds();
   return study;

@@ -127,11 +127,11 @@ std::vector<std::string> CircuitBoard::probe_nodes() const {
 
 void CircuitBoard::solve(RadPerSecond w, int out) {
   const Network network(circuit_);
-  const Network::System system = network.system(w, &model_);
+  const SparseSystem system = network.system(w, &model_);
   Point point;
   point.s = Complex(0.0, w.value);
   point.out = out;
-  point.inverse = system.a.partialPivLu().inverse();
+  point.inverse = system.dense().partialPivLu().inverse();
   point.x = point.inverse * system.b;
   points_.push_back(std::move(point));
 }

@@ -56,8 +56,8 @@ void add_figures(report::Page& page, const Diagnosis& d, const Board& board) {
     if (d.verdict != Verdict::nothing_wrong && !d.suspects.empty())
       add_response(plot, d.suspects[0].site, channel, board.response(d.suspects[0].best.effect()), first,
                    Series::Style::line);
-    page.figure(plot.svg(), fmt::format("{} of {} points of {}.", channel.grid.size(),
-                                        channel.measured_points, channel.file));
+    page.plots(plot.plots(), fmt::format("{} of {} points of {}.", channel.grid.size(),
+                                         channel.measured_points, channel.file));
     first += channel.grid.size();
   }
 }

@@ -14,9 +14,7 @@ namespace {
 constexpr Eigen::Index kDenseUpTo = 100;
 
 Eigen::VectorXcd solve_as_dense(const SparseSystem& system) {
-  Eigen::MatrixXcd a = Eigen::MatrixXcd::Zero(system.b.size(), system.b.size());
-  for (const SparseSystem::Entry& e : system.a) a(e.row, e.column) += e.value;
-  return solve_lu(a, system.b);
+  return solve_lu(system.dense(), system.b);
 }
 
 }  // namespace
@@ -27,6 +25,12 @@ void SparseSystem::clear_row(Eigen::Index row) {
 
 void SparseSystem::transpose() {
   for (Entry& e : a) std::swap(e.row, e.column);
+}
+
+Eigen::MatrixXcd SparseSystem::dense() const {
+  Eigen::MatrixXcd out = Eigen::MatrixXcd::Zero(b.size(), b.size());
+  for (const Entry& e : a) out(e.row, e.column) += e.value;
+  return out;
 }
 
 Eigen::VectorXcd solve_sparse(const SparseSystem& system) {

@@ -21,6 +21,7 @@ struct SparseSystem {
   }
   void clear_row(Eigen::Index row);
   void transpose();
+  Eigen::MatrixXcd dense() const;
 };
 
 /// x: as a dense matrix (LU with partial pivoting) up to a hundred unknowns, from there by sparse LU, whose work grows with

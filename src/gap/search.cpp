@@ -37,14 +37,15 @@ struct Round {
 };
 
 Round look_for_terms(const SearchSetting& setting, const SearchRecords& records, const Model& model,
-                     bool pairs_allowed) {
+                     bool pairs_allowed, bool little) {
   const auto& options = setting.options;
   // At the floor only what does not repeat with the input can be missing.
   const bool quiet = is_at_floor(options, model, records);
   EffectFilter filter;
   if (quiet) filter = [](const Effect& effect) { return effect.independent_of_input(); };
   Round round;
-  auto fitted = fit_round(setting, records, model, filter);
+  auto fitted = fit_round(setting, records, model, filter,
+                          little ? options.round.min_score_of_little : options.round.min_score);
   round.ranking = std::move(fitted.ranking);
   round.not_tried = std::move(fitted.not_tried);
   round.looked_at = fitted.looked_at;
@@ -53,7 +54,8 @@ Round look_for_terms(const SearchSetting& setting, const SearchRecords& records,
   round.ranking = std::move(judged.ranking);
   if (judged.step) {
     round.steps.push_back(std::move(*judged.step));
-  } else if (!options.is_late() && !quiet && pairs_allowed && is_something_left(options, model, records)) {
+  } else if (!options.is_late() && !quiet && !little && pairs_allowed &&
+             is_something_left(options, model, records)) {
     if (auto pair = choose_pair(setting, records, model, round.ranking)) {
       round.steps = {std::move(pair->first), std::move(pair->second)};
       round.notes = {std::move(pair->note)};
@@ -86,9 +88,9 @@ Extended extend(const SearchSetting& setting, SearchRecords records, Found found
   return {std::move(found), std::move(tried.records)};
 }
 
-/// Whether all that is left is less than a later term must explain (AcceptanceOptions::min_part_of_gap).
-bool is_too_little_for_a_name(const SearchSetting& setting, const SearchRecords& records,
-                              const Model& model) {
+/// Whether all that is left is less than a later term must explain (AcceptanceOptions::min_part_of_gap): only one that
+/// takes most of it is then a name.
+bool is_little_left(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
   const double enough = setting.options.acceptance.min_part_of_gap * setting.first_gap;
   return rms_of(model, records.train) < enough && rms(round_residuals(model, records).folds) < enough;
 }
@@ -130,8 +132,8 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
         smooth_input = true;
       }
     }
-    if (terms > 0 && is_too_little_for_a_name(setting, records, found.model)) break;
-    auto round = look_for_terms(setting, records, found.model, terms + 1 < options.max_terms);
+    const bool little = terms > 0 && is_little_left(setting, records, found.model);
+    auto round = look_for_terms(setting, records, found.model, terms + 1 < options.max_terms, little);
     for (auto& note : round.notes) found.notes.push_back(std::move(note));
     result.not_tried = std::move(round.not_tried);
     result.looked_at += round.looked_at;

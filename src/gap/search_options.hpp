@@ -47,7 +47,8 @@ struct BaseFitOptions {
 struct RoundOptions {
   std::size_t effects = 9;             ///< fitted in each round
   std::size_t effects_from_given = 3;  ///< more in the first round, as seen from the given parameters
-  double min_score = 0.003;            ///< share of the residual's energy that a candidate must promise
+  double min_score = 0.003;            ///< share of the residual's energy that a candidate must promise,
+  double min_score_of_little = 0.3;    ///< and when less is left than a later term must explain
   /// Standard deviations of that promise, without earlier terms and with them.
   double min_promise = 2.0;
   double min_promise_later = 4.0;
@@ -82,6 +83,8 @@ struct AcceptanceOptions {
   double max_min_part = 0.2;
   std::size_t few_plain_unknowns = 4;
   double plain_significance = 30.0;
+  /// What takes so much of what is left, beyond that significance, is a name however large the first gap was.
+  double most_of_rest = 0.5;
   double min_significance = 5.0;  ///< standard deviations of the gain (colour counted), on folds and on all
   double control_factor = 3.0;    ///< times the gain that surrogate data show
   double sure = 15.0;             ///< standard deviations beyond which surrogates are not asked

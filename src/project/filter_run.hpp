@@ -6,7 +6,7 @@
 
 #include "base/json_fwd.hpp"
 #include "project/filter_design.hpp"
-#include "project/project_source.hpp"
+#include "project/source.hpp"
 
 namespace bodesmith::project {
 

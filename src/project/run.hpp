@@ -12,7 +12,7 @@
 #include "project/design.hpp"
 #include "project/limits.hpp"
 #include "project/project.hpp"
-#include "project/project_source.hpp"
+#include "project/source.hpp"
 #include "project/tracking_study.hpp"
 #include "spice/compensator_check.hpp"
 

@@ -54,6 +54,9 @@ void write_seeded_inputs(const fs::path& folder) {
 const std::vector<std::string>& seeded_commands() {
   static const std::vector<std::string> all = {
       "run project.toml -o out",
+      "new made --kind filter",
+      "schema -o schemas",
+      "completion bash > completion.bash",
       "design lowpass --family elliptic --order 4 --corner-hz 1000 --ripple-db 0.5 --stop-db 40 -o design.json",
       "fit gains.csv -o cascade.json",
       "fit curve.csv --direct --order 3 --seed 5 -o fit.json",

@@ -32,7 +32,8 @@ CandidateOutcome objection_to(const AcceptanceOptions& options, const Ranked& r,
       r.unknowns <= options.few_plain_unknowns && std::min(r.z, r.train_z) > options.plain_significance;
   const double for_unknowns = plain ? 0.0 : options.min_part_each * static_cast<double>(r.unknowns - 1);
   const double min_part = std::min(options.max_min_part, options.min_part_of_gap + for_unknowns);
-  if (explained < min_part * bar.first_gap) return CandidateOutcome::no_gain_on_folds;
+  const bool takes_most = plain && gain > options.most_of_rest;
+  if (!takes_most && explained < min_part * bar.first_gap) return CandidateOutcome::no_gain_on_folds;
   if (!(r.z >= options.min_significance && r.train_z >= options.min_significance))
     return CandidateOutcome::not_significant;
   if (r.unknowns > options.max_unknowns) return CandidateOutcome::too_free;

@@ -44,14 +44,14 @@ std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecor
 class Choice {
  public:
   /// `later`: there are terms already, and what is left must promise more.
-  Choice(const RoundOptions& options, bool later)
-      : options_(options), min_promise_(later ? options.min_promise_later : options.min_promise) {}
+  Choice(const RoundOptions& options, bool later, double min_score)
+      : min_score_(min_score), min_promise_(later ? options.min_promise_later : options.min_promise) {}
 
   /// Goes on until `max_effects` are chosen in all; those in `done` are passed over.
   void add(std::vector<Promising> promising, std::size_t max_effects, const std::set<const Effect*>& done) {
     for (auto& p : promising) {
       const auto* effect = effect_of(p.proposal);
-      if (p.score < options_.min_score || p.z < min_promise_ || done.count(effect) != 0) continue;
+      if (p.score < min_score_ || p.z < min_promise_ || done.count(effect) != 0) continue;
       const std::size_t form = p.proposal.model.terms().back().unknowns.size();
       const bool new_form = forms_[effect].count(form) == 0;
       if (places_[effect] >= effect->places_a_round() + (new_form ? 1 : 0)) continue;
@@ -80,7 +80,7 @@ class Choice {
   const std::vector<Promising>& chosen() const { return chosen_; }
 
  private:
-  const RoundOptions& options_;
+  double min_score_;
   double min_promise_;
   std::map<const Effect*, int> places_;
   std::map<const Effect*, std::set<std::size_t>> forms_;
@@ -119,10 +119,10 @@ void look_at_folds(const SearchSetting& setting, const SearchRecords& records, c
 }  // namespace
 
 FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model,
-                      const EffectFilter& filter) {
+                      const EffectFilter& filter, std::optional<double> min_score) {
   const auto& options = setting.options;
   FittedRound round;
-  Choice choice(options.round, !model.terms().empty());
+  Choice choice(options.round, !model.terms().empty(), min_score.value_or(options.round.min_score));
   auto promising = look_from(setting, records, model, filter);
   round.looked_at = promising.size();
   choice.add(std::move(promising), options.round.effects, {});

@@ -15,14 +15,14 @@ namespace bodesmith::gap {
 using EffectFilter = std::function<bool(const Effect&)>;
 
 /// One round: what every effect promises where the search stands, the best of it fitted in place, in no
-/// particular order and not yet judged. Empty when the search was stopped.
+/// particular order and not yet judged. Empty when the search was stopped. `min_score`: instead of RoundOptions::min_score.
 struct FittedRound {
   std::vector<Ranked> ranking;
   std::vector<std::string> not_tried;  ///< effects that promised something when the time was over
   std::size_t looked_at = 0;           ///< proposals
 };
 FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model,
-                      const EffectFilter& filter = {});
+                      const EffectFilter& filter = {}, std::optional<double> min_score = std::nullopt);
 
 /// Residuals of the model that a round's candidates are compared with.
 struct RoundResiduals {

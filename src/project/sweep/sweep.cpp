@@ -86,8 +86,7 @@ std::optional<SweptVariant> outcome_in(const fs::path& folder, const Variant& va
   const fs::path file = folder / kOutcome;
   std::error_code ignored;
   if (!fs::is_regular_file(file, ignored)) return std::nullopt;
-  Provenance unused;
-  const Node node = read_document(file, unused);
+  const Node node = parse_json(read_file(file), file.string());
   node.expect_schema("variant");
   if (node.at("changes").string() != variant.what()) return std::nullopt;
   if (check_files) {

@@ -45,13 +45,14 @@ void flatten(const Node& table, const std::string& below, std::vector<std::pair<
 /// A folder of this name stands in the output folder and nowhere else.
 void check_name(const Variant& variant) {
   const auto fits = [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.' || c == '=' || c == '+' || c == ' ';
+    return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.' || c == '=' || c == '+' || c == '%' ||
+           c == ' ';
   };
   const std::string& name = variant.name;
   if (name.empty() || name.size() > 100 || name.front() == '.' || name.front() == ' ' || name.back() == ' ' ||
       !std::all_of(name.begin(), name.end(), fits)) {
     variant.at.fail(fmt::format(
-        "has the name '{}', expected letters, digits, spaces and -_.=+ (100 at most), as its folder is called so",
+        "has the name '{}', expected letters, digits, spaces and -_.=+% (100 at most), as its folder is called so",
         name));
   }
 }

@@ -5,7 +5,7 @@
 #include <utility>
 #include <vector>
 
-#include "project/project_source.hpp"
+#include "project/source.hpp"
 
 namespace bodesmith::project {
 

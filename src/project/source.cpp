@@ -1,4 +1,4 @@
-#include "project/project_source.hpp"
+#include "project/source.hpp"
 
 namespace bodesmith::project {
 

@@ -42,6 +42,39 @@ TEST(Signs, aChirpAndBurstsAreConcentratedAndNoiseIsNot) {
   }
 }
 
+/// A few lines, and a residual of the same lines: what surrogates of it share with slow gains is large by itself.
+Leftover few_lines(unsigned seed, bool wandering) {
+  Leftover l = noise_of_colour(0.0, seed);
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  double cosine[3] = {}, sine[3] = {};
+  const double memory = std::exp(-1.0 / 300.0);
+  for (std::size_t i = 0; i < 2000; ++i) {
+    double output = 0.0, noise = 0.0;
+    for (std::size_t line = 0; line < 3; ++line) {
+      const double angle = 2.0 * std::numbers::pi * static_cast<double>((line + 2) * i) / 500.0;
+      output += std::sin(angle + static_cast<double>(line));
+      cosine[line] = memory * cosine[line] + normal(random);
+      sine[line] = memory * sine[line] + normal(random);
+      noise +=
+          (cosine[line] * std::cos(angle) + sine[line] * std::sin(angle)) * std::sqrt(1.0 - memory * memory);
+    }
+    const double gain = std::sin(2.0 * std::numbers::pi * 1.7 * static_cast<double>(i) / 2000.0 + 0.4);
+    l.output.push_back(10.0 * output);
+    l.residual[i] = 0.1 * l.residual[i] + (wandering ? gain * output : noise);
+  }
+  return l;
+}
+
+TEST(Signs, aGainThatWandersIsSeenOnFewLinesAndNarrowNoiseIsNoGain) {
+  int alarms = 0;
+  for (unsigned seed = 1; seed <= 40; ++seed) {
+    EXPECT_TRUE(gain_varies(few_lines(seed, true)).found()) << seed;
+    alarms += gain_varies(few_lines(seed, false)).found() ? 1 : 0;
+  }
+  EXPECT_EQ(alarms, 0);
+}
+
 TEST(Signs, aNarrowNotchStandsApartAndNoiseOfAnyLevelDoesNot) {
   const auto errors = [](unsigned seed, double rise) {
     std::mt19937_64 random(seed);

@@ -69,7 +69,7 @@ LONG = ["--engine", "cvode", "--tolerance", "1e-11", "-o"]
 
 
 def test_a_single_simulation_shows_a_bar_and_the_time_left(tmp_path):
-    record = long_record(tmp_path, 60_000)
+    record = long_record(tmp_path, 400_000)
     seen = Terminal("simulate", MODEL, "--input", record, *LONG, tmp_path / "y.csv")
     seen.wait_for(r"\r\x1b\[K\[#+-*\] +\d+ %  simulate: simulation.*, \d+ (s|min) left")
     seen.send("\x03")
@@ -96,9 +96,8 @@ def test_no_bar_where_there_is_no_terminal_and_none_with_quiet(tmp_path):
 def test_quiet_shows_no_bar_at_a_terminal(tmp_path):
     record = long_record(tmp_path, 60_000)
     seen = Terminal("simulate", MODEL, "--input", record, *LONG, tmp_path / "y.csv", "--quiet")
-    seen.read(2.0)
-    seen.send("\x03")
-    assert "%" not in seen.finish() and seen.status == 130
+    # To its end, which takes long enough for a bar: how fast a machine is decides nothing.
+    assert (seen.finish(seconds=600), seen.status) == ("", 0)
 
 
 @pytest.mark.parametrize(

@@ -16,6 +16,9 @@ constexpr std::uint64_t kGainSurrogates = 24;
 /// The share of the energy must be above this, and above surrogates' largest one times that.
 constexpr double kMinGainShare = 0.03;
 constexpr double kGainTimesLargest = 2.0;
+/// Of few lines, slow gains make much by chance: there what they leave must be less, by odds this many times surrogates'
+/// best.
+constexpr double kGainTimesOdds = 4.0;
 /// Slow cosines of which the gain is made, the constant aside.
 constexpr Eigen::Index kCosines = 6;
 
@@ -54,7 +57,9 @@ Sign gain_varies(const Leftover& record) {
   Chance chance;
   for (std::uint64_t k = 0; k < kGainSurrogates; ++k)
     chance.add(share(phase_surrogate(record.residual, 4000 + k)));
-  sign.strength = got / std::max(kMinGainShare, kGainTimesLargest * chance.max());
+  const auto odds = [](double part) { return part / std::max(1.0 - part, 1e-6); };
+  sign.strength = std::max(got / std::max(kMinGainShare, kGainTimesLargest * chance.max()),
+                           got < kMinGainShare ? 0.0 : odds(got) / (kGainTimesOdds * odds(chance.max())));
   return sign;
 }
 

@@ -35,8 +35,9 @@ namespace {
 
 constexpr std::uint64_t kChunk = 1024;  // samples a thread takes at a time
 constexpr std::uint64_t kRound =
-    128 * 1024;  // samples of a process between two looks at clock and checkpoint
-constexpr double kCheckpointEvery_s = 0.5;
+    128 * 1024;                             // samples of a process between two looks at clock and checkpoint
+constexpr double kCheckpointEvery_s = 0.5;  // at the most: a checkpoint is to cost a twentieth of the time
+constexpr double kCheckpointsApart = 20.0;
 constexpr std::string_view kMagic = "bodesmith yield checkpoint 2\n";
 
 void validate(const Design& design, const Options& options) {
@@ -166,6 +167,7 @@ Result run_monte_carlo(const Design& design, const Options& options, const Team&
 
   const Stopwatch since;
   double kept_at_s = 0.0;
+  double next_after_s = kCheckpointEvery_s;
   const std::uint64_t round = kRound * static_cast<std::uint64_t>(team.size());
   while (done < options.samples) {
     const std::uint64_t last = std::min(done + round, options.samples);
@@ -176,13 +178,15 @@ Result run_monte_carlo(const Design& design, const Options& options, const Team&
     done = last;
     if (options.progress) options.progress(static_cast<double>(done) / static_cast<double>(options.samples));
     if (options.checkpoint.empty() || done >= options.samples) continue;
-    if (team.from_leader(since.seconds() - kept_at_s > kCheckpointEvery_s ? 1 : 0) == 0) continue;
+    if (team.from_leader(since.seconds() - kept_at_s > next_after_s ? 1 : 0) == 0) continue;
+    const double begun_s = since.seconds();
     const Counts all = gathered(before, workers, team);
     if (team.leads()) {
       write_file(options.checkpoint,
                  std::string(kMagic) + checkpoint_key(design, options) + "\n" + all.bytes());
     }
     kept_at_s = since.seconds();
+    next_after_s = std::max(kCheckpointEvery_s, kCheckpointsApart * (kept_at_s - begun_s));
   }
   gathered(before, workers, team).put_into(result);
   if (team.leads() && !options.checkpoint.empty()) {

@@ -260,7 +260,8 @@ std::optional<NextExperiment> next_experiment(const SearchResult& result,
     const auto experiment = driven(limits, u);
     std::vector<std::vector<double>> predicted;
     for (const Model& model : rivals->models) predicted.push_back(bare_output_of(model, experiment));
-    if (std::any_of(predicted.begin(), predicted.end(), [&](const auto& y) { return y.size() != u.size(); }))
+    const std::size_t samples = u.size();
+    if (std::any_of(predicted.begin(), predicted.end(), [&](const auto& y) { return y.size() != samples; }))
       continue;
     const Apart apart = apart_under(*rivals, held, experiment, predicted, noise);
     if (!(apart.told > widest.told || (apart.told == widest.told && apart.least > widest.least))) continue;

@@ -17,13 +17,9 @@ FilterFit read_filter_fit(const Node& node) {
   node.allow_only(
       {"method", "max_error_db", "order", "beta_max", "real", "relative_degree", "max_corner_hz", "base_hz"});
   FilterFit out;
-  if (node.has("method")) {
-    const std::string word = node.at("method").one_of({"automatic", "interpolate", "bounded", "direct"});
-    for (const FilterFit::Method one : {FilterFit::Method::automatic, FilterFit::Method::interpolate,
-                                        FilterFit::Method::bounded, FilterFit::Method::direct}) {
-      if (to_string(one) == word) out.method = one;
-    }
-  }
+  if (node.has("method"))
+    out.method = one_of(node.at("method"), FilterFit::Method::automatic, FilterFit::Method::interpolate,
+                        FilterFit::Method::bounded, FilterFit::Method::direct);
   if (node.has("max_error_db")) out.max_error_db = node.at("max_error_db").positive();
   if (node.has("order")) out.order = static_cast<int>(node.at("order").integer(1, 12));
   if (node.has("beta_max")) out.beta_max = node.at("beta_max").positive();

@@ -105,15 +105,6 @@ std::vector<std::complex<double>> quadratic_roots(const Node& node) {
   return {{far, 0.0}, {c[1] / far, 0.0}};
 }
 
-/// The one of `values` whose to_string() the node holds.
-template <class Enum, class... Enums>
-Enum one_of(const Node& node, Enum first, Enums... others) {
-  const std::string word = node.one_of({to_string(first), to_string(others)...});
-  Enum found = first;
-  ((to_string(others) == word ? void(found = others) : void()), ...);
-  return found;
-}
-
 Project::Target read_target(const Node& node, const fs::path& folder, Provenance& from) {
   node.allow_only({"points", "disturbance", "branch", "base_hz"});
   Project::Target target;

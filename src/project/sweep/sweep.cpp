@@ -12,6 +12,7 @@
 #include "base/progress.hpp"
 #include "project/sweep/sweep_figures.hpp"
 #include "project/sweep/variants.hpp"
+#include "project/tables.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -99,11 +100,7 @@ std::optional<SweptVariant> outcome_in(const fs::path& folder, const Variant& va
     }
   }
   SweptVariant out;
-  const std::string status = node.at("status").one_of(
-      {to_string(Status::done), to_string(Status::limit_missed), to_string(Status::refused)});
-  for (const Status one : {Status::done, Status::limit_missed, Status::refused}) {
-    if (to_string(one) == status) out.status = one;
-  }
+  out.status = one_of(node.at("status"), Status::done, Status::limit_missed, Status::refused);
   if (node.has("message")) out.message = node.at("message").text();
   for (const auto& [key, value] : node.at("figures").members()) out.figures.emplace_back(key, value.number());
   out.compute_s = node.at("timing_s").at("compute").number();

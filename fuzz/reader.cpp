@@ -7,6 +7,7 @@
 #include <stdexcept>
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 
 namespace bodesmith::fuzz {
 namespace {
@@ -55,6 +56,12 @@ fs::path as_file(std::string_view bytes, const std::string& name) {
 
 void require_finite(double value) {
   if (!std::isfinite(value)) throw std::logic_error("a reader let through what is not finite");
+}
+
+void require_finite(const Json& written) {
+  if (written.is_number_float()) require_finite(written.get<double>());
+  if (!written.is_structured()) return;
+  for (const Json& value : written) require_finite(value);
 }
 
 }  // namespace bodesmith::fuzz

@@ -5,6 +5,8 @@
 #include <string_view>
 #include <vector>
 
+#include "base/json_fwd.hpp"
+
 namespace bodesmith::fuzz {
 
 /// A reader under test: it may refuse any bytes with an InputError, and must do nothing else wrong with them.
@@ -29,5 +31,7 @@ std::filesystem::path as_file(std::string_view bytes, const std::string& name);
 
 /// std::logic_error unless finite: no reader may let anything else through.
 void require_finite(double value);
+/// The same of every number in a document that would be written.
+void require_finite(const Json& written);
 
 }  // namespace bodesmith::fuzz

@@ -1,12 +1,13 @@
 #include "fpaa/plan.hpp"
 #include "base/document.hpp"
+#include "base/json.hpp"
 #include "reader.hpp"
 
 namespace bodesmith::fuzz {
 namespace {
 
 void read_plan_bytes(std::string_view bytes) {
-  fpaa::Plan::from_node(parse_json(bytes, "plan.json"));
+  require_finite(fpaa::Plan::from_node(parse_json(bytes, "plan.json")).to_json());
 }
 const Registered plan_reader{"plan", read_plan_bytes};
 

@@ -71,6 +71,12 @@ void drop_stale(const fs::path& target) {
   }
 }
 
+/// Names may come from a user's file: they do not lead out of the folder that was asked for. A link that stands in it does.
+bool stays_below(const fs::path& relative) {
+  return relative.is_relative() &&
+         std::find(relative.begin(), relative.end(), fs::path("..")) == relative.end();
+}
+
 void write_to(const fs::path& path, const std::string& content, std::string& why) {
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   if (out) out.write(content.data(), static_cast<std::streamsize>(content.size()));
@@ -151,6 +157,7 @@ void OutputSet::commit() {
       drop_all();
       throw InputError(named.string(), 0, "cannot be written: " + why);
     };
+    if (!folder_.empty() && !stays_below(file.path)) fail("it is not in the folder of the outputs");
     std::error_code ec;
     if (named.has_parent_path()) {
       fs::create_directories(named.parent_path(), ec);

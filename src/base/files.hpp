@@ -27,8 +27,8 @@ class OutputSet {
   void add(const std::filesystem::path& relative, std::string content);
   /// Every file of another set, below a folder of this one.
   void include(const std::filesystem::path& below, const OutputSet& other);
-  /// Throws InputError when a file cannot be written, was read as an input, or is named twice; targets that existed
-  /// are then untouched.
+  /// Throws InputError when a file cannot be written, was read as an input, is named twice, or would stand outside of the
+  /// folder (absolute, ".."); targets that existed are then untouched.
   void commit();
 
   const std::filesystem::path& folder() const { return folder_; }

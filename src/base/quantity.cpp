@@ -6,6 +6,7 @@
 #include <string>
 #include <utility>
 
+#include "base/letters.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith {
@@ -25,10 +26,6 @@ constexpr std::array<std::pair<std::string_view, int>, 12> kPrefixExponents = {{
                                                                                 {"R", 0}}};
 constexpr std::array<std::string_view, 13> kUnits = {
     "Hz", "hz", "ohm", "Ohm", "\xCE\xA9", "\xE2\x84\xA6", "F", "V", "A", "s", "dB", "deg", "%"};
-
-bool is_digit(char c) {
-  return c >= '0' && c <= '9';
-}
 
 bool is_unit(std::string_view text) {
   return text.empty() || std::find(kUnits.begin(), kUnits.end(), text) != kUnits.end();

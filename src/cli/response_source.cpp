@@ -9,6 +9,7 @@
 #include "approximate/fractional_transfer.hpp"
 #include "base/document.hpp"
 #include "base/error.hpp"
+#include "base/letters.hpp"
 #include "chain/model_file.hpp"
 #include "fpaa/plan.hpp"
 #include "lti/bulk_response.hpp"
@@ -106,7 +107,7 @@ bool is_document(const std::filesystem::path& path) {
   std::ifstream in(path, std::ios::binary);
   char first = 0;
   while (in.get(first)) {
-    if (std::isspace(static_cast<unsigned char>(first)) == 0) return first == '{';
+    if (!is_blank(first)) return first == '{';
   }
   return false;
 }
@@ -119,7 +120,7 @@ std::string stem_of(const std::filesystem::path& path) {
   std::error_code ignored;
   if (colon == std::string::npos || std::filesystem::exists(path, ignored)) return path.stem().string();
   for (const char c : name.substr(colon)) {
-    if (std::isalnum(static_cast<unsigned char>(c)) != 0) {
+    if (is_letter_or_digit(c)) {
       stem += c;
     } else if (stem.back() != '_') {
       stem += '_';

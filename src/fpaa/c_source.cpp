@@ -2,10 +2,10 @@
 
 #include <fmt/format.h>
 
-#include <cctype>
 #include <charconv>
 
 #include "base/error.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "fpaa/config_stream.hpp"
 
@@ -15,13 +15,13 @@ std::vector<CToken> c_tokens(std::string_view text, const std::string& file) {
   std::vector<CToken> out;
   int line = 1;
   std::size_t at = 0;
-  const auto is_word = [](char c) { return std::isalnum(static_cast<unsigned char>(c)) != 0 || c == '_'; };
+  const auto is_word = [](char c) { return is_letter_or_digit(c) || c == '_'; };
   while (at < text.size()) {
     const char c = text[at];
     if (c == '\n') {
       ++line;
       ++at;
-    } else if (std::isspace(static_cast<unsigned char>(c)) != 0) {
+    } else if (is_blank(c)) {
       ++at;
     } else if (c == '/' && at + 1 < text.size() && text[at + 1] == '*') {
       const std::size_t end = text.find("*/", at + 2);

@@ -1,8 +1,7 @@
 #include <fmt/format.h>
 
-#include <cctype>
-
 #include "base/error.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "fpaa/gain_schedule.hpp"
 
@@ -19,7 +18,7 @@ std::optional<int> digits_as_number(std::string_view text, int max) {
   if (text.empty() || text.size() > 5) return std::nullopt;
   int out = 0;
   for (const char c : text) {
-    if (std::isdigit(static_cast<unsigned char>(c)) == 0) return std::nullopt;
+    if (!is_digit(c)) return std::nullopt;
     out = 10 * out + (c - '0');
   }
   if (out > max) return std::nullopt;
@@ -71,8 +70,7 @@ std::vector<MemoryPlace> table_places(const ApiProject::Cam& cam, const std::str
 }  // namespace
 
 GainPlace parse_gain_place(const std::string& text, const ApiProject* project, const std::string& option) {
-  if (!text.empty() && std::isdigit(static_cast<unsigned char>(text[0])) != 0)
-    return known_address(text, option);
+  if (!text.empty() && is_digit(text[0])) return known_address(text, option);
   if (project == nullptr)
     place_fails(option, text, "names a CAM, expected --api with the project's ApiCode.c");
   const std::size_t dot = text.find('.');

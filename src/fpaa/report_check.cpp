@@ -3,11 +3,11 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <cmath>
 #include <optional>
 
 #include "base/error.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
 
@@ -19,12 +19,6 @@ struct Run {
   std::string tag;
   std::string text;
 };
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  std::transform(out.begin(), out.end(), out.begin(), [](unsigned char c) { return std::tolower(c); });
-  return out;
-}
 
 std::string plain(std::string_view text) {
   std::string out;
@@ -43,7 +37,7 @@ std::string plain(std::string_view text) {
         continue;
       }
     }
-    const bool space = std::isspace(static_cast<unsigned char>(text[i])) != 0;
+    const bool space = is_blank(text[i]);
     if (space && (out.empty() || out.back() == ' ')) continue;
     out += space ? ' ' : text[i];
   }
@@ -68,14 +62,14 @@ std::vector<Run> visible_text(std::string_view html) {
     }
     const std::size_t end = html.find('>', at);
     if (end == std::string_view::npos) break;
-    const std::string mark = lower(html.substr(at + 1, end - at - 1));
+    const std::string mark = lower_case(html.substr(at + 1, end - at - 1));
     at = end + 1;
     if (mark.rfind("br", 0) == 0) {
       text += ' ';
       continue;
     }
     if (mark.rfind("style", 0) == 0 || mark.rfind("script", 0) == 0) {
-      const std::size_t close = lower(html.substr(at)).find("</");
+      const std::size_t close = lower_case(html.substr(at)).find("</");
       if (close == std::string::npos) break;
       at += close;
       continue;
@@ -99,14 +93,14 @@ std::vector<Run> visible_text(std::string_view html) {
 std::optional<double> number_in(std::string_view text, bool frequency) {
   text = trim(text);
   std::size_t end = 0;
-  while (end < text.size() && (std::isdigit(static_cast<unsigned char>(text[end])) != 0 ||
-                               std::string_view("+-.eE").find(text[end]) != std::string_view::npos)) {
+  while (end < text.size() &&
+         (is_digit(text[end]) || std::string_view("+-.eE").find(text[end]) != std::string_view::npos)) {
     ++end;
   }
   double value = 0.0;
   if (!parse_number(text.substr(0, end), value)) return std::nullopt;
   if (!frequency) return value;
-  const std::string unit = lower(trim(text.substr(end)).substr(0, 3));
+  const std::string unit = lower_case(trim(text.substr(end)).substr(0, 3));
   if (unit == "mhz") return value * 1e6;
   if (unit == "khz") return value * 1e3;
   if (unit.rfind("hz", 0) == 0) return value;
@@ -176,7 +170,7 @@ class CamComparison {
   void option() {
     if (wanted_.option.empty()) return;
     const std::string* text = row("Filter Type");
-    if (text != nullptr && lower(*text) != lower(wanted_.option)) {
+    if (text != nullptr && lower_case(*text) != lower_case(wanted_.option)) {
       differ("Filter Type", *text, wanted_.option);
     }
   }

@@ -98,6 +98,8 @@ std::vector<std::complex<double>> quadratic_roots(const Node& node) {
   if (c.size() != 2) node.fail(fmt::format("has {} numbers, expected [c1, c0] of s^2 + c1 s + c0", c.size()));
   if (!(c[0] > 0.0) || !(c[1] > 0.0))
     node.fail("has roots in the right half plane, expected c1 and c0 above 0");
+  if (!std::isfinite(c[0] * c[0]))
+    node.fail("has roots beyond what can be computed, expected c1 below 1e154");
   const std::complex<double> root = std::sqrt(std::complex<double>(c[0] * c[0] / 4.0 - c[1], 0.0));
   if (root.imag() != 0.0) return {{-c[0] / 2.0, root.imag()}, {-c[0] / 2.0, -root.imag()}};
   // The root farther out first, the other from the product: no cancellation.

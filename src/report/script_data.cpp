@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdlib>
 #include <string_view>
 
 #include "base/json.hpp"
+#include "base/text.hpp"
 #include "report/scale.hpp"
 #include "report/thin.hpp"
 
@@ -96,7 +96,8 @@ std::string json_for_script(const Json& json) {
 
 Json plotted_number(double value, int digits) {
   if (!std::isfinite(value)) return nullptr;
-  const double rounded = std::strtod(fmt::format("{:.{}g}", value, digits).c_str(), nullptr);
+  double rounded = value;
+  parse_number(fmt::format("{:.{}g}", value, digits), rounded);
   if (rounded == std::trunc(rounded) && std::abs(rounded) < 1e9) return static_cast<std::int64_t>(rounded);
   return rounded;
 }

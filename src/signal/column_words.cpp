@@ -1,8 +1,8 @@
 #include "signal/column_words.hpp"
 
 #include <array>
-#include <cctype>
 
+#include "base/letters.hpp"
 #include "signal/columns.hpp"
 
 namespace bodesmith {
@@ -43,8 +43,7 @@ constexpr std::array<OtherWord, 23> kOtherWords = {{
 }  // namespace
 
 ColumnWord column_word(std::string_view given) {
-  std::string small(given);
-  for (char& c : small) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  const std::string small = lower_case(given);
   for (const OtherWord& other : kOtherWords) {
     if (small == other.word) return {std::string(other.name), other.scale};
   }

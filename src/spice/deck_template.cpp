@@ -14,12 +14,21 @@ namespace bodesmith::spice {
 
 using circuit::plain_number;
 
+namespace {
+
+/// A first line that begins so is more to ngspice than a title.
+std::string plain_title(const std::string& title) {
+  return title.find_first_of(".*+$#") == 0 ? "deck " + title : title;
+}
+
+}  // namespace
+
 Deck deck_from_template(const std::string& file, const DeckRequest& request,
                         const std::vector<TemplateLines>& lists) {
   const double middle_hz = std::sqrt(request.band.from.value * request.band.to.value);
   const circuit::Tolerances& tolerances = request.monte_carlo.tolerances;
   Json data;
-  data["title"] = request.title;
+  data["title"] = plain_title(request.title);
   data["from_hz"] = plain_number(request.band.from.value);
   data["to_hz"] = plain_number(request.band.to.value);
   data["frequency_hz"] = rounded_text(middle_hz);

@@ -6,9 +6,9 @@
 
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "circuit/text.hpp"
-#include "spice/deck_words.hpp"
 #include "spice/ngspice_process.hpp"
 #include "spice/plain_netlist.hpp"
 #include "spice/user_deck.hpp"
@@ -23,7 +23,7 @@ namespace fs = std::filesystem;
 std::vector<std::complex<double>> run_ac(const std::string& head, const std::string& node,
                                          const std::string& what, const std::vector<Hertz>& grid,
                                          const fs::path& folder) {
-  require_plain_netlist(head, what);
+  require_no_commands(head, what);
   require_plain_node(node, what);
   const std::string vector = "v(" + node + ")";
   std::string deck = head + "\n.control\nset numdgt=16\nsave " + vector + "\n";
@@ -62,7 +62,7 @@ struct Columns {
 /// Runs one analysis and reads back its sweep variable and the nodes' voltages.
 Columns run_columns(const std::string& deck, const std::string& analysis,
                     const std::vector<std::string>& vectors, const std::string& what) {
-  require_plain_netlist(deck, what);
+  require_no_commands(deck, what);
   const WorkFolder folder;
   std::string full = deck;
   if (!full.ends_with('\n')) full += '\n';
@@ -114,7 +114,7 @@ std::vector<std::complex<double>> run_ac_of_sub(const fs::path& library, const s
 std::vector<std::complex<double>> run_ac_of_text(const std::string& library, const std::string& name,
                                                  const std::vector<Hertz>& grid,
                                                  const std::string& subcircuit) {
-  require_plain_netlist(library, name);
+  require_plain_text(library, name);
   const std::string top = pick_subcircuit(list_subcircuits(library, name), subcircuit, name);
   const WorkFolder folder;
   write_file(folder.path() / "library.sub", library);

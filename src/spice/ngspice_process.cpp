@@ -20,10 +20,10 @@
 
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/letters.hpp"
 #include "base/progress.hpp"
 #include "base/temporary.hpp"
 #include "base/text.hpp"
-#include "spice/deck_words.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::spice {

@@ -3,13 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
 #include <vector>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
-#include "spice/deck_words.hpp"
+#include "spice/include_line.hpp"
 
 namespace bodesmith::spice {
 namespace {
@@ -26,23 +28,30 @@ std::string squeezed(std::string_view line) {
   return out;
 }
 
-/// The file that an include line names; empty for any other line.
-std::string included_file(std::string_view line) {
-  const std::string small = lower_case(trim(line));
-  if (!small.starts_with(".inc") && !small.starts_with(".lib")) return {};
-  std::string_view rest = trim(line);
-  const std::size_t blank = rest.find_first_of(" \t\"'");
-  if (blank == std::string_view::npos) return {};
-  rest = trim(rest.substr(blank));
-  if (!rest.empty() && (rest.front() == '"' || rest.front() == '\'')) {
-    const std::size_t end = rest.find(rest.front(), 1);
-    return std::string(rest.substr(1, end == std::string_view::npos ? end : end - 1));
-  }
-  return std::string(rest.substr(0, rest.find_first_of(" \t")));
+/// A comment that ngspice takes for a command of its own. Rulers of these signs alone say nothing.
+bool is_hidden_command(std::string_view line) {
+  const std::string text = squeezed(line);
+  const std::size_t begin = line.find_first_not_of(" \t\r\n\f\v");
+  return begin != std::string_view::npos && line.substr(begin).starts_with("*#") &&
+         text.find_first_not_of("*#-=_") != std::string::npos;
 }
+
+/// What continuation lines are not joined to: ngspice passes over it.
+bool is_comment(std::string_view line) {
+  return line.empty() || std::string_view("*#$").find(line.front()) != std::string_view::npos;
+}
+
+/// Of a section that .lib begins.
+bool is_plain_word(std::string_view text) {
+  return std::all_of(text.begin(), text.end(), [](char c) { return is_letter_or_digit(c) || c == '_'; });
+}
+
+enum class Includes { of_own_folder, none, looked_at };
 
 class PlainNetlist {
  public:
+  explicit PlainNetlist(Includes includes) : includes_(includes) {}
+
   void check(std::string_view text, const fs::path& file, std::size_t depth) {
     if (depth > kDeepest)
       throw InputError(file.string(), 0, "is included too deep, expected at most 16 levels");
@@ -51,7 +60,11 @@ class PlainNetlist {
     for (const std::string_view raw : split(text, '\n')) {
       ++number;
       const std::string_view rest = trim(raw);
+      if (is_hidden_command(raw)) refuse(file, number, "has a command in a comment");
+      if (squeezed(raw).starts_with("*ng_script")) refuse(file, number, "is a script of ngspice");
+      if (is_comment(rest)) continue;
       if (rest.starts_with('+')) {
+        if (include_line(joined)) refuse(file, number, "goes on with an included file's name");
         joined += rest.substr(1);
         continue;
       }
@@ -63,25 +76,27 @@ class PlainNetlist {
   }
 
  private:
-  void line(const std::string& joined, const fs::path& file, int number, std::size_t depth) {
-    const std::string small = squeezed(joined);
-    const auto refuse = [&](std::string_view what) {
-      throw InputError(file.string(), number, fmt::format("{}, expected a circuit and nothing else", what));
-    };
-    if (small.starts_with("*ng_script")) refuse("is a script of ngspice");
-    if (begins_control(joined)) refuse("has a .control section");
-    if (small.starts_with(".model") &&
-        (small.find("d_process") != std::string::npos || small.find("d_cosim") != std::string::npos))
-      refuse("has a model that runs another program");
-    const std::string name = included_file(joined);
-    if (name.empty()) return;
-    const fs::path path = fs::absolute(file).parent_path() / name;
-    std::error_code ec;
-    // What is not there is for ngspice to say; a section of this very file has been seen.
-    if (!fs::is_regular_file(path, ec) || !seen_.insert(fs::weakly_canonical(path, ec)).second) return;
-    check(read_file(path), path, depth + 1);
+  [[noreturn]] static void refuse(const fs::path& file, int number, std::string_view what) {
+    throw InputError(file.string(), number, fmt::format("{}, expected a circuit and nothing else", what));
   }
 
+  void line(const std::string& joined, const fs::path& file, int number, std::size_t depth) {
+    const std::string small = squeezed(joined);
+    if (begins_control(joined)) refuse(file, number, "has a .control section");
+    if (small.starts_with(".model") &&
+        (small.find("d_process") != std::string::npos || small.find("d_cosim") != std::string::npos))
+      refuse(file, number, "has a model that runs another program");
+    const std::optional<IncludeLine> include = include_line(joined);
+    if (!include || includes_ == Includes::looked_at) return;
+    if (includes_ == Includes::none) refuse(file, number, fmt::format("includes {}", include->file));
+    if (include->library && include->section.empty() && is_plain_word(include->file)) return;
+    const fs::path path = included_file(*include, file, number);
+    std::error_code ec;
+    // A section of this very file has been seen.
+    if (seen_.insert(fs::weakly_canonical(path, ec)).second) check(read_file(path), path, depth + 1);
+  }
+
+  Includes includes_;
   std::set<fs::path> seen_;
 };
 
@@ -92,7 +107,15 @@ bool begins_control(std::string_view line) {
 }
 
 void require_plain_netlist(std::string_view text, const fs::path& file) {
-  PlainNetlist().check(text, file, 0);
+  PlainNetlist(Includes::of_own_folder).check(text, file, 0);
+}
+
+void require_plain_text(std::string_view text, const std::string& what) {
+  PlainNetlist(Includes::none).check(text, what, 0);
+}
+
+void require_no_commands(std::string_view text, const std::string& what) {
+  PlainNetlist(Includes::looked_at).check(text, what, 0);
 }
 
 void require_plain_node(const std::string& node, const std::string& what) {

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
-#include "spice/deck_words.hpp"
 
 namespace bodesmith::spice {
 

@@ -3,15 +3,15 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 #include <set>
 #include <vector>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "spice/deck_words.hpp"
+#include "spice/include_line.hpp"
 #include "spice/plain_netlist.hpp"
 
 namespace bodesmith::spice {
@@ -35,11 +35,10 @@ std::vector<std::string> words_of(std::string_view line) {
 /// SPICE's own number: 4.7k, 1meg, 10uF.
 bool spice_value(const std::string& text, double& value) {
   size_t end = 0;
-  while (end < text.size() && (std::isdigit(static_cast<unsigned char>(text[end])) != 0 || text[end] == '.' ||
-                               text[end] == '-' || text[end] == '+' ||
-                               ((text[end] == 'e' || text[end] == 'E') && end + 1 < text.size() &&
-                                (std::isdigit(static_cast<unsigned char>(text[end + 1])) != 0 ||
-                                 text[end + 1] == '-' || text[end + 1] == '+')))) {
+  while (end < text.size() &&
+         (is_digit(text[end]) || text[end] == '.' || text[end] == '-' || text[end] == '+' ||
+          ((text[end] == 'e' || text[end] == 'E') && end + 1 < text.size() &&
+           (is_digit(text[end + 1]) || text[end + 1] == '-' || text[end + 1] == '+')))) {
     ++end;
   }
   if (end == 0 || !parse_number(std::string_view(text).substr(0, end), value)) return false;
@@ -127,8 +126,8 @@ class UserDeckReader {
       if (at != std::string::npos) printed_ = all.substr(at + 2, all.find_first_of("),", at) - at - 2);
     }
     if (left_out.contains(first)) return;
-    if ((first == ".include" || first == ".inc" || first == ".lib") && words.size() > 1) {
-      include(words);
+    if (const auto named = include_line(raw)) {
+      include(*named);
       return;
     }
     if (first == ".subckt") ++depth_;
@@ -143,21 +142,16 @@ class UserDeckReader {
     for (size_t i = 1; i < words.size(); ++i) nodes_.insert(lower_case(words[i]));
   }
 
-  void include(const std::vector<std::string>& words) {
-    std::string name = words[1];
-    for (size_t i = 2; i < words.size() && words[0] != ".lib"; ++i) name += " " + words[i];
-    name.erase(std::remove_if(name.begin(), name.end(), [](char c) { return c == '"' || c == '\''; }),
-               name.end());
-    const std::filesystem::path file = std::filesystem::absolute(path_).parent_path() / name;
-    if (!std::filesystem::exists(file)) {
-      throw InputError(path_.string(), number_, fmt::format("includes {}, which is not there", name));
-    }
-    if (file.string().find('"') != std::string::npos)
-      throw InputError(path_.string(), number_,
-                       fmt::format("includes {}, expected a name without quotes", name));
+  void include(const IncludeLine& named) {
+    const std::filesystem::path file = included_file(named, path_, number_);
+    if (file.string().find_first_of("\"'") != std::string::npos)
+      throw InputError(
+          path_.string(), number_,
+          fmt::format("includes {}, expected a folder without quotes in its name", file.string()));
     require_plain_netlist(read_file(file), file);
-    text_ += words[0] + " \"" + file.string() + "\"" +
-             (words[0] == ".lib" && words.size() > 2 ? " " + words[2] : "") + "\n";
+    // A .lib without a section would begin one: LTspice means the whole file.
+    text_ += fmt::format("{} \"{}\" {}\n", named.section.empty() ? ".include" : ".lib", file.string(),
+                         named.section);
   }
 
   void source(const std::vector<std::string>& words) {

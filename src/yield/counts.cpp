@@ -4,6 +4,8 @@
 #include <cstring>
 #include <limits>
 
+#include "base/provenance.hpp"
+
 namespace bodesmith::yield {
 
 Counts::Counts(const Result& shape) {
@@ -73,14 +75,13 @@ std::string Counts::bytes() const {
   put(counts_.data(), counts_.size() * sizeof(std::uint64_t));
   put(min_.data(), min_.size() * sizeof(double));
   put(max_.data(), max_.size() * sizeof(double));
-  return out;
+  return out + sha256_hex(out);
 }
 
 bool Counts::from_bytes(std::string_view bytes) {
-  if (bytes.size() !=
-      2 * sizeof samples_ + counts_.size() * sizeof(std::uint64_t) + 2 * histograms_ * sizeof(double)) {
-    return false;
-  }
+  const std::size_t body =
+      2 * sizeof samples_ + counts_.size() * sizeof(std::uint64_t) + 2 * histograms_ * sizeof(double);
+  if (bytes.size() < body || bytes.substr(body) != sha256_hex(bytes.substr(0, body))) return false;
   const auto get = [&](void* to, std::size_t size) {
     std::memcpy(to, bytes.data(), size);
     bytes.remove_prefix(size);

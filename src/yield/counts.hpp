@@ -35,7 +35,7 @@ class Counts {
   void put_into(Result& result) const;
 
   std::uint64_t samples() const { return samples_; }
-  /// Bytes of a checkpoint, and back; false when they do not fit.
+  /// Bytes of a checkpoint, with their hash, and back; false when they do not fit or are damaged.
   std::string bytes() const;
   bool from_bytes(std::string_view bytes);
 

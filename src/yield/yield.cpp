@@ -38,7 +38,7 @@ constexpr std::uint64_t kRound =
     128 * 1024;                             // samples of a process between two looks at clock and checkpoint
 constexpr double kCheckpointEvery_s = 0.5;  // at the most: a checkpoint is to cost a twentieth of the time
 constexpr double kCheckpointsApart = 20.0;
-constexpr std::string_view kMagic = "bodesmith yield checkpoint 2\n";
+constexpr std::string_view kMagic = "bodesmith yield checkpoint 3\n";
 
 void validate(const Design& design, const Options& options) {
   if (options.samples == 0) throw InputError("yield of 0 samples was asked for, expected at least 1");

@@ -39,6 +39,24 @@ TEST(Files, CommitMakesTheFolder) {
   EXPECT_EQ(read_file(folder / "a/b/c/d.txt"), "x");
 }
 
+TEST(Files, NothingIsWrittenOutsideOfTheFolder) {
+  const TemporaryFolder folder;
+  for (const std::string& name : {std::string("../out.txt"), std::string("a/../../out.txt"),
+                                  std::string("a/../out.txt"), (folder / "out.txt").string()}) {
+    OutputSet inner;
+    inner.add(name, "x");
+    OutputSet direct(folder / "asked"), included(folder / "asked");
+    direct.add("first.txt", "x");
+    direct.add(name, "x");
+    included.include("below", inner);
+    EXPECT_THROW(direct.commit(), InputError) << name;
+    EXPECT_THROW(included.commit(), InputError) << name;
+    EXPECT_FALSE(fs::exists(folder / "asked/first.txt"));
+  }
+  EXPECT_FALSE(fs::exists(folder / "out.txt"));
+  EXPECT_FALSE(fs::exists(folder / "asked/out.txt"));
+}
+
 TEST(Files, OneNameIsOneOutput) {
   const TemporaryFolder folder;
   OutputSet set(folder.path());

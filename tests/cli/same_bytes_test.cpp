@@ -1,6 +1,7 @@
 // The same seed gives the same bytes, twice in a row, on one core and on all of them; every subcommand.
 #include <fmt/format.h>
 #include <gtest/gtest.h>
+#include <locale.h>
 
 #include <algorithm>
 #include <regex>
@@ -49,27 +50,43 @@ TEST(SameBytes, EverySubcommandIsAmongTheCommands) {
   EXPECT_GE(found, 15);
 }
 
+/// What a command makes of the inputs in a folder of that name; `before` stands before the program.
+std::string made_in(const fs::path& at, const std::string& before, const std::string& command) {
+  fs::remove_all(at);
+  fs::create_directories(at);
+  write_seeded_inputs(at);
+  const ProgramResult result =
+      run_shell(fmt::format("cd {} && export BODESMITH_NGSPICE=/nowhere BODESMITH={} && {}$BODESMITH {}",
+                            at.string(), BODESMITH_PROGRAM, before, command));
+  EXPECT_LE(result.status, 1) << command << result.err;
+  return contents(at);
+}
+
 TEST(SameBytes, TwiceInARowAndWhateverTheNumberOfCores) {
   if (run_shell("taskset -c 0 true").status != 0) GTEST_SKIP() << "taskset is not there";
   const TemporaryFolder folder;
   for (const std::string& command : seeded_commands()) {
-    std::string first;
-    int run = 0;
-    for (const std::string cores : {"", "taskset -c 0 "}) {
-      const fs::path at = folder / std::to_string(run++);
-      fs::remove_all(at);
-      fs::create_directories(at);
-      write_seeded_inputs(at);
-      const ProgramResult result =
-          run_shell(fmt::format("cd {} && export BODESMITH_NGSPICE=/nowhere BODESMITH={} && {}$BODESMITH {}",
-                                at.string(), BODESMITH_PROGRAM, cores, command));
-      EXPECT_LE(result.status, 1) << command << result.err;
-      if (cores.empty()) {
-        first = contents(at);
-      } else {
-        EXPECT_EQ(first, contents(at)) << command;
-      }
-    }
+    const std::string first = made_in(folder / "0", "", command);
+    EXPECT_EQ(first, made_in(folder / "1", "taskset -c 0 ", command)) << command;
+  }
+}
+
+// Decimal commas, and an i whose capital is another letter.
+TEST(SameBytes, WhateverTheLocale) {
+  const TemporaryFolder folder;
+  std::vector<std::string> locales;
+  for (const char* name : {"de_DE.UTF-8", "tr_TR.UTF-8"}) {
+    const locale_t found = ::newlocale(LC_ALL_MASK, name, nullptr);
+    if (found == nullptr) continue;
+    ::freelocale(found);
+    locales.emplace_back(name);
+  }
+  if (locales.empty())
+    GTEST_SKIP() << "neither de_DE.UTF-8 nor tr_TR.UTF-8 is installed (Debian: locales, locale-gen)";
+  for (const std::string& command : seeded_commands()) {
+    const std::string first = made_in(folder / "0", "LC_ALL=C ", command);
+    for (const std::string& name : locales)
+      EXPECT_EQ(first, made_in(folder / "1", "LC_ALL=" + name + " ", command)) << name << ": " << command;
   }
 }
 

@@ -119,6 +119,18 @@ TEST(Style, RoundedNumbersBecomeWholeOnesInOneWay) {
   }
 }
 
+TEST(Style, LettersAndNumbersDoNotDependOnTheLocale) {
+  // A host of the library (Python) may set one: a Turkish tolower('I') is 'I', a German strtod("1.5") is 1.
+  const std::regex by_locale(
+      R"(<cctype>|\b(is(alnum|alpha|digit|space|upper|lower|punct)|to(upper|lower))\(|\bstrto[df]\(|\bsto[df]\(|\bato[f]\()");
+  for (const char* folder : {"src", "python/src"}) {
+    for (const fs::path& file : files_below(kRoot / folder, {".cpp", ".hpp"})) {
+      EXPECT_FALSE(std::regex_search(read_file(file), by_locale))
+          << file << ", expected base/letters.hpp or parse_number()";
+    }
+  }
+}
+
 TEST(Style, NothingNamesAMachine) {
   const std::regex machine("/(work|home|root|tmp)/[a-z_]+/(build|src|main)\\b");
   for (const char* folder : {"src", "tests", "docs", "templates", "examples", "bench", "cmake", ".ci"}) {

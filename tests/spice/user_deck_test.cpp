@@ -94,6 +94,29 @@ TEST(UserDeck, NothingInItRuns) {
   EXPECT_NE(
       answer("t\n" + include + body, part + ".model m d_process(process_file=\"x\")\n").find("parts.inc:4"),
       std::string::npos);
+  // The same over lines that ngspice joins, past a comment between them.
+  EXPECT_NE(answer("t\n" + include + body, part + ".model m\n* x\n+ d_process(process_file=\"x\")\n")
+                .find("parts.inc:4"),
+            std::string::npos);
+  // ngspice takes "*# …" for a command wherever it stands; in the deck itself comments are left out.
+  for (const std::string hidden :
+       {"*# shell touch ", "  *#shell touch ", "*# # x ; shell touch ", "*# `touch "}) {
+    write_file(folder / "lib.sub", part + hidden + mark + "`\n");
+    EXPECT_NE(refusal_of_input([&] {
+                run_ac_of_sub(folder / "lib.sub", {Hertz{1.0}});
+              }).find("lib.sub:4: has a command in a comment"),
+              std::string::npos)
+        << hidden;
+    EXPECT_NE(answer("t\n" + include + body, part + hidden + mark + "\n").find("parts.inc:4"),
+              std::string::npos);
+    EXPECT_EQ(answer("t\n" + hidden + mark + "\n" + body, part).find("command"), std::string::npos);
+    EXPECT_NE(refusal_of_input([&] {
+                run_ac_of_text(part + hidden + mark + "\n", "text", {Hertz{1.0}});
+              }).find("text:4"),
+              std::string::npos);
+  }
+  const std::string rulers = answer("t\n" + include + body, "*####\n*#-----\n" + part);
+  EXPECT_EQ(rulers.find("command"), std::string::npos) << rulers;
   // A node's name goes into a command.
   EXPECT_NE(answer("t\n" + include + "Vsig a 0 AC 1\nR1 a b`touch$IFS" + mark +
                        "` 1k\n.print ac v(b`touch$IFS" + mark + "`)\n.end\n",
@@ -108,6 +131,51 @@ TEST(UserDeck, NothingInItRuns) {
         "");
   }
   EXPECT_FALSE(std::filesystem::exists(mark));
+}
+
+// A netlist includes what stands in its own folder or below, nothing else of this machine.
+TEST(UserDeck, IncludesStayInTheFolderOfTheDeck) {
+  const TemporaryFolder folder;
+  const std::string part = ".subckt part p q\nR1 p q 1k\n.ends\n";
+  write_file(folder / "outside.lib", part);
+  write_file(folder / "mine/parts/in.lib", part);
+  write_file(folder / "mine/typical.lib", ".lib typ\n" + part + ".endl typ\n");
+  std::filesystem::create_symlink("../outside.lib", folder / "mine/link.lib");
+  const std::string body = "Vsig a 0 AC 1\nXr a out part\nC1 out 0 1u\n.end\n";
+  const auto answer = [&](const std::string& line) {
+    write_file(folder / "mine/x.cir", "t\n" + line + "\n" + body);
+    return refusal_of_input([&] {
+      if (ngspice_available()) {
+        run_ac_of_deck(folder / "mine/x.cir", {Hertz{1.0}});
+      } else {
+        read_user_deck(folder / "mine/x.cir", "");
+      }
+    });
+  };
+  for (const char* line :
+       {".include parts/in.lib", ".INCLUDE 'parts/in.lib' $ a comment", ".inc ./parts/in.lib",
+        ".lib parts/in.lib", ".lib typical.lib typ", ".include link.lib"})
+    EXPECT_EQ(answer(line), "") << line;
+  const std::string absolute = (folder / "outside.lib").string();
+  for (const std::string& line :
+       {std::string(".include ../outside.lib"), ".include " + absolute, ".lib \"" + absolute + "\" typ",
+        std::string(".include parts/../../outside.lib"), std::string(".incl ~/outside.lib"),
+        std::string(".lib ../outside.lib"), std::string(".include \"../outside.lib\"")}) {
+    const std::string said = answer(line);
+    EXPECT_NE(said.find("x.cir:2: includes"), std::string::npos) << line << ": " << said;
+    EXPECT_NE(said.find("expected a file in its own folder"), std::string::npos) << line << ": " << said;
+  }
+  EXPECT_NE(answer(".include parts").find("which is not there"), std::string::npos);
+  // The same holds for what is included, and for libraries.
+  write_file(folder / "mine/parts/in.lib", ".include ../typical.lib\n" + part);
+  EXPECT_NE(answer(".include parts/in.lib").find("in.lib:1: includes ../typical.lib"), std::string::npos);
+  write_file(folder / "mine/lib.sub", part + ".lib " + absolute + " typ\n");
+  EXPECT_NE(refusal_of_input([&] { run_ac_of_sub(folder / "mine/lib.sub", {Hertz{1.0}}); }).find("lib.sub:4"),
+            std::string::npos);
+  EXPECT_NE(refusal_of_input([&] {
+              run_ac_of_text(part + ".include parts/in.lib\n", "text", {Hertz{1.0}});
+            }).find("text:4: includes parts/in.lib"),
+            std::string::npos);
 }
 
 }  // namespace

@@ -157,6 +157,16 @@ TEST(Yield, CountsComeBackFromACheckpoint) {
   EXPECT_EQ(a.bytes(), b.bytes());
   EXPECT_EQ(b.samples(), 1u);
   EXPECT_FALSE(b.from_bytes("short"));
+  // A damaged one is not believed, and changes nothing.
+  Counts c(shape);
+  const std::string empty = c.bytes();
+  for (const std::size_t at : {std::size_t{0}, a.bytes().size() / 2, a.bytes().size() - 1}) {
+    std::string damaged = a.bytes();
+    damaged[at] = static_cast<char>(damaged[at] ^ 1);
+    EXPECT_FALSE(c.from_bytes(damaged)) << at;
+  }
+  EXPECT_FALSE(c.from_bytes(a.bytes() + "x"));
+  EXPECT_EQ(c.bytes(), empty);
 }
 
 // A checkpoint that does not belong to the job, or is broken, is passed over, not believed.

@@ -5,6 +5,7 @@
 
 #include "base/error.hpp"
 #include "base/json.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "exchange/writers/all_writers.hpp"
@@ -58,12 +59,10 @@ class CWriter : public Writer {
                                              : fmt::format("{:.9g}", value))
                     : number_text(value);
     };
-    std::string upper = from.name;
-    for (char& c : upper) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
     Json data = {
         {"source", from.source},
         {"name", from.name},
-        {"upper", upper},
+        {"upper", upper_case(from.name)},
         {"type", single ? "float" : "double"},
         {"count", std::to_string(filter.biquads.size())},
         {"gain", number(filter.gain)},

@@ -3,9 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cctype>
 
 #include "base/error.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "fpaa/c_source.hpp"
 
@@ -51,7 +51,7 @@ std::vector<std::pair<std::string, Bytes>> byte_arrays(std::string_view text, co
     if (k + 2 >= t.size() || t[k + 1].text != "=" || t[k + 2].text != "{") continue;
     Bytes bytes;
     const auto is_number = [&](std::size_t n) {
-      return t[n].kind == CToken::Kind::word && std::isdigit(static_cast<unsigned char>(t[n].text[0])) != 0;
+      return t[n].kind == CToken::Kind::word && is_digit(t[n].text[0]);
     };
     bool plain = true;
     for (k += 3; k < t.size() && t[k].text != "}" && plain; ++k) {

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <set>
 
+#include "base/letters.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::project {
@@ -44,8 +45,8 @@ void flatten(const Node& table, const std::string& below, std::vector<std::pair<
 
 /// A folder of this name stands in the output folder and nowhere else.
 void check_name(const Variant& variant) {
-  const auto fits = [](unsigned char c) {
-    return std::isalnum(c) != 0 || c == '-' || c == '_' || c == '.' || c == '=' || c == '+' || c == '%' ||
+  const auto fits = [](char c) {
+    return is_letter_or_digit(c) || c == '-' || c == '_' || c == '.' || c == '=' || c == '+' || c == '%' ||
            c == ' ';
   };
   const std::string& name = variant.name;

@@ -5,16 +5,11 @@
 #include <optional>
 #include <string_view>
 
+#include "base/letters.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::formats {
 namespace {
-
-std::string lower(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
-}
 
 bool contains(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
@@ -28,7 +23,8 @@ std::string bracketed(const std::string& text, std::string& rest) {
     if (open == std::string::npos || open == 0) continue;
     // V(out) is a name, not a unit.
     const std::string before(trim(std::string_view(text).substr(0, open)));
-    if (open > 0 && text[open - 1] != ' ' && (lower(before) == "v" || lower(before) == "i")) continue;
+    if (open > 0 && text[open - 1] != ' ' && (lower_case(before) == "v" || lower_case(before) == "i"))
+      continue;
     rest = before;
     return std::string(trim(std::string_view(text).substr(open + 1, close - open - 1)));
   }
@@ -51,9 +47,9 @@ constexpr Prefix kPrefixes[] = {{"G", 1e9},  {"M", 1e6},  {"k", 1e3},         {"
 
 /// Scale of `unit` in `base` ("kHz" in "Hz": 1e3); nothing for another unit. Prefixes are by case: mHz is not MHz.
 std::optional<double> scale_of(std::string_view unit, std::string_view base) {
-  if (lower(unit) == lower(base)) return 1.0;
+  if (lower_case(unit) == lower_case(base)) return 1.0;
   for (const Prefix& prefix : kPrefixes) {
-    if (unit.starts_with(prefix.text) && lower(unit.substr(prefix.text.size())) == lower(base))
+    if (unit.starts_with(prefix.text) && lower_case(unit.substr(prefix.text.size())) == lower_case(base))
       return prefix.scale;
   }
   return std::nullopt;
@@ -61,7 +57,7 @@ std::optional<double> scale_of(std::string_view unit, std::string_view base) {
 
 std::optional<double> frequency_scale(std::string_view unit) {
   // All small or all large letters: nobody means millihertz then.
-  const std::string low = lower(unit);
+  const std::string low = lower_case(unit);
   if (low == "mhz" && unit != "mHz") return 1e6;
   if (low == "ghz") return 1e9;
   if (low == "khz") return 1e3;
@@ -81,7 +77,7 @@ bool is_radians(const std::string& unit) {
 
 bool begins_with_word(const std::string& text, std::string_view word) {
   if (!text.starts_with(word)) return false;
-  return text.size() == word.size() || std::isalpha(static_cast<unsigned char>(text[word.size()])) == 0;
+  return text.size() == word.size() || !is_letter(text[word.size()]);
 }
 
 bool is_frequency(const std::string& name, const Heading& heading) {
@@ -120,7 +116,7 @@ Heading parse_heading(const std::string& text) {
   heading.text = std::string(trim(text));
   std::string rest;
   heading.unit = bracketed(heading.text, rest);
-  std::string name = lower(trim(rest));
+  std::string name = lower_case(trim(rest));
   // frequency_hz, time_s, phase_deg: units at the end of the name.
   if (heading.unit.empty()) {
     const std::size_t bar = name.rfind('_');
@@ -133,7 +129,7 @@ Heading parse_heading(const std::string& text) {
     heading.unit = heading.text;
     name = "hz";
   }
-  const std::string unit = lower(heading.unit);
+  const std::string unit = lower_case(heading.unit);
   if (const auto part = part_in_brackets(unit)) {
     heading.quantity = *part;
     if (is_radians(unit)) heading.scale = 180.0 / std::numbers::pi;
@@ -202,7 +198,7 @@ bool is_unit_alone(const std::string& cell) {
   std::string unit(trim(cell));
   if (unit.size() > 2 && (unit.front() == '(' || unit.front() == '[')) unit = unit.substr(1, unit.size() - 2);
   if (frequency_scale(unit) || time_scale(unit) || scale_of(unit, "V") || scale_of(unit, "A")) return true;
-  const std::string low = lower(unit);
+  const std::string low = lower_case(unit);
   for (const char* base : {"ohm", "ohms"}) {
     if (scale_of(unit, base)) return true;
   }

@@ -14,6 +14,7 @@
 #include <optional>
 
 #include "base/error.hpp"
+#include "base/letters.hpp"
 #include "base/memory_file.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
@@ -224,9 +225,7 @@ std::vector<MatVector> read_vectors(const Source& source) {
 }
 
 std::string last_part(const std::string& name) {
-  std::string out = name.substr(name.rfind('.') == std::string::npos ? 0 : name.rfind('.') + 1);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
+  return lower_case(name.substr(name.rfind('.') == std::string::npos ? 0 : name.rfind('.') + 1));
 }
 
 class MatRoles {

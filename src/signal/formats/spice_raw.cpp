@@ -16,6 +16,7 @@
 #include <optional>
 
 #include "base/error.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "signal/formats/all_formats.hpp"
 #include "signal/formats/text_encoding.hpp"
@@ -43,12 +44,6 @@ struct RawPlot {
   std::vector<std::vector<Complex>> values;  ///< of each variable
 };
 
-std::string lower_text(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
-  return out;
-}
-
 /// Lines of the header in either encoding, with the byte where each begins.
 class RawCursor {
  public:
@@ -61,7 +56,7 @@ class RawCursor {
   std::string_view rest() const { return bytes_.substr(std::min(at_, bytes_.size())); }
   void skip(std::size_t count) { at_ += count; }
   void skip_space() {
-    while (!at_end() && std::isspace(static_cast<unsigned char>(bytes_[at_])) != 0) ++at_;
+    while (!at_end() && is_blank(bytes_[at_])) ++at_;
   }
 
   /// Nothing when no line ends any more within a reasonable length.
@@ -93,7 +88,7 @@ class RawReader {
     std::string seen;
     while (true) {
       RawPlot plot = header();
-      const std::string axis = plot.variables.empty() ? "" : lower_text(plot.variables.front().name);
+      const std::string axis = plot.variables.empty() ? "" : lower_case(plot.variables.front().name);
       const bool wanted = plot.variables.size() >= 2 && (axis == "frequency" || axis == "time");
       values(plot, wanted);
       if (wanted) return plot;
@@ -136,7 +131,7 @@ class RawReader {
       if (line.empty()) continue;
       if (colon == std::string::npos)
         fail_at(begin, fmt::format("'{}' is no header line", line.substr(0, 40)));
-      const std::string key = lower_text(line.substr(0, colon));
+      const std::string key = lower_case(line.substr(0, colon));
       const std::string value(trim(std::string_view(line).substr(colon + 1)));
       if (key == "plotname") plot.name = value;
       if (key == "command") {
@@ -145,7 +140,7 @@ class RawReader {
                        value.find("Linear Technology") != std::string::npos;
       }
       if (key == "flags") {
-        const std::string flags = lower_text(value);
+        const std::string flags = lower_case(value);
         plot.complex = flags.find("complex") != std::string::npos;
         plot.doubles = flags.find("double") != std::string::npos;
         plot.by_variable = flags.find("fastaccess") != std::string::npos;
@@ -327,7 +322,7 @@ class SpiceRaw : public Format {
     std::vector<double> axis;
     for (const Complex& value : plot.values.front())
       axis.push_back(plot.ltspice ? std::abs(value.real()) : value.real());
-    const bool over_time = lower_text(plot.variables.front().name) == "time";
+    const bool over_time = lower_case(plot.variables.front().name) == "time";
     const RawRun run = find_run(axis, run_number);
     if (run.end == 0)
       throw InputError(source.file, 0,

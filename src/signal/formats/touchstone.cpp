@@ -12,6 +12,7 @@
 #include <complex>
 
 #include "base/error.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "base/whole_number.hpp"
@@ -20,12 +21,6 @@
 
 namespace bodesmith::formats {
 namespace {
-
-std::string upper(std::string_view text) {
-  std::string out(text);
-  for (char& c : out) c = static_cast<char>(std::toupper(static_cast<unsigned char>(c)));
-  return out;
-}
 
 std::vector<std::string_view> words_of(std::string_view line) {
   std::vector<std::string_view> out;
@@ -50,7 +45,7 @@ struct TouchstoneOptions {
 bool parse_options(std::string_view line, TouchstoneOptions& options) {
   const auto words = words_of(line.substr(1));
   for (std::size_t i = 0; i < words.size(); ++i) {
-    const std::string word = upper(words[i]);
+    const std::string word = upper_case(words[i]);
     if (word == "HZ" || word == "KHZ" || word == "MHZ" || word == "GHZ") {
       options.unit = word == "HZ" ? "Hz" : word == "KHZ" ? "kHz" : word == "MHZ" ? "MHz" : "GHz";
       options.scale = word == "HZ" ? 1.0 : word == "KHZ" ? 1e3 : word == "MHZ" ? 1e6 : 1e9;
@@ -126,8 +121,8 @@ class TouchstoneReader {
   void keyword(std::string_view line) {
     const std::size_t close = line.find(']');
     if (close == std::string_view::npos) fail("has a '[' without ']'");
-    const std::string key = upper(trim(line.substr(1, close - 1)));
-    const std::string value = upper(trim(line.substr(close + 1)));
+    const std::string key = upper_case(trim(line.substr(1, close - 1)));
+    const std::string value = upper_case(trim(line.substr(close + 1)));
     const auto count = [&] {
       std::size_t out = 0;
       const auto result = std::from_chars(value.data(), value.data() + value.size(), out);
@@ -281,7 +276,7 @@ struct Parameter {
 Parameter chosen_parameter(const Source& source, const Network& network) {
   const std::size_t n = network.ports;
   if (source.choice.empty()) return n == 1 ? Parameter{0, 0} : Parameter{1, 0};
-  const std::string word = upper(source.choice);
+  const std::string word = upper_case(source.choice);
   const std::string digits = word.substr(1);
   const std::size_t comma = digits.find_first_of(",_");
   std::size_t i = 0;
@@ -368,7 +363,7 @@ class Touchstone : public Format {
       text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
       line = trim(line.substr(0, line.find('!')));
       if (line.empty()) continue;
-      if (upper(line.substr(0, 9)) == "[VERSION]") return true;
+      if (upper_case(line.substr(0, 9)) == "[VERSION]") return true;
       if (line.front() == '#') {
         TouchstoneOptions ignored;
         if (options || !parse_options(line, ignored)) return false;

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "base/whole_number.hpp"
@@ -47,42 +48,65 @@ std::string folded(std::string_view name) {
   std::string out;
   for (const char c : name) {
     if (c == ' ' || c == '\t' || c == '"') continue;
-    out += static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+    out += lower_case(c);
   }
   return out;
 }
 
-/// Linear between the samples of a rising time.
-std::vector<double> on_even_times(const std::vector<double>& time, const std::vector<double>& value,
-                                  std::size_t count) {
-  std::vector<double> out(count);
-  const double step = (time.back() - time.front()) / static_cast<double>(count - 1);
-  std::size_t at = 1;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double t = time.front() + step * static_cast<double>(i);
-    while (at + 1 < time.size() && time[at] < t) ++at;
-    const double fraction = std::clamp((t - time[at - 1]) / (time[at] - time[at - 1]), 0.0, 1.0);
-    out[i] = value[at - 1] + fraction * (value[at] - value[at - 1]);
-  }
-  return out;
-}
+/// A signal of rising, uneven times on `count` even ones, by straight lines.
+class EvenSignal {
+ public:
+  EvenSignal(const std::vector<double>& time, const std::vector<double>& value, std::size_t count)
+      : time_(time),
+        value_(value),
+        count_(count),
+        step_((time.back() - time.front()) / static_cast<double>(count - 1)) {}
 
-/// Largest distance of the file's own points from the straight lines between even samples, in parts of the range.
-double departure(const std::vector<double>& time, const std::vector<double>& value,
-                 const std::vector<double>& even) {
-  const auto [low, high] = std::minmax_element(value.begin(), value.end());
-  const double range = *high - *low;
-  if (!(range > 0.0)) return 0.0;
-  const double step = (time.back() - time.front()) / static_cast<double>(even.size() - 1);
-  double most = 0.0;
-  for (std::size_t i = 0; i < time.size(); ++i) {
-    const double place = (time[i] - time.front()) / step;
-    const auto at = std::min(whole_number<std::size_t>(place), even.size() - 2);
-    const double f = place - static_cast<double>(at);
-    most = std::max(most, std::abs(even[at] + f * (even[at + 1] - even[at]) - value[i]));
+  std::vector<double> samples() const {
+    std::vector<double> out(count_);
+    std::size_t at = 1;
+    for (std::size_t i = 0; i < count_; ++i) {
+      const double t = sample_time(i);
+      while (at + 1 < time_.size() && time_[at] < t) ++at;
+      out[i] = between(at, t);
+    }
+    return out;
   }
-  return most / range;
-}
+
+  /// Largest distance of the file's own points from the straight lines between even samples, in parts of the range. Looks
+  /// at the samples beside these points alone: however many there are, it takes no longer.
+  double departure() const {
+    const auto [low, high] = std::minmax_element(value_.begin(), value_.end());
+    const double range = *high - *low;
+    if (!(range > 0.0)) return 0.0;
+    double most = 0.0;
+    for (std::size_t i = 0; i < time_.size(); ++i) {
+      const double place = (time_[i] - time_.front()) / step_;
+      const auto k = std::min(whole_number<std::size_t>(place), count_ - 2);
+      const double f = place - static_cast<double>(k);
+      const double before = sample(k);
+      most = std::max(most, std::abs(before + f * (sample(k + 1) - before) - value_[i]));
+    }
+    return most / range;
+  }
+
+ private:
+  double sample_time(std::size_t i) const { return time_.front() + step_ * static_cast<double>(i); }
+  double sample(std::size_t i) const {
+    const double t = sample_time(i);
+    const auto at = std::lower_bound(time_.begin() + 1, time_.end() - 1, t) - time_.begin();
+    return between(static_cast<std::size_t>(at), t);
+  }
+  double between(std::size_t at, double t) const {
+    const double fraction = std::clamp((t - time_[at - 1]) / (time_[at] - time_[at - 1]), 0.0, 1.0);
+    return value_[at - 1] + fraction * (value_[at] - value_[at - 1]);
+  }
+
+  const std::vector<double>& time_;
+  const std::vector<double>& value_;
+  std::size_t count_;
+  double step_;
+};
 
 bool is_even(const std::vector<double>& time) {
   const double step = (time.back() - time.front()) / static_cast<double>(time.size() - 1);
@@ -112,21 +136,17 @@ void make_even(const Source& source, Words& words, std::vector<double>& time,
   const std::size_t read = time.size();
   std::size_t count = std::max<std::size_t>(read, 64);
   double worst = 0.0;
-  std::vector<std::vector<double>> even;
   for (;; count *= 2) {
-    even.clear();
     worst = 0.0;
-    for (const SignalTrace& signal : signals) {
-      even.push_back(on_even_times(time, signal.values, count));
-      worst = std::max(worst, departure(time, signal.values, even.back()));
-    }
+    for (const SignalTrace& signal : signals)
+      worst = std::max(worst, EvenSignal(time, signal.values, count).departure());
     if (worst < 1e-3 || count >= (std::size_t{1} << 19)) break;
   }
+  for (SignalTrace& signal : signals) signal.values = EvenSignal(time, signal.values, count).samples();
   const double step = (time.back() - time.front()) / static_cast<double>(count - 1);
   std::vector<double> at(count);
   for (std::size_t i = 0; i < count; ++i) at[i] = time.front() + step * static_cast<double>(i);
   time = std::move(at);
-  for (std::size_t i = 0; i < signals.size(); ++i) signals[i].values = std::move(even[i]);
   words.notes.push_back(fmt::format(
       "{} uneven steps made {} even ones of {} by straight lines, at most {} % of range away from a point of the file",
       read, count, engineering_text(step, "s", 4), rounded_text(100.0 * worst, 2)));

@@ -46,6 +46,10 @@ def made_files(folder: pathlib.Path) -> dict[str, bytes]:
     return {str(file.relative_to(folder)): timing.sub(b"time", file.read_bytes()) for file in sorted(folder.rglob("*")) if file.is_file()}
 
 
+def untimed(document: dict[str, object]) -> dict[str, object]:
+    return {key: value for key, value in document.items() if key not in ("inputs", "timing_s")}
+
+
 def everything(inputs: pathlib.Path, out: pathlib.Path) -> tuple[list[object], dict[str, bytes]]:
     """Readers of all kinds and, by the example's curve, all that is written."""
     points = bs.read_points(inputs / "points.csv")
@@ -54,15 +58,15 @@ def everything(inputs: pathlib.Path, out: pathlib.Path) -> tuple[list[object], d
     cascade = bs.fit_cascade(bs.read_points(inputs / "gains.csv"))
     sections = bs.approximate(cascade, max_error_db=0.05)
     bs.run(inputs / "project.toml", out / "run")
-    bs.export(sections, out / "sections.h", sample_hz=1e5)
-    record = bs.reference("sine", frequency_hz=1.5, sample_s=1e-3, periods=2)
+    bs.export(sections, out / "sections.c", sample_hz=1e5)
+    record = bs.reference("sine", frequency_hz=1.5)
     said: list[object] = [
         points.frequency_hz.tolist(),
         points.gain.tolist(),
         response.frequency_hz.tolist(),
         np.asarray(response.response).tolist(),
-        cascade.data,
-        sections.data,
+        untimed(cascade.to_dict()),
+        untimed(sections.to_dict()),
         np.asarray(bs.simulate(model, record).y).tolist(),
     ]
     return said, made_files(out)

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 #include <vector>
 
@@ -173,8 +174,10 @@ class UserDeckReader {
             fmt::format("a second source with an AC value (the first is in line {}), expected one",
                         source_line_));
       }
+      if (!std::isfinite(magnitude) || !std::isfinite(phase))
+        throw InputError(path_.string(), number_, "has an AC value beyond what can be computed with");
       source_line_ = number_;
-      source_ = std::polar(magnitude, to_radians(phase));
+      source_ = magnitude * std::polar(1.0, to_radians(phase));  // a magnitude below 0 is a turned phase
       return;
     }
   }

@@ -53,7 +53,12 @@ TEST(UserDeck, MistakesNameFileAndLine) {
   EXPECT_NE(complaint("t\nV1 in 0 AC 1\nR1 in b 1\n").find("no node named out"), std::string::npos);
   EXPECT_NE(complaint("t\nV1 in 0 AC 1\n.include none.sub\n").find("x.cir:3"), std::string::npos);
   EXPECT_NE(complaint("t\nV1 in 0 AC 1\n.control\nrun\n").find("x.cir:3"), std::string::npos);
+  EXPECT_NE(complaint("t\nV1 in 0 AC 1e308meg\nR1 in out 1k\n").find("x.cir:2: has an AC value beyond"),
+            std::string::npos);
   EXPECT_EQ(complaint("t\nV1 in 0 AC 1\nR1 in out 1k\nR2 out 0 1k\n.end\n"), "");
+  write_file(folder / "x.cir", "t\nV1 in 0 AC -2 90\nR1 in out 1k\nR2 out 0 1k\n.end\n");
+  EXPECT_NEAR(std::abs(read_user_deck(folder / "x.cir", "").source - std::complex<double>(0.0, -2.0)), 0.0,
+              1e-15);
 }
 
 template <class Action>

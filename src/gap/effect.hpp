@@ -33,6 +33,12 @@ class Effect {
   virtual bool starts_from_residual() const { return false; }
   /// Places of it that a round fits at the most, one more when it is of another form.
   virtual int places_a_round() const { return 2; }
+  /// The values of its term, a model's last one, lie where another effect is the usual cause of the same traces (docs/gap.md, 7): when that one
+  /// fits as well, it has the name.
+  virtual bool is_far_fetched(const Model& /*model*/, const Scene& /*scene*/) const { return false; }
+  /// The values of a model's last term make it what another effect is named for (a loop without width is a curve): no name
+  /// then.
+  virtual bool is_form_of_another(const Model& /*model*/, const Scene& /*scene*/) const { return false; }
   /// Every place it can sit, with start values from the data.
   virtual void propose(const Scene& scene, std::vector<Proposal>& out) const = 0;
 };

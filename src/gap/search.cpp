@@ -1,7 +1,10 @@
 #include "gap/search.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "gap/runner.hpp"
@@ -110,6 +113,140 @@ std::optional<Sign> sign_of_refused(const std::vector<Ranked>& refused, double t
   return Sign{SignKind::refused_candidate, most / kMuchOfResidual};
 }
 
+/// Where a search has come to.
+struct State {
+  Found found;
+  SearchRecords records;
+  std::vector<Ranked> first;    ///< ranking of the first round
+  std::vector<Ranked> refused;  ///< of the round in which nothing earned its place
+  std::vector<std::string> not_tried = {};
+  std::size_t looked_at = 0;
+  bool smooth_input = false;
+  /// The last round left no less and does not count: its ranking is of another model.
+  bool taken_back = false;
+  bool other_way = false;            ///< begun again with another first name
+  std::vector<Sign> structure = {};  ///< what is left
+  double train_rms = 0.0;
+};
+
+/// A round's terms put in; false when what comes of it leaves no less.
+bool take(const SearchSetting& setting, State& state, std::vector<Step> steps) {
+  const auto ranking = steps.back().ranking;
+  auto extended = extend(setting, state.records, state.found, std::move(steps));
+  // Whatever was taken out or put in another's place: a round must leave the error smaller.
+  const double enough =
+      (1.0 - setting.options.acceptance.min_gain) * rms_of(state.found.model, extended.records.train);
+  state.records = std::move(extended.records);
+  if (!(rms_of(extended.found.model, state.records.train) <= enough)) {
+    state.found.notes = std::move(extended.found.notes);
+    state.taken_back = true;
+    state.refused = ranking;
+    return false;
+  }
+  state.found = std::move(extended.found);
+  return true;
+}
+
+/// Round after round until nothing more earns its place.
+void grow(const SearchSetting& setting, State& state) {
+  const auto& options = setting.options;
+  for (int terms = static_cast<int>(state.found.steps.size());
+       terms < options.max_terms && !options.is_late(); ++terms) {
+    if (!state.other_way) options.report(kBaseFitted + kRounds * terms / options.max_terms);
+    if (terms > 0 && !state.smooth_input) {
+      if (auto smooth = with_smooth_input(setting, state.records, state.found.model)) {
+        state.found.model = std::move(*smooth);
+        state.smooth_input = true;
+      }
+    }
+    const bool little = terms > 0 && is_little_left(setting, state.records, state.found.model);
+    auto round =
+        look_for_terms(setting, state.records, state.found.model, terms + 1 < options.max_terms, little);
+    for (auto& note : round.notes) state.found.notes.push_back(std::move(note));
+    state.not_tried = std::move(round.not_tried);
+    state.looked_at += round.looked_at;
+    if (terms == 0) state.first = round.ranking;
+    if (round.steps.empty()) {
+      state.refused = std::move(round.ranking);
+      break;
+    }
+    if (round.steps.size() > 1) ++terms;
+    if (!take(setting, state, std::move(round.steps))) break;
+  }
+  state.train_rms = rms_of(state.found.model, state.records.train);
+  if (options.stopped()) return;
+  state.structure = signs_left(state.found.model, state.records);
+  // The ranking of a round that was taken back speaks of an earlier model.
+  if (!state.taken_back) {
+    if (auto sign = sign_of_refused(state.refused, state.train_rms)) state.structure.push_back(*sign);
+  }
+}
+
+bool is_settled(const SearchOptions& options, const State& state) {
+  const auto floor = floor_under(state.found.model, state.records);
+  const bool above =
+      floor.source == NoiseFloor::Source::periods && state.train_rms > options.enough * floor.rms;
+  return !above && state.structure.empty();
+}
+
+/// Whether another way led further: to an end where this one did not, or with plainly less left; or as far with fewer
+/// terms.
+bool led_further(const SearchOptions& options, const State& other, const State& state) {
+  const std::size_t terms = state.found.steps.size();
+  const std::size_t others = other.found.steps.size();
+  const auto& limits = options.other_ways;
+  if (others == 0) return false;
+  if (others < terms) return other.train_rms < limits.as_far * state.train_rms;
+  if (is_settled(options, state)) return false;
+  const bool settled = is_settled(options, other) && other.train_rms < limits.as_far * state.train_rms;
+  return (settled && others <= terms + 1) || other.train_rms < limits.further * state.train_rms;
+}
+
+/// The first name decides what the later ones can be. When the search came to no end, or only with many terms, it is
+/// begun again with the next effects of the first round.
+void try_other_ways(const SearchSetting& setting, const State& base, State& state) {
+  const auto& options = setting.options;
+  std::set<const Effect*> tried;
+  for (const auto& step : state.found.steps) tried.insert(step.effect);
+  const auto first = state.first;
+  std::size_t ways = 0;
+  for (const auto& r : first) {
+    const bool done = is_settled(options, state) && state.found.steps.size() <= options.other_ways.few_terms;
+    if (state.found.steps.empty() || done || options.is_late() || ways >= options.other_ways.max_ways) return;
+    if (r.condition_number > options.acceptance.max_condition || r.unknowns > options.acceptance.max_unknowns)
+      continue;
+    if (r.form_of_another || !(r.train_rms < options.other_ways.max_left * setting.first_gap) ||
+        !tried.insert(r.effect).second)
+      continue;
+    ++ways;
+    State other = base;
+    other.other_way = true;
+    Step step;
+    step.effect = r.effect;
+    step.placed = r.placed;
+    step.before = base.found.model;
+    step.after = r.model;
+    step.ranking = first;
+    for (auto& c : step.ranking) {
+      const bool own = c.effect == r.effect && c.placed == r.placed && c.unknowns == r.unknowns;
+      if (own)
+        c.outcome = CandidateOutcome::named;
+      else if (c.outcome == CandidateOutcome::named)
+        c.outcome = CandidateOutcome::worse;
+    }
+    if (!take(setting, other, {std::move(step)})) continue;
+    grow(setting, other);
+    state.looked_at += other.looked_at;
+    other.looked_at = state.looked_at;
+    other.first = first;
+    if (!led_further(options, other, state)) continue;
+    state = std::move(other);
+    state.found.notes.push_back(
+        fmt::format("Begun with {}, the search came further than with the first name of the first round",
+                    r.effect->name()));
+  }
+}
+
 }  // namespace
 
 SearchResult search(const chain::Chain& base, const Experiments& train, const SearchOptions& options) {
@@ -121,55 +258,23 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   auto [model, records] = fit_base(setting, make_records(train, options.stretches));
   result.base = model;
   setting.first_gap = rms_of(model, records.train);
-  Found found{std::move(model), {}, {}};
-  bool smooth_input = false;
-  bool taken_back = false;
-  for (int terms = 0; terms < options.max_terms && !options.is_late(); ++terms) {
-    options.report(kBaseFitted + kRounds * terms / options.max_terms);
-    if (terms > 0 && !smooth_input) {
-      if (auto smooth = with_smooth_input(setting, records, found.model)) {
-        found.model = std::move(*smooth);
-        smooth_input = true;
-      }
-    }
-    const bool little = terms > 0 && is_little_left(setting, records, found.model);
-    auto round = look_for_terms(setting, records, found.model, terms + 1 < options.max_terms, little);
-    for (auto& note : round.notes) found.notes.push_back(std::move(note));
-    result.not_tried = std::move(round.not_tried);
-    result.looked_at += round.looked_at;
-    if (round.steps.empty()) {
-      result.refused = std::move(round.ranking);
-      break;
-    }
-    if (round.steps.size() > 1) ++terms;
-    const auto ranking = round.steps.back().ranking;
-    auto extended = extend(setting, records, found, std::move(round.steps));
-    records = std::move(extended.records);
-    // Whatever was taken out or put in another's place: a round must leave the error smaller.
-    const double enough = (1.0 - options.acceptance.min_gain) * rms_of(found.model, records.train);
-    if (!(rms_of(extended.found.model, records.train) <= enough)) {
-      found.notes = std::move(extended.found.notes);
-      taken_back = true;
-      result.refused = ranking;
-      break;
-    }
-    found = std::move(extended.found);
-  }
+  const State begun{{std::move(model), {}, {}}, std::move(records), {}, {}};
+  State state = begun;
+  grow(setting, state);
+  try_other_ways(setting, begun, state);
   result.stopped = options.stopped();
   result.late = options.is_late();
-  result.floor = floor_under(found.model, records);
-  result.train_rms = rms_of(found.model, records.train);
-  if (!result.stopped) {
-    result.structure = signs_left(found.model, records);
-    // The ranking of a round that was taken back speaks of an earlier model.
-    if (!taken_back) {
-      if (auto sign = sign_of_refused(result.refused, result.train_rms)) result.structure.push_back(*sign);
-    }
-  }
+  result.refused = std::move(state.refused);
+  result.not_tried = std::move(state.not_tried);
+  result.looked_at = state.looked_at;
+  result.floor = floor_under(state.found.model, state.records);
+  result.train_rms = state.train_rms;
+  result.structure = std::move(state.structure);
+  Found& found = state.found;
   result.final = std::move(found.model);
   result.steps = std::move(found.steps);
   result.notes = std::move(found.notes);
-  if (smooth_input)
+  if (state.smooth_input)
     result.notes.emplace_back(
         "The input goes in a curve between the samples, where a model takes it as straight: the first resonator of "
         "model.toml, at 0.55 of the sampling rate, stands for that and is no effect");

@@ -100,6 +100,9 @@ struct AcceptanceOptions {
   /// Fewer unknowns win when more of them buy no more than the first, and the second for each of them.
   double simpler_within = 0.01;
   double simpler_within_each = 0.004;
+  /// A name that is not far-fetched wins when it leaves no more than this part more, with so many unknowns more.
+  double at_hand_within = 0.02;
+  std::size_t at_hand_more_unknowns = 2;
 };
 
 /// Two effects that hide each other [6]: trials of the most promising candidates when none earns its place
@@ -123,6 +126,15 @@ struct EliminationOptions {
   double swap_simpler = 1.01;
 };
 
+/// A search that came to no end is begun again with another first name [6].
+struct OtherWaysOptions {
+  std::size_t max_ways = 2;
+  std::size_t few_terms = 2;  ///< with more of them another way is tried in any case
+  double max_left = 0.9;      ///< of the first gap's rms, by an effect to begin with
+  double as_far = 1.02;       ///< rms over the other way's: it came as far,
+  double further = 0.8;       ///< or further
+};
+
 struct SearchOptions {
   int max_terms = 5;
   double enough = 1.2;        ///< times the floor: nothing more is looked for [3, 9]
@@ -139,6 +151,7 @@ struct SearchOptions {
   RoundOptions round;
   AcceptanceOptions acceptance;
   PairOptions pairs;
+  OtherWaysOptions other_ways;
   EliminationOptions elimination;
   DriveRequest drive;  ///< what experiment.csv may be
 

@@ -22,6 +22,7 @@ enum class SignKind {
   jumps,
   gain_varies,
   concentrated,
+  above_white_floor,
   smooth_over_frequency,
   stands_apart,
   refused_candidate,
@@ -61,6 +62,9 @@ Sign stands_apart(const Leftover& record);
 
 /// The energy lies in few cells of time and frequency together, as that of a chirp or of bursts does.
 Sign concentrated(const Leftover& record);
+
+/// The spectrum has a flat floor, and what stands on it at low frequencies is plainly more than that.
+Sign above_white_floor(const Leftover& record);
 
 /// All signs that hold, strongest first: of each record alone, and of every two of `parts` (the records, or
 /// the halves of the only one) what one foretells of the other.

@@ -147,8 +147,12 @@ PolynomialDisturbance PolynomialDisturbance::from(const Parameters& values) {
   } else {
     out.ascending.polynomial = three(values, "ascending");
     out.descending.polynomial = three(values, "descending");
+    out.constant_ascending = values.number("constant_ascending");
+    out.constant_descending = values.number("constant_descending");
   }
   read_common(values, out);
+  if (out.nested && (out.constant_ascending != 0.0 || out.constant_descending != 0.0))
+    throw DesignError("constant_ascending and constant_descending need minor = slope_sign");
   return out;
 }
 
@@ -180,7 +184,7 @@ double PolynomialDisturbance::plain(bool rising, double x) const {
   const BranchShape& shape = rising ? ascending : descending;
   const double gain = (alpha.empty() && amplitude == 1.0 ? 1.0 : amplitude_gain(rising, amplitude)) *
                       (rising ? rate_gain_ascending : rate_gain_descending);
-  return x + gain * shape.value(x / amplitude);
+  return x + gain * shape.value(x / amplitude) + (rising ? constant_ascending : constant_descending);
 }
 
 PolynomialOperator::PolynomialOperator(PolynomialDisturbance model) : loops_(std::move(model), 4096) {

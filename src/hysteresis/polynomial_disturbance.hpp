@@ -57,6 +57,9 @@ struct PolynomialDisturbance {
   /// slope_sign only: the switch follows the slope this much later (a comparator's or switch's delay). Not
   /// rate-independent then.
   double switch_delay_s = 0.0;
+  /// slope_sign only: added to x + d(x) on each branch (offsets of the multipliers that make the powers).
+  double constant_ascending = 0.0;
+  double constant_descending = 0.0;
 
   /// From the parameters of polynomial_hysteresis or of sine_hysteresis.
   static PolynomialDisturbance from(const Parameters& values);

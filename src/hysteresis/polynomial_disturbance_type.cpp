@@ -75,13 +75,17 @@ class DisturbanceType : public ShapedModelType<PolynomialDisturbance> {
 class PolynomialHysteresisType final : public DisturbanceType {
  public:
   PolynomialHysteresisType()
-      : DisturbanceType("polynomial_hysteresis",
-                        "cubic disturbance added to the input, one polynomial a branch",
-                        "Modeling and Control of Piezoelectric Hysteresis, eq. 1-8, 11-13",
-                        disturbance_parameters({
-                            list_of(any_number("ascending", "1", "a1, a2, a3 of the ascending branch")),
-                            list_of(any_number("descending", "1", "a1, a2, a3 of the descending branch")),
-                        })) {}
+      : DisturbanceType(
+            "polynomial_hysteresis", "cubic disturbance added to the input, one polynomial a branch",
+            "Modeling and Control of Piezoelectric Hysteresis, eq. 1-8, 11-13",
+            disturbance_parameters({
+                list_of(any_number("ascending", "1", "a1, a2, a3 of the ascending branch")),
+                list_of(any_number("descending", "1", "a1, a2, a3 of the descending branch")),
+                any_number("constant_ascending", "1", "added on the ascending branch of slope_sign")
+                    .with_default(0.0),
+                any_number("constant_descending", "1", "added on the descending branch of slope_sign")
+                    .with_default(0.0),
+            })) {}
   std::vector<std::string_view> polynomial_lists() const override { return {"ascending", "descending"}; }
 
  protected:

@@ -42,6 +42,21 @@ TEST(Signs, aChirpAndBurstsAreConcentratedAndNoiseIsNot) {
   }
 }
 
+TEST(Signs, aHumpStandsOnAWhiteFloorAndColouredNoiseHasNone) {
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    auto hump = noise_of_colour(0.0, seed);
+    const auto slow = noise_of_colour(0.97, seed + 100);
+    double smooth = 0.0;
+    for (std::size_t i = 0; i < 2000; ++i) {
+      smooth += 0.2 * (slow.residual[i] - smooth);
+      hump.residual[i] += 3.0 * smooth;
+    }
+    EXPECT_TRUE(above_white_floor(hump).found()) << seed;
+    for (double memory : {0.0, 0.3, 0.6, 0.9, 0.99})
+      EXPECT_FALSE(above_white_floor(noise_of_colour(memory, seed)).found()) << seed << " " << memory;
+  }
+}
+
 /// A few lines, and a residual of the same lines: what surrogates of it share with slow gains is large by itself.
 Leftover few_lines(unsigned seed, bool wandering) {
   Leftover l = noise_of_colour(0.0, seed);

@@ -32,8 +32,52 @@ class AsymmetricHysteresis final : public Effect {
       out.push_back(plays_and_dead_zones(scene, at));
     }
   }
+  /// Branches that coincide are a curve, and so are one-sided dead zones behind plays without weight.
+  bool is_form_of_another(const Model& model, const Scene& scene) const override {
+    const std::size_t at = model.position_of(model.terms().back().blocks.front());
+    const auto& block = model.at(at);
+    const auto& signal = scene.boundary[at];
+    return block.has("ascending") ? is_curve_of_branches(block, signal) : is_curve_of_plays(block, signal);
+  }
 
  private:
+  /// Loops that are less wide than this part of the curve beside them are none.
+  static constexpr double kMinLoop = 0.15;
+
+  static bool is_curve_of_branches(const chain::Block& block, const Signal& signal) {
+    const auto& up = block.list("ascending");
+    const auto& down = block.list("descending");
+    // Without the mean slope of both, which is a gain.
+    const double slope = 0.5 * (up[0] + down[0]);
+    const auto value = [&](const std::vector<double>& a, double x) {
+      return x * (a[0] - slope + x * (a[1] + x * a[2]));
+    };
+    double curve = 0.0;
+    double loop = 0.0;
+    constexpr int kPoints = 20;
+    for (int i = 0; i <= kPoints; ++i) {
+      const double x = signal.low + signal.span() * i / kPoints;
+      curve += std::pow(0.5 * (value(up, x) + value(down, x)), 2);
+      loop += std::pow(0.5 * (value(up, x) - value(down, x)), 2);
+    }
+    return loop < kMinLoop * kMinLoop * curve;
+  }
+
+  static bool is_curve_of_plays(const chain::Block& block, const Signal& signal) {
+    const auto& weight = block.list("w");
+    const auto& radius = block.list("r");
+    const auto& threshold = block.list("s");
+    const auto& slope = block.list("v");
+    double loop = 0.0;
+    for (std::size_t k = 0; k < weight.size(); ++k) loop += weight[k] * radius[k];
+    double curve = 0.0;
+    for (std::size_t k = 0; k < slope.size(); ++k) {
+      const double reach = threshold[k] > 0.0 ? signal.high - threshold[k] : threshold[k] - signal.low;
+      curve += std::abs(slope[k]) * std::max(0.0, reach);
+    }
+    return loop < kMinLoop * curve;
+  }
+
   /// Branch polynomials (disturbance paper, eq. 1). With a free gain in the chain their common slope would be
   /// counted twice: the descending branch then has the ascending one's with the other sign.
   Proposal branches(const Scene& scene, std::size_t at) const {

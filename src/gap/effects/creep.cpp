@@ -1,11 +1,29 @@
 #include <algorithm>
 #include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
+#include "gap/effects/relaxation_band.hpp"
 
 namespace bodesmith::gap {
 namespace {
+
+/// Geometric mean of a term's time constants, weighted with their gains, s; 0 when it does nothing.
+double middle_of_relaxations(const Term& term, const Model& model) {
+  const auto& block = model.at(model.position_of(term.blocks.front()));
+  const auto& gains = block.list("gains");
+  const auto& times = block.list("time_constants_s");
+  double sum = 0.0;
+  double weights = 0.0;
+  for (std::size_t k = 0; k < gains.size(); ++k) {
+    sum += gains[k] * std::log(times[k]);
+    weights += gains[k];
+  }
+  return weights > 0.0 ? std::exp(sum / weights) : 0.0;
+}
 
 class Creep final : public Effect {
  public:
@@ -47,7 +65,46 @@ class Creep final : public Effect {
       }
       many.set("gains", gains).set("time_constants_s", times);
       out.push_back(insert_block(scene, *this, at, many, unknowns, {gains}));
+      if (!scene.frequency_only) out.push_back(logarithmic(scene, at, fast, slow));
     }
+  }
+  int places_a_round() const override { return 3; }
+  /// One relaxation is no change of gain over a band.
+  bool is_far_fetched(const Model& model, const Scene& scene) const override {
+    if (model.at(model.position_of(model.terms().back().blocks.front())).list("gains").size() < 2)
+      return false;
+    return lies_in_driven_band(middle_of_relaxations(model.terms().back(), model), scene);
+  }
+
+ private:
+  /// After a step the output grows with the logarithm of time: equal gains over time constants that are evenly spaced
+  /// in their logarithm, from `fastest_s` to that times `decades`.
+  Proposal logarithmic(const Scene& scene, std::size_t at, double fast, double slow) const {
+    constexpr int kRelaxations = 8;
+    Model model = *scene.model;
+    Term term;
+    term.effect = this;
+    term.placed = model.placed(at);
+    const std::vector<double> none(kRelaxations, 0.0);
+    const std::vector<double> times(kRelaxations, fast);
+    const int id =
+        model.insert(at, chain::make_block("creep").set("gains", none).set("time_constants_s", times));
+    term.blocks = {id};
+    term.unknowns = {linear_unknown("gain", 0.0, 3.0, 0.05),
+                     logarithmic_unknown("fastest_s", 0.3 * fast, slow),
+                     logarithmic_unknown("slowest_over_fastest", 1.5, 1e4)};
+    term.write = [id](Model& m, std::span<const double> v) {
+      std::vector<double> spread;
+      for (int k = 0; k < kRelaxations; ++k)
+        spread.push_back(v[1] * std::pow(v[2], k / (kRelaxations - 1.0)));
+      m.block(id)
+          .set("gains", std::vector<double>(kRelaxations, v[0] / kRelaxations))
+          .set("time_constants_s", spread);
+    };
+    const double range = slow / fast;
+    return propose_term(std::move(model), std::move(term),
+                        {{0.05, fast * std::pow(range, 0.5), std::pow(range, 0.5)},
+                         {0.05, fast * std::pow(range, 0.15), std::pow(range, 0.7)}});
   }
 };
 

@@ -1,5 +1,7 @@
 #include <algorithm>
 #include <string>
+#include <utility>
+#include <vector>
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
@@ -7,25 +9,68 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Which of a multiplier's errors a term holds.
+/// Which of a multiplier's errors a term holds, and which multipliers have them.
 struct MultiplierErrors {
   bool scale = false;
   bool feedthrough = false;
   bool offset = false;
+  bool first_alone = false;  ///< that of the square; else those of all powers have the same
 };
 
-/// Powers made by multipliers of output scale (x + feedthrough) y: x, m(x,x), m(m(x,x),x). A coefficient of
-/// x^n then leaks into that of x^(n-1). `first`: place of the coefficient of x^1.
-std::vector<double> with_errors(const std::vector<double>& coefficients, std::size_t first, double scale,
-                                double feedthrough) {
-  auto a = coefficients;
-  double factor = 1.0;
-  for (std::size_t n = first + 1; n < a.size(); ++n) {
-    factor *= scale;
-    a[n] = factor * coefficients[n];
-    a[n - 1] += factor * feedthrough * coefficients[n];
+/// Values of a multiplier's errors: its product of x and y is scale (x + feedthrough) y + offset.
+struct ErrorValues {
+  double scale = 1.0;
+  double feedthrough = 0.0;
+  double offset = 0.0;
+};
+
+/// Coefficients [c0, c1, ...] of the polynomial with those coefficients when its powers come from multipliers with
+/// errors: p1 = x, p2 = m(p1, x), p3 = m(p2, x), ...
+std::vector<double> with_errors(const std::vector<double>& coefficients, const ErrorValues& errors,
+                                bool first_alone) {
+  std::vector<double> sum(coefficients.size(), 0.0);
+  std::vector<double> power(coefficients.size(), 0.0);
+  if (sum.size() < 2) return coefficients;
+  sum[0] = coefficients[0];
+  power[1] = 1.0;
+  for (std::size_t n = 1; n < sum.size(); ++n) {
+    for (std::size_t k = 0; k <= n; ++k) sum[k] += coefficients[n] * power[k];
+    const ErrorValues& e = first_alone && n > 1 ? ErrorValues{} : errors;
+    power[0] += e.feedthrough;
+    for (std::size_t k = std::min(n + 1, sum.size() - 1); k > 0; --k) power[k] = e.scale * power[k - 1];
+    power[0] = e.offset;
   }
-  return a;
+  return sum;
+}
+
+/// The polynomials of a block with their constants. A list that begins with the coefficient of x has its constant in a
+/// parameter "constant_" and the list's name, if the block has one.
+struct Powers {
+  chain::PolynomialList list;
+  std::string constant;
+  std::vector<double> coefficients;  ///< [c0, c1, ...]
+};
+
+std::vector<Powers> powers_of(const chain::Block& block) {
+  std::vector<Powers> all;
+  for (const auto& list : block.polynomials()) {
+    Powers p{list, {}, block.list(list.key)};
+    if (list.first == 0) {
+      const std::string constant = "constant_" + std::string(list.key);
+      if (block.has(constant)) p.constant = constant;
+      p.coefficients.insert(p.coefficients.begin(), p.constant.empty() ? 0.0 : block.get(constant));
+    }
+    all.push_back(std::move(p));
+  }
+  return all;
+}
+
+void write_powers(chain::Block& block, const Powers& powers, std::vector<double> coefficients) {
+  if (powers.list.first == 0) {
+    if (!powers.constant.empty()) block.set(powers.constant, coefficients.front());
+    coefficients.erase(coefficients.begin());
+  }
+  block.set(powers.list.key, coefficients);
 }
 
 class MultiplierError final : public Effect {
@@ -48,23 +93,38 @@ class MultiplierError final : public Effect {
     for (std::size_t at : scene.base_places()) {
       const auto& block = scene.model->at(at);
       if (block.has("scale_v")) propose_in_multiplier(scene, at, out);
-      const auto powers = block.polynomials();
-      const bool bends = std::any_of(powers.begin(), powers.end(), [&](const chain::PolynomialList& list) {
-        return block.list(list.key).size() > list.first + 1;
-      });
+      const auto powers = powers_of(block);
+      const std::size_t degree = degree_of(powers);
       const bool refitted = std::any_of(block.parameters().begin(), block.parameters().end(),
                                         [](const chain::Parameter& p) { return p.free; });
-      if (!bends || refitted) continue;
-      // Each alone, and all together.
-      for (const MultiplierErrors which :
-           {MultiplierErrors{.scale = true}, MultiplierErrors{.feedthrough = true},
-            MultiplierErrors{.offset = true}, MultiplierErrors{true, true, true}}) {
-        out.push_back(in_powers(scene, at, powers, which));
+      if (degree < 2 || refitted) continue;
+      for (const bool first_alone : {false, true}) {
+        // With squares alone it is the same.
+        if (first_alone && degree < 3) continue;
+        std::vector<MultiplierErrors> which = {
+            {.scale = true}, {.feedthrough = true}, {true, true}, {true, true, true}};
+        // One curve's constant is an offset's; those of two branches differ.
+        if (powers.size() > 1) which.push_back({.offset = true});
+        for (auto& w : which) {
+          w.first_alone = first_alone;
+          out.push_back(in_powers(scene, at, powers, w));
+        }
       }
     }
   }
+  int places_a_round() const override { return 4; }
 
  private:
+  static std::size_t degree_of(const std::vector<Powers>& powers) {
+    std::size_t degree = 0;
+    for (const auto& p : powers) {
+      for (std::size_t n = 0; n < p.coefficients.size(); ++n) {
+        if (p.coefficients[n] != 0.0) degree = std::max(degree, n);
+      }
+    }
+    return degree;
+  }
+
   void propose_in_multiplier(const Scene& scene, std::size_t at, std::vector<Proposal>& out) const {
     const double size = scene.boundary[at].size();
     const auto& block = scene.model->at(at);
@@ -81,14 +141,12 @@ class MultiplierError final : public Effect {
         change_block(scene, *this, at, {scale_v, feedthrough, z_offset}, {{1.02 * scale, 0.01, part}}));
   }
 
-  /// Of the multipliers that make a block's powers; an offset stands behind their sum.
-  Proposal in_powers(const Scene& scene, std::size_t at, const std::vector<chain::PolynomialList>& powers,
+  /// Of the multipliers that make a block's powers.
+  Proposal in_powers(const Scene& scene, std::size_t at, const std::vector<Powers>& powers,
                      MultiplierErrors which) const {
     const double size = scene.boundary[at].size();
     Model model = *scene.model;
     const int id = model.id_at(at);
-    std::vector<std::vector<double>> before;
-    for (const auto& list : powers) before.push_back(model.at(at).list(list.key));
     Term term;
     term.effect = this;
     term.placed = inside_block(model, at);
@@ -101,23 +159,22 @@ class MultiplierError final : public Effect {
       term.unknowns.push_back(linear_unknown("feedthrough", -size, size, 0.05 * size));
       start.push_back(0.005 * size);
     }
-    int offset_id = 0;
     if (which.offset) {
-      term.unknowns.push_back(linear_unknown("offset", -size, size, 0.05 * size));
-      start.push_back(0.005 * size);
-      offset_id = model.insert(at + 1, chain::make_block("gain").set("gain", 1.0));
-      term.blocks = {offset_id};
+      const double square = size * size;
+      term.unknowns.push_back(linear_unknown("offset", -square, square, 0.05 * square));
+      start.push_back(0.005 * square);
     }
     term.write = [=](Model& m, std::span<const double> v) {
       std::size_t next = 0;
-      const double scale = which.scale ? v[next++] : 1.0;
-      const double feedthrough = which.feedthrough ? v[next++] : 0.0;
-      for (std::size_t k = 0; k < powers.size(); ++k)
-        m.block(id).set(powers[k].key, with_errors(before[k], powers[k].first, scale, feedthrough));
-      if (which.offset) m.block(offset_id).set("offset", v[next]);
+      ErrorValues errors;
+      if (which.scale) errors.scale = v[next++];
+      if (which.feedthrough) errors.feedthrough = v[next++];
+      if (which.offset) errors.offset = v[next];
+      for (const auto& p : powers)
+        write_powers(m.block(id), p, with_errors(p.coefficients, errors, which.first_alone));
     };
     term.undo = [=](Model& m) {
-      for (std::size_t k = 0; k < powers.size(); ++k) m.block(id).set(powers[k].key, before[k]);
+      for (const auto& p : powers) write_powers(m.block(id), p, p.coefficients);
     };
     return propose_term(std::move(model), std::move(term), {start});
   }

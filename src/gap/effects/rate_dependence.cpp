@@ -3,12 +3,15 @@
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
+#include "gap/effects/relaxation_band.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
 /// Nearer to one it is a pole or a zero.
 constexpr double kMaxOrder = 0.6;
+/// Corners (their ratio) nearer to each other than this are those of one relaxation.
+constexpr double kOneRelaxation = 0.5;
 
 class RateDependence final : public Effect {
  public:
@@ -22,6 +25,13 @@ class RateDependence final : public Effect {
   }
   std::string_view experiment() const override { return "a sweep over more decades"; }
   bool linear() const override { return true; }
+  /// With corners close together it is one relaxation. Between its corners the gain falls like that of logarithmic creep with these time constants.
+  bool is_far_fetched(const Model& model, const Scene& scene) const override {
+    const auto& block = model.at(model.position_of(model.terms().back().blocks.front()));
+    if (block.get("beta") > 0.0) return false;
+    return block.get("x") > kOneRelaxation ||
+           lies_below_driven_band(block.get("lambda_s") * std::sqrt(block.get("x")), scene);
+  }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     for (std::size_t at : scene.linear_places()) {
       const double low = std::max(scene.low_hz, 1e-3 * scene.band_hz);

@@ -32,6 +32,7 @@ class SampleHold final : public Effect {
   std::vector<std::string_view> confused_with() const override { return {"time_delay", "amplifier_pole"}; }
   bool linear() const override { return true; }
   bool starts_from_residual() const override { return true; }
+  int places_a_round() const override { return 4; }
   std::string_view experiment() const override {
     return "a faster clock, or a record sampled much faster than it";
   }

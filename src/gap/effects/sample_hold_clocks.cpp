@@ -16,8 +16,10 @@ namespace bodesmith::gap {
 namespace {
 
 /// Clocks kept at each length of the look, and new ones on either side of each in the next.
-constexpr std::size_t kKept = 4;
+constexpr std::size_t kKept = 5;
 constexpr int kFiner = 4;
+/// Clocks nearer to each other than this over the length of the look are of one peak.
+constexpr double kOnePeak = 0.7;
 /// Samples of the first look (stairs: of theirs), and of the last one.
 constexpr std::size_t kFirstLook = 800;
 constexpr std::size_t kFirstStairs = 1200;
@@ -41,6 +43,19 @@ Starts starts_of(const std::vector<ScoredClock>& scored) {
     if (size > 0.0) starts.push_back({f});
   }
   return starts;
+}
+
+/// The best so many, sorted best first, that lie further apart than `apart_hz`: neighbours are one peak.
+void keep_best(std::vector<ScoredClock>& sorted, double apart_hz) {
+  std::vector<ScoredClock> kept;
+  for (const auto& s : sorted) {
+    const bool near = std::any_of(kept.begin(), kept.end(), [&](const ScoredClock& k) {
+      return std::abs(k.second - s.second) < apart_hz;
+    });
+    if (!near) kept.push_back(s);
+    if (kept.size() == kKept) break;
+  }
+  sorted = std::move(kept);
 }
 
 /// Share of the residual along a feature, in energy; 0 when they point apart.
@@ -90,7 +105,7 @@ Starts clocks_of_stairs(const Scene& scene, const std::vector<double>& signal,
     scored.emplace_back(likeness(f, length), f);
   while (true) {
     std::sort(scored.rbegin(), scored.rend());
-    if (scored.size() > kKept) scored.resize(kKept);
+    keep_best(scored, kOnePeak / (static_cast<double>(length) * h));
     if (length == last) return starts_of(scored);
     length = std::min(last, 2 * length);
     std::vector<ScoredClock> finer;
@@ -187,7 +202,7 @@ Starts clocks_by_lag(const Scene& scene, const Model& held, double guess_hz) {
       if (runner(values, residual)) scored.emplace_back(rms(residual), f);
     }
     std::sort(scored.begin(), scored.end());
-    if (scored.size() > kKept) scored.resize(kKept);
+    keep_best(scored, kOnePeak / (static_cast<double>(length) * scene.step_s));
     if (length == size || length >= kLastLook) {
       Starts starts;
       for (const auto& [left, f] : scored) starts.push_back({f});
@@ -208,7 +223,8 @@ Starts clocks_by_stairs(const Scene& scene, bool half) {
 Starts clocks_before_dynamics(const Scene& scene, std::size_t at, bool half) {
   chain::Chain behind;
   for (std::size_t k = at; k < scene.end(); ++k) {
-    if (!scene.linear(k)) return {};
+    // A curve or a memory passes stairs on much as they are.
+    if (!scene.linear(k)) continue;
     behind.blocks.push_back(scene.model->at(k));
   }
   // <r, H stairs> = <H* r, stairs>: what is behind runs once, over the residual from its end.

@@ -38,6 +38,7 @@ CandidateOutcome objection_to(const AcceptanceOptions& options, const Ranked& r,
     return CandidateOutcome::not_significant;
   if (r.unknowns > options.max_unknowns) return CandidateOutcome::too_free;
   if (r.condition_number > options.max_condition) return CandidateOutcome::ill_conditioned;
+  if (r.form_of_another) return CandidateOutcome::form_of_another;
   const auto& unknowns = r.model.terms().back().unknowns;
   const bool at_bound =
       unknowns.size() <= options.few_unknowns &&
@@ -70,6 +71,21 @@ Ranked* simplest_of_best(const AcceptanceOptions& options, const std::vector<Ran
   return winner;
 }
 
+/// Of another effect that fits as well as a far-fetched one, with hardly more unknowns: that one.
+Ranked* nearest_at_hand(const AcceptanceOptions& options, const std::vector<Ranked*>& good, Ranked* winner) {
+  if (!winner->far_fetched) return winner;
+  for (auto* r : good) {
+    if (r->far_fetched || r->effect == winner->effect ||
+        r->effective > winner->effective + options.at_hand_more_unknowns)
+      continue;
+    const double worse = r->folds_rms / winner->folds_rms - 1.0;
+    if (worse < options.at_hand_within ||
+        (worse < options.tie_within && significantly_worse(*r, *winner) < options.tie_significance))
+      return r;
+  }
+  return winner;
+}
+
 /// How a good candidate stands to the one that was chosen; the step keeps its name where that matters.
 CandidateOutcome compare(const AcceptanceOptions& options, const Ranked& r, const Ranked& winner,
                          Step& step) {
@@ -81,7 +97,7 @@ CandidateOutcome compare(const AcceptanceOptions& options, const Ranked& r, cons
     if (alike && r.placed != winner.placed) add_once(step.also_placed, r.placed);
     return CandidateOutcome::other_place_or_form;
   }
-  if (!alike) return CandidateOutcome::worse;
+  if (!alike || (r.far_fetched && !winner.far_fetched)) return CandidateOutcome::worse;
   const std::string name(r.effect->name());
   // A rival with a little more freedom is as good a name when that freedom shows.
   const bool freedom_shows = r.unknowns <= winner.unknowns + options.tie_more_unknowns &&
@@ -127,7 +143,7 @@ Judgement judge(const SearchSetting& setting, const SearchRecords& records, cons
     if (r.outcome == CandidateOutcome::not_judged) good.push_back(&r);
   }
   while (!good.empty()) {
-    Ranked* winner = simplest_of_best(options, good);
+    Ranked* winner = nearest_at_hand(options, good, simplest_of_best(options, good));
     const bool sure = std::min(winner->z, winner->train_z) > options.sure || setting.options.is_late();
     const double control = sure ? 0.0 : control_gain(setting, records, before, *winner);
     const double gain = 1.0 - winner->folds_rms / bar.folds_rms;

@@ -152,7 +152,13 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
     fit_leaders_on_all(setting, records, before, round.ranking);
     std::stable_sort(round.ranking.begin(), round.ranking.end(), by_rms);
   }
-  if (!round.ranking.empty()) look_at_folds(setting, records, before, round.ranking);
+  if (round.ranking.empty()) return round;
+  look_at_folds(setting, records, before, round.ranking);
+  const auto scene = make_scene(model, records.train);
+  for (auto& r : round.ranking) {
+    r.far_fetched = r.effect->is_far_fetched(r.model, scene);
+    r.form_of_another = r.effect->is_form_of_another(r.model, scene);
+  }
   return round;
 }
 

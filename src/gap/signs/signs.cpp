@@ -33,6 +33,8 @@ std::string to_string(SignKind kind) {
       return "the gain varies with time";
     case SignKind::concentrated:
       return "the residual keeps to few stretches of time and frequency together";
+    case SignKind::above_white_floor:
+      return "far more is left at low frequencies than the white floor of the noise";
     case SignKind::smooth_over_frequency:
       return "neighbouring frequencies err alike";
     case SignKind::stands_apart:
@@ -66,6 +68,7 @@ std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records,
     consider(bunched_in_time(r));
     consider(spectral_line(r));
     consider(concentrated(r));
+    consider(above_white_floor(r));
   }
   std::stable_sort(signs.begin(), signs.end(),
                    [](const Sign& a, const Sign& b) { return a.strength > b.strength; });

@@ -1,0 +1,63 @@
+// Relaxation that goes on long after the drive has moved is creep, a change of gain within the driven band is rate
+// dependence, though a few numbers make one look like the other.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "base/document.hpp"
+#include "chain/model_file.hpp"
+#include "gap/cases/signals.hpp"
+#include "gap/cases/stages.hpp"
+#include "gap/cases/time_base.hpp"
+#include "gap/diagnosis.hpp"
+
+namespace {
+
+using namespace bodesmith;
+
+constexpr std::size_t kRows = 2000;
+constexpr double kStepS = 1e-3;
+constexpr double kBandHz = 30.0;
+
+/// A record of the stages behind a gain of 2, with noise.
+TimeRecord record_of(const std::vector<hidden::Stage>& stages, hidden::Drive drive, unsigned seed) {
+  hidden::Random random(seed);
+  TimeRecord r;
+  r.file = "record.csv";
+  r.step_s = kStepS;
+  r.u = hidden::make_drive(drive, kRows, kStepS, kBandHz, random);
+  r.y = hidden::play_chain(stages, r.u, kStepS);
+  const auto noise = hidden::make_noise(hidden::Colour::white, kRows, random);
+  for (std::size_t i = 0; i < kRows; ++i) r.y[i] = 2.0 * r.y[i] + 0.004 * noise[i];
+  return r;
+}
+
+std::vector<std::string> names(const std::vector<hidden::Stage>& stages) {
+  const auto base = chain::model_from_node(parse_toml(
+      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 1.9\noffset = 0.0\nfree = [\"gain\"]\n",
+      "model.toml"));
+  const auto study = gap::Study::of({record_of(stages, hidden::Drive::noise, 1)},
+                                    {record_of(stages, hidden::Drive::multisine, 2)}, base);
+  std::vector<std::string> all;
+  for (const auto& s : gap::diagnose(base, study, {}).steps) all.push_back(s.effect);
+  return all;
+}
+
+TEST(Relaxation, ofManyTimeConstantsIsCreep) {
+  std::vector<double> gains;
+  std::vector<double> times;
+  for (int k = 0; k < 10; ++k) {
+    gains.push_back(0.015);
+    times.push_back(0.04 * std::pow(40.0, k / 9.0));
+  }
+  EXPECT_EQ(names({hidden::creep(gains, times)}), std::vector<std::string>{"creep"});
+}
+
+TEST(Relaxation, withinTheDrivenBandIsRateDependence) {
+  const double slow = 1.0 / (2.0 * std::numbers::pi * 2.0);
+  EXPECT_EQ(names({hidden::fractional(slow, 0.03, -0.1)}), std::vector<std::string>{"rate_dependence"});
+  EXPECT_EQ(names({hidden::fractional(slow, 0.03, 0.1)}), std::vector<std::string>{"rate_dependence"});
+}
+
+}  // namespace

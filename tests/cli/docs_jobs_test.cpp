@@ -120,7 +120,7 @@ TEST_P(DocumentedExample, RunsFromTheRepositoryAlone) {
   run_page(steps);
 }
 
-INSTANTIATE_TEST_SUITE_P(Docs, DocumentedExample, ::testing::Values("picma_gap", "opamp_slew"));
+INSTANTIATE_TEST_SUITE_P(Docs, DocumentedExample, ::testing::Values("picma_gap", "opamp_slew", "silverbox"));
 INSTANTIATE_TEST_SUITE_P(Docs, DocumentedJob,
                          ::testing::Values("audio.md", "piezo.md", "fractional_pid.md", "board.md",
                                            "faulty_board.md"));

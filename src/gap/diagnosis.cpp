@@ -87,6 +87,12 @@ void look_at_holdout(std::vector<Ranked>& ranking, const Experiments& holdout) {
   }
 }
 
+/// JSON and pages have no infinity.
+constexpr double kMostTimesNoise = 1e3;
+Sign sign_of_drive(const AmplitudeDependence& dependence) {
+  return {SignKind::depends_on_amplitude, std::clamp(dependence.times_noise, 1.0, kMostTimesNoise)};
+}
+
 /// Values of the final model's terms, term by term.
 std::vector<std::vector<FoundParameter>> found_parameters(const Model& model, const Experiments& train) {
   Runner runner(model, train);
@@ -138,9 +144,13 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   Stopwatch watch;
   Diagnosis d;
   d.relative = study.frequency_responses();
+  d.weighted = study.weighted();
   SearchOptions chosen = options;
   if (study.split()) chosen.acceptance.max_unknowns = kMaxUnknownsWhenSplit;
-  d.search = search(base, study.train(), chosen);
+  d.amplitude = amplitude_dependence(study.train());
+  const Experiments searched = d.amplitude ? of_least_drive(study.train()) : study.train();
+  d.search = search(base, searched, chosen);
+  if (d.amplitude) d.search.structure.push_back(sign_of_drive(*d.amplitude));
   add_q_values(d.search);
   // The held-out records come in here, when all is decided. Lines of the mains are written as the first of
   // them has them.
@@ -155,7 +165,7 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   d.floor = d.search.floor;
   for (const auto& s : d.search.steps) d.steps.push_back(describe(s, meter));
   if (!d.steps.empty()) d.steps.back().after = d.final;
-  auto parameters = found_parameters(d.search.final, study.train());
+  auto parameters = found_parameters(d.search.final, searched);
   for (std::size_t k = 0; k < parameters.size() && k < d.steps.size(); ++k)
     d.steps[k].parameters = std::move(parameters[k]);
   d.where = meter.where(d.search.initial);

@@ -5,6 +5,7 @@
 #include <vector>
 
 #include "chain/chain.hpp"
+#include "gap/amplitude_dependence.hpp"
 #include "gap/constant_offset.hpp"
 #include "gap/next_experiment.hpp"
 #include "gap/search.hpp"
@@ -57,6 +58,8 @@ struct Diagnosis {
   std::vector<Cell> remaining_where;
   std::vector<ConstantOffset> constant_offsets;  ///< of what is left of the held-out records
   std::vector<DiagnosedStep> steps;
+  /// Of responses at several drives.
+  std::optional<AmplitudeDependence> amplitude;
   Verdict verdict = Verdict::unexplained;
   std::string advice;
   std::optional<NextExperiment> next_experiment;  ///< for a tie or an open parameter
@@ -65,6 +68,7 @@ struct Diagnosis {
   /// base model did.
   bool holdout_disagrees = false;
   bool relative = false;  ///< frequency responses: rms of |H_model/H_measured - 1| parts, no unit
+  bool weighted = false;  ///< some of them by their coherence
   SearchResult search;
   double compute_s = 0.0;
 };

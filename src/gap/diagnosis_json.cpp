@@ -86,11 +86,25 @@ Json json_of(const DiagnosedStep& s) {
           {"runner_up", json_of(s.runner_up)}};
 }
 
+Json json_of(const AmplitudeDependence& a) {
+  Json j = {{"class", to_string(a.kind)},
+            {"suspects", suspects_of(a.kind)},
+            {"least_drive_v", a.least_drive_v},
+            {"largest_drive_v", a.largest_drive_v},
+            {"change", a.change},
+            {"times_noise", finite_or_null(a.times_noise)}};
+  if (a.peak_at_least_hz) j["peak_at_least_hz"] = *a.peak_at_least_hz;
+  if (a.peak_at_largest_hz) j["peak_at_largest_hz"] = *a.peak_at_largest_hz;
+  return j;
+}
+
 Json json_of(const NoiseFloor& floor) {
   Json j = {{"rms", floor.rms}, {"how", to_string(floor.source)}};
   if (floor.source == NoiseFloor::Source::unknown) j["rms"] = nullptr;
   if (floor.source == NoiseFloor::Source::periods) {
     j["periods"] = floor.periods;
+  }
+  if (floor.period > 0) {
     j["repeating_odd_rms"] = floor.odd_rms;
     j["repeating_even_rms"] = floor.even_rms;
   }
@@ -104,7 +118,10 @@ Json to_json(const Diagnosis& d) {
   j["noise_floor"] = json_of(d.floor);
   j["gap"] = {
       {"initial", json_of(d.initial)}, {"refitted", json_of(d.refitted)}, {"final", json_of(d.final)}};
-  if (d.relative) j["gap"]["relative"] = "parts of H_model/H_measured - 1, real and imaginary";
+  if (d.relative) {
+    j["gap"]["relative"] = std::string("parts of H_model/H_measured - 1, real and imaginary") +
+                           (d.weighted ? ", points weighted by their coherence" : "");
+  }
   j["scored"] = Json::array();
   for (const auto& s : d.scored_from) {
     j["scored"].push_back({{"file", s.file}, {"held_out", s.held_out}, {"scored_from_s", s.from_s}});
@@ -125,6 +142,7 @@ Json to_json(const Diagnosis& d) {
   for (const auto& s : d.search.structure) {
     j["signs_of_more"].push_back({{"sign", to_string(s.kind)}, {"times_chance", s.strength}});
   }
+  if (d.amplitude) j["amplitude_dependence"] = json_of(*d.amplitude);
   j["refused"] = json_of(d.search.refused);
   j["verdict"] = to_string(d.verdict);
   j["advice"] = d.advice;

@@ -29,6 +29,8 @@ class Effect {
   virtual bool independent_of_input() const { return false; }
   /// A model may hold more than one of it (each is another thing, and not one thing with more freedom).
   virtual bool repeatable() const { return false; }
+  /// The same in frequency responses, where each shows at a place of its own.
+  virtual bool repeatable_in_response() const { return repeatable(); }
   /// Its start values are found in the residual, so they are worth finding from more than one model.
   virtual bool starts_from_residual() const { return false; }
   /// Places of it that a round fits at the most, one more when it is of another form.

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <numeric>
 
+#include "gap/response_weights.hpp"
+
 namespace bodesmith::gap {
 
 TimeExperiment::TimeExperiment(TimeRecord record, std::size_t start)
@@ -52,6 +54,10 @@ TimeExperiment TimeExperiment::with_output(std::vector<double> y) const {
   other.record_ = std::make_shared<const TimeRecord>(std::move(record));
   return other;
 }
+
+FrequencyExperiment::FrequencyExperiment(MeasuredResponse record)
+    : record_(std::make_shared<const MeasuredResponse>(std::move(record))),
+      weights_(std::make_shared<const std::vector<double>>(response_weights(*record_))) {}
 
 std::size_t scored_samples(const Experiments& experiments) {
   std::size_t total = 0;

@@ -7,7 +7,7 @@
 #include <variant>
 #include <vector>
 
-#include "signal/frequency_record.hpp"
+#include "gap/measured_response.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::gap {
@@ -78,23 +78,32 @@ class TimeExperiment {
 /// A frequency response; the residual is H_model/H_measured - 1, real and imaginary part of each point,
 /// relative. A search takes its logarithm ln(H_model/H_measured) instead: the same where it is small, but a peak that
 /// the model lacks weighs as much as a notch, and not 1 at the most.
+///
+/// Where the record has a coherence, the residual of each point is multiplied by a weight (response_weights.hpp), so that
+/// points of little coherence count less; the mean of the squared weights is 1, and an rms is a weighted one.
 class FrequencyExperiment {
  public:
-  explicit FrequencyExperiment(FrequencyRecord record)
-      : record_(std::make_shared<const FrequencyRecord>(std::move(record))) {}
+  explicit FrequencyExperiment(MeasuredResponse record);
 
-  const FrequencyRecord& record() const { return *record_; }
+  /// What is compared of H_model/H_measured: it less 1; its logarithm; or the logarithm's real part alone (the
+  /// imaginary part of the residual is 0), which has no turns of the phase to go wrong by.
+  enum class Compared { ratio, logarithm, magnitude };
+
+  const MeasuredResponse& record() const { return *record_; }
   const std::string& file() const { return record_->file; }
   /// 1: its errors are relative.
   double range() const { return 1.0; }
   std::size_t scored() const { return 2 * record_->frequency.size(); }
 
-  void set_logarithmic() { logarithmic_ = true; }
-  bool logarithmic() const { return logarithmic_; }
+  void set_compared(Compared compared) { compared_ = compared; }
+  Compared compared() const { return compared_; }
+  /// One a point; empty: all are 1.
+  const std::vector<double>& weights() const { return *weights_; }
 
  private:
-  std::shared_ptr<const FrequencyRecord> record_;
-  bool logarithmic_ = false;
+  std::shared_ptr<const MeasuredResponse> record_;
+  std::shared_ptr<const std::vector<double>> weights_;
+  Compared compared_ = Compared::ratio;
 };
 
 /// A measured record to compare a model with. What differs between the kinds is visited.

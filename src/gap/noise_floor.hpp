@@ -9,10 +9,11 @@ namespace bodesmith::gap {
 /// What of a residual is noise, and how that is known.
 struct NoiseFloor {
   /// What tells it: what does not repeat over the input's periods, or the level above the input's band.
+  /// `periods` of a response: its coherence, which is taken over `periods` averages.
   enum class Source { periods, high_frequency, unknown };
   double rms = 0.0;
   Source source = Source::unknown;
-  std::size_t period = 0;  ///< samples
+  std::size_t period = 0;  ///< samples; 0: of a response
   int periods = 0;
   /// rms of the part that repeats (periods only): the gap proper; of its harmonics, odd and even ones.
   double repeating_rms = 0.0;

@@ -14,6 +14,7 @@ namespace {
 
 /// Frequencies of the residual that effects are told.
 constexpr std::size_t kPeaks = 3;
+constexpr std::size_t kPeaksOfResponse = 6;
 /// Parts of the input's power below low_hz and below band_hz.
 constexpr double kLowPart = 0.05;
 constexpr double kBandPart = 0.95;
@@ -147,6 +148,24 @@ Scene scene_of(const Model& model, const TimeExperiment& experiment) {
   return scene;
 }
 
+/// The peaks that stand out most from the valleys between them and higher ground.
+std::vector<std::size_t> most_prominent(const std::vector<double>& v) {
+  const std::size_t n = v.size();
+  std::vector<std::pair<double, std::size_t>> peaks;
+  for (std::size_t i = 1; i + 1 < n; ++i) {
+    if (v[i] < v[i - 1] || !(v[i] > v[i + 1])) continue;
+    double left = v[i];
+    for (std::size_t k = i; k-- > 0 && v[k] <= v[i];) left = std::min(left, v[k]);
+    double right = v[i];
+    for (std::size_t k = i + 1; k < n && v[k] <= v[i]; ++k) right = std::min(right, v[k]);
+    peaks.emplace_back(v[i] - std::max(left, right), i);
+  }
+  std::sort(peaks.rbegin(), peaks.rend());
+  std::vector<std::size_t> out;
+  for (std::size_t k = 0; k < std::min(kPeaksOfResponse, peaks.size()); ++k) out.push_back(peaks[k].second);
+  return out;
+}
+
 Scene scene_of(const Model& model, const FrequencyExperiment& experiment, const Experiments& train) {
   Scene scene;
   scene.model = &model;
@@ -158,12 +177,9 @@ Scene scene_of(const Model& model, const FrequencyExperiment& experiment, const 
   scene.duration_s = 1.0 / scene.low_hz;
   scene.step_s = 0.5 / scene.top_hz;
   const auto e = residuals_of(model, train);
-  std::vector<std::pair<double, double>> sizes;
-  for (std::size_t i = 0; i < f.size(); ++i)
-    sizes.emplace_back(std::hypot(e[2 * i], e[2 * i + 1]), f[i].value);
-  std::sort(sizes.rbegin(), sizes.rend());
-  for (std::size_t i = 0; i < std::min(kPeaks, sizes.size()); ++i)
-    scene.residual_peaks_hz.push_back(sizes[i].second);
+  std::vector<double> excess;
+  for (std::size_t i = 0; i < f.size(); ++i) excess.push_back(-e[2 * i]);
+  for (std::size_t at : most_prominent(excess)) scene.residual_peaks_hz.push_back(f[at].value);
   return scene;
 }
 

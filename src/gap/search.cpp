@@ -12,6 +12,7 @@
 #include "gap/search/backward_elimination.hpp"
 #include "gap/search/base_fit.hpp"
 #include "gap/search/between_samples.hpp"
+#include "gap/search/group.hpp"
 #include "gap/search/record_starts.hpp"
 #include "gap/search/records.hpp"
 #include "gap/search/remaining.hpp"
@@ -52,9 +53,18 @@ Round look_for_terms(const SearchSetting& setting, const SearchRecords& records,
   round.ranking = std::move(fitted.ranking);
   round.not_tried = std::move(fitted.not_tried);
   round.looked_at = fitted.looked_at;
-  if (options.stopped() || round.ranking.empty()) return round;
+  const bool responses = std::holds_alternative<FrequencyExperiment>(records.train.front());
+  if (options.stopped() || (round.ranking.empty() && !responses)) return round;
   auto judged = judge(setting, records, model, std::move(round.ranking));
   round.ranking = std::move(judged.ranking);
+  if (responses && !options.is_late() && !quiet && !little && pairs_allowed) {
+    auto group = choose_group(setting, records, model, round.ranking, judged.step ? &*judged.step : nullptr);
+    if (group) {
+      round.steps = std::move(group->steps);
+      round.notes = {std::move(group->note)};
+      return round;
+    }
+  }
   if (judged.step) {
     round.steps.push_back(std::move(*judged.step));
   } else if (!options.is_late() && !quiet && !little && pairs_allowed &&
@@ -170,7 +180,7 @@ void grow(const SearchSetting& setting, State& state) {
       state.refused = std::move(round.ranking);
       break;
     }
-    if (round.steps.size() > 1) ++terms;
+    terms += static_cast<int>(round.steps.size()) - 1;
     if (!take(setting, state, std::move(round.steps))) break;
   }
   state.train_rms = rms_of(state.found.model, state.records.train);

@@ -47,8 +47,10 @@ struct BaseFitOptions {
 struct RoundOptions {
   std::size_t effects = 9;             ///< fitted in each round
   std::size_t effects_from_given = 3;  ///< more in the first round, as seen from the given parameters
-  double min_score = 0.003;            ///< share of the residual's energy that a candidate must promise,
-  double min_score_of_little = 0.3;    ///< and when less is left than a later term must explain
+  /// Forms and places of an effect that are fitted beyond Effect::places_a_round in responses, where a fit is quick.
+  int more_forms_of_response = 2;
+  double min_score = 0.003;          ///< share of the residual's energy that a candidate must promise,
+  double min_score_of_little = 0.3;  ///< and when less is left than a later term must explain
   /// Standard deviations of that promise, without earlier terms and with them.
   double min_promise = 2.0;
   double min_promise_later = 4.0;

@@ -26,6 +26,7 @@ enum class SignKind {
   smooth_over_frequency,
   stands_apart,
   refused_candidate,
+  depends_on_amplitude,  ///< of responses at several drives
 };
 /// For a person: "the residual jumps", ...
 std::string to_string(SignKind kind);

@@ -60,17 +60,6 @@ void validate(const TimeRecord& record) {
   validate_values(record.file, "an output", record.y);
 }
 
-/// Every second point, from number `first` on.
-FrequencyRecord every_second(const FrequencyRecord& record, std::size_t first) {
-  FrequencyRecord part;
-  part.file = record.file;
-  for (std::size_t i = first; i < record.frequency.size(); i += 2) {
-    part.frequency.push_back(record.frequency[i]);
-    part.response.push_back(record.response[i]);
-  }
-  return part;
-}
-
 TimeExperiment experiment_with_start(TimeRecord record, const chain::Chain& base) {
   const auto start = start_samples(base, record);
   return TimeExperiment(std::move(record), start);
@@ -84,7 +73,7 @@ std::vector<Record> read_all(const std::vector<std::filesystem::path>& files, Pr
       records.push_back(TimeRecord::read_csv(path, from, true));
       records.back().require_measured_sizes();
     } else {
-      records.push_back(FrequencyRecord::read_csv(path, from));
+      records.push_back(MeasuredResponse::read_csv(path, from));
     }
   }
   return records;
@@ -94,6 +83,14 @@ std::vector<Record> read_all(const std::vector<std::filesystem::path>& files, Pr
 
 bool Study::frequency_responses() const {
   return !train_.empty() && std::holds_alternative<FrequencyExperiment>(train_.front());
+}
+
+bool Study::weighted() const {
+  const auto all = joined(train_, holdout_);
+  return std::any_of(all.begin(), all.end(), [](const Experiment& e) {
+    const auto* response = std::get_if<FrequencyExperiment>(&e);
+    return response != nullptr && !response->weights().empty();
+  });
 }
 
 Study Study::of(std::vector<TimeRecord> data, std::vector<TimeRecord> holdout, const chain::Chain& base) {
@@ -119,7 +116,7 @@ Study Study::of(std::vector<TimeRecord> data, std::vector<TimeRecord> holdout, c
   return study;
 }
 
-Study Study::of(std::vector<FrequencyRecord> data, std::vector<FrequencyRecord> holdout,
+Study Study::of(std::vector<MeasuredResponse> data, std::vector<MeasuredResponse> holdout,
                 const chain::Chain& base) {
   Study study;
   study.split_ = holdout.empty();
@@ -130,9 +127,8 @@ Study Study::of(std::vector<FrequencyRecord> data, std::vector<FrequencyRecord> 
           record.file, 0,
           "is a frequency response, but the model has a nonlinear block, expected time records for it");
     }
-    if (study.split_) study.holdout_.emplace_back(FrequencyExperiment(every_second(record, 1)));
-    study.train_.emplace_back(
-        FrequencyExperiment(study.split_ ? every_second(record, 0) : std::move(record)));
+    if (study.split_) study.holdout_.emplace_back(FrequencyExperiment(record.thinned(1, 2)));
+    study.train_.emplace_back(FrequencyExperiment(study.split_ ? record.thinned(0, 2) : std::move(record)));
   }
   for (auto& record : holdout) study.holdout_.emplace_back(FrequencyExperiment(std::move(record)));
   return study;
@@ -146,8 +142,8 @@ Study Study::read(const std::vector<std::filesystem::path>& data,
   validate_kinds(data, data.front(), frequency);
   validate_kinds(holdout, data.front(), frequency);
   if (frequency) {
-    auto train = read_all<FrequencyRecord>(data, from);
-    return of(std::move(train), read_all<FrequencyRecord>(holdout, from), base);
+    auto train = read_all<MeasuredResponse>(data, from);
+    return of(std::move(train), read_all<MeasuredResponse>(holdout, from), base);
   }
   auto train = read_all<TimeRecord>(data, from);
   return of(std::move(train), read_all<TimeRecord>(holdout, from), base);

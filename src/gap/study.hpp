@@ -19,12 +19,14 @@ class Study {
                     const std::vector<std::filesystem::path>& holdout, const chain::Chain& base,
                     Provenance& from);
   static Study of(std::vector<TimeRecord> data, std::vector<TimeRecord> holdout, const chain::Chain& base);
-  static Study of(std::vector<FrequencyRecord> data, std::vector<FrequencyRecord> holdout,
+  static Study of(std::vector<MeasuredResponse> data, std::vector<MeasuredResponse> holdout,
                   const chain::Chain& base);
 
   const Experiments& train() const { return train_; }
   const Experiments& holdout() const { return holdout_; }
   bool frequency_responses() const;
+  /// There are responses among them whose points are weighted by their coherence.
+  bool weighted() const;
   /// Nothing was held out, so a part of each training record is.
   bool split() const { return split_; }
 

@@ -1,5 +1,7 @@
 #include "gap/verdict.hpp"
 
+#include <algorithm>
+
 namespace bodesmith::gap {
 
 std::string to_string(Verdict verdict) {
@@ -18,8 +20,12 @@ std::string to_string(Verdict verdict) {
   return "unexplained";
 }
 
+/// Times the floor that coherence tells: it does not see an instrument's own errors, nor leakage.
+constexpr double kEnoughOfCoherence = 1.5;
+
 Verdict verdict_of(const SearchResult& result, double train_rms, double enough) {
   if (result.stopped) return Verdict::interrupted;
+  if (result.floor.period == 0) enough = std::max(enough, kEnoughOfCoherence);
   const bool above_floor =
       result.floor.source == NoiseFloor::Source::periods && train_rms > enough * result.floor.rms;
   const bool left = above_floor || !result.structure.empty();

@@ -22,6 +22,7 @@ class AmplifierPole final : public Effect {
            "a pole does not)";
   }
   bool linear() const override { return true; }
+  bool repeatable_in_response() const override { return true; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     for (std::size_t at : scene.linear_places()) {
       const double b = scene.band_hz;

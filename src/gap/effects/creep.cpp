@@ -25,6 +25,29 @@ double middle_of_relaxations(const Term& term, const Model& model) {
   return weights > 0.0 ? std::exp(sum / weights) : 0.0;
 }
 
+/// Relaxations of one decade of a logarithmic creep, and their longest time constant beyond 1/low_hz: slower ones are a
+/// gain in front of the record.
+constexpr int kOfDecade = 3;
+constexpr double kSlowest = 3.0;
+
+/// y = u + c sum over decades of relaxations, equally strong at every time constant between two: after a step
+/// c log10(t) (J. F. Curie's law; K. Kuhnen, 2003). In a response, where free relaxations are more than it tells, the
+/// strength and the fastest one are its only unknowns; or the slowest one too.
+struct LogarithmicCreep {
+  int id = 0;
+  int count = 0;
+
+  void write(Model& model, double gain_per_decade, double fastest_s, double slowest_s) const {
+    const double decades = std::log10(slowest_s / fastest_s);
+    std::vector<double> times;
+    for (int k = 0; k < count; ++k)
+      times.push_back(fastest_s * std::pow(slowest_s / fastest_s, (k + 0.5) / count));
+    model.block(id)
+        .set("time_constants_s", times)
+        .set("gains", std::vector<double>(times.size(), gain_per_decade * decades / count));
+  }
+};
+
 class Creep final : public Effect {
  public:
   std::string_view name() const override { return "creep"; }
@@ -54,6 +77,8 @@ class Creep final : public Effect {
                                  {linear_unknown("gains[0]", 0.0, 1.0, 0.05),
                                   logarithmic_unknown("time_constants_s[0]", fast, 3.0 * slow)},
                                  starts));
+      if (scene.frequency_only) propose_logarithmic(scene, at, fast, slow, false, out);
+      propose_logarithmic(scene, at, fast, slow, true, out);
       auto many = chain::make_block("creep");
       const int count = 8;
       std::vector<double> times;
@@ -65,7 +90,6 @@ class Creep final : public Effect {
       }
       many.set("gains", gains).set("time_constants_s", times);
       out.push_back(insert_block(scene, *this, at, many, unknowns, {gains}));
-      if (!scene.frequency_only) out.push_back(logarithmic(scene, at, fast, slow));
     }
   }
   int places_a_round() const override { return 3; }
@@ -77,34 +101,35 @@ class Creep final : public Effect {
   }
 
  private:
-  /// After a step the output grows with the logarithm of time: equal gains over time constants that are evenly spaced
-  /// in their logarithm, from `fastest_s` to that times `decades`.
-  Proposal logarithmic(const Scene& scene, std::size_t at, double fast, double slow) const {
-    constexpr int kRelaxations = 8;
+  void propose_logarithmic(const Scene& scene, std::size_t at, double fast, double slow, bool slowest_free,
+                           std::vector<Proposal>& out) const {
     Model model = *scene.model;
     Term term;
     term.effect = this;
     term.placed = model.placed(at);
-    const std::vector<double> none(kRelaxations, 0.0);
-    const std::vector<double> times(kRelaxations, fast);
-    const int id =
-        model.insert(at, chain::make_block("creep").set("gains", none).set("time_constants_s", times));
-    term.blocks = {id};
-    term.unknowns = {linear_unknown("gain", 0.0, 3.0, 0.05),
-                     logarithmic_unknown("fastest_s", 0.3 * fast, slow),
-                     logarithmic_unknown("slowest_over_fastest", 1.5, 1e4)};
-    term.write = [id](Model& m, std::span<const double> v) {
-      std::vector<double> spread;
-      for (int k = 0; k < kRelaxations; ++k)
-        spread.push_back(v[1] * std::pow(v[2], k / (kRelaxations - 1.0)));
-      m.block(id)
-          .set("gains", std::vector<double>(kRelaxations, v[0] / kRelaxations))
-          .set("time_constants_s", spread);
+    const double slowest = kSlowest * slow;
+    LogarithmicCreep creep;
+    creep.count = kOfDecade * static_cast<int>(std::ceil(std::log10(slowest / fast)));
+    auto block = chain::make_block("creep");
+    const std::vector<double> zeros(static_cast<std::size_t>(creep.count), 0.0);
+    block.set("gains", zeros).set("time_constants_s", std::vector<double>(zeros.size(), slow));
+    creep.id = model.insert(at, std::move(block));
+    term.blocks = {creep.id};
+    term.unknowns = {linear_unknown("gain_per_decade", 0.0, 1.0, 0.05),
+                     logarithmic_unknown("fastest_s", 0.3 * fast, 0.5 * slow)};
+    if (slowest_free) term.unknowns.push_back(logarithmic_unknown("slowest_s", 2.0 * fast, slowest));
+    term.unknowns[1].unit = "s";
+    Starts starts;
+    for (const auto& [from, to] : {std::pair(0.2, 0.55), std::pair(0.5, 0.85), std::pair(0.15, 0.85)}) {
+      starts.push_back({0.02, fast * std::pow(slow / fast, from)});
+      if (slowest_free) starts.back().push_back(fast * std::pow(slow / fast, to));
+    }
+    term.write = [creep, slowest](Model& m, std::span<const double> v) {
+      // The order may be lost on the way of a fit.
+      const double last = v.size() > 2 ? std::max(v[2], 1.01 * v[1]) : slowest;
+      creep.write(m, v[0], v[1], last);
     };
-    const double range = slow / fast;
-    return propose_term(std::move(model), std::move(term),
-                        {{0.05, fast * std::pow(range, 0.5), std::pow(range, 0.5)},
-                         {0.05, fast * std::pow(range, 0.15), std::pow(range, 0.7)}});
+    out.push_back(propose_term(std::move(model), std::move(term), std::move(starts)));
   }
 };
 

@@ -18,6 +18,7 @@ class Resonance final : public Effect {
   std::vector<std::string_view> confused_with() const override { return {"amplifier_pole", "time_delay"}; }
   std::string_view experiment() const override { return "a sweep through the suspected frequency"; }
   bool linear() const override { return true; }
+  bool repeatable_in_response() const override { return true; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     Starts starts;
     auto peaks = scene.residual_peaks_hz;
@@ -26,6 +27,7 @@ class Resonance final : public Effect {
       if (hz > 0.95 * scene.top_hz) continue;
       starts.push_back({hz, 0.05});
       starts.push_back({hz, 0.4});
+      if (scene.frequency_only) starts.push_back({hz, 0.01});
     }
     if (scene.frequency_only) {
       // Runs are cheap there, and a sharp mode is only seen from near by.

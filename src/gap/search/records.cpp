@@ -12,7 +12,9 @@ namespace {
 Experiments as_searched(Experiments experiments) {
   for (auto& e : experiments) {
     std::visit(Visitor{[](TimeExperiment& time) { time.score_start(); },
-                       [](FrequencyExperiment& response) { response.set_logarithmic(); }},
+                       [](FrequencyExperiment& response) {
+                         response.set_compared(FrequencyExperiment::Compared::logarithm);
+                       }},
                e);
   }
   return experiments;

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/whole_number.hpp"
+#include "gap/response_weights.hpp"
 #include "gap/runner.hpp"
 
 namespace bodesmith::gap {
@@ -16,6 +18,18 @@ NoiseFloor floor_of(const Model& model, const TimeExperiment& experiment) {
   for (std::size_t i = 0; i < residual.size(); ++i) residual[i] = record.y[i] - output[i];
   const auto used = std::span(record.u).first(experiment.end());
   return noise_floor(residual, {used.begin(), used.end()}, experiment.start(), record.step_s);
+}
+
+/// What coherence says, whatever the model leaves.
+NoiseFloor floor_of(const Model&, const FrequencyExperiment& experiment) {
+  NoiseFloor floor;
+  const auto noise = noise_by_coherence(experiment.record());
+  if (!noise) return floor;
+  floor.rms = *noise;
+  floor.source = NoiseFloor::Source::periods;
+  const auto& averages = experiment.record().averages;
+  floor.periods = whole_number<int>(*std::min_element(averages.begin(), averages.end()));
+  return floor;
 }
 
 std::optional<Leftover> leftover_of(const Model& model, const TimeExperiment& experiment) {
@@ -67,9 +81,7 @@ std::vector<Leftover> leftovers_of(const Model& model, const Experiments& record
 
 NoiseFloor floor_under(const Model& model, const SearchRecords& records) {
   for (const auto& e : records.train) {
-    const auto* time = std::get_if<TimeExperiment>(&e);
-    if (time == nullptr) continue;
-    const auto floor = floor_of(model, *time);
+    const auto floor = std::visit([&](const auto& record) { return floor_of(model, record); }, e);
     if (floor.source != NoiseFloor::Source::unknown) return floor;
   }
   return {};

@@ -18,11 +18,12 @@ const Effect* effect_of(const Proposal& proposal) {
 }
 
 /// Twice the same is one term with more freedom than it says.
-bool repeats_earlier_term(const Proposal& proposal) {
+bool repeats_earlier_term(const Proposal& proposal, bool in_response) {
   const auto& terms = proposal.model.terms();
   const auto* effect = terms.back().effect;
-  return !effect->repeatable() && std::any_of(terms.begin(), terms.end() - 1,
-                                              [&](const Term& earlier) { return earlier.effect == effect; });
+  if (in_response ? effect->repeatable_in_response() : effect->repeatable()) return false;
+  return std::any_of(terms.begin(), terms.end() - 1,
+                     [&](const Term& earlier) { return earlier.effect == effect; });
 }
 
 /// What every effect promises when the search stands at this model, best first.
@@ -35,7 +36,7 @@ std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecor
     if (filter && !filter(*effect)) continue;
     effect->propose(scene, proposals);
   }
-  std::erase_if(proposals, repeats_earlier_term);
+  std::erase_if(proposals, [&](const Proposal& p) { return repeats_earlier_term(p, scene.frequency_only); });
   return shortlist(model, std::move(proposals), records.look(), setting.options.threads);
 }
 
@@ -43,9 +44,11 @@ std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecor
 /// effects.
 class Choice {
  public:
-  /// `later`: there are terms already, and what is left must promise more.
-  Choice(const RoundOptions& options, bool later, double min_score)
-      : min_score_(min_score), min_promise_(later ? options.min_promise_later : options.min_promise) {}
+  /// `later`: there are terms already, and what is left must promise more. `more_forms`: as many more of an effect.
+  Choice(const RoundOptions& options, bool later, double min_score, int more_forms)
+      : min_score_(min_score),
+        min_promise_(later ? options.min_promise_later : options.min_promise),
+        more_forms_(more_forms) {}
 
   /// Goes on until `max_effects` are chosen in all; those in `done` are passed over.
   void add(std::vector<Promising> promising, std::size_t max_effects, const std::set<const Effect*>& done) {
@@ -54,7 +57,7 @@ class Choice {
       if (p.score < min_score_ || p.z < min_promise_ || done.count(effect) != 0) continue;
       const std::size_t form = p.proposal.model.terms().back().unknowns.size();
       const bool new_form = forms_[effect].count(form) == 0;
-      if (places_[effect] >= effect->places_a_round() + (new_form ? 1 : 0)) continue;
+      if (places_[effect] >= effect->places_a_round() + more_forms_ + (new_form ? 1 : 0)) continue;
       // What changes inside a base block is of that block alone, and may act for a short time only (behind
       // every turn): a small share of the whole does not keep it out.
       const bool inside = static_cast<bool>(p.proposal.model.terms().back().undo);
@@ -82,6 +85,7 @@ class Choice {
  private:
   double min_score_;
   double min_promise_;
+  int more_forms_;
   std::map<const Effect*, int> places_;
   std::map<const Effect*, std::set<std::size_t>> forms_;
   std::set<const Effect*> effects_;
@@ -122,7 +126,9 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
                       const EffectFilter& filter, std::optional<double> min_score) {
   const auto& options = setting.options;
   FittedRound round;
-  Choice choice(options.round, !model.terms().empty(), min_score.value_or(options.round.min_score));
+  const bool responses = std::holds_alternative<FrequencyExperiment>(records.train.front());
+  Choice choice(options.round, !model.terms().empty(), min_score.value_or(options.round.min_score),
+                responses ? options.round.more_forms_of_response : 0);
   auto promising = look_from(setting, records, model, filter);
   round.looked_at = promising.size();
   choice.add(std::move(promising), options.round.effects, {});

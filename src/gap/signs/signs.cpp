@@ -41,6 +41,8 @@ std::string to_string(SignKind kind) {
       return "single frequencies err far more than those around them";
     case SignKind::refused_candidate:
       return "an effect that was refused as a name would explain a good part of the residual";
+    case SignKind::depends_on_amplitude:
+      return "the response depends on the drive";
   }
   return "the residual can be foretold from input and output";
 }

@@ -1,0 +1,84 @@
+// Responses at several drives: what no linear effect does is told, and what kind it is.
+#include <gtest/gtest.h>
+
+#include "gap/amplitude_dependence.hpp"
+#include "gap/diagnosis.hpp"
+#include "made_response.hpp"
+
+namespace {
+
+using namespace bodesmith;
+using gap::AmplitudeClass;
+
+/// Harmonic balance of y'' + 2 z w y' + w^2 (y + c y^3) = w^2 u at the drive A: 3/4 c |Y|^2 more stiffness.
+made::Response duffing(double cubic, double drive) {
+  return [=](double hz) {
+    const double r = hz / 100.0;
+    double size = 0.0;
+    made::Complex h;
+    for (int i = 0; i < 300; ++i) {
+      h = 1.0 / made::Complex(1.0 - r * r + 0.75 * cubic * size * size, 2.0 * 0.05 * r);
+      size += 0.2 * (std::abs(h) * drive - size);
+    }
+    return h;
+  };
+}
+
+/// Describing function of a saturation at `limit`, in front of a lag.
+made::Response saturated(double limit, double drive) {
+  const double k = std::min(1.0, limit / drive);
+  const double gain = 2.0 / std::numbers::pi * (std::asin(k) + k * std::sqrt(1.0 - k * k));
+  return [=](double hz) { return gain * made::lag(hz, 200.0); };
+}
+
+gap::MeasuredResponse at(const made::Response& h, double drive, std::uint64_t seed) {
+  auto record = made::measured(
+      h, 10.0, 1000.0, 120, [](double) { return 0.003; }, seed);
+  record.drive_v.assign(record.frequency.size(), drive);
+  return record;
+}
+
+gap::Experiments two(const made::Response& small, const made::Response& large) {
+  return {gap::FrequencyExperiment(at(small, 0.01, 1)), gap::FrequencyExperiment(at(large, 0.1, 2))};
+}
+
+TEST(AmplitudeDependence, SofteningAndHardeningAreToldByThePeak) {
+  const auto softer = gap::amplitude_dependence(two(duffing(-0.1, 0.01), duffing(-0.1, 0.1)));
+  ASSERT_TRUE(softer.has_value());
+  EXPECT_EQ(softer->kind, AmplitudeClass::softening_stiffness);
+  EXPECT_LT(*softer->peak_at_largest_hz, *softer->peak_at_least_hz);
+  const auto harder = gap::amplitude_dependence(two(duffing(0.1, 0.01), duffing(0.1, 0.1)));
+  ASSERT_TRUE(harder.has_value());
+  EXPECT_EQ(harder->kind, AmplitudeClass::hardening_stiffness);
+}
+
+TEST(AmplitudeDependence, ALimitLowersTheGain) {
+  const auto found = gap::amplitude_dependence(two(saturated(0.08, 0.01), saturated(0.08, 0.1)));
+  ASSERT_TRUE(found.has_value());
+  EXPECT_EQ(found->kind, AmplitudeClass::falling_gain);
+  EXPECT_NEAR(found->change, 0.089, 0.02);
+}
+
+TEST(AmplitudeDependence, ALinearSystemHasNone) {
+  for (std::uint64_t seed = 1; seed < 30; seed += 2) {
+    const gap::Experiments both = {gap::FrequencyExperiment(at(duffing(0.0, 1.0), 0.01, seed)),
+                                   gap::FrequencyExperiment(at(duffing(0.0, 1.0), 0.1, seed + 1))};
+    EXPECT_FALSE(gap::amplitude_dependence(both).has_value()) << seed;
+  }
+}
+
+TEST(AmplitudeDependence, IsNeverExplained) {
+  // A lag that is missing is found at the least drive; the limit is told as what no linear effect does.
+  const auto base = made::free_gain(0.9);
+  const auto study =
+      gap::Study::of(std::vector{at(saturated(0.08, 0.01), 0.01, 5), at(saturated(0.08, 0.1), 0.1, 6)},
+                     std::vector{at(saturated(0.08, 0.01), 0.01, 7)}, base);
+  const auto d = gap::diagnose(base, study, {});
+  ASSERT_EQ(d.steps.size(), 1U);
+  EXPECT_EQ(d.steps[0].effect, "amplifier_pole");
+  EXPECT_EQ(d.verdict, gap::Verdict::partly_explained);
+  ASSERT_TRUE(d.amplitude.has_value());
+  EXPECT_NE(d.advice.find("ime records"), std::string::npos) << d.advice;
+}
+
+}  // namespace

@@ -38,9 +38,9 @@ class Effect {
   /// The values of its term, a model's last one, lie where another effect is the usual cause of the same traces (docs/gap.md, 7): when that one
   /// fits as well, it has the name.
   virtual bool is_far_fetched(const Model& /*model*/, const Scene& /*scene*/) const { return false; }
-  /// The values of a model's last term make it what another effect is named for (a loop without width is a curve): no name
-  /// then.
-  virtual bool is_form_of_another(const Model& /*model*/, const Scene& /*scene*/) const { return false; }
+  /// The values of a model's last term make it no name: it is another effect's form (a loop without width is a curve), or
+  /// less than the records can tell.
+  virtual bool is_no_name(const Model& /*model*/, const Scene& /*scene*/) const { return false; }
   /// Every place it can sit, with start values from the data.
   virtual void propose(const Scene& scene, std::vector<Proposal>& out) const = 0;
 };

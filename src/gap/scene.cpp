@@ -29,6 +29,9 @@ constexpr double kSameTurn = 0.05;
 /// Loops take the same time when none takes longer than another by this factor.
 constexpr double kSameTime = 1.2;
 
+/// Times below this part of the sampling step are not told from the way between the samples.
+constexpr double kLeastOfSample = 0.05;
+
 /// Where a signal turns.
 struct Turns {
   std::vector<double> lower;
@@ -243,6 +246,10 @@ bool Scene::is_one_loop_of_one_speed(std::size_t at) const {
     times.push_back(static_cast<double>(turned[k] - turned[k - 1]));
   const auto [least, most] = std::minmax_element(times.begin(), times.end());
   return times.empty() || *most < kSameTime * *least;
+}
+
+bool Scene::is_between_samples(double seconds) const {
+  return !frequency_only && seconds < kLeastOfSample * step_s;
 }
 
 std::vector<std::size_t> Scene::base_places() const {

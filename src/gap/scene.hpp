@@ -53,6 +53,8 @@ struct Scene {
   std::size_t end() const { return model->end(); }
   /// The base model's blocks (terms' blocks are not changed by other terms).
   std::vector<std::size_t> base_places() const;
+  /// A time so short beside the sampling that how the input goes between the samples passes for it.
+  bool is_between_samples(double seconds) const;
   /// The output as it was measured.
   double measured(std::size_t sample) const { return boundary.back().values[sample] + residual[sample]; }
 };

@@ -225,7 +225,7 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
     if (state.found.steps.empty() || done || options.is_late() || ways >= options.other_ways.max_ways) return;
     if (r.condition_number > options.acceptance.max_condition || r.unknowns > options.acceptance.max_unknowns)
       continue;
-    if (r.form_of_another || !(r.train_rms < options.other_ways.max_left * setting.first_gap) ||
+    if (r.no_name || !(r.train_rms < options.other_ways.max_left * setting.first_gap) ||
         !tried.insert(r.effect).second)
       continue;
     ++ways;

@@ -28,7 +28,7 @@ enum class CandidateOutcome {
   ill_conditioned,
   at_end_of_range,
   no_more_than_control,
-  form_of_another,
+  no_name,
 };
 /// As in diagnosis.json and on the page; empty for not_judged.
 std::string to_string(CandidateOutcome outcome);
@@ -49,9 +49,9 @@ struct Ranked {
   double holdout_rms = std::numeric_limits<double>::infinity();
   double condition_number = 0.0;
   std::size_t unknowns = 0;
-  std::size_t effective = 0;     ///< of them not at a bound: weights of 0 cost nothing
-  bool far_fetched = false;      ///< Effect::is_far_fetched
-  bool form_of_another = false;  ///< Effect::is_form_of_another
+  std::size_t effective = 0;  ///< of them not at a bound: weights of 0 cost nothing
+  bool far_fetched = false;   ///< Effect::is_far_fetched
+  bool no_name = false;       ///< Effect::is_no_name
   CandidateOutcome outcome = CandidateOutcome::not_judged;
 };
 

@@ -16,51 +16,52 @@ namespace {
 
 using namespace bodesmith;
 
-constexpr std::size_t kRows = 1500;
-constexpr double kStepS = 1e-3;
-constexpr std::array<double, 3> kUp = {-0.2, 0.4, -0.2};
-constexpr std::array<double, 3> kDown = {0.25, -0.4, 0.15};
+constexpr std::size_t kPowerRows = 1500;
+constexpr double kPowerStepS = 1e-3;
+constexpr std::array<double, 3> kPowersUp = {-0.2, 0.4, -0.2};
+constexpr std::array<double, 3> kPowersDown = {0.25, -0.4, 0.15};
 
-TimeRecord record_of(const hidden::Stage& stage, hidden::Drive drive, unsigned seed, double middle) {
+TimeRecord powers_record(const hidden::Stage& stage, hidden::Drive drive, unsigned seed, double middle) {
   hidden::Random random(seed);
   TimeRecord r;
   r.file = "record.csv";
-  r.step_s = kStepS;
-  r.u = hidden::make_drive(drive, kRows, kStepS, 12.0, random);
-  for (std::size_t i = 0; i < kRows; ++i)
+  r.step_s = kPowerStepS;
+  r.u = hidden::make_drive(drive, kPowerRows, kPowerStepS, 12.0, random);
+  for (std::size_t i = 0; i < kPowerRows; ++i)
     r.u[i] = middle > 0.0 ? (middle + 0.5 * r.u[i]) * std::min(1.0, static_cast<double>(i) / 100.0) : r.u[i];
-  r.y = hidden::play_chain({stage}, r.u, kStepS);
-  const auto noise = hidden::make_noise(hidden::Colour::white, kRows, random);
-  for (std::size_t i = 0; i < kRows; ++i) r.y[i] += 5e-4 * noise[i];
+  r.y = hidden::play_chain({stage}, r.u, kPowerStepS);
+  const auto noise = hidden::make_noise(hidden::Colour::white, kPowerRows, random);
+  for (std::size_t i = 0; i < kPowerRows; ++i) r.y[i] += 5e-4 * noise[i];
   return r;
 }
 
-std::vector<std::string> names(const std::string& model, const hidden::Stage& stage, double middle) {
+std::vector<std::string> names_for_powers(const std::string& model, const hidden::Stage& stage,
+                                          double middle) {
   const auto base =
       chain::model_from_node(parse_toml("schema = \"bodesmith.model/1\"\n" + model, "model.toml"));
-  const auto study = gap::Study::of({record_of(stage, hidden::Drive::triangle, 1, middle)},
-                                    {record_of(stage, hidden::Drive::modulated_sine, 2, middle)}, base);
+  const auto study = gap::Study::of({powers_record(stage, hidden::Drive::triangle, 1, middle)},
+                                    {powers_record(stage, hidden::Drive::modulated_sine, 2, middle)}, base);
   std::vector<std::string> all;
   for (const auto& s : gap::diagnose(base, study, {}).steps) all.push_back(s.effect);
   return all;
 }
 
 std::vector<std::string> names_in_stage(const hidden::Stage& stage) {
-  return names(
+  return names_for_powers(
       "[[block]]\ntype = \"polynomial_hysteresis\"\nascending = [-0.2, 0.4, -0.2]\ndescending = [0.25, -0.4, 0.15]\n"
       "[[block]]\ntype = \"gain\"\ngain = 0.97\noffset = 0.0\nfree = [\"gain\"]\n",
       stage, 0.5);
 }
 
-using Names = std::vector<std::string>;
+using PowersNames = std::vector<std::string>;
 
 TEST(MultiplierError, ofAllPowersIsNamed) {
-  EXPECT_EQ(names_in_stage(hidden::branches_by_multipliers(kUp, kDown, 1.0, 0.03, 0.0)),
-            Names{"multiplier_error"});
-  EXPECT_EQ(names_in_stage(hidden::branches_by_multipliers(kUp, kDown, 1.0, 0.0, 0.02)),
-            Names{"multiplier_error"});
-  EXPECT_EQ(names_in_stage(hidden::branches_by_multipliers(kUp, kDown, 1.05, 0.03, 0.02)),
-            Names{"multiplier_error"});
+  EXPECT_EQ(names_in_stage(hidden::branches_by_multipliers(kPowersUp, kPowersDown, 1.0, 0.03, 0.0)),
+            PowersNames{"multiplier_error"});
+  EXPECT_EQ(names_in_stage(hidden::branches_by_multipliers(kPowersUp, kPowersDown, 1.0, 0.0, 0.02)),
+            PowersNames{"multiplier_error"});
+  EXPECT_EQ(names_in_stage(hidden::branches_by_multipliers(kPowersUp, kPowersDown, 1.05, 0.03, 0.02)),
+            PowersNames{"multiplier_error"});
 }
 
 TEST(MultiplierError, ofTheSquareAloneIsNamed) {
@@ -69,19 +70,19 @@ TEST(MultiplierError, ofTheSquareAloneIsNamed) {
     bool rising = true;
     for (std::size_t i = 0; i < u.size(); ++i) {
       if (i > 0 && u[i] != u[i - 1]) rising = u[i] > u[i - 1];
-      const auto& a = rising ? kUp : kDown;
+      const auto& a = rising ? kPowersUp : kPowersDown;
       const double square = 0.94 * u[i] * u[i] + 0.03 * u[i] - 0.01;
       y[i] = u[i] + a[0] * u[i] + (a[1] + a[2] * u[i]) * square;
     }
     return y;
   };
-  EXPECT_EQ(names_in_stage(stage), Names{"multiplier_error"});
+  EXPECT_EQ(names_in_stage(stage), PowersNames{"multiplier_error"});
 }
 
 TEST(AsymmetricHysteresis, isNoNameForACurve) {
   const auto curve = hidden::curve([](double x) { return x + 0.08 * x * x - 0.05 * x * x * x; });
-  const auto found =
-      names("[[block]]\ntype = \"gain\"\ngain = 0.97\noffset = 0.0\nfree = [\"gain\"]\n", curve, 0.0);
+  const auto found = names_for_powers(
+      "[[block]]\ntype = \"gain\"\ngain = 0.97\noffset = 0.0\nfree = [\"gain\"]\n", curve, 0.0);
   EXPECT_EQ(found.size(), 2U);
   for (const auto& name : found) EXPECT_TRUE(name.ends_with("_nonlinearity")) << name;
 }

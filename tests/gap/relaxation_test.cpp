@@ -16,29 +16,29 @@ namespace {
 
 using namespace bodesmith;
 
-constexpr std::size_t kRows = 2000;
-constexpr double kStepS = 1e-3;
-constexpr double kBandHz = 30.0;
+constexpr std::size_t kRelaxedRows = 2000;
+constexpr double kRelaxedStepS = 1e-3;
+constexpr double kRelaxedBandHz = 30.0;
 
 /// A record of the stages behind a gain of 2, with noise.
-TimeRecord record_of(const std::vector<hidden::Stage>& stages, hidden::Drive drive, unsigned seed) {
+TimeRecord relaxed_record(const std::vector<hidden::Stage>& stages, hidden::Drive drive, unsigned seed) {
   hidden::Random random(seed);
   TimeRecord r;
   r.file = "record.csv";
-  r.step_s = kStepS;
-  r.u = hidden::make_drive(drive, kRows, kStepS, kBandHz, random);
-  r.y = hidden::play_chain(stages, r.u, kStepS);
-  const auto noise = hidden::make_noise(hidden::Colour::white, kRows, random);
-  for (std::size_t i = 0; i < kRows; ++i) r.y[i] = 2.0 * r.y[i] + 0.004 * noise[i];
+  r.step_s = kRelaxedStepS;
+  r.u = hidden::make_drive(drive, kRelaxedRows, kRelaxedStepS, kRelaxedBandHz, random);
+  r.y = hidden::play_chain(stages, r.u, kRelaxedStepS);
+  const auto noise = hidden::make_noise(hidden::Colour::white, kRelaxedRows, random);
+  for (std::size_t i = 0; i < kRelaxedRows; ++i) r.y[i] = 2.0 * r.y[i] + 0.004 * noise[i];
   return r;
 }
 
-std::vector<std::string> names(const std::vector<hidden::Stage>& stages) {
+std::vector<std::string> names_of_relaxed(const std::vector<hidden::Stage>& stages) {
   const auto base = chain::model_from_node(parse_toml(
       "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 1.9\noffset = 0.0\nfree = [\"gain\"]\n",
       "model.toml"));
-  const auto study = gap::Study::of({record_of(stages, hidden::Drive::noise, 1)},
-                                    {record_of(stages, hidden::Drive::multisine, 2)}, base);
+  const auto study = gap::Study::of({relaxed_record(stages, hidden::Drive::noise, 1)},
+                                    {relaxed_record(stages, hidden::Drive::multisine, 2)}, base);
   std::vector<std::string> all;
   for (const auto& s : gap::diagnose(base, study, {}).steps) all.push_back(s.effect);
   return all;
@@ -51,13 +51,15 @@ TEST(Relaxation, ofManyTimeConstantsIsCreep) {
     gains.push_back(0.015);
     times.push_back(0.04 * std::pow(40.0, k / 9.0));
   }
-  EXPECT_EQ(names({hidden::creep(gains, times)}), std::vector<std::string>{"creep"});
+  EXPECT_EQ(names_of_relaxed({hidden::creep(gains, times)}), std::vector<std::string>{"creep"});
 }
 
 TEST(Relaxation, withinTheDrivenBandIsRateDependence) {
   const double slow = 1.0 / (2.0 * std::numbers::pi * 2.0);
-  EXPECT_EQ(names({hidden::fractional(slow, 0.03, -0.1)}), std::vector<std::string>{"rate_dependence"});
-  EXPECT_EQ(names({hidden::fractional(slow, 0.03, 0.1)}), std::vector<std::string>{"rate_dependence"});
+  EXPECT_EQ(names_of_relaxed({hidden::fractional(slow, 0.03, -0.1)}),
+            std::vector<std::string>{"rate_dependence"});
+  EXPECT_EQ(names_of_relaxed({hidden::fractional(slow, 0.03, 0.1)}),
+            std::vector<std::string>{"rate_dependence"});
 }
 
 }  // namespace

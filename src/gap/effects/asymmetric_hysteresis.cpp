@@ -33,7 +33,7 @@ class AsymmetricHysteresis final : public Effect {
     }
   }
   /// Branches that coincide are a curve, and so are one-sided dead zones behind plays without weight.
-  bool is_form_of_another(const Model& model, const Scene& scene) const override {
+  bool is_no_name(const Model& model, const Scene& scene) const override {
     const std::size_t at = model.position_of(model.terms().back().blocks.front());
     const auto& block = model.at(at);
     const auto& signal = scene.boundary[at];

@@ -120,6 +120,23 @@ Starts clocks_of_stairs(const Scene& scene, const std::vector<double>& signal,
   }
 }
 
+/// What the model leaves of the measured output from sample `from` on when its gain is the best: a gain that is off would
+/// hide the edges.
+double left_by_any_gain(const std::vector<double>& residual, const std::vector<double>& measured,
+                        std::size_t from) {
+  double my = 0.0;
+  double mm = 0.0;
+  double yy = 0.0;
+  for (std::size_t i = 0; i < residual.size(); ++i) {
+    const double y = measured[from + i];
+    const double model = y + residual[i];
+    my += model * y;
+    mm += model * model;
+    yy += y * y;
+  }
+  return mm > 0.0 ? std::sqrt(std::max(0.0, yy - my * my / mm)) : std::sqrt(yy);
+}
+
 /// Mean square of the measured output less the model's, `lag` samples later.
 double distance_at_lag(const Scene& scene, std::size_t lag) {
   const auto& y = scene.boundary.back().values;
@@ -186,6 +203,7 @@ Starts clocks_by_lag(const Scene& scene, const Model& held, double guess_hz) {
   record.u = scene.boundary.front().values;
   for (std::size_t i = 0; i < record.u.size(); ++i) record.y.push_back(scene.measured(i));
   const std::size_t size = record.size();
+  const auto measured = record.y;
   TimeExperiment look(std::move(record));
   auto values = current_values(held);
   std::vector<double> residual;
@@ -199,7 +217,7 @@ Starts clocks_by_lag(const Scene& scene, const Model& held, double guess_hz) {
     std::vector<ScoredClock> scored;
     for (double f : candidates) {
       values.back() = f;
-      if (runner(values, residual)) scored.emplace_back(rms(residual), f);
+      if (runner(values, residual)) scored.emplace_back(left_by_any_gain(residual, measured, length / 5), f);
     }
     std::sort(scored.begin(), scored.end());
     keep_best(scored, kOnePeak / (static_cast<double>(length) * scene.step_s));

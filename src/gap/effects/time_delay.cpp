@@ -21,6 +21,9 @@ class TimeDelay final : public Effect {
     return "a sweep to higher frequencies: a pole loses gain, a delay does not";
   }
   bool linear() const override { return true; }
+  bool is_no_name(const Model& model, const Scene& scene) const override {
+    return scene.is_between_samples(model.terms().back().unknowns.front().value);
+  }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     const double step = scene.frequency_only ? 0.02 / scene.top_hz : scene.step_s;
     const double max_delay = scene.frequency_only ? 2.0 / scene.low_hz : 0.1 * scene.duration_s;

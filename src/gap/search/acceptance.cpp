@@ -38,7 +38,7 @@ CandidateOutcome objection_to(const AcceptanceOptions& options, const Ranked& r,
     return CandidateOutcome::not_significant;
   if (r.unknowns > options.max_unknowns) return CandidateOutcome::too_free;
   if (r.condition_number > options.max_condition) return CandidateOutcome::ill_conditioned;
-  if (r.form_of_another) return CandidateOutcome::form_of_another;
+  if (r.no_name) return CandidateOutcome::no_name;
   const auto& unknowns = r.model.terms().back().unknowns;
   const bool at_bound =
       unknowns.size() <= options.few_unknowns &&

@@ -68,7 +68,7 @@ const Ranked* best_successor(const SearchSetting& setting, const SearchRecords& 
   const double folds = rms(round_residuals(now, records).folds);
   const Ranked* best = nullptr;
   for (const auto& r : ranking) {
-    if (r.form_of_another || r.condition_number > accepted.max_condition || r.unknowns > accepted.max_unknowns)
+    if (r.no_name || r.condition_number > accepted.max_condition || r.unknowns > accepted.max_unknowns)
       continue;
     const bool better = r.folds_rms < options.swap_gain * folds;
     const bool simpler =

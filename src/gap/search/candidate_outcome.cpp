@@ -30,8 +30,8 @@ std::string to_string(CandidateOutcome outcome) {
       return "at the end of its range";
     case CandidateOutcome::no_more_than_control:
       return "no more than a control";
-    case CandidateOutcome::form_of_another:
-      return "another effect's form";
+    case CandidateOutcome::no_name:
+      return "another effect's form, or less than the records can tell";
   }
   return {};
 }

@@ -20,7 +20,7 @@ std::vector<const Ranked*> trials_among(const SearchOptions& options, const std:
   for (const auto& r : ranking) {
     if (r.condition_number > options.acceptance.max_condition || r.unknowns > options.acceptance.max_unknowns)
       continue;
-    if (r.form_of_another) continue;
+    if (r.no_name) continue;
     if (r.folds_rms < options.pairs.max_left * folds_before) trials.push_back(&r);
   }
   std::stable_sort(trials.begin(), trials.end(),

@@ -163,7 +163,7 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
   const auto scene = make_scene(model, records.train);
   for (auto& r : round.ranking) {
     r.far_fetched = r.effect->is_far_fetched(r.model, scene);
-    r.form_of_another = r.effect->is_form_of_another(r.model, scene);
+    r.no_name = r.effect->is_no_name(r.model, scene);
   }
   return round;
 }

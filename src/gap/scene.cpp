@@ -30,7 +30,7 @@ constexpr double kSameTurn = 0.05;
 constexpr double kSameTime = 1.2;
 
 /// Times below this part of the sampling step are not told from the way between the samples.
-constexpr double kLeastOfSample = 0.05;
+constexpr double kLeastOfSample = 0.08;
 
 /// Where a signal turns.
 struct Turns {

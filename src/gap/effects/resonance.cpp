@@ -19,6 +19,10 @@ class Resonance final : public Effect {
   std::string_view experiment() const override { return "a sweep through the suspected frequency"; }
   bool linear() const override { return true; }
   bool repeatable_in_response() const override { return true; }
+  /// Above what is sampled it is a lag.
+  bool is_no_name(const Model& model, const Scene& scene) const override {
+    return !scene.frequency_only && model.terms().back().unknowns.front().value > scene.top_hz;
+  }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     Starts starts;
     auto peaks = scene.residual_peaks_hz;

@@ -2,13 +2,19 @@
 
 #include <algorithm>
 #include <set>
+#include <string>
 
 namespace bodesmith::faults {
 namespace {
 
-constexpr std::size_t kFirsts = 20;
-constexpr std::size_t kPolished = 24;
+constexpr std::size_t kFirsts = 24;
+/// Of one first fault, so that all the best pairs are not those of the same one.
+constexpr std::size_t kSecondsOfEach = 12;
+constexpr std::size_t kPolished = 48;
 constexpr int kTeethOfSecond = 13;
+/// Times that both sizes are looked for in turn, and how much finer the comb becomes each time.
+constexpr int kTurns = 3;
+constexpr double kFiner = 0.4;
 
 struct TriedPair {
   Finding finding;
@@ -38,6 +44,30 @@ TriedPair beside(const Board& board, const Finding& first, const Likelihood& lik
   return best;
 }
 
+/// Both sizes, in turn, each on an ever finer comb around where it is: a first fault that was sized alone made up for the
+/// second one too.
+void resize(const Board& board, const Likelihood& likelihood, TriedPair& pair) {
+  double part = 1.0;
+  for (int turn = 0; turn < kTurns; ++turn, part *= kFiner) {
+    for (std::size_t which = 0; which < 2; ++which) {
+      const Fault& fault = *pair.finding.faults[which];
+      if (!fault.has_size()) continue;
+      const Effect other = pair.finding.faults[1 - which]->effect(pair.finding.sizes[1 - which]);
+      const double middle = pair.finding.sizes[which];
+      for (const double tooth : comb(fault, kTeethOfSecond)) {
+        const double centre = 0.5 * (fault.from + fault.to);
+        const double t = std::clamp(middle + part * (tooth - centre), fault.from, fault.to);
+        const Effect here = fault.effect(t);
+        const Effect both = which == 0 ? joined(here, other) : joined(other, here);
+        const double density = likelihood.log_density_of(residual_of(board, board.response(both)).rows());
+        if (!(density + pair.finding.log_prior > pair.rough)) continue;
+        pair.rough = density + pair.finding.log_prior;
+        pair.finding.sizes[which] = t;
+      }
+    }
+  }
+}
+
 }  // namespace
 
 std::vector<Finding> pairs_of(const Board& board, const std::vector<Finding>& singles,
@@ -45,10 +75,13 @@ std::vector<Finding> pairs_of(const Board& board, const std::vector<Finding>& si
                               double log_prior_of_two, const Noise& noise) {
   std::vector<TriedPair> tried;
   std::size_t firsts = 0;
+  std::set<std::string> sites;
   for (const Finding& first : singles) {
-    if (first.faults.size() != 1 || firsts++ == kFirsts) continue;
-    if (firsts > kFirsts) break;
+    // The same part with another kind of fault comes in by the seconds.
+    if (first.faults.size() != 1 || !sites.insert(first.site()).second) continue;
+    if (firsts++ == kFirsts) break;
     const Likelihood likelihood(board, board.predict(first.effect()), noise);
+    std::vector<TriedPair> here;
     const double of_first = log_priors[static_cast<std::size_t>(first.faults[0] - faults.data())];
     for (std::size_t i = 0; i < faults.size(); ++i) {
       if (share_a_part(*first.faults[0], faults[i])) continue;
@@ -56,6 +89,13 @@ std::vector<Finding> pairs_of(const Board& board, const std::vector<Finding>& si
       if (pair.finding.sizes.empty()) continue;
       pair.finding.log_prior = log_prior_of_two + of_first + log_priors[i];
       pair.rough += pair.finding.log_prior;
+      here.push_back(std::move(pair));
+    }
+    std::stable_sort(here.begin(), here.end(),
+                     [](const auto& a, const auto& b) { return a.rough > b.rough; });
+    here.resize(std::min(here.size(), kSecondsOfEach));
+    for (TriedPair& pair : here) {
+      resize(board, likelihood, pair);
       tried.push_back(std::move(pair));
     }
   }

@@ -64,7 +64,15 @@ struct Logarithm {
 struct Peak {
   double at = 0.0;    ///< ln f
   double step = 0.0;  ///< of the grid there
+  /// How far the peak of 1/(1 + 2 z s/w + s^2/w^2) stands below w: ln sqrt(1 - 2 z^2), z from its height over the first
+  /// point of the record, 1/(2 z sqrt(1 - z^2)).
+  double by_damping = 0.0;
 };
+
+double shift_by_damping(double height) {
+  const double least = 1.0 / (height * height);
+  return least < 1.0 ? 0.25 * std::log(1.0 - least) : 0.0;
+}
 
 /// The highest maximum that stands out, its place by the parabola through three points.
 std::optional<Peak> peak_of(const Logarithm& h) {
@@ -85,7 +93,8 @@ std::optional<Peak> peak_of(const Logarithm& h) {
   const double c = h.value[top + 1].real();
   const double bend = a - 2.0 * b + c;
   const double step = 0.5 * (h.at[top + 1] - h.at[top - 1]);
-  return Peak{h.at[top] + (bend < 0.0 ? 0.5 * step * (a - c) / bend : 0.0), step};
+  return Peak{h.at[top] + (bend < 0.0 ? 0.5 * step * (a - c) / bend : 0.0), step,
+              shift_by_damping(std::exp(b - h.value.front().real()))};
 }
 
 /// Mean change of the gain over a part of the points.
@@ -111,7 +120,8 @@ AmplitudeClass class_of(const Logarithm& small, const Logarithm& large, const st
   if (!before || !after) return class_without_peak(change);
   out.peak_at_least_hz = std::exp(before->at);
   out.peak_at_largest_hz = std::exp(after->at);
-  const double moved = after->at - before->at;
+  // Damping moves a peak, too.
+  const double moved = after->at - before->at - (after->by_damping - before->by_damping);
   if (std::abs(moved) > std::max(kMovedPart, kMovedSteps * before->step))
     return moved < 0.0 ? AmplitudeClass::softening_stiffness : AmplitudeClass::hardening_stiffness;
   const auto peak =
@@ -225,7 +235,8 @@ std::optional<AmplitudeDependence> amplitude_dependence(const Experiments& exper
   out.change = std::sqrt(std::max(0.0, together) / n);
   out.times_noise = out.change / std::sqrt(std::max(0.0, energy - together) / n);
   // Of independent errors the sum of the products of neighbours has the deviation energy/sqrt(2n).
-  if (!(together > kCertainly * energy / std::sqrt(2.0 * n)) || out.change < kLeastChange) return std::nullopt;
+  if (!(together > kCertainly * energy / std::sqrt(2.0 * n)) || out.change < kLeastChange)
+    return std::nullopt;
   out.kind = class_of(small, large, at, change, out);
   return out;
 }

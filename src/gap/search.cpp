@@ -40,6 +40,10 @@ struct Round {
   std::vector<std::string> notes;
 };
 
+bool are_responses(const Experiments& experiments) {
+  return !experiments.empty() && std::holds_alternative<FrequencyExperiment>(experiments.front());
+}
+
 Round look_for_terms(const SearchSetting& setting, const SearchRecords& records, const Model& model,
                      bool pairs_allowed, bool little) {
   const auto& options = setting.options;
@@ -53,11 +57,10 @@ Round look_for_terms(const SearchSetting& setting, const SearchRecords& records,
   round.ranking = std::move(fitted.ranking);
   round.not_tried = std::move(fitted.not_tried);
   round.looked_at = fitted.looked_at;
-  const bool responses = std::holds_alternative<FrequencyExperiment>(records.train.front());
-  if (options.stopped() || (round.ranking.empty() && !responses)) return round;
+  if (options.stopped() || (round.ranking.empty() && !are_responses(records.train))) return round;
   auto judged = judge(setting, records, model, std::move(round.ranking));
   round.ranking = std::move(judged.ranking);
-  if (responses && !options.is_late() && !quiet && !little && pairs_allowed) {
+  if (are_responses(records.train) && !options.is_late() && !quiet && !little && pairs_allowed) {
     auto group = choose_group(setting, records, model, round.ranking, judged.step ? &*judged.step : nullptr);
     if (group) {
       round.steps = std::move(group->steps);
@@ -255,11 +258,22 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
         fmt::format("Begun with {}, the search came further than with the first name of the first round",
                     r.effect->name()));
   }
-}
+
+  /// Fits of responses are quick, so that none is given up behind the leader; and curves that differ by less than this are
+  /// one, whatever they are called (a logarithmic creep, a fractional lag).
+  constexpr double kNeverBehind = 1e12;
+  constexpr double kSameCurve = 0.006;
+
+  SearchOptions for_responses(SearchOptions options) {
+    options.round.far_behind = options.round.behind = kNeverBehind;
+    options.acceptance.tie_surely_within = std::max(options.acceptance.tie_surely_within, kSameCurve);
+    return options;
+  }
 
 }  // namespace
 
-SearchResult search(const chain::Chain& base, const Experiments& train, const SearchOptions& options) {
+SearchResult search(const chain::Chain& base, const Experiments& train, const SearchOptions& given) {
+  const SearchOptions options = are_responses(train) ? for_responses(given) : given;
   SearchResult result;
   result.initial = Model(base);
   result.initial.set_signal_size(kTypicalOffset * largest_range(train));

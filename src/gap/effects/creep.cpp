@@ -29,6 +29,8 @@ double middle_of_relaxations(const Term& term, const Model& model) {
 /// gain in front of the record.
 constexpr int kOfDecade = 3;
 constexpr double kSlowest = 3.0;
+/// The shortest one, of 1/top_hz: faster ones change nothing in the record.
+constexpr double kFastest = 0.03;
 
 /// y = u + c sum over decades of relaxations, equally strong at every time constant between two: after a step
 /// c log10(t) (J. F. Curie's law; K. Kuhnen, 2003). In a response, where free relaxations are more than it tells, the
@@ -77,8 +79,9 @@ class Creep final : public Effect {
                                  {linear_unknown("gains[0]", 0.0, 1.0, 0.05),
                                   logarithmic_unknown("time_constants_s[0]", fast, 3.0 * slow)},
                                  starts));
-      if (scene.frequency_only) propose_logarithmic(scene, at, fast, slow, false, out);
-      propose_logarithmic(scene, at, fast, slow, true, out);
+      const double fastest = scene.frequency_only ? kFastest / scene.top_hz : fast;
+      if (scene.frequency_only) propose_logarithmic(scene, at, fastest, slow, false, out);
+      propose_logarithmic(scene, at, fastest, slow, true, out);
       auto many = chain::make_block("creep");
       const int count = 8;
       std::vector<double> times;

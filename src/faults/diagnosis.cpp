@@ -49,20 +49,16 @@ class BoardSearch {
     set_noise(left_by(findings.front()));
     if (first.gain > kNoiseAgain * noise_.gain || first.phase > kNoiseAgain * noise_.phase)
       findings = singles(0.5, 0.9);
-    if (excess(findings.front()) > kTryTwo) {
-      const std::vector<Finding> two =
-          pairs_of(board_, findings, faults_, log_priors_, std::log(options_.priors.two_faults), noise_);
-      findings.insert(findings.end(), two.begin(), two.end());
-      sort_findings(findings);
-      set_noise(left_by(findings.front()));
+    const std::vector<Finding> alone = findings;
+    const bool two_tried = excess(findings.front()) > kTryTwo;
+    if (two_tried) add_pairs(alone, findings);
+    look_closely(findings);
+    // The noise was taken from what the best one left: a peak that it misses looks like noise, and only a close look shows
+    // that it does not fit.
+    if (!two_tried && excess(findings.front()) > kTryTwo) {
+      add_pairs(alone, findings);
+      look_closely(findings);
     }
-    const double best = findings.front().log_weight();
-    std::erase_if(findings,
-                  [&](const Finding& f) { return f.log_weight() < best - kHopeless && !f.faults.empty(); });
-    for (Finding& finding : findings) {
-      finding = refined(board_, polished(board_, std::move(finding), noise_), faults_, noise_);
-    }
-    sort_findings(findings);
     return findings;
   }
 
@@ -73,6 +69,26 @@ class BoardSearch {
   }
 
  private:
+  /// Two at once, of which one is among `alone`; the noise then as the best explanation leaves it.
+  void add_pairs(const std::vector<Finding>& alone, std::vector<Finding>& findings) {
+    const std::vector<Finding> two =
+        pairs_of(board_, alone, faults_, log_priors_, std::log(options_.priors.two_faults), noise_);
+    findings.insert(findings.end(), two.begin(), two.end());
+    sort_findings(findings);
+    set_noise(left_by(findings.front()));
+  }
+
+  /// What is not hopeless, fitted to the end.
+  void look_closely(std::vector<Finding>& findings) const {
+    const double best = findings.front().log_weight();
+    std::erase_if(findings,
+                  [&](const Finding& f) { return f.log_weight() < best - kHopeless && !f.faults.empty(); });
+    for (Finding& finding : findings) {
+      finding = refined(board_, polished(board_, std::move(finding), noise_), faults_, noise_);
+    }
+    sort_findings(findings);
+  }
+
   void set_noise(const Residual& left) {
     noise_ = rough_noise(board_.measured(), left.gain, left.phase, board_.floors());
     if (options_.gain_noise) noise_.gain = *options_.gain_noise;

@@ -1,16 +1,19 @@
 #include "faults/pairs.hpp"
 
 #include <algorithm>
+#include <map>
 #include <set>
 #include <string>
 
 namespace bodesmith::faults {
 namespace {
 
-constexpr std::size_t kFirsts = 24;
+constexpr std::size_t kFirsts = 32;
+/// Of them, of one part: it may be open as well as of another value.
+constexpr int kKindsOfSite = 2;
 /// Of one first fault, so that all the best pairs are not those of the same one.
-constexpr std::size_t kSecondsOfEach = 12;
-constexpr std::size_t kPolished = 48;
+constexpr std::size_t kSecondsOfEach = 16;
+constexpr std::size_t kPolished = 64;
 constexpr int kTeethOfSecond = 13;
 /// Times that both sizes are looked for in turn, and how much finer the comb becomes each time.
 constexpr int kTurns = 3;
@@ -75,10 +78,9 @@ std::vector<Finding> pairs_of(const Board& board, const std::vector<Finding>& si
                               double log_prior_of_two, const Noise& noise) {
   std::vector<TriedPair> tried;
   std::size_t firsts = 0;
-  std::set<std::string> sites;
+  std::map<std::string, int> kinds_of;
   for (const Finding& first : singles) {
-    // The same part with another kind of fault comes in by the seconds.
-    if (first.faults.size() != 1 || !sites.insert(first.site()).second) continue;
+    if (first.faults.size() != 1 || kinds_of[first.site()]++ >= kKindsOfSite) continue;
     if (firsts++ == kFirsts) break;
     const Likelihood likelihood(board, board.predict(first.effect()), noise);
     std::vector<TriedPair> here;

@@ -11,8 +11,9 @@ namespace {
 /// A coherence of 0 says nothing of a point, and one that rounds to 1 not everything.
 constexpr double kLeastCoherence = 1e-3;
 constexpr double kLeastVariance = 1e-8;
-/// Times the variance of the best quarter.
+/// Times the variance of the best points, so many of all (the good part of a linear grid may be small).
 constexpr double kLeastOfGood = 0.1;
+constexpr double kBest = 0.03;
 
 /// Of each point's parts, relative to |H|^2; of one average where their number is not known.
 std::vector<double> variances(const MeasuredResponse& record) {
@@ -22,7 +23,7 @@ std::vector<double> variances(const MeasuredResponse& record) {
     const double n = record.averages.empty() ? 1.0 : record.averages[i];
     out.push_back((1.0 - g) / (2.0 * n * g));
   }
-  const double least = std::max(kLeastVariance, kLeastOfGood * quantile(out, 0.25));
+  const double least = std::max(kLeastVariance, kLeastOfGood * quantile(out, kBest));
   for (double& v : out) v = std::max(v, least);
   return out;
 }

@@ -13,7 +13,7 @@ namespace bodesmith::gap {
 // phase in rad).
 
 /// One factor a point for residuals relative to |H|: the inverse of that deviation, the mean of the squares 1. No point
-/// is taken to be better than the best quarter of them by more than a factor of 3: a coherence of 1 is a rounded one.
+/// is taken to be better than the best few percent of them by more than a factor of 3: a coherence of 1 is a rounded one.
 /// Empty for a record without coherence.
 std::vector<double> response_weights(const MeasuredResponse& record);
 

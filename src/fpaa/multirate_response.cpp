@@ -33,7 +33,7 @@ Complex mean_of_turns(double angle, double count) {
   const double rest = half - turns * std::numbers::pi;
   // angle is 2 pi times a whole number plus a little: the limit of the quotient, sign by the turns left out.
   if (std::abs(rest) < 1e-9 / count) return std::polar(1.0, -rest * (count - 1.0));
-  return std::polar(std::sin(count * rest) / (count * std::sin(rest)), -rest * (count - 1.0));
+  return std::sin(count * rest) / (count * std::sin(rest)) * std::polar(1.0, -rest * (count - 1.0));
 }
 
 }  // namespace

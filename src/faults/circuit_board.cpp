@@ -12,6 +12,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "circuit/network.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith::faults {
@@ -131,7 +132,7 @@ void CircuitBoard::solve(RadPerSecond w, int out) {
   Point point;
   point.s = Complex(0.0, w.value);
   point.out = out;
-  point.inverse = system.dense().partialPivLu().inverse();
+  point.inverse = inverse(system.dense());
   point.x = point.inverse * system.b;
   points_.push_back(std::move(point));
 }

@@ -1,6 +1,6 @@
 #include "faults/finding.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <functional>

@@ -1,12 +1,11 @@
 #include "fit/rational_start.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/QR>
-#include <Eigen/SVD>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith {
@@ -101,11 +100,7 @@ void MagnitudeSquare::solve(Barycentric& r, const VectorXd& row_weight) const {
   VectorXd column = rows.colwise().norm();
   for (Index j = 0; j < 2 * n; ++j) column(j) = column(j) > 0.0 ? column(j) : 1.0;
   rows.array().rowwise() /= column.transpose().array();
-  // The smallest singular vector, by way of the triangular factor: it is as good and far smaller.
-  const MatrixXd triangle =
-      MatrixXd(rows.householderQr().matrixQR().topRows(2 * n).triangularView<Eigen::Upper>());
-  const Eigen::JacobiSVD<MatrixXd> svd(triangle, Eigen::ComputeFullV);
-  const VectorXd v = svd.matrixV().col(2 * n - 1).cwiseQuotient(column);
+  const VectorXd v = smallest_singular_vector(rows).cwiseQuotient(column);
   r.alpha.resize(n);
   r.beta = v.tail(n);
   for (Index j = 0; j < n; ++j) r.alpha(j) = v(j) * f_(r.support[std_index(j)]);
@@ -157,10 +152,9 @@ std::vector<Complex> roots_in_square(const VectorXd& z, const VectorXd& beta) {
   MatrixXd m = -(root.array() * beta.array().sign()).matrix() * root.transpose() / sum;
   m.diagonal() += z;
   if (!m.allFinite()) return {};
-  const Eigen::EigenSolver<MatrixXd> solver(m, false);
-  if (solver.info() != Eigen::Success) return {};
-  std::vector<Complex> out(static_cast<std::size_t>(n));
-  for (Index j = 0; j < n; ++j) out[std_index(j)] = solver.eigenvalues()(j);
+  const Eigen::VectorXcd values = eigenvalues(m);
+  if (values.size() != n) return {};
+  std::vector<Complex> out(values.begin(), values.end());
   out.erase(std::min_element(out.begin(), out.end(),
                              [](const Complex& a, const Complex& b) { return std::abs(a) < std::abs(b); }));
   return out;

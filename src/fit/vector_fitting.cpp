@@ -53,7 +53,7 @@ Poles zeros_of(const Poles& poles, const Eigen::VectorXd& c, double d) {
   }
   const Eigen::VectorXcd values = eigenvalues(a - b * c.transpose() / d);
   Poles out;
-  for (Eigen::Index i = 0; i < n; ++i) {
+  for (Eigen::Index i = 0; i < values.size(); ++i) {
     if (values(i).imag() > 0.0) {
       out.push_back(values(i));
       out.push_back(std::conj(values(i)));

@@ -1,6 +1,6 @@
 #include "fpaa/beam.hpp"
 
-#include <Eigen/Dense>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -8,6 +8,7 @@
 #include <numeric>
 #include <optional>
 
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "numeric/log_ratio.hpp"
 
@@ -113,7 +114,7 @@ class BeamSearch {
     Eigen::MatrixXd normal = free.transpose() * free;
     for (Eigen::Index d = 1; d < normal.rows(); ++d) normal(d, d) += corner_weight_;
     return Eigen::MatrixXd::Identity(rows(), rows()) -
-           free * normal.ldlt().solve(Eigen::MatrixXd(free.transpose()));
+           free * solve_ldlt_columns(normal, Eigen::MatrixXd(free.transpose()));
   }
 
   /// A candidate with its gain taken off: only the shape counts here.

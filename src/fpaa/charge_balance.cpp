@@ -1,9 +1,10 @@
 #include "fpaa/charge_balance.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <cmath>
 #include <numbers>
 
+#include "numeric/dense.hpp"
 #include "numeric/matrix_exponential.hpp"
 
 namespace bodesmith::fpaa {
@@ -157,7 +158,7 @@ Complex ChargeBalance::response_in_phase(RadPerSecond w, int phase, int input) c
   const Complex back = std::polar(1.0, -w.value / clock_.value);  // 1/z
   const Index size = period.rows();
   const Eigen::MatrixXcd loop = Eigen::MatrixXcd::Identity(size, size) - back * period.cast<Complex>();
-  const Eigen::VectorXcd end = loop.partialPivLu().solve(by_input.col(input - 1).cast<Complex>());
+  const Eigen::VectorXcd end = solve_lu(loop, by_input.col(input - 1).cast<Complex>());
   if (phase == 2) return end(output_);
   return (first_.state.row(output_).cast<Complex>() * end)(0) * back + first_.input(output_, input - 1);
 }

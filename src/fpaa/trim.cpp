@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 
@@ -12,6 +11,7 @@
 #include "base/whole_number.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/trim_search.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith::fpaa {
@@ -71,15 +71,15 @@ MatrixXd log_slopes(const DrawnBoard& board, const std::vector<double>& units, b
 /// The deviation of the measurement under which it is most likely: y is normal with covariance
 /// A A' + s^2 1, A = S times the prior's deviations.
 double likeliest_noise(const MatrixXd& a, const VectorXd& y) {
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(a * a.transpose());
-  const VectorXd along = eigen.eigenvectors().transpose() * y;
+  const SymmetricEigen eigen = symmetric_eigen(a * a.transpose());
+  const VectorXd along = eigen.vectors.transpose() * y;
   double best = kLeastNoise;
   double best_score = -std::numeric_limits<double>::infinity();
   for (int i = 0; i < kTrimNoisePoints; ++i) {
     const double s = kLeastNoise * std::pow(kMostNoise / kLeastNoise, i / (kTrimNoisePoints - 1.0));
     double score = 0.0;
     for (Index k = 0; k < along.size(); ++k) {
-      const double variance = std::max(0.0, eigen.eigenvalues()(k)) + s * s;
+      const double variance = std::max(0.0, eigen.values(k)) + s * s;
       score -= 0.5 * (std::log(variance) + along(k) * along(k) / variance);
     }
     if (score > best_score) {

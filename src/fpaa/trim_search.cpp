@@ -1,12 +1,12 @@
 #include "fpaa/trim_search.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
 #include "base/whole_number.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith::fpaa {
@@ -198,7 +198,7 @@ class TrimSearch {
     for (Eigen::Index i = 0; i < count; ++i) {
       b(i) = -product(problem_.slope[order[first + static_cast<std::size_t>(i)]], now_.error);
     }
-    return gram_.bottomRightCorner(count, count).ldlt().solve(b)(0);
+    return solve_ldlt(gram_.bottomRightCorner(count, count), b)(0);
   }
 
   /// Ends at the best; its cost.

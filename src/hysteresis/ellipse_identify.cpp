@@ -10,6 +10,7 @@
 #include "hysteresis/ellipse.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith::hysteresis {
@@ -138,7 +139,7 @@ void fit_surfaces(Ellipse& model, std::size_t f, const std::vector<Period>& peri
     gram(i, i + 1) -= weight;
     gram(i + 1, i) -= weight;
   }
-  const Eigen::MatrixXd x = gram.ldlt().solve(rhs);
+  const Eigen::MatrixXd x = solve_ldlt_columns(gram, rhs);
   for (std::size_t a = 0; a < model.u_a.size(); ++a) {
     const std::size_t cell = a * model.frequency_hz.size() + f;
     model.gain[cell] = x(eigen_index(a), 0);

@@ -255,7 +255,7 @@ int unstable_by_matignon(const FractionalPolynomial& polynomial, double q) {
         -c[static_cast<std::size_t>(i)] / c.back() * std::pow(scale, static_cast<double>(i - n));
   const Eigen::VectorXcd roots = eigenvalues(companion);
   int out = 0;
-  for (Eigen::Index i = 0; i < n; ++i) out += std::abs(std::arg(roots(i))) < q * kPi / 2.0;
+  for (Eigen::Index i = 0; i < roots.size(); ++i) out += std::abs(std::arg(roots(i))) < q * kPi / 2.0;
   return out;
 }
 

@@ -1,8 +1,20 @@
 #include "numeric/dense.hpp"
 
 #include <Eigen/Dense>
+#include <cmath>
 
 namespace bodesmith {
+namespace {
+
+/// R of A = Q R, as good as A itself for singular values, and far smaller; A has no fewer rows than columns.
+Eigen::MatrixXd triangle_of(const Eigen::MatrixXd& a) {
+  return a.householderQr().matrixQR().topRows(a.cols()).triangularView<Eigen::Upper>();
+}
+
+/// Without Eigen's own ways to make a matrix square, which take seconds to compile.
+using SquareSvd = Eigen::JacobiSVD<Eigen::MatrixXd, Eigen::NoQRPreconditioner>;
+
+}  // namespace
 
 Eigen::MatrixXd gram(const Eigen::MatrixXd& a) {
   return a.transpose() * a;
@@ -24,6 +36,10 @@ Eigen::VectorXd solve_ldlt(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   return a.ldlt().solve(b);
 }
 
+Eigen::MatrixXd solve_ldlt_columns(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return a.ldlt().solve(b);
+}
+
 Eigen::VectorXd solve_lu(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   return a.partialPivLu().solve(b);
 }
@@ -32,12 +48,35 @@ Eigen::VectorXcd solve_lu(const Eigen::MatrixXcd& a, const Eigen::VectorXcd& b) 
   return a.partialPivLu().solve(b);
 }
 
+Eigen::MatrixXd inverse(const Eigen::MatrixXd& a) {
+  return a.partialPivLu().inverse();
+}
+
+Eigen::MatrixXcd inverse(const Eigen::MatrixXcd& a) {
+  return a.partialPivLu().inverse();
+}
+
+std::complex<double> determinant(const Eigen::MatrixXcd& a) {
+  return a.partialPivLu().determinant();
+}
+
+std::optional<Eigen::VectorXcd> solve_regular(const Eigen::MatrixXcd& a, const Eigen::VectorXcd& b) {
+  const Eigen::PartialPivLU<Eigen::MatrixXcd> lu(a);
+  const auto pivots = lu.matrixLU().diagonal().cwiseAbs();
+  if (!(pivots.minCoeff() > 0.0) || !std::isfinite(pivots.maxCoeff())) return std::nullopt;
+  return lu.solve(b);
+}
+
 Eigen::VectorXd solve_qr(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
   return a.colPivHouseholderQr().solve(b);
 }
 
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& a) {
-  return Eigen::JacobiSVD<Eigen::MatrixXd>(a).singularValues();
+  return SquareSvd(a.rows() < a.cols() ? triangle_of(a.transpose()) : triangle_of(a)).singularValues();
+}
+
+Eigen::VectorXd smallest_singular_vector(const Eigen::MatrixXd& a) {
+  return SquareSvd(triangle_of(a), Eigen::ComputeFullV).matrixV().col(a.cols() - 1);
 }
 
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a) {
@@ -46,7 +85,15 @@ SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a) {
 }
 
 Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& a) {
-  return Eigen::EigenSolver<Eigen::MatrixXd>(a, false).eigenvalues();
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(a, false);
+  if (solver.info() != Eigen::Success) return {};
+  return solver.eigenvalues();
+}
+
+std::optional<EigenSystem> eigen_system(const Eigen::MatrixXd& a) {
+  const Eigen::EigenSolver<Eigen::MatrixXd> solver(a);
+  if (solver.info() != Eigen::Success) return std::nullopt;
+  return EigenSystem{solver.eigenvalues(), solver.eigenvectors()};
 }
 
 }  // namespace bodesmith

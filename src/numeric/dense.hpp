@@ -1,6 +1,8 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <complex>
+#include <optional>
 
 namespace bodesmith {
 
@@ -17,14 +19,25 @@ Eigen::MatrixXd times(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 
 /// x of A x = b for a symmetric positive (semi)definite A, by LDLᵀ.
 Eigen::VectorXd solve_ldlt(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
+/// The same for every column of B.
+Eigen::MatrixXd solve_ldlt_columns(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
 /// x of A x = b for any square A, by LU with partial pivoting.
 Eigen::VectorXd solve_lu(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 Eigen::VectorXcd solve_lu(const Eigen::MatrixXcd& a, const Eigen::VectorXcd& b);
+/// A⁻¹ and det A by the same.
+Eigen::MatrixXd inverse(const Eigen::MatrixXd& a);
+Eigen::MatrixXcd inverse(const Eigen::MatrixXcd& a);
+std::complex<double> determinant(const Eigen::MatrixXcd& a);
+/// As solve_lu; nothing where a pivot is 0 or not finite.
+std::optional<Eigen::VectorXcd> solve_regular(const Eigen::MatrixXcd& a, const Eigen::VectorXcd& b);
 /// x of min |A x − b|, A with independent columns, by QR with column pivoting.
 Eigen::VectorXd solve_qr(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 
 /// Falling.
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& a);
+/// The right singular vector of the smallest singular value, by way of A's triangular factor; A has no fewer rows than
+/// columns.
+Eigen::VectorXd smallest_singular_vector(const Eigen::MatrixXd& a);
 
 /// A = V diag(values) Vᵀ for a symmetric A, values rising.
 struct SymmetricEigen {
@@ -32,7 +45,14 @@ struct SymmetricEigen {
   Eigen::MatrixXd vectors;
 };
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a);
-/// Eigenvalues of any square real A, in no order.
+/// Eigenvalues of any square real A, in no order; none where the iteration does not end.
 Eigen::VectorXcd eigenvalues(const Eigen::MatrixXd& a);
+
+/// A V = V diag(values) for any square real A; nothing where the iteration does not end.
+struct EigenSystem {
+  Eigen::VectorXcd values;
+  Eigen::MatrixXcd vectors;
+};
+std::optional<EigenSystem> eigen_system(const Eigen::MatrixXd& a);
 
 }  // namespace bodesmith

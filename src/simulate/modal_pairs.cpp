@@ -1,11 +1,11 @@
 #include "simulate/modal_pairs.hpp"
 
-#include <Eigen/Eigenvalues>
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "simulate/modal_system.hpp"
 
@@ -32,21 +32,21 @@ std::optional<LeftModes> left_modes(const StateSpace& system) {
   // Column-major, so the transpose of A: block by block in series A is lower triangular, its transpose upper, and the
   // eigenvalues of such a matrix are found without rounding.
   const Eigen::Map<const Eigen::MatrixXd> transposed(system.a.data(), n, n);
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(transposed);
-  if (solver.info() != Eigen::Success) return std::nullopt;
+  const std::optional<EigenSystem> modes = eigen_system(transposed);
+  if (!modes) return std::nullopt;
   LeftModes out;
   out.rows.resize(n, n);
-  const Eigen::MatrixXcd vectors = solver.eigenvectors();
+  const Eigen::MatrixXcd& vectors = modes->vectors;
   Eigen::Index row = 0;
   for (Eigen::Index k = 0; k < n; ++k) {
-    const std::complex<double> p = solver.eigenvalues()(k);
+    const std::complex<double> p = modes->values(k);
     if (p.imag() != 0.0) continue;
     out.poles.push_back(p);
     out.rows.row(row++) = vectors.col(k).real().transpose();
   }
   out.real = out.poles.size();
   for (Eigen::Index k = 0; k < n; ++k) {
-    const std::complex<double> p = solver.eigenvalues()(k);
+    const std::complex<double> p = modes->values(k);
     if (!(p.imag() > 0.0)) continue;
     out.poles.push_back(p);
     out.rows.row(row++) = vectors.col(k).real().transpose();
@@ -71,8 +71,7 @@ std::optional<ModalPairs> modal_pairs(const StateSpace& system) {
   if (n == 0) return std::nullopt;
   const auto modes = left_modes(system);
   if (!modes) return std::nullopt;
-  const Eigen::PartialPivLU<Eigen::MatrixXd> lu(modes->rows);
-  const Eigen::MatrixXd back = lu.inverse();
+  const Eigen::MatrixXd back = inverse(modes->rows);
   if (!back.allFinite() || !(one_norm(modes->rows) * one_norm(back) <= kMaxTransformCondition))
     return std::nullopt;
   const Eigen::VectorXd in = modes->rows * as_eigen(system.b);

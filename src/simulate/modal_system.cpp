@@ -1,11 +1,11 @@
 #include "simulate/modal_system.hpp"
 
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith::simulate {
@@ -69,17 +69,16 @@ ModalSystem ModalSystem::from(const StateSpace& system) {
   const Eigen::Index n = eigen_index(system.order());
   const Eigen::Map<const Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>> a(
       system.a.data(), n, n);
-  const Eigen::EigenSolver<Eigen::MatrixXd> solver(a);
-  const Eigen::MatrixXcd v = solver.eigenvectors();
-  const Eigen::FullPivLU<Eigen::MatrixXcd> lu(v);
-  if (!lu.isInvertible() || solver.info() != Eigen::Success) {
+  const std::optional<EigenSystem> modes = eigen_system(a);
+  const Eigen::FullPivLU<Eigen::MatrixXcd> lu(modes ? modes->vectors : Eigen::MatrixXcd::Zero(n, n));
+  if (!modes || !lu.isInvertible()) {
     m.condition = std::numeric_limits<double>::infinity();
     return m;
   }
   const Eigen::VectorXcd in = lu.solve(as_eigen(system.b).cast<ModalComplex>());
-  const Eigen::RowVectorXcd out = as_eigen(system.c).cast<ModalComplex>().transpose() * v;
+  const Eigen::RowVectorXcd out = as_eigen(system.c).cast<ModalComplex>().transpose() * modes->vectors;
   for (Eigen::Index k = 0; k < n; ++k) {
-    const ModalComplex p = solver.eigenvalues()(k);
+    const ModalComplex p = modes->values(k);
     if (p.imag() < 0.0) continue;
     m.poles.push_back(p);
     m.residues.push_back(in(k)*out(k));

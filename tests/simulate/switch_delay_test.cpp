@@ -15,18 +15,18 @@ using chain::Block;
 using chain::Chain;
 using chain::make_block;
 
-constexpr double kUp[] = {-0.30, 0.42, -0.13};
-constexpr double kDown[] = {0.16, -0.29, 0.12};
+constexpr double kRising[] = {-0.30, 0.42, -0.13};
+constexpr double kFalling[] = {0.16, -0.29, 0.12};
 
 double curve(bool up, double u) {
-  const double* a = up ? kUp : kDown;
+  const double* a = up ? kRising : kFalling;
   return u + u * (a[0] + u * (a[1] + u * a[2]));
 }
 
 Block branches(double delay_s) {
   return make_block("polynomial_hysteresis")
-      .set("ascending", std::vector<double>(kUp, kUp + 3))
-      .set("descending", std::vector<double>(kDown, kDown + 3))
+      .set("ascending", std::vector<double>(kRising, kRising + 3))
+      .set("descending", std::vector<double>(kFalling, kFalling + 3))
       .set("switch_delay_s", delay_s);
 }
 

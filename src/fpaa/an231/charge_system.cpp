@@ -2,9 +2,11 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+
+#include "numeric/dense.hpp"
 
 namespace bodesmith::fpaa::an231 {
 namespace {
@@ -194,19 +196,16 @@ Eigen::VectorXcd ChargeSystem::right_hand_side(const std::vector<Phases>& source
 
 std::optional<std::vector<ChargeSystem::Phases>> ChargeSystem::solve(const std::vector<Phases>& sources,
                                                                      const HalfDelay& delay) const {
-  const Eigen::PartialPivLU<Eigen::MatrixXcd> lu(matrix(delay));
-  // A pivot of 0: there is no solution.
-  const auto pivots = lu.matrixLU().diagonal().cwiseAbs();
-  if (!(pivots.minCoeff() > 0.0) || !std::isfinite(pivots.maxCoeff())) return std::nullopt;
-  const Eigen::VectorXcd x = lu.solve(right_hand_side(sources, delay));
+  const auto x = solve_regular(matrix(delay), right_hand_side(sources, delay));
+  if (!x) return std::nullopt;
   std::vector<Phases> out;
-  for (Eigen::Index i = 0; i < x.size(); i += 2) out.push_back({x(i), x(i + 1)});
+  for (Eigen::Index i = 0; i < x->size(); i += 2) out.push_back({(*x)(i), (*x)(i + 1)});
   return out;
 }
 
 Complex ChargeSystem::determinant(Complex z_inverse) const {
   const Complex half = std::sqrt(z_inverse);
-  return matrix([&](int) { return half; }).partialPivLu().determinant();
+  return bodesmith::determinant(matrix([&](int) { return half; }));
 }
 
 Complex ChargeSystem::numerator(Complex z_inverse, std::size_t opamp, int phase,
@@ -215,7 +214,7 @@ Complex ChargeSystem::numerator(Complex z_inverse, std::size_t opamp, int phase,
   const HalfDelay delay = [&](int) { return half; };
   Eigen::MatrixXcd a = matrix(delay);
   a.col(static_cast<Eigen::Index>(2 * opamp) + phase - 1) = right_hand_side(sources, delay);
-  return a.partialPivLu().determinant();
+  return bodesmith::determinant(a);
 }
 
 }  // namespace bodesmith::fpaa::an231

@@ -6,13 +6,14 @@ namespace bodesmith::gap {
 namespace {
 
 /// A prediction this many times beyond chance in one direction will do; else both directions must hold.
-constexpr double kPlain = 2.0;
+constexpr double kPlainSigns = 2.0;
 
 /// The stronger of learning on one and applying to the other, and the reverse; nothing when it is not plain.
 Sign depends_either_way(const Leftover& a, const Leftover& b) {
   const auto there = depends_on_signals(a, b);
   const auto back = depends_on_signals(b, a);
-  const bool plain = (there.found() && back.found()) || there.strength > kPlain || back.strength > kPlain;
+  const bool plain =
+      (there.found() && back.found()) || there.strength > kPlainSigns || back.strength > kPlainSigns;
   if (!plain) return {};
   return there.strength > back.strength ? there : back;
 }

@@ -35,6 +35,7 @@ RootResponse::RootResponse(const RootModel& model, const Eigen::VectorXd& theta)
       root.corner = std::exp(theta(at));
       const Complex value(root.corner, w);
       root.reference_square = std::norm(value);
+      root.reference_scale = 1.0 / std::abs(value);
       root.reference_slope[0] = root.corner / value;
       roots_.push_back(root);
     }
@@ -46,11 +47,47 @@ RootResponse::RootResponse(const RootModel& model, const Eigen::VectorXd& theta)
       root.damping = 2.0 * std::exp(theta(at + 1)) * root.corner;
       const Complex value((root.corner - w) * (root.corner + w), root.damping * w);
       root.reference_square = std::norm(value);
+      root.reference_scale = 1.0 / std::abs(value);
       root.reference_slope[1] = Complex(0.0, root.damping * w) / value;
       root.reference_slope[0] = root.reference_slope[1] + 2.0 * root.corner * root.corner / value;
       roots_.push_back(root);
     }
   }
+}
+
+Complex RootResponse::Root::value(RadPerSecond w) const {
+  return pair ? Complex((corner - w.value) * (corner + w.value), damping * w.value)
+              : Complex(corner, w.value);
+}
+
+Index RootResponse::Root::add_slope(RadPerSecond w, Complex value, Index place,
+                                    Eigen::RowVectorXcd& slope) const {
+  // 1/value through its norm: the general complex division guards against what cannot happen here.
+  const Complex inverse = std::conj(value) / std::norm(value);
+  if (!pair) {
+    slope(place) = sign * (corner * inverse - reference_slope[0].real());
+    return place + 1;
+  }
+  const Complex by_zeta(-damping * w.value * inverse.imag(), damping * w.value * inverse.real());
+  slope(place) = sign * (by_zeta + 2.0 * corner * corner * inverse - reference_slope[0].real());
+  slope(place + 1) = sign * (by_zeta - reference_slope[1].real());
+  return place + 2;
+}
+
+Complex RootResponse::value(RadPerSecond w, Eigen::RowVectorXcd* slope) const {
+  Complex above = std::exp(log_gain_);
+  Complex below = 1.0;
+  Index place = 1;
+  if (slope != nullptr) (*slope)(0) = 1.0;
+  for (const Root& root : roots_) {
+    const Complex value = root.value(w);
+    Complex& side = root.sign > 0.0 ? above : below;
+    const double re = value.real() * root.reference_scale;
+    const double im = value.imag() * root.reference_scale;
+    side = {side.real() * re - side.imag() * im, side.real() * im + side.imag() * re};
+    if (slope != nullptr) place = root.add_slope(w, value, place, *slope);
+  }
+  return above / below;
 }
 
 Complex RootResponse::at(RadPerSecond w, Eigen::RowVectorXcd* slope, bool phase) const {
@@ -60,9 +97,7 @@ Complex RootResponse::at(RadPerSecond w, Eigen::RowVectorXcd* slope, bool phase)
   Index place = 1;
   if (slope != nullptr) (*slope)(0) = 1.0;
   for (const Root& root : roots_) {
-    const Complex value =
-        root.pair ? Complex((root.corner - w.value) * (root.corner + w.value), root.damping * w.value)
-                  : Complex(root.corner, w.value);
+    const Complex value = root.value(w);
     const double ratio = std::norm(value) / root.reference_square;
     product *= root.sign > 0.0 ? ratio : 1.0 / ratio;
     // One logarithm for all factors, unless they threaten to overflow.
@@ -71,19 +106,7 @@ Complex RootResponse::at(RadPerSecond w, Eigen::RowVectorXcd* slope, bool phase)
       product = 1.0;
     }
     if (phase) angle += root.sign * std::atan2(value.imag(), value.real());
-    if (slope == nullptr) continue;
-    // 1/value through its norm: the general complex division guards against what cannot happen here.
-    const Complex inverse = std::conj(value) / std::norm(value);
-    if (root.pair) {
-      const Complex by_zeta(-root.damping * w.value * inverse.imag(),
-                            root.damping * w.value * inverse.real());
-      (*slope)(place) =
-          root.sign * (by_zeta + 2.0 * root.corner * root.corner * inverse - root.reference_slope[0].real());
-      (*slope)(place + 1) = root.sign * (by_zeta - root.reference_slope[1].real());
-      place += 2;
-    } else {
-      (*slope)(place++) = root.sign * (root.corner * inverse - root.reference_slope[0].real());
-    }
+    if (slope != nullptr) place = root.add_slope(w, value, place, *slope);
   }
   return {log_gain_ + log_size + 0.5 * std::log(product), angle};
 }

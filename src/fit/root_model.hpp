@@ -49,6 +49,8 @@ class RootResponse {
   /// As RootModel::log_response. Without `phase` the imaginary part is left 0 (and its derivatives too when
   /// `slope` is taken for magnitudes only): no arctangents.
   std::complex<double> at(RadPerSecond w, Eigen::RowVectorXcd* slope, bool phase) const;
+  /// H(jw) itself as a product, and (unless null) the derivatives of ln H: no logarithm, no arctangent.
+  std::complex<double> value(RadPerSecond w, Eigen::RowVectorXcd* slope) const;
   /// ln|H| at many frequencies and (unless null) its derivatives, a column a parameter: as at(), root by root instead of
   /// frequency by frequency, which is several times as fast.
   void levels(const std::vector<RadPerSecond>& w, Eigen::VectorXd& log_gain, Eigen::MatrixXd* slope) const;
@@ -60,7 +62,13 @@ class RootResponse {
     double corner;            ///< of a real root, or w0
     double damping;           ///< 2 zeta w0 of a pair
     double reference_square;  ///< |value at the reference|^2
+    double reference_scale;   ///< 1/|value at the reference|
     std::complex<double> reference_slope[2];
+
+    std::complex<double> value(RadPerSecond w) const;
+    /// d ln value by this root's parameters, from column `place` on; the place behind them.
+    Eigen::Index add_slope(RadPerSecond w, std::complex<double> value, Eigen::Index place,
+                           Eigen::RowVectorXcd& slope) const;
   };
   double log_gain_;
   std::vector<Root> roots_;

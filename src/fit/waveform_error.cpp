@@ -6,40 +6,23 @@
 
 #include "base/error.hpp"
 #include "fit/triangle_series.hpp"
+#include "numeric/fourier.hpp"
 
 namespace bodesmith {
 namespace {
 
 using Complex = std::complex<double>;
 
-/// cos and sin at the points of a period: samples stand in the middle of equal intervals, none on a corner.
-class PeriodTable {
- public:
-  explicit PeriodTable(std::size_t samples) : size_(2 * samples), cosine_(size_), sine_(size_) {
-    for (std::size_t i = 0; i < size_; ++i) {
-      const double angle = std::numbers::pi * static_cast<double>(i) / static_cast<double>(samples);
-      cosine_[i] = std::cos(angle);
-      sine_[i] = std::sin(angle);
-    }
+/// Re sum_k part_k e^(2 pi j k (m + 1/2)/samples) for every m: samples stand in the middle of equal intervals, none on a
+/// corner.
+std::vector<double> period_of(const std::vector<Complex>& part, std::size_t samples) {
+  std::vector<Complex> bins(samples / 2 + 1);
+  for (std::size_t k = 0; k < part.size(); ++k) {
+    const double half_step = std::numbers::pi * static_cast<double>(k) / static_cast<double>(samples);
+    bins[k] = part[k] * std::polar(k == 0 ? 1.0 : 0.5, half_step) * static_cast<double>(samples);
   }
-
-  /// Re sum_k part_k e^(2 pi j k (m + 1/2)/samples), added to `start`.
-  double sum(const std::vector<Complex>& part, std::size_t m, double start) const {
-    const std::size_t turn = 2 * m + 1;
-    std::size_t index = 0;
-    for (const Complex& harmonic : part) {
-      start += harmonic.real() * cosine_[index] - harmonic.imag() * sine_[index];
-      index += turn;
-      if (index >= size_) index -= size_;
-    }
-    return start;
-  }
-
- private:
-  std::size_t size_;
-  std::vector<double> cosine_;
-  std::vector<double> sine_;
-};
+  return from_half_spectrum(bins, samples);
+}
 
 /// Harmonics of (G - G_inf) u at one operating frequency; G_inf = `beyond`.
 std::vector<Complex> filtered_harmonics(const FrequencyResponse& g, const TriangleSeries& input, Hertz f,
@@ -57,11 +40,11 @@ std::vector<Complex> filtered_harmonics(const FrequencyResponse& g, const Triang
 
 /// e = sum over harmonics of (G - G_inf) U + G_inf u(t) - target(t): the harmonics left out see G_inf.
 WaveformErrorPoint error_at_frequency(const FrequencyResponse& g, const Disturbance& disturbance,
-                                      const TriangleSeries& input, const PeriodTable& table, Hertz f) {
+                                      const TriangleSeries& input, Hertz f) {
   const std::size_t harmonics = input.coefficient.size() - 1;
   const std::size_t samples = 4 * harmonics;
   const double beyond = g(Hertz{f.value * static_cast<double>(harmonics) * 1e3}.rad_s()).real();
-  const std::vector<Complex> part = filtered_harmonics(g, input, f, beyond);
+  const std::vector<double> filtered = period_of(filtered_harmonics(g, input, f, beyond), samples);
   const double gain_up = disturbance.rate_gain(Disturbance::Branch::ascending, f);
   const double gain_down = disturbance.rate_gain(Disturbance::Branch::descending, f);
   double square = 0.0;
@@ -72,7 +55,7 @@ WaveformErrorPoint error_at_frequency(const FrequencyResponse& g, const Disturba
     if ((input.path == DrivenPath::ascending && !rising) || (input.path == DrivenPath::descending && rising))
       continue;
     const double direct = (beyond - (rising ? gain_up : gain_down)) * input.value(phase);
-    const double e = table.sum(part, m, direct);
+    const double e = direct + filtered[m];
     square += e * e;
     peak = std::max(peak, std::abs(e));
   }
@@ -103,12 +86,11 @@ WaveformError waveform_error(const FrequencyResponse& g, const Disturbance& dist
   if (options.harmonics < 8) throw InputError("the waveform error needs at least 8 harmonics");
   const auto harmonics = static_cast<std::size_t>(options.harmonics);
   const TriangleSeries input = triangle_series(disturbance, options.path, harmonics);
-  const PeriodTable table(4 * harmonics);
   WaveformError out;
   double mean_square = 0.0;
   for (const Hertz f : operating) {
     if (!(f.value > 0.0)) throw InputError("an operating frequency is not above 0");
-    const WaveformErrorPoint point = error_at_frequency(g, disturbance, input, table, f);
+    const WaveformErrorPoint point = error_at_frequency(g, disturbance, input, f);
     mean_square += point.rms_percent * point.rms_percent / static_cast<double>(operating.size());
     out.worst_percent = std::max(out.worst_percent, point.rms_percent);
     out.points.push_back(point);

@@ -1,11 +1,12 @@
 #include "fit/waveform_problem.hpp"
 
-#include <Eigen/QR>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "base/error.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith {
@@ -32,7 +33,8 @@ VectorXcd branch_coefficients(Disturbance disturbance, Disturbance::Branch branc
   return coefficients(disturbance, DrivenPath::whole);
 }
 
-/// Samples of the half of the period that counts, as a triangular factor of their Gram matrix to keep rows few.
+/// Samples of the half of the period that counts, as a factor of their Gram matrix. Half a period holds about half as many
+/// independent waveforms as the whole: what is smaller than a ten-millionth of the largest is left out.
 MatrixXd half_period_map(const VectorXcd& coefficient, DrivenPath path) {
   constexpr Index kSamples = 4 * kSearchHarmonics;
   MatrixXd map(kSamples / 2, kUnknowns);
@@ -48,8 +50,13 @@ MatrixXd half_period_map(const VectorXcd& coefficient, DrivenPath path) {
     }
   }
   map /= std::sqrt(static_cast<double>(kSamples));
-  const Eigen::HouseholderQR<MatrixXd> qr(map);
-  return qr.matrixQR().topRows(std::min(map.rows(), map.cols())).triangularView<Eigen::Upper>();
+  constexpr double kNegligible = 1e-14;  // of the largest, squared
+  const SymmetricEigen own = symmetric_eigen(gram(map));
+  const double largest = own.values(kUnknowns - 1);
+  Index first = 0;
+  while (own.values(first) < kNegligible * largest) ++first;
+  const Index kept = kUnknowns - first;
+  return own.values.tail(kept).cwiseSqrt().asDiagonal() * own.vectors.rightCols(kept).transpose();
 }
 
 }  // namespace
@@ -147,8 +154,7 @@ void WaveformProblem::error(const RootModel& model, const VectorXd& theta, std::
   for (Index k = 0; k <= kSearchHarmonics; ++k) {
     // A real G has a real limit at 0 Hz; a frequency next to it stands for it.
     const double at = operating_[i].value * (k == 0 ? 1e-9 : static_cast<double>(k));
-    const Complex log_g = response.at(Hertz{at}.rad_s(), slope != nullptr ? &row : nullptr, true);
-    g(k) = std::exp(log_g);
+    g(k) = response.value(Hertz{at}.rad_s(), slope != nullptr ? &row : nullptr);
     if (k == 0) g(k) = g(k).real();
     if (slope != nullptr) g_slope.row(k) = g(k) * row;
   }

@@ -31,6 +31,13 @@ std::vector<Form> forms_of(const Project& project) {
   return {Form::one_pass};
 }
 
+/// For a study of many references: at a four times finer step the drive differs by less than .001 % of range.
+controller::NgspiceRun study_steps() {
+  controller::NgspiceRun out;
+  out.steps = 500;
+  return out;
+}
+
 /// The controller on the board fed by its own drive, in every way to make the polynomials that fits.
 void add_board_controllers(const Project& project,
                            std::vector<std::unique_ptr<tracking::BuiltController>>& out) {
@@ -69,7 +76,7 @@ std::vector<std::unique_ptr<tracking::BuiltController>> built_controllers(const 
                                                                           const Design& design) {
   std::vector<std::unique_ptr<tracking::BuiltController>> out;
   if (project.circuit && design.controller && spice::ngspice_available())
-    out.push_back(std::make_unique<controller::CircuitController>(design.controller));
+    out.push_back(std::make_unique<controller::CircuitController>(design.controller, study_steps()));
   if (project.fpaa && project.choice == Project::Choice::tracking) add_board_controllers(project, out);
   return out;
 }

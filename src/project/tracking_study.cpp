@@ -18,7 +18,7 @@ namespace bodesmith::project {
 namespace {
 
 TrackedDesign tracked_design(const TrackedCandidate& candidate, const std::vector<Hertz>& frequencies,
-                             const tracking::Report& report, const tracking::Report& on_reference) {
+                             const tracking::Report& report) {
   TrackedDesign out;
   out.key = candidate.key;
   out.name = candidate.design.name;
@@ -30,7 +30,7 @@ TrackedDesign tracked_design(const TrackedCandidate& candidate, const std::vecto
     out.max_percent.push_back(found->max_percent);
     out.rms_percent_without_lag.push_back(found->rms_percent_without_lag);
     out.lag_s.push_back(found->lag_s);
-    out.on_reference_percent.push_back(on_reference.find(f, out.name)->rms_percent);
+    out.on_reference_percent.push_back(found->on_reference_percent.value());
   }
   return out;
 }
@@ -64,14 +64,6 @@ TrackedPeriod shown_period(const tracking::Report& report, const std::vector<Tra
     out.error_percent.push_back(std::move(error));
   }
   return out;
-}
-
-tracking::Report evaluated_on_reference(const tracking::Plant& plant,
-                                        const std::vector<tracking::Design>& designs,
-                                        tracking::Options options) {
-  options.argument = tracking::Options::Argument::reference;
-  options.time_domain = false;
-  return tracking::track(plant, designs, options);
 }
 
 /// Of what the run writes the design that tracks best at its worst frequency; of those that differ by less than 1 %
@@ -117,16 +109,17 @@ TrackingStudy study_tracking(const Project& project, const Design& design, const
   std::vector<tracking::Design> designs;
   for (const TrackedCandidate& candidate : candidates) designs.push_back(candidate.design);
   const tracking::Plant plant = tracking_plant(project);
-  const tracking::Options options = tracking_options(project);
+  tracking::Options options = tracking_options(project);
+  options.also_on_reference = true;
+  options.relative_tolerance = 1e-6;  // a repeat is settled within 2e-5 of the stroke
   const tracking::Report report = tracking::track(plant, designs, options);
-  const tracking::Report on_reference = evaluated_on_reference(plant, designs, options);
 
   TrackingStudy study;
   study.frequency = project.track.frequency;
   study.waveform = project.track.waveform();
   study.amplitude = project.track.amplitude();
   for (const TrackedCandidate& candidate : candidates)
-    study.designs.push_back(tracked_design(candidate, study.frequency, report, on_reference));
+    study.designs.push_back(tracked_design(candidate, study.frequency, report));
   study.max_cross_check_percent = max_cross_check(report);
   study.shown = shown_period(report, candidates, study.frequency, plant.stroke);
   const std::vector<ControllerDrives> drives =

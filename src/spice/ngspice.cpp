@@ -146,9 +146,13 @@ DcSweep run_dc(const std::string& deck, const std::string& source, double from, 
 
 Transient run_transient(const std::string& deck, const std::vector<std::string>& nodes, double step_s,
                         double stop_s, const std::string& what) {
-  const Columns columns = run_columns(
-      deck, fmt::format("tran {} {} 0 {}", plain_number(step_s), plain_number(stop_s), plain_number(step_s)),
-      voltages(nodes), what);
+  const std::vector<std::string> wanted = voltages(nodes);
+  // Nothing but what is read back is kept of every step.
+  const Columns columns =
+      run_columns(deck,
+                  fmt::format("save {}\ntran {} {} 0 {}", fmt::join(wanted, " "), plain_number(step_s),
+                              plain_number(stop_s), plain_number(step_s)),
+                  wanted, what);
   if (columns.first.back() < stop_s * (1.0 - 1e-6)) {
     throw InputError(fmt::format("{}: ngspice stopped at {} s, expected {} s", what,
                                  rounded_text(columns.first.back()), rounded_text(stop_s)));

@@ -19,14 +19,16 @@ using simulate::CvodeProblem;
 using simulate::CvodeSolver;
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-Eigen::MatrixXd propagator(const StateSpace& system, double seconds) {
+/// I - e^(A T): what a repeat takes away of a state that it began with.
+Eigen::MatrixXd forgotten(const StateSpace& system, double repeat_s) {
   const Eigen::Index n = eigen_index(system.order());
   const Eigen::MatrixXd a = Eigen::Map<const RowMatrix>(system.a.data(), n, n);
-  return matrix_exponential(Eigen::MatrixXd(a * seconds));
+  return Eigen::MatrixXd::Identity(n, n) - matrix_exponential(Eigen::MatrixXd(a * repeat_s));
 }
 
 /// The states at the beginning of a repeat under an input that repeats and is straight between its samples.
-Eigen::VectorXd periodic_start(const StateSpace& system, const std::vector<double>& input, double repeat_s) {
+Eigen::VectorXd periodic_start(const StateSpace& system, const Eigen::MatrixXd& forgotten_in_repeat,
+                               const std::vector<double>& input, double repeat_s) {
   const Eigen::Index n = eigen_index(system.order());
   const double step = repeat_s / static_cast<double>(input.size());
   const double* b = system.b.data();
@@ -42,7 +44,7 @@ Eigen::VectorXd periodic_start(const StateSpace& system, const std::vector<doubl
     next += g.col(0) * input[i] + g.col(1) * input[(i + 1) % input.size()];
     forced.swap(next);
   }
-  return solve_lu(Eigen::MatrixXd::Identity(n, n) - propagator(system, repeat_s), forced);
+  return solve_lu(forgotten_in_repeat, forced);
 }
 
 /// One repeat of one design, piece by piece between the reference's turning points.
@@ -52,7 +54,10 @@ class RepeatRun {
       : stage_(std::move(stage)),
         periodic_(periodic),
         options_(options),
-        rates_(std::max<std::size_t>(stage_.order(), 1)) {}
+        rates_(std::max<std::size_t>(stage_.order(), 1)) {
+    for (const StateSpace& block : stage_.blocks())
+      forgotten_.push_back(block.order() > 0 ? forgotten(block, stage_.repeat_s()) : Eigen::MatrixXd());
+  }
 
   std::vector<double> run(const PeriodicState& begin, std::size_t samples);
 
@@ -70,6 +75,7 @@ class RepeatRun {
   const PeriodicTracking& periodic_;
   const Options& options_;
   std::vector<double> rates_;
+  std::vector<Eigen::MatrixXd> forgotten_;  ///< of each block
   std::size_t piece_ = 0;
   std::size_t sample_ = 0;
 };
@@ -115,7 +121,7 @@ std::vector<double> RepeatRun::first_states(const PeriodicState& begin) const {
       x.push_back(inputs[i].front());
       continue;
     }
-    const Eigen::VectorXd states = periodic_start(block, inputs[i], repeat);
+    const Eigen::VectorXd states = periodic_start(block, forgotten_[i], inputs[i], repeat);
     x.insert(x.end(), states.begin(), states.end());
   }
   x.resize(std::max<std::size_t>(stage_.order(), 1), 0.0);
@@ -179,14 +185,14 @@ void RepeatRun::sample_piece(CvodeSolver& solver, std::size_t piece, std::vector
 double RepeatRun::correct(std::vector<double>& x, const std::vector<double>& end) const {
   double most = 0.0;
   std::size_t at = 0;
-  for (const StateSpace& block : stage_.blocks()) {
+  for (std::size_t b = 0; b < stage_.blocks().size(); ++b) {
+    const StateSpace& block = stage_.blocks()[b];
     const Eigen::Index n = eigen_index(block.order());
     if (n == 0) continue;
     Eigen::VectorXd defect(n);
     for (Eigen::Index i = 0; i < n; ++i)
       defect(i) = end[at + static_cast<std::size_t>(i)] - x[at + static_cast<std::size_t>(i)];
-    const Eigen::VectorXd move =
-        solve_lu(Eigen::MatrixXd::Identity(n, n) - propagator(block, stage_.repeat_s()), defect);
+    const Eigen::VectorXd move = solve_lu(forgotten_[b], defect);
     for (Eigen::Index i = 0; i < n; ++i) {
       double& state = x[at + static_cast<std::size_t>(i)];
       most = std::max(most, std::abs(move(i)) / std::max(1.0, std::abs(state)));

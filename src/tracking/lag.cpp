@@ -28,12 +28,13 @@ class CrossSpectrum {
       : period_s_(period_s) {
     const double scale = 1.0 / (static_cast<double>(n) * static_cast<double>(n));
     std::size_t last = 0;
-    double max = 0.0;
+    double max = 0.0;  // squared
     terms_.resize(n / 2 + 1);
     for (std::size_t k = 0; k <= n / 2; ++k) {
       terms_[k] = y_hat[k] * std::conj(x_hat[k]) * scale * (k == 0 || 2 * k == n ? 1.0 : 2.0);
-      max = std::max(max, std::abs(terms_[k]));
-      if (std::abs(terms_[k]) > 1e-15 * max) last = k;
+      const double size = std::norm(terms_[k]);
+      max = std::max(max, size);
+      if (size > 1e-30 * max) last = k;
     }
     terms_.resize(last + 1);
   }
@@ -56,7 +57,7 @@ class CrossSpectrum {
   double first_guess() const {
     std::size_t strongest = 1;
     for (std::size_t k = 1; k < terms_.size(); ++k)
-      if (std::abs(terms_[k]) > std::abs(terms_[strongest])) strongest = k;
+      if (std::norm(terms_[k]) > std::norm(terms_[strongest])) strongest = k;
     if (strongest >= terms_.size()) return 0.0;
     return -std::arg(terms_[strongest]) / (2.0 * std::numbers::pi * static_cast<double>(strongest)) *
            period_s_;

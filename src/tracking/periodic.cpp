@@ -22,12 +22,6 @@ std::vector<double> filtered(const std::vector<Complex>& response, const std::ve
   return from_half_spectrum(bins, x.size());
 }
 
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  double out = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) out = std::max(out, std::abs(a[i] - b[i]));
-  return out;
-}
-
 }  // namespace
 
 PeriodicTracking::PeriodicTracking(const Plant& plant, const Options& options, Hertz frequency)
@@ -113,18 +107,45 @@ std::vector<double> PeriodicTracking::compensation(const Both& compensators,
   return up;
 }
 
+std::vector<double> PeriodicTracking::loop_gain(const Both& compensators,
+                                                const std::vector<double>& heard) const {
+  std::vector<double> out(n_, 0.0);
+  const std::size_t fundamental = shape_.periods();
+  for (std::size_t i = 0; i < n_; ++i) {
+    const std::size_t branch = rising_[i] ? 0 : 1;
+    const Prepared& compensator = compensators[branch];
+    double k = 0.0;
+    if (!compensator.response.empty()) {
+      k = compensator.response[fundamental].real();
+    } else if (!compensator.gain.empty()) {
+      k = compensator.gain[i];
+    }
+    out[i] = k * generator_.slope(branch, heard[i]);
+  }
+  return out;
+}
+
 std::vector<double> PeriodicTracking::self_fed_drive(const Design& design, const Both& compensators) const {
-  // v = x - c(v): each round leaves about max |k d'| of the last one's change.
+  // v = x - c(v). A plain round leaves about max |k d'| of the last one's change; divided by 1 + k d', which is Newton's step
+  // as far as k is a gain, it leaves what the filter turns and adds. A loop whose gain reaches 1, or that does not come
+  // closer so, goes round plainly.
   constexpr int kMaxRounds = 200;
   constexpr double kSettled = 1e-11;
   std::vector<double> v = x_;
+  bool plain = false;
+  double last_change = INFINITY;
   for (int round = 0; round < kMaxRounds; ++round) {
-    std::vector<double> next = compensation(compensators, v);
-    for (std::size_t i = 0; i < n_; ++i) next[i] = x_[i] - next[i];
-    const double change = largest_difference(next, v);
-    v = std::move(next);
+    const std::vector<double> c = compensation(compensators, v);
+    double change = 0.0;
+    for (std::size_t i = 0; i < n_; ++i) change = std::max(change, std::abs(x_[i] - c[i] - v[i]));
+    std::vector<double> gain;
+    if (!plain) gain = loop_gain(compensators, v);
+    const auto steep = [](double k) { return !(std::abs(k) < 1.0); };
+    plain = plain || !(change < last_change) || std::any_of(gain.begin(), gain.end(), steep);
+    for (std::size_t i = 0; i < n_; ++i) v[i] += (x_[i] - c[i] - v[i]) / (plain ? 1.0 : 1.0 + gain[i]);
     if (change < kSettled) return v;
     if (!(change < 1e3)) break;
+    last_change = change;
   }
   throw DesignError(fmt::format(
       "design '{}': the generator fed by its own drive does not settle at {} Hz, expected gains of "
@@ -132,8 +153,9 @@ std::vector<double> PeriodicTracking::self_fed_drive(const Design& design, const
       design.name, frequency_.value));
 }
 
-std::vector<double> PeriodicTracking::stage_disturbance(const std::vector<double>& drive) const {
-  const bool on_drive = options_.argument == Options::Argument::drive;
+std::vector<double> PeriodicTracking::stage_disturbance(const std::vector<double>& drive,
+                                                        Options::Argument argument) const {
+  const bool on_drive = argument == Options::Argument::drive;
   const std::vector<double>& read = on_drive ? drive : x_;
   const std::vector<bool> rising = on_drive ? rising_samples(drive, 0.02 * options_.alpha) : rising_;
   std::vector<double> out(n_);
@@ -141,11 +163,12 @@ std::vector<double> PeriodicTracking::stage_disturbance(const std::vector<double
   return out;
 }
 
-std::vector<double> PeriodicTracking::displacement(const std::vector<double>& drive) const {
+std::vector<double> PeriodicTracking::displacement(const std::vector<double>& drive,
+                                                   Options::Argument argument) const {
   const double step = repeat_s() / static_cast<double>(n_);
   if (plant_.stage) return plant_.stage->response(drive, step, frequency_);
   std::vector<double> q = through_path(plant_.drive_path, drive, step);
-  const std::vector<double> added = stage_disturbance(q);
+  const std::vector<double> added = stage_disturbance(q, argument);
   for (std::size_t i = 0; i < n_; ++i) q[i] += added[i];
   return through_path(plant_.stage_path, q, step);
 }
@@ -165,7 +188,7 @@ PeriodicState PeriodicTracking::solve(const Design& design, Clocked clocked) con
     }
   }
   for (std::size_t i = 0; i < n_; ++i) out.compensation.push_back(x_[i] - out.drive[i]);
-  out.displacement = displacement(out.drive);
+  out.displacement = displacement(out.drive, options_.argument);
   return out;
 }
 

@@ -37,10 +37,12 @@ class PeriodicTracking {
   const std::vector<double>& reference() const { return x_; }
   /// Of the samples above: whether the reference rises.
   const std::vector<bool>& rising() const { return rising_; }
-  /// What the stage adds: k_b d_b of the reference, or of its drive.
-  std::vector<double> stage_disturbance(const std::vector<double>& drive) const;
-  /// y/stroke under a drive v.
-  std::vector<double> displacement(const std::vector<double>& drive) const;
+  /// What the stage adds: k_b d_b of the reference, or of its drive, as the options say.
+  std::vector<double> stage_disturbance(const std::vector<double>& drive) const {
+    return stage_disturbance(drive, options_.argument);
+  }
+  /// y/stroke under a drive v of a stage that reads `argument`.
+  std::vector<double> displacement(const std::vector<double>& drive, Options::Argument argument) const;
   /// What goes into a branch's compensator when the generator works on h.
   std::vector<double> branch_waveform(std::size_t branch, const std::vector<double>& heard) const;
 
@@ -56,6 +58,9 @@ class PeriodicTracking {
   std::vector<double> compensated(const Prepared& compensator, std::size_t branch,
                                   const std::vector<double>& heard) const;
   std::vector<double> compensation(const Both& compensators, const std::vector<double>& heard) const;
+  std::vector<double> stage_disturbance(const std::vector<double>& drive, Options::Argument argument) const;
+  /// About dc/dv at every sample: k d', with a filter's gain at the operating frequency for k.
+  std::vector<double> loop_gain(const Both& compensators, const std::vector<double>& heard) const;
   std::vector<double> self_fed_drive(const Design& design, const Both& compensators) const;
 
   const Plant& plant_;

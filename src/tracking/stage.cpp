@@ -157,7 +157,7 @@ std::vector<bool> rising_samples(std::span<const double> u, double turn_back) {
   return out;
 }
 
-TrackingError tracking_error(std::span<const double> y, std::span<const double> x, double period_s) {
+TrackingError plain_error(std::span<const double> y, std::span<const double> x) {
   if (x.empty() || y.empty() || y.size() % x.size() != 0) {
     throw InputError(fmt::format(
         "a displacement of {} samples over a reference of {}, expected whole periods", y.size(), x.size()));
@@ -166,17 +166,23 @@ TrackingError tracking_error(std::span<const double> y, std::span<const double> 
   TrackingError out;
   out.range = *high - *low;
   if (!(out.range > 0.0)) throw InputError("the stage does not move");
-  std::vector<double> wanted;
   double sum = 0.0;
   double max = 0.0;
   for (std::size_t i = 0; i < y.size(); ++i) {
-    wanted.push_back(x[i % x.size()]);
-    const double e = y[i] - wanted.back();
+    const double e = y[i] - x[i % x.size()];
     sum += e * e;
     max = std::max(max, std::abs(e));
   }
   out.rms_percent = 100.0 * std::sqrt(sum / static_cast<double>(y.size())) / out.range;
   out.max_percent = 100.0 * max / out.range;
+  return out;
+}
+
+TrackingError tracking_error(std::span<const double> y, std::span<const double> x, double period_s) {
+  TrackingError out = plain_error(y, x);
+  std::vector<double> wanted;
+  wanted.reserve(y.size());
+  while (wanted.size() < y.size()) wanted.insert(wanted.end(), x.begin(), x.end());
   const auto periods = static_cast<double>(y.size() / x.size());
   const LagResult lag = best_lag({y.begin(), y.end()}, wanted, periods * period_s);
   out.lag_s = lag.lag_s;

@@ -104,14 +104,14 @@ Tracked displacement_of(const Plant& plant, const Design& design, const Options&
   const std::vector<double>& y = out.displacement;
   double sum = 0.0;
   for (std::size_t i = 0; i < y.size(); ++i) sum += std::pow(y[i] - coarse[i % coarse.size()], 2);
-  out.check = Case::Check{tracking_error(coarse, out.reference, periodic.repeat_s()).rms_percent,
+  out.check = Case::Check{plain_error(coarse, out.reference).rms_percent,
                           100.0 * std::sqrt(sum / static_cast<double>(y.size())) / range_of(y)};
   return out;
 }
 
 /// What was tracked, judged: eq. 8 over all of y, its lag by the last repeat.
 void judge(const Tracked& waves, const std::vector<double>& last, double repeat_s, Case& out) {
-  const TrackingError all = tracking_error(waves.displacement, waves.reference, repeat_s);
+  const TrackingError all = plain_error(waves.displacement, waves.reference);
   const TrackingError error = tracking_error(last, waves.reference, repeat_s);
   out.method = waves.method;
   out.check = waves.check;
@@ -152,6 +152,10 @@ std::vector<Case> track_at(const Plant& plant, const std::vector<Design>& design
     c.frequency = frequency;
     c.design = design.name;
     judge(waves, last, period, c);
+    if (options.also_on_reference) {
+      const std::vector<double> y = periodic.displacement(states.back().drive, Options::Argument::reference);
+      c.on_reference_percent = plain_error(y, periodic.reference()).rms_percent;
+    }
     c.waveform_rms_percent =
         100.0 * rms_difference(compensation, periodic.stage_disturbance(states.back().drive)) / options.alpha;
     for (std::size_t i = 0; i + 1 < states.size(); ++i) {

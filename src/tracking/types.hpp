@@ -82,7 +82,8 @@ struct Options {
   Reference::Shape reference = Reference::Shape::triangle;
   Place place = Place::behind_switch;
   Argument argument = Argument::drive;
-  double alpha = 1.0;       ///< amplitude of x
+  double alpha = 1.0;              ///< amplitude of x
+  bool also_on_reference = false;  ///< fill in Case::on_reference_percent
   bool time_domain = true;  ///< integrate a period in CVODE (clocked designs: exact propagation) and check
   double relative_tolerance = 1e-7;  ///< CVODE
   std::size_t harmonics = 4096;      ///< of the periodic computation; a power of two
@@ -106,7 +107,9 @@ struct Case {
   double lag_s = 0.0;        ///< the pure delay of the reference that makes the rms smallest
   double rms_percent_without_lag = 0.0;
   double waveform_rms_percent = 0.0;  ///< rms of c against the disturbance the stage adds, percent of stroke
-  double lost_rms_percent = 0.0;      ///< rms of c against the design it was made from, percent of stroke
+  /// What rms_percent would be if the stage read the reference; by the harmonic computation.
+  std::optional<double> on_reference_percent;
+  double lost_rms_percent = 0.0;  ///< rms of c against the design it was made from, percent of stroke
   Method method = Method::harmonic;
   /// The same by the harmonic computation, when `method` is another.
   struct Check {

@@ -114,5 +114,23 @@ TEST(CurveErrors, DenseCurvesAgreeWithOneFrequencyAtATime) {
   }
 }
 
+// The product of the roots is the exponential of their logarithms' sum, and its slopes are the same.
+TEST(RootResponse, AProductIsTheExponentialOfTheSum) {
+  RootModel model;
+  model.reference = {500.0};
+  model.real_zeros = model.real_poles = 2;
+  model.zero_pairs = model.pole_pairs = 1;
+  Eigen::VectorXd theta(model.size());
+  theta << 0.3, 4.0, 5.5, 7.0, -0.8, 6.0, 9.0, 3.0, 0.4;
+  const RootResponse response(model, theta);
+  Eigen::RowVectorXcd by_log(theta.size()), by_product(theta.size());
+  for (const double w : {1e-3, 10.0, 400.0, 5e3, 1e7}) {
+    const auto wanted = std::exp(response.at(RadPerSecond{w}, &by_log, true));
+    const auto got = response.value(RadPerSecond{w}, &by_product);
+    EXPECT_LT(std::abs(got - wanted), 1e-13 * std::abs(wanted)) << w;
+    EXPECT_EQ(by_log, by_product) << w;
+  }
+}
+
 }  // namespace
 }  // namespace bodesmith

@@ -191,6 +191,24 @@ TEST(Generator, CvodeAgreesOnEveryReferenceFormAndRate) {
   }
 }
 
+TEST(Generator, WhatAStageWouldShowThatReadTheReferenceComesWithIt) {
+  Plant plant;
+  plant.disturbance = rated_disturbance();
+  const std::vector<Design> designs = {{"once", ConstantGain{}, two_poles(), ""},
+                                       {"loop", ConstantGain{}, two_poles(), "", GeneratorForm::self_fed()}};
+  Options options = tracked_at({1.0, 60.0});
+  options.also_on_reference = true;
+  const Report both = track(plant, designs, options);
+  options.also_on_reference = false;
+  options.argument = Options::Argument::reference;
+  options.time_domain = false;
+  const Report alone = track(plant, designs, options);
+  for (std::size_t i = 0; i < both.cases.size(); ++i) {
+    EXPECT_EQ(both.cases[i].on_reference_percent.value(), alone.cases[i].rms_percent) << both.cases[i].design;
+    EXPECT_FALSE(alone.cases[i].on_reference_percent.has_value());
+  }
+}
+
 TEST(Generator, ALoopThatCannotSettleIsRefused) {
   Plant plant;
   plant.disturbance = rated_disturbance();

@@ -102,6 +102,9 @@ TEST(Stage, TheLagOfItsPathsIsFoundAndRemoved) {
   EXPECT_NEAR(error.lag_s, 1e-5, 5e-8);
   EXPECT_NEAR(error.rms_percent, 100.0 * 2.0 * 100.0 * 1e-5, 0.01);
   EXPECT_LT(error.rms_percent_without_lag, 0.02);
+  const TrackingError plain = plain_error(y, full_triangle());
+  EXPECT_EQ(plain.rms_percent, error.rms_percent);
+  EXPECT_EQ(plain.max_percent, error.max_percent);
 }
 
 TEST(Reference, TurnsWhereItSays) {

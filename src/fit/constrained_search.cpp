@@ -54,7 +54,7 @@ class StepProgram {
     VectorXd theta;          ///< where it leads, within the limits
     double predicted = 0.0;  ///< merit there in first order
   };
-  Step solve(const Linearised& at, double radius) const {
+  Step solve(const Linearised& at, double radius) {
     if (!least_squares_ && at.error.size() > kManyErrors) return solve_by_peaks(at, radius);
     return solve_rows(at, radius, at.error, at.slope).step;
   }
@@ -63,16 +63,19 @@ class StepProgram {
   static constexpr Index kNone = -1;
   /// With more errors than this most constraints are idle, and only those that may bind are written down.
   static constexpr Index kManyErrors = 100;
+  static constexpr double kHolds = 1e-4;  ///< of all multipliers of the level, which sum up to 1
 
   struct Solved {
     Step step;
     double level = 0.0;  ///< of the rows written down, as the program found it, Np
+    VectorXd
+        hold;  ///< of each row written down: how much it holds the level up (the share of its multipliers)
   };
 
   /// The same program, its rows found one after the other: those where the error peaks, then where the step found
   /// would make it peak higher than the level of the rows so far, until it does so nowhere.
-  Step solve_by_peaks(const Linearised& at, double radius) const {
-    std::vector<Index> rows;
+  Step solve_by_peaks(const Linearised& at, double radius) {
+    std::vector<Index> rows = held_;  // what held the last step holds this one too, as a rule
     const auto add_peaks = [&](const Eigen::VectorXd& error, double above) {
       const std::size_t before = rows.size();
       const Index last = error.size() - 1;
@@ -86,13 +89,20 @@ class StepProgram {
     };
     // Spread rows keep the first program bounded in every direction.
     const Index stride = std::max<Index>(1, at.error.size() / (4 * at.theta.size()));
-    for (Index i = 0; i < at.error.size(); i += stride) rows.push_back(i);
+    for (Index i = 0; i < at.error.size(); i += stride) {
+      if (std::find(rows.begin(), rows.end(), i) == rows.end()) rows.push_back(i);
+    }
     add_peaks(at.error, 0.5 * norm_of(at.error, false));
     constexpr int kRounds = 20;
     for (int round = 0;; ++round) {
       const Solved found = solve_rows(at, radius, at.error(rows), at.slope(rows, Eigen::all));
       const VectorXd there = at.error + at.slope * (found.step.theta - at.theta);
-      if (round == kRounds || !add_peaks(there, found.level * (1.0 + 1e-4))) return found.step;
+      if (round < kRounds && add_peaks(there, found.level * (1.0 + 1e-4))) continue;
+      held_.clear();
+      for (Index i = 0; i < found.hold.size(); ++i) {
+        if (found.hold(i) > kHolds) held_.push_back(rows[std_index(i)]);
+      }
+      return found.step;
     }
   }
 
@@ -111,7 +121,9 @@ class StepProgram {
     clamp(model_, limits_, step.theta);
     step.predicted = norm_of(at.error + at.slope * (step.theta - at.theta), least_squares_);
     if (violation != kNone) step.predicted += kMaskCost * unit * std::max(0.0, solution.x(violation));
-    return {std::move(step), level != kNone ? unit * solution.x(level) : 0.0};
+    if (level == kNone) return {std::move(step), 0.0, {}};
+    return {std::move(step), unit * solution.x(level),
+            solution.multiplier.head(error.size()) + solution.multiplier.segment(error.size(), error.size())};
   }
 
   QuadraticProgram make_program(const Linearised& at, double radius, double unit, Index level,
@@ -168,6 +180,7 @@ class StepProgram {
   const CurveTarget& target_;
   const RootLimits& limits_;
   bool least_squares_;
+  std::vector<Index> held_;
 };
 
 }  // namespace
@@ -175,7 +188,7 @@ class StepProgram {
 SearchResult search_constrained(const RootModel& model, const CurveTarget& target, const RootLimits& limits,
                                 VectorXd theta, bool least_squares, int iterations) {
   clamp(model, limits, theta);
-  const StepProgram program(model, target, limits, least_squares);
+  StepProgram program(model, target, limits, least_squares);
   const auto merit_of = [&](const VectorXd& at, const VectorXd& error) {
     return norm_of(error, least_squares) + kMaskCost * max_mask_violation(model, target, at);
   };

@@ -208,10 +208,10 @@ DirectSearch search_from_starts(const DirectProblem& problem, const DirectFitOpt
       std::stable_sort(refined.begin(), refined.end(),
                        [](const SearchResult& a, const SearchResult& b) { return a.value < b.value; });
       refined.resize(effort.finished);
-      for (SearchResult& result : refined) {
-        if (result.theta.size() == 0) continue;
-        result = search_constrained(model, problem.target, problem.limits, result.theta, false, 80);
-      }
+      parallel_for(refined.size(), thread_count(0), [&](std::size_t i) {
+        if (refined[i].theta.size() == 0) return;
+        refined[i] = search_constrained(model, problem.target, problem.limits, refined[i].theta, false, 80);
+      });
     }
     for (SearchResult& result : refined) {
       if (result.value < out.best.value * (1.0 - 1e-6)) {

@@ -29,6 +29,7 @@ QuadraticProgramResult solve_quadratic_program(const QuadraticProgram& p, const 
   VectorXd s = (p.b - p.a * x).cwiseMax(1e-3 * (1.0 + p.b.cwiseAbs().maxCoeff()));
   VectorXd z = VectorXd::Constant(m, scale / static_cast<double>(m) + 1e-8);
   QuadraticProgramResult out;
+  MatrixXd weighted;
   for (int iteration = 0; iteration < 60; ++iteration) {
     const VectorXd dual = p.q * x + p.c + p.a.transpose() * z;
     const VectorXd primal = p.a * x + s - p.b;
@@ -40,8 +41,11 @@ QuadraticProgramResult solve_quadratic_program(const QuadraticProgram& p, const 
       break;
     }
     const VectorXd weight = z.cwiseQuotient(s);
+    // The factors read the lower triangle alone.
     MatrixXd normal = p.q;
-    normal.noalias() += p.a.transpose() * weight.asDiagonal() * p.a;
+    const VectorXd root = weight.cwiseSqrt();
+    weighted.noalias() = root.asDiagonal() * p.a;
+    normal.selfadjointView<Eigen::Lower>().rankUpdate(weighted.transpose());
     normal.diagonal().array() += 1e-14 * (1.0 + normal.diagonal().maxCoeff());
     const Eigen::LDLT<MatrixXd> factor(normal);
     // s z + s dz + z ds = target, ds = -primal - A dx, dz = (target - s z - z ds)/s.

@@ -12,9 +12,9 @@ namespace {
 
 constexpr std::size_t kMinSamplesOfFloor = 400;
 /// Densities of the three parts of the spectrum from an eighth of the sampling rate up differ by this factor at the most
-/// where the noise is white. Of coloured noise x_i = a x_(i-1) + w_i they differ by 1.6 with a = 0.3 and by more with a
+/// where the noise is white. Of coloured noise x_i = a x_(i-1) + w_i they differ by 1.9 with a = 0.3 and by more with a
 /// larger a.
-constexpr double kFlat = 1.3;
+constexpr double kFlat = 1.5;
 /// Root mean square over the floor's.
 constexpr double kOverFloor = 1.5;
 

@@ -258,17 +258,18 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
         fmt::format("Begun with {}, the search came further than with the first name of the first round",
                     r.effect->name()));
   }
+}
 
-  /// Fits of responses are quick, so that none is given up behind the leader; and curves that differ by less than this are
-  /// one, whatever they are called (a logarithmic creep, a fractional lag).
-  constexpr double kNeverBehind = 1e12;
-  constexpr double kSameCurve = 0.006;
+/// Fits of responses are quick, so that none is given up behind the leader; and curves that differ by less than this are
+/// one, whatever they are called (a logarithmic creep, a fractional lag).
+constexpr double kNeverBehind = 1e12;
+constexpr double kSameCurve = 0.006;
 
-  SearchOptions for_responses(SearchOptions options) {
-    options.round.far_behind = options.round.behind = kNeverBehind;
-    options.acceptance.tie_surely_within = std::max(options.acceptance.tie_surely_within, kSameCurve);
-    return options;
-  }
+SearchOptions for_responses(SearchOptions options) {
+  options.round.far_behind = options.round.behind = kNeverBehind;
+  options.acceptance.tie_surely_within = std::max(options.acceptance.tie_surely_within, kSameCurve);
+  return options;
+}
 
 }  // namespace
 

@@ -264,8 +264,16 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
 /// one, whatever they are called (a logarithmic creep, a fractional lag).
 constexpr double kNeverBehind = 1e12;
 constexpr double kSameCurve = 0.006;
+/// Standard deviations where coherence makes the noise of all points alike; otherwise the points that carry a term may be
+/// noisier than the others, which makes it look surer than it is.
+constexpr double kSureOfWeighted = 3.5;
 
-SearchOptions for_responses(SearchOptions options) {
+SearchOptions for_responses(SearchOptions options, const Experiments& train) {
+  const bool weighted = std::all_of(train.begin(), train.end(), [](const Experiment& e) {
+    return !std::get<FrequencyExperiment>(e).weights().empty();
+  });
+  if (weighted)
+    options.acceptance.min_significance = std::min(options.acceptance.min_significance, kSureOfWeighted);
   options.round.far_behind = options.round.behind = kNeverBehind;
   options.acceptance.tie_surely_within = std::max(options.acceptance.tie_surely_within, kSameCurve);
   return options;
@@ -274,7 +282,7 @@ SearchOptions for_responses(SearchOptions options) {
 }  // namespace
 
 SearchResult search(const chain::Chain& base, const Experiments& train, const SearchOptions& given) {
-  const SearchOptions options = are_responses(train) ? for_responses(given) : given;
+  const SearchOptions options = are_responses(train) ? for_responses(given, train) : given;
   SearchResult result;
   result.initial = Model(base);
   result.initial.set_signal_size(kTypicalOffset * largest_range(train));

@@ -96,6 +96,8 @@ std::vector<Sign> signs_left(const Model& model, const SearchRecords& records) {
 bool is_at_floor(const SearchOptions& options, const Model& model, const SearchRecords& records) {
   const auto floor = floor_under(model, records);
   if (floor.source != NoiseFloor::Source::periods || floor.periods < 2) return false;
+  // Of a response another term is quickly tried, and half a floor more than the noise is much to leave.
+  if (floor.period == 0) return false;
   // The floor belongs to the periodic record: compare there, and on the others as well, which may go further.
   const double limit = options.enough * floor.rms;
   const bool above = std::any_of(records.train.begin(), records.train.end(),

@@ -112,7 +112,8 @@ std::vector<std::string> only_in(const std::multiset<std::string>& a, const std:
 void add_ties(const AcceptanceOptions& options, const std::vector<Trial>& trials, const Trial& chosen,
               std::vector<Step>& steps, std::vector<std::string>& as_good) {
   for (const auto& trial : trials) {
-    if (&trial == &chosen || trial.effective > chosen.effective || !as_good_as(options, trial, chosen)) continue;
+    if (&trial == &chosen || trial.effective > chosen.effective || !as_good_as(options, trial, chosen))
+      continue;
     const auto there = only_in(trial.names(), chosen.names());
     const auto here = only_in(chosen.names(), trial.names());
     if (there.empty()) continue;
@@ -198,7 +199,8 @@ std::optional<Group> choose_group(const SearchSetting& setting, const SearchReco
     // Fewer unknowns, where they do as well.
     const Trial* chosen = &trial;
     for (const auto& other : trials) {
-      if (other.effective < chosen->effective && as_good_as(options.acceptance, other, trial)) chosen = &other;
+      if (other.effective < chosen->effective && as_good_as(options.acceptance, other, trial))
+        chosen = &other;
     }
     if (!earns_all_places(setting, records, *chosen)) continue;
     return group_of(options.acceptance, before, trials, *chosen);

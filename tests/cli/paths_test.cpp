@@ -14,8 +14,8 @@ namespace fs = std::filesystem;
 constexpr const char* kOneSection =
     R"({"schema":"bodesmith.sections/1","gain":1,"sections":[{"gain":1e4,"zeros_rad_s":[],)"
     R"("poles_rad_s":[[-1e4,0]]}]})";
-constexpr const char* kGainModel =
-    "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 2.0\noffset = 0.0\n";
+constexpr const char* kLagModel =
+    "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"lowpass\"\ncorner_hz = 40.0\n";
 
 std::string filter_project(const std::string& sections, const std::string& name = "x") {
   return fmt::format(
@@ -51,7 +51,7 @@ TEST(Paths, NamesAreRelativeToTheFileThatHoldsThem) {
   EXPECT_NE(none.err.find("none.toml:4: 'target.sections' names ../deep/mine/s.json"), std::string::npos)
       << none.err;
   // A controller's and an inverse's model stand beside them.
-  write_file(folder / "deep/m.toml", kGainModel);
+  write_file(folder / "deep/m.toml", kLagModel);
   write_file(
       folder / "deep/c.toml",
       "schema = \"bodesmith.controller/1\"\ntype = \"pi\"\nki_per_s = 10.0\nfeedforward = \"i/inverse.toml\"\n");

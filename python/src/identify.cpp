@@ -9,6 +9,7 @@
 #include "functions.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/diagnosis_json.hpp"
+#include "gap/measured_response.hpp"
 #include "gap/page/page.hpp"
 #include "hysteresis/registry.hpp"
 #include "identify/fit_report.hpp"
@@ -52,11 +53,11 @@ gap::Study study_of(const Call& call, const chain::Chain& base) {
     expect_outputs(holdout, 0.0);
     return gap::Study::of(std::move(data), std::move(holdout), base);
   }
-  std::vector<FrequencyRecord> data, holdout;
+  std::vector<gap::MeasuredResponse> data, holdout;
   for (long i = 0; i < o.at("responses").integer(0, 1000); ++i)
-    data.push_back(response_of(call, fmt::format("_data{}", i)));
+    data.emplace_back(response_of(call, fmt::format("_data{}", i)));
   for (long i = 0; i < (o.has("held_out_responses") ? o.at("held_out_responses").integer(0, 1000) : 0); ++i)
-    holdout.push_back(response_of(call, fmt::format("_holdout{}", i)));
+    holdout.emplace_back(response_of(call, fmt::format("_holdout{}", i)));
   return gap::Study::of(std::move(data), std::move(holdout), base);
 }
 

@@ -223,14 +223,16 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
   for (const auto& step : state.found.steps) tried.insert(step.effect);
   const auto first = state.first;
   std::size_t ways = 0;
+  double best = setting.first_gap;
+  for (const auto& r : first) best = std::min(best, r.train_rms);
+  const double most =
+      std::min(options.other_ways.max_left * setting.first_gap, options.other_ways.in_the_running * best);
   for (const auto& r : first) {
     const bool done = is_settled(options, state) && state.found.steps.size() <= options.other_ways.few_terms;
     if (state.found.steps.empty() || done || options.is_late() || ways >= options.other_ways.max_ways) return;
     if (r.condition_number > options.acceptance.max_condition || r.unknowns > options.acceptance.max_unknowns)
       continue;
-    if (r.no_name || !(r.train_rms < options.other_ways.max_left * setting.first_gap) ||
-        !tried.insert(r.effect).second)
-      continue;
+    if (r.no_name || !(r.train_rms < most) || !tried.insert(r.effect).second) continue;
     ++ways;
     State other = base;
     other.other_way = true;

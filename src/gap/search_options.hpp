@@ -131,10 +131,11 @@ struct EliminationOptions {
 /// A search that came to no end is begun again with another first name [6].
 struct OtherWaysOptions {
   std::size_t max_ways = 2;
-  std::size_t few_terms = 2;  ///< with more of them another way is tried in any case
-  double max_left = 0.9;      ///< of the first gap's rms, by an effect to begin with
-  double as_far = 1.02;       ///< rms over the other way's: it came as far,
-  double further = 0.8;       ///< or further
+  std::size_t few_terms = 2;    ///< with more of them another way is tried in any case
+  double max_left = 0.75;       ///< of the first gap's rms, by an effect to begin with
+  double in_the_running = 1.5;  ///< times what the best first name leaves
+  double as_far = 1.02;         ///< rms over the other way's: it came as far,
+  double further = 0.8;         ///< or further
 };
 
 struct SearchOptions {

@@ -4,6 +4,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/whole_number.hpp"
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 #include "gap/effects/relaxation_band.hpp"
@@ -112,7 +113,7 @@ class Creep final : public Effect {
     term.placed = model.placed(at);
     const double slowest = kSlowest * slow;
     LogarithmicCreep creep;
-    creep.count = kOfDecade * static_cast<int>(std::ceil(std::log10(slowest / fast)));
+    creep.count = kOfDecade * whole_number<int>(std::ceil(std::log10(slowest / fast)), 1, 20);
     auto block = chain::make_block("creep");
     const std::vector<double> zeros(static_cast<std::size_t>(creep.count), 0.0);
     block.set("gains", zeros).set("time_constants_s", std::vector<double>(zeros.size(), slow));

@@ -85,7 +85,8 @@ std::vector<std::vector<double>> base_starts(const SearchSetting& setting, const
   }
   std::stable_sort(scored.begin(), scored.end(),
                    [](const auto& a, const auto& b) { return a.first < b.first; });
-  for (const auto& [left, values] : scored) {
+  for (const auto& each : scored) {
+    const Values& values = each.second;
     // Neighbours on the comb lead to the same place.
     const bool near = std::any_of(starts.begin() + 1, starts.end(), [&](const Values& start) {
       return apart(start, values, tuned) < options.min_apart;

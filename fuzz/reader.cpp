@@ -49,8 +49,9 @@ bool run(const Reader& reader, std::string_view bytes) {
 fs::path as_file(std::string_view bytes, const std::string& name) {
   static const ProcessFolder folder;
   fs::path out = folder.path() / name;
-  std::ofstream(out, std::ios::binary | std::ios::trunc)
-      .write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
+  // A file system may write one that is cut and filled again through to the disk: a new one it does not.
+  fs::remove(out);
+  std::ofstream(out, std::ios::binary).write(bytes.data(), static_cast<std::streamsize>(bytes.size()));
   return out;
 }
 

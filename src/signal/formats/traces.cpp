@@ -135,9 +135,9 @@ void make_even(const Source& source, Words& words, std::vector<double>& time,
   if (is_even(time)) return;
   const std::size_t read = time.size();
   std::size_t count = std::max<std::size_t>(read, 64);
-  // However wild the times: half a million samples, and of many signals no more than 64 MB.
-  const std::size_t most =
-      std::min(std::size_t{1} << 19, (std::size_t{1} << 23) / std::max<std::size_t>(signals.size(), 1));
+  // However wild the times: a thousand samples a point, half a million, and of many signals no more than 64 MB.
+  const std::size_t most = std::min(
+      {1024 * read, std::size_t{1} << 19, (std::size_t{1} << 23) / std::max<std::size_t>(signals.size(), 1)});
   double worst = 0.0;
   for (;; count *= 2) {
     worst = 0.0;

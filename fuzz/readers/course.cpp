@@ -2,6 +2,7 @@
 
 #include <stdexcept>
 
+#include "base/error.hpp"
 #include "reader.hpp"
 
 namespace bodesmith::fuzz {

@@ -17,9 +17,9 @@ Answer approximate_fractional(const Call& call) {
   if (o.has("order")) options.order = integer_or(o, "order", 4, 1, 12);
   options.max_error_db = maybe_positive(o, "max_error_db");
   options.max_order = integer_or(o, "max_order", options.max_order, 1, 12);
-  options.real = o.boolean_or("real", false);
+  options.direct.real = o.boolean_or("real", false);
   options.keep_integrator = o.boolean_or("keep_integrator", false);
-  options.seed = seed_of(o);
+  options.direct.seed = seed_of(o);
   const Stopwatch watch;
   const project::FractionalFit made = project::fit_fractional(transfer, "the transfer function", options);
   Json body = made.fit.sections.to_json();

@@ -68,9 +68,9 @@ int approximate_fractional(const CommandLine& line) {
   options.max_error_db = line.maybe_positive("max-error-db");
   if (line.has("order")) options.order = line.get<int>("order");
   options.max_order = line.get<int>("max-order");
-  options.real = line.has("real");
+  options.direct.real = line.has("real");
   options.keep_integrator = line.has("keep-integrator");
-  options.seed = line.seed_value();
+  options.direct.seed = line.seed_value();
   Provenance from;
   const std::string file = line.files().front();
   const FractionalTransfer transfer = FractionalTransfer::read(file, from);

@@ -14,6 +14,7 @@
 #include "fit/waveform_problem.hpp"
 #include "fit/worst_waveform.hpp"
 #include "lti/section_making.hpp"
+#include "numeric/golden_section.hpp"
 
 namespace bodesmith {
 namespace {
@@ -93,17 +94,8 @@ double best_constant_gain(const Disturbance& disturbance, const std::vector<Hert
                                                operating, {.path = options.path, .harmonics = 16});
     return options.worst ? error.worst_percent : error.rms_percent;
   };
-  double low = 0.0;
-  double high = 3.0;
-  while (high - low > 1e-6) {
-    const double a = low + 0.382 * (high - low);
-    const double b = low + 0.618 * (high - low);
-    if (value_at(a) < value_at(b))
-      high = b;
-    else
-      low = a;
-  }
-  return 0.5 * (low + high);
+  constexpr double kMostGain = 3.0;
+  return golden_section_minimum(0.0, kMostGain, 1e-6, value_at);
 }
 
 /// The fractional cascade interpolated through the rate gains; nothing when fewer than two are above 0.

@@ -21,10 +21,6 @@ struct SearchedNetwork {
   bool beats = false;    ///< some path samples at a clock within twice the band
 };
 
-/// What the search minimises on: the band, and with a quarter of the weight up to fifty times its upper end (the
-/// board goes on working above the band), as far as the fast clock is sixteen times the frequency.
-NetworkTarget network_target(const Sections& sections, Band band, double fast_clock_hz, const Board& board);
-
 /// Tries partial fractions (every pole a path at its own clock, fewer paths where fewer do), the cascade at one
 /// clock, and slow poles as paths behind a cascade of the others; each with several clocks and sizes of
 /// capacitors, fitted as the board runs, rounded to whole capacitors; keeps the one with the smallest error

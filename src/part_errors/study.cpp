@@ -7,19 +7,12 @@
 #include "base/error.hpp"
 #include "controller/behaviour.hpp"
 #include "numeric/parallel_for.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::part_errors {
 namespace {
 
 using controller::AnalogController;
-
-double quantile(const std::vector<double>& sorted, double p) {
-  if (sorted.empty()) return 0.0;
-  const double at = p * static_cast<double>(sorted.size() - 1);
-  const auto i = static_cast<std::size_t>(at);
-  const double next = sorted[std::min(i + 1, sorted.size() - 1)];
-  return sorted[i] + (at - static_cast<double>(i)) * (next - sorted[i]);
-}
 
 /// Of a - b, without what a delay of r would make (r's own slope times anything): tracking errors are stated
 /// with their lag removed.
@@ -89,7 +82,8 @@ void take_shares(const OneAtATime& alone, const std::vector<Cause>& causes, Stud
 
 Spread spread_of(std::vector<double> percent, double nominal) {
   std::sort(percent.begin(), percent.end());
-  return {nominal, quantile(percent, 0.5), quantile(percent, 0.95), percent.empty() ? 0.0 : percent.back()};
+  return {nominal, quantile_of_sorted(percent, 0.5), quantile_of_sorted(percent, 0.95),
+          percent.empty() ? 0.0 : percent.back()};
 }
 
 Bench::Bench(const AnalogController& controller, const tracking::Stage& stage, const StudyOptions& options)

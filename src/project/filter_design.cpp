@@ -6,16 +6,15 @@
 #include <cmath>
 #include <memory>
 
-#include "approximate/fractional_stability.hpp"
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "base/whole_number.hpp"
 #include "circuit/response.hpp"
 #include "circuit/stated_band.hpp"
 #include "fit/choice.hpp"
 #include "fpaa/multirate_response.hpp"
 #include "lti/integrators.hpp"
+#include "project/fractional_fit.hpp"
 #include "yield/nulls.hpp"
 
 namespace bodesmith::project {
@@ -110,35 +109,20 @@ void fit_points(const FilterProject& project, FilterDesign& design) {
   }
 }
 
-/// The exact response as complex points, 40 a decade.
-BodePoints points_of(const FractionalTransfer& transfer, const std::string& file, Band band) {
-  BodePoints out;
-  out.file = file;
-  const int count = std::max(20, whole_number<int>(40.0 * std::log10(band.to.value / band.from.value)));
-  for (const Hertz f : log_grid(band, count)) {
-    const std::complex<double> g = transfer.response(f.rad_s());
-    out.points.push_back({f, std::abs(g), to_degrees(std::arg(g)), 1.0, 0});
-  }
-  return out;
-}
-
 void fit_transfer(const FilterProject& project, FilterDesign& design) {
-  const FractionalStability stability = fractional_stability(project.fractional->denominator);
-  if (!stability.stable()) {
-    throw DesignError(
-        project.target_file, 0,
-        fmt::format("is unstable ({} poles in the right half plane)", stability.unstable_poles));
-  }
-  DirectFitOptions options = direct_options(project);
-  options.use_phase = true;
-  if (!project.fit.order && !project.fit.max_error_db) options.order = kDefaultFractionalOrder;
-  const BodePoints points = points_of(*project.fractional, project.target_file, project.band);
-  take_sections(design, project.fit.order || project.fit.max_error_db ? fit_sections(project, points, options)
-                                                                      : fit_directly(points, options));
+  FractionalFitOptions options;
+  options.band = project.band;
+  options.order = project.fit.order;
+  options.max_error_db = project.fit.max_error_db;
+  options.max_order = kLargestFittedOrder;
+  options.direct = direct_options(project);
+  options.direct.order = kDefaultFractionalOrder;
+  FractionalFit made = fit_fractional(*project.fractional, project.target_file, options);
+  take_sections(design, std::move(made.fit));
   design.how = "Sections were fitted to gain and phase of the fractional transfer function.";
-  if (stability.powers_of_s > 0.0) {
+  if (made.stability.powers_of_s > 0.0) {
     design.how += fmt::format(" Its integrator of order {} ends at a gain of {} dB.",
-                              rounded_text(stability.powers_of_s),
+                              rounded_text(made.stability.powers_of_s),
                               rounded_text(to_decibel(std::abs(design.sections.dc_gain())), 3));
   }
 }

@@ -94,15 +94,13 @@ FractionalFit fit_fractional(const FractionalTransfer& transfer, const std::stri
     throw DesignError(file, 0, "has no integrator that --keep-integrator could keep");
   const BodePoints points =
       without_integrators(sampled_points(transfer, file, options.band), out.poles_at_zero);
-  DirectFitOptions direct;
+  DirectFitOptions direct = options.direct;
   direct.use_phase = true;
-  direct.real = options.real;
-  direct.seed = options.seed;
   if (options.order) direct.order = *options.order;
-  out.fit =
-      options.max_error_db && !options.order
-          ? fit_directly_within(points, direct, *options.max_error_db, 1, std::min(12, options.max_order))
-          : fit_directly(points, direct);
+  out.fit = options.max_error_db && !options.order
+                ? fit_directly_within(points, direct, *options.max_error_db,
+                                      std::max(1, direct.relative_degree), std::min(12, options.max_order))
+                : fit_directly(points, direct);
   add_integrators(out.fit.sections, out.poles_at_zero);
   return out;
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <cstdint>
 #include <optional>
 #include <string>
 
@@ -13,12 +12,11 @@ namespace bodesmith::project {
 /// How a fractional transfer function becomes integer sections: minimax in dB and degrees over a band, 40 points a decade.
 struct FractionalFitOptions {
   Band band;
-  std::optional<int> order;  ///< poles; none: the fewest within max_error_db, else DirectFitOptions' own
+  std::optional<int> order;            ///< poles; none: the fewest within max_error_db, else that of `direct`
   std::optional<double> max_error_db;  ///< of the magnitude
   int max_order = 12;
-  bool real = false;             ///< real poles and zeros only
   bool keep_integrator = false;  ///< an integrator s^-a stays one: round(a), at least 1, poles at 0
-  std::uint64_t seed = 1;
+  DirectFitOptions direct{};     ///< real, seed, deadline, …; its order when nothing else says one
 };
 
 struct FractionalFit {

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/whole_number.hpp"
 #include "numeric/fourier.hpp"
 
 namespace bodesmith {
@@ -28,6 +29,14 @@ double quantile(std::vector<double> v, double q) {
   const auto k = static_cast<std::ptrdiff_t>(q * static_cast<double>(v.size() - 1) + 0.5);
   std::nth_element(v.begin(), v.begin() + k, v.end());
   return v[static_cast<std::size_t>(k)];
+}
+
+double quantile_of_sorted(std::span<const double> sorted, double q) {
+  if (sorted.empty()) return 0.0;
+  const double place = q * static_cast<double>(sorted.size() - 1);
+  const auto i = whole_number<std::size_t>(place);
+  const double next = sorted[std::min(i + 1, sorted.size() - 1)];
+  return sorted[i] + (place - static_cast<double>(i)) * (next - sorted[i]);
 }
 
 double correlation_time(std::span<const double> v) {

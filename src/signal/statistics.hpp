@@ -9,8 +9,10 @@ namespace bodesmith {
 double mean(std::span<const double> v);
 double rms(std::span<const double> v);
 double median(std::vector<double> v);
-/// The value below which the fraction q of v lies.
+/// The value below which the fraction q of v lies: one of v, 0 of none.
 double quantile(std::vector<double> v, double q);
+/// The same of values in rising order, on the straight line between the two nearest.
+double quantile_of_sorted(std::span<const double> sorted, double q);
 
 /// Samples over which v forgets itself: 1 + 2 sum of the autocorrelation up to its first crossing of 0.05.
 /// n / correlation_time(v) is the effective sample size of its mean.

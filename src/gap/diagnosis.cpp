@@ -29,14 +29,21 @@ const Ranked* best_rival(const Step& step) {
   return rival;
 }
 
-DiagnosedStep describe(const Step& step, const GapMeter& meter) {
+/// The partner of a pair, unless it was taken out again.
+std::string partner_left(const Step& step, const std::vector<Step>& steps) {
+  const bool left = std::any_of(steps.begin(), steps.end(),
+                                [&](const Step& other) { return other.effect->name() == step.pair_with; });
+  return left ? step.pair_with : "";
+}
+
+DiagnosedStep describe(const Step& step, const SearchResult& search, const GapMeter& meter) {
   DiagnosedStep s;
   s.effect = step.effect->name();
   s.tied_with = step.tied_with;
   s.also_fit = step.also_fit;
   s.placed = step.placed;
   s.also_placed = step.also_placed;
-  s.pair_with = step.pair_with;
+  s.pair_with = partner_left(step, search.steps);
   s.before = meter.size(step.before);
   s.after = meter.size(step.after);
   s.control_gain = step.control_gain;
@@ -163,7 +170,7 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   d.refitted = meter.size(d.search.base);
   d.final = meter.size(d.search.final);
   d.floor = d.search.floor;
-  for (const auto& s : d.search.steps) d.steps.push_back(describe(s, meter));
+  for (const auto& s : d.search.steps) d.steps.push_back(describe(s, d.search, meter));
   if (!d.steps.empty()) d.steps.back().after = d.final;
   auto parameters = found_parameters(d.search.final, searched);
   for (std::size_t k = 0; k < parameters.size() && k < d.steps.size(); ++k)

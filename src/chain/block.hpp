@@ -98,6 +98,9 @@ class BlockType {
   virtual int section_order() const { return 0; }
   /// Lists of coefficients whose powers of the input a circuit makes by multipliers.
   virtual std::vector<PolynomialList> polynomials() const { return {}; }
+  /// An equation solved in steps of its own within each sample, hundreds where it is steep: what runs a chain thousands
+  /// of times passes it by.
+  virtual bool steps_within_samples(const Block&) const { return false; }
   /// The model of a block that is one of hysteresis/, otherwise null.
   virtual const hysteresis::ModelType* hysteresis_model() const { return nullptr; }
 
@@ -149,6 +152,7 @@ class Block {
   std::optional<double> pure_delay_s() const { return type_->pure_delay_s(*this); }
   int section_order() const { return type_->section_order(); }
   std::vector<PolynomialList> polynomials() const { return type_->polynomials(); }
+  bool steps_within_samples() const { return type_->steps_within_samples(*this); }
   const hysteresis::ModelType* hysteresis_model() const { return type_->hysteresis_model(); }
 
   /// Line of model.toml it came from; 0: none.

@@ -59,6 +59,10 @@ FrequencyExperiment::FrequencyExperiment(MeasuredResponse record)
     : record_(std::make_shared<const MeasuredResponse>(std::move(record))),
       weights_(std::make_shared<const std::vector<double>>(response_weights(*record_))) {}
 
+bool are_responses(const Experiments& experiments) {
+  return !experiments.empty() && std::holds_alternative<FrequencyExperiment>(experiments.front());
+}
+
 std::size_t scored_samples(const Experiments& experiments) {
   std::size_t total = 0;
   for (const auto& e : experiments)

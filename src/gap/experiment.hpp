@@ -118,6 +118,8 @@ struct Visitor : Functions... {
 template <class... Functions>
 Visitor(Functions...) -> Visitor<Functions...>;
 
+/// The records are frequency responses: a list of them holds one kind.
+bool are_responses(const Experiments& experiments);
 /// Samples scored in all of them.
 std::size_t scored_samples(const Experiments& experiments);
 /// The largest range of them.

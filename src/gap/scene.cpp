@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "gap/lines.hpp"
 #include "gap/runner.hpp"
@@ -260,11 +261,12 @@ std::vector<std::size_t> Scene::base_places() const {
   return places;
 }
 
-Scene make_scene(const Model& model, const Experiments& train) {
+Scene make_scene(const Model& model, const Experiments& train, std::function<bool()> late) {
   auto scene = std::visit(Visitor{[&](const TimeExperiment& e) { return scene_of(model, e); },
                                   [&](const FrequencyExperiment& e) { return scene_of(model, e, train); }},
                           train.front());
   scene.records = train.size();
+  scene.late = std::move(late);
   return scene;
 }
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -35,6 +36,7 @@ struct Scene {
   std::vector<Signal> boundary;           ///< in front of each block, the last one: the output
   std::vector<double> residual;           ///< measured - model, whole first record
   std::vector<double> residual_peaks_hz;  ///< strongest frequencies of the residual
+  std::function<bool()> late;             ///< true: the time for proposals is over; empty: it has no end
 
   bool linear(std::size_t position) const;  ///< the block there is linear and time-invariant
   /// One boundary of each class of places that a linear effect cannot tell apart.
@@ -55,12 +57,14 @@ struct Scene {
   std::vector<std::size_t> base_places() const;
   /// A time so short beside the sampling that how the input goes between the samples passes for it.
   bool is_between_samples(double seconds) const;
+  /// Long looks for start values end here, with what they have.
+  bool is_late() const { return late && late(); }
   /// The output as it was measured.
   double measured(std::size_t sample) const { return boundary.back().values[sample] + residual[sample]; }
 };
 
-/// What the effects look at: the first training record under the present model.
-Scene make_scene(const Model& model, const Experiments& train);
+/// What the effects look at: the first training record under the present model. `late`: Scene::late.
+Scene make_scene(const Model& model, const Experiments& train, std::function<bool()> late = {});
 
 /// A shorter look at a long record: the stretch of about `samples` samples with the most lively output, with
 /// `lead` samples before it that are run but not scored.

@@ -136,7 +136,7 @@ std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> propo
   PresentModel present;
   present.residuals = as_eigen(out);
   present.energy = present.residuals.squaredNorm();
-  present.logarithmic = !look.empty() && std::holds_alternative<FrequencyExperiment>(look.front());
+  present.logarithmic = are_responses(look);
   const auto residuals = [&](std::span<const double> v, std::vector<double>& o) { return runner(v, o); };
   for (const auto& column : sensitivities(model.unknowns(), residuals, values)) {
     if (!column.empty()) present.known.add(as_eigen(column));

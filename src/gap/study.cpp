@@ -82,7 +82,7 @@ std::vector<Record> read_all(const std::vector<std::filesystem::path>& files, Pr
 }  // namespace
 
 bool Study::frequency_responses() const {
-  return !train_.empty() && std::holds_alternative<FrequencyExperiment>(train_.front());
+  return are_responses(train_);
 }
 
 bool Study::weighted() const {

@@ -104,6 +104,9 @@ class BoucWenType final : public ShapedModelType<BoucWen> {
                             any_number("offset", "y", "constant added at the output").with_default(0.0),
                         }) {}
 
+  /// A sharpness of 1 has a closed form.
+  bool steps_within_samples(const Parameters& values) const override { return values.number("n") != 1.0; }
+
  protected:
   std::unique_ptr<Operator> operator_of(const BoucWen& model) const override {
     return std::make_unique<BoucWenOperator>(model);

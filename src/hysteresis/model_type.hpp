@@ -63,6 +63,8 @@ class ModelType {
   virtual std::optional<BranchCurves> branch_curves(const Parameters&) const { return std::nullopt; }
   /// True of models of steady sines, whose output for other inputs means little: never the best of several.
   virtual bool for_steady_sines() const { return false; }
+  /// With these values step() solves an equation in steps of its own, hundreds where it is steep.
+  virtual bool steps_within_samples(const Parameters&) const { return false; }
   /// Lists that hold the coefficients of u, u², … of a polynomial which a circuit makes by multipliers.
   virtual std::vector<std::string_view> polynomial_lists() const { return {}; }
 

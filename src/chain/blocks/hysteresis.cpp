@@ -99,6 +99,9 @@ class HysteresisBlock final : public BlockType {
     for (const std::string_view key : model_->polynomial_lists()) out.push_back({key, 0});
     return out;
   }
+  bool steps_within_samples(const Block& block) const override {
+    return model_->steps_within_samples(parameters_of(block));
+  }
   const ModelType* hysteresis_model() const override { return model_; }
 
   static hysteresis::Parameters parameters_of(const Block& block) {

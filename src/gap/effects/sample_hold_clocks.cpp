@@ -103,7 +103,7 @@ Starts clocks_of_stairs(const Scene& scene, const std::vector<double>& signal,
   for (double f = std::max(1.5 * scene.band_hz, 8.0 / (static_cast<double>(length) * h)); f < kFastest / h;
        f += spacing)
     scored.emplace_back(likeness(f, length), f);
-  while (true) {
+  while (!scene.is_late()) {
     std::sort(scored.rbegin(), scored.rend());
     keep_best(scored, kOnePeak / (static_cast<double>(length) * h));
     if (length == last) return starts_of(scored);
@@ -118,6 +118,7 @@ Starts clocks_of_stairs(const Scene& scene, const std::vector<double>& signal,
     scored = std::move(finer);
     spacing *= 0.5;
   }
+  return {};
 }
 
 /// What the model leaves of the measured output from sample `from` on when its gain is the best: a gain that is off would
@@ -163,10 +164,9 @@ double lag_by_slope_s(const Scene& scene) {
   return ss > 0.0 && rs > 0.0 && rs * rs > kMinSlopeShare * ss * rr ? rs / ss : 0.0;
 }
 
-/// Whether one of its blocks is a differential equation that is solved step by step, hundreds to a sample where its loop is steep.
 bool is_costly(const Model& model) {
   for (std::size_t k = 0; k < model.size(); ++k) {
-    if (model.at(k).type_name() == "bouc_wen") return true;
+    if (model.at(k).steps_within_samples()) return true;
   }
   return false;
 }
@@ -205,7 +205,7 @@ bool images_stand_out(const Scene& scene) {
 }
 
 Starts clocks_by_lag(const Scene& scene, const Model& held, double guess_hz) {
-  // Thousands of runs: with such a block the stairs alone must tell.
+  // Thousands of runs: with a block that is solved step by step the stairs alone must tell.
   if (is_costly(held)) return {};
   TimeRecord record;
   record.step_s = scene.step_s;
@@ -226,6 +226,7 @@ Starts clocks_by_lag(const Scene& scene, const Model& held, double guess_hz) {
     Runner runner(held, {look});
     std::vector<ScoredClock> scored;
     for (double f : candidates) {
+      if (scene.is_late()) return {};
       values.back() = f;
       if (runner(values, residual)) scored.emplace_back(left_by_any_gain(residual, measured, length / 5), f);
     }

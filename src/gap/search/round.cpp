@@ -26,15 +26,21 @@ bool repeats_earlier_term(const Proposal& proposal, bool in_response) {
                      [&](const Term& earlier) { return earlier.effect == effect; });
 }
 
-/// What every effect promises when the search stands at this model, best first.
+/// What every effect promises when the search stands at this model, best first. Those that had no time to propose themselves
+/// go to `missed`.
 std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecords& records,
-                                 const Model& model, const EffectFilter& filter) {
-  const auto scene = make_scene(model, records.train);
+                                 const Model& model, const EffectFilter& filter,
+                                 std::set<std::string_view>& missed) {
+  const auto scene = make_scene(model, records.train, [&] { return setting.options.is_late(); });
   std::vector<Proposal> proposals;
   for (const auto* effect : effect_registry().all()) {
     if (scene.frequency_only && !effect->linear()) continue;
     if (filter && !filter(*effect)) continue;
+    const std::size_t before = proposals.size();
     effect->propose(scene, proposals);
+    // Without its look at the residual it has no start values.
+    if (effect->starts_from_residual() && proposals.size() == before && scene.is_late())
+      missed.insert(effect->name());
   }
   std::erase_if(proposals, [&](const Proposal& p) { return repeats_earlier_term(p, scene.frequency_only); });
   return shortlist(model, std::move(proposals), records.look(), setting.options.threads);
@@ -126,10 +132,11 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
                       const EffectFilter& filter, std::optional<double> min_score) {
   const auto& options = setting.options;
   FittedRound round;
-  const bool responses = std::holds_alternative<FrequencyExperiment>(records.train.front());
+  const bool responses = are_responses(records.train);
   Choice choice(options.round, !model.terms().empty(), min_score.value_or(options.round.min_score),
                 responses ? options.round.more_forms_of_response : 0);
-  auto promising = look_from(setting, records, model, filter);
+  std::set<std::string_view> missed;
+  auto promising = look_from(setting, records, model, filter, missed);
   round.looked_at = promising.size();
   choice.add(std::move(promising), options.round.effects, {});
   if (options.stopped()) return {};
@@ -137,14 +144,14 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
     // Free parameters that took over a missing effect's share hide it: a few more, as they look from the
     // parameters that were given.
     const auto done = choice.close_for_another_look();
-    choice.add(look_from(setting, records, setting.initial, filter),
+    choice.add(look_from(setting, records, setting.initial, filter, missed),
                options.round.effects + options.round.effects_from_given, done);
     if (options.stopped()) return {};
   }
+  round.not_tried.assign(missed.begin(), missed.end());
   if (choice.chosen().empty()) return round;
   const auto before = round_residuals(model, records);
   auto fitted = fit_candidates(setting, records, choice.chosen(), before);
-  std::set<std::string_view> missed;
   for (std::size_t i = 0; i < fitted.size(); ++i) {
     if (fitted[i])
       round.ranking.push_back(std::move(*fitted[i]));

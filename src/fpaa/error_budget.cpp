@@ -8,6 +8,7 @@
 #include "base/json.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/error_reference.hpp"
+#include "fpaa/multirate_response.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -184,6 +185,7 @@ bool is_one_path(const Plan& plan) {
 void add_response_errors(const Plan& plan, const Sections& sections, ErrorBudget& out) {
   const auto cams = plan.cams();
   const bool one_path = is_one_path(plan);
+  const MultirateResponse response(plan);
   std::vector<Complex> wanted, ideal, got, holds;
   for (const Hertz f : log_grid(plan.error.band, kPoints)) {
     const RadPerSecond w = f.rad_s();
@@ -192,9 +194,9 @@ void add_response_errors(const Plan& plan, const Sections& sections, ErrorBudget
     wanted.push_back(sections.response(w));
     Complex h = 1.0;
     for (const PlacedCam* cam : cams) h *= cam->cam->unquantised(*cam, w);
-    got.push_back(plan_response(plan, w, false));
+    got.push_back(response.without_delays(w));
     ideal.push_back(one_path ? h : got.back());
-    holds.push_back(plan_response(plan, w, true) / got.back());
+    holds.push_back(response.as_it_runs(w) / got.back());
     out.hold_phase_deg = std::max(out.hold_phase_deg, std::abs(to_degrees(std::arg(holds.back()))));
   }
   out.warping_percent = one_path ? worst_percent(ideal, wanted) : 0.0;

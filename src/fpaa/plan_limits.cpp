@@ -42,25 +42,37 @@ double sine_integral(double x) {
   return 0.5 * std::numbers::pi - f * std::cos(x) - g * std::sin(x);
 }
 
-/// The largest |y(t)| of a node's step response.
-double step_peak(const std::vector<Hertz>& grid, const std::vector<Complex>& node) {
-  constexpr int kTimes = 90;
-  const double slowest = 1.0 / grid.front().rad_s().value;
-  const double fastest = 1.0 / grid.back().rad_s().value;
-  double peak = std::abs(node.front().real());
-  for (int i = 0; i < kTimes; ++i) {
-    const double t = fastest * std::pow(slowest / fastest, (i + 0.5) / kTimes);
-    double y = node.front().real() * sine_integral(grid.front().rad_s().value * t);
-    double before = sine_integral(grid.front().rad_s().value * t);
-    for (std::size_t k = 0; k + 1 < grid.size(); ++k) {
-      const double next = sine_integral(grid[k + 1].rad_s().value * t);
-      y += 0.5 * (node[k].real() + node[k + 1].real()) * (next - before);
-      before = next;
+/// Step responses of nodes: y(t) = 2/pi int Re H(w) sin(w t)/w dw, straight between the frequencies of the grid.
+class StepPeaks {
+ public:
+  explicit StepPeaks(const std::vector<Hertz>& grid) : count_(grid.size()) {
+    const double slowest = 1.0 / grid.front().rad_s().value;
+    const double fastest = 1.0 / grid.back().rad_s().value;
+    table_.reserve(kTimes * count_);
+    for (int i = 0; i < kTimes; ++i) {
+      const double t = fastest * std::pow(slowest / fastest, (i + 0.5) / kTimes);
+      for (const Hertz f : grid) table_.push_back(sine_integral(f.rad_s().value * t));
     }
-    peak = std::max(peak, std::abs(y) * 2.0 / std::numbers::pi);
   }
-  return peak;
-}
+
+  /// The largest |y(t)| of a node.
+  double largest(const std::vector<Complex>& node) const {
+    double peak = std::abs(node.front().real());
+    for (int i = 0; i < kTimes; ++i) {
+      const double* at = table_.data() + static_cast<std::size_t>(i) * count_;
+      double y = node.front().real() * at[0];
+      for (std::size_t k = 0; k + 1 < count_; ++k)
+        y += 0.5 * (node[k].real() + node[k + 1].real()) * (at[k + 1] - at[k]);
+      peak = std::max(peak, std::abs(y) * 2.0 / std::numbers::pi);
+    }
+    return peak;
+  }
+
+ private:
+  static constexpr int kTimes = 90;
+  std::size_t count_;
+  std::vector<double> table_;  ///< Si(w t), all frequencies of a time together
+};
 
 double fastest_clock(const Plan& plan) {
   double out = 0.0;
@@ -89,9 +101,10 @@ Headroom headroom_of(const Plan& plan, Band band, const Board& board) {
   }
   double sine = 1.0;
   double step = 1.0;
+  const StepPeaks peaks(drawn.grid());
   for (const std::vector<Complex>& node : nodes) {
     for (const Complex& h : node) sine = std::max(sine, std::abs(h));
-    step = std::max(step, step_peak(drawn.grid(), node));
+    step = std::max(step, peaks.largest(node));
   }
   return {board.full_scale_v / sine, board.full_scale_v / step};
 }

@@ -1,13 +1,15 @@
 #include "project/design.hpp"
 
 #include <algorithm>
+#include <memory>
 #include <variant>
 
 #include "base/error.hpp"
 #include "base/outcome.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "circuit/response.hpp"
+#include "circuit/network.hpp"
+#include "fpaa/multirate_response.hpp"
 #include "project/built_controllers.hpp"
 
 namespace bodesmith::project {
@@ -167,17 +169,17 @@ std::vector<DesignStage> design_stages(const Design& design) {
   const std::size_t sections =
       add("sections", cascade, [&design](RadPerSecond w) { return design.sections().response(w); });
   if (design.plan) {
+    const auto response = std::make_shared<const fpaa::MultirateResponse>(*design.plan);
     const std::size_t fpaa =
-        add("fpaa", sections, [&design](RadPerSecond w) { return plan_response(*design.plan, w, false); });
-    add("fpaa with holds", fpaa, [&design](RadPerSecond w) { return plan_response(*design.plan, w, true); });
+        add("fpaa", sections, [response](RadPerSecond w) { return response->without_delays(w); });
+    add("fpaa with holds", fpaa, [response](RadPerSecond w) { return response->as_it_runs(w); });
   }
   if (design.circuit) {
     const std::size_t circuit =
         add("circuit", sections, [&design](RadPerSecond w) { return design.circuit->circuit.response(w); });
-    add("circuit with op-amps", circuit, [&design](RadPerSecond w) {
-      return circuit::network_response(design.circuit->circuit, {w.hz()}, design.circuit->circuit.model)
-          .front();
-    });
+    const auto network = std::make_shared<const circuit::Network>(design.circuit->circuit);
+    add("circuit with op-amps", circuit,
+        [network](RadPerSecond w) { return network->output(w, &network->circuit().model); });
   }
   return stages;
 }

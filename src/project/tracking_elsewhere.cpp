@@ -64,9 +64,9 @@ struct Task {
   double amplitude = 1.0;
 };
 
+/// The ideal ways of compensating, without the built controllers.
 TrackedElsewhere followed(const Project& project, const Task& task,
-                          const std::vector<TrackedCandidate>& candidates,
-                          const std::vector<ControllerDrives>& controllers) {
+                          const std::vector<TrackedCandidate>& candidates) {
   TrackedElsewhere out{task.name, task.waveform, task.amplitude, {}, {}};
   tracking::Plant plant = tracking_plant(project);
   plant.stage = task.stage;
@@ -91,9 +91,6 @@ TrackedElsewhere followed(const Project& project, const Task& task,
     }
     out.designs.push_back(std::move(design));
   }
-  for (const ControllerDrives& controller : controllers)
-    out.designs.push_back(
-        controller_on(controller, *task.stage, task.waveform, task.amplitude, options.frequencies));
   if (task.identified != nullptr) {
     for (const Hertz f : options.frequencies)
       out.fit_percent.push_back(task.identified->fit(f).full_stroke_percent);
@@ -181,9 +178,11 @@ void add_controllers(const Project& project, const std::vector<ControllerDrives>
   tracking::PolynomialStage::Options options;
   options.alpha = study.amplitude;
   const tracking::PolynomialStage stage(plant.disturbance, plant.paths(), options);
-  for (const ControllerDrives& controller : controllers)
-    study.designs.push_back(
-        controller_on(controller, stage, study.waveform, study.amplitude, study.frequency));
+  std::vector<TrackedDesign> followed_by(controllers.size());
+  parallel_for(controllers.size(), thread_count(0), [&](std::size_t i) {
+    followed_by[i] = controller_on(controllers[i], stage, study.waveform, study.amplitude, study.frequency);
+  });
+  for (TrackedDesign& design : followed_by) study.designs.push_back(std::move(design));
 }
 
 std::vector<TrackedElsewhere> tracked_elsewhere(const Project& project,
@@ -191,8 +190,21 @@ std::vector<TrackedElsewhere> tracked_elsewhere(const Project& project,
                                                 const std::vector<ControllerDrives>& controllers) {
   const std::vector<Task> tasks = all_tasks(project);
   std::vector<TrackedElsewhere> out(tasks.size());
-  parallel_for(tasks.size(), thread_count(0),
-               [&](std::size_t i) { out[i] = followed(project, tasks[i], candidates, controllers); });
+  std::vector<std::vector<TrackedDesign>> built(tasks.size(), std::vector<TrackedDesign>(controllers.size()));
+  // The longest work first.
+  const std::size_t count = tasks.size();
+  parallel_for(count * (1 + controllers.size()), thread_count(0), [&](std::size_t i) {
+    const Task& task = tasks[i % count];
+    if (i < count) {
+      out[i] = followed(project, task, candidates);
+    } else {
+      const std::size_t c = i / count - 1;
+      built[i % count][c] =
+          controller_on(controllers[c], *task.stage, task.waveform, task.amplitude, project.track.frequency);
+    }
+  });
+  for (std::size_t i = 0; i < count; ++i)
+    for (TrackedDesign& design : built[i]) out[i].designs.push_back(std::move(design));
   return out;
 }
 

@@ -107,7 +107,8 @@ std::vector<double> RepeatRun::first_states(const PeriodicState& begin) const {
   std::vector<double> q = begin.drive;
   if (path.order() > 0 && options_.argument == Options::Argument::drive) {
     // Far faster than a period: a shift by its lag at most, which the first corrections take care of.
-    for (double& value : q) value *= response(path, 0.0).real();
+    const double at_rest = response(path, 0.0).real();
+    for (double& value : q) value *= at_rest;
   }
   const std::vector<double> added = periodic_.stage_disturbance(q);
   for (std::size_t i = 0; i < q.size(); ++i) q[i] += added[i];

@@ -33,12 +33,19 @@ std::vector<double> geometric(int count) {
 }
 
 /// mantissa * 10^decade as the decimal number that a person would write, not a product's rounding.
-double scaled(double mantissa, int decade) {
-  const long hundredths = nearest_whole<long>(mantissa * 100.0);
-  const int power = decade - 2;
-  return power >= 0 ? static_cast<double>(hundredths) * std::pow(10.0, power)
-                    : static_cast<double>(hundredths) / std::pow(10.0, -power);
-}
+class Decade {
+ public:
+  explicit Decade(int decade)
+      : up_(decade >= 2), power_(std::pow(10.0, static_cast<double>(std::abs(decade - 2)))) {}
+  double value(double mantissa) const {
+    const auto hundredths = static_cast<double>(nearest_whole<long>(mantissa * 100.0));
+    return up_ ? hundredths * power_ : hundredths / power_;
+  }
+
+ private:
+  bool up_;
+  double power_;
+};
 
 }  // namespace
 
@@ -93,8 +100,9 @@ std::vector<double> Series::values(double low, double high) const {
   if (mantissas_.empty() || !(low > 0.0) || high < low) return out;
   const int last = whole_number(std::floor(std::log10(most)), -400, 400);
   for (int decade = whole_number(std::floor(std::log10(least)), -400, 400); decade <= last; ++decade) {
+    const Decade of(decade);
     for (const double mantissa : mantissas_) {
-      const double value = scaled(mantissa, decade);
+      const double value = of.value(mantissa);
       if (value >= least && value <= most) out.push_back(value);
     }
   }

@@ -70,7 +70,7 @@ def simulate(
     time_s: ArrayLike | None = None,
     start_s: float = 0.0,
     engine: Literal["automatic", "exact", "record", "cvode"] = "automatic",
-    start: Literal["zero", "equilibrium"] = "zero",
+    start: Literal["zero", "equilibrium"] | None = None,
     tolerance: float = 1e-8,
     oversample: int = 1,
     degree: int = 0,
@@ -86,7 +86,7 @@ def simulate(
             read where it lies; the output is handed over without copying.
         engine: automatic: in closed form where there is one, else from sample to sample, refined until `tolerance` is met;
             exact: closed form or InputError; record: from sample to sample with one step; cvode: as an ODE with events.
-        start: states zero, or at rest under the first input.
+        start: states zero, or at rest under the first input; None: what the model's own `start` says, zero where it has none.
         oversample, degree: record: steps a sample interval, degree of the hold (0: as the model needs).
         estimate_error: a second, finer run (record, cvode).
         controller: closes a loop round the model, which then follows u as its reference: {"type": "pid", "kp": …,
@@ -232,7 +232,7 @@ def compensate(
     time_s: ArrayLike | None = None,
     start_s: float = 0.0,
     preview: bool = True,
-    start: Literal["equilibrium", "zero"] = "equilibrium",
+    start: Literal["equilibrium", "zero"] | None = None,
     lower: float | None = None,
     upper: float | None = None,
     max_rate_per_s: float | None = None,
@@ -245,6 +245,7 @@ def compensate(
     Args:
         reference: a Record (its u), or wanted output, shape (N,), with `step_s` or `time_s`.
         preview: look ahead by the model's delays; otherwise the output lags by them.
+        start: None: what the model's own `start` says, equilibrium where it has none.
         lower, upper, max_rate_per_s, bandwidth_hz: limits of the drive.
         skip_s: seconds at the start that the stated error does not count.
     """

@@ -20,7 +20,7 @@ simulate::Options simulation_options(const Node& o) {
   using simulate::Start;
   simulate::Options out;
   out.engine = choice(o, "engine", {Engine::automatic, Engine::exact, Engine::record, Engine::cvode});
-  out.start = choice(o, "start", {Start::zero, Start::equilibrium});
+  if (o.has("start")) out.start = choice(o, "start", {Start::zero, Start::equilibrium});
   out.relative_tolerance = positive_or(o, "tolerance", out.relative_tolerance);
   out.absolute_tolerance = 1e-2 * out.relative_tolerance;
   out.oversample = static_cast<std::size_t>(integer_or(o, "oversample", 1, 1, 1024));
@@ -60,11 +60,12 @@ Json figures_json(const ErrorFigures& error) {
           {"max_percent_of_range", error.max_percent}};
 }
 
-invert::Options compensation_options(const Node& o) {
+invert::Options compensation_options(const Node& o, const chain::Chain& model) {
   using simulate::Start;
   invert::Options out;
   out.preview = o.boolean_or("preview", true);
-  out.start = choice(o, "start", {Start::equilibrium, Start::zero});
+  out.start = o.has("start") ? choice(o, "start", {Start::equilibrium, Start::zero})
+                             : model.start.value_or(out.start);
   out.limits.lower = maybe_number(o, "lower");
   out.limits.upper = maybe_number(o, "upper");
   if (out.limits.lower && out.limits.upper && !(*out.limits.lower < *out.limits.upper))
@@ -130,7 +131,7 @@ Answer compensate_model(const Call& call) {
                 "bandwidth_hz", "skip_s"});
   const chain::Chain model = chain::model_from_node(o.at("model"));
   if (model.blocks.empty()) throw InputError("the model has no block, expected at least one");
-  const invert::Options options = compensation_options(o);
+  const invert::Options options = compensation_options(o, model);
   const TimeRecord reference = record_of(call, o);
   const Stopwatch watch;
   invert::Compensation found = invert::compensate(model, reference, options);

@@ -7,6 +7,7 @@
 
 #include "base/units.hpp"
 #include "chain/block.hpp"
+#include "chain/start.hpp"
 #include "chain/trained.hpp"
 
 namespace bodesmith::chain {
@@ -16,6 +17,8 @@ struct Chain {
   std::vector<Block> blocks;
   /// Of identified models.
   std::optional<Trained> trained = std::nullopt;
+  /// How it starts where nothing else is asked for; nothing: as each use of it does (zero in a simulation).
+  std::optional<Start> start = std::nullopt;
 
   /// Product of the blocks' exact responses; nothing when one of them is not linear.
   std::optional<std::complex<double>> response(RadPerSecond w) const;

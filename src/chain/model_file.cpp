@@ -193,8 +193,11 @@ Block block_from_node(const Node& node) {
 
 Chain model_from_node(const Node& node) {
   node.expect_schema("model");
-  node.allow_only({"schema", "block", "name", "about", "trained"});
+  node.allow_only({"schema", "block", "name", "about", "start", "trained"});
   Chain chain;
+  if (node.has("start"))
+    chain.start =
+        node.at("start").one_of({"zero", "equilibrium"}) == "zero" ? Start::zero : Start::equilibrium;
   if (node.has("trained")) chain.trained = trained_from_node(node.at("trained"));
   for (const Node& item : node.at("block").items()) chain.blocks.push_back(block_from_node(item));
   return chain;
@@ -231,6 +234,8 @@ std::string model_text(const Chain& chain, const std::string& comment) {
     for (const std::string_view line : split(comment, '\n'))
       data["comment"].push_back({{"line", std::string(line)}});
   }
+  data["start"] = Json::array();
+  if (chain.start) data["start"].push_back({{"word", std::string(to_string(*chain.start))}});
   data["trained"] = Json::array();
   if (chain.trained) data["trained"].push_back(trained_json(*chain.trained));
   data["blocks"] = Json::array();

@@ -87,12 +87,17 @@ Json model_schema() {
   out["title"] = "bodesmith.model/1";
   out["description"] = "A model: blocks in series, input first (model.toml).";
   out["type"] = "object";
-  out["properties"] = {{"$schema", {{"type", "string"}}},
-                       {"schema", {{"const", "bodesmith.model/1"}}},
-                       {"name", {{"description", "for people"}}},
-                       {"about", {{"description", "for people"}}},
-                       {"trained", trained_schema()},
-                       {"block", {{"type", "array"}, {"items", {{"$ref", "#/$defs/block"}}}}}};
+  out["properties"] = {
+      {"$schema", {{"type", "string"}}},
+      {"schema", {{"const", "bodesmith.model/1"}}},
+      {"name", {{"description", "for people"}}},
+      {"about", {{"description", "for people"}}},
+      {"start",
+       {{"enum", {"zero", "equilibrium"}},
+        {"description", "before the first sample: every state zero, or at rest under the first input"},
+        {"default", "zero"}}},
+      {"trained", trained_schema()},
+      {"block", {{"type", "array"}, {"items", {{"$ref", "#/$defs/block"}}}}}};
   out["required"] = {"schema", "block"};
   out["additionalProperties"] = false;
   out["$defs"] = {

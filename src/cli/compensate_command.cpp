@@ -46,10 +46,12 @@ Json figures_json(const ErrorFigures& error) {
           {"max_percent_of_range", error.max_percent}};
 }
 
-invert::Options read_compensate_options(const CommandLine& line) {
+invert::Options read_compensate_options(const CommandLine& line, const chain::Chain& model) {
   invert::Options options;
   options.preview = !line.has("no-preview");
-  options.start = line.choice("start", {simulate::Start::equilibrium, simulate::Start::zero});
+  options.start = line.has("start")
+                      ? line.choice("start", {simulate::Start::equilibrium, simulate::Start::zero})
+                      : model.start.value_or(options.start);
   options.limits.lower = line.maybe<double>("lower");
   options.limits.upper = line.maybe<double>("upper");
   for (const auto& [name, limit] :
@@ -163,7 +165,10 @@ void describe_compensate(CommandLine& line) {
                            "also write the inverse itself (TOML): feedforward of simulate's controller.toml");
   line.flag("no-preview", "do not look ahead by the model's delays (the output then lags by them)");
   line.option<std::string>(
-      "start", "the model before the first sample: equilibrium (at rest under it) or zero", "equilibrium");
+      "start",
+      "the model before the first sample: equilibrium (at rest under it) or zero (default: "
+      "what the model's own start says, otherwise equilibrium)");
+  line.words("start", {"equilibrium", "zero"});
   line.option<double>("lower", "lowest drive");
   line.option<double>("upper", "highest drive");
   line.option<double>("max-rate", "fastest change of the drive a second");
@@ -216,10 +221,10 @@ int run_compensate(const std::vector<std::string>& arguments) {
   if (!line.has("reference"))
     line.fail("--reference is missing, expected a CSV with time_s,r, or triangle, sine, stair, …");
   const std::optional<double> limit = line.maybe_positive("max-error-percent");
-  const invert::Options options = read_compensate_options(line);
 
   Provenance from;
   const chain::Chain model = chain::read_model(line.files().front(), from);
+  const invert::Options options = read_compensate_options(line, model);
   if (model.blocks.empty()) throw InputError(line.files().front(), 0, "has no block, expected at least one");
   const TimeRecord reference = read_wanted(line, model, from);
 

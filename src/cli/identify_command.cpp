@@ -254,7 +254,7 @@ identify::RecordFindings findings_of(IdentifyRequest& request, const std::vector
 std::string model_comment(const StageFit& fit) {
   std::string out = fmt::format(
       "{} by {}\ntraining: {}\n"
-      "the errors are for a start at rest under the first input (simulate --start equilibrium)",
+      "the errors are for a start at rest under the first input",
       fit.model, fit.identified.method, figures_text(fit.training));
   if (fit.holdout) out += fmt::format("\nholdout: {}", figures_text(*fit.holdout));
   return out;

@@ -28,8 +28,9 @@ void declare_simulate(CommandLine& line) {
   line.output("CSV with time_s, u and the model's y (in a loop: time_s, r, u, y; of a sweep: its table)");
   add_input_options(line);
   line.option<std::string>(
-      "start", "zero: all states zero before the first sample; equilibrium: at rest under the first input",
-      "zero");
+      "start",
+      "zero: all states zero before the first sample; equilibrium: at rest under the first input (default: what "
+      "the model's own start says, otherwise zero)");
   line.words("start", {"zero", "equilibrium"});
   line.option<std::string>(
       "engine",
@@ -63,7 +64,7 @@ simulate::Options read_simulation_options(const CommandLine& line) {
   using simulate::Start;
   simulate::Options options;
   options.engine = line.choice("engine", {Engine::automatic, Engine::exact, Engine::record, Engine::cvode});
-  options.start = line.choice("start", {Start::zero, Start::equilibrium});
+  if (line.has("start")) options.start = line.choice("start", {Start::zero, Start::equilibrium});
   options.relative_tolerance = line.positive("tolerance");
   options.absolute_tolerance = 1e-2 * options.relative_tolerance;
   options.oversample = static_cast<std::size_t>(line.integer("oversample", 1, 1024));

@@ -31,6 +31,7 @@ std::string advice_for(const Diagnosis& d, const Study& study) {
   for (const auto& step : d.steps) {
     if (!step.tied_with.empty()) advice.push_back(experiments_for(step));
   }
+  if (d.start) advice.push_back(to_text(*d.start));
   if (d.amplitude) advice.push_back(to_text(*d.amplitude));
   if (d.verdict == Verdict::unexplained || d.verdict == Verdict::partly_explained) {
     advice.push_back(what_remains(d));

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <utility>
 
 #include "base/progress.hpp"
 #include "gap/least_squares.hpp"
@@ -156,7 +157,9 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   if (study.split()) chosen.acceptance.max_unknowns = kMaxUnknownsWhenSplit;
   d.amplitude = amplitude_dependence(study.train());
   const Experiments searched = d.amplitude ? of_least_drive(study.train()) : study.train();
-  d.search = search(base, searched, chosen);
+  StartedSearch started = search_from_start(base, searched, chosen);
+  d.search = std::move(started.search);
+  d.start = started.start;
   if (d.amplitude) d.search.structure.push_back(sign_of_drive(*d.amplitude));
   add_q_values(d.search);
   // The held-out records come in here, when all is decided. Lines of the mains are written as the first of

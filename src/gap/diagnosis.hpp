@@ -10,6 +10,7 @@
 #include "gap/next_experiment.hpp"
 #include "gap/search.hpp"
 #include "gap/size.hpp"
+#include "gap/start_choice.hpp"
 #include "gap/study.hpp"
 #include "gap/verdict.hpp"
 #include "gap/where.hpp"
@@ -58,6 +59,8 @@ struct Diagnosis {
   std::vector<Cell> remaining_where;
   std::vector<ConstantOffset> constant_offsets;  ///< of what is left of the held-out records
   std::vector<DiagnosedStep> steps;
+  /// Of training records that begin under bias.
+  std::optional<StartChoice> start;
   /// Of responses at several drives.
   std::optional<AmplitudeDependence> amplitude;
   Verdict verdict = Verdict::unexplained;

@@ -98,6 +98,13 @@ Json json_of(const AmplitudeDependence& a) {
   return j;
 }
 
+Json json_of(const StartChoice& choice) {
+  return {{"chosen", to_string(choice.chosen)},
+          {"zero_train_rms", finite_or_null(choice.zero_rms)},
+          {"equilibrium_train_rms", finite_or_null(choice.equilibrium_rms)},
+          {"decided_by", choice.by_terms ? "terms" : "base_model"}};
+}
+
 Json json_of(const NoiseFloor& floor) {
   Json j = {{"rms", floor.rms}, {"how", to_string(floor.source)}};
   if (floor.source == NoiseFloor::Source::unknown) j["rms"] = nullptr;
@@ -142,6 +149,7 @@ Json to_json(const Diagnosis& d) {
   for (const auto& s : d.search.structure) {
     j["signs_of_more"].push_back({{"sign", to_string(s.kind)}, {"times_chance", s.strength}});
   }
+  if (d.start) j["start"] = json_of(*d.start);
   if (d.amplitude) j["amplitude_dependence"] = json_of(*d.amplitude);
   j["refused"] = json_of(d.search.refused);
   j["verdict"] = to_string(d.verdict);

@@ -24,7 +24,7 @@ std::size_t Term::effective_unknowns() const {
   return std::max<std::size_t>(1, static_cast<std::size_t>(inside));
 }
 
-Model::Model(const chain::Chain& base) {
+Model::Model(const chain::Chain& base) : start_(base.start) {
   int number = 0;
   for (const auto& block : base.blocks) {
     slots_.push_back({next_id_, ++number, block});
@@ -145,6 +145,7 @@ void Model::set_values(std::span<const double> values) {
 
 chain::Chain Model::chain() const {
   chain::Chain c;
+  c.start = start_;
   for (const auto& slot : slots_) c.blocks.push_back(slot.block);
   return c;
 }

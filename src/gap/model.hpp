@@ -3,6 +3,7 @@
 #include <cstddef>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -111,6 +112,7 @@ class Model {
     std::size_t parameter;
     Unknown unknown;
   };
+  std::optional<chain::Start> start_;  ///< as the base model says
   std::vector<Slot> slots_;
   std::vector<Free> free_;
   std::vector<Term> terms_;

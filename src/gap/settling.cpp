@@ -22,11 +22,15 @@ std::size_t settling_samples(const chain::Chain& chain, double step_s) {
   return whole_number<std::size_t>(std::min(kTimeConstants * slowest / step_s, kNeverSettles));
 }
 
+bool begins_under_bias(const TimeRecord& record) {
+  const auto [low, high] = std::minmax_element(record.u.begin(), record.u.end());
+  return std::abs(record.u.front()) > kZero * (*high - *low);
+}
+
 std::size_t start_samples(const chain::Chain& base, const TimeRecord& record) {
   const std::size_t n = record.size();
   std::size_t start = settling_samples(base, record.step_s);
-  const auto [low, high] = std::minmax_element(record.u.begin(), record.u.end());
-  if (std::abs(record.u.front()) > kZero * (*high - *low)) start = std::max(start, n * 3 / 100);
+  if (begins_under_bias(record)) start = std::max(start, n * 3 / 100);
   return std::min(start, n * 2 / 5);
 }
 

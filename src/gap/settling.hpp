@@ -10,6 +10,9 @@ namespace bodesmith::gap {
 /// Samples after which a model forgets its initial state: seven times its slowest time constant.
 std::size_t settling_samples(const chain::Chain& chain, double step_s);
 
+/// The input does not begin at zero (but for a hundredth of its range): what it did before is not in the record.
+bool begins_under_bias(const TimeRecord& record);
+
 /// How long the start of a record is, in samples, when the record may have begun in another state than rest:
 /// seven of the base model's slowest time constants, at most two fifths of the record; 3 % of the record at
 /// least when its input does not begin at zero, since an effect with memory may then start from anywhere.

@@ -72,6 +72,7 @@ StageModel StageModel::of(const chain::Chain& chain, const std::string& file) {
 
 chain::Chain StageModel::chain() const {
   chain::Chain out;
+  out.start = chain::Start::equilibrium;  // as simulate() does
   if (!does_nothing(input)) out.blocks.push_back(gain_block(input));
   if (model.type != nullptr) out.blocks.push_back(chain::hysteresis_block(model));
   if (!does_nothing(output)) {

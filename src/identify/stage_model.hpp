@@ -24,7 +24,7 @@ struct StageModel {
   /// The stage that a chain of gains, delays and at most one hysteresis model is, in any order. Throws InputError
   /// at the line of `file` whose block is something else.
   static StageModel of(const chain::Chain& chain, const std::string& file);
-  /// With the output's scaling and the delay free.
+  /// With the output's scaling and the delay free, and at rest under the first input.
   chain::Chain chain() const;
 
   /// The output for every sample, starting at rest under the first input. The input is linear between

@@ -19,8 +19,11 @@ InverseFile InverseFile::read(const std::filesystem::path& path, Provenance& fro
   if (!std::filesystem::is_regular_file(target, ignored))
     file.fail(fmt::format("names {}, which is not there", target.string()));
   InverseFile out{chain::read_model(target, from), {}};
-  if (node.has("start") && node.at("start").one_of({"equilibrium", "zero"}) == "zero")
-    out.options.start = simulate::Start::zero;
+  out.options.start = out.model.start.value_or(out.options.start);
+  if (node.has("start"))
+    out.options.start = node.at("start").one_of({"equilibrium", "zero"}) == "zero"
+                            ? simulate::Start::zero
+                            : simulate::Start::equilibrium;
   out.options.preview = node.boolean_or("preview", true);
   if (node.has("lower")) out.options.limits.lower = node.at("lower").number();
   if (node.has("upper")) out.options.limits.upper = node.at("upper").number();

@@ -12,7 +12,7 @@ namespace bodesmith::invert {
 /// inverse.toml (`bodesmith.inverse/1`): a model to invert and how, for any reference that comes.
 ///   schema = "bodesmith.inverse/1"
 ///   model = "model.toml"     # relative to this file
-///   start = "equilibrium"    # or "zero"
+///   start = "equilibrium"    # or "zero"; absent: as the model says, equilibrium where it does not
 ///   preview = true           # delays are made good by looking ahead
 ///   lower = 0.0              # limits of the drive; absent: none
 ///   upper = 1.2

@@ -58,6 +58,7 @@ struct RecordSimulator::Implementation {
   Chain chain;
   double step_s = 0.0;
   RecordOptions options;
+  Start start = Start::zero;
   std::vector<chain::Parameter*> free;
   std::vector<KernelSlot> slots;
   std::vector<RecordStage> stages;
@@ -174,7 +175,7 @@ struct RecordSimulator::Implementation {
     main_state.assign(k.order(), 0.0);
     std::copy_n(state.data() + stage.state, delay > 0 ? stage.front : k.order(), main_state.begin());
     double before = 0.0;
-    if (options.start == Start::equilibrium) rest = before = add_rest(k, rest, main_state.data());
+    if (start == Start::equilibrium) rest = before = add_rest(k, rest, main_state.data());
     linear.prepare(k, step_s, hold_nodes(1));
     linear.run_samples(result.data(), result.size() - delay, main_state.data());
     if (delay == 0) return;
@@ -205,8 +206,8 @@ struct RecordSimulator::Implementation {
     const bool right_limits = has_sampled();
     const std::size_t parts = options.oversample;
     Run run{hold_nodes(degree), step_s / static_cast<double>(parts),
-            (u.size() - 1) * parts + (right_limits || u.size() == 1 ? 1 : 0),
-            options.start == Start::equilibrium, u[0]};
+            (u.size() - 1) * parts + (right_limits || u.size() == 1 ? 1 : 0), start == Start::equilibrium,
+            u[0]};
     spread_input(u, run);
     state.assign(initial.begin(), initial.end());
     Progress progress("simulation");
@@ -320,6 +321,7 @@ RecordSimulator::RecordSimulator(Chain chain, double step_s, RecordOptions optio
   implementation_->chain = std::move(chain);
   implementation_->step_s = step_s;
   implementation_->options = options;
+  implementation_->start = options.start.value_or(implementation_->chain.start.value_or(Start::zero));
   implementation_->free = implementation_->chain.free_parameters();
   implementation_->refresh(implementation_->chain.blocks.size());
 }

@@ -12,7 +12,7 @@
 namespace bodesmith::simulate {
 
 struct RecordOptions {
-  Start start = Start::zero;
+  std::optional<Start> start;  ///< nothing: as the chain says, zero where it does not
   std::size_t degree = 0;      ///< 1-4; 0: 1 when that is exact, else 3
   std::size_t oversample = 1;  ///< holds a sample interval
   double start_s = 0.0;
@@ -49,8 +49,8 @@ class RecordSimulator {
   /// The same for the i-th free parameter (Chain::free_parameters order).
   void set_free(std::size_t i, double value);
 
-  /// States of all linear and smooth nonlinear blocks, chain order: with Start::zero, what run() starts from
-  /// (zeros unless set). Sized by the constructor.
+  /// States of all linear and smooth nonlinear blocks, chain order: what run() starts from, or with
+  /// Start::equilibrium what comes on top of rest (zeros unless set). Sized by the constructor.
   std::span<double> initial_states();
 
   /// Output at every sample of u; the view stays good until the next run.

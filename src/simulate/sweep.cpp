@@ -177,8 +177,8 @@ std::string sweep_key(const std::string& files_sha256, const SweepOptions& optio
   return sha256_hex(fmt::format("{} {} {} {} {} {} {} {} {} {} {}", files_sha256, options.kind,
                                 options.offset ? number_text(*options.offset) : "amplitude", options.periods,
                                 options.samples_per_period, static_cast<int>(s.engine),
-                                static_cast<int>(s.start), number_text(s.relative_tolerance), s.degree,
-                                s.oversample, s.estimate_error));
+                                s.start ? std::string(to_string(*s.start)) : "model's",
+                                number_text(s.relative_tolerance), s.degree, s.oversample, s.estimate_error));
 }
 
 }  // namespace bodesmith::simulate

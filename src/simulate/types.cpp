@@ -16,10 +16,6 @@ std::string_view to_string(Engine engine) {
   return "";
 }
 
-std::string_view to_string(Start start) {
-  return start == Start::equilibrium ? "equilibrium" : "zero";
-}
-
 Options Options::finer() const {
   Options out = *this;
   out.relative_tolerance *= 0.1;

@@ -6,6 +6,9 @@
 #include <string_view>
 #include <vector>
 
+#include "chain/chain.hpp"
+#include "chain/start.hpp"
+
 namespace bodesmith::simulate {
 
 /// How a chain is worked out.
@@ -19,16 +22,12 @@ enum class Engine {
 /// "automatic", "record", "exact", "cvode".
 std::string_view to_string(Engine engine);
 
-enum class Start {
-  zero,         ///< every state is zero before the first sample
-  equilibrium,  ///< at rest under the first input
-};
-/// "zero", "equilibrium".
-std::string_view to_string(Start start);
+using chain::Start;
+using chain::to_string;
 
 struct Options {
   Engine engine = Engine::automatic;
-  Start start = Start::zero;
+  std::optional<Start> start;         ///< nothing: as the model says, zero where it does not
   double relative_tolerance = 1e-8;   ///< automatic (of the largest output) and cvode
   double absolute_tolerance = 1e-10;  ///< the same, in units of the signal
   std::size_t degree = 0;      ///< record: degree of the hold between samples, 1-4; 0: as the chain needs
@@ -37,6 +36,9 @@ struct Options {
 
   /// The same with a tenth of the tolerances.
   Options finer() const;
+  Start start_of(const chain::Chain& model) const {
+    return start.value_or(model.start.value_or(Start::zero));
+  }
 };
 
 struct Stats {

@@ -87,6 +87,18 @@ TEST(ModelFile, WrittenTextReadsBackAsTheSameChain) {
   EXPECT_EQ(model_text(back), model_text(chain));
 }
 
+TEST(ModelFile, SaysHowTheModelStartsOrNothing) {
+  const std::string block = "[[block]]\ntype = \"gain\"\ngain = 2.0\n";
+  EXPECT_EQ(parse(kHead + block).start, std::nullopt);
+  EXPECT_EQ(model_text(parse(kHead + block)).find("start"), std::string::npos);
+  for (const Start start : {Start::zero, Start::equilibrium}) {
+    const Chain chain = parse(kHead + ("start = \"" + std::string(to_string(start)) + "\"\n") + block);
+    EXPECT_EQ(chain.start, start);
+    EXPECT_EQ(parse(model_text(chain)).start, start);
+  }
+  EXPECT_EQ(complaint(kHead + ("start = \"warm\"\n" + block)).substr(0, 13), "model.toml:2:");
+}
+
 TEST(ModelFile, MistakesNameTheLineAndWhatWasExpected) {
   EXPECT_EQ(complaint("schema = \"bodesmith.sections/1\"\n").substr(0, 13), "model.toml:1:");
   const std::string unknown_type = complaint(std::string(kHead) + "[[block]]\ntype = \"lowpas\"\n");

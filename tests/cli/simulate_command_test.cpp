@@ -93,6 +93,28 @@ TEST_F(SimulateCommand, EquilibriumStartsAtRest) {
   for (const double v : y.y) EXPECT_NEAR(v, 2.0 + 0.5 * 8.0, 1e-12);
 }
 
+TEST_F(SimulateCommand, AModelSaysHowItStartsUnlessAnotherStartIsAskedFor) {
+  std::string csv = "time_s,u\n";
+  for (int i = 0; i < 20; ++i) csv += std::to_string(0.001 * i) + ",2.0\n";
+  write_file(folder / "still.csv", csv);
+  const std::string block = "[[block]]\ntype = \"lowpass\"\ncorner_hz = 30.0\n";
+  const auto first = [&](const std::string& model, const std::string& options) {
+    write_file(folder / "started.toml", "schema = \"bodesmith.model/1\"\n" + model + block);
+    const auto done = run_bodesmith("simulate " + file("started.toml") + " --input " + file("still.csv") +
+                                    " -o " + file("y.csv") + options);
+    EXPECT_EQ(done.status, 0) << done.err;
+    Provenance from;
+    return TimeRecord::read_csv(folder / "y.csv", from, true).y.front();
+  };
+  for (const std::string engine : {"automatic", "exact", "record", "cvode"}) {
+    const std::string by = " --engine " + engine;
+    EXPECT_NEAR(first("", by), 0.0, 1e-12) << engine;
+    EXPECT_NEAR(first("start = \"equilibrium\"\n", by), 2.0, 1e-9) << engine;
+    EXPECT_NEAR(first("start = \"equilibrium\"\n", by + " --start zero"), 0.0, 1e-12) << engine;
+    EXPECT_NEAR(first("start = \"zero\"\n", by + " --start equilibrium"), 2.0, 1e-9) << engine;
+  }
+}
+
 TEST_F(SimulateCommand, BadInputIsOneLineAndLeavesNothing) {
   write_file(folder / "bad.toml",
              "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"lowpass\"\ncorner_hz = -1\n");

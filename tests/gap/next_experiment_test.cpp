@@ -79,6 +79,7 @@ TEST(NextExperiment, IsWithinWhatWasAskedAndKeepsTheRivalsApart) {
   for (std::size_t i = 0; i < e.u.size(); ++i)
     apart = std::max(apart, std::abs(e.predicted[0][i] - e.predicted[1][i]));
   EXPECT_GT(apart, 0.02);
+  EXPECT_GT(e.difference_over_noise, 0.0);
   EXPECT_NE(to_csv(e).find("time_s,u,y_" + e.rivals[0]), std::string::npos);
 }
 

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "fpaa/cams/cam.hpp"
+#include "fpaa/clocked_factors.hpp"
 #include "fpaa/multirate_response.hpp"
 #include "numeric/random.hpp"
 
@@ -29,12 +30,10 @@ Complex drawn_polynomial(const std::vector<double>& c, Complex d) {
 /// (see MultirateResponse).
 Complex read_factor(double cycles_per_tick, const PlanGraph::PlanNode& source, std::int64_t reader) {
   const std::int64_t g = std::gcd(source.period, reader);
-  const double count = static_cast<double>(source.period / g);
   const double late = static_cast<double>((source.delay + g - 1) / g * g);
   const double half = std::numbers::pi * cycles_per_tick * static_cast<double>(g);
   const Complex delay = std::polar(1.0, -2.0 * std::numbers::pi * cycles_per_tick * late);
-  if (count == 1.0 || std::abs(std::sin(half)) < 1e-12) return delay;
-  return delay * std::polar(std::sin(count * half) / (count * std::sin(half)), -half * (count - 1.0));
+  return delay * mean_factor(static_cast<double>(source.period / g), half);
 }
 
 }  // namespace
@@ -75,7 +74,7 @@ void DrawnBoard::prepare(std::size_t node) {
   const PlanGraph::PlanNode& reader = graph_.nodes[node];
   for (const Hertz f : grid_) {
     const double half = std::numbers::pi * f.value * static_cast<double>(reader.period) / graph_.tick_rate;
-    at.d.push_back(std::polar(2.0 * std::sin(half), 0.5 * std::numbers::pi - half));
+    at.d.push_back(difference_factor(half));
   }
   for (const PlanGraph::Input& input : reader.inputs) {
     Read read;

@@ -5,6 +5,8 @@
 #include <numbers>
 #include <numeric>
 
+#include "fpaa/clocked_factors.hpp"
+
 namespace bodesmith::fpaa {
 namespace {
 
@@ -12,20 +14,14 @@ using Complex = std::complex<double>;
 
 /// All of these take cycles per master clock.
 Complex make_d(double f, std::int64_t divisor, std::int64_t) {
-  const double half = std::numbers::pi * f * static_cast<double>(divisor);
-  // 1 - exp(-2j half), without cancellation where it is small.
-  return std::polar(2.0 * std::sin(half), 0.5 * std::numbers::pi - half);
+  return difference_factor(std::numbers::pi * f * static_cast<double>(divisor));
 }
 Complex make_read(double f, std::int64_t source, std::int64_t reader) {
   const std::int64_t g = std::gcd(source, reader);
-  const double count = static_cast<double>(source / g);
-  const double half = std::numbers::pi * f * static_cast<double>(g);
-  if (source == g || std::abs(std::sin(half)) < 1e-12) return 1.0;
-  return std::polar(std::sin(count * half) / (count * std::sin(half)), -half * (count - 1.0));
+  return mean_factor(static_cast<double>(source / g), std::numbers::pi * f * static_cast<double>(g));
 }
 Complex make_hold(double f, std::int64_t divisor, std::int64_t) {
-  const double half = std::numbers::pi * f * static_cast<double>(divisor);
-  return std::polar(half < 1e-9 ? 1.0 : std::sin(half) / half, -half);
+  return hold_factor(std::numbers::pi * f * static_cast<double>(divisor));
 }
 
 /// Without the care for overflow that the operator takes: everything here is of moderate size.

@@ -3,6 +3,8 @@
 #include <cmath>
 #include <limits>
 
+#include "fpaa/clocked_factors.hpp"
+
 namespace bodesmith::fpaa {
 namespace {
 
@@ -74,9 +76,7 @@ DeltaTransfer in_delta(const ZTransfer& z) {
 }
 
 std::complex<double> zero_order_hold(RadPerSecond w, Hertz clock) {
-  const double half = 0.5 * w.value / clock.value;
-  const double sinc = std::abs(half) < 1e-8 ? 1.0 : std::sin(half) / half;
-  return std::polar(1.0, -half) * sinc;
+  return hold_factor(0.5 * w.value / clock.value);
 }
 
 std::complex<double> cycle_delay(RadPerSecond w, Hertz clock, double cycles) {

@@ -99,8 +99,8 @@ inline std::complex<double> simulated_fundamental(const Plan& plan, Hertz f, dou
   for (std::int64_t n = settle; n < settle + window; ++n) {
     const std::int64_t tick = n * last.period + last.delay;
     const double from = static_cast<double>(tick) * real.tick_s();
-    sum += std::complex<double>(real.output_v(tick), imaginary.output_v(tick)) *
-           std::polar(sinc, -w * from - half);
+    sum += std::complex<double>(real.output_v(tick), imaginary.output_v(tick)) * sinc *
+           std::polar(1.0, -w * from - half);
   }
   return sum / (static_cast<double>(window) * kAmplitude);
 }

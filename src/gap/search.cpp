@@ -33,6 +33,7 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   State state = begun;
   grow(setting, state);
   try_other_ways(setting, begun, state);
+  try_each_name_alone(setting, begun, state);
   result.stopped = options.stopped();
   result.late = options.is_late();
   result.refused = std::move(state.refused);

@@ -49,6 +49,7 @@ struct RoundOptions {
   std::size_t effects_from_given = 3;  ///< more in the first round, as seen from the given parameters
   /// Forms and places of an effect that are fitted beyond Effect::places_a_round in responses, where a fit is quick.
   int more_forms_of_response = 2;
+  int more_places = 0;               ///< the same in any round
   double min_score = 0.003;          ///< share of the residual's energy that a candidate must promise,
   double min_score_of_little = 0.3;  ///< and when less is left than a later term must explain
   /// Standard deviations of that promise, without earlier terms and with them.
@@ -136,6 +137,7 @@ struct OtherWaysOptions {
   double in_the_running = 1.5;  ///< times what the best first name leaves
   double as_far = 1.02;         ///< rms over the other way's: it came as far,
   double further = 0.8;         ///< or further
+  double nearly_as_far = 1.3;   ///< the same of one name alone, which is then gone on from
 };
 
 struct SearchOptions {

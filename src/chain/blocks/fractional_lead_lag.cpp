@@ -27,8 +27,31 @@ class FractionalLeadLagBlock final : public BlockType {
                    above_zero("x", "1", "ratio of the second time constant to the first"),
                    any_number("beta", "1", "order")}) {}
 
+  /// Fits run each set of values on several records, and the approximation with its error costs more than such a run: each
+  /// thread keeps its last one.
   Kernel kernel(const Block& block) const override {
+    thread_local FractionalLeadLag last{};
+    thread_local LinearKernel made = gain_kernel(1.0);
     const FractionalLeadLag term = term_of(block);
+    if (term.lambda_s != last.lambda_s || term.x != last.x || term.beta != last.beta) {
+      made = kernel_of(term);
+      last = term;
+    }
+    return made;
+  }
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
+  }
+  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+    return term_of(block).response(w);
+  }
+
+  double slowest_time_constant_s(const Block& block) const override {
+    return block.get("lambda_s") * std::max(1.0, block.get("x"));
+  }
+
+ private:
+  static LinearKernel kernel_of(const FractionalLeadLag& term) {
     const double kappa = term.corner_ratio();
     if (std::abs(term.beta) < 1e-12 || kappa == 1.0) return gain_kernel(1.0);
     ApproximationOptions options;
@@ -50,18 +73,6 @@ class FractionalLeadLagBlock final : public BlockType {
                                          to_radians(got.error.everywhere_deg));
     return out;
   }
-  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
-    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
-  }
-  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
-    return term_of(block).response(w);
-  }
-
-  double slowest_time_constant_s(const Block& block) const override {
-    return block.get("lambda_s") * std::max(1.0, block.get("x"));
-  }
-
- private:
   static FractionalLeadLag term_of(const Block& block) {
     return {block.get("lambda_s"), block.get("x"), block.get("beta")};
   }

@@ -43,6 +43,8 @@ class AsymmetricHysteresis final : public Effect {
  private:
   /// Loops that are less wide than this part of the curve beside them are none.
   static constexpr double kMinLoop = 0.15;
+  /// Of the signal's span.
+  static constexpr double kMaxOffset = 0.5;
 
   static bool is_curve_of_branches(const chain::Block& block, const Signal& signal) {
     const auto& up = block.list("ascending");
@@ -127,6 +129,12 @@ class AsymmetricHysteresis final : public Effect {
       bank.unknowns.push_back(linear_unknown("v[" + std::to_string(slope.size()) + "]", -0.9, 5.0, 0.05));
       slope.push_back(0.01);
       bank.start.push_back(0.01);
+    }
+    // A one-sided operator need not be at zero where its input is.
+    if (!is_refitted(*scene.model, "offset")) {
+      bank.unknowns.push_back(
+          linear_unknown("offset", -kMaxOffset * signal.span(), kMaxOffset * signal.span(), 0.02 * half));
+      bank.start.push_back(0.0);
     }
     auto block = chain::make_block("prandtl_ishlinskii");
     block.set("r", bank.radius).set("w", bank.weight).set("s", threshold).set("v", slope);

@@ -8,28 +8,28 @@
 namespace bodesmith::gap {
 namespace {
 
-/// A section g (1 + s/z)/(1 + s/p) of the chain, and the low-pass behind it that takes the second pole.
+/// A section g (1 + s/z)/(1 + s/p) of the chain, and the resonator behind it that takes both poles.
 struct SlowSection {
   int id;
-  int lag;
+  int poles;
   double pole_hz;
 };
 
+/// The section's own pole is put this many times beyond the new ones, where it does nothing.
+constexpr double kOutOfTheWay = 1e4;
+
 /// H/(1 + N s/w_t), H = g (1 + s/z)/(1 + s/p), noise gain N = 1 + H when inverting, H when not: its zero
-/// stays, its two poles are those of 1 + b s + a s^2 in hertz. The one nearer to the section's own stays with
-/// its zero.
+/// stays, its two poles, real or complex, are those of 1 + b s + a s^2 in hertz.
 void write_two_poles(Model& model, const SlowSection& section, double gain_bandwidth_hz, bool inverting) {
   const double g = std::abs(model.block(section.id).get("gain"));
   const double z = model.block(section.id).get("zero_hz");
   const double b = 1.0 / section.pole_hz + (inverting ? 1.0 + g : g) / gain_bandwidth_hz;
   const double a = ((inverting ? 1.0 / section.pole_hz : 0.0) + g / z) / gain_bandwidth_hz;
-  const double root = std::sqrt(std::max(0.0, b * b - 4.0 * a));
-  const double slow = 2.0 / (b + root);
-  const double fast = 0.5 * (b + root) / a;
-  const bool own_is_slow =
-      std::abs(std::log(slow / section.pole_hz)) <= std::abs(std::log(fast / section.pole_hz));
-  model.block(section.id).set("pole_hz", own_is_slow ? slow : fast);
-  model.block(section.lag).set("corner_hz", own_is_slow ? fast : slow);
+  const double natural_hz = 1.0 / std::sqrt(a);
+  model.block(section.id).set("pole_hz", kOutOfTheWay * std::max(natural_hz, b / a));
+  model.block(section.poles)
+      .set("natural_frequency_hz", natural_hz)
+      .set("damping_ratio", 0.5 * b * natural_hz);
 }
 
 class OpampBandwidth final : public Effect {
@@ -68,9 +68,9 @@ class OpampBandwidth final : public Effect {
     std::vector<SlowSection> found;
     // From behind, so that the places in front stay where they are.
     for (auto at = sections.rbegin(); at != sections.rend(); ++at) {
-      const int lag = model.insert(*at + 1, chain::make_block("lowpass"));
-      found.push_back({model.id_at(*at), lag, model.at(*at).get("pole_hz")});
-      term.blocks.push_back(lag);
+      const int poles = model.insert(*at + 1, chain::make_block("resonator"));
+      found.push_back({model.id_at(*at), poles, model.at(*at).get("pole_hz")});
+      term.blocks.push_back(poles);
     }
     std::vector<std::string> numbers;
     for (std::size_t at : sections) numbers.push_back(std::to_string(scene.model->base_number(at)));

@@ -1,4 +1,5 @@
 #include <algorithm>
+#include <array>
 #include <limits>
 #include <utility>
 
@@ -10,10 +11,14 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Hops to both sides of where a fit ended, the coarse ones longer by this; and times the leader's rms within
-/// which they are tried.
-constexpr int kHops = 20;
-constexpr double kCoarseHop = 15.0;
+/// Hops to both sides of where a fit ended, longer and then shorter than the unknown's own by these; and times the leader's
+/// rms within which they are tried. An edge that crosses a sample changes it whole: the sum of squares comes to its least
+/// in a cusp, where a fit stops beside it.
+struct Hops {
+  double length;
+  int count;
+};
+constexpr std::array kHops = {Hops{15.0, 20}, Hops{1.0, 20}, Hops{0.2, 6}, Hops{0.04, 6}, Hops{0.008, 6}};
 constexpr double kWorthCombing = 2.0;
 
 /// Starts of a proposal that are tried: many of them lie close to each other, and many unknowns are expensive.
@@ -117,13 +122,13 @@ void race(const SearchSetting& setting, const SearchRecords& records, std::vecto
 }
 
 /// The best of the values around the one that unknown `at` has, the others as they are.
-bool hop_around(Runner& runner, std::vector<double>& values, std::size_t at, const Unknown& u, double hop,
+bool hop_around(Runner& runner, std::vector<double>& values, std::size_t at, const Unknown& u, Hops hops,
                 double& least) {
   std::vector<double> residual;
   const double middle = values[at];
   double best = middle;
-  for (int k = -kHops; k <= kHops; ++k) {
-    values[at] = std::clamp(middle + hop * k, u.low, u.high);
+  for (int k = -hops.count; k <= hops.count; ++k) {
+    values[at] = std::clamp(middle + hops.length * u.hop * k, u.low, u.high);
     if (!runner(values, residual)) continue;
     const double left = rms(residual);
     if (!(left < least)) continue;
@@ -140,13 +145,13 @@ void comb(const SearchSetting& setting, const SearchRecords& records, Racer& rac
   auto options = fit_options(setting.options, setting.options.round.iterations_a_stage);
   for (std::size_t at = 0; at < unknowns.size(); ++at) {
     if (unknowns[at].hop <= 0.0 || setting.options.is_late()) continue;
-    for (const double hop : {kCoarseHop * unknowns[at].hop, unknowns[at].hop}) {
+    for (const auto& hops : kHops) {
       auto values = current_values(racer.now.model);
       Runner runner(racer.now.model, records.look());
       std::vector<double> residual;
       if (!runner(values, residual)) return;
       double least = rms(residual);
-      if (!hop_around(runner, values, at, unknowns[at], hop, least)) continue;
+      if (!hop_around(runner, values, at, unknowns[at], hops, least)) continue;
       Model moved = racer.now.model;
       moved.set_values(values);
       auto fitted = fit(std::move(moved), records.look(), options);

@@ -3,13 +3,22 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <optional>
 #include <set>
+#include <string>
 #include <utility>
+#include <vector>
 
+#include "gap/runner.hpp"
+#include "gap/search/acceptance.hpp"
 #include "gap/search/grow.hpp"
+#include "gap/search/round.hpp"
 
 namespace bodesmith::gap {
 namespace {
+
+/// More places of an effect than any chain has.
+constexpr int kEverywhere = 1000;
 
 /// Whether another way led further: to an end where this one did not, or with plainly less left; or as far with fewer
 /// terms.
@@ -24,7 +33,70 @@ bool led_further(const SearchOptions& options, const State& other, const State& 
   return (settled && others <= terms + 1) || other.train_rms < limits.further * state.train_rms;
 }
 
+/// A candidate of a round as its first step.
+Step first_step(const Model& before, const Ranked& chosen, std::vector<Ranked> ranking) {
+  Step step;
+  step.effect = chosen.effect;
+  step.placed = chosen.placed;
+  step.before = before;
+  step.after = chosen.model;
+  for (auto& c : ranking) {
+    const bool own = c.effect == chosen.effect && c.placed == chosen.placed && c.unknowns == chosen.unknowns;
+    if (own)
+      c.outcome = CandidateOutcome::named;
+    else if (c.outcome == CandidateOutcome::named)
+      c.outcome = CandidateOutcome::worse;
+  }
+  step.ranking = std::move(ranking);
+  return step;
+}
+
+/// The search begun again with a first step; nothing when that leaves no less.
+std::optional<State> way_beginning_with(const SearchSetting& setting, const State& base, Step first) {
+  State other = base;
+  other.other_way = true;
+  if (!take(setting, other, {std::move(first)})) return std::nullopt;
+  grow(setting, other);
+  return other;
+}
+
+/// `other` in the place of `state`, which keeps what is told of the first round.
+void go_the_other_way(State& state, State other, const std::string& note) {
+  other.not_tried = std::move(state.not_tried);
+  other.looked_at = state.looked_at;
+  other.first = std::move(state.first);
+  state = std::move(other);
+  state.found.notes.push_back(note);
+}
+
 }  // namespace
+
+void try_each_name_alone(const SearchSetting& setting, const State& base, State& state) {
+  if (are_responses(base.records.train)) return;
+  SearchOptions everywhere = setting.options;
+  everywhere.round.more_places = kEverywhere;
+  const SearchSetting wide{everywhere, setting.initial, setting.first_gap};
+  const double enough = setting.options.other_ways.nearly_as_far * state.train_rms;
+  std::vector<const Effect*> names;
+  for (const auto& step : state.found.steps) names.push_back(step.effect);
+  for (const auto* name : names) {
+    if (state.found.steps.size() < 2 || setting.options.is_late()) return;
+    auto ranking = fit_round(wide, base.records, base.found.model, [&](const Effect& effect) {
+                     return &effect == name;
+                   }).ranking;
+    for (const auto& r : state.first) {
+      if (r.effect != name) ranking.push_back(r);
+    }
+    auto judged = judge(setting, base.records, base.found.model, std::move(ranking));
+    if (!judged.step || judged.step->effect != name) continue;
+    if (!(rms_of(judged.step->after, base.records.train) < enough)) continue;
+    const auto placed = judged.step->placed;
+    auto other = way_beginning_with(setting, base, std::move(*judged.step));
+    if (!other || !led_further(setting.options, *other, state)) continue;
+    go_the_other_way(state, std::move(*other),
+                     fmt::format("{} {} does alone what several names did", name->name(), placed));
+  }
+}
 
 void try_other_ways(const SearchSetting& setting, const State& base, State& state) {
   const auto& options = setting.options;
@@ -43,29 +115,10 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
       continue;
     if (r.no_name || !(r.train_rms < most) || !tried.insert(r.effect).second) continue;
     ++ways;
-    State other = base;
-    other.other_way = true;
-    Step step;
-    step.effect = r.effect;
-    step.placed = r.placed;
-    step.before = base.found.model;
-    step.after = r.model;
-    step.ranking = first;
-    for (auto& c : step.ranking) {
-      const bool own = c.effect == r.effect && c.placed == r.placed && c.unknowns == r.unknowns;
-      if (own)
-        c.outcome = CandidateOutcome::named;
-      else if (c.outcome == CandidateOutcome::named)
-        c.outcome = CandidateOutcome::worse;
-    }
-    if (!take(setting, other, {std::move(step)})) continue;
-    grow(setting, other);
-    state.looked_at += other.looked_at;
-    other.looked_at = state.looked_at;
-    other.first = first;
-    if (!led_further(options, other, state)) continue;
-    state = std::move(other);
-    state.found.notes.push_back(
+    auto other = way_beginning_with(setting, base, first_step(base.found.model, r, first));
+    if (!other || !led_further(options, *other, state)) continue;
+    go_the_other_way(
+        state, std::move(*other),
         fmt::format("Begun with {}, the search came further than with the first name of the first round",
                     r.effect->name()));
   }

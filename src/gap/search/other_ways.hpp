@@ -8,4 +8,8 @@ namespace bodesmith::gap {
 /// begun again with the next effects of the first round. `base`: where it began.
 void try_other_ways(const SearchSetting& setting, const State& base, State& state);
 
+/// A round looks at the best few places of an effect, and an earlier name may have taken another one's share: of several
+/// names each is tried alone, at all its places, and goes on from there when it comes nearly as far.
+void try_each_name_alone(const SearchSetting& setting, const State& base, State& state);
+
 }  // namespace bodesmith::gap

@@ -12,7 +12,7 @@ namespace bodesmith::gap {
 namespace {
 
 constexpr std::size_t kMinSamplesOfSpectrogram = 512;
-constexpr std::size_t kMinColumns = 12;
+constexpr std::size_t kMinColumns = 7;
 constexpr std::uint64_t kSpectrogramSurrogates = 24;
 /// What is found must exceed surrogates' largest figure by this factor, and their mean by so many deviations.
 constexpr double kConcentratedTimesLargest = 1.08;
@@ -54,7 +54,7 @@ Sign concentrated(const Leftover& record) {
   Sign sign{SignKind::concentrated, 0.0};
   const std::size_t n = record.residual.size();
   if (n < kMinSamplesOfSpectrogram) return sign;
-  for (std::size_t window : {32U, 96U, 256U}) {
+  for (std::size_t window : {32U, 96U, 256U, 768U}) {
     if (n < window * (kMinColumns + 1) / 2) continue;
     const double got = unevenness(record.residual, window);
     Chance chance;

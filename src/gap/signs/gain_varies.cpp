@@ -20,26 +20,28 @@ constexpr double kGainTimesLargest = 2.0;
 /// best.
 constexpr double kGainTimesOdds = 4.0;
 /// Slow cosines of which the gain is made, the constant aside.
-constexpr Eigen::Index kCosines = 6;
+constexpr Eigen::Index kCosines = 12;
 
 Eigen::VectorXd less_mean(const std::vector<double>& v) {
   const auto e = as_eigen(v);
   return e.array() - e.mean();
 }
 
-/// Orthonormal columns: output times 1, and output times slow cosines made orthogonal to it.
+/// Orthonormal columns: output times slow cosines, made orthogonal to a constant and to the output itself (which are the
+/// fit's business).
 Eigen::MatrixXd varying_gains(const std::vector<double>& output) {
-  const Eigen::VectorXd y = less_mean(output);
+  const auto y = as_eigen(output);
   const Eigen::Index n = y.size();
-  Eigen::MatrixXd x(n, kCosines + 1);
+  Eigen::MatrixXd x(n, kCosines + 2);
+  x.col(0).setOnes();
   for (Eigen::Index k = 0; k <= kCosines; ++k) {
     for (Eigen::Index i = 0; i < n; ++i) {
-      x(i, k) = y(i) * std::cos(std::numbers::pi * static_cast<double>(k) * (static_cast<double>(i) + 0.5) /
-                                static_cast<double>(n));
+      x(i, k + 1) = y(i) * std::cos(std::numbers::pi * static_cast<double>(k) *
+                                    (static_cast<double>(i) + 0.5) / static_cast<double>(n));
     }
   }
   const Eigen::HouseholderQR<Eigen::MatrixXd> qr(x);
-  return qr.householderQ() * Eigen::MatrixXd::Identity(n, kCosines + 1);
+  return (qr.householderQ() * Eigen::MatrixXd::Identity(n, kCosines + 2)).rightCols(kCosines);
 }
 
 }  // namespace
@@ -47,11 +49,10 @@ Eigen::MatrixXd varying_gains(const std::vector<double>& output) {
 Sign gain_varies(const Leftover& record) {
   Sign sign{SignKind::gain_varies, 0.0};
   if (record.residual.size() < kMinSamplesOfGain) return sign;
-  // What a constant gain would explain is the fit's business and is left out.
   const Eigen::MatrixXd gains = varying_gains(record.output);
   const auto share = [&](const std::vector<double>& residual) {
     const Eigen::VectorXd e = less_mean(residual);
-    return (gains.rightCols(kCosines).transpose() * e).squaredNorm() / std::max(e.squaredNorm(), 1e-300);
+    return (gains.transpose() * e).squaredNorm() / std::max(e.squaredNorm(), 1e-300);
   };
   const double got = share(record.residual);
   Chance chance;

@@ -26,6 +26,8 @@ std::string to_string(SignKind kind) {
       break;
     case SignKind::bunched_in_time:
       return "the residual is bunched in time";
+    case SignKind::even_in_time:
+      return "the residual keeps its size more evenly than noise does";
     case SignKind::spectral_line:
       return "a line stands in the residual's spectrum";
     case SignKind::jumps:
@@ -69,6 +71,7 @@ std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records,
     consider(jumps(r));
     consider(gain_varies(r));
     consider(bunched_in_time(r));
+    consider(even_in_time(r));
     consider(spectral_line(r));
     consider(concentrated(r));
     consider(above_white_floor(r));

@@ -1,6 +1,7 @@
 #include <algorithm>
 #include <cmath>
-#include <numbers>
+#include <numeric>
+#include <vector>
 
 #include "gap/signs.hpp"
 #include "gap/signs/chance.hpp"
@@ -25,18 +26,33 @@ constexpr double kJump = 8.0;
 /// Deviation of Gaussian numbers whose absolute value has the median 1.
 constexpr double kDeviationPerMedian = 1.4826;
 
+/// Cells whose energies are compared; those of noise differ by more than this part of what surrogates' do.
+constexpr std::size_t kEvenCells = 32;
+constexpr std::size_t kMinSamplesOfCell = 16;
+constexpr double kEven = 0.4;
+
+/// Energies of equal cells of time.
+std::vector<double> energies(const std::vector<double>& e, std::size_t cells) {
+  const std::size_t n = e.size();
+  std::vector<double> all(cells, 0.0);
+  for (std::size_t c = 0; c < cells; ++c) {
+    for (std::size_t i = c * n / cells; i < (c + 1) * n / cells; ++i) all[c] += e[i] * e[i];
+  }
+  return all;
+}
+
+/// Deviation of the cells' energies over their mean.
+double spread_over_cells(const std::vector<double>& e) {
+  Chance cells;
+  for (double energy : energies(e, kEvenCells)) cells.add(energy);
+  return cells.mean() > 0.0 ? cells.deviation() / cells.mean() : 0.0;
+}
+
 /// Share of the energy in the fullest of equal cells of time.
 double largest_share(const std::vector<double>& e, std::size_t cells) {
-  const std::size_t n = e.size();
-  double fullest = 0.0;
-  double total = 0.0;
-  for (std::size_t c = 0; c < cells; ++c) {
-    double energy = 0.0;
-    for (std::size_t i = c * n / cells; i < (c + 1) * n / cells; ++i) energy += e[i] * e[i];
-    fullest = std::max(fullest, energy);
-    total += energy;
-  }
-  return total > 0.0 ? fullest / total : 0.0;
+  const auto all = energies(e, cells);
+  const double total = std::accumulate(all.begin(), all.end(), 0.0);
+  return total > 0.0 ? *std::max_element(all.begin(), all.end()) / total : 0.0;
 }
 
 }  // namespace
@@ -53,6 +69,16 @@ Sign bunched_in_time(const Leftover& record) {
         std::max(kBunchTimesLargest * chance.max(), chance.mean() + kBunchDeviations * chance.deviation());
     sign.strength = std::max(sign.strength, got / limit);
   }
+  return sign;
+}
+
+Sign even_in_time(const Leftover& record) {
+  Sign sign{SignKind::even_in_time, 0.0};
+  if (record.residual.size() < kEvenCells * kMinSamplesOfCell) return sign;
+  Chance chance;
+  for (std::uint64_t k = 0; k < kBunchSurrogates; ++k)
+    chance.add(spread_over_cells(phase_surrogate(record.residual, 6000 + k)));
+  sign.strength = kEven * chance.mean() / std::max(spread_over_cells(record.residual), 1e-6);
   return sign;
 }
 

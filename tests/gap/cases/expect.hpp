@@ -30,9 +30,10 @@ struct HiddenName {
 };
 
 /// Solved, and expected to be right: named (or tied), or rightly silent.
-inline Outcome expect_right(World world, Kind kind, const Hidden& h, std::size_t rows) {
+inline Outcome expect_right(World world, Kind kind, const Hidden& h, std::size_t rows,
+                            const SolveOptions& options = {}) {
   constexpr double kTimesNoise = 10.0;
-  auto outcome = solve(make_case({world, kind, h.base, {h.what}, kTimesNoise, h.seed, rows}));
+  auto outcome = solve(make_case({world, kind, h.base, {h.what}, kTimesNoise, h.seed, rows}), options);
   EXPECT_TRUE(outcome.right) << line_of(outcome);
   return outcome;
 }

@@ -75,6 +75,7 @@ Outcome solve(const Case& c, const SolveOptions& wanted) {
   o.samples = samples_of(c);
   gap::SearchOptions options;
   options.threads = wanted.threads;
+  options.max_terms = wanted.max_terms;
   Stopwatch watch;
   options.stop = [&] {
     return interrupted() || (wanted.max_seconds > 0.0 && watch.seconds() > wanted.max_seconds);

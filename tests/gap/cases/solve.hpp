@@ -25,6 +25,7 @@ struct Outcome {
 struct SolveOptions {
   int threads = 2;
   double max_seconds = 0.0;  ///< stop the search after these; 0: never
+  int max_terms = 5;         ///< of a model
   bool explain = false;      ///< print every ranking
 };
 

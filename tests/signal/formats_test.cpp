@@ -202,6 +202,35 @@ TEST(ForeignTables, HeadingsSayTheUnits) {
   EXPECT_EQ(read_as("Frequency,Impedance,Phase\nHz,kOhm,deg\n10,2,0\n20,1,0\n"), "10.000000 Hz 2000.000000");
 }
 
+struct ReadCoherence {
+  std::vector<double> values;
+  std::string said;
+};
+ReadCoherence coherence_in(const std::string& text) {
+  const TemporaryFolder folder;
+  write_file(folder / "x", text);
+  Provenance from;
+  const FrequencyRecord record = FrequencyRecord::read_csv(folder / "x", from);
+  EXPECT_EQ(record.frequency.size(), record.response.size());
+  return {record.coherence, from.inputs.at(0).read_as};
+}
+
+TEST(ForeignTables, ACoherenceGoesWithItsRows) {
+  const auto shares =
+      coherence_in("Frequency (Hz),Gain (dB),Phase (deg),Coherence\n30,1,0,0.9\n20,1,0,0.75\n0,1,0,0.1\n");
+  EXPECT_EQ(shares.values, (std::vector<double>{0.75, 0.9}));
+  EXPECT_THAT(shares.said, HasSubstr("'Coherence' as gamma squared"));
+  const auto percent =
+      coherence_in("* Freq(Hz) SPL(dB) Phase(degrees) Coherence(%)\n20 1 0 50\n30 2 0 100\n40 2 0 0\n");
+  EXPECT_EQ(percent.values, (std::vector<double>{0.5, 1.0, 0.0}));
+  EXPECT_THAT(percent.said, HasSubstr("from percent"));
+  const auto parts = coherence_in("Frequency (Hz),Real,Imag,Coherence\n20,1,0,0.5\n30,2,0,1\n");
+  EXPECT_EQ(parts.values, (std::vector<double>{0.5, 1.0}));
+  const auto other = coherence_in("Frequency (Hz),Gain (dB),Phase (deg),Coherence\n20,1,0,-3\n30,1,0,0.9\n");
+  EXPECT_TRUE(other.values.empty());
+  EXPECT_THAT(other.said, HasSubstr("not used"));
+}
+
 std::string refusal_of(const std::string& text, bool record = false) {
   const TemporaryFolder folder;
   write_file(folder / "x", text);

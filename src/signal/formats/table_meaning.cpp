@@ -78,6 +78,27 @@ void validate_unit(const Source& source, const NumberTable& table, const Heading
                    fmt::format("begins a table whose '{}' has a unit that is not known here", heading.text));
 }
 
+/// Gamma squared, 0 to 1, from shares or percent; empty where the column holds anything else.
+std::vector<double> coherence_of(const Heading& heading, std::vector<double> values, Words& words) {
+  double high = 0.0;
+  bool legal = true;
+  for (const double value : values) {
+    legal = legal && value >= 0.0 && value <= 100.0;
+    high = std::max(high, value);
+  }
+  if (!legal) {
+    words.notes.push_back(fmt::format("'{}' not used: it is no coherence of 0 to 1", heading.text));
+    return {};
+  }
+  const bool percent = heading.unit == "%" || high > 1.0;
+  if (percent) {
+    for (double& value : values) value /= 100.0;
+  }
+  words.notes.push_back(
+      fmt::format("'{}' as gamma squared{}", heading.text, percent ? ", from percent" : ""));
+  return values;
+}
+
 Foreign response_of(const Source& source, NumberTable table, const std::vector<Heading>& headings,
                     Words words) {
   const std::size_t at = *frequency_column(headings);
@@ -113,8 +134,8 @@ Foreign response_of(const Source& source, NumberTable table, const std::vector<H
       for (double& value : trace.phase_deg) value *= headings[*phase].scale;
     }
   }
-  const auto coherence = first_of(headings, Quantity::coherence);
-  if (coherence) words.notes.emplace_back("coherence not used");
+  if (const auto coherence = first_of(headings, Quantity::coherence))
+    trace.coherence = coherence_of(headings[*coherence], std::move(table.columns[*coherence]), words);
   return response_columns(source, std::move(words), std::move(frequency), std::move(trace),
                           std::move(table.lines));
 }

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -201,7 +202,9 @@ Foreign response_columns(const Source& source, Words words, std::vector<double> 
       ++silent;
     }
   }
-  for (auto* column : {&frequency_hz, &trace.magnitude_db, &trace.phase_deg}) keep_rows(*column, keep);
+  const std::array<std::vector<double>*, 4> columns = {&frequency_hz, &trace.magnitude_db, &trace.phase_deg,
+                                                       &trace.coherence};
+  for (auto* column : columns) keep_rows(*column, keep);
   keep_rows(lines, keep);
   if (frequency_hz.empty())
     throw InputError(source.file, 0, "has no point above 0 Hz with a magnitude above 0");
@@ -210,8 +213,7 @@ Foreign response_columns(const Source& source, Words words, std::vector<double> 
   validate_finite(source, lines, trace.magnitude_db, "magnitude");
   validate_finite(source, lines, trace.phase_deg, "phase");
   if (frequency_hz.size() > 1 && std::is_sorted(frequency_hz.rbegin(), frequency_hz.rend())) {
-    for (auto* column : {&frequency_hz, &trace.magnitude_db, &trace.phase_deg})
-      std::reverse(column->begin(), column->end());
+    for (auto* column : columns) std::reverse(column->begin(), column->end());
     std::reverse(lines.begin(), lines.end());
     words.notes.push_back("falling sweep turned round");
   }
@@ -221,6 +223,10 @@ Foreign response_columns(const Source& source, Words words, std::vector<double> 
   if (!trace.phase_deg.empty()) {
     out.names.emplace_back(column::phase_deg);
     out.columns.push_back(std::move(trace.phase_deg));
+  }
+  if (!trace.coherence.empty()) {
+    out.names.emplace_back(column::coherence);
+    out.columns.push_back(std::move(trace.coherence));
   }
   out.lines = std::move(lines);
   out.read_as = words.text();

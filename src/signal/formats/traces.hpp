@@ -10,11 +10,13 @@
 
 namespace bodesmith::formats {
 
-/// A response over the frequencies of its file; `phase_deg` empty where the file has none.
+/// A response over the frequencies of its file; `phase_deg` and `coherence` (gamma squared) empty where the file has
+/// none.
 struct ResponseTrace {
   std::string name;
   std::vector<double> magnitude_db;
   std::vector<double> phase_deg;
+  std::vector<double> coherence;
 };
 ResponseTrace to_trace(std::string name, const std::vector<std::complex<double>>& response);
 
@@ -31,7 +33,7 @@ struct Words {
   std::string text() const;
 };
 
-/// `frequency_hz,magnitude_db[,phase_deg]`. Rows at 0 Hz and rows without magnitude are left out, a falling sweep is
+/// `frequency_hz,magnitude_db[,phase_deg][,coherence]`. Rows at 0 Hz and rows without magnitude are left out, a falling sweep is
 /// turned round; both are said. InputError for frequencies below 0 and for what is not finite.
 Foreign response_columns(const Source& source, Words words, std::vector<double> frequency_hz,
                          ResponseTrace trace, std::vector<int> lines);

@@ -67,6 +67,8 @@ struct RecordSimulator::Implementation {
   std::vector<double> signal;
   std::vector<double> other;
   std::vector<double> third;
+  std::vector<double>
+      jumps;  ///< of a clock, beside the polynomials that stand for them (run_sampled); else empty
   std::vector<double> main_state;
   std::vector<double> beside_state;
   std::vector<double> result;
@@ -225,9 +227,28 @@ struct RecordSimulator::Implementation {
 
   void run_stage(const RecordStage& stage, Run& run) {
     if (stage.linear) return run_linear(stage, run);
+    jumps.clear();
     double* x = state.data() + stage.state;
-    const bool last = &stage == &stages.back();
-    std::visit([&](auto& kernel) { run_kernel(kernel, run, x, last); }, slots[stage.first].kernel());
+    const bool values_only = shows_at_nodes_only(stage);
+    std::visit([&](auto& kernel) { run_kernel(kernel, run, x, values_only); }, slots[stage.first].kernel());
+  }
+
+  bool has_memory(const RecordStage& stage) const {
+    return !stage.linear &&
+           std::holds_alternative<std::unique_ptr<MemoryKernel>>(slots[stage.first].kernel());
+  }
+  bool works_by_values(const RecordStage& stage) const {
+    if (stage.linear) return stage.merged.order() == 0 && stage.merged.delay_s == 0.0;
+    const auto& kernel = slots[stage.first].kernel();
+    return std::holds_alternative<std::unique_ptr<CurveKernel>>(kernel) ||
+           std::holds_alternative<std::unique_ptr<SourceKernel>>(kernel);
+  }
+  /// Of a stage's output the values at the nodes count, not what it is in between: no dynamics follow; or memory does, which
+  /// would take the overshoot of a polynomial beside a step for a turn.
+  bool shows_at_nodes_only(const RecordStage& stage) const {
+    const auto behind = stages.begin() + (&stage - stages.data()) + 1;
+    if (behind != stages.end() && has_memory(*behind)) return true;
+    return std::all_of(behind, stages.end(), [this](const RecordStage& s) { return works_by_values(s); });
   }
 
   void run_linear(const RecordStage& stage, Run& run) {
@@ -254,6 +275,11 @@ struct RecordSimulator::Implementation {
       linear.run(signal.data(), third.data(), run.holds, beside_state.data(), 0.0);
       for (std::size_t i = 0; i < other.size(); ++i) other[i] += third[i];
     }
+    // Its states have seen the steps of a clock right; what goes straight through shows them where they are.
+    if (jumps.size() == other.size() && !delayed && shows_at_nodes_only(stage)) {
+      for (std::size_t i = 0; i < other.size(); ++i) other[i] += k.d * jumps[i];
+    }
+    jumps.clear();
     std::swap(signal, other);
   }
 
@@ -305,10 +331,12 @@ struct RecordSimulator::Implementation {
     }
   }
 
-  void run_kernel(std::unique_ptr<SampledKernel>& sampled, Run& run, double*, bool last) {
+  void run_kernel(std::unique_ptr<SampledKernel>& sampled, Run& run, double*, bool values_only) {
     require_few_edges(sampled->clock_hz() * run.h * static_cast<double>(run.holds),
                       fmt::format("a clock of {} Hz", rounded_text(sampled->clock_hz())));
-    run_sampled(*sampled, run.nodes, run.h, signal.data(), other.data(), run.holds, run.equilibrium, last);
+    if (!values_only) jumps.resize(other.size());
+    run_sampled(*sampled, run.nodes, run.h, signal.data(), other.data(), run.holds, run.equilibrium,
+                values_only ? nullptr : jumps.data());
     std::swap(signal, other);
   }
 };

@@ -160,6 +160,14 @@ TEST(Engines, SampleAndHoldOnItsOwnClock) {
     chain.blocks.push_back(make_block("lowpass").set("corner_hz", 60.0));
     EXPECT_LT(max_difference(simulate(chain, in, by_record(2)).y, simulate(chain, in, cvode(1e-12)).y), 1e-5);
     EXPECT_LT(max_difference(simulate(chain, in, by_record(8)).y, simulate(chain, in, cvode(1e-12)).y), 1e-7);
+    // What goes straight through a section shows the steps where they are.
+    chain.blocks.back() = make_block("pole_zero").set("zero_hz", 20.0).set("pole_hz", 60.0);
+    EXPECT_LT(max_difference(simulate(chain, in, by_record(2)).y, simulate(chain, in, cvode(1e-12)).y), 3e-5);
+    chain.blocks.push_back(make_block("gain").set("gain", 2.0));
+    EXPECT_LT(max_difference(simulate(chain, in, by_record(2)).y, simulate(chain, in, cvode(1e-12)).y), 6e-5);
+    // Memory sees steps and no turn beside them.
+    chain.blocks = {chain.blocks.front(), make_block("backlash").set("width", 0.1), chain.blocks.back()};
+    EXPECT_LT(max_difference(simulate(chain, in, by_record(1)).y, simulate(chain, in, cvode()).y), 1e-9);
   }
 }
 

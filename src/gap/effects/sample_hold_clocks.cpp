@@ -16,7 +16,7 @@ namespace bodesmith::gap {
 namespace {
 
 /// Clocks kept at each length of the look, and new ones on either side of each in the next.
-constexpr std::size_t kKept = 12;
+constexpr std::size_t kKept = 8;
 constexpr int kFiner = 4;
 /// Clocks nearer to each other than this over the length of the look are of one peak.
 constexpr double kOnePeak = 0.7;

@@ -92,7 +92,7 @@ class EdgeRun {
 }  // namespace
 
 void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h, const double* u, double* y,
-                 std::size_t holds, bool equilibrium, bool point_values) {
+                 std::size_t holds, bool equilibrium, double* jumps) {
   constexpr double kClose = 1e-9;
   const std::size_t width = nodes.size();
   EdgeRun edges(kernel, nodes, h, holds > 0 ? kernel.reset(u[0], equilibrium) : 0.0);
@@ -119,7 +119,12 @@ void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h,
       edges.change();
       from = to;
     }
-    if (steps && !point_values) staircase.nodes(y);
+    if (jumps != nullptr) {
+      std::copy_n(y, width, jumps);
+      if (steps) staircase.nodes(y);
+      for (std::size_t j = 0; j < width; ++j) jumps[j] -= y[j];
+      jumps += width;
+    }
     edges.take_samples(begin + 1.0 - kClose, begin, u);
   }
 }

@@ -7,10 +7,10 @@
 
 namespace bodesmith::simulate {
 
-/// Runs a clocked kernel over holds of equal length h. Where clock edges fall inside a hold, `point_values`
-/// true gives the output at the nodes; false gives the polynomial with the same moments over the hold, so
-/// that a linear system behind it sees the right steps to high order.
+/// Runs a clocked kernel over holds of equal length h: the output at the nodes. Where clock edges fall inside a hold and
+/// `jumps` is given (as long as y), y is instead the polynomial with the same moments over the hold, so that the states of
+/// a linear system behind it see the right steps to high order; `jumps` is what the output at the nodes is more than that.
 void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h, const double* u, double* y,
-                 std::size_t holds, bool equilibrium, bool point_values);
+                 std::size_t holds, bool equilibrium, double* jumps = nullptr);
 
 }  // namespace bodesmith::simulate

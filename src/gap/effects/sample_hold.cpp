@@ -86,9 +86,7 @@ class SampleHold final : public Effect {
 
   Starts clocks_near_lag(const Scene& scene, std::size_t at, bool half, double lag_s) const {
     const double guess = std::clamp((half ? 1.0 : 0.5) / lag_s, 0.5 * scene.band_hz, 1.0 / scene.step_s);
-    const auto p = insert_block(scene, *this, at, hold_block(half, guess),
-                                {logarithmic_unknown("clock_hz", 0.2 * guess, 5.0 * guess)}, {{guess}});
-    return clocks_by_lag(scene, p.model, guess);
+    return clocks_by_lag(scene, hold_block(half, guess), at, guess);
   }
 };
 

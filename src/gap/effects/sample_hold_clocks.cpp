@@ -6,8 +6,6 @@
 #include <utility>
 
 #include "base/whole_number.hpp"
-#include "chain/registry.hpp"
-#include "gap/runner.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/record_simulator.hpp"
@@ -21,7 +19,7 @@ constexpr int kFiner = 4;
 /// Clocks nearer to each other than this over the length of the look are of one peak.
 constexpr double kOnePeak = 0.7;
 /// Samples of the first look (stairs: of theirs), and of the last one.
-constexpr std::size_t kFirstLook = 800;
+constexpr std::size_t kFirstLook = 500;
 constexpr std::size_t kFirstStairs = 1200;
 constexpr std::size_t kLastLook = 12800;
 constexpr std::size_t kLastStairs = 16000;
@@ -121,22 +119,36 @@ Starts clocks_of_stairs(const Scene& scene, const std::vector<double>& signal,
   return {};
 }
 
-/// What the model leaves of the measured output from sample `from` on when its gain is the best: a gain that is off would
+/// What a signal leaves of the measured one, from sample `from` on, when its gain is the best: a gain that is off would
 /// hide the edges.
-double left_by_any_gain(const std::vector<double>& residual, const std::vector<double>& measured,
-                        std::size_t from) {
+double left_by_any_gain(std::span<const double> model, std::span<const double> measured, std::size_t from) {
   double my = 0.0;
   double mm = 0.0;
   double yy = 0.0;
-  for (std::size_t i = 0; i < residual.size(); ++i) {
-    const double y = measured[from + i];
-    const double model = y + residual[i];
-    my += model * y;
-    mm += model * model;
+  for (std::size_t i = from; i < model.size(); ++i) {
+    const double y = measured[i];
+    my += model[i] * y;
+    mm += model[i] * model[i];
     yy += y * y;
   }
   return mm > 0.0 ? std::sqrt(std::max(0.0, yy - my * my / mm)) : std::sqrt(yy);
 }
+
+/// The chain from a hold on: what is in front of it does not depend on its clock.
+struct FromHold {
+  chain::Chain chain;  ///< the hold first
+  std::vector<double> input;
+  std::vector<double> measured;  ///< lines taken off
+
+  FromHold(const Scene& scene, const chain::Block& hold, std::size_t at) : input(scene.boundary[at].values) {
+    chain.blocks.push_back(hold);
+    for (std::size_t k = at; k < scene.end(); ++k) chain.blocks.push_back(scene.model->at(k));
+    const auto& with_lines = scene.boundary.back().values;
+    const auto& without = scene.boundary[scene.end()].values;
+    for (std::size_t i = 0; i < input.size(); ++i)
+      measured.push_back(scene.measured(i) - (with_lines[i] - without[i]));
+  }
+};
 
 /// Mean square of the measured output less the model's, `lag` samples later.
 double distance_at_lag(const Scene& scene, std::size_t lag) {
@@ -164,11 +176,9 @@ double lag_by_slope_s(const Scene& scene) {
   return ss > 0.0 && rs > 0.0 && rs * rs > kMinSlopeShare * ss * rr ? rs / ss : 0.0;
 }
 
-bool is_costly(const Model& model) {
-  for (std::size_t k = 0; k < model.size(); ++k) {
-    if (model.at(k).steps_within_samples()) return true;
-  }
-  return false;
+bool is_costly(const chain::Chain& chain) {
+  return std::any_of(chain.blocks.begin(), chain.blocks.end(),
+                     [](const chain::Block& block) { return block.steps_within_samples(); });
 }
 
 }  // namespace
@@ -204,31 +214,26 @@ bool images_stand_out(const Scene& scene) {
   return smooth.size() < 20 || quantile(smooth, 0.95) > kUneven * quantile(smooth, 0.2);
 }
 
-Starts clocks_by_lag(const Scene& scene, const Model& held, double guess_hz) {
+Starts clocks_by_lag(const Scene& scene, const chain::Block& hold, std::size_t at, double guess_hz) {
+  const FromHold behind(scene, hold, at);
   // Thousands of runs: with a block that is solved step by step the stairs alone must tell.
-  if (is_costly(held)) return {};
-  TimeRecord record;
-  record.step_s = scene.step_s;
-  record.start_s = scene.start_s;
-  record.u = scene.boundary.front().values;
-  for (std::size_t i = 0; i < record.u.size(); ++i) record.y.push_back(scene.measured(i));
-  const std::size_t size = record.size();
-  const auto measured = record.y;
-  TimeExperiment look(std::move(record));
-  auto values = current_values(held);
-  std::vector<double> residual;
+  if (is_costly(behind.chain)) return {};
+  const std::size_t size = behind.input.size();
+  simulate::RecordOptions options;
+  options.start_s = scene.start_s;
+  simulate::RecordSimulator simulator(behind.chain, scene.step_s, options);
   std::vector<double> candidates;
   const std::size_t first = std::min(size, kFirstLook);
   double spacing = 0.25 / (static_cast<double>(first) * scene.step_s);
   for (double f = 0.5 * guess_hz; f < 2.2 * guess_hz; f += spacing) candidates.push_back(f);
   for (std::size_t length = first;; length = std::min(size, 2 * length)) {
-    look.use(length / 5, length);
-    Runner runner(held, {look});
     std::vector<ScoredClock> scored;
     for (double f : candidates) {
       if (scene.is_late()) return {};
-      values.back() = f;
-      if (runner(values, residual)) scored.emplace_back(left_by_any_gain(residual, measured, length / 5), f);
+      simulator.chain().blocks.front().set("clock_hz", f);
+      const auto y = simulator.run(std::span(behind.input).first(length));
+      if (simulator.diverged()) continue;
+      scored.emplace_back(left_by_any_gain(y, behind.measured, length / 5), f);
     }
     std::sort(scored.begin(), scored.end());
     keep_best(scored, kOnePeak / (static_cast<double>(length) * scene.step_s));

@@ -17,9 +17,9 @@ double mean_lag_s(const Scene& scene);
 /// Whether the residual's spectrum above the input's band is anything but flat, as images of a clock make it.
 bool images_stand_out(const Scene& scene);
 
-/// Clocks by the mean lag: `held` is the model with a hold whose clock is its last unknown, tried around
-/// `guess_hz`.
-Starts clocks_by_lag(const Scene& scene, const Model& held, double guess_hz);
+/// Clocks by the mean lag: those of `hold` at `at`, around `guess_hz`, with which the chain comes nearest to what was
+/// measured.
+Starts clocks_by_lag(const Scene& scene, const chain::Block& hold, std::size_t at, double guess_hz);
 
 /// Clocks by the staircase alone: the residual is likened to what a hold of the model's output leaves beside
 /// its mean lag, which free corners of the model may have taken over. `half`: the hold acts half a cycle

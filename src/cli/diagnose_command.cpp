@@ -92,17 +92,20 @@ std::string summary_text(const gap::Diagnosis& d, const std::filesystem::path& f
   std::string verdict = to_string(d.verdict);
   std::replace(verdict.begin(), verdict.end(), '_', ' ');
   std::string text = verdict + "\n";
-  text += fmt::format("  base model: {} rms on training, {} on held-out records ({:.3f} % of range)\n",
-                      rounded_text(d.refitted.train_rms), rounded_text(d.refitted.holdout_rms),
-                      d.refitted.holdout_percent_of_range);
+  const auto rms = [&](double value) {
+    return d.relative ? rounded_text(100.0 * value) + " %" : rounded_text(value);
+  };
+  text += fmt::format("  base model: {} rms{} on training, {} on held-out records", rms(d.refitted.train_rms),
+                      d.relative ? " of H_model/H_measured - 1" : "", rms(d.refitted.holdout_rms));
+  text += d.relative ? "\n" : fmt::format(" ({:.3f} % of range)\n", d.refitted.holdout_percent_of_range);
   for (const auto& s : d.steps) {
     text += fmt::format("  + {} ({}){}: held-out {} -> {}\n", s.effect, s.placed,
                         s.tied_with.empty() ? "" : ", indistinguishable from " + join(s.tied_with, ", "),
-                        rounded_text(s.before.holdout_rms), rounded_text(s.after.holdout_rms));
+                        rms(s.before.holdout_rms), rms(s.after.holdout_rms));
   }
   const std::string floor = d.floor.source == gap::NoiseFloor::Source::unknown
                                 ? "unknown"
-                                : rounded_text(d.floor.rms) + " (" + to_string(d.floor.source) + ")";
+                                : rms(d.floor.rms) + " (" + to_string(d.floor.source) + ")";
   text += fmt::format("  noise floor: {}\n", floor);
   if (!d.advice.empty()) text += "  " + d.advice + "\n";
   text += fmt::format("wrote {}\n", (folder / "diagnosis.json").string());

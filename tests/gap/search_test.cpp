@@ -73,7 +73,7 @@ std::vector<Hidden> outsiders() {
 
 /// Shorter than the others' records, and fewer terms: every effect is tried here, the expensive ones too, round after
 /// round.
-constexpr std::size_t kOutsiderRows = 1000;
+constexpr std::size_t kOutsiderRows = 1200;
 constexpr int kOutsiderTerms = 2;
 
 class Outsider : public testing::TestWithParam<Hidden> {};

@@ -1,7 +1,8 @@
 // Blind boards: circuits that `bodesmith spice` made, soldered with parts of a tolerance and real op-amps, most of them
 // with something wrong, measured by ngspice with noise, and diagnosed. Prints what docs/faults.md quotes.
-//   faults_batch COUNT SEED FAULTS CIRCUIT.json…   (cmake --build build --target faults_batch)
-// FAULTS: how many each board has; -1: drawn, one in eight good, one in eight with two.
+//   faults_batch [--seen] [--capacitor-percent P] COUNT SEED FAULTS CIRCUIT.json…   (cmake --build build --target faults_batch)
+// FAULTS: how many each board has; -1: drawn, one in eight good, one in eight with two. --seen: two faults are drawn again until both
+// can be seen.
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -71,7 +72,50 @@ double largest_change(const std::vector<std::complex<double>>& a,
   return out;
 }
 
-int run(int boards, std::uint64_t seed, int wanted, const std::vector<std::string>& files) {
+/// Points below this part of the good board's largest gain do not count when it is asked whether a fault can be seen.
+constexpr double kSeenAbove = 0.01;
+constexpr double kSeen = 0.08;
+
+bool differs(const std::vector<std::complex<double>>& a, const std::vector<std::complex<double>>& b,
+             const std::vector<std::complex<double>>& good) {
+  double largest = 0.0;
+  for (const auto& h : good) largest = std::max(largest, std::abs(h));
+  for (std::size_t i = 0; i < a.size(); ++i) {
+    if (std::abs(good[i]) < kSeenAbove * largest) continue;
+    if (std::abs(a[i] - b[i]) > kSeen * std::abs(good[i])) return true;
+  }
+  return false;
+}
+
+/// Two faults of which neither alone looks like both.
+BuiltBoard with_two_seen(const BuiltBoard& good, const std::vector<Hertz>& grid, Random& random) {
+  constexpr int kMostDraws = 60;
+  const auto healthy = response_of(good, grid);
+  BuiltBoard both = good;
+  for (int draw = 0; draw < kMostDraws; ++draw) {
+    BuiltBoard first = good;
+    spoil(first, random);
+    both = first;
+    Random same = random;
+    spoil(both, random);
+    BuiltBoard second = good;
+    spoil(second, same);
+    if (second.wrong.front() != both.wrong.back() || both.wrong.front() == both.wrong.back()) continue;
+    const auto together = response_of(both, grid);
+    if (differs(response_of(first, grid), together, healthy) &&
+        differs(response_of(second, grid), together, healthy))
+      break;
+  }
+  return both;
+}
+
+struct Request {
+  bool seen = false;
+  double capacitor_percent = 1.0;
+};
+
+int run(int boards, std::uint64_t seed, int wanted, const std::vector<std::string>& files,
+        const Request& request) {
   std::map<std::string, Tally> tallies;
   std::vector<double> seconds;
   for (int n = 0; n < boards; ++n) {
@@ -80,17 +124,23 @@ int run(int boards, std::uint64_t seed, int wanted, const std::vector<std::strin
     Provenance from;
     const auto made = circuit::CircuitFile::from_node(read_document(file, from));
     const int faults = wanted >= 0 ? wanted : std::array{0, 1, 1, 1, 1, 1, 1, 2}[random.below(8)];
-    BuiltBoard board = good_board(made.circuit, 1.0, 1.0, random);
+    BuiltBoard board = good_board(made.circuit, 1.0, request.capacitor_percent, random);
     const std::vector<Hertz> grid =
         log_grid({Hertz{made.band.from.value / 5.0}, Hertz{made.band.to.value * 5.0}}, 60);
     const auto good = response_of(board, grid);
-    for (int i = 0; i < faults; ++i) spoil(board, random);
+    if (faults == 2 && request.seen) {
+      board = with_two_seen(board, grid, random);
+    } else {
+      for (int i = 0; i < faults; ++i) spoil(board, random);
+    }
     const auto response = faults == 0 ? good : response_of(board, grid);
     const bool with_phase = random.uniform() < 0.8;
     Measurement measurement{{measured(response, grid, 0.02, 0.1, with_phase, random)}};
     const double change = largest_change(response, good);
     const std::clock_t started = std::clock();  // of the processor: other work does not count
-    const CircuitBoard designed(made.circuit, measurement, Spread());
+    Spread spread;
+    spread.capacitor_percent = request.capacitor_percent;
+    const CircuitBoard designed(made.circuit, measurement, spread);
     const Diagnosis d = diagnose_board(designed, DiagnosisOptions());
     seconds.push_back(static_cast<double>(std::clock() - started) / CLOCKS_PER_SEC);
     const char* what = faults == 0     ? "good"
@@ -110,9 +160,10 @@ int run(int boards, std::uint64_t seed, int wanted, const std::vector<std::strin
                           : tally.uncertain > before.uncertain ? "uncertain"
                           : tally.wrong > before.wrong         ? "WRONG"
                                                                : "unexplained";
-    fmt::print("{:4} {:11} {:11} {:.1f} s change {:.2g} {} | good {:.3g} misfit {:.2f} |{} | {}\n", n, what,
-               outcome, seconds.back(), change, with_phase ? "" : "(magnitude)", d.good_probability, d.misfit,
-               suspects, board.words);
+    fmt::print(
+        "{:4} {:11} {:11} {:.1f} s change {:.2g} {} | good {:.3g} (wider {:.3g}) misfit {:.2f} |{} | {}\n", n,
+        what, outcome, seconds.back(), change, with_phase ? "" : "(magnitude)", d.good_probability,
+        d.wider_probability, d.misfit, suspects, board.words);
     std::fflush(stdout);
   }
   fmt::print(
@@ -129,10 +180,25 @@ int run(int boards, std::uint64_t seed, int wanted, const std::vector<std::strin
 }  // namespace bodesmith::faults
 
 int main(int argc, char** argv) {
-  if (argc < 5) {
-    fmt::print(stderr, "usage: faults_batch COUNT SEED FAULTS CIRCUIT.json...\n");
+  bodesmith::faults::Request request;
+  std::vector<std::string> words(argv + 1, argv + argc);
+  while (!words.empty() && words.front().starts_with("--")) {
+    if (words.front() == "--seen") {
+      request.seen = true;
+    } else if (words.front() == "--capacitor-percent" && words.size() > 1) {
+      words.erase(words.begin());
+      request.capacitor_percent = std::strtod(words.front().c_str(), nullptr);
+    } else {
+      words.clear();
+      break;
+    }
+    words.erase(words.begin());
+  }
+  if (words.size() < 4 || !(request.capacitor_percent > 0.0)) {
+    fmt::print(stderr,
+               "usage: faults_batch [--seen] [--capacitor-percent P] COUNT SEED FAULTS CIRCUIT.json...\n");
     return 2;
   }
-  return bodesmith::faults::run(std::atoi(argv[1]), std::strtoull(argv[2], nullptr, 10), std::atoi(argv[3]),
-                                {argv + 4, argv + argc});
+  return bodesmith::faults::run(std::atoi(words[0].c_str()), std::strtoull(words[1].c_str(), nullptr, 10),
+                                std::atoi(words[2].c_str()), {words.begin() + 3, words.end()}, request);
 }

@@ -170,7 +170,8 @@ TwoPort absorption_port(std::vector<double> gains, std::vector<double> tau) {
     string t = buffer(in, fmt::format("a{}", id), fmt::format("a{}", id));
     string sum = fmt::format("V(a{})", id);
     for (size_t k = 0; k < tau.size(); ++k) {
-      t += fmt::format("R{0}_{1} a{0} q{0}_{1} {2}\nC{0}_{1} q{0}_{1} 0 {3}\n", id, k, n(kOhm),
+      // R1_2 is the first resistor of the second amplifier.
+      t += fmt::format("Rq{0}_{1} a{0} q{0}_{1} {2}\nCq{0}_{1} q{0}_{1} 0 {3}\n", id, k, n(kOhm),
                        n(tau[k] / kOhm));
       sum += fmt::format("+{}*V(q{}_{})", n(gains[k]), id, k);
     }

@@ -102,7 +102,7 @@ Json json_of(const StartChoice& choice) {
   return {{"chosen", to_string(choice.chosen)},
           {"zero_train_rms", finite_or_null(choice.zero_rms)},
           {"equilibrium_train_rms", finite_or_null(choice.equilibrium_rms)},
-          {"decided_by", choice.by_terms ? "terms" : "base_model"}};
+          {"decided_by", choice.by_search ? "search" : "refit"}};
 }
 
 Json json_of(const NoiseFloor& floor) {

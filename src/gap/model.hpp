@@ -75,6 +75,7 @@ class Model {
   std::size_t position_of(int id) const;
   chain::Block& block(int id) { return slots_[position_of(id)].block; }
 
+  void set_start(chain::Start start) { start_ = start; }
   /// Free parameters that are 0 and have the unit of a signal (offsets) say nothing of their size: changes of
   /// them are typically as large as this.
   void set_signal_size(double size);

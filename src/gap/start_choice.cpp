@@ -17,9 +17,6 @@ namespace {
 
 using chain::Start;
 
-/// The base model decides when one start leaves this many times as much as the other: even a model that misses
-/// something shows so the answer to a step that was none, or that none was there.
-constexpr double kPlain = 1.5;
 /// Of two searches, one that names more must leave less than this part for each term more; with as many,
 constexpr double kWorthATerm = 0.9;
 /// equilibrium must leave less than this part.
@@ -57,10 +54,13 @@ Tried tried(const Model& model, const Experiments& train, const SearchOptions& o
           !leave_out_wrong_starts(setting, make_records(train, options.stretches), model).found};
 }
 
-Tried tried_base(const chain::Chain& base, const Experiments& train, const SearchOptions& options) {
-  const Model initial(base);
-  const SearchSetting setting{options, initial};
-  return tried(fit_base(setting, make_records(train, options.stretches)).model, train, options);
+/// The same model from another start, refitted and not searched again.
+Tried from_other_start(Model model, Start start, const Experiments& train, const SearchOptions& options) {
+  constexpr int kIterations = 8;
+  model.set_start(start);
+  const SearchSetting setting{options, model};
+  const SearchRecords records = make_records(train, options.stretches);
+  return tried(fit_in_turn(setting, records, model, kIterations).model, train, options);
 }
 
 /// Whether what a search from equilibrium found is to be preferred.
@@ -74,56 +74,50 @@ bool is_equilibrium_better(const SearchResult& equilibrium, const Tried& from_eq
   return from_equilibrium.rms < worth * from_zero.rms;
 }
 
-/// The progress of one of two searches.
-SearchOptions half(const SearchOptions& options, double from) {
-  SearchOptions out = options;
-  if (options.progress) out.progress = [&options, from](double part) { options.report(from + 0.5 * part); };
-  return out;
-}
-
 }  // namespace
 
 StartedSearch search_from_start(const chain::Chain& base, const Experiments& train,
                                 const SearchOptions& options) {
   if (base.start || !any_begins_under_bias(train)) return {search(base, train, options), std::nullopt};
   const auto at_rest = started(base, Start::equilibrium);
+  const Start first =
+      whole_rms(Model(at_rest), train) < whole_rms(Model(base), train) ? Start::equilibrium : Start::zero;
+  const Start other = first == Start::zero ? Start::equilibrium : Start::zero;
+  const auto from = [&](Start start) { return start == Start::zero ? base : at_rest; };
   StartChoice choice;
-  const auto measure = [&](const Tried& from_zero, const Tried& from_equilibrium) {
-    choice.zero_rms = from_zero.rms;
-    choice.equilibrium_rms = from_equilibrium.rms;
+  const auto measure = [&](const Tried& of_first, const Tried& of_other) {
+    choice.zero_rms = first == Start::zero ? of_first.rms : of_other.rms;
+    choice.equilibrium_rms = first == Start::zero ? of_other.rms : of_first.rms;
   };
   const auto decided = [&](Start start, SearchResult found) {
     choice.chosen = start;
     found.initial = Model(base);  // as given
     return StartedSearch{std::move(found), choice};
   };
-  const Tried base_from_zero = tried_base(base, train, options);
-  const Tried base_from_equilibrium = tried_base(at_rest, train, options);
-  measure(base_from_zero, base_from_equilibrium);
-  if (base_from_equilibrium.explains && base_from_zero.rms > kPlain * base_from_equilibrium.rms)
-    return decided(Start::equilibrium, search(at_rest, train, options));
-  if (base_from_zero.explains && base_from_equilibrium.rms > kPlain * base_from_zero.rms)
-    return decided(Start::zero, search(base, train, options));
-  auto zero = search(base, train, half(options, 0.0));
-  if (zero.stopped || zero.late) return decided(Start::zero, std::move(zero));
-  auto equilibrium = search(at_rest, train, half(options, 0.5));
-  if (equilibrium.stopped) return decided(Start::zero, std::move(zero));
-  const Tried from_zero = tried(zero.final, train, options);
-  const Tried from_equilibrium = tried(equilibrium.final, train, options);
-  choice.by_terms = true;
-  measure(from_zero, from_equilibrium);
-  if (is_equilibrium_better(equilibrium, from_equilibrium, zero, from_zero))
-    return decided(Start::equilibrium, std::move(equilibrium));
-  return decided(Start::zero, std::move(zero));
+  SearchResult found = search(from(first), train, options);
+  const Tried of_first = tried(found.final, train, options);
+  const Tried of_other = from_other_start(found.final, other, train, options);
+  measure(of_first, of_other);
+  const bool enough = of_first.explains && !(of_other.rms < kWorthAKey * of_first.rms);
+  if (enough || found.stopped || found.late) return decided(first, std::move(found));
+  SearchResult again = search(from(other), train, options);
+  if (again.stopped) return decided(first, std::move(found));
+  const Tried of_again = tried(again.final, train, options);
+  choice.by_search = true;
+  measure(of_first, of_again);
+  const bool zero_first = first == Start::zero;
+  const bool equilibrium = zero_first ? is_equilibrium_better(again, of_again, found, of_first)
+                                      : is_equilibrium_better(found, of_first, again, of_again);
+  const Start chosen = equilibrium ? Start::equilibrium : Start::zero;
+  return decided(chosen, std::move(chosen == first ? found : again));
 }
 
 std::string to_text(const StartChoice& choice) {
   const bool still = choice.chosen == Start::equilibrium;
   return fmt::format(
-      "The training records begin under bias: {} leaves {} rms of them, starts and all, from zero and {} from equilibrium "
-      "under the first input; {}.",
-      choice.by_terms ? "what was found" : "the base model", rounded_text(choice.zero_rms),
-      rounded_text(choice.equilibrium_rms),
+      "The training records begin under bias: what was found leaves {} rms of them, starts and all, from zero and {} from "
+      "equilibrium under the first input; {}.",
+      rounded_text(choice.zero_rms), rounded_text(choice.equilibrium_rms),
       still ? "the model starts there (start in model.toml)"
             : "the model starts in zero, as it does without a word");
 }

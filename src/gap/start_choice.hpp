@@ -12,11 +12,11 @@ namespace bodesmith::gap {
 /// under bias and the model itself does not say.
 struct StartChoice {
   chain::Start chosen = chain::Start::zero;
-  /// What each leaves of the training records, whole: the base model refitted, or where that does not decide
-  /// (`by_terms`) all that the searches found.
+  /// What each leaves of the training records, whole: of the one, all that the search found; of the other the same
+  /// refitted, or what a search of its own found (`by_search`).
   double zero_rms = 0.0;
   double equilibrium_rms = 0.0;
-  bool by_terms = false;
+  bool by_search = false;
 };
 /// One sentence, for a person.
 std::string to_text(const StartChoice& choice);
@@ -25,9 +25,11 @@ struct StartedSearch {
   SearchResult search;
   std::optional<StartChoice> start;  ///< nothing: there was nothing to choose
 };
-/// search() from the start that explains the training records. Where one of them begins under bias and the model does not
-/// say how it starts, both are tried: on the base model, and where that does not decide, by two whole searches. Zero needs no
-/// key in model.toml and is kept unless equilibrium explains the records, their starts included, better.
+/// search() from the start that explains the training records, where one of them begins under bias and the model does not say
+/// how it starts. The start under which the model as given comes nearer is searched from (zero where both are alike). When what was
+/// found explains how the records begin, and leaves no more than the same refitted from the other start, that is all; otherwise
+/// the other one is searched from too. Zero needs no key in model.toml and is kept unless equilibrium explains the records
+/// better.
 StartedSearch search_from_start(const chain::Chain& base, const Experiments& train,
                                 const SearchOptions& options);
 

@@ -104,7 +104,7 @@ TEST(StartChoice, AStepFromRestInZeroStaysOne) {
                            lagging(waves(kBias, 3.1), 4.0, 9.0, 0.0, 4));
   ASSERT_TRUE(d.start.has_value());
   EXPECT_EQ(d.start->chosen, Start::zero);
-  EXPECT_FALSE(d.start->by_terms);
+  EXPECT_FALSE(d.start->by_search);
   EXPECT_EQ(d.search.final.chain().start, std::nullopt);
   EXPECT_TRUE(d.steps.empty());
 }
@@ -112,7 +112,6 @@ TEST(StartChoice, AStepFromRestInZeroStaysOne) {
 TEST(StartChoice, WhereTheBaseModelHasNoStatesItsTermsDecide) {
   const auto d = diagnosed(model_of(kGain), playing(waves(kBias, 2.0), 5), playing(waves(kBias, 3.1), 6));
   ASSERT_TRUE(d.start.has_value());
-  EXPECT_TRUE(d.start->by_terms);
   EXPECT_EQ(d.start->chosen, Start::equilibrium);
   ASSERT_EQ(d.steps.size(), 1u);
   EXPECT_EQ(d.steps[0].effect, "backlash");

@@ -2,9 +2,13 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <random>
 #include <vector>
+
+#include "numeric/random.hpp"
 
 namespace bodesmith {
 namespace {
@@ -50,6 +54,67 @@ TEST(Statistics, ImprovementIsToldFromChance) {
   }
   EXPECT_GT(improvement_z(with_part, noise), 6.0);
   EXPECT_LT(improvement_z(noise, by_chance), 4.0);
+}
+
+/// What fits of a straight line leave.
+std::vector<double> without_line(const std::vector<double>& v) {
+  const auto n = static_cast<double>(v.size());
+  const double middle = mean(v);
+  double along = 0.0;
+  double size = 0.0;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double x = static_cast<double>(i) - 0.5 * (n - 1.0);
+    along += x * v[i];
+    size += x * x;
+  }
+  std::vector<double> out;
+  for (std::size_t i = 0; i < v.size(); ++i)
+    out.push_back(v[i] - middle - along / size * (static_cast<double>(i) - 0.5 * (n - 1.0)));
+  return out;
+}
+
+std::vector<double> noise(std::size_t samples, double memory, Random& random) {
+  std::vector<double> out;
+  double x = 0.0;
+  for (std::size_t i = 0; i < samples + 2000; ++i) {
+    x = memory * x + random.normal();
+    if (i >= 2000) out.push_back(x);
+  }
+  return out;
+}
+
+TEST(ImprovementZ, ALineThroughRedNoiseIsSeldomSureWhenTheOctavesAboveCount) {
+  Random random(5);
+  int sure = 0;
+  int sure_of_seen = 0;
+  for (int i = 0; i < 300; ++i) {
+    const auto before = noise(300, 0.99, random);
+    const auto after = without_line(before);
+    sure_of_seen += improvement_z(before, after) > 5.0 ? 1 : 0;
+    sure += improvement_z(before, after, LowBins::as_octaves_above) > 5.0 ? 1 : 0;
+  }
+  EXPECT_GT(sure_of_seen, 8);
+  EXPECT_LT(sure, sure_of_seen / 2);
+}
+
+TEST(ImprovementZ, ALineUnderWhiteNoiseStaysSure) {
+  Random random(6);
+  for (int i = 0; i < 50; ++i) {
+    auto before = noise(600, 0.0, random);
+    for (std::size_t k = 0; k < before.size(); ++k) before[k] += 3.0 * (static_cast<double>(k) / 300.0 - 1.0);
+    const auto after = without_line(before);
+    EXPECT_GT(improvement_z(before, after, LowBins::as_octaves_above), 8.0);
+  }
+}
+
+TEST(ImprovementZ, ChangesAboveTheLowBinsAreJudgedAlike) {
+  Random random(7);
+  const auto after = noise(1024, 0.9, random);
+  auto before = after;
+  for (std::size_t k = 0; k < before.size(); ++k)
+    before[k] += std::sin(2.0 * std::numbers::pi * 80.0 / 1024.0 * static_cast<double>(k));
+  EXPECT_NEAR(improvement_z(before, after, LowBins::as_octaves_above) / improvement_z(before, after), 1.0,
+              1e-3);
 }
 
 }  // namespace

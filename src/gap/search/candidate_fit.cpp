@@ -169,6 +169,11 @@ void comb_leaders(const SearchSetting& setting, const SearchRecords& records, st
   });
 }
 
+/// Red noise in a short record looks like a slow effect, and the effect then leaves it white.
+LowBins low_bins_of(const SearchRecords& records) {
+  return are_responses(records.train) ? LowBins::as_they_are : LowBins::as_octaves_above;
+}
+
 }  // namespace
 
 std::optional<Ranked> with_gains(Ranked r, const SearchRecords& records, const RoundResiduals& before) {
@@ -176,7 +181,7 @@ std::optional<Ranked> with_gains(Ranked r, const SearchRecords& records, const R
   if (train.size() != before.train.size()) return std::nullopt;
   r.effective = r.model.terms().back().effective_unknowns();
   r.train_rms = r.folds_rms = rms(train);
-  r.train_z = r.z = improvement_z(before.train, train);
+  r.train_z = r.z = improvement_z(before.train, train, low_bins_of(records));
   return r;
 }
 
@@ -187,7 +192,7 @@ Ranked with_folds(Ranked r, const SearchRecords& records, const RoundResiduals& 
     return r;
   }
   r.folds_rms = rms(r.folds);
-  r.z = improvement_z(before.folds, r.folds);
+  r.z = improvement_z(before.folds, r.folds, low_bins_of(records));
   return r;
 }
 

@@ -71,15 +71,13 @@ std::vector<Hidden> outsiders() {
   return all;
 }
 
-/// Shorter than the others' records, and fewer terms: every effect is tried here, the expensive ones too, round after
-/// round.
+/// Shorter than the others' records.
 constexpr std::size_t kOutsiderRows = 1200;
-constexpr int kOutsiderTerms = 2;
 
 class Outsider : public testing::TestWithParam<Hidden> {};
 TEST_P(Outsider, IsNotCalledExplained) {
   hidden::expect_right(World::formulas, Kind::outside, GetParam(), kOutsiderRows,
-                       {.max_terms = kOutsiderTerms});
+                       {.max_terms = hidden::kOutsiderTerms});
 }
 INSTANTIATE_TEST_SUITE_P(Search, Outsider, testing::ValuesIn(outsiders()), hidden::HiddenName());
 

@@ -84,7 +84,8 @@ INSTANTIATE_TEST_SUITE_P(Decks, MeasuredControl, testing::Values(Hidden{"opamp_s
 
 using MeasuredOutsider = Measured;
 TEST_P(MeasuredOutsider, IsNotInTheCatalogue) {
-  hidden::expect_right(World::ngspice, Kind::outside, GetParam(), kMeasuredRows);
+  hidden::expect_right(World::ngspice, Kind::outside, GetParam(), kMeasuredRows,
+                       {.max_terms = hidden::kOutsiderTerms});
 }
 INSTANTIATE_TEST_SUITE_P(Decks, MeasuredOutsider, testing::Values(Hidden{"opamp_gain", "diode", 9}),
                          hidden::HiddenName());

@@ -29,6 +29,9 @@ struct HiddenName {
   }
 };
 
+/// Of a model beside what is in no catalogue: every effect is tried there, the expensive ones too, round after round.
+constexpr int kOutsiderTerms = 2;
+
 /// Solved, and expected to be right: named (or tied), or rightly silent.
 inline Outcome expect_right(World world, Kind kind, const Hidden& h, std::size_t rows,
                             const SolveOptions& options = {}) {

@@ -50,12 +50,12 @@ class BoardSearch {
     if (first.gain > kNoiseAgain * noise_.gain || first.phase > kNoiseAgain * noise_.phase)
       findings = singles(0.5, 0.9);
     const std::vector<Finding> alone = findings;
-    const bool two_tried = excess(findings.front()) > kTryTwo;
+    const bool two_tried = leaves_room_for_two(findings);
     if (two_tried) add_pairs(alone, findings);
     look_closely(findings);
     // The noise was taken from what the best one left: a peak that it misses looks like noise, and only a close look shows
     // that it does not fit.
-    if (!two_tried && excess(findings.front()) > kTryTwo) {
+    if (!two_tried && leaves_room_for_two(findings)) {
       add_pairs(alone, findings);
       look_closely(findings);
     }
@@ -69,6 +69,13 @@ class BoardSearch {
   }
 
  private:
+  /// Whether two faults are to be tried: one leaves too much; or the best explanation is parts spread wider than stated,
+  /// which says little and which two faults look like.
+  static bool leaves_room_for_two(const std::vector<Finding>& sorted) {
+    const Finding& best = sorted.front();
+    return best.part_spread > 1.0 || excess(best) > kTryTwo;
+  }
+
   /// Two at once, of which one is among `alone`; the noise then as the best explanation leaves it.
   void add_pairs(const std::vector<Finding>& alone, std::vector<Finding>& findings) {
     const std::vector<Finding> two =

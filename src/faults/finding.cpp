@@ -206,9 +206,10 @@ Finding refined(const Board& board, Finding finding, const std::vector<Fault>& f
   const Prediction first = board.predict(finding.effect());
   const Likelihood linear(board, first, noise, finding.part_spread);
   Eigen::VectorXd around = linear.errors();
-  for (Eigen::Index u = 0; u < around.size(); ++u) {
-    if (!board.is_part(std_index(u))) around(u) = 0.0;
-  }
+  // Errors beyond what any part has would make another board of it: a dead one, on which no error costs anything.
+  constexpr double kMostErrors = 5.0;
+  for (Eigen::Index u = 0; u < around.size(); ++u)
+    around(u) = board.is_part(std_index(u)) ? std::clamp(around(u), -kMostErrors, kMostErrors) : 0.0;
   double density = over_noise(noise, [&](const Noise& one) {
     return Likelihood(board, first, one, finding.part_spread).log_density();
   });

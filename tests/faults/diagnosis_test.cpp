@@ -75,6 +75,21 @@ TEST(BoardDiagnosis, TwoFaultsAtOnce) {
   EXPECT_TRUE(among_tied(d, built.parts[capacitors.back()].name));
 }
 
+/// Parts thousands of tolerances off would make a dead board of a good one.
+TEST(BoardDiagnosis, ADeadOutputIsNoGoodBoard) {
+  const circuit::Circuit circuit = small_circuit();
+  const std::vector<Hertz> grid = small_grid();
+  Channel nothing = seen(grid, circuit::network_response(circuit, grid, circuit.model), 5, true);
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    nothing.log_gain[i] = std::log(1e-5);
+    nothing.phase_rad[i] = std::fmod(2.4 * static_cast<double>(i * i), 3.0);
+  }
+  const CircuitBoard board(circuit, Measurement{{nothing}}, Spread());
+  const Diagnosis d = diagnose_board(board, DiagnosisOptions());
+  EXPECT_TRUE(d.verdict == Verdict::tie || d.verdict == Verdict::one_fault);
+  EXPECT_LT(d.good_probability, 1e-3);
+}
+
 TEST(BoardDiagnosis, WhatNoFaultExplainsIsSaidToBeUnexplained) {
   const circuit::Circuit circuit = small_circuit();
   const std::vector<Hertz> grid = small_grid(80);

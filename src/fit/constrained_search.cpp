@@ -17,6 +17,9 @@ using Eigen::VectorXd;
 /// Np: a fit this close is exact, and further steps would polish rounding.
 constexpr double kExact = 1e-9;
 
+/// Relative, of a step: rounds of rows agree to a thousand times as much.
+constexpr double kStepGap = 1e-7;
+
 /// Cost per neper of mask violation, against nepers of error.
 constexpr double kMaskCost = 100.0;
 
@@ -136,6 +139,7 @@ class StepProgram {
     const Index rows =
         (level != kNone ? 2 * errors : 0) + box.b.size() + (violation != kNone ? masks + 1 : 0);
     QuadraticProgram p;
+    if (!least_squares_) p.gap = kStepGap;
     p.q = MatrixXd::Zero(size, size);
     p.c = VectorXd::Zero(size);
     p.a = MatrixXd::Zero(rows, size);
@@ -154,6 +158,8 @@ class StepProgram {
       p.a.block(0, level, 2 * errors, 1).setConstant(-1.0);
       p.b.head(errors) = -at.error / unit;
       p.b.segment(errors, errors) = at.error / unit;
+      p.pairs = errors;
+      p.level = level;
       row = 2 * errors;
     }
     p.a.block(row, 0, box.b.size(), n) = box.a;
@@ -187,6 +193,12 @@ class StepProgram {
 
 SearchResult search_constrained(const RootModel& model, const CurveTarget& target, const RootLimits& limits,
                                 VectorXd theta, bool least_squares, int iterations) {
+  double radius = kFirstRadius;
+  return search_constrained(model, target, limits, std::move(theta), least_squares, iterations, radius);
+}
+
+SearchResult search_constrained(const RootModel& model, const CurveTarget& target, const RootLimits& limits,
+                                VectorXd theta, bool least_squares, int iterations, double& radius) {
   clamp(model, limits, theta);
   StepProgram program(model, target, limits, least_squares);
   const auto merit_of = [&](const VectorXd& at, const VectorXd& error) {
@@ -195,7 +207,6 @@ SearchResult search_constrained(const RootModel& model, const CurveTarget& targe
   Linearised now{theta, {}, {}, 0.0};
   curve_errors(model, target, now.theta, now.error, &now.slope);
   now.merit = merit_of(now.theta, now.error);
-  double radius = 0.3;
   for (int iteration = 0; iteration < iterations && radius > 1e-10 && now.merit > kExact; ++iteration) {
     const StepProgram::Step step = program.solve(now, radius);
     VectorXd error;

@@ -5,6 +5,7 @@
 
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
+#include "numeric/tall_matrix.hpp"
 
 namespace bodesmith {
 namespace {
@@ -55,8 +56,9 @@ SearchResult search_least_squares(const RootModel& model, const ErrorFunction& e
   double damping = 1e-2;
   int small = 0;
   for (int i = 0; i < iterations && damping < 1e10; ++i) {
-    const MatrixXd normal = gram(slope);
-    const VectorXd downhill = -slope.transpose() * error;
+    const TallMatrix rows(slope);
+    const MatrixXd normal = rows.gram(VectorXd::Ones(slope.rows()));
+    const VectorXd downhill = -rows.transpose_times(error);
     MatrixXd damped = normal;
     damped.diagonal().array() +=
         damping * (1e-6 * normal.diagonal().maxCoeff() + normal.diagonal().array()) + 1e-14;

@@ -106,14 +106,41 @@ bool is_best_possible(const DirectProblem& problem, const DirectSearch& search) 
          alternation_bound(search.model, problem.target, search.best.theta) >= kProven * search.best.value;
 }
 
-/// One screened start to its end.
-SearchResult refine_start(const DirectProblem& problem, const RootModel& model, const SearchResult& start,
-                          bool least_squares) {
-  SearchResult result = search_constrained(model, problem.screening, problem.limits, start.theta, true, 30);
+/// A start on the way to its end.
+struct Followed {
+  SearchResult result;
+  double radius = kFirstRadius;
+};
+
+/// One screened start, nearly to its end.
+Followed refine_start(const DirectProblem& problem, const RootModel& model, const SearchResult& start,
+                      bool least_squares) {
+  // finish_starts() follows the promising ones to their end; few points leave nothing to tell them apart by.
+  const int iterations = problem.underdetermined ? 80 : 20;
+  Followed out;
+  SearchResult near = search_constrained(model, problem.screening, problem.limits, start.theta, true, 30);
   if (problem.underdetermined && problem.target.masks.empty())
-    result = search_interpolation(model, problem.target, problem.limits, result.theta, 60);
-  if (problem.underdetermined && result.value <= 1e-6) return result;
-  return search_constrained(model, problem.target, problem.limits, result.theta, least_squares, 80);
+    near = search_interpolation(model, problem.target, problem.limits, near.theta, 60);
+  if (problem.underdetermined && near.value <= 1e-6) return {std::move(near), kFirstRadius};
+  out.result = search_constrained(model, problem.target, problem.limits, near.theta, least_squares,
+                                  iterations, out.radius);
+  return out;
+}
+
+/// To their end those that are not far from the best.
+void finish_starts(const DirectProblem& problem, const RootModel& model, bool least_squares,
+                   std::vector<Followed>& refined) {
+  constexpr double kFar = 1.5;
+  if (problem.underdetermined) return;
+  double best = INFINITY;
+  for (const Followed& one : refined) best = std::min(best, one.result.value);
+  parallel_for(refined.size(), thread_count(0), [&](std::size_t i) {
+    Followed& one = refined[i];
+    if (one.result.theta.size() == 0 || !(one.result.value <= kFar * best)) return;
+    stop_if_interrupted();
+    one.result = search_constrained(model, problem.target, problem.limits, one.result.theta, least_squares,
+                                    60, one.radius);
+  });
 }
 
 /// One start without a search: if what it ends in is provably as good as can be, there is nothing to search for.
@@ -187,7 +214,7 @@ DirectSearch search_from_starts(const DirectProblem& problem, const DirectFitOpt
     const RootModel model = StartBuilder::make_model(problem.zeros, options.order, real, problem.reference);
     std::vector<SearchResult> starts = builder.build(problem.zeros, options.order, problem.reference);
     const bool screen = starts.size() > effort.finished;
-    std::vector<SearchResult> refined(starts.size());
+    std::vector<Followed> refined(starts.size());
     std::atomic<int> left{0};
     Progress progress("starts of the fit");
     std::atomic<std::size_t> begun = 0;
@@ -197,23 +224,30 @@ DirectSearch search_from_starts(const DirectProblem& problem, const DirectFitOpt
       // The first one is followed however late it is: there is an answer.
       if (i > 0 && options.deadline.passed()) {
         ++left;
-        refined[i].value = INFINITY;
+        refined[i].result.value = INFINITY;
         return;
       }
-      refined[i] =
-          screen ? search_constrained(model, problem.screening, problem.limits, starts[i].theta, false, 40)
-                 : refine_start(problem, model, starts[i], options.least_squares);
+      if (screen) {
+        refined[i].result =
+            search_constrained(model, problem.screening, problem.limits, starts[i].theta, false, 40);
+      } else {
+        refined[i] = refine_start(problem, model, starts[i], options.least_squares);
+      }
     });
-    if (screen) {
+    if (!screen) {
+      if (!options.deadline.passed()) finish_starts(problem, model, options.least_squares, refined);
+    } else {
       std::stable_sort(refined.begin(), refined.end(),
-                       [](const SearchResult& a, const SearchResult& b) { return a.value < b.value; });
+                       [](const Followed& a, const Followed& b) { return a.result.value < b.result.value; });
       refined.resize(effort.finished);
       parallel_for(refined.size(), thread_count(0), [&](std::size_t i) {
-        if (refined[i].theta.size() == 0) return;
-        refined[i] = search_constrained(model, problem.target, problem.limits, refined[i].theta, false, 80);
+        SearchResult& one = refined[i].result;
+        if (one.theta.size() == 0) return;
+        one = search_constrained(model, problem.target, problem.limits, one.theta, false, 80);
       });
     }
-    for (SearchResult& result : refined) {
+    for (Followed& followed : refined) {
+      SearchResult& result = followed.result;
       if (result.value < out.best.value * (1.0 - 1e-6)) {
         out.best = std::move(result);
         out.model = model;

@@ -87,7 +87,10 @@ Complex RootResponse::value(RadPerSecond w, Eigen::RowVectorXcd* slope) const {
     side = {side.real() * re - side.imag() * im, side.real() * im + side.imag() * re};
     if (slope != nullptr) place = root.add_slope(w, value, place, *slope);
   }
-  return above / below;
+  // Through the norm: every factor is about 1 at the reference.
+  const double scale = 1.0 / std::norm(below);
+  return {(above.real() * below.real() + above.imag() * below.imag()) * scale,
+          (above.imag() * below.real() - above.real() * below.imag()) * scale};
 }
 
 Complex RootResponse::at(RadPerSecond w, Eigen::RowVectorXcd* slope, bool phase) const {

@@ -27,6 +27,12 @@ std::vector<std::vector<std::size_t>> scale_groups(const Stage& stage) {
           {Stage::kCpp, Stage::kC3, Stage::kCB}};
 }
 
+/// Whether a capacitor of a second-order stage is in the first of its groups.
+bool in_first_group(Stage::Kind kind, std::size_t capacitor) {
+  if (capacitor == Stage::kC1 || capacitor == Stage::kC2 || capacitor == Stage::kCA) return true;
+  return kind == Stage::Kind::second_high && (capacitor == Stage::kCp || capacitor == Stage::kC4);
+}
+
 /// An input of a second-order stage that has others: below half a unit nothing is nearer than one unit.
 bool may_be_left_out(const Stage& stage, std::size_t capacitor) {
   if (stage.kind == Stage::Kind::first || capacitor > Stage::kCpp) return false;
@@ -41,9 +47,7 @@ bool rounded_at(Stage& stage, const std::vector<double>& exact, double node_scal
     if (!(exact[i] > 0.0)) continue;
     double scale = first;
     if (stage.kind != Stage::Kind::first) {
-      const auto groups = scale_groups(stage);
-      const bool in_first = std::find(groups[0].begin(), groups[0].end(), i) != groups[0].end();
-      scale = in_first ? first : second;
+      scale = in_first_group(stage.kind, i) ? first : second;
       if (i == Stage::kCA || i == Stage::kC3) scale *= node_scale;
     }
     const double units = std::round(exact[i] * scale);

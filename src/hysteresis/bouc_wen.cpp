@@ -70,13 +70,30 @@ double BoucWen::advance(double z, double du) const {
     const double across = std::max(0.25 * size / std::abs(rate), decay_step(fastest, rest_at(fastest)));
     return own > 0.0 ? std::min(decay_step(own, size), across) : across;
   };
+  // Whether a step over all that is left is short enough for certain, told from |z|^n alone: |z|^(n-1) is |z|^n/|z|, and
+  // rest^(n-1) no more than |A|/c or 1. Finely sampled inputs need no other power for it.
+  const auto short_enough = [&](double value, double power, double rate) {
+    constexpr double kSafe = 0.99;
+    const double size = std::abs(value);
+    const double own = value == 0.0 ? 0.0 : beta + gamma * direction * (value > 0.0 ? 1.0 : -1.0);
+    if (!(own > 0.0)) return false;
+    if (direction * A * value >= 0.0) {
+      const double steepest = std::max({power / size, std::abs(A) / own, 1.0});
+      return left <= kSafe * 0.05 / (own * n * steepest);
+    }
+    return left <= kSafe * std::min(0.05 * size / (own * n * power), 0.25 * size / std::abs(rate));
+  };
   while (left > 0.0) {
-    const double k1 = slope(z);
+    const double power = std::pow(std::abs(z), n);
+    const double k1 = direction * A - beta * (z >= 0.0 ? power : -power) - gamma * direction * power;
     // Where z has settled it stays: its slope only falls on the way there. Without this a steep loop (a large beta
     // that a search tries) costs steps in proportion to beta at every sample.
     if (std::abs(k1) * left <= 1e-12 * std::abs(z) || std::abs(k1) <= 1e-13 * std::abs(A)) break;
-    const double longest = step_at(z, k1);
-    const double h = longest > 0.0 ? std::min(left, longest) : left;
+    double h = left;
+    if (!short_enough(z, power, k1)) {
+      const double longest = step_at(z, k1);
+      if (longest > 0.0) h = std::min(left, longest);
+    }
     const double k2 = slope(z + 0.5 * h * k1);
     const double k3 = slope(z + 0.5 * h * k2);
     const double k4 = slope(z + h * k3);

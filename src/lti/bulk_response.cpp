@@ -4,14 +4,8 @@
 #include <cmath>
 #include <stdexcept>
 
-// The same source for processors with and without wide vectors; chosen when the program starts. Sanitizers
-// instrument before that choice is made, so they get the plain one.
-#if defined(__x86_64__) && defined(__GNUC__) && !defined(__clang__) && !defined(__SANITIZE_ADDRESS__) && \
-    !defined(__SANITIZE_THREAD__)
-#define BODESMITH_CLONES __attribute__((target_clones("default", "arch=haswell")))
-#else
-#define BODESMITH_CLONES
-#endif
+#include "numeric/clones.hpp"
+#include "numeric/parallel_for.hpp"
 
 namespace bodesmith {
 namespace {
@@ -173,16 +167,24 @@ void BulkResponse::responses(std::span<const RadPerSecond> w, std::span<std::com
 }
 
 std::vector<std::complex<double>> responses(const Sections& sections, const std::vector<Hertz>& grid) {
-  std::vector<RadPerSecond> w;
-  w.reserve(grid.size());
-  for (const Hertz f : grid) w.push_back(f.rad_s());
-  std::vector<Complex> out(grid.size());
-  BulkResponse(sections).responses(w, out);
-  for (std::size_t i = 0; i < out.size(); ++i) {
-    const double size = std::norm(out[i]);
-    // Written so that a NaN counts as outside.
-    if (!(size > 1e-200 && size < 1e200)) out[i] = sections.response(w[i]);
-  }
+  const std::size_t n = grid.size();
+  std::vector<Complex> out(n);
+  const BulkResponse bulk(sections);
+  constexpr std::size_t kPiece = 8192;
+  const int threads = n >= 8 * kPiece ? thread_count(0) : 1;
+  parallel_for((n + kPiece - 1) / kPiece, threads, [&](std::size_t piece) {
+    const std::size_t begin = piece * kPiece;
+    const std::size_t end = std::min(n, begin + kPiece);
+    std::vector<RadPerSecond> w;
+    w.reserve(end - begin);
+    for (std::size_t i = begin; i < end; ++i) w.push_back(grid[i].rad_s());
+    bulk.responses(w, std::span(out).subspan(begin, end - begin));
+    for (std::size_t i = begin; i < end; ++i) {
+      const double size = std::norm(out[i]);
+      // Written so that a NaN counts as outside.
+      if (!(size > 1e-200 && size < 1e200)) out[i] = sections.response(w[i - begin]);
+    }
+  });
   return out;
 }
 

@@ -1,6 +1,7 @@
 #include "project/design.hpp"
 
 #include <algorithm>
+#include <future>
 #include <memory>
 #include <variant>
 
@@ -65,12 +66,21 @@ Outcome<fpaa::Plan> try_plan(const Project& project, const Sections& sections, c
 Outcome<Hardware> build_hardware(const Project& project, const Sections& sections, const Band& band) {
   try {
     Hardware out;
-    if (project.fpaa) {
-      auto plan = try_plan(project, sections, band);
+    // The plan's search takes longest: parts are looked for beside it.
+    std::future<Outcome<fpaa::Plan>> planned;
+    if (project.fpaa)
+      planned = std::async(std::launch::async, [&] { return try_plan(project, sections, band); });
+    std::optional<Outcome<circuit::Realised>> parts;
+    if (project.circuit) parts = circuit::try_realise(sections, circuit_options(project));
+    if (planned.valid()) {
+      auto plan = planned.get();
       if (const auto* refusal = refusal_of(plan)) return *refusal;
       out.plan = std::get<fpaa::Plan>(std::move(plan));
     }
-    if (project.circuit) out.circuit = circuit::realise(sections, circuit_options(project));
+    if (parts) {
+      if (const auto* refusal = refusal_of(*parts)) return *refusal;
+      out.circuit = std::get<circuit::Realised>(std::move(*parts));
+    }
     return out;
   } catch (const DesignError& error) {
     return Refusal{error.what()};
@@ -140,6 +150,10 @@ Design with_alternative(const Project& project, const Design& design, std::size_
 
 Design make_design(const Project& project) {
   const Stopwatch watch;
+  // Knows the disturbance alone: made beside everything else.
+  std::vector<std::string> forms_passed_over;
+  auto controller =
+      std::async(std::launch::async, [&] { return make_analog_controller(project, forms_passed_over); });
   Design design;
   design.fit = fit_cascade(project.target.points, fit_options(project));
   design.approximation = approximate_cascade(design.fit.cascade, approximation_options(project));
@@ -153,7 +167,8 @@ Design make_design(const Project& project) {
   design.alternatives_s = alternatives_watch.seconds();
   build_best_alternative(project, design);
   design.layout = multiplier_layout::make_layout(project.target.disturbance);
-  design.controller = make_analog_controller(project, design.passed_over);
+  design.controller = controller.get();
+  for (std::string& form : forms_passed_over) design.passed_over.push_back(std::move(form));
   design.compute_s = watch.seconds() - design.alternatives_s;
   return design;
 }

@@ -111,7 +111,7 @@ TrackingStudy study_tracking(const Project& project, const Design& design, const
   const tracking::Plant plant = tracking_plant(project);
   tracking::Options options = tracking_options(project);
   options.also_on_reference = true;
-  options.relative_tolerance = 1e-6;  // a repeat is settled within 2e-5 of the stroke
+  options.relative_tolerance = 5e-7;  // a repeat is settled within 2e-5 of the stroke
   const tracking::Report report = tracking::track(plant, designs, options);
 
   TrackingStudy study;

@@ -220,6 +220,9 @@ void CvodeSolver::at(double t, double* x) const {
 const std::vector<int>& CvodeSolver::crossings() const {
   return implementation_->crossings;
 }
+void CvodeSolver::limit_order(int most) {
+  expect_success(CVodeSetMaxOrd(implementation_->memory.get(), most), "CVodeSetMaxOrd");
+}
 void CvodeSolver::limit_step(double max_step) {
   implementation_->max_step = max_step;
 }

@@ -54,6 +54,8 @@ class CvodeSolver {
   /// After Outcome::event: +1/-1 for each function that crossed upwards/downwards, 0 otherwise.
   const std::vector<int>& crossings() const;
 
+  /// Of the formulas: at most 5 (BDF) or 12 (Adams), which it is without this.
+  void limit_order(int most);
   /// From the next start() on.
   void limit_step(double max_step);
 

@@ -156,7 +156,7 @@ struct RecordSimulator::Implementation {
   }
 
   std::span<const double> run_samples(std::span<const double> u) {
-    std::copy(u.begin(), u.end(), result.begin());
+    result.assign(u.begin(), u.end());
     state.assign(initial.begin(), initial.end());
     double rest = u[0];
     for (const RecordStage& stage : stages) {
@@ -201,10 +201,13 @@ struct RecordSimulator::Implementation {
 
   std::span<const double> run(std::span<const double> u, std::size_t blocks) {
     outcome = Outcome::finished;
-    result.resize(u.size());
-    if (u.empty()) return result;
+    if (u.empty()) {
+      result.clear();
+      return result;
+    }
     refresh(std::min(blocks, chain.blocks.size()));
     if (needs_samples_only()) return run_samples(u);
+    result.resize(u.size());
     const bool right_limits = has_sampled();
     const std::size_t parts = options.oversample;
     Run run{hold_nodes(degree), step_s / static_cast<double>(parts),

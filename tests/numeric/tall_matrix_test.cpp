@@ -1,0 +1,60 @@
+#include "numeric/tall_matrix.hpp"
+
+#include <gtest/gtest.h>
+
+#include <stdexcept>
+
+#include "numeric/index.hpp"
+#include "numeric/random.hpp"
+
+namespace bodesmith {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+MatrixXd random_matrix(Index rows, Index columns) {
+  Random random(std_index(100 * rows + columns));
+  MatrixXd out(rows, columns);
+  for (Index j = 0; j < columns; ++j)
+    for (Index i = 0; i < rows; ++i) out(i, j) = random.normal();
+  return out;
+}
+
+// Sizes around the blocks of four, and those of a fit.
+const std::pair<Index, Index> kSizes[] = {{1, 1}, {3, 5}, {4, 4}, {5, 3}, {7, 8}, {160, 17}, {403, 18}};
+
+TEST(TallMatrix, ProductsAreThoseOfTheMatrix) {
+  for (const auto& [rows, columns] : kSizes) {
+    const MatrixXd a = random_matrix(rows, columns);
+    const TallMatrix tall(a);
+    const VectorXd x = random_matrix(columns, 1);
+    const VectorXd z = random_matrix(rows, 1);
+    EXPECT_LT((tall.times(x) - a * x).cwiseAbs().maxCoeff(), 1e-13) << rows << " x " << columns;
+    EXPECT_LT((tall.transpose_times(z) - a.transpose() * z).cwiseAbs().maxCoeff(), 1e-12)
+        << rows << " x " << columns;
+  }
+}
+
+TEST(TallMatrix, GramIsSymmetricAndThatOfTheWeightedRows) {
+  for (const auto& [rows, columns] : kSizes) {
+    const MatrixXd a = random_matrix(rows, columns);
+    const VectorXd w = random_matrix(rows, 1).cwiseAbs();
+    const MatrixXd got = TallMatrix(a).gram(w);
+    ASSERT_EQ(got.rows(), columns);
+    EXPECT_EQ(got, got.transpose());
+    EXPECT_LT((got - a.transpose() * w.asDiagonal() * a).cwiseAbs().maxCoeff(), 1e-11)
+        << rows << " x " << columns;
+  }
+}
+
+TEST(TallMatrix, AnotherLengthIsRefused) {
+  const TallMatrix a(random_matrix(5, 3));
+  EXPECT_THROW(a.times(VectorXd::Zero(4)), std::logic_error);
+  EXPECT_THROW(a.transpose_times(VectorXd::Zero(3)), std::logic_error);
+  EXPECT_THROW(a.gram(VectorXd::Zero(3)), std::logic_error);
+}
+
+}  // namespace
+}  // namespace bodesmith

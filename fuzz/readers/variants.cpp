@@ -9,17 +9,21 @@ namespace bodesmith::fuzz {
 namespace {
 
 constexpr const char* kProject = R"(schema = "bodesmith.project/1"
+name = "a curve"
 [target]
-gains = "gains.csv"
-disturbance = "disturbance.json"
-[plant]
-stroke_m = 1e-4
-[approximate]
-order = 2
+points = "curve.csv"
+[fit]
+max_error_db = 0.5
 [hardware.circuit]
 resistors = "E96"
+[hardware.fpaa]
+board = "an231k04-quad4"
+[tolerances]
+capacitor_percent = 5
+[limits]
+points_db = 0.5
+fpaa_percent = 20
 )";
-
 /// Designs that the table makes of a project are put together: the first fifty.
 void read_variants_bytes(std::string_view bytes) {
   static const project::ProjectSource base =

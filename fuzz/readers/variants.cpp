@@ -24,6 +24,7 @@ capacitor_percent = 5
 points_db = 0.5
 fpaa_percent = 20
 )";
+
 /// Designs that the table makes of a project are put together: the first fifty.
 void read_variants_bytes(std::string_view bytes) {
   static const project::ProjectSource base =

@@ -49,8 +49,8 @@ TEST(Identify, WritesAModelThatSimulatesAndCompensates) {
   EXPECT_GE(summary["timing_s"]["compute"], 0.0);
   // The block stands in a contract's model.toml and simulates to the same output.
   const ProgramResult simulated =
-      run_bodesmith("simulate " + model + " --input " + (folder / "train.csv").string() +
-                    " -o " + (folder / "y.csv").string());
+      run_bodesmith("simulate " + model + " --input " + (folder / "train.csv").string() + " -o " +
+                    (folder / "y.csv").string());
   ASSERT_EQ(simulated.status, 0) << simulated.err;
   const Csv truth = Csv::parse(read_file(folder / "train.csv"), "train");
   const Csv got = Csv::parse(read_file(folder / "y.csv"), "y");

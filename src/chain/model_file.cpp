@@ -8,6 +8,7 @@
 #include "base/error.hpp"
 #include "base/json.hpp"
 #include "base/nearest_word.hpp"
+#include "base/one_of.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "chain/registry.hpp"
@@ -195,9 +196,7 @@ Chain model_from_node(const Node& node) {
   node.expect_schema("model");
   node.allow_only({"schema", "block", "name", "about", "start", "trained"});
   Chain chain;
-  if (node.has("start"))
-    chain.start =
-        node.at("start").one_of({"zero", "equilibrium"}) == "zero" ? Start::zero : Start::equilibrium;
+  if (node.has("start")) chain.start = one_of(node.at("start"), Start::zero, Start::equilibrium);
   if (node.has("trained")) chain.trained = trained_from_node(node.at("trained"));
   for (const Node& item : node.at("block").items()) chain.blocks.push_back(block_from_node(item));
   return chain;

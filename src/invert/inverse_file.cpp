@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/document.hpp"
+#include "base/one_of.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
 
@@ -21,9 +22,7 @@ InverseFile InverseFile::read(const std::filesystem::path& path, Provenance& fro
   InverseFile out{chain::read_model(target, from), {}};
   out.options.start = out.model.start.value_or(out.options.start);
   if (node.has("start"))
-    out.options.start = node.at("start").one_of({"equilibrium", "zero"}) == "zero"
-                            ? simulate::Start::zero
-                            : simulate::Start::equilibrium;
+    out.options.start = one_of(node.at("start"), chain::Start::equilibrium, chain::Start::zero);
   out.options.preview = node.boolean_or("preview", true);
   if (node.has("lower")) out.options.limits.lower = node.at("lower").number();
   if (node.has("upper")) out.options.limits.upper = node.at("upper").number();

@@ -1,10 +1,10 @@
 #pragma once
 
 #include <filesystem>
-#include <string>
 #include <string_view>
 
 #include "base/document.hpp"
+#include "base/one_of.hpp"
 #include "project/project.hpp"
 
 /// Tables of project.toml that projects with and without a disturbance share.
@@ -17,14 +17,5 @@ Project::Fpaa read_fpaa(const Node& node);
 Project::Circuit read_circuit(const Node& node);
 /// `tolerances`: yield_db is known.
 Project::Limits read_limits(const Node& node, bool tolerances);
-
-/// The one of `values` whose to_string() the node holds.
-template <class Enum, class... Enums>
-Enum one_of(const Node& node, Enum first, Enums... others) {
-  const std::string word = node.one_of({to_string(first), to_string(others)...});
-  Enum found = first;
-  ((to_string(others) == word ? void(found = others) : void()), ...);
-  return found;
-}
 
 }  // namespace bodesmith::project

@@ -34,12 +34,18 @@ std::vector<double> waves(double from, double hz) {
   return u;
 }
 
-/// y' = 2 pi hz (1.3 u - y) by small Euler steps, then cut off at `top`, with a little noise.
-TimeRecord lagging(std::vector<double> u, double hz, double top, double before, unsigned seed) {
+/// A record of this input, its output still to come.
+TimeRecord driven_by(std::vector<double> u) {
   TimeRecord r;
   r.file = "made.csv";
   r.step_s = kStep;
   r.u = std::move(u);
+  return r;
+}
+
+/// y' = 2 pi hz (1.3 u - y) by small Euler steps, then cut off at `top`, with a little noise.
+TimeRecord lagging(std::vector<double> u, double hz, double top, double before, unsigned seed) {
+  TimeRecord r = driven_by(std::move(u));
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, 0.003);
   constexpr int kParts = 200;
@@ -57,10 +63,7 @@ TimeRecord lagging(std::vector<double> u, double hz, double top, double before, 
 
 /// u and a play of width 1 that rests before it moves, with a little noise.
 TimeRecord playing(std::vector<double> u, unsigned seed) {
-  TimeRecord r;
-  r.file = "made.csv";
-  r.step_s = kStep;
-  r.u = std::move(u);
+  TimeRecord r = driven_by(std::move(u));
   std::mt19937 random(seed);
   std::normal_distribution<double> noise(0.0, 0.003);
   double state = r.u.front();

@@ -249,6 +249,15 @@ bool Scene::is_one_loop_of_one_speed(std::size_t at) const {
   return times.empty() || *most < kSameTime * *least;
 }
 
+bool Scene::memory_may_bend(std::size_t at) const {
+  const auto& terms = model->terms();
+  const bool memory = std::any_of(terms.begin(), terms.end(),
+                                  [](const Term& term) { return term.effect->name() == "hysteresis"; });
+  const bool lag =
+      std::any_of(terms.begin(), terms.end(), [](const Term& term) { return term.effect->linear(); });
+  return (memory && is_one_loop(at)) || (lag && is_one_loop_of_one_speed(at));
+}
+
 bool Scene::is_between_samples(double seconds) const {
   return !frequency_only && seconds < kLeastOfSample * step_s;
 }

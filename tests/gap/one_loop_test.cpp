@@ -54,6 +54,46 @@ TEST(OneLoop, isOneRecordOfOneSize) {
   EXPECT_FALSE(is_one_loop({loops(0.0, 1), loops(0.0, 2)}));
 }
 
+/// The sine through `at` of a sample's time and input, and noise.
+template <class Curve>
+TimeRecord of_sine(const Curve& at) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  TimeRecord r = loops(0.0, 5);
+  for (std::size_t i = 0; i < r.size(); ++i)
+    r.y[i] = at(static_cast<double>(i) * r.step_s, r.u[i]) + 0.004 * normal(random);
+  return r;
+}
+
+bool names(const gap::Diagnosis& d, std::string_view effect) {
+  return std::any_of(d.steps.begin(), d.steps.end(), [&](const auto& step) { return step.effect == effect; });
+}
+
+TEST(OneLoop, ALimitBesideALagIsANameWhereNothingIsLeft) {
+  const auto clipped = of_sine([](double t, double) {
+    return std::min(0.85, std::sin(2.0 * std::numbers::pi * std::max(0.0, t - 0.03)));
+  });
+  const auto d = gap::diagnose(line(), gap::Study::of({clipped}, {}, line()), {});
+  EXPECT_EQ(d.steps.size(), 2U);
+  EXPECT_TRUE(names(d, "saturation"));
+}
+
+TEST(OneLoop, ALoopOfTwoFormsIsNoLimit) {
+  // Branches that end in the same tips, the one straight and the other bent, behind a delay.
+  double before = 0.0;
+  double up = 1.0;
+  const auto bent = of_sine([&](double t, double) {
+    const double u = std::sin(2.0 * std::numbers::pi * std::max(0.0, t - 0.01));
+    if (u != before) up = u > before ? 1.0 : -1.0;
+    before = u;
+    const double inside = 1.0 - u * u;
+    return u - up * 0.1 * inside - 0.06 * inside * (1.0 + u) + 0.03 * inside * u * u;
+  });
+  const auto d = gap::diagnose(line(), gap::Study::of({bent}, {}, line()), {});
+  EXPECT_FALSE(names(d, "saturation"));
+  EXPECT_FALSE(names(d, "dead_zone"));
+}
+
 TEST(OneLoop, isNoGroundForAsymmetry) {
   const auto d = gap::diagnose(line(), gap::Study::of({loops(0.0, 1)}, {loops(0.6, 2)}, line()), {});
   ASSERT_FALSE(d.steps.empty());

@@ -18,6 +18,7 @@ class DeadZone final : public Effect {
   std::string_view experiment() const override {
     return "a small drive around zero: a dead zone passes nothing";
   }
+  bool must_explain_all(const Scene& scene) const override { return scene.memory_may_bend(0); }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
     for (std::size_t at : scene.static_places()) {

@@ -2,9 +2,11 @@
 
 #include <algorithm>
 #include <optional>
+#include <set>
 #include <utility>
 
 #include "gap/runner.hpp"
+#include "gap/scene.hpp"
 #include "gap/search/acceptance.hpp"
 #include "gap/search/between_samples.hpp"
 #include "gap/search/group.hpp"
@@ -28,13 +30,15 @@ struct Round {
   std::vector<std::string> notes;
 };
 
-Round look_for_terms(const SearchSetting& setting, const SearchRecords& records, const Model& model,
-                     bool pairs_allowed, bool little) {
+Round look_for_terms(const SearchSetting& setting, const State& state, bool pairs_allowed, bool little) {
   const auto& options = setting.options;
+  const auto& records = state.records;
+  const auto& model = state.found.model;
   // At the floor only what does not repeat with the input can be missing.
   const bool quiet = is_at_floor(options, model, records);
-  EffectFilter filter;
-  if (quiet) filter = [](const Effect& effect) { return effect.independent_of_input(); };
+  const EffectFilter filter = [&](const Effect& effect) {
+    return (!quiet || effect.independent_of_input()) && state.barred.count(&effect) == 0;
+  };
   Round round;
   auto fitted = fit_round(setting, records, model, filter,
                           little ? options.round.min_score_of_little : options.round.min_score);
@@ -62,6 +66,16 @@ Round look_for_terms(const SearchSetting& setting, const SearchRecords& records,
     }
   }
   return round;
+}
+
+/// The effects of a round's terms that are names only where they leave nothing.
+std::set<const Effect*> all_or_nothing(const State& state, const std::vector<Step>& steps) {
+  const auto scene = make_scene(state.found.model, state.records.train);
+  std::set<const Effect*> found;
+  for (const auto& step : steps) {
+    if (step.effect->must_explain_all(scene)) found.insert(step.effect);
+  }
+  return found;
 }
 
 /// Whether all that is left is less than a later term must explain (AcceptanceOptions::min_part_of_gap): only one that
@@ -100,8 +114,7 @@ void grow(const SearchSetting& setting, State& state) {
       }
     }
     const bool little = terms > 0 && is_little_left(setting, state.records, state.found.model);
-    auto round =
-        look_for_terms(setting, state.records, state.found.model, terms + 1 < options.max_terms, little);
+    auto round = look_for_terms(setting, state, terms + 1 < options.max_terms, little);
     for (auto& note : round.notes) state.found.notes.push_back(std::move(note));
     state.not_tried = std::move(round.not_tried);
     state.looked_at += round.looked_at;
@@ -111,7 +124,15 @@ void grow(const SearchSetting& setting, State& state) {
       break;
     }
     terms += static_cast<int>(round.steps.size()) - 1;
+    const auto doubtful = all_or_nothing(state, round.steps);
+    std::optional<State> without;
+    if (!doubtful.empty()) without = state;
     if (!take(setting, state, std::move(round.steps))) break;
+    if (without && !is_at_floor(options, state.found.model, state.records)) {
+      state = std::move(*without);
+      state.barred.insert(doubtful.begin(), doubtful.end());
+      terms = static_cast<int>(state.found.steps.size()) - 1;
+    }
   }
   state.train_rms = rms_of(state.found.model, state.records.train);
   if (options.stopped()) return;

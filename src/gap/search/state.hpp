@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <set>
 #include <string>
 #include <vector>
 
@@ -20,8 +21,9 @@ struct State {
   bool smooth_input = false;
   /// The last round left no less and does not count: its ranking is of another model.
   bool taken_back = false;
-  bool other_way = false;            ///< begun again with another first name
-  std::vector<Sign> structure = {};  ///< what is left
+  std::set<const Effect*> barred = {};  ///< names that had to explain all and did not
+  bool other_way = false;               ///< begun again with another first name
+  std::vector<Sign> structure = {};     ///< what is left
   double train_rms = 0.0;
 };
 

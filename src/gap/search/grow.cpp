@@ -128,7 +128,7 @@ void grow(const SearchSetting& setting, State& state) {
     std::optional<State> without;
     if (!doubtful.empty()) without = state;
     if (!take(setting, state, std::move(round.steps))) break;
-    if (without && !is_at_floor(options, state.found.model, state.records)) {
+    if (without && is_something_left(options, state.found.model, state.records)) {
       state = std::move(*without);
       state.barred.insert(doubtful.begin(), doubtful.end());
       terms = static_cast<int>(state.found.steps.size()) - 1;

@@ -16,8 +16,11 @@ inline std::complex<double> difference_factor(double half) {
 
 /// The mean of exp(-2j half k), k = 0 ... count-1.
 inline std::complex<double> mean_factor(double count, double half) {
-  if (count == 1.0 || std::abs(std::sin(half)) < 1e-12) return 1.0;
-  return std::sin(count * half) / (count * std::sin(half)) * std::polar(1.0, -half * (count - 1.0));
+  // Whole turns are no angle: left out before they cost digits.
+  const double rest = half - std::round(half / std::numbers::pi) * std::numbers::pi;
+  const auto turned = std::polar(1.0, -rest * (count - 1.0));
+  if (std::abs(rest) < 1e-9 / count) return turned;
+  return std::sin(count * rest) / (count * std::sin(rest)) * turned;
 }
 
 /// What a hold makes of the sine: sin(half)/half exp(-j half).

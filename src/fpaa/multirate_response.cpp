@@ -7,6 +7,7 @@
 #include <numeric>
 
 #include "base/error.hpp"
+#include "fpaa/clocked_factors.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -24,16 +25,6 @@ std::int64_t common_multiple(std::int64_t a, std::int64_t b) {
   const std::int64_t step = b / std::gcd(a, b);
   if (step > std::numeric_limits<std::int64_t>::max() / a) return 0;
   return a * step;
-}
-
-/// (1/P) sum_{k < P} exp(-j angle k).
-Complex mean_of_turns(double angle, double count) {
-  const double half = 0.5 * angle;
-  const double turns = std::round(half / std::numbers::pi);
-  const double rest = half - turns * std::numbers::pi;
-  // angle is 2 pi times a whole number plus a little: the limit of the quotient, sign by the turns left out.
-  if (std::abs(rest) < 1e-9 / count) return std::polar(1.0, -rest * (count - 1.0));
-  return std::sin(count * rest) / (count * std::sin(rest)) * std::polar(1.0, -rest * (count - 1.0));
 }
 
 }  // namespace
@@ -126,7 +117,7 @@ MultirateResponse::Lines MultirateResponse::lines_at(RadPerSecond w) const {
       const double angle = turn * phi * g;
       const Complex delay = std::polar(1.0, -turn * std::fmod(phi * lines.delay_ticks[passage.input], 1.0));
       read[passage.input][passage.line] +=
-          out[from][passage.source_line] * delay * mean_of_turns(angle, periods);
+          out[from][passage.source_line] * delay * mean_factor(periods, 0.5 * angle);
     }
     for (std::size_t line = 0; line < count; ++line) {
       const RadPerSecond at{w.value + turn * lines.distance[line] * graph_.tick_rate};

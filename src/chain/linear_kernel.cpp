@@ -24,6 +24,11 @@ LinearKernel in_series(const LinearKernel& first, const LinearKernel& second) {
           first.approximation_error + second.approximation_error};
 }
 
+double mode_time_constant_s(Hertz natural_frequency, double damping_ratio) {
+  const double d = damping_ratio;
+  return 1.0 / (natural_frequency.rad_s().value * (d < 1.0 ? d : d - std::sqrt(d * d - 1.0)));
+}
+
 std::complex<double> response(const LinearKernel& kernel, std::complex<double> s) {
   return bodesmith::response(static_cast<const StateSpace&>(kernel), s) * std::exp(-s * kernel.delay_s);
 }

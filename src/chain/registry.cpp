@@ -11,6 +11,8 @@
   ENTRY(integrator_block)              \
   ENTRY(fractional_lead_lag_block)     \
   ENTRY(resonator_block)               \
+  ENTRY(parallel_modes_block)          \
+  ENTRY(right_half_plane_zero_block)   \
   ENTRY(delay_block)                   \
   ENTRY(saturation_block)              \
   ENTRY(slew_limit_block)              \

@@ -92,8 +92,12 @@ void Model::remove(std::size_t term) {
   const Term gone = terms_[term];
   terms_.erase(terms_.begin() + static_cast<std::ptrdiff_t>(term));
   if (gone.undo) gone.undo(*this);
+  const auto has = [](const Term& t, int id) {
+    return std::find(t.blocks.begin(), t.blocks.end(), id) != t.blocks.end();
+  };
   std::erase_if(slots_, [&](const Slot& slot) {
-    return std::find(gone.blocks.begin(), gone.blocks.end(), slot.id) != gone.blocks.end();
+    return has(gone, slot.id) &&
+           std::none_of(terms_.begin(), terms_.end(), [&](const Term& t) { return has(t, slot.id); });
   });
 }
 

@@ -46,7 +46,8 @@ struct Term {
   /// "before block 2", "after block 3", "inside block 1" (blocks of the base model, from 1).
   std::string placed;
   std::vector<Unknown> unknowns;
-  std::vector<int> blocks;  ///< ids of the blocks it brought
+  /// Ids of the blocks it brought, or shares with other terms: they stay as long as one of them does.
+  std::vector<int> blocks;
   /// Ids of hum blocks among them whose size and phase are each record's own (lines.hpp).
   std::vector<int> lines = {};
   /// Turns the unknowns' values into block parameters.

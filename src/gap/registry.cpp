@@ -11,6 +11,8 @@ namespace bodesmith::gap {
   ENTRY(time_delay)              \
   ENTRY(amplifier_pole)          \
   ENTRY(resonance)               \
+  ENTRY(parallel_mode)           \
+  ENTRY(right_half_plane_zero)   \
   ENTRY(slew_limit)              \
   ENTRY(saturation)              \
   ENTRY(dead_zone)               \

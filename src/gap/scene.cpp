@@ -180,6 +180,13 @@ Scene scene_of(const Model& model, const FrequencyExperiment& experiment, const 
   scene.band_hz = f[f.size() / 2].value;
   scene.duration_s = 1.0 / scene.low_hz;
   scene.step_s = 0.5 / scene.top_hz;
+  scene.frequency = f;
+  scene.weights = experiment.weights();
+  const auto chain = model.chain();
+  for (std::size_t i = 0; i < f.size(); ++i) {
+    const auto h = chain.response(f[i].rad_s());
+    scene.measured_over_model.push_back(h ? experiment.record().response[i] / *h : 1.0);
+  }
   const auto e = residuals_of(model, train);
   std::vector<double> excess;
   for (std::size_t i = 0; i < f.size(); ++i) excess.push_back(-e[2 * i]);

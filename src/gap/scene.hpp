@@ -1,10 +1,12 @@
 #pragma once
 
+#include <complex>
 #include <cstddef>
 #include <functional>
 #include <span>
 #include <vector>
 
+#include "base/units.hpp"
 #include "gap/experiment.hpp"
 #include "gap/model.hpp"
 
@@ -36,7 +38,11 @@ struct Scene {
   std::vector<Signal> boundary;           ///< in front of each block, the last one: the output
   std::vector<double> residual;           ///< measured - model, whole first record
   std::vector<double> residual_peaks_hz;  ///< strongest frequencies of the residual
-  std::function<bool()> late;             ///< true: the time for proposals is over; empty: it has no end
+  // Of a response, a point each: where it was measured, and what over the present model.
+  std::vector<Hertz> frequency;
+  std::vector<std::complex<double>> measured_over_model;
+  std::vector<double> weights;  ///< FrequencyExperiment::weights
+  std::function<bool()> late;   ///< true: the time for proposals is over; empty: it has no end
 
   bool linear(std::size_t position) const;  ///< the block there is linear and time-invariant
   /// One boundary of each class of places that a linear effect cannot tell apart.

@@ -2,6 +2,7 @@
 
 #include "chain/block.hpp"
 #include "chain/inverse.hpp"
+#include "chain/linear_kernel.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -105,9 +106,7 @@ class Resonator final : public BlockType {
   }
 
   double slowest_time_constant_s(const Block& block) const override {
-    const double w = Hertz{block.get("natural_frequency_hz")}.rad_s().value;
-    const double d = block.get("damping_ratio");
-    return 1.0 / (w * (d < 1.0 ? d : d - std::sqrt(d * d - 1.0)));
+    return mode_time_constant_s(Hertz{block.get("natural_frequency_hz")}, block.get("damping_ratio"));
   }
   int section_order() const override { return 2; }
 

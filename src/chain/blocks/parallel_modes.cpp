@@ -1,0 +1,84 @@
+#include <algorithm>
+#include <cmath>
+#include <cstddef>
+
+#include "chain/block.hpp"
+#include "chain/inverse.hpp"
+#include "chain/linear_kernel.hpp"
+
+namespace bodesmith::chain {
+namespace {
+
+/// H(s) = 1 + sum gains[i]/(1 + 2 zeta_i s/w_i + s^2/w_i^2): modes beside the direct path, of either sign (modal
+/// superposition: A. Preumont, Vibration Control of Active Structures, 2011, ch. 2). Neighbours of one sign have a zero
+/// between them, those of opposite signs have none, or zeros in the right half-plane.
+class ParallelModes final : public BlockType {
+ public:
+  ParallelModes()
+      : BlockType(
+            "parallel_modes", "modes beside the direct path, 1 + sum g/(1 + 2 zeta s/w + s^2/w^2)",
+            {list_of(any_number("gains", "1", "share of each mode at DC, of either sign")),
+             list_of(above_zero("natural_frequencies_hz", "Hz", "undamped natural frequency of each mode")),
+             list_of(above_zero("damping_ratios", "1", "zeta of each mode"))}) {}
+  std::string validate(const Block& block) const override {
+    const std::size_t count = block.list("gains").size();
+    return block.list("natural_frequencies_hz").size() == count &&
+                   block.list("damping_ratios").size() == count
+               ? ""
+               : "gains, natural_frequencies_hz and damping_ratios have different lengths";
+  }
+  /// States of each mode as a resonator's: its deflection, and that one's slope over w.
+  Kernel kernel(const Block& block) const override {
+    const auto gains = block.list("gains");
+    const auto frequencies = block.list("natural_frequencies_hz");
+    const auto dampings = block.list("damping_ratios");
+    const std::size_t order = 2 * gains.size();
+    LinearKernel k;
+    k.a.assign(order * order, 0.0);
+    k.b.assign(order, 0.0);
+    k.c.assign(order, 0.0);
+    k.d = 1.0;
+    for (std::size_t i = 0; i < gains.size(); ++i) {
+      const double w = Hertz{frequencies[i]}.rad_s().value;
+      const std::size_t at = 2 * i;
+      k.a[at * order + at + 1] = w;
+      k.a[(at + 1) * order + at] = -w;
+      k.a[(at + 1) * order + at + 1] = -2.0 * dampings[i] * w;
+      k.b[at + 1] = w;
+      k.c[at] = gains[i];
+    }
+    return k;
+  }
+  std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
+    return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
+  }
+  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
+    const auto gains = block.list("gains");
+    const auto frequencies = block.list("natural_frequencies_hz");
+    const auto dampings = block.list("damping_ratios");
+    std::complex<double> h = 1.0;
+    for (std::size_t i = 0; i < gains.size(); ++i) {
+      const double r = w.hz().value / frequencies[i];
+      h += gains[i] / std::complex<double>(1.0 - r * r, 2.0 * dampings[i] * r);
+    }
+    return h;
+  }
+  double slowest_time_constant_s(const Block& block) const override {
+    const auto frequencies = block.list("natural_frequencies_hz");
+    const auto dampings = block.list("damping_ratios");
+    double slowest = 0.0;
+    for (std::size_t i = 0; i < frequencies.size(); ++i)
+      slowest = std::max(slowest, mode_time_constant_s(Hertz{frequencies[i]}, dampings[i]));
+    return slowest;
+  }
+  int section_order() const override { return 2; }
+};
+
+}  // namespace
+
+const BlockType& parallel_modes_block() {
+  static const ParallelModes type;
+  return type;
+}
+
+}  // namespace bodesmith::chain

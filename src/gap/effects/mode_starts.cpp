@@ -1,0 +1,110 @@
+#include "gap/effects/mode_starts.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <complex>
+#include <vector>
+
+namespace bodesmith::gap {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr std::array kTriedDampings = {0.003, 0.01, 0.03, 0.1, 0.3};
+/// Frequencies that are tried: each measured one, or so many.
+constexpr std::size_t kMostFrequencies = 200;
+constexpr std::size_t kMostModeStarts = 6;
+/// Starts of one sign are this far apart (ln).
+constexpr double kStartsApart = 0.08;
+
+struct TriedMode {
+  double hz = 0.0;
+  double damping = 0.0;
+  double gain = 0.0;
+  double left = 0.0;
+};
+
+/// Weighted points of T, of 1 + S, and the frequencies.
+struct ModePoints {
+  std::vector<double> hz;
+  std::vector<double> weight;
+  std::vector<Complex> wanted;
+  std::vector<Complex> present;
+};
+
+ModePoints mode_points_of(const Scene& scene, const chain::Block& modes) {
+  ModePoints p;
+  for (std::size_t i = 0; i < scene.frequency.size(); ++i) {
+    const auto here = modes.response(scene.frequency[i].rad_s());
+    const Complex present = here ? *here : Complex(1.0);
+    const Complex wanted = scene.measured_over_model[i] * present;
+    const double weight = scene.weights.empty() ? 1.0 : scene.weights[i];
+    p.hz.push_back(scene.frequency[i].value);
+    p.weight.push_back(weight / std::max(std::abs(wanted), 1e-300));
+    p.wanted.push_back(wanted);
+    p.present.push_back(present);
+  }
+  return p;
+}
+
+double real_product(Complex a, Complex b) {
+  return a.real() * b.real() + a.imag() * b.imag();
+}
+
+/// Least squares for c and g of one frequency and damping; left < 0 where c is none.
+TriedMode solve_mode(const ModePoints& p, double hz, double damping) {
+  double aa = 0.0;
+  double ab = 0.0;
+  double bb = 0.0;
+  double at = 0.0;
+  double bt = 0.0;
+  double tt = 0.0;
+  for (std::size_t i = 0; i < p.hz.size(); ++i) {
+    const double r = p.hz[i] / hz;
+    const Complex mode = p.weight[i] / Complex(1.0 - r * r, 2.0 * damping * r);
+    const Complex direct = p.weight[i] * p.present[i];
+    const Complex wanted = p.weight[i] * p.wanted[i];
+    aa += std::norm(direct);
+    ab += real_product(direct, mode);
+    bb += std::norm(mode);
+    at += real_product(direct, wanted);
+    bt += real_product(mode, wanted);
+    tt += std::norm(wanted);
+  }
+  const double determinant = aa * bb - ab * ab;
+  if (!(determinant > 1e-9 * aa * bb)) return {hz, damping, 0.0, -1.0};
+  const double c = (at * bb - bt * ab) / determinant;
+  const double g = (bt * aa - at * ab) / determinant;
+  if (!(c > 0.0)) return {hz, damping, 0.0, -1.0};
+  return {hz, damping, g / c, tt - c * at - g * bt};
+}
+
+}  // namespace
+
+Starts mode_starts(const Scene& scene, const chain::Block& modes, double max_damping) {
+  const ModePoints points = mode_points_of(scene, modes);
+  const std::size_t step = std::max<std::size_t>(1, points.hz.size() / kMostFrequencies);
+  std::vector<TriedMode> tried;
+  for (std::size_t i = 0; i < points.hz.size(); i += step) {
+    for (double damping : kTriedDampings) {
+      const TriedMode one = solve_mode(points, points.hz[i], std::min(damping, 0.99 * max_damping));
+      if (one.left >= 0.0 && one.gain != 0.0) tried.push_back(one);
+    }
+  }
+  std::stable_sort(tried.begin(), tried.end(),
+                   [](const TriedMode& a, const TriedMode& b) { return a.left < b.left; });
+  std::vector<TriedMode> chosen;
+  for (const TriedMode& t : tried) {
+    if (chosen.size() >= kMostModeStarts) break;
+    const bool near = std::any_of(chosen.begin(), chosen.end(), [&](const TriedMode& other) {
+      return (other.gain > 0.0) == (t.gain > 0.0) && std::abs(std::log(other.hz / t.hz)) < kStartsApart;
+    });
+    if (!near) chosen.push_back(t);
+  }
+  Starts starts;
+  for (const TriedMode& t : chosen) starts.push_back({t.hz, t.damping, t.gain});
+  return starts;
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,135 @@
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <optional>
+#include <utility>
+#include <vector>
+
+#include "chain/registry.hpp"
+#include "gap/effect.hpp"
+#include "gap/effects/mode_starts.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// More damping leaves neither a peak nor a zero beside it, and the curve is another effect's.
+constexpr double kMaxParallelDamping = 0.3;
+/// Shares beyond: the zero lies so far above the pole that the mode is one in series.
+constexpr double kMaxShare = 100.0;
+constexpr double kTypicalShare = 0.3;
+/// Two modes of opposite sign whose frequencies are nearer than this many half-widths are the shape of something else.
+constexpr double kHalfWidthsApart = 1.0;
+
+const char* const kShares = "gains";
+const char* const kModeFrequencies = "natural_frequencies_hz";
+const char* const kModeDampings = "damping_ratios";
+
+/// One mode of a `parallel_modes` block, which several terms may share: H = 1 + sum of all of theirs.
+struct ModePlace {
+  int block = 0;
+  std::size_t mode = 0;
+
+  void write(Model& model, double hz, double damping, double gain) const {
+    chain::Block& b = model.block(block);
+    put(b, kModeFrequencies, hz);
+    put(b, kModeDampings, damping);
+    put(b, kShares, gain);
+  }
+  /// Leaves the modes in front where they are: those behind keep their numbers.
+  void clear(Model& model) const {
+    chain::Block& b = model.block(block);
+    auto gains = b.list(kShares);
+    auto frequencies = b.list(kModeFrequencies);
+    auto dampings = b.list(kModeDampings);
+    gains[mode] = 0.0;
+    while (!gains.empty() && gains.back() == 0.0) {
+      gains.pop_back();
+      frequencies.pop_back();
+      dampings.pop_back();
+    }
+    b.set(kShares, gains).set(kModeFrequencies, frequencies).set(kModeDampings, dampings);
+  }
+
+ private:
+  void put(chain::Block& b, const char* key, double value) const {
+    auto values = b.list(key);
+    if (mode >= values.size()) values.resize(mode + 1);
+    values[mode] = value;
+    b.set(key, values);
+  }
+};
+
+class ParallelMode final : public Effect {
+ public:
+  std::string_view name() const override { return "parallel_mode"; }
+  std::string_view what() const override { return "a second-order mode beside the path, of either sign"; }
+  std::string_view symptom() const override {
+    return "a peak of the residual with a zero beside it, or a turn of the phase without one";
+  }
+  std::vector<std::string_view> confused_with() const override { return {"resonance", "time_delay"}; }
+  std::string_view experiment() const override {
+    return "a sweep through the suspected frequency and the zero beside it, and the same with the sensor elsewhere";
+  }
+  bool linear() const override { return true; }
+  bool repeatable_in_response() const override { return true; }
+  bool is_no_name(const Model& model, const Scene& scene) const override {
+    const Term& last = model.terms().back();
+    const double hz = last.unknowns[0].value;
+    if (hz > scene.top_hz || hz < scene.low_hz) return true;
+    return std::any_of(model.terms().begin(), model.terms().end() - 1,
+                       [&](const Term& earlier) { return earlier.effect == this && cancels(earlier, last); });
+  }
+  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
+    if (!scene.frequency_only) return;
+    for (const Term& earlier : scene.model->terms()) {
+      if (earlier.effect != this) continue;
+      const int block = earlier.blocks.front();
+      add_proposal(scene, *scene.model, block, earlier.placed, out);
+      return;
+    }
+    for (std::size_t at : scene.linear_places()) {
+      Model model = *scene.model;
+      const auto placed = model.placed(at);
+      const int block = model.insert(at, chain::make_block("parallel_modes"));
+      add_proposal(scene, std::move(model), block, placed, out);
+    }
+  }
+
+ private:
+  static bool cancels(const Term& a, const Term& b) {
+    const auto& p = a.unknowns;
+    const auto& q = b.unknowns;
+    const double widths = p[0].value * p[1].value + q[0].value * q[1].value;
+    return p[2].value * q[2].value < 0.0 && std::abs(p[0].value - q[0].value) < kHalfWidthsApart * widths;
+  }
+
+  void add_proposal(const Scene& scene, Model model, int block, const std::string& placed,
+                    std::vector<Proposal>& out) const {
+    const auto& modes = model.block(block);
+    const auto gains = modes.list(kShares);
+    const auto unused = std::find(gains.begin(), gains.end(), 0.0);
+    const ModePlace place{block, static_cast<std::size_t>(unused - gains.begin())};
+    auto starts = mode_starts(scene, modes, kMaxParallelDamping);
+    if (starts.empty()) return;
+    Term term;
+    term.effect = this;
+    term.placed = placed;
+    term.blocks = {block};
+    term.unknowns = {logarithmic_unknown("natural_frequency_hz", 0.3 * scene.low_hz, 3.0 * scene.top_hz),
+                     logarithmic_unknown("damping_ratio", 1e-3, kMaxParallelDamping),
+                     linear_unknown("gain", -kMaxShare, kMaxShare, kTypicalShare)};
+    term.unknowns[0].unit = "Hz";
+    term.write = [place](Model& m, std::span<const double> v) { place.write(m, v[0], v[1], v[2]); };
+    term.undo = [place](Model& m) { place.clear(m); };
+    out.push_back(propose_term(std::move(model), std::move(term), std::move(starts)));
+  }
+};
+
+}  // namespace
+
+const Effect& parallel_mode_effect() {
+  static const ParallelMode effect;
+  return effect;
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,81 @@
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "chain/registry.hpp"
+#include "gap/effect.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// A pole so many times above the measured band does nothing in it: the zero stands alone.
+constexpr double kPoleOutOfTheWay = 1e3;
+constexpr int kZeros = 8;
+constexpr std::array kPoleOverZero = {0.3, 1.0, 3.0, 10.0};
+
+class RightHalfPlaneZero final : public Effect {
+ public:
+  std::string_view name() const override { return "right_half_plane_zero"; }
+  std::string_view what() const override {
+    return "a zero in the right half-plane: a step begins the wrong way";
+  }
+  std::string_view symptom() const override { return "gain that stays or rises while the phase falls"; }
+  std::vector<std::string_view> confused_with() const override {
+    return {"time_delay", "sample_hold", "parallel_mode"};
+  }
+  std::string_view experiment() const override {
+    return "a sweep to higher frequencies: the phase of a zero comes to an end, a delay's does not";
+  }
+  bool linear() const override { return true; }
+  /// Far above the band it is a delay, and a small part of many other shapes.
+  bool is_far_fetched(const Model& /*model*/, const Scene& /*scene*/) const override { return true; }
+  void propose(const Scene& scene, std::vector<Proposal>& out) const override {
+    if (!scene.frequency_only) return;
+    const double low = 0.3 * scene.low_hz;
+    const double high = 100.0 * scene.top_hz;
+    Starts corners;
+    Starts both;
+    for (int k = 0; k < kZeros; ++k) {
+      const double hz = scene.low_hz * std::pow(10.0 * scene.top_hz / scene.low_hz, k / (kZeros - 1.0));
+      corners.push_back({hz});
+      for (double ratio : kPoleOverZero) both.push_back({hz, ratio * hz});
+    }
+    for (std::size_t at : scene.linear_places()) {
+      out.push_back(one_corner(scene, at, low, high, true, corners));
+      out.push_back(one_corner(scene, at, low, high, false, corners));
+      out.push_back(insert_block(
+          scene, *this, at, chain::make_block("right_half_plane_zero"),
+          {logarithmic_unknown("right_zero_hz", low, high), logarithmic_unknown("pole_hz", low, high)},
+          both));
+    }
+  }
+  int places_a_round() const override { return 3; }
+
+ private:
+  /// The all-pass, or a zero without a pole.
+  Proposal one_corner(const Scene& scene, std::size_t at, double low, double high, bool all_pass,
+                      const Starts& starts) const {
+    Model model = *scene.model;
+    Term term;
+    term.effect = this;
+    term.placed = model.placed(at);
+    const int id = model.insert(at, chain::make_block("right_half_plane_zero"));
+    term.blocks = {id};
+    term.unknowns = {logarithmic_unknown(all_pass ? "corner_hz" : "right_zero_hz", low, high)};
+    term.unknowns[0].unit = "Hz";
+    const double far = kPoleOutOfTheWay * scene.top_hz;
+    term.write = [id, all_pass, far](Model& m, std::span<const double> v) {
+      m.block(id).set("right_zero_hz", v[0]).set("pole_hz", all_pass ? v[0] : far);
+    };
+    return propose_term(std::move(model), std::move(term), starts);
+  }
+};
+
+}  // namespace
+
+const Effect& right_half_plane_zero_effect() {
+  static const RightHalfPlaneZero effect;
+  return effect;
+}
+
+}  // namespace bodesmith::gap

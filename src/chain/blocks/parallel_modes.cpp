@@ -9,9 +9,13 @@
 namespace bodesmith::chain {
 namespace {
 
-/// H(s) = 1 + sum gains[i]/(1 + 2 zeta_i s/w_i + s^2/w_i^2): modes beside the direct path, of either sign (modal
+/// H(s) = 1 + R(s) sum gains[i]/(1 + 2 zeta_i s/w_i + s^2/w_i^2): modes beside the direct path, of either sign (modal
 /// superposition: A. Preumont, Vibration Control of Active Structures, 2011, ch. 2). Neighbours of one sign have a zero
 /// between them, those of opposite signs have none, or zeros in the right half-plane.
+///
+/// R(s) = 1; with beside_hz above 0 it is 1 + 2 zeta_0 s/w_0 + s^2/w_0^2, and takes a resonator of these values, which
+/// stands elsewhere in the chain, out of the modes' path: they then stand beside that resonator, their gains are parts of
+/// its gain.
 class ParallelModes final : public BlockType {
  public:
   ParallelModes()
@@ -19,7 +23,11 @@ class ParallelModes final : public BlockType {
             "parallel_modes", "modes beside the direct path, 1 + sum g/(1 + 2 zeta s/w + s^2/w^2)",
             {list_of(any_number("gains", "1", "share of each mode at DC, of either sign")),
              list_of(above_zero("natural_frequencies_hz", "Hz", "undamped natural frequency of each mode")),
-             list_of(above_zero("damping_ratios", "1", "zeta of each mode"))}) {}
+             list_of(above_zero("damping_ratios", "1", "zeta of each mode")),
+             not_negative("beside_hz", "Hz",
+                          "natural frequency of the resonator that they stand beside, 0: none")
+                 .with_default(0.0),
+             not_negative("beside_damping_ratio", "1", "zeta of that resonator").with_default(0.0)}) {}
   std::string validate(const Block& block) const override {
     const std::size_t count = block.list("gains").size();
     return block.list("natural_frequencies_hz").size() == count &&
@@ -27,12 +35,15 @@ class ParallelModes final : public BlockType {
                ? ""
                : "gains, natural_frequencies_hz and damping_ratios have different lengths";
   }
-  /// States of each mode as a resonator's: its deflection, and that one's slope over w.
+  /// States of each mode as a resonator's: its deflection y, and v = y'/w. What R(s) makes of it is
+  /// y + 2 zeta_0 (w/w_0) v + (w/w_0)^2 (u - y - 2 zeta v).
   Kernel kernel(const Block& block) const override {
     const auto gains = block.list("gains");
     const auto frequencies = block.list("natural_frequencies_hz");
     const auto dampings = block.list("damping_ratios");
     const std::size_t order = 2 * gains.size();
+    const double beside_hz = block.get("beside_hz");
+    const double beside_damping = block.get("beside_damping_ratio");
     LinearKernel k;
     k.a.assign(order * order, 0.0);
     k.b.assign(order, 0.0);
@@ -45,7 +56,10 @@ class ParallelModes final : public BlockType {
       k.a[(at + 1) * order + at] = -w;
       k.a[(at + 1) * order + at + 1] = -2.0 * dampings[i] * w;
       k.b[at + 1] = w;
-      k.c[at] = gains[i];
+      const double ratio = beside_hz > 0.0 ? frequencies[i] / beside_hz : 0.0;
+      k.c[at] = gains[i] * (1.0 - ratio * ratio);
+      k.c[at + 1] = gains[i] * 2.0 * ratio * (beside_damping - ratio * dampings[i]);
+      k.d += gains[i] * ratio * ratio;
     }
     return k;
   }
@@ -56,12 +70,15 @@ class ParallelModes final : public BlockType {
     const auto gains = block.list("gains");
     const auto frequencies = block.list("natural_frequencies_hz");
     const auto dampings = block.list("damping_ratios");
-    std::complex<double> h = 1.0;
+    std::complex<double> sum = 0.0;
     for (std::size_t i = 0; i < gains.size(); ++i) {
       const double r = w.hz().value / frequencies[i];
-      h += gains[i] / std::complex<double>(1.0 - r * r, 2.0 * dampings[i] * r);
+      sum += gains[i] / std::complex<double>(1.0 - r * r, 2.0 * dampings[i] * r);
     }
-    return h;
+    const double beside_hz = block.get("beside_hz");
+    if (!(beside_hz > 0.0)) return 1.0 + sum;
+    const double r = w.hz().value / beside_hz;
+    return 1.0 + std::complex<double>(1.0 - r * r, 2.0 * block.get("beside_damping_ratio") * r) * sum;
   }
   double slowest_time_constant_s(const Block& block) const override {
     const auto frequencies = block.list("natural_frequencies_hz");

@@ -24,16 +24,22 @@ const char* const kShares = "gains";
 const char* const kModeFrequencies = "natural_frequencies_hz";
 const char* const kModeDampings = "damping_ratios";
 
-/// One mode of a `parallel_modes` block, which several terms may share: H = 1 + sum of all of theirs.
+/// One mode of a `parallel_modes` block, which several terms may share: H = 1 + R sum of all of theirs.
 struct ModePlace {
   int block = 0;
   std::size_t mode = 0;
+  std::optional<int> resonator;  ///< that they stand beside
 
   void write(Model& model, double hz, double damping, double gain) const {
     chain::Block& b = model.block(block);
+    if (resonator) stand_beside(b, model.block(*resonator));
     put(b, kModeFrequencies, hz);
     put(b, kModeDampings, damping);
     put(b, kShares, gain);
+  }
+  static void stand_beside(chain::Block& b, const chain::Block& resonator) {
+    b.set("beside_hz", resonator.get("natural_frequency_hz"))
+        .set("beside_damping_ratio", resonator.get("damping_ratio"));
   }
   /// Leaves the modes in front where they are: those behind keep their numbers.
   void clear(Model& model) const {
@@ -84,16 +90,20 @@ class ParallelMode final : public Effect {
     for (const Term& earlier : scene.model->terms()) {
       if (earlier.effect != this) continue;
       const int block = earlier.blocks.front();
-      add_proposal(scene, *scene.model, block, earlier.placed, out);
+      add_proposal(scene, *scene.model, block, resonator_beside(*scene.model, block), earlier.placed, out);
       return;
     }
     for (std::size_t at : scene.linear_places()) {
-      Model model = *scene.model;
-      const auto placed = model.placed(at);
-      const int block = model.insert(at, chain::make_block("parallel_modes"));
-      add_proposal(scene, std::move(model), block, placed, out);
+      const auto placed = scene.model->placed(at);
+      add_block(scene, at, std::nullopt, placed, out);
+    }
+    for (std::size_t at : scene.base_places()) {
+      if (is_linear_mode(scene, at))
+        add_block(scene, at + 1, scene.model->id_at(at),
+                  "beside block " + std::to_string(scene.model->base_number(at)), out);
     }
   }
+  int places_a_round() const override { return 3; }
 
  private:
   static bool cancels(const Term& a, const Term& b) {
@@ -103,12 +113,30 @@ class ParallelMode final : public Effect {
     return p[2].value * q[2].value < 0.0 && std::abs(p[0].value - q[0].value) < kHalfWidthsApart * widths;
   }
 
-  void add_proposal(const Scene& scene, Model model, int block, const std::string& placed,
-                    std::vector<Proposal>& out) const {
+  static bool is_linear_mode(const Scene& scene, std::size_t at) {
+    const auto& block = scene.model->at(at);
+    return block.has("natural_frequency_hz") && block.has("damping_ratio") && scene.linear(at);
+  }
+  /// The resonator in front of a block of this effect that stands beside one.
+  static std::optional<int> resonator_beside(const Model& model, int block) {
+    if (!(model.at(model.position_of(block)).get("beside_hz") > 0.0)) return std::nullopt;
+    return model.id_at(model.position_of(block) - 1);
+  }
+
+  void add_block(const Scene& scene, std::size_t at, std::optional<int> resonator, const std::string& placed,
+                 std::vector<Proposal>& out) const {
+    Model model = *scene.model;
+    const int block = model.insert(at, chain::make_block("parallel_modes"));
+    if (resonator) ModePlace::stand_beside(model.block(block), model.block(*resonator));
+    add_proposal(scene, std::move(model), block, resonator, placed, out);
+  }
+
+  void add_proposal(const Scene& scene, Model model, int block, std::optional<int> resonator,
+                    const std::string& placed, std::vector<Proposal>& out) const {
     const auto& modes = model.block(block);
     const auto gains = modes.list(kShares);
     const auto unused = std::find(gains.begin(), gains.end(), 0.0);
-    const ModePlace place{block, static_cast<std::size_t>(unused - gains.begin())};
+    const ModePlace place{block, static_cast<std::size_t>(unused - gains.begin()), resonator};
     auto starts = mode_starts(scene, modes, kMaxParallelDamping);
     if (starts.empty()) return;
     Term term;

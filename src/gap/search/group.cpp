@@ -40,6 +40,9 @@ struct Trial {
   std::size_t effective = 0;
 
   const Model& model() const { return rounds.back().model; }
+  bool is_far_fetched() const {
+    return std::any_of(rounds.begin(), rounds.end(), [](const Ranked& r) { return r.far_fetched; });
+  }
   std::multiset<std::string> names() const {
     std::multiset<std::string> all;
     for (const auto& r : rounds) all.insert(std::string(r.effect->name()));
@@ -101,6 +104,31 @@ bool as_good_as(const AcceptanceOptions& options, const Trial& trial, const Tria
          (worse < options.tie_within && improvement_z(trial.folds, best.folds) < options.tie_significance);
 }
 
+/// The candidate that a round has named; null: none.
+const Ranked* named_in(const std::vector<Ranked>& ranking) {
+  const auto found = std::find_if(ranking.begin(), ranking.end(),
+                                  [](const Ranked& r) { return r.outcome == CandidateOutcome::named; });
+  return found == ranking.end() ? nullptr : &*found;
+}
+
+/// A trial of names near at hand that does as well as a far-fetched single one, with no more unknowns (two lags beside
+/// one with a zero in the right half-plane).
+const Trial* nearer_than(const SearchSetting& setting, const SearchRecords& records, const Ranked& single,
+                         const std::vector<Trial>& trials) {
+  const auto& accepted = setting.options.acceptance;
+  for (const auto& trial : trials) {
+    if (trial.is_far_fetched() || trial.effective > single.effective ||
+        trial.folds.size() != single.folds.size())
+      continue;
+    const double worse = trial.folds_rms / single.folds_rms - 1.0;
+    const bool as_good =
+        worse < accepted.at_hand_within ||
+        (worse < accepted.tie_within && improvement_z(trial.folds, single.folds) < accepted.tie_significance);
+    if (as_good && earns_all_places(setting, records, trial)) return &trial;
+  }
+  return nullptr;
+}
+
 /// In `a` and not in `b`.
 std::vector<std::string> only_in(const std::multiset<std::string>& a, const std::multiset<std::string>& b) {
   std::vector<std::string> out;
@@ -114,6 +142,7 @@ void add_ties(const AcceptanceOptions& options, const std::vector<Trial>& trials
   for (const auto& trial : trials) {
     if (&trial == &chosen || trial.effective > chosen.effective || !as_good_as(options, trial, chosen))
       continue;
+    if (trial.is_far_fetched() && !chosen.is_far_fetched()) continue;
     const auto there = only_in(trial.names(), chosen.names());
     const auto here = only_in(chosen.names(), trial.names());
     if (there.empty()) continue;
@@ -165,7 +194,10 @@ std::optional<Group> choose_group(const SearchSetting& setting, const SearchReco
                                   const Step* single) {
   const auto& options = setting.options;
   const Model& now = single != nullptr ? single->after : before;
-  if (!is_something_left(options, now, records)) return std::nullopt;
+  const bool left = is_something_left(options, now, records);
+  const Ranked* named = single != nullptr ? named_in(ranking) : nullptr;
+  const bool far_fetched = named != nullptr && named->far_fetched;
+  if (!left && !far_fetched) return std::nullopt;
   const auto residuals = round_residuals(now, records);
   std::vector<Trial> trials;
   std::set<std::pair<const Effect*, std::string>> tried;
@@ -191,15 +223,22 @@ std::optional<Group> choose_group(const SearchSetting& setting, const SearchReco
   }
   std::stable_sort(trials.begin(), trials.end(),
                    [](const Trial& a, const Trial& b) { return a.folds_rms < b.folds_rms; });
+  if (!left) {
+    const Trial* nearer = nearer_than(setting, records, *named, trials);
+    if (nearer == nullptr) return std::nullopt;
+    return group_of(options.acceptance, before, trials, *nearer);
+  }
   const double enough = kFarLess * rms(residuals.folds);
   std::size_t looks = 0;
   for (const auto& trial : trials) {
     if (!(trial.folds_rms < enough) || looks++ >= kCloseLooks || options.is_late()) break;
     if (improvement_z(residuals.folds, trial.folds) < kBeyondChance) continue;
-    // Fewer unknowns, where they do as well.
+    // Fewer unknowns, where they do as well, or names that are nearer at hand.
     const Trial* chosen = &trial;
     for (const auto& other : trials) {
-      if (other.effective < chosen->effective && as_good_as(options.acceptance, other, trial))
+      const bool nearer =
+          other.effective == chosen->effective && chosen->is_far_fetched() && !other.is_far_fetched();
+      if ((other.effective < chosen->effective || nearer) && as_good_as(options.acceptance, other, trial))
         chosen = &other;
     }
     if (!earns_all_places(setting, records, *chosen)) continue;

@@ -21,7 +21,8 @@ struct Group {
 };
 
 /// The best pair of terms, or the best chain of modes, that leaves far less than the round's own step (null: it named
-/// nothing) while something is left with that. `ranking`: of the round.
+/// nothing) while something is left with that; or the best pair that does as well as a far-fetched single name
+/// (Effect::is_far_fetched) with no more unknowns. `ranking`: of the round.
 std::optional<Group> choose_group(const SearchSetting& setting, const SearchRecords& records,
                                   const Model& before, const std::vector<Ranked>& ranking,
                                   const Step* single);

@@ -1,6 +1,7 @@
 #include "gap/search/mode_chain.hpp"
 
 #include <algorithm>
+#include <array>
 #include <string_view>
 #include <utility>
 
@@ -10,47 +11,55 @@
 namespace bodesmith::gap {
 namespace {
 
-constexpr std::string_view kMode = "resonance";
-/// A mode takes at least this part of what the magnitude leaves.
+/// Modes in series are told by the magnitude alone, whose logarithm is a sum over them; modes side by side by the ratio,
+/// which is a sum over them.
+struct KindOfChain {
+  std::string_view mode;
+  FrequencyExperiment::Compared compared;
+};
+constexpr std::array kKinds = {KindOfChain{"resonance", FrequencyExperiment::Compared::magnitude},
+                               KindOfChain{"parallel_mode", FrequencyExperiment::Compared::ratio}};
+
+/// A mode takes at least this part of what is left, compared in that way.
 constexpr double kWorthIt = 0.85;
 constexpr int kModeIterations = 40;
 
-SearchRecords by_magnitude(const SearchRecords& records) {
+SearchRecords compared_by(FrequencyExperiment::Compared compared, const SearchRecords& records) {
   SearchRecords out = records;
   for (auto* list : {&out.train, &out.stretches}) {
     for (auto& e : *list) {
-      if (auto* response = std::get_if<FrequencyExperiment>(&e))
-        response->set_compared(FrequencyExperiment::Compared::magnitude);
+      if (auto* response = std::get_if<FrequencyExperiment>(&e)) response->set_compared(compared);
     }
   }
   return out;
 }
 
 /// The model with one mode more; nothing when none helps.
-std::optional<Ranked> with_mode(const SearchSetting& setting, const SearchRecords& magnitudes,
-                                const Model& model) {
-  const double left = rms_of(model, magnitudes.train);
+std::optional<Ranked> with_mode(const SearchSetting& setting, std::string_view name,
+                                const SearchRecords& compared, const Model& model) {
+  const double left = rms_of(model, compared.train);
   auto ranking =
       fit_round(
-          setting, magnitudes, model, [](const Effect& effect) { return effect.name() == kMode; }, 0.0)
+          setting, compared, model, [&](const Effect& effect) { return effect.name() == name; }, 0.0)
           .ranking;
   const auto best = std::min_element(ranking.begin(), ranking.end(), [](const Ranked& a, const Ranked& b) {
     return a.train_rms < b.train_rms;
   });
   if (best == ranking.end() || !(best->train_rms < kWorthIt * left)) return std::nullopt;
-  auto fitted = fit(best->model, magnitudes.train, fit_options(setting.options, kModeIterations));
+  auto fitted = fit(best->model, compared.train, fit_options(setting.options, kModeIterations));
   if (fitted.result.usable()) best->model = std::move(fitted.model);
   return *best;
 }
 
 /// Chains that begin at a model.
-void extend_from(const SearchSetting& setting, const SearchRecords& records, const SearchRecords& magnitudes,
+void extend_from(const SearchSetting& setting, const SearchRecords& records, const KindOfChain& kind,
                  Model model, std::vector<std::vector<Ranked>>& chains) {
+  const auto compared = compared_by(kind.compared, records);
   std::vector<Ranked> chain;
   const auto before = round_residuals(model, records);
   const int most = setting.options.max_terms - static_cast<int>(model.terms().size());
   while (static_cast<int>(chain.size()) < most && !setting.options.is_late()) {
-    auto mode = with_mode(setting, magnitudes, model);
+    auto mode = with_mode(setting, kind.mode, compared, model);
     if (!mode) return;
     model = mode->model;
     chain.push_back(std::move(*mode));
@@ -72,12 +81,13 @@ std::vector<std::vector<Ranked>> mode_chains(const SearchSetting& setting, const
   SearchOptions open = setting.options;
   open.round.min_promise = open.round.min_promise_later = 0.0;
   const SearchSetting wide{open, setting.initial, setting.first_gap};
-  const auto magnitudes = by_magnitude(records);
   std::vector<std::vector<Ranked>> chains;
-  extend_from(wide, records, magnitudes, before, chains);
-  // Free parameters that went astray after what is missing: once from where they were given.
-  if (before.terms().empty() && before.free_count() > 0)
-    extend_from(wide, records, magnitudes, setting.initial, chains);
+  for (const auto& kind : kKinds) {
+    extend_from(wide, records, kind, before, chains);
+    // Free parameters that went astray after what is missing: once from where they were given.
+    if (before.terms().empty() && before.free_count() > 0)
+      extend_from(wide, records, kind, setting.initial, chains);
+  }
   return chains;
 }
 

@@ -104,6 +104,11 @@ TEST(Compensation, RandomChainsAreInvertedAndTheErrorIsThatOfSimulate) {
 TEST(Compensation, EveryBlocksOwnInverseIsOne) {
   const TimeRecord reference = smooth_reference();
   std::vector<Block> blocks = palette();
+  blocks.push_back(make_block("parallel_modes")
+                       .set("gains", std::vector{0.2, -0.1})
+                       .set("natural_frequencies_hz", std::vector{25.0, 40.0})
+                       .set("damping_ratios", std::vector{0.1, 0.1}));
+  blocks.push_back(make_block("right_half_plane_zero").set("right_zero_hz", 20.0).set("pole_hz", 30.0));
   blocks.push_back(make_block("dead_zone").set("width", 0.1));
   blocks.push_back(make_block("backlash").set("width", 0.1));
   blocks.push_back(make_block("sample_hold").set("clock_hz", 400.0));

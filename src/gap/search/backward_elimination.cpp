@@ -83,9 +83,13 @@ const Ranked* best_successor(const SearchSetting& setting, const SearchRecords& 
 void judge_ties_again(const AcceptanceOptions& options, Step& step, const Term& term,
                       const std::vector<double>& folds, const std::vector<Ranked>& ranking) {
   const double own = rms(folds);
+  const bool far_fetched = std::any_of(step.ranking.begin(), step.ranking.end(), [&](const Ranked& r) {
+    return r.effect == step.effect && r.far_fetched;
+  });
   std::set<std::string> alike;
   for (const auto& r : ranking) {
     if (r.folds.size() != folds.size() || r.unknowns > term.unknowns.size()) continue;
+    if (r.far_fetched && !far_fetched) continue;
     if (r.folds_rms < (1.0 + options.tie_within) * own &&
         improvement_z(r.folds, folds) < options.tie_significance)
       alike.insert(std::string(r.effect->name()));

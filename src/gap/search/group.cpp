@@ -196,7 +196,7 @@ std::optional<Group> choose_group(const SearchSetting& setting, const SearchReco
   const Model& now = single != nullptr ? single->after : before;
   const bool left = is_something_left(options, now, records);
   const Ranked* named = single != nullptr ? named_in(ranking) : nullptr;
-  const bool far_fetched = named != nullptr && named->far_fetched;
+  const bool far_fetched = named != nullptr && named->far_fetched && named->effective > 1;
   if (!left && !far_fetched) return std::nullopt;
   const auto residuals = round_residuals(now, records);
   std::vector<Trial> trials;

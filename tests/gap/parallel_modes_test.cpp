@@ -1,0 +1,114 @@
+// Responses of stages whose modes stand side by side, and of stages with zeros in the right half-plane.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "gap/runner.hpp"
+#include "gap/search.hpp"
+#include "made_response.hpp"
+
+namespace {
+
+using namespace bodesmith;
+using made::Complex;
+
+gap::SearchResult found_beside(const made::Response& h, const chain::Chain& base, std::uint64_t seed) {
+  const auto record = made::measured(
+      h, 5.0, 1000.0, 150, [](double) { return 0.01; }, seed);
+  return gap::search(base, {gap::FrequencyExperiment(record)}, {});
+}
+
+std::vector<std::string> sorted_names(const gap::SearchResult& result) {
+  std::vector<std::string> names;
+  for (const auto& step : result.steps) names.emplace_back(step.effect->name());
+  std::sort(names.begin(), names.end());
+  return names;
+}
+
+chain::Chain mode_alone() {
+  return chain::model_from_node(parse_toml(
+      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"resonator\"\ngain = 1.9\nnatural_frequency_hz = "
+      "123.0\ndamping_ratio = 0.022\nfree = [\"gain\", \"natural_frequency_hz\", \"damping_ratio\"]\n",
+      "model.toml"));
+}
+
+TEST(ParallelModesInResponse, OfBothSignsAreNamedWithTheirShares) {
+  const auto h = [](double hz) {
+    return 2.0 * (1.0 + 0.3 * made::mode(hz, 180.0, 0.02) - 0.1 * made::mode(hz, 310.0, 0.015));
+  };
+  const auto result = found_beside(h, made::free_gain(1.8), 11);
+  ASSERT_EQ(sorted_names(result), (std::vector<std::string>{"parallel_mode", "parallel_mode"}));
+  auto terms = result.final.terms();
+  std::sort(terms.begin(), terms.end(),
+            [](const gap::Term& a, const gap::Term& b) { return a.unknowns[0].value < b.unknowns[0].value; });
+  EXPECT_NEAR(terms[0].unknowns[0].value, 180.0, 0.3);
+  EXPECT_NEAR(terms[0].unknowns[1].value, 0.02, 0.001);
+  EXPECT_NEAR(terms[0].unknowns[2].value, 0.3, 0.01);
+  EXPECT_NEAR(terms[1].unknowns[0].value, 310.0, 0.3);
+  EXPECT_NEAR(terms[1].unknowns[2].value, -0.1, 0.005);
+  EXPECT_LT(result.train_rms, 0.012);
+  EXPECT_TRUE(result.structure.empty());
+  // One block holds both.
+  EXPECT_EQ(result.final.chain().blocks.size(), 2U);
+}
+
+TEST(ParallelModesInResponse, StandBesideTheModelsResonator) {
+  const auto h = [](double hz) {
+    return 2.0 * made::mode(hz, 120.0, 0.02) - 0.3 * made::mode(hz, 330.0, 0.04);
+  };
+  const auto result = found_beside(h, mode_alone(), 12);
+  ASSERT_EQ(sorted_names(result), std::vector<std::string>{"parallel_mode"});
+  EXPECT_EQ(result.steps[0].placed, "beside block 1");
+  EXPECT_NEAR(result.final.terms()[0].unknowns[0].value, 330.0, 1.0);
+  EXPECT_NEAR(result.final.terms()[0].unknowns[2].value, -0.15, 0.005);
+  EXPECT_LT(result.train_rms, 0.012);
+}
+
+TEST(ParallelModesInResponse, AModeTakenOutLeavesTheOthersWhereTheyAre) {
+  const auto h = [](double hz) {
+    return 2.0 * (1.0 + 0.3 * made::mode(hz, 180.0, 0.02) + 0.2 * made::mode(hz, 310.0, 0.02));
+  };
+  auto model = found_beside(h, made::free_gain(1.8), 13).final;
+  ASSERT_EQ(model.terms().size(), 2U);
+  const double hz = model.terms()[1].unknowns[0].value;
+  model.remove(0);
+  model.set_values(gap::current_values(model));
+  const auto blocks = model.chain().blocks;
+  ASSERT_EQ(blocks.size(), 2U);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < blocks[1].list("gains").size(); ++k) {
+    if (blocks[1].list("gains")[k] == 0.0) continue;
+    sum += 1.0;
+    EXPECT_EQ(blocks[1].list("natural_frequencies_hz")[k], hz);
+  }
+  EXPECT_EQ(sum, 1.0);
+  model.remove(0);
+  EXPECT_EQ(model.chain().blocks.size(), 1U);
+}
+
+TEST(ZeroInTheRightHalfPlane, IsNamedAsAnAllPassAndWithAPole) {
+  const auto all_pass = [](double hz) { return 2.0 * Complex(1.0, -hz / 300.0) / Complex(1.0, hz / 300.0); };
+  const auto first = found_beside(all_pass, made::free_gain(1.8), 14);
+  ASSERT_EQ(sorted_names(first), std::vector<std::string>{"right_half_plane_zero"});
+  EXPECT_EQ(first.final.terms()[0].unknowns.size(), 1U);
+  EXPECT_NEAR(first.final.terms()[0].unknowns[0].value, 300.0, 3.0);
+  const auto with_pole = [](double hz) { return 2.0 * Complex(1.0, -hz / 200.0) / Complex(1.0, hz / 700.0); };
+  const auto second = found_beside(with_pole, made::free_gain(1.8), 15);
+  ASSERT_EQ(sorted_names(second), std::vector<std::string>{"right_half_plane_zero"});
+  ASSERT_EQ(second.final.terms()[0].unknowns.size(), 2U);
+  EXPECT_NEAR(second.final.terms()[0].unknowns[0].value, 200.0, 4.0);
+  EXPECT_NEAR(second.final.terms()[0].unknowns[1].value, 700.0, 20.0);
+}
+
+TEST(ZeroInTheRightHalfPlane, TakesNoNameFromADelayOrTwoLags) {
+  const auto late = [](double hz) { return 2.0 * std::polar(1.0, -2.0 * std::numbers::pi * hz * 1e-4); };
+  const auto delay = found_beside(late, made::free_gain(1.8), 16);
+  ASSERT_EQ(sorted_names(delay), std::vector<std::string>{"time_delay"});
+  const auto& tied = delay.steps[0].tied_with;
+  EXPECT_EQ(std::count(tied.begin(), tied.end(), "right_half_plane_zero"), 0);
+  const auto lags = [](double hz) { return 2.0 * made::lag(hz, 500.0) * made::lag(hz, 1500.0); };
+  EXPECT_EQ(sorted_names(found_beside(lags, made::free_gain(1.8), 17)),
+            (std::vector<std::string>{"amplifier_pole", "amplifier_pole"}));
+}
+
+}  // namespace

@@ -77,16 +77,16 @@ class ParallelMode final : public Effect {
     return "a sweep through the suspected frequency and the zero beside it, and the same with the sensor elsewhere";
   }
   bool linear() const override { return true; }
-  bool repeatable_in_response() const override { return true; }
+  /// Each has a frequency of its own.
+  bool repeatable() const override { return true; }
   bool is_no_name(const Model& model, const Scene& scene) const override {
     const Term& last = model.terms().back();
     const double hz = last.unknowns[0].value;
-    if (hz > scene.top_hz || hz < scene.low_hz) return true;
+    if (hz > scene.top_hz || (scene.frequency_only && hz < scene.low_hz)) return true;
     return std::any_of(model.terms().begin(), model.terms().end() - 1,
                        [&](const Term& earlier) { return earlier.effect == this && cancels(earlier, last); });
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    if (!scene.frequency_only) return;
     for (const Term& earlier : scene.model->terms()) {
       if (earlier.effect != this) continue;
       const int block = earlier.blocks.front();
@@ -113,6 +113,18 @@ class ParallelMode final : public Effect {
     return p[2].value * q[2].value < 0.0 && std::abs(p[0].value - q[0].value) < kHalfWidthsApart * widths;
   }
 
+  /// Of a time record: where the residual has its peaks, of either sign.
+  static Starts starts_at_peaks(const Scene& scene) {
+    Starts starts;
+    for (double hz : scene.residual_peaks_hz) {
+      if (!(hz > 0.0) || hz > 0.95 * scene.top_hz) continue;
+      for (double damping : {0.02, 0.1}) {
+        for (double gain : {0.2, -0.2}) starts.push_back({hz, damping, gain});
+      }
+    }
+    return starts;
+  }
+
   static bool is_linear_mode(const Scene& scene, std::size_t at) {
     const auto& block = scene.model->at(at);
     return block.has("natural_frequency_hz") && block.has("damping_ratio") && scene.linear(at);
@@ -137,7 +149,8 @@ class ParallelMode final : public Effect {
     const auto gains = modes.list(kShares);
     const auto unused = std::find(gains.begin(), gains.end(), 0.0);
     const ModePlace place{block, static_cast<std::size_t>(unused - gains.begin()), resonator};
-    auto starts = mode_starts(scene, modes, kMaxParallelDamping);
+    auto starts =
+        scene.frequency_only ? mode_starts(scene, modes, kMaxParallelDamping) : starts_at_peaks(scene);
     if (starts.empty()) return;
     Term term;
     term.effect = this;

@@ -80,11 +80,18 @@ class ParallelMode final : public Effect {
   /// Each has a frequency of its own.
   bool repeatable() const override { return true; }
   bool is_no_name(const Model& model, const Scene& scene) const override {
-    const Term& last = model.terms().back();
-    const double hz = last.unknowns[0].value;
+    const double hz = model.terms().back().unknowns[0].value;
     if (hz > scene.top_hz || (scene.frequency_only && hz < scene.low_hz)) return true;
-    return std::any_of(model.terms().begin(), model.terms().end() - 1,
-                       [&](const Term& earlier) { return earlier.effect == this && cancels(earlier, last); });
+    std::vector<const Term*> modes;
+    for (const Term& term : model.terms()) {
+      if (term.effect == this) modes.push_back(&term);
+    }
+    for (std::size_t i = 0; i < modes.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k) {
+        if (cancel(*modes[i], *modes[k])) return true;
+      }
+    }
+    return false;
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     for (const Term& earlier : scene.model->terms()) {
@@ -106,7 +113,7 @@ class ParallelMode final : public Effect {
   int places_a_round() const override { return 3; }
 
  private:
-  static bool cancels(const Term& a, const Term& b) {
+  static bool cancel(const Term& a, const Term& b) {
     const auto& p = a.unknowns;
     const auto& q = b.unknowns;
     const double widths = p[0].value * p[1].value + q[0].value * q[1].value;

@@ -10,6 +10,7 @@
 
 #include "base/text.hpp"
 #include "gap/runner.hpp"
+#include "gap/scene.hpp"
 #include "gap/search/backward_elimination.hpp"
 #include "gap/search/mode_chain.hpp"
 #include "gap/search/remaining.hpp"
@@ -50,12 +51,14 @@ struct Trial {
   }
 };
 
-/// What the trial leaves once its terms are fitted together; false: it cannot be run.
+/// What the trial leaves once its terms are fitted together; false: it cannot be run, or its last term is no name.
 bool finish(const SearchSetting& setting, const SearchRecords& records, Folds kind, Trial& trial) {
   auto fitted = fit(trial.model(), records.train, fit_options(setting.options, kGroupIterations));
   if (!fitted.result.usable() || fitted.result.condition_number > setting.options.acceptance.max_condition)
     return false;
   trial.rounds.back().model = std::move(fitted.model);
+  const auto scene = make_scene(trial.model(), records.train);
+  if (trial.rounds.back().effect->is_no_name(trial.model(), scene)) return false;
   trial.folds = folded_residuals(trial.model(), records.train, kind);
   if (trial.folds.empty()) return false;
   trial.folds_rms = rms(trial.folds);

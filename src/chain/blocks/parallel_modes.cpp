@@ -67,18 +67,19 @@ class ParallelModes final : public BlockType {
     return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
-    const auto gains = block.list("gains");
-    const auto frequencies = block.list("natural_frequencies_hz");
-    const auto dampings = block.list("damping_ratios");
+    // Asked for each point of each run: in the order of the specs, without copies.
+    const auto& values = block.parameters();
+    const std::size_t count = (values.size() - kBeside) / kLists;
+    const double hz = w.hz().value;
     std::complex<double> sum = 0.0;
-    for (std::size_t i = 0; i < gains.size(); ++i) {
-      const double r = w.hz().value / frequencies[i];
-      sum += gains[i] / std::complex<double>(1.0 - r * r, 2.0 * dampings[i] * r);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double r = hz / values[count + i].value;
+      sum += values[i].value * inverse_of_mode(r, values[2 * count + i].value);
     }
-    const double beside_hz = block.get("beside_hz");
+    const double beside_hz = values[kLists * count].value;
     if (!(beside_hz > 0.0)) return 1.0 + sum;
-    const double r = w.hz().value / beside_hz;
-    return 1.0 + std::complex<double>(1.0 - r * r, 2.0 * block.get("beside_damping_ratio") * r) * sum;
+    const double r = hz / beside_hz;
+    return 1.0 + std::complex<double>(1.0 - r * r, 2.0 * values[kLists * count + 1].value * r) * sum;
   }
   double slowest_time_constant_s(const Block& block) const override {
     const auto frequencies = block.list("natural_frequencies_hz");
@@ -89,6 +90,19 @@ class ParallelModes final : public BlockType {
     return slowest;
   }
   int section_order() const override { return 2; }
+
+ private:
+  /// Lists of a number each mode, and the numbers behind them.
+  static constexpr std::size_t kLists = 3;
+  static constexpr std::size_t kBeside = 2;
+
+  /// 1/(1 - r^2 + 2 zeta r j)
+  static std::complex<double> inverse_of_mode(double r, double damping) {
+    const double real = 1.0 - r * r;
+    const double imaginary = 2.0 * damping * r;
+    const double size = real * real + imaginary * imaginary;
+    return {real / size, -imaginary / size};
+  }
 };
 
 }  // namespace

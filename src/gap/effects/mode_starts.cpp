@@ -67,7 +67,8 @@ TriedMode solve_mode(const ModePoints& p, double hz, double damping) {
   double tt = 0.0;
   for (std::size_t i = 0; i < p.hz.size(); ++i) {
     const double r = p.hz[i] / hz;
-    const Complex mode = p.weight[i] * p.beside[i] / Complex(1.0 - r * r, 2.0 * damping * r);
+    const Complex denominator(1.0 - r * r, 2.0 * damping * r);
+    const Complex mode = p.weight[i] / std::norm(denominator) * p.beside[i] * std::conj(denominator);
     const Complex direct = p.weight[i] * p.present[i];
     const Complex wanted = p.weight[i] * p.wanted[i];
     aa += std::norm(direct);

@@ -3,6 +3,10 @@
 
 #include <algorithm>
 
+#include "gap/cases/signals.hpp"
+#include "gap/cases/stages.hpp"
+#include "gap/cases/time_base.hpp"
+#include "gap/diagnosis.hpp"
 #include "gap/runner.hpp"
 #include "gap/search.hpp"
 #include "made_response.hpp"
@@ -84,6 +88,32 @@ TEST(ParallelModesInResponse, AModeTakenOutLeavesTheOthersWhereTheyAre) {
   EXPECT_EQ(sum, 1.0);
   model.remove(0);
   EXPECT_EQ(model.chain().blocks.size(), 1U);
+}
+
+/// Of a stage whose sensor sees its second mode the other way round.
+TimeRecord record_beside(hidden::Drive drive, unsigned seed) {
+  constexpr std::size_t kRows = 1200;
+  constexpr double kStepS = 1e-4;
+  hidden::Random random(seed);
+  TimeRecord r;
+  r.file = "record.csv";
+  r.step_s = kStepS;
+  r.u = hidden::make_drive(drive, kRows, kStepS, 1000.0, random);
+  const auto first = hidden::play_chain({hidden::mode({1.0, 450.0, 0.04})}, r.u, kStepS);
+  const auto second = hidden::play_chain({hidden::mode({1.0, 820.0, 0.03})}, r.u, kStepS);
+  const auto noise = hidden::make_noise(hidden::Colour::white, kRows, random);
+  for (std::size_t i = 0; i < kRows; ++i)
+    r.y.push_back(2.0 * (r.u[i] + 0.3 * first[i] - 0.15 * second[i]) + 0.004 * noise[i]);
+  return r;
+}
+
+TEST(ParallelModesInTime, OfBothSignsAreNamed) {
+  const auto study = gap::Study::of({record_beside(hidden::Drive::noise, 1)},
+                                    {record_beside(hidden::Drive::multisine, 2)}, made::free_gain(1.8));
+  const auto found = gap::diagnose(made::free_gain(1.8), study, {});
+  ASSERT_EQ(found.steps.size(), 2U);
+  for (const auto& step : found.steps) EXPECT_EQ(step.effect, "parallel_mode");
+  EXPECT_LT(found.final.holdout_rms, 0.1 * found.refitted.holdout_rms);
 }
 
 TEST(ZeroInTheRightHalfPlane, IsNamedAsAnAllPassAndWithAPole) {

@@ -127,11 +127,10 @@ TallMatrix::TallMatrix(const MatrixXd& a)
     : rows_(a.rows()),
       columns_(a.cols()),
       blocks_(std::max<std::size_t>(1, (std_index(a.cols()) + 3) / 4)),
-      padded_rows_((std_index(a.rows()) + 3) / 4 * 4),
+      padded_rows_(std::max<std::size_t>(1, (std_index(a.rows()) + 3) / 4) * 4),
       data_(padded_rows_ * 4 * blocks_, 0.0) {
   for (Index j = 0; j < columns_; ++j) {
-    double* to = data_.data() + j;
-    for (Index i = 0; i < rows_; ++i, to += 4 * blocks_) *to = a(i, j);
+    for (Index i = 0; i < rows_; ++i) data_[std_index(i) * 4 * blocks_ + std_index(j)] = a(i, j);
   }
 }
 
@@ -157,7 +156,7 @@ MatrixXd TallMatrix::gram(const VectorXd& w) const {
   require_length(w.size(), rows_);
   const std::size_t width = 4 * blocks_;
   const auto rows = std_index(rows_);
-  std::vector<double> weighted(rows * width);
+  std::vector<double> weighted(padded_rows_ * width);
   scale_rows(data_.data(), rows, blocks_, w.data(), weighted.data());
   MatrixXd all(eigen_index(width), eigen_index(width));
   for (std::size_t column = 0; column < blocks_; ++column) {

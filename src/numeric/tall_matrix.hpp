@@ -24,7 +24,7 @@ class TallMatrix {
   Eigen::Index rows_;
   Eigen::Index columns_;
   std::size_t blocks_;        ///< of four columns, the last one filled up with zeros
-  std::size_t padded_rows_;   ///< a multiple of four, filled up with zeros
+  std::size_t padded_rows_;   ///< a multiple of four above 0, filled up with zeros
   std::vector<double> data_;  ///< padded_rows_ x 4 blocks_
 };
 

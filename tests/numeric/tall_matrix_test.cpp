@@ -49,6 +49,13 @@ TEST(TallMatrix, GramIsSymmetricAndThatOfTheWeightedRows) {
   }
 }
 
+TEST(TallMatrix, OfNoRowsIsZero) {
+  const TallMatrix a(MatrixXd(0, 9));
+  EXPECT_EQ(a.times(VectorXd::Ones(9)).size(), 0);
+  EXPECT_EQ(a.transpose_times(VectorXd(0)), VectorXd::Zero(9));
+  EXPECT_EQ(a.gram(VectorXd(0)), MatrixXd::Zero(9, 9));
+}
+
 TEST(TallMatrix, AnotherLengthIsRefused) {
   const TallMatrix a(random_matrix(5, 3));
   EXPECT_THROW(a.times(VectorXd::Zero(4)), std::logic_error);

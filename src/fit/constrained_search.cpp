@@ -3,8 +3,12 @@
 #include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <vector>
 
 #include "numeric/index.hpp"
+#include "numeric/least_level.hpp"
 #include "numeric/quadratic_program.hpp"
 
 namespace bodesmith {
@@ -57,76 +61,84 @@ class StepProgram {
     VectorXd theta;          ///< where it leads, within the limits
     double predicted = 0.0;  ///< merit there in first order
   };
-  Step solve(const Linearised& at, double radius) {
-    if (!least_squares_ && at.error.size() > kManyErrors) return solve_by_peaks(at, radius);
-    return solve_rows(at, radius, at.error, at.slope).step;
+  Step solve(const Linearised& at, double radius) const {
+    if (!least_squares_ && at.error.size() > kManyErrors) {
+      if (const auto step = solve_by_exchange(at, radius)) return *step;
+    }
+    return solve_rows(at, radius);
   }
 
  private:
   static constexpr Index kNone = -1;
-  /// With more errors than this most constraints are idle, and only those that may bind are written down.
+  /// With more errors than this most constraints are idle, which costs an exchange of rows next to nothing.
   static constexpr Index kManyErrors = 100;
-  static constexpr double kHolds = 1e-4;  ///< of all multipliers of the level, which sum up to 1
 
-  struct Solved {
-    Step step;
-    double level = 0.0;  ///< of the rows written down, as the program found it, Np
-    VectorXd
-        hold;  ///< of each row written down: how much it holds the level up (the share of its multipliers)
-  };
-
-  /// The same program, its rows found one after the other: those where the error peaks, then where the step found
-  /// would make it peak higher than the level of the rows so far, until it does so nowhere.
-  Step solve_by_peaks(const Linearised& at, double radius) {
-    std::vector<Index> rows = held_;  // what held the last step holds this one too, as a rule
-    const auto add_peaks = [&](const Eigen::VectorXd& error, double above) {
-      const std::size_t before = rows.size();
-      const Index last = error.size() - 1;
-      for (Index i = 0; i <= last; ++i) {
-        const double here = std::abs(error(i));
-        const bool peak =
-            (i == 0 || here >= std::abs(error(i - 1))) && (i == last || here >= std::abs(error(i + 1)));
-        if (peak && here > above && std::find(rows.begin(), rows.end(), i) == rows.end()) rows.push_back(i);
+  /// Chebyshev's by way of vertices of rows and bounds; nothing where rounding is in the way.
+  std::optional<Step> solve_by_exchange(const Linearised& at, double radius) const {
+    const double unit = std::max(at.merit, 1e-13);
+    const Index n = at.theta.size();
+    const bool masked = !target_.masks.empty();
+    const Index size = masked ? n + 1 : n;
+    LevelProgram p;
+    p.error = at.error / unit;
+    p.slope = MatrixXd::Zero(at.error.size(), size);
+    p.slope.leftCols(n) = at.slope * (radius / unit);
+    p.lower = VectorXd::Constant(size, -1.0);
+    p.upper = VectorXd::Constant(size, 1.0);
+    // Limits of one number are bounds, those of two stay rows.
+    const LinearLimits limits = trust_region_limits(model_, limits_, at.theta, radius);
+    std::vector<Index> rows;
+    for (Index k = 0; k < limits.b.size(); ++k) {
+      if ((limits.a.row(k).array() != 0.0).count() > 1) {
+        rows.push_back(k);
+        continue;
       }
-      return rows.size() > before;
-    };
-    // Spread rows keep the first program bounded in every direction.
-    const Index stride = std::max<Index>(1, at.error.size() / (4 * at.theta.size()));
-    for (Index i = 0; i < at.error.size(); i += stride) {
-      if (std::find(rows.begin(), rows.end(), i) == rows.end()) rows.push_back(i);
-    }
-    add_peaks(at.error, 0.5 * norm_of(at.error, false));
-    constexpr int kRounds = 20;
-    for (int round = 0;; ++round) {
-      const Solved found = solve_rows(at, radius, at.error(rows), at.slope(rows, Eigen::all));
-      const VectorXd there = at.error + at.slope * (found.step.theta - at.theta);
-      if (round < kRounds && add_peaks(there, found.level * (1.0 + 1e-4))) continue;
-      held_.clear();
-      for (Index i = 0; i < found.hold.size(); ++i) {
-        if (found.hold(i) > kHolds) held_.push_back(rows[std_index(i)]);
+      Index number = 0;
+      const double bound = limits.b(k) / limits.a.row(k).cwiseAbs().maxCoeff(&number);
+      if (limits.a(k, number) > 0.0) {
+        p.upper(number) = std::min(p.upper(number), bound);
+      } else {
+        p.lower(number) = std::max(p.lower(number), -bound);
       }
-      return found.step;
     }
+    const Index paired = eigen_index(rows.size());
+    const Index masks = eigen_index(target_.masks.size());
+    p.a = MatrixXd::Zero(paired + masks, size);
+    p.b.resize(paired + masks);
+    p.a.topLeftCorner(paired, n) = limits.a(rows, Eigen::all);
+    p.b.head(paired) = limits.b(rows);
+    if (masked) {
+      p.lower(n) = 0.0;
+      p.upper(n) = std::numeric_limits<double>::infinity();
+      p.cost = VectorXd::Zero(size);
+      p.cost(n) = kMaskCost;
+      add_masks(at, radius, unit, n, p.a.bottomRows(masks), p.b.tail(masks));
+    }
+    const LevelResult found = solve_least_level(p);
+    if (!found.solved) return std::nullopt;
+    return step_to(at, radius * found.x.head(n), masked ? unit * found.x(n) : 0.0);
   }
 
-  Solved solve_rows(const Linearised& at, double radius, const VectorXd& error, const MatrixXd& slope) const {
+  /// There, within the limits.
+  Step step_to(const Linearised& at, const VectorXd& change, double violation) const {
+    Step out{at.theta + change, 0.0};
+    clamp(model_, limits_, out.theta);
+    out.predicted = norm_of(at.error + at.slope * (out.theta - at.theta), least_squares_) +
+                    kMaskCost * std::max(0.0, violation);
+    return out;
+  }
+
+  Step solve_rows(const Linearised& at, double radius) const {
     const Index n = at.theta.size();
     const Index level = least_squares_ ? kNone : n;
     const Index violation = target_.masks.empty() ? kNone : n + (least_squares_ ? 0 : 1);
     const double unit = std::max(at.merit, 1e-13);
-    const QuadraticProgram program =
-        make_program({at.theta, error, slope, at.merit}, radius, unit, level, violation);
+    const QuadraticProgram program = make_program(at, radius, unit, level, violation);
     VectorXd start = VectorXd::Zero(program.c.size());
     if (level != kNone) start(level) = 1.1;
     if (violation != kNone) start(violation) = 1.0;
     const QuadraticProgramResult solution = solve_quadratic_program(program, start);
-    Step step{at.theta + radius * solution.x.head(n), 0.0};
-    clamp(model_, limits_, step.theta);
-    step.predicted = norm_of(at.error + at.slope * (step.theta - at.theta), least_squares_);
-    if (violation != kNone) step.predicted += kMaskCost * unit * std::max(0.0, solution.x(violation));
-    if (level == kNone) return {std::move(step), 0.0, {}};
-    return {std::move(step), unit * solution.x(level),
-            solution.multiplier.head(error.size()) + solution.multiplier.segment(error.size(), error.size())};
+    return step_to(at, radius * solution.x.head(n), violation != kNone ? unit * solution.x(violation) : 0.0);
   }
 
   QuadraticProgram make_program(const Linearised& at, double radius, double unit, Index level,
@@ -165,28 +177,30 @@ class StepProgram {
     p.a.block(row, 0, box.b.size(), n) = box.a;
     p.b.segment(row, box.b.size()) = box.b;
     row += box.b.size();
-    if (violation != kNone) add_masks(p, at, radius, unit, violation, row);
+    if (violation == kNone) return p;
+    add_masks(at, radius, unit, violation, p.a.middleRows(row, masks), p.b.segment(row, masks));
+    p.a(rows - 1, violation) = -1.0;
+    p.c(violation) = kMaskCost;
     return p;
   }
 
-  void add_masks(QuadraticProgram& p, const Linearised& at, double radius, double unit, Index violation,
-                 Index row) const {
+  /// A row a mask point: what lies over it is at most the violation.
+  void add_masks(const Linearised& at, double radius, double unit, Index violation, Eigen::Ref<MatrixXd> a,
+                 Eigen::Ref<VectorXd> b) const {
     Eigen::RowVectorXcd slope;
+    Index row = 0;
     for (const CurveTarget::Mask& mask : target_.masks) {
       const double value = model_.log_response(at.theta, mask.frequency, &slope).real();
-      p.a.block(row, 0, 1, at.theta.size()) = mask.side * slope.real() * (radius / unit);
-      p.a(row, violation) = -1.0;
-      p.b(row++) = mask.side * (mask.log_gain - value) / unit;
+      a.block(row, 0, 1, at.theta.size()) = mask.side * slope.real() * (radius / unit);
+      a(row, violation) = -1.0;
+      b(row++) = mask.side * (mask.log_gain - value) / unit;
     }
-    p.a(row, violation) = -1.0;
-    p.c(violation) = kMaskCost;
   }
 
   const RootModel& model_;
   const CurveTarget& target_;
   const RootLimits& limits_;
   bool least_squares_;
-  std::vector<Index> held_;
 };
 
 }  // namespace
@@ -200,7 +214,7 @@ SearchResult search_constrained(const RootModel& model, const CurveTarget& targe
 SearchResult search_constrained(const RootModel& model, const CurveTarget& target, const RootLimits& limits,
                                 VectorXd theta, bool least_squares, int iterations, double& radius) {
   clamp(model, limits, theta);
-  StepProgram program(model, target, limits, least_squares);
+  const StepProgram program(model, target, limits, least_squares);
   const auto merit_of = [&](const VectorXd& at, const VectorXd& error) {
     return norm_of(error, least_squares) + kMaskCost * max_mask_violation(model, target, at);
   };

@@ -17,6 +17,7 @@ struct AlternativeStudy {
 };
 
 /// One for every alternative, in their order. The one that the run builds is not made anew.
-std::vector<AlternativeStudy> study_alternatives(const Project& project, const Design& design);
+std::vector<AlternativeStudy> study_alternatives(const Project& project, const Design& design,
+                                                 AlternativeHardware& hardware);
 
 }  // namespace bodesmith::project

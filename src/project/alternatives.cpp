@@ -85,7 +85,11 @@ std::vector<Alternative> make_alternatives(const Project& project,
       makers.emplace_back([&project, order] { return waveform_alternative(project, order); });
   }
   std::vector<Alternative> out(makers.size());
-  parallel_for(makers.size(), thread_count(0), [&](std::size_t i) { out[i] = makers[i](); });
+  // The last ones, of the most poles, take longest.
+  parallel_for(makers.size(), thread_count(0), [&](std::size_t i) {
+    const std::size_t at = makers.size() - 1 - i;
+    out[at] = makers[at]();
+  });
   stop_if_interrupted();
   return out;
 }

@@ -12,8 +12,9 @@ constexpr std::uint64_t kCopies = 400;
 
 }  // namespace
 
-std::optional<part_errors::Report> examine_controller(const Project& project, const Design& design) {
-  if (!design.controller || project.track.frequency.empty()) return std::nullopt;
+std::optional<part_errors::Report> examine_controller(
+    const Project& project, const std::shared_ptr<const controller::AnalogController>& controller) {
+  if (!controller || project.track.frequency.empty()) return std::nullopt;
   const tracking::Plant plant = tracking_plant(project);
   tracking::PolynomialStage::Options stage_options;
   stage_options.alpha = project.track.amplitude();
@@ -27,7 +28,7 @@ std::optional<part_errors::Report> examine_controller(const Project& project, co
             [](Hertz a, Hertz b) { return a.value < b.value; });
   options.study.draws = options.trims.draws = kCopies;
   options.allow_unstable = project.controller.allow_unstable;
-  return part_errors::examine(*design.controller, stage, options);
+  return part_errors::examine(*controller, stage, options);
 }
 
 }  // namespace bodesmith::project

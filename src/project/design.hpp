@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <functional>
+#include <future>
 #include <memory>
 #include <optional>
 #include <string>
@@ -15,6 +16,7 @@
 #include "fpaa/plan.hpp"
 #include "multiplier_layout/layout.hpp"
 #include "project/alternatives.hpp"
+#include "project/analog_controller.hpp"
 #include "project/project.hpp"
 #include "spice/compensator_check.hpp"
 
@@ -38,17 +40,25 @@ struct Design {
   const Sections& sections() const { return built().sections; }
 };
 
+class AlternativeHardware;
+/// Called as soon as the alternatives are known, so that what they become is made meanwhile.
+using AlternativesKnown = std::function<void(const std::shared_ptr<AlternativeHardware>&)>;
+
 /// Fits, approximates and ranks the alternatives, and takes the first one that board and parts can make. Throws
 /// DesignError (with the last refusal) when they can make none.
 Design make_design(const Project& project);
+/// The same with the project's analog controller, which somebody else makes beside it.
+Design make_design(const Project& project, const std::shared_future<AnalogControllerMade>& controller,
+                   const AlternativesKnown& known);
 
 /// The same design with another alternative chosen, made on the board and of the parts by itself; what cannot be made stays
 /// empty, and why is added to `refused`. The one that is built already stays as it is.
-Design with_alternative(const Project& project, const Design& design, std::size_t chosen,
-                        std::vector<std::string>& refused);
+Design with_alternative(const Project& project, const Design& design, AlternativeHardware& hardware,
+                        std::size_t chosen, std::vector<std::string>& refused);
 
 /// The frequencies at which the stages are compared: the target points and every corner of cascade and sections.
 Band design_band(const Project& project, const Design& design);
+Band design_band(const Project& project, const Cascade& cascade, const Sections& sections);
 
 /// One stage of the design as a frequency response that can be compared with the others.
 struct DesignStage {

@@ -55,17 +55,8 @@ TrackedDesign controller_on(const ControllerDrives& controller, const Stage& sta
   return out;
 }
 
-/// One combination of stage and reference.
-struct Task {
-  std::string name;
-  std::shared_ptr<const Stage> stage;
-  const tracking::IdentifiedStage* identified = nullptr;
-  Reference::Shape waveform = Reference::Shape::triangle;
-  double amplitude = 1.0;
-};
-
 /// The ideal ways of compensating, without the built controllers.
-TrackedElsewhere followed(const Project& project, const Task& task,
+TrackedElsewhere followed(const Project& project, const ElsewhereTask& task,
                           const std::vector<TrackedCandidate>& candidates) {
   TrackedElsewhere out{task.name, task.waveform, task.amplitude, {}, {}};
   tracking::Plant plant = tracking_plant(project);
@@ -98,7 +89,7 @@ TrackedElsewhere followed(const Project& project, const Task& task,
   return out;
 }
 
-std::vector<Task> all_tasks(const Project& project) {
+std::vector<ElsewhereTask> all_tasks(const Project& project) {
   const tracking::Plant plant = tracking_plant(project);
   struct Family {
     const char* name;
@@ -115,7 +106,7 @@ std::vector<Task> all_tasks(const Project& project) {
     families.push_back(std::make_shared<tracking::IdentifiedStage>(
         hysteresis::model_type_registry().get(family.name), plant.disturbance, plant.paths(), options));
   }
-  std::vector<Task> out;
+  std::vector<ElsewhereTask> out;
   for (const Reference::Shape waveform : project.track.waveforms) {
     for (const double amplitude : project.track.amplitudes) {
       const bool main = waveform == project.track.waveform() && amplitude == project.track.amplitude();
@@ -172,39 +163,41 @@ std::vector<ControllerDrives> controller_drives(const Project& project, const Bu
   return out;
 }
 
-void add_controllers(const Project& project, const std::vector<ControllerDrives>& controllers,
-                     TrackingStudy& study) {
+ControllersTracked track_controllers(const Project& project, const BuiltControllers& controllers) {
+  const std::vector<ControllerDrives> drives = controller_drives(project, controllers);
   const tracking::Plant plant = tracking_plant(project);
   tracking::PolynomialStage::Options options;
-  options.alpha = study.amplitude;
-  const tracking::PolynomialStage stage(plant.disturbance, plant.paths(), options);
-  std::vector<TrackedDesign> followed_by(controllers.size());
-  parallel_for(controllers.size(), thread_count(0), [&](std::size_t i) {
-    followed_by[i] = controller_on(controllers[i], stage, study.waveform, study.amplitude, study.frequency);
+  options.alpha = project.track.amplitude();
+  const tracking::PolynomialStage own(plant.disturbance, plant.paths(), options);
+  ControllersTracked out;
+  out.here.resize(drives.size());
+  if (!project.deadline.passed()) out.tasks = all_tasks(project);
+  const std::size_t count = out.tasks.size();
+  out.elsewhere.assign(count, std::vector<TrackedDesign>(drives.size()));
+  // The families' stages first: they are identified where they are first asked.
+  parallel_for((count + 1) * drives.size(), thread_count(0), [&](std::size_t i) {
+    stop_if_interrupted();
+    const std::size_t c = i / (count + 1), t = i % (count + 1);
+    if (t == count) {
+      out.here[c] =
+          controller_on(drives[c], own, project.track.waveform(), options.alpha, project.track.frequency);
+    } else {
+      const ElsewhereTask& task = out.tasks[t];
+      out.elsewhere[t][c] =
+          controller_on(drives[c], *task.stage, task.waveform, task.amplitude, project.track.frequency);
+    }
   });
-  for (TrackedDesign& design : followed_by) study.designs.push_back(std::move(design));
+  return out;
 }
 
 std::vector<TrackedElsewhere> tracked_elsewhere(const Project& project,
                                                 const std::vector<TrackedCandidate>& candidates,
-                                                const std::vector<ControllerDrives>& controllers) {
-  const std::vector<Task> tasks = all_tasks(project);
-  std::vector<TrackedElsewhere> out(tasks.size());
-  std::vector<std::vector<TrackedDesign>> built(tasks.size(), std::vector<TrackedDesign>(controllers.size()));
-  // The longest work first.
-  const std::size_t count = tasks.size();
-  parallel_for(count * (1 + controllers.size()), thread_count(0), [&](std::size_t i) {
-    const Task& task = tasks[i % count];
-    if (i < count) {
-      out[i] = followed(project, task, candidates);
-    } else {
-      const std::size_t c = i / count - 1;
-      built[i % count][c] =
-          controller_on(controllers[c], *task.stage, task.waveform, task.amplitude, project.track.frequency);
-    }
-  });
-  for (std::size_t i = 0; i < count; ++i)
-    for (TrackedDesign& design : built[i]) out[i].designs.push_back(std::move(design));
+                                                const ControllersTracked& controllers) {
+  std::vector<TrackedElsewhere> out(controllers.tasks.size());
+  parallel_for(out.size(), thread_count(0),
+               [&](std::size_t i) { out[i] = followed(project, controllers.tasks[i], candidates); });
+  for (std::size_t i = 0; i < out.size(); ++i)
+    for (const TrackedDesign& design : controllers.elsewhere[i]) out[i].designs.push_back(design);
   return out;
 }
 

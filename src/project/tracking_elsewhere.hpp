@@ -1,9 +1,12 @@
 #pragma once
 
+#include <memory>
+#include <string>
 #include <vector>
 
 #include "project/tracked_designs.hpp"
 #include "project/tracking_study.hpp"
+#include "tracking/model_stage.hpp"
 
 namespace bodesmith::project {
 
@@ -24,16 +27,29 @@ struct ControllerDrives {
 /// Every controller at every frequency, waveform and amplitude; several at a time.
 std::vector<ControllerDrives> controller_drives(const Project& project, const BuiltControllers& controllers);
 
-/// A column each, on the project's own stage.
-void add_controllers(const Project& project, const std::vector<ControllerDrives>& controllers,
-                     TrackingStudy& study);
+/// One combination of stage and reference other than the project's first.
+struct ElsewhereTask {
+  std::string name;
+  std::shared_ptr<const tracking::Stage> stage;
+  const tracking::IdentifiedStage* identified = nullptr;  ///< the stage, where it is of another family
+  tracking::Reference::Shape waveform = tracking::Reference::Shape::triangle;
+  double amplitude = 1.0;
+};
+
+/// What the built controllers do on every stage, which needs no design.
+struct ControllersTracked {
+  std::vector<TrackedDesign> here;                    ///< on the project's own stage
+  std::vector<ElsewhereTask> tasks;                   ///< none when there was no time
+  std::vector<std::vector<TrackedDesign>> elsewhere;  ///< one row a task
+};
+ControllersTracked track_controllers(const Project& project, const BuiltControllers& controllers);
 
 /// The project's other waveforms and amplitudes on its polynomials, by the branch's slope and with closed minor loops;
 /// and all of its references on stages of other families (Preisach, Prandtl-Ishlinskii, Bouc-Wen) identified from the
 /// same loops. A stage is not its polynomial: what is left there can be as good as the model's own fit, not better.
-/// Harmonic by harmonic, of the candidates only those that stand for a way of compensating.
+/// Harmonic by harmonic, of the candidates only those that stand for a way of compensating; then the controllers.
 std::vector<TrackedElsewhere> tracked_elsewhere(const Project& project,
                                                 const std::vector<TrackedCandidate>& candidates,
-                                                const std::vector<ControllerDrives>& controllers);
+                                                const ControllersTracked& controllers);
 
 }  // namespace bodesmith::project

@@ -103,7 +103,7 @@ const TrackedDesign* TrackingStudy::find(std::string_view key) const {
 }
 
 TrackingStudy study_tracking(const Project& project, const Design& design, const Budget& budget,
-                             const DrivesLater& drives_later) {
+                             const ControllersLater& controllers) {
   const Stopwatch watch;
   const std::vector<TrackedCandidate> candidates = tracked_candidates(project, design);
   std::vector<tracking::Design> designs;
@@ -122,11 +122,10 @@ TrackingStudy study_tracking(const Project& project, const Design& design, const
     study.designs.push_back(tracked_design(candidate, study.frequency, report));
   study.max_cross_check_percent = max_cross_check(report);
   study.shown = shown_period(report, candidates, study.frequency, plant.stroke);
-  const std::vector<ControllerDrives> drives =
-      drives_later ? drives_later() : std::vector<ControllerDrives>();
-  add_controllers(project, drives, study);
+  const ControllersTracked built = controllers ? controllers() : track_controllers(project, {});
+  for (const TrackedDesign& one : built.here) study.designs.push_back(one);
   study.as_built = as_built_key(project, study);
-  if (!project.deadline.passed()) study.elsewhere = tracked_elsewhere(project, candidates, drives);
+  if (!project.deadline.passed()) study.elsewhere = tracked_elsewhere(project, candidates, built);
   study.findings = tracking_findings(project, design, budget, candidates, report, study);
   study.compute_s = watch.seconds();
   return study;

@@ -97,12 +97,12 @@ struct TrackingStudy {
 };
 
 using BuiltControllers = std::vector<const tracking::BuiltController*>;
-struct ControllerDrives;
+struct ControllersTracked;
 /// Asked for when they are needed, so that they may be made meanwhile.
-using DrivesLater = std::function<std::vector<ControllerDrives>()>;
-/// `drives`: of the controllers as built, beside what the design is simulated as; empty: none.
+using ControllersLater = std::function<ControllersTracked()>;
+/// `controllers`: as built, beside what the design is simulated as; empty: none.
 TrackingStudy study_tracking(const Project& project, const Design& design, const Budget& budget,
-                             const DrivesLater& drives = {});
+                             const ControllersLater& controllers = {});
 
 /// The study as it stands in run.json, and as tracking.csv and tracking_stages.csv.
 Json to_json(const TrackingStudy& study);

@@ -86,7 +86,7 @@ DirectProblem make_direct_problem(const BodePoints& points, const DirectFitOptio
   out.starts.high = {std::clamp(highest.value * std::numbers::e, out.starts.low.value * 2.0, high)};
   out.starts.log_gain = mean_log_gain(out.target);
   out.starts.random = options.starts;
-  out.starts.kept = 8;
+  out.starts.kept = 12;
   out.starts.seed = options.seed;
   return out;
 }
@@ -190,7 +190,7 @@ SearchEffort effort_of(const DirectProblem& problem, const DirectFitOptions& opt
   const bool near =
       have && alternation_bound(have->model, problem.target, have->best.theta) > kNear * have->best.value;
   if (!near) return {true, options.starts, 40, 99};
-  return {false, options.starts / 4, 15, 4};
+  return {false, options.starts / 4, 15, 6};
 }
 
 /// The best of many starts. Pairs reach real roots too, but their seam is hard to cross: complex fits try real ones as
@@ -257,6 +257,22 @@ DirectSearch search_from_starts(const DirectProblem& problem, const DirectFitOpt
     out.left += left;
   }
   return out;
+}
+
+/// The best once more, with steps as long as at the beginning: some end where a short step finds nothing.
+SearchResult polished(const DirectProblem& problem, const RootModel& model, bool least_squares,
+                      SearchResult best) {
+  constexpr int kTimes = 3;
+  constexpr double kWorth = 1e-6;
+  for (int i = 0; i < kTimes; ++i) {
+    SearchResult again =
+        search_constrained(model, problem.target, problem.limits, best.theta, least_squares, 60);
+    if (!(again.value < best.value)) break;
+    const bool done = again.value > best.value * (1.0 - kWorth);
+    best = std::move(again);
+    if (done) break;
+  }
+  return best;
 }
 
 /// What the sections do at every point (those of weight 0 too, which count for nothing else).
@@ -354,7 +370,8 @@ DirectFit fit_directly(const BodePoints& points, const DirectFitOptions& options
   } else if (!problem.underdetermined && !proven) {
     GroupMoves moves(search.model, problem.limits, problem.starts, problem.screening, problem.target,
                      options.least_squares);
-    search.best = moves.improve(std::move(search.best));
+    search.best =
+        polished(problem, search.model, options.least_squares, moves.improve(std::move(search.best)));
     out.starts_tried += moves.tried();
   }
   RootModel::Roots roots = search.model.roots(search.best.theta);

@@ -3,6 +3,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "numeric/clones.hpp"
+#include "numeric/four.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith {
@@ -19,6 +21,68 @@ double log_of_larger_root(double log_w0, double log_zeta) {
 }
 double log_of_smaller_root(double log_w0, double log_zeta) {
   return 2.0 * log_w0 - log_of_larger_root(log_w0, log_zeta);
+}
+
+/// One root's factors at many frequencies, real and imaginary parts apart; `n` of them, a multiple of four.
+struct RootFactor {
+  double corner, damping, scale, sign;
+  double slope[2];  ///< of ln |factor at the reference|, by its two numbers
+  bool pair;
+};
+
+/// value = (corner - w)(corner + w) + j damping w, or corner + j w.
+BODESMITH_CLONES void factor_at(const RootFactor& f, const double* w, std::size_t n, double* re, double* im) {
+  const Four zero = {0.0, 0.0, 0.0, 0.0};
+  for (std::size_t i = 0; i < n; i += 4) {
+    const Four at = *four_at(w + i);
+    *four_at(re + i) = f.pair ? (f.corner - at) * (f.corner + at) : zero + f.corner;
+    *four_at(im + i) = f.pair ? f.damping * at : at;
+  }
+}
+
+/// side *= value * scale.
+BODESMITH_CLONES void multiply_by(const double* value_re, const double* value_im, double scale, std::size_t n,
+                                  double* side_re, double* side_im) {
+  for (std::size_t i = 0; i < n; i += 4) {
+    const Four re = *four_at(value_re + i) * scale, im = *four_at(value_im + i) * scale;
+    const Four side = *four_at(side_re + i), other = *four_at(side_im + i);
+    *four_at(side_re + i) = side * re - other * im;
+    *four_at(side_im + i) = side * im + other * re;
+  }
+}
+
+/// Derivatives of ln value by the root's numbers: re and im of the first, then of the second.
+BODESMITH_CLONES void slopes_of(const RootFactor& f, const double* w, const double* value_re,
+                                const double* value_im, std::size_t n, double* const* to) {
+  const double by_corner = f.pair ? 2.0 * f.corner * f.corner : f.corner;
+  for (std::size_t i = 0; i < n; i += 4) {
+    const Four re = *four_at(value_re + i), im = *four_at(value_im + i);
+    const Four norm = re * re + im * im;
+    const Four inverse_re = re / norm, inverse_im = -im / norm;
+    if (!f.pair) {
+      *four_at(to[0] + i) = f.sign * (by_corner * inverse_re - f.slope[0]);
+      *four_at(to[1] + i) = f.sign * (by_corner * inverse_im);
+      continue;
+    }
+    const Four at = *four_at(w + i);
+    const Four zeta_re = -f.damping * at * inverse_im, zeta_im = f.damping * at * inverse_re;
+    *four_at(to[0] + i) = f.sign * (zeta_re + by_corner * inverse_re - f.slope[0]);
+    *four_at(to[1] + i) = f.sign * (zeta_im + by_corner * inverse_im);
+    *four_at(to[2] + i) = f.sign * (zeta_re - f.slope[1]);
+    *four_at(to[3] + i) = f.sign * zeta_im;
+  }
+}
+
+/// above/below, through the norm: every factor is about 1 at the reference.
+BODESMITH_CLONES void divide_by(const double* below_re, const double* below_im, std::size_t n, double* re,
+                                double* im) {
+  for (std::size_t i = 0; i < n; i += 4) {
+    const Four a = *four_at(re + i), b = *four_at(im + i);
+    const Four c = *four_at(below_re + i), d = *four_at(below_im + i);
+    const Four scale = 1.0 / (c * c + d * d);
+    *four_at(re + i) = (a * c + b * d) * scale;
+    *four_at(im + i) = (b * c - a * d) * scale;
+  }
 }
 
 }  // namespace
@@ -74,23 +138,45 @@ Index RootResponse::Root::add_slope(RadPerSecond w, Complex value, Index place,
   return place + 2;
 }
 
-Complex RootResponse::value(RadPerSecond w, Eigen::RowVectorXcd* slope) const {
-  Complex above = std::exp(log_gain_);
-  Complex below = 1.0;
-  Index place = 1;
-  if (slope != nullptr) (*slope)(0) = 1.0;
+void RootResponse::values(const std::vector<RadPerSecond>& w, Eigen::VectorXcd& h,
+                          Eigen::MatrixXcd* slope) const {
+  const std::size_t count = w.size(), n = (count + 3) / 4 * 4;
+  const std::size_t columns = slope == nullptr ? 0 : std_index(slope->cols()) - 1;
+  // One piece of memory: w, a value, both sides, then the slopes.
+  std::vector<double> room((7 + 2 * columns) * n, 0.0);
+  double* const at = room.data();
+  for (std::size_t i = 0; i < n; ++i) at[i] = i < count ? w[i].value : 1.0;
+  double *const re = at + n, *const im = re + n, *const above_re = im + n, *const above_im = above_re + n,
+                *const below_re = above_im + n, *const below_im = below_re + n;
+  std::fill_n(above_re, n, std::exp(log_gain_));
+  std::fill_n(below_re, n, 1.0);
+  double* column = below_im + n;
   for (const Root& root : roots_) {
-    const Complex value = root.value(w);
-    Complex& side = root.sign > 0.0 ? above : below;
-    const double re = value.real() * root.reference_scale;
-    const double im = value.imag() * root.reference_scale;
-    side = {side.real() * re - side.imag() * im, side.real() * im + side.imag() * re};
-    if (slope != nullptr) place = root.add_slope(w, value, place, *slope);
+    const RootFactor factor{root.corner,
+                            root.damping,
+                            root.reference_scale,
+                            root.sign,
+                            {root.reference_slope[0].real(), root.reference_slope[1].real()},
+                            root.pair};
+    factor_at(factor, at, n, re, im);
+    multiply_by(re, im, factor.scale, n, root.sign > 0.0 ? above_re : below_re,
+                root.sign > 0.0 ? above_im : below_im);
+    if (slope == nullptr) continue;
+    double* const to[] = {column, column + n, column + 2 * n, column + 3 * n};
+    slopes_of(factor, at, re, im, n, to);
+    column += (root.pair ? 4 : 2) * n;
   }
-  // Through the norm: every factor is about 1 at the reference.
-  const double scale = 1.0 / std::norm(below);
-  return {(above.real() * below.real() + above.imag() * below.imag()) * scale,
-          (above.imag() * below.real() - above.real() * below.imag()) * scale};
+  divide_by(below_re, below_im, n, above_re, above_im);
+  h.resize(eigen_index(count));
+  for (std::size_t i = 0; i < count; ++i) h(eigen_index(i)) = {above_re[i], above_im[i]};
+  if (slope == nullptr) return;
+  slope->resize(eigen_index(count), eigen_index(columns) + 1);
+  slope->col(0).setOnes();
+  const double* from = below_im + n;
+  for (std::size_t j = 0; j < columns; ++j, from += 2 * n) {
+    for (std::size_t i = 0; i < count; ++i)
+      (*slope)(eigen_index(i), eigen_index(j) + 1) = {from[i], from[n + i]};
+  }
 }
 
 Complex RootResponse::at(RadPerSecond w, Eigen::RowVectorXcd* slope, bool phase) const {

@@ -49,8 +49,9 @@ class RootResponse {
   /// As RootModel::log_response. Without `phase` the imaginary part is left 0 (and its derivatives too when
   /// `slope` is taken for magnitudes only): no arctangents.
   std::complex<double> at(RadPerSecond w, Eigen::RowVectorXcd* slope, bool phase) const;
-  /// H(jw) itself as a product, and (unless null) the derivatives of ln H: no logarithm, no arctangent.
-  std::complex<double> value(RadPerSecond w, Eigen::RowVectorXcd* slope) const;
+  /// H(jw) itself as a product, and (unless null; as many columns as there are numbers) the derivatives of ln H, at many
+  /// frequencies: no logarithm, no arctangent.
+  void values(const std::vector<RadPerSecond>& w, Eigen::VectorXcd& h, Eigen::MatrixXcd* slope) const;
   /// ln|H| at many frequencies and (unless null) its derivatives, a column a parameter: as at(), root by root instead of
   /// frequency by frequency, which is several times as fast.
   void levels(const std::vector<RadPerSecond>& w, Eigen::VectorXd& log_gain, Eigen::MatrixXd* slope) const;

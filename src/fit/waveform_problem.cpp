@@ -141,23 +141,22 @@ WaveformProblem::WaveformProblem(const Disturbance& disturbance, const std::vect
   for (const Hertz f : operating) {
     gains_.push_back({disturbance.rate_gain(Disturbance::Branch::ascending, f),
                       disturbance.rate_gain(Disturbance::Branch::descending, f)});
+    std::vector<RadPerSecond>& harmonics = harmonics_.emplace_back();
+    for (Index k = 0; k <= kSearchHarmonics; ++k) {
+      // A real G has a real limit at 0 Hz; a frequency next to it stands for it.
+      harmonics.push_back(Hertz{f.value * (k == 0 ? 1e-9 : static_cast<double>(k))}.rad_s());
+    }
   }
 }
 
 void WaveformProblem::error(const RootModel& model, const VectorXd& theta, std::size_t i, VectorXd& e,
                             MatrixXd* slope) const {
-  VectorXcd g(kSearchHarmonics + 1);
+  VectorXcd g;
   MatrixXcd g_slope;
   if (slope != nullptr) g_slope.resize(kSearchHarmonics + 1, theta.size());
-  Eigen::RowVectorXcd row(theta.size());
-  const RootResponse response(model, theta);
-  for (Index k = 0; k <= kSearchHarmonics; ++k) {
-    // A real G has a real limit at 0 Hz; a frequency next to it stands for it.
-    const double at = operating_[i].value * (k == 0 ? 1e-9 : static_cast<double>(k));
-    g(k) = response.value(Hertz{at}.rad_s(), slope != nullptr ? &row : nullptr);
-    if (k == 0) g(k) = g(k).real();
-    if (slope != nullptr) g_slope.row(k) = g(k) * row;
-  }
+  RootResponse(model, theta).values(harmonics_[i], g, slope != nullptr ? &g_slope : nullptr);
+  g(0) = g(0).real();
+  if (slope != nullptr) g_slope.array().colwise() *= g.array();
   map_.apply(g, slope != nullptr ? &g_slope : nullptr, gains_[i], e, slope);
 }
 

@@ -71,6 +71,7 @@ class WaveformProblem {
   WaveformErrorMap map_;
   std::vector<Hertz> operating_;
   std::vector<WaveformErrorMap::BranchGains> gains_;
+  std::vector<std::vector<RadPerSecond>> harmonics_;  ///< of each operating frequency, from 0 on
 };
 
 /// The operating frequencies, rising; those of the rate table when none are given. Throws InputError when there are

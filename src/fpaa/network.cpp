@@ -31,50 +31,40 @@ Complex quotient(Complex above, Complex below) {
 
 }  // namespace
 
-StageOnGrid::StageOnGrid(const NetworkStage& stage, const std::vector<Complex>& d)
-    : stage_(stage), d_(d), inverse_(d.size()) {
+InD denominator_of(const NetworkStage& stage) {
   using Stage = NetworkStage;
   const std::vector<double>& c = stage.c;
-  // q0 + q1 D + q2 D^2, with 1/z = 1 - D.
-  double q0, q1, q2;
-  if (stage.kind == Stage::Kind::first) {
-    q0 = c[2 * stage.from.size()];
-    q1 = c[2 * stage.from.size() + 1];
-    q2 = 0.0;
-  } else {
-    const double loop = c[Stage::kC2] * c[Stage::kC3];
-    const double damp =
-        c[Stage::kC4] * (stage.kind == Stage::Kind::second_low ? c[Stage::kCA] : c[Stage::kC3]);
-    const double late = stage.kind == Stage::Kind::second_low ? 0.0 : damp;
-    q0 = loop;
-    q1 = damp - loop;
-    q2 = c[Stage::kCA] * c[Stage::kCB] - late;
-  }
+  // With 1/z = 1 - D.
+  if (stage.kind == Stage::Kind::first) return {c[2 * stage.from.size()], c[2 * stage.from.size() + 1], 0.0};
+  const bool low = stage.kind == Stage::Kind::second_low;
+  const double loop = c[Stage::kC2] * c[Stage::kC3];
+  const double damp = c[Stage::kC4] * (low ? c[Stage::kCA] : c[Stage::kC3]);
+  return {loop, damp - loop, c[Stage::kCA] * c[Stage::kCB] - (low ? 0.0 : damp)};
+}
+
+InD numerator_of(const NetworkStage& stage, std::size_t input) {
+  using Stage = NetworkStage;
+  const std::vector<double>& c = stage.c;
+  if (stage.kind == Stage::Kind::first) return {c[2 * input], c[2 * input + 1], 0.0};
+  const bool low = stage.kind == Stage::Kind::second_low;
+  const double first = (stage.c1_inverting ? 1.0 : -1.0) * c[Stage::kC1] * c[Stage::kC3];
+  const double middle = c[Stage::kCp] * (low ? c[Stage::kCA] : c[Stage::kC3]);
+  return {first, middle - first, c[Stage::kCpp] * c[Stage::kCA] - (low ? 0.0 : middle)};
+}
+
+StageOnGrid::StageOnGrid(const NetworkStage& stage, const std::vector<Complex>& d)
+    : stage_(stage), d_(d), inverse_(d.size()) {
+  const InD denominator = denominator_of(stage);
   for (std::size_t k = 0; k < d.size(); ++k) {
-    const Complex below = q0 + product(d[k], q1 + q2 * d[k]);
+    const Complex below = denominator.at(d[k]);
     inverse_[k] = std::conj(below) / std::norm(below);
   }
 }
 
 std::vector<Complex> StageOnGrid::response(std::size_t input) const {
-  using Stage = NetworkStage;
-  const std::vector<double>& c = stage_.c;
-  double n0, n1, n2 = 0.0;
-  if (stage_.kind == Stage::Kind::first) {
-    n0 = c[2 * input];
-    n1 = c[2 * input + 1];
-  } else {
-    const double first = (stage_.c1_inverting ? 1.0 : -1.0) * c[Stage::kC1] * c[Stage::kC3];
-    const bool low = stage_.kind == Stage::Kind::second_low;
-    const double middle = c[Stage::kCp] * (low ? c[Stage::kCA] : c[Stage::kC3]);
-    n0 = first;
-    n1 = middle - first;
-    n2 = c[Stage::kCpp] * c[Stage::kCA] - (low ? 0.0 : middle);
-  }
+  const InD numerator = numerator_of(stage_, input);
   std::vector<Complex> out(d_.size());
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    out[k] = -product(n0 + product(d_[k], n1 + n2 * d_[k]), inverse_[k]);
-  }
+  for (std::size_t k = 0; k < out.size(); ++k) out[k] = -product(numerator.at(d_[k]), inverse_[k]);
   return out;
 }
 
@@ -284,8 +274,9 @@ std::vector<std::vector<Complex>> NetworkResponse::onward(const Network& network
 double largest_error(const std::vector<Complex>& errors) {
   double out = 0.0;
   for (const Complex& e : errors) {
+    const double size = std::abs(e);
     // Not std::max: a NaN has to come out as the worst.
-    if (!(std::abs(e) <= out)) out = std::isnan(std::abs(e)) ? 1e300 : std::abs(e);
+    if (!(size <= out)) out = std::isnan(size) ? 1e300 : size;
   }
   return out;
 }

@@ -48,6 +48,16 @@ inline std::complex<double> product(std::complex<double> a, std::complex<double>
   return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
 }
 
+/// a0 + a1 D + a2 D^2.
+struct InD {
+  double a0 = 0.0, a1 = 0.0, a2 = 0.0;
+
+  std::complex<double> at(std::complex<double> d) const { return a0 + product(d, a1 + a2 * d); }
+};
+/// A stage's response from one input is -(numerator)/(denominator).
+InD numerator_of(const NetworkStage& stage, std::size_t input);
+InD denominator_of(const NetworkStage& stage);
+
 /// One stage on a grid: numerators and derivatives share what everything is divided by.
 class StageOnGrid {
  public:

@@ -64,22 +64,22 @@ struct WholeStage {
   double cost_but_gain = 0.0;
 };
 
-/// What whole capacitors of one stage cost.
-WholeStage cost_of(const StageView& view, const Stage& rounded) {
-  const std::vector<Complex> got = view.share_of(rounded);
-  const std::vector<Complex>& exact = view.share();
-  const std::vector<Complex>& errors = view.errors();
-  WholeStage out{rounded.c, 0.0, 0.0};
+/// What whole capacitors of one stage cost (they themselves are left out); `got` is room for their share.
+WholeStage cost_of(const StageView& view, const Stage& rounded, GridNumbers& got) {
+  view.share_of(rounded, got);
+  const GridNumbers& exact = view.share();
+  const GridNumbers& errors = view.errors();
+  WholeStage out{{}, 0.0, 0.0};
   double over = 0.0;
   double under = 0.0;
-  for (std::size_t k = 0; k < got.size(); ++k) {
-    over += got[k].real() * exact[k].real() + got[k].imag() * exact[k].imag();
-    under += std::norm(got[k]);
+  for (std::size_t k = 0; k < got.points; ++k) {
+    over += got.re[k] * exact.re[k] + got.im[k] * exact.im[k];
+    under += std::norm(got.at(k));
   }
   const double gain = under > 0.0 ? over / under : 1.0;
-  for (std::size_t k = 0; k < got.size(); ++k) {
-    out.cost = std::max(out.cost, std::norm(errors[k] + got[k] - exact[k]));
-    out.cost_but_gain = std::max(out.cost_but_gain, std::norm(errors[k] + gain * got[k] - exact[k]));
+  for (std::size_t k = 0; k < got.points; ++k) {
+    out.cost = std::max(out.cost, std::norm(errors.at(k) + got.at(k) - exact.at(k)));
+    out.cost_but_gain = std::max(out.cost_but_gain, std::norm(errors.at(k) + gain * got.at(k) - exact.at(k)));
   }
   return out;
 }
@@ -210,11 +210,13 @@ std::vector<std::vector<double>> whole_stages(const Network& network, std::size_
   };
   std::vector<WholeStage> as_is, but_gain;
   const InnerHeadroom headroom(network, s, response);
+  GridNumbers room;
   const auto judge = [&] {
-    WholeStage whole = cost_of(view, stage);
+    WholeStage whole = cost_of(view, stage, room);
     const bool enters = as_is.size() < choices || but_gain.size() < choices ||
                         whole.cost < as_is.back().cost || whole.cost_but_gain < but_gain.back().cost_but_gain;
     if (!enters) return;
+    whole.c = stage.c;
     if (second_order) {
       const double clipping = headroom.cost(stage);
       whole.cost *= clipping * clipping;

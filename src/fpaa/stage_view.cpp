@@ -2,26 +2,60 @@
 
 #include <cmath>
 
+#include "numeric/clones.hpp"
+#include "numeric/four.hpp"
+
 namespace bodesmith::fpaa {
 namespace {
 
 using Complex = std::complex<double>;
 
+/// sum -= way numerator/denominator, four points at a time: the digits of StageOnGrid.
+BODESMITH_CLONES void add_share(const InD& numerator, const InD& denominator, const GridNumbers& d,
+                                const GridNumbers& way, GridNumbers& sum) {
+  for (std::size_t k = 0; k < d.re.size(); k += 4) {
+    const Four re = *four_at(&d.re[k]), im = *four_at(&d.im[k]);
+    const Four in_re = denominator.a1 + denominator.a2 * re, in_im = denominator.a2 * im;
+    const Four below_re = denominator.a0 + (re * in_re - im * in_im), below_im = re * in_im + im * in_re;
+    const Four norm = below_re * below_re + below_im * below_im;
+    const Four inverse_re = below_re / norm, inverse_im = -below_im / norm;
+    const Four up_re = numerator.a1 + numerator.a2 * re, up_im = numerator.a2 * im;
+    const Four above_re = numerator.a0 + (re * up_re - im * up_im), above_im = re * up_im + im * up_re;
+    const Four h_re = -(above_re * inverse_re - above_im * inverse_im);
+    const Four h_im = -(above_re * inverse_im + above_im * inverse_re);
+    const Four way_re = *four_at(&way.re[k]), way_im = *four_at(&way.im[k]);
+    *four_at(&sum.re[k]) += h_re * way_re - h_im * way_im;
+    *four_at(&sum.im[k]) += h_re * way_im + h_im * way_re;
+  }
+}
+
 }  // namespace
 
+GridNumbers::GridNumbers(std::size_t points_of)
+    : points(points_of), re((points + 3) / 4 * 4, 0.0), im(re.size(), 0.0) {}
+
+GridNumbers::GridNumbers(const std::vector<Complex>& from, Complex fill) : GridNumbers(from.size()) {
+  for (std::size_t k = 0; k < re.size(); ++k) {
+    const Complex value = k < points ? from[k] : fill;
+    re[k] = value.real();
+    im[k] = value.imag();
+  }
+}
+
 StageView::StageView(const Network& network, std::size_t s, const NetworkResponse& response)
-    : d_(response.d_of(network.stages[s].divisor)) {
+    : d_(response.d_of(network.stages[s].divisor), 1.0) {
   const NetworkStage& stage = network.stages[s];
   const NetworkTarget& target = response.target();
   const auto transfers = response.transfers(network);
   const auto nodes = response.nodes(network, transfers);
   const auto onward = response.onward(network, transfers);
   const std::vector<Complex>& hold = response.hold_of(network.stages.back().divisor);
-  errors_ = nodes.back();
-  for (std::size_t k = 0; k < errors_.size(); ++k) {
+  std::vector<Complex> errors = nodes.back();
+  for (std::size_t k = 0; k < errors.size(); ++k) {
     const double scale = target.weight[k] * target.reciprocal[k];
-    errors_[k] = scale * (product(errors_[k], hold[k]) - target.wanted[k]);
+    errors[k] = scale * (product(errors[k], hold[k]) - target.wanted[k]);
   }
+  errors_ = GridNumbers(errors, 0.0);
   for (const int from : stage.from) {
     std::vector<Complex> way = onward[s];
     for (std::size_t k = 0; k < way.size(); ++k) way[k] *= target.weight[k] * target.reciprocal[k];
@@ -32,26 +66,26 @@ StageView::StageView(const Network& network, std::size_t s, const NetworkRespons
         way[k] = product(way[k], product(read[k], nodes[source][k]));
       }
     }
-    ways_.push_back(std::move(way));
+    ways_.emplace_back(way, 0.0);
   }
-  share_ = share_of(stage);
+  share_of(stage, share_);
 }
 
-std::vector<Complex> StageView::share_of(const NetworkStage& stage) const {
-  const StageOnGrid on_grid(stage, d_);
-  std::vector<Complex> out(d_.size(), 0.0);
-  for (std::size_t i = 0; i < ways_.size(); ++i) {
-    const std::vector<Complex> own = on_grid.response(i);
-    for (std::size_t k = 0; k < out.size(); ++k) out[k] += product(own[k], ways_[i][k]);
-  }
-  return out;
+void StageView::share_of(const NetworkStage& stage, GridNumbers& out) const {
+  out.points = d_.points;
+  out.re.assign(d_.re.size(), 0.0);
+  out.im.assign(d_.im.size(), 0.0);
+  const InD denominator = denominator_of(stage);
+  for (std::size_t i = 0; i < ways_.size(); ++i)
+    add_share(numerator_of(stage, i), denominator, d_, ways_[i], out);
 }
 
 double StageView::largest_error_with(const NetworkStage& stage) const {
-  const std::vector<Complex> got = share_of(stage);
+  GridNumbers got;
+  share_of(stage, got);
   double out = 0.0;
-  for (std::size_t k = 0; k < got.size(); ++k) {
-    const double squared = std::norm(errors_[k] + got[k] - share_[k]);
+  for (std::size_t k = 0; k < got.points; ++k) {
+    const double squared = std::norm(errors_.at(k) + got.at(k) - share_.at(k));
     // Not std::max: a NaN has to come out as the worst.
     if (!(squared <= out)) out = std::isnan(squared) ? 1e300 : squared;
   }

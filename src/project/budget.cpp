@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
+#include <unordered_map>
 
 #include "base/progress.hpp"
 
@@ -27,6 +29,16 @@ std::vector<Complex> sample_response(const DesignStage& stage, const std::vector
   out.reserve(grid.size());
   for (const Hertz f : grid) out.push_back(stage.response(f.rad_s()));
   return out;
+}
+
+/// Harmonics of one operating frequency are harmonics of others, too: each is worked out once.
+FrequencyResponse remembered(const FrequencyResponse& response) {
+  const auto known = std::make_shared<std::unordered_map<double, Complex>>();
+  return [&response, known](RadPerSecond w) {
+    const auto [at, is_new] = known->try_emplace(w.value);
+    if (is_new) at->second = response(w);
+    return at->second;
+  };
 }
 
 /// The constant gain of smallest squared waveform error. e(k) = (k - K) d: the squared error is a parabola in k,
@@ -70,7 +82,7 @@ Budget make_budget(const Project& project, const Design& design) {
       row.against_previous = compare_responses(grid, responses.back(), responses[*stage.previous]);
     }
     row.points_max_db = max_error_at_points(project, stage);
-    row.waveform = waveform(stage.response);
+    row.waveform = waveform(remembered(stage.response));
     budget.rows.push_back(std::move(row));
   }
   budget.uncompensated = waveform([](RadPerSecond) { return Complex(1.0); });

@@ -123,12 +123,18 @@ TEST(RootResponse, AProductIsTheExponentialOfTheSum) {
   Eigen::VectorXd theta(model.size());
   theta << 0.3, 4.0, 5.5, 7.0, -0.8, 6.0, 9.0, 3.0, 0.4;
   const RootResponse response(model, theta);
-  Eigen::RowVectorXcd by_log(theta.size()), by_product(theta.size());
-  for (const double w : {1e-3, 10.0, 400.0, 5e3, 1e7}) {
-    const auto wanted = std::exp(response.at(RadPerSecond{w}, &by_log, true));
-    const auto got = response.value(RadPerSecond{w}, &by_product);
-    EXPECT_LT(std::abs(got - wanted), 1e-13 * std::abs(wanted)) << w;
-    EXPECT_EQ(by_log, by_product) << w;
+  const std::vector<RadPerSecond> w = {{1e-3}, {10.0}, {400.0}, {5e3}, {1e7}};
+  Eigen::VectorXcd product, alone;
+  Eigen::MatrixXcd slope(1, theta.size());
+  response.values(w, product, &slope);
+  response.values(w, alone, nullptr);
+  EXPECT_EQ(product, alone);
+  ASSERT_EQ(slope.rows(), static_cast<Eigen::Index>(w.size()));
+  Eigen::RowVectorXcd by_log(theta.size());
+  for (Eigen::Index i = 0; i < product.size(); ++i) {
+    const auto wanted = std::exp(response.at(w[static_cast<std::size_t>(i)], &by_log, true));
+    EXPECT_LT(std::abs(product(i) - wanted), 1e-13 * std::abs(wanted)) << i;
+    EXPECT_LT((slope.row(i) - by_log).cwiseAbs().maxCoeff(), 1e-14) << i;
   }
 }
 

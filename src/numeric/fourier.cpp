@@ -2,13 +2,11 @@
 
 #include <algorithm>
 #include <bit>
-#include <memory>
 #include <numbers>
 #include <stdexcept>
 #include <unsupported/Eigen/FFT>
 
 #include "numeric/index.hpp"
-#include "numeric/power_of_two_transform.hpp"
 
 namespace bodesmith {
 namespace {
@@ -51,29 +49,8 @@ Eigen::FFT<double>& transform_of(std::size_t n, bool half) {
   return kept.of(n, half);
 }
 
-/// The samples from which on a power of two has a transform of its own.
-constexpr std::size_t kFewestOwn = 32;
-bool has_own(std::size_t n) {
-  return n >= kFewestOwn && std::has_single_bit(n);
-}
-/// Of n real samples; one a thread and size, of the large ones the last.
-PowerOfTwoTransform& own_transform(std::size_t n) {
-  constexpr std::size_t kLarge = 17;  // as a power of two: from here on megabytes
-  thread_local std::vector<std::unique_ptr<PowerOfTwoTransform>> kept;
-  const auto at = static_cast<std::size_t>(std::countr_zero(n));
-  if (at > kLarge && kept.size() > kLarge + 1 && (kept.size() <= at || !kept[at])) kept.resize(kLarge + 1);
-  if (kept.size() <= at) kept.resize(at + 1);
-  if (!kept[at]) kept[at] = std::make_unique<PowerOfTwoTransform>(n);
-  return *kept[at];
-}
-
 Bins transform_smooth(const Bins& x) {
   Bins out;
-  if (has_own(2 * x.size())) {
-    out = x;
-    own_transform(2 * x.size()).forward(out);
-    return out;
-  }
   transform_of(x.size(), false).fwd(out, x);
   return out;
 }
@@ -126,10 +103,7 @@ std::vector<Complex> inverse_fourier(std::vector<Complex> bins) {
 std::vector<Complex> half_spectrum(std::span<const double> x) {
   require_samples(x.size());
   Bins bins;
-  if (has_own(x.size())) {
-    bins.resize(x.size() / 2 + 1);
-    own_transform(x.size()).forward(x, bins.data());
-  } else if (has_small_factors(x.size())) {
+  if (has_small_factors(x.size())) {
     const std::vector<double> real(x.begin(), x.end());
     transform_of(x.size(), true).fwd(bins, real);
   } else {
@@ -142,10 +116,6 @@ std::vector<Complex> half_spectrum(std::span<const double> x) {
 std::vector<double> from_half_spectrum(const std::vector<Complex>& bins, std::size_t n) {
   require_samples(n);
   std::vector<double> x(n);
-  if (has_own(n)) {
-    own_transform(n).inverse(bins.data(), x);
-    return x;
-  }
   if (has_small_factors(n)) {
     transform_of(n, true).inv(x, bins, eigen_index(n));
     return x;

@@ -8,9 +8,9 @@
 namespace bodesmith {
 
 // The discrete Fourier transform X_k = sum_n x_n exp(-2 pi j k n/N), not scaled; its inverse has the 1/N.
-// Powers of two go through PowerOfTwoTransform, other lengths whose prime factors are small through kissfft (in
-// Eigen's unsupported module), all others become a convolution of a power of two (Bluestein, IEEE Trans. Audio
-// Electroacoust. 18 (1970) 451): O(N log N) for every N. std::logic_error for N = 0.
+// Lengths whose prime factors are small go through kissfft (in Eigen's unsupported module), others become a
+// convolution of a power of two (Bluestein, IEEE Trans. Audio Electroacoust. 18 (1970) 451): O(N log N) for
+// every N. std::logic_error for N = 0.
 
 /// X of N complex numbers.
 std::vector<std::complex<double>> fourier(std::vector<std::complex<double>> x);

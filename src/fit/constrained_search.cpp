@@ -71,7 +71,7 @@ class StepProgram {
  private:
   static constexpr Index kNone = -1;
   /// With more errors than this most constraints are idle, which costs an exchange of rows next to nothing.
-  static constexpr Index kManyErrors = 100;
+  static constexpr Index kManyErrors = 50;
 
   /// Chebyshev's by way of vertices of rows and bounds; nothing where rounding is in the way.
   std::optional<Step> solve_by_exchange(const Linearised& at, double radius) const {

@@ -86,7 +86,7 @@ DirectProblem make_direct_problem(const BodePoints& points, const DirectFitOptio
   out.starts.high = {std::clamp(highest.value * std::numbers::e, out.starts.low.value * 2.0, high)};
   out.starts.log_gain = mean_log_gain(out.target);
   out.starts.random = options.starts;
-  out.starts.kept = 12;
+  out.starts.kept = out.underdetermined ? 8 : 16;
   out.starts.seed = options.seed;
   return out;
 }
@@ -190,7 +190,7 @@ SearchEffort effort_of(const DirectProblem& problem, const DirectFitOptions& opt
   const bool near =
       have && alternation_bound(have->model, problem.target, have->best.theta) > kNear * have->best.value;
   if (!near) return {true, options.starts, 40, 99};
-  return {false, options.starts / 4, 15, 6};
+  return {false, options.starts / 3, 20, 8};
 }
 
 /// The best of many starts. Pairs reach real roots too, but their seam is hard to cross: complex fits try real ones as

@@ -15,7 +15,7 @@ using Eigen::VectorXd;
 
 constexpr int kRounds = 3;
 constexpr int kMovePlaces = 9;        ///< evenly over log frequency
-constexpr std::size_t kRefined = 5;   ///< the best different ones of a round
+constexpr std::size_t kRefined = 6;   ///< the best different ones of a round
 constexpr double kGoodEnough = 1e-6;  ///< Np: nothing left to gain
 constexpr double kWorthAnotherRound = 0.995;
 

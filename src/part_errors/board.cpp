@@ -246,15 +246,18 @@ double Board::solve(double r, double rate, const Branch& branch, const double p[
     slope /= half_;
     return value - rate * (output_s_ * slope + branch.delay_s * (slope - reference_gain_));
   }
+  // Newton: what is left behind a step is about its square.
+  constexpr double kSmallStep = 1e-7;
   double v = start;
-  const double late = branch.delay_s + output_s_;
+  const double late = branch.delay_s + output_s_, by_half = 1.0 / half_;
   for (int i = 0; i < 12; ++i) {
-    const double value = polynomial(p, kTerms, (v - middle_) / half_, slope);
-    slope /= half_;
-    const double v_rate = reference_gain_ * rate / (1.0 - slope);
-    const double step = (reference_gain_ * early + value - slope * v_rate * late - v) / (1.0 - slope);
+    const double value = polynomial(p, kTerms, (v - middle_) * by_half, slope);
+    slope *= by_half;
+    const double by_loop = 1.0 / (1.0 - slope);
+    const double v_rate = reference_gain_ * rate * by_loop;
+    const double step = (reference_gain_ * early + value - slope * v_rate * late - v) * by_loop;
     v = std::clamp(v + step, middle_ - 1.5 * half_, middle_ + 1.5 * half_);
-    if (std::abs(step) < 1e-9) break;
+    if (std::abs(step) < kSmallStep) break;
   }
   return v;
 }
@@ -267,7 +270,7 @@ std::vector<double> Board::drive(const Input& input) const {
   double p[2][kTerms] = {};
   double last_sn = std::nan("");
   bool was_rising = false;
-  double v = input.r[0];
+  double v = input.r[0], before = v;
   const double delay = input.switch_delay_s * timing_;
   for (std::size_t k = 0; k < n; ++k) {
     if (sn[k] != last_sn) {
@@ -279,7 +282,10 @@ std::vector<double> Board::drive(const Input& input) const {
     const bool rising = input.to_turn[k] < delay ? !input.rising[k] : input.rising[k];
     const int b = rising ? 0 : 1;
     const double rate = input.slope[k == 0 ? n - 1 : k - 1];
-    v = solve(input.r[k], rate, branch_[b], p[b], v);
+    // Straight on from the last two.
+    const double guess = 2.0 * v - before;
+    before = v;
+    v = solve(input.r[k], rate, branch_[b], p[b], guess);
     out[k] = v;
     if (k > 0 && rising != was_rising) out[k] += charge_area_ / input.step_s;
     was_rising = rising;

@@ -40,18 +40,18 @@ BODESMITH_CLONES void add_product(const double* a, std::size_t rows, std::size_t
   }
 }
 
-/// Where |y| is largest.
+/// Where |y| is largest, of equal ones the first; `count` a multiple of four. Anything where none is a number.
 BODESMITH_CLONES std::size_t largest_of(const double* y, std::size_t count) {
-  double most = -1.0;
-  std::size_t at = 0;
-  for (std::size_t i = 0; i < count; ++i) {
-    const double here = std::abs(y[i]);
-    if (here > most) {
-      most = here;
-      at = i;
-    }
+  Four most = {0.0, 0.0, 0.0, 0.0};
+  for (std::size_t i = 0; i < count; i += 4) {
+    const Four here = *four_at(y + i);
+    const Four size = here < 0.0 ? -here : here;
+    most = size > most ? size : most;
   }
-  return at;
+  const double largest = std::max(std::max(most[0], most[1]), std::max(most[2], most[3]));
+  std::size_t at = 0;
+  while (at < count && !(std::abs(y[at]) == largest)) ++at;
+  return at < count ? at : 0;
 }
 
 /// The method at one vertex. An inequality is a'(x, t) <= b; its kind says which.
@@ -72,7 +72,7 @@ class Exchange {
     for (Index j = 0; j < n_; ++j)
       std::copy_n(p_.slope.col(j).data(), rows_, slope_.data() + padded_ * std_index(j));
     std::copy_n(p_.error.data(), rows_, error_.data());
-    scale_ = std::abs(error_[largest_of(error_.data(), rows_)]);
+    scale_ = std::abs(error_[largest_of(error_.data(), padded_)]);
     begin();
   }
 
@@ -97,7 +97,7 @@ class Exchange {
 
   /// The vertex where the largest error stands alone and every number at that bound to which it wants to go.
   void begin() {
-    const auto row = static_cast<Index>(largest_of(error_.data(), rows_));
+    const auto row = static_cast<Index>(largest_of(error_.data(), padded_));
     const double sign = error_[std_index(row)] < 0.0 ? -1.0 : 1.0;
     double level = sign * p_.error(row);
     inverse_(n_, n_) = -1.0;
@@ -117,7 +117,7 @@ class Exchange {
   }
 
   Inequality most_violated() {
-    const std::size_t peak = largest_of(error_.data(), rows_);
+    const std::size_t peak = largest_of(error_.data(), padded_);
     Inequality out{Kind::row, error_[peak] < 0.0 ? -1.0 : 1.0, eigen_index(peak),
                    std::abs(error_[peak]) - x_(n_)};
     // The numbers count about as much as the level: both are in units of what is looked for.

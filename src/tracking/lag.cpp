@@ -1,6 +1,7 @@
 #include "tracking/lag.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -18,6 +19,24 @@ struct Correlation {
   double slope = 0.0;
   double curvature = 0.0;
 };
+
+/// Spectra of references, of which a study has few that come again and again: the last ones are kept, one row a thread.
+const std::vector<Complex>& reference_spectrum(const std::vector<double>& x) {
+  constexpr std::size_t kKept = 8, kLongest = std::size_t{1} << 17;
+  struct Known {
+    std::vector<double> x;
+    std::vector<Complex> spectrum;
+  };
+  thread_local std::array<Known, kKept> known;
+  thread_local std::size_t next = 0;
+  thread_local std::vector<Complex> long_one;
+  if (x.size() > kLongest) return long_one = half_spectrum(x);
+  const auto found = std::find_if(known.begin(), known.end(), [&x](const Known& one) { return one.x == x; });
+  if (found != known.end()) return found->spectrum;
+  Known& place = known[next++ % kKept];
+  place = {x, half_spectrum(x)};
+  return place.spectrum;
+}
 
 /// A short cosine series: the cross spectrum up to its last term that counts.
 class CrossSpectrum {
@@ -90,7 +109,7 @@ double lag_of_largest(const CrossSpectrum& cross, double period_s) {
 LagResult best_lag(const std::vector<double>& y, const std::vector<double>& x, double period_s) {
   const std::size_t n = y.size();
   const std::vector<Complex> y_hat = half_spectrum(y);
-  const std::vector<Complex> x_hat = half_spectrum(x);
+  const std::vector<Complex>& x_hat = reference_spectrum(x);
   // The mean square of y - x(t - lag) is constants minus twice the correlation.
   LagResult out;
   out.lag_s = lag_of_largest(CrossSpectrum(y_hat, x_hat, n, period_s), period_s);

@@ -20,6 +20,9 @@ constexpr double kTypicalShare = 0.3;
 /// Two modes of opposite sign whose frequencies are nearer than this many half-widths are the shape of something else.
 constexpr double kHalfWidthsApart = 1.0;
 
+/// Share beyond which the zero must lie within the band.
+constexpr double kStrong = 4.0;
+
 const char* const kShares = "gains";
 const char* const kModeFrequencies = "natural_frequencies_hz";
 const char* const kModeDampings = "damping_ratios";
@@ -87,6 +90,7 @@ class ParallelMode final : public Effect {
       if (term.effect == this) modes.push_back(&term);
     }
     for (std::size_t i = 0; i < modes.size(); ++i) {
+      if (hides_the_path(model, modes, i, scene.top_hz)) return true;
       for (std::size_t k = 0; k < i; ++k) {
         if (cancel(*modes[i], *modes[k])) return true;
       }
@@ -118,6 +122,24 @@ class ParallelMode final : public Effect {
     const auto& q = b.unknowns;
     const double widths = p[0].value * p[1].value + q[0].value * q[1].value;
     return p[2].value * q[2].value < 0.0 && std::abs(p[0].value - q[0].value) < kHalfWidthsApart * widths;
+  }
+
+  /// A mode so strong beside what else there is at its frequency, that nothing of that is seen within the band: a mode in
+  /// series, with more freedom.
+  static bool hides_the_path(const Model& model, const std::vector<const Term*>& modes, std::size_t at,
+                             double top_hz) {
+    const auto& own = modes[at]->unknowns;
+    const auto& block = model.at(model.position_of(modes[at]->blocks.front()));
+    if (block.get("beside_hz") > 0.0) return false;
+    std::complex<double> path = 1.0;
+    for (std::size_t k = 0; k < modes.size(); ++k) {
+      if (k == at) continue;
+      const auto& other = modes[k]->unknowns;
+      const double r = own[0].value / other[0].value;
+      path += other[2].value / std::complex<double>(1.0 - r * r, 2.0 * other[1].value * r);
+    }
+    const double share = std::abs(own[2].value) / std::abs(path);
+    return share > kStrong && own[0].value * std::sqrt(1.0 + share) > top_hz;
   }
 
   /// Of a time record: where the residual has its peaks, of either sign.

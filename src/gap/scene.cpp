@@ -265,6 +265,19 @@ bool Scene::memory_may_bend(std::size_t at) const {
   return (memory && is_one_loop(at)) || (lag && is_one_loop_of_one_speed(at));
 }
 
+std::vector<double> Scene::beyond_band_hz(double times, int count) const {
+  constexpr double kApart = 5.0;
+  constexpr double kHighest = 0.5;  // of top_hz
+  const double from = times * band_hz;
+  std::vector<double> beyond;
+  if (frequency_only) return beyond;
+  const int room = static_cast<int>(std::log(std::max(kHighest * top_hz / from, 1.0)) / std::log(kApart));
+  const int steps = std::min(count, room);
+  for (int k = 1; k <= steps; ++k)
+    beyond.push_back(from * std::pow(kHighest * top_hz / from, static_cast<double>(k) / steps));
+  return beyond;
+}
+
 bool Scene::is_between_samples(double seconds) const {
   return !frequency_only && seconds < kLeastOfSample * step_s;
 }

@@ -63,6 +63,9 @@ struct Scene {
   std::size_t end() const { return model->end(); }
   /// The base model's blocks (terms' blocks are not changed by other terms).
   std::vector<std::size_t> base_places() const;
+  /// Frequencies that the sampling shows beyond `times` the driven band, a factor apart of 5 at the least: steps have their power
+  /// far below what their edges tell. None where the band comes near to top_hz.
+  std::vector<double> beyond_band_hz(double times, int count) const;
   /// A time so short beside the sampling that how the input goes between the samples passes for it.
   bool is_between_samples(double seconds) const;
   /// Long looks for start values end here, with what they have.

@@ -1,0 +1,83 @@
+// Steps have their power far below what their edges tell: effects are looked for there as well.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "base/document.hpp"
+#include "chain/model_file.hpp"
+#include "gap/diagnosis.hpp"
+#include "gap/scene.hpp"
+
+namespace {
+
+using namespace bodesmith;
+
+constexpr double kStaircaseStep = 4.4e-3;
+constexpr int kStaircaseSamples = 2400;
+
+chain::Chain line() {
+  return chain::model_from_node(parse_toml(
+      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 2.0\nfree = [\"gain\"]\n",
+      "model.toml"));
+}
+
+/// A staircase of long treads behind a lag of 199 Hz and a mode of 39 Hz, by steps of a fiftieth of a sample.
+TimeRecord staircase(unsigned seed) {
+  constexpr int kFiner = 50;
+  constexpr int kTread = 150;
+  const double h = kStaircaseStep / kFiner;
+  const double lag = std::exp(-2.0 * std::numbers::pi * 199.0 * h);
+  const double w = 2.0 * std::numbers::pi * 39.0;
+  constexpr double kDamping = 0.03;
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  std::uniform_real_distribution<double> level(-1.0, 1.0);
+  TimeRecord r;
+  r.file = "staircase.csv";
+  r.step_s = kStaircaseStep;
+  double u = 0.0;
+  double slow = 0.0;
+  double y = 0.0;
+  double v = 0.0;
+  for (int i = 0; i < kStaircaseSamples; ++i) {
+    const double next = i == 0 || i % kTread != 20 ? u : level(random);
+    for (int k = 0; k < kFiner && i > 0; ++k) {
+      const double now = u + (next - u) * (k + 0.5) / kFiner;
+      const double before = slow;
+      slow = lag * slow + (1.0 - lag) * now;
+      // Half a step of the speed, a step of the place, half a step of the speed.
+      const double pull = w * w * (2.0 * 0.5 * (before + slow));
+      v += 0.5 * h * (pull - w * w * y - 2.0 * kDamping * w * v);
+      y += h * v;
+      v += 0.5 * h * (pull - w * w * y - 2.0 * kDamping * w * v);
+    }
+    u = next;
+    r.u.push_back(u);
+    r.y.push_back(y + 0.01 * normal(random));
+  }
+  return r;
+}
+
+TEST(BeyondBand, isFilledWhereTheDriveIsSlow) {
+  gap::Scene scene;
+  scene.top_hz = 1000.0;
+  scene.band_hz = 0.1;
+  const auto beyond = scene.beyond_band_hz(30.0, 2);
+  ASSERT_EQ(beyond.size(), 2U);
+  EXPECT_GT(beyond[0], 5.0 * 30.0 * 0.1);
+  EXPECT_DOUBLE_EQ(beyond[1], 500.0);
+  scene.band_hz = 10.0;
+  EXPECT_TRUE(scene.beyond_band_hz(30.0, 2).empty());
+}
+
+TEST(BeyondBand, lagIsNoDelay) {
+  const auto d = gap::diagnose(line(), gap::Study::of({staircase(1)}, {staircase(2)}, line()), {});
+  ASSERT_EQ(d.steps.size(), 2U);
+  EXPECT_EQ(d.steps[0].effect, "resonance");
+  EXPECT_EQ(d.steps[1].effect, "amplifier_pole");
+  EXPECT_LT(d.final.train_rms, 0.0103);
+}
+
+}  // namespace

@@ -19,9 +19,11 @@ constexpr double kMaxFactor = 1e3;
 }  // namespace
 
 std::size_t Term::effective_unknowns() const {
-  const auto inside =
-      std::count_if(unknowns.begin(), unknowns.end(), [](const Unknown& u) { return !u.at_bound(); });
-  return std::max<std::size_t>(1, static_cast<std::size_t>(inside));
+  const auto in_use = std::count_if(unknowns.begin(), unknowns.end(), [](const Unknown& u) {
+    const bool largest_weight = !u.logarithmic && u.low == 0.0 && u.value >= u.high;
+    return !u.at_bound() || largest_weight;
+  });
+  return std::max<std::size_t>(1, static_cast<std::size_t>(in_use));
 }
 
 Model::Model(const chain::Chain& base) : start_(base.start) {
@@ -86,6 +88,17 @@ void Model::add(Term term) {
   terms_.push_back(std::move(term));
   const auto write = terms_.back().write;
   write(*this, values);
+  write_readers();
+}
+
+void Model::write_readers() {
+  for (std::size_t k = 0; k < terms_.size(); ++k) {
+    if (!terms_[k].reads_base_blocks) continue;
+    std::vector<double> values;
+    for (const auto& u : terms_[k].unknowns) values.push_back(u.value);
+    const auto write = terms_[k].write;
+    write(*this, values);
+  }
 }
 
 void Model::remove(std::size_t term) {
@@ -99,6 +112,7 @@ void Model::remove(std::size_t term) {
     return has(gone, slot.id) &&
            std::none_of(terms_.begin(), terms_.end(), [&](const Term& t) { return has(t, slot.id); });
   });
+  write_readers();
 }
 
 std::vector<int> Model::line_blocks() const {
@@ -145,6 +159,7 @@ void Model::set_values(std::span<const double> values) {
     write(*this, values.subspan(at, count));
     at += count;
   }
+  write_readers();
 }
 
 chain::Chain Model::chain() const {

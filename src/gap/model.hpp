@@ -54,8 +54,11 @@ struct Term {
   std::function<void(Model&, std::span<const double>)> write;
   /// Takes a change inside a base block back. Empty when its blocks are all there is.
   std::function<void(Model&)> undo;
+  /// What it writes depends on base blocks, which other terms may change: it is written after those.
+  bool reads_base_blocks = false;
 
-  /// Unknowns that do not rest at a bound, 1 at least: weights of 0 cost nothing.
+  /// Unknowns that do not rest at a bound, 1 at least: weights of 0 cost nothing. Weights that are as large as they can
+  /// be count.
   std::size_t effective_unknowns() const;
 };
 
@@ -104,6 +107,8 @@ class Model {
   std::string validation_error() const;
 
  private:
+  void write_readers();  ///< the terms with Term::reads_base_blocks, again
+
   struct Slot {
     int id;
     int base_number;

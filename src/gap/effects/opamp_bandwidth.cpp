@@ -8,14 +8,15 @@
 namespace bodesmith::gap {
 namespace {
 
-/// A section g (1 + s/z)/(1 + s/p) of the chain, and the resonator behind it that takes both poles.
+/// A section g (1 + s/z)/(1 + s/p) of the chain, and what stands behind it: a resonator with the two new poles, and a pole_zero
+/// whose zero cancels the section's own one. The section stays as it is, so that its capacitors can be off besides.
 struct SlowSection {
   int id;
   int poles;
-  double pole_hz;
+  int instead;
 };
 
-/// The section's own pole is put this many times beyond the new ones, where it does nothing.
+/// The pole behind the cancelling zero lies this many times beyond the new ones, where it does nothing.
 constexpr double kOutOfTheWay = 1e4;
 
 /// H/(1 + N s/w_t), H = g (1 + s/z)/(1 + s/p), noise gain N = 1 + H when inverting, H when not: its zero
@@ -23,10 +24,11 @@ constexpr double kOutOfTheWay = 1e4;
 void write_two_poles(Model& model, const SlowSection& section, double gain_bandwidth_hz, bool inverting) {
   const double g = std::abs(model.block(section.id).get("gain"));
   const double z = model.block(section.id).get("zero_hz");
-  const double b = 1.0 / section.pole_hz + (inverting ? 1.0 + g : g) / gain_bandwidth_hz;
-  const double a = ((inverting ? 1.0 / section.pole_hz : 0.0) + g / z) / gain_bandwidth_hz;
+  const double p = model.block(section.id).get("pole_hz");
+  const double b = 1.0 / p + (inverting ? 1.0 + g : g) / gain_bandwidth_hz;
+  const double a = ((inverting ? 1.0 / p : 0.0) + g / z) / gain_bandwidth_hz;
   const double natural_hz = 1.0 / std::sqrt(a);
-  model.block(section.id).set("pole_hz", kOutOfTheWay * std::max(natural_hz, b / a));
+  model.block(section.instead).set("zero_hz", p).set("pole_hz", kOutOfTheWay * std::max(natural_hz, b / a));
   model.block(section.poles)
       .set("natural_frequency_hz", natural_hz)
       .set("damping_ratio", 0.5 * b * natural_hz);
@@ -69,8 +71,9 @@ class OpampBandwidth final : public Effect {
     // From behind, so that the places in front stay where they are.
     for (auto at = sections.rbegin(); at != sections.rend(); ++at) {
       const int poles = model.insert(*at + 1, chain::make_block("resonator"));
-      found.push_back({model.id_at(*at), poles, model.at(*at).get("pole_hz")});
-      term.blocks.push_back(poles);
+      const int instead = model.insert(*at + 2, chain::make_block("pole_zero"));
+      found.push_back({model.id_at(*at), poles, instead});
+      term.blocks.insert(term.blocks.end(), {poles, instead});
     }
     std::vector<std::string> numbers;
     for (std::size_t at : sections) numbers.push_back(std::to_string(scene.model->base_number(at)));
@@ -82,9 +85,9 @@ class OpampBandwidth final : public Effect {
     term.write = [found, inverting](Model& m, std::span<const double> v) {
       for (const auto& section : found) write_two_poles(m, section, v[0], inverting);
     };
-    term.undo = [found](Model& m) {
-      for (const auto& section : found) m.block(section.id).set("pole_hz", section.pole_hz);
-    };
+    term.reads_base_blocks = true;
+    // It belongs inside its section, and taking its blocks out is all there is to undo.
+    term.undo = [](Model&) {};
     return propose_term(std::move(model), std::move(term), std::move(starts));
   }
 };

@@ -32,7 +32,8 @@ class AsymmetricHysteresis final : public Effect {
       out.push_back(plays_and_dead_zones(scene, at));
     }
   }
-  /// Branches that coincide are a curve, and so are one-sided dead zones behind plays without weight.
+  /// Branches that coincide are a curve, and so are one-sided dead zones behind plays without weight; beside a constant
+  /// that is much larger than the loop, the term is an offset.
   bool is_no_name(const Model& model, const Scene& scene) const override {
     const std::size_t at = model.position_of(model.terms().back().blocks.front());
     const auto& block = model.at(at);
@@ -43,6 +44,7 @@ class AsymmetricHysteresis final : public Effect {
  private:
   /// Loops that are less wide than this part of the curve beside them are none.
   static constexpr double kMinLoop = 0.15;
+  static constexpr double kMinLoopOfConstant = 0.1;
   /// Of the signal's span.
   static constexpr double kMaxOffset = 0.5;
 
@@ -77,7 +79,7 @@ class AsymmetricHysteresis final : public Effect {
       const double reach = threshold[k] > 0.0 ? signal.high - threshold[k] : threshold[k] - signal.low;
       curve += std::abs(slope[k]) * std::max(0.0, reach);
     }
-    return loop < kMinLoop * curve;
+    return loop < kMinLoop * curve || loop < kMinLoopOfConstant * std::abs(block.get("offset"));
   }
 
   /// Branch polynomials (disturbance paper, eq. 1). With a free gain in the chain their common slope would be

@@ -1,0 +1,111 @@
+// Where a constant enters a chain shows in how a record from rest begins; and a constant is no loop.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "base/document.hpp"
+#include "chain/model_file.hpp"
+#include "gap/diagnosis.hpp"
+#include "gap/effect.hpp"
+#include "gap/scene.hpp"
+
+namespace {
+
+using namespace bodesmith;
+
+constexpr double kOffsetStep = 1e-3;
+constexpr double kFirstHz = 20.0;
+constexpr double kSecondHz = 1.5;
+
+chain::Chain two_lags(const std::string& start) {
+  return chain::model_from_node(parse_toml(
+      "schema = \"bodesmith.model/1\"\n" + start +
+          "[[block]]\ntype = \"lowpass\"\ncorner_hz = 20.0\n[[block]]\ntype = \"lowpass\"\ncorner_hz = 1.5\n",
+      "model.toml"));
+}
+
+/// Two lags with `offset` between them, from rest, by steps of a hundredth of a sample.
+TimeRecord two_tones(double offset, double noise, unsigned seed) {
+  constexpr int kFiner = 100;
+  const double h = kOffsetStep / kFiner;
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  TimeRecord r;
+  r.file = "tones.csv";
+  r.step_s = kOffsetStep;
+  double first = 0.0;
+  double second = 0.0;
+  for (int i = 0; i < 2500; ++i) {
+    const auto u = [](double t) {
+      return 0.6 * std::sin(2.0 * std::numbers::pi * 3.0 * t) +
+             0.4 * std::sin(2.0 * std::numbers::pi * 17.0 * t);
+    };
+    for (int k = 0; k < kFiner && i > 0; ++k) {
+      const double part = (k + 0.5) / kFiner;
+      const double now = u((i - 1) * kOffsetStep) * (1.0 - part) + u(i * kOffsetStep) * part;
+      const double middle = first + 0.5 * h * 2.0 * std::numbers::pi * kFirstHz * (now - first);
+      first += h * 2.0 * std::numbers::pi * kFirstHz * (now - middle);
+      second += h * 2.0 * std::numbers::pi * kSecondHz * (middle + offset - second);
+    }
+    r.u.push_back(u(i * kOffsetStep));
+    r.y.push_back(second + noise * normal(random));
+  }
+  return r;
+}
+
+TEST(OffsetPlace, isSeenInTheStart) {
+  const auto base = two_lags("");
+  const auto d =
+      gap::diagnose(base, gap::Study::of({two_tones(0.05, 0.005, 1)}, {two_tones(0.05, 0.005, 2)}, base), {});
+  ASSERT_EQ(d.steps.size(), 1U);
+  EXPECT_EQ(d.steps[0].effect, "offset");
+  EXPECT_EQ(d.steps[0].placed, "before block 2");
+  EXPECT_LT(d.final.train_rms, 0.0052);
+}
+
+std::vector<gap::Proposal> offsets_of(const chain::Chain& chain) {
+  const gap::Model model(chain);
+  gap::Experiments train;
+  train.emplace_back(gap::TimeExperiment(two_tones(0.0, 0.0, 1)));
+  std::vector<gap::Proposal> proposals;
+  gap::effect_registry().get("offset").propose(gap::make_scene(model, train), proposals);
+  return proposals;
+}
+
+TEST(OffsetPlace, isOneInALinearStretchAtRest) {
+  EXPECT_EQ(offsets_of(two_lags("")).size(), 3U);
+  EXPECT_EQ(offsets_of(two_lags("start = \"equilibrium\"\n")).size(), 1U);
+}
+
+TEST(OffsetPlace, isNoLoop) {
+  const gap::Model base(two_lags(""));
+  gap::Experiments train;
+  train.emplace_back(gap::TimeExperiment(two_tones(0.0, 0.0, 1)));
+  train.emplace_back(gap::TimeExperiment(two_tones(0.0, 0.0, 2)));
+  const auto scene = gap::make_scene(base, train);
+  const auto& effect = gap::effect_registry().get("asymmetric_hysteresis");
+  std::vector<gap::Proposal> proposals;
+  effect.propose(scene, proposals);
+  const auto bank = std::find_if(proposals.begin(), proposals.end(), [](const gap::Proposal& p) {
+    return p.model.terms().back().unknowns.back().name == "offset";
+  });
+  ASSERT_NE(bank, proposals.end());
+  auto values = std::vector<double>(bank->starts.front().size(), 0.0);
+  values.front() = 0.1;
+  const auto is_no_name = [&](double offset) {
+    values.back() = offset;
+    gap::Model model = bank->model;
+    model.set_values(values);
+    return effect.is_no_name(model, scene);
+  };
+  EXPECT_FALSE(is_no_name(0.0));
+  EXPECT_FALSE(is_no_name(0.02));
+  EXPECT_TRUE(is_no_name(0.2));
+}
+
+}  // namespace

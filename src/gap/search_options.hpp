@@ -66,7 +66,9 @@ struct RoundOptions {
   double far_behind = 3.0;  ///< times the leader's rms: such a fit stays where it is,
   double behind = 1.1;      ///< and so does one behind by this
   double no_nearer = 0.95;  ///< whose last stage left more than this of its rms
-  double weakened = 8.0;    ///< factor by which the last earlier term is made weak for one more start
+  double far_ahead = 0.8;  ///< times a fit's rms: another place of a linear effect whose values it then gets,
+  int stages_of_shared = 3;  ///< for so many stages
+  double weakened = 8.0;     ///< factor by which the last earlier term is made weak for one more start
 };
 
 /// What a term must show [6, 7]. Gains are those on folds of the training records that did not choose its

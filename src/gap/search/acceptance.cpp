@@ -64,8 +64,10 @@ Ranked* simplest_of_best(const AcceptanceOptions& options, const std::vector<Ran
     const double worse = r->folds_rms / best.folds_rms - 1.0;
     const auto fewer = static_cast<double>(best.effective - r->effective);
     const bool next_to_nothing = worse < options.simpler_within + options.simpler_within_each * fewer;
-    if (next_to_nothing ||
-        (worse < options.tie_within && significantly_worse(*r, best) < options.tie_significance))
+    // On folds the model's own unknowns may count for more than the term's: one record alone need not tell them.
+    const bool nearer_on_all = r->train_rms <= best.train_rms;
+    if (next_to_nothing || (worse < options.tie_within &&
+                            (nearer_on_all || significantly_worse(*r, best) < options.tie_significance)))
       winner = r;
   }
   return winner;
@@ -100,7 +102,8 @@ CandidateOutcome compare(const AcceptanceOptions& options, const Ranked& r, cons
   if (!alike || (r.far_fetched && !winner.far_fetched)) return CandidateOutcome::worse;
   const std::string name(r.effect->name());
   // A rival with a little more freedom is as good a name when that freedom shows.
-  const bool freedom_shows = r.unknowns <= winner.unknowns + options.tie_more_unknowns &&
+  const bool freedom_shows = r.train_rms < winner.train_rms &&
+                             r.unknowns <= winner.unknowns + options.tie_more_unknowns &&
                              significantly_worse(winner, r) > options.freedom_significance;
   if (r.unknowns > winner.unknowns && !freedom_shows) {
     add_once(step.also_fit, name);

@@ -1,7 +1,10 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <optional>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 #include "gap/runner.hpp"
 #include "gap/search/round.hpp"
@@ -169,6 +172,47 @@ void comb_leaders(const SearchSetting& setting, const SearchRecords& records, st
   });
 }
 
+/// What is linear has the same values at every place: where a fit got stuck far behind another of its effect, it begins again
+/// with that one's.
+void share_values(const SearchSetting& setting, const SearchRecords& records,
+                  const std::vector<Promising>& candidates, std::vector<Racer>& racers) {
+  const auto& limits = setting.options.round;
+  const auto options = fit_options(setting.options, limits.iterations_a_stage * limits.stages_of_shared);
+  const auto names = [&](const Racer& r) {
+    std::vector<std::string_view> all;
+    for (const auto& u : candidates[r.candidate].proposal.model.terms().back().unknowns)
+      all.push_back(u.name);
+    return all;
+  };
+  double leader = std::numeric_limits<double>::infinity();
+  for (const auto& r : racers) leader = std::min(leader, r.now.result.rms);
+  std::vector<const Racer*> from(racers.size(), nullptr);
+  for (std::size_t i = 0; i < racers.size(); ++i) {
+    const auto& term = candidates[racers[i].candidate].proposal.model.terms().back();
+    const auto* effect = term.effect;
+    // A base block's own values are no other's.
+    if (!effect->linear() || term.undo) continue;
+    for (const auto& other : racers) {
+      if (candidates[other.candidate].proposal.model.terms().back().effect != effect) continue;
+      if (!(other.now.result.rms < limits.in_the_running * leader)) continue;
+      if (!(other.now.result.rms < limits.far_ahead * racers[i].now.result.rms)) continue;
+      if (names(other) != names(racers[i])) continue;
+      if (from[i] == nullptr || other.now.result.rms < from[i]->now.result.rms) from[i] = &other;
+    }
+  }
+  std::vector<std::optional<FittedModel>> again(racers.size());
+  parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
+    if (from[i] == nullptr || setting.options.is_late()) return;
+    Model model = racers[i].now.model;
+    model.set_values(current_values(from[i]->now.model));
+    auto fitted = fit(std::move(model), records.look(), options);
+    if (fitted.result.usable() && fitted.result.rms < racers[i].now.result.rms) again[i] = std::move(fitted);
+  });
+  for (std::size_t i = 0; i < racers.size(); ++i) {
+    if (again[i]) racers[i].now = std::move(*again[i]);
+  }
+}
+
 /// Red noise in a short record looks like a slow effect, and the effect then leaves it white.
 LowBins low_bins_of(const SearchRecords& records) {
   return are_responses(records.train) ? LowBins::as_they_are : LowBins::as_octaves_above;
@@ -218,6 +262,7 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
   }
   race(setting, records, racers);
   comb_leaders(setting, records, racers);
+  share_values(setting, records, candidates, racers);
   std::vector<std::optional<Ranked>> ranked(candidates.size());
   for (std::size_t i = 0; i < candidates.size(); ++i) {
     Racer* best = nullptr;

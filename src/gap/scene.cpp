@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "gap/effect.hpp"
 #include "gap/lines.hpp"
 #include "gap/runner.hpp"
 #include "signal/periodogram.hpp"

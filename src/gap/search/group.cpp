@@ -146,6 +146,8 @@ void add_ties(const AcceptanceOptions& options, const std::vector<Trial>& trials
     if (&trial == &chosen || trial.effective > chosen.effective || !as_good_as(options, trial, chosen))
       continue;
     if (trial.is_far_fetched() && !chosen.is_far_fetched()) continue;
+    if (std::any_of(trial.rounds.begin(), trial.rounds.end(), [](const Ranked& r) { return r.no_name; }))
+      continue;
     const auto there = only_in(trial.names(), chosen.names());
     const auto here = only_in(chosen.names(), trial.names());
     if (there.empty()) continue;

@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <future>
+#include <utility>
 
 #include "base/progress.hpp"
 #include "base/text.hpp"
@@ -108,6 +110,16 @@ TrackingStudy study_tracking(const Project& project, const Design& design, const
   const std::vector<TrackedCandidate> candidates = tracked_candidates(project, design);
   std::vector<tracking::Design> designs;
   for (const TrackedCandidate& candidate : candidates) designs.push_back(candidate.design);
+  // Other stages wait for the controllers: they are followed beside the project's own one.
+  struct OnOthers {
+    ControllersTracked built;
+    std::vector<TrackedElsewhere> elsewhere;
+  };
+  auto on_others = std::async(std::launch::async, [&] {
+    OnOthers out{controllers ? controllers() : track_controllers(project, {}), {}};
+    if (!project.deadline.passed()) out.elsewhere = tracked_elsewhere(project, candidates, out.built);
+    return out;
+  });
   const tracking::Plant plant = tracking_plant(project);
   tracking::Options options = tracking_options(project);
   options.also_on_reference = true;
@@ -122,10 +134,10 @@ TrackingStudy study_tracking(const Project& project, const Design& design, const
     study.designs.push_back(tracked_design(candidate, study.frequency, report));
   study.max_cross_check_percent = max_cross_check(report);
   study.shown = shown_period(report, candidates, study.frequency, plant.stroke);
-  const ControllersTracked built = controllers ? controllers() : track_controllers(project, {});
-  for (const TrackedDesign& one : built.here) study.designs.push_back(one);
+  OnOthers others = on_others.get();
+  for (TrackedDesign& one : others.built.here) study.designs.push_back(std::move(one));
   study.as_built = as_built_key(project, study);
-  if (!project.deadline.passed()) study.elsewhere = tracked_elsewhere(project, candidates, built);
+  study.elsewhere = std::move(others.elsewhere);
   study.findings = tracking_findings(project, design, budget, candidates, report, study);
   study.compute_s = watch.seconds();
   return study;

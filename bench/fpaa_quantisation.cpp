@@ -179,7 +179,7 @@ void seed_plan(benchmark::State& state) {
   options.band = Band{{1.0}, {100.0}};
   if (state.range(0) > 0) options.clock = Hertz{static_cast<double>(state.range(0))};
   Plan plan;
-  for (auto _ : state) plan = or_throw(make_plan(sections, options));
+  for (auto _ : state) plan = value_or_throw(make_plan(sections, options));
   state.counters["max_complex_percent"] = plan.error.max_complex_percent;
   state.counters["clock_hz"] = plan.cams()[0]->clock_a.value;
 }

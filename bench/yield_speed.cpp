@@ -21,8 +21,7 @@ void yield_sixteen_poles(benchmark::State& state) {
   options.samples = 100000;
   options.grid = log_grid({Hertz{1}, Hertz{1000}}, 60);
   options.threads = static_cast<int>(state.range(0));
-  for (auto _ : state)
-    benchmark::DoNotOptimize(yield::run_monte_carlo(design, options, Team()).within);
+  for (auto _ : state) benchmark::DoNotOptimize(yield::run_monte_carlo(design, options, Team()).within);
 }
 BENCHMARK(yield_sixteen_poles)->Arg(1)->Arg(2)->Unit(benchmark::kMillisecond)->UseRealTime();
 

@@ -13,10 +13,10 @@ TEST(RunStopped, TheFolderSaysThatItIsUnfinished) {
   const std::string out = (folder / "out").string();
   const std::string mark = out + "/UNFINISHED.txt";
   const std::string project = BODESMITH_SOURCE_DIR "/examples/nanopositioner/project.toml";
-  const ProgramResult result = run_shell(fmt::format(
-      "BODESMITH_NGSPICE=/nowhere {} run {} -o {} & p=$!; "
-      "while [ ! -e {} ] && kill -0 $p; do sleep .02; done; kill -INT $p; wait $p",
-      BODESMITH_PROGRAM, project, out, mark));
+  const ProgramResult result =
+      run_shell(fmt::format("BODESMITH_NGSPICE=/nowhere {} run {} -o {} & p=$!; "
+                            "while [ ! -e {} ] && kill -0 $p; do sleep .02; done; kill -INT $p; wait $p",
+                            BODESMITH_PROGRAM, project, out, mark));
   EXPECT_EQ(result.status, 130) << result.err;
   EXPECT_TRUE(std::filesystem::exists(mark));
   EXPECT_TRUE(std::filesystem::exists(out + "/cascade.json"));

@@ -1,6 +1,7 @@
 #pragma once
 
-// Replaces operator new of the test program that includes it, in one file of it: every allocation is counted.
+// Replaces operator new of the test program that includes it, in one file of it: every allocation is counted. The thread
+// sanitizer's own operators cannot be replaced: nothing is counted there.
 
 #include <atomic>
 #include <cstdlib>
@@ -13,6 +14,13 @@ std::atomic<long> allocations{0};
 }  // namespace
 }  // namespace bodesmith
 
+#if defined(__has_feature)
+#if __has_feature(thread_sanitizer)
+#define BODESMITH_COUNTS_NO_ALLOCATIONS
+#endif
+#endif
+
+#ifndef BODESMITH_COUNTS_NO_ALLOCATIONS
 void* operator new(std::size_t size, const std::nothrow_t&) noexcept {
   ++bodesmith::allocations;
   return std::malloc(size);
@@ -30,3 +38,4 @@ void operator delete(void* p, std::size_t) noexcept {
 void operator delete(void* p, const std::nothrow_t&) noexcept {
   std::free(p);
 }
+#endif

@@ -9,6 +9,15 @@
 #include "base/whole_number.hpp"
 
 namespace bodesmith {
+namespace {
+
+/// ln Gamma(x), x > 0. The standard's own leaves its sign in a variable that all threads share.
+double log_gamma(double x) {
+  int sign = 0;
+  return ::lgamma_r(x, &sign);
+}
+
+}  // namespace
 
 double minimax_limit_db(double kappa, double beta, int n) {
   const double size = std::abs(beta);
@@ -18,10 +27,10 @@ double minimax_limit_db(double kappa, double beta, int n) {
   const double k = 1.0 / kappa;
   const double ratio = complete_elliptic_k(std::sqrt((1.0 - k) * (1.0 + k))) /
                        complete_elliptic_k(k);  // K(1/kappa) / K(sqrt(1 - kappa^-2))
-  const double log_gamma =
-      std::lgamma(n + 1 + size) + std::lgamma(n + 1 - size) - std::lgamma(n + 0.5) - std::lgamma(n + 1.5);
+  const double exponent =
+      log_gamma(n + 1 + size) + log_gamma(n + 1 - size) - log_gamma(n + 0.5) - log_gamma(n + 1.5);
   return 2.0 * kDecibelPerNeper * std::abs(std::sin(std::numbers::pi * beta)) *
-         std::exp(log_gamma - std::numbers::pi * (2 * n + 1) * ratio);
+         std::exp(exponent - std::numbers::pi * (2 * n + 1) * ratio);
 }
 
 int minimax_order(double kappa, double beta, double max_db, int max_order) {

@@ -47,10 +47,14 @@ CandidateOutcome objection_to(const AcceptanceOptions& options, const Ranked& r,
   return CandidateOutcome::not_judged;
 }
 
-/// Standard deviations by which one candidate leaves more on the folds than another.
-double significantly_worse(const Ranked& r, const Ranked& than) {
-  if (r.folds.empty() || r.folds.size() != than.folds.size()) return 1e9;
-  return improvement_z(r.folds, than.folds);
+/// Standard deviations by which one fit leaves more on the folds than another.
+double significantly_worse(const std::vector<double>& folds, const std::vector<double>& than) {
+  if (folds.empty() || folds.size() != than.size()) return 1e9;
+  return improvement_z(folds, than);
+}
+
+bool as_good(const AcceptanceOptions& options, const Ranked& r, const Ranked& than, double surely) {
+  return as_good_on_folds(options, {r.folds_rms, r.folds}, {than.folds_rms, than.folds}, surely);
 }
 
 /// The first of the good candidates, unless more unknowns buy next to nothing: then one with fewer of them.
@@ -66,8 +70,9 @@ Ranked* simplest_of_best(const AcceptanceOptions& options, const std::vector<Ran
     const bool next_to_nothing = worse < options.simpler_within + options.simpler_within_each * fewer;
     // On folds the model's own unknowns may count for more than the term's: one record alone need not tell them.
     const bool nearer_on_all = r->train_rms <= best.train_rms;
-    if (next_to_nothing || (worse < options.tie_within &&
-                            (nearer_on_all || significantly_worse(*r, best) < options.tie_significance)))
+    if (next_to_nothing ||
+        (worse < options.tie_within &&
+         (nearer_on_all || significantly_worse(r->folds, best.folds) < options.tie_significance)))
       winner = r;
   }
   return winner;
@@ -80,10 +85,7 @@ Ranked* nearest_at_hand(const AcceptanceOptions& options, const std::vector<Rank
     if (r->far_fetched || r->effect == winner->effect ||
         r->effective > winner->effective + options.at_hand_more_unknowns)
       continue;
-    const double worse = r->folds_rms / winner->folds_rms - 1.0;
-    if (worse < options.at_hand_within ||
-        (worse < options.tie_within && significantly_worse(*r, *winner) < options.tie_significance))
-      return r;
+    if (as_good(options, *r, *winner, options.at_hand_within)) return r;
   }
   return winner;
 }
@@ -91,10 +93,7 @@ Ranked* nearest_at_hand(const AcceptanceOptions& options, const std::vector<Rank
 /// How a good candidate stands to the one that was chosen; the step keeps its name where that matters.
 CandidateOutcome compare(const AcceptanceOptions& options, const Ranked& r, const Ranked& winner,
                          Step& step) {
-  const double worse = r.folds_rms / winner.folds_rms - 1.0;
-  const bool alike =
-      worse < options.tie_surely_within ||
-      (worse < options.tie_within && significantly_worse(r, winner) < options.tie_significance);
+  const bool alike = as_good(options, r, winner, options.tie_surely_within);
   if (r.effect == winner.effect) {
     if (alike && r.placed != winner.placed) add_once(step.also_placed, r.placed);
     return CandidateOutcome::other_place_or_form;
@@ -104,7 +103,7 @@ CandidateOutcome compare(const AcceptanceOptions& options, const Ranked& r, cons
   // A rival with a little more freedom is as good a name when that freedom shows.
   const bool freedom_shows = r.train_rms < winner.train_rms &&
                              r.unknowns <= winner.unknowns + options.tie_more_unknowns &&
-                             significantly_worse(winner, r) > options.freedom_significance;
+                             significantly_worse(winner.folds, r.folds) > options.freedom_significance;
   if (r.unknowns > winner.unknowns && !freedom_shows) {
     add_once(step.also_fit, name);
     return CandidateOutcome::also_fits_with_more_unknowns;
@@ -131,6 +130,13 @@ Step make_step(const AcceptanceOptions& options, const Model& before, Ranked& wi
 }
 
 }  // namespace
+
+bool as_good_on_folds(const AcceptanceOptions& options, const LeftOnFolds& one, const LeftOnFolds& than,
+                      double surely) {
+  const double worse = one.rms / than.rms - 1.0;
+  return worse < surely || (worse < options.tie_within &&
+                            significantly_worse(one.residuals, than.residuals) < options.tie_significance);
+}
 
 Judgement judge(const SearchSetting& setting, const SearchRecords& records, const Model& before,
                 std::vector<Ranked> ranking) {

@@ -9,6 +9,16 @@
 
 namespace bodesmith::gap {
 
+/// What a fit leaves on the folds.
+struct LeftOnFolds {
+  double rms;
+  const std::vector<double>& residuals;
+};
+/// Whether one fit is as good as another there: less than `surely` worse (a share of the rms), or less than a tie allows and
+/// not significantly. Residuals of other lengths are no ground for the second.
+bool as_good_on_folds(const AcceptanceOptions& options, const LeftOnFolds& one, const LeftOnFolds& than,
+                      double surely);
+
 /// What a round comes to: the candidates with their outcomes, and the term that earned its place.
 struct Judgement {
   std::optional<Step> step;

@@ -11,6 +11,7 @@
 #include "base/text.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
+#include "gap/search/acceptance.hpp"
 #include "gap/search/backward_elimination.hpp"
 #include "gap/search/mode_chain.hpp"
 #include "gap/search/remaining.hpp"
@@ -102,9 +103,8 @@ bool earns_all_places(const SearchSetting& setting, const SearchRecords& records
 }
 
 bool as_good_as(const AcceptanceOptions& options, const Trial& trial, const Trial& best) {
-  const double worse = trial.folds_rms / best.folds_rms - 1.0;
-  return worse < options.tie_surely_within ||
-         (worse < options.tie_within && improvement_z(trial.folds, best.folds) < options.tie_significance);
+  return as_good_on_folds(options, {trial.folds_rms, trial.folds}, {best.folds_rms, best.folds},
+                          options.tie_surely_within);
 }
 
 /// The candidate that a round has named; null: none.
@@ -123,10 +123,8 @@ const Trial* nearer_than(const SearchSetting& setting, const SearchRecords& reco
     if (trial.is_far_fetched() || trial.effective > single.effective ||
         trial.folds.size() != single.folds.size())
       continue;
-    const double worse = trial.folds_rms / single.folds_rms - 1.0;
-    const bool as_good =
-        worse < accepted.at_hand_within ||
-        (worse < accepted.tie_within && improvement_z(trial.folds, single.folds) < accepted.tie_significance);
+    const bool as_good = as_good_on_folds(accepted, {trial.folds_rms, trial.folds},
+                                          {single.folds_rms, single.folds}, accepted.at_hand_within);
     if (as_good && earns_all_places(setting, records, trial)) return &trial;
   }
   return nullptr;

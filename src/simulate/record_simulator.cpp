@@ -352,7 +352,7 @@ RecordSimulator::RecordSimulator(Chain chain, double step_s, RecordOptions optio
   implementation_->chain = std::move(chain);
   implementation_->step_s = step_s;
   implementation_->options = options;
-  implementation_->start = options.start.value_or(implementation_->chain.start.value_or(Start::zero));
+  implementation_->start = start_of(implementation_->chain, options.start);
   implementation_->free = implementation_->chain.free_parameters();
   implementation_->refresh(implementation_->chain.blocks.size());
 }

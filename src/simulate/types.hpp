@@ -25,6 +25,11 @@ std::string_view to_string(Engine engine);
 using chain::Start;
 using chain::to_string;
 
+/// Where a run begins: as it was asked, else as the model says, else from zero.
+inline Start start_of(const chain::Chain& model, std::optional<Start> asked) {
+  return asked.value_or(model.start.value_or(Start::zero));
+}
+
 struct Options {
   Engine engine = Engine::automatic;
   std::optional<Start> start;         ///< nothing: as the model says, zero where it does not
@@ -37,7 +42,7 @@ struct Options {
   /// The same with a tenth of the tolerances.
   Options finer() const;
   Start start_of(const chain::Chain& model) const {
-    return start.value_or(model.start.value_or(Start::zero));
+    return simulate::start_of(model, start);
   }
 };
 

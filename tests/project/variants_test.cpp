@@ -59,6 +59,19 @@ TEST(Variants, AGridIsEveryCombination) {
   EXPECT_EQ(variants[5].value_of("name"), "");
 }
 
+// A small file must not fill the memory: ten thousand designs, each with every key and its name.
+TEST(Variants, EndlessNamesAndKeysOfAGridAreRefusedBeforeTheyMultiply) {
+  std::string grid = "[grid]\n";
+  for (int axis = 0; axis < 13; ++axis)
+    grid += "\"" + std::string(30, static_cast<char>('a' + axis)) + "\" = [1, 2]\n";
+  EXPECT_NE(refusal(grid).find("v.toml:2: 'grid' has the name 'aaa"), std::string::npos) << refusal(grid);
+  const auto key_of = [](std::size_t letters) {
+    return "[grid]\n\"" + std::string(letters, 'x') + ".order\" = [1, 2]\n";
+  };
+  EXPECT_NE(refusal(key_of(5000)).find("'grid' has a key of 5006 letters"), std::string::npos);
+  EXPECT_EQ(variants_of(key_of(100)).size(), 2U);
+}
+
 TEST(Variants, SlipsAreSaidWhereTheyStand) {
   EXPECT_EQ(refusal("").find("v.toml: has no design"), 0U) << refusal("");
   EXPECT_NE(refusal("[[variant]]\nname = \"../x\"\n").find("v.toml:2: 'variant[0]' has the name '../x'"),

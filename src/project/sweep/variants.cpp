@@ -12,6 +12,8 @@ namespace bodesmith::project {
 namespace {
 
 constexpr std::size_t kMostVariants = 10000;
+constexpr std::size_t kLongestName = 100;
+constexpr std::size_t kLongestKey = 200;  ///< longer than any of a project
 
 std::string value_text(const Node& node) {
   switch (node.kind()) {
@@ -43,6 +45,12 @@ void flatten(const Node& table, const std::string& below, std::vector<std::pair<
   }
 }
 
+[[noreturn]] void refuse_name(const Variant& variant) {
+  variant.at.fail(fmt::format(
+      "has the name '{}', expected letters, digits, spaces and -_.=+% ({} at most), as its folder is called so",
+      variant.name, kLongestName));
+}
+
 /// A folder of this name stands in the output folder and nowhere else.
 void check_name(const Variant& variant) {
   const auto fits = [](char c) {
@@ -50,11 +58,9 @@ void check_name(const Variant& variant) {
            c == ' ';
   };
   const std::string& name = variant.name;
-  if (name.empty() || name.size() > 100 || name.front() == '.' || name.front() == ' ' || name.back() == ' ' ||
-      !std::all_of(name.begin(), name.end(), fits)) {
-    variant.at.fail(fmt::format(
-        "has the name '{}', expected letters, digits, spaces and -_.=+% (100 at most), as its folder is called so",
-        name));
+  if (name.empty() || name.size() > kLongestName || name.front() == '.' || name.front() == ' ' ||
+      name.back() == ' ' || !std::all_of(name.begin(), name.end(), fits)) {
+    refuse_name(variant);
   }
 }
 
@@ -83,6 +89,8 @@ std::vector<Variant> read_grid(const Node& grid) {
   for (const auto& [key, values] : grid.members()) {
     if (values.kind() != Node::Kind::array || values.size() == 0)
       values.fail("is no list of values, expected [first, second, …]; keys with dots stand in quotes here");
+    if (key.size() > kLongestKey)
+      grid.fail(fmt::format("has a key of {} letters, longer than any of a project", key.size()));
     if (out.size() * values.size() > kMostVariants)
       grid.fail(fmt::format("makes more than {} designs", kMostVariants));
     std::vector<Variant> wider;
@@ -91,6 +99,8 @@ std::vector<Variant> read_grid(const Node& grid) {
         Variant next = one;
         next.set.emplace_back(key, value);
         next.name += (next.name.empty() ? "" : "+") + key.substr(key.rfind('.') + 1) + "=" + name_part(value);
+        // At once: ten thousand endless names are more than a machine holds.
+        if (next.name.size() > kLongestName) refuse_name(next);
         wider.push_back(std::move(next));
       }
     }

@@ -23,8 +23,9 @@ std::string sine_source(const std::string& name, const std::string& from, const 
   return fmt::format("{} {} {} SIN({:.15g} {:.15g} {:.15g} 0 0 -90)\n", name, from, to, offset, top, f);
 }
 
-/// v[column] at time t between the simulator's own steps; `i` moves on.
+/// v[column] at time t between the simulator's own steps; `i` moves on, or begins again.
 double at_time(const spice::Transient& run, std::size_t column, double t, std::size_t& i) {
+  if (run.time_s[i - 1] > t) i = 1;
   while (i + 1 < run.time_s.size() && run.time_s[i] < t) ++i;
   const double part = std::clamp((t - run.time_s[i - 1]) / (run.time_s[i] - run.time_s[i - 1]), 0.0, 1.0);
   return run.v[column][i - 1] + part * (run.v[column][i] - run.v[column][i - 1]);
@@ -63,22 +64,29 @@ Settled run_in_ngspice(const AnalogController& controller, const Reference& refe
                repeat = periods * period;
   // At kilohertz the smoothing takes more periods to settle, which are cheap.
   const double slowest = controller.slope ? 10.0 * controller.slope->smoothing_s : 0.0;
-  const int repeats = whole_number(std::ceil(slowest / repeat), options.settle_repeats, kMostRepeats) + 1;
-  const std::string deck = "controller\n" +
-                           controller_library(controller, "controller", {options.off, false}) +
-                           reference_sources(reference, operating, repeats) + "Xc r v controller\n";
-  const spice::Transient run =
-      spice::run_transient(deck, {"r", "v"}, period / options.steps, repeats * repeat, "controller.sub");
+  const double settle = slowest <= options.settle_repeats * repeat
+                            ? options.settle_repeats
+                            : static_cast<double>(whole_number(std::ceil(slowest / repeat), 1, kMostRepeats));
+  const std::string deck =
+      "controller\n" + controller_library(controller, "controller", {options.off, false}) +
+      reference_sources(reference, operating, whole_number<int>(std::ceil(settle + 1.0))) +
+      "Xc r v controller\n";
+  const spice::Transient run = spice::run_transient(deck, {"r", "v"}, period / options.steps,
+                                                    (settle + 1.0) * repeat, "controller.sub");
   const std::size_t samples = options.samples * reference.periods();
   Settled out{reference, operating, repeat / static_cast<double>(samples), {}, {}, {}, 0.0};
-  const auto sample = [&](std::size_t column, int number, std::vector<double>& to) {
+  // Every phase where it first comes after `from` repeats.
+  const auto sample = [&](std::size_t column, double from, std::vector<double>& to) {
     std::size_t i = 1;
-    for (std::size_t k = 0; k < samples; ++k)
-      to.push_back(at_time(run, column, number * repeat + static_cast<double>(k) * out.step_s, i));
+    for (std::size_t k = 0; k < samples; ++k) {
+      const double phase = static_cast<double>(k) / static_cast<double>(samples);
+      to.push_back(
+          at_time(run, column, std::ceil(from - phase) * repeat + static_cast<double>(k) * out.step_s, i));
+    }
   };
-  sample(0, repeats - 1, out.r);
-  sample(1, repeats - 1, out.v);
-  sample(1, 0, out.first_v);
+  sample(0, settle, out.r);
+  sample(1, settle, out.v);
+  if (settle >= 1.0) sample(1, 0.0, out.first_v);
   out.wall_s = watch.seconds();
   return out;
 }

@@ -18,15 +18,18 @@ struct Settled {
   Hertz operating;
   double step_s = 0.0;
   std::vector<double> r, v;
-  std::vector<double> first_v;  ///< the first repeat, from rest (ngspice only)
+  std::vector<double> first_v;  ///< the first repeat, from rest (ngspice only, where a whole one settles)
   double wall_s = 0.0;          ///< of the simulation
 
   double period_s() const { return step_s * static_cast<double>(v.size()); }
 };
 
+/// From rest to the far end of the reference everything that is quick has settled.
+inline constexpr double kHalfRepeat = 0.5;
+
 struct NgspiceRun {
   const Deviations* off = nullptr;  ///< none: as realised
-  int settle_repeats = 1;           ///< before the one that is kept; more while what is slow still settles
+  double settle_repeats = 1.0;      ///< before the one that is kept; more while what is slow still settles
   int steps = 2000;                 ///< largest step: this part of an operating period
   std::size_t samples = 2048;       ///< to an operating period
 };

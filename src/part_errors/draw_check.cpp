@@ -28,6 +28,7 @@ std::vector<DrawCheck> check_draws(const controller::AnalogController& controlle
     run.off = &copy.off;
     run.steps = 500;  // the drive differs by less than .001 % of range from that at four times as many
     run.samples = options.samples;
+    run.settle_repeats = controller::kHalfRepeat;
     const controller::Settled settled =
         controller::run_in_ngspice(built, options.reference, one.frequency, run);
     one.percent = bench.error_percent(board, f);

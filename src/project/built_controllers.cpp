@@ -13,6 +13,7 @@ namespace {
 controller::NgspiceRun study_steps() {
   controller::NgspiceRun out;
   out.steps = 500;
+  out.settle_repeats = controller::kHalfRepeat;
   return out;
 }
 

@@ -68,6 +68,7 @@ WaveformErrorMap::WaveformErrorMap(const Disturbance& disturbance, DrivenPath pa
     descending_ = branch_coefficients(disturbance, Disturbance::Branch::descending);
   } else {
     window_ = half_period_map(coefficient_, path);
+    by_window_ = FixedMatrix(window_);
   }
 }
 
@@ -110,7 +111,7 @@ void WaveformErrorMap::apply_half(const VectorXcd& g, const MatrixXcd* g_slope, 
     parts(2 * k - 1) = g(k).real() - gain;
     parts(2 * k) = g(k).imag();
   }
-  e = window_ * parts;
+  e = by_window_.times(parts).col(0);
   if (slope == nullptr) return;
   MatrixXd changes(kUnknowns, g_slope->cols());
   changes.row(0) = g_slope->row(0).real();
@@ -118,7 +119,7 @@ void WaveformErrorMap::apply_half(const VectorXcd& g, const MatrixXcd* g_slope, 
     changes.row(2 * k - 1) = g_slope->row(k).real();
     changes.row(2 * k) = g_slope->row(k).imag();
   }
-  *slope = window_ * changes;
+  *slope = by_window_.times(changes);
 }
 
 MatrixXd WaveformErrorMap::matrix() const {

@@ -8,6 +8,7 @@
 #include "fit/root_model.hpp"
 #include "fit/triangle_series.hpp"
 #include "fit/waveform_error.hpp"
+#include "numeric/fixed_matrix.hpp"
 #include "signal/disturbance.hpp"
 
 namespace bodesmith {
@@ -46,6 +47,7 @@ class WaveformErrorMap {
   Eigen::VectorXcd ascending_;    ///< each branch's share of it, for the whole path
   Eigen::VectorXcd descending_;
   Eigen::MatrixXd window_;  ///< B of a path in which one half of the period counts
+  FixedMatrix by_window_;   ///< the same, to multiply by
 };
 
 /// The errors of all operating frequencies as functions of the roots of G.

@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "fpaa/clocked_factors.hpp"
+#include "fpaa/grid_arithmetic.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -53,19 +54,10 @@ InD numerator_of(const NetworkStage& stage, std::size_t input) {
 }
 
 StageOnGrid::StageOnGrid(const NetworkStage& stage, const std::vector<Complex>& d)
-    : stage_(stage), d_(d), inverse_(d.size()) {
-  const InD denominator = denominator_of(stage);
-  for (std::size_t k = 0; k < d.size(); ++k) {
-    const Complex below = denominator.at(d[k]);
-    inverse_[k] = std::conj(below) / std::norm(below);
-  }
-}
+    : stage_(stage), d_(d), inverse_(inverse_of(denominator_of(stage), d)) {}
 
 std::vector<Complex> StageOnGrid::response(std::size_t input) const {
-  const InD numerator = numerator_of(stage_, input);
-  std::vector<Complex> out(d_.size());
-  for (std::size_t k = 0; k < out.size(); ++k) out[k] = -product(numerator.at(d_[k]), inverse_[k]);
-  return out;
+  return negative_quotient(numerator_of(stage_, input), d_, inverse_);
 }
 
 std::vector<Complex> StageOnGrid::derivative(std::size_t input, std::size_t capacitor,
@@ -106,13 +98,7 @@ std::vector<Complex> StageOnGrid::derivative(std::size_t input, std::size_t capa
     if (is(Stage::kC4) || is(low ? Stage::kCA : Stage::kC3)) add(dm, 0.0, damp, -late * damp);
     if (is(Stage::kCA) || is(Stage::kCB)) add(dm, 0.0, 0.0, store);
   }
-  std::vector<Complex> out(d_.size());
-  for (std::size_t k = 0; k < out.size(); ++k) {
-    const Complex above = dn[0] + product(d_[k], dn[1] + dn[2] * d_[k]);
-    const Complex below = dm[0] + product(d_[k], dm[1] + dm[2] * d_[k]);
-    out[k] = -product(above + product(response[k], below), inverse_[k]);
-  }
-  return out;
+  return negative_change({dn[0], dn[1], dn[2]}, {dm[0], dm[1], dm[2]}, d_, response, inverse_);
 }
 
 int NetworkStage::capacitor_count() const {
@@ -201,8 +187,7 @@ NetworkResponse::Transfers NetworkResponse::transfers(const Network& network) co
       if (stage.from[i] == NetworkStage::kBoardInput) continue;
       const std::int64_t source = network.stages[static_cast<std::size_t>(stage.from[i])].divisor;
       if (source == stage.divisor) continue;
-      const std::vector<Complex>& read = read_of(source, stage.divisor);
-      for (std::size_t k = 0; k < read.size(); ++k) inputs.back()[k] = product(inputs.back()[k], read[k]);
+      multiply(inputs.back(), read_of(source, stage.divisor));
     }
     out.push_back(std::move(inputs));
   }
@@ -226,8 +211,7 @@ std::vector<std::vector<Complex>> NetworkResponse::nodes(const Network& network,
         for (std::size_t k = 0; k < points; ++k) node[k] += way[k];
         continue;
       }
-      const std::vector<Complex>& source = out[static_cast<std::size_t>(stage.from[i])];
-      for (std::size_t k = 0; k < points; ++k) node[k] += product(way[k], source[k]);
+      add_product(node, way, out[static_cast<std::size_t>(stage.from[i])]);
     }
     out.push_back(std::move(node));
   }
@@ -235,9 +219,8 @@ std::vector<std::vector<Complex>> NetworkResponse::nodes(const Network& network,
 }
 
 std::vector<Complex> NetworkResponse::output(const Network& network) const {
-  std::vector<Complex> out = nodes(network).back();
-  const std::vector<Complex>& hold = hold_of(network.stages.back().divisor);
-  for (std::size_t k = 0; k < out.size(); ++k) out[k] = product(out[k], hold[k]);
+  std::vector<Complex> out = std::move(nodes(network).back());
+  multiply(out, hold_of(network.stages.back().divisor));
   return out;
 }
 
@@ -263,9 +246,7 @@ std::vector<std::vector<Complex>> NetworkResponse::onward(const Network& network
     const NetworkStage& stage = network.stages[s];
     for (std::size_t i = 0; i < stage.from.size(); ++i) {
       if (stage.from[i] == NetworkStage::kBoardInput) continue;
-      std::vector<Complex>& source = out[static_cast<std::size_t>(stage.from[i])];
-      const std::vector<Complex>& way = made[s][i];
-      for (std::size_t k = 0; k < points; ++k) source[k] += product(way[k], out[s][k]);
+      add_product(out[static_cast<std::size_t>(stage.from[i])], made[s][i], out[s]);
     }
   }
   return out;

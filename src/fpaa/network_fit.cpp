@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/progress.hpp"
+#include "fpaa/grid_arithmetic.hpp"
 #include "fpaa/stage_view.hpp"
 #include "numeric/least_squares.hpp"
 
@@ -112,9 +113,9 @@ std::vector<CapacitorEffect> capacitor_effects(const Network& network, const Net
       if (stage.from[i] == Stage::kBoardInput) continue;
       const auto source = static_cast<std::size_t>(stage.from[i]);
       const std::vector<Complex>& read = response.read_of(network.stages[source].divisor, stage.divisor);
-      for (std::size_t k = 0; k < points; ++k) {
-        ways.back()[k] = product(ways.back()[k], product(nodes[source][k], read[k]));
-      }
+      GridValues reads = nodes[source];
+      multiply(reads, read);
+      multiply(ways.back(), reads);
     }
     for (std::size_t c = 0; c < stage.c.size(); ++c) {
       if (!(stage.c[c] > 0.0) || (only_free && stage.free[c] == 0)) continue;
@@ -122,8 +123,7 @@ std::vector<CapacitorEffect> capacitor_effects(const Network& network, const Net
       const bool of_one = stage.kind == Stage::Kind::first && c < 2 * stage.from.size();
       for (std::size_t i = 0; i < stage.from.size(); ++i) {
         if (of_one && i != c / 2) continue;
-        const std::vector<Complex> by = on_grid.derivative(i, c, own[i]);
-        for (std::size_t k = 0; k < points; ++k) effect.values[k] += product(by[k], ways[i][k]);
+        add_product(effect.values, on_grid.derivative(i, c, own[i]), ways[i]);
       }
       out.push_back(std::move(effect));
     }

@@ -2,6 +2,7 @@
 
 #include <cmath>
 
+#include "fpaa/grid_arithmetic.hpp"
 #include "numeric/clones.hpp"
 #include "numeric/four.hpp"
 
@@ -62,9 +63,9 @@ StageView::StageView(const Network& network, std::size_t s, const NetworkRespons
     if (from != NetworkStage::kBoardInput) {
       const auto source = static_cast<std::size_t>(from);
       const std::vector<Complex>& read = response.read_of(network.stages[source].divisor, stage.divisor);
-      for (std::size_t k = 0; k < way.size(); ++k) {
-        way[k] = product(way[k], product(read[k], nodes[source][k]));
-      }
+      GridValues reads = read;
+      multiply(reads, nodes[source]);
+      multiply(way, reads);
     }
     ways_.emplace_back(way, 0.0);
   }

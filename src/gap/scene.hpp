@@ -42,6 +42,7 @@ struct Scene {
   std::vector<Hertz> frequency;
   std::vector<std::complex<double>> measured_over_model;
   std::vector<double> weights;  ///< FrequencyExperiment::weights
+  int threads = 1;              ///< for looks that take long
   std::function<bool()> late;   ///< true: the time for proposals is over; empty: it has no end
 
   bool linear(std::size_t position) const;  ///< the block there is linear and time-invariant

@@ -198,16 +198,23 @@ std::vector<double> Board::slope_voltage(const Input& input) const {
     const double half = std::max(0.0, -w * m.half_gain + m.half_offset);
     return -(w * m.direct + half * m.half) + m.full_offset;
   };
-  const auto advance = [&](double slope, double h) {
-    const double ea = m.lag1_s > 0.0 ? std::exp(-h / m.lag1_s) : 0.0;
-    const double eb = m.lag2_s > 0.0 ? std::exp(-h / m.lag2_s) : 0.0;
-    a = slope + (a - slope) * ea;
-    b = a + (b - a) * eb;
-    const double es = m.smoothing_s > 0.0 ? std::exp(-h / m.smoothing_s) : 0.0;
-    const double to = target();
-    sn = to + (sn - to) * es;
+  // Steps are of few lengths: what is left of a lag over one is worked out once for each.
+  struct Left {
+    double h = -1.0, a = 0.0, b = 0.0, sn = 0.0;
+  };
+  const auto left_of = [&m](double h) {
+    const auto part = [h](double lag_s) { return lag_s > 0.0 ? std::exp(-h / lag_s) : 0.0; };
+    return Left{h, part(m.lag1_s), part(m.lag2_s), part(m.smoothing_s)};
   };
   const double lag = std::max(m.lag1_s, m.lag2_s), settled = 0.01 * input.greatest_slope;
+  const Left whole = left_of(input.step_s), small = left_of(0.5 * lag);
+  Left rest;
+  const auto advance = [&](double slope, const Left& left) {
+    a = slope + (a - slope) * left.a;
+    b = a + (b - a) * left.b;
+    const double to = target();
+    sn = to + (sn - to) * left.sn;
+  };
   a = b = input.slope[n - 1];
   sn = target();
   for (int round = 0; round < 2; ++round) {
@@ -217,10 +224,11 @@ std::vector<double> Board::slope_voltage(const Input& input) const {
       // Small steps only while the differentiator is on its way.
       while (left > 0.5 * lag &&
              (std::abs(a - input.slope[k]) > settled || std::abs(b - input.slope[k]) > settled)) {
-        advance(input.slope[k], 0.5 * lag);
+        advance(input.slope[k], small);
         left -= 0.5 * lag;
       }
-      advance(input.slope[k], left);
+      if (left != input.step_s && left != rest.h) rest = left_of(left);
+      advance(input.slope[k], left == input.step_s ? whole : rest);
     }
   }
   return out;

@@ -37,6 +37,7 @@ HoldNodes nodes_of_degree(std::size_t degree) {
       ++order;
     }
     for (std::size_t k = 0; k <= degree; ++k) n.monomial[k][j] = c[k];
+    n.scale[j] = c[degree];
   }
   return n;
 }
@@ -45,9 +46,9 @@ HoldNodes nodes_of_degree(std::size_t degree) {
 
 void HoldNodes::weights(double s, double* out) const {
   for (std::size_t j = 0; j <= degree; ++j) {
-    double w = 1.0;
+    double w = scale[j];
     for (std::size_t i = 0; i <= degree; ++i) {
-      if (i != j) w *= (s - at[i]) / (at[j] - at[i]);
+      if (i != j) w *= s - at[i];
     }
     out[j] = w;
   }

@@ -12,6 +12,7 @@ inline constexpr std::size_t kMaxDegree = 4;
 struct HoldNodes {
   std::size_t degree = 1;
   std::array<double, kMaxDegree + 1> at{};
+  std::array<double, kMaxDegree + 1> scale{};  ///< 1/product of the distances to the other nodes
   /// Row k: coefficient of s^k as a weighted sum of the node values.
   std::array<std::array<double, kMaxDegree + 1>, kMaxDegree + 1> monomial{};
 

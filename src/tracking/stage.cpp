@@ -3,7 +3,9 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <complex>
 #include <numbers>
 
 #include "base/error.hpp"
@@ -44,6 +46,50 @@ std::vector<TurningPoint> turning_points(std::span<const double> u, std::size_t 
   // The round ends falling to the minimum it began with; a last rise that is not over is none.
   if (rising && out.size() > 1) out.pop_back();
   return out;
+}
+
+/// What makes a path's response at the bins of a spectrum.
+std::vector<double> numbers_of(const Sections& path, std::size_t samples, double step_s) {
+  std::vector<double> out = {static_cast<double>(samples), step_s, path.gain};
+  for (const Section& section : path.sections) {
+    out.push_back(section.gain);
+    for (const auto* roots : {&section.zeros, &section.poles}) {
+      out.push_back(static_cast<double>(roots->size()));
+      for (const std::complex<double>& root : *roots) {
+        out.push_back(root.real());
+        out.push_back(root.imag());
+      }
+    }
+  }
+  return out;
+}
+
+/// The path at 0 Hz and every multiple of 1/(samples step_s) up to the middle, which are real numbers at both ends. A study
+/// asks for the same few paths and periods again and again: the last ones are kept, one row a thread.
+const std::vector<std::complex<double>>& response_at_bins(const Sections& path, std::size_t samples,
+                                                          double step_s) {
+  constexpr std::size_t kKept = 16, kLongest = std::size_t{1} << 17;
+  struct Known {
+    std::vector<double> numbers;
+    std::vector<std::complex<double>> h;
+  };
+  thread_local std::array<Known, kKept> known;
+  thread_local std::size_t next = 0;
+  thread_local Known long_one;
+  std::vector<double> numbers = numbers_of(path, samples, step_s);
+  for (const Known& one : known) {
+    if (one.numbers == numbers) return one.h;
+  }
+  std::vector<Hertz> grid;
+  grid.reserve(samples / 2 + 1);
+  for (std::size_t k = 0; k <= samples / 2; ++k)
+    grid.push_back({static_cast<double>(k) / (static_cast<double>(samples) * step_s)});
+  std::vector<std::complex<double>> h = responses(path, grid);
+  h.front() = h.front().real();
+  if (samples % 2 == 0) h.back() = h.back().real();
+  Known& place = samples > kLongest ? long_one : known[next++ % kKept];
+  place = {std::move(numbers), std::move(h)};
+  return place.h;
 }
 
 }  // namespace
@@ -126,16 +172,10 @@ double stroke_gain(const Disturbance& disturbance, Disturbance::Branch branch, d
 
 std::vector<double> through_path(const Sections& path, std::span<const double> u, double step_s) {
   if (path.sections.empty() && path.gain == 1.0) return {u.begin(), u.end()};
-  const std::size_t n = u.size();
   std::vector<std::complex<double>> bins = half_spectrum(u);
-  std::vector<Hertz> grid;
-  grid.reserve(bins.size());
-  for (std::size_t k = 0; k < bins.size(); ++k)
-    grid.push_back({static_cast<double>(k) / (static_cast<double>(n) * step_s)});
-  const std::vector<std::complex<double>> h = responses(path, grid);
-  for (std::size_t k = 0; k < bins.size(); ++k)
-    bins[k] *= k == 0 || 2 * k == n ? std::complex<double>(h[k].real()) : h[k];
-  return from_half_spectrum(bins, n);
+  const std::vector<std::complex<double>>& h = response_at_bins(path, u.size(), step_s);
+  for (std::size_t k = 0; k < bins.size(); ++k) bins[k] *= h[k];
+  return from_half_spectrum(bins, u.size());
 }
 
 std::vector<bool> rising_samples(std::span<const double> u, double turn_back) {

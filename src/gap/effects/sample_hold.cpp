@@ -4,6 +4,7 @@
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 #include "gap/effects/sample_hold_clocks.hpp"
+#include "numeric/parallel_for.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -63,17 +64,26 @@ class SampleHold final : public Effect {
     if (!images && !lags) return;
     std::array<Starts, 2> stairs;
     if (images) stairs = {clocks_by_stairs(scene, false), clocks_by_stairs(scene, true)};
-    for (std::size_t at : scene.static_places()) {
-      for (bool half : {false, true}) {
-        auto starts = stairs[half ? 1 : 0];
-        if (images && at < scene.model->size() && dynamics_follow(scene, at)) {
-          const auto more = clocks_before_dynamics(scene, at, half);
-          starts.insert(starts.begin(), more.begin(), more.end());
-        }
-        if (lags) {
-          const auto more = clocks_near_lag(scene, at, half, lag_s);
-          starts.insert(starts.end(), more.begin(), more.end());
-        }
+    const std::vector<std::size_t> places = scene.static_places();
+    std::vector<Starts> found(2 * places.size());  // whole and half cycles of delay
+    parallel_for(found.size(), scene.threads, [&](std::size_t i) {
+      const std::size_t at = places[i / 2];
+      const bool half = i % 2 == 1;
+      Starts& starts = found[i];
+      starts = stairs[half ? 1 : 0];
+      if (images && at < scene.model->size() && dynamics_follow(scene, at)) {
+        const auto more = clocks_before_dynamics(scene, at, half);
+        starts.insert(starts.begin(), more.begin(), more.end());
+      }
+      if (lags) {
+        const auto more = clocks_near_lag(scene, at, half, lag_s);
+        starts.insert(starts.end(), more.begin(), more.end());
+      }
+    });
+    for (std::size_t place = 0; place < places.size(); ++place) {
+      const std::size_t at = places[place];
+      for (const bool half : {false, true}) {
+        const Starts& starts = found[2 * place + (half ? 1 : 0)];
         if (starts.empty()) continue;
         const auto [low, high] = std::minmax_element(starts.begin(), starts.end());
         auto clock = logarithmic_unknown("clock_hz", 0.5 * (*low)[0], 2.0 * (*high)[0]);

@@ -77,12 +77,17 @@ double likeness_to_stairs(const std::vector<double>& signal, const std::vector<d
     return k + 1 < n ? signal[k] + (s - static_cast<double>(k)) * (signal[k + 1] - signal[k]) : signal[k];
   };
   Likeness likeness;
+  double held = 0.0, next_edge = 0.0;
   for (std::size_t i = from; i < n; ++i) {
     const auto t = static_cast<double>(i);
-    const double edge = std::floor((t - late) / cycle) * cycle;
     const double mean = t - lag;
-    if (edge < 0.0 || mean < 0.0) continue;
-    likeness.add(residual[i], at(edge) - at(mean));
+    if (t < late || mean < 0.0) continue;
+    if (t - late >= next_edge) {
+      const double edge = std::floor((t - late) / cycle) * cycle;
+      held = at(edge);
+      next_edge = edge + cycle;
+    }
+    likeness.add(residual[i], held - at(mean));
   }
   return likeness.value();
 }

@@ -31,7 +31,8 @@ bool repeats_earlier_term(const Proposal& proposal, bool in_response) {
 std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecords& records,
                                  const Model& model, const EffectFilter& filter,
                                  std::set<std::string_view>& missed) {
-  const auto scene = make_scene(model, records.train, [&] { return setting.options.is_late(); });
+  auto scene = make_scene(model, records.train, [&] { return setting.options.is_late(); });
+  scene.threads = setting.options.threads;
   std::vector<Proposal> proposals;
   for (const auto* effect : effect_registry().all()) {
     if (scene.frequency_only && !effect->linear()) continue;

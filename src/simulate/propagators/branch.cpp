@@ -91,10 +91,15 @@ void BranchPropagator::turn(double when, bool rising) {
   due_.push_back(when + delay_);
 }
 
+bool BranchPropagator::is_constant(const double* v) const {
+  return std::all_of(v + 1, v + nodes_->size(), [v](double value) { return value == v[0]; });
+}
+
 void BranchPropagator::find_turns(const double* v, std::size_t hold, double last, double noise) {
   const std::size_t p = nodes_->degree;
   const auto start = static_cast<double>(hold);
   if (std::abs(v[0] - last) > noise) turn(start, v[0] > last);
+  if (is_constant(v)) return;  // behind a clocked hold most are
   // The slope's polynomial, and the directions between its roots.
   double slope[kMaxDegree] = {};
   double roots[kMaxDegree + 1];
@@ -135,7 +140,11 @@ double BranchPropagator::run(double* signal, std::size_t holds, double before) {
       due_.erase(due_.begin());
     }
     if (due_.empty() || due_.front() >= start + 1.0 - kAtEnd) {
-      for (std::size_t j = 0; j < width; ++j) v[j] = on_branch(v[j]);
+      if (is_constant(v)) {
+        std::fill_n(v, width, on_branch(v[0]));
+      } else {
+        for (std::size_t j = 0; j < width; ++j) v[j] = on_branch(v[j]);
+      }
     } else {
       broken_hold(v, hold);
     }

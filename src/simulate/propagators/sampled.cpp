@@ -103,10 +103,15 @@ void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h,
     // one.
     edges.take_samples(begin + kClose, begin, u);
     while (edges.next_change() - begin <= kClose) edges.change();
+    if (!(edges.next_change() - begin < 1.0 - kClose)) {  // most holds of a slow clock
+      std::fill_n(y, width, edges.held());
+      if (jumps != nullptr) jumps = std::fill_n(jumps, width, 0.0);
+      edges.take_samples(begin + 1.0 - kClose, begin, u);
+      continue;
+    }
     std::size_t node = 0;
     double from = 0.0;
     staircase.clear();
-    bool steps = false;
     while (true) {
       const double change = edges.next_change() - begin;
       const bool inside = change < 1.0 - kClose;
@@ -114,14 +119,13 @@ void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h,
       while (node < width && (nodes.at[node] < to || !inside)) y[node++] = edges.held();
       staircase.add(from, to, edges.held());
       if (!inside) break;
-      steps = true;
       edges.take_samples(begin + change, begin, u);
       edges.change();
       from = to;
     }
     if (jumps != nullptr) {
       std::copy_n(y, width, jumps);
-      if (steps) staircase.nodes(y);
+      staircase.nodes(y);
       for (std::size_t j = 0; j < width; ++j) jumps[j] -= y[j];
       jumps += width;
     }

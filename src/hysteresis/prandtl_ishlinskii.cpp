@@ -148,7 +148,19 @@ void set_states(const PrandtlIshlinskii& model, double v, std::vector<double>& z
 
 PrandtlIshlinskiiOperator::PrandtlIshlinskiiOperator(PrandtlIshlinskii model)
     : model_(std::move(model)), z_(model_.r.size(), 0.0) {
+  for (std::size_t k = 0; k < model_.s.size(); ++k)
+    (model_.s[k] > 0.0 ? above_ : below_).push_back({model_.s[k], model_.v[k]});
   reset(model_.u_0);
+}
+
+double PrandtlIshlinskiiOperator::shape(double p) const {
+  double out = p;
+  if (p > 0.0) {
+    for (const DeadZone& zone : above_) out += zone.v * std::max(p - zone.s, 0.0);
+  } else {
+    for (const DeadZone& zone : below_) out += zone.v * std::min(p - zone.s, 0.0);
+  }
+  return out;
 }
 
 double PrandtlIshlinskiiOperator::reset(double u) {
@@ -161,12 +173,20 @@ double PrandtlIshlinskiiOperator::step(double u, double) {
   const double* r = model_.r.data();
   const double* w = model_.w.data();
   double* z = z_.data();
-  double p = 0.0;
-  for (std::size_t i = 0, n = z_.size(); i < n; ++i) {
+  // Two sums, neither of which waits for the other.
+  double p = 0.0, q = 0.0;
+  const std::size_t n = z_.size();
+  for (std::size_t i = 0; i + 1 < n; i += 2) {
     z[i] = std::max(v - r[i], std::min(v + r[i], z[i]));
+    z[i + 1] = std::max(v - r[i + 1], std::min(v + r[i + 1], z[i + 1]));
     p += w[i] * z[i];
+    q += w[i + 1] * z[i + 1];
   }
-  return model_.offset + (model_.s.empty() ? p : model_.shape(p));
+  if (n % 2 != 0) {
+    z[n - 1] = std::max(v - r[n - 1], std::min(v + r[n - 1], z[n - 1]));
+    p += w[n - 1] * z[n - 1];
+  }
+  return model_.offset + shape(p + q);
 }
 
 double PrandtlIshlinskiiOperator::peek(double u, double) const {
@@ -174,7 +194,7 @@ double PrandtlIshlinskiiOperator::peek(double u, double) const {
   double p = 0.0;
   for (std::size_t i = 0; i < z_.size(); ++i)
     p += model_.w[i] * std::max(v - model_.r[i], std::min(v + model_.r[i], z_[i]));
-  return model_.offset + model_.shape(p);
+  return model_.offset + shape(p);
 }
 
 PrandtlIshlinskiiInverse::PrandtlIshlinskiiInverse(PrandtlIshlinskii model) : model_(std::move(model)) {

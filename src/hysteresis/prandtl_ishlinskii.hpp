@@ -59,8 +59,15 @@ class PrandtlIshlinskiiOperator final : public Operator {
   const std::vector<double>& states() const { return z_; }
 
  private:
+  struct DeadZone {
+    double s = 0.0, v = 0.0;
+  };
+  /// S(p): what lies on the other side of 0 adds nothing.
+  double shape(double p) const;
+
   PrandtlIshlinskii model_;
   std::vector<double> z_;
+  std::vector<DeadZone> above_, below_;  ///< 0
 };
 
 class PrandtlIshlinskiiInverse final : public Inverse {

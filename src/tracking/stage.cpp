@@ -33,8 +33,9 @@ std::vector<TurningPoint> turning_points(std::span<const double> u, std::size_t 
   std::vector<TurningPoint> out = {{start, false}};
   std::size_t extreme = start;
   bool rising = true;  // from the global minimum it can only rise
-  for (std::size_t i = 1; i < n; ++i) {
-    const std::size_t k = (start + i) % n;
+  for (std::size_t k = start + 1;; ++k) {
+    if (k == n) k = 0;
+    if (k == start) break;
     const double ahead = rising ? u[k] - u[extreme] : u[extreme] - u[k];
     if (ahead > 0.0) extreme = k;
     if (-ahead > turn_back) {
@@ -192,7 +193,8 @@ std::vector<bool> rising_samples(std::span<const double> u, double turn_back) {
     const double before = std::abs(u[at] - u[(at + n - 1) % n]);
     const double behind = std::abs(u[(at + 1) % n] - u[at]);
     out[at] = behind > before ? !up : up;
-    for (std::size_t k = (at + 1) % n; k != end; k = (k + 1) % n) out[k] = up;
+    if (up) continue;
+    for (std::size_t k = (at + 1) % n; k != end; k = k + 1 == n ? 0 : k + 1) out[k] = false;
   }
   return out;
 }

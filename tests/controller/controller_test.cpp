@@ -49,6 +49,25 @@ TEST(Controller, NgspiceAndTheStageFindItWithinATenthOfAPercent) {
   }
 }
 
+TEST(Controller, HalfARepeatSettlesAsWellAsAWholeOne) {
+  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  const AnalogController fed = make_controller(first_seed());
+  NgspiceRun whole, half;
+  whole.steps = half.steps = 500;
+  half.settle_repeats = kHalfRepeat;
+  for (const double f : {1.0, 100.0, 2000.0}) {  // at the last what is slow takes whole repeats
+    const Settled a = run_in_ngspice(fed, tracking::Reference(), Hertz{f}, whole);
+    const Settled b = run_in_ngspice(fed, tracking::Reference(), Hertz{f}, half);
+    ASSERT_EQ(a.v.size(), b.v.size());
+    double sum = 0.0;
+    for (std::size_t k = 0; k < a.v.size(); ++k) {
+      EXPECT_NEAR(a.r[k], b.r[k], 1e-9) << f << " Hz, sample " << k;
+      sum += (a.v[k] - b.v[k]) * (a.v[k] - b.v[k]);
+    }
+    EXPECT_LT(100.0 * std::sqrt(sum / static_cast<double>(a.v.size())), 0.002) << f << " Hz";
+  }
+}
+
 TEST(Controller, TheSameChainInCvodeAndAsAlgebraAgreesWithNgspice) {
   if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
   const AnalogController fed = make_controller(first_seed());

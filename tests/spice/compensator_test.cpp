@@ -103,6 +103,19 @@ TEST(OpAmpMacro, BehavesAsSet) {
   EXPECT_NEAR(sweep.v[0].back(), 14.1, 0.01);
 }
 
+// Two neighbours share an analysis where they rise; any other stands alone.
+TEST(Ngspice, FrequenciesMayComeInAnyOrder) {
+  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  const std::string lowpass = ".subckt lowpass in out\nR1 in out 1k\nC1 out 0 1u\n.ends\n";
+  const std::vector<Hertz> grid = {{100.0}, {1e3}, {1e5}, {10.0}, {10.0}, {20.0}, {20.0000001}, {1.0}};
+  const auto h = run_ac_of_text(lowpass, "lowpass.sub", grid);
+  ASSERT_EQ(h.size(), grid.size());
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    const std::complex<double> exact = 1.0 / std::complex<double>(1.0, 1e-3 * grid[i].rad_s().value);
+    EXPECT_LT(std::abs(h[i] / exact - 1.0), 1e-11) << grid[i].value;
+  }
+}
+
 TEST(Ngspice, ComplaintsNameTheFile) {
   if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
   try {

@@ -114,7 +114,8 @@ struct AcceptanceOptions {
 /// alone.
 struct PairOptions {
   std::size_t trials = 3;
-  double max_left = 0.98;  ///< of the pooled rms, by a candidate worth a trial
+  std::size_t trials_of_best = 4;  ///< of those of which the best counts, once a single name came to no end
+  double max_left = 0.98;          ///< of the pooled rms, by a candidate worth a trial
   double max_left_train = 0.99;
   double min_gains = 2.0;  ///< times min_gain, of both together
 };
@@ -139,7 +140,7 @@ struct OtherWaysOptions {
   double in_the_running = 1.5;  ///< times what the best first name leaves
   double as_far = 1.02;         ///< rms over the other way's: it came as far,
   double further = 0.8;         ///< or further
-  double nearly_as_far = 1.3;   ///< the same of one name alone, which is then gone on from
+  double nearly_as_far = 1.3;   ///< the same of one name alone, or of a pair, which is then gone on from
 };
 
 struct SearchOptions {

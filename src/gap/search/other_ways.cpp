@@ -51,11 +51,12 @@ Step first_step(const Model& before, const Ranked& chosen, std::vector<Ranked> r
   return step;
 }
 
-/// The search begun again with a first step; nothing when that leaves no less.
-std::optional<State> way_beginning_with(const SearchSetting& setting, const State& base, Step first) {
+/// The search begun again with these first steps; nothing when that leaves no less.
+std::optional<State> way_beginning_with(const SearchSetting& setting, const State& base,
+                                        std::vector<Step> first) {
   State other = base;
   other.other_way = true;
-  if (!take(setting, other, {std::move(first)})) return std::nullopt;
+  if (!take(setting, other, std::move(first))) return std::nullopt;
   grow(setting, other);
   return other;
 }
@@ -67,6 +68,24 @@ void go_the_other_way(State& state, State other, const std::string& note) {
   other.first = std::move(state.first);
   state = std::move(other);
   state.found.notes.push_back(note);
+}
+
+/// Two names that came together where one after the other came to no end: a first name takes over what it can of the
+/// second one's share, and what is then left is neither's. `begun`: names that were begun with.
+void try_pairs(const SearchSetting& setting, const State& base, const std::set<const Effect*>& begun,
+               State& state) {
+  const auto& options = setting.options;
+  if (are_responses(base.records.train) || state.found.steps.empty() || is_settled(options, state) ||
+      options.is_late())
+    return;
+  auto pair = choose_best_pair(setting, base.records, base.found.model, state.first, begun);
+  if (!pair) return;
+  const double enough = options.other_ways.nearly_as_far * state.train_rms;
+  if (!(rms_of(pair->second.after, base.records.train) < enough)) return;
+  auto note = fmt::format("{} and {}, put in together, came further than one name after the other",
+                          pair->first.effect->name(), pair->second.effect->name());
+  auto other = way_beginning_with(setting, base, {std::move(pair->first), std::move(pair->second)});
+  if (other && led_further(options, *other, state)) go_the_other_way(state, std::move(*other), note);
 }
 
 }  // namespace
@@ -91,7 +110,7 @@ void try_each_name_alone(const SearchSetting& setting, const State& base, State&
     if (!judged.step || judged.step->effect != name) continue;
     if (!(rms_of(judged.step->after, base.records.train) < enough)) continue;
     const auto placed = judged.step->placed;
-    auto other = way_beginning_with(setting, base, std::move(*judged.step));
+    auto other = way_beginning_with(setting, base, {std::move(*judged.step)});
     if (!other || !led_further(setting.options, *other, state)) continue;
     go_the_other_way(state, std::move(*other),
                      fmt::format("{} {} does alone what several names did", name->name(), placed));
@@ -103,6 +122,8 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
   std::set<const Effect*> tried;
   for (const auto& step : state.found.steps) tried.insert(step.effect);
   const auto first = state.first;
+  std::set<const Effect*> begun;
+  if (!state.found.steps.empty()) begun.insert(state.found.steps.front().effect);
   std::size_t ways = 0;
   double best = setting.first_gap;
   for (const auto& r : first) best = std::min(best, r.train_rms);
@@ -110,18 +131,21 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
       std::min(options.other_ways.max_left * setting.first_gap, options.other_ways.in_the_running * best);
   for (const auto& r : first) {
     const bool done = is_settled(options, state) && state.found.steps.size() <= options.other_ways.few_terms;
-    if (state.found.steps.empty() || done || options.is_late() || ways >= options.other_ways.max_ways) return;
+    if (state.found.steps.empty() || done || options.is_late()) return;
+    if (ways >= options.other_ways.max_ways) break;
     if (r.condition_number > options.acceptance.max_condition || r.unknowns > options.acceptance.max_unknowns)
       continue;
     if (r.no_name || !(r.train_rms < most) || !tried.insert(r.effect).second) continue;
     ++ways;
-    auto other = way_beginning_with(setting, base, first_step(base.found.model, r, first));
+    begun.insert(r.effect);
+    auto other = way_beginning_with(setting, base, {first_step(base.found.model, r, first)});
     if (!other || !led_further(options, *other, state)) continue;
     go_the_other_way(
         state, std::move(*other),
         fmt::format("Begun with {}, the search came further than with the first name of the first round",
                     r.effect->name()));
   }
+  try_pairs(setting, base, begun, state);
 }
 
 }  // namespace bodesmith::gap

@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <limits>
 #include <set>
 #include <utility>
 
@@ -45,6 +46,28 @@ std::optional<Step> second_beside(const SearchSetting& setting, const SearchReco
   return second;
 }
 
+/// The two as steps, and why they stand together.
+Pair pair_of(const Model& before, const std::vector<Ranked>& ranking, const Ranked& first, Step second) {
+  Step step;
+  step.effect = first.effect;
+  step.placed = first.placed;
+  step.before = before;
+  step.after = first.model;
+  step.ranking = ranking;
+  for (auto& r : step.ranking) {
+    if (r.outcome == CandidateOutcome::named) r.outcome = CandidateOutcome::worse;
+  }
+  step.ranking[static_cast<std::size_t>(&first - ranking.data())].outcome = CandidateOutcome::named_in_pair;
+  step.pair_with = second.effect->name();
+  second.pair_with = first.effect->name();
+  for (auto& r : second.ranking) {
+    if (r.outcome == CandidateOutcome::named) r.outcome = CandidateOutcome::named_in_pair;
+  }
+  auto note =
+      fmt::format("{} and {} earn their places only together", first.effect->name(), second.effect->name());
+  return {std::move(step), std::move(second), std::move(note)};
+}
+
 }  // namespace
 
 std::optional<Pair> choose_pair(const SearchSetting& setting, const SearchRecords& records,
@@ -55,25 +78,32 @@ std::optional<Pair> choose_pair(const SearchSetting& setting, const SearchRecord
   for (const auto* first : trials_among(options, ranking, rms(residuals.folds))) {
     if (options.is_late() || tried.size() >= options.pairs.trials) break;
     if (!tried.insert(first->effect).second) continue;
-    auto second = second_beside(setting, records, *first, rms(residuals.train));
-    if (!second) continue;
-    Step step;
-    step.effect = first->effect;
-    step.placed = first->placed;
-    step.before = before;
-    step.after = first->model;
-    step.ranking = ranking;
-    step.ranking[static_cast<std::size_t>(first - ranking.data())].outcome = CandidateOutcome::named_in_pair;
-    step.pair_with = second->effect->name();
-    second->pair_with = first->effect->name();
-    for (auto& r : second->ranking) {
-      if (r.outcome == CandidateOutcome::named) r.outcome = CandidateOutcome::named_in_pair;
-    }
-    auto note = fmt::format("{} and {} earn their places only together", first->effect->name(),
-                            second->effect->name());
-    return Pair{std::move(step), std::move(*second), std::move(note)};
+    if (auto second = second_beside(setting, records, *first, rms(residuals.train)))
+      return pair_of(before, ranking, *first, std::move(*second));
   }
   return std::nullopt;
+}
+
+std::optional<Pair> choose_best_pair(const SearchSetting& setting, const SearchRecords& records,
+                                     const Model& before, const std::vector<Ranked>& ranking,
+                                     std::set<const Effect*> tried) {
+  const auto& options = setting.options;
+  const auto residuals = round_residuals(before, records);
+  std::optional<Pair> best;
+  double least = std::numeric_limits<double>::infinity();
+  std::size_t trials = 0;
+  for (const auto* first : trials_among(options, ranking, rms(residuals.folds))) {
+    if (options.is_late() || trials >= options.pairs.trials_of_best) break;
+    if (!tried.insert(first->effect).second) continue;
+    ++trials;
+    auto second = second_beside(setting, records, *first, rms(residuals.train));
+    if (!second) continue;
+    const double left = rms_of(second->after, records.train);
+    if (!(left < least)) continue;
+    least = left;
+    best = pair_of(before, ranking, *first, std::move(*second));
+  }
+  return best;
 }
 
 }  // namespace bodesmith::gap

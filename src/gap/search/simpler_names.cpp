@@ -1,0 +1,203 @@
+#include "gap/search/simpler_names.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <optional>
+#include <set>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+#include "base/text.hpp"
+#include "gap/runner.hpp"
+#include "gap/search/acceptance.hpp"
+#include "gap/search/backward_elimination.hpp"
+#include "gap/search/base_fit.hpp"
+#include "gap/search/folds.hpp"
+#include "gap/search/grow.hpp"
+#include "gap/search/round.hpp"
+#include "signal/statistics.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// Terms with so many unknowns are families: they fit what they are not.
+constexpr std::size_t kFamily = 5;
+/// Relatives beside which one more name is looked for.
+constexpr std::size_t kRelatives = 1;
+/// More places of an effect than any chain has.
+constexpr int kEverywhere = 1000;
+/// Weights of a bank that rest at 0 vary: so many more in use make no name less simple.
+constexpr std::size_t kMoreInUse = 2;
+
+/// Unknowns of the names, and those of them that do not rest at a bound.
+struct Size {
+  std::size_t unknowns = 0;
+  std::size_t effective = 0;
+};
+
+/// Names in the place of one.
+struct Instead {
+  std::vector<Step> steps;
+  Size size;
+  double folds_rms = 0.0;
+};
+
+/// What they are compared with.
+struct Family {
+  const Effect* effect;
+  Size size;
+  Folds kind;
+  std::vector<double> folds;  ///< residuals of the model with it
+  double folds_rms;
+};
+
+bool is_confused_with(const Effect& effect, const Effect& other) {
+  const auto names = effect.confused_with();
+  return std::find(names.begin(), names.end(), other.name()) != names.end();
+}
+
+/// As little left with fewer unknowns, or plainly less.
+bool is_better_than(const SearchSetting& setting, const SearchRecords& records, const Family& family,
+                    const Model& model, Size size) {
+  const auto& options = setting.options;
+  if (size.effective > family.size.effective + kMoreInUse) return false;
+  const auto folds = folded_residuals(model, records.train, family.kind);
+  if (folds.size() != family.folds.size()) return false;
+  const double left = rms(folds);
+  const bool plainly_less = left < options.elimination.swap_gain * family.folds_rms &&
+                            improvement_z(family.folds, folds) > options.acceptance.tie_significance;
+  if (plainly_less) return true;
+  return size.unknowns < family.size.unknowns &&
+         as_good_on_folds(options.acceptance, {left, folds}, {family.folds_rms, family.folds},
+                          options.acceptance.simpler_within);
+}
+
+bool is_possible(const AcceptanceOptions& options, const Ranked& r) {
+  return !r.no_name && r.condition_number <= options.max_condition && r.unknowns <= options.max_unknowns;
+}
+
+Step step_of(const Model& before, const Ranked& chosen, std::vector<Ranked> ranking) {
+  Step step;
+  step.effect = chosen.effect;
+  step.placed = chosen.placed;
+  step.before = before;
+  step.after = chosen.model;
+  step.ranking = std::move(ranking);
+  for (auto& r : step.ranking) {
+    if (r.effect == chosen.effect && r.placed == chosen.placed && r.unknowns == chosen.unknowns)
+      r.outcome = CandidateOutcome::named;
+  }
+  return step;
+}
+
+/// What the family explains beside its relative hides that one: a relative need promise nothing, and is looked for at all
+/// places.
+std::vector<Ranked> relatives_of(const SearchSetting& setting, const SearchRecords& records,
+                                 const Effect& family, const Model& model) {
+  SearchOptions open = setting.options;
+  open.round.min_promise = open.round.min_promise_later = 0.0;
+  open.round.more_places = kEverywhere;
+  const SearchSetting wide{open, setting.initial, setting.first_gap};
+  const auto is_relative = [&](const Effect& effect) { return is_confused_with(family, effect); };
+  auto ranking = fit_round(wide, records, model, is_relative, 0.0).ranking;
+  std::erase_if(ranking, [&](const Ranked& r) { return !is_possible(setting.options.acceptance, r); });
+  return ranking;
+}
+
+/// A name that is not the family's, found where this model stands: as it is beside what stands without the family.
+std::optional<Step> one_more(const SearchSetting& setting, const SearchRecords& records, const Family& family,
+                             const Model& without, const Ranked* relative) {
+  const Model& from = relative != nullptr ? relative->model : without;
+  auto ranking = fit_round(setting, records, from, [&](const Effect& effect) {
+                   return &effect != family.effect && !is_confused_with(*family.effect, effect);
+                 }).ranking;
+  auto step = judge(setting, records, from, std::move(ranking)).step;
+  if (step && relative != nullptr) {
+    const std::size_t k = from.terms().size() - 1;
+    step->before = without;
+    step->after = without_term(setting, records, step->after, k).model;
+  }
+  return step;
+}
+
+/// One more name, and the relative that then fits best beside it: where both together are better than the family and each
+/// earns its place.
+std::optional<Instead> with_one_more(const SearchSetting& setting, const SearchRecords& records,
+                                     const Family& family, const Step& one) {
+  const auto& accepted = setting.options.acceptance;
+  const auto ranking = relatives_of(setting, records, *family.effect, one.after);
+  std::optional<Instead> best;
+  for (const auto& r : ranking) {
+    if (best && r.folds_rms >= best->folds_rms) continue;
+    const auto& terms = r.model.terms();
+    const auto& other = terms[terms.size() - 2];
+    const Size size{r.unknowns + other.unknowns.size(), r.effective + other.effective_unknowns()};
+    if (!is_better_than(setting, records, family, r.model, size)) continue;
+    const auto own = without_term(setting, records, r.model, terms.size() - 2).gain;
+    if (own.share < accepted.min_gain || own.z < accepted.min_significance) continue;
+    best = Instead{{one, step_of(one.after, r, ranking)}, size, r.folds_rms};
+  }
+  return best;
+}
+
+/// Names in the place of term `k`: a relative alone, the one with the fewest unknowns; or the pair that leaves least.
+std::optional<Instead> instead_of(const SearchSetting& setting, const State& state, std::size_t k) {
+  const auto& records = state.records;
+  const auto& model = state.found.model;
+  const auto& term = model.terms()[k];
+  const Model without = without_term(setting, records, model, k).model;
+  const auto kind = suitable_folds(without, records.train);
+  auto folds = folded_residuals(model, records.train, kind);
+  const double left = rms(folds);
+  const Family family{
+      term.effect, {term.unknowns.size(), term.effective_unknowns()}, kind, std::move(folds), left};
+  const auto ranking = relatives_of(setting, records, *family.effect, without);
+  std::optional<Instead> best;
+  for (const auto& r : ranking) {
+    const Size size{r.unknowns, r.effective};
+    if (best && best->size.unknowns <= r.unknowns) continue;
+    if (is_better_than(setting, records, family, r.model, size))
+      best = Instead{{step_of(without, r, ranking)}, size, r.folds_rms};
+  }
+  if (best) return best;
+  if (const auto one = one_more(setting, records, family, without, nullptr))
+    best = with_one_more(setting, records, family, *one);
+  std::set<const Effect*> tried;
+  for (const auto& r : ranking) {
+    if (best || setting.options.is_late() || tried.size() >= kRelatives) break;
+    if (r.unknowns >= family.size.unknowns || !tried.insert(r.effect).second) continue;
+    if (const auto one = one_more(setting, records, family, without, &r))
+      best = with_one_more(setting, records, family, *one);
+  }
+  return best;
+}
+
+}  // namespace
+
+void try_simpler_names(const SearchSetting& setting, State& state) {
+  if (are_responses(state.records.train)) return;
+  for (std::size_t k = 0; k < state.found.steps.size() && k < state.found.model.terms().size(); ++k) {
+    if (setting.options.is_late()) return;
+    if (state.found.model.terms()[k].effective_unknowns() < kFamily) continue;
+    auto instead = instead_of(setting, state, k);
+    if (!instead) continue;
+    State other = state;
+    std::vector<std::string> names;
+    for (const auto& step : instead->steps) names.emplace_back(step.effect->name());
+    other.found.notes.push_back(fmt::format("{} took the place of {}: as little is left with fewer unknowns",
+                                            join(names, " and "), state.found.steps[k].effect->name()));
+    // Terms keep the order of the steps: the new ones are the last.
+    other.found.steps.erase(other.found.steps.begin() + static_cast<std::ptrdiff_t>(k));
+    for (auto& step : instead->steps) other.found.steps.push_back(std::move(step));
+    other.found.model = settle(setting, other.records, other.found.steps.back().after);
+    other.other_way = true;
+    grow(setting, other);
+    state = std::move(other);
+    return;
+  }
+}
+
+}  // namespace bodesmith::gap

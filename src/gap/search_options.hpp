@@ -114,7 +114,7 @@ struct AcceptanceOptions {
 /// alone.
 struct PairOptions {
   std::size_t trials = 3;
-  std::size_t trials_of_best = 4;  ///< of those of which the best counts, once a single name came to no end
+  std::size_t trials_of_best = 3;  ///< of those of which the best counts, once a single name came to no end
   double max_left = 0.98;          ///< of the pooled rms, by a candidate worth a trial
   double max_left_train = 0.99;
   double min_gains = 2.0;  ///< times min_gain, of both together
@@ -128,6 +128,7 @@ struct EliminationOptions {
   std::size_t max_rivals = 5;
   /// A rival takes a term's place when it leaves less than this of the rms,
   double swap_gain = 0.98;
+  double swap_gain_each = 0.01;  ///< (less, for each unknown that it has more)
   /// or, with fewer unknowns, no more than this.
   double swap_simpler = 1.01;
 };

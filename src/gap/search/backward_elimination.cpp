@@ -70,7 +70,10 @@ const Ranked* best_successor(const SearchSetting& setting, const SearchRecords& 
   for (const auto& r : ranking) {
     if (r.no_name || r.condition_number > accepted.max_condition || r.unknowns > accepted.max_unknowns)
       continue;
-    const bool better = r.folds_rms < options.swap_gain * folds;
+    // A rival of many unknowns takes in what the other terms leave of their own shares.
+    const std::size_t more = r.effective - std::min(r.effective, term.effective_unknowns());
+    const double enough = options.swap_gain - options.swap_gain_each * static_cast<double>(more);
+    const bool better = r.folds_rms < enough * folds;
     const bool simpler =
         r.effective < term.effective_unknowns() && r.folds_rms < options.swap_simpler * folds;
     if ((better || simpler) && (best == nullptr || r.folds_rms < best->folds_rms)) best = &r;

@@ -78,6 +78,8 @@ void try_pairs(const SearchSetting& setting, const State& base, const std::set<c
   if (are_responses(base.records.train) || state.found.steps.empty() || is_settled(options, state) ||
       options.is_late())
     return;
+  // Less than a later term must explain is the form of the names that are there.
+  if (state.train_rms < options.acceptance.min_part_of_gap * setting.first_gap) return;
   auto pair = choose_best_pair(setting, base.records, base.found.model, state.first, begun);
   if (!pair) return;
   const double enough = options.other_ways.nearly_as_far * state.train_rms;

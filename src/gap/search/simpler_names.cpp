@@ -27,8 +27,6 @@ namespace {
 constexpr std::size_t kFamily = 5;
 /// Relatives beside which one more name is looked for.
 constexpr std::size_t kRelatives = 1;
-/// More places of an effect than any chain has.
-constexpr int kEverywhere = 1000;
 /// Weights of a bank that rest at 0 vary: so many more in use make no name less simple.
 constexpr std::size_t kMoreInUse = 2;
 
@@ -93,18 +91,21 @@ Step step_of(const Model& before, const Ranked& chosen, std::vector<Ranked> rank
   return step;
 }
 
-/// What the family explains beside its relative hides that one: a relative need promise nothing, and is looked for at all
-/// places.
+/// What the family explains beside its relative hides that one: a relative need promise nothing.
 std::vector<Ranked> relatives_of(const SearchSetting& setting, const SearchRecords& records,
                                  const Effect& family, const Model& model) {
   SearchOptions open = setting.options;
   open.round.min_promise = open.round.min_promise_later = 0.0;
-  open.round.more_places = kEverywhere;
   const SearchSetting wide{open, setting.initial, setting.first_gap};
   const auto is_relative = [&](const Effect& effect) { return is_confused_with(family, effect); };
   auto ranking = fit_round(wide, records, model, is_relative, 0.0).ranking;
   std::erase_if(ranking, [&](const Ranked& r) { return !is_possible(setting.options.acceptance, r); });
   return ranking;
+}
+
+bool earns_its_place(const AcceptanceOptions& options, const Ranked& r, double left_before) {
+  return r.folds_rms < (1.0 - options.min_gain) * left_before &&
+         std::min(r.z, r.train_z) >= options.min_significance;
 }
 
 /// A name that is not the family's, found where this model stands: as it is beside what stands without the family.
@@ -129,6 +130,7 @@ std::optional<Instead> with_one_more(const SearchSetting& setting, const SearchR
                                      const Family& family, const Step& one) {
   const auto& accepted = setting.options.acceptance;
   const auto ranking = relatives_of(setting, records, *family.effect, one.after);
+  const double left_by_one = rms(round_residuals(one.after, records).folds);
   std::optional<Instead> best;
   for (const auto& r : ranking) {
     if (best && r.folds_rms >= best->folds_rms) continue;
@@ -136,6 +138,7 @@ std::optional<Instead> with_one_more(const SearchSetting& setting, const SearchR
     const auto& other = terms[terms.size() - 2];
     const Size size{r.unknowns + other.unknowns.size(), r.effective + other.effective_unknowns()};
     if (!is_better_than(setting, records, family, r.model, size)) continue;
+    if (!earns_its_place(accepted, r, left_by_one)) continue;
     const auto own = without_term(setting, records, r.model, terms.size() - 2).gain;
     if (own.share < accepted.min_gain || own.z < accepted.min_significance) continue;
     best = Instead{{one, step_of(one.after, r, ranking)}, size, r.folds_rms};
@@ -155,11 +158,13 @@ std::optional<Instead> instead_of(const SearchSetting& setting, const State& sta
   const Family family{
       term.effect, {term.unknowns.size(), term.effective_unknowns()}, kind, std::move(folds), left};
   const auto ranking = relatives_of(setting, records, *family.effect, without);
+  const double left_without = rms(folded_residuals(without, records.train, kind));
   std::optional<Instead> best;
   for (const auto& r : ranking) {
     const Size size{r.unknowns, r.effective};
     if (best && best->size.unknowns <= r.unknowns) continue;
-    if (is_better_than(setting, records, family, r.model, size))
+    if (earns_its_place(setting.options.acceptance, r, left_without) &&
+        is_better_than(setting, records, family, r.model, size))
       best = Instead{{step_of(without, r, ranking)}, size, r.folds_rms};
   }
   if (best) return best;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <tuple>
 
+#include "chain/model_file.hpp"
 #include "gap/lines.hpp"
 #include "gap/runner.hpp"
 #include "signal/period.hpp"
@@ -38,46 +39,8 @@ std::vector<double> whole_residual(const Model& model, const FrequencyExperiment
   return e;
 }
 
-std::vector<double> whole_residual(const Model& model, const Experiment& experiment) {
-  return std::visit([&](const auto& e) { return whole_residual(model, e); }, experiment);
-}
-
 double rms_of_part(std::span<const double> part) {
   return rms({part.begin(), part.end()});
-}
-
-std::size_t scoring_start(const Model& final, const TimeExperiment& experiment, bool split) {
-  if (experiment.first() == 0) return 0;
-  const auto residual = whole_residual(final, experiment);
-  const auto start = std::span(residual).first(experiment.first());
-  const auto rest = std::span(residual).subspan(experiment.first());
-  const bool stands_out = rms_of_part(start) > kStartStandsOut * rms_of_part(rest);
-  return split || stands_out ? experiment.first() : 0;
-}
-
-/// `split`: the samples before the scored ones belong to the training records.
-std::vector<std::size_t> scoring_starts(const Model& final, const Experiments& experiments, bool split) {
-  std::vector<std::size_t> starts;
-  for (const auto& e : experiments) {
-    starts.push_back(
-        std::visit(Visitor{[&](const TimeExperiment& time) { return scoring_start(final, time, split); },
-                           [](const FrequencyExperiment&) { return std::size_t{0}; }},
-                   e));
-  }
-  return starts;
-}
-
-/// rms of all records together, from their scoring starts on, and whole.
-std::pair<double, double> pooled_rms(const Model& model, const Experiments& experiments,
-                                     const std::vector<std::size_t>& from, bool own_lines) {
-  std::vector<double> scored;
-  std::vector<double> whole;
-  for (std::size_t i = 0; i < experiments.size(); ++i) {
-    const auto e = whole_residual(own_lines ? for_record(model, experiments[i]) : model, experiments[i]);
-    scored.insert(scored.end(), e.begin() + static_cast<std::ptrdiff_t>(from[i]), e.end());
-    whole.insert(whole.end(), e.begin(), e.end());
-  }
-  return {rms(scored), rms(whole)};
 }
 
 std::vector<Cell> where_in(const TimeExperiment& experiment, const std::vector<double>& residual,
@@ -93,6 +56,49 @@ std::vector<Cell> where_in(const FrequencyExperiment& experiment, const std::vec
 }
 
 }  // namespace
+
+const std::vector<double>& GapMeter::residual(const Model& model, const Experiment& experiment) const {
+  std::pair<std::string, const Experiment*> key = {chain::model_text(model.chain()), &experiment};
+  const auto known = residuals_.find(key);
+  if (known != residuals_.end()) return known->second;
+  std::vector<double> e =
+      std::visit([&](const auto& kind) { return whole_residual(model, kind); }, experiment);
+  return residuals_.emplace(std::move(key), std::move(e)).first->second;
+}
+
+std::size_t GapMeter::scoring_start(const Model& final, const TimeExperiment& time,
+                                    const Experiment& experiment, bool split) const {
+  if (time.first() == 0) return 0;
+  const std::span<const double> all = residual(final, experiment);
+  const bool stands_out =
+      rms_of_part(all.first(time.first())) > kStartStandsOut * rms_of_part(all.subspan(time.first()));
+  return split || stands_out ? time.first() : 0;
+}
+
+/// `split`: the samples before the scored ones belong to the training records.
+std::vector<std::size_t> GapMeter::scoring_starts(const Model& final, const Experiments& experiments,
+                                                  bool split) const {
+  std::vector<std::size_t> starts;
+  for (const auto& e : experiments) {
+    starts.push_back(
+        std::visit(Visitor{[&](const TimeExperiment& time) { return scoring_start(final, time, e, split); },
+                           [](const FrequencyExperiment&) { return std::size_t{0}; }},
+                   e));
+  }
+  return starts;
+}
+
+std::pair<double, double> GapMeter::pooled_rms(const Model& model, const Experiments& experiments,
+                                               const std::vector<std::size_t>& from, bool own_lines) const {
+  std::vector<double> scored;
+  std::vector<double> whole;
+  for (std::size_t i = 0; i < experiments.size(); ++i) {
+    const auto& e = residual(own_lines ? for_record(model, experiments[i]) : model, experiments[i]);
+    scored.insert(scored.end(), e.begin() + static_cast<std::ptrdiff_t>(from[i]), e.end());
+    whole.insert(whole.end(), e.begin(), e.end());
+  }
+  return {rms(scored), rms(whole)};
+}
 
 GapMeter::GapMeter(const Study& study, const Model& final)
     : study_(study),
@@ -114,18 +120,18 @@ std::vector<Cell> GapMeter::where(const Model& model) const {
   std::vector<Cell> cells;
   for (std::size_t i = 0; i < study_.holdout().size(); ++i) {
     const auto& experiment = study_.holdout()[i];
-    const auto residual = whole_residual(for_record(model, experiment), experiment);
-    const double size = rms(residual);
+    const auto& e = residual(for_record(model, experiment), experiment);
+    const double size = rms(e);
     if (size <= largest) continue;
     largest = size;
-    cells = std::visit([&](const auto& e) { return where_in(e, residual, holdout_from_[i]); }, experiment);
+    cells = std::visit([&](const auto& kind) { return where_in(kind, e, holdout_from_[i]); }, experiment);
   }
   return cells;
 }
 
 std::vector<double> GapMeter::holdout_residual(const Model& model, std::size_t record) const {
   const Model written = for_record(model, study_.holdout().front());
-  const auto e = whole_residual(written, study_.holdout()[record]);
+  const auto& e = residual(written, study_.holdout()[record]);
   return {e.begin() + static_cast<std::ptrdiff_t>(holdout_from_[record]), e.end()};
 }
 

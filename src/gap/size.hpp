@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -42,7 +43,19 @@ class GapMeter {
   std::vector<ScoredFrom> scored_from() const;
 
  private:
+  /// Of a record from its first to its last sample, as `simulate` makes it. Kept: the same few models are asked for again and again,
+  /// and some take seconds.
+  const std::vector<double>& residual(const Model& model, const Experiment& experiment) const;
+  std::size_t scoring_start(const Model& final, const TimeExperiment& time, const Experiment& experiment,
+                            bool split) const;
+  std::vector<std::size_t> scoring_starts(const Model& final, const Experiments& experiments,
+                                          bool split) const;
+  /// rms of all records together, from their scoring starts on, and whole.
+  std::pair<double, double> pooled_rms(const Model& model, const Experiments& experiments,
+                                       const std::vector<std::size_t>& from, bool own_lines) const;
+
   const Study& study_;
+  mutable std::map<std::pair<std::string, const Experiment*>, std::vector<double>> residuals_;
   std::vector<std::size_t> train_from_;
   std::vector<std::size_t> holdout_from_;
 };

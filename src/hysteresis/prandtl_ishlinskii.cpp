@@ -97,13 +97,6 @@ double PrandtlIshlinskii::envelope_inverse(double value) const {
   return u_0 + (std::atanh(t) - gamma[2]) / gamma[1];
 }
 
-double PrandtlIshlinskii::shape(double p) const {
-  double out = p;
-  for (std::size_t k = 0; k < s.size(); ++k)
-    out += v[k] * (s[k] > 0.0 ? std::max(p - s[k], 0.0) : std::min(p - s[k], 0.0));
-  return out;
-}
-
 double PrandtlIshlinskii::shape_inverse(double y) const {
   if (s.empty()) return y;
   // Piecewise linear and rising with S(0) = 0: walk outwards knee by knee on the side of y.

@@ -38,7 +38,6 @@ struct PrandtlIshlinskii {
 
   double envelope(double u) const;
   double envelope_inverse(double v) const;
-  double shape(double p) const;
   double shape_inverse(double y) const;
 };
 

@@ -25,8 +25,8 @@ namespace {
 
 /// Terms with so many unknowns are families: they fit what they are not.
 constexpr std::size_t kFamily = 5;
-/// Relatives beside which one more name is looked for.
-constexpr std::size_t kRelatives = 1;
+/// Names of which each is tried beside them.
+constexpr std::size_t kNamesBeside = 2;
 /// Weights of a bank that rest at 0 vary: so many more in use make no name less simple.
 constexpr std::size_t kMoreInUse = 2;
 
@@ -57,20 +57,16 @@ bool is_confused_with(const Effect& effect, const Effect& other) {
   return std::find(names.begin(), names.end(), other.name()) != names.end();
 }
 
-/// As little left with fewer unknowns, or plainly less.
+/// Plainly less left, with hardly more unknowns in use. As little is not enough: a pair of names can be bent to what
+/// asymmetric memory leaves, too.
 bool is_better_than(const SearchSetting& setting, const SearchRecords& records, const Family& family,
                     const Model& model, Size size) {
   const auto& options = setting.options;
   if (size.effective > family.size.effective + kMoreInUse) return false;
   const auto folds = folded_residuals(model, records.train, family.kind);
   if (folds.size() != family.folds.size()) return false;
-  const double left = rms(folds);
-  const bool plainly_less = left < options.elimination.swap_gain * family.folds_rms &&
-                            improvement_z(family.folds, folds) > options.acceptance.tie_significance;
-  if (plainly_less) return true;
-  return size.unknowns < family.size.unknowns &&
-         as_good_on_folds(options.acceptance, {left, folds}, {family.folds_rms, family.folds},
-                          options.acceptance.simpler_within);
+  return rms(folds) < options.elimination.swap_gain * family.folds_rms &&
+         improvement_z(family.folds, folds) > options.acceptance.tie_significance;
 }
 
 bool is_possible(const AcceptanceOptions& options, const Ranked& r) {
@@ -108,20 +104,31 @@ bool earns_its_place(const AcceptanceOptions& options, const Ranked& r, double l
          std::min(r.z, r.train_z) >= options.min_significance;
 }
 
-/// A name that is not the family's, found where this model stands: as it is beside what stands without the family.
-std::optional<Step> one_more(const SearchSetting& setting, const SearchRecords& records, const Family& family,
-                             const Model& without, const Ranked* relative) {
+/// Names that are neither the family's nor its relatives', where it is not there: the one that a round would name, and
+/// those that would do with fewer unknowns. `relative`: found beside it, and then without it.
+std::vector<Step> names_beside(const SearchSetting& setting, const SearchRecords& records,
+                               const Family& family, const Model& without, const Ranked* relative) {
   const Model& from = relative != nullptr ? relative->model : without;
-  auto ranking = fit_round(setting, records, from, [&](const Effect& effect) {
-                   return &effect != family.effect && !is_confused_with(*family.effect, effect);
-                 }).ranking;
-  auto step = judge(setting, records, from, std::move(ranking)).step;
-  if (step && relative != nullptr) {
-    const std::size_t k = from.terms().size() - 1;
-    step->before = without;
-    step->after = without_term(setting, records, step->after, k).model;
+  auto judged = judge(setting, records, from, fit_round(setting, records, from, [&](const Effect& effect) {
+                                                return &effect != family.effect &&
+                                                       !is_confused_with(*family.effect, effect);
+                                              }).ranking);
+  std::vector<Step> steps;
+  if (!judged.step) return steps;
+  const std::size_t most = judged.step->after.terms().back().unknowns.size();
+  std::set<const Effect*> names = {judged.step->effect};
+  steps.push_back(std::move(*judged.step));
+  for (const auto& r : judged.ranking) {
+    const bool would_do = r.outcome == CandidateOutcome::tied || r.outcome == CandidateOutcome::worse;
+    if (steps.size() >= kNamesBeside || !would_do || r.unknowns >= most) continue;
+    if (names.insert(r.effect).second) steps.push_back(step_of(from, r, judged.ranking));
   }
-  return step;
+  if (relative == nullptr) return steps;
+  for (auto& step : steps) {
+    step.before = without;
+    step.after = without_term(setting, records, step.after, from.terms().size() - 1).model;
+  }
+  return steps;
 }
 
 /// One more name, and the relative that then fits best beside it: where both together are better than the family and each
@@ -168,14 +175,14 @@ std::optional<Instead> instead_of(const SearchSetting& setting, const State& sta
       best = Instead{{step_of(without, r, ranking)}, size, r.folds_rms};
   }
   if (best) return best;
-  if (const auto one = one_more(setting, records, family, without, nullptr))
-    best = with_one_more(setting, records, family, *one);
-  std::set<const Effect*> tried;
-  for (const auto& r : ranking) {
-    if (best || setting.options.is_late() || tried.size() >= kRelatives) break;
-    if (r.unknowns >= family.size.unknowns || !tried.insert(r.effect).second) continue;
-    if (const auto one = one_more(setting, records, family, without, &r))
-      best = with_one_more(setting, records, family, *one);
+  // Beside what stands without the family, and beside its best relative: one may hide the other.
+  std::vector<const Ranked*> beside = {nullptr};
+  if (!ranking.empty() && ranking.front().unknowns < family.size.unknowns) beside.push_back(&ranking.front());
+  for (const auto* relative : beside) {
+    for (const auto& one : names_beside(setting, records, family, without, relative)) {
+      if (best || setting.options.is_late()) return best;
+      best = with_one_more(setting, records, family, one);
+    }
   }
   return best;
 }
@@ -192,7 +199,7 @@ void try_simpler_names(const SearchSetting& setting, State& state) {
     State other = state;
     std::vector<std::string> names;
     for (const auto& step : instead->steps) names.emplace_back(step.effect->name());
-    other.found.notes.push_back(fmt::format("{} took the place of {}: as little is left with fewer unknowns",
+    other.found.notes.push_back(fmt::format("{} took the place of {}: less is left with simpler names",
                                             join(names, " and "), state.found.steps[k].effect->name()));
     // Terms keep the order of the steps: the new ones are the last.
     other.found.steps.erase(other.found.steps.begin() + static_cast<std::ptrdiff_t>(k));

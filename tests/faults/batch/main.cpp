@@ -1,18 +1,22 @@
 // Blind boards: circuits that `bodesmith spice` made, soldered with parts of a tolerance and real op-amps, most of them
 // with something wrong, measured by ngspice with noise, and diagnosed. Prints what docs/faults.md quotes.
-//   faults_batch [--seen] [--capacitor-percent P] COUNT SEED FAULTS CIRCUIT.json…   (cmake --build build --target faults_batch)
+//   faults_batch [--seen] [--truth] [--keep DIR] [--capacitor-percent P] COUNT SEED FAULTS CIRCUIT.json…   (cmake --build build --target faults_batch)
 // FAULTS: how many each board has; -1: drawn, one in eight good, one in eight with two. --seen: two faults are drawn again until both
-// can be seen.
+// can be seen. --truth: prints how likely the likeliest explanation by what is wrong is, beside the one that was found.
+// --keep: drawn boards are written there, and read where they are.
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <ctime>
+#include <filesystem>
+#include <fstream>
 #include <map>
 
 #include "../boards/built.hpp"
 #include "base/document.hpp"
+#include "base/json.hpp"
 #include "circuit/built_circuit.hpp"
 #include "faults/circuit_board.hpp"
 #include "faults/diagnosis.hpp"
@@ -39,12 +43,20 @@ bool accuses(const Suspect& suspect, const std::vector<std::string>& names) {
   });
 }
 
-bool accuses_all(const Suspect& suspect, const BuiltBoard& board) {
+/// What is known of a board when it comes to be diagnosed, and what is wrong with it.
+struct MeasuredBoard {
+  Channel channel;
+  std::vector<std::vector<std::string>> wrong;  ///< BuiltBoard::wrong
+  std::string words;
+  double change = 0.0;  ///< largest, against the good board
+};
+
+bool accuses_all(const Suspect& suspect, const MeasuredBoard& board) {
   return std::all_of(board.wrong.begin(), board.wrong.end(),
                      [&](const auto& names) { return accuses(suspect, names); });
 }
 
-void count(const Diagnosis& d, const BuiltBoard& board, Tally& tally) {
+void count(const Diagnosis& d, const MeasuredBoard& board, Tally& tally) {
   ++tally.boards;
   if (d.verdict == Verdict::nothing_wrong) {
     ++tally.missed;
@@ -109,10 +121,107 @@ BuiltBoard with_two_seen(const BuiltBoard& good, const std::vector<Hertz>& grid,
   return both;
 }
 
+/// The likeliest explanation that accuses exactly what is wrong: what a search that reaches everything would find at least.
+Finding truth_of(const Board& board, const MeasuredBoard& built, const Diagnosis& d) {
+  constexpr int kTeeth = 11;
+  const std::vector<double> shares = log_priors(d.faults);
+  const auto accusing = [&](const std::vector<std::string>& names) {
+    std::vector<const Fault*> out;
+    for (const Fault& fault : d.faults) {
+      if (std::any_of(fault.parts.begin(), fault.parts.end(), [&](const std::string& part) {
+            return std::find(names.begin(), names.end(), part) != names.end();
+          }))
+        out.push_back(&fault);
+    }
+    return out;
+  };
+  const auto prior_of = [&](const Fault* fault) {
+    return shares[static_cast<std::size_t>(fault - d.faults.data())];
+  };
+  Finding best;
+  best.log_evidence = -1e300;
+  const auto try_these = [&](const std::vector<const Fault*>& faults, double log_prior) {
+    Finding start;
+    start.faults = faults;
+    start.log_prior = log_prior;
+    double largest = -1e300;
+    for (const double a : comb(*faults[0], kTeeth)) {
+      for (const double b : faults.size() > 1 ? comb(*faults[1], kTeeth) : std::vector{0.0}) {
+        Finding tried = start;
+        tried.sizes = {a, b};
+        tried.sizes.resize(faults.size());
+        const double density = Likelihood(board, board.predict(tried.effect()), d.noise).log_density();
+        if (density > largest) start.sizes = tried.sizes;
+        largest = std::max(largest, density);
+      }
+    }
+    const Finding found = refined(board, polished(board, start, d.noise), d.faults, d.noise);
+    if (found.log_weight() > best.log_weight()) best = found;
+  };
+  const Priors priors;
+  const auto firsts = accusing(built.wrong.front());
+  if (built.wrong.size() == 1) {
+    for (const Fault* fault : firsts) try_these({fault}, std::log(priors.one_fault) + prior_of(fault));
+    return best;
+  }
+  for (const Fault* a : firsts) {
+    for (const Fault* b : accusing(built.wrong.back()))
+      try_these({a, b}, std::log(priors.two_faults) + prior_of(a) + prior_of(b));
+  }
+  return best;
+}
+
 struct Request {
   bool seen = false;
+  bool truth = false;
+  std::filesystem::path keep;  ///< folder; empty: boards are not kept
   double capacitor_percent = 1.0;
 };
+
+MeasuredBoard drawn(const circuit::CircuitFile& made, int faults, const Request& request, Random& random) {
+  BuiltBoard board = good_board(made.circuit, 1.0, request.capacitor_percent, random);
+  const std::vector<Hertz> grid =
+      log_grid({Hertz{made.band.from.value / 5.0}, Hertz{made.band.to.value * 5.0}}, 60);
+  const auto good = response_of(board, grid);
+  if (faults == 2 && request.seen) {
+    board = with_two_seen(board, grid, random);
+  } else {
+    for (int i = 0; i < faults; ++i) spoil(board, random);
+  }
+  const auto response = faults == 0 ? good : response_of(board, grid);
+  const bool with_phase = random.uniform() < 0.8;
+  return {measured(response, grid, 0.02, 0.1, with_phase, random), board.wrong, board.words,
+          largest_change(response, good)};
+}
+
+/// Drawing takes longer than diagnosing: a board that was drawn before is read.
+MeasuredBoard drawn_or_kept(const std::filesystem::path& kept, const circuit::CircuitFile& made, int faults,
+                            const Request& request, Random& random) {
+  if (std::ifstream file(kept); !kept.empty() && file) {
+    const Json json = Json::parse(file);
+    MeasuredBoard out;
+    out.channel.file = kept.string();
+    for (const double hz : json.at("frequency_hz")) out.channel.grid.push_back(Hertz{hz});
+    json.at("log_gain").get_to(out.channel.log_gain);
+    json.at("phase_rad").get_to(out.channel.phase_rad);
+    json.at("wrong").get_to(out.wrong);
+    json.at("words").get_to(out.words);
+    json.at("change").get_to(out.change);
+    out.channel.measured_points = out.channel.grid.size();
+    return out;
+  }
+  MeasuredBoard out = drawn(made, faults, request, random);
+  if (kept.empty()) return out;
+  std::vector<double> frequency_hz;
+  for (const Hertz f : out.channel.grid) frequency_hz.push_back(f.value);
+  std::ofstream(kept) << Json{{"frequency_hz", frequency_hz},
+                              {"log_gain", out.channel.log_gain},
+                              {"phase_rad", out.channel.phase_rad},
+                              {"wrong", out.wrong},
+                              {"words", out.words},
+                              {"change", out.change}};
+  return out;
+}
 
 int run(int boards, std::uint64_t seed, int wanted, const std::vector<std::string>& files,
         const Request& request) {
@@ -124,19 +233,14 @@ int run(int boards, std::uint64_t seed, int wanted, const std::vector<std::strin
     Provenance from;
     const auto made = circuit::CircuitFile::from_node(read_document(file, from));
     const int faults = wanted >= 0 ? wanted : std::array{0, 1, 1, 1, 1, 1, 1, 2}[random.below(8)];
-    BuiltBoard board = good_board(made.circuit, 1.0, request.capacitor_percent, random);
-    const std::vector<Hertz> grid =
-        log_grid({Hertz{made.band.from.value / 5.0}, Hertz{made.band.to.value * 5.0}}, 60);
-    const auto good = response_of(board, grid);
-    if (faults == 2 && request.seen) {
-      board = with_two_seen(board, grid, random);
-    } else {
-      for (int i = 0; i < faults; ++i) spoil(board, random);
-    }
-    const auto response = faults == 0 ? good : response_of(board, grid);
-    const bool with_phase = random.uniform() < 0.8;
-    Measurement measurement{{measured(response, grid, 0.02, 0.1, with_phase, random)}};
-    const double change = largest_change(response, good);
+    const std::filesystem::path kept =
+        request.keep.empty()
+            ? request.keep
+            : request.keep / fmt::format("{}_{}_{}{}.json", seed, faults, n, request.seen ? "_seen" : "");
+    const MeasuredBoard board = drawn_or_kept(kept, made, faults, request, random);
+    const bool with_phase = !board.channel.phase_rad.empty();
+    const double change = board.change;
+    const Measurement measurement{{board.channel}};
     const std::clock_t started = std::clock();  // of the processor: other work does not count
     Spread spread;
     spread.capacitor_percent = request.capacitor_percent;
@@ -160,6 +264,17 @@ int run(int boards, std::uint64_t seed, int wanted, const std::vector<std::strin
                           : tally.uncertain > before.uncertain ? "uncertain"
                           : tally.wrong > before.wrong         ? "WRONG"
                                                                : "unexplained";
+    if (request.truth && faults > 0) {
+      const Finding truth = truth_of(designed, board, d);
+      const Finding& said = d.suspects.front().best;
+      fmt::print("     truth: {} weight {:.1f} misfit {:.1f}, said {:.1f} misfit {:.1f} of {:.0f}: {:+.1f}\n",
+                 truth.site(), truth.log_weight(), truth.misfit, said.log_weight(), said.misfit, said.rows,
+                 truth.log_weight() - said.log_weight());
+      for (const Finding& f : {truth, said}) {
+        for (std::size_t i = 0; i < f.faults.size(); ++i)
+          fmt::print("       {}{}", f.faults[i]->words(f.sizes[i]), i + 1 == f.faults.size() ? "\n" : ";");
+      }
+    }
     fmt::print(
         "{:4} {:11} {:11} {:.1f} s change {:.2g} {} | good {:.3g} (wider {:.3g}) misfit {:.2f} |{} | {}\n", n,
         what, outcome, seconds.back(), change, with_phase ? "" : "(magnitude)", d.good_probability,
@@ -185,6 +300,11 @@ int main(int argc, char** argv) {
   while (!words.empty() && words.front().starts_with("--")) {
     if (words.front() == "--seen") {
       request.seen = true;
+    } else if (words.front() == "--truth") {
+      request.truth = true;
+    } else if (words.front() == "--keep" && words.size() > 1) {
+      words.erase(words.begin());
+      request.keep = words.front();
     } else if (words.front() == "--capacitor-percent" && words.size() > 1) {
       words.erase(words.begin());
       request.capacitor_percent = std::strtod(words.front().c_str(), nullptr);
@@ -195,8 +315,9 @@ int main(int argc, char** argv) {
     words.erase(words.begin());
   }
   if (words.size() < 4 || !(request.capacitor_percent > 0.0)) {
-    fmt::print(stderr,
-               "usage: faults_batch [--seen] [--capacitor-percent P] COUNT SEED FAULTS CIRCUIT.json...\n");
+    fmt::print(
+        stderr,
+        "usage: faults_batch [--seen] [--truth] [--keep DIR] [--capacitor-percent P] COUNT SEED FAULTS CIRCUIT.json...\n");
     return 2;
   }
   return bodesmith::faults::run(std::atoi(words[0].c_str()), std::strtoull(words[1].c_str(), nullptr, 10),

@@ -21,6 +21,26 @@ std::unique_ptr<Board> Board::with_parts(const Eigen::VectorXd&) const {
   return nullptr;
 }
 
+namespace {
+
+class JoinedChanges : public ChangedBoard {
+ public:
+  JoinedChanges(const Board& board, const Effect& first) : board_(board), first_(first) {}
+  Eigen::VectorXcd response(const Effect& further) const override {
+    return board_.response(joined(first_, further));
+  }
+
+ private:
+  const Board& board_;
+  Effect first_;
+};
+
+}  // namespace
+
+std::unique_ptr<ChangedBoard> Board::changed_by(const Effect& effect) const {
+  return std::make_unique<JoinedChanges>(*this, effect);
+}
+
 Eigen::VectorXcd Board::at_node(const std::string&, const Effect& effect) const {
   return response(effect);
 }

@@ -27,6 +27,15 @@ struct Prediction {
   Eigen::VectorXcd response;
   Eigen::MatrixXcd slopes;   ///< [point][unknown]
   double model_error = 0.0;  ///< Effect::model_error
+  /// What the model error's change is counted from: H without what is known roughly. Empty: the good board's.
+  Eigen::VectorXcd reference;
+};
+
+/// A board with certain faults, asked for what further ones would make of it.
+class ChangedBoard {
+ public:
+  virtual ~ChangedBoard() = default;
+  virtual Eigen::VectorXcd response(const Effect& further) const = 0;
 };
 
 /// A board as it was meant to be built, asked for what faults would make of it.
@@ -47,6 +56,8 @@ class Board {
   virtual Prediction predict(const Effect& effect) const = 0;
   /// The response alone: quicker.
   virtual Eigen::VectorXcd response(const Effect& effect) const = 0;
+  /// For many responses that have some faults in common. The board must outlive it.
+  virtual std::unique_ptr<ChangedBoard> changed_by(const Effect& effect) const;
   /// The same board made of parts that are off by so many standard deviations each (one number an unknown; those that
   /// are no parts are left as they are). Null where the linear form is as good.
   virtual std::unique_ptr<Board> with_parts(const Eigen::VectorXd& deviations) const;

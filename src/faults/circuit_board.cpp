@@ -5,6 +5,7 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <limits>
 #include <numbers>
 #include <set>
@@ -25,6 +26,8 @@ using circuit::Network;
 constexpr double kSigmaOfTolerance = 0.6;
 /// Time constant of a second pole, times the gain-bandwidth in rad/s: its standard deviation.
 constexpr double kSecondPole = 0.3;
+/// An op-amp that keeps less than this of its gain is as good as known by how much it keeps.
+constexpr double kMostlyLost = 0.4;
 /// Unknowns that move nothing measured by more than this are left out.
 constexpr double kLeastSlope = 1e-5;
 
@@ -63,23 +66,20 @@ Complex coupling(const Eigen::MatrixXcd& inverse, const Stamp& reads, const Stam
   return out;
 }
 
-using Small = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, 0, 40, 40>;
-using SmallVector = Eigen::Matrix<Complex, Eigen::Dynamic, 1, 0, 40, 1>;
-
 /// The changes' own equations (1 + M D) l = l0: what flows through each of them.
 struct Changes {
-  Small system;       ///< 1 + M D
-  SmallVector delta;  ///< D
-  SmallVector reads;  ///< l
+  Eigen::MatrixXcd system;  ///< 1 + M D
+  Eigen::VectorXcd delta;   ///< D
+  Eigen::VectorXcd reads;   ///< l
 };
 
 Changes changes_of(const std::vector<Stamp>& stamps, Complex s, const Eigen::MatrixXcd& inverse,
                    const Eigen::VectorXcd& x) {
   const Eigen::Index k = eigen_index(stamps.size());
   Changes out;
-  out.system = Small::Identity(k, k);
+  out.system = Eigen::MatrixXcd::Identity(k, k);
   out.delta.resize(k);
-  SmallVector before(k);
+  Eigen::VectorXcd before(k);
   for (Eigen::Index j = 0; j < k; ++j) {
     out.delta(j) = stamps[std_index(j)].delta(s);
     before(j) = read_of(stamps[std_index(j)], x);
@@ -189,6 +189,13 @@ Stamp CircuitBoard::plus_follows(std::size_t opamp, const std::string& name, dou
   return out;
 }
 
+Effect CircuitBoard::inputs_follow(std::size_t opamp, double kept) const {
+  Effect out;
+  out.stamps = {plus_follows(opamp, circuit_.opamps[opamp].minus, 1.0 - kept)};
+  if (kept < kMostlyLost) out.spread = {{unknown_of_opamp_[opamp], 0.0}};
+  return out;
+}
+
 double CircuitBoard::tolerance(std::size_t part) const {
   const bool resistor = circuit_.parts[part].kind == circuit::Part::Kind::resistor;
   return 0.01 * (resistor ? spread_.resistor_percent : spread_.capacitor_percent);
@@ -259,9 +266,15 @@ void CircuitBoard::find_unknowns(const CircuitBoard* like) {
   }
 }
 
-std::complex<double> CircuitBoard::at(const Point& point, const Effect& effect, int row) const {
+std::complex<double> CircuitBoard::at(const Point& point, const Effect& effect, int row) {
   Complex out = point.x(row);
   if (effect.stamps.empty()) return out;
+  if (effect.stamps.size() == 1) {
+    const Stamp& stamp = effect.stamps.front();
+    const Complex delta = stamp.delta(point.s);
+    return out - through(point.inverse, row, stamp) * delta * read_of(stamp, point.x) /
+                     (1.0 + coupling(point.inverse, stamp, stamp) * delta);
+  }
   const Changes changes = changes_of(effect.stamps, point.s, point.inverse, point.x);
   for (std::size_t j = 0; j < effect.stamps.size(); ++j) {
     const Eigen::Index i = eigen_index(j);
@@ -270,11 +283,49 @@ std::complex<double> CircuitBoard::at(const Point& point, const Effect& effect, 
   return out;
 }
 
-Eigen::VectorXcd CircuitBoard::response(const Effect& effect) const {
-  Eigen::VectorXcd out(eigen_index(points_.size()));
-  for (std::size_t k = 0; k < points_.size(); ++k)
-    out(eigen_index(k)) = at(points_[k], effect, points_[k].out);
+Eigen::VectorXcd CircuitBoard::outputs(const std::vector<Point>& points, const Effect& effect) {
+  Eigen::VectorXcd out(eigen_index(points.size()));
+  for (std::size_t k = 0; k < points.size(); ++k) out(eigen_index(k)) = at(points[k], effect, points[k].out);
   return out;
+}
+
+Eigen::VectorXcd CircuitBoard::response(const Effect& effect) const {
+  return outputs(points_, effect);
+}
+
+/// Every point's inverse with the changes in it, so that what comes on top is of rank one again.
+class CircuitBoard::Changed : public ChangedBoard {
+ public:
+  Changed(const std::vector<Point>& points, const Effect& effect) : points_(points) {
+    for (Point& point : points_) build_in(effect.stamps, point);
+  }
+  Eigen::VectorXcd response(const Effect& further) const override { return outputs(points_, further); }
+
+ private:
+  static void build_in(const std::vector<Stamp>& stamps, Point& point) {
+    if (stamps.empty()) return;
+    const Changes changes = changes_of(stamps, point.s, point.inverse, point.x);
+    const Eigen::Index n = point.inverse.rows();
+    const Eigen::Index k = changes.delta.size();
+    Eigen::MatrixXcd columns = Eigen::MatrixXcd::Zero(n, k);  // A^-1 U D
+    Eigen::MatrixXcd rows = Eigen::MatrixXcd::Zero(k, n);     // V' A^-1
+    for (Eigen::Index j = 0; j < k; ++j) {
+      for (const Stamp::Entry& e : stamps[std_index(j)].into) {
+        if (e.weight != 0.0) columns.col(j) += e.weight * changes.delta(j) * point.inverse.col(e.at);
+      }
+      for (const Stamp::Entry& e : stamps[std_index(j)].reads) {
+        if (e.weight != 0.0) rows.row(j) += e.weight * point.inverse.row(e.at);
+      }
+    }
+    point.x -= columns * changes.reads;
+    point.inverse -= columns * changes.system.partialPivLu().solve(rows);
+  }
+
+  std::vector<Point> points_;
+};
+
+std::unique_ptr<ChangedBoard> CircuitBoard::changed_by(const Effect& effect) const {
+  return std::make_unique<Changed>(points_, effect);
 }
 
 Eigen::VectorXcd CircuitBoard::at_node(const std::string& name, const Effect& effect) const {
@@ -287,6 +338,12 @@ Eigen::VectorXcd CircuitBoard::at_node(const std::string& name, const Effect& ef
 Prediction CircuitBoard::predict(const Effect& effect) const {
   Prediction out;
   out.model_error = effect.model_error;
+  if (effect.model_error > 0.0) {
+    Effect exact;
+    std::copy_if(effect.stamps.begin(), effect.stamps.end(), std::back_inserter(exact.stamps),
+                 [](const Stamp& stamp) { return !stamp.rough; });
+    if (!exact.stamps.empty()) out.reference = response(exact);
+  }
   out.response.resize(eigen_index(points_.size()));
   out.slopes.resize(eigen_index(points_.size()), eigen_index(unknowns_.size()));
   std::vector<double> spread(unknowns_.size(), 1.0);
@@ -299,10 +356,10 @@ Prediction CircuitBoard::predict(const Effect& effect) const {
     row = point.inverse.row(point.out);
     if (!effect.stamps.empty()) {
       const Changes changes = changes_of(effect.stamps, point.s, point.inverse, point.x);
-      SmallVector weights(changes.delta.size());
+      Eigen::VectorXcd weights(changes.delta.size());
       for (Eigen::Index j = 0; j < weights.size(); ++j)
         weights(j) = through(point.inverse, point.out, effect.stamps[std_index(j)]) * changes.delta(j);
-      const SmallVector onward = changes.system.transpose().partialPivLu().solve(weights);
+      const Eigen::VectorXcd onward = changes.system.transpose().partialPivLu().solve(weights);
       for (Eigen::Index j = 0; j < weights.size(); ++j) {
         const Stamp& stamp = effect.stamps[std_index(j)];
         for (const Stamp::Entry& e : stamp.into) {

@@ -22,6 +22,7 @@ class CircuitBoard : public Board {
   std::string unknown_name(std::size_t unknown) const override { return unknowns_[unknown].name; }
   Prediction predict(const Effect& effect) const override;
   Eigen::VectorXcd response(const Effect& effect) const override;
+  std::unique_ptr<ChangedBoard> changed_by(const Effect& effect) const override;
   std::unique_ptr<Board> with_parts(const Eigen::VectorXd& deviations) const override;
   std::vector<std::string> probe_nodes() const override;
   Eigen::VectorXcd at_node(const std::string& node, const Effect& effect) const override;
@@ -48,6 +49,9 @@ class CircuitBoard : public Board {
   Effect slowed(std::size_t opamp, double factor, bool known) const;
   /// V(plus) has `part` of a node's voltage added.
   Stamp plus_follows(std::size_t opamp, const std::string& node, double part) const;
+  /// An op-amp whose inputs follow each other but for `kept`, which is left of its gain at all frequencies: its own
+  /// gain-bandwidth is part of that number then.
+  Effect inputs_follow(std::size_t opamp, double kept) const;
 
  protected:
   std::vector<Fault> faults_of(const FaultKind& kind) const override { return kind.on_circuit(*this); }
@@ -67,7 +71,10 @@ class CircuitBoard : public Board {
   void solve(RadPerSecond w, int out);
   void find_unknowns(const CircuitBoard* like);
   int node(const std::string& name) const;
-  std::complex<double> at(const Point& point, const Effect& effect, int row) const;
+  /// Solutions with some faults built in.
+  class Changed;
+  static std::complex<double> at(const Point& point, const Effect& effect, int row);
+  static Eigen::VectorXcd outputs(const std::vector<Point>& points, const Effect& effect);
 
   circuit::Circuit circuit_;
   circuit::OpAmpModel model_;

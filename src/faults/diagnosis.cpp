@@ -24,7 +24,7 @@ constexpr double kLeastOfTie = 0.02;
 /// this factor of it.
 constexpr double kFits = 6.0;
 constexpr double kFitsWithin = 1.6;
-/// Two faults are tried when one leaves this much.
+/// Two faults are tried when good parts leave this much.
 constexpr double kTryTwo = 2.5;
 /// Explanations this far (ln) behind the best are not looked at again.
 constexpr double kHopeless = 30.0;
@@ -69,11 +69,12 @@ class BoardSearch {
   }
 
  private:
-  /// Whether two faults are to be tried: one leaves too much; or the best explanation is parts spread wider than stated,
-  /// which says little and which two faults look like.
+  /// Whether two faults are to be tried: something is wrong (a fault that is known roughly fits much that is two others, and
+  /// how much less likely it is, only these say); or the best explanation is parts spread wider than stated, which says
+  /// little and which two faults look like; or good parts leave too much.
   static bool leaves_room_for_two(const std::vector<Finding>& sorted) {
     const Finding& best = sorted.front();
-    return best.part_spread > 1.0 || excess(best) > kTryTwo;
+    return !best.faults.empty() || best.part_spread > 1.0 || excess(best) > kTryTwo;
   }
 
   /// Two at once, of which one is among `alone`; the noise then as the best explanation leaves it.
@@ -231,8 +232,12 @@ Diagnosis diagnose_board(const Board& board, const DiagnosisOptions& options) {
     out.verdict = out.suspects[0].best.faults.size() > 1 ? Verdict::two_faults : Verdict::one_fault;
   }
   if (out.verdict == Verdict::tie) out.probe = next_probe(board, std::span(out.suspects).first(out.tied));
-  if (out.verdict == Verdict::tie || out.verdict == Verdict::one_fault || out.verdict == Verdict::two_faults)
-    out.rework = rework_for(board, std::span(out.suspects).first(out.tied));
+  if (out.verdict == Verdict::tie || out.verdict == Verdict::one_fault ||
+      out.verdict == Verdict::two_faults) {
+    const std::span<const Suspect> rivals = std::span(out.suspects).first(out.tied);
+    out.rework = rework_for(board, rivals);
+    out.hidden = hidden_behind(board, out.faults, rivals);
+  }
   return out;
 }
 

@@ -64,7 +64,8 @@ struct Diagnosis {
   std::size_t tried = 0;
   std::optional<Probe> probe;
   std::vector<Rework> rework;
-  std::vector<Fault> faults;  ///< the findings point into it
+  std::vector<std::string> hidden;  ///< parts that cannot be judged before what is wrong is mended
+  std::vector<Fault> faults;        ///< the findings point into it
 };
 
 /// Throws Interrupted.
@@ -73,5 +74,9 @@ Diagnosis diagnose_board(const Board& board, const DiagnosisOptions& options);
 /// Of the tied suspects; nothing where no node can be reached.
 std::optional<Probe> next_probe(const Board& board, std::span<const Suspect> rivals);
 std::vector<Rework> rework_for(const Board& board, std::span<const Suspect> rivals);
+/// Parts that could have any wrong value of the catalogue without showing it as long as the board has what one of the rivals
+/// says (whichever of them), and would show some on a good board.
+std::vector<std::string> hidden_behind(const Board& board, const std::vector<Fault>& faults,
+                                       std::span<const Suspect> rivals);
 
 }  // namespace bodesmith::faults

@@ -21,7 +21,7 @@ struct Effect {
   /// The spread of these unknowns of the good board (index, factor) changes with it: an open resistor has no tolerance.
   std::vector<std::pair<std::size_t, double>> spread;
 
-  /// What is not known of such a fault's details, relative to the change of ln H that it makes.
+  /// What is not known of such a fault's details, relative to the change of ln H that its rough stamps make.
   double model_error = 0.0;
 
   /// Of a plan: capacitors (index in DrawnBoard, new units), clocks of CAMs (index, factor on the frequency).
@@ -46,7 +46,8 @@ struct Fault {
   std::function<Effect(double t)> effect;
   std::function<std::string(double t)> words;  ///< "R2_1 is 12.1 kΩ instead of 10 kΩ"
   std::function<FaultSize(double t)> size = [](double) { return FaultSize{}; };
-  std::string rework;  ///< what to do about it
+  std::string rework;               ///< what to do about it
+  std::vector<std::string> covers;  ///< every op-amp: what is wrong with one of these is no second fault
   std::vector<std::size_t>
       replaces;  ///< indices of the parts (of the circuit) to exchange, if that is the rework
 

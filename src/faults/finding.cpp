@@ -209,7 +209,9 @@ Finding refined(const Board& board, Finding finding, const std::vector<Fault>& f
   // Errors beyond what any part has would make another board of it: a dead one, on which no error costs anything.
   constexpr double kMostErrors = 5.0;
   for (Eigen::Index u = 0; u < around.size(); ++u)
-    around(u) = board.is_part(std_index(u)) ? std::clamp(around(u), -kMostErrors, kMostErrors) : 0.0;
+    around(u) = std_index(u) < board.unknowns() && board.is_part(std_index(u))
+                    ? std::clamp(around(u), -kMostErrors, kMostErrors)
+                    : 0.0;
   double density = over_noise(noise, [&](const Noise& one) {
     return Likelihood(board, first, one, finding.part_spread).log_density();
   });

@@ -77,6 +77,7 @@ Json to_json(const Diagnosis& d, const Board& board, const Spread& spread, const
                     {"tells_apart", d.probe->tells_apart}};
   out["rework"] = Json::array();
   for (const Rework& one : d.rework) out["rework"].push_back({{"text", one.text}, {"parts", one.parts}});
+  out["hidden"] = d.hidden;
   out["next"] = next_steps(d);
   out["noise"] = {{"magnitude_db", d.noise.gain * kDecibelPerNeper},
                   {"phase_deg", to_degrees(d.noise.phase)}};

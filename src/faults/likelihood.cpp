@@ -25,15 +25,58 @@ double log_above_floor(double log_gain, double floor) {
   return 0.5 * std::log(std::exp(2.0 * log_gain) + floor * floor);
 }
 
-/// |ln| of what the fault changes, at most that to the floor, and no more than this counts.
+/// |ln| of what a roughly known fault changes, at most that to the floor, and no more than this counts.
 constexpr double kMostChange = 1.5;
 double change_of(const Board& board, const Prediction& prediction, Eigen::Index k) {
   const double floor = board.floors()[std_index(k)];
-  const std::complex<double> good = board.good_response()(k);
+  const std::complex<double> good =
+      prediction.reference.size() > 0 ? prediction.reference(k) : board.good_response()(k);
   const std::complex<double> got = prediction.response(k);
   return std::min(kMostChange,
                   std::abs(std::complex<double>(std::log((std::abs(got) + floor) / (std::abs(good) + floor)),
                                                 std::arg(got * std::conj(good)))));
+}
+
+/// What is not known of a fault's details is smooth: so much of it varies freely from point to point, the rest over so
+/// many decades.
+constexpr double kFreeShare = 0.2;
+constexpr double kDecadesOfKnot = 0.5;
+
+/// Straight lines between knots over log frequency, [point][knot].
+Eigen::MatrixXd hats(const Measurement& measured) {
+  Hertz lowest{1e300};
+  Hertz highest{0.0};
+  for (const Channel& channel : measured.channels) {
+    lowest = std::min(lowest, channel.grid.front());
+    highest = std::max(highest, channel.grid.back());
+  }
+  const double decades = std::log10(highest.value / lowest.value);
+  const Eigen::Index count = static_cast<Eigen::Index>(std::ceil(decades / kDecadesOfKnot)) + 1;
+  Eigen::MatrixXd out(eigen_index(measured.points()), count);
+  Eigen::Index k = 0;
+  for (const Channel& channel : measured.channels) {
+    for (const Hertz f : channel.grid) {
+      const double at = std::log10(f.value / lowest.value) / kDecadesOfKnot;
+      for (Eigen::Index knot = 0; knot < count; ++knot)
+        out(k, knot) = std::max(0.0, 1.0 - std::abs(at - static_cast<double>(knot)));
+      ++k;
+    }
+  }
+  return out;
+}
+
+/// The slopes, and behind them what a standard deviation of the model's error does at each knot to gain and phase.
+Eigen::MatrixXcd with_model_error(const Board& board, const Prediction& prediction) {
+  if (!(prediction.model_error > 0.0)) return prediction.slopes;
+  Eigen::MatrixXd knots = hats(board.measured());
+  for (Eigen::Index k = 0; k < knots.rows(); ++k)
+    knots.row(k) *= prediction.model_error * change_of(board, prediction, k);
+  const Eigen::Index parts = prediction.slopes.cols();
+  Eigen::MatrixXcd out(prediction.slopes.rows(), parts + 2 * knots.cols());
+  out.leftCols(parts) = prediction.slopes;
+  out.middleCols(parts, knots.cols()) = knots.cast<std::complex<double>>();
+  out.rightCols(knots.cols()) = std::complex<double>(0.0, 1.0) * knots.cast<std::complex<double>>();
+  return out;
 }
 
 /// One value a row, from the real and imaginary part of one a point.
@@ -98,13 +141,14 @@ Likelihood::Likelihood(const Board& board, const Prediction& prediction, const N
 
 Eigen::VectorXd Likelihood::second_order(const Board& board, const Eigen::MatrixXcd& slopes,
                                          const Likelihood* left) const {
-  if (left == nullptr) return 0.5 * slopes.cwiseAbs2().rowwise().sum();
+  const Eigen::Index unknowns = eigen_index(board.unknowns());
+  if (left == nullptr) return 0.5 * slopes.leftCols(unknowns).cwiseAbs2().rowwise().sum();
   Eigen::MatrixXd real = slopes.real().transpose();
   Eigen::MatrixXd imaginary = slopes.imag().transpose();
   Eigen::VectorXd others = Eigen::VectorXd::Zero(slopes.rows());
   for (Eigen::Index u = 0; u < slopes.cols(); ++u) {
-    if (board.is_part(std_index(u))) continue;
-    others += slopes.col(u).cwiseAbs2();
+    if (u < unknowns && board.is_part(std_index(u))) continue;
+    if (u < unknowns) others += slopes.col(u).cwiseAbs2();
     real.row(u).setZero();
     imaginary.row(u).setZero();
   }
@@ -122,21 +166,28 @@ void Likelihood::set(const Board& board, const Prediction& prediction, const Noi
   rows_ = stacked(residual, above, [](std::size_t) { return 1.0; }).sum();
   const Eigen::Index points = prediction.response.size();
   const Eigen::Index rows = residual_.size();
-  Eigen::MatrixXcd slopes = prediction.slopes;
-  for (Eigen::Index u = 0; u < slopes.cols(); ++u) {
+  Eigen::MatrixXcd slopes = with_model_error(board, prediction);
+  for (Eigen::Index u = 0; u < prediction.slopes.cols(); ++u) {
     if (part_spread != 1.0 && board.is_part(std_index(u))) slopes.col(u) *= part_spread;
   }
   for (Eigen::Index k = 0; k < points; ++k) slopes.row(k) *= 1.0 - residual.below_floor[std_index(k)];
   const Eigen::VectorXd second = second_order(board, slopes, left);
   const auto variance = [&](std::size_t k, double of_noise, double at_floor) {
     const double order = second(eigen_index(k));
-    const double model = prediction.model_error * change_of(board, prediction, eigen_index(k));
-    return of_noise * of_noise + order * order + model * model +
-           residual.below_floor[k] * at_floor * at_floor;
+    const double model = kFreeShare * prediction.model_error * change_of(board, prediction, eigen_index(k));
+    return of_noise * of_noise + order * order + model * model + at_floor;
+  };
+  // What is added to the signal at a random angle moves gain and phase alike as long as it is small.
+  const auto gain_at_floor = [&](std::size_t k) {
+    return residual.below_floor[k] * kGainAtFloor * kGainAtFloor;
+  };
+  const auto phase_at_floor = [&](std::size_t k) {
+    const double share = residual.below_floor[k];
+    return (1.0 - share) * gain_at_floor(k) + share * share * kPhaseAtFloor * kPhaseAtFloor;
   };
   weight_ = stacked(
-                residual, [&](std::size_t k) { return variance(k, noise.gain, kGainAtFloor); },
-                [&](std::size_t k) { return variance(k, noise.phase, kPhaseAtFloor); })
+                residual, [&](std::size_t k) { return variance(k, noise.gain, gain_at_floor(k)); },
+                [&](std::size_t k) { return variance(k, noise.phase, phase_at_floor(k)); })
                 .cwiseInverse();
   slopes_.resize(rows, slopes.cols());
   slopes_.topRows(points) = slopes.real();

@@ -21,8 +21,9 @@ Residual residual_of(const Board& board, const Eigen::VectorXcd& response);
 
 /// Density of the measurement under one explanation, the parts' own errors x integrated out:
 ///   y - ln H = S x + n,  x normal with covariance 1, n with covariance V,
-/// so y is normal with S S' + V. V holds the noise, the floor, and the square of the second order of x,
-/// sum |S|^2/2, which the linear form leaves out.
+/// so y is normal with S S' + V. S also holds the error of a roughly known fault, most of it smooth over frequency. V holds
+/// the noise, the floor, the rest of that error, and the square of the second order of x, sum |S|^2/2, which the linear
+/// form leaves out.
 class Likelihood {
  public:
   /// `part_spread`: of the parts' errors, beside what Spread says.
@@ -41,7 +42,8 @@ class Likelihood {
   /// log_density() of another residual under the same covariance.
   double log_density_of(const Eigen::VectorXd& residual) const;
   const Eigen::VectorXd& residual() const { return residual_; }
-  /// The most likely errors of everything that differs from board to board, in standard deviations.
+  /// The most likely errors of everything that differs from board to board, in standard deviations; behind them those of the
+  /// prediction's model (Prediction::model_error), where it has any.
   Eigen::VectorXd errors() const;
   /// What the most likely errors of the parts leave.
   Eigen::VectorXd remaining() const;

@@ -1,7 +1,9 @@
 #include "faults/pairs.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <map>
+#include <memory>
 #include <set>
 #include <string>
 
@@ -17,33 +19,57 @@ constexpr std::size_t kSecondsOfEach = 16;
 constexpr std::size_t kTurned = 12;
 constexpr std::size_t kPolished = 64;
 constexpr int kTeethOfSecond = 13;
+constexpr int kHalvings = 4;
+/// Pairs this near to the best (ln) lend their sites, so many at most, to all pairs of them.
+constexpr double kNearBest = 20.0;
+constexpr std::size_t kSitesClosed = 6;
 /// Times that both sizes are looked for in turn, and how much finer the comb becomes each time.
 constexpr int kTurns = 3;
 constexpr double kFiner = 0.4;
+
+/// Model error of a second fault that is known roughly.
+constexpr double kRoughSecond = 0.02;
 
 struct TriedPair {
   Finding finding;
   double rough = 0.0;  ///< ln of density and prior, the first one's covariance
 };
 
-bool share_a_part(const Fault& a, const Fault& b) {
-  return std::any_of(a.parts.begin(), a.parts.end(), [&](const std::string& part) {
-    return std::find(b.parts.begin(), b.parts.end(), part) != b.parts.end();
+bool names_any(const Fault& fault, const std::vector<std::string>& parts) {
+  return std::any_of(fault.parts.begin(), fault.parts.end(), [&](const std::string& part) {
+    return std::find(parts.begin(), parts.end(), part) != parts.end();
   });
 }
 
+bool share_a_part(const Fault& a, const Fault& b) {
+  return names_any(a, b.parts) || names_any(a, b.covers) || names_any(b, a.covers);
+}
+
 /// The best size of `second` beside a first fault as it was found.
-TriedPair beside(const Board& board, const Finding& first, const Likelihood& likelihood,
-                 const Fault& second) {
+TriedPair beside(const Board& board, const ChangedBoard& changed, const Finding& first,
+                 const Likelihood& likelihood, const Fault& second) {
   TriedPair best;
   best.rough = -1e300;
-  const Effect effect = first.effect();
   for (const double t : comb(second, kTeethOfSecond)) {
-    const Eigen::VectorXcd response = board.response(joined(effect, second.effect(t)));
+    const Eigen::VectorXcd response = changed.response(second.effect(t));
     const double density = likelihood.log_density_of(residual_of(board, response).rows());
     if (!(density > best.rough)) continue;
     best.rough = density;
     best.finding.sizes = {first.sizes[0], t};
+  }
+  // Between the teeth: a slow op-amp that is off by half a tooth is off by more than any other fault's effect.
+  double step = 0.5 * (second.to - second.from) / (kTeethOfSecond - 1);
+  for (int halved = 0; second.has_size() && halved < kHalvings && !best.finding.sizes.empty();
+       ++halved, step *= 0.5) {
+    const double middle = best.finding.sizes[1];
+    for (const double t : {middle - step, middle + step}) {
+      if (t < second.from || t > second.to) continue;
+      const double density =
+          likelihood.log_density_of(residual_of(board, changed.response(second.effect(t))).rows());
+      if (!(density > best.rough)) continue;
+      best.rough = density;
+      best.finding.sizes[1] = t;
+    }
   }
   best.finding.faults = {first.faults[0], &second};
   return best;
@@ -57,14 +83,14 @@ void resize(const Board& board, const Likelihood& likelihood, TriedPair& pair) {
     for (std::size_t which = 0; which < 2; ++which) {
       const Fault& fault = *pair.finding.faults[which];
       if (!fault.has_size()) continue;
-      const Effect other = pair.finding.faults[1 - which]->effect(pair.finding.sizes[1 - which]);
+      const std::unique_ptr<ChangedBoard> beside_other =
+          board.changed_by(pair.finding.faults[1 - which]->effect(pair.finding.sizes[1 - which]));
       const double middle = pair.finding.sizes[which];
       for (const double tooth : comb(fault, kTeethOfSecond)) {
         const double centre = 0.5 * (fault.from + fault.to);
         const double t = std::clamp(middle + part * (tooth - centre), fault.from, fault.to);
-        const Effect here = fault.effect(t);
-        const Effect both = which == 0 ? joined(here, other) : joined(other, here);
-        const double density = likelihood.log_density_of(residual_of(board, board.response(both)).rows());
+        const double density =
+            likelihood.log_density_of(residual_of(board, beside_other->response(fault.effect(t))).rows());
         if (!(density + pair.finding.log_prior > pair.rough)) continue;
         pair.rough = density + pair.finding.log_prior;
         pair.finding.sizes[which] = t;
@@ -72,6 +98,8 @@ void resize(const Board& board, const Likelihood& likelihood, TriedPair& pair) {
     }
   }
 }
+
+using KnownPairs = std::set<std::set<const Fault*>>;
 
 bool better(const TriedPair& a, const TriedPair& b) {
   return a.rough > b.rough;
@@ -90,11 +118,21 @@ class PairSearch {
 
   /// A first fault of a given size with every other, the best of them with both sizes free.
   void try_first(const Finding& first) {
-    const Likelihood likelihood(board_, board_.predict(first.effect()), noise_);
+    Prediction prediction = board_.predict(first.effect());
+    const Likelihood exact(board_, prediction, noise_);
+    // A second fault that is known roughly is not judged by what even the right one would leave: its model's error, as if
+    // it changed everything by a factor of e.
+    prediction.model_error = std::max(prediction.model_error, kRoughSecond);
+    prediction.reference = prediction.response * std::exp(-1.0);
+    const Likelihood rough(board_, prediction, noise_);
+    const std::unique_ptr<ChangedBoard> changed = board_.changed_by(first.effect());
+    const auto likelihood_of = [&](const Fault& fault) -> const Likelihood& {
+      return fault.effect(fault.from).model_error > 0.0 ? rough : exact;
+    };
     std::vector<TriedPair> here;
     for (const Fault& fault : faults_) {
       if (share_a_part(*first.faults[0], fault)) continue;
-      TriedPair pair = beside(board_, first, likelihood, fault);
+      TriedPair pair = beside(board_, *changed, first, likelihood_of(fault), fault);
       if (pair.finding.sizes.empty()) continue;
       pair.finding.log_prior = log_prior_of_two_ + prior_of(*first.faults[0]) + prior_of(fault);
       pair.rough += pair.finding.log_prior;
@@ -103,8 +141,55 @@ class PairSearch {
     std::stable_sort(here.begin(), here.end(), better);
     here.resize(std::min(here.size(), kSecondsOfEach));
     for (TriedPair& pair : here) {
-      resize(board_, likelihood, pair);
+      resize(board_, likelihood_of(*pair.finding.faults[1]), pair);
       tried_.push_back(std::move(pair));
+    }
+  }
+
+  /// Of three values of which any two explain the same, A with B and A with C may be found and B with C not, far away in both
+  /// sizes: the sites of the likeliest pairs, each beside each, over all sizes of both.
+  void close(KnownPairs& known, std::vector<Finding>& found) const {
+    std::stable_sort(found.begin(), found.end(),
+                     [](const Finding& a, const Finding& b) { return a.log_weight() > b.log_weight(); });
+    std::vector<std::string> sites;
+    for (const Finding& finding : found) {
+      if (finding.log_weight() < found.front().log_weight() - kNearBest) break;
+      for (const Fault* fault : finding.faults) {
+        if (sites.size() < kSitesClosed && std::find(sites.begin(), sites.end(), fault->site) == sites.end())
+          sites.push_back(fault->site);
+      }
+    }
+    std::vector<const Fault*> sized;
+    for (const Fault& fault : faults_) {
+      if (fault.has_size() && !fault.replaces.empty() &&
+          std::find(sites.begin(), sites.end(), fault.site) != sites.end())
+        sized.push_back(&fault);
+    }
+    if (found.empty()) return;
+    const double least = found.front().log_weight() - kNearBest;
+    const Likelihood likelihood(board_, board_.predict(found.front().effect()), noise_);
+    for (std::size_t i = 0; i < sized.size(); ++i) {
+      std::vector<std::unique_ptr<ChangedBoard>> with_first;
+      const std::vector<double> teeth = comb(*sized[i], kTeethOfSecond);
+      for (const double t : teeth) with_first.push_back(board_.changed_by(sized[i]->effect(t)));
+      for (std::size_t j = i + 1; j < sized.size(); ++j) {
+        if (share_a_part(*sized[i], *sized[j]) || !known.insert({sized[i], sized[j]}).second) continue;
+        TriedPair best;
+        best.rough = -1e300;
+        for (std::size_t a = 0; a < teeth.size(); ++a) {
+          Finding first;
+          first.faults = {sized[i]};
+          first.sizes = {teeth[a]};
+          TriedPair pair = beside(board_, *with_first[a], first, likelihood, *sized[j]);
+          if (pair.rough > best.rough) best = std::move(pair);
+        }
+        if (best.finding.sizes.empty()) continue;
+        best.finding.log_prior = log_prior_of_two_ + prior_of(*sized[i]) + prior_of(*sized[j]);
+        best.rough += best.finding.log_prior;
+        resize(board_, likelihood, best);
+        Finding polished_pair = polished(board_, best.finding, noise_);
+        if (polished_pair.log_weight() > least) found.push_back(std::move(polished_pair));
+      }
     }
   }
 
@@ -156,12 +241,13 @@ std::vector<Finding> pairs_of(const Board& board, const std::vector<Finding>& si
     ++turned;
   }
   std::vector<Finding> out;
-  std::set<std::set<const Fault*>> known;
+  KnownPairs known;
   for (const TriedPair& pair : search.tried()) {
     if (out.size() == kPolished) break;
     if (!known.insert({pair.finding.faults.begin(), pair.finding.faults.end()}).second) continue;
     out.push_back(polished(board, pair.finding, noise));
   }
+  search.close(known, out);
   return out;
 }
 

@@ -61,7 +61,7 @@ Eigen::VectorXcd PlanBoard::response(const Effect& effect) const {
 }
 
 Prediction PlanBoard::predict(const Effect& effect) const {
-  return {response(effect), slopes_, effect.model_error};
+  return {response(effect), slopes_, effect.model_error, {}};
 }
 
 }  // namespace bodesmith::faults

@@ -20,6 +20,7 @@ struct Stamp {
   double g = 0.0;
   double c = 0.0;
   double d = 0.0;
+  bool rough = false;  ///< known to within Effect::model_error of the change that it makes only
 
   std::complex<double> delta(std::complex<double> s) const { return g + s * (c + s * d); }
   Stamp times(double factor) const {

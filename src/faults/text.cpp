@@ -60,6 +60,10 @@ std::vector<std::string> next_steps(const Diagnosis& d) {
   if (d.verdict == Verdict::uncertain)
     out.push_back("measure again with less noise, with phase, or over a wider band");
   for (const Rework& one : d.rework) out.push_back("rework: " + one.text);
+  if (!d.hidden.empty())
+    out.push_back(
+        fmt::format("wrong values of {} would not show as long as this is so: measure again after the rework",
+                    join(d.hidden, ", ")));
   if (d.verdict == Verdict::unexplained)
     out.push_back(
         "check that the board, its file and the measurement belong together (input, output, calibration)");

@@ -1,6 +1,9 @@
 // The quick equations against solving the changed circuit anew.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <string>
+
 #include "base/error.hpp"
 #include "circuit/response.hpp"
 #include "circuits.hpp"
@@ -58,6 +61,56 @@ TEST(CircuitBoard, TwoChangesAtOnceAndANodeInside) {
   expect_same(board.response(effect), solved(changed, grid));
   expect_same(board.at_node("out", effect), solved(changed, grid));
   expect_same(board.predict(effect).response, solved(changed, grid));
+}
+
+TEST(CircuitBoard, WhatIsBuiltInAndWhatComesOnTopAreBothAtOnce) {
+  const circuit::Circuit circuit = small_circuit();
+  const std::vector<Hertz> grid = small_grid(12);
+  const CircuitBoard board = board_of(circuit, grid);
+  const Effect first = joined(board.changed(0, 0.2), board.slowed(1, 0.01, true));
+  const auto changed = board.changed_by(first);
+  for (std::size_t i = 1; i < circuit.parts.size(); ++i) {
+    const Effect second = joined(board.changed(i, 5.0), board.replaced(2, 1e-12));
+    const Eigen::VectorXcd both = board.response(joined(first, second));
+    const Eigen::VectorXcd on_top = changed->response(second);
+    EXPECT_LT((on_top - both).norm(), 1e-7 * both.norm()) << i;
+    const Eigen::VectorXcd one = board.response(joined(first, board.changed(i, 5.0)));
+    EXPECT_LT((changed->response(board.changed(i, 5.0)) - one).norm(), 1e-7 * one.norm()) << i;
+  }
+}
+
+/// What is not known of a slow op-amp is a share of what it changes, not of what another fault changes beside it.
+TEST(CircuitBoard, TheModelErrorOfARoughFaultIsCountedFromTheOtherOne) {
+  const circuit::Circuit circuit = small_circuit();
+  const CircuitBoard board = board_of(circuit, small_grid(12));
+  Effect slow = board.slowed(0, 0.01, true);
+  slow.model_error = 0.02;
+  for (Stamp& stamp : slow.stamps) stamp.rough = true;
+  const Effect decade = board.changed(0, 10.0);
+  const Eigen::VectorXcd beside = board.response(decade);
+  EXPECT_LT((board.predict(joined(decade, slow)).reference - beside).norm(), 1e-12 * beside.norm());
+  EXPECT_EQ(board.predict(slow).reference.size(), 0);
+  EXPECT_EQ(board.predict(decade).reference.size(), 0);
+}
+
+TEST(CircuitBoard, OnlyALoadAtAnOpAmpIsKnownRoughly) {
+  const circuit::Circuit circuit = small_circuit();
+  const CircuitBoard board = board_of(circuit, small_grid(12));
+  int rough = 0;
+  int exact = 0;
+  for (const Fault& fault : board.faults()) {
+    if (!fault.kind->name().ends_with("_load")) continue;
+    const std::string node =
+        fault.site == "the output" ? "out" : fault.site.substr(std::string("node ").size());
+    const bool driven = std::any_of(circuit.opamps.begin(), circuit.opamps.end(),
+                                    [&](const circuit::OpAmp& one) { return one.out == node; });
+    const Effect effect = fault.effect(fault.from);
+    EXPECT_EQ(effect.model_error > 0.0, driven) << fault.site;
+    EXPECT_EQ(effect.stamps[0].rough, driven) << fault.site;
+    ++(driven ? rough : exact);
+  }
+  EXPECT_GT(rough, 0);
+  EXPECT_GT(exact, 0);
 }
 
 TEST(CircuitBoard, ASlowerOpAmpIsWhatSolvingAnewFinds) {

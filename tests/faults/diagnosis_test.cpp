@@ -1,6 +1,12 @@
 // Boards of the program's own equations with parts of 1 %: what is named, tied, refused.
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <span>
+#include <string>
+#include <string_view>
+
+#include "base/text.hpp"
 #include "circuit/response.hpp"
 #include "circuits.hpp"
 #include "faults/circuit_board.hpp"
@@ -73,6 +79,74 @@ TEST(BoardDiagnosis, TwoFaultsAtOnce) {
   EXPECT_EQ(d.suspects[0].best.faults.size(), 2u);
   EXPECT_TRUE(among_tied(d, built.parts[capacitors.front()].name));
   EXPECT_TRUE(among_tied(d, built.parts[capacitors.back()].name));
+}
+
+/// A roughly known fault (a floating input, a slow op-amp) fits two others to within its model's error, and is not named
+/// before these have been tried.
+TEST(BoardDiagnosis, ARoughlyKnownFaultDoesNotPassForTwoOthers) {
+  const circuit::Circuit circuit = small_circuit();
+  circuit::Circuit built = drawn_parts(circuit, 6);
+  for (circuit::Part& part : built.parts) {
+    if (part.name == "Rq_4") part.realised *= 0.6;
+    if (part.name == "R1_1") part.realised *= 0.1;
+  }
+  const Diagnosis d = diagnosed(circuit, built);
+  EXPECT_TRUE(d.verdict == Verdict::two_faults || d.verdict == Verdict::tie);
+  EXPECT_EQ(d.suspects[0].best.faults.size(), 2u) << d.suspects[0].site;
+  EXPECT_TRUE(among_tied(d, "Rq_4")) << d.suspects[0].site;
+  EXPECT_TRUE(among_tied(d, "R1_1")) << d.suspects[0].site;
+}
+
+TEST(BoardDiagnosis, EveryOpAmpIsNoSecondFaultOfOneOfThem) {
+  const circuit::Circuit circuit = small_circuit();
+  circuit::Circuit built = drawn_parts(circuit, 8);
+  built.model.gain_bandwidth.value *= 0.004;
+  built.parts[1].realised *= 1.4;
+  const Diagnosis d = diagnosed(circuit, built);
+  for (const Suspect& suspect : d.suspects) {
+    if (suspect.best.faults.size() < 2) continue;
+    const bool all = suspect.site.find("every op-amp") != std::string::npos;
+    const auto is_slow = [](const Fault* fault) { return fault->kind->name() == "opamp_too_slow"; };
+    const auto slow = std::count_if(suspect.best.faults.begin(), suspect.best.faults.end(), is_slow);
+    EXPECT_FALSE(all && slow > 1) << suspect.site;
+  }
+  EXPECT_TRUE(among_tied(d, "every op-amp")) << d.suspects[0].site;
+}
+
+/// An input that is not connected says nothing of the stages before it; another value of a part hides none.
+TEST(BoardDiagnosis, WhatIsHiddenBehindAFaultIsSaid) {
+  const circuit::Circuit circuit = small_circuit();
+  const std::vector<Hertz> grid = small_grid();
+  const Measurement measurement{{seen(grid, circuit::network_response(circuit, grid, circuit.model), 5)}};
+  const CircuitBoard board(circuit, measurement, Spread());
+  const std::vector<Fault> faults = board.faults();
+  const auto hidden_by = [&](const std::string& site, std::string_view kind, double t) {
+    const auto at = std::find_if(faults.begin(), faults.end(), [&](const Fault& fault) {
+      return fault.site == site && fault.kind->name() == kind;
+    });
+    EXPECT_NE(at, faults.end()) << site;
+    Suspect suspect;
+    suspect.best.faults = {&*at};
+    suspect.best.sizes = {t};
+    return hidden_behind(board, faults, std::span(&suspect, 1));
+  };
+  std::vector<std::string> inputs;
+  for (const circuit::Part& part : circuit.parts) {
+    if (part.stage + 1 == circuit.stages.size() && part.from == circuit.stages.back().in)
+      inputs.push_back(part.name);
+  }
+  ASSERT_EQ(inputs.size(), 1u);
+  const std::vector<std::string> hidden = hidden_by(inputs[0], "open", 0.0);
+  for (const circuit::Part& part : circuit.parts) {
+    const bool is_hidden = std::find(hidden.begin(), hidden.end(), part.name) != hidden.end();
+    if (part.name == "R1_1" || part.name == "R2_1") {
+      EXPECT_TRUE(is_hidden) << part.name;
+    }
+    if (part.name == inputs[0]) {
+      EXPECT_FALSE(is_hidden);
+    }
+  }
+  EXPECT_TRUE(hidden_by("R1_1", "value_off", std::log(0.3)).empty());
 }
 
 /// Parts thousands of tolerances off would make a dead board of a good one.

@@ -70,6 +70,34 @@ TEST(PlanBoard, AWrongCapacitorIsNamedOrTied) {
   }
 }
 
+/// A capacitor of each of two CAMs.
+TEST(PlanBoard, TwoWrongCamsAreBothAccused) {
+  std::vector<int> units;
+  std::vector<std::string> cams;
+  std::vector<std::string> names;
+  for (const fpaa::ChipPlan& chip : small_plan().chips) {
+    for (const fpaa::PlacedCam& cam : chip.cams) {
+      for (const fpaa::Capacitor& c : cam.capacitors) {
+        units.push_back(c.units);
+        cams.push_back(cam.name);
+        names.push_back("chip" + std::to_string(chip.chip) + "." + cam.name + "." + c.name);
+      }
+    }
+  }
+  ASSERT_NE(cams.front(), cams.back());
+  std::vector<int> wrong = units;
+  wrong.front() = std::max(1, wrong.front() ^ 32);
+  wrong.back() = std::max(1, wrong.back() ^ 64);
+  const Diagnosis d = diagnosed_plan(fpaa::with_capacitors(small_plan(), wrong), 6);
+  EXPECT_TRUE(d.verdict == Verdict::two_faults || d.verdict == Verdict::tie);
+  EXPECT_TRUE(std::any_of(d.suspects.begin(), d.suspects.begin() + static_cast<std::ptrdiff_t>(d.tied),
+                          [&](const Suspect& s) {
+                            return s.site.find(cams.front()) != std::string::npos &&
+                                   s.site.find(cams.back()) != std::string::npos;
+                          }))
+      << d.suspects[0].site << " of " << names.front() << " and " << names.back();
+}
+
 TEST(PlanBoard, AWrongClockIsNamed) {
   fpaa::Plan built = small_plan();
   fpaa::PlacedCam& cam = built.chips[0].cams[0];

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/text.hpp"
@@ -9,8 +10,15 @@
 namespace bodesmith::faults {
 namespace {
 
-/// How an op-amp takes a load is known no better than the op-amp itself.
+/// How an op-amp takes a load at its output is known no better than the op-amp itself; between passive parts a load is one
+/// more of them.
 constexpr double kLoadModelError = 0.02;
+
+bool is_driven(const CircuitBoard& board, const std::string& node) {
+  const auto& opamps = board.circuit().opamps;
+  return std::any_of(opamps.begin(), opamps.end(),
+                     [&](const circuit::OpAmp& one) { return one.out == node; });
+}
 
 }  // namespace
 
@@ -23,10 +31,13 @@ std::vector<Fault> load_faults(const CircuitBoard& board, const Load& load) {
     fault.site = where;
     fault.from = std::log(load.least);
     fault.to = std::log(load.most);
-    fault.effect = [&board, node, stamp = load.stamp](double t) {
+    fault.effect = [&board, node, stamp = load.stamp, driven = is_driven(board, node)](double t) {
       Effect effect;
-      effect.model_error = kLoadModelError;
       effect.stamps = {stamp(board, node, std::exp(t))};
+      if (driven) {
+        effect.model_error = kLoadModelError;
+        effect.stamps[0].rough = true;
+      }
       return effect;
     };
     fault.words = [where, unit = load.unit, end = load.words_end](double t) {

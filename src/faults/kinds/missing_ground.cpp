@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <cmath>
+#include <utility>
 
 #include "faults/circuit_board.hpp"
 
@@ -28,13 +29,15 @@ class MissingGround : public FaultKind {
       if (opamps[i].plus != "0") continue;
       const circuit::Stage& stage = board.circuit().stages[opamps[i].stage];
       Fault beside_minus = start(opamps[i].name, kFollowsMost, kFollowsLeast);
-      beside_minus.effect = [&board, i](double t) {
-        return follows(board, i, board.circuit().opamps[i].minus, -std::expm1(t));
-      };
+      beside_minus.effect = [&board, i](double t) { return roughly(board.inputs_follow(i, std::exp(t))); };
       out.push_back(std::move(beside_minus));
       for (const std::string& node : {opamps[i].out, stage.in}) {
         Fault pickup = start(opamps[i].name, kPicksUpLeast, 1.0);
-        pickup.effect = [&board, i, node](double t) { return follows(board, i, node, std::exp(t)); };
+        pickup.effect = [&board, i, node](double t) {
+          Effect effect;
+          effect.stamps = {board.plus_follows(i, node, std::exp(t))};
+          return roughly(std::move(effect));
+        };
         out.push_back(std::move(pickup));
       }
     }
@@ -55,11 +58,10 @@ class MissingGround : public FaultKind {
     return out;
   }
 
-  static Effect follows(const CircuitBoard& board, std::size_t opamp, const std::string& node, double part) {
-    Effect out;
-    out.model_error = kFloatingModelError;
-    out.stamps = {board.plus_follows(opamp, node, part)};
-    return out;
+  static Effect roughly(Effect effect) {
+    effect.model_error = kFloatingModelError;
+    for (Stamp& stamp : effect.stamps) stamp.rough = true;
+    return effect;
   }
 };
 

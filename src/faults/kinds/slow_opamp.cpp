@@ -31,6 +31,7 @@ class SlowOpAmp : public FaultKind {
       std::vector<std::size_t> all(opamps.size());
       for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
       out.push_back(slow(board, all, "every op-amp"));
+      for (const circuit::OpAmp& one : opamps) out.back().covers.push_back(one.name);
     }
     return out;
   }
@@ -51,6 +52,7 @@ class SlowOpAmp : public FaultKind {
       effect.model_error = kSlowModelError;
       for (const std::size_t i : which)
         effect = joined(effect, board.slowed(i, std::exp(t), which.size() == 1));
+      for (Stamp& stamp : effect.stamps) stamp.rough = true;
       return effect;
     };
     out.words = [name, hz](double t) {

@@ -28,6 +28,7 @@ constexpr double kFitsWithin = 1.6;
 constexpr double kTryTwo = 2.5;
 /// Explanations this far (ln) behind the best are not looked at again.
 constexpr double kHopeless = 30.0;
+constexpr std::size_t kAlwaysLooked = 8;
 /// Everything is fitted again when the noise turned out so much smaller.
 constexpr double kNoiseAgain = 1.25;
 
@@ -89,8 +90,12 @@ class BoardSearch {
   /// What is not hopeless, fitted to the end.
   void look_closely(std::vector<Finding>& findings) const {
     const double best = findings.front().log_weight();
-    std::erase_if(findings,
-                  [&](const Finding& f) { return f.log_weight() < best - kHopeless && !f.faults.empty(); });
+    // One fault alone may have lost by the linear form only: the likeliest of them are always looked at.
+    std::size_t alone = 0;
+    std::erase_if(findings, [&](const Finding& f) {
+      if (f.faults.empty() || (f.faults.size() == 1 && alone++ < kAlwaysLooked)) return false;
+      return f.log_weight() < best - kHopeless;
+    });
     for (Finding& finding : findings) {
       finding = refined(board_, polished(board_, std::move(finding), noise_), faults_, noise_);
     }

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "base/whole_number.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith::faults {
@@ -51,7 +52,7 @@ Eigen::MatrixXd hats(const Measurement& measured) {
     highest = std::max(highest, channel.grid.back());
   }
   const double decades = std::log10(highest.value / lowest.value);
-  const Eigen::Index count = static_cast<Eigen::Index>(std::ceil(decades / kDecadesOfKnot)) + 1;
+  const Eigen::Index count = whole_number<Eigen::Index>(std::ceil(decades / kDecadesOfKnot), 0, 1000) + 1;
   Eigen::MatrixXd out(eigen_index(measured.points()), count);
   Eigen::Index k = 0;
   for (const Channel& channel : measured.channels) {

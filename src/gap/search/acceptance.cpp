@@ -6,6 +6,7 @@
 
 #include "gap/runner.hpp"
 #include "gap/search/round.hpp"
+#include "gap/search/step.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
@@ -114,11 +115,7 @@ CandidateOutcome compare(const AcceptanceOptions& options, const Ranked& r, cons
 
 Step make_step(const AcceptanceOptions& options, const Model& before, Ranked& winner, double control,
                const std::vector<Ranked*>& good) {
-  Step step;
-  step.effect = winner.effect;
-  step.placed = winner.placed;
-  step.before = before;
-  step.after = winner.model;
+  Step step = step_of(before, winner, {});
   step.control_gain = control;
   winner.outcome = CandidateOutcome::named;
   for (auto* r : good) {

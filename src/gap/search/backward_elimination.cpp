@@ -11,6 +11,7 @@
 #include "gap/runner.hpp"
 #include "gap/search/folds.hpp"
 #include "gap/search/round.hpp"
+#include "gap/search/step.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
@@ -125,12 +126,7 @@ std::optional<Found> with_one_exchanged(const SearchSetting& setting, const Sear
     exchanged.model = best->model;
     // Terms keep the order of the steps: the new one is the last.
     exchanged.steps.erase(exchanged.steps.begin() + static_cast<std::ptrdiff_t>(k));
-    Step& step = exchanged.steps.emplace_back();
-    step.effect = best->effect;
-    step.placed = best->placed;
-    step.before = std::move(without);
-    step.after = best->model;
-    step.ranking = std::move(ranking);
+    exchanged.steps.push_back(step_of(without, *best, ranking));
     return exchanged;
   }
   return std::nullopt;

@@ -16,6 +16,7 @@
 #include "gap/search/mode_chain.hpp"
 #include "gap/search/remaining.hpp"
 #include "gap/search/round.hpp"
+#include "gap/search/step.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
@@ -167,19 +168,9 @@ Group group_of(const AcceptanceOptions& options, const Model& before, const std:
   for (const auto& r : chosen.rounds) names.emplace_back(r.effect->name());
   Model last = before;
   for (std::size_t k = 0; k < chosen.rounds.size(); ++k) {
-    Step step;
-    step.effect = chosen.rounds[k].effect;
-    step.placed = chosen.rounds[k].placed;
-    step.before = std::move(last);
-    step.after = last = chosen.rounds[k].model;
-    step.ranking = chosen.rankings[k];
+    Step step = step_of(last, chosen.rounds[k], chosen.rankings[k], CandidateOutcome::named_in_pair);
     step.pair_with = names[k + 1 < names.size() ? k + 1 : k - 1];
-    for (auto& r : step.ranking) {
-      if (r.effect == step.effect && r.placed == step.placed && r.unknowns == chosen.rounds[k].unknowns) {
-        r.outcome = CandidateOutcome::named_in_pair;
-        break;
-      }
-    }
+    last = chosen.rounds[k].model;
     group.steps.push_back(std::move(step));
   }
   std::vector<std::string> as_good;

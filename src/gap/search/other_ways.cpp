@@ -13,6 +13,7 @@
 #include "gap/search/acceptance.hpp"
 #include "gap/search/grow.hpp"
 #include "gap/search/round.hpp"
+#include "gap/search/step.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -31,24 +32,6 @@ bool led_further(const SearchOptions& options, const State& other, const State& 
   if (is_settled(options, state)) return false;
   const bool settled = is_settled(options, other) && other.train_rms < limits.as_far * state.train_rms;
   return (settled && others <= terms + 1) || other.train_rms < limits.further * state.train_rms;
-}
-
-/// A candidate of a round as its first step.
-Step first_step(const Model& before, const Ranked& chosen, std::vector<Ranked> ranking) {
-  Step step;
-  step.effect = chosen.effect;
-  step.placed = chosen.placed;
-  step.before = before;
-  step.after = chosen.model;
-  for (auto& c : ranking) {
-    const bool own = c.effect == chosen.effect && c.placed == chosen.placed && c.unknowns == chosen.unknowns;
-    if (own)
-      c.outcome = CandidateOutcome::named;
-    else if (c.outcome == CandidateOutcome::named)
-      c.outcome = CandidateOutcome::worse;
-  }
-  step.ranking = std::move(ranking);
-  return step;
 }
 
 /// The search begun again with these first steps; nothing when that leaves no less.
@@ -140,7 +123,7 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
     if (r.no_name || !(r.train_rms < most) || !tried.insert(r.effect).second) continue;
     ++ways;
     begun.insert(r.effect);
-    auto other = way_beginning_with(setting, base, {first_step(base.found.model, r, first)});
+    auto other = way_beginning_with(setting, base, {step_of(base.found.model, r, first)});
     if (!other || !led_further(options, *other, state)) continue;
     go_the_other_way(
         state, std::move(*other),

@@ -9,6 +9,7 @@
 #include "gap/search/acceptance.hpp"
 #include "gap/search/backward_elimination.hpp"
 #include "gap/search/round.hpp"
+#include "gap/search/step.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
@@ -48,16 +49,7 @@ std::optional<Step> second_beside(const SearchSetting& setting, const SearchReco
 
 /// The two as steps, and why they stand together.
 Pair pair_of(const Model& before, const std::vector<Ranked>& ranking, const Ranked& first, Step second) {
-  Step step;
-  step.effect = first.effect;
-  step.placed = first.placed;
-  step.before = before;
-  step.after = first.model;
-  step.ranking = ranking;
-  for (auto& r : step.ranking) {
-    if (r.outcome == CandidateOutcome::named) r.outcome = CandidateOutcome::worse;
-  }
-  step.ranking[static_cast<std::size_t>(&first - ranking.data())].outcome = CandidateOutcome::named_in_pair;
+  Step step = step_of(before, first, ranking, CandidateOutcome::named_in_pair);
   step.pair_with = second.effect->name();
   second.pair_with = first.effect->name();
   for (auto& r : second.ranking) {

@@ -18,6 +18,7 @@
 #include "gap/search/folds.hpp"
 #include "gap/search/grow.hpp"
 #include "gap/search/round.hpp"
+#include "gap/search/step.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
@@ -71,20 +72,6 @@ bool is_better_than(const SearchSetting& setting, const SearchRecords& records, 
 
 bool is_possible(const AcceptanceOptions& options, const Ranked& r) {
   return !r.no_name && r.condition_number <= options.max_condition && r.unknowns <= options.max_unknowns;
-}
-
-Step step_of(const Model& before, const Ranked& chosen, std::vector<Ranked> ranking) {
-  Step step;
-  step.effect = chosen.effect;
-  step.placed = chosen.placed;
-  step.before = before;
-  step.after = chosen.model;
-  step.ranking = std::move(ranking);
-  for (auto& r : step.ranking) {
-    if (r.effect == chosen.effect && r.placed == chosen.placed && r.unknowns == chosen.unknowns)
-      r.outcome = CandidateOutcome::named;
-  }
-  return step;
 }
 
 /// What the family explains beside its relative hides that one: a relative need promise nothing.

@@ -22,8 +22,6 @@ constexpr double kLowPart = 0.05;
 constexpr double kBandPart = 0.95;
 /// The band is at least as many bins of the spectrum wide.
 constexpr double kMinBand = 4.0;
-/// Another stretch is taken when it is this much livelier.
-constexpr double kLivelier = 1.02;
 
 /// Parts of a signal's span: a turn counts beyond the first, and turns within the second of each other are one.
 constexpr double kTurn = 0.02;
@@ -298,36 +296,6 @@ Scene make_scene(const Model& model, const Experiments& train, std::function<boo
   scene.records = train.size();
   scene.late = std::move(late);
   return scene;
-}
-
-TimeRecord lively_stretch(const TimeRecord& record, std::size_t lead, std::size_t samples) {
-  if (record.size() <= lead + samples + samples / 4) return record;
-  const double middle = mean(record.y);
-  std::vector<double> energy(record.size() + 1, 0.0);
-  for (std::size_t i = 0; i < record.size(); ++i) {
-    energy[i + 1] = energy[i] + (record.y[i] - middle) * (record.y[i] - middle);
-  }
-  std::size_t best = 0;
-  double liveliest = -1.0;
-  for (std::size_t from = 0; from + lead + samples <= record.size();
-       from += std::max<std::size_t>(1, samples / 8)) {
-    const double e = energy[from + lead + samples] - energy[from + lead];
-    if (e > kLivelier * liveliest) {
-      liveliest = e;
-      best = from;
-    }
-  }
-  TimeRecord cut;
-  cut.file = record.file;
-  cut.step_s = record.step_s;
-  cut.start_s = record.time_s(best);
-  const auto part = [&](const std::vector<double>& v) {
-    const auto kept = std::span(v).subspan(best, lead + samples);
-    return std::vector<double>(kept.begin(), kept.end());
-  };
-  cut.u = part(record.u);
-  cut.y = part(record.y);
-  return cut;
 }
 
 }  // namespace bodesmith::gap

@@ -78,8 +78,4 @@ struct Scene {
 /// What the effects look at: the first training record under the present model. `late`: Scene::late.
 Scene make_scene(const Model& model, const Experiments& train, std::function<bool()> late = {});
 
-/// A shorter look at a long record: the stretch of about `samples` samples with the most lively output, with
-/// `lead` samples before it that are run but not scored.
-TimeRecord lively_stretch(const TimeRecord& record, std::size_t lead, std::size_t samples);
-
 }  // namespace bodesmith::gap

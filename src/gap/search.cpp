@@ -27,7 +27,7 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   result.initial.set_signal_size(kTypicalOffset * largest_range(train));
   SearchSetting setting{options, result.initial};
   options.report(kBegun);
-  auto [model, records] = fit_base(setting, make_records(train, options.stretches));
+  auto [model, records] = fit_base(setting, make_records(train, options.stretches, result.initial));
   result.base = model;
   setting.first_gap = rms_of(model, records.train);
   const State begun{{std::move(model), {}, {}}, std::move(records), {}, {}};

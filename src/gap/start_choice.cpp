@@ -51,7 +51,7 @@ struct Tried {
 Tried tried(const Model& model, const Experiments& train, const SearchOptions& options) {
   const SearchSetting setting{options, model};
   return {whole_rms(model, train),
-          !leave_out_wrong_starts(setting, make_records(train, options.stretches), model).found};
+          !leave_out_wrong_starts(setting, make_records(train, options.stretches, model), model).found};
 }
 
 /// The same model from another start, refitted and not searched again.
@@ -59,7 +59,7 @@ Tried from_other_start(Model model, Start start, const Experiments& train, const
   constexpr int kIterations = 8;
   model.set_start(start);
   const SearchSetting setting{options, model};
-  const SearchRecords records = make_records(train, options.stretches);
+  const SearchRecords records = make_records(train, options.stretches, model);
   return tried(fit_in_turn(setting, records, model, kIterations).model, train, options);
 }
 

@@ -38,7 +38,7 @@ class TwoNames {
       }
       train_.emplace_back(gap::TimeExperiment(r));
     }
-    records_ = gap::make_records(train_, options_.stretches);
+    records_ = gap::make_records(train_, options_.stretches, base_);
     for (int i = 0; i < 800; ++i) left_.push_back(normal(random));
   }
 

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-#include "gap/scene.hpp"
+#include "gap/search/stretches.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -20,28 +20,12 @@ Experiments as_searched(Experiments experiments) {
   return experiments;
 }
 
-Experiment stretch_of(const TimeExperiment& experiment, std::size_t samples, std::size_t min_lead) {
-  const std::size_t lead = std::max(experiment.start(), min_lead);
-  TimeRecord used = experiment.record();
-  used.u.resize(experiment.end());
-  used.y.resize(experiment.end());
-  TimeExperiment stretch(lively_stretch(used, lead, samples), lead);
-  stretch.set_coarse();
-  return stretch;
-}
-
 }  // namespace
 
-SearchRecords make_records(const Experiments& train, const StretchOptions& options) {
+SearchRecords make_records(const Experiments& train, const StretchOptions& options, const Model& model) {
   SearchRecords records{as_searched(train), {}};
-  if (scored_samples(records.train) <= 3 * options.samples / 2) return records;
-  const std::size_t each = std::max(options.min_samples_each, options.samples / train.size());
-  for (const auto& e : records.train) {
-    records.stretches.push_back(std::visit(
-        Visitor{[&](const TimeExperiment& time) { return stretch_of(time, each, options.min_lead); },
-                [](const FrequencyExperiment& response) { return Experiment(response); }},
-        e));
-  }
+  records.stretches = stretches_of(records.train, options);
+  lengthen_leads(records.stretches, records.train, model);
   return records;
 }
 

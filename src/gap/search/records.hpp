@@ -24,8 +24,8 @@ struct SearchRecords {
   const Experiments& look() const { return are_long() ? stretches : train; }
 };
 
-/// All starts scored, as a search begins.
-SearchRecords make_records(const Experiments& train, const StretchOptions& options);
+/// All starts scored, as a search begins; stretches with the leads that `model` needs.
+SearchRecords make_records(const Experiments& train, const StretchOptions& options, const Model& model);
 
 LeastSquaresOptions fit_options(const SearchOptions& options, int iterations);
 

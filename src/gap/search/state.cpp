@@ -6,6 +6,7 @@
 #include "gap/search/base_fit.hpp"
 #include "gap/search/record_starts.hpp"
 #include "gap/search/remaining.hpp"
+#include "gap/search/stretches.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -33,6 +34,8 @@ Extended extend(const SearchSetting& setting, SearchRecords records, Found found
   if (wrong.found)
     found.model = fit_in_turn(setting, wrong.records, std::move(found.model), kJointIterations).model;
   auto tried = score_starts_again(setting, std::move(wrong.records), std::move(found.model));
+  // A term that remembers, too.
+  lengthen_leads(tried.records.stretches, tried.records.train, tried.model);
   found.model = settle(setting, tried.records, tried.model);
   return {std::move(found), std::move(tried.records)};
 }

@@ -1,0 +1,145 @@
+#include "gap/search/stretches.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+#include <utility>
+#include <vector>
+
+#include "base/whole_number.hpp"
+#include "gap/runner.hpp"
+#include "signal/statistics.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// Another stretch is taken when it is this much livelier.
+constexpr double kLivelier = 1.02;
+/// A stretch's model does what it does in the whole record: parts of what it leaves.
+constexpr double kSettled = 0.05;
+/// At an extreme: within this part of the input's range.
+constexpr double kAtExtreme = 0.02;
+
+/// Samples begin … end - 1 of a record.
+struct Part {
+  std::size_t begin = 0;
+  std::size_t end = 0;
+};
+
+TimeRecord cut(const TimeRecord& record, const Part& part) {
+  TimeRecord out;
+  out.file = record.file;
+  out.step_s = record.step_s;
+  out.start_s = record.time_s(part.begin);
+  const auto kept = [&](const std::vector<double>& v) {
+    const auto samples = std::span(v).subspan(part.begin, part.end - part.begin);
+    return std::vector<double>(samples.begin(), samples.end());
+  };
+  out.u = kept(record.u);
+  out.y = kept(record.y);
+  return out;
+}
+
+/// `samples` with the most lively output and `lead` before them, of the first `end` of a record.
+Part liveliest(const TimeRecord& record, std::size_t end, std::size_t lead, std::size_t samples) {
+  if (end <= lead + samples + samples / 4) return {0, end};
+  const auto y = std::span(record.y).first(end);
+  const double middle = mean({y.begin(), y.end()});
+  std::vector<double> energy(end + 1, 0.0);
+  for (std::size_t i = 0; i < end; ++i) energy[i + 1] = energy[i] + (y[i] - middle) * (y[i] - middle);
+  std::size_t best = 0;
+  double most = -1.0;
+  for (std::size_t from = 0; from + lead + samples <= end; from += std::max<std::size_t>(1, samples / 8)) {
+    const double e = energy[from + lead + samples] - energy[from + lead];
+    if (e > kLivelier * most) {
+      most = e;
+      best = from;
+    }
+  }
+  return {best, best + lead + samples};
+}
+
+TimeExperiment stretch_of(const TimeRecord& record, const Part& part, std::size_t lead) {
+  TimeExperiment stretch(cut(record, part), lead);
+  stretch.set_coarse();
+  return stretch;
+}
+
+/// A stretch, and where it lies in its record.
+struct Placed {
+  Part part;
+  std::size_t scored_from = 0;
+};
+
+Placed place_of(const TimeExperiment& stretch, const TimeRecord& record) {
+  const auto begin = nearest_whole<std::size_t>((stretch.record().start_s - record.start_s) / record.step_s);
+  return {{begin, begin + stretch.record().size()}, begin + stretch.first()};
+}
+
+/// Whether a stretch is followed as the whole record is; one that cannot be run is not asked.
+bool is_settled_in(const TimeExperiment& stretch, const Placed& at, const TimeRecord& record,
+                   const std::vector<double>& whole, const Model& model) {
+  const auto own = output_of(model, stretch);
+  if (own.size() < at.part.end - at.part.begin || whole.size() < at.part.end) return true;
+  double difference = 0.0;
+  double left = 0.0;
+  for (std::size_t i = at.scored_from; i < at.part.end; ++i) {
+    difference += std::pow(own[i - at.part.begin] - whole[i], 2);
+    left += std::pow(record.y[i] - whole[i], 2);
+  }
+  return difference <= kSettled * kSettled * left;
+}
+
+/// The last sample before `before` from which the input has seen both extremes of all before.
+std::size_t behind_both_extremes(std::span<const double> u, std::size_t before) {
+  const auto seen = u.first(before);
+  const auto [low, high] = std::minmax_element(seen.begin(), seen.end());
+  const double near = kAtExtreme * (*high - *low);
+  std::size_t last_low = 0;
+  std::size_t last_high = 0;
+  for (std::size_t i = 0; i < seen.size(); ++i) {
+    if (seen[i] <= *low + near) last_low = i;
+    if (seen[i] >= *high - near) last_high = i;
+  }
+  return std::min(last_low, last_high);
+}
+
+}  // namespace
+
+Experiments stretches_of(const Experiments& train, const StretchOptions& options) {
+  Experiments stretches;
+  if (scored_samples(train) <= 3 * options.samples / 2) return stretches;
+  const std::size_t each = std::max(options.min_samples_each, options.samples / train.size());
+  for (const auto& e : train) {
+    const auto* time = std::get_if<TimeExperiment>(&e);
+    if (time == nullptr) {
+      stretches.push_back(e);
+      continue;
+    }
+    const std::size_t lead = std::max(time->start(), options.min_lead);
+    stretches.emplace_back(
+        stretch_of(time->record(), liveliest(time->record(), time->end(), lead, each), lead));
+  }
+  return stretches;
+}
+
+void lengthen_leads(Experiments& stretches, const Experiments& train, const Model& model) {
+  for (std::size_t k = 0; k < stretches.size(); ++k) {
+    auto* stretch = std::get_if<TimeExperiment>(&stretches[k]);
+    if (stretch == nullptr) continue;
+    const auto& whole = std::get<TimeExperiment>(train[k]);
+    const TimeRecord& record = whole.record();
+    const Placed at = place_of(*stretch, record);
+    if (at.part.begin == 0) continue;
+    const auto output = output_of(model, whole);
+    if (is_settled_in(*stretch, at, record, output, model)) continue;
+    for (const std::size_t begin : {behind_both_extremes(record.u, at.scored_from), std::size_t{0}}) {
+      if (begin >= at.part.begin) continue;
+      const Placed longer{{begin, at.part.end}, at.scored_from};
+      *stretch = stretch_of(record, longer.part, at.scored_from - begin);
+      if (is_settled_in(*stretch, longer, record, output, model)) break;
+    }
+  }
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,18 @@
+#pragma once
+
+#include "gap/experiment.hpp"
+#include "gap/model.hpp"
+#include "gap/search_options.hpp"
+
+namespace bodesmith::gap {
+
+/// The liveliest parts of long training records, one a record, each behind a lead that is run but not scored; empty when the
+/// records are not long.
+Experiments stretches_of(const Experiments& train, const StretchOptions& options);
+
+/// Longer leads where the model, which starts a stretch at rest, does not come to what it does in the whole record: from the last
+/// time at which the input stood at the extremes of all before (memory that obeys wiping-out, as that of plays and relays does,
+/// then holds nothing older: Mayergoyz 1991, property 1), else from the record's start.
+void lengthen_leads(Experiments& stretches, const Experiments& train, const Model& model);
+
+}  // namespace bodesmith::gap

@@ -8,12 +8,11 @@ namespace {
 
 /// Two complex numbers, real and imaginary parts by turns.
 using Two = Four;
-using Order __attribute__((vector_size(32))) = long long;
 
 // By reference: a vector that is returned would need the processor's own registers for it.
 [[gnu::always_inline]] inline void product(const Two& a, const Two& b, Two& out) {
-  const Two re = __builtin_shuffle(a, Order{0, 0, 2, 2}), im = __builtin_shuffle(a, Order{1, 1, 3, 3});
-  const Two crossed = im * __builtin_shuffle(b, Order{1, 0, 3, 2});
+  const Two re = __builtin_shufflevector(a, a, 0, 0, 2, 2), im = __builtin_shufflevector(a, a, 1, 1, 3, 3);
+  const Two crossed = im * __builtin_shufflevector(b, b, 1, 0, 3, 2);
   out = re * b + crossed * Two{-1.0, 1.0, -1.0, 1.0};
 }
 [[gnu::always_inline]] inline void at(const InD& f, const Two& d, Two& out) {
@@ -38,7 +37,7 @@ BODESMITH_CLONES void invert_pairs(const InD& f, const double* d, double* to, st
     Two below;
     at(f, *four_at(d + k), below);
     const Two squares = below * below;
-    const Two norm = squares + __builtin_shuffle(squares, Order{1, 0, 3, 2});
+    const Two norm = squares + __builtin_shufflevector(squares, squares, 1, 0, 3, 2);
     *four_at(to + k) = below * Two{1.0, -1.0, 1.0, -1.0} / norm;
   }
 }

@@ -50,25 +50,21 @@ TriedPair beside(const Board& board, const ChangedBoard& changed, const Finding&
                  const Likelihood& likelihood, const Fault& second) {
   TriedPair best;
   best.rough = -1e300;
-  for (const double t : comb(second, kTeethOfSecond)) {
+  const auto try_size = [&](double t) {
     const Eigen::VectorXcd response = changed.response(second.effect(t));
     const double density = likelihood.log_density_of(residual_of(board, response).rows());
-    if (!(density > best.rough)) continue;
+    if (!(density > best.rough)) return;
     best.rough = density;
     best.finding.sizes = {first.sizes[0], t};
-  }
+  };
+  for (const double t : comb(second, kTeethOfSecond)) try_size(t);
   // Between the teeth: a slow op-amp that is off by half a tooth is off by more than any other fault's effect.
   double step = 0.5 * (second.to - second.from) / (kTeethOfSecond - 1);
   for (int halved = 0; second.has_size() && halved < kHalvings && !best.finding.sizes.empty();
        ++halved, step *= 0.5) {
     const double middle = best.finding.sizes[1];
     for (const double t : {middle - step, middle + step}) {
-      if (t < second.from || t > second.to) continue;
-      const double density =
-          likelihood.log_density_of(residual_of(board, changed.response(second.effect(t))).rows());
-      if (!(density > best.rough)) continue;
-      best.rough = density;
-      best.finding.sizes[1] = t;
+      if (t >= second.from && t <= second.to) try_size(t);
     }
   }
   best.finding.faults = {first.faults[0], &second};

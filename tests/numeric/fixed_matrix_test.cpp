@@ -4,22 +4,13 @@
 
 #include <stdexcept>
 
-#include "numeric/index.hpp"
-#include "numeric/random.hpp"
+#include "random_matrix.hpp"
 
 namespace bodesmith {
 namespace {
 
 using Eigen::Index;
 using Eigen::MatrixXd;
-
-MatrixXd random_matrix(Index rows, Index columns) {
-  Random random(std_index(100 * rows + columns));
-  MatrixXd out(rows, columns);
-  for (Index j = 0; j < columns; ++j)
-    for (Index i = 0; i < rows; ++i) out(i, j) = random.normal();
-  return out;
-}
 
 TEST(FixedMatrix, ProductsAreThoseOfTheMatrix) {
   // Rows around the blocks of eight, columns of the other around those of four.

@@ -4,8 +4,7 @@
 
 #include <stdexcept>
 
-#include "numeric/index.hpp"
-#include "numeric/random.hpp"
+#include "random_matrix.hpp"
 
 namespace bodesmith {
 namespace {
@@ -13,14 +12,6 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
-
-MatrixXd random_matrix(Index rows, Index columns) {
-  Random random(std_index(100 * rows + columns));
-  MatrixXd out(rows, columns);
-  for (Index j = 0; j < columns; ++j)
-    for (Index i = 0; i < rows; ++i) out(i, j) = random.normal();
-  return out;
-}
 
 // Sizes around the blocks of four, and those of a fit.
 const std::pair<Index, Index> kSizes[] = {{1, 1}, {3, 5}, {4, 4}, {5, 3}, {7, 8}, {160, 17}, {403, 18}};

@@ -24,8 +24,8 @@ class BranchPropagator {
  private:
   double on_branch(double u) const;
   void turn(double when, bool rising);
-  /// Turns inside the hold, and at its begin, where the input came from `last`.
   bool is_constant(const double* v) const;
+  /// Turns inside the hold, and at its begin, where the input came from `last`.
   void find_turns(const double* v, std::size_t hold, double last, double noise);
   void broken_hold(double* v, std::size_t hold);
   /// Moments 0 ... p - 2 of the output over the hold; the switch then stands as at its end.

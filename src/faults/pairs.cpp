@@ -145,11 +145,13 @@ class PairSearch {
   /// Of three values of which any two explain the same, A with B and A with C may be found and B with C not, far away in both
   /// sizes: the sites of the likeliest pairs, each beside each, over all sizes of both.
   void close(KnownPairs& known, std::vector<Finding>& found) const {
+    if (found.empty()) return;
     std::stable_sort(found.begin(), found.end(),
                      [](const Finding& a, const Finding& b) { return a.log_weight() > b.log_weight(); });
+    const double least = found.front().log_weight() - kNearBest;
     std::vector<std::string> sites;
     for (const Finding& finding : found) {
-      if (finding.log_weight() < found.front().log_weight() - kNearBest) break;
+      if (finding.log_weight() < least) break;
       for (const Fault* fault : finding.faults) {
         if (sites.size() < kSitesClosed && std::find(sites.begin(), sites.end(), fault->site) == sites.end())
           sites.push_back(fault->site);
@@ -161,8 +163,6 @@ class PairSearch {
           std::find(sites.begin(), sites.end(), fault.site) != sites.end())
         sized.push_back(&fault);
     }
-    if (found.empty()) return;
-    const double least = found.front().log_weight() - kNearBest;
     const Likelihood likelihood(board_, board_.predict(found.front().effect()), noise_);
     for (std::size_t i = 0; i < sized.size(); ++i) {
       std::vector<std::unique_ptr<ChangedBoard>> with_first;

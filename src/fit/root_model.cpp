@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "numeric/clones.hpp"
-#include "numeric/four.hpp"
+#include "numeric/complex_four.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith {
@@ -44,10 +44,8 @@ BODESMITH_CLONES void factor_at(const RootFactor& f, const double* w, std::size_
 BODESMITH_CLONES void multiply_by(const double* value_re, const double* value_im, double scale, std::size_t n,
                                   double* side_re, double* side_im) {
   for (std::size_t i = 0; i < n; i += 4) {
-    const Four re = *four_at(value_re + i) * scale, im = *four_at(value_im + i) * scale;
-    const Four side = *four_at(side_re + i), other = *four_at(side_im + i);
-    *four_at(side_re + i) = side * re - other * im;
-    *four_at(side_im + i) = side * im + other * re;
+    const ComplexFour value = four_at(value_re + i, value_im + i) * scale;
+    put(four_at(side_re + i, side_im + i) * value, side_re + i, side_im + i);
   }
 }
 
@@ -56,18 +54,16 @@ BODESMITH_CLONES void slopes_of(const RootFactor& f, const double* w, const doub
                                 const double* value_im, std::size_t n, double* const* to) {
   const double by_corner = f.pair ? 2.0 * f.corner * f.corner : f.corner;
   for (std::size_t i = 0; i < n; i += 4) {
-    const Four re = *four_at(value_re + i), im = *four_at(value_im + i);
-    const Four norm = re * re + im * im;
-    const Four inverse_re = re / norm, inverse_im = -im / norm;
+    const ComplexFour one_over = inverse(four_at(value_re + i, value_im + i));
     if (!f.pair) {
-      *four_at(to[0] + i) = f.sign * (by_corner * inverse_re - f.slope[0]);
-      *four_at(to[1] + i) = f.sign * (by_corner * inverse_im);
+      *four_at(to[0] + i) = f.sign * (by_corner * one_over.re - f.slope[0]);
+      *four_at(to[1] + i) = f.sign * (by_corner * one_over.im);
       continue;
     }
     const Four at = *four_at(w + i);
-    const Four zeta_re = -f.damping * at * inverse_im, zeta_im = f.damping * at * inverse_re;
-    *four_at(to[0] + i) = f.sign * (zeta_re + by_corner * inverse_re - f.slope[0]);
-    *four_at(to[1] + i) = f.sign * (zeta_im + by_corner * inverse_im);
+    const Four zeta_re = -f.damping * at * one_over.im, zeta_im = f.damping * at * one_over.re;
+    *four_at(to[0] + i) = f.sign * (zeta_re + by_corner * one_over.re - f.slope[0]);
+    *four_at(to[1] + i) = f.sign * (zeta_im + by_corner * one_over.im);
     *four_at(to[2] + i) = f.sign * (zeta_re - f.slope[1]);
     *four_at(to[3] + i) = f.sign * zeta_im;
   }

@@ -4,29 +4,28 @@
 
 #include "fpaa/grid_arithmetic.hpp"
 #include "numeric/clones.hpp"
-#include "numeric/four.hpp"
+#include "numeric/complex_four.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
 using Complex = std::complex<double>;
 
+/// a0 + a1 D + a2 D^2.
+[[gnu::always_inline]] inline ComplexFour at(const InD& f, const ComplexFour& d) {
+  const ComplexFour out = d * ComplexFour{f.a1 + f.a2 * d.re, f.a2 * d.im};
+  return {f.a0 + out.re, out.im};
+}
+
 /// sum -= way numerator/denominator, four points at a time: the digits of StageOnGrid.
 BODESMITH_CLONES void add_share(const InD& numerator, const InD& denominator, const GridNumbers& d,
                                 const GridNumbers& way, GridNumbers& sum) {
   for (std::size_t k = 0; k < d.re.size(); k += 4) {
-    const Four re = *four_at(&d.re[k]), im = *four_at(&d.im[k]);
-    const Four in_re = denominator.a1 + denominator.a2 * re, in_im = denominator.a2 * im;
-    const Four below_re = denominator.a0 + (re * in_re - im * in_im), below_im = re * in_im + im * in_re;
-    const Four norm = below_re * below_re + below_im * below_im;
-    const Four inverse_re = below_re / norm, inverse_im = -below_im / norm;
-    const Four up_re = numerator.a1 + numerator.a2 * re, up_im = numerator.a2 * im;
-    const Four above_re = numerator.a0 + (re * up_re - im * up_im), above_im = re * up_im + im * up_re;
-    const Four h_re = -(above_re * inverse_re - above_im * inverse_im);
-    const Four h_im = -(above_re * inverse_im + above_im * inverse_re);
-    const Four way_re = *four_at(&way.re[k]), way_im = *four_at(&way.im[k]);
-    *four_at(&sum.re[k]) += h_re * way_re - h_im * way_im;
-    *four_at(&sum.im[k]) += h_re * way_im + h_im * way_re;
+    const ComplexFour points = four_at(&d.re[k], &d.im[k]);
+    const ComplexFour quotient = at(numerator, points) * inverse(at(denominator, points));
+    const ComplexFour share = ComplexFour{-quotient.re, -quotient.im} * four_at(&way.re[k], &way.im[k]);
+    *four_at(&sum.re[k]) += share.re;
+    *four_at(&sum.im[k]) += share.im;
   }
 }
 

@@ -57,7 +57,7 @@ LoopResult run_in_cvode(const chain::Chain& plant, const TimeRecord& forward, co
   const DenseSignal input = DenseSignal::from_record(forward);
   const DenseSignal dense_reference = DenseSignal::from_record(reference);
   OdeSystem system(pointers, input);
-  system.start(options.start_of(plant), forward.u.front());
+  system.start(start_of(plant, options.start), forward.u.front());
   if (system.close_loop(controller, dense_reference) == OdeSystem::LoopOutcome::algebraic) {
     throw DesignError(
         "the plant answers its drive at once, expected a strictly proper block in it (an amplifier's "
@@ -75,13 +75,14 @@ LoopResult run_in_cvode(const chain::Chain& plant, const TimeRecord& forward, co
 LoopOutcome run_exact(const chain::Chain& plant, const std::vector<double>& feedforward,
                       const PidController& controller, const TimeRecord& reference, const Options& options) {
   const Stopwatch watch;
-  LoopOutcome outcome = run_exact_loop(plant, feedforward, controller, reference, options.start_of(plant), 1);
+  LoopOutcome outcome =
+      run_exact_loop(plant, feedforward, controller, reference, start_of(plant, options.start), 1);
   auto* out = std::get_if<LoopResult>(&outcome);
   if (out == nullptr) return outcome;
   out->stats.compute_s = watch.seconds();
   if (options.estimate_error) {
     const LoopOutcome again =
-        run_exact_loop(plant, feedforward, controller, reference, options.start_of(plant), 2);
+        run_exact_loop(plant, feedforward, controller, reference, start_of(plant, options.start), 2);
     out->error_estimate = compare_records(out->y, std::get<LoopResult>(again).y).max;
   }
   return outcome;

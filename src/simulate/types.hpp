@@ -41,7 +41,6 @@ struct Options {
 
   /// The same with a tenth of the tolerances.
   Options finer() const;
-  Start start_of(const chain::Chain& model) const { return simulate::start_of(model, start); }
 };
 
 struct Stats {

@@ -55,7 +55,7 @@ ChainRun::ChainRun(const chain::Chain& chain, const TimeRecord& input, const Opt
     : chain_(chain),
       options_(options),
       samples_(input.size()),
-      equilibrium_(options.start_of(chain) == Start::equilibrium),
+      equilibrium_(start_of(chain, options.start) == Start::equilibrium),
       record_(input) {
   result_.stats.engine = Engine::cvode;
   for (const chain::Block& block : chain.blocks) {
@@ -76,7 +76,7 @@ std::size_t ChainRun::solve_from(std::size_t first) {
   std::vector<Kernel*> run;
   while (behind < kernels_.size() && can_stand_in_ode(kernels_[behind])) run.push_back(&kernels_[behind++]);
   OdeSystem system(run, signal_);
-  rest_ = system.start(options_.start_of(chain_), rest_);
+  rest_ = system.start(start_of(chain_, options_.start), rest_);
   OdeRequest request;
   request.right_limits = right_limits_;
   DenseSignal dense;

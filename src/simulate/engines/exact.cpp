@@ -243,7 +243,7 @@ class ExactEngine final : public ChainEngine {
                                          const Options& options) const override {
     ClosedForm form(chain, input);
     if (auto refusal = form.build(options.engine == Engine::exact)) return *refusal;
-    return form.run(options.start_of(chain));
+    return form.run(start_of(chain, options.start));
   }
   /// What rounding may have done is known without another run.
   double estimate_error(const chain::Chain& /*chain*/, const TimeRecord& /*input*/,

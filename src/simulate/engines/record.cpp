@@ -57,13 +57,13 @@ class RecordEngine final : public ChainEngine {
   }
   std::variant<Result, NoClosedForm> run(const chain::Chain& chain, const TimeRecord& input,
                                          const Options& options) const override {
-    return run_holds(chain, input, options.start_of(chain), options.degree, options.oversample);
+    return run_holds(chain, input, start_of(chain, options.start), options.degree, options.oversample);
   }
   double estimate_error(const chain::Chain& chain, const TimeRecord& input, const Options& options,
                         const Result& result) const override {
     if (result.error_estimate) return *result.error_estimate;  // exact but for rounding
     const Result finer =
-        run_holds(chain, input, options.start_of(chain), result.stats.degree, 2 * options.oversample);
+        run_holds(chain, input, start_of(chain, options.start), result.stats.degree, 2 * options.oversample);
     return compare_records(result.y, finer.y).max;
   }
 };
@@ -76,7 +76,7 @@ const ChainEngine& record_engine() {
 }
 
 Result run_record(const chain::Chain& chain, const SampledInput& input, const Options& options) {
-  return run_holds(chain, input, options.start_of(chain), options.degree, options.oversample);
+  return run_holds(chain, input, start_of(chain, options.start), options.degree, options.oversample);
 }
 
 RefinedRecord run_record_refined(const chain::Chain& chain, const TimeRecord& input, const Options& options) {
@@ -84,13 +84,14 @@ RefinedRecord run_record_refined(const chain::Chain& chain, const TimeRecord& in
   constexpr std::size_t kMaxOversample = 256;
   RefinedRecord out;
   std::size_t oversample = options.oversample;
-  out.result = run_holds(chain, input, options.start_of(chain), options.degree, oversample);
+  out.result = run_holds(chain, input, start_of(chain, options.start), options.degree, oversample);
   if (out.result.error_estimate) return out;  // exact but for rounding
   Progress progress("half the step");
   while (true) {
     stop_if_interrupted();
     progress.at(0.0, 1.0);
-    Result finer = run_holds(chain, input, options.start_of(chain), out.result.stats.degree, 2 * oversample);
+    Result finer =
+        run_holds(chain, input, start_of(chain, options.start), out.result.stats.degree, 2 * oversample);
     const double difference = compare_records(out.result.y, finer.y).max;
     double size = 0.0;
     for (const double y : finer.y) size = std::max(size, std::abs(y));

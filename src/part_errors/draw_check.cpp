@@ -24,11 +24,9 @@ std::vector<DrawCheck> check_draws(const controller::AnalogController& controlle
       type->gain_bandwidth.value *= 1.0 + copy.speed;
       type->slew_v_per_s *= 1.0 + copy.speed;
     }
-    controller::NgspiceRun run;
+    controller::NgspiceRun run = controller::NgspiceRun::of_many();
     run.off = &copy.off;
-    run.steps = 500;  // the drive differs by less than .001 % of range from that at four times as many
     run.samples = options.samples;
-    run.settle_repeats = controller::kHalfRepeat;
     const controller::Settled settled =
         controller::run_in_ngspice(built, options.reference, one.frequency, run);
     one.percent = bench.error_percent(board, f);

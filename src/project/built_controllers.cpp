@@ -9,14 +9,6 @@
 namespace bodesmith::project {
 namespace {
 
-/// For a study of many references: at a four times finer step the drive differs by less than .001 % of range.
-controller::NgspiceRun study_steps() {
-  controller::NgspiceRun out;
-  out.steps = 500;
-  out.settle_repeats = controller::kHalfRepeat;
-  return out;
-}
-
 /// The controller on the board fed by its own drive, in every way to make the polynomials that fits.
 void add_board_controllers(const Project& project,
                            std::vector<std::unique_ptr<tracking::BuiltController>>& out) {
@@ -38,7 +30,7 @@ std::vector<std::unique_ptr<tracking::BuiltController>> built_controllers(
     const Project& project, const std::shared_ptr<const controller::AnalogController>& analog) {
   std::vector<std::unique_ptr<tracking::BuiltController>> out;
   if (project.circuit && analog && spice::ngspice_available())
-    out.push_back(std::make_unique<controller::CircuitController>(analog, study_steps()));
+    out.push_back(std::make_unique<controller::CircuitController>(analog, controller::NgspiceRun::of_many()));
   if (project.fpaa && project.choice == Project::Choice::tracking) add_board_controllers(project, out);
   return out;
 }

@@ -49,15 +49,12 @@ TEST(Controller, NgspiceAndTheStageFindItWithinATenthOfAPercent) {
   }
 }
 
-TEST(Controller, HalfARepeatSettlesAsWellAsAWholeOne) {
+TEST(Controller, RunsOfManySettleAsWellAsAWholeRepeatAtFinerSteps) {
   if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
   const AnalogController fed = make_controller(first_seed());
-  NgspiceRun whole, half;
-  whole.steps = half.steps = 500;
-  half.settle_repeats = kHalfRepeat;
   for (const double f : {1.0, 100.0, 2000.0}) {  // at the last what is slow takes whole repeats
-    const Settled a = run_in_ngspice(fed, tracking::Reference(), Hertz{f}, whole);
-    const Settled b = run_in_ngspice(fed, tracking::Reference(), Hertz{f}, half);
+    const Settled a = run_in_ngspice(fed, tracking::Reference(), Hertz{f});
+    const Settled b = run_in_ngspice(fed, tracking::Reference(), Hertz{f}, NgspiceRun::of_many());
     ASSERT_EQ(a.v.size(), b.v.size());
     double sum = 0.0;
     for (std::size_t k = 0; k < a.v.size(); ++k) {

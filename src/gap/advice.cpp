@@ -1,5 +1,7 @@
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/text.hpp"
 #include "gap/diagnosis.hpp"
 
@@ -17,10 +19,34 @@ std::string experiments_for(const DiagnosedStep& step) {
   return text + ".";
 }
 
+/// Of the rms: what a refused effect has to take to be told of.
+constexpr double kWorthTelling = 0.25;
+
+/// The refused effect that would take most, where nothing but its significance speaks against it: under a gap as slow as what
+/// the effect does, one record alone cannot tell it from chance.
+const Ranked* likeliest_refused(const Diagnosis& d) {
+  const Ranked* best = nullptr;
+  for (const Ranked& r : d.search.refused) {
+    if (r.outcome != CandidateOutcome::not_significant) continue;
+    if (std::max(r.train_rms, r.folds_rms) > (1.0 - kWorthTelling) * d.final.train_rms) continue;
+    if (!(r.holdout_rms < d.final.holdout_rms)) continue;
+    if (best == nullptr || r.folds_rms < best->folds_rms) best = &r;
+  }
+  return best;
+}
+
 std::string what_remains(const Diagnosis& d) {
-  std::string text = fmt::format("Something{} is missing that no effect of the catalogue explains",
-                                 d.steps.empty() ? "" : " else");
+  const Ranked* likeliest = likeliest_refused(d);
+  std::string text = fmt::format("Something{} is missing that no effect of the catalogue explains{}",
+                                 d.steps.empty() ? "" : " else", likeliest != nullptr ? " for sure" : "");
   if (!d.remaining_where.empty()) text += "; look at " + to_text(d.remaining_where.front());
+  if (likeliest != nullptr) {
+    text += fmt::format(
+        ". Likeliest, by {:.1f} standard deviations, too few for a name: {} ({}), which would leave {:.4g} rms "
+        "of {:.4g} and {:.4g} of {:.4g} held out; a longer record or another one could make it sure",
+        std::min(likeliest->z, likeliest->train_z), likeliest->effect->name(), likeliest->placed,
+        likeliest->train_rms, d.final.train_rms, likeliest->holdout_rms, d.final.holdout_rms);
+  }
   return text + ".";
 }
 

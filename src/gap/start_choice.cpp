@@ -19,8 +19,10 @@ using chain::Start;
 
 /// Of two searches, one that names more must leave less than this part for each term more; with as many,
 constexpr double kWorthATerm = 0.9;
-/// equilibrium must leave less than this part.
+/// equilibrium must leave less than this part;
 constexpr double kWorthAKey = 0.98;
+/// where neither explains how the records begin, less than this one.
+constexpr double kFarNearer = 0.8;
 
 bool any_begins_under_bias(const Experiments& train) {
   return std::any_of(train.begin(), train.end(), [](const Experiment& e) {
@@ -66,10 +68,12 @@ Tried from_other_start(Model model, Start start, const Experiments& train, const
 /// Whether what a search from equilibrium found is to be preferred.
 bool is_equilibrium_better(const SearchResult& equilibrium, const Tried& from_equilibrium,
                            const SearchResult& zero, const Tried& from_zero) {
-  // Where neither explains how the records begin, they say nothing of it.
-  if (!from_equilibrium.explains) return false;
-  if (!from_zero.explains) return true;
   const double more = static_cast<double>(equilibrium.steps.size()) - static_cast<double>(zero.steps.size());
+  if (!from_equilibrium.explains) {
+    const bool far_nearer = more == 0.0 && from_equilibrium.rms < kFarNearer * from_zero.rms;
+    return !from_zero.explains && far_nearer;
+  }
+  if (!from_zero.explains) return true;
   const double worth = more == 0.0 ? kWorthAKey : std::pow(kWorthATerm, more);
   return from_equilibrium.rms < worth * from_zero.rms;
 }

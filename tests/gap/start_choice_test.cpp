@@ -112,6 +112,16 @@ TEST(StartChoice, AStepFromRestInZeroStaysOne) {
   EXPECT_TRUE(d.steps.empty());
 }
 
+TEST(StartChoice, OfTwoWrongStartsTheFarNearerOneIsTaken) {
+  const auto d = diagnosed(model_of(kLag), lagging(waves(kBias, 2.0), 4.0, 9.0, 0.75 * kBias, 11),
+                           lagging(waves(kBias, 3.1), 4.0, 9.0, 0.75 * kBias, 12));
+  ASSERT_TRUE(d.start.has_value());
+  EXPECT_EQ(d.start->chosen, Start::equilibrium);
+  EXPECT_LT(d.start->equilibrium_rms, 0.5 * d.start->zero_rms);
+  EXPECT_GT(d.scored_from[0].from_s, 0.0);
+  EXPECT_TRUE(d.steps.empty());
+}
+
 TEST(StartChoice, WhereTheBaseModelHasNoStatesItsTermsDecide) {
   const auto d = diagnosed(model_of(kGain), playing(waves(kBias, 2.0), 5), playing(waves(kBias, 3.1), 6));
   ASSERT_TRUE(d.start.has_value());

@@ -9,6 +9,7 @@
 #include "gap/least_squares.hpp"
 #include "gap/lines.hpp"
 #include "gap/runner.hpp"
+#include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
@@ -89,10 +90,10 @@ void add_q_values(SearchResult& result) {
 
 /// What the candidates leave of the held-out records, for the tables.
 void look_at_holdout(std::vector<Ranked>& ranking, const Experiments& holdout) {
-  for (auto& r : ranking) {
-    r.holdout_rms = rms_of(r.model, holdout);
-    r.folds.clear();
-  }
+  parallel_for(ranking.size(), allowed_threads(), [&](std::size_t i) {
+    ranking[i].holdout_rms = rms_of(ranking[i].model, holdout);
+    ranking[i].folds.clear();
+  });
 }
 
 /// JSON and pages have no infinity.
@@ -103,8 +104,9 @@ Sign sign_of_drive(const AmplitudeDependence& dependence) {
 
 /// Values of the final model's terms, term by term.
 std::vector<std::vector<FoundParameter>> found_parameters(const Model& model, const Experiments& train) {
-  Runner runner(model, train);
+  Runners runner(model, train);
   LeastSquaresOptions options;
+  options.threads = runner.threads();
   options.iterations = 1;
   const auto result = least_squares(
       model.unknowns(), [&](std::span<const double> v, std::vector<double>& out) { return runner(v, out); },
@@ -149,6 +151,7 @@ std::vector<OpenParameter> open_parameters(const Diagnosis& d) {
 }  // namespace
 
 Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOptions& options) {
+  const ThreadAllowance allowance(options.threads);
   Stopwatch watch;
   Diagnosis d;
   d.relative = study.frequency_responses();

@@ -26,19 +26,24 @@ bodesmith::Residuals on_vectors(const Residuals& residuals) {
 }  // namespace
 
 std::vector<std::vector<double>> sensitivities(const std::vector<Unknown>& unknowns,
-                                               const Residuals& residuals, const std::vector<double>& at) {
+                                               const Residuals& residuals, const std::vector<double>& at,
+                                               int threads) {
+  constexpr double kDifference = 1e-4;
   std::vector<std::vector<double>> columns;
-  for (const Eigen::VectorXd& column :
-       bodesmith::sensitivities(search_variables(unknowns), on_vectors(residuals), as_eigen(at)))
+  for (const Eigen::VectorXd& column : bodesmith::sensitivities(
+           search_variables(unknowns), on_vectors(residuals), as_eigen(at), kDifference, threads))
     columns.push_back(to_vector(column));
   return columns;
 }
 
 LeastSquaresResult least_squares(const std::vector<Unknown>& unknowns, const Residuals& residuals,
                                  const LeastSquaresOptions& options) {
-  const bodesmith::LeastSquaresResult found = bodesmith::least_squares(
-      search_variables(unknowns), on_vectors(residuals),
-      {.max_iterations = options.iterations, .cost_tolerance = options.cost_tolerance, .stop = options.stop});
+  const bodesmith::LeastSquaresResult found =
+      bodesmith::least_squares(search_variables(unknowns), on_vectors(residuals),
+                               {.max_iterations = options.iterations,
+                                .cost_tolerance = options.cost_tolerance,
+                                .stop = options.stop,
+                                .threads = options.threads});
   LeastSquaresResult out;
   out.values = to_vector(found.values);
   out.residuals = to_vector(found.residuals);

@@ -17,6 +17,7 @@ struct LeastSquaresOptions {
   int iterations = 30;
   double cost_tolerance = 1e-7;  ///< relative drop of the sum of squares at which it stops
   std::function<bool()> stop;    ///< looked at every iteration
+  int threads = 1;               ///< from which differences call the residuals at once
 };
 
 struct LeastSquaresResult {
@@ -41,6 +42,7 @@ LeastSquaresResult least_squares(const std::vector<Unknown>& unknowns, const Res
 /// Columns d(residual)/d(unknown, in search coordinates) at the given values; empty columns where it cannot
 /// be run.
 std::vector<std::vector<double>> sensitivities(const std::vector<Unknown>& unknowns,
-                                               const Residuals& residuals, const std::vector<double>& at);
+                                               const Residuals& residuals, const std::vector<double>& at,
+                                               int threads = 1);
 
 }  // namespace bodesmith::gap

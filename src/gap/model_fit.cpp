@@ -48,8 +48,9 @@ void add_direction(Directions& directions, std::vector<double> v) {
 
 }  // namespace
 
-FittedModel fit(Model model, const Experiments& experiments, const LeastSquaresOptions& options) {
-  Runner runner(model, experiments);
+FittedModel fit(Model model, const Experiments& experiments, LeastSquaresOptions options) {
+  Runners runner(model, experiments);
+  options.threads = runner.threads();
   const auto unknowns = model.unknowns();
   const auto known = static_cast<std::size_t>(
       std::count_if(unknowns.begin(), unknowns.end(), [](const Unknown& u) { return u.given_spread > 0.0; }));

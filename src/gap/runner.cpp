@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "gap/lines.hpp"
+#include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/record_simulator.hpp"
 
@@ -15,6 +16,8 @@ namespace {
 
 /// A model that leaves more than this many ranges of the record (root of the sum of squares) has run away.
 constexpr double kRunAway = 1e12;
+/// Runs over fewer samples take less than some tenths of a millisecond.
+constexpr std::size_t kFewSamples = 1500;
 
 class TimeBench final : public Bench {
  public:
@@ -170,6 +173,35 @@ std::vector<std::vector<double>> Runner::outputs(std::span<const double> values)
   if (!apply(values)) return all;
   for (auto& b : benches_) all.push_back(b->output());
   return all;
+}
+
+Runners::Runners(const Model& model, const Experiments& experiments)
+    : model_(model), experiments_(experiments) {
+  idle_.emplace_back(model_, experiments_);
+}
+
+Runner Runners::take() {
+  {
+    const std::lock_guard lock(guard_);
+    if (!idle_.empty()) {
+      Runner runner = std::move(idle_.back());
+      idle_.pop_back();
+      return runner;
+    }
+  }
+  return {model_, experiments_};
+}
+
+bool Runners::operator()(std::span<const double> values, std::vector<double>& out) {
+  Runner runner = take();
+  const bool runnable = runner(values, out);
+  const std::lock_guard lock(guard_);
+  idle_.push_back(std::move(runner));
+  return runnable;
+}
+
+int Runners::threads() const {
+  return scored_samples(experiments_) < kFewSamples ? 1 : allowed_threads();
 }
 
 std::vector<double> current_values(const Model& model) {

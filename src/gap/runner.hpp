@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <mutex>
 #include <span>
 #include <vector>
 
@@ -40,6 +41,26 @@ class Runner {
   bool apply(std::span<const double> values);
   Model model_;
   std::vector<std::unique_ptr<Bench>> benches_;
+};
+
+/// The same from several threads at once: each call takes a runner that is idle, or makes another one.
+class Runners {
+ public:
+  /// As of Runner.
+  Runners(const Model& model, const Experiments& experiments);
+
+  bool operator()(std::span<const double> values, std::vector<double>& out);
+  /// Threads that are worth having at once: as many as are allowed here, but one for runs that are over before a thread
+  /// has begun.
+  int threads() const;
+
+ private:
+  Runner take();
+
+  const Model model_;
+  const Experiments experiments_;
+  std::mutex guard_;
+  std::vector<Runner> idle_;
 };
 
 /// The values now in a model's unknowns.

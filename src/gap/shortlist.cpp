@@ -128,7 +128,7 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
 
 std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> proposals, const Experiments& look,
                                  int threads) {
-  Runner runner(model, look);
+  Runners runner(model, look);
   const auto values = current_values(model);
   std::vector<double> out;
   std::vector<Promising> all;
@@ -138,7 +138,7 @@ std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> propo
   present.energy = present.residuals.squaredNorm();
   present.logarithmic = are_responses(look);
   const auto residuals = [&](std::span<const double> v, std::vector<double>& o) { return runner(v, o); };
-  for (const auto& column : sensitivities(model.unknowns(), residuals, values)) {
+  for (const auto& column : sensitivities(model.unknowns(), residuals, values, runner.threads())) {
     if (!column.empty()) present.known.add(as_eigen(column));
   }
   present.unexplained = present.known.without(present.residuals);

@@ -6,6 +6,7 @@
 
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
+#include "numeric/parallel_for.hpp"
 
 namespace bodesmith {
 namespace {
@@ -116,8 +117,9 @@ void LevenbergMarquardt::renew_jacobian() {
     for (Index j = 0; j < p_; ++j) jacobian_.col(j) *= search_slope(unknown(j), result_.values(j));
   } else {
     jacobian_.resize(result_.residuals.size(), p_);
-    for (Index j = 0; j < p_; ++j) {
-      ++result_.runs;
+    result_.runs += static_cast<int>(p_);
+    parallel_for(unknowns_.size(), options_.threads, [&](std::size_t k) {
+      const Index j = eigen_index(k);
       const auto column = difference_column(unknown(j), j, residuals_, result_.values, result_.residuals,
                                             options_.difference);
       if (column) {
@@ -125,7 +127,7 @@ void LevenbergMarquardt::renew_jacobian() {
       } else {
         jacobian_.col(j).setZero();
       }
-    }
+    });
   }
   fresh_ = true;
 }
@@ -305,14 +307,14 @@ LeastSquaresResult least_squares(const std::vector<SearchVariable>& unknowns, co
 }
 
 std::vector<VectorXd> sensitivities(const std::vector<SearchVariable>& unknowns, const Residuals& residuals,
-                                    const VectorXd& values, double difference) {
+                                    const VectorXd& values, double difference, int threads) {
   std::vector<VectorXd> columns(unknowns.size());
   VectorXd base;
   if (!residuals(values, base)) return columns;
-  for (std::size_t j = 0; j < unknowns.size(); ++j) {
+  parallel_for(unknowns.size(), threads, [&](std::size_t j) {
     auto column = difference_column(unknowns[j], eigen_index(j), residuals, values, base, difference);
     if (column) columns[j] = std::move(*column);
-  }
+  });
   return columns;
 }
 

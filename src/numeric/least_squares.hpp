@@ -38,6 +38,8 @@ struct LeastSquaresOptions {
   /// Moves values within the bounds to where the model is defined, for what no bounds can say.
   std::function<void(Eigen::VectorXd& values)> project = {};
   std::function<bool()> stop = {};  ///< looked at every iteration
+  /// With more than one, differences call the residuals from so many threads at once. The result does not depend on it.
+  int threads = 1;
 };
 
 struct LeastSquaresResult {
@@ -63,10 +65,10 @@ LeastSquaresResult least_squares(const std::vector<SearchVariable>& unknowns, co
                                  const LeastSquaresOptions& options = {});
 
 /// Columns d(residual)/d(unknown, in search coordinates) by differences at the given values; empty columns
-/// where it cannot be run.
+/// where it cannot be run. `threads`: LeastSquaresOptions::threads.
 std::vector<Eigen::VectorXd> sensitivities(const std::vector<SearchVariable>& unknowns,
                                            const Residuals& residuals, const Eigen::VectorXd& values,
-                                           double difference = 1e-4);
+                                           double difference = 1e-4, int threads = 1);
 
 /// Standard deviations from the normal matrix JᵀJ and the residual: σ² (JᵀJ)⁻¹ widened by (1+ρ)/(1−ρ), ρ the
 /// residual's correlation from sample to sample (an AR(1) residual carries that many fewer independent

@@ -9,6 +9,22 @@
 #include <vector>
 
 namespace bodesmith {
+namespace {
+
+thread_local int allowance = 1;
+
+}  // namespace
+
+int allowed_threads() {
+  return allowance;
+}
+
+ThreadAllowance::ThreadAllowance(int threads) : before_(allowance) {
+  allowance = threads;
+}
+ThreadAllowance::~ThreadAllowance() {
+  allowance = before_;
+}
 
 void parallel_for(std::size_t count, int threads, const std::function<void(std::size_t)>& work) {
   std::atomic<std::size_t> next{0};
@@ -32,7 +48,10 @@ void parallel_for(std::size_t count, int threads, const std::function<void(std::
   } catch (const std::system_error&) {
     // No more threads are to be had: those that there are do the work.
   }
-  loop();
+  {
+    const ThreadAllowance busy(helpers.empty() ? allowance : 1);
+    loop();
+  }
   for (auto& h : helpers) h.join();
   if (failure) std::rethrow_exception(failure);
 }

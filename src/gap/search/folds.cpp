@@ -44,13 +44,14 @@ double search_scale(const Unknown& u) {
 }  // namespace
 
 std::vector<double> folded_residuals(const Model& model, const Experiments& train, Folds kind) {
-  Runner runner(model, train);
+  Runners runner(model, train);
   const auto values = current_values(model);
   std::vector<double> residuals;
   if (!runner(values, residuals)) return {};
   const auto unknowns = model.unknowns();
   const auto columns = sensitivities(
-      unknowns, [&](std::span<const double> v, std::vector<double>& out) { return runner(v, out); }, values);
+      unknowns, [&](std::span<const double> v, std::vector<double>& out) { return runner(v, out); }, values,
+      runner.threads());
   // Unknowns at a bound stay there; those that change nothing have nothing to say.
   std::vector<std::size_t> counted;
   for (std::size_t j = 0; j < columns.size(); ++j) {

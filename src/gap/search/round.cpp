@@ -1,6 +1,7 @@
 #include "gap/search/round.hpp"
 
 #include <algorithm>
+#include <iterator>
 #include <map>
 #include <set>
 #include <string_view>
@@ -33,15 +34,20 @@ std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecor
                                  std::set<std::string_view>& missed) {
   auto scene = make_scene(model, records.train, [&] { return setting.options.is_late(); });
   scene.threads = setting.options.threads;
-  std::vector<Proposal> proposals;
+  std::vector<const Effect*> effects;
   for (const auto* effect : effect_registry().all()) {
     if (scene.frequency_only && !effect->linear()) continue;
-    if (filter && !filter(*effect)) continue;
-    const std::size_t before = proposals.size();
-    effect->propose(scene, proposals);
+    if (!filter || filter(*effect)) effects.push_back(effect);
+  }
+  std::vector<std::vector<Proposal>> of_each(effects.size());
+  parallel_for(effects.size(), setting.options.threads,
+               [&](std::size_t i) { effects[i]->propose(scene, of_each[i]); });
+  std::vector<Proposal> proposals;
+  for (std::size_t i = 0; i < effects.size(); ++i) {
     // Without its look at the residual it has no start values.
-    if (effect->starts_from_residual() && proposals.size() == before && scene.is_late())
-      missed.insert(effect->name());
+    if (effects[i]->starts_from_residual() && of_each[i].empty() && scene.is_late())
+      missed.insert(effects[i]->name());
+    std::move(of_each[i].begin(), of_each[i].end(), std::back_inserter(proposals));
   }
   std::erase_if(proposals, [&](const Proposal& p) { return repeats_earlier_term(p, scene.frequency_only); });
   return shortlist(model, std::move(proposals), records.look(), setting.options.threads);

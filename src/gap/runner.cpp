@@ -55,6 +55,7 @@ class TimeBench final : public Bench {
   static simulate::RecordOptions options(const TimeExperiment& experiment) {
     simulate::RecordOptions o;
     o.start_s = experiment.record().start_s;
+    o.same_input = true;
     // A search need not follow wild values to their end, nor leading ones to the last digit.
     o.max_parts = 3.0;
     o.newton_tolerance = experiment.coarse() ? 1e-8 : 1e-10;

@@ -36,15 +36,17 @@ void join_stage(RecordStage& stage, LinearKernel next) {
 
 }  // namespace
 
-void KernelSlot::refresh(const chain::Block& block) {
+bool KernelSlot::refresh(const chain::Block& block) {
   const auto& parameters = block.parameters();
   const bool same = kernel_.has_value() &&
                     std::equal(values_.begin(), values_.end(), parameters.begin(), parameters.end(),
                                [](double value, const auto& parameter) { return value == parameter.value; });
-  if (same) return;
+  if (same) return false;
   values_.clear();
   for (const auto& parameter : parameters) values_.push_back(parameter.value);
+  kernel_.reset();  // should the new one not be had, the values are no longer its own
   kernel_ = block.kernel();
+  return true;
 }
 
 std::size_t state_count(const Kernel& kernel) {

@@ -11,7 +11,8 @@ namespace bodesmith::simulate {
 /// One block with its kernel, rebuilt only when a parameter changed.
 class KernelSlot {
  public:
-  void refresh(const chain::Block& block);
+  /// Whether it was rebuilt.
+  bool refresh(const chain::Block& block);
   chain::Kernel& kernel() { return *kernel_; }
   const chain::Kernel& kernel() const { return *kernel_; }
 

@@ -55,6 +55,14 @@ struct RecordSimulator::Implementation {
     std::size_t values() const { return holds * nodes.size(); }
   };
 
+  /// A run as it stood in front of a stage: RecordOptions::same_input.
+  struct Kept {
+    bool good = false;
+    std::vector<double> signal;
+    double rest = 0.0;
+    Outcome outcome = Outcome::finished;
+  };
+
   Chain chain;
   double step_s = 0.0;
   RecordOptions options;
@@ -78,13 +86,21 @@ struct RecordSimulator::Implementation {
   std::size_t degree = 1;
   double model_error = 0.0;
   Outcome outcome = Outcome::finished;
+  std::vector<Kept> kept;  ///< one a block, in front of it
+  std::span<const double> kept_input;
+  std::size_t kept_degree = 0;
+
+  /// What was kept behind a block that changed is no longer so.
+  void forget_behind(std::size_t block) {
+    for (std::size_t i = block + 1; i < kept.size(); ++i) kept[i].good = false;
+  }
 
   void refresh(std::size_t blocks) {
     slots.resize(chain.blocks.size());
     std::size_t states = 0;
     model_error = 0.0;
     for (std::size_t i = 0; i < chain.blocks.size(); ++i) {
-      slots[i].refresh(chain.blocks[i]);
+      if (slots[i].refresh(chain.blocks[i])) forget_behind(i);
       if (i >= blocks) continue;
       states += state_count(slots[i].kernel());
       if (const auto* k = std::get_if<LinearKernel>(&slots[i].kernel()))
@@ -96,10 +112,11 @@ struct RecordSimulator::Implementation {
     degree = options.degree != 0 ? options.degree : needed_degree(stages, slots, h);
   }
 
+  bool is_sampled(const RecordStage& stage) const {
+    return std::holds_alternative<std::unique_ptr<SampledKernel>>(slots[stage.first].kernel());
+  }
   bool has_sampled() const {
-    return std::any_of(stages.begin(), stages.end(), [&](const RecordStage& s) {
-      return std::holds_alternative<std::unique_ptr<SampledKernel>>(slots[s.first].kernel());
-    });
+    return std::any_of(stages.begin(), stages.end(), [&](const RecordStage& s) { return is_sampled(s); });
   }
 
   void spread_input(std::span<const double> u, const Run& run) {
@@ -213,19 +230,50 @@ struct RecordSimulator::Implementation {
     Run run{hold_nodes(degree), step_s / static_cast<double>(parts),
             (u.size() - 1) * parts + (right_limits || u.size() == 1 ? 1 : 0), start == Start::equilibrium,
             u[0]};
-    spread_input(u, run);
     state.assign(initial.begin(), initial.end());
     Progress progress("simulation");
     const auto count = static_cast<double>(stages.size());
-    for (std::size_t i = 0; i < stages.size(); ++i) {
+    std::size_t i = go_on_from_kept(u, run);
+    if (i == 0) spread_input(u, run);
+    for (bool keeps = options.same_input; i < stages.size(); ++i) {
       progress.at(static_cast<double>(i) / count, static_cast<double>(i + 1) / count);
+      // What a clock shows depends on the stages behind it.
+      keeps = keeps && !is_sampled(stages[i]);
       run_stage(stages[i], run);
+      if (keeps && i + 1 < stages.size() && !works_by_values(stages[i])) keep(stages[i + 1].first, run);
     }
     // At a jump the value behind it (a clocked block's new output) or in front.
     const std::size_t stride = parts * run.nodes.size();
     result[0] = signal[0];
-    for (std::size_t i = 1; i < u.size(); ++i) result[i] = signal[i * stride - (right_limits ? 0 : 1)];
+    for (std::size_t k = 1; k < u.size(); ++k) result[k] = signal[k * stride - (right_limits ? 0 : 1)];
     return result;
+  }
+
+  void keep(std::size_t block, const Run& run) {
+    Kept& here = kept[block];
+    here.signal.assign(signal.begin(), signal.end());
+    here.rest = run.rest;
+    here.outcome = outcome;
+    here.good = true;
+  }
+
+  /// The stage from which the run goes on, with what was kept in front of it; 0: none was.
+  std::size_t go_on_from_kept(std::span<const double> u, Run& run) {
+    if (!options.same_input) return 0;
+    if (u.data() != kept_input.data() || u.size() != kept_input.size() || degree != kept_degree)
+      kept.assign(chain.blocks.size(), {});
+    kept_input = u;
+    kept_degree = degree;
+    for (std::size_t i = stages.size(); i-- > 1;) {
+      const Kept& here = kept[stages[i].first];
+      if (!here.good) continue;
+      signal.assign(here.signal.begin(), here.signal.end());
+      other.resize(signal.size());
+      run.rest = here.rest;
+      outcome = here.outcome;
+      return i;
+    }
+    return 0;
   }
 
   void run_stage(const RecordStage& stage, Run& run) {

@@ -23,6 +23,9 @@ struct RecordOptions {
   /// share of the forces at which Newton's iteration ends. Searches take them coarser.
   double max_turn_rad = 0.75;
   double newton_tolerance = 1e-13;
+  /// Every run has the same input (samples that stay where they are and as they are) and the same initial states: what lies
+  /// in front of the first block that changed since the last run is not worked out again.
+  bool same_input = false;
 };
 
 /// The record engine: a chain worked out from sample to sample, thousands of times with other parameters.

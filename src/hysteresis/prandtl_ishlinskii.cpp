@@ -158,9 +158,11 @@ PrandtlIshlinskiiOperator::PrandtlIshlinskiiOperator(PrandtlIshlinskii model)
 double PrandtlIshlinskiiOperator::shape(double p) const {
   double out = p;
   if (p > 0.0) {
-    for (const DeadZone& zone : above_) out += zone.v * std::max(p - zone.s, 0.0);
+    for (const DeadZone& zone : above_)
+      if (p > zone.s) out += zone.v * (p - zone.s);
   } else {
-    for (const DeadZone& zone : below_) out += zone.v * std::min(p - zone.s, 0.0);
+    for (const DeadZone& zone : below_)
+      if (p < zone.s) out += zone.v * (p - zone.s);
   }
   return out;
 }

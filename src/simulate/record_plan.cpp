@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 #include "chain/linear_kernel.hpp"
 
@@ -36,16 +37,21 @@ void join_stage(RecordStage& stage, LinearKernel next) {
 
 }  // namespace
 
-bool KernelSlot::refresh(const chain::Block& block) {
+bool KernelSlot::Built::is_of(const chain::Block& block) const {
   const auto& parameters = block.parameters();
-  const bool same = kernel_.has_value() &&
-                    std::equal(values_.begin(), values_.end(), parameters.begin(), parameters.end(),
-                               [](double value, const auto& parameter) { return value == parameter.value; });
-  if (same) return false;
-  values_.clear();
-  for (const auto& parameter : parameters) values_.push_back(parameter.value);
-  kernel_.reset();  // should the new one not be had, the values are no longer its own
-  kernel_ = block.kernel();
+  return kernel.has_value() &&
+         std::equal(values.begin(), values.end(), parameters.begin(), parameters.end(),
+                    [](double value, const auto& parameter) { return value == parameter.value; });
+}
+
+bool KernelSlot::refresh(const chain::Block& block) {
+  if (now_.is_of(block)) return false;
+  std::swap(now_, before_);
+  if (now_.is_of(block)) return true;
+  now_.kernel.reset();  // should the new one not be had, there is none
+  now_.values.clear();
+  for (const auto& parameter : block.parameters()) now_.values.push_back(parameter.value);
+  now_.kernel = block.kernel();
   return true;
 }
 

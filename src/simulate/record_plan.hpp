@@ -8,17 +8,24 @@
 
 namespace bodesmith::simulate {
 
-/// One block with its kernel, rebuilt only when a parameter changed.
+/// One block with its kernel, rebuilt only when a parameter changed. The one before is kept: differences move a parameter and
+/// put it back.
 class KernelSlot {
  public:
-  /// Whether it was rebuilt.
+  /// Whether it is another one now.
   bool refresh(const chain::Block& block);
-  chain::Kernel& kernel() { return *kernel_; }
-  const chain::Kernel& kernel() const { return *kernel_; }
+  chain::Kernel& kernel() { return *now_.kernel; }
+  const chain::Kernel& kernel() const { return *now_.kernel; }
 
  private:
-  std::optional<chain::Kernel> kernel_;
-  std::vector<double> values_;  ///< of the block's parameters when it was built
+  struct Built {
+    std::optional<chain::Kernel> kernel;
+    std::vector<double> values;  ///< of the block's parameters when it was built
+
+    bool is_of(const chain::Block& block) const;
+  };
+  Built now_;
+  Built before_;
 };
 
 /// States of a block, in the order of Chain::blocks.

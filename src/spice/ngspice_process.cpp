@@ -87,8 +87,9 @@ int run_program(const std::string& program, const std::vector<std::string>& argu
     ::_exit(127);
   }
   const ChildOf here(child);
-  const auto deadline = std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_s);
-  for (int wait_us = 200;; wait_us = std::min(wait_us * 2, 20000)) {
+  const auto begin = std::chrono::steady_clock::now();
+  const auto deadline = begin + std::chrono::duration<double>(timeout_s);
+  for (;;) {
     int status = 0;
     const pid_t ended = ::waitpid(child, &status, WNOHANG);
     // Ctrl-C reaches ngspice too: how it ended then says nothing.
@@ -101,7 +102,11 @@ int run_program(const std::string& program, const std::vector<std::string>& argu
       if (stopped) throw Interrupted();
       return -1;
     }
-    std::this_thread::sleep_for(std::chrono::microseconds(wait_us));
+    // A sleep is a small part of the run: whoever waits for it stands still meanwhile.
+    constexpr std::chrono::steady_clock::duration kShortest = std::chrono::microseconds(200);
+    constexpr std::chrono::steady_clock::duration kLongest = std::chrono::milliseconds(20);
+    std::this_thread::sleep_for(
+        std::clamp((std::chrono::steady_clock::now() - begin) / 50, kShortest, kLongest));
   }
 }
 

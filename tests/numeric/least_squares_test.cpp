@@ -184,5 +184,25 @@ TEST(ParameterDeviation, ACorrelatedResidualCountsAsFewerSamples) {
   EXPECT_TRUE(std::isinf(parameter_deviation(MatrixXd::Zero(1, 1), white)(0)));
 }
 
+TEST(LeastSquares, ComesToTheSameBitsOnAnyNumberOfThreads) {
+  const Residuals residuals = [](const VectorXd& x, VectorXd& r) {
+    Decay decay;
+    decay.noise = 0.01;
+    return decay(x, r);
+  };
+  LeastSquaresOptions options;
+  const LeastSquaresResult one = least_squares(kDecayStart, residuals, options);
+  options.threads = 3;
+  const LeastSquaresResult three = least_squares(kDecayStart, residuals, options);
+  EXPECT_EQ(one.runs, three.runs);
+  EXPECT_EQ(one.values, three.values);
+  EXPECT_EQ(one.residuals, three.residuals);
+  EXPECT_EQ(one.deviation, three.deviation);
+  const auto alone = sensitivities(kDecayStart, residuals, one.values);
+  const auto together = sensitivities(kDecayStart, residuals, one.values, 1e-4, 3);
+  ASSERT_EQ(alone.size(), together.size());
+  for (std::size_t k = 0; k < alone.size(); ++k) EXPECT_EQ(alone[k], together[k]);
+}
+
 }  // namespace
 }  // namespace bodesmith

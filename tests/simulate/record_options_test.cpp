@@ -1,9 +1,11 @@
-// RecordOptions::max_parts: how long the record engine tries before it calls a run diverged.
+// RecordOptions: how long the record engine tries before it calls a run diverged (max_parts), and what it keeps of a run
+// (same_input).
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <span>
 
 #include "chain/registry.hpp"
 #include "simulate/record_simulator.hpp"
@@ -69,6 +71,52 @@ TEST(MostParts, ARunawaySpringEndsAsDivergedAndFinite) {
   runaway.chain().blocks[0].set("cubic", 0.1);
   runaway.run(sine(5000));
   EXPECT_FALSE(runaway.diverged());
+}
+
+/// A curve, dynamics that are not linear, memory, a clock and a lag: every kind of stage.
+Chain of_all_kinds() {
+  return {{make_block("polynomial").set("coefficients", std::vector<double>{0.0, 1.0, 0.1}),
+           make_block("resonator")
+               .set("gain", 1.5)
+               .set("natural_frequency_hz", 40.0)
+               .set("damping_ratio", 0.1)
+               .set("cubic", 0.3),
+           make_block("prandtl_ishlinskii")
+               .set("r", std::vector<double>{0.0, 0.1, 0.3})
+               .set("w", std::vector<double>{1.0, 0.2, 0.1}),
+           make_block("sample_hold").set("clock_hz", 170.0), make_block("lowpass").set("corner_hz", 60.0)}};
+}
+
+void expect_same_bits(std::span<const double> got, std::span<const double> expected, int round) {
+  ASSERT_EQ(got.size(), expected.size());
+  for (std::size_t i = 0; i < got.size(); ++i)
+    ASSERT_EQ(got[i], expected[i]) << "round " << round << ", " << i;
+}
+
+TEST(SameInput, BringsTheBitsOfARunFromTheBeginning) {
+  const auto u = sine(900);
+  const auto other = sine(700);
+  RecordOptions options;
+  options.same_input = true;
+  RecordSimulator again(of_all_kinds(), 1e-3, options);
+  // Which value of which block changes before each run; the record changes in one of them.
+  struct Change {
+    std::size_t block;
+    std::size_t parameter;
+    double factor;
+  };
+  const Change changes[] = {{4, 0, 1.1}, {4, 0, 1.0 / 1.1}, {3, 0, 1.2}, {2, 4, 1.5}, {1, 1, 1.05},
+                            {4, 0, 1.3}, {0, 2, 1.5},       {2, 5, 0.5}, {4, 0, 1.1}, {1, 2, 2.0}};
+  int round = 0;
+  for (const Change& change : changes) {
+    const auto& input = round == 6 ? other : u;
+    auto& parameters = again.chain().blocks[change.block].parameters();
+    ASSERT_LT(change.parameter, parameters.size());
+    parameters[change.parameter].value *= change.factor;
+    const auto got = again.run(input);
+    RecordSimulator afresh(again.chain(), 1e-3);
+    expect_same_bits(got, afresh.run(input), round++);
+  }
 }
 
 }  // namespace

@@ -2,6 +2,7 @@
 
 #include "chain/block.hpp"
 #include "chain/inverse.hpp"
+#include "numeric/four.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -21,7 +22,14 @@ class PolynomialCurve final : public CurveKernel {
   }
   const std::vector<double>* polynomial() const override { return &c_; }
   void values(const double* u, double* y, std::size_t count) const override {
-    for (std::size_t i = 0; i < count; ++i) y[i] = PolynomialCurve::value(u[i]);
+    std::size_t i = 0;
+    for (; i + 4 <= count; i += 4) {
+      const Four at = *four_at(u + i);
+      Four sum = {0.0, 0.0, 0.0, 0.0};
+      for (std::size_t k = c_.size(); k-- > 0;) sum = sum * at + c_[k];
+      *four_at(y + i) = sum;
+    }
+    for (; i < count; ++i) y[i] = PolynomialCurve::value(u[i]);
   }
 
  private:

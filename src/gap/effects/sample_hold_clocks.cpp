@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <span>
 #include <utility>
 
@@ -73,7 +74,7 @@ double likeness_to_stairs(const std::vector<double>& signal, const std::vector<d
   const double late = half ? 0.5 * cycle : 0.0;
   const double lag = 0.5 * cycle + late;
   const auto at = [&](double s) {
-    const auto k = static_cast<std::size_t>(s);
+    const auto k = static_cast<std::size_t>(static_cast<std::int64_t>(s));  // by one instruction
     return k + 1 < n ? signal[k] + (s - static_cast<double>(k)) * (signal[k + 1] - signal[k]) : signal[k];
   };
   Likeness likeness;

@@ -15,21 +15,26 @@ class Staircase {
   explicit Staircase(const HoldNodes& nodes) : nodes_(nodes) {
     for (std::size_t j = 0; j <= nodes.degree; ++j) legendre(2.0 * nodes.at[j] - 1.0, at_node_[j]);
   }
-  void clear() { std::fill(sum_, sum_ + kMaxDegree + 1, 0.0); }
-  /// The staircase is `value` over [from, to].
-  void add(double from, double to, double value) {
-    double low[kMaxDegree + 2];
+  /// From the hold's begin on.
+  void clear() {
+    std::fill(sum_, sum_ + kMaxDegree + 1, 0.0);
+    from_ = 0.0;
+    legendre(-1.0, low_);
+  }
+  /// The staircase is `value` from where it ended up to `to`.
+  void add(double to, double value) {
     double high[kMaxDegree + 2];
-    legendre(2.0 * from - 1.0, low);
     legendre(2.0 * to - 1.0, high);
     for (std::size_t k = 0; k <= nodes_.degree; ++k) {
       // (2k+1) int P_k(2s-1) ds = [P_{k+1} - P_{k-1}]/2
-      const double before_low = k == 0 ? -1.0 : low[k - 1];
+      const double before_low = k == 0 ? -1.0 : low_[k - 1];
       const double before_high = k == 0 ? -1.0 : high[k - 1];
       const double integral =
-          k == 0 ? to - from : 0.5 * ((high[k + 1] - before_high) - (low[k + 1] - before_low));
+          k == 0 ? to - from_ : 0.5 * ((high[k + 1] - before_high) - (low_[k + 1] - before_low));
       sum_[k] += value * integral;
     }
+    from_ = to;
+    std::copy_n(high, nodes_.degree + 2, low_);
   }
   void nodes(double* y) const {
     for (std::size_t j = 0; j <= nodes_.degree; ++j) {
@@ -39,15 +44,19 @@ class Staircase {
   }
 
  private:
-  static void legendre(double x, double* p) {
+  void legendre(double x, double* p) const {
     p[0] = 1.0;
     p[1] = x;
-    for (std::size_t k = 1; k <= kMaxDegree; ++k) {
+    for (std::size_t k = 1; k <= nodes_.degree; ++k) {
       const auto n = static_cast<double>(k);
-      p[k + 1] = ((2.0 * n + 1.0) * x * p[k] - n * p[k - 1]) / (n + 1.0);
+      const double part = (2.0 * n + 1.0) * x * p[k] - n * p[k - 1];
+      // By powers of two without a division, to the same bits.
+      p[k + 1] = k == 1 ? 0.5 * part : k == 3 ? 0.25 * part : part / (n + 1.0);
     }
   }
   const HoldNodes& nodes_;
+  double from_ = 0.0;
+  double low_[kMaxDegree + 2]{};
   double at_node_[kMaxDegree + 1][kMaxDegree + 2]{};
   double sum_[kMaxDegree + 1]{};
 };
@@ -110,18 +119,16 @@ void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h,
       continue;
     }
     std::size_t node = 0;
-    double from = 0.0;
-    staircase.clear();
+    if (jumps != nullptr) staircase.clear();
     while (true) {
       const double change = edges.next_change() - begin;
       const bool inside = change < 1.0 - kClose;
       const double to = inside ? change : 1.0;
       while (node < width && (nodes.at[node] < to || !inside)) y[node++] = edges.held();
-      staircase.add(from, to, edges.held());
+      if (jumps != nullptr) staircase.add(to, edges.held());
       if (!inside) break;
       edges.take_samples(begin + change, begin, u);
       edges.change();
-      from = to;
     }
     if (jumps != nullptr) {
       std::copy_n(y, width, jumps);

@@ -1,0 +1,103 @@
+// Fits share their runs among threads, and long records are looked through in blocks: the same comes of it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "base/document.hpp"
+#include "chain/model_file.hpp"
+#include "gap/effect.hpp"
+#include "gap/model_fit.hpp"
+#include "gap/runner.hpp"
+#include "gap/scene.hpp"
+#include "numeric/parallel_for.hpp"
+
+namespace {
+
+using namespace bodesmith;
+
+chain::Chain resonator() {
+  return chain::model_from_node(
+      parse_toml("schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"resonator\"\ngain = 1.8\n"
+                 "natural_frequency_hz = 30.0\ndamping_ratio = 0.1\ncubic = 0.2\n"
+                 "free = [\"gain\", \"natural_frequency_hz\", \"damping_ratio\", \"cubic\"]\n",
+                 "model.toml"));
+}
+
+/// Smoothed noise through a gain of 2, with a line.
+gap::Experiments record(int samples, double step_s, double line_hz, double amplitude) {
+  std::mt19937_64 random(5);
+  std::normal_distribution<double> normal;
+  TimeRecord r;
+  r.file = "record.csv";
+  r.step_s = step_s;
+  double x = 0.0;
+  for (int i = 0; i < samples; ++i) {
+    x += 0.1 * (normal(random) - x);
+    r.u.push_back(x);
+    r.y.push_back(2.0 * x + amplitude * std::sin(2.0 * std::numbers::pi * line_hz * step_s * i + 0.4) +
+                  0.3 * normal(random));
+  }
+  return {gap::TimeExperiment(std::move(r))};
+}
+
+TEST(Threads, FitsComeToTheSameBitsOnAnyNumber) {
+  const auto train = record(2500, 1e-3, 50.0, 0.0);
+  const auto fitted = [&](int threads) {
+    const ThreadAllowance allowance(threads);
+    gap::LeastSquaresOptions options;
+    options.iterations = 6;
+    return gap::fit(gap::Model(resonator()), train, options);
+  };
+  const auto one = fitted(1);
+  const auto three = fitted(3);
+  ASSERT_TRUE(one.result.usable());
+  EXPECT_EQ(one.result.values, three.result.values);
+  EXPECT_EQ(one.result.residuals, three.result.residuals);
+  EXPECT_EQ(one.result.deviation, three.result.deviation);
+}
+
+TEST(Threads, RunnersGiveTheBitsOfOne) {
+  const auto train = record(2000, 1e-3, 50.0, 0.0);
+  const gap::Model model(resonator());
+  gap::Runners runners(model, train);
+  std::vector<std::vector<double>> got(12);
+  const auto values = [&](std::size_t i) {
+    auto v = gap::current_values(model);
+    v[i % v.size()] *= 1.0 + 0.01 * static_cast<double>(i);
+    return v;
+  };
+  parallel_for(got.size(), 4, [&](std::size_t i) { ASSERT_TRUE(runners(values(i), got[i])); });
+  for (std::size_t i = 0; i < got.size(); ++i) {
+    gap::Runner alone(model, train);
+    std::vector<double> expected;
+    ASSERT_TRUE(alone(values(i), expected));
+    EXPECT_EQ(got[i], expected) << i;
+  }
+}
+
+TEST(Threads, AreNotWorthHavingForShortRecords) {
+  const ThreadAllowance allowance(4);
+  EXPECT_EQ(gap::Runners(gap::Model(resonator()), record(500, 1e-3, 50.0, 0.0)).threads(), 1);
+  EXPECT_EQ(gap::Runners(gap::Model(resonator()), record(2500, 1e-3, 50.0, 0.0)).threads(), 4);
+}
+
+TEST(LongRecords, ShowTheMainsWhereTheyAre) {
+  const double hz = 150.21;
+  const auto train = record(60000, 1.0 / 610.0, hz, 0.02);
+  const gap::Model model(chain::model_from_node(
+      parse_toml("schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 2.0\n", "model.toml")));
+  const auto scene = gap::make_scene(model, train);
+  const auto all = gap::effect_registry().all();
+  const auto hum = std::find_if(all.begin(), all.end(),
+                                [](const gap::Effect* effect) { return effect->name() == "mains_hum"; });
+  ASSERT_NE(hum, all.end());
+  std::vector<gap::Proposal> proposals;
+  (*hum)->propose(scene, proposals);
+  ASSERT_FALSE(proposals.empty());
+  EXPECT_NEAR(proposals.front().starts.front().front(), hz, 0.2 / scene.duration_s);
+}
+
+}  // namespace

@@ -55,9 +55,21 @@ DiagnosedStep describe(const Step& step, const SearchResult& search, const GapMe
     if (r.effect == step.effect && named) s.significance = r.z;
   }
   if (const auto* rival = best_rival(step)) {
-    s.runner_up = {std::string(rival->effect->name()), meter.size(rival->model).holdout_rms, rival->outcome};
+    s.runner_up = {std::string(rival->effect->name()), meter.holdout_rms(rival->model), rival->outcome};
   }
   return s;
+}
+
+/// All that describing a search asks the meter for.
+void look_ahead(const SearchResult& search, const GapMeter& meter) {
+  std::vector<const Model*> sized = {&search.initial, &search.base, &search.final};
+  std::vector<const Model*> rivals;
+  for (const auto& step : search.steps) {
+    sized.push_back(&step.before);
+    sized.push_back(&step.after);
+    if (const auto* rival = best_rival(step)) rivals.push_back(&rival->model);
+  }
+  meter.look_ahead(sized, rivals);
 }
 
 /// Chance of a gain of so many standard deviations where there is none.
@@ -171,6 +183,7 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   for (auto& s : d.search.steps) look_at_holdout(s.ranking, study.holdout());
   look_at_holdout(d.search.refused, study.holdout());
   const GapMeter meter(study, d.search.final);
+  look_ahead(d.search, meter);
   d.scored_from = meter.scored_from();
   d.initial = meter.size(d.search.initial);
   d.refitted = meter.size(d.search.base);

@@ -6,6 +6,7 @@
 #include "chain/model_file.hpp"
 #include "gap/lines.hpp"
 #include "gap/runner.hpp"
+#include "numeric/parallel_for.hpp"
 #include "signal/period.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
@@ -43,6 +44,10 @@ double rms_of_part(std::span<const double> part) {
   return rms({part.begin(), part.end()});
 }
 
+std::vector<double> whole_residual(const Model& model, const Experiment& experiment) {
+  return std::visit([&](const auto& kind) { return whole_residual(model, kind); }, experiment);
+}
+
 std::vector<Cell> where_in(const TimeExperiment& experiment, const std::vector<double>& residual,
                            std::size_t from) {
   const auto& u = experiment.record().u;
@@ -58,12 +63,33 @@ std::vector<Cell> where_in(const FrequencyExperiment& experiment, const std::vec
 }  // namespace
 
 const std::vector<double>& GapMeter::residual(const Model& model, const Experiment& experiment) const {
-  std::pair<std::string, const Experiment*> key = {chain::model_text(model.chain()), &experiment};
+  Key key = {chain::model_text(model.chain()), &experiment};
   const auto known = residuals_.find(key);
   if (known != residuals_.end()) return known->second;
-  std::vector<double> e =
-      std::visit([&](const auto& kind) { return whole_residual(model, kind); }, experiment);
-  return residuals_.emplace(std::move(key), std::move(e)).first->second;
+  return residuals_.emplace(std::move(key), whole_residual(model, experiment)).first->second;
+}
+
+void GapMeter::look_ahead(const std::vector<const Model*>& sized,
+                          const std::vector<const Model*>& held_out) const {
+  std::map<Key, Model> wanted;
+  const auto want = [&](const Model& model, const Experiment& experiment) {
+    Key key = {chain::model_text(model.chain()), &experiment};
+    if (residuals_.count(key) == 0) wanted.emplace(std::move(key), model);
+  };
+  for (const auto* models : {&sized, &held_out}) {
+    for (const Model* model : *models) {
+      const Model written = for_record(*model, study_.holdout().front());
+      for (const auto& e : study_.holdout()) want(written, e);
+    }
+  }
+  for (const Model* model : sized) {
+    for (const auto& e : study_.train()) want(for_record(*model, e), e);
+  }
+  const std::vector<std::pair<Key, Model>> all(wanted.begin(), wanted.end());
+  std::vector<std::vector<double>> found(all.size());
+  parallel_for(all.size(), allowed_threads(),
+               [&](std::size_t i) { found[i] = whole_residual(all[i].second, *all[i].first.second); });
+  for (std::size_t i = 0; i < all.size(); ++i) residuals_.emplace(all[i].first, std::move(found[i]));
 }
 
 std::size_t GapMeter::scoring_start(const Model& final, const TimeExperiment& time,
@@ -105,12 +131,20 @@ GapMeter::GapMeter(const Study& study, const Model& final)
       train_from_(scoring_starts(final, study.train(), false)),
       holdout_from_(scoring_starts(final, study.holdout(), study.split())) {}
 
+std::pair<double, double> GapMeter::pooled_holdout_rms(const Model& model) const {
+  const Model written = for_record(model, study_.holdout().front());
+  return pooled_rms(written, study_.holdout(), holdout_from_, false);
+}
+
+double GapMeter::holdout_rms(const Model& model) const {
+  return pooled_holdout_rms(model).first;
+}
+
 GapSize GapMeter::size(const Model& model) const {
   GapSize s;
   // Training records have lines of their own; the held-out ones are compared with what model.toml holds.
   std::tie(s.train_rms, s.train_whole_rms) = pooled_rms(model, study_.train(), train_from_, true);
-  const Model written = for_record(model, study_.holdout().front());
-  std::tie(s.holdout_rms, s.holdout_whole_rms) = pooled_rms(written, study_.holdout(), holdout_from_, false);
+  std::tie(s.holdout_rms, s.holdout_whole_rms) = pooled_holdout_rms(model);
   s.holdout_percent_of_range = 100.0 * s.holdout_rms / largest_range(study_.holdout());
   return s;
 }

@@ -35,6 +35,10 @@ class GapMeter {
   GapMeter(const Study& study, const Model& final);
 
   GapSize size(const Model& model) const;
+  /// The same of the held-out records alone.
+  double holdout_rms(const Model& model) const;
+  /// Works out at once, on as many threads as are allowed, what size() of the one and holdout_rms() of the others will ask for.
+  void look_ahead(const std::vector<const Model*>& sized, const std::vector<const Model*>& held_out) const;
   /// Where the gap of the held-out record with the largest gap lies.
   std::vector<Cell> where(const Model& model) const;
   /// y - y_model of one held-out record over the samples that are scored, lines of the mains as size() takes them.
@@ -43,6 +47,8 @@ class GapMeter {
   std::vector<ScoredFrom> scored_from() const;
 
  private:
+  using Key = std::pair<std::string, const Experiment*>;
+
   /// Of a record from its first to its last sample, as `simulate` makes it. Kept: the same few models are asked for again and again,
   /// and some take seconds.
   const std::vector<double>& residual(const Model& model, const Experiment& experiment) const;
@@ -53,9 +59,10 @@ class GapMeter {
   /// rms of all records together, from their scoring starts on, and whole.
   std::pair<double, double> pooled_rms(const Model& model, const Experiments& experiments,
                                        const std::vector<std::size_t>& from, bool own_lines) const;
+  std::pair<double, double> pooled_holdout_rms(const Model& model) const;
 
   const Study& study_;
-  mutable std::map<std::pair<std::string, const Experiment*>, std::vector<double>> residuals_;
+  mutable std::map<Key, std::vector<double>> residuals_;
   std::vector<std::size_t> train_from_;
   std::vector<std::size_t> holdout_from_;
 };

@@ -264,12 +264,12 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
   comb_leaders(setting, records, racers);
   share_values(setting, records, candidates, racers);
   std::vector<std::optional<Ranked>> ranked(candidates.size());
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
+  parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
     Racer* best = nullptr;
     for (auto& r : racers) {
       if (r.candidate == i && (best == nullptr || r.now.result.rms < best->now.result.rms)) best = &r;
     }
-    if (best == nullptr) continue;
+    if (best == nullptr) return;
     const auto& term = candidates[i].proposal.model.terms().back();
     Ranked r;
     r.effect = term.effect;
@@ -279,7 +279,7 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
     r.model = std::move(best->now.model);
     r.condition_number = best->now.result.condition_number;
     ranked[i] = with_gains(std::move(r), records, before);
-  }
+  });
   return ranked;
 }
 

@@ -1,6 +1,11 @@
 #include "gap/signs.hpp"
 
 #include <algorithm>
+#include <functional>
+#include <iterator>
+#include <utility>
+
+#include "numeric/parallel_for.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -52,30 +57,32 @@ std::string to_string(SignKind kind) {
 
 std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records,
                                      const std::vector<Leftover>& parts) {
-  std::vector<Sign> signs;
-  const auto consider = [&](const Sign& s) {
-    if (s.found()) signs.push_back(s);
-  };
+  std::vector<std::function<Sign()>> looks;
+  const auto consider = [&](std::function<Sign()> look) { looks.push_back(std::move(look)); };
   for (std::size_t a = 0; a < parts.size(); ++a) {
     for (std::size_t b = a + 1; b < parts.size(); ++b) {
       if (parts[a].response.empty() && parts[b].response.empty())
-        consider(depends_either_way(parts[a], parts[b]));
+        consider([&parts, a, b] { return depends_either_way(parts[a], parts[b]); });
     }
   }
   for (const auto& r : records) {
     if (!r.response.empty()) {
-      consider(smooth_over_frequency(r));
-      consider(stands_apart(r));
+      consider([&r] { return smooth_over_frequency(r); });
+      consider([&r] { return stands_apart(r); });
       continue;
     }
-    consider(jumps(r));
-    consider(gain_varies(r));
-    consider(bunched_in_time(r));
-    consider(even_in_time(r));
-    consider(spectral_line(r));
-    consider(concentrated(r));
-    consider(above_white_floor(r));
+    consider([&r] { return jumps(r); });
+    consider([&r] { return gain_varies(r); });
+    consider([&r] { return bunched_in_time(r); });
+    consider([&r] { return even_in_time(r); });
+    consider([&r] { return spectral_line(r); });
+    consider([&r] { return concentrated(r); });
+    consider([&r] { return above_white_floor(r); });
   }
+  std::vector<Sign> all(looks.size());
+  parallel_for(looks.size(), allowed_threads(), [&](std::size_t i) { all[i] = looks[i](); });
+  std::vector<Sign> signs;
+  std::copy_if(all.begin(), all.end(), std::back_inserter(signs), [](const Sign& s) { return s.found(); });
   std::stable_sort(signs.begin(), signs.end(),
                    [](const Sign& a, const Sign& b) { return a.strength > b.strength; });
   return signs;

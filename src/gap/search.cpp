@@ -34,6 +34,7 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   State state = begun;
   grow(setting, state);
   try_other_ways(setting, begun, state);
+  try_other_partners(setting, state);
   try_each_name_alone(setting, begun, state);
   try_simpler_names(setting, state);
   result.stopped = options.stopped();

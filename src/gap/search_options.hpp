@@ -118,6 +118,13 @@ struct PairOptions {
   double max_left = 0.98;          ///< of the pooled rms, by a candidate worth a trial
   double max_left_train = 0.99;
   double min_gains = 2.0;  ///< times min_gain, of both together
+  /// Of pairs at once: first names, of them those that leave all but the same, second names beside each, pairs that are
+  /// fitted, and those that are gone on from.
+  std::size_t firsts_at_once = 8;
+  std::size_t alike_at_once = 2;
+  std::size_t seconds_at_once = 4;
+  std::size_t fits_at_once = 20;
+  std::size_t best_at_once = 2;
 };
 
 /// Earlier terms are tested again [8].
@@ -136,12 +143,14 @@ struct EliminationOptions {
 /// A search that came to no end is begun again with another first name [6].
 struct OtherWaysOptions {
   std::size_t max_ways = 2;
-  std::size_t few_terms = 2;    ///< with more of them another way is tried in any case
-  double max_left = 0.75;       ///< of the first gap's rms, by an effect to begin with
-  double in_the_running = 1.5;  ///< times what the best first name leaves
-  double as_far = 1.02;         ///< rms over the other way's: it came as far,
-  double further = 0.8;         ///< or further
-  double nearly_as_far = 1.3;   ///< the same of one name alone, or of a pair, which is then gone on from
+  std::size_t few_terms = 2;      ///< with more of them another way is tried in any case
+  double max_left = 0.75;         ///< of the first gap's rms, by an effect to begin with
+  double in_the_running = 1.5;    ///< times what the best first name leaves
+  double as_far = 1.02;           ///< rms over the other way's: it came as far,
+  double further = 0.8;           ///< or further
+  std::size_t max_partners = 3;   ///< terms each of which is tried against every effect,
+  std::size_t max_exchanges = 3;  ///< so many times, as long as that leads to another one
+  double nearly_as_far = 1.3;     ///< the same of one name alone, or of a pair, which is then gone on from
 };
 
 struct SearchOptions {

@@ -61,9 +61,21 @@ std::set<const Effect*> rivals_of(const SearchSetting& setting, const SearchReco
   return rivals;
 }
 
+/// Whether the term's present values lie where another effect is the usual cause: as a ranking that holds its effect too says,
+/// otherwise its own round's.
+bool is_far_fetched_now(const Effect* effect, const std::vector<Ranked>& ranking,
+                        const std::vector<Ranked>& own_round) {
+  for (const auto* where : {&ranking, &own_round}) {
+    const auto own = std::find_if(where->begin(), where->end(),
+                                  [&](const Ranked& r) { return r.effect == effect && !r.folds.empty(); });
+    if (own != where->end()) return own->far_fetched;
+  }
+  return false;
+}
+
 /// The candidate that best takes the place of a term of the present model; null when none does.
 const Ranked* best_successor(const SearchSetting& setting, const SearchRecords& records, const Model& now,
-                             const Term& term, const std::vector<Ranked>& ranking) {
+                             const Term& term, const std::vector<Ranked>& ranking, bool far_fetched) {
   const auto& accepted = setting.options.acceptance;
   const auto& options = setting.options.elimination;
   const double folds = rms(round_residuals(now, records).folds);
@@ -77,7 +89,10 @@ const Ranked* best_successor(const SearchSetting& setting, const SearchRecords& 
     const bool better = r.folds_rms < enough * folds;
     const bool simpler =
         r.effective < term.effective_unknowns() && r.folds_rms < options.swap_simpler * folds;
-    if ((better || simpler) && (best == nullptr || r.folds_rms < best->folds_rms)) best = &r;
+    const bool nearer = far_fetched && !r.far_fetched &&
+                        r.effective <= term.effective_unknowns() + accepted.at_hand_more_unknowns &&
+                        r.folds_rms < (1.0 + accepted.at_hand_within) * folds;
+    if ((better || simpler || nearer) && (best == nullptr || r.folds_rms < best->folds_rms)) best = &r;
   }
   return best;
 }
@@ -87,9 +102,7 @@ const Ranked* best_successor(const SearchSetting& setting, const SearchRecords& 
 void judge_ties_again(const AcceptanceOptions& options, Step& step, const Term& term,
                       const std::vector<double>& folds, const std::vector<Ranked>& ranking) {
   const double own = rms(folds);
-  const bool far_fetched = std::any_of(step.ranking.begin(), step.ranking.end(), [&](const Ranked& r) {
-    return r.effect == step.effect && r.far_fetched;
-  });
+  const bool far_fetched = is_far_fetched_now(step.effect, ranking, step.ranking);
   std::set<std::string> alike;
   for (const auto& r : ranking) {
     if (r.folds.size() != folds.size() || r.unknowns > term.unknowns.size()) continue;
@@ -102,32 +115,42 @@ void judge_ties_again(const AcceptanceOptions& options, Step& step, const Term& 
   step.tied_with.assign(alike.begin(), alike.end());
 }
 
-/// What is found with one earlier term exchanged; nothing when none of them should be: then the ties of those
-/// that stay are judged again.
+/// What is found with term `k` exchanged for the best that can stand in its place; nothing when none does better: then its ties
+/// are judged again. `without`: the model without it.
+std::optional<Found> with_exchanged(const SearchSetting& setting, const SearchRecords& records, Found& found,
+                                    std::size_t k, const Model& without, const EffectFilter& rivals) {
+  auto ranking = fit_round(setting, records, without, rivals).ranking;
+  const bool far_fetched = is_far_fetched_now(found.steps[k].effect, ranking, {});
+  const Ranked* best =
+      best_successor(setting, records, found.model, found.model.terms()[k], ranking, far_fetched);
+  if (best == nullptr) {
+    const auto now = folded_residuals(found.model, records.train, suitable_folds(without, records.train));
+    judge_ties_again(setting.options.acceptance, found.steps[k], found.model.terms()[k], now, ranking);
+    return std::nullopt;
+  }
+  Found exchanged = found;
+  const auto* gone = found.steps[k].effect;
+  if (best->effect != gone)
+    exchanged.notes.push_back(fmt::format("{} took the place of {} once the other terms were there",
+                                          best->effect->name(), gone->name()));
+  exchanged.model = best->model;
+  // Terms keep the order of the steps: the new one is the last.
+  exchanged.steps.erase(exchanged.steps.begin() + static_cast<std::ptrdiff_t>(k));
+  exchanged.steps.push_back(step_of(without, *best, ranking));
+  return exchanged;
+}
+
+/// What is found with one earlier term exchanged; nothing when none of them should be.
 std::optional<Found> with_one_exchanged(const SearchSetting& setting, const SearchRecords& records,
                                         Found& found) {
   for (std::size_t k = 0; k + 1 < found.steps.size(); ++k) {
     if (setting.options.is_late()) break;
     const auto rivals = rivals_of(setting, records, found.steps[k]);
     if (rivals.empty()) continue;
-    Model without = refitted_without(setting, records, found.model, k);
-    auto ranking = fit_round(setting, records, without, [&](const Effect& effect) {
-                     return rivals.count(&effect) != 0;
-                   }).ranking;
-    const Ranked* best = best_successor(setting, records, found.model, found.model.terms()[k], ranking);
-    if (best == nullptr) {
-      const auto now = folded_residuals(found.model, records.train, suitable_folds(without, records.train));
-      judge_ties_again(setting.options.acceptance, found.steps[k], found.model.terms()[k], now, ranking);
-      continue;
-    }
-    Found exchanged = found;
-    exchanged.notes.push_back(fmt::format("{} took the place of {} once the other terms were there",
-                                          best->effect->name(), found.steps[k].effect->name()));
-    exchanged.model = best->model;
-    // Terms keep the order of the steps: the new one is the last.
-    exchanged.steps.erase(exchanged.steps.begin() + static_cast<std::ptrdiff_t>(k));
-    exchanged.steps.push_back(step_of(without, *best, ranking));
-    return exchanged;
+    auto exchanged =
+        with_exchanged(setting, records, found, k, refitted_without(setting, records, found.model, k),
+                       [&](const Effect& effect) { return rivals.count(&effect) != 0; });
+    if (exchanged) return exchanged;
   }
   return std::nullopt;
 }
@@ -145,6 +168,19 @@ WithoutTerm without_term(const SearchSetting& setting, const SearchRecords& reco
   without.gain.share = 1.0 - rms(left_with) / std::max(rms(left_without), 1e-300);
   without.gain.z = improvement_z(left_without, left_with);
   return without;
+}
+
+std::optional<Found> with_any_exchanged(const SearchSetting& setting, const SearchRecords& records,
+                                        Found& found) {
+  for (std::size_t k = 0; k < found.steps.size(); ++k) {
+    if (setting.options.is_late()) break;
+    // The others stay where they are: with a wrong one in its place they are nearer to the truth than alone.
+    Model without = found.model;
+    without.remove(k);
+    auto exchanged = with_exchanged(setting, records, found, k, without, {});
+    if (exchanged) return prune(setting, records, std::move(*exchanged));
+  }
+  return std::nullopt;
 }
 
 Found test_earlier_terms(const SearchSetting& setting, const SearchRecords& records, Found found) {

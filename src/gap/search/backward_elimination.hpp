@@ -30,4 +30,9 @@ WithoutTerm without_term(const SearchSetting& setting, const SearchRecords& reco
 /// better in its stead now that the later ones are there, or as well with fewer unknowns.
 Found test_earlier_terms(const SearchSetting& setting, const SearchRecords& records, Found found);
 
+/// One of several terms exchanged for whatever effect does better beside the others, at any place; nothing when none does:
+/// then the ties of all terms are judged again, against every effect.
+std::optional<Found> with_any_exchanged(const SearchSetting& setting, const SearchRecords& records,
+                                        Found& found);
+
 }  // namespace bodesmith::gap

@@ -180,8 +180,10 @@ void share_values(const SearchSetting& setting, const SearchRecords& records,
   const auto options = fit_options(setting.options, limits.iterations_a_stage * limits.stages_of_shared);
   const auto names = [&](const Racer& r) {
     std::vector<std::string_view> all;
-    for (const auto& u : candidates[r.candidate].proposal.model.terms().back().unknowns)
-      all.push_back(u.name);
+    for (const auto& term : candidates[r.candidate].proposal.model.terms()) {
+      all.push_back(term.effect->name());
+      for (const auto& u : term.unknowns) all.push_back(u.name);
+    }
     return all;
   };
   double leader = std::numeric_limits<double>::infinity();

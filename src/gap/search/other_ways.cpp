@@ -11,7 +11,10 @@
 
 #include "gap/runner.hpp"
 #include "gap/search/acceptance.hpp"
+#include "gap/search/backward_elimination.hpp"
+#include "gap/search/base_fit.hpp"
 #include "gap/search/grow.hpp"
+#include "gap/search/pairs_at_once.hpp"
 #include "gap/search/round.hpp"
 #include "gap/search/step.hpp"
 
@@ -31,7 +34,8 @@ bool led_further(const SearchOptions& options, const State& other, const State& 
   if (others < terms) return other.train_rms < limits.as_far * state.train_rms;
   if (is_settled(options, state)) return false;
   const bool settled = is_settled(options, other) && other.train_rms < limits.as_far * state.train_rms;
-  return (settled && others <= terms + 1) || other.train_rms < limits.further * state.train_rms;
+  return (settled && others <= std::max<std::size_t>(terms, 1) + 1) ||
+         other.train_rms < limits.further * state.train_rms;
 }
 
 /// The search begun again with these first steps; nothing when that leaves no less.
@@ -53,27 +57,67 @@ void go_the_other_way(State& state, State other, const std::string& note) {
   state.found.notes.push_back(note);
 }
 
-/// Two names that came together where one after the other came to no end: a first name takes over what it can of the
-/// second one's share, and what is then left is neither's. `begun`: names that were begun with.
-void try_pairs(const SearchSetting& setting, const State& base, const std::set<const Effect*>& begun,
-               State& state) {
+/// Each of a few names against every effect beside the others, as long as that leads to another one. Whether it did.
+bool exchange_partners(const SearchSetting& setting, State& state) {
   const auto& options = setting.options;
-  if (are_responses(base.records.train) || state.found.steps.empty() || is_settled(options, state) ||
-      options.is_late())
-    return;
+  bool any = false;
+  for (std::size_t k = 0; k < options.other_ways.max_exchanges; ++k) {
+    const std::size_t terms = state.found.steps.size();
+    if (terms < 2 || terms > options.other_ways.max_partners || options.is_late()) break;
+    state.partners_tried = true;
+    auto exchanged = with_any_exchanged(setting, state.records, state.found);
+    if (!exchanged) break;
+    any = true;
+    state.found = std::move(*exchanged);
+    state.found.model = settle(setting, state.records, state.found.model);
+  }
+  return any;
+}
+
+bool all_earn_their_places(const SearchSetting& setting, const State& state) {
+  const auto& accepted = setting.options.acceptance;
+  const auto& terms = state.found.model.terms();
+  for (std::size_t k = 0; k < terms.size(); ++k) {
+    const auto own = without_term(setting, state.records, state.found.model, k).gain;
+    if (own.share < accepted.min_gain || own.z < accepted.min_significance) return false;
+  }
+  return !terms.empty();
+}
+
+/// Two names that came together where one after the other came to no end: a first name takes over what it can of the
+/// second one's share, and what is then left is neither's.
+void try_pairs(const SearchSetting& setting, const State& base, State& state) {
+  const auto& options = setting.options;
+  if (are_responses(base.records.train) || is_settled(options, state) || options.is_late()) return;
   // Less than a later term must explain is the form of the names that are there.
   if (state.train_rms < options.acceptance.min_part_of_gap * setting.first_gap) return;
-  auto pair = choose_best_pair(setting, base.records, base.found.model, state.first, begun);
-  if (!pair) return;
-  const double enough = options.other_ways.nearly_as_far * state.train_rms;
-  if (!(rms_of(pair->second.after, base.records.train) < enough)) return;
-  auto note = fmt::format("{} and {}, put in together, came further than one name after the other",
-                          pair->first.effect->name(), pair->second.effect->name());
-  auto other = way_beginning_with(setting, base, {std::move(pair->first), std::move(pair->second)});
-  if (other && led_further(options, *other, state)) go_the_other_way(state, std::move(*other), note);
+  for (auto& pair : pairs_at_once(setting, base.records, base.found.model, state.first)) {
+    if (is_settled(options, state) || options.is_late()) return;
+    State other = base;
+    other.other_way = true;
+    if (!take(setting, other, {std::move(pair.first), std::move(pair.second)})) continue;
+    exchange_partners(setting, other);
+    if (!all_earn_their_places(setting, other)) continue;
+    grow(setting, other);
+    if (led_further(options, other, state)) go_the_other_way(state, std::move(other), pair.note);
+  }
 }
 
 }  // namespace
+
+void try_other_partners(const SearchSetting& setting, State& state) {
+  if (state.partners_tried || are_responses(state.records.train)) return;
+  State other = state;
+  if (!exchange_partners(setting, other)) {
+    state = std::move(other);
+    return;
+  }
+  if (!(rms_of(other.found.model, other.records.train) < setting.options.other_ways.as_far * state.train_rms))
+    return;
+  other.other_way = true;
+  grow(setting, other);
+  state = std::move(other);
+}
 
 void try_each_name_alone(const SearchSetting& setting, const State& base, State& state) {
   if (are_responses(base.records.train)) return;
@@ -107,8 +151,6 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
   std::set<const Effect*> tried;
   for (const auto& step : state.found.steps) tried.insert(step.effect);
   const auto first = state.first;
-  std::set<const Effect*> begun;
-  if (!state.found.steps.empty()) begun.insert(state.found.steps.front().effect);
   std::size_t ways = 0;
   double best = setting.first_gap;
   for (const auto& r : first) best = std::min(best, r.train_rms);
@@ -116,13 +158,13 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
       std::min(options.other_ways.max_left * setting.first_gap, options.other_ways.in_the_running * best);
   for (const auto& r : first) {
     const bool done = is_settled(options, state) && state.found.steps.size() <= options.other_ways.few_terms;
-    if (state.found.steps.empty() || done || options.is_late()) return;
+    if (done || options.is_late()) return;
+    if (state.found.steps.empty()) break;
     if (ways >= options.other_ways.max_ways) break;
     if (r.condition_number > options.acceptance.max_condition || r.unknowns > options.acceptance.max_unknowns)
       continue;
     if (r.no_name || !(r.train_rms < most) || !tried.insert(r.effect).second) continue;
     ++ways;
-    begun.insert(r.effect);
     auto other = way_beginning_with(setting, base, {step_of(base.found.model, r, first)});
     if (!other || !led_further(options, *other, state)) continue;
     go_the_other_way(
@@ -130,7 +172,7 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
         fmt::format("Begun with {}, the search came further than with the first name of the first round",
                     r.effect->name()));
   }
-  try_pairs(setting, base, begun, state);
+  try_pairs(setting, base, state);
 }
 
 }  // namespace bodesmith::gap

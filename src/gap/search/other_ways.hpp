@@ -12,4 +12,7 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
 /// names each is tried alone, at all its places, and goes on from there when it comes nearly as far.
 void try_each_name_alone(const SearchSetting& setting, const State& base, State& state);
 
+/// Of a few names each is tried against every effect beside the others, where those now stand.
+void try_other_partners(const SearchSetting& setting, State& state);
+
 }  // namespace bodesmith::gap

@@ -133,6 +133,29 @@ void look_at_folds(const SearchSetting& setting, const SearchRecords& records, c
   });
 }
 
+/// The candidates that could be fitted, best first, with what they leave on folds and what speaks against their names.
+std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& records, const Model& model,
+                         const RoundResiduals& before, std::vector<std::optional<Ranked>> fitted) {
+  std::vector<Ranked> ranking;
+  for (auto& r : fitted) {
+    if (r) ranking.push_back(std::move(*r));
+  }
+  const auto by_rms = [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; };
+  std::stable_sort(ranking.begin(), ranking.end(), by_rms);
+  if (records.are_long()) {
+    fit_leaders_on_all(setting, records, before, ranking);
+    std::stable_sort(ranking.begin(), ranking.end(), by_rms);
+  }
+  if (ranking.empty()) return ranking;
+  look_at_folds(setting, records, before, ranking);
+  const auto scene = make_scene(model, records.train);
+  for (auto& r : ranking) {
+    r.far_fetched = r.effect->is_far_fetched(r.model, scene);
+    r.no_name = r.effect->is_no_name(r.model, scene);
+  }
+  return ranking;
+}
+
 }  // namespace
 
 FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model,
@@ -160,26 +183,23 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
   const auto before = round_residuals(model, records);
   auto fitted = fit_candidates(setting, records, choice.chosen(), before);
   for (std::size_t i = 0; i < fitted.size(); ++i) {
-    if (fitted[i])
-      round.ranking.push_back(std::move(*fitted[i]));
-    else if (options.is_late())
-      missed.insert(effect_of(choice.chosen()[i].proposal)->name());
+    if (!fitted[i] && options.is_late()) missed.insert(effect_of(choice.chosen()[i].proposal)->name());
   }
   round.not_tried.assign(missed.begin(), missed.end());
-  const auto by_rms = [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; };
-  std::stable_sort(round.ranking.begin(), round.ranking.end(), by_rms);
-  if (records.are_long()) {
-    fit_leaders_on_all(setting, records, before, round.ranking);
-    std::stable_sort(round.ranking.begin(), round.ranking.end(), by_rms);
-  }
-  if (round.ranking.empty()) return round;
-  look_at_folds(setting, records, before, round.ranking);
-  const auto scene = make_scene(model, records.train);
-  for (auto& r : round.ranking) {
-    r.far_fetched = r.effect->is_far_fetched(r.model, scene);
-    r.no_name = r.effect->is_no_name(r.model, scene);
-  }
+  round.ranking = rank(setting, records, model, before, std::move(fitted));
   return round;
+}
+
+std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
+                                  const Model& model, const EffectFilter& filter) {
+  std::set<std::string_view> missed;
+  return look_from(setting, records, model, filter, missed);
+}
+
+std::vector<Ranked> fit_chosen(const SearchSetting& setting, const SearchRecords& records, const Model& model,
+                               const std::vector<Promising>& chosen) {
+  const auto before = round_residuals(model, records);
+  return rank(setting, records, model, before, fit_candidates(setting, records, chosen, before));
 }
 
 }  // namespace bodesmith::gap

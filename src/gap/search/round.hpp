@@ -24,6 +24,13 @@ struct FittedRound {
 FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model,
                       const EffectFilter& filter = {}, std::optional<double> min_score = std::nullopt);
 
+/// The first look of a round alone: what every effect promises, best first.
+std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
+                                  const Model& model, const EffectFilter& filter = {});
+/// Chosen candidates of such a look, fitted and ranked.
+std::vector<Ranked> fit_chosen(const SearchSetting& setting, const SearchRecords& records, const Model& model,
+                               const std::vector<Promising>& chosen);
+
 /// Residuals of the model that a round's candidates are compared with.
 struct RoundResiduals {
   std::vector<double> train;

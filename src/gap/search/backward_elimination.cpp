@@ -78,7 +78,9 @@ const Ranked* best_successor(const SearchSetting& setting, const SearchRecords& 
                              const Term& term, const std::vector<Ranked>& ranking, bool far_fetched) {
   const auto& accepted = setting.options.acceptance;
   const auto& options = setting.options.elimination;
-  const double folds = rms(round_residuals(now, records).folds);
+  const auto left = round_residuals(now, records);
+  const double folds = rms(left.folds);
+  const double train = rms(left.train);
   const Ranked* best = nullptr;
   for (const auto& r : ranking) {
     if (r.no_name || r.condition_number > accepted.max_condition || r.unknowns > accepted.max_unknowns)
@@ -87,8 +89,11 @@ const Ranked* best_successor(const SearchSetting& setting, const SearchRecords& 
     const std::size_t more = r.effective - std::min(r.effective, term.effective_unknowns());
     const double enough = options.swap_gain - options.swap_gain_each * static_cast<double>(more);
     const bool better = r.folds_rms < enough * folds;
+    // On folds the model's own unknowns may count for more than the term's: one record alone need not tell them.
+    const bool as_near = r.folds_rms < (1.0 + accepted.tie_within) * folds &&
+                         r.train_rms < (1.0 + accepted.tie_surely_within) * train;
     const bool simpler =
-        r.effective < term.effective_unknowns() && r.folds_rms < options.swap_simpler * folds;
+        r.effective < term.effective_unknowns() && (as_near || r.folds_rms < options.swap_simpler * folds);
     const bool nearer = far_fetched && !r.far_fetched &&
                         r.effective <= term.effective_unknowns() + accepted.at_hand_more_unknowns &&
                         r.folds_rms < (1.0 + accepted.at_hand_within) * folds;

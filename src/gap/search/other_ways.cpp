@@ -58,18 +58,17 @@ void go_the_other_way(State& state, State other, const std::string& note) {
 }
 
 /// Each of a few names against every effect beside the others, as long as that leads to another one. Whether it did.
-bool exchange_partners(const SearchSetting& setting, State& state) {
+bool exchange_partners(const SearchSetting& setting, const SearchRecords& records, Found& found) {
   const auto& options = setting.options;
   bool any = false;
   for (std::size_t k = 0; k < options.other_ways.max_exchanges; ++k) {
-    const std::size_t terms = state.found.steps.size();
+    const std::size_t terms = found.steps.size();
     if (terms < 2 || terms > options.other_ways.max_partners || options.is_late()) break;
-    state.partners_tried = true;
-    auto exchanged = with_any_exchanged(setting, state.records, state.found);
+    auto exchanged = with_any_exchanged(setting, records, found);
     if (!exchanged) break;
     any = true;
-    state.found = std::move(*exchanged);
-    state.found.model = settle(setting, state.records, state.found.model);
+    found = std::move(*exchanged);
+    found.model = settle(setting, records, found.model);
   }
   return any;
 }
@@ -93,10 +92,14 @@ void try_pairs(const SearchSetting& setting, const State& base, State& state) {
   if (state.train_rms < options.acceptance.min_part_of_gap * setting.first_gap) return;
   for (auto& pair : pairs_at_once(setting, base.records, base.found.model, state.first)) {
     if (is_settled(options, state) || options.is_late()) return;
+    // Before anything is judged: one that takes a part of the other's share may be idle on the folds.
+    Found together{pair.second.after, {std::move(pair.first), std::move(pair.second)}, {}};
+    exchange_partners(setting, base.records, together);
+    together.steps.back().after = std::move(together.model);
     State other = base;
-    other.other_way = true;
-    if (!take(setting, other, {std::move(pair.first), std::move(pair.second)})) continue;
-    exchange_partners(setting, other);
+    other.other_way = other.partners_tried = true;
+    if (!take(setting, other, std::move(together.steps))) continue;
+    other.found.notes.insert(other.found.notes.end(), together.notes.begin(), together.notes.end());
     if (!all_earn_their_places(setting, other)) continue;
     grow(setting, other);
     if (led_further(options, other, state)) go_the_other_way(state, std::move(other), pair.note);
@@ -106,9 +109,9 @@ void try_pairs(const SearchSetting& setting, const State& base, State& state) {
 }  // namespace
 
 void try_other_partners(const SearchSetting& setting, State& state) {
-  if (state.partners_tried || are_responses(state.records.train)) return;
+  if (state.partners_tried || state.found.steps.size() < 2 || are_responses(state.records.train)) return;
   State other = state;
-  if (!exchange_partners(setting, other)) {
+  if (!exchange_partners(setting, state.records, other.found)) {
     state = std::move(other);
     return;
   }

@@ -133,6 +133,7 @@ struct EliminationOptions {
   double min_significance = 2.0;
   double far_worse = 2.5;  ///< a rival is tried unless it was this many times worse in that term's own round
   std::size_t max_rivals = 5;
+  std::size_t successors = 5;  ///< effects that are fitted in a term's place when all may take it
   /// A rival takes a term's place when it leaves less than this of the rms,
   double swap_gain = 0.98;
   double swap_gain_each = 0.01;  ///< (less, for each unknown that it has more)

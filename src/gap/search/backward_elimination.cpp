@@ -177,12 +177,15 @@ WithoutTerm without_term(const SearchSetting& setting, const SearchRecords& reco
 
 std::optional<Found> with_any_exchanged(const SearchSetting& setting, const SearchRecords& records,
                                         Found& found) {
+  SearchOptions few = setting.options;
+  few.round.effects = few.elimination.successors;
+  const SearchSetting narrow{few, setting.initial, setting.first_gap};
   for (std::size_t k = 0; k < found.steps.size(); ++k) {
     if (setting.options.is_late()) break;
     // The others stay where they are: with a wrong one in its place they are nearer to the truth than alone.
     Model without = found.model;
     without.remove(k);
-    auto exchanged = with_exchanged(setting, records, found, k, without, {});
+    auto exchanged = with_exchanged(narrow, records, found, k, without, {});
     if (exchanged) return prune(setting, records, std::move(*exchanged));
   }
   return std::nullopt;

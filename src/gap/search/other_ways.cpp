@@ -151,6 +151,7 @@ void try_each_name_alone(const SearchSetting& setting, const State& base, State&
 
 void try_other_ways(const SearchSetting& setting, const State& base, State& state) {
   const auto& options = setting.options;
+  try_pairs(setting, base, state);
   std::set<const Effect*> tried;
   for (const auto& step : state.found.steps) tried.insert(step.effect);
   const auto first = state.first;
@@ -161,8 +162,7 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
       std::min(options.other_ways.max_left * setting.first_gap, options.other_ways.in_the_running * best);
   for (const auto& r : first) {
     const bool done = is_settled(options, state) && state.found.steps.size() <= options.other_ways.few_terms;
-    if (done || options.is_late()) return;
-    if (state.found.steps.empty()) break;
+    if (state.found.steps.empty() || done || options.is_late()) return;
     if (ways >= options.other_ways.max_ways) break;
     if (r.condition_number > options.acceptance.max_condition || r.unknowns > options.acceptance.max_unknowns)
       continue;
@@ -175,7 +175,6 @@ void try_other_ways(const SearchSetting& setting, const State& base, State& stat
         fmt::format("Begun with {}, the search came further than with the first name of the first round",
                     r.effect->name()));
   }
-  try_pairs(setting, base, state);
 }
 
 }  // namespace bodesmith::gap

@@ -114,10 +114,9 @@ struct AcceptanceOptions {
 /// alone.
 struct PairOptions {
   std::size_t trials = 3;
-  std::size_t trials_of_best = 3;  ///< of those of which the best counts, once a single name came to no end
-  double max_left = 0.98;          ///< of the pooled rms, by a candidate worth a trial
-  double max_left_train = 0.99;
-  double min_gains = 2.0;  ///< times min_gain, of both together
+  double max_left = 0.98;        ///< of the pooled rms, by a candidate worth a trial
+  double max_left_train = 0.99;  ///< of the records' rms, by a first name of pairs at once
+  double min_gains = 2.0;        ///< times min_gain, of both together
   /// Of pairs at once: first names, of them those that leave all but the same, second names beside each, pairs that are
   /// fitted, and those that are gone on from.
   std::size_t firsts_at_once = 8;
@@ -151,7 +150,7 @@ struct OtherWaysOptions {
   double further = 0.8;           ///< or further
   std::size_t max_partners = 3;   ///< terms each of which is tried against every effect,
   std::size_t max_exchanges = 3;  ///< so many times, as long as that leads to another one
-  double nearly_as_far = 1.3;     ///< the same of one name alone, or of a pair, which is then gone on from
+  double nearly_as_far = 1.3;     ///< the same of one name alone, which is then gone on from
 };
 
 struct SearchOptions {

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <optional>
-#include <set>
 #include <string>
 #include <vector>
 
@@ -50,9 +49,5 @@ struct Pair {
 };
 std::optional<Pair> choose_pair(const SearchSetting& setting, const SearchRecords& records,
                                 const Model& before, const std::vector<Ranked>& ranking);
-/// The one of several such pairs that leaves least. `tried`: effects that are not begun with.
-std::optional<Pair> choose_best_pair(const SearchSetting& setting, const SearchRecords& records,
-                                     const Model& before, const std::vector<Ranked>& ranking,
-                                     std::set<const Effect*> tried);
 
 }  // namespace bodesmith::gap

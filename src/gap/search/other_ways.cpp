@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "base/text.hpp"
 #include "gap/runner.hpp"
 #include "gap/search/acceptance.hpp"
 #include "gap/search/backward_elimination.hpp"
@@ -95,6 +96,8 @@ void try_pairs(const SearchSetting& setting, const State& base, State& state) {
     // Before anything is judged: one that takes a part of the other's share may be idle on the folds.
     Found together{pair.second.after, {std::move(pair.first), std::move(pair.second)}, {}};
     exchange_partners(setting, base.records, together);
+    std::vector<std::string> names;
+    for (const auto& step : together.steps) names.emplace_back(step.effect->name());
     together.steps.back().after = std::move(together.model);
     State other = base;
     other.other_way = other.partners_tried = true;
@@ -102,7 +105,11 @@ void try_pairs(const SearchSetting& setting, const State& base, State& state) {
     other.found.notes.insert(other.found.notes.end(), together.notes.begin(), together.notes.end());
     if (!all_earn_their_places(setting, other)) continue;
     grow(setting, other);
-    if (led_further(options, other, state)) go_the_other_way(state, std::move(other), pair.note);
+    if (led_further(options, other, state)) {
+      go_the_other_way(state, std::move(other),
+                       fmt::format("{}, put in together, came further than one name after the other",
+                                   join(names, " and ")));
+    }
   }
 }
 

@@ -1,7 +1,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <limits>
 #include <set>
 #include <utility>
 
@@ -74,28 +73,6 @@ std::optional<Pair> choose_pair(const SearchSetting& setting, const SearchRecord
       return pair_of(before, ranking, *first, std::move(*second));
   }
   return std::nullopt;
-}
-
-std::optional<Pair> choose_best_pair(const SearchSetting& setting, const SearchRecords& records,
-                                     const Model& before, const std::vector<Ranked>& ranking,
-                                     std::set<const Effect*> tried) {
-  const auto& options = setting.options;
-  const auto residuals = round_residuals(before, records);
-  std::optional<Pair> best;
-  double least = std::numeric_limits<double>::infinity();
-  std::size_t trials = 0;
-  for (const auto* first : trials_among(options, ranking, rms(residuals.folds))) {
-    if (options.is_late() || trials >= options.pairs.trials_of_best) break;
-    if (!tried.insert(first->effect).second) continue;
-    ++trials;
-    auto second = second_beside(setting, records, *first, rms(residuals.train));
-    if (!second) continue;
-    const double left = rms_of(second->after, records.train);
-    if (!(left < least)) continue;
-    least = left;
-    best = pair_of(before, ranking, *first, std::move(*second));
-  }
-  return best;
 }
 
 }  // namespace bodesmith::gap

@@ -1,7 +1,5 @@
 #include "gap/search/pairs_at_once.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 #include <set>
@@ -108,9 +106,7 @@ std::vector<Pair> pairs_at_once(const SearchSetting& setting, const SearchRecord
     Step second = step_of(alone.model, r, fitted, CandidateOutcome::named_in_pair);
     first.pair_with = second.effect->name();
     second.pair_with = first.effect->name();
-    auto note = fmt::format("{} and {}, put in together, came further than one name after the other",
-                            alone.effect->name(), r.effect->name());
-    pairs.push_back({std::move(first), std::move(second), std::move(note)});
+    pairs.push_back({std::move(first), std::move(second), {}});
   }
   return pairs;
 }

@@ -101,4 +101,28 @@ TEST(Stretches, GoBackToTheStartWhereALagIsSlow) {
   EXPECT_EQ(cut.stretch().record().start_s, 0.0);
 }
 
+TEST(Stretches, MoveToWhereFarMoreIsLeft) {
+  const auto model = search_model("[[block]]\ntype = \"gain\"\ngain = 2.0\n");
+  TimeRecord record = strokes();
+  for (std::size_t i = 0; i < record.u.size(); ++i) {
+    const double t = record.time_s(i);
+    record.y.push_back(2.0 * record.u[i] + (t > 3.0 && t < 5.0 ? 0.01 * std::sin(200.0 * t) : 0.0));
+  }
+  const gap::Experiments train{gap::TimeExperiment(record)};
+  gap::Experiments stretches = gap::stretches_of(train, short_stretches());
+  const auto stretch = [&]() -> const gap::TimeExperiment& {
+    return std::get<gap::TimeExperiment>(stretches.front());
+  };
+  EXPECT_GT(stretch().record().start_s, 8.0);
+  gap::follow_what_is_left(stretches, train, model, short_stretches());
+  const double scored_from =
+      stretch().record().start_s + static_cast<double>(stretch().first()) * record.step_s;
+  EXPECT_LT(scored_from, 3.01);
+  EXPECT_GT(scored_from + 3.0, 4.99);
+  EXPECT_EQ(stretch().scored(), short_stretches().samples);
+  const double there = stretch().record().start_s;
+  gap::follow_what_is_left(stretches, train, model, short_stretches());
+  EXPECT_EQ(stretch().record().start_s, there);
+}
+
 }  // namespace

@@ -6,6 +6,7 @@
 
 #include "gap/runner.hpp"
 #include "gap/search/record_starts.hpp"
+#include "gap/search/stretches.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -49,6 +50,7 @@ BaseFit fit_base(const SearchSetting& setting, SearchRecords records) {
       model = fit_in_turn(setting, records, std::move(model), setting.options.base.settle_iterations).model;
     }
   }
+  follow_what_is_left(records.stretches, records.train, model, setting.options.stretches);
   return {std::move(model), std::move(records)};
 }
 

@@ -35,7 +35,7 @@ Extended extend(const SearchSetting& setting, SearchRecords records, Found found
     found.model = fit_in_turn(setting, wrong.records, std::move(found.model), kJointIterations).model;
   auto tried = score_starts_again(setting, std::move(wrong.records), std::move(found.model));
   // A term that remembers, too.
-  lengthen_leads(tried.records.stretches, tried.records.train, tried.model);
+  follow_what_is_left(tried.records.stretches, tried.records.train, tried.model, setting.options.stretches);
   found.model = settle(setting, tried.records, tried.model);
   return {std::move(found), std::move(tried.records)};
 }

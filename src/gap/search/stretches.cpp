@@ -15,6 +15,8 @@ namespace {
 
 /// Another stretch is taken when it is this much livelier.
 constexpr double kLivelier = 1.02;
+/// It is moved to where this much more is left (mean square).
+constexpr double kFarMore = 2.0;
 /// A stretch's model does what it does in the whole record: parts of what it leaves.
 constexpr double kSettled = 0.05;
 /// At an extreme: within this part of the input's range.
@@ -40,13 +42,12 @@ TimeRecord cut(const TimeRecord& record, const Part& part) {
   return out;
 }
 
-/// `samples` with the most lively output and `lead` before them, of the first `end` of a record.
-Part liveliest(const TimeRecord& record, std::size_t end, std::size_t lead, std::size_t samples) {
+/// `samples` with most energy and `lead` before them, of a signal.
+Part liveliest(std::span<const double> signal, std::size_t lead, std::size_t samples) {
+  const std::size_t end = signal.size();
   if (end <= lead + samples + samples / 4) return {0, end};
-  const auto y = std::span(record.y).first(end);
-  const double middle = mean({y.begin(), y.end()});
   std::vector<double> energy(end + 1, 0.0);
-  for (std::size_t i = 0; i < end; ++i) energy[i + 1] = energy[i] + (y[i] - middle) * (y[i] - middle);
+  for (std::size_t i = 0; i < end; ++i) energy[i + 1] = energy[i] + signal[i] * signal[i];
   std::size_t best = 0;
   double most = -1.0;
   for (std::size_t from = 0; from + lead + samples <= end; from += std::max<std::size_t>(1, samples / 8)) {
@@ -57,6 +58,21 @@ Part liveliest(const TimeRecord& record, std::size_t end, std::size_t lead, std:
     }
   }
   return {best, best + lead + samples};
+}
+
+double mean_square(std::span<const double> signal) {
+  double sum = 0.0;
+  for (const double v : signal) sum += v * v;
+  return sum / static_cast<double>(signal.size());
+}
+
+/// The record's output about its middle, as far as it is scored.
+std::vector<double> about_middle(const TimeExperiment& experiment) {
+  std::vector<double> y(experiment.record().y.begin(),
+                        experiment.record().y.begin() + static_cast<std::ptrdiff_t>(experiment.end()));
+  const double middle = mean(y);
+  for (double& v : y) v -= middle;
+  return y;
 }
 
 TimeExperiment stretch_of(const TimeRecord& record, const Part& part, std::size_t lead) {
@@ -104,6 +120,35 @@ std::size_t behind_both_extremes(std::span<const double> u, std::size_t before) 
   return std::min(last_low, last_high);
 }
 
+/// A longer lead where the model needs one; `output`: its own, of the whole record.
+void lengthen_lead(TimeExperiment& stretch, const TimeExperiment& whole, const std::vector<double>& output,
+                   const Model& model) {
+  const TimeRecord& record = whole.record();
+  const Placed at = place_of(stretch, record);
+  if (at.part.begin == 0 || is_settled_in(stretch, at, record, output, model)) return;
+  for (const std::size_t begin : {behind_both_extremes(record.u, at.scored_from), std::size_t{0}}) {
+    if (begin >= at.part.begin) continue;
+    const Placed longer{{begin, at.part.end}, at.scored_from};
+    stretch = stretch_of(record, longer.part, at.scored_from - begin);
+    if (is_settled_in(stretch, longer, record, output, model)) break;
+  }
+}
+
+/// To where the model leaves far more than in the stretch.
+void move_to_what_is_left(TimeExperiment& stretch, const TimeExperiment& whole,
+                          const std::vector<double>& output, std::size_t lead) {
+  const TimeRecord& record = whole.record();
+  const Placed at = place_of(stretch, record);
+  std::vector<double> left(whole.end());
+  for (std::size_t i = whole.start(); i < left.size(); ++i) left[i] = record.y[i] - output[i];
+  const auto left_of = [&](std::size_t from, std::size_t to) {
+    return mean_square(std::span(left).subspan(from, to - from));
+  };
+  const Part best = liveliest(left, lead, at.part.end - at.scored_from);
+  if (left_of(best.begin + lead, best.end) > kFarMore * left_of(at.scored_from, at.part.end))
+    stretch = stretch_of(record, best, lead);
+}
+
 }  // namespace
 
 Experiments stretches_of(const Experiments& train, const StretchOptions& options) {
@@ -117,8 +162,7 @@ Experiments stretches_of(const Experiments& train, const StretchOptions& options
       continue;
     }
     const std::size_t lead = std::max(time->start(), options.min_lead);
-    stretches.emplace_back(
-        stretch_of(time->record(), liveliest(time->record(), time->end(), lead, each), lead));
+    stretches.emplace_back(stretch_of(time->record(), liveliest(about_middle(*time), lead, each), lead));
   }
   return stretches;
 }
@@ -128,17 +172,21 @@ void lengthen_leads(Experiments& stretches, const Experiments& train, const Mode
     auto* stretch = std::get_if<TimeExperiment>(&stretches[k]);
     if (stretch == nullptr) continue;
     const auto& whole = std::get<TimeExperiment>(train[k]);
-    const TimeRecord& record = whole.record();
-    const Placed at = place_of(*stretch, record);
-    if (at.part.begin == 0) continue;
+    if (place_of(*stretch, whole.record()).part.begin == 0) continue;
+    lengthen_lead(*stretch, whole, output_of(model, whole), model);
+  }
+}
+
+void follow_what_is_left(Experiments& stretches, const Experiments& train, const Model& model,
+                         const StretchOptions& options) {
+  for (std::size_t k = 0; k < stretches.size(); ++k) {
+    auto* stretch = std::get_if<TimeExperiment>(&stretches[k]);
+    if (stretch == nullptr) continue;
+    const auto& whole = std::get<TimeExperiment>(train[k]);
     const auto output = output_of(model, whole);
-    if (is_settled_in(*stretch, at, record, output, model)) continue;
-    for (const std::size_t begin : {behind_both_extremes(record.u, at.scored_from), std::size_t{0}}) {
-      if (begin >= at.part.begin) continue;
-      const Placed longer{{begin, at.part.end}, at.scored_from};
-      *stretch = stretch_of(record, longer.part, at.scored_from - begin);
-      if (is_settled_in(*stretch, longer, record, output, model)) break;
-    }
+    if (output.size() < whole.end()) continue;  // it cannot be run
+    move_to_what_is_left(*stretch, whole, output, std::max(whole.start(), options.min_lead));
+    lengthen_lead(*stretch, whole, output, model);
   }
 }
 

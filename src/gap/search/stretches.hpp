@@ -15,4 +15,9 @@ Experiments stretches_of(const Experiments& train, const StretchOptions& options
 /// then holds nothing older: Mayergoyz 1991, property 1), else from the record's start.
 void lengthen_leads(Experiments& stretches, const Experiments& train, const Model& model);
 
+/// The same, once stretches behind which far less is left than elsewhere in their record have moved there: what acts where the
+/// output is small (a slew limit at a sweep's high end) shows nowhere else.
+void follow_what_is_left(Experiments& stretches, const Experiments& train, const Model& model,
+                         const StretchOptions& options);
+
 }  // namespace bodesmith::gap

@@ -21,6 +21,8 @@ std::string experiments_for(const DiagnosedStep& step) {
 
 /// Of the rms: what a refused effect has to take to be told of.
 constexpr double kWorthTelling = 0.25;
+/// Standard deviations of one that is told of though no sign says that something is missing.
+constexpr double kHardlyChance = 2.5;
 
 /// The refused effect that would take most, where nothing but its significance speaks against it: under a gap as slow as what
 /// the effect does, one record alone cannot tell it from chance.
@@ -35,18 +37,24 @@ const Ranked* likeliest_refused(const Diagnosis& d) {
   return best;
 }
 
+double standard_deviations(const Ranked& r) {
+  return std::min(r.z, r.train_z);
+}
+
+std::string as_likeliest(const Ranked& r, const Diagnosis& d) {
+  return fmt::format(
+      "likeliest, by {:.1f} standard deviations, too few for a name: {} ({}), which would leave {:.4g} rms of {:.4g} "
+      "and {:.4g} of {:.4g} held out; a longer record or another one could make it sure",
+      standard_deviations(r), r.effect->name(), r.placed, r.train_rms, d.final.train_rms, r.holdout_rms,
+      d.final.holdout_rms);
+}
+
 std::string what_remains(const Diagnosis& d) {
   const Ranked* likeliest = likeliest_refused(d);
   std::string text = fmt::format("Something{} is missing that no effect of the catalogue explains{}",
                                  d.steps.empty() ? "" : " else", likeliest != nullptr ? " for sure" : "");
   if (!d.remaining_where.empty()) text += "; look at " + to_text(d.remaining_where.front());
-  if (likeliest != nullptr) {
-    text += fmt::format(
-        ". Likeliest, by {:.1f} standard deviations, too few for a name: {} ({}), which would leave {:.4g} rms "
-        "of {:.4g} and {:.4g} of {:.4g} held out; a longer record or another one could make it sure",
-        std::min(likeliest->z, likeliest->train_z), likeliest->effect->name(), likeliest->placed,
-        likeliest->train_rms, d.final.train_rms, likeliest->holdout_rms, d.final.holdout_rms);
-  }
+  if (likeliest != nullptr) text += "; " + as_likeliest(*likeliest, d);
   return text + ".";
 }
 
@@ -61,6 +69,11 @@ std::string advice_for(const Diagnosis& d, const Study& study) {
   if (d.amplitude) advice.push_back(to_text(*d.amplitude));
   if (d.verdict == Verdict::unexplained || d.verdict == Verdict::partly_explained) {
     advice.push_back(what_remains(d));
+  } else if (const Ranked* likeliest = likeliest_refused(d);
+             d.verdict != Verdict::interrupted && likeliest != nullptr &&
+             standard_deviations(*likeliest) > kHardlyChance) {
+    advice.push_back(fmt::format("Nothing{} is surely missing; {}.", d.steps.empty() ? "" : " else",
+                                 as_likeliest(*likeliest, d)));
   }
   for (const auto& offset : d.constant_offsets) advice.push_back(to_text(offset));
   if (d.floor.source == NoiseFloor::Source::unknown && !study.frequency_responses()) {

@@ -41,7 +41,7 @@ TEST(Advice, TellsOfAnEffectThatIsLikelyAndNotSure) {
   EXPECT_NE(advice.find("explains for sure"), std::string::npos) << advice;
   EXPECT_NE(
       advice.find(
-          "Likeliest, by 2.2 standard deviations, too few for a name: offset (after block 3), which would "
+          "likeliest, by 2.2 standard deviations, too few for a name: offset (after block 3), which would "
           "leave 0.5 rms of 1 and 0.52 of 1 held out"),
       std::string::npos)
       << advice;
@@ -52,11 +52,20 @@ TEST(Advice, IsSilentOfEffectsThatTakeLittleOrFailOtherwise) {
                                   refusing(gap::CandidateOutcome::no_more_than_control, 0.5)}) {
     const std::string advice = gap::advice_for(d, study());
     EXPECT_NE(advice.find("no effect of the catalogue explains"), std::string::npos) << advice;
-    EXPECT_EQ(advice.find("Likeliest"), std::string::npos) << advice;
+    EXPECT_EQ(advice.find("likeliest"), std::string::npos) << advice;
   }
   gap::Diagnosis worse = refusing(gap::CandidateOutcome::not_significant, 0.5);
   worse.search.refused.front().holdout_rms = 1.1;
-  EXPECT_EQ(gap::advice_for(worse, study()).find("Likeliest"), std::string::npos);
+  EXPECT_EQ(gap::advice_for(worse, study()).find("likeliest"), std::string::npos);
+}
+
+TEST(Advice, TellsOfItWhereNothingIsSurelyMissing) {
+  gap::Diagnosis d = refusing(gap::CandidateOutcome::not_significant, 0.5);
+  d.verdict = gap::Verdict::nothing_missing;
+  EXPECT_EQ(gap::advice_for(d, study()).find("likeliest"), std::string::npos);
+  d.search.refused.front().z = d.search.refused.front().train_z = 3.9;
+  EXPECT_NE(gap::advice_for(d, study()).find("Nothing is surely missing; likeliest, by 3.9"),
+            std::string::npos);
 }
 
 }  // namespace

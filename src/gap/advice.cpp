@@ -37,15 +37,11 @@ const Ranked* likeliest_refused(const Diagnosis& d) {
   return best;
 }
 
-double standard_deviations(const Ranked& r) {
-  return std::min(r.z, r.train_z);
-}
-
 std::string as_likeliest(const Ranked& r, const Diagnosis& d) {
   return fmt::format(
       "likeliest, by {:.1f} standard deviations, too few for a name: {} ({}), which would leave {:.4g} rms of {:.4g} "
       "and {:.4g} of {:.4g} held out; a longer record or another one could make it sure",
-      standard_deviations(r), r.effect->name(), r.placed, r.train_rms, d.final.train_rms, r.holdout_rms,
+      r.least_z(), r.effect->name(), r.placed, r.train_rms, d.final.train_rms, r.holdout_rms,
       d.final.holdout_rms);
 }
 
@@ -69,9 +65,9 @@ std::string advice_for(const Diagnosis& d, const Study& study) {
   if (d.amplitude) advice.push_back(to_text(*d.amplitude));
   if (d.verdict == Verdict::unexplained || d.verdict == Verdict::partly_explained) {
     advice.push_back(what_remains(d));
-  } else if (const Ranked* likeliest = likeliest_refused(d);
-             d.verdict != Verdict::interrupted && likeliest != nullptr &&
-             standard_deviations(*likeliest) > kHardlyChance) {
+  } else if (const Ranked* likeliest = likeliest_refused(d); d.verdict != Verdict::interrupted &&
+                                                             likeliest != nullptr &&
+                                                             likeliest->least_z() > kHardlyChance) {
     advice.push_back(fmt::format("Nothing{} is surely missing; {}.", d.steps.empty() ? "" : " else",
                                  as_likeliest(*likeliest, d)));
   }

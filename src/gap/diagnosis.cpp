@@ -74,7 +74,7 @@ void look_ahead(const SearchResult& search, const GapMeter& meter) {
 
 /// Chance of a gain of so many standard deviations where there is none.
 double chance_of(const Ranked& r) {
-  return 0.5 * std::erfc(std::min(r.z, r.train_z) / std::numbers::sqrt2);
+  return 0.5 * std::erfc(r.least_z() / std::numbers::sqrt2);
 }
 
 /// False discovery rates over everything that was looked at in all rounds (Benjamini and Hochberg 1995); what

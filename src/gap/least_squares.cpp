@@ -28,10 +28,9 @@ bodesmith::Residuals on_vectors(const Residuals& residuals) {
 std::vector<std::vector<double>> sensitivities(const std::vector<Unknown>& unknowns,
                                                const Residuals& residuals, const std::vector<double>& at,
                                                int threads) {
-  constexpr double kDifference = 1e-4;
   std::vector<std::vector<double>> columns;
-  for (const Eigen::VectorXd& column : bodesmith::sensitivities(
-           search_variables(unknowns), on_vectors(residuals), as_eigen(at), kDifference, threads))
+  for (const Eigen::VectorXd& column :
+       bodesmith::sensitivities(search_variables(unknowns), on_vectors(residuals), as_eigen(at), threads))
     columns.push_back(to_vector(column));
   return columns;
 }

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <limits>
 #include <string>
@@ -53,6 +54,8 @@ struct Ranked {
   bool far_fetched = false;   ///< Effect::is_far_fetched
   bool no_name = false;       ///< Effect::is_no_name
   CandidateOutcome outcome = CandidateOutcome::not_judged;
+
+  double least_z() const { return std::min(z, train_z); }
 };
 
 /// One term that was found.

@@ -40,10 +40,6 @@ std::vector<double> whole_residual(const Model& model, const FrequencyExperiment
   return e;
 }
 
-double rms_of_part(std::span<const double> part) {
-  return rms({part.begin(), part.end()});
-}
-
 std::vector<double> whole_residual(const Model& model, const Experiment& experiment) {
   return std::visit([&](const auto& kind) { return whole_residual(model, kind); }, experiment);
 }
@@ -96,8 +92,7 @@ std::size_t GapMeter::scoring_start(const Model& final, const TimeExperiment& ti
                                     const Experiment& experiment, bool split) const {
   if (time.first() == 0) return 0;
   const std::span<const double> all = residual(final, experiment);
-  const bool stands_out =
-      rms_of_part(all.first(time.first())) > kStartStandsOut * rms_of_part(all.subspan(time.first()));
+  const bool stands_out = rms(all.first(time.first())) > kStartStandsOut * rms(all.subspan(time.first()));
   return split || stands_out ? time.first() : 0;
 }
 

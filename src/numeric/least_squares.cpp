@@ -307,7 +307,7 @@ LeastSquaresResult least_squares(const std::vector<SearchVariable>& unknowns, co
 }
 
 std::vector<VectorXd> sensitivities(const std::vector<SearchVariable>& unknowns, const Residuals& residuals,
-                                    const VectorXd& values, double difference, int threads) {
+                                    const VectorXd& values, int threads, double difference) {
   std::vector<VectorXd> columns(unknowns.size());
   VectorXd base;
   if (!residuals(values, base)) return columns;

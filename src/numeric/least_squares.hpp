@@ -68,7 +68,7 @@ LeastSquaresResult least_squares(const std::vector<SearchVariable>& unknowns, co
 /// where it cannot be run. `threads`: LeastSquaresOptions::threads.
 std::vector<Eigen::VectorXd> sensitivities(const std::vector<SearchVariable>& unknowns,
                                            const Residuals& residuals, const Eigen::VectorXd& values,
-                                           double difference = 1e-4, int threads = 1);
+                                           int threads = 1, double difference = 1e-4);
 
 /// Standard deviations from the normal matrix JᵀJ and the residual: σ² (JᵀJ)⁻¹ widened by (1+ρ)/(1−ρ), ρ the
 /// residual's correlation from sample to sample (an AR(1) residual carries that many fewer independent

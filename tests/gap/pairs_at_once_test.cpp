@@ -9,9 +9,8 @@
 #include <string>
 #include <vector>
 
-#include "base/document.hpp"
-#include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
+#include "made_model.hpp"
 #include "simulate/record_simulator.hpp"
 
 namespace drag_and_delay {
@@ -22,10 +21,6 @@ using namespace bodesmith;
 constexpr double kStep_s = 4e-4;
 constexpr int kSamples = 1100;
 constexpr double kNoise = 0.005;
-
-chain::Chain chain_of(const std::string& blocks) {
-  return chain::model_from_node(parse_toml("schema = \"bodesmith.model/1\"\n" + blocks, "model.toml"));
-}
 
 /// Three drawn sines that grow.
 std::vector<double> sines(std::mt19937_64& random) {
@@ -64,7 +59,7 @@ std::vector<double> triangles(std::mt19937_64& random) {
 }
 
 TimeRecord measured(std::mt19937_64& random, std::vector<double> input) {
-  const auto truth = chain_of(
+  const auto truth = model_of(
       "[[block]]\ntype = \"resonator\"\ngain = 1.0\nnatural_frequency_hz = 64.5\ndamping_ratio = 0.23\n"
       "drag = 3.56e-4\n[[block]]\ntype = \"delay\"\ndelay_s = 7.76e-4\n");
   std::normal_distribution<double> normal;
@@ -80,7 +75,7 @@ TimeRecord measured(std::mt19937_64& random, std::vector<double> input) {
 class PairsAtOnce : public testing::TestWithParam<unsigned> {};
 TEST_P(PairsAtOnce, DragAndADelayAreBothNamed) {
   std::mt19937_64 random(GetParam());
-  const auto base = chain_of(
+  const auto base = model_of(
       "[[block]]\ntype = \"resonator\"\ngain = 1.07\nnatural_frequency_hz = 69.5\ndamping_ratio = 0.216\n"
       "free = [\"gain\", \"natural_frequency_hz\", \"damping_ratio\"]\n");
   std::vector<TimeRecord> train = {measured(random, sines(random)), measured(random, triangles(random))};

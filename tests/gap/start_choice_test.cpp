@@ -6,11 +6,10 @@
 #include <numbers>
 #include <random>
 
-#include "base/document.hpp"
 #include "base/json.hpp"
-#include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/diagnosis_json.hpp"
+#include "made_model.hpp"
 
 namespace {
 
@@ -19,10 +18,6 @@ using chain::Start;
 
 constexpr double kStep = 1e-3;
 constexpr double kBias = 1.5;
-
-chain::Chain model_of(const std::string& blocks) {
-  return chain::model_from_node(parse_toml("schema = \"bodesmith.model/1\"\n" + blocks, "model.toml"));
-}
 
 std::vector<double> waves(double from, double hz) {
   std::vector<double> u;

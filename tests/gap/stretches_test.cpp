@@ -7,19 +7,13 @@
 #include <string>
 #include <vector>
 
-#include "base/document.hpp"
 #include "base/whole_number.hpp"
-#include "chain/model_file.hpp"
 #include "gap/runner.hpp"
+#include "made_model.hpp"
 
 namespace {
 
 using namespace bodesmith;
-
-gap::Model search_model(const std::string& blocks) {
-  return gap::Model(
-      chain::model_from_node(parse_toml("schema = \"bodesmith.model/1\"\n" + blocks, "model.toml")));
-}
 
 /// One full stroke, then small ones about the middle whose output grows: what memory the first one left is in all of them.
 TimeRecord strokes() {
@@ -72,14 +66,14 @@ TEST(Stretches, AreOfLongRecordsAlone) {
 }
 
 TEST(Stretches, BeginShortlyBeforeWhatIsScoredWhereNothingIsRemembered) {
-  const auto cut = stretched(search_model("[[block]]\ntype = \"gain\"\ngain = 2.0\n"), 0.1);
+  const auto cut = stretched(gap::Model(model_of("[[block]]\ntype = \"gain\"\ngain = 2.0\n")), 0.1);
   ASSERT_EQ(cut.stretches.size(), 1U);
   EXPECT_GT(cut.stretch().record().start_s, 1.0);
   EXPECT_EQ(cut.stretch().first(), gap::StretchOptions{}.min_lead);
 }
 
 TEST(Stretches, GoBackToWhatMemoryHolds) {
-  const auto model = search_model(kPlays);
+  const gap::Model model(model_of(kPlays));
   const auto cut = stretched(model, 0.001);
   ASSERT_EQ(cut.stretches.size(), 1U);
   // Behind the full stroke's turns, the first of which is at .05 s.
@@ -96,13 +90,14 @@ TEST(Stretches, GoBackToWhatMemoryHolds) {
 }
 
 TEST(Stretches, GoBackToTheStartWhereALagIsSlow) {
-  const auto cut = stretched(search_model("[[block]]\ntype = \"lowpass\"\ncorner_hz = 0.003\n"), 0.001);
+  const auto cut =
+      stretched(gap::Model(model_of("[[block]]\ntype = \"lowpass\"\ncorner_hz = 0.003\n")), 0.001);
   ASSERT_EQ(cut.stretches.size(), 1U);
   EXPECT_EQ(cut.stretch().record().start_s, 0.0);
 }
 
 TEST(Stretches, MoveToWhereFarMoreIsLeft) {
-  const auto model = search_model("[[block]]\ntype = \"gain\"\ngain = 2.0\n");
+  const gap::Model model(model_of("[[block]]\ntype = \"gain\"\ngain = 2.0\n"));
   TimeRecord record = strokes();
   for (std::size_t i = 0; i < record.u.size(); ++i) {
     const double t = record.time_s(i);

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <optional>
 #include <set>
 #include <string>
@@ -25,6 +26,12 @@ namespace {
 /// More places of an effect than any chain has.
 constexpr int kEverywhere = 1000;
 
+std::size_t unknowns_of(const State& state) {
+  std::size_t count = 0;
+  for (const auto& term : state.found.model.terms()) count += term.effective_unknowns();
+  return count;
+}
+
 /// Whether another way led further: to an end where this one did not, or with plainly less left; or as far with fewer
 /// terms.
 bool led_further(const SearchOptions& options, const State& other, const State& state) {
@@ -34,7 +41,9 @@ bool led_further(const SearchOptions& options, const State& other, const State& 
   if (others == 0) return false;
   if (others < terms) return other.train_rms < limits.as_far * state.train_rms;
   if (is_settled(options, state)) return false;
-  const bool settled = is_settled(options, other) && other.train_rms < limits.as_far * state.train_rms;
+  // What leaves more comes to an end by fewer unknowns, or by chance.
+  const double as_far = unknowns_of(other) < unknowns_of(state) ? limits.as_far : 1.0;
+  const bool settled = is_settled(options, other) && other.train_rms < as_far * state.train_rms;
   return (settled && others <= std::max<std::size_t>(terms, 1) + 1) ||
          other.train_rms < limits.further * state.train_rms;
 }
@@ -77,9 +86,13 @@ bool exchange_partners(const SearchSetting& setting, const SearchRecords& record
 bool all_earn_their_places(const SearchSetting& setting, const State& state) {
   const auto& accepted = setting.options.acceptance;
   const auto& terms = state.found.model.terms();
+  const double left_by_all = rms_of(state.found.model, state.records.train);
   for (std::size_t k = 0; k < terms.size(); ++k) {
-    const auto own = without_term(setting, state.records, state.found.model, k).gain;
-    if (own.share < accepted.min_gain || own.z < accepted.min_significance) return false;
+    const auto without = without_term(setting, state.records, state.found.model, k);
+    if (without.gain.share < accepted.min_gain || without.gain.z < accepted.min_significance) return false;
+    const double left = rms_of(without.model, state.records.train);
+    const double explained = std::sqrt(std::max(0.0, left * left - left_by_all * left_by_all));
+    if (explained < accepted.min_part_of_gap * setting.first_gap) return false;
   }
   return !terms.empty();
 }
@@ -91,10 +104,10 @@ void try_pairs(const SearchSetting& setting, const State& base, State& state) {
   if (are_responses(base.records.train) || is_settled(options, state) || options.is_late()) return;
   // Less than a later term must explain is the form of the names that are there.
   if (state.train_rms < options.acceptance.min_part_of_gap * setting.first_gap) return;
-  for (auto& pair : pairs_at_once(setting, base.records, base.found.model, state.first)) {
+  for (auto& [first, second] : pairs_at_once(setting, base.records, base.found.model, state.first)) {
     if (is_settled(options, state) || options.is_late()) return;
     // Before anything is judged: one that takes a part of the other's share may be idle on the folds.
-    Found together{pair.second.after, {std::move(pair.first), std::move(pair.second)}, {}};
+    Found together{second.after, {std::move(first), std::move(second)}, {}};
     exchange_partners(setting, base.records, together);
     std::vector<std::string> names;
     for (const auto& step : together.steps) names.emplace_back(step.effect->name());

@@ -87,8 +87,8 @@ const Ranked& first_of(const std::vector<const Ranked*>& firsts, const Ranked& p
 
 }  // namespace
 
-std::vector<Pair> pairs_at_once(const SearchSetting& setting, const SearchRecords& records,
-                                const Model& before, const std::vector<Ranked>& ranking) {
+std::vector<std::pair<Step, Step>> pairs_at_once(const SearchSetting& setting, const SearchRecords& records,
+                                                 const Model& before, const std::vector<Ranked>& ranking) {
   const auto& options = setting.options;
   const double left_before = rms_of(before, records.train);
   const auto firsts = firsts_among(setting, records, ranking, left_before);
@@ -96,7 +96,7 @@ std::vector<Pair> pairs_at_once(const SearchSetting& setting, const SearchRecord
   if (seconds.empty() || options.is_late()) return {};
   const auto fitted = fit_chosen(setting, records, before, seconds);
   const double enough = (1.0 - options.pairs.min_gains * options.acceptance.min_gain) * left_before;
-  std::vector<Pair> pairs;
+  std::vector<std::pair<Step, Step>> pairs;
   std::set<std::set<const Effect*>> names;
   for (const auto& r : fitted) {
     if (!(r.train_rms < enough) || pairs.size() >= options.pairs.best_at_once) break;
@@ -106,7 +106,7 @@ std::vector<Pair> pairs_at_once(const SearchSetting& setting, const SearchRecord
     Step second = step_of(alone.model, r, fitted, CandidateOutcome::named_in_pair);
     first.pair_with = second.effect->name();
     second.pair_with = first.effect->name();
-    pairs.push_back({std::move(first), std::move(second), {}});
+    pairs.emplace_back(std::move(first), std::move(second));
   }
   return pairs;
 }

@@ -23,22 +23,17 @@ int starts_left_out(SearchRecords& records) {
   return count;
 }
 
-double rms_of_part(const std::vector<double>& v, std::size_t from, std::size_t to) {
-  const auto part = std::span(v).subspan(from, to - from);
-  return rms({part.begin(), part.end()});
-}
-
 /// Whether the residual of a whole record is plainly larger at its start than in the rest.
 bool stands_out_at_start(const StartOptions& options, const Model& model, const TimeExperiment& record) {
   const std::size_t start = record.start();
   TimeExperiment whole(record);
   whole.score_start();
-  const auto residual = residuals_of(model, {whole});
+  const auto all = residuals_of(model, {whole});
+  const std::span residual = all;
   if (residual.size() <= start) return false;
-  const double rest = rms_of_part(residual, start, residual.size());
+  const double rest = rms(residual.subspan(start));
   for (std::size_t length : {start / 4, start / 2, start}) {
-    if (length >= options.min_samples && rms_of_part(residual, 0, length) > options.stands_out * rest)
-      return true;
+    if (length >= options.min_samples && rms(residual.first(length)) > options.stands_out * rest) return true;
   }
   return false;
 }

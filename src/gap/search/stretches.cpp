@@ -60,12 +60,6 @@ Part liveliest(std::span<const double> signal, std::size_t lead, std::size_t sam
   return {best, best + lead + samples};
 }
 
-double mean_square(std::span<const double> signal) {
-  double sum = 0.0;
-  for (const double v : signal) sum += v * v;
-  return sum / static_cast<double>(signal.size());
-}
-
 /// The record's output about its middle, as far as it is scored.
 std::vector<double> about_middle(const TimeExperiment& experiment) {
   std::vector<double> y(experiment.record().y.begin(),
@@ -142,7 +136,8 @@ void move_to_what_is_left(TimeExperiment& stretch, const TimeExperiment& whole,
   std::vector<double> left(whole.end());
   for (std::size_t i = whole.start(); i < left.size(); ++i) left[i] = record.y[i] - output[i];
   const auto left_of = [&](std::size_t from, std::size_t to) {
-    return mean_square(std::span(left).subspan(from, to - from));
+    const double part = rms(std::span(left).subspan(from, to - from));
+    return part * part;
   };
   const Part best = liveliest(left, lead, at.part.end - at.scored_from);
   if (left_of(best.begin + lead, best.end) > kFarMore * left_of(at.scored_from, at.part.end))

@@ -1,10 +1,12 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
 #include <functional>
 
 #include "gap/drive_request.hpp"
+#include "gap/model.hpp"
 
 namespace bodesmith::gap {
 
@@ -91,23 +93,32 @@ struct AcceptanceOptions {
   /// What takes so much of what is left, beyond that significance, is a name however large the first gap was.
   double most_of_rest = 0.5;
   double min_significance = 5.0;  ///< standard deviations of the gain (colour counted), on folds and on all
-  double control_factor = 3.0;    ///< times the gain that surrogate data show
-  double sure = 15.0;             ///< standard deviations beyond which surrogates are not asked
-  std::uint64_t controls = 2;     ///< sets of surrogate data
+  double min_significance_of_size = 4.0;  ///< the same of terms that are one size (Term::is_one_size)
+  double control_factor = 3.0;            ///< times the gain that surrogate data show
+  double sure = 15.0;                     ///< standard deviations beyond which surrogates are not asked
+  std::uint64_t controls = 2;             ///< sets of surrogate data
   double max_condition = 1e7;
   std::size_t max_unknowns = 99;     ///< of one term; few when there is one excitation only
   double tie_within = 0.10;          ///< a rival less than this worse may be a tie: when it is
   double tie_significance = 2.0;     ///< less than so many standard deviations worse,
-  double tie_surely_within = 0.002;  ///< or by less than this part of the rms
+  double tie_surely_within = 0.002;  ///< or by less than this part of the rms,
+  double tie_within_chance = 0.25;   ///< or by less than this part of it
+  double chance_significance = 1.0;  ///< and so many standard deviations
   /// A rival with up to so many unknowns more must be better by so many standard deviations.
   std::size_t tie_more_unknowns = 2;
   double freedom_significance = 3.0;
   /// Fewer unknowns win when more of them buy no more than the first, and the second for each of them.
   double simpler_within = 0.01;
   double simpler_within_each = 0.004;
+  double far_nearer_on_all =
+      0.9;  ///< or when they leave less than this much on all records, whatever folds say
   /// A name that is not far-fetched wins when it leaves no more than this part more, with so many unknowns more.
   double at_hand_within = 0.02;
   std::size_t at_hand_more_unknowns = 2;
+
+  double needed_significance(const Term& term) const {
+    return term.is_one_size() ? std::min(min_significance, min_significance_of_size) : min_significance;
+  }
 };
 
 /// Two effects that hide each other [6]: trials of the most promising candidates when none earns its place

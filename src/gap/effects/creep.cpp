@@ -51,6 +51,9 @@ constexpr double kSlowest = 3.0;
 /// The shortest one, of 1/top_hz: faster ones change nothing in the record.
 constexpr double kFastest = 0.03;
 
+/// Unknowns of the other forms: a bank of free relaxations has more.
+constexpr std::size_t kMostOfOneOrLogarithmic = 3;
+
 /// y = u + c sum over decades of relaxations, equally strong at every time constant between two: after a step
 /// c log10(t) (J. F. Curie's law; K. Kuhnen, 2003). In a response, where free relaxations are more than it tells, the
 /// strength and the fastest one are its only unknowns; or the slowest one too.
@@ -115,6 +118,11 @@ class Creep final : public Effect {
     }
   }
   int places_a_round() const override { return 3; }
+  /// A fastest relaxation as strong as it may be is a lag beside the others.
+  bool is_no_name(const Model& model, const Scene&) const override {
+    const auto& unknowns = model.terms().back().unknowns;
+    return unknowns.size() > kMostOfOneOrLogarithmic && unknowns.front().value >= unknowns.front().high;
+  }
   /// One relaxation is no change of gain over a band.
   bool is_far_fetched(const Model& model, const Scene& scene) const override {
     if (is_one_relaxation(model.terms().back(), model)) return false;

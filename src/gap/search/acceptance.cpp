@@ -29,13 +29,12 @@ CandidateOutcome objection_to(const AcceptanceOptions& options, const Ranked& r,
   if (!(gain >= options.min_gain)) return CandidateOutcome::no_gain_on_folds;
   const double explained =
       std::sqrt(std::max(0.0, bar.folds_rms * bar.folds_rms - r.folds_rms * r.folds_rms));
-  const bool plain =
-      r.unknowns <= options.few_plain_unknowns && std::min(r.z, r.train_z) > options.plain_significance;
+  const bool plain = r.unknowns <= options.few_plain_unknowns && r.least_z() > options.plain_significance;
   const double for_unknowns = plain ? 0.0 : options.min_part_each * static_cast<double>(r.unknowns - 1);
   const double min_part = std::min(options.max_min_part, options.min_part_of_gap + for_unknowns);
   const bool takes_most = plain && gain > options.most_of_rest;
   if (!takes_most && explained < min_part * bar.first_gap) return CandidateOutcome::no_gain_on_folds;
-  if (!(r.z >= options.min_significance && r.train_z >= options.min_significance))
+  if (!(r.least_z() >= options.needed_significance(r.model.terms().back())))
     return CandidateOutcome::not_significant;
   if (r.unknowns > options.max_unknowns) return CandidateOutcome::too_free;
   if (r.condition_number > options.max_condition) return CandidateOutcome::ill_conditioned;
@@ -52,6 +51,14 @@ CandidateOutcome objection_to(const AcceptanceOptions& options, const Ranked& r,
 double significantly_worse(const std::vector<double>& folds, const std::vector<double>& than) {
   if (folds.empty() || folds.size() != than.size()) return 1e9;
   return improvement_z(folds, than);
+}
+
+/// By a part of the rms and in standard deviations: under noise that is as slow as what the two do, a larger part is chance.
+bool hardly_worse(const AcceptanceOptions& options, double worse, const std::vector<double>& folds,
+                  const std::vector<double>& than) {
+  if (worse >= options.tie_within_chance) return false;
+  const double z = significantly_worse(folds, than);
+  return z < (worse < options.tie_within ? options.tie_significance : options.chance_significance);
 }
 
 bool as_good(const AcceptanceOptions& options, const Ranked& r, const Ranked& than, double surely) {
@@ -71,9 +78,8 @@ Ranked* simplest_of_best(const AcceptanceOptions& options, const std::vector<Ran
     const bool next_to_nothing = worse < options.simpler_within + options.simpler_within_each * fewer;
     // On folds the model's own unknowns may count for more than the term's: one record alone need not tell them.
     const bool nearer_on_all = r->train_rms <= best.train_rms;
-    if (next_to_nothing ||
-        (worse < options.tie_within &&
-         (nearer_on_all || significantly_worse(r->folds, best.folds) < options.tie_significance)))
+    if (next_to_nothing || r->train_rms < options.far_nearer_on_all * best.train_rms ||
+        (worse < options.tie_within && nearer_on_all) || hardly_worse(options, worse, r->folds, best.folds))
       winner = r;
   }
   return winner;
@@ -131,8 +137,7 @@ Step make_step(const AcceptanceOptions& options, const Model& before, Ranked& wi
 bool as_good_on_folds(const AcceptanceOptions& options, const LeftOnFolds& one, const LeftOnFolds& than,
                       double surely) {
   const double worse = one.rms / than.rms - 1.0;
-  return worse < surely || (worse < options.tie_within &&
-                            significantly_worse(one.residuals, than.residuals) < options.tie_significance);
+  return worse < surely || hardly_worse(options, worse, one.residuals, than.residuals);
 }
 
 Judgement judge(const SearchSetting& setting, const SearchRecords& records, const Model& before,
@@ -150,7 +155,7 @@ Judgement judge(const SearchSetting& setting, const SearchRecords& records, cons
   }
   while (!good.empty()) {
     Ranked* winner = nearest_at_hand(options, good, simplest_of_best(options, good));
-    const bool sure = std::min(winner->z, winner->train_z) > options.sure || setting.options.is_late();
+    const bool sure = winner->least_z() > options.sure || setting.options.is_late();
     const double control = sure ? 0.0 : control_gain(setting, records, before, *winner);
     const double gain = 1.0 - winner->folds_rms / bar.folds_rms;
     if (gain < options.control_factor * control) {

@@ -8,6 +8,7 @@
 
 #include "gap/runner.hpp"
 #include "gap/search/round.hpp"
+#include "gap/search/significance.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 
@@ -215,11 +216,6 @@ void share_values(const SearchSetting& setting, const SearchRecords& records,
   }
 }
 
-/// Red noise in a short record looks like a slow effect, and the effect then leaves it white.
-LowBins low_bins_of(const SearchRecords& records) {
-  return are_responses(records.train) ? LowBins::as_they_are : LowBins::as_octaves_above;
-}
-
 }  // namespace
 
 std::optional<Ranked> with_gains(Ranked r, const SearchRecords& records, const RoundResiduals& before) {
@@ -227,7 +223,7 @@ std::optional<Ranked> with_gains(Ranked r, const SearchRecords& records, const R
   if (train.size() != before.train.size()) return std::nullopt;
   r.effective = r.model.terms().back().effective_unknowns();
   r.train_rms = r.folds_rms = rms(train);
-  r.train_z = r.z = improvement_z(before.train, train, low_bins_of(records));
+  r.train_z = r.z = significance_of(records, before.train, train, r.model.terms().back());
   return r;
 }
 
@@ -238,7 +234,7 @@ Ranked with_folds(Ranked r, const SearchRecords& records, const RoundResiduals& 
     return r;
   }
   r.folds_rms = rms(r.folds);
-  r.z = improvement_z(before.folds, r.folds, low_bins_of(records));
+  r.z = significance_of(records, before.folds, r.folds, r.model.terms().back());
   return r;
 }
 

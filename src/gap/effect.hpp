@@ -27,6 +27,8 @@ class Effect {
   virtual bool linear() const { return false; }
   /// Need not repeat when the input repeats: it may be missing even where all that repeats is explained.
   virtual bool independent_of_input() const { return false; }
+  /// What it adds has a size and no form (a corner, a frequency, a limit) by which it could fit what is only chance.
+  virtual bool adds_one_signal() const { return false; }
   /// A model may hold more than one of it (each is another thing, and not one thing with more freedom).
   virtual bool repeatable() const { return false; }
   /// The same in frequency responses, where each shows at a place of its own.

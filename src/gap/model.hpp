@@ -60,8 +60,6 @@ struct Term {
   /// Unknowns that do not rest at a bound, 1 at least: weights of 0 cost nothing. Weights that are as large as they can
   /// be count.
   std::size_t effective_unknowns() const;
-  /// One size and no form (a corner, a frequency) to look for, by which a term may fit what is only chance.
-  bool is_one_size() const { return unknowns.size() == 1 && lines.empty() && !unknowns.front().logarithmic; }
 };
 
 /// The base chain together with the terms found so far, and one vector of everything a fit may change: the

@@ -6,7 +6,7 @@
 #include <functional>
 
 #include "gap/drive_request.hpp"
-#include "gap/model.hpp"
+#include "gap/effect.hpp"
 
 namespace bodesmith::gap {
 
@@ -93,10 +93,10 @@ struct AcceptanceOptions {
   /// What takes so much of what is left, beyond that significance, is a name however large the first gap was.
   double most_of_rest = 0.5;
   double min_significance = 5.0;  ///< standard deviations of the gain (colour counted), on folds and on all
-  double min_significance_of_size = 4.0;  ///< the same of terms that are one size (Term::is_one_size)
-  double control_factor = 3.0;            ///< times the gain that surrogate data show
-  double sure = 15.0;                     ///< standard deviations beyond which surrogates are not asked
-  std::uint64_t controls = 2;             ///< sets of surrogate data
+  double min_significance_of_signal = 4.0;  ///< the same of one known signal (Effect::adds_one_signal)
+  double control_factor = 3.0;              ///< times the gain that surrogate data show
+  double sure = 15.0;                       ///< standard deviations beyond which surrogates are not asked
+  std::uint64_t controls = 2;               ///< sets of surrogate data
   double max_condition = 1e7;
   std::size_t max_unknowns = 99;     ///< of one term; few when there is one excitation only
   double tie_within = 0.10;          ///< a rival less than this worse may be a tie: when it is
@@ -116,8 +116,9 @@ struct AcceptanceOptions {
   double at_hand_within = 0.02;
   std::size_t at_hand_more_unknowns = 2;
 
-  double needed_significance(const Term& term) const {
-    return term.is_one_size() ? std::min(min_significance, min_significance_of_size) : min_significance;
+  double needed_significance(const Effect& effect) const {
+    return effect.adds_one_signal() ? std::min(min_significance, min_significance_of_signal)
+                                    : min_significance;
   }
 };
 

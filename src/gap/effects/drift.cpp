@@ -15,6 +15,7 @@ class Drift final : public Effect {
   std::vector<std::string_view> confused_with() const override { return {"creep", "offset"}; }
   std::string_view experiment() const override { return "a record at rest, without drive: drift goes on"; }
   bool independent_of_input() const override { return true; }
+  bool adds_one_signal() const override { return true; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
     const double rate = scene.boundary.back().size() / scene.duration_s;

@@ -19,6 +19,7 @@ class Offset final : public Effect {
     return "the same drive at two amplitudes: an offset stays, a curvature grows with the square";
   }
   int places_a_round() const override { return 3; }
+  bool adds_one_signal() const override { return true; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
     for (std::size_t at : places(scene)) {

@@ -34,8 +34,7 @@ CandidateOutcome objection_to(const AcceptanceOptions& options, const Ranked& r,
   const double min_part = std::min(options.max_min_part, options.min_part_of_gap + for_unknowns);
   const bool takes_most = plain && gain > options.most_of_rest;
   if (!takes_most && explained < min_part * bar.first_gap) return CandidateOutcome::no_gain_on_folds;
-  if (!(r.least_z() >= options.needed_significance(r.model.terms().back())))
-    return CandidateOutcome::not_significant;
+  if (!(r.least_z() >= options.needed_significance(*r.effect))) return CandidateOutcome::not_significant;
   if (r.unknowns > options.max_unknowns) return CandidateOutcome::too_free;
   if (r.condition_number > options.max_condition) return CandidateOutcome::ill_conditioned;
   if (r.no_name) return CandidateOutcome::no_name;

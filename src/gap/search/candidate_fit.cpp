@@ -223,7 +223,7 @@ std::optional<Ranked> with_gains(Ranked r, const SearchRecords& records, const R
   if (train.size() != before.train.size()) return std::nullopt;
   r.effective = r.model.terms().back().effective_unknowns();
   r.train_rms = r.folds_rms = rms(train);
-  r.train_z = r.z = significance_of(records, before.train, train, r.model.terms().back());
+  r.train_z = r.z = significance_of(records, before.train, train, *r.effect);
   return r;
 }
 
@@ -234,7 +234,7 @@ Ranked with_folds(Ranked r, const SearchRecords& records, const RoundResiduals& 
     return r;
   }
   r.folds_rms = rms(r.folds);
-  r.z = significance_of(records, before.folds, r.folds, r.model.terms().back());
+  r.z = significance_of(records, before.folds, r.folds, *r.effect);
   return r;
 }
 

@@ -32,13 +32,13 @@ std::vector<std::span<const double>> by_record(const Experiments& train, std::sp
 }  // namespace
 
 double significance_of(const SearchRecords& records, const std::vector<double>& before,
-                       const std::vector<double>& after, const Term& term) {
+                       const std::vector<double>& after, const Effect& effect) {
   const auto parts_before = by_record(records.train, before);
   const auto parts_after = by_record(records.train, after);
   const bool responses = parts_before.empty() || parts_after.empty();
   // Red noise in a short record looks like a slow effect, and the effect then leaves it white.
   const double z = improvement_z(before, after, responses ? LowBins::as_they_are : LowBins::as_octaves_above);
-  if (responses || !term.is_one_size() || z < kLikely || z >= kSure) return z;
+  if (responses || !effect.adds_one_signal() || z < kLikely || z >= kSure) return z;
   const double gain =
       most_likely_red_noise(parts_after).log_likelihood - most_likely_red_noise(parts_before).log_likelihood;
   const double by_likelihood = std::sqrt(std::max(0.0, 2.0 * gain - 1.0));

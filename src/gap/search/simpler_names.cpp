@@ -88,7 +88,7 @@ std::vector<Ranked> relatives_of(const SearchSetting& setting, const SearchRecor
 
 bool earns_its_place(const AcceptanceOptions& options, const Ranked& r, double left_before) {
   return r.folds_rms < (1.0 - options.min_gain) * left_before &&
-         r.least_z() >= options.needed_significance(r.model.terms().back());
+         r.least_z() >= options.needed_significance(*r.effect);
 }
 
 /// Names that are neither the family's nor its relatives', where it is not there: the one that a round would name, and

@@ -7,12 +7,11 @@
 #include <string_view>
 #include <vector>
 
-#include "base/document.hpp"
-#include "chain/model_file.hpp"
 #include "gap/effect.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
 #include "gap/search/acceptance.hpp"
+#include "made_model.hpp"
 #include "signal/statistics.hpp"
 
 namespace {
@@ -22,10 +21,7 @@ using namespace bodesmith;
 /// A round of two candidates over two records, whose values matter to nothing but their names.
 class TwoNames {
  public:
-  TwoNames()
-      : base_(chain::model_from_node(parse_toml(
-            "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 1.0\nfree = [\"gain\"]\n",
-            "model.toml"))) {
+  TwoNames() : base_(model_of("[[block]]\ntype = \"gain\"\ngain = 1.0\nfree = [\"gain\"]\n")) {
     std::mt19937_64 random(3);
     std::normal_distribution<double> normal;
     for (int k = 0; k < 2; ++k) {
@@ -70,6 +66,32 @@ class TwoNames {
   gap::SearchRecords records_;
   std::vector<double> left_;
 };
+
+TEST(FewerUnknowns, winWhenTheyComeFarNearerOnAllRecordsWhateverFoldsSay) {
+  const TwoNames round;
+  const auto judged =
+      round.judge({round.candidate("resonance", 2, 1.0, 1.0), round.candidate("time_delay", 1, 0.8, 1.3)});
+  ASSERT_TRUE(judged.step.has_value());
+  EXPECT_EQ(judged.step->effect->name(), "time_delay");
+}
+
+TEST(FewerUnknowns, doNotWinByTheFoldsOfOneRecordAlone) {
+  const TwoNames round;
+  const auto judged =
+      round.judge({round.candidate("resonance", 2, 1.0, 1.0), round.candidate("time_delay", 1, 0.95, 1.3)});
+  ASSERT_TRUE(judged.step.has_value());
+  EXPECT_EQ(judged.step->effect->name(), "resonance");
+}
+
+TEST(FourStandardDeviations, AreEnoughForAKnownSignalAlone) {
+  const TwoNames round;
+  for (const char* name : {"offset", "drift", "backlash", "time_delay"}) {
+    auto candidate = round.candidate(name, 1, 0.5, 0.5);
+    candidate.z = candidate.train_z = 4.5;
+    const bool known = candidate.effect->adds_one_signal();
+    EXPECT_EQ(round.judge({std::move(candidate)}).step.has_value(), known) << name;
+  }
+}
 
 TEST(FewerUnknowns, winWhenTheyComeNearerOnAllRecords) {
   const TwoNames round;

@@ -5,12 +5,14 @@
 #include <cmath>
 #include <numbers>
 
-#include "base/document.hpp"
-#include "chain/model_file.hpp"
 #include "gap/cases/signals.hpp"
 #include "gap/cases/stages.hpp"
 #include "gap/cases/time_base.hpp"
 #include "gap/diagnosis.hpp"
+#include "gap/effect.hpp"
+#include "gap/runner.hpp"
+#include "gap/scene.hpp"
+#include "made_model.hpp"
 
 namespace {
 
@@ -34,9 +36,7 @@ TimeRecord relaxed_record(const std::vector<hidden::Stage>& stages, hidden::Driv
 }
 
 std::vector<std::string> names_of_relaxed(const std::vector<hidden::Stage>& stages) {
-  const auto base = chain::model_from_node(parse_toml(
-      "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 1.9\noffset = 0.0\nfree = [\"gain\"]\n",
-      "model.toml"));
+  const auto base = model_of("[[block]]\ntype = \"gain\"\ngain = 1.9\noffset = 0.0\nfree = [\"gain\"]\n");
   const auto study = gap::Study::of({relaxed_record(stages, hidden::Drive::noise, 1)},
                                     {relaxed_record(stages, hidden::Drive::multisine, 2)}, base);
   std::vector<std::string> all;
@@ -52,6 +52,25 @@ TEST(Relaxation, ofManyTimeConstantsIsCreep) {
     times.push_back(0.06 * std::pow(40.0, k / 9.0));
   }
   EXPECT_EQ(names_of_relaxed({hidden::creep(gains, times)}), std::vector<std::string>{"creep"});
+}
+
+TEST(Relaxation, ofABankAsStrongAsItMayBeAtItsFastestIsALag) {
+  const gap::Model base(model_of("[[block]]\ntype = \"gain\"\ngain = 2.0\nfree = [\"gain\"]\n"));
+  const gap::Experiments train = {gap::TimeExperiment(relaxed_record({}, hidden::Drive::noise, 3))};
+  const auto scene = gap::make_scene(base, train);
+  const gap::Effect& creep = gap::effect_registry().get("creep");
+  std::vector<gap::Proposal> proposals;
+  creep.propose(scene, proposals);
+  ASSERT_GE(proposals.size(), 3U);
+  for (auto& p : proposals) {
+    EXPECT_FALSE(creep.is_no_name(p.model, scene));
+    const auto& unknowns = p.model.terms().back().unknowns;
+    const bool bank = unknowns.size() > 3;
+    auto values = gap::current_values(p.model);
+    values[values.size() - unknowns.size()] = unknowns.front().high;
+    p.model.set_values(values);
+    EXPECT_EQ(creep.is_no_name(p.model, scene), bank);
+  }
 }
 
 TEST(Relaxation, withinTheDrivenBandIsRateDependence) {

@@ -39,5 +39,6 @@ build_release() {
   fi
   cmake --preset release "$@" >build-configure.log 2>&1 || { cat build-configure.log >&2; exit 1; }
   rm -f build-configure.log
-  cmake --build --preset release >&2
+  # As many at a time as there are cores: more of them only take the caches from each other.
+  cmake --build --preset release --parallel "$(nproc)" >&2
 }

@@ -31,6 +31,7 @@ constexpr double kSameTime = 1.2;
 
 /// Times below this part of the sampling step are not told from the way between the samples.
 constexpr double kLeastOfSample = 0.08;
+constexpr double kLeastOfSampleAlone = 0.01;
 
 /// Where a signal turns.
 struct Turns {
@@ -278,7 +279,8 @@ std::vector<double> Scene::beyond_band_hz(double times, int count) const {
 }
 
 bool Scene::is_between_samples(double seconds) const {
-  return !frequency_only && seconds < kLeastOfSample * step_s;
+  const double least = takes_most ? kLeastOfSampleAlone : kLeastOfSample;
+  return !frequency_only && seconds < least * step_s;
 }
 
 std::vector<std::size_t> Scene::base_places() const {

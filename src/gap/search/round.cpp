@@ -10,9 +10,13 @@
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
 #include "numeric/parallel_for.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
+
+/// Of what was left before: a first name that leaves less takes most of the gap.
+constexpr double kMost = 0.5;
 
 const Effect* effect_of(const Proposal& proposal) {
   return proposal.model.terms().back().effect;
@@ -148,8 +152,10 @@ std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& reco
   }
   if (ranking.empty()) return ranking;
   look_at_folds(setting, records, before, ranking);
-  const auto scene = make_scene(model, records.train);
+  auto scene = make_scene(model, records.train);
+  const double left_before = rms(before.folds);
   for (auto& r : ranking) {
+    scene.takes_most = model.terms().empty() && r.folds_rms < kMost * left_before;
     r.far_fetched = r.effect->is_far_fetched(r.model, scene);
     r.no_name = r.effect->is_no_name(r.model, scene);
   }

@@ -110,8 +110,7 @@ struct AcceptanceOptions {
   /// Fewer unknowns win when more of them buy no more than the first, and the second for each of them.
   double simpler_within = 0.01;
   double simpler_within_each = 0.004;
-  double far_nearer_on_all =
-      0.9;  ///< or when they leave less than this much on all records, whatever folds say
+  double far_nearer_on_all = 0.9;  ///< or leave less than this of the rms on all records
   /// A name that is not far-fetched wins when it leaves no more than this part more, with so many unknowns more.
   double at_hand_within = 0.02;
   std::size_t at_hand_more_unknowns = 2;

@@ -13,25 +13,35 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// ln |H(jw)|.
+/// ln |H(jw)|: one logarithm for a section, whose ratios are taken root by root, so that nothing overflows.
 double log_magnitude(const Section& section, RadPerSecond w) {
-  double out = std::log(std::abs(section.gain));
-  for (std::size_t i = 0; i < section.poles.size(); ++i) {
-    const Complex s(0.0, w.value);
-    if (i < section.zeros.size())
-      out += std::log(std::abs((s - section.zeros[i]) / (s - section.poles[i])));
-    else
-      out -= std::log(std::abs(s - section.poles[i]));
-  }
-  return out;
+  const auto squared = [&](const Complex& root) {
+    const double above = w.value - root.imag();
+    return root.real() * root.real() + above * above;
+  };
+  double out = section.gain * section.gain;
+  for (std::size_t i = 0; i < section.poles.size(); ++i)
+    out *= (i < section.zeros.size() ? squared(section.zeros[i]) : 1.0) / squared(section.poles[i]);
+  return 0.5 * std::log(out);
 }
 
-/// arg H(jw), each root's share by itself, so that it does not wrap.
+/// arg H(jw), each root's share by itself, so that it does not wrap: of a zero and a pole on the left the difference of two
+/// angles within 90 degrees, which is that of their ratio.
 double phase_rad(const Section& section, RadPerSecond w) {
   double out = section.gain < 0.0 ? std::numbers::pi : 0.0;
   const Complex s(0.0, w.value);
-  for (const Complex& zero : section.zeros) out += std::arg(s - zero);
-  for (const Complex& pole : section.poles) out -= std::arg(s - pole);
+  for (std::size_t i = 0; i < std::max(section.zeros.size(), section.poles.size()); ++i) {
+    const bool both = i < section.zeros.size() && i < section.poles.size();
+    if (both && section.zeros[i].real() < 0.0 && section.poles[i].real() < 0.0) {
+      const Complex zero = s - section.zeros[i];
+      const Complex pole = s - section.poles[i];
+      out += std::atan2(zero.imag() * pole.real() - zero.real() * pole.imag(),
+                        zero.real() * pole.real() + zero.imag() * pole.imag());
+      continue;
+    }
+    if (i < section.zeros.size()) out += std::arg(s - section.zeros[i]);
+    if (i < section.poles.size()) out -= std::arg(s - section.poles[i]);
+  }
   return out;
 }
 

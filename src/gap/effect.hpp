@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <string_view>
 #include <vector>
 
@@ -48,6 +49,12 @@ class Effect {
   /// Every place it can sit, with start values from the data.
   virtual void propose(const Scene& scene, std::vector<Proposal>& out) const = 0;
 };
+
+/// Whether the one says that it leaves much the same traces as the other.
+inline bool is_confused_with(const Effect& effect, const Effect& other) {
+  const auto names = effect.confused_with();
+  return std::find(names.begin(), names.end(), other.name()) != names.end();
+}
 
 /// All of them, in the order of the documentation.
 Registry<Effect>& effect_registry();

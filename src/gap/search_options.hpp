@@ -159,6 +159,8 @@ struct OtherWaysOptions {
   double in_the_running = 1.5;    ///< times what the best first name leaves
   double as_far = 1.02;           ///< rms over the other way's: it came as far,
   double further = 0.8;           ///< or further
+  std::size_t family_unknowns = 5;  ///< one name with so many may be two with fewer,
+  std::size_t family_spares = 3;    ///< by so many at the least
   std::size_t max_partners = 3;   ///< terms each of which is tried against every effect,
   std::size_t max_exchanges = 3;  ///< so many times, as long as that leads to another one
   double nearly_as_far = 1.3;     ///< the same of one name alone, which is then gone on from

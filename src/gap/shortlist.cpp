@@ -53,10 +53,11 @@ class Span {
 
 /// What proposals are compared with.
 struct PresentModel {
-  Vector residuals;    ///< model - measured
-  Span known;          ///< what its own unknowns can change
-  Vector unexplained;  ///< the residuals without that
-  double energy = 0.0;
+  Vector residuals;     ///< model - measured
+  Span known;           ///< what its own unknowns can change
+  Vector unexplained;   ///< the residuals without that
+  double energy = 0.0;  ///< of the residuals
+  double unexplained_energy = 0.0;
   /// Residuals are logarithms: a delay of any size then promises the same, and the nearest start is the best.
   bool logarithmic = false;
 };
@@ -112,7 +113,8 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
       if (runner(other, moved)) more.add(as_eigen(moved) - here);
     }
     const Vector part = more.along(present.unexplained, present.known.size());
-    const double score = present.energy > 0.0 ? part.squaredNorm() / present.energy : 0.0;
+    const double score =
+        present.unexplained_energy > 0.0 ? part.squaredNorm() / present.unexplained_energy : 0.0;
     const double best = scores.empty() ? -1.0 : std::max_element(scores.begin(), scores.end(), worse)->score;
     // Only the best start's significance is asked for.
     scores.push_back({s, score, score > best ? significance(present.unexplained, part) : 0.0,
@@ -142,6 +144,7 @@ std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> propo
     if (!column.empty()) present.known.add(as_eigen(column));
   }
   present.unexplained = present.known.without(present.residuals);
+  present.unexplained_energy = present.unexplained.squaredNorm();
   all.resize(proposals.size());
   parallel_for(proposals.size(), threads, [&](std::size_t i) {
     auto& p = all[i];

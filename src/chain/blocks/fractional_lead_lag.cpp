@@ -28,16 +28,17 @@ class FractionalLeadLagBlock final : public BlockType {
                    any_number("beta", "1", "order")}) {}
 
   /// Fits run each set of values on several records, and the approximation with its error costs more than such a run: each
-  /// thread keeps its last one.
+  /// thread keeps its last one, of a first corner at 1 rad/s, which lambda only moves.
   Kernel kernel(const Block& block) const override {
     thread_local FractionalLeadLag last{};
     thread_local LinearKernel made = gain_kernel(1.0);
     const FractionalLeadLag term = term_of(block);
-    if (term.lambda_s != last.lambda_s || term.x != last.x || term.beta != last.beta) {
-      made = kernel_of(term);
-      last = term;
+    if (term.x != last.x || term.beta != last.beta) {
+      const FractionalLeadLag unscaled{1.0, term.x, term.beta};
+      made = kernel_of(unscaled);
+      last = unscaled;
     }
-    return made;
+    return slowed(made, term.lambda_s);
   }
   std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
     return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
@@ -72,6 +73,12 @@ class FractionalLeadLagBlock final : public BlockType {
     out.approximation_error = std::hypot(std::expm1(got.error.everywhere_db / kDecibelPerNeper),
                                          to_radians(got.error.everywhere_deg));
     return out;
+  }
+  /// H(lambda s).
+  static LinearKernel slowed(LinearKernel kernel, double lambda_s) {
+    for (double& rate : kernel.a) rate /= lambda_s;
+    for (double& rate : kernel.b) rate /= lambda_s;
+    return kernel;
   }
   static FractionalLeadLag term_of(const Block& block) {
     return {block.get("lambda_s"), block.get("x"), block.get("beta")};

@@ -13,7 +13,7 @@ class DeadZone final : public Effect {
   std::string_view what() const override { return "no response near zero"; }
   std::string_view symptom() const override { return "a residual of one sign on either side of zero"; }
   std::vector<std::string_view> confused_with() const override {
-    return {"backlash", "cubic_nonlinearity", "gain_error"};
+    return {"backlash", "cubic_nonlinearity", "gain_error", "offset"};
   }
   std::string_view experiment() const override {
     return "a small drive around zero: a dead zone passes nothing";

@@ -20,7 +20,7 @@ void add_once(std::vector<std::string>& list, std::string name) {
 struct Bar {
   double folds_rms = 0.0;  ///< of the model before
   double train_rms = 0.0;
-  double first_gap = 0.0;  ///< rms that the base model left; 0: this is the first term
+  double first_gap = 0.0;  ///< gap_to_explain(); 0: this is the first term
 };
 
 /// What speaks against a candidate on its own; not_judged: nothing.
@@ -139,12 +139,20 @@ bool as_good_on_folds(const AcceptanceOptions& options, const LeftOnFolds& one, 
   return worse < surely || hardly_worse(options, worse, one.residuals, than.residuals);
 }
 
+double gap_to_explain(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
+  const auto& terms = model.terms();
+  const bool no_form = std::all_of(terms.begin(), terms.end(), [](const Term& term) {
+    return term.effect->adds_one_signal() || term.effect->independent_of_input();
+  });
+  return no_form ? rms_of(model, records.train) : setting.first_gap;
+}
+
 Judgement judge(const SearchSetting& setting, const SearchRecords& records, const Model& before,
                 std::vector<Ranked> ranking) {
   const auto& options = setting.options.acceptance;
   const auto residuals = round_residuals(before, records);
   Bar bar{rms(residuals.folds), rms(residuals.train), 0.0};
-  if (!before.terms().empty()) bar.first_gap = setting.first_gap;
+  if (!before.terms().empty()) bar.first_gap = gap_to_explain(setting, records, before);
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.folds_rms < b.folds_rms; });
   std::vector<Ranked*> good;

@@ -19,6 +19,10 @@ struct LeftOnFolds {
 bool as_good_on_folds(const AcceptanceOptions& options, const LeftOnFolds& one, const LeftOnFolds& than,
                       double surely);
 
+/// The rms of which a later term must explain a part, lest it be the form of those that stand already: of the first gap; of what
+/// they leave where all of them are signals without a form (offset, drift, hum).
+double gap_to_explain(const SearchSetting& setting, const SearchRecords& records, const Model& model);
+
 /// What a round comes to: the candidates with their outcomes, and the term that earned its place.
 struct Judgement {
   std::optional<Step> step;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <iterator>
 #include <limits>
 #include <set>
 #include <string>
@@ -73,22 +74,30 @@ bool is_far_fetched_now(const Effect* effect, const std::vector<Ranked>& ranking
   return false;
 }
 
-/// The candidate that best takes the place of a term of the present model; null when none does.
-const Ranked* best_successor(const SearchSetting& setting, const SearchRecords& records, const Model& now,
-                             const Term& term, const std::vector<Ranked>& ranking, bool far_fetched) {
+/// What the present model leaves, on folds and of all records.
+struct LeftNow {
+  std::vector<double> folds;
+  double folds_rms = 0.0;
+  double train_rms = 0.0;
+};
+
+/// The candidate that best takes the place of a term of the present model, the simplest of those that do it as well; null when
+/// none does.
+const Ranked* best_successor(const SearchSetting& setting, const LeftNow& now, const Term& term,
+                             const std::vector<Ranked>& ranking, bool far_fetched) {
   const auto& accepted = setting.options.acceptance;
   const auto& options = setting.options.elimination;
-  const auto left = round_residuals(now, records);
-  const double folds = rms(left.folds);
-  const double train = rms(left.train);
-  const Ranked* best = nullptr;
+  const double folds = now.folds_rms;
+  const double train = now.train_rms;
+  std::vector<const Ranked*> good;
   for (const auto& r : ranking) {
     if (r.no_name || r.condition_number > accepted.max_condition || r.unknowns > accepted.max_unknowns)
       continue;
-    // A rival of many unknowns takes in what the other terms leave of their own shares.
+    // A rival of many unknowns takes in what the other terms leave of their own shares; on folds those of them that rest at a
+    // bound stay there, which is no merit: it must leave less on all records, too.
     const std::size_t more = r.effective - std::min(r.effective, term.effective_unknowns());
     const double enough = options.swap_gain - options.swap_gain_each * static_cast<double>(more);
-    const bool better = r.folds_rms < enough * folds;
+    const bool better = r.folds_rms < enough * folds && (more == 0 || r.train_rms < train);
     // On folds the model's own unknowns may count for more than the term's: one record alone need not tell them.
     const bool as_near = r.folds_rms < (1.0 + accepted.tie_within) * folds &&
                          r.train_rms < (1.0 + accepted.tie_surely_within) * train;
@@ -97,9 +106,15 @@ const Ranked* best_successor(const SearchSetting& setting, const SearchRecords& 
     const bool nearer = far_fetched && !r.far_fetched &&
                         r.effective <= term.effective_unknowns() + accepted.at_hand_more_unknowns &&
                         r.folds_rms < (1.0 + accepted.at_hand_within) * folds;
-    if ((better || simpler || nearer) && (best == nullptr || r.folds_rms < best->folds_rms)) best = &r;
+    if (better || simpler || nearer) good.push_back(&r);
   }
-  return best;
+  if (good.empty()) return nullptr;
+  const auto on_folds = [](const Ranked* a, const Ranked* b) { return a->folds_rms < b->folds_rms; };
+  const double least = (*std::min_element(good.begin(), good.end(), on_folds))->folds_rms;
+  std::erase_if(good, [&](const Ranked* r) { return r->folds_rms > options.swap_simpler * least; });
+  return *std::min_element(good.begin(), good.end(), [&](const Ranked* a, const Ranked* b) {
+    return a->effective != b->effective ? a->effective < b->effective : on_folds(a, b);
+  });
 }
 
 /// Which rivals are as good a name for an earlier term now that the later ones are there. `folds`: residuals of
@@ -120,17 +135,35 @@ void judge_ties_again(const AcceptanceOptions& options, Step& step, const Term& 
   step.tied_with.assign(alike.begin(), alike.end());
 }
 
+/// Everything that may stand in the place of `effect`: what the look promises most of, and what is confused with it.
+std::vector<Ranked> successors_of(const SearchSetting& setting, const SearchRecords& records,
+                                  const Effect& effect, const Model& without) {
+  auto ranking = fit_round(setting, records, without).ranking;
+  std::set<const Effect*> done;
+  for (const auto& r : ranking) done.insert(r.effect);
+  auto relatives = fit_round(setting, records, without, [&](const Effect& other) {
+                     return done.count(&other) == 0 &&
+                            (is_confused_with(effect, other) || is_confused_with(other, effect));
+                   }).ranking;
+  std::move(relatives.begin(), relatives.end(), std::back_inserter(ranking));
+  return ranking;
+}
+
 /// What is found with term `k` exchanged for the best that can stand in its place; nothing when none does better: then its ties
-/// are judged again. `without`: the model without it.
+/// are judged again. `without`: the model without it; `rivals`: empty, all that may.
 std::optional<Found> with_exchanged(const SearchSetting& setting, const SearchRecords& records, Found& found,
                                     std::size_t k, const Model& without, const EffectFilter& rivals) {
-  auto ranking = fit_round(setting, records, without, rivals).ranking;
+  const Effect& own = *found.model.terms()[k].effect;
+  auto ranking = rivals ? fit_round(setting, records, without, rivals).ranking
+                        : successors_of(setting, records, own, without);
   const bool far_fetched = is_far_fetched_now(found.steps[k].effect, ranking, {});
-  const Ranked* best =
-      best_successor(setting, records, found.model, found.model.terms()[k], ranking, far_fetched);
+  // On the folds of those that are compared with it.
+  LeftNow now{folded_residuals(found.model, records.train, suitable_folds(without, records.train)), 0.0,
+              rms_of(found.model, records.train)};
+  now.folds_rms = rms(now.folds);
+  const Ranked* best = best_successor(setting, now, found.model.terms()[k], ranking, far_fetched);
   if (best == nullptr) {
-    const auto now = folded_residuals(found.model, records.train, suitable_folds(without, records.train));
-    judge_ties_again(setting.options.acceptance, found.steps[k], found.model.terms()[k], now, ranking);
+    judge_ties_again(setting.options.acceptance, found.steps[k], found.model.terms()[k], now.folds, ranking);
     return std::nullopt;
   }
   Found exchanged = found;

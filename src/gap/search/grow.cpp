@@ -81,7 +81,7 @@ std::set<const Effect*> all_or_nothing(const State& state, const std::vector<Ste
 /// Whether all that is left is less than a later term must explain (AcceptanceOptions::min_part_of_gap): only one that
 /// takes most of it is then a name.
 bool is_little_left(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
-  const double enough = setting.options.acceptance.min_part_of_gap * setting.first_gap;
+  const double enough = setting.options.acceptance.min_part_of_gap * gap_to_explain(setting, records, model);
   return rms_of(model, records.train) < enough && rms(round_residuals(model, records).folds) < enough;
 }
 

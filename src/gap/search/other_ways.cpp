@@ -32,6 +32,11 @@ std::size_t unknowns_of(const State& state) {
   return count;
 }
 
+/// One name of many unknowns: it fits what it is not.
+bool is_one_family(const SearchOptions& options, const State& state) {
+  return state.found.steps.size() == 1 && unknowns_of(state) >= options.other_ways.family_unknowns;
+}
+
 /// Whether another way led further: to an end where this one did not, or with plainly less left; or as far with fewer
 /// terms.
 bool led_further(const SearchOptions& options, const State& other, const State& state) {
@@ -40,6 +45,9 @@ bool led_further(const SearchOptions& options, const State& other, const State& 
   const auto& limits = options.other_ways;
   if (others == 0) return false;
   if (others < terms) return other.train_rms < limits.as_far * state.train_rms;
+  if (is_one_family(options, state) &&
+      unknowns_of(other) + options.other_ways.family_spares <= unknowns_of(state))
+    return other.train_rms <= state.train_rms;
   if (is_settled(options, state)) return false;
   // What leaves more comes to an end by fewer unknowns, or by chance.
   const double as_far = unknowns_of(other) < unknowns_of(state) ? limits.as_far : 1.0;
@@ -92,20 +100,30 @@ bool all_earn_their_places(const SearchSetting& setting, const State& state) {
     if (without.gain.share < accepted.min_gain || without.gain.z < accepted.min_significance) return false;
     const double left = rms_of(without.model, state.records.train);
     const double explained = std::sqrt(std::max(0.0, left * left - left_by_all * left_by_all));
-    if (explained < accepted.min_part_of_gap * setting.first_gap) return false;
+    const double gap = gap_to_explain(setting, state.records, without.model);
+    if (explained < accepted.min_part_of_gap * gap) return false;
   }
   return !terms.empty();
 }
 
-/// Two names that came together where one after the other came to no end: a first name takes over what it can of the
-/// second one's share, and what is then left is neither's.
+/// Names that two could do without: more of them than two, or one of many unknowns.
+bool could_be_two(const SearchOptions& options, const State& state) {
+  return state.found.steps.size() > options.other_ways.few_terms || is_one_family(options, state);
+}
+
+/// Two names that come together where one after the other came to no end, or to one that two could do without: a first name
+/// takes over what it can of the second one's share, and what is then left is neither's.
 void try_pairs(const SearchSetting& setting, const State& base, State& state) {
   const auto& options = setting.options;
-  if (are_responses(base.records.train) || is_settled(options, state) || options.is_late()) return;
+  const auto is_done = [&] { return is_settled(options, state) && !could_be_two(options, state); };
+  if (are_responses(base.records.train) || is_done() || options.is_late()) return;
   // Less than a later term must explain is the form of the names that are there.
-  if (state.train_rms < options.acceptance.min_part_of_gap * setting.first_gap) return;
+  if (!could_be_two(options, state) &&
+      state.train_rms <
+          options.acceptance.min_part_of_gap * gap_to_explain(setting, state.records, state.found.model))
+    return;
   for (auto& [first, second] : pairs_at_once(setting, base.records, base.found.model, state.first)) {
-    if (is_settled(options, state) || options.is_late()) return;
+    if (is_done() || options.is_late()) return;
     // Before anything is judged: one that takes a part of the other's share may be idle on the folds.
     Found together{second.after, {std::move(first), std::move(second)}, {}};
     exchange_partners(setting, base.records, together);
@@ -113,7 +131,7 @@ void try_pairs(const SearchSetting& setting, const State& base, State& state) {
     for (const auto& step : together.steps) names.emplace_back(step.effect->name());
     together.steps.back().after = std::move(together.model);
     State other = base;
-    other.other_way = other.partners_tried = true;
+    other.other_way = true;
     if (!take(setting, other, std::move(together.steps))) continue;
     other.found.notes.insert(other.found.notes.end(), together.notes.begin(), together.notes.end());
     if (!all_earn_their_places(setting, other)) continue;
@@ -129,7 +147,7 @@ void try_pairs(const SearchSetting& setting, const State& base, State& state) {
 }  // namespace
 
 void try_other_partners(const SearchSetting& setting, State& state) {
-  if (state.partners_tried || state.found.steps.size() < 2 || are_responses(state.records.train)) return;
+  if (state.found.steps.size() < 2 || are_responses(state.records.train)) return;
   State other = state;
   if (!exchange_partners(setting, state.records, other.found)) {
     state = std::move(other);

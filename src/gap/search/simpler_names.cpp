@@ -53,11 +53,6 @@ struct Family {
   double folds_rms;
 };
 
-bool is_confused_with(const Effect& effect, const Effect& other) {
-  const auto names = effect.confused_with();
-  return std::find(names.begin(), names.end(), other.name()) != names.end();
-}
-
 /// Plainly less left, with hardly more unknowns in use. As little is not enough: a pair of names can be bent to what
 /// asymmetric memory leaves, too.
 bool is_better_than(const SearchSetting& setting, const SearchRecords& records, const Family& family,

@@ -96,7 +96,9 @@ std::string advice_for(const Diagnosis& d, const Study& study) {
   }
   if (d.holdout_disagrees) {
     advice.emplace_back(
-        "The held-out records disagree: what was found on the training records serves them badly.");
+        d.steps.empty()
+            ? "The held-out records disagree: something acts in them that the training records do not show; train on one of them, too."
+            : "The held-out records disagree: what was found on the training records serves them badly.");
   }
   for (const auto& note : d.search.notes) advice.push_back(note + ".");
   return join(advice, " ");

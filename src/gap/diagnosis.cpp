@@ -22,6 +22,8 @@ constexpr std::size_t kMaxUnknownsWhenSplit = 2;
 constexpr std::size_t kFewUnknowns = 3;
 /// The held-out records disagree when this much more is left of them than of the training records.
 constexpr double kDisagrees = 2.0;
+/// The same where nothing was found: slow noise alone may be so much larger in one record than in another.
+constexpr double kDisagreesWithNothing = 5.0;
 
 const Ranked* best_rival(const Step& step) {
   const Ranked* rival = nullptr;
@@ -160,6 +162,13 @@ std::vector<OpenParameter> open_parameters(const Diagnosis& d) {
   return open;
 }
 
+/// Whether the held-out records contradict what was found on the others.
+bool disagrees(const Diagnosis& d) {
+  const double most = d.steps.empty() ? kDisagreesWithNothing : kDisagrees;
+  const bool worse = !d.steps.empty() && d.final.holdout_rms > d.refitted.holdout_rms;
+  return worse || d.final.holdout_rms > most * d.final.train_rms;
+}
+
 }  // namespace
 
 Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOptions& options) {
@@ -198,10 +207,10 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   d.remaining_where = meter.where(d.search.final);
   d.constant_offsets = constant_offsets(meter, d.search.final, study);
   d.verdict = verdict_of(d.search, d.search.train_rms, options.enough);
-  d.holdout_disagrees = !d.steps.empty() && (d.final.holdout_rms > d.refitted.holdout_rms ||
-                                             d.final.holdout_rms > kDisagrees * d.final.train_rms);
+  d.holdout_disagrees = disagrees(d);
   // What is claimed of the training records and does not hold elsewhere is not explained.
   if (d.holdout_disagrees && d.verdict == Verdict::explained) d.verdict = Verdict::partly_explained;
+  if (d.holdout_disagrees && d.verdict == Verdict::nothing_missing) d.verdict = Verdict::unexplained;
   if (!d.search.stopped)
     d.next_experiment = next_experiment(d.search, open_parameters(d), study, options.drive);
   d.advice = advice_for(d, study);

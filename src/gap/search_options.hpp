@@ -154,16 +154,16 @@ struct EliminationOptions {
 /// A search that came to no end is begun again with another first name [6].
 struct OtherWaysOptions {
   std::size_t max_ways = 2;
-  std::size_t few_terms = 2;      ///< with more of them another way is tried in any case
-  double max_left = 0.75;         ///< of the first gap's rms, by an effect to begin with
-  double in_the_running = 1.5;    ///< times what the best first name leaves
-  double as_far = 1.02;           ///< rms over the other way's: it came as far,
-  double further = 0.8;           ///< or further
-  std::size_t family_unknowns = 5;  ///< one name with so many may be two with fewer,
+  std::size_t few_terms = 2;        ///< with more of them another way is tried in any case
+  double max_left = 0.75;           ///< of the first gap's rms, by an effect to begin with
+  double in_the_running = 1.5;      ///< times what the best first name leaves
+  double as_far = 1.02;             ///< rms over the other way's: it came as far,
+  double further = 0.8;             ///< or further
+  std::size_t family_unknowns = 5;  ///< a name with so many may be others with fewer,
   std::size_t family_spares = 3;    ///< by so many at the least
-  std::size_t max_partners = 3;   ///< terms each of which is tried against every effect,
-  std::size_t max_exchanges = 3;  ///< so many times, as long as that leads to another one
-  double nearly_as_far = 1.3;     ///< the same of one name alone, which is then gone on from
+  std::size_t max_partners = 3;     ///< terms each of which is tried against every effect,
+  std::size_t max_exchanges = 3;    ///< so many times, as long as that leads to another one
+  double nearly_as_far = 1.3;       ///< the same of one name alone, which is then gone on from
 };
 
 struct SearchOptions {

@@ -7,6 +7,9 @@
 namespace bodesmith::gap {
 namespace {
 
+/// A signal that is so rarely within the zone, or on its other side, has not shown it.
+constexpr double kRarely = 0.02;
+
 class DeadZone final : public Effect {
  public:
   std::string_view name() const override { return "dead_zone"; }
@@ -19,6 +22,20 @@ class DeadZone final : public Effect {
     return "a small drive around zero: a dead zone passes nothing";
   }
   bool must_explain_all(const Scene& scene) const override { return scene.memory_may_bend(0); }
+  /// Of a signal that stays on one side it takes off a constant.
+  bool is_far_fetched(const Model& model, const Scene& scene) const override {
+    const auto at = model.position_of(model.terms().back().blocks.front());
+    if (scene.frequency_only || at >= scene.boundary.size()) return false;
+    const double edge = 0.5 * model.at(at).get("width");
+    double above = 0.0;
+    double below = 0.0;
+    const auto& values = scene.boundary[at].values;
+    for (double v : values) {
+      if (v > edge) above += 1.0;
+      if (v < -edge) below += 1.0;
+    }
+    return std::max(above, below) > (1.0 - kRarely) * static_cast<double>(values.size());
+  }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
     for (std::size_t at : scene.static_places()) {

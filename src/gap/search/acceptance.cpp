@@ -64,12 +64,19 @@ bool as_good(const AcceptanceOptions& options, const Ranked& r, const Ranked& th
   return as_good_on_folds(options, {r.folds_rms, r.folds}, {than.folds_rms, than.folds}, surely);
 }
 
+/// Fewer unknowns in use, or as many where one of the few that the other has rests at a bound: a shape that only fits at the
+/// end of its range is another's.
+bool is_simpler(const AcceptanceOptions& options, const Ranked& r, const Ranked& than) {
+  if (r.effective != than.effective) return r.effective < than.effective;
+  return than.unknowns <= options.few_unknowns && r.unknowns < than.unknowns;
+}
+
 /// The first of the good candidates, unless more unknowns buy next to nothing: then one with fewer of them.
 Ranked* simplest_of_best(const AcceptanceOptions& options, const std::vector<Ranked*>& good) {
   const Ranked& best = *good.front();
   Ranked* winner = good.front();
   for (auto* r : good) {
-    if (r->effective >= winner->effective) continue;
+    if (!is_simpler(options, *r, *winner)) continue;
     // Weights that rest at 0 make no other form of a bank simpler than another.
     if (r->effect == winner->effect && r->unknowns == winner->unknowns) continue;
     const double worse = r->folds_rms / best.folds_rms - 1.0;

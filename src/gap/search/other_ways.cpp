@@ -32,9 +32,12 @@ std::size_t unknowns_of(const State& state) {
   return count;
 }
 
-/// One name of many unknowns: it fits what it is not.
-bool is_one_family(const SearchOptions& options, const State& state) {
-  return state.found.steps.size() == 1 && unknowns_of(state) >= options.other_ways.family_unknowns;
+/// One or two names, of which one has many unknowns: it fits what it is not.
+bool holds_a_family(const SearchOptions& options, const State& state) {
+  const auto& terms = state.found.model.terms();
+  return terms.size() <= options.other_ways.few_terms &&
+         std::any_of(terms.begin(), terms.end(),
+                     [&](const Term& t) { return t.unknowns.size() >= options.other_ways.family_unknowns; });
 }
 
 /// Whether another way led further: to an end where this one did not, or with plainly less left; or as far with fewer
@@ -45,8 +48,7 @@ bool led_further(const SearchOptions& options, const State& other, const State& 
   const auto& limits = options.other_ways;
   if (others == 0) return false;
   if (others < terms) return other.train_rms < limits.as_far * state.train_rms;
-  if (is_one_family(options, state) &&
-      unknowns_of(other) + options.other_ways.family_spares <= unknowns_of(state))
+  if (holds_a_family(options, state) && unknowns_of(other) + limits.family_spares <= unknowns_of(state))
     return other.train_rms <= state.train_rms;
   if (is_settled(options, state)) return false;
   // What leaves more comes to an end by fewer unknowns, or by chance.
@@ -108,7 +110,13 @@ bool all_earn_their_places(const SearchSetting& setting, const State& state) {
 
 /// Names that two could do without: more of them than two, or one of many unknowns.
 bool could_be_two(const SearchOptions& options, const State& state) {
-  return state.found.steps.size() > options.other_ways.few_terms || is_one_family(options, state);
+  return state.found.steps.size() > options.other_ways.few_terms || holds_a_family(options, state);
+}
+
+std::set<const Effect*> effects_of(const std::vector<Step>& steps) {
+  std::set<const Effect*> effects;
+  for (const auto& step : steps) effects.insert(step.effect);
+  return effects;
 }
 
 /// Two names that come together where one after the other came to no end, or to one that two could do without: a first name
@@ -122,11 +130,19 @@ void try_pairs(const SearchSetting& setting, const State& base, State& state) {
       state.train_rms <
           options.acceptance.min_part_of_gap * gap_to_explain(setting, state.records, state.found.model))
     return;
+  std::set<std::set<const Effect*>> came_to;
   for (auto& [first, second] : pairs_at_once(setting, base.records, base.found.model, state.first)) {
     if (is_done() || options.is_late()) return;
     // Before anything is judged: one that takes a part of the other's share may be idle on the folds.
     Found together{second.after, {std::move(first), std::move(second)}, {}};
     exchange_partners(setting, base.records, together);
+    const auto effects = effects_of(together.steps);
+    if (!came_to.insert(effects).second) continue;
+    if (effects == effects_of(state.found.steps) &&
+        rms_of(together.model, base.records.train) > options.elimination.swap_gain * state.train_rms) {
+      state.partners_tried = true;
+      continue;
+    }
     std::vector<std::string> names;
     for (const auto& step : together.steps) names.emplace_back(step.effect->name());
     together.steps.back().after = std::move(together.model);
@@ -147,7 +163,7 @@ void try_pairs(const SearchSetting& setting, const State& base, State& state) {
 }  // namespace
 
 void try_other_partners(const SearchSetting& setting, State& state) {
-  if (state.found.steps.size() < 2 || are_responses(state.records.train)) return;
+  if (state.partners_tried || state.found.steps.size() < 2 || are_responses(state.records.train)) return;
   State other = state;
   if (!exchange_partners(setting, state.records, other.found)) {
     state = std::move(other);

@@ -23,6 +23,7 @@ struct State {
   bool taken_back = false;
   std::set<const Effect*> barred = {};  ///< names that had to explain all and did not
   bool other_way = false;               ///< begun again with another first name
+  bool partners_tried = false;          ///< every term against every effect beside the others
   std::vector<Sign> structure = {};     ///< what is left
   double train_rms = 0.0;
 };

@@ -27,21 +27,37 @@ Model refitted_without(const SearchSetting& setting, const SearchRecords& record
   return fit_in_turn(setting, records, std::move(model), kIterationsWithout).model;
 }
 
-/// Takes out earlier terms that no longer earn their place.
-Found prune(const SearchSetting& setting, const SearchRecords& records, Found found) {
+/// The earlier terms, those with the most unknowns in use first: they can take over what simpler ones explain.
+std::vector<std::size_t> by_unknowns(const Found& found) {
+  const auto& terms = found.model.terms();
+  std::vector<std::size_t> order;
+  for (std::size_t k = 0; k + 1 < std::min(found.steps.size(), terms.size()); ++k) order.push_back(k);
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return terms[a].effective_unknowns() > terms[b].effective_unknowns();
+  });
+  return order;
+}
+
+/// Takes out the first of the earlier terms that no longer earns its place. Whether there was one.
+bool prune_one(const SearchSetting& setting, const SearchRecords& records, Found& found) {
   const auto& options = setting.options;
-  for (std::size_t k = 0; k + 1 < found.steps.size() && k + 1 < found.model.terms().size();) {
+  for (const std::size_t k : by_unknowns(found)) {
     auto without = without_term(setting, records, found.model, k);
     const bool idle = without.gain.share < options.acceptance.min_gain ||
                       without.gain.z < options.elimination.min_significance;
-    if (!idle) {
-      ++k;
-      continue;
-    }
+    if (!idle) continue;
     found.notes.push_back(fmt::format("{} was taken out again: a later term explains what it did",
                                       found.model.terms()[k].effect->name()));
     found.model = std::move(without.model);
     found.steps.erase(found.steps.begin() + static_cast<std::ptrdiff_t>(k));
+    return true;
+  }
+  return false;
+}
+
+/// Takes out earlier terms that no longer earn their place.
+Found prune(const SearchSetting& setting, const SearchRecords& records, Found found) {
+  while (prune_one(setting, records, found)) {
   }
   return found;
 }
@@ -94,10 +110,10 @@ const Ranked* best_successor(const SearchSetting& setting, const LeftNow& now, c
     if (r.no_name || r.condition_number > accepted.max_condition || r.unknowns > accepted.max_unknowns)
       continue;
     // A rival of many unknowns takes in what the other terms leave of their own shares; on folds those of them that rest at a
-    // bound stay there, which is no merit: it must leave less on all records, too.
+    // bound stay there, which is no merit: it must leave as much less on all records, too.
     const std::size_t more = r.effective - std::min(r.effective, term.effective_unknowns());
     const double enough = options.swap_gain - options.swap_gain_each * static_cast<double>(more);
-    const bool better = r.folds_rms < enough * folds && (more == 0 || r.train_rms < train);
+    const bool better = r.folds_rms < enough * folds && (more == 0 || r.train_rms < enough * train);
     // On folds the model's own unknowns may count for more than the term's: one record alone need not tell them.
     const bool as_near = r.folds_rms < (1.0 + accepted.tie_within) * folds &&
                          r.train_rms < (1.0 + accepted.tie_surely_within) * train;
@@ -203,7 +219,10 @@ WithoutTerm without_term(const SearchSetting& setting, const SearchRecords& reco
   const auto left_with = folded_residuals(with, records.train, residuals.kind);
   const auto& left_without = residuals.folds;
   if (left_without.empty()) return without;
-  without.gain.share = 1.0 - rms(left_with) / std::max(rms(left_without), 1e-300);
+  // Where one record leaves the model's own values open, folds are told apart by those: a name takes its share of all records.
+  const double on_folds = rms(left_with) / std::max(rms(left_without), 1e-300);
+  const double on_all = rms_of(with, records.train) / std::max(rms(residuals.train), 1e-300);
+  without.gain.share = 1.0 - std::max(on_folds, on_all);
   without.gain.z = improvement_z(left_without, left_with);
   return without;
 }

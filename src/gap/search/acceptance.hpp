@@ -31,7 +31,8 @@ struct Judgement {
 Judgement judge(const SearchSetting& setting, const SearchRecords& records, const Model& before,
                 std::vector<Ranked> ranking);
 
-/// Gain of a term on folds of the training records, as a share of the rms and in standard deviations.
+/// Gain of a term: the share of the rms that it takes on folds of the training records and on all of them, the smaller of the
+/// two, and its standard deviations on folds.
 struct Gain {
   double share = 0.0;
   double z = 0.0;

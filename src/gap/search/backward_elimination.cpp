@@ -93,7 +93,6 @@ bool is_far_fetched_now(const Effect* effect, const std::vector<Ranked>& ranking
 /// What the present model leaves, on folds and of all records.
 struct LeftNow {
   std::vector<double> folds;
-  double folds_rms = 0.0;
   double train_rms = 0.0;
 };
 
@@ -103,7 +102,7 @@ const Ranked* best_successor(const SearchSetting& setting, const LeftNow& now, c
                              const std::vector<Ranked>& ranking, bool far_fetched) {
   const auto& accepted = setting.options.acceptance;
   const auto& options = setting.options.elimination;
-  const double folds = now.folds_rms;
+  const double folds = rms(now.folds);
   const double train = now.train_rms;
   std::vector<const Ranked*> good;
   for (const auto& r : ranking) {
@@ -174,9 +173,8 @@ std::optional<Found> with_exchanged(const SearchSetting& setting, const SearchRe
                         : successors_of(setting, records, own, without);
   const bool far_fetched = is_far_fetched_now(found.steps[k].effect, ranking, {});
   // On the folds of those that are compared with it.
-  LeftNow now{folded_residuals(found.model, records.train, suitable_folds(without, records.train)), 0.0,
-              rms_of(found.model, records.train)};
-  now.folds_rms = rms(now.folds);
+  const LeftNow now{folded_residuals(found.model, records.train, suitable_folds(without, records.train)),
+                    rms_of(found.model, records.train)};
   const Ranked* best = best_successor(setting, now, found.model.terms()[k], ranking, far_fetched);
   if (best == nullptr) {
     judge_ties_again(setting.options.acceptance, found.steps[k], found.model.terms()[k], now.folds, ranking);

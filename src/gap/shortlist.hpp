@@ -12,7 +12,7 @@ namespace bodesmith::gap {
 struct Promising {
   Proposal proposal;
   std::vector<std::size_t> best_starts;  ///< best first
-  double score = 0.0;  ///< share of what the model's own unknowns leave (energy) that the first look predicts it to explain
+  double score = 0.0;  ///< predicted share, of the energy that the model's own unknowns leave
   double z = 0.0;      ///< standard deviations of that (the residual's colour counted)
 };
 

@@ -5,6 +5,7 @@
 #include "gap/runner.hpp"
 #include "gap/search/base_fit.hpp"
 #include "gap/search/grow.hpp"
+#include "gap/search/no_names.hpp"
 #include "gap/search/of_responses.hpp"
 #include "gap/search/other_ways.hpp"
 #include "gap/search/remaining.hpp"
@@ -37,6 +38,7 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   try_other_partners(setting, state);
   try_each_name_alone(setting, begun, state);
   try_simpler_names(setting, state);
+  take_out_no_names(setting, state);
   result.stopped = options.stopped();
   result.late = options.is_late();
   result.refused = std::move(state.refused);

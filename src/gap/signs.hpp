@@ -69,7 +69,8 @@ Sign stands_apart(const Leftover& record);
 /// The energy lies in few cells of time and frequency together, as that of a chirp or of bursts does.
 Sign concentrated(const Leftover& record);
 
-/// The spectrum has a flat floor, and what stands on it at low frequencies is plainly more than that.
+/// The spectrum has a flat floor, and what stands on it at low frequencies is plainly more than that, and no noise that
+/// forgets itself.
 Sign above_white_floor(const Leftover& record);
 
 /// All signs that hold, strongest first: of each record alone, and of every two of `parts` (the records, or

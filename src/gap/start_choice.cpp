@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 #include "base/text.hpp"
@@ -23,6 +24,8 @@ constexpr double kWorthATerm = 0.9;
 constexpr double kWorthAKey = 0.98;
 /// where neither explains how the records begin, less than this one.
 constexpr double kFarNearer = 0.8;
+/// Of a search that scored all starts, what it leaves of whole records over what is left by one that left some out.
+constexpr double kStartsExplained = 0.5;
 
 bool any_begins_under_bias(const Experiments& train) {
   return std::any_of(train.begin(), train.end(), [](const Experiment& e) {
@@ -56,6 +59,25 @@ Tried tried(const Model& model, const Experiments& train, const SearchOptions& o
           !leave_out_wrong_starts(setting, make_records(train, options.stretches, model), model).found};
 }
 
+/// search(); and where that comes to no end and leaves a start out, once more with all starts scored: what is missing may act there
+/// most (a slew limit in the first and largest turns). What that finds counts where no start stands out any more and far less is
+/// left of the whole records.
+SearchResult search_all(const chain::Chain& base, const Experiments& train, const SearchOptions& options) {
+  auto found = search(base, train, options);
+  if ((found.structure.empty() && !found.steps.empty()) || found.stopped || found.late) return found;
+  const Tried first = tried(found.final, train, options);
+  if (first.explains) return found;
+  SearchOptions scored = options;
+  scored.starts.stands_out = std::numeric_limits<double>::infinity();
+  auto again = search(base, train, scored);
+  if (again.stopped || again.steps.empty()) return found;
+  const Tried second = tried(again.final, train, options);
+  if (!second.explains || !(second.rms < kStartsExplained * first.rms)) return found;
+  again.notes.emplace_back(
+      "What is missing acts most where the records begin: their starts are part of the search");
+  return again;
+}
+
 /// The same model from another start, refitted and not searched again.
 Tried from_other_start(Model model, Start start, const Experiments& train, const SearchOptions& options) {
   constexpr int kIterations = 8;
@@ -82,7 +104,7 @@ bool is_equilibrium_better(const SearchResult& equilibrium, const Tried& from_eq
 
 StartedSearch search_from_start(const chain::Chain& base, const Experiments& train,
                                 const SearchOptions& options) {
-  if (base.start || !any_begins_under_bias(train)) return {search(base, train, options), std::nullopt};
+  if (base.start || !any_begins_under_bias(train)) return {search_all(base, train, options), std::nullopt};
   const auto at_rest = started(base, Start::equilibrium);
   const Start first =
       whole_rms(Model(at_rest), train) < whole_rms(Model(base), train) ? Start::equilibrium : Start::zero;
@@ -98,13 +120,13 @@ StartedSearch search_from_start(const chain::Chain& base, const Experiments& tra
     found.initial = Model(base);  // as given
     return StartedSearch{std::move(found), choice};
   };
-  SearchResult found = search(from(first), train, options);
+  SearchResult found = search_all(from(first), train, options);
   const Tried of_first = tried(found.final, train, options);
   const Tried of_other = from_other_start(found.final, other, train, options);
   measure(of_first, of_other);
   const bool enough = of_first.explains && !(of_other.rms < kWorthAKey * of_first.rms);
   if (enough || found.stopped || found.late) return decided(first, std::move(found));
-  SearchResult again = search(from(other), train, options);
+  SearchResult again = search_all(from(other), train, options);
   if (again.stopped) return decided(first, std::move(found));
   const Tried of_again = tried(again.final, train, options);
   choice.by_search = true;

@@ -101,7 +101,7 @@ TEST(OffsetPlace, isNoLoop) {
     values.back() = offset;
     gap::Model model = bank->model;
     model.set_values(values);
-    return effect.is_no_name(model, scene);
+    return effect.is_no_name(model, model.terms().back(), scene);
   };
   EXPECT_FALSE(is_no_name(0.0));
   EXPECT_FALSE(is_no_name(0.02));

@@ -63,13 +63,13 @@ TEST(Relaxation, ofABankAsStrongAsItMayBeAtItsFastestIsALag) {
   creep.propose(scene, proposals);
   ASSERT_GE(proposals.size(), 3U);
   for (auto& p : proposals) {
-    EXPECT_FALSE(creep.is_no_name(p.model, scene));
+    EXPECT_FALSE(creep.is_no_name(p.model, p.model.terms().back(), scene));
     const auto& unknowns = p.model.terms().back().unknowns;
     const bool bank = unknowns.size() > 3;
     auto values = gap::current_values(p.model);
     values[values.size() - unknowns.size()] = unknowns.front().high;
     p.model.set_values(values);
-    EXPECT_EQ(creep.is_no_name(p.model, scene), bank);
+    EXPECT_EQ(creep.is_no_name(p.model, p.model.terms().back(), scene), bank);
   }
 }
 

@@ -61,18 +61,48 @@ TEST(Signs, aSlowChirpAndATelegraphAreEvenInTimeAndNoiseIsNot) {
   }
 }
 
+// What a smooth drive leaves keeps to its band; noise that forgets itself falls off slowly.
 TEST(Signs, aHumpStandsOnAWhiteFloorAndColouredNoiseHasNone) {
   for (unsigned seed = 1; seed <= 20; ++seed) {
     auto hump = noise_of_colour(0.0, seed);
-    const auto slow = noise_of_colour(0.97, seed + 100);
-    double smooth = 0.0;
+    auto red = hump;
+    auto slow = noise_of_colour(0.0, seed + 100).residual;
+    for (int pass = 0; pass < 8; ++pass) {
+      double smooth = 0.0;
+      for (double& x : slow) x = smooth += 0.2 * (x - smooth);
+    }
+    const auto memory = noise_of_colour(0.97, seed + 100).residual;
     for (std::size_t i = 0; i < 2000; ++i) {
-      smooth += 0.2 * (slow.residual[i] - smooth);
-      hump.residual[i] += 3.0 * smooth;
+      hump.residual[i] += 25.0 * slow[i];
+      red.residual[i] += 3.0 * memory[i];
     }
     EXPECT_TRUE(above_white_floor(hump).found()) << seed;
-    for (double memory : {0.0, 0.3, 0.6, 0.9, 0.99})
-      EXPECT_FALSE(above_white_floor(noise_of_colour(memory, seed)).found()) << seed << " " << memory;
+    EXPECT_FALSE(above_white_floor(red).found()) << seed;
+    for (double colour : {0.0, 0.3, 0.6, 0.9, 0.99})
+      EXPECT_FALSE(above_white_floor(noise_of_colour(colour, seed)).found()) << seed << " " << colour;
+  }
+}
+
+/// Of a smooth drive through a gain, with noise.
+Leftover curve_left(unsigned seed, double wave) {
+  Leftover l = noise_of_colour(0.0, seed);
+  const double phase = 0.1 * seed;
+  for (std::size_t i = 0; i < 2000; ++i) {
+    const double t = static_cast<double>(i) / 2000.0;
+    const double u = std::sin(2.0 * std::numbers::pi * 17.0 * t + phase) +
+                     0.6 * std::sin(2.0 * std::numbers::pi * 41.0 * t + 3.0 * phase);
+    l.input.push_back(u);
+    l.output.push_back(5.0 * u);
+    l.residual[i] += wave * std::sin(8.0 * u);
+  }
+  return l;
+}
+
+// Two and a half waves over the range: nothing that powers could follow.
+TEST(Signs, aStaticCurveOfAnyFormDependsOnTheSignals) {
+  for (unsigned seed = 1; seed <= 10; ++seed) {
+    EXPECT_TRUE(depends_on_signals(curve_left(seed, 1.0), curve_left(seed + 50, 1.0)).found()) << seed;
+    EXPECT_FALSE(depends_on_signals(curve_left(seed, 0.0), curve_left(seed + 50, 0.0)).found()) << seed;
   }
 }
 

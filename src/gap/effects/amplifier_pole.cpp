@@ -23,8 +23,8 @@ class AmplifierPole final : public Effect {
   }
   bool linear() const override { return true; }
   bool repeatable_in_response() const override { return true; }
-  bool is_no_name(const Model& model, const Scene& scene) const override {
-    return scene.is_between_samples(1.0 / Hertz{model.terms().back().unknowns.front().value}.rad_s().value);
+  bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
+    return scene.is_between_samples(1.0 / Hertz{term.unknowns.front().value}.rad_s().value);
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     const double b = scene.band_hz;

@@ -34,8 +34,8 @@ class AsymmetricHysteresis final : public Effect {
   }
   /// Branches that coincide are a curve, and so are one-sided dead zones behind plays without weight; beside a constant
   /// that is much larger than the loop, the term is an offset.
-  bool is_no_name(const Model& model, const Scene& scene) const override {
-    const std::size_t at = model.position_of(model.terms().back().blocks.front());
+  bool is_no_name(const Model& model, const Term& term, const Scene& scene) const override {
+    const std::size_t at = model.position_of(term.blocks.front());
     const auto& block = model.at(at);
     const auto& signal = scene.boundary[at];
     return block.has("ascending") ? is_curve_of_branches(block, signal) : is_curve_of_plays(block, signal);

@@ -119,8 +119,8 @@ class Creep final : public Effect {
   }
   int places_a_round() const override { return 3; }
   /// A fastest relaxation as strong as it may be is a lag beside the others.
-  bool is_no_name(const Model& model, const Scene&) const override {
-    const auto& unknowns = model.terms().back().unknowns;
+  bool is_no_name(const Model&, const Term& term, const Scene&) const override {
+    const auto& unknowns = term.unknowns;
     return unknowns.size() > kMostOfOneOrLogarithmic && unknowns.front().value >= unknowns.front().high;
   }
   /// One relaxation is no change of gain over a band.

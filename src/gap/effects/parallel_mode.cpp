@@ -82,8 +82,8 @@ class ParallelMode final : public Effect {
   bool linear() const override { return true; }
   /// Each has a frequency of its own.
   bool repeatable() const override { return true; }
-  bool is_no_name(const Model& model, const Scene& scene) const override {
-    const double hz = model.terms().back().unknowns[0].value;
+  bool is_no_name(const Model& model, const Term& last, const Scene& scene) const override {
+    const double hz = last.unknowns[0].value;
     if (hz > scene.top_hz || (scene.frequency_only && hz < scene.low_hz)) return true;
     std::vector<const Term*> modes;
     for (const Term& term : model.terms()) {

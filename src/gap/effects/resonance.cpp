@@ -20,8 +20,8 @@ class Resonance final : public Effect {
   bool linear() const override { return true; }
   bool repeatable_in_response() const override { return true; }
   /// Above what is sampled it is a lag.
-  bool is_no_name(const Model& model, const Scene& scene) const override {
-    return !scene.frequency_only && model.terms().back().unknowns.front().value > scene.top_hz;
+  bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
+    return !scene.frequency_only && term.unknowns.front().value > scene.top_hz;
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     Starts starts;

@@ -63,7 +63,9 @@ class SampleHold final : public Effect {
     const bool images = images_stand_out(scene);
     if (!images && !lags) return;
     std::array<Starts, 2> stairs;
-    if (images) stairs = {clocks_by_stairs(scene, false), clocks_by_stairs(scene, true)};
+    if (images)
+      parallel_for(2, scene.threads,
+                   [&](std::size_t half) { stairs[half] = clocks_by_stairs(scene, half == 1); });
     const std::vector<std::size_t> places = scene.static_places();
     std::vector<Starts> found(2 * places.size());  // whole and half cycles of delay
     parallel_for(found.size(), scene.threads, [&](std::size_t i) {

@@ -16,8 +16,8 @@ class SwitchDelay final : public Effect {
   std::string_view experiment() const override {
     return "a fast and a slow triangle: the wrong stretch after a turn lasts the same time in both";
   }
-  bool is_no_name(const Model& model, const Scene& scene) const override {
-    return scene.is_between_samples(model.terms().back().unknowns.front().value);
+  bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
+    return scene.is_between_samples(term.unknowns.front().value);
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;

@@ -21,8 +21,8 @@ class TimeDelay final : public Effect {
     return "a sweep to higher frequencies: a pole loses gain, a delay does not";
   }
   bool linear() const override { return true; }
-  bool is_no_name(const Model& model, const Scene& scene) const override {
-    return scene.is_between_samples(model.terms().back().unknowns.front().value);
+  bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
+    return scene.is_between_samples(term.unknowns.front().value);
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     const double step = scene.frequency_only ? 0.02 / scene.top_hz : scene.step_s;

@@ -60,7 +60,8 @@ bool finish(const SearchSetting& setting, const SearchRecords& records, Folds ki
     return false;
   trial.rounds.back().model = std::move(fitted.model);
   const auto scene = make_scene(trial.model(), records.train);
-  if (trial.rounds.back().effect->is_no_name(trial.model(), scene)) return false;
+  if (trial.rounds.back().effect->is_no_name(trial.model(), trial.model().terms().back(), scene))
+    return false;
   trial.folds = folded_residuals(trial.model(), records.train, kind);
   if (trial.folds.empty()) return false;
   trial.folds_rms = rms(trial.folds);

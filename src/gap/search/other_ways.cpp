@@ -16,6 +16,7 @@
 #include "gap/search/backward_elimination.hpp"
 #include "gap/search/base_fit.hpp"
 #include "gap/search/grow.hpp"
+#include "gap/search/no_names.hpp"
 #include "gap/search/pairs_at_once.hpp"
 #include "gap/search/round.hpp"
 #include "gap/search/step.hpp"
@@ -96,6 +97,7 @@ bool exchange_partners(const SearchSetting& setting, const SearchRecords& record
 bool all_earn_their_places(const SearchSetting& setting, const State& state) {
   const auto& accepted = setting.options.acceptance;
   const auto& terms = state.found.model.terms();
+  if (term_without_name(state.found.model, state.records.train)) return false;
   const double left_by_all = rms_of(state.found.model, state.records.train);
   for (std::size_t k = 0; k < terms.size(); ++k) {
     const auto without = without_term(setting, state.records, state.found.model, k);

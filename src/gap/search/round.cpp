@@ -157,7 +157,7 @@ std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& reco
   for (auto& r : ranking) {
     scene.takes_most = model.terms().empty() && r.folds_rms < kMost * left_before;
     r.far_fetched = r.effect->is_far_fetched(r.model, scene);
-    r.no_name = r.effect->is_no_name(r.model, scene);
+    r.no_name = r.effect->is_no_name(r.model, r.model.terms().back(), scene);
   }
   return ranking;
 }

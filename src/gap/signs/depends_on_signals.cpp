@@ -32,10 +32,11 @@ Eigen::VectorXd zero_mean(const std::vector<double>& v) {
 /// Share of one residual's energy that weights learned on the other explain.
 class Prediction {
  public:
-  Prediction(const Leftover& learn, const Leftover& apply) {
+  using Features = Eigen::MatrixXd (*)(const Leftover&, const SignalScales&);
+  Prediction(Features features, const Leftover& learn, const Leftover& apply) {
     const auto scales = signal_scales(learn, apply);
-    x_ = signal_features(learn, scales);
-    z_ = signal_features(apply, scales);
+    x_ = features(learn, scales);
+    z_ = features(apply, scales);
     for (Eigen::Index j = 0; j < x_.cols(); ++j) {
       const double size = std::max(x_.col(j).norm() / std::sqrt(static_cast<double>(x_.rows())), 1e-12);
       x_.col(j) /= size;
@@ -66,14 +67,18 @@ class Prediction {
 Sign depends_on_signals(const Leftover& learn, const Leftover& apply) {
   Sign sign{SignKind::depends_on_signals, 0.0};
   if (learn.residual.size() < kMinSamplesToLearn || apply.residual.size() < kMinSamplesToLearn) return sign;
-  const Prediction prediction(learn, apply);
-  const double got = prediction.share(learn.residual, apply.residual);
-  Chance chance;
-  for (std::uint64_t k = 0; k < kPredictedSurrogates; ++k) {
-    chance.add(prediction.share(phase_surrogate(learn.residual, 1000 + k),
-                                phase_surrogate(apply.residual, 2000 + k)));
+  // Apart, as many features together foretell less of each other's.
+  for (const auto features : {signal_features, curve_features}) {
+    const Prediction prediction(features, learn, apply);
+    const double got = prediction.share(learn.residual, apply.residual);
+    Chance chance;
+    for (std::uint64_t k = 0; k < kPredictedSurrogates; ++k) {
+      chance.add(prediction.share(phase_surrogate(learn.residual, 1000 + k),
+                                  phase_surrogate(apply.residual, 2000 + k)));
+    }
+    const double limit = std::max({kMinShare, kTimesLargest * chance.max(), kTimesRms * chance.rms()});
+    sign.strength = std::max(sign.strength, got / limit);
   }
-  sign.strength = got / std::max({kMinShare, kTimesLargest * chance.max(), kTimesRms * chance.rms()});
   return sign;
 }
 

@@ -1,0 +1,76 @@
+// A name whose values, beside others, have become another effect's form.
+#include "gap/search/no_names.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+#include <optional>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "gap/diagnosis.hpp"
+#include "gap/effect.hpp"
+#include "gap/scene.hpp"
+#include "made_model.hpp"
+#include "simulate/record_simulator.hpp"
+
+namespace no_names {
+namespace {
+
+using namespace bodesmith;
+
+constexpr double kStep_s = 2e-4;
+
+TimeRecord measured(const std::string& truth, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  TimeRecord r;
+  r.file = "record.csv";
+  r.step_s = kStep_s;
+  const double turn = 2.0 * std::numbers::pi * kStep_s * (1.0 + 0.1 * seed);
+  for (int i = 0; i < 600; ++i)
+    r.u.push_back(0.3 * (1.0 - std::cos(23.0 * turn * i)) + 0.2 * (1.0 - std::cos(61.0 * turn * i)));
+  simulate::RecordSimulator simulator(model_of(truth), kStep_s);
+  for (double y : simulator.run(r.u)) r.y.push_back(y + 0.002 * normal(random));
+  return r;
+}
+
+const std::string kStage =
+    "[[block]]\ntype = \"prandtl_ishlinskii\"\nr = [0.0, 0.1, 0.25, 0.45, 0.7]\nw = [1.0, 0.1, 0.08, 0.09, 0.06]\n"
+    "[[block]]\ntype = \"resonator\"\ngain = 1.9\nnatural_frequency_hz = 400.0\ndamping_ratio = 0.3\n"
+    "free = [\"gain\", \"natural_frequency_hz\", \"damping_ratio\"]\n";
+
+// A one-sided dead zone is all of it: asymmetric memory without a loop, beside an offset, would leave nothing but noise.
+TEST(NoNames, aKinkOfASensorIsNotAsymmetricMemory) {
+  const std::string kink =
+      "[[block]]\ntype = \"prandtl_ishlinskii\"\nr = [0.0]\nw = [1.0]\ns = [1.0]\nv = [-0.25]\n";
+  const auto model = model_of(kStage);
+  const auto d = gap::diagnose(
+      model, gap::Study::of({measured(kStage + kink, 1)}, {measured(kStage + kink, 2)}, model), {});
+  for (const auto& step : d.steps) EXPECT_NE(step.effect, "asymmetric_hysteresis");
+  EXPECT_TRUE(d.verdict == gap::Verdict::partly_explained || d.verdict == gap::Verdict::unexplained);
+  EXPECT_GT(d.final.holdout_rms, 1.5 * 0.002);
+}
+
+// A lag of some samples, and one of a two-hundredth of a sample.
+TEST(NoNames, areSeenBehindOtherTerms) {
+  gap::Experiments train;
+  train.emplace_back(gap::TimeExperiment(measured(kStage, 1)));
+  gap::Model model(model_of("[[block]]\ntype = \"gain\"\ngain = 1.9\n"));
+  for (const char* effect : {"amplifier_pole", "offset"}) {
+    std::vector<gap::Proposal> proposals;
+    gap::effect_registry().get(effect).propose(gap::make_scene(model, train), proposals);
+    model = proposals.front().model;
+  }
+  const auto without_name = [&](double lag_s) {
+    model.set_values(std::vector<double>{0.5 / (std::numbers::pi * lag_s), 0.1});
+    return gap::term_without_name(model, train);
+  };
+  EXPECT_EQ(without_name(3.0 * kStep_s), std::nullopt);
+  EXPECT_EQ(without_name(0.005 * kStep_s), std::optional<std::size_t>(0));
+}
+
+}  // namespace
+}  // namespace no_names

@@ -8,6 +8,7 @@
 #include <utility>
 
 #include "base/text.hpp"
+#include "gap/model_fit.hpp"
 #include "gap/runner.hpp"
 #include "gap/search/base_fit.hpp"
 #include "gap/search/record_starts.hpp"
@@ -24,7 +25,8 @@ constexpr double kWorthATerm = 0.9;
 constexpr double kWorthAKey = 0.98;
 /// where neither explains how the records begin, less than this one.
 constexpr double kFarNearer = 0.8;
-/// Of a search that scored all starts, what it leaves of whole records over what is left by one that left some out.
+/// Of a search that scored all starts, what it leaves of whole records over what one that left some out leaves, and over what
+/// that one leaves when each record begins in a state of its own.
 constexpr double kStartsExplained = 0.5;
 
 bool any_begins_under_bias(const Experiments& train) {
@@ -47,6 +49,16 @@ double whole_rms(const Model& model, Experiments train) {
   return rms_of(model, train);
 }
 
+/// The same when each record began in an unknown state: what free responses of the model explain is taken off.
+double whole_rms_from_any_state(const Model& model, Experiments train) {
+  constexpr std::size_t kFirst = 1;
+  for (auto& e : train) {
+    if (auto* time = std::get_if<TimeExperiment>(&e))
+      time->leave_out_start(kFirst, free_responses(model, *time, kFirst));
+  }
+  return rms_of(model, train);
+}
+
 /// A model from one of the two starts, held against the training records.
 struct Tried {
   double rms = 0.0;      ///< from their first samples on
@@ -61,7 +73,7 @@ Tried tried(const Model& model, const Experiments& train, const SearchOptions& o
 
 /// search(); and where that comes to no end and leaves a start out, once more with all starts scored: what is missing may act there
 /// most (a slew limit in the first and largest turns). What that finds counts where no start stands out any more and far less is
-/// left of the whole records.
+/// left of the whole records than a wrong start would explain.
 SearchResult search_all(const chain::Chain& base, const Experiments& train, const SearchOptions& options) {
   auto found = search(base, train, options);
   if ((found.structure.empty() && !found.steps.empty()) || found.stopped || found.late) return found;
@@ -72,7 +84,8 @@ SearchResult search_all(const chain::Chain& base, const Experiments& train, cons
   auto again = search(base, train, scored);
   if (again.stopped || again.steps.empty()) return found;
   const Tried second = tried(again.final, train, options);
-  if (!second.explains || !(second.rms < kStartsExplained * first.rms)) return found;
+  const double least = std::min(first.rms, whole_rms_from_any_state(found.final, train));
+  if (!second.explains || !(second.rms < kStartsExplained * least)) return found;
   again.notes.emplace_back(
       "What is missing acts most where the records begin: their starts are part of the search");
   return again;

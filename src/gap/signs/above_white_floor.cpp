@@ -13,8 +13,9 @@ namespace bodesmith::gap {
 namespace {
 
 constexpr std::size_t kMinSamplesOfFloor = 400;
-/// Densities of the two parts of the spectrum from a quarter of the sampling rate up differ by this factor at the most where a
-/// white floor is seen: with one resonance below them they differ by 1.8 and more.
+/// Densities of the three parts of the spectrum from an eighth of the sampling rate up differ by this factor at the most
+/// where the noise is white. Of coloured noise x_i = a x_(i-1) + w_i they differ by 1.9 with a = 0.3 and by more with a
+/// larger a.
 constexpr double kFlat = 1.5;
 /// Root mean square over the floor's.
 constexpr double kOverFloor = 1.5;
@@ -54,11 +55,12 @@ Sign above_white_floor(const Leftover& record) {
   const auto power = periodogram(record.residual, record.step_s).power;
   const std::span<const double> all(power);
   const std::size_t quarter = all.size() / 4;
+  const double low = density(all.subspan(quarter, quarter));
   const double middle = density(all.subspan(2 * quarter, quarter));
   const double high = density(all.subspan(3 * quarter));
-  const auto [least, most] = std::minmax({middle, high});
+  const auto [least, most] = std::minmax({low, middle, high});
   if (!(least > 0.0) || most > kFlat * least) return sign;
-  const double floor = density(all.subspan(2 * quarter)) * static_cast<double>(all.size());
+  const double floor = density(all.subspan(quarter)) * static_cast<double>(all.size());
   if (rounding_noise(record) > kMaxOfConverter * floor) return sign;
   const double total = std::accumulate(all.begin(), all.end(), 0.0);
   sign.strength =

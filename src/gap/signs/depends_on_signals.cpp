@@ -1,5 +1,7 @@
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 #include "gap/signs.hpp"
 #include "gap/signs/chance.hpp"
@@ -19,6 +21,8 @@ constexpr std::uint64_t kPredictedSurrogates = 24;
 constexpr double kMinShare = 0.015;
 constexpr double kTimesLargest = 1.6;
 constexpr double kTimesRms = 5.0;
+/// Curves of any form must be so much plainer: they follow slow noise where a drive dwells at few levels.
+constexpr double kPlainCurve = 2.5;
 /// The ridge of the weights: grows with the residual's memory, as fewer effective samples carry fewer
 /// features.
 constexpr double kRidgePerSample = 0.3;
@@ -68,7 +72,8 @@ Sign depends_on_signals(const Leftover& learn, const Leftover& apply) {
   Sign sign{SignKind::depends_on_signals, 0.0};
   if (learn.residual.size() < kMinSamplesToLearn || apply.residual.size() < kMinSamplesToLearn) return sign;
   // Apart, as many features together foretell less of each other's.
-  for (const auto features : {signal_features, curve_features}) {
+  constexpr std::array kLooks = {std::pair{&signal_features, 1.0}, std::pair{&curve_features, kPlainCurve}};
+  for (const auto& [features, plainer] : kLooks) {
     const Prediction prediction(features, learn, apply);
     const double got = prediction.share(learn.residual, apply.residual);
     Chance chance;
@@ -77,7 +82,7 @@ Sign depends_on_signals(const Leftover& learn, const Leftover& apply) {
                                   phase_surrogate(apply.residual, 2000 + k)));
     }
     const double limit = std::max({kMinShare, kTimesLargest * chance.max(), kTimesRms * chance.rms()});
-    sign.strength = std::max(sign.strength, got / limit);
+    sign.strength = std::max(sign.strength, got / (plainer * limit));
   }
   return sign;
 }

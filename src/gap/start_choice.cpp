@@ -133,13 +133,13 @@ StartedSearch search_from_start(const chain::Chain& base, const Experiments& tra
     found.initial = Model(base);  // as given
     return StartedSearch{std::move(found), choice};
   };
-  SearchResult found = search_all(from(first), train, options);
+  SearchResult found = search(from(first), train, options);
   const Tried of_first = tried(found.final, train, options);
   const Tried of_other = from_other_start(found.final, other, train, options);
   measure(of_first, of_other);
   const bool enough = of_first.explains && !(of_other.rms < kWorthAKey * of_first.rms);
   if (enough || found.stopped || found.late) return decided(first, std::move(found));
-  SearchResult again = search_all(from(other), train, options);
+  SearchResult again = search(from(other), train, options);
   if (again.stopped) return decided(first, std::move(found));
   const Tried of_again = tried(again.final, train, options);
   choice.by_search = true;

@@ -79,13 +79,14 @@ SearchResult search_all(const chain::Chain& base, const Experiments& train, cons
   if ((found.structure.empty() && !found.steps.empty()) || found.stopped || found.late) return found;
   const Tried first = tried(found.final, train, options);
   if (first.explains) return found;
+  const double enough = kStartsExplained * std::min(first.rms, whole_rms_from_any_state(found.final, train));
+  if (!(found.train_rms < enough)) return found;
   SearchOptions scored = options;
   scored.starts.stands_out = std::numeric_limits<double>::infinity();
   auto again = search(base, train, scored);
   if (again.stopped || again.steps.empty()) return found;
   const Tried second = tried(again.final, train, options);
-  const double least = std::min(first.rms, whole_rms_from_any_state(found.final, train));
-  if (!second.explains || !(second.rms < kStartsExplained * least)) return found;
+  if (!second.explains || !(second.rms < enough)) return found;
   again.notes.emplace_back(
       "What is missing acts most where the records begin: their starts are part of the search");
   return again;

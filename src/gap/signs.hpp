@@ -24,6 +24,7 @@ enum class SignKind {
   gain_varies,
   concentrated,
   above_white_floor,
+  straight_line,
   smooth_over_frequency,
   stands_apart,
   refused_candidate,
@@ -72,6 +73,10 @@ Sign concentrated(const Leftover& record);
 /// The spectrum has a flat floor, and what stands on it at low frequencies is plainly more than that, and no noise that
 /// forgets itself.
 Sign above_white_floor(const Leftover& record);
+
+/// A constant or a straight line in it, as slow as red noise and by far too straight for it: the exact likelihood under red and
+/// white noise (signal/red_noise.hpp) says so.
+Sign straight_line(const Leftover& record);
 
 /// All signs that hold, strongest first: of each record alone, and of every two of `parts` (the records, or
 /// the halves of the only one) what one foretells of the other.

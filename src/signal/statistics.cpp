@@ -122,4 +122,20 @@ double improvement_z(const std::vector<double>& before, const std::vector<double
   return deviation > 0.0 ? along / deviation : 1e9;
 }
 
+std::vector<double> less_straight_line(const std::vector<double>& v) {
+  const double middle = 0.5 * static_cast<double>(v.size() - 1);
+  const double level = mean(v);
+  double along = 0.0;
+  double size = 0.0;
+  for (std::size_t i = 0; i < v.size(); ++i) {
+    const double t = static_cast<double>(i) - middle;
+    along += t * v[i];
+    size += t * t;
+  }
+  std::vector<double> out(v.size());
+  for (std::size_t i = 0; i < v.size(); ++i)
+    out[i] = v[i] - level - (size > 0.0 ? along / size : 0.0) * (static_cast<double>(i) - middle);
+  return out;
+}
+
 }  // namespace bodesmith

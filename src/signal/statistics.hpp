@@ -33,4 +33,7 @@ enum class LowBins {
 double improvement_z(const std::vector<double>& before, const std::vector<double>& after,
                      LowBins low_bins = LowBins::as_they_are);
 
+/// Less the straight line over its places that comes nearest (least squares).
+std::vector<double> less_straight_line(const std::vector<double>& v);
+
 }  // namespace bodesmith

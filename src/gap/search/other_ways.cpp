@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <set>
 #include <string>
@@ -121,6 +122,24 @@ std::set<const Effect*> effects_of(const std::vector<Step>& steps) {
   return effects;
 }
 
+/// What of one effect alone promises nothing, and is looked for all the same beside others: a constant and a line may each
+/// leave as much as before without the other.
+std::vector<Ranked> with_single_signals(const SearchSetting& setting, const State& base,
+                                        std::vector<Ranked> first) {
+  std::set<const Effect*> there;
+  for (const auto& r : first) there.insert(r.effect);
+  SearchOptions open = setting.options;
+  open.round.min_promise = 0.0;
+  const SearchSetting wide{open, setting.initial, setting.first_gap};
+  auto more =
+      fit_round(
+          wide, base.records, base.found.model,
+          [&](const Effect& effect) { return effect.adds_one_signal() && there.count(&effect) == 0; }, 0.0)
+          .ranking;
+  std::move(more.begin(), more.end(), std::back_inserter(first));
+  return first;
+}
+
 /// Two names that come together where one after the other came to no end, or to one that two could do without: a first name
 /// takes over what it can of the second one's share, and what is then left is neither's.
 void try_pairs(const SearchSetting& setting, const State& base, State& state) {
@@ -133,7 +152,8 @@ void try_pairs(const SearchSetting& setting, const State& base, State& state) {
           options.acceptance.min_part_of_gap * gap_to_explain(setting, state.records, state.found.model))
     return;
   std::set<std::set<const Effect*>> came_to;
-  for (auto& [first, second] : pairs_at_once(setting, base.records, base.found.model, state.first)) {
+  const auto firsts = with_single_signals(setting, base, state.first);
+  for (auto& [first, second] : pairs_at_once(setting, base.records, base.found.model, firsts)) {
     if (is_done() || options.is_late()) return;
     // Before anything is judged: one that takes a part of the other's share may be idle on the folds.
     Found together{second.after, {std::move(first), std::move(second)}, {}};

@@ -35,7 +35,8 @@ std::vector<const Ranked*> firsts_among(const SearchSetting& setting, const Sear
   for (const auto& r : ranking) {
     if (r.condition_number > options.acceptance.max_condition || r.unknowns > options.acceptance.max_unknowns)
       continue;
-    if (r.train_rms < options.pairs.max_left_train * left_before) sorted.push_back(&r);
+    if (r.train_rms < options.pairs.max_left_train * left_before || r.effect->adds_one_signal())
+      sorted.push_back(&r);
   }
   std::stable_sort(sorted.begin(), sorted.end(),
                    [](const Ranked* a, const Ranked* b) { return a->train_rms < b->train_rms; });

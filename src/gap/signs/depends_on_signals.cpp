@@ -71,15 +71,17 @@ class Prediction {
 Sign depends_on_signals(const Leftover& learn, const Leftover& apply) {
   Sign sign{SignKind::depends_on_signals, 0.0};
   if (learn.residual.size() < kMinSamplesToLearn || apply.residual.size() < kMinSamplesToLearn) return sign;
+  // A line over a part says nothing of the other, and would hide what does.
+  const auto learned = less_straight_line(learn.residual);
+  const auto applied = less_straight_line(apply.residual);
   // Apart, as many features together foretell less of each other's.
   constexpr std::array kLooks = {std::pair{&signal_features, 1.0}, std::pair{&curve_features, kPlainCurve}};
   for (const auto& [features, plainer] : kLooks) {
     const Prediction prediction(features, learn, apply);
-    const double got = prediction.share(learn.residual, apply.residual);
+    const double got = prediction.share(learned, applied);
     Chance chance;
     for (std::uint64_t k = 0; k < kPredictedSurrogates; ++k) {
-      chance.add(prediction.share(phase_surrogate(learn.residual, 1000 + k),
-                                  phase_surrogate(apply.residual, 2000 + k)));
+      chance.add(prediction.share(phase_surrogate(learned, 1000 + k), phase_surrogate(applied, 2000 + k)));
     }
     const double limit = std::max({kMinShare, kTimesLargest * chance.max(), kTimesRms * chance.rms()});
     sign.strength = std::max(sign.strength, got / (plainer * limit));

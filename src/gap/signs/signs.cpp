@@ -43,6 +43,8 @@ std::string to_string(SignKind kind) {
       return "the residual keeps to few stretches of time and frequency together";
     case SignKind::above_white_floor:
       return "far more is left at low frequencies than the white floor of the noise";
+    case SignKind::straight_line:
+      return "the residual holds a constant or a straight line";
     case SignKind::smooth_over_frequency:
       return "neighbouring frequencies err alike";
     case SignKind::stands_apart:
@@ -78,6 +80,7 @@ std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records,
     consider([&r] { return spectral_line(r); });
     consider([&r] { return concentrated(r); });
     consider([&r] { return above_white_floor(r); });
+    consider([&r] { return straight_line(r); });
   }
   std::vector<Sign> all(looks.size());
   parallel_for(looks.size(), allowed_threads(), [&](std::size_t i) { all[i] = looks[i](); });

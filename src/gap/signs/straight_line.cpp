@@ -1,0 +1,30 @@
+#include <cmath>
+#include <span>
+#include <vector>
+
+#include "gap/signs.hpp"
+#include "signal/red_noise.hpp"
+#include "signal/statistics.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+constexpr std::size_t kMinSamplesOfLine = 200;
+/// Gain of the logarithm of the likelihood. Of two values that are chance it is 1 on the average, and 18 once in ten million.
+constexpr double kSurelyALine = 18.0;
+
+double log_likelihood(const std::vector<double>& v) {
+  return most_likely_red_noise({std::span<const double>(v)}).log_likelihood;
+}
+
+}  // namespace
+
+Sign straight_line(const Leftover& record) {
+  Sign sign{SignKind::straight_line, 0.0};
+  if (record.residual.size() < kMinSamplesOfLine) return sign;
+  const double gain = log_likelihood(less_straight_line(record.residual)) - log_likelihood(record.residual);
+  if (std::isfinite(gain)) sign.strength = gain / kSurelyALine;
+  return sign;
+}
+
+}  // namespace bodesmith::gap

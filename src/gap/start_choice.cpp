@@ -71,12 +71,12 @@ Tried tried(const Model& model, const Experiments& train, const SearchOptions& o
           !leave_out_wrong_starts(setting, make_records(train, options.stretches, model), model).found};
 }
 
-/// search(); and where that comes to no end and leaves a start out, once more with all starts scored: what is missing may act there
+/// search(); and where that leaves a start out, once more with all starts scored: what is missing may act there
 /// most (a slew limit in the first and largest turns). What that finds counts where no start stands out any more and far less is
 /// left of the whole records than a wrong start would explain.
 SearchResult search_all(const chain::Chain& base, const Experiments& train, const SearchOptions& options) {
   auto found = search(base, train, options);
-  if ((found.structure.empty() && !found.steps.empty()) || found.stopped || found.late) return found;
+  if (found.stopped || found.late) return found;
   const Tried first = tried(found.final, train, options);
   if (first.explains) return found;
   const double enough = kStartsExplained * std::min(first.rms, whole_rms_from_any_state(found.final, train));

@@ -106,6 +106,24 @@ TEST(Signs, aStaticCurveOfAnyFormDependsOnTheSignals) {
   }
 }
 
+// Slow noise goes up and down by chance; a line of its size that goes straight is none.
+TEST(Signs, aStraightLineUnderSlowNoiseIsTold) {
+  int alarms = 0;
+  for (unsigned seed = 1; seed <= 20; ++seed) {
+    auto line = noise_of_colour(0.9, seed);
+    auto constant = line;
+    for (std::size_t i = 0; i < 2000; ++i) {
+      line.residual[i] += 2.0 * (static_cast<double>(i) / 1000.0 - 1.0);
+      constant.residual[i] += 1.5;
+    }
+    EXPECT_TRUE(straight_line(line).found()) << seed;
+    EXPECT_TRUE(straight_line(constant).found()) << seed;
+    for (double memory : {0.0, 0.9, 0.99, 0.999})
+      alarms += straight_line(noise_of_colour(memory, seed + 100)).found() ? 1 : 0;
+  }
+  EXPECT_EQ(alarms, 0);
+}
+
 /// A few lines, and a residual of the same lines: what surrogates of it share with slow gains is large by itself.
 Leftover few_lines(unsigned seed, bool wandering) {
   Leftover l = noise_of_colour(0.0, seed);

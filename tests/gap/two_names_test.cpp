@@ -76,6 +76,16 @@ TEST(TwoNames, anOffsetAndALimitAreNotAsymmetricMemory) {
   EXPECT_EQ(names_of(d), (std::set<std::string>{"offset", "saturation"}));
 }
 
+// The line crosses zero in the middle of the record: a constant alone, and a line from zero alone, leave as much as before.
+TEST(TwoNames, aConstantAndALineThatExplainNothingAlone) {
+  const auto d = diagnosed(kResonator,
+                           kResonator + "[[block]]\ntype = \"gain\"\ngain = 1.0\noffset = -0.03\n" +
+                               "[[block]]\ntype = \"drift\"\nrate_per_s = 0.33\n",
+                           0.003);
+  EXPECT_EQ(names_of(d), (std::set<std::string>{"drift", "offset"}));
+  EXPECT_LT(d.final.train_rms, 1.1 * 0.003);
+}
+
 // The delay takes four fifths of what the drift leaves, and less than a twelfth of the first gap.
 TEST(TwoNames, aDelayBesideADriftOfManyTimesItsSizeIsNamed) {
   const std::string base = kPlays + "[[block]]\ntype = \"gain\"\ngain = 2.0\nfree = [\"gain\"]\n";

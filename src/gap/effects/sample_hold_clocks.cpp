@@ -115,9 +115,8 @@ struct ClockComb {
     last = whole_number<std::size_t>(std::ceil(kFastest / (step_s * spacing_hz)));
   }
   double clock_hz(std::size_t k) const { return static_cast<double>(k) * spacing_hz; }
-  double cycle(std::size_t k) const {
-    return static_cast<double>(periods) / static_cast<double>(k);
-  }  ///< samples
+  /// In samples.
+  double cycle(std::size_t k) const { return static_cast<double>(periods) / static_cast<double>(k); }
 };
 
 /// For a comb's clocks (0 for those before its first): the residual's product with the stairs of a signal less their mean

@@ -122,8 +122,8 @@ std::set<const Effect*> effects_of(const std::vector<Step>& steps) {
   return effects;
 }
 
-/// What of one effect alone promises nothing, and is looked for all the same beside others: a constant and a line may each
-/// leave as much as before without the other.
+/// First names for pairs: besides those of the first round the effects that add one signal, whatever they promise alone (a
+/// constant and a line may each leave as much as before without the other).
 std::vector<Ranked> with_single_signals(const SearchSetting& setting, const State& base,
                                         std::vector<Ranked> first) {
   std::set<const Effect*> there;

@@ -10,7 +10,7 @@ namespace bodesmith::gap {
 namespace {
 
 constexpr std::size_t kMinSamplesOfLine = 200;
-/// Gain of the logarithm of the likelihood. Of two values that are chance it is 1 on the average, and 18 once in ten million.
+/// Gain of the logarithm of the likelihood. Of two values that are chance it is 1 on the average, and 18 once in fifty million times.
 constexpr double kSurelyALine = 18.0;
 
 double log_likelihood(const std::vector<double>& v) {

@@ -7,10 +7,10 @@
 
 #include "base/progress.hpp"
 #include "chain/model_file.hpp"
+#include "gap/diagnosis.hpp"
 #include "gap/runner.hpp"
 #include "gap/search.hpp"
 #include "gap/study.hpp"
-#include "gap/verdict.hpp"
 
 namespace hidden {
 
@@ -80,9 +80,10 @@ Outcome solve(const Case& c, const SolveOptions& wanted) {
   options.stop = [&] {
     return interrupted() || (wanted.max_seconds > 0.0 && watch.seconds() > wanted.max_seconds);
   };
-  const auto result = gap::search(base, study.train(), options);
+  const auto found = gap::diagnose(base, study, options);
+  const auto& result = found.search;
   o.seconds = watch.seconds();
-  const auto verdict = gap::verdict_of(result, gap::rms_of(result.final, study.train()), options.enough);
+  const auto verdict = found.verdict;
   o.verdict = to_string(verdict);
   for (const auto& s : result.steps) {
     o.named.emplace_back(s.effect->name());

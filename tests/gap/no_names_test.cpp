@@ -6,15 +6,15 @@
 #include <cmath>
 #include <numbers>
 #include <optional>
-#include <random>
 #include <string>
+#include <utility>
 #include <vector>
 
 #include "gap/diagnosis.hpp"
 #include "gap/effect.hpp"
 #include "gap/scene.hpp"
 #include "made_model.hpp"
-#include "simulate/record_simulator.hpp"
+#include "made_record.hpp"
 
 namespace no_names {
 namespace {
@@ -23,18 +23,12 @@ using namespace bodesmith;
 
 constexpr double kStep_s = 2e-4;
 
-TimeRecord measured(const std::string& truth, unsigned seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  TimeRecord r;
-  r.file = "record.csv";
-  r.step_s = kStep_s;
+TimeRecord measured_with(const std::string& truth, unsigned seed) {
+  std::vector<double> u;
   const double turn = 2.0 * std::numbers::pi * kStep_s * (1.0 + 0.1 * seed);
   for (int i = 0; i < 600; ++i)
-    r.u.push_back(0.3 * (1.0 - std::cos(23.0 * turn * i)) + 0.2 * (1.0 - std::cos(61.0 * turn * i)));
-  simulate::RecordSimulator simulator(model_of(truth), kStep_s);
-  for (double y : simulator.run(r.u)) r.y.push_back(y + 0.002 * normal(random));
-  return r;
+    u.push_back(0.3 * (1.0 - std::cos(23.0 * turn * i)) + 0.2 * (1.0 - std::cos(61.0 * turn * i)));
+  return measured(truth, std::move(u), kStep_s, 0.002, seed);
 }
 
 const std::string kStage =
@@ -48,7 +42,7 @@ TEST(NoNames, aKinkOfASensorIsNotAsymmetricMemory) {
       "[[block]]\ntype = \"prandtl_ishlinskii\"\nr = [0.0]\nw = [1.0]\ns = [1.0]\nv = [-0.25]\n";
   const auto model = model_of(kStage);
   const auto d = gap::diagnose(
-      model, gap::Study::of({measured(kStage + kink, 1)}, {measured(kStage + kink, 2)}, model), {});
+      model, gap::Study::of({measured_with(kStage + kink, 1)}, {measured_with(kStage + kink, 2)}, model), {});
   for (const auto& step : d.steps) EXPECT_NE(step.effect, "asymmetric_hysteresis");
   EXPECT_TRUE(d.verdict == gap::Verdict::partly_explained || d.verdict == gap::Verdict::unexplained);
   EXPECT_GT(d.final.holdout_rms, 1.5 * 0.002);
@@ -57,7 +51,7 @@ TEST(NoNames, aKinkOfASensorIsNotAsymmetricMemory) {
 // A lag of some samples, and one of a two-hundredth of a sample.
 TEST(NoNames, areSeenBehindOtherTerms) {
   gap::Experiments train;
-  train.emplace_back(gap::TimeExperiment(measured(kStage, 1)));
+  train.emplace_back(gap::TimeExperiment(measured_with(kStage, 1)));
   gap::Model model(model_of("[[block]]\ntype = \"gain\"\ngain = 1.9\n"));
   for (const char* effect : {"amplifier_pole", "offset"}) {
     std::vector<gap::Proposal> proposals;

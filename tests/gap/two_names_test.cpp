@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <random>
 #include <set>
 #include <string>
 #include <vector>
@@ -15,7 +14,7 @@
 #include "gap/scene.hpp"
 #include "gap/shortlist.hpp"
 #include "made_model.hpp"
-#include "simulate/record_simulator.hpp"
+#include "made_record.hpp"
 
 namespace two_names {
 namespace {
@@ -37,23 +36,13 @@ std::vector<double> one_sided(double slow_hz, double fast_hz) {
   return u;
 }
 
-TimeRecord measured(const std::string& truth, std::vector<double> input, double noise, unsigned seed) {
-  std::mt19937_64 random(seed);
-  std::normal_distribution<double> normal;
-  TimeRecord r;
-  r.file = "record.csv";
-  r.step_s = kStep_s;
-  r.u = std::move(input);
-  simulate::RecordSimulator simulator(model_of(truth), kStep_s);
-  for (double y : simulator.run(r.u)) r.y.push_back(y + noise * normal(random));
-  return r;
-}
-
 gap::Diagnosis diagnosed(const std::string& base, const std::string& truth, double noise) {
   const auto model = model_of(base);
-  std::vector<TimeRecord> train = {measured(truth, one_sided(23.0, 61.0), noise, 1)};
+  std::vector<TimeRecord> train = {measured(truth, one_sided(23.0, 61.0), kStep_s, noise, 1)};
   return gap::diagnose(
-      model, gap::Study::of(std::move(train), {measured(truth, one_sided(17.0, 49.0), noise, 2)}, model), {});
+      model,
+      gap::Study::of(std::move(train), {measured(truth, one_sided(17.0, 49.0), kStep_s, noise, 2)}, model),
+      {});
 }
 
 std::set<std::string> names_of(const gap::Diagnosis& d) {
@@ -104,9 +93,10 @@ TEST(TwoNames, whatOnlyTheHeldOutRecordHoldsIsNotNothing) {
   const std::string limited = base + "[[block]]\ntype = \"saturation\"\nlower = -9.0\nupper = 1.2\n";
   std::vector<double> small = one_sided(23.0, 61.0);
   for (double& u : small) u *= 0.5;
-  std::vector<TimeRecord> train = {measured(limited, small, 0.005, 1)};
+  std::vector<TimeRecord> train = {measured(limited, small, kStep_s, 0.005, 1)};
   const auto d = gap::diagnose(
-      model, gap::Study::of(std::move(train), {measured(limited, one_sided(17.0, 49.0), 0.005, 2)}, model),
+      model,
+      gap::Study::of(std::move(train), {measured(limited, one_sided(17.0, 49.0), kStep_s, 0.005, 2)}, model),
       {});
   EXPECT_TRUE(d.steps.empty());
   EXPECT_EQ(d.verdict, gap::Verdict::unexplained);
@@ -123,8 +113,8 @@ TEST(TwoNames, aDeadZoneThatASignalNeverShowsIsAnOffset) {
 /// What the first look promises of a delay when the model's free gain stands at this value.
 double promise_of_a_delay(double gain) {
   const std::string lag = "[[block]]\ntype = \"lowpass\"\ncorner_hz = 300.0\n";
-  const auto record =
-      measured(lag + "[[block]]\ntype = \"delay\"\ndelay_s = 2e-4\n", one_sided(23.0, 61.0), 1e-4, 3);
+  const auto record = measured(lag + "[[block]]\ntype = \"delay\"\ndelay_s = 2e-4\n", one_sided(23.0, 61.0),
+                               kStep_s, 1e-4, 3);
   const gap::Model model(
       model_of("[[block]]\ntype = \"gain\"\ngain = " + std::to_string(gain) + "\nfree = [\"gain\"]\n" + lag));
   const gap::Experiments look = {gap::TimeExperiment(record)};

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include <cstdint>
+#include <cstddef>
 #include <utility>
 
 #include "gap/scene.hpp"

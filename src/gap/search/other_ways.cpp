@@ -128,14 +128,9 @@ std::vector<Ranked> with_single_signals(const SearchSetting& setting, const Stat
                                         std::vector<Ranked> first) {
   std::set<const Effect*> there;
   for (const auto& r : first) there.insert(r.effect);
-  SearchOptions open = setting.options;
-  open.round.min_promise = 0.0;
-  const SearchSetting wide{open, setting.initial, setting.first_gap};
-  auto more =
-      fit_round(
-          wide, base.records, base.found.model,
-          [&](const Effect& effect) { return effect.adds_one_signal() && there.count(&effect) == 0; }, 0.0)
-          .ranking;
+  auto more = fit_whatever_is_promised(setting, base.records, base.found.model, [&](const Effect& effect) {
+    return effect.adds_one_signal() && there.count(&effect) == 0;
+  });
   std::move(more.begin(), more.end(), std::back_inserter(first));
   return first;
 }

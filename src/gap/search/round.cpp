@@ -196,6 +196,13 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
   return round;
 }
 
+std::vector<Ranked> fit_whatever_is_promised(const SearchSetting& setting, const SearchRecords& records,
+                                             const Model& model, const EffectFilter& filter) {
+  SearchOptions open = setting.options;
+  open.round.min_promise = open.round.min_promise_later = 0.0;
+  return fit_round({open, setting.initial, setting.first_gap}, records, model, filter, 0.0).ranking;
+}
+
 std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
                                   const Model& model, const EffectFilter& filter) {
   std::set<std::string_view> missed;

@@ -72,11 +72,8 @@ bool is_possible(const AcceptanceOptions& options, const Ranked& r) {
 /// What the family explains beside its relative hides that one: a relative need promise nothing.
 std::vector<Ranked> relatives_of(const SearchSetting& setting, const SearchRecords& records,
                                  const Effect& family, const Model& model) {
-  SearchOptions open = setting.options;
-  open.round.min_promise = open.round.min_promise_later = 0.0;
-  const SearchSetting wide{open, setting.initial, setting.first_gap};
   const auto is_relative = [&](const Effect& effect) { return is_confused_with(family, effect); };
-  auto ranking = fit_round(wide, records, model, is_relative, 0.0).ranking;
+  auto ranking = fit_whatever_is_promised(setting, records, model, is_relative);
   std::erase_if(ranking, [&](const Ranked& r) { return !is_possible(setting.options.acceptance, r); });
   return ranking;
 }

@@ -2,6 +2,7 @@
 #include <array>
 #include <cmath>
 #include <utility>
+#include <vector>
 
 #include "gap/signs.hpp"
 #include "gap/signs/chance.hpp"
@@ -74,15 +75,17 @@ Sign depends_on_signals(const Leftover& learn, const Leftover& apply) {
   // A line over a part says nothing of the other, and would hide what does.
   const auto learned = less_straight_line(learn.residual);
   const auto applied = less_straight_line(apply.residual);
+  std::vector<std::pair<std::vector<double>, std::vector<double>>> surrogates;
+  for (std::uint64_t k = 0; k < kPredictedSurrogates; ++k)
+    surrogates.emplace_back(phase_surrogate(learned, 1000 + k), phase_surrogate(applied, 2000 + k));
   // Apart, as many features together foretell less of each other's.
   constexpr std::array kLooks = {std::pair{&signal_features, 1.0}, std::pair{&curve_features, kPlainCurve}};
   for (const auto& [features, plainer] : kLooks) {
     const Prediction prediction(features, learn, apply);
     const double got = prediction.share(learned, applied);
     Chance chance;
-    for (std::uint64_t k = 0; k < kPredictedSurrogates; ++k) {
-      chance.add(prediction.share(phase_surrogate(learned, 1000 + k), phase_surrogate(applied, 2000 + k)));
-    }
+    for (const auto& [of_learned, of_applied] : surrogates)
+      chance.add(prediction.share(of_learned, of_applied));
     const double limit = std::max({kMinShare, kTimesLargest * chance.max(), kTimesRms * chance.rms()});
     sign.strength = std::max(sign.strength, got / (plainer * limit));
   }

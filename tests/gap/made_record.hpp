@@ -1,0 +1,28 @@
+#pragma once
+
+#include <random>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "made_model.hpp"
+#include "signal/time_record.hpp"
+#include "simulate/record_simulator.hpp"
+
+namespace bodesmith {
+
+/// What a chain of these blocks of a model.toml makes of an input, with white noise of this rms.
+inline TimeRecord measured(const std::string& truth, std::vector<double> input, double step_s, double noise,
+                           unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  TimeRecord r;
+  r.file = "record.csv";
+  r.step_s = step_s;
+  r.u = std::move(input);
+  simulate::RecordSimulator simulator(model_of(truth), step_s);
+  for (double y : simulator.run(r.u)) r.y.push_back(y + noise * normal(random));
+  return r;
+}
+
+}  // namespace bodesmith

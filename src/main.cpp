@@ -96,7 +96,9 @@ int main(int argc, char** argv) {
     say("interrupted");
     return bodesmith::cli::kInterrupted;
   } catch (const std::bad_alloc&) {
-    say("out of memory");
+    const std::string file = bodesmith::last_file_read().string();
+    say(fmt::format("{}{}{}: takes more memory than there is, expected less data or smaller counts", argv[1],
+                    file.empty() ? "" : " with ", file));
     return bodesmith::cli::kBadInput;
   } catch (const std::exception& error) {
     say(std::string("this is a bug, please report it: ") + error.what());

@@ -3,6 +3,7 @@
 // paper has it.
 #include "bench.hpp"
 #include "hysteresis/fractional_dynamic.hpp"
+#include "lti/fractional_stability.hpp"
 #include "numeric/random.hpp"
 
 namespace {
@@ -58,20 +59,20 @@ TimeRecord record_of(const FractionalDynamic& model, const std::vector<double>& 
 int main() {
   const double step_s = 1e-4;
   const FractionalDynamic model = table_1();
-  const FractionalPolynomial denominator = FractionalPolynomial::denominator(model);
+  const FractionalPolynomial denominator = model.denominator();
   fmt::print(
       "Denominator of eq. 15 with Table 1 (eq. 20 prints the first six, the sixth without its s, the last "
       "two not at all):\n");
   const double printed[] = {0.00289, 0.000418, 9.219, 1.337, 481282.557, 69779.6};
-  for (std::size_t i = 0; i < denominator.terms.size(); ++i)
-    fmt::print("  {:>14.6g} s^{:<6.3f} {}\n", denominator.terms[i].coefficient, denominator.terms[i].exponent,
+  for (std::size_t i = 0; i < denominator.size(); ++i)
+    fmt::print("  {:>14.6g} s^{:<6.3f} {}\n", denominator[i].coefficient, denominator[i].power,
                i < 6 ? fmt::format("printed {}", printed[i]) : std::string("missing in eq. 20"));
   fmt::print("Stability: {} roots to the right by the argument principle",
-             right_half_plane_roots(denominator));
+             fractional_stability(denominator).unstable_poles);
   FractionalDynamic rounded = model;
   rounded.lambda = 0.8;
   fmt::print("; lambda = 0.8, q = 0.05 by Matignon: {} (q = 0.001 means a polynomial of degree 3811)\n\n",
-             unstable_by_matignon(FractionalPolynomial::denominator(rounded), 0.05));
+             fractional_stability(rounded.denominator()).matignon_count.value_or(-1));
 
   const double noise = 0.032;  // um rms, section 5.1
   const TimeRecord case_2 = record_of(model, toolpath(true, 0.5, step_s), step_s, noise);

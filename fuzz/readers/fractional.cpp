@@ -1,5 +1,5 @@
-#include "approximate/fractional_transfer.hpp"
 #include "base/document.hpp"
+#include "lti/fractional_transfer.hpp"
 #include "reader.hpp"
 
 namespace bodesmith::fuzz {

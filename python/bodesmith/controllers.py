@@ -48,6 +48,7 @@ def controller(
     waveform: Literal["triangle", "sine", "two_tone", "decaying_triangle"] = "triangle",
     amplitude: float = 1.0,
     constant: bool = False,
+    full_stroke: bool = False,
     rate_tolerance_percent: float | None = None,
     averaging_s: float | None = None,
     series: str = "E96",
@@ -65,8 +66,8 @@ def controller(
         form: self-fed: v = r − K d(v); two-pass: v = r − K d(r − K d(r)); seed: v = r − K d(r).
         track_hz: frequencies that are tracked; the gain curve's corners are put there where they fit.
         waveform, amplitude: of the reference; amplitude of the full stroke.
-        constant: without rate gains. rate_tolerance_percent: of the gain curve's straight pieces, percent of range.
-        averaging_s: time constant behind the slope's rectifier (default: a hundredth of the shortest period).
+        constant: without rate gains. full_stroke: without amplitude gains, which the circuit does not make. rate_tolerance_percent: of the gain curve's straight pieces, percent of range.
+        averaging_s: time constant after the slope's rectifier (default: a hundredth of the shortest period).
         series: of the resistors. opamp, fast_opamp: types; the fast one is the slope detector's.
         multiplier_scale_v: U in W = X Y/U + Z. lowest_hz: slowest triangle that the slope detector must follow.
         allow_unstable: go on with a phase margin below 30 degrees, which is a DesignError otherwise.
@@ -79,6 +80,7 @@ def controller(
         "waveform": waveform,
         "amplitude": amplitude,
         "constant": constant,
+        "full_stroke": full_stroke,
         "rate_tolerance_percent": rate_tolerance_percent,
         "averaging_s": averaging_s,
         "series": series,

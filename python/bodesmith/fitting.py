@@ -220,7 +220,7 @@ def fit_waveform(
     Args:
         order: poles, 1 to 6.
         norm: rms over the operating frequencies, or the worst of them.
-        branch: whole (behind the branch switch), or that polynomial's own path; default: the one that needs a compensator.
+        branch: whole (after the branch switch), or that polynomial's own path; default: the one that needs a compensator.
         operating_hz: shape (N,), instead of the rate table's frequencies.
     """
     options = {

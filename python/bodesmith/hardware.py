@@ -7,6 +7,7 @@ from typing import TYPE_CHECKING, Any, Literal
 from numpy.typing import ArrayLike
 
 from ._call import ComplexArray, Progress, call
+from ._drawing import draw
 from .documents import Document
 from .lti import Sections, _Linear
 from .models import Disturbance
@@ -61,9 +62,7 @@ class Plan(_Linear):
 
     def plot(self, sections: Sections | None = None, **options: Any) -> Figure:
         """Bode plot of the board as it runs and without delays, and of the sections it was made from."""
-        from .plots import plot_plan
-
-        return plot_plan(self, sections, **options)
+        return draw(self, sections, **options)
 
     def _summary(self) -> str:
         worst = self.error_with_delays["max_complex_percent"]
@@ -94,9 +93,7 @@ class Circuit(Document):
 
     def plot(self, sections: Sections | None = None, **options: Any) -> Figure:
         """Bode plot of the netlist in ngspice, beside the sections."""
-        from .plots import plot_circuit
-
-        return plot_circuit(self, sections, **options)
+        return draw(self, sections, **options)
 
     def _summary(self) -> str:
         stages = self._data["stages"]
@@ -123,9 +120,7 @@ class Layout(Document):
 
     def plot(self, **options: Any) -> Figure:
         """The error budget as bars."""
-        from .plots import plot_layout
-
-        return plot_layout(self, **options)
+        return draw(self, **options)
 
     def _summary(self) -> str:
         return f"{len(self._data.get('multipliers', []))} multipliers"
@@ -135,7 +130,7 @@ def fpaa(
     sections: Sections,
     *,
     board: str = "an231k04-quad4",
-    topology: Literal["auto", "parallel", "cascade", "chain"] = "auto",
+    topology: Literal["auto", "chain"] = "auto",
     clock_hz: float | None = None,
     min_clock_hz: float | None = None,
     band_hz: tuple[float, float] | None = None,
@@ -151,7 +146,7 @@ def fpaa(
     """CAMs of an FPAA board for sections: clocks, capacitors, places, wires. DesignError when they do not fit.
 
     Args:
-        topology: auto, parallel (partial fractions), cascade (one clock), chain (pole-zero stages at one clock).
+        topology: auto, chain (CAMs that AnadigmDesigner2 has, alone).
         clock_hz: one clock for all, as a chain. min_clock_hz: no clock below it.
         band_hz: where errors are minimised and stated; default: over the corners.
         unit_capacitor_percent, systematic_units, unit_capacitance_f, opamp_bandwidth_hz, opamp_gain: assumptions on the chip

@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._call import ComplexArray, FloatArray
+from ._drawing import draw
 from .documents import Document
 from .errors import InputError
 from .responses import FrequencyResponse, response_of
@@ -87,9 +88,7 @@ class Cascade(_Linear):
 
     def plot(self, **options: Any) -> Figure:
         """Its Bode plot, with the points that it was fitted to."""
-        from .plots import plot_cascade
-
-        return plot_cascade(self, **options)
+        return draw(self, **options)
 
     def _summary(self) -> str:
         return f"gain {self.gain:g}, {len(self.beta)} terms, beta {np.array2string(self.beta, precision=4)}"
@@ -184,9 +183,7 @@ class Sections(_Linear):
 
     def plot(self, **options: Any) -> Figure:
         """Bode plot; see plot_bode."""
-        from .plots import plot_bode
-
-        return plot_bode(self, **options)
+        return draw(self, **options)
 
     def _summary(self) -> str:
         delay = f", delay {self.delay_s:g} s" if self.delay_s else ""

@@ -9,16 +9,16 @@ from typing import TYPE_CHECKING, Any
 import numpy as np
 from numpy.typing import ArrayLike
 
+from ._drawing import draws
+from .hardware import Circuit, Layout, Plan
+from .lti import Cascade, Sections
 from .responses import Bode, FrequencyResponse, bode, log_grid
+from .signals import Diagnosis, Drive, Identification, Simulation, simulate
+from .tolerance import Yield
 
 if TYPE_CHECKING:
     from matplotlib.axes import Axes
     from matplotlib.figure import Figure
-
-    from .hardware import Circuit, Layout, Plan
-    from .lti import Cascade, Sections
-    from .signals import Diagnosis, Drive, Identification, Simulation
-    from .tolerance import Yield
 
 
 def _figure(rows: int, columns: int = 1, *, share_x: bool = True, height: float = 2.6) -> tuple[Figure, Any]:
@@ -46,6 +46,7 @@ def _label(axes: Axes, x: str, y: str) -> None:
     axes.grid(True, which="both", alpha=0.3)
 
 
+@draws(Sections, FrequencyResponse, Bode)
 def plot_bode(
     *things: Any,
     frequency_hz: ArrayLike | None = None,
@@ -75,6 +76,7 @@ def plot_bode(
     return figure
 
 
+@draws(Cascade)
 def plot_cascade(cascade: Cascade, **options: Any) -> Figure:
     """The cascade's Bode plot with the points that it was fitted to."""
     figure = plot_bode(cascade, names=["cascade"], **options)
@@ -85,6 +87,7 @@ def plot_cascade(cascade: Cascade, **options: Any) -> Figure:
     return figure
 
 
+@draws(Plan)
 def plot_plan(plan: Plan, sections: Sections | None = None, *, count: int = 400) -> Figure:
     """The board as it runs and without delays; and the sections it was made from."""
     low, high = plan.band_hz or (1.0, 1e4)
@@ -98,6 +101,7 @@ def plot_plan(plan: Plan, sections: Sections | None = None, *, count: int = 400)
     return plot_bode(Bode(f, responses))
 
 
+@draws(Circuit)
 def plot_circuit(circuit: Circuit, sections: Sections | None = None, *, count: int = 200, **options: Any) -> Figure:
     """The netlist in ngspice, beside the sections."""
     low, high = circuit.error["band_hz"]
@@ -106,6 +110,7 @@ def plot_circuit(circuit: Circuit, sections: Sections | None = None, *, count: i
     return plot_bode(*things, frequency_hz=f, names=["netlist", "sections"][: len(things)], **options)
 
 
+@draws(Layout)
 def plot_layout(layout: Layout) -> Figure:
     """Each cause's largest share in d(x), percent of the range of x, largest first."""
     lines = layout.budget["causes"]
@@ -121,6 +126,7 @@ def _bars(names: Sequence[str], values: Sequence[float], label: str) -> Figure:
     return figure
 
 
+@draws(Simulation)
 def plot_simulation(simulation: Simulation) -> Figure:
     """Input and output over time in s; output over input."""
     figure, ((over_time, loop),) = _figure(1, 2, share_x=False, height=3.2)
@@ -135,6 +141,7 @@ def plot_simulation(simulation: Simulation) -> Figure:
     return figure
 
 
+@draws(Drive)
 def plot_drive(drive: Drive) -> Figure:
     """Reference and drive, and the predicted error, over time in s."""
     figure, ((signals,), (error,)) = _figure(2)
@@ -147,10 +154,9 @@ def plot_drive(drive: Drive) -> Figure:
     return figure
 
 
+@draws(Identification)
 def plot_identification(identification: Identification) -> Figure:
     """The first record and the model on it, and their difference, over time in s."""
-    from .signals import simulate
-
     record = identification.records[0]
     assert record.y is not None
     run = simulate(identification.model, record, start="equilibrium", engine="record", estimate_error=False)
@@ -164,6 +170,7 @@ def plot_identification(identification: Identification) -> Figure:
     return figure
 
 
+@draws(Diagnosis)
 def plot_diagnosis(diagnosis: Diagnosis) -> Figure:
     """The held-out rms before, after each effect, and at the end."""
     gap = diagnosis.gap
@@ -172,6 +179,7 @@ def plot_diagnosis(diagnosis: Diagnosis) -> Figure:
     return _bars(names, values, "held-out rms")
 
 
+@draws(Yield)
 def plot_yield(statistics: Yield) -> Figure:
     """Deviation in dB over frequency in Hz: the median, 95 % of the circuits, and the extremes, of each design."""
     figure, ((axes,),) = _figure(1, height=3.4)

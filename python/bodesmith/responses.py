@@ -10,6 +10,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._call import ComplexArray, FloatArray, call, parts, signal
+from ._drawing import draw
 from .documents import PathLike
 from .errors import InputError
 
@@ -63,9 +64,7 @@ class FrequencyResponse:
 
     def plot(self, **options: Any) -> Figure:
         """Bode plot; see plot_bode."""
-        from .plots import plot_bode
-
-        return plot_bode(self, **options)
+        return draw(self, **options)
 
     def __repr__(self) -> str:
         f = self.frequency_hz
@@ -155,9 +154,7 @@ class Bode:
 
     def plot(self, **options: Any) -> Figure:
         """Bode plot of all; see plot_bode."""
-        from .plots import plot_bode
-
-        return plot_bode(self, **options)
+        return draw(self, **options)
 
     def __repr__(self) -> str:
         return f"<bodesmith.Bode {', '.join(self.responses)}; {self.frequency_hz.size} frequencies>"

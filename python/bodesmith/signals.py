@@ -9,6 +9,7 @@ import numpy as np
 from numpy.typing import ArrayLike
 
 from ._call import FloatArray, Progress, call, parts, signal
+from ._drawing import draw
 from .documents import Document
 from .errors import InputError
 from .models import Model, Record, as_record
@@ -54,9 +55,7 @@ class Simulation:
 
     def plot(self, **options: Any) -> Figure:
         """Input and output over time, and output over input."""
-        from .plots import plot_simulation
-
-        return plot_simulation(self, **options)
+        return draw(self, **options)
 
     def __repr__(self) -> str:
         return f"<bodesmith.Simulation {self.y.size} samples by engine {self.engine}>"
@@ -216,9 +215,7 @@ class Drive:
 
     def plot(self, **options: Any) -> Figure:
         """Reference, drive and error over time."""
-        from .plots import plot_drive
-
-        return plot_drive(self, **options)
+        return draw(self, **options)
 
     def __repr__(self) -> str:
         return f"<bodesmith.Drive {self.u.size} samples, predicted rms {self.predicted_error['rms_percent_of_range']:.3g} % of range>"
@@ -291,9 +288,7 @@ class Identification:
 
     def plot(self, **options: Any) -> Figure:
         """Model and first record over time, and the difference."""
-        from .plots import plot_identification
-
-        return plot_identification(self, **options)
+        return draw(self, **options)
 
     def __repr__(self) -> str:
         return f"<bodesmith.Identification {self.details['model']}: {self.training['rms_percent_of_range']:.3g} % of range>"
@@ -471,9 +466,7 @@ class Diagnosis(Document):
 
     def plot(self, **options: Any) -> Figure:
         """The held-out error before, after each step and at the end, and where the model disagreed."""
-        from .plots import plot_diagnosis
-
-        return plot_diagnosis(self, **options)
+        return draw(self, **options)
 
     def _summary(self) -> str:
         return f"{self.verdict}: {', '.join(self.effects) or 'no effect'}"

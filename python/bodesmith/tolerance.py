@@ -6,6 +6,7 @@ from collections.abc import Sequence
 from typing import TYPE_CHECKING, Any, Literal
 
 from ._call import Progress, call
+from ._drawing import draw
 from .documents import Document
 from .errors import InputError
 from .hardware import Plan
@@ -27,9 +28,7 @@ class Yield(Document):
 
     def plot(self, **options: Any) -> Figure:
         """Median and 90 % band of the deviation over frequency."""
-        from .plots import plot_yield
-
-        return plot_yield(self, **options)
+        return draw(self, **options)
 
     def _summary(self) -> str:
         return ", ".join(one["name"] for one in self.designs)
@@ -55,7 +54,7 @@ def yield_(
     realization: str | None = None,
     series: str | None = None,
     capacitor_series: str | None = None,
-    count: int = 60,
+    count: int | None = None,
     band_hz: tuple[float, float] | None = None,
     threads: int = 0,
     seed: int = 1,
@@ -71,7 +70,7 @@ def yield_(
         temperature_c: every circuit is at a temperature in this range; resistor_ppm, capacitor_ppm in 1/K.
         limit_db, limit_deg: count the circuits that stay within, and say which tolerances to buy for it.
         realization, series, capacitor_series: the circuit, as spice().
-        count, band_hz: of the frequencies; default band: the corners of the first design.
+        count, band_hz: of the frequencies (default: 60, and more where the response turns); default band: the corners of the first design.
     """
     group = [designs] if isinstance(designs, (Sections, Plan)) else list(designs)
     called = list(names) if names is not None else [f"{type(one).__name__.lower()}{i + 1}" for i, one in enumerate(group)]

@@ -37,7 +37,9 @@ std::vector<std::complex<double>> trim_target(const Node& o, const fpaa::Plan& p
     for (const Hertz f : grid) out.push_back(sections.response(f.rad_s()));
     return out;
   }
-  const fpaa::DrawnBoard board(o.has("target") ? fpaa::Plan::from_node(o.at("target")) : plan, grid);
+  // The board refers to its plan, which must not be a temporary.
+  const fpaa::Plan target = o.has("target") ? fpaa::Plan::from_node(o.at("target")) : plan;
+  const fpaa::DrawnBoard board(target, grid);
   return board.response(board.nominal_units());
 }
 

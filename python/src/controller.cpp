@@ -3,12 +3,12 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/progress.hpp"
-#include "circuit/opamp_library.hpp"
 #include "controller/files.hpp"
 #include "controller/study.hpp"
 #include "functions.hpp"
 #include "part_errors/loop.hpp"
 #include "part_errors/report.hpp"
+#include "schematic/opamp_library.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::python {
@@ -19,11 +19,12 @@ controller::Options controller_options(const Node& o) {
   if (o.has("form")) out.form = controller::form_named(o.at("form").string());
   for (const Node& f : o.at("track_hz").items()) out.tracked.push_back(Hertz{f.positive()});
   out.rates = !o.boolean_or("constant", false);
+  out.full_stroke = o.boolean_or("full_stroke", false);
   out.rate_tolerance_percent = positive_or(o, "rate_tolerance_percent", out.rate_tolerance_percent);
   out.averaging_s = maybe_positive(o, "averaging_s").value_or(0.0);
   out.resistors = circuit::Series::named(o.string_or("series", "E96"));
   if (out.resistors.is_exact()) out.capacitors = circuit::Series::named("exact");
-  const circuit::OpAmpLibrary types = circuit::OpAmpLibrary::built_in();
+  const schematic::OpAmpLibrary types = schematic::OpAmpLibrary::built_in();
   if (o.has("opamp")) out.opamp = types.named(o.at("opamp").string());
   if (o.has("fast_opamp")) out.fast_opamp = types.named(o.at("fast_opamp").string());
   out.multiplier.scale_v = positive_or(o, "multiplier_scale_v", out.multiplier.scale_v);
@@ -35,7 +36,7 @@ controller::Options controller_options(const Node& o) {
 
 Answer analog_controller(const Call& call) {
   const Node& o = call.options;
-  o.allow_only({"disturbance", "form", "track_hz", "waveform", "amplitude", "constant",
+  o.allow_only({"disturbance", "form", "track_hz", "waveform", "amplitude", "constant", "full_stroke",
                 "rate_tolerance_percent", "averaging_s", "series", "opamp", "fast_opamp",
                 "multiplier_scale_v", "lowest_hz", "allow_unstable", "check"});
   using Shape = tracking::Reference::Shape;

@@ -4,7 +4,6 @@
 #include "base/progress.hpp"
 #include "circuit/json.hpp"
 #include "circuit/opamp_check.hpp"
-#include "circuit/opamp_library.hpp"
 #include "circuit/realisation.hpp"
 #include "circuit_options.hpp"
 #include "fpaa/board_netlist.hpp"
@@ -18,6 +17,7 @@
 #include "multiplier_layout/json.hpp"
 #include "multiplier_layout/parts_csv.hpp"
 #include "multiplier_layout/timing.hpp"
+#include "schematic/opamp_library.hpp"
 #include "spice/compensator_check.hpp"
 #include "spice/disturbance_check.hpp"
 #include "spice/disturbance_library.hpp"
@@ -31,8 +31,7 @@ fpaa::PlanOptions plan_options(const Node& o) {
   using Topology = fpaa::PlanOptions::Topology;
   fpaa::PlanOptions out;
   out.board = o.string_or("board", out.board);
-  out.topology =
-      choice(o, "topology", {Topology::automatic, Topology::parallel, Topology::cascade, Topology::chain});
+  out.topology = choice(o, "topology", {Topology::automatic, Topology::chain});
   if (const auto clock = maybe_positive(o, "clock_hz")) out.clock = Hertz{*clock};
   if (const auto clock = maybe_positive(o, "min_clock_hz")) out.lowest_clock = Hertz{*clock};
   out.band = maybe_band(o);
@@ -109,7 +108,7 @@ Answer realise_circuit(const Call& call) {
   if (o.has("isolation_ohm")) options.isolation_ohm = o.at("isolation_ohm").non_negative();
   options.band = maybe_band(o);
   const double amplitude_v = positive_or(o, "amplitude_v", 1.0);
-  const auto library = circuit::OpAmpLibrary::built_in();
+  const auto library = schematic::OpAmpLibrary::built_in();
   const std::string opamp = o.string_or("opamp", "generic-10M");
   if (opamp != "auto") options.opamp = library.named(opamp);
   const Stopwatch watch;

@@ -79,8 +79,7 @@ Answer identify_model(const Call& call) {
   const identify::RecordFindings findings = identify::find_in_records(training, options.identify, false);
   const identify::StageFit fit = fit_stage(type, training, holdout, options);
   if (!fit.refused.empty()) throw InputError("identify: " + fit.refused);
-  chain::Chain model = fit.stage.chain();
-  model.trained = trained_of(fit, training, options.identify.skip_s);
+  const chain::Chain model = identified_model(fit, training, options.identify.skip_s);
 
   Answer out;
   out.result = to_json(fit);

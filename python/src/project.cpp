@@ -1,19 +1,18 @@
 // run: a project file to everything.
-#include "project/run.hpp"
+#include "project/run_project.hpp"
 
 #include "base/json_header.hpp"
 #include "functions.hpp"
-#include "project/run_summary.hpp"
 
 namespace bodesmith::python {
 
 Answer run_project(const Call& call) {
-  const project::ProjectRun run = project::run_project(
-      project::ProjectSource::read(call.options.at("path").string()), call.options.at("folder").string());
+  const auto run = project::run_project(project::ProjectSource::read(call.options.at("path").string()),
+                                        call.options.at("folder").string());
   Answer out;
-  out.result = json_header("run", run.from);
-  out.result.update(project::run_json(run));
-  out.result["limits_met"] = run.limits_met();
+  out.result = json_header("run", run->from);
+  out.result.update(run->json());
+  out.result["limits_met"] = run->limits_met();
   return out;
 }
 

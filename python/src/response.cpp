@@ -4,7 +4,7 @@
 
 #include "base/error.hpp"
 #include "chain/model_file.hpp"
-#include "fpaa/multirate_response.hpp"
+#include "fpaa/network/switched_board.hpp"
 #include "functions.hpp"
 #include "lti/bulk_response.hpp"
 #include "lti/cascade.hpp"
@@ -37,10 +37,6 @@ Values pointwise(const std::vector<RadPerSecond>& grid, Response response) {
 Values sections_response(const Sections& sections, const std::vector<RadPerSecond>& grid) {
   Values out(grid.size());
   BulkResponse(sections).responses(grid, out);
-  if (sections.delay_s != 0.0) {
-    for (std::size_t i = 0; i < grid.size(); ++i)
-      out[i] *= std::polar(1.0, -grid[i].value * sections.delay_s);
-  }
   return out;
 }
 
@@ -58,9 +54,9 @@ ResponseFunction model_function(const Node& document) {
 
 ResponseFunction plan_function(const Node& document, bool with_delays) {
   auto plan = std::make_shared<fpaa::Plan>(fpaa::Plan::from_node(document));
-  auto response = std::make_shared<fpaa::MultirateResponse>(*plan);
+  auto response = std::make_shared<fpaa::SwitchedBoard>(*plan);
   return [plan, response, with_delays](RadPerSecond w) {
-    return with_delays ? response->as_it_runs(w) : response->without_delays(w);
+    return with_delays ? response->gain(w) : response->sampled(w);
   };
 }
 

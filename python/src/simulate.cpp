@@ -5,7 +5,7 @@
 #include "chain/model_file.hpp"
 #include "functions.hpp"
 #include "invert/compensation.hpp"
-#include "invert/settled.hpp"
+#include "invert/steady_state.hpp"
 #include "records.hpp"
 #include "signal/error_figures.hpp"
 #include "signal/extent.hpp"
@@ -136,7 +136,7 @@ Answer compensate_model(const Call& call) {
   const Stopwatch watch;
   invert::Compensation found = invert::compensate(model, reference, options);
   const double seconds = watch.seconds();
-  const invert::Settled settled = settled_part(model, reference, options, maybe_number(o, "skip_s"));
+  const invert::SteadyState settled = steady_state_of(model, reference, options, maybe_number(o, "skip_s"));
   TimeRecord driven = invert::as_read_back(reference);
   driven.u = found.drive;
   const SignalExtent extent = input_extent({&driven, 1});

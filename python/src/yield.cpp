@@ -6,6 +6,7 @@
 #include "base/progress.hpp"
 #include "circuit_options.hpp"
 #include "functions.hpp"
+#include "lti/judging_grid.hpp"
 #include "yield/json.hpp"
 #include "yield/nulls.hpp"
 
@@ -86,7 +87,10 @@ Answer yield_of(const Call& call) {
   for (std::size_t i = 0; i < documents.size(); ++i)
     designs.push_back(design_of(documents[i], o.at("names")[i].string(), o, out));
   const Band band = maybe_band(o).value_or(designs[0].band);
-  options.grid = log_grid(band, band.from == band.to ? 1 : integer_or(o, "count", 60, 2, 100'000));
+  const bool counted = o.has("count") && o.at("count").kind() != Node::Kind::null;
+  const int count = band.from == band.to ? 1 : counted ? integer_or(o, "count", 60, 2, 100'000) : 60;
+  options.grid =
+      counted || count == 1 ? log_grid(band, count) : judging_grid(designs[0].reference, band, count);
   yield::leave_out_nulls(designs, options.grid);
 
   const Stopwatch watch;

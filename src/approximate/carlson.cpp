@@ -19,20 +19,20 @@ class Carlson final : public Method {
  public:
   std::string_view name() const override { return "carlson"; }
   std::string_view source() const override { return "Carlson and Halijak 1964"; }
-  Outcome approximate(const ApproximationTask& task) const override;
+  Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override;
 };
 
-Method::Outcome Carlson::approximate(const ApproximationTask& task) const {
+Outcome<NormalisedApproximation> Carlson::approximate(const ApproximationTask& task) const {
   if (std::abs(task.beta - 0.5) > 1e-12) {
     return Refusal{fmt::format(
-        "carlson is built for |beta| = 1/2 beside whole powers, expected another method for this beta ({:f} remains)",
+        "carlson is built for |beta| = 1/2 plus whole powers, expected another method for this beta ({:f} remains)",
         task.beta)};
   }
   int n = 1;
   while (n < task.order) n = 3 * n + 1;
   if (n != task.order) {
     return Refusal{fmt::format(
-        "carlson has 1, 4, 13 or 40 poles beside whole powers, expected such an order instead of {}",
+        "carlson has 1, 4, 13 or 40 poles plus whole powers, expected such an order instead of {}",
         task.order)};
   }
   const int count = 2 * n + 1;

@@ -14,7 +14,7 @@ class Charef final : public Method {
  public:
   std::string_view name() const override { return "charef"; }
   std::string_view source() const override { return "Charef et al. 1992"; }
-  Outcome approximate(const ApproximationTask& task) const override {
+  Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override {
     const double m = task.beta;
     const double y = 10.0 * m * (1.0 - m) * std::log10(task.kappa) / task.order;
     const double a = std::pow(10.0, y / (10.0 * (1.0 - m)));

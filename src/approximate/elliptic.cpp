@@ -3,33 +3,14 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <numbers>
-#include <type_traits>
 
 namespace bodesmith {
 namespace {
 
 /// Where the two means have met, relative: a few roundings.
-template <class Real>
-constexpr Real kMeansMeet = std::is_same_v<Real, double> ? Real(1e-15) : Real(1e-19L);
+constexpr long double kMeansMeet = 1e-19L;
 
 }  // namespace
-
-template <class Real>
-Real complete_elliptic_k(Real complementary_modulus) {
-  Real a = 1;
-  Real b = complementary_modulus;
-  // Convergence is quadratic: the count only guards against two roundings that take turns.
-  for (int i = 0; i < 64 && std::abs(a - b) > kMeansMeet<Real> * a; ++i) {
-    const Real mean = (a + b) / 2;
-    b = std::sqrt(a * b);
-    a = mean;
-  }
-  return std::numbers::pi_v<Real> / (2 * a);
-}
-
-template double complete_elliptic_k(double);
-template long double complete_elliptic_k(long double);
 
 EllipticFunctions jacobi_elliptic(long double argument, long double complementary_modulus) {
   // am(u) by the arithmetic-geometric mean: phi_N = 2^N a_N u, sin(2 phi_(n-1) - phi_n) = (c_n/a_n) sin phi_n
@@ -39,7 +20,7 @@ EllipticFunctions jacobi_elliptic(long double argument, long double complementar
   long double b = complementary_modulus;
   a[0] = 1.0L;
   std::size_t n = 0;
-  while (n + 1 < a.size() && std::abs(a[n] - b) > kMeansMeet<long double> * a[n]) {
+  while (n + 1 < a.size() && std::abs(a[n] - b) > kMeansMeet * a[n]) {
     c[n + 1] = 0.5L * (a[n] - b);
     a[n + 1] = 0.5L * (a[n] + b);
     b = std::sqrt(a[n] * b);

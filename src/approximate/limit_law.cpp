@@ -4,9 +4,9 @@
 #include <numbers>
 #include <stdexcept>
 
-#include "approximate/elliptic.hpp"
 #include "base/units.hpp"
 #include "base/whole_number.hpp"
+#include "numeric/elliptic_k.hpp"
 
 namespace bodesmith {
 namespace {
@@ -25,8 +25,9 @@ double minimax_limit_db(double kappa, double beta, int n) {
     throw std::domain_error("the limit law needs kappa > 1 and |beta| < n + 1");
   if (beta == std::round(beta)) return 0.0;
   const double k = 1.0 / kappa;
-  const double ratio = complete_elliptic_k(std::sqrt((1.0 - k) * (1.0 + k))) /
-                       complete_elliptic_k(k);  // K(1/kappa) / K(sqrt(1 - kappa^-2))
+  // K(1/kappa) / K(sqrt(1 - kappa^-2))
+  const auto ratio =
+      static_cast<double>(complete_elliptic_k(std::sqrt((1.0 - k) * (1.0 + k))) / complete_elliptic_k(k));
   const double exponent =
       log_gamma(n + 1 + size) + log_gamma(n + 1 - size) - log_gamma(n + 0.5) - log_gamma(n + 1.5);
   return 2.0 * kDecibelPerNeper * std::abs(std::sin(std::numbers::pi * beta)) *

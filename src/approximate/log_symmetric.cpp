@@ -6,6 +6,7 @@
 #include <functional>
 
 #include "approximate/elliptic.hpp"
+#include "numeric/elliptic_k.hpp"
 
 namespace bodesmith {
 

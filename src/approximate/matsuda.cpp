@@ -93,10 +93,10 @@ class Matsuda final : public Method {
  public:
   std::string_view name() const override { return "matsuda"; }
   std::string_view source() const override { return "Matsuda and Fujii 1993, at real s"; }
-  Outcome approximate(const ApproximationTask& task) const override;
+  Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override;
 };
 
-Method::Outcome Matsuda::approximate(const ApproximationTask& task) const {
+Outcome<NormalisedApproximation> Matsuda::approximate(const ApproximationTask& task) const {
   const long double log_kappa = std::log(static_cast<long double>(task.kappa));
   // The Pade positions are near where the term is narrow, the elliptic ones where it is wide.
   const auto start = log_kappa < 4.0L ? pade_positions(log_kappa, task.beta, task.order)

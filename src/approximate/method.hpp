@@ -3,9 +3,9 @@
 #include <complex>
 #include <string>
 #include <string_view>
-#include <variant>
 #include <vector>
 
+#include "base/outcome.hpp"
 #include "base/registry.hpp"
 
 namespace bodesmith {
@@ -33,19 +33,14 @@ struct ApproximationTask {
 /// One way to approximate a fractional term, in a file of its own; the table of them stands in methods.cpp.
 class Method {
  public:
-  /// An order or a beta that the method cannot do well: a result, with its reason as a sentence for a person.
-  struct Refusal {
-    std::string reason;
-  };
-  using Outcome = std::variant<NormalisedApproximation, Refusal>;
-
   virtual ~Method() = default;
 
-  /// As --method and project files spell it.
+  /// As users name it.
   virtual std::string_view name() const = 0;
   /// Paper, equation.
   virtual std::string_view source() const = 0;
-  virtual Outcome approximate(const ApproximationTask& task) const = 0;
+  /// Refused: an order or a beta that the method cannot do well.
+  virtual Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const = 0;
   /// Whether whole powers of ((s/a + 1)/(s/b + 1)) are split off first when |beta| > 1; they count in the order, and
   /// `approximate` then sees 0 < beta < 1.
   virtual bool splits_whole_powers() const { return true; }

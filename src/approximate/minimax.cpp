@@ -12,7 +12,7 @@
 #include "approximate/remez.hpp"
 #include "base/units.hpp"
 #include "base/whole_number.hpp"
-#include "numeric/golden_section.hpp"
+#include "numeric/minimum.hpp"
 
 namespace bodesmith {
 namespace {
@@ -201,7 +201,7 @@ std::optional<NormalisedApproximation> follow_kappa(const ApproximationTask& tas
   }
 }
 
-Method::Outcome minimax_with_pairs(const ApproximationTask& task) {
+Outcome<NormalisedApproximation> minimax_with_pairs(const ApproximationTask& task) {
   if (below_rounding(task.kappa, task.beta, task.order)) {
     const long double log_kappa = std::log(static_cast<long double>(task.kappa));
     return from_log_positions(pade_positions_complex(log_kappa, task.beta, task.order), log_kappa, task.beta);
@@ -209,7 +209,7 @@ Method::Outcome minimax_with_pairs(const ApproximationTask& task) {
   for (const long double growth : {1.2L, 1.05L}) {
     if (auto found = follow_kappa(task, growth)) return *found;
   }
-  return Method::Refusal{
+  return Refusal{
       "minimax with complex pairs did not converge for this term, expected real roots or another order"};
 }
 
@@ -221,10 +221,10 @@ class Minimax final : public Method {
     return "equal ripple in log magnitude (Remez exchange on log pole and zero positions)";
   }
   bool splits_whole_powers() const override { return false; }
-  Outcome approximate(const ApproximationTask& task) const override;
+  Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override;
 };
 
-/// Fewer poles than |beta|: the best real ones are all at one place, found by golden section.
+/// Fewer poles than |beta|: the best real ones are all at one place, found by search.
 NormalisedApproximation minimax_of_one_place(const ApproximationTask& task) {
   const long double log_kappa = std::log(static_cast<long double>(task.kappa));
   const long double beta = task.beta;
@@ -232,15 +232,15 @@ NormalisedApproximation minimax_of_one_place(const ApproximationTask& task) {
   const auto places = [&](long double at) { return Positions(static_cast<std::size_t>(task.order), at); };
   const auto error = [&](long double at) { return remez.grid_error(beta, places(at)); };
   // Where the total change is right, and up to twice that.
-  const long double best = golden_section_minimum(0.5L * log_kappa, 2.0L * log_kappa * beta / task.order,
-                                                  1e-12L * log_kappa, error);
+  const long double best =
+      minimum_between(0.5L * log_kappa, 2.0L * log_kappa * beta / task.order, 1e-12L * log_kappa, error);
   return from_log_positions(places(best), log_kappa, beta);
 }
 
 /// Above beta = 2 the best positions leave the real axis. The best real ones then are a multiple root beyond the corner
 /// and simple ones for the rest; the search starts from as many whole powers split off, each a pole and a zero at the
 /// corners.
-Method::Outcome Minimax::approximate(const ApproximationTask& task) const {
+Outcome<NormalisedApproximation> Minimax::approximate(const ApproximationTask& task) const {
   const long double log_kappa = std::log(static_cast<long double>(task.kappa));
   const long double beta = task.beta;
   const int whole =

@@ -164,15 +164,15 @@ Orders take_poles_away(OrderCandidates& candidates, Orders orders, const Orders&
 
 }  // namespace
 
-std::variant<std::vector<TermApproximation>, Method::Refusal> search_orders(
-    const std::vector<FractionalLeadLag>& terms, const ApproximationOptions& options, double max_error_db) {
+Outcome<std::vector<TermApproximation>> search_orders(const std::vector<FractionalLeadLag>& terms,
+                                                      const ApproximationOptions& options,
+                                                      double max_error_db) {
   if (terms.empty()) return std::vector<TermApproximation>{};
   // A little below the limit: the final error is measured on another grid.
   const double limit_db = max_error_db * (1.0 - 1e-3);
   OrderCandidates candidates(terms, options);
   const auto smallest = min_orders(candidates);
-  if (!smallest)
-    return Method::Refusal{"the method accepts no order up to the largest allowed for one of the terms"};
+  if (!smallest) return Refusal{"the method accepts no order up to the largest allowed for one of the terms"};
   Orders orders = grow_worst_terms(candidates, *smallest, limit_db);
   if (candidates.total_db(orders) <= limit_db)
     orders = take_poles_away(candidates, orders, *smallest, limit_db);

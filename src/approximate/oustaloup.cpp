@@ -23,7 +23,7 @@ class Oustaloup final : public Method {
  public:
   std::string_view name() const override { return "oustaloup"; }
   std::string_view source() const override { return "Oustaloup et al., IEEE Trans. CAS-I 47, 2000"; }
-  Outcome approximate(const ApproximationTask& task) const override {
+  Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override {
     return oustaloup_recursion(task.kappa, task.beta, task.order);
   }
 };

@@ -12,7 +12,7 @@ class Pade final : public Method {
  public:
   std::string_view name() const override { return "pade"; }
   std::string_view source() const override { return "continued fraction at the centre of the band"; }
-  Outcome approximate(const ApproximationTask& task) const override {
+  Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override {
     const long double log_kappa = std::log(static_cast<long double>(task.kappa));
     return from_log_positions(pade_positions(log_kappa, task.beta, task.order), log_kappa, task.beta);
   }

@@ -15,10 +15,10 @@ class RefinedOustaloup final : public Method {
  public:
   std::string_view name() const override { return "refined-oustaloup"; }
   std::string_view source() const override { return "Xue, Zhao and Chen 2006"; }
-  Outcome approximate(const ApproximationTask& task) const override;
+  Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override;
 };
 
-Method::Outcome RefinedOustaloup::approximate(const ApproximationTask& task) const {
+Outcome<NormalisedApproximation> RefinedOustaloup::approximate(const ApproximationTask& task) const {
   if (task.order < 3)
     return Refusal{"refined-oustaloup needs an order of at least 3 (its correction takes 2)"};
   const double widen = 10.0 / 9.0;

@@ -8,6 +8,7 @@
 
 #include "approximate/elliptic.hpp"
 #include "approximate/log_symmetric.hpp"
+#include "numeric/elliptic_k.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith {

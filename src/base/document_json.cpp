@@ -90,8 +90,12 @@ class Builder : public nlohmann::json_sax<Json> {
     std::string what = error.what();
     // "[json.exception.parse_error.101] parse error at line 3, column 2: syntax error while ..." -> the last
     // part
-    const std::size_t cut = what.find(": ");
-    if (cut != std::string::npos) what = what.substr(cut + 2);
+    // (or "[json.exception.out_of_range.406] number overflow parsing '1e999'").
+    if (const std::size_t cut = what.find(": "); cut != std::string::npos) {
+      what = what.substr(cut + 2);
+    } else if (what.starts_with('[')) {
+      what = what.substr(std::min(what.find("] ") + 2, what.size()));
+    }
     if (what.size() > 200) what = what.substr(0, 200) + "...";
     (void)token;
     throw InputError(*file_, cursor_.line, "not valid JSON: " + what);

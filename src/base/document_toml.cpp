@@ -7,6 +7,7 @@
 
 #include "base/document_tree.hpp"
 #include "base/error.hpp"
+#include "base/letters.hpp"
 
 namespace bodesmith {
 namespace {
@@ -46,10 +47,46 @@ std::shared_ptr<Data> convert(const toml::node& node, const std::shared_ptr<cons
   return data;
 }
 
+/// Keys with very many dots would nest as deep; the parser and its trees go down one call a level.
+void require_shallow_keys(std::string_view text, const std::string& file) {
+  constexpr int kDeepest = 200;
+  int line = 1;
+  int dots = 0;  // since the key can have begun
+  char quote = 0;
+  bool tripled = false;
+  for (std::size_t i = 0; i < text.size(); ++i) {
+    const char c = text[i];
+    if (c == '\n') ++line;
+    const bool three = (c == '"' || c == '\'') && text.substr(i, 3) == std::string(3, c);
+    if (quote != 0) {
+      if (c == '\\' && quote == '"') {
+        ++i;
+      } else if (c == quote && (!tripled || three)) {
+        if (tripled) i += 2;
+        quote = 0;
+      } else if (c == '\n' && !tripled) {
+        quote = 0;  // broken: the parser says so
+      }
+    } else if (c == '"' || c == '\'') {
+      quote = c;
+      tripled = three;
+      if (three) i += 2;
+    } else if (c == '#') {
+      while (i + 1 < text.size() && text[i + 1] != '\n') ++i;
+    } else if (c == '.') {
+      if (++dots >= kDeepest)
+        throw InputError(file, line, fmt::format("has a key of more than {} parts", kDeepest));
+    } else if (!is_letter_or_digit(c) && c != '_' && c != '-' && c != ' ' && c != '\t') {
+      dots = 0;
+    }
+  }
+}
+
 }  // namespace
 
 Node parse_toml(std::string_view text, const std::string& file) {
   require_utf8(text, file);
+  require_shallow_keys(text, file);
   const auto name = std::make_shared<const std::string>(file);
   try {
     const toml::table table = toml::parse(text, std::string_view(file));

@@ -1,5 +1,8 @@
 #include "base/files.hpp"
 
+#include <fcntl.h>
+#include <poll.h>
+#include <sys/file.h>
 #include <unistd.h>
 
 #include <algorithm>
@@ -7,6 +10,7 @@
 #include <cstdio>
 #include <cstring>
 #include <fstream>
+#include <map>
 #include <memory>
 #include <set>
 #include <system_error>
@@ -77,6 +81,43 @@ bool stays_below(const fs::path& relative) {
          std::find(relative.begin(), relative.end(), fs::path("..")) == relative.end();
 }
 
+bool is_pipe(const fs::path& path) {
+  std::error_code ec;
+  return fs::is_fifo(path, ec);
+}
+
+/// A pipe that nobody writes into would be waited for without end. One that is written to is opened as any file.
+std::FILE* open_to_read(const fs::path& path) {
+  if (!is_pipe(path)) return std::fopen(path.c_str(), "rb");
+  constexpr int kPatienceMs = 2000;
+  const int descriptor = ::open(path.c_str(), O_RDONLY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor < 0) return nullptr;
+  pollfd waiting{descriptor, POLLIN, 0};
+  char first = 0;
+  ssize_t got = -1;
+  // Slow writers are waited for: without any the end of the file is read at once.
+  if (::poll(&waiting, 1, kPatienceMs) == 0 && (got = ::read(descriptor, &first, 1)) == 0) {
+    ::close(descriptor);
+    throw InputError(path.string(), 0, "is a pipe into which nobody writes, expected a file");
+  }
+  ::fcntl(descriptor, F_SETFL, ::fcntl(descriptor, F_GETFL) & ~O_NONBLOCK);
+  std::FILE* const out = ::fdopen(descriptor, "rb");
+  if (out != nullptr && got == 1) std::ungetc(static_cast<unsigned char>(first), out);
+  return out;
+}
+
+/// Whether somebody reads from it: to open it would wait for that.
+bool has_reader(const fs::path& path) {
+  const int descriptor = ::open(path.c_str(), O_WRONLY | O_NONBLOCK | O_CLOEXEC);
+  if (descriptor >= 0) ::close(descriptor);
+  return descriptor >= 0 || errno != ENXIO;
+}
+
+fs::path& last_read() {
+  static fs::path path;
+  return path;
+}
+
 void write_to(const fs::path& path, const std::string& content, std::string& why) {
   std::ofstream out(path, std::ios::binary | std::ios::trunc);
   if (out) out.write(content.data(), static_cast<std::streamsize>(content.size()));
@@ -101,7 +142,8 @@ std::string read_file(const fs::path& path) {
   const auto fail = [&](const char* what) {
     throw InputError(path.string(), 0, std::string(what) + ": " + std::strerror(errno));
   };
-  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(std::fopen(path.c_str(), "rb"), &std::fclose);
+  last_read() = path;
+  const std::unique_ptr<std::FILE, int (*)(std::FILE*)> in(open_to_read(path), &std::fclose);
   if (in == nullptr) fail("cannot be read");
   std::string text;
   if (const auto size = fs::file_size(path, ec); !ec && size <= kLargestFile) text.reserve(size);
@@ -112,6 +154,25 @@ std::string read_file(const fs::path& path) {
   }
   if (std::ferror(in.get()) != 0) fail("cannot be read to its end");
   return text;
+}
+
+const fs::path& last_file_read() {
+  return last_read();
+}
+
+void claim_folder(const fs::path& folder) {
+  static std::map<fs::path, int> claimed;  // open to the end of the process
+  std::error_code ec;
+  fs::create_directories(folder, ec);
+  const fs::path name = fs::weakly_canonical(folder, ec);
+  if (ec || claimed.count(name) > 0) return;
+  const int descriptor = ::open(name.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+  if (descriptor < 0) return;  // what is written there says why not
+  if (::flock(descriptor, LOCK_EX | LOCK_NB) != 0 && errno == EWOULDBLOCK) {
+    ::close(descriptor);
+    throw InputError(folder.string(), 0, "is being written by another run, expected another folder");
+  }
+  claimed[name] = descriptor;
 }
 
 void OutputSet::add(const fs::path& relative, std::string content) {
@@ -149,6 +210,7 @@ void OutputSet::commit() {
       forget_temporary(s.temporary);
     }
   };
+  if (inputs_protected && !folder_.empty()) claim_folder(folder_);
   const std::string suffix = ".tmp" + std::to_string(::getpid());
   std::set<fs::path> seen;
   for (const File& file : files_) {
@@ -165,6 +227,7 @@ void OutputSet::commit() {
     }
     const fs::path target = followed(named);
     if (fs::is_directory(target, ec)) fail("it is a folder");
+    if (is_pipe(target) && !has_reader(target)) fail("nobody reads from this pipe");
     if (is_special(target)) {
       staged.push_back({{}, target, &file.content});
       continue;
@@ -179,6 +242,8 @@ void OutputSet::commit() {
     write_to(temporary, file.content, why);
     if (!why.empty()) fail(why);
   }
+  // What can still fail, first.
+  std::stable_partition(staged.begin(), staged.end(), [](const Staged& s) { return s.temporary.empty(); });
   for (const Staged& s : staged) {
     std::error_code ec;
     std::string why;

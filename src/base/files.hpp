@@ -6,9 +6,15 @@
 
 namespace bodesmith {
 
-/// The bytes of a file. Throws InputError (naming the path) when it cannot be read to its end, is a folder, or is
-/// larger than 2 GiB.
+/// The bytes of a file. Throws InputError (naming the path) when it cannot be read to its end, is a folder, is larger
+/// than 2 GiB, or is a pipe into which nobody writes for some seconds.
 std::string read_file(const std::filesystem::path& path);
+/// The file that read_file() was given last, for what can be said of the memory that ran out over it.
+const std::filesystem::path& last_file_read();
+
+/// From here on this process alone writes into the folder, which it makes: InputError while another one does. Where the
+/// file system has no such locks there is none.
+void claim_folder(const std::filesystem::path& folder);
 
 /// From here on OutputSet refuses to write over what remember_input() has named: for programs that end after one
 /// command.
@@ -17,7 +23,7 @@ void remember_input(const std::filesystem::path& path);
 
 /// Files that are written together, whole or not at all: nothing touches the disk before commit(), every file
 /// goes to a temporary name beside its target first, and only when all of them stand are they renamed. A link is
-/// followed; what is no ordinary file (a device, a pipe) is written to as it is. Temporary files go when the program
+/// followed; what is no ordinary file (a device, a pipe) is written to as it is, before the others. Temporary files go when the program
 /// is ended by a signal, and those that a killed run left go at the next commit to the same name.
 class OutputSet {
  public:
@@ -27,7 +33,7 @@ class OutputSet {
   void add(const std::filesystem::path& relative, std::string content);
   /// Every file of another set, below a folder of this one.
   void include(const std::filesystem::path& below, const OutputSet& other);
-  /// Throws InputError when a file cannot be written, was read as an input, is named twice, or would stand outside of the
+  /// Claims the folder (in programs that end after one command). Throws InputError when a file cannot be written, was read as an input, is named twice, or would stand outside of the
   /// folder (absolute, ".."); targets that existed are then untouched.
   void commit();
 

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -21,6 +22,8 @@ struct InputFile {
 /// What a result came from. Readers add to it while they read.
 struct Provenance {
   std::vector<InputFile> inputs;
+  /// Sampling rate of records without times, where the user gave one.
+  std::optional<double> sample_hz;
 
   /// read_file(), remembered here.
   std::string read(const std::filesystem::path& path);

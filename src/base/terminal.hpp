@@ -18,7 +18,7 @@ std::string coloured(std::string_view text, Tone tone, int file_descriptor);
 /// Columns of the terminal; 80 where none is known.
 int terminal_columns(int file_descriptor);
 
-/// --quiet: no notes, no progress; errors alone.
+/// No notes, no progress; errors alone.
 void be_quiet();
 bool quiet();
 

@@ -155,6 +155,8 @@ class Block {
   bool steps_within_samples() const { return type_->steps_within_samples(*this); }
   const hysteresis::ModelType* hysteresis_model() const { return type_->hysteresis_model(); }
 
+  /// Of the part it stands for ("Section3a"); empty: none.
+  std::string part;
   /// Line of model.toml it came from; 0: none.
   int line = 0;
 

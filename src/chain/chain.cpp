@@ -27,7 +27,10 @@ std::vector<Parameter*> Chain::free_parameters() {
 std::string Chain::label(const Parameter& parameter) const {
   for (size_t i = 0; i < blocks.size(); ++i) {
     for (const Parameter& p : blocks[i].parameters()) {
-      if (&p == &parameter) return fmt::format("block {} ({}) {}", i + 1, blocks[i].type_name(), p.name());
+      if (&p != &parameter) continue;
+      const std::string& part = blocks[i].part;
+      return fmt::format("block {} ({}{}{}) {}", i + 1, blocks[i].type_name(), part.empty() ? "" : ", ", part,
+                         p.name());
     }
   }
   return parameter.name();

@@ -24,7 +24,7 @@ struct Chain {
   std::optional<std::complex<double>> response(RadPerSecond w) const;
   /// Every free parameter, in chain order. Pointers stay good until blocks or list lengths change.
   std::vector<Parameter*> free_parameters();
-  /// "block 2 (lowpass) corner_hz", for messages and summaries; blocks count from 1.
+  /// "block 2 (lowpass) corner_hz", "block 2 (lowpass, amplifier) corner_hz" of one with a name, for messages and summaries; blocks count from 1.
   std::string label(const Parameter& parameter) const;
 };
 

@@ -44,8 +44,6 @@ class SourceKernel {
   virtual double rate(double t) const = 0;
   /// True when a(t) is a straight line.
   virtual bool straight() const { return false; }
-  /// Shortest time (seconds) over which a(t) bends noticeably; infinity for a straight line.
-  virtual double time_scale_s() const = 0;
 };
 
 /// Smooth nonlinear dynamics, x' = A x + b u + constant + e n(x, u),  y = c x + d u + offset, all but e and n

@@ -12,6 +12,7 @@
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "chain/registry.hpp"
+#include "chain/sections_chain.hpp"
 #include "chain/trained_keys.hpp"
 
 namespace bodesmith::chain {
@@ -178,6 +179,12 @@ Block block_from_node(const Node& node) {
   const auto& specs = type->specs();
   for (const auto& [key, value] : node.members()) {
     if (key == "type" || key == "free") continue;
+    if (key == "name") {
+      block.part = value.string();
+      if (block.part.find_first_of("\"\\\n\r\t") != std::string::npos)
+        value.fail("has a quotation mark, backslash or line break, expected a plain name");
+      continue;
+    }
     const ParameterSpec* spec = find_parameter(specs, key);
     if (spec == nullptr)
       value.fail(fmt::format("is not a parameter of '{}'{}, expected one of {}", type->name(),
@@ -203,7 +210,10 @@ Chain model_from_node(const Node& node) {
 }
 
 Chain read_model(const std::filesystem::path& path, Provenance& from) {
-  return model_from_node(read_document(path, from));
+  const Node node = read_document(path, from);
+  if (node.kind() == Node::Kind::object && node.string_or("schema", "") == "bodesmith.sections/1")
+    return chain_of(Sections::from_node(node));
+  return model_from_node(node);
 }
 
 namespace {
@@ -242,6 +252,8 @@ std::string model_text(const Chain& chain, const std::string& comment) {
     Json out;
     out["type"] = block.type_name();
     out["parameters"] = Json::array();
+    if (!block.part.empty())
+      out["parameters"].push_back({{"key", "name"}, {"value", "\"" + block.part + "\""}});
     for (const ParameterSpec& spec : block.type().specs()) {
       out["parameters"].push_back({{"key", spec.name}, {"value", toml_value(block, spec)}});
     }
@@ -252,35 +264,6 @@ std::string model_text(const Chain& chain, const std::string& comment) {
     data["blocks"].push_back(std::move(out));
   }
   return render_template("model.toml", data);
-}
-
-Json model_json(const Chain& chain) {
-  Json out;
-  out["blocks"] = Json::array();
-  for (const Block& block : chain.blocks) {
-    Json item;
-    item["type"] = block.type_name();
-    for (const ParameterSpec& spec : block.type().specs()) {
-      switch (spec.shape) {
-        case ParameterSpec::Shape::number:
-          item[spec.name] = block.get(spec.name);
-          break;
-        case ParameterSpec::Shape::flag:
-          item[spec.name] = block.flag(spec.name);
-          break;
-        case ParameterSpec::Shape::list:
-          // A list that may be left out and is empty says nothing to a reader of the report.
-          if (!spec.optional() || !block.list(spec.name).empty()) item[spec.name] = block.list(spec.name);
-          break;
-        case ParameterSpec::Shape::word:
-          item[spec.name] = block.word(spec.name);
-          break;
-      }
-    }
-    if (const auto names = free_names(block); !names.empty()) item["free"] = names;
-    out["blocks"].push_back(std::move(item));
-  }
-  return out;
 }
 
 }  // namespace bodesmith::chain

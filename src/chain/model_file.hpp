@@ -4,7 +4,6 @@
 #include <string>
 
 #include "base/document.hpp"
-#include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "chain/chain.hpp"
 
@@ -12,7 +11,8 @@ namespace bodesmith::chain {
 
 /// model.toml (schema bodesmith.model/1; JSON of the same shape works too). Refused with file and line: an
 /// unknown type or key, a missing or out-of-bounds value, a name in `free` that is not a parameter of its
-/// block. An optional table [trained] says what the model was fitted to (chain/trained.hpp).
+/// block. An optional table [trained] says what the model was fitted to (chain/trained.hpp). A sections.json is a model too
+/// (chain/sections_chain.hpp).
 Chain read_model(const std::filesystem::path& path, Provenance& from);
 Chain model_from_node(const Node& node);
 /// One block, from a table that has `type`.
@@ -21,7 +21,5 @@ Block block_from_node(const Node& node);
 /// The text of a model.toml that reads back as the same chain; `comment` stands at its top, line by line
 /// after #.
 std::string model_text(const Chain& chain, const std::string& comment = {});
-/// {"blocks": [{"type", parameters..., "free"}]} without a header, for reports.
-Json model_json(const Chain& chain);
 
 }  // namespace bodesmith::chain

@@ -56,6 +56,7 @@ Json block_schema(const BlockType& type) {
     if (!spec.optional()) required.push_back(spec.name);
   }
   properties["free"] = {{"$ref", "#/$defs/free"}};
+  properties["name"] = {{"type", "string"}, {"description", "of the part that the block stands for"}};
   return {{"title", type.name()},     {"description", type.what()}, {"type", "object"},
           {"properties", properties}, {"required", required},       {"additionalProperties", false}};
 }

@@ -7,10 +7,12 @@
 #define BODESMITH_BLOCKS(ENTRY)        \
   ENTRY(gain_block)                    \
   ENTRY(lowpass_block)                 \
+  ENTRY(highpass_block)                \
   ENTRY(pole_zero_block)               \
   ENTRY(integrator_block)              \
   ENTRY(fractional_lead_lag_block)     \
   ENTRY(resonator_block)               \
+  ENTRY(biquad_block)                  \
   ENTRY(parallel_modes_block)          \
   ENTRY(right_half_plane_zero_block)   \
   ENTRY(delay_block)                   \
@@ -28,7 +30,8 @@
   ENTRY(voltage_controlled_gain_block) \
   ENTRY(comparator_block)              \
   ENTRY(switched_capacitor_block)      \
-  ENTRY(noise_block)
+  ENTRY(noise_block)                   \
+  ENTRY(loop_block)
 
 namespace bodesmith::chain {
 

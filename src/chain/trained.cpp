@@ -32,4 +32,12 @@ std::vector<std::string> Trained::beyond(const SignalExtent& drive, double least
   return out;
 }
 
+std::string Trained::far_beyond(const SignalExtent& drive) const {
+  const double reach = 0.1 * (input.upper - input.lower);
+  if (drive.lower >= input.lower - reach && drive.upper <= input.upper + reach) return {};
+  return fmt::format("the drive goes from {} to {}, the training records' from {} to {}",
+                     rounded_text(drive.lower), rounded_text(drive.upper), rounded_text(input.lower),
+                     rounded_text(input.upper));
+}
+
 }  // namespace bodesmith::chain

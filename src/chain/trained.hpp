@@ -23,6 +23,9 @@ struct Trained {
   double rms() const { return holdout_rms.value_or(training_rms); }
   /// In which respects a drive goes beyond the training records', a sentence each; an output beyond theirs, too.
   std::vector<std::string> beyond(const SignalExtent& drive, double least_output, double most_output) const;
+  /// Not empty: the drive leaves the training records' range by more than a tenth of it, and how. There a cubic that
+  /// fits to within e may be off by 3.3 e (T3(1.2), Chebyshev's bound); farther out nothing holds it.
+  std::string far_beyond(const SignalExtent& drive) const;
 };
 
 }  // namespace bodesmith::chain

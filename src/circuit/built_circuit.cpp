@@ -51,7 +51,7 @@ Part part_from(const Node& node, std::size_t stage) {
   out.kind = node.has("realised_ohm") ? Part::Kind::resistor : Part::Kind::capacitor;
   const char* unit = out.kind == Part::Kind::resistor ? "ohm" : "f";
   out.name = node.at("part").string();
-  out.stage = stage;
+  out.group = stage;
   out.from = node.at("from").string();
   out.to = node.at("to").string();
   out.series = node.string_or("series", "");
@@ -107,9 +107,10 @@ class StageReader {
     }
     const StageNodes place(index, stages_);
     for (const StageOpAmp& one : opamps) {
-      circuit_.opamps.push_back({fmt::format("{}_{}", one.name, index + 1), index, place(one.plus),
+      circuit_.opamps.push_back({fmt::format("{}_{}", one.name, index + 1), "", index, place(one.plus),
                                  place(one.minus), place(one.out)});
     }
+    circuit_.groups.push_back({stage.realisation});
     check(node, stage);
     circuit_.stages.push_back(std::move(stage));
   }
@@ -156,7 +157,7 @@ std::complex<double> CircuitFile::wanted(RadPerSecond w) const {
 CircuitFile CircuitFile::from_node(const Node& node) {
   node.expect_schema("circuit");
   CircuitFile out;
-  if (node.has("opamp")) out.circuit.model = opamp_from(node.at("opamp"));
+  if (node.has("opamp")) out.circuit.opamp = opamp_from(node.at("opamp"));
   const std::vector<Node> stages = node.at("stages").items();
   if (stages.empty()) node.at("stages").fail("is empty, expected at least one stage");
   StageReader reader(out.circuit, stages.size());

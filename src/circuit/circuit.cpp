@@ -79,6 +79,13 @@ std::complex<double> Circuit::response(RadPerSecond w) const {
   return h;
 }
 
+std::vector<std::complex<double>> Circuit::responses(const std::vector<Hertz>& grid) const {
+  std::vector<Complex> out;
+  out.reserve(grid.size());
+  for (const Hertz f : grid) out.push_back(response(f.rad_s()));
+  return out;
+}
+
 Sections Circuit::realised_sections() const {
   Sections out;
   for (const Stage& stage : stages) {

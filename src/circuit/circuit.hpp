@@ -7,31 +7,14 @@
 #include <string>
 #include <vector>
 
-#include "circuit/opamp.hpp"
 #include "lti/sections.hpp"
+#include "schematic/netlist.hpp"
 
 namespace bodesmith::circuit {
 
-/// A resistor (ohm) or a capacitor (farad) between two named nodes; node "0" is ground.
-struct Part {
-  enum class Kind { resistor, capacitor };
-  Kind kind = Kind::resistor;
-  std::string name;       ///< "R2_1": part R2 of stage 1
-  std::size_t stage = 0;  ///< which Circuit::stages it belongs to
-  std::string from;
-  std::string to;
-  std::string series;     ///< where the realised value was taken from: "E96", "E12", "exact"
-  double wanted = 0.0;    ///< the exact design at this stage's impedance
-  double realised = 0.0;  ///< the part that is mounted
-};
-
-struct OpAmp {
-  std::string name;
-  std::size_t stage = 0;
-  std::string plus;
-  std::string minus;
-  std::string out;
-};
+using schematic::OpAmp;
+using schematic::OpAmpModel;
+using schematic::Part;
 
 /// H(s) = (b0 + b1 s + b2 s^2)/(a0 + a1 s + a2 s^2), a stage with ideal op-amps.
 struct Biquad {
@@ -75,12 +58,9 @@ struct Stage {
 };
 
 /// A cascade of op-amp RC stages between nodes "in" and "out": wanted sections made of parts that can be
-/// bought.
-struct Circuit {
+/// bought. Its groups are its stages.
+struct Circuit : schematic::Netlist {
   std::vector<Stage> stages;
-  std::vector<Part> parts;
-  std::vector<OpAmp> opamps;
-  OpAmpModel model;  ///< used for every op-amp
 
   std::span<const Part> parts_of(const Stage& stage) const {
     return std::span(parts).subspan(stage.first_part, stage.part_count);
@@ -89,6 +69,7 @@ struct Circuit {
 
   /// With ideal op-amps and the realised parts.
   std::complex<double> response(RadPerSecond w) const;
+  std::vector<std::complex<double>> responses(const std::vector<Hertz>& grid) const;
   /// The same as sections (for the simulator): the product of the stages' realised transfers. Stages that are
   /// a constant (an inverter) go into the gain.
   Sections realised_sections() const;

@@ -1,7 +1,9 @@
 #include "circuit/json.hpp"
 
+#include <algorithm>
+
 #include "base/json.hpp"
-#include "circuit/sensitivity.hpp"
+#include "schematic/analysis/sensitivity.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -19,6 +21,19 @@ Json section_json(const std::vector<Biquad>& factors) {
     for (const auto& pole : section.poles) out["poles_rad_s"].push_back({pole.real(), pole.imag()});
   }
   out["gain"] = gain;
+  return out;
+}
+
+/// Greatest change of the magnitude over the report's band, dB for 1 % of each part, with ideal op-amps.
+std::vector<double> worst_db_per_percent(const Realised& realised) {
+  constexpr int kBandPoints = 61;
+  const schematic::Equations equations(realised.circuit, {.ideal_opamps = true});
+  std::vector<double> out(realised.circuit.parts.size(), 0.0);
+  for (const Hertz f : log_grid(realised.report.band, kBandPoints)) {
+    const auto slopes = schematic::log_sensitivities(equations, out.size(), f.rad_s());
+    for (std::size_t i = 0; i < out.size(); ++i)
+      out[i] = std::max(out[i], 0.01 * kDecibelPerNeper * std::abs(slopes[i].real()));
+  }
   return out;
 }
 
@@ -70,12 +85,12 @@ Json to_json(const Realised& realised) {
                              {"parts", parts}});
   }
   out["opamps"] = circuit.opamps.size();
-  out["opamp"] = {{"name", circuit.model.name},
-                  {"gain_bandwidth_hz", circuit.model.gain_bandwidth.value},
-                  {"dc_gain", circuit.model.dc_gain},
-                  {"slew_v_per_s", circuit.model.slew_v_per_s},
-                  {"output_resistance_ohm", circuit.model.output_resistance_ohm},
-                  {"swing_v", circuit.model.swing_v}};
+  out["opamp"] = {{"name", circuit.opamp.name},
+                  {"gain_bandwidth_hz", circuit.opamp.gain_bandwidth.value},
+                  {"dc_gain", circuit.opamp.dc_gain},
+                  {"slew_v_per_s", circuit.opamp.slew_v_per_s},
+                  {"output_resistance_ohm", circuit.opamp.output_resistance_ohm},
+                  {"swing_v", circuit.opamp.swing_v}};
   out["nodes"] = {{"highest_db", report.highest_node_db}, {"lowest_db", report.lowest_node_db}};
   out["error"] = {{"band_hz", {report.band.from.value, report.band.to.value}},
                   {"parts", to_json(report.parts)},

@@ -10,9 +10,11 @@
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "circuit/network.hpp"
-#include "circuit/noise.hpp"
-#include "circuit/response.hpp"
+#include "lti/frequency_grid.hpp"
+#include "lti/loop_margins.hpp"
+#include "schematic/analysis/equations.hpp"
+#include "schematic/analysis/noise.hpp"
+#include "schematic/analysis/response.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -25,59 +27,42 @@ double quality(const Biquad& h) {
   return q > 0.5 ? q : 0.0;
 }
 
-/// Loop gain of one op-amp with all others at work: its output source set to 1 V, the input at rest, -A (v+ -
-/// v-).
+/// Loop gain of one op-amp with all others at work.
 class Loop {
  public:
-  Loop(const Network& network, size_t opamp) : network_(network), opamp_(opamp) {}
+  Loop(const schematic::Equations& equations, const Circuit& circuit, size_t opamp)
+      : equations_(equations), circuit_(circuit), opamp_(opamp) {}
 
   Complex gain(RadPerSecond w) const {
     stop_if_interrupted();
-    const Circuit& circuit = network_.circuit();
-    const OpAmp& opamp = circuit.opamps[opamp_];
-    SparseSystem s = network_.system(w, &circuit.model);
-    const Eigen::Index row = network_.nodes() + static_cast<Eigen::Index>(opamp_);
-    s.clear_row(row);
-    s.add(row, network_.node(opamp.out), 1.0);
-    s.add(row, row, circuit.model.output_resistance_ohm);
-    s.b.setZero();
-    s.b(row) = 1.0;
-    const Eigen::VectorXcd x = solve_sparse(s);
-    const auto at = [&](const std::string& node) {
-      const int index = network_.node(node);
-      return index < 0 ? Complex(0.0) : x(index);
-    };
-    return -circuit.model.open_loop(w) * (at(opamp.plus) - at(opamp.minus));
+    return schematic::return_ratio(equations_, circuit_, opamp_, w);
   }
 
-  /// At the highest frequency where |L| = 1.
+  /// Least over the crossings of |L| = 1 of 24 octaves below 3 gain-bandwidths, where the op-amp alone is far below 1.
   double phase_margin_deg() const {
-    const double top = 3.0 * network_.circuit().model.gain_bandwidth.rad_s().value;
-    double high = top, low = top;
-    for (int i = 0; i < 24 && std::abs(gain({low})) < 1.0; ++i) {
-      high = low;
-      low /= 2.0;
-    }
-    for (int i = 0; i < 12; ++i) {
-      const double middle = std::sqrt(low * high);
-      (std::abs(gain({middle})) < 1.0 ? high : low) = middle;
-    }
-    // L = A beta is positive at rest here and turns backwards from there.
-    return 180.0 + to_degrees(std::arg(gain({high})));
+    constexpr int kOctaves = 24;
+    const Hertz top{3.0 * circuit_.opamp.gain_bandwidth.value};
+    double out = 180.0;
+    for (const LoopMargins::GainCrossing& crossing :
+         gain_crossings([this](Hertz f) { return gain(f.rad_s()); },
+                        log_grid({Hertz{std::ldexp(top.value, -kOctaves)}, top}, kOctaves + 1)))
+      out = std::min(out, crossing.phase_margin_deg);
+    return out;
   }
 
  private:
-  const Network& network_;
+  const schematic::Equations& equations_;
+  const Circuit& circuit_;
   size_t opamp_;
 };
 
 void phase_margins(const Circuit& circuit, OpAmpCheck& out) {
-  const Network network(circuit);
+  const schematic::Equations equations(circuit);
   for (size_t i = 0; i < circuit.opamps.size(); ++i) {
-    const double margin = Loop(network, i).phase_margin_deg();
+    const double margin = Loop(equations, circuit, i).phase_margin_deg();
     if (margin < out.min_phase_margin_deg) {
       out.min_phase_margin_deg = margin;
-      out.tightest_stage = circuit.opamps[i].stage + 1;
+      out.tightest_stage = circuit.opamps[i].group + 1;
     }
   }
 }
@@ -135,7 +120,7 @@ std::vector<std::string> warnings_of(const OpAmpCheck& check, const OpAmpModel& 
     warn(
         fmt::format("{}: stage {} drives so much capacitance behind {} ohm that {} degrees of phase margin "
                     "are left; smaller "
-                    "capacitors (a greater --max-ohm) help",
+                    "capacitors, and with them greater resistors, help",
                     model.name, check.tightest_stage, rounded_text(model.output_resistance_ohm),
                     rounded_text(check.min_phase_margin_deg, 3)));
   }
@@ -168,25 +153,25 @@ std::vector<std::string> warnings_of(const OpAmpCheck& check, const OpAmpModel& 
 }  // namespace
 
 OpAmpCheck check_opamps(const Circuit& circuit, Band band, double amplitude_v) {
-  const OpAmpModel& model = circuit.model;
+  const OpAmpModel& model = circuit.opamp;
   OpAmpCheck out;
   out.name = model.name;
   const std::vector<Hertz> grid = log_grid(band, 61);
-  const std::vector<Complex> ideal = circuit_response(circuit, grid);
-  out.against_ideal = compare_responses(grid, network_response(circuit, grid, model), ideal);
+  const std::vector<Complex> ideal = circuit.responses(grid);
+  out.against_ideal = compare_responses(grid, schematic::network_response(circuit, grid), ideal);
   phase_margins(circuit, out);
-  out.output_offset_v = worst_output_offset(circuit, model);
+  out.output_offset_v = schematic::worst_output_offset(circuit);
   const double highest = highest_gain(circuit, grid);
   out.full_swing_hz = model.slew_v_per_s / (2.0 * std::numbers::pi * highest * amplitude_v);
   out.highest_q = highest_quality(circuit);
-  out.noise_rms_v = output_noise_rms(circuit, model, band);
+  out.noise_rms_v = schematic::output_noise_rms(circuit, band);
   out.warnings =
       warnings_of(out, model, band, amplitude_v, highest * amplitude_v, hardest_resonance(circuit));
   return out;
 }
 
 Realised realise_with_best_opamp(const Sections& sections, const RealiseOptions& options,
-                                 const OpAmpLibrary& library, double amplitude_v) {
+                                 const schematic::OpAmpLibrary& library, double amplitude_v) {
   std::optional<Realised> best;
   size_t fewest = 0;
   for (const OpAmpModel& model : library.types()) {

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "circuit/opamp_library.hpp"
 #include "circuit/realise.hpp"
+#include "schematic/opamp_library.hpp"
 
 namespace bodesmith::circuit {
 
@@ -22,12 +22,12 @@ struct OpAmpCheck {
   std::vector<std::string> warnings;
 };
 
-/// Checks with `circuit.model`; `amplitude_v` at the input.
+/// Checks with `circuit.opamp`; `amplitude_v` at the input.
 OpAmpCheck check_opamps(const Circuit& circuit, Band band, double amplitude_v = 1.0);
 
 /// Realises with the types of the library in their order (cheapest first) and takes the first without
 /// warnings; without such a one, that with the fewest.
 Realised realise_with_best_opamp(const Sections& sections, const RealiseOptions& options,
-                                 const OpAmpLibrary& library, double amplitude_v);
+                                 const schematic::OpAmpLibrary& library, double amplitude_v);
 
 }  // namespace bodesmith::circuit

@@ -6,7 +6,8 @@
 
 #include "circuit/opamp_check.hpp"
 #include "circuit/realisation.hpp"
-#include "circuit/response.hpp"
+#include "lti/judging_grid.hpp"
+#include "schematic/analysis/response.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -34,14 +35,15 @@ void report_realised(Realised& made, const Sections& sections, Band band,
                      const std::function<std::complex<double>(RadPerSecond)>& nearest) {
   RealiseReport& report = made.report;
   report.band = band;
-  const std::vector<Hertz> grid = log_grid(band, kReportGrid);
+  const std::vector<Hertz> grid =
+      judging_grid([&](Hertz f) { return sections.response(f.rad_s()); }, band, kReportGrid);
   std::vector<std::complex<double>> wanted, rounded;
   for (const Hertz f : grid) {
     wanted.push_back(sections.response(f.rad_s()));
     rounded.push_back(nearest(f.rad_s()));
   }
-  const std::vector<std::complex<double>> ideal = circuit_response(made.circuit, grid);
-  const std::vector<std::complex<double>> real = network_response(made.circuit, grid, made.circuit.model);
+  const std::vector<std::complex<double>> ideal = made.circuit.responses(grid);
+  const std::vector<std::complex<double>> real = schematic::network_response(made.circuit, grid);
   report.parts = compare_responses(grid, ideal, wanted);
   report.nearest = compare_responses(grid, rounded, wanted);
   report.opamps = compare_responses(grid, real, ideal);

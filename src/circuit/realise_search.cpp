@@ -10,8 +10,9 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "circuit/realisation.hpp"
-#include "circuit/response.hpp"
 #include "circuit/stated_band.hpp"
+#include "lti/judging_grid.hpp"
+#include "schematic/analysis/response.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -32,11 +33,12 @@ std::string typed(double value) {
 
 void judge(const Sections& sections, const BuildSearch& search, Candidate& candidate) {
   candidate.judged_band = search.options.band.value_or(judged_band(sections));
-  const std::vector<Hertz> grid = log_grid(candidate.judged_band, kJudgedGrid);
+  const std::vector<Hertz> grid =
+      judging_grid([&](Hertz f) { return sections.response(f.rad_s()); }, candidate.judged_band, kJudgedGrid);
   std::vector<std::complex<double>> wanted;
   for (const Hertz f : grid) wanted.push_back(sections.response(f.rad_s()));
-  candidate.judged = compare_responses(
-      grid, network_response(candidate.made.circuit, grid, candidate.made.circuit.model), wanted);
+  candidate.judged =
+      compare_responses(grid, schematic::network_response(candidate.made.circuit, grid), wanted);
   if (candidate.opamps.min_phase_margin_deg < search.limits.min_phase_margin_deg) {
     candidate.shortfalls.push_back(
         fmt::format("an op-amp has {} degrees of phase margin, expected {} or more",
@@ -121,10 +123,10 @@ std::optional<std::string> limits_that_do(const Sections& sections, const Realis
     double PartLimits::*value;
     double step;  ///< a decade wider
   };
-  static constexpr std::array<Limit, 4> kAll = {{{"--max-f", &PartLimits::max_f, 10.0},
-                                                 {"--max-ohm", &PartLimits::max_ohm, 10.0},
-                                                 {"--min-ohm", &PartLimits::min_ohm, 0.1},
-                                                 {"--min-f", &PartLimits::min_f, 0.1}}};
+  static constexpr std::array<Limit, 4> kAll = {{{"capacitors up to", &PartLimits::max_f, 10.0},
+                                                 {"resistors up to", &PartLimits::max_ohm, 10.0},
+                                                 {"resistors down to", &PartLimits::min_ohm, 0.1},
+                                                 {"capacitors down to", &PartLimits::min_f, 0.1}}};
   RealiseOptions trial = options;
   trial.resistors = Series::named("exact");
   trial.capacitors = Series::named("exact");
@@ -140,7 +142,7 @@ std::optional<std::string> limits_that_do(const Sections& sections, const Realis
   std::string all;
   for (const Limit& limit : kAll) {
     trial.limits.*limit.value *= limit.step * limit.step;
-    all += fmt::format("{}{} {}", all.empty() ? "" : " ", limit.name,
+    all += fmt::format("{}{} {}", all.empty() ? "" : ", ", limit.name,
                        rounded_text(trial.limits.*limit.value, 3));
   }
   if (can_be_made(sections, trial)) return all;

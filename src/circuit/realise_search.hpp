@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "circuit/opamp_check.hpp"
-#include "circuit/opamp_library.hpp"
 #include "circuit/realise.hpp"
+#include "schematic/opamp_library.hpp"
 
 namespace bodesmith::circuit {
 
@@ -33,7 +33,7 @@ struct BuildSearch {
   bool may_choose = false;    ///< other realisations may take the place of options.realisation
   bool limits_given = false;  ///< the limits of the parts are somebody's, not the realisation's own
   /// The types to choose from, cheapest first; none: options.opamp.
-  const OpAmpLibrary* opamps = nullptr;
+  const schematic::OpAmpLibrary* opamps = nullptr;
   double amplitude_v = 1.0;
 };
 
@@ -46,7 +46,7 @@ struct BuildChoice {
 /// falls short least. A Refusal names the limit of resistors or capacitors with which it would do.
 Outcome<BuildChoice> realise_for_building(const Sections& sections, const BuildSearch& search);
 
-/// "--max-f 1e-06": the single limit, moved the least, with which the realisation can be made; the widest ones together
+/// "capacitors up to 1u": the single limit, moved the least, with which the realisation can be made; the widest ones together
 /// where no single one does; nothing when not even they do.
 std::optional<std::string> limits_that_do(const Sections& sections, const RealiseOptions& options);
 

@@ -27,10 +27,6 @@ std::string factors_text(const std::vector<std::complex<double>>& roots) {
 
 }  // namespace
 
-std::string plain_number(double value) {
-  return fmt::format("{:.12g}", value);
-}
-
 std::string transfer_text(const std::vector<Biquad>& product) {
   double gain = 1.0;
   std::string zeros, poles;
@@ -50,7 +46,7 @@ std::string parts_csv(const Circuit& circuit) {
   CsvTable table({"part", "section", "series", "wanted_ohm", "realised_ohm", "wanted_f", "realised_f"});
   for (const Part& part : circuit.parts) {
     const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
-    const std::string stage = std::to_string(part.stage + 1);
+    const std::string stage = std::to_string(part.group + 1);
     if (part.kind == Part::Kind::resistor) {
       table.add_row({part.name, stage, part.series, wanted, realised, "", ""});
     } else {

@@ -7,9 +7,6 @@
 
 namespace bodesmith::circuit {
 
-/// A number as every simulator and every person reads it: exponents, never suffixes (1M is 1e-3 in SPICE).
-std::string plain_number(double value);
-
 /// "-1.88 (s + 107.6)/(s + 126.4)" for comments.
 std::string transfer_text(const std::vector<Biquad>& factors);
 

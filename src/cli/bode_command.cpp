@@ -61,6 +61,16 @@ std::vector<Hertz> choose_grid(const CommandLine& line, const std::vector<Respon
   return log_grid(band, count);
 }
 
+/// A magnitude of 0 or a pole on the axis has no dB; what is no number at all was beyond double precision.
+void require_numbers(const ResponseSource& source, const std::vector<Hertz>& grid,
+                     const ResponseColumns& columns) {
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (columns.magnitude_db[i] && std::isnan(*columns.magnitude_db[i]))
+      throw InputError(fmt::format("{}: has no response at {} Hz that double precision can hold", source.stem,
+                                   rounded_text(grid[i].value)));
+  }
+}
+
 std::string bode_csv(const std::vector<Hertz>& grid, const std::vector<ResponseSource>& sources,
                      const std::vector<ResponseColumns>& columns,
                      const std::vector<std::vector<ExtraColumn>>& extra) {
@@ -98,15 +108,21 @@ std::vector<double> with_gaps(const std::vector<std::optional<double>>& column) 
 class BodePicture {
  public:
   BodePicture(const std::vector<Hertz>& grid, const std::vector<ResponseSource>& sources,
-              const std::vector<ResponseColumns>& columns)
+              const std::vector<ResponseColumns>& columns, const std::vector<std::vector<ExtraColumn>>& extra)
       : sources_(sources), dense_(dense_grid(grid)) {
     const bool same = dense_.size() == grid.size();
-    for (std::size_t i = 0; i < sources.size(); ++i) add(static_cast<int>(i), same ? &columns[i] : nullptr);
+    for (std::size_t i = 0; i < sources.size(); ++i) {
+      add(static_cast<int>(i), same ? &columns[i] : nullptr);
+      for (const ExtraColumn& more : extra[i]) {
+        if (more.name == sources[i].stem + "_group_delay_s") add_delay(static_cast<int>(i), grid, more);
+      }
+    }
   }
 
   std::string svg() const {
     std::vector<report::Plot> plots{plot_.magnitude, plot_.phase};
     if (plot_.phase.series.empty()) plots.pop_back();
+    if (!delay_.series.empty()) plots.push_back(delay_);
     if (sources_.size() > 1 && sources_[0].own_frequencies.empty()) plots.push_back(difference());
     return report::stack_svg(plots);
   }
@@ -142,6 +158,18 @@ class BodePicture {
     plot_.phase.series.push_back(std::move(series));
   }
 
+  /// With --group-delay, on the table's own grid.
+  void add_delay(int number, const std::vector<Hertz>& grid, const ExtraColumn& column) {
+    delay_.title = "Group delay";
+    delay_.x = plot_.magnitude.x;
+    delay_.y = {"s"};
+    delay_.height = 240;
+    report::Series series{sources_[static_cast<std::size_t>(number)].stem, hertz_of(grid),
+                          with_gaps(column.values)};
+    series.color = number;
+    delay_.series.push_back(std::move(series));
+  }
+
   /// Of every file from the first, where both are known: curves that lie on each other are told apart here.
   report::Plot difference() const {
     report::Plot out;
@@ -163,6 +191,7 @@ class BodePicture {
   const std::vector<ResponseSource>& sources_;
   std::vector<Hertz> dense_;
   report::BodePlot plot_;
+  report::Plot delay_;
 };
 
 void declare_bode(CommandLine& line) {
@@ -238,6 +267,7 @@ int run_bode(const std::vector<std::string>& arguments) {
   std::vector<ResponseColumns> columns;
   for (const ResponseSource& source : sources) {
     columns.push_back(source.on_grid(grid));
+    require_numbers(source, grid, columns.back());
     if (columns.back().phase_deg.empty()) note(source.stem + " has no phase_deg: magnitude only");
   }
   std::vector<std::vector<ExtraColumn>> extra;
@@ -252,7 +282,8 @@ int run_bode(const std::vector<std::string>& arguments) {
   const bool to_file = line.has("output");
   const std::string csv = bode_csv(grid, sources, columns, extra);
   if (to_file) out.add(line.output_path(), csv);
-  if (line.has("svg")) out.add(line.get<std::string>("svg"), BodePicture(grid, sources, columns).svg());
+  if (line.has("svg"))
+    out.add(line.get<std::string>("svg"), BodePicture(grid, sources, columns, extra).svg());
   add_loop_files(line, responses, out);
   out.commit();
   // Without -o the table is the answer, unless margins were asked for.

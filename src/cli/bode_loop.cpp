@@ -11,6 +11,7 @@
 #include "base/text.hpp"
 #include "lti/group_delay.hpp"
 #include "lti/loop_margins.hpp"
+#include "lti/section_making.hpp"
 #include "lti/time_response.hpp"
 #include "report/plot.hpp"
 #include "signal/csv.hpp"
@@ -36,33 +37,21 @@ struct LoopOnBand {
   std::vector<Hertz> grid;  ///< where crossings are looked for
 };
 
-LoopOnBand interpolated_loop(const std::vector<Hertz>& grid, const BodeResponse& response) {
-  std::vector<double> log_f;
-  std::vector<double> decibel;
-  std::vector<double> phase;
+LoopOnBand measured_loop(const std::vector<Hertz>& grid, const BodeResponse& response) {
   LoopOnBand out;
-  for (std::size_t i = 0; i < response.columns.phase_deg.size(); ++i) {
-    const auto& db = response.columns.magnitude_db[i];
-    if (!db || !std::isfinite(*db) || !response.columns.phase_deg[i]) continue;
-    log_f.push_back(std::log(grid[i].value));
-    decibel.push_back(*db);
-    phase.push_back(*response.columns.phase_deg[i]);
+  std::vector<Complex> values;
+  const auto column = complex_column(response.columns);
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    if (!column[i] || !std::isfinite(std::abs(*column[i]))) continue;
+    values.push_back(*column[i]);
     out.grid.push_back(grid[i]);
   }
-  out.at = [log_f, decibel, phase](Hertz f) {
-    const double x = std::log(f.value);
-    const auto above = std::upper_bound(log_f.begin(), log_f.end(), x);
-    const auto i = static_cast<std::size_t>(
-        std::clamp<std::ptrdiff_t>(above - log_f.begin(), 1, static_cast<std::ptrdiff_t>(log_f.size()) - 1));
-    const double t = (x - log_f[i - 1]) / (log_f[i] - log_f[i - 1]);
-    return std::polar(from_decibel(decibel[i - 1] + t * (decibel[i] - decibel[i - 1])),
-                      to_radians(phase[i - 1] + t * (phase[i] - phase[i - 1])));
-  };
+  out.at = interpolated_loop(out.grid, std::move(values));
   return out;
 }
 
 LoopOnBand loop_on_band(const std::vector<Hertz>& grid, const BodeResponse& response) {
-  if (!response.source.quick) return interpolated_loop(grid, response);
+  if (!response.source.quick) return measured_loop(grid, response);
   constexpr int kFinest = 4000;
   LoopOnBand out;
   out.at = [&source = response.source](Hertz f) { return source.response({f}).front(); };
@@ -105,29 +94,53 @@ void add_critical_point(report::Plot& plot, double x, double y) {
   plot.series.push_back(point);
 }
 
-std::string nyquist_svg(const std::vector<BodeResponse>& responses) {
+/// With --series the product alone: its factors are no loops.
+bool is_drawn(const CommandLine& line, const BodeResponse& response) {
+  return !line.has("series") || response.source.stem == "series";
+}
+
+/// The plane around -1, where a loop's margins are: what lies farther out (an integrator's rise) breaks the line.
+std::string nyquist_svg(const CommandLine& line, const std::vector<BodeResponse>& responses) {
+  constexpr double kReach = 3.0;
   report::Plot plot;
-  plot.title = "Nyquist";
+  plot.title = "Nyquist, the plane around -1";
   plot.x.label = "real part";
   plot.y.label = "imaginary part";
+  plot.x.fixed = plot.y.fixed = true;
+  plot.x.from = -1.0 - kReach;
+  plot.x.to = -1.0 + kReach;
+  // One unit is as long upwards as to the right, but for the axes' margins.
+  plot.height = plot.width * 2 / 3;
+  plot.y.from = -kReach * 2.0 / 3.0;
+  plot.y.to = kReach * 2.0 / 3.0;
   for (std::size_t i = 0; i < responses.size(); ++i) {
+    if (!is_drawn(line, responses[i])) continue;
     report::Series series = curve(responses[i].source.stem, static_cast<int>(i));
     for (const auto& h : complex_column(responses[i].columns)) {
-      series.x.push_back(h ? h->real() : NAN);
-      series.y.push_back(h ? h->imag() : NAN);
+      const bool inside = h && std::abs(h->real() + 1.0) <= kReach && std::abs(h->imag()) <= plot.y.to;
+      series.x.push_back(inside ? h->real() : NAN);
+      series.y.push_back(inside ? h->imag() : NAN);
     }
     plot.series.push_back(series);
   }
+  report::Series circle = curve("gain 1", 6);
+  circle.style = report::Series::Style::dashed;
+  for (int degrees = 0; degrees <= 360; degrees += 3) {
+    circle.x.push_back(std::cos(to_radians(degrees)));
+    circle.y.push_back(std::sin(to_radians(degrees)));
+  }
+  plot.series.push_back(circle);
   add_critical_point(plot, -1.0, 0.0);
   return report::to_svg(plot);
 }
 
-std::string nichols_svg(const std::vector<BodeResponse>& responses) {
+std::string nichols_svg(const CommandLine& line, const std::vector<BodeResponse>& responses) {
   report::Plot plot;
   plot.title = "Nichols";
   plot.x.label = "open-loop phase in degrees";
   plot.y.label = "open-loop magnitude in dB";
   for (std::size_t i = 0; i < responses.size(); ++i) {
+    if (!is_drawn(line, responses[i])) continue;
     report::Series series = curve(responses[i].source.stem, static_cast<int>(i));
     const ResponseColumns& columns = responses[i].columns;
     for (std::size_t k = 0; k < columns.phase_deg.size(); ++k) {
@@ -197,17 +210,11 @@ ResponseSource series_of(const std::vector<ResponseSource>& sources) {
   ResponseSource out;
   out.stem = "series";
   out.quick = std::all_of(sources.begin(), sources.end(), [](const ResponseSource& s) { return s.quick; });
-  Sections all;
-  bool whole = true;
+  std::vector<Sections> parts;
   for (const ResponseSource& source : sources) {
-    whole = whole && source.sections.has_value();
-    if (!whole) break;
-    all.gain *= source.sections->gain;
-    all.delay_s += source.sections->delay_s;
-    all.sections.insert(all.sections.end(), source.sections->sections.begin(),
-                        source.sections->sections.end());
+    if (source.sections) parts.push_back(*source.sections);
   }
-  if (whole) out.sections = all;
+  if (parts.size() == sources.size()) out.sections = in_series(parts);
   out.on_grid = [sources](const std::vector<Hertz>& grid) {
     ResponseColumns sum = sources.front().on_grid(grid);
     for (std::size_t i = 1; i < sources.size(); ++i) {
@@ -295,8 +302,8 @@ std::string margins_text(const CommandLine& line, const std::vector<Hertz>& grid
 }
 
 void add_loop_files(const CommandLine& line, const std::vector<BodeResponse>& responses, OutputSet& out) {
-  if (line.has("nyquist-svg")) out.add(line.get<std::string>("nyquist-svg"), nyquist_svg(responses));
-  if (line.has("nichols-svg")) out.add(line.get<std::string>("nichols-svg"), nichols_svg(responses));
+  if (line.has("nyquist-svg")) out.add(line.get<std::string>("nyquist-svg"), nyquist_svg(line, responses));
+  if (line.has("nichols-svg")) out.add(line.get<std::string>("nichols-svg"), nichols_svg(line, responses));
   if (line.has("time-response"))
     out.add(line.get<std::string>("time-response"), time_response_csv(line, responses));
 }

@@ -46,10 +46,10 @@ void add_parts_options(CommandLine& line) {
   line.option<std::string>("opamp-library", "a TOML list of op-amps of your own");
 }
 
-circuit::OpAmpLibrary opamp_library_of(const CommandLine& line, Provenance& from) {
+schematic::OpAmpLibrary opamp_library_of(const CommandLine& line, Provenance& from) {
   if (const auto file = line.maybe<std::string>("opamp-library"))
-    return circuit::OpAmpLibrary::read(*file, from);
-  return circuit::OpAmpLibrary::built_in();
+    return schematic::OpAmpLibrary::read(*file, from);
+  return schematic::OpAmpLibrary::built_in();
 }
 
 bool automatic_opamp(const CommandLine& line) {

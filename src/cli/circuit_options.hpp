@@ -1,8 +1,8 @@
 #pragma once
 
-#include "circuit/opamp_library.hpp"
 #include "circuit/realise.hpp"
 #include "cli/command_line.hpp"
+#include "schematic/opamp_library.hpp"
 
 namespace bodesmith::cli {
 
@@ -19,7 +19,7 @@ circuit::RealiseOptions read_parts_options(const CommandLine& line, Provenance& 
 bool parts_limits_given(const CommandLine& line);
 /// --opamp auto.
 bool automatic_opamp(const CommandLine& line);
-circuit::OpAmpLibrary opamp_library_of(const CommandLine& line, Provenance& from);
+schematic::OpAmpLibrary opamp_library_of(const CommandLine& line, Provenance& from);
 
 /// Adds --check.
 void add_check_option(CommandLine& line, const std::string& what);

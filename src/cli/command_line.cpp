@@ -111,6 +111,27 @@ void CommandLine::positional(const std::string& name, int min, int max) {
   max_files_ = max;
 }
 
+void CommandLine::refuse_group(const std::string& caption) const {
+  for (std::size_t i = 0; i < captions_.size(); ++i) {
+    if (captions_[i] != caption) continue;
+    for (const auto& option : groups_[i].options()) {
+      if (has(option->long_name()))
+        fail(fmt::format("--{} is for another kind of work: '{}'", option->long_name(), caption));
+    }
+  }
+}
+
+void CommandLine::reads_records() {
+  reads_measurements();
+  option<double>("sample-hz", "sampling rate of records without a column of times");
+}
+
+Provenance CommandLine::new_provenance() const {
+  Provenance out;
+  out.sample_hz = maybe_positive("sample-hz");
+  return out;
+}
+
 void CommandLine::output(const std::string& what, bool optional) {
   output_needed_ = !optional;
   option<std::string>("output,o", what);

@@ -67,6 +67,9 @@ class CommandLine {
   void positional(const std::string& name, int min, int max);
   /// Has --help name the formats of other programs that are read wherever this command reads measured files.
   void reads_measurements() { reads_measurements_ = true; }
+  /// The same of a command that reads records: adds --sample-hz, which new_provenance() hands to the readers.
+  void reads_records();
+  Provenance new_provenance() const;
   /// Adds -o/--output; required unless `optional`.
   void output(const std::string& what, bool optional = false);
   /// Adds --seed.
@@ -115,6 +118,8 @@ class CommandLine {
   int integer(const std::string& option, int min, int max) const;
   /// --from-hz and --to-hz together, or neither.
   std::optional<Band> maybe_band() const;
+  /// Options under this heading of --help, which do nothing in the mode that was asked for, are an error.
+  void refuse_group(const std::string& caption) const;
   std::vector<std::string> files() const;
   std::filesystem::path output_path() const { return get<std::string>("output"); }
   std::uint64_t seed_value() const { return get<std::uint64_t>("seed"); }

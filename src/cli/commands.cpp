@@ -10,12 +10,15 @@
   COMMAND(approximate, "a fractional cascade to integer pole-zero sections")   \
   COMMAND(fpaa, "sections to FPAA filter blocks on a board")                   \
   COMMAND(spice, "sections to op-amp circuits, netlists and parts")            \
+  COMMAND(sc, "response and noise of a switched-capacitor netlist")            \
   COMMAND(layout, "a disturbance generator to multipliers and a switch")       \
   COMMAND(controller, "a whole analog controller as one checked circuit")      \
   COMMAND(bode, "frequency responses of any of these files in one table")      \
   COMMAND(export, "sections, responses and records for other programs")        \
+  COMMAND(tune, "a measured plant to a controller with margins")               \
   COMMAND(simulate, "a model's output for an input record")                    \
   COMMAND(identify, "measured records to a model")                             \
+  COMMAND(model, "sections, circuits, stages and runs as a model")             \
   COMMAND(compensate, "a model's inverse: the drive for a required output")    \
   COMMAND(diagnose, "names what a model is missing")                           \
   COMMAND(yield, "tolerance and mismatch statistics of a realised design")     \

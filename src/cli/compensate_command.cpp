@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <optional>
+#include <span>
 #include <string>
 
 #include "base/error.hpp"
@@ -17,7 +18,7 @@
 #include "cli/reference_options.hpp"
 #include "invert/compensation.hpp"
 #include "invert/inverse_file.hpp"
-#include "invert/settled.hpp"
+#include "invert/steady_state.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
 #include "signal/error_figures.hpp"
@@ -72,7 +73,7 @@ struct DriveStatement {
   const TimeRecord& reference;
   const invert::Options& options;
   const Compensation& found;
-  invert::Settled settled;
+  invert::SteadyState settled;
   ErrorFigures error;  ///< settled part
   ErrorFigures whole;
   SignalExtent drive;
@@ -177,6 +178,8 @@ void describe_compensate(CommandLine& line) {
   line.option<double>("skip-s",
                       "seconds at the start that the stated error does not count (default: all but the last "
                       "period of a reference that repeats, otherwise the start alone)");
+  line.flag("beyond-training",
+            "write a drive that leaves the training records' range by more than a tenth of it, too");
   line.option<double>("max-error-percent", "exit with 1 when the predicted RMS error is larger");
   line.positional("MODEL.toml", 1, 1);
   line.output("file for the drive: CSV time_s,r,u");
@@ -199,6 +202,32 @@ TimeRecord read_wanted(const CommandLine& line, const chain::Chain& model, Prove
   return simulate::make_reference(spec);
 }
 
+/// DesignError where the drive is not worth writing: worse than none, or a guess.
+void require_useful(const CommandLine& line, const DriveStatement& drive) {
+  const std::string file = line.files().front();
+  double mean = 0.0, spread = 0.0;
+  const auto counted = std::span(drive.reference.u).subspan(drive.settled.first);
+  for (const double r : counted) mean += r / static_cast<double>(counted.size());
+  for (const double r : counted) spread += (r - mean) * (r - mean) / static_cast<double>(counted.size());
+  // Limits that were asked for may leave a drive nothing to do, a delay that is left is no miss, and
+  // --max-error-percent judges by itself.
+  if (spread > 0.0 && drive.error.rms > std::sqrt(spread) && !drive.options.limits.any() &&
+      drive.options.preview && !line.has("max-error-percent"))
+    throw DesignError(
+        file, 0,
+        fmt::format(
+            "no drive was found that follows the reference: {} % of range is left, more than under a "
+            "constant drive{}",
+            rounded_text(drive.error.rms_percent, 3),
+            drive.found.out_of_reach.empty() ? "" : " (" + drive.found.out_of_reach.front().why + ")"));
+  if (!drive.model.trained || line.has("beyond-training")) return;
+  if (const std::string how = drive.model.trained->far_beyond(drive.drive); !how.empty())
+    throw DesignError(file, 0,
+                      how +
+                          ": expected a reference within what they reached, limits (--lower, --upper), or "
+                          "--beyond-training");
+}
+
 /// inverse.toml, which names the model relative to itself.
 std::string inverse_text(const CommandLine& line, const invert::Options& options) {
   const std::filesystem::path folder =
@@ -216,13 +245,13 @@ int run_compensate(const std::vector<std::string>& arguments) {
       "error that is left: block by block where blocks have inverses, the rest numerically on\n"
       "the model's own simulation, within limits of the drive.");
   describe_compensate(line);
-  line.reads_measurements();
+  line.reads_records();
   if (!line.parse(arguments)) return kDone;
   if (!line.has("reference"))
     line.fail("--reference is missing, expected a CSV with time_s,r, or triangle, sine, stair, …");
   const std::optional<double> limit = line.maybe_positive("max-error-percent");
 
-  Provenance from;
+  Provenance from = line.new_provenance();
   const chain::Chain model = chain::read_model(line.files().front(), from);
   const invert::Options options = read_compensate_options(line, model);
   if (model.blocks.empty()) throw InputError(line.files().front(), 0, "has no block, expected at least one");
@@ -231,7 +260,8 @@ int run_compensate(const std::vector<std::string>& arguments) {
   const Stopwatch watch;
   const Compensation found = invert::compensate(model, reference, options);
   const double seconds = watch.seconds();
-  const invert::Settled settled = settled_part(model, reference, options, line.maybe<double>("skip-s"));
+  const invert::SteadyState settled =
+      steady_state_of(model, reference, options, line.maybe<double>("skip-s"));
   TimeRecord driven = invert::as_read_back(reference);
   driven.u = found.drive;
   const DriveStatement statement{model,
@@ -243,6 +273,7 @@ int run_compensate(const std::vector<std::string>& arguments) {
                                  error_figures(found.predicted, reference.u),
                                  input_extent({&driven, 1})};
 
+  require_useful(line, statement);
   OutputSet files;
   files.add(line.output_path(), drive_csv(reference, found));
   if (line.has("inverse")) files.add(line.get<std::string>("inverse"), inverse_text(line, options));

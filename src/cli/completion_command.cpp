@@ -48,8 +48,8 @@ std::string short_text(const std::string& what) {
   return text.substr(0, text.rfind(' ', kLongest)) + " …";
 }
 
-/// The ending of the files a command takes ("MODEL.toml"); empty: any.
-std::string ending_of(const std::string& positional) {
+/// The endings of the files a command takes ("MODEL.toml|SECTIONS.json"); empty: any.
+std::set<std::string> endings_of(const std::string& positional) {
   // Several of different kinds one after the other.
   if (positional.find(' ') != std::string::npos) return {};
   std::set<std::string> endings;
@@ -62,11 +62,10 @@ std::string ending_of(const std::string& positional) {
       if (c < 'a' || c > 'z') break;
       ending += c;
     }
+    if (ending != "json" && ending != "toml") return {};
     endings.insert(ending);
   }
-  if (endings.size() != 1) return {};
-  const std::string only = *endings.begin();
-  return only == "json" || only == "toml" ? only : std::string();
+  return endings;
 }
 
 /// Words that stand in the place of a file ("lowpass|highpass|…" of design).
@@ -101,8 +100,9 @@ Json command_json(const CommandTable& table) {
   Json out = {{"name", table.name}, {"what", short_text(table.first_sentence())}};
   out["id"] = table.name;
   for (char& c : out["id"].get_ref<std::string&>()) c = c == ' ' ? '_' : c;
-  const std::string ending = ending_of(table.positional);
-  out["ending"] = ending.empty() ? Json(false) : Json(ending);
+  std::vector<std::string> files;
+  for (const std::string& ending : endings_of(table.positional)) files.push_back("*." + ending);
+  out["files"] = files.empty() ? Json(false) : Json(join(files, " "));
   out["words"] = join(positional_words(table), " ");
   out["has_words"] = !positional_words(table).empty();
   out["options"] = Json::array();

@@ -7,7 +7,6 @@
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "circuit/opamp_library.hpp"
 #include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
@@ -15,6 +14,7 @@
 #include "controller/files.hpp"
 #include "controller/study.hpp"
 #include "part_errors/report.hpp"
+#include "schematic/opamp_library.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::cli {
@@ -36,13 +36,15 @@ void declare_controller(CommandLine& line) {
                            "triangle");
   line.words("waveform", {"triangle", "sine", "two_tone", "decaying_triangle"});
   line.option<double>("amplitude", "of the reference, of the full stroke", 1.0);
+  line.flag("full-stroke",
+            "leave amplitude gains out, which the circuit does not make: for full strokes only");
   line.flag("constant", "leave the rate gains out: the constant polynomial");
   line.option<double>("rate-tolerance-percent",
                       "of the gain curve's straight pieces against the table, percent of range",
                       defaults.rate_tolerance_percent);
   line.option<double>(
       "averaging-s",
-      "time constant behind the slope's rectifier; several periods: the mean slope, right for every "
+      "time constant after the slope's rectifier; several periods: the mean slope, right for every "
       "reference that goes once up and down (default: a hundredth of the shortest period)");
   line.option<std::string>("series", "series of the resistors, E3 to E192 or exact", "E96");
   line.option<std::string>("opamp", "type of the op-amps", defaults.opamp.name);
@@ -72,11 +74,12 @@ controller::Options read_controller_options(const CommandLine& line) {
   out.form = controller::form_named(line.get<std::string>("form"));
   out.tracked = controller_frequencies(line);
   out.rates = !line.has("constant");
+  out.full_stroke = line.has("full-stroke");
   out.rate_tolerance_percent = line.positive("rate-tolerance-percent");
   out.averaging_s = line.maybe_positive("averaging-s").value_or(0.0);
   out.resistors = circuit::Series::named(line.get<std::string>("series"));
   if (out.resistors.is_exact()) out.capacitors = circuit::Series::named("exact");
-  const circuit::OpAmpLibrary types = circuit::OpAmpLibrary::built_in();
+  const schematic::OpAmpLibrary types = schematic::OpAmpLibrary::built_in();
   out.opamp = types.named(line.get<std::string>("opamp"));
   out.fast_opamp = types.named(line.get<std::string>("fast-opamp"));
   out.multiplier.scale_v = line.positive("multiplier-scale-v");
@@ -183,6 +186,9 @@ int run_controller(const std::vector<std::string>& arguments) {
   const Disturbance disturbance = Disturbance::read(line.files()[0], from);
   const controller::Options options = read_controller_options(line);
   const tracking::Reference reference = read_controller_reference(line);
+  if (options.full_stroke && reference.alpha() != 1.0)
+    line.fail(fmt::format("--full-stroke and --amplitude {} contradict each other",
+                          rounded_text(reference.alpha())));
 
   const Stopwatch watch;
   const controller::AnalogController built = controller::make_controller(disturbance, options);

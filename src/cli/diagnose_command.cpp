@@ -112,9 +112,23 @@ std::string summary_text(const gap::Diagnosis& d, const std::filesystem::path& f
   return text;
 }
 
+/// What was found, with the base model's [trained]: where it was fitted, and the errors that are left now.
+chain::Chain found_model(const gap::Diagnosis& diagnosis, const chain::Chain& base) {
+  chain::Chain out = diagnosis.search.final.chain();
+  out.trained = base.trained;
+  if (!out.trained || diagnosis.relative) return out;
+  chain::Trained& trained = *out.trained;
+  if (trained.training_rms > 0.0)
+    trained.training_percent *= diagnosis.final.train_rms / trained.training_rms;
+  trained.training_rms = diagnosis.final.train_rms;
+  trained.holdout_rms = diagnosis.final.holdout_rms;
+  trained.holdout_percent = diagnosis.final.holdout_percent_of_range;
+  return out;
+}
+
 /// diagnosis.json, model.toml, base_refitted.toml and report.html; returns diagnosis.json.
-Json write_results(const gap::Diagnosis& diagnosis, const gap::Study& study, const Provenance& from,
-                   const std::filesystem::path& folder) {
+Json write_results(const gap::Diagnosis& diagnosis, const gap::Study& study, const chain::Chain& base,
+                   const Provenance& from, const std::filesystem::path& folder) {
   OutputSet files(folder);
   Json json = json_header("diagnosis", from);
   json.update(gap::to_json(diagnosis));
@@ -123,7 +137,7 @@ Json write_results(const gap::Diagnosis& diagnosis, const gap::Study& study, con
   std::vector<std::string> found;
   for (const auto& s : diagnosis.steps) found.push_back(s.effect + " " + s.placed);
   files.add("model.toml",
-            chain::model_text(diagnosis.search.final.chain(),
+            chain::model_text(found_model(diagnosis, base),
                               "The base model, refitted, with what diagnose found: " +
                                   (found.empty() ? std::string("nothing") : join(found, ", ")) + "."));
   files.add("base_refitted.toml", chain::model_text(diagnosis.search.base.chain(),
@@ -142,7 +156,7 @@ void diagnose_into(const std::filesystem::path& folder, const std::filesystem::p
   Provenance from;
   const auto base = chain::read_model(model, from);
   const auto study = gap::Study::read({data}, {holdout}, base, from);
-  write_results(gap::diagnose(base, study, options), study, from, folder);
+  write_results(gap::diagnose(base, study, options), study, base, from, folder);
 }
 
 int run_diagnose(const std::vector<std::string>& arguments) {
@@ -154,7 +168,7 @@ int run_diagnose(const std::vector<std::string>& arguments) {
       "and how far the gap shrinks on records that were not fitted.\n"
       "  bodesmith diagnose --circuit circuit.json --data bode.csv -o DIR   which part of a built board is wrong\n"
       "  bodesmith diagnose --course examples/course                        ten hidden effects to try it on");
-  line.positional("MODEL.toml", 1, 1);
+  line.positional("MODEL.toml|SECTIONS.json", 1, 1);
   line.output(
       "folder for diagnosis.json, model.toml, base_refitted.toml, report.html and, after a tie or with an open "
       "parameter, experiment.csv");
@@ -171,12 +185,12 @@ int run_diagnose(const std::vector<std::string>& arguments) {
       120.0);
   line.option<int>("threads", "threads of the search (the result does not depend on it)", 2);
   declare_drive(line);
-  line.reads_measurements();
+  line.reads_records();
   if (!line.parse(arguments)) return kDone;
   const auto data = paths(line, "data");
   if (data.empty()) line.fail("--data is missing, expected at least one CSV file");
 
-  Provenance from;
+  Provenance from = line.new_provenance();
   const auto base = chain::read_model(line.files()[0], from);
   const auto study = gap::Study::read(data, paths(line, "holdout"), base, from);
   Progress progress("looking for what is missing");
@@ -184,7 +198,7 @@ int run_diagnose(const std::vector<std::string>& arguments) {
   const auto diagnosis = gap::diagnose(base, study, read_options(line, progress, watch));
 
   const std::filesystem::path folder = line.output_path();
-  const Json json = write_results(diagnosis, study, from, folder);
+  const Json json = write_results(diagnosis, study, base, from, folder);
   print_summary(line, summary_text(diagnosis, folder), json);
   return diagnosis.verdict == gap::Verdict::interrupted ? kInterrupted : kDone;
 }

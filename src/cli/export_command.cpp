@@ -98,15 +98,15 @@ exchange::Exportable load_circuit(const CommandLine& line, const std::string& fi
   const circuit::CircuitFile made = circuit::CircuitFile::from_node(read_document(file, from));
   exchange::Schematic schematic;
   schematic.band = made.band;
-  schematic.open_loop_gain = made.circuit.model.dc_gain;
-  const double bandwidth = made.circuit.model.gain_bandwidth.value;
+  schematic.open_loop_gain = made.circuit.opamp.dc_gain;
+  const double bandwidth = made.circuit.opamp.gain_bandwidth.value;
   schematic.gain_bandwidth_hz = std::isfinite(bandwidth) ? bandwidth : 1e12;  // of an ideal one
-  for (const circuit::Part& part : made.circuit.parts) {
-    schematic.parts.push_back({part.kind == circuit::Part::Kind::capacitor, part.name, part.from, part.to,
-                               part.realised, part.stage});
+  for (const schematic::Part& part : made.circuit.parts) {
+    schematic.parts.push_back({part.kind == schematic::Part::Kind::capacitor, part.name, part.from, part.to,
+                               part.realised, part.group});
   }
-  for (const circuit::OpAmp& opamp : made.circuit.opamps)
-    schematic.opamps.push_back({opamp.name, opamp.plus, opamp.minus, opamp.out, opamp.stage});
+  for (const schematic::OpAmp& opamp : made.circuit.opamps)
+    schematic.opamps.push_back({opamp.name, opamp.plus, opamp.minus, opamp.out, opamp.group});
   exchange::Exportable out;
   out.source = file;
   out.name = exchange::identifier(std::filesystem::path(file).stem().string());
@@ -147,9 +147,9 @@ exchange::Exportable load_exportable(const CommandLine& line, const std::string&
   for (const char* option : {"from-hz", "to-hz", "count"}) {
     if (line.has(option)) line.fail(fmt::format("--{} is for designs; {} has its own points", option, file));
   }
-  Provenance aside;
+  Provenance aside = from;
   const Csv csv = Csv::read(file, aside);
-  if (csv.has(column::time_s)) {
+  if (csv.has(column::time_s) || (from.sample_hz && csv.has(column::input))) {
     out.record = TimeRecord::read_csv(file, from);
   } else {
     out.response = measured_response(file, from);
@@ -202,7 +202,7 @@ int run_export(const std::vector<std::string>& arguments) {
   line.flag("with-holds", "FPAA plans: with every hold and half-cycle delay");
   line.option<std::string>("signal", "of a record, where one is written: u or y", "u");
   line.words("signal", {"u", "y"});
-  line.option<double>("sample-hz", "sampling rate of digital biquads");
+  line.option<double>("sample-hz", "sampling rate of digital biquads, or of a record without times");
   line.option<std::string>("method", "tustin or matched", "tustin");
   line.words("method", {"tustin", "matched"});
   line.option<double>("prewarp-hz", "tustin: exact here (default: every section at its own corner)");
@@ -211,7 +211,7 @@ int run_export(const std::vector<std::string>& arguments) {
   line.reads_measurements();
   if (!line.parse(arguments)) return kDone;
 
-  Provenance from;
+  Provenance from = line.new_provenance();
   const exchange::Writer& writer = line.has("as") ? exchange::writers().get(line.get<std::string>("as"))
                                                   : exchange::writer_for(line.output_path().string());
   const exchange::ExportOptions options = read_export_options(line);

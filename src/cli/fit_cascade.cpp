@@ -22,6 +22,7 @@ std::string cascade_summary(const CascadeFit& fit) {
       fit.bounded ? fmt::format("bounded least squares, {} <= beta <= {}{}\n", rounded_text(fit.lower_bound),
                                 rounded_text(fit.upper_bound),
                                 fit.lower_bound == 0.0 ? " (a beta of 0 is allowed: that term is 1)" : "")
+      : fit.least_squares && !fit.fewest_bands ? std::string("least squares of the orders\n")
       : fit.fewest_bands ? fmt::format("least squares of the fewest bands, {} for {} points\n",
                                        fit.terms.size(), fit.cascade.fit->points.size())
                          : std::string("interpolation of every point above the base\n");
@@ -48,12 +49,20 @@ std::string cascade_summary(const CascadeFit& fit) {
   return text;
 }
 
-CascadeFitOptions read_cascade_options(const CommandLine& line) {
+CascadeFitOptions read_cascade_options(const CommandLine& line, Provenance& from) {
   CascadeFitOptions options;
   if (const auto base = line.maybe_positive("base-hz")) options.base = Hertz{*base};
   options.beta_max = line.maybe_positive("beta-max");
+  options.term_beta_max = line.maybe<std::vector<double>>("term-beta-max").value_or(std::vector<double>{});
+  if (options.beta_max && !options.term_beta_max.empty())
+    line.fail("--beta-max and --term-beta-max exclude each other");
   options.beta_positive = line.has("beta-positive");
-  if (options.beta_positive && !options.beta_max) line.fail("--beta-positive needs --beta-max");
+  if (options.beta_positive && !options.bounded())
+    line.fail("--beta-positive needs --beta-max or --term-beta-max");
+  if (line.has("corners")) options.corners = Cascade::read(line.get<std::string>("corners"), from).terms;
+  if (line.has("fit-corners")) options.fitted_terms = line.integer("fit-corners", 1, 50);
+  if (!options.corners.empty() && options.fitted_terms > 0)
+    line.fail("--corners and --fit-corners exclude each other");
   options.surprise_db = line.positive("surprise-db");
   if (line.has("fewest-bands")) {
     options.fewest_bands_db = line.maybe_positive("max-error-db");
@@ -69,11 +78,14 @@ void add_cascade_options(CommandLine& line) {
                       "frequency of gain 1 at which the first band starts (default: the lowest point)");
   line.option<double>("beta-max",
                       "bounded fit (eq. 19): |beta| at most this; without it interpolation (eq. 18)");
-  line.flag("beta-positive", "with --beta-max: 0 <= beta, as eq. 19 prints it (cannot follow a dip)");
+  line.list<double>("term-beta-max", "a bound for every term instead (c_i of eq. 19), in their order");
+  line.option<std::string>("corners", "a cascade.json whose lambda and x are taken; the orders are fitted");
+  line.option<int>("fit-corners",
+                   "so many terms whose lambda and x are fitted too (three points each at least)");
+  line.flag("beta-positive", "with a bound: 0 <= beta, as eq. 19 prints it (cannot follow a dip)");
   line.flag("fewest-bands", "with --max-error-db: the fewest bands that keep every point within it");
-  line.flag(
-      "allow-large-orders",
-      "write an interpolation even where an order is beyond use (|beta| above 20, of up to 12 points 200)");
+  line.flag("allow-large-orders",
+            "write the interpolation even where an order is beyond use (|beta| above 20)");
   line.option<double>(
       "surprise-db",
       "warn when the curve leaves the range of two neighbouring points, or depends on a single "
@@ -99,7 +111,7 @@ int write_cascade(const CommandLine& line, const CascadeFit& fit, const Provenan
   return met ? kDone : kLimitMissed;
 }
 
-/// The interpolation cannot be built: with a limit to choose by, the fewest bands or sections; without one, what to ask for.
+/// The interpolation cannot be built, and there is a limit to choose by: the fewest bands or sections.
 int choose_other_fit(const CommandLine& line, const BodePoints& points, const CascadeFitOptions& options,
                      const std::string& reason, Provenance& from) {
   const std::optional<double> limit = line.maybe_positive("max-error-db");
@@ -123,21 +135,27 @@ int choose_other_fit(const CommandLine& line, const BodePoints& points, const Ca
 }  // namespace
 
 int fit_to_cascade(const CommandLine& line) {
-  const CascadeFitOptions options = read_cascade_options(line);
   Provenance from;
+  const CascadeFitOptions options = read_cascade_options(line, from);
   const BodePoints points = BodePoints::read_csv(line.files().front(), from);
-  if (points.points.size() > kMostPointsToInterpolate && !options.fewest_bands_db && !options.beta_max &&
-      !line.has("allow-large-orders"))
+  const bool as_asked = options.bounded() || !options.corners.empty() || options.fitted_terms > 0;
+  const bool large = line.has("allow-large-orders");
+  if (points.points.size() > kMostPointsToInterpolate && !options.fewest_bands_db && !as_asked && !large)
     return choose_other_fit(
         line, points, options,
         fmt::format("{} points would make {} bands", points.points.size(), points.points.size() - 1), from);
   const Stopwatch watch;
-  const CascadeFit fit = fit_cascade(points, options);
+  ChartedFit charted;
+  // With a limit the interpolation is held against what meets it, without one the paper's chart goes on.
+  if (large || line.has("max-error-db"))
+    charted.fit = fit_cascade(points, options);
+  else
+    charted = fit_by_chart(points, options);
   const double seconds = watch.seconds();
-  const std::optional<std::string> unusable = why_unusable(fit);
-  if (unusable && !line.has("allow-large-orders"))
-    return choose_other_fit(line, points, options, *unusable, from);
-  return write_cascade(line, fit, from, seconds, "");
+  const std::optional<std::string> unusable = why_unusable(charted.fit);
+  if (unusable && !large && !as_asked) return choose_other_fit(line, points, options, *unusable, from);
+  for (const std::string& step : charted.steps) note(step);
+  return write_cascade(line, charted.fit, from, seconds, join(charted.steps, "; "));
 }
 
 }  // namespace bodesmith::cli

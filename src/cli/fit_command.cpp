@@ -41,15 +41,23 @@ int run_fit(const std::vector<std::string>& arguments) {
     if (line.has("direct") || line.has("waveform"))
       line.fail("--measured cannot be combined with another kind of fit");
     if (!line.files().empty()) line.fail("--measured takes its response file and no POINTS.csv");
+    for (const char* other : {"To a cascade", "With --direct", "With --waveform"}) line.refuse_group(other);
     return fit_to_measurement(line);
   }
   if (line.has("waveform")) {
     if (line.has("direct")) line.fail("--direct and --waveform cannot be combined");
     if (!line.files().empty()) line.fail("--waveform takes its disturbance file and no POINTS.csv");
+    for (const char* other : {"To a cascade", "With --direct", "With --measured"}) line.refuse_group(other);
     return fit_to_waveform(line);
   }
+  for (const char* other : {"With --waveform", "With --measured"}) line.refuse_group(other);
   if (line.files().empty()) line.fail("POINTS.csv is missing");
-  if (line.has("direct")) return fit_to_sections(line);
+  if (line.has("direct")) {
+    line.refuse_group("To a cascade");
+    return fit_to_sections(line);
+  }
+  // With a limit sections are made where a cascade cannot be.
+  if (!line.has("max-error-db")) line.refuse_group("With --direct");
   for (const char* option : {"order", "real"}) {
     if (line.has(option)) line.fail(std::string("--") + option + " needs --direct, --waveform or --measured");
   }

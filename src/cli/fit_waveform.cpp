@@ -63,7 +63,7 @@ void add_waveform_options(CommandLine& line) {
   line.option<std::string>("norm", "rms: over the operating frequencies; worst: the worst of them", "rms");
   line.option<std::string>(
       "branch",
-      "whole (behind the branch switch), ascending or descending (that polynomial's own path); "
+      "whole (after the branch switch), ascending or descending (that polynomial's own path); "
       "default: the one that needs a compensator");
   line.list<double>("operating-hz", "operating frequencies instead of the rate table's");
 }

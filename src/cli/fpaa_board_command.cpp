@@ -123,7 +123,7 @@ int verify_complete_streams(const CommandLine& line);
 int run_fpaa_verify(const std::vector<std::string>& arguments) {
   CommandLine line(
       "fpaa verify", "bodesmith fpaa verify out/fpaa/plan.json out/fpaa/stream/packets.bin --sections s.json",
-      "Complete streams (AHF, C arrays, board packets, raw; updates behind their primary): what the bytes would "
+      "Complete streams (AHF, C arrays, board packets, raw; updates after their primary): what the bytes would "
       "do\nagainst a plan or sections (PLAN.json may be a SECTIONS.json): dB, degrees, percent over a band.\n"
       "With --api (update streams for a project of your own): every capacitor and divisor against the plan.\n"
       "Exit status 1 when they differ, or miss a limit.");

@@ -19,25 +19,19 @@
 #include "fpaa/error_budget.hpp"
 #include "fpaa/plan.hpp"
 #include "fpaa/zrna_script.hpp"
-#include "lti/integrators.hpp"
+#include "lti/sections.hpp"
 
 namespace bodesmith::cli {
 namespace {
 
-constexpr double kLowestClockOfStreamsHz = 16e6 / 510.0;
-
 void add_plan_options(CommandLine& line) {
-  line.positional("SECTIONS.json", 1, 1);
+  line.positional("SECTIONS.json...", 1, -1);
   line.output("folder for plan.json, build_sheet.md, build_sheet.html and board.svg");
   line.option<std::string>("board", "the board", "an231k04-quad4");
   line.words("board", {"an231k04-quad4"});
-  line.option<std::string>(
-      "topology",
-      "auto, parallel (partial fractions), cascade (one clock), chain (pole-zero stages at "
-      "one clock, holds not compensated)",
-      "auto");
-  line.words("topology", {"auto", "parallel", "cascade", "chain"});
-  line.option<double>("clock-hz", "one clock for all: a chain (default: every stage its own clock)");
+  line.option<std::string>("topology", "auto, chain (CAMs that AnadigmDesigner2 has, alone)", "auto");
+  line.words("topology", {"auto", "chain"});
+  line.option<double>("clock-hz", "one clock for all: a chain (default: clocks are searched)");
   line.option<double>("min-clock-hz", "no clock below this; slow poles by two capacitor ratios");
   line.band("lower end of the band in which errors are minimised and stated", "its upper end");
   line.option<double>("max-error-percent", "exit with 1 when the complex error as it runs is above this");
@@ -54,14 +48,8 @@ fpaa::PlanOptions plan_options(const CommandLine& line) {
   out.board = line.get<std::string>("board");
   if (const auto clock = line.maybe_positive("clock-hz")) out.clock = Hertz{*clock};
   using Topology = fpaa::PlanOptions::Topology;
-  out.topology =
-      line.choice("topology", {Topology::automatic, Topology::parallel, Topology::cascade, Topology::chain});
-  if (const auto clock = line.maybe_positive("min-clock-hz")) {
-    out.lowest_clock = Hertz{*clock};
-  } else if (line.has("stream")) {
-    // No public stream uses a system divisor: without one 16 MHz/510 is the lowest clock.
-    out.lowest_clock = Hertz{kLowestClockOfStreamsHz};
-  }
+  out.topology = line.choice("topology", {Topology::automatic, Topology::chain});
+  if (const auto clock = line.maybe_positive("min-clock-hz")) out.lowest_clock = Hertz{*clock};
   out.band = line.maybe_band();
   out.assumptions = {read_mismatch(line), read_noise_model(line)};
   return out;
@@ -126,28 +114,52 @@ Json plan_summary(const fpaa::Plan& plan, const Json& json, const Provenance& fr
   for (const char* key : {"largest_image", "largest_image_in_band"}) {
     if (json.contains(key)) out[key] = json[key];
   }
+  if (json.contains("total")) out["total"] = json["total"];
   out["limits_met"] = limits_met;
   out["timing_s"] = json["timing_s"];
   return out;
+}
+
+std::string total_text(const fpaa::Plan& plan) {
+  if (!plan.total) return "";
+  const fpaa::PlanTotal& total = *plan.total;
+  return fmt::format("95 % of boards, of a sine of {}: {} % (designed {}, mismatch {}, noise {})\n",
+                     engineering_text(total.at_input_v, "V"), rounded_text(total.p95_percent, 3),
+                     rounded_text(total.designed_percent, 3), rounded_text(total.mismatch_p95_percent, 3),
+                     rounded_text(total.noise_percent, 3));
+}
+
+/// Why nobody would build this board; nothing: somebody might. A tenth is nearly a decibel: beyond it neither curve
+/// nor signal is what was asked for.
+std::optional<std::string> unusable(const fpaa::Plan& plan) {
+  constexpr double kUselessPercent = 10.0;
+  if (!plan.total) return std::nullopt;
+  const fpaa::PlanTotal& total = *plan.total;
+  if (total.designed_percent > kUselessPercent)
+    return fmt::format("this board is {} % off what was asked for, as designed",
+                       rounded_text(total.designed_percent, 3));
+  if (total.noise_percent > kUselessPercent)
+    return fmt::format("this board takes an input of {} at most, and its noise is {} % of that at the output",
+                       engineering_text(total.at_input_v, "V"), rounded_text(total.noise_percent, 3));
+  return std::nullopt;
 }
 
 std::string plan_text(const fpaa::Plan& plan, const fpaa::ErrorBudget& budget) {
   const auto cams = plan.cams();
   const fpaa::PlanError& runs = plan.error_with_delays;
   std::string out = fmt::format(
-      "as it runs, {} to {}: {} % ({} dB, {} deg) at {} worst; every clock, hold and delay in it\n"
+      "as it runs, {} to {}: {} % ({} dB, {} deg) at {} worst; every switch of every clock in it\n"
+      "{}"
       "{}: {} CAMs, {} op-amps on {} chip{} of {}, clocks {}\n"
-      "without holds and delays: {} %\n"
       "{} % mismatch of a unit capacitor adds (95 %): {} % ({} dB)\n"
       "kT/C noise in the band: {} uV with units of {} fF\n"
       "largest input: {} V\n",
       engineering_text(runs.band.from.value, "Hz", 4), engineering_text(runs.band.to.value, "Hz", 4),
       rounded_text(runs.max_complex_percent), rounded_text(runs.max_magnitude_db),
-      rounded_text(runs.max_phase_deg), engineering_text(runs.worst.value, "Hz", 4), plan.topology,
-      cams.size(), opamps_of(plan), plan.chips.size(), plan.chips.size() == 1 ? "" : "s", plan.board,
-      clocks_text(plan), rounded_text(plan.error.max_complex_percent),
-      rounded_text(budget.mismatch_model.unit_percent), rounded_text(budget.mismatch.p95_percent, 3),
-      rounded_text(budget.mismatch.p95_db, 3),
+      rounded_text(runs.max_phase_deg), engineering_text(runs.worst.value, "Hz", 4), total_text(plan),
+      plan.topology, cams.size(), opamps_of(plan), plan.chips.size(), plan.chips.size() == 1 ? "" : "s",
+      plan.board, clocks_text(plan), rounded_text(budget.mismatch_model.unit_percent),
+      rounded_text(budget.mismatch.p95_percent, 3), rounded_text(budget.mismatch.p95_db, 3),
       rounded_text(budget.noise_model.microvolts(budget.noise_in_band_kt_per_cu), 3),
       rounded_text(1e15 * budget.noise_model.unit_capacitance_f), rounded_text(plan.max_input_v));
   const auto add_image = [&](const char* what, const std::optional<fpaa::ImageLine>& image) {
@@ -178,8 +190,8 @@ int plan_board(const std::vector<std::string>& arguments) {
   add_plan_options(line);
   if (!line.parse(arguments)) return kDone;
   Provenance from;
-  const std::string file = line.files()[0];
-  const Sections sections = rational_part(Sections::read(file, from), file);
+  const std::string file = join(line.files(), ", ");
+  const Sections sections = read_rational_series(line.files(), from);
   if (integrates(sections)) {
     throw DesignError(
         file, 0,
@@ -208,9 +220,15 @@ int plan_board(const std::vector<std::string>& arguments) {
   write_plan(line.output_path(), plan, json, stream ? &stream->files : nullptr, netlist_parts(line));
 
   const auto limit = line.maybe<double>("max-error-percent");
-  const bool met = !limit || plan.error_with_delays.max_complex_percent <= *limit;
+  const std::optional<std::string> useless = unusable(plan);
+  // A limit that was given is the user's own judgement.
+  const bool met = limit ? plan.error_with_delays.max_complex_percent <= *limit : !useless;
   std::string text = plan_text(plan, budget);
-  if (!met) text += fmt::format("NOT met: the complex error as it runs is above {} %\n", *limit);
+  if (useless) {
+    note("warning: " + *useless);
+    text += fmt::format("NOT usable: {}\n", *useless);
+  }
+  if (limit && !met) text += fmt::format("NOT met: the complex error as it runs is above {} %\n", *limit);
   Json summary = plan_summary(plan, json, from, met);
   if (stream) {
     text += "\n" + stream->text;

@@ -39,7 +39,7 @@ void add_controller_options(CommandLine& line) {
   line.option<std::string>("structure",
                            "loop, two-pass, delayed or open (default: the one that tracks best)");
   line.flag("outside-switch",
-            "the branch by an analogue switch beside the board, driven by the reference generator: then the "
+            "the branch by an analogue switch next to the board, driven by the reference generator: then the "
             "look-up variant has complete streams too");
   line.list<double>("track-hz", "frequencies of the full-stroke triangle (default: 1 10 20 40 60 80 100)");
   line.option<double>("fast-clock-hz", "clock of everything but the compensators", 250e3);

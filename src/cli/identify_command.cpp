@@ -13,8 +13,10 @@
 #include "base/quantity.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
+#include "chain/registry.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "cli/identify_modes.hpp"
 #include "hysteresis/registry.hpp"
 #include "identify/fit_report.hpp"
 #include "identify/record_findings.hpp"
@@ -118,11 +120,11 @@ void describe_options(CommandLine& line) {
       "skip-s", "seconds at the start of every record that are simulated but not counted (start transients)",
       0.0);
   line.option<double>("frequency-hz", "operating frequency for models that ask for it (0: found)", 0.0);
-  line.flag("asymmetric", "prandtl_ishlinskii: with dead zones behind the plays");
+  line.flag("asymmetric", "prandtl_ishlinskii: with dead zones after the plays");
   line.option<double>("effort", "length of stochastic and iterative searches, relative", 1.0);
   line.option<double>("max-error-percent", "exit with 1 when the RMS error (holdout if given) is larger");
   line.positional("RECORD.csv...", 1, -1);
-  line.output("file for the model (with --model all: the best one)");
+  line.output("file for the model (with --model all: the best one)", true);
   line.seed();
 }
 
@@ -269,11 +271,15 @@ int run_identify(const std::vector<std::string>& arguments) {
       "Errors are RMS and maximum in percent of the record's range (eq. 8 of \"Modeling and Control of\n"
       "Piezoelectric Hysteresis: A Polynomial-Based Fractional Order Disturbance Compensation Approach\").");
   describe_options(line);
-  line.reads_measurements();
+  add_disturbance_options(line);
+  line.reads_records();
   if (!line.parse(arguments)) return kDone;
+  if (line.has("disturbance")) return identify_disturbance_mode(line);
+  if (line.has("gains")) line.fail("--gains needs --disturbance");
+  if (!line.has("output")) line.fail("-o is missing, expected where to write the result");
   IdentifyRequest request = request_of(line);
 
-  Provenance from;
+  Provenance from = line.new_provenance();
   const double asked_skip_s = request.options.identify.skip_s;
   const std::vector<TimeRecord> training = read_records(line.files(), asked_skip_s, from);
   std::vector<TimeRecord> holdout;
@@ -286,8 +292,7 @@ int run_identify(const std::vector<std::string>& arguments) {
       request.table() ? fit_table(request, training, holdout)
                       : std::vector{identify::fit_stage(request.model, training, holdout, request.options)};
   const StageFit& best = best_of(fits);
-  chain::Chain model = best.stage.chain();
-  model.trained = identify::trained_of(best, training, skip_s);
+  const chain::Chain model = identify::identified_model(best, training, skip_s);
   write_file(line.output_path(), chain::model_text(model, model_comment(best)));
 
   Json json = json_header("identification", from);

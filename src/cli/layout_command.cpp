@@ -63,7 +63,7 @@ multiplier_layout::Options read_layout_options(const CommandLine& line, std::siz
   options.full_scale_v = line.positive("full-scale-v");
   options.lowest = Hertz{line.positive("lowest-hz")};
   options.highest = Hertz{line.positive("highest-hz")};
-  multiplier_layout::SwitchModel model = multiplier_layout::SwitchModel::for_branches(branches);
+  schematic::SwitchModel model = schematic::SwitchModel::for_branches(branches);
   const auto set = [&](const char* name, double& value) {
     if (line.has(name)) value = line.positive(name);
   };
@@ -72,7 +72,7 @@ multiplier_layout::Options read_layout_options(const CommandLine& line, std::siz
   set("switch-gap-s", model.gap_s);
   set("switch-charge-c", model.charge_c);
   set("switch-drain-f", model.drain_f);
-  multiplier_layout::SwitchTimer::of(model);
+  schematic::SwitchTimer::of(model);
   options.analog_switch = model;
   return options;
 }
@@ -83,7 +83,7 @@ std::string percent(double value) {
 
 std::string layout_summary(const multiplier_layout::Layout& layout, const multiplier_layout::Budget& budget) {
   std::string text = fmt::format("{} multipliers ({}), {} op-amps, branch sums at {} V per unit\n",
-                                 layout.multipliers.size(), layout.multiplier.name, layout.opamps(),
+                                 layout.generator_multipliers(), layout.multiplier.name, layout.opamps.size(),
                                  rounded_text(layout.branch_gain));
   for (const multiplier_layout::Candidate& one : layout.candidates) {
     text += fmt::format("{} {}: {} multipliers ({} in series), {} op-amps, {} of range rms, {}Hz\n",

@@ -1,8 +1,8 @@
 #pragma once
 
 #include "cli/command_line.hpp"
-#include "fpaa/charge_balance.hpp"
 #include "fpaa/mismatch.hpp"
+#include "fpaa/network/settling.hpp"
 
 namespace bodesmith::cli {
 

@@ -39,6 +39,8 @@ void declare_new(CommandLine& line) {
   line.option<double>("to-hz", "upper end of its band", 1000.0);
   line.group("nanopositioner");
   line.option<std::string>("disturbance", "own disturbance.json instead of an example's");
+  line.list<std::string>("records",
+                         "own records of the stage, full strokes at several frequencies, instead of both");
   line.option<double>("stroke-m", "full stroke of the stage", 6.92e-6);
   line.list<double>("track-hz", "frequencies to follow (default: 1 10 100)");
   line.group("diagnosis");

@@ -2,10 +2,15 @@
 
 #include <fmt/format.h>
 
+#include <cmath>
+#include <numbers>
+
 #include "base/files.hpp"
 #include "base/json.hpp"
+#include "base/json_header.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
+#include "identify/stage_disturbance.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/disturbance.hpp"
 #include "signal/time_record.hpp"
@@ -52,7 +57,7 @@ NewProject filter_project(const CommandLine& line, const Answers& answers, Json&
       {"points.csv", "the curve: put your own points here",
        own_or_example(line, "points", kCurve,
                       [](const fs::path& path, Provenance& from) { BodePoints::read_csv(path, from); })},
-      {"project.toml", "what is wanted, and what it is built from",
+      {"project.toml", "what is required, and what it is built from",
        render_template("new/filter.toml", data)}};
   out.next = {"`out/report.html`: the curve, the errors of every step, the parts",
               "`bodesmith fit points.csv --direct --order 4 -o sections.json`: the fit alone"};
@@ -80,6 +85,43 @@ NewProject pid_project(const CommandLine& line, const Answers& answers, Json& da
   return out;
 }
 
+/// What records of a stage say of it: disturbance.json, gains.csv, and the plant's keys.
+struct RecordedStage {
+  std::string disturbance;
+  std::string gains;
+};
+RecordedStage recorded_stage(const CommandLine& line, Json& data, std::vector<std::string>& track) {
+  for (const char* other : {"points", "disturbance"})
+    if (line.has(other)) line.fail(fmt::format("--records and --{} exclude each other", other));
+  Provenance from;
+  std::vector<TimeRecord> records;
+  for (const std::string& file : line.get<std::vector<std::string>>("records"))
+    records.push_back(TimeRecord::read_csv(file, from, true));
+  const identify::StageDisturbance study = identify::identify_disturbance(records);
+  if (study.disturbance.rate.frequency.size() < 2)
+    line.fail(
+        "--records needs full strokes at two frequencies at least: how the loop grows with frequency is what is built");
+  for (const std::string& one : study.notes) note(one);
+  Json document = json_header("disturbance", from);
+  document.update(study.to_json());
+  data["branch"] = study.varying() == Disturbance::Branch::ascending ? "ascending" : "descending";
+  data["base_hz"] = number_text(study.disturbance.rate.frequency.front().value);
+  track.clear();
+  for (const Hertz f : study.disturbance.rate.frequency) track.push_back(number_text(f.value));
+  if (study.lag.kind == identify::StageLag::Kind::amplifier)
+    data["amplifier_hz"] = number_text(1.0 / (2.0 * std::numbers::pi * study.lag.seconds));
+  if (!line.has("stroke-m")) {
+    // A piezo stage moves nanometres to a millimetre: a number within that can only be metres.
+    const double stroke = std::abs(study.loops.front().stroke);
+    if (!(stroke > 1e-9 && stroke < 1e-3))
+      line.fail(fmt::format(
+          "--stroke-m is missing: the records' stroke is {} of their own unit, expected what that is in m",
+          rounded_text(stroke)));
+    data["stroke_m"] = number_text(stroke);
+  }
+  return {to_text(document), study.gains_csv()};
+}
+
 NewProject stage_project(const CommandLine& line, const Answers& answers, Json& data) {
   // The stage of examples/nanopositioner.
   constexpr const char* kGains =
@@ -96,12 +138,21 @@ NewProject stage_project(const CommandLine& line, const Answers& answers, Json& 
   NewProject out;
   out.about = "An analog controller against the hysteresis of a piezo stage.";
   data["stroke_m"] = number_text(answers.number("stroke-m", "Full stroke of the stage, in m"));
-  const std::string gains =
-      own_or_example(line, "points", kGains, [&](const fs::path& path, Provenance& from) {
-        data["base_hz"] = number_text(BodePoints::read_csv(path, from).points.front().frequency.value);
-      });
-  if (!data.contains("base_hz")) data["base_hz"] = "1.0";
+  data["branch"] = "descending";
+  data["amplifier_hz"] = "100e3";
+  data["base_hz"] = "1.0";
   std::vector<std::string> track = {"1", "10", "100"};
+  RecordedStage own;
+  if (line.has("records")) {
+    own = recorded_stage(line, data, track);
+  } else {
+    own.gains = own_or_example(line, "points", kGains, [&](const fs::path& path, Provenance& from) {
+      data["base_hz"] = number_text(BodePoints::read_csv(path, from).points.front().frequency.value);
+    });
+    own.disturbance =
+        own_or_example(line, "disturbance", to_text(disturbance),
+                       [](const fs::path& path, Provenance& from) { Disturbance::read(path, from); });
+  }
   if (line.has("track-hz")) {
     track.clear();
     for (const double f : line.get<std::vector<double>>("track-hz")) track.push_back(number_text(f));
@@ -111,10 +162,8 @@ NewProject stage_project(const CommandLine& line, const Answers& answers, Json& 
   out.command = "bodesmith run project.toml -o out";
   out.schemas = {"project", "disturbance"};
   out.files = {
-      {"gains.csv", "gains of the hysteresis over frequency", gains},
-      {"disturbance.json", "its polynomials, and the same gains for the simulation",
-       own_or_example(line, "disturbance", to_text(disturbance),
-                      [](const fs::path& path, Provenance& from) { Disturbance::read(path, from); })},
+      {"gains.csv", "gains of the hysteresis over frequency", own.gains},
+      {"disturbance.json", "its polynomials, and the same gains for the simulation", own.disturbance},
       {"project.toml", "what it is built from, and what the stage must follow",
        render_template("new/nanopositioner.toml", data)}};
   out.next = {"`out/controller/controller.sub`: the whole controller for any SPICE",

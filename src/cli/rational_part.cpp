@@ -4,6 +4,7 @@
 
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
+#include "lti/section_making.hpp"
 
 namespace bodesmith::cli {
 
@@ -14,6 +15,12 @@ Sections rational_part(Sections sections, const std::string& file) {
     sections.delay_s = 0.0;
   }
   return sections;
+}
+
+Sections read_rational_series(const std::vector<std::string>& files, Provenance& from) {
+  std::vector<Sections> parts;
+  for (const std::string& file : files) parts.push_back(rational_part(Sections::read(file, from), file));
+  return in_series(parts);
 }
 
 }  // namespace bodesmith::cli

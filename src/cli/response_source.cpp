@@ -6,20 +6,24 @@
 #include <cmath>
 #include <fstream>
 
-#include "approximate/fractional_transfer.hpp"
 #include "base/document.hpp"
 #include "base/error.hpp"
 #include "base/letters.hpp"
 #include "chain/model_file.hpp"
+#include "circuit/built_circuit.hpp"
 #include "fpaa/plan.hpp"
 #include "lti/bulk_response.hpp"
 #include "lti/cascade.hpp"
+#include "lti/fractional_transfer.hpp"
 #include "lti/level_and_phase.hpp"
 #include "lti/sections.hpp"
+#include "schematic/analysis/response.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/csv.hpp"
 #include "signal/frequency_record.hpp"
+#include "simulate/controller_file.hpp"
 #include "spice/ngspice.hpp"
+#include "tuning/series_controller.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -27,8 +31,7 @@ namespace {
 using Complex = std::complex<double>;
 using Evaluate = std::function<std::vector<Complex>(const std::vector<Hertz>&)>;
 
-ResponseColumns to_columns(const std::vector<Complex>& response) {
-  const LevelAndPhase curves = level_and_phase(response);
+ResponseColumns to_columns(const LevelAndPhase& curves) {
   ResponseColumns columns;
   columns.magnitude_db.assign(curves.magnitude_db.begin(), curves.magnitude_db.end());
   columns.phase_deg.assign(curves.phase_deg.begin(), curves.phase_deg.end());
@@ -36,8 +39,27 @@ ResponseColumns to_columns(const std::vector<Complex>& response) {
 }
 
 void set_evaluation(ResponseSource& source, Evaluate evaluate) {
-  source.on_grid = [evaluate](const std::vector<Hertz>& grid) { return to_columns(evaluate(grid)); };
+  source.on_grid = [evaluate](const std::vector<Hertz>& grid) {
+    return to_columns(level_and_phase(evaluate(grid)));
+  };
   source.response = std::move(evaluate);
+}
+
+Sections without_delay(Sections sections) {
+  sections.delay_s = 0.0;
+  return sections;
+}
+
+void set_sections(ResponseSource& source, const Sections& sections) {
+  source.sections = sections;
+  set_evaluation(source, [sections](const std::vector<Hertz>& grid) { return responses(sections, grid); });
+  // However far the points of a grid are apart: the delay turns the phase by many turns between them.
+  source.on_grid = [rational = without_delay(sections),
+                    delay_s = sections.delay_s](const std::vector<Hertz>& grid) {
+    ResponseColumns columns = to_columns(level_and_phase(rational, grid));
+    for (std::size_t i = 0; i < grid.size(); ++i) *columns.phase_deg[i] -= 360.0 * grid[i].value * delay_s;
+    return columns;
+  };
 }
 
 template <class Response>
@@ -104,6 +126,8 @@ void load_model(const Node& node, ResponseSource& source) {
 /// This program's own documents; everything else is measured or simulated.
 bool is_document(const std::filesystem::path& path) {
   if (path.extension() == ".json" || path.extension() == ".toml") return true;
+  std::error_code ignored;
+  if (std::filesystem::is_fifo(path, ignored)) return false;  // what is read of it is gone
   std::ifstream in(path, std::ios::binary);
   char first = 0;
   while (in.get(first)) {
@@ -183,14 +207,25 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
   } else if (schema == "bodesmith.sections/1") {
     const Sections sections = Sections::from_node(node);
     source.band = usable(sections.corner_band());
-    source.sections = sections;
-    set_evaluation(source, [sections](const std::vector<Hertz>& grid) { return responses(sections, grid); });
+    set_sections(source, sections);
+  } else if (schema == "bodesmith.controller/1") {
+    const simulate::LoopSetup loop = simulate::controller_from_node(node, path.parent_path(), from);
+    const Sections sections =
+        tuning::SeriesController{loop.controller, loop.filter.value_or(Sections{})}.sections();
+    source.band = usable(sections.corner_band());
+    set_sections(source, sections);
   } else if (schema == "bodesmith.fpaa_plan/1") {
     const fpaa::Plan plan = fpaa::Plan::from_node(node);
     source.band = usable(plan.error.band);
     set_evaluation(source, pointwise([plan, holds = options.with_holds](RadPerSecond w) {
                      return fpaa::plan_response(plan, w, holds);
                    }));
+  } else if (schema == "bodesmith.circuit/1") {
+    const circuit::CircuitFile file = circuit::CircuitFile::from_node(node);
+    source.band = usable(file.band);
+    set_evaluation(source, [built = file.circuit](const std::vector<Hertz>& grid) {
+      return schematic::network_response(built, grid);
+    });
   } else if (schema == "bodesmith.fractional/1") {
     const FractionalTransfer transfer = FractionalTransfer::from_node(node);
     set_evaluation(source, pointwise([transfer](RadPerSecond w) { return transfer.response(w); }));
@@ -199,8 +234,7 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
   } else {
     node.at("schema").fail(
         fmt::format("is \"{}\", which has no frequency response; expected a cascade, sections, a "
-                    "fractional transfer, an "
-                    "FPAA plan or a model",
+                    "circuit, a controller, a fractional transfer, an FPAA plan or a model",
                     schema));
   }
   source.quick = true;

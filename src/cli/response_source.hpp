@@ -37,7 +37,7 @@ struct ResponseOptions {
   std::string subcircuit;   ///< .sub files: which one; empty: the obvious one
 };
 
-/// cascade.json, sections.json, plan.json, model.toml by their schema, .sub/.cir/.lib (through ngspice) by their ending;
+/// cascade.json, sections.json, circuit.json, controller.toml, plan.json, model.toml by their schema, .sub/.cir/.lib (through ngspice) by their ending;
 /// everything else is measured or simulated (docs/formats.md), by its content. InputError for anything else.
 /// This program's own documents and netlists; everything else is measured or simulated data.
 bool is_design(const std::filesystem::path& path);

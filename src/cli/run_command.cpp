@@ -1,10 +1,9 @@
 #include "base/json.hpp"
 #include "base/json_header.hpp"
+#include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "project/filter_run.hpp"
-#include "project/run.hpp"
-#include "project/run_summary.hpp"
+#include "project/run_project.hpp"
 #include "project/sweep/sweep.hpp"
 
 namespace bodesmith::cli {
@@ -19,6 +18,26 @@ int run_variants(const CommandLine& line) {
   summary.update(project::sweep_json(sweep));
   print_summary(line, project::sweep_summary(sweep), summary);
   return sweep.limits_met() ? kDone : kLimitMissed;
+}
+
+/// Lines of more than 100 characters broken at blanks, the rest indented.
+std::string folded(std::string_view text) {
+  constexpr std::size_t kColumns = 100;
+  constexpr std::size_t kIndent = 13;
+  std::string out;
+  for (std::string_view line : split(text, '\n')) {
+    std::size_t room = kColumns;
+    while (line.size() > room) {
+      const std::size_t blank = line.rfind(' ', room);
+      if (blank == std::string_view::npos || blank == 0) break;  // a path longer than a line stays whole
+      out.append(line.substr(0, blank)).append("\n").append(kIndent, ' ');
+      line.remove_prefix(blank + 1);
+      room = kColumns - kIndent;
+    }
+    out.append(line).append("\n");
+  }
+  out.pop_back();
+  return out;
 }
 
 }  // namespace
@@ -48,18 +67,11 @@ int run_run(const std::vector<std::string>& arguments) {
 
   auto source = project::ProjectSource::read(line.files().front());
   if (const auto seconds = line.maybe_positive("max-seconds")) source.deadline = Deadline(*seconds);
-  if (source.is_filter()) {
-    const project::FilterRun run = project::run_filter_project(source, line.output_path());
-    Json summary = json_header("run", run.from);
-    summary.update(project::filter_json(run));
-    print_summary(line, project::filter_summary(run), summary);
-    return run.limits_met() ? kDone : kLimitMissed;
-  }
-  const project::ProjectRun run = project::run_project(source, line.output_path());
-  Json summary = json_header("run", run.from);
-  summary.update(project::run_json(run));
-  print_summary(line, project::run_summary(run), summary);
-  return run.limits_met() ? kDone : kLimitMissed;
+  const std::unique_ptr<project::Run> run = project::run_project(source, line.output_path());
+  Json summary = json_header("run", run->from);
+  summary.update(run->json());
+  print_summary(line, folded(run->summary(line.output_path())), summary);
+  return run->limits_met() ? kDone : kLimitMissed;
 }
 
 }  // namespace bodesmith::cli

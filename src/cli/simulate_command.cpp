@@ -24,7 +24,7 @@ namespace bodesmith::cli {
 namespace {
 
 void declare_simulate(CommandLine& line) {
-  line.positional("MODEL.toml", 1, 1);
+  line.positional("MODEL.toml|SECTIONS.json", 1, 1);
   line.output("CSV with time_s, u and the model's y (in a loop: time_s, r, u, y; of a sweep: its table)");
   add_input_options(line);
   line.option<std::string>(
@@ -255,10 +255,10 @@ int run_simulate(const std::vector<std::string>& arguments) {
   CommandLine line("simulate", "bodesmith simulate model.toml --input u.csv -o y.csv",
                    "A model's output for an input record, taken as a straight line between samples.");
   declare_simulate(line);
-  line.reads_measurements();
+  line.reads_records();
   if (!line.parse(arguments)) return kDone;
   const simulate::Options options = read_simulation_options(line);
-  Provenance from;
+  Provenance from = line.new_provenance();
   const chain::Chain model = chain::read_model(line.files()[0], from);
   std::optional<simulate::LoopSetup> loop;
   if (line.has("controller")) loop = simulate::read_controller(line.get<std::string>("controller"), from);

@@ -67,7 +67,7 @@ Figure over_time(const SimulatedRun& run) {
   std::vector<double> error(run.y.size());
   for (std::size_t i = 0; i < error.size(); ++i) error[i] = run.y[i] - run.measured[i];
   out.plots[2].series = {{"", run.time_s, std::move(error), Series::Style::line, 3}};
-  out.caption = "Input, output beside the measured one, and their difference.";
+  out.caption = "Input, output with the measured one, and their difference.";
   return out;
 }
 

@@ -7,7 +7,6 @@
 #include "base/text.hpp"
 #include "circuit/json.hpp"
 #include "circuit/opamp_check.hpp"
-#include "circuit/opamp_library.hpp"
 #include "circuit/realisation.hpp"
 #include "circuit/realise_search.hpp"
 #include "cli/circuit_options.hpp"
@@ -15,6 +14,7 @@
 #include "cli/commands.hpp"
 #include "cli/rational_part.hpp"
 #include "kicad/schematic.hpp"
+#include "schematic/opamp_library.hpp"
 #include "spice/compensator_check.hpp"
 #include "spice/emit.hpp"
 
@@ -22,7 +22,7 @@ namespace bodesmith::cli {
 namespace {
 
 void declare_spice(CommandLine& line) {
-  line.positional("SECTIONS.json", 1, 1);
+  line.positional("SECTIONS.json...", 1, -1);
   line.output(
       "folder for compensator.sub, decks for ngspice, LTspice and Xyce, a KiCad project, parts.csv and "
       "circuit.json");
@@ -49,7 +49,7 @@ circuit::BuildChoice design_circuit(const CommandLine& line, const Sections& sec
   search.may_choose = !line.has("realization");
   search.limits_given = parts_limits_given(line);
   search.amplitude_v = line.positive("amplitude-v");
-  std::optional<circuit::OpAmpLibrary> library;
+  std::optional<schematic::OpAmpLibrary> library;
   if (automatic_opamp(line)) {
     library = opamp_library_of(line, from);
     search.opamps = &*library;
@@ -75,7 +75,7 @@ std::string circuit_summary(const circuit::BuildChoice& choice, const circuit::R
              made.circuit.parts.size(), options.resistors.name(), options.capacitors.name(),
              engineering_text(report.band.from.value, "Hz"), engineering_text(report.band.to.value, "Hz"),
              rounded_text(report.parts.max_magnitude_db, 3), rounded_text(report.parts.max_phase_deg, 3),
-             rounded_text(report.nearest.max_magnitude_db, 3), made.circuit.model.name,
+             rounded_text(report.nearest.max_magnitude_db, 3), made.circuit.opamp.name,
              rounded_text(report.opamps.max_magnitude_db, 3), rounded_text(report.all.max_magnitude_db, 3),
              rounded_text(report.all.max_phase_deg, 3)) +
          fmt::format(
@@ -85,7 +85,7 @@ std::string circuit_summary(const circuit::BuildChoice& choice, const circuit::R
              engineering_text(choice.best.judged_band.to.value, "Hz"),
              rounded_text(choice.best.judged.max_magnitude_db, 3),
              rounded_text(choice.best.judged.max_phase_deg, 3), rounded_text(opamps.min_phase_margin_deg, 3),
-             opamps.output_offset_v > made.circuit.model.swing_v
+             opamps.output_offset_v > made.circuit.opamp.swing_v
                  ? "its swing (it rests only in a loop)"
                  : engineering_text(opamps.output_offset_v, "V"),
              engineering_text(opamps.noise_rms_v, "V"));
@@ -103,7 +103,7 @@ std::string check_text(const spice::CompensatorCheck& check) {
 
 void write_circuit(const CommandLine& line, const circuit::Realised& made, const Json& circuit) {
   OutputSet out(line.output_path());
-  const std::string title = fmt::format("compensator from {}", line.files()[0]);
+  const std::string title = "compensator from " + join(line.files(), ", ");
   spice::add_spice_files(made, title, out);
   kicad::add_kicad_files(made.circuit, title, out);
   out.add("circuit.json", to_text(circuit));
@@ -113,8 +113,10 @@ void write_circuit(const CommandLine& line, const circuit::Realised& made, const
 }  // namespace
 
 int run_spice(const std::vector<std::string>& arguments) {
-  CommandLine line("spice", "bodesmith spice sections.json -o spice/ --check",
-                   "Sections as op-amp RC circuits with parts that can be bought, and portable netlists.");
+  CommandLine line(
+      "spice", "bodesmith spice sections.json -o spice/ --check",
+      "Sections as op-amp RC circuits with parts that can be bought, and portable netlists. Several files are\n"
+      "one circuit, one after the other.");
   declare_spice(line);
   if (!line.parse(arguments)) return kDone;
   Provenance from;
@@ -122,7 +124,7 @@ int run_spice(const std::vector<std::string>& arguments) {
   options.band = line.maybe_band();
   const std::optional<double> limit = line.maybe_positive("max-error-db");
   require_ngspice_for_check(line);
-  const Sections sections = rational_part(Sections::read(line.files()[0], from), line.files()[0]);
+  const Sections sections = read_rational_series(line.files(), from);
 
   const Stopwatch watch;
   const circuit::BuildChoice choice = design_circuit(line, sections, options, from);

@@ -14,6 +14,8 @@
 #include "cli/commands.hpp"
 #include "cli/mismatch_options.hpp"
 #include "cli/rational_part.hpp"
+#include "lti/judged_floor.hpp"
+#include "lti/judging_grid.hpp"
 #include "yield/job.hpp"
 #include "yield/json.hpp"
 #include "yield/nulls.hpp"
@@ -24,6 +26,7 @@ namespace {
 
 void declare_yield(CommandLine& line) {
   line.positional("SECTIONS.json|circuit.json|PLAN.json…", 1, -1);
+  line.flag("in-series", "the SECTIONS.json one after the other as one design (default: designs to compare)");
   line.output("yield.json (percentiles a frequency, ranking of the parts, what to buy)", true);
   line.seed();
   const yield::Spread s;
@@ -76,7 +79,7 @@ yield::Options read_yield_options(const CommandLine& line) {
   options.spread = read_spread(line);
   options.samples = line.get<std::uint64_t>("samples");
   options.seed = line.seed_value();
-  options.threads = line.get<int>("threads");
+  options.threads = line.integer("threads", 0, 1024);
   options.limit_db = line.maybe_positive("limit-db");
   options.limit_deg = line.maybe_positive("limit-deg");
   if (line.has("min-yield-percent") && !options.limit_db && !options.limit_deg) {
@@ -85,11 +88,38 @@ yield::Options read_yield_options(const CommandLine& line) {
   return options;
 }
 
-std::vector<Hertz> read_grid(const CommandLine& line, const Band& corners) {
+/// As many as asked for; else finer where the response turns fast.
+std::vector<Hertz> read_grid(const CommandLine& line, const yield::Design& design) {
+  const Band& corners = design.band;
   const int count = line.integer("count", 1, 100000);
   const Hertz low{line.has("from-hz") ? line.positive("from-hz") : corners.from.value};
   const Hertz high{line.has("to-hz") ? line.positive("to-hz") : corners.to.value};
-  return count == 1 ? std::vector<Hertz>{low} : log_grid({low, high}, count);
+  if (count == 1) return {low};
+  return line.has("count") ? log_grid({low, high}, count)
+                           : judging_grid(design.reference, {low, high}, count);
+}
+
+/// The op-amp circuit that `spice` would make of the sections.
+yield::Design design_of_sections(const CommandLine& line, const Sections& sections, const std::string& name,
+                                 Provenance& from) {
+  circuit::BuildSearch search;
+  search.options = read_parts_options(line, from);
+  if (!line.has("capacitor-series") && !line.has("stock"))
+    search.options.capacitors = circuit::Series::named("E12");
+  search.limits_given = parts_limits_given(line);
+  search.may_choose = !line.has("realization");
+  std::optional<schematic::OpAmpLibrary> library;
+  if (automatic_opamp(line)) {
+    library = opamp_library_of(line, from);
+    search.opamps = &*library;
+  }
+  const circuit::BuildChoice choice = value_or_throw(circuit::realise_for_building(sections, search));
+  yield::Design out =
+      yield::design_of_circuit(choice.best.made.circuit, sections, name,
+                               line.has("opamp") ? yield::OpAmps::as_built : yield::OpAmps::ideal);
+  for (const std::string& reason : choice.passed_over)
+    out.notes.push_back(fmt::format("{}: {}; designed as {}", name, reason, choice.best.how));
+  return out;
 }
 
 yield::Design read_design(const CommandLine& line, const std::string& file, Provenance& from) {
@@ -101,24 +131,15 @@ yield::Design read_design(const CommandLine& line, const std::string& file, Prov
   }
   if (node.kind() == Node::Kind::object && node.string_or("schema", "") == "bodesmith.circuit/1")
     return yield::design_of_file(node, file, yield::OpAmps::as_built);
-  const Sections sections = rational_part(Sections::from_node(node), node.file());
-  circuit::BuildSearch search;
-  search.options = read_parts_options(line, from);
-  if (!line.has("capacitor-series") && !line.has("stock"))
-    search.options.capacitors = circuit::Series::named("E12");
-  search.limits_given = parts_limits_given(line);
-  search.may_choose = !line.has("realization");
-  std::optional<circuit::OpAmpLibrary> library;
-  if (automatic_opamp(line)) {
-    library = opamp_library_of(line, from);
-    search.opamps = &*library;
-  }
-  const circuit::BuildChoice choice = value_or_throw(circuit::realise_for_building(sections, search));
-  yield::Design out =
-      yield::design_of_circuit(choice.best.made.circuit, sections, file,
-                               line.has("opamp") ? yield::OpAmps::as_built : yield::OpAmps::ideal);
-  for (const std::string& reason : choice.passed_over)
-    out.notes.push_back(fmt::format("{}: {}; designed as {}", file, reason, choice.best.how));
+  return design_of_sections(line, rational_part(Sections::from_node(node), node.file()), file, from);
+}
+
+std::vector<yield::Design> read_designs(const CommandLine& line, Provenance& from) {
+  const std::vector<std::string> files = line.files();
+  if (line.has("in-series"))
+    return {design_of_sections(line, read_rational_series(files, from), join(files, ", "), from)};
+  std::vector<yield::Design> out;
+  for (const std::string& file : files) out.push_back(read_design(line, file, from));
   return out;
 }
 
@@ -246,9 +267,8 @@ int run_yield(const std::vector<std::string>& arguments) {
   yield::Options options = read_yield_options(line);
   const std::unique_ptr<Team> team = join_team();
   Provenance from;
-  std::vector<yield::Design> designs;
-  for (const std::string& file : line.files()) designs.push_back(read_design(line, file, from));
-  options.grid = read_grid(line, designs[0].band);
+  const std::vector<yield::Design> designs = read_designs(line, from);
+  options.grid = read_grid(line, designs[0]);
   const std::vector<Hertz> nulls = leave_out_nulls(line, designs, options.grid);
   options.job = job_text(options, from);
 
@@ -268,13 +288,14 @@ int run_yield(const std::vector<std::string>& arguments) {
   if (!nulls.empty()) {
     Json list = Json::array();
     std::string places;
-    for (const Hertz f : nulls) {
-      list.push_back(f.value);
-      places += (places.empty() ? "" : ", ") + engineering_text(f.value, "Hz", 4);
-    }
+    for (const Hertz f : nulls) list.push_back(f.value);
+    places = engineering_text(nulls.front().value, "Hz", 4);
+    if (nulls.size() > 1)
+      places = fmt::format("{} frequencies from {} to {}", nulls.size(), places,
+                           engineering_text(nulls.back().value, "Hz", 4));
     json["left_out_hz"] = list;
-    text +=
-        fmt::format("  left out: {}, where the response is 0 and no deviation of it has a size\n", places);
+    text += fmt::format("  left out: {}, where the response is below {} dB of its largest\n", places,
+                        rounded_text(to_decibel(kJudgedFloor)));
   }
   if (designs.size() > 1) {
     const yield::Result& best = best_design(results);

@@ -9,10 +9,10 @@
 #include "base/nearest_word.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "circuit/opamp_library.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "part_errors/report.hpp"
+#include "schematic/opamp_library.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -28,6 +28,8 @@ void declare_yield_controller(CommandLine& line) {
   line.repeatable<std::string>(
       "error", "NAME=VALUE, how far parts are off (names: part_errors.json, errors_of_parts.assumed)");
   line.option<double>("max-p95-percent", "exit with 1 when the untrimmed 95 % are above this");
+  line.flag("full-stroke",
+            "leave amplitude gains out, which the circuit does not make: for full strokes only");
   line.flag("allow-unstable", "go on with a phase margin below 30 degrees");
   line.option<int>("check-draws", "copies that are run through ngspice too", 2);
   line.flag("no-ngspice", "the program's own models only");
@@ -104,8 +106,9 @@ int run_yield_controller(const std::vector<std::string>& arguments) {
   controller::Options design;
   design.form = controller::form_named(line.get<std::string>("form"));
   design.tracked = yield_tracked(line, disturbance);
+  design.full_stroke = line.has("full-stroke");
   if (line.has("opamp"))
-    design.opamp = circuit::OpAmpLibrary::built_in().named(line.get<std::string>("opamp"));
+    design.opamp = schematic::OpAmpLibrary::built_in().named(line.get<std::string>("opamp"));
   const part_errors::ReportOptions options = yield_report_options(line, design.tracked);
 
   const Stopwatch watch;

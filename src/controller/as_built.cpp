@@ -108,7 +108,7 @@ std::string CircuitController::name() const {
 int CircuitController::part_count() const {
   const AnalogController& c = *controller_;
   return static_cast<int>(c.parts.size() + c.opamps.size() + c.multipliers.size() + c.contacts.size() +
-                          c.references.size());
+                          c.sources.size());
 }
 
 tracking::DriveWaveform CircuitController::drive(const Reference& reference, Hertz operating) const {

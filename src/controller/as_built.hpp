@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "controller/controller.hpp"
-#include "controller/deviations.hpp"
+#include "schematic/deviations.hpp"
 #include "tracking/built_controller.hpp"
 #include "tracking/reference.hpp"
 #include "tracking/stage.hpp"

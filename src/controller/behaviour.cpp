@@ -41,7 +41,7 @@ double Behaviour::sum_value(const Sum& sum, const std::map<std::string, double>&
 }
 
 double Behaviour::multiply(int multiplier, double x, double y, double z) const {
-  const multiplier_layout::MultiplierDeviation& m = off.multiplier[static_cast<std::size_t>(multiplier)];
+  const schematic::MultiplierDeviation& m = off.multiplier[static_cast<std::size_t>(multiplier)];
   return (x + m.x) * (y + m.y) / (controller_.multiplier.scale_v * (1.0 + m.scale)) * (1.0 + m.bend) + z +
          m.w;
 }
@@ -126,9 +126,9 @@ double Behaviour::control_v(Disturbance::Branch which, double slope) const {
   if (control < 0) return 0.0;
   std::map<std::string, double> nodes;
   nodes["sn"] = -slope;
-  for (std::size_t i = 0; i < controller_.references.size(); ++i) {
-    const VoltageReference& one = controller_.references[i];
-    nodes[one.node] = one.volts * (1.0 + off.reference[i]);
+  for (std::size_t i = 0; i < controller_.sources.size(); ++i) {
+    const schematic::Source& one = controller_.sources[i];
+    nodes[one.node] = one.volts * (1.0 + off.source[i]);
   }
   if (controller_.low_reference) {
     const AnalogController::LowReference& low = *controller_.low_reference;
@@ -283,16 +283,10 @@ double generator_error_percent(const AnalogController& controller) {
 
 double switch_delay_s(const AnalogController& controller, const tracking::Reference& reference,
                       Hertz operating) {
-  multiplier_layout::Layout layout;
-  layout.opamp = controller.fast_opamp;
-  for (const int index : controller.detector.parts) {
-    const Part& part = controller.part(index);
-    const auto kind = part.kind == Part::Kind::capacitor ? multiplier_layout::Part::Kind::capacitor
-                                                         : multiplier_layout::Part::Kind::resistor;
-    layout.parts.push_back(
-        {kind, part.name, part.role, part.from, part.to, part.series, part.wanted, part.realised});
-  }
-  const multiplier_layout::SlopeDetector detector(layout, {});
+  const multiplier_layout::SlopeDetector detector(
+      schematic::subset(
+          controller, [&](std::size_t group) { return controller.purpose_of(group) == Purpose::slope_sign; }),
+      "r");
   const double repeat = static_cast<double>(reference.periods()) / operating.value;
   const double turn = reference.turns().back(), next = reference.turns()[1];
   const std::optional<double> delay = detector.delay_s(

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "controller/as_built.hpp"
-#include "controller/deviations.hpp"
+#include "schematic/deviations.hpp"
 
 namespace bodesmith::controller {
 

@@ -7,8 +7,8 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "circuit/opamp_library.hpp"
 #include "controller/behaviour.hpp"
+#include "schematic/opamp_library.hpp"
 
 namespace bodesmith::controller {
 namespace {
@@ -26,8 +26,8 @@ std::string name_of(int b) {
 }  // namespace
 
 Options::Options()
-    : opamp(circuit::OpAmpLibrary::built_in().named("OPA2140")),
-      fast_opamp(circuit::OpAmpLibrary::built_in().named("AD8066")) {}
+    : opamp(schematic::OpAmpLibrary::built_in().named("OPA2140")),
+      fast_opamp(schematic::OpAmpLibrary::built_in().named("AD8066")) {}
 
 std::string_view to_string(Form form) {
   switch (form) {
@@ -123,7 +123,37 @@ void Builder::check_polynomials() {
   }
 }
 
+/// In the order of the netlist.
+void Builder::declare_groups() {
+  const auto add = [&](std::string title, Purpose purpose) {
+    out_.groups.push_back({std::move(title), purpose});
+  };
+  add("", Purpose::rate_curve);  // references
+  add("slope's sign", Purpose::slope_sign);
+  add("slope", Purpose::slope_meter);
+  add("rate curve", Purpose::rate_curve);
+  for (const int b : {0, 1}) add("rate gain, " + name_of(b), Purpose::rate_gain);
+  const std::vector<std::string> tails =
+      out_.form == Form::two_pass ? std::vector<std::string>{"", "_2"} : std::vector<std::string>{""};
+  for (const std::string& tail : tails) {
+    add("subtraction" + tail, Purpose::output);
+    for (const int b : {0, 1}) add(name_of(b) + tail, Purpose::branch);
+  }
+  for (const std::string& tail : tails) add("powers" + tail, Purpose::powers);
+  for (const std::string& tail : tails) add("switch" + tail, Purpose::branch_switch);
+  add("levels of the switch's control", Purpose::branch_switch);
+  out_.comparators = {{out_.groups.size() - 1, "so", "up"}};
+  out_.gates = {{out_.groups.size() - 1, "down", {}, {"up"}}};
+}
+
+void Builder::group(const std::string& title) {
+  const auto at = std::find_if(out_.groups.begin(), out_.groups.end(),
+                               [&](const schematic::Group& one) { return one.title == title; });
+  group_ = static_cast<std::size_t>(at - out_.groups.begin());
+}
+
 AnalogController Builder::build() {
+  declare_groups();
   check_rates();
   check_polynomials();
   scale_branches();
@@ -155,7 +185,7 @@ AnalogController Builder::build() {
 int Builder::resistor(const std::string& name, const std::string& role, const std::string& from,
                       const std::string& to, double wanted, double realised) {
   out_.parts.push_back(
-      {Part::Kind::resistor, name, role, section_, from, to, options_.resistors.name(), wanted, realised});
+      {Part::Kind::resistor, name, role, group_, from, to, options_.resistors.name(), wanted, realised});
   return static_cast<int>(out_.parts.size()) - 1;
 }
 
@@ -166,21 +196,20 @@ int Builder::resistor(const std::string& name, const std::string& role, const st
 
 int Builder::capacitor(const std::string& name, const std::string& role, const std::string& from,
                        const std::string& to, double wanted) {
-  out_.parts.push_back({Part::Kind::capacitor, name, role, section_, from, to, options_.capacitors.name(),
+  out_.parts.push_back({Part::Kind::capacitor, name, role, group_, from, to, options_.capacitors.name(),
                         wanted, options_.capacitors.nearest(wanted)});
   return static_cast<int>(out_.parts.size()) - 1;
 }
 
 int Builder::diode(const std::string& name, const std::string& role, const std::string& from,
                    const std::string& to) {
-  out_.parts.push_back({Part::Kind::diode, name, role, section_, from, to, "1N4148", 0.0, 0.0});
+  out_.parts.push_back({Part::Kind::diode, name, role, group_, from, to, "1N4148", 0.0, 0.0});
   return static_cast<int>(out_.parts.size()) - 1;
 }
 
 int Builder::opamp(const std::string& role, const std::string& plus, const std::string& minus,
                    const std::string& out) {
-  out_.opamps.push_back(
-      {fmt::format("U{}", out_.opamps.size() + 1), role, section_, plus, minus, out, false});
+  out_.opamps.push_back({fmt::format("U{}", out_.opamps.size() + 1), role, group_, plus, minus, out, false});
   return static_cast<int>(out_.opamps.size()) - 1;
 }
 
@@ -191,12 +220,19 @@ int Builder::multiplier(const std::string& name, const std::string& role, const 
                                   rounded_text(peak_v), out_.multiplier.name,
                                   rounded_text(out_.multiplier.greatest_output_v)));
   }
-  out_.multipliers.push_back({name, role, section_, x, y, z, to, peak_v});
+  out_.multipliers.push_back({name, role, group_, x, y, z, to, peak_v});
   return static_cast<int>(out_.multipliers.size()) - 1;
 }
 
 AnalogController make_controller(const Disturbance& disturbance, const Options& options) {
-  return Builder(disturbance, options).build();
+  const bool gains = !disturbance.amplitude.alpha.empty();
+  if (gains && !options.full_stroke)
+    throw DesignError(
+        "the disturbance has amplitude gains, which this circuit does not make: expected no table `amplitude`, or "
+        "full strokes only");
+  AnalogController out = Builder(disturbance, options).build();
+  if (gains) out.warnings.push_back("for full strokes only: the disturbance's amplitude gains are not built");
+  return out;
 }
 
 }  // namespace bodesmith::controller

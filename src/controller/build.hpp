@@ -45,6 +45,8 @@ class Builder {
   void output(Pass& pass, const std::string& tail);
 
   // parts
+  void declare_groups();
+  void group(const std::string& title);
   int resistor(const std::string& name, const std::string& role, const std::string& from,
                const std::string& to, double wanted, double realised);
   int resistor(const std::string& name, const std::string& role, const std::string& from,
@@ -60,7 +62,7 @@ class Builder {
   const Disturbance& disturbance_;
   Options options_;
   AnalogController out_;
-  std::string section_;
+  std::size_t group_ = 0;                 ///< of what is being made
   double greatest_gain_[2] = {1.0, 1.0};  ///< of the rate gains
 };
 

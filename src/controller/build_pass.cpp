@@ -54,7 +54,7 @@ void Builder::pass(const std::string& x, const std::string& out, int number) {
 }
 
 void Builder::powers(Pass& pass, const std::string& tail) {
-  section_ = "powers" + tail;
+  group("powers" + tail);
   const double top = std::max(out_.loop.greatest_drive, 1.0), range = out_.multiplier.greatest_input_v;
   pass.scaled = pass.x;
   double scale = 1.0;
@@ -83,7 +83,7 @@ void Builder::branch(Pass& pass, int b, const std::string& tail) {
   BranchPath path;
   path.which = out_.rate[b].which;
   const std::string name = b == 0 ? "ascending" : "descending", letter = letter_of(b);
-  section_ = name + tail;
+  group(name + tail);
   std::string node = "0";
   if (a != std::array<double, 3>{}) {
     double scale = 1.0;
@@ -128,15 +128,15 @@ void Builder::branch(Pass& pass, int b, const std::string& tail) {
       node = "g" + letter + tail;
     }
   }
-  section_ = "switch" + tail;
-  out_.contacts.push_back({"S" + letter + tail, section_, node, "sw" + tail, b == 0});
+  group("switch" + tail);
+  out_.contacts.push_back({"S" + letter + tail, group_, node, "sw" + tail, b == 0 ? "up" : "down", b});
   path.contact = static_cast<int>(out_.contacts.size()) - 1;
   pass.branch.push_back(path);
 }
 
 /// v = r (Rr2/(Rr1 + Rr2)) (1 + Rg/(Rin + Ron)) - Rg/(Rin + Ron) sw, the first product 1.
 void Builder::output(Pass& pass, const std::string& tail) {
-  section_ = "subtraction" + tail;
+  group("subtraction" + tail);
   const double on = out_.analog_switch.on_ohm;
   const double input = options_.resistors.nearest(kSwitchLoad);
   double feedback = options_.resistors.nearest((input + on) / out_.branch_gain);

@@ -28,7 +28,7 @@ constexpr double kRectifierOhm = 10e3;
 /// multiplier_layout. How late the sign is: sqrt(dV/(2 pi GBW ds)), dV the diodes' voltage and ds the slope, at
 /// least; hence the faster op-amp, and ten times that detector's current against the junctions' charge.
 void Builder::detector() {
-  section_ = "slope's sign";
+  group("slope's sign");
   AnalogController::Detector& d = out_.detector;
   const double rd = 470e3;
   // The slowest full-stroke triangle makes 100 mV at Rd.
@@ -51,7 +51,7 @@ void Builder::detector() {
 
 /// w = -Rd Cd dr/dt, then -|w| with a first-order smoothing: sn.
 void Builder::slope_meter() {
-  section_ = "slope";
+  group("slope");
   AnalogController::SlopeMeter m;
   const double last = disturbance_.rate.frequency.back().value,
                first = disturbance_.rate.frequency.front().value;
@@ -98,12 +98,12 @@ void Builder::slope_meter() {
 /// One rectifier a corner of the gain curve: -max(0, s_k - s). They rest above their corner, so that beyond
 /// the last one the gain is held whatever the slope.
 void Builder::curve_rectifiers() {
-  section_ = "rate curve";
+  group("rate curve");
   double peak[2];
   for (const int b : {0, 1}) peak[b] = peak_of(b);
   out_.curve = make_rate_curve(disturbance_, peak, options_.tracked, options_.rate_tolerance_percent);
   const double least = out_.curve->corner.front().value * out_.slope->volts_per_hz;
-  out_.references.push_back({"Vref", "ADR4525 (2.5 V)", "vr", kReferenceV});
+  out_.sources.push_back({"Vref", "ADR4525 (2.5 V)", "vr", kReferenceV});
   double low_v = kReferenceV;
   std::string low_reference = "vr";
   if (least < kReferenceV / kReferenceRatio) {
@@ -217,7 +217,7 @@ int Builder::inverting_sum(const std::vector<std::string>& from, const std::vect
 void Builder::control(int b) {
   if (gain_limit(b, true) == gain_limit(b, false)) return;
   const std::string name = b == 0 ? "ascending" : "descending", letter = b == 0 ? "a" : "d";
-  section_ = "rate gain, " + name;
+  group("rate gain, " + name);
   const std::vector<double> gains = control_gains(b);
   const std::vector<std::vector<double>> voltages = control_rows();
   std::vector<std::string> from[2];  // inverted once, inverted twice

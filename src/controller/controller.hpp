@@ -6,16 +6,49 @@
 #include <string_view>
 #include <vector>
 
-#include "circuit/opamp.hpp"
 #include "circuit/parts/series.hpp"
-#include "controller/parts.hpp"
-#include "multiplier_layout/layout.hpp"
-#include "multiplier_layout/switch.hpp"
+#include "schematic/deviations.hpp"
 #include "signal/disturbance.hpp"
 
 /// The whole analog controller as one circuit: netlist, parts list, drawing, KiCad project, JSON and both
 /// simulations read the one description AnalogController.
 namespace bodesmith::controller {
+
+using schematic::Contact;
+using schematic::Deviations;
+using schematic::Multiplier;
+using schematic::OpAmp;
+using schematic::Part;
+using schematic::Purpose;
+
+/// A voltage that enters a sum through a part; places in AnalogController's lists.
+struct Term {
+  std::string node;
+  int part = -1;
+  bool at_plus = false;
+  double series_ohm = 0.0;  ///< in series with the part: a closed contact
+};
+
+/// One op-amp that sums with both signs: -Rf/Rk for terms at its inverting input, positive gains through the
+/// conductances at the other; `balance` to ground at one of them.
+struct Sum {
+  int opamp = -1;
+  std::vector<Term> terms;
+  int feedback = -1;
+  int balance = -1;
+  bool balance_at_plus = true;
+  int smoothing = -1;  ///< capacitor across the feedback
+};
+
+/// Precision rectifier, inverting: its node is -max(0, sum_k v_k Rf/Rk), or, `positive`, max(0, -sum).
+struct Rectifier {
+  int opamp = -1;
+  std::vector<Term> terms;
+  int feedback = -1;
+  std::string node;
+  bool positive = false;
+  double corner_hz = 0.0;  ///< full-stroke triangle at which it begins to conduct; 0: none
+};
 
 /// How the inverse of y = v + K d(v) is made (facts/tracking.md).
 enum class Form {
@@ -29,10 +62,10 @@ Form form_named(const std::string& name);
 
 struct Options {
   Form form = Form::self_fed;
-  multiplier_layout::MultiplierModel multiplier;
-  circuit::OpAmpModel opamp;       ///< default: OPA2140
-  circuit::OpAmpModel fast_opamp;  ///< of the slope detector; default: AD8066
-  multiplier_layout::SwitchModel analog_switch;
+  schematic::MultiplierModel multiplier;
+  schematic::OpAmpModel opamp;       ///< default: OPA2140
+  schematic::OpAmpModel fast_opamp;  ///< of the slope detector; default: AD8066
+  schematic::SwitchModel analog_switch;
   circuit::Series resistors = circuit::Series::named("E96");
   circuit::Series capacitors = circuit::Series::named("E12");
   bool rates = true;                     ///< false: rate gains left out, as the constant polynomial
@@ -41,6 +74,7 @@ struct Options {
   double averaging_s = 0.0;  ///< time constant behind the rectifier; 0: a hundredth of the shortest period
   double reference_stroke = 1.0;  ///< peak to peak of the references whose slope means frequency, V
   Hertz lowest{1.0};              ///< the slowest full-stroke triangle whose slope must set the switch
+  bool full_stroke = false;  ///< only full strokes matter: a disturbance's amplitude gains may be left out
 
   Options();
 };
@@ -87,21 +121,12 @@ struct LoopFigures {
   double greatest_drive = 0.0;  ///< V
 };
 
-struct AnalogController {
+struct AnalogController : schematic::Netlist {
   Form form = Form::self_fed;
   Disturbance disturbance;
-  multiplier_layout::MultiplierModel multiplier;
-  circuit::OpAmpModel opamp, fast_opamp;
-  multiplier_layout::SwitchModel analog_switch;
   std::vector<Hertz> tracked;
   double reference_stroke = 1.0;
   bool rates = true;
-
-  std::vector<Part> parts;
-  std::vector<OpAmp> opamps;
-  std::vector<Multiplier> multipliers;
-  std::vector<Contact> contacts;
-  std::vector<VoltageReference> references;
 
   std::vector<Sum> sums;
   std::vector<Rectifier> rectifiers;  ///< of the gain curve, lowest corner first
@@ -137,9 +162,7 @@ struct AnalogController {
   double max_error_percent = 0.0;  ///< of K d(v) by the rounded parts and the gain curve, percent of range
   std::vector<std::string> warnings;
 
-  const Part& part(int index) const { return parts[static_cast<std::size_t>(index)]; }
   const OpAmp& op(int index) const { return opamps[static_cast<std::size_t>(index)]; }
-  const circuit::OpAmpModel& type_of(const OpAmp& one) const { return one.fast ? fast_opamp : opamp; }
   const Sum& sum(int index) const { return sums[static_cast<std::size_t>(index)]; }
   bool switched() const { return !contacts.empty(); }
   bool rated() const { return curve.has_value(); }

@@ -12,7 +12,7 @@ namespace {
 Json parts_json(const AnalogController& controller) {
   Json out = Json::array();
   for (const Part& part : controller.parts) {
-    Json one = {{"name", part.name}, {"role", part.role}, {"section", part.section},
+    Json one = {{"name", part.name}, {"role", part.role}, {"section", controller.groups[part.group].title},
                 {"from", part.from}, {"to", part.to},     {"series", part.series}};
     if (part.kind != Part::Kind::diode) {
       const char* unit = part.kind == Part::Kind::resistor ? "ohm" : "f";
@@ -41,34 +41,33 @@ std::string parts_csv(const AnalogController& controller) {
   CsvTable table(
       {"part", "section", "series", "wanted_ohm", "realised_ohm", "wanted_f", "realised_f", "type", "role"});
   for (const Part& part : controller.parts) {
+    const std::string& section = controller.groups[part.group].title;
     const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
     switch (part.kind) {
       case Part::Kind::resistor:
-        table.add_row(
-            {part.name, part.section, part.series, wanted, realised, "", "", "resistor", part.role});
+        table.add_row({part.name, section, part.series, wanted, realised, "", "", "resistor", part.role});
         break;
       case Part::Kind::capacitor:
-        table.add_row(
-            {part.name, part.section, part.series, "", "", wanted, realised, "capacitor", part.role});
+        table.add_row({part.name, section, part.series, "", "", wanted, realised, "capacitor", part.role});
         break;
       case Part::Kind::diode:
-        table.add_row({part.name, part.section, "", "", "", "", "", part.series, part.role});
+        table.add_row({part.name, section, "", "", "", "", "", part.series, part.role});
         break;
     }
   }
-  const auto component = [&](const std::string& name, const std::string& section, const std::string& type,
+  const auto component = [&](const std::string& name, std::size_t group, const std::string& type,
                              const std::string& role) {
-    table.add_row({name, section, "", "", "", "", "", type, role});
+    table.add_row({name, controller.groups[group].title, "", "", "", "", "", type, role});
   };
   for (const OpAmp& one : controller.opamps)
-    component(one.name, one.section, controller.type_of(one).name, one.role);
+    component(one.name, one.group, controller.model_of(one).name, one.role);
   for (const Multiplier& one : controller.multipliers)
-    component(one.name, one.section, controller.multiplier.name, one.role);
+    component(one.name, one.group, controller.multiplier.name, one.role);
   for (const Contact& one : controller.contacts)
-    component(one.name, one.section, controller.analog_switch.name,
-              one.rising ? "closed while r rises" : "closed while r falls");
-  for (const VoltageReference& one : controller.references)
-    component(one.name, "references", one.type, "node " + one.node);
+    component(one.name, one.group, controller.analog_switch.name,
+              one.position == 0 ? "closed while r rises" : "closed while r falls");
+  for (const schematic::Source& one : controller.sources)
+    table.add_row({one.name, "references", "", "", "", "", "", one.type, "node " + one.node});
   return table.text();
 }
 
@@ -93,9 +92,9 @@ Json to_json(const AnalogController& controller) {
   out["opamps"] = Json::array();
   for (const OpAmp& one : controller.opamps) {
     out["opamps"].push_back({{"name", one.name},
-                             {"type", controller.type_of(one).name},
+                             {"type", controller.model_of(one).name},
                              {"role", one.role},
-                             {"section", one.section},
+                             {"section", controller.groups[one.group].title},
                              {"plus", one.plus},
                              {"minus", one.minus},
                              {"out", one.out}});
@@ -104,7 +103,7 @@ Json to_json(const AnalogController& controller) {
   for (const Multiplier& one : controller.multipliers) {
     out["multipliers"].push_back({{"name", one.name},
                                   {"role", one.role},
-                                  {"section", one.section},
+                                  {"section", controller.groups[one.group].title},
                                   {"x", one.x},
                                   {"y", one.y},
                                   {"z", one.z},
@@ -116,10 +115,10 @@ Json to_json(const AnalogController& controller) {
     out["contacts"].push_back({{"name", one.name},
                                {"from", one.from},
                                {"to", one.to},
-                               {"closed", one.rising ? "rising" : "falling"}});
+                               {"closed", one.position == 0 ? "rising" : "falling"}});
   }
   out["references"] = Json::array();
-  for (const VoltageReference& one : controller.references)
+  for (const schematic::Source& one : controller.sources)
     out["references"].push_back(
         {{"name", one.name}, {"type", one.type}, {"node", one.node}, {"voltage_v", one.volts}});
   out["warnings"] = controller.warnings;

@@ -9,6 +9,8 @@
 #include <numbers>
 
 #include "controller/library.hpp"
+#include "lti/frequency_grid.hpp"
+#include "lti/loop_margins.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::controller {
@@ -17,9 +19,8 @@ namespace {
 using Branch = Disturbance::Branch;
 
 constexpr int kDrives = 200;
-constexpr int kPerDecade = 40;
-constexpr int kDecades = 6;  // from 100 Hz
-constexpr double kLowestHz = 100.0;
+constexpr Band kLoopBand{Hertz{100.0}, Hertz{1e8}};
+constexpr int kPointsOfLoop = 241;  // 40 a decade
 
 double derivative(const Disturbance& disturbance, Branch which, double v) {
   const std::array<double, 3>& a = disturbance.coefficients(which);
@@ -50,54 +51,45 @@ LoopPoint steepest(const AnalogController& controller, Branch which, double sign
 
 /// Fills the figures from L over the grid.
 void judge(const std::vector<Hertz>& grid, const std::vector<std::complex<double>>& loop, LoopPoint& out) {
-  out.nearest = std::numeric_limits<double>::infinity();
+  const LoopMargins margins = loop_margins(grid, loop);
+  if (const auto* least = margins.least_phase_margin())
+    out.phase_margin_deg = std::abs(least->phase_margin_deg);
+  out.gain_margin_db = margins.gain_margin_db();
+  out.nearest = 1.0 / margins.max_sensitivity;
   const double rest = std::abs(loop.front());
-  for (std::size_t i = 0; i < grid.size(); ++i) {
+  out.bandwidth = grid.back();
+  for (std::size_t i = grid.size(); i-- > 0;) {
     const double size = std::abs(loop[i]);
-    out.nearest = std::min(out.nearest, std::abs(1.0 + loop[i]));
-    if (size > out.greatest_gain) {
+    if (size >= out.greatest_gain) {
       out.greatest_gain = size;
       out.greatest_at = grid[i];
     }
-    if (out.bandwidth.value == 0.0 && size < rest / std::numbers::sqrt2) out.bandwidth = grid[i];
-    // On the negative real axis, or as good as there at rest (positive feedback).
-    const bool crosses = i > 0 && loop[i].real() < 0.0 && loop[i].imag() * loop[i - 1].imag() <= 0.0;
-    if (crosses || (i == 0 && loop[i].real() < 0.0)) {
-      const double margin = -20.0 * std::log10(size);
-      out.gain_margin_db = std::min(out.gain_margin_db.value_or(margin), margin);
-    }
-    if (i > 0 && (size - 1.0) * (std::abs(loop[i - 1]) - 1.0) < 0.0) {
-      const double margin = std::abs(std::arg(-loop[i])) * 180.0 / std::numbers::pi;
-      out.phase_margin_deg = std::min(out.phase_margin_deg.value_or(margin), margin);
-    }
+    if (size < rest / std::numbers::sqrt2) out.bandwidth = grid[i];
   }
-  if (out.bandwidth.value == 0.0) out.bandwidth = grid.back();
 }
 
 }  // namespace
 
-std::string loop_library(const AnalogController& controller, const LoopPoint& point, const Deviations* off) {
+std::string loop_library(const AnalogController& controller, const LoopPoint& point) {
   const double k = controller.rated_gain(point.which, point.rate);
   const double r = point.drive_v + k * controller.disturbance.value(point.which, point.drive_v);
   const double slope = controller.slope ? -controller.slope->volts_per_hz * point.rate.value : 0.0;
-  return controller_library(controller, "controller, its loop cut", {off, true}) +
+  return controller_library(controller, "controller, its loop cut", {nullptr, true}) +
          fmt::format(
              "\n.subckt loop in out\nVbias x in {:.12g}\nVr r 0 {:.12g}\nVbranch branch 0 {}\n"
              "Vslope slope 0 {:.12g}\nXopen r x branch slope out controller_open\n.ends loop\n",
              point.drive_v, r, point.which == Branch::ascending ? 1 : 0, slope);
 }
 
-std::vector<LoopPoint> measure_loop(const AnalogController& controller, const Deviations* off) {
+std::vector<LoopPoint> measure_loop(const AnalogController& controller) {
   std::vector<LoopPoint> out;
   if (controller.form != Form::self_fed) return out;
-  std::vector<Hertz> grid;
-  for (int i = 0; i <= kPerDecade * kDecades; ++i)
-    grid.push_back(Hertz{kLowestHz * std::pow(10.0, static_cast<double>(i) / kPerDecade)});
+  const std::vector<Hertz> grid = log_grid(kLoopBand, kPointsOfLoop);
   for (const Branch which : {Branch::ascending, Branch::descending}) {
     for (const double sign : {1.0, -1.0}) {
       LoopPoint point = steepest(controller, which, sign);
       std::vector<std::complex<double>> loop =
-          spice::run_ac_of_text(loop_library(controller, point, off), "controller.sub", grid, "loop");
+          spice::run_ac_of_text(loop_library(controller, point), "controller.sub", grid, "loop");
       for (std::complex<double>& one : loop) one = -one;
       judge(grid, loop, point);
       out.push_back(point);

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "controller/controller.hpp"
-#include "controller/deviations.hpp"
+#include "schematic/deviations.hpp"
 
 namespace bodesmith::controller {
 
@@ -27,10 +27,9 @@ struct LoopPoint {
 
 /// Greatest and least K d' of both branches, each with its loop in ngspice from 100 Hz to 100 MHz. Empty for forms
 /// without a loop. Throws InputError when ngspice is missing.
-std::vector<LoopPoint> measure_loop(const AnalogController& controller, const Deviations* off = nullptr);
+std::vector<LoopPoint> measure_loop(const AnalogController& controller);
 
 /// A two-pin library `loop in out` around the open controller at that point: its response is v/x = -L.
-std::string loop_library(const AnalogController& controller, const LoopPoint& point,
-                         const Deviations* off = nullptr);
+std::string loop_library(const AnalogController& controller, const LoopPoint& point);
 
 }  // namespace bodesmith::controller

@@ -8,42 +8,40 @@
 
 #include "base/text.hpp"
 #include "base/version.hpp"
-#include "circuit/references.hpp"
-#include "circuit/text.hpp"
 #include "kicad/devices.hpp"
 #include "kicad/schematic.hpp"
 #include "kicad/sheet_rows.hpp"
+#include "schematic/plain_number.hpp"
+#include "schematic/references.hpp"
 
 namespace bodesmith::controller {
 namespace {
 
-using circuit::plain_number;
+using schematic::plain_number;
 
 class SchematicMaker {
  public:
   SchematicMaker(const AnalogController& controller, const circuit::Tolerances& tolerances)
       : controller_(controller), tolerances_(tolerances) {
-    for (const Part& one : controller.parts)
-      references_[one.name] = counter_.next(one.kind == Part::Kind::resistor    ? "R"
-                                            : one.kind == Part::Kind::capacitor ? "C"
-                                                                                : "D");
+    const std::vector<std::string> references = schematic::part_references(controller, counter_);
+    for (std::size_t i = 0; i < references.size(); ++i) references_[controller.parts[i].name] = references[i];
     for (const OpAmp& one : controller.opamps) place_opamp(one);
     for (const Multiplier& one : controller.multipliers) devices_[one.name] = next_package();
     switch_reference_ = next_package();
-    for (const VoltageReference& one : controller.references) devices_[one.name] = next_package();
-    for (const Contact& one : controller.contacts) contact_units_[one.name] = free_unit(one.rising);
+    for (const schematic::Source& one : controller.sources) devices_[one.name] = next_package();
+    for (const Contact& one : controller.contacts) contact_units_[one.name] = free_unit(one.position == 0);
   }
 
   std::vector<kicad::Group> groups() {
     std::vector<kicad::Group> out;
-    for (const std::string& name : sections()) out.push_back(section(name));
+    for (const std::size_t group : sheet_order()) out.push_back(section(group));
     kicad::Group board;
     board.text = "connectors, supplies, references";
     board.cells.push_back(kicad::connector_cell("J1", "r"));
     board.cells.push_back(kicad::connector_cell("J2", "v"));
     board.cells.push_back(kicad::supply_connector_cell("J3", "VCC", "VEE"));
     board.cells.push_back(kicad::supply_connector_cell("J4", "V5P", "V5N"));
-    for (const VoltageReference& one : controller_.references)
+    for (const schematic::Source& one : controller_.sources)
       board.cells.push_back(kicad::reference_cell(devices_.at(one.name), one.type, one.name, one.node));
     if (std::vector<kicad::Cell> spare = spare_contacts(); !spare.empty())
       board.cells.push_back(kicad::stacked(spare));
@@ -66,19 +64,19 @@ class SchematicMaker {
  private:
   struct Package {
     std::string reference;
-    const circuit::OpAmpModel* type = nullptr;
+    const schematic::OpAmpModel* type = nullptr;
     int used = 0;
   };
   struct Place {
     std::string reference;
-    const circuit::OpAmpModel* type = nullptr;
+    const schematic::OpAmpModel* type = nullptr;
     int unit = 0;
   };
 
   std::string next_package() { return counter_.next("U"); }
 
   void place_opamp(const OpAmp& one) {
-    const circuit::OpAmpModel& type = controller_.type_of(one);
+    const schematic::OpAmpModel& type = controller_.model_of(one);
     const auto open = std::find_if(packages_.begin(), packages_.end(), [&](const Package& package) {
       return package.type->name == type.name && package.used < type.per_package;
     });
@@ -87,36 +85,36 @@ class SchematicMaker {
     opamps_[one.name] = {package.reference, &type, package.used++};
   }
 
-  std::vector<std::string> sections() const {
-    std::vector<std::string> out;
-    const auto see = [&](const std::string& name) {
-      if (std::find(out.begin(), out.end(), name) == out.end()) out.push_back(name);
-    };
-    for (const Pass& pass : controller_.passes) {
-      if (pass.square >= 0) see(controller_.multipliers[static_cast<std::size_t>(pass.square)].section);
-    }
-    for (const Part& one : controller_.parts) see(one.section);
-    for (const Contact& one : controller_.contacts) see(one.section);
+  /// Groups that have anything in them, the powers first.
+  std::vector<std::size_t> sheet_order() const {
+    std::set<std::size_t> used;
+    for (const Part& one : controller_.parts) used.insert(one.group);
+    for (const Multiplier& one : controller_.multipliers) used.insert(one.group);
+    for (const Contact& one : controller_.contacts) used.insert(one.group);
+    std::vector<std::size_t> out(used.begin(), used.end());
+    std::stable_partition(out.begin(), out.end(), [&](std::size_t group) {
+      return controller_.purpose_of(group) == Purpose::powers;
+    });
     return out;
   }
 
   /// Nodes that something else than this section's resistors, capacitors and op-amps needs by name.
-  std::set<std::string> named_outside(const std::string& section) const {
+  std::set<std::string> named_outside(std::size_t group) const {
     std::set<std::string> out = {"r", "v"};
     for (const Part& one : controller_.parts) {
-      if (one.section != section || one.kind == Part::Kind::diode) out.insert({one.from, one.to});
+      if (one.group != group || one.kind == Part::Kind::diode) out.insert({one.from, one.to});
     }
     for (const OpAmp& one : controller_.opamps) {
-      if (one.section != section) out.insert({one.plus, one.minus, one.out});
+      if (one.group != group) out.insert({one.plus, one.minus, one.out});
     }
     for (const Multiplier& one : controller_.multipliers) out.insert({one.x, one.y, one.z, one.out});
     for (const Contact& one : controller_.contacts) out.insert({one.from, one.to});
-    for (const VoltageReference& one : controller_.references) out.insert(one.node);
+    for (const schematic::Source& one : controller_.sources) out.insert(one.node);
     return out;
   }
 
-  kicad::Symbol texts_of(const circuit::Part& part, const std::string& section) const {
-    const bool resistor = part.kind == circuit::Part::Kind::resistor;
+  kicad::Symbol texts_of(const Part& part) const {
+    const bool resistor = part.kind == Part::Kind::resistor;
     kicad::Symbol out;
     out.reference = references_.at(part.name);
     out.value = kicad::kicad_value(part.realised);
@@ -133,52 +131,49 @@ class SchematicMaker {
          rounded_text(resistor ? tolerances_.resistor_percent : tolerances_.capacitor_percent) + "%"},
         {"Wanted", plain_number(part.wanted) + unit},
         {"Realised", plain_number(part.realised) + unit},
-        {"Section", section}};
+        {"Section", controller_.groups[part.group].title}};
     return out;
   }
 
-  kicad::Group section(const std::string& name) {
+  kicad::Group section(std::size_t group) {
     kicad::Group out;
-    out.text = name;
-    std::vector<circuit::Part> parts;
+    out.text = controller_.groups[group].title;
+    std::vector<Part> parts;
     for (const Part& one : controller_.parts) {
-      if (one.section != name || one.kind == Part::Kind::diode) continue;
-      parts.push_back(
-          {one.kind == Part::Kind::resistor ? circuit::Part::Kind::resistor : circuit::Part::Kind::capacitor,
-           one.name, 0, one.from, one.to, one.series, one.wanted, one.realised});
+      if (one.group == group && one.kind != Part::Kind::diode) parts.push_back(one);
     }
-    std::vector<circuit::OpAmp> opamps;
+    std::vector<OpAmp> opamps;
     for (const OpAmp& one : controller_.opamps) {
-      if (one.section == name) opamps.push_back({one.name, 0, one.plus, one.minus, one.out});
+      if (one.group == group) opamps.push_back(one);
     }
     for (const Multiplier& one : controller_.multipliers) {
-      if (one.section == name)
+      if (one.group == group)
         out.cells.push_back(kicad::multiplier_cell(devices_.at(one.name), controller_.multiplier.name,
                                                    one.name, one.x, one.y, one.z, one.out));
     }
     for (kicad::Cell& cell : kicad::stage_cells(
-             parts, opamps, "", "", [&](const circuit::Part& part) { return texts_of(part, name); },
-             [&](const circuit::OpAmp& one) {
+             parts, opamps, "", "", [&](const Part& part) { return texts_of(part); },
+             [&](const OpAmp& one) {
                const Place& place = opamps_.at(one.name);
                kicad::Symbol symbol = kicad::opamp_symbol(place.reference, place.type->name,
                                                           place.type->per_package, place.unit);
-               symbol.fields = {{"Netlist", one.name}, {"Section", name}};
+               symbol.fields = {{"Netlist", one.name}, {"Section", out.text}};
                return symbol;
              },
-             named_outside(name))) {
+             named_outside(group))) {
       // Pieces of a row meet by name: a section is no chain.
       cell.entry.reset();
       out.cells.push_back(std::move(cell));
     }
     std::vector<kicad::Cell> diodes;
     for (const Part& one : controller_.parts) {
-      if (one.section == name && one.kind == Part::Kind::diode)
+      if (one.group == group && one.kind == Part::Kind::diode)
         diodes.push_back(kicad::diode_cell(references_.at(one.name), one.series, one.name, one.from, one.to));
     }
     add_columns(diodes, out);
     std::vector<kicad::Cell> contacts;
     for (const Contact& one : controller_.contacts) {
-      if (one.section == name)
+      if (one.group == group)
         contacts.push_back(kicad::contact_cell(switch_reference_, controller_.analog_switch.name, one.name,
                                                contact_units_.at(one.name), one.from, one.to, "so"));
     }
@@ -222,7 +217,7 @@ class SchematicMaker {
   std::map<std::string, int> contact_units_;
   std::string switch_reference_;
   std::set<int> used_units_;
-  circuit::ReferenceCounter counter_;
+  schematic::ReferenceCounter counter_;
 };
 
 }  // namespace

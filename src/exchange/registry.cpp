@@ -22,8 +22,9 @@ const Writer& writer_for(std::string_view file_name) {
       known += (known.empty() ? "" : ", ") + std::string(ending);
     }
   }
-  throw InputError(fmt::format(
-      "'{}' has no ending of a format that is written, expected one of {} (or --as NAME)", file_name, known));
+  throw InputError(
+      fmt::format("'{}' has no ending of a format that is written, expected one of {} (or the format's name)",
+                  file_name, known));
 }
 
 namespace {
@@ -36,7 +37,7 @@ namespace {
 }  // namespace
 
 const Sections& need_sections(const Exportable& from, const Writer& writer) {
-  if (!from.sections) lacks(from, writer, "pole-zero sections (for a measured response: fit --measured)");
+  if (!from.sections) lacks(from, writer, "pole-zero sections (a measured response becomes them by a fit)");
   return *from.sections;
 }
 const Schematic& need_schematic(const Exportable& from, const Writer& writer) {

@@ -51,7 +51,6 @@ class Board {
   /// Everything that differs from one good board to the next. Those that are parts with a tolerance are marked.
   virtual std::size_t unknowns() const = 0;
   virtual bool is_part(std::size_t unknown) const = 0;
-  virtual std::string unknown_name(std::size_t unknown) const = 0;
 
   virtual Prediction predict(const Effect& effect) const = 0;
   /// The response alone: quicker.

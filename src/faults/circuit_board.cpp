@@ -12,15 +12,15 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "circuit/network.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
+#include "schematic/analysis/equations.hpp"
 
 namespace bodesmith::faults {
 namespace {
 
 using Complex = std::complex<double>;
-using circuit::Network;
+using schematic::Equations;
 
 /// A uniform deviation within a tolerance has this standard deviation, a little widened.
 constexpr double kSigmaOfTolerance = 0.6;
@@ -32,7 +32,7 @@ constexpr double kMostlyLost = 0.4;
 constexpr double kLeastSlope = 1e-5;
 
 /// Numbers that stand for an ideal op-amp, so that faults that need its equation have one.
-circuit::OpAmpModel computable(circuit::OpAmpModel model) {
+schematic::OpAmpModel computable(schematic::OpAmpModel model) {
   if (!model.is_ideal) return model;
   model.dc_gain = 1e9;
   model.gain_bandwidth = Hertz{1e12};
@@ -98,14 +98,15 @@ Changes changes_of(const std::vector<Stamp>& stamps, Complex s, const Eigen::Mat
 
 CircuitBoard::CircuitBoard(const circuit::Circuit& circuit, Measurement measured, const Spread& spread,
                            const CircuitBoard* like)
-    : Board(std::move(measured)), circuit_(circuit), model_(computable(circuit.model)), spread_(spread) {
-  const Network network(circuit_);
-  for (const std::string& name : nodes()) nodes_[name] = network.node(name);
+    : Board(std::move(measured)), circuit_(circuit), model_(computable(circuit.opamp)), spread_(spread) {
+  circuit_.opamp = model_;
+  const Equations equations(circuit_);
+  for (const std::string& name : nodes()) nodes_[name] = equations.node(name);
   for (const Channel& channel : this->measured().channels) {
     if (!nodes_.contains(channel.node))
       throw InputError(fmt::format("{}: the circuit has no node '{}', expected one of {}", channel.file,
                                    channel.node, join(nodes(), ", ")));
-    for (const Hertz f : channel.grid) solve(f.rad_s(), nodes_.at(channel.node));
+    for (const Hertz f : channel.grid) solve(equations, f.rad_s(), nodes_.at(channel.node));
   }
   set_good(response({}));
   find_unknowns(like);
@@ -113,8 +114,8 @@ CircuitBoard::CircuitBoard(const circuit::Circuit& circuit, Measurement measured
 
 std::vector<std::string> CircuitBoard::nodes() const {
   std::set<std::string> names;
-  for (const circuit::Part& part : circuit_.parts) names.insert({part.from, part.to});
-  for (const circuit::OpAmp& one : circuit_.opamps) names.insert({one.plus, one.minus, one.out});
+  for (const schematic::Part& part : circuit_.parts) names.insert({part.from, part.to});
+  for (const schematic::OpAmp& one : circuit_.opamps) names.insert({one.plus, one.minus, one.out});
   names.erase("0");
   names.erase("in");
   return {names.begin(), names.end()};
@@ -126,9 +127,8 @@ std::vector<std::string> CircuitBoard::probe_nodes() const {
   return out;
 }
 
-void CircuitBoard::solve(RadPerSecond w, int out) {
-  const Network network(circuit_);
-  const SparseSystem system = network.system(w, &model_);
+void CircuitBoard::solve(const schematic::Equations& equations, RadPerSecond w, int out) {
+  const SparseSystem system = equations.small_signal(w);
   Point point;
   point.s = Complex(0.0, w.value);
   point.out = out;
@@ -138,8 +138,8 @@ void CircuitBoard::solve(RadPerSecond w, int out) {
 }
 
 int CircuitBoard::node(const std::string& name) const {
-  if (name == "0") return Network::kGround;
-  if (name == "in") return Network::kInput;
+  if (name == "0") return schematic::kGround;
+  if (name == "in") return schematic::kInput;
   return nodes_.at(name);
 }
 
@@ -150,7 +150,7 @@ Stamp CircuitBoard::admittance(const std::string& from, const std::string& to, d
   const std::array<int, 2> ends = {node(from), node(to)};
   for (std::size_t i = 0; i < 2; ++i) {
     const double sign = i == 0 ? 1.0 : -1.0;
-    if (ends[i] == Network::kInput) out.constant += sign;
+    if (ends[i] == schematic::kInput) out.constant += sign;
     if (ends[i] < 0) continue;
     out.into[i] = {ends[i], sign};
     out.reads[i] = {ends[i], sign};
@@ -183,7 +183,7 @@ Stamp CircuitBoard::plus_follows(std::size_t opamp, const std::string& name, dou
   out.g = part;
   if (const int at = node(name); at >= 0) {
     out.reads[0] = {at, 1.0};
-  } else if (at == Network::kInput) {
+  } else if (at == schematic::kInput) {
     out.constant = 1.0;
   }
   return out;
@@ -197,13 +197,13 @@ Effect CircuitBoard::inputs_follow(std::size_t opamp, double kept) const {
 }
 
 double CircuitBoard::tolerance(std::size_t part) const {
-  const bool resistor = circuit_.parts[part].kind == circuit::Part::Kind::resistor;
+  const bool resistor = circuit_.parts[part].kind == schematic::Part::Kind::resistor;
   return 0.01 * (resistor ? spread_.resistor_percent : spread_.capacitor_percent);
 }
 
 Effect CircuitBoard::changed(std::size_t part, double factor) const {
-  const circuit::Part& p = circuit_.parts[part];
-  const bool resistor = p.kind == circuit::Part::Kind::resistor;
+  const schematic::Part& p = circuit_.parts[part];
+  const bool resistor = p.kind == schematic::Part::Kind::resistor;
   const double more = resistor ? 1.0 / factor : factor;  // of the admittance
   const double y = resistor ? 1.0 / p.realised : p.realised;
   Effect out;
@@ -214,7 +214,7 @@ Effect CircuitBoard::changed(std::size_t part, double factor) const {
 }
 
 Effect CircuitBoard::replaced(std::size_t part, double siemens) const {
-  Effect out = changed(part, circuit_.parts[part].kind == circuit::Part::Kind::resistor
+  Effect out = changed(part, circuit_.parts[part].kind == schematic::Part::Kind::resistor
                                  ? std::numeric_limits<double>::infinity()
                                  : 0.0);
   out.stamps[0].g += siemens;
@@ -224,8 +224,8 @@ Effect CircuitBoard::replaced(std::size_t part, double siemens) const {
 void CircuitBoard::find_unknowns(const CircuitBoard* like) {
   const double ft = 2.0 * std::numbers::pi * model_.gain_bandwidth.value;
   for (std::size_t i = 0; i < circuit_.parts.size(); ++i) {
-    const circuit::Part& p = circuit_.parts[i];
-    const bool resistor = p.kind == circuit::Part::Kind::resistor;
+    const schematic::Part& p = circuit_.parts[i];
+    const bool resistor = p.kind == schematic::Part::Kind::resistor;
     const double sigma = kSigmaOfTolerance * tolerance(i);
     const Stamp stamp =
         admittance(p.from, p.to, resistor ? -sigma / p.realised : 0.0, resistor ? 0.0 : sigma * p.realised);
@@ -399,14 +399,14 @@ std::unique_ptr<Board> CircuitBoard::with_parts(const Eigen::VectorXd& deviation
 
 std::vector<Board::SolderedPart> CircuitBoard::soldered_parts() const {
   std::vector<SolderedPart> out;
-  for (const circuit::Part& p : circuit_.parts)
-    out.push_back({p.name, p.realised, p.kind == circuit::Part::Kind::resistor ? "Ω" : "F"});
+  for (const schematic::Part& p : circuit_.parts)
+    out.push_back({p.name, p.realised, p.kind == schematic::Part::Kind::resistor ? "Ω" : "F"});
   return out;
 }
 
 Effect CircuitBoard::in_parallel(std::size_t part, double factor) const {
-  const circuit::Part& p = circuit_.parts[part];
-  const bool resistor = p.kind == circuit::Part::Kind::resistor;
+  const schematic::Part& p = circuit_.parts[part];
+  const bool resistor = p.kind == schematic::Part::Kind::resistor;
   Effect out;
   out.stamps = {admittance(p.from, p.to, resistor ? 1.0 / (factor * p.realised) : 0.0,
                            resistor ? 0.0 : factor * p.realised)};

@@ -4,6 +4,7 @@
 
 #include "circuit/circuit.hpp"
 #include "faults/board.hpp"
+#include "schematic/analysis/equations.hpp"
 
 namespace bodesmith::faults {
 
@@ -19,7 +20,6 @@ class CircuitBoard : public Board {
 
   std::size_t unknowns() const override { return unknowns_.size(); }
   bool is_part(std::size_t unknown) const override { return unknowns_[unknown].part; }
-  std::string unknown_name(std::size_t unknown) const override { return unknowns_[unknown].name; }
   Prediction predict(const Effect& effect) const override;
   Eigen::VectorXcd response(const Effect& effect) const override;
   std::unique_ptr<ChangedBoard> changed_by(const Effect& effect) const override;
@@ -31,7 +31,7 @@ class CircuitBoard : public Board {
 
   // For the kinds of fault.
   const circuit::Circuit& circuit() const { return circuit_; }
-  const circuit::OpAmpModel& opamp() const { return model_; }
+  const schematic::OpAmpModel& opamp() const { return model_; }
   const Spread& spread() const { return spread_; }
   /// Every node but ground and input.
   std::vector<std::string> nodes() const;
@@ -68,7 +68,7 @@ class CircuitBoard : public Board {
     Eigen::MatrixXcd inverse;
     Eigen::VectorXcd x;  ///< solution of the good board
   };
-  void solve(RadPerSecond w, int out);
+  void solve(const schematic::Equations& equations, RadPerSecond w, int out);
   void find_unknowns(const CircuitBoard* like);
   int node(const std::string& name) const;
   /// Solutions with some faults built in.
@@ -77,7 +77,7 @@ class CircuitBoard : public Board {
   static Eigen::VectorXcd outputs(const std::vector<Point>& points, const Effect& effect);
 
   circuit::Circuit circuit_;
-  circuit::OpAmpModel model_;
+  schematic::OpAmpModel model_;
   Spread spread_;
   std::map<std::string, int> nodes_;
   std::vector<Point> points_;

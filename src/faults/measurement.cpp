@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "signal/bode_points.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::faults {
 namespace {
@@ -32,11 +33,9 @@ void add_misfits(const Channel& channel, const double* value, const double* floo
   }
 }
 
-double deviation_of(std::vector<double>& misfits) {
+double deviation_of(std::vector<double> misfits) {
   if (misfits.empty()) return 3e-3;  // two points tell nothing: a good instrument
-  const auto middle = misfits.begin() + static_cast<std::ptrdiff_t>(misfits.size() / 2);
-  std::nth_element(misfits.begin(), middle, misfits.end());
-  return std::max(*middle / kMedianOfNormal, kLeastNoise);
+  return std::max(median(std::move(misfits)) / kMedianOfNormal, kLeastNoise);
 }
 
 }  // namespace

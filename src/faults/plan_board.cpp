@@ -44,7 +44,13 @@ fpaa::Plan PlanBoard::with_clocks(const Effect& effect) const {
 
 bool PlanBoard::can_run(const Effect& effect) const {
   const fpaa::Plan plan = with_clocks(effect);
-  return refusal_of(fpaa::plan_graph(plan)) == nullptr;
+  if (refusal_of(fpaa::plan_graph(plan)) != nullptr) return false;
+  try {
+    const fpaa::SwitchedBoard board(plan);
+    return true;
+  } catch (const DesignError&) {  // clocks that have no manageable common period
+    return false;
+  }
 }
 
 Eigen::VectorXcd PlanBoard::response(const Effect& effect) const {

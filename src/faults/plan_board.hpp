@@ -8,7 +8,7 @@
 
 namespace bodesmith::faults {
 
-/// An FPAA plan as the board runs: every clock, hold and half cycle in it. What differs from board to board are the
+/// An FPAA plan as its switches make it. What differs from board to board are the
 /// capacitors' units (fpaa::MismatchModel).
 class PlanBoard : public Board {
  public:
@@ -17,7 +17,6 @@ class PlanBoard : public Board {
 
   std::size_t unknowns() const override { return sigma_.size(); }
   bool is_part(std::size_t) const override { return true; }
-  std::string unknown_name(std::size_t unknown) const override { return drawn_->names()[unknown]; }
   /// Slopes are those of the good board: mismatch is small.
   Prediction predict(const Effect& effect) const override;
   Eigen::VectorXcd response(const Effect& effect) const override;

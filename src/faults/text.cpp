@@ -53,7 +53,7 @@ std::vector<std::string> next_steps(const Diagnosis& d) {
                     d.probe->node, engineering_text(d.probe->at.value, "Hz"), rounded_text(d.probe->db, 3),
                     rounded_text(d.probe->deg, 3));
     if (d.tied > 2) what += fmt::format(" (tells {})", join(d.probe->tells_apart, ", "));
-    out.push_back(what + fmt::format("; then --node {}=FILE.csv", d.probe->node));
+    out.push_back(what + "; then give its response as well");
   } else if (d.verdict == Verdict::tie) {
     out.push_back("no node of the board tells them apart: lift one end of each and measure the part itself");
   }

@@ -35,7 +35,7 @@ class Family {
   enum class Corner { half_power, ripple_edge, stop_edge, six_db };
 
   virtual ~Family() = default;
-  /// As --family spells it.
+  /// As users name it.
   virtual std::string_view name() const = 0;
   /// One line for a person.
   virtual std::string_view what() const = 0;

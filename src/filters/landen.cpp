@@ -3,24 +3,13 @@
 #include <cmath>
 #include <numbers>
 
+#include "numeric/elliptic_k.hpp"
+
 namespace bodesmith::filters {
-namespace {
-
-double arithmetic_geometric_mean(double a, double b) {
-  while (std::abs(a - b) > 1e-16 * a) {
-    const double mean = 0.5 * (a + b);
-    b = std::sqrt(a * b);
-    if (mean == a) break;
-    a = mean;
-  }
-  return a;
-}
-
-}  // namespace
 
 double nome(const Modulus& modulus) {
-  return std::exp(-std::numbers::pi * arithmetic_geometric_mean(1.0, modulus.complement) /
-                  arithmetic_geometric_mean(1.0, modulus.k));
+  return static_cast<double>(std::exp(-std::numbers::pi_v<long double> * complete_elliptic_k(modulus.k) /
+                                      complete_elliptic_k(modulus.complement)));
 }
 
 Modulus modulus_of_nome(double q) {

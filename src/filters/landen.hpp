@@ -11,7 +11,7 @@ struct Modulus {
   double complement = 1.0;
 };
 
-/// exp(-pi K'(k)/K(k)), by arithmetic-geometric means.
+/// exp(-pi K'(k)/K(k)).
 double nome(const Modulus& modulus);
 /// The modulus of a nome, by theta functions.
 Modulus modulus_of_nome(double q);

@@ -15,16 +15,6 @@ constexpr double kMaxCandidates = 40.0;  ///< of band ends, when the fewest are 
 constexpr double kMaxChoices = 3e5;      ///< times points: how much trying out is worth (about a second)
 constexpr std::size_t kMaxBands = 16;    ///< when bands are added one by one
 
-std::vector<FractionalLeadLag> make_bands(Hertz base, const std::vector<BodePoint>& ends) {
-  std::vector<FractionalLeadLag> bands;
-  Hertz from = base;
-  for (const BodePoint& point : ends) {
-    bands.push_back({1.0 / from.rad_s().value, from.value / point.frequency.value, 1.0});
-    from = point.frequency;
-  }
-  return bands;
-}
-
 LongMatrix make_matrix(const std::vector<FractionalLeadLag>& bands, const std::vector<BodePoint>& above) {
   LongMatrix a;
   for (const BodePoint& point : above) {
@@ -193,31 +183,56 @@ double BandSolution::curve_db(Hertz f) const {
   return kDecibelPerNeper * np;
 }
 
-BandSolution solve_bands(const CascadeProblem& problem, const std::vector<BodePoint>& ends,
-                         const std::vector<BodePoint>& above, const CascadeFitOptions& options) {
+std::vector<FractionalLeadLag> make_bands(Hertz base, const std::vector<BodePoint>& ends) {
+  std::vector<FractionalLeadLag> bands;
+  Hertz from = base;
+  for (const BodePoint& point : ends) {
+    bands.push_back({1.0 / from.rad_s().value, from.value / point.frequency.value, 1.0});
+    from = point.frequency;
+  }
+  return bands;
+}
+
+BandSolution solve_orders(const CascadeProblem& problem, std::vector<FractionalLeadLag> terms,
+                          const std::vector<BodePoint>& above, const CascadeFitOptions& options) {
+  if (terms.size() > above.size())
+    throw InputError(fmt::format("{} terms for {} points above the base, expected no more terms than points",
+                                 terms.size(), above.size()));
   BandSolution out;
-  out.terms = make_bands(problem.base, ends);
+  out.terms = std::move(terms);
+  for (FractionalLeadLag& term : out.terms) term.beta = 1.0;
   out.matrix = make_matrix(out.terms, above);
-  out.bound.assign(ends.size(), 0);
+  out.bound.assign(out.terms.size(), 0);
   LongVector target;
   for (const BodePoint& point : above)
     target.push_back(std::log(static_cast<long double>(point.gain) / problem.base_gain));
   LongMatrix weighted = out.matrix;
-  const bool interpolation = ends.size() == above.size() && !options.beta_max;
+  const bool interpolation = out.terms.size() == above.size() && !options.bounded();
   if (!interpolation) weigh_rows(weighted, target, above);
   LongVector beta;
-  if (!options.beta_max) {
+  if (!options.bounded()) {
     beta = least_squares(weighted, target);
   } else {
-    out.upper = *options.beta_max;
-    out.lower = options.beta_positive ? 0.0 : -out.upper;
-    BoundedSolution solution = bounded_least_squares(weighted, target, out.lower, out.upper);
+    out.upper = options.term_beta_max;
+    if (out.upper.empty()) out.upper.assign(out.terms.size(), *options.beta_max);
+    if (out.upper.size() != out.terms.size())
+      throw InputError(
+          fmt::format("{} bounds for {} terms, expected one a term", out.upper.size(), out.terms.size()));
+    for (const double bound : out.upper) out.lower.push_back(options.beta_positive ? 0.0 : -bound);
+    BoundedSolution solution =
+        bounded_least_squares(weighted, target, LongVector(out.lower.begin(), out.lower.end()),
+                              LongVector(out.upper.begin(), out.upper.end()));
     beta = std::move(solution.x);
     out.bound = std::move(solution.bound);
     out.optimality_residual = static_cast<double>(solution.optimality_residual);
   }
   for (std::size_t i = 0; i < beta.size(); ++i) out.terms[i].beta = static_cast<double>(beta[i]);
   return out;
+}
+
+BandSolution solve_bands(const CascadeProblem& problem, const std::vector<BodePoint>& ends,
+                         const std::vector<BodePoint>& above, const CascadeFitOptions& options) {
+  return solve_orders(problem, make_bands(problem.base, ends), above, options);
 }
 
 BandChoice choose_bands(const CascadeProblem& problem, const CascadeFitOptions& options, double limit_db) {

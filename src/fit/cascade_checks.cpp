@@ -113,7 +113,7 @@ std::vector<std::string> cascade_warnings(const CascadeFit& fit, const CascadeFi
   double max_order = 0.0;
   for (const CascadeFitTerm& term : fit.terms) max_order = std::max(max_order, std::abs(term.beta));
   if (!fit.bounded && max_order > kLargeOrder) {
-    out.push_back(fmt::format("an order reaches {}: bound the fit with --beta-max, or leave out a point",
+    out.push_back(fmt::format("an order reaches {}: bound the exponents, or leave out a point",
                               rounded_text(max_order)));
   }
   if (fit.condition_number > kLargeCondition) {

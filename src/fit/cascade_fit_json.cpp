@@ -6,7 +6,7 @@ namespace bodesmith {
 Json CascadeFit::to_json() const {
   Json out = cascade.to_json();
   Json& fit = out["fit"];
-  fit["kind"] = bounded ? "bounded" : fewest_bands ? "least squares" : "interpolation";
+  fit["kind"] = bounded ? "bounded" : least_squares ? "least squares" : "interpolation";
   if (fewest_bands) fit["limit_met"] = limit_met;
   if (bounded) {
     fit["beta_bounds"] = {lower_bound, upper_bound};
@@ -26,6 +26,7 @@ Json CascadeFit::to_json() const {
                             {"at_bound", term.at_bound},
                             {"beta_change_per_gain_percent", sensitivity[i]},
                             {"max_beta_change_per_gain_percent", term.max_sensitivity}});
+    if (term.beta_max) fit["terms"].back()["beta_max"] = *term.beta_max;
   }
   fit["left_out"] = Json::array();
   for (const LeftOutPoint& l : left_out) {

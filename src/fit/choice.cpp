@@ -30,10 +30,65 @@ std::string cascade_text(const CascadeFit& fit, double limit_db) {
 
 std::optional<std::string> why_unusable(const CascadeFit& fit) {
   const double largest = largest_order(fit);
-  const bool few = fit.cascade.fit && fit.cascade.fit->points.size() <= kFewPoints;
-  if (largest <= (few ? kLargestUsableOrderOfFewPoints : kLargestUsableOrder)) return std::nullopt;
+  if (largest <= kLargestUsableOrder) return std::nullopt;
   return fmt::format("{} bands through these points take orders up to {}, which cannot be built",
                      fit.terms.size(), rounded_text(largest, 3));
+}
+
+namespace {
+
+constexpr int kMaxSplits = 4;
+constexpr double kWorthASplit = 0.1;  ///< of the largest error: a split is a term more to build
+
+/// In the middle (of log frequency) of the band that ends at the point with the largest error.
+Hertz worst_band_middle(const CascadeFit& fit, const std::vector<Hertz>& splits) {
+  Hertz from = fit.base;
+  Hertz worst_from = from;
+  Hertz worst_to = from;
+  double most = -1.0;
+  for (const Cascade::FitPoint& point : fit.cascade.fit->points) {
+    const double error = std::abs(point.got_db - point.wanted_db);
+    if (error > most) {
+      most = error;
+      worst_from = from;
+      worst_to = point.frequency;
+    }
+    from = point.frequency;
+  }
+  for (const Hertz split : splits)
+    if (worst_from < split && split < worst_to) worst_from = split;
+  return Hertz{std::sqrt(worst_from.value * worst_to.value)};
+}
+
+}  // namespace
+
+ChartedFit fit_by_chart(const BodePoints& points, const CascadeFitOptions& options) {
+  ChartedFit out{fit_cascade(points, options), {}};
+  if (options.bounded() || options.fewest_bands_db || options.fitted_terms > 0 || !options.corners.empty())
+    return out;
+  const std::optional<std::string> unusable = why_unusable(out.fit);
+  if (!unusable) return out;
+  CascadeFitOptions bounded = options;
+  bounded.beta_max = kChartBound;
+  out.fit = fit_cascade(points, bounded);
+  const auto left = [&] { return out.fit.cascade.fit->max_db; };
+  out.steps.push_back(fmt::format("{}: bounded by {} (eq. 19), which leaves {} dB at a point", *unusable,
+                                  rounded_text(kChartBound), rounded_text(left(), 3)));
+  for (int i = 0; i < kMaxSplits; ++i) {
+    CascadeFitOptions split = bounded;
+    split.splits.push_back(worst_band_middle(out.fit, bounded.splits));
+    std::sort(split.splits.begin(), split.splits.end());
+    CascadeFit more = fit_cascade(points, split);
+    if (more.cascade.fit->max_db > (1.0 - kWorthASplit) * left()) break;
+    const auto added = std::find_if(split.splits.begin(), split.splits.end(), [&](Hertz f) {
+      return std::find(bounded.splits.begin(), bounded.splits.end(), f) == bounded.splits.end();
+    });
+    bounded = split;
+    out.fit = std::move(more);
+    out.steps.push_back(
+        fmt::format("a band split at {} Hz: {} dB", rounded_text(added->value), rounded_text(left(), 3)));
+  }
+  return out;
 }
 
 int least_poles(const CascadeFit& fit) {

@@ -328,8 +328,8 @@ std::vector<std::string> direct_warnings(const DirectFit& fit, const DirectProbl
   std::vector<std::string> out;
   if (fit.highest_gain_above_band_db > kLoud) {
     out.push_back(
-        fmt::format("above the points the gain rises {} dB over the largest of them: cap the corners with "
-                    "--max-corner-hz",
+        fmt::format("above the points the gain rises {} dB over the largest of them: set a highest corner "
+                    "frequency",
                     rounded_text(fit.highest_gain_above_band_db, 3)));
   }
   if (problem.underdetermined) {

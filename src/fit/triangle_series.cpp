@@ -44,4 +44,16 @@ TriangleSeries triangle_series(const Disturbance& disturbance, DrivenPath path, 
   return out;
 }
 
+std::string_view to_string(DrivenPath path) {
+  switch (path) {
+    case DrivenPath::whole:
+      return "whole";
+    case DrivenPath::ascending:
+      return "ascending";
+    case DrivenPath::descending:
+      return "descending";
+  }
+  return "";
+}
+
 }  // namespace bodesmith

@@ -5,7 +5,6 @@
 #include <numbers>
 
 #include "base/error.hpp"
-#include "fit/triangle_series.hpp"
 #include "numeric/fourier.hpp"
 
 namespace bodesmith {
@@ -63,18 +62,6 @@ WaveformErrorPoint error_at_frequency(const FrequencyResponse& g, const Disturba
 }
 
 }  // namespace
-
-std::string_view to_string(DrivenPath path) {
-  switch (path) {
-    case DrivenPath::whole:
-      return "whole";
-    case DrivenPath::ascending:
-      return "ascending";
-    case DrivenPath::descending:
-      return "descending";
-  }
-  return "";
-}
 
 std::vector<Hertz> operating_frequencies(const Disturbance& disturbance) {
   return disturbance.rate.frequency;

@@ -2,24 +2,15 @@
 
 #include <complex>
 #include <functional>
-#include <string_view>
 #include <vector>
 
 #include "base/units.hpp"
-#include "signal/disturbance.hpp"
+#include "fit/triangle_series.hpp"
 
 namespace bodesmith {
 
 /// G(jw) of anything linear: a cascade, sections, a realised chain.
 using FrequencyResponse = std::function<std::complex<double>(RadPerSecond)>;
-
-/// Where the compensator stands in the disturbance generator.
-enum class DrivenPath {
-  whole,       ///< behind the branch switch: it filters the whole periodic disturbance
-  ascending,   ///< in the ascending polynomial's own path, before the switch; only the rising half counts
-  descending,  ///< the same for the descending one
-};
-std::string_view to_string(DrivenPath path);
 
 struct WaveformErrorOptions {
   DrivenPath path = DrivenPath::whole;

@@ -14,7 +14,7 @@
 #include "fit/waveform_problem.hpp"
 #include "fit/worst_waveform.hpp"
 #include "lti/section_making.hpp"
-#include "numeric/golden_section.hpp"
+#include "numeric/minimum.hpp"
 
 namespace bodesmith {
 namespace {
@@ -86,7 +86,7 @@ WaveformSearch search_waveform(const WaveformProblem& problem, const WaveformFit
   return out;
 }
 
-/// The best fixed gain: a convex function of one number, by golden sections.
+/// The best fixed gain: a convex function of one number.
 double best_constant_gain(const Disturbance& disturbance, const std::vector<Hertz>& operating,
                           const WaveformFitOptions& options) {
   const auto value_at = [&](double gain) {
@@ -95,7 +95,7 @@ double best_constant_gain(const Disturbance& disturbance, const std::vector<Hert
     return options.worst ? error.worst_percent : error.rms_percent;
   };
   constexpr double kMostGain = 3.0;
-  return golden_section_minimum(0.0, kMostGain, 1e-6, value_at);
+  return minimum_between(0.0, kMostGain, 1e-6, value_at);
 }
 
 /// The fractional cascade interpolated through the rate gains; nothing when fewer than two are above 0.

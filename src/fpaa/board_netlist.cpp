@@ -105,16 +105,15 @@ class StageWriter {
 Json board_clock_json(std::size_t number, double period, const NetlistParts& parts) {
   const double gap = parts.gap * period;
   const double edge = kEdgeOfGap * gap;
-  const double length1 = std::min(parts.phase1_s.value_or(0.5 * period), 0.5 * period);
   // Edges lie inside the gaps: a phase is full from its beginning to its end.
   return {{"number", number},
           {"frequency_hz", spice_number(1.0 / period)},
           {"period_s", spice_number(period)},
           {"edge_s", spice_number(edge)},
           {"delay1_s", spice_number(0.0)},
-          {"width1_s", spice_number(length1 - gap)},
-          {"delay2_s", spice_number(length1)},
-          {"width2_s", spice_number(period - length1 - gap)}};
+          {"width1_s", spice_number(0.5 * period - gap)},
+          {"delay2_s", spice_number(0.5 * period)},
+          {"width2_s", spice_number(period - 0.5 * period - gap)}};
 }
 
 std::string subcircuit_name(std::string name) {

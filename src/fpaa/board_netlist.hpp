@@ -1,10 +1,9 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
 #include "base/outcome.hpp"
-#include "fpaa/charge_balance.hpp"
+#include "fpaa/network/settling.hpp"
 #include "fpaa/plan.hpp"
 
 namespace bodesmith::fpaa {
@@ -21,9 +20,6 @@ struct NetlistParts {
   OpAmpModel opamp;
   /// Both phases of a clock end this share of a period before the other begins.
   double gap = 0.01;
-  /// Length of phase 1 in seconds, the same for all clocks; absent: half a period each. With it as short as
-  /// the fastest clock's, slow CAMs read at the very beginning of their periods, as the plan's figures have it.
-  std::optional<double> phase1_s;
 };
 
 /// board.sub: the plan as switched capacitors, `.subckt board in out`, ground node 0 (the chips' differential

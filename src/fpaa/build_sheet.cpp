@@ -105,12 +105,19 @@ Json sheet_data(const Plan& plan) {
                              {"to", wire.to},
                              {"input", has_inputs(plan, wire) ? Json(wire.input) : Json(false)}});
   }
+  std::vector<std::string> foreign;
+  const auto cams = plan.cams();
+  for (const PlacedCam* cam : cams) {
+    if (!cam->cam->in_vendor_menu(*cam)) foreign.push_back(cam->name);
+  }
+  data["foreign"] =
+      foreign.empty() ? Json(false)
+                      : Json{{"count", foreign.size()}, {"all", cams.size()}, {"names", join(foreign, ", ")}};
   data["image"] =
       plan.image ? Json(fmt::format(
                        "{} dB at {} Hz, with a sine of {} Hz", rounded_text(plan.image->magnitude_db, 3),
                        rounded_text(plan.image->line.value, 4), rounded_text(plan.image->signal.value, 4)))
                  : Json(false);
-  data["error"] = error_texts(plan.error);
   data["delayed"] = error_texts(plan.error_with_delays);
   data["largest_input"] = rounded_text(plan.max_input_v, 3);
   data["assumptions"] = plan.assumptions;

@@ -41,28 +41,6 @@ std::vector<ClockedPole> clocked_poles(const Plan& plan) {
   return out;
 }
 
-std::vector<ClockedPole> clocked_poles(const Network& network, double master_hz) {
-  using Stage = NetworkStage;
-  std::vector<ClockedPole> out;
-  for (const Stage& stage : network.stages) {
-    const Hertz clock{master_hz / static_cast<double>(stage.divisor)};
-    const std::vector<double>& c = stage.c;
-    if (stage.kind == Stage::Kind::first) {
-      add_poles(out, clock, roots_in_d(c[2 * stage.from.size()], c[2 * stage.from.size() + 1], 0.0));
-      continue;
-    }
-    const double loop = c[Stage::kC2] * c[Stage::kC3];
-    const double store = c[Stage::kCA] * c[Stage::kCB];
-    if (stage.kind == Stage::Kind::second_low) {
-      add_poles(out, clock, roots_in_d(loop, c[Stage::kCA] * c[Stage::kC4] - loop, store));
-    } else {
-      const double damp = c[Stage::kC3] * c[Stage::kC4];
-      add_poles(out, clock, roots_in_d(loop, damp - loop, store - damp));
-    }
-  }
-  return out;
-}
-
 std::vector<Hertz> near_clocks(const std::vector<ClockedPole>& poles, Band band,
                                std::span<const double> offsets, int multiples) {
   std::vector<Hertz> out;

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "base/units.hpp"
-#include "fpaa/network.hpp"
 #include "fpaa/plan.hpp"
 #include "lti/frequency_grid.hpp"
 
@@ -17,7 +16,6 @@ struct ClockedPole {
   std::complex<double> pole_hz;  ///< s/(2 pi): real part its width, imaginary part its frequency
 };
 std::vector<ClockedPole> clocked_poles(const Plan& plan);
-std::vector<ClockedPole> clocked_poles(const Network& network, double master_hz);
 
 /// Where a coarse grid misses what a sampled path does. A sampled response repeats about every multiple of its
 /// clock, its hold is zero just there: between the two a pole of width p leaves a dip of width p in an otherwise

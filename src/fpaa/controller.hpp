@@ -36,7 +36,7 @@ struct ControllerOptions {
   std::optional<PolynomialBy> polynomial;        ///< absent: the best that fits
   std::optional<ControllerStructure> structure;  ///< absent: the best that works
   Hertz fast_clock{250e3};                       ///< ClockA of everything but the compensators
-  /// The branch is chosen by an analogue switch beside the board, by the reference generator: no comparator and
+  /// The branch is chosen by an analogue switch next to the board, by the reference generator: no comparator and
   /// no GainSwitch, whose bytes are not publicly known. (`outside` always has it there.)
   bool outside_switch = false;
   double outside_error_percent = 0.1;  ///< gain error of each AD835 after trimming (to be measured)

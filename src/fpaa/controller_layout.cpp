@@ -351,7 +351,7 @@ std::optional<Refusal> check_contraction(ControllerStructure structure, const Dr
   const Contraction& c = range.contraction;
   return Refusal{fmt::format(
       "the loop v = r - K d(v) does not settle: |K d'| is {} at x = {} of the {} branch (rate gain {}), expected "
-      "below 1; a disturbance {} times as large would do, or --structure two-pass, which has no loop",
+      "below 1; a disturbance {} times as large would do, or the structure two-pass, which has no loop",
       rounded_text(c.factor, 3), rounded_text(c.x, 3),
       c.branch == Direction::ascending ? "ascending" : "descending", rounded_text(c.gain, 3),
       rounded_text(std::floor(99.0 / c.factor) / 100.0, 3))};

@@ -34,9 +34,9 @@ double settling_time(const ControllerVariant& variant) {
   return out;
 }
 
-CamSimulation::Part simulated_part(const OutsidePart& part, const VoltScale& scale,
-                                   const ControllerReference& reference, double start) {
-  CamSimulation::Part out{part.name, part.inputs, {}};
+BoardRun::Part simulated_part(const OutsidePart& part, const VoltScale& scale,
+                              const ControllerReference& reference, double start) {
+  BoardRun::Part out{part.name, part.inputs, {}};
   const double value = part.value;
   switch (part.kind) {
     case OutsidePart::Kind::reference:
@@ -63,12 +63,12 @@ CamSimulation::Part simulated_part(const OutsidePart& part, const VoltScale& sca
 
 ControllerRun::ControllerRun(const ControllerVariant& variant, const ControllerReference& reference)
     : settling_s_(settling_time(variant)), scale_(variant.scale), drive_(variant.drive) {
-  std::vector<CamSimulation::Cell> cells;
+  std::vector<BoardRun::Cell> cells;
   for (const ControllerCam& cam : variant.cams) cells.push_back({cam, cam.inputs, cam.late});
-  std::vector<CamSimulation::Part> parts;
+  std::vector<BoardRun::Part> parts;
   for (const OutsidePart& part : variant.outside)
     parts.push_back(simulated_part(part, scale_, reference, settling_s_));
-  simulation_ = std::make_unique<CamSimulation>(cells, std::move(parts), board_by_name(variant.board));
+  simulation_ = std::make_unique<BoardRun>(cells, std::move(parts), board_by_name(variant.board));
   simulation_->advance_to(settling_s_);
   simulation_->forget_clipping();
 }

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "fpaa/cam_simulation.hpp"
 #include "fpaa/controller.hpp"
+#include "fpaa/network/board_run.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -16,7 +16,7 @@ struct ControllerReference {
   std::function<bool(double time_s)> rises;  ///< for a switch outside, which a reference generator drives
 };
 
-/// A controller at work, event by event (CamSimulation), from rest some time before t = 0 until it has
+/// A controller at work, by its switches (BoardRun), from rest some time before t = 0 until it has
 /// settled.
 class ControllerRun {
  public:
@@ -28,13 +28,12 @@ class ControllerRun {
   double drive(double time_s);
   /// CAMs that clipped since t = 0, the slope detector's (which may) left out.
   std::vector<std::string> clipped() const;
-  /// Before t = 0: the loop and the slowest filter have forgotten their start.
 
  private:
   double settling_s_;
   VoltScale scale_;
   std::string drive_;
-  std::unique_ptr<CamSimulation> simulation_;
+  std::unique_ptr<BoardRun> simulation_;
 };
 
 }  // namespace bodesmith::fpaa

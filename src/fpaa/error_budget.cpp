@@ -3,12 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
-#include <map>
+#include <numbers>
 
 #include "base/json.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/error_reference.hpp"
-#include "fpaa/multirate_response.hpp"
+#include "fpaa/network/switched_board.hpp"
+#include "numeric/random.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -17,7 +18,8 @@ using Complex = std::complex<double>;
 
 constexpr int kPoints = 200;         ///< of the band, for the response's errors
 constexpr int kMismatchPoints = 40;  ///< of the band, for each draw
-constexpr int kNoisePoints = 1500;   ///< from 0 to half the clock
+constexpr int kNoisePoints = 300;    ///< of the band, and from 0 to half the fastest clock
+constexpr int kNoiseCost = 10;       ///< of a noise density, in gains
 constexpr std::size_t kNamedCapacitors = 8;
 
 double worst_percent(const std::vector<Complex>& got, const std::vector<Complex>& wanted) {
@@ -46,129 +48,71 @@ std::vector<ErrorBudget::CamShare> cam_shares(const std::vector<const PlacedCam*
   return out;
 }
 
-/// Mid-points of 0 ... fc/2.
-std::vector<Hertz> noise_grid(double clock) {
-  std::vector<Hertz> out;
-  for (int k = 0; k < kNoisePoints; ++k) out.push_back({0.5 * clock * (k + 0.5) / kNoisePoints});
-  return out;
-}
-
-/// The mean square at a CAM's output in kT/C_u that falls to each point of the grid, all points together
-/// that of the whole band.
-std::vector<double> own_noise(const PlacedCam& cam, const std::vector<Hertz>& grid) {
-  std::vector<double> out(grid.size(), 0.0);
-  for (const NoiseCharge& charge : cam.cam->noise_charges(cam)) {
-    for (std::size_t k = 0; k < grid.size(); ++k) {
-      out[k] += 2.0 * charge.units * std::norm(charge.to_output.response(grid[k].rad_s(), cam.clock_a)) /
-                static_cast<double>(grid.size());
-    }
+/// int density df by CAM over a grid, straight between its points.
+std::vector<double> integrated_noise(const SwitchedBoard& board, const std::vector<Hertz>& grid) {
+  std::vector<double> out(board.graph().nodes.size(), 0.0);
+  std::vector<double> before = board.noise_density(grid[0].rad_s());
+  for (std::size_t k = 1; k < grid.size(); ++k) {
+    const std::vector<double> here = board.noise_density(grid[k].rad_s());
+    for (std::size_t n = 0; n < out.size(); ++n)
+      out[n] += 0.5 * (before[n] + here[n]) * (grid[k].value - grid[k - 1].value);
+    before = here;
   }
   return out;
 }
 
-/// Everything of a board over 0 ... fc/2 of one clock.
-struct NoiseView {
-  std::vector<Hertz> grid;
-  std::vector<std::vector<Complex>> nodes;   ///< from the input pin
-  std::vector<std::vector<Complex>> onward;  ///< to the output pin, its hold left out
-};
-
-NoiseView noise_view(const Plan& plan, double clock) {
-  NoiseView out;
-  out.grid = noise_grid(clock);
-  const DrawnBoard board(plan, out.grid);
-  const auto transfers = board.transfers(board.nominal_units());
-  out.nodes = board.nodes(transfers);
-  out.onward = board.onward(transfers);
-  if (!board.graph().output || !board.graph().output->node) return out;
-  const std::vector<Complex> hold = out.onward[*board.graph().output->node];
-  for (auto& node : out.onward) {
-    for (std::size_t k = 0; k < hold.size(); ++k) node[k] /= hold[k];
-  }
-  return out;
-}
-
-/// What a slower CAM reads of a faster one's noise folds into its band whole: the part that comes on top of
-/// the line itself, as a white sum at the reader.
-double folded_share(const PlanGraph& graph, std::size_t source, std::size_t node) {
-  const auto& reader = graph.nodes[node];
-  for (const PlanGraph::Input& input : reader.inputs) {
-    if (input.from.node && *input.from.node == source && reader.period > graph.nodes[source].period) {
-      return static_cast<double>(reader.period) / static_cast<double>(graph.nodes[source].period) - 1.0;
-    }
-  }
-  return 0.0;
-}
-
-/// A CAM's own noise and what folds of it.
-double folds_of(const PlanGraph& graph, std::size_t source) {
-  double out = 1.0;
-  for (std::size_t n = 0; n < graph.nodes.size(); ++n) out += folded_share(graph, source, n);
-  return out;
-}
-
-/// Trapezoids over the band, up to half the CAM's clock.
-double noise_in_band(const PlacedCam& cam, const std::vector<Hertz>& grid,
-                     const std::vector<Complex>& onward) {
-  const double nyquist = 0.5 * cam.clock_a.value;
-  std::vector<double> per_hz = own_noise(cam, grid);
-  for (std::size_t k = 0; k < grid.size(); ++k) {
-    per_hz[k] *= std::norm(onward[k]) * static_cast<double>(grid.size()) / nyquist;
-  }
+double fastest_clock_of(const Plan& plan) {
   double out = 0.0;
-  for (std::size_t k = 0; k + 1 < grid.size(); ++k) {
-    const double width = std::min(grid[k + 1].value, nyquist) - std::min(grid[k].value, nyquist);
-    out += 0.5 * (per_hz[k] + per_hz[k + 1]) * width;
-  }
+  for (const PlacedCam* cam : plan.cams()) out = std::max(out, cam->clock_a.value);
   return out;
 }
 
-/// Node gains and noise: mid-point sums over 0 ... fc/2 of each CAM's clock.
+/// Logarithmic in the band and below, evenly spaced from there to half the fastest clock.
+std::vector<Hertz> whole_noise_grid(const Plan& plan, Band band, int points) {
+  const double top = 0.5 * fastest_clock_of(plan);
+  const double from = std::min(1e-3 * band.from.value, 1e-6 * top);
+  std::vector<Hertz> out{{0.0}};
+  for (const Hertz f : log_grid({{from}, {top}}, points)) out.push_back(f);
+  for (int k = 1; k < points; ++k) out.push_back({top * k / points});
+  std::sort(out.begin(), out.end(), [](Hertz a, Hertz b) { return a.value < b.value; });
+  return out;
+}
+
+/// Fewer frequencies where each costs a long common period, `times` so often.
+int affordable(int points, std::size_t pieces_of, int times = 1) {
+  constexpr double kPieces = 4e6;  // a second or two
+  const double pieces = static_cast<double>(pieces_of) * times;
+  return std::clamp(static_cast<int>(kPieces / pieces), std::min(points, 20), points);
+}
+
+/// Node gains and noise.
 void add_nodes_and_noise(const Plan& plan, Band band, std::vector<ErrorBudget::CamShare>& shares) {
-  const DrawnBoard board(plan, log_grid(band, kPoints));
-  const PlanGraph& graph = board.graph();
-  const auto onward = board.onward(board.transfers(board.nominal_units()));
-  std::map<double, NoiseView> views;
-  for (std::size_t c = 0; c < shares.size(); ++c) {
-    const PlacedCam& cam = *graph.nodes[c].cam;
-    const auto [at, fresh] = views.try_emplace(cam.clock_a.value);
-    if (fresh) at->second = noise_view(plan, cam.clock_a.value);
-    const NoiseView& view = at->second;
-    const std::vector<double> own = own_noise(cam, view.grid);
-    const double folds = folds_of(graph, c);
-    for (std::size_t k = 0; k < view.grid.size(); ++k) {
-      shares[c].peak_node_gain = std::max(shares[c].peak_node_gain, std::abs(view.nodes[c][k]));
-      shares[c].noise_kt_per_cu += own[k] * folds * std::norm(view.onward[c][k]);
+  const SwitchedBoard board(plan, true);
+  const int points = affordable(kNoisePoints, board.pieces(), kNoiseCost);
+  const std::vector<double> in_band = integrated_noise(board, log_grid(band, points));
+  const std::vector<double> whole = integrated_noise(board, whole_noise_grid(plan, band, points));
+  for (const Hertz f : log_grid({{0.1 * band.from.value}, {0.45 * fastest_clock_of(plan)}}, points)) {
+    const auto nodes = board.nodes(f.rad_s());
+    for (std::size_t c = 0; c < shares.size(); ++c) {
+      for (const auto& node : nodes[c])
+        shares[c].peak_node_gain = std::max(shares[c].peak_node_gain, node.largest);
     }
-    shares[c].noise_in_band_kt_per_cu = folds * noise_in_band(cam, board.grid(), onward[c]);
+  }
+  for (std::size_t c = 0; c < shares.size(); ++c) {
+    shares[c].noise_kt_per_cu = whole[c];
+    shares[c].noise_in_band_kt_per_cu = in_band[c];
   }
 }
 
-/// Each CAM's own transfer with op-amps that do not settle whole, and the plan with all of them.
 void add_settling(const Plan& plan, const OpAmpModel& opamp, ErrorBudget& out) {
-  constexpr double kIdeal = 1e3;  // clocks: settled to exp(-1000 pi beta)
-  const DrawnBoard board(plan, log_grid(plan.error.band, kMismatchPoints));
-  const auto ideal = board.transfers(board.nominal_units());
-  auto slow = ideal;
-  for (std::size_t n = 0; n < slow.size(); ++n) {
-    const PlacedCam& cam = *board.graph().nodes[n].cam;
-    const auto stage = cam.cam->switches(cam);
-    if (!stage) continue;
-    const ChargeBalance settled(*stage, {{kIdeal * cam.clock_a.value}, 1e12}, cam.clock_a);
-    const ChargeBalance got(*stage, opamp, cam.clock_a);
-    for (std::size_t i = 0; i < slow[n].size(); ++i) {
-      for (std::size_t k = 0; k < board.grid().size(); ++k) {
-        const RadPerSecond w = board.grid()[k].rad_s();
-        const int input = static_cast<int>(i) + 1;
-        const Complex ratio = got.response(w, input) / settled.response(w, input);
-        if (!std::isfinite(std::abs(ratio))) continue;
-        slow[n][i][k] *= ratio;
-        out.cams[n].settling_percent = std::max(out.cams[n].settling_percent, 100.0 * std::abs(ratio - 1.0));
-      }
-    }
-  }
+  const auto cams = plan.cams();
   out.opamp = opamp;
-  out.settling_percent = worst_percent(board.response(slow), board.response(ideal));
+  for (std::size_t n = 0; n < cams.size(); ++n) {
+    const auto stage = cams[n]->cam->switches(*cams[n]);
+    if (!stage) continue;
+    out.cams[n].settling_percent = 100.0 * unsettled_share(*stage, opamp, cams[n]->clock_a);
+    out.settling_percent += out.cams[n].settling_percent;
+  }
 }
 
 /// One path of CAMs with one input each, each of which says what was requested of it.
@@ -185,18 +129,18 @@ bool is_one_path(const Plan& plan) {
 void add_response_errors(const Plan& plan, const Sections& sections, ErrorBudget& out) {
   const auto cams = plan.cams();
   const bool one_path = is_one_path(plan);
-  const MultirateResponse response(plan);
+  const SwitchedBoard board(plan);
   std::vector<Complex> wanted, ideal, got, holds;
-  for (const Hertz f : log_grid(plan.error.band, kPoints)) {
+  for (const Hertz f : log_grid(plan.error.band, affordable(kPoints, board.pieces()))) {
     const RadPerSecond w = f.rad_s();
     // Nothing is relative to a response of 0.
     if (beside_a_zero(sections, w)) continue;
     wanted.push_back(sections.response(w));
     Complex h = 1.0;
     for (const PlacedCam* cam : cams) h *= cam->cam->unquantised(*cam, w);
-    got.push_back(response.without_delays(w));
+    got.push_back(board.sampled(w));
     ideal.push_back(one_path ? h : got.back());
-    holds.push_back(response.as_it_runs(w) / got.back());
+    holds.push_back(board.gain(w) / got.back());
     out.hold_phase_deg = std::max(out.hold_phase_deg, std::abs(to_degrees(std::arg(holds.back()))));
   }
   out.warping_percent = one_path ? worst_percent(ideal, wanted) : 0.0;
@@ -209,13 +153,62 @@ void add_response_errors(const Plan& plan, const Sections& sections, ErrorBudget
 
 double noise_in_band_kt_per_cu(const Plan& plan, Band band) {
   constexpr int kSearchPoints = 60;
-  const DrawnBoard board(plan, log_grid(band, kSearchPoints));
-  const PlanGraph& graph = board.graph();
-  const auto onward = board.onward(board.transfers(board.nominal_units()));
+  const SwitchedBoard board(plan, true);
   double out = 0.0;
-  for (std::size_t c = 0; c < graph.nodes.size(); ++c) {
-    out += folds_of(graph, c) * noise_in_band(*graph.nodes[c].cam, board.grid(), onward[c]);
+  for (const double share :
+       integrated_noise(board, log_grid(band, affordable(kSearchPoints, board.pieces(), kNoiseCost))))
+    out += share;
+  return out;
+}
+
+PlanTotal plan_total(const Plan& plan, const Sections& sections, const BoardAssumptions& assumptions) {
+  constexpr int kDraws = 300;
+  constexpr std::uint64_t kSeed = 1;
+  PlanTotal out;
+  out.at_input_v = plan.max_input_v;
+  out.designed_percent = plan.error_with_delays.max_complex_percent;
+  const Band band = plan.error_with_delays.band;
+  std::vector<Hertz> grid;
+  const std::size_t pieces = SwitchedBoard(plan).pieces();
+  for (const Hertz f : log_grid(band, affordable(kMismatchPoints, pieces, kDraws))) {
+    if (!beside_a_zero(sections, f.rad_s())) grid.push_back(f);
   }
+  const DrawnBoard board(plan, grid);
+  const std::vector<Complex> designed = board.response(board.nominal_units());
+  std::vector<double> worst;
+  std::vector<double> moved;
+  Random random(kSeed);
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const std::vector<Complex> got = board.response(board.drawn(assumptions.mismatch, random));
+    double error = 0.0;
+    double change = 0.0;
+    for (std::size_t k = 0; k < grid.size(); ++k) {
+      const double size = error_reference(sections, grid[k].rad_s());
+      error = std::max(error, 100.0 * std::abs(got[k] - sections.response(grid[k].rad_s())) / size);
+      change = std::max(change, 100.0 * std::abs(got[k] - designed[k]) / size);
+    }
+    worst.push_back(error);
+    moved.push_back(change);
+  }
+  const auto p95 = [](std::vector<double>& values) {
+    if (values.empty()) return 0.0;
+    const auto at =
+        values.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+  };
+  out.mismatch_p95_percent = p95(moved);
+  double asked = 1.0;  // the largest of the input itself and the response that was asked for
+  for (const Hertz f : log_grid(band, kPoints))
+    asked = std::max(asked, std::abs(sections.response(f.rad_s())));
+  if (out.at_input_v > 0.0)
+    out.from_bound_db = to_decibel(out.at_input_v * asked / board_by_name(plan.board).full_scale_v);
+  const double rms_v = 1e-6 * assumptions.noise.microvolts(noise_in_band_kt_per_cu(plan, band));
+  double largest = 0.0;
+  for (const Complex h : designed) largest = std::max(largest, std::abs(h));
+  const double sine_rms_v = out.at_input_v * largest / std::numbers::sqrt2;
+  out.noise_percent = sine_rms_v > 0.0 ? 100.0 * rms_v / sine_rms_v : 0.0;
+  out.p95_percent = std::hypot(std::max(p95(worst), out.designed_percent), out.noise_percent);
   return out;
 }
 
@@ -227,14 +220,18 @@ ErrorBudget error_budget(const Plan& plan, const Sections& sections, const Budge
   out.noise_model = options.assumptions.noise;
   out.seed = options.seed;
   std::vector<Hertz> drawn_at;
-  for (const Hertz f : log_grid(plan.error.band, kMismatchPoints)) {
+  for (const Hertz f :
+       log_grid(plan.error.band, affordable(kMismatchPoints, SwitchedBoard(plan).pieces(), options.draws))) {
     if (!beside_a_zero(sections, f.rad_s())) drawn_at.push_back(f);
   }
   out.mismatch = mismatch_spread(DrawnBoard(plan, drawn_at), out.mismatch_model, options.draws, options.seed);
   const double clock = cams.back()->clock_a.value;
-  const double top = plan.error.band.to.value;
-  out.image = {clock - top};
-  out.image_db = to_decibel(top / (clock - top));
+  const RadPerSecond top = plan.error.band.to.rad_s();
+  out.image = {std::abs(clock - plan.error.band.to.value)};
+  // A line at -(fc - f) is one at fc - f.
+  const SwitchedBoard board(plan);
+  out.image_db = to_decibel(std::abs(board.component(top, {top.value - Hertz{clock}.rad_s().value})) /
+                            std::abs(board.gain(top)));
   out.settling_limit_hz = board_by_name(plan.board).settling_product.value;
   out.cams = cam_shares(cams);
   add_nodes_and_noise(plan, plan.error.band, out.cams);

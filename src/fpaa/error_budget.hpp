@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "base/json_fwd.hpp"
-#include "fpaa/charge_balance.hpp"
 #include "fpaa/drawn_board.hpp"
 #include "fpaa/mismatch.hpp"
+#include "fpaa/network/settling.hpp"
 #include "fpaa/plan.hpp"
 #include "lti/sections.hpp"
 
@@ -22,7 +22,7 @@ struct ErrorBudget {
   double quantisation_percent = 0.0;
   /// Both together: the plan's `error` (they partly cancel: the search uses one against the other).
   double together_percent = 0.0;
-  /// Holds and delays alone.
+  /// What the switches make of it beyond the z-transfers: inputs that move within a phase, staircases.
   double hold_percent = 0.0;
   double hold_phase_deg = 0.0;
 
@@ -31,8 +31,8 @@ struct ErrorBudget {
   std::uint64_t seed = 1;
   MismatchSpread mismatch;
 
-  /// The held output also has images at k fc +- f. Magnitude of the nearest, fc - f, relative to the signal,
-  /// for f at the top of the band: f/(fc - f).
+  /// The output also has images at k fc +- f. Magnitude of the nearest, fc - f (fc: the last CAM's clock), relative
+  /// to the signal, for f at the top of the band.
   double image_db = 0.0;
   Hertz image;
 
@@ -41,9 +41,10 @@ struct ErrorBudget {
     double gain = 1.0;                 ///< the larger of DC and high-frequency gain
     double settling_product_hz = 0.0;  ///< (1 + gain) fc
     double peak_node_gain = 0.0;       ///< highest magnitude from the input to this CAM's output
-    double noise_kt_per_cu = 0.0;  ///< mean square at the plan's output, all frequencies to fc/2, in kT/C_u
+    double noise_kt_per_cu =
+        0.0;  ///< mean square at the plan's output up to half the fastest clock, in kT/C_u
     double noise_in_band_kt_per_cu = 0.0;
-    double settling_percent = 0.0;  ///< worst of its inputs over the band, each settled before its phase
+    double settling_percent = 0.0;  ///< of its largest step (settling.hpp)
   };
   std::vector<CamShare> cams;
   double settling_limit_hz = 0.0;
@@ -51,8 +52,8 @@ struct ErrorBudget {
   double noise_in_band_kt_per_cu = 0.0;
   NoiseModel noise_model;
 
-  /// Op-amps with this bandwidth and gain do not settle whole in half a period: the plan's complex change over
-  /// the band, by charge_balance.hpp, each CAM's inputs taken as settled.
+  /// Op-amps with this bandwidth and gain do not settle whole in half a period: at most the sum of what each CAM
+  /// leaves of its step.
   OpAmpModel opamp;
   double settling_percent = 0.0;
 
@@ -69,11 +70,13 @@ struct BudgetOptions {
 /// The noise in the band alone: mean square at the output pin in kT/C_u.
 double noise_in_band_kt_per_cu(const Plan& plan, Band band);
 
-/// Noise: every switched capacitor C brings 2 kT C of mean-square charge a sample, which its op-amp's
-/// feedback turns into the CAM's output and the rest of the chain filters; C_u, the unit capacitance, is not
-/// publicly known, so the result is in kT/C_u, and in uV for the assumed one. Op-amp noise is not in it (not
-/// publicly known). Between clocks: a slower CAM's noise is read as its held output; a faster one's folds, all
-/// of it, into the reader's band.
+/// Noise: what every switch leaves on its capacitor when it opens (kT C of mean-square charge), in every phase, as the
+/// network makes it at the pin, every folding in it (network/periodic_network.hpp). C_u, the unit capacitance, is not
+/// publicly known, so the result is in kT/C_u, and in uV for the assumed one. Op-amp noise is not in it (not publicly
+/// known).
 ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BudgetOptions& options);
+
+/// What 95 % of boards keep (contract: plan.json's "total"), from figures that the plan states and 300 drawn boards.
+PlanTotal plan_total(const Plan& plan, const Sections& sections, const BoardAssumptions& assumptions);
 
 }  // namespace bodesmith::fpaa

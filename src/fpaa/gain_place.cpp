@@ -71,8 +71,7 @@ std::vector<MemoryPlace> table_places(const ApiProject::Cam& cam, const std::str
 
 GainPlace parse_gain_place(const std::string& text, const ApiProject* project, const std::string& option) {
   if (!text.empty() && is_digit(text[0])) return known_address(text, option);
-  if (project == nullptr)
-    place_fails(option, text, "names a CAM, expected --api with the project's ApiCode.c");
+  if (project == nullptr) place_fails(option, text, "names a CAM, expected the project's ApiCode.c as well");
   const std::size_t dot = text.find('.');
   const std::size_t colon = text.find(':');
   if (dot == std::string::npos || dot == 0 || colon < dot) place_fails(option, text, kPlaceForms);

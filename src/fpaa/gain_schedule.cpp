@@ -210,9 +210,8 @@ GainSchedule make_gain_schedule(const Disturbance& disturbance, const std::vecto
   const std::vector<Hertz> frequencies =
       schedule_frequencies(disturbance, branches, options.step_percent / 100.0);
   if (frequencies.size() > kMaxSets) {
-    throw DesignError(
-        fmt::format("{}: steps of {} % need more than {} sets, expected a larger --step-percent", file,
-                    rounded_text(options.step_percent), kMaxSets));
+    throw DesignError(fmt::format("{}: steps of {} % need more than {} sets, expected a larger step", file,
+                                  rounded_text(options.step_percent), kMaxSets));
   }
   for (const Hertz f : frequencies) out.sets.push_back(make_set(f, disturbance, branches, file));
   set_ranges(out.sets);

@@ -6,13 +6,13 @@
 
 #include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
-#include "fpaa/chain_plan.hpp"
 #include "fpaa/clock_features.hpp"
+#include "fpaa/error_budget.hpp"
 #include "fpaa/error_reference.hpp"
-#include "fpaa/multirate_response.hpp"
+#include "fpaa/network/switched_board.hpp"
 #include "fpaa/plan.hpp"
 #include "fpaa/plan_limits.hpp"
-#include "fpaa/topology_search.hpp"
+#include "fpaa/search/search.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -22,21 +22,25 @@ constexpr int kStatedPoints = 801;  ///< of the errors that the plan states
 constexpr double kBesideClocks[] = {-30.0, -10.0, -5.0, -3.0, -2.0, -1.4, -1.0, -0.7, -0.5, -0.3, -0.1,
                                     0.1,   0.3,   0.5,  0.7,  1.0,  1.4,  2.0,  3.0,  5.0,  10.0, 30.0};
 constexpr int kStatedMultiples = 100;
+/// Where clocks have a long common period a frequency costs milliseconds.
+constexpr std::size_t kCostlyPieces = 20000;
+constexpr int kCostlyPoints = 101;
 
 PlanError stated_error(const Plan& plan, const Sections& sections, Band band, bool with_delays) {
-  std::vector<Hertz> grid = log_grid(band, kStatedPoints);
-  if (with_delays) {
+  const SwitchedBoard board(plan);
+  const bool costly = board.pieces() > kCostlyPieces;
+  std::vector<Hertz> grid = log_grid(band, costly ? kCostlyPoints : kStatedPoints);
+  if (with_delays && !costly) {
     const std::vector<Hertz> beside = near_clocks(clocked_poles(plan), band, kBesideClocks, kStatedMultiples);
     grid.insert(grid.end(), beside.begin(), beside.end());
     std::sort(grid.begin(), grid.end(), [](Hertz a, Hertz b) { return a.value < b.value; });
   }
-  const MultirateResponse response(plan);
   PlanError out;
   out.band = band;
   for (const Hertz f : grid) {
     const RadPerSecond w = f.rad_s();
     const std::complex<double> wanted = sections.response(w);
-    const std::complex<double> got = with_delays ? response.as_it_runs(w) : response.without_delays(w);
+    const std::complex<double> got = with_delays ? board.gain(w) : board.sampled(w);
     const double percent = 100.0 * std::abs(got - wanted) / error_reference(sections, w);
     if (!(percent <= out.max_complex_percent)) {
       out.max_complex_percent = percent;
@@ -60,9 +64,8 @@ std::vector<std::string> assumptions_of(const Plan& plan) {
   std::vector<std::string> out;
   for (const PlacedCam* cam : plan.cams()) add_new(out, cam->cam->assumption());
   out.emplace_back(
-      "All filter CAMs sample and settle in the same phase, so that samples pass from CAM to CAM without "
-      "delay; the output of the last one is held for a clock period (a delay of half a period, and sinc "
-      "droop).");
+      "All filter CAMs have their input capacitors at source and virtual ground during the whole of phase 1, as in "
+      "public streams: the output follows the input through phase 1 and keeps its value through phase 2.");
   out.emplace_back(
       "The master clock of all chips is the same, and crossing from chip to chip adds no sampling delay (it "
       "adds up to one clock period when the chips' clocks are not aligned).");
@@ -78,14 +81,14 @@ constexpr double kHopeless = 0.25;
 constexpr double kHopelessFloor = 1e-2;
 
 bool is_hopeless(const Plan& plan, const Sections& sections, Band band) {
-  const MultirateResponse response(plan);
+  const SwitchedBoard board(plan);
   const std::vector<Hertz> grid = log_grid(band, 120);
   double peak = 0.0;
   for (const Hertz f : grid) peak = std::max(peak, std::abs(sections.response(f.rad_s())));
   return std::any_of(grid.begin(), grid.end(), [&](Hertz f) {
     const std::complex<double> wanted = sections.response(f.rad_s());
     const double size = std::max(error_reference(sections, f.rad_s()), kHopelessFloor * peak);
-    return !(std::abs(response.as_it_runs(f.rad_s()) - wanted) < kHopeless * size);
+    return !(std::abs(board.gain(f.rad_s()) - wanted) < kHopeless * size);
   });
 }
 
@@ -93,13 +96,13 @@ bool is_hopeless(const Plan& plan, const Sections& sections, Band band) {
 std::optional<Band> usable_band(const Plan& plan, const Sections& sections, Band band) {
   constexpr double kUsable = 0.02;
   constexpr double kWorthNaming = 2.0;
-  const MultirateResponse response(plan);
+  const SwitchedBoard board(plan);
   double from = 0.0;
   std::optional<Band> best;
   bool open = false;
   for (const Hertz f : log_grid(band, 200)) {
     const RadPerSecond w = f.rad_s();
-    const double off = std::abs(response.as_it_runs(w) - sections.response(w));
+    const double off = std::abs(board.gain(w) - sections.response(w));
     const bool good = off < kUsable * error_reference(sections, w);
     if (good && !open) from = f.value;
     if (good && (!best || f.value / from > best->to.value / best->from.value)) best = Band{{from}, f};
@@ -111,11 +114,9 @@ std::optional<Band> usable_band(const Plan& plan, const Sections& sections, Band
 
 Outcome<Plan> searched_plan(const Sections& sections, const PlanOptions& options, Band band,
                             const Board& board) {
-  Outcome<SearchedNetwork> searched = search_topology(sections, band, options, board);
+  Outcome<SearchedDesign> searched = search_design(sections, band, options, board);
   if (const Refusal* refusal = refusal_of(searched)) return *refusal;
-  SearchedNetwork& found = std::get<SearchedNetwork>(searched);
-  found.plan.topology = found.topology;
-  return std::move(found.plan);
+  return std::move(std::get<SearchedDesign>(searched).plan);
 }
 
 int opamps_of(const Plan& plan) {
@@ -124,7 +125,7 @@ int opamps_of(const Plan& plan) {
   return out;
 }
 
-/// A smaller wish, tried: in words, with what it came to; empty when that fails too.
+/// Plan for a narrower band: in words, with what it came to; empty when that fails too.
 std::string tried_band(const Sections& sections, PlanOptions options, Band band, const Board& board) {
   options.band = band;
   const Outcome<Plan> made = searched_plan(sections, options, band, board);
@@ -132,7 +133,7 @@ std::string tried_band(const Sections& sections, PlanOptions options, Band band,
   const Plan& plan = std::get<Plan>(made);
   const PlanError error = stated_error(plan, sections, band, true);
   if (is_hopeless(plan, sections, band)) return "";
-  return fmt::format("with --from-hz {} --to-hz {} it is built, {} % off", rounded_text(band.from.value, 4),
+  return fmt::format("from {} to {} Hz it is built, {} % off", rounded_text(band.from.value, 4),
                      rounded_text(band.to.value, 4), rounded_text(error.max_complex_percent, 3));
 }
 
@@ -165,12 +166,8 @@ std::string least_change(const Sections& sections, const PlanOptions& options, B
   }
   std::string words = tried_chips(sections, options, band, board);
   if (!words.empty()) return "; tried: " + words;
-  return "; tried without success: parts of the band, more chips; expected fewer poles (a lower --order) or spice";
+  return "; tried without success: parts of the band, more chips; expected fewer poles (a lower order) or spice";
 }
-
-}  // namespace
-
-namespace {
 
 /// What no capacitors make: a response that a double does not hold, or nothing at all.
 std::optional<Refusal> not_a_response(const Sections& sections, Band band) {
@@ -191,11 +188,25 @@ std::optional<Refusal> too_many_poles(const Sections& sections, const Board& boa
   if (poles <= opamps) return std::nullopt;
   return Refusal{fmt::format(
       "{} poles need at least as many op-amps, which {} chips have, and the board has {} op-amps; expected fewer "
-      "poles (a lower --order) or spice",
+      "poles (a lower order) or spice",
       poles, (poles + per_chip - 1) / per_chip, opamps)};
 }
 
 }  // namespace
+
+void state_figures(Plan& plan, const Sections& sections, Band band, const BoardAssumptions& assumptions) {
+  plan.error = stated_error(plan, sections, band, false);
+  plan.error_with_delays = stated_error(plan, sections, band, true);
+  const Headroom headroom = headroom_of(plan, band, board_by_name(plan.board));
+  plan.max_input_v = std::min(headroom.sine_v, headroom.step_v);
+  plan.max_step_v = headroom.step_v;
+  const ImageLines images = largest_images(plan, band);
+  plan.image = images.largest;
+  plan.image_in_band = images.in_band;
+  plan.total = plan_total(plan, sections, assumptions);
+  plan.assumptions = assumptions_of(plan);
+  for (const PlacedCam* cam : plan.cams()) add_new(plan.notes, cam->cam->note(*cam));
+}
 
 Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
   const Outcome<const Board*> known_board = find_board(options.board);
@@ -214,34 +225,24 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
                                rounded_text(band.from.value), rounded_text(board.master_clock.value))};
   }
   if (const auto refusal = not_a_response(sections, band)) return *refusal;
-  const bool chain = options.clock || options.topology == PlanOptions::Topology::chain;
-  if (!chain) {
-    if (const auto refusal = too_many_poles(sections, board)) return *refusal;
-  }
-  Outcome<Plan> made =
-      chain ? chain_plan(sections, options, band, board) : searched_plan(sections, options, band, board);
+  if (const auto refusal = too_many_poles(sections, board)) return *refusal;
+  // Who asks for a clock or for the vendor's CAMs alone is told what these come to, whatever it is.
+  const bool given = options.clock || options.topology == PlanOptions::Topology::chain;
+  Outcome<Plan> made = searched_plan(sections, options, band, board);
   if (const Refusal* refusal = refusal_of(made)) {
-    if (chain) return made;
+    if (given) return made;
     return Refusal{refusal->reason + least_change(sections, options, band, board, std::nullopt)};
   }
   Plan& plan = std::get<Plan>(made);
-  plan.error = stated_error(plan, sections, band, false);
-  plan.error_with_delays = stated_error(plan, sections, band, true);
-  if (!chain && is_hopeless(plan, sections, band)) {
+  if (!given && is_hopeless(plan, sections, band)) {
     const std::optional<Band> usable = usable_band(plan, sections, band);
+    const PlanError error = stated_error(plan, sections, band, true);
     return Refusal{fmt::format("the best board is {} % off at {} Hz as it runs ({}, {} op-amps){}",
-                               rounded_text(plan.error_with_delays.max_complex_percent, 3),
-                               rounded_text(plan.error_with_delays.worst.value, 3), plan.topology,
-                               opamps_of(plan), least_change(sections, options, band, board, usable))};
+                               rounded_text(error.max_complex_percent, 3), rounded_text(error.worst.value, 3),
+                               plan.topology, opamps_of(plan),
+                               least_change(sections, options, band, board, usable))};
   }
-  const Headroom headroom = headroom_of(plan, band, board);
-  plan.max_input_v = std::min(headroom.sine_v, headroom.step_v);
-  plan.max_step_v = headroom.step_v;
-  const ImageLines images = largest_images(plan, band);
-  plan.image = images.largest;
-  plan.image_in_band = images.in_band;
-  plan.assumptions = assumptions_of(plan);
-  for (const PlacedCam* cam : plan.cams()) add_new(plan.notes, cam->cam->note(*cam));
+  state_figures(plan, sections, band, options.assumptions);
   return made;
 }
 

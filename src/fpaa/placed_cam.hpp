@@ -54,10 +54,8 @@ struct PlacedCam {
   ZTransfer z;  ///< exactly what the capacitors make, at clock_a, from input 1 to the output
   /// Numerators from input 2, 3, … on, over z's denominator; empty for a CAM with one input.
   std::vector<std::vector<double>> more_numerators;
-  double delay_cycles = 0.0;                ///< from input sample to output, beyond z
-  std::optional<double> own_error_percent;  ///< of these capacitors alone, gain free, over the plan's band
-  std::optional<double> min_own_error_percent;  ///< proven: no capacitors at this clock do better alone
-  bool output_hold = false;  ///< its held output leaves this clock's domain (pin, or a CAM of another clock)
+  double delay_cycles = 0.0;  ///< from input sample to output, beyond z
+  bool output_hold = false;   ///< its held output leaves this clock's domain (pin, or a CAM of another clock)
   Resources resources;
 
   /// As AnadigmDesigner2 writes it: "FilterBilinear".

@@ -55,7 +55,7 @@ std::optional<std::vector<int>> take_all(ChipRoom& room, const std::vector<Resou
 Refusal too_many(std::size_t cams, std::size_t placed, const Board& board) {
   return {fmt::format(
       "the design needs {} CAMs, {} of them fit on the {} chips of {}; expected fewer sections (a lower "
-      "--order, or --max-error-db), or the rest made with spice",
+      "order, or a larger error), or the rest made with spice",
       cams, placed, board.chips, board.name)};
 }
 

@@ -1,6 +1,6 @@
 #include "fpaa/plan.hpp"
 
-#include "fpaa/multirate_response.hpp"
+#include "fpaa/network/switched_board.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -27,23 +27,12 @@ std::vector<std::string> Plan::signal_path() const {
 }
 
 const char* to_string(PlanOptions::Topology topology) {
-  using Topology = PlanOptions::Topology;
-  switch (topology) {
-    case Topology::automatic:
-      return "auto";
-    case Topology::parallel:
-      return "parallel";
-    case Topology::cascade:
-      return "cascade";
-    case Topology::chain:
-      break;
-  }
-  return "chain";
+  return topology == PlanOptions::Topology::chain ? "chain" : "auto";
 }
 
 std::complex<double> plan_response(const Plan& plan, RadPerSecond w, bool with_delays) {
-  const MultirateResponse response(plan);
-  return with_delays ? response.as_it_runs(w) : response.without_delays(w);
+  const SwitchedBoard board(plan);
+  return with_delays ? board.gain(w) : board.sampled(w);
 }
 
 }  // namespace bodesmith::fpaa

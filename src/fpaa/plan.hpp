@@ -47,7 +47,19 @@ struct PlanError {
   Hertz worst;
 };
 
-/// A line that the holds add beside a sine.
+/// What 95 % of boards keep of a sine of `at_input_v` at the pin (the largest that clips no node), and its parts, in
+/// percent of the response that was asked for (noise: of the sine at the output). Random parts add by squares.
+struct PlanTotal {
+  double p95_percent = 0.0;
+  double at_input_v = 0.0;
+  double designed_percent = 0.0;
+  double mismatch_p95_percent = 0.0;
+  double noise_percent = 0.0;   ///< rms in the band over the rms of the sine where it comes out largest
+  double offset_percent = 0.0;  ///< 0: not known
+  double from_bound_db = 0.0;   ///< at_input_v against what input and output pin alone would let in
+};
+
+/// A line that the switches add beside a sine.
 struct ImageLine {
   Hertz signal;  ///< the sine that has it
   Hertz line;
@@ -58,16 +70,17 @@ struct ImageLine {
 struct Plan {
   std::string board;
   std::vector<ChipPlan> chips;
-  std::vector<Wire> wires;        ///< every connection
-  std::vector<std::string> path;  ///< the way of the constant path, "chip1.in1" to "chipN.outM"; empty: the
-                                  ///< wires are one path in this order
-  PlanError error;                ///< all wires, gains included, without holds and delays
-  PlanError error_with_delays;    ///< the board as it runs: every clock, hold and half cycle
+  std::vector<Wire> wires;         ///< every connection
+  std::vector<std::string> path;   ///< the way of the constant path, "chip1.in1" to "chipN.outM"; empty: the
+                                   ///< wires are one path in this order
+  PlanError error;                 ///< all wires, gains included, by the z-transfers alone
+  PlanError error_with_delays;     ///< the board as its switches make it
+  std::optional<PlanTotal> total;  ///< what 95 % of boards keep
   double max_input_v = 0.0;  ///< input (sine of any frequency, or step) at which a node reaches full scale
   double max_step_v = 0.0;   ///< the same for a step alone
   std::optional<ImageLine> image;          ///< the largest line below 100 kHz that is not the signal
   std::optional<ImageLine> image_in_band;  ///< the largest that lies within the band
-  std::string topology;                    ///< "parallel", "cascade", "cascade and parallel", "chain"
+  std::string topology;                    ///< "chain" (of the vendor's CAMs), "cascade" (own stages in it)
   std::vector<std::string> assumptions;    ///< what is not publicly known and was assumed
   std::vector<std::string> notes;          ///< decisions a person should know
 
@@ -81,24 +94,30 @@ struct Plan {
   Json to_json() const;
 };
 
-/// What the board does to a sine of frequency w at that same frequency (multirate_response.hpp, which is
-/// quicker for many frequencies). `with_delays` includes every clock, hold and half-cycle delay.
+/// What the board does to a sine of frequency w at that same frequency: as its switches make it (SwitchedBoard, which
+/// is quicker for many frequencies), or, not `with_delays`, the product of its z-transfers alone.
 std::complex<double> plan_response(const Plan& plan, RadPerSecond w, bool with_delays);
 
 struct PlanOptions {
-  enum class Topology { automatic, parallel, cascade, chain };
+  enum class Topology {
+    automatic,  ///< the vendor's CAMs where they do as well, else this program's own stages too
+    chain,      ///< CAMs that AnadigmDesigner2 has, alone
+  };
   std::string board = "an231k04-quad4";
   Topology topology = Topology::automatic;
   BoardAssumptions assumptions;  ///< mismatch and noise: what is not publicly known
-  std::optional<Hertz> clock;    ///< one clock for all, a chain of pole-zero stages; absent: searched
-  /// No clock below this (a stream that relies on no system divisor: 31.4 kHz): slow poles by two ratios.
+  std::optional<Hertz> clock;    ///< one clock for all, and the vendor's CAMs alone; absent: searched
+  /// No clock below this (none below 31.4 kHz needs no system divisor): slow poles by two ratios.
   std::optional<Hertz> lowest_clock;
   std::optional<Band> band;  ///< where errors are minimised and stated; absent: the corners (and the band
                              ///< that sections.json states), widened to a tenth of the lowest corner
 };
 
-/// "auto", "parallel", "cascade", "chain".
+/// "auto", "chain".
 const char* to_string(PlanOptions::Topology topology);
+
+/// Everything a plan says of itself (errors, headroom, images, total, assumptions), by the switched-network solver.
+void state_figures(Plan& plan, const Sections& sections, Band band, const BoardAssumptions& assumptions);
 
 /// Refused when the sections cannot be made of the board's CAMs, with what would make them fit.
 Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options);

@@ -17,6 +17,20 @@ Json error_json(const PlanError& error) {
           {"worst_hz", error.worst.value}};
 }
 
+Json total_json(const PlanTotal& total) {
+  return {{"p95_percent", total.p95_percent},           {"at_input_v", total.at_input_v},
+          {"designed_percent", total.designed_percent}, {"mismatch_p95_percent", total.mismatch_p95_percent},
+          {"noise_percent", total.noise_percent},       {"offset_percent", total.offset_percent},
+          {"from_bound_db", total.from_bound_db}};
+}
+
+PlanTotal total_from(const Node& node) {
+  return {node.at("p95_percent").number(),      node.at("at_input_v").number(),
+          node.at("designed_percent").number(), node.at("mismatch_p95_percent").number(),
+          node.at("noise_percent").number(),    node.at("offset_percent").number(),
+          node.number_or("from_bound_db", 0.0)};
+}
+
 Json image_json(const ImageLine& image) {
   return {
       {"signal_hz", image.signal.value}, {"line_hz", image.line.value}, {"magnitude_db", image.magnitude_db}};
@@ -62,8 +76,6 @@ Json cam_json(const PlacedCam& cam) {
     out["z_numerators"] = std::move(numerators);
   }
   out["z_denominator"] = cam.z.denominator;
-  if (cam.own_error_percent) out["own_error_percent"] = *cam.own_error_percent;
-  if (cam.min_own_error_percent) out["least_own_error_percent"] = *cam.min_own_error_percent;
   out["delay_cycles"] = cam.delay_cycles;
   out["output_hold"] = cam.output_hold;
   out["resources"] = {{"opamps", cam.resources.opamps},
@@ -131,10 +143,6 @@ PlacedCam cam_from(const Node& node, const Board& board) {
   cam.z.denominator = node.at("z_denominator").numbers();
   if (cam.z.denominator.empty() || cam.z.denominator[0] == 0.0) {
     node.at("z_denominator").fail("expected [a0, a1, ...] with a0 other than 0");
-  }
-  if (node.has("own_error_percent")) cam.own_error_percent = node.at("own_error_percent").number();
-  if (node.has("least_own_error_percent")) {
-    cam.min_own_error_percent = node.at("least_own_error_percent").number();
   }
   cam.delay_cycles = node.has("delay_cycles") ? node.at("delay_cycles").non_negative() : 0.0;
   cam.output_hold = node.boolean_or("output_hold", false);
@@ -254,6 +262,7 @@ Json Plan::to_json() const {
   out["signal_path"] = signal_path();
   out["error"] = error_json(error);
   out["error_with_delays"] = error_json(error_with_delays);
+  if (total) out["total"] = total_json(*total);
   out["largest_input_v"] = max_input_v;
   out["largest_step_v"] = max_step_v;
   if (image) out["largest_image"] = image_json(*image);
@@ -278,6 +287,7 @@ Plan Plan::from_node(const Node& node) {
   check_wires(out, node);
   out.error = error_from(node.at("error"));
   if (node.has("error_with_delays")) out.error_with_delays = error_from(node.at("error_with_delays"));
+  if (node.has("total")) out.total = total_from(node.at("total"));
   out.max_input_v = node.number_or("largest_input_v", 0.0);
   out.max_step_v = node.number_or("largest_step_v", 0.0);
   out.image = image_from(node, "largest_image");

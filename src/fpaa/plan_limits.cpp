@@ -4,10 +4,11 @@
 #include <cmath>
 #include <complex>
 #include <numbers>
+#include <set>
 
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/clock_features.hpp"
-#include "fpaa/drawn_board.hpp"
+#include "fpaa/network/switched_board.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -84,28 +85,26 @@ double fastest_clock(const Plan& plan) {
 
 Headroom headroom_of(const Plan& plan, Band band, const Board& board) {
   constexpr int kPoints = 360;
-  const Band wide{{0.01 * band.from.value}, {0.45 * fastest_clock(plan)}};
-  const DrawnBoard drawn(plan, log_grid(wide, kPoints));
-  const DrawnBoard::Transfers transfers = drawn.transfers(drawn.nominal_units());
-  auto nodes = drawn.nodes(transfers);
-  for (std::size_t n = 0; n < transfers.size(); ++n) {
-    const PlacedCam& cam = *drawn.graph().nodes[n].cam;
-    for (const DeltaTransfer& inner : cam.cam->inner_nodes(cam)) {
-      // The CAM as if its inner op-amp were its output.
-      DrawnBoard::Transfers seen = transfers;
-      for (std::size_t k = 0; k < drawn.grid().size(); ++k) {
-        seen[n][0][k] = inner.response(drawn.grid()[k].rad_s(), cam.clock_a);
+  constexpr double kPieces = 4e6;  // a second or two
+  const SwitchedBoard switched(plan);
+  const int points =
+      std::clamp(static_cast<int>(kPieces / static_cast<double>(switched.pieces())), 60, kPoints);
+  const std::vector<Hertz> grid = log_grid({{0.01 * band.from.value}, {0.45 * fastest_clock(plan)}}, points);
+  std::vector<std::vector<Complex>> gains;  // [op-amp][frequency]
+  double sine = 1.0;                        // the input itself
+  for (const Hertz f : grid) {
+    std::size_t opamp = 0;
+    for (const auto& node : switched.nodes(f.rad_s())) {
+      for (const PeriodicNetworks::NodeSize& size : node) {
+        sine = std::max(sine, size.largest);
+        if (opamp == gains.size()) gains.emplace_back();
+        gains[opamp++].push_back(size.gain);
       }
-      nodes.push_back(drawn.nodes(seen)[n]);
     }
   }
-  double sine = 1.0;
   double step = 1.0;
-  const StepPeaks peaks(drawn.grid());
-  for (const std::vector<Complex>& node : nodes) {
-    for (const Complex& h : node) sine = std::max(sine, std::abs(h));
-    step = std::max(step, peaks.largest(node));
-  }
+  const StepPeaks peaks(grid);
+  for (const std::vector<Complex>& gain : gains) step = std::max(step, peaks.largest(gain));
   return {board.full_scale_v / sine, board.full_scale_v / step};
 }
 
@@ -119,31 +118,25 @@ ImageLines largest_images(const Plan& plan, Band band) {
   for (const Hertz f : near_clocks(clocked_poles(plan), band, kBesideClock, kBeatMultiples)) {
     signals.push_back(f);
   }
-  const PlanGraph graph = value_or_throw(plan_graph(plan));
+  const SwitchedBoard board(plan);
+  std::set<double> clocks;
+  for (const PlacedCam* cam : plan.cams()) clocks.insert(cam->clock_a.value);
   for (const Hertz f : signals) {
-    std::vector<Hertz> grid{f};
-    std::vector<std::size_t> owner{0};
-    for (std::size_t n = 0; n < graph.nodes.size(); ++n) {
-      if (!graph.nodes[n].cam->output_hold) continue;
-      const double clock = graph.nodes[n].cam->clock_a.value;
-      for (int k = 1; k <= kMultiples; ++k) {
-        for (const double line : {std::abs(k * clock - f.value), k * clock + f.value}) {
-          if (!(line > 0.0) || line >= kImagesBelowHz) continue;
-          grid.push_back({line});
-          owner.push_back(n);
-        }
+    std::vector<double> lines;  // below 0: the conjugate line above
+    for (const double clock : clocks) {
+      for (int k = -kMultiples; k <= kMultiples; ++k) {
+        const double line = k * clock + f.value;
+        if (k != 0 && std::abs(line) < kImagesBelowHz && line != 0.0) lines.push_back(line);
       }
     }
-    if (grid.size() == 1) continue;
-    const DrawnBoard board(plan, grid);
-    const auto transfers = board.transfers(board.nominal_units());
-    const auto nodes = board.nodes(transfers);
-    const auto onward = board.onward(transfers);
-    const double signal = std::abs(board.response(transfers)[0]);
+    if (lines.empty()) continue;
+    lines.push_back(f.value);
+    const std::vector<Complex> sizes = board.components(f, lines);
+    lines.pop_back();
+    const double signal = std::abs(sizes.back());
     if (!(signal > 0.0)) continue;
-    for (std::size_t i = 1; i < grid.size(); ++i) {
-      const double size = std::abs(nodes[owner[i]][0] * onward[owner[i]][i]) / signal;
-      const ImageLine line{f, grid[i], to_decibel(std::max(size, 1e-15))};
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const ImageLine line{f, {std::abs(lines[i])}, to_decibel(std::max(std::abs(sizes[i]) / signal, 1e-15))};
       const bool within = line.line >= band.from && line.line <= band.to;
       for (std::optional<ImageLine>* most : {&out.largest, within ? &out.in_band : nullptr}) {
         if (most != nullptr && (!*most || line.magnitude_db > (*most)->magnitude_db)) *most = line;

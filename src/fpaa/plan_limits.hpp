@@ -12,14 +12,15 @@ struct Headroom {
   double step_v = 0.0;  ///< height
 };
 
-/// The peak of every node, from the input pin to each CAM's output and to the op-amps inside a CAM: over frequency, and of its step response,
+/// The peak of every op-amp, as the switches make its voltage: over frequency, the largest value at any instant; and
+/// of its step response,
 ///   y(t) = 2/pi int_0^oo Re H(jw) sin(w t)/w dw,
-/// by sine integrals between the points of a logarithmic grid (held outputs smoothed by their holds; within a
+/// H the component at the sine's own frequency, by sine integrals between the points of a logarithmic grid (within a
 /// few percent).
 Headroom headroom_of(const Plan& plan, Band band, const Board& board);
 
-/// Lines at the output pin that are not the signal, over sines of the band: k fc +- f of every CAM whose held
-/// output leaves its clock, against the signal at the output. Sines beside a clock within the band are among
+/// Lines at the output pin that are not the signal, over sines of the band: k fc +- f of every clock, against the
+/// signal at the output. Sines beside a clock within the band are among
 /// them: what a slow path samples there comes out as a slow beat, whose line may be larger than the signal.
 struct ImageLines {
   std::optional<ImageLine> largest;  ///< below 100 kHz; nothing when none lies there

@@ -13,6 +13,7 @@
 #include "fpaa/trim_search.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/random.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -127,11 +128,6 @@ std::vector<double> with_errors(const std::vector<double>& units, const Mismatch
   return out;
 }
 
-double quantile_of(std::vector<double> values, double p) {
-  std::sort(values.begin(), values.end());
-  return values[static_cast<std::size_t>(p * static_cast<double>(values.size() - 1))];
-}
-
 struct WorstError {
   double percent = 0.0;
   double db = 0.0;
@@ -178,8 +174,8 @@ class TrimTrial {
       old_percent.push_back(was.percent);
       new_percent.push_back(is.percent);
     }
-    before = {quantile_of(old_percent, 0.5), quantile_of(old_percent, 0.95)};
-    after = {quantile_of(new_percent, 0.5), quantile_of(new_percent, 0.95)};
+    before = {quantile(old_percent, 0.5), quantile(old_percent, 0.95)};
+    after = {quantile(new_percent, 0.5), quantile(new_percent, 0.95)};
     return better;
   }
 

@@ -75,7 +75,7 @@ std::size_t index_of(const Capacitor& c, const ApiProject::Cam& table, const Pla
     names.push_back(table.capacitors[i].name);
   }
   throw DesignError(fmt::format(
-      "{}:{}: {} has no capacitor {}, its table has {}; expected --map {}=NAME (which is which stands in "
+      "{}:{}: {} has no capacitor {}, its table has {}; expected a map of {} to one of them (which is which stands in "
       "the CAM's dialog)",
       project.file, table.line, cam.name, name, join(names, ", "), c.name));
 }

@@ -32,8 +32,8 @@ class BoucWenUnknowns {
   }
 
   std::vector<ParameterUncertainty> uncertainty(const LeastSquaresResult& fit) const {
-    const BoucWen found = model(fit.x);
-    const double beta_unit = found.beta / fit.x(2);
+    const BoucWen found = model(fit.values);
+    const double beta_unit = found.beta / fit.values(2);
     return {{"k", found.k, slope_ * fit.deviation(0)},
             {"A", found.A, slope_ * fit.deviation(1)},
             {"beta", found.beta, beta_unit * fit.deviation(2)},
@@ -67,12 +67,12 @@ LeastSquaresResult search_bouc_wen(const BoucWenUnknowns& unknowns, std::span<co
   for (const double beta : {2.0, 8.0}) {
     for (const double side : {-1.0, 0.0, 1.0}) {
       start << 1.2, 0.4, beta, 0.2, 1.0, side, 0.0;
-      LeastSquaresResult fit = least_squares(residual, start, lower, upper_of_one, typical, 60);
+      LeastSquaresResult fit = fit_parameters(residual, start, lower, upper_of_one, typical, 60);
       if (!best || fit.cost < best->cost) best = std::move(fit);
     }
   }
   if (!free_n) return *best;
-  LeastSquaresResult fit = least_squares(residual, best->x, lower, upper, typical, 60);
+  LeastSquaresResult fit = fit_parameters(residual, best->values, lower, upper, typical, 60);
   return fit.cost < best->cost * 0.999 ? fit : *best;
 }
 
@@ -82,11 +82,11 @@ Identified identify_bouc_wen(std::span<const TimeRecord> records, const Identify
   const BoucWenUnknowns unknowns(swept_range(records), output_range(records, options.skip_s));
   const bool free_n = !options.as_in_paper();
   const LeastSquaresResult best = search_bouc_wen(unknowns, records, options.skip_s, free_n);
-  const BoucWen model = unknowns.model(best.x);
+  const BoucWen model = unknowns.model(best.values);
   Identified out;
   out.method = free_n ? "bounded nonlinear least squares from six starts, exponent n free"
                       : "bounded nonlinear least squares from six starts, n = 1";
-  out.converged = best.converged;
+  out.converged = converged(best.termination);
   out.uncertainty = unknowns.uncertainty(best);
   out.model = make_model("bouc_wen", Parameters()
                                          .set("k", model.k)

@@ -193,17 +193,17 @@ ExponentialOperators fit_by_projection(std::span<const TimeRecord> records, doub
     return Eigen::VectorXd(x.unaryExpr([](double logarithm) { return std::exp(logarithm); }));
   };
   const LeastSquaresResult solved =
-      least_squares([&](const Eigen::VectorXd& x,
-                        Eigen::VectorXd& r) { r = fit_gains(records, skip_s, v_off, lags(x)).residual; },
-                    start, Eigen::VectorXd::Constant(n, std::log(0.02 / span)),
-                    Eigen::VectorXd::Constant(n, std::log(2000.0 / span)), Eigen::VectorXd::Ones(n), 30);
-  const GainFit fit = fit_gains(records, skip_s, v_off, lags(solved.x));
+      fit_parameters([&](const Eigen::VectorXd& x,
+                         Eigen::VectorXd& r) { r = fit_gains(records, skip_s, v_off, lags(x)).residual; },
+                     start, Eigen::VectorXd::Constant(n, std::log(0.02 / span)),
+                     Eigen::VectorXd::Constant(n, std::log(2000.0 / span)), Eigen::VectorXd::Ones(n), 30);
+  const GainFit fit = fit_gains(records, skip_s, v_off, lags(solved.values));
   ExponentialOperators model;
-  model.tau = to_vector(lags(solved.x));
+  model.tau = to_vector(lags(solved.values));
   model.k = to_vector(fit.x.head(n));
   model.l_off = fit.x(n);
   model.v_off = v_off;
-  converged = solved.converged;
+  converged = bodesmith::converged(solved.termination);
   return model;
 }
 
@@ -216,7 +216,7 @@ std::vector<ParameterUncertainty> uncertainty_of(const ExponentialOperators& mod
   typical << Eigen::VectorXd::Constant(n, as_eigen(model.k).cwiseAbs().maxCoeff()), as_eigen(model.tau),
       output_range(records, skip_s).width();
   const double infinite = std::numeric_limits<double>::infinity();
-  const LeastSquaresResult around = least_squares(
+  const LeastSquaresResult around = fit_parameters(
       [&](const Eigen::VectorXd& x, Eigen::VectorXd& r) {
         ExponentialOperators moved = model;
         as_eigen(moved.k) = x.head(n);

@@ -3,19 +3,13 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <limits>
-#include <numbers>
 
-#include "base/error.hpp"
-#include "base/whole_number.hpp"
-#include "numeric/dense.hpp"
 #include "numeric/grunwald_letnikov.hpp"
 #include "numeric/matrix_exponential.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {
 
-constexpr double kPi = std::numbers::pi;
 using Complex = std::complex<double>;
 
 Complex power(Complex s, double exponent) {
@@ -137,13 +131,12 @@ std::vector<double> simulate_grunwald_letnikov(const FractionalDynamic& model, c
   const std::vector<double> fine = straight_between(u, parts);
   const auto weights = [&](const FractionalPolynomial& polynomial) {
     std::vector<double> out(fine.size(), 0.0);
-    for (const FractionalPolynomial::Term& term : polynomial.terms)
-      add_difference_weights(term.coefficient * std::pow(h, -term.exponent), term.exponent, out);
+    for (const FractionalPower& term : polynomial)
+      add_difference_weights(term.coefficient * std::pow(h, -term.power), term.power, out);
     return out;
   };
-  const std::vector<double> a = weights(FractionalPolynomial::denominator(model));
-  const std::vector<double> b =
-      weights({{{model.k_m * model.k_p, 0.0}, {model.k_m * model.theta, model.eta}}});
+  const std::vector<double> a = weights(model.denominator());
+  const std::vector<double> b = weights({{model.k_m * model.k_p, 0.0}, {model.k_m * model.theta, model.eta}});
   std::vector<double> y(fine.size());
   for (std::size_t i = 0; i < y.size(); ++i) {
     double sum = sum_over_past(b, fine, i);
@@ -156,106 +149,15 @@ std::vector<double> simulate_grunwald_letnikov(const FractionalDynamic& model, c
   return out;
 }
 
-Complex FractionalPolynomial::operator()(Complex s) const {
-  Complex sum = 0.0;
-  for (const Term& term : terms) sum += term.coefficient * power(s, term.exponent);
-  return sum;
-}
-
-FractionalPolynomial FractionalPolynomial::denominator(const FractionalDynamic& m) {
-  const double damping = 2.0 * m.xi * m.omega_n;
-  const double square = m.omega_n * m.omega_n;
-  const double c[4] = {square, m.tau * square + damping, 1.0 + m.tau * damping, m.tau};
+FractionalPolynomial FractionalDynamic::denominator() const {
+  const double damping = 2.0 * xi * omega_n;
+  const double square = omega_n * omega_n;
+  const double c[4] = {square, tau * square + damping, 1.0 + tau * damping, tau};
   FractionalPolynomial out;
   for (int i = 3; i >= 0; --i) {
-    out.terms.push_back({c[i] * m.chi, i + m.lambda});
-    out.terms.push_back({c[i], static_cast<double>(i)});
+    out.push_back({c[i] * chi, i + lambda});
+    out.push_back({c[i], static_cast<double>(i)});
   }
-  return out;
-}
-
-int right_half_plane_roots(const FractionalPolynomial& polynomial) {
-  double top = 0.0;
-  double bottom = std::numeric_limits<double>::infinity();
-  double top_coefficient = 0.0;
-  double bottom_coefficient = 0.0;
-  for (const FractionalPolynomial::Term& term : polynomial.terms) {
-    if (term.coefficient == 0.0) continue;
-    if (term.exponent >= top) {
-      top = term.exponent;
-      top_coefficient = term.coefficient;
-    }
-    if (term.exponent <= bottom) {
-      bottom = term.exponent;
-      bottom_coefficient = term.coefficient;
-    }
-  }
-  if (!(top > 0.0)) return 0;
-  // Bounds between which everything happens: outside them the first or the last term dominates by far.
-  double low = std::numeric_limits<double>::infinity();
-  double high = 0.0;
-  for (const FractionalPolynomial::Term& term : polynomial.terms) {
-    if (term.coefficient == 0.0) continue;
-    if (term.exponent > bottom)
-      low = std::min(low, std::pow(1e-6 * std::abs(bottom_coefficient / term.coefficient),
-                                   1.0 / (term.exponent - bottom)));
-    if (term.exponent < top)
-      high = std::max(
-          high, std::pow(1e6 * std::abs(term.coefficient / top_coefficient), 1.0 / (top - term.exponent)));
-  }
-  if (high <= low) high = low * 10.0;
-  // Argument along jω, ω from low to high, in steps small enough that each turns by less than a tenth of a
-  // turn.
-  const auto at = [&](double x) { return polynomial(Complex(0.0, std::exp(x))); };
-  double x = std::log(low);
-  const double end = std::log(high);
-  Complex here = at(x);
-  double turned =
-      std::arg(here * std::conj(Complex(bottom_coefficient, 0.0) * power(Complex(0.0, 1.0), bottom)));
-  double step = 0.05;
-  while (x < end) {
-    const double dx = std::min(step, end - x);
-    const Complex next = at(x + dx);
-    const double turn = std::arg(next * std::conj(here));
-    if (std::abs(turn) > 0.6) {
-      if (dx < 1e-9) return -1;
-      step = 0.5 * dx;
-      continue;
-    }
-    turned += turn;
-    x += dx;
-    here = next;
-    if (std::abs(turn) < 0.1) step = std::min(0.05, 1.5 * dx);
-  }
-  // From 0 to ∞ the argument would turn by (top − bottom)π/2 without roots to the right; each takes π away.
-  return nearest_whole<int>(((top - bottom) * kPi / 2.0 - turned) / kPi);
-}
-
-int unstable_by_matignon(const FractionalPolynomial& polynomial, double q) {
-  std::vector<double> c;
-  for (const FractionalPolynomial::Term& term : polynomial.terms) {
-    const double degree = term.exponent / q;
-    const auto whole = nearest_whole<std::size_t>(degree);
-    if (std::abs(degree - static_cast<double>(whole)) > 1e-6)
-      throw DesignError("an exponent is no multiple of q");
-    if (whole > 600)
-      throw DesignError("the degree in s^q is above 600: count by the argument principle instead");
-    if (c.size() <= whole) c.resize(whole + 1, 0.0);
-    c[whole] += term.coefficient;
-  }
-  while (!c.empty() && c.back() == 0.0) c.pop_back();
-  const auto n = static_cast<Eigen::Index>(c.size()) - 1;
-  if (n < 1) return 0;
-  // Scaled so that the first and the last coefficient are alike.
-  const double scale = std::pow(std::abs(c.front() / c.back()), 1.0 / static_cast<double>(n));
-  Eigen::MatrixXd companion = Eigen::MatrixXd::Zero(n, n);
-  for (Eigen::Index i = 0; i + 1 < n; ++i) companion(i + 1, i) = 1.0;
-  for (Eigen::Index i = 0; i < n; ++i)
-    companion(i, n - 1) =
-        -c[static_cast<std::size_t>(i)] / c.back() * std::pow(scale, static_cast<double>(i - n));
-  const Eigen::VectorXcd roots = eigenvalues(companion);
-  int out = 0;
-  for (Eigen::Index i = 0; i < roots.size(); ++i) out += std::abs(std::arg(roots(i))) < q * kPi / 2.0;
   return out;
 }
 

@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "hysteresis/model_type.hpp"
+#include "lti/fractional_polynomial.hpp"
 
 namespace bodesmith::hysteresis {
 
@@ -25,7 +26,7 @@ namespace bodesmith::hysteresis {
 /// χω_n² s^λ and ω_n² are missing.
 ///
 /// Stability: the factors are stable for τ, ξ, ω_n > 0, and 1 + χ s^λ has no root with χ > 0, λ < 1; check any denominator with
-/// right_half_plane_roots() (argument principle) or unstable_by_matignon().
+/// fractional_stability() (argument principle, and Matignon's theorem where the powers have a common step).
 ///
 /// Inverse: of F and the constant gain (F⁻¹ has the same form). The lag and the resonance are left in: an
 /// exact inverse of them is improper. achieved() is the whole model's answer.
@@ -46,6 +47,7 @@ struct FractionalDynamic {
   static FractionalDynamic from(const Parameters& values);
   std::complex<double> fractional_part(std::complex<double> s) const;  ///< F
   std::complex<double> response(std::complex<double> s) const;         ///< P
+  FractionalPolynomial denominator() const;  ///< of eq. 15 multiplied out; eight terms
   /// Constant gain of P: K_M K_p/ω_n².
   double static_gain() const { return k_m * k_p / (omega_n * omega_n); }
 };
@@ -98,27 +100,6 @@ class FractionalOperator final : public Operator {
 /// 0.08 of its resonance's period.
 std::vector<double> simulate_grunwald_letnikov(const FractionalDynamic& model, const std::vector<double>& u,
                                                double step_s, int refine = 1);
-
-/// Σ coefficient · s^exponent, exponents ≥ 0.
-struct FractionalPolynomial {
-  struct Term {
-    double coefficient = 0.0;
-    double exponent = 0.0;
-  };
-  std::vector<Term> terms;
-
-  std::complex<double> operator()(std::complex<double> s) const;
-  /// The denominator of eq. 15 multiplied out; eight terms.
-  static FractionalPolynomial denominator(const FractionalDynamic& model);
-};
-
-/// Roots with Re s > 0 on the principal sheet, counted by how far the argument turns along the imaginary
-/// axis. Works for any real exponents. Negative when a root lies on the axis (to rounding).
-int right_half_plane_roots(const FractionalPolynomial& polynomial);
-/// Matignon's theorem (eq. 7): roots σ of the companion matrix of the polynomial in σ = s^q with |arg σ| <
-/// qπ/2. Exponents must be multiples of q, the degree at most 600 (a companion matrix of degree 3811, as q =
-/// 0.001 asks for, is not a sound way to find roots).
-int unstable_by_matignon(const FractionalPolynomial& polynomial, double q);
 
 Identified identify_fractional_dynamic(std::span<const TimeRecord> records, const IdentifyOptions& options);
 

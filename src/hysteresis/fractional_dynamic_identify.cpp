@@ -7,6 +7,7 @@
 #include "hysteresis/fractional_dynamic.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
+#include "lti/fractional_stability.hpp"
 #include "numeric/differential_evolution.hpp"
 #include "numeric/least_squares.hpp"
 
@@ -101,7 +102,7 @@ void describe(const FractionalDynamic& model, const Eigen::VectorXd& deviation, 
                      {"chi", model.chi, model.chi * deviation(5)},
                      {"Theta", model.theta, model.theta * deviation(6)}};
   out.notes.push_back("K_p is set to 1: only K_M K_p and K_M Theta are determined");
-  const int roots = right_half_plane_roots(FractionalPolynomial::denominator(model));
+  const int roots = fractional_stability(model.denominator()).unstable_poles;
   out.notes.push_back(roots == 0 ? "stable: no root to the right by the argument principle"
                                  : fmt::format("NOT stable: {} roots to the right", roots));
   out.notes.push_back("the model is linear: it holds for the amplitudes of the record");
@@ -141,12 +142,12 @@ Identified identify_fractional_dynamic(std::span<const TimeRecord> records, cons
       bounds.lower, bounds.upper, search);
   // The paper's method only needs the deviations at its own solution.
   const bool paper = options.as_in_paper();
-  const LeastSquaresResult refined = least_squares(
+  const LeastSquaresResult refined = fit_parameters(
       [&](const Eigen::VectorXd& at, Eigen::VectorXd& r) {
         r = project(dynamics_of(at, step_s, kModes), records, options.skip_s).residual;
       },
       found.x, bounds.lower, bounds.upper, bounds.typical, paper ? 1 : 25);
-  FractionalDynamic model = dynamics_of(paper ? found.x : refined.x, step_s, kModes);
+  FractionalDynamic model = dynamics_of(paper ? found.x : refined.values, step_s, kModes);
   const ProjectedDynamics projected = project(model, records, options.skip_s);
   model.k_m *= projected.linear(0);
   model.rho = projected.linear(1);
@@ -154,7 +155,7 @@ Identified identify_fractional_dynamic(std::span<const TimeRecord> records, cons
   Identified out;
   out.method = fmt::format("self-adaptive differential evolution, {} evaluations{}", found.evaluations,
                            paper ? "" : ", then nonlinear least squares");
-  out.converged = paper || refined.converged;
+  out.converged = paper || converged(refined.termination);
   describe(model, refined.deviation, out);
   out.model = model_of(model);
   return out;

@@ -72,6 +72,11 @@ class FractionalDynamicType final : public ShapedModelType<FractionalDynamic> {
                 between("modes", "1", "first-order sections of the simulation", 8, 400).with_default(60),
             }) {}
 
+  std::optional<std::complex<double>> response(const Parameters& values,
+                                               std::complex<double> s) const override {
+    return FractionalDynamic::from(values).response(s);
+  }
+
  protected:
   std::unique_ptr<Operator> operator_of(const FractionalDynamic& model) const override {
     return std::make_unique<FractionalOperator>(model);

@@ -68,7 +68,7 @@ void fit_densities_by_swarm(std::span<const TimeRecord> records, const IdentifyO
   out.method = fmt::format("particle swarm with cuckoo search over {} densities, {} evaluations",
                            fit.mu.size(), found.evaluations);
   out.notes.push_back(
-      "the problem is convex: `--method best` solves it exactly and finds densities for finer grids too");
+      "the problem is convex: the method 'best' solves it exactly and finds densities for finer grids too");
 }
 
 /// The densities by convex least squares.
@@ -96,7 +96,7 @@ void fit_rate_function(std::span<const TimeRecord> records, double skip_s, doubl
   upper << 5.0, 0.5;
   typical << 1.0, 0.01;
   start << 1.0, 0.005;
-  const LeastSquaresResult solved = least_squares(
+  const LeastSquaresResult solved = fit_parameters(
       [&](const Eigen::VectorXd& x, Eigen::VectorXd& r) {
         KpFit at = fit;
         at.a1 = x(0);
@@ -104,8 +104,8 @@ void fit_rate_function(std::span<const TimeRecord> records, double skip_s, doubl
         operator_residual(KpOperator(KrasnoselskiiPokrovskii::from(at.parameters())), records, skip_s, r);
       },
       start, lower, upper, typical, 40);
-  fit.a1 = solved.x(0);
-  fit.a2 = solved.x(1) / fastest;
+  fit.a1 = solved.values(0);
+  fit.a2 = solved.values(1) / fastest;
   out.uncertainty = {{"a1", fit.a1, solved.deviation(0)}, {"a2", fit.a2, solved.deviation(1) / fastest}};
   out.notes.push_back("densities from the slowest record, a1 and a2 from all");
   if (fit.a2 == 0.0)

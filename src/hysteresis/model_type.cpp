@@ -1,9 +1,7 @@
 #include "hysteresis/model_type.hpp"
 
 #include "base/error.hpp"
-#include "base/progress.hpp"
 #include "base/text.hpp"
-#include "hysteresis/identification.hpp"
 
 namespace bodesmith::hysteresis {
 
@@ -17,14 +15,6 @@ ModelType::ModelType(std::string name, std::string what, std::string source,
 Model ModelType::model(const Parameters& values) const {
   Model out{this, completed(values, parameters_, name_)};
   validate(out.parameters);
-  return out;
-}
-
-Identified ModelType::identify(std::span<const TimeRecord> records, const IdentifyOptions& options) const {
-  for (const TimeRecord& record : records) record.require_measured_sizes();
-  const Stopwatch watch;
-  Identified out = fit(records, options);
-  out.compute_s = watch.seconds();
   return out;
 }
 

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <memory>
 #include <optional>
 #include <span>
@@ -65,6 +66,10 @@ class ModelType {
   virtual bool for_steady_sines() const { return false; }
   /// With these values step() solves an equation in steps of its own, hundreds where it is steep.
   virtual bool steps_within_samples(const Parameters&) const { return false; }
+  /// H(s) of a model that is linear (constants and drifts left out), on the imaginary axis and to the right of it.
+  virtual std::optional<std::complex<double>> response(const Parameters&, std::complex<double> /*s*/) const {
+    return std::nullopt;
+  }
   /// Lists that hold the coefficients of u, u², … of a polynomial which a circuit makes by multipliers.
   virtual std::vector<std::string_view> polynomial_lists() const { return {}; }
 

@@ -3,14 +3,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "numeric/least_squares.hpp"
-
 namespace bodesmith::hysteresis {
 
-LeastSquaresResult least_squares(const std::function<void(const Eigen::VectorXd&, Eigen::VectorXd&)>& f,
-                                 const Eigen::VectorXd& start, const Eigen::VectorXd& lower,
-                                 const Eigen::VectorXd& upper, const Eigen::VectorXd& typical,
-                                 int iterations) {
+LeastSquaresResult fit_parameters(const std::function<void(const Eigen::VectorXd&, Eigen::VectorXd&)>& f,
+                                  const Eigen::VectorXd& start, const Eigen::VectorXd& lower,
+                                  const Eigen::VectorXd& upper, const Eigen::VectorXd& typical,
+                                  int iterations) {
   std::vector<SearchVariable> variables;
   for (Eigen::Index i = 0; i < start.size(); ++i)
     variables.push_back({.value = start(i),
@@ -21,18 +19,13 @@ LeastSquaresResult least_squares(const std::function<void(const Eigen::VectorXd&
     f(x, r);
     return true;
   };
-  const bodesmith::LeastSquaresResult found = bodesmith::least_squares(variables, residuals,
-                                                                       {.max_iterations = iterations,
-                                                                        .cost_tolerance = 1e-10,
-                                                                        .difference = 1e-6,
-                                                                        .broyden = false,
-                                                                        .initial_damping = 1e-3});
-  LeastSquaresResult out;
-  out.x = found.values;
-  out.cost = found.cost;
-  out.deviation = parameter_deviation(found.gram, found.residuals);
-  out.evaluations = found.runs;
-  out.converged = bodesmith::converged(found.termination);
+  LeastSquaresResult out = least_squares(variables, residuals,
+                                         {.max_iterations = iterations,
+                                          .cost_tolerance = 1e-10,
+                                          .difference = 1e-6,
+                                          .broyden = false,
+                                          .initial_damping = 1e-3});
+  out.deviation = parameter_deviation(out.gram, out.residuals);
   return out;
 }
 

@@ -182,9 +182,49 @@ double PolynomialDisturbance::input(const Turn& from, const Turn* toward, int di
 
 double PolynomialDisturbance::plain(bool rising, double x) const {
   const BranchShape& shape = rising ? ascending : descending;
-  const double gain = (alpha.empty() && amplitude == 1.0 ? 1.0 : amplitude_gain(rising, amplitude)) *
-                      (rising ? rate_gain_ascending : rate_gain_descending);
-  return x + gain * shape.value(x / amplitude) + (rising ? constant_ascending : constant_descending);
+  return x + plain_gain(rising) * shape.value(x / amplitude) +
+         (rising ? constant_ascending : constant_descending);
+}
+
+double PolynomialDisturbance::plain_gain(bool rising) const {
+  return (alpha.empty() && amplitude == 1.0 ? 1.0 : amplitude_gain(rising, amplitude)) *
+         (rising ? rate_gain_ascending : rate_gain_descending);
+}
+
+std::array<double, 2> PolynomialDisturbance::rising_part(bool rising) const {
+  const auto& a = (rising ? ascending : descending).polynomial;
+  const double steepness = plain_gain(rising) / amplitude;
+  std::array<double, 2> out{-INFINITY, INFINITY};
+  // A sine that rises with the chord on [0, 1] does so everywhere. A cubic: where 1 + k (a1 + 2 a2 s + 3 a3 s²) > 0.
+  const double square = 3.0 * steepness * a[2];
+  const double line = 2.0 * steepness * a[1];
+  const double constant = 1.0 + steepness * a[0];
+  const double discriminant = line * line - 4.0 * square * constant;
+  std::vector<double> flat;
+  if (square != 0.0 && discriminant > 0.0) {
+    // Neither root by a difference of two nearly equal numbers.
+    const double q = -0.5 * (line + std::copysign(std::sqrt(discriminant), line));
+    flat = {q / square};
+    if (q != 0.0) flat.push_back(constant / q);
+  } else if (square == 0.0 && line != 0.0) {
+    flat = {-constant / line};
+  }
+  for (const double s : flat) {
+    if (s < 0.5) out[0] = std::max(out[0], s * amplitude);
+    if (s >= 0.5) out[1] = std::min(out[1], s * amplitude);
+  }
+  return out;
+}
+
+double PolynomialDisturbance::input_on(bool rising, double y) const {
+  const auto [least, most] = rising_part(rising);
+  double low = 0.0;
+  double high = amplitude;
+  for (double reach = amplitude; low > least && plain(rising, low) > y; reach *= 2.0)
+    low = std::max(low - reach, least);
+  for (double reach = amplitude; high < most && plain(rising, high) < y; reach *= 2.0)
+    high = std::min(high + reach, most);
+  return solve_rising([&](double x) { return plain(rising, x); }, low, high, y);
 }
 
 PolynomialOperator::PolynomialOperator(PolynomialDisturbance model) : loops_(std::move(model), 4096) {
@@ -262,12 +302,12 @@ double PolynomialInverse::reset(double y) {
     forward_.reset(std::min(y, 0.0));
     return step(y, 0.0);
   }
-  const double u = solve_rising([&](double x) { return rule.plain(true, x); }, y - 2.0, y + 2.0, y);
+  const double u = rule.input_on(true, y);
   achieved_ = forward_.reset(u);
   return u;
 }
 
-double PolynomialInverse::step(double y, double) {
+double PolynomialInverse::step(double y, double dt_s) {
   if (forward_.loops_.rule().nested) {
     const double u = forward_.loops_.invert(y);
     achieved_ = forward_.loops_.y();
@@ -276,9 +316,21 @@ double PolynomialInverse::step(double y, double) {
   if (y != y_) rising_ = y > y_;
   y_ = y;
   const PolynomialDisturbance& rule = forward_.loops_.rule();
-  const double u = solve_rising([&](double x) { return rule.plain(rising_, x); }, y - 2.0, y + 2.0, y);
-  achieved_ = forward_.step(u, 0.0);
-  return u;
+  const double now = forward_.u_;
+  // The smallest move that takes the input to the other branch where it is.
+  const double nudge = 1e-9 * rule.amplitude;
+  double best = now;
+  double best_error = INFINITY;
+  for (const double u :
+       {rule.input_on(rising_, y), rule.input_on(!rising_, y), now, now - nudge, now + nudge}) {
+    const double error = std::abs(forward_.peek(u, dt_s) - y);
+    // An earlier one stays unless a later one is better by more than rounding.
+    if (!(error < best_error - 1e-12 * rule.amplitude)) continue;
+    best = u;
+    best_error = error;
+  }
+  achieved_ = forward_.step(best, dt_s);
+  return best;
 }
 
 }  // namespace bodesmith::hysteresis

@@ -32,8 +32,11 @@ namespace bodesmith::hysteresis {
 /// Signs: with the coefficients as the paper prints them the ascending branch lies above the descending one,
 /// i.e. the loop runs clockwise and ∮ u dy < 0, the reverse of a piezo stage's displacement over its drive;
 /// they are the disturbance as the compensator adds it. Both signs are legal here. Rate-independent (the rate
-/// gain is a constant of the block). Inverse: bisection and Newton on the branch, exact to rounding where y
-/// rises with x.
+/// gain is a constant of the block). Inverse: false position on the branch, exact to rounding where y rises with x. Under
+/// slope_sign each sample takes the branch on which the output comes nearest to the reference, that of the
+/// reference's own direction where both do: with a stage's signs every reference within the stroke is met;
+/// with the paper's (the loop clockwise) a turn inside the stroke asks for outputs between the branches, which no
+/// input gives.
 struct BranchShape {
   std::array<double, 3> polynomial{};
   double sine = 0.0;
@@ -75,6 +78,15 @@ struct PolynomialDisturbance {
   double input(const Turn& from, const Turn* toward, int direction, double y, double now) const;
   /// x + d(x) of the slope_sign rule.
   double plain(bool rising, double x) const;
+  /// The input that gives y on that branch of the slope_sign rule; the nearest one where y is beyond what the branch
+  /// reaches. Outside the stroke a cubic turns sooner or later: an input beyond its turn, where it falls, is none.
+  double input_on(bool rising, double y) const;
+
+ private:
+  /// What d of a branch is multiplied by under the slope_sign rule.
+  double plain_gain(bool rising) const;
+  /// The inputs about the stroke over which plain() rises.
+  std::array<double, 2> rising_part(bool rising) const;
 };
 
 class PolynomialOperator final : public Operator {

@@ -37,6 +37,10 @@ Parameters to_parameters(const PolynomialDisturbance& model) {
 }
 
 /// The branches of the records that span the input's whole range.
+/// Of the input's range: what a full stroke may lack, and so what the input may turn by within a stroke (a drive that
+/// was found for a stage with a lag swings where it turns).
+constexpr double kLack = 0.03;
+
 struct FullStroke {
   const TimeRecord* record;
   Branch branch;
@@ -45,9 +49,9 @@ struct FullStroke {
 std::vector<FullStroke> full_strokes(std::span<const TimeRecord> records, double skip_s, double range) {
   std::vector<FullStroke> out;
   for (const TimeRecord& record : records) {
-    for (const Branch& branch : branches(record.u)) {
+    for (const Branch& branch : branches(record.u, kLack)) {
       if (branch.first >= first_counted(record, skip_s) &&
-          std::abs(record.u[branch.last] - record.u[branch.first]) > 0.97 * range)
+          std::abs(record.u[branch.last] - record.u[branch.first]) > (1.0 - kLack) * range)
         out.push_back({&record, branch});
     }
   }
@@ -100,7 +104,7 @@ double shortest_stroke(std::span<const TimeRecord> records) {
   const double full = input_range(records, 0.0).width();
   double out = 1.0;
   for (const TimeRecord& record : records) {
-    const std::vector<Branch> list = branches(record.u);
+    const std::vector<Branch> list = branches(record.u, kLack);
     for (std::size_t i = 1; i + 1 < list.size(); ++i)
       out = std::min(out, std::abs(record.u[list[i].last] - record.u[list[i].first]) / full);
   }
@@ -185,8 +189,8 @@ LeastSquaresResult refine(const DisturbanceUnknowns& unknowns, std::span<const T
   const Eigen::Index n = unknowns.count();
   Eigen::VectorXd lower = Eigen::VectorXd::Constant(n, -5.0);
   lower(1) = 0.1;
-  return least_squares(residual, unknowns.start(), lower, Eigen::VectorXd::Constant(n, 5.0),
-                       Eigen::VectorXd::Constant(n, 0.1), iterations);
+  return fit_parameters(residual, unknowns.start(), lower, Eigen::VectorXd::Constant(n, 5.0),
+                        Eigen::VectorXd::Constant(n, 0.1), iterations);
 }
 
 }  // namespace
@@ -204,7 +208,7 @@ Identified identify_polynomial(std::span<const TimeRecord> records, const Identi
   const DisturbanceUnknowns unknowns(fit, sine);
   // The paper's method only needs the deviations at its own solution.
   const LeastSquaresResult solved = refine(unknowns, records, options.skip_s, paper ? 1 : 40);
-  if (!paper) fit = unknowns.fit(solved.x);
+  if (!paper) fit = unknowns.fit(solved.values);
   Identified out;
   out.method =
       paper
@@ -215,8 +219,8 @@ Identified identify_polynomial(std::span<const TimeRecord> records, const Identi
         "strokes shorter than 80 % are in the record, and the paper's rule has no memory of them");
   if (!with_gains)
     out.notes.push_back("the record has full strokes only: amplitude gains are taken as the stroke itself");
-  out.uncertainty = unknowns.uncertainty(paper ? unknowns.start() : solved.x, solved.deviation);
-  out.converged = paper || solved.converged;
+  out.uncertainty = unknowns.uncertainty(paper ? unknowns.start() : solved.values, solved.deviation);
+  out.converged = paper || converged(solved.termination);
   out.input = fit.input;
   out.output = fit.output;
   out.model = make_model(sine ? "sine_hysteresis" : "polynomial_hysteresis", to_parameters(fit.model));

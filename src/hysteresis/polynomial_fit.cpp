@@ -76,27 +76,4 @@ SineFit fit_sine(std::span<const double> x, std::span<const double> d) {
   return out;
 }
 
-void scale_to_load(std::vector<double>& alpha, std::vector<double>& alpha_1, std::vector<double>& alpha_2,
-                   double share) {
-  if (!(share > 0.0 && share <= 1.0)) throw DesignError("the share of the stroke is not in (0, 1]");
-  PolynomialDisturbance table;
-  table.alpha = alpha;
-  table.alpha_1 = alpha_1;
-  table.alpha_2 = alpha_2;
-  const double end_1 = table.amplitude_gain(true, share);
-  const double end_2 = table.amplitude_gain(false, share);
-  std::vector<double> a, one, two;
-  for (std::size_t i = 0; i < alpha.size() && alpha[i] < share; ++i) {
-    a.push_back(alpha[i] / share);
-    one.push_back(alpha_1[i] / end_1);
-    two.push_back(alpha_2[i] / end_2);
-  }
-  a.push_back(1.0);
-  one.push_back(1.0);
-  two.push_back(1.0);
-  alpha = a;
-  alpha_1 = one;
-  alpha_2 = two;
-}
-
 }  // namespace bodesmith::hysteresis

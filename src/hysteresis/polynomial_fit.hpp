@@ -34,9 +34,4 @@ struct SineFit {
 };
 SineFit fit_sine(std::span<const double> x, std::span<const double> d);
 
-/// A linear load of large stiffness shortens the stroke to `share` of the former full one (disturbance paper, V.C.2): the
-/// part α ≤ share of the gain tables, normalised again to 1.
-void scale_to_load(std::vector<double>& alpha, std::vector<double>& alpha_1, std::vector<double>& alpha_2,
-                   double share);
-
 }  // namespace bodesmith::hysteresis

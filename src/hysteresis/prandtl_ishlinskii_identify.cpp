@@ -116,18 +116,18 @@ void refine_asymmetric(std::span<const TimeRecord> records, double skip_s, BankF
     out.offset = x(n + m);
     return out;
   };
-  const LeastSquaresResult solved = least_squares(
+  const LeastSquaresResult solved = fit_parameters(
       [&](const Eigen::VectorXd& x, Eigen::VectorXd& residual) {
         operator_residual(PrandtlIshlinskiiOperator(put(x)), records, skip_s, residual);
       },
       start, lower, Eigen::VectorXd::Constant(n + m + 1, infinite), typical, 40);
-  model = put(solved.x);
+  model = put(solved.values);
   fit.cost = solved.cost;
-  fit.converged = fit.converged && solved.converged;
+  fit.converged = fit.converged && converged(solved.termination);
   uncertainty.clear();
-  add_uncertainty(uncertainty, "w", solved.x, solved.deviation, 0, n);
-  add_uncertainty(uncertainty, "v", solved.x, solved.deviation, n, m);
-  uncertainty.push_back({"offset", solved.x(n + m), solved.deviation(n + m)});
+  add_uncertainty(uncertainty, "w", solved.values, solved.deviation, 0, n);
+  add_uncertainty(uncertainty, "v", solved.values, solved.deviation, n, m);
+  uncertainty.push_back({"offset", solved.values(n + m), solved.deviation(n + m)});
 }
 
 }  // namespace

@@ -1,8 +1,10 @@
 #include "identify/fit_report.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/json.hpp"
+#include "chain/registry.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "signal/extent.hpp"
 
@@ -45,6 +47,8 @@ Json to_json(const StageFit& fit) {
   return out;
 }
 
+namespace {
+
 chain::Trained trained_of(const StageFit& fit, std::span<const TimeRecord> training, double skip_s) {
   chain::Trained out;
   out.input = input_extent(training, skip_s);
@@ -58,6 +62,25 @@ chain::Trained trained_of(const StageFit& fit, std::span<const TimeRecord> train
     out.holdout_percent = fit.holdout->rms_percent;
   }
   return out;
+}
+
+bool has_something_free(const chain::Chain& model) {
+  return std::any_of(model.blocks.begin(), model.blocks.end(), [](const chain::Block& block) {
+    return std::any_of(block.parameters().begin(), block.parameters().end(),
+                       [](const chain::Parameter& p) { return p.free; });
+  });
+}
+
+}  // namespace
+
+chain::Chain identified_model(const StageFit& fit, std::span<const TimeRecord> training, double skip_s) {
+  chain::Chain model = fit.stage.chain();
+  if (!has_something_free(model)) {
+    model.blocks.push_back(chain::make_block("gain").set("gain", 1.0).set("offset", 0.0));
+    for (chain::Parameter& p : model.blocks.back().parameters()) p.free = true;
+  }
+  model.trained = trained_of(fit, training, skip_s);
+  return model;
 }
 
 }  // namespace bodesmith::identify

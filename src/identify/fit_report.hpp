@@ -10,7 +10,8 @@ namespace bodesmith::identify {
 
 /// A fit as reports have it: errors in training and held out, parameters with their deviations; or why it was refused.
 Json to_json(const StageFit& fit);
-/// What the fitted model has seen, for its table [trained].
-chain::Trained trained_of(const StageFit& fit, std::span<const TimeRecord> training, double skip_s);
+/// The fitted stage as model.toml has it: with a free gain and offset behind it where nothing is free (what diagnose may
+/// refit before it blames what is missing), and with what it has seen in its table [trained].
+chain::Chain identified_model(const StageFit& fit, std::span<const TimeRecord> training, double skip_s);
 
 }  // namespace bodesmith::identify

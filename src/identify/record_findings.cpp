@@ -30,6 +30,22 @@ const hysteresis::ModelType& plays() {
   return hysteresis::model_type_registry().get("prandtl_ishlinskii");
 }
 
+double mean_speed(const std::vector<double>& u, std::size_t begin, std::size_t end) {
+  double sum = 0.0;
+  for (std::size_t i = begin + 1; i < end; ++i) sum += std::abs(u[i] - u[i - 1]);
+  return sum / static_cast<double>(end - begin - 1);
+}
+
+/// A drive that moves faster or slower there than later leaves another error whatever it started from: where the stage
+/// depends on the rate that is a frequency of the record, and no transient to be left out.
+bool is_driven_otherwise(const std::vector<double>& u, std::size_t begun) {
+  constexpr double kSameSpeed = 1.5;
+  if (begun < 2) return false;
+  const double first = mean_speed(u, 0, begun);
+  const double later = mean_speed(u, u.size() / 2, u.size());
+  return first > kSameSpeed * later || later > kSameSpeed * first;
+}
+
 /// Seconds from the start of the record over which the error stays unusual; at most 40 % of it.
 double transient_of(const TimeRecord& record, const std::vector<double>& model) {
   const std::size_t width = std::max<std::size_t>(record.size() / kWindows, 2);
@@ -47,7 +63,8 @@ double transient_of(const TimeRecord& record, const std::vector<double>& model) 
   const double limit = std::max(kUnusual * usual, 1.2 * later);
   std::size_t last = 0;
   while (last < 2 * sizes.size() / 5 && sizes[last] > limit) ++last;
-  return static_cast<double>(last * width) * record.step_s;
+  return is_driven_otherwise(record.u, last * width) ? 0.0
+                                                     : static_cast<double>(last * width) * record.step_s;
 }
 
 std::optional<double> one_frequency(std::span<const TimeRecord> records) {

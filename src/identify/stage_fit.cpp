@@ -8,9 +8,9 @@
 #include "base/whole_number.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
-#include "numeric/golden_section.hpp"
 #include "numeric/index.hpp"
 #include "numeric/least_squares.hpp"
+#include "numeric/minimum.hpp"
 
 namespace bodesmith::identify {
 namespace {
@@ -88,8 +88,8 @@ double best_delay(std::span<const TimeRecord> records, const IdentifyOptions& op
       best = i;
     }
   }
-  const double found = golden_section_minimum(std::max(best - 1, 0) * step, std::min(best + 1, kScan) * step,
-                                              0.02 * step, error_at);
+  const double found =
+      minimum_between(std::max(best - 1, 0) * step, std::min(best + 1, kScan) * step, 0.02 * step, error_at);
   return error_at(found) < error_at(0.0) ? found : 0.0;
 }
 

@@ -59,8 +59,6 @@ DriveSearch::DriveSearch(const chain::Chain& chain, const TimeRecord& reference,
   target_ = options.preview ? reference.u : later_by(reference.u, delay_s_ / reference.step_s);
 }
 
-/// Of a block that has none of its own: through the straight line that comes nearest to what it does with the
-/// wanted signal itself.
 chain::FoundInput DriveSearch::inverse_of_block(std::size_t index, const chain::WantedOutput& wanted,
                                                 bool first) {
   const chain::Block& block = chain_.blocks[index];
@@ -68,25 +66,30 @@ chain::FoundInput DriveSearch::inverse_of_block(std::size_t index, const chain::
   if (first) without_inverse_.push_back(fmt::format("block {} ({})", index + 1, block.type_name()));
   chain::Chain alone;
   alone.blocks = {block};
-  simulate::RecordSimulator one(alone, wanted.step_s, record_options(options_, reference_));
-  const auto y = one.run(wanted.values);
+  return {by_straight_line(alone, wanted.values), {}};
+}
+
+std::vector<double> DriveSearch::by_straight_line(const chain::Chain& blocks,
+                                                  const std::vector<double>& wanted) const {
+  simulate::RecordSimulator one(blocks, reference_.step_s, record_options(options_, reference_));
+  const auto y = one.run(wanted);
   double mean_u = 0.0;
   double mean_y = 0.0;
   const auto n = static_cast<double>(y.size());
   for (std::size_t i = 0; i < y.size(); ++i) {
-    mean_u += wanted.values[i] / n;
+    mean_u += wanted[i] / n;
     mean_y += y[i] / n;
   }
   double uu = 0.0;
   double uy = 0.0;
   for (std::size_t i = 0; i < y.size(); ++i) {
-    uu += (wanted.values[i] - mean_u) * (wanted.values[i] - mean_u);
-    uy += (wanted.values[i] - mean_u) * (y[i] - mean_y);
+    uu += (wanted[i] - mean_u) * (wanted[i] - mean_u);
+    uy += (wanted[i] - mean_u) * (y[i] - mean_y);
   }
   const double gain = uu > 0.0 ? uy / uu : 0.0;
-  chain::FoundInput out{wanted.values, {}};
+  std::vector<double> out = wanted;
   if (!std::isfinite(gain) || gain == 0.0) return out;
-  for (double& value : out.values) value = mean_u + (value - mean_y) / gain;
+  for (double& value : out) value = mean_u + (value - mean_y) / gain;
   return out;
 }
 
@@ -125,6 +128,15 @@ void DriveSearch::by_structure() {
     output_ = std::move(y);
   }
   smoothing_ = best;
+  if (error_rms() > 1e-3 * (*high - *low)) {
+    // An inverse of many blocks may be worse than none.
+    std::vector<double> u = permitted(by_straight_line(chain_, reference_.u));
+    std::vector<double> y = output(u);
+    if (cost(u, y) < cost(drive_, output_)) {
+      drive_ = std::move(u);
+      output_ = std::move(y);
+    }
+  }
   // A spring that runs away: smaller drives, until one can be simulated.
   for (int tries = 0; tries < 12 && output_.empty(); ++tries) {
     const double middle = drive_.front();

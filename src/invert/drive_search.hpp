@@ -3,8 +3,8 @@
 #include <vector>
 
 #include "chain/inverse.hpp"
-#include "invert/compensation.hpp"
 #include "invert/local_model.hpp"
+#include "invert/options.hpp"
 #include "simulate/record_simulator.hpp"
 
 namespace bodesmith::invert {
@@ -36,6 +36,8 @@ class DriveSearch {
   /// `first`: notes what has no inverse and what is out of reach.
   std::vector<double> structure_for(const std::vector<double>& aim, bool first);
   chain::FoundInput inverse_of_block(std::size_t index, const chain::WantedOutput& wanted, bool first);
+  /// Through the straight line that comes nearest to what the blocks do with the wanted signal itself.
+  std::vector<double> by_straight_line(const chain::Chain& blocks, const std::vector<double>& wanted) const;
   std::vector<double> permitted(std::vector<double> u) const;
   std::vector<double> output(const std::vector<double>& u);
   Signals signals(const std::vector<double>& u);

@@ -6,9 +6,9 @@
 namespace bodesmith::kicad {
 namespace {
 
-using circuit::Branch;
-using circuit::OpAmp;
-using circuit::Part;
+using schematic::Branch;
+using schematic::OpAmp;
+using schematic::Part;
 
 constexpr int kPitch = 8;      // between rows of parts
 constexpr int kPartWidth = 8;  // a part and a step of wire on both sides
@@ -327,7 +327,7 @@ std::vector<Cell> stage_cells(const std::vector<Part>& parts, const std::vector<
   std::set<std::string> terminals = {"0", in, out};
   terminals.insert(named.begin(), named.end());
   for (const OpAmp& opamp : opamps) terminals.insert({opamp.plus, opamp.minus, opamp.out});
-  std::vector<Branch> rest = circuit::series_parallel_branches(parts, terminals);
+  std::vector<Branch> rest = schematic::series_parallel_branches(parts, terminals);
   std::vector<Cell> cells;
   std::string before = in;
   for (const OpAmp& opamp : opamps) {

@@ -6,8 +6,8 @@
 #include <string>
 #include <vector>
 
-#include "circuit/parts/series_parallel.hpp"
 #include "kicad/drawing.hpp"
+#include "schematic/series_parallel.hpp"
 
 namespace bodesmith::kicad {
 
@@ -32,16 +32,16 @@ struct Cell {
 };
 
 /// The texts of a part's symbol: reference, value, footprint and fields.
-using PartTexts = std::function<Symbol(const circuit::Part&)>;
+using PartTexts = std::function<Symbol(const schematic::Part&)>;
 
 /// The cells of one stage, op-amps in their order. Around every op-amp: its own feedback above (for the lower
 /// input below), what leads to its inputs on the left, the parts of an inner node that also goes to the
 /// output or to ground (Sallen-Key, multiple feedback) between them; every other net by its name. `named`: nodes
 /// that something beyond these parts needs.
-std::vector<Cell> stage_cells(const std::vector<circuit::Part>& parts,
-                              const std::vector<circuit::OpAmp>& opamps, const std::string& in,
+std::vector<Cell> stage_cells(const std::vector<schematic::Part>& parts,
+                              const std::vector<schematic::OpAmp>& opamps, const std::string& in,
                               const std::string& out, const PartTexts& texts,
-                              const std::function<Symbol(const circuit::OpAmp&)>& opamp_symbol,
+                              const std::function<Symbol(const schematic::OpAmp&)>& opamp_symbol,
                               const std::set<std::string>& named = {});
 
 }  // namespace bodesmith::kicad

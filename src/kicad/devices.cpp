@@ -196,8 +196,8 @@ Cell package_supply_cell(Symbol unit, const std::array<std::string, 2>& capacito
   drawing.supply("VCC", {0, -6}, "VCC");
   drawing.supply("VEE", {0, 6}, "VEE");
   for (const bool upper : {true, false}) {
-    circuit::Part part;
-    part.kind = circuit::Part::Kind::capacitor;
+    schematic::Part part;
+    part.kind = schematic::Part::Kind::capacitor;
     Symbol texts;
     texts.reference = capacitors[upper ? 0 : 1];
     texts.value = "100n";

@@ -39,10 +39,10 @@ void Drawing::symbol(Symbol symbol, const std::vector<Tap>& pins) {
   symbols.push_back(std::move(symbol));
 }
 
-void Drawing::part(const circuit::Part& part, const Symbol& like, Point at, bool horizontal,
+void Drawing::part(const schematic::Part& part, const Symbol& like, Point at, bool horizontal,
                    const std::string& first, const std::string& second) {
   Symbol out = like;
-  const bool resistor = part.kind == circuit::Part::Kind::resistor;
+  const bool resistor = part.kind == schematic::Part::Kind::resistor;
   out.kind = resistor ? "R" : "C";
   out.at = at;
   out.angle = horizontal ? 90 : 0;

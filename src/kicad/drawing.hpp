@@ -74,7 +74,7 @@ class Drawing {
   void wire(Point a, Point b, const std::string& net);
   void label(Label label);
   /// A resistor or capacitor centred at `at`, its pins 3 steps away on both sides.
-  void part(const circuit::Part& part, const Symbol& like, Point at, bool horizontal,
+  void part(const schematic::Part& part, const Symbol& like, Point at, bool horizontal,
             const std::string& first, const std::string& second);
   /// GND, VCC, VEE or PWR_FLAG with its pin at `at`.
   void supply(const std::string& kind, Point at, const std::string& net, int angle = 0);

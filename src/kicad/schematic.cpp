@@ -12,18 +12,19 @@
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "base/whole_number.hpp"
-#include "circuit/references.hpp"
 #include "circuit/text.hpp"
 #include "kicad/bom.hpp"
 #include "kicad/cell.hpp"
 #include "kicad/devices.hpp"
 #include "kicad/sheet_rows.hpp"
 #include "kicad/text.hpp"
+#include "schematic/plain_number.hpp"
+#include "schematic/references.hpp"
 
 namespace bodesmith::kicad {
 namespace {
 
-using circuit::plain_number;
+using schematic::plain_number;
 
 /// Sizes in which stable dielectrics (C0G to 100 nF, film above) are sold.
 const char* capacitor_footprint(double farad) {
@@ -37,7 +38,8 @@ class Schematic {
  public:
   Schematic(const circuit::Circuit& circuit, const circuit::Tolerances& tolerances)
       : circuit_(circuit), tolerances_(tolerances) {
-    const std::vector<std::string> references = circuit::part_references(circuit);
+    schematic::ReferenceCounter counter;
+    const std::vector<std::string> references = schematic::part_references(circuit, counter);
     for (size_t i = 0; i < references.size(); ++i) references_[circuit.parts[i].name] = references[i];
     for (size_t i = 0; i < circuit.stages.size(); ++i) groups_.push_back(stage_group(i));
     board_ = board_groups();
@@ -174,8 +176,8 @@ class Schematic {
     throw std::logic_error("the net " + net + " has no label to lead it out of the sheet");
   }
 
-  Symbol texts_of(const circuit::Part& part) const {
-    const bool resistor = part.kind == circuit::Part::Kind::resistor;
+  Symbol texts_of(const schematic::Part& part) const {
+    const bool resistor = part.kind == schematic::Part::Kind::resistor;
     const char* const unit = resistor ? " ohm" : " F";
     Symbol out;
     out.reference = references_.at(part.name);
@@ -188,36 +190,36 @@ class Schematic {
          rounded_text(resistor ? tolerances_.resistor_percent : tolerances_.capacitor_percent) + "%"},
         {"Wanted", plain_number(part.wanted) + unit},
         {"Realised", plain_number(part.realised) + unit},
-        {"Section", std::to_string(part.stage + 1)}};
+        {"Section", std::to_string(part.group + 1)}};
     return out;
   }
 
   /// A unit of a package; the power unit comes after the op-amps.
   Symbol opamp_unit(int package, int unit) const {
-    return opamp_symbol(fmt::format("U{}", package + 1), circuit_.model.name, circuit_.model.per_package,
+    return opamp_symbol(fmt::format("U{}", package + 1), circuit_.opamp.name, circuit_.opamp.per_package,
                         unit);
   }
 
   Group stage_group(size_t index) const {
     const circuit::Stage& stage = circuit_.stages[index];
-    const std::span<const circuit::Part> placed = circuit_.parts_of(stage);
-    const std::vector<circuit::Part> parts(placed.begin(), placed.end());
-    std::vector<circuit::OpAmp> opamps;
-    for (const circuit::OpAmp& opamp : circuit_.opamps) {
-      if (opamp.stage == index) opamps.push_back(opamp);
+    const std::span<const schematic::Part> placed = circuit_.parts_of(stage);
+    const std::vector<schematic::Part> parts(placed.begin(), placed.end());
+    std::vector<schematic::OpAmp> opamps;
+    for (const schematic::OpAmp& opamp : circuit_.opamps) {
+      if (opamp.group == index) opamps.push_back(opamp);
     }
     Group out;
     out.in = stage.in;
     out.out = stage.out;
     out.cells = stage_cells(
-        parts, opamps, stage.in, stage.out, [&](const circuit::Part& part) { return texts_of(part); },
-        [&](const circuit::OpAmp& opamp) {
+        parts, opamps, stage.in, stage.out, [&](const schematic::Part& part) { return texts_of(part); },
+        [&](const schematic::OpAmp& opamp) {
           const auto place =
               std::find_if(circuit_.opamps.begin(), circuit_.opamps.end(),
-                           [&](const circuit::OpAmp& other) { return other.name == opamp.name; });
+                           [&](const schematic::OpAmp& other) { return other.name == opamp.name; });
           const int number = static_cast<int>(place - circuit_.opamps.begin());
           Symbol symbol =
-              opamp_unit(number / circuit_.model.per_package, number % circuit_.model.per_package);
+              opamp_unit(number / circuit_.opamp.per_package, number % circuit_.opamp.per_package);
           symbol.fields = {{"Netlist", opamp.name}, {"Section", std::to_string(index + 1)}};
           return symbol;
         });
@@ -233,16 +235,16 @@ class Schematic {
   /// Connectors, supplies, and the packages' power units with their capacitors.
   std::vector<Group> board_groups() const {
     std::vector<Group> out(1);
-    circuit::ReferenceCounter counter;
-    for (const circuit::Part& part : circuit_.parts) {
-      if (part.kind == circuit::Part::Kind::capacitor) counter.next("C");
+    schematic::ReferenceCounter counter;
+    for (const schematic::Part& part : circuit_.parts) {
+      if (part.kind == schematic::Part::Kind::capacitor) counter.next("C");
     }
     Group& connectors = out[0];
     connectors.text = "connectors, supplies, 100 nF at every supply pin";
     connectors.cells.push_back(connector_cell("J1", "in"));
     connectors.cells.push_back(connector_cell("J2", "out"));
     connectors.cells.push_back(supply_connector_cell("J3", "VCC", "VEE"));
-    const int per = circuit_.model.per_package;
+    const int per = circuit_.opamp.per_package;
     const int packages = (static_cast<int>(circuit_.opamps.size()) + per - 1) / per;
     for (int i = 0; i < packages; ++i) {
       Group group;
@@ -277,7 +279,7 @@ void add_kicad_files(const circuit::Circuit& circuit, const std::string& title, 
                      const circuit::Tolerances& tolerances) {
   const std::vector<Sheet> sheets = Schematic(circuit, tolerances).sheets();
   const std::vector<std::string> texts =
-      sheet_texts(sheets, title, fmt::format("bodesmith {}; op-amps {}", kVersion, circuit.model.name));
+      sheet_texts(sheets, title, fmt::format("bodesmith {}; op-amps {}", kVersion, circuit.opamp.name));
   for (size_t i = 0; i < sheets.size(); ++i) out.add(sheets[i].file, texts[i]);
   Json project;
   project["meta"] = {{"filename", "compensator.kicad_pro"}, {"version", 1}};

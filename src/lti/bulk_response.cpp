@@ -112,7 +112,7 @@ BODESMITH_CLONES void response_lanes(const double* w, Complex* out, std::size_t 
 
 }  // namespace
 
-BulkResponse::BulkResponse(const Sections& sections) : gain_(sections.gain) {
+BulkResponse::BulkResponse(const Sections& sections) : gain_(sections.gain), delay_s_(sections.delay_s) {
   // First-order sections go two by two.
   std::vector<Complex> waiting_zeros;
   std::vector<Complex> waiting_poles;
@@ -164,26 +164,36 @@ void BulkResponse::responses(std::span<const RadPerSecond> w, std::span<std::com
     response_lanes(lanes, out.data() + i, count, gain_, numerators_.data(), denominators_.data(),
                    numerators_.size());
   }
+  if (delay_s_ == 0.0) return;
+  for (std::size_t i = 0; i < w.size(); ++i) out[i] *= std::polar(1.0, -w[i].value * delay_s_);
 }
 
-std::vector<std::complex<double>> responses(const Sections& sections, const std::vector<Hertz>& grid) {
+void for_pieces(const Sections& sections, const std::vector<Hertz>& grid, const PieceOfResponse& use) {
   const std::size_t n = grid.size();
-  std::vector<Complex> out(n);
   const BulkResponse bulk(sections);
-  constexpr std::size_t kPiece = 8192;
+  constexpr std::size_t kPiece =
+      4096;  // 64 kB of responses: they stay in the second cache until they are used
   const int threads = n >= 8 * kPiece ? thread_count(0) : 1;
   parallel_for((n + kPiece - 1) / kPiece, threads, [&](std::size_t piece) {
     const std::size_t begin = piece * kPiece;
-    const std::size_t end = std::min(n, begin + kPiece);
-    std::vector<RadPerSecond> w;
-    w.reserve(end - begin);
-    for (std::size_t i = begin; i < end; ++i) w.push_back(grid[i].rad_s());
-    bulk.responses(w, std::span(out).subspan(begin, end - begin));
-    for (std::size_t i = begin; i < end; ++i) {
-      const double size = std::norm(out[i]);
+    const std::size_t count = std::min(n - begin, kPiece);
+    std::vector<RadPerSecond> w(count);
+    std::vector<Complex> h(count);
+    for (std::size_t i = 0; i < count; ++i) w[i] = grid[begin + i].rad_s();
+    bulk.responses(w, h);
+    for (std::size_t i = 0; i < count; ++i) {
+      const double size = std::norm(h[i]);
       // Written so that a NaN counts as outside.
-      if (!(size > 1e-200 && size < 1e200)) out[i] = sections.response(w[i - begin]);
+      if (!(size > 1e-200 && size < 1e200)) h[i] = sections.response(w[i]);
     }
+    use(begin, h);
+  });
+}
+
+std::vector<std::complex<double>> responses(const Sections& sections, const std::vector<Hertz>& grid) {
+  std::vector<Complex> out(grid.size());
+  for_pieces(sections, grid, [&out](std::size_t begin, std::span<const Complex> h) {
+    std::copy(h.begin(), h.end(), out.begin() + static_cast<std::ptrdiff_t>(begin));
   });
   return out;
 }

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -29,12 +30,17 @@ class BulkResponse {
 
  private:
   double gain_ = 1.0;
+  double delay_s_ = 0.0;
   // One numerator beside each denominator; constants (1) where there is no zero.
   std::vector<Quadratic> numerators_;
   std::vector<Quadratic> denominators_;
 };
 
 /// H(j2πf) at every frequency: BulkResponse, and Sections::response() where its products leave the range of a double.
+/// Handed on in pieces, several threads at once on long grids: use(place of the first, responses).
+using PieceOfResponse = std::function<void(std::size_t, std::span<const std::complex<double>>)>;
+void for_pieces(const Sections& sections, const std::vector<Hertz>& grid, const PieceOfResponse& use);
+/// The same in one array.
 std::vector<std::complex<double>> responses(const Sections& sections, const std::vector<Hertz>& grid);
 
 }  // namespace bodesmith

@@ -1,36 +1,80 @@
 #include "lti/level_and_phase.hpp"
 
 #include <cmath>
+#include <numbers>
 
 #include "base/units.hpp"
-#include "numeric/parallel_for.hpp"
+#include "lti/bulk_response.hpp"
+#include "numeric/clones.hpp"
+
+// glibc's libmvec has both of these for two and four doubles at once, within 4 units in the last place; GCC is told here, as
+// <cmath> tells it only under -ffast-math. Elsewhere the loop below calls the scalar ones.
+#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
+extern "C" {
+__attribute__((__simd__("notinbranch"), __const__)) double log(double) noexcept;
+__attribute__((__simd__("notinbranch"), __const__)) double atan2(double, double) noexcept;
+}
+#endif
 
 namespace bodesmith {
+namespace {
 
-LevelAndPhase level_and_phase(std::span<const std::complex<double>> response) {
-  const std::size_t n = response.size();
+constexpr double kDecibelPerLog = 10.0 / std::numbers::ln10;  // of a square
+constexpr double kDegreesPerRadian = 180.0 / std::numbers::pi;
+
+BODESMITH_CLONES void levels_and_angles(const std::complex<double>* response, double* level_db,
+                                        double* angle_deg, std::size_t count) {
+  const auto* parts =
+      reinterpret_cast<const double*>(response);  // [complex.numbers.general]: re, im, re, ...
+  for (std::size_t i = 0; i < count; ++i) {
+    const double re = parts[2 * i];
+    const double im = parts[2 * i + 1];
+    level_db[i] = kDecibelPerLog * ::log(re * re + im * im);
+    angle_deg[i] = kDegreesPerRadian * ::atan2(im, re);
+  }
+}
+
+/// One piece, the turns not yet followed.
+void put(std::span<const std::complex<double>> response, std::size_t begin, LevelAndPhase& out) {
+  levels_and_angles(response.data(), &out.magnitude_db[begin], &out.phase_deg[begin], response.size());
+  for (std::size_t i = 0; i < response.size(); ++i) {
+    // The square of a gain may leave the range of a double where the gain does not.
+    constexpr double kSafeDb = 2900.0;
+    double& level = out.magnitude_db[begin + i];
+    if (!(std::abs(level) < kSafeDb)) level = to_decibel(std::abs(response[i]));
+  }
+}
+
+LevelAndPhase of_length(std::size_t n) {
   LevelAndPhase out;
   out.magnitude_db.resize(n);
   out.phase_deg.resize(n);
-  // Logarithms and angles side by side; only the turns depend on the value before.
-  constexpr std::size_t kPiece = 8192;
-  parallel_for((n + kPiece - 1) / kPiece, n > 2 * kPiece ? thread_count(0) : 1, [&](std::size_t piece) {
-    const std::size_t end = std::min(n, (piece + 1) * kPiece);
-    for (std::size_t i = piece * kPiece; i < end; ++i) {
-      const std::complex<double> h = response[i];
-      const double square = std::norm(h);
-      // The square of a gain may leave the range of a double where the gain does not.
-      const bool safe = square > 1e-290 && square < 1e290;
-      out.magnitude_db[i] = safe ? 10.0 * std::log10(square) : to_decibel(std::abs(h));
-      out.phase_deg[i] = to_degrees(std::arg(h));
-    }
-  });
+  return out;
+}
+
+void follow_turns(std::vector<double>& phase_deg) {
   double turns = 0.0;
-  for (std::size_t i = 1; i < n; ++i) {
-    const double step = out.phase_deg[i] + turns - out.phase_deg[i - 1];
+  for (std::size_t i = 1; i < phase_deg.size(); ++i) {
+    const double step = phase_deg[i] + turns - phase_deg[i - 1];
     if (std::abs(step) > 180.0) turns -= 360.0 * std::round(step / 360.0);
-    out.phase_deg[i] += turns;
+    phase_deg[i] += turns;
   }
+}
+
+}  // namespace
+
+LevelAndPhase level_and_phase(std::span<const std::complex<double>> response) {
+  LevelAndPhase out = of_length(response.size());
+  if (!response.empty()) put(response, 0, out);
+  follow_turns(out.phase_deg);
+  return out;
+}
+
+LevelAndPhase level_and_phase(const Sections& sections, const std::vector<Hertz>& grid) {
+  LevelAndPhase out = of_length(grid.size());
+  for_pieces(sections, grid,
+             [&out](std::size_t begin, std::span<const std::complex<double>> h) { put(h, begin, out); });
+  follow_turns(out.phase_deg);
   return out;
 }
 

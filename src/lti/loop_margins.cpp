@@ -1,29 +1,42 @@
 #include "lti/loop_margins.hpp"
 
-#include "numeric/golden_section.hpp"
-
 #include <algorithm>
+#include <boost/math/tools/toms748_solve.hpp>
 #include <cmath>
 #include <numbers>
 
 #include "base/json.hpp"
+#include "numeric/minimum.hpp"
 
 namespace bodesmith {
 namespace {
 
 using Complex = std::complex<double>;
 
-/// Where `value` changes its sign between two frequencies, by halving in log frequency.
-Hertz sign_change(const std::function<double(Hertz)>& value, Hertz from, Hertz to) {
-  const bool rising = value(from) < 0.0;
-  double low = std::log(from.value);
-  double high = std::log(to.value);
-  while (high - low > 1e-13) {
-    const double middle = 0.5 * (low + high);
-    if (middle <= low || middle >= high) break;
-    (value(Hertz{std::exp(middle)}) < 0.0) == rising ? low = middle : high = middle;
-  }
-  return Hertz{std::exp(0.5 * (low + high))};
+/// ln |L|, within what a search for its zero can reckon with.
+double log_gain(Complex l) {
+  constexpr double kMost = 700.0;  // of ln of a double
+  return std::clamp(std::log(std::abs(l)), -kMost, kMost);
+}
+
+/// The sine of its phase.
+double sine_of(Complex l) {
+  return l == 0.0 ? 0.0 : l.imag() / std::abs(l);
+}
+
+/// Where `value` of the loop changes its sign between two frequencies.
+Hertz sign_change(const Loop& loop, double (*value)(Complex), Hertz from, Hertz to) {
+  const auto at = [&](double log_f) { return value(loop(Hertz{std::exp(log_f)})); };
+  const double low = std::log(from.value);
+  const double high = std::log(to.value);
+  const double at_low = at(low);
+  const double at_high = at(high);
+  // exp(log(f)) may round across a zero that lies on the grid.
+  if (at_low * at_high >= 0.0) return std::abs(at_low) < std::abs(at_high) ? from : to;
+  std::uintmax_t most = 100;
+  const auto [a, b] = boost::math::tools::toms748_solve(at, low, high, at_low, at_high,
+                                                        boost::math::tools::eps_tolerance<double>(50), most);
+  return Hertz{std::exp(0.5 * (a + b))};
 }
 
 LoopMargins::GainCrossing gain_crossing(const Loop& loop, Hertz f) {
@@ -35,13 +48,56 @@ LoopMargins::GainCrossing gain_crossing(const Loop& loop, Hertz f) {
   return out;
 }
 
-/// Largest of `value` near the best of a grid, by golden sections in log frequency.
+std::vector<Complex> on_grid(const Loop& loop, const std::vector<Hertz>& grid) {
+  std::vector<Complex> out;
+  for (const Hertz f : grid) out.push_back(loop(f));
+  return out;
+}
+
+std::vector<LoopMargins::GainCrossing> gain_crossings(const Loop& loop, const std::vector<Hertz>& grid,
+                                                      const std::vector<Complex>& values) {
+  std::vector<LoopMargins::GainCrossing> out;
+  for (std::size_t i = 1; i < grid.size(); ++i) {
+    if ((std::abs(values[i - 1]) < 1.0) != (std::abs(values[i]) < 1.0))
+      out.push_back(gain_crossing(loop, sign_change(loop, log_gain, grid[i - 1], grid[i])));
+  }
+  return out;
+}
+
+std::vector<LoopMargins::PhaseCrossing> phase_crossings(const Loop& loop, const std::vector<Hertz>& grid,
+                                                        const std::vector<Complex>& values) {
+  std::vector<LoopMargins::PhaseCrossing> out;
+  for (std::size_t i = 1; i < grid.size(); ++i) {
+    if ((values[i - 1].imag() < 0.0) == (values[i].imag() < 0.0)) continue;
+    const Hertz f = sign_change(loop, sine_of, grid[i - 1], grid[i]);
+    // Through 0 by way of infinity, or on the positive side, is no crossing of -180 degrees.
+    const Complex l = loop(f);
+    if (l.real() < 0.0 && std::abs(l.imag()) < 1e-3 * std::abs(l))
+      out.push_back({f, -to_decibel(std::abs(l))});
+  }
+  return out;
+}
+
+/// How far 1 + L turns round 0 over the grid. Near -1 a step of the grid may go half round it: the crossings, on either side
+/// of -1, are steps as well.
+double turn_with_crossings(const Loop& loop, std::vector<Hertz> grid, const LoopMargins& found) {
+  for (const auto& crossing : found.gain_crossings) grid.push_back(crossing.frequency);
+  for (const auto& crossing : found.phase_crossings) grid.push_back(crossing.frequency);
+  std::sort(grid.begin(), grid.end());
+  const std::vector<Complex> values = on_grid(loop, grid);
+  double out = 0.0;
+  for (std::size_t i = 1; i < values.size(); ++i)
+    if (values[i - 1] != -1.0) out += std::arg((1.0 + values[i]) / (1.0 + values[i - 1]));
+  return out;
+}
+
+/// Largest of `value` near the best of a grid.
 Hertz refine_peak(const std::function<double(Hertz)>& value, const std::vector<Hertz>& grid,
                   std::size_t best) {
   const double low = std::log(grid[best > 0 ? best - 1 : 0].value);
   const double high = std::log(grid[std::min(best + 1, grid.size() - 1)].value);
-  return Hertz{std::exp(
-      golden_section_minimum(low, high, 1e-9, [&](double x) { return -value(Hertz{std::exp(x)}); }))};
+  return Hertz{
+      std::exp(minimum_between(low, high, 1e-9, [&](double x) { return -value(Hertz{std::exp(x)}); }))};
 }
 
 /// Change of arg(1 + L) between two frequencies, halved until no step turns far. Nothing when that does not end.
@@ -81,37 +137,56 @@ const LoopMargins::PhaseCrossing* LoopMargins::least_gain_margin() const {
   return least == phase_crossings.end() ? nullptr : &*least;
 }
 
+double LoopMargins::phase_margin_deg() const {
+  const GainCrossing* least = least_phase_margin();
+  const double size = least == nullptr ? 180.0 : std::abs(least->phase_margin_deg);
+  return encircles ? -size : size;
+}
+
+std::optional<double> LoopMargins::gain_margin_db() const {
+  std::optional<double> out;
+  if (lowest.real() < 0.0) out = -to_decibel(-lowest.real());
+  for (const PhaseCrossing& c : phase_crossings)
+    out = std::min(out.value_or(c.gain_margin_db), c.gain_margin_db);
+  return out;
+}
+
+Loop interpolated_loop(std::vector<Hertz> grid, std::vector<Complex> values) {
+  return [grid = std::move(grid), values = std::move(values)](Hertz f) {
+    const auto above = std::upper_bound(grid.begin(), grid.end(), f);
+    const auto i = static_cast<std::size_t>(
+        std::clamp<std::ptrdiff_t>(above - grid.begin(), 1, static_cast<std::ptrdiff_t>(grid.size()) - 1));
+    const double t = std::log(f.value / grid[i - 1].value) / std::log(grid[i].value / grid[i - 1].value);
+    const Complex a = values[i - 1];
+    const Complex b = values[i];
+    if (a == 0.0 || b == 0.0) return a + t * (b - a);
+    return a * std::polar(std::pow(std::abs(b / a), t), t * std::arg(b / a));
+  };
+}
+
+std::vector<LoopMargins::GainCrossing> gain_crossings(const Loop& loop, const std::vector<Hertz>& grid) {
+  return gain_crossings(loop, grid, on_grid(loop, grid));
+}
+
 LoopMargins loop_margins(const Loop& loop, const std::vector<Hertz>& grid) {
   LoopMargins out;
-  const auto excess = [&loop](Hertz f) { return std::log(std::abs(loop(f))); };
-  const auto imaginary = [&loop](Hertz f) { return loop(f).imag(); };
-  const auto sensitivity = [&loop](Hertz f) { return 1.0 / std::abs(1.0 + loop(f)); };
-  std::size_t peak = 0;
-  Complex before;
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    const Complex now = loop(grid[i]);
-    if (const double s = 1.0 / std::abs(1.0 + now); i == 0 || s > out.max_sensitivity) {
-      out.max_sensitivity = s;
-      peak = i;
-    }
-    if (i > 0) {
-      if ((std::abs(before) < 1.0) != (std::abs(now) < 1.0))
-        out.gain_crossings.push_back(gain_crossing(loop, sign_change(excess, grid[i - 1], grid[i])));
-      if ((before.imag() < 0.0) != (now.imag() < 0.0)) {
-        const Hertz f = sign_change(imaginary, grid[i - 1], grid[i]);
-        // Through 0 by way of infinity, or on the positive side, is no crossing of -180 degrees.
-        const Complex l = loop(f);
-        if (l.real() < 0.0 && std::abs(l.imag()) < 1e-3 * std::abs(l))
-          out.phase_crossings.push_back({f, -to_decibel(std::abs(l))});
-      }
-    }
-    before = now;
-  }
-  if (!grid.empty()) {
-    out.max_sensitivity_at = refine_peak(sensitivity, grid, peak);
-    out.max_sensitivity = std::max(out.max_sensitivity, sensitivity(out.max_sensitivity_at));
-  }
+  if (grid.size() < 2) return out;
+  const std::vector<Complex> values = on_grid(loop, grid);
+  out.lowest = values.front();
+  out.gain_crossings = gain_crossings(loop, grid, values);
+  out.phase_crossings = phase_crossings(loop, grid, values);
+  out.encircles = std::abs(turn_with_crossings(loop, grid, out)) > std::numbers::pi;
+  const auto distance = [](Complex l) { return std::abs(1.0 + l); };
+  const auto nearest = std::min_element(values.begin(), values.end(),
+                                        [&](Complex a, Complex b) { return distance(a) < distance(b); });
+  const auto sensitivity = [&](Hertz f) { return 1.0 / distance(loop(f)); };
+  out.max_sensitivity_at = refine_peak(sensitivity, grid, static_cast<std::size_t>(nearest - values.begin()));
+  out.max_sensitivity = std::max(1.0 / distance(*nearest), sensitivity(out.max_sensitivity_at));
   return out;
+}
+
+LoopMargins loop_margins(const std::vector<Hertz>& grid, const std::vector<Complex>& values) {
+  return loop_margins(interpolated_loop(grid, values), grid);
 }
 
 std::optional<bool> closed_loop_is_stable(const Sections& loop) {

@@ -26,20 +26,36 @@ struct LoopMargins {
   /// Largest |1/(1 + L)|, the reciprocal of the distance from -1, over the grid's band.
   double max_sensitivity = 0.0;
   Hertz max_sensitivity_at;
+  std::complex<double> lowest;  ///< L at the lowest frequency
+  bool encircles = false;       ///< 1 + L turns by more than half a turn round 0 over the grid
 
   /// The crossing nearest to instability; null without crossings.
   const GainCrossing* least_phase_margin() const;
   const PhaseCrossing* least_gain_margin() const;
+  /// Of an L that is stable by itself and finite at rest: the least |phase margin|, below 0 where 1 + L goes round 0
+  /// (unstable); 180 without a crossing.
+  double phase_margin_deg() const;
+  /// By how much such a loop's gain may grow until L reaches -1 (below 0: it is beyond), an L below 0 at rest counted;
+  /// nothing where it may grow without end.
+  std::optional<double> gain_margin_db() const;
 };
 
 using Loop = std::function<std::complex<double>(Hertz)>;
 
+/// A loop known at some frequencies: between them ln |L| and its phase go straight over ln f.
+Loop interpolated_loop(std::vector<Hertz> grid, std::vector<std::complex<double>> values);
+
+/// Crossings of |L| = 1 between neighbours of the rising grid, found to 1e-12 of their frequency; two within one step are
+/// missed.
+std::vector<LoopMargins::GainCrossing> gain_crossings(const Loop& loop, const std::vector<Hertz>& grid);
+
 /// `gain_crossings`, `phase_crossings`, `max_sensitivity`, `max_sensitivity_hz`.
 Json to_json(const LoopMargins& margins);
 
-/// Crossings between neighbours of the rising grid, found to 1e-12 of their frequency; two crossings within one step
-/// of the grid are missed.
+/// All of them, crossings as gain_crossings() finds them.
 LoopMargins loop_margins(const Loop& loop, const std::vector<Hertz>& grid);
+/// The same of data, see interpolated_loop().
+LoopMargins loop_margins(const std::vector<Hertz>& grid, const std::vector<std::complex<double>>& values);
 
 /// Whether 1/(1 + L) is stable, by the turns of 1 + L(jw) round 0 (Nyquist), for L without poles in the right half
 /// plane. Nothing when L has such poles, or runs through -1.

@@ -297,6 +297,17 @@ PooledRoots pooled_roots(const Sections& sections) {
   return out;
 }
 
+Sections in_series(const std::vector<Sections>& parts) {
+  if (parts.size() == 1) return parts.front();
+  Sections out;
+  for (const Sections& part : parts) {
+    out.gain *= part.gain;
+    out.delay_s += part.delay_s;
+    out.sections.insert(out.sections.end(), part.sections.begin(), part.sections.end());
+  }
+  return out;
+}
+
 Sections as_biquads(const Sections& sections) {
   const PooledRoots roots = pooled_roots(sections);
   Sections out = make_sections(roots.gain, roots.zeros, roots.poles, {true});

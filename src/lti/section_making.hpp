@@ -32,6 +32,9 @@ PooledRoots pooled_roots(const Sections& sections);
 /// The same product with real poles two to a section where there are two; the stated error stays.
 Sections as_biquads(const Sections& sections);
 
+/// H(s) = prod_k H_k(s), their delays added; `error` is that of a single one, of several there is none.
+Sections in_series(const std::vector<Sections>& parts);
+
 /// Sections in another order (and, where all are of first order, with other pairs), same product.
 struct OrderedSections {
   Sections sections;

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "lti/integrators.hpp"
+#include "lti/judged_floor.hpp"
 
 namespace bodesmith {
 namespace {
@@ -182,12 +182,17 @@ ResponseDifference compare_responses(const std::vector<Hertz>& grid, const std::
     throw std::logic_error("responses of different length were compared");
   }
   ResponseDifference out;
+  double largest = 0.0;
+  for (const Complex& h : wanted) largest = std::max(largest, std::abs(h));
+  bool first = true;
   for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (std::abs(wanted[i]) < kJudgedFloor * largest) continue;
     const Complex ratio = got[i] / wanted[i];
     out.max_magnitude_db = std::max(out.max_magnitude_db, std::abs(to_decibel(std::abs(ratio))));
     out.max_phase_deg = std::max(out.max_phase_deg, std::abs(to_degrees(std::arg(ratio))));
     const double percent = 100.0 * std::abs(ratio - 1.0);
-    if (percent > out.max_complex_percent || i == 0) {
+    if (percent > out.max_complex_percent || first) {
+      first = false;
       out.max_complex_percent = percent;
       out.worst = grid[i];
     }

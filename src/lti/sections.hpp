@@ -74,4 +74,9 @@ ResponseDifference compare_responses(const std::vector<Hertz>& grid,
                                      const std::vector<std::complex<double>>& got,
                                      const std::vector<std::complex<double>>& wanted);
 
+/// A pole at the origin, all others in the left half plane.
+bool integrates(const Section& section);
+/// Some section has a pole at the origin.
+bool integrates(const Sections& sections);
+
 }  // namespace bodesmith

@@ -110,15 +110,20 @@ class Amplitude {
     output();
     rectifiers();
     for (size_t b = 0; b < layout_.branches.size(); ++b) control(b);
-    check_outputs(layout_, out_.multipliers);
+    gains();
+    check_outputs(layout_);
+    arrange(layout_);
     layout_.amplitude = std::move(out_);
     check();
   }
 
  private:
-  int resistor(std::string name, std::string role, std::string from, std::string to, double wanted,
-               double realised) {
-    return add_resistor(layout_, options_.resistors, std::move(name), "amplitude: " + std::move(role),
+  std::size_t group(std::string title) {
+    return add_group(layout_, std::move(title), schematic::Purpose::amplitude);
+  }
+  int resistor(std::size_t of, std::string name, std::string role, std::string from, std::string to,
+               double wanted, double realised) {
+    return add_resistor(layout_, options_.resistors, of, std::move(name), "amplitude: " + std::move(role),
                         std::move(from), std::move(to), wanted, realised);
   }
 
@@ -139,12 +144,16 @@ class Amplitude {
       feedback = r;
       break;
     }
-    out_.output_feedback =
-        resistor("Rga", "output amplifier, feedback in place of Rg", "mo", "out", feedback, feedback);
+    const std::size_t output_group = layout_.part(layout_.output_feedback).group;
+    out_.output_feedback = resistor(output_group, "Rga", "output amplifier, feedback in place of Rg", "mo",
+                                    "out", feedback, feedback);
     out_.control_scale_v = input * layout_.multiplier.scale_v / (layout_.branch_gain * feedback);
   }
 
   void rectifiers() {
+    const std::size_t first =
+        group("gains over the amplitude: -max(0, alpha - alpha_k) by precision rectifiers");
+    layout_.sources.push_back({"Vreference", "", "vr", -1.0, first});
     for (size_t k = 0; k < out_.alpha.size(); ++k) {
       double change = 0.0;
       for (const Bends& one : bends_) change = std::max(change, std::abs(one.change[k]));
@@ -152,7 +161,6 @@ class Amplitude {
       AmplitudeControl::Rectifier r;
       const size_t number = out_.rectifiers.size() + 1;
       const std::string minus = fmt::format("km{}", number);
-      r.opamp = fmt::format("UK{}", number);
       r.node = fmt::format("r{}", number);
       r.wanted = out_.alpha[k];
       double input = 20e3, reference = options_.resistors.nearest(input / r.wanted);
@@ -171,11 +179,18 @@ class Amplitude {
                         rounded_text(r.wanted)));
       }
       r.realised = input / reference;
-      const std::string what = fmt::format("bend at {}", rounded_text(r.wanted));
-      r.input = resistor(fmt::format("Rk{}i", number), what + ", input", "amplitude", minus, input, input);
-      r.reference = resistor(fmt::format("Rk{}r", number), what + ", from -1 V", "vr", minus,
+      const std::string what = fmt::format("bend at {}", rounded_text(r.wanted)), end = "k" + r.node;
+      const std::size_t here = group("alpha_k = " + rounded_text(r.realised, 6));
+      r.input =
+          resistor(here, fmt::format("Rk{}i", number), what + ", input", "amplitude", minus, input, input);
+      r.reference = resistor(here, fmt::format("Rk{}r", number), what + ", from -1 V", "vr", minus,
                              input / r.wanted, reference);
-      r.feedback = resistor(fmt::format("Rk{}f", number), what + ", feedback", minus, r.node, input, input);
+      r.feedback =
+          resistor(here, fmt::format("Rk{}f", number), what + ", feedback", minus, r.node, input, input);
+      add_diode(layout_, here, "D" + r.node + "a", "amplitude: " + what, r.node, end);
+      add_diode(layout_, here, "D" + r.node + "b", "amplitude: " + what, end, minus);
+      r.opamp =
+          add_opamp(layout_, {fmt::format("UK{}", number), "amplitude: " + what, here, "0", minus, end});
       place_.push_back(k);
       out_.rectifiers.push_back(std::move(r));
     }
@@ -211,16 +226,16 @@ class Amplitude {
     }
     AmplitudeControl::Control out;
     Sum negative;
-    out.sum.opamp = "UC" + number;
-    out.sum.what = "control voltage, " + layout_.branches[b].name;
-    out.sum.plus = negative.plus = "0";
-    out.sum.minus = "mc" + number;
-    out.sum.out = "c" + number;
     out.sum.peak_v = top;
-    negative.opamp = "UN" + number;
-    negative.what = "falling parts, " + layout_.branches[b].name;
-    negative.minus = "mn" + number;
-    negative.out = "n" + number;
+    const auto sum_group = [&](const std::string& what, const std::string& node) {
+      return group(fmt::format("{}: {}", what, node));
+    };
+    const bool falls_somewhere =
+        std::any_of(terms.begin(), terms.end(), [](const Term& one) { return one.weight < 0.0; });
+    const std::string what = "control voltage, " + layout_.branches[b].name,
+                      falling = "falling parts, " + layout_.branches[b].name;
+    const std::size_t negative_group = falls_somewhere ? sum_group(falling, "n" + number) : 0,
+                      own_group = sum_group(what, "c" + number);
     const Weights found =
         terms.empty() ? Weights{10e3, {}, 0.0} : search(terms, grid, wanted, options_.resistors);
     double sum_siemens = 0.0, negative_siemens = 0.0;
@@ -230,31 +245,43 @@ class Amplitude {
       if (found.ohm[k] > 10e6 || found.ohm[k] < 1e3) {
         throw DesignError("the amplitude gains are too far apart for resistors of 1 kohm to 10 Mohm");
       }
-      const int part = resistor(fmt::format("R{}{}_{}", falls ? "n" : "c", number, k),
-                                fmt::format("{}, {}", terms[k].role, layout_.branches[b].name), terms[k].node,
-                                sum.minus, found.feedback / std::abs(terms[k].weight), found.ohm[k]);
+      const int part =
+          resistor(falls ? negative_group : own_group, fmt::format("R{}{}_{}", falls ? "n" : "c", number, k),
+                   fmt::format("{}, {}", terms[k].role, layout_.branches[b].name), terms[k].node,
+                   (falls ? "mn" : "mc") + number, found.feedback / std::abs(terms[k].weight), found.ohm[k]);
       sum.terms.push_back({terms[k].node, part, false, -found.feedback / found.ohm[k]});
       (falls ? negative_siemens : sum_siemens) += 1.0 / found.ohm[k];
     }
-    const auto feedback = [&](Sum& sum, const std::string& letter) {
-      sum.feedback = resistor(fmt::format("R{}{}_f", letter, number), "feedback, " + sum.what, sum.minus,
-                              sum.out, found.feedback, found.feedback);
+    const auto finish = [&](Sum& sum, std::size_t of, const std::string& role, const std::string& letter,
+                            const char* name) {
+      sum.feedback = resistor(of, fmt::format("R{}{}_f", letter, number), "feedback, " + role,
+                              "m" + letter + number, letter + number, found.feedback, found.feedback);
+      sum.opamp = add_opamp(layout_, {name + number, role, of, "0", "m" + letter + number, letter + number});
     };
     if (!negative.terms.empty()) {
-      feedback(negative, "n");
+      finish(negative, negative_group, falling, "n", "UN");
       negative.noise_gain = 1.0 + negative_siemens * found.feedback;
-      const int part = resistor(fmt::format("Rc{}_n", number), "falling parts, " + layout_.branches[b].name,
-                                negative.out, out.sum.minus, found.feedback, found.feedback);
-      out.sum.terms.push_back({negative.out, part, false, -1.0});
+      const int part = resistor(own_group, fmt::format("Rc{}_n", number), falling, "n" + number,
+                                "mc" + number, found.feedback, found.feedback);
+      out.sum.terms.push_back({"n" + number, part, false, -1.0});
       sum_siemens += 1.0 / found.feedback;
       out.negative = std::move(negative);
     }
-    feedback(out.sum, "c");
+    finish(out.sum, own_group, what, "c", "UC");
     out.sum.noise_gain = 1.0 + sum_siemens * found.feedback;
-    out_.multipliers.push_back({"MV" + number, "voltage-controlled gain, " + layout_.branches[b].name,
-                                layout_.branches[b].out, out.sum.out, "0", "v" + number,
-                                layout_.branches[b].peak_v * top / layout_.multiplier.scale_v});
     out_.controls.push_back(std::move(out));
+  }
+
+  void gains() {
+    const std::size_t here = group("voltage-controlled gains");
+    for (std::size_t b = 0; b < layout_.branches.size(); ++b) {
+      const std::string number = fmt::format("{}", b + 1);
+      out_.multipliers.push_back(static_cast<int>(layout_.multipliers.size()));
+      layout_.multipliers.push_back(
+          {"MV" + number, "voltage-controlled gain, " + layout_.branches[b].name, here,
+           layout_.branches[b].out, "c" + number, "0", "v" + number,
+           layout_.branches[b].peak_v * out_.controls[b].sum.peak_v / layout_.multiplier.scale_v});
+    }
   }
 
   /// The parts' error, by the bench.

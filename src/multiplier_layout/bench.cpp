@@ -8,7 +8,7 @@ namespace bodesmith::multiplier_layout {
 
 Bench::Bench(const Layout& layout) : layout_(layout) {
   const size_t gains = layout.amplitude ? layout.branches.size() : 0;
-  multiplier.resize(layout.multipliers.size() + gains);
+  multiplier.resize(layout.multipliers.size());
   resistor.resize(layout.parts.size(), 0.0);
   offset.resize(layout.sums.size() + 1 + gains, 0.0);
   names_ = {{"0", 0}, {"x", 1}};
@@ -18,7 +18,7 @@ Bench::Bench(const Layout& layout) : layout_(layout) {
     std::vector<int> nodes;
     for (const Sum::Term& term : sum.terms) nodes.push_back(node(term.node));
     terms_.push_back(nodes);
-    sum_out_.push_back(node(sum.out));
+    sum_out_.push_back(node(layout.op(sum.opamp).out));
   }
   for (const Branch& branch : layout.branches) branch_out_.push_back(node(branch.out));
 }
@@ -48,7 +48,7 @@ std::vector<double> Bench::gains(const Sum& sum, double& noise_gain) const {
   }
   if (sum.balance >= 0) {
     r.balance = ohm(sum.balance);
-    r.balance_at_plus = layout_.part(sum.balance).from == sum.plus;
+    r.balance_at_plus = layout_.part(sum.balance).from == layout_.op(sum.opamp).plus;
     if (!r.balance_at_plus) minus += 1.0 / r.balance;
   }
   noise_gain = 1.0 + minus * r.feedback;
@@ -93,7 +93,7 @@ std::vector<double> Bench::run(size_t branch, const std::vector<double>& x,
     }
     for (const int index : wanted.multipliers) product(static_cast<size_t>(index));
     double end = v[static_cast<size_t>(branch_out_[branch])];
-    if (control) end = multiply(multiplier[layout_.multipliers.size() + branch], end, *control, 0.0);
+    if (control) end = multiply(multiplier[layout_.generator_multipliers() + branch], end, *control, 0.0);
     out.push_back(-gain * end + offset[layout_.sums.size()] * (1.0 + gain));
   }
   return out;
@@ -121,7 +121,7 @@ double Bench::control_v(size_t branch, double alpha) const {
     return out + off * noise_gain;
   };
   const AmplitudeControl::Control& control = amplitude.controls[branch];
-  if (control.negative) v[control.negative->out] = sum(*control.negative, 0.0);
+  if (control.negative) v[layout_.op(control.negative->opamp).out] = sum(*control.negative, 0.0);
   return sum(control.sum, offset[layout_.sums.size() + 1 + branch]);
 }
 

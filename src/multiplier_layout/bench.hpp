@@ -9,12 +9,6 @@
 
 namespace bodesmith::multiplier_layout {
 
-/// One multiplier's departures from W = X Y/U + Z:
-///   W = (X + x)(Y + y)/(U (1 + scale)) (1 + bend) + Z + w.
-struct MultiplierDeviation {
-  double x = 0.0, y = 0.0, w = 0.0, scale = 0.0, bend = 0.0;
-};
-
 /// The whole generator at rest with ideal op-amps (but for their offsets); everything that may be off is a
 /// member.
 class Bench {

@@ -59,8 +59,12 @@ class Budgeting {
   void resistors(bool of_amplitude, const ErrorLimits& errors) {
     for (size_t i = 0; i < layout_.parts.size(); ++i) {
       const Part& part = layout_.parts[i];
-      if (part.kind != Part::Kind::resistor || part.role.starts_with("slope detector")) continue;
-      if (part.role.starts_with("amplitude") != of_amplitude) continue;
+      const schematic::Purpose purpose = layout_.purpose_of(part.group);
+      if (part.kind != Part::Kind::resistor || purpose == schematic::Purpose::slope_sign) continue;
+      const bool is_amplitude =
+          purpose == schematic::Purpose::amplitude ||
+          (layout_.amplitude && static_cast<int>(i) == layout_.amplitude->output_feedback);
+      if (is_amplitude != of_amplitude) continue;
       line(part.name + ", tolerance",
            [&](Bench& bench) { bench.resistor[i] = errors.resistor_percent / 100.0; });
     }
@@ -104,7 +108,8 @@ void amplitude_budget(const Layout& layout, Budget& out) {
     return d;
   });
   for (size_t b = 0; b < amplitude.multipliers.size(); ++b) {
-    all.multiplier(amplitude.multipliers[b].name, layout.multipliers.size() + b, out.errors);
+    all.multiplier(layout.product(amplitude.multipliers[b]).name, layout.generator_multipliers() + b,
+                   out.errors);
     all.line("control op-amp of " + layout.branches[b].name + ", offset",
              [&](Bench& bench) { bench.offset[layout.sums.size() + 1 + b] = out.errors.opamp_offset_v; });
   }
@@ -124,10 +129,11 @@ Budget make_budget(const Layout& layout, const ErrorLimits& errors) {
   const size_t branches = layout.branches.size();
   const std::vector<double> x = points();
   Budgeting all(layout, [&](const Bench& bench, size_t b) { return bench.curve(b, x); });
-  for (size_t i = 0; i < layout.multipliers.size(); ++i)
+  for (size_t i = 0; i < layout.generator_multipliers(); ++i)
     all.multiplier(layout.multipliers[i].name, i, errors);
   for (size_t s = 0; s < layout.sums.size(); ++s) {
-    all.line("op-amp " + layout.sums[s].opamp + " of " + layout.sums[s].what + ", offset",
+    all.line("op-amp " + layout.op(layout.sums[s].opamp).name + " of " +
+                 layout.op(layout.sums[s].opamp).role + ", offset",
              [&](Bench& bench) { bench.offset[s] = errors.opamp_offset_v; });
   }
   all.line("output op-amp, offset",

@@ -8,9 +8,13 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "circuit/parts/summing_amplifier.hpp"
+#include "schematic/plain_number.hpp"
 
 namespace bodesmith::multiplier_layout {
 namespace {
+
+using schematic::plain_number;
+using schematic::Purpose;
 
 std::string power_node(int power) {
   return power == 1 ? "x" : fmt::format("x{}", power);
@@ -33,10 +37,16 @@ class Builder {
   }
 
   Layout build() {
+    powers_ = add_group(out_, "powers (shared by the branches) and groups: W = X Y/U + Z", Purpose::powers);
+    output_ = add_group(out_, "back to 1 V per unit of d", Purpose::output);
     powers();
     output();
     for (const Polynomial& one : input_.branches) branch(one);
+    out_.output_opamp = add_opamp(
+        out_, {fmt::format("U{}", out_.sums.size() + 1), "output amplifier", output_, "0", "mo", "out"});
+    branch_switch();
     detector();
+    arrange(out_);
     return std::move(out_);
   }
 
@@ -77,8 +87,8 @@ class Builder {
       if (!needed[static_cast<size_t>(k)]) continue;
       const auto [a, b] = factors(k, needed);
       const double top = level(options_.multiplier, k);
-      out_.multipliers.push_back({fmt::format("M{}", k), power_over_scale(k), power_node(a), power_node(b),
-                                  "0", power_node(k), top});
+      out_.multipliers.push_back({fmt::format("M{}", k), power_over_scale(k), powers_, power_node(a),
+                                  power_node(b), "0", power_node(k), top});
       warn_above(out_.multipliers.back().name, top);
     }
   }
@@ -101,9 +111,9 @@ class Builder {
     return {(k + 1) / 2, k / 2};
   }
 
-  int resistor(std::string name, std::string role, std::string from, std::string to, double wanted,
-               double realised) {
-    return add_resistor(out_, options_.resistors, std::move(name), std::move(role), std::move(from),
+  int resistor(std::size_t group, std::string name, std::string role, std::string from, std::string to,
+               double wanted, double realised) {
+    return add_resistor(out_, options_.resistors, group, std::move(name), std::move(role), std::move(from),
                         std::move(to), wanted, realised);
   }
 
@@ -162,8 +172,9 @@ class Builder {
     const double rin = options_.resistors.nearest(input);
     out_.branch_gain = (rin + on) / feedback;
     const std::string source = input_.branches.size() > 1 ? "sw" : "b1";
-    out_.output_input = resistor("Rin", "output amplifier, input", source, "mo", rin, rin);
-    out_.output_feedback = resistor("Rg", "output amplifier, feedback", "mo", "out", feedback, feedback);
+    out_.output_input = resistor(output_, "Rin", "output amplifier, input", source, "mo", rin, rin);
+    out_.output_feedback =
+        resistor(output_, "Rg", "output amplifier, feedback", "mo", "out", feedback, feedback);
   }
 
   void branch(const Polynomial& asked) {
@@ -194,8 +205,8 @@ class Builder {
       const double top = out_.branch_gain * chain_scale(j) * peak(tail);
       // M2 to M7 are the powers.
       out_.multipliers.push_back({fmt::format("M{}{}", letter.empty() ? "c" : letter, j),
-                                  fmt::format("group {} of {}", j, b.name), power_node(group_), inner, added,
-                                  out, top});
+                                  fmt::format("group {} of {}", j, b.name), powers_, power_node(group_),
+                                  inner, added, out, top});
       b.multipliers.push_back(static_cast<int>(out_.multipliers.size()) - 1);
       inner = out;
     }
@@ -213,11 +224,9 @@ class Builder {
   int sum(Branch& b, const std::vector<double>& a, int j, const std::string& letter,
           const std::string& suffix, const std::string& place, const std::string& node) {
     Sum out;
-    out.opamp = fmt::format("U{}", out_.sums.size() + 1);
-    out.what = b.name;
-    out.plus = "p" + place;
-    out.minus = "m" + place;
-    out.out = node;
+    const std::size_t group =
+        add_group(out_, fmt::format("{}: {}", b.name, node), schematic::Purpose::branch);
+    const std::string plus = "p" + place, minus = "m" + place;
     const double volts = out_.branch_gain * chain_scale(j);
     std::vector<double> gains, scale;
     for (size_t k = 0; k < a.size(); ++k) {
@@ -232,46 +241,86 @@ class Builder {
       const int power = j * group_ + static_cast<int>(k) + 1;
       const bool at_plus = gains[k] > 0.0;
       const std::string from = power_node(static_cast<int>(k) + 1);
-      const int part = resistor(
-          fmt::format("R{}{}", letter, power), fmt::format("weight of {}, {}", power_text(power), b.name),
-          from, at_plus ? out.plus : out.minus, design.exact.weights[k], design.realised.weights[k]);
+      const int part = resistor(group, fmt::format("R{}{}", letter, power),
+                                fmt::format("weight of {}, {}", power_text(power), b.name), from,
+                                at_plus ? plus : minus, design.exact.weights[k], design.realised.weights[k]);
       out.terms.push_back({from, part, at_plus, design.gains[k]});
       b.realised[static_cast<size_t>(power) - 1] = -design.gains[k] * scale[k] / volts;
       plus_used = plus_used || at_plus;
       if (!at_plus) minus_siemens += 1.0 / design.realised.weights[k];
     }
     out.feedback =
-        resistor(fmt::format("R{}f{}", letter, suffix), fmt::format("feedback of the sum, {}", b.name),
-                 out.minus, out.out, design.exact.feedback, design.realised.feedback);
+        resistor(group, fmt::format("R{}f{}", letter, suffix), fmt::format("feedback of the sum, {}", b.name),
+                 minus, node, design.exact.feedback, design.realised.feedback);
     if (design.realised.balance > 0.0) {
       const bool at_plus = design.realised.balance_at_plus;
-      out.balance =
-          resistor(fmt::format("R{}b{}", letter, suffix), fmt::format("balance of the sum, {}", b.name),
-                   at_plus ? out.plus : out.minus, "0", design.exact.balance, design.realised.balance);
+      out.balance = resistor(group, fmt::format("R{}b{}", letter, suffix),
+                             fmt::format("balance of the sum, {}", b.name), at_plus ? plus : minus, "0",
+                             design.exact.balance, design.realised.balance);
       if (!at_plus) minus_siemens += 1.0 / design.realised.balance;
     }
-    if (!plus_used) out.plus = "0";
+    out.opamp = add_opamp(
+        out_, {fmt::format("U{}", out_.sums.size() + 1), b.name, group, plus_used ? plus : "0", minus, node});
     out.peak_v = volts * peak(a);
     out.noise_gain = 1.0 + minus_siemens * design.realised.feedback;
     out_.sums.push_back(std::move(out));
     return static_cast<int>(out_.sums.size()) - 1;
   }
 
+  /// Levels of the lines, a decoder and a contact for every branch.
+  void branch_switch() {
+    if (!out_.switched()) return;
+    const SwitchModel& model = out_.analog_switch;
+    const auto level = [&](std::size_t group, const std::string& pin, const std::string& node) {
+      out_.comparators.push_back({group, pin, node, 40.0, 0.5});
+    };
+    const std::size_t group =
+        add_group(out_,
+                  fmt::format("branch switch, {}: {} ohm, closes {} s and opens {} s after its control",
+                              model.name, plain_number(model.on_ohm), plain_number(model.on_delay_s),
+                              plain_number(model.off_delay_s())),
+                  Purpose::branch_switch);
+    level(group, "branch", "lb");
+    for (int line = 1; line <= out_.select_lines(); ++line)
+      level(group, fmt::format("select{}", line), fmt::format("l{}", line));
+    for (std::size_t b = 0; b < out_.branches.size(); ++b) {
+      const std::size_t channel = add_group(out_, "", Purpose::branch_switch);
+      out_.gates.push_back(decoded(static_cast<int>(b), channel));
+      out_.contacts.push_back({fmt::format("S{}", b + 1), channel, out_.branches[b].out, "sw",
+                               fmt::format("e{}", b + 1), static_cast<int>(b)});
+    }
+  }
+
+  /// 1 when the lines (levels lb, l1, l2, …) select this branch.
+  schematic::Gate decoded(int branch, std::size_t group) const {
+    schematic::Gate out{group, fmt::format("e{}", branch + 1), {}, {}, true};
+    const int lines = out_.select_lines();
+    for (int select = 0; select < (1 << lines); ++select) {
+      const bool up = out_.branch_at(select, true) == branch, down = out_.branch_at(select, false) == branch;
+      if (!up && !down) continue;
+      out.never = false;
+      if (up != down) (up ? out.high : out.low).push_back("lb");
+      for (int bit = 0; bit < lines; ++bit)
+        (((select >> bit) & 1) != 0 ? out.high : out.low).push_back(fmt::format("l{}", bit + 1));
+      break;
+    }
+    return out;
+  }
+
   /// Differentiator with a logarithmic limit (two diodes across Rd) and a comparator with hysteresis:
   /// v = -Rd Cd dx/dt as long as it is small, +-0.6 V above; the sign is right over four decades of slope.
   void detector() {
     if (!out_.switched()) return;
+    const std::size_t group = add_group(out_, "", Purpose::slope_sign);
     const auto resistance = [&](std::string name, std::string role, std::string from, std::string to,
                                 double ohm) {
-      const double near = options_.resistors.nearest(ohm);
-      out_.detector.push_back(
-          resistor(std::move(name), std::move(role), std::move(from), std::move(to), ohm, near));
+      resistor(group, std::move(name), std::move(role), std::move(from), std::move(to), ohm,
+               options_.resistors.nearest(ohm));
     };
     const auto capacitance = [&](std::string name, std::string role, std::string from, std::string to,
                                  double farad) {
-      out_.detector.push_back(
-          add_part(out_, {Part::Kind::capacitor, std::move(name), std::move(role), std::move(from),
-                          std::move(to), "E12", farad, circuit::Series::named("E12").nearest(farad)}));
+      add_part(out_, {Part::Kind::capacitor, std::move(name), std::move(role), group, std::move(from),
+                      std::move(to), "E12", farad, circuit::Series::named("E12").nearest(farad)});
     };
     // A triangle of 0 to 1 V rises with 2 f V/s. At the lowest frequency the differentiator gives 100 mV
     // into 4.7 Mohm.
@@ -283,11 +332,21 @@ class Builder {
     capacitance("Cf", "slope detector, damping", "sb", "sc", std::max(1e-3 * cd, 1e-12));
     resistance("Rh1", "slope detector, hysteresis", "sp", "0", 1e3);
     resistance("Rh2", "slope detector, hysteresis", "so", "sp", options_.opamp.swing_v / 0.02 * 1e3);
+    add_diode(out_, group, "D1", "slope detector, limit", "sb", "sc");
+    add_diode(out_, group, "D2", "slope detector, limit", "sc", "sb");
+    const auto opamp = [&](std::size_t number, const char* role, const char* plus, const char* minus,
+                           const char* out) {
+      return add_opamp(out_, {fmt::format("U{}", out_.sums.size() + number), role, group, plus, minus, out});
+    };
+    out_.differentiator = opamp(2, "slope detector, differentiator", "0", "sb", "sc");
+    out_.comparator = opamp(3, "slope detector, comparator", "sp", "sc", "so");
+    out_.comparators.push_back({group, "so", "branch"});
   }
 
   const Input& input_;
   const Options& options_;
   int group_;
+  std::size_t powers_ = 0, output_ = 0;  ///< groups
   Layout out_;
 };
 
@@ -307,8 +366,8 @@ std::string branch_letter(size_t branch, size_t count) {
   return fmt::format("{}_", branch + 1);
 }
 
-void check_outputs(const Layout& layout, const std::vector<Multiplier>& multipliers) {
-  for (const Multiplier& m : multipliers) {
+void check_outputs(const Layout& layout) {
+  for (const Multiplier& m : layout.multipliers) {
     if (m.peak_v <= layout.multiplier.greatest_output_v) continue;
     throw DesignError(fmt::format("{} reaches {} V, expected at most the {}'s {} V", m.name,
                                   rounded_text(m.peak_v), layout.multiplier.name,
@@ -321,15 +380,41 @@ int add_part(Layout& layout, Part part) {
   return static_cast<int>(layout.parts.size()) - 1;
 }
 
-int add_resistor(Layout& layout, const circuit::Series& series, std::string name, std::string role,
-                 std::string from, std::string to, double wanted, double realised) {
-  return add_part(layout, {Part::Kind::resistor, std::move(name), std::move(role), std::move(from),
+void arrange(Layout& layout) {
+  using schematic::Purpose;
+  static constexpr Purpose kOrder[] = {Purpose::powers,        Purpose::branch, Purpose::amplitude,
+                                       Purpose::branch_switch, Purpose::output, Purpose::slope_sign};
+  schematic::sort_groups(layout, [](Purpose a, Purpose b) {
+    return std::find(std::begin(kOrder), std::end(kOrder), a) <
+           std::find(std::begin(kOrder), std::end(kOrder), b);
+  });
+}
+
+std::size_t add_group(Layout& layout, std::string title, schematic::Purpose purpose) {
+  layout.groups.push_back({std::move(title), purpose});
+  return layout.groups.size() - 1;
+}
+
+int add_diode(Layout& layout, std::size_t group, std::string name, std::string role, std::string anode,
+              std::string cathode) {
+  return add_part(layout, {Part::Kind::diode, std::move(name), std::move(role), group, std::move(anode),
+                           std::move(cathode), "1N4148", 0.0, 0.0});
+}
+
+int add_opamp(Layout& layout, schematic::OpAmp opamp) {
+  layout.opamps.push_back(std::move(opamp));
+  return static_cast<int>(layout.opamps.size()) - 1;
+}
+
+int add_resistor(Layout& layout, const circuit::Series& series, std::size_t group, std::string name,
+                 std::string role, std::string from, std::string to, double wanted, double realised) {
+  return add_part(layout, {Part::Kind::resistor, std::move(name), std::move(role), group, std::move(from),
                            std::move(to), series.name(), wanted, realised});
 }
 
 Layout build(const Input& input, const Options& options, int group) {
   Layout out = Builder(input, options, group).build();
-  check_outputs(out, out.multipliers);
+  check_outputs(out);
   return out;
 }
 

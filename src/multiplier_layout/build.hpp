@@ -21,11 +21,17 @@ std::string power_text(int power);
 std::string branch_letter(std::size_t branch, std::size_t count);
 
 /// Throws DesignError when a multiplier would have to leave its output range.
-void check_outputs(const Layout& layout, const std::vector<Multiplier>& multipliers);
+void check_outputs(const Layout& layout);
 
+/// The groups in the order of the netlist.
+void arrange(Layout& layout);
+std::size_t add_group(Layout& layout, std::string title, schematic::Purpose purpose);
 int add_part(Layout& layout, Part part);
-int add_resistor(Layout& layout, const circuit::Series& series, std::string name, std::string role,
-                 std::string from, std::string to, double wanted, double realised);
+int add_diode(Layout& layout, std::size_t group, std::string name, std::string role, std::string anode,
+              std::string cathode);
+int add_opamp(Layout& layout, schematic::OpAmp opamp);
+int add_resistor(Layout& layout, const circuit::Series& series, std::size_t group, std::string name,
+                 std::string role, std::string from, std::string to, double wanted, double realised);
 
 /// Powers, sums, chains, output amplifier and slope detector for this group size.
 Layout build(const Input& input, const Options& options, int group);

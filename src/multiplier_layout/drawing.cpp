@@ -192,7 +192,7 @@ class Drawing {
       sheet_.line({{from[node], at}, {end, at}}, "rail");
       std::string label = node;
       for (const Multiplier* m : shared) {
-        if (m->out == node) label += " = " + label_of(m->what);
+        if (m->out == node) label += " = " + label_of(m->role);
       }
       sheet_.text(end + 8, at + 5, label, "net");
     }
@@ -269,12 +269,12 @@ class Drawing {
       for (const Sum::Term& term : one.terms) {
         if (term.at_plus == to_plus) column(term.node, layout_.part(term.part), to_plus);
       }
-      if (one.balance >= 0 && (layout_.part(one.balance).from == one.plus) == to_plus)
+      if (one.balance >= 0 && (layout_.part(one.balance).from == layout_.op(one.opamp).plus) == to_plus)
         column("0", layout_.part(one.balance), to_plus);
     }
     x += 34;
     const double knot = x - 22, above = minus - 42;
-    const auto tip = sheet_.opamp(x, minus, plus, one.opamp);
+    const auto tip = sheet_.opamp(x, minus, plus, layout_.op(one.opamp).name);
     sheet_.line({{first_minus > 0.0 ? first_minus : knot, minus}, {x, minus}});
     if (first_plus > 0.0) {
       sheet_.line({{first_plus, plus}, {x, plus}});
@@ -300,7 +300,7 @@ class Drawing {
   void sum_with_label(const Sum& one) {
     room(sum_width(one), 190);
     const auto end = sum(one);
-    sheet_.net(end.first + 4, end.second + 4, one.out, "start");
+    sheet_.net(end.first + 4, end.second + 4, layout_.op(one.opamp).out, "start");
     x_ = end.first + 60;
   }
 
@@ -314,7 +314,7 @@ class Drawing {
     x_ = kLeft;
     const auto sum_at = [&](const std::string& node) -> const Sum* {
       for (const int index : branch.sums) {
-        if (layout_.sums[static_cast<size_t>(index)].out == node)
+        if (layout_.op(layout_.sums[static_cast<size_t>(index)].opamp).out == node)
           return &layout_.sums[static_cast<size_t>(index)];
       }
       return nullptr;
@@ -333,7 +333,7 @@ class Drawing {
     }
     if (layout_.amplitude) {
       room(166, 190);
-      multiplier(layout_.amplitude->multipliers[b], nullptr);
+      multiplier(layout_.product(layout_.amplitude->multipliers[b]), nullptr);
     }
     next_row();
   }
@@ -351,7 +351,8 @@ class Drawing {
       room(250, 84);
       sheet_.box(x_, y_, 178, 66, "box", 6);
       sheet_.text(x_ + 10, y_ + 18,
-                  fmt::format("{}: \u2212max(0, \u03b1 \u2212 {})", r.opamp, rounded_text(r.realised)),
+                  fmt::format("{}: \u2212max(0, \u03b1 \u2212 {})", layout_.op(r.opamp).name,
+                              rounded_text(r.realised)),
                   "name");
       const Part& in = layout_.part(r.input);
       const Part& reference = layout_.part(r.reference);
@@ -381,7 +382,9 @@ class Drawing {
     const double y = source.second;
     if (!layout_.switched()) {
       sheet_.net(source.first - 6, y + 4,
-                 layout_.amplitude ? layout_.amplitude->multipliers[0].out : layout_.branches[0].out, "end");
+                 layout_.amplitude ? layout_.product(layout_.amplitude->multipliers[0]).out
+                                   : layout_.branches[0].out,
+                 "end");
     }
     const double knot = source.first + 104, pin = knot + 22;
     sheet_.line({source, {source.first + 24, y}});
@@ -422,7 +425,9 @@ class Drawing {
     for (size_t b = 0; b < layout_.branches.size(); ++b) {
       const double y = top + step * static_cast<double>(b);
       sheet_.net(x - 52, y + 4,
-                 layout_.amplitude ? layout_.amplitude->multipliers[b].out : layout_.branches[b].out, "end");
+                 layout_.amplitude ? layout_.product(layout_.amplitude->multipliers[b]).out
+                                   : layout_.branches[b].out,
+                 "end");
       sheet_.line({{x - 46, y}, {x - 5, y}});
       sheet_.terminal(x, y);
     }

@@ -6,7 +6,7 @@ namespace bodesmith::multiplier_layout {
 namespace {
 
 Json multiplier_json(const Multiplier& m) {
-  return {{"name", m.name}, {"what", m.what}, {"x", m.x},          {"y", m.y},
+  return {{"name", m.name}, {"what", m.role}, {"x", m.x},          {"y", m.y},
           {"z", m.z},       {"w", m.out},     {"peak_v", m.peak_v}};
 }
 
@@ -18,11 +18,13 @@ Json amplitude_json(const Layout& layout) {
   out["control_scale_v"] = a.control_scale_v;
   out["rectifiers"] = Json::array();
   for (const AmplitudeControl::Rectifier& r : a.rectifiers) {
-    out["rectifiers"].push_back(
-        {{"opamp", r.opamp}, {"node", r.node}, {"wanted_alpha", r.wanted}, {"realised_alpha", r.realised}});
+    out["rectifiers"].push_back({{"opamp", layout.op(r.opamp).name},
+                                 {"node", r.node},
+                                 {"wanted_alpha", r.wanted},
+                                 {"realised_alpha", r.realised}});
   }
   out["gain_multipliers"] = Json::array();
-  for (const Multiplier& m : a.multipliers) out["gain_multipliers"].push_back(multiplier_json(m));
+  for (const int m : a.multipliers) out["gain_multipliers"].push_back(multiplier_json(layout.product(m)));
   out["max_error_percent"] = a.max_error_percent;
   return out;
 }
@@ -64,7 +66,7 @@ Json to_json(const Layout& layout) {
                        {"greatest_input_v", layout.multiplier.greatest_input_v},
                        {"bandwidth_hz", layout.multiplier.bandwidth.value}};
   out["opamp"] = {{"name", layout.opamp.name}, {"gain_bandwidth_hz", layout.opamp.gain_bandwidth.value}};
-  out["opamps"] = layout.opamps();
+  out["opamps"] = layout.opamps.size();
   out["branch_gain"] = layout.branch_gain;
   out["schemes"] = Json::array();
   for (const Candidate& one : layout.candidates) {
@@ -78,7 +80,8 @@ Json to_json(const Layout& layout) {
                               {"chosen", one.chosen}});
   }
   out["multipliers"] = Json::array();
-  for (const Multiplier& m : layout.multipliers) out["multipliers"].push_back(multiplier_json(m));
+  for (std::size_t i = 0; i < layout.generator_multipliers(); ++i)
+    out["multipliers"].push_back(multiplier_json(layout.multipliers[i]));
   out["branches"] = Json::array();
   for (const Branch& b : layout.branches) {
     out["branches"].push_back({{"name", b.name},
@@ -99,13 +102,13 @@ Json to_json(const Layout& layout) {
   out["parts"] = Json::array();
   for (const Part& one : layout.parts) {
     const bool resistor = one.kind == Part::Kind::resistor;
-    out["parts"].push_back({{"part", one.name},
-                            {"role", one.role},
-                            {"from", one.from},
-                            {"to", one.to},
-                            {"series", one.series},
-                            {resistor ? "wanted_ohm" : "wanted_f", one.wanted},
-                            {resistor ? "realised_ohm" : "realised_f", one.realised}});
+    Json part = {
+        {"part", one.name}, {"role", one.role}, {"from", one.from}, {"to", one.to}, {"series", one.series}};
+    if (one.kind != Part::Kind::diode) {
+      part[resistor ? "wanted_ohm" : "wanted_f"] = one.wanted;
+      part[resistor ? "realised_ohm" : "realised_f"] = one.realised;
+    }
+    out["parts"].push_back(std::move(part));
   }
   out["error"] = {{"max_error_percent", layout.max_error_percent}};
   out["warnings"] = layout.warnings;

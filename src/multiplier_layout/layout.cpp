@@ -61,13 +61,6 @@ double AmplitudeControl::wanted_gain(size_t branch, double at) const {
   return gain[i - 1] + (at - alpha[i - 1]) / (alpha[i] - alpha[i - 1]) * (gain[i] - gain[i - 1]);
 }
 
-const Part* Layout::part_named(const std::string& name) const {
-  for (const Part& one : parts) {
-    if (one.name == name) return &one;
-  }
-  return nullptr;
-}
-
 int Layout::select_lines() const {
   int lines = 0;
   while ((2u << lines) < branches.size()) ++lines;
@@ -81,13 +74,33 @@ int Layout::branch_at(int select, bool rising) const {
   return code == count && count % 2 == 1 ? count - 1 : -1;
 }
 
-int Layout::opamps() const {
-  size_t out = sums.size() + 1 + (switched() ? 2 : 0);
-  if (amplitude) {
-    out += amplitude->rectifiers.size();
-    for (const AmplitudeControl::Control& one : amplitude->controls) out += one.negative ? 2U : 1U;
+schematic::Netlist Layout::generator(bool with_amplitude) const {
+  schematic::Netlist out = schematic::subset(*this, [&](std::size_t one) {
+    const schematic::Purpose purpose = purpose_of(one);
+    return purpose != schematic::Purpose::slope_sign &&
+           (with_amplitude || purpose != schematic::Purpose::amplitude);
+  });
+  if (!amplitude) return out;
+  // The gains stand between the branches and what reads them, and the output takes back what they scale.
+  const std::string& left_out = part(with_amplitude ? output_feedback : amplitude->output_feedback).name;
+  std::erase_if(out.parts, [&](const Part& one) { return one.name == left_out; });
+  if (!with_amplitude) return out;
+  for (std::size_t b = 0; b < branches.size(); ++b) {
+    const std::string& gained = product(amplitude->multipliers[b]).out;
+    for (schematic::Contact& one : out.contacts) {
+      if (one.from == branches[b].out) one.from = gained;
+    }
+    if (switched()) continue;
+    for (Part& one : out.parts) {
+      if (one.name == part(output_input).name) one.from = gained;
+    }
   }
-  return static_cast<int>(out);
+  return out;
+}
+
+schematic::Netlist Layout::detector_netlist() const {
+  return schematic::subset(
+      *this, [&](std::size_t one) { return purpose_of(one) == schematic::Purpose::slope_sign; });
 }
 
 Layout make_layout(const Input& input, const Options& options) {

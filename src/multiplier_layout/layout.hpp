@@ -4,22 +4,18 @@
 #include <string>
 #include <vector>
 
-#include "circuit/opamp.hpp"
 #include "circuit/parts/series.hpp"
-#include "multiplier_layout/switch.hpp"
+#include "schematic/deviations.hpp"
 #include "signal/disturbance.hpp"
 
 namespace bodesmith::multiplier_layout {
 
-/// An analog multiplier of the AD835's kind: W = X Y/U + Z.
-struct MultiplierModel {
-  std::string name = "AD835";
-  double scale_v = 1.05;  ///< U
-  double greatest_input_v = 1.0;
-  double greatest_output_v = 2.5;
-  Hertz bandwidth{250e6};
-  double noise_v_per_rthz = 50e-9;
-};
+using schematic::Multiplier;
+using schematic::MultiplierDeviation;
+using schematic::MultiplierModel;
+using schematic::Part;
+using schematic::SwitchModel;
+using schematic::SwitchTimer;
 
 /// How a polynomial is split for multipliers. With g powers to a group,
 ///   d(x) = P_0(x) + x^g (P_1(x) + x^g (P_2(x) + …)),   P_j(x) = a_{jg+1} x + … + a_{jg+g} x^g:
@@ -37,7 +33,7 @@ struct Scheme {
 
 struct Options {
   MultiplierModel multiplier;
-  circuit::OpAmpModel opamp;
+  schematic::OpAmpModel opamp;
   circuit::Series resistors = circuit::Series::named("E96");
   std::optional<SwitchModel> analog_switch;  ///< none: SwitchModel::for_branches
   double full_scale_v = 1.0;                 ///< greatest |voltage| at every node but the output
@@ -45,25 +41,6 @@ struct Options {
   Hertz lowest{1.0};
   Hertz highest{5000.0};
   Scheme scheme;
-};
-
-/// W = X Y/U + Z between named nodes.
-struct Multiplier {
-  std::string name;
-  std::string what;  ///< for people: "x^2/U"
-  std::string x, y, z, out;
-  double peak_v = 0.0;  ///< greatest |W| for x in [0, 1]
-};
-
-struct Part {
-  enum class Kind { resistor, capacitor };
-  Kind kind = Kind::resistor;
-  std::string name;
-  std::string role;  ///< for people: "weight of x^2, ascending"
-  std::string from, to;
-  std::string series;
-  double wanted = 0.0;
-  double realised = 0.0;
 };
 
 /// One op-amp that sums with both signs: terms that must come out negative enter at its inverting input (gain
@@ -76,10 +53,9 @@ struct Sum {
     bool at_plus = false;
     double gain = 0.0;  ///< with the realised resistors
   };
-  std::string opamp;  ///< "U1"
-  std::string what;
+  int opamp =
+      -1;  ///< place in Layout::opamps; its role says what is summed, its plus is "0" when nothing enters there
   std::vector<Term> terms;
-  std::string plus, minus, out;  ///< nodes; plus is "0" when nothing enters there
   int feedback = -1;
   int balance = -1;
   double peak_v = 0.0;
@@ -118,7 +94,8 @@ struct AmplitudeControl {
   double control_scale_v = 1.0;             ///< V at the control input for a gain of 1
 
   struct Rectifier {
-    std::string opamp, node;
+    int opamp = -1;
+    std::string node;
     double wanted = 0.0, realised = 0.0;            ///< alpha_k
     int input = -1, reference = -1, feedback = -1;  ///< parts; reference from -1 V
   };
@@ -128,10 +105,10 @@ struct AmplitudeControl {
     std::optional<Sum> negative;
     Sum sum;
   };
-  std::vector<Control> controls;        ///< one a branch
-  std::vector<Multiplier> multipliers;  ///< one a branch
-  int output_feedback = -1;             ///< takes the place of Layout::output_feedback
-  double max_error_percent = 0.0;       ///< of g_b(alpha) d_b(x) by the parts, worst alpha, percent of range
+  std::vector<Control> controls;   ///< one a branch
+  std::vector<int> multipliers;    ///< one a branch, places in Layout::multipliers
+  int output_feedback = -1;        ///< takes the place of Layout::output_feedback
+  double max_error_percent = 0.0;  ///< of g_b(alpha) d_b(x) by the parts, worst alpha, percent of range
 
   double wanted_gain(size_t branch, double alpha) const;
 };
@@ -153,34 +130,37 @@ struct Candidate {
 ///
 /// Branches come in pairs, first the one for rising x; pair s is chosen when the select lines read s in
 /// binary (select1 is the lowest bit, above 0.5 V is 1). A last single branch serves both slopes.
-struct Layout {
-  MultiplierModel multiplier;
-  circuit::OpAmpModel opamp;
-  SwitchModel analog_switch;
+///
+/// The netlist holds everything: the generator, what the amplitude gains add to it, the slope detector. generator() and
+/// detector() are the circuits.
+struct Layout : schematic::Netlist {
   int group = Scheme::kShared;
   double full_scale_v = 1.0;
   double branch_gain =
       1.0;  ///< V per unit of d at the branches' nodes: (Rin + Ron)/Rg of the output amplifier
-  std::vector<Multiplier> multipliers;  ///< in the order of the signal
   std::vector<Sum> sums;
   std::vector<Branch> branches;                 ///< first: switch at branch > 0.5 V (ascending)
   int output_input = -1, output_feedback = -1;  ///< parts Rin, Rg
-  std::vector<int> detector;                    ///< parts of the slope detector
+  int output_opamp = -1, differentiator = -1, comparator = -1;
   std::optional<AmplitudeControl> amplitude;
-  std::vector<Part> parts;
   std::vector<NodeRange> nodes;
   std::vector<Candidate> candidates;
   std::vector<std::string> warnings;
   double max_error_percent = 0.0;
 
-  const Part& part(int index) const { return parts[static_cast<size_t>(index)]; }
-  const Part* part_named(const std::string& name) const;
+  const schematic::OpAmp& op(int index) const { return opamps[static_cast<size_t>(index)]; }
+  const Multiplier& product(int index) const { return multipliers[static_cast<size_t>(index)]; }
+  /// `x branch out`, with the amplitude gains `x branch amplitude out`; select lines after `branch`.
+  schematic::Netlist generator(bool with_amplitude) const;
+  /// `x branch`: makes the branch signal from the slope of x.
+  schematic::Netlist detector_netlist() const;
+  /// Of the multipliers, how many make powers and groups; those of the amplitude gains come behind them.
+  std::size_t generator_multipliers() const { return multipliers.size() - (amplitude ? branches.size() : 0); }
   bool switched() const { return branches.size() > 1; }
   /// Lines select1, select2, … beside `branch`.
   int select_lines() const;
   /// The branch behind select code `select` for rising or falling x; -1: none, the output rests at 0.
   int branch_at(int select, bool rising) const;
-  int opamps() const;
 };
 
 /// The same for any number of polynomials of degree 1 to 7 (coefficients a1, a2, …; no constant: d(0) = 0).

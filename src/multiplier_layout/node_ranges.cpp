@@ -13,23 +13,24 @@ void add_nodes(Layout& layout) {
     layout.nodes.push_back({std::move(name), std::move(what), low + 0.0, high + 0.0});
   };
   add("x", "reference, 1 V is full stroke", 0.0, 1.0);
-  std::vector<bool> in_branch(layout.multipliers.size(), false);
+  std::vector<bool> in_branch(layout.generator_multipliers(), false);
   for (const Branch& b : layout.branches) {
     for (const int index : b.multipliers) in_branch[static_cast<std::size_t>(index)] = true;
   }
-  for (std::size_t i = 0; i < layout.multipliers.size(); ++i) {
+  for (std::size_t i = 0; i < layout.generator_multipliers(); ++i) {
     const Multiplier& m = layout.multipliers[i];
-    if (!in_branch[i]) add(m.out, m.what, 0.0, m.peak_v);
+    if (!in_branch[i]) add(m.out, m.role, 0.0, m.peak_v);
   }
   double low_out = 0.0, high_out = 0.0;
   for (const Branch& b : layout.branches) {
     for (const int index : b.sums) {
       const Sum& s = layout.sums[static_cast<std::size_t>(index)];
-      if (s.out != b.out) add(s.out, fmt::format("sum of a group, {}", b.name), -s.peak_v, s.peak_v);
+      if (const std::string& made = layout.op(s.opamp).out; made != b.out)
+        add(made, fmt::format("sum of a group, {}", b.name), -s.peak_v, s.peak_v);
     }
     for (const int index : b.multipliers) {
       const Multiplier& m = layout.multipliers[static_cast<std::size_t>(index)];
-      if (m.out != b.out) add(m.out, m.what, -m.peak_v, m.peak_v);
+      if (m.out != b.out) add(m.out, m.role, -m.peak_v, m.peak_v);
     }
     double low = 0.0, high = 0.0;
     for (int i = 0; i <= kPolynomialPoints; ++i) {
@@ -48,9 +49,10 @@ void add_nodes(Layout& layout) {
   if (layout.amplitude) {
     for (std::size_t b = 0; b < layout.branches.size(); ++b) {
       const Sum& control = layout.amplitude->controls[b].sum;
-      add(control.out, "control voltage, " + layout.branches[b].name, -control.peak_v, control.peak_v);
-      const Multiplier& m = layout.amplitude->multipliers[b];
-      add(m.out, m.what, -m.peak_v, m.peak_v);
+      add(layout.op(control.opamp).out, "control voltage, " + layout.branches[b].name, -control.peak_v,
+          control.peak_v);
+      const Multiplier& m = layout.product(layout.amplitude->multipliers[b]);
+      add(m.out, m.role, -m.peak_v, m.peak_v);
     }
   }
   add("out", "d(x), 1 V per unit", low_out, high_out);

@@ -9,7 +9,9 @@ std::string parts_csv(const Layout& layout) {
   CsvTable table({"part", "role", "series", "wanted_ohm", "realised_ohm", "wanted_f", "realised_f"});
   for (const Part& part : layout.parts) {
     const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
-    if (part.kind == Part::Kind::resistor) {
+    if (part.kind == Part::Kind::diode) {
+      table.add_row({part.name, part.role, part.series, "", "", "", ""});
+    } else if (part.kind == Part::Kind::resistor) {
       table.add_row({part.name, part.role, part.series, wanted, realised, "", ""});
     } else {
       table.add_row({part.name, part.role, part.series, "", "", wanted, realised});

@@ -32,7 +32,7 @@ Candidate measure(const Layout& layout, int group, int degree) {
   out.group = group;
   out.name = group >= degree ? "shared powers" : (group == 1 ? "Horner" : fmt::format("x^{} (…)", group));
   out.multipliers = static_cast<int>(layout.multipliers.size());
-  out.opamps = layout.opamps();
+  out.opamps = static_cast<int>(layout.opamps.size());
   std::map<std::string, int> depth;
   for (const Multiplier& m : layout.multipliers) {
     depth[m.out] = 1 + std::max({depth[m.x], depth[m.y], depth[m.z]});

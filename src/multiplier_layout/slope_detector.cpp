@@ -4,17 +4,12 @@
 #include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
-#include <complex>
 #include <numbers>
+
+#include "schematic/analysis/noise.hpp"
 
 namespace bodesmith::multiplier_layout {
 namespace {
-
-constexpr double kBoltzmann = 1.380649e-23;
-constexpr double kKelvin = 300.15;
-constexpr double kCharge = 1.602176634e-19;
-/// Steps to a decade of the noise integral.
-constexpr int kPerDecade = 50;
 
 constexpr int kMostSteps = 200000;
 
@@ -23,89 +18,67 @@ using Jacobian = Eigen::Matrix<double, 4, 4>;
 
 }  // namespace
 
-SlopeDetector::SlopeDetector(const Layout& layout, const DiodeModel& diode)
-    : opamp_(layout.opamp), diode_(diode), vt_(diode.emission * kBoltzmann * kKelvin / kCharge) {
-  const auto value = [&](const char* name) { return layout.part_named(name)->realised; };
-  rs_ = value("Rs");
-  cd_ = value("Cd");
-  rd_ = value("Rd");
-  cf_ = value("Cf");
-  hysteresis_ = value("Rh1") / (value("Rh1") + value("Rh2"));
-}
+SlopeDetector::SlopeDetector(schematic::Netlist detector, std::string input)
+    : netlist_(std::move(detector)), input_(std::move(input)) {}
 
 double SlopeDetector::threshold_v() const {
-  return opamp_.swing_v * hysteresis_;
+  return model().swing_v * hysteresis();
+}
+
+double SlopeDetector::vt() const {
+  return netlist_.diode.emission * schematic::kBoltzmann * schematic::kKelvin / schematic::kElectron;
 }
 
 double SlopeDetector::feedback_a(double v) const {
   // exp is limited: at 40 vt the diode would carry kiloamperes.
-  return v / rd_ + 2.0 * diode_.saturation_a * std::sinh(std::clamp(v / vt_, -40.0, 40.0));
+  return v / value("Rd") + 2.0 * netlist_.diode.saturation_a * std::sinh(std::clamp(v / vt(), -40.0, 40.0));
 }
 
 double SlopeDetector::feedback_f(double v) const {
   const auto junction = [&](double at) {
     // SPICE: linear beyond half the built-in 1 V.
-    return at < 0.5 ? diode_.junction_f / std::sqrt(1.0 - at)
-                    : diode_.junction_f / std::sqrt(0.5) * (1.0 + (at - 0.5));
+    return at < 0.5 ? netlist_.diode.junction_f / std::sqrt(1.0 - at)
+                    : netlist_.diode.junction_f / std::sqrt(0.5) * (1.0 + (at - 0.5));
   };
-  const double conductance = 2.0 * diode_.saturation_a / vt_ * std::cosh(std::clamp(v / vt_, -40.0, 40.0));
-  return cf_ + junction(v) + junction(-v) + diode_.transit_s * conductance;
-}
-
-SlopeDetector::Loop SlopeDetector::loop(RadPerSecond w) const {
-  const std::complex<double> s(0.0, w.value);
-  const double siemens = 1.0 / rd_ + 2.0 * diode_.saturation_a / vt_;
-  Loop out;
-  out.feedback = 1.0 / (siemens + s * feedback_f(0.0));
-  out.input = rs_ + 1.0 / (s * cd_);
-  const std::complex<double> around = 1.0 + out.feedback / out.input;
-  out.closed = 1.0 / (1.0 + around / opamp_.open_loop(w));
-  return out;
-}
-
-double SlopeDetector::gain(Hertz f) const {
-  const Loop one = loop(f.rad_s());
-  return std::abs(one.feedback / one.input * one.closed);
+  const double conductance =
+      2.0 * netlist_.diode.saturation_a / vt() * std::cosh(std::clamp(v / vt(), -40.0, 40.0));
+  return value("Cf") + junction(v) + junction(-v) + netlist_.diode.transit_s * conductance;
 }
 
 double SlopeDetector::noise_v() const {
-  double sum = 0.0;
-  const double step = std::pow(10.0, 1.0 / kPerDecade);
-  for (double f = 0.1; f < 30e6; f *= step) {
-    const double middle = f * std::sqrt(step);
-    const Loop one = loop(Hertz{middle}.rad_s());
-    const double en2 =
-        std::pow(opamp_.voltage_noise_v_per_rthz, 2) * (1.0 + opamp_.voltage_noise_corner_hz / middle);
-    // Rd's thermal noise, shot noise of both diodes' saturation currents, the op-amp's current noise.
-    const double in2 = 4.0 * kBoltzmann * kKelvin / rd_ + 4.0 * kCharge * diode_.saturation_a +
-                       std::pow(opamp_.current_noise_a_per_rthz, 2);
-    sum += (en2 * std::norm((1.0 + one.feedback / one.input) * one.closed) +
-            in2 * std::norm(one.feedback * one.closed)) *
-           f * (step - 1.0);
-  }
-  return std::sqrt(sum);
+  constexpr int kPoints = 425;  // 50 to a decade
+  return schematic::output_noise_rms(netlist_, {Hertz{0.1}, Hertz{30e6}}, true, "sc", kPoints, input_);
+}
+
+std::vector<double> SlopeDetector::gains(const std::vector<Hertz>& grid) const {
+  const schematic::Equations equations(netlist_, {.input = input_});
+  std::vector<double> out;
+  for (const Hertz f : grid) out.push_back(std::abs(equations.response(f.rad_s(), "sc")));
+  return out;
 }
 
 std::optional<double> SlopeDetector::delay_s(const std::function<double(double)>& x, double start_s,
                                              double reversal_s, double stop_s) const {
-  const double gbw = opamp_.gain_bandwidth.rad_s().value, slew = opamp_.slew_v_per_s;
+  const schematic::OpAmpModel& opamp = model();
+  const double gbw = opamp.gain_bandwidth.rad_s().value, slew = opamp.slew_v_per_s, cd = value("Cd"),
+               hysteresis_share = hysteresis();
   const auto integrator = [&](double difference, double v) {
-    const double rate = slew * std::tanh(gbw * difference / slew) - v * gbw / opamp_.dc_gain;
+    const double rate = slew * std::tanh(gbw * difference / slew) - v * gbw / opamp.dc_gain;
     // At its limit it stays: the netlist's clamp is a millivolt wide, which would only cost steps.
-    return std::abs(v) >= opamp_.swing_v && rate * v > 0.0 ? 0.0 : rate;
+    return std::abs(v) >= opamp.swing_v && rate * v > 0.0 ? 0.0 : rate;
   };
-  const double input_ohm = rs_ + opamp_.output_resistance_ohm;
+  const double input_ohm = value("Rs") + opamp.output_resistance_ohm;
   const auto slope = [&](double t, const State& u) {
     const double i = (x(t) - u[0] - u[1] - u[2]) / input_ohm;
-    const double end = u[2] + opamp_.output_resistance_ohm * i;
+    const double end = u[2] + opamp.output_resistance_ohm * i;
     State out;
-    out << i / cd_, (i - feedback_a(u[1])) / feedback_f(u[1]), integrator(-(u[1] + end), u[2]),
-        integrator(hysteresis_ * u[3] - end, u[3]);
+    out << i / cd, (i - feedback_a(u[1])) / feedback_f(u[1]), integrator(-(u[1] + end), u[2]),
+        integrator(hysteresis_share * u[3] - end, u[3]);
     return out;
   };
   double t = start_s, h = 1e-9;
   State u, scale;
-  u << x(start_s), 0.0, 0.0, -opamp_.swing_v;
+  u << x(start_s), 0.0, 0.0, -opamp.swing_v;
   scale << 1e-6, 1e-5, 1e-5, 1e-3;
   const double gamma = 1.0 - 1.0 / std::numbers::sqrt2;
   const double look = 1e-7 * (stop_s - start_s);  // for the slope of x

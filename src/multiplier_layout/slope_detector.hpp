@@ -1,48 +1,45 @@
 #pragma once
 
-#include <complex>
 #include <functional>
 #include <optional>
+#include <string>
 
-#include "multiplier_layout/timing.hpp"
+#include "schematic/analysis/equations.hpp"
 
 namespace bodesmith::multiplier_layout {
 
-/// The slope detector of a layout as differential equations: Rs and Cd into an op-amp with Rd, Cf and two
-/// antiparallel diodes around it, then an op-amp as comparator with hysteresis.
+/// The slope detector of a disturbance generator or a controller: Rs and Cd into an op-amp with Rd, Cf and two antiparallel
+/// diodes around it (node sc), then an op-amp as comparator with hysteresis (node so).
 class SlopeDetector {
  public:
-  explicit SlopeDetector(const Layout& layout, const DiodeModel& diode = {});
+  /// `input`: the node whose slope is told.
+  SlopeDetector(schematic::Netlist detector, std::string input);
 
   /// Half the hysteresis at the differentiator's output, V.
   double threshold_v() const;
   /// Current of Rd and both diodes at v.
   double feedback_a(double v) const;
-  /// Slope of x that brings the differentiator to the threshold, V/s.
-  double least_slope_v_per_s() const { return feedback_a(threshold_v()) / cd_; }
-  /// rms noise of the differentiator's output near rest, V: the op-amp's voltage noise times the noise gain,
-  /// its current noise and Rd's.
+  /// Slope of the input that brings the differentiator to the threshold, V/s.
+  double least_slope_v_per_s() const { return feedback_a(threshold_v()) / value("Cd"); }
+  /// rms noise of the differentiator's output near rest, 0.1 Hz to 30 MHz, V.
   double noise_v() const;
-  /// |differentiator's output / x| near rest.
-  double gain(Hertz f) const;
+  /// |differentiator's output / input| near rest.
+  std::vector<double> gains(const std::vector<Hertz>& grid) const;
 
-  /// Time from `reversal_s` until the comparator's output passes 0 upwards, for x(t) that falls before and
-  /// rises after; integrates from `start_s` to `stop_s`.
+  /// Time from `reversal_s` until the comparator's output passes 0 upwards, for an input x(t) that falls before and rises
+  /// after; integrates from `start_s` to `stop_s`.
   std::optional<double> delay_s(const std::function<double(double)>& x, double start_s, double reversal_s,
                                 double stop_s) const;
 
  private:
-  /// Small signals near rest: impedances around the differentiator's op-amp, and what its finite gain leaves.
-  struct Loop {
-    std::complex<double> feedback, input, closed;
-  };
-  Loop loop(RadPerSecond w) const;
+  double value(const char* name) const { return netlist_.part_named(name)->realised; }
+  const schematic::OpAmpModel& model() const { return netlist_.model_of(netlist_.opamps.front()); }
+  double vt() const;
   double feedback_f(double v) const;
+  double hysteresis() const { return value("Rh1") / (value("Rh1") + value("Rh2")); }
 
-  circuit::OpAmpModel opamp_;
-  DiodeModel diode_;
-  double vt_ = 0.0;
-  double rs_ = 0.0, cd_ = 0.0, rd_ = 0.0, cf_ = 0.0, hysteresis_ = 0.0;
+  schematic::Netlist netlist_;
+  std::string input_;
 };
 
 }  // namespace bodesmith::multiplier_layout

@@ -24,16 +24,13 @@ SlopeDetectorFigures detector_figures(const SlopeDetector& detector, const std::
   out.least_slope_v_per_s = detector.least_slope_v_per_s();
   out.noise_v = detector.noise_v();
   out.noise_margin = 2.0 * out.threshold_v / out.noise_v;
-  out.hum_50_hz_v = out.threshold_v / detector.gain(Hertz{50.0});
-  double most = 0.0;
-  for (double f = 1.0; f < 10e6; f *= 1.05) {
-    const double gain = detector.gain(Hertz{f});
-    if (gain > most) {
-      most = gain;
-      out.ripple_hz = f;
-    }
-  }
-  out.ripple_v = out.threshold_v / most;
+  out.hum_50_hz_v = out.threshold_v / detector.gains({Hertz{50.0}}).front();
+  std::vector<Hertz> grid;
+  for (double f = 1.0; f < 10e6; f *= 1.05) grid.push_back(Hertz{f});
+  const std::vector<double> gains = detector.gains(grid);
+  const auto most = std::max_element(gains.begin(), gains.end());
+  out.ripple_hz = grid[static_cast<std::size_t>(most - gains.begin())].value;
+  out.ripple_v = out.threshold_v / *most;
   for (const Hertz f : frequencies) {
     const double period = 1.0 / f.value;
     SlopeDetectorFigures::Delay delay;
@@ -136,7 +133,7 @@ Timing make_timing(const Layout& layout, const std::vector<Hertz>& frequencies, 
   if (!layout.switched()) return out;
   const SwitchModel& model = layout.analog_switch;
   SwitchTimer::of(model);  // refuses delays that cannot be
-  out.detector = detector_figures(SlopeDetector(layout), frequencies);
+  out.detector = detector_figures(SlopeDetector(layout.detector_netlist(), "x"), frequencies);
   SwitchFigures& s = out.analog_switch;
   s.opens_s = model.off_delay_s();
   s.closes_s = model.on_delay_s;

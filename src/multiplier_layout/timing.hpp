@@ -8,19 +8,7 @@
 
 namespace bodesmith::multiplier_layout {
 
-/// The two diodes across Rd of the slope detector, and those of the precision rectifiers; a 1N4148's order of
-/// magnitude, assumed: i = saturation (exp(v/(emission kT/q)) - 1), junction capacitance
-/// junction/sqrt(1 - v), diffusion charge transit * i.
-struct DiodeModel {
-  double saturation_a = 2e-9;
-  double emission = 1.8;
-  double series_ohm = 0.5;
-  double junction_f = 4e-12;
-  double transit_s = 4e-9;
-};
-
-/// The slope detector as it is built: its states are the capacitors and both op-amps, integrated from the
-/// circuit's equations (Rosenbrock, L-stable, second order, adaptive).
+/// The slope detector as it is built (slope_detector.hpp).
 struct SlopeDetectorFigures {
   double threshold_v = 0.0;          ///< half the comparator's hysteresis, at the differentiator's output
   double least_slope_v_per_s = 0.0;  ///< of x, that reaches the threshold

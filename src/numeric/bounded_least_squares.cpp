@@ -66,12 +66,12 @@ using Eigen::Index;
 /// The run of BVLS: x, and for every unknown the bound it rests at (-1 lower, +1 upper, 0 free).
 class BoundedSearch {
  public:
-  BoundedSearch(Matrix a, Vector b, Real lower, Real upper)
+  BoundedSearch(Matrix a, Vector b, Vector lower, Vector upper)
       : a_(std::move(a)),
         b_(std::move(b)),
-        lower_(lower),
-        upper_(upper),
-        x_(Vector::Constant(a_.cols(), lower)),
+        lower_(std::move(lower)),
+        upper_(std::move(upper)),
+        x_(lower_),
         bound_(std_index(a_.cols()), -1),
         barred_(std_index(a_.cols()), false) {}
 
@@ -143,11 +143,13 @@ class BoundedSearch {
     Stop stop;
     for (std::size_t j = 0; j < free.size(); ++j) {
       const Real z = target(eigen_index(j));
-      if (z >= lower_ && z <= upper_) continue;
+      const Real lower = lower_(free[j]);
+      const Real upper = upper_(free[j]);
+      if (z >= lower && z <= upper) continue;
       const Real here = x_(free[j]);
-      const Real step = z == here ? 0.0L : ((z < lower_ ? lower_ : upper_) - here) / (z - here);
+      const Real step = z == here ? 0.0L : ((z < lower ? lower : upper) - here) / (z - here);
       if (step < stop.way || stop.index < 0)
-        stop = {std::clamp(step, 0.0L, 1.0L), free[j], z < lower_ ? -1 : 1};
+        stop = {std::clamp(step, 0.0L, 1.0L), free[j], z < lower ? -1 : 1};
     }
     return stop;
   }
@@ -167,7 +169,7 @@ class BoundedSearch {
         std::fill(barred_.begin(), barred_.end(), false);
         return;
       }
-      x_(stop.index) = stop.side < 0 ? lower_ : upper_;
+      x_(stop.index) = stop.side < 0 ? lower_(stop.index) : upper_(stop.index);
       at(stop.index) = stop.side;
       if (first && stop.index == entering && stop.side == came_from) {
         barred_[std_index(entering)] = true;
@@ -178,8 +180,8 @@ class BoundedSearch {
 
   Matrix a_;
   Vector b_;
-  Real lower_;
-  Real upper_;
+  Vector lower_;
+  Vector upper_;
   Vector x_;
   std::vector<int> bound_;
   std::vector<bool> barred_;  ///< freed in vain at this corner (rounding)
@@ -187,10 +189,16 @@ class BoundedSearch {
 
 }  // namespace
 
-BoundedSolution bounded_least_squares(const LongMatrix& a, const LongVector& b, Real lower, Real upper) {
-  BoundedSearch search(to_eigen(a), to_eigen(b), lower, upper);
+BoundedSolution bounded_least_squares(const LongMatrix& a, const LongVector& b, const LongVector& lower,
+                                      const LongVector& upper) {
+  BoundedSearch search(to_eigen(a), to_eigen(b), to_eigen(lower), to_eigen(upper));
   search.run();
   return search.solution();
+}
+
+BoundedSolution bounded_least_squares(const LongMatrix& a, const LongVector& b, Real lower, Real upper) {
+  const std::size_t unknowns = a.empty() ? 0 : a.front().size();
+  return bounded_least_squares(a, b, LongVector(unknowns, lower), LongVector(unknowns, upper));
 }
 
 }  // namespace bodesmith

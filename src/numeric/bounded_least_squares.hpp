@@ -17,8 +17,11 @@ struct BoundedSolution {
   long double optimality_residual = 0.0L;
 };
 
-/// min |A x - b|^2 subject to lower <= x_i <= upper, by the active-set method BVLS (Stark and Parker 1995):
+/// min |A x - b|^2 subject to lower_i <= x_i <= upper_i, by the active-set method BVLS (Stark and Parker 1995):
 /// finite and exact up to rounding. A has at least as many rows as columns, independent columns.
+BoundedSolution bounded_least_squares(const LongMatrix& a, const LongVector& b, const LongVector& lower,
+                                      const LongVector& upper);
+/// The same bounds for all.
 BoundedSolution bounded_least_squares(const LongMatrix& a, const LongVector& b, long double lower,
                                       long double upper);
 

@@ -59,7 +59,7 @@ DifferentialEvolutionResult differential_evolution(const std::function<double(co
     }
     const auto [best, worst] = std::minmax_element(
         all.begin(), all.end(), [](const Individual& p, const Individual& q) { return p.cost < q.cost; });
-    if (worst->cost - best->cost <= options.spread * worst->cost) break;
+    if (worst->cost - best->cost <= options.spread * worst->cost || best->cost <= options.enough) break;
   }
   const auto best = std::min_element(
       all.begin(), all.end(), [](const Individual& p, const Individual& q) { return p.cost < q.cost; });

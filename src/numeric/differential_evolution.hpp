@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <cstdint>
 #include <functional>
+#include <limits>
 
 namespace bodesmith {
 
@@ -16,6 +17,8 @@ struct DifferentialEvolutionOptions {
   std::uint64_t seed = 1;
   /// Stops when the population's costs lie within this of each other, relatively.
   double spread = 1e-8;
+  /// And at a cost of this or less.
+  double enough = -std::numeric_limits<double>::infinity();
 };
 struct DifferentialEvolutionResult {
   Eigen::VectorXd x;

@@ -128,8 +128,8 @@ double Board::open_node_f() const {
   const std::string& node = c.contacts.back().to;
   double out = static_cast<double>(c.contacts.size()) * c.analog_switch.drain_f;
   for (std::size_t i = 0; i < c.parts.size(); ++i) {
-    const controller::Part& part = c.parts[i];
-    if (part.kind == controller::Part::Kind::capacitor && (part.from == node || part.to == node))
+    const schematic::Part& part = c.parts[i];
+    if (part.kind == schematic::Part::Kind::capacitor && (part.from == node || part.to == node))
       out += off_.value(c, static_cast<int>(i));
   }
   return out;

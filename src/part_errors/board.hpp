@@ -56,7 +56,7 @@ class Board {
   double solve(double r, double rate, const Branch& branch, const double p[kTerms], double start) const;
 
   const Wiring& wiring_;
-  controller::Deviations off_;
+  schematic::Deviations off_;
   RestPoint rest_;
   Branch branch_[2];                  ///< rising, falling
   double middle_ = 0.5, half_ = 0.7;  ///< of the argument's range

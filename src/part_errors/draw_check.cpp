@@ -20,7 +20,7 @@ std::vector<DrawCheck> check_draws(const controller::AnalogController& controlle
     const Copy copy = copy_of(controller, causes, draw_values(causes, options.seed, i));
     const Board board(bench.wiring(), copy);
     controller::AnalogController built = controller;
-    for (circuit::OpAmpModel* type : {&built.opamp, &built.fast_opamp}) {
+    for (schematic::OpAmpModel* type : {&built.opamp, &built.fast_opamp}) {
       type->gain_bandwidth.value *= 1.0 + copy.speed;
       type->slew_v_per_s *= 1.0 + copy.speed;
     }

@@ -11,7 +11,7 @@ namespace bodesmith::part_errors {
 namespace {
 
 using controller::AnalogController;
-using multiplier_layout::MultiplierDeviation;
+using schematic::MultiplierDeviation;
 
 /// Normal numbers are cut here, in standard deviations; the cut leaves 98.66 % of the deviation.
 constexpr double kCut = 3.0;
@@ -24,13 +24,13 @@ class Collector {
     for (std::size_t i = 0; i < c_.multipliers.size(); ++i) multiplier(i);
     for (std::size_t i = 0; i < c_.opamps.size(); ++i) {
       normal(c_.opamps[i].name + ", offset", "op-amp offsets",
-             e_.opamp_offset_share * c_.type_of(c_.opamps[i]).offset_v,
+             e_.opamp_offset_share * c_.model_of(c_.opamps[i]).offset_v,
              [i](Copy& copy, double value) { copy.off.opamp_offset_v[i] += value; });
     }
     for (std::size_t i = 0; i < c_.parts.size(); ++i) part(i);
-    for (std::size_t i = 0; i < c_.references.size(); ++i) {
-      uniform(c_.references[i].name + ", tolerance", "references", e_.reference_percent,
-              [i](Copy& copy, double value) { copy.off.reference[i] += value; });
+    for (std::size_t i = 0; i < c_.sources.size(); ++i) {
+      uniform(c_.sources[i].name + ", tolerance", "references", e_.reference_percent,
+              [i](Copy& copy, double value) { copy.off.source[i] += value; });
     }
     normal("op-amps, gain-bandwidth and slew rate", "op-amp speed", e_.opamp_speed_percent / 100.0,
            [](Copy& copy, double value) { copy.speed += value; });
@@ -78,8 +78,8 @@ class Collector {
            &MultiplierDeviation::bend);
   }
   void part(std::size_t i) {
-    using Kind = controller::Part::Kind;
-    const controller::Part& one = c_.parts[i];
+    using Kind = schematic::Part::Kind;
+    const schematic::Part& one = c_.parts[i];
     if (one.kind == Kind::diode) return;
     const bool resistor = one.kind == Kind::resistor;
     uniform(one.name + ", tolerance", resistor ? "resistors" : "capacitors",
@@ -148,7 +148,7 @@ std::vector<double> draw_values(const std::vector<Cause>& causes, std::uint64_t 
 Copy copy_of(const AnalogController& controller, const std::vector<Cause>& causes,
              const std::vector<double>& values) {
   Copy out;
-  out.off = controller::Deviations::none(controller);
+  out.off = schematic::Deviations::none(controller);
   for (std::size_t i = 0; i < causes.size(); ++i) causes[i].apply(out, values[i]);
   return out;
 }

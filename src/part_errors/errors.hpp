@@ -7,7 +7,7 @@
 
 #include "base/document.hpp"
 #include "controller/controller.hpp"
-#include "controller/deviations.hpp"
+#include "schematic/deviations.hpp"
 
 namespace bodesmith::part_errors {
 
@@ -40,7 +40,7 @@ struct PartErrors {
 
 /// One copy that was built.
 struct Copy {
-  controller::Deviations off;
+  schematic::Deviations off;
   double speed = 0.0;   ///< relative, of every op-amp's gain-bandwidth and slew rate
   double timing = 0.0;  ///< relative, of the slope detector's and the switch's delays
 };

@@ -4,13 +4,15 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "controller/open_loop.hpp"
 #include "lti/frequency_grid.hpp"
-#include "part_errors/loop_network.hpp"
-#include "part_errors/margin.hpp"
+#include "lti/loop_margins.hpp"
+#include "part_errors/loop_bias.hpp"
+#include "part_errors/rest_point.hpp"
+#include "schematic/analysis/response.hpp"
 
 namespace bodesmith::part_errors {
 namespace {
@@ -36,63 +38,72 @@ std::vector<LoopPoint> loop_points(const AnalogController& c) {
   return out;
 }
 
+/// The generator cut at its argument, for small signals about the point.
+schematic::Equations cut_loop(const AnalogController& controller, const LoopPoint& point) {
+  LoopBias bias = bias_of(controller, point);
+  bias.volts[controller::kArgument] = point.v;
+  schematic::Equations out(controller::generator_netlist(controller, true),
+                           {.position = bias.position, .input = controller::kArgument});
+  out.linearise(bias.volts);
+  return out;
+}
+
 LoopAt look_at(const AnalogController& controller, const LoopPoint& point, const std::vector<Hertz>& grid) {
-  const LoopNetwork network(controller, point);
+  const LoopBias bias = bias_of(controller, point);
+  const schematic::Netlist netlist = controller::generator_netlist(controller, false);
+  schematic::Equations closed(netlist, {.position = bias.position});
+  closed.linearise(bias.volts);
+  const schematic::Equations cut = cut_loop(controller, point);
+  const bool fed = controller.form == controller::Form::self_fed;
   LoopAt out;
   out.point = point;
   std::vector<std::complex<double>> loop;
-  std::vector<std::vector<std::complex<double>>> own(network.opamps().size());
+  std::vector<std::vector<std::complex<double>>> own(netlist.opamps.size());
   for (const Hertz f : grid) {
-    loop.push_back(network.generator(f.rad_s()));
+    loop.push_back(fed ? -cut.response(f.rad_s(), "v") : 0.0);
     if (std::abs(loop.back()) > out.greatest_gain) {
       out.greatest_gain = std::abs(loop.back());
       out.greatest_at = f;
     }
-    const auto ratios = network.return_ratios(f.rad_s());
-    for (std::size_t k = 0; k < own.size(); ++k) own[k].push_back(ratios[k]);
+    for (std::size_t k = 0; k < own.size(); ++k)
+      own[k].push_back(schematic::return_ratio(closed, netlist, k, f.rad_s()));
   }
-  out.gain_margin_db = gain_margin_db(loop);
+  out.gain_margin_db = loop_margins(grid, loop).gain_margin_db().value_or(0.0);
   for (std::size_t k = 0; k < own.size(); ++k) {
-    const controller::OpAmp& u = controller.opamps[network.opamps()[k]];
-    const Margin margin = phase_margin(grid, own[k]);
-    out.opamps.push_back({u.name, u.role, margin.deg, margin.crossing});
+    const schematic::OpAmp& u = netlist.opamps[k];
+    const LoopMargins margins = loop_margins(grid, own[k]);
+    const auto* least = margins.least_phase_margin();
+    out.opamps.push_back(
+        {u.name, u.role, margins.phase_margin_deg(), least == nullptr ? Hertz{} : least->frequency});
   }
   return out;
 }
 
 }  // namespace
 
-/// Every crossing of |T| = 1, straight in the logarithms; unstable when T goes round -1.
-Margin phase_margin(const std::vector<Hertz>& grid, const std::vector<std::complex<double>>& t) {
-  Margin out;
-  double turned = 0.0;
-  for (std::size_t i = 0; i + 1 < t.size(); ++i) {
-    turned += std::arg((1.0 + t[i + 1]) / (1.0 + t[i]));
-    const double a = std::log(std::abs(t[i])), b = std::log(std::abs(t[i + 1]));
-    if ((a > 0.0) == (b > 0.0)) continue;
-    const double share = a / (a - b);
-    const double phase = std::arg(t[i]) + share * std::arg(t[i + 1] / t[i]);
-    const double from_minus_one = std::abs(std::remainder(phase - std::numbers::pi, 2.0 * std::numbers::pi));
-    const double deg = from_minus_one * 180.0 / std::numbers::pi;
-    if (deg >= out.deg) continue;
-    out.deg = deg;
-    out.crossing = Hertz{grid[i].value * std::pow(grid[i + 1].value / grid[i].value, share)};
+LoopBias bias_of(const AnalogController& controller, const LoopPoint& point) {
+  const Wiring wiring(controller);
+  RestPoint rest(wiring, schematic::Deviations::none(controller));
+  LoopBias out;
+  if (controller.slope) out.slope_v = -point.operating.value * controller.slope->volts_per_hz;
+  rest.set_slope(out.slope_v);
+  const bool rising = point.branch == Disturbance::Branch::ascending;
+  out.position = rising ? 0 : 1;
+  out.reference_v = point.v;
+  if (wiring.self_fed())
+    out.reference_v = (point.v - rest.made(0.0, point.v, rising)) / rest.reference_gain();
+  rest.made(out.reference_v, point.v, rising);
+  for (const schematic::Multiplier& m : controller.multipliers) {
+    for (const std::string& node : {m.x, m.y, m.z, m.out}) out.volts[node] = rest.volts(node);
   }
-  // From a large positive real T to 0, arg(1 + T) comes back to about 0 without an encirclement.
-  if (std::abs(turned) > std::numbers::pi) out.deg = -out.deg;
+  if (wiring.self_fed()) out.volts["v"] = point.v;
   return out;
 }
 
-double gain_margin_db(const std::vector<std::complex<double>>& t) {
-  double greatest = 0.0;
-  for (std::size_t i = 0; i + 1 < t.size(); ++i) {
-    if ((t[i].imag() > 0.0) == (t[i + 1].imag() > 0.0)) continue;
-    const double share = t[i].imag() / (t[i].imag() - t[i + 1].imag());
-    greatest = std::max(greatest, -(t[i].real() + share * (t[i + 1].real() - t[i].real())));
-  }
-  // A loop gain that is negative at rest counts from there.
-  if (!t.empty()) greatest = std::max(greatest, -t.front().real());
-  return greatest > 0.0 ? -20.0 * std::log10(greatest) : 0.0;
+std::complex<double> generator_loop_gain(const AnalogController& controller, const LoopPoint& point,
+                                         RadPerSecond w) {
+  if (controller.form != controller::Form::self_fed) return 0.0;
+  return -cut_loop(controller, point).response(w, "v");
 }
 
 LoopStability loop_stability(const AnalogController& controller) {

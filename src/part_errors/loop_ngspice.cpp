@@ -4,19 +4,19 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "circuit/text.hpp"
 #include "controller/library.hpp"
 #include "lti/frequency_grid.hpp"
-#include "part_errors/loop_network.hpp"
-#include "part_errors/margin.hpp"
+#include "part_errors/loop_bias.hpp"
+#include "part_errors/rest_point.hpp"
+#include "schematic/plain_number.hpp"
+#include "schematic/writers/spice_models.hpp"
 #include "spice/ngspice.hpp"
-#include "spice/opamp_macromodel.hpp"
 
 namespace bodesmith::part_errors {
 namespace {
 
-using circuit::plain_number;
 using controller::AnalogController;
+using schematic::plain_number;
 
 constexpr int kGridPoints = 90;
 /// Of the stroke: within this a change of branch is over.
@@ -38,8 +38,8 @@ std::string level(Disturbance::Branch branch) {
 /// The op-amp's line takes a copy of the macromodel with a source of 1 V behind the ideal output stage: there its
 /// whole return ratio passes, whatever is connected.
 std::string with_cut_opamp(const AnalogController& controller, std::string library, const std::string& name) {
-  const controller::OpAmp* opamp = nullptr;
-  for (const controller::OpAmp& one : controller.opamps) {
+  const schematic::OpAmp* opamp = nullptr;
+  for (const schematic::OpAmp& one : controller.opamps) {
     if (one.name == name) opamp = &one;
   }
   const std::string begin = "\nX" + name + " ";
@@ -47,9 +47,9 @@ std::string with_cut_opamp(const AnalogController& controller, std::string libra
   if (opamp == nullptr || at == std::string::npos) throw std::logic_error("no op-amp " + name);
   const std::size_t end = library.find('\n', at + 1), last = library.rfind(' ', end);
   library.replace(last + 1, end - last - 1, "bodesmith_opamp_cut");
-  circuit::OpAmpModel quiet = controller.type_of(*opamp);
+  schematic::OpAmpModel quiet = controller.model_of(*opamp);
   quiet.voltage_noise_v_per_rthz = quiet.current_noise_a_per_rthz = 0.0;
-  std::string macro = spice::opamp_macromodel(quiet, "bodesmith_opamp_cut");
+  std::string macro = schematic::opamp_subcircuit(quiet, "bodesmith_opamp_cut");
   const std::string output = "\nRo y o ";
   const std::size_t ro = macro.find(output);
   if (ro == std::string::npos) throw std::logic_error("the op-amp's macromodel has no output resistance");
@@ -63,8 +63,8 @@ std::vector<std::complex<double>> opamp_ratio(const AnalogController& controller
   options.open = true;
   const std::string library =
       with_cut_opamp(controller, controller::controller_library(controller, "loop", options), opamp);
-  const LoopNetwork network(controller, point);
-  std::string deck = open_deck(controller, library, point, network.reference_v(), level(point.branch));
+  std::string deck =
+      open_deck(controller, library, point, bias_of(controller, point).reference_v, level(point.branch));
   // The generator reads its own drive (or the reference).
   deck += controller.form == controller::Form::self_fed ? "Vx x v 0\n" : "Vx x r 0\n";
   std::vector<std::complex<double>> out =
@@ -77,9 +77,8 @@ std::vector<std::complex<double>> generator_loop(const AnalogController& control
                                                  const std::vector<Hertz>& grid) {
   controller::LibraryOptions options;
   options.open = true;
-  const LoopNetwork network(controller, point);
   std::string deck = open_deck(controller, controller::controller_library(controller, "loop", options), point,
-                               network.reference_v(), level(point.branch));
+                               bias_of(controller, point).reference_v, level(point.branch));
   deck += fmt::format("Vx x 0 {} ac 1\n", plain_number(point.v));
   std::vector<std::complex<double>> out = spice::run_ac_of_circuit(deck, "v", grid, "controller.sub");
   for (std::complex<double>& t : out) t = -t;
@@ -134,7 +133,7 @@ SwitchStep change_of_branch(const AnalogController& controller, const LoopPoint&
 std::optional<SwitchStep> switch_step(const AnalogController& controller, const LoopPoint& at) {
   if (!controller.switched() || controller.contacts.size() < 2) return std::nullopt;
   const Wiring wiring(controller);
-  RestPoint rest(wiring, controller::Deviations::none(controller));
+  RestPoint rest(wiring, schematic::Deviations::none(controller));
   if (controller.slope) rest.set_slope(-at.operating.value * controller.slope->volts_per_hz);
   double r = 0.5, greatest = 0.0;
   for (int i = 0; i <= 40; ++i) {
@@ -160,19 +159,19 @@ LoopStability checked_loop_stability(const AnalogController& controller) {
   if (out.at.empty()) return out;
   const std::vector<Hertz> grid = log_grid({Hertz{1e3}, Hertz{1e9}}, kGridPoints);
   LoopStability::Checked checked;
-  const Margin margin = phase_margin(grid, opamp_ratio(controller, out.opamp, out.point, grid));
-  checked.margin_deg = margin.deg;
-  checked.crossing = margin.crossing;
+  const LoopMargins margins = loop_margins(grid, opamp_ratio(controller, out.opamp, out.point, grid));
+  checked.margin_deg = margins.phase_margin_deg();
+  if (const auto* least = margins.least_phase_margin()) checked.crossing = least->frequency;
   if (controller.form == controller::Form::self_fed) {
     const auto worst = std::max_element(out.at.begin(), out.at.end(), [](const LoopAt& a, const LoopAt& b) {
       return a.greatest_gain < b.greatest_gain;
     });
-    const LoopNetwork network(controller, worst->point);
     const std::vector<std::complex<double>> t = generator_loop(controller, worst->point, grid);
     for (std::size_t i = 0; i < grid.size(); ++i) {
       checked.greatest_gain = std::max(checked.greatest_gain, std::abs(t[i]));
       checked.greatest_difference =
-          std::max(checked.greatest_difference, std::abs(t[i] - network.generator(grid[i].rad_s())));
+          std::max(checked.greatest_difference,
+                   std::abs(t[i] - generator_loop_gain(controller, worst->point, grid[i].rad_s())));
     }
   }
   checked.step = switch_step(controller, out.point);

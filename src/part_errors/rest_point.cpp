@@ -5,17 +5,17 @@
 namespace bodesmith::part_errors {
 
 using controller::AnalogController;
-using controller::Deviations;
+using schematic::Deviations;
 using Kind = Wiring::Element::Kind;
 
 RestPoint::RestPoint(const Wiring& wiring, const Deviations& off) : wiring_(wiring) {
   const AnalogController& c = wiring.controller();
   v_.assign(wiring.nodes(), 0.0);
   noise_gain_.assign(c.sums.size(), 1.0);
-  for (std::size_t i = 0; i < c.references.size(); ++i) {
-    const double relative = off.reference.empty() ? 0.0 : off.reference[i];
-    const int node = wiring.node(c.references[i].node);
-    if (node >= 0) v_[static_cast<std::size_t>(node)] = c.references[i].volts * (1.0 + relative);
+  for (std::size_t i = 0; i < c.sources.size(); ++i) {
+    const double relative = off.source[i];
+    const int node = wiring.node(c.sources[i].node);
+    if (node >= 0) v_[static_cast<std::size_t>(node)] = c.sources[i].volts * (1.0 + relative);
   }
   for (const Wiring::Element& e : wiring.rate()) rate_.push_back(step_of(e, off));
   for (const Wiring::Element& e : wiring.generator()) generator_.push_back(step_of(e, off));
@@ -68,8 +68,7 @@ RestPoint::Step RestPoint::step_of(const Wiring::Element& element, const Deviati
       break;
     case Kind::multiplier: {
       const auto i = static_cast<std::size_t>(element.index);
-      const multiplier_layout::MultiplierDeviation m =
-          off.multiplier.empty() ? multiplier_layout::MultiplierDeviation{} : off.multiplier[i];
+      const schematic::MultiplierDeviation& m = off.multiplier[i];
       step.x = m.x;
       step.y = m.y;
       step.w = m.w;

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "controller/controller.hpp"
-#include "controller/deviations.hpp"
+#include "schematic/deviations.hpp"
 
 namespace bodesmith::part_errors {
 
@@ -53,7 +53,7 @@ class Wiring {
 /// One built copy at rest: the wiring with this copy's gains and offsets.
 class RestPoint {
  public:
-  RestPoint(const Wiring& wiring, const controller::Deviations& off);
+  RestPoint(const Wiring& wiring, const schematic::Deviations& off);
 
   /// The slope meter's voltage (0 or below); the control voltages follow.
   void set_slope(double volts);
@@ -80,8 +80,8 @@ class RestPoint {
     double x = 0.0, y = 0.0, w = 0.0, per_scale = 1.0, curve_x = 0.0;
     bool positive = false;
   };
-  Step step_of(const Wiring::Element& element, const controller::Deviations& off);
-  void sum_step(Step& step, const Wiring::Element& element, const controller::Deviations& off);
+  Step step_of(const Wiring::Element& element, const schematic::Deviations& off);
+  void sum_step(Step& step, const Wiring::Element& element, const schematic::Deviations& off);
   void run(const std::vector<Step>& steps, bool rising);
 
   const Wiring& wiring_;

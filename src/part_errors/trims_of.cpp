@@ -28,7 +28,7 @@ std::string divided_down(double range) {
 void add_multiplier_trims(const AnalogController& c, int index, std::vector<Trim>& out) {
   if (index < 0) return;
   const auto i = static_cast<std::size_t>(index);
-  const controller::Multiplier& m = c.multipliers[i];
+  const schematic::Multiplier& m = c.multipliers[i];
   if (m.z == "0") {
     out.push_back({"offset of " + m.name,
                    fmt::format("pin Z of {} ({}): {}", m.name, m.role, divided_down(kOffsetRange)), "V",
@@ -49,7 +49,7 @@ void add_part_trim(const AnalogController& c, int part, const std::string& name,
                    std::vector<Trim>& out) {
   if (part < 0) return;
   const auto i = static_cast<std::size_t>(part);
-  const controller::Part& one = c.part(part);
+  const schematic::Part& one = c.part(part);
   out.push_back({name,
                  fmt::format("{} ({}, {}): {} less, with a potentiometer of {} in series", one.name, one.role,
                              ohm(one.realised), ohm(range * one.realised), ohm(2.0 * range * one.realised)),

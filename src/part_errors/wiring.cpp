@@ -7,7 +7,7 @@
 namespace bodesmith::part_errors {
 
 using controller::AnalogController;
-using controller::Part;
+using schematic::Part;
 
 Wiring::Wiring(const AnalogController& controller) : controller_(controller) {
   names_ = {{"0", kGround}, {"r", kReference}, {"v", kDrive}, {"sn", kSlope}};
@@ -48,23 +48,23 @@ void Wiring::collect(std::vector<Element>& out) {
     out.push_back(std::move(e));
   }
   for (std::size_t i = 0; i < c.multipliers.size(); ++i) {
-    const controller::Multiplier& m = c.multipliers[i];
+    const schematic::Multiplier& m = c.multipliers[i];
     out.push_back({Element::Kind::multiplier,
                    {number(m.x), number(m.y), number(m.z)},
                    number(m.out),
                    static_cast<int>(i)});
   }
   for (std::size_t i = 0; i < c.opamps.size(); ++i) {
-    const controller::OpAmp& u = c.opamps[i];
+    const schematic::OpAmp& u = c.opamps[i];
     if (u.minus != u.out) continue;
     out.push_back({Element::Kind::follower, {number(u.plus)}, output_number(u.out), static_cast<int>(i)});
   }
   std::map<std::string, Element> contacts;
-  for (const controller::Contact& contact : c.contacts) {
+  for (const schematic::Contact& contact : c.contacts) {
     Element& e = contacts[contact.to];
     e.kind = Element::Kind::contact;
     e.in.resize(2, kGround);
-    e.in[contact.rising ? 0 : 1] = number(contact.from);
+    e.in[contact.position == 0 ? 0 : 1] = number(contact.from);
     e.out = number(contact.to);
   }
   for (auto& [to, e] : contacts) out.push_back(std::move(e));
@@ -74,7 +74,7 @@ void Wiring::collect(std::vector<Element>& out) {
 void Wiring::collect_dividers(std::vector<Element>& out) {
   std::set<int> driven = {kGround, kReference, kDrive, kSlope};
   for (const Element& e : out) driven.insert(e.out);
-  for (const controller::VoltageReference& one : controller_.references) driven.insert(number(one.node));
+  for (const schematic::Source& one : controller_.sources) driven.insert(number(one.node));
   std::set<std::string> wanted;
   for (const Element& e : out) {
     for (const int in : e.in) {
@@ -105,7 +105,7 @@ void Wiring::collect_dividers(std::vector<Element>& out) {
 void Wiring::order(std::vector<Element> all) {
   // What follows from the slope and the references alone is the gain curve.
   std::set<int> still = {kGround, kSlope};
-  for (const controller::VoltageReference& one : controller_.references) still.insert(number(one.node));
+  for (const schematic::Source& one : controller_.sources) still.insert(number(one.node));
   std::set<int> known = still;
   known.insert({kReference, kDrive});
   const auto place = [&](std::set<int>& from, std::vector<Element>& into) {

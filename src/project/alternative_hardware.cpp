@@ -1,9 +1,7 @@
 #include "project/alternative_hardware.hpp"
 
-#include <future>
-
 #include "base/error.hpp"
-#include "project/design.hpp"
+#include "numeric/parallel_for.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -13,14 +11,6 @@ fpaa::PlanOptions plan_options(const Project& project, const Band& band) {
   options.board = project.fpaa->board;
   options.clock = project.fpaa->clock;
   options.band = band;
-  return options;
-}
-
-circuit::RealiseOptions circuit_options(const Project& project) {
-  circuit::RealiseOptions options;
-  options.realisation = project.circuit->realisation;
-  options.resistors = circuit::Series::named(project.circuit->resistors);
-  options.capacitors = circuit::Series::named(project.circuit->capacitors);
   return options;
 }
 
@@ -34,23 +24,39 @@ Outcome<fpaa::Plan> try_plan(const Project& project, const Sections& sections, c
 
 }  // namespace
 
-AlternativeHardware::AlternativeHardware(const Project& project, const Design& design) : project_(project) {
-  for (const Alternative& alternative : design.alternatives) {
+Sections stating_band(Sections sections, Band band) {
+  if (!sections.error) sections.error = Sections::Error{};
+  sections.error->band = band;
+  return sections;
+}
+
+Outcome<circuit::BuildChoice> make_circuit(const Project::Circuit& options, Sections sections,
+                                           std::optional<Band> band) {
+  circuit::BuildSearch search;
+  search.options.realisation = options.realisation;
+  search.options.resistors = circuit::Series::named(options.resistors);
+  search.options.capacitors = circuit::Series::named(options.capacitors);
+  search.may_choose = band && options.realisation == Project::Circuit{}.realisation;
+  if (band) sections = stating_band(std::move(sections), *band);
+  return circuit::realise_for_building(sections, search);
+}
+
+AlternativeHardware::AlternativeHardware(const Project& project, const Cascade& cascade,
+                                         const std::vector<Alternative>& alternatives)
+    : project_(project) {
+  for (const Alternative& alternative : alternatives) {
     Place& place = places_.emplace_back();
     place.sections = alternative.sections;
-    place.band = design_band(project, design.fit.cascade, alternative.sections);
+    place.band = design_band(project, cascade, alternative.sections);
   }
 }
 
 void AlternativeHardware::make(Place& place) const {
-  // The plan's search takes longest: parts are looked for beside it.
-  std::future<Outcome<fpaa::Plan>> planned;
-  if (project_.fpaa) {
-    planned = std::async(std::launch::async,
-                         [this, &place] { return try_plan(project_, place.sections, place.band); });
-  }
-  if (project_.circuit) place.made.circuit = circuit::try_realise(place.sections, circuit_options(project_));
-  if (planned.valid()) place.made.plan = planned.get();
+  // The plan's search takes longest: parts are looked for at the same time.
+  parallel_for(2, 2, [&](std::size_t i) {
+    if (i == 0 && project_.fpaa) place.made.plan = try_plan(project_, place.sections, place.band);
+    if (i == 1 && project_.circuit) place.made.circuit = make_circuit(*project_.circuit, place.sections);
+  });
 }
 
 const AlternativeHardware::Made& AlternativeHardware::of(std::size_t alternative) {

@@ -4,27 +4,37 @@
 #include <deque>
 #include <mutex>
 #include <optional>
+#include <string>
+#include <vector>
 
 #include "base/outcome.hpp"
-#include "circuit/realise.hpp"
+#include "circuit/realise_search.hpp"
 #include "fpaa/plan.hpp"
+#include "project/alternatives.hpp"
 #include "project/project.hpp"
 
 namespace bodesmith::project {
 
-struct Design;
+/// The sections, which state that they are made for `band`.
+Sections stating_band(Sections sections, Band band);
+
+/// The circuit of a project with [hardware.circuit], judged as `spice` does. With a band in that, and by another realisation
+/// where the usual one falls short; without (one of several alternatives) as asked alone.
+Outcome<circuit::BuildChoice> make_circuit(const Project::Circuit& options, Sections sections,
+                                           std::optional<Band> band = std::nullopt);
 
 /// What each alternative of a design becomes on the board and of the parts: made once, by whoever asks first, from any
 /// thread; whoever asks meanwhile waits.
 class AlternativeHardware {
  public:
-  /// `design` has its fit and its alternatives; the project must live as long as this does.
-  AlternativeHardware(const Project& project, const Design& design);
+  /// The project must live as long as this does.
+  AlternativeHardware(const Project& project, const Cascade& cascade,
+                      const std::vector<Alternative>& alternatives);
 
   /// Absent where the project has no such hardware.
   struct Made {
     std::optional<Outcome<fpaa::Plan>> plan;
-    std::optional<Outcome<circuit::Realised>> circuit;
+    std::optional<Outcome<circuit::BuildChoice>> circuit;
   };
   const Made& of(std::size_t alternative);
   bool is_made(std::size_t alternative) const { return places_[alternative].done; }

@@ -115,4 +115,16 @@ std::vector<std::size_t> rank_alternatives(const Project& project,
   return order;
 }
 
+Band design_band(const Project& project, const Cascade& cascade, const Sections& sections) {
+  Band band{project.target.points.points.front().frequency, project.target.points.points.back().frequency};
+  const auto widen = [&band](const Band& other) {
+    if (!(other.from.value > 0.0) || !(other.to >= other.from)) return;
+    band.from = std::min(band.from, other.from);
+    band.to = std::max(band.to, other.to);
+  };
+  if (!cascade.terms.empty()) widen(cascade.corner_band());
+  widen(sections.corner_band());
+  return band;
+}
+
 }  // namespace bodesmith::project

@@ -39,6 +39,9 @@ std::vector<Alternative> make_alternatives(const Project& project, const Cascade
 std::vector<std::size_t> rank_alternatives(const Project& project,
                                            const std::vector<Alternative>& alternatives);
 
+/// The frequencies at which the stages are compared: the target points and every corner of cascade and sections.
+Band design_band(const Project& project, const Cascade& cascade, const Sections& sections);
+
 /// The path of the disturbance generator that the project's compensator stands in.
 DrivenPath compensated_path(const Project& project);
 

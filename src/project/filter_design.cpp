@@ -9,12 +9,13 @@
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "circuit/response.hpp"
 #include "circuit/stated_band.hpp"
 #include "fit/choice.hpp"
-#include "fpaa/multirate_response.hpp"
-#include "lti/integrators.hpp"
+#include "fpaa/network/switched_board.hpp"
+#include "lti/judging_grid.hpp"
+#include "lti/sections.hpp"
 #include "project/fractional_fit.hpp"
+#include "schematic/analysis/response.hpp"
 #include "yield/nulls.hpp"
 
 namespace bodesmith::project {
@@ -127,7 +128,9 @@ void fit_transfer(const FilterProject& project, FilterDesign& design) {
   }
 }
 
-void make_sections_of(const FilterProject& project, FilterDesign& design) {
+}  // namespace
+
+void add_sections(const FilterProject& project, FilterDesign& design) {
   if (project.points) {
     fit_points(project, design);
   } else if (project.fractional) {
@@ -138,7 +141,8 @@ void make_sections_of(const FilterProject& project, FilterDesign& design) {
   }
 }
 
-void make_plan_of(const FilterProject& project, FilterDesign& design) {
+void add_plan(const FilterProject& project, FilterDesign& design) {
+  if (!project.fpaa) return;
   fpaa::PlanOptions options;
   options.board = project.fpaa->board;
   options.clock = project.fpaa->clock;
@@ -155,54 +159,27 @@ void make_plan_of(const FilterProject& project, FilterDesign& design) {
   }
 }
 
-/// The sections, which state the project's band.
-Sections banded(Sections sections, Band band) {
-  if (!sections.error) sections.error = Sections::Error{};
-  sections.error->band = band;
-  return sections;
+void add_circuit(const FilterProject& project, FilterDesign& design) {
+  if (project.circuit)
+    design.circuit = value_or_throw(make_circuit(*project.circuit, design.sections, project.band));
 }
 
-void make_circuit_of(const FilterProject& project, FilterDesign& design) {
-  circuit::BuildSearch search;
-  search.options.realisation = project.circuit->realisation;
-  search.options.resistors = circuit::Series::named(project.circuit->resistors);
-  search.options.capacitors = circuit::Series::named(project.circuit->capacitors);
-  search.may_choose = project.circuit->realisation == Project::Circuit{}.realisation;
-  design.circuit =
-      value_or_throw(circuit::realise_for_building(banded(design.sections, project.band), search));
-}
-
-void make_yield_of(const FilterProject& project, FilterDesign& design) {
+void add_tolerances(const FilterProject& project, FilterDesign& design) {
+  if (!design.circuit) return;
+  if (project.deadline.passed()) {
+    design.not_tried.emplace_back("tolerances");
+    return;
+  }
   const yield::Design built =
-      yield::design_of_circuit(design.circuit->best.made.circuit, banded(design.sections, project.band),
+      yield::design_of_circuit(design.circuit->best.made.circuit, stating_band(design.sections, project.band),
                                project.name, yield::OpAmps::as_built);
   yield::Options options;
   options.spread = project.spread;
   options.samples = kYieldSamples;
-  options.grid = log_grid(project.band, kYieldPoints);
+  options.grid = judging_grid(built.reference, project.band, kYieldPoints);
   yield::leave_out_nulls({built}, options.grid);
-  options.limit_db = project.yield_db;
+  options.limit_db = project.limits.yield_db;
   design.yield = yield::run_monte_carlo(built, options, Team());
-}
-
-}  // namespace
-
-FilterDesign make_filter_design(const FilterProject& project) {
-  const Stopwatch watch;
-  FilterDesign design;
-  make_sections_of(project, design);
-  stop_if_interrupted();
-  if (project.fpaa) make_plan_of(project, design);
-  if (project.circuit) {
-    make_circuit_of(project, design);
-    if (project.deadline.passed()) {
-      design.not_tried.emplace_back("tolerances");
-    } else {
-      make_yield_of(project, design);
-    }
-  }
-  design.compute_s = watch.seconds();
-  return design;
 }
 
 std::vector<FilterStage> filter_stages(const FilterDesign& design) {
@@ -212,36 +189,27 @@ std::vector<FilterStage> filter_stages(const FilterDesign& design) {
   }
   out.push_back({"sections", [&design](RadPerSecond w) { return design.sections.response(w); }});
   if (design.plan) {
-    const auto runs = std::make_shared<const fpaa::MultirateResponse>(*design.plan);
-    out.push_back({"FPAA as it runs", [runs](RadPerSecond w) { return runs->as_it_runs(w); }});
+    const auto runs = std::make_shared<const fpaa::SwitchedBoard>(*design.plan);
+    out.push_back({"FPAA as it runs", [runs](RadPerSecond w) { return runs->gain(w); }});
   }
   if (design.circuit) {
     const circuit::Circuit& built = design.circuit->best.made.circuit;
     out.push_back({"circuit with op-amps", [&built](RadPerSecond w) {
-                     return circuit::network_response(built, {w.hz()}, built.model).front();
+                     return schematic::network_response(built, {w.hz()}).front();
                    }});
   }
   return out;
 }
 
-std::vector<LimitCheck> check_filter_limits(const FilterProject& project, const FilterDesign& design) {
-  std::vector<LimitCheck> out;
-  const Project::Limits& limits = project.limits;
-  const auto check = [&out](const char* name, const std::optional<double>& limit, std::optional<double> got) {
-    if (limit) out.push_back({name, *limit, got.value_or(INFINITY)});
-  };
-  const auto points = project.sections ? std::nullopt : std::optional(design.target_db);
-  check("fit_db", limits.fit_db, design.fit ? std::optional(design.fit->cascade.fit->max_db) : points);
-  check("points_db", limits.points_db, points);
-  check("approximation_db", limits.approximation_db,
-        design.approximation ? std::optional(design.approximation->error.everywhere_db) : std::optional(0.0));
-  check("fpaa_percent", limits.fpaa_percent,
-        design.plan ? std::optional(design.plan->error_with_delays.max_complex_percent) : std::nullopt);
-  check("circuit_db", limits.circuit_db,
-        design.circuit ? std::optional(design.circuit->best.judged.max_magnitude_db) : std::nullopt);
-  check("yield_db", project.yield_db,
-        design.yield ? std::optional(design.yield->worst_db.quantile(0.95)) : std::nullopt);
-  return out;
+std::vector<LimitCheck> check_limits(const FilterProject& project, const FilterDesign& design) {
+  Project::Limits got;
+  if (!project.sections) got.points_db = design.target_db;
+  got.fit_db = design.fit ? design.fit->cascade.fit->max_db : got.points_db;
+  got.approximation_db = design.approximation ? design.approximation->error.everywhere_db : 0.0;
+  if (design.plan) got.fpaa_percent = design.plan->error_with_delays.max_complex_percent;
+  if (design.circuit) got.circuit_db = design.circuit->best.judged.max_magnitude_db;
+  if (design.yield) got.yield_db = design.yield->worst_db.quantile(0.95);
+  return check_limits(project.limits, got);
 }
 
 }  // namespace bodesmith::project

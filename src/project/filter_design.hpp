@@ -34,8 +34,12 @@ struct FilterDesign {
   double target_db = 0.0;
 };
 
-/// Throws DesignError when board or parts cannot make it.
-FilterDesign make_filter_design(const FilterProject& project);
+// Its stages. What the project does not ask for is left out; a DesignError is thrown for what cannot be made, but for a
+// board's refusal, which stands in the design.
+void add_sections(const FilterProject& project, FilterDesign& design);
+void add_plan(const FilterProject& project, FilterDesign& design);
+void add_circuit(const FilterProject& project, FilterDesign& design);
+void add_tolerances(const FilterProject& project, FilterDesign& design);
 
 /// A stage's response: "sections", "circuit", …
 struct FilterStage {
@@ -45,7 +49,6 @@ struct FilterStage {
 /// Cascade (where there is one), sections, board as it runs, circuit as built. They refer to `design`.
 std::vector<FilterStage> filter_stages(const FilterDesign& design);
 
-/// fit_db, points_db, approximation_db, fpaa_percent (as it runs), circuit_db, yield_db.
-std::vector<LimitCheck> check_filter_limits(const FilterProject& project, const FilterDesign& design);
+std::vector<LimitCheck> check_limits(const FilterProject& project, const FilterDesign& design);
 
 }  // namespace bodesmith::project

@@ -1,3 +1,5 @@
+#include "project/filter_page.hpp"
+
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -5,7 +7,6 @@
 
 #include "base/text.hpp"
 #include "fpaa/board_picture.hpp"
-#include "project/filter_run.hpp"
 #include "project/report_tables.hpp"
 #include "report/bode.hpp"
 #include "report/page.hpp"
@@ -194,7 +195,7 @@ void board_of_filter(report::Page& page, const FilterRun& run) {
   const fpaa::Plan& plan = *run.design.plan;
   const fpaa::PlanError& runs = plan.error_with_delays;
   page.paragraph(fmt::format(
-      "{} CAMs on {} chip(s) of {}. As the board runs, every clock, hold and delay in it, from {}: {} % ({} dB, {} "
+      "{} CAMs on {} chip(s) of {}. As the board runs, every switch of every clock in it, from {}: {} % ({} dB, {} "
       "degrees), worst at {}. Largest input {}.",
       plan.cams().size(), plan.chips.size(), plan.board, span_text(runs.band),
       rounded_text(runs.max_complex_percent, 3), rounded_text(runs.max_magnitude_db, 3),
@@ -213,7 +214,7 @@ void circuit_of_filter(report::Page& page, const FilterRun& run) {
       "{}: {} stages, {} op-amps ({}), {} parts ({} resistors, {} capacitors). From {} parts and op-amps together are {} dB "
       "and {} degrees off; least phase margin of an op-amp {} degrees.",
       best.how, best.made.circuit.stages.size(), best.made.circuit.opamps.size(),
-      best.made.circuit.model.name, best.made.circuit.parts.size(), run.project.circuit->resistors,
+      best.made.circuit.opamp.name, best.made.circuit.parts.size(), run.project.circuit->resistors,
       run.project.circuit->capacitors, span_text(best.judged_band),
       rounded_text(best.judged.max_magnitude_db, 3), rounded_text(best.judged.max_phase_deg, 3),
       rounded_text(best.opamps.min_phase_margin_deg, 3)));

@@ -103,10 +103,7 @@ FilterProject FilterProject::from_document(const Node& node, const fs::path& pat
     if (hardware.has("circuit")) out.circuit = read_circuit(hardware.at("circuit"));
   }
   if (node.has("tolerances")) out.spread = read_spread(node.at("tolerances"));
-  if (node.has("limits")) {
-    out.limits = read_limits(node.at("limits"), true);
-    if (node.at("limits").has("yield_db")) out.yield_db = node.at("limits").at("yield_db").positive();
-  }
+  if (node.has("limits")) out.limits = read_limits(node.at("limits"), true);
   return out;
 }
 

@@ -5,9 +5,9 @@
 #include <optional>
 #include <string>
 
-#include "approximate/fractional_transfer.hpp"
 #include "base/document.hpp"
 #include "base/provenance.hpp"
+#include "lti/fractional_transfer.hpp"
 #include "lti/sections.hpp"
 #include "project/project.hpp"
 #include "signal/bode_points.hpp"
@@ -42,8 +42,7 @@ struct FilterProject {
   std::optional<Project::Circuit> circuit;
   yield::Spread spread;
   Project::Limits limits;
-  std::optional<double> yield_db;  ///< [limits]: 95 of 100 circuits within it
-  Deadline deadline;               ///< as Project::deadline
+  Deadline deadline;  ///< as Project::deadline
 
   /// Of a document that was read from `path`; reads the file that it names. Every InputError has file and line.
   static FilterProject from_document(const Node& document, const std::filesystem::path& path,

@@ -91,7 +91,7 @@ FractionalFit fit_fractional(const FractionalTransfer& transfer, const std::stri
   out.stability = checked_stability(transfer, file);
   out.poles_at_zero = options.keep_integrator ? whole_integrators(out.stability.powers_of_s) : 0;
   if (options.keep_integrator && out.poles_at_zero == 0)
-    throw DesignError(file, 0, "has no integrator that --keep-integrator could keep");
+    throw DesignError(file, 0, "has no integrator to keep");
   const BodePoints points =
       without_integrators(sampled_points(transfer, file, options.band), out.poles_at_zero);
   DirectFitOptions direct = options.direct;

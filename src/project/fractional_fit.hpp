@@ -3,9 +3,9 @@
 #include <optional>
 #include <string>
 
-#include "approximate/fractional_stability.hpp"
-#include "approximate/fractional_transfer.hpp"
 #include "fit/direct_fit.hpp"
+#include "lti/fractional_stability.hpp"
+#include "lti/fractional_transfer.hpp"
 
 namespace bodesmith::project {
 

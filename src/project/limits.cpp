@@ -1,27 +1,56 @@
 #include "project/limits.hpp"
 
+#include <fmt/format.h>
+
+#include "base/json.hpp"
+#include "base/text.hpp"
+
 namespace bodesmith::project {
 
+std::string LimitCheck::got_text() const {
+  return got ? rounded_text(*got, 3) : "not made";
+}
+
+std::vector<LimitCheck> check_limits(const Project::Limits& limits, const Project::Limits& got) {
+  std::vector<LimitCheck> out;
+  const auto check = [&](const char* name, std::optional<double> Project::Limits::*which) {
+    if (limits.*which) out.push_back({name, *(limits.*which), got.*which});
+  };
+  check("fit_db", &Project::Limits::fit_db);
+  check("points_db", &Project::Limits::points_db);
+  check("approximation_db", &Project::Limits::approximation_db);
+  check("fpaa_percent", &Project::Limits::fpaa_percent);
+  check("circuit_db", &Project::Limits::circuit_db);
+  check("yield_db", &Project::Limits::yield_db);
+  return out;
+}
+
 std::vector<LimitCheck> check_limits(const Project& project, const Design& design) {
-  std::vector<LimitCheck> checks;
-  const auto& limits = project.limits;
-  if (limits.fit_db && design.fit.cascade.fit)
-    checks.push_back({"fit_db", *limits.fit_db, design.fit.cascade.fit->max_db});
-  if (limits.points_db) {
-    checks.push_back({"points_db", *limits.points_db, design.alternatives[design.chosen].points_max_db});
-  }
-  if (limits.approximation_db) {
-    checks.push_back(
-        {"approximation_db", *limits.approximation_db, design.approximation.error.everywhere_db});
-  }
-  if (limits.fpaa_percent && design.plan) {
-    checks.push_back(
-        {"fpaa_percent", *limits.fpaa_percent, design.plan->error_with_delays.max_complex_percent});
-  }
-  if (limits.circuit_db && design.circuit) {
-    checks.push_back({"circuit_db", *limits.circuit_db, design.circuit->report.parts.max_magnitude_db});
-  }
-  return checks;
+  Project::Limits got;
+  if (design.fit.cascade.fit) got.fit_db = design.fit.cascade.fit->max_db;
+  got.points_db = design.built().points_max_db;
+  got.approximation_db = design.approximation.error.everywhere_db;
+  if (design.plan) got.fpaa_percent = design.plan->error_with_delays.max_complex_percent;
+  if (design.circuit) got.circuit_db = design.circuit->best.judged.max_magnitude_db;
+  return check_limits(project.limits, got);
+}
+
+std::string limits_text(const std::vector<LimitCheck>& limits) {
+  std::string out;
+  for (const LimitCheck& check : limits)
+    out += fmt::format("limit      {} {}: {} {}\n", check.name, rounded_text(check.limit), check.got_text(),
+                       check.met() ? "met" : "NOT met");
+  return out;
+}
+
+Json to_json(const std::vector<LimitCheck>& limits) {
+  Json out = Json::array();
+  for (const LimitCheck& check : limits)
+    out.push_back({{"name", check.name},
+                   {"limit", check.limit},
+                   {"got", check.got ? Json(*check.got) : Json(nullptr)},
+                   {"met", check.met()}});
+  return out;
 }
 
 }  // namespace bodesmith::project

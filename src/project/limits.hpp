@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "project/design.hpp"
 #include "project/project.hpp"
 
@@ -13,10 +14,19 @@ namespace bodesmith::project {
 struct LimitCheck {
   std::string name;  ///< key in project.toml
   double limit = 0.0;
-  double got = 0.0;
-  bool met() const { return got <= limit; }
+  std::optional<double> got;  ///< absent: it was not made, which is not met
+  bool met() const { return got && *got <= limit; }
+
+  std::string got_text() const;  ///< "0.0123", "not made"
 };
 
+/// Of the limits that the project sets, in the order of Limits; `got`: what came of each, absent where it was not made.
+std::vector<LimitCheck> check_limits(const Project::Limits& limits, const Project::Limits& got);
+/// The sections at the points, the board as it runs, parts and op-amps together.
 std::vector<LimitCheck> check_limits(const Project& project, const Design& design);
+
+/// The lines of a summary, and what run.json holds of them.
+std::string limits_text(const std::vector<LimitCheck>& limits);
+Json to_json(const std::vector<LimitCheck>& limits);
 
 }  // namespace bodesmith::project

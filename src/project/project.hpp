@@ -96,10 +96,11 @@ struct Project {
     std::optional<double> points_db;
     std::optional<double> approximation_db;
     std::optional<double> fpaa_percent;
-    std::optional<double> circuit_db;
+    std::optional<double> circuit_db;  ///< parts and op-amps together
+    std::optional<double> yield_db;    ///< 95 of 100 circuits within it; projects without a disturbance
   } limits;
 
-  /// Not in the file: a time (`run --max-seconds`) after which what the design does not need is left out, and said.
+  /// Not in the file: a time after which what the design does not need is left out, and said.
   Deadline deadline;
 
   /// Reads the project and the files it names; every InputError has file and line.

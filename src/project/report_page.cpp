@@ -42,7 +42,7 @@ std::vector<std::pair<std::string, std::string>> key_figures(const Design& desig
                      "FPAA plan against sections, as the board runs");
   }
   if (design.circuit) {
-    out.emplace_back(rounded_text(design.circuit->report.parts.max_magnitude_db, 3) + " dB",
+    out.emplace_back(rounded_text(design.realised().report.parts.max_magnitude_db, 3) + " dB",
                      "circuit's parts against sections");
   }
   return out;

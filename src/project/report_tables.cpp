@@ -46,7 +46,7 @@ report::Table limits_table(const std::vector<LimitCheck>& limits) {
   for (const LimitCheck& check : limits) {
     if (!check.met()) table.marked.push_back(table.rows.size());
     table.rows.push_back(
-        {check.name, rounded_text(check.limit), rounded_text(check.got, 3), check.met() ? "met" : "not met"});
+        {check.name, rounded_text(check.limit), check.got_text(), check.met() ? "met" : "not met"});
   }
   return table;
 }
@@ -82,11 +82,11 @@ report::Table sections_table(const Sections& sections) {
   return table;
 }
 
-report::Table parts_table(const std::vector<circuit::Part>& parts) {
+report::Table parts_table(const std::vector<schematic::Part>& parts) {
   report::Table table{{"part", "stage", "series", "exact", "fitted", "difference, %"}, {}, {}};
-  for (const circuit::Part& part : parts) {
-    const char* unit = part.kind == circuit::Part::Kind::resistor ? "Ω" : "F";
-    table.rows.push_back({part.name, std::to_string(part.stage + 1), part.series,
+  for (const schematic::Part& part : parts) {
+    const char* unit = part.kind == schematic::Part::Kind::resistor ? "Ω" : "F";
+    table.rows.push_back({part.name, std::to_string(part.group + 1), part.series,
                           engineering_text(part.wanted, unit, 5), engineering_text(part.realised, unit, 5),
                           fmt::format("{:+.2f}", 100.0 * (part.realised / part.wanted - 1.0))});
   }

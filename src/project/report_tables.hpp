@@ -18,7 +18,7 @@ report::Table inputs_table(const Provenance& from);
 report::Table budget_table(const Budget& budget);
 /// Poles and zeros in rad/s.
 report::Table sections_table(const Sections& sections);
-report::Table parts_table(const std::vector<circuit::Part>& parts);
+report::Table parts_table(const std::vector<schematic::Part>& parts);
 report::Table cams_table(const fpaa::Plan& plan);
 
 }  // namespace bodesmith::project

@@ -3,25 +3,48 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "part_errors/report.hpp"
 #include "project/alternative_study.hpp"
 #include "project/budget.hpp"
 #include "project/design.hpp"
+#include "project/filter_design.hpp"
 #include "project/limits.hpp"
 #include "project/project.hpp"
-#include "project/source.hpp"
 #include "project/tracking_study.hpp"
 #include "spice/compensator_check.hpp"
 
 namespace bodesmith::project {
 
-/// Everything that `bodesmith run` computed and wrote.
-struct ProjectRun {
-  Project project;
+/// Everything that `bodesmith run` computed and wrote, of any project.
+struct Run {
+  virtual ~Run() = default;
+
   Provenance from;
+  std::vector<LimitCheck> limits;
+  std::vector<std::string> not_tried;        ///< in the time given
+  std::vector<std::filesystem::path> files;  ///< written, relative to the output folder
+  double compute_s = 0.0;
+
+  /// Everything asked for is made, keeps [limits], and can be built.
+  bool limits_met() const;
+  /// Why something that was made, or was not, is not to be built as it stands.
+  virtual std::vector<std::string> shortfalls() const = 0;
+  /// run.json without its header.
+  virtual Json json() const = 0;
+  /// The summary that `bodesmith run` prints: what was built, how good it is, the limits, where to look.
+  virtual std::string summary(const std::filesystem::path& folder) const = 0;
+  /// What a table of variants compares, each with its unit in the name; what a project does not make is left out.
+  virtual std::vector<std::pair<std::string, double>> figures() const = 0;
+};
+
+/// Of a project with a plant: alternatives, the one that is built, and how a stage tracks with it.
+struct ProjectRun final : Run {
+  Project project;
   Design design;
   Budget budget;
   TrackingStudy tracking;
@@ -29,17 +52,26 @@ struct ProjectRun {
   std::optional<spice::CompensatorCheck>
       ngspice;  ///< absent when ngspice is not installed, or the project has no circuit
   std::optional<part_errors::Report> part_errors;  ///< of the analog controller
-  std::vector<LimitCheck> limits;
-  double compute_s = 0.0;
-  std::vector<std::string> not_tried;        ///< in the time given
-  std::vector<std::filesystem::path> files;  ///< written, relative to the output folder
 
-  bool limits_met() const;
+  std::vector<std::string> shortfalls() const override;
+  Json json() const override;
+  std::string summary(const std::filesystem::path& folder) const override;
+  /// summary.txt: the summary with all alternatives, every tracked frequency, and the notes.
+  std::string tables() const;
+  /// poles, points_db, fpaa_percent, circuit_db, tracking_percent (as built, worst of all frequencies, without lag).
+  std::vector<std::pair<std::string, double>> figures() const override;
 };
 
-/// Reads a project, designs, checks and simulates it, and writes every artefact: fit, sections, FPAA plan, circuit,
-/// layout, tracking study, report. The design's files are written as soon as they are known, so that an
-/// interrupted simulation does not lose them; nothing is written when the input is bad.
-ProjectRun run_project(const ProjectSource& source, const std::filesystem::path& folder);
+/// Of a project without one: a response to build.
+struct FilterRun final : Run {
+  FilterProject project;
+  FilterDesign design;
+
+  std::vector<std::string> shortfalls() const override;
+  Json json() const override;
+  std::string summary(const std::filesystem::path& folder) const override;
+  /// poles, target_db, fpaa_percent, circuit_db, yield_db (95 of 100 circuits).
+  std::vector<std::pair<std::string, double>> figures() const override;
+};
 
 }  // namespace bodesmith::project

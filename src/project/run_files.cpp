@@ -2,11 +2,13 @@
 
 #include "base/json.hpp"
 #include "base/json_header.hpp"
+#include "chain/model_file.hpp"
 #include "circuit/json.hpp"
 #include "controller/files.hpp"
 #include "kicad/schematic.hpp"
 #include "multiplier_layout/json.hpp"
 #include "project/artefacts.hpp"
+#include "project/run_models.hpp"
 #include "project/stages_plot.hpp"
 #include "spice/disturbance_library.hpp"
 #include "spice/emit.hpp"
@@ -39,7 +41,7 @@ std::string sections_file(const ProjectRun& run) {
 }
 
 void add_circuit(const ProjectRun& run, OutputSet& out) {
-  const circuit::Realised& realised = *run.design.circuit;
+  const circuit::Realised& realised = run.design.realised();
   OutputSet spice;
   spice::add_spice_files(realised, run.project.name, spice);
   kicad::add_kicad_files(realised.circuit, run.project.name, spice);
@@ -81,6 +83,10 @@ OutputSet design_files(const ProjectRun& run, const std::filesystem::path& folde
   if (run.design.circuit) add_circuit(run, out);
   add_layout(run, out);
   if (run.design.controller) add_controller(run, out);
+  out.add("stage.toml", chain::model_text(stage_model(run.project), "the stage of " + run.project.name));
+  if (const auto built = built_model(run))
+    out.add("model.toml",
+            chain::model_text(*built, "the controller as built and the stage of " + run.project.name));
   out.add("bode.csv", stages_csv(run));
   out.add("bode.svg", report::stack_svg(stages_plots(run.project, run.design, run.budget)));
   return out;

@@ -10,4 +10,7 @@ namespace bodesmith::project {
 /// The files of the design itself (cascade, sections, plan, netlists, layout, Bode table and plot), not yet written.
 OutputSet design_files(const ProjectRun& run, const std::filesystem::path& folder);
 
+/// cascade.json (where there is one), sections.json, fpaa/, spice/, yield.json, bode.csv, bode.svg, report.html.
+OutputSet filter_files(const FilterRun& run, const std::filesystem::path& folder);
+
 }  // namespace bodesmith::project

@@ -1,21 +1,13 @@
 #include <cmath>
 
 #include "base/json.hpp"
-#include "project/run_summary.hpp"
+#include "project/run.hpp"
 
 namespace bodesmith::project {
 namespace {
 
 Json waveform_json(const WaveformError& error) {
   return {{"rms_percent", error.rms_percent}, {"worst_percent", error.worst_percent}};
-}
-
-Json limits_json(const std::vector<LimitCheck>& limits) {
-  Json out = Json::array();
-  for (const LimitCheck& check : limits) {
-    out.push_back({{"name", check.name}, {"limit", check.limit}, {"got", check.got}, {"met", check.met()}});
-  }
-  return out;
 }
 
 Json budget_json(const Budget& budget) {
@@ -44,7 +36,7 @@ Json hardware_json(const Design& design) {
                    {"max_complex_percent_with_delays", design.plan->error_with_delays.max_complex_percent}};
   }
   if (design.circuit) {
-    const circuit::Realised& made = *design.circuit;
+    const circuit::Realised& made = design.realised();
     out["circuit"] = {{"opamps", made.circuit.opamps.size()},
                       {"parts", made.circuit.parts.size()},
                       {"max_magnitude_db", made.report.all.max_magnitude_db}};
@@ -87,25 +79,36 @@ Json ngspice_json(const std::optional<spice::CompensatorCheck>& check) {
 
 }  // namespace
 
-Json run_json(const ProjectRun& run) {
+Json ProjectRun::json() const {
   Json out;
-  out["name"] = run.project.name;
-  out["limits"] = limits_json(run.limits);
-  out["alternatives"] = alternatives_json(run);
-  out["passed_over"] = run.design.passed_over;
-  out["budget"] = budget_json(run.budget);
-  out["waveform_without_rate_compensation"] = waveform_json(run.budget.uncompensated);
-  out["waveform_best_constant_gain"] = waveform_json(run.budget.constant);
-  out["best_constant_gain"] = run.budget.constant_gain;
-  out["ngspice"] = ngspice_json(run.ngspice);
-  out["tracking"] = to_json(run.tracking);
-  out["not_tried"] = run.not_tried;
+  out["name"] = project.name;
+  out["limits"] = to_json(limits);
+  out["alternatives"] = alternatives_json(*this);
+  out["passed_over"] = design.passed_over;
+  out["budget"] = budget_json(budget);
+  out["waveform_without_rate_compensation"] = waveform_json(budget.uncompensated);
+  out["waveform_best_constant_gain"] = waveform_json(budget.constant);
+  out["best_constant_gain"] = budget.constant_gain;
+  out["ngspice"] = ngspice_json(ngspice);
+  out["tracking"] = to_json(tracking);
+  out["not_tried"] = not_tried;
   out["files"] = Json::array();
-  for (const std::filesystem::path& path : run.files) out["files"].push_back(path.string());
-  out["timing_s"] = {{"compute", run.compute_s},
-                     {"design", run.design.compute_s},
-                     {"alternatives", run.design.alternatives_s},
-                     {"tracking", run.tracking.compute_s}};
+  for (const std::filesystem::path& path : files) out["files"].push_back(path.string());
+  out["timing_s"] = {{"compute", compute_s},
+                     {"design", design.compute_s},
+                     {"alternatives", design.alternatives_s},
+                     {"tracking", tracking.compute_s}};
+  return out;
+}
+
+std::vector<std::pair<std::string, double>> ProjectRun::figures() const {
+  const Alternative& built = design.built();
+  std::vector<std::pair<std::string, double>> out = {
+      {"poles", static_cast<double>(built.sections.pole_count())}, {"points_db", built.points_max_db}};
+  if (design.plan) out.emplace_back("fpaa_percent", design.plan->error_with_delays.max_complex_percent);
+  if (design.circuit) out.emplace_back("circuit_db", design.circuit->best.judged.max_magnitude_db);
+  if (const TrackedDesign* tracked = tracking.find(tracking.as_built))
+    out.emplace_back("tracking_percent", tracked->worst_without_lag_percent());
   return out;
 }
 

@@ -1,8 +1,9 @@
-#include "project/run_summary.hpp"
+#include "project/run.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/text.hpp"
 
@@ -32,10 +33,11 @@ std::string alternatives_text(const Design& design) {
       "self-fed in % of range, gain above the band\n";
   for (std::size_t i = 0; i < design.alternatives.size(); ++i) {
     const Alternative& a = design.alternatives[i];
-    out += fmt::format("         {} {:<22} {:>2} {:>9} {:>7.3f} {:>7.3f} {:>7.2f} dB\n",
-                       i == design.chosen ? "*" : " ", a.name, a.sections.pole_count(),
-                       rounded_text(a.points_max_db, 2), a.waveform.worst_percent, a.tracked_percent,
-                       a.above_band_db);
+    out += fmt::format(
+        "         {} {:<22} {:>2} {:>9} {:>7.3f} {:>8} {:>7.2f} dB\n", i == design.chosen ? "*" : " ", a.name,
+        a.sections.pole_count(), rounded_text(a.points_max_db, 2), a.waveform.worst_percent,
+        std::isfinite(a.tracked_percent) ? fmt::format("{:.3f}", a.tracked_percent) : "diverges",
+        a.above_band_db);
   }
   for (const std::string& reason : design.passed_over) out += "           cannot be built: " + reason + "\n";
   return out;
@@ -51,7 +53,7 @@ std::string hardware_text(const ProjectRun& run) {
                        rounded_text(plan.error_with_delays.band.to.value));
   }
   if (run.design.circuit) {
-    const circuit::Realised& realised = *run.design.circuit;
+    const circuit::Realised& realised = run.design.realised();
     out += fmt::format("circuit    {} stages, {} dB by its parts", realised.circuit.stages.size(),
                        rounded_text(realised.report.parts.max_magnitude_db, 3));
     out += run.ngspice ? fmt::format(", ngspice {} dB from the sections\n",
@@ -59,7 +61,7 @@ std::string hardware_text(const ProjectRun& run) {
                        : std::string("; not simulated: ngspice is not installed\n");
   }
   const multiplier_layout::Layout& layout = run.design.layout;
-  out += fmt::format("layout     {} multipliers, d within {} % of range\n", layout.multipliers.size(),
+  out += fmt::format("layout     {} multipliers, d within {} % of range\n", layout.generator_multipliers(),
                      rounded_text(layout.max_error_percent, 3));
   return out;
 }
@@ -115,15 +117,29 @@ std::string tracking_text(const TrackingStudy& tracking) {
 
 }  // namespace
 
-std::string run_summary(const ProjectRun& run) {
-  std::string out = run.project.name + "\n" + headline_text(run) + synthesis_text(run.design) +
-                    alternatives_text(run.design) + hardware_text(run) + tracking_text(run.tracking);
-  for (const std::string& one : run.not_tried) out += "not tried in the time given: " + one + "\n";
-  for (const LimitCheck& check : run.limits) {
-    out += fmt::format("limit      {} {}: {} {}\n", check.name, rounded_text(check.limit),
-                       rounded_text(check.got, 3), check.met() ? "met" : "NOT met");
-  }
-  return out + "report     report.html\n";
+bool Run::limits_met() const {
+  return shortfalls().empty() &&
+         std::all_of(limits.begin(), limits.end(), [](const LimitCheck& check) { return check.met(); });
+}
+
+std::vector<std::string> ProjectRun::shortfalls() const {
+  return design.circuit ? design.circuit->best.shortfalls : std::vector<std::string>();
+}
+
+std::string ProjectRun::summary(const std::filesystem::path& folder) const {
+  std::string out = fmt::format("{}\nbuilt      {}\n", project.name, design.built().name) +
+                    headline_text(*this) + hardware_text(*this);
+  for (const std::string& shortfall : shortfalls()) out += "           NOT met: " + shortfall + "\n";
+  for (const std::string& one : not_tried) out += "not tried in the time given: " + one + "\n";
+  return out + limits_text(limits) +
+         fmt::format(
+             "look at    {} (everything as a page)\n           {} (alternatives, every frequency, {} notes)\n",
+             (folder / "report.html").string(), (folder / "summary.txt").string(), tracking.findings.size());
+}
+
+std::string ProjectRun::tables() const {
+  return project.name + "\n" + headline_text(*this) + synthesis_text(design) + alternatives_text(design) +
+         hardware_text(*this) + tracking_text(tracking) + limits_text(limits);
 }
 
 }  // namespace bodesmith::project

@@ -2,9 +2,8 @@
 
 #include <algorithm>
 #include <memory>
-#include <set>
 
-#include "fpaa/multirate_response.hpp"
+#include "fpaa/network/switched_board.hpp"
 #include "project/tracked_plant.hpp"
 
 namespace bodesmith::project {
@@ -58,14 +57,12 @@ tracking::SlopeGain slope_gain(const Project& project, const tracking::Scheduled
   return out;
 }
 
-/// A plan as it runs, or its capacitors alone: sampled where it is one chain at one clock, otherwise by its response
-/// at the input's own frequency.
+/// A plan as its switches make it, or its capacitors alone, by its response at the input's own frequency.
 tracking::Compensator plan_compensator(const fpaa::Plan& plan, bool hold_and_delays) {
-  if (const auto chain = clocked_compensator(plan, hold_and_delays)) return *chain;
-  const auto response = std::make_shared<fpaa::MultirateResponse>(plan);
+  const auto response = std::make_shared<fpaa::SwitchedBoard>(plan);
   tracking::ResponseCompensator out;
   out.response = [response, hold_and_delays](RadPerSecond w) {
-    return hold_and_delays ? response->as_it_runs(w) : response->without_delays(w);
+    return hold_and_delays ? response->gain(w) : response->sampled(w);
   };
   return out;
 }
@@ -86,7 +83,7 @@ class Collector {
     return out_.back();
   }
   int generator_parts(GeneratorForm form) const {
-    return static_cast<int>(design_.layout.multipliers.size()) * std::max(1, form.passes);
+    return static_cast<int>(design_.layout.generator_multipliers()) * std::max(1, form.passes);
   }
   void add_comparisons();
   void add_hardware();
@@ -112,16 +109,16 @@ void Collector::add_hardware() {
   if (design_.plan) {
     add(tracked::fpaa, kFpaaCapacitors, plan_compensator(*design_.plan, false), GeneratorForm::one_pass(),
         kIntegerSections);
-    add(tracked::fpaa_with_holds, "FPAA with sample, hold and delay", plan_compensator(*design_.plan, true),
+    add(tracked::fpaa_with_holds, "FPAA as its switches make it", plan_compensator(*design_.plan, true),
         GeneratorForm::one_pass(), kFpaaCapacitors)
         .built = true;
   }
   if (design_.circuit) {
     TrackedCandidate& circuit =
         add(tracked::circuit, project_.circuit->resistors + " circuit",
-            design_.circuit->circuit.realised_sections(), GeneratorForm::one_pass(), kIntegerSections);
+            design_.realised().circuit.realised_sections(), GeneratorForm::one_pass(), kIntegerSections);
     circuit.built = true;
-    circuit.parts += static_cast<int>(design_.circuit->circuit.stages.size());
+    circuit.parts += static_cast<int>(design_.realised().circuit.stages.size());
   }
 }
 
@@ -151,9 +148,9 @@ void Collector::add_self_fed_hardware() {
   if (design_.circuit) {
     TrackedCandidate& circuit =
         add(tracked::self_fed_circuit, "self-fed, " + project_.circuit->resistors + " circuit",
-            design_.circuit->circuit.realised_sections(), loop);
+            design_.realised().circuit.realised_sections(), loop);
     circuit.built = true;
-    circuit.parts += static_cast<int>(design_.circuit->circuit.stages.size());
+    circuit.parts += static_cast<int>(design_.realised().circuit.stages.size());
   }
 }
 
@@ -175,25 +172,6 @@ Candidates Collector::all() {
 }
 
 }  // namespace
-
-std::optional<tracking::ClockedCompensator> clocked_compensator(const fpaa::Plan& plan,
-                                                                bool hold_and_delays) {
-  tracking::ClockedCompensator out;
-  const std::vector<const fpaa::PlacedCam*> cams = plan.cams();
-  // One chain at one clock: no two wires begin or end at the same place.
-  std::set<std::string> begins;
-  std::set<std::string> ends;
-  for (const fpaa::Wire& wire : plan.wires)
-    if (!begins.insert(wire.from).second || !ends.insert(wire.to).second) return std::nullopt;
-  for (const fpaa::PlacedCam* cam : cams) {
-    if (!(cam->clock_a == cams.front()->clock_a)) return std::nullopt;
-    out.sections.push_back({cam->z.numerator, cam->z.denominator});
-    out.delay_cycles += cam->delay_cycles;
-    out.clock = cam->clock_a;
-  }
-  out.hold_and_delays = hold_and_delays;
-  return out;
-}
 
 std::vector<TrackedCandidate> tracked_candidates(const Project& project, const Design& design) {
   return Collector(project, design).all();

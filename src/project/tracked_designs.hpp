@@ -25,7 +25,4 @@ struct TrackedCandidate {
 /// designed and as built, and with gains by the known frequency, by the measured slope, and beside the filter.
 std::vector<TrackedCandidate> tracked_candidates(const Project& project, const Design& design);
 
-/// The plan's CAMs as one sampled chain; nothing for a plan with several clocks or paths.
-std::optional<tracking::ClockedCompensator> clocked_compensator(const fpaa::Plan& plan, bool hold_and_delays);
-
 }  // namespace bodesmith::project

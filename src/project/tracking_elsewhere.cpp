@@ -5,9 +5,13 @@
 #include <memory>
 
 #include "base/progress.hpp"
+#include "controller/as_built.hpp"
+#include "fpaa/controller.hpp"
 #include "hysteresis/registry.hpp"
 #include "numeric/parallel_for.hpp"
+#include "project/board_controller.hpp"
 #include "project/tracked_plant.hpp"
+#include "spice/ngspice.hpp"
 #include "tracking/model_stage.hpp"
 #include "tracking/track.hpp"
 
@@ -128,6 +132,32 @@ std::vector<ElsewhereTask> all_tasks(const Project& project) {
   return out;
 }
 
+/// The controller on the board fed by its own drive, in every way to make the polynomials that fits.
+void add_board_controllers(const Project& project,
+                           std::vector<std::unique_ptr<tracking::BuiltController>>& out) {
+  fpaa::ControllerOptions options;
+  options.board = project.fpaa->board;
+  const Disturbance& disturbance = project.target.disturbance;
+  const auto made = fpaa::make_controller(disturbance, nullptr, nullptr, options);
+  const auto* board = std::get_if<fpaa::Controller>(&made);
+  if (board == nullptr) return;
+  for (const fpaa::ControllerVariant& variant : board->variants) {
+    if (!variant.fits() || variant.structure != fpaa::ControllerStructure::loop) continue;
+    out.push_back(std::make_unique<BoardController>(variant, disturbance));
+  }
+}
+
+/// Every controller of the project that can be run here: the analog one where there is one and ngspice is installed; where
+/// tracking decides, those of the board, fed by their own drive.
+std::vector<std::unique_ptr<tracking::BuiltController>> built_controllers(
+    const Project& project, const std::shared_ptr<const controller::AnalogController>& analog) {
+  std::vector<std::unique_ptr<tracking::BuiltController>> out;
+  if (project.circuit && analog && spice::ngspice_available())
+    out.push_back(std::make_unique<controller::CircuitController>(analog, controller::NgspiceRun::of_many()));
+  if (project.fpaa && project.choice == Project::Choice::tracking) add_board_controllers(project, out);
+  return out;
+}
+
 }  // namespace
 
 const ControllerDrives::One* ControllerDrives::find(Reference::Shape shape, double amplitude,
@@ -188,6 +218,14 @@ ControllersTracked track_controllers(const Project& project, const BuiltControll
     }
   });
   return out;
+}
+
+ControllersTracked track_built_controllers(
+    const Project& project, const std::shared_ptr<const controller::AnalogController>& analog) {
+  const auto controllers = built_controllers(project, analog);
+  BuiltControllers running;
+  for (const auto& controller : controllers) running.push_back(controller.get());
+  return track_controllers(project, running);
 }
 
 std::vector<TrackedElsewhere> tracked_elsewhere(const Project& project,

@@ -24,6 +24,8 @@ struct ControllerDrives {
   const One* find(tracking::Reference::Shape shape, double amplitude, Hertz operating) const;
 };
 
+using BuiltControllers = std::vector<const tracking::BuiltController*>;
+
 /// Every controller at every frequency, waveform and amplitude; several at a time.
 std::vector<ControllerDrives> controller_drives(const Project& project, const BuiltControllers& controllers);
 
@@ -43,6 +45,10 @@ struct ControllersTracked {
   std::vector<std::vector<TrackedDesign>> elsewhere;  ///< one row a task
 };
 ControllersTracked track_controllers(const Project& project, const BuiltControllers& controllers);
+/// Every controller of the project that can be run here: the analog one where there is one and ngspice is installed; where
+/// tracking decides, those of the board, fed by their own drive.
+ControllersTracked track_built_controllers(const Project& project,
+                                           const std::shared_ptr<const controller::AnalogController>& analog);
 
 /// The project's other waveforms and amplitudes on its polynomials, by the branch's slope and with closed minor loops;
 /// and all of its references on stages of other families (Preisach, Prandtl-Ishlinskii, Bouc-Wen) identified from the

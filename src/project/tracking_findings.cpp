@@ -41,7 +41,7 @@ Findings cascade_worse_than_constant(const Budget& budget, const TrackingStudy& 
   Findings out = {fmt::format(
       "Magnitude-only compensation is worse than the constant polynomial at {} ({} % of range rms instead of "
       "{} % at {} Hz, pure delay removed): it meets the gain at the fundamental, but shifts the phase of a "
-      "waveform that has harmonics. Fit the waveform instead: bodesmith fit --waveform.",
+      "waveform that has harmonics. Fit the waveform instead.",
       frequency_list(worse), rounded_text(cascade[worst], 3), rounded_text(constant[worst], 3),
       rounded_text(study.frequency[worst].value))};
   if (budget.magnitude_only_is_worse) {
@@ -158,16 +158,16 @@ Findings beyond_the_known_gains(const Project& project, const TrackingStudy& stu
 
 Findings few_samples_a_period(const Design& design, const TrackingStudy& study) {
   if (!design.plan) return {};
-  const auto chain = clocked_compensator(*design.plan, true);
-  if (!chain) return {};
-  const Hertz clock = chain->clock;
+  Hertz clock{0.0};  // the slowest of the plan
+  for (const fpaa::PlacedCam* cam : design.plan->cams())
+    if (clock.value == 0.0 || cam->clock_a < clock) clock = cam->clock_a;
   std::vector<Hertz> sampled;
   for (const Hertz f : study.frequency) {
     if (f.value > 0.05 * clock.value) sampled.push_back(f);
   }
   if (sampled.empty()) return {};
   return {fmt::format(
-      "The FPAA samples at {} Hz, fewer than twenty times a period at {}: its compensating waveform is "
+      "The FPAA's slowest clock is {} Hz, fewer than twenty times a period at {}: its compensating waveform is "
       "then a coarse staircase, and aliases above half the clock.",
       rounded_text(clock.value), frequency_list(sampled))};
 }

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <functional>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -95,14 +94,6 @@ struct TrackingStudy {
   /// Null when that one is not in the table.
   const TrackedDesign* find(std::string_view key) const;
 };
-
-using BuiltControllers = std::vector<const tracking::BuiltController*>;
-struct ControllersTracked;
-/// Asked for when they are needed, so that they may be made meanwhile.
-using ControllersLater = std::function<ControllersTracked()>;
-/// `controllers`: as built, beside what the design is simulated as; empty: none.
-TrackingStudy study_tracking(const Project& project, const Design& design, const Budget& budget,
-                             const ControllersLater& controllers = {});
 
 /// The study as it stands in run.json, and as tracking.csv and tracking_stages.csv.
 Json to_json(const TrackingStudy& study);

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "base/json_fwd.hpp"
-#include "report/page.hpp"
 #include "report/plot.hpp"
+#include "report/table.hpp"
 
 namespace bodesmith::report {
 

@@ -63,8 +63,9 @@ std::string_view unquoted_name(std::string_view cell) {
                                                                        : cell;
 }
 
-/// Whether the first line that is no comment names columns as this program does.
-bool has_own_header(std::string_view text) {
+/// Whether the first line that is no comment names columns as this program does; without times where the user gives the
+/// sampling rate.
+bool has_own_header(std::string_view text, bool times_given) {
   while (!text.empty()) {
     const std::size_t end = text.find('\n');
     const std::string_view line = trim(text.substr(0, end));
@@ -81,7 +82,7 @@ bool has_own_header(std::string_view text) {
       signal = signal || name == column::input || name == column::output || name == column::reference;
       magnitude = magnitude || name == column::gain || name == column::magnitude_db;
     }
-    return (time && signal) || (frequency && magnitude);
+    return ((time || times_given) && signal) || (frequency && magnitude);
   }
   return false;
 }
@@ -122,8 +123,8 @@ Csv Csv::read(const std::filesystem::path& path, Provenance& from, formats::Cont
     if (csv.decimal_commas_) from.inputs.back().read_as = "CSV with decimal commas";
     return csv;
   };
-  if (choice.empty() && has_own_header(text)) return own();
-  const formats::Source source{file.string(), bytes, text, choice, wanted};
+  if (choice.empty() && has_own_header(text, from.sample_hz.has_value())) return own();
+  const formats::Source source{file.string(), bytes, text, choice, wanted, from.sample_hz};
   const formats::Format* format = formats::format_of(source);
   if (format == nullptr) {
     if (bytes.find('\0') != std::string::npos)

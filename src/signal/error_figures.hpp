@@ -22,7 +22,7 @@ struct ErrorFigures {
 };
 /// The definition in words, for outputs.
 inline constexpr std::string_view kPercentOfRange =
-    "of the measured or wanted signal's range (highest less lowest) over the samples counted";
+    "of the measured or reference signal's range (highest less lowest) over the samples counted";
 
 /// All samples of several records together, the range of all of them.
 class ErrorSum {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "numeric/golden_section.hpp"
+#include "numeric/minimum.hpp"
 
 namespace bodesmith {
 namespace {
@@ -95,13 +95,13 @@ RedNoise most_likely_red_noise(const Series& series) {
   for (int round = 0; round < kRounds && std::isfinite(most); ++round) {
     const double low = std::max(0.0, best.log_correlation - kStep);
     const double high = std::min(longest_correlation, best.log_correlation + kStep);
-    best.log_correlation = golden_section_minimum(low, high, kTolerance, [&](double c) {
+    best.log_correlation = minimum_between(low, high, kTolerance, [&](double c) {
       return -likelihood({c, best.log_white});
     });
-    best.log_white = golden_section_minimum(best.log_white - 2.0 * kStep, best.log_white + 2.0 * kStep,
-                                            kTolerance, [&](double white) {
-                                              return -likelihood({best.log_correlation, white});
-                                            });
+    best.log_white = minimum_between(best.log_white - 2.0 * kStep, best.log_white + 2.0 * kStep, kTolerance,
+                                     [&](double white) {
+                                       return -likelihood({best.log_correlation, white});
+                                     });
   }
   const double odds = best.odds_of_white();
   return {std::exp(best.log_correlation), odds / (1.0 + odds), std::max(most, likelihood(best))};

@@ -26,9 +26,11 @@ double median(std::vector<double> v) {
 
 double quantile(std::vector<double> v, double q) {
   if (v.empty()) return 0.0;
-  const auto k = static_cast<std::ptrdiff_t>(q * static_cast<double>(v.size() - 1) + 0.5);
-  std::nth_element(v.begin(), v.begin() + k, v.end());
-  return v[static_cast<std::size_t>(k)];
+  const double place = q * static_cast<double>(v.size() - 1);
+  const auto below = v.begin() + whole_number<std::ptrdiff_t>(place);
+  std::nth_element(v.begin(), below, v.end());
+  const double share = place - std::floor(place);
+  return share > 0.0 ? *below + share * (*std::min_element(below + 1, v.end()) - *below) : *below;
 }
 
 double quantile_of_sorted(std::span<const double> sorted, double q) {

@@ -9,9 +9,10 @@ namespace bodesmith {
 double mean(std::span<const double> v);
 double rms(std::span<const double> v);
 double median(std::vector<double> v);
-/// The value below which the fraction q of v lies: one of v, 0 of none.
+/// The value below which the fraction q of v lies, on the straight line between the two nearest of v (Hyndman and Fan,
+/// Am. Stat. 50 (1996) 361, definition 7); 0 of none.
 double quantile(std::vector<double> v, double q);
-/// The same of values in rising order, on the straight line between the two nearest.
+/// The same of values in rising order.
 double quantile_of_sorted(std::span<const double> sorted, double q);
 
 /// Samples over which v forgets itself: 1 + 2 sum of the autocorrelation up to its first crossing of 0.05.

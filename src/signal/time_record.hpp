@@ -22,7 +22,7 @@ struct TimeRecord {
   double duration_s() const { return u.empty() ? 0.0 : step_s * static_cast<double>(u.size() - 1); }
 
   /// CSV `time_s,u,y` (y may be absent unless `output_needed`). A gap, a step back or a jitter over 1 % of
-  /// the step is an InputError that names the line, as are fewer than two rows.
+  /// the step is an InputError that names the line, as are fewer than two rows. `u,y` alone where `from` has a sampling rate.
   static TimeRecord read_csv(const std::filesystem::path& path, Provenance& from, bool output_needed = false);
   /// The same reader for other column names, e.g. a reference `time_s,r` (the column's values land in u).
   static TimeRecord read_csv_column(const std::filesystem::path& path, Provenance& from,

@@ -8,6 +8,8 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
+#include "chain/sections_chain.hpp"
+#include "simulate/simulate.hpp"
 
 namespace bodesmith::simulate {
 
@@ -18,7 +20,8 @@ LoopSetup read_controller(const std::filesystem::path& path, Provenance& from) {
 LoopSetup controller_from_node(const Node& node, const std::filesystem::path& folder, Provenance& from) {
   node.expect_schema("controller");
   node.allow_only({"schema", "name", "about", "type", "kp", "ki_per_s", "kd_s", "derivative_corner_hz",
-                   "sample_s", "lower", "upper", "feedforward"});
+                   "sample_s", "lower", "upper", "feedforward", "filter", "program", "inputs", "tuning",
+                   "timing_s"});
   LoopSetup out;
   PidController& c = out.controller;
   const bool derivative = node.at("type").one_of({"pi", "pid"}) == "pid";
@@ -37,6 +40,12 @@ LoopSetup controller_from_node(const Node& node, const std::filesystem::path& fo
   c.lower = node.number_or("lower", c.lower);
   c.upper = node.number_or("upper", c.upper);
   if (!(c.lower < c.upper)) node.at("upper").fail("is not above lower");
+  if (node.has("filter")) {
+    if (node.has("feedforward")) node.at("filter").fail("stands beside a feedforward, expected one of them");
+    const Node filter = node.at("filter");
+    out.filter = filter.kind() == Node::Kind::string ? Sections::read(folder / filter.string(), from)
+                                                     : Sections::from_node(filter);
+  }
   if (node.has("feedforward")) {
     const Node file = node.at("feedforward");
     const std::filesystem::path target = folder / file.string();
@@ -54,8 +63,29 @@ LoopSetup controller_from_node(const Node& node, const std::filesystem::path& fo
   return out;
 }
 
+namespace {
+
+/// The filter as the plant's first blocks; what the loop then calls its drive goes through it once more.
+LoopResult simulate_filtered_loop(const chain::Chain& plant, const LoopSetup& setup,
+                                  const TimeRecord& reference, const Options& options) {
+  const chain::Chain filter = chain::chain_of(*setup.filter);
+  chain::Chain whole = plant;
+  whole.blocks.insert(whole.blocks.begin(), filter.blocks.begin(), filter.blocks.end());
+  LoopResult out = simulate_loop(whole, std::nullopt, setup.controller, reference, options);
+  TimeRecord control = reference;
+  control.y.clear();
+  control.u = out.drive;
+  Options once;
+  once.start = start_of(plant, options.start);
+  out.drive = simulate(filter, control, once).y;
+  return out;
+}
+
+}  // namespace
+
 LoopResult simulate_loop(const chain::Chain& plant, const LoopSetup& setup, const TimeRecord& reference,
                          const Options& options) {
+  if (setup.filter) return simulate_filtered_loop(plant, setup, reference, options);
   if (!setup.drive) return simulate_loop(plant, setup.feedforward, setup.controller, reference, options);
   const TimeRecord& drive = *setup.drive;
   const bool same_times = drive.size() == reference.size() &&

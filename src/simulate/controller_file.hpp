@@ -5,6 +5,7 @@
 
 #include "base/provenance.hpp"
 #include "chain/chain.hpp"
+#include "lti/sections.hpp"
 #include "signal/time_record.hpp"
 #include "simulate/feedback.hpp"
 
@@ -14,6 +15,7 @@ namespace bodesmith::simulate {
 /// controllers: the inverse model in front, feedback for what it leaves).
 struct LoopSetup {
   PidController controller;
+  std::optional<Sections> filter;  ///< in series behind it: notches, leads, what makes a PI a fractional PID
   std::optional<chain::Chain> feedforward;  ///< u gets F{r}
   std::optional<TimeRecord> drive;          ///< or a drive worked out before (compensate), column u
   std::filesystem::path inverse;  ///< or an inverse.toml, whose reader sets `drive` for each reference
@@ -29,8 +31,9 @@ struct LoopSetup {
 ///   sample_s = 1e-4               # absent: continuous
 ///   lower = -0.1                  # limits of the control, absent: none
 ///   upper = 1.1
-///   feedforward = "inverse.toml"  # of compensate --inverse, or a model.toml, or a CSV with time_s,u; relative to this file
-/// Gains may have either sign. Errors name file and line.
+///   filter = "notch.json"         # sections.json behind the limits; or its keys here
+///   feedforward = "inverse.toml"  # the inverse that compensate writes, or a model.toml, or a CSV with time_s,u; relative to this file
+/// Gains may have either sign. What `tune` writes beside these keys is passed over. Errors name file and line.
 LoopSetup read_controller(const std::filesystem::path& path, Provenance& from);
 /// The same from a document at hand; `feedforward` is relative to `folder`.
 LoopSetup controller_from_node(const Node& node, const std::filesystem::path& folder, Provenance& from);

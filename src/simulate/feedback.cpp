@@ -61,7 +61,7 @@ LoopResult run_in_cvode(const chain::Chain& plant, const TimeRecord& forward, co
   if (system.close_loop(controller, dense_reference) == OdeSystem::LoopOutcome::algebraic) {
     throw DesignError(
         "the plant answers its drive at once, expected a strictly proper block in it (an amplifier's "
-        "lowpass, a resonator) with no memory behind it");
+        "lowpass, a resonator) with no memory after it");
   }
   OdeRequest request;
   request.right_limits = controller.period_s > 0.0;

@@ -5,20 +5,11 @@
 
 #include "chain/chain.hpp"
 #include "signal/time_record.hpp"
+#include "simulate/loop_result.hpp"
 #include "simulate/pid.hpp"
 #include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
-
-/// u = f + control(r - y), y = P{u}: a feed-forward signal and the loop round the plant, as the disturbance
-/// paper's hybrid controllers. r and f are straight lines between samples.
-struct LoopResult {
-  std::vector<double> y;
-  std::vector<double> drive;  ///< u; at a clock edge of a sampled controller its new value
-  std::optional<double> error_estimate;
-  double model_error = 0.0;  ///< as in Result
-  Stats stats;
-};
 
 /// Engine::exact: a linear plant in closed form from sample to sample (feedback_exact.hpp); Engine::cvode:
 /// any plant of dynamics, curves and rate-independent memory, with the events of ode_solve.hpp;

@@ -5,7 +5,8 @@
 
 #include "chain/chain.hpp"
 #include "signal/time_record.hpp"
-#include "simulate/feedback.hpp"
+#include "simulate/loop_result.hpp"
+#include "simulate/pid.hpp"
 
 namespace bodesmith::simulate {
 

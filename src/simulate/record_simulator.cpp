@@ -437,9 +437,6 @@ RecordSimulator::Outcome RecordSimulator::outcome() const {
 std::size_t RecordSimulator::degree() const {
   return implementation_->degree;
 }
-std::size_t RecordSimulator::holds_per_sample() const {
-  return implementation_->options.oversample;
-}
 std::optional<double> RecordSimulator::rounding_error(std::span<const double> y) const {
   if (!implementation_->needs_samples_only()) return std::nullopt;
   return implementation_->rounding_error(y);

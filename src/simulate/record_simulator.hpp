@@ -73,7 +73,6 @@ class RecordSimulator {
   bool diverged() const { return outcome() != Outcome::finished; }
 
   std::size_t degree() const;
-  std::size_t holds_per_sample() const;
   double model_error() const;  ///< of the last run, see Result
   /// Where the last run, whose output was y, was exact but for rounding (degree 0, one hold a sample, and a chain that is linear where it has
   /// memory): what rounding may have done. Nothing where the step matters.

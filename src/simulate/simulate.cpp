@@ -73,7 +73,7 @@ Result run_automatic(const chain::Chain& chain, const TimeRecord& input, const O
       result.notes.push_back(fmt::format(
           "from sample to sample the output still changed by {:.2g} when the step was last halved: a kink or "
           "jump lies inside sample intervals; {}",
-          record_error, better ? "CVODE took over" : "see --engine cvode"));
+          record_error, better ? "CVODE took over" : "the engine cvode locates such events"));
     }
   }
   result.stats.compute_s = watch.seconds();

@@ -7,10 +7,10 @@
 
 #include "base/json.hpp"
 #include "circuit/json.hpp"
-#include "circuit/noise.hpp"
-#include "circuit/response.hpp"
 #include "circuit/stated_band.hpp"
-#include "circuit/transient.hpp"
+#include "schematic/analysis/in_time.hpp"
+#include "schematic/analysis/noise.hpp"
+#include "schematic/analysis/response.hpp"
 #include "spice/compensator_library.hpp"
 #include "spice/ngspice.hpp"
 #include "spice/triangle.hpp"
@@ -24,27 +24,29 @@ double check_transient(const circuit::Circuit& circuit, const std::string& libra
   const Transient got =
       run_transient("triangle\n" + library + "Vin in 0 PWL(" + points + ")\nXc in out compensator\n", {"out"},
                     period / 1000.0, 2.0 * period, "compensator.sub");
-  const double step = period / 2000.0;
   const auto triangle = [&](double t) {
     const double phase = t / period - std::floor(t / period);
     return phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase;
   };
-  const std::vector<double> own = circuit::simulate_stages(circuit, triangle, step, 4001);
+  schematic::InTime run(circuit, triangle);
+  run.begin(0.0);
   double worst = 0.0, peak = 0.0;
-  for (size_t i = 0; i < got.time_s.size(); ++i) {
-    const double place = std::clamp(got.time_s[i] / step, 0.0, 3999.999);
-    const size_t at = static_cast<size_t>(place);
-    const double share = place - static_cast<double>(at);
-    const double here = own[at] + share * (own[at + 1] - own[at]);
-    worst = std::max(worst, std::abs(got.v[0][i] - here));
-    peak = std::max(peak, std::abs(here));
+  std::size_t i = 0;
+  for (int half = 1; half <= 4; ++half) {
+    run.run_to(0.5 * half * period, [&](double from, double to) {
+      for (; i < got.time_s.size() && got.time_s[i] <= to; ++i) {
+        const double here = run.volts("out", std::max(got.time_s[i], from));
+        worst = std::max(worst, std::abs(got.v[0][i] - here));
+        peak = std::max(peak, std::abs(here));
+      }
+    });
   }
   return peak > 0.0 ? 100.0 * worst / peak : 0.0;
 }
 
 double check_noise(const circuit::Circuit& circuit, const std::string& library, Band band) {
   const NoiseSpectrum got = run_noise_of_text(library, band, 5, "compensator.sub");
-  const std::vector<double> own = circuit::output_noise(circuit, circuit.model, got.grid);
+  const std::vector<double> own = schematic::output_noise(circuit, got.grid);
   double worst = 0.0;
   for (size_t i = 0; i < own.size(); ++i)
     worst = std::max(worst, 100.0 * std::abs(got.v_per_rthz[i] / own[i] - 1.0));
@@ -57,10 +59,11 @@ CompensatorCheck check_compensator(const circuit::Circuit& circuit, const Sectio
   CompensatorCheck out;
   out.band = circuit::searched_band(circuit::without_far_zeros(wanted));
   const std::vector<Hertz> grid = log_grid(out.band, points);
-  const std::string library = compensator_library(circuit, "check");
+  const std::string library = schematic::spice_text(compensator_library(circuit, "check"));
   const auto got = run_ac_of_text(library, "compensator.sub", grid);
-  const auto network = circuit.model.is_ideal ? circuit::network_response_ideal(circuit, grid)
-                                              : circuit::network_response(circuit, grid, circuit.model);
+  const auto network = circuit.opamp.is_ideal
+                           ? schematic::network_response(circuit, grid, {.ideal_opamps = true})
+                           : schematic::network_response(circuit, grid);
   std::vector<std::complex<double>> target;
   for (const Hertz f : grid) target.push_back(wanted.response(f.rad_s()));
   out.against_network = compare_responses(grid, got, network);

@@ -14,7 +14,7 @@ struct CompensatorCheck {
   ResponseDifference against_network;   ///< ngspice against network_response() with the same op-amp model
   ResponseDifference against_sections;  ///< ngspice against the wanted sections
   double transient_percent =
-      0.0;  ///< worst difference of a triangle's answer, percent of its peak, from ideal op-amps
+      0.0;  ///< worst difference of a triangle's answer, percent of its peak, from the program's own (in_time.hpp)
   double noise_percent = 0.0;  ///< worst difference of the output noise density
 };
 

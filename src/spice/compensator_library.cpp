@@ -2,55 +2,58 @@
 
 #include <fmt/format.h>
 
-#include "base/json.hpp"
-#include "base/text_template.hpp"
 #include "base/version.hpp"
 #include "circuit/stages/placement.hpp"
 #include "circuit/text.hpp"
-#include "spice/opamp_macromodel.hpp"
 
 namespace bodesmith::spice {
 namespace {
 
-Json stage_fields(const circuit::Circuit& circuit, std::size_t index, const PartValue& value) {
+/// A stage by itself, between `in` and `out`.
+schematic::Subcircuit stage_subcircuit(const circuit::Circuit& circuit, std::size_t index) {
   const circuit::Stage& stage = circuit.stages[index];
-  const auto local = [&](const std::string& node) {
-    return circuit::StageNodes::local_name(stage, index, node);
-  };
-  Json elements = Json::array();
-  for (const circuit::Part& part : circuit.parts_of(stage)) {
-    elements.push_back(
-        {{"line", fmt::format("{} {} {} {}", part.name, local(part.from), local(part.to), value(part))}});
+  schematic::Subcircuit out;
+  out.name = fmt::format("compensator_stage{}", index + 1);
+  out.pins = {"in", "out"};
+  out.comments = {fmt::format("stage {}: {}", index + 1, stage.realisation),
+                  "wanted   " + circuit::transfer_text(stage.wanted),
+                  "realised " + circuit::transfer_text(stage.realised)};
+  out.netlist = schematic::subset(circuit, [&](std::size_t group) { return group == index; });
+  out.netlist.groups = {{"", schematic::Purpose::stage}};
+  const auto local = [&](std::string& node) { node = circuit::StageNodes::local_name(stage, index, node); };
+  for (schematic::Part& one : out.netlist.parts) {
+    local(one.from);
+    local(one.to);
+    one.group = 0;
   }
-  for (const circuit::OpAmp& opamp : circuit.opamps) {
-    if (opamp.stage != index) continue;
-    elements.push_back({{"line", fmt::format("X{} {} {} {} bodesmith_opamp", opamp.name, local(opamp.plus),
-                                             local(opamp.minus), local(opamp.out))}});
+  for (schematic::OpAmp& one : out.netlist.opamps) {
+    for (std::string* node : {&one.plus, &one.minus, &one.out}) local(*node);
+    one.group = 0;
   }
-  return {{"number", index + 1},
-          {"realization", stage.realisation},
-          {"wanted", circuit::transfer_text(stage.wanted)},
-          {"realised", circuit::transfer_text(stage.realised)},
-          {"in", stage.in},
-          {"out", stage.out},
-          {"elements", elements}};
+  return out;
 }
 
 }  // namespace
 
-std::string compensator_library(const circuit::Circuit& circuit, const std::string& title) {
-  return compensator_library(circuit, title,
-                             [](const circuit::Part& part) { return circuit::plain_number(part.realised); });
-}
-
-std::string compensator_library(const circuit::Circuit& circuit, const std::string& title,
-                                const PartValue& value) {
-  Json stages = Json::array();
-  for (std::size_t i = 0; i < circuit.stages.size(); ++i) stages.push_back(stage_fields(circuit, i, value));
-  return render_template("spice/compensator.sub", {{"title", title},
-                                                   {"version", kVersion},
-                                                   {"stages", stages},
-                                                   {"opamp", opamp_macromodel(circuit.model)}});
+schematic::SpiceLibrary compensator_library(const circuit::Circuit& circuit, const std::string& title) {
+  schematic::SpiceLibrary out;
+  out.title = title;
+  out.written_by = std::string("bodesmith ") + kVersion;
+  out.top = "compensator";
+  out.notes = {"No analysis and no control section: for ngspice, LTspice and Xyce alike."};
+  schematic::Subcircuit top;
+  top.name = out.top;
+  top.pins = {"in", "out"};
+  top.netlist.groups = {{"", schematic::Purpose::stage}};
+  for (std::size_t i = 0; i < circuit.stages.size(); ++i) {
+    out.subcircuits.push_back(stage_subcircuit(circuit, i));
+    top.netlist.instances.push_back({std::to_string(i + 1),
+                                     0,
+                                     {circuit.stages[i].in, circuit.stages[i].out},
+                                     out.subcircuits.back().name});
+  }
+  out.subcircuits.push_back(std::move(top));
+  return out;
 }
 
 }  // namespace bodesmith::spice

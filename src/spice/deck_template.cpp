@@ -7,12 +7,12 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
-#include "circuit/text.hpp"
+#include "schematic/plain_number.hpp"
 #include "spice/triangle.hpp"
 
 namespace bodesmith::spice {
 
-using circuit::plain_number;
+using schematic::plain_number;
 
 namespace {
 

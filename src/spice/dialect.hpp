@@ -41,7 +41,9 @@ class Dialect {
   /// Every file it needs beside compensator.sub, which the decks include.
   virtual std::vector<Deck> decks(const DeckRequest& request) const = 0;
   /// A part's value with its tolerance, where the simulator draws values by itself.
-  virtual std::optional<std::string> value_with_tolerance(const circuit::Part&) const { return std::nullopt; }
+  virtual std::optional<std::string> value_with_tolerance(const schematic::Part&) const {
+    return std::nullopt;
+  }
 };
 
 /// All of them, in the order of the documentation.

@@ -48,7 +48,7 @@ void check_static(const multiplier_layout::Layout& layout, const std::string& li
                   const std::string& spoilt, const multiplier_layout::ErrorLimits& errors,
                   DisturbanceCheck& out) {
   multiplier_layout::Bench limit(layout);
-  for (multiplier_layout::MultiplierDeviation& off : limit.multiplier) off = errors.multiplier_at_limit();
+  for (schematic::MultiplierDeviation& off : limit.multiplier) off = errors.multiplier_at_limit();
   for (size_t b = 0; b < layout.branches.size(); ++b) {
     const multiplier_layout::Branch& branch = layout.branches[b];
     std::vector<double> x;
@@ -119,7 +119,7 @@ DisturbanceCheck::Change check_change(const multiplier_layout::Layout& layout, c
                            fmt::format("Vb branch 0 PWL(0 1 {0:.12g} 1 {1:.12g} 0)\n", kStep, kStep + 1e-10) +
                            fmt::format("X1 {} disturbance\n", disturbance_pins(layout, false));
   const Transient run = run_transient(deck, {"out", "x1.sw"}, 2.5e-10, 2.0 * kStep, "disturbance.sub");
-  const multiplier_layout::SwitchModel& model = layout.analog_switch;
+  const schematic::SwitchModel& model = layout.analog_switch;
   double before = 0.0;
   const double arrived = run.v[1].back(), change = std::abs(held - arrived);
   for (size_t i = 0; i < run.time_s.size(); ++i) {

@@ -8,7 +8,7 @@
 #include "base/files.hpp"
 #include "base/letters.hpp"
 #include "base/text.hpp"
-#include "circuit/text.hpp"
+#include "schematic/plain_number.hpp"
 #include "spice/ngspice_process.hpp"
 #include "spice/plain_netlist.hpp"
 #include "spice/user_deck.hpp"
@@ -16,7 +16,7 @@
 namespace bodesmith::spice {
 namespace {
 
-using circuit::plain_number;
+using schematic::plain_number;
 namespace fs = std::filesystem;
 
 /// The commands that solve at every frequency. An analysis finds the operating point anew, which takes far longer than a

@@ -16,11 +16,6 @@ bool ngspice_available();
 /// What `ngspice --version` calls itself ("ngspice-39"), or empty.
 std::string ngspice_version();
 
-/// Runs `ngspice -n -b` on a deck in a folder of its own and returns what it printed. Throws InputError when
-/// ngspice is not installed, ends with an error, or takes longer than `timeout_s`; `what` (a file name) leads
-/// the message.
-std::string run_ngspice(const std::string& deck, const std::string& what, double timeout_s = 300.0);
-
 /// V(out)/V(in) of a two-pin subcircuit (`in out`, ground 0) of a library file, small-signal, at every
 /// frequency of the grid. `subcircuit` empty: "compensator" when there is one, otherwise the last with two
 /// pins.

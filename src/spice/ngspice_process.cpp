@@ -213,9 +213,4 @@ std::string ngspice_version() {
   return text.substr(at, text.find_first_of(" \n", at) - at);
 }
 
-std::string run_ngspice(const std::string& deck, const std::string& what, double timeout_s) {
-  const WorkFolder folder;
-  return run_ngspice_in(folder.path(), deck, what, timeout_s).out;
-}
-
 }  // namespace bodesmith::spice

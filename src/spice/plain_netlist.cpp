@@ -55,6 +55,9 @@ class PlainNetlist {
   void check(std::string_view text, const fs::path& file, std::size_t depth) {
     if (depth > kDeepest)
       throw InputError(file.string(), 0, "is included too deep, expected at most 16 levels");
+    std::error_code ec;
+    const fs::path name = fs::weakly_canonical(file, ec);
+    open_.push_back(name);
     int number = 0, begun = 0;
     std::string joined;
     for (const std::string_view raw : split(text, '\n')) {
@@ -73,6 +76,7 @@ class PlainNetlist {
       begun = number;
     }
     line(joined, file, begun, depth);
+    open_.pop_back();
   }
 
  private:
@@ -92,12 +96,19 @@ class PlainNetlist {
     if (include->library && include->section.empty() && is_plain_word(include->file)) return;
     const fs::path path = included_file(*include, file, number);
     std::error_code ec;
+    const fs::path name = fs::weakly_canonical(path, ec);
     // A section of this very file has been seen.
-    if (seen_.insert(fs::weakly_canonical(path, ec)).second) check(read_file(path), path, depth + 1);
+    if (!(include->library && !include->section.empty()) &&
+        std::find(open_.begin(), open_.end(), name) != open_.end())
+      throw InputError(file.string(), number,
+                       fmt::format("includes {}, which includes this in turn, without end", include->file));
+    remember_input(path);
+    if (seen_.insert(name).second) check(read_file(path), path, depth + 1);
   }
 
   Includes includes_;
   std::set<fs::path> seen_;
+  std::vector<fs::path> open_;  ///< the files on the way to the one that is read
 };
 
 }  // namespace

@@ -149,6 +149,7 @@ class UserDeckReader {
       throw InputError(
           path_.string(), number_,
           fmt::format("includes {}, expected a folder without quotes in its name", file.string()));
+    remember_input(file);
     require_plain_netlist(read_file(file), file);
     // A .lib without a section would begin one: LTspice means the whole file.
     text_ += fmt::format("{} \"{}\" {}\n", named.section.empty() ? ".include" : ".lib", file.string(),

@@ -9,15 +9,6 @@ Sections lowpass_path(Hertz corner) {
   return Sections{1.0, {Section{w, {}, {-w}}}, std::nullopt};
 }
 
-Sections published_damping_compensator() {
-  // Roots of s^2 + linear s + constant.
-  const auto roots = [](double linear, double constant) {
-    const double im = std::sqrt(constant - 0.25 * linear * linear);
-    return std::vector<std::complex<double>>{{-0.5 * linear, im}, {-0.5 * linear, -im}};
-  };
-  return Sections{1.0, {Section{0.86, roots(9.854e4, 1.67e11), roots(1.917e5, 1.436e11)}}, std::nullopt};
-}
-
 Sections resonance_path(Hertz natural_frequency, double damping_ratio) {
   const double w = natural_frequency.rad_s().value;
   Section s;

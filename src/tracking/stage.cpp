@@ -167,10 +167,6 @@ std::vector<double> PolynomialStage::by_turning_points(const std::vector<double>
   return q;
 }
 
-double stroke_gain(const Disturbance& disturbance, Disturbance::Branch branch, double alpha) {
-  return disturbance.amplitude.alpha.empty() ? alpha : disturbance.amplitude_gain(branch, alpha);
-}
-
 std::vector<double> through_path(const Sections& path, std::span<const double> u, double step_s) {
   if (path.sections.empty() && path.gain == 1.0) return {u.begin(), u.end()};
   std::vector<std::complex<double>> bins = half_spectrum(u);

@@ -74,9 +74,6 @@ class PolynomialStage final : public Stage {
   Options options_;
 };
 
-/// The gain of d(x/alpha) at a stroke alpha: the table, or alpha itself (the loop keeps its shape) without one.
-double stroke_gain(const Disturbance& disturbance, Disturbance::Branch branch, double alpha);
-
 /// InputError for a drive without samples, or with one that is no number.
 void check_drive(std::span<const double> v);
 

@@ -3,11 +3,13 @@
 #include <algorithm>
 #include <cmath>
 
-#include "tracking/stage.hpp"
-
 namespace bodesmith::tracking {
 
 using Branch = Disturbance::Branch;
+
+double stroke_gain(const Disturbance& disturbance, Disturbance::Branch branch, double alpha) {
+  return disturbance.amplitude.alpha.empty() ? alpha : disturbance.amplitude_gain(branch, alpha);
+}
 
 BranchCurve::BranchCurve(const Disturbance& disturbance, double alpha) : alpha_(alpha) {
   for (const Branch branch : {Branch::ascending, Branch::descending}) {

@@ -8,11 +8,11 @@
 
 #include "base/error.hpp"
 #include "circuit/built_circuit.hpp"
-#include "circuit/response.hpp"
 #include "circuit/stages/stage_form.hpp"
 #include "circuit/stated_band.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/drawn_board.hpp"
+#include "schematic/analysis/response.hpp"
 
 namespace bodesmith::yield {
 namespace {
@@ -213,9 +213,11 @@ namespace {
 Design design_from_parts(const circuit::Circuit& circuit, std::function<Complex(Hertz)> wanted,
                          OpAmps opamps) {
   Design out;
-  for (const circuit::Part& part : circuit.parts) {
+  out.netlist = std::make_shared<const schematic::Netlist>(circuit);
+  for (const schematic::Part& part : circuit.parts) {
     out.parts.push_back(
-        {part.name, part.kind == circuit::Part::Kind::resistor ? Part::Kind::resistor : Part::Kind::capacitor,
+        {part.name,
+         part.kind == schematic::Part::Kind::resistor ? Part::Kind::resistor : Part::Kind::capacitor,
          part.realised});
   }
   for (const circuit::Stage& stage : circuit.stages) {
@@ -230,14 +232,13 @@ Design design_from_parts(const circuit::Circuit& circuit, std::function<Complex(
       throw DesignError(fmt::format("{} has no equations for other values of its parts", stage.realisation));
     out.stages.push_back(std::move(one));
   }
-  if (opamps == OpAmps::ideal || circuit.model.is_ideal) {
+  if (opamps == OpAmps::ideal || circuit.opamp.is_ideal) {
     out.reference = std::move(wanted);
   } else {
     out.notes.push_back(
-        fmt::format("with the op-amps' own error ({}), at the nominal parts", circuit.model.name));
+        fmt::format("with the op-amps' own error ({}), at the nominal parts", circuit.opamp.name));
     out.reference = [circuit, wanted = std::move(wanted)](Hertz f) {
-      return wanted(f) * circuit.response(f.rad_s()) /
-             circuit::network_response(circuit, {f}, circuit.model).front();
+      return wanted(f) * circuit.response(f.rad_s()) / schematic::network_response(circuit, {f}).front();
     };
   }
   out.reference_name = "sections";

@@ -41,6 +41,8 @@ struct Design {
   std::string name;
   std::vector<Part> parts;
   std::vector<Stage> stages;  ///< their product; none for a board
+  /// The circuit whose parts they are, in the same order; none for a plan.
+  std::shared_ptr<const schematic::Netlist> netlist;
   /// A board as it runs, wires, clocks and holds in it; its capacitors are the parts, in the same order.
   std::shared_ptr<const fpaa::Plan> board;
   std::function<std::complex<double>(Hertz)> reference;  ///< deviations are counted from here

@@ -3,10 +3,11 @@
 #include <algorithm>
 #include <cmath>
 
+#include "lti/judged_floor.hpp"
+
 namespace bodesmith::yield {
 
 std::vector<Hertz> leave_out_nulls(const std::vector<Design>& designs, std::vector<Hertz>& grid) {
-  constexpr double kNull = 1e-9;
   std::vector<Hertz> left_out, kept;
   std::vector<double> largest;
   for (const Design& design : designs) {
@@ -16,7 +17,7 @@ std::vector<Hertz> leave_out_nulls(const std::vector<Design>& designs, std::vect
   for (const Hertz f : grid) {
     bool null = false;
     for (std::size_t i = 0; i < designs.size(); ++i)
-      null = null || !(std::abs(designs[i].reference(f)) > kNull * largest[i]);
+      null = null || !(std::abs(designs[i].reference(f)) > kJudgedFloor * largest[i]);
     (null ? left_out : kept).push_back(f);
   }
   grid = std::move(kept);

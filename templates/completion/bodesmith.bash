@@ -9,7 +9,7 @@ _bodesmith_options() {
   esac
 }
 
-# What may follow an option: its words, "any" for a text, a number or a file, nothing behind a flag.
+# What may follow an option: its words, "any" for a text, a number or a file, nothing after a flag.
 _bodesmith_values() {
   case "$1 $2" in
 {{#commands}}
@@ -25,16 +25,16 @@ _bodesmith_values() {
   esac
 }
 
-# Words that stand in the place of files, and the ending of the files otherwise.
+# Words that stand in the place of files, and how the files end otherwise.
 _bodesmith_operands() {
   case "$1" in
 {{#commands}}
 {{#has_words}}
     '{{name}}') echo '{{words}}' ;;
 {{/has_words}}
-{{#ending}}
-    '{{name}}') echo '*.{{ending}}' ;;
-{{/ending}}
+{{#files}}
+    '{{name}}') echo '{{files}}' ;;
+{{/files}}
 {{/commands}}
   esac
 }
@@ -50,10 +50,15 @@ _bodesmith_verbs() {
 }
 
 _bodesmith_files() {
-  local IFS=$'\n'
+  local patterns pattern IFS
+  IFS=' ' read -ra patterns <<< "$1"
+  IFS=$'\n'
   compopt -o filenames 2>/dev/null
-  if [[ -n $1 ]]; then
-    COMPREPLY+=($(compgen -f -X "!$1" -- "$2") $(compgen -d -- "$2"))
+  if [[ ${#patterns[@]} -gt 0 ]]; then
+    for pattern in "${patterns[@]}"; do
+      COMPREPLY+=($(compgen -f -X "!$pattern" -- "$2"))
+    done
+    COMPREPLY+=($(compgen -d -- "$2"))
     [[ ${#COMPREPLY[@]} -gt 0 ]] && return
   fi
   COMPREPLY+=($(compgen -f -- "$2"))

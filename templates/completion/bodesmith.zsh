@@ -7,7 +7,7 @@ _bodesmith_{{id}}() {
 {{#options}}
     {{#letter}}'(-{{letter}} --{{name}})'{-{{letter}},--{{name}}}'{{/letter}}{{^letter}}'{{#several}}*{{/several}}--{{name}}{{/letter}}[{{what}}]{{#chooses}}:{{name}}:({{words}}){{/chooses}}{{#any_value}}:{{name}}:_files{{/any_value}}' \
 {{/options}}
-    {{#has_words}}'*:kind:({{words}})'{{/has_words}}{{^has_words}}{{#ending}}'*:file:_files -g "*.{{ending}}(-.)"'{{/ending}}{{^ending}}'*:file:_files'{{/ending}}{{/has_words}}
+    {{#has_words}}'*:kind:({{words}})'{{/has_words}}{{^has_words}}{{#files}}'*:file:_files -g "{{files}}"'{{/files}}{{^files}}'*:file:_files'{{/files}}{{/has_words}}
 }
 
 {{/commands}}

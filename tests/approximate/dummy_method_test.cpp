@@ -15,7 +15,7 @@ class Heap final : public Method {
  public:
   std::string_view name() const override { return "heap"; }
   std::string_view source() const override { return "this test"; }
-  Outcome approximate(const ApproximationTask& task) const override {
+  Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override {
     if (task.order > 12) return Refusal{"heap stops at an order of 12"};
     const double spread = std::pow(task.kappa, task.beta / (2.0 * task.order));
     NormalisedApproximation out;
@@ -68,8 +68,8 @@ TEST(DummyMethod, ItsRefusalIsTheErrorsReason) {
   ApproximationOptions options;
   options.method = registered_heap().name();
   const auto outcome = try_approximate_term({1.0, 0.1, 0.5}, options, 13);
-  ASSERT_TRUE(std::holds_alternative<Method::Refusal>(outcome));
-  EXPECT_EQ(std::get<Method::Refusal>(outcome).reason, "heap stops at an order of 12");
+  ASSERT_TRUE(std::holds_alternative<Refusal>(outcome));
+  EXPECT_EQ(std::get<Refusal>(outcome).reason, "heap stops at an order of 12");
   try {
     (void)approximate_cascade(two_terms(), {.method = "heap", .order = 14});
     FAIL();

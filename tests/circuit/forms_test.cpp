@@ -3,7 +3,7 @@
 #include "base/error.hpp"
 #include "circuit/realisation.hpp"
 #include "circuit/realise.hpp"
-#include "circuit/response.hpp"
+#include "schematic/analysis/response.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -68,12 +68,12 @@ TEST(Forms, DesignTransferAndNetworkAgree) {
     const Realised exact = realise(sections, options);
     std::vector<Complex> wanted;
     for (const Hertz f : grid) wanted.push_back(sections.response(f.rad_s()));
-    EXPECT_LT(compare_responses(grid, circuit_response(exact.circuit, grid), wanted).max_complex_percent,
-              1e-8)
+    EXPECT_LT(compare_responses(grid, exact.circuit.responses(grid), wanted).max_complex_percent, 1e-8)
         << one.realisation << " gain " << one.section.gain;
-    EXPECT_LT(
-        compare_responses(grid, network_response_ideal(exact.circuit, grid), wanted).max_complex_percent,
-        1e-8)
+    EXPECT_LT(compare_responses(
+                  grid, schematic::network_response(exact.circuit, grid, {.ideal_opamps = true}), wanted)
+                  .max_complex_percent,
+              1e-8)
         << one.realisation << " gain " << one.section.gain;
     bool used = false;
     for (const Stage& stage : exact.circuit.stages) used = used || stage.realisation == one.realisation;
@@ -89,8 +89,8 @@ TEST(Forms, PreferredPartsStayClose) {
     options.realisation = one.realisation;
     const Realised made = realise(sections, options);
     const auto grid = log_grid({Hertz{10}, Hertz{3000}}, 25);
-    EXPECT_LT(compare_responses(grid, network_response_ideal(made.circuit, grid),
-                                circuit_response(made.circuit, grid))
+    EXPECT_LT(compare_responses(grid, schematic::network_response(made.circuit, grid, {.ideal_opamps = true}),
+                                made.circuit.responses(grid))
                   .max_complex_percent,
               1e-8)
         << one.realisation;

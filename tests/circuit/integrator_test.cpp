@@ -3,8 +3,8 @@
 #include "base/document.hpp"
 #include "base/error.hpp"
 #include "circuit/realise.hpp"
-#include "circuit/response.hpp"
-#include "lti/integrators.hpp"
+#include "lti/sections.hpp"
+#include "schematic/analysis/response.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -31,7 +31,7 @@ TEST(Integrator, AnOpAmpWithRAndCInSeriesMakesIt) {
       EXPECT_NEAR(std::abs(made.circuit.response(w) / wanted.response(w) - 1.0), 0.0, 0.02) << hz;
     }
     // With the op-amps' own equations too.
-    const auto real = network_response(made.circuit, {Hertz{5.0}}, made.circuit.model).front();
+    const auto real = schematic::network_response(made.circuit, {Hertz{5.0}}).front();
     EXPECT_NEAR(std::abs(real / wanted.response(Hertz{5.0}.rad_s()) - 1.0), 0.0, 0.02);
   }
 }

@@ -5,9 +5,9 @@
 #include "base/error.hpp"
 #include "circuit/ladders/alternating_chains.hpp"
 #include "circuit/ladders/rc_ladder.hpp"
-#include "circuit/ladders/two_terminal_network.hpp"
 #include "circuit/realisation.hpp"
-#include "circuit/response.hpp"
+#include "schematic/analysis/equations.hpp"
+#include "schematic/analysis/response.hpp"
 #include "seed_sections.hpp"
 
 namespace bodesmith::circuit {
@@ -46,16 +46,19 @@ TEST(Ladder, FourFormsAreTheSameImpedance) {
       const std::vector<LadderPart> parts = form->parts(z);
       ASSERT_EQ(parts.size(), 2U * static_cast<size_t>(pairs) + 1U);
       std::vector<double> values;
-      std::vector<TwoTerminalPart> network;
+      schematic::Netlist network;
+      const auto grounded = [](const std::string& node) { return node == "b" ? "0" : node; };
       for (const LadderPart& part : parts) {
         EXPECT_GT(part.value, 0.0) << part.name;
         values.push_back(part.value);
-        network.push_back({part.resistor, part.from, part.to, part.value});
+        network.parts.push_back({part.resistor ? Part::Kind::resistor : Part::Kind::capacitor, part.name, "",
+                                 0, grounded(part.from), grounded(part.to), "exact", part.value, part.value});
       }
+      const schematic::Equations equations(network);
       for (double w = 1.0; w < 1e10; w *= 30.0) {
         const std::complex<double> s(0.0, w), wanted = z(s);
         // Nodal analysis knows nothing of the forms.
-        EXPECT_LT(std::abs(impedance_between(network, "a", "b", {w}) / wanted - 1.0), 1e-7);
+        EXPECT_LT(std::abs(equations.impedance({w}, "a") / wanted - 1.0), 1e-7);
         EXPECT_LT(std::abs(form->impedance(values, s) / wanted - 1.0), 1e-7);
       }
       const RcImpedance back = form->impedance_of(values);
@@ -107,8 +110,8 @@ TEST(Ladder, CircuitMakesTheTerm) {
       EXPECT_LT(exact.report.parts.max_complex_percent, 1e-6);
       // The network's own solution agrees with the stages' poles and zeros.
       const auto grid = log_grid(exact.report.band, 40);
-      const auto network = network_response_ideal(exact.circuit, grid),
-                 own = circuit_response(exact.circuit, grid);
+      const auto network = schematic::network_response(exact.circuit, grid, {.ideal_opamps = true}),
+                 own = exact.circuit.responses(grid);
       EXPECT_LT(compare_responses(grid, network, own).max_complex_percent, 1e-6);
       // E96 and E12: searched, and better than rounded.
       options.resistors = Series::named("E96");
@@ -116,8 +119,8 @@ TEST(Ladder, CircuitMakesTheTerm) {
       const Realised made = realise(wanted, options);
       EXPECT_LT(made.report.parts.max_magnitude_db, 0.15);
       EXPECT_LT(made.report.parts.max_complex_percent, made.report.nearest.max_complex_percent);
-      const auto again = network_response_ideal(made.circuit, grid),
-                 stages = circuit_response(made.circuit, grid);
+      const auto again = schematic::network_response(made.circuit, grid, {.ideal_opamps = true}),
+                 stages = made.circuit.responses(grid);
       EXPECT_LT(compare_responses(grid, again, stages).max_complex_percent, 1e-6);
       for (const Part& part : made.circuit.parts) {
         const bool resistor = part.kind == Part::Kind::resistor;

@@ -4,14 +4,16 @@
 
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "circuit/noise.hpp"
 #include "circuit/opamp_check.hpp"
-#include "circuit/opamp_library.hpp"
+#include "schematic/analysis/noise.hpp"
+#include "schematic/opamp_library.hpp"
 #include "seed_sections.hpp"
 #include "temporary_folder.hpp"
 
 namespace bodesmith::circuit {
 namespace {
+
+using schematic::OpAmpLibrary;
 
 /// -R2/R1 around one op-amp.
 Circuit inverting(double r1, double r2) {
@@ -26,14 +28,14 @@ Circuit inverting(double r1, double r2) {
   b.to = "out";
   b.realised = r2;
   out.parts = {a, b};
-  out.opamps = {{"U1", 0, "0", "m", "out"}};
+  out.opamps = {{"U1", "", 0, "0", "m", "out"}};
   return out;
 }
 
 // Textbook: en (1 + R2/R1), sqrt(4kT R2), sqrt(4kT R1) R2/R1, in R2.
 TEST(Noise, InvertingAmplifierByHand) {
-  const Circuit circuit = inverting(10e3, 100e3);
-  OpAmpModel model;
+  Circuit circuit = inverting(10e3, 100e3);
+  OpAmpModel& model = circuit.opamp;
   model.gain_bandwidth = Hertz{1e12};
   model.dc_gain = 1e9;
   model.output_resistance_ohm = 0.0;
@@ -42,11 +44,11 @@ TEST(Noise, InvertingAmplifierByHand) {
   const double kt4 = 4.0 * 1.380649e-23 * 300.15;
   const double expected =
       std::sqrt(std::pow(8e-9 * 11.0, 2) + kt4 * 100e3 + kt4 * 10e3 * 100.0 + std::pow(1e-12 * 100e3, 2));
-  EXPECT_NEAR(output_noise(circuit, model, {Hertz{1000}}, false)[0] / expected, 1.0, 1e-6);
+  EXPECT_NEAR(schematic::output_noise(circuit, {Hertz{1000}}, false)[0] / expected, 1.0, 1e-6);
   EXPECT_NEAR(
-      output_noise_rms(circuit, model, {Hertz{100}, Hertz{1100}}, false) / (expected * std::sqrt(1000.0)),
+      schematic::output_noise_rms(circuit, {Hertz{100}, Hertz{1100}}, false) / (expected * std::sqrt(1000.0)),
       1.0, 1e-3);
-  EXPECT_NEAR(worst_output_offset(circuit, model), model.offset_v * 11.0 + model.bias_current_a * 100e3,
+  EXPECT_NEAR(schematic::worst_output_offset(circuit), model.offset_v * 11.0 + model.bias_current_a * 100e3,
               1e-9);
 }
 
@@ -89,13 +91,13 @@ TEST(OpAmpCheck, WarnsWithNumbers) {
   ASSERT_FALSE(ringing.report.warnings.empty());
   EXPECT_NE(ringing.report.warnings[0].find("phase margin"), std::string::npos);
   const OpAmpLibrary library = OpAmpLibrary::built_in();
-  made.circuit.model = library.named("NE5532");  // 200 nA through megohms
+  made.circuit.opamp = library.named("NE5532");  // 200 nA through megohms
   const OpAmpCheck bipolar = check_opamps(made.circuit, band);
   EXPECT_GT(bipolar.output_offset_v, 0.1);
   ASSERT_FALSE(bipolar.warnings.empty());
   EXPECT_NE(bipolar.warnings[0].find("bias current"), std::string::npos) << bipolar.warnings[0];
-  made.circuit.model.gain_bandwidth = Hertz{2e4};
-  made.circuit.model.slew_v_per_s = 1e3;
+  made.circuit.opamp.gain_bandwidth = Hertz{2e4};
+  made.circuit.opamp.slew_v_per_s = 1e3;
   EXPECT_GE(check_opamps(made.circuit, band).warnings.size(), 3u);
 }
 

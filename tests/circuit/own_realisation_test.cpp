@@ -3,7 +3,7 @@
 
 #include "base/error.hpp"
 #include "circuit/realisation.hpp"
-#include "circuit/response.hpp"
+#include "schematic/analysis/response.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -84,7 +84,8 @@ TEST(OwnRealisation, IsChosenDesignedAndSolved) {
   gain.gain = 3.0;
   const Realised alone = realise(gain, options);
   const Hertz f{100.0};
-  EXPECT_NEAR(network_response_ideal(alone.circuit, {f}).front().real(), 3.0, 1e-9);
+  EXPECT_NEAR(schematic::network_response(alone.circuit, {f}, {.ideal_opamps = true}).front().real(), 3.0,
+              1e-9);
   EXPECT_THROW(realise(sections, options), DesignError);
   EXPECT_EQ(std::get<Refusal>(try_realise(sections, options)).reason, "it makes a constant");
 }

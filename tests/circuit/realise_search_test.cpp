@@ -8,8 +8,8 @@
 #include "base/quantity.hpp"
 #include "circuit/built_circuit.hpp"
 #include "circuit/json.hpp"
-#include "circuit/response.hpp"
 #include "circuit/stated_band.hpp"
+#include "schematic/analysis/response.hpp"
 #include "seed_sections.hpp"
 
 namespace bodesmith::circuit {
@@ -43,8 +43,9 @@ TEST(RealiseSearch, ARefusalNamesTheLimitThatWouldDo) {
   const auto limits = limits_that_do(slow_lag(), search.options);
   ASSERT_TRUE(limits);
   // What it names does.
-  ASSERT_EQ(limits->substr(0, 8), "--max-f ");
-  ASSERT_TRUE(parse_quantity(limits->substr(8), search.options.limits.max_f)) << *limits;
+  constexpr std::string_view kWhat = "capacitors up to ";
+  ASSERT_TRUE(limits->starts_with(kWhat)) << *limits;
+  ASSERT_TRUE(parse_quantity(limits->substr(kWhat.size()), search.options.limits.max_f)) << *limits;
   EXPECT_EQ(refusal_of(realise_for_building(slow_lag(), search)), nullptr);
 }
 
@@ -76,8 +77,8 @@ TEST(CircuitFile, ComesBackAsItWasBuilt) {
     EXPECT_EQ(file.circuit.parts.size(), made.circuit.parts.size());
     EXPECT_EQ(file.circuit.opamps.size(), made.circuit.opamps.size());
     const std::vector<Hertz> grid = {Hertz{2.0}, Hertz{30.0}, Hertz{1e5}};
-    const auto before = network_response(made.circuit, grid, made.circuit.model);
-    const auto after = network_response(file.circuit, grid, file.circuit.model);
+    const auto before = schematic::network_response(made.circuit, grid);
+    const auto after = schematic::network_response(file.circuit, grid);
     for (std::size_t i = 0; i < grid.size(); ++i) {
       EXPECT_NEAR(std::abs(after[i] / before[i] - 1.0), 0.0, 1e-9);
       EXPECT_NEAR(std::abs(file.wanted(grid[i].rad_s()) / seed_sections().response(grid[i].rad_s()) - 1.0),
@@ -89,6 +90,30 @@ TEST(CircuitFile, ComesBackAsItWasBuilt) {
     forged.insert(at + 13, "1");
     EXPECT_THROW(CircuitFile::from_node(parse_json(forged, "circuit.json")), InputError);
   }
+}
+
+/// Notches on the axis, in a form whose parts find no finite error there: a reason, not a crash.
+TEST(RealiseSearch, WhatNoValuesDescribeIsRefused) {
+  // An elliptic band stop, 900 to 1100 Hz.
+  Sections stop;
+  stop.sections.push_back(
+      {0.834829080407534,
+       {{0.0, 6251.690445656587}, {0.0, -6251.690445656587}},
+       {{-144.8183031270501, 5710.269819634079}, {-144.8183031270501, -5710.269819634079}}});
+  stop.sections.push_back(
+      {1.0669083806131492,
+       {{0.0, 6052.487516774252}, {0.0, -6052.487516774252}},
+       {{-953.3077225076864, 6178.578947826197}, {-953.3077225076864, -6178.578947826197}}});
+  stop.sections.push_back(
+      {1.1227299410491356,
+       {{0.0, 6457.449655202918}, {0.0, -6457.449655202918}},
+       {{-173.47060197801792, 6840.046607919464}, {-173.47060197801792, -6840.046607919464}}});
+  BuildSearch search;
+  search.options.realisation = "khn";
+  const auto outcome = realise_for_building(stop, search);
+  const Refusal* refusal = refusal_of(outcome);
+  ASSERT_NE(refusal, nullptr);
+  EXPECT_FALSE(refusal->reason.empty());
 }
 
 }  // namespace

@@ -6,9 +6,9 @@
 #include <random>
 
 #include "base/error.hpp"
-#include "circuit/response.hpp"
 #include "circuit/stages/ordering.hpp"
 #include "circuit/stages/pairing.hpp"
+#include "schematic/analysis/response.hpp"
 #include "seed_sections.hpp"
 
 namespace bodesmith::circuit {
@@ -49,11 +49,10 @@ TEST(Realise, SeedSectionsWithE12CapacitorsAndE96ResistorsWithin20Millidecibel) 
   const Realised made = realise(seed_sections(), options);
   const auto grid = log_grid({Hertz{1}, Hertz{100}}, 400);
   const auto wanted = wanted_response(seed_sections(), grid);
-  EXPECT_LE(compare_responses(grid, circuit_response(made.circuit, grid), wanted).max_magnitude_db, 0.015);
+  EXPECT_LE(compare_responses(grid, made.circuit.responses(grid), wanted).max_magnitude_db, 0.015);
   // Real op-amps and every stage loading the one before it.
-  EXPECT_LE(
-      compare_responses(grid, network_response(made.circuit, grid, options.opamp), wanted).max_magnitude_db,
-      0.01);
+  EXPECT_LE(compare_responses(grid, schematic::network_response(made.circuit, grid), wanted).max_magnitude_db,
+            0.01);
   EXPECT_GT(made.report.nearest.max_magnitude_db, 3.0 * made.report.parts.max_magnitude_db)
       << "joint search saves nothing?";
   EXPECT_LT(made.report.highest_node_db, 6.0);
@@ -82,7 +81,8 @@ TEST(Realise, WantedValuesAreAnExactDesign) {
     const auto grid = log_grid(made.report.band, 50);
     for (Part& part : made.circuit.parts) part.realised = part.wanted;
     const auto d =
-        compare_responses(grid, network_response_ideal(made.circuit, grid), wanted_response(sections, grid));
+        compare_responses(grid, schematic::network_response(made.circuit, grid, {.ideal_opamps = true}),
+                          wanted_response(sections, grid));
     EXPECT_LT(d.max_complex_percent, 1e-8);
   }
 }
@@ -132,20 +132,21 @@ TEST(Realise, AllShapesOfSections) {
       const Realised exact = realise(sections, options);
       const auto grid = log_grid({Hertz{1.3}, Hertz{300}}, 30);
       const auto wanted = wanted_response(sections, grid);
-      EXPECT_LT(compare_responses(grid, circuit_response(exact.circuit, grid), wanted).max_complex_percent,
-                1e-8)
+      EXPECT_LT(compare_responses(grid, exact.circuit.responses(grid), wanted).max_complex_percent, 1e-8)
           << name;
-      EXPECT_LT(
-          compare_responses(grid, network_response_ideal(exact.circuit, grid), wanted).max_complex_percent,
-          1e-8)
+      EXPECT_LT(compare_responses(
+                    grid, schematic::network_response(exact.circuit, grid, {.ideal_opamps = true}), wanted)
+                    .max_complex_percent,
+                1e-8)
           << name;
       const Realised real = realise(sections);
       // Zeros on or near the axis: decibels at the bottom of the dip say little.
       const double limit = std::string(name) == "notch" ? 40.0 : (wanted_depth(section) ? 0.4 : 0.15);
-      EXPECT_LT(compare_responses(grid, network_response_ideal(real.circuit, grid),
-                                  circuit_response(real.circuit, grid))
-                    .max_complex_percent,
-                1e-8)
+      EXPECT_LT(
+          compare_responses(grid, schematic::network_response(real.circuit, grid, {.ideal_opamps = true}),
+                            real.circuit.responses(grid))
+              .max_complex_percent,
+          1e-8)
           << name;
       EXPECT_LT(real.report.parts.max_magnitude_db, limit) << name << " " << gain;
     }

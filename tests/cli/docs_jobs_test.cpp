@@ -120,9 +120,20 @@ TEST_P(DocumentedExample, RunsFromTheRepositoryAlone) {
   run_page(steps);
 }
 
+TEST(Readme, SaysWhatTheProgramSays) {
+  const fs::path page = fs::path(BODESMITH_SOURCE_DIR) / "README.md";
+  const auto steps = steps_of(page);
+  ASSERT_GE(steps.size(), 1u);
+  run_page(steps);
+  std::istringstream lines(read_file(page));
+  int count = 0;
+  for (std::string line; std::getline(lines, line);) ++count;
+  EXPECT_LE(count, 120) << "what somebody reads in three minutes";
+}
+
 INSTANTIATE_TEST_SUITE_P(Docs, DocumentedExample, ::testing::Values("picma_gap", "opamp_slew", "silverbox"));
 INSTANTIATE_TEST_SUITE_P(Docs, DocumentedJob,
-                         ::testing::Values("audio.md", "piezo.md", "fractional_pid.md", "board.md",
+                         ::testing::Values("audio.md", "piezo.md", "fractional_pid.md", "loop.md", "board.md",
                                            "faulty_board.md"));
 
 }  // namespace

@@ -31,8 +31,14 @@ TEST(BodeLoops, MarginsOfASeriesAreTheClosedForms) {
   const ProgramResult run =
       run_bodesmith("bode --series --margins --group-delay --nyquist --nichols --json " + at + "/a.json " +
                     at + "/b.json " + at + "/c.json -o " + at + "/out.csv --time-response " + at +
-                    "/t.csv --nyquist-svg " + at + "/n.svg");
+                    "/t.csv --nyquist-svg " + at + "/n.svg --svg " + at + "/bode.svg");
   ASSERT_EQ(run.status, 0) << run.err;
+  // The loop alone, round -1; the factors are in the Bode plot.
+  const std::string nyquist = read_file(folder / "n.svg");
+  EXPECT_THAT(nyquist, HasSubstr("gain 1"));
+  EXPECT_THAT(nyquist, HasSubstr(">series<"));
+  EXPECT_THAT(nyquist, testing::Not(HasSubstr(">a<")));
+  EXPECT_THAT(read_file(folder / "bode.svg"), HasSubstr("Group delay"));
   const Json summary = Json::parse(run.out);
   const Json& series = summary["responses"].back();
   EXPECT_EQ(series["name"], "series");

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <string>
 
+#include "base/document.hpp"
 #include "base/files.hpp"
 #include "run_program.hpp"
 
@@ -90,6 +91,22 @@ power = 0.5
     EXPECT_NE(run.err.find(one.said), std::string::npos) << run.err;
     EXPECT_FALSE(std::filesystem::exists(folder / "out"));
   }
+}
+
+TEST(FilterProject, APlanThatIsMissingIsALimitThatIsNotMet) {
+  const TemporaryFolder folder;
+  write_file(folder / "s.json",
+             R"({"schema": "bodesmith.sections/1", "gain": 1,
+                 "sections": [{"gain": 1000, "zeros_rad_s": [], "poles_rad_s": [[0, 0]]}]})");
+  write_file(folder / "p.toml",
+             "schema = \"bodesmith.project/1\"\n[target]\nsections = \"s.json\"\nfrom_hz = 10\nto_hz = 1000\n"
+             "[hardware.fpaa]\n[limits]\nfpaa_percent = 1\n");
+  const ProgramResult result =
+      run_bodesmith("run " + (folder / "p.toml").string() + " -o " + (folder / "out").string());
+  EXPECT_EQ(result.status, 1) << result.err;
+  EXPECT_NE(result.out.find("fpaa_percent 1: not made NOT met"), std::string::npos) << result.out;
+  const Node run = parse_json(read_file(folder / "out/run.json"), "run.json");
+  EXPECT_EQ(run.at("limits").items().front().at("got").kind(), Node::Kind::null);
 }
 
 }  // namespace

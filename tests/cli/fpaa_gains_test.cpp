@@ -34,7 +34,7 @@ TEST(FpaaGains, WritesTableHostAndStreams) {
   EXPECT_THAT(result.err, HasSubstr("--descending"));
   result = run_bodesmith(command + "--descending FPAA1.Gain");
   EXPECT_EQ(result.status, 2);
-  EXPECT_THAT(result.err, HasSubstr("--api"));
+  EXPECT_THAT(result.err, HasSubstr("ApiCode.c"));
 }
 
 }  // namespace

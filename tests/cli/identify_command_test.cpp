@@ -47,6 +47,9 @@ TEST(Identify, WritesAModelThatSimulatesAndCompensates) {
   EXPECT_LT(summary["holdout"]["rms_percent_of_range"], 1e-2);
   EXPECT_EQ(summary["inputs"].size(), 2u);
   EXPECT_GE(summary["timing_s"]["compute"], 0.0);
+  // What diagnose may refit, and what the model was fitted to.
+  EXPECT_NE(read_file(model).find("free = ["), std::string::npos);
+  EXPECT_NE(read_file(model).find("[trained]"), std::string::npos);
   // The block stands in a contract's model.toml and simulates to the same output.
   const ProgramResult simulated =
       run_bodesmith("simulate " + model + " --input " + (folder / "train.csv").string() + " -o " +

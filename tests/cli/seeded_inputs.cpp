@@ -49,6 +49,7 @@ void write_seeded_inputs(const fs::path& folder) {
   const fs::path example = fs::path(BODESMITH_SOURCE_DIR) / "examples/nanopositioner";
   for (const char* name : {"gains.csv", "disturbance.json"})
     write_file(folder / name, read_file(example / name));
+  write_file(folder / "cauer.sc", read_file(example.parent_path() / "switched_capacitor/cauer.sc"));
 }
 
 const std::vector<std::string>& seeded_commands() {
@@ -70,11 +71,14 @@ const std::vector<std::string>& seeded_commands() {
       "yield sections.json --samples 200 --seed 3 -o yield.json",
       "yield controller disturbance.json --draws 4 --track 1 100 --no-ngspice -o errors",
       "identify record.csv --model prandtl_ishlinskii -o model_out.toml",
+      "model disturbance.json sections.json -o series.toml",
       "compensate model.toml --reference reference.csv -o drive.csv",
       "diagnose base.toml --data record.csv --holdout record.csv --max-terms 1 --threads 2 -o diagnosis",
       "simulate model.toml --input record.csv -o y.csv --spectra s.csv --loops l.csv",
       "export sections.json -o sections.m",
+      "tune response.csv --kind notch-lead --bandwidth-hz 20 --seed 2 -o controller.json --sections loop.json",
       "bode sections.json --count 20000 -o bode.csv",
+      "sc cauer.sc --noise --count 20 -o sc.csv",
   };
   return all;
 }

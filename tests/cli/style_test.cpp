@@ -76,7 +76,7 @@ const std::vector<Rule>& rules() {
 std::string without_exceptions(const std::string& line) {
   static const std::regex exceptions(
       "--realization|\"realization\"|`realization`|\\{\\{realization\\}\\}|^realization = |[.>]realization\\b|"
-      "std::string realization\\b|DoNotOptimize|NonLinearOptimization|CMAKE_OPTIMIZE_DEPENDENCIES|lm\\.minimize|\\.realized\\b");
+      "std::string realization\\b|DoNotOptimize|NonLinearOptimization|CMAKE_OPTIMIZE_DEPENDENCIES|lm\\.minimize|\\.realized\\b|^linearize v\\(");
   return std::regex_replace(line, exceptions, "");
 }
 

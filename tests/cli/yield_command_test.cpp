@@ -105,7 +105,7 @@ TEST(YieldCommand, BadInputIsOneLine) {
   }
 }
 
-// A notch and an elliptic stop band are 0 at a frequency of the grid: it is left out and named.
+// A notch and an elliptic stop band are next to 0 at frequencies of the grid: these are left out and named.
 TEST(YieldCommand, ResponsesWithZerosOnTheGridAreAnswered) {
   const TemporaryFolder folder;
   const std::string sections = (folder / "e.json").string(), out = (folder / "y.json").string();
@@ -117,10 +117,13 @@ TEST(YieldCommand, ResponsesWithZerosOnTheGridAreAnswered) {
       0);
   const ProgramResult run = run_bodesmith("yield " + sections + " --samples 2000 -o " + out);
   ASSERT_EQ(run.status, 0) << run.err;
-  EXPECT_NE(run.out.find("left out: 3.861 kHz, where the response is 0"), std::string::npos) << run.out;
+  EXPECT_NE(run.out.find("where the response is below -60 dB of its largest"), std::string::npos) << run.out;
   const Node json = parse_json(read_file(out), out);
-  EXPECT_EQ(json.at("left_out_hz").numbers().size(), 1u);
-  EXPECT_EQ(json.at("designs")[0].at("frequency_hz").numbers().size(), 59u);
+  const std::vector<double> left_out = json.at("left_out_hz").numbers();
+  EXPECT_GE(left_out.size(), 1u);
+  EXPECT_NEAR(left_out.back(), 3861.4, 1.0);
+  // Finer than the 60 of a response that does not turn.
+  EXPECT_GE(json.at("designs")[0].at("frequency_hz").numbers().size(), 70u);
   const ProgramResult only =
       run_bodesmith("yield " + sections + " --samples 2000 --count 1 --from-hz 3861.4 -o " + out);
   EXPECT_EQ(only.status, 0) << only.err;

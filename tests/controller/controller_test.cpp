@@ -147,10 +147,11 @@ TEST(ControllerLibrary, EveryPartStandsInTheNetlistOnceWithItsNodesAndValue) {
       EXPECT_EQ(lines["X" + one.name][3], one.out);
     }
     for (const Multiplier& one : built.multipliers) EXPECT_EQ(lines["X" + one.name][4], one.out);
-    for (const Contact& one : built.contacts) EXPECT_EQ(lines["X" + one.name][3], one.rising ? "up" : "down");
+    for (const Contact& one : built.contacts)
+      EXPECT_EQ(lines["X" + one.name][3], one.position == 0 ? "up" : "down");
     // Parts, op-amps, multipliers, contacts, references and the two logic levels: nothing else.
     EXPECT_EQ(lines.size(), built.parts.size() + built.opamps.size() + built.multipliers.size() +
-                                built.contacts.size() + built.references.size() + 2);
+                                built.contacts.size() + built.sources.size() + 2);
   }
 }
 

@@ -122,7 +122,7 @@ TEST(Export, RefusesWhatAFormatCannotHold) {
               HasSubstr("drive.csv: is a time record, but python-control needs pole-zero"));
   EXPECT_THAT(refusal("a.pwl", designed()), HasSubstr("but pwl needs a time record"));
   EXPECT_THAT(refusal("a.s2p", recorded()), HasSubstr("needs a complex frequency response"));
-  EXPECT_THAT(refusal("a.c", designed()), HasSubstr("--sample-hz"));
+  EXPECT_THAT(refusal("a.c", designed()), HasSubstr("sampling rate"));
   EXPECT_THROW(writer_for("a.docx"), InputError);
 }
 

@@ -5,9 +5,9 @@
 #include <string>
 
 #include "base/error.hpp"
-#include "circuit/response.hpp"
 #include "circuits.hpp"
 #include "faults/circuit_board.hpp"
+#include "schematic/analysis/response.hpp"
 
 namespace bodesmith::faults {
 namespace {
@@ -15,7 +15,7 @@ namespace {
 using Complex = std::complex<double>;
 
 std::vector<Complex> solved(const circuit::Circuit& circuit, const std::vector<Hertz>& grid) {
-  return circuit::network_response(circuit, grid, circuit.model);
+  return schematic::network_response(circuit, grid);
 }
 
 CircuitBoard board_of(const circuit::Circuit& circuit, const std::vector<Hertz>& grid) {
@@ -49,8 +49,8 @@ TEST(CircuitBoard, TwoChangesAtOnceAndANodeInside) {
   circuit::Circuit changed = circuit;
   changed.parts[0].realised *= 0.2;
   changed.parts[3].realised *= 7.0;
-  circuit::Part load;
-  load.kind = circuit::Part::Kind::capacitor;
+  schematic::Part load;
+  load.kind = schematic::Part::Kind::capacitor;
   load.name = "Cload";
   load.from = "out";
   load.to = "0";
@@ -103,7 +103,7 @@ TEST(CircuitBoard, OnlyALoadAtAnOpAmpIsKnownRoughly) {
     const std::string node =
         fault.site == "the output" ? "out" : fault.site.substr(std::string("node ").size());
     const bool driven = std::any_of(circuit.opamps.begin(), circuit.opamps.end(),
-                                    [&](const circuit::OpAmp& one) { return one.out == node; });
+                                    [&](const schematic::OpAmp& one) { return one.out == node; });
     const Effect effect = fault.effect(fault.from);
     EXPECT_EQ(effect.model_error > 0.0, driven) << fault.site;
     EXPECT_EQ(effect.stamps[0].rough, driven) << fault.site;
@@ -118,9 +118,9 @@ TEST(CircuitBoard, ASlowerOpAmpIsWhatSolvingAnewFinds) {
   const std::vector<Hertz> grid = small_grid(12);
   const CircuitBoard board = board_of(circuit, grid);
   circuit::Circuit slow = circuit;
-  slow.model.gain_bandwidth.value *= 0.01;
+  slow.opamp.gain_bandwidth.value *= 0.01;
   Effect effect;
-  const double ft = circuit.model.gain_bandwidth.rad_s().value;
+  const double ft = circuit.opamp.gain_bandwidth.rad_s().value;
   for (std::size_t i = 0; i < circuit.opamps.size(); ++i)
     effect.stamps.push_back(board.slower(i, 0.0, 99.0 / ft));
   expect_same(board.response(effect), solved(slow, grid));

@@ -52,7 +52,7 @@ inline Channel seen(const std::vector<Hertz>& grid, const std::vector<std::compl
 /// A circuit whose parts are within a tolerance of 1 %.
 inline circuit::Circuit drawn_parts(circuit::Circuit circuit, std::uint64_t seed) {
   Random random(seed);
-  for (circuit::Part& part : circuit.parts) part.realised *= 1.0 + 0.01 * (2.0 * random.uniform() - 1.0);
+  for (schematic::Part& part : circuit.parts) part.realised *= 1.0 + 0.01 * (2.0 * random.uniform() - 1.0);
   return circuit;
 }
 

@@ -7,10 +7,10 @@
 #include <string_view>
 
 #include "base/text.hpp"
-#include "circuit/response.hpp"
 #include "circuits.hpp"
 #include "faults/circuit_board.hpp"
 #include "faults/diagnosis.hpp"
+#include "schematic/analysis/response.hpp"
 
 namespace bodesmith::faults {
 namespace {
@@ -18,8 +18,7 @@ namespace {
 Diagnosis diagnosed(const circuit::Circuit& designed, const circuit::Circuit& built, bool with_phase = true) {
   const std::vector<Hertz> grid = small_grid();
   Measurement measurement;
-  measurement.channels.push_back(
-      seen(grid, circuit::network_response(built, grid, built.model), 5, with_phase));
+  measurement.channels.push_back(seen(grid, schematic::network_response(built, grid), 5, with_phase));
   const CircuitBoard board(designed, measurement, Spread());
   return diagnose_board(board, DiagnosisOptions());
 }
@@ -45,7 +44,7 @@ TEST(BoardDiagnosis, AGoodBoardIsNotAccused) {
 TEST(BoardDiagnosis, ACapacitorOfAnotherValueIsNamedOrTied) {
   const circuit::Circuit circuit = small_circuit();
   for (std::size_t i = 0; i < circuit.parts.size(); ++i) {
-    if (circuit.parts[i].kind != circuit::Part::Kind::capacitor) continue;
+    if (circuit.parts[i].kind != schematic::Part::Kind::capacitor) continue;
     circuit::Circuit built = drawn_parts(circuit, 7 + i);
     built.parts[i].realised *= 1.47;
     const Diagnosis d = diagnosed(circuit, built);
@@ -70,7 +69,7 @@ TEST(BoardDiagnosis, TwoFaultsAtOnce) {
   circuit::Circuit built = drawn_parts(circuit, 4);
   std::vector<std::size_t> capacitors;
   for (std::size_t i = 0; i < built.parts.size(); ++i) {
-    if (built.parts[i].kind == circuit::Part::Kind::capacitor) capacitors.push_back(i);
+    if (built.parts[i].kind == schematic::Part::Kind::capacitor) capacitors.push_back(i);
   }
   built.parts[capacitors.front()].realised *= 1.6;
   built.parts[capacitors.back()].realised *= 0.55;
@@ -86,7 +85,7 @@ TEST(BoardDiagnosis, TwoFaultsAtOnce) {
 TEST(BoardDiagnosis, ARoughlyKnownFaultDoesNotPassForTwoOthers) {
   const circuit::Circuit circuit = small_circuit();
   circuit::Circuit built = drawn_parts(circuit, 6);
-  for (circuit::Part& part : built.parts) {
+  for (schematic::Part& part : built.parts) {
     if (part.name == "Rq_4") part.realised *= 0.6;
     if (part.name == "R1_1") part.realised *= 0.1;
   }
@@ -100,7 +99,7 @@ TEST(BoardDiagnosis, ARoughlyKnownFaultDoesNotPassForTwoOthers) {
 TEST(BoardDiagnosis, EveryOpAmpIsNoSecondFaultOfOneOfThem) {
   const circuit::Circuit circuit = small_circuit();
   circuit::Circuit built = drawn_parts(circuit, 8);
-  built.model.gain_bandwidth.value *= 0.004;
+  built.opamp.gain_bandwidth.value *= 0.004;
   built.parts[1].realised *= 1.4;
   const Diagnosis d = diagnosed(circuit, built);
   for (const Suspect& suspect : d.suspects) {
@@ -117,7 +116,7 @@ TEST(BoardDiagnosis, EveryOpAmpIsNoSecondFaultOfOneOfThem) {
 TEST(BoardDiagnosis, WhatIsHiddenBehindAFaultIsSaid) {
   const circuit::Circuit circuit = small_circuit();
   const std::vector<Hertz> grid = small_grid();
-  const Measurement measurement{{seen(grid, circuit::network_response(circuit, grid, circuit.model), 5)}};
+  const Measurement measurement{{seen(grid, schematic::network_response(circuit, grid), 5)}};
   const CircuitBoard board(circuit, measurement, Spread());
   const std::vector<Fault> faults = board.faults();
   const auto hidden_by = [&](const std::string& site, std::string_view kind, double t) {
@@ -131,13 +130,13 @@ TEST(BoardDiagnosis, WhatIsHiddenBehindAFaultIsSaid) {
     return hidden_behind(board, faults, std::span(&suspect, 1));
   };
   std::vector<std::string> inputs;
-  for (const circuit::Part& part : circuit.parts) {
-    if (part.stage + 1 == circuit.stages.size() && part.from == circuit.stages.back().in)
+  for (const schematic::Part& part : circuit.parts) {
+    if (part.group + 1 == circuit.stages.size() && part.from == circuit.stages.back().in)
       inputs.push_back(part.name);
   }
   ASSERT_EQ(inputs.size(), 1u);
   const std::vector<std::string> hidden = hidden_by(inputs[0], "open", 0.0);
-  for (const circuit::Part& part : circuit.parts) {
+  for (const schematic::Part& part : circuit.parts) {
     const bool is_hidden = std::find(hidden.begin(), hidden.end(), part.name) != hidden.end();
     if (part.name == "R1_1" || part.name == "R2_1") {
       EXPECT_TRUE(is_hidden) << part.name;
@@ -153,7 +152,7 @@ TEST(BoardDiagnosis, WhatIsHiddenBehindAFaultIsSaid) {
 TEST(BoardDiagnosis, ADeadOutputIsNoGoodBoard) {
   const circuit::Circuit circuit = small_circuit();
   const std::vector<Hertz> grid = small_grid();
-  Channel nothing = seen(grid, circuit::network_response(circuit, grid, circuit.model), 5, true);
+  Channel nothing = seen(grid, schematic::network_response(circuit, grid), 5, true);
   for (std::size_t i = 0; i < grid.size(); ++i) {
     nothing.log_gain[i] = std::log(1e-5);
     nothing.phase_rad[i] = std::fmod(2.4 * static_cast<double>(i * i), 3.0);
@@ -167,7 +166,7 @@ TEST(BoardDiagnosis, ADeadOutputIsNoGoodBoard) {
 TEST(BoardDiagnosis, WhatNoFaultExplainsIsSaidToBeUnexplained) {
   const circuit::Circuit circuit = small_circuit();
   const std::vector<Hertz> grid = small_grid(80);
-  auto response = circuit::network_response(circuit, grid, circuit.model);
+  auto response = schematic::network_response(circuit, grid);
   for (std::size_t k = 0; k < grid.size(); ++k)  // a comb: no circuit of these parts makes it
     response[k] *= std::exp(std::complex<double>(0.3 * std::sin(1.7 * std::log(grid[k].value) * 2.0), 0.2));
   Measurement measurement;
@@ -185,7 +184,7 @@ TEST(BoardDiagnosis, TheSecondMeasurementOfANodeIsUsed) {
   built.parts[0].realised *= 1.3;
   const std::vector<Hertz> grid = small_grid();
   Measurement measurement;
-  measurement.channels.push_back(seen(grid, circuit::network_response(built, grid, built.model), 5));
+  measurement.channels.push_back(seen(grid, schematic::network_response(built, grid), 5));
   const CircuitBoard outside(circuit, measurement, Spread());
   const Diagnosis first = diagnose_board(outside, DiagnosisOptions());
   ASSERT_TRUE(among_tied(first, built.parts[0].name));

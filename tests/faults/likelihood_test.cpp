@@ -3,9 +3,9 @@
 
 #include <gtest/gtest.h>
 
-#include "circuit/response.hpp"
 #include "circuits.hpp"
 #include "faults/circuit_board.hpp"
+#include "schematic/analysis/response.hpp"
 
 namespace bodesmith::faults {
 namespace {
@@ -14,8 +14,7 @@ constexpr double kNoise = 2e-3;
 
 CircuitBoard measured_board(const circuit::Circuit& circuit, const std::vector<Hertz>& grid,
                             std::uint64_t seed) {
-  Measurement measurement{
-      {seen(grid, circuit::network_response(circuit, grid, circuit.model), seed, true, kNoise)}};
+  Measurement measurement{{seen(grid, schematic::network_response(circuit, grid), seed, true, kNoise)}};
   return CircuitBoard(circuit, measurement, Spread());
 }
 

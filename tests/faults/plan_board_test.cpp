@@ -1,4 +1,4 @@
-// An FPAA board: a wrong capacitor, a wrong clock, a good one; the truth by MultirateResponse, which the search does not use.
+// An FPAA board: a wrong capacitor, a wrong clock, a good one; the truth by charge conservation.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -7,7 +7,7 @@
 #include "circuits.hpp"
 #include "faults/diagnosis.hpp"
 #include "faults/plan_board.hpp"
-#include "fpaa/multirate_response.hpp"
+#include "fpaa/network/switched_board.hpp"
 #include "fpaa/trim.hpp"
 
 namespace bodesmith::faults {
@@ -32,9 +32,9 @@ const fpaa::Plan& small_plan() {
 
 Diagnosis diagnosed_plan(const fpaa::Plan& built, std::uint64_t seed) {
   const std::vector<Hertz> grid = log_grid({Hertz{10.0}, Hertz{1500.0}}, 40);
-  const fpaa::MultirateResponse exact(built);
+  const fpaa::SwitchedBoard exact(built);
   std::vector<std::complex<double>> response;
-  for (const Hertz f : grid) response.push_back(exact.as_it_runs(f.rad_s()));
+  for (const Hertz f : grid) response.push_back(exact.gain(f.rad_s()));
   Measurement measurement;
   measurement.channels.push_back(seen(grid, response, seed, true, 1e-3));
   const PlanBoard board(small_plan(), measurement, Spread());

@@ -6,6 +6,7 @@
 #include <random>
 
 #include "base/error.hpp"
+#include "fit/choice.hpp"
 #include "numeric/bounded_least_squares.hpp"
 
 namespace bodesmith {
@@ -193,6 +194,71 @@ long double best_by_enumeration(const LongMatrix& a, const LongVector& b, long d
     best = std::min(best, square);
   }
   return best;
+}
+
+TEST(CascadeFit, EveryTermHasItsOwnBound) {
+  CascadeFitOptions options;
+  options.term_beta_max = {0.02, 5.0, 0.5, 5.0};
+  const CascadeFit fit = fit_cascade(kPaper, options);
+  ASSERT_EQ(fit.terms.size(), 4u);
+  for (std::size_t i = 0; i < 4; ++i) {
+    EXPECT_LE(std::abs(fit.terms[i].beta), options.term_beta_max[i] * (1 + 1e-12));
+    EXPECT_EQ(fit.terms[i].beta_max, options.term_beta_max[i]);
+  }
+  EXPECT_TRUE(fit.terms[2].at_bound);
+  EXPECT_LT(fit.optimality_residual, 1e-12);
+  options.term_beta_max = {1.0, 2.0};
+  EXPECT_THROW(fit_cascade(kPaper, options), InputError);
+}
+
+TEST(CascadeFit, CornersAreGivenOrFitted) {
+  // Two terms that are not bands between points, drawn here.
+  const FractionalLeadLag truth[] = {{1.0 / (2 * M_PI * 3.0), 0.2, 0.7},
+                                     {1.0 / (2 * M_PI * 50.0), 0.1, -0.4}};
+  BodePoints points;
+  points.file = "drawn";
+  for (int i = 0; i <= 40; ++i) {
+    const double f = 0.1 * std::pow(10.0, i / 8.0);
+    double ln = 0.0;
+    for (const FractionalLeadLag& t : truth) {
+      const double w = 2 * M_PI * f * t.lambda_s;
+      ln += 0.5 * t.beta * (std::log1p(w * w) - std::log1p(t.x * t.x * w * w));
+    }
+    points.points.push_back({Hertz{f}, std::exp(ln), std::nullopt, 1.0, 0});
+  }
+  CascadeFitOptions given;
+  given.base = Hertz{0.01};
+  given.corners = {truth[0], truth[1]};
+  const CascadeFit fit = fit_cascade(points, given);
+  ASSERT_EQ(fit.terms.size(), 2u);
+  EXPECT_NEAR(fit.terms[0].beta, 0.7, 1e-10);
+  EXPECT_NEAR(fit.terms[1].beta, -0.4, 1e-10);
+  CascadeFitOptions fitted;
+  fitted.base = Hertz{0.01};
+  fitted.fitted_terms = 2;
+  EXPECT_LT(fit_cascade(points, fitted).cascade.fit->max_db, 0.02);
+  fitted.fitted_terms = 20;
+  EXPECT_THROW(fit_cascade(points, fitted), InputError);
+}
+
+TEST(CascadeFit, ThePapersChartBoundsAJumpAndSaysWhatIsLeft) {
+  // As the disturbance paper's Fig. 10: hardly any change up to a jump at 4 kHz.
+  const BodePoints jump =
+      points_of({{100, 1}, {1000, 1.02}, {2000, 1.05}, {3800, 1.1}, {4200, 1.6}, {5000, 1.65}});
+  double largest = 0.0;
+  for (const CascadeFitTerm& term : fit_cascade(jump).terms) largest = std::max(largest, std::abs(term.beta));
+  EXPECT_GT(largest, 20.0);
+  const ChartedFit charted = fit_by_chart(jump, {});
+  ASSERT_FALSE(charted.steps.empty());
+  EXPECT_NE(charted.steps[0].find("bounded by 5"), std::string::npos) << charted.steps[0];
+  double worst = 0.0;
+  for (const BodePoint& point : jump.points)
+    worst = std::max(
+        worst, std::abs(charted.fit.cascade.magnitude_db(point.frequency.rad_s()) - to_decibel(point.gain)));
+  EXPECT_NEAR(charted.fit.cascade.fit->max_db, worst, 1e-9);
+  for (const CascadeFitTerm& term : charted.fit.terms) EXPECT_LE(std::abs(term.beta), 5.0 + 1e-12);
+  // Where nothing is steep it is the interpolation.
+  EXPECT_TRUE(fit_by_chart(kPaper, {}).steps.empty());
 }
 
 TEST(BoundedLeastSquares, IsTheGlobalOptimum) {

@@ -7,7 +7,7 @@
 #include "an231_streams.hpp"
 #include "base/error.hpp"
 #include "base/json.hpp"
-#include "fpaa/an231/decoded_plan.hpp"
+#include "fpaa/an231/pin_networks.hpp"
 #include "fpaa/an231/plan_stream.hpp"
 #include "fpaa/an231/stream_check.hpp"
 #include "fpaa/an231/stream_file.hpp"
@@ -15,7 +15,7 @@
 #include "fpaa/cams/biquad_stage.hpp"
 #include "fpaa/cams/sum_inv.hpp"
 #include "fpaa/cams/transfer_function.hpp"
-#include "fpaa/multirate_response.hpp"
+#include "fpaa/network/switched_board.hpp"
 #include "seed_sections.hpp"
 
 namespace bodesmith::fpaa::an231 {
@@ -170,7 +170,7 @@ TEST(An231Plan, FirstPowerOnHasTheReadingsOfThisDesign) {
   EXPECT_THAT(text, HasSubstr("not tried on silicon"));
   EXPECT_THAT(text, HasSubstr("chip 1 IO3 to chip 2 IO1"));
   EXPECT_THAT(text, Not(HasSubstr("nan")));
-  const std::complex<double> h = MultirateResponse(plan).as_it_runs(Hertz{1.0}.rad_s());
+  const std::complex<double> h = SwitchedBoard(plan).gain(Hertz{1.0}.rad_s());
   EXPECT_THAT(text, HasSubstr("| 1 | " + std::to_string(20.0 * std::log10(std::abs(h))).substr(0, 4)));
 }
 

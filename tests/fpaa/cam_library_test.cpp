@@ -90,23 +90,6 @@ TEST(FilterBiquad, TransferIsWhatTheChargesDo) {
   }
 }
 
-TEST(FilterBiquad, SearchMeetsCornerQualityAndGain) {
-  for (const double q : {0.6, 1.5, 8.0}) {
-    BiquadTarget target;
-    target.natural = Hertz{1000.0}.rad_s();
-    target.quality = q;
-    target.gain = 2.0;
-    std::vector<RadPerSecond> grid;
-    for (const Hertz f : log_grid({{50.0}, {2000.0}}, 24)) grid.push_back(f.rad_s());
-    const auto got = search_biquad(target, {100e3}, grid);
-    ASSERT_TRUE(got);
-    EXPECT_NEAR(got->capacitors.corner({100e3}).value, 1000.0, 10.0);
-    EXPECT_NEAR(got->capacitors.quality(), q, 0.05 * q);
-    EXPECT_NEAR(std::abs(got->capacitors.transfer().dc_gain()), 2.0, 0.02);
-    EXPECT_TRUE(got->capacitors.transfer().is_stable());
-  }
-}
-
 TEST(FilterBiquad, ComplexSectionsGoOnTheBoard) {
   Sections sections;
   Section resonant;

@@ -5,8 +5,8 @@
 #include <cmath>
 
 #include "base/files.hpp"
-#include "fpaa/an231/decoded_plan.hpp"
 #include "fpaa/an231/plan_stream.hpp"
+#include "fpaa/an231/transfers.hpp"
 #include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/controller_gains.hpp"
 #include "fpaa/controller_io.hpp"
@@ -50,8 +50,9 @@ TEST(ControllerStreams, BytesMakeTheWeights) {
     return 0;
   };
   const auto gain = [&](const std::string& from, const std::string& to) {
-    const Plan path = value_or_throw(an231::decoded_plan(board, {1, cell(from)}, {1, cell(to)}));
-    return plan_response(path, Hertz{1e-3}.rad_s(), false).real();
+    const an231::PinResponse path(board, 0, cell(from), 0, cell(to));
+    EXPECT_EQ(path.obstacle(), "");
+    return path.at(Hertz{1e-3}.rad_s()).value().real();
   };
   const ControllerCam& up = *v.find("AscendingSum");
   const ControllerCam& down = *v.find("DescendingSum");

@@ -16,9 +16,9 @@ TEST(ErrorBudget, PartsOfTheSeedsPlan) {
   EXPECT_NEAR(budget.together_percent, plan.error.max_complex_percent, 1e-3);
   EXPECT_LE(budget.together_percent, budget.warping_percent + budget.quantisation_percent + 1e-3);
   EXPECT_GT(budget.quantisation_percent, 0.0);
-  // f/(fc - f), and half a period of delay.
-  EXPECT_NEAR(budget.image_db, 20.0 * std::log10(103.78 / (2000.0 - 103.78)), 0.01);
-  EXPECT_NEAR(budget.hold_phase_deg, 180.0 * 103.78 / 2000.0, 0.01);
+  // No hold of half a period (9 deg): what moves within a phase is some tenths of a degree.
+  EXPECT_LT(budget.hold_phase_deg, 1.0);
+  EXPECT_LT(budget.image_db, 20.0 * std::log10(103.78 / (2000.0 - 103.78)) + 1.0);
   ASSERT_EQ(budget.cams.size(), 8u);
   for (const auto& cam : budget.cams) {
     EXPECT_LT(cam.settling_product_hz, budget.settling_limit_hz);
@@ -52,8 +52,9 @@ TEST(ErrorBudget, MismatchOfOneGainStageIsTheRatiosSpread) {
   EXPECT_EQ(error_budget(plan, unity, options).mismatch.max_percent, budget.mismatch.max_percent);
 }
 
-TEST(ErrorBudget, NoiseOfALowPassIsTheClosedForm) {
-  // sum h^2 of 1/(A - B/z) is 1/(A^2 - B^2).
+/// 2 kT C a sample through 1/(A - B/z), sum h^2 = 1/(A^2 - B^2), less what the op-amp gives back to Cout and what lies
+/// beyond half the clock.
+TEST(ErrorBudget, NoiseOfALowPassIsSomewhatBelowTwoChargesASample) {
   Plan plan;
   plan.board = "an231k04-quad4";
   PlacedCam filter;
@@ -70,7 +71,9 @@ TEST(ErrorBudget, NoiseOfALowPassIsTheClosedForm) {
   Sections sections;
   sections.gain = -1.0;
   const ErrorBudget budget = error_budget(plan, sections, {});
-  EXPECT_NEAR(budget.noise_kt_per_cu, 2.0 * 10.0 / (54.0 * 54.0 - 50.0 * 50.0), 1e-6);
+  const double two_charges = 2.0 * 10.0 / (54.0 * 54.0 - 50.0 * 50.0);
+  EXPECT_LT(budget.noise_kt_per_cu, two_charges);
+  EXPECT_GT(budget.noise_kt_per_cu, 0.8 * two_charges);
   // sqrt(kT/C) of 50 fF at 300 K is 287.8 uV.
   EXPECT_NEAR(budget.noise_model.microvolts(1.0), 287.8, 0.1);
 }

@@ -148,11 +148,11 @@ BlindResult blind_boards(const Plan& plan, const BlindSetting& setting, int roun
   return out;
 }
 
-TEST(Trim, BringsBoardsToAFifthAndNoneFurtherAway) {
+TEST(Trim, BringsBoardsToAQuarterAndNoneFurtherAway) {
   using Kind = UnitBoard::Kind;
   for (const Kind kind : {Kind::binary, Kind::nested, Kind::relative}) {
     const BlindResult boards = blind_boards(seed_plan(), {.kind = kind});
-    EXPECT_LT(boards.after_95, 0.2 * boards.before_95);
+    EXPECT_LT(boards.after_95, 0.25 * boards.before_95);
     EXPECT_EQ(boards.worse, 0);
   }
 }
@@ -160,12 +160,11 @@ TEST(Trim, BringsBoardsToAFifthAndNoneFurtherAway) {
 TEST(Trim, MeasuredAndTrimmedAgainIsBetterStill) {
   const BlindResult boards = blind_boards(seed_plan(), {.boards = 10, .seed = 700}, 2);
   EXPECT_LT(boards.again_95, boards.after_95);
-  EXPECT_LT(boards.again_95, 0.25 * boards.before_95);
+  EXPECT_LT(boards.again_95, 0.3 * boards.before_95);
 }
 
-/// The same sections as they are planned without being asked for a chain: partial fractions, four clocks. Its few
-/// capacitors are chosen for little mismatch and leave about a third (docs/fpaa_bench.md).
-TEST(Trim, HelpsParallelPlansToo) {
+/// The same sections with the clocks searched: their capacitors are chosen for little mismatch and leave less to trim.
+TEST(Trim, HelpsPlansOfSeveralClocksToo) {
   const Plan plan = plan_of(seed_sections());
   const BlindResult boards = blind_boards(plan, {.boards = 10, .noise = 1e-4, .seed = 500});
   EXPECT_LT(boards.after_95, 0.7 * boards.before_95);
@@ -177,7 +176,7 @@ TEST(Trim, FewFrequenciesAndMagnitudesAloneHelpToo) {
   EXPECT_LT(few.after_95, 0.35 * few.before_95);
   EXPECT_EQ(few.worse, 0);
   const BlindResult magnitudes = blind_boards(seed_plan(), {.with_phase = false, .seed = 3000});
-  EXPECT_LT(magnitudes.after_95, 0.4 * magnitudes.before_95);
+  EXPECT_LT(magnitudes.after_95, 0.45 * magnitudes.before_95);
   EXPECT_EQ(magnitudes.worse, 0);
 }
 

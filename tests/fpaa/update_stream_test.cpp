@@ -100,7 +100,7 @@ TEST(UpdateStream, MissingCamOrCapacitorSaysWhatToDo) {
   EXPECT_THAT(message(rename(source, "Section3b", "FilterBilinear7"), {}),
               HasSubstr("no CAM named Section3b"));
   const std::string vendor = rename(source, "/* Ca ", "/* C9 ");
-  EXPECT_THAT(message(vendor, {}), HasSubstr("--map Ca=NAME"));
+  EXPECT_THAT(message(vendor, {}), HasSubstr("a map of Ca"));
   UpdateOptions options;
   options.names = {{"Ca", "C9"}};
   EXPECT_EQ(message(vendor, options), "");

@@ -5,6 +5,7 @@
 
 #include "hysteresis/fractional_dynamic.hpp"
 #include "hysteresis/registry.hpp"
+#include "lti/fractional_stability.hpp"
 #include "numeric/differential_evolution.hpp"
 #include "test_signals.hpp"
 
@@ -101,17 +102,17 @@ TEST(Fractional, SectionsAgreeWithGrunwaldLetnikovAndTheFrequencyResponse) {
 }
 
 TEST(Fractional, Equation20AgainstTheFullDenominator) {
-  const FractionalPolynomial full = FractionalPolynomial::denominator(table_1());
-  ASSERT_EQ(full.terms.size(), 8u);
+  const FractionalPolynomial full = table_1().denominator();
+  ASSERT_EQ(full.size(), 8u);
   const double printed[] = {0.00289, 0.000418, 9.219, 1.337, 481282.557, 69779.6};
   for (int i = 0; i < 6; ++i)
-    EXPECT_NEAR(full.terms[static_cast<std::size_t>(i)].coefficient / printed[i], 1.0, 0.01) << i;
+    EXPECT_NEAR(full[static_cast<std::size_t>(i)].coefficient / printed[i], 1.0, 0.01) << i;
   // The last printed one belongs to s¹, and two more terms are needed.
-  EXPECT_DOUBLE_EQ(full.terms[5].exponent, 1.0);
-  EXPECT_DOUBLE_EQ(full.terms[6].exponent, 0.811);
-  EXPECT_NEAR(full.terms[6].coefficient, 6.897 * 1.28e4 * 1.28e4, 1.0);
-  EXPECT_NEAR(full.terms[7].coefficient, 1.28e4 * 1.28e4, 1.0);
-  EXPECT_EQ(right_half_plane_roots(full), 0);
+  EXPECT_DOUBLE_EQ(full[5].power, 1.0);
+  EXPECT_DOUBLE_EQ(full[6].power, 0.811);
+  EXPECT_NEAR(full[6].coefficient, 6.897 * 1.28e4 * 1.28e4, 1.0);
+  EXPECT_NEAR(full[7].coefficient, 1.28e4 * 1.28e4, 1.0);
+  EXPECT_TRUE(fractional_stability(full).stable());
 }
 
 TEST(Fractional, ArgumentPrincipleAgreesWithMatignon) {
@@ -121,18 +122,18 @@ TEST(Fractional, ArgumentPrincipleAgreesWithMatignon) {
     FractionalPolynomial p;
     for (int k = 0; k <= 12; ++k)
       if (k == 0 || k == 12 || random.uniform() < 0.4)
-        p.terms.push_back(
+        p.push_back(
             {std::exp(2.0 * random.normal()) * (k > 0 && k < 12 && random.uniform() < 0.3 ? -1.0 : 1.0),
              0.25 * k});
-    const int by_argument = right_half_plane_roots(p);
-    EXPECT_EQ(by_argument, unstable_by_matignon(p, 0.25)) << trial;
-    unstable += by_argument > 0;
+    const FractionalStability found = fractional_stability(p);
+    EXPECT_EQ(found.unstable_poles, found.matignon_count) << trial;
+    unstable += !found.stable();
   }
   EXPECT_GT(unstable, 10);
   // Table 1 with orders rounded to q = 0.05.
   FractionalDynamic rounded = table_1();
   rounded.lambda = 0.8;
-  EXPECT_EQ(unstable_by_matignon(FractionalPolynomial::denominator(rounded), 0.05), 0);
+  EXPECT_EQ(fractional_stability(rounded.denominator()).matignon_count, 0);
 }
 
 TEST(Fractional, DifferentialEvolutionFindsRosenbrocksValley) {

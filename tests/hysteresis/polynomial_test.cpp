@@ -80,6 +80,41 @@ TEST(Polynomial, InverseOfBothRulesAndOnAStair) {
   }
 }
 
+// The inverse is judged by the forward rule written out here.
+TEST(Polynomial, InverseOfTheSlopeRuleFollowsAStagesOwnSigns) {
+  PolynomialDisturbance stage;
+  stage.ascending.polynomial = {-0.3546, 0.6433, -0.2887};
+  stage.descending.polynomial = {0.2398, -0.0838, -0.156};
+  PolynomialInverse inverse(stage);
+  double u = inverse.reset(0.3);
+  for (int i = 1; i <= 4000; ++i) {
+    // Turns at several heights within the stroke, and samples that stand still.
+    const double t = 1e-3 * std::floor(i / 2.0);
+    const double y = 0.5 - 0.2 * std::cos(8.0 * t) + 0.25 * std::sin(21.0 * t);
+    const double next = inverse.step(y, 1e-3);
+    const auto& a = (next > u ? stage.ascending : stage.descending).polynomial;
+    if (next != u) {
+      ASSERT_NEAR(next + next * (a[0] + next * (a[1] + next * a[2])), y, 1e-8) << i;
+    }
+    ASSERT_NEAR(inverse.achieved(), y, 1e-8) << i;
+    ASSERT_GT(next, -0.1);
+    ASSERT_LT(next, 1.1);
+    u = next;
+  }
+  // With the paper's signs a turn inside the stroke asks for what lies between the branches: the nearest is half of
+  // their distance away at most.
+  PolynomialDisturbance paper;
+  paper.ascending.polynomial = {0.3546, -0.6433, 0.2887};
+  paper.descending.polynomial = {-0.2398, 0.0838, 0.156};
+  PolynomialInverse clockwise(paper);
+  clockwise.reset(0.2);
+  for (int i = 1; i <= 2000; ++i) {
+    const double y = 0.5 - 0.3 * std::cos(6.28e-3 * i);
+    clockwise.step(y, 1e-3);
+    ASSERT_LT(std::abs(clockwise.achieved() - y), 0.08) << i;
+  }
+}
+
 TEST(Polynomial, LeastSquaresIsEquation5) {
   std::vector<double> x, d;
   testing::Random random(5);
@@ -144,15 +179,6 @@ TEST(Polynomial, AmplitudeAndRateGains) {
   op->reset(0.0);
   EXPECT_NEAR(op->step(0.25, 1.0), 0.25 + 0.4 * cubic(kAscending, 0.5), 1e-15);
   EXPECT_NEAR(op->step(0.2, 1.0), 0.2 + 1.1 * 0.3 * cubic(kDescending, 0.4), 1e-15);
-}
-
-TEST(Polynomial, LoadScalingKeepsTheLawOnTheShorterStroke) {
-  std::vector<double> alpha{0.2, 0.4, 0.8, 1.0}, one{0.1, 0.3, 0.7, 1.0}, two{0.15, 0.35, 0.75, 1.0};
-  scale_to_load(alpha, one, two, 0.8);
-  EXPECT_EQ(alpha.size(), 3u);
-  EXPECT_DOUBLE_EQ(alpha[1], 0.5);
-  EXPECT_DOUBLE_EQ(one[1], 0.3 / 0.7);
-  EXPECT_DOUBLE_EQ(two.back(), 1.0);
 }
 
 TEST(Polynomial, IdentificationRecoversTheSeedsNumbers) {

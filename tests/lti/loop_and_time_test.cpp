@@ -42,6 +42,62 @@ TEST(LoopMargins, OfThreeLagsAreTheClosedForms) {
   EXPECT_LT(m.max_sensitivity_at.rad_s().value, kCorner * std::sqrt(3.0));
 }
 
+LoopMargins margins_of_data(const Sections& loop, int count) {
+  const std::vector<Hertz> grid = log_grid({Hertz{0.1}, Hertz{1e6}}, count);
+  std::vector<std::complex<double>> values;
+  for (const Hertz f : grid) values.push_back(loop.response(f.rad_s()));
+  return loop_margins(grid, values);
+}
+
+TEST(LoopMargins, OfDataAreThoseOfTheSystemTheyWereTakenFrom) {
+  // Straight lines between 60 points a decade leave (ln 10/60)^2/8 = 2e-4 of the curvature.
+  const LoopMargins of_data = margins_of_data(three_lags(4.0), 421);
+  const LoopMargins of_system = margins_of(three_lags(4.0));
+  ASSERT_EQ(of_data.gain_crossings.size(), 1u);
+  EXPECT_NEAR(of_data.phase_margin_deg(), of_system.phase_margin_deg(), 2e-2);
+  EXPECT_NEAR(*of_data.gain_margin_db(), to_decibel(2.0), 5e-3);
+  EXPECT_NEAR(of_data.max_sensitivity, of_system.max_sensitivity, 1e-3 * of_system.max_sensitivity);
+  EXPECT_NEAR(of_data.gain_crossings[0].frequency.value / of_system.gain_crossings[0].frequency.value, 1.0,
+              2e-4);
+}
+
+TEST(LoopMargins, AreBelowZeroWhereTheClosedLoopIsUnstable) {
+  // 1 + k/(1 + s)^3 has roots to the right beyond k = 8 (Routh); at 8 both margins vanish.
+  for (const double k : {6.0, 7.9, 8.1, 10.0}) {
+    const LoopMargins m = margins_of(three_lags(k));
+    EXPECT_EQ(m.phase_margin_deg() > 0.0, k < 8.0) << k;
+    EXPECT_NEAR(*m.gain_margin_db(), to_decibel(8.0 / k), 1e-9) << k;
+  }
+  EXPECT_NEAR(margins_of(three_lags(8.0)).phase_margin_deg(), 0.0, 1e-8);
+  EXPECT_EQ(margins_of(three_lags(0.4)).phase_margin_deg(), 180.0);
+  // Positive feedback: -0.5 at rest may grow twofold, and no phase crossing says so.
+  EXPECT_NEAR(*margins_of(three_lags(-0.5)).gain_margin_db(), to_decibel(2.0), 5e-3);
+  Sections flat;
+  flat.gain = 0.5;
+  EXPECT_FALSE(margins_of(flat).gain_margin_db().has_value());
+}
+
+TEST(LoopMargins, SeveralCrossingsAreAllFound) {
+  // A resonance behind an integrator: |L| = w0^2 (Ki/w)/|w0^2 - w^2 + 2 j d w0 w| is 1 at the positive roots of
+  // w^2 ((1 - w^2)^2 + (2 d w)^2) = Ki^2, w0 = 1. With d = .01, Ki = .2: three of them.
+  Sections loop;
+  loop.sections.push_back({0.2, {}, {0.0}});
+  const double w = std::sqrt(1.0 - 1e-4);
+  loop.sections.push_back({1.0, {}, {{-0.01, w}, {-0.01, -w}}});
+  const auto square = [](double x) { return x * ((1.0 - x) * (1.0 - x) + 4e-4 * x) - 0.04; };
+  const LoopMargins m = loop_margins([&loop](Hertz f) { return loop.response(f.rad_s()); },
+                                     log_grid({Hertz{1e-3}, Hertz{10.0}}, 400));
+  ASSERT_EQ(m.gain_crossings.size(), 3u);
+  for (const auto& c : m.gain_crossings) {
+    const double x = std::pow(c.frequency.rad_s().value, 2);
+    EXPECT_NEAR(square(x), 0.0, 1e-12);
+  }
+  // At resonance L = -Ki/(2 d): the gain is 20 dB too great.
+  ASSERT_EQ(m.phase_crossings.size(), 1u);
+  EXPECT_NEAR(m.phase_crossings[0].frequency.rad_s().value, 1.0, 1e-11);
+  EXPECT_NEAR(*m.gain_margin_db(), -20.0, 1e-9);
+}
+
 TEST(LoopMargins, StabilityIsThatOfTheRouthCriterion) {
   EXPECT_EQ(closed_loop_is_stable(three_lags(7.9)), true);  // 8 is the limit
   EXPECT_EQ(closed_loop_is_stable(three_lags(8.1)), false);

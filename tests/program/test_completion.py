@@ -47,7 +47,8 @@ def test_subcommands_verbs_and_words_complete_in_bash(bash, tmp_path, monkeypatc
     monkeypatch.chdir(tmp_path)
     for file in ("model.toml", "record.csv", "plan.json"):
         (tmp_path / file).touch()
-    assert complete(bash, "bodesmith", "simulate", "") == {"model.toml"}
+    assert complete(bash, "bodesmith", "simulate", "") == {"model.toml", "plan.json"}
+    assert complete(bash, "bodesmith", "compensate", "") == {"model.toml"}
     assert complete(bash, "bodesmith", "spice", "p") == {"plan.json"}
     assert complete(bash, "bodesmith", "simulate", "model.toml", "--input", "r") == {"record.csv"}
 

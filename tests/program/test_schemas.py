@@ -87,11 +87,23 @@ def written(tmp_path_factory):
     do("spice", "lowpass.json", "-o", "spice", statuses=(0, 1))
     do("layout", disturbance, "-o", "layout")
     do("bode", "sections.json", "-o", "bode.csv")
+    do("tune", "lowpass.json", "--bandwidth-hz", "100", "-o", "controller.json")
     do("export", "lowpass.json", "-o", "lowpass.m")
     do("yield", "lowpass.json", "-o", "yield.json", "--samples", "64", "--limit-db", "1")
     do("compensate", stage, "--reference", "triangle", "--frequency-hz", "10", "--inverse", "inverse.toml", "-o", "drive.csv")
     do("simulate", stage, "--input", "drive.csv", "-o", "y.csv")
     do("identify", "y.csv", "--model", "polynomial_hysteresis", "-o", "model.toml")
+    # Full strokes: a training turn and a held-out one.
+    times = [i / 200 for i in range(801)]
+    for hz, bend in (("1", -0.3), ("2", -0.36)):
+        rows = []
+        for t in times:
+            x = 1 - abs((t % 1.0) * 2 - 1)
+            rows.append(f"{t / float(hz)},{x},{x + (bend if t % 1.0 < 0.5 else 0.2) * x * (1 - x)}")
+        (folder / f"f{hz}.csv").write_text("\n".join(["time_s,u,y", *rows]) + "\n")
+    do("identify", "f1.csv", "f2.csv", "--disturbance", "stage.json", "--gains", "stage_gains.csv", "--max-error-percent", "5")
+    do("model", "stage.json", "-o", "stage.toml")
+    do("model", "sections.json", "lowpass.json", "-o", "chain.toml")
     do("new", "diagnosis", "--kind", "diagnosis")
     do("diagnose", "diagnosis/model.toml", "--data", "diagnosis/train.csv", "--holdout", "diagnosis/test.csv", "-o", "gap")
     return folder, summaries
@@ -109,7 +121,7 @@ def test_everything_written_validates(written):
         if name_of(summary) not in ("new_summary",):
             check(summary, "summary")
             seen.add(name_of(summary))
-    assert seen >= {"cascade", "sections", "fpaa_plan", "fpaa_netlist", "circuit", "layout", "yield", "model", "inverse", "diagnosis"}
+    assert seen >= {"cascade", "sections", "fpaa_plan", "fpaa_netlist", "circuit", "layout", "yield", "model", "inverse", "diagnosis", "disturbance_identification", "model_summary"}
 
 
 def broken(document, name):

@@ -106,7 +106,7 @@ def test_quiet_shows_no_bar_at_a_terminal(tmp_path):
 def test_colours_only_where_they_are_wanted(env, coloured):
     seen = Terminal("simulate", env=env)
     text = seen.finish()
-    assert seen.status == 2 and "MODEL.toml is missing" in text
+    assert seen.status == 2 and "MODEL.toml|SECTIONS.json is missing" in text
     assert ("\x1b[1;31mbodesmith:" in text) == coloured
     assert "\x1b" not in run("simulate").err
 

@@ -1,5 +1,5 @@
 // The first seed's stage, followed through every design choice below and above what its gains are known for.
-#include "project/tracking_study.hpp"
+#include "project/follow_designs.hpp"
 
 #include <gtest/gtest.h>
 
@@ -46,8 +46,8 @@ TEST(TrackingStudy, PureLagIsToldFromTheRest) {
   }
   EXPECT_NE(tracking_csv(study).find("circuit_without_lag_percent"), std::string::npos);
   EXPECT_TRUE(says(study, "The disturbance's gains are known up to 100 Hz; at 1000 and 5000 Hz"));
-  EXPECT_TRUE(says(study, "The FPAA samples at 2000 Hz"));
-  EXPECT_TRUE(says(study, "Most accuracy is lost from 'FPAA, capacitors only' to 'FPAA with sample, hold"));
+  // Stages of one phase follow their input and each other: a clock of 2 kHz is not what costs most.
+  EXPECT_FALSE(says(study, "Most accuracy is lost from 'FPAA, capacitors only' to 'FPAA with sample, hold"));
 }
 
 TEST(TrackingStudy, MagnitudeOnlyIsSaidToBeWorseOnlyWhereItIs) {

@@ -9,6 +9,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "signal/bode_points.hpp"
+#include "signal/csv.hpp"
 #include "signal/frequency_record.hpp"
 #include "signal/time_record.hpp"
 #include "temporary_folder.hpp"
@@ -81,7 +82,27 @@ INSTANTIATE_TEST_SUITE_P(
         ResponseSample{"ngspice_ac_ascii.raw:out", 1.0, 1e-9, "SPICE raw file: v(out)"},
         ResponseSample{"response.mat", 1.0, 1e-12, "MATLAB 5 file: frequency f; response H"},
         ResponseSample{"bode.mat", 1.0, 1e-12, "frequency from rad/s"},
-        ResponseSample{"plain_comma.csv", 1.0, 1e-6, "decimal commas"}));
+        ResponseSample{"plain_comma.csv", 1.0, 1e-6, "decimal commas"},
+        ResponseSample{"bare.zma", 8.0, 1e-4, "a .zma file: ohms"},
+        ResponseSample{"hfss.csv", 1.0, 1e-8, "frequency from kHz"},
+        ResponseSample{"hfss.csv:dB(S(2,1))", 1.0, 1e-8, "'dB(S(2,1)) []' and 'cang_deg(S(2,1)) [deg]'"},
+        ResponseSample{"keysight_fra.csv", 1.0, 1e-8, "'Gain (dB)' and 'Phase (°)'"},
+        ResponseSample{"fra4picoscope.csv", 1.0, 1e-8, "from its logarithm to base 10"},
+        ResponseSample{"moku.csv", 1.0, 1e-8, "'Math (Ch B / Ch A) Magnitude (dB)'"},
+        ResponseSample{"moku.csv:Channel B Magnitude/Channel A Magnitude", 1.0, 1e-8,
+                       "over 'Channel A Magnitude"},
+        ResponseSample{"bare_reference.s2p", 1.0, 1e-8,
+                       "S21 of 2 ports; real and imaginary part; frequency from kHz"},
+        ResponseSample{"eis.txt", 1.0, 1e-8, "'Zre' and 'Zim'"},
+        ResponseSample{"biologic.txt", 1.0, 1e-8, "'-Im(Z)/Ohm'"},
+        ResponseSample{"pna.csv", 1.0, 1e-8, "'S21(REAL)' and 'S21(IMAG)'"},
+        ResponseSample{"pna.csv:s21", 1.0, 1e-8, "'S21(REAL)'"},
+        ResponseSample{"empty_cells.csv", 1.0, 1e-8, "1 rows with empty cells left out"},
+        ResponseSample{"dbv_ohm.txt", 1.0, 1e-8, "taken as dB, some being 0 or less"},
+        ResponseSample{"network.cti", 1.0, 1e-8, "CITI file: S21"},
+        ResponseSample{"network.cti:S[1,1]", 0.5, 1e-8, "CITI file: S11"},
+        ResponseSample{"utf16.csv", 1.0, 1e-8, "table with headings"},
+        ResponseSample{"other_names.mat:ff,resp", 1.0, 1e-12, "frequency ff; response resp"}));
 
 TEST(ForeignPoints, ATableWithoutHeadingsIsGainsWhereTheyCanBeNothingElse) {
   Provenance from;
@@ -104,6 +125,7 @@ class ForeignRecord : public testing::TestWithParam<RecordSample> {};
 TEST_P(ForeignRecord, IsASineAndItsAnswer) {
   const RecordSample& given = GetParam();
   Provenance from;
+  if (given.name == "samples.csv") from.sample_hz = 1e4;
   const TimeRecord record = TimeRecord::read_csv(sample(given.name), from);
   ASSERT_EQ(record.size(), given.samples);
   EXPECT_NEAR(record.start_s, given.start_s, 1e-12);
@@ -124,7 +146,16 @@ INSTANTIATE_TEST_SUITE_P(Formats, ForeignRecord,
                                          RecordSample{"picoscope.csv", 80, -2e-3, 1e-4, 1e-9},
                                          RecordSample{"stereo16.wav", 80, 0.0, 1e-4, 5e-5},
                                          RecordSample{"mono_float.wav", 80, 0.0, 1e-4, 1e-7},
-                                         RecordSample{"record.mat", 80, 0.0, 1e-4, 1e-15}));
+                                         RecordSample{"record.mat", 80, 0.0, 1e-4, 1e-15},
+                                         RecordSample{"other_names.mat:clock,drive,answer", 80, 0.0, 1e-4,
+                                                      1e-15},
+                                         RecordSample{"rigol.csv", 80, -2e-3, 1e-4, 1e-9},
+                                         RecordSample{"tektronix_tds.csv", 80, -2e-3, 1e-4, 1e-6},
+                                         RecordSample{"instek_detail.csv", 80, -2e-3, 1e-4, 1e-9},
+                                         // Half a code of 8 mV.
+                                         RecordSample{"instek_codes.csv", 80, 0.0, 1e-4, 4.001e-3},
+                                         RecordSample{"keysight_scope.csv:1,2", 80, -2e-3, 1e-4, 1e-9},
+                                         RecordSample{"samples.csv", 80, 0.0, 1e-4, 1e-9}));
 
 TEST(ForeignRecords, UnevenStepsOfSimulatorsBecomeEvenAndTheDepartureIsSaid) {
   for (const char* name : {"ltspice_tran.raw", "ltspice_tran_fast.raw:v(in),v(out)"}) {
@@ -265,12 +296,60 @@ TEST(ForeignFiles, BrokenOnesAreRefusedByLineOrByte) {
   EXPECT_THAT(refusal_of(mat.substr(0, mat.size() - 1)), HasSubstr("the file ends within a variable of"));
 }
 
+/// What stands right above the numbers is understood, or the file is refused: never are its numbers guessed.
+TEST(ForeignFiles, AHeadingThatIsNotUnderstoodIsNeverDropped) {
+  EXPECT_THAT(refusal_of("my amplifier\n1 0.5 0\n2 0.4 0\n"),
+              HasSubstr(":1: 'my amplifier' right above the numbers is not understood"));
+  EXPECT_THAT(refusal_of("# freq(kHz) gain\n1 0.5 0\n2 0.4 0\n"), HasSubstr(":1: '# freq(kHz) gain'"));
+  EXPECT_THAT(refusal_of("* a,b,c\n* ------\nalpha,beta\n1,0.5,0\n"), HasSubstr(":3: 'alpha,beta'"));
+  EXPECT_THAT(refusal_of("# GHz S RI R fifty\n1 0.5 0\n"), HasSubstr(":1: '# GHz S RI R fifty'"));
+  EXPECT_THAT(refusal_of("# GHz Z RI R\n1 0.5 0\n"), HasSubstr("is not a Touchstone option line"));
+  EXPECT_THAT(refusal_of("Frequency (Hz),Gain (bel),Phase (deg)\n1,0.5,0\n"),
+              HasSubstr("'Gain (bel)' has a unit that is not known"));
+  EXPECT_THAT(refusal_of("Frequency (Hz),Gain (dB),Phase (turns)\n1,0.5,0\n"),
+              HasSubstr("'Phase (turns)' has a unit that is not known"));
+  EXPECT_THAT(refusal_of("Frequency (Hz),A (dB),B (dB)\n1,0.5,0\n"),
+              HasSubstr("holds A (dB), B (dB): choose one"));
+  EXPECT_THAT(refusal_of("#Digilent WaveForms Spectrum Analyzer\nFrequency (Hz),Trace 1 (dB)\n1,-3\n2,-4\n"),
+              HasSubstr(":3: begins a spectrum"));
+  EXPECT_THAT(refusal_of("Frequency (Hz),C1 (dBV)\n1,-3\n2,-4\n"), HasSubstr("and no phase: a spectrum"));
+  EXPECT_THAT(refusal_of("BEGIN\n1e9,-3\n2e9,-4\nEND\n"), HasSubstr(":2: begins a block without headings"));
+  EXPECT_THAT(refusal_of("1,0.5,0\n2,,0\n"), HasSubstr(":2: has an empty cell"));
+  EXPECT_THAT(refusal_of("x-axis,1,2\nsecond,Volt,Volt\n0,1,2\n1,3,4\n2,x,1\n", true), HasSubstr(":5: 'x'"));
+  EXPECT_THAT(refusal_of("u,y\n1,2\n3,4\n", true), HasSubstr("need their sampling rate"));
+  EXPECT_THAT(refusal(sample("keysight_scope.csv:Volt,Volt").string(), true),
+              HasSubstr("has no single 'Volt'"));
+  EXPECT_THAT(refusal(sample("sparse.mat").string(), true), HasSubstr("'u' is sparse"));
+  EXPECT_THAT(refusal(sample("complex_input.mat").string(), true), HasSubstr("'u' is complex"));
+  EXPECT_THAT(refusal(sample("plain.txt:volts").string()), HasSubstr("has no choice 'volts'"));
+  // A remark is none, and blank ones say nothing.
+  EXPECT_EQ(refusal_of("# from monday, second try\n\n1,-0.5,0\n2,-0.4,0\n"), "accepted");
+  // Half a character at the end is no digit less of the last number.
+  const std::string wide = read_file(sample("utf16.csv"));
+  EXPECT_THAT(refusal_of(wide.substr(0, wide.size() - 3)), HasSubstr(":18: '"));
+}
+
+TEST(ForeignFiles, ATableThatMayBeEitherIsLeftToTheUser) {
+  const TemporaryFolder folder;
+  write_file(folder / "even", "1,-0.5,0\n2,-0.4,0\n3,-0.3,0\n");
+  Provenance from;
+  EXPECT_THAT(refusal((folder / "even").string()), "accepted");
+  try {
+    Csv::read(folder / "even", from);
+    FAIL();
+  } catch (const InputError& error) {
+    EXPECT_THAT(error.what(), HasSubstr("may be times or frequencies"));
+  }
+  EXPECT_TRUE(Csv::read((folder / "even").string() + ":record", from).has("time_s"));
+  EXPECT_TRUE(Csv::read((folder / "even").string() + ":response", from).has("frequency_hz"));
+}
+
 /// A wrong end or a changed byte anywhere: read or refused, never worse.
 TEST(ForeignFiles, EveryTruncationIsReadOrRefused) {
   const TemporaryFolder folder;
   int refused = 0;
-  for (const char* name :
-       {"ma.s2p", "bode100.csv", "ltspice_tran.raw", "stereo16.wav", "record.mat", "rew.txt"}) {
+  for (const char* name : {"ma.s2p", "bode100.csv", "ltspice_tran.raw", "stereo16.wav", "record.mat",
+                           "rew.txt", "network.cti", "rigol.csv", "pna.csv", "instek_codes.csv"}) {
     const std::string whole = read_file(sample(name));
     for (std::size_t size = 0; size < whole.size(); size += 7) {
       write_file(folder / "x", whole.substr(0, size));

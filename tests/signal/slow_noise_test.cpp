@@ -77,6 +77,16 @@ TEST(SlowNoise, aBandWithASteepEdgeAndALineAreFarFromIt) {
   }
 }
 
+// A deviance of 0 with n bands and three free values lies (n - 3)/sqrt(2 (n - 3)) below what chance leaves.
+TEST(SlowNoise, aSpectrumThatAgreesToTheLastDigitIsBelowChance) {
+  constexpr std::size_t kBins = 2000;
+  int bands = 0;
+  for (std::size_t k = 2; k < kBins; ++bands) k = std::min(kBins, std::max(k + 1, k * 5 / 4));
+  const double freedom = bands - 3.0;
+  EXPECT_NEAR(bodesmith::deviations_from_slow_noise(std::vector<double>(kBins, 7.0)),
+              -std::sqrt(freedom / 2.0), 1e-6);
+}
+
 TEST(SlowNoise, ofNothingIsNothingSaid) {
   EXPECT_EQ(bodesmith::deviations_from_slow_noise({}), 0.0);
   EXPECT_EQ(deviations(std::vector<double>(kSamples, 0.0)), 0.0);

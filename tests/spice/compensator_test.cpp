@@ -5,12 +5,12 @@
 #include "../circuit/seed_sections.hpp"
 #include "base/error.hpp"
 #include "circuit/realise.hpp"
-#include "circuit/response.hpp"
 #include "circuit/text.hpp"
+#include "schematic/analysis/response.hpp"
+#include "schematic/writers/spice_models.hpp"
 #include "spice/compensator_check.hpp"
 #include "spice/emit.hpp"
 #include "spice/ngspice.hpp"
-#include "spice/opamp_macromodel.hpp"
 
 namespace bodesmith::spice {
 namespace {
@@ -37,14 +37,15 @@ TEST(Compensator, BiquadAndIdealOpAmps) {
   right.poles = {{-300, 0}};
   sections.sections = {peak, right};
   circuit::RealiseOptions options;
-  options.opamp = circuit::OpAmpModel::ideal();
+  options.opamp = schematic::OpAmpModel::ideal();
   const circuit::Realised made = circuit::realise(sections, options);
   const CompensatorCheck check = check_compensator(made.circuit, sections, 30);
   EXPECT_LT(check.against_network.max_complex_percent, 1e-5);
 }
 
 TEST(Compensator, LibraryIsPortable) {
-  const std::string text = compensator_library(circuit::realise(seed_sections()).circuit, "seed");
+  const std::string text =
+      schematic::spice_text(compensator_library(circuit::realise(seed_sections()).circuit, "seed"));
   EXPECT_EQ(text.find(".control"), std::string::npos);
   EXPECT_EQ(text.find(".ac"), std::string::npos);
   EXPECT_EQ(text.find('^'), std::string::npos);
@@ -63,10 +64,12 @@ TEST(Compensator, LibraryIsPortable) {
 
 TEST(Compensator, ToleranceLibraryOnlyChangesTheValues) {
   const circuit::Circuit circuit = circuit::realise(seed_sections()).circuit;
-  const std::string plain = compensator_library(circuit, "t"),
-                    spread = compensator_library(circuit, "t", [](const circuit::Part&part) {
-                      return *dialect_registry().get("ltspice").value_with_tolerance(part);
-                    });
+  const schematic::SpiceLibrary library = compensator_library(circuit, "t");
+  const std::string plain = schematic::spice_text(library),
+                    spread = schematic::spice_text(
+                        library, {.value = [](const schematic::Part&part) {
+                          return *dialect_registry().get("ltspice").value_with_tolerance(part);
+                        }});
   EXPECT_EQ(std::count(plain.begin(), plain.end(), '\n'), std::count(spread.begin(), spread.end(), '\n'));
   EXPECT_NE(spread.find("{mc("), std::string::npos);
   EXPECT_EQ(list_subcircuits(plain, "a").size(), list_subcircuits(spread, "b").size());
@@ -82,9 +85,9 @@ TEST(Compensator, PartsCsvHasTheContractsColumns) {
 // Gain-bandwidth, slew rate and swing as set (facts: 10 MHz, 20 V/us, +-14.1 V).
 TEST(OpAmpMacro, BehavesAsSet) {
   if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
-  const circuit::OpAmpModel model;
-  const std::string follower =
-      opamp_macromodel(model) + ".subckt follower in out\nX1 in out out bodesmith_opamp\n.ends\n";
+  const schematic::OpAmpModel model;
+  const std::string follower = schematic::opamp_subcircuit(model) +
+                               "\n.subckt follower in out\nX1 in out out bodesmith_opamp\n.ends\n";
   const auto h = run_ac_of_text(follower, "follower.sub", {Hertz{1e3}, Hertz{1e7}}, "follower");
   EXPECT_NEAR(std::abs(h[0]), 1.0, 1e-5);
   EXPECT_NEAR(std::abs(h[1]), std::sqrt(0.5), 1e-3);

@@ -14,10 +14,10 @@ class CountingDialect final : public Dialect {
   std::string_view name() const override { return "counting"; }
   std::vector<Deck> decks(const DeckRequest& request) const override {
     std::string text = "* " + request.title + "\n.include compensator.sub\n";
-    for (const circuit::Part& part : request.circuit.parts) text += *value_with_tolerance(part) + "\n";
+    for (const schematic::Part& part : request.circuit.parts) text += *value_with_tolerance(part) + "\n";
     return {{"counting.cir", text}, {"counting.lib", "* nothing\n"}};
   }
-  std::optional<std::string> value_with_tolerance(const circuit::Part& part) const override {
+  std::optional<std::string> value_with_tolerance(const schematic::Part& part) const override {
     return part.name + " within tolerance";
   }
 };

@@ -10,8 +10,8 @@
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "circuit/realise.hpp"
-#include "circuit/response.hpp"
 #include "numeric/random.hpp"
+#include "schematic/analysis/response.hpp"
 #include "temporary_folder.hpp"
 #include "yield/counts.hpp"
 #include "yield/kernel.hpp"
@@ -50,7 +50,7 @@ TEST(Yield, LaddersAndBuiltCircuitsAreJudgedAsTheyAre) {
   const Design built = design_of_circuit(made.circuit, seed_sections(), "ladder", OpAmps::as_built);
   const Hertz high{1e5};
   EXPECT_NEAR(std::abs(built.nominal(high) / built.reference(high)),
-              std::abs(circuit::network_response(made.circuit, {high}, made.circuit.model).front() /
+              std::abs(schematic::network_response(made.circuit, {high}).front() /
                        seed_sections().response(high.rad_s())),
               1e-9);
 }
@@ -101,6 +101,25 @@ TEST(Yield, UniformSpreadOfOneResistorIsItsDistribution) {
   const Result corners = run_monte_carlo(design, options, Team());
   EXPECT_NEAR(corners.worst_db.max, -to_decibel(0.9), 1e-9);
   EXPECT_NEAR(corners.worst_db.min, to_decibel(1.1), 1e-9);
+}
+
+// All six coefficients, none of them 1: without tolerances nothing is off.
+TEST(Yield, AStageOfSecondOrderIsTheQuotientOfItsPolynomials) {
+  Design design;
+  design.name = "notch";
+  design.parts = {{"R1", Part::Kind::resistor, 1000.0}};
+  design.stages = {{"s", 0, 1, 0.0, [](std::span<const double>) {
+                      return circuit::Biquad{3.0, 0.02, 4e-5, 2.0, 0.01, 5e-5};
+                    }}};
+  design.reference = [](Hertz f) {
+    const std::complex<double> s(0.0, f.rad_s().value);
+    return (3.0 + 0.02 * s + 4e-5 * s * s) / (2.0 + 0.01 * s + 5e-5 * s * s);
+  };
+  Options options = small(100);
+  options.spread.resistor_percent = options.spread.capacitor_percent = 0.0;
+  const Result result = run_monte_carlo(design, options, Team());
+  EXPECT_LT(result.worst_db.max, 1e-9);
+  EXPECT_LT(result.worst_deg.max, 1e-9);
 }
 
 // The fast kernel against the plain complex product, sample by sample.

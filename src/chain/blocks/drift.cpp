@@ -10,7 +10,6 @@ class DriftSource final : public SourceKernel {
   double value(double t) const override { return rate_ * t; }
   double rate(double) const override { return rate_; }
   bool straight() const override { return true; }
-  double time_scale_s() const override { return std::numeric_limits<double>::infinity(); }
 
  private:
   double rate_;

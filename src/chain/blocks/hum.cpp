@@ -11,7 +11,6 @@ class HumSource final : public SourceKernel {
   HumSource(double amplitude, double w, double phase) : amplitude_(amplitude), w_(w), phase_(phase) {}
   double value(double t) const override { return amplitude_ * std::sin(w_ * t + phase_); }
   double rate(double t) const override { return amplitude_ * w_ * std::cos(w_ * t + phase_); }
-  double time_scale_s() const override { return 1.0 / w_; }
 
  private:
   double amplitude_;

@@ -8,26 +8,27 @@ namespace {
 /// 1e-7 of itself.
 constexpr double kLeakRadS = 1e-12;
 
-/// y' = gain_per_s u, y = 0 at the start: H(s) = gain_per_s/s.
+/// z' = gain_per_s u, z = 0 at the start, y = z + proportional u: H(s) = gain_per_s/s + proportional.
 class Integrator final : public BlockType {
  public:
   Integrator()
-      : BlockType("integrator", "gain/s, from 0",
-                  {any_number("gain_per_s", "y/(u s)", "slope of y for an input of 1")}) {}
+      : BlockType("integrator", "gain/s, from 0; with `proportional` a PI",
+                  {any_number("gain_per_s", "y/(u s)", "slope of y for an input of 1"),
+                   any_number("proportional", "y/u", "gain of a path beside it").with_default(0.0)}) {}
   Kernel kernel(const Block& block) const override {
-    // The state is y itself, so that tolerances mean what they say.
+    // The state is the integral itself, so that tolerances mean what they say.
     LinearKernel k;
     k.a = {-kLeakRadS};
     k.b = {block.get("gain_per_s")};
     k.c = {1.0};
-    k.d = 0.0;
+    k.d = block.get("proportional");
     return k;
   }
   std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
     return inverse_of(std::get<LinearKernel>(block.kernel()), wanted);
   }
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
-    return block.get("gain_per_s") / std::complex<double>(0.0, w.value);
+    return block.get("gain_per_s") / std::complex<double>(0.0, w.value) + block.get("proportional");
   }
   int section_order() const override { return 1; }
 };

@@ -36,12 +36,12 @@ class Octave {
 
 class NoiseSource final : public SourceKernel {
  public:
-  explicit NoiseSource(const Block& block) : scale_(0.5 / block.get("bandwidth_hz")) {
+  explicit NoiseSource(const Block& block) {
     const double density = block.get("density_per_rthz");
     const double bandwidth = block.get("bandwidth_hz");
     const auto seed = static_cast<std::uint64_t>(block.get("seed"));
     // One-sided density 2 sigma^2 T at low frequencies.
-    parts_.emplace_back(seed, scale_, density * std::sqrt(bandwidth));
+    parts_.emplace_back(seed, 0.5 / bandwidth, density * std::sqrt(bandwidth));
     const double corner = block.get("corner_hz");
     if (corner <= 0.0) return;
     // 1/f: one octave of straight lines after the other, each with the power density^2 corner ln 2 of an
@@ -61,10 +61,8 @@ class NoiseSource final : public SourceKernel {
     for (const Octave& part : parts_) sum += part.rate(t);
     return sum;
   }
-  double time_scale_s() const override { return scale_; }
 
  private:
-  double scale_;
   std::vector<Octave> parts_;
 };
 

@@ -9,7 +9,7 @@
 namespace bodesmith::chain {
 namespace {
 
-/// H(s) = 1 + R(s) sum gains[i]/(1 + 2 zeta_i s/w_i + s^2/w_i^2): modes beside the direct path, of either sign (modal
+/// H(s) = 1 + R(s) sum gains[i]/(1 + 2 zeta_i s/w_i + s^2/w_i^2): modes in parallel with the direct path, of either sign (modal
 /// superposition: A. Preumont, Vibration Control of Active Structures, 2011, ch. 2). Neighbours of one sign have a zero
 /// between them, those of opposite signs have none, or zeros in the right half-plane.
 ///
@@ -20,12 +20,12 @@ class ParallelModes final : public BlockType {
  public:
   ParallelModes()
       : BlockType(
-            "parallel_modes", "modes beside the direct path, 1 + sum g/(1 + 2 zeta s/w + s^2/w^2)",
+            "parallel_modes", "modes in parallel with the direct path, 1 + sum g/(1 + 2 zeta s/w + s^2/w^2)",
             {list_of(any_number("gains", "1", "share of each mode at DC, of either sign")),
              list_of(above_zero("natural_frequencies_hz", "Hz", "undamped natural frequency of each mode")),
              list_of(above_zero("damping_ratios", "1", "zeta of each mode")),
              not_negative("beside_hz", "Hz",
-                          "natural frequency of the resonator that they stand beside, 0: none")
+                          "natural frequency of the resonator that they are in parallel with, 0: none")
                  .with_default(0.0),
              not_negative("beside_damping_ratio", "1", "zeta of that resonator").with_default(0.0)}) {}
   std::string validate(const Block& block) const override {

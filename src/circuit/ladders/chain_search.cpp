@@ -93,7 +93,7 @@ class LadderSearch {
     const double level = std::sqrt(low * high);
     return Refusal{fmt::format(
         "a ladder of {} poles takes resistors of {} to {} ohm and capacitors of {} to {} F, expected wider "
-        "limits (--min-ohm, --max-ohm, --min-f, --max-f), a lower order or another form",
+        "limits of both, a lower order or another form",
         stage_.z_.poles.size(), rounded_text(min_unit[0] * level), rounded_text(max_unit[0] * level),
         rounded_text(min_unit[1] / level), rounded_text(max_unit[1] / level))};
   }

@@ -26,7 +26,7 @@ std::optional<Refusal> append_corners(const std::vector<std::complex<double>>& r
     if (root.imag() != 0.0 || !(root.real() < 0.0)) {
       return Refusal{fmt::format(
           "ladders make real poles and zeros in the left half plane, not {} {} {}j rad/s, expected "
-          "--realization opamp-rc",
+          "op-amp stages (opamp-rc)",
           rounded_text(root.real()), root.imag() < 0.0 ? "-" : "+", rounded_text(std::abs(root.imag())))};
     }
     out.push_back(-root.real());
@@ -45,7 +45,7 @@ Outcome<RealCorners> real_corners(const Sections& sections) {
   if (out.poles.size() != out.zeros.size() || out.poles.empty()) {
     return Refusal{fmt::format(
         "{} poles and {} zeros, ladders make as many of one as of the other, at least one; expected "
-        "--realization opamp-rc",
+        "op-amp stages (opamp-rc)",
         out.poles.size(), out.zeros.size())};
   }
   if (!std::isfinite(out.gain) || out.gain == 0.0) {
@@ -118,7 +118,7 @@ Outcome<Realised> LadderRealisation::design(const Sections& sections, const Real
   const auto& ladders = std::get<std::vector<FoundLadder>>(outcome);
 
   Realised out;
-  out.circuit.model = options.opamp;
+  out.circuit.opamp = options.opamp;
   const bool invert = (ladders.size() % 2 == 1) != (corners.gain < 0.0);
   const std::size_t stages = ladders.size() + (invert ? 1 : 0);
   if (invert) add_stage(out.circuit, unity_inverter(options), stages, options);

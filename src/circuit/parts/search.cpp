@@ -77,6 +77,9 @@ Outcome<PartsFound> search_parts(const std::vector<std::unique_ptr<StageForm>>& 
       out.values = std::move(values);
     }
   }
+  // A zero on the axis within the grid, say, with values that no number describes.
+  if (out.values.empty())
+    return Refusal{"the stages' parts have no finite error over the band, expected another form"};
   if (few_stages) improve_few_stages(out, all, forms, options, grid);
   return out;
 }

@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <stdexcept>
 
 #include "base/error.hpp"
 #include "base/whole_number.hpp"
@@ -115,6 +116,8 @@ double Series::nearest(double value) const {
 
 std::vector<double> Series::nearest(double value, int count) const {
   if (is_exact()) return {value};
+  if (!(value > 0.0) || !std::isfinite(value))
+    throw std::logic_error(fmt::format("a part of {} was to be rounded to {}", value, name_));
   std::vector<double> all = stock_;
   const double finest = mantissas_.size() >= 48 ? 1.0 + 0.08 * count : 10.0;
   for (double width = finest; all.empty() || (stock_.empty() && static_cast<int>(all.size()) < 2 * count);

@@ -2,7 +2,7 @@
 #include <cmath>
 
 #include "circuit/realisation.hpp"
-#include "lti/integrators.hpp"
+#include "lti/sections.hpp"
 
 namespace bodesmith::circuit {
 const StageRealisation& first_order_trimmed();
@@ -60,8 +60,6 @@ class FirstOrder final : public StageForm {
     h.a2 = 0.0;
     return h;
   }
-
-  bool gain_follows_capacitors() const override { return has_zero_; }
 
   std::optional<std::vector<double>> design(std::span<const double> c) const override {
     const double c2 = c.back();

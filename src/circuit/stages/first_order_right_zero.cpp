@@ -1,5 +1,5 @@
 #include "circuit/realisation.hpp"
-#include "lti/integrators.hpp"
+#include "lti/sections.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -32,8 +32,6 @@ class FirstOrderRightZero final : public StageForm {
     h.a1 = r2 * c2;
     return h;
   }
-
-  bool gain_follows_capacitors() const override { return true; }
 
   std::optional<std::vector<double>> design(std::span<const double> c) const override {
     return std::vector<double>{kInverter, kInverter, 1.0 / (zero_ * c[0]), c[0], 1.0 / (pole_ * c[1]), c[1]};

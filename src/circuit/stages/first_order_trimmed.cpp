@@ -1,7 +1,7 @@
 #include <cmath>
 
 #include "circuit/realisation.hpp"
-#include "lti/integrators.hpp"
+#include "lti/sections.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -31,8 +31,6 @@ class FirstOrderTrimmed final : public StageForm {
     h.a1 = v[i + 2] * v[i + 3];
     return h;
   }
-
-  bool gain_follows_capacitors() const override { return true; }
 
   std::optional<std::vector<double>> design(std::span<const double> c) const override {
     std::vector<double> values;

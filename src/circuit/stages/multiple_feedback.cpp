@@ -94,8 +94,6 @@ class FeedbackHighPass final : public StageForm {
     opamp("U1", "0", "m", "out");
   }
 
-  bool gain_follows_capacitors() const override { return true; }
-
   Biquad transfer(std::span<const double> v) const override {
     const double r1 = v[0], r2 = v[1], c1 = v[2], c2 = v[3], c3 = v[4];
     Biquad h;

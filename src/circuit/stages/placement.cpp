@@ -35,14 +35,15 @@ void add_stage(Circuit& circuit, const StageDesign& design, std::size_t stages,
   for (std::size_t i = 0; i < design.parts.size(); ++i) {
     const StagePart& drawn = design.parts[i];
     const Series& series = drawn.kind == Part::Kind::resistor ? options.resistors : options.capacitors;
-    circuit.parts.push_back({drawn.kind, fmt::format("{}_{}", drawn.name, index + 1), index, node(drawn.from),
-                             node(drawn.to), series.name(), design.wanted_values[i],
+    circuit.parts.push_back({drawn.kind, fmt::format("{}_{}", drawn.name, index + 1), "", index,
+                             node(drawn.from), node(drawn.to), series.name(), design.wanted_values[i],
                              design.realised_values[i]});
   }
   for (const StageOpAmp& drawn : design.opamps) {
-    circuit.opamps.push_back({fmt::format("{}_{}", drawn.name, index + 1), index, node(drawn.plus),
+    circuit.opamps.push_back({fmt::format("{}_{}", drawn.name, index + 1), "", index, node(drawn.plus),
                               node(drawn.minus), node(drawn.out)});
   }
+  circuit.groups.push_back({stage.realisation});
   circuit.stages.push_back(std::move(stage));
 }
 

@@ -111,8 +111,6 @@ class SallenKeyHighPass final : public StageForm {
     opamp("U1", "p", amplified_ ? "m" : "out", "out");
   }
 
-  bool gain_follows_capacitors() const override { return divided_; }
-
   Biquad transfer(std::span<const double> v) const override {
     const std::size_t i = divided_ ? 2 : 1;
     const double c1 = divided_ ? v[0] + v[1] : v[0], d = divided_ ? v[0] / c1 : 1.0;

@@ -12,7 +12,8 @@
 #include "circuit/stages/placement.hpp"
 #include "circuit/stages/stage_chain.hpp"
 #include "circuit/stated_band.hpp"
-#include "lti/integrators.hpp"
+#include "lti/judged_floor.hpp"
+#include "lti/sections.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -196,10 +197,19 @@ std::vector<std::shared_ptr<const StageForm>> wanted_forms(const FoundChain& fou
   for (std::size_t i = 0; i < found.forms.size(); ++i) {
     const Biquad realised = found.forms[i]->transfer(found.parts.values[i]);
     const Biquad& wanted = found.forms[i]->wanted();
-    double mean = 0.0;
-    for (const Hertz f : grid)
-      mean += std::log(std::abs(realised.response(f.rad_s()) / wanted.response(f.rad_s())));
-    level.push_back(mean / static_cast<double>(grid.size()));
+    double largest = 0.0;
+    for (const Hertz f : grid) largest = std::max(largest, std::abs(wanted.response(f.rad_s())));
+    double sum_of_logs = 0.0;
+    int judged = 0;
+    for (const Hertz f : grid) {
+      const double size = std::abs(wanted.response(f.rad_s()));
+      const double got = std::abs(realised.response(f.rad_s()));
+      // Near a zero on the axis there is no level.
+      if (!(size >= kJudgedFloor * largest) || !(got > 0.0)) continue;
+      sum_of_logs += std::log(got / size);
+      ++judged;
+    }
+    level.push_back(judged > 0 ? sum_of_logs / judged : 0.0);
     sum += level.back();
   }
   const double share = sum / static_cast<double>(level.size());
@@ -215,7 +225,7 @@ std::vector<std::shared_ptr<const StageForm>> wanted_forms(const FoundChain& fou
 Circuit chain_circuit(const FoundChain& found, const FormOptions& form_options, const RealiseOptions& options,
                       const std::vector<Hertz>& grid) {
   Circuit out;
-  out.model = options.opamp;
+  out.opamp = options.opamp;
   const auto wanted = wanted_forms(found, form_options, grid);
   for (std::size_t i = 0; i < found.forms.size(); ++i) {
     const std::vector<double>& values = found.parts.values[i];

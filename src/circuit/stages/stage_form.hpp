@@ -48,12 +48,11 @@ class StageForm {
   /// What the search of parts compares with wanted(): transfer() without what is there for stability only.
   virtual Biquad aim(std::span<const double> values) const { return transfer(values); }
   /// Values that put poles and zeros exactly where they are wanted with these capacitors (in the order of
-  /// parts()). Nothing when these capacitors cannot do it. The gain is met too unless
-  /// gain_follows_capacitors().
+  /// parts()). Nothing when these capacitors cannot do it. The gain is met too where
+  /// it does not follow the capacitors.
   virtual std::optional<std::vector<double>> design(std::span<const double> capacitors) const = 0;
   /// A design exact in everything, gain too, near `values`: what each part should have been.
   virtual std::optional<std::vector<double>> exact_near(std::span<const double> values) const;
-  virtual bool gain_follows_capacitors() const { return false; }
   /// One for each capacitor of parts(), in their order.
   const std::vector<CapacitorChoice>& capacitor_choices() const { return capacitor_choices_; }
 

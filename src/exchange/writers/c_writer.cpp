@@ -25,13 +25,11 @@ class CWriter : public Writer {
  public:
   std::string_view name() const override { return "c-biquads"; }
   std::string_view endings() const override { return ".c .h"; }
-  std::string_view what() const override {
-    return "digital biquads in C (--sample-hz, --method, --prewarp-hz)";
-  }
+  std::string_view what() const override { return "digital biquads in C, at a sampling rate"; }
   Written write(const Exportable& from, const ExportOptions& options) const override {
     const Sections& sections = need_sections(from, *this);
     if (!(options.discretise.sample_hz > 0.0))
-      throw InputError(from.source, 0, "becomes digital biquads only with a sampling rate (--sample-hz)");
+      throw InputError(from.source, 0, "becomes digital biquads only with a sampling rate");
     const DigitalFilter filter = discretise(sections, options.discretise);
     Written out;
     out.content = render_template("exchange/biquads.c", data_of(from, sections, filter, options));

@@ -29,6 +29,8 @@ class MatOutput {
     put(Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, values.data(), 0));
   }
   void add(const char* name, const std::vector<Complex>& values) {
+    // libmatio reads the first of no complex numbers.
+    if (values.empty()) return add(name, std::vector<double>{});
     std::vector<double> re;
     std::vector<double> im;
     for (const Complex& v : values) {

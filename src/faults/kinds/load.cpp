@@ -17,7 +17,7 @@ constexpr double kLoadModelError = 0.02;
 bool is_driven(const CircuitBoard& board, const std::string& node) {
   const auto& opamps = board.circuit().opamps;
   return std::any_of(opamps.begin(), opamps.end(),
-                     [&](const circuit::OpAmp& one) { return one.out == node; });
+                     [&](const schematic::OpAmp& one) { return one.out == node; });
 }
 
 }  // namespace

@@ -27,7 +27,7 @@ class MissingGround : public FaultKind {
     const auto& opamps = board.circuit().opamps;
     for (std::size_t i = 0; i < opamps.size(); ++i) {
       if (opamps[i].plus != "0") continue;
-      const circuit::Stage& stage = board.circuit().stages[opamps[i].stage];
+      const circuit::Stage& stage = board.circuit().stages[opamps[i].group];
       Fault beside_minus = start(opamps[i].name, kFollowsMost, kFollowsLeast);
       beside_minus.effect = [&board, i](double t) { return roughly(board.inputs_follow(i, std::exp(t))); };
       out.push_back(std::move(beside_minus));

@@ -14,7 +14,7 @@ class OpenPart : public FaultKind {
   std::vector<Fault> on_circuit(const CircuitBoard& board) const override {
     std::vector<Fault> out;
     for (std::size_t i = 0; i < board.circuit().parts.size(); ++i) {
-      const circuit::Part& part = board.circuit().parts[i];
+      const schematic::Part& part = board.circuit().parts[i];
       Fault fault = fault_of_part(board, i);
       // What is left is a leak of a teraohm: a node that only this part fed stays defined.
       fault.effect = [&board, i](double) { return board.replaced(i, 1e-12); };

@@ -6,16 +6,16 @@
 
 namespace bodesmith::faults {
 
-std::string value_text(const circuit::Part& part, double value) {
-  return engineering_text(value, part.kind == circuit::Part::Kind::resistor ? "Ω" : "F");
+std::string value_text(const schematic::Part& part, double value) {
+  return engineering_text(value, part.kind == schematic::Part::Kind::resistor ? "Ω" : "F");
 }
 
-std::string value_key(const circuit::Part& part) {
-  return part.kind == circuit::Part::Kind::resistor ? "value_ohm" : "value_f";
+std::string value_key(const schematic::Part& part) {
+  return part.kind == schematic::Part::Kind::resistor ? "value_ohm" : "value_f";
 }
 
 Fault fault_of_part(const CircuitBoard& board, std::size_t part) {
-  const circuit::Part& p = board.circuit().parts[part];
+  const schematic::Part& p = board.circuit().parts[part];
   Fault out;
   out.parts = {p.name};
   out.site = p.name;

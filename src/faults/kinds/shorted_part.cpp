@@ -16,7 +16,7 @@ class ShortedPart : public FaultKind {
   std::vector<Fault> on_circuit(const CircuitBoard& board) const override {
     std::vector<Fault> out;
     for (std::size_t i = 0; i < board.circuit().parts.size(); ++i) {
-      const circuit::Part& part = board.circuit().parts[i];
+      const schematic::Part& part = board.circuit().parts[i];
       Fault fault = fault_of_part(board, i);
       fault.effect = [&board, i](double) { return board.replaced(i, kSolderBridge_S); };
       fault.words = [part](double) {

@@ -31,7 +31,7 @@ class SlowOpAmp : public FaultKind {
       std::vector<std::size_t> all(opamps.size());
       for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
       out.push_back(slow(board, all, "every op-amp"));
-      for (const circuit::OpAmp& one : opamps) out.back().covers.push_back(one.name);
+      for (const schematic::OpAmp& one : opamps) out.back().covers.push_back(one.name);
     }
     return out;
   }

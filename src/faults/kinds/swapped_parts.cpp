@@ -11,8 +11,8 @@ namespace {
 constexpr double kLeastDifference = 2.0;
 
 /// Two parts of one sort in one stage, or in neighbouring ones.
-bool are_neighbours(const circuit::Part& a, const circuit::Part& b) {
-  return a.kind == b.kind && (a.stage > b.stage ? a.stage - b.stage : b.stage - a.stage) <= 1;
+bool are_neighbours(const schematic::Part& a, const schematic::Part& b) {
+  return a.kind == b.kind && (a.group > b.group ? a.group - b.group : b.group - a.group) <= 1;
 }
 
 class SwappedParts : public FaultKind {

@@ -22,7 +22,7 @@ class ValueOff : public FaultKind {
     std::vector<Fault> out;
     for (std::size_t i = 0; i < board.circuit().parts.size(); ++i) {
       for (const double sign : {1.0, -1.0}) {
-        const circuit::Part& part = board.circuit().parts[i];
+        const schematic::Part& part = board.circuit().parts[i];
         Fault fault = fault_of_part(board, i);
         fault.from = std::log(kLeastTolerances * board.tolerance(i));
         fault.to = std::log(std::log(kLargestFactor));

@@ -18,7 +18,7 @@ class WrongDecade : public FaultKind {
     std::vector<Fault> out;
     for (std::size_t i = 0; i < board.circuit().parts.size(); ++i) {
       for (const double factor : {10.0, 0.1, 100.0, 0.01}) {
-        const circuit::Part& part = board.circuit().parts[i];
+        const schematic::Part& part = board.circuit().parts[i];
         Fault fault = fault_of_part(board, i);
         fault.effect = [&board, i, factor](double) { return board.changed(i, factor); };
         fault.words = [part, factor](double) {

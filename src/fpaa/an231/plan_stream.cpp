@@ -124,7 +124,7 @@ class PlanReader {
     }
     return Refusal{fmt::format(
         "chip {}: no one system divisor makes all of its clocks ({} Hz), and which of two feeds a chip clock is not "
-        "publicly known; expected clocks from {} Hz up, which need none (fpaa --min-clock-hz), or none more than "
+        "publicly known; expected clocks from {} Hz up, which need none, or none more than "
         "{} times as fast as another",
         chip.chip, clock_list(chip, totals), rounded_text(chip.master_clock.value / kLargestStreamDivisor, 6),
         kLargestStreamDivisor)};

@@ -5,7 +5,6 @@
 #include <algorithm>
 
 #include "fpaa/an231/plan_stream.hpp"
-#include "fpaa/multirate_response.hpp"
 
 namespace bodesmith::fpaa::an231 {
 namespace {
@@ -21,25 +20,18 @@ PlanError plan_error(const std::vector<Hertz>& grid, const std::vector<Complex>&
 
 }  // namespace
 
-Outcome<StreamErrors> stream_errors(const BoardCircuit& board, const SignalPins& pins, Band band,
-                                    const WantedResponse& wanted_samples,
-                                    const WantedResponse& wanted_running) {
-  const auto decoded = decoded_plan(board, pins.input, pins.output);
-  if (const Refusal* refusal = refusal_of(decoded)) return *refusal;
-  const MultirateResponse response(std::get<Plan>(decoded));
+Outcome<PlanError> stream_error(const BoardCircuit& board, const SignalPins& pins, Band band,
+                                const WantedResponse& wanted_response) {
+  const auto networks = pin_networks(board, pins.input, pins.output);
+  if (const Refusal* refusal = refusal_of(networks)) return *refusal;
   const std::vector<Hertz> grid = log_grid(band, kStreamPoints);
-  std::vector<Complex> samples;
-  std::vector<Complex> running;
-  std::vector<Complex> samples_wanted;
-  std::vector<Complex> running_wanted;
+  std::vector<Complex> got;
+  std::vector<Complex> wanted;
   for (const Hertz f : grid) {
-    samples.push_back(response.without_delays(f.rad_s()));
-    running.push_back(response.as_it_runs(f.rad_s()));
-    samples_wanted.push_back(wanted_samples(f.rad_s()));
-    running_wanted.push_back(wanted_running(f.rad_s()));
+    got.push_back(std::get<PeriodicNetworks>(networks).gain(f.rad_s()));
+    wanted.push_back(wanted_response(f.rad_s()));
   }
-  return StreamErrors{plan_error(grid, samples, samples_wanted, band),
-                      plan_error(grid, running, running_wanted, band)};
+  return plan_error(grid, got, wanted, band);
 }
 
 std::map<int, std::map<std::string, int>> plan_pins(const Plan& plan) {

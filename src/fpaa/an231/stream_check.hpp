@@ -5,23 +5,17 @@
 #include <string>
 #include <vector>
 
-#include "fpaa/an231/decoded_plan.hpp"
 #include "fpaa/an231/netlist.hpp"
+#include "fpaa/an231/pin_networks.hpp"
 #include "fpaa/plan.hpp"
 
 namespace bodesmith::fpaa::an231 {
 
-/// What the bytes would do, against what is wanted.
-struct StreamErrors {
-  PlanError samples;  ///< without holds and delays
-  PlanError running;  ///< as the board runs, with every clock and hold
-};
+/// What the bytes make between two pins, as their switches move, against what is wanted. Refused where they make
+/// nothing that is understood.
 using WantedResponse = std::function<std::complex<double>(RadPerSecond)>;
-
-/// Refused where the bytes have no z transfer between the pins.
-Outcome<StreamErrors> stream_errors(const BoardCircuit& board, const SignalPins& pins, Band band,
-                                    const WantedResponse& wanted_samples,
-                                    const WantedResponse& wanted_running);
+Outcome<PlanError> stream_error(const BoardCircuit& board, const SignalPins& pins, Band band,
+                                const WantedResponse& wanted);
 
 /// The I/O cells that a plan with a stream names for its pins: plan's chip -> pin -> cell.
 std::map<int, std::map<std::string, int>> plan_pins(const Plan& plan);

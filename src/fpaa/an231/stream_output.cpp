@@ -10,8 +10,8 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
-#include "fpaa/an231/decoded_plan.hpp"
-#include "fpaa/multirate_response.hpp"
+#include "fpaa/an231/pin_networks.hpp"
+#include "fpaa/network/switched_board.hpp"
 
 namespace bodesmith::fpaa::an231 {
 namespace {
@@ -33,9 +33,9 @@ BoardPin board_pin(const PlanStreams& streams, const std::string& plan_pin) {
   throw DesignError(fmt::format("{} is on no I/O cell", plan_pin));
 }
 
-Plan read_back_plan(const Plan& plan, const PlanStreams& streams) {
+PeriodicNetworks read_back_networks(const Plan& plan, const PlanStreams& streams) {
   const EndPins ends = value_or_throw(end_pins(plan));
-  return value_or_throw(decoded_plan(read_back(plan, streams), board_pin(streams, ends.input),
+  return value_or_throw(pin_networks(read_back(plan, streams), board_pin(streams, ends.input),
                                      board_pin(streams, ends.output)));
 }
 
@@ -85,30 +85,25 @@ double check_streams(const Plan& plan, const PlanStreams& streams) {
       throw DesignError(fmt::format("chip {}: {}", chip.chip, circuit.problems.front()));
     }
   }
-  const Plan back = read_back_plan(plan, streams);
-  const MultirateResponse wanted(plan);
-  const MultirateResponse got(back);
+  const PeriodicNetworks got = read_back_networks(plan, streams);
+  const SwitchedBoard wanted(plan);
   double worst = 0.0;
   for (const Hertz f : log_grid(plan.error.band, kCheckedPoints)) {
     const RadPerSecond w = f.rad_s();
-    for (const bool runs : {false, true}) {
-      const Complex a = runs ? got.as_it_runs(w) : got.without_delays(w);
-      const Complex b = runs ? wanted.as_it_runs(w) : wanted.without_delays(w);
-      const double difference = std::abs(a - b) / std::max(std::abs(b), 1e-12);
-      if (!(difference <= kLargestDifference)) {
-        throw DesignError(fmt::format("the stream differs from the plan by {} % at {} Hz and is not written",
-                                      rounded_text(100.0 * difference), rounded_text(f.value)));
-      }
-      worst = std::max(worst, difference);
+    const Complex b = wanted.gain(w);
+    const double difference = std::abs(got.gain(w) - b) / std::max(std::abs(b), 1e-12);
+    if (!(difference <= kLargestDifference)) {
+      throw DesignError(fmt::format("the stream differs from the plan by {} % at {} Hz and is not written",
+                                    rounded_text(100.0 * difference), rounded_text(f.value)));
     }
+    worst = std::max(worst, difference);
   }
   return 100.0 * worst;
 }
 
 std::string first_power_on(const Plan& plan, const PlanStreams& streams) {
   const EndPins ends = value_or_throw(end_pins(plan));
-  const Plan back = read_back_plan(plan, streams);
-  const MultirateResponse runs(back);  // points into it
+  const PeriodicNetworks runs = read_back_networks(plan, streams);
   const double limit = plan.max_input_v > 0.0 ? plan.max_input_v : 3.0;
   const double tone = std::min(kLargestTone, kToneShare * limit);
   Json data;
@@ -123,7 +118,7 @@ std::string first_power_on(const Plan& plan, const PlanStreams& streams) {
   data["readings"] = Json::array();
   for (const Hertz f : log_grid(plan.error.band, kToneCount)) {
     const double hz = round_tone(f.value);
-    const Complex h = runs.as_it_runs(Hertz{hz}.rad_s());
+    const Complex h = runs.gain(Hertz{hz}.rad_s());
     data["readings"].push_back({{"hz", rounded_text(hz)},
                                 {"gain_db", fmt::format("{:.2f}", 20.0 * std::log10(std::abs(h)))},
                                 {"phase_deg", fmt::format("{:.1f}", std::arg(h) * 180.0 / std::numbers::pi)},

@@ -20,11 +20,6 @@ BiquadStageCapacitors BiquadStageCapacitors::from(const CapacitorUnits& c, bool 
           .cb = c["CB"]};
 }
 
-std::vector<NoiseCharge> BiquadStageCapacitors::noise_charges(const std::vector<double>& denominator) const {
-  const double second = c3 + (high_q ? 0.0 : c4 + cp);
-  return {{c1 + c2, {{0.0, c3}, denominator}}, {second, {{ca, -ca}, denominator}}};
-}
-
 DeltaTransfer BiquadStageCapacitors::transfer() const {
   const double loop = c2 * c3;
   const double first = (c1_inverting ? 1.0 : -1.0) * c1 * c3;
@@ -36,17 +31,6 @@ DeltaTransfer BiquadStageCapacitors::transfer() const {
   } else {
     h.numerator = {-first, first - cp * ca, -cpp * ca};
     h.denominator = {loop, ca * c4 - loop, ca * cb};
-  }
-  return h;
-}
-
-DeltaTransfer BiquadStageCapacitors::first_opamp() const {
-  DeltaTransfer h = transfer();
-  const double in = c1_inverting ? c1 : -c1;
-  if (high_q) {
-    h.numerator = {0.0, -(in * cb - c2 * cpp), -(cp * cb - c4 * cpp)};
-  } else {
-    h.numerator = {-(in * c4 - c2 * cp), -(in * cb - c2 * cpp)};
   }
   return h;
 }
@@ -88,14 +72,6 @@ class BiquadStage : public Cam {
     return biquad_stage_of(cam, c).transfer();
   }
 
-  std::vector<NoiseCharge> noise_charges(const PlacedCam& cam) const override {
-    return biquad_stage_of(cam, CapacitorUnits(cam.capacitors)).noise_charges(cam.z.denominator);
-  }
-
-  std::vector<DeltaTransfer> inner_nodes(const PlacedCam& cam) const override {
-    return {biquad_stage_of(cam, CapacitorUnits(cam.capacitors)).first_opamp()};
-  }
-
   /// In the vendor's order for its band pass; what is not there takes no capacitor.
   std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
     const PlateNode in = PlateNode::input();
@@ -122,6 +98,8 @@ class BiquadStage : public Cam {
     add(static_branch("CB", units("CB"), second, 2));
     return s;
   }
+
+  bool in_vendor_menu(const PlacedCam&) const override { return false; }
 
   std::string picture_text(const PlacedCam& cam) const override {
     return fmt::format("f0 {} · Q {}",

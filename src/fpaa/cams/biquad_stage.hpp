@@ -8,7 +8,6 @@
 namespace bodesmith::fpaa {
 
 class Cam;
-struct NoiseCharge;
 
 /// A two-op-amp stage of this program's own: the FilterBiquad's two integrators with all three inputs at
 /// once, so that any second-order numerator over any second-order denominator is one CAB. One bank each, 8
@@ -32,12 +31,6 @@ struct BiquadStageCapacitors {
   /// Of capacitors named as above; what is not there is 0.
   static BiquadStageCapacitors from(const CapacitorUnits& c, bool high_q, bool c1_inverting);
   DeltaTransfer transfer() const;
-  /// kT/C charges into the op-amps, the stage's transfer having this denominator.
-  std::vector<NoiseCharge> noise_charges(const std::vector<double>& denominator) const;
-  /// From the input to the first op-amp, M the denominator above:
-  ///   low Q:   -(+-C1 (C4 + CB D) - C2 (Cp + Cpp D)) / M
-  ///   high Q:  -D ((+-C1 + Cp D) CB - (C2 + C4 D) Cpp) / M
-  DeltaTransfer first_opamp() const;
 };
 
 /// The words in PlacedCam::option, from which `transfer` takes the form: "Low Q", "Low Q, C1 non-inverting".

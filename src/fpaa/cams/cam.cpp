@@ -25,38 +25,6 @@ std::string_view to_string(Ground ground) {
   return "unknown";
 }
 
-Band CamTask::possible_clocks(int) const {
-  return {{0.0}, {std::numeric_limits<double>::infinity()}};
-}
-
-std::optional<std::string> CamTask::unreachable_corner(Hertz, int) const {
-  return std::nullopt;
-}
-
-PlacedCam CamTask::realise(std::span<const BranchValue>, const TaskSetting&) const {
-  throw std::logic_error(fmt::format("{} is settled by itself", cam_.name()));
-}
-
-std::optional<PlacedCam> CamTask::settle(const TaskSetting&) const {
-  throw std::logic_error(fmt::format("{} is settled with the other CAMs of its chain", cam_.name()));
-}
-
-PlacedCam CamTask::start(const TaskSetting& setting, std::string option) const {
-  PlacedCam out;
-  out.name = name_;
-  out.cam = &cam_;
-  out.option = std::move(option);
-  out.clock_a = setting.clock;
-  out.section = section_;
-  out.resources = resources();
-  return out;
-}
-
-std::string CamTask::corner_words(const char* what, RadPerSecond corner) const {
-  return fmt::format("the {} of section {} at {} Hz", what, section_.value_or(0) + 1,
-                     rounded_text(corner.hz().value));
-}
-
 const CamParameter* Cam::parameter(std::string_view key) const {
   const auto at = std::find_if(facts_.parameters.begin(), facts_.parameters.end(),
                                [&](const CamParameter& p) { return p.key == key; });
@@ -65,18 +33,6 @@ const CamParameter* Cam::parameter(std::string_view key) const {
 
 std::optional<Resources> Cam::resources(std::size_t) const {
   return facts_.resources;
-}
-
-CamOffer Cam::offer_first_order(const FirstOrderPiece&) const {
-  return {};
-}
-
-CamOffer Cam::offer_second_order(const SecondOrderPiece&) const {
-  return {};
-}
-
-CamTaskPtr Cam::gain_stage(const std::string&) const {
-  return nullptr;
 }
 
 std::string Cam::note(const PlacedCam&) const {
@@ -101,10 +57,6 @@ std::vector<DeltaTransfer> transfers_of(const PlacedCam& cam, std::span<const do
 
 std::complex<double> Cam::unquantised(const PlacedCam& cam, RadPerSecond w) const {
   return cam.z.response(w, cam.clock_a);
-}
-
-std::vector<NoiseCharge> Cam::noise_charges(const PlacedCam&) const {
-  return {};
 }
 
 std::unique_ptr<CamStep> Cam::step(const PlacedCam& cam) const {

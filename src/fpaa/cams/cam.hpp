@@ -9,9 +9,7 @@
 #include <utility>
 #include <vector>
 
-#include "base/outcome.hpp"
 #include "base/registry.hpp"
-#include "fpaa/branch.hpp"
 #include "fpaa/placed_cam.hpp"
 #include "fpaa/switches.hpp"
 
@@ -19,8 +17,7 @@ namespace bodesmith::fpaa {
 
 class CamStep;
 
-// A CAM goes through three types: what it is (Cam, one object each, in the registry), what it has to do in a
-// design (CamTask, made by the Cam when it accepts a piece of a section), and what it is made of (PlacedCam:
+// A CAM goes through two types: what it is (Cam, one object each, in the registry) and what it is made of (PlacedCam:
 // capacitors, clock, place). Everything that is particular to one CAM stands in cams/<cam>.cpp.
 
 /// How well a fact about a CAM is founded.
@@ -55,90 +52,6 @@ struct CamFacts {
   std::string_view limits;
 };
 
-/// A piece of a section with one real pole: (1 + s/zero) / (1 + s/pole), or s / (1 + s/pole) for a zero at 0,
-/// or 1 / (1 + s/pole) without one. A zero below 0 lies in the right half plane.
-struct FirstOrderPiece {
-  std::size_t section = 0;  ///< index into the sections, from 0
-  std::string name;         ///< of the CAM that makes it: "Section1", or "Section1a"
-  std::optional<RadPerSecond> zero;
-  RadPerSecond pole;
-};
-
-/// A section that cannot be divided: prod(s - zero) / prod(s - pole), complex roots in it.
-struct SecondOrderPiece {
-  std::size_t section = 0;
-  std::string name;
-  std::vector<std::complex<double>> zeros;  ///< rad/s
-  std::vector<std::complex<double>> poles;
-};
-
-/// What the search has decided for one CAM when its capacitors are chosen.
-struct TaskSetting {
-  double gain = 1.0;  ///< wanted magnitude of the task's factor
-  Hertz clock;
-  const std::vector<RadPerSecond>& grid;  ///< where errors are judged
-  int max_capacitor = 255;
-};
-
-/// What one CAM of a design has to do: its factor of the whole transfer, its gain left free. A CAM whose
-/// capacitors are switched branches over and under one fraction line gives branches(), and the chain search
-/// chooses them with those of all others; any other CAM is settled by itself, at each clock that is tried.
-class CamTask {
- public:
-  CamTask(const Cam& cam, std::string name, std::optional<std::size_t> section)
-      : cam_(cam), name_(std::move(name)), section_(section) {}
-  virtual ~CamTask() = default;
-
-  const Cam& cam() const { return cam_; }
-  const std::string& name() const { return name_; }
-  std::optional<std::size_t> section() const { return section_; }
-
-  virtual Resources resources() const = 0;
-  /// The factor that it imitates (its sign apart: see inverts()).
-  virtual std::complex<double> response(RadPerSecond w) const = 0;
-  virtual bool inverts() const { return true; }
-  /// Corner frequencies, for the band in which errors count.
-  virtual std::vector<RadPerSecond> corners() const { return {}; }
-  /// The clocks at which it can be made.
-  virtual Band possible_clocks(int max_capacitor) const;
-  /// The corner that no capacitors reach at this clock, in words ("the pole of section 2 at 3 Hz").
-  virtual std::optional<std::string> unreachable_corner(Hertz clock, int max_capacitor) const;
-
-  /// Empty: settled by itself.
-  virtual std::vector<Branch> branches() const { return {}; }
-  bool is_settled_alone() const { return branches().empty(); }
-  /// The CAM with these branches, in the order of branches().
-  virtual PlacedCam realise(std::span<const BranchValue> values, const TaskSetting& setting) const;
-  /// The CAM with the best capacitors for its task alone; nothing when there are none at this clock.
-  virtual std::optional<PlacedCam> settle(const TaskSetting& setting) const;
-
- protected:
-  /// With name, cam, section, clock and resources filled in.
-  PlacedCam start(const TaskSetting& setting, std::string option) const;
-  /// "the pole of section 2 at 3 Hz".
-  std::string corner_words(const char* what, RadPerSecond corner) const;
-
- private:
-  const Cam& cam_;
-  std::string name_;
-  std::optional<std::size_t> section_;
-};
-
-using CamTaskPtr = std::shared_ptr<const CamTask>;
-
-/// A CAM's answer to a piece of a section. Neither task nor refusal: the piece is nothing for it.
-struct CamOffer {
-  CamTaskPtr task = nullptr;
-  double log_gain = 0.0;  ///< ln of |piece| over |task's factor|
-  std::optional<Refusal> refusal = std::nullopt;
-};
-
-/// A place where switched capacitors bring noise charge into a CAM.
-struct NoiseCharge {
-  double units = 0.0;   ///< sum of the switched capacitors there
-  ZTransfer to_output;  ///< volts at the CAM's output per unit of charge (V C_u)
-};
-
 /// How the Zrna client places a CAM.
 struct ZrnaModule {
   std::string class_name;  ///< "FilterPoleZero"
@@ -165,11 +78,7 @@ class Cam {
   /// With so many inputs; nothing where it is not publicly known.
   virtual std::optional<Resources> resources(std::size_t inputs) const;
 
-  // Planning.
-  virtual CamOffer offer_first_order(const FirstOrderPiece& piece) const;
-  virtual CamOffer offer_second_order(const SecondOrderPiece& piece) const;
-  /// A task that changes nothing but sign and gain; null: not what this CAM is for.
-  virtual CamTaskPtr gain_stage(const std::string& name) const;
+  // In a plan.
   /// What is not publicly known and is assumed when a plan uses it; empty: nothing.
   virtual std::string assumption() const { return {}; }
   /// What a person should know of this CAM in a plan; empty: nothing.
@@ -184,9 +93,6 @@ class Cam {
   /// The response (from input 1) that `cam.requested` would have at its clock if capacitors could be any number: what
   /// sampling alone makes of it. (As it is realised, where that is not known.)
   virtual std::complex<double> unquantised(const PlacedCam& cam, RadPerSecond w) const;
-  virtual std::vector<NoiseCharge> noise_charges(const PlacedCam& cam) const;
-  /// From input 1 to op-amps inside whose outputs are not the CAM's own: they clip as well.
-  virtual std::vector<DeltaTransfer> inner_nodes(const PlacedCam&) const { return {}; }
   /// The CAM at work (cam_step.hpp): what it makes at each edge. Linear by its z where its own file does not
   /// say otherwise.
   virtual std::unique_ptr<CamStep> step(const PlacedCam& cam) const;
@@ -200,6 +106,8 @@ class Cam {
   virtual std::optional<ZrnaModule> zrna_module(const PlacedCam& cam) const;
   /// One line for the board's picture.
   virtual std::string picture_text(const PlacedCam& cam) const;
+  /// Whether AnadigmDesigner2 can place this CAM with these capacitors; otherwise it is made by stream only.
+  virtual bool in_vendor_menu(const PlacedCam&) const { return true; }
   /// Drawn and counted as a gain stage, not as a filter.
   virtual bool is_gain() const { return false; }
 

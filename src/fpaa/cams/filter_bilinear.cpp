@@ -9,7 +9,6 @@
 
 #include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
-#include "fpaa/section_search.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -26,138 +25,6 @@ DeltaTransfer pole_zero_form(double ca, double cb, double cc, double cd) {
 DeltaTransfer low_pass_form(double cin, double cint, double cout) {
   return {{-cin}, {cout, cint}};
 }
-
-enum class BilinearOption { pole_zero, low_pass, high_pass };
-
-const char* to_string(BilinearOption option) {
-  switch (option) {
-    case BilinearOption::pole_zero:
-      return kPoleAndZero;
-    case BilinearOption::low_pass:
-      return kLowPass;
-    case BilinearOption::high_pass:
-      break;
-  }
-  return kHighPass;
-}
-
-BilinearOption option_for(const FirstOrderPiece& piece) {
-  if (!piece.zero) return BilinearOption::low_pass;
-  return piece.zero->value == 0.0 ? BilinearOption::high_pass : BilinearOption::pole_zero;
-}
-
-class BilinearTask : public CamTask {
- public:
-  BilinearTask(const Cam& cam, const FirstOrderPiece& piece)
-      : CamTask(cam, piece.name, piece.section),
-        option_(option_for(piece)),
-        zero_(piece.zero.value_or(RadPerSecond{})),
-        pole_(piece.pole) {}
-
-  Resources resources() const override {
-    return {.opamps = 1, .capacitors = option_ == BilinearOption::pole_zero ? 4 : 3};
-  }
-
-  std::complex<double> response(RadPerSecond w) const override {
-    const std::complex<double> s(0.0, w.value);
-    const std::complex<double> below = 1.0 + s / pole_.value;
-    switch (option_) {
-      case BilinearOption::pole_zero:
-        return (1.0 + s / zero_.value) / below;
-      case BilinearOption::high_pass:
-        return s / below;
-      case BilinearOption::low_pass:
-        break;
-    }
-    return 1.0 / below;
-  }
-
-  std::vector<RadPerSecond> corners() const override {
-    if (option_ == BilinearOption::pole_zero) return {pole_, zero_};
-    return {pole_};
-  }
-
-  Band possible_clocks(int max_capacitor) const override {
-    Band out = clocks_for_corner(pole_, max_capacitor);
-    if (option_ == BilinearOption::pole_zero) {
-      const Band zero = clocks_for_corner(zero_, max_capacitor);
-      out = {std::max(out.from, zero.from), std::min(out.to, zero.to)};
-    }
-    return out;
-  }
-
-  std::optional<std::string> unreachable_corner(Hertz clock, int max_capacitor) const override {
-    const auto reached = [&](RadPerSecond corner) {
-      return is_reachable({Branch::Kind::corner, corner, true, 0}, clock, max_capacitor);
-    };
-    if (!reached(pole_)) return corner_words("pole", pole_);
-    if (option_ == BilinearOption::pole_zero && !reached(zero_)) return corner_words("zero", zero_);
-    return std::nullopt;
-  }
-
-  std::vector<Branch> branches() const override {
-    using Kind = Branch::Kind;
-    const Kind above = option_ == BilinearOption::pole_zero   ? Kind::corner
-                       : option_ == BilinearOption::high_pass ? Kind::differentiating
-                                                              : Kind::constant;
-    return {{above, zero_, true, 0}, {Kind::corner, pole_, false, 0}};
-  }
-
-  PlacedCam realise(std::span<const BranchValue> values, const TaskSetting& setting) const override {
-    const BranchValue& above = values[0];
-    const BranchValue& below = values[1];
-    PlacedCam out = start(setting, to_string(option_));
-    switch (option_) {
-      case BilinearOption::pole_zero:
-        fill_pole_zero({above.c0, above.c1, below.c0, below.c1}, setting, out);
-        break;
-      case BilinearOption::low_pass:
-        fill_low_pass({above.c0, below.c1, below.c0}, setting, out);
-        break;
-      case BilinearOption::high_pass:
-        fill_high_pass({above.c1, below.c0, below.c1}, setting, out);
-        break;
-    }
-    return out;
-  }
-
- private:
-  void fill_pole_zero(const PoleZeroCapacitors& c, const TaskSetting& setting, PlacedCam& out) const {
-    const Hertz pole = pole_.hz();
-    const Hertz zero = zero_.hz();
-    out.requested = PoleZeroSpec{pole, zero, setting.gain, setting.gain * pole.value / zero.value}.values();
-    out.realised = c.realised(setting.clock).values();
-    out.capacitors = {{"Ca", c.ca}, {"Cb", c.cb}, {"Cc", c.cc}, {"Cd", c.cd}};
-    out.z = c.transfer();
-    std::vector<std::complex<double>> q;
-    for (const RadPerSecond w : setting.grid) {
-      q.push_back(-out.z.response(w, setting.clock) / c.dc_gain() / response(w));
-    }
-    out.own_error_percent = 100.0 * best_free_gain(q).error;
-    out.min_own_error_percent =
-        100.0 *
-        best_pole_zero(zero_, pole_, setting.clock, setting.grid, setting.max_capacitor).max_complex_error;
-  }
-
-  void fill_low_pass(const LowPassCapacitors& c, const TaskSetting& setting, PlacedCam& out) const {
-    out.requested = CornerSpec{pole_.hz(), setting.gain}.values();
-    out.realised = CornerSpec{c.corner(setting.clock), c.gain()}.values();
-    out.capacitors = {{"Cin", c.cin}, {"Cint", c.cint}, {"Cout", c.cout}};
-    out.z = c.transfer();
-  }
-
-  void fill_high_pass(const HighPassCapacitors& c, const TaskSetting& setting, PlacedCam& out) const {
-    // The task's factor is s/(1 + s/pole): its gain at high frequency is the pole.
-    out.requested = CornerSpec{pole_.hz(), setting.gain * pole_.value}.values();
-    out.realised = CornerSpec{c.corner(setting.clock), c.gain()}.values();
-    out.capacitors = {{"Cb", c.cb}, {"Cc", c.cc}, {"Cd", c.cd}};
-    out.z = c.transfer();
-  }
-
-  BilinearOption option_;
-  RadPerSecond zero_;
-  RadPerSecond pole_;
-};
 
 CamFacts filter_bilinear_facts() {
   CamFacts f;
@@ -182,34 +49,10 @@ class FilterBilinear : public Cam {
  public:
   FilterBilinear() : Cam(filter_bilinear_facts()) {}
 
-  CamOffer offer_first_order(const FirstOrderPiece& piece) const override {
-    if (piece.pole.value < 0.0) return {.refusal = right_half_plane(piece, "pole", piece.pole)};
-    if (piece.zero && piece.zero->value < 0.0)
-      return {.refusal = right_half_plane(piece, "zero", *piece.zero)};
-    return {.task = std::make_shared<BilinearTask>(*this, piece)};
-  }
-
-  /// Real poles that cannot be divided: their zeros are complex.
-  CamOffer offer_second_order(const SecondOrderPiece& piece) const override {
-    if (piece.poles[0].imag() != 0.0) return {};
-    return {.refusal =
-                Refusal{fmt::format("section {} has complex zeros, which the FilterBilinear CAM cannot make "
-                                    "and the FilterBiquad only with nothing but zeros at 0, expected real "
-                                    "ones (fit with --real, or make this section with spice)",
-                                    piece.section + 1)}};
-  }
-
   std::string assumption() const override {
     return "FilterBilinear 'Pole and Zero' is taken to be H(z) = -(Ca + Cb(1 - 1/z))/(Cc + Cd(1 - 1/z)) with "
            "capacitors of 1 to 255 units; the vendor does not publish its topology. AnadigmDesigner2 chooses "
            "capacitors itself: type the realised parameters and compare what it reports.";
-  }
-
-  std::string note(const PlacedCam& cam) const override {
-    if (cam.option != kLowPass) return {};
-    return "A FilterBilinear low pass has its zero at z = 0: it leads by up to half a clock period at "
-           "frequencies near the clock, which is most of the error here and makes up for part of the output "
-           "hold.";
   }
 
   DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& c) const override {
@@ -232,12 +75,6 @@ class FilterBilinear : public Cam {
                                     ? low_pass_form(spec.gain, ratio, 1.0)
                                     : pole_zero_form(0.0, 0.5 * spec.gain * (1.0 + 2.0 * ratio), 1.0, ratio);
     return exact.response(w, cam.clock_a);
-  }
-
-  std::vector<NoiseCharge> noise_charges(const PlacedCam& cam) const override {
-    // Ca, Cc (or Cin, Cout) are switched; Cb, Cd (Cint) are not.
-    const CapacitorUnits c(cam.capacitors);
-    return {{c["Ca"] + c["Cc"] + c["Cin"] + c["Cout"], {{1.0}, cam.z.denominator}}};
   }
 
   /// The low pass is the vendor's; the pole-zero form is made by GainInv's switches with four different values
@@ -279,17 +116,17 @@ class FilterBilinear : public Cam {
     }
     return "corner " + engineering_text(CornerSpec::from(cam.realised).corner.value, "Hz", 4);
   }
-
- private:
-  static Refusal right_half_plane(const FirstOrderPiece& piece, const char* what, RadPerSecond corner) {
-    return {
-        fmt::format("section {} has a {} in the right half plane (s = {:.6g} rad/s), expected Re s <= 0: "
-                    "capacitors are not negative",
-                    piece.section + 1, what, -corner.value)};
-  }
 };
 
 }  // namespace
+
+Hertz branch_corner(double c0, double c1, Hertz clock) {
+  return {clock.value / std::numbers::pi * std::atan(c0 / (c0 + 2.0 * c1))};
+}
+
+double branch_ratio(Hertz corner, Hertz clock) {
+  return 0.5 * (1.0 / std::tan(std::numbers::pi * corner.value / clock.value) - 1.0);
+}
 
 CamValues PoleZeroSpec::values() const {
   return {{"pole_hz", pole.value},

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <complex>
-#include <optional>
 #include <vector>
 
 #include "base/units.hpp"
@@ -46,25 +44,5 @@ struct BiquadCapacitors {
   double gain() const;
   std::vector<Capacitor> named() const;
 };
-
-struct BiquadTarget {
-  BiquadCapacitors::Kind kind = BiquadCapacitors::Kind::low_pass;
-  RadPerSecond natural;
-  double quality = 1.0;
-  double gain = 1.0;  ///< magnitude, as BiquadCapacitors::gain
-  /// 1, s/(Q w0) or (s/w0)^2 over 1 + s/(Q w0) + (s/w0)^2, times gain.
-  std::complex<double> response(RadPerSecond w) const;
-};
-
-struct BiquadSolution {
-  BiquadCapacitors capacitors;
-  double max_complex_error = 0.0;  ///< gain included, sign not
-};
-
-/// The best of both forms on the grid: all CA, CB and C4 with the loop capacitors that balance the
-/// integrators (within two units), the 400 nearest in corner and quality judged by their exact complex error.
-/// Not proven beyond that. Nothing when no capacitors make a stable filter at this clock.
-std::optional<BiquadSolution> search_biquad(const BiquadTarget& target, Hertz clock,
-                                            const std::vector<RadPerSecond>& grid, int max_capacitor = 255);
 
 }  // namespace bodesmith::fpaa

@@ -1,5 +1,3 @@
-#include "fpaa/cams/gain_inv.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -12,26 +10,6 @@ namespace {
 
 constexpr Resources kGainInvResources{.opamps = 1, .capacitors = 4};
 
-class GainInvTask : public CamTask {
- public:
-  GainInvTask(const Cam& cam, const std::string& name) : CamTask(cam, name, std::nullopt) {}
-
-  Resources resources() const override { return kGainInvResources; }
-  std::complex<double> response(RadPerSecond) const override { return 1.0; }
-  std::vector<Branch> branches() const override {
-    return {{Branch::Kind::constant, {}, true, 0}, {Branch::Kind::constant, {}, false, 0}};
-  }
-  PlacedCam realise(std::span<const BranchValue> values, const TaskSetting& setting) const override {
-    const GainInvCapacitors c{values[0].c0, values[1].c0};
-    PlacedCam out = start(setting, "");
-    out.requested = {{"gain", setting.gain}};
-    out.realised = {{"gain", c.gain()}};
-    out.capacitors = {{"Cin", c.cin}, {"Cout", c.cout}};
-    out.z = c.transfer();
-    return out;
-  }
-};
-
 CamFacts gain_inv_facts() {
   CamFacts f;
   f.name = "GainInv";
@@ -43,13 +21,11 @@ CamFacts gain_inv_facts() {
   return f;
 }
 
+/// CAM GainInv: H = -Cin/Cout, valid during the full cycle; four capacitors (the two that set the gain are
+/// named Cin and Cout), one op-amp.
 class GainInv : public Cam {
  public:
   GainInv() : Cam(gain_inv_facts()) {}
-
-  CamTaskPtr gain_stage(const std::string& name) const override {
-    return std::make_shared<GainInvTask>(*this, name);
-  }
 
   std::string note(const PlacedCam&) const override {
     return "GainInv is there to keep the total sign (every FilterBilinear inverts) or to carry gain.";
@@ -57,11 +33,6 @@ class GainInv : public Cam {
 
   DeltaTransfer transfer(const PlacedCam&, const CapacitorUnits& c) const override {
     return {{-c["Cin"]}, {c["Cout"]}};
-  }
-
-  std::vector<NoiseCharge> noise_charges(const PlacedCam& cam) const override {
-    const CapacitorUnits c(cam.capacitors);
-    return {{c["Cin"] + c["Cout"], {{1.0}, {c["Cout"]}}}};
   }
 
   /// The pair may be there twice.

@@ -1,5 +1,3 @@
-#include "fpaa/cams/sum_filter.hpp"
-
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
@@ -16,6 +14,8 @@ CamFacts sum_filter_facts() {
   return f;
 }
 
+/// CAM SumFilter, assumed to be the FilterBilinear low pass with two input branches:
+///   Vout = -(C1 V1 + C2 V2)/(Cout + Cint (1 - 1/z)). Four capacitors, one op-amp.
 class SumFilterCam : public Cam {
  public:
   SumFilterCam() : Cam(sum_filter_facts()) {}

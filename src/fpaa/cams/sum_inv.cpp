@@ -60,13 +60,6 @@ class SumInv : public Cam {
     return out;
   }
 
-  std::vector<NoiseCharge> noise_charges(const PlacedCam& cam) const override {
-    const CapacitorUnits c(cam.capacitors);
-    double switched = c["Cout"];
-    for (std::size_t i = 1; i <= cam.input_count(); ++i) switched += c[fmt::format("Cin{}", i)];
-    return {{switched, {{1.0}, cam.z.denominator}}};
-  }
-
   std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
     StageSwitches s;
     const auto add = [&](const std::string& name, PlateNode from) {
@@ -90,6 +83,14 @@ class SumInv : public Cam {
     return out;
   }
 
+  /// Up to three inputs of equal pairs.
+  bool in_vendor_menu(const PlacedCam& cam) const override {
+    if (cam.input_count() > 3 || cam.units_of("Cout") != cam.units_of("aCout")) return false;
+    for (std::size_t i = 1; i <= cam.input_count(); ++i) {
+      if (cam.units_of(fmt::format("Cin{}", i)) != cam.units_of(fmt::format("aCin{}", i))) return false;
+    }
+    return true;
+  }
   bool is_gain() const override { return true; }
 };
 

@@ -22,8 +22,7 @@ void budget_chapter(report::Page& page, const ProjectRun& run) {
   if (run.budget.magnitude_only_is_worse) {
     page.warning(
         "The magnitude fits, and yet the compensating waveform is worse than with no rate compensation at all: the "
-        "compensator also shifts the phase of the waveform and of its harmonics. Fit the waveform itself instead "
-        "(bodesmith fit --waveform).");
+        "compensator also shifts the phase of the waveform and of its harmonics. Fit the waveform itself instead.");
   }
 }
 

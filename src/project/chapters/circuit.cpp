@@ -22,7 +22,7 @@ std::string ngspice_sentence(const spice::CompensatorCheck& check) {
 
 void circuit_chapter(report::Page& page, const ProjectRun& run) {
   if (!run.design.circuit) return;
-  const circuit::Realised& realised = *run.design.circuit;
+  const circuit::Realised& realised = run.design.realised();
   const circuit::RealiseReport& report = realised.report;
   page.chapter("Circuit");
   page.paragraph(fmt::format(
@@ -32,7 +32,7 @@ void circuit_chapter(report::Page& page, const ProjectRun& run) {
       run.project.circuit->capacitors, rounded_text(report.band.from.value),
       rounded_text(report.band.to.value), rounded_text(report.parts.max_magnitude_db, 3),
       rounded_text(report.nearest.max_magnitude_db, 3), rounded_text(report.opamps.max_magnitude_db, 3),
-      realised.circuit.model.name));
+      realised.circuit.opamp.name));
   if (run.ngspice) {
     page.paragraph(ngspice_sentence(*run.ngspice));
   } else {

@@ -13,7 +13,7 @@ void layout_chapter(report::Page& page, const ProjectRun& run) {
   page.paragraph(fmt::format(
       "{} multipliers ({}) make the powers that the branches share; {} summing op-amps; a switch driven by the slope "
       "of the reference selects the branch. Largest error of d from the preferred resistor values: {} % of range.",
-      layout.multipliers.size(), layout.multiplier.name, layout.branches.size(),
+      layout.generator_multipliers(), layout.multiplier.name, layout.branches.size(),
       rounded_text(layout.max_error_percent, 3)));
   page.figure(multiplier_layout::drawing_svg(layout), "Powers, weighted sums, branch switch.");
   for (const std::string& warning : layout.warnings) page.warning(warning);

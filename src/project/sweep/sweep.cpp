@@ -10,9 +10,8 @@
 #include "base/json.hpp"
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
-#include "project/sweep/sweep_figures.hpp"
+#include "project/run_project.hpp"
 #include "project/sweep/variants.hpp"
-#include "project/tables.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -34,23 +33,6 @@ std::vector<std::string> changed_keys(const std::vector<Variant>& variants) {
   return out;
 }
 
-/// Reads a variant to its end and forgets it: what is wrong in it is said before hours of work.
-void check_variant(const ProjectSource& source) {
-  Provenance from;
-  if (source.is_filter()) {
-    FilterProject::from_document(source.document, source.file, from);
-  } else {
-    Project::from_document(source.document, source.file, from);
-  }
-}
-
-template <class Run>
-void take_outcome(const Run& run, SweptVariant& out, Provenance& from) {
-  from = run.from;
-  out.status = run.limits_met() ? Status::done : Status::limit_missed;
-  out.figures = sweep_figures(run);
-}
-
 Json outcome_json(const Variant& variant, const SweptVariant& outcome, const Provenance& from) {
   Json out = json_header("variant", from);
   out["name"] = variant.name;
@@ -68,11 +50,10 @@ void run_variant(const ProjectSource& source, const Variant& variant, const fs::
   SweptVariant outcome;
   Provenance from = source.from;
   try {
-    if (source.is_filter()) {
-      take_outcome(run_filter_project(source, folder), outcome, from);
-    } else {
-      take_outcome(run_project(source, folder), outcome, from);
-    }
+    const std::unique_ptr<Run> run = run_project(source, folder);
+    from = run->from;
+    outcome.status = run->limits_met() ? Status::done : Status::limit_missed;
+    outcome.figures = run->figures();
   } catch (const InputError& error) {
     // One design that cannot be made is a result of the sweep, not its end.
     outcome.status = Status::refused;
@@ -168,7 +149,7 @@ Sweep run_sweep(const fs::path& project, const fs::path& variants_file, const fs
   std::vector<ProjectSource> sources;
   for (const Variant& variant : variants) {
     sources.push_back(with_variant(source, variant));
-    check_variant(sources.back());
+    check_project(sources.back());
   }
   std::vector<std::uint64_t> kept = run_own(variants, sources, folder, options, team);
   team.sum(kept);  // the leader goes on when all are here

@@ -18,7 +18,7 @@ struct SweptVariant {
   std::vector<std::string> values;  ///< one for each of Sweep::keys
   enum class Status { done, limit_missed, refused } status = Status::done;
   std::string message;                                  ///< why it was refused
-  std::vector<std::pair<std::string, double>> figures;  ///< names with units, see sweep_figures.hpp
+  std::vector<std::pair<std::string, double>> figures;  ///< names with units, see Run::figures
   double compute_s = 0.0;
   bool kept = false;  ///< taken from an earlier sweep
 };

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -16,6 +17,7 @@ struct Source {
   std::string_view text;  ///< the same as UTF-8 without byte order mark
   std::string choice;     ///< "s11", "v(out)", "v(in),v(out)", "gain", …; empty: the format's own default
   Content wanted = Content::any;
+  std::optional<double> sample_hz;  ///< of records without times, as the user says
 };
 
 /// A foreign file in this program's columns: `frequency_hz,magnitude_db[,phase_deg]` or `time_s,u[,y]`.

@@ -15,23 +15,56 @@ bool contains(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
 }
 
+constexpr std::string_view kLevelFunctions[] = {"db", "db10", "db20"};
+constexpr std::string_view kAngleFunctions[] = {"ang_deg", "cang_deg", "phase", "arg"};
+constexpr std::string_view kRadianFunctions[] = {"ang_rad", "cang_rad"};
+constexpr std::string_view kSizeFunctions[] = {"mag", "abs"};
+
+template <std::size_t N>
+bool is_one_of(std::string_view name, const std::string_view (&words)[N]) {
+  return std::find(std::begin(words), std::end(words), name) != std::end(words);
+}
+
+bool is_function_of(std::string_view name) {
+  return is_one_of(name, kLevelFunctions) || is_one_of(name, kAngleFunctions) ||
+         is_one_of(name, kRadianFunctions) || is_one_of(name, kSizeFunctions) || name == "re" ||
+         name == "im" || name == "-im";
+}
+
+/// Where the bracket that closes at `close` opens.
+std::size_t opening_of(std::string_view text, std::size_t close) {
+  const char closing = text[close];
+  const char opening = closing == ')' ? '(' : '[';
+  int depth = 0;
+  for (std::size_t i = close + 1; i-- > 0;) {
+    if (text[i] == closing) ++depth;
+    if (text[i] == opening && --depth == 0) return i;
+  }
+  return std::string_view::npos;
+}
+
+/// V(out), dB(S(2,1)), Re(Z): what stands in the brackets is what was measured. Mag(dB) has a unit there.
+bool is_name_with_brackets(std::string_view before, const std::string& inside) {
+  const std::string name = lower_case(before);
+  return name == "v" || name == "i" || (is_function_of(name) && !is_unit_alone(inside));
+}
+
 /// The last text in brackets; what stands before them into `rest`.
 std::string bracketed(const std::string& text, std::string& rest) {
-  for (const char* pair : {"()", "[]"}) {
-    const std::size_t close = text.rfind(pair[1]);
-    const std::size_t open = close == std::string::npos ? close : text.rfind(pair[0], close);
-    if (open == std::string::npos || open == 0) continue;
-    // V(out) is a name, not a unit.
-    const std::string before(trim(std::string_view(text).substr(0, open)));
-    if (open > 0 && text[open - 1] != ' ' && (lower_case(before) == "v" || lower_case(before) == "i"))
-      continue;
-    rest = before;
-    return std::string(trim(std::string_view(text).substr(open + 1, close - open - 1)));
+  const std::size_t close = text.find_last_of(")]");
+  const std::size_t open = close == std::string::npos ? close : opening_of(text, close);
+  if (open != std::string::npos && open > 0) {
+    const std::string_view before = std::string_view(text).substr(0, open);
+    std::string inside(trim(std::string_view(text).substr(open + 1, close - open - 1)));
+    if (before.back() == ' ' || !is_name_with_brackets(before, inside)) {
+      rest = std::string(trim(before));
+      return inside;
+    }
   }
   rest = text;
   // "f/Hz", "Gain dB"
   const std::size_t end = text.find_last_of("/ ");
-  if (end != std::string::npos && end > 0 && is_unit_alone(text.substr(end + 1))) {
+  if (end != std::string::npos && end > 0 && !is_unit_alone(text) && is_unit_alone(text.substr(end + 1))) {
     rest = std::string(trim(std::string_view(text).substr(0, end)));
     return text.substr(end + 1);
   }
@@ -85,19 +118,85 @@ bool is_frequency(const std::string& name, const Heading& heading) {
   return !heading.unit.empty() && frequency_scale(heading.unit).has_value() && !contains(name, "gain");
 }
 
+/// Volts and amperes, as peaks and means too.
+std::optional<double> signal_scale(std::string_view unit) {
+  for (const char* base :
+       {"V", "Volt", "Volts", "Vpp", "Vp", "Vpk", "Vrms", "A", "Ampere", "Amperes", "Amp"}) {
+    if (const auto scale = scale_of(unit, base)) return scale;
+  }
+  return std::nullopt;
+}
+
+std::optional<double> resistance_scale(std::string_view unit) {
+  for (const char* base : {"ohm", "ohms", "\xCE\xA9", "\xE2\x84\xA6"}) {
+    if (const auto scale = scale_of(unit, base)) return scale;
+  }
+  return std::nullopt;
+}
+
+bool is_degrees(const std::string& unit) {
+  return unit.empty() || unit == "*" || unit == "deg." || unit.ends_with("\xC2\xB0") || unit == "\xB0" ||
+         unit == "deg" || unit == "degree" || unit == "degrees";
+}
+
 void read_magnitude(Heading& heading, const std::string& name, const std::string& unit) {
   heading.quantity = Quantity::magnitude;
-  const bool decibel = unit.starts_with("db") || contains(name, "db") || contains(name, "spl");
-  if (decibel) heading.magnitude = MagnitudeScale::decibel;
-  if (decibel) return;
-  for (const char* base : {"V", "A", "ohm", "ohms", "\xCE\xA9", "\xE2\x84\xA6", "V/V", "X"}) {
-    if (const auto scale = scale_of(heading.unit, base)) {
-      heading.magnitude = MagnitudeScale::linear;
-      heading.scale = *scale;
-    }
+  heading.quotient = contains(name, "math") || contains(name, " / ");
+  // A program that writes either: the values or the user say which.
+  if (unit == "dbv/ohm" || unit == "dbv/ohms") return;
+  if (unit.starts_with("db") || contains(name, "db") || contains(name, "spl")) {
+    heading.magnitude = MagnitudeScale::decibel;
+    for (const char* of_one_signal : {"dbv", "dbu", "dbm", "dbmv", "dbuv", "db\xC2\xB5v", "dbfs", "dbvrms"})
+      heading.level = heading.level || unit == of_one_signal;
+    return;
   }
-  if (unit == "1" || unit == "lin" || unit == "linear" || contains(name, "linear"))
+  if (const auto ohm = resistance_scale(heading.unit)) {
     heading.magnitude = MagnitudeScale::linear;
+    heading.scale = *ohm;
+  } else if (const auto signal = signal_scale(heading.unit)) {
+    heading.magnitude = MagnitudeScale::linear;
+    heading.scale = *signal;
+    heading.level = true;
+  } else if (unit == "1" || unit == "-" || unit == "u" || unit == "x" || unit == "v/v" || unit == "a/a" ||
+             unit == "lin" || unit == "linear" || unit == "ratio" || contains(name, "linear")) {
+    heading.magnitude = MagnitudeScale::linear;
+  } else {
+    heading.unit_known = heading.unit.empty();
+  }
+}
+
+void read_phase(Heading& heading, const std::string& unit) {
+  heading.quantity = Quantity::phase;
+  if (is_radians(unit)) {
+    heading.scale = 180.0 / std::numbers::pi;
+  } else if (unit == "mrad") {
+    heading.scale = 0.18 / std::numbers::pi;
+  } else {
+    heading.unit_known = is_degrees(unit);
+  }
+}
+
+/// Parts of a complex number as impedance analysers name them: Zre, Z_real, Z', Re(Z), -Im(Z), -Z''.
+std::optional<Quantity> part_named(std::string name, double& sign) {
+  if (name.starts_with('-')) {
+    sign = -1.0;
+    name = std::string(trim(std::string_view(name).substr(1)));
+  }
+  if (contains(name, "imag") || name == "im" || name.starts_with("im(") || name == "zim" || name == "z_im" ||
+      name == "z''" || name == "z\"")
+    return Quantity::imaginary;
+  if (contains(name, "real") || name == "re" || name.starts_with("re(") || name == "zre" || name == "z_re" ||
+      name == "z'")
+    return Quantity::real;
+  sign = 1.0;
+  return std::nullopt;
+}
+
+/// "|Z|", "|H|", "|S21|"; "|Vac|" is how the measurement was driven.
+bool is_size_between_bars(const std::string& name) {
+  const std::size_t bar = name.find('|');
+  if (bar == std::string::npos || bar + 1 >= name.size()) return false;
+  return std::string_view("zyhgst").find(name[bar + 1]) != std::string_view::npos;
 }
 
 /// "TR1: Gain (Real)", "TR2: Gain (Degree)": what stands in brackets is a part of a complex number and no unit.
@@ -129,6 +228,9 @@ Heading parse_heading(const std::string& text) {
     heading.unit = heading.text;
     name = "hz";
   }
+  if (heading.unit.empty() && (name.starts_with("db") || name == "rad/s" || resistance_scale(heading.text)) &&
+      is_unit_alone(heading.text))
+    heading.unit = heading.text;
   const std::string unit = lower_case(heading.unit);
   if (const auto part = part_in_brackets(unit)) {
     heading.quantity = *part;
@@ -138,12 +240,13 @@ Heading parse_heading(const std::string& text) {
   }
   if (name == "freq." || is_frequency(name, heading)) {
     heading.quantity = Quantity::frequency;
+    heading.logarithm = name.starts_with("log") || name.ends_with(" log") || name.ends_with("log10");
     const auto scale = frequency_scale(heading.unit);
     heading.scale = scale.value_or(1.0);
     if (unit == "rad/s" || unit == "rad/sec") {
       heading.quantity = Quantity::angular_frequency;
-    } else if (!scale && !heading.unit.empty()) {
-      heading.unit_known = false;
+    } else {
+      heading.unit_known = scale.has_value() || heading.unit.empty();
     }
     return heading;
   }
@@ -159,32 +262,41 @@ Heading parse_heading(const std::string& text) {
     if (heading.unit.empty() && name.starts_with("second")) heading.unit = "s";
     return heading;
   }
-  if (contains(name, "phase") || contains(name, "angle") || name == "arg" || name == "deg") {
-    heading.quantity = Quantity::phase;
-    if (is_radians(unit)) heading.scale = 180.0 / std::numbers::pi;
-    if (unit == "mrad") heading.scale = 0.18 / std::numbers::pi;
+  const std::string function = name.substr(0, name.find('('));
+  if (function.size() < name.size() && is_function_of(function)) {
+    if (is_one_of(function, kAngleFunctions) || is_one_of(function, kRadianFunctions)) {
+      read_phase(heading, is_one_of(function, kRadianFunctions) ? std::string("rad") : unit);
+      return heading;
+    }
+    if (is_one_of(function, kLevelFunctions) || is_one_of(function, kSizeFunctions)) {
+      heading.quantity = Quantity::magnitude;
+      heading.magnitude =
+          is_one_of(function, kLevelFunctions) ? MagnitudeScale::decibel : MagnitudeScale::linear;
+      return heading;
+    }
+  }
+  if (contains(name, "phase") || contains(name, "angle") || name == "arg" || name == "deg" ||
+      name == "zphz") {
+    read_phase(heading, unit);
     return heading;
   }
   if (contains(name, "coherence")) {
     heading.quantity = Quantity::coherence;
     return heading;
   }
-  if (contains(name, "imag") || name == "im" || name.starts_with("im(")) {
-    heading.quantity = Quantity::imaginary;
-    return heading;
-  }
-  if (contains(name, "real") || name == "re" || name.starts_with("re(")) {
-    heading.quantity = Quantity::real;
+  if (const auto part = part_named(name, heading.scale)) {
+    heading.quantity = *part;
+    if (const auto ohm = resistance_scale(heading.unit)) heading.scale *= *ohm;
     return heading;
   }
   if (contains(name, "mag") || contains(name, "gain") || contains(name, "spl") ||
       contains(name, "amplitude") || contains(name, "level") || contains(name, "impedance") ||
-      name == "abs" || name == "db" || name == "z" || contains(name, "|") || unit.starts_with("db")) {
+      name == "abs" || name == "db" || name == "z" || name == "zmod" || is_size_between_bars(name) ||
+      unit.starts_with("db") || (resistance_scale(heading.unit) && heading.unit == heading.text)) {
     read_magnitude(heading, name, unit);
     return heading;
   }
-  if (const auto volts = scale_of(heading.unit, "V")) heading.scale = *volts;
-  if (const auto amperes = scale_of(heading.unit, "A")) heading.scale = *amperes;
+  heading.scale = signal_scale(heading.unit).value_or(1.0);
   return heading;
 }
 
@@ -197,16 +309,35 @@ std::vector<Heading> parse_headings(const std::vector<std::string>& texts) {
 bool is_unit_alone(const std::string& cell) {
   std::string unit(trim(cell));
   if (unit.size() > 2 && (unit.front() == '(' || unit.front() == '[')) unit = unit.substr(1, unit.size() - 2);
-  if (frequency_scale(unit) || time_scale(unit) || scale_of(unit, "V") || scale_of(unit, "A")) return true;
+  if (frequency_scale(unit) || time_scale(unit) || signal_scale(unit) || resistance_scale(unit)) return true;
   const std::string low = lower_case(unit);
-  for (const char* base : {"ohm", "ohms"}) {
-    if (scale_of(unit, base)) return true;
-  }
   for (const char* known :
-       {"db", "deg", "degree", "degrees", "\xC2\xB0", "\xB0", "rad", "rad/s", "ohm", "ohms"}) {
+       {"db", "dbv", "dbu", "dbm", "dbv/ohm", "rad", "mrad", "rad/s", "\xC2\xB0", "\xB0"}) {
     if (low == known) return true;
   }
-  return false;
+  return !low.empty() && low != "*" && is_degrees(low);
+}
+
+std::optional<std::size_t> first_of(const std::vector<Heading>& headings, Quantity quantity,
+                                    std::size_t from) {
+  for (std::size_t i = from; i < headings.size(); ++i) {
+    if (headings[i].quantity == quantity) return i;
+  }
+  return std::nullopt;
+}
+
+std::optional<std::size_t> frequency_column(const std::vector<Heading>& headings) {
+  const auto hz = first_of(headings, Quantity::frequency);
+  return hz ? hz : first_of(headings, Quantity::angular_frequency);
+}
+
+bool has_response_headings(const std::vector<Heading>& headings) {
+  return frequency_column(headings) &&
+         (first_of(headings, Quantity::magnitude) || first_of(headings, Quantity::real));
+}
+
+bool has_record_headings(const std::vector<Heading>& headings) {
+  return headings.size() >= 2 && first_of(headings, Quantity::time).has_value();
 }
 
 }  // namespace bodesmith::formats

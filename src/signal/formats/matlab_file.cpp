@@ -31,6 +31,7 @@ struct MatVector {
   std::string name;
   std::vector<Complex> values;
   bool complex = false;
+  std::string unusable;  ///< why, of what is no vector of numbers: "is sparse"
 };
 
 template <class T>
@@ -86,6 +87,18 @@ bool append_data(const matvar_t& variable, std::size_t count, std::vector<Comple
   }
 }
 
+/// What a name may stand for and no vector is; it counts where the name is wanted.
+std::string why_unusable(const matvar_t& variable) {
+  if (variable.class_type == MAT_C_SPARSE) return "is sparse, expected it full";
+  if (variable.class_type == MAT_C_CHAR) return "is text, expected numbers";
+  if (variable.class_type == MAT_C_CELL) return "is a cell array, expected numbers";
+  const auto longer =
+      std::count_if(variable.dims, variable.dims + variable.rank, [](auto d) { return d > 1; });
+  if (variable.rank > 2 && longer > 1)
+    return fmt::format("has {} dimensions, expected a vector", variable.rank);
+  return "";
+}
+
 /// Numbers of a variable and, for structures, of its fields; a matrix of several columns gives one vector a column.
 void collect(const matvar_t* variable, const std::string& prefix, std::vector<MatVector>& out, int depth) {
   if (variable == nullptr || variable->name == nullptr || depth > 3) return;
@@ -95,6 +108,10 @@ void collect(const matvar_t* variable, const std::string& prefix, std::vector<Ma
     if (variable->data == nullptr || variable->nbytes < fields * sizeof(matvar_t*)) return;
     for (unsigned i = 0; i < fields; ++i)
       collect(static_cast<matvar_t* const*>(variable->data)[i], name + ".", out, depth + 1);
+    return;
+  }
+  if (const std::string why = why_unusable(*variable); !why.empty()) {
+    out.push_back({name, {}, false, why});
     return;
   }
   if (variable->data == nullptr || variable->data_size <= 0) return;
@@ -110,7 +127,7 @@ void collect(const matvar_t* variable, const std::string& prefix, std::vector<Ma
   // libmatio keeps the bytes of one part; fewer than the shape says would be read beyond their end.
   if (variable->isComplex == 0 && variable->nbytes < count * static_cast<std::size_t>(variable->data_size))
     return;
-  MatVector vector{name, {}, variable->isComplex != 0};
+  MatVector vector{name, {}, variable->isComplex != 0, {}};
   if (!append_data(*variable, count, vector.values)) return;
   if (count == longest) {
     out.push_back(std::move(vector));
@@ -120,7 +137,8 @@ void collect(const matvar_t* variable, const std::string& prefix, std::vector<Ma
       const auto begin = vector.values.begin() + static_cast<std::ptrdiff_t>(c * rows);
       out.push_back({fmt::format("{}({})", name, c + 1),
                      {begin, begin + static_cast<std::ptrdiff_t>(rows)},
-                     vector.complex});
+                     vector.complex,
+                     {}});
     }
   }
 }
@@ -220,7 +238,12 @@ std::vector<MatVector> read_vectors(const Source& source) {
           fmt::format("holds a variable '{}' that is damaged", variable->name ? variable->name : ""));
     collect(variable.get(), "", out, 0);
   }
-  if (out.empty()) throw InputError(source.file, 0, "holds no vectors of numbers");
+  if (std::all_of(out.begin(), out.end(), [](const MatVector& v) { return !v.unusable.empty(); })) {
+    throw InputError(source.file, 0,
+                     out.empty()
+                         ? std::string("holds no vectors of numbers")
+                         : fmt::format("holds no vectors of numbers: '{}' {}", out[0].name, out[0].unusable));
+  }
   return out;
 }
 
@@ -236,8 +259,9 @@ class MatRoles {
   const MatVector* named(std::initializer_list<std::string_view> names, std::size_t length = 0) const {
     for (const std::string_view name : names) {
       for (const MatVector& v : vectors_) {
-        const bool fits = length == 0 ? v.values.size() > 1 : v.values.size() == length;
-        if (fits && last_part(v.name) == name) return &v;
+        if (last_part(v.name) != name) continue;
+        require_usable(v);
+        if (length == 0 ? v.values.size() > 1 : v.values.size() == length) return &v;
       }
     }
     return nullptr;
@@ -254,7 +278,19 @@ class MatRoles {
   const MatVector& chosen(std::string_view name) const {
     std::vector<std::string> names;
     for (const MatVector& v : vectors_) names.push_back(v.name);
-    return vectors_[require_name(source_, names, name)];
+    const MatVector& out = vectors_[require_name(source_, names, name)];
+    require_usable(out);
+    return out;
+  }
+  /// InputError where it is complex.
+  std::vector<double> reals(const MatVector& vector) const {
+    std::vector<double> out;
+    for (const Complex& v : vector.values) {
+      if (v.imag() != 0.0)
+        throw InputError(source_.file, 0, fmt::format("'{}' is complex, expected real numbers", vector.name));
+      out.push_back(v.real());
+    }
+    return out;
   }
   /// The only complex vector of a length.
   const MatVector* only_complex(std::size_t length) const {
@@ -273,37 +309,55 @@ class MatRoles {
   }
 
  private:
+  void require_usable(const MatVector& vector) const {
+    if (!vector.unusable.empty())
+      throw InputError(source_.file, 0, fmt::format("'{}' {}", vector.name, vector.unusable));
+  }
+
   const Source& source_;
   const std::vector<MatVector>& vectors_;
 };
 
-std::vector<double> reals(const MatVector& vector) {
-  std::vector<double> out;
-  for (const Complex& v : vector.values) out.push_back(v.real());
-  return out;
+/// FILE:F,H or FILE:F,MAGNITUDE,PHASE, FILE:U,Y or FILE:T,U,Y: variables of any name.
+std::vector<const MatVector*> chosen_vectors(const Source& source, const MatRoles& roles) {
+  std::vector<const MatVector*> out;
+  if (is_scale_word(source.choice)) return out;
+  for (Choice rest = split_choice(source.choice);; rest = split_choice(rest.second)) {
+    if (rest.between == '/')
+      throw InputError(source.file, 0,
+                       fmt::format("'{}' is a quotient, expected NAME or NAME,NAME", source.choice));
+    if (!rest.first.empty()) out.push_back(&roles.chosen(rest.first));
+    if (rest.between == 0) return out;
+  }
+}
+
+bool begins_like_angular(const std::string& name) {
+  const std::string last = last_part(name);
+  return last == "w" || last == "wout" || last.starts_with("omega") || last.ends_with("rad_s");
 }
 
 std::optional<Foreign> matlab_response(const Source& source, const MatRoles& roles) {
+  const std::vector<const MatVector*> chosen = chosen_vectors(source, roles);
+  const MatVector* f = chosen.size() > 1 ? chosen[0] : nullptr;
+  if (f == nullptr)
+    f = roles.named({"frequency_hz", "freq_hz", "f_hz", "frequency", "freq", "f", "fhz", "hz"});
+  if (f == nullptr) f = roles.named({"omega", "w", "wout", "omega_rad_s", "w_rad_s"});
+  if (f == nullptr) return std::nullopt;
   Heading axis;
   axis.unit = "Hz";
-  const MatVector* f =
-      roles.named({"frequency_hz", "freq_hz", "f_hz", "frequency", "freq", "f", "fhz", "hz"});
-  if (f == nullptr) {
-    f = roles.named({"omega", "w", "wout", "omega_rad_s", "w_rad_s"});
-    axis.quantity = Quantity::angular_frequency;
-  }
-  if (f == nullptr) return std::nullopt;
+  if (begins_like_angular(f->name)) axis.quantity = Quantity::angular_frequency;
   const std::size_t length = f->values.size();
   Words words{"MATLAB 5 file", {"frequency " + f->name}};
-  std::vector<double> frequency = hertz(axis, reals(*f), words);
+  std::vector<double> frequency = hertz(axis, roles.reals(*f), words);
   ResponseTrace trace;
-  const bool scale_word = source.choice == "db" || source.choice == "gain" || source.choice == "ohm";
-  const MatVector* h = roles.only_complex(length);
-  if (!source.choice.empty() && !scale_word) h = &roles.chosen(source.choice);
-  if (h != nullptr && h->values.size() != length)
-    throw InputError(
-        source.file, 0,
-        fmt::format("'{}' has {} values, {} has {}", h->name, h->values.size(), f->name, length));
+  const MatVector* h = chosen.empty() ? roles.only_complex(length) : chosen[chosen.size() > 1 ? 1 : 0];
+  const auto require_length = [&](const MatVector& vector) {
+    if (vector.values.size() != length)
+      throw InputError(
+          source.file, 0,
+          fmt::format("'{}' has {} values, {} has {}", vector.name, vector.values.size(), f->name, length));
+  };
+  if (h != nullptr) require_length(*h);
   if (h != nullptr && h->complex) {
     trace = to_trace(h->name, h->values);
     words.notes.push_back("response " + h->name);
@@ -317,48 +371,61 @@ std::optional<Foreign> matlab_response(const Source& source, const MatRoles& rol
                                                : MagnitudeScale::unknown;
     words.notes.push_back("magnitude " + h->name);
     trace.name = h->name;
-    trace.magnitude_db = decibels(source, scale, reals(*h), words);
-    if (const MatVector* phase = roles.named({"phase_deg", "phase"}, length)) {
-      trace.phase_deg = reals(*phase);
+    trace.magnitude_db = decibels(source, scale, roles.reals(*h), words);
+    const MatVector* phase = chosen.size() > 2 ? chosen[2] : roles.named({"phase_deg", "phase"}, length);
+    if (phase != nullptr) {
+      require_length(*phase);
+      trace.phase_deg = roles.reals(*phase);
       words.notes.push_back(fmt::format("{} in degrees", phase->name));
     }
   }
   return response_columns(source, std::move(words), std::move(frequency), std::move(trace), {});
 }
 
-std::optional<Foreign> matlab_record(const Source& source, const MatRoles& roles) {
-  const Choice choice = split_choice(source.choice);
-  const MatVector* t = roles.named({"time_s", "t_s", "time", "t", "tout"});
-  const MatVector* u = choice.first.empty() ? nullptr : &roles.chosen(choice.first);
-  const MatVector* y = choice.second.empty() ? nullptr : &roles.chosen(choice.second);
-  if (u == nullptr) {
-    const std::size_t length = t == nullptr ? 0 : t->values.size();
-    u = roles.named({"u", "input", "in", "x", "vin", "r"}, length);
-    y = roles.named({"y", "output", "out", "vout"}, u == nullptr ? length : u->values.size());
-    if (u == nullptr) std::swap(u, y);
-  }
-  if (u == nullptr) return std::nullopt;
-  const std::size_t length = u->values.size();
-  Words words{"MATLAB 5 file", {}};
-  std::vector<double> time;
+/// Times of a record of `length` samples: a vector, the user's or the file's own rate or step; empty where there is none.
+std::vector<double> matlab_times(const Source& source, const MatRoles& roles, const MatVector* t,
+                                 std::size_t length, Words& words) {
   if (t != nullptr) {
-    time = reals(*t);
     words.notes.push_back("time " + t->name);
-  } else {
-    const auto rate = roles.scalar({"fs", "fs_hz", "sample_rate", "samplerate", "rate"});
-    const auto step = rate ? std::optional(1.0 / *rate) : roles.scalar({"ts", "dt", "step_s", "h"});
-    if (!step) return std::nullopt;
-    for (std::size_t i = 0; i < length; ++i) time.push_back(static_cast<double>(i) * *step);
-    words.notes.push_back(fmt::format("steps of {}", engineering_text(*step, "s", 6)));
+    return roles.reals(*t);
   }
-  for (const MatVector* v : {u, y}) {
-    if (v != nullptr && v->values.size() != time.size())
+  if (source.sample_hz) return sampled_times(*source.sample_hz, length, words);
+  std::vector<double> out;
+  const auto rate = roles.scalar({"fs", "fs_hz", "sample_rate", "samplerate", "rate"});
+  const auto step = rate ? std::optional(1.0 / *rate) : roles.scalar({"ts", "dt", "step_s", "h"});
+  if (!step) return out;
+  for (std::size_t i = 0; i < length; ++i) out.push_back(static_cast<double>(i) * *step);
+  words.notes.push_back(fmt::format("steps of {}", engineering_text(*step, "s", 6)));
+  return out;
+}
+
+std::optional<Foreign> matlab_record(const Source& source, const MatRoles& roles) {
+  std::vector<const MatVector*> chosen = chosen_vectors(source, roles);
+  const MatVector* t = nullptr;
+  if (chosen.size() > 2) {
+    t = chosen.front();
+    chosen.erase(chosen.begin());
+  } else {
+    t = roles.named({"time_s", "t_s", "time", "t", "tout"});
+  }
+  if (chosen.empty()) {
+    const std::size_t length = t == nullptr ? 0 : t->values.size();
+    if (const MatVector* u = roles.named({"u", "input", "in", "x", "vin", "r"}, length)) chosen.push_back(u);
+    const std::size_t as_long = chosen.empty() ? length : chosen[0]->values.size();
+    if (const MatVector* y = roles.named({"y", "output", "out", "vout"}, as_long)) chosen.push_back(y);
+  }
+  if (chosen.empty()) return std::nullopt;
+  Words words{"MATLAB 5 file", {}};
+  std::vector<double> time = matlab_times(source, roles, t, chosen[0]->values.size(), words);
+  if (time.empty()) return std::nullopt;
+  std::vector<SignalTrace> signals;
+  for (const MatVector* v : chosen) {
+    if (v->values.size() != time.size())
       throw InputError(
           source.file, 0,
           fmt::format("'{}' has {} values for {} times", v->name, v->values.size(), time.size()));
+    signals.push_back({v->name, roles.reals(*v)});
   }
-  std::vector<SignalTrace> signals{{u->name, reals(*u)}};
-  if (y != nullptr) signals.push_back({y->name, reals(*y)});
   return record_columns(source, std::move(words), std::move(time), std::move(signals), {},
                         Steps::as_they_are);
 }

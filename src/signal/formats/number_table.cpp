@@ -5,12 +5,13 @@
 #include <algorithm>
 #include <charconv>
 #include <cmath>
+#include <limits>
 #include <optional>
 
 #include "base/error.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "signal/formats/headings.hpp"
-#include "signal/formats/table_meaning.hpp"
 
 namespace bodesmith::formats {
 namespace {
@@ -39,28 +40,40 @@ std::string_view unquoted(std::string_view cell) {
   return trim(cell);
 }
 
+/// Where the cell that begins at `begin` ends: quotation marks that open it hold separators too.
+std::size_t end_of_cell(std::string_view line, std::size_t begin, std::string_view separators) {
+  std::size_t from = line.find_first_not_of(" \t", begin);
+  if (from != std::string_view::npos && line[from] == '"') {
+    const std::size_t close = line.find('"', from + 1);
+    if (close != std::string_view::npos) begin = close;
+  }
+  return std::min(line.find_first_of(separators, begin), line.size());
+}
+
 void split_cells(std::string_view line, char separator, std::vector<std::string_view>& cells) {
   cells.clear();
-  if (separator != ' ') {
-    std::size_t begin = 0;
-    while (true) {
-      const std::size_t end = line.find(separator, begin);
-      cells.push_back(unquoted(line.substr(begin, end == std::string_view::npos ? end : end - begin)));
-      if (end == std::string_view::npos) break;
-      begin = end + 1;
+  if (separator == ' ') {
+    std::size_t at = 0;
+    while ((at = line.find_first_not_of(" \t", at)) != std::string_view::npos) {
+      const std::size_t end = end_of_cell(line, at, " \t");
+      cells.push_back(unquoted(line.substr(at, end - at)));
+      at = end;
     }
-    if (cells.size() > 1 && cells.back().empty()) cells.pop_back();
     return;
   }
-  std::size_t at = 0;
-  while ((at = line.find_first_not_of(" \t", at)) != std::string_view::npos) {
-    const std::size_t end = std::min(line.find_first_of(" \t", at), line.size());
-    cells.push_back(unquoted(line.substr(at, end - at)));
-    at = end;
+  for (std::size_t begin = 0;;) {
+    const std::size_t end = end_of_cell(line, begin, {&separator, 1});
+    cells.push_back(unquoted(line.substr(begin, end - begin)));
+    if (end == line.size()) break;
+    begin = end + 1;
   }
 }
 
 bool cell_number(std::string_view cell, char decimal, double& value) {
+  if (cell.empty()) {
+    value = std::numeric_limits<double>::quiet_NaN();
+    return true;
+  }
   if (decimal == '.') return parse_number(cell, value);
   if (cell.size() > 60 || cell.find('.') != std::string_view::npos) return false;
   char buffer[64];
@@ -71,14 +84,14 @@ bool cell_number(std::string_view cell, char decimal, double& value) {
 
 struct Attempt {
   NumberTable table;
-  std::vector<std::string_view> raw_above;
-  int broken_line = 0;  ///< 0: read to its end
+  std::vector<std::string_view> raw_above;  ///< one a line of the file
+  int broken_line = 0;                      ///< 0: read to its end
   std::string why;
   bool numbers_above =
       false;  ///< a line above the first row begins like a number: perhaps another writing is meant
 };
 
-/// One row. False when it is not one; then `why` says so.
+/// One row, which has its first number. False when it is not one; then `why` says so.
 bool parse_row(const std::vector<std::string_view>& cells, char decimal, std::vector<double>& row,
                std::string& why) {
   row.clear();
@@ -90,10 +103,25 @@ bool parse_row(const std::vector<std::string_view>& cells, char decimal, std::ve
     }
     row.push_back(value);
   }
+  if (!row.empty() && std::isnan(row.front())) {
+    why = "has no first number";
+    return false;
+  }
   return true;
 }
 
-Attempt attempt(std::string_view text, const Writing& writing, std::size_t line_limit) {
+std::size_t cells_used(const std::vector<double>& row) {
+  return static_cast<std::size_t>(
+      std::count_if(row.begin(), row.end(), [](double v) { return !std::isnan(v); }));
+}
+
+/// Rows may end with more or fewer separators than the first one.
+void fit_empty_end(std::vector<double>& row, std::size_t columns) {
+  while (row.size() > columns && std::isnan(row.back())) row.pop_back();
+}
+
+Attempt attempt(std::string_view text, const Writing& writing, std::size_t line_limit,
+                std::size_t least_columns) {
   Attempt out;
   NumberTable& table = out.table;
   table.decimal_comma = writing.decimal == ',';
@@ -104,23 +132,27 @@ Attempt attempt(std::string_view text, const Writing& writing, std::size_t line_
   for (std::size_t seen = 0; !text.empty() && seen < line_limit; ++seen) {
     ++number;
     const std::size_t end = text.find('\n');
-    const std::string_view line = trim(text.substr(0, end));
+    const std::string_view whole = text.substr(0, end);
+    const std::string_view line = trim(whole);
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     const bool started = !table.columns.empty();
     if (line.empty() || is_comment(line)) {
       if (!started) out.raw_above.push_back(line);
       continue;
     }
-    split_cells(line, writing.separator, cells);
+    // The last tabs of a line stand between empty cells.
+    split_cells(writing.separator == '\t' ? whole : line, writing.separator, cells);
     const bool numbers = parse_row(cells, writing.decimal, row, why);
     if (!started) {
-      if (!numbers || cells.size() < 2) {
+      if (!numbers || cells_used(row) < least_columns) {
         out.numbers_above = out.numbers_above || begins_like_number(line);
         out.raw_above.push_back(line);
         continue;
       }
       table.columns.resize(row.size());
-    } else if (!numbers || row.size() != table.columns.size()) {
+    }
+    fit_empty_end(row, table.columns.size());
+    if (!numbers || row.size() != table.columns.size()) {
       out.broken_line = number;
       out.why = !numbers ? why
                          : fmt::format("has {} cells, expected {} as in the rows above", row.size(),
@@ -133,13 +165,35 @@ Attempt attempt(std::string_view text, const Writing& writing, std::size_t line_
   return out;
 }
 
+/// Comments are remarks unless they name what numbers are: a unit, a quantity.
+bool names_quantities(std::string_view comment) {
+  static constexpr std::string_view kQuantities[] = {"freq", "frequency", "time", "phase",
+                                                     "mag",  "magnitude", "gain", "real",
+                                                     "imag", "re",        "im",   "amplitude"};
+  for (std::size_t at = 0; at < comment.size();) {
+    const std::size_t begin = comment.find_first_not_of(" \t,;:=()[]/*#!%_\"", at);
+    if (begin == std::string_view::npos) return false;
+    at = std::min(comment.find_first_of(" \t,;:=()[]/*#!%_\"", begin), comment.size());
+    const std::string word = lower_case(comment.substr(begin, at - begin));
+    if (std::find(std::begin(kQuantities), std::end(kQuantities), word) != std::end(kQuantities)) return true;
+    // Single letters (s, V, A), "us" and "second" are words of remarks too.
+    if (word.size() > 1 && word.size() <= 4 && word != "us" &&
+        is_unit_alone(std::string(comment.substr(begin, at - begin))))
+      return true;
+  }
+  return false;
+}
+
+bool is_ornament(std::string_view line) {
+  return std::none_of(line.begin(), line.end(),
+                      [](char c) { return is_letter_or_digit(c) || static_cast<unsigned char>(c) > 0x7f; });
+}
+
 std::vector<std::string> heading_cells(std::string_view line, char separator) {
   while (!line.empty() && is_comment(line)) line.remove_prefix(1);
   line = trim(line);
-  std::vector<std::string_view> cells;
-  split_cells(line, separator, cells);
   std::vector<std::string> out;
-  for (const std::string_view cell : cells) {
+  for (const std::string_view cell : formats::split_cells(line, separator)) {
     // "Freq (Hz)" between blanks is one heading.
     if (separator == ' ' && !out.empty() && (cell.starts_with('(') || cell.starts_with('['))) {
       out.back() += " " + std::string(cell);
@@ -147,32 +201,57 @@ std::vector<std::string> heading_cells(std::string_view line, char separator) {
       out.emplace_back(cell);
     }
   }
+  while (out.size() > 1 && out.back().empty()) out.pop_back();
   return out;
 }
 
-/// As many headings as columns, by the rows' own separator or another.
-std::vector<std::string> headings_in(std::string_view line, char separator, std::size_t columns) {
+/// As many headings as columns, by the rows' own separator or another. Above a line of units channels may be numbers.
+std::vector<std::string> headings_in(std::string_view line, char separator, std::size_t columns,
+                                     bool above_units) {
   for (const char by : {separator, ',', ';', '\t', ' '}) {
     std::vector<std::string> cells = heading_cells(line, by);
     if (cells.size() != columns) continue;
-    if (std::none_of(cells.begin(), cells.end(), [](const std::string& c) { return begins_like_number(c); }))
+    const auto end = above_units ? cells.begin() + 1 : cells.end();
+    if (std::none_of(cells.begin(), end, [](const std::string& c) { return begins_like_number(c); }))
       return cells;
   }
   return {};
 }
 
+/// Columns in which every cell is empty go; those at the end before headings are counted.
+void drop_empty_columns(NumberTable& table, bool at_end_only) {
+  for (std::size_t c = table.columns.size(); c-- > 0;) {
+    const auto& column = table.columns[c];
+    if (!std::all_of(column.begin(), column.end(), [](double v) { return std::isnan(v); })) {
+      if (at_end_only) return;
+      continue;
+    }
+    table.columns.erase(table.columns.begin() + static_cast<std::ptrdiff_t>(c));
+    if (c < table.headings.size())
+      table.headings.erase(table.headings.begin() + static_cast<std::ptrdiff_t>(c));
+  }
+}
+
 void find_headings(Attempt& found, char separator) {
   NumberTable& table = found.table;
+  drop_empty_columns(table, true);
   std::vector<std::string> units;
-  for (std::size_t back = 1; back <= found.raw_above.size(); ++back) {
-    const std::string_view line = found.raw_above[found.raw_above.size() - back];
-    if (line.empty() || line == "*" || line == "#") continue;
-    std::vector<std::string> cells = headings_in(line, separator, table.columns.size());
-    if (cells.empty()) break;
+  for (std::size_t line_number = found.raw_above.size(); line_number > 0; --line_number) {
+    const std::string_view line = found.raw_above[line_number - 1];
+    if (is_ornament(line)) continue;
+    std::vector<std::string> cells = headings_in(line, separator, table.columns.size(), !units.empty());
     if (is_comment(line)) {
       // Prose may have as many words as the table columns.
       const std::vector<Heading> meant = parse_headings(cells);
-      if (!has_response_headings(meant) && !has_record_headings(meant)) break;
+      if (cells.empty() || (!has_response_headings(meant) && !has_record_headings(meant))) {
+        if (!names_quantities(line)) continue;
+        cells.clear();
+      }
+    }
+    if (cells.empty()) {
+      table.unread_line = static_cast<int>(line_number);
+      table.unread = line;
+      break;
     }
     if (units.empty() && std::all_of(cells.begin(), cells.end(), is_unit_alone)) {
       units = std::move(cells);
@@ -186,6 +265,8 @@ void find_headings(Attempt& found, char separator) {
   }
   // "# Hz dB deg": the units say what the columns are.
   if (table.headings.empty()) table.headings = std::move(units);
+  if (!table.headings.empty()) table.unread_line = 0;
+  drop_empty_columns(table, false);
   for (const std::string_view line : found.raw_above) table.above.emplace_back(line);
 }
 
@@ -194,10 +275,11 @@ struct Best {
   char separator = 0;
 };
 /// The writing that makes most rows; the one that got furthest where none reads to the end.
-std::optional<Best> best_attempt(std::string_view text, std::size_t line_limit) {
+std::optional<Best> best_attempt(std::string_view text, std::size_t line_limit,
+                                 std::size_t least_columns = 2) {
   std::optional<Best> best;
   for (const Writing& writing : kWritings) {
-    Attempt found = attempt(text, writing, line_limit);
+    Attempt found = attempt(text, writing, line_limit, least_columns);
     if (found.table.columns.empty()) continue;
     const bool whole = found.broken_line == 0;
     const bool certain = whole && !found.numbers_above;
@@ -210,8 +292,14 @@ std::optional<Best> best_attempt(std::string_view text, std::size_t line_limit) 
 
 }  // namespace
 
-NumberTable read_table(const Source& source) {
-  auto best = best_attempt(source.text, static_cast<std::size_t>(-1));
+std::vector<std::string_view> split_cells(std::string_view line, char separator) {
+  std::vector<std::string_view> out;
+  split_cells(line, separator, out);
+  return out;
+}
+
+NumberTable read_table(const Source& source, std::size_t least_columns) {
+  auto best = best_attempt(source.text, static_cast<std::size_t>(-1), least_columns);
   if (!best) throw InputError(source.file, 0, "has no rows of numbers");
   if (best->found.broken_line > 0) throw InputError(source.file, best->found.broken_line, best->found.why);
   find_headings(best->found, best->separator);

@@ -1,28 +1,43 @@
 // Two or three columns of numbers and nothing that says what they are: frequency, magnitude, phase where a response is
 // wanted (FRD and ZMA files are that), time, input, output where a record is. FILE:ri takes three columns as frequency,
-// real and imaginary part (ngspice's wrdata), FILE:db, FILE:gain and FILE:ohm say the unit of the magnitude.
+// real and imaginary part (ngspice's wrdata), FILE:db, FILE:gain and FILE:ohm say the unit of the magnitude; so does a
+// name that ends with .frd or .zma. A text right above the numbers that is not understood leaves nothing to guess.
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
 #include <complex>
 
 #include "base/error.hpp"
+#include "base/letters.hpp"
+#include "base/text.hpp"
 #include "signal/formats/all_formats.hpp"
 #include "signal/formats/table_meaning.hpp"
 
 namespace bodesmith::formats {
 namespace {
 
-/// A record begins at or before 0, or has even steps; frequencies are above 0 and spread.
+bool has_ending(const Source& source, std::string_view ending) {
+  return lower_case(source.file).ends_with(ending);
+}
+
+/// Times may be below 0, frequencies spread; a table of even steps may be either.
 bool reads_as_record(const Source& source, const NumberTable& table) {
+  if (source.choice == "record" || source.choice == "response") return source.choice == "record";
   if (source.wanted != Content::any) return source.wanted == Content::record;
+  if (!source.choice.empty() || has_ending(source, ".frd") || has_ending(source, ".zma")) return false;
   const std::vector<double>& axis = table.columns.front();
-  if (axis.front() <= 0.0) return true;
-  if (axis.size() < 3) return false;
-  const double step = (axis.back() - axis.front()) / static_cast<double>(axis.size() - 1);
+  if (axis.front() < 0.0) return true;
+  const double step =
+      (axis.back() - axis.front()) / static_cast<double>(std::max<std::size_t>(axis.size(), 2) - 1);
   for (std::size_t i = 1; i < axis.size(); ++i) {
     if (std::abs(axis[i] - axis[i - 1] - step) > 0.01 * std::abs(step)) return false;
   }
-  return true;
+  throw InputError(
+      source.file, table.lines.front(),
+      fmt::format("begins a table without headings whose first column may be times or frequencies: say "
+                  "{0}:record or {0}:response",
+                  source.file));
 }
 
 Foreign plain_response(const Source& source, NumberTable table, Words words) {
@@ -38,7 +53,13 @@ Foreign plain_response(const Source& source, NumberTable table, Words words) {
     trace = to_trace("real, imaginary", response);
     words.notes.emplace_back("then real and imaginary part");
   } else {
-    trace.magnitude_db = decibels(source, MagnitudeScale::unknown, table.columns[1], words);
+    const MagnitudeScale scale = has_ending(source, ".zma")   ? MagnitudeScale::linear
+                                 : has_ending(source, ".frd") ? MagnitudeScale::decibel
+                                                              : MagnitudeScale::unknown;
+    if (scale != MagnitudeScale::unknown)
+      words.notes.emplace_back(scale == MagnitudeScale::linear ? "a .zma file: ohms, 0 dB is 1 ohm"
+                                                               : "an .frd file: dB");
+    trace.magnitude_db = decibels(source, scale, table.columns[1], words);
     if (table.columns.size() == 3) {
       trace.phase_deg = std::move(table.columns[2]);
       words.notes.emplace_back(
@@ -49,6 +70,22 @@ Foreign plain_response(const Source& source, NumberTable table, Words words) {
                           std::move(table.lines));
 }
 
+/// The columns are u and y where the user gives the sampling rate.
+Foreign sampled_record(const Source& source, NumberTable table) {
+  if (table.columns.size() > 2)
+    throw InputError(
+        source.file, table.lines.front(),
+        fmt::format("has {} columns and no headings, expected u, or u and y, with a sampling rate",
+                    table.columns.size()));
+  Words words{"plain table without headings", {}};
+  std::vector<double> time = sampled_times(*source.sample_hz, table.rows(), words);
+  std::vector<SignalTrace> signals;
+  for (std::vector<double>& column : table.columns)
+    signals.push_back({fmt::format("column {}", signals.size() + 1), std::move(column)});
+  return record_columns(source, std::move(words), std::move(time), std::move(signals), std::move(table.lines),
+                        Steps::as_they_are);
+}
+
 class PlainTable : public Format {
  public:
   std::string_view name() const override { return "plain table"; }
@@ -57,7 +94,30 @@ class PlainTable : public Format {
     return head && head->headings.empty();
   }
   Foreign read(const Source& source) const override {
-    NumberTable table = read_table(source);
+    NumberTable table = read_table(source, source.sample_hz ? 1 : 2);
+    for (const char* known : {"", "ri", "db", "dB", "gain", "ohm", "record", "response"}) {
+      if (source.choice == known) break;
+      if (std::string_view(known) == "response")
+        throw InputError(
+            source.file, 0,
+            fmt::format("has no choice '{}': a table without headings has :db, :gain, :ohm, :ri, :record "
+                        "and :response",
+                        source.choice));
+    }
+    if (table.unread_line > 0 || !table.headings.empty())
+      throw InputError(
+          source.file, std::max(table.unread_line, table.lines.front() - 1),
+          fmt::format("'{}' right above the numbers is not understood, expected the names of {} columns "
+                      "such as frequency_hz,magnitude_db,phase_deg or time_s,u,y",
+                      (table.headings.empty() ? table.unread : join(table.headings, ", ")).substr(0, 80),
+                      table.columns.size()));
+    for (const std::vector<double>& column : table.columns) {
+      for (std::size_t row = 0; row < column.size(); ++row) {
+        if (std::isnan(column[row]))
+          throw InputError(source.file, table.lines[row], "has an empty cell in a table without headings");
+      }
+    }
+    if (source.sample_hz && source.wanted == Content::record) return sampled_record(source, std::move(table));
     const std::size_t width = table.columns.size();
     if (width > 3)
       throw InputError(

@@ -4,8 +4,9 @@ namespace bodesmith::formats {
 
 Registry<Format>& formats() {
   static Registry<Format> all(
-      "file format", {&spice_raw(), &wave_audio(), &matlab_file(), &touchstone(), &waveforms_csv(),
-                      &bode100_csv(), &ltspice_text(), &rew_text(), &headed_table(), &plain_table()});
+      "file format", {&spice_raw(), &wave_audio(), &matlab_file(), &touchstone(), &citi_file(),
+                      &instrument_csv(), &block_csv(), &waveforms_csv(), &bode100_csv(), &ltspice_text(),
+                      &rew_text(), &headed_table(), &plain_table()});
   return all;
 }
 

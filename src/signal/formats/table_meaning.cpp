@@ -3,11 +3,14 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <complex>
+#include <initializer_list>
 #include <numbers>
 #include <optional>
 
 #include "base/error.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 
@@ -19,38 +22,58 @@ constexpr double kLinearMax = 4.0;
 constexpr double kSoundMin = 30.0;
 constexpr double kSoundMax = 150.0;
 
-std::optional<std::size_t> first_of(const std::vector<Heading>& headings, Quantity quantity,
-                                    std::size_t from = 0) {
-  for (std::size_t i = from; i < headings.size(); ++i) {
-    if (headings[i].quantity == quantity) return i;
-  }
-  return std::nullopt;
+/// Of several columns a file means the one that is a quotient, then S21, then one that is not the level of one signal.
+int rank_of(const Heading& heading) {
+  const bool forward = lower_case(heading.text).find("s21") != std::string::npos ||
+                       heading.text.find("S(2,1)") != std::string::npos;
+  return (heading.quotient ? 0
+          : forward        ? 1
+          : heading.level  ? 4
+                           : 2) +
+         (heading.magnitude == MagnitudeScale::linear && !heading.level ? 1 : 0);
 }
 
-bool is_scale_word(const std::string& choice) {
-  return choice == "db" || choice == "dB" || choice == "gain" || choice == "ohm";
-}
-
-std::optional<std::size_t> frequency_column(const std::vector<Heading>& headings) {
-  const auto hz = first_of(headings, Quantity::frequency);
-  return hz ? hz : first_of(headings, Quantity::angular_frequency);
-}
-
-/// The magnitude (or real part) column that the user chose; else the first.
-std::size_t chosen_column(const Source& source, const std::vector<Heading>& headings) {
+struct Candidates {
   std::vector<std::string> names;
   std::vector<std::size_t> places;
+};
+
+/// The magnitude (or real part) column that the user chose; else the one that the headings call out.
+std::size_t chosen_column(const Source& source, const std::vector<Heading>& headings) {
+  Candidates all;
   for (const Quantity quantity : {Quantity::magnitude, Quantity::real}) {
     for (std::size_t i = 0; i < headings.size(); ++i) {
       if (headings[i].quantity != quantity) continue;
-      names.push_back(headings[i].text);
-      places.push_back(i);
+      all.names.push_back(headings[i].text);
+      all.places.push_back(i);
     }
-    if (source.choice.empty() && !places.empty()) break;
+    if (source.choice.empty() && !all.places.empty()) break;
   }
-  if (source.choice.empty() || is_scale_word(source.choice)) return places.front();
   // The whole choice may be a heading that contains '/'.
-  return places[require_name(source, names, source.choice)];
+  if (!source.choice.empty() && !is_scale_word(source.choice))
+    return all.places[require_name(source, all.names, source.choice)];
+  const auto ranks_below = [&](std::size_t a, std::size_t b) {
+    return rank_of(headings[a]) < rank_of(headings[b]);
+  };
+  const std::size_t best = *std::min_element(all.places.begin(), all.places.end(), ranks_below);
+  const auto equal = std::count_if(all.places.begin(), all.places.end(),
+                                   [&](std::size_t i) { return !ranks_below(best, i); });
+  if (equal > 1)
+    throw InputError(source.file, 0,
+                     fmt::format("holds {}: choose one as FILE:NAME, or a quotient as FILE:NAME/NAME",
+                                 join(all.names, ", ")));
+  return best;
+}
+
+/// FILE:A/B of two magnitudes, where no heading is called so.
+std::optional<std::pair<std::size_t, std::size_t>> chosen_quotient(const Source& source,
+                                                                   const std::vector<Heading>& headings) {
+  const Choice choice = split_choice(source.choice);
+  std::vector<std::string> names;
+  for (const Heading& heading : headings)
+    names.push_back(heading.quantity == Quantity::magnitude ? heading.text : std::string());
+  if (choice.between != '/' || find_name(names, source.choice)) return std::nullopt;
+  return std::pair(require_name(source, names, choice.first), require_name(source, names, choice.second));
 }
 
 /// The phase that belongs to a magnitude: the next one after it, else the first.
@@ -67,13 +90,14 @@ ResponseTrace complex_trace(const NumberTable& table, const std::vector<Heading>
                             std::size_t imaginary, Words& words) {
   std::vector<std::complex<double>> response(table.rows());
   for (std::size_t i = 0; i < response.size(); ++i)
-    response[i] = {table.columns[real][i], table.columns[imaginary][i]};
+    response[i] = {headings[real].scale * table.columns[real][i],
+                   headings[imaginary].scale * table.columns[imaginary][i]};
   words.notes.push_back(fmt::format("'{}' and '{}'", headings[real].text, headings[imaginary].text));
   return to_trace(headings[real].text, response);
 }
 
 void validate_unit(const Source& source, const NumberTable& table, const Heading& heading) {
-  if (heading.unit_known) return;
+  if (heading.unit_known || (heading.quantity == Quantity::magnitude && is_scale_word(source.choice))) return;
   throw InputError(source.file, table.lines.front(),
                    fmt::format("begins a table whose '{}' has a unit that is not known here", heading.text));
 }
@@ -99,17 +123,100 @@ std::vector<double> coherence_of(const Heading& heading, std::vector<double> val
   return values;
 }
 
+/// Rows in which one of these columns has an empty cell go, and it is said.
+void leave_out_empty(NumberTable& table, std::initializer_list<std::optional<std::size_t>> used,
+                     Words& words) {
+  std::vector<std::size_t> kept;
+  for (std::size_t row = 0; row < table.rows(); ++row) {
+    const bool empty = std::any_of(used.begin(), used.end(), [&](const auto& column) {
+      return column && std::isnan(table.columns[*column][row]);
+    });
+    if (!empty) kept.push_back(row);
+  }
+  if (kept.size() == table.rows()) return;
+  words.notes.push_back(fmt::format("{} rows with empty cells left out", table.rows() - kept.size()));
+  for (std::size_t to = 0; to < kept.size(); ++to) {
+    for (std::vector<double>& column : table.columns) column[to] = column[kept[to]];
+    table.lines[to] = table.lines[kept[to]];
+  }
+  for (std::vector<double>& column : table.columns) column.resize(kept.size());
+  table.lines.resize(kept.size());
+}
+
+std::vector<double> phase_of_column(const Heading& heading, std::vector<double> values, Words& words) {
+  if (heading.scale != 1.0) words.notes.emplace_back("phase from radians");
+  for (double& value : values) value *= heading.scale;
+  return values;
+}
+
+std::vector<double> level_of_column(const Source& source, const Heading& heading, std::vector<double> values,
+                                    Words& words) {
+  for (double& value : values) value *= heading.scale;
+  return decibels(source, heading.magnitude, values, words);
+}
+
+/// A magnitude with its phase.
+ResponseTrace magnitude_trace(const Source& source, const NumberTable& table,
+                              const std::vector<Heading>& headings, std::size_t column, Words& words) {
+  const Heading& heading = headings[column];
+  ResponseTrace trace;
+  trace.name = heading.text;
+  trace.magnitude_db = level_of_column(source, heading, table.columns[column], words);
+  if (const auto phase = phase_of(headings, column)) {
+    validate_unit(source, table, headings[*phase]);
+    trace.phase_deg = phase_of_column(headings[*phase], table.columns[*phase], words);
+  }
+  return trace;
+}
+
+/// One magnitude, whose level alone is no response.
+ResponseTrace single_trace(const Source& source, NumberTable& table, const std::vector<Heading>& headings,
+                           std::size_t column, Words& words) {
+  const Heading& heading = headings[column];
+  const auto phase = phase_of(headings, column);
+  words.notes.push_back(
+      fmt::format("'{}'", heading.text) +
+      (phase ? fmt::format(" and '{}'", headings[*phase].text) : std::string(", no phase")));
+  if (!phase && heading.level && source.choice.empty())
+    throw InputError(source.file, 0,
+                     fmt::format("has '{}' and no phase: a spectrum, expected a response (FILE:NAME/NAME is "
+                                 "one signal over another, FILE:db or FILE:gain takes it as it is)",
+                                 heading.text));
+  if (heading.level)
+    words.notes.push_back(
+        fmt::format("0 dB is {} {}", heading.magnitude == MagnitudeScale::decibel ? 0 : 1, heading.unit));
+  leave_out_empty(table, {frequency_column(headings), column, phase}, words);
+  return magnitude_trace(source, table, headings, column, words);
+}
+
+/// One magnitude over another; with a phase where each has its own.
+ResponseTrace quotient_trace(const Source& source, NumberTable& table, const std::vector<Heading>& headings,
+                             std::size_t above, std::size_t below, Words& words) {
+  words.notes.push_back(fmt::format("'{}' over '{}'", headings[above].text, headings[below].text));
+  validate_unit(source, table, headings[below]);
+  const auto phase_above = phase_of(headings, above);
+  const auto phase_below = phase_of(headings, below);
+  leave_out_empty(table, {frequency_column(headings), above, below, phase_above, phase_below}, words);
+  Words aside;
+  ResponseTrace out = magnitude_trace(source, table, headings, above, words);
+  const ResponseTrace under = magnitude_trace(source, table, headings, below, aside);
+  if (phase_above == phase_below) out.phase_deg.clear();
+  for (std::size_t i = 0; i < under.magnitude_db.size(); ++i) out.magnitude_db[i] -= under.magnitude_db[i];
+  for (std::size_t i = 0; i < out.phase_deg.size(); ++i) out.phase_deg[i] -= under.phase_deg[i];
+  return out;
+}
+
 Foreign response_of(const Source& source, NumberTable table, const std::vector<Heading>& headings,
                     Words words) {
   const std::size_t at = *frequency_column(headings);
   validate_unit(source, table, headings[at]);
-  std::vector<double> frequency = hertz(headings[at], std::move(table.columns[at]), words);
-  const std::size_t column = chosen_column(source, headings);
-  const auto phase = phase_of(headings, column);
+  const auto quotient = chosen_quotient(source, headings);
+  const std::size_t column = quotient ? quotient->first : chosen_column(source, headings);
+  validate_unit(source, table, headings[column]);
   const bool real = headings[column].quantity == Quantity::real;
   std::optional<std::size_t> imaginary = real ? imaginary_of(headings, column) : std::nullopt;
   std::size_t real_part = column;
-  if (!real && !phase && source.choice.empty()) {
+  if (!real && !phase_of(headings, column) && source.choice.empty()) {
     // Magnitude twice over: its parts hold the phase too.
     if (const auto re = first_of(headings, Quantity::real)) {
       imaginary = imaginary_of(headings, *re);
@@ -120,57 +227,70 @@ Foreign response_of(const Source& source, NumberTable table, const std::vector<H
     throw InputError(source.file, 0, fmt::format("has '{}' and no imaginary part", headings[column].text));
   ResponseTrace trace;
   if (imaginary) {
+    leave_out_empty(table, {at, real_part, imaginary}, words);
     trace = complex_trace(table, headings, real_part, *imaginary, words);
   } else {
-    words.notes.push_back(
-        fmt::format("'{}'", headings[column].text) +
-        (phase ? fmt::format(" and '{}'", headings[*phase].text) : std::string(", no phase")));
-    trace.name = headings[column].text;
-    for (double& value : table.columns[column]) value *= headings[column].scale;
-    trace.magnitude_db = decibels(source, headings[column].magnitude, table.columns[column], words);
-    if (phase) {
-      trace.phase_deg = std::move(table.columns[*phase]);
-      if (headings[*phase].scale != 1.0) words.notes.emplace_back("phase from radians");
-      for (double& value : trace.phase_deg) value *= headings[*phase].scale;
-    }
+    trace = quotient ? quotient_trace(source, table, headings, column, quotient->second, words)
+                     : single_trace(source, table, headings, column, words);
   }
+  std::vector<double> frequency = hertz(headings[at], std::move(table.columns[at]), words);
   if (const auto coherence = first_of(headings, Quantity::coherence))
     trace.coherence = coherence_of(headings[*coherence], std::move(table.columns[*coherence]), words);
   return response_columns(source, std::move(words), std::move(frequency), std::move(trace),
                           std::move(table.lines));
 }
 
+/// The times of the file, or those of the sampling rate that the user gave.
+std::vector<double> times_of(const Source& source, NumberTable& table, const std::vector<Heading>& headings,
+                             Words& words) {
+  const auto at = first_of(headings, Quantity::time);
+  if (!at) return sampled_times(*source.sample_hz, table.rows(), words);
+  validate_unit(source, table, headings[*at]);
+  std::vector<double> time = std::move(table.columns[*at]);
+  if (headings[*at].scale != 1.0) words.notes.push_back(fmt::format("time from {}", headings[*at].unit));
+  for (double& t : time) t *= headings[*at].scale;
+  return time;
+}
+
 Foreign record_of(const Source& source, NumberTable table, const std::vector<Heading>& headings,
                   Words words) {
-  const std::size_t at = *first_of(headings, Quantity::time);
-  validate_unit(source, table, headings[at]);
-  std::vector<double> time = std::move(table.columns[at]);
-  if (headings[at].scale != 1.0) words.notes.push_back(fmt::format("time from {}", headings[at].unit));
-  for (double& t : time) t *= headings[at].scale;
-  std::vector<SignalTrace> signals;
+  std::vector<std::string> names;
+  std::vector<std::size_t> places;
   for (std::size_t i = 0; i < headings.size(); ++i) {
     if (headings[i].quantity == Quantity::time) continue;
-    SignalTrace signal{headings[i].text, std::move(table.columns[i])};
-    if (headings[i].quantity == Quantity::signal) {
-      for (double& value : signal.values) value *= headings[i].scale;
-      if (headings[i].scale != 1.0)
-        signal.name += fmt::format(" (times {})", rounded_text(headings[i].scale));
+    places.push_back(i);
+    names.push_back(headings[i].text);
+  }
+  const std::vector<std::size_t> chosen = choose_signals(source, names);
+  std::optional<std::size_t> second;
+  if (chosen.size() > 1) second = places[chosen[1]];
+  leave_out_empty(table, {first_of(headings, Quantity::time), places[chosen[0]], second}, words);
+  std::vector<SignalTrace> signals;
+  for (const std::size_t i : chosen) {
+    const Heading& heading = headings[places[i]];
+    SignalTrace signal{heading.text, table.columns[places[i]]};
+    if (heading.quantity == Quantity::signal && heading.scale != 1.0) {
+      for (double& value : signal.values) value *= heading.scale;
+      signal.name += fmt::format(" (times {})", rounded_text(heading.scale));
     }
     signals.push_back(std::move(signal));
   }
-  return record_columns(source, std::move(words), std::move(time), choose_signals(source, std::move(signals)),
-                        std::move(table.lines), Steps::as_they_are);
+  std::vector<double> time = times_of(source, table, headings, words);
+  return record_columns(source, std::move(words), std::move(time), std::move(signals), std::move(table.lines),
+                        Steps::as_they_are);
 }
 
 }  // namespace
 
-bool has_response_headings(const std::vector<Heading>& headings) {
-  return frequency_column(headings) &&
-         (first_of(headings, Quantity::magnitude) || first_of(headings, Quantity::real));
+bool is_scale_word(const std::string& choice) {
+  return choice == "db" || choice == "dB" || choice == "gain" || choice == "ohm";
 }
 
-bool has_record_headings(const std::vector<Heading>& headings) {
-  return headings.size() >= 2 && first_of(headings, Quantity::time).has_value();
+std::vector<double> sampled_times(double sample_hz, std::size_t count, Words& words) {
+  words.notes.push_back(fmt::format("samples at {} as asked", engineering_text(sample_hz, "Hz", 6)));
+  std::vector<double> out(count);
+  for (std::size_t i = 0; i < count; ++i) out[i] = static_cast<double>(i) / sample_hz;
+  return out;
 }
 
 std::vector<double> decibels(const Source& source, MagnitudeScale scale, std::span<const double> values,
@@ -217,6 +337,10 @@ std::vector<double> hertz(const Heading& heading, std::vector<double> values, Wo
   } else if (scale != 1.0) {
     words.notes.push_back("frequency from " + heading.unit);
   }
+  if (heading.logarithm) {
+    words.notes.emplace_back("frequency from its logarithm to base 10");
+    for (double& value : values) value = std::pow(10.0, value);
+  }
   for (double& value : values) value *= scale;
   return values;
 }
@@ -226,7 +350,8 @@ Foreign read_by_headings(const Source& source, NumberTable table, Words words) {
   if (table.decimal_comma) words.notes.emplace_back("decimal commas");
   if (has_response_headings(headings))
     return response_of(source, std::move(table), headings, std::move(words));
-  if (has_record_headings(headings)) return record_of(source, std::move(table), headings, std::move(words));
+  if (has_record_headings(headings) || (source.sample_hz && !headings.empty()))
+    return record_of(source, std::move(table), headings, std::move(words));
   throw InputError(
       source.file, table.lines.front() - 1,
       fmt::format("has the columns {}: expected a frequency and a magnitude, or a time and signals",

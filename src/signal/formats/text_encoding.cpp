@@ -43,6 +43,9 @@ std::string from_utf16(std::string_view bytes, bool little) {
     }
     append_utf8(out, c);
   }
+  // A byte left over is half a character that was cut, and no digit of the number before it. Half an end of line is none.
+  const char last = bytes.size() % 2 != 0 ? bytes.back() : '\n';
+  if (last != '\n' && last != '\r') append_utf8(out, 0xFFFD);
   return out;
 }
 

@@ -44,6 +44,7 @@ struct TouchstoneOptions {
 /// False when a word is none of an option line's.
 bool parse_options(std::string_view line, TouchstoneOptions& options) {
   const auto words = words_of(line.substr(1));
+  bool reference = false;
   for (std::size_t i = 0; i < words.size(); ++i) {
     const std::string word = upper_case(words[i]);
     if (word == "HZ" || word == "KHZ" || word == "MHZ" || word == "GHZ") {
@@ -53,14 +54,36 @@ bool parse_options(std::string_view line, TouchstoneOptions& options) {
       options.parameter = word[0];
     } else if (word == "MA" || word == "DB" || word == "RI") {
       options.pairs = word;
-    } else if (word == "R" && i + 1 < words.size() && parse_number(words[i + 1], options.reference_ohm) &&
-               options.reference_ohm > 0.0) {
-      ++i;
+    } else if (word == "R" && !reference) {
+      reference = true;
+      // Without its number it says nothing of S parameters, which need none.
+      if (i + 1 < words.size() && parse_number(words[i + 1], options.reference_ohm)) {
+        ++i;
+      } else if (options.parameter != 'S') {
+        return false;
+      }
+      // Some programs write an imaginary part of it too.
+      double ignored = 0.0;
+      if (i + 1 < words.size() && parse_number(words[i + 1], ignored)) ++i;
     } else {
       return false;
     }
   }
-  return true;
+  return options.reference_ohm > 0.0;
+}
+
+/// At least a parameter, a way of writing pairs and a unit of frequency: nothing else begins so.
+bool is_like_options(std::string_view line) {
+  int parameters = 0;
+  int pairs = 0;
+  int units = 0;
+  for (const std::string_view given : words_of(line.substr(1))) {
+    const std::string word = upper_case(given);
+    parameters += word.size() == 1 && std::string_view("SYZGH").find(word[0]) != std::string_view::npos;
+    pairs += word == "MA" || word == "DB" || word == "RI";
+    units += word.ends_with("HZ");
+  }
+  return parameters == 1 && pairs == 1 && units == 1;
 }
 
 struct Network {
@@ -366,7 +389,7 @@ class Touchstone : public Format {
       if (upper_case(line.substr(0, 9)) == "[VERSION]") return true;
       if (line.front() == '#') {
         TouchstoneOptions ignored;
-        if (options || !parse_options(line, ignored)) return false;
+        if (options || (!parse_options(line, ignored) && !is_like_options(line))) return false;
         options = true;
         continue;
       }

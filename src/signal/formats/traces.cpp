@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/letters.hpp"
@@ -259,20 +260,25 @@ Foreign record_columns(const Source& source, Words words, std::vector<double> ti
 
 std::optional<std::size_t> find_name(const std::vector<std::string>& names, std::string_view wanted) {
   const std::string key = folded(wanted);
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (folded(names[i]) == key) return i;
-  }
+  const auto only = [&](const auto& fits) {
+    std::optional<std::size_t> found;
+    std::size_t count = 0;
+    for (std::size_t i = 0; i < names.size(); ++i) {
+      if (!fits(folded(names[i]))) continue;
+      ++count;
+      found = i;
+    }
+    return std::pair(count, found);
+  };
+  if (const auto [count, found] = only([&](const std::string& name) { return name == key; }); count > 0)
+    return count == 1 ? found : std::nullopt;
   for (std::size_t i = 0; i < names.size(); ++i) {
     const std::string name = folded(names[i]);
     if (inside_brackets(name) == key || name == inside_brackets(key)) return i;
   }
-  std::optional<std::size_t> found;
-  for (std::size_t i = 0; i < names.size(); ++i) {
-    if (folded(names[i]).find(key) == std::string::npos) continue;
-    if (found) return std::nullopt;
-    found = i;
-  }
-  return found;
+  const auto [count, found] =
+      only([&](const std::string& name) { return name.find(key) != std::string::npos; });
+  return count == 1 ? found : std::nullopt;
 }
 
 std::size_t require_name(const Source& source, const std::vector<std::string>& names,
@@ -312,29 +318,35 @@ ResponseTrace choose_response(const Source& source, const std::vector<std::strin
   return to_trace(names[above] + "/" + names[below], quotient);
 }
 
-std::vector<SignalTrace> choose_signals(const Source& source, std::vector<SignalTrace> signals) {
-  std::vector<std::string> names;
-  for (const SignalTrace& signal : signals) names.push_back(signal.name);
+std::vector<std::size_t> choose_signals(const Source& source, const std::vector<std::string>& names) {
   if (names.empty()) throw InputError(source.file, 0, "holds times and nothing else");
   if (!source.choice.empty()) {
     const Choice choice = split_choice(source.choice);
     if (choice.between == '/')
       throw InputError(source.file, 0,
                        fmt::format("'{}' is a quotient; a time record has none", source.choice));
-    std::vector<SignalTrace> out{signals[require_name(source, names, choice.first)]};
-    if (choice.between == ',') out.push_back(signals[require_name(source, names, choice.second)]);
+    std::vector<std::size_t> out{require_name(source, names, choice.first)};
+    if (choice.between == ',') out.push_back(require_name(source, names, choice.second));
     return out;
   }
-  if (signals.size() == 1) return signals;
+  if (names.size() == 1) return {0};
   const auto in = find_name(names, "v(in)");
   const auto vin = in ? in : find_name(names, "v(vin)");
   const auto out = find_name(names, "v(out)");
   const auto vout = out ? out : find_name(names, "v(vout)");
-  if (vin && vout && *vin != *vout) return {signals[*vin], signals[*vout]};
-  if (signals.size() == 2) return signals;
+  if (vin && vout && *vin != *vout) return {*vin, *vout};
+  if (names.size() == 2) return {0, 1};
   throw InputError(
       source.file, 0,
       fmt::format("holds {}: choose input and output as FILE:NAME,NAME (or one signal)", join(names, ", ")));
+}
+
+std::vector<SignalTrace> choose_signals(const Source& source, std::vector<SignalTrace> signals) {
+  std::vector<std::string> names;
+  for (const SignalTrace& signal : signals) names.push_back(signal.name);
+  std::vector<SignalTrace> out;
+  for (const std::size_t i : choose_signals(source, names)) out.push_back(signals[i]);
+  return out;
 }
 
 }  // namespace bodesmith::formats

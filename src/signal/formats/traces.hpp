@@ -46,7 +46,7 @@ Foreign record_columns(const Source& source, Words words, std::vector<double> ti
                        std::vector<SignalTrace> signals, std::vector<int> lines, Steps steps);
 
 /// Which of the names is meant: the same but for case and blanks, or within V(…), or the only one that contains it.
-/// Nothing when none or several are.
+/// Nothing when none or several are, also where two have the very same name.
 std::optional<std::size_t> find_name(const std::vector<std::string>& names, std::string_view wanted);
 /// The same; InputError that lists the names.
 std::size_t require_name(const Source& source, const std::vector<std::string>& names,
@@ -63,8 +63,9 @@ Choice split_choice(std::string_view choice);
 /// Complex responses by name: the chosen one or quotient; without a choice the only one, or the one called out.
 ResponseTrace choose_response(const Source& source, const std::vector<std::string>& names,
                               const std::vector<std::vector<std::complex<double>>>& values);
-/// Input and output by name: the chosen ones; without a choice all when there are at most two, else those called in
-/// and out.
+/// Input and output by name, as places among the names: the chosen ones; without a choice all when there are at most
+/// two, else those called in and out.
+std::vector<std::size_t> choose_signals(const Source& source, const std::vector<std::string>& names);
 std::vector<SignalTrace> choose_signals(const Source& source, std::vector<SignalTrace> signals);
 
 }  // namespace bodesmith::formats

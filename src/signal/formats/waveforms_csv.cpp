@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <optional>
 
+#include "base/error.hpp"
 #include "base/text.hpp"
 #include "signal/formats/all_formats.hpp"
 #include "signal/formats/table_meaning.hpp"
@@ -29,6 +30,10 @@ std::optional<bool> second_is_relative(const std::vector<std::string>& above) {
   return relative;
 }
 
+bool is_spectrum(const std::string& line) {
+  return line.starts_with("#Digilent WaveForms Spectrum");
+}
+
 class WaveformsCsv : public Format {
  public:
   std::string_view name() const override { return "Digilent WaveForms CSV"; }
@@ -42,6 +47,11 @@ class WaveformsCsv : public Format {
     NumberTable table = read_table(source);
     Words words{std::string(name()), {}};
     const std::vector<Heading> headings = parse_headings(table.headings);
+    if (source.choice.empty() && std::any_of(table.above.begin(), table.above.end(), is_spectrum))
+      throw InputError(
+          source.file, table.lines.front(),
+          "begins a spectrum, expected a response of the network analyser (FILE:NAME/NAME is one trace "
+          "over another)");
     const auto first = channel_magnitude(headings, "Channel 1");
     const auto second = channel_magnitude(headings, "Channel 2");
     Source chosen = source;

@@ -136,8 +136,8 @@ ClosedForm::Refusal ClosedForm::build(bool any_input) {
   segments_ = straight_segments(DenseSignal::from_record(input_));
   for (std::size_t i = 0; i < kernels.size(); ++i) {
     if (dynamic_ && !std::holds_alternative<LinearKernel>(kernels[i])) {
-      return NoClosedForm{Reason::behind_dynamics, fmt::format("block {} ({}) stands behind linear dynamics",
-                                                               i + 1, chain_.blocks[i].type_name())};
+      return NoClosedForm{Reason::behind_dynamics, fmt::format("block {} ({}) follows linear dynamics", i + 1,
+                                                               chain_.blocks[i].type_name())};
     }
     if (auto refusal = std::visit([&](const auto& kernel) { return add(i, kernel); }, kernels[i]))
       return refusal;

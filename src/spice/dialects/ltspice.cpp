@@ -1,13 +1,13 @@
 #include <fmt/format.h>
 
-#include "circuit/text.hpp"
+#include "schematic/plain_number.hpp"
 #include "spice/compensator_library.hpp"
 #include "spice/deck_template.hpp"
 
 namespace bodesmith::spice {
 namespace {
 
-using circuit::plain_number;
+using schematic::plain_number;
 
 /// .step and mc(): the values of compensator_mc.sub are {mc(value,tolerance)} of the parameters
 /// resistor_tolerance and capacitor_tolerance.
@@ -16,17 +16,19 @@ class LtspiceDialect final : public Dialect {
   std::string_view name() const override { return "ltspice"; }
 
   std::vector<Deck> decks(const DeckRequest& request) const override {
-    const auto value = [this](const circuit::Part& part) { return *value_with_tolerance(part); };
+    const auto value = [this](const schematic::Part& part) { return *value_with_tolerance(part); };
     return {{"compensator_mc.sub",
-             compensator_library(request.circuit, request.title + ", LTspice with tolerances", value)},
+             schematic::spice_text(
+                 compensator_library(request.circuit, request.title + ", LTspice with tolerances"),
+                 {.value = value})},
             deck_from_template("ltspice_ac.cir", request),
             deck_from_template("ltspice_monte_carlo.cir", request)};
   }
 
-  std::optional<std::string> value_with_tolerance(const circuit::Part& part) const override {
+  std::optional<std::string> value_with_tolerance(const schematic::Part& part) const override {
     return fmt::format(
         "{{mc({},{})}}", plain_number(part.realised),
-        part.kind == circuit::Part::Kind::resistor ? "resistor_tolerance" : "capacitor_tolerance");
+        part.kind == schematic::Part::Kind::resistor ? "resistor_tolerance" : "capacitor_tolerance");
   }
 };
 

@@ -1,12 +1,12 @@
 #include <fmt/format.h>
 
-#include "circuit/text.hpp"
+#include "schematic/plain_number.hpp"
 #include "spice/deck_template.hpp"
 
 namespace bodesmith::spice {
 namespace {
 
-using circuit::plain_number;
+using schematic::plain_number;
 
 /// Batch decks with a .control section: small-signal, transient, noise, and a Monte Carlo loop that alters
 /// every part by an even random share (sunif) of its tolerance.
@@ -25,13 +25,13 @@ class NgspiceDialect final : public Dialect {
   static std::vector<std::string> alters(const DeckRequest& request) {
     const circuit::Tolerances& tolerances = request.monte_carlo.tolerances;
     std::vector<std::string> out;
-    for (const circuit::Part& part : request.circuit.parts) {
-      const bool resistor = part.kind == circuit::Part::Kind::resistor;
+    for (const schematic::Part& part : request.circuit.parts) {
+      const bool resistor = part.kind == schematic::Part::Kind::resistor;
       const double percent = resistor ? tolerances.resistor_percent : tolerances.capacitor_percent;
       std::string lower_name = part.name;
       for (char& c : lower_name) c = c >= 'A' && c <= 'Z' ? static_cast<char>(c - 'A' + 'a') : c;
       out.push_back(fmt::format("alter {}.xc.x{}.{} = {}*(1+{}*sunif(0))", resistor ? "r" : "c",
-                                part.stage + 1, lower_name, plain_number(part.realised),
+                                part.group + 1, lower_name, plain_number(part.realised),
                                 plain_number(percent / 100.0)));
     }
     return out;

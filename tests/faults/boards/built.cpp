@@ -25,7 +25,7 @@ std::string place_name(const std::string& node) {
 
 std::vector<std::string> inner_nodes(const circuit::Circuit& circuit) {
   std::set<std::string> names;
-  for (const circuit::Part& part : circuit.parts) names.insert({part.from, part.to});
+  for (const schematic::Part& part : circuit.parts) names.insert({part.from, part.to});
   names.erase("0");
   names.erase("in");
   names.erase("out");
@@ -33,7 +33,7 @@ std::vector<std::string> inner_nodes(const circuit::Circuit& circuit) {
 }
 
 void spoil_value(BuiltBoard& board, Random& random) {
-  circuit::Part& part = board.circuit.parts[any_of_count(random, board.circuit.parts.size())];
+  schematic::Part& part = board.circuit.parts[any_of_count(random, board.circuit.parts.size())];
   const double change = log_uniform(random, 0.08, 1.6);
   const double factor = random.uniform() < 0.5 ? std::exp(change) : std::exp(-change);
   part.realised *= factor;
@@ -42,7 +42,7 @@ void spoil_value(BuiltBoard& board, Random& random) {
 }
 
 void spoil_decade(BuiltBoard& board, Random& random) {
-  circuit::Part& part = board.circuit.parts[any_of_count(random, board.circuit.parts.size())];
+  schematic::Part& part = board.circuit.parts[any_of_count(random, board.circuit.parts.size())];
   const double factor = random.uniform() < 0.5 ? 10.0 : 0.1;
   part.realised *= factor;
   board.wrong.push_back({part.name});
@@ -68,7 +68,7 @@ void spoil_swap(BuiltBoard& board, Random& random) {
   for (int attempt = 0; attempt < 200; ++attempt) {
     const std::size_t i = any_of_count(random, parts.size());
     const std::size_t j = any_of_count(random, parts.size());
-    if (i == j || parts[i].kind != parts[j].kind || parts[i].stage != parts[j].stage ||
+    if (i == j || parts[i].kind != parts[j].kind || parts[i].group != parts[j].group ||
         std::abs(std::log(parts[i].realised / parts[j].realised)) < 0.08)
       continue;
     std::swap(parts[i].realised, parts[j].realised);
@@ -116,8 +116,8 @@ void spoil_ground(BuiltBoard& board, Random& random) {
 }
 
 void write_opamp(const BuiltBoard& board, std::size_t i, std::string& deck) {
-  const circuit::OpAmp& u = board.circuit.opamps[i];
-  const circuit::OpAmpModel& model = board.circuit.model;
+  const schematic::OpAmp& u = board.circuit.opamps[i];
+  const schematic::OpAmpModel& model = board.circuit.opamp;
   const double gbw = board.gain_bandwidth_hz[i];
   const std::string x = "x" + std::to_string(i);
   const std::string plus = board.floating_plus[i] != 0 ? "float" + std::to_string(i) : u.plus;
@@ -139,12 +139,13 @@ BuiltBoard good_board(const circuit::Circuit& circuit, double resistor_percent, 
                       Random& random) {
   BuiltBoard out;
   out.circuit = circuit;
-  for (circuit::Part& part : out.circuit.parts) {
-    const double percent = part.kind == circuit::Part::Kind::resistor ? resistor_percent : capacitor_percent;
+  for (schematic::Part& part : out.circuit.parts) {
+    const double percent =
+        part.kind == schematic::Part::Kind::resistor ? resistor_percent : capacitor_percent;
     part.realised *= 1.0 + 0.01 * percent * (2.0 * random.uniform() - 1.0);
   }
   for (std::size_t i = 0; i < circuit.opamps.size(); ++i)
-    out.gain_bandwidth_hz.push_back(circuit.model.gain_bandwidth.value * (0.75 + 0.5 * random.uniform()));
+    out.gain_bandwidth_hz.push_back(circuit.opamp.gain_bandwidth.value * (0.75 + 0.5 * random.uniform()));
   out.open.assign(circuit.parts.size(), 0);
   out.shorted.assign(circuit.parts.size(), 0);
   out.floating_plus.assign(circuit.opamps.size(), 0);
@@ -162,8 +163,8 @@ std::vector<std::complex<double>> response_of(const BuiltBoard& board, const std
                                               const std::string& node) {
   std::string deck = "a built board\nVin in 0 DC 0 AC 1\n";
   for (std::size_t i = 0; i < board.circuit.parts.size(); ++i) {
-    const circuit::Part& part = board.circuit.parts[i];
-    const bool resistor = part.kind == circuit::Part::Kind::resistor;
+    const schematic::Part& part = board.circuit.parts[i];
+    const bool resistor = part.kind == schematic::Part::Kind::resistor;
     if (board.shorted[i] != 0) {
       deck += fmt::format("Rp{} {} {} 1e-2\n", i, part.from, part.to);
     } else if (board.open[i] != 0) {

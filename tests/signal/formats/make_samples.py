@@ -213,3 +213,59 @@ mat("record.mat", matrix("fs", [10000.0]), matrix("u", u), matrix("y", y))
 # Bare tables.
 write("plain.txt", "".join(f"{f:.10g} {abs(h(f)):.10g}\n" for f in freqs))
 write("plain_comma.csv", "".join(f"{comma(f)};{comma(db(h(f)))};{comma(deg(h(f)))}\n" for f in freqs))
+write("bare.zma", "".join(f"{f:.6f} {8 * abs(h(f)):.6f} {deg(h(f)):.4f}\n" for f in freqs))
+
+# Layouts of instruments and programs, their headings as public listings show them.
+def rows(*columns, between=","):
+    return "".join(between.join(f"{v:.12g}" for v in row) + "\n" for row in zip(*columns))
+
+
+levels, angles = [db(h(f)) for f in freqs], [deg(h(f)) for f in freqs]
+re, im = [h(f).real for f in freqs], [h(f).imag for f in freqs]
+ones = [1.0] * 17
+write("hfss.csv", '"Freq [kHz]","dB(S(1,1)) []","dB(S(2,1)) []","cang_deg(S(2,1)) [deg]"\n' +
+      rows([f / 1e3 for f in freqs], [-20.0] * 17, levels, angles))
+write("keysight_fra.csv", "#, Frequency (Hz), Amplitude (Vpp), Gain (dB), Phase (°)\n" +
+      rows(range(1, 18), freqs, [2.0] * 17, levels, angles))
+write("fra4picoscope.csv", "Frequency Log(Hz), Gain (dB), Phase (deg)\n" +
+      rows([math.log10(f) for f in freqs], levels, angles, between=", "))
+write("moku.csv", "% Moku:Go Frequency Response Analyzer\n% Frequency (Hz), Channel A Magnitude (dB), Channel A Phase (deg), "
+      "Channel B Magnitude (dB), Channel B Phase (deg), Math (Ch B / Ch A) Magnitude (dB), Math (Ch B / Ch A) Phase (deg)\n" +
+      rows(freqs, [-6.0] * 17, [10.0] * 17, [v - 6 for v in levels], [v + 10 for v in angles], levels, angles))
+write("bare_reference.s2p", "# KHz S RI R\n" + "".join(
+    f"{f / 1e3:.12g} " + pairs("RI", [h(f) / 2, h(f), 0.25 + 0j, 0.1j]) + "\n" for f in freqs))
+write("eis.txt", "freq Zre Zim |Vac|\n" + rows(freqs, re, im, [0.01] * 17, between=" "))
+write("biologic.txt", "freq/Hz\tRe(Z)/Ohm\t-Im(Z)/Ohm\t|Z|/Ohm\n" +
+      rows(freqs, re, [-v for v in im], [abs(h(f)) for f in freqs], between="\t"))
+write("pna.csv", "!CSV A.01.01\n!Keysight Technologies,N5200A,none\n!Source: Standard\n\nBEGIN CH1_DATA\n"
+      "Freq(Hz),S11(REAL),S11(IMAG),S21(REAL),S21(IMAG)\n" + rows(freqs, ones, ones, re, im) + "END\n", end="\r\n")
+write("empty_cells.csv", "Frequency (Hz),Remark,Gain (dB),Phase (deg)\n" + "".join(
+    f"{f:.12g},,{a:.10g},{b:.10g}\n" + ("15,,,\n" if i == 3 else "") for i, (f, a, b) in enumerate(zip(freqs, levels, angles))))
+write("dbv_ohm.txt", "Frequency(Hz)\tdBv/Ohm\tPhase(deg)\n" + rows(freqs, levels, angles, between="\t"))
+write("network.cti", "CITIFILE A.01.00\nNAME DATA\nVAR FREQ MAG 17\nDATA S[1,1] RI\nDATA S[2,1] DBANGLE\nVAR_LIST_BEGIN\n" +
+      rows(freqs) + "VAR_LIST_END\nBEGIN\n" + rows([v / 2 for v in re], [v / 2 for v in im]) + "END\nBEGIN\n" +
+      rows(levels, angles) + "END\n")
+write("utf16.csv", "Frequency (Hz),Gain (dB),Phase (deg)\n" + rows(freqs, levels, angles), "utf-16")
+mat("other_names.mat", matrix("ff", freqs), matrix("resp", [h(f) for f in freqs]), matrix("drive", u), matrix("answer", y),
+    matrix("clock", [i * 1e-4 for i in range(80)]))
+
+write("rigol.csv", "X,CH1,CH2,Start,Increment,\nSequence,Volt,Volt,-2.000000e-03,1.000000e-04\n" +
+      "".join(f"{i},{a:.10g},{b:.10g},,\n" for i, (a, b) in enumerate(zip(u, y))))
+preamble = ["Record Length,80", "Sample Interval,1e-04", "Trigger Point,20", ",", ",", ",", "Source,CH1", "Vertical Units,V",
+            "Vertical Scale,0.5", "Vertical Offset,0", "Horizontal Units,s", "Horizontal Scale,1e-3", "Pt Fmt,Y"]
+write("tektronix_tds.csv", "".join(
+    f"{preamble[i] if i < len(preamble) else ','},,{1e-4 * i - 2e-3:018.12f},{a:10.6f},\n" for i, a in enumerate(u)))
+instek = ("Memory Length,80\nTrigger Level,0\nSource,CH1\nVertical Units,V\nVertical Scale,2.000E-01\nHorizontal Units,S\n"
+          "Sampling Period,1.000E-04\nWaveform Data,\n")
+write("instek_detail.csv", instek + "".join(f"{1e-4 * i - 2e-3:.4e},{a:.9e},\n" for i, a in enumerate(u)))
+write("instek_codes.csv", instek + "".join(f"{round(a / 0.2 * 25)},\n" for a in u))
+write("keysight_scope.csv", "x-axis,1,2,4\nsecond,Volt,Volt,Volt\n" + rows([1e-4 * i - 2e-3 for i in range(80)], u, y, [0.0] * 80))
+write("samples.csv", "u,y\n" + rows(u, y))
+
+
+# A complex sparse u, as MATLAB writes it: row numbers, column starts, real and imaginary parts; and a full y.
+sparse = element(6, struct.pack("<II", 5 | 0x0800, 2)) + element(5, struct.pack("<ii", 80, 1)) + element(1, b"u") + \
+    element(5, struct.pack("<ii", 3, 7)) + element(5, struct.pack("<ii", 0, 2)) + \
+    element(9, struct.pack("<2d", 1, 2)) + element(9, struct.pack("<2d", 3, 4))
+mat("sparse.mat", matrix("fs", [10000.0]), element(14, sparse), matrix("y", y))
+mat("complex_input.mat", matrix("fs", [10000.0]), matrix("u", [complex(v, 1) for v in u]), matrix("y", y))

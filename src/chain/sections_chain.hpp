@@ -1,0 +1,17 @@
+#pragma once
+
+#include <string>
+
+#include "chain/chain.hpp"
+#include "lti/sections.hpp"
+
+namespace bodesmith::chain {
+
+/// The same H(s) as blocks: a gain, then a block a real pole (lowpass, highpass, pole_zero, right_half_plane_zero, integrator)
+/// and one a pair of complex ones or of real ones below complex zeros (resonator, biquad), then the delay. Blocks other
+/// than integrators have a gain of 1 at DC where they have any. A pole at 0 that shares a section with complex zeros stands
+/// 1e-12 of its neighbour's corner from 0.
+/// With a `prefix` the blocks are named: "Section2", "Section2a" and "Section2b" of a section that takes two, "Section_gain".
+Chain chain_of(const Sections& sections, const std::string& prefix = {});
+
+}  // namespace bodesmith::chain

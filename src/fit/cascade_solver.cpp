@@ -1,0 +1,205 @@
+#include "fit/cascade_fit.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/error.hpp"
+#include "fit/cascade_bands.hpp"
+#include "fit/cascade_checks.hpp"
+#include "fit/cascade_corners.hpp"
+
+namespace bodesmith {
+namespace {
+
+constexpr double kTwoPi = 2.0 * std::numbers::pi;
+constexpr std::size_t kMaxBandsOfAll = 300;  ///< when every point ends a band
+
+void validate_bounds(const CascadeFitOptions& options) {
+  if (options.beta_max && !(*options.beta_max > 0.0 && std::isfinite(*options.beta_max))) {
+    throw InputError(fmt::format("beta_max is {}, expected a number above 0", *options.beta_max));
+  }
+  for (const double bound : options.term_beta_max) {
+    if (!(bound > 0.0 && std::isfinite(bound)))
+      throw InputError(fmt::format("a bound of beta is {}, expected a number above 0", bound));
+  }
+  if (options.beta_positive && !options.bounded()) {
+    throw InputError("a positive beta needs an upper bound, expected beta_max too");
+  }
+  if (options.fewest_bands_db &&
+      (!options.term_beta_max.empty() || options.fitted_terms > 0 || !options.corners.empty()))
+    throw InputError(
+        "the fewest bands have corners and a number of their own: expected neither corners nor bounds by term");
+  if (options.fewest_bands_db && !(*options.fewest_bands_db > 0.0)) {
+    throw InputError("the limit for the fewest bands is not above 0");
+  }
+}
+
+/// Every point above the base, or the fewest of them.
+BandChoice band_ends(const BodePoints& points, const CascadeProblem& problem,
+                     const CascadeFitOptions& options) {
+  if (options.fewest_bands_db) return choose_bands(problem, options, *options.fewest_bands_db);
+  if (problem.above.size() > kMaxBandsOfAll) {
+    throw InputError(
+        points.file, 0,
+        fmt::format(
+            "has {} points above the base, which would make as many bands (at most {}): expected a limit "
+            "for the fewest bands, or a direct fit",
+            problem.above.size(), kMaxBandsOfAll));
+  }
+  return {problem.above, true};
+}
+
+bool lower_in_frequency(const BodePoint& a, const BodePoint& b) {
+  return a.frequency < b.frequency;
+}
+
+/// On the straight line between its neighbours in log gain over log frequency; it counts little.
+BodePoint point_between(const CascadeProblem& problem, Hertz at) {
+  Hertz from = problem.base;
+  double from_gain = problem.base_gain;
+  for (const BodePoint& point : problem.above) {
+    if (point.frequency > at && from < at) {
+      const double t = std::log(at.value / from.value) / std::log(point.frequency.value / from.value);
+      BodePoint out;
+      out.frequency = at;
+      out.gain = from_gain * std::pow(point.gain / from_gain, t);
+      out.weight = 1e-4;
+      return out;
+    }
+    from = point.frequency;
+    from_gain = point.gain;
+  }
+  throw InputError(
+      fmt::format("a band cannot be split at {} Hz, expected a frequency between two points", at.value));
+}
+
+/// Sensitivities to measured points alone.
+void keep_measured(std::vector<std::vector<double>>& sensitivity, const std::vector<BodePoint>& fitted,
+                   const std::vector<BodePoint>& above) {
+  if (fitted.size() == above.size()) return;
+  for (std::vector<double>& row : sensitivity) {
+    std::vector<double> kept;
+    for (std::size_t j = 0; j < fitted.size(); ++j) {
+      const auto measured = [&](const BodePoint& p) { return p.frequency == fitted[j].frequency; };
+      if (std::any_of(above.begin(), above.end(), measured)) kept.push_back(row[j]);
+    }
+    row = std::move(kept);
+  }
+}
+
+/// `ends`: of the bands; empty where the corners are not those of bands.
+std::vector<CascadeFitTerm> describe_terms(const BandSolution& solution, const CascadeProblem& problem,
+                                           const std::vector<BodePoint>& ends,
+                                           const std::vector<std::vector<double>>& sensitivity) {
+  std::vector<CascadeFitTerm> out;
+  for (std::size_t i = 0; i < solution.terms.size(); ++i) {
+    CascadeFitTerm term;
+    if (ends.empty()) {
+      const FractionalLeadLag& made = solution.terms[i];
+      term.band = {Hertz{made.low_corner().value / kTwoPi}, Hertz{made.high_corner().value / kTwoPi}};
+    } else {
+      term.band = {i == 0 ? problem.base : ends[i - 1].frequency, ends[i].frequency};
+    }
+    term.beta = solution.terms[i].beta;
+    term.rises = solution.terms[i].rises();
+    term.at_bound = solution.bound[i] != 0;
+    if (!solution.upper.empty()) term.beta_max = solution.upper[i];
+    for (const double change : sensitivity[i])
+      term.max_sensitivity = std::max(term.max_sensitivity, std::abs(change));
+    out.push_back(term);
+  }
+  return out;
+}
+
+Cascade::FitSummary summarise(const Cascade& cascade, const CascadeProblem& problem,
+                              double condition_number) {
+  Cascade::FitSummary out;
+  double square = 0.0;
+  double weight = 0.0;
+  for (const BodePoint& point : problem.above) {
+    const double target = to_decibel(point.gain);
+    const double got = cascade.magnitude_db(point.frequency.rad_s());
+    out.points.push_back({point.frequency, target, got});
+    square += point.weight * (got - target) * (got - target);
+    weight += point.weight;
+    out.max_db = std::max(out.max_db, std::abs(got - target));
+  }
+  out.rms_db = weight > 0.0 ? std::sqrt(square / weight) : 0.0;
+  out.condition_number = condition_number;
+  return out;
+}
+
+/// The fit's terms, what they were fitted to, and the ends of their bands where they have any.
+struct Solved {
+  BandSolution solution;
+  std::vector<BodePoint> fitted;
+  std::vector<BodePoint> ends;
+  bool limit_met = true;
+};
+
+Solved solve(const BodePoints& points, const CascadeProblem& problem, const CascadeFitOptions& options) {
+  Solved out;
+  out.fitted = problem.above;
+  if (options.fitted_terms > 0) {
+    out.solution = fit_corners(problem, options);
+    return out;
+  }
+  if (!options.corners.empty()) {
+    out.solution = solve_orders(problem, options.corners, out.fitted, options);
+    return out;
+  }
+  const BandChoice bands = band_ends(points, problem, options);
+  out.ends = bands.ends;
+  out.limit_met = bands.limit_met;
+  for (const Hertz split : options.splits) {
+    const BodePoint point = point_between(problem, split);
+    out.ends.insert(std::upper_bound(out.ends.begin(), out.ends.end(), point, lower_in_frequency), point);
+    out.fitted.insert(std::upper_bound(out.fitted.begin(), out.fitted.end(), point, lower_in_frequency),
+                      point);
+  }
+  out.solution = solve_bands(problem, out.ends, out.fitted, options);
+  return out;
+}
+
+}  // namespace
+
+CascadeFit fit_cascade(const BodePoints& points, const CascadeFitOptions& options) {
+  validate_bounds(options);
+  const CascadeProblem problem = make_cascade_problem(points, options.base);
+  const Solved solved = solve(points, problem, options);
+  const BandSolution& solution = solved.solution;
+
+  CascadeFit out;
+  out.base = problem.base;
+  out.points_below_base = problem.below;
+  out.bounded = options.bounded();
+  out.fewest_bands = options.fewest_bands_db.has_value();
+  out.limit_met = solved.limit_met;
+  if (out.bounded) {
+    out.lower_bound = *std::min_element(solution.lower.begin(), solution.lower.end());
+    out.upper_bound = *std::max_element(solution.upper.begin(), solution.upper.end());
+  }
+  out.optimality_residual = solution.optimality_residual;
+  out.condition_number = condition_number(solution.matrix);
+  const bool bands_of_points = !solved.ends.empty() && options.splits.empty();
+  const bool weighted = out.bounded || solution.terms.size() < solved.fitted.size();
+  out.least_squares = !out.bounded && weighted;
+  out.sensitivity = order_sensitivities(solution, solved.fitted, weighted);
+  keep_measured(out.sensitivity, solved.fitted, problem.above);
+  out.terms = describe_terms(solution, problem, solved.ends, out.sensitivity);
+  out.cascade.gain = problem.base_gain;
+  out.cascade.terms = solution.terms;
+  out.cascade.fit = summarise(out.cascade, problem, out.condition_number);
+  out.base_got_db = solution.curve_db(problem.base);
+  out.excursions = find_excursions(solution, problem, options.surprise_db);
+  // With a point less there is a band less, and bounds by term fit no more.
+  if (bands_of_points && !out.fewest_bands && options.term_beta_max.empty())
+    out.left_out = leave_out_each(solution, problem, options);
+  out.warnings = cascade_warnings(out, options);
+  return out;
+}
+
+}  // namespace bodesmith

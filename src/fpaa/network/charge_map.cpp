@@ -1,0 +1,344 @@
+#include <fmt/format.h>
+
+#include <Eigen/LU>
+#include <Eigen/QR>
+#include <Eigen/SVD>
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+
+#include "fpaa/network/switched_network.hpp"
+#include "numeric/dense.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+
+/// Which nodes are joined.
+class JoinedNodes {
+ public:
+  explicit JoinedNodes(int nodes) : parent_(static_cast<std::size_t>(nodes)) {
+    std::iota(parent_.begin(), parent_.end(), 0);
+  }
+  int group(int node) const {
+    while (parent_[static_cast<std::size_t>(node)] != node) node = parent_[static_cast<std::size_t>(node)];
+    return node;
+  }
+  void join(int a, int b) { parent_[static_cast<std::size_t>(group(a))] = group(b); }
+
+ private:
+  std::vector<int> parent_;
+};
+
+/// What decides the voltage of a group.
+struct GroupHold {
+  bool ground = false;
+  int input = -1;  ///< index of an input
+  int opamp = -1;  ///< index of the op-amp whose output it is
+  bool is_free() const { return !ground && input < 0 && opamp < 0; }
+};
+
+/// Nodal capacitances of all nodes: charges from voltages.
+MatrixXd capacitance_matrix(const SwitchedNetwork& network) {
+  MatrixXd out = MatrixXd::Zero(network.nodes, network.nodes);
+  for (const SwitchedNetwork::Capacitor& c : network.capacitors) {
+    out(c.a, c.a) += c.size;
+    out(c.b, c.b) += c.size;
+    out(c.a, c.b) -= c.size;
+    out(c.b, c.a) -= c.size;
+  }
+  return out;
+}
+
+/// P of A P + P A' + Q = 0, A stable but for ways to move that Q does not excite (charges that are conserved).
+MatrixXd stationary_covariance(const MatrixXd& a, const MatrixXd& q) {
+  constexpr double kDamping = 1e-8;  ///< of what is conserved; rounding divided by it stays small
+  const Index n = a.rows();
+  if (n == 0) return q;
+  const MatrixXd damped = a - kDamping * a.cwiseAbs().maxCoeff() * MatrixXd::Identity(n, n);
+  MatrixXd sum = MatrixXd::Zero(n * n, n * n);
+  for (Index i = 0; i < n; ++i) {
+    for (Index j = 0; j < n; ++j) {
+      for (Index k = 0; k < n; ++k) {
+        sum(i * n + j, k * n + j) += damped(i, k);
+        sum(i * n + j, i * n + k) += damped(j, k);
+      }
+    }
+  }
+  const Eigen::VectorXd p = solve_lu(sum, Eigen::VectorXd(-q.reshaped()));
+  return p.reshaped(n, n);
+}
+
+class MapMaker {
+ public:
+  MapMaker(const SwitchedNetwork& network, const std::vector<bool>& closed)
+      : network_(network),
+        closed_(closed),
+        joined_(network.nodes),
+        capacitance_(capacitance_matrix(network)) {
+    for (std::size_t i = 0; i < network.switches.size(); ++i) {
+      if (closed[i]) joined_.join(network.switches[i].a, network.switches[i].b);
+    }
+    holds_.resize(static_cast<std::size_t>(network.nodes));
+  }
+
+  Outcome<ChargeMap> make(bool with_noise) {
+    if (auto refusal = find_holds()) return *refusal;
+    number_groups();
+    if (auto refusal = solve()) return *refusal;
+    if (with_noise) add_noise();
+    return std::move(out_);
+  }
+
+ private:
+  GroupHold& hold_of(int node) { return holds_[static_cast<std::size_t>(joined_.group(node))]; }
+
+  std::optional<Refusal> find_holds() {
+    hold_of(0).ground = true;
+    for (std::size_t i = 0; i < network_.inputs.size(); ++i) {
+      GroupHold& hold = hold_of(network_.inputs[i]);
+      if (!hold.is_free()) return Refusal{"a switch joins an input to ground or to another input"};
+      hold.input = static_cast<int>(i);
+    }
+    for (std::size_t k = 0; k < network_.opamps.size(); ++k) {
+      GroupHold& hold = hold_of(network_.opamps[k].out);
+      if (!hold.is_free()) {
+        return Refusal{
+            fmt::format("the output of op-amp {} is joined to ground, an input or another output", k + 1)};
+      }
+      hold.opamp = static_cast<int>(k);
+    }
+    return std::nullopt;
+  }
+
+  /// Charges of free groups; a free group without a capacitor has none, and no voltage that matters.
+  void number_groups() {
+    std::vector<bool> has_capacitor(holds_.size(), false);
+    for (const SwitchedNetwork::Capacitor& c : network_.capacitors) {
+      if (!(c.size > 0.0)) continue;
+      has_capacitor[static_cast<std::size_t>(joined_.group(c.a))] = true;
+      has_capacitor[static_cast<std::size_t>(joined_.group(c.b))] = true;
+    }
+    std::vector<int> charge_of_group(holds_.size(), -1);
+    for (int node = 0; node < network_.nodes; ++node) {
+      const auto g = static_cast<std::size_t>(joined_.group(node));
+      if (holds_[g].is_free() && has_capacitor[g] && charge_of_group[g] < 0)
+        charge_of_group[g] = static_cast<int>(out_.charges++);
+    }
+    out_.charge_of.resize(holds_.size());
+    for (int node = 0; node < network_.nodes; ++node) {
+      out_.charge_of[static_cast<std::size_t>(node)] =
+          charge_of_group[static_cast<std::size_t>(joined_.group(node))];
+    }
+  }
+
+  /// Unknowns: voltages of the charge groups, then of the op-amps' outputs. Equations: the charges, then
+  /// v(minus) = v(plus) of every op-amp.
+  std::optional<Refusal> solve() {
+    const auto opamps = static_cast<Index>(network_.opamps.size());
+    const auto inputs = static_cast<Index>(network_.inputs.size());
+    const Index size = out_.charges + opamps;
+    // Each node's voltage from the unknowns and from the inputs.
+    MatrixXd by_unknown = MatrixXd::Zero(network_.nodes, size);
+    MatrixXd by_input = MatrixXd::Zero(network_.nodes, inputs);
+    for (int node = 0; node < network_.nodes; ++node) {
+      const GroupHold& hold = hold_of(node);
+      const int charge = out_.charge_of[static_cast<std::size_t>(node)];
+      if (charge >= 0) by_unknown(node, charge) = 1.0;
+      if (hold.opamp >= 0) by_unknown(node, out_.charges + hold.opamp) = 1.0;
+      if (hold.input >= 0) by_input(node, hold.input) = 1.0;
+    }
+    const MatrixXd sums = regrouped(out_);
+    MatrixXd a = MatrixXd::Zero(size, size);
+    MatrixXd right_q = MatrixXd::Zero(size, out_.charges);
+    MatrixXd right_u = MatrixXd::Zero(size, inputs);
+    a.topRows(out_.charges) = sums * capacitance_ * by_unknown;
+    right_q.topRows(out_.charges).setIdentity();
+    right_u.topRows(out_.charges) = -(sums * capacitance_ * by_input);
+    for (Index k = 0; k < opamps; ++k) {
+      const SwitchedNetwork::OpAmp& amp = network_.opamps[static_cast<std::size_t>(k)];
+      a.row(out_.charges + k) = by_unknown.row(amp.minus) - by_unknown.row(amp.plus);
+      right_u.row(out_.charges + k) = by_input.row(amp.plus) - by_input.row(amp.minus);
+    }
+    const Eigen::FullPivLU<MatrixXd> lu(a);
+    if (!lu.isInvertible()) {
+      return Refusal{
+          "the switches leave a voltage open (an op-amp without feedback), expected every op-amp's "
+          "output to act on its inverting input in every phase"};
+    }
+    const MatrixXd from_q = lu.solve(right_q);
+    const MatrixXd from_u = lu.solve(right_u);
+    out_.volts_q = from_q.bottomRows(opamps);
+    out_.volts_u = from_u.bottomRows(opamps);
+    out_.nodes_q = capacitance_ * by_unknown * from_q;
+    out_.nodes_u = capacitance_ * (by_unknown * from_u + by_input);
+    return std::nullopt;
+  }
+
+  /// Every closed switch a conductance of 1 (equal ones: only their ratios count) with white current of intensity
+  /// 2 kT. Kirchhoff's law at every node that is not held and at every inverting input, unknown: the voltages of
+  /// the former and of the op-amps' outputs,
+  ///   E dx/dt + G x = B w,
+  /// E singular: with E = U diag(s, 0) V' the part without capacitance is algebraic, and the rest
+  ///   dy/dt = A y + F w,   A P + P A' + 2 F F' = 0
+  /// has the covariance P kT when the switches open. (What an op-amp's feedback gives back to the switched
+  /// capacitors is in it: a low pass has less than kT C a branch.)
+  void add_noise() {
+    const auto nodes = static_cast<Index>(network_.nodes);
+    MatrixXd conductance = MatrixXd::Zero(nodes, nodes);
+    MatrixXd currents = MatrixXd::Zero(nodes, static_cast<Index>(network_.switches.size()));
+    for (std::size_t i = 0; i < network_.switches.size(); ++i) {
+      if (!closed_[i]) continue;
+      const SwitchedNetwork::Switch& s = network_.switches[i];
+      conductance(s.a, s.a) += 1.0;
+      conductance(s.b, s.b) += 1.0;
+      conductance(s.a, s.b) -= 1.0;
+      conductance(s.b, s.a) -= 1.0;
+      currents(s.a, static_cast<Index>(i)) += 1.0;
+      currents(s.b, static_cast<Index>(i)) -= 1.0;
+    }
+    const NoiseUnknowns unknown = noise_unknowns(conductance);
+    const MatrixXd e = capacitance_(unknown.laws, unknown.voltages);
+    const MatrixXd g = conductance(unknown.laws, unknown.voltages);
+    const MatrixXd b = currents(unknown.laws, Eigen::all);
+    const Eigen::JacobiSVD<MatrixXd> svd(e, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    Index rank = 0;
+    while (rank < e.rows() && svd.singularValues()(rank) > 1e-12 * svd.singularValues()(0)) ++rank;
+    const Index rest = e.rows() - rank;
+    const MatrixXd gt = svd.matrixU().transpose() * g * svd.matrixV();
+    const MatrixXd bt = svd.matrixU().transpose() * b;
+    // z = back y where there is no capacitance (and white noise, which no capacitor keeps).
+    MatrixXd back = MatrixXd::Zero(rest, rank);
+    MatrixXd direct = MatrixXd::Zero(rest, b.cols());
+    if (rest > 0) {
+      const auto algebraic = gt.bottomRightCorner(rest, rest).completeOrthogonalDecomposition();
+      back = -algebraic.solve(gt.bottomLeftCorner(rest, rank));
+      direct = algebraic.solve(bt.bottomRows(rest));
+    }
+    const Eigen::VectorXd inverted = svd.singularValues().head(rank).cwiseInverse();
+    const MatrixXd a =
+        -(inverted.asDiagonal() * (gt.topLeftCorner(rank, rank) + gt.topRightCorner(rank, rest) * back));
+    const MatrixXd f = inverted.asDiagonal() * (bt.topRows(rank) - gt.topRightCorner(rank, rest) * direct);
+    const MatrixXd y = svd.matrixV().leftCols(rank) + svd.matrixV().rightCols(rest) * back;
+    const MatrixXd charges = capacitance_(Eigen::all, unknown.voltages) * y;
+    out_.noise = charges * stationary_covariance(a, 2.0 * f * f.transpose()) * charges.transpose();
+  }
+
+  struct NoiseUnknowns {
+    std::vector<int> laws;      ///< nodes at which currents add up to nothing
+    std::vector<int> voltages;  ///< nodes whose voltage is not known
+  };
+  NoiseUnknowns noise_unknowns(const MatrixXd& conductance) const {
+    enum class Role { loose, held, inverting, output };
+    std::vector<Role> role(static_cast<std::size_t>(network_.nodes), Role::loose);
+    const auto set = [&](int node, Role is) { role[static_cast<std::size_t>(node)] = is; };
+    set(0, Role::held);
+    for (const int node : network_.inputs) set(node, Role::held);
+    for (const SwitchedNetwork::OpAmp& amp : network_.opamps) {
+      set(amp.out, Role::output);
+      // A follower's inverting input is its output, and needs no current law.
+      if (amp.minus != amp.out) set(amp.minus, Role::inverting);
+    }
+    NoiseUnknowns out;
+    for (int node = 0; node < network_.nodes; ++node) {
+      const Role is = role[static_cast<std::size_t>(node)];
+      const bool joined = capacitance_(node, node) > 0.0 || conductance(node, node) > 0.0;
+      if (is == Role::inverting || (is == Role::loose && joined)) out.laws.push_back(node);
+      if (is == Role::loose && joined) out.voltages.push_back(node);
+    }
+    for (const SwitchedNetwork::OpAmp& amp : network_.opamps) {
+      if (amp.minus != amp.out) out.voltages.push_back(amp.out);
+    }
+    return out;
+  }
+
+  const SwitchedNetwork& network_;
+  const std::vector<bool>& closed_;
+  JoinedNodes joined_;
+  MatrixXd capacitance_;
+  std::vector<GroupHold> holds_;
+  ChargeMap out_;
+};
+
+}  // namespace
+
+MatrixXd regrouped(const ChargeMap& next) {
+  const auto nodes = static_cast<Index>(next.charge_of.size());
+  MatrixXd out = MatrixXd::Zero(next.charges, nodes);
+  for (Index node = 0; node < nodes; ++node) {
+    const int charge = next.charge_of[static_cast<std::size_t>(node)];
+    if (charge >= 0) out(charge, node) = 1.0;
+  }
+  return out;
+}
+
+Outcome<ChargeMap> charge_map(const SwitchedNetwork& network, const std::vector<bool>& closed,
+                              bool with_noise) {
+  return MapMaker(network, closed).make(with_noise);
+}
+
+namespace {
+
+/// Nodes of a stage's circuit as they are asked for.
+class StageNodes {
+ public:
+  explicit StageNodes(const StageSwitches& stage) {
+    for (int i = 0; i < stage.inputs(); ++i) network.inputs.push_back(network.add_node());
+    for (std::size_t k = 0; k < stage.opamps.size(); ++k)
+      network.opamps.push_back({.plus = 0, .minus = network.add_node(), .out = network.add_node()});
+    network.output = stage.output - 1;
+  }
+
+  int node(const PlateNode& plate) const {
+    const auto index = static_cast<std::size_t>(plate.number - 1);
+    switch (plate.kind) {
+      case PlateNode::Kind::input:
+        return network.inputs[index];
+      case PlateNode::Kind::opamp:
+        return network.opamps[index].out;
+      case PlateNode::Kind::virtual_ground:
+        return network.opamps[index].minus;
+      case PlateNode::Kind::open:
+      case PlateNode::Kind::ground:
+        break;
+    }
+    return 0;
+  }
+
+  /// A node that is always the same, or one of its own behind switches.
+  int plate(const Plate& plate) {
+    if (plate.is_static() && plate.phase1.kind != PlateNode::Kind::open) return node(plate.phase1);
+    const int own = network.add_node();
+    const PlateNode* const ends[] = {&plate.phase1, &plate.phase2};
+    for (int phase = 1; phase <= 2; ++phase) {
+      const PlateNode& end = *ends[phase - 1];
+      if (end.kind != PlateNode::Kind::open) network.switches.push_back({own, node(end), 0, phase});
+    }
+    return own;
+  }
+
+  SwitchedNetwork network;
+};
+
+}  // namespace
+
+SwitchedNetwork network_of(const StageSwitches& stage, std::span<const double> units) {
+  StageNodes out(stage);
+  for (std::size_t c = 0; c < stage.capacitors.size(); ++c) {
+    if (!(units[c] > 0.0)) continue;
+    const int near = out.plate(stage.capacitors[c].near);
+    const int far = out.plate(stage.capacitors[c].far);
+    out.network.capacitors.push_back({stage.capacitors[c].name, near, far, units[c]});
+  }
+  for (std::size_t k = 0; k < stage.opamps.size(); ++k) {
+    if (stage.opamps[k].reset_phase == 0) continue;
+    out.network.switches.push_back(
+        {out.network.opamps[k].minus, out.network.opamps[k].out, 0, stage.opamps[k].reset_phase});
+  }
+  return std::move(out.network);
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,49 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "fpaa/network/switched_network.hpp"
+
+namespace bodesmith::fpaa {
+
+/// A switched network with its clocks: the linear maps between its switching instants. Clock k has phase 1 in
+/// the first half of its period of `ticks[k]` (even) ticks and phase 2 in the second; all begin at 0. Within
+/// interval i, which begins at start[i],
+///   V(t) = C q + D u(t),                      q: charges at its beginning
+///   q of the next interval = M q + N u(end),
+/// cyclic over `period`, the common period of the clocks.
+class ClockedNetwork {
+ public:
+  struct Interval {
+    std::int64_t start = 0;
+    Eigen::MatrixXd c, d, m, n;
+    Eigen::MatrixXd noise;  ///< covariance of what its switches' noise adds to the next q (kT times the unit)
+  };
+
+  /// Throws DesignError where a position of the switches leaves a voltage open, or where the common period has
+  /// more than `kMostInstants` switching instants.
+  ClockedNetwork(const SwitchedNetwork& network, std::vector<std::int64_t> ticks, bool with_noise = false);
+
+  static constexpr std::int64_t kMostInstants = 2000000;
+
+  std::int64_t period() const { return period_; }
+  const std::vector<Interval>& intervals() const { return intervals_; }
+  std::size_t inputs() const { return inputs_; }
+  std::size_t opamps() const { return opamps_; }
+  /// Index of the op-amp that is read outside.
+  std::size_t output() const { return output_; }
+
+ private:
+  std::int64_t period_ = 1;
+  std::size_t inputs_ = 0, opamps_ = 0, output_ = 0;
+  std::vector<Interval> intervals_;
+};
+
+/// Least common multiple; nothing where it is beyond 2^62.
+std::optional<std::int64_t> common_period(std::span<const std::int64_t> periods);
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,499 @@
+#include "fpaa/network/periodic_network.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "numeric/dense.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXcd;
+
+Index index(std::size_t i) {
+  return static_cast<Index>(i);
+}
+
+/// x of (turn - loop) x = b.
+VectorXcd solve_periodic(Complex turn, const MatrixXd& loop, const VectorXcd& b) {
+  if (loop.rows() == 1) return b / (turn - loop(0, 0));
+  return solve_lu(Eigen::MatrixXcd(turn * Eigen::MatrixXcd::Identity(loop.rows(), loop.cols()) - loop), b);
+}
+
+/// out = M q + N u, without allocating for what is small.
+void step(const ClockedNetwork::Interval& at, const VectorXcd& q, const Complex* u, VectorXcd& out) {
+  out.resize(at.m.rows());
+  for (Index r = 0; r < at.m.rows(); ++r) {
+    Complex sum = 0.0;
+    for (Index k = 0; k < at.m.cols(); ++k) sum += at.m(r, k) * q(k);
+    for (Index k = 0; k < at.n.cols(); ++k) sum += at.n(r, k) * u[k];
+    out(r) = sum;
+  }
+}
+
+[[noreturn]] void too_many_instants() {
+  throw DesignError(
+      fmt::format("the board's clocks have no common period of fewer than {} switching instants, "
+                  "expected clocks that divide one another",
+                  ClockedNetwork::kMostInstants));
+}
+
+/// sin(x)/x.
+double sinc(double x) {
+  return std::abs(x) < 1e-8 ? 1.0 : std::sin(x) / x;
+}
+
+}  // namespace
+
+/// Sources that nest with one another stay together; the others are parts of their own.
+std::vector<std::vector<PeriodicNetworks::Source>> PeriodicNetworks::parts_of(
+    std::int64_t own, const std::vector<Source>& sources) const {
+  struct Part {
+    std::int64_t period = 1;
+    std::vector<Source> sources;
+  };
+  std::vector<Part> parts{{own, std::vector<Source>(sources.size())}};
+  for (std::size_t k = 0; k < sources.size(); ++k) {
+    if (sources[k].kind == Source::Kind::board_input) parts[0].sources[k] = sources[k];
+    if (sources[k].kind != Source::Kind::network) continue;
+    for (const std::size_t from : parts_[sources[k].network]) {
+      const std::optional<std::int64_t> period =
+          common_period(std::initializer_list<std::int64_t>{own, nodes_[from].period});
+      if (!period) too_many_instants();
+      const auto takes = [&](const Part& part) {
+        return part.sources[k].kind == Source::Kind::nothing &&
+               (*period % part.period == 0 || part.period % *period == 0);
+      };
+      auto at = std::find_if(parts.begin(), parts.end(), takes);
+      if (at == parts.end()) at = parts.insert(at, {own, std::vector<Source>(sources.size())});
+      at->period = std::max(at->period, *period);
+      at->sources[k] = {Source::Kind::network, from};
+    }
+  }
+  std::vector<std::vector<Source>> out;
+  for (Part& part : parts) out.push_back(std::move(part.sources));
+  return out;
+}
+
+std::size_t PeriodicNetworks::add(ClockedNetwork network, std::vector<Source> sources) {
+  std::vector<std::size_t> made;
+  for (std::vector<Source>& part : parts_of(network.period(), sources)) {
+    Node node{network, std::move(part), 1, {}, {}, {}, {}, {}, {}};
+    lay_pieces(node);
+    find_loop(node);
+    nodes_.push_back(std::move(node));
+    made.push_back(nodes_.size() - 1);
+  }
+  parts_.push_back(std::move(made));
+  return parts_.size() - 1;
+}
+
+void PeriodicNetworks::replace(std::size_t at, const ClockedNetwork& network) {
+  for (const std::size_t n : parts_[at]) {
+    nodes_[n].clocked = network;
+    find_loop(nodes_[n]);
+  }
+}
+
+std::size_t PeriodicNetworks::pieces() const {
+  std::size_t out = 0;
+  for (const Node& node : nodes_) out += node.pieces();
+  return out;
+}
+
+void PeriodicNetworks::lay_pieces(Node& node) const {
+  std::vector<std::int64_t> periods{node.clocked.period()};
+  for (const Source& source : node.sources) {
+    if (source.kind == Source::Kind::network) periods.push_back(nodes_[source.network].period);
+  }
+  const std::optional<std::int64_t> period = common_period(periods);
+  const auto too_many = [&](std::int64_t count) { return count > ClockedNetwork::kMostInstants; };
+  std::int64_t instants = 0;
+  const auto count = [&](std::int64_t own, std::size_t pieces) {
+    if (!period || too_many(*period / own)) {
+      instants = ClockedNetwork::kMostInstants + 1;
+    } else {
+      instants += *period / own * static_cast<std::int64_t>(pieces);
+    }
+  };
+  count(node.clocked.period(), node.clocked.intervals().size());
+  for (const Source& source : node.sources) {
+    if (source.kind == Source::Kind::network)
+      count(nodes_[source.network].period, nodes_[source.network].pieces());
+  }
+  if (too_many(instants)) {
+    throw DesignError(
+        fmt::format("the board's clocks have no common period of fewer than {} switching instants, "
+                    "expected clocks that divide one another",
+                    ClockedNetwork::kMostInstants));
+  }
+  node.period = *period;
+  const auto& intervals = node.clocked.intervals();
+  for (std::int64_t t = 0; t < node.period; t += node.clocked.period()) {
+    for (const auto& interval : intervals) node.edges.push_back(t + interval.start);
+  }
+  for (const Source& source : node.sources) {
+    if (source.kind != Source::Kind::network) continue;
+    const Node& from = nodes_[source.network];
+    for (std::int64_t t = 0; t < node.period; t += from.period) {
+      for (std::size_t i = 0; i + 1 < from.edges.size(); ++i) node.edges.push_back(t + from.edges[i]);
+    }
+  }
+  std::sort(node.edges.begin(), node.edges.end());
+  node.edges.erase(std::unique(node.edges.begin(), node.edges.end()), node.edges.end());
+  node.edges.push_back(node.period);
+  const std::size_t pieces = node.edges.size() - 1;
+  std::size_t next = 0;  // own intervals begun so far
+  for (std::size_t i = 0; i < pieces; ++i) {
+    const std::int64_t own = static_cast<std::int64_t>(next / intervals.size()) * node.clocked.period() +
+                             intervals[next % intervals.size()].start;
+    if (node.edges[i] == own) {
+      if (i > 0) node.ends.back() = true;
+      ++next;
+    }
+    node.interval.push_back(static_cast<std::uint32_t>((next - 1) % intervals.size()));
+    node.ends.push_back(i + 1 == pieces);
+  }
+  for (const Source& source : node.sources) {
+    std::vector<std::uint32_t> piece(pieces, 0);
+    std::vector<std::uint32_t> turn(pieces, 0);
+    if (source.kind == Source::Kind::network) {
+      const Node& from = nodes_[source.network];
+      std::size_t at = 0;
+      std::uint32_t turns = 0;
+      for (std::size_t i = 0; i < pieces; ++i) {
+        while (from.edges[at + 1] + static_cast<std::int64_t>(turns) * from.period <= node.edges[i]) {
+          if (++at + 1 == from.edges.size()) {
+            at = 0;
+            ++turns;
+          }
+        }
+        piece[i] = static_cast<std::uint32_t>(at);
+        turn[i] = turns;
+      }
+    }
+    node.source_piece.push_back(std::move(piece));
+    node.source_turn.push_back(std::move(turn));
+  }
+}
+
+void PeriodicNetworks::find_loop(Node& node) {
+  MatrixXd once =
+      MatrixXd::Identity(node.clocked.intervals()[0].m.cols(), node.clocked.intervals()[0].m.cols());
+  for (const auto& interval : node.clocked.intervals()) once = interval.m * once;
+  node.loop = MatrixXd::Identity(once.rows(), once.cols());
+  for (std::int64_t turns = node.period / node.clocked.period(); turns > 0; turns /= 2) {
+    if (turns % 2 == 1) node.loop = once * node.loop;
+    once = MatrixXd(once * once);
+  }
+}
+
+PeriodicNetworks::Inputs PeriodicNetworks::inputs_of(const Node& node, const std::vector<SineWaveform>& known,
+                                                     double w) const {
+  const std::size_t pieces = node.pieces();
+  const std::size_t count = node.clocked.inputs();
+  const double per_tick = w / ticks_per_second_;
+  Inputs out;
+  out.alpha.assign(pieces * count, 0.0);
+  out.beta.assign(pieces * count, 0.0);
+  out.turn_at_end.reserve(pieces);
+  for (std::size_t i = 0; i < pieces; ++i)
+    out.turn_at_end.push_back(std::polar(1.0, per_tick * static_cast<double>(node.edges[i + 1])));
+  for (std::size_t k = 0; k < node.sources.size(); ++k) {
+    const Source& source = node.sources[k];
+    if (source.kind == Source::Kind::board_input) {
+      for (std::size_t i = 0; i < pieces; ++i) out.beta[i * count + k] = 1.0;
+    } else if (source.kind == Source::Kind::network) {
+      const SineWaveform& from = known[source.network];
+      const double period = static_cast<double>(nodes_[source.network].period);
+      std::uint32_t turns = 0;
+      Complex turn = 1.0;
+      for (std::size_t i = 0; i < pieces; ++i) {
+        if (node.source_turn[k][i] != turns) {
+          turns = node.source_turn[k][i];
+          turn = std::polar(1.0, per_tick * period * static_cast<double>(turns));
+        }
+        const std::uint32_t piece = node.source_piece[k][i];
+        out.alpha[i * count + k] = from.alpha[piece] * turn;
+        out.beta[i * count + k] = from.beta[piece];
+      }
+    }
+  }
+  return out;
+}
+
+VectorXcd PeriodicNetworks::start_of(const Node& node, const Inputs& in) {
+  const std::size_t count = node.clocked.inputs();
+  std::vector<Complex> u(count);
+  VectorXcd q = VectorXcd::Zero(node.loop.rows());
+  VectorXcd next;
+  for (std::size_t i = 0; i < node.pieces(); ++i) {
+    if (!node.ends[i]) continue;
+    for (std::size_t k = 0; k < count; ++k)
+      u[k] = in.alpha[i * count + k] + in.beta[i * count + k] * in.turn_at_end[i];
+    step(node.clocked.intervals()[node.interval[i]], q, u.data(), next);
+    q.swap(next);
+  }
+  return solve_periodic(in.turn_at_end.back(), node.loop, q);
+}
+
+std::vector<SineWaveform> PeriodicNetworks::waveforms(const Node& node, const Inputs& in,
+                                                      std::span<const std::size_t> opamps) {
+  const std::size_t count = node.clocked.inputs();
+  const std::size_t pieces = node.pieces();
+  std::vector<SineWaveform> out(opamps.size());
+  for (SineWaveform& one : out) {
+    one.edges = &node.edges;
+    one.alpha.resize(pieces);
+    one.beta.resize(pieces);
+  }
+  std::vector<Complex> u(count);
+  VectorXcd q = start_of(node, in);
+  VectorXcd next;
+  for (std::size_t i = 0; i < pieces; ++i) {
+    const auto& at = node.clocked.intervals()[node.interval[i]];
+    for (std::size_t o = 0; o < opamps.size(); ++o) {
+      const Index row = index(opamps[o]);
+      Complex alpha = 0.0;
+      Complex beta = 0.0;
+      for (Index k = 0; k < q.size(); ++k) alpha += at.c(row, k) * q(k);
+      for (std::size_t k = 0; k < count; ++k) {
+        alpha += at.d(row, index(k)) * in.alpha[i * count + k];
+        beta += at.d(row, index(k)) * in.beta[i * count + k];
+      }
+      out[o].alpha[i] = alpha;
+      out[o].beta[i] = beta;
+    }
+    if (!node.ends[i]) continue;
+    for (std::size_t k = 0; k < count; ++k)
+      u[k] = in.alpha[i * count + k] + in.beta[i * count + k] * in.turn_at_end[i];
+    step(at, q, u.data(), next);
+    q.swap(next);
+  }
+  return out;
+}
+
+std::vector<SineWaveform> PeriodicNetworks::outputs(double w) const {
+  std::vector<SineWaveform> out;
+  for (const Node& node : nodes_) {
+    const std::size_t read[] = {node.clocked.output()};
+    out.push_back(std::move(waveforms(node, inputs_of(node, out, w), read)[0]));
+  }
+  return out;
+}
+
+Complex PeriodicNetworks::mean(const SineWaveform& of, double w, double line) const {
+  const std::vector<std::int64_t>& edges = *of.edges;
+  Complex sum = 0.0;
+  // (1/L) int exp(j r t) over a piece: its length times sinc at its middle.
+  const auto share = [&](double rate, std::size_t i) {
+    const double middle = 0.5 * (static_cast<double>(edges[i]) + static_cast<double>(edges[i + 1]));
+    const double length = static_cast<double>(edges[i + 1] - edges[i]);
+    const double half = 0.5 * rate * length / ticks_per_second_;
+    return std::polar(1.0, rate * middle / ticks_per_second_) * (length * sinc(half));
+  };
+  for (std::size_t i = 0; i < of.alpha.size(); ++i) {
+    if (of.alpha[i] != 0.0) sum += of.alpha[i] * share(-line, i);
+    if (of.beta[i] != 0.0) {
+      sum += line == w ? of.beta[i] * static_cast<double>(edges[i + 1] - edges[i])
+                       : of.beta[i] * share(w - line, i);
+    }
+  }
+  return sum / static_cast<double>(edges.back());
+}
+
+Complex PeriodicNetworks::gain(RadPerSecond w) const {
+  return component(w, w);
+}
+
+Complex PeriodicNetworks::component(RadPerSecond w, RadPerSecond line) const {
+  if (!output_) return line.value == w.value ? 1.0 : 0.0;
+  const std::vector<SineWaveform> known = outputs(w.value);
+  Complex out = 0.0;
+  for (const std::size_t part : parts_[*output_]) out += mean(known[part], w.value, line.value);
+  return out;
+}
+
+std::vector<Complex> PeriodicNetworks::components(Hertz sine, std::span<const double> lines_hz) const {
+  const double w = sine.rad_s().value;
+  const std::vector<SineWaveform> known = output_ ? outputs(w) : std::vector<SineWaveform>{};
+  std::vector<Complex> out;
+  for (const double hz : lines_hz) {
+    Complex sum = output_ || hz != sine.value ? 0.0 : 1.0;
+    for (const std::size_t part : output_ ? parts_[*output_] : std::vector<std::size_t>{})
+      sum += mean(known[part], w, Hertz{hz}.rad_s().value);
+    out.push_back(sum);
+  }
+  return out;
+}
+
+std::vector<std::vector<PeriodicNetworks::NodeSize>> PeriodicNetworks::nodes(RadPerSecond w) const {
+  std::vector<SineWaveform> known;
+  std::vector<std::vector<NodeSize>> of_node;    // each part by itself
+  std::vector<std::vector<double>> beside_gain;  // largest departure of each from its own sine
+  for (const Node& node : nodes_) {
+    const Inputs in = inputs_of(node, known, w.value);
+    std::vector<std::size_t> all;
+    for (std::size_t k = 0; k < node.clocked.opamps(); ++k) all.push_back(k);
+    std::vector<SineWaveform> waves = waveforms(node, in, all);
+    std::vector<NodeSize> sizes;
+    std::vector<double> beside;
+    for (const SineWaveform& wave : waves) {
+      NodeSize size{mean(wave, w.value, w.value), 0.0};
+      double departure = 0.0;
+      Complex before = 1.0;
+      for (std::size_t i = 0; i < wave.alpha.size(); ++i) {
+        for (const Complex turn : {before, in.turn_at_end[i]}) {
+          const Complex v = wave.alpha[i] + wave.beta[i] * turn;
+          size.largest = std::max(size.largest, std::abs(v));
+          departure = std::max(departure, std::abs(v - size.gain * turn));
+        }
+        before = in.turn_at_end[i];
+      }
+      sizes.push_back(size);
+      beside.push_back(departure);
+    }
+    known.push_back(std::move(waves[node.clocked.output()]));
+    of_node.push_back(std::move(sizes));
+    beside_gain.push_back(std::move(beside));
+  }
+  std::vector<std::vector<NodeSize>> out;
+  for (const std::vector<std::size_t>& parts : parts_) {
+    std::vector<NodeSize> sum = of_node[parts[0]];
+    // Clocks without a common period meet in every phase: departures add.
+    for (std::size_t k = 0; k < sum.size() && parts.size() > 1; ++k) {
+      double departure = 0.0;
+      sum[k].gain = 0.0;
+      for (const std::size_t part : parts) {
+        sum[k].gain += of_node[part][k].gain;
+        departure += beside_gain[part][k];
+      }
+      sum[k].largest = std::abs(sum[k].gain) + departure;
+    }
+    out.push_back(std::move(sum));
+  }
+  return out;
+}
+
+/// What the output's component owes to alpha of every piece, from the last network to the first.
+class PeriodicNetworks::NoisePass {
+ public:
+  NoisePass(const PeriodicNetworks& board, double w)
+      : board_(board),
+        per_tick_(w / board.ticks_per_second_),
+        turns_(board.nodes_.size(), 1),
+        owed_(turns_.size()) {
+    find_turns();
+    for (std::size_t n = 0; n < turns_.size(); ++n)
+      owed_[n].assign(turns_[n] * board.nodes_[n].pieces(), 0.0);
+    for (const std::size_t n : board.parts_[*board.output_]) {
+      const Node& last = board.nodes_[n];
+      const double whole = static_cast<double>(last.period) * static_cast<double>(turns_[n]);
+      for (std::size_t at = 0; at < owed_[n].size(); ++at) {
+        const std::size_t i = at % last.pieces();
+        const double turn = static_cast<double>(at / last.pieces()) * static_cast<double>(last.period);
+        const double length = static_cast<double>(last.edges[i + 1] - last.edges[i]);
+        const double middle = turn + 0.5 * static_cast<double>(last.edges[i + 1] + last.edges[i]);
+        owed_[n][at] = std::polar(length / whole, -per_tick_ * middle) * sinc(0.5 * per_tick_ * length);
+      }
+    }
+  }
+
+  /// Two-sided density from this node's switches, in ticks; its sources owe their share.
+  double density(std::size_t n) {
+    const Node& node = board_.nodes_[n];
+    const double whole = static_cast<double>(node.period) * static_cast<double>(turns_[n]);
+    MatrixXd loop = MatrixXd::Identity(node.loop.rows(), node.loop.cols());
+    for (std::size_t turn = 0; turn < turns_[n]; ++turn) loop = MatrixXd(node.loop * loop);
+    VectorXcd q = VectorXcd::Zero(loop.rows());  // owed to the charges at the end of the piece at hand
+    for (std::size_t at = owed_[n].size(); at-- > 0;) back(n, at, q);
+    // Owed at the end: what is owed at the beginning, a period later.
+    q = solve_periodic(std::polar(1.0, per_tick_ * whole), loop.transpose(), q);
+    double out = 0.0;
+    for (std::size_t at = owed_[n].size(); at-- > 0;) {
+      const std::size_t i = at % node.pieces();
+      const auto& interval = node.clocked.intervals()[node.interval[i]];
+      if (node.ends[i]) out += (q.adjoint() * (interval.noise.cast<Complex>() * q))(0).real();
+      for (std::size_t k = 0; k < node.sources.size(); ++k) {
+        Complex sum = interval.d(index(node.clocked.output()), index(k)) * owed_[n][at];
+        for (Index r = 0; node.ends[i] && r < q.size(); ++r) sum += interval.n(r, index(k)) * q(r);
+        if (node.sources[k].kind == Source::Kind::network) hand_on(n, at, k, sum);
+      }
+      back(n, at, q);
+    }
+    return out * whole;
+  }
+
+ private:
+  /// Periods over which a node's noise is followed: the common one of all that reads it.
+  void find_turns() {
+    const auto& nodes = board_.nodes_;
+    for (std::size_t n = nodes.size(); n-- > 0;) {
+      const std::int64_t all = nodes[n].period * static_cast<std::int64_t>(turns_[n]);
+      for (const Source& source : nodes[n].sources) {
+        if (source.kind != Source::Kind::network) continue;
+        const Node& from = nodes[source.network];
+        const std::int64_t so_far = from.period * static_cast<std::int64_t>(turns_[source.network]);
+        const auto period = common_period(std::initializer_list<std::int64_t>{so_far, all});
+        const auto most = ClockedNetwork::kMostInstants / static_cast<std::int64_t>(from.pieces());
+        if (period && *period / from.period <= most)
+          turns_[source.network] = static_cast<std::size_t>(*period / from.period);
+      }
+    }
+  }
+
+  /// From the end of a piece to its beginning.
+  void back(std::size_t n, std::size_t at, VectorXcd& q) const {
+    const Node& node = board_.nodes_[n];
+    const std::size_t i = at % node.pieces();
+    const auto& interval = node.clocked.intervals()[node.interval[i]];
+    if (node.ends[i]) q = VectorXcd(interval.m.transpose().cast<Complex>() * q);
+    q += interval.c.row(index(node.clocked.output())).transpose().cast<Complex>() * owed_[n][at];
+  }
+
+  void hand_on(std::size_t n, std::size_t at, std::size_t input, Complex owed) {
+    const Node& node = board_.nodes_[n];
+    const std::size_t source = node.sources[input].network;
+    const Node& from = board_.nodes_[source];
+    const std::size_t i = at % node.pieces();
+    const auto per_period = static_cast<std::size_t>(node.period / from.period);
+    const std::size_t turn = at / node.pieces() * per_period + node.source_turn[input][i];
+    // The reader's common period may be a part of the source's, or the other way round.
+    const std::size_t readers = turns_[n] * per_period;
+    const std::size_t repeats = std::max<std::size_t>(1, turns_[source] / readers);
+    const double period = static_cast<double>(from.period);
+    for (std::size_t repeat = 0; repeat < repeats; ++repeat) {
+      const std::size_t to = (turn + repeat * readers) % turns_[source];
+      const double later = static_cast<double>(turn) - static_cast<double>(to);
+      owed_[source][to * from.pieces() + node.source_piece[input][i]] +=
+          owed * std::polar(1.0 / static_cast<double>(repeats), per_tick_ * period * later);
+    }
+  }
+
+  const PeriodicNetworks& board_;
+  double per_tick_;
+  std::vector<std::size_t> turns_;
+  std::vector<std::vector<Complex>> owed_;  ///< [node][turn * pieces + piece]
+};
+
+std::vector<double> PeriodicNetworks::noise_density(RadPerSecond w) const {
+  std::vector<double> out(parts_.size(), 0.0);
+  if (!output_) return out;
+  NoisePass pass(*this, w.value);
+  for (std::size_t network = parts_.size(); network-- > 0;) {
+    // A network's own noise is in one part of it; the others hand on what they read.
+    for (const std::size_t n : parts_[network]) {
+      const double density = pass.density(n);
+      if (n == parts_[network][0]) out[network] = 2.0 * density / ticks_per_second_;
+    }
+  }
+  return out;
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,120 @@
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/units.hpp"
+#include "fpaa/network/clocked_network.hpp"
+
+namespace bodesmith::fpaa {
+
+/// A voltage in the periodic steady state under the input exp(j w t): alpha_i + beta_i exp(j w t) from edge[i] to
+/// edge[i+1] (ticks; one edge more than pieces), a turn of exp(j w edge.back()) later the same again.
+struct SineWaveform {
+  const std::vector<std::int64_t>* edges = nullptr;
+  std::vector<std::complex<double>> alpha, beta;
+};
+
+/// Clocked networks one behind the other, none of which reads what depends on it: the board of a plan.
+///
+/// Exact periodic steady state for a sine. Between switching instants everything is algebraic
+/// (clocked_network.hpp), so that with an input exp(j w t) every voltage is piecewise alpha + beta exp(j w t).
+/// Over a network's own common period L (of its clocks and of all it reads) q(L) = exp(j w L) q(0), one small
+/// complex solve; two passes over the instants give its waveform. The gain is
+///   (1/L) int_0^L v(t) exp(-j w t) dt
+/// of the last network's output: a component at another line w + 2 pi k/L likewise. The cost of a frequency grows
+/// with the switching instants in L: two for each network where all share a clock.
+///
+/// The response is linear: what a network reads of clocks that have no short common period with one another is
+/// superposed, each part over its own common period with the network's clocks.
+///
+/// Noise: what opens leaves a charge of known covariance at every instant (ChargeMap::noise), uncorrelated from
+/// instant to instant. By the transposed passes, G_i the Fourier transform of the output after a unit charge at
+/// instant i of the common period L of the network and all that follows it, the density at the output is
+/// (1/L) sum_i G_i' K_i G_i: all foldings are in it. (Where that L has too many instants, foldings by clocks that
+/// have no short common period are left out.)
+class PeriodicNetworks {
+ public:
+  /// What an input of a network reads.
+  struct Source {
+    enum class Kind { nothing, board_input, network };
+    Kind kind = Kind::nothing;
+    std::size_t network = 0;  ///< an earlier one
+  };
+
+  explicit PeriodicNetworks(double ticks_per_second) : ticks_per_second_(ticks_per_second) {}
+
+  /// `sources`: one for each input. Throws DesignError where the common period has too many instants.
+  std::size_t add(ClockedNetwork network, std::vector<Source> sources);
+  /// The same network with other capacitors: its maps alone.
+  void replace(std::size_t index, const ClockedNetwork& network);
+  /// The network whose output is the board's.
+  void set_output(std::size_t index) { output_ = index; }
+
+  std::size_t size() const { return parts_.size(); }
+  /// Pieces of waveforms that a frequency costs.
+  std::size_t pieces() const;
+  double ticks_per_second() const { return ticks_per_second_; }
+
+  /// Component of the output at the input's own frequency, for an input of 1.
+  std::complex<double> gain(RadPerSecond w) const;
+  /// Of one network's op-amp: mean and largest |v| at any instant, for a sine of amplitude 1.
+  struct NodeSize {
+    std::complex<double> gain;
+    double largest = 0.0;
+  };
+  /// [network][op-amp].
+  std::vector<std::vector<NodeSize>> nodes(RadPerSecond w) const;
+  /// The output's component at another frequency (a line k fc +- f of it).
+  std::complex<double> component(RadPerSecond w, RadPerSecond line) const;
+  /// Several lines of one sine, in hertz.
+  std::vector<std::complex<double>> components(Hertz sine, std::span<const double> lines_hz) const;
+
+  /// One-sided noise density at the output, [network]: what each adds, in kT over the unit of capacitance, a hertz.
+  std::vector<double> noise_density(RadPerSecond w) const;
+
+ private:
+  /// A network, or the part of it that reads some of its sources.
+  struct Node {
+    ClockedNetwork clocked;
+    std::vector<Source> sources;          ///< indices of nodes
+    std::int64_t period = 1;              ///< of its waveform
+    std::vector<std::int64_t> edges;      ///< of pieces, one more than there are
+    std::vector<std::uint32_t> interval;  ///< of each piece, index into the network's
+    std::vector<bool> ends;               ///< whether an interval ends with the piece
+    /// [input][piece]: piece of the source and how many of the source's periods later.
+    std::vector<std::vector<std::uint32_t>> source_piece;
+    std::vector<std::vector<std::uint32_t>> source_turn;
+    Eigen::MatrixXd loop;  ///< q over the whole period without an input
+
+    std::size_t pieces() const { return interval.size(); }
+  };
+  /// Inputs of a node, one waveform each on the node's own pieces.
+  struct Inputs {
+    std::vector<std::complex<double>> alpha, beta;  ///< [piece * inputs + input]
+    std::vector<std::complex<double>> turn_at_end;  ///< exp(j w edge) of each piece's end
+  };
+  class NoisePass;
+
+  std::vector<std::vector<Source>> parts_of(std::int64_t own, const std::vector<Source>& sources) const;
+  void lay_pieces(Node& node) const;
+  static void find_loop(Node& node);
+  Inputs inputs_of(const Node& node, const std::vector<SineWaveform>& known, double w) const;
+  /// Charges at the beginning of the period.
+  static Eigen::VectorXcd start_of(const Node& node, const Inputs& in);
+  /// Waveforms of these op-amps (rows of V).
+  static std::vector<SineWaveform> waveforms(const Node& node, const Inputs& in,
+                                             std::span<const std::size_t> opamps);
+  std::vector<SineWaveform> outputs(double w) const;
+  std::complex<double> mean(const SineWaveform& of, double w, double line) const;
+
+  double ticks_per_second_;
+  std::vector<Node> nodes_;
+  std::vector<std::vector<std::size_t>> parts_;  ///< of each network: its nodes
+  std::optional<std::size_t> output_;
+};
+
+}  // namespace bodesmith::fpaa

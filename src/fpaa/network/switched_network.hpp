@@ -1,0 +1,68 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/outcome.hpp"
+#include "fpaa/switches.hpp"
+
+namespace bodesmith::fpaa {
+
+/// Capacitors, clocked switches and ideal op-amps: all there is in a switched-capacitor circuit. Nodes are
+/// counted, 0 is ground; switches have no resistance, op-amps any gain and bandwidth.
+struct SwitchedNetwork {
+  struct Capacitor {
+    std::string name;
+    int a = 0, b = 0;
+    double size = 0.0;  ///< farads or units
+  };
+  /// Closed in one phase of one clock.
+  struct Switch {
+    int a = 0, b = 0;
+    int clock = 0;  ///< index, from 0
+    int phase = 1;  ///< 1 or 2: first and second half of the clock's period
+  };
+  struct OpAmp {
+    int plus = 0, minus = 0, out = 0;
+  };
+  int nodes = 1;  ///< ground among them
+  std::vector<Capacitor> capacitors;
+  std::vector<Switch> switches;
+  std::vector<OpAmp> opamps;
+  std::vector<int> inputs;  ///< nodes held at the inputs' voltages
+  int output = 0;           ///< index of the op-amp that is read outside
+
+  int add_node() { return nodes++; }
+};
+
+/// A stage's circuit, its one clock being clock 0, with capacitors of any size (in the order of the stage's; of
+/// another number of units than the stage says where they were drawn).
+SwitchedNetwork network_of(const StageSwitches& stage, std::span<const double> units);
+
+/// A network while its switches stand still. What is conserved is the charge of every group of joined nodes that
+/// nothing holds; with q those charges and u the inputs, all at the same instant,
+///   V(t) = volts_q q + volts_u u(t)      outputs of the op-amps (opamps x charges, opamps x inputs)
+///   Q(t) = nodes_q q + nodes_u u(t)      charge of the plates at each node (nodes x charges, nodes x inputs)
+/// (charge conservation at every virtual ground; e.g. Johns and Martin, Analog Integrated Circuit Design, 1997,
+/// section 10.2). In the next position of the switches a group's charge is the sum of Q over its nodes.
+struct ChargeMap {
+  std::vector<int> charge_of;  ///< of each node: the index of its group's charge; -1: its voltage is held
+  Eigen::Index charges = 0;
+  Eigen::MatrixXd volts_q, volts_u;
+  Eigen::MatrixXd nodes_q, nodes_u;
+  /// Covariance of the plates' charge that the noise of the switches (of equal resistance) leaves when they open, in
+  /// kT times the unit of capacitance (nodes x nodes).
+  Eigen::MatrixXd noise;
+};
+
+/// Refused where the voltages are not determined: an op-amp without feedback, an input joined to ground.
+/// `closed`: of each switch.
+Outcome<ChargeMap> charge_map(const SwitchedNetwork& network, const std::vector<bool>& closed,
+                              bool with_noise);
+
+/// Sums of the charges at nodes for the groups of `next`: (next.charges x nodes).
+Eigen::MatrixXd regrouped(const ChargeMap& next);
+
+}  // namespace bodesmith::fpaa

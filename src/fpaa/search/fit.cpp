@@ -1,0 +1,147 @@
+#include "fpaa/search/fit.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/progress.hpp"
+#include "numeric/least_squares.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kLeastContinuous = 0.02;  ///< units, before the stage is scaled up
+constexpr double kDifference = 1e-4;       ///< of ln C: its cube is the error, far below any mismatch
+
+/// The free capacitors as unknowns.
+struct FreeCapacitor {
+  std::size_t stage = 0;
+  std::size_t capacitor = 0;
+};
+std::vector<FreeCapacitor> free_capacitors(const Design& design) {
+  std::vector<FreeCapacitor> out;
+  for (std::size_t s = 0; s < design.stages.size(); ++s) {
+    for (std::size_t c = 0; c < design.stages[s].c.size(); ++c) {
+      if (design.stages[s].is_free(c)) out.push_back({s, c});
+    }
+  }
+  return out;
+}
+
+/// One run of the least squares with these weights on top of the target's.
+void fit_once(Design& design, const StageFactorTable& table, const std::vector<double>& lean,
+              int iterations) {
+  const std::vector<FreeCapacitor> list = free_capacitors(design);
+  if (list.empty()) return;
+  const auto points = static_cast<Eigen::Index>(table.target().grid.size());
+  std::vector<SearchVariable> unknowns;
+  for (const FreeCapacitor& f : list) {
+    const double value = design.stages[f.stage].c[f.capacitor];
+    const double most = 4.0 * table.target().max_capacitor;  // rounding scales stages down
+    unknowns.push_back({.value = std::clamp(value, kLeastContinuous, most),
+                        .min = kLeastContinuous,
+                        .max = most,
+                        .logarithmic = true});
+  }
+  Design trial = design;
+  const auto set = [&](const Eigen::VectorXd& values) {
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      trial.stages[list[i].stage].c[list[i].capacitor] = values[static_cast<Eigen::Index>(i)];
+    }
+  };
+  const auto residuals = [&](const Eigen::VectorXd& values, Eigen::VectorXd& out) {
+    stop_if_interrupted();
+    set(values);
+    if (!std::all_of(trial.stages.begin(), trial.stages.end(),
+                     [](const DesignStage& stage) { return stage.is_stable(); })) {
+      return false;
+    }
+    const std::vector<Complex> e = DesignResponse(trial, table).errors();
+    out.resize(2 * points);
+    for (Eigen::Index k = 0; k < points; ++k) {
+      const Complex v = e[static_cast<std::size_t>(k)] * lean[static_cast<std::size_t>(k)];
+      out[2 * k] = v.real();
+      out[2 * k + 1] = v.imag();
+    }
+    return out.allFinite();
+  };
+  LeastSquaresOptions options;
+  options.max_iterations = iterations;
+  options.broyden = false;
+  options.jacobian = [&](const Eigen::VectorXd& values, Eigen::MatrixXd& out) {
+    set(values);
+    out.resize(2 * points, static_cast<Eigen::Index>(list.size()));
+    Eigen::Index column = 0;  // effects come in the order of the list
+    for (const CapacitorEffect& effect : capacitor_effects(DesignResponse(trial, table), true)) {
+      for (Eigen::Index k = 0; k < points; ++k) {
+        const auto i = static_cast<std::size_t>(k);
+        const Complex v = effect.values[i] * lean[i] / values[column];
+        out(2 * k, column) = v.real();
+        out(2 * k + 1, column) = v.imag();
+      }
+      ++column;
+    }
+  };
+  const LeastSquaresResult result = least_squares(unknowns, residuals, options);
+  if (result.values.size() != static_cast<Eigen::Index>(list.size())) return;
+  set(result.values);
+  design = std::move(trial);
+}
+
+}  // namespace
+
+std::vector<CapacitorEffect> capacitor_effects(const DesignResponse& response, bool only_free) {
+  std::vector<CapacitorEffect> out;
+  const auto ways = response.ways();
+  const Design& design = response.design();
+  std::vector<Complex> above;
+  std::vector<Complex> below;
+  for (std::size_t s = 0; s < design.stages.size(); ++s) {
+    DesignStage stage = design.stages[s];
+    const auto wanted = [&](std::size_t c) { return stage.c[c] > 0.0 && (!only_free || stage.is_free(c)); };
+    bool any = false;
+    for (std::size_t c = 0; c < stage.c.size(); ++c) any = any || wanted(c);
+    if (!any) continue;
+    const StagePlace place(response, ways[s], s);
+    for (std::size_t c = 0; c < stage.c.size(); ++c) {
+      if (!wanted(c)) continue;
+      const double value = stage.c[c];
+      stage.c[c] = value * std::exp(kDifference);
+      place.share_of(stage, above);
+      stage.c[c] = value * std::exp(-kDifference);
+      place.share_of(stage, below);
+      stage.c[c] = value;
+      for (std::size_t k = 0; k < above.size(); ++k) {
+        above[k] = (above[k] - below[k]) * (0.5 / kDifference);
+      }
+      out.push_back({s, c, above});
+    }
+  }
+  return out;
+}
+
+void fit_design(Design& design, const StageFactorTable& table, int iterations, int passes) {
+  std::vector<double> lean(table.target().grid.size(), 1.0);
+  Design best = design;
+  double least = 1e300;
+  for (int pass = 0; pass < passes; ++pass) {
+    fit_once(design, table, lean, iterations);
+    const std::vector<Complex> e = DesignResponse(design, table).errors();
+    const double worst = largest_error(e);
+    if (worst < least) {
+      least = worst;
+      best = design;
+    }
+    if (pass + 1 == passes || !(worst > 0.0)) break;
+    double mean = 0.0;
+    for (std::size_t k = 0; k < lean.size(); ++k) {
+      lean[k] *= std::sqrt(0.05 + std::abs(e[k]) / worst);
+      mean += lean[k] / static_cast<double>(lean.size());
+    }
+    for (double& l : lean) l /= mean;
+  }
+  design = std::move(best);
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,16 @@
+#pragma once
+
+#include "fpaa/search/score.hpp"
+
+namespace bodesmith::fpaa {
+
+/// Single capacitors up and down as long as the largest error gets smaller.
+void polish_singles(Design& design, const StageFactorTable& table, int passes);
+
+/// Pairs of capacitors of any stages, each up and down by a few units together, found with the first derivatives and
+/// judged by the exact response: what a single capacitor spoils another one may mend. `mismatch_share` of the spread by
+/// mismatch counts beside the error.
+void polish_pairs(Design& design, const StageFactorTable& table, const MismatchModel& mismatch,
+                  double mismatch_share, int rounds);
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,148 @@
+#include "fpaa/search/score.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// Mean square at the pin within the band, in kT/C_u: every switched unit brings 2 kT C of charge a period. What a slower clock folds
+/// into the band is left out: this only compares designs.
+double band_noise(const DesignResponse& response) {
+  const DesignTarget& target = response.table().target();
+  const Design& design = response.design();
+  const auto ways = response.ways();
+  std::vector<double> density(response.points(), 0.0);  // per Hz
+  for (std::size_t s = 0; s < design.stages.size(); ++s) {
+    const DesignStage& stage = design.stages[s];
+    const std::vector<ClockFactors>& clock = response.table().clock(stage.divisor);
+    const double hz = target.master_hz / static_cast<double>(stage.divisor);
+    for (int opamp = 1; opamp <= stage.opamps(); ++opamp) {
+      const double charge = 2.0 * stage.switched_units(opamp) * 2.0 / hz;
+      for (std::size_t k = 0; k < density.size(); ++k) {
+        const SineParts y = charge_response(stage, opamp, clock[k]);
+        const SineParts& way = ways[s][k];
+        const Complex at_pin =
+            y.end1 * way.end1 + y.end2 * way.end2 + y.mean1 * way.mean1 + y.mean2 * way.mean2;
+        density[k] += charge * std::norm(at_pin);
+      }
+    }
+  }
+  double out = 0.0;
+  for (std::size_t k = 0; k + 1 < density.size(); ++k) {
+    const double f = target.grid[k].hz().value;
+    const double next = target.grid[k + 1].hz().value;
+    if (target.weight[k] < 1.0 || target.weight[k + 1] < 1.0 || next < f) continue;
+    out += 0.5 * (density[k] + density[k + 1]) * (next - f);
+  }
+  return out;
+}
+
+}  // namespace
+
+double DesignScore::total() const {
+  return (p95 + noise) * std::max(1.0, kInputWorthKeeping * bound / input);
+}
+
+std::vector<double> mismatch_sigma(const std::vector<CapacitorEffect>& effects, const Design& design,
+                                   const MismatchModel& mismatch) {
+  std::vector<double> out;
+  for (const CapacitorEffect& effect : effects) {
+    out.resize(effect.values.size(), 0.0);
+    const double sigma = mismatch.relative_sigma(design.stages[effect.stage].c[effect.capacitor]);
+    for (std::size_t k = 0; k < out.size(); ++k) out[k] += std::norm(effect.values[k]) * sigma * sigma;
+  }
+  for (double& v : out) v = std::sqrt(v);
+  return out;
+}
+
+namespace {
+
+/// What each node makes at once of a step at the board's input: the larger of both phases. Frequencies far above the band, and the front of
+/// a step, come out with it.
+std::vector<double> step_fronts(const Design& design, const StageFactorTable& table) {
+  std::vector<double> out;
+  for (const DesignStage& stage : design.stages) {
+    double phase1 = 0.0;
+    double phase2 = 0.0;
+    for (std::size_t i = 0; i < stage.from.size(); ++i) {
+      const StageFactors f = stage_factors(stage, i, table.clock(stage.divisor).front());
+      const int from = stage.from[i];
+      const double in = from == DesignStage::kBoardInput ? 1.0 : out[static_cast<std::size_t>(from)];
+      phase1 += f.follow1 * in;
+      phase2 += f.follow2 * in;
+    }
+    out.push_back(std::max(phase1, phase2));
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<NodePeak> node_peaks(const DesignResponse& response) {
+  const Design& design = response.design();
+  const std::vector<double> fronts = step_fronts(design, response.table());
+  std::vector<NodePeak> out(design.stages.size());
+  for (std::size_t s = 0; s < out.size(); ++s) {
+    const DesignStage& stage = design.stages[s];
+    const std::vector<ClockFactors>& clock = response.table().clock(stage.divisor);
+    out[s].output = fronts[s];
+    for (std::size_t k = 0; k < response.points(); ++k) {
+      const SineParts& y = response.signals()[s][k];
+      out[s].output = std::max({out[s].output, std::abs(y.end1), std::abs(y.end2)});
+      if (stage.is_first()) continue;
+      out[s].inner = std::max(out[s].inner, inner_magnitude(stage, clock[k], response.input_of(s, 0, k)));
+    }
+  }
+  return out;
+}
+
+void scale_nodes(Design& design, const StageFactorTable& table) {
+  const std::vector<NodePeak> peaks = node_peaks(DesignResponse(design, table));
+  const double end = peaks.back().output;
+  const std::size_t count = peaks.size();
+  if (!(end > 0.0)) return;
+  for (std::size_t s = 0; s < count; ++s) {
+    const double share = static_cast<double>(s + 1) / static_cast<double>(count);
+    const double wanted = std::pow(end, share);
+    if (s + 1 < count && peaks[s].output > 0.0) design.scale_node(s, wanted / peaks[s].output);
+    DesignStage& stage = design.stages[s];
+    if (stage.is_first() || !(peaks[s].inner > 0.0)) continue;
+    // The first op-amp's output over q: CA, which feeds it back, and C3, which leaves it, times q. Its input scaled with the stage's.
+    const double input = s == 0 ? 1.0 : std::pow(end, share - 1.0 / static_cast<double>(count));
+    const double now = peaks[s].inner * (s + 1 < count ? wanted / peaks[s].output : 1.0);
+    const double q = now / std::max({input, wanted, 1e-9});
+    stage.c[DesignStage::kCA] *= q;
+    stage.c[DesignStage::kC3] *= q;
+  }
+}
+
+DesignScore score_of(const Design& design, const StageFactorTable& table, const BoardAssumptions& assumptions,
+                     double full_scale_v) {
+  const DesignResponse response(design, table);
+  const DesignTarget& target = table.target();
+  const std::vector<Complex> errors = response.errors();
+  const std::vector<double> sigma = mismatch_sigma(capacitor_effects(response), design, assumptions.mismatch);
+  DesignScore out;
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    if (target.weight[k] < 1.0) continue;
+    const double designed = std::abs(errors[k]);
+    const double p95 = error_of_95_percent(errors[k], sigma[k]);
+    if (!(designed <= out.designed)) out.designed = designed;
+    if (!(p95 <= out.p95)) out.p95 = p95;
+  }
+  double most = 1.0;
+  const std::vector<NodePeak> peaks = node_peaks(response);
+  for (const NodePeak& peak : peaks) most = std::max({most, peak.output, peak.inner});
+  out.bound = 1.0 / std::max(1.0, peaks.back().output);
+  out.input = 1.0 / most;
+  const double rms = assumptions.noise.unit_noise_v() * std::sqrt(band_noise(response));
+  const double signal = out.input * full_scale_v * peaks.back().output / std::numbers::sqrt2;
+  out.noise = assumptions.noise.weight * rms / signal;
+  return out;
+}
+
+}  // namespace bodesmith::fpaa

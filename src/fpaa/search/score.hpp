@@ -1,0 +1,45 @@
+#pragma once
+
+#include <vector>
+
+#include "fpaa/mismatch.hpp"
+#include "fpaa/search/fit.hpp"
+
+namespace bodesmith::fpaa {
+
+/// What a design comes to, all as shares (1 = 100 %), on the grid of its table.
+struct DesignScore {
+  double designed = 0.0;  ///< largest |got - wanted|/reference within the band
+  double p95 = 0.0;       ///< the same for 95 % of boards: designed error and spread by mismatch
+  double noise = 0.0;     ///< kT/C noise within the band against the output's largest sine
+  double input = 1.0;     ///< sine at the pin that no node clips at, in full scales
+  double bound = 1.0;     ///< the same if only input and output could clip
+  /// What candidates are ranked by: p95 and noise at the largest input. An input below two thirds of the bound
+  /// costs in proportion: whatever stands outside the board (offsets, drivers) is so much larger against the signal.
+  double total() const;
+};
+
+/// The share of the bound that costs nothing.
+inline constexpr double kInputWorthKeeping = 2.0 / 3.0;
+
+DesignScore score_of(const Design& design, const StageFactorTable& table, const BoardAssumptions& assumptions,
+                     double full_scale_v);
+
+/// Standard deviation of the weighted error by mismatch, on the grid.
+std::vector<double> mismatch_sigma(const std::vector<CapacitorEffect>& effects, const Design& design,
+                                   const MismatchModel& mismatch);
+
+/// Largest magnitude over the grid (and of a step's front) of each stage's output, and of the op-amp inside it (0 for a first-order
+/// one).
+struct NodePeak {
+  double output = 0.0;
+  double inner = 0.0;
+};
+std::vector<NodePeak> node_peaks(const DesignResponse& response);
+
+/// The dynamic-range optimum under the two ends that are given: every node's peak on the geometric way from the input's (1) to the
+/// output's, an op-amp inside a stage as its output (all capacitors that leave a node times its factor, those that enter divided
+/// by it; Schreier and Temes, Understanding Delta-Sigma Data Converters, 4.4, scaleABCD).
+void scale_nodes(Design& design, const StageFactorTable& table);
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,391 @@
+#include "fpaa/search/search.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <numbers>
+
+#include "base/progress.hpp"
+#include "base/text.hpp"
+#include "fpaa/search/chain.hpp"
+#include "fpaa/search/plan_of_design.hpp"
+#include "fpaa/search/polish.hpp"
+#include "fpaa/search/whole_capacitors.hpp"
+#include "numeric/parallel_for.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+constexpr int kSearchThreads = 2;
+/// No clock above this: half a period is then 250 ns, in which a handful of op-amps of some MHz one behind the other have to
+/// settle (their bandwidth is not public).
+constexpr double kHighestClockHz = 2e6;
+/// Stages that are fitted, tried at other clocks, made whole, and made whole with more care: so many chains of so many stages each.
+/// Twice as many found nothing better on the table of docs/fpaa.md.
+constexpr std::size_t kFittedStages = 240;
+constexpr std::size_t kMovedChains = 3;
+constexpr std::size_t kMoveRounds = 4;
+constexpr std::size_t kWholeStages = 100;
+constexpr std::size_t kRefined = 4;
+constexpr int kQuickPairs = 8;
+constexpr int kPairs = 60;
+/// One clock for all: from the highest that every corner reaches down in these steps to this many times the band.
+constexpr double kClockStep = 0.65;
+constexpr double kLeastOverBand = 2.2;
+/// A clock is moved for at least this share of the rank.
+constexpr double kWorthMoving = 0.99;
+/// How much of the spread by mismatch counts while capacitors are polished: the error that every board has comes first.
+constexpr double kPolishShare = 0.1;
+/// An op-amp more has to earn this share of the error, a chip more that.
+constexpr double kOpampCost = 0.01;
+constexpr double kChipCost = 0.1;
+constexpr int kOpampsOfChip = 8;
+/// A stage that AnadigmDesigner2 cannot make has to earn this much (a tenth of a point).
+constexpr double kVendorMargin = 1e-3;
+/// Of two designs that do as well for 95 % of boards the one that is nearer by design is taken.
+constexpr double kDesignedShare = 1.0;
+
+struct Candidate {
+  std::vector<StageRoots> stages;
+  SharingOptions sharing;
+  ChainClocks clocks;
+  int gains = 0;
+  std::optional<Design> design;
+  std::int64_t divisor = 1;
+  std::vector<int> halvings;
+  Design exact;  ///< before its capacitors were whole
+  DesignScore score;
+  bool vendor = false;
+  double rank() const {
+    const int opamps = design->opamps();
+    const int more_chips = (opamps - 1) / kOpampsOfChip;
+    return (score.total() + kDesignedShare * score.designed) *
+               (1.0 + kOpampCost * opamps + kChipCost * more_chips) +
+           (vendor ? 0.0 : kVendorMargin);
+  }
+};
+
+bool is_vendor(const DesignStage& stage) {
+  if (stage.is_first()) return stage.from.size() == 1;
+  int inputs = 0;
+  for (const int i : {DesignStage::kC1, DesignStage::kCp, DesignStage::kCpp}) {
+    inputs += stage.c[static_cast<std::size_t>(i)] > 0.0;
+  }
+  return inputs == 1 && stage.c1_inverting;
+}
+
+bool is_vendor(const Design& design) {
+  return std::all_of(design.stages.begin(), design.stages.end(),
+                     [](const DesignStage& s) { return is_vendor(s); });
+}
+
+/// What whole capacitors could come to at best: each group as large as its bank; what does not come to half a unit is left out, or is
+/// one where the stage needs it.
+Design with_full_banks(Design design, int most) {
+  for (DesignStage& stage : design.stages) {
+    const DesignStage exact = stage;
+    for (const std::vector<std::size_t>& group : scale_groups(stage)) {
+      double by = 1e300;
+      for (const std::size_t i : group) {
+        if (stage.c[i] > 0.0) by = std::min(by, stage.largest_units(i, most) / stage.c[i]);
+      }
+      for (const std::size_t i : group) stage.c[i] *= by;
+    }
+    for (std::size_t i = 0; i < stage.c.size(); ++i) {
+      if (!(stage.c[i] > 0.0) || stage.c[i] >= 0.5) continue;
+      stage.c[i] = exact.may_be_left_out(i) ? 0.0 : 1.0;
+    }
+  }
+  return design;
+}
+
+class ChainSearch {
+ public:
+  ChainSearch(const Sections& sections, Band band, const PlanOptions& options, const Board& board)
+      : sections_(sections),
+        options_(options),
+        board_(board),
+        target_(design_target(sections, band, 10.0, board)),
+        fine_(design_target(sections, band, 24.0, board)) {}
+
+  Outcome<SearchedDesign> run() {
+    if (options_.clock) {
+      const auto clock = find_clock(board_, *options_.clock);
+      if (!clock) {
+        return Refusal{fmt::format("no chip clock is {} Hz, the nearest is {} Hz",
+                                   rounded_text(options_.clock->value),
+                                   rounded_text(nearest_clock(board_, *options_.clock).frequency.value))};
+      }
+      given_ = std::int64_t{clock->system_divisor} * clock->divisor;
+    }
+    std::vector<Candidate> list = candidates();
+    improve(list, "chains", [&](Candidate& c) { return fitted(c, target_, 10, 1); });
+    if (list.empty()) return nothing();
+    keep_placeable(list, share_of(kFittedStages, list));
+    if (list.empty()) return *why_not_;
+    improve(list, "chains, closer", [&](Candidate& c) { return fitted(c, target_, 25, 2); });
+    if (!given_) move_clocks(list);
+    keep_placeable(list, share_of(kWholeStages, list));
+    if (list.empty()) return *why_not_;
+    improve(list, "capacitors",
+            [&](Candidate& c) { return made_whole(c, {.designs = 2, .choices = 2}, kQuickPairs); });
+    if (list.empty()) return Refusal{"no chain comes to whole capacitors"};
+    if (list.size() > kRefined) list.resize(kRefined);
+    std::vector<Candidate> refined = list;
+    improve(refined, "capacitors, closer", [&](Candidate& c) { return refine(c); });
+    Candidate& best = refined.empty() ? list.front() : refined.front();
+    SearchedDesign out{*best.design, best.score, best.vendor,
+                       value_or_throw(plan_of_design(*best.design, board_))};
+    out.plan.topology = best.vendor ? "chain" : "cascade";
+    return out;
+  }
+
+ private:
+  Refusal nothing() const {
+    std::string at = "no chain of the board's stages makes these sections";
+    if (options_.clock) {
+      at = fmt::format(
+          "no chain of AnadigmDesigner2's CAMs makes these sections at a clock of {} Hz, expected another clock (or "
+          "none: it is searched then)",
+          rounded_text(options_.clock->value));
+    } else if (options_.topology == PlanOptions::Topology::chain) {
+      at =
+          "no chain of AnadigmDesigner2's CAMs makes these sections (no zeros in the right half plane, complex ones only at 0), "
+          "expected the topology auto";
+    }
+    return {at};
+  }
+
+  std::vector<Candidate> candidates() const {
+    std::vector<Candidate> out;
+    Candidate c;
+    c.clocks.lowest = options_.lowest_clock.value_or(Hertz{board_.master_clock.value / 260100.0});
+    c.clocks.highest = Hertz{kHighestClockHz};
+    c.sharing.lowest_clock_hz = c.clocks.lowest.value;
+    c.sharing.low_zero = target_.band.from.value * 2.0 * std::numbers::pi / 300.0;
+    c.sharing.far_zero = 50.0 * 2.0 * std::numbers::pi * target_.band.to.value;
+    for (const bool nearest : {false, true}) {
+      c.sharing.nearest_zeros = nearest;
+      for (std::size_t left_out = 0;; ++left_out) {
+        c.sharing.left_out = left_out;
+        c.sharing.pair_low_passes = false;
+        const std::vector<StageRoots> stages = shared_roots(sections_, c.sharing);
+        if (stages.empty()) break;
+        add_clocks(out, c, stages);
+        c.sharing.pair_low_passes = true;
+        const std::vector<StageRoots> paired = shared_roots(sections_, c.sharing);
+        if (paired.size() < stages.size()) add_clocks(out, c, paired);
+        if (given_) break;  // who gives the clock is given every root
+      }
+    }
+    return out;
+  }
+
+  void add_clocks(std::vector<Candidate>& out, Candidate c, const std::vector<StageRoots>& stages) const {
+    if (given_) {
+      c.clocks.one = given_;
+      add_gains(out, c, stages);
+      return;
+    }
+    double reach = kHighestClockHz;
+    for (const StageRoots& stage : stages) reach = std::min(reach, stage.highest_clock_hz());
+    for (double clock = reach; clock > kLeastOverBand * target_.band.to.value; clock *= kClockStep) {
+      c.clocks.one = fastest_divisor(target_.master_hz, clock);
+      add_gains(out, c, stages);
+    }
+    c.clocks.one.reset();
+    for (const double over_corner : {12.0, 30.0, 80.0, 200.0}) {
+      for (const double over_band : {0.0, 0.3, 1.0, 3.0, 8.0, 25.0, 80.0, 200.0}) {
+        c.clocks.over_corner = over_corner;
+        c.clocks.over_band = over_band;
+        add_gains(out, c, stages);
+      }
+    }
+  }
+
+  /// As many stages that only invert as the sign takes, and two more.
+  void add_gains(std::vector<Candidate>& out, Candidate c, const std::vector<StageRoots>& stages) const {
+    for (const int gains : {0, 1, 2, 3}) {
+      c.gains = gains;
+      c.stages = stages;
+      if (!made(c) || same_as_one(out, *c.design)) continue;
+      c.vendor = is_vendor(*c.design);
+      const bool vendor_only = options_.topology == PlanOptions::Topology::chain || options_.clock;
+      if (vendor_only && !c.vendor) continue;
+      out.push_back(c);
+    }
+  }
+
+  bool made(Candidate& c) const {
+    std::optional<Chain> chain = chain_design(c.stages, c.clocks, c.gains, target_);
+    if (!chain) return false;
+    c.design = std::move(chain->design);
+    c.divisor = chain->divisor;
+    c.halvings = std::move(chain->halvings);
+    return true;
+  }
+
+  /// So many chains as the best of the list makes with so many stages.
+  static std::size_t share_of(std::size_t stages, const std::vector<Candidate>& list) {
+    return std::max<std::size_t>(6, stages / std::max<std::size_t>(2, list.front().design->stages.size()));
+  }
+
+  static bool same_as_one(const std::vector<Candidate>& list, const Design& design) {
+    return std::any_of(list.begin(), list.end(), [&](const Candidate& other) {
+      const auto& a = other.design->stages;
+      return std::equal(
+          a.begin(), a.end(), design.stages.begin(), design.stages.end(),
+          [](const DesignStage& x, const DesignStage& y) {
+            return x.divisor == y.divisor && x.kind == y.kind && x.name == y.name &&
+                   std::equal(x.c.begin(), x.c.end(), y.c.begin(), y.c.end(),
+                              [](double p, double q) { return std::abs(p - q) <= 1e-6 * std::max(p, q); });
+          });
+    });
+  }
+
+  static void sort_by_rank(std::vector<Candidate>& list) {
+    std::stable_sort(list.begin(), list.end(),
+                     [](const Candidate& a, const Candidate& b) { return a.rank() < b.rank() * kBetter; });
+  }
+
+  /// Runs `step` on all, two at a time; keeps those for which it is true, by rank.
+  template <class Step>
+  void improve(std::vector<Candidate>& list, const char* what, Step step) const {
+    Progress progress(what);
+    std::atomic<std::size_t> done = 0;
+    std::vector<char> kept(list.size(), 0);
+    parallel_for(list.size(), kSearchThreads, [&](std::size_t i) {
+      kept[i] = step(list[i]) ? 1 : 0;
+      progress.at(static_cast<double>(++done) / static_cast<double>(list.size()));
+    });
+    std::vector<Candidate> out;
+    for (std::size_t i = 0; i < list.size(); ++i) {
+      if (kept[i] != 0 && std::isfinite(list[i].score.total())) out.push_back(std::move(list[i]));
+    }
+    sort_by_rank(out);
+    list = std::move(out);
+  }
+
+  bool fitted(Candidate& c, const DesignTarget& target, int iterations, int passes) const {
+    const DesignTarget seen = with_clocks_seen(target, *c.design, sections_);
+    const StageFactorTable table(seen);
+    fit_design(*c.design, table, iterations, passes);
+    scale_nodes(*c.design, table);
+    c.score = score_of(with_full_banks(*c.design, board_.max_capacitor), table, options_.assumptions,
+                       board_.full_scale_v);
+    return true;
+  }
+
+  /// The best chains with single stages at twice or half their clock, as long as that pays.
+  void move_clocks(std::vector<Candidate>& list) const {
+    std::vector<Candidate> moved(
+        list.begin(), list.begin() + static_cast<std::ptrdiff_t>(std::min(kMovedChains, list.size())));
+    for (Candidate& best : moved) {
+      for (std::size_t round = 0; round < kMoveRounds; ++round) {
+        std::vector<Candidate> near;
+        for (std::size_t s = 0; s < best.halvings.size(); ++s) {
+          for (const int by : {-1, 1}) {
+            Candidate c = best;
+            if (moved_clock(c, s, by) && !same_clocks(near, c)) near.push_back(std::move(c));
+          }
+        }
+        improve(near, "clocks", [&](Candidate& c) { return fitted(c, target_, 25, 2); });
+        if (near.empty() || near.front().rank() > kWorthMoving * best.rank()) break;
+        best = std::move(near.front());
+      }
+    }
+    for (Candidate& c : moved) {
+      if (!same_clocks(list, c)) list.push_back(std::move(c));
+    }
+    sort_by_rank(list);
+  }
+
+  bool moved_clock(Candidate& c, std::size_t stage, int by) const {
+    c.clocks.halvings = c.halvings;
+    c.clocks.one = c.divisor;
+    c.clocks.halvings[stage] += by;
+    if (c.clocks.halvings[stage] < 0) {
+      if (c.divisor % 4 != 0) return false;
+      *c.clocks.one /= 2;
+      for (int& h : c.clocks.halvings) ++h;
+      if (board_.master_clock.value / static_cast<double>(*c.clocks.one) > c.clocks.highest.value)
+        return false;
+    }
+    return made(c);
+  }
+
+  static bool same_clocks(const std::vector<Candidate>& list, const Candidate& c) {
+    return std::any_of(list.begin(), list.end(), [&](const Candidate& other) {
+      const auto& a = other.design->stages;
+      const auto& b = c.design->stages;
+      return other.sharing.left_out == c.sharing.left_out &&
+             std::equal(a.begin(), a.end(), b.begin(), b.end(),
+                        [](const DesignStage& x, const DesignStage& y) {
+                          return x.divisor == y.divisor && x.kind == y.kind && x.name == y.name;
+                        });
+    });
+  }
+
+  /// The best that the board has room for.
+  void keep_placeable(std::vector<Candidate>& list, std::size_t most) {
+    std::vector<Candidate> out;
+    for (Candidate& c : list) {
+      if (out.size() == most) break;
+      const Design full = with_full_banks(*c.design, board_.max_capacitor);
+      const Outcome<Plan> plan = plan_of_design(full, board_);
+      if (const Refusal* refusal = refusal_of(plan)) {
+        if (!why_not_) why_not_ = *refusal;
+        continue;
+      }
+      out.push_back(std::move(c));
+    }
+    list = std::move(out);
+  }
+
+  /// Whole capacitors; the candidate's design stays as it was where there are none.
+  bool made_whole(Candidate& c, RoundingWidth width, int pairs) const {
+    const DesignTarget seen = with_clocks_seen(fine_, *c.design, sections_);
+    const StageFactorTable table(seen);
+    c.exact = *c.design;
+    fit_design(c.exact, table, 25, 3);
+    Design whole = c.exact;
+    if (!make_whole(whole, table, width)) return false;
+    polish_singles(whole, table, 4);
+    polish_pairs(whole, table, options_.assumptions.mismatch, kPolishShare, pairs);
+    c.score = score_of(whole, table, options_.assumptions, board_.full_scale_v);
+    c.design = std::move(whole);
+    c.vendor = is_vendor(*c.design);
+    return refusal_of(plan_of_design(*c.design, board_)) == nullptr;
+  }
+
+  /// Made whole once more with several partly whole designs side by side; whichever is better.
+  bool refine(Candidate& c) const {
+    Candidate again = c;
+    again.design = c.exact;
+    const DesignTarget seen = with_clocks_seen(fine_, *c.design, sections_);
+    const StageFactorTable table(seen);
+    polish_pairs(*c.design, table, options_.assumptions.mismatch, kPolishShare, kPairs);
+    c.score = score_of(*c.design, table, options_.assumptions, board_.full_scale_v);
+    if (made_whole(again, {.designs = 3, .choices = 4}, kPairs) && again.rank() < kBetter * c.rank())
+      c = again;
+    return true;
+  }
+
+  const Sections& sections_;
+  const PlanOptions& options_;
+  const Board& board_;
+  DesignTarget target_, fine_;
+  std::optional<std::int64_t> given_;
+  std::optional<Refusal> why_not_;
+};
+
+}  // namespace
+
+Outcome<SearchedDesign> search_design(const Sections& sections, Band band, const PlanOptions& options,
+                                      const Board& board) {
+  return ChainSearch(sections, band, options, board).run();
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,76 @@
+#include "fpaa/search/target.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "base/whole_number.hpp"
+#include "fpaa/error_reference.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kBeyondBand = 4.0;
+constexpr double kBeyondWeight = 0.1;
+constexpr int kBeyondPoints = 8;
+/// A zero of the wanted response on the axis: errors near it count against this share of the peak.
+constexpr double kSoftZero = 1e-5;
+
+void add_point(DesignTarget& target, const Sections& sections, Hertz f, double weight, double soft) {
+  target.grid.push_back(f.rad_s());
+  target.wanted.push_back(sections.response(f.rad_s()));
+  target.weight.push_back(weight);
+  target.reciprocal.push_back(1.0 / std::max(error_reference(sections, f.rad_s()), soft));
+}
+
+}  // namespace
+
+DesignTarget design_target(const Sections& sections, Band band, double points, const Board& board) {
+  DesignTarget out;
+  out.band = band;
+  out.master_hz = board.master_clock.value;
+  out.max_capacitor = board.max_capacitor;
+  const double decades = std::log10(band.to.value / band.from.value);
+  const auto inside = log_grid(band, whole_number<int>(points * decades, 30, 400));
+  double peak = 0.0;
+  for (const Hertz f : inside) peak = std::max(peak, std::abs(sections.response(f.rad_s())));
+  for (const Hertz f : inside) add_point(out, sections, f, 1.0, kSoftZero * peak);
+  const Band beyond{{1.15 * band.to.value}, {kBeyondBand * band.to.value}};
+  for (const Hertz f : log_grid(beyond, kBeyondPoints))
+    add_point(out, sections, f, kBeyondWeight, kSoftZero * peak);
+  return out;
+}
+
+double corner_of(const DesignStage& stage, double master_hz) {
+  const double clock = master_hz / static_cast<double>(stage.divisor);
+  const auto& c = stage.c;
+  if (stage.is_first()) {
+    const std::size_t n = 2 * stage.from.size();
+    return clock * c[n] / std::max(c[n + 1], 1e-3 * c[n]);
+  }
+  using Stage = DesignStage;
+  return clock * std::sqrt(c[Stage::kC2] * c[Stage::kC3] / (c[Stage::kCA] * c[Stage::kCB]));
+}
+
+DesignTarget with_clocks_seen(DesignTarget target, const Design& design, const Sections& sections) {
+  constexpr double kBeside[] = {-10.0, -3.0, -1.0, -0.4, 0.4, 1.0, 3.0, 10.0};
+  constexpr int kMultiples = 4;
+  constexpr double kNarrow = 1.0 / 6.0;  // of the clock: wider ones the grid sees
+  const double soft = 1.0 / *std::max_element(target.reciprocal.begin(), target.reciprocal.end());
+  for (const DesignStage& stage : design.stages) {
+    const double clock = target.master_hz / static_cast<double>(stage.divisor);
+    const double width = corner_of(stage, target.master_hz) / (2.0 * std::numbers::pi);
+    if (width > kNarrow * clock) continue;
+    for (int k = 1; k <= kMultiples; ++k) {
+      for (const double beside : kBeside) {
+        const Hertz f{k * clock + beside * width};
+        if (f >= target.band.from && f <= target.band.to) add_point(target, sections, f, 1.0, soft);
+      }
+    }
+  }
+  return target;
+}
+
+}  // namespace bodesmith::fpaa

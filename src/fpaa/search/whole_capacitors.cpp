@@ -1,0 +1,288 @@
+#include "fpaa/search/whole_capacitors.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/whole_number.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+using Stage = DesignStage;
+
+/// Whether a capacitor of a second-order stage is in the first of its groups.
+bool in_first_group(Stage::Kind kind, std::size_t capacitor) {
+  if (capacitor == Stage::kC1 || capacitor == Stage::kC2 || capacitor == Stage::kCA) return true;
+  return kind == Stage::Kind::second_high && (capacitor == Stage::kCp || capacitor == Stage::kC4);
+}
+
+/// A stage's whole capacitors at given scales of its groups; false where one does not come to a unit.
+bool rounded_at(Stage& stage, const Stage& exact_stage, double node_scale, double first, double second,
+                int max_capacitor) {
+  const std::vector<double>& exact = exact_stage.c;
+  for (std::size_t i = 0; i < exact.size(); ++i) {
+    if (!(exact[i] > 0.0)) continue;
+    double scale = first;
+    if (stage.kind != Stage::Kind::first) {
+      scale = in_first_group(stage.kind, i) ? first : second;
+      if (i == Stage::kCA || i == Stage::kC3) scale *= node_scale;
+    }
+    const double units = std::round(exact[i] * scale);
+    if (units > stage.largest_units(i, max_capacitor)) return false;
+    stage.c[i] = units < 1.0 && exact_stage.may_be_left_out(i) ? 0.0 : std::max(1.0, units);
+  }
+  return true;
+}
+
+/// Whole capacitors of a stage and what they cost: as they are, and where other stages make up for the gain.
+struct WholeStage {
+  std::vector<double> c;
+  double cost = 0.0;  ///< squared
+  double cost_but_gain = 0.0;
+};
+
+/// What whole capacitors of one stage cost (they themselves are left out); `got` is room for their share.
+WholeStage cost_of(const StagePlace& place, const Stage& rounded, std::vector<Complex>& got) {
+  place.share_of(rounded, got);
+  const std::vector<Complex>& exact = place.share();
+  const std::vector<Complex>& errors = place.errors();
+  WholeStage out{{}, 0.0, 0.0};
+  double over = 0.0;
+  double under = 0.0;
+  for (std::size_t k = 0; k < got.size(); ++k) {
+    over += got[k].real() * exact[k].real() + got[k].imag() * exact[k].imag();
+    under += std::norm(got[k]);
+  }
+  const double gain = under > 0.0 ? over / under : 1.0;
+  for (std::size_t k = 0; k < got.size(); ++k) {
+    out.cost = std::max(out.cost, std::norm(errors[k] + got[k] - exact[k]));
+    out.cost_but_gain = std::max(out.cost_but_gain, std::norm(errors[k] + gain * got[k] - exact[k]));
+  }
+  return out;
+}
+
+/// A stage's first op-amp against what its own output or input has at most; over 1: it clips first.
+class InnerHeadroom {
+ public:
+  InnerHeadroom(const DesignResponse& response, std::size_t s)
+      : clock_(response.table().clock(response.design().stages[s].divisor)) {
+    // Any other node may be as large as the largest of the signal's ends.
+    for (std::size_t k = 0; k < response.points(); ++k) {
+      in_.push_back(response.input_of(s, 0, k));
+      most_ = std::max({most_, std::abs(response.output(k)), std::abs(in_.back().end1)});
+    }
+  }
+
+  /// What it costs, as a factor on the error: half of it more for each factor of two.
+  double cost(const Stage& stage) const {
+    constexpr double kOfTwo = 0.5;
+    double inner = 0.0;
+    for (std::size_t k = 0; k < in_.size(); ++k) {
+      inner = std::max(inner, inner_magnitude(stage, clock_[k], in_[k]));
+    }
+    return inner > most_ ? 1.0 + kOfTwo * std::log2(inner / most_) : 1.0;
+  }
+
+ private:
+  const std::vector<ClockFactors>& clock_;
+  std::vector<SineParts> in_;
+  double most_ = 1.0;
+};
+
+/// Whole capacitors of a second-order stage whose resonance is nearest to the exact one: the `count` best. Rounding
+/// each capacitor by itself leaves some 1/C of each; a sharp resonance needs more, and there are many sets:
+///   low Q:   C4/CB and C2 C3/(CA CB);   high Q:   C4/C2 and C2 C3/(CA CB)
+std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_capacitor,
+                                                    std::size_t count) {
+  constexpr double kRatioOff = 0.015;
+  const bool high = exact.kind == Stage::Kind::second_high;
+  const auto& e = exact.c;
+  const double product = e[Stage::kC2] * e[Stage::kC3] / (e[Stage::kCA] * e[Stage::kCB]);
+  const double ratio = e[Stage::kC4] / e[high ? Stage::kC2 : Stage::kCB];
+  std::vector<std::pair<double, std::vector<double>>> found;
+  const auto add = [&](double c2, double c3, double c4, double ca, double cb) {
+    const double off = std::abs(c2 * c3 / (ca * cb) / product - 1.0) +
+                       std::abs(c4 / (high ? c2 : cb) / ratio - 1.0) / (high ? 4.0 : 1.0);
+    if (found.size() == count && off >= found.back().first) return;
+    std::vector<double> c = e;
+    c[Stage::kC2] = c2;
+    c[Stage::kC3] = c3;
+    c[Stage::kC4] = c4;
+    c[Stage::kCA] = ca;
+    c[Stage::kCB] = cb;
+    // Numerators over the same: C1 C3, Cp CA (high Q: Cp C3) and Cpp CA against CA CB.
+    const double store = ca * cb / (e[Stage::kCA] * e[Stage::kCB]);
+    const double scales[] = {store * e[Stage::kC3] / c3,
+                             store * (high ? e[Stage::kC3] / c3 : e[Stage::kCA] / ca),
+                             store * e[Stage::kCA] / ca};
+    for (const int i : {Stage::kC1, Stage::kCp, Stage::kCpp}) {
+      const auto at = static_cast<std::size_t>(i);
+      if (!(e[at] > 0.0)) continue;
+      c[at] = std::round(e[at] * scales[i]);
+      if (c[at] > max_capacitor) return;
+    }
+    if (c[Stage::kC1] + c[Stage::kCp] + c[Stage::kCpp] < 1.0) return;
+    const auto at =
+        std::find_if(found.begin(), found.end(), [&](const auto& other) { return off < other.first; });
+    found.insert(at, {off, std::move(c)});
+    if (found.size() > count) found.pop_back();
+  };
+  const int c2_most = std::max(3, max_capacitor / 4);
+  for (int c2 = 1; c2 <= c2_most; ++c2) {
+    const double c4_high = std::round(ratio * c2);
+    if (high &&
+        (c4_high < 1.0 || c4_high > max_capacitor || std::abs(c4_high / c2 / ratio - 1.0) > kRatioOff)) {
+      continue;
+    }
+    // What CA and CB of at least a quarter and half of the largest leave for C3.
+    const double most = std::min<double>(max_capacitor, product * max_capacitor * max_capacitor / c2);
+    const auto least = whole_number<int>(product * max_capacitor * max_capacitor / (8.0 * c2), 1);
+    for (int c3 = least; c3 <= most; c3 += c3 < 40 ? 1 : 7) {
+      for (int cb = max_capacitor / 2; cb <= max_capacitor; cb += high ? 1 : 3) {
+        const double ca = std::round(c2 * c3 / (product * cb));
+        if (ca < max_capacitor / 4.0 || ca > max_capacitor) continue;
+        const double c4 = high ? c4_high : std::round(ratio * cb);
+        if (c4 < 1.0 || c4 > max_capacitor || std::abs(c4 / (high ? c2 : cb) / ratio - 1.0) > kRatioOff)
+          continue;
+        add(c2, c3, c4, ca, cb);
+      }
+    }
+  }
+  std::vector<std::vector<double>> out;
+  for (auto& [off, c] : found) out.push_back(std::move(c));
+  return out;
+}
+
+/// Keeps the `count` cheapest by one of the costs, each set of capacitors once.
+void keep_cheapest(std::vector<WholeStage>& list, const WholeStage& next, std::size_t count,
+                   double WholeStage::*cost) {
+  if (list.size() == count && !(next.*cost < kBetter * (list.back().*cost))) return;
+  for (const WholeStage& w : list) {
+    if (w.c == next.c) return;
+  }
+  const auto at = std::find_if(list.begin(), list.end(),
+                               [&](const WholeStage& w) { return next.*cost < kBetter * (w.*cost); });
+  list.insert(at, next);
+  if (list.size() > count) list.pop_back();
+}
+
+/// Whole capacitors over a grid of scales of the groups: the cheapest as they are first, then those that are
+/// cheapest when the gain is left to the others.
+std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t s,
+                                              const StageFactorTable& table, std::size_t choices) {
+  Stage stage = design.stages[s];
+  const std::vector<double> exact = stage.c;
+  const DesignResponse response(design, table);
+  const StagePlace place(response, response.ways()[s], s);
+  const int max = table.target().max_capacitor;
+  const bool second_order = stage.kind != Stage::Kind::first;
+  const auto largest_scale = [&](const std::vector<std::size_t>& group, double node_scale) {
+    double out = 1e300;
+    for (const std::size_t i : group) {
+      const bool inner = second_order && (i == Stage::kCA || i == Stage::kC3);
+      if (exact[i] > 0.0)
+        out = std::min(out, stage.largest_units(i, max) / (exact[i] * (inner ? node_scale : 1.0)));
+    }
+    return out;
+  };
+  std::vector<WholeStage> as_is, but_gain;
+  const InnerHeadroom headroom(response, s);
+  std::vector<Complex> room;
+  const auto judge = [&] {
+    WholeStage whole = cost_of(place, stage, room);
+    const bool enters = as_is.size() < choices || but_gain.size() < choices ||
+                        whole.cost < as_is.back().cost || whole.cost_but_gain < but_gain.back().cost_but_gain;
+    if (!enters) return;
+    whole.c = stage.c;
+    if (second_order) {
+      const double clipping = headroom.cost(stage);
+      whole.cost *= clipping * clipping;
+      whole.cost_but_gain *= clipping * clipping;
+    }
+    keep_cheapest(as_is, whole, choices, &WholeStage::cost);
+    keep_cheapest(but_gain, whole, choices, &WholeStage::cost_but_gain);
+  };
+  const auto groups = scale_groups(stage);
+  const int scales = second_order ? 8 : 48;
+  const double smallest = second_order ? 0.35 : 0.4;
+  for (int node = second_order ? -4 : 0; node <= (second_order ? 7 : 0); ++node) {
+    const double node_scale = std::pow(2.0, node / 3.0);
+    for (int a = 0; a < scales; ++a) {
+      const double first =
+          largest_scale(groups[0], node_scale) * std::pow(smallest, static_cast<double>(a) / scales);
+      for (int b = 0; b < (second_order ? scales : 1); ++b) {
+        const double second = second_order ? largest_scale(groups[1], node_scale) *
+                                                 std::pow(smallest, static_cast<double>(b) / scales)
+                                           : 1.0;
+        if (!rounded_at(stage, design.stages[s], node_scale, first, second, max) || !stage.is_stable())
+          continue;
+        judge();
+      }
+    }
+  }
+  if (second_order) {
+    constexpr std::size_t kResonances = 60;
+    stage.c = exact;
+    for (std::vector<double>& c : nearest_resonances(stage, max, kResonances)) {
+      stage.c = std::move(c);
+      if (stage.is_stable()) judge();
+    }
+  }
+  std::vector<std::vector<double>> out;
+  if (but_gain.empty()) return out;  // no cost was a number
+  for (std::size_t i = 0; i < as_is.size(); ++i) {
+    for (const WholeStage* whole : {&as_is[i], &but_gain[std::min(i, but_gain.size() - 1)]}) {
+      if (out.size() < choices && std::find(out.begin(), out.end(), whole->c) == out.end())
+        out.push_back(whole->c);
+    }
+  }
+  return out;
+}
+
+}  // namespace
+
+std::vector<std::vector<std::size_t>> scale_groups(const Stage& stage) {
+  if (stage.kind == Stage::Kind::first) {
+    std::vector<std::size_t> all(stage.c.size());
+    for (std::size_t i = 0; i < all.size(); ++i) all[i] = i;
+    return {all};
+  }
+  if (stage.kind == Stage::Kind::second_low) {
+    return {{Stage::kC1, Stage::kC2, Stage::kCA},
+            {Stage::kCp, Stage::kCpp, Stage::kC3, Stage::kC4, Stage::kCB}};
+  }
+  return {{Stage::kC1, Stage::kCp, Stage::kC2, Stage::kC4, Stage::kCA},
+          {Stage::kCpp, Stage::kC3, Stage::kCB}};
+}
+
+bool make_whole(Design& design, const StageFactorTable& table, RoundingWidth width) {
+  struct Partly {
+    Design design;
+    double error = 0.0;
+  };
+  std::vector<Partly> kept{{design, 0.0}};
+  for (std::size_t s = 0; s < design.stages.size(); ++s) {
+    std::vector<Partly> next;
+    for (const Partly& from : kept) {
+      for (const std::vector<double>& c : whole_stages(from.design, s, table, width.choices)) {
+        Partly to{from.design, 0.0};
+        to.design.stages[s].c = c;
+        to.design.stages[s].whole = true;
+        fit_design(to.design, table, 8);
+        if (width.designs > 1) to.error = largest_error(DesignResponse(to.design, table).errors());
+        next.push_back(std::move(to));
+      }
+    }
+    if (next.empty()) return false;
+    std::stable_sort(next.begin(), next.end(),
+                     [](const Partly& a, const Partly& b) { return a.error < kBetter * b.error; });
+    if (next.size() > width.designs) next.resize(width.designs);
+    kept = std::move(next);
+  }
+  design = std::move(kept.front().design);
+  return true;
+}
+
+}  // namespace bodesmith::fpaa

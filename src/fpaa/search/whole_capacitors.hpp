@@ -1,0 +1,23 @@
+#pragma once
+
+#include "fpaa/search/fit.hpp"
+
+namespace bodesmith::fpaa {
+
+/// A choice is better when it is so by more than this share: nothing depends on last bits.
+inline constexpr double kBetter = 1.0 - 1e-7;
+
+/// Capacitors of a stage that may be scaled together without a change of the response.
+std::vector<std::vector<std::size_t>> scale_groups(const DesignStage& stage);
+
+/// How much is kept while stages become whole one after the other.
+struct RoundingWidth {
+  std::size_t designs = 1;  ///< partly whole designs kept after each stage
+  std::size_t choices = 1;  ///< sets of whole capacitors tried for a stage of each
+};
+/// Whole capacitors: stage by stage the scales that cost least, the capacitors not yet whole fitted again after
+/// each; designs are compared with what is left fitted. False where some stage cannot be made (a capacitor
+/// below half a unit).
+bool make_whole(Design& design, const StageFactorTable& table, RoundingWidth width = {});
+
+}  // namespace bodesmith::fpaa

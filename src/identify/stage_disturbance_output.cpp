@@ -1,0 +1,71 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "base/units.hpp"
+#include "identify/stage_disturbance.hpp"
+#include "signal/csv.hpp"
+
+namespace bodesmith::identify {
+
+Json StageDisturbance::to_json() const {
+  Json out = disturbance.to_json();
+  Json found;
+  const LoopAtFrequency& base = loops.front();
+  found["input"] = {{"low", -input.offset / input.gain}, {"high", (1.0 - input.offset) / input.gain}};
+  found["output"] = {{"offset", base.offset}, {"stroke", base.stroke}};
+  found["lag"] = {{"kind", std::string(to_string(lag.kind))},
+                  {"lag_s", lag.seconds},
+                  {"standard_deviation_s", lag.deviation_s}};
+  found["reading"] = reading == GainReading::as_printed ? "as_printed" : "basis_times_gain";
+  found["varying_branch"] = varying() == Disturbance::Branch::ascending ? "ascending" : "descending";
+  found["loops"] = Json::array();
+  for (const LoopAtFrequency& one : loops) {
+    found["loops"].push_back({{"file", one.file},
+                              {"frequency_hz", one.frequency.value},
+                              {"offset", one.offset},
+                              {"stroke", one.stroke},
+                              {"ascending", one.polynomial[0]},
+                              {"descending", one.polynomial[1]},
+                              {"gain", one.gain},
+                              {"standard_deviation", one.deviation},
+                              {"gain_as_printed", one.as_printed},
+                              {"training_turns", one.training_turns},
+                              {"held_out_turns", one.held_out_turns},
+                              {"own_polynomials_percent", one.own_percent},
+                              {"gain_percent", one.gain_percent},
+                              {"gain_as_printed_percent", one.as_printed_percent}});
+  }
+  found["strokes"] = Json::array();
+  for (const LoopAtStroke& one : strokes)
+    found["strokes"].push_back({{"alpha", one.alpha},
+                                {"gain", one.gain},
+                                {"standard_deviation", one.deviation},
+                                {"turns", one.turns}});
+  found["notes"] = notes;
+  out["identified"] = std::move(found);
+  return out;
+}
+
+std::string StageDisturbance::gains_csv() const {
+  const std::size_t branch = varying() == Disturbance::Branch::ascending ? 0 : 1;
+  double largest_db = 0.0;
+  for (const LoopAtFrequency& one : loops)
+    largest_db = std::max(largest_db, to_decibel(1.0 + one.deviation[branch] / gain(one)[branch]));
+  CsvWriter csv;
+  std::vector<double> frequency;
+  for (const Hertz f : disturbance.rate.frequency) frequency.push_back(f.value);
+  csv.add("frequency_hz", frequency);
+  csv.add("gain", branch == 0 ? disturbance.rate.ascending : disturbance.rate.descending);
+  return fmt::format(
+             "# gains of the {} branch, relative to the lowest frequency, known to {} dB (one deviation)\n"
+             "# a fit closer than {} dB follows noise: a fit of the fewest bands may stop there\n",
+             branch == 0 ? "ascending" : "descending", rounded_text(largest_db, 2),
+             rounded_text(largest_db, 2)) +
+         csv.text();
+}
+
+}  // namespace bodesmith::identify

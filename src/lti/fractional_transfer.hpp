@@ -1,0 +1,29 @@
+#pragma once
+
+#include <complex>
+#include <filesystem>
+
+#include "base/document.hpp"
+#include "base/provenance.hpp"
+#include "base/units.hpp"
+#include "lti/fractional_polynomial.hpp"
+
+namespace bodesmith {
+
+/// G(s) = (sum_i b_i s^beta_i) / (sum_k a_k s^alpha_k), powers >= 0 and of any size: a fractional PID
+///   Kp + Ki s^-lambda + Kd s^mu = (Kp s^lambda + Ki + Kd s^(lambda + mu)) / s^lambda,
+/// a constant-phase element s^-alpha, the tool-servo paper's eq. 15.
+struct FractionalTransfer {
+  FractionalPolynomial numerator;
+  FractionalPolynomial denominator;
+
+  std::complex<double> response(RadPerSecond w) const;
+
+  /// TOML (or JSON) `bodesmith.fractional/1`:
+  ///   numerator = [{coefficient = 2.0, power = 0.5}, ...], denominator = [...];
+  /// or a controller: pid = {kp = 1, ki = 2, lambda = 0.8, kd = 0.1, mu = 0.6} (missing gains are 0).
+  static FractionalTransfer from_node(const Node& node);
+  static FractionalTransfer read(const std::filesystem::path& path, Provenance& from);
+};
+
+}  // namespace bodesmith

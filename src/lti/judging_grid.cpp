@@ -1,0 +1,50 @@
+#include "lti/judging_grid.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "lti/judged_floor.hpp"
+
+namespace bodesmith {
+namespace {
+
+/// Between points that are so near an error's peak is met within a part in a hundred.
+constexpr double kMostChange = 0.15;
+constexpr int kDeepest = 11;
+
+struct GridPoint {
+  Hertz f;
+  std::complex<double> h;
+};
+
+void add_between(const std::function<std::complex<double>(Hertz)>& response, const GridPoint& a,
+                 const GridPoint& b, double floor, int depth, std::vector<Hertz>& out) {
+  const double size = std::max(std::abs(a.h), std::abs(b.h));
+  if (depth == 0 || !(size >= floor) || !(std::abs(b.h - a.h) > kMostChange * size)) return;
+  const Hertz f{std::sqrt(a.f.value) * std::sqrt(b.f.value)};
+  if (!(f > a.f) || !(f < b.f)) return;
+  const GridPoint middle{f, response(f)};
+  add_between(response, a, middle, floor, depth - 1, out);
+  out.push_back(f);
+  add_between(response, middle, b, floor, depth - 1, out);
+}
+
+}  // namespace
+
+std::vector<Hertz> judging_grid(const std::function<std::complex<double>(Hertz)>& response, Band band,
+                                int count) {
+  std::vector<GridPoint> even;
+  double largest = 0.0;
+  for (const Hertz f : log_grid(band, count)) {
+    even.push_back({f, response(f)});
+    largest = std::max(largest, std::abs(even.back().h));
+  }
+  std::vector<Hertz> out;
+  for (std::size_t i = 0; i < even.size(); ++i) {
+    if (i > 0) add_between(response, even[i - 1], even[i], kJudgedFloor * largest, kDeepest, out);
+    out.push_back(even[i].f);
+  }
+  return out;
+}
+
+}  // namespace bodesmith

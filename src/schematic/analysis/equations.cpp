@@ -1,0 +1,143 @@
+#include "schematic/analysis/equations.hpp"
+
+#include <algorithm>
+#include <stdexcept>
+
+namespace bodesmith::schematic {
+
+Equations::Equations(const Netlist& netlist, const Assumptions& assumptions) : input_(assumptions.input) {
+  for (const Part& part : netlist.parts) number(part.from), number(part.to);
+  for (const OpAmp& one : netlist.opamps) number(one.plus), number(one.minus), number(one.out);
+  for (const Multiplier& one : netlist.multipliers)
+    number(one.x), number(one.y), number(one.z), number(one.out);
+  for (const Contact& one : netlist.contacts) number(one.from), number(one.to);
+  for (const Source& one : netlist.sources) number(one.node);
+  count_ = nodes_.size();
+  const Deviations* off = assumptions.off;
+  for (std::size_t i = 0; i < netlist.parts.size(); ++i) {
+    const Part& part = netlist.parts[i];
+    const int from = node(part.from), to = node(part.to);
+    const double value = off != nullptr ? off->value(netlist, static_cast<int>(i)) : part.realised;
+    switch (part.kind) {
+      case Part::Kind::resistor:
+        elements_.push_back(make_resistor(from, to, value));
+        break;
+      case Part::Kind::capacitor:
+        elements_.push_back(make_capacitor(from, to, value));
+        break;
+      case Part::Kind::diode:
+        elements_.push_back(make_diode(from, to, netlist.diode));
+        break;
+    }
+  }
+  add_opamps(netlist, assumptions);
+  for (std::size_t i = 0; i < netlist.multipliers.size(); ++i) {
+    const Multiplier& one = netlist.multipliers[i];
+    elements_.push_back(make_multiplier({node(one.x), node(one.y), node(one.z), node(one.out)},
+                                        static_cast<int>(count_++), netlist.multiplier,
+                                        off != nullptr ? off->multiplier[i] : MultiplierDeviation{}));
+  }
+  SwitchModel contact = netlist.analog_switch;
+  if (off != nullptr) contact.on_ohm *= 1.0 + off->switch_relative;
+  for (const Contact& one : netlist.contacts)
+    elements_.push_back(
+        make_contact(node(one.from), node(one.to), contact, one.position == assumptions.position));
+  for (std::size_t i = 0; i < netlist.sources.size(); ++i) {
+    const Source& one = netlist.sources[i];
+    if (one.node == input_) continue;
+    const double volts = one.volts * (1.0 + (off != nullptr ? off->source[i] : 0.0));
+    elements_.push_back(make_source(node(one.node), static_cast<int>(count_++), volts));
+  }
+  linearise(std::vector<double>(count_, 0.0), 0.0);
+}
+
+void Equations::add_opamps(const Netlist& netlist, const Assumptions& assumptions) {
+  for (std::size_t i = 0; i < netlist.opamps.size(); ++i) {
+    const OpAmp& one = netlist.opamps[i];
+    const Inputs at{node(one.plus), node(one.minus), node(one.out)};
+    const double offset = assumptions.off != nullptr ? assumptions.off->opamp_offset_v[i] : 0.0;
+    const int branch = static_cast<int>(count_++);
+    elements_.push_back(assumptions.ideal_opamps ? make_nullor(at, branch, offset)
+                                                 : make_opamp(at, branch, netlist.model_of(one), offset));
+  }
+}
+
+void Equations::number(const std::string& name) {
+  if (name != "0" && name != input_) nodes_.try_emplace(name, static_cast<int>(nodes_.size()));
+}
+
+int Equations::node(const std::string& name) const {
+  if (name == "0") return kGround;
+  if (name == input_) return kInput;
+  const auto at = nodes_.find(name);
+  if (at == nodes_.end()) throw std::logic_error("a netlist without a node " + name);
+  return at->second;
+}
+
+void Equations::evaluate(const Point& at, std::span<double> f, std::span<double> q,
+                         std::vector<Stamps::Slope>& slopes) const {
+  std::fill(f.begin(), f.end(), 0.0);
+  std::fill(q.begin(), q.end(), 0.0);
+  slopes.clear();
+  Stamps stamps(f, q, slopes);
+  for (const auto& element : elements_) element->stamp(at, stamps);
+}
+
+void Equations::linearise(std::vector<double> x, double input_v) {
+  x_ = std::move(x);
+  evaluate({x_, input_v}, {}, {}, slopes_);
+  // A node that is read only, and that nothing drives, stays where it is.
+  std::vector<bool> driven(nodes_.size(), false);
+  for (const Stamps::Slope& one : slopes_) {
+    if (static_cast<std::size_t>(one.row) < driven.size()) driven[static_cast<std::size_t>(one.row)] = true;
+  }
+  for (std::size_t i = 0; i < driven.size(); ++i) {
+    if (!driven[i]) slopes_.push_back({static_cast<int>(i), static_cast<int>(i), 1.0, 0.0});
+  }
+}
+
+void Equations::linearise(const std::map<std::string, double>& volts) {
+  std::vector<double> x(count_, 0.0);
+  double input_v = 0.0;
+  for (const auto& [name, value] : volts) {
+    if (name == input_) input_v = value;
+    if (const auto at = nodes_.find(name); at != nodes_.end())
+      x[static_cast<std::size_t>(at->second)] = value;
+  }
+  linearise(std::move(x), input_v);
+}
+
+SparseSystem Equations::small_signal(RadPerSecond w) const {
+  SparseSystem out{{}, Eigen::VectorXcd::Zero(unknowns())};
+  for (const Stamps::Slope& one : slopes_) {
+    const Complex value(one.f, w.value * one.q);
+    if (one.column == kInput) {
+      out.b(one.row) -= value;
+    } else {
+      out.add(one.row, one.column, value);
+    }
+  }
+  return out;
+}
+
+Equations::Complex Equations::response(RadPerSecond w, const std::string& name) const {
+  const int at = node(name);
+  return at < 0 ? Complex(at == kInput ? 1.0 : 0.0) : solve_sparse(small_signal(w))(at);
+}
+
+Equations::Complex Equations::impedance(RadPerSecond w, const std::string& name) const {
+  SparseSystem s = small_signal(w);
+  s.b.setZero();
+  s.b(node(name)) = 1.0;
+  return solve_sparse(s)(node(name));
+}
+
+Eigen::VectorXcd Equations::ways_to(RadPerSecond w, const std::string& name) const {
+  SparseSystem s = small_signal(w);
+  s.transpose();
+  s.b.setZero();
+  s.b(node(name)) = 1.0;
+  return solve_sparse(s);
+}
+
+}  // namespace bodesmith::schematic

@@ -1,0 +1,12 @@
+#include "schematic/netlist.hpp"
+
+#include <algorithm>
+
+namespace bodesmith::schematic {
+
+const Part* Netlist::part_named(const std::string& name) const {
+  const auto at = std::find_if(parts.begin(), parts.end(), [&](const Part& one) { return one.name == name; });
+  return at == parts.end() ? nullptr : &*at;
+}
+
+}  // namespace bodesmith::schematic

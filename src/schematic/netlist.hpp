@@ -1,0 +1,194 @@
+#pragma once
+
+#include <algorithm>
+#include <cstddef>
+#include <string>
+#include <vector>
+
+#include "schematic/opamp_model.hpp"
+#include "schematic/switch_model.hpp"
+
+/// One netlist for every analog circuit of this program, whoever made it: op-amp stages and ladders, the disturbance
+/// generator, the whole controller. Analyses (analysis/), drawings and netlists of simulators (writers/) read it.
+namespace bodesmith::schematic {
+
+/// What a part of a circuit is there for. Titles are for people.
+enum class Purpose {
+  stage,   ///< a stage of a chain of op-amps
+  powers,  ///< multipliers that make x^2, x^3, …, shared by the branches
+  branch,  ///< the weighted sum of one polynomial
+  branch_switch,
+  output,       ///< the amplifier behind the switch; the subtraction r - K d
+  slope_sign,   ///< which branch: differentiator and comparator
+  slope_meter,  ///< |slope| as a voltage
+  rate_curve,   ///< corners of the gain over the slope
+  rate_gain,    ///< control voltages of the branches
+  amplitude,    ///< gains over the stroke
+};
+
+/// Elements that belong together: a stage, a row of the drawing, a paragraph of the netlist.
+struct Group {
+  std::string title;
+  Purpose purpose = Purpose::stage;
+};
+
+/// A resistor (ohm), a capacitor (farad) or a diode between two nodes; node "0" is ground, `from` a diode's anode.
+struct Part {
+  enum class Kind { resistor, capacitor, diode };
+  Kind kind = Kind::resistor;
+  std::string name;       ///< "R2_1": part R2 of stage 1
+  std::string role;       ///< for people: "weight of x^2, ascending"
+  std::size_t group = 0;  ///< place in Netlist::groups
+  std::string from;
+  std::string to;
+  std::string series;     ///< where the realised value was taken from: "E96", "E12", "exact"; a diode's type
+  double wanted = 0.0;    ///< the exact design at this impedance
+  double realised = 0.0;  ///< the part that is mounted
+};
+
+struct OpAmp {
+  std::string name;
+  std::string role;
+  std::size_t group = 0;
+  std::string plus;
+  std::string minus;
+  std::string out;
+  bool fast = false;  ///< of Netlist::fast_opamp's type
+};
+
+/// An analog multiplier of the AD835's kind: W = X Y/U + Z.
+struct MultiplierModel {
+  std::string name = "AD835";
+  double scale_v = 1.05;  ///< U
+  double greatest_input_v = 1.0;
+  double greatest_output_v = 2.5;
+  Hertz bandwidth{250e6};
+  double noise_v_per_rthz = 50e-9;
+};
+
+/// W = X Y/U + Z between named nodes.
+struct Multiplier {
+  std::string name;
+  std::string role;  ///< for people: "x^2/U"
+  std::size_t group = 0;
+  std::string x, y, z, out;
+  double peak_v = 0.0;  ///< greatest |W|
+};
+
+/// One contact of a switch, closed while the switch stands at `position`.
+struct Contact {
+  std::string name;
+  std::size_t group = 0;
+  std::string from, to;
+  std::string control;  ///< node whose level (0 or 1 V) opens and closes it
+  int position = 0;     ///< branch: 0 the first (rising), 1 the second (falling), …
+};
+
+/// A voltage to ground that does not change.
+struct Source {
+  std::string name;
+  std::string type;  ///< what makes it: "ADR4525 (2.5 V)"
+  std::string node;
+  double volts = 0.0;
+  std::size_t group = 0;
+};
+
+/// A level: V(out) = .5 + .5 tanh(gain (V(in) - threshold)), 0 or 1 V.
+struct Comparator {
+  std::size_t group = 0;
+  std::string in, out;
+  double gain = 1.0;
+  double threshold_v = 0.0;
+};
+
+/// A level that is 1 V where all of `high` and none of `low` are: their product. Without either always, or never.
+struct Gate {
+  std::size_t group = 0;
+  std::string out;
+  std::vector<std::string> high, low;
+  bool never = false;
+};
+
+/// A subcircuit of a library in its place.
+struct Instance {
+  std::string name;
+  std::size_t group = 0;
+  std::vector<std::string> nodes;  ///< in the order of its pins
+  std::string of;
+};
+
+/// i = saturation (exp(v/(emission kT/q)) - 1), junction capacitance junction/sqrt(1 - v), diffusion charge transit * i. A
+/// 1N4148's order of magnitude, assumed.
+struct DiodeModel {
+  double saturation_a = 2e-9;
+  double emission = 1.8;
+  double series_ohm = 0.5;
+  double junction_f = 4e-12;
+  double transit_s = 4e-9;
+};
+
+struct Netlist {
+  std::vector<Group> groups;
+  std::vector<Part> parts;
+  std::vector<OpAmp> opamps;
+  std::vector<Multiplier> multipliers;
+  std::vector<Contact> contacts;
+  std::vector<Source> sources;
+  std::vector<Comparator> comparators;
+  std::vector<Gate> gates;
+  std::vector<Instance> instances;
+  OpAmpModel opamp;       ///< of every op-amp but the fast ones
+  OpAmpModel fast_opamp;  ///< of the slope's sign
+  MultiplierModel multiplier;
+  SwitchModel analog_switch;
+  DiodeModel diode;
+
+  const Part& part(int index) const { return parts[static_cast<std::size_t>(index)]; }
+  const Part* part_named(const std::string& name) const;
+  const OpAmpModel& model_of(const OpAmp& one) const { return one.fast ? fast_opamp : opamp; }
+  Purpose purpose_of(std::size_t group) const { return groups[group].purpose; }
+};
+
+/// The netlist without the elements of some groups (their places keep their numbers); parts keep their order.
+template <class Keep>
+Netlist subset(const Netlist& all, Keep keep) {
+  Netlist out = all;
+  const auto other = [&](const auto& one) { return !keep(one.group); };
+  std::erase_if(out.parts, other);
+  std::erase_if(out.opamps, other);
+  std::erase_if(out.multipliers, other);
+  std::erase_if(out.contacts, other);
+  std::erase_if(out.sources, other);
+  std::erase_if(out.comparators, other);
+  std::erase_if(out.gates, other);
+  return out;
+}
+
+/// each(element) for every element of the netlist, whatever it is.
+template <class Each>
+void for_each_element(Netlist& netlist, Each each) {
+  const auto all = [&](auto& list) {
+    for (auto& one : list) each(one);
+  };
+  all(netlist.parts), all(netlist.opamps), all(netlist.multipliers), all(netlist.contacts);
+  all(netlist.sources), all(netlist.comparators), all(netlist.gates), all(netlist.instances);
+}
+
+/// Puts the groups into another order: `before(a, b)` of their purposes; groups of one rank keep theirs.
+template <class Before>
+void sort_groups(Netlist& netlist, Before before) {
+  std::vector<std::size_t> order(netlist.groups.size()), place(order.size());
+  for (std::size_t i = 0; i < order.size(); ++i) order[i] = i;
+  std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+    return before(netlist.groups[a].purpose, netlist.groups[b].purpose);
+  });
+  std::vector<Group> sorted;
+  for (std::size_t i = 0; i < order.size(); ++i) {
+    place[order[i]] = i;
+    sorted.push_back(netlist.groups[order[i]]);
+  }
+  netlist.groups = std::move(sorted);
+  for_each_element(netlist, [&](auto& one) { one.group = place[one.group]; });
+}
+
+}  // namespace bodesmith::schematic

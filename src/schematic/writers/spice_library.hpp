@@ -1,0 +1,47 @@
+#pragma once
+
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "schematic/deviations.hpp"
+
+namespace bodesmith::schematic {
+
+/// `.subckt NAME PINS … .ends NAME` with what is said above it.
+struct Subcircuit {
+  std::string name;
+  std::vector<std::string> pins;
+  std::vector<std::string> comments;
+  Netlist netlist;
+};
+
+/// A portable library: no analysis, no control section, plain numbers, products instead of powers, E and G sources with
+/// VALUE={…} only, so that ngspice, LTspice and Xyce read the same. The last subcircuits may use the first as instances; the
+/// models of op-amps, multipliers, switches and diodes that any of them uses stand behind them.
+struct SpiceLibrary {
+  std::string title;
+  std::string written_by;          ///< program and version
+  std::string top;                 ///< the subcircuit that it is made for
+  std::vector<std::string> notes;  ///< comments at its head
+  std::vector<Subcircuit> subcircuits;
+
+  const Subcircuit& subcircuit(const std::string& name) const;
+};
+
+struct SpiceOptions {
+  /// Of the subcircuit `top`.
+  const Deviations* off = nullptr;
+  /// How a part's value is written; none: plain_number().
+  std::function<std::string(const Part&)> value = nullptr;
+  bool noise = true;  ///< false: op-amps without their noise sources, which time-domain runs do not need
+};
+
+std::string spice_text(const SpiceLibrary& library, const SpiceOptions& options = {});
+
+/// What spice_text() has written, read back: printed again it is the same bytes. Lines that it does not write (another
+/// element, a model that is none of ours) are an InputError with file and line. Deviations are read as the netlist's own
+/// values; op-amps of a second type as the fast ones.
+SpiceLibrary read_spice(const std::string& text, const std::string& file);
+
+}  // namespace bodesmith::schematic

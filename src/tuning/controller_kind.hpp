@@ -1,0 +1,53 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "base/units.hpp"
+#include "tuning/series_controller.hpp"
+
+namespace bodesmith::tuning {
+
+/// Where a loop is shaped.
+struct ShapeSetting {
+  Hertz crossover;
+  Hertz derivative_corner;        ///< of a PID's derivative; where the others roll off at the earliest
+  std::vector<Hertz> resonances;  ///< peaks of the plant above the crossover, highest first
+};
+
+/// A form of controller: numbers x within bounds, C(s) up to its gain. One file a kind under tuning/kinds/, one line in
+/// controller_kind.cpp.
+class ControllerKind {
+ public:
+  ControllerKind(std::string name, std::string what) : name_(std::move(name)), what_(std::move(what)) {}
+  virtual ~ControllerKind() = default;
+  ControllerKind(const ControllerKind&) = delete;
+  ControllerKind& operator=(const ControllerKind&) = delete;
+
+  const std::string& name() const { return name_; }
+  const std::string& what() const { return what_; }  ///< one line for a person
+
+  struct Bounds {
+    Eigen::VectorXd lower;
+    Eigen::VectorXd upper;
+  };
+  virtual Bounds bounds(const ShapeSetting& setting) const = 0;
+  virtual SeriesController make(const Eigen::VectorXd& x, const ShapeSetting& setting) const = 0;
+  /// C(j w) of the form itself, where making it out of sections is an approximation.
+  virtual std::complex<double> response(const SeriesController& made, const Eigen::VectorXd&,
+                                        const ShapeSetting&, std::complex<double> s) const {
+    return made.response(s);
+  }
+  /// False: make() is expensive, and response() does without it (`made` is then empty).
+  virtual bool made_exactly() const { return true; }
+
+ private:
+  std::string name_;
+  std::string what_;
+};
+
+const std::vector<const ControllerKind*>& controller_kinds();
+
+}  // namespace bodesmith::tuning

@@ -1,0 +1,34 @@
+#include <cmath>
+
+#include "tuning/controller_kind.hpp"
+
+namespace bodesmith::tuning {
+namespace {
+
+/// C(s) = 1 + ki/s + kd s/(1 + s/w_d); x = lg(ki/w_c), lg(kd w_c).
+class Pid final : public ControllerKind {
+ public:
+  Pid() : ControllerKind("pid", "proportional, integral and filtered derivative") {}
+  /// From an integral that hardly acts to one that does all; the derivative to ten times the rest.
+  Bounds bounds(const ShapeSetting&) const override {
+    return {Eigen::Vector2d(-3.0, -3.0), Eigen::Vector2d(2.5, 1.0)};
+  }
+  SeriesController make(const Eigen::VectorXd& x, const ShapeSetting& setting) const override {
+    const double w = setting.crossover.rad_s().value;
+    SeriesController out;
+    out.pid.proportional = 1.0;
+    out.pid.integral_per_s = std::pow(10.0, x(0)) * w;
+    out.pid.derivative_s = std::pow(10.0, x(1)) / w;
+    out.pid.derivative_corner = setting.derivative_corner;
+    return out;
+  }
+};
+
+}  // namespace
+
+const ControllerKind& pid_kind() {
+  static const Pid kind;
+  return kind;
+}
+
+}  // namespace bodesmith::tuning

@@ -1,0 +1,111 @@
+#include "fpaa/network/switched_netlist.hpp"
+
+#include <fmt/format.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <numbers>
+
+#include "base/error.hpp"
+#include "base/files.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+
+std::string cauer_text() {
+  return read_file(std::filesystem::path(BODESMITH_SOURCE_DIR) / "examples/switched_capacitor/cauer.sc");
+}
+
+/// The example at a clock `times` as fast.
+SwitchedNetlist cauer_at(int times) {
+  std::string text = cauer_text();
+  const auto replace_all = [&](const std::string& what, const std::string& with) {
+    for (std::size_t at = text.find(what); at != std::string::npos; at = text.find(what, at + with.size()))
+      text.replace(at, what.size(), with);
+  };
+  replace_all(" 0.1\n", fmt::format(" {:.9g}\n", 0.1 / times));
+  replace_all(".clock main 10\n", fmt::format(".clock main {}\n", 10 * times));
+  return SwitchedNetlist::read(text, "cauer.sc");
+}
+
+/// The doubly terminated ladder that it imitates: 1 ohm, c1, l1 beside c2, c3, l2 beside c4, c5 beside 1 ohm.
+Complex ladder(double w) {
+  const Complex s(0.0, w);
+  const double l1 = 1.304, l2 = 0.8586;
+  const double c2 = 1.0 / (1.704992 * 1.704992 * l1), c4 = 1.0 / (1.179945 * 1.179945 * l2);
+  // From the end to the source: 1 V at the end.
+  Complex v = 1.0;
+  Complex i = v * (1.0 + s * 0.7262);
+  v += i / (1.0 / (s * l2) + s * c4);
+  i += v * s * 1.682;
+  v += i / (1.0 / (s * l1) + s * c2);
+  i += v * s * 1.072;
+  return 1.0 / (v + i);
+}
+
+/// Largest difference of the magnitudes, in and beyond the pass band.
+double ladder_error(int times) {
+  const PeriodicNetworks filter = cauer_at(times).networks(false);
+  double out = 0.0;
+  for (const double w : {0.01, 0.3, 0.7, 0.9, 1.0, 1.1799, 1.3, 1.705, 2.0})
+    out = std::max(out, std::abs(std::abs(filter.gain({w})) - std::abs(ladder(w))));
+  return out;
+}
+
+TEST(SwitchedNetlist, TheCauerFilterIsItsLadderAsTheClockGrows) {
+  const double at10 = ladder_error(10);
+  const double at100 = ladder_error(100);
+  EXPECT_LT(ladder_error(1), 0.1);
+  EXPECT_LT(at10, 0.01);
+  EXPECT_LT(at100, 0.15 * at10);
+  EXPECT_NEAR(std::abs(cauer_at(1).networks(false).gain({1e-6})), 0.5, 1e-9);
+}
+
+TEST(SwitchedNetlist, NoiseOfTheCauerFilterIsThatOfItsLadderWithinItsBand) {
+  // In the pass band a doubly terminated ladder of R at both ends has some kT R of noise; the switched one's
+  // resistors have 2 kT T/C each, of which the leapfrog has eleven.
+  const SwitchedNetlist cauer = cauer_at(1);
+  const PeriodicNetworks filter = cauer.networks(true);
+  const double low = filter.noise_density(Hertz{0.01}.rad_s())[0] / cauer.unit_f;  // in kT
+  EXPECT_GT(low, 4.0 * 0.5);
+  EXPECT_LT(low, 4.0 * 11.0);
+  EXPECT_LT(filter.noise_density(Hertz{1.0}.rad_s())[0] / cauer.unit_f, 0.2 * low);
+}
+
+TEST(SwitchedNetlist, MistakesAreNamedByLine) {
+  const auto message = [](const std::string& text) -> std::string {
+    try {
+      (void)SwitchedNetlist::read(text, "x.sc").networks(false);
+    } catch (const std::exception& e) {
+      return e.what();
+    }
+    return "";
+  };
+  EXPECT_EQ(message(".clock a 1k\nV1 in 0\nC1 in b 1q\n.output b\n"),
+            "x.sc:3: '1q' is no value, expected farads above 0");
+  EXPECT_NE(message(".clock a 1k\nS1 x y b.1\n").find("x.sc:2: 'b.1' is no phase"), std::string::npos);
+  EXPECT_NE(message("R1 a b 1k\n").find("x.sc:1: 'r1' is no element"), std::string::npos);
+  EXPECT_NE(message(".clock a 1k\nV1 in 0\nC1 in b 1p\n").find("there is no .output"), std::string::npos);
+  EXPECT_NE(
+      message(".clock a 1k\nV1 in 0\nC1 in b 1p\nO1 0 b out\n.output out\n").find("leave a voltage open"),
+      std::string::npos);
+}
+
+/// A switch, a capacitor and a follower: sinc of half a period and the rest as it is, in closed form.
+TEST(SwitchedNetlist, ATrackAndHold) {
+  const auto netlist =
+      SwitchedNetlist::read(".clock main 1meg\nV1 in 0\nS1 in b main.1\nC1 b 0 1p\n.output b\n", "hold.sc");
+  const PeriodicNetworks hold = netlist.networks(false);
+  for (const double share : {0.01, 0.3, 1.7}) {
+    const double w = 2.0 * std::numbers::pi * share * 1e6;
+    const double quarter = 0.25 * w * 1e-6;
+    // Half a period as it is, half a period what it was at its beginning.
+    const Complex wanted = 0.5 + 0.5 * std::sin(quarter) / quarter * std::polar(1.0, -quarter);
+    EXPECT_LT(std::abs(hold.gain({w}) - wanted), 1e-12);
+  }
+}
+
+}  // namespace
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,203 @@
+// The oracle is a stage simulated here, in steps a fiftieth of a sample: nothing of the program takes part in it.
+#include "identify/stage_disturbance.hpp"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <cmath>
+#include <random>
+
+#include "base/error.hpp"
+
+namespace bodesmith::identify {
+namespace {
+
+using Cubic = std::array<double, 3>;
+
+double value_of(const Cubic& a, double x) {
+  return x * (a[0] + x * (a[1] + x * a[2]));
+}
+
+struct DrawnStage {
+  Cubic ascending{-0.35, 0.64, -0.29};
+  Cubic descending{0.24, -0.08, -0.16};
+  double offset = 1.2;
+  double stroke = 6.92;
+  double low = -10.0;  ///< of the drive
+  double high = 90.0;
+  double amplifier_s = 0.0;
+  double delay_s = 0.0;
+  double noise = 0.0;  ///< of the stroke
+
+  /// Turns of a triangle (or of a raised cosine) at f, from the lower end to `alpha` of the full stroke.
+  TimeRecord record(double f, double gain_up, double gain_down, int turns, double alpha = 1.0,
+                    double at_alpha = 1.0, unsigned seed = 1, bool sine = false) const {
+    const int per_turn = 400;
+    const int fine = 50;
+    const double step = 1.0 / (f * per_turn);
+    TimeRecord out;
+    out.file = "record";
+    out.step_s = step;
+    std::mt19937 engine(seed);
+    std::normal_distribution<double> normal(0.0, 1.0);
+    const auto drive = [&](double t) {
+      const double phase = t * f - std::floor(t * f);
+      return alpha * (sine ? 0.5 - 0.5 * std::cos(2.0 * M_PI * phase)
+                           : (phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase));
+    };
+    double v = 0.0;
+    std::vector<double> heard;  // at the fine steps
+    const double h = step / fine;
+    for (int i = 0; i <= turns * per_turn * fine; ++i) {
+      const double x = drive(i * h);
+      const double before = v;
+      v = amplifier_s > 0.0 ? v + (x - v) * (1.0 - std::exp(-h / amplifier_s)) : x;
+      const bool up = v >= before;
+      const double s = v / alpha;
+      heard.push_back(v + at_alpha *
+                              (up ? gain_up * value_of(ascending, s) : gain_down * value_of(descending, s)));
+    }
+    for (int i = 0; i <= turns * per_turn; ++i) {
+      const double t = i * step;
+      out.u.push_back(low + (high - low) * drive(t));
+      const double at = std::max(0.0, (t - delay_s) / h);
+      const auto k = static_cast<std::size_t>(at);
+      const double part = at - static_cast<double>(k);
+      const double y = heard[k] + (part > 0.0 ? part * (heard[k + 1] - heard[k]) : 0.0);
+      out.y.push_back(offset + stroke * (y + noise * normal(engine)));
+    }
+    return out;
+  }
+};
+
+const std::array<double, 5> kFrequencies{1, 10, 20, 60, 100};
+const std::array<double, 5> kGains{1, 1.06, 1.1, 1.04, 1.17};
+
+std::vector<TimeRecord> records_of(const DrawnStage& stage, int turns = 7, bool sine = false) {
+  std::vector<TimeRecord> out;
+  for (std::size_t i = 0; i < 5; ++i) {
+    out.push_back(
+        stage.record(kFrequencies[i], 1.0, kGains[i], turns, 1.0, 1.0, static_cast<unsigned>(i), sine));
+    out.back().file = "record" + std::to_string(i);
+  }
+  return out;
+}
+
+TEST(StageDisturbance, FindsPolynomialsAndGainsOfAStageWithoutLag) {
+  const DrawnStage stage;
+  const StageDisturbance found = identify_disturbance(records_of(stage));
+  for (std::size_t i = 0; i < 3; ++i) {
+    EXPECT_NEAR(found.disturbance.ascending[i], stage.ascending[i], 1e-3);
+    EXPECT_NEAR(found.disturbance.descending[i], stage.descending[i], 1e-3);
+  }
+  EXPECT_EQ(found.reading, GainReading::basis_times_gain);
+  EXPECT_NEAR(found.loops[0].offset, stage.offset, 1e-3);
+  EXPECT_NEAR(found.loops[0].stroke, stage.stroke, 1e-3);
+  EXPECT_NEAR(found.input(stage.high), 1.0, 1e-9);
+  ASSERT_EQ(found.disturbance.rate.frequency.size(), 5u);
+  for (std::size_t i = 0; i < 5; ++i) {
+    EXPECT_EQ(found.disturbance.rate.frequency[i].value, kFrequencies[i]);
+    EXPECT_EQ(found.disturbance.rate.ascending[i], 1.0);
+    EXPECT_NEAR(found.disturbance.rate.descending[i], kGains[i], 2e-3);
+    EXPECT_LT(found.loops[i].gain_percent, 0.02);
+    EXPECT_EQ(found.loops[i].held_out_turns, 3u);
+  }
+  EXPECT_EQ(found.varying(), Disturbance::Branch::descending);
+}
+
+TEST(StageDisturbance, TellsLagAndNoiseFromTheLoop) {
+  DrawnStage stage;
+  stage.noise = 0.002;
+  const auto check = [&](StageLag::Kind kind, double seconds) {
+    const StageDisturbance found = identify_disturbance(records_of(stage));
+    EXPECT_EQ(found.lag.kind, kind) << to_string(found.lag.kind);
+    EXPECT_NEAR(found.lag.seconds, seconds, 0.03 * seconds + 2e-6);
+    for (std::size_t i = 1; i < 5; ++i) {
+      const LoopAtFrequency& loop = found.loops[i];
+      EXPECT_NEAR(loop.gain[1], kGains[i], 4.0 * loop.deviation[1] + 2e-3) << loop.frequency.value;
+      EXPECT_NEAR(loop.gain[0], 1.0, 4.0 * loop.deviation[0] + 2e-3) << loop.frequency.value;
+      EXPECT_LT(loop.deviation[1], 0.01);
+      // What is left is the noise.
+      EXPECT_NEAR(loop.gain_percent, 0.2, 0.02);
+    }
+  };
+  stage.delay_s = 2e-4;
+  check(StageLag::Kind::delay, 2e-4);
+  stage.delay_s = 0.0;
+  stage.amplifier_s = 3e-4;
+  check(StageLag::Kind::amplifier, 3e-4);
+}
+
+TEST(StageDisturbance, DeviationsOfTheGainsAreWhatDrawnRecordsShow) {
+  DrawnStage stage;
+  stage.noise = 0.01;
+  double scatter = 0.0, said = 0.0;
+  const int draws = 40;
+  for (int k = 0; k < draws; ++k) {
+    const auto seed = static_cast<unsigned>(2 * k + 10);
+    const std::vector<TimeRecord> records{stage.record(1.0, 1.0, 1.0, 3, 1.0, 1.0, seed),
+                                          stage.record(20.0, 1.0, 1.1, 3, 1.0, 1.0, seed + 1)};
+    const LoopAtFrequency loop = identify_disturbance(records).loops[1];
+    scatter += (loop.gain[1] - 1.1) * (loop.gain[1] - 1.1) / draws;
+    said += loop.deviation[1] * loop.deviation[1] / draws;
+  }
+  // 40 draws know a variance to within a quarter.
+  EXPECT_GT(said / scatter, 0.5);
+  EXPECT_LT(said / scatter, 2.0);
+}
+
+TEST(StageDisturbance, FindsAmplitudeGainsOfShortStrokes) {
+  const DrawnStage stage;
+  std::vector<TimeRecord> records = records_of(stage, 3);
+  records.push_back(stage.record(1.0, 1.0, 1.0, 2, 0.5, 0.4));
+  records.push_back(stage.record(20.0, 1.0, 1.1, 2, 0.25, 0.15));
+  const StageDisturbance found = identify_disturbance(records);
+  const auto& table = found.disturbance.amplitude;
+  ASSERT_EQ(table.alpha.size(), 3u);
+  EXPECT_NEAR(table.alpha[0], 0.25, 1e-6);
+  EXPECT_NEAR(table.alpha[1], 0.5, 1e-6);
+  EXPECT_EQ(table.alpha[2], 1.0);
+  EXPECT_NEAR(table.ascending[0], 0.15, 2e-3);
+  EXPECT_NEAR(table.descending[0], 0.15, 2e-3);
+  EXPECT_NEAR(table.ascending[1], 0.4, 2e-3);
+  EXPECT_EQ(table.ascending[2], 1.0);
+}
+
+TEST(StageDisturbance, TakesSinesAndAnOutputThatFalls) {
+  DrawnStage stage;
+  stage.stroke = -3.0;
+  const StageDisturbance found = identify_disturbance(records_of(stage, 5, true));
+  EXPECT_NEAR(found.loops[0].stroke, -3.0, 1e-3);
+  EXPECT_NEAR(found.disturbance.ascending[0], stage.ascending[0], 2e-3);
+  EXPECT_NEAR(found.disturbance.rate.descending[4], 1.17, 3e-3);
+  ASSERT_FALSE(found.notes.empty());
+  EXPECT_NE(found.notes[0].find("falls as the input rises"), std::string::npos);
+}
+
+TEST(StageDisturbance, SaysSignsThatDoNotFit) {
+  DrawnStage stage;
+  DrawnStage other = stage;
+  other.stroke = -stage.stroke;
+  EXPECT_THROW(identify_disturbance(std::vector{stage.record(1, 1, 1, 3), other.record(10, 1, 1, 3)}),
+               InputError);
+  other = stage;
+  std::swap(other.ascending, other.descending);
+  EXPECT_THROW(identify_disturbance(std::vector{stage.record(1, 1, 1, 3), other.record(10, 1, 1, 3)}),
+               InputError);
+  const StageDisturbance clockwise = identify_disturbance(std::vector{other.record(1, 1, 1, 3)});
+  EXPECT_NE(clockwise.notes.front().find("clockwise"), std::string::npos);
+}
+
+TEST(StageDisturbance, RefusesRecordsWithoutATurn) {
+  TimeRecord ramp;
+  ramp.file = "ramp.csv";
+  ramp.step_s = 1e-3;
+  for (int i = 0; i < 100; ++i) {
+    ramp.u.push_back(0.01 * i);
+    ramp.y.push_back(0.01 * i);
+  }
+  EXPECT_THROW(identify_disturbance(std::vector{ramp}), InputError);
+}
+
+}  // namespace
+}  // namespace bodesmith::identify

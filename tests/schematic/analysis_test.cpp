@@ -1,0 +1,118 @@
+// Analyses of netlists against closed forms and against differences of themselves.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+
+#include "schematic/analysis/noise.hpp"
+#include "schematic/analysis/response.hpp"
+#include "schematic/analysis/sensitivity.hpp"
+
+namespace bodesmith::schematic {
+namespace {
+
+using Complex = std::complex<double>;
+
+Part resistor(const char* name, const char* from, const char* to, double ohm) {
+  return {Part::Kind::resistor, name, "", 0, from, to, "exact", ohm, ohm};
+}
+Part capacitor(const char* name, const char* from, const char* to, double farad) {
+  return {Part::Kind::capacitor, name, "", 0, from, to, "exact", farad, farad};
+}
+
+/// Sallen and Key's low-pass of gain 2: an op-amp with feedback of both signs.
+Netlist sallen_key() {
+  Netlist out;
+  out.parts = {resistor("R1", "in", "a", 12e3),     resistor("R2", "a", "p", 18e3),
+               resistor("Ra", "m", "0", 10e3),      resistor("Rb", "m", "out", 10e3),
+               capacitor("C1", "a", "out", 4.7e-9), capacitor("C2", "p", "0", 2.2e-9)};
+  out.opamps = {{"U1", "", 0, "p", "m", "out"}};
+  return out;
+}
+
+TEST(Equations, AnIdealOpAmpMakesTheTextbooksTransfer) {
+  const Equations equations(sallen_key(), {.ideal_opamps = true});
+  for (const double w : {1e2, 1e4, 3e4, 1e6}) {
+    const Complex s(0.0, w);
+    const double k = 2.0, r1 = 12e3, r2 = 18e3, c1 = 4.7e-9, c2 = 2.2e-9;
+    const Complex wanted = k / (1.0 + s * (c2 * (r1 + r2) + (1.0 - k) * r1 * c1) + s * s * r1 * r2 * c1 * c2);
+    EXPECT_LT(std::abs(equations.response({w}) / wanted - 1.0), 1e-12) << w;
+  }
+}
+
+TEST(Equations, AFiniteOpAmpClosesItsLoopByItsOwnGain) {
+  Netlist follower;
+  follower.parts = {resistor("Rl", "out", "0", 1e3)};
+  follower.opamps = {{"U1", "", 0, "in", "out", "out"}};
+  follower.opamp.dc_gain = 1e4;
+  follower.opamp.gain_bandwidth = Hertz{1e6};
+  follower.opamp.output_resistance_ohm = 100.0;
+  const Equations equations(follower);
+  for (const double w : {1.0, 1e5, 1e7}) {
+    // A/(1 + A) of what the output stage leaves: A (1 - h) = h (1 + Ro/Rl).
+    const Complex a = follower.opamp.open_loop({w}), wanted = a / (a + 1.1);
+    EXPECT_LT(std::abs(equations.response({w}) - wanted), 1e-12) << w;
+    // Cut at its source, the way back is Rl/(Rl + Ro).
+    EXPECT_LT(std::abs(return_ratio(equations, follower, 0, {w}) / (a / 1.1) - 1.0), 1e-12) << w;
+  }
+}
+
+TEST(Equations, AMultiplierIsItsDerivativesAboutThePoint) {
+  Netlist n;
+  n.multipliers = {{"M", "", 0, "in", "y", "z", "out", 0.0}};
+  n.sources = {{"Vy", "", "y", 0.4}, {"Vz", "", "z", -0.1}};
+  n.multiplier.scale_v = 1.05;
+  n.multiplier.bandwidth = Hertz{1e6};
+  Equations equations(n);
+  equations.linearise({{"in", 0.7}, {"y", 0.4}, {"z", -0.1}});
+  const double w = 2.0 * M_PI * 1e6;
+  EXPECT_LT(std::abs(equations.response({w}) - 0.4 / 1.05 / Complex(1.0, 1.0)), 1e-12);
+}
+
+TEST(Sensitivity, TheAdjointIsTheDifferenceQuotient) {
+  for (const bool ideal : {true, false}) {
+    Netlist n = sallen_key();
+    const Assumptions assumptions{.ideal_opamps = ideal};
+    for (const double w : {1e3, 2e4, 2e5}) {
+      const auto slopes = log_sensitivities(Equations(n, assumptions), n.parts.size(), {w});
+      for (std::size_t i = 0; i < n.parts.size(); ++i) {
+        constexpr double kStep = 1e-5;
+        const double nominal = n.parts[i].realised;
+        n.parts[i].realised = nominal * std::exp(kStep);
+        const Complex up = Equations(n, assumptions).response({w});
+        n.parts[i].realised = nominal * std::exp(-kStep);
+        const Complex down = Equations(n, assumptions).response({w});
+        n.parts[i].realised = nominal;
+        EXPECT_LT(std::abs(slopes[i] - std::log(up / down) / (2.0 * kStep)), 1e-7)
+            << n.parts[i].name << " at " << w;
+      }
+      // Impedance and frequency scaling: sum over R less sum over C of d ln H is 0 for ideal op-amps.
+      if (!ideal) continue;
+      Complex resistors = 0.0, capacitors = 0.0;
+      for (std::size_t i = 0; i < n.parts.size(); ++i)
+        (n.parts[i].kind == Part::Kind::resistor ? resistors : capacitors) += slopes[i];
+      EXPECT_LT(std::abs(resistors - capacitors), 1e-10);
+    }
+  }
+}
+
+TEST(Noise, OfAnRcIsKTOverC) {
+  Netlist rc;
+  rc.parts = {resistor("R", "in", "out", 1e4), capacitor("C", "out", "0", 1e-9)};
+  const double corner = 1.0 / (2.0 * M_PI * 1e4 * 1e-9);
+  const double rms = output_noise_rms(rc, {Hertz{corner * 1e-4}, Hertz{corner * 1e4}}, true, "out", 4001);
+  EXPECT_NEAR(rms / std::sqrt(kBoltzmann * kKelvin / 1e-9), 1.0, 1e-3);
+}
+
+// At rest the shot noise of an ideal junction is the thermal noise of its slope.
+TEST(Noise, OfADiodeAtRestIsThatOfItsSlope) {
+  Netlist n;
+  n.diode.emission = 1.0;
+  n.parts = {{Part::Kind::diode, "D", "", 0, "out", "0", "", 0.0, 0.0}, resistor("R", "in", "out", 1e15)};
+  const double slope = n.diode.saturation_a * kElectron / (kBoltzmann * kKelvin);
+  const double density = output_noise(n, {Hertz{1e-3}}).front();
+  EXPECT_NEAR(density / std::sqrt(4.0 * kBoltzmann * kKelvin / slope), 1.0, 1e-3);
+}
+
+}  // namespace
+}  // namespace bodesmith::schematic

@@ -1,0 +1,271 @@
+// Controllers for drawn plants with delay, judged by formulas written out here and by stepping the loop in time.
+#include "tuning/tune.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <string>
+#include <vector>
+
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "numeric/random.hpp"
+#include "temporary_folder.hpp"
+
+namespace bodesmith::tuning {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kTwoPi = 6.283185307179586;
+
+/// gain e^(-s delay)/((1 + s lag)(1 + s second_lag)).
+struct DrawnPlant {
+  double gain = 1.0;
+  double lag_s = 1.0;
+  double second_lag_s = 0.1;
+  double delay_s = 0.1;
+
+  Complex response(Complex s) const {
+    return gain * std::exp(-s * delay_s) / ((1.0 + s * lag_s) * (1.0 + s * second_lag_s));
+  }
+  std::string sections(const std::string& more = "") const {
+    const auto number = [](double x) { return std::to_string(x); };
+    return "{\"schema\": \"bodesmith.sections/1\", \"gain\": " + number(gain) +
+           ", \"delay_s\": " + number(delay_s) + more + ", \"sections\": [{\"gain\": " + number(1.0 / lag_s) +
+           ", \"zeros_rad_s\": [], \"poles_rad_s\": [[" + number(-1.0 / lag_s) +
+           ", 0]]}, {\"gain\": " + number(1.0 / second_lag_s) + ", \"zeros_rad_s\": [], \"poles_rad_s\": [[" +
+           number(-1.0 / second_lag_s) + ", 0]]}]}";
+  }
+};
+
+std::vector<DrawnPlant> drawn_plants() {
+  Random random(20);
+  std::vector<DrawnPlant> out;
+  for (int i = 0; i < 10; ++i) {
+    DrawnPlant p;
+    p.gain = (i % 3 == 2 ? -1.0 : 1.0) * std::pow(10.0, 2.0 * random.uniform() - 1.0);
+    p.lag_s = std::pow(10.0, -1.0 * random.uniform());
+    p.second_lag_s = p.lag_s * (0.05 + 0.4 * random.uniform());
+    p.delay_s = p.lag_s * (0.02 + 0.2 * random.uniform());
+    out.push_back(p);
+  }
+  return out;
+}
+
+Complex pid(const SeriesController& c, Complex s) {
+  return c.pid.proportional + c.pid.integral_per_s / s +
+         c.pid.derivative_s * s / (1.0 + s / (kTwoPi * c.pid.derivative_corner.value));
+}
+
+struct Scanned {
+  double phase_margin_deg = 360.0;
+  double gain_margin_db = 1e9;
+  double crossover_hz = 0.0;
+};
+
+/// Every crossing on a grid of 400 000 frequencies, nearest point.
+template <class LoopFunction>
+Scanned scan(LoopFunction loop) {
+  Scanned out;
+  Complex before = loop(1e-4);
+  for (int i = 1; i <= 400000; ++i) {
+    const double f = 1e-4 * std::pow(10.0, 7.0 * i / 400000);
+    const Complex now = loop(f);
+    if ((std::abs(before) < 1.0) != (std::abs(now) < 1.0)) {
+      out.phase_margin_deg = std::min(out.phase_margin_deg, std::abs(std::arg(-now)) * 360.0 / kTwoPi);
+      out.crossover_hz = f;
+    }
+    if (before.imag() * now.imag() < 0.0 && now.real() < 0.0)
+      out.gain_margin_db = std::min(out.gain_margin_db, std::abs(20.0 * std::log10(std::abs(now))));
+    before = now;
+  }
+  return out;
+}
+
+/// Where a unit step of the reference ends: small steps in time, the delay a row of past drives.
+double settled_value(const DrawnPlant& plant, const SeriesController& c) {
+  const double h = std::min(plant.delay_s, plant.second_lag_s) / 200.0;
+  const double corner = kTwoPi * c.pid.derivative_corner.value;
+  const double step = std::min(h, 0.05 / corner);
+  std::vector<double> past(static_cast<std::size_t>(plant.delay_s / step), 0.0);
+  double integral = 0.0, slow = 0.0, first = 0.0, y = 0.0;
+  const auto steps = static_cast<std::size_t>(60.0 * plant.lag_s / step);
+  for (std::size_t i = 0; i < steps; ++i) {
+    const double e = 1.0 - y;
+    integral += step * e;
+    slow += step * corner * (e - slow);
+    const double u =
+        c.pid.proportional * e + c.pid.integral_per_s * integral + c.pid.derivative_s * corner * (e - slow);
+    double& place = past[i % past.size()];
+    const double late = place;
+    place = u;
+    first += step * (plant.gain * late - first) / plant.lag_s;
+    y += step * (first - y) / plant.second_lag_s;
+  }
+  return y;
+}
+
+struct Tune : ::testing::Test {
+  PlantFamily family(const std::string& text, PlantSpread spread = {}) {
+    write_file(folder / "plant.json", text);
+    Provenance from;
+    return read_plants({(folder / "plant.json").string()}, spread, from);
+  }
+  static const ControllerKind& kind(std::size_t i) { return *controller_kinds()[i]; }
+  TemporaryFolder folder;
+};
+
+TEST_F(Tune, TenDrawnPlantsWithDelayKeepWhatWasAsked) {
+  for (const DrawnPlant& plant : drawn_plants()) {
+    TuneOptions options;
+    options.limits = {55.0, 8.0, std::nullopt};
+    options.bandwidth = Hertz{0.05 / (plant.delay_s + 0.3 * plant.second_lag_s)};
+    const TunedLoop made = tune(family(plant.sections()), kind(0), options);
+    EXPECT_TRUE(made.met()) << (made.missed.empty() ? "" : made.missed[0]);
+    const Scanned seen = scan([&](double f) {
+      const Complex s(0.0, kTwoPi * f);
+      return pid(made.controller, s) * plant.response(s);
+    });
+    EXPECT_GT(seen.phase_margin_deg, 54.4);
+    EXPECT_GT(seen.gain_margin_db, 7.9);
+    EXPECT_NEAR(seen.crossover_hz, options.bandwidth->value, 1e-3 * options.bandwidth->value);
+    const LeastMargins told = least_margins(made.members);
+    EXPECT_NEAR(std::abs(*told.phase_margin_deg), seen.phase_margin_deg, 0.05);
+    EXPECT_NEAR(std::abs(*told.gain_margin_db), seen.gain_margin_db, 0.02);
+    EXPECT_NEAR(settled_value(plant, made.controller), 1.0, 0.02);
+  }
+}
+
+TEST_F(Tune, WhatTheFitDoesNotKnowIsKeptClearOf) {
+  const DrawnPlant plant;
+  const std::string fit =
+      ", \"fit\": {\"gain_deviation_percent\": 6, \"delay_deviation_s\": 0.01, \"poles\": [{\"frequency_hz\": 0.159155, "
+      "\"frequency_deviation_hz\": 0.02}, {\"frequency_hz\": 1.59155, \"frequency_deviation_hz\": null}], \"zeros\": []}";
+  TuneOptions options;
+  options.bandwidth = Hertz{0.4};
+  const PlantFamily plants = family(plant.sections(fit));
+  EXPECT_EQ(plants.members.size(), 7u);  // nominal, and gain, delay and the known pole either way
+  const TunedLoop made = tune(plants, kind(0), options);
+  EXPECT_TRUE(made.met());
+  // The corner of it all by hand: 12 % more gain, 20 ms more delay, one at a time.
+  const auto least = [&](DrawnPlant moved) {
+    return scan([&](double f) {
+      const Complex s(0.0, kTwoPi * f);
+      return pid(made.controller, s) * moved.response(s);
+    });
+  };
+  DrawnPlant late = plant;
+  late.delay_s += 0.02;
+  DrawnPlant loud = plant;
+  loud.gain *= std::exp(0.12);
+  for (const DrawnPlant& moved : {plant, late, loud}) {
+    EXPECT_GT(least(moved).phase_margin_deg, 59.3);
+    EXPECT_GT(least(moved).gain_margin_db, 5.9);
+  }
+}
+
+TEST_F(Tune, ABandwidthBeyondTheDelayIsToldAndAReachableOneNamed) {
+  TuneOptions options;
+  options.bandwidth = Hertz{20.0};
+  const TunedLoop made = tune(family(DrawnPlant{}.sections()), kind(0), options);
+  EXPECT_FALSE(made.met());
+  ASSERT_TRUE(made.reachable_bandwidth);
+  options.bandwidth = made.reachable_bandwidth;
+  EXPECT_TRUE(tune(family(DrawnPlant{}.sections()), kind(0), options).met());
+}
+
+TEST_F(Tune, ALightResonanceIsNotched) {
+  // 1/(1 + s/30) and a mode at 40 Hz, damping .005, 20 dB above what a loop of 10 Hz can bear.
+  const std::string text =
+      "{\"schema\": \"bodesmith.sections/1\", \"gain\": 1, \"sections\": [{\"gain\": 30, \"zeros_rad_s\": [], "
+      "\"poles_rad_s\": [[-30, 0]]}, {\"gain\": 63165.468, \"zeros_rad_s\": [], \"poles_rad_s\": [[-1.256637, 251.324], "
+      "[-1.256637, -251.324]]}]}";
+  TuneOptions options;
+  options.limits = {50.0, 6.0, std::nullopt};
+  options.bandwidth = Hertz{10.0};
+  EXPECT_FALSE(tune(family(text), kind(0), options).met());
+  const PlantFamily plants = family(text, {2.0, 10.0, 2.0});
+  const TunedLoop made = tune(plants, kind(2), options);
+  EXPECT_TRUE(made.met()) << (made.missed.empty() ? "" : made.missed[0]);
+  EXPECT_EQ(made.members.size(), 5u);
+  // The mode two percent away is below the margin too, and the sections are the controller.
+  for (const double shift : {1.0, 1.02, 1.0 / 1.02}) {
+    const Sections whole = made.controller.sections();
+    const Scanned seen = scan([&](double f) {
+      const Complex s(0.0, kTwoPi * f / shift);
+      const Complex mode = 63165.468 / (s * s + 2.513274 * s + 63165.468);
+      return whole.response(Complex(0.0, kTwoPi * f)) * 30.0 / (s + 30.0) * mode;
+    });
+    EXPECT_GT(seen.phase_margin_deg, 49.4) << shift;
+    EXPECT_GT(seen.gain_margin_db, 5.9) << shift;
+  }
+}
+
+TEST_F(Tune, AFractionalControllerKeepsItsMarginsAsMade) {
+  const DrawnPlant plant{2.0, 0.5, 0.05, 0.02};
+  TuneOptions options;
+  options.bandwidth = Hertz{2.0};
+  const TunedLoop made = tune(family(plant.sections()), kind(1), options);
+  EXPECT_TRUE(made.met()) << (made.missed.empty() ? "" : made.missed[0]);
+  EXPECT_FALSE(made.controller.filter.sections.empty());
+  const Sections whole = made.controller.sections();
+  const Scanned seen = scan([&](double f) {
+    const Complex s(0.0, kTwoPi * f);
+    return whole.response(s) * plant.response(s);
+  });
+  EXPECT_GT(seen.phase_margin_deg, 59.3);
+  EXPECT_GT(seen.gain_margin_db, 5.9);
+}
+
+TEST_F(Tune, ANonlinearModelIsRefused) {
+  write_file(folder / "bent.toml",
+             "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"saturation\"\nlower = -1.0\nupper = 1.0\n");
+  Provenance from;
+  EXPECT_THROW(read_plants({(folder / "bent.toml").string()}, {}, from), InputError);
+}
+
+/// L(j w) from far below to far above its corners.
+template <class LoopFunction>
+bool stable(LoopFunction loop, int integrators) {
+  std::vector<Complex> samples;
+  for (int i = 0; i <= 4000; ++i)
+    samples.push_back(loop(Complex(0.0, std::pow(10.0, -3.0 + 6.0 * i / 4000))));
+  return turns_are_stable(samples, integrators);
+}
+
+TEST(LoopTurns, KnowTheGainsAtWhichLoopsBeginToRing) {
+  // Routh: k/(s + 1)^3 rings at 8, k/(s (s + 1)^2) at 2; k e^(-s T)/s at k T = pi/2; k (s + 1)/s^2 never.
+  for (const double side : {0.97, 1.03}) {
+    const bool wanted = side < 1.0;
+    EXPECT_EQ(stable([&](Complex s) { return 8.0 * side / std::pow(s + 1.0, 3); }, 0), wanted);
+    EXPECT_EQ(stable([&](Complex s) { return 2.0 * side / (s * (s + 1.0) * (s + 1.0)); }, 1), wanted);
+    EXPECT_EQ(stable([&](Complex s) { return 0.25 * kTwoPi * side * std::exp(-s) / s; }, 1), wanted);
+    EXPECT_TRUE(stable([&](Complex s) { return side * (s + 1.0) / (s * s); }, 2));
+  }
+  // Positive feedback of more than 1 at rest, and a gain that does not fall.
+  EXPECT_FALSE(stable([](Complex s) { return -1.2 / (s + 1.0); }, 0));
+  EXPECT_FALSE(stable([](Complex) { return Complex(2.0, 0.0); }, 0));
+}
+
+TEST(LoopTurns, ShortfallIsZeroExactlyWhereTheMarginsAre) {
+  // L = k/s e^(-s): phase margin 90 deg - k rad at w = k, gain margin pi/(2 k).
+  const auto samples = [](double k) {
+    std::vector<Complex> out;
+    for (int i = 0; i <= 8000; ++i) {
+      const Complex s(0.0, std::pow(10.0, -3.0 + 6.0 * i / 8000));
+      out.push_back(k * std::exp(-s) / s);
+    }
+    return out;
+  };
+  const double k = 0.5;  // 61.35 deg, 9.943 dB
+  EXPECT_EQ(shortfall(samples(k), 1, {61.3, 9.9, std::nullopt}), 0.0);
+  EXPECT_NEAR(shortfall(samples(k), 1, {70.0, 9.9, std::nullopt}), (70.0 - 61.352) / 70.0, 1e-4);
+  EXPECT_NEAR(shortfall(samples(k), 1, {61.3, 12.0, std::nullopt}), (12.0 - 9.943) / 12.0, 1e-4);
+  EXPECT_GT(shortfall(samples(k), 1, {61.3, 9.9, 1.2}), 0.0);
+  EXPECT_GT(shortfall(samples(1.7), 1, {1e-3, 1e-3, std::nullopt}), 2.0 - 1e-3);
+}
+
+}  // namespace
+}  // namespace bodesmith::tuning

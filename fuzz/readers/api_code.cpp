@@ -1,4 +1,4 @@
-#include "fpaa/api_code.hpp"
+#include "fpaa/streams/api_code.hpp"
 #include "reader.hpp"
 
 namespace bodesmith::fuzz {

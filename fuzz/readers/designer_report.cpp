@@ -1,4 +1,4 @@
-#include "fpaa/report_check.hpp"
+#include "fpaa/sheets/report_check.hpp"
 #include "reader.hpp"
 
 namespace bodesmith::fuzz {

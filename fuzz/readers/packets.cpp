@@ -1,4 +1,4 @@
-#include "fpaa/config_stream.hpp"
+#include "fpaa/device/config_stream.hpp"
 #include "reader.hpp"
 
 namespace bodesmith::fuzz {

@@ -1,4 +1,4 @@
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/plan.hpp"
 #include "base/document.hpp"
 #include "base/json.hpp"
 #include "reader.hpp"

@@ -1,4 +1,4 @@
-#include "fpaa/board_link.hpp"
+#include "fpaa/streams/board_link.hpp"
 #include "reader.hpp"
 
 namespace bodesmith::fuzz {

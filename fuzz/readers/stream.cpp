@@ -1,6 +1,6 @@
 #include <stdexcept>
 
-#include "fpaa/config_stream.hpp"
+#include "fpaa/device/config_stream.hpp"
 #include "reader.hpp"
 
 namespace bodesmith::fuzz {

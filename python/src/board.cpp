@@ -5,9 +5,9 @@
 #include "base/files.hpp"
 #include "base/progress.hpp"
 #include "circuit_options.hpp"
-#include "fpaa/an231/stream_output.hpp"
-#include "fpaa/build_sheet.hpp"
-#include "fpaa/trim.hpp"
+#include "fpaa/sheets/build_sheet.hpp"
+#include "fpaa/streams/stream_output.hpp"
+#include "fpaa/trim/trim.hpp"
 #include "functions.hpp"
 #include "records.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "call.hpp"
 #include "circuit/realise.hpp"
-#include "fpaa/mismatch.hpp"
+#include "fpaa/device/mismatch.hpp"
 
 namespace bodesmith::python {
 

@@ -6,7 +6,7 @@
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
 #include "filters/family.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/plan.hpp"
 #include "functions.hpp"
 #include "hysteresis/registry.hpp"
 #include "lti/cascade.hpp"

@@ -4,7 +4,7 @@
 
 #include "base/error.hpp"
 #include "chain/model_file.hpp"
-#include "fpaa/network/switched_board.hpp"
+#include "fpaa/plan/switched_board.hpp"
 #include "functions.hpp"
 #include "lti/bulk_response.hpp"
 #include "lti/cascade.hpp"

@@ -13,7 +13,7 @@
 #include "faults/circuit_board.hpp"
 #include "faults/json.hpp"
 #include "faults/plan_board.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/plan.hpp"
 
 namespace bodesmith::cli {
 namespace {

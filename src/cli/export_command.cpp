@@ -17,7 +17,7 @@
 #include "cli/commands.hpp"
 #include "cli/response_source.hpp"
 #include "exchange/writer.hpp"
-#include "fpaa/plan_graph.hpp"
+#include "fpaa/plan/plan_graph.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"

@@ -11,10 +11,10 @@
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "fpaa/board_link.hpp"
-#include "fpaa/plan.hpp"
-#include "fpaa/report_check.hpp"
-#include "fpaa/update_stream.hpp"
+#include "fpaa/plan/plan.hpp"
+#include "fpaa/sheets/report_check.hpp"
+#include "fpaa/streams/board_link.hpp"
+#include "fpaa/streams/update_stream.hpp"
 
 namespace bodesmith::cli {
 namespace {

@@ -13,12 +13,12 @@
 #include "cli/fpaa_stream_options.hpp"
 #include "cli/mismatch_options.hpp"
 #include "cli/rational_part.hpp"
-#include "fpaa/board_netlist.hpp"
-#include "fpaa/board_picture.hpp"
-#include "fpaa/build_sheet.hpp"
-#include "fpaa/error_budget.hpp"
-#include "fpaa/plan.hpp"
-#include "fpaa/zrna_script.hpp"
+#include "fpaa/plan/error_budget.hpp"
+#include "fpaa/plan/plan.hpp"
+#include "fpaa/sheets/board_netlist.hpp"
+#include "fpaa/sheets/board_picture.hpp"
+#include "fpaa/sheets/build_sheet.hpp"
+#include "fpaa/sheets/zrna_script.hpp"
 #include "lti/sections.hpp"
 
 namespace bodesmith::cli {

@@ -7,7 +7,7 @@
 #include "base/progress.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "fpaa/an231/netlist.hpp"
+#include "fpaa/streams/netlist.hpp"
 
 namespace bodesmith::cli {
 namespace {

@@ -8,7 +8,7 @@
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "fpaa/gain_schedule.hpp"
+#include "fpaa/gains/gain_schedule.hpp"
 
 namespace bodesmith::cli {
 namespace {

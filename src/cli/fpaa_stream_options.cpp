@@ -5,7 +5,7 @@
 
 #include <map>
 
-#include "fpaa/an231/stream_output.hpp"
+#include "fpaa/streams/stream_output.hpp"
 
 namespace bodesmith::cli {
 namespace {

@@ -7,7 +7,7 @@
 #include "base/files.hpp"
 #include "base/json_fwd.hpp"
 #include "cli/command_line.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/plan.hpp"
 
 namespace bodesmith::cli {
 

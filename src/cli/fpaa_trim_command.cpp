@@ -13,10 +13,10 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/mismatch_options.hpp"
-#include "fpaa/an231/plan_stream.hpp"
-#include "fpaa/build_sheet.hpp"
-#include "fpaa/trim.hpp"
-#include "fpaa/update_stream.hpp"
+#include "fpaa/sheets/build_sheet.hpp"
+#include "fpaa/streams/plan_stream.hpp"
+#include "fpaa/streams/update_stream.hpp"
+#include "fpaa/trim/trim.hpp"
 #include "signal/bode_points.hpp"
 
 namespace bodesmith::cli {

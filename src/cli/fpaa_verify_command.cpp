@@ -10,9 +10,9 @@
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "fpaa/an231/plan_stream.hpp"
-#include "fpaa/an231/stream_check.hpp"
-#include "fpaa/network/switched_board.hpp"
+#include "fpaa/plan/switched_board.hpp"
+#include "fpaa/streams/plan_stream.hpp"
+#include "fpaa/streams/stream_check.hpp"
 
 namespace bodesmith::cli {
 namespace {

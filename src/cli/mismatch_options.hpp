@@ -1,7 +1,7 @@
 #pragma once
 
 #include "cli/command_line.hpp"
-#include "fpaa/mismatch.hpp"
+#include "fpaa/device/mismatch.hpp"
 #include "fpaa/network/settling.hpp"
 
 namespace bodesmith::cli {

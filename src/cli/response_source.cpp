@@ -11,7 +11,7 @@
 #include "base/letters.hpp"
 #include "chain/model_file.hpp"
 #include "circuit/built_circuit.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/plan.hpp"
 #include "lti/bulk_response.hpp"
 #include "lti/cascade.hpp"
 #include "lti/fractional_transfer.hpp"

@@ -10,7 +10,7 @@
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "fpaa/mismatch.hpp"
+#include "fpaa/device/mismatch.hpp"
 #include "fpaa/network/switched_netlist.hpp"
 #include "lti/frequency_grid.hpp"
 #include "signal/columns.hpp"

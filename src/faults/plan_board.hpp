@@ -3,8 +3,8 @@
 #include <memory>
 
 #include "faults/board.hpp"
-#include "fpaa/drawn_board.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/drawn_board.hpp"
+#include "fpaa/plan/plan.hpp"
 
 namespace bodesmith::faults {
 

@@ -9,7 +9,7 @@
 
 #include "base/outcome.hpp"
 #include "circuit/realise_search.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/plan.hpp"
 #include "project/alternatives.hpp"
 #include "project/project.hpp"
 

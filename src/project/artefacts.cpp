@@ -7,8 +7,8 @@
 
 #include "base/json.hpp"
 #include "base/json_header.hpp"
-#include "fpaa/board_picture.hpp"
-#include "fpaa/build_sheet.hpp"
+#include "fpaa/sheets/board_picture.hpp"
+#include "fpaa/sheets/build_sheet.hpp"
 #include "signal/columns.hpp"
 
 namespace bodesmith::project {

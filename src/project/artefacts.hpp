@@ -10,7 +10,7 @@
 #include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "base/units.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/plan.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::project {

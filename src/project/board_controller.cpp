@@ -9,8 +9,8 @@
 #include "base/json.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "fpaa/controller_gains.hpp"
-#include "fpaa/controller_run.hpp"
+#include "fpaa/controller/gains.hpp"
+#include "fpaa/controller/run.hpp"
 #include "signal/csv.hpp"
 #include "tracking/waveforms.hpp"
 

@@ -7,7 +7,7 @@
 
 #include "base/json_fwd.hpp"
 #include "base/units.hpp"
-#include "fpaa/controller.hpp"
+#include "fpaa/controller/controller.hpp"
 #include "signal/disturbance.hpp"
 #include "tracking/built_controller.hpp"
 #include "tracking/stage.hpp"

@@ -8,7 +8,7 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "fit/choice.hpp"
-#include "fpaa/network/switched_board.hpp"
+#include "fpaa/plan/switched_board.hpp"
 #include "project/alternative_hardware.hpp"
 #include "schematic/analysis/equations.hpp"
 

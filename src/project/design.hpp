@@ -12,7 +12,7 @@
 #include "controller/controller.hpp"
 #include "fit/cascade_fit.hpp"
 #include "fit/waveform_error.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/plan.hpp"
 #include "multiplier_layout/layout.hpp"
 #include "project/alternative_hardware.hpp"
 #include "project/alternatives.hpp"

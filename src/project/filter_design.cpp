@@ -11,7 +11,7 @@
 #include "base/text.hpp"
 #include "circuit/stated_band.hpp"
 #include "fit/choice.hpp"
-#include "fpaa/network/switched_board.hpp"
+#include "fpaa/plan/switched_board.hpp"
 #include "lti/judging_grid.hpp"
 #include "lti/sections.hpp"
 #include "project/fractional_fit.hpp"

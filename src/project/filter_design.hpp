@@ -10,7 +10,7 @@
 #include "circuit/realise_search.hpp"
 #include "fit/cascade_fit.hpp"
 #include "fit/direct_fit.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/plan.hpp"
 #include "project/filter_project.hpp"
 #include "project/limits.hpp"
 

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/text.hpp"
-#include "fpaa/board_picture.hpp"
+#include "fpaa/sheets/board_picture.hpp"
 #include "project/report_tables.hpp"
 #include "report/bode.hpp"
 #include "report/page.hpp"

@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "circuit/parts/series.hpp"
 #include "circuit/realisation.hpp"
-#include "fpaa/board.hpp"
+#include "fpaa/device/board.hpp"
 #include "project/tables.hpp"
 #include "project/track_file.hpp"
 

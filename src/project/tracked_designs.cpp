@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <memory>
 
-#include "fpaa/network/switched_board.hpp"
+#include "fpaa/plan/switched_board.hpp"
 #include "project/tracked_plant.hpp"
 
 namespace bodesmith::project {

@@ -6,7 +6,7 @@
 
 #include "base/progress.hpp"
 #include "controller/as_built.hpp"
-#include "fpaa/controller.hpp"
+#include "fpaa/controller/controller.hpp"
 #include "hysteresis/registry.hpp"
 #include "numeric/parallel_for.hpp"
 #include "project/board_controller.hpp"

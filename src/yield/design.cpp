@@ -11,7 +11,7 @@
 #include "circuit/stages/stage_form.hpp"
 #include "circuit/stated_band.hpp"
 #include "fpaa/cams/cam.hpp"
-#include "fpaa/drawn_board.hpp"
+#include "fpaa/plan/drawn_board.hpp"
 #include "schematic/analysis/response.hpp"
 
 namespace bodesmith::yield {

@@ -11,7 +11,7 @@
 #include "base/document.hpp"
 #include "circuit/circuit.hpp"
 #include "circuit/parts_response.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/plan.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
 

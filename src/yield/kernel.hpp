@@ -3,7 +3,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "fpaa/drawn_board.hpp"
+#include "fpaa/plan/drawn_board.hpp"
 #include "yield/yield.hpp"
 
 namespace bodesmith::yield {

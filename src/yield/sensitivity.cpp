@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "fpaa/drawn_board.hpp"
+#include "fpaa/plan/drawn_board.hpp"
 #include "schematic/analysis/sensitivity.hpp"
 
 namespace bodesmith::yield {

@@ -8,7 +8,7 @@
 #include <string_view>
 #include <vector>
 
-#include "fpaa/mismatch.hpp"
+#include "fpaa/device/mismatch.hpp"
 #include "numeric/team.hpp"
 #include "yield/design.hpp"
 #include "yield/histogram.hpp"

@@ -13,7 +13,7 @@
 #include "base/files.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/plan.hpp"
 #include "lti/cascade.hpp"
 #include "lti/sections.hpp"
 #include "project/project.hpp"

@@ -4,7 +4,7 @@
 #include <algorithm>
 
 #include "base/document.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/plan.hpp"
 #include "run_program.hpp"
 
 namespace bodesmith {

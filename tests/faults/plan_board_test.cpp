@@ -7,8 +7,8 @@
 #include "circuits.hpp"
 #include "faults/diagnosis.hpp"
 #include "faults/plan_board.hpp"
-#include "fpaa/network/switched_board.hpp"
-#include "fpaa/trim.hpp"
+#include "fpaa/plan/switched_board.hpp"
+#include "fpaa/trim/trim.hpp"
 
 namespace bodesmith::faults {
 namespace {

@@ -1,8 +1,8 @@
 #pragma once
 
-#include "fpaa/an231/chip_layout.hpp"
-#include "fpaa/an231/memory_image.hpp"
 #include "fpaa/cams/cam.hpp"
+#include "fpaa/device/memory_image.hpp"
+#include "fpaa/streams/chip_layout.hpp"
 
 namespace bodesmith::fpaa::an231 {
 

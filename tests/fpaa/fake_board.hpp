@@ -12,7 +12,7 @@
 #include <thread>
 #include <vector>
 
-#include "fpaa/config_stream.hpp"
+#include "fpaa/device/config_stream.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -4,8 +4,8 @@
 
 #include <string>
 
-#include "fpaa/config_stream.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/device/config_stream.hpp"
+#include "fpaa/plan/plan.hpp"
 
 namespace bodesmith::fpaa {
 

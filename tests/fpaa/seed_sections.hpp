@@ -1,7 +1,7 @@
 #pragma once
 
-#include "fpaa/error_reference.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/error_reference.hpp"
+#include "fpaa/plan/plan.hpp"
 #include "fpaa/search/plan_of_design.hpp"
 #include "lti/sections.hpp"
 

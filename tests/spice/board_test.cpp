@@ -5,8 +5,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "fpaa/board_netlist.hpp"
-#include "fpaa/network/switched_board.hpp"
+#include "fpaa/plan/switched_board.hpp"
+#include "fpaa/sheets/board_netlist.hpp"
 #include "fpaa/stage_samples.hpp"
 #include "spice/ngspice.hpp"
 

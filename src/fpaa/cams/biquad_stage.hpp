@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "fpaa/placed_cam.hpp"
-#include "fpaa/z_transfer.hpp"
+#include "fpaa/cams/placed_cam.hpp"
+#include "fpaa/cams/z_transfer.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -10,8 +10,8 @@
 #include <vector>
 
 #include "base/registry.hpp"
-#include "fpaa/placed_cam.hpp"
-#include "fpaa/switches.hpp"
+#include "fpaa/cams/placed_cam.hpp"
+#include "fpaa/cams/switches.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -3,7 +3,7 @@
 #include <span>
 #include <vector>
 
-#include "fpaa/placed_cam.hpp"
+#include "fpaa/cams/placed_cam.hpp"
 
 namespace bodesmith::fpaa {
 

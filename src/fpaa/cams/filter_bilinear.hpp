@@ -1,8 +1,8 @@
 #pragma once
 
 #include "base/units.hpp"
-#include "fpaa/cam_values.hpp"
-#include "fpaa/z_transfer.hpp"
+#include "fpaa/cams/cam_values.hpp"
+#include "fpaa/cams/z_transfer.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -3,9 +3,9 @@
 #include <vector>
 
 #include "base/units.hpp"
-#include "fpaa/cam_values.hpp"
-#include "fpaa/placed_cam.hpp"
-#include "fpaa/z_transfer.hpp"
+#include "fpaa/cams/cam_values.hpp"
+#include "fpaa/cams/placed_cam.hpp"
+#include "fpaa/cams/z_transfer.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "fpaa/z_transfer.hpp"
+#include "fpaa/cams/z_transfer.hpp"
 
 namespace bodesmith::fpaa {
 

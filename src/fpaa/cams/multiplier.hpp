@@ -1,6 +1,6 @@
 #pragma once
 
-#include "fpaa/cam_values.hpp"
+#include "fpaa/cams/cam_values.hpp"
 
 namespace bodesmith::fpaa {
 

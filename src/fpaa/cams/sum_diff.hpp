@@ -3,8 +3,8 @@
 #include <cstddef>
 #include <vector>
 
-#include "fpaa/cam_values.hpp"
-#include "fpaa/z_transfer.hpp"
+#include "fpaa/cams/cam_values.hpp"
+#include "fpaa/cams/z_transfer.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "fpaa/placed_cam.hpp"
+#include "fpaa/cams/placed_cam.hpp"
 
 namespace bodesmith::fpaa {
 

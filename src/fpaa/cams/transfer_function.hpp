@@ -6,7 +6,7 @@
 #include <string>
 
 #include "base/outcome.hpp"
-#include "fpaa/cam_values.hpp"
+#include "fpaa/cams/cam_values.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/units.hpp"
-#include "fpaa/switches.hpp"
+#include "fpaa/cams/switches.hpp"
 
 namespace bodesmith::fpaa {
 

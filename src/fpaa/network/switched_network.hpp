@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/outcome.hpp"
-#include "fpaa/switches.hpp"
+#include "fpaa/cams/switches.hpp"
 
 namespace bodesmith::fpaa {
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "fpaa/board.hpp"
-#include "fpaa/placed_cam.hpp"
+#include "fpaa/cams/placed_cam.hpp"
+#include "fpaa/device/board.hpp"
 #include "fpaa/search/design.hpp"
 
 namespace bodesmith::fpaa {

@@ -1,7 +1,7 @@
 #pragma once
 
 #include "base/outcome.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/plan.hpp"
 #include "fpaa/search/design.hpp"
 
 namespace bodesmith::fpaa {

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "fpaa/mismatch.hpp"
+#include "fpaa/device/mismatch.hpp"
 #include "fpaa/search/fit.hpp"
 
 namespace bodesmith::fpaa {

@@ -3,7 +3,7 @@
 #include <string>
 
 #include "base/outcome.hpp"
-#include "fpaa/plan.hpp"
+#include "fpaa/plan/plan.hpp"
 #include "fpaa/search/score.hpp"
 
 namespace bodesmith::fpaa {

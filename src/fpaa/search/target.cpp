@@ -5,7 +5,7 @@
 #include <numbers>
 
 #include "base/whole_number.hpp"
-#include "fpaa/error_reference.hpp"
+#include "fpaa/plan/error_reference.hpp"
 
 namespace bodesmith::fpaa {
 namespace {

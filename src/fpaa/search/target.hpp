@@ -1,6 +1,6 @@
 #pragma once
 
-#include "fpaa/board.hpp"
+#include "fpaa/device/board.hpp"
 #include "fpaa/search/sine_response.hpp"
 #include "lti/sections.hpp"
 

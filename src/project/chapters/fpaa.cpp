@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "fpaa/board_picture.hpp"
+#include "fpaa/sheets/board_picture.hpp"
 #include "project/report_tables.hpp"
 #include "project/run.hpp"
 #include "report/page.hpp"

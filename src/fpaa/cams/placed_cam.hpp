@@ -1,0 +1,70 @@
+#pragma once
+
+#include <complex>
+#include <optional>
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "base/units.hpp"
+#include "fpaa/cams/cam_values.hpp"
+#include "fpaa/cams/z_transfer.hpp"
+#include "fpaa/device/board.hpp"
+
+namespace bodesmith::fpaa {
+
+class Cam;
+
+struct Capacitor {
+  std::string name;
+  int units = 0;
+};
+
+/// Capacitors by name, in unit capacitances that need not be whole: those of a placed CAM, or what mismatch
+/// makes of them.
+class CapacitorUnits {
+ public:
+  explicit CapacitorUnits(std::span<const Capacitor> capacitors);
+
+  /// 0 for a capacitor that is not there.
+  double operator[](std::string_view name) const;
+  void set(std::string_view name, double units);
+  /// In the order of the capacitors.
+  std::span<double> values() { return units_; }
+
+ private:
+  std::span<const Capacitor> capacitors_;  ///< for their names
+  std::vector<double> units_;
+};
+
+/// One CAM (configurable analog module) as it is placed and realised.
+struct PlacedCam {
+  std::string name;          ///< unique on its chip, e.g. "Section2a"
+  const Cam* cam = nullptr;  ///< which CAM it is: an entry of cam_registry()
+  std::string option;        ///< "Pole and Zero", ...
+  int cab = 1;               ///< 1-4
+  int clock_index = 0;       ///< Clock 0-3 of its chip
+  Hertz clock_a;
+  int phase = 1;                       ///< output phase
+  std::optional<std::size_t> section;  ///< index into sections.json, from 0
+  CamValues requested;
+  CamValues realised;
+  std::vector<Capacitor> capacitors;
+  ZTransfer z;  ///< exactly what the capacitors make, at clock_a, from input 1 to the output
+  /// Numerators from input 2, 3, … on, over z's denominator; empty for a CAM with one input.
+  std::vector<std::vector<double>> more_numerators;
+  double delay_cycles = 0.0;  ///< from input sample to output, beyond z
+  bool output_hold = false;   ///< its held output leaves this clock's domain (pin, or a CAM of another clock)
+  Resources resources;
+
+  /// As AnadigmDesigner2 writes it: "FilterBilinear".
+  std::string_view cam_name() const;
+  std::size_t input_count() const { return 1 + more_numerators.size(); }
+  /// From one input (counted from 1) to the output, without delay and hold.
+  ZTransfer z_from(std::size_t input) const;
+  /// Of one capacitor; 0 for one that is not there.
+  int units_of(std::string_view capacitor) const;
+};
+
+}  // namespace bodesmith::fpaa

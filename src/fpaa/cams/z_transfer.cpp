@@ -1,0 +1,86 @@
+#include "fpaa/cams/z_transfer.hpp"
+
+#include <cmath>
+#include <limits>
+
+#include "fpaa/cams/clocked_factors.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+/// c0 + c1 x + c2 x^2 + ...
+std::complex<double> polynomial(const std::vector<double>& coefficients, std::complex<double> x) {
+  std::complex<double> sum = 0.0;
+  for (auto c = coefficients.rbegin(); c != coefficients.rend(); ++c) sum = sum * x + *c;
+  return sum;
+}
+
+/// A polynomial in 1 - x as one in x, by Horner's rule on polynomials.
+std::vector<double> expanded(const std::vector<double>& in_one_minus_x) {
+  std::vector<double> out;
+  for (auto c = in_one_minus_x.rbegin(); c != in_one_minus_x.rend(); ++c) {
+    // out (1 - x) + c
+    out.push_back(0.0);
+    for (std::size_t k = out.size() - 1; k > 0; --k) out[k] -= out[k - 1];
+    out[0] += *c;
+  }
+  return out;
+}
+
+double sum(const std::vector<double>& values) {
+  double total = 0.0;
+  for (const double value : values) total += value;
+  return total;
+}
+
+}  // namespace
+
+std::complex<double> ZTransfer::response(RadPerSecond w, Hertz clock) const {
+  const std::complex<double> z_inverse = std::polar(1.0, -w.value / clock.value);
+  return polynomial(numerator, z_inverse) / polynomial(denominator, z_inverse);
+}
+
+double ZTransfer::dc_gain() const {
+  const double bottom = sum(denominator);
+  if (bottom == 0.0) return std::numeric_limits<double>::infinity();
+  return sum(numerator) / bottom;
+}
+
+bool ZTransfer::is_stable() const {
+  std::vector<double> a = denominator;
+  while (a.size() > 1 && a.back() == 0.0) a.pop_back();
+  // Schur-Cohn: reduce the degree as long as the reflection coefficient is inside the unit circle.
+  while (a.size() > 1) {
+    const double reflection = a.back() / a.front();
+    if (!(std::abs(reflection) < 1.0)) return false;
+    std::vector<double> next(a.size() - 1);
+    for (std::size_t i = 0; i + 1 < a.size(); ++i) next[i] = a[i] - reflection * a[a.size() - 1 - i];
+    a = std::move(next);
+  }
+  return a.front() != 0.0;
+}
+
+std::complex<double> DeltaTransfer::response(RadPerSecond w, Hertz clock) const {
+  const std::complex<double> d = 1.0 - std::polar(1.0, -w.value / clock.value);
+  return polynomial(numerator, d) / polynomial(denominator, d);
+}
+
+ZTransfer DeltaTransfer::in_z() const {
+  return {expanded(numerator), expanded(denominator)};
+}
+
+DeltaTransfer in_delta(const ZTransfer& z) {
+  // z^-k = (1 - D)^k: the same change of variable in either direction.
+  const ZTransfer swapped = DeltaTransfer{z.numerator, z.denominator}.in_z();
+  return {swapped.numerator, swapped.denominator};
+}
+
+std::complex<double> zero_order_hold(RadPerSecond w, Hertz clock) {
+  return hold_factor(0.5 * w.value / clock.value);
+}
+
+std::complex<double> cycle_delay(RadPerSecond w, Hertz clock, double cycles) {
+  return std::polar(1.0, -w.value * cycles / clock.value);
+}
+
+}  // namespace bodesmith::fpaa

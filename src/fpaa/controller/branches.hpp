@@ -1,0 +1,87 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "fpaa/controller/controller.hpp"
+#include "fpaa/controller/scale.hpp"
+
+namespace bodesmith::fpaa {
+
+/// What the branches of a pass are made of: the argument itself, and its powers where they are needed.
+struct BranchInputs {
+  std::string argument;
+  std::vector<std::string> powers;  ///< of the sums, in the order of their weights; empty with look-up
+};
+
+/// What a branch's look-up table holds: minus the part of d that a line beside it leaves, over its greatest
+/// value, at 3 V. (What follows the table inverts.) The line is there where it flattens the table: the 8 bits
+/// of the converter then act on a small remainder.
+struct TableShape {
+  double line = 0.0;      ///< d in the line per stroke, 0 at the scale's centre
+  double greatest = 0.0;  ///< |d - line| over the drive's range
+};
+TableShape table_shape(const Disturbance& disturbance, Disturbance::Branch branch, const DriveRange& range,
+                       const VoltScale& scale);
+/// The function that the table imitates, volts to volts.
+double table_volts(const Disturbance& disturbance, Disturbance::Branch branch, const TableShape& shape,
+                   const VoltScale& scale, double input_v);
+
+/// Makes the polynomials' CAMs with their volts: inputs by the variant's scale, outputs so that times
+/// output_weight() they are K d in the same volts per stroke.
+class ControllerBranches {
+ public:
+  /// Plans of the branches' compensators, or null.
+  ControllerBranches(ControllerVariant& variant, const Disturbance& disturbance, const Plan* ascending,
+                     const Plan* descending, const ControllerOptions& options);
+
+  static const char* name_of(Disturbance::Branch branch);
+
+  /// A CAM of the fast clock with what its facts say.
+  ControllerCam cam(const std::string& name, const Cam& cam, std::vector<std::string> inputs) const;
+
+  BranchInputs add_powers(std::vector<ControllerCam>& cams, const std::string& prefix,
+                          const std::string& argument, int group);
+  /// The name of the branch's last CAM.
+  Outcome<std::string> add_branch(std::vector<ControllerCam>& cams, const std::string& prefix,
+                                  Disturbance::Branch branch, const BranchInputs& inputs, int group);
+  /// Weight of the branches in the difference from the reference, as its capacitors make it.
+  double output_weight() const { return output_weight_; }
+
+ private:
+  struct Side {
+    bool compensated = false;
+    double most_v = 0.0;          ///< at its output: what the branch switch, or the compensator, takes
+    double greatest = 0.0;        ///< max |d|
+    double greatest_gain = 1.0;   ///< of the rate table
+    std::vector<double> weights;  /// of the powers, without the rate gain, over output_weight()
+  };
+  const Side& side(Disturbance::Branch branch) const;
+  std::vector<double> power_weights(Disturbance::Branch branch) const;
+  double wanted_output_weight() const;
+  Outcome<std::string> add_table(std::vector<ControllerCam>& cams, const std::string& name,
+                                 Disturbance::Branch branch, const BranchInputs& inputs, int group);
+  std::string add_sum(std::vector<ControllerCam>& cams, const std::string& name, Disturbance::Branch branch,
+                      const BranchInputs& inputs, int group);
+  std::string add_amplitude(std::vector<ControllerCam>& cams, const std::string& name,
+                            const std::string& control, const std::string& input, int group);
+  void add_outside(OutsidePart part);
+  void finish(ControllerCam& cam, std::vector<double> weights, std::vector<double> products,
+              Disturbance::Branch branch, int group) const;
+  std::vector<double> products_of(const std::vector<std::vector<double>>& signals) const;
+  std::vector<double> range_points() const;
+
+  ControllerVariant& out_;
+  const Disturbance& disturbance_;
+  const ControllerOptions& options_;
+  const Board& board_;
+  DriveRange range_;
+  Side ascending_, descending_;
+  double output_weight_ = 1.0;
+};
+
+/// d(x) as the branch CAMs make it at rest, against d(x): max and rms over x in [0, 1], both branches. Fills
+/// the variant's figures (compensators and rate gains are 1 there).
+void set_polynomial_error(ControllerVariant& variant, const Disturbance& disturbance);
+
+}  // namespace bodesmith::fpaa

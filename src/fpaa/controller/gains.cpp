@@ -1,0 +1,189 @@
+#include "fpaa/controller/gains.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "base/text_template.hpp"
+#include "base/whole_number.hpp"
+#include "fpaa/controller/io.hpp"
+#include "fpaa/device/memory_image.hpp"
+#include "fpaa/streams/plan_stream.hpp"
+#include "fpaa/streams/stream_output.hpp"
+#include "signal/csv.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using an231::PlanStreams;
+
+/// A byte of the memory, bank and place in it.
+using BytePlace = std::pair<int, int>;
+
+/// The bytes in which two configurations of a chip differ.
+void add_differences(const MemoryImage& one, const MemoryImage& other, std::set<BytePlace>& places) {
+  for (int bank = 0; bank < MemoryImage::kBanks; ++bank) {
+    for (int byte = 0; byte < MemoryImage::kBankBytes; ++byte) {
+      if (one.at(bank, byte) != other.at(bank, byte)) places.emplace(bank, byte);
+    }
+  }
+}
+
+/// An update that sets these bytes, neighbours in one block.
+Bytes update_of(const MemoryImage& memory, int address1, const std::set<BytePlace>& places) {
+  ConfigStream stream;
+  stream.address1 = address1;
+  stream.control = ConfigStream::kEndExecute;
+  stream.trailing_zeros = 1;  // the dummy byte that the board is sent after the data
+  for (const auto& [bank, byte] : places) {
+    const auto value = static_cast<std::uint8_t>(memory.at(bank, byte));
+    const bool joins = !stream.blocks.empty() && stream.blocks.back().bank == bank &&
+                       stream.blocks.back().byte + static_cast<int>(stream.blocks.back().data.size()) == byte;
+    if (joins) {
+      stream.blocks.back().data.push_back(value);
+    } else {
+      stream.blocks.push_back({bank, byte, {value}});
+    }
+  }
+  return encode(stream);
+}
+
+/// v of v + d(v) = r, by the loop itself.
+double resting_drive(const Disturbance& d, Disturbance::Branch branch, double r) {
+  constexpr int kPasses = 200;
+  double v = r;
+  for (int pass = 0; pass < kPasses; ++pass) v = r - d.value(branch, v);
+  return v;
+}
+
+/// What to do and to read when the board is switched on for the first time.
+std::string power_on_text(const ControllerVariant& variant, const Disturbance& disturbance,
+                          const ControllerStreams& streams) {
+  using enum Disturbance::Branch;
+  Json data = {{"status", an231::kStreamStatus},
+               {"scale_v", rounded_text(variant.scale.volts_per_stroke)},
+               {"pins", Json::array()},
+               {"readings", Json::array()},
+               {"multipliers", variant.by == PolynomialBy::outside},
+               {"tables", variant.by == PolynomialBy::lookup},
+               {"warnings", Json::array()}};
+  const auto signals = pin_signals(variant);
+  const auto cell_of = [&](const std::string& pin) {
+    const auto cell = streams.cells.find(pin);
+    return fmt::format("{} {}", pin.substr(0, pin.find('.')),
+                       cell == streams.cells.end() ? pin : cell->second);
+  };
+  std::map<std::string, std::string> wired;  // from chip to chip
+  for (const Wire& wire : controller_plan(variant).wires) {
+    if (streams.cells.count(wire.from) == 0 || streams.cells.count(wire.to) == 0) continue;
+    wired[wire.to] = "wired to " + cell_of(wire.from);
+    wired.try_emplace(wire.from, "wired to " + cell_of(wire.to));
+  }
+  for (const auto& [pin, cell] : streams.cells) {
+    const auto signal = signals.find(pin);
+    const auto wire = wired.find(pin);
+    const std::string inside = wire == wired.end() ? pin : wire->second;
+    data["pins"].push_back(
+        {{"cell", cell_of(pin)}, {"signal", signal == signals.end() ? inside : signal->second}});
+  }
+  for (const double r : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    const auto volts = [&](double x) { return fmt::format("{:.3f}", variant.scale.volts(x)); };
+    data["readings"].push_back({{"r", volts(r)},
+                                {"up", volts(resting_drive(disturbance, ascending, r))},
+                                {"down", volts(resting_drive(disturbance, descending, r))}});
+  }
+  for (const std::string& warning : streams.warnings) data["warnings"].push_back({{"text", warning}});
+  return render_template("fpaa/controller_power_on.md", data);
+}
+
+}  // namespace
+
+std::vector<Hertz> gain_set_frequencies(const Disturbance& d, double step_percent) {
+  const Disturbance::RateGains& rate = d.rate;
+  std::vector<Hertz> out;
+  for (std::size_t i = 0; i < rate.frequency.size(); ++i) {
+    out.push_back(rate.frequency[i]);
+    if (i + 1 == rate.frequency.size()) break;
+    double largest = 0.0;
+    for (const auto* gains : {&rate.ascending, &rate.descending}) {
+      const double smaller = std::max(1e-9, std::min(std::abs((*gains)[i]), std::abs((*gains)[i + 1])));
+      largest = std::max(largest, std::abs((*gains)[i + 1] - (*gains)[i]) / smaller);
+    }
+    const int steps = std::clamp(whole_number<int>(std::ceil(100.0 * largest / step_percent)), 1, 200);
+    const double ratio = rate.frequency[i + 1].value / rate.frequency[i].value;
+    for (int k = 1; k < steps; ++k) {
+      out.push_back({rate.frequency[i].value * std::pow(ratio, k / static_cast<double>(steps))});
+    }
+  }
+  return out;
+}
+
+Hertz serving_frequency(const std::vector<Hertz>& sets, Hertz operating) {
+  Hertz out = operating;
+  double nearest = INFINITY;
+  for (const Hertz f : sets) {
+    const double distance = std::abs(std::log(f.value / operating.value));
+    if (distance < nearest) {
+      nearest = distance;
+      out = f;
+    }
+  }
+  return out;
+}
+
+std::string gain_sets_csv(const ControllerVariant& variant, const Disturbance& disturbance) {
+  std::vector<std::string> columns = {"frequency_hz"};
+  for (const ControllerCam& cam : variant.cams) {
+    if (!cam.scheduled) continue;
+    for (const Capacitor& c : cam.capacitors) columns.push_back(fmt::format("{}_{}_units", cam.name, c.name));
+  }
+  if (columns.size() == 1) return {};
+  CsvTable out(columns);
+  for (const Hertz f : gain_set_frequencies(disturbance)) {
+    std::vector<std::string> row = {number_text(f.value)};
+    for (const ControllerCam& cam : variant.at(disturbance, f).cams) {
+      if (!cam.scheduled) continue;
+      for (const Capacitor& c : cam.capacitors) row.push_back(std::to_string(c.units));
+    }
+    out.add_row(row);
+  }
+  return out.text();
+}
+
+Outcome<ControllerStreams> controller_streams(const ControllerVariant& variant,
+                                              const Disturbance& disturbance) {
+  std::vector<PlanStreams> sets;
+  std::vector<Hertz> frequencies = gain_set_frequencies(disturbance);
+  if (frequencies.empty()) frequencies = {{1.0}};
+  for (const Hertz f : frequencies) {
+    const auto made = an231::plan_streams(controller_plan(variant.at(disturbance, f)));
+    if (const Refusal* refusal = refusal_of(made)) return *refusal;
+    sets.push_back(std::get<PlanStreams>(made));
+  }
+  ControllerStreams out;
+  const PlanStreams& base = sets.front();
+  out.warnings = base.warnings;
+  out.files = an231::configuration_files(base, "controller.json");
+  out.sets = sets.size() > 1 ? sets.size() : 0;
+  for (std::size_t c = 0; c < base.chips.size(); ++c) {
+    const PlanStreams::Chip& chip = base.chips[c];
+    for (const auto& [pin, cell] : chip.built.pins)
+      out.cells[fmt::format("chip{}.{}", chip.chip, pin)] = fmt::format("IO{}", cell);
+    std::set<BytePlace> places;
+    for (const PlanStreams& set : sets) add_differences(chip.built.memory, set.chips[c].built.memory, places);
+    if (places.empty()) continue;
+    for (std::size_t i = 0; i < sets.size(); ++i) {
+      const Bytes bytes = update_of(sets[i].chips[c].built.memory, chip.chip, places);
+      out.files.add(fmt::format("updates/set{:03}_address{}.ahf", i, chip.chip), to_ahf(bytes));
+      out.files.add(fmt::format("updates/set{:03}_address{}.bin", i, chip.chip), to_packet(bytes, false));
+    }
+  }
+  out.files.add("first_power_on.md", power_on_text(variant, disturbance, out));
+  return out;
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,43 @@
+#pragma once
+
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/files.hpp"
+#include "base/json_fwd.hpp"
+#include "fpaa/controller/controller.hpp"
+#include "fpaa/device/config_stream.hpp"
+
+namespace bodesmith::fpaa {
+
+/// Largest step of a rate gain from one capacitor set to the next, of the gain.
+inline constexpr double kGainStepPercent = 0.5;
+
+/// Frequencies for which a host has a set of capacitors: those of the rate table, with as many between
+/// neighbours as keep each gain's step within `step_percent` (gains are straight lines in log f). Empty
+/// without a table.
+std::vector<Hertz> gain_set_frequencies(const Disturbance& disturbance,
+                                        double step_percent = kGainStepPercent);
+/// The set that serves a frequency: the nearest in log f; the frequency itself when there are no sets.
+Hertz serving_frequency(const std::vector<Hertz>& sets, Hertz operating);
+
+/// `frequency_hz`, then a column `<CAM>_<capacitor>_units` for every capacitor that carries a rate gain, one
+/// row a set. Empty when none does.
+std::string gain_sets_csv(const ControllerVariant& variant, const Disturbance& disturbance);
+
+/// The complete configuration of a controller whose every stage is publicly known (outside multipliers and
+/// switch), and its gains as updates.
+struct ControllerStreams {
+  OutputSet
+      files;  ///< chipN.ahf, primary.c, packets.bin; updates/setNNN_addressA.ahf and .bin (board packets)
+  std::vector<std::string> warnings;
+  std::map<std::string, std::string> cells;  ///< "chip1.in1" -> "IO1"
+  std::size_t sets = 0;
+};
+/// Refused with the first CAM whose switches are not publicly known, or what does not fit.
+Outcome<ControllerStreams> controller_streams(const ControllerVariant& variant,
+                                              const Disturbance& disturbance);
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,397 @@
+#include "fpaa/controller/layout.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <numbers>
+#include <optional>
+#include <set>
+
+#include "base/text.hpp"
+#include "base/whole_number.hpp"
+#include "fpaa/cams/cam.hpp"
+#include "fpaa/cams/comparator.hpp"
+#include "fpaa/cams/filter_bilinear.hpp"
+#include "fpaa/cams/gain_hold.hpp"
+#include "fpaa/cams/gain_switch.hpp"
+#include "fpaa/cams/hold.hpp"
+#include "fpaa/cams/multiplier.hpp"
+#include "fpaa/cams/sum_diff.hpp"
+#include "fpaa/cams/transfer_function.hpp"
+#include "fpaa/controller/branches.hpp"
+#include "fpaa/controller/io.hpp"
+#include "fpaa/controller/placement.hpp"
+#include "fpaa/controller/scale.hpp"
+#include "fpaa/controller/weights.hpp"
+#include "fpaa/plan/plan_graph.hpp"
+#include "fpaa/streams/lookup_stage.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Direction = Disturbance::Branch;
+
+constexpr double kOutsideBandwidthHz = 250e6;  ///< AD835
+/// A delay is a tenth of a period at the bandwidth.
+constexpr double kPeriodsOfDelay = 10.0;
+/// Of the slope detector's high pass: long enough for a slow reference to lift it over the comparator's
+/// hysteresis, short against half a period of a fast one.
+constexpr double kSlopeTimeConstant = 50e-6;
+constexpr int kSlopeGain = 15;
+
+/// Clock cycles that a way of making the powers takes.
+double polynomial_cycles(PolynomialBy by) {
+  switch (by) {
+    case PolynomialBy::outside:
+      return 0.0;
+    case PolynomialBy::multipliers:
+      return 2.0;
+    case PolynomialBy::lookup:
+      break;
+  }
+  return 1.0;
+}
+
+/// The CAMs of one variant, in signal order.
+class ControllerLayout {
+ public:
+  ControllerLayout(ControllerVariant& variant, const Disturbance& disturbance, const Plan* ascending,
+                   const Plan* descending, const ControllerOptions& options)
+      : out_(variant),
+        branches_(variant, disturbance, ascending, descending, options),
+        ascending_(ascending),
+        descending_(descending),
+        options_(options),
+        board_(board_by_name(options.board)) {}
+
+  /// Refused: a branch that cannot be made at all.
+  std::optional<Refusal> collect() {
+    out_.outside.push_back({OutsidePart::Kind::reference, "r", {}, 0.0});
+    add_slope_detector();
+    switch (out_.structure) {
+      case ControllerStructure::loop:
+        return add_pass("", "OutputHold", "r");
+      case ControllerStructure::open:
+        return add_pass("", "r", "r");
+      case ControllerStructure::delayed:
+        return add_delayed_pass("", "r");
+      case ControllerStructure::two_pass:
+        break;
+    }
+    if (auto refusal = add_delayed_pass("First", "r")) return refusal;
+    return add_delayed_pass("", "FirstOutputHold");
+  }
+
+  /// Holds where a half-cycle output leaves its chip or its clock change the placement: repeats until none is
+  /// new.
+  std::optional<Refusal> place() {
+    do {
+      std::vector<Resources> needs;
+      std::vector<int> groups;
+      for (const ControllerCam& cam : out_.cams) {
+        needs.push_back(cam.resources);
+        groups.push_back(cam.group);
+      }
+      const Outcome<std::vector<Place>> placed = place_groups(needs, groups, board_);
+      if (const Refusal* refusal = refusal_of(placed)) return *refusal;
+      const std::vector<Place>& places = std::get<std::vector<Place>>(placed);
+      for (std::size_t i = 0; i < out_.cams.size(); ++i) {
+        out_.cams[i].chip = places[i].chip;
+        out_.cams[i].cab = places[i].cab;
+      }
+    } while (add_missing_hold());
+    put_tables_where_bytes_are_known();
+    return std::nullopt;
+  }
+
+ private:
+  bool switches_outside() const { return out_.by == PolynomialBy::outside || options_.outside_switch; }
+
+  /// CABs are alike: each chip's look-up stage changes places with whatever stands in the CAB for which its
+  /// bytes are known.
+  void put_tables_where_bytes_are_known() {
+    for (const ControllerCam& table : std::vector<ControllerCam>(out_.cams)) {
+      if (table.cam != &transfer_function_cam()) continue;
+      for (ControllerCam& cam : out_.cams) {
+        if (cam.chip != table.chip) continue;
+        if (cam.cab == table.cab) {
+          cam.cab = an231::kLookupCab;
+        } else if (cam.cab == an231::kLookupCab) {
+          cam.cab = table.cab;
+        }
+      }
+    }
+  }
+
+  ControllerCam& add(const std::string& name, const Cam& cam, const std::string& option,
+                     std::vector<std::string> inputs, CamValues requested = {}) {
+    out_.cams.push_back(made(name, cam, option, std::move(inputs), std::move(requested)));
+    return out_.cams.back();
+  }
+
+  ControllerCam made(const std::string& name, const Cam& cam, const std::string& option,
+                     std::vector<std::string> inputs, CamValues requested) const {
+    ControllerCam made = branches_.cam(name, cam, std::move(inputs));
+    made.option = option;
+    made.requested = std::move(requested);
+    made.realised = made.requested;
+    made.group = group_;
+    return made;
+  }
+
+  /// The sign of the reference's slope: a high pass, a gain that may clip, a comparator. Beside the board
+  /// where the switch stands there too.
+  void add_slope_detector() {
+    if (switches_outside()) return;
+    const double clock = options_.fast_clock.value;
+    const int cd = std::clamp(nearest_whole<int>(kSlopeTimeConstant * clock), 1, board_.max_capacitor);
+    const HighPassCapacitors high_pass{board_.max_capacitor, 1, cd};
+    ControllerCam& filter = add("SlopeFilter", filter_bilinear_cam(), "High Pass", {"r"},
+                                CornerSpec{high_pass.corner(options_.fast_clock), high_pass.gain()}.values());
+    filter.capacitors = {{"Cb", high_pass.cb}, {"Cc", high_pass.cc}, {"Cd", high_pass.cd}};
+    filter.z = high_pass.transfer();
+    filter.resources = {.opamps = 1, .capacitors = 3};
+    ControllerCam& gain = add("SlopeGain", gain_hold_cam(), "Inverting", {"SlopeFilter"});
+    gain.weights = {-kSlopeGain};
+    set_weights(gain, 1.0, board_.max_capacitor);
+  }
+
+  /// v = r - K d(argument), the reference delayed as long as the disturbance by a low pass.
+  std::optional<Refusal> add_delayed_pass(const std::string& prefix, const std::string& argument) {
+    const std::string delay = prefix + "ReferenceDelay";
+    if (auto refusal = add_pass(prefix, argument, delay)) return refusal;
+    // -1/(1 + n (1 - 1/z)) is late by n cycles. It inverts, so that the sum's own input does so without
+    // delay.
+    const double cycles = age(prefix + "Output", 1) * options_.fast_clock.value;
+    const int cout = std::max(1, whole_number<int>(board_.max_capacitor / std::max(1.0, cycles)));
+    const LowPassCapacitors low_pass{cout, nearest_whole<int>(cycles * cout), cout};
+    ControllerCam filter = made(delay, filter_bilinear_cam(), "Low Pass", {"r"},
+                                CornerSpec{low_pass.corner(options_.fast_clock), low_pass.gain()}.values());
+    filter.capacitors = {{"Cin", low_pass.cin}, {"Cint", low_pass.cint}, {"Cout", low_pass.cout}};
+    filter.z = low_pass.transfer();
+    filter.resources = {.opamps = 1, .capacitors = 3};
+    filter.group = find(prefix + "Output")->group;
+    const auto output = std::find_if(out_.cams.begin(), out_.cams.end(),
+                                     [&](const ControllerCam& c) { return c.name == prefix + "Output"; });
+    out_.cams.insert(output, std::move(filter));
+    return std::nullopt;
+  }
+
+  /// Both branches of K d(argument), the switch between them, and the difference from the reference, held.
+  std::optional<Refusal> add_pass(const std::string& prefix, const std::string& argument,
+                                  const std::string& reference) {
+    const BranchInputs inputs = branches_.add_powers(out_.cams, prefix, argument, ++group_);
+    // Sums that only the switch reads stay with it.
+    const bool sums_late =
+        out_.by == PolynomialBy::multipliers && ascending_ == nullptr && descending_ == nullptr;
+    if (sums_late) ++group_;
+    std::array<std::string, 2> last;
+    for (const Direction branch : {Direction::ascending, Direction::descending}) {
+      const std::size_t b = branch == Direction::ascending ? 0 : 1;
+      if (!sums_late) ++group_;
+      const auto made = branches_.add_branch(out_.cams, prefix, branch, inputs, group_);
+      if (const Refusal* refusal = refusal_of(made)) return *refusal;
+      last[b] = std::get<std::string>(made);
+      const Plan* plan = b == 0 ? ascending_ : descending_;
+      if (plan != nullptr) {
+        const auto filtered = add_compensator(prefix, branch, *plan, last[b]);
+        if (const Refusal* refusal = refusal_of(filtered)) return *refusal;
+        last[b] = std::get<std::string>(filtered);
+      }
+    }
+    const bool tables = out_.by == PolynomialBy::lookup && descending_ == nullptr;
+    if (!switches_outside() && !sums_late && !tables) ++group_;
+    add_switch_and_difference(prefix, last, reference);
+    return std::nullopt;
+  }
+
+  void add_switch_and_difference(const std::string& prefix, const std::array<std::string, 2>& last,
+                                 const std::string& reference) {
+    const std::string chosen = prefix + "Branch";
+    if (switches_outside()) {
+      out_.outside.push_back({OutsidePart::Kind::switched, chosen, {last[0], last[1]}, 0.0});
+    } else {
+      const std::string slope = prefix + "Slope";
+      add(slope, comparator_cam(), ComparatorSpec::kSignalGround, {"SlopeGain"},
+          ComparatorSpec{.hysteresis_v = 0.01}.values());
+      add(chosen, gain_switch_cam(), GainSwitchSpec::kDualInput, {last[0], last[1], slope},
+          GainSwitchSpec{}.values());
+    }
+    const std::string name = prefix + "Output";
+    ControllerCam& sum = add(name, sum_diff_cam(), SumDiffSpec{{1.0, -1.0}}.option(), {reference, chosen});
+    sum.weights = {reference == "r" ? 1.0 : -1.0, -branches_.output_weight()};
+    set_weights_first_exact(sum, board_.max_capacitor);
+    // A half-cycle CAM needs it before a bypass output; it is the one hold of the loop.
+    out_.drive = name + "Hold";
+    add(out_.drive, hold_cam(), "", {name});
+  }
+
+  Outcome<std::string> add_compensator(const std::string& prefix, Direction branch, const Plan& plan,
+                                       const std::string& input) {
+    const Outcome<PlanGraph> graph = plan_graph(plan);
+    if (const Refusal* refusal = refusal_of(graph)) return *refusal;
+    const PlanGraph& wired = std::get<PlanGraph>(graph);
+    const std::string before = prefix + ControllerBranches::name_of(branch);
+    const auto name_of = [&](const PlanGraph::Source& source) {
+      return source.node ? before + wired.nodes[*source.node].cam->name : input;
+    };
+    for (const PlanGraph::PlanNode& node : wired.nodes) {
+      ControllerCam filter;
+      static_cast<PlacedCam&>(filter) = *node.cam;
+      filter.name = before + node.cam->name;
+      filter.inputs.resize(node.inputs.size());
+      for (const PlanGraph::Input& in : node.inputs) {
+        if (in.number > filter.inputs.size())
+          return Refusal{
+              fmt::format("{} of the compensator has an input that nothing is wired to", node.name)};
+        filter.inputs[in.number - 1] = name_of(in.from);
+      }
+      filter.half_cycle = node.cam->cam->facts().half_cycle_output;
+      filter.group = ++group_;
+      out_.cams.push_back(std::move(filter));
+    }
+    if (!wired.output) return Refusal{"the compensator's plan has no output pin"};
+    return name_of(*wired.output);
+  }
+
+  const ControllerCam* find(std::string_view name) const { return out_.find(name); }
+
+  /// Whether a half-cycle output goes to a CAM of another chip or clock that cannot take it, or off the
+  /// board.
+  bool leaves_unheld(const ControllerCam& source) const {
+    if (!source.half_cycle) return false;
+    const auto reads = [&](const std::vector<std::string>& inputs) {
+      return std::find(inputs.begin(), inputs.end(), source.name) != inputs.end();
+    };
+    return std::any_of(out_.cams.begin(), out_.cams.end(),
+                       [&](const ControllerCam& c) {
+                         return reads(c.inputs) && !c.cam->facts().takes_half_cycle_anywhere &&
+                                (c.chip != source.chip || c.clock_a != source.clock_a);
+                       }) ||
+           std::any_of(out_.outside.begin(), out_.outside.end(),
+                       [&](const OutsidePart& p) { return reads(p.inputs); });
+  }
+
+  /// Puts a Hold behind the first CAM that needs one; false when none does.
+  bool add_missing_hold() {
+    const auto source = std::find_if(out_.cams.begin(), out_.cams.end(),
+                                     [&](const ControllerCam& cam) { return leaves_unheld(cam); });
+    if (source == out_.cams.end()) return false;
+    const std::string name = source->name;
+    const std::string hold = name + "Hold";
+    for (ControllerCam& cam : out_.cams) {
+      if (cam.cam->facts().takes_half_cycle_anywhere) continue;
+      std::replace(cam.inputs.begin(), cam.inputs.end(), name, hold);
+    }
+    for (OutsidePart& part : out_.outside) std::replace(part.inputs.begin(), part.inputs.end(), name, hold);
+    ControllerCam cam = made(hold, hold_cam(), "", {name}, {});
+    cam.clock_a = source->clock_a;
+    cam.group = source->group;
+    out_.cams.insert(source + 1, std::move(cam));
+    return true;
+  }
+
+ public:
+  /// Age of what stands at an input of a CAM when it is read, seconds after the reference had it; along the
+  /// longest way, and no further back than the polynomials' argument.
+  double age(const std::string& reader, std::size_t input, int depth = 0) const {
+    const ControllerCam* cam = find(reader);
+    const std::string& source = cam->inputs[input];
+    const bool late = input < cam->late.size() && cam->late[input];
+    const double half = 0.5 / cam->clock_a.value;
+    double out = late ? half : 0.0;
+    if (source == out_.drive || depth > kMostDepth) return out;
+    return out + age_of(source, *cam, late, depth);
+  }
+
+ private:
+  static constexpr int kMostDepth = 64;
+
+  double age_of(const std::string& source, const ControllerCam& reader, bool late, int depth) const {
+    double oldest = 0.0;
+    if (const ControllerCam* from = find(source)) {
+      for (std::size_t i = 0; i < from->inputs.size(); ++i) {
+        if (from->inputs[i] == "SlopeGain" || from->cam == &comparator_cam()) continue;
+        oldest = std::max(oldest, age(source, i, depth + 1));
+      }
+      const double cycle = 1.0 / from->clock_a.value;
+      oldest += from->delay_cycles * cycle;
+      if (from->output_hold) oldest += 0.5 * cycle;
+      // It waits for the reader's edge where it changes in the other phase.
+      if (from->clock_a == reader.clock_a) {
+        const auto changes = nearest_whole<long>(2.0 * from->delay_cycles) + from->phase - 1;
+        const long reads = reader.phase - 1 + (late ? 1 : 0);
+        if ((changes - reads) % 2 != 0) oldest += 0.5 * cycle;
+      }
+      return oldest;
+    }
+    if (const OutsidePart* part = out_.find_outside(source)) {
+      for (const std::string& input : part->inputs) {
+        if (input != out_.drive) oldest = std::max(oldest, age_of(input, reader, late, depth + 1));
+      }
+    }
+    return oldest;
+  }
+
+  ControllerVariant& out_;
+  ControllerBranches branches_;
+  const Plan* ascending_;
+  const Plan* descending_;
+  const ControllerOptions& options_;
+  const Board& board_;
+  int group_ = 0;
+};
+
+/// What the loop needs to settle: |K d'| below 1.
+std::optional<Refusal> check_contraction(ControllerStructure structure, const DriveRange& range) {
+  if (structure != ControllerStructure::loop || range.contraction.factor < 1.0) return std::nullopt;
+  const Contraction& c = range.contraction;
+  return Refusal{fmt::format(
+      "the loop v = r - K d(v) does not settle: |K d'| is {} at x = {} of the {} branch (rate gain {}), expected "
+      "below 1; a disturbance {} times as large would do, or the structure two-pass, which has no loop",
+      rounded_text(c.factor, 3), rounded_text(c.x, 3),
+      c.branch == Direction::ascending ? "ascending" : "descending", rounded_text(c.gain, 3),
+      rounded_text(std::floor(99.0 / c.factor) / 100.0, 3))};
+}
+
+}  // namespace
+
+ControllerVariant laid_out(PolynomialBy by, ControllerStructure structure, const Disturbance& disturbance,
+                           const Plan* ascending, const Plan* descending, const ControllerOptions& options) {
+  const Board& board = board_by_name(options.board);
+  ControllerVariant out;
+  out.by = by;
+  out.structure = structure;
+  out.board = board.name;
+  const DriveRange range = drive_range(disturbance, ascending != nullptr, descending != nullptr);
+  out.contraction = range.contraction.factor;
+  out.scale = volt_scale(range, by != PolynomialBy::outside, board.full_scale_v);
+  const double cycles = polynomial_cycles(by);
+  out.bandwidth_hz =
+      cycles == 0.0 ? kOutsideBandwidthHz : options.fast_clock.value / (kPeriodsOfDelay * cycles);
+  out.refusal = check_contraction(structure, range);
+  if (!out.fits()) return out;
+
+  ControllerLayout layout(out, disturbance, ascending, descending, options);
+  out.refusal = layout.collect();
+  if (out.fits()) out.refusal = layout.place();
+  if (out.fits()) {
+    out.io_cells = controller_io_cells(out);
+    out.refusal = check_controller_io(out);
+  }
+  if (out.fits()) out.refusal = check_controller_clocks(out);
+  for (const ControllerCam& cam : out.cams) {
+    out.resources += cam.resources;
+    out.chips = std::max(out.chips, cam.chip);
+  }
+  if (out.fits()) {
+    out.delay_s = layout.age(out.drive, 0) + 0.5 / options.fast_clock.value;
+    set_polynomial_error(out, disturbance);
+  }
+  return out;
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,88 @@
+#include "fpaa/controller/run.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bodesmith::fpaa {
+namespace {
+
+/// Of its time constants that a filter is left to settle: 3e-4 of its start is left.
+constexpr double kTimeConstants = 8.0;
+/// Of the fast clock: loop and slope detector.
+constexpr double kSettlingCycles = 500.0;
+
+/// The slowest time constant of a transfer of first or second order, in cycles; 0 without poles.
+double slowest_cycles(const std::vector<double>& denominator) {
+  double largest = 0.0;
+  if (denominator.size() == 2) {
+    largest = std::abs(denominator[1] / denominator[0]);
+  } else if (denominator.size() > 2) {
+    const double b = denominator[1] / denominator[0];
+    const double c = denominator[2] / denominator[0];
+    const double root = b * b - 4.0 * c;
+    largest = root < 0.0 ? std::sqrt(c) : 0.5 * (std::abs(b) + std::sqrt(root));
+  }
+  return largest > 0.0 && largest < 1.0 ? -1.0 / std::log(largest) : 0.0;
+}
+
+double settling_time(const ControllerVariant& variant) {
+  double out = 0.0;
+  for (const ControllerCam& cam : variant.cams) {
+    out = std::max(
+        out, (kSettlingCycles + kTimeConstants * slowest_cycles(cam.z.denominator)) / cam.clock_a.value);
+  }
+  return out;
+}
+
+BoardRun::Part simulated_part(const OutsidePart& part, const VoltScale& scale,
+                              const ControllerReference& reference, double start) {
+  BoardRun::Part out{part.name, part.inputs, {}};
+  const double value = part.value;
+  switch (part.kind) {
+    case OutsidePart::Kind::reference:
+      out.value = [=, x = reference.x](double t, std::span<const double>) {
+        return scale.volts(x(t - start));
+      };
+      break;
+    case OutsidePart::Kind::constant:
+      out.value = [=](double, std::span<const double>) { return value; };
+      break;
+    case OutsidePart::Kind::multiplier:
+      out.value = [=](double, std::span<const double> in) { return value * in[0] * in[1]; };
+      break;
+    case OutsidePart::Kind::switched:
+      out.value = [=, rises = reference.rises](double t, std::span<const double> in) {
+        return rises(t - start) ? in[0] : in[1];
+      };
+      break;
+  }
+  return out;
+}
+
+}  // namespace
+
+ControllerRun::ControllerRun(const ControllerVariant& variant, const ControllerReference& reference)
+    : settling_s_(settling_time(variant)), scale_(variant.scale), drive_(variant.drive) {
+  std::vector<BoardRun::Cell> cells;
+  for (const ControllerCam& cam : variant.cams) cells.push_back({cam, cam.inputs, cam.late});
+  std::vector<BoardRun::Part> parts;
+  for (const OutsidePart& part : variant.outside)
+    parts.push_back(simulated_part(part, scale_, reference, settling_s_));
+  simulation_ = std::make_unique<BoardRun>(cells, std::move(parts), board_by_name(variant.board));
+  simulation_->advance_to(settling_s_);
+  simulation_->forget_clipping();
+}
+
+double ControllerRun::drive(double time_s) {
+  simulation_->advance_to(settling_s_ + time_s);
+  return scale_.stroke(simulation_->value(drive_));
+}
+
+std::vector<std::string> ControllerRun::clipped() const {
+  std::vector<std::string> out = simulation_->clipped();
+  out.erase(std::remove(out.begin(), out.end(), "SlopeGain"), out.end());
+  out.erase(std::remove(out.begin(), out.end(), "SlopeFilter"), out.end());
+  return out;
+}
+
+}  // namespace bodesmith::fpaa

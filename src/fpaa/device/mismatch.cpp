@@ -1,0 +1,47 @@
+#include "fpaa/device/mismatch.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/json.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+constexpr double kBoltzmann = 1.380649e-23;  ///< J/K
+
+/// Of a real normal number 95 % lie within so many standard deviations of 0.
+constexpr double kTwoSided95 = 1.959963984540054;
+
+}  // namespace
+
+double MismatchModel::relative_sigma(double units) const {
+  return units > 0.0 ? unit_percent / 100.0 / std::sqrt(units) : 0.0;
+}
+
+double MismatchModel::drawn(double units, double x) const {
+  if (!(units > 0.0)) return 0.0;
+  return std::max(0.0, units * (1.0 + relative_sigma(units) * x) + systematic_units);
+}
+
+Json MismatchModel::to_json() const {
+  return {{"unit_capacitor_percent", unit_percent}, {"systematic_units", systematic_units}};
+}
+
+double error_of_95_percent(std::complex<double> offset, double sigma) {
+  return std::abs(offset) + kTwoSided95 * sigma;
+}
+
+double NoiseModel::unit_noise_v() const {
+  return std::sqrt(kBoltzmann * temperature_k / unit_capacitance_f);
+}
+
+double NoiseModel::microvolts(double mean_square_kt_per_cu) const {
+  return 1e6 * unit_noise_v() * std::sqrt(std::max(0.0, mean_square_kt_per_cu));
+}
+
+Json NoiseModel::to_json() const {
+  return {{"unit_capacitance_f", unit_capacitance_f}, {"temperature_k", temperature_k}};
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,229 @@
+#include "fpaa/plan/board_run.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.hpp"
+#include "base/whole_number.hpp"
+#include "fpaa/cams/cam.hpp"
+#include "fpaa/plan/plan_graph.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+/// Of voltages that depend on one another within an instant; more is a loop.
+constexpr int kDeepest = 200;
+
+/// A placed CAM's network, where its switches are known and its capacitors given.
+std::optional<ClockedNetwork> network_of_cam(const PlacedCam& cam, std::int64_t period) {
+  const auto stage = cam.cam->switches(cam);
+  if (!stage || stage->capacitors.empty()) return std::nullopt;
+  std::vector<double> units;
+  for (const StageCapacitor& c : stage->capacitors) units.push_back(c.units);
+  return ClockedNetwork(network_of(*stage, units), {period});
+}
+
+}  // namespace
+
+BoardRun::BoardRun(const std::vector<Cell>& cells, std::vector<Part> parts, const Board& board)
+    : parts_(std::move(parts)),
+      ticks_per_second_(ticks_per_second(board)),
+      full_scale_v_(board.full_scale_v) {
+  for (const Cell& cell : cells) {
+    Node node;
+    node.name = cell.cam.name;
+    node.period =
+        std::max<std::int64_t>(2, nearest_whole<long long>(ticks_per_second_ / cell.cam.clock_a.value));
+    node.period += node.period % 2;
+    node.network = network_of_cam(cell.cam, node.period);
+    if (node.network) {
+      // At rest; the first instant, at 0, begins phase 1.
+      node.interval = node.network->intervals().size() - 1;
+      node.charges = Eigen::VectorXd::Zero(node.network->intervals().back().m.cols());
+    } else {
+      node.step = cell.cam.cam->step(cell.cam);
+      node.offset = cell.cam.phase == 2 ? 0 : node.period / 2;
+      node.delay = nearest_whole<long long>(cell.cam.delay_cycles * static_cast<double>(node.period));
+      if (node.delay < 0) {
+        throw DesignError(
+            fmt::format("{} is late by {} cycles, expected 0 or more", node.name, cell.cam.delay_cycles));
+      }
+    }
+    node.late = cell.late;
+    node.late.resize(cell.inputs.size(), false);
+    node.read.assign(cell.inputs.size(), 0.0);
+    nodes_.push_back(std::move(node));
+  }
+  for (std::size_t i = 0; i < cells.size(); ++i) {
+    for (const std::string& name : cells[i].inputs)
+      nodes_[i].sources.push_back(source_of(name, cells[i].cam.name));
+  }
+  for (const Part& part : parts_) {
+    part_sources_.emplace_back();
+    for (const std::string& name : part.inputs) part_sources_.back().push_back(source_of(name, part.name));
+  }
+  // The first periods show any loop without delay.
+  run_instant(0);
+  for (std::size_t i = 0; i < nodes_.size(); ++i) (void)voltage(i);
+}
+
+std::size_t BoardRun::source_of(const std::string& name, const std::string& reader) const {
+  for (std::size_t i = 0; i < nodes_.size(); ++i) {
+    if (nodes_[i].name == name) return i;
+  }
+  for (std::size_t i = 0; i < parts_.size(); ++i) {
+    if (parts_[i].name == name) return nodes_.size() + i;
+  }
+  throw DesignError(
+      fmt::format("{} reads '{}', which is no CAM and comes from nowhere outside", reader, name));
+}
+
+double BoardRun::limited(Node& node, double volts) const {
+  const double out = std::clamp(volts, -full_scale_v_, full_scale_v_);
+  if (out != volts) node.clipped = true;
+  return out;
+}
+
+double BoardRun::network_voltage(Node& node, int depth) {
+  if (node.known_at == readings_) return node.known;
+  const ClockedNetwork::Interval& at = node.network->intervals()[node.interval];
+  const auto row = static_cast<Eigen::Index>(node.network->output());
+  double volts = 0.0;
+  for (Eigen::Index k = 0; k < node.charges.size(); ++k) volts += at.c(row, k) * node.charges(k);
+  for (std::size_t k = 0; k < node.sources.size(); ++k) {
+    const auto input = static_cast<Eigen::Index>(k);
+    if (input < at.d.cols() && at.d(row, input) != 0.0)
+      volts += at.d(row, input) * voltage(node.sources[k], depth + 1);
+  }
+  node.known = limited(node, volts);
+  node.known_at = readings_;
+  return node.known;
+}
+
+double BoardRun::voltage(std::size_t source, int depth) {
+  if (source < nodes_.size()) {
+    Node& node = nodes_[source];
+    if (depth > kDeepest) {
+      throw DesignError(
+          fmt::format("{} stands in a loop without any delay, expected a Hold in it", node.name));
+    }
+    return node.network ? network_voltage(node, depth) : node.visible;
+  }
+  constexpr std::size_t kMostInputs = 8;
+  double inputs[kMostInputs];
+  const auto& from = part_sources_[source - nodes_.size()];
+  const std::size_t count = std::min(from.size(), kMostInputs);
+  for (std::size_t i = 0; i < count; ++i) inputs[i] = voltage(from[i], depth + 1);
+  return parts_[source - nodes_.size()].value(static_cast<double>(now_) / ticks_per_second_, {inputs, count});
+}
+
+bool BoardRun::is_due(const Node& node, std::int64_t offset) const {
+  return now_ >= offset && (now_ - offset) % node.period == 0;
+}
+
+void BoardRun::read_inputs(Node& node, bool late) {
+  for (std::size_t k = 0; k < node.sources.size(); ++k) {
+    if (node.network || node.late[k] == late) node.read[k] = voltage(node.sources[k]);
+  }
+}
+
+void BoardRun::switch_over(Node& node) {
+  const ClockedNetwork::Interval& at = node.network->intervals()[node.interval];
+  Eigen::VectorXd next = at.m * node.charges;
+  for (std::size_t k = 0; k < node.sources.size(); ++k) {
+    const auto input = static_cast<Eigen::Index>(k);
+    if (input < at.n.cols()) next += at.n.col(input) * node.read[k];
+  }
+  node.charges = std::move(next);
+  node.interval = (node.interval + 1) % node.network->intervals().size();
+}
+
+void BoardRun::take_step(Node& node) {
+  // What other steps have just shown is read as it is now.
+  for (std::size_t k = 0; k < node.sources.size(); ++k) {
+    const std::size_t source = node.sources[k];
+    if (!node.late[k] && source < nodes_.size() && nodes_[source].step) node.read[k] = nodes_[source].visible;
+  }
+  const double out = limited(node, node.step->at_edge(node.read));
+  if (node.delay == 0) {
+    node.visible = out;
+  } else {
+    node.pending.push_back(out);
+  }
+}
+
+void BoardRun::run_instant(std::int64_t tick) {
+  now_ = tick;
+  ++readings_;
+  const auto turns = [&](const Node& node) { return node.network && is_due(node, 0); };
+  const auto turns_half = [&](const Node& node) { return node.network && is_due(node, node.period / 2); };
+  for (Node& node : nodes_) {
+    if (turns(node) || turns_half(node)) {
+      read_inputs(node, false);
+    } else if (node.step) {
+      if (is_due(node, node.offset)) read_inputs(node, false);
+      if (is_due(node, node.offset + node.period / 2)) read_inputs(node, true);
+    }
+  }
+  for (Node& node : nodes_) {
+    if (node.step && node.delay > 0 && is_due(node, node.offset + node.delay) && !node.pending.empty()) {
+      node.visible = node.pending.front();
+      node.pending.pop_front();
+    }
+  }
+  for (Node& node : nodes_) {
+    if (node.step && is_due(node, node.offset)) take_step(node);
+  }
+  for (Node& node : nodes_) {
+    if (turns(node) || turns_half(node)) switch_over(node);
+  }
+  ++readings_;
+}
+
+std::int64_t BoardRun::next_instant() const {
+  std::int64_t out = std::numeric_limits<std::int64_t>::max();
+  const auto consider = [&](std::int64_t period, std::int64_t offset) {
+    const std::int64_t from = std::max(now_ + 1, offset);
+    out = std::min(out, from + (period - (from - offset) % period) % period);
+  };
+  for (const Node& node : nodes_) {
+    if (node.network) {
+      consider(node.period / 2, 0);
+    } else {
+      consider(node.period, node.offset);
+      consider(node.period, node.offset + node.period / 2);
+      if (node.delay > 0) consider(node.period, node.offset + node.delay);
+    }
+  }
+  return out;
+}
+
+void BoardRun::advance_to(double time_s) {
+  const auto last = whole_number<std::int64_t>(std::floor(time_s * ticks_per_second_ * (1.0 + 1e-15)));
+  for (std::int64_t next = next_instant(); next <= last; next = next_instant()) run_instant(next);
+  if (last > now_) {
+    now_ = last;
+    ++readings_;
+  }
+}
+
+double BoardRun::value(const std::string& name) {
+  return voltage(source_of(name, "the caller"));
+}
+
+std::vector<std::string> BoardRun::clipped() const {
+  std::vector<std::string> out;
+  for (const Node& node : nodes_) {
+    if (node.clipped) out.push_back(node.name);
+  }
+  return out;
+}
+
+void BoardRun::forget_clipping() {
+  for (Node& node : nodes_) node.clipped = false;
+}
+
+}  // namespace bodesmith::fpaa

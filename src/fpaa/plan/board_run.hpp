@@ -1,0 +1,95 @@
+#pragma once
+
+#include <Eigen/Core>
+#include <cstdint>
+#include <deque>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fpaa/cams/cam_step.hpp"
+#include "fpaa/cams/placed_cam.hpp"
+#include "fpaa/device/board.hpp"
+#include "fpaa/network/clocked_network.hpp"
+
+namespace bodesmith::fpaa {
+
+/// CAMs in the time domain: every clock, phase and half cycle, loops, converters and look-up tables, any waveform.
+///
+/// A CAM whose switches are known is its network (clocked_network.hpp): between switching instants
+///   V(t) = C q + D u(t),
+/// and at each of them q becomes M q + N u just before it; what it reads is a voltage that may move. Any other CAM
+/// (a converter, a comparator) is its CamStep: it reads at the end of its phase, shows the result `delay_cycles` later
+/// and until the next one; an input that is marked late it has read half a period before. Results that are due at an
+/// instant are there for converters that read then. Time is counted in half periods of the master clock; phase 1 of
+/// every clock begins at 0. Analogue outputs clip at the board's full scale.
+class BoardRun {
+ public:
+  struct Cell {
+    PlacedCam cam;
+    std::vector<std::string> inputs;  ///< names of cells or of parts outside
+    std::vector<bool> late;           ///< of a CamStep: inputs read half a cycle before; empty: none
+  };
+  /// Something beside the board that needs no clock.
+  struct Part {
+    std::string name;
+    std::vector<std::string> inputs;
+    std::function<double(double time_s, std::span<const double> inputs)> value;
+  };
+
+  /// Throws DesignError: an input that is nothing's name, a delay below 0, a loop without delay.
+  BoardRun(const std::vector<Cell>& cells, std::vector<Part> parts, const Board& board);
+
+  /// Everything up to and including this time.
+  void advance_to(double time_s);
+  /// What stands at a CAM's output, or a part's, now.
+  double value(const std::string& name);
+  /// CAMs whose output was beyond full scale since the last forget_clipping().
+  std::vector<std::string> clipped() const;
+  void forget_clipping();
+
+ private:
+  struct Node {
+    std::string name;
+    std::vector<std::size_t> sources;  ///< a cell, or cells + a part
+    std::vector<double> read;          ///< of each input, at its last reading
+    std::int64_t period = 1;
+    bool clipped = false;
+    // A network of one clock.
+    std::optional<ClockedNetwork> network;
+    std::size_t interval = 0;
+    Eigen::VectorXd charges;
+    std::int64_t known_at = -1;  ///< reading at which `known` was worked out
+    double known = 0.0;
+    // Or a step.
+    std::unique_ptr<CamStep> step;
+    std::vector<bool> late;
+    std::int64_t offset = 0, delay = 0;
+    std::deque<double> pending;  ///< made, not there yet: oldest first
+    double visible = 0.0;
+  };
+
+  std::size_t source_of(const std::string& name, const std::string& reader) const;
+  double voltage(std::size_t source, int depth = 0);
+  double network_voltage(Node& node, int depth);
+  double limited(Node& node, double volts) const;
+  bool is_due(const Node& node, std::int64_t offset) const;
+  void read_inputs(Node& node, bool late);
+  void switch_over(Node& node);
+  void take_step(Node& node);
+  void run_instant(std::int64_t tick);
+  std::int64_t next_instant() const;
+
+  std::vector<Node> nodes_;
+  std::vector<Part> parts_;
+  std::vector<std::vector<std::size_t>> part_sources_;
+  double ticks_per_second_;
+  double full_scale_v_;
+  std::int64_t now_ = -1;
+  std::int64_t readings_ = 0;
+};
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,68 @@
+#include "fpaa/plan/clock_features.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kNarrow = 1.0 / 6.0;  ///< of the clock
+
+/// Zeros in D of c0 + c1 D + c2 D^2.
+std::vector<Complex> roots_in_d(double c0, double c1, double c2) {
+  if (c2 == 0.0) return c1 == 0.0 ? std::vector<Complex>{} : std::vector<Complex>{-c0 / c1};
+  const Complex root = std::sqrt(Complex(c1 * c1 - 4.0 * c2 * c0));
+  const Complex q = -0.5 * (c1 + (c1 < 0.0 ? -root : root));
+  if (q == 0.0) return {0.0, 0.0};
+  return {q / c2, c0 / q};
+}
+
+void add_poles(std::vector<ClockedPole>& out, Hertz clock, const std::vector<Complex>& in_d) {
+  for (const Complex& d : in_d) {
+    if (d == 1.0) continue;  // z infinite
+    const Complex s = -std::log(1.0 - d) * clock.value / (2.0 * std::numbers::pi);
+    if (std::abs(s) < kNarrow * clock.value && std::abs(s) > 0.0) out.push_back({clock, s});
+  }
+}
+
+}  // namespace
+
+std::vector<ClockedPole> clocked_poles(const Plan& plan) {
+  std::vector<ClockedPole> out;
+  for (const PlacedCam* cam : plan.cams()) {
+    std::vector<double> below = in_delta(cam->z).denominator;
+    if (below.size() > 3) continue;
+    below.resize(3, 0.0);
+    add_poles(out, cam->clock_a, roots_in_d(below[0], below[1], below[2]));
+  }
+  return out;
+}
+
+std::vector<Hertz> near_clocks(const std::vector<ClockedPole>& poles, Band band,
+                               std::span<const double> offsets, int multiples) {
+  std::vector<Hertz> out;
+  for (const ClockedPole& pole : poles) {
+    const double width = std::abs(pole.pole_hz.real());
+    const double apart = std::abs(pole.pole_hz.imag());
+    const double reach = apart + 30.0 * width;
+    if (pole.clock.value - reach > band.to.value) continue;
+    for (int k = 1; k <= multiples && k * pole.clock.value - reach <= band.to.value; ++k) {
+      for (const double offset : offsets) {
+        for (const double side : {-apart, apart}) {
+          const Hertz f{k * pole.clock.value + side + offset * width};
+          if (f >= band.from && f <= band.to) out.push_back(f);
+          if (apart == 0.0) break;
+        }
+      }
+    }
+  }
+  std::sort(out.begin(), out.end(), [](Hertz a, Hertz b) { return a.value < b.value; });
+  out.erase(std::unique(out.begin(), out.end(), [](Hertz a, Hertz b) { return a.value == b.value; }),
+            out.end());
+  return out;
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,29 @@
+#pragma once
+
+#include <complex>
+#include <span>
+#include <vector>
+
+#include "base/units.hpp"
+#include "fpaa/plan/plan.hpp"
+#include "lti/frequency_grid.hpp"
+
+namespace bodesmith::fpaa {
+
+/// A pole of a CAM and the clock that the CAM samples with.
+struct ClockedPole {
+  Hertz clock;
+  std::complex<double> pole_hz;  ///< s/(2 pi): real part its width, imaginary part its frequency
+};
+std::vector<ClockedPole> clocked_poles(const Plan& plan);
+
+/// Where a coarse grid misses what a sampled path does. A sampled response repeats about every multiple of its
+/// clock, its hold is zero just there: between the two a pole of width p leaves a dip of width p in an otherwise
+/// level response, at k fc and (complex poles) at k fc +- their frequency. Returned: those places, `offsets`
+/// widths beside each, for the first `multiples` of each clock, within the band. Poles above a sixth of their
+/// clock have no narrow feature. The multiples themselves are left out (offset 0 is not allowed): a line folds
+/// back onto the sine there, and the amplitude depends on the phase.
+std::vector<Hertz> near_clocks(const std::vector<ClockedPole>& poles, Band band,
+                               std::span<const double> offsets, int multiples);
+
+}  // namespace bodesmith::fpaa

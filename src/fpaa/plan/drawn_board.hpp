@@ -1,0 +1,74 @@
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/json_fwd.hpp"
+#include "fpaa/device/mismatch.hpp"
+#include "fpaa/plan/switched_board.hpp"
+#include "lti/frequency_grid.hpp"
+
+namespace bodesmith {
+class Random;
+}
+
+namespace bodesmith::fpaa {
+
+/// A plan as its switches make it, at the frequencies of a grid, as a function of what its capacitors really are:
+/// for boards that are drawn with mismatch, and for the one that was measured. The capacitors are those of all
+/// CAMs one behind the other, in the plan's order.
+class DrawnBoard {
+ public:
+  /// Throws DesignError as SwitchedBoard does. The plan must outlive it.
+  DrawnBoard(const Plan& plan, std::vector<Hertz> grid) : board_(plan), grid_(std::move(grid)) {}
+
+  const std::vector<Hertz>& grid() const { return grid_; }
+  std::size_t capacitor_count() const { return nominal_units().size(); }
+  /// As the plan has them.
+  const std::vector<double>& nominal_units() const { return board_.nominal_units(); }
+  /// "chip1.Section1a.Ca".
+  const std::vector<std::string>& names() const { return board_.names(); }
+
+  /// From the input pin to the output pin, at the grid.
+  std::vector<std::complex<double>> response(std::span<const double> units) const;
+  void response(std::span<const double> units, std::span<std::complex<double>> out) const;
+
+  /// d ln H / d ln C of every capacitor: [capacitor][frequency].
+  std::vector<std::vector<std::complex<double>>> sensitivities() const;
+  std::vector<std::vector<std::complex<double>>> sensitivities(std::span<const double> units) const;
+
+  const PlanGraph& graph() const { return board_.graph(); }
+  std::size_t pieces() const { return board_.pieces(); }
+
+  /// The capacitors of one board.
+  std::vector<double> drawn(const MismatchModel& mismatch, Random& random) const;
+
+ private:
+  SwitchedBoard board_;  ///< copied where other capacitors are tried
+  std::vector<Hertz> grid_;
+};
+
+/// What boards do with their capacitors drawn by the model, against the plan as it is designed.
+struct MismatchSpread {
+  int draws = 0;
+  double median_percent = 0.0;  ///< worst complex change over the grid: median, 95 %, largest
+  double p95_percent = 0.0;
+  double max_percent = 0.0;
+  double p95_db = 0.0;
+  /// The capacitors that matter most, where the spread is largest: share of the variance, largest first.
+  struct Share {
+    std::string capacitor;
+    double share = 0.0;
+  };
+  std::vector<Share> shares;
+
+  /// Without the model; the first few capacitors.
+  Json to_json() const;
+};
+MismatchSpread mismatch_spread(const DrawnBoard& board, const MismatchModel& mismatch, int draws,
+                               std::uint64_t seed);
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,293 @@
+#include "fpaa/plan/error_budget.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "base/json.hpp"
+#include "fpaa/cams/cam.hpp"
+#include "fpaa/plan/error_reference.hpp"
+#include "fpaa/plan/switched_board.hpp"
+#include "numeric/random.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr int kPoints = 200;         ///< of the band, for the response's errors
+constexpr int kMismatchPoints = 40;  ///< of the band, for each draw
+constexpr int kNoisePoints = 300;    ///< of the band, and from 0 to half the fastest clock
+constexpr int kNoiseCost = 10;       ///< of a noise density, in gains
+constexpr std::size_t kNamedCapacitors = 8;
+
+double worst_percent(const std::vector<Complex>& got, const std::vector<Complex>& wanted) {
+  double worst = 0.0;
+  for (std::size_t k = 0; k < got.size(); ++k)
+    worst = std::max(worst, 100.0 * std::abs(got[k] / wanted[k] - 1.0));
+  return worst;
+}
+
+/// What each CAM is loaded with at DC and at half its clock.
+std::vector<ErrorBudget::CamShare> cam_shares(const std::vector<const PlacedCam*>& cams) {
+  std::vector<ErrorBudget::CamShare> out;
+  for (const PlacedCam* cam : cams) {
+    ErrorBudget::CamShare share;
+    share.name = cam->name;
+    share.gain = 0.0;
+    for (std::size_t i = 1; i <= cam->input_count(); ++i) {
+      const ZTransfer z = cam->z_from(i);
+      const double dc = std::abs(z.response({0.0}, cam->clock_a));
+      const double top = std::abs(z.response(Hertz{0.5 * cam->clock_a.value}.rad_s(), cam->clock_a));
+      share.gain += std::max(dc, top);
+    }
+    share.settling_product_hz = (1.0 + share.gain) * cam->clock_a.value;
+    out.push_back(share);
+  }
+  return out;
+}
+
+/// int density df by CAM over a grid, straight between its points.
+std::vector<double> integrated_noise(const SwitchedBoard& board, const std::vector<Hertz>& grid) {
+  std::vector<double> out(board.graph().nodes.size(), 0.0);
+  std::vector<double> before = board.noise_density(grid[0].rad_s());
+  for (std::size_t k = 1; k < grid.size(); ++k) {
+    const std::vector<double> here = board.noise_density(grid[k].rad_s());
+    for (std::size_t n = 0; n < out.size(); ++n)
+      out[n] += 0.5 * (before[n] + here[n]) * (grid[k].value - grid[k - 1].value);
+    before = here;
+  }
+  return out;
+}
+
+double fastest_clock_of(const Plan& plan) {
+  double out = 0.0;
+  for (const PlacedCam* cam : plan.cams()) out = std::max(out, cam->clock_a.value);
+  return out;
+}
+
+/// Logarithmic in the band and below, evenly spaced from there to half the fastest clock.
+std::vector<Hertz> whole_noise_grid(const Plan& plan, Band band, int points) {
+  const double top = 0.5 * fastest_clock_of(plan);
+  const double from = std::min(1e-3 * band.from.value, 1e-6 * top);
+  std::vector<Hertz> out{{0.0}};
+  for (const Hertz f : log_grid({{from}, {top}}, points)) out.push_back(f);
+  for (int k = 1; k < points; ++k) out.push_back({top * k / points});
+  std::sort(out.begin(), out.end(), [](Hertz a, Hertz b) { return a.value < b.value; });
+  return out;
+}
+
+/// Fewer frequencies where each costs a long common period, `times` so often.
+int affordable(int points, std::size_t pieces_of, int times = 1) {
+  constexpr double kPieces = 4e6;  // a second or two
+  const double pieces = static_cast<double>(pieces_of) * times;
+  return std::clamp(static_cast<int>(kPieces / pieces), std::min(points, 20), points);
+}
+
+/// Node gains and noise.
+void add_nodes_and_noise(const Plan& plan, Band band, std::vector<ErrorBudget::CamShare>& shares) {
+  const SwitchedBoard board(plan, true);
+  const int points = affordable(kNoisePoints, board.pieces(), kNoiseCost);
+  const std::vector<double> in_band = integrated_noise(board, log_grid(band, points));
+  const std::vector<double> whole = integrated_noise(board, whole_noise_grid(plan, band, points));
+  for (const Hertz f : log_grid({{0.1 * band.from.value}, {0.45 * fastest_clock_of(plan)}}, points)) {
+    const auto nodes = board.nodes(f.rad_s());
+    for (std::size_t c = 0; c < shares.size(); ++c) {
+      for (const auto& node : nodes[c])
+        shares[c].peak_node_gain = std::max(shares[c].peak_node_gain, node.largest);
+    }
+  }
+  for (std::size_t c = 0; c < shares.size(); ++c) {
+    shares[c].noise_kt_per_cu = whole[c];
+    shares[c].noise_in_band_kt_per_cu = in_band[c];
+  }
+}
+
+void add_settling(const Plan& plan, const OpAmpModel& opamp, ErrorBudget& out) {
+  const auto cams = plan.cams();
+  out.opamp = opamp;
+  for (std::size_t n = 0; n < cams.size(); ++n) {
+    const auto stage = cams[n]->cam->switches(*cams[n]);
+    if (!stage) continue;
+    out.cams[n].settling_percent = 100.0 * unsettled_share(*stage, opamp, cams[n]->clock_a);
+    out.settling_percent += out.cams[n].settling_percent;
+  }
+}
+
+/// One path of CAMs with one input each, each of which says what was requested of it.
+bool is_one_path(const Plan& plan) {
+  const auto cams = plan.cams();
+  return plan.wires.size() + 1 >= cams.size() &&
+         std::all_of(cams.begin(), cams.end(), [&](const PlacedCam* cam) {
+           return cam->input_count() == 1 && !cam->requested.entries().empty() &&
+                  cam->clock_a.value == cams[0]->clock_a.value;
+         });
+}
+
+/// Warping, quantisation and holds over the band, each by itself.
+void add_response_errors(const Plan& plan, const Sections& sections, ErrorBudget& out) {
+  const auto cams = plan.cams();
+  const bool one_path = is_one_path(plan);
+  const SwitchedBoard board(plan);
+  std::vector<Complex> wanted, ideal, got, holds;
+  for (const Hertz f : log_grid(plan.error.band, affordable(kPoints, board.pieces()))) {
+    const RadPerSecond w = f.rad_s();
+    // Nothing is relative to a response of 0.
+    if (beside_a_zero(sections, w)) continue;
+    wanted.push_back(sections.response(w));
+    Complex h = 1.0;
+    for (const PlacedCam* cam : cams) h *= cam->cam->unquantised(*cam, w);
+    got.push_back(board.sampled(w));
+    ideal.push_back(one_path ? h : got.back());
+    holds.push_back(board.gain(w) / got.back());
+    out.hold_phase_deg = std::max(out.hold_phase_deg, std::abs(to_degrees(std::arg(holds.back()))));
+  }
+  out.warping_percent = one_path ? worst_percent(ideal, wanted) : 0.0;
+  out.quantisation_percent = one_path ? worst_percent(got, ideal) : worst_percent(got, wanted);
+  out.together_percent = worst_percent(got, wanted);
+  out.hold_percent = worst_percent(holds, std::vector<Complex>(holds.size(), 1.0));
+}
+
+}  // namespace
+
+double noise_in_band_kt_per_cu(const Plan& plan, Band band) {
+  constexpr int kSearchPoints = 60;
+  const SwitchedBoard board(plan, true);
+  double out = 0.0;
+  for (const double share :
+       integrated_noise(board, log_grid(band, affordable(kSearchPoints, board.pieces(), kNoiseCost))))
+    out += share;
+  return out;
+}
+
+PlanTotal plan_total(const Plan& plan, const Sections& sections, const BoardAssumptions& assumptions) {
+  constexpr int kDraws = 300;
+  constexpr std::uint64_t kSeed = 1;
+  PlanTotal out;
+  out.at_input_v = plan.max_input_v;
+  out.designed_percent = plan.error_with_delays.max_complex_percent;
+  const Band band = plan.error_with_delays.band;
+  std::vector<Hertz> grid;
+  const std::size_t pieces = SwitchedBoard(plan).pieces();
+  for (const Hertz f : log_grid(band, affordable(kMismatchPoints, pieces, kDraws))) {
+    if (!beside_a_zero(sections, f.rad_s())) grid.push_back(f);
+  }
+  const DrawnBoard board(plan, grid);
+  const std::vector<Complex> designed = board.response(board.nominal_units());
+  std::vector<double> worst;
+  std::vector<double> moved;
+  Random random(kSeed);
+  for (int draw = 0; draw < kDraws; ++draw) {
+    const std::vector<Complex> got = board.response(board.drawn(assumptions.mismatch, random));
+    double error = 0.0;
+    double change = 0.0;
+    for (std::size_t k = 0; k < grid.size(); ++k) {
+      const double size = error_reference(sections, grid[k].rad_s());
+      error = std::max(error, 100.0 * std::abs(got[k] - sections.response(grid[k].rad_s())) / size);
+      change = std::max(change, 100.0 * std::abs(got[k] - designed[k]) / size);
+    }
+    worst.push_back(error);
+    moved.push_back(change);
+  }
+  const auto p95 = [](std::vector<double>& values) {
+    if (values.empty()) return 0.0;
+    const auto at =
+        values.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(values.size() - 1));
+    std::nth_element(values.begin(), at, values.end());
+    return *at;
+  };
+  out.mismatch_p95_percent = p95(moved);
+  double asked = 1.0;  // the largest of the input itself and the response that was asked for
+  for (const Hertz f : log_grid(band, kPoints))
+    asked = std::max(asked, std::abs(sections.response(f.rad_s())));
+  if (out.at_input_v > 0.0)
+    out.from_bound_db = to_decibel(out.at_input_v * asked / board_by_name(plan.board).full_scale_v);
+  const double rms_v = 1e-6 * assumptions.noise.microvolts(noise_in_band_kt_per_cu(plan, band));
+  double largest = 0.0;
+  for (const Complex h : designed) largest = std::max(largest, std::abs(h));
+  const double sine_rms_v = out.at_input_v * largest / std::numbers::sqrt2;
+  out.noise_percent = sine_rms_v > 0.0 ? 100.0 * rms_v / sine_rms_v : 0.0;
+  out.p95_percent = std::hypot(std::max(p95(worst), out.designed_percent), out.noise_percent);
+  return out;
+}
+
+ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BudgetOptions& options) {
+  ErrorBudget out;
+  const auto cams = plan.cams();
+  add_response_errors(plan, sections, out);
+  out.mismatch_model = options.assumptions.mismatch;
+  out.noise_model = options.assumptions.noise;
+  out.seed = options.seed;
+  std::vector<Hertz> drawn_at;
+  for (const Hertz f :
+       log_grid(plan.error.band, affordable(kMismatchPoints, SwitchedBoard(plan).pieces(), options.draws))) {
+    if (!beside_a_zero(sections, f.rad_s())) drawn_at.push_back(f);
+  }
+  out.mismatch = mismatch_spread(DrawnBoard(plan, drawn_at), out.mismatch_model, options.draws, options.seed);
+  const double clock = cams.back()->clock_a.value;
+  const RadPerSecond top = plan.error.band.to.rad_s();
+  out.image = {std::abs(clock - plan.error.band.to.value)};
+  // A line at -(fc - f) is one at fc - f.
+  const SwitchedBoard board(plan);
+  out.image_db = to_decibel(std::abs(board.component(top, {top.value - Hertz{clock}.rad_s().value})) /
+                            std::abs(board.gain(top)));
+  out.settling_limit_hz = board_by_name(plan.board).settling_product.value;
+  out.cams = cam_shares(cams);
+  add_nodes_and_noise(plan, plan.error.band, out.cams);
+  add_settling(plan, options.opamp, out);
+  for (const ErrorBudget::CamShare& share : out.cams) {
+    out.noise_kt_per_cu += share.noise_kt_per_cu;
+    out.noise_in_band_kt_per_cu += share.noise_in_band_kt_per_cu;
+  }
+  return out;
+}
+
+Json MismatchSpread::to_json() const {
+  Json out{{"draws", draws},
+           {"median_percent", median_percent},
+           {"p95_percent", p95_percent},
+           {"max_percent", max_percent},
+           {"p95_db", p95_db},
+           {"capacitors", Json::array()}};
+  for (const Share& share : shares) {
+    if (out["capacitors"].size() == kNamedCapacitors) break;
+    out["capacitors"].push_back({{"capacitor", share.capacitor}, {"share", share.share}});
+  }
+  return out;
+}
+
+Json ErrorBudget::to_json() const {
+  Json out;
+  out["warping_percent"] = warping_percent;
+  out["quantisation_percent"] = quantisation_percent;
+  out["together_percent"] = together_percent;
+  out["hold_percent"] = hold_percent;
+  out["hold_phase_deg"] = hold_phase_deg;
+  out["mismatch"] = mismatch_model.to_json();
+  out["mismatch"]["seed"] = seed;
+  out["mismatch"].update(mismatch.to_json());
+  out["image"] = {{"frequency_hz", image.value}, {"magnitude_db", image_db}};
+  out["settling_limit_hz"] = settling_limit_hz;
+  out["settling"] = {{"opamp_gain_bandwidth_hz", opamp.gain_bandwidth.value},
+                     {"opamp_gain", opamp.gain},
+                     {"error_percent", settling_percent}};
+  out["noise_kt_per_cu"] = noise_kt_per_cu;
+  out["noise_in_band_kt_per_cu"] = noise_in_band_kt_per_cu;
+  out["noise_in_band_uv"] = noise_model.microvolts(noise_in_band_kt_per_cu);
+  out["noise_uv"] = noise_model.microvolts(noise_kt_per_cu);
+  out["noise"] = noise_model.to_json();
+  out["cams"] = Json::array();
+  for (const CamShare& cam : cams) {
+    out["cams"].push_back({{"name", cam.name},
+                           {"gain", cam.gain},
+                           {"settling_product_hz", cam.settling_product_hz},
+                           {"settling_percent", cam.settling_percent},
+                           {"peak_node_gain", cam.peak_node_gain},
+                           {"noise_kt_per_cu", cam.noise_kt_per_cu},
+                           {"noise_in_band_kt_per_cu", cam.noise_in_band_kt_per_cu}});
+  }
+  return out;
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,82 @@
+#pragma once
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+#include "base/json_fwd.hpp"
+#include "fpaa/device/mismatch.hpp"
+#include "fpaa/network/settling.hpp"
+#include "fpaa/plan/drawn_board.hpp"
+#include "fpaa/plan/plan.hpp"
+#include "lti/sections.hpp"
+
+namespace bodesmith::fpaa {
+
+/// Where a plan's response departs from its sections, each cause by itself, over the plan's band.
+struct ErrorBudget {
+  /// Corners placed exactly by tan(pi f/fc) with unquantised capacitors, gain exact: what sampling alone
+  /// costs. (Where every CAM says what was requested of it and they are one path: 0 otherwise.)
+  double warping_percent = 0.0;
+  /// The plan's capacitors against those unquantised ones.
+  double quantisation_percent = 0.0;
+  /// Both together: the plan's `error` (they partly cancel: the search uses one against the other).
+  double together_percent = 0.0;
+  /// What the switches make of it beyond the z-transfers: inputs that move within a phase, staircases.
+  double hold_percent = 0.0;
+  double hold_phase_deg = 0.0;
+
+  /// Capacitors drawn by the mismatch model: worst complex difference to the plan as it is, as it runs.
+  MismatchModel mismatch_model;
+  std::uint64_t seed = 1;
+  MismatchSpread mismatch;
+
+  /// The output also has images at k fc +- f. Magnitude of the nearest, fc - f (fc: the last CAM's clock), relative
+  /// to the signal, for f at the top of the band.
+  double image_db = 0.0;
+  Hertz image;
+
+  struct CamShare {
+    std::string name;
+    double gain = 1.0;                 ///< the larger of DC and high-frequency gain
+    double settling_product_hz = 0.0;  ///< (1 + gain) fc
+    double peak_node_gain = 0.0;       ///< highest magnitude from the input to this CAM's output
+    double noise_kt_per_cu =
+        0.0;  ///< mean square at the plan's output up to half the fastest clock, in kT/C_u
+    double noise_in_band_kt_per_cu = 0.0;
+    double settling_percent = 0.0;  ///< of its largest step (settling.hpp)
+  };
+  std::vector<CamShare> cams;
+  double settling_limit_hz = 0.0;
+  double noise_kt_per_cu = 0.0;
+  double noise_in_band_kt_per_cu = 0.0;
+  NoiseModel noise_model;
+
+  /// Op-amps with this bandwidth and gain do not settle whole in half a period: at most the sum of what each CAM
+  /// leaves of its step.
+  OpAmpModel opamp;
+  double settling_percent = 0.0;
+
+  Json to_json() const;
+};
+
+struct BudgetOptions {
+  BoardAssumptions assumptions = {};
+  OpAmpModel opamp = {};
+  int draws = 400;
+  std::uint64_t seed = 1;
+};
+
+/// The noise in the band alone: mean square at the output pin in kT/C_u.
+double noise_in_band_kt_per_cu(const Plan& plan, Band band);
+
+/// Noise: what every switch leaves on its capacitor when it opens (kT C of mean-square charge), in every phase, as the
+/// network makes it at the pin, every folding in it (network/periodic_network.hpp). C_u, the unit capacitance, is not
+/// publicly known, so the result is in kT/C_u, and in uV for the assumed one. Op-amp noise is not in it (not publicly
+/// known).
+ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BudgetOptions& options);
+
+/// What 95 % of boards keep (contract: plan.json's "total"), from figures that the plan states and 300 drawn boards.
+PlanTotal plan_total(const Plan& plan, const Sections& sections, const BoardAssumptions& assumptions);
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,59 @@
+#include "fpaa/plan/error_reference.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+namespace bodesmith::fpaa {
+namespace {
+
+constexpr double kFar = 30.0;  ///< outside a stated band
+
+}  // namespace
+
+double error_reference(const Sections& sections, RadPerSecond w) {
+  const std::complex<double> s(0.0, w.value);
+  double out = std::abs(sections.gain);
+  for (const Section& section : sections.sections) {
+    out *= std::abs(section.gain);
+    for (const auto& zero : section.zeros) {
+      out *= std::max(std::abs(s - zero), kLeastZeroDamping * std::abs(zero));
+    }
+    for (const auto& pole : section.poles) out /= std::abs(s - pole);
+  }
+  return out;
+}
+
+bool beside_a_zero(const Sections& sections, RadPerSecond w) {
+  const std::complex<double> s(0.0, w.value);
+  for (const Section& section : sections.sections) {
+    for (const auto& zero : section.zeros) {
+      if (std::abs(s - zero) < kLeastZeroDamping * std::abs(zero)) return true;
+    }
+  }
+  return false;
+}
+
+Band judged_band(const Sections& sections) {
+  Band corners = sections.corner_band();
+  if (sections.error && sections.error->band.from.value > 0.0) {
+    const Band stated = sections.error->band;
+    corners = stated;
+    for (const Section& section : sections.sections) {
+      for (const auto* roots : {&section.zeros, &section.poles}) {
+        for (const auto& root : *roots) {
+          const double f = RadPerSecond{std::abs(root)}.hz().value;
+          if (f * kFar < stated.from.value || f > kFar * stated.to.value) continue;
+          corners.from.value = std::min(corners.from.value, f);
+          corners.to.value = std::max(corners.to.value, f);
+        }
+      }
+    }
+  }
+  // One corner is no band.
+  if (corners.to.value < 2.0 * corners.from.value) {
+    return {{corners.from.value / 10.0}, {corners.to.value * 2.0}};
+  }
+  return corners;
+}
+
+}  // namespace bodesmith::fpaa

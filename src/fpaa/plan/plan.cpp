@@ -1,0 +1,38 @@
+#include "fpaa/plan/plan.hpp"
+
+#include "fpaa/plan/switched_board.hpp"
+
+namespace bodesmith::fpaa {
+
+Resources ChipPlan::resources() const {
+  Resources sum;
+  for (const PlacedCam& cam : cams) sum += cam.resources;
+  return sum;
+}
+
+std::vector<const PlacedCam*> Plan::cams() const {
+  std::vector<const PlacedCam*> out;
+  for (const ChipPlan& chip : chips) {
+    for (const PlacedCam& cam : chip.cams) out.push_back(&cam);
+  }
+  return out;
+}
+
+std::vector<std::string> Plan::signal_path() const {
+  if (!path.empty()) return path;
+  std::vector<std::string> out;
+  if (!wires.empty()) out.push_back(wires.front().from);
+  for (const Wire& wire : wires) out.push_back(wire.to);
+  return out;
+}
+
+const char* to_string(PlanOptions::Topology topology) {
+  return topology == PlanOptions::Topology::chain ? "chain" : "auto";
+}
+
+std::complex<double> plan_response(const Plan& plan, RadPerSecond w, bool with_delays) {
+  const SwitchedBoard board(plan);
+  return with_delays ? board.gain(w) : board.sampled(w);
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,125 @@
+#pragma once
+
+#include <complex>
+#include <filesystem>
+#include <map>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "base/document.hpp"
+#include "base/json_fwd.hpp"
+#include "base/outcome.hpp"
+#include "base/provenance.hpp"
+#include "base/units.hpp"
+#include "fpaa/cams/placed_cam.hpp"
+#include "fpaa/device/board.hpp"
+#include "fpaa/device/clock_tree.hpp"
+#include "fpaa/device/mismatch.hpp"
+#include "lti/frequency_grid.hpp"
+#include "lti/sections.hpp"
+
+namespace bodesmith::fpaa {
+
+struct ChipPlan {
+  int chip = 1;
+  Hertz master_clock;
+  ClockPlan clocks;
+  std::vector<PlacedCam> cams;  ///< in signal order
+  /// I/O cells of the pins ("in1" -> "IO1"), once a stream has been made.
+  std::map<std::string, std::string> pins = {};
+  Resources resources() const;
+};
+
+/// One connection of a plan. Its ends are pins ("chip1.in1", "chip1.out1") and CAMs ("chip1.Section1a").
+struct Wire {
+  std::string from;
+  std::string to;
+  int input = 1;  ///< which input of `to`, counted from 1
+};
+
+/// Differences between plan and sections over a band.
+struct PlanError {
+  Band band;
+  double max_magnitude_db = 0.0;
+  double max_phase_deg = 0.0;
+  double max_complex_percent = 0.0;
+  Hertz worst;
+};
+
+/// What 95 % of boards keep of a sine of `at_input_v` at the pin (the largest that clips no node), and its parts, in
+/// percent of the response that was asked for (noise: of the sine at the output). Random parts add by squares.
+struct PlanTotal {
+  double p95_percent = 0.0;
+  double at_input_v = 0.0;
+  double designed_percent = 0.0;
+  double mismatch_p95_percent = 0.0;
+  double noise_percent = 0.0;   ///< rms in the band over the rms of the sine where it comes out largest
+  double offset_percent = 0.0;  ///< 0: not known
+  double from_bound_db = 0.0;   ///< at_input_v against what input and output pin alone would let in
+};
+
+/// A line that the switches add beside a sine.
+struct ImageLine {
+  Hertz signal;  ///< the sine that has it
+  Hertz line;
+  double magnitude_db = 0.0;  ///< against the signal at the output
+};
+
+/// Sections as switched-capacitor CAMs on the chips of a board (bodesmith.fpaa_plan/1).
+struct Plan {
+  std::string board;
+  std::vector<ChipPlan> chips;
+  std::vector<Wire> wires;         ///< every connection
+  std::vector<std::string> path;   ///< the way of the constant path, "chip1.in1" to "chipN.outM"; empty: the
+                                   ///< wires are one path in this order
+  PlanError error;                 ///< all wires, gains included, by the z-transfers alone
+  PlanError error_with_delays;     ///< the board as its switches make it
+  std::optional<PlanTotal> total;  ///< what 95 % of boards keep
+  double max_input_v = 0.0;  ///< input (sine of any frequency, or step) at which a node reaches full scale
+  double max_step_v = 0.0;   ///< the same for a step alone
+  std::optional<ImageLine> image;          ///< the largest line below 100 kHz that is not the signal
+  std::optional<ImageLine> image_in_band;  ///< the largest that lies within the band
+  std::string topology;                    ///< "chain" (of the vendor's CAMs), "cascade" (own stages in it)
+  std::vector<std::string> assumptions;    ///< what is not publicly known and was assumed
+  std::vector<std::string> notes;          ///< decisions a person should know
+
+  std::vector<const PlacedCam*> cams() const;
+  /// Every pin and CAM of the constant path: "chip1.in1", "chip1.Section1a", ..., "chipN.outM".
+  std::vector<std::string> signal_path() const;
+
+  static Plan from_node(const Node& node);
+  static Plan read(const std::filesystem::path& path, Provenance& from);
+  /// Without the header.
+  Json to_json() const;
+};
+
+/// What the board does to a sine of frequency w at that same frequency: as its switches make it (SwitchedBoard, which
+/// is quicker for many frequencies), or, not `with_delays`, the product of its z-transfers alone.
+std::complex<double> plan_response(const Plan& plan, RadPerSecond w, bool with_delays);
+
+struct PlanOptions {
+  enum class Topology {
+    automatic,  ///< the vendor's CAMs where they do as well, else this program's own stages too
+    chain,      ///< CAMs that AnadigmDesigner2 has, alone
+  };
+  std::string board = "an231k04-quad4";
+  Topology topology = Topology::automatic;
+  BoardAssumptions assumptions;  ///< mismatch and noise: what is not publicly known
+  std::optional<Hertz> clock;    ///< one clock for all, and the vendor's CAMs alone; absent: searched
+  /// No clock below this (none below 31.4 kHz needs no system divisor): slow poles by two ratios.
+  std::optional<Hertz> lowest_clock;
+  std::optional<Band> band;  ///< where errors are minimised and stated; absent: the corners (and the band
+                             ///< that sections.json states), widened to a tenth of the lowest corner
+};
+
+/// "auto", "chain".
+const char* to_string(PlanOptions::Topology topology);
+
+/// Everything a plan says of itself (errors, headroom, images, total, assumptions), by the switched-network solver.
+void state_figures(Plan& plan, const Sections& sections, Band band, const BoardAssumptions& assumptions);
+
+/// Refused when the sections cannot be made of the board's CAMs, with what would make them fit.
+Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options);
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,170 @@
+#include "fpaa/plan/plan_graph.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/whole_number.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+bool is_pin(const std::string& name, const char* kind) {
+  const std::size_t dot = name.find('.');
+  return dot != std::string::npos && name.compare(dot + 1, std::string(kind).size(), kind) == 0 &&
+         dot + 1 + std::string(kind).size() < name.size() &&
+         name.find_first_not_of("0123456789", dot + 1 + std::string(kind).size()) == std::string::npos;
+}
+
+/// Builds the graph; each step may refuse.
+class GraphBuilder {
+ public:
+  explicit GraphBuilder(const Plan& plan) : plan_(plan) {}
+
+  Outcome<PlanGraph> build() {
+    out_.tick_rate = ticks_per_second(board_by_name(plan_.board));
+    add_nodes();
+    if (auto refusal = sort_wires()) return *refusal;
+    for (const Wire& wire : plan_.wires) {
+      if (auto refusal = connect(wire)) return *refusal;
+    }
+    if (auto refusal = find_output()) return *refusal;
+    if (auto refusal = find_order()) return *refusal;
+    return std::move(out_);
+  }
+
+ private:
+  void add_nodes() {
+    for (const ChipPlan& chip : plan_.chips) {
+      for (const PlacedCam& cam : chip.cams) {
+        PlanGraph::PlanNode node;
+        node.cam = &cam;
+        node.name = fmt::format("chip{}.{}", chip.chip, cam.name);
+        node.chip = chip.chip;
+        node.period = std::max<std::int64_t>(1, nearest_whole<long long>(out_.tick_rate / cam.clock_a.value));
+        node.delay = nearest_whole<long long>(cam.delay_cycles * static_cast<double>(node.period));
+        node_of_[node.name] = out_.nodes.size();
+        out_.nodes.push_back(std::move(node));
+      }
+    }
+  }
+
+  /// Pins by what drives them.
+  std::optional<Refusal> sort_wires() {
+    for (const Wire& wire : plan_.wires) {
+      for (const std::string& end : {wire.from, wire.to}) {
+        if (node_of_.count(end) == 0 && !is_pin(end, "in") && !is_pin(end, "out")) {
+          return Refusal{
+              fmt::format("a wire ends at '{}', expected a CAM of the plan or a pin (chip1.in1)", end)};
+        }
+      }
+      if (node_of_.count(wire.to) != 0) continue;
+      if (!driver_of_pin_.emplace(wire.to, wire.from).second) {
+        return Refusal{fmt::format("two wires lead to {}, expected one", wire.to)};
+      }
+    }
+    return std::nullopt;
+  }
+
+  Outcome<PlanGraph::Source> source(std::string name) const {
+    for (std::size_t hops = 0; hops <= plan_.wires.size(); ++hops) {
+      if (const auto node = node_of_.find(name); node != node_of_.end()) {
+        return PlanGraph::Source{node->second};
+      }
+      const auto driver = driver_of_pin_.find(name);
+      if (driver == driver_of_pin_.end()) {
+        if (is_pin(name, "in")) return PlanGraph::Source{};
+        return Refusal{fmt::format("nothing is wired to {}, which other wires start from", name)};
+      }
+      name = driver->second;
+    }
+    return Refusal{fmt::format("the pins at {} are wired in a circle", name)};
+  }
+
+  std::optional<Refusal> connect(const Wire& wire) {
+    const auto to = node_of_.find(wire.to);
+    if (to == node_of_.end()) return std::nullopt;
+    PlanGraph::PlanNode& node = out_.nodes[to->second];
+    const auto number = static_cast<std::size_t>(wire.input);
+    if (wire.input < 1 || number > node.cam->input_count()) {
+      return Refusal{fmt::format("a wire leads to input {} of {}, which has {}", wire.input, wire.to,
+                                 node.cam->input_count())};
+    }
+    for (const PlanGraph::Input& input : node.inputs) {
+      if (input.number == number) {
+        return Refusal{fmt::format("two wires lead to input {} of {}, expected one", wire.input, wire.to)};
+      }
+    }
+    const Outcome<PlanGraph::Source> from = source(wire.from);
+    if (const Refusal* refusal = refusal_of(from)) return *refusal;
+    node.inputs.push_back({number, std::get<PlanGraph::Source>(from)});
+    return std::nullopt;
+  }
+
+  /// The output pin that no wire starts from; of several, the first.
+  std::optional<Refusal> find_output() {
+    for (const Wire& wire : plan_.wires) {
+      if (!is_pin(wire.to, "out")) continue;
+      const bool goes_on = std::any_of(plan_.wires.begin(), plan_.wires.end(),
+                                       [&](const Wire& other) { return other.from == wire.to; });
+      if (goes_on) continue;
+      const Outcome<PlanGraph::Source> from = source(wire.to);
+      if (const Refusal* refusal = refusal_of(from)) return *refusal;
+      out_.output = std::get<PlanGraph::Source>(from);
+      return std::nullopt;
+    }
+    return std::nullopt;
+  }
+
+  /// Whether this input acts on the output at the same edge.
+  static bool at_once(const PlanGraph::PlanNode& node, const PlanGraph::Input& input) {
+    return node.cam->z_from(input.number).numerator[0] != 0.0 && node.delay == 0;
+  }
+
+  std::optional<Refusal> find_order() {
+    std::vector<bool> done(out_.nodes.size(), false);
+    while (out_.order.size() < out_.nodes.size()) {
+      const std::size_t before = out_.order.size();
+      // First those that read only what is settled; if there are none, one that reads late.
+      for (const bool late : {false, true}) {
+        for (std::size_t i = 0; i < out_.nodes.size() && out_.order.size() == before; ++i) {
+          if (done[i] || !is_ready(i, done, late)) continue;
+          done[i] = true;
+          out_.order.push_back(i);
+          out_.looped = out_.looped || late;
+        }
+      }
+      if (out_.order.size() == before) {
+        return Refusal{
+            "the wires make a loop without any delay, expected a CAM in it that reads one period late"};
+      }
+    }
+    return std::nullopt;
+  }
+
+  bool is_ready(std::size_t i, const std::vector<bool>& done, bool late) const {
+    const PlanGraph::PlanNode& node = out_.nodes[i];
+    return std::all_of(node.inputs.begin(), node.inputs.end(), [&](const PlanGraph::Input& input) {
+      return !input.from.node || done[*input.from.node] || (late && !at_once(node, input));
+    });
+  }
+
+  const Plan& plan_;
+  PlanGraph out_;
+  std::map<std::string, std::size_t> node_of_;
+  std::map<std::string, std::string> driver_of_pin_;
+};
+
+}  // namespace
+
+double ticks_per_second(const Board& board) {
+  return 2.0 * board.master_clock.value;
+}
+
+Outcome<PlanGraph> plan_graph(const Plan& plan) {
+  return GraphBuilder(plan).build();
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,149 @@
+#include "fpaa/plan/plan_limits.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <set>
+
+#include "fpaa/cams/cam.hpp"
+#include "fpaa/plan/clock_features.hpp"
+#include "fpaa/plan/switched_board.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+
+constexpr double kImagesBelowHz = 1e5;
+
+/// int_0^x sin(u)/u du, to 1e-6 (series; auxiliary functions of Abramowitz and Stegun 5.2.38-39 above 4).
+double sine_integral(double x) {
+  if (x <= 4.0) {
+    double term = x;
+    double sum = x;
+    for (int n = 1; n < 20; ++n) {
+      term *= -x * x / ((2.0 * n) * (2.0 * n + 1.0));
+      sum += term / (2.0 * n + 1.0);
+    }
+    return sum;
+  }
+  const double y = 1.0 / (x * x);
+  // f(x) and g(x) by their rational approximations.
+  const double f = (std::pow(x, 8) + 38.027264 * std::pow(x, 6) + 265.187033 * std::pow(x, 4) +
+                    335.677320 * x * x + 38.102495) /
+                   (std::pow(x, 8) + 40.021433 * std::pow(x, 6) + 322.624911 * std::pow(x, 4) +
+                    570.236280 * x * x + 157.105423) /
+                   x;
+  const double g = (std::pow(x, 8) + 42.242855 * std::pow(x, 6) + 302.757865 * std::pow(x, 4) +
+                    352.018498 * x * x + 21.821899) /
+                   (std::pow(x, 8) + 48.196927 * std::pow(x, 6) + 482.485984 * std::pow(x, 4) +
+                    1114.978885 * x * x + 449.690326) *
+                   y;
+  return 0.5 * std::numbers::pi - f * std::cos(x) - g * std::sin(x);
+}
+
+/// Step responses of nodes: y(t) = 2/pi int Re H(w) sin(w t)/w dw, straight between the frequencies of the grid.
+class StepPeaks {
+ public:
+  explicit StepPeaks(const std::vector<Hertz>& grid) : count_(grid.size()) {
+    const double slowest = 1.0 / grid.front().rad_s().value;
+    const double fastest = 1.0 / grid.back().rad_s().value;
+    table_.reserve(kTimes * count_);
+    for (int i = 0; i < kTimes; ++i) {
+      const double t = fastest * std::pow(slowest / fastest, (i + 0.5) / kTimes);
+      for (const Hertz f : grid) table_.push_back(sine_integral(f.rad_s().value * t));
+    }
+  }
+
+  /// The largest |y(t)| of a node.
+  double largest(const std::vector<Complex>& node) const {
+    double peak = std::abs(node.front().real());
+    for (int i = 0; i < kTimes; ++i) {
+      const double* at = table_.data() + static_cast<std::size_t>(i) * count_;
+      double y = node.front().real() * at[0];
+      for (std::size_t k = 0; k + 1 < count_; ++k)
+        y += 0.5 * (node[k].real() + node[k + 1].real()) * (at[k + 1] - at[k]);
+      peak = std::max(peak, std::abs(y) * 2.0 / std::numbers::pi);
+    }
+    return peak;
+  }
+
+ private:
+  static constexpr int kTimes = 90;
+  std::size_t count_;
+  std::vector<double> table_;  ///< Si(w t), all frequencies of a time together
+};
+
+double fastest_clock(const Plan& plan) {
+  double out = 0.0;
+  for (const PlacedCam* cam : plan.cams()) out = std::max(out, cam->clock_a.value);
+  return out;
+}
+
+}  // namespace
+
+Headroom headroom_of(const Plan& plan, Band band, const Board& board) {
+  constexpr int kPoints = 360;
+  constexpr double kPieces = 4e6;  // a second or two
+  const SwitchedBoard switched(plan);
+  const int points =
+      std::clamp(static_cast<int>(kPieces / static_cast<double>(switched.pieces())), 60, kPoints);
+  const std::vector<Hertz> grid = log_grid({{0.01 * band.from.value}, {0.45 * fastest_clock(plan)}}, points);
+  std::vector<std::vector<Complex>> gains;  // [op-amp][frequency]
+  double sine = 1.0;                        // the input itself
+  for (const Hertz f : grid) {
+    std::size_t opamp = 0;
+    for (const auto& node : switched.nodes(f.rad_s())) {
+      for (const PeriodicNetworks::NodeSize& size : node) {
+        sine = std::max(sine, size.largest);
+        if (opamp == gains.size()) gains.emplace_back();
+        gains[opamp++].push_back(size.gain);
+      }
+    }
+  }
+  double step = 1.0;
+  const StepPeaks peaks(grid);
+  for (const std::vector<Complex>& gain : gains) step = std::max(step, peaks.largest(gain));
+  return {board.full_scale_v / sine, board.full_scale_v / step};
+}
+
+ImageLines largest_images(const Plan& plan, Band band) {
+  constexpr int kSignals = 9;
+  constexpr int kMultiples = 12;
+  constexpr int kBeatMultiples = 3;
+  constexpr double kBesideClock[] = {-0.3, 0.3};
+  ImageLines out;
+  std::vector<Hertz> signals = log_grid(band, kSignals);
+  for (const Hertz f : near_clocks(clocked_poles(plan), band, kBesideClock, kBeatMultiples)) {
+    signals.push_back(f);
+  }
+  const SwitchedBoard board(plan);
+  std::set<double> clocks;
+  for (const PlacedCam* cam : plan.cams()) clocks.insert(cam->clock_a.value);
+  for (const Hertz f : signals) {
+    std::vector<double> lines;  // below 0: the conjugate line above
+    for (const double clock : clocks) {
+      for (int k = -kMultiples; k <= kMultiples; ++k) {
+        const double line = k * clock + f.value;
+        if (k != 0 && std::abs(line) < kImagesBelowHz && line != 0.0) lines.push_back(line);
+      }
+    }
+    if (lines.empty()) continue;
+    lines.push_back(f.value);
+    const std::vector<Complex> sizes = board.components(f, lines);
+    lines.pop_back();
+    const double signal = std::abs(sizes.back());
+    if (!(signal > 0.0)) continue;
+    for (std::size_t i = 0; i < lines.size(); ++i) {
+      const ImageLine line{f, {std::abs(lines[i])}, to_decibel(std::max(std::abs(sizes[i]) / signal, 1e-15))};
+      const bool within = line.line >= band.from && line.line <= band.to;
+      for (std::optional<ImageLine>* most : {&out.largest, within ? &out.in_band : nullptr}) {
+        if (most != nullptr && (!*most || line.magnitude_db > (*most)->magnitude_db)) *most = line;
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,31 @@
+#pragma once
+
+#include <optional>
+
+#include "fpaa/plan/plan.hpp"
+
+namespace bodesmith::fpaa {
+
+/// Inputs at which the first node of the board, op-amps inside a CAM among them, reaches full scale.
+struct Headroom {
+  double sine_v = 0.0;  ///< amplitude, any frequency up to half the fastest clock
+  double step_v = 0.0;  ///< height
+};
+
+/// The peak of every op-amp, as the switches make its voltage: over frequency, the largest value at any instant; and
+/// of its step response,
+///   y(t) = 2/pi int_0^oo Re H(jw) sin(w t)/w dw,
+/// H the component at the sine's own frequency, by sine integrals between the points of a logarithmic grid (within a
+/// few percent).
+Headroom headroom_of(const Plan& plan, Band band, const Board& board);
+
+/// Lines at the output pin that are not the signal, over sines of the band: k fc +- f of every clock, against the
+/// signal at the output. Sines beside a clock within the band are among
+/// them: what a slow path samples there comes out as a slow beat, whose line may be larger than the signal.
+struct ImageLines {
+  std::optional<ImageLine> largest;  ///< below 100 kHz; nothing when none lies there
+  std::optional<ImageLine> in_band;  ///< within the band
+};
+ImageLines largest_images(const Plan& plan, Band band);
+
+}  // namespace bodesmith::fpaa

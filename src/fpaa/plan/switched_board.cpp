@@ -1,0 +1,124 @@
+#include "fpaa/plan/switched_board.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "base/error.hpp"
+#include "fpaa/cams/cam.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+/// Units of a stage's capacitors where those of its CAM are `units`: a capacitor of two banks ("CA1", "CA2") shares
+/// the CAM's ("CA"), the static one of a gain's pair ("aCin") is as the other ("Cin"), one that the CAM does not name
+/// (a hold's) keeps its own.
+std::vector<double> stage_units(const StageSwitches& stage, const PlacedCam& cam,
+                                std::span<const double> units) {
+  std::vector<double> out;
+  for (const StageCapacitor& c : stage.capacitors) {
+    const std::string_view name = c.name;
+    double found = c.units;
+    for (const std::string_view known :
+         {name, name.substr(0, name.size() - 1), name[0] == 'a' ? name.substr(1) : name}) {
+      const auto at = std::find_if(cam.capacitors.begin(), cam.capacitors.end(),
+                                   [&](const Capacitor& own) { return own.name == known; });
+      if (at == cam.capacitors.end()) continue;
+      const double whole = std::max(1, at->units);
+      found = units[static_cast<std::size_t>(at - cam.capacitors.begin())] *
+              (known == name ? 1.0 : c.units / whole);
+      break;
+    }
+    out.push_back(found);
+  }
+  return out;
+}
+
+}  // namespace
+
+SwitchedBoard::SwitchedBoard(const Plan& plan, bool with_noise)
+    : graph_(value_or_throw(plan_graph(plan))), with_noise_(with_noise), networks_(graph_.tick_rate) {
+  if (graph_.looped) {
+    throw DesignError("the plan's wires loop, which has no response of this kind: simulate it instead");
+  }
+  for (const PlanGraph::PlanNode& node : graph_.nodes) {
+    first_capacitor_.push_back(units_.size());
+    for (const Capacitor& c : node.cam->capacitors) {
+      units_.push_back(c.units);
+      names_.push_back(node.name + "." + c.name);
+    }
+    auto stage = node.cam->cam->switches(*node.cam);
+    if (!stage) {
+      throw DesignError(
+          fmt::format("the switches of {} ({}) are not known, expected only CAMs made of switched "
+                      "capacitors",
+                      node.name, node.cam->cam_name()));
+    }
+    stages_.push_back(std::move(*stage));
+  }
+  network_of_.assign(graph_.nodes.size(), 0);
+  for (const std::size_t n : graph_.order) {
+    using Source = PeriodicNetworks::Source;
+    std::vector<Source> sources(static_cast<std::size_t>(stages_[n].inputs()));
+    for (const PlanGraph::Input& input : graph_.nodes[n].inputs) {
+      if (input.number > sources.size()) continue;
+      sources[input.number - 1] = input.from.node
+                                      ? Source{Source::Kind::network, network_of_[*input.from.node]}
+                                      : Source{Source::Kind::board_input, 0};
+    }
+    network_of_[n] = networks_.add(clocked(n, units_), std::move(sources));
+  }
+  if (graph_.output && graph_.output->node) networks_.set_output(network_of_[*graph_.output->node]);
+}
+
+ClockedNetwork SwitchedBoard::clocked(std::size_t n, std::span<const double> units) const {
+  const PlacedCam& cam = *graph_.nodes[n].cam;
+  const auto own = units.subspan(first_capacitor_[n], cam.capacitors.size());
+  const SwitchedNetwork network = network_of(stages_[n], stage_units(stages_[n], cam, own));
+  return ClockedNetwork(network, {graph_.nodes[n].period}, with_noise_);
+}
+
+std::complex<double> SwitchedBoard::sampled(RadPerSecond w) const {
+  if (!graph_.output) return 0.0;
+  if (!graph_.output->node) return 1.0;
+  std::vector<std::complex<double>> out(graph_.nodes.size(), 0.0);
+  for (const std::size_t i : graph_.order) {
+    const PlanGraph::PlanNode& node = graph_.nodes[i];
+    for (const PlanGraph::Input& input : node.inputs) {
+      const std::complex<double> source = input.from.node ? out[*input.from.node] : 1.0;
+      out[i] += node.cam->z_from(input.number).response(w, node.cam->clock_a) * source;
+    }
+  }
+  return out[*graph_.output->node];
+}
+
+void SwitchedBoard::set_units(std::span<const double> units) {
+  for (std::size_t n = 0; n < stages_.size(); ++n) {
+    const std::size_t first = first_capacitor_[n];
+    const std::size_t count = graph_.nodes[n].cam->capacitors.size();
+    const std::span<const double> old = drawn_.empty() ? std::span<const double>(units_) : drawn_;
+    // Only what changed: a search or a derivative moves one capacitor at a time.
+    if (std::equal(units.begin() + static_cast<std::ptrdiff_t>(first),
+                   units.begin() + static_cast<std::ptrdiff_t>(first + count),
+                   old.begin() + static_cast<std::ptrdiff_t>(first)))
+      continue;
+    networks_.replace(network_of_[n], clocked(n, units));
+  }
+  drawn_.assign(units.begin(), units.end());
+}
+
+std::vector<std::vector<PeriodicNetworks::NodeSize>> SwitchedBoard::nodes(RadPerSecond w) const {
+  auto sizes = networks_.nodes(w);
+  std::vector<std::vector<PeriodicNetworks::NodeSize>> out(sizes.size());
+  for (std::size_t n = 0; n < out.size(); ++n) out[n] = std::move(sizes[network_of_[n]]);
+  return out;
+}
+
+std::vector<double> SwitchedBoard::noise_density(RadPerSecond w) const {
+  const std::vector<double> densities = networks_.noise_density(w);
+  std::vector<double> out;
+  for (const std::size_t network : network_of_) out.push_back(densities[network]);
+  return out;
+}
+
+}  // namespace bodesmith::fpaa

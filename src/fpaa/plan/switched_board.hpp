@@ -1,0 +1,62 @@
+#pragma once
+
+#include <complex>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "fpaa/network/periodic_network.hpp"
+#include "fpaa/plan/plan.hpp"
+#include "fpaa/plan/plan_graph.hpp"
+
+namespace bodesmith::fpaa {
+
+/// A plan as its switches make it (facts of each CAM: Cam::switches), with the capacitors that the plan says or
+/// with others. The input is a voltage that moves at the pin, the output the waveform at the pin.
+class SwitchedBoard {
+ public:
+  /// Throws DesignError for a plan whose wires are wrong or loop, with a CAM whose switches are not known, or with
+  /// clocks without a manageable common period. The plan must outlive it.
+  explicit SwitchedBoard(const Plan& plan, bool with_noise = false);
+
+  /// Capacitors of all CAMs one behind the other, in the plan's order.
+  const std::vector<double>& nominal_units() const { return units_; }
+  /// "chip1.Section1a.Ca".
+  const std::vector<std::string>& names() const { return names_; }
+  void set_units(std::span<const double> units);
+
+  /// From pin to pin, at the sine's own frequency.
+  std::complex<double> gain(RadPerSecond w) const { return graph_.output ? networks_.gain(w) : 0.0; }
+  /// The product of the CAMs' z-transfers alone: what the capacitors make of samples.
+  std::complex<double> sampled(RadPerSecond w) const;
+  /// Every op-amp, [node of graph()][op-amp].
+  std::vector<std::vector<PeriodicNetworks::NodeSize>> nodes(RadPerSecond w) const;
+  std::complex<double> component(RadPerSecond w, RadPerSecond line) const {
+    return networks_.component(w, line);
+  }
+  /// The output's components at several lines (in hertz; below 0: the conjugate one above) of one sine.
+  std::vector<std::complex<double>> components(Hertz sine, std::span<const double> lines_hz) const {
+    return networks_.components(sine, lines_hz);
+  }
+  /// One-sided, in kT/C_u a hertz at the output pin, [node of graph()]; the board was made with_noise. Each stage's
+  /// switches by themselves: what the next stage samples of their motion within a phase is left out (some percent).
+  std::vector<double> noise_density(RadPerSecond w) const;
+
+  const PlanGraph& graph() const { return graph_; }
+  /// Pieces of waveforms that a frequency costs (some 0.2 us each).
+  std::size_t pieces() const { return networks_.pieces(); }
+
+ private:
+  ClockedNetwork clocked(std::size_t node, std::span<const double> units) const;
+
+  PlanGraph graph_;
+  bool with_noise_;
+  std::vector<StageSwitches> stages_;         ///< of each node
+  std::vector<std::size_t> first_capacitor_;  ///< of each node
+  std::vector<double> units_, drawn_;
+  std::vector<std::string> names_;
+  PeriodicNetworks networks_;
+  std::vector<std::size_t> network_of_;  ///< of each node
+};
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,249 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/text.hpp"
+#include "fpaa/cams/cam.hpp"
+#include "fpaa/plan/clock_features.hpp"
+#include "fpaa/plan/error_budget.hpp"
+#include "fpaa/plan/error_reference.hpp"
+#include "fpaa/plan/plan.hpp"
+#include "fpaa/plan/plan_limits.hpp"
+#include "fpaa/plan/switched_board.hpp"
+#include "fpaa/search/search.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+constexpr int kStatedPoints = 801;  ///< of the errors that the plan states
+/// And beside the multiples of clocks within the band, in widths of the poles that are sampled there.
+constexpr double kBesideClocks[] = {-30.0, -10.0, -5.0, -3.0, -2.0, -1.4, -1.0, -0.7, -0.5, -0.3, -0.1,
+                                    0.1,   0.3,   0.5,  0.7,  1.0,  1.4,  2.0,  3.0,  5.0,  10.0, 30.0};
+constexpr int kStatedMultiples = 100;
+/// Where clocks have a long common period a frequency costs milliseconds.
+constexpr std::size_t kCostlyPieces = 20000;
+constexpr int kCostlyPoints = 101;
+
+PlanError stated_error(const Plan& plan, const Sections& sections, Band band, bool with_delays) {
+  const SwitchedBoard board(plan);
+  const bool costly = board.pieces() > kCostlyPieces;
+  std::vector<Hertz> grid = log_grid(band, costly ? kCostlyPoints : kStatedPoints);
+  if (with_delays && !costly) {
+    const std::vector<Hertz> beside = near_clocks(clocked_poles(plan), band, kBesideClocks, kStatedMultiples);
+    grid.insert(grid.end(), beside.begin(), beside.end());
+    std::sort(grid.begin(), grid.end(), [](Hertz a, Hertz b) { return a.value < b.value; });
+  }
+  PlanError out;
+  out.band = band;
+  for (const Hertz f : grid) {
+    const RadPerSecond w = f.rad_s();
+    const std::complex<double> wanted = sections.response(w);
+    const std::complex<double> got = with_delays ? board.gain(w) : board.sampled(w);
+    const double percent = 100.0 * std::abs(got - wanted) / error_reference(sections, w);
+    if (!(percent <= out.max_complex_percent)) {
+      out.max_complex_percent = percent;
+      out.worst = f;
+    }
+    // Beside a zero on the axis a ratio says nothing.
+    if (beside_a_zero(sections, w)) continue;
+    const std::complex<double> ratio = got / wanted;
+    out.max_magnitude_db = std::max(out.max_magnitude_db, std::abs(to_decibel(std::abs(ratio))));
+    out.max_phase_deg = std::max(out.max_phase_deg, std::abs(to_degrees(std::arg(ratio))));
+  }
+  return out;
+}
+
+void add_new(std::vector<std::string>& lines, std::string line) {
+  if (line.empty() || std::find(lines.begin(), lines.end(), line) != lines.end()) return;
+  lines.push_back(std::move(line));
+}
+
+std::vector<std::string> assumptions_of(const Plan& plan) {
+  std::vector<std::string> out;
+  for (const PlacedCam* cam : plan.cams()) add_new(out, cam->cam->assumption());
+  out.emplace_back(
+      "All filter CAMs have their input capacitors at source and virtual ground during the whole of phase 1, as in "
+      "public streams: the output follows the input through phase 1 and keeps its value through phase 2.");
+  out.emplace_back(
+      "The master clock of all chips is the same, and crossing from chip to chip adds no sampling delay (it "
+      "adds up to one clock period when the chips' clocks are not aligned).");
+  out.emplace_back(
+      "Gain-bandwidth, slew rate, offset, noise and the unit capacitance of the chip are not publicly known "
+      "and are in none of these figures.");
+  return out;
+}
+
+/// What a board does to a response that hardly deserves the name; errors below this share of the peak (deep in
+/// a stop band) do not count.
+constexpr double kHopeless = 0.25;
+constexpr double kHopelessFloor = 1e-2;
+
+bool is_hopeless(const Plan& plan, const Sections& sections, Band band) {
+  const SwitchedBoard board(plan);
+  const std::vector<Hertz> grid = log_grid(band, 120);
+  double peak = 0.0;
+  for (const Hertz f : grid) peak = std::max(peak, std::abs(sections.response(f.rad_s())));
+  return std::any_of(grid.begin(), grid.end(), [&](Hertz f) {
+    const std::complex<double> wanted = sections.response(f.rad_s());
+    const double size = std::max(error_reference(sections, f.rad_s()), kHopelessFloor * peak);
+    return !(std::abs(board.gain(f.rad_s()) - wanted) < kHopeless * size);
+  });
+}
+
+/// The longest part of the band that comes out within 2 %.
+std::optional<Band> usable_band(const Plan& plan, const Sections& sections, Band band) {
+  constexpr double kUsable = 0.02;
+  constexpr double kWorthNaming = 2.0;
+  const SwitchedBoard board(plan);
+  double from = 0.0;
+  std::optional<Band> best;
+  bool open = false;
+  for (const Hertz f : log_grid(band, 200)) {
+    const RadPerSecond w = f.rad_s();
+    const double off = std::abs(board.gain(w) - sections.response(w));
+    const bool good = off < kUsable * error_reference(sections, w);
+    if (good && !open) from = f.value;
+    if (good && (!best || f.value / from > best->to.value / best->from.value)) best = Band{{from}, f};
+    open = good;
+  }
+  if (best && best->to.value < kWorthNaming * best->from.value) return std::nullopt;
+  return best;
+}
+
+Outcome<Plan> searched_plan(const Sections& sections, const PlanOptions& options, Band band,
+                            const Board& board) {
+  Outcome<SearchedDesign> searched = search_design(sections, band, options, board);
+  if (const Refusal* refusal = refusal_of(searched)) return *refusal;
+  return std::move(std::get<SearchedDesign>(searched).plan);
+}
+
+int opamps_of(const Plan& plan) {
+  int out = 0;
+  for (const ChipPlan& chip : plan.chips) out += chip.resources().opamps;
+  return out;
+}
+
+/// Plan for a narrower band: in words, with what it came to; empty when that fails too.
+std::string tried_band(const Sections& sections, PlanOptions options, Band band, const Board& board) {
+  options.band = band;
+  const Outcome<Plan> made = searched_plan(sections, options, band, board);
+  if (refusal_of(made) != nullptr) return "";
+  const Plan& plan = std::get<Plan>(made);
+  const PlanError error = stated_error(plan, sections, band, true);
+  if (is_hopeless(plan, sections, band)) return "";
+  return fmt::format("from {} to {} Hz it is built, {} % off", rounded_text(band.from.value, 4),
+                     rounded_text(band.to.value, 4), rounded_text(error.max_complex_percent, 3));
+}
+
+/// The same on more chips than the board has.
+std::string tried_chips(const Sections& sections, const PlanOptions& options, Band band, Board board) {
+  constexpr int kTimes = 4;
+  board.chips *= kTimes;
+  const Outcome<Plan> made = searched_plan(sections, options, band, board);
+  if (refusal_of(made) != nullptr) return "";
+  const Plan& plan = std::get<Plan>(made);
+  if (is_hopeless(plan, sections, band)) return "";
+  return fmt::format("{} chips would do, {} % off", plan.chips.size(),
+                     rounded_text(stated_error(plan, sections, band, true).max_complex_percent, 3));
+}
+
+/// What would make it fit, each tried: part of the band (the one given, else the upper and the lower part without
+/// the corners that ask for the most), more chips.
+std::string least_change(const Sections& sections, const PlanOptions& options, Band band, const Board& board,
+                         std::optional<Band> usable) {
+  std::vector<Band> bands;
+  if (usable) {
+    bands.push_back(*usable);
+  } else {
+    const double middle = std::sqrt(band.from.value * band.to.value);
+    bands = {{{middle}, band.to}, {band.from, {middle}}};
+  }
+  for (const Band& part : bands) {
+    std::string words = tried_band(sections, options, part, board);
+    if (!words.empty()) return "; tried: " + words;
+  }
+  std::string words = tried_chips(sections, options, band, board);
+  if (!words.empty()) return "; tried: " + words;
+  return "; tried without success: parts of the band, more chips; expected fewer poles (a lower order) or spice";
+}
+
+/// What no capacitors make: a response that a double does not hold, or nothing at all.
+std::optional<Refusal> not_a_response(const Sections& sections, Band band) {
+  double sum = 0.0;  // which keeps what is not a number
+  for (const Hertz f : log_grid(band, 60)) sum += std::abs(sections.response(f.rad_s()));
+  if (sum > 0.0 && std::isfinite(sum)) return std::nullopt;
+  return Refusal{fmt::format("the response from {} to {} Hz is {}, expected numbers above 0",
+                             rounded_text(band.from.value), rounded_text(band.to.value),
+                             sum == 0.0 ? "0" : "not finite")};
+}
+
+/// Every pole is held by an op-amp: what has more poles than the board has op-amps needs no search.
+std::optional<Refusal> too_many_poles(const Sections& sections, const Board& board) {
+  std::size_t poles = 0;
+  for (const Section& section : sections.sections) poles += section.poles.size();
+  const auto per_chip = static_cast<std::size_t>(board.cabs_per_chip * board.per_cab.opamps);
+  const std::size_t opamps = static_cast<std::size_t>(board.chips) * per_chip;
+  if (poles <= opamps) return std::nullopt;
+  return Refusal{fmt::format(
+      "{} poles need at least as many op-amps, which {} chips have, and the board has {} op-amps; expected fewer "
+      "poles (a lower order) or spice",
+      poles, (poles + per_chip - 1) / per_chip, opamps)};
+}
+
+}  // namespace
+
+void state_figures(Plan& plan, const Sections& sections, Band band, const BoardAssumptions& assumptions) {
+  plan.error = stated_error(plan, sections, band, false);
+  plan.error_with_delays = stated_error(plan, sections, band, true);
+  const Headroom headroom = headroom_of(plan, band, board_by_name(plan.board));
+  plan.max_input_v = std::min(headroom.sine_v, headroom.step_v);
+  plan.max_step_v = headroom.step_v;
+  const ImageLines images = largest_images(plan, band);
+  plan.image = images.largest;
+  plan.image_in_band = images.in_band;
+  plan.total = plan_total(plan, sections, assumptions);
+  plan.assumptions = assumptions_of(plan);
+  for (const PlacedCam* cam : plan.cams()) add_new(plan.notes, cam->cam->note(*cam));
+}
+
+Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
+  const Outcome<const Board*> known_board = find_board(options.board);
+  if (const Refusal* refusal = refusal_of(known_board)) return *refusal;
+  const Board& board = *std::get<const Board*>(known_board);
+  if (sections.sections.empty()) {
+    return Refusal{"there are no sections, expected at least one to put on the board"};
+  }
+  const Band band = options.band ? *options.band : judged_band(sections);
+  if (!(band.from.value > 0.0) || !(band.to > band.from) || !std::isfinite(band.to.value)) {
+    return Refusal{
+        fmt::format("the band {} to {} Hz is empty, expected 0 < from < to", band.from.value, band.to.value)};
+  }
+  if (2.0 * band.from.value >= board.master_clock.value) {
+    return Refusal{fmt::format("the band begins at {} Hz, expected one below half the board's clock of {} Hz",
+                               rounded_text(band.from.value), rounded_text(board.master_clock.value))};
+  }
+  if (const auto refusal = not_a_response(sections, band)) return *refusal;
+  if (const auto refusal = too_many_poles(sections, board)) return *refusal;
+  // Who asks for a clock or for the vendor's CAMs alone is told what these come to, whatever it is.
+  const bool given = options.clock || options.topology == PlanOptions::Topology::chain;
+  Outcome<Plan> made = searched_plan(sections, options, band, board);
+  if (const Refusal* refusal = refusal_of(made)) {
+    if (given) return made;
+    return Refusal{refusal->reason + least_change(sections, options, band, board, std::nullopt)};
+  }
+  Plan& plan = std::get<Plan>(made);
+  if (!given && is_hopeless(plan, sections, band)) {
+    const std::optional<Band> usable = usable_band(plan, sections, band);
+    const PlanError error = stated_error(plan, sections, band, true);
+    return Refusal{fmt::format("the best board is {} % off at {} Hz as it runs ({}, {} op-amps){}",
+                               rounded_text(error.max_complex_percent, 3), rounded_text(error.worst.value, 3),
+                               plan.topology, opamps_of(plan),
+                               least_change(sections, options, band, board, usable))};
+  }
+  state_figures(plan, sections, band, options.assumptions);
+  return made;
+}
+
+}  // namespace bodesmith::fpaa

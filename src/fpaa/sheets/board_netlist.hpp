@@ -1,0 +1,40 @@
+#pragma once
+
+#include <string>
+
+#include "base/outcome.hpp"
+#include "fpaa/network/settling.hpp"
+#include "fpaa/plan/plan.hpp"
+
+namespace bodesmith::fpaa {
+
+/// What a switched-capacitor netlist needs beside the plan. None of it is publicly known for this chip.
+struct NetlistParts {
+  double unit_capacitance_f = 50e-15;
+  double switch_on_ohm = 1e3;
+  double switch_off_ohm = 1e15;
+  /// Stray capacitance to ground, in units, of every inverting input and of every plate behind switches. The
+  /// stages are insensitive to it; without any, an inverting input whose capacitors are all open between the
+  /// phases has no voltage, and a simulator's matrix no solution.
+  double stray_units = 1e-3;
+  OpAmpModel opamp;
+  /// Both phases of a clock end this share of a period before the other begins.
+  double gap = 0.01;
+};
+
+/// board.sub: the plan as switched capacitors, `.subckt board in out`, ground node 0 (the chips' differential
+/// signals drawn single-ended, about 0 V instead of 1.5 V). Each CAM is a subcircuit made from the description
+/// of its switches (fpaa/switches.hpp); a switch is a conductance G VALUE={V(a,b)*V(phase)/r} with the
+/// phase's node going from 0 to 1 V, which ngspice, LTspice and Xyce read alike; each clock has two phases
+/// that do not overlap, all clocks start at t = 0 with phase 1. Op-amps have one pole (OpAmpModel) and
+/// an ideal output. Refused for a plan with a CAM whose switches are not known.
+Outcome<std::string> board_netlist(const Plan& plan, const NetlistParts& parts, const std::string& title);
+
+/// board.cir: a sine in the middle of the plan's band through it, for ngspice; nearer to the band's upper end where
+/// the fastest clock would turn too often.
+std::string board_deck(const Plan& plan, const std::string& title);
+
+/// Options that ngspice needs for capacitors of some fF (its default accuracy is a charge of 1e-14 C).
+std::string board_deck_options();
+
+}  // namespace bodesmith::fpaa

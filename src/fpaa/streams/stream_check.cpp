@@ -1,0 +1,99 @@
+#include "fpaa/streams/stream_check.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+
+#include "fpaa/streams/plan_stream.hpp"
+
+namespace bodesmith::fpaa::an231 {
+namespace {
+
+constexpr int kStreamPoints = 801;
+constexpr std::size_t kMostDifferences = 40;
+
+PlanError plan_error(const std::vector<Hertz>& grid, const std::vector<Complex>& got,
+                     const std::vector<Complex>& wanted, Band band) {
+  const ResponseDifference d = compare_responses(grid, got, wanted);
+  return {band, d.max_magnitude_db, d.max_phase_deg, d.max_complex_percent, d.worst};
+}
+
+}  // namespace
+
+Outcome<PlanError> stream_error(const BoardCircuit& board, const SignalPins& pins, Band band,
+                                const WantedResponse& wanted_response) {
+  const auto networks = pin_networks(board, pins.input, pins.output);
+  if (const Refusal* refusal = refusal_of(networks)) return *refusal;
+  const std::vector<Hertz> grid = log_grid(band, kStreamPoints);
+  std::vector<Complex> got;
+  std::vector<Complex> wanted;
+  for (const Hertz f : grid) {
+    got.push_back(std::get<PeriodicNetworks>(networks).gain(f.rad_s()));
+    wanted.push_back(wanted_response(f.rad_s()));
+  }
+  return plan_error(grid, got, wanted, band);
+}
+
+std::map<int, std::map<std::string, int>> plan_pins(const Plan& plan) {
+  std::map<int, std::map<std::string, int>> out;
+  for (const ChipPlan& chip : plan.chips) {
+    for (const auto& [pin, cell] : chip.pins) {
+      if (cell.size() == 3 && cell.compare(0, 2, "IO") == 0 && cell[2] >= '1' && cell[2] <= '7') {
+        out[chip.chip][pin] = cell[2] - '0';
+      }
+    }
+  }
+  return out;
+}
+
+std::string address_text(Address at) {
+  for (const Constant& c : kConstants) {
+    if (c.address.bank == at.bank && c.address.byte == at.byte) return c.what;
+  }
+  for (int k = 0; k < kClocks; ++k) {
+    if (at.bank == 0 && at.byte == clock_divisor_at(k).byte) return fmt::format("divisor of Clock {}", k);
+  }
+  if (at.bank == 0) return at.byte == kClockPower.byte ? "clocks that are on" : "chip";
+  if (at.bank == kIoBank) return "I/O cells and their routes";
+  if (at.bank < 3 || at.bank > 2 + 2 * kCabs) return "chip";
+  const int cab = (at.bank - 1) / 2;
+  for (int c = 1; c <= kCapacitors; ++c) {
+    const Address value = capacitor_at(cab, c);
+    const Address words = switches_at(cab, c);
+    if (at.bank == value.bank && at.byte == value.byte) return fmt::format("C{} of CAB {}", c, cab);
+    if (at.bank == words.bank && at.byte >= words.byte && at.byte < words.byte + 4) {
+      return fmt::format("switches of C{} of CAB {}", c, cab);
+    }
+  }
+  return fmt::format("op-amps, clocks and lines of CAB {}", cab);
+}
+
+Outcome<std::vector<std::string>> memory_differences(const Plan& plan, const std::vector<ChipImage>& chips) {
+  PlanStreamOptions options;
+  for (const auto& [chip, pins] : plan_pins(plan)) {
+    for (const auto& [pin, cell] : pins) options.cells[fmt::format("chip{}.{}", chip, pin)] = cell;
+  }
+  const auto made = plan_streams(plan, options);
+  if (const Refusal* refusal = refusal_of(made)) return *refusal;
+  std::vector<std::string> out;
+  for (const PlanStreams::Chip& wanted : std::get<PlanStreams>(made).chips) {
+    const auto chip = std::find_if(chips.begin(), chips.end(),
+                                   [&](const ChipImage& c) { return c.address1 == wanted.chip; });
+    if (chip == chips.end()) {
+      out.push_back(fmt::format("there is no stream for chip {}", wanted.chip));
+      continue;
+    }
+    for (int bank = 0; bank < MemoryImage::kBanks; ++bank) {
+      for (int byte = 0; byte < MemoryImage::kBankBytes; ++byte) {
+        const int is = chip->memory.at(bank, byte);
+        const int should = wanted.built.memory.at(bank, byte);
+        if (is == should || out.size() >= kMostDifferences) continue;
+        out.push_back(fmt::format("chip {} bank {} byte {}: is {:02X}, the plan has {:02X} ({})", wanted.chip,
+                                  bank, byte, is, should, address_text({bank, byte})));
+      }
+    }
+  }
+  return out;
+}
+
+}  // namespace bodesmith::fpaa::an231

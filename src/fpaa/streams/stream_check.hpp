@@ -1,0 +1,30 @@
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <string>
+#include <vector>
+
+#include "fpaa/plan/plan.hpp"
+#include "fpaa/streams/netlist.hpp"
+#include "fpaa/streams/pin_networks.hpp"
+
+namespace bodesmith::fpaa::an231 {
+
+/// What the bytes make between two pins, as their switches move, against what is wanted. Refused where they make
+/// nothing that is understood.
+using WantedResponse = std::function<std::complex<double>(RadPerSecond)>;
+Outcome<PlanError> stream_error(const BoardCircuit& board, const SignalPins& pins, Band band,
+                                const WantedResponse& wanted);
+
+/// The I/O cells that a plan with a stream names for its pins: plan's chip -> pin -> cell.
+std::map<int, std::map<std::string, int>> plan_pins(const Plan& plan);
+
+/// Byte by byte: a chip's memory against the stream that the plan itself makes (with the plan's own pins), one
+/// line a byte ("chip 1 bank 3 byte 5: 08, the plan has 0C (C3 of CAB 1)"). Refused when the plan makes none.
+Outcome<std::vector<std::string>> memory_differences(const Plan& plan, const std::vector<ChipImage>& chips);
+
+/// What stands at an address, for messages: "C3 of CAB 1", "divisor of Clock 0", …
+std::string address_text(Address at);
+
+}  // namespace bodesmith::fpaa::an231

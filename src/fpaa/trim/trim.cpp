@@ -1,0 +1,363 @@
+#include "fpaa/trim/trim.hpp"
+
+#include <fmt/format.h>
+
+#include <Eigen/Cholesky>
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/json.hpp"
+#include "base/whole_number.hpp"
+#include "fpaa/cams/cam.hpp"
+#include "fpaa/trim/trim_search.hpp"
+#include "numeric/dense.hpp"
+#include "numeric/random.hpp"
+#include "signal/statistics.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+constexpr int kTrimPoints = 48;
+constexpr double kUnrelatedFactor = 2.0;
+/// Range in which a measurement's own deviation is looked for.
+constexpr double kLeastNoise = 1e-6;
+constexpr double kMostNoise = 0.3;
+constexpr int kTrimNoisePoints = 61;
+constexpr double kLeastSigma = 1e-9;  ///< of a capacitor: a model of 0 % is not singular
+
+VectorXd prior_deviation(const DrawnBoard& board, const MismatchModel& mismatch) {
+  const auto& units = board.nominal_units();
+  VectorXd out(static_cast<Index>(units.size()));
+  for (std::size_t c = 0; c < units.size(); ++c) {
+    out(static_cast<Index>(c)) = std::max(kLeastSigma, mismatch.relative_sigma(units[c]));
+  }
+  return out;
+}
+
+/// ln of measured over the board with these capacitors: magnitudes, then phases where they were measured.
+VectorXd log_difference(const DrawnBoard& board, const std::vector<double>& units,
+                        const MeasuredBoard& measured) {
+  const std::vector<Complex> h = board.response(units);
+  const auto points = static_cast<Index>(h.size());
+  VectorXd out(measured.phase_rad.empty() ? points : 2 * points);
+  for (Index k = 0; k < points; ++k) {
+    const auto at = static_cast<std::size_t>(k);
+    out(k) = std::log(measured.gain[at] / std::abs(h[at]));
+    if (measured.phase_rad.empty()) continue;
+    out(points + k) = std::arg(std::polar(1.0, measured.phase_rad[at]) / h[at]);
+  }
+  return out;
+}
+
+MatrixXd log_slopes(const DrawnBoard& board, const std::vector<double>& units, bool with_phase) {
+  const auto slopes = board.sensitivities(units);
+  const auto points = static_cast<Index>(board.grid().size());
+  MatrixXd out(with_phase ? 2 * points : points, static_cast<Index>(slopes.size()));
+  for (Index c = 0; c < out.cols(); ++c) {
+    for (Index k = 0; k < points; ++k) {
+      const Complex slope = slopes[static_cast<std::size_t>(c)][static_cast<std::size_t>(k)];
+      out(k, c) = slope.real();
+      if (with_phase) out(points + k, c) = slope.imag();
+    }
+  }
+  return out;
+}
+
+/// The deviation of the measurement under which it is most likely: y is normal with covariance
+/// A A' + s^2 1, A = S times the prior's deviations.
+double likeliest_noise(const MatrixXd& a, const VectorXd& y) {
+  const SymmetricEigen eigen = symmetric_eigen(a * a.transpose());
+  const VectorXd along = eigen.vectors.transpose() * y;
+  double best = kLeastNoise;
+  double best_score = -std::numeric_limits<double>::infinity();
+  for (int i = 0; i < kTrimNoisePoints; ++i) {
+    const double s = kLeastNoise * std::pow(kMostNoise / kLeastNoise, i / (kTrimNoisePoints - 1.0));
+    double score = 0.0;
+    for (Index k = 0; k < along.size(); ++k) {
+      const double variance = std::max(0.0, eigen.values(k)) + s * s;
+      score -= 0.5 * (std::log(variance) + along(k) * along(k) / variance);
+    }
+    if (score > best_score) {
+      best_score = score;
+      best = s;
+    }
+  }
+  return best;
+}
+
+void check_related(const VectorXd& y, Index points) {
+  const double off = y.head(points).cwiseAbs().maxCoeff();
+  if (off <= std::log(kUnrelatedFactor)) return;
+  throw DesignError(fmt::format(
+      "the measured response is a factor of {:.3g} away from the plan's, expected a measurement of "
+      "this board (within a factor of {})",
+      std::exp(off), kUnrelatedFactor));
+}
+
+/// A capacitor with a relative error (ln); one that is not there stays so.
+double with_error(double units, double x, const MismatchModel& mismatch) {
+  return units > 0.0 ? units * std::exp(x) + mismatch.systematic_units : 0.0;
+}
+
+double variance_of_unit(const MismatchModel& mismatch) {
+  return std::pow(mismatch.unit_percent / 100.0, 2);
+}
+
+ExchangedUnits exchange_of(double from, int to, const TrimOptions& options) {
+  return exchanged_units(nearest_whole<int>(from), to, options.array, variance_of_unit(options.mismatch));
+}
+
+/// What a capacitor of n units with the relative error x (ln) is expected to be with `to` units.
+double trimmed_capacitor(double n, double x, int to, const TrimOptions& options) {
+  if (to == 0) return 0.0;
+  return to + n * std::expm1(x) * exchange_of(n, to, options).kept + options.mismatch.systematic_units;
+}
+
+std::vector<double> with_errors(const std::vector<double>& units, const MismatchModel& mismatch,
+                                const VectorXd& x) {
+  std::vector<double> out(units);
+  for (std::size_t c = 0; c < out.size(); ++c) {
+    out[c] = with_error(out[c], x(static_cast<Index>(c)), mismatch);
+  }
+  return out;
+}
+
+struct WorstError {
+  double percent = 0.0;
+  double db = 0.0;
+};
+
+WorstError worst_error(const std::vector<Complex>& got, const std::vector<Complex>& wanted) {
+  WorstError out;
+  for (std::size_t k = 0; k < got.size(); ++k) {
+    const Complex ratio = got[k] / wanted[k];
+    out.percent = std::max(out.percent, 100.0 * std::abs(ratio - 1.0));
+    out.db = std::max(out.db, std::abs(to_decibel(std::abs(ratio))));
+  }
+  return out;
+}
+
+/// Old and new capacitors on boards that agree with the measurement.
+class TrimTrial {
+ public:
+  TrimTrial(const Plan& plan, const std::vector<Hertz>& grid, const std::vector<Complex>& wanted,
+            const BoardEstimate& estimate, const TrimOptions& options)
+      : board_(plan, grid), wanted_(wanted), estimate_(estimate), options_(options) {}
+
+  /// Whether the new ones are better on every board; fills both errors.
+  bool proves(const std::vector<int>& units, TrimError& before, TrimError& after) const {
+    Random random(options_.seed);
+    const std::vector<double>& old = board_.nominal_units();
+    std::vector<double> old_percent, new_percent;
+    bool better = true;
+    std::vector<double> real(old.size());
+    for (int sample = 0; sample < options_.samples; ++sample) {
+      const std::vector<double> x = drawn_errors(random);
+      for (std::size_t c = 0; c < real.size(); ++c) {
+        real[c] = with_error(old[c], x[c], options_.mismatch);
+      }
+      const WorstError was = worst_error(board_.response(real), wanted_);
+      for (std::size_t c = 0; c < real.size(); ++c) {
+        const double number = random.normal();
+        if (units[c] == 0) continue;
+        const ExchangedUnits moved = exchange_of(old[c], units[c], options_);
+        real[c] = trimmed_capacitor(old[c], x[c], units[c], options_) + std::sqrt(moved.variance) * number;
+      }
+      const WorstError is = worst_error(board_.response(real), wanted_);
+      better = better && is.percent < was.percent && is.db <= was.db;
+      old_percent.push_back(was.percent);
+      new_percent.push_back(is.percent);
+    }
+    before = {quantile(old_percent, 0.5), quantile(old_percent, 0.95)};
+    after = {quantile(new_percent, 0.5), quantile(new_percent, 0.95)};
+    return better;
+  }
+
+ private:
+  std::vector<double> drawn_errors(Random& random) const {
+    std::vector<double> out = estimate_.error;
+    std::vector<double> numbers;
+    for (std::size_t c = 0; c < out.size(); ++c) numbers.push_back(random.normal());
+    for (std::size_t c = 0; c < out.size(); ++c) {
+      for (std::size_t k = 0; k < numbers.size(); ++k) out[c] += estimate_.root[c][k] * numbers[k];
+    }
+    return out;
+  }
+
+  DrawnBoard board_;
+  const std::vector<Complex>& wanted_;
+  const BoardEstimate& estimate_;
+  const TrimOptions& options_;
+};
+
+/// Searches whole capacitors, linearised three times, nearer and nearer to what was found.
+class TrimDesign {
+ public:
+  TrimDesign(const Plan& plan, const std::vector<Hertz>& grid, const std::vector<Complex>& wanted,
+             const BoardEstimate& estimate, const TrimOptions& options)
+      : board_(plan, grid), wanted_(wanted), estimate_(estimate), options_(options) {
+    const std::vector<double>& built = board_.nominal_units();
+    problem_.max_units = board_by_name(plan.board).max_capacitor;
+    problem_.unit_variance = variance_of_unit(options.mismatch);
+    problem_.systematic_units = options.mismatch.systematic_units;
+    problem_.array = options.array;
+    problem_.steps = options.search_steps;
+    problem_.seed = options.seed;
+    for (std::size_t c = 0; c < built.size(); ++c) {
+      problem_.built.push_back(nearest_whole<int>(built[c]));
+      problem_.excess.push_back(built[c] * std::expm1(estimate.error[c]));
+    }
+    problem_.units = problem_.built;
+  }
+
+  std::vector<int> best() {
+    std::vector<int> best = problem_.built;
+    double least = linearise();
+    for (const double reach : {0.25, 0.04, 0.02}) {
+      problem_.reach = reach;
+      problem_.restarts = reach > 0.1 ? kRestarts : 0;
+      problem_.units = search_trim(problem_);
+      const double worst = linearise();
+      if (worst >= least) continue;
+      least = worst;
+      best = problem_.units;
+    }
+    return best;
+  }
+
+ private:
+  static constexpr int kRestarts = 12;
+  static constexpr double kSigmas = 2.0;
+
+  /// Error and slopes at problem_.units, not linear; the worst error expected there, with two standard
+  /// deviations of what exchanged units add.
+  double linearise() {
+    const std::vector<double>& built = board_.nominal_units();
+    std::vector<double> real(built.size());
+    for (std::size_t c = 0; c < real.size(); ++c) {
+      real[c] = trimmed_capacitor(built[c], estimate_.error[c], problem_.units[c], options_);
+    }
+    const std::vector<Complex> got = board_.response(real);
+    problem_.slope = board_.sensitivities(real);
+    problem_.error.clear();
+    double worst = 0.0;
+    for (std::size_t k = 0; k < got.size(); ++k) {
+      const Complex ratio = got[k] / wanted_[k];
+      problem_.error.push_back(ratio - 1.0);
+      double variance = 0.0;
+      for (std::size_t c = 0; c < real.size(); ++c) {
+        problem_.slope[c][k] *= ratio;
+        if (problem_.units[c] == 0) continue;
+        variance += exchange_of(built[c], problem_.units[c], options_).variance / (real[c] * real[c]) *
+                    std::norm(problem_.slope[c][k]);
+      }
+      worst = std::max(worst, std::abs(ratio - 1.0) + kSigmas * std::sqrt(variance));
+    }
+    return worst;
+  }
+
+  DrawnBoard board_;
+  const std::vector<Complex>& wanted_;
+  const BoardEstimate& estimate_;
+  const TrimOptions& options_;
+  TrimProblem problem_;
+};
+
+}  // namespace
+
+BoardEstimate estimate_board(const Plan& plan, const MeasuredBoard& measured, const MismatchModel& mismatch) {
+  constexpr int kLinearisations = 3;
+  const DrawnBoard board(plan, measured.grid);
+  const bool with_phase = !measured.phase_rad.empty();
+  const VectorXd prior = prior_deviation(board, mismatch);
+  const auto count = prior.size();
+  VectorXd x = VectorXd::Zero(count);
+  MatrixXd factor;
+  BoardEstimate out;
+  for (int pass = 0; pass < kLinearisations; ++pass) {
+    const std::vector<double> units = with_errors(board.nominal_units(), mismatch, x);
+    const MatrixXd slopes = log_slopes(board, units, with_phase);
+    const VectorXd difference = log_difference(board, units, measured);
+    if (pass == 0) check_related(difference, static_cast<Index>(measured.grid.size()));
+    // In units of the prior's deviations: y = A u + noise, u standard normal.
+    const VectorXd y = difference + slopes * x;
+    const MatrixXd a = slopes * prior.asDiagonal();
+    out.noise = measured.deviation.value_or(likeliest_noise(a, y));
+    const double weight = 1.0 / std::pow(std::max(out.noise, kLeastNoise), 2);
+    const MatrixXd precision = MatrixXd::Identity(count, count) + weight * (a.transpose() * a);
+    const Eigen::LLT<MatrixXd> cholesky(precision);
+    x = prior.asDiagonal() * cholesky.solve(weight * (a.transpose() * y));
+    // P = D precision^-1 D: D L'^-1 is a root of it.
+    factor = cholesky.matrixU().solve(MatrixXd::Identity(count, count));
+    factor = (prior.asDiagonal() * factor).eval();
+  }
+  for (Index c = 0; c < count; ++c) {
+    out.error.push_back(x(c));
+    out.relative_deviation.push_back(factor.row(c).norm());
+    out.root.emplace_back(factor.row(c).begin(), factor.row(c).end());
+  }
+  return out;
+}
+
+std::vector<Hertz> trim_grid(const Plan& plan, const TrimOptions& options) {
+  return log_grid(options.band.value_or(plan.error.band), kTrimPoints);
+}
+
+Plan with_capacitors(const Plan& plan, const std::vector<int>& units) {
+  Plan out = plan;
+  std::size_t next = 0;
+  for (ChipPlan& chip : out.chips) {
+    for (PlacedCam& cam : chip.cams) {
+      for (Capacitor& c : cam.capacitors) c.units = units.at(next++);
+      const auto h = cam.cam->transfers(cam, CapacitorUnits(cam.capacitors));
+      cam.z = h[0].in_z();
+      for (std::size_t i = 1; i < h.size(); ++i) cam.more_numerators[i - 1] = h[i].in_z().numerator;
+    }
+  }
+  return out;
+}
+
+Trim trim_board(const Plan& plan, const std::vector<Complex>& wanted, const std::vector<Hertz>& grid,
+                const MeasuredBoard& measured, const TrimOptions& options) {
+  Trim out;
+  out.array = options.array;
+  out.estimate = estimate_board(plan, measured, options.mismatch);
+  const std::vector<int> units = TrimDesign(plan, grid, wanted, out.estimate, options).best();
+  const DrawnBoard board(plan, grid);
+  out.improved = TrimTrial(plan, grid, wanted, out.estimate, options).proves(units, out.before, out.after);
+  if (!out.improved) {
+    out.plan = plan;
+    out.after = out.before;
+    return out;
+  }
+  out.plan = with_capacitors(plan, units);
+  for (std::size_t c = 0; c < units.size(); ++c) {
+    const int old = nearest_whole<int>(board.nominal_units()[c]);
+    if (old != units[c]) out.changes.push_back({board.names()[c], old, units[c]});
+  }
+  return out;
+}
+
+Json Trim::to_json() const {
+  const auto error = [](const TrimError& e) {
+    return Json{{"median_percent", e.median_percent}, {"p95_percent", e.p95_percent}};
+  };
+  Json out{{"improved", improved},
+           {"unit_array", to_string(array)},
+           {"before", error(before)},
+           {"after", error(after)},
+           {"measurement_deviation_percent", 100.0 * estimate.noise},
+           {"changes", Json::array()}};
+  for (const TrimmedCapacitor& c : changes) {
+    out["changes"].push_back({{"capacitor", c.name}, {"before", c.before}, {"after", c.after}});
+  }
+  return out;
+}
+
+}  // namespace bodesmith::fpaa

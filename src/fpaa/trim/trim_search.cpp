@@ -1,0 +1,322 @@
+#include "fpaa/trim/trim_search.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+#include "base/whole_number.hpp"
+#include "numeric/dense.hpp"
+#include "numeric/random.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// No capacitor leaves the one that was measured by more than this.
+constexpr double kMaxRelativeMove = 0.25;
+/// Least squares: price of a relative move of 1, against an error of 1; standard deviation of the random
+/// rounding, in units.
+constexpr double kMovePrice = 3e-3;
+constexpr double kRoundingSpread = 0.3;
+constexpr int kMaxSweeps = 60;
+/// In the last exchanges singles are tried up to so many units, pairs by one of these each.
+constexpr int kReach = 4;
+constexpr int kTrimPairReach = 2;
+/// Standard deviations of what exchanged units add that count as error.
+constexpr double kCounted = 2.0;
+/// Annealing: relative changes of the cost that are taken with probability 1/e, at first and at last; longest
+/// step of a capacitor relative to itself.
+constexpr double kFirstTemperature = 0.1;
+constexpr double kLastTemperature = 0.004;
+constexpr double kLongestStep = 0.015;
+
+/// Where one capacitor may be: the logarithm of its change and the relative variance of its new units.
+struct TrimPlace {
+  double log_change = 0.0;
+  double variance = 0.0;
+};
+
+/// Error and variance at every frequency for one set of capacitors.
+struct TrimPrediction {
+  std::vector<Complex> error;
+  std::vector<double> variance;
+};
+
+class TrimSearch {
+ public:
+  explicit TrimSearch(const TrimProblem& problem) : problem_(problem), units_(problem.units) {
+    for (std::size_t c = 0; c < units_.size(); ++c) {
+      lowest_.push_back(bound(c, -1));
+      places_.emplace_back();
+      for (int units = lowest_[c]; units <= bound(c, +1); ++units) places_[c].push_back(place_of(c, units));
+      if (places_[c].size() > 1) movable_.push_back(c);
+      slope_norm_.emplace_back();
+      for (const Complex& s : problem_.slope[c]) slope_norm_[c].push_back(std::norm(s));
+    }
+  }
+
+  std::vector<int> run() {
+    if (movable_.empty()) return units_;
+    Random random(problem_.seed);
+    double best = 0.0;
+    std::vector<int> kept;
+    for (int restart = 0; restart <= problem_.restarts; ++restart) {
+      reset(problem_.units);
+      // The last time from the capacitors that are there: better where little is to be done.
+      if (restart < problem_.restarts) round_one_after_the_other(restart == 0 ? nullptr : &random);
+      const double annealed = anneal(random);
+      if (!kept.empty() && annealed >= best) continue;
+      best = annealed;
+      kept = units_;
+    }
+    reset(kept);
+    exchange();
+    return units_;
+  }
+
+ private:
+  int bound(std::size_t c, int side) const {
+    const int n = problem_.built[c];
+    const int now = problem_.units[c];
+    if (n <= 0) return now;
+    const int most = static_cast<int>(kMaxRelativeMove * n);
+    const int reach = std::max(most > 0 ? 1 : 0, static_cast<int>(problem_.reach * now));
+    if (side < 0) return std::min(now, std::max({1, n - most, now - reach}));
+    return std::max(now, std::min({problem_.max_units, n + most, now + reach}));
+  }
+  double capacitor(std::size_t c, int units) const {
+    const ExchangedUnits x =
+        exchanged_units(problem_.built[c], units, problem_.array, problem_.unit_variance);
+    return units + problem_.excess[c] * x.kept + problem_.systematic_units;
+  }
+  TrimPlace place_of(std::size_t c, int units) const {
+    if (units <= 0) return {};
+    const double size = capacitor(c, units);
+    const ExchangedUnits x =
+        exchanged_units(problem_.built[c], units, problem_.array, problem_.unit_variance);
+    return {std::log(size / capacitor(c, problem_.units[c])), x.variance / (size * size)};
+  }
+  const TrimPlace& place(std::size_t c, int units) const {
+    return places_[c][static_cast<std::size_t>(units - lowest_[c])];
+  }
+  bool is_place(std::size_t c, int units) const {
+    return units >= lowest_[c] && units < lowest_[c] + static_cast<int>(places_[c].size());
+  }
+
+  void reset(const std::vector<int>& units) {
+    units_ = problem_.units;
+    now_ = {problem_.error, std::vector<double>(problem_.error.size(), 0.0)};
+    for (std::size_t c = 0; c < units_.size(); ++c) {
+      for (std::size_t k = 0; k < now_.error.size(); ++k) {
+        now_.variance[k] += place(c, units_[c]).variance * slope_norm_[c][k];
+      }
+    }
+    for (std::size_t c = 0; c < units.size(); ++c) move(c, units[c]);
+  }
+
+  void add(std::size_t c, int to, TrimPrediction& out) const {
+    const TrimPlace& was = place(c, units_[c]);
+    const TrimPlace& is = place(c, to);
+    const double by = is.log_change - was.log_change;
+    const double more = is.variance - was.variance;
+    const std::vector<Complex>& slope = problem_.slope[c];
+    for (std::size_t k = 0; k < out.error.size(); ++k) {
+      out.error[k] += by * slope[k];
+      out.variance[k] += more * slope_norm_[c][k];
+    }
+  }
+  void move(std::size_t c, int to) {
+    if (to == units_[c]) return;
+    add(c, to, now_);
+    units_[c] = to;
+  }
+
+  static double worst_cost(const TrimPrediction& p) {
+    double worst = 0.0;
+    double sum = 0.0;
+    for (std::size_t k = 0; k < p.error.size(); ++k) {
+      const double here = std::abs(p.error[k]) + kCounted * std::sqrt(std::max(0.0, p.variance[k]));
+      worst = std::max(worst, here);
+      sum += here * here;
+    }
+    return worst + 0.1 * std::sqrt(sum / static_cast<double>(p.error.size()));
+  }
+  /// The logarithm of the worst error's stand-in, an 8-norm.
+  static double smooth_cost(const TrimPrediction& p) {
+    double sum = 0.0;
+    for (std::size_t k = 0; k < p.error.size(); ++k) {
+      const double square = std::norm(p.error[k]) + kCounted * kCounted * std::max(0.0, p.variance[k]);
+      sum += square * square * square * square;
+    }
+    return 0.125 * std::log(std::max(sum, 1e-300));
+  }
+
+  int stepped(std::size_t c, Random& random) const {
+    const auto reach = whole_number<std::uint64_t>(kLongestStep * units_[c], 1);
+    const int by = 1 + static_cast<int>(random.below(reach));
+    return units_[c] + (random.uniform() < 0.5 ? -by : by);
+  }
+
+  /// The coarsest capacitor first.
+  void round_one_after_the_other(Random* random) {
+    std::vector<std::size_t> open = movable_;
+    std::stable_sort(open.begin(), open.end(),
+                     [&](std::size_t a, std::size_t b) { return problem_.units[a] < problem_.units[b]; });
+    if (gram_.size() == 0) find_gram(open);
+    for (std::size_t first = 0; first < open.size(); ++first) {
+      const std::size_t c = open[first];
+      const double spread = random != nullptr ? kRoundingSpread * random->normal() : 0.0;
+      const double wanted = units_[c] * std::exp(real_move(open, first)) + spread;
+      const int last = lowest_[c] + static_cast<int>(places_[c].size()) - 1;
+      move(c, nearest_whole<int>(
+                  std::clamp(wanted, static_cast<double>(lowest_[c]), static_cast<double>(last))));
+    }
+  }
+
+  void find_gram(const std::vector<std::size_t>& order) {
+    const auto count = static_cast<Eigen::Index>(order.size());
+    gram_ = Eigen::MatrixXd::Zero(count, count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      for (Eigen::Index j = 0; j <= i; ++j) {
+        gram_(i, j) = gram_(j, i) = product(problem_.slope[order[static_cast<std::size_t>(i)]],
+                                            problem_.slope[order[static_cast<std::size_t>(j)]]);
+      }
+      gram_(i, i) += kMovePrice * kMovePrice * static_cast<double>(problem_.error.size());
+    }
+  }
+  static double product(const std::vector<Complex>& a, const std::vector<Complex>& b) {
+    double out = 0.0;
+    for (std::size_t k = 0; k < a.size(); ++k) out += a[k].real() * b[k].real() + a[k].imag() * b[k].imag();
+    return out;
+  }
+  /// Of capacitor order[first] when all from there on may be any number: ln of its change.
+  double real_move(const std::vector<std::size_t>& order, std::size_t first) const {
+    const auto count = static_cast<Eigen::Index>(order.size() - first);
+    Eigen::VectorXd b(count);
+    for (Eigen::Index i = 0; i < count; ++i) {
+      b(i) = -product(problem_.slope[order[first + static_cast<std::size_t>(i)]], now_.error);
+    }
+    return solve_ldlt(gram_.bottomRightCorner(count, count), b)(0);
+  }
+
+  /// Ends at the best; its cost.
+  double anneal(Random& random) {
+    double cost = smooth_cost(now_);
+    double best = cost;
+    std::vector<int> best_units = units_;
+    TrimPrediction trial;
+    const double cooling = std::pow(kLastTemperature / kFirstTemperature, 1.0 / std::max(1, problem_.steps));
+    double temperature = kFirstTemperature;
+    for (int step = 0; step < problem_.steps; ++step) {
+      temperature *= cooling;
+      const std::size_t a = movable_[random.below(movable_.size())];
+      const std::size_t b = movable_[random.below(movable_.size())];
+      const int to_a = stepped(a, random);
+      const int to_b = stepped(b, random);
+      const bool pair = random.uniform() < 0.7 && a != b && is_place(b, to_b);
+      if (!is_place(a, to_a)) continue;
+      trial = now_;
+      add(a, to_a, trial);
+      if (pair) add(b, to_b, trial);
+      const double here = smooth_cost(trial);
+      if (here > cost && random.uniform() > std::exp((cost - here) / temperature)) continue;
+      std::swap(now_, trial);
+      units_[a] = to_a;
+      if (pair) units_[b] = to_b;
+      cost = here;
+      if (cost < best) {
+        best = cost;
+        best_units = units_;
+      }
+    }
+    reset(best_units);
+    return best;
+  }
+
+  void exchange() {
+    double now = worst_cost(now_);
+    for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+      const double single = best_single(now);
+      if (single < now) {
+        now = single;
+        continue;
+      }
+      const double pair = best_pair(now);
+      if (!(pair < now)) return;
+      now = pair;
+    }
+  }
+
+  double best_single(double now) {
+    double best = now;
+    std::pair<std::size_t, int> which{0, 0};
+    TrimPrediction trial;
+    for (const std::size_t c : movable_) {
+      for (int to = units_[c] - kReach; to <= units_[c] + kReach; ++to) {
+        if (to == units_[c] || !is_place(c, to)) continue;
+        trial = now_;
+        add(c, to, trial);
+        const double here = worst_cost(trial);
+        if (here < best * (1.0 - 1e-9)) {
+          best = here;
+          which = {c, to};
+        }
+      }
+    }
+    if (best < now) move(which.first, which.second);
+    return best;
+  }
+
+  double best_pair(double now) {
+    double best = now;
+    std::pair<std::size_t, int> first{0, 0};
+    std::pair<std::size_t, int> second{0, 0};
+    TrimPrediction one, both;
+    for (std::size_t i = 0; i < movable_.size(); ++i) {
+      const std::size_t a = movable_[i];
+      for (int to_a = units_[a] - kTrimPairReach; to_a <= units_[a] + kTrimPairReach; ++to_a) {
+        if (to_a == units_[a] || !is_place(a, to_a)) continue;
+        one = now_;
+        add(a, to_a, one);
+        for (std::size_t j = i + 1; j < movable_.size(); ++j) {
+          const std::size_t b = movable_[j];
+          for (int to_b = units_[b] - kTrimPairReach; to_b <= units_[b] + kTrimPairReach; ++to_b) {
+            if (to_b == units_[b] || !is_place(b, to_b)) continue;
+            both = one;
+            add(b, to_b, both);
+            const double here = worst_cost(both);
+            if (here < best * (1.0 - 1e-9)) {
+              best = here;
+              first = {a, to_a};
+              second = {b, to_b};
+            }
+          }
+        }
+      }
+    }
+    if (best < now) {
+      move(first.first, first.second);
+      move(second.first, second.second);
+    }
+    return best;
+  }
+
+  const TrimProblem& problem_;
+  std::vector<int> units_;
+  std::vector<int> lowest_;
+  std::vector<std::vector<TrimPlace>> places_;  ///< of each capacitor, from lowest_ on
+  std::vector<std::vector<double>> slope_norm_;
+  std::vector<std::size_t> movable_;
+  Eigen::MatrixXd gram_;  ///< of the slopes, coarsest capacitor first, with the price of moves
+  TrimPrediction now_;
+};
+
+}  // namespace
+
+std::vector<int> search_trim(const TrimProblem& problem) {
+  return TrimSearch(problem).run();
+}
+
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,37 @@
+#pragma once
+
+#include <complex>
+#include <cstdint>
+#include <vector>
+
+#include "fpaa/device/exchanged_units.hpp"
+
+namespace bodesmith::fpaa {
+
+/// Whole capacitors of a board whose capacitors are known (more or less), by a linear prediction of its error.
+struct TrimProblem {
+  std::vector<int> built;                                ///< units as the board was measured
+  std::vector<double> excess;                            ///< what each has too much, in units (estimated)
+  std::vector<int> units;                                ///< where error and slope are those of
+  std::vector<std::complex<double>> error;               ///< got/wanted - 1, at each frequency
+  std::vector<std::vector<std::complex<double>>> slope;  ///< d error / d ln C: [capacitor][frequency]
+  double unit_variance = 0.0;                            ///< k^2
+  double systematic_units = 0.0;                         ///< in every capacitor, whatever its size
+  UnitArray array = UnitArray::binary;
+  int max_units = 255;
+  double reach = 0.25;  ///< how far a capacitor may go from `units`, relative: the prediction is linear
+  int restarts = 12;    ///< of the rounding; 0: from `units`
+  int steps = 5000;     ///< of the annealing after each
+  std::uint64_t seed = 1;
+};
+
+/// The best found. Far more sets of whole capacitors lie near the built ones than can be tried, and the
+/// response has few degrees of freedom, so that among them are some whose roundings cancel:
+/// real least squares, the coarsest capacitor rounded (to a random neighbour after the first time), the others
+/// solved again, and so on; simulated annealing from there over single capacitors and pairs (Kirkpatrick,
+/// Gelatt and Vecchi, Science 220 (1983) 671) on a smooth stand-in for the worst error, to which two standard
+/// deviations of what exchanged units add belong; last exchanges of one and two capacitors on the worst error
+/// itself. Same seed, same capacitors.
+std::vector<int> search_trim(const TrimProblem& problem);
+
+}  // namespace bodesmith::fpaa

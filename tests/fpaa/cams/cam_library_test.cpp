@@ -1,0 +1,155 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <set>
+
+#include "base/error.hpp"
+#include "fpaa/cams/cam.hpp"
+#include "fpaa/cams/filter_biquad.hpp"
+#include "fpaa/cams/gain_half.hpp"
+#include "fpaa/cams/integrator.hpp"
+#include "fpaa/cams/multiplier.hpp"
+#include "fpaa/cams/sum_diff.hpp"
+#include "fpaa/cams/transfer_function.hpp"
+#include "fpaa/plan/plan.hpp"
+#include "fpaa/seed_sections.hpp"
+#include "lti/frequency_grid.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+using Kind = BiquadCapacitors::Kind;
+
+TEST(CamLibrary, EveryCamFitsInACabOrSaysThatItsResourcesAreUnknown) {
+  std::set<std::string_view> names;
+  for (const Cam* cam : cam_registry().all()) {
+    EXPECT_TRUE(names.insert(cam->name()).second);
+    EXPECT_EQ(&cam_registry().get(cam->name()), cam);
+    const CamFacts& facts = cam->facts();
+    if (facts.resources) {
+      Resources in_cab = *facts.resources;
+      in_cab.lookup_tables = 0;
+      EXPECT_TRUE(in_cab.fits_in(an231k04_quad4().per_cab)) << cam->name();
+    }
+    if (facts.transfer_ground == Ground::unknown) {
+      EXPECT_TRUE(facts.transfer.empty()) << cam->name() << ": nothing unknown may be given";
+    }
+  }
+  EXPECT_GE(names.size(), 14u);
+  EXPECT_THROW(cam_registry().get("FilterMagic"), InputError);
+}
+
+/// The switched-capacitor loop, charge by charge, driven by a sine: an oracle for the closed forms of the
+/// header.
+Complex simulated(const BiquadCapacitors& c, double w_per_clock) {
+  double v1 = 0.0, v2 = 0.0, before = 0.0;
+  const double cp = c.kind == Kind::band_pass ? c.input : 0.0;
+  const double cpp = c.kind == Kind::high_pass ? c.input : 0.0;
+  const double c1 = c.kind == Kind::low_pass ? c.input : 0.0;
+  Complex sum = 0.0, reference = 0.0;
+  const int settle = 60000, count = static_cast<int>(std::lround(400.0 * 2.0 * M_PI / w_per_clock));
+  for (int n = 0; n < settle + count; ++n) {
+    const double in = std::cos(w_per_clock * n);
+    // Second integrator: C3 brings the first one's last output; C4 discharges it (low Q).
+    double charge = c.cb * v2 + c.c3 * v1 - cpp * (in - before);
+    if (!c.high_q) charge -= cp * in;
+    const double v2_next = charge / (c.high_q ? c.cb : c.cb + c.c4);
+    double v1_charge = c.ca * v1 - c1 * in - c.c2 * v2_next;
+    if (c.high_q) v1_charge -= c.c4 * (v2_next - v2) + cp * (in - before);
+    v1 = v1_charge / c.ca;
+    v2 = v2_next;
+    before = in;
+    if (n >= settle) {
+      sum += v2 * std::polar(1.0, -w_per_clock * n);
+      reference += in * std::polar(1.0, -w_per_clock * n);
+    }
+  }
+  return sum / reference;
+}
+
+TEST(FilterBiquad, TransferIsWhatTheChargesDo) {
+  for (const Kind kind : {Kind::low_pass, Kind::band_pass, Kind::high_pass}) {
+    for (const bool high_q : {false, true}) {
+      BiquadCapacitors c;
+      c.kind = kind;
+      c.high_q = high_q;
+      c.input = 20;
+      c.c2 = 15;
+      c.c3 = 17;
+      c.c4 = high_q ? 60 : 12;
+      c.ca = 150;
+      c.cb = 160;
+      for (const double w : {0.05, 0.1, 0.3}) {
+        const Complex closed = c.transfer().response({w}, {1.0});
+        // The second integrator samples V1 of the period before: both forms carry that 1/z in C3.
+        EXPECT_NEAR(std::abs(simulated(c, w) - closed), 0.0, 0.02 * std::abs(closed) + 1e-4)
+            << static_cast<int>(kind) << high_q << " " << w;
+      }
+    }
+  }
+}
+
+TEST(FilterBiquad, ComplexSectionsGoOnTheBoard) {
+  Sections sections;
+  Section resonant;
+  const double w = 2.0 * M_PI * 1000.0;
+  resonant.gain = 0.5 * w * w;
+  resonant.poles = {Complex(-0.3 * w, w * std::sqrt(1 - 0.09)), Complex(-0.3 * w, -w * std::sqrt(1 - 0.09))};
+  sections.sections = {resonant, Section::pole_zero(1.0, {w}, {0.7 * w})};
+  PlanOptions options;
+  options.band = Band{{20.0}, {1500.0}};
+  options.topology = PlanOptions::Topology::chain;
+  const Plan plan = plan_of(sections, options);
+  EXPECT_EQ(plan.cams()[0]->cam_name(), "FilterBiquad");
+  EXPECT_EQ(plan.cams()[0]->resources.opamps, 2);
+  // Half a period of the clock is in 1/z of the low pass: the error falls with the clock.
+  EXPECT_LT(plan.error.max_complex_percent, 8.0);
+  const double dc = plan_response(plan, {0.0}, false).real();
+  EXPECT_NEAR(dc, 0.5, 0.02);
+
+  sections.sections[0].zeros = {-100.0};
+  EXPECT_NE(refusal_of(make_plan(sections, options)), nullptr);
+}
+
+TEST(GainHalf, FastestClockFollowsTheProduct) {
+  EXPECT_DOUBLE_EQ((GainHalf{3, 1, true}).fastest_clock().value, 19.68e6 / 4.0);
+  EXPECT_EQ((GainHalf{1, 1, false}).delay_cycles(), 0.5);
+}
+
+TEST(Integrator, ConstantIsTheSlope) {
+  const Integrator c{10, 100, false};
+  // Response at low frequency: K/s.
+  const double w = 1.0;
+  const Complex h = c.transfer().response({w}, {1000.0});
+  EXPECT_NEAR(std::abs(h), c.constant_per_s({1000.0}) / w, 1e-4);
+}
+
+TEST(SumDiff, ExhaustiveChoiceIsExactForRationals) {
+  const SumDiff c = SumDiff::best({0.5, -0.25, 1.0});
+  EXPECT_DOUBLE_EQ(c.transfer(0).dc_gain(), 0.5);
+  EXPECT_DOUBLE_EQ(c.transfer(1).dc_gain(), -0.25);
+  EXPECT_TRUE(c.inputs[1].inverting);
+  EXPECT_EQ(c.capacitors(), 4);
+}
+
+TEST(Multiplier, QuantisesWithinHalfAStep) {
+  for (double y = -2.99; y < 2.99; y += 0.01)
+    EXPECT_LE(std::abs(Multiplier::quantised(y) - y), 3.0 / 256.0 + 1e-12);
+}
+
+TEST(TransferFunction, TableFollowsTheFunctionWithinOneStep) {
+  const auto d = [](double v) { return 0.3546 * v - 0.6433 * v * v / 3.0; };
+  const LookupTable table = value_or_throw(LookupTable::of(d));
+  double step = 2.0 / table.cout;
+  for (std::size_t entry = 0; entry < 256; ++entry) {
+    const double wanted = std::clamp(d(LookupTable::input_v(entry)), -3.0, 3.0);
+    EXPECT_LE(std::abs(table.output_v(entry) - wanted), 0.5 * step + 1e-9) << entry;
+    EXPECT_EQ(LookupTable::entry_of(LookupTable::input_v(entry)), entry);
+  }
+  EXPECT_NE(refusal_of(LookupTable::of([](double) { return 0.0; })), nullptr);
+  EXPECT_NE(refusal_of(LookupTable::of([](double v) { return 1.0 / (v - v); })), nullptr);
+}
+
+}  // namespace
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,82 @@
+#include "fpaa/plan/error_budget.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "fpaa/cams/cam.hpp"
+#include "fpaa/seed_sections.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+TEST(ErrorBudget, PartsOfTheSeedsPlan) {
+  const Plan& plan = seed_plan();
+  const ErrorBudget budget = error_budget(plan, seed_sections(), {});
+  EXPECT_NEAR(budget.together_percent, plan.error.max_complex_percent, 1e-3);
+  EXPECT_LE(budget.together_percent, budget.warping_percent + budget.quantisation_percent + 1e-3);
+  EXPECT_GT(budget.quantisation_percent, 0.0);
+  // No hold of half a period (9 deg): what moves within a phase is some tenths of a degree.
+  EXPECT_LT(budget.hold_phase_deg, 1.0);
+  EXPECT_LT(budget.image_db, 20.0 * std::log10(103.78 / (2000.0 - 103.78)) + 1.0);
+  ASSERT_EQ(budget.cams.size(), 8u);
+  for (const auto& cam : budget.cams) {
+    EXPECT_LT(cam.settling_product_hz, budget.settling_limit_hz);
+    EXPECT_GT(cam.noise_kt_per_cu, cam.noise_in_band_kt_per_cu);
+  }
+  EXPECT_NEAR(plan.max_input_v * std::max(1.0, budget.cams[0].peak_node_gain), 3.0, 1.5);
+}
+
+TEST(ErrorBudget, MismatchOfOneGainStageIsTheRatiosSpread) {
+  Plan plan;
+  plan.board = "an231k04-quad4";
+  PlacedCam gain;
+  gain.name = "Gain1";
+  gain.cam = cam_registry().find("GainInv");
+  gain.clock_a = {2000.0};
+  gain.capacitors = {{"Cin", 100}, {"Cout", 100}};
+  gain.z = {{-100.0}, {100.0}};
+  plan.chips = {{1, {16e6}, {}, {gain}}};
+  plan.wires = {{"chip1.in1", "chip1.Gain1"}, {"chip1.Gain1", "chip1.out1"}};
+  plan.error.band = {{1.0}, {100.0}};
+  Sections unity;
+  unity.gain = -1.0;
+  BudgetOptions options;
+  options.draws = 20000;
+  const ErrorBudget budget = error_budget(plan, unity, options);
+  // 100 units: 0.05 % each, the ratio sqrt(2) of it. |N(0, sigma)|: median 0.6745 sigma, 95 % 1.960 sigma.
+  const double sigma = 0.05 * std::sqrt(2.0);
+  EXPECT_NEAR(budget.mismatch.median_percent, 0.6745 * sigma, 0.002);
+  EXPECT_NEAR(budget.mismatch.p95_percent, 1.960 * sigma, 0.004);
+  EXPECT_NEAR(budget.mismatch.shares[0].share, 0.5, 1e-3);
+  EXPECT_EQ(error_budget(plan, unity, options).mismatch.max_percent, budget.mismatch.max_percent);
+}
+
+/// 2 kT C a sample through 1/(A - B/z), sum h^2 = 1/(A^2 - B^2), less what the op-amp gives back to Cout and what lies
+/// beyond half the clock.
+TEST(ErrorBudget, NoiseOfALowPassIsSomewhatBelowTwoChargesASample) {
+  Plan plan;
+  plan.board = "an231k04-quad4";
+  PlacedCam filter;
+  filter.name = "Section1";
+  filter.cam = cam_registry().find("FilterBilinear");
+  filter.option = "Low Pass";
+  filter.clock_a = {2000.0};
+  filter.capacitors = {{"Cin", 6}, {"Cint", 50}, {"Cout", 4}};
+  filter.z = {{-6.0}, {54.0, -50.0}};
+  filter.requested = {{"corner_hz", 20.0}, {"gain", 1.5}};
+  plan.chips = {{1, {16e6}, {}, {filter}}};
+  plan.wires = {{"chip1.in1", "chip1.Section1"}, {"chip1.Section1", "chip1.out1"}};
+  plan.error.band = {{1.0}, {100.0}};
+  Sections sections;
+  sections.gain = -1.0;
+  const ErrorBudget budget = error_budget(plan, sections, {});
+  const double two_charges = 2.0 * 10.0 / (54.0 * 54.0 - 50.0 * 50.0);
+  EXPECT_LT(budget.noise_kt_per_cu, two_charges);
+  EXPECT_GT(budget.noise_kt_per_cu, 0.8 * two_charges);
+  // sqrt(kT/C) of 50 fF at 300 K is 287.8 uV.
+  EXPECT_NEAR(budget.noise_model.microvolts(1.0), 287.8, 0.1);
+}
+
+}  // namespace
+}  // namespace bodesmith::fpaa

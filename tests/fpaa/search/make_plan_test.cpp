@@ -1,0 +1,217 @@
+#include <gmock/gmock.h>
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <complex>
+#include <map>
+#include <set>
+
+#include "base/error.hpp"
+#include "base/json.hpp"
+#include "base/json_header.hpp"
+#include "fpaa/plan/plan.hpp"
+#include "fpaa/seed_sections.hpp"
+#include "fpaa/sheets/build_sheet.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+using ::testing::HasSubstr;
+
+/// The response rebuilt from nothing but the capacitors in plan.json.
+Complex from_capacitors(const Plan& plan, double hz) {
+  Complex h = 1.0;
+  for (const PlacedCam* cam : plan.cams()) {
+    std::map<std::string, double> c;
+    for (const Capacitor& capacitor : cam->capacitors) c[capacitor.name] = capacitor.units;
+    const Complex d = 1.0 - std::exp(Complex(0.0, -2.0 * M_PI * hz / cam->clock_a.value));
+    if (cam->option == "Pole and Zero") {
+      h *= -(c["Ca"] + c["Cb"] * d) / (c["Cc"] + c["Cd"] * d);
+    } else if (cam->option == "Low Pass") {
+      h *= -c["Cin"] / (c["Cout"] + c["Cint"] * d);
+    } else if (cam->option == "High Pass") {
+      h *= -c["Cb"] * d / (c["Cc"] + c["Cd"] * d);
+    } else {
+      h *= -c["Cin"] / c["Cout"];
+    }
+  }
+  return h;
+}
+
+double worst_percent(const Plan& plan, const Sections& sections, double from, double to) {
+  double worst = 0.0;
+  for (int i = 0; i <= 2000; ++i) {
+    const double f = from * std::pow(to / from, i / 2000.0);
+    worst = std::max(worst,
+                     100.0 * std::abs(from_capacitors(plan, f) / sections.response(Hertz{f}.rad_s()) - 1.0));
+  }
+  return worst;
+}
+
+void expect_legal(const Plan& plan) {
+  const Board& board = board_by_name(plan.board);
+  std::set<std::string> names;
+  for (const ChipPlan& chip : plan.chips) {
+    std::map<int, Resources> cabs;
+    for (const PlacedCam& cam : chip.cams) {
+      EXPECT_TRUE(names.insert(cam.name).second) << cam.name << " twice";
+      cabs[cam.cab] += cam.resources;
+      for (const Capacitor& c : cam.capacitors) {
+        EXPECT_GE(c.units, 1);
+        // CA and CB of a two-op-amp stage may have two banks.
+        EXPECT_LE(c.units, (c.name == "CA" || c.name == "CB" ? 2 : 1) * board.max_capacitor);
+      }
+      EXPECT_DOUBLE_EQ(chip.clocks.frequency(board, static_cast<std::size_t>(cam.clock_index)).value,
+                       cam.clock_a.value);
+      EXPECT_TRUE(cam.z.is_stable());
+    }
+    EXPECT_LE(static_cast<int>(cabs.size()), board.cabs_per_chip);
+    for (const auto& [cab, used] : cabs) EXPECT_TRUE(used.fits_in(board.per_cab)) << "CAB " << cab;
+  }
+}
+
+TEST(MakePlan, SeedAtTwoKilohertz) {
+  PlanOptions options;
+  options.clock = Hertz{2000.0};
+  const Plan plan = plan_of(seed_sections(), options);
+  expect_legal(plan);
+  EXPECT_EQ(plan.chips.size(), 1u);
+  EXPECT_EQ(plan.chips[0].resources().opamps, 8);
+  EXPECT_EQ(plan.topology, "chain");
+  for (const PlacedCam* cam : plan.cams()) {
+    EXPECT_EQ(cam->cam_name(), "FilterBilinear");
+    EXPECT_DOUBLE_EQ(cam->clock_a.value, 2000.0);
+  }
+  EXPECT_NEAR(plan.error.max_complex_percent,
+              worst_percent(plan, seed_sections(), plan.error.band.from.value, plan.error.band.to.value),
+              1e-3);
+  EXPECT_LE(plan.error.band.from.value, 13.99 / (2.0 * M_PI));
+  EXPECT_GE(plan.error.band.to.value, 652.1 / (2.0 * M_PI) * (1.0 - 1e-12));
+  // What follows its input through phase 1 and keeps its value through phase 2 is not late.
+  EXPECT_LE(plan.error_with_delays.max_complex_percent, 0.6);
+  EXPECT_EQ(plan.signal_path().front(), "chip1.in1");
+  EXPECT_EQ(plan.signal_path().back(), "chip1.out1");
+  EXPECT_FALSE(plan.assumptions.empty());
+  EXPECT_GT(plan.max_input_v, 1.2);
+}
+
+TEST(MakePlan, SameInputSamePlan) {
+  PlanOptions options;
+  options.clock = Hertz{2000.0};
+  EXPECT_EQ(to_text(plan_of(seed_sections(), options).to_json()),
+            to_text(plan_of(seed_sections(), options).to_json()));
+}
+
+TEST(MakePlan, JsonReadsBack) {
+  const Plan plan = plan_of(seed_sections());
+  Json json = json_header("fpaa_plan", {});
+  json.update(plan.to_json());
+  const Plan back = Plan::from_node(parse_json(to_text(json), "plan.json"));
+  EXPECT_EQ(to_text(back.to_json()), to_text(plan.to_json()));
+  for (const double f : {0.5, 20.0, 99.0}) {
+    for (const bool delays : {false, true}) {
+      EXPECT_EQ(plan_response(back, Hertz{f}.rad_s(), delays), plan_response(plan, Hertz{f}.rad_s(), delays));
+    }
+  }
+}
+
+TEST(MakePlan, TotalSignAndGainAreKept) {
+  for (const double gain : {1.0, -1.0, -0.02, 4000.0}) {
+    for (const int count : {1, 2}) {
+      Sections sections = seed_sections();
+      sections.gain = gain;
+      sections.sections.resize(static_cast<std::size_t>(count));
+      sections.sections[0].zeros.pop_back();  // a low pass among them
+      const Plan plan = plan_of(sections);
+      expect_legal(plan);
+      const double dc = plan_response(plan, {0.0}, true).real();
+      EXPECT_NEAR(dc / sections.dc_gain(), 1.0, 0.02) << gain << " " << count;
+      EXPECT_LE(plan.error_with_delays.max_complex_percent, 2.0) << gain << " " << count;
+    }
+  }
+}
+
+TEST(MakePlan, HighPassAndSinglePoleSections) {
+  Sections sections;
+  Section high;
+  high.zeros = {0.0};
+  high.poles = {-200.0};
+  sections.sections = {high, Section::pole_zero(1.0, {300.0}, {900.0})};
+  PlanOptions options;
+  options.band = Band{{5.0}, {300.0}};
+  const Plan plan = plan_of(sections, options);
+  expect_legal(plan);
+  EXPECT_EQ(plan.topology, "chain");
+  EXPECT_LE(plan.error_with_delays.max_complex_percent, 0.7);
+}
+
+TEST(MakePlan, RefusesWithWhatWouldHelp) {
+  const auto message = [](const Sections& sections, const PlanOptions& options = {}) -> std::string {
+    const Outcome<Plan> outcome = make_plan(sections, options);
+    const Refusal* refusal = refusal_of(outcome);
+    return refusal == nullptr ? "" : refusal->reason;
+  };
+  // The vendor has no CAM with a zero in the right half plane.
+  PlanOptions chain;
+  chain.topology = PlanOptions::Topology::chain;
+  Sections right = seed_sections();
+  right.sections[1].zeros = {12.0, -3.0};
+  EXPECT_THAT(message(right, chain), HasSubstr("AnadigmDesigner2"));
+
+  Sections many;
+  for (int i = 0; i < 33; ++i) many.sections.push_back(Section::pole_zero(1.0, {100.0}, {120.0}));
+  EXPECT_THAT(message(many), HasSubstr("33 poles need"));
+
+  Sections endless = seed_sections();
+  endless.gain = 1e300;
+  endless.sections[0].gain = 1e300;
+  EXPECT_THAT(message(endless), HasSubstr("not finite"));
+
+  Sections fast_pole;
+  fast_pole.gain = 1e300;
+  fast_pole.sections = {Section{1e300, {}, {-1e300}}};
+  EXPECT_THAT(message(fast_pole), HasSubstr("below half the board's clock"));
+
+  PlanOptions odd;
+  odd.clock = Hertz{1999.0};
+  EXPECT_THAT(message(seed_sections(), odd), HasSubstr("nearest is"));
+  PlanOptions fast;
+  fast.clock = Hertz{20000.0};
+  EXPECT_THAT(message(seed_sections(), fast), HasSubstr("clock"));
+  PlanOptions board;
+  board.board = "abacus";
+  EXPECT_THAT(message(seed_sections(), board), HasSubstr("an231k04-quad4"));
+  EXPECT_THAT(message(Sections{}), HasSubstr("no sections"));
+}
+
+TEST(MakePlan, ThirtyTwoSectionsComeOnTheBoard) {
+  Sections sections;
+  for (int i = 0; i < 32; ++i) {
+    const double zero = 20.0 * std::pow(1.09, i);
+    sections.sections.push_back(Section::pole_zero(1.0, {zero}, {zero * 1.05}));
+  }
+  PlanOptions options;
+  options.clock = Hertz{4000.0};
+  const Plan plan = plan_of(sections, options);
+  expect_legal(plan);
+  EXPECT_EQ(plan.chips.size(), 4u);
+  EXPECT_LE(plan.error_with_delays.max_complex_percent, 1.0);
+}
+
+TEST(BuildSheet, NamesEveryCamClockAndCapacitor) {
+  const Plan plan = plan_of(seed_sections());
+  const std::string sheet = build_sheet_markdown(plan);
+  for (const PlacedCam* cam : plan.cams()) {
+    EXPECT_THAT(sheet, HasSubstr("**" + cam->name + "**"));
+    for (const Capacitor& c : cam->capacitors) {
+      EXPECT_THAT(sheet, HasSubstr(" " + c.name + " = " + std::to_string(c.units)));
+    }
+  }
+  EXPECT_THAT(sheet, HasSubstr("Chip Clock 0"));
+  EXPECT_THAT(sheet, HasSubstr("Output Phase Phase 1"));
+  EXPECT_THAT(build_sheet_html(plan), HasSubstr("</html>"));
+}
+
+}  // namespace
+}  // namespace bodesmith::fpaa

@@ -1,0 +1,225 @@
+#include "fpaa/trim/trim.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdio>
+
+#include "base/error.hpp"
+#include "fpaa/cams/cam.hpp"
+#include "fpaa/seed_sections.hpp"
+#include "fpaa/trim/trim_search.hpp"
+#include "numeric/random.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+
+double worst_percent_of(const std::vector<Complex>& got, const std::vector<Complex>& wanted) {
+  double worst = 0.0;
+  for (std::size_t k = 0; k < got.size(); ++k) {
+    worst = std::max(worst, 100.0 * std::abs(got[k] / wanted[k] - 1.0));
+  }
+  return worst;
+}
+
+MeasuredBoard measured_on(const Plan& plan, const std::vector<double>& units, const std::vector<Hertz>& grid,
+                          double noise, bool with_phase, Random& random) {
+  const DrawnBoard board(plan, grid);
+  MeasuredBoard out;
+  out.grid = grid;
+  for (const Complex& h : board.response(units)) {
+    out.gain.push_back(std::abs(h) * std::exp(noise * random.normal()));
+    if (with_phase) out.phase_rad.push_back(std::arg(h) + noise * random.normal());
+  }
+  return out;
+}
+
+/// A board drawn unit by unit: what each capacitor is with any number of units.
+class UnitBoard {
+ public:
+  /// Relative: every capacitor keeps its relative error, whatever its units.
+  enum class Kind { nested, binary, relative };
+  UnitBoard(std::size_t capacitors, Kind kind, double unit_percent, std::uint64_t seed)
+      : kind_(kind), k_(unit_percent / 100.0) {
+    Random random(seed);
+    for (std::size_t c = 0; c < capacitors; ++c) {
+      errors_.emplace_back();
+      for (int i = 0; i < 255; ++i) errors_[c].push_back(random.normal());
+    }
+  }
+  std::vector<double> sizes(const std::vector<double>& units, const std::vector<double>& designed) const {
+    std::vector<double> out;
+    for (std::size_t c = 0; c < units.size(); ++c) {
+      const int n = static_cast<int>(std::lround(units[c]));
+      double excess = 0.0;
+      for (int i = 0; kind_ == Kind::nested && i < n; ++i) excess += errors_[c][static_cast<std::size_t>(i)];
+      for (int bit = 0; kind_ == Kind::binary && bit < 8; ++bit) {
+        if ((n >> bit) & 1) excess += std::sqrt(1 << bit) * errors_[c][static_cast<std::size_t>(bit)];
+      }
+      if (kind_ == Kind::relative && n > 0) excess = n / std::sqrt(designed[c]) * errors_[c][0];
+      out.push_back(n + k_ * excess);
+    }
+    return out;
+  }
+
+ private:
+  Kind kind_;
+  double k_;
+  std::vector<std::vector<double>> errors_;
+};
+
+struct BlindSetting {
+  int boards = 20;
+  int points = 40;
+  double noise = 3e-4;
+  bool with_phase = true;
+  UnitBoard::Kind kind = UnitBoard::Kind::binary;
+  UnitArray array = UnitArray::binary;  ///< what the trim takes the units to be
+  std::uint64_t seed = 1000;
+};
+
+/// Worst complex error over the band, percent, of the true board: as built, after one trim, after a second
+/// (measured again).
+struct BlindTrim {
+  double before = 0.0;
+  double after = 0.0;
+  double again = 0.0;
+};
+
+BlindTrim blind_trim(const Plan& plan, const std::vector<Complex>& wanted, const std::vector<Hertz>& grid,
+                     const BlindSetting& setting, std::uint64_t seed, int rounds) {
+  TrimOptions options;
+  options.array = setting.array;
+  options.search_steps = 3000;
+  options.samples = 200;
+  Random random(seed);
+  const DrawnBoard designed(plan, grid);
+  const UnitBoard truth(designed.capacitor_count(), setting.kind, options.mismatch.unit_percent, seed + 77);
+  BlindTrim out;
+  Plan now = plan;
+  for (int round = 0; round <= rounds; ++round) {
+    const DrawnBoard board(now, grid);
+    const std::vector<double> sizes = truth.sizes(board.nominal_units(), designed.nominal_units());
+    (round == 0   ? out.before
+     : round == 1 ? out.after
+                  : out.again) = worst_percent_of(board.response(sizes), wanted);
+    if (round == rounds) break;
+    const MeasuredBoard measured = measured_on(now, sizes, log_grid(plan.error.band, setting.points),
+                                               setting.noise, setting.with_phase, random);
+    now = trim_board(now, wanted, grid, measured, options).plan;
+  }
+  return out;
+}
+
+struct BlindResult {
+  double before_95 = 0.0;
+  double after_95 = 0.0;
+  double again_95 = 0.0;
+  int worse = 0;
+};
+
+BlindResult blind_boards(const Plan& plan, const BlindSetting& setting, int rounds = 1) {
+  const std::vector<Hertz> grid = trim_grid(plan, {});
+  const DrawnBoard designed(plan, grid);
+  const std::vector<Complex> wanted = designed.response(designed.nominal_units());
+  std::vector<double> before, after, again;
+  BlindResult out;
+  for (int b = 0; b < setting.boards; ++b) {
+    const BlindTrim one =
+        blind_trim(plan, wanted, grid, setting, setting.seed + static_cast<std::uint64_t>(b), rounds);
+    before.push_back(one.before);
+    after.push_back(one.after);
+    again.push_back(one.again);
+    out.worse += one.after > one.before * (1.0 + 1e-12) ? 1 : 0;
+  }
+  const auto p95 = [&](std::vector<double>& values) {
+    std::sort(values.begin(), values.end());
+    return values[static_cast<std::size_t>(0.95 * (setting.boards - 1))];
+  };
+  out.before_95 = p95(before);
+  out.after_95 = p95(after);
+  out.again_95 = p95(again);
+  std::printf("95 %% before %.4f after %.4f (%.3f) again %.4f (%.3f), worse %d\n", out.before_95,
+              out.after_95, out.after_95 / out.before_95, out.again_95, out.again_95 / out.before_95,
+              out.worse);
+  return out;
+}
+
+TEST(Trim, BringsBoardsToAQuarterAndNoneFurtherAway) {
+  using Kind = UnitBoard::Kind;
+  for (const Kind kind : {Kind::binary, Kind::nested, Kind::relative}) {
+    const BlindResult boards = blind_boards(seed_plan(), {.kind = kind});
+    EXPECT_LT(boards.after_95, 0.25 * boards.before_95);
+    EXPECT_EQ(boards.worse, 0);
+  }
+}
+
+TEST(Trim, MeasuredAndTrimmedAgainIsBetterStill) {
+  const BlindResult boards = blind_boards(seed_plan(), {.boards = 10, .seed = 700}, 2);
+  EXPECT_LT(boards.again_95, boards.after_95);
+  EXPECT_LT(boards.again_95, 0.3 * boards.before_95);
+}
+
+/// The same sections with the clocks searched: their capacitors are chosen for little mismatch and leave less to trim.
+TEST(Trim, HelpsPlansOfSeveralClocksToo) {
+  const Plan plan = plan_of(seed_sections());
+  const BlindResult boards = blind_boards(plan, {.boards = 10, .noise = 1e-4, .seed = 500});
+  EXPECT_LT(boards.after_95, 0.7 * boards.before_95);
+  EXPECT_EQ(boards.worse, 0);
+}
+
+TEST(Trim, FewFrequenciesAndMagnitudesAloneHelpToo) {
+  const BlindResult few = blind_boards(seed_plan(), {.points = 5, .seed = 2000});
+  EXPECT_LT(few.after_95, 0.35 * few.before_95);
+  EXPECT_EQ(few.worse, 0);
+  const BlindResult magnitudes = blind_boards(seed_plan(), {.with_phase = false, .seed = 3000});
+  EXPECT_LT(magnitudes.after_95, 0.45 * magnitudes.before_95);
+  EXPECT_EQ(magnitudes.worse, 0);
+}
+
+TEST(Trim, KeepsTheCapacitorsWhereTheMeasurementSaysNothing) {
+  // 5 % of noise at three frequencies, on boards that are off by less.
+  const BlindResult noisy = blind_boards(seed_plan(), {.points = 3, .noise = 0.05, .seed = 4000});
+  EXPECT_EQ(noisy.worse, 0);
+}
+
+TEST(Trim, FindsTheNoiseOfTheMeasurement) {
+  Random random(7);
+  const Plan& plan = seed_plan();
+  const DrawnBoard board(plan, log_grid(plan.error.band, 60));
+  const std::vector<double> truth = board.drawn({}, random);
+  const MeasuredBoard measured = measured_on(plan, truth, board.grid(), 1e-3, true, random);
+  const BoardEstimate estimate = estimate_board(plan, measured, {});
+  EXPECT_NEAR(estimate.noise / 1e-3, 1.0, 0.25);
+  // The estimate is nearer than the plan where it matters: the response.
+  std::vector<double> units = board.nominal_units();
+  for (std::size_t c = 0; c < units.size(); ++c) units[c] *= std::exp(estimate.error[c]);
+  const auto real = board.response(truth);
+  EXPECT_LT(worst_percent_of(board.response(units), real),
+            0.5 * worst_percent_of(board.response(board.nominal_units()), real));
+}
+
+TEST(Trim, RefusesAMeasurementOfAnotherBoard) {
+  Random random(1);
+  const DrawnBoard board(seed_plan(), log_grid(seed_plan().error.band, 10));
+  MeasuredBoard measured = measured_on(seed_plan(), board.nominal_units(), board.grid(), 0.0, true, random);
+  for (double& gain : measured.gain) gain *= 3.0;
+  EXPECT_THROW(estimate_board(seed_plan(), measured, {}), DesignError);
+}
+
+TEST(TrimSearch, FindsWholeCapacitorsThatUndoAKnownError) {
+  // ln(a/b): 200/100 is off by the error that 203/100 has; slopes of a ratio.
+  TrimProblem problem;
+  problem.built = problem.units = {203, 100};
+  problem.excess = {0.0, 0.0};
+  problem.error = {std::log(203.0 / 200.0)};
+  problem.slope = {{1.0}, {-1.0}};
+  const std::vector<int> units = search_trim(problem);
+  EXPECT_NEAR(std::log(units[0] / 200.0) - std::log(units[1] / 100.0), 0.0, 1e-3);
+}
+
+}  // namespace
+}  // namespace bodesmith::fpaa

@@ -11,29 +11,6 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// Sum of coefficients times powers of z^-1.
-Complex z_polynomial(const std::vector<double>& coefficients, Complex z1) {
-  Complex sum = 0.0;
-  for (std::size_t i = coefficients.size(); i-- > 0;) sum = sum * z1 + coefficients[i];
-  return sum;
-}
-
-Complex clocked_response(const ClockedCompensator& c, RadPerSecond w) {
-  // Beyond half the clock the unit circle repeats; without hold the capacitors' own answer is held at its
-  // last value.
-  const double cycles = w.hz().value / c.clock.value;
-  const double used = c.hold_and_delays ? cycles : std::min(cycles, 0.5);
-  const Complex z1 = std::polar(1.0, -2.0 * std::numbers::pi * used);
-  Complex h = c.gain;
-  for (const auto& section : c.sections) {
-    h *= z_polynomial(section.numerator, z1) / z_polynomial(section.denominator, z1);
-  }
-  if (!c.hold_and_delays) return h;
-  const double phase = std::numbers::pi * cycles;
-  const double sinc = phase == 0.0 ? 1.0 : std::sin(phase) / phase;
-  return h * sinc * std::polar(1.0, -phase * (1.0 + 2.0 * c.delay_cycles));
-}
-
 }  // namespace
 
 std::complex<double> compensator_response(const Compensator& compensator, RadPerSecond w) {
@@ -43,7 +20,6 @@ std::complex<double> compensator_response(const Compensator& compensator, RadPer
     Complex operator()(const ConstantGain& c) const { return c.gain; }
     Complex operator()(const Sections& c) const { return c.response(w); }
     Complex operator()(const ResponseCompensator& c) const { return c.response(w); }
-    Complex operator()(const ClockedCompensator& c) const { return clocked_response(c, w); }
     Complex operator()(const ScheduledGain&) const { return 0.0; }
     Complex operator()(const SlopeGain&) const { return 0.0; }
     Complex operator()(const FilterAndSchedule& c) const {
@@ -101,11 +77,6 @@ ScheduledGain rest_of(const Sections& filter, const Disturbance& disturbance, Di
     out.gain.push_back(square > 0.0 ? product / square : 0.0);
   }
   return out;
-}
-
-const ClockedCompensator* clocked_part(const Compensator& compensator) {
-  const auto* clocked = std::get_if<ClockedCompensator>(&compensator);
-  return clocked != nullptr && clocked->hold_and_delays ? clocked : nullptr;
 }
 
 }  // namespace bodesmith::tracking

@@ -57,28 +57,10 @@ struct ResponseCompensator {
   double approximation_error_db = 0.0;
 };
 
-/// A chain of switched-capacitor sections: sampled at the clock, filtered, held for a cycle.
-struct ClockedCompensator {
-  /// b0 + b1 z^-1 + ... over a0 + a1 z^-1 + ..., degree at most 2.
-  struct SectionZ {
-    std::vector<double> numerator;
-    std::vector<double> denominator;
-  };
-  std::vector<SectionZ> sections;
-  Hertz clock;
-  double gain = 1.0;
-  /// Pure delay beyond the hold, in clock cycles (half a cycle for each section that adds one).
-  double delay_cycles = 0.0;
-  /// False: only the transfer functions on the unit circle, H(e^(jw/fc)), without hold, delay and images:
-  /// what the capacitors alone change.
-  bool hold_and_delays = true;
-};
+using Compensator = std::variant<Uncompensated, ConstantGain, Sections, ResponseCompensator, ScheduledGain,
+                                 SlopeGain, FilterAndSchedule>;
 
-using Compensator = std::variant<Uncompensated, ConstantGain, Sections, ResponseCompensator,
-                                 ClockedCompensator, ScheduledGain, SlopeGain, FilterAndSchedule>;
-
-/// The frequency response by which a compensator acts on a waveform; for a clocked one with or without hold
-/// and delay. Gains that are set by a frequency have none (see settled_at) and count as nothing.
+/// The frequency response by which a compensator acts on a waveform. Gains that are set by a frequency have none (see settled_at) and count as nothing.
 std::complex<double> compensator_response(const Compensator& compensator, RadPerSecond w);
 
 /// The compensator as it is at one operating frequency: a scheduled gain has become a constant one.
@@ -92,8 +74,5 @@ double gain_slope_at(const ScheduledGain& table, double hz);
 /// k that makes the rms of F{w} + k w - K w smallest for the disturbance's waveform w of that branch, alternating
 /// as it does when a triangle is followed and the filter stands before the switch.
 ScheduledGain rest_of(const Sections& filter, const Disturbance& disturbance, Disturbance::Branch branch);
-
-/// A clocked compensator that is worked out edge by edge; else null.
-const ClockedCompensator* clocked_part(const Compensator& compensator);
 
 }  // namespace bodesmith::tracking

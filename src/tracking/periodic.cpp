@@ -57,10 +57,9 @@ std::vector<double> PeriodicTracking::branch_waveform(std::size_t branch,
   return w;
 }
 
-PeriodicTracking::Prepared PeriodicTracking::prepared(const Compensator& compensator, Clocked clocked) const {
+PeriodicTracking::Prepared PeriodicTracking::prepared(const Compensator& compensator) const {
   Prepared out;
   if (std::holds_alternative<Uncompensated>(compensator)) return out;
-  if (clocked == Clocked::left_out && std::holds_alternative<ClockedCompensator>(compensator)) return out;
   if (const auto* constant = std::get_if<ConstantGain>(&compensator)) {
     out.gain.assign(n_, constant->gain);
     return out;
@@ -173,9 +172,9 @@ std::vector<double> PeriodicTracking::displacement(const std::vector<double>& dr
   return through_path(plant_.stage_path, q, step);
 }
 
-PeriodicState PeriodicTracking::solve(const Design& design, Clocked clocked) const {
+PeriodicState PeriodicTracking::solve(const Design& design) const {
   PeriodicState out;
-  const Both compensators = {prepared(design.ascending, clocked), prepared(design.descending, clocked)};
+  const Both compensators = {prepared(design.ascending), prepared(design.descending)};
   if (design.form.is_self_fed()) {
     out.drive = self_fed_drive(design, compensators);
     out.heard.push_back(out.drive);

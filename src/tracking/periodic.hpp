@@ -24,11 +24,8 @@ class PeriodicTracking {
  public:
   PeriodicTracking(const Plant& plant, const Options& options, Hertz frequency);
 
-  /// Clocked branches: with their smooth share (hold and delay, no images), or left out (to be added in the
-  /// time domain).
-  enum class Clocked { smooth, left_out };
   /// DesignError when a loop round the generator does not settle.
-  PeriodicState solve(const Design& design, Clocked clocked = Clocked::smooth) const;
+  PeriodicState solve(const Design& design) const;
 
   Hertz frequency() const { return frequency_; }
   const Reference& form() const { return shape_; }
@@ -54,7 +51,7 @@ class PeriodicTracking {
     std::vector<double> gain;
   };
   using Both = std::array<Prepared, 2>;
-  Prepared prepared(const Compensator& compensator, Clocked clocked) const;
+  Prepared prepared(const Compensator& compensator) const;
   std::vector<double> compensated(const Prepared& compensator, std::size_t branch,
                                   const std::vector<double>& heard) const;
   std::vector<double> compensation(const Both& compensators, const std::vector<double>& heard) const;

@@ -10,7 +10,6 @@
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "numeric/parallel_for.hpp"
-#include "tracking/clocked.hpp"
 #include "tracking/continuous.hpp"
 #include "tracking/periodic.hpp"
 
@@ -44,10 +43,6 @@ void validate(const std::string& design, const Compensator& compensator) {
   if (const auto* scheduled = std::get_if<ScheduledGain>(&compensator)) validate(design, *scheduled);
   if (const auto* measured = std::get_if<SlopeGain>(&compensator)) validate(design, measured->table);
   if (const auto* sum = std::get_if<FilterAndSchedule>(&compensator)) validate(design, sum->schedule);
-  const auto* clocked = std::get_if<ClockedCompensator>(&compensator);
-  if (clocked != nullptr && !(clocked->clock.value > 0.0)) {
-    throw InputError(fmt::format("design '{}': the clock is not above 0 Hz", design));
-  }
 }
 
 void validate(const Plant& plant, const std::vector<Design>& designs, const Options& options) {
@@ -88,12 +83,7 @@ Tracked displacement_of(const Plant& plant, const Design& design, const Options&
   Tracked out{Method::harmonic, state.displacement, periodic.reference(), std::nullopt};
   if (!options.time_domain || plant.stage) return out;
   const std::size_t samples = kSamples * periodic.form().periods();
-  if (clocked_part(design.ascending) != nullptr || clocked_part(design.descending) != nullptr) {
-    // Where the generator hears a clocked waveform the board's own simulation is the time domain.
-    if (design.form.passes != 1) return out;
-    out.method = Method::exact;
-    out.displacement = track_clocked(plant, design, options, periodic, samples);
-  } else if (auto sampled = track_continuous(plant, design, options, periodic, state, samples)) {
+  if (auto sampled = track_continuous(plant, design, options, periodic, state, samples)) {
     out.method = Method::cvode;
     out.displacement = std::move(*sampled);
   } else {

@@ -17,8 +17,6 @@ std::string_view to_string(Method method) {
       return "harmonic";
     case Method::cvode:
       return "cvode";
-    case Method::exact:
-      return "exact";
   }
   return "";
 }

@@ -84,7 +84,7 @@ struct Options {
   Argument argument = Argument::drive;
   double alpha = 1.0;              ///< amplitude of x
   bool also_on_reference = false;  ///< fill in Case::on_reference_percent
-  bool time_domain = true;  ///< integrate a period in CVODE (clocked designs: exact propagation) and check
+  bool time_domain = true;  ///< integrate a period in CVODE and check
   double relative_tolerance = 1e-7;  ///< CVODE
   std::size_t harmonics = 4096;      ///< of the periodic computation; a power of two
   std::size_t keep_samples = 400;    ///< samples a period of the waveforms kept in the report
@@ -94,7 +94,6 @@ struct Options {
 enum class Method {
   harmonic,  ///< linear parts harmonic by harmonic, the rest sample by sample; clocked designs without images
   cvode,     ///< one period integrated
-  exact,     ///< clocked: edge by edge, matrix exponentials between
 };
 std::string_view to_string(Method method);
 

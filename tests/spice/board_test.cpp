@@ -115,6 +115,7 @@ Plan plan_of_one(const PlacedCam& cam) {
 /// Parts that are ideal at this clock, and quick to compute.
 NetlistParts ideal_parts(double clock) {
   NetlistParts parts;
+  parts.gap = 0.01;
   parts.opamp = {{60.0 * clock}, 1e7};
   parts.switch_on_ohm = 1.0 / (300.0 * clock * 500.0 * parts.unit_capacitance_f);
   parts.switch_off_ohm = 1e6 / (clock * parts.unit_capacitance_f);

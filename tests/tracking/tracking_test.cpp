@@ -100,22 +100,6 @@ Plant seed_plant() {
   return plant;
 }
 
-/// Bilinear images of real pole-zero sections at a clock.
-ClockedCompensator bilinear(const Sections& sections, Hertz clock) {
-  ClockedCompensator out;
-  out.clock = clock;
-  out.gain = sections.gain;
-  const double k = 2.0 * clock.value;
-  for (const Section& s : sections.sections) {
-    out.gain *= s.gain;
-    for (size_t i = 0; i < s.poles.size(); ++i) {
-      out.sections.push_back(
-          {{k - s.zeros[i].real(), -k - s.zeros[i].real()}, {k - s.poles[i].real(), -k - s.poles[i].real()}});
-    }
-  }
-  return out;
-}
-
 TEST(Tracking, EveryDesignAgreesWithTheHarmonicComputation) {
   const auto cascade = ideal(seed_cascade());
   const std::vector<Design> designs = {{"none", Uncompensated{}, Uncompensated{}, ""},
@@ -168,36 +152,6 @@ TEST(Tracking, ThePureDelayOfAPathIsFoundAndRemoved) {
   // What is left is the lag's loss of amplitude, (w tau)^2/2 of 1/2.
   const double loss = 0.5 * std::pow(2.0 * kPi * 10.0 * 50e-6, 2);
   EXPECT_NEAR(report.cases[0].rms_percent_without_lag, 100.0 * loss * 0.5 / std::sqrt(2.0), 1e-6);
-}
-
-TEST(Tracking, AFastClockTendsToTheContinuousSections) {
-  const auto cascade = ideal(seed_cascade());
-  double last = 1e9;
-  for (const double clock : {2e3, 2e4, 2e5}) {
-    const std::vector<Design> designs = {
-        {"sections", ConstantGain{}, *cascade.approximation, ""},
-        {"clocked", ConstantGain{}, bilinear(*cascade.approximation, Hertz{clock}), "sections"}};
-    const auto report = track(seed_plant(), designs, at({60.0}));
-    EXPECT_EQ(report.cases[1].method, Method::exact);
-    const double difference = std::abs(report.cases[1].rms_percent - report.cases[0].rms_percent);
-    EXPECT_LT(difference, 0.3 * last);
-    EXPECT_NEAR(report.cases[1].lost_rms_percent, 0.4618 * 2e3 / clock, 0.1 * 2e3 / clock);
-    last = difference;
-  }
-}
-
-TEST(Tracking, CapacitorsAloneAreSeparatedFromHoldAndDelay) {
-  const auto cascade = ideal(seed_cascade());
-  auto quantised = bilinear(*cascade.approximation, Hertz{2000.0});
-  const auto whole = quantised;
-  quantised.hold_and_delays = false;
-  const std::vector<Design> designs = {{"constant", ConstantGain{}, ConstantGain{}, ""},
-                                       {"sections", ConstantGain{}, *cascade.approximation, ""},
-                                       {"quantised", ConstantGain{}, quantised, "sections"},
-                                       {"fpaa", ConstantGain{}, whole, "quantised"}};
-  const auto report = track(seed_plant(), designs, at({10.0, 100.0}));
-  EXPECT_LT(report.find(Hertz{100.0}, "quantised")->lost_rms_percent, 0.03);
-  EXPECT_GT(report.find(Hertz{100.0}, "fpaa")->lost_rms_percent, 0.5);
 }
 
 TEST(Tracking, AGainScheduledOnFrequencyLeavesOnlyItsTablesError) {

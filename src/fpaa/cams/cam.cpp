@@ -49,12 +49,6 @@ std::vector<DeltaTransfer> Cam::transfers(const PlacedCam& cam, const CapacitorU
   return out;
 }
 
-std::vector<DeltaTransfer> transfers_of(const PlacedCam& cam, std::span<const double> units) {
-  CapacitorUnits named(cam.capacitors);
-  std::copy_n(units.begin(), cam.capacitors.size(), named.values().begin());
-  return cam.cam->transfers(cam, named);
-}
-
 std::complex<double> Cam::unquantised(const PlacedCam& cam, RadPerSecond w) const {
   return cam.z.response(w, cam.clock_a);
 }

@@ -115,9 +115,6 @@ class Cam {
   CamFacts facts_;
 };
 
-/// `cam.cam`'s transfers with these capacitors, in the order of `cam.capacitors` (more may follow).
-std::vector<DeltaTransfer> transfers_of(const PlacedCam& cam, std::span<const double> units);
-
 /// Every CAM, in the order of AnadigmDesigner2's menu (cams/registry.cpp).
 Registry<Cam>& cam_registry();
 

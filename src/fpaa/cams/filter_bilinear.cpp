@@ -177,25 +177,6 @@ Hertz HighPassCapacitors::corner(Hertz clock) const {
   return branch_corner(cc, cd, clock);
 }
 
-LowPassCapacitors vendor_low_pass(Hertz corner, double gain, Hertz clock, int max_capacitor) {
-  const double w = 2.0 * clock.value * std::tan(std::numbers::pi * corner.value / clock.value);
-  const double ratio = clock.value / w - 0.5;
-  const double max_units = max_capacitor;
-  LowPassCapacitors best;
-  double min_error = std::numeric_limits<double>::infinity();
-  for (int cint = max_capacitor; cint >= 1; --cint) {
-    const double cout = std::clamp(std::round(cint / ratio), 1.0, max_units);
-    const double cin = std::clamp(std::round(gain * cout), 1.0, max_units);
-    const double realised_w = 2.0 * clock.value * cout / (2.0 * cint + cout);
-    const double error = std::abs(realised_w / w - 1.0) + std::abs(cin / cout / gain - 1.0);
-    if (error < min_error) {
-      min_error = error;
-      best = {static_cast<int>(cin), cint, static_cast<int>(cout)};
-    }
-  }
-  return best;
-}
-
 const Cam& filter_bilinear_cam() {
   static const FilterBilinear cam;
   return cam;

@@ -81,12 +81,6 @@ struct HighPassCapacitors {
   double gain() const { return 2.0 * cb / (cc + 2 * cd); }
 };
 
-/// The vendor's generated code for the low pass (an_setFilterLowPass): scans Cint = 255 ... 1 with
-///   Cout = round(Cint / (fc/w - 1/2)), Cin = round(G Cout),  w = 2 fc tan(pi f0/fc),
-/// (each constrained to 1 ... 255) and keeps the first set whose corner and gain errors are least (sum of
-/// both relative errors).
-LowPassCapacitors vendor_low_pass(Hertz corner, double gain, Hertz clock, int max_capacitor = 255);
-
 const Cam& filter_bilinear_cam();
 
 }  // namespace bodesmith::fpaa

@@ -1,5 +1,3 @@
-#include "fpaa/cams/gain_half.hpp"
-
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {

@@ -1,5 +1,3 @@
-#include "fpaa/cams/integrator.hpp"
-
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {

@@ -3,8 +3,6 @@
 #include <cmath>
 #include <limits>
 
-#include "fpaa/cams/clocked_factors.hpp"
-
 namespace bodesmith::fpaa {
 namespace {
 
@@ -73,14 +71,6 @@ DeltaTransfer in_delta(const ZTransfer& z) {
   // z^-k = (1 - D)^k: the same change of variable in either direction.
   const ZTransfer swapped = DeltaTransfer{z.numerator, z.denominator}.in_z();
   return {swapped.numerator, swapped.denominator};
-}
-
-std::complex<double> zero_order_hold(RadPerSecond w, Hertz clock) {
-  return hold_factor(0.5 * w.value / clock.value);
-}
-
-std::complex<double> cycle_delay(RadPerSecond w, Hertz clock, double cycles) {
-  return std::polar(1.0, -w.value * cycles / clock.value);
 }
 
 }  // namespace bodesmith::fpaa

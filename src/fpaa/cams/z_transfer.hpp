@@ -38,9 +38,4 @@ struct DeltaTransfer {
 /// The same transfer in powers of D.
 DeltaTransfer in_delta(const ZTransfer& z);
 
-/// Zero-order hold of one clock period: exp(-j pi f/fc) sinc(f/fc), the mean over a period of a held sample.
-std::complex<double> zero_order_hold(RadPerSecond w, Hertz clock);
-/// A delay of `cycles` periods of the clock.
-std::complex<double> cycle_delay(RadPerSecond w, Hertz clock, double cycles);
-
 }  // namespace bodesmith::fpaa

@@ -107,12 +107,6 @@ struct ControllerVariant {
   const OutsidePart* find_outside(std::string_view name) const;
 };
 
-/// Tracking of one variant as it runs, put in by whoever has a stage for it.
-struct ControllerTracking {
-  std::vector<double> rms_percent;  ///< lag removed, one a frequency
-  double worst_percent = 0.0;
-};
-
 struct Controller {
   std::vector<ControllerVariant> variants;
   std::size_t chosen = 0;

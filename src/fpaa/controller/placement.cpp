@@ -61,25 +61,6 @@ Refusal too_many(std::size_t cams, std::size_t placed, const Board& board) {
 
 }  // namespace
 
-Outcome<std::vector<Place>> place_in_order(const std::vector<Resources>& cams, const Board& board) {
-  std::vector<Place> out;
-  int chip = 1;
-  std::optional<ChipRoom> room(board);
-  for (const Resources& cam : cams) {
-    std::optional<int> cab = room->take(cam);
-    if (!cab && chip < board.chips) {
-      ++chip;
-      room.emplace(board);
-      cab = room->take(cam);
-    }
-    if (!cab) {
-      return too_many(cams.size(), out.size(), board);
-    }
-    out.push_back({chip, *cab});
-  }
-  return out;
-}
-
 Outcome<std::vector<Place>> place_groups(const std::vector<Resources>& cams, const std::vector<int>& groups,
                                          const Board& board) {
   std::map<int, std::vector<std::size_t>> members;

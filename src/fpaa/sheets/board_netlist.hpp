@@ -18,8 +18,9 @@ struct NetlistParts {
   /// phases has no voltage, and a simulator's matrix no solution.
   double stray_units = 1e-3;
   OpAmpModel opamp;
-  /// Both phases of a clock end this share of a period before the other begins.
-  double gap = 0.01;
+  /// Both phases of a clock end this share of a period before the other begins. It is as if they sampled so much
+  /// earlier, which is an error of pi f/fc of it: a chip's are nanoseconds.
+  double gap = 0.0005;
 };
 
 /// board.sub: the plan as switched capacitors, `.subckt board in out`, ground node 0 (the chips' differential

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "base/json_fwd.hpp"
+#include "fpaa/streams/board_networks.hpp"
 #include "fpaa/streams/stream_file.hpp"
-#include "fpaa/streams/transfers.hpp"
 
 namespace bodesmith::fpaa::an231 {
 

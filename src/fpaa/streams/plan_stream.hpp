@@ -6,7 +6,7 @@
 
 #include "base/outcome.hpp"
 #include "fpaa/plan/plan.hpp"
-#include "fpaa/streams/charge_system.hpp"
+#include "fpaa/streams/board_networks.hpp"
 #include "fpaa/streams/chip_layout.hpp"
 
 namespace bodesmith::fpaa::an231 {

@@ -6,8 +6,8 @@
 #include <vector>
 
 #include "fpaa/plan/plan.hpp"
+#include "fpaa/streams/board_networks.hpp"
 #include "fpaa/streams/netlist.hpp"
-#include "fpaa/streams/pin_networks.hpp"
 
 namespace bodesmith::fpaa::an231 {
 

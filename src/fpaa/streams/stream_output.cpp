@@ -11,7 +11,7 @@
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "fpaa/plan/switched_board.hpp"
-#include "fpaa/streams/pin_networks.hpp"
+#include "fpaa/streams/board_networks.hpp"
 
 namespace bodesmith::fpaa::an231 {
 namespace {

@@ -6,8 +6,6 @@
 #include "base/error.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/cams/filter_biquad.hpp"
-#include "fpaa/cams/gain_half.hpp"
-#include "fpaa/cams/integrator.hpp"
 #include "fpaa/cams/multiplier.hpp"
 #include "fpaa/cams/sum_diff.hpp"
 #include "fpaa/cams/transfer_function.hpp"
@@ -110,19 +108,6 @@ TEST(FilterBiquad, ComplexSectionsGoOnTheBoard) {
 
   sections.sections[0].zeros = {-100.0};
   EXPECT_NE(refusal_of(make_plan(sections, options)), nullptr);
-}
-
-TEST(GainHalf, FastestClockFollowsTheProduct) {
-  EXPECT_DOUBLE_EQ((GainHalf{3, 1, true}).fastest_clock().value, 19.68e6 / 4.0);
-  EXPECT_EQ((GainHalf{1, 1, false}).delay_cycles(), 0.5);
-}
-
-TEST(Integrator, ConstantIsTheSlope) {
-  const Integrator c{10, 100, false};
-  // Response at low frequency: K/s.
-  const double w = 1.0;
-  const Complex h = c.transfer().response({w}, {1000.0});
-  EXPECT_NEAR(std::abs(h), c.constant_per_s({1000.0}) / w, 1e-4);
 }
 
 TEST(SumDiff, ExhaustiveChoiceIsExactForRationals) {

@@ -37,38 +37,12 @@ TEST(FilterBilinear, CornerAndRatioAreInverse) {
   EXPECT_NEAR(2000.0 / branch_corner(1, 255, {2000.0}).value, 1605.0, 0.5);
 }
 
-TEST(FilterBilinear, VendorsLowPassScanKeepsItsFormulas) {
-  const Hertz clock{250e3};
-  const LowPassCapacitors c = vendor_low_pass({5e3}, 2.0, clock);
-  const double w = 2.0 * clock.value * std::tan(std::numbers::pi * 5e3 / clock.value);
-  EXPECT_EQ(c.cout, std::lround(c.cint / (clock.value / w - 0.5)));
-  EXPECT_EQ(c.cin, 2 * c.cout);
-  EXPECT_NEAR(c.corner(clock).value, 5e3, 5.0);
-  EXPECT_NEAR(c.transfer().dc_gain(), -2.0, 1e-12);
-}
-
 TEST(ZTransfer, StabilityAgreesWithTheRoots) {
   EXPECT_TRUE((ZTransfer{{1.0}, {1.0, -0.99}}).is_stable());
   EXPECT_FALSE((ZTransfer{{1.0}, {1.0, -1.0}}).is_stable());
   // (1 - r e^{ja}/z)(1 - r e^{-ja}/z)
   for (const double r : {0.2, 0.999, 1.001, 3.0}) {
     EXPECT_EQ((ZTransfer{{1.0}, {1.0, -2.0 * r * std::cos(0.7), r * r}}).is_stable(), r < 1.0) << r;
-  }
-}
-
-TEST(ZTransfer, HoldIsTheMeanOverAPeriod) {
-  // The mean of exp(-j w t) over one period, by Simpson.
-  const Hertz clock{2000.0};
-  for (const double f : {0.0, 10.0, 100.0, 730.0}) {
-    const double w = Hertz{f}.rad_s().value;
-    Complex sum = 0.0;
-    const int n = 200;
-    for (int i = 0; i <= n; ++i) {
-      const double weight = (i == 0 || i == n) ? 1.0 : (i % 2 == 1 ? 4.0 : 2.0);
-      sum += weight * std::polar(1.0, -w * i / (n * clock.value));
-    }
-    sum /= 3.0 * n;
-    EXPECT_NEAR(std::abs(zero_order_hold({w}, clock) - sum), 0.0, 1e-9) << f;
   }
 }
 

@@ -8,8 +8,8 @@
 #include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/controller/gains.hpp"
 #include "fpaa/controller/io.hpp"
+#include "fpaa/streams/board_networks.hpp"
 #include "fpaa/streams/plan_stream.hpp"
-#include "fpaa/streams/transfers.hpp"
 #include "temporary_folder.hpp"
 
 namespace bodesmith::fpaa {
@@ -50,9 +50,8 @@ TEST(ControllerStreams, BytesMakeTheWeights) {
     return 0;
   };
   const auto gain = [&](const std::string& from, const std::string& to) {
-    const an231::PinResponse path(board, 0, cell(from), 0, cell(to));
-    EXPECT_EQ(path.obstacle(), "");
-    return path.at(Hertz{1e-3}.rad_s()).value().real();
+    const auto path = value_or_throw(an231::pin_networks(board, {1, cell(from)}, {1, cell(to)}));
+    return path.gain(Hertz{1e-3}.rad_s()).real();
   };
   const ControllerCam& up = *v.find("AscendingSum");
   const ControllerCam& down = *v.find("DescendingSum");

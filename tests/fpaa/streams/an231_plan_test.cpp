@@ -12,7 +12,7 @@
 #include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "fpaa/seed_sections.hpp"
-#include "fpaa/streams/pin_networks.hpp"
+#include "fpaa/streams/board_networks.hpp"
 #include "fpaa/streams/plan_stream.hpp"
 #include "fpaa/streams/stream_check.hpp"
 #include "fpaa/streams/stream_file.hpp"

@@ -8,9 +8,9 @@
 #include "base/error.hpp"
 #include "fpaa/an231_streams.hpp"
 #include "fpaa/device/circuit.hpp"
+#include "fpaa/streams/board_networks.hpp"
 #include "fpaa/streams/netlist.hpp"
 #include "fpaa/streams/stream_file.hpp"
-#include "fpaa/streams/transfers.hpp"
 
 namespace bodesmith::fpaa::an231 {
 namespace {
@@ -27,6 +27,34 @@ BoardCircuit board_of(const MemoryImage& memory) {
 
 Complex one_over_z(double hz, double clock) {
   return std::polar(1.0, -2.0 * M_PI * hz / clock);
+}
+
+/// From pin to pin of chip 1, as its switches make it.
+Complex gain_between(const BoardCircuit& board, int from, int to, double hz) {
+  return value_or_throw(pin_networks(board, {1, from}, {1, to})).gain(Hertz{hz}.rad_s());
+}
+
+/// Stages of one clock in phase 1 (facts switches): h from the end of phase 1 to the end of phase 1, d1 and d2 what
+/// follows the input at once in phase 1 and in phase 2.
+Complex followed(Complex h, double d1, double d2, double hz, double clock) {
+  const double turn = M_PI * hz / clock;
+  const Complex a = (std::polar(1.0, turn) - 1.0) / Complex(0.0, 2.0 * turn);
+  return h * std::sin(turn) / turn + 0.5 * (d1 + d2) - d1 * a - d2 * std::conj(a);
+}
+
+/// The chain of pole_zero_stages() by that form.
+Complex pole_zero_chain(int stages, double hz) {
+  const Complex d = 1.0 - one_over_z(hz, 250e3);
+  Complex h = 1.0;
+  double d1 = 1.0;
+  double d2 = 1.0;
+  for (int i = 0; i < stages; ++i) {
+    const double ca = 3.0 + i, cb = 120.0 + 7 * i, cc = 2.0 + i, cd = 200.0 - 9 * i;
+    h *= -(ca + cb * d) / (cc + cd * d);
+    d1 *= -(ca + cb) / (cc + cd);
+    d2 *= -cb / cd;
+  }
+  return followed(h, d1, d2, hz, 250e3);
 }
 
 std::string refusal_text(const WantedChip& chip) {
@@ -63,13 +91,13 @@ TEST(An231Stream, WorkedExampleIsReadBack) {
   ASSERT_EQ(stages.size(), 1u);
   EXPECT_THAT(stages[0].denominator, ElementsAre(197, -185));
   EXPECT_THAT(stages[0].numerators[0], ElementsAre(-12));
-  const PinResponse h(board, 0, 1, 0, 3);
   // The corner of the facts: 250 kHz/pi atan(12/382), where it is 3 dB down on the bilinear image's frequency.
   const double corner = 250e3 / M_PI * std::atan(12.0 / 382.0);
   EXPECT_NEAR(corner, 2499.0, 0.5);
   for (const double hz : {1.0, corner, 60e3}) {
     const Complex wanted = -12.0 / (12.0 + 185.0 * (1.0 - one_over_z(hz, 250e3)));
-    EXPECT_LT(std::abs(*h.at(Hertz{hz}.rad_s()) - wanted), 1e-12);
+    EXPECT_LT(std::abs(gain_between(board, 1, 3, hz) - followed(wanted, -12.0 / 197.0, 0.0, hz, 250e3)),
+              1e-12);
   }
 }
 
@@ -97,17 +125,9 @@ TEST(An231Stream, EightPoleZeroStagesAreTheProductOfTheirFractions) {
   const BoardCircuit board = board_of(chip.memory);
   EXPECT_THAT(board.chips[0].problems, IsEmpty());
   EXPECT_THAT(board.chips[0].unexplained, IsEmpty());
-  const PinResponse h(board, 0, 1, 0, 3);
-  ASSERT_EQ(h.obstacle(), "");
   double worst = 0.0;
-  for (double hz = 1.0; hz < 125e3; hz *= 1.7) {
-    const Complex d = 1.0 - one_over_z(hz, 250e3);
-    Complex wanted = 1.0;
-    for (int i = 0; i < 8; ++i) {
-      wanted *= -(3.0 + i + (120.0 + 7 * i) * d) / (2.0 + i + (200.0 - 9 * i) * d);
-    }
-    worst = std::max(worst, std::abs(*h.at(Hertz{hz}.rad_s()) / wanted - 1.0));
-  }
+  for (double hz = 1.0; hz < 125e3; hz *= 1.7)
+    worst = std::max(worst, std::abs(gain_between(board, 1, 3, hz) / pole_zero_chain(8, hz) - 1.0));
   EXPECT_LT(worst, 1e-12);
 }
 
@@ -129,8 +149,16 @@ TEST(An231Stream, HoldsDelayAndHalfPeriodOutputsAreSampled) {
   // Gain and hold in phase 1: the sample of a period before.
   const BuiltChip held =
       built(chain_of({switches_of("GainInv", "", {{"Cin", 3}, {"Cout", 2}}), switches_of("Hold", "", {})}));
-  const PinResponse h(board_of(held.memory), 0, 1, 0, held.pins.at("out1"));
-  EXPECT_LT(std::abs(*h.at(Hertz{5e3}.rad_s()) + 1.5 * one_over_z(5e3, 250e3)), 1e-12);
+  const std::vector<StageTransfer> made = stage_transfers(board_of(held.memory));
+  ASSERT_EQ(made.size(), 2u);
+  EXPECT_THAT(made[0].numerators[0], ElementsAre(-3));
+  EXPECT_THAT(made[0].denominator, ElementsAre(2));
+  EXPECT_THAT(made[1].numerators[0], ElementsAre(0, 1));
+  EXPECT_THAT(made[1].denominator, ElementsAre(1));
+  // Sampled at the end of phase 1, shown for a period from then on: the middle of it is half a period later.
+  const double turn = M_PI * 5e3 / 250e3;
+  const Complex wanted = -1.5 * std::sin(turn) / turn * std::polar(1.0, -turn);
+  EXPECT_LT(std::abs(gain_between(board_of(held.memory), 1, held.pins.at("out1"), 5e3) - wanted), 1e-12);
 
   const BuiltChip half = built(chain_of({switches_of("GainHalf", "", {{"Cin", 5}, {"Cout", 4}})}));
   const ChipCircuit chip = read_circuit(half.memory, 1);
@@ -138,7 +166,11 @@ TEST(An231Stream, HoldsDelayAndHalfPeriodOutputsAreSampled) {
   EXPECT_EQ(out.mode, IoCell::Mode::sampled_output);
   EXPECT_EQ(out.sample_phase, 1);
   EXPECT_EQ(half.memory.at(kIoBank, 0x0C), 0x46);  // IO3 samples by Clock 0 in phase 1
-  EXPECT_LT(std::abs(*PinResponse(board_of(half.memory), 0, 1, 0, 3).at(Hertz{5e3}.rad_s()) + 1.25), 1e-12);
+  EXPECT_THAT(stage_transfers(board_of(half.memory)).at(0).numerators[0], ElementsAre(-5));
+  // Followed in phase 1, kept in phase 2.
+  EXPECT_LT(
+      std::abs(gain_between(board_of(half.memory), 1, 3, 5e3) - followed(-1.25, -1.25, 0.0, 5e3, 250e3)),
+      1e-12);
 
   // It never feeds a static branch.
   auto stages = pole_zero_stages(1);
@@ -180,14 +212,7 @@ TEST(An231Stream, EveryChoiceOfCellsThatIsMadeWorks) {
         const BoardCircuit board = board_of(made.memory);
         EXPECT_THAT(board.chips[0].problems, IsEmpty());
         EXPECT_THAT(board.chips[0].unexplained, IsEmpty());
-        const auto h = PinResponse(board, 0, in, 0, out).at(Hertz{1e3}.rad_s());
-        ASSERT_TRUE(h) << in << " " << out << " " << stages;
-        Complex wanted = 1.0;
-        const Complex d = 1.0 - one_over_z(1e3, 250e3);
-        for (int i = 0; i < stages; ++i) {
-          wanted *= -(3.0 + i + (120.0 + 7 * i) * d) / (2.0 + i + (200.0 - 9 * i) * d);
-        }
-        EXPECT_LT(std::abs(*h / wanted - 1.0), 1e-12);
+        EXPECT_LT(std::abs(gain_between(board, in, out, 1e3) / pole_zero_chain(stages, 1e3) - 1.0), 1e-12);
       }
     }
   }
@@ -219,8 +244,7 @@ TEST(An231Stream, ChangesOfOneBitAreNoticed) {
   const Bytes bytes = encode(primary_stream(made.memory, 1, StreamForm::sparse));
   const auto response = [](const BoardCircuit& b) {
     std::vector<Complex> out;
-    const PinResponse h(b, 0, 1, 0, 3);
-    for (const double hz : {10.0, 1e3, 20e3}) out.push_back(h.at(Hertz{hz}.rad_s()).value_or(NAN));
+    for (const double hz : {10.0, 1e3, 20e3}) out.push_back(gain_between(b, 1, 3, hz));
     return out;
   };
   const std::vector<Complex> wanted = response(board_of(made.memory));
@@ -334,11 +358,14 @@ TEST(An231Stream, MutatedStreamsNeverCrash) {
       MemoryImage memory;
       memory.lay_over(stream, "x");
       const BoardCircuit board = board_of(memory);
-      const PinResponse h(board, 0, 1, 0, 3);
-      for (const double hz : {0.0, 1e3}) {
-        if (const auto value = h.at(Hertz{hz}.rad_s())) {
-          ++answered;
-          EXPECT_TRUE(std::isfinite(value->real()) && std::isfinite(value->imag()));
+      if (trial % 4 == 0) {
+        try {
+          for (const double hz : {1.0, 1e3}) {
+            const Complex value = gain_between(board, 1, 3, hz);
+            ++answered;
+            EXPECT_TRUE(std::isfinite(value.real()) && std::isfinite(value.imag()));
+          }
+        } catch (const DesignError&) {  // no way, or a voltage left open
         }
       }
       if (trial % 10 == 0) {

@@ -14,6 +14,7 @@
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/sheets/report_check.hpp"
 #include "fpaa/streams/board_link.hpp"
+#include "fpaa/streams/stream_file.hpp"
 #include "fpaa/streams/update_stream.hpp"
 
 namespace bodesmith::cli {
@@ -45,18 +46,10 @@ fpaa::UpdateOptions update_options(const CommandLine& line) {
   return out;
 }
 
-/// A stream file by its name: .c (array `name`), .bin (board packet), otherwise AHF.
 std::vector<fpaa::Bytes> read_streams(const std::string& path, Provenance& from) {
-  const std::string text = from.read(path);
-  const std::string end = std::filesystem::path(path).extension().string();
   std::vector<fpaa::Bytes> out;
-  if (end == ".bin") {
-    for (fpaa::Packet& packet : fpaa::from_packets(text, path)) out.push_back(std::move(packet.bytes));
-  } else if (end == ".c" || end == ".h") {
-    out.push_back(fpaa::from_c_array(text, "", path));
-  } else {
-    out.push_back(fpaa::from_ahf(text, path));
-  }
+  for (fpaa::FoundStream& one : fpaa::find_streams(from.read(path), path))
+    out.push_back(std::move(one.bytes));
   return out;
 }
 

@@ -53,8 +53,8 @@ std::complex<double> Cam::unquantised(const PlacedCam& cam, RadPerSecond w) cons
   return cam.z.response(w, cam.clock_a);
 }
 
-std::unique_ptr<CamStep> Cam::step(const PlacedCam& cam) const {
-  return std::make_unique<LinearStep>(cam);
+std::unique_ptr<CamStep> Cam::step(const PlacedCam&) const {
+  return nullptr;
 }
 
 std::vector<Capacitor> Cam::vendor_capacitors(const PlacedCam& cam, std::span<const std::string>) const {

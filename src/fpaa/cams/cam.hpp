@@ -93,8 +93,8 @@ class Cam {
   /// The response (from input 1) that `cam.requested` would have at its clock if capacitors could be any number: what
   /// sampling alone makes of it. (As it is realised, where that is not known.)
   virtual std::complex<double> unquantised(const PlacedCam& cam, RadPerSecond w) const;
-  /// The CAM at work (cam_step.hpp): what it makes at each edge. Linear by its z where its own file does not
-  /// say otherwise.
+  /// A CAM of other parts than switched capacitors at work (cam_step.hpp); null for the others, which are their
+  /// switches.
   virtual std::unique_ptr<CamStep> step(const PlacedCam& cam) const;
   /// The capacitors as the vendor's component table of this CAM lists them.
   virtual std::vector<Capacitor> vendor_capacitors(const PlacedCam& cam,

@@ -31,7 +31,10 @@ class RestingBranches {
     for (const std::string& input : cam.inputs) inputs.push_back(value(input, argument_v));
     auto& step = steps_[name];
     if (step == nullptr) step = cam.cam->step(cam);
-    return step->at_edge(inputs);
+    if (step != nullptr) return step->at_edge(inputs);
+    double sum = 0.0;
+    for (std::size_t i = 0; i < inputs.size(); ++i) sum += cam.z_from(i + 1).dc_gain() * inputs[i];
+    return sum;
   }
 
  private:

@@ -4,7 +4,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <set>
 
 #include "base/json.hpp"
 #include "base/text.hpp"
@@ -21,35 +20,13 @@ namespace {
 
 using an231::PlanStreams;
 
-/// A byte of the memory, bank and place in it.
-using BytePlace = std::pair<int, int>;
-
 /// The bytes in which two configurations of a chip differ.
-void add_differences(const MemoryImage& one, const MemoryImage& other, std::set<BytePlace>& places) {
+void add_differences(const MemoryImage& one, const MemoryImage& other, std::map<MemoryPlace, int>& places) {
   for (int bank = 0; bank < MemoryImage::kBanks; ++bank) {
     for (int byte = 0; byte < MemoryImage::kBankBytes; ++byte) {
-      if (one.at(bank, byte) != other.at(bank, byte)) places.emplace(bank, byte);
+      if (one.at(bank, byte) != other.at(bank, byte)) places[{bank, byte}] = 0;
     }
   }
-}
-
-/// An update that sets these bytes, neighbours in one block.
-Bytes update_of(const MemoryImage& memory, int address1, const std::set<BytePlace>& places) {
-  ConfigStream stream;
-  stream.address1 = address1;
-  stream.control = ConfigStream::kEndExecute;
-  stream.trailing_zeros = 1;  // the dummy byte that the board is sent after the data
-  for (const auto& [bank, byte] : places) {
-    const auto value = static_cast<std::uint8_t>(memory.at(bank, byte));
-    const bool joins = !stream.blocks.empty() && stream.blocks.back().bank == bank &&
-                       stream.blocks.back().byte + static_cast<int>(stream.blocks.back().data.size()) == byte;
-    if (joins) {
-      stream.blocks.back().data.push_back(value);
-    } else {
-      stream.blocks.push_back({bank, byte, {value}});
-    }
-  }
-  return encode(stream);
 }
 
 /// v of v + d(v) = r, by the loop itself.
@@ -173,11 +150,12 @@ Outcome<ControllerStreams> controller_streams(const ControllerVariant& variant,
     const PlanStreams::Chip& chip = base.chips[c];
     for (const auto& [pin, cell] : chip.built.pins)
       out.cells[fmt::format("chip{}.{}", chip.chip, pin)] = fmt::format("IO{}", cell);
-    std::set<BytePlace> places;
+    std::map<MemoryPlace, int> places;
     for (const PlanStreams& set : sets) add_differences(chip.built.memory, set.chips[c].built.memory, places);
     if (places.empty()) continue;
     for (std::size_t i = 0; i < sets.size(); ++i) {
-      const Bytes bytes = update_of(sets[i].chips[c].built.memory, chip.chip, places);
+      for (auto& [place, value] : places) value = sets[i].chips[c].built.memory.at(place.bank, place.byte);
+      const Bytes bytes = encode(update_of(chip.chip, places));
       out.files.add(fmt::format("updates/set{:03}_address{}.ahf", i, chip.chip), to_ahf(bytes));
       out.files.add(fmt::format("updates/set{:03}_address{}.bin", i, chip.chip), to_packet(bytes, false));
     }

@@ -16,10 +16,7 @@ inline constexpr int kClocks = 6;
 inline constexpr int kLines =
     2;  ///< direct lines into a CAB, column lines of a column, local inputs of a CAB
 
-struct Address {
-  int bank = 0;
-  int byte = 0;
-};
+using Address = MemoryPlace;
 
 // Bank 0.
 constexpr Address clock_divisor_at(int clock) {

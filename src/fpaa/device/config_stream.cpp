@@ -60,6 +60,28 @@ class Reader {
 
 }  // namespace
 
+std::vector<ConfigBlock> blocks_of(const std::map<MemoryPlace, int>& memory) {
+  constexpr int kBankBytes = 32;
+  std::vector<ConfigBlock> out;
+  int next = -1;
+  for (const auto& [place, value] : memory) {
+    const int address = kBankBytes * place.bank + place.byte;
+    if (address != next || out.back().data.size() == 256) out.push_back({place.bank, place.byte, {}});
+    out.back().data.push_back(static_cast<std::uint8_t>(value));
+    next = address + 1;
+  }
+  return out;
+}
+
+ConfigStream update_of(int address1, const std::map<MemoryPlace, int>& memory) {
+  ConfigStream out;
+  out.address1 = address1;
+  out.control = ConfigStream::kEndExecute;
+  out.blocks = blocks_of(memory);
+  out.trailing_zeros = 1;  // the dummy byte that the board is sent after the data
+  return out;
+}
+
 Bytes encode(const ConfigStream& stream) {
   Bytes out(static_cast<std::size_t>(stream.leading_zeros), 0);
   out.push_back(kSynch);

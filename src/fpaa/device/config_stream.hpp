@@ -1,6 +1,8 @@
 #pragma once
 
+#include <compare>
 #include <cstdint>
+#include <map>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -8,6 +10,13 @@
 namespace bodesmith::fpaa {
 
 using Bytes = std::vector<std::uint8_t>;
+
+/// A byte of a chip's configuration memory: banks of 32 bytes.
+struct MemoryPlace {
+  int bank = 0;
+  int byte = 0;
+  friend auto operator<=>(const MemoryPlace&, const MemoryPlace&) = default;
+};
 
 /// Consecutive bytes of the configuration memory (banks of 32 bytes; a block may run on into the next bank).
 struct ConfigBlock {
@@ -37,6 +46,11 @@ struct ConfigStream {
   static constexpr int kUpdateClocks = 0x01;
 };
 
+/// These bytes as blocks of neighbours, at most 256 long.
+std::vector<ConfigBlock> blocks_of(const std::map<MemoryPlace, int>& memory);
+/// An update that sets these bytes, as a host sends it.
+ConfigStream update_of(int address1, const std::map<MemoryPlace, int>& memory);
+
 Bytes encode(const ConfigStream& stream);
 /// The inverse, byte for byte: encode(decode(x)) == x. Throws InputError `FILE: byte N: …` (N counts from 0).
 ConfigStream decode(const Bytes& bytes, const std::string& file);
@@ -44,9 +58,6 @@ ConfigStream decode(const Bytes& bytes, const std::string& file);
 /// AHF: one two-digit hexadecimal byte a line.
 std::string to_ahf(const Bytes& bytes);
 Bytes from_ahf(std::string_view text, const std::string& file);
-
-/// The bytes of `name[] = { 0x.., … };` in C source; an empty name takes the only array there is.
-Bytes from_c_array(std::string_view text, const std::string& name, const std::string& file);
 
 /// Around packets and answers on the serial line.
 inline constexpr char kStx = 0x02;

@@ -73,22 +73,6 @@ void set_ranges(std::vector<GainSet>& sets) {
   }
 }
 
-/// Bytes of one chip's memory, as update stream.
-ConfigStream stream_of(int address1, const std::map<MemoryPlace, int>& memory) {
-  ConfigStream out;
-  out.address1 = address1;
-  out.control = ConfigStream::kEndExecute;
-  out.trailing_zeros = 1;  // the dummy byte that the board is sent after the data
-  std::optional<MemoryPlace> last;
-  for (const auto& [place, units] : memory) {
-    const bool follows = last && last->bank == place.bank && last->byte + 1 == place.byte;
-    if (!follows) out.blocks.push_back({place.bank, place.byte, {}});
-    out.blocks.back().data.push_back(static_cast<std::uint8_t>(units));
-    last = place;
-  }
-  return out;
-}
-
 void check_places(const std::vector<GainBranch>& branches) {
   std::set<std::pair<int, MemoryPlace>> used;
   for (const GainBranch& b : branches) {
@@ -176,7 +160,7 @@ GainSet make_set(Hertz frequency, const Disturbance& d, const std::vector<GainBr
     for (const MemoryPlace& place : b.place.over) memory[b.place.address1][place] = c.over;
     for (const MemoryPlace& place : b.place.under) memory[b.place.address1][place] = c.under;
   }
-  for (const auto& [address1, cells] : memory) set.streams[address1] = encode(stream_of(address1, cells));
+  for (const auto& [address1, cells] : memory) set.streams[address1] = encode(update_of(address1, cells));
   return set;
 }
 
@@ -227,12 +211,6 @@ std::string GainSchedule::packets(const GainSet& set) const {
   std::string out;
   for (const auto& [address1, bytes] : set.streams) out += to_packet(bytes, false);
   return out;
-}
-
-std::size_t set_for(const GainSchedule& schedule, Hertz frequency) {
-  std::size_t i = 0;
-  while (i + 1 < schedule.sets.size() && frequency.value >= schedule.sets[i].to.value) ++i;
-  return i;
 }
 
 }  // namespace bodesmith::fpaa

@@ -12,13 +12,6 @@
 
 namespace bodesmith::fpaa {
 
-/// A byte of a chip's configuration memory.
-struct MemoryPlace {
-  int bank = 0;
-  int byte = 0;
-  friend auto operator<=>(const MemoryPlace&, const MemoryPlace&) = default;
-};
-
 /// Where a branch's gain |Cin/Cout| stands on the board.
 struct GainPlace {
   std::string words;  ///< as the user named it
@@ -85,9 +78,6 @@ struct GainSchedule {
 /// is nothing to schedule, a gain is out of reach, or two branches want one capacitor.
 GainSchedule make_gain_schedule(const Disturbance& disturbance, const std::vector<GainBranch>& branches,
                                 const GainScheduleOptions& options, const std::string& file);
-
-/// The set that serves a frequency: the nearest in log f, held beyond the ends.
-std::size_t set_for(const GainSchedule& schedule, Hertz frequency);
 
 /// A host's loop with the table in it: C (POSIX, nothing else needed) and Python (standard library).
 std::string gain_host_c(const GainSchedule& schedule, const std::string& file);

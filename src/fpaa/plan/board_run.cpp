@@ -45,6 +45,10 @@ BoardRun::BoardRun(const std::vector<Cell>& cells, std::vector<Part> parts, cons
       node.charges = Eigen::VectorXd::Zero(node.network->intervals().back().m.cols());
     } else {
       node.step = cell.cam.cam->step(cell.cam);
+      if (node.step == nullptr) {
+        throw DesignError(fmt::format("{} is a {} without capacitors, expected a CAM that is made of some",
+                                      node.name, cell.cam.cam_name()));
+      }
       node.offset = cell.cam.phase == 2 ? 0 : node.period / 2;
       node.delay = nearest_whole<long long>(cell.cam.delay_cycles * static_cast<double>(node.period));
       if (node.delay < 0) {

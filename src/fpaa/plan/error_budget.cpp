@@ -61,15 +61,9 @@ std::vector<double> integrated_noise(const SwitchedBoard& board, const std::vect
   return out;
 }
 
-double fastest_clock_of(const Plan& plan) {
-  double out = 0.0;
-  for (const PlacedCam* cam : plan.cams()) out = std::max(out, cam->clock_a.value);
-  return out;
-}
-
 /// Logarithmic in the band and below, evenly spaced from there to half the fastest clock.
 std::vector<Hertz> whole_noise_grid(const Plan& plan, Band band, int points) {
-  const double top = 0.5 * fastest_clock_of(plan);
+  const double top = 0.5 * plan.fastest_clock().value;
   const double from = std::min(1e-3 * band.from.value, 1e-6 * top);
   std::vector<Hertz> out{{0.0}};
   for (const Hertz f : log_grid({{from}, {top}}, points)) out.push_back(f);
@@ -91,7 +85,7 @@ void add_nodes_and_noise(const Plan& plan, Band band, std::vector<ErrorBudget::C
   const int points = affordable(kNoisePoints, board.pieces(), kNoiseCost);
   const std::vector<double> in_band = integrated_noise(board, log_grid(band, points));
   const std::vector<double> whole = integrated_noise(board, whole_noise_grid(plan, band, points));
-  for (const Hertz f : log_grid({{0.1 * band.from.value}, {0.45 * fastest_clock_of(plan)}}, points)) {
+  for (const Hertz f : log_grid({{0.1 * band.from.value}, {0.45 * plan.fastest_clock().value}}, points)) {
     const auto nodes = board.nodes(f.rad_s());
     for (std::size_t c = 0; c < shares.size(); ++c) {
       for (const auto& node : nodes[c])

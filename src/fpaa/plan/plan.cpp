@@ -1,5 +1,7 @@
 #include "fpaa/plan/plan.hpp"
 
+#include <algorithm>
+
 #include "fpaa/plan/switched_board.hpp"
 
 namespace bodesmith::fpaa {
@@ -15,6 +17,12 @@ std::vector<const PlacedCam*> Plan::cams() const {
   for (const ChipPlan& chip : chips) {
     for (const PlacedCam& cam : chip.cams) out.push_back(&cam);
   }
+  return out;
+}
+
+Hertz Plan::fastest_clock() const {
+  Hertz out;
+  for (const PlacedCam* cam : cams()) out = std::max(out, cam->clock_a);
   return out;
 }
 

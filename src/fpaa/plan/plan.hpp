@@ -85,6 +85,7 @@ struct Plan {
   std::vector<std::string> notes;          ///< decisions a person should know
 
   std::vector<const PlacedCam*> cams() const;
+  Hertz fastest_clock() const;
   /// Every pin and CAM of the constant path: "chip1.in1", "chip1.Section1a", ..., "chipN.outM".
   std::vector<std::string> signal_path() const;
 

@@ -75,12 +75,6 @@ class StepPeaks {
   std::vector<double> table_;  ///< Si(w t), all frequencies of a time together
 };
 
-double fastest_clock(const Plan& plan) {
-  double out = 0.0;
-  for (const PlacedCam* cam : plan.cams()) out = std::max(out, cam->clock_a.value);
-  return out;
-}
-
 }  // namespace
 
 Headroom headroom_of(const Plan& plan, Band band, const Board& board) {
@@ -89,7 +83,8 @@ Headroom headroom_of(const Plan& plan, Band band, const Board& board) {
   const SwitchedBoard switched(plan);
   const int points =
       std::clamp(static_cast<int>(kPieces / static_cast<double>(switched.pieces())), 60, kPoints);
-  const std::vector<Hertz> grid = log_grid({{0.01 * band.from.value}, {0.45 * fastest_clock(plan)}}, points);
+  const std::vector<Hertz> grid =
+      log_grid({{0.01 * band.from.value}, {0.45 * plan.fastest_clock().value}}, points);
   std::vector<std::vector<Complex>> gains;  // [op-amp][frequency]
   double sine = 1.0;                        // the input itself
   for (const Hertz f : grid) {

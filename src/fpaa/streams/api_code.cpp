@@ -46,17 +46,9 @@ class Parser {
   }
 
  private:
-  /// Whether `name [ … ] = {` stands here; moves to behind the brace when it does.
   bool opens_array() {
-    std::size_t k = at_ + 1;
-    if (k >= t_.size() || t_[k].text != "[") return false;
-    while (k < t_.size() && t_[k].text != "]") ++k;
-    if (k + 2 >= t_.size() || t_[k + 1].text != "=") return false;
-    k += 2;
-    if (t_[k].text != "{") return false;
     line_ = t_[at_].line;
-    at_ = k + 1;
-    return true;
+    return fpaa::opens_array(t_, at_);
   }
   const CToken& need(const char* what) {
     if (at_ >= t_.size())

@@ -419,7 +419,7 @@ StageTransfer stage_of(const BoardCircuit& board, const BoardNode& amp) {
   LoopNetwork loop(board, members);
   const auto refused = loop.build();
   for (const LinkedSource& source : loop.sources) out.inputs.push_back(source.node);
-  if (loop.switches()) out.clock_divisor = static_cast<int>(loop.periods.front() / 2);
+  if (!refused && loop.switches()) out.clock_divisor = static_cast<int>(loop.periods.front() / 2);
   const double scale = feedback_determinant(board, members);
   if (refused) {
     out.obstacle = refused->reason;
@@ -434,6 +434,13 @@ StageTransfer stage_of(const BoardCircuit& board, const BoardNode& amp) {
     } catch (const DesignError& error) {
       out.obstacle = error.what();
     }
+  }
+  double largest = 0.0;
+  for (const double c : out.denominator) largest = std::max(largest, std::abs(c));
+  if (out.obstacle.empty() && (!std::isfinite(largest) || std::abs(out.denominator[0]) <= 1e-12 * largest)) {
+    out.obstacle = "the switches leave a voltage open";
+    out.numerators.clear();
+    out.denominator.clear();
   }
   if (!out.obstacle.empty()) return out;
   tidy(out);

@@ -2,12 +2,13 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 #include "base/letters.hpp"
 #include "base/text.hpp"
-#include "fpaa/device/config_stream.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -69,34 +70,26 @@ int c_integer(const CToken& token, int max, const std::string& file) {
   return value;
 }
 
-Bytes from_c_array(std::string_view text, const std::string& name, const std::string& file) {
-  const std::vector<CToken> all = c_tokens(text, file);
-  std::vector<CToken> t;
-  for (const CToken& token : all) {
-    if (token.kind != CToken::Kind::comment) t.push_back(token);
+bool opens_array(const std::vector<CToken>& tokens, std::size_t& at) {
+  if (tokens[at].kind != CToken::Kind::word || at + 1 >= tokens.size() || tokens[at + 1].text != "[")
+    return false;
+  std::size_t k = at + 1;
+  while (k < tokens.size() && tokens[k].text != "]") ++k;
+  if (k + 2 >= tokens.size() || tokens[k + 1].text != "=" || tokens[k + 2].text != "{") return false;
+  at = k + 3;
+  return true;
+}
+
+Json c_rows(const Bytes& bytes) {
+  constexpr std::size_t kBytesARow = 8;
+  Json rows = Json::array();
+  for (std::size_t i = 0; i < bytes.size(); i += kBytesARow) {
+    std::string row;
+    for (std::size_t k = i; k < std::min(bytes.size(), i + kBytesARow); ++k)
+      row += fmt::format("0x{:02X}{}", bytes[k], k + 1 < bytes.size() ? ", " : "");
+    rows.push_back({{"row", std::string(trim(row))}});
   }
-  Bytes out;
-  bool found = false;
-  for (std::size_t i = 0; i + 2 < t.size(); ++i) {
-    // NAME [ … ] = {
-    if (t[i].kind != CToken::Kind::word || t[i + 1].text != "[") continue;
-    std::size_t k = i + 2;
-    while (k < t.size() && t[k].text != "]") ++k;
-    if (k + 2 >= t.size() || t[k + 1].text != "=" || t[k + 2].text != "{") continue;
-    if (!name.empty() && t[i].text != name) continue;
-    if (found) throw InputError(file, t[i].line, "has more than one array, expected its name to be given");
-    found = true;
-    for (k += 3; k < t.size() && t[k].text != "}"; ++k) {
-      if (t[k].text == ",") continue;
-      out.push_back(static_cast<std::uint8_t>(c_integer(t[k], 255, file)));
-    }
-    if (k >= t.size()) throw InputError(file, t.back().line, "the array does not end, expected }");
-  }
-  if (!found) {
-    throw InputError(fmt::format("{}: has no array{}, expected `NAME[] = {{ 0x.., … }};`", file,
-                                 name.empty() ? "" : " named " + name));
-  }
-  return out;
+  return rows;
 }
 
 }  // namespace bodesmith::fpaa

@@ -4,6 +4,9 @@
 #include <string_view>
 #include <vector>
 
+#include "base/json_fwd.hpp"
+#include "fpaa/device/config_stream.hpp"
+
 namespace bodesmith::fpaa {
 
 /// A piece of C source: words (names and numbers), single characters, comments (without their marks).
@@ -19,5 +22,11 @@ std::vector<CToken> c_tokens(std::string_view text, const std::string& file);
 
 /// A C integer literal between 0 and `max`; throws InputError otherwise.
 int c_integer(const CToken& token, int max, const std::string& file);
+
+/// Whether `NAME [ … ] = {` stands at token `at`; then moves behind the brace.
+bool opens_array(const std::vector<CToken>& tokens, std::size_t& at);
+
+/// Bytes as the lines of an array, `[{"row": "0xD5, …"}, …]`, for a template.
+Json c_rows(const Bytes& bytes);
 
 }  // namespace bodesmith::fpaa

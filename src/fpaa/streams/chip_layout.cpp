@@ -4,6 +4,7 @@
 
 #include <algorithm>
 
+#include "fpaa/device/clock_tree.hpp"
 #include "fpaa/device/router.hpp"
 #include "fpaa/streams/lookup_stage.hpp"
 
@@ -12,10 +13,6 @@ namespace {
 
 /// Divisors of clocks that nothing uses, as vendor streams have them: Clock 0 to 3.
 constexpr std::array<int, 4> kIdleDivisorBytes = {0x02, 0x00, 0x04, 0x20};
-
-int byte_of_divisor(int divisor) {
-  return divisor == 1 ? 0 : divisor / 2;
-}
 
 /// Where a stage stands in its CAB.
 struct StagePlace {
@@ -230,11 +227,11 @@ class ChipWriter {
     for (int k = 0; k < 4; ++k) set(clock_divisor_at(k), kIdleDivisorBytes[static_cast<std::size_t>(k)]);
     set(kClockPower, 0x01);
     for (const auto& [clock, divisor] : chip_.clock_divisors) {
-      set(clock_divisor_at(clock), byte_of_divisor(divisor));
+      set(clock_divisor_at(clock), divisor_byte(divisor));
       set_bits(kClockPower, 1 << (2 + clock));
     }
-    set(kSystem1, byte_of_divisor(chip_.system_divisor));
-    set(kSystem2, byte_of_divisor(chip_.system_divisor));
+    set(kSystem1, divisor_byte(chip_.system_divisor));
+    set(kSystem2, divisor_byte(chip_.system_divisor));
     for (int cab = 1; cab <= kCabs; ++cab) {
       const auto index = static_cast<std::size_t>(cab - 1);
       const auto nibble = [](const std::optional<int>& clock) { return clock ? clock_nibble(*clock) : 0; };

@@ -44,17 +44,15 @@ std::vector<std::pair<std::string, Bytes>> byte_arrays(std::string_view text, co
     if (token.kind != CToken::Kind::comment) t.push_back(token);
   }
   std::vector<std::pair<std::string, Bytes>> out;
-  for (std::size_t i = 0; i + 2 < t.size(); ++i) {
-    if (t[i].kind != CToken::Kind::word || t[i + 1].text != "[") continue;
-    std::size_t k = i + 2;
-    while (k < t.size() && t[k].text != "]") ++k;
-    if (k + 2 >= t.size() || t[k + 1].text != "=" || t[k + 2].text != "{") continue;
+  for (std::size_t i = 0; i < t.size(); ++i) {
+    std::size_t k = i;
+    if (!opens_array(t, k)) continue;
     Bytes bytes;
     const auto is_number = [&](std::size_t n) {
       return t[n].kind == CToken::Kind::word && is_digit(t[n].text[0]);
     };
     bool plain = true;
-    for (k += 3; k < t.size() && t[k].text != "}" && plain; ++k) {
+    for (; k < t.size() && t[k].text != "}" && plain; ++k) {
       if (t[k].text == ",") continue;
       plain = is_number(k);
       // Only the first value tells whether this list is a stream at all.

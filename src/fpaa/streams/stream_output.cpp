@@ -12,6 +12,7 @@
 #include "base/text_template.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "fpaa/streams/board_networks.hpp"
+#include "fpaa/streams/c_source.hpp"
 
 namespace bodesmith::fpaa::an231 {
 namespace {
@@ -21,7 +22,6 @@ constexpr double kLargestDifference = 1e-9;
 constexpr int kToneCount = 5;
 constexpr double kLargestTone = 0.5;  ///< V
 constexpr double kToneShare = 0.25;   ///< of the largest input
-constexpr std::size_t kBytesARow = 8;
 
 BoardPin board_pin(const PlanStreams& streams, const std::string& plan_pin) {
   for (const PlanStreams::Chip& chip : streams.chips) {
@@ -37,18 +37,6 @@ PeriodicNetworks read_back_networks(const Plan& plan, const PlanStreams& streams
   const EndPins ends = value_or_throw(end_pins(plan));
   return value_or_throw(pin_networks(read_back(plan, streams), board_pin(streams, ends.input),
                                      board_pin(streams, ends.output)));
-}
-
-Json byte_rows(const Bytes& bytes) {
-  Json rows = Json::array();
-  for (std::size_t i = 0; i < bytes.size(); i += kBytesARow) {
-    std::string row;
-    for (std::size_t k = i; k < std::min(bytes.size(), i + kBytesARow); ++k) {
-      row += fmt::format("0x{:02X}{}", bytes[k], k + 1 < bytes.size() ? ", " : "");
-    }
-    rows.push_back({{"row", std::string(trim(row))}});
-  }
-  return rows;
 }
 
 /// Two digits are enough to set a generator.
@@ -156,7 +144,7 @@ OutputSet configuration_files(const PlanStreams& streams, const std::string& pla
                               {"name", fmt::format("primary_chip{}", chip.chip)},
                               {"count", bytes.size()},
                               {"pins", std::move(pins)},
-                              {"rows", byte_rows(bytes)}});
+                              {"rows", c_rows(bytes)}});
     // As the public host program sends them: chip 1 as '0' with five zeros before and one after, the others as
     // '1' (so that the board is not reset again) with one after.
     sparse.leading_zeros = i == 0 ? 5 : 0;

@@ -10,31 +10,27 @@
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "fpaa/cams/cam.hpp"
+#include "fpaa/streams/c_source.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
-constexpr int kBankBytes = 32;
 /// Where the divisors stand in bank 0: chip clocks 0 to 3 downwards from here, and the two system clocks.
 constexpr int kClock0Byte = 7;
 constexpr std::size_t kUpdatedClocks = 4;
 constexpr int kSys1Byte = 9;
 constexpr int kSys2Byte = 10;
 
-/// Address in the memory, bank after bank.
-int flat(int bank, int byte) {
-  return kBankBytes * bank + byte;
-}
 /// "bank 3, byte 7".
-std::string place_text(int address) {
-  return fmt::format("bank {}, byte {}", address / kBankBytes, address % kBankBytes);
+std::string place_text(MemoryPlace at) {
+  return fmt::format("bank {}, byte {}", at.bank, at.byte);
 }
 
 struct Cell {
   int value = 0;
   std::string what;
 };
-using Memory = std::map<int, Cell>;
+using Memory = std::map<MemoryPlace, Cell>;
 
 const ApiProject::Chip& project_chip(const ChipPlan& chip, const ApiProject& project) {
   // The plan's chips are numbered; the project's stand in the order of their arrays.
@@ -83,7 +79,7 @@ std::size_t index_of(const Capacitor& c, const ApiProject::Cam& table, const Pla
 Memory memory_of(const ChipPlan& chip, const ApiProject& project, const UpdateOptions& options) {
   Memory out;
   const ApiProject::Chip& target = project_chip(chip, project);
-  const auto set = [&](int address, int value, const std::string& what) {
+  const auto set = [&](MemoryPlace address, int value, const std::string& what) {
     const auto [at, fresh] = out.try_emplace(address, Cell{value, what});
     if (!fresh && at->second.value != value) {
       throw DesignError(fmt::format("{}: {} and {} stand at the same address ({})", project.file,
@@ -94,50 +90,37 @@ Memory memory_of(const ChipPlan& chip, const ApiProject& project, const UpdateOp
     const ApiProject::Cam& table = table_of(cam, target, project);
     for (const Capacitor& c : table_capacitors(cam, table)) {
       const auto& at = table.capacitors[index_of(c, table, cam, project, options)];
-      set(flat(at.bank, at.byte), c.units, fmt::format("{} {}", cam.name, at.name));
+      set({at.bank, at.byte}, c.units, fmt::format("{} {}", cam.name, at.name));
     }
   }
   if (options.clocks) {
     for (std::size_t k = 0; k < std::min(chip.clocks.clocks.size(), kUpdatedClocks); ++k) {
-      set(flat(0, kClock0Byte - static_cast<int>(k)), divisor_byte(chip.clocks.clocks[k].divisor),
+      set({0, kClock0Byte - static_cast<int>(k)}, divisor_byte(chip.clocks.clocks[k].divisor),
           fmt::format("Clock {} divisor", k));
     }
-    set(flat(0, kSys1Byte), divisor_byte(chip.clocks.sys1_divisor), "Sys1 divisor");
-    set(flat(0, kSys2Byte), divisor_byte(chip.clocks.sys2_divisor), "Sys2 divisor");
+    set({0, kSys1Byte}, divisor_byte(chip.clocks.sys1_divisor), "Sys1 divisor");
+    set({0, kSys2Byte}, divisor_byte(chip.clocks.sys2_divisor), "Sys2 divisor");
   }
   return out;
 }
 
 }  // namespace
 
-std::vector<ConfigBlock> wanted_memory(const ChipPlan& chip, const ApiProject& project,
-                                       const UpdateOptions& options) {
-  std::vector<ConfigBlock> out;
-  int next = -1;
-  for (const auto& [address, cell] : memory_of(chip, project, options)) {
-    if (address != next || out.back().data.size() == 256)
-      out.push_back({address / kBankBytes, address % kBankBytes, {}});
-    out.back().data.push_back(static_cast<std::uint8_t>(cell.value));
-    next = address + 1;
-  }
-  return out;
-}
-
 ConfigStream update_stream(const ChipPlan& chip, const ApiProject& project, const UpdateOptions& options) {
-  ConfigStream out;
-  out.address1 = project_chip(chip, project).address1;
-  out.control = ConfigStream::kEndExecute | (options.clocks ? ConfigStream::kUpdateClocks : 0);
-  out.blocks = wanted_memory(chip, project, options);
-  out.trailing_zeros = 1;  // the dummy byte that the board is sent after the data
+  std::map<MemoryPlace, int> memory;
+  for (const auto& [place, cell] : memory_of(chip, project, options)) memory[place] = cell.value;
+  ConfigStream out = update_of(project_chip(chip, project).address1, memory);
+  if (options.clocks) out.control |= ConfigStream::kUpdateClocks;
   return out;
 }
 
 std::vector<std::string> compare_with_plan(const ConfigStream& stream, const ChipPlan& chip,
                                            const ApiProject& project, const UpdateOptions& options) {
-  std::map<int, int> memory;
+  std::map<MemoryPlace, int> memory;
   for (const ConfigBlock& block : stream.blocks) {
     for (std::size_t i = 0; i < block.data.size(); ++i) {
-      memory[flat(block.bank, block.byte) + static_cast<int>(i)] = block.data[i];
+      const int behind = block.byte + static_cast<int>(i);
+      memory[{block.bank + behind / 32, behind % 32}] = block.data[i];
     }
   }
   std::vector<std::string> out;
@@ -201,15 +184,7 @@ std::string c_arrays(const std::vector<std::pair<std::string, Bytes>>& arrays, c
   data["plan"] = plan_file;
   data["arrays"] = Json::array();
   for (const auto& [name, bytes] : arrays) {
-    Json rows = Json::array();
-    for (std::size_t i = 0; i < bytes.size(); i += 8) {
-      std::string row;
-      for (std::size_t k = i; k < std::min(bytes.size(), i + 8); ++k) {
-        row += fmt::format("0x{:02X}{}", bytes[k], k + 1 < bytes.size() ? ", " : "");
-      }
-      rows.push_back({{"row", std::string(trim(row))}});
-    }
-    data["arrays"].push_back({{"name", name}, {"count", bytes.size()}, {"rows", rows}});
+    data["arrays"].push_back({{"name", name}, {"count", bytes.size()}, {"rows", c_rows(bytes)}});
   }
   return render_template("fpaa/update_streams.c", data);
 }

@@ -19,14 +19,9 @@ struct UpdateOptions {
       true;  ///< also the divisors (chip clocks 0-3 in bytes 7-4 of bank 0, system clocks in 9 and 10)
 };
 
-/// The bytes that a plan wants in a chip's memory: capacitors by the user's own component tables, clock
-/// divisors. Throws DesignError when a CAM of the plan is not in the project under its name, or a capacitor
-/// is not in its table.
-std::vector<ConfigBlock> wanted_memory(const ChipPlan& chip, const ApiProject& project,
-                                       const UpdateOptions& options);
-
-/// The update stream of one chip: the blocks merged where they touch; EndExecute, and UpdateClocks with
-/// clocks.
+/// The update stream of one chip: capacitors by the user's own component tables, clock divisors; EndExecute, and
+/// UpdateClocks with clocks. Throws DesignError when a CAM of the plan is not in the project under its name, or a
+/// capacitor is not in its table.
 ConfigStream update_stream(const ChipPlan& chip, const ApiProject& project, const UpdateOptions& options);
 
 /// Differences between what a stream sets and what the plan wants, one line each; empty: they agree.

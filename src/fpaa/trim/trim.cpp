@@ -128,21 +128,6 @@ std::vector<double> with_errors(const std::vector<double>& units, const Mismatch
   return out;
 }
 
-struct WorstError {
-  double percent = 0.0;
-  double db = 0.0;
-};
-
-WorstError worst_error(const std::vector<Complex>& got, const std::vector<Complex>& wanted) {
-  WorstError out;
-  for (std::size_t k = 0; k < got.size(); ++k) {
-    const Complex ratio = got[k] / wanted[k];
-    out.percent = std::max(out.percent, 100.0 * std::abs(ratio - 1.0));
-    out.db = std::max(out.db, std::abs(to_decibel(std::abs(ratio))));
-  }
-  return out;
-}
-
 /// Old and new capacitors on boards that agree with the measurement.
 class TrimTrial {
  public:
@@ -162,17 +147,18 @@ class TrimTrial {
       for (std::size_t c = 0; c < real.size(); ++c) {
         real[c] = with_error(old[c], x[c], options_.mismatch);
       }
-      const WorstError was = worst_error(board_.response(real), wanted_);
+      const ResponseDifference was = compare_responses(board_.grid(), board_.response(real), wanted_);
       for (std::size_t c = 0; c < real.size(); ++c) {
         const double number = random.normal();
         if (units[c] == 0) continue;
         const ExchangedUnits moved = exchange_of(old[c], units[c], options_);
         real[c] = trimmed_capacitor(old[c], x[c], units[c], options_) + std::sqrt(moved.variance) * number;
       }
-      const WorstError is = worst_error(board_.response(real), wanted_);
-      better = better && is.percent < was.percent && is.db <= was.db;
-      old_percent.push_back(was.percent);
-      new_percent.push_back(is.percent);
+      const ResponseDifference is = compare_responses(board_.grid(), board_.response(real), wanted_);
+      better = better && is.max_complex_percent < was.max_complex_percent &&
+               is.max_magnitude_db <= was.max_magnitude_db;
+      old_percent.push_back(was.max_complex_percent);
+      new_percent.push_back(is.max_complex_percent);
     }
     before = {quantile(old_percent, 0.5), quantile(old_percent, 0.95)};
     after = {quantile(new_percent, 0.5), quantile(new_percent, 0.95)};

@@ -106,24 +106,13 @@ TEST(ConfigStream, BrokenInputNeverPassesUnnoticedOrCrashes) {
     }
     const std::string text(bytes.begin(), bytes.end());
     for (const auto read : {+[](const std::string& t) { from_ahf(t, "x"); },
-                            +[](const std::string& t) { from_packets(t, "x"); },
-                            +[](const std::string& t) { from_c_array(t, "", "x"); }}) {
+                            +[](const std::string& t) { from_packets(t, "x"); }}) {
       try {
         read(text);
       } catch (const InputError&) {
       }
     }
   }
-}
-
-TEST(CArray, ReadsTheNamedOne) {
-  const std::string text =
-      "/* x[] = {1}; */ const unsigned char a[2] = { 0x01, /* one */ 255 };\nint b[] = { 3 };";
-  EXPECT_EQ(from_c_array(text, "a", "f.c"), (Bytes{1, 255}));
-  EXPECT_EQ(from_c_array(text, "b", "f.c"), (Bytes{3}));
-  EXPECT_THROW(from_c_array(text, "", "f.c"), InputError);
-  EXPECT_THROW(from_c_array(text, "c", "f.c"), InputError);
-  EXPECT_THROW(from_c_array("char a[] = { 256 };", "", "f.c"), InputError);
 }
 
 }  // namespace

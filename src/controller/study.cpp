@@ -5,6 +5,7 @@
 
 #include "base/json.hpp"
 #include "controller/dynamics.hpp"
+#include "numeric/parallel_for.hpp"
 
 namespace bodesmith::controller {
 namespace {
@@ -53,16 +54,14 @@ std::vector<AsBuilt> measure_as_built(const AnalogController& controller,
 
 std::vector<AsBuilt> predict_as_built(const AnalogController& controller,
                                       const tracking::Reference& reference) {
-  std::vector<AsBuilt> out;
-  for (const Hertz f : controller.tracked) {
-    SteadyState run = run_in_cvode(controller, reference, f);
-    AsBuilt one;
-    one.frequency = f;
-    one.error = stage_error(controller.disturbance, run);
+  std::vector<AsBuilt> out(controller.tracked.size());
+  parallel_for(out.size(), thread_count(0), [&](std::size_t i) {
+    SteadyState run = run_in_cvode(controller, reference, controller.tracked[i]);
+    out[i].frequency = controller.tracked[i];
+    out[i].error = stage_error(controller.disturbance, run);
     run.v = run.r;
-    one.without = stage_error(controller.disturbance, run);
-    out.push_back(one);
-  }
+    out[i].without = stage_error(controller.disturbance, run);
+  });
   return out;
 }
 

@@ -35,24 +35,38 @@ using Sparse = Eigen::SparseMatrix<double>;
 }  // namespace
 
 struct InTime::Implementation {
-  /// LU of matrices of one pattern, rows scaled to about 1.
-  class RowScaledLu {
+  /// Solves with matrices of one pattern that change little from one to the next: an LU is kept, rows scaled to about 1, as
+  /// long as a few corrections with it bring what is left to `share` of the right side.
+  class KeptLu {
    public:
+    Eigen::VectorXd solve(const Sparse& a, const Eigen::VectorXd& b, double share) {
+      if (known_) {
+        Eigen::VectorXd x = lu_.solve(scale_.cwiseProduct(b));
+        const double wanted = share * scale_.cwiseProduct(b).lpNorm<Eigen::Infinity>();
+        for (int i = 0; i < kMostCorrections; ++i) {
+          const Eigen::VectorXd left = scale_.cwiseProduct(b - a * x);
+          if (left.lpNorm<Eigen::Infinity>() <= wanted) return x;
+          x += lu_.solve(left);
+        }
+      }
+      factorise(a);
+      return lu_.solve(scale_.cwiseProduct(b));
+    }
+
+   private:
+    static constexpr int kMostCorrections = 3;
     void factorise(const Sparse& a) {
-      Eigen::VectorXd greatest = Eigen::VectorXd::Zero(a.rows());
+      scale_ = Eigen::VectorXd::Zero(a.rows());
       for (Eigen::Index k = 0; k < a.outerSize(); ++k) {
         for (Sparse::InnerIterator at(a, k); at; ++at)
-          greatest(at.row()) = std::max(greatest(at.row()), std::abs(at.value()));
+          scale_(at.row()) = std::max(scale_(at.row()), std::abs(at.value()));
       }
-      scale_ = greatest.cwiseInverse();
+      scale_ = scale_.cwiseInverse().eval();
       scaled_ = scale_.asDiagonal() * a;
       if (!known_) lu_.analyzePattern(scaled_);
       known_ = true;
       lu_.factorize(scaled_);
     }
-    Eigen::VectorXd solve(const Eigen::VectorXd& b) const { return lu_.solve(scale_.cwiseProduct(b)); }
-
-   private:
     bool known_ = false;
     Eigen::VectorXd scale_;
     Sparse scaled_;
@@ -138,12 +152,7 @@ struct InTime::Implementation {
 
   void rate(double t, const double* x, double* dx) {
     assemble(t, x, {});
-    if (factored.size() != mass.nonZeros() ||
-        !std::equal(mass.valuePtr(), mass.valuePtr() + mass.nonZeros(), factored.data())) {
-      factored = Eigen::Map<const Eigen::VectorXd>(mass.valuePtr(), mass.nonZeros());
-      of_mass.factorise(mass);
-    }
-    last_rate = of_mass.solve(right);
+    last_rate = of_mass.solve(mass, right, kExact);
     std::copy_n(last_rate.data(), last_rate.size(), dx);
   }
 
@@ -154,11 +163,11 @@ struct InTime::Implementation {
     const Eigen::VectorXd wanted = mass * at;
     for (Eigen::Index i = 0; i < mass.nonZeros(); ++i)
       matrix.valuePtr()[i] = mass.valuePtr()[i] + gamma * stiffness.valuePtr()[i];
-    of_matrix.factorise(matrix);
-    at = of_matrix.solve(wanted);
+    at = of_matrix.solve(matrix, wanted, kEnough);
   }
 
-  static constexpr double kLook = 1e-6;   ///< of a piece between corners, for the input's slope
+  static constexpr double kLook = 1e-6;  ///< of a piece between corners, for the input's slope
+  static constexpr double kExact = 1e-13, kEnough = 1e-3;
   static constexpr double kStill = 1e-9;  ///< s: how soon a source has its voltage
 
   Netlist netlist;
@@ -173,8 +182,8 @@ struct InTime::Implementation {
   };
   std::vector<Held> held;
   Sparse mass, stiffness, matrix;
-  RowScaledLu of_mass, of_matrix;
-  Eigen::VectorXd right, last_rate, factored;
+  KeptLu of_mass, of_matrix;
+  Eigen::VectorXd right, last_rate;
   std::vector<double> state;
   double begun = 0.0, end = 1.0;
   std::unique_ptr<simulate::CvodeSolver> solver;

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/whole_number.hpp"
 #include "controller/library.hpp"
@@ -16,6 +17,8 @@ namespace {
 using tracking::Reference;
 
 constexpr int kMostRepeats = 20;
+/// Time constants of the smoothing: what is left of the start is some 1e-5.
+constexpr double kSettled = 10.0;
 
 /// SIN(offset amplitude frequency delay damping phase): -cos is a sine that begins 90 degrees earlier.
 std::string sine_source(const std::string& name, const std::string& from, const std::string& to,
@@ -29,6 +32,23 @@ double at_time(const spice::Transient& run, std::size_t column, double t, std::s
   while (i + 1 < run.time_s.size() && run.time_s[i] < t) ++i;
   const double part = std::clamp((t - run.time_s[i - 1]) / (run.time_s[i] - run.time_s[i - 1]), 0.0, 1.0);
   return run.v[column][i - 1] + part * (run.v[column][i] - run.v[column][i - 1]);
+}
+
+spice::Transient run_as_tightly_as_it_goes(const std::string& deck, bool tight, double step_s,
+                                           double stop_s) {
+  const auto run = [&](const std::string& options) {
+    return spice::run_transient("controller\n" + options + deck, {"r", "v"}, step_s, stop_s,
+                                "controller.sub");
+  };
+  if (!tight) return run("");
+  for (const char* const options : {".options reltol=1e-6\n", ".options reltol=1e-5 trtol=1\n"}) {
+    try {
+      return run(options);
+    } catch (const InputError&) {
+      // "timestep too small": the tolerance is below what the corners of the netlist's models allow.
+    }
+  }
+  return run(".options reltol=1e-5\n");
 }
 
 }  // namespace
@@ -57,24 +77,29 @@ std::string reference_sources(const Reference& reference, Hertz operating, int r
   return fmt::format("Vr r 0 PWL({})\n", points.substr(1));
 }
 
-Settled run_in_ngspice(const AnalogController& controller, const Reference& reference, Hertz operating,
-                       const NgspiceRun& options) {
+int repeats_to_settle(const AnalogController& controller, double repeat_s) {
+  const double slowest = controller.slope ? kSettled * controller.slope->smoothing_s : 0.0;
+  return whole_number(std::ceil(slowest / repeat_s), 1, kMostRepeats);
+}
+
+SteadyState run_in_ngspice(const AnalogController& controller, const Reference& reference, Hertz operating,
+                           const NgspiceRun& options) {
   const Stopwatch watch;
   const double periods = static_cast<double>(reference.periods()), period = 1.0 / operating.value,
                repeat = periods * period;
   // At kilohertz the smoothing takes more periods to settle, which are cheap.
-  const double slowest = controller.slope ? 10.0 * controller.slope->smoothing_s : 0.0;
+  const double slowest = controller.slope ? kSettled * controller.slope->smoothing_s : 0.0;
   const double settle = slowest <= options.settle_repeats * repeat
                             ? options.settle_repeats
-                            : static_cast<double>(whole_number(std::ceil(slowest / repeat), 1, kMostRepeats));
+                            : static_cast<double>(repeats_to_settle(controller, repeat));
   const std::string deck =
-      "controller\n" + controller_library(controller, "controller", {options.off, false}) +
+      controller_library(controller, "controller", {options.off, false}) +
       reference_sources(reference, operating, whole_number<int>(std::ceil(settle + 1.0))) +
       "Xc r v controller\n";
-  const spice::Transient run = spice::run_transient(deck, {"r", "v"}, period / options.steps,
-                                                    (settle + 1.0) * repeat, "controller.sub");
+  const spice::Transient run =
+      run_as_tightly_as_it_goes(deck, options.tight, period / options.steps, (settle + 1.0) * repeat);
   const std::size_t samples = options.samples * reference.periods();
-  Settled out{reference, operating, repeat / static_cast<double>(samples), {}, {}, {}, 0.0};
+  SteadyState out{reference, operating, repeat / static_cast<double>(samples), {}, {}, {}, {}, {}, 0.0};
   // Every phase where it first comes after `from` repeats.
   const auto sample = [&](std::size_t column, double from, std::vector<double>& to) {
     std::size_t i = 1;
@@ -87,11 +112,20 @@ Settled run_in_ngspice(const AnalogController& controller, const Reference& refe
   sample(0, settle, out.r);
   sample(1, settle, out.v);
   if (settle >= 1.0) sample(1, 0.0, out.first_v);
+  for (std::size_t i = 0; i < run.time_s.size(); ++i) {
+    if (run.time_s[i] < settle * repeat) continue;
+    out.own_s.push_back(std::fmod(run.time_s[i], repeat));
+    out.own_v.push_back(run.v[1][i]);
+  }
+  // From phase 0 on, as everything else.
+  const auto begin = std::is_sorted_until(out.own_s.begin(), out.own_s.end()) - out.own_s.begin();
+  std::rotate(out.own_s.begin(), out.own_s.begin() + begin, out.own_s.end());
+  std::rotate(out.own_v.begin(), out.own_v.begin() + begin, out.own_v.end());
   out.wall_s = watch.seconds();
   return out;
 }
 
-tracking::TrackingError stage_error(const Disturbance& disturbance, const Settled& run) {
+tracking::TrackingError stage_error(const Disturbance& disturbance, const SteadyState& run) {
   tracking::PolynomialStage::Options options;
   options.alpha = run.reference.alpha();
   Disturbance full = disturbance;  // the circuit has no amplitude gains, nor has the stage it is judged on
@@ -112,7 +146,7 @@ int CircuitController::part_count() const {
 }
 
 tracking::DriveWaveform CircuitController::drive(const Reference& reference, Hertz operating) const {
-  const Settled run = run_in_ngspice(*controller_, reference, operating, options_);
+  const SteadyState run = run_in_ngspice(*controller_, reference, operating, options_);
   return {run.v, run.step_s};
 }
 

@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "controller/behaviour.hpp"
+#include "controller/at_rest.hpp"
 #include "schematic/opamp_library.hpp"
 
 namespace bodesmith::controller {

@@ -1,16 +1,18 @@
 #pragma once
 
-#include "controller/behaviour.hpp"
+#include "controller/as_built.hpp"
 
 namespace bodesmith::controller {
 
-/// The same chain as differential equations, integrated by CVODE (stiff, restarted at every corner of the reference
-/// and at every change of the switch), beside what ngspice makes of the netlist:
-///   differentiator   vc' = (r - vc)/(Rs Cd),  w' = -((r - vc)/Rs + w/Rd)/Cf,  |w| <= the op-amp's swing
-///   smoothing        s' = (|w| - s)/tau,  rate gain by the rectifiers' curve
-///   each sum         b' = 2 pi GBW/noise gain (d_b(x) - b), the subtraction alike
-/// The switch acts switch_delay_s after a corner. Multipliers and rectifiers are instantaneous.
-Settled run_in_cvode(const AnalogController& controller, const tracking::Reference& reference,
-                     Hertz operating, std::size_t samples = 2048);
+/// The whole netlist in time by CVODE (schematic/analysis/in_time.hpp), beside what ngspice makes of it: from rest, as many
+/// repeats of the reference as the smoothing behind the slope meter needs; the last one is kept. `at_s`: instants of it, from
+/// its begin, at which v is told too (SteadyState::own_v).
+SteadyState run_in_cvode(const AnalogController& controller, const tracking::Reference& reference,
+                         Hertz operating, std::size_t samples = 2048, const std::vector<double>& at_s = {});
+
+/// From the turn at the end of a repeat to the new contact: slope detector (integrated from its circuit) and
+/// switch. InputError when the slope never reaches the detector's threshold.
+double switch_delay_s(const AnalogController& controller, const tracking::Reference& reference,
+                      Hertz operating);
 
 }  // namespace bodesmith::controller

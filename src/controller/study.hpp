@@ -13,7 +13,7 @@ struct AsBuilt {
   Hertz frequency;
   tracking::TrackingError error;
   tracking::TrackingError without;        ///< no controller: v = r
-  double cvode_difference_percent = 0.0;  ///< rms of v against the same chain in CVODE, percent of range
+  double cvode_difference_percent = 0.0;  ///< rms of v in time against CVODE on the netlist, percent of range
   double start_up_percent = 0.0;  ///< rms of v in the first repeat, from rest, against the settled one
   double wall_s = 0.0;            ///< of ngspice
 };

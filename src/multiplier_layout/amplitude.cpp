@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "multiplier_layout/bench.hpp"
+#include "multiplier_layout/at_rest.hpp"
 #include "multiplier_layout/build.hpp"
 
 namespace bodesmith::multiplier_layout {
@@ -284,9 +284,9 @@ class Amplitude {
     }
   }
 
-  /// The parts' error, by the bench.
+  /// The parts' error, at rest.
   void check() {
-    const Bench bench(layout_);
+    const GeneratorAtRest generator(layout_, true);
     std::vector<double> x;
     for (int i = 0; i <= 50; ++i) x.push_back(i / 50.0);
     AmplitudeControl& a = *layout_.amplitude;
@@ -294,7 +294,7 @@ class Amplitude {
       for (int i = 1; i <= 100; ++i) {
         const double alpha = i / 100.0 * std::max(1.0, a.alpha.back());
         const double gain = a.wanted_gain(b, alpha);
-        const std::vector<double> d = bench.curve(b, x, alpha);
+        const std::vector<double> d = generator.curve(b, x, alpha);
         for (size_t k = 0; k < x.size(); ++k) {
           a.max_error_percent =
               std::max(a.max_error_percent,

@@ -4,8 +4,12 @@
 #include <cmath>
 #include <functional>
 
+#include "multiplier_layout/at_rest.hpp"
+
 namespace bodesmith::multiplier_layout {
 namespace {
+
+using schematic::Deviations;
 
 std::vector<double> points() {
   std::vector<double> out;
@@ -28,20 +32,26 @@ std::vector<MultiplierDeviation> kinds(const ErrorLimits& e) {
 }
 const char* const kKindNames[] = {"offset of X", "offset of Y", "offset of W", "scale U", "nonlinearity"};
 
-using Spoil = std::function<void(Bench&)>;
+using Spoil = std::function<void(Deviations&)>;
 /// d of a branch at all points (and amplitudes).
-using Curve = std::function<std::vector<double>(const Bench&, size_t branch)>;
+using Curve = std::function<std::vector<double>(const Deviations&, size_t branch)>;
+
+Spoil offset_of(int opamp, const ErrorLimits& errors) {
+  return [opamp, volts = errors.opamp_offset_v](Deviations& off) {
+    off.opamp_offset_v[static_cast<std::size_t>(opamp)] = volts;
+  };
+}
 
 /// Spoils one thing after the other and notes how far d moves.
 class Budgeting {
  public:
   Budgeting(const Layout& layout, Curve curve) : layout_(layout), curve_(std::move(curve)) {
-    const Bench good(layout);
+    const Deviations good = Deviations::none(layout);
     for (size_t b = 0; b < layout.branches.size(); ++b) good_.push_back(curve_(good, b));
   }
 
   void line(std::string cause, const Spoil& spoil) {
-    Bench bad(layout_);
+    Deviations bad = Deviations::none(layout_);
     spoil(bad);
     BudgetLine one{std::move(cause), {}};
     for (size_t b = 0; b < good_.size(); ++b)
@@ -52,7 +62,7 @@ class Budgeting {
   void multiplier(const std::string& name, size_t index, const ErrorLimits& errors) {
     const std::vector<MultiplierDeviation> all = kinds(errors);
     for (size_t i = 0; i < all.size(); ++i) {
-      line(name + ", " + kKindNames[i], [&](Bench& bench) { bench.multiplier[index] = all[i]; });
+      line(name + ", " + kKindNames[i], [&](Deviations& off) { off.multiplier[index] = all[i]; });
     }
   }
 
@@ -66,7 +76,7 @@ class Budgeting {
           (layout_.amplitude && static_cast<int>(i) == layout_.amplitude->output_feedback);
       if (is_amplitude != of_amplitude) continue;
       line(part.name + ", tolerance",
-           [&](Bench& bench) { bench.resistor[i] = errors.resistor_percent / 100.0; });
+           [&](Deviations& off) { off.part[i] = errors.resistor_percent / 100.0; });
     }
   }
 
@@ -99,19 +109,20 @@ void amplitude_budget(const Layout& layout, Budget& out) {
   const AmplitudeControl& amplitude = *layout.amplitude;
   std::vector<double> x;
   for (int i = 0; i <= 20; ++i) x.push_back(i / 20.0);
-  Budgeting all(layout, [&](const Bench& bench, size_t b) {
+  const GeneratorAtRest generator(layout, true);
+  Budgeting all(layout, [&](const Deviations& off, size_t b) {
     std::vector<double> d;
     for (const double alpha : amplitude.alpha) {
-      const std::vector<double> one = bench.curve(b, x, alpha);
+      const std::vector<double> one = generator.curve(b, x, alpha, off);
       d.insert(d.end(), one.begin(), one.end());
     }
     return d;
   });
   for (size_t b = 0; b < amplitude.multipliers.size(); ++b) {
-    all.multiplier(layout.product(amplitude.multipliers[b]).name, layout.generator_multipliers() + b,
-                   out.errors);
+    all.multiplier(layout.product(amplitude.multipliers[b]).name,
+                   static_cast<std::size_t>(amplitude.multipliers[b]), out.errors);
     all.line("control op-amp of " + layout.branches[b].name + ", offset",
-             [&](Bench& bench) { bench.offset[layout.sums.size() + 1 + b] = out.errors.opamp_offset_v; });
+             offset_of(amplitude.controls[b].sum.opamp, out.errors));
   }
   all.resistors(true, out.errors);
   all.sort();
@@ -123,24 +134,30 @@ void amplitude_budget(const Layout& layout, Budget& out) {
 
 }  // namespace
 
+Deviations multipliers_at_limit(const Layout& layout, const ErrorLimits& errors) {
+  Deviations out = Deviations::none(layout);
+  for (MultiplierDeviation& one : out.multiplier) one = errors.multiplier_at_limit();
+  return out;
+}
+
 Budget make_budget(const Layout& layout, const ErrorLimits& errors) {
   Budget out;
   out.errors = errors;
   const size_t branches = layout.branches.size();
   const std::vector<double> x = points();
-  Budgeting all(layout, [&](const Bench& bench, size_t b) { return bench.curve(b, x); });
+  const GeneratorAtRest generator(layout);
+  Budgeting all(layout, [&](const Deviations& off, size_t b) { return generator.curve(b, x, 1.0, off); });
   for (size_t i = 0; i < layout.generator_multipliers(); ++i)
     all.multiplier(layout.multipliers[i].name, i, errors);
   for (size_t s = 0; s < layout.sums.size(); ++s) {
     all.line("op-amp " + layout.op(layout.sums[s].opamp).name + " of " +
                  layout.op(layout.sums[s].opamp).role + ", offset",
-             [&](Bench& bench) { bench.offset[s] = errors.opamp_offset_v; });
+             offset_of(layout.sums[s].opamp, errors));
   }
-  all.line("output op-amp, offset",
-           [&](Bench& bench) { bench.offset[layout.sums.size()] = errors.opamp_offset_v; });
+  all.line("output op-amp, offset", offset_of(layout.output_opamp, errors));
   if (layout.switched()) {
     all.line("switch, on-resistance",
-             [&](Bench& bench) { bench.switch_relative = errors.switch_ohm_percent / 100.0; });
+             [&](Deviations& off) { off.switch_relative = errors.switch_ohm_percent / 100.0; });
   }
   all.resistors(false, errors);
   all.sort();

@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "multiplier_layout/bench.hpp"
 #include "multiplier_layout/layout.hpp"
 
 namespace bodesmith::multiplier_layout {
@@ -43,6 +42,9 @@ struct Budget {
   std::vector<BudgetLine> amplitude_lines;
   std::vector<double> amplitude_rss_percent;  ///< with the causes of `lines`
 };
+
+/// Every multiplier with all its departures at their limits.
+schematic::Deviations multipliers_at_limit(const Layout& layout, const ErrorLimits& errors);
 
 Budget make_budget(const Layout& layout, const ErrorLimits& errors = {});
 

@@ -27,7 +27,7 @@ class SlopeDetector {
   std::vector<double> gains(const std::vector<Hertz>& grid) const;
 
   /// Time from `reversal_s` until the comparator's output passes 0 upwards, for an input x(t) that falls before and rises
-  /// after; integrates from `start_s` to `stop_s`.
+  /// after; the circuit in time (CVODE) from `start_s` to `stop_s`.
   std::optional<double> delay_s(const std::function<double(double)>& x, double start_s, double reversal_s,
                                 double stop_s) const;
 
@@ -35,7 +35,6 @@ class SlopeDetector {
   double value(const char* name) const { return netlist_.part_named(name)->realised; }
   const schematic::OpAmpModel& model() const { return netlist_.model_of(netlist_.opamps.front()); }
   double vt() const;
-  double feedback_f(double v) const;
   double hysteresis() const { return value("Rh1") / (value("Rh1") + value("Rh2")); }
 
   schematic::Netlist netlist_;

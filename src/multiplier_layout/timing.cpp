@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "multiplier_layout/at_rest.hpp"
 #include "multiplier_layout/build.hpp"
 #include "multiplier_layout/slope_detector.hpp"
 
@@ -61,9 +62,9 @@ SwitchFigures::Late late_figures(const Layout& layout, Hertz f, double delay_s, 
   out.delay_s = delay_s;
   const double period = 1.0 / f.value, lag = lag_s(layout);
   constexpr int kSteps = 4000;
-  const Bench good(layout);
-  Bench limit(layout);
-  for (size_t i = 0; i < layout.multipliers.size(); ++i) limit.multiplier[i] = errors.multiplier_at_limit();
+  const GeneratorAtRest generator(layout);
+  const schematic::Deviations good = schematic::Deviations::none(layout),
+                              limit = multipliers_at_limit(layout, errors);
   for (int select = 0; select < (1 << layout.select_lines()); ++select) {
     const int up = layout.branch_at(select, true), down = layout.branch_at(select, false);
     if (up < 0) continue;
@@ -81,9 +82,9 @@ SwitchFigures::Late late_figures(const Layout& layout, Hertz f, double delay_s, 
       wanted.push_back(polynomial(layout.branches[static_cast<size_t>(rising ? up : down)].wanted, x.back()));
       first.push_back(std::fmod(t - delay_s + period, period) < 0.5 * period);
     }
-    const auto errors_of = [&](const Bench& bench, double& rms, double* peak) {
-      const std::vector<double> a = bench.curve(static_cast<size_t>(up), x_late);
-      const std::vector<double> d = bench.curve(static_cast<size_t>(down), x_late);
+    const auto errors_of = [&](const schematic::Deviations& off, double& rms, double* peak) {
+      const std::vector<double> a = generator.curve(static_cast<size_t>(up), x_late, 1.0, off);
+      const std::vector<double> d = generator.curve(static_cast<size_t>(down), x_late, 1.0, off);
       double sum = 0.0;
       for (size_t i = 0; i < x.size(); ++i) {
         const double error = 100.0 * ((first[i] ? a[i] : d[i]) - wanted[i]);

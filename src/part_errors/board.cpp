@@ -73,47 +73,50 @@ Input input_of(const tracking::Reference& reference, Hertz operating, std::size_
   return out;
 }
 
-Board::Board(const Wiring& wiring, const Copy& copy)
-    : wiring_(wiring), off_(copy.off), rest_(wiring, copy.off) {
+Board::Board(const controller::RestWiring& wiring, const Copy& copy)
+    : wiring_(wiring),
+      off_(copy.off),
+      rest_(wiring, copy.off),
+      meter_(controller::SlopeMeterGains::of(wiring.controller, copy.off)) {
   speed_ = std::max(1.0 + copy.speed, 0.05);
   timing_ = std::max(1.0 + copy.timing, 0.05);
   reference_gain_ = rest_.reference_gain();
-  const double top = std::max(wiring.controller().loop.greatest_drive, 1.0);
+  const double top = std::max(wiring.controller.loop.greatest_drive, 1.0);
   middle_ = 0.5 * top;
   half_ = 0.5 * top + kRoomV;
-  set_meter();
-  tabulate(rest_, true);
-  tabulate(rest_, false);
-  set_delays(rest_);
+  tabulate(true);
+  tabulate(false);
+  set_delays();
 }
 
-void Board::tabulate(RestPoint& rest, bool rising) {
+void Board::tabulate(bool rising) {
   static const Basis basis = lagrange_basis();
-  const AnalogController& c = wiring_.controller();
-  Branch& b = branch_[rising ? 0 : 1];
-  const controller::RateGain& rate = c.rate[rising ? 0 : 1];
+  const AnalogController& c = wiring_.controller;
+  const int index = rising ? 0 : 1;
+  Branch& b = branch_[index];
+  const controller::RateGain& rate = c.rate[index];
   double low = 0.0, high = 0.0;
   if (rate.control >= 0) {
-    b.control = wiring_.node(c.op(c.sum(rate.control).opamp).out);
+    b.varies = true;
     // The corners of the gain curve and its ends bound the control voltage.
     std::vector<double> slopes = {0.0, -1.2 * c.curve->corner.back().value * c.slope->volts_per_hz};
     for (const Hertz f : c.curve->corner) slopes.push_back(-f.value * c.slope->volts_per_hz);
     low = 1e300;
     high = -1e300;
     for (const double s : slopes) {
-      rest.set_slope(s);
-      low = std::min(low, rest.volts(b.control));
-      high = std::max(high, rest.volts(b.control));
+      rest_.set_slope(s);
+      low = std::min(low, rest_.control_v(index));
+      high = std::max(high, rest_.control_v(index));
     }
   }
   b.mid_c = 0.5 * (low + high);
   b.half_c = std::max(0.5 * (high - low), 1e-6);
   for (int level = 0; level < kLevels; ++level) {
-    if (b.control < 0 && level > 0) break;
+    if (!b.varies && level > 0) break;
     for (int i = 0; i < kNodes; ++i) {
       const double x = middle_ + half_ * chebyshev_node(i);
-      rest.force(b.control, b.mid_c + (level - 1) * b.half_c);
-      const double made = wiring_.self_fed() ? rest.made(0.0, x, rising) : rest.made(x, 0.0, rising);
+      rest_.set_control(index, b.mid_c + (level - 1) * b.half_c);
+      const double made = wiring_.argument_is_given ? rest_.made(0.0, x, rising) : rest_.made(x, 0.0, rising);
       for (int k = 0; k < kTerms; ++k) {
         b.term[level][k] += made * basis[static_cast<std::size_t>(i)][static_cast<std::size_t>(k)];
       }
@@ -124,7 +127,7 @@ void Board::tabulate(RestPoint& rest, bool rising) {
 /// The switch's common node while both contacts are open: an opening contact leaves its charge on what holds the
 /// node, which discharges through the subtraction's input resistor until the other closes.
 double Board::open_node_f() const {
-  const AnalogController& c = wiring_.controller();
+  const AnalogController& c = wiring_.controller;
   const std::string& node = c.contacts.back().to;
   double out = static_cast<double>(c.contacts.size()) * c.analog_switch.drain_f;
   for (std::size_t i = 0; i < c.parts.size(); ++i) {
@@ -136,11 +139,11 @@ double Board::open_node_f() const {
 }
 
 double Board::open_node_v() const {
-  return (wiring_.controller().analog_switch.charge_c + off_.switch_charge_c) / open_node_f();
+  return (wiring_.controller.analog_switch.charge_c + off_.switch_charge_c) / open_node_f();
 }
 
 double Board::open_node_ohm() const {
-  const AnalogController& c = wiring_.controller();
+  const AnalogController& c = wiring_.controller;
   for (const controller::Term& term : c.sum(c.passes.back().output).terms) {
     if (!term.at_plus) return off_.value(c, term.part);
   }
@@ -149,55 +152,31 @@ double Board::open_node_ohm() const {
 
 double Board::open_node_s() const {
   const double tau = open_node_ohm() * open_node_f();
-  return tau * -std::expm1(-wiring_.controller().analog_switch.gap_s / tau);
+  return tau * -std::expm1(-wiring_.controller.analog_switch.gap_s / tau);
 }
 
 /// Closed-loop lag of an op-amp: its noise gain over 2 pi GBW.
-void Board::set_delays(const RestPoint& rest) {
-  const AnalogController& c = wiring_.controller();
+void Board::set_delays() {
+  const AnalogController& c = wiring_.controller;
   const double per_gain = 1.0 / (2.0 * std::numbers::pi * c.opamp.gain_bandwidth.value * speed_);
   const double multiplier = 1.0 / (2.0 * std::numbers::pi * c.multiplier.bandwidth.value);
-  output_s_ = c.opamp.is_ideal ? 0.0 : rest.noise_gain(c.passes.back().output) * per_gain;
+  output_s_ = c.opamp.is_ideal ? 0.0 : rest_.noise_gain(c.passes.back().output) * per_gain;
   for (std::size_t b = 0; b < 2; ++b) {
     const controller::BranchPath& path = c.passes.back().branch[b];
     branch_[b].delay_s = 2.0 * multiplier;
-    if (path.sum >= 0 && !c.opamp.is_ideal) branch_[b].delay_s += rest.noise_gain(path.sum) * per_gain;
+    if (path.sum >= 0 && !c.opamp.is_ideal) branch_[b].delay_s += rest_.noise_gain(path.sum) * per_gain;
   }
   const controller::Pass& last = c.passes.back();
   const double feedback = off_.value(c, c.sum(last.output).feedback);
   if (c.switched()) charge_area_ = open_node_v() * open_node_s() * feedback / open_node_ohm();
 }
 
-void Board::set_meter() {
-  const AnalogController& c = wiring_.controller();
-  if (!c.slope) return;
-  const AnalogController::SlopeMeter& m = *c.slope;
-  meter_.volts = off_.value(c, m.gain) * off_.value(c, m.differentiates);
-  meter_.offset = off_.offset(m.opamp);
-  meter_.lag1_s = off_.value(c, m.damping) * off_.value(c, m.differentiates);
-  meter_.lag2_s = off_.value(c, m.gain) * off_.value(c, m.limits);
-  const controller::Rectifier& h = m.half_wave;
-  meter_.half_gain = off_.value(c, h.feedback) / off_.value(c, h.terms[0].part);
-  meter_.half_offset = off_.offset(h.opamp) * (1.0 + meter_.half_gain);
-  const controller::Sum& sum = c.sum(m.full_wave);
-  const double feedback = off_.value(c, sum.feedback);
-  meter_.direct = feedback / off_.value(c, sum.terms[0].part);
-  meter_.half = feedback / off_.value(c, sum.terms[1].part);
-  meter_.full_offset = off_.offset(sum.opamp) * (1.0 + meter_.direct + meter_.half);
-  meter_.smoothing_s = sum.smoothing >= 0 ? off_.value(c, sum.smoothing) * feedback : 0.0;
-}
-
 std::vector<double> Board::slope_voltage(const Input& input) const {
   const std::size_t n = input.r.size();
   std::vector<double> out(n, 0.0);
   if (meter_.volts == 0.0) return out;
-  const Meter& m = meter_;
+  const controller::SlopeMeterGains& m = meter_;
   double a = 0.0, b = 0.0, sn = 0.0;
-  const auto target = [&] {
-    const double w = -m.volts * b + m.offset;
-    const double half = std::max(0.0, -w * m.half_gain + m.half_offset);
-    return -(w * m.direct + half * m.half) + m.full_offset;
-  };
   // Steps are of few lengths: what is left of a lag over one is worked out once for each.
   struct Left {
     double h = -1.0, a = 0.0, b = 0.0, sn = 0.0;
@@ -212,11 +191,11 @@ std::vector<double> Board::slope_voltage(const Input& input) const {
   const auto advance = [&](double slope, const Left& left) {
     a = slope + (a - slope) * left.a;
     b = a + (b - a) * left.b;
-    const double to = target();
+    const double to = m.output_v(b);
     sn = to + (sn - to) * left.sn;
   };
   a = b = input.slope[n - 1];
-  sn = target();
+  sn = m.output_v(b);
   for (int round = 0; round < 2; ++round) {
     for (std::size_t k = 0; k < n; ++k) {
       out[k] = sn;
@@ -235,7 +214,7 @@ std::vector<double> Board::slope_voltage(const Input& input) const {
 }
 
 void Board::mix(const Branch& branch, double control_v, double out[kTerms]) const {
-  if (branch.control < 0) {
+  if (!branch.varies) {
     std::copy(branch.term[0], branch.term[0] + kTerms, out);
     return;
   }
@@ -249,7 +228,7 @@ void Board::mix(const Branch& branch, double control_v, double out[kTerms]) cons
 double Board::solve(double r, double rate, const Branch& branch, const double p[kTerms], double start) const {
   double slope = 0.0;
   const double early = r - rate * output_s_;
-  if (!wiring_.self_fed()) {
+  if (!wiring_.argument_is_given) {
     const double value = polynomial(p, kTerms, (r - middle_) / half_, slope);
     slope /= half_;
     return value - rate * (output_s_ * slope + branch.delay_s * (slope - reference_gain_));
@@ -274,7 +253,6 @@ std::vector<double> Board::drive(const Input& input) const {
   const std::size_t n = input.r.size();
   const std::vector<double> sn = slope_voltage(input);
   std::vector<double> out(n);
-  RestPoint rest = rest_;
   double p[2][kTerms] = {};
   double last_sn = std::nan("");
   bool was_rising = false;
@@ -283,9 +261,8 @@ std::vector<double> Board::drive(const Input& input) const {
   for (std::size_t k = 0; k < n; ++k) {
     if (sn[k] != last_sn) {
       last_sn = sn[k];
-      if (meter_.volts != 0.0) rest.set_slope(sn[k]);
-      for (const int b : {0, 1})
-        mix(branch_[b], branch_[b].control >= 0 ? rest.volts(branch_[b].control) : 0.0, p[b]);
+      if (meter_.volts != 0.0) rest_.set_slope(sn[k]);
+      for (const int b : {0, 1}) mix(branch_[b], rest_.control_v(b), p[b]);
     }
     const bool rising = input.to_turn[k] < delay ? !input.rising[k] : input.rising[k];
     const int b = rising ? 0 : 1;
@@ -302,11 +279,10 @@ std::vector<double> Board::drive(const Input& input) const {
 }
 
 double Board::at_rest(double r, bool rising) const {
-  RestPoint rest = rest_;
-  rest.set_slope(0.0);
+  rest_.set_slope(0.0);
   double p[kTerms];
   const Branch& b = branch_[rising ? 0 : 1];
-  mix(b, b.control >= 0 ? rest.volts(b.control) : 0.0, p);
+  mix(b, rest_.control_v(rising ? 0 : 1), p);
   return solve(r, 0.0, b, p, r);
 }
 

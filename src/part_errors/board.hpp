@@ -2,8 +2,8 @@
 
 #include <vector>
 
+#include "controller/at_rest.hpp"
 #include "part_errors/errors.hpp"
-#include "part_errors/rest_point.hpp"
 #include "tracking/reference.hpp"
 
 namespace bodesmith::part_errors {
@@ -22,11 +22,11 @@ struct Input {
 Input input_of(const tracking::Reference& reference, Hertz operating, std::size_t samples);
 
 /// One built copy as it behaves, fast: at every instant the generator is at rest (its voltages follow from
-/// RestPoint, tabulated once as polynomials of its argument), late by its amplifiers' delays; the slope meter and
+/// controller::AtRest, tabulated once as polynomials of its argument), late by its amplifiers' delays; the slope meter and
 /// its smoothing are filters of first order, the switch acts late. Against ngspice: tests/part_errors.
 class Board {
  public:
-  Board(const Wiring& wiring, const Copy& copy);
+  Board(const controller::RestWiring& wiring, const Copy& copy);
 
   /// v over one repeat in steady state.
   std::vector<double> drive(const Input& input) const;
@@ -41,12 +41,11 @@ class Board {
   struct Branch {
     double mid_c = 0.0, half_c = 0.0;  ///< control voltages
     double term[kLevels][kTerms] = {};
-    int control = -1;      ///< node; none: constant
+    bool varies = false;   ///< with the rate
     double delay_s = 0.0;  ///< of powers, sum and rate gain
   };
-  void tabulate(RestPoint& rest, bool rising);
-  void set_delays(const RestPoint& rest);
-  void set_meter();
+  void tabulate(bool rising);
+  void set_delays();
   double open_node_f() const;
   double open_node_v() const;
   double open_node_ohm() const;
@@ -55,23 +54,16 @@ class Board {
   void mix(const Branch& branch, double control_v, double out[kTerms]) const;
   double solve(double r, double rate, const Branch& branch, const double p[kTerms], double start) const;
 
-  const Wiring& wiring_;
+  const controller::RestWiring& wiring_;
   schematic::Deviations off_;
-  RestPoint rest_;
+  mutable controller::AtRest rest_;   ///< remembers how its blocks were solved: a board is one thread's
   Branch branch_[2];                  ///< rising, falling
   double middle_ = 0.5, half_ = 0.7;  ///< of the argument's range
   double reference_gain_ = 1.0;
   double output_s_ = 0.0;
   double speed_ = 1.0, timing_ = 1.0;
   double charge_area_ = 0.0;  ///< V s at v, of each change of the switch
-
-  struct Meter {
-    double volts = 0.0;  ///< per V/s
-    double offset = 0.0;
-    double lag1_s = 0.0, lag2_s = 0.0, smoothing_s = 0.0;
-    double half_gain = 1.0, half_offset = 0.0;
-    double direct = 1.0, half = 2.0, full_offset = 0.0;
-  } meter_;
+  controller::SlopeMeterGains meter_;
 };
 
 }  // namespace bodesmith::part_errors

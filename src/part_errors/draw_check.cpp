@@ -27,7 +27,7 @@ std::vector<DrawCheck> check_draws(const controller::AnalogController& controlle
     controller::NgspiceRun run = controller::NgspiceRun::of_many();
     run.off = &copy.off;
     run.samples = options.samples;
-    const controller::Settled settled =
+    const controller::SteadyState settled =
         controller::run_in_ngspice(built, options.reference, one.frequency, run);
     one.percent = bench.error_percent(board, f);
     const std::vector<double> y = stage.response(settled.v, settled.step_s, one.frequency);

@@ -7,11 +7,11 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "controller/at_rest.hpp"
 #include "controller/open_loop.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/loop_margins.hpp"
 #include "part_errors/loop_bias.hpp"
-#include "part_errors/rest_point.hpp"
 #include "schematic/analysis/response.hpp"
 
 namespace bodesmith::part_errors {
@@ -82,21 +82,22 @@ LoopAt look_at(const AnalogController& controller, const LoopPoint& point, const
 }  // namespace
 
 LoopBias bias_of(const AnalogController& controller, const LoopPoint& point) {
-  const Wiring wiring(controller);
-  RestPoint rest(wiring, schematic::Deviations::none(controller));
+  const controller::RestWiring wiring(controller);
+  controller::AtRest rest(wiring, schematic::Deviations::none(controller));
   LoopBias out;
   if (controller.slope) out.slope_v = -point.operating.value * controller.slope->volts_per_hz;
   rest.set_slope(out.slope_v);
   const bool rising = point.branch == Disturbance::Branch::ascending;
   out.position = rising ? 0 : 1;
   out.reference_v = point.v;
-  if (wiring.self_fed())
+  if (wiring.argument_is_given)
     out.reference_v = (point.v - rest.made(0.0, point.v, rising)) / rest.reference_gain();
   rest.made(out.reference_v, point.v, rising);
   for (const schematic::Multiplier& m : controller.multipliers) {
-    for (const std::string& node : {m.x, m.y, m.z, m.out}) out.volts[node] = rest.volts(node);
+    for (const std::string& node : {m.x, m.y, m.z, m.out})
+      out.volts[node] = wiring.argument_is_given && node == "v" ? point.v : rest.volts(node);
   }
-  if (wiring.self_fed()) out.volts["v"] = point.v;
+  if (wiring.argument_is_given) out.volts["v"] = point.v;
   return out;
 }
 

@@ -4,10 +4,11 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "controller/at_rest.hpp"
 #include "controller/library.hpp"
 #include "lti/frequency_grid.hpp"
+#include "lti/loop_margins.hpp"
 #include "part_errors/loop_bias.hpp"
-#include "part_errors/rest_point.hpp"
 #include "schematic/plain_number.hpp"
 #include "schematic/writers/spice_models.hpp"
 #include "spice/ngspice.hpp"
@@ -86,11 +87,11 @@ std::vector<std::complex<double>> generator_loop(const AnalogController& control
 }
 
 /// v of a branch at rest.
-double drive_of(RestPoint& rest, const Wiring& wiring, double r, bool rising) {
+double drive_of(controller::AtRest& rest, bool self_fed, double r, bool rising) {
   double v = r;
   for (int i = 0; i < 60; ++i) {
     const double made = rest.made(r, v, rising);
-    if (!wiring.self_fed()) return made;
+    if (!self_fed) return made;
     v = made;
   }
   return v;
@@ -132,20 +133,22 @@ SwitchStep change_of_branch(const AnalogController& controller, const LoopPoint&
 
 std::optional<SwitchStep> switch_step(const AnalogController& controller, const LoopPoint& at) {
   if (!controller.switched() || controller.contacts.size() < 2) return std::nullopt;
-  const Wiring wiring(controller);
-  RestPoint rest(wiring, schematic::Deviations::none(controller));
+  const controller::RestWiring wiring(controller);
+  controller::AtRest rest(wiring, schematic::Deviations::none(controller));
   if (controller.slope) rest.set_slope(-at.operating.value * controller.slope->volts_per_hz);
   double r = 0.5, greatest = 0.0;
   for (int i = 0; i <= 40; ++i) {
     const double here = i / 40.0;
-    const double apart = std::abs(drive_of(rest, wiring, here, true) - drive_of(rest, wiring, here, false));
+    const double apart = std::abs(drive_of(rest, wiring.argument_is_given, here, true) -
+                                  drive_of(rest, wiring.argument_is_given, here, false));
     if (apart > greatest) {
       greatest = apart;
       r = here;
     }
   }
   if (!(greatest > 0.0)) return std::nullopt;
-  const double rest_v[2] = {drive_of(rest, wiring, r, true), drive_of(rest, wiring, r, false)};
+  const double rest_v[2] = {drive_of(rest, wiring.argument_is_given, r, true),
+                            drive_of(rest, wiring.argument_is_given, r, false)};
   // A hold in whose first third all is over was long enough.
   constexpr double kShortS = 3e-6, kLongS = 10e-6;
   const SwitchStep quick = change_of_branch(controller, at, r, rest_v, kShortS);

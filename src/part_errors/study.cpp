@@ -5,7 +5,7 @@
 #include <map>
 
 #include "base/error.hpp"
-#include "controller/behaviour.hpp"
+#include "controller/dynamics.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 
@@ -92,7 +92,8 @@ Bench::Bench(const AnalogController& controller, const tracking::Stage& stage, c
   const std::size_t samples = options.samples * options.reference.periods();
   for (const Hertz f : frequencies_) {
     inputs_.push_back(input_of(options.reference, f, samples));
-    if (controller.switched()) inputs_.back().switch_delay_s = controller::switch_delay_s(controller, f);
+    if (controller.switched())
+      inputs_.back().switch_delay_s = controller::switch_delay_s(controller, tracking::Reference(), f);
   }
 }
 

@@ -59,12 +59,12 @@ class Bench {
   double error_percent(const Board& board, std::size_t frequency) const;
   /// y of the stage.
   std::vector<double> displacement(const Board& board, std::size_t frequency) const;
-  const Wiring& wiring() const { return wiring_; }
+  const controller::RestWiring& wiring() const { return wiring_; }
   const Input& input(std::size_t frequency) const { return inputs_[frequency]; }
   std::size_t frequencies() const { return inputs_.size(); }
 
  private:
-  Wiring wiring_;
+  controller::RestWiring wiring_;
   const tracking::Stage& stage_;
   std::vector<Hertz> frequencies_;
   std::vector<Input> inputs_;

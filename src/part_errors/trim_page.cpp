@@ -25,7 +25,7 @@ std::string moves_text(const TrimStep& step) {
 }
 
 Json expected_points(const controller::AnalogController& controller) {
-  const Wiring wiring(controller);
+  const controller::RestWiring wiring(controller);
   const Board board(wiring, copy_of(controller, {}, {}));
   Json out = Json::array();
   for (const double r : {0.0, 0.25, 0.5, 0.75, 1.0}) {
@@ -77,7 +77,7 @@ std::string trim_page(const Report& report, const controller::AnalogController& 
   data["rates"] = controller.slope.has_value();
   if (controller.slope) {
     const Reading slope{Reading::Kind::slope, 0.0};
-    const Wiring wiring(controller);
+    const controller::RestWiring wiring(controller);
     const Board board(wiring, copy_of(controller, {}, {}));
     const Input input = input_of(tracking::Reference(), fastest, 256);
     data["slope_words"] = slope.words(controller, fastest);

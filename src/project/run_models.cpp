@@ -6,7 +6,7 @@
 #include "chain/registry.hpp"
 #include "chain/sections_chain.hpp"
 #include "chain/stage_chain.hpp"
-#include "controller/behaviour.hpp"
+#include "controller/at_rest.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -24,14 +24,9 @@ Block called(Block block, const char* name) {
   return block;
 }
 
-/// The slope meter's frequency is that of a full-stroke triangle, which moves by 2 f a second.
-double control_at(const controller::Behaviour& built, Branch which, Hertz f) {
-  return built.control_v(which, built.slope_v(2.0 * f.value));
-}
-
 Block loop_of(const controller::AnalogController& controller, const Disturbance& disturbance,
               Hertz operating) {
-  const controller::Behaviour built(controller);
+  controller::BuiltGenerator built(controller);
   std::vector<double> frequency;
   for (const Hertz f : disturbance.rate.frequency) frequency.push_back(f.value);
   Block out = make_block("loop");
@@ -39,17 +34,20 @@ Block loop_of(const controller::AnalogController& controller, const Disturbance&
        {std::tuple{Branch::ascending, "ascending", "constant_ascending", "rate_ascending"},
         {Branch::descending, "descending", "constant_descending", "rate_descending"}}) {
     // A cubic through four of its values: what the powers, sums and gains with their parts make.
-    const double control = control_at(built, which, operating);
-    const double gain = built.rate_gain(which, operating);
+    built.set_rate(operating);
+    const double gain = built.rate_gain(which);
     double y[4];
-    for (int i = 0; i < 4; ++i) y[i] = built.subtracted(which, i / 3.0, control) / gain;
+    for (int i = 0; i < 4; ++i) y[i] = built.subtracted(which, i / 3.0) / gain;
     const double d1 = y[1] - y[0];
     const double d2 = y[2] - 2.0 * y[1] + y[0];
     const double d3 = y[3] - 3.0 * y[2] + 3.0 * y[1] - y[0];
     out.set(list, std::vector<double>{3.0 * d1 - 1.5 * d2 + d3, 4.5 * d2 - 4.5 * d3, 4.5 * d3});
     out.set(constant, y[0] * gain);
     std::vector<double> gains;
-    for (const Hertz f : disturbance.rate.frequency) gains.push_back(built.rate_gain(which, f));
+    for (const Hertz f : disturbance.rate.frequency) {
+      built.set_rate(f);
+      gains.push_back(built.rate_gain(which));
+    }
     out.set(rates, gains);
   }
   out.set("rate_frequency_hz", frequency).set("operating_hz", operating.value);

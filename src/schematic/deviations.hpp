@@ -37,9 +37,19 @@ struct Deviations {
     return out;
   }
 
+  /// Of a netlist whose elements are some of `whole`'s, by their names; others are as realised.
+  Deviations of_part(const Netlist& part_of_it, const Netlist& whole) const;
+
   double value(const Netlist& netlist, int index) const {
     const auto i = static_cast<std::size_t>(index);
     return netlist.parts[i].realised * (1.0 + part[i]);
+  }
+  /// The contacts as they are.
+  SwitchModel contact(SwitchModel model) const {
+    model.on_ohm *= 1.0 + switch_relative;
+    model.charge_c += switch_charge_c;
+    model.on_delay_s += switch_delay_s;
+    return model;
   }
   double offset(int opamp) const { return opamp_offset_v[static_cast<std::size_t>(opamp)]; }
 };

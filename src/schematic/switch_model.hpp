@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <string>
 
@@ -19,6 +20,8 @@ struct SwitchModel {
 
   /// Two contacts of an ADG413 for one or two branches; an ADG408 (8-way) for more.
   static SwitchModel for_branches(std::size_t count);
+  /// Of a closed contact; a milliohm at least.
+  double on_siemens() const { return 1.0 / std::max(on_ohm, 1e-3); }
   double off_delay_s() const { return on_delay_s - gap_s; }
   /// Through it a gate that swings by kGateSwing pushes the injected charge.
   static constexpr double kGateSwing = 10.0;

@@ -137,6 +137,10 @@ struct CvodeSolver::Implementation {
                    "CVodeSStolerances");
     expect_success(CVodeSetUserData(memory.get(), this), "CVodeSetUserData");
     expect_success(CVodeSetMaxNumSteps(memory.get(), 100000000), "CVodeSetMaxNumSteps");
+    // From the steps of a reference that moves in milliseconds to those of a comparator that trips in nanoseconds.
+    constexpr int kMostTrials = 60;
+    expect_success(CVodeSetMaxErrTestFails(memory.get(), kMostTrials), "CVodeSetMaxErrTestFails");
+    expect_success(CVodeSetMaxConvFails(memory.get(), kMostTrials), "CVodeSetMaxConvFails");
   }
 
   void choose_algebra(Method method) {

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/json.hpp"
+#include "multiplier_layout/at_rest.hpp"
 #include "multiplier_layout/polynomial.hpp"
 #include "multiplier_layout/timing.hpp"
 #include "spice/disturbance_library.hpp"
@@ -47,14 +48,14 @@ std::vector<double> sweep_branch(const multiplier_layout::Layout& layout, const 
 void check_static(const multiplier_layout::Layout& layout, const std::string& library,
                   const std::string& spoilt, const multiplier_layout::ErrorLimits& errors,
                   DisturbanceCheck& out) {
-  multiplier_layout::Bench limit(layout);
-  for (schematic::MultiplierDeviation& off : limit.multiplier) off = errors.multiplier_at_limit();
+  const multiplier_layout::GeneratorAtRest generator(layout);
+  const schematic::Deviations limit = multiplier_layout::multipliers_at_limit(layout, errors);
   for (size_t b = 0; b < layout.branches.size(); ++b) {
     const multiplier_layout::Branch& branch = layout.branches[b];
     std::vector<double> x;
     const std::vector<double> v = sweep_branch(layout, library, b, std::nullopt, x);
     const std::vector<double> off = sweep_branch(layout, spoilt, b, std::nullopt, x);
-    const std::vector<double> predicted = limit.curve(b, x);
+    const std::vector<double> predicted = generator.curve(b, x, 1.0, limit);
     for (size_t i = 0; i < x.size(); ++i) {
       const double wanted = polynomial(branch.wanted, x[i]);
       const auto most = [](double& greatest, double value) {
@@ -138,7 +139,7 @@ DisturbanceCheck::Amplitude check_amplitude(const multiplier_layout::Layout& lay
   const std::string library = disturbance_library(layout, "check", {true, std::nullopt});
   const multiplier_layout::AmplitudeControl& amplitude = *layout.amplitude;
   DisturbanceCheck::Amplitude out;
-  const multiplier_layout::Bench bench(layout);
+  const multiplier_layout::GeneratorAtRest generator(layout, true);
   std::vector<double> strokes = amplitude.alpha;
   for (size_t k = 1; k < amplitude.alpha.size(); ++k)
     strokes.push_back(0.5 * (amplitude.alpha[k - 1] + amplitude.alpha[k]));
@@ -147,7 +148,7 @@ DisturbanceCheck::Amplitude check_amplitude(const multiplier_layout::Layout& lay
     for (size_t b = 0; b < layout.branches.size(); ++b) {
       std::vector<double> x;
       const std::vector<double> v = sweep_branch(layout, library, b, alpha, x);
-      const std::vector<double> predicted = bench.curve(b, x, alpha);
+      const std::vector<double> predicted = generator.curve(b, x, alpha);
       const double gain = amplitude.wanted_gain(b, alpha);
       for (size_t i = 0; i < x.size(); ++i) {
         out.static_percent = std::max(

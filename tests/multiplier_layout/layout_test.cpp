@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
+#include "multiplier_layout/at_rest.hpp"
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/timing.hpp"
 
@@ -90,13 +91,14 @@ TEST(Layout, EverySchemeMakesThePolynomialWithEveryNodeInFullScale) {
         EXPECT_LE(std::max(std::abs(node.lowest_v), std::abs(node.highest_v)), 1.0 + 1e-9)
             << node.name << ", group " << group;
       }
-      const Bench bench(layout);
+      const GeneratorAtRest generator(layout);
       for (size_t b = 0; b < 2; ++b) {
-        const std::vector<double> d = bench.curve(b, {0.0, 0.3, 0.7, 1.0});
+        const std::vector<double> d = generator.curve(b, {0.0, 0.3, 0.7, 1.0});
         EXPECT_NEAR(d[0], 0.0, 1e-12);
-        EXPECT_NEAR(d[1], horner(layout.branches[b].wanted, 0.3), 1e-9) << "group " << group;
-        EXPECT_NEAR(d[2], horner(layout.branches[b].wanted, 0.7), 1e-9) << "group " << group;
-        EXPECT_NEAR(d[3], horner(layout.branches[b].wanted, 1.0), 1e-9) << "group " << group;
+        // What the open contact leaks is some 1e-9 V.
+        EXPECT_NEAR(d[1], horner(layout.branches[b].wanted, 0.3), 1e-8) << "group " << group;
+        EXPECT_NEAR(d[2], horner(layout.branches[b].wanted, 0.7), 1e-8) << "group " << group;
+        EXPECT_NEAR(d[3], horner(layout.branches[b].wanted, 1.0), 1e-8) << "group " << group;
       }
     }
   }
@@ -144,12 +146,12 @@ TEST(Layout, AmplitudeGainsFollowTheirTable) {
   const Layout layout = make_layout(d);
   ASSERT_TRUE(layout.amplitude.has_value());
   EXPECT_LT(layout.amplitude->max_error_percent, 0.15);
-  const Bench bench(layout);
+  const GeneratorAtRest generator(layout, true);
   for (const double alpha : {0.05, 0.1, 0.3, 0.62, 0.9, 1.0}) {
-    EXPECT_NEAR(bench.control_v(1, alpha) / layout.amplitude->control_scale_v,
+    EXPECT_NEAR(generator.control_v(1, alpha) / layout.amplitude->control_scale_v,
                 d.amplitude_gain(Disturbance::Branch::descending, alpha), 0.01)
         << alpha;
-    EXPECT_LE(std::abs(bench.control_v(1, alpha)), 1.0);
+    EXPECT_LE(std::abs(generator.control_v(1, alpha)), 1.0);
   }
   const Budget budget = make_budget(layout);
   // Offset of a gain multiplier's output weighs U/(branch_gain control_scale) in d.
@@ -191,8 +193,9 @@ TEST(Budget, CausesByHand) {
   EXPECT_EQ(chain.multipliers.size(), 4u);
   const auto last = cause(make_budget(chain, errors), "Ma0, offset of W");
   ASSERT_EQ(last.size(), 2u);
-  EXPECT_NEAR(last[0], 100.0 * 0.01 / chain.branch_gain, 1e-9);
-  EXPECT_EQ(last[1], 0.0);
+  // The other branch's contact leaks.
+  EXPECT_NEAR(last[0], 100.0 * 0.01 / chain.branch_gain, 1e-8);
+  EXPECT_NEAR(last[1], 0.0, 1e-8);
 }
 
 TEST(LayoutSwitch, OneTimeConstantMakesBothDelays) {

@@ -46,7 +46,7 @@ TEST(Trim, AVoltmeterWithMoreNoiseTrimsWorse) {
 TEST(Trim, TheReadingsOfTheDesignAreThoseOfTheStage) {
   // At rest v is the inverse of the stage: r = v + K d(v) with the slowest gain.
   const controller::AnalogController& c = seed_controller();
-  const Wiring wiring(c);
+  const controller::RestWiring wiring(c);
   const Board board(wiring, copy_of(c, {}, {}));
   for (const double r : {0.0, 0.25, 0.5, 0.75, 1.0}) {
     for (const bool rising : {true, false}) {

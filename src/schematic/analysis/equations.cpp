@@ -12,7 +12,12 @@ Equations::Equations(const Netlist& netlist, const Assumptions& assumptions) : i
     number(one.x), number(one.y), number(one.z), number(one.out);
   for (const Contact& one : netlist.contacts) number(one.from), number(one.to);
   for (const Source& one : netlist.sources) number(one.node);
+  if (assumptions.switching) {
+    for (const Comparator& one : netlist.comparators) number(one.in), number(one.out);
+    for (const Gate& one : netlist.gates) number(one.out);
+  }
   count_ = nodes_.size();
+  std::size_t ideal_diode = count_ + netlist.opamps.size();  // their rows come behind the op-amps'
   const Deviations* off = assumptions.off;
   for (std::size_t i = 0; i < netlist.parts.size(); ++i) {
     const Part& part = netlist.parts[i];
@@ -26,28 +31,28 @@ Equations::Equations(const Netlist& netlist, const Assumptions& assumptions) : i
         elements_.push_back(make_capacitor(from, to, value));
         break;
       case Part::Kind::diode:
-        elements_.push_back(make_diode(from, to, netlist.diode));
+        elements_.push_back(assumptions.ideal_diodes
+                                ? make_ideal_diode(from, to, static_cast<int>(ideal_diode++))
+                                : make_diode(from, to, netlist.diode));
         break;
     }
   }
   add_opamps(netlist, assumptions);
+  count_ = ideal_diode;
   for (std::size_t i = 0; i < netlist.multipliers.size(); ++i) {
     const Multiplier& one = netlist.multipliers[i];
-    elements_.push_back(make_multiplier({node(one.x), node(one.y), node(one.z), node(one.out)},
-                                        static_cast<int>(count_++), netlist.multiplier,
+    elements_.push_back(make_multiplier({node(one.x), node(one.y), node(one.z), node(one.out)}, hold(one.out),
+                                        netlist.multiplier,
                                         off != nullptr ? off->multiplier[i] : MultiplierDeviation{}));
   }
-  SwitchModel contact = netlist.analog_switch;
-  if (off != nullptr) contact.on_ohm *= 1.0 + off->switch_relative;
-  for (const Contact& one : netlist.contacts)
-    elements_.push_back(
-        make_contact(node(one.from), node(one.to), contact, one.position == assumptions.position));
+  if (!assumptions.switching) add_contacts(netlist, assumptions);
   for (std::size_t i = 0; i < netlist.sources.size(); ++i) {
     const Source& one = netlist.sources[i];
     if (one.node == input_) continue;
     const double volts = one.volts * (1.0 + (off != nullptr ? off->source[i] : 0.0));
-    elements_.push_back(make_source(node(one.node), static_cast<int>(count_++), volts));
+    elements_.push_back(make_source(node(one.node), hold(one.node), volts));
   }
+  if (assumptions.switching) add_levels(netlist), add_contacts(netlist, assumptions);
   linearise(std::vector<double>(count_, 0.0), 0.0);
 }
 
@@ -60,6 +65,37 @@ void Equations::add_opamps(const Netlist& netlist, const Assumptions& assumption
     elements_.push_back(assumptions.ideal_opamps ? make_nullor(at, branch, offset)
                                                  : make_opamp(at, branch, netlist.model_of(one), offset));
   }
+}
+
+void Equations::add_contacts(const Netlist& netlist, const Assumptions& assumptions) {
+  const SwitchModel model =
+      assumptions.off != nullptr ? assumptions.off->contact(netlist.analog_switch) : netlist.analog_switch;
+  for (const Contact& one : netlist.contacts) {
+    const int from = node(one.from), to = node(one.to);
+    elements_.push_back(
+        assumptions.switching
+            ? make_moving_contact(from, to, {node(one.control), static_cast<int>(count_++)}, model)
+            : make_contact(from, to, model, one.position == assumptions.position));
+  }
+}
+
+void Equations::add_levels(const Netlist& netlist) {
+  for (const Comparator& one : netlist.comparators)
+    elements_.push_back(
+        make_comparator(node(one.in), node(one.out), hold(one.out), one.gain, one.threshold_v));
+  const auto places = [&](const std::vector<std::string>& names) {
+    std::vector<int> out;
+    for (const std::string& name : names) out.push_back(node(name));
+    return out;
+  };
+  for (const Gate& one : netlist.gates)
+    elements_.push_back(
+        make_gate(places(one.high), places(one.low), one.never, node(one.out), hold(one.out)));
+}
+
+int Equations::hold(const std::string& name) {
+  held_.push_back({node(name), static_cast<int>(count_)});
+  return static_cast<int>(count_++);
 }
 
 void Equations::number(const std::string& name) {
@@ -85,7 +121,7 @@ void Equations::evaluate(const Point& at, std::span<double> f, std::span<double>
 
 void Equations::linearise(std::vector<double> x, double input_v) {
   x_ = std::move(x);
-  evaluate({x_, input_v}, {}, {}, slopes_);
+  evaluate({x_, input_v, {}}, {}, {}, slopes_);
   // A node that is read only, and that nothing drives, stays where it is.
   std::vector<bool> driven(nodes_.size(), false);
   for (const Stamps::Slope& one : slopes_) {

@@ -15,14 +15,17 @@ namespace bodesmith::schematic {
 
 /// What an analysis takes for granted.
 struct Assumptions {
-  bool ideal_opamps = false;        ///< nullors
+  bool ideal_opamps = false;  ///< nullors
+  bool ideal_diodes = false;
   int position = 0;                 ///< of the switch: which contacts are closed
+  bool switching = false;           ///< comparators, gates and contacts act; `position` counts for nothing
   std::string input = "in";         ///< node that is driven from outside
   const Deviations* off = nullptr;  ///< none: as realised
 };
 
 /// Modified nodal analysis: the unknowns are the node voltages, in the order in which parts, op-amps, multipliers, contacts
-/// and sources name them, then a current for every op-amp, multiplier and source.
+/// and sources name them, then a current for every op-amp, multiplier and source; `switching`, the levels of the switches'
+/// control come behind them: a current for every comparator and gate, a timer for every contact.
 ///   f(x) + d/dt q(x) = 0  (elements/element.hpp)
 /// Keeps nothing of the netlist.
 class Equations {
@@ -39,6 +42,12 @@ class Equations {
   const std::vector<std::unique_ptr<Element>>& elements() const { return elements_; }
   /// Element of Netlist::parts[part].
   const Element& part(std::size_t part) const { return *elements_[part]; }
+
+  /// Nodes that ideal sources hold, with the rows of their currents.
+  struct Held {
+    int node, branch;
+  };
+  const std::vector<Held>& held() const { return held_; }
 
   /// f, q and their slopes at a point.
   void evaluate(const Point& at, std::span<double> f, std::span<double> q,
@@ -61,11 +70,16 @@ class Equations {
  private:
   void number(const std::string& name);
   void add_opamps(const Netlist& netlist, const Assumptions& assumptions);
+  void add_contacts(const Netlist& netlist, const Assumptions& assumptions);
+  void add_levels(const Netlist& netlist);
+  /// A new row for what an ideal source at a node delivers.
+  int hold(const std::string& node);
 
   std::string input_;
   std::map<std::string, int> nodes_;
   std::size_t count_ = 0;
   std::vector<std::unique_ptr<Element>> elements_;
+  std::vector<Held> held_;
   std::vector<double> x_;
   std::vector<Stamps::Slope> slopes_;  ///< at x_
 };

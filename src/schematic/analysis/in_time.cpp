@@ -1,6 +1,6 @@
 #include "schematic/analysis/in_time.hpp"
 
-#include <Eigen/LU>
+#include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
 
@@ -25,70 +25,149 @@ Netlist with_states(Netlist netlist) {
   return netlist;
 }
 
+Assumptions switching(Assumptions out) {
+  out.switching = true;
+  return out;
+}
+
+using Sparse = Eigen::SparseMatrix<double>;
+
 }  // namespace
 
 struct InTime::Implementation {
+  /// Solves with matrices of one pattern that change little from one to the next: an LU is kept, rows scaled to about 1, as
+  /// long as a few corrections with it bring what is left to `share` of the right side.
+  class KeptLu {
+   public:
+    Eigen::VectorXd solve(const Sparse& a, const Eigen::VectorXd& b, double share) {
+      if (known_) {
+        Eigen::VectorXd x = lu_.solve(scale_.cwiseProduct(b));
+        const double wanted = share * scale_.cwiseProduct(b).lpNorm<Eigen::Infinity>();
+        for (int i = 0; i < kMostCorrections; ++i) {
+          const Eigen::VectorXd left = scale_.cwiseProduct(b - a * x);
+          if (left.lpNorm<Eigen::Infinity>() <= wanted) return x;
+          x += lu_.solve(left);
+        }
+      }
+      factorise(a);
+      return lu_.solve(scale_.cwiseProduct(b));
+    }
+
+   private:
+    static constexpr int kMostCorrections = 3;
+    void factorise(const Sparse& a) {
+      scale_ = Eigen::VectorXd::Zero(a.rows());
+      for (Eigen::Index k = 0; k < a.outerSize(); ++k) {
+        for (Sparse::InnerIterator at(a, k); at; ++at)
+          scale_(at.row()) = std::max(scale_(at.row()), std::abs(at.value()));
+      }
+      scale_ = scale_.cwiseInverse().eval();
+      scaled_ = scale_.asDiagonal() * a;
+      if (!known_) lu_.analyzePattern(scaled_);
+      known_ = true;
+      lu_.factorize(scaled_);
+    }
+    bool known_ = false;
+    Eigen::VectorXd scale_;
+    Sparse scaled_;
+    Eigen::SparseLU<Sparse, Eigen::COLAMDOrdering<int>> lu_;
+  };
+
   Implementation(const Netlist& given, Input input_of_time, const Assumptions& assumptions)
-      : netlist(with_states(given)), equations(netlist, assumptions), input(std::move(input_of_time)) {
+      : netlist(with_states(given)),
+        equations(netlist, switching(assumptions)),
+        input(std::move(input_of_time)) {
     const auto n = static_cast<std::size_t>(equations.unknowns());
     f.resize(n);
     q.resize(n);
-    int branch = static_cast<int>(equations.nodes() + static_cast<Eigen::Index>(netlist.opamps.size()));
-    const auto hold = [&](const std::string& node) { held.push_back({equations.node(node), branch++}); };
-    for (const Multiplier& one : netlist.multipliers) hold(one.out);
-    for (const Source& one : netlist.sources) {
-      if (one.node != assumptions.input) hold(one.node);
-    }
+    is_held.resize(n, false);
+    for (const Equations::Held& one : equations.held()) is_held[static_cast<std::size_t>(one.node)] = true;
+    make_pattern();
     simulate::CvodeProblem problem;
     problem.order = n;
     problem.rate = [this](double t, const double* x, double* dx) { rate(t, x, dx); };
-    problem.jacobian = [this](double t, const double* x, double* j) { jacobian(t, x, j); };
-    solver = std::make_unique<simulate::CvodeSolver>(problem, simulate::CvodeSolver::Method::bdf, 1e-7, 1e-9);
+    problem.newton = [this](double t, const double* x, double gamma, double* b) { newton(t, x, gamma, b); };
+    solver = std::make_unique<simulate::CvodeSolver>(problem, simulate::CvodeSolver::Method::bdf, 1e-6, 1e-7);
   }
 
-  /// M x' = r at (t, x): M with what makes it regular.
-  void assemble(double t, const double* x, Eigen::MatrixXd* g) {
+  /// Elements stamp the same places in the same order whatever the point.
+  void make_pattern() {
+    const std::vector<double> rest(f.size(), 0.0);
+    equations.evaluate({rest, 0.0, rest}, f, q, slopes);
+    std::vector<Eigen::Triplet<double>> all;
+    for (const Stamps::Slope& one : slopes) {
+      if (one.column != kInput) all.emplace_back(one.row, one.column, 1.0);
+    }
+    for (int i = 0; i < equations.nodes(); ++i) all.emplace_back(i, i, 1.0);
+    for (const Equations::Held& one : equations.held()) {
+      all.emplace_back(one.node, one.branch, 1.0);
+      all.emplace_back(one.branch, one.node, 1.0);
+    }
     const auto n = equations.unknowns();
-    equations.evaluate({{x, static_cast<std::size_t>(n)}, input(t)}, f, q, slopes);
-    m.setZero(n, n);
-    right.resize(n);
-    if (g != nullptr) g->setZero(n, n);
+    mass.resize(n, n);
+    mass.setFromTriplets(all.begin(), all.end());
+    mass.makeCompressed();
+    stiffness = matrix = mass;
+    const auto place = [&](int row, int column) { return &mass.coeffRef(row, column) - mass.valuePtr(); };
+    for (const Stamps::Slope& one : slopes)
+      places.push_back(one.column == kInput || is_held[static_cast<std::size_t>(one.row)]
+                           ? -1
+                           : place(one.row, one.column));
+    for (int i = 0; i < equations.nodes(); ++i)
+      diagonal.push_back(is_held[static_cast<std::size_t>(i)] ? -1 : place(i, i));
+    for (const Equations::Held& one : equations.held())
+      held.push_back({place(one.node, one.branch), place(one.branch, one.node)});
+  }
+
+  /// M x' = r at (t, x): M with what makes it regular, and the slopes that `rates` leave.
+  void assemble(double t, const double* x, std::span<const double> rates) {
+    const auto n = f.size();
+    equations.evaluate({{x, n}, input(t), rates}, f, q, slopes);
+    std::fill_n(mass.valuePtr(), mass.nonZeros(), 0.0);
+    std::fill_n(stiffness.valuePtr(), stiffness.nonZeros(), 0.0);
+    right.resize(equations.unknowns());
     // The slope of the input on the side of the corner that is being integrated.
     const double look = kLook * (end - begun), ahead = std::min(t + look, end),
                  behind = std::max(t - look, begun);
     const double input_slope = (input(ahead) - input(behind)) / (ahead - behind);
-    for (Eigen::Index i = 0; i < n; ++i) right(i) = -f[static_cast<std::size_t>(i)];
-    for (const Stamps::Slope& one : slopes) {
+    for (std::size_t i = 0; i < n; ++i) right(static_cast<Eigen::Index>(i)) = is_held[i] ? 0.0 : -f[i];
+    for (std::size_t k = 0; k < slopes.size(); ++k) {
+      const Stamps::Slope& one = slopes[k];
       if (one.column == kInput) {
         right(one.row) -= one.q * input_slope;
-        continue;
+      } else if (places[k] >= 0) {
+        mass.valuePtr()[places[k]] += one.q;
+        stiffness.valuePtr()[places[k]] += one.f;
       }
-      m(one.row, one.column) += one.q;
-      if (g != nullptr) (*g)(one.row, one.column) += one.f;
     }
-    for (Eigen::Index i = 0; i < equations.nodes(); ++i) m(i, i) += kLeastFarad;
-    for (const auto& [node, branch] : held) {
+    for (const auto at : diagonal) {
+      if (at >= 0) mass.valuePtr()[at] += kLeastFarad;
+    }
+    for (const auto& [current, voltage] : held) {
       // The node moves as its source says, the current is left as it is.
-      m.row(node).setZero();
-      m(node, branch) = 1.0;
-      right(node) = 0.0;
-      if (g != nullptr) g->row(node).setZero();
-      if (m(branch, node) == 0.0) m(branch, node) = kStill;  // a voltage that does not change
+      mass.valuePtr()[current] = 1.0;
+      if (mass.valuePtr()[voltage] == 0.0) mass.valuePtr()[voltage] = kStill;
     }
   }
 
   void rate(double t, const double* x, double* dx) {
-    assemble(t, x, nullptr);
-    Eigen::Map<Eigen::VectorXd>(dx, right.size()) = m.partialPivLu().solve(right);
+    assemble(t, x, {});
+    last_rate = of_mass.solve(mass, right, kExact);
+    std::copy_n(last_rate.data(), last_rate.size(), dx);
   }
 
-  void jacobian(double t, const double* x, double* j) {
-    assemble(t, x, &slope);
-    using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
-    Eigen::Map<RowMajor>(j, slope.rows(), slope.cols()) = -m.partialPivLu().solve(slope);
+  void newton(double t, const double* x, double gamma, double* b) {
+    const auto n = equations.unknowns();
+    assemble(t, x, {last_rate.data(), static_cast<std::size_t>(n)});
+    Eigen::Map<Eigen::VectorXd> at(b, n);
+    const Eigen::VectorXd wanted = mass * at;
+    for (Eigen::Index i = 0; i < mass.nonZeros(); ++i)
+      matrix.valuePtr()[i] = mass.valuePtr()[i] + gamma * stiffness.valuePtr()[i];
+    at = of_matrix.solve(matrix, wanted, kEnough);
   }
 
-  static constexpr double kLook = 1e-6;   ///< of a piece between corners, for the input's slope
+  static constexpr double kLook = 1e-6;  ///< of a piece between corners, for the input's slope
+  static constexpr double kExact = 1e-13, kEnough = 1e-3;
   static constexpr double kStill = 1e-9;  ///< s: how soon a source has its voltage
 
   Netlist netlist;
@@ -96,12 +175,15 @@ struct InTime::Implementation {
   Input input;
   std::vector<double> f, q;
   std::vector<Stamps::Slope> slopes;
+  std::vector<bool> is_held;
+  std::vector<std::ptrdiff_t> places, diagonal;  ///< in the matrices' values; -1: none
   struct Held {
-    int node, branch;
+    std::ptrdiff_t current, voltage;
   };
-  std::vector<Held> held;  ///< nodes of ideal sources and the rows of their currents
-  Eigen::MatrixXd m, slope;
-  Eigen::VectorXd right;
+  std::vector<Held> held;
+  Sparse mass, stiffness, matrix;
+  KeptLu of_mass, of_matrix;
+  Eigen::VectorXd right, last_rate;
   std::vector<double> state;
   double begun = 0.0, end = 1.0;
   std::unique_ptr<simulate::CvodeSolver> solver;
@@ -136,6 +218,19 @@ void InTime::run_to(double stop, const std::function<void(double from, double to
   it.begun = stop;
 }
 
+std::optional<double> InTime::rises(const std::string& node, double stop) {
+  std::optional<double> out;
+  run_to(stop, [&](double from, double to) {
+    if (out || !(volts(node, from) < 0.0) || volts(node, to) < 0.0) return;
+    for (int i = 0; i < 60 && from < to; ++i) {
+      const double middle = 0.5 * (from + to);
+      (volts(node, middle) < 0.0 ? from : to) = middle;
+    }
+    out = to;
+  });
+  return out;
+}
+
 double InTime::volts(const std::string& node, double t) const {
   const Implementation& it = *implementation_;
   const int at = it.equations.node(node);
@@ -143,6 +238,10 @@ double InTime::volts(const std::string& node, double t) const {
   std::vector<double> x(it.state.size());
   it.solver->at(t, x.data());
   return x[static_cast<std::size_t>(at)];
+}
+
+std::size_t InTime::steps() const {
+  return implementation_->solver->steps();
 }
 
 }  // namespace bodesmith::schematic

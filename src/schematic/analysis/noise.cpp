@@ -28,7 +28,7 @@ class Power final : public NoiseSources {
 std::vector<double> output_noise(const Netlist& netlist, const std::vector<Hertz>& grid, bool flicker,
                                  const std::string& node, const std::string& input) {
   const Equations equations(netlist, {.input = input});
-  const Point at{equations.point(), 0.0};
+  const Point at{equations.point(), 0.0, {}};
   std::vector<double> out;
   for (const Hertz f : grid) {
     const Eigen::VectorXcd ways = equations.ways_to(f.rad_s(), node);

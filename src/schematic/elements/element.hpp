@@ -18,17 +18,22 @@ constexpr int kInput = -2;  ///< V(in): 1 V for small signals, Point::input_v at
 struct Point {
   std::span<const double> x;  ///< empty: all 0
   double input_v = 0.0;
+  std::span<const double> rate;  ///< dx/dt; empty: all 0
 
   double operator[](int place) const {
     if (place == kInput) return input_v;
     return place == kGround || x.empty() ? 0.0 : x[static_cast<std::size_t>(place)];
+  }
+  double rate_of(int place) const {
+    return place < 0 || rate.empty() ? 0.0 : rate[static_cast<std::size_t>(place)];
   }
 };
 
 /// What the elements of a netlist add up to,
 ///   f(x) + d/dt q(x) = 0,
 /// one row an unknown: at a node the currents that leave it and the charges that have left it, then one equation for every
-/// branch current; with the slopes df/dx and dq/dx. The slopes' columns of the input are kept: they drive it.
+/// branch current; with the slopes df/dx + (d^2 q/dx^2) dx/dt and dq/dx. The slopes' columns of the input are kept: they
+/// drive it.
 class Stamps {
  public:
   struct Slope {
@@ -89,6 +94,8 @@ class Element {
 std::unique_ptr<Element> make_resistor(int from, int to, double ohm);
 std::unique_ptr<Element> make_capacitor(int from, int to, double farad);
 std::unique_ptr<Element> make_diode(int anode, int cathode, const DiodeModel& model);
+/// Conducts without a voltage, or holds any voltage backwards without a current.
+std::unique_ptr<Element> make_ideal_diode(int anode, int cathode, int branch);
 struct Inputs {
   int plus, minus, out;
 };
@@ -101,6 +108,14 @@ struct Factors {
 std::unique_ptr<Element> make_multiplier(const Factors& at, int branch, const MultiplierModel& model,
                                          const MultiplierDeviation& off);
 std::unique_ptr<Element> make_contact(int from, int to, const SwitchModel& model, bool closed);
+/// The contact that its control moves; `timer`: the row of the voltage that delays it. Throws DesignError as SwitchTimer::of.
+struct Control {
+  int node, timer;
+};
+std::unique_ptr<Element> make_moving_contact(int from, int to, const Control& by, const SwitchModel& model);
+std::unique_ptr<Element> make_comparator(int in, int out, int branch, double gain, double threshold_v);
+std::unique_ptr<Element> make_gate(std::vector<int> high, std::vector<int> low, bool never, int out,
+                                   int branch);
 std::unique_ptr<Element> make_source(int node, int branch, double volts);
 
 }  // namespace bodesmith::schematic

@@ -128,13 +128,8 @@ Lines model_texts(const SpiceLibrary& library, const SpiceOptions& options) {
   };
   Lines out;
   if (const Netlist* one = first_with([](const Netlist& n) { return !n.contacts.empty(); })) {
-    SwitchModel contact = one->analog_switch;
-    if (options.off != nullptr) {
-      contact.on_ohm *= 1.0 + options.off->switch_relative;
-      contact.charge_c += options.off->switch_charge_c;
-      contact.on_delay_s += options.off->switch_delay_s;
-    }
-    out.push_back(switch_subcircuit(contact));
+    out.push_back(switch_subcircuit(options.off != nullptr ? options.off->contact(one->analog_switch)
+                                                           : one->analog_switch));
   }
   if (const Netlist* one = first_with([](const Netlist& n) {
         return std::any_of(n.parts.begin(), n.parts.end(),

@@ -85,7 +85,7 @@ std::string switch_subcircuit(const SwitchModel& model) {
   Json data;
   data["charge_c"] = plain_number(model.charge_c);
   data["off_siemens"] = plain_number(model.off_siemens);
-  data["on_siemens"] = plain_number(1.0 / std::max(model.on_ohm, 1e-3));
+  data["on_siemens"] = plain_number(model.on_siemens());
   data["level"] = plain_number(timer.level);
   data["timer_f"] = plain_number(timer.tau_s / 1000.0);
   data["charge_f"] = plain_number(model.gate_f());

@@ -1,0 +1,374 @@
+#include "schematic/analysis/rest_point.hpp"
+
+#include <Eigen/LU>
+#include <algorithm>
+#include <bit>
+#include <numeric>
+#include <set>
+#include <stdexcept>
+
+namespace bodesmith::schematic {
+namespace {
+
+std::size_t at(int place) {
+  return static_cast<std::size_t>(place);
+}
+
+/// Sets that grow together.
+class Sets {
+ public:
+  explicit Sets(std::size_t count) : parent_(count) { std::iota(parent_.begin(), parent_.end(), 0); }
+  int of(int one) {
+    while (parent_[at(one)] != one) one = parent_[at(one)] = parent_[at(parent_[at(one)])];
+    return one;
+  }
+  void join(int a, int b) { parent_[at(of(a))] = of(b); }
+
+ private:
+  std::vector<int> parent_;
+};
+
+}  // namespace
+
+RestOrder::RestOrder(const Netlist& netlist, const std::vector<std::string>& inputs) : netlist_(netlist) {
+  number("0");
+  for (const std::string& one : inputs)
+    bit_of_input_.emplace(number(one), std::uint64_t{1} << bit_of_input_.size());
+  for (const Part& one : netlist_.parts) number(one.from), number(one.to);
+  for (const OpAmp& one : netlist_.opamps) number(one.plus), number(one.minus), number(one.out);
+  for (const Multiplier& one : netlist_.multipliers)
+    number(one.x), number(one.y), number(one.z), number(one.out);
+  for (const Contact& one : netlist_.contacts) number(one.from), number(one.to);
+  for (const Source& one : netlist_.sources) number(one.node);
+  is_driven_.assign(names_.size(), false);
+  is_driven_[kGround] = true;
+  for (const auto& [node, bit] : bit_of_input_) is_driven_[at(node)] = true;
+  for (const OpAmp& one : netlist_.opamps) is_driven_[at(node(one.out))] = true;
+  for (const Multiplier& one : netlist_.multipliers) is_driven_[at(node(one.out))] = true;
+  for (const Source& one : netlist_.sources) is_driven_[at(node(one.node))] = true;
+  find_blocks();
+  order();
+}
+
+int RestOrder::number(const std::string& name) {
+  return names_.try_emplace(name, static_cast<int>(names_.size())).first->second;
+}
+
+int RestOrder::node(const std::string& name) const {
+  const auto found = names_.find(name);
+  if (found == names_.end()) throw std::logic_error("a netlist without a node " + name);
+  return found->second;
+}
+
+void RestOrder::find_blocks() {
+  // Nodes that nothing drives, tied by what conducts; an op-amp is one more element, tied to what it compares.
+  const std::size_t nodes = names_.size();
+  Sets sets(nodes + netlist_.opamps.size());
+  const auto tie = [&](int a, int b) {
+    if (!is_driven_[at(a)] && !is_driven_[at(b)]) sets.join(a, b);
+  };
+  for (const Part& one : netlist_.parts) {
+    if (one.kind != Part::Kind::capacitor) tie(node(one.from), node(one.to));
+  }
+  for (const Contact& one : netlist_.contacts) tie(node(one.from), node(one.to));
+  const auto element = [&](std::size_t opamp) { return static_cast<int>(nodes + opamp); };
+  for (std::size_t i = 0; i < netlist_.opamps.size(); ++i) {
+    for (const int input : {node(netlist_.opamps[i].plus), node(netlist_.opamps[i].minus)}) {
+      if (!is_driven_[at(input)]) sets.join(input, element(i));
+    }
+  }
+  // Op-amps that read one another's outputs in a circle are one block.
+  for (bool circle = true; circle;) {
+    blocks_.clear(), block_of_opamp_.clear();
+    std::map<int, std::size_t> place;
+    make_blocks(
+        [&](int one) -> Block& {
+          const auto [found, fresh] = place.try_emplace(sets.of(one), blocks_.size());
+          if (fresh) blocks_.emplace_back();
+          return blocks_[found->second];
+        },
+        nodes);
+    circle = false;
+    const std::size_t count = blocks_.size();
+    std::vector<std::vector<bool>> reaches(count, std::vector<bool>(count, false));
+    for (std::size_t i = 0; i < netlist_.opamps.size(); ++i) {
+      const int out = node(netlist_.opamps[i].out);
+      for (std::size_t b = 0; b < count; ++b) {
+        if (std::find(blocks_[b].reads.begin(), blocks_[b].reads.end(), out) != blocks_[b].reads.end())
+          reaches[block_of_opamp_[i]][b] = true;
+      }
+    }
+    for (std::size_t via = 0; via < count; ++via) {
+      for (std::size_t a = 0; a < count; ++a) {
+        for (std::size_t b = 0; b < count; ++b)
+          reaches[a][b] = reaches[a][b] || (reaches[a][via] && reaches[via][b]);
+      }
+    }
+    for (std::size_t a = 0; a < count; ++a) {
+      for (std::size_t b = a + 1; b < count; ++b) {
+        if (!reaches[a][b] || !reaches[b][a]) continue;
+        sets.join(element(static_cast<std::size_t>(blocks_[a].opamps.front())),
+                  element(static_cast<std::size_t>(blocks_[b].opamps.front())));
+        circle = true;
+      }
+    }
+  }
+}
+
+void RestOrder::make_blocks(const std::function<Block&(int)>& block_at, std::size_t nodes) {
+  std::vector<bool> tied(nodes, false);
+  for (const Part& one : netlist_.parts) {
+    if (one.kind != Part::Kind::capacitor) tied[at(node(one.from))] = tied[at(node(one.to))] = true;
+  }
+  for (const Contact& one : netlist_.contacts) tied[at(node(one.from))] = tied[at(node(one.to))] = true;
+  const auto element = [&](std::size_t opamp) { return static_cast<int>(nodes + opamp); };
+  for (std::size_t i = 0; i < nodes; ++i) {
+    if (!is_driven_[i] && tied[i]) block_at(static_cast<int>(i)).own.push_back(static_cast<int>(i));
+  }
+  for (Block& one : blocks_) one.passive = one.own.size();
+  for (std::size_t i = 0; i < netlist_.opamps.size(); ++i) {
+    Block& block = block_at(element(i));
+    block.own.push_back(node(netlist_.opamps[i].out));
+    block.opamps.push_back(static_cast<int>(i));
+    block_of_opamp_.push_back(static_cast<std::size_t>(&block - blocks_.data()));
+  }
+  const auto between = [&](int from, int to, std::vector<int> Block::*list, std::size_t i) {
+    if (is_driven_[at(from)] && is_driven_[at(to)]) return;
+    (block_at(is_driven_[at(from)] ? to : from).*list).push_back(static_cast<int>(i));
+  };
+  for (std::size_t i = 0; i < netlist_.parts.size(); ++i) {
+    const Part& one = netlist_.parts[i];
+    if (one.kind != Part::Kind::capacitor)
+      between(node(one.from), node(one.to),
+              one.kind == Part::Kind::diode ? &Block::diodes : &Block::resistors, i);
+  }
+  for (std::size_t i = 0; i < netlist_.contacts.size(); ++i)
+    between(node(netlist_.contacts[i].from), node(netlist_.contacts[i].to), &Block::contacts, i);
+  for (Block& block : blocks_) {
+    std::set<int> reads;
+    const auto read = [&](const std::string& name) {
+      const int one = node(name);
+      if (one != kGround && std::find(block.own.begin(), block.own.end(), one) == block.own.end())
+        reads.insert(one);
+    };
+    for (const std::vector<int>* list : {&block.resistors, &block.diodes}) {
+      for (const int i : *list) read(netlist_.part(i).from), read(netlist_.part(i).to);
+    }
+    for (const int i : block.contacts) read(netlist_.contacts[at(i)].from), read(netlist_.contacts[at(i)].to);
+    for (const int i : block.opamps) read(netlist_.opamps[at(i)].plus), read(netlist_.opamps[at(i)].minus);
+    block.reads.assign(reads.begin(), reads.end());
+    for (const int i : block.opamps) {
+      block.diodes_at.push_back(0);
+      for (std::size_t k = 0; k < block.diodes.size(); ++k) {
+        const Part& one = netlist_.part(block.diodes[k]);
+        if (const std::string& out = netlist_.opamps[at(i)].out; one.from == out || one.to == out)
+          block.diodes_at.back() |= std::uint64_t{1} << k;
+      }
+    }
+  }
+}
+
+void RestOrder::order() {
+  std::map<int, Step> known = {{kGround, {}}};  // what a node depends on
+  for (const auto& [node, bit] : bit_of_input_) known[node].inputs = bit;
+  for (const Source& one : netlist_.sources) known.try_emplace(node(one.node));
+  std::vector<bool> block_done(blocks_.size(), false), multiplier_done(netlist_.multipliers.size(), false);
+  // True when all of `reads` are known: `step` depends on what they depend on.
+  const auto ready = [&](const std::vector<int>& reads, Step& step) {
+    return std::all_of(reads.begin(), reads.end(), [&](int one) {
+      const auto found = known.find(one);
+      if (found == known.end()) return !is_driven_[at(one)] && step.multiplier < 0;
+      step.inputs |= found->second.inputs;
+      step.switched = step.switched || found->second.switched;
+      return true;
+    });
+  };
+  for (bool moved = true; moved;) {
+    moved = false;
+    for (std::size_t i = 0; i < blocks_.size(); ++i) {
+      Step step;
+      step.block = static_cast<int>(i);
+      step.switched = !blocks_[i].contacts.empty();
+      if (block_done[i] || !ready(blocks_[i].reads, step)) continue;
+      // Not its own input's: a node that is driven twice keeps what drives it from outside.
+      for (const int one : blocks_[i].own) known.try_emplace(one, step);
+      block_done[i] = moved = true;
+      steps_.push_back(step);
+    }
+    for (std::size_t i = 0; i < netlist_.multipliers.size(); ++i) {
+      const Multiplier& one = netlist_.multipliers[i];
+      Step step;
+      step.multiplier = static_cast<int>(i);
+      step.x = node(one.x), step.y = node(one.y), step.z = node(one.z), step.out = node(one.out);
+      if (multiplier_done[i] || !ready({step.x, step.y, step.z}, step)) continue;
+      known.try_emplace(step.out, step);
+      multiplier_done[i] = moved = true;
+      steps_.push_back(step);
+    }
+  }
+  if (steps_.size() != blocks_.size() + netlist_.multipliers.size())
+    throw std::logic_error("the circuit's voltages at rest do not follow from one another");
+}
+
+RestPoint::RestPoint(const RestOrder& order, const Deviations& off)
+    : order_(&order), off_(off), conducting_(order.blocks_.size()), known_(order.blocks_.size()) {
+  const Netlist& netlist = order.netlist_;
+  v_.assign(order.names_.size(), 0.0);
+  for (std::size_t i = 0; i < netlist.sources.size(); ++i)
+    v_[at(order.node(netlist.sources[i].node))] = netlist.sources[i].volts * (1.0 + off.source[i]);
+  for (std::size_t i = 0; i < netlist.parts.size(); ++i)
+    siemens_.push_back(
+        netlist.parts[i].kind == Part::Kind::resistor ? 1.0 / off.value(netlist, static_cast<int>(i)) : 0.0);
+  contact_siemens_ = off.contact(netlist.analog_switch).on_siemens();
+}
+
+RestPoint::Affine RestPoint::solve_block(const RestOrder::Block& block, std::uint64_t conducting) const {
+  const Netlist& netlist = order_->netlist_;
+  const auto size = [](std::size_t n) { return static_cast<Eigen::Index>(n); };
+  const Eigen::Index own = size(block.own.size()), passive = size(block.passive),
+                     reads = size(block.reads.size()), opamps = size(block.opamps.size()),
+                     diodes = size(block.diodes.size());
+  Eigen::MatrixXd a = Eigen::MatrixXd::Zero(own + diodes, own + diodes),
+                  b = Eigen::MatrixXd::Zero(own + diodes, reads + opamps);
+  std::map<int, Eigen::Index> column;
+  for (Eigen::Index i = 0; i < own; ++i) column[block.own[static_cast<std::size_t>(i)]] = i;
+  for (Eigen::Index i = 0; i < reads; ++i) column[block.reads[static_cast<std::size_t>(i)]] = -1 - i;
+  const auto add = [&](Eigen::Index row, int node, double factor) {
+    if (node == RestOrder::kGround) return;
+    const Eigen::Index k = column.at(node);
+    if (k >= 0) {
+      a(row, k) += factor;
+    } else {
+      b(row, -1 - k) -= factor;
+    }
+  };
+  const auto row_of = [&](int node) {
+    const auto found = column.find(node);
+    return found == column.end() || found->second < 0 || found->second >= passive ? Eigen::Index{-1}
+                                                                                  : found->second;
+  };
+  const auto conducts = [&](const std::string& from, const std::string& to, double siemens) {
+    const int p = order_->node(from), q = order_->node(to);
+    if (const Eigen::Index row = row_of(p); row >= 0) add(row, p, siemens), add(row, q, -siemens);
+    if (const Eigen::Index row = row_of(q); row >= 0) add(row, q, siemens), add(row, p, -siemens);
+  };
+  for (const int i : block.resistors) conducts(netlist.part(i).from, netlist.part(i).to, siemens_[at(i)]);
+  for (const int i : block.contacts) {
+    const Contact& one = netlist.contacts[at(i)];
+    conducts(one.from, one.to,
+             one.position == position_ ? contact_siemens_ : netlist.analog_switch.off_siemens);
+  }
+  for (Eigen::Index i = 0; i < opamps; ++i) {
+    const OpAmp& one = netlist.opamps[at(block.opamps[static_cast<std::size_t>(i)])];
+    add(passive + i, order_->node(one.plus), 1.0);
+    add(passive + i, order_->node(one.minus), -1.0);
+    b(passive + i, reads + i) = -1.0;
+  }
+  for (Eigen::Index k = 0; k < diodes; ++k) {
+    const Part& one = netlist.part(block.diodes[static_cast<std::size_t>(k)]);
+    const int anode = order_->node(one.from), cathode = order_->node(one.to);
+    if (const Eigen::Index row = row_of(anode); row >= 0) a(row, own + k) += 1.0;
+    if (const Eigen::Index row = row_of(cathode); row >= 0) a(row, own + k) -= 1.0;
+    if ((conducting >> k & 1) != 0) {
+      add(own + k, anode, 1.0);
+      add(own + k, cathode, -1.0);
+    } else {
+      a(own + k, own + k) = 1.0;
+    }
+  }
+  Affine out = a.partialPivLu().solve(b);
+  for (Eigen::Index k = 0; k < diodes; ++k) {
+    if ((conducting >> k & 1) != 0) continue;
+    const Part& one = netlist.part(block.diodes[static_cast<std::size_t>(k)]);
+    out.row(own + k).setZero();
+    for (const auto& [node, factor] :
+         {std::pair{order_->node(one.to), 1.0}, {order_->node(one.from), -1.0}}) {
+      if (node == RestOrder::kGround) continue;
+      if (const Eigen::Index place = column.at(node); place >= 0) {
+        out.row(own + k) += factor * out.row(place);
+      } else {
+        out(own + k, -1 - place) += factor;
+      }
+    }
+  }
+  return out;
+}
+
+const RestPoint::Affine& RestPoint::affine(std::size_t block, std::uint64_t conducting) {
+  const RestOrder::Block& one = order_->blocks_[block];
+  const auto [found, fresh] = known_[block].try_emplace({one.contacts.empty() ? 0 : position_, conducting});
+  if (fresh) found->second = solve_block(one, conducting);
+  return found->second;
+}
+
+void RestPoint::settle_block(std::size_t b) {
+  const RestOrder::Block& block = order_->blocks_[b];
+  Eigen::VectorXd given(static_cast<Eigen::Index>(block.reads.size() + block.opamps.size()));
+  Eigen::Index k = 0;
+  for (const int one : block.reads) given(k++) = v_[at(one)];
+  for (const int one : block.opamps) given(k++) = off_.offset(one);
+  const auto own = static_cast<Eigen::Index>(block.own.size());
+  constexpr double kZero = 1e-13;  // V and A: neither is told from rounding
+  const std::size_t most = 4 * block.diodes.size() + 2;
+  std::uint64_t on = 0, off = 0;
+  for (std::size_t tries = 0; tries < most; ++tries) {
+    const Eigen::VectorXd out = affine(b, conducting_[b]) * given;
+    if (!out.allFinite()) {
+      // An op-amp without feedback: where none of its diodes conducts, those that did not before do.
+      for (const std::uint64_t its : block.diodes_at) {
+        if ((conducting_[b] & its) == 0) conducting_[b] |= (its & off) == 0 ? its & ~(its - 1) : its & ~off;
+      }
+      continue;
+    }
+    on = off = 0;
+    for (std::size_t d = 0; d < block.diodes.size(); ++d) {
+      const std::uint64_t bit = std::uint64_t{1} << d;
+      if (out(own + static_cast<Eigen::Index>(d)) < -kZero) ((conducting_[b] & bit) != 0 ? off : on) |= bit;
+    }
+    if ((on | off) == 0) {
+      for (Eigen::Index i = 0; i < own; ++i) {
+        const int node = block.own[static_cast<std::size_t>(i)];
+        if (!order_->bit_of_input_.contains(node)) v_[at(node)] = out(i);
+      }
+      return;
+    }
+    conducting_[b] ^= on | off;
+  }
+  throw std::logic_error("the diodes of a circuit find no state of rest");
+}
+
+void RestPoint::set(int input_node, double volts) {
+  double& now = v_[at(input_node)];
+  if (now == volts) return;
+  now = volts;
+  changed_ |= order_->bit_of_input_.at(input_node);
+}
+
+void RestPoint::settle(int position) {
+  const bool moved = position != position_;
+  const bool first = changed_ == ~std::uint64_t{0};
+  position_ = position;
+  for (const RestOrder::Step& step : order_->steps_) {
+    if (!first && (step.inputs & changed_) == 0 && !(moved && step.switched)) continue;
+    if (step.block >= 0) {
+      settle_block(at(step.block));
+      continue;
+    }
+    if (order_->bit_of_input_.contains(step.out)) continue;
+    const MultiplierDeviation& off = off_.multiplier[at(step.multiplier)];
+    v_[at(step.out)] = off.product(order_->netlist_.multiplier.scale_v, volts(step.x), volts(step.y)) +
+                       volts(step.z) + off.w;
+  }
+  changed_ = 0;
+}
+
+double RestPoint::noise_gain(std::size_t opamp) {
+  const std::size_t b = order_->block_of_opamp_[opamp];
+  const RestOrder::Block& block = order_->blocks_[b];
+  const auto place =
+      std::find(block.opamps.begin(), block.opamps.end(), static_cast<int>(opamp)) - block.opamps.begin();
+  return affine(b, conducting_[b])(static_cast<Eigen::Index>(block.passive) + place,
+                                   static_cast<Eigen::Index>(block.reads.size()) + place);
+}
+
+}  // namespace bodesmith::schematic

@@ -12,6 +12,7 @@
 #include "chain/model_file.hpp"
 #include "circuit/built_circuit.hpp"
 #include "fpaa/plan/plan.hpp"
+#include "fpaa/plan/switched_board.hpp"
 #include "lti/bulk_response.hpp"
 #include "lti/cascade.hpp"
 #include "lti/fractional_transfer.hpp"

@@ -25,6 +25,10 @@ std::string_view to_string(Ground ground) {
   return "unknown";
 }
 
+std::string_view PlacedCam::cam_name() const {
+  return cam->name();
+}
+
 const CamParameter* Cam::parameter(std::string_view key) const {
   const auto at = std::find_if(facts_.parameters.begin(), facts_.parameters.end(),
                                [&](const CamParameter& p) { return p.key == key; });

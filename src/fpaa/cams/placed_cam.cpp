@@ -1,7 +1,5 @@
 #include "fpaa/cams/placed_cam.hpp"
 
-#include "fpaa/cams/cam.hpp"
-
 namespace bodesmith::fpaa {
 
 CapacitorUnits::CapacitorUnits(std::span<const Capacitor> capacitors) : capacitors_(capacitors) {
@@ -19,10 +17,6 @@ void CapacitorUnits::set(std::string_view name, double units) {
   for (std::size_t i = 0; i < capacitors_.size(); ++i) {
     if (capacitors_[i].name == name) units_[i] = units;
   }
-}
-
-std::string_view PlacedCam::cam_name() const {
-  return cam->name();
 }
 
 ZTransfer PlacedCam::z_from(std::size_t input) const {

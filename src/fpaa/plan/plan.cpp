@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "fpaa/plan/switched_board.hpp"
-
 namespace bodesmith::fpaa {
 
 Resources ChipPlan::resources() const {
@@ -36,11 +34,6 @@ std::vector<std::string> Plan::signal_path() const {
 
 const char* to_string(PlanOptions::Topology topology) {
   return topology == PlanOptions::Topology::chain ? "chain" : "auto";
-}
-
-std::complex<double> plan_response(const Plan& plan, RadPerSecond w, bool with_delays) {
-  const SwitchedBoard board(plan);
-  return with_delays ? board.gain(w) : board.sampled(w);
 }
 
 }  // namespace bodesmith::fpaa

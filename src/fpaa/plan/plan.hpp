@@ -1,6 +1,5 @@
 #pragma once
 
-#include <complex>
 #include <filesystem>
 #include <map>
 #include <optional>
@@ -94,10 +93,6 @@ struct Plan {
   /// Without the header.
   Json to_json() const;
 };
-
-/// What the board does to a sine of frequency w at that same frequency: as its switches make it (SwitchedBoard, which
-/// is quicker for many frequencies), or, not `with_delays`, the product of its z-transfers alone.
-std::complex<double> plan_response(const Plan& plan, RadPerSecond w, bool with_delays);
 
 struct PlanOptions {
   enum class Topology {

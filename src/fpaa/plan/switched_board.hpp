@@ -59,4 +59,8 @@ class SwitchedBoard {
   std::vector<std::size_t> network_of_;  ///< of each node
 };
 
+/// What the board does to a sine of frequency w at that same frequency: as its switches make it (SwitchedBoard, which
+/// is quicker for many frequencies), or, not `with_delays`, the product of its z-transfers alone.
+std::complex<double> plan_response(const Plan& plan, RadPerSecond w, bool with_delays);
+
 }  // namespace bodesmith::fpaa

@@ -10,6 +10,7 @@
 #include "fpaa/cams/sum_diff.hpp"
 #include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/plan/plan.hpp"
+#include "fpaa/plan/switched_board.hpp"
 #include "fpaa/seed_sections.hpp"
 #include "lti/frequency_grid.hpp"
 

@@ -10,6 +10,7 @@
 #include "base/json.hpp"
 #include "base/json_header.hpp"
 #include "fpaa/plan/plan.hpp"
+#include "fpaa/plan/switched_board.hpp"
 #include "fpaa/seed_sections.hpp"
 #include "fpaa/sheets/build_sheet.hpp"
 

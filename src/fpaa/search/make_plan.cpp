@@ -26,8 +26,8 @@ constexpr int kStatedMultiples = 100;
 constexpr std::size_t kCostlyPieces = 20000;
 constexpr int kCostlyPoints = 101;
 
-PlanError stated_error(const Plan& plan, const Sections& sections, Band band, bool with_delays) {
-  const SwitchedBoard board(plan);
+PlanError stated_error(const Plan& plan, const SwitchedBoard& board, const Sections& sections, Band band,
+                       bool with_delays) {
   const bool costly = board.pieces() > kCostlyPieces;
   std::vector<Hertz> grid = log_grid(band, costly ? kCostlyPoints : kStatedPoints);
   if (with_delays && !costly) {
@@ -80,8 +80,7 @@ std::vector<std::string> assumptions_of(const Plan& plan) {
 constexpr double kHopeless = 0.25;
 constexpr double kHopelessFloor = 1e-2;
 
-bool is_hopeless(const Plan& plan, const Sections& sections, Band band) {
-  const SwitchedBoard board(plan);
+bool is_hopeless(const SwitchedBoard& board, const Sections& sections, Band band) {
   const std::vector<Hertz> grid = log_grid(band, 120);
   double peak = 0.0;
   for (const Hertz f : grid) peak = std::max(peak, std::abs(sections.response(f.rad_s())));
@@ -93,10 +92,9 @@ bool is_hopeless(const Plan& plan, const Sections& sections, Band band) {
 }
 
 /// The longest part of the band that comes out within 2 %.
-std::optional<Band> usable_band(const Plan& plan, const Sections& sections, Band band) {
+std::optional<Band> usable_band(const SwitchedBoard& board, const Sections& sections, Band band) {
   constexpr double kUsable = 0.02;
   constexpr double kWorthNaming = 2.0;
-  const SwitchedBoard board(plan);
   double from = 0.0;
   std::optional<Band> best;
   bool open = false;
@@ -131,8 +129,9 @@ std::string tried_band(const Sections& sections, PlanOptions options, Band band,
   const Outcome<Plan> made = searched_plan(sections, options, band, board);
   if (refusal_of(made) != nullptr) return "";
   const Plan& plan = std::get<Plan>(made);
-  const PlanError error = stated_error(plan, sections, band, true);
-  if (is_hopeless(plan, sections, band)) return "";
+  const SwitchedBoard switched(plan);
+  if (is_hopeless(switched, sections, band)) return "";
+  const PlanError error = stated_error(plan, switched, sections, band, true);
   return fmt::format("from {} to {} Hz it is built, {} % off", rounded_text(band.from.value, 4),
                      rounded_text(band.to.value, 4), rounded_text(error.max_complex_percent, 3));
 }
@@ -144,9 +143,10 @@ std::string tried_chips(const Sections& sections, const PlanOptions& options, Ba
   const Outcome<Plan> made = searched_plan(sections, options, band, board);
   if (refusal_of(made) != nullptr) return "";
   const Plan& plan = std::get<Plan>(made);
-  if (is_hopeless(plan, sections, band)) return "";
+  const SwitchedBoard switched(plan);
+  if (is_hopeless(switched, sections, band)) return "";
   return fmt::format("{} chips would do, {} % off", plan.chips.size(),
-                     rounded_text(stated_error(plan, sections, band, true).max_complex_percent, 3));
+                     rounded_text(stated_error(plan, switched, sections, band, true).max_complex_percent, 3));
 }
 
 /// What would make it fit, each tried: part of the band (the one given, else the upper and the lower part without
@@ -195,15 +195,20 @@ std::optional<Refusal> too_many_poles(const Sections& sections, const Board& boa
 }  // namespace
 
 void state_figures(Plan& plan, const Sections& sections, Band band, const BoardAssumptions& assumptions) {
-  plan.error = stated_error(plan, sections, band, false);
-  plan.error_with_delays = stated_error(plan, sections, band, true);
-  const Headroom headroom = headroom_of(plan, band, board_by_name(plan.board));
+  const SwitchedBoard board(plan);
+  plan.error = stated_error(plan, board, sections, band, false);
+  plan.error_with_delays = stated_error(plan, board, sections, band, true);
+  const Headroom headroom = headroom_of(board, band, board_by_name(plan.board));
   plan.max_input_v = std::min(headroom.sine_v, headroom.step_v);
   plan.max_step_v = headroom.step_v;
-  const ImageLines images = largest_images(plan, band);
+  const ImageLines images = images_of(board, plan, band);
   plan.image = images.largest;
   plan.image_in_band = images.in_band;
-  plan.total = plan_total(plan, sections, assumptions);
+  plan.total = plan_total(plan, board, sections, assumptions);
+  double squares = 0.0;
+  for (const ImageLines::Beside& sine : images.beside)
+    squares += std::pow(sine.rms / error_reference(sections, sine.signal.rad_s()), 2);
+  plan.total->image_percent = 100.0 * std::sqrt(squares / static_cast<double>(images.beside.size()));
   plan.assumptions = assumptions_of(plan);
   for (const PlacedCam* cam : plan.cams()) add_new(plan.notes, cam->cam->note(*cam));
 }
@@ -234,9 +239,10 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
     return Refusal{refusal->reason + least_change(sections, options, band, board, std::nullopt)};
   }
   Plan& plan = std::get<Plan>(made);
-  if (!given && is_hopeless(plan, sections, band)) {
-    const std::optional<Band> usable = usable_band(plan, sections, band);
-    const PlanError error = stated_error(plan, sections, band, true);
+  const SwitchedBoard switched(plan);
+  if (!given && is_hopeless(switched, sections, band)) {
+    const std::optional<Band> usable = usable_band(switched, sections, band);
+    const PlanError error = stated_error(plan, switched, sections, band, true);
     return Refusal{fmt::format("the best board is {} % off at {} Hz as it runs ({}, {} op-amps){}",
                                rounded_text(error.max_complex_percent, 3), rounded_text(error.worst.value, 3),
                                plan.topology, opamps_of(plan),

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "fpaa/search/images.hpp"
+
 namespace bodesmith::fpaa {
 namespace {
 
@@ -44,7 +46,7 @@ double band_noise(const DesignResponse& response) {
 }  // namespace
 
 double DesignScore::total() const {
-  return (p95 + noise) * std::max(1.0, kInputWorthKeeping * bound / input);
+  return (std::hypot(p95, image) + noise) * std::max(1.0, kInputWorthKeeping * bound / input);
 }
 
 std::vector<double> mismatch_sigma(const std::vector<CapacitorEffect>& effects, const Design& design,
@@ -134,6 +136,7 @@ DesignScore score_of(const Design& design, const StageFactorTable& table, const 
     if (!(designed <= out.designed)) out.designed = designed;
     if (!(p95 <= out.p95)) out.p95 = p95;
   }
+  out.image = image_share(design, target);
   double most = 1.0;
   const std::vector<NodePeak> peaks = node_peaks(response);
   for (const NodePeak& peak : peaks) most = std::max({most, peak.output, peak.inner});

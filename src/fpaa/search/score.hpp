@@ -14,7 +14,9 @@ struct DesignScore {
   double noise = 0.0;     ///< kT/C noise within the band against the output's largest sine
   double input = 1.0;     ///< sine at the pin that no node clips at, in full scales
   double bound = 1.0;     ///< the same if only input and output could clip
-  /// What candidates are ranked by: p95 and noise at the largest input. An input below two thirds of the bound
+  double image = 0.0;     ///< lines of the clocks within the band beside a sine (images.hpp)
+  /// What candidates are ranked by: p95 and, as what the pin shows beside the sine, images (by squares: other frequencies) and noise
+  /// at the largest input. An input below two thirds of the bound
   /// costs in proportion: whatever stands outside the board (offsets, drivers) is so much larger against the signal.
   double total() const;
 };

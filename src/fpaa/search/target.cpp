@@ -15,6 +15,7 @@ using Complex = std::complex<double>;
 constexpr double kBeyondBand = 4.0;
 constexpr double kBeyondWeight = 0.1;
 constexpr int kBeyondPoints = 8;
+constexpr int kImageSines = 16;
 /// A zero of the wanted response on the axis: errors near it count against this share of the peak.
 constexpr double kSoftZero = 1e-5;
 
@@ -37,6 +38,10 @@ DesignTarget design_target(const Sections& sections, Band band, double points, c
   double peak = 0.0;
   for (const Hertz f : inside) peak = std::max(peak, std::abs(sections.response(f.rad_s())));
   for (const Hertz f : inside) add_point(out, sections, f, 1.0, kSoftZero * peak);
+  for (const Hertz f : log_grid(band, kImageSines)) {
+    out.sines.push_back(f.rad_s());
+    out.sine_reciprocal.push_back(1.0 / error_reference(sections, f.rad_s()));
+  }
   const Band beyond{{1.15 * band.to.value}, {kBeyondBand * band.to.value}};
   for (const Hertz f : log_grid(beyond, kBeyondPoints))
     add_point(out, sections, f, kBeyondWeight, kSoftZero * peak);

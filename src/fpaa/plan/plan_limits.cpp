@@ -81,7 +81,8 @@ Headroom headroom_of(const SwitchedBoard& switched, Band band, const Board& boar
   constexpr double kPieces = 4e6;  // a second or two
   const int points =
       std::clamp(static_cast<int>(kPieces / static_cast<double>(switched.pieces())), 60, kPoints);
-  const std::vector<Hertz> grid = log_grid({{0.01 * band.from.value}, {0.45 * switched.fastest_clock().value}}, points);
+  const std::vector<Hertz> grid =
+      log_grid({{0.01 * band.from.value}, {0.45 * switched.fastest_clock().value}}, points);
   std::vector<std::vector<Complex>> gains;  // [op-amp][frequency]
   double sine = 1.0;                        // the input itself
   for (const Hertz f : grid) {

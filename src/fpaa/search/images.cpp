@@ -11,13 +11,11 @@ namespace {
 
 using Complex = std::complex<double>;
 
-double sinc(double x) {
-  return std::abs(x) < 1e-8 ? 1.0 : std::sin(x) / x;
-}
-
 /// int exp(jrt) dt over a span that begins at `from`, over a period.
 Complex turning(double rate, double from, double length, double period) {
-  return std::polar(length / period * sinc(0.5 * rate * length), rate * (from + 0.5 * length));
+  const double half = 0.5 * rate * length;
+  const double share = std::abs(half) < 1e-8 ? 1.0 : std::sin(half) / half;
+  return std::polar(length / period * share, rate * (from + 0.5 * length));
 }
 
 /// (1/T) int y exp(-jmt) dt over both phases of a stage's period.
@@ -90,7 +88,8 @@ double image_share(const Design& design, const DesignTarget& target) {
     std::vector<double> lines;
     for (const double clock : clocks) {
       for (const double line : clock_lines_hz(clock, f)) {
-        const bool within = std::abs(line) >= target.band.from.value && std::abs(line) <= target.band.to.value;
+        const bool within =
+            std::abs(line) >= target.band.from.value && std::abs(line) <= target.band.to.value;
         const bool known = std::any_of(lines.begin(), lines.end(),
                                        [&](double other) { return std::abs(other - line) < 1e-6 * clock; });
         if (within && !known) lines.push_back(line);

@@ -192,6 +192,40 @@ std::optional<Refusal> too_many_poles(const Sections& sections, const Board& boa
       poles, (poles + per_chip - 1) / per_chip, opamps)};
 }
 
+/// What is asked of a plan: an error that nobody sees beside the mismatch of parts, and a signal well above a board's offsets.
+constexpr double kWantedDesigned = 0.5;
+constexpr double kWantedP95 = 1.5;
+constexpr double kWantedInputV = 1.0;
+
+/// What cannot all be had, and which part of it stands in the way; the curve goes where all is.
+void state_trade_off(Plan& plan, const Board& board) {
+  const PlanTotal& total = *plan.total;
+  const double bound_v = total.at_input_v / std::pow(10.0, total.from_bound_db / 20.0);
+  const double wanted_v = std::min(kWantedInputV, kInputWorthKeeping * std::min(bound_v, board.full_scale_v));
+  std::vector<std::string> missed;
+  if (total.designed_percent > kWantedDesigned)
+    missed.push_back(fmt::format("{} % as designed (wanted {})", rounded_text(total.designed_percent, 2),
+                                 kWantedDesigned));
+  if (total.p95_percent > kWantedP95) {
+    const char* most = total.designed_percent > total.mismatch_p95_percent ? "most of it by design"
+                       : total.noise_percent > total.mismatch_p95_percent  ? "most of it noise"
+                                                                           : "most of it mismatch";
+    missed.push_back(fmt::format("{} % for 95 % of boards (wanted {}), {}",
+                                 rounded_text(total.p95_percent, 2), kWantedP95, most));
+  }
+  if (total.at_input_v < wanted_v)
+    missed.push_back(fmt::format("an input of {} V (wanted {})", rounded_text(total.at_input_v, 2),
+                                 rounded_text(wanted_v, 2)));
+  if (missed.empty()) {
+    plan.trade_off.clear();
+    return;
+  }
+  plan.notes.push_back(
+      fmt::format("Not all that is wanted was found together: {}. The design is the knee of error against "
+                  "input, of {} that no other one beats in both.",
+                  join(missed, "; "), plan.trade_off.size()));
+}
+
 }  // namespace
 
 void state_figures(Plan& plan, const Sections& sections, Band band, const BoardAssumptions& assumptions) {
@@ -249,6 +283,7 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
                                least_change(sections, options, band, board, usable))};
   }
   state_figures(plan, sections, band, options.assumptions);
+  state_trade_off(plan, board);
   return made;
 }
 

@@ -20,13 +20,14 @@
 #include "fpaa/sheets/build_sheet.hpp"
 #include "fpaa/sheets/zrna_script.hpp"
 #include "lti/sections.hpp"
+#include "report/plot.hpp"
 
 namespace bodesmith::cli {
 namespace {
 
 void add_plan_options(CommandLine& line) {
   line.positional("SECTIONS.json...", 1, -1);
-  line.output("folder for plan.json, build_sheet.md, build_sheet.html and board.svg");
+  line.output("folder for plan.json, build_sheet.md, build_sheet.html and board.svg (trade_off.svg)");
   line.option<std::string>("board", "the board", "an231k04-quad4");
   line.words("board", {"an231k04-quad4"});
   line.option<std::string>("topology", "auto, chain (CAMs that AnadigmDesigner2 has, alone)", "auto");
@@ -63,6 +64,36 @@ std::optional<fpaa::NetlistParts> netlist_parts(const CommandLine& line) {
   return out;
 }
 
+/// Where not all that is wanted was found: what the search had to choose between.
+std::string trade_off_text(const fpaa::Plan& plan) {
+  if (plan.trade_off.empty()) return "";
+  std::vector<std::string> points;
+  for (const fpaa::TradeOff& at : plan.trade_off) {
+    points.push_back(fmt::format("{} {} %{}", engineering_text(at.at_input_v, "V", 3),
+                                 rounded_text(at.p95_percent, 2), at.chosen ? " (taken)" : ""));
+  }
+  return fmt::format("error against input, of designs that no other one beats in both: {}\n",
+                     join(points, ", "));
+}
+
+std::string trade_off_svg(const fpaa::Plan& plan) {
+  report::Plot plot;
+  plot.title = "Error of 95 % of boards against the largest input";
+  plot.x = {.label = "largest input, V", .logarithmic = true};
+  plot.y = {.label = "error, %", .logarithmic = true};
+  report::Series curve{.name = "designs", .x = {}, .y = {}};
+  report::Series taken{.name = "taken", .x = {}, .y = {}, .style = report::Series::Style::marks};
+  for (const fpaa::TradeOff& at : plan.trade_off) {
+    for (report::Series* series : {&curve, at.chosen ? &taken : nullptr}) {
+      if (series == nullptr) continue;
+      series->x.push_back(at.at_input_v);
+      series->y.push_back(at.p95_percent);
+    }
+  }
+  plot.series = {curve, taken};
+  return report::to_svg(plot);
+}
+
 void write_plan(const std::filesystem::path& folder, const fpaa::Plan& plan, const Json& json,
                 const OutputSet* streams, const std::optional<fpaa::NetlistParts>& netlist) {
   OutputSet out(folder);
@@ -71,6 +102,7 @@ void write_plan(const std::filesystem::path& folder, const fpaa::Plan& plan, con
   out.add("build_sheet.md", fpaa::build_sheet_markdown(plan));
   out.add("build_sheet.html", fpaa::build_sheet_html(plan));
   out.add("board.svg", fpaa::board_picture_svg(plan));
+  if (!plan.trade_off.empty()) out.add("trade_off.svg", trade_off_svg(plan));
   if (fpaa::has_zrna_script(plan)) out.add("zrna.py", fpaa::zrna_script(plan));
   if (netlist) {
     out.add("board.sub", value_or_throw(fpaa::board_netlist(plan, *netlist, "FPAA plan")));
@@ -114,6 +146,7 @@ Json plan_summary(const fpaa::Plan& plan, const Json& json, const Provenance& fr
   for (const char* key : {"largest_image", "largest_image_in_band"}) {
     if (json.contains(key)) out[key] = json[key];
   }
+  if (json.contains("trade_off")) out["trade_off"] = json["trade_off"];
   if (json.contains("total")) out["total"] = json["total"];
   out["limits_met"] = limits_met;
   out["timing_s"] = json["timing_s"];
@@ -170,6 +203,10 @@ std::string plan_text(const fpaa::Plan& plan, const fpaa::ErrorBudget& budget) {
   };
   add_image("largest image below 100 kHz", plan.image);
   add_image("largest image within the band", plan.image_in_band);
+  if (plan.image_in_band && plan.total)
+    out += fmt::format("all images within the band: {} % rms beside a sine of the band\n",
+                       rounded_text(plan.total->image_percent, 2));
+  out += trade_off_text(plan);
   return out;
 }
 

@@ -49,6 +49,49 @@ double sinc(double x) {
   return std::abs(x) < 1e-8 ? 1.0 : std::sin(x) / x;
 }
 
+/// exp(j rate t) at rising times: most steps are as long as the one before, and cost a product then; from the argument itself
+/// every few steps, so that rounding stays at some 1e-15.
+class Turning {
+ public:
+  explicit Turning(double rate) : rate_(rate) {}
+
+  Complex at(double t) {
+    const double step = t - last_;
+    last_ = t;
+    if (step == step_ && ++since_ < kSteps) return value_ *= turn_;
+    if (step != step_) turn_ = std::polar(1.0, rate_ * step);
+    step_ = step;
+    since_ = 0;
+    return value_ = std::polar(1.0, rate_ * t);
+  }
+
+ private:
+  static constexpr int kSteps = 32;
+  double rate_;
+  double last_ = -1.0, step_ = 0.0;
+  int since_ = 0;
+  Complex turn_ = 1.0, value_ = 1.0;
+};
+
+/// int exp(j rate t) dt over spans one behind the other: each its length times sinc at its middle.
+class TurningSpans {
+ public:
+  explicit TurningSpans(double rate) : rate_(rate), middle_(rate) {}
+
+  Complex over(double from, double to) {
+    const double length = to - from;
+    if (length != length_) size_ = length * sinc(0.5 * rate_ * length);
+    length_ = length;
+    const Complex turn = middle_.at(0.5 * (from + to));
+    return {turn.real() * size_, turn.imag() * size_};
+  }
+
+ private:
+  double rate_;
+  Turning middle_;
+  double length_ = -1.0, size_ = 0.0;
+};
+
 }  // namespace
 
 /// Sources that nest with one another stay together; the others are parts of their own.
@@ -203,8 +246,9 @@ PeriodicNetworks::Inputs PeriodicNetworks::inputs_of(const Node& node, const std
   out.alpha.assign(pieces * count, 0.0);
   out.beta.assign(pieces * count, 0.0);
   out.turn_at_end.reserve(pieces);
+  Turning turning(per_tick);
   for (std::size_t i = 0; i < pieces; ++i)
-    out.turn_at_end.push_back(std::polar(1.0, per_tick * static_cast<double>(node.edges[i + 1])));
+    out.turn_at_end.push_back(turning.at(static_cast<double>(node.edges[i + 1])));
   for (std::size_t k = 0; k < node.sources.size(); ++k) {
     const Source& source = node.sources[k];
     if (source.kind == Source::Kind::board_input) {
@@ -291,19 +335,13 @@ std::vector<SineWaveform> PeriodicNetworks::outputs(double w) const {
 Complex PeriodicNetworks::mean(const SineWaveform& of, double w, double line) const {
   const std::vector<std::int64_t>& edges = *of.edges;
   Complex sum = 0.0;
-  // (1/L) int exp(j r t) over a piece: its length times sinc at its middle.
-  const auto share = [&](double rate, std::size_t i) {
-    const double middle = 0.5 * (static_cast<double>(edges[i]) + static_cast<double>(edges[i + 1]));
-    const double length = static_cast<double>(edges[i + 1] - edges[i]);
-    const double half = 0.5 * rate * length / ticks_per_second_;
-    return std::polar(1.0, rate * middle / ticks_per_second_) * (length * sinc(half));
-  };
+  TurningSpans constant(-line / ticks_per_second_);
+  TurningSpans moving((w - line) / ticks_per_second_);
   for (std::size_t i = 0; i < of.alpha.size(); ++i) {
-    if (of.alpha[i] != 0.0) sum += of.alpha[i] * share(-line, i);
-    if (of.beta[i] != 0.0) {
-      sum += line == w ? of.beta[i] * static_cast<double>(edges[i + 1] - edges[i])
-                       : of.beta[i] * share(w - line, i);
-    }
+    const auto from = static_cast<double>(edges[i]);
+    const auto to = static_cast<double>(edges[i + 1]);
+    if (of.alpha[i] != 0.0) sum += of.alpha[i] * constant.over(from, to);
+    if (of.beta[i] != 0.0) sum += of.beta[i] * (line == w ? Complex(to - from) : moving.over(from, to));
   }
   return sum / static_cast<double>(edges.back());
 }

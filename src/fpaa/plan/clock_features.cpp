@@ -65,4 +65,19 @@ std::vector<Hertz> near_clocks(const std::vector<ClockedPole>& poles, Band band,
   return out;
 }
 
+std::vector<double> clock_lines_hz(double clock_hz, double sine_hz) {
+  constexpr int kFirstMultiples = 12;
+  constexpr int kNearZero = 3;
+  std::vector<double> out;
+  const double nearest = -std::round(sine_hz / clock_hz);
+  for (int k = -kFirstMultiples; k <= kFirstMultiples; ++k) {
+    if (k != 0) out.push_back(k * clock_hz + sine_hz);
+  }
+  for (int by = -kNearZero; by <= kNearZero; ++by) {
+    const double k = nearest + by;
+    if (std::abs(k) > kFirstMultiples) out.push_back(k * clock_hz + sine_hz);
+  }
+  return out;
+}
+
 }  // namespace bodesmith::fpaa

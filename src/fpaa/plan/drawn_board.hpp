@@ -24,6 +24,8 @@ class DrawnBoard {
  public:
   /// Throws DesignError as SwitchedBoard does. The plan must outlive it.
   DrawnBoard(const Plan& plan, std::vector<Hertz> grid) : board_(plan), grid_(std::move(grid)) {}
+  DrawnBoard(SwitchedBoard board, std::vector<Hertz> grid)
+      : board_(std::move(board)), grid_(std::move(grid)) {}
 
   const std::vector<Hertz>& grid() const { return grid_; }
   std::size_t capacitor_count() const { return nominal_units().size(); }

@@ -155,7 +155,8 @@ double noise_in_band_kt_per_cu(const Plan& plan, Band band) {
   return out;
 }
 
-PlanTotal plan_total(const Plan& plan, const Sections& sections, const BoardAssumptions& assumptions) {
+PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sections& sections,
+                     const BoardAssumptions& assumptions) {
   constexpr int kDraws = 300;
   constexpr std::uint64_t kSeed = 1;
   PlanTotal out;
@@ -163,11 +164,10 @@ PlanTotal plan_total(const Plan& plan, const Sections& sections, const BoardAssu
   out.designed_percent = plan.error_with_delays.max_complex_percent;
   const Band band = plan.error_with_delays.band;
   std::vector<Hertz> grid;
-  const std::size_t pieces = SwitchedBoard(plan).pieces();
-  for (const Hertz f : log_grid(band, affordable(kMismatchPoints, pieces, kDraws))) {
+  for (const Hertz f : log_grid(band, affordable(kMismatchPoints, switched.pieces(), kDraws))) {
     if (!beside_a_zero(sections, f.rad_s())) grid.push_back(f);
   }
-  const DrawnBoard board(plan, grid);
+  const DrawnBoard board(switched, grid);
   const std::vector<Complex> designed = board.response(board.nominal_units());
   std::vector<double> worst;
   std::vector<double> moved;

@@ -77,6 +77,7 @@ double noise_in_band_kt_per_cu(const Plan& plan, Band band);
 ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BudgetOptions& options);
 
 /// What 95 % of boards keep (contract: plan.json's "total"), from figures that the plan states and 300 drawn boards.
-PlanTotal plan_total(const Plan& plan, const Sections& sections, const BoardAssumptions& assumptions);
+PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sections& sections,
+                     const BoardAssumptions& assumptions);
 
 }  // namespace bodesmith::fpaa

@@ -21,14 +21,37 @@ Json total_json(const PlanTotal& total) {
   return {{"p95_percent", total.p95_percent},           {"at_input_v", total.at_input_v},
           {"designed_percent", total.designed_percent}, {"mismatch_p95_percent", total.mismatch_p95_percent},
           {"noise_percent", total.noise_percent},       {"offset_percent", total.offset_percent},
-          {"from_bound_db", total.from_bound_db}};
+          {"from_bound_db", total.from_bound_db},       {"image_percent", total.image_percent}};
 }
 
 PlanTotal total_from(const Node& node) {
   return {node.at("p95_percent").number(),      node.at("at_input_v").number(),
           node.at("designed_percent").number(), node.at("mismatch_p95_percent").number(),
           node.at("noise_percent").number(),    node.at("offset_percent").number(),
-          node.number_or("from_bound_db", 0.0)};
+          node.number_or("from_bound_db", 0.0), node.number_or("image_percent", 0.0)};
+}
+
+Json trade_off_json(const std::vector<TradeOff>& curve) {
+  Json out = Json::array();
+  for (const TradeOff& at : curve) {
+    out.push_back({{"at_input_v", at.at_input_v},
+                   {"designed_percent", at.designed_percent},
+                   {"p95_percent", at.p95_percent},
+                   {"opamps", at.opamps},
+                   {"chosen", at.chosen}});
+  }
+  return out;
+}
+
+std::vector<TradeOff> trade_off_from(const Node& plan) {
+  std::vector<TradeOff> out;
+  if (!plan.has("trade_off")) return out;
+  for (const Node& at : plan.at("trade_off").items()) {
+    out.push_back({at.at("at_input_v").number(), at.at("designed_percent").number(),
+                   at.at("p95_percent").number(), static_cast<int>(at.at("opamps").integer(0, 1000)),
+                   at.boolean_or("chosen", false)});
+  }
+  return out;
 }
 
 Json image_json(const ImageLine& image) {
@@ -263,6 +286,7 @@ Json Plan::to_json() const {
   out["error"] = error_json(error);
   out["error_with_delays"] = error_json(error_with_delays);
   if (total) out["total"] = total_json(*total);
+  if (!trade_off.empty()) out["trade_off"] = trade_off_json(trade_off);
   out["largest_input_v"] = max_input_v;
   out["largest_step_v"] = max_step_v;
   if (image) out["largest_image"] = image_json(*image);
@@ -288,6 +312,7 @@ Plan Plan::from_node(const Node& node) {
   out.error = error_from(node.at("error"));
   if (node.has("error_with_delays")) out.error_with_delays = error_from(node.at("error_with_delays"));
   if (node.has("total")) out.total = total_from(node.at("total"));
+  out.trade_off = trade_off_from(node);
   out.max_input_v = node.number_or("largest_input_v", 0.0);
   out.max_step_v = node.number_or("largest_step_v", 0.0);
   out.image = image_from(node, "largest_image");

@@ -8,7 +8,6 @@
 
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/clock_features.hpp"
-#include "fpaa/plan/switched_board.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -77,14 +76,13 @@ class StepPeaks {
 
 }  // namespace
 
-Headroom headroom_of(const Plan& plan, Band band, const Board& board) {
+Headroom headroom_of(const SwitchedBoard& switched, Band band, const Board& board) {
   constexpr int kPoints = 360;
   constexpr double kPieces = 4e6;  // a second or two
-  const SwitchedBoard switched(plan);
   const int points =
       std::clamp(static_cast<int>(kPieces / static_cast<double>(switched.pieces())), 60, kPoints);
   const std::vector<Hertz> grid =
-      log_grid({{0.01 * band.from.value}, {0.45 * plan.fastest_clock().value}}, points);
+      log_grid({{0.01 * band.from.value}, {0.45 * switched.fastest_clock().value}}, points);
   std::vector<std::vector<Complex>> gains;  // [op-amp][frequency]
   double sine = 1.0;                        // the input itself
   for (const Hertz f : grid) {
@@ -103,40 +101,46 @@ Headroom headroom_of(const Plan& plan, Band band, const Board& board) {
   return {board.full_scale_v / sine, board.full_scale_v / step};
 }
 
-ImageLines largest_images(const Plan& plan, Band band) {
-  constexpr int kSignals = 9;
-  constexpr int kMultiples = 12;
+ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band) {
+  constexpr std::size_t kSignals = 16;
+  constexpr double kPieces = 1e6;  // of waveforms and their lines
   constexpr int kBeatMultiples = 3;
   constexpr double kBesideClock[] = {-0.3, 0.3};
-  ImageLines out;
-  std::vector<Hertz> signals = log_grid(band, kSignals);
+  std::set<double> clocks;
+  for (const PlacedCam* cam : plan.cams()) clocks.insert(cam->clock_a.value);
+  const double cost = static_cast<double>(board.pieces() * clocks.size() * kSignals);
+  std::vector<Hertz> signals = log_grid(band, cost > kPieces ? kSignals / 2 : kSignals);
+  const std::size_t spread = signals.size();
   for (const Hertz f : near_clocks(clocked_poles(plan), band, kBesideClock, kBeatMultiples)) {
     signals.push_back(f);
   }
-  const SwitchedBoard board(plan);
-  std::set<double> clocks;
-  for (const PlacedCam* cam : plan.cams()) clocks.insert(cam->clock_a.value);
-  for (const Hertz f : signals) {
+  ImageLines out;
+  for (std::size_t s = 0; s < signals.size(); ++s) {
+    const Hertz f = signals[s];
     std::vector<double> lines;  // below 0: the conjugate line above
     for (const double clock : clocks) {
-      for (int k = -kMultiples; k <= kMultiples; ++k) {
-        const double line = k * clock + f.value;
-        if (k != 0 && std::abs(line) < kImagesBelowHz && line != 0.0) lines.push_back(line);
+      for (const double line : clock_lines_hz(clock, f.value)) {
+        const bool known = std::any_of(lines.begin(), lines.end(),
+                                       [&](double other) { return std::abs(other - line) < 1e-6 * clock; });
+        if (!known && std::abs(line) < kImagesBelowHz && line != 0.0) lines.push_back(line);
       }
     }
-    if (lines.empty()) continue;
     lines.push_back(f.value);
     const std::vector<Complex> sizes = board.components(f, lines);
     lines.pop_back();
     const double signal = std::abs(sizes.back());
-    if (!(signal > 0.0)) continue;
+    double squares = 0.0;
     for (std::size_t i = 0; i < lines.size(); ++i) {
-      const ImageLine line{f, {std::abs(lines[i])}, to_decibel(std::max(std::abs(sizes[i]) / signal, 1e-15))};
-      const bool within = line.line >= band.from && line.line <= band.to;
+      const Hertz at{std::abs(lines[i])};
+      const bool within = at >= band.from && at <= band.to;
+      if (within) squares += std::norm(sizes[i]);
+      if (!(signal > 0.0)) continue;
+      const ImageLine line{f, at, to_decibel(std::max(std::abs(sizes[i]) / signal, 1e-15))};
       for (std::optional<ImageLine>* most : {&out.largest, within ? &out.in_band : nullptr}) {
         if (most != nullptr && (!*most || line.magnitude_db > (*most)->magnitude_db)) *most = line;
       }
     }
+    if (s < spread) out.beside.push_back({f, std::sqrt(squares)});
   }
   return out;
 }

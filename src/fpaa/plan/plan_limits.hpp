@@ -1,8 +1,10 @@
 #pragma once
 
 #include <optional>
+#include <vector>
 
 #include "fpaa/plan/plan.hpp"
+#include "fpaa/plan/switched_board.hpp"
 
 namespace bodesmith::fpaa {
 
@@ -17,7 +19,7 @@ struct Headroom {
 ///   y(t) = 2/pi int_0^oo Re H(jw) sin(w t)/w dw,
 /// H the component at the sine's own frequency, by sine integrals between the points of a logarithmic grid (within a
 /// few percent).
-Headroom headroom_of(const Plan& plan, Band band, const Board& board);
+Headroom headroom_of(const SwitchedBoard& switched, Band band, const Board& board);
 
 /// Lines at the output pin that are not the signal, over sines of the band: k fc +- f of every clock, against the
 /// signal at the output. Sines beside a clock within the band are among
@@ -25,7 +27,13 @@ Headroom headroom_of(const Plan& plan, Band band, const Board& board);
 struct ImageLines {
   std::optional<ImageLine> largest;  ///< below 100 kHz; nothing when none lies there
   std::optional<ImageLine> in_band;  ///< within the band
+  /// Of sines spread evenly over the band's decades: the rms of all their lines within the band (1: the input's).
+  struct Beside {
+    Hertz signal;
+    double rms = 0.0;
+  };
+  std::vector<Beside> beside = {};
 };
-ImageLines largest_images(const Plan& plan, Band band);
+ImageLines images_of(const SwitchedBoard& board, const Plan& plan, Band band);
 
 }  // namespace bodesmith::fpaa

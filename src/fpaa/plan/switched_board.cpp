@@ -78,6 +78,12 @@ ClockedNetwork SwitchedBoard::clocked(std::size_t n, std::span<const double> uni
   return ClockedNetwork(network, {graph_.nodes[n].period}, with_noise_);
 }
 
+Hertz SwitchedBoard::fastest_clock() const {
+  Hertz out{0.0};
+  for (const PlanGraph::PlanNode& node : graph_.nodes) out = std::max(out, node.cam->clock_a);
+  return out;
+}
+
 std::complex<double> SwitchedBoard::sampled(RadPerSecond w) const {
   if (!graph_.output) return 0.0;
   if (!graph_.output->node) return 1.0;

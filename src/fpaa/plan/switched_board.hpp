@@ -43,6 +43,7 @@ class SwitchedBoard {
   std::vector<double> noise_density(RadPerSecond w) const;
 
   const PlanGraph& graph() const { return graph_; }
+  Hertz fastest_clock() const;
   /// Pieces of waveforms that a frequency costs (some 0.2 us each).
   std::size_t pieces() const { return networks_.pieces(); }
 

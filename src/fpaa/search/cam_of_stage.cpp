@@ -118,7 +118,7 @@ Resources resources_of_stage(const DesignStage& stage) {
   // CA or CB beyond one bank takes the second.
   if (!stage.is_first()) {
     for (const int i : {Stage::kCA, Stage::kCB}) {
-      if (stage.c[static_cast<std::size_t>(i)] > 255.0) ++capacitors;
+      if (whole(stage.c[static_cast<std::size_t>(i)]) > 255) ++capacitors;
     }
   }
   return {.opamps = stage.opamps(), .capacitors = capacitors};

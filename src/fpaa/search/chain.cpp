@@ -20,6 +20,12 @@ constexpr std::int64_t kMostTotal = 510 * 510;
 /// A corner needs this many samples a radian: above, no positive capacitors put a pole there.
 constexpr double kSamplesARadian = 1.0;
 
+double wanted_clock_hz(const StageRoots& stage, const ChainClocks& clocks, double band_top) {
+  const double corner = stage.corner() / (2.0 * std::numbers::pi);
+  const double share = stage.zeros.size() >= stage.poles.size() ? clocks.following : 1.0;
+  return std::max(clocks.over_corner * corner, share * clocks.over_band * band_top);
+}
+
 /// How often the fastest clock is halved for each stage.
 std::vector<int> halvings_of(const std::vector<StageRoots>& stages, const ChainClocks& clocks, double fastest,
                              std::int64_t divisor, double band_top) {
@@ -31,16 +37,23 @@ std::vector<int> halvings_of(const std::vector<StageRoots>& stages, const ChainC
       out.push_back(0);
       continue;
     }
-    const double corner = stage.corner() / (2.0 * std::numbers::pi);
     const double reach = stage.highest_clock_hz();
-    const double wanted =
-        std::max({clocks.over_corner * corner, clocks.over_band * band_top, clocks.lowest.value});
+    const double wanted = std::max(wanted_clock_hz(stage, clocks, band_top), clocks.lowest.value);
     int j = 0;
     while (j < most && fastest / std::exp2(j + 1) >= std::min(wanted, reach)) ++j;
     while (j < most && fastest / std::exp2(j) > reach) ++j;
     out.push_back(j);
   }
   return out;
+}
+
+/// Whether a chip makes this divisor of its master clock: a system divisor times a clock's own, each 1 or even up to kMostDivisor.
+bool is_made_by_a_chip(std::int64_t total) {
+  const auto legal = [](std::int64_t d) { return d == 1 || (d % 2 == 0 && d <= kMostDivisor); };
+  for (std::int64_t system = 1; system <= kMostDivisor; ++system) {
+    if (legal(system) && total % system == 0 && legal(total / system)) return true;
+  }
+  return false;
 }
 
 bool is_reached(const StageRoots& stage, double clock_hz, Hertz lowest) {
@@ -134,9 +147,7 @@ std::optional<Chain> chain_design(std::vector<StageRoots> stages, const ChainClo
   double fastest = clocks.lowest.value;
   for (const StageRoots& stage : stages) {
     if (stage.poles.empty()) continue;
-    const double corner = stage.corner() / (2.0 * std::numbers::pi);
-    const double wanted = std::max(clocks.over_corner * corner, clocks.over_band * band_top);
-    fastest = std::max(fastest, std::min(wanted, stage.highest_clock_hz()));
+    fastest = std::max(fastest, std::min(wanted_clock_hz(stage, clocks, band_top), stage.highest_clock_hz()));
   }
   fastest = std::min(fastest, clocks.highest.value);
   const std::int64_t divisor = clocks.one ? *clocks.one : fastest_divisor(target.master_hz, fastest);
@@ -148,6 +159,7 @@ std::optional<Chain> chain_design(std::vector<StageRoots> stages, const ChainClo
   for (const std::size_t s : order_of(stages, halvings, target)) {
     const double clock = fastest / std::exp2(halvings[s]);
     if (!is_reached(stages[s], clock, clocks.lowest)) return std::nullopt;
+    if (!is_made_by_a_chip(divisor << halvings[s])) return std::nullopt;
     const std::vector<DesignStage> made = initial_stages(stages[s], clock);
     if (made.empty()) return std::nullopt;
     const int base = static_cast<int>(out.stages.size());

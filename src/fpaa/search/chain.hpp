@@ -9,8 +9,10 @@ namespace bodesmith::fpaa {
 
 /// The clocks of a chain: d0 2^j in whole divisors of the master clock, so that all come from one system divisor.
 struct ChainClocks {
-  double over_corner = 100.0;       ///< a stage's clock is at least this times its corner …
-  double over_band = 10.0;          ///< … and this times the band's upper end, as far as one ratio reaches
+  double over_corner = 100.0;  ///< a stage's clock is at least this times its corner …
+  double over_band = 10.0;     ///< … and this times the band's upper end, as far as one ratio reaches
+  double following =
+      1.0;  ///< of `over_band`, for a stage with as many zeros as poles: it follows its input in both phases
   std::optional<std::int64_t> one;  ///< all stages at this divisor of the master clock
   /// Of each stage, where given: how often the clock `one` is halved for it.
   std::vector<int> halvings = {};

@@ -91,31 +91,42 @@ void fit_once(Design& design, const StageFactorTable& table, const std::vector<d
 
 }  // namespace
 
+std::vector<std::vector<Complex>> capacitor_slopes(const StagePlace& place, DesignStage stage,
+                                                   bool only_free) {
+  std::vector<std::vector<Complex>> out(stage.c.size());
+  std::vector<Complex> below;
+  const auto wanted = [&](std::size_t c) { return stage.c[c] > 0.0 && (!only_free || stage.is_free(c)); };
+  if (stage.is_first()) {
+    out = place.first_order_slopes(stage);
+    for (std::size_t c = 0; c < out.size(); ++c) {
+      if (!wanted(c)) out[c].clear();
+    }
+    return out;
+  }
+  for (std::size_t c = 0; c < out.size(); ++c) {
+    if (!wanted(c)) continue;
+    const double value = stage.c[c];
+    stage.c[c] = value * std::exp(kDifference);
+    place.share_of(stage, out[c]);
+    stage.c[c] = value * std::exp(-kDifference);
+    place.share_of(stage, below);
+    stage.c[c] = value;
+    for (std::size_t k = 0; k < below.size(); ++k) out[c][k] = (out[c][k] - below[k]) * (0.5 / kDifference);
+  }
+  return out;
+}
+
 std::vector<CapacitorEffect> capacitor_effects(const DesignResponse& response, bool only_free) {
   std::vector<CapacitorEffect> out;
   const auto ways = response.ways();
   const Design& design = response.design();
-  std::vector<Complex> above;
-  std::vector<Complex> below;
   for (std::size_t s = 0; s < design.stages.size(); ++s) {
-    DesignStage stage = design.stages[s];
-    const auto wanted = [&](std::size_t c) { return stage.c[c] > 0.0 && (!only_free || stage.is_free(c)); };
-    bool any = false;
-    for (std::size_t c = 0; c < stage.c.size(); ++c) any = any || wanted(c);
-    if (!any) continue;
+    const DesignStage& stage = design.stages[s];
+    if (only_free && stage.whole) continue;
     const StagePlace place(response, ways[s], s);
-    for (std::size_t c = 0; c < stage.c.size(); ++c) {
-      if (!wanted(c)) continue;
-      const double value = stage.c[c];
-      stage.c[c] = value * std::exp(kDifference);
-      place.share_of(stage, above);
-      stage.c[c] = value * std::exp(-kDifference);
-      place.share_of(stage, below);
-      stage.c[c] = value;
-      for (std::size_t k = 0; k < above.size(); ++k) {
-        above[k] = (above[k] - below[k]) * (0.5 / kDifference);
-      }
-      out.push_back({s, c, above});
+    auto slopes = capacitor_slopes(place, stage, only_free);
+    for (std::size_t c = 0; c < slopes.size(); ++c) {
+      if (!slopes[c].empty()) out.push_back({s, c, std::move(slopes[c])});
     }
   }
   return out;

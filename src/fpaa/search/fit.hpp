@@ -7,8 +7,12 @@
 
 namespace bodesmith::fpaa {
 
-/// How the weighted error changes with one capacitor: d error / d ln C on the grid (central differences of one stage,
-/// everything round it exact).
+/// d share / d ln C of a stage's capacitors in its place, on the grid (second-order stages: central differences); empty for one that is
+/// not there, or (`only_free`) that the continuous fit does not move.
+std::vector<std::vector<std::complex<double>>> capacitor_slopes(const StagePlace& place, DesignStage stage,
+                                                                bool only_free = false);
+
+/// How the weighted error changes with one capacitor: d error / d ln C on the grid.
 struct CapacitorEffect {
   std::size_t stage = 0;
   std::size_t capacitor = 0;

@@ -26,8 +26,8 @@ constexpr int kStatedMultiples = 100;
 constexpr std::size_t kCostlyPieces = 20000;
 constexpr int kCostlyPoints = 101;
 
-PlanError stated_error(const Plan& plan, const Sections& sections, Band band, bool with_delays) {
-  const SwitchedBoard board(plan);
+PlanError stated_error(const Plan& plan, const SwitchedBoard& board, const Sections& sections, Band band,
+                       bool with_delays) {
   const bool costly = board.pieces() > kCostlyPieces;
   std::vector<Hertz> grid = log_grid(band, costly ? kCostlyPoints : kStatedPoints);
   if (with_delays && !costly) {
@@ -80,8 +80,7 @@ std::vector<std::string> assumptions_of(const Plan& plan) {
 constexpr double kHopeless = 0.25;
 constexpr double kHopelessFloor = 1e-2;
 
-bool is_hopeless(const Plan& plan, const Sections& sections, Band band) {
-  const SwitchedBoard board(plan);
+bool is_hopeless(const SwitchedBoard& board, const Sections& sections, Band band) {
   const std::vector<Hertz> grid = log_grid(band, 120);
   double peak = 0.0;
   for (const Hertz f : grid) peak = std::max(peak, std::abs(sections.response(f.rad_s())));
@@ -93,10 +92,9 @@ bool is_hopeless(const Plan& plan, const Sections& sections, Band band) {
 }
 
 /// The longest part of the band that comes out within 2 %.
-std::optional<Band> usable_band(const Plan& plan, const Sections& sections, Band band) {
+std::optional<Band> usable_band(const SwitchedBoard& board, const Sections& sections, Band band) {
   constexpr double kUsable = 0.02;
   constexpr double kWorthNaming = 2.0;
-  const SwitchedBoard board(plan);
   double from = 0.0;
   std::optional<Band> best;
   bool open = false;
@@ -131,8 +129,9 @@ std::string tried_band(const Sections& sections, PlanOptions options, Band band,
   const Outcome<Plan> made = searched_plan(sections, options, band, board);
   if (refusal_of(made) != nullptr) return "";
   const Plan& plan = std::get<Plan>(made);
-  const PlanError error = stated_error(plan, sections, band, true);
-  if (is_hopeless(plan, sections, band)) return "";
+  const SwitchedBoard switched(plan);
+  if (is_hopeless(switched, sections, band)) return "";
+  const PlanError error = stated_error(plan, switched, sections, band, true);
   return fmt::format("from {} to {} Hz it is built, {} % off", rounded_text(band.from.value, 4),
                      rounded_text(band.to.value, 4), rounded_text(error.max_complex_percent, 3));
 }
@@ -144,9 +143,10 @@ std::string tried_chips(const Sections& sections, const PlanOptions& options, Ba
   const Outcome<Plan> made = searched_plan(sections, options, band, board);
   if (refusal_of(made) != nullptr) return "";
   const Plan& plan = std::get<Plan>(made);
-  if (is_hopeless(plan, sections, band)) return "";
+  const SwitchedBoard switched(plan);
+  if (is_hopeless(switched, sections, band)) return "";
   return fmt::format("{} chips would do, {} % off", plan.chips.size(),
-                     rounded_text(stated_error(plan, sections, band, true).max_complex_percent, 3));
+                     rounded_text(stated_error(plan, switched, sections, band, true).max_complex_percent, 3));
 }
 
 /// What would make it fit, each tried: part of the band (the one given, else the upper and the lower part without
@@ -192,18 +192,57 @@ std::optional<Refusal> too_many_poles(const Sections& sections, const Board& boa
       poles, (poles + per_chip - 1) / per_chip, opamps)};
 }
 
+/// What is asked of a plan: an error that nobody sees beside the mismatch of parts, and a signal well above a board's offsets.
+constexpr double kWantedDesigned = 0.5;
+constexpr double kWantedP95 = 1.5;
+constexpr double kWantedInputV = 1.0;
+
+/// What cannot all be had, and which part of it stands in the way; the curve goes where all is.
+void state_trade_off(Plan& plan, const Board& board) {
+  const PlanTotal& total = *plan.total;
+  const double bound_v = total.at_input_v / std::pow(10.0, total.from_bound_db / 20.0);
+  const double wanted_v = std::min(kWantedInputV, kInputWorthKeeping * std::min(bound_v, board.full_scale_v));
+  std::vector<std::string> missed;
+  if (total.designed_percent > kWantedDesigned)
+    missed.push_back(fmt::format("{} % as designed (wanted {})", rounded_text(total.designed_percent, 2),
+                                 kWantedDesigned));
+  if (total.p95_percent > kWantedP95) {
+    const char* most = total.designed_percent > total.mismatch_p95_percent ? "most of it by design"
+                       : total.noise_percent > total.mismatch_p95_percent  ? "most of it noise"
+                                                                           : "most of it mismatch";
+    missed.push_back(fmt::format("{} % for 95 % of boards (wanted {}), {}",
+                                 rounded_text(total.p95_percent, 2), kWantedP95, most));
+  }
+  if (total.at_input_v < wanted_v)
+    missed.push_back(fmt::format("an input of {} V (wanted {})", rounded_text(total.at_input_v, 2),
+                                 rounded_text(wanted_v, 2)));
+  if (missed.empty()) {
+    plan.trade_off.clear();
+    return;
+  }
+  plan.notes.push_back(
+      fmt::format("Not all that is wanted was found together: {}. The design is the knee of error against "
+                  "input, of {} that no other one beats in both.",
+                  join(missed, "; "), plan.trade_off.size()));
+}
+
 }  // namespace
 
 void state_figures(Plan& plan, const Sections& sections, Band band, const BoardAssumptions& assumptions) {
-  plan.error = stated_error(plan, sections, band, false);
-  plan.error_with_delays = stated_error(plan, sections, band, true);
-  const Headroom headroom = headroom_of(plan, band, board_by_name(plan.board));
+  const SwitchedBoard board(plan);
+  plan.error = stated_error(plan, board, sections, band, false);
+  plan.error_with_delays = stated_error(plan, board, sections, band, true);
+  const Headroom headroom = headroom_of(board, band, board_by_name(plan.board));
   plan.max_input_v = std::min(headroom.sine_v, headroom.step_v);
   plan.max_step_v = headroom.step_v;
-  const ImageLines images = largest_images(plan, band);
+  const ImageLines images = images_of(board, plan, band);
   plan.image = images.largest;
   plan.image_in_band = images.in_band;
-  plan.total = plan_total(plan, sections, assumptions);
+  plan.total = plan_total(plan, board, sections, assumptions);
+  double squares = 0.0;
+  for (const ImageLines::Beside& sine : images.beside)
+    squares += std::pow(sine.rms / error_reference(sections, sine.signal.rad_s()), 2);
+  plan.total->image_percent = 100.0 * std::sqrt(squares / static_cast<double>(images.beside.size()));
   plan.assumptions = assumptions_of(plan);
   for (const PlacedCam* cam : plan.cams()) add_new(plan.notes, cam->cam->note(*cam));
 }
@@ -234,15 +273,17 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
     return Refusal{refusal->reason + least_change(sections, options, band, board, std::nullopt)};
   }
   Plan& plan = std::get<Plan>(made);
-  if (!given && is_hopeless(plan, sections, band)) {
-    const std::optional<Band> usable = usable_band(plan, sections, band);
-    const PlanError error = stated_error(plan, sections, band, true);
+  const SwitchedBoard switched(plan);
+  if (!given && is_hopeless(switched, sections, band)) {
+    const std::optional<Band> usable = usable_band(switched, sections, band);
+    const PlanError error = stated_error(plan, switched, sections, band, true);
     return Refusal{fmt::format("the best board is {} % off at {} Hz as it runs ({}, {} op-amps){}",
                                rounded_text(error.max_complex_percent, 3), rounded_text(error.worst.value, 3),
                                plan.topology, opamps_of(plan),
                                least_change(sections, options, band, board, usable))};
   }
   state_figures(plan, sections, band, options.assumptions);
+  state_trade_off(plan, board);
   return made;
 }
 

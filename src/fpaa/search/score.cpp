@@ -4,6 +4,8 @@
 #include <cmath>
 #include <numbers>
 
+#include "fpaa/search/images.hpp"
+
 namespace bodesmith::fpaa {
 namespace {
 
@@ -44,7 +46,7 @@ double band_noise(const DesignResponse& response) {
 }  // namespace
 
 double DesignScore::total() const {
-  return (p95 + noise) * std::max(1.0, kInputWorthKeeping * bound / input);
+  return std::hypot(p95, image) + noise + kOutside * std::max(0.0, kInputWorthKeeping * bound / input - 1.0);
 }
 
 std::vector<double> mismatch_sigma(const std::vector<CapacitorEffect>& effects, const Design& design,
@@ -61,42 +63,70 @@ std::vector<double> mismatch_sigma(const std::vector<CapacitorEffect>& effects, 
 
 namespace {
 
-/// What each node makes at once of a step at the board's input: the larger of both phases. Frequencies far above the band, and the front of
-/// a step, come out with it.
-std::vector<double> step_fronts(const Design& design, const StageFactorTable& table) {
-  std::vector<double> out;
-  for (const DesignStage& stage : design.stages) {
-    double phase1 = 0.0;
-    double phase2 = 0.0;
-    for (std::size_t i = 0; i < stage.from.size(); ++i) {
-      const StageFactors f = stage_factors(stage, i, table.clock(stage.divisor).front());
-      const int from = stage.from[i];
-      const double in = from == DesignStage::kBoardInput ? 1.0 : out[static_cast<std::size_t>(from)];
-      phase1 += f.follow1 * in;
-      phase2 += f.follow2 * in;
+/// A signal where its phases begin, times exp(jwt) at their own time.
+struct PhaseStarts {
+  Complex first = 1.0, second = 1.0;
+};
+
+/// The largest of each node where phases begin and end: it moves by its input alone in between.
+void raise_peaks(const DesignResponse& response, std::vector<NodePeak>& out) {
+  const Design& design = response.design();
+  std::vector<PhaseStarts> starts(out.size());
+  for (std::size_t k = 0; k < response.points(); ++k) {
+    for (std::size_t s = 0; s < out.size(); ++s) {
+      const DesignStage& stage = design.stages[s];
+      const ClockFactors& clock = response.table().clock(stage.divisor)[k];
+      const Complex later = std::conj(clock.half);
+      const SineParts& y = response.signals()[s][k];
+      PhaseStarts& own = starts[s];
+      own = {product(y.end1, later), product(y.end2, later)};
+      for (std::size_t i = 0; i < stage.from.size(); ++i) {
+        const StageFactors f = stage_factors(stage, i, clock);
+        const SineParts x = response.input_of(s, i, k);
+        PhaseStarts in;
+        if (stage.from[i] != DesignStage::kBoardInput) {
+          const auto source = static_cast<std::size_t>(stage.from[i]);
+          const bool same = design.stages[source].divisor == stage.divisor;
+          in = {starts[source].first, same ? starts[source].second : starts[source].first};
+        }
+        own.first += f.follow1 * (product(x.end1, later) - in.first);
+        own.second += f.follow2 * (product(x.end2, later) - in.second);
+      }
+      out[s].output = std::max(
+          {out[s].output, std::abs(y.end1), std::abs(y.end2), std::abs(own.first), std::abs(own.second)});
+      if (stage.is_first()) continue;
+      out[s].inner = std::max(out[s].inner, inner_magnitude(stage, clock, response.input_of(s, 0, k)));
     }
-    out.push_back(std::max(phase1, phase2));
   }
-  return out;
 }
 
 }  // namespace
 
 std::vector<NodePeak> node_peaks(const DesignResponse& response) {
-  const Design& design = response.design();
-  const std::vector<double> fronts = step_fronts(design, response.table());
-  std::vector<NodePeak> out(design.stages.size());
+  constexpr int kAbove = 16;
+  constexpr double kBesideMultiple = 5e-4;  // of a clock: a slow stage takes for a constant what lies there
+  constexpr int kMultiples = 3;
+  constexpr double kOfFastest = 0.45;  // as plan_limits.hpp
+  std::vector<NodePeak> out(response.design().stages.size());
+  raise_peaks(response, out);
+  const DesignTarget& target = response.table().target();
+  const double top =
+      kOfFastest * target.master_hz / static_cast<double>(response.design().stages.front().divisor);
+  if (!(top > target.band.to.value)) return out;
+  DesignTarget above;
+  above.master_hz = target.master_hz;
+  for (const Hertz f : log_grid({target.band.to, {top}}, kAbove)) above.grid.push_back(f.rad_s());
   for (std::size_t s = 0; s < out.size(); ++s) {
-    const DesignStage& stage = design.stages[s];
-    const std::vector<ClockFactors>& clock = response.table().clock(stage.divisor);
-    out[s].output = fronts[s];
-    for (std::size_t k = 0; k < response.points(); ++k) {
-      const SineParts& y = response.signals()[s][k];
-      out[s].output = std::max({out[s].output, std::abs(y.end1), std::abs(y.end2)});
-      if (stage.is_first()) continue;
-      out[s].inner = std::max(out[s].inner, inner_magnitude(stage, clock[k], response.input_of(s, 0, k)));
+    const std::vector<DesignStage>& stages = response.design().stages;
+    if (s > 0 && stages[s].divisor == stages[s - 1].divisor) continue;
+    const double clock = target.master_hz / static_cast<double>(stages[s].divisor);
+    for (int k = 1; k <= kMultiples; ++k) {
+      const Hertz f{(k + kBesideMultiple) * clock};
+      if (f.value < top) above.grid.push_back(f.rad_s());
     }
   }
+  const StageFactorTable table(above);
+  raise_peaks(DesignResponse(response.design(), table), out);
   return out;
 }
 
@@ -130,14 +160,19 @@ DesignScore score_of(const Design& design, const StageFactorTable& table, const 
   for (std::size_t k = 0; k < errors.size(); ++k) {
     if (target.weight[k] < 1.0) continue;
     const double designed = std::abs(errors[k]);
-    const double p95 = error_of_95_percent(errors[k], sigma[k]);
+    const double p95 = target.beside_zero[k] != 0 ? designed : error_of_95_percent(errors[k], sigma[k]);
     if (!(designed <= out.designed)) out.designed = designed;
     if (!(p95 <= out.p95)) out.p95 = p95;
   }
+  out.image = image_share(design, target);
   double most = 1.0;
   const std::vector<NodePeak> peaks = node_peaks(response);
   for (const NodePeak& peak : peaks) most = std::max({most, peak.output, peak.inner});
-  out.bound = 1.0 / std::max(1.0, peaks.back().output);
+  double asked = 1.0;
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    if (target.weight[k] >= 1.0) asked = std::max(asked, std::abs(target.wanted[k]));
+  }
+  out.bound = 1.0 / asked;
   out.input = 1.0 / most;
   const double rms = assumptions.noise.unit_noise_v() * std::sqrt(band_noise(response));
   const double signal = out.input * full_scale_v * peaks.back().output / std::numbers::sqrt2;

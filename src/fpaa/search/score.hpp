@@ -13,14 +13,17 @@ struct DesignScore {
   double p95 = 0.0;       ///< the same for 95 % of boards: designed error and spread by mismatch
   double noise = 0.0;     ///< kT/C noise within the band against the output's largest sine
   double input = 1.0;     ///< sine at the pin that no node clips at, in full scales
-  double bound = 1.0;     ///< the same if only input and output could clip
-  /// What candidates are ranked by: p95 and noise at the largest input. An input below two thirds of the bound
-  /// costs in proportion: whatever stands outside the board (offsets, drivers) is so much larger against the signal.
+  double bound = 1.0;     ///< the same if only the input and what is asked for within the band could clip
+  double image = 0.0;     ///< lines of the clocks within the band beside a sine (images.hpp)
+  /// What candidates are ranked by: what the pin shows beside what was asked for, of 95 % of boards. Images are other frequencies and
+  /// add by squares. Below the input worth keeping, what stands outside the board (offsets, drivers) is larger against the
+  /// signal: taken as kOutside there, it grows as the input falls.
   double total() const;
 };
 
 /// The share of the bound that costs nothing.
 inline constexpr double kInputWorthKeeping = 2.0 / 3.0;
+inline constexpr double kOutside = 0.005;
 
 DesignScore score_of(const Design& design, const StageFactorTable& table, const BoardAssumptions& assumptions,
                      double full_scale_v);
@@ -29,8 +32,8 @@ DesignScore score_of(const Design& design, const StageFactorTable& table, const 
 std::vector<double> mismatch_sigma(const std::vector<CapacitorEffect>& effects, const Design& design,
                                    const MismatchModel& mismatch);
 
-/// Largest magnitude over the grid (and of a step's front) of each stage's output, and of the op-amp inside it (0 for a first-order
-/// one).
+/// Largest magnitude over the grid and up to nearly half the fastest clock of each stage's output, and of the op-amp inside it (0 for a
+/// first-order one).
 struct NodePeak {
   double output = 0.0;
   double inner = 0.0;

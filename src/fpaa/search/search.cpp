@@ -5,6 +5,8 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <initializer_list>
+#include <limits>
 #include <numbers>
 
 #include "base/progress.hpp"
@@ -24,11 +26,11 @@ constexpr int kSearchThreads = 2;
 constexpr double kHighestClockHz = 2e6;
 /// Stages that are fitted, tried at other clocks, made whole, and made whole with more care: so many chains of so many stages each.
 /// Twice as many found nothing better on the table of docs/fpaa.md.
-constexpr std::size_t kFittedStages = 240;
-constexpr std::size_t kMovedChains = 3;
+constexpr std::size_t kFittedStages = 400;
+constexpr std::size_t kMovedChains = 6;
 constexpr std::size_t kMoveRounds = 4;
-constexpr std::size_t kWholeStages = 100;
-constexpr std::size_t kRefined = 4;
+constexpr std::size_t kWholeStages = 240;
+constexpr std::size_t kRefined = 12;
 constexpr int kQuickPairs = 8;
 constexpr int kPairs = 60;
 /// One clock for all: from the highest that every corner reaches down in these steps to this many times the band.
@@ -36,8 +38,8 @@ constexpr double kClockStep = 0.65;
 constexpr double kLeastOverBand = 2.2;
 /// A clock is moved for at least this share of the rank.
 constexpr double kWorthMoving = 0.99;
-/// How much of the spread by mismatch counts while capacitors are polished: the error that every board has comes first.
-constexpr double kPolishShare = 0.1;
+/// How much of the spread by mismatch counts while capacitors become whole.
+constexpr double kMismatchShare = 1.0;
 /// An op-amp more has to earn this share of the error, a chip more that.
 constexpr double kOpampCost = 0.01;
 constexpr double kChipCost = 0.1;
@@ -129,16 +131,16 @@ class ChainSearch {
     if (!given_) move_clocks(list);
     keep_placeable(list, share_of(kWholeStages, list));
     if (list.empty()) return *why_not_;
-    improve(list, "capacitors",
-            [&](Candidate& c) { return made_whole(c, {.designs = 2, .choices = 2}, kQuickPairs); });
+    improve(list, "capacitors", [&](Candidate& c) { return made_whole(c, width(2, 2), kQuickPairs); });
     if (list.empty()) return Refusal{"no chain comes to whole capacitors"};
-    if (list.size() > kRefined) list.resize(kRefined);
-    std::vector<Candidate> refined = list;
+    std::vector<Candidate> refined(
+        list.begin(), list.begin() + static_cast<std::ptrdiff_t>(std::min(kRefined, list.size())));
     improve(refined, "capacitors, closer", [&](Candidate& c) { return refine(c); });
     Candidate& best = refined.empty() ? list.front() : refined.front();
     SearchedDesign out{*best.design, best.score, best.vendor,
                        value_or_throw(plan_of_design(*best.design, board_))};
     out.plan.topology = best.vendor ? "chain" : "cascade";
+    out.plan.trade_off = trade_off(best, {&list, &refined});
     return out;
   }
 
@@ -156,6 +158,30 @@ class ChainSearch {
           "expected the topology auto";
     }
     return {at};
+  }
+
+  /// Of all designs with whole capacitors those that no other one beats in both, error and input; with the chosen one in any case.
+  std::vector<TradeOff> trade_off(const Candidate& chosen,
+                                  std::initializer_list<const std::vector<Candidate>*> lists) const {
+    constexpr double kLess = 0.98;  // an error that is not smaller by this is the same
+    std::vector<TradeOff> all;
+    const auto add = [&](const Candidate& c) {
+      all.push_back({c.score.input * board_.full_scale_v, 100.0 * c.score.designed,
+                     100.0 * std::hypot(c.score.p95, c.score.noise), c.design->opamps(), &c == &chosen});
+    };
+    for (const auto* list : lists) {
+      for (const Candidate& c : *list) add(c);
+    }
+    std::stable_sort(all.begin(), all.end(),
+                     [](const TradeOff& a, const TradeOff& b) { return a.at_input_v > b.at_input_v; });
+    std::vector<TradeOff> out;
+    double least = std::numeric_limits<double>::infinity();
+    for (const TradeOff& at : all) {
+      const bool better = at.p95_percent < kLess * least;
+      if (better) least = at.p95_percent;
+      if (better || at.chosen) out.insert(out.begin(), at);
+    }
+    return out;
   }
 
   std::vector<Candidate> candidates() const {
@@ -200,7 +226,10 @@ class ChainSearch {
       for (const double over_band : {0.0, 0.3, 1.0, 3.0, 8.0, 25.0, 80.0, 200.0}) {
         c.clocks.over_corner = over_corner;
         c.clocks.over_band = over_band;
-        add_gains(out, c, stages);
+        for (const double following : {1.0, 0.125}) {
+          c.clocks.following = following;
+          add_gains(out, c, stages);
+        }
       }
     }
   }
@@ -344,6 +373,10 @@ class ChainSearch {
     list = std::move(out);
   }
 
+  RoundingWidth width(std::size_t designs, std::size_t choices) const {
+    return {designs, choices, options_.assumptions.mismatch, kMismatchShare};
+  }
+
   /// Whole capacitors; the candidate's design stays as it was where there are none.
   bool made_whole(Candidate& c, RoundingWidth width, int pairs) const {
     const DesignTarget seen = with_clocks_seen(fine_, *c.design, sections_);
@@ -353,7 +386,7 @@ class ChainSearch {
     Design whole = c.exact;
     if (!make_whole(whole, table, width)) return false;
     polish_singles(whole, table, 4);
-    polish_pairs(whole, table, options_.assumptions.mismatch, kPolishShare, pairs);
+    polish_pairs(whole, table, options_.assumptions.mismatch, kMismatchShare, pairs);
     c.score = score_of(whole, table, options_.assumptions, board_.full_scale_v);
     c.design = std::move(whole);
     c.vendor = is_vendor(*c.design);
@@ -366,10 +399,9 @@ class ChainSearch {
     again.design = c.exact;
     const DesignTarget seen = with_clocks_seen(fine_, *c.design, sections_);
     const StageFactorTable table(seen);
-    polish_pairs(*c.design, table, options_.assumptions.mismatch, kPolishShare, kPairs);
+    polish_pairs(*c.design, table, options_.assumptions.mismatch, kMismatchShare, kPairs);
     c.score = score_of(*c.design, table, options_.assumptions, board_.full_scale_v);
-    if (made_whole(again, {.designs = 3, .choices = 4}, kPairs) && again.rank() < kBetter * c.rank())
-      c = again;
+    if (made_whole(again, width(3, 4), kPairs) && again.rank() < kBetter * c.rank()) c = again;
     return true;
   }
 

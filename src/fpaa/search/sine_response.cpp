@@ -11,10 +11,12 @@ using Complex = std::complex<double>;
 using Stage = DesignStage;
 
 /// Without the care for overflow that the operator takes.
-Complex quotient(Complex above, Complex below) {
-  const double by = 1.0 / std::norm(below);
-  const Complex out = product(above, std::conj(below));
-  return {out.real() * by, out.imag() * by};
+inline Complex inverse(Complex of) {
+  const double by = 1.0 / (of.real() * of.real() + of.imag() * of.imag());
+  return {of.real() * by, -of.imag() * by};
+}
+inline Complex quotient(Complex above, Complex below) {
+  return product(above, inverse(below));
 }
 
 /// Charge conservation in a second-order stage, its capacitors by what they do. With h = exp(-jwT/2), (x1, x2) the input, (a1, a2) the
@@ -250,6 +252,32 @@ StagePlace::StagePlace(const DesignResponse& response, const std::vector<SinePar
     weights_.push_back(std::move(list));
   }
   share_of(stage, share_);
+}
+
+std::vector<std::vector<Complex>> StagePlace::first_order_slopes(const Stage& stage) const {
+  const auto& c = stage.c;
+  const std::size_t n = 2 * stage.from.size();
+  std::vector<std::vector<Complex>> out(c.size(), std::vector<Complex>(errors_.size(), 0.0));
+  const double both = c[n] + c[n + 1];
+  for (std::size_t k = 0; k < errors_.size(); ++k) {
+    const Complex d = clock_[k].d;
+    const Complex inv = inverse(c[n] + c[n + 1] * d);
+    for (std::size_t i = 0; i < weights_.size(); ++i) {
+      const Weights& w = weights_[i][k];
+      const StageFactors f{-product(c[2 * i] + c[2 * i + 1] * d, inv), 0.0, (c[2 * i] + c[2 * i + 1]) / both,
+                           c[n + 1] > 0.0 ? c[2 * i + 1] / c[n + 1] : 0.0};
+      const Complex in = product(w.from1, inv);
+      const Complex back = product(w.from1, product(f.from1, inv));
+      out[2 * i][k] = c[2 * i] * (w.follow1 / both - in);
+      out[2 * i + 1][k] = c[2 * i + 1] * (w.follow1 / both - product(in, d));
+      out[n][k] -= c[n] * (back + w.follow1 * (f.follow1 / both));
+      out[n + 1][k] -= c[n + 1] * (product(back, d) + w.follow1 * (f.follow1 / both));
+      if (!(c[n + 1] > 0.0)) continue;
+      out[2 * i + 1][k] += f.follow2 * w.follow2;
+      out[n + 1][k] -= f.follow2 * w.follow2;
+    }
+  }
+  return out;
 }
 
 void StagePlace::share_of(const Stage& stage, std::vector<Complex>& out) const {

@@ -54,6 +54,10 @@ struct DesignTarget {
   std::vector<std::complex<double>> wanted;
   std::vector<double> weight;      ///< of |got - wanted|/reference; 1 within the band
   std::vector<double> reciprocal;  ///< 1/reference (error_reference.hpp)
+  std::vector<char> beside_zero;   ///< where mismatch says nothing relative to the response
+  /// Sines spread evenly over the band's decades, whose images count, and 1/reference of each.
+  std::vector<RadPerSecond> sines;
+  std::vector<double> sine_reciprocal;
   Band band;
   double master_hz = 16e6;
   int max_capacitor = 255;
@@ -116,6 +120,8 @@ class StagePlace {
   const std::vector<std::complex<double>>& share() const { return share_; }
   /// Weighted errors with the stage as it is.
   const std::vector<std::complex<double>>& errors() const { return errors_; }
+  /// d share / d ln C of every capacitor of a first-order stage in this place.
+  std::vector<std::vector<std::complex<double>>> first_order_slopes(const DesignStage& stage) const;
   double largest_error_with(const DesignStage& stage, std::vector<std::complex<double>>& room) const;
 
  private:

@@ -15,6 +15,7 @@ using Complex = std::complex<double>;
 constexpr double kBeyondBand = 4.0;
 constexpr double kBeyondWeight = 0.1;
 constexpr int kBeyondPoints = 8;
+constexpr int kImageSines = 16;
 /// A zero of the wanted response on the axis: errors near it count against this share of the peak.
 constexpr double kSoftZero = 1e-5;
 
@@ -22,7 +23,29 @@ void add_point(DesignTarget& target, const Sections& sections, Hertz f, double w
   target.grid.push_back(f.rad_s());
   target.wanted.push_back(sections.response(f.rad_s()));
   target.weight.push_back(weight);
+  target.beside_zero.push_back(beside_a_zero(sections, f.rad_s()) ? 1 : 0);
   target.reciprocal.push_back(1.0 / std::max(error_reference(sections, f.rad_s()), soft));
+}
+
+/// Frequencies about resonances and notches that a grid of the band would step over: some widths beside each.
+std::vector<Hertz> about_sharp_roots(const Sections& sections, Band band) {
+  constexpr double kSharp = 0.2;  // width over frequency; wider ones the grid sees
+  constexpr double kBeside[] = {-3.0, -1.0, -0.4, 0.0, 0.4, 1.0, 3.0};
+  std::vector<Hertz> out;
+  for (const Section& section : sections.sections) {
+    for (const auto* roots : {&section.zeros, &section.poles}) {
+      for (const Complex root : *roots) {
+        const double size = std::abs(root);
+        const double damping = std::max(std::abs(root.real()) / size, kLeastZeroDamping);
+        if (root.imag() <= 0.0 || damping > kSharp) continue;
+        for (const double beside : kBeside) {
+          const Hertz f = RadPerSecond{root.imag() + beside * damping * size}.hz();
+          if (f >= band.from && f <= band.to) out.push_back(f);
+        }
+      }
+    }
+  }
+  return out;
 }
 
 }  // namespace
@@ -37,6 +60,11 @@ DesignTarget design_target(const Sections& sections, Band band, double points, c
   double peak = 0.0;
   for (const Hertz f : inside) peak = std::max(peak, std::abs(sections.response(f.rad_s())));
   for (const Hertz f : inside) add_point(out, sections, f, 1.0, kSoftZero * peak);
+  for (const Hertz f : about_sharp_roots(sections, band)) add_point(out, sections, f, 1.0, kSoftZero * peak);
+  for (const Hertz f : log_grid(band, kImageSines)) {
+    out.sines.push_back(f.rad_s());
+    out.sine_reciprocal.push_back(1.0 / error_reference(sections, f.rad_s()));
+  }
   const Band beyond{{1.15 * band.to.value}, {kBeyondBand * band.to.value}};
   for (const Hertz f : log_grid(beyond, kBeyondPoints))
     add_point(out, sections, f, kBeyondWeight, kSoftZero * peak);

@@ -94,17 +94,19 @@ class InnerHeadroom {
 /// Whole capacitors of a second-order stage whose resonance is nearest to the exact one: the `count` best. Rounding
 /// each capacitor by itself leaves some 1/C of each; a sharp resonance needs more, and there are many sets:
 ///   low Q:   C4/CB and C2 C3/(CA CB);   high Q:   C4/C2 and C2 C3/(CA CB)
+/// Complex zeros likewise: C1 C3/(Cpp CA), at whatever gain these come out best (other stages take it back).
 std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_capacitor,
                                                     std::size_t count) {
   constexpr double kRatioOff = 0.015;
+  constexpr double kLeastGain = 0.7;
   const bool high = exact.kind == Stage::Kind::second_high;
   const auto& e = exact.c;
   const double product = e[Stage::kC2] * e[Stage::kC3] / (e[Stage::kCA] * e[Stage::kCB]);
   const double ratio = e[Stage::kC4] / e[high ? Stage::kC2 : Stage::kCB];
   std::vector<std::pair<double, std::vector<double>>> found;
   const auto add = [&](double c2, double c3, double c4, double ca, double cb) {
-    const double off = std::abs(c2 * c3 / (ca * cb) / product - 1.0) +
-                       std::abs(c4 / (high ? c2 : cb) / ratio - 1.0) / (high ? 4.0 : 1.0);
+    double off = std::abs(c2 * c3 / (ca * cb) / product - 1.0) +
+                 std::abs(c4 / (high ? c2 : cb) / ratio - 1.0) / (high ? 4.0 : 1.0);
     if (found.size() == count && off >= found.back().first) return;
     std::vector<double> c = e;
     c[Stage::kC2] = c2;
@@ -117,10 +119,25 @@ std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_
     const double scales[] = {store * e[Stage::kC3] / c3,
                              store * (high ? e[Stage::kC3] / c3 : e[Stage::kCA] / ca),
                              store * e[Stage::kCA] / ca};
+    double gain = 1.0;
+    if (e[Stage::kC1] > 0.0 && e[Stage::kCpp] > 0.0) {
+      const double alone = e[Stage::kC1] * scales[Stage::kC1];
+      const double zeros = e[Stage::kCpp] * scales[Stage::kCpp] / alone;
+      double least = 1e300;
+      for (double c1 = std::max(1.0, std::ceil(kLeastGain * alone)); c1 <= alone / kLeastGain; c1 += 1.0) {
+        const double cpp = std::round(zeros * c1);
+        const double wide = std::abs(cpp / (zeros * c1) - 1.0);
+        if (cpp < 1.0 || cpp > max_capacitor || !(wide < least)) continue;
+        least = wide;
+        gain = c1 / alone;
+      }
+      off += std::min(least, 1.0);
+      if (found.size() == count && off >= found.back().first) return;
+    }
     for (const int i : {Stage::kC1, Stage::kCp, Stage::kCpp}) {
       const auto at = static_cast<std::size_t>(i);
       if (!(e[at] > 0.0)) continue;
-      c[at] = std::round(e[at] * scales[i]);
+      c[at] = std::round(e[at] * scales[i] * gain);
       if (c[at] > max_capacitor) return;
     }
     if (c[Stage::kC1] + c[Stage::kCp] + c[Stage::kCpp] < 1.0) return;
@@ -168,10 +185,45 @@ void keep_cheapest(std::vector<WholeStage>& list, const WholeStage& next, std::s
   if (list.size() > count) list.pop_back();
 }
 
+/// What 95 % of boards keep beside the error, by the mismatch of one stage's own capacitors.
+class StageSpread {
+ public:
+  StageSpread(const StagePlace& place, const Stage& exact, const std::vector<double>& weight,
+              const MismatchModel& mismatch)
+      : mismatch_(mismatch) {
+    for (const std::vector<Complex>& slope : capacitor_slopes(place, exact)) {
+      std::vector<double> squares;
+      for (std::size_t k = 0; k < slope.size(); k += kEvery) {
+        if (weight[k] >= 1.0) squares.push_back(std::norm(slope[k]));
+      }
+      squares_.push_back(std::move(squares));
+      points_ = std::max(points_, squares_.back().size());
+    }
+  }
+
+  double of(const std::vector<double>& c) const {
+    std::vector<double> variance(points_, 0.0);
+    for (std::size_t i = 0; i < c.size(); ++i) {
+      if (!(c[i] > 0.0)) continue;
+      const double sigma = mismatch_.relative_sigma(c[i]);
+      for (std::size_t k = 0; k < squares_[i].size(); ++k) variance[k] += squares_[i][k] * sigma * sigma;
+    }
+    const double most = points_ > 0 ? *std::max_element(variance.begin(), variance.end()) : 0.0;
+    return error_of_95_percent(0.0, std::sqrt(most));
+  }
+
+ private:
+  static constexpr std::size_t kEvery = 3;
+  MismatchModel mismatch_;
+  std::vector<std::vector<double>> squares_;  ///< [capacitor][point]
+  std::size_t points_ = 0;
+};
+
 /// Whole capacitors over a grid of scales of the groups: the cheapest as they are first, then those that are
 /// cheapest when the gain is left to the others.
 std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t s,
-                                              const StageFactorTable& table, std::size_t choices) {
+                                              const StageFactorTable& table, const RoundingWidth& width) {
+  const std::size_t choices = width.choices;
   Stage stage = design.stages[s];
   const std::vector<double> exact = stage.c;
   const DesignResponse response(design, table);
@@ -189,9 +241,13 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
   };
   std::vector<WholeStage> as_is, but_gain;
   const InnerHeadroom headroom(response, s);
+  const StageSpread spread(place, stage, table.target().weight, width.mismatch);
   std::vector<Complex> room;
   const auto judge = [&] {
     WholeStage whole = cost_of(place, stage, room);
+    const double random = width.mismatch_share * spread.of(stage.c);
+    whole.cost = std::pow(std::sqrt(whole.cost) + random, 2);
+    whole.cost_but_gain = std::pow(std::sqrt(whole.cost_but_gain) + random, 2);
     const bool enters = as_is.size() < choices || but_gain.size() < choices ||
                         whole.cost < as_is.back().cost || whole.cost_but_gain < but_gain.back().cost_but_gain;
     if (!enters) return;
@@ -241,6 +297,25 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
   return out;
 }
 
+/// Of a partly whole design: the largest error, and the share of the spread by mismatch of what is whole.
+double error_with_mismatch(const Design& design, const StageFactorTable& table, const RoundingWidth& width) {
+  const DesignResponse response(design, table);
+  const std::vector<Complex> errors = response.errors();
+  std::vector<double> variance(errors.size(), 0.0);
+  for (const CapacitorEffect& effect : capacitor_effects(response)) {
+    if (!design.stages[effect.stage].whole) continue;
+    const double sigma = width.mismatch.relative_sigma(design.stages[effect.stage].c[effect.capacitor]);
+    for (std::size_t k = 0; k < variance.size(); ++k)
+      variance[k] += std::norm(effect.values[k]) * sigma * sigma;
+  }
+  double out = 0.0;
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    const double here = error_of_95_percent(errors[k], width.mismatch_share * std::sqrt(variance[k]));
+    if (!(here <= out)) out = here;
+  }
+  return out;
+}
+
 }  // namespace
 
 std::vector<std::vector<std::size_t>> scale_groups(const Stage& stage) {
@@ -266,12 +341,12 @@ bool make_whole(Design& design, const StageFactorTable& table, RoundingWidth wid
   for (std::size_t s = 0; s < design.stages.size(); ++s) {
     std::vector<Partly> next;
     for (const Partly& from : kept) {
-      for (const std::vector<double>& c : whole_stages(from.design, s, table, width.choices)) {
+      for (const std::vector<double>& c : whole_stages(from.design, s, table, width)) {
         Partly to{from.design, 0.0};
         to.design.stages[s].c = c;
         to.design.stages[s].whole = true;
         fit_design(to.design, table, 8);
-        if (width.designs > 1) to.error = largest_error(DesignResponse(to.design, table).errors());
+        if (width.designs > 1) to.error = error_with_mismatch(to.design, table, width);
         next.push_back(std::move(to));
       }
     }

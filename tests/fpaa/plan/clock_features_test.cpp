@@ -72,7 +72,8 @@ TEST(ClockFeatures, FindTheDipBesideAClock) {
 TEST(ClockFeatures, BeatIsTheLargestImage) {
   // 1 % of the input as a constant, all of it through a slow path: beside the clock the beat is larger than the
   // signal.
-  const ImageLines images = largest_images(sampled_path(), {{1.0}, {5000.0}});
+  const Plan plan = sampled_path();
+  const ImageLines images = images_of(SwitchedBoard(plan), plan, {{1.0}, {5000.0}});
   ASSERT_TRUE(images.largest && images.in_band);
   EXPECT_GT(images.largest->magnitude_db, 20.0);
   EXPECT_NEAR(images.largest->signal.value, 16e6 / 5334, 10.0);

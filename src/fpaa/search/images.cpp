@@ -1,0 +1,108 @@
+#include "fpaa/search/images.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "fpaa/plan/clock_features.hpp"
+
+namespace bodesmith::fpaa {
+namespace {
+
+using Complex = std::complex<double>;
+
+/// int exp(jrt) dt over a span that begins at `from`, over a period.
+Complex turning(double rate, double from, double length, double period) {
+  const double half = 0.5 * rate * length;
+  const double share = std::abs(half) < 1e-8 ? 1.0 : std::sin(half) / half;
+  return std::polar(length / period * share, rate * (from + 0.5 * length));
+}
+
+/// (1/T) int y exp(-jmt) dt over both phases of a stage's period.
+struct PhaseMeans {
+  Complex first = 0.0, second = 0.0;
+};
+
+/// The last stage's line at w + `away`; `at` is the point of the response's grid.
+Complex line_of(const DesignResponse& response, std::size_t at, double w, double away) {
+  const Design& design = response.design();
+  const double master_hz = response.table().target().master_hz;
+  const auto period_of = [&](const DesignStage& s) { return static_cast<double>(s.divisor) / master_hz; };
+  std::vector<PhaseMeans> means(design.stages.size());
+  for (std::size_t s = 0; s < means.size(); ++s) {
+    const DesignStage& stage = design.stages[s];
+    const ClockFactors& clock = response.table().clock(stage.divisor)[at];
+    const double period = period_of(stage);
+    const double half = 0.5 * period;
+    const double line = w + away;
+    const Complex hold1 = turning(-line, 0.0, half, period);
+    const Complex hold2 = turning(-line, half, half, period);
+    const Complex to_first = std::conj(clock.half);
+    const Complex to_second = std::conj(clock.period);
+    const SineParts& y = response.signals()[s][at];
+    means[s] = {product(product(y.end1, to_first), hold1), product(product(y.end2, to_second), hold2)};
+    for (std::size_t i = 0; i < stage.from.size(); ++i) {
+      const StageFactors f = stage_factors(stage, i, clock);
+      const SineParts x = response.input_of(s, i, at);
+      PhaseMeans in;
+      if (stage.from[i] == DesignStage::kBoardInput) {
+        in = {turning(-away, 0.0, half, period), turning(-away, half, half, period)};
+      } else {
+        const auto source = static_cast<std::size_t>(stage.from[i]);
+        const double own = period_of(design.stages[source]);
+        in = means[source];
+        if (own < period) {
+          const double turns = std::round(half / own);
+          Complex sum = 0.0;
+          for (double q = 0.0; q < turns; q += 1.0) sum += std::polar(1.0, -away * own * q);
+          in.first = product(in.first + in.second, sum) * (own / period);
+          in.second = product(in.first, std::polar(1.0, -away * half));
+        }
+      }
+      means[s].first += f.follow1 * (product(product(x.end1, to_first), hold1) - in.first);
+      means[s].second += f.follow2 * (product(product(x.end2, to_second), hold2) - in.second);
+    }
+  }
+  return means.back().first + means.back().second;
+}
+
+}  // namespace
+
+double image_share(const Design& design, const DesignTarget& target) {
+  std::vector<double> clocks;
+  for (const DesignStage& stage : design.stages) {
+    const double clock = target.master_hz / static_cast<double>(stage.divisor);
+    if (clock < 2.0 * target.band.to.value && std::find(clocks.begin(), clocks.end(), clock) == clocks.end())
+      clocks.push_back(clock);
+  }
+  if (clocks.empty()) return 0.0;
+  DesignTarget sines;
+  sines.band = target.band;
+  sines.master_hz = target.master_hz;
+  sines.grid = target.sines;
+  const StageFactorTable table(sines);
+  const DesignResponse response(design, table);
+  double sum = 0.0;
+  for (std::size_t k = 0; k < sines.grid.size(); ++k) {
+    const double f = sines.grid[k].hz().value;
+    std::vector<double> lines;
+    for (const double clock : clocks) {
+      for (const double line : clock_lines_hz(clock, f)) {
+        const bool within =
+            std::abs(line) >= target.band.from.value && std::abs(line) <= target.band.to.value;
+        const bool known = std::any_of(lines.begin(), lines.end(),
+                                       [&](double other) { return std::abs(other - line) < 1e-6 * clock; });
+        if (within && !known) lines.push_back(line);
+      }
+    }
+    double squares = 0.0;
+    for (const double line : lines) {
+      const double away = 2.0 * std::numbers::pi * (line - f);
+      squares += std::norm(line_of(response, k, sines.grid[k].value, away));
+    }
+    sum += squares * target.sine_reciprocal[k] * target.sine_reciprocal[k];
+  }
+  return std::sqrt(sum / static_cast<double>(sines.grid.size()));
+}
+
+}  // namespace bodesmith::fpaa

@@ -99,9 +99,10 @@ std::string summary_text(const gap::Diagnosis& d, const std::filesystem::path& f
                       d.relative ? " of H_model/H_measured - 1" : "", rms(d.refitted.holdout_rms));
   text += d.relative ? "\n" : fmt::format(" ({:.3f} % of range)\n", d.refitted.holdout_percent_of_range);
   for (const auto& s : d.steps) {
-    text += fmt::format("  + {} ({}){}: held-out {} -> {}\n", s.effect, s.placed,
+    text += fmt::format("  + {} ({}){}: held-out {} -> {}{}\n", s.effect, s.placed,
                         s.tied_with.empty() ? "" : ", indistinguishable from " + join(s.tied_with, ", "),
-                        rms(s.before.holdout_rms), rms(s.after.holdout_rms));
+                        rms(s.before.holdout_rms), rms(s.after.holdout_rms),
+                        s.grew ? ", which is more: the held-out records speak against it" : "");
   }
   const std::string floor = d.floor.source == gap::NoiseFloor::Source::unknown
                                 ? "unknown"

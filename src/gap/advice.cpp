@@ -61,6 +61,11 @@ std::string advice_for(const Diagnosis& d, const Study& study) {
   for (const auto& step : d.steps) {
     if (!step.tied_with.empty()) advice.push_back(experiments_for(step));
   }
+  if (d.search.initial.free_count() == 0) {
+    advice.emplace_back(
+        "Nothing is free to refit in the model: a value of it that is off shows as an effect (free in model.toml names "
+        "those that may be).");
+  }
   if (d.start) advice.push_back(to_text(*d.start));
   if (d.amplitude) advice.push_back(to_text(*d.amplitude));
   if (d.verdict == Verdict::unexplained || d.verdict == Verdict::partly_explained) {

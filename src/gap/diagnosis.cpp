@@ -169,6 +169,15 @@ bool disagrees(const Diagnosis& d) {
   return worse || d.final.holdout_rms > most * d.final.train_rms;
 }
 
+/// Times a floor found above the band: noise that correlates over thirty samples stands so far above its own white level
+/// (root of (1 + rho)/(1 - rho)); half of it would call red noise of ten samples a gap.
+constexpr double kFarAboveWhite = 8.0;
+
+bool is_far_above_white_floor(const Diagnosis& d) {
+  return d.floor.source == NoiseFloor::Source::high_frequency &&
+         std::max(d.final.train_rms, d.final.holdout_rms) > kFarAboveWhite * d.floor.rms;
+}
+
 }  // namespace
 
 Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOptions& options) {
@@ -203,13 +212,21 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   auto parameters = found_parameters(d.search.final, searched);
   for (std::size_t k = 0; k < parameters.size() && k < d.steps.size(); ++k)
     d.steps[k].parameters = std::move(parameters[k]);
+  auto posterior = posterior_of(d.search, searched);
+  for (std::size_t k = 0; k < d.steps.size(); ++k) {
+    d.steps[k].probability = posterior.of_steps[k];
+    d.steps[k].grew = d.steps[k].after.holdout_rms > d.steps[k].before.holdout_rms;
+  }
+  d.alternatives = std::move(posterior.alternatives);
+  d.outside = posterior.outside;
   d.where = meter.where(d.search.initial);
   d.remaining_where = meter.where(d.search.final);
   d.constant_offsets = constant_offsets(meter, d.search.final, study);
   d.verdict = verdict_of(d.search, d.search.train_rms, options.enough);
   d.holdout_disagrees = disagrees(d);
   // What is claimed of the training records and does not hold elsewhere is not explained.
-  if (d.holdout_disagrees && d.verdict == Verdict::explained) d.verdict = Verdict::partly_explained;
+  if ((d.holdout_disagrees || is_far_above_white_floor(d)) && d.verdict == Verdict::explained)
+    d.verdict = Verdict::partly_explained;
   if (d.holdout_disagrees && d.verdict == Verdict::nothing_missing) d.verdict = Verdict::unexplained;
   if (!d.search.stopped)
     d.next_experiment = next_experiment(d.search, open_parameters(d), study, options.drive);

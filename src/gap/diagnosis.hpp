@@ -7,6 +7,7 @@
 #include "chain/chain.hpp"
 #include "gap/amplitude_dependence.hpp"
 #include "gap/constant_offset.hpp"
+#include "gap/evidence/posterior.hpp"
 #include "gap/next_experiment.hpp"
 #include "gap/search.hpp"
 #include "gap/size.hpp"
@@ -48,6 +49,8 @@ struct DiagnosedStep {
   double significance = 0.0;
   double control_gain = 0.0;
   double q_value = 1.0;
+  double probability = 0.0;  ///< Posterior::of_steps
+  bool grew = false;         ///< the held-out gap is larger with it
 };
 
 struct Diagnosis {
@@ -59,6 +62,8 @@ struct Diagnosis {
   std::vector<Cell> remaining_where;
   std::vector<ConstantOffset> constant_offsets;  ///< of what is left of the held-out records
   std::vector<DiagnosedStep> steps;
+  std::vector<NamedSet> alternatives;  ///< Posterior::alternatives
+  double outside = 0.0;                ///< Posterior::outside
   /// Of training records that begin under bias.
   std::optional<StartChoice> start;
   /// Of responses at several drives.

@@ -83,6 +83,7 @@ Json json_of(const DiagnosedStep& s) {
           {"significance", std::min(s.significance, kMaxSignificance)},
           {"control_gain", s.control_gain},
           {"q_value", s.q_value},
+          {"probability", s.probability},
           {"runner_up", json_of(s.runner_up)}};
 }
 
@@ -145,6 +146,10 @@ Json to_json(const Diagnosis& d) {
     step["candidates"] = json_of(d.search.steps[k].ranking);
     j["steps"].push_back(std::move(step));
   }
+  j["alternatives"] = Json::array();
+  for (const auto& set : d.alternatives)
+    j["alternatives"].push_back({{"effects", set.effects}, {"probability", set.probability}});
+  j["outside"] = d.outside;
   j["signs_of_more"] = Json::array();
   for (const auto& s : d.search.structure) {
     j["signs_of_more"].push_back({{"sign", to_string(s.kind)}, {"times_chance", s.strength}});

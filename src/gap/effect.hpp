@@ -18,8 +18,6 @@ class Effect {
   virtual std::string_view name() const = 0;
   /// A sentence for the report: what it does to a signal.
   virtual std::string_view what() const = 0;
-  /// The feature of the residual that gives it away.
-  virtual std::string_view symptom() const = 0;
   /// Effects that leave much the same traces.
   virtual std::vector<std::string_view> confused_with() const = 0;
   /// The experiment that tells it from those.

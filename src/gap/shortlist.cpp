@@ -123,6 +123,15 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
   std::stable_sort(scores.begin(), scores.end(), [&](const StartScore& a, const StartScore& b) {
     return present.logarithmic ? merit(a) > merit(b) : a.score > b.score;
   });
+  // What moves edges across samples has no direction in which a fit could slide: where it leaves least is where it is.
+  const bool edges =
+      std::any_of(unknowns.begin(), unknowns.end(), [](const Unknown& u) { return u.hop > 0.0; });
+  if (edges && !scores.empty()) {
+    const auto least =
+        std::min_element(scores.begin(), scores.end(),
+                         [](const StartScore& a, const StartScore& b) { return a.left < b.left; });
+    std::rotate(scores.begin(), least, least + 1);
+  }
   return scores;
 }
 

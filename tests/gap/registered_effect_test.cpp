@@ -26,7 +26,6 @@ class SixthPower final : public gap::Effect {
 
   std::string_view name() const override { return "sixth_power"; }
   std::string_view what() const override { return "a curve that bends up at both ends"; }
-  std::string_view symptom() const override { return "a residual of one sign at both ends of the range"; }
   std::vector<std::string_view> confused_with() const override { return {"quadratic_nonlinearity"}; }
   std::string_view experiment() const override { return "a slow ramp to the ends of the range"; }
   void propose(const gap::Scene& scene, std::vector<gap::Proposal>& out) const override {

@@ -11,9 +11,6 @@ class AmplifierPole final : public Effect {
  public:
   std::string_view name() const override { return "amplifier_pole"; }
   std::string_view what() const override { return "a first-order lag"; }
-  std::string_view symptom() const override {
-    return "a residual in proportion to the slope, gain falling with frequency";
-  }
   std::vector<std::string_view> confused_with() const override {
     return {"time_delay", "opamp_bandwidth", "slew_limit", "rate_dependence"};
   }

@@ -15,9 +15,6 @@ class AsymmetricHysteresis final : public Effect {
  public:
   std::string_view name() const override { return "asymmetric_hysteresis"; }
   std::string_view what() const override { return "memory whose ascending and descending branches differ"; }
-  std::string_view symptom() const override {
-    return "a residual that changes sign with the direction of motion, with even harmonics";
-  }
   std::vector<std::string_view> confused_with() const override {
     return {"hysteresis", "quadratic_nonlinearity", "cubic_nonlinearity"};
   }

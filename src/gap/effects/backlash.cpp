@@ -11,9 +11,6 @@ class Backlash final : public Effect {
  public:
   std::string_view name() const override { return "backlash"; }
   std::string_view what() const override { return "play of constant width"; }
-  std::string_view symptom() const override {
-    return "a residual that changes sign with the direction of motion";
-  }
   std::vector<std::string_view> confused_with() const override {
     return {"hysteresis", "dead_zone", "time_delay"};
   }

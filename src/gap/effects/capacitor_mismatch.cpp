@@ -16,7 +16,6 @@ class CapacitorMismatch final : public Effect {
   std::string_view what() const override {
     return "a section's pole or zero is shifted by its capacitor ratio";
   }
-  std::string_view symptom() const override { return "a residual like the change of one corner frequency"; }
   std::vector<std::string_view> confused_with() const override { return {"opamp_bandwidth", "gain_error"}; }
   std::string_view experiment() const override { return "the section alone, measured across its corner"; }
   bool linear() const override { return true; }

@@ -78,9 +78,6 @@ class Creep final : public Effect {
   std::string_view what() const override {
     return "slow relaxation, logarithmic or of several time constants";
   }
-  std::string_view symptom() const override {
-    return "a residual that lags the input by far more than its own time scale";
-  }
   std::vector<std::string_view> confused_with() const override {
     return {"drift", "rate_dependence", "hysteresis"};
   }

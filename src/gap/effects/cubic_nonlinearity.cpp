@@ -8,7 +8,6 @@ class CubicNonlinearity final : public Effect {
  public:
   std::string_view name() const override { return "cubic_nonlinearity"; }
   std::string_view what() const override { return "a smooth odd static curve"; }
-  std::string_view symptom() const override { return "odd harmonics, a residual like y to the power 3"; }
   std::vector<std::string_view> confused_with() const override {
     return {"saturation", "cubic_stiffness", "dead_zone"};
   }

@@ -11,7 +11,6 @@ class CubicStiffness final : public Effect {
  public:
   std::string_view name() const override { return "cubic_stiffness"; }
   std::string_view what() const override { return "a cubic term in a resonator's spring"; }
-  std::string_view symptom() const override { return "odd harmonics that grow at the resonance"; }
   std::vector<std::string_view> confused_with() const override {
     return {"cubic_nonlinearity", "saturation", "drag"};
   }

@@ -14,7 +14,6 @@ class DeadZone final : public Effect {
  public:
   std::string_view name() const override { return "dead_zone"; }
   std::string_view what() const override { return "no response near zero"; }
-  std::string_view symptom() const override { return "a residual of one sign on either side of zero"; }
   std::vector<std::string_view> confused_with() const override {
     return {"backlash", "cubic_nonlinearity", "gain_error", "offset"};
   }

@@ -11,9 +11,6 @@ class Drag final : public Effect {
  public:
   std::string_view name() const override { return "drag"; }
   std::string_view what() const override { return "damping in proportion to |v| v inside a resonator"; }
-  std::string_view symptom() const override {
-    return "a residual in phase with the speed that grows with amplitude";
-  }
   std::vector<std::string_view> confused_with() const override { return {"cubic_stiffness"}; }
   std::string_view experiment() const override {
     return "ring-downs from two amplitudes: drag damps the larger one more";

@@ -11,7 +11,6 @@ class Drift final : public Effect {
  public:
   std::string_view name() const override { return "drift"; }
   std::string_view what() const override { return "the output moves slowly and linearly with time"; }
-  std::string_view symptom() const override { return "a residual that follows time, not the input"; }
   std::vector<std::string_view> confused_with() const override { return {"creep", "offset"}; }
   std::string_view experiment() const override { return "a record at rest, without drive: drift goes on"; }
   bool independent_of_input() const override { return true; }

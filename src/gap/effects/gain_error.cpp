@@ -11,7 +11,6 @@ class GainError final : public Effect {
  public:
   std::string_view name() const override { return "gain_error"; }
   std::string_view what() const override { return "a static gain differs"; }
-  std::string_view symptom() const override { return "residual in proportion to the model's output"; }
   std::vector<std::string_view> confused_with() const override { return {"multiplier_error", "saturation"}; }
   std::string_view experiment() const override { return "a static gain test at several input levels"; }
   bool linear() const override { return true; }

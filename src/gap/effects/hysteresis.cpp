@@ -16,9 +16,6 @@ class Hysteresis final : public Effect {
  public:
   std::string_view name() const override { return "hysteresis"; }
   std::string_view what() const override { return "rate-independent memory"; }
-  std::string_view symptom() const override {
-    return "a residual that changes sign with the direction of motion and grows with amplitude";
-  }
   std::vector<std::string_view> confused_with() const override {
     return {"backlash", "creep", "time_delay", "rate_dependence"};
   }

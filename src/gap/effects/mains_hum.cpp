@@ -118,7 +118,6 @@ class MainsHum final : public Effect {
  public:
   std::string_view name() const override { return "mains_hum"; }
   std::string_view what() const override { return "a sinusoid of the mains is added"; }
-  std::string_view symptom() const override { return "a line of the residual at 50 or 60 Hz or a harmonic"; }
   std::vector<std::string_view> confused_with() const override { return {"resonance"}; }
   std::string_view experiment() const override { return "a record without drive: hum stays"; }
   bool independent_of_input() const override { return true; }

@@ -79,9 +79,6 @@ class MultiplierError final : public Effect {
   std::string_view what() const override {
     return "scale, feedthrough or offset of a multiplier in the chain";
   }
-  std::string_view symptom() const override {
-    return "a residual like the powers that multipliers make, on both branches alike";
-  }
   std::vector<std::string_view> confused_with() const override {
     return {"gain_error", "quadratic_nonlinearity", "offset"};
   }

@@ -11,7 +11,6 @@ class Offset final : public Effect {
  public:
   std::string_view name() const override { return "offset"; }
   std::string_view what() const override { return "a constant is added"; }
-  std::string_view symptom() const override { return "a residual with a mean"; }
   std::vector<std::string_view> confused_with() const override {
     return {"quadratic_nonlinearity", "quadratic_stiffness", "drift"};
   }

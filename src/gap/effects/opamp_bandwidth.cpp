@@ -38,9 +38,6 @@ class OpampBandwidth final : public Effect {
  public:
   std::string_view name() const override { return "opamp_bandwidth"; }
   std::string_view what() const override { return "finite gain-bandwidth of a section's op-amp"; }
-  std::string_view symptom() const override {
-    return "gain and phase lost at the top of the band, more where the section's noise gain is large";
-  }
   std::vector<std::string_view> confused_with() const override {
     return {"amplifier_pole", "time_delay", "capacitor_mismatch"};
   }

@@ -72,9 +72,6 @@ class ParallelMode final : public Effect {
  public:
   std::string_view name() const override { return "parallel_mode"; }
   std::string_view what() const override { return "a second-order mode beside the path, of either sign"; }
-  std::string_view symptom() const override {
-    return "a peak of the residual with a zero beside it, or a turn of the phase without one";
-  }
   std::vector<std::string_view> confused_with() const override { return {"resonance", "time_delay"}; }
   std::string_view experiment() const override {
     return "a sweep through the suspected frequency and the zero beside it, and the same with the sensor elsewhere";

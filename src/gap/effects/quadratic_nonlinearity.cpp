@@ -8,7 +8,6 @@ class QuadraticNonlinearity final : public Effect {
  public:
   std::string_view name() const override { return "quadratic_nonlinearity"; }
   std::string_view what() const override { return "a smooth even static curve"; }
-  std::string_view symptom() const override { return "even harmonics, a residual like y to the power 2"; }
   std::vector<std::string_view> confused_with() const override {
     return {"offset", "quadratic_stiffness", "saturation"};
   }

@@ -11,7 +11,6 @@ class QuadraticStiffness final : public Effect {
  public:
   std::string_view name() const override { return "quadratic_stiffness"; }
   std::string_view what() const override { return "a quadratic term in a resonator's spring"; }
-  std::string_view symptom() const override { return "a mean and even harmonics that grow at the resonance"; }
   std::vector<std::string_view> confused_with() const override {
     return {"offset", "quadratic_nonlinearity"};
   }

@@ -17,9 +17,6 @@ class RateDependence final : public Effect {
  public:
   std::string_view name() const override { return "rate_dependence"; }
   std::string_view what() const override { return "the gain changes with frequency by a fractional order"; }
-  std::string_view symptom() const override {
-    return "a slow slope of gain and phase over decades of frequency";
-  }
   std::vector<std::string_view> confused_with() const override {
     return {"amplifier_pole", "creep", "time_delay"};
   }

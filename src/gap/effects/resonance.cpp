@@ -14,7 +14,6 @@ class Resonance final : public Effect {
  public:
   std::string_view name() const override { return "resonance"; }
   std::string_view what() const override { return "a second-order mode"; }
-  std::string_view symptom() const override { return "a peak of the residual's share beside a phase step"; }
   std::vector<std::string_view> confused_with() const override { return {"amplifier_pole", "time_delay"}; }
   std::string_view experiment() const override { return "a sweep through the suspected frequency"; }
   bool linear() const override { return true; }

@@ -19,7 +19,6 @@ class RightHalfPlaneZero final : public Effect {
   std::string_view what() const override {
     return "a zero in the right half-plane: a step begins the wrong way";
   }
-  std::string_view symptom() const override { return "gain that stays or rises while the phase falls"; }
   std::vector<std::string_view> confused_with() const override {
     return {"time_delay", "sample_hold", "parallel_mode"};
   }

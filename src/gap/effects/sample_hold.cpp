@@ -29,7 +29,6 @@ class SampleHold final : public Effect {
  public:
   std::string_view name() const override { return "sample_hold"; }
   std::string_view what() const override { return "a clocked hold: droop and half a cycle of delay"; }
-  std::string_view symptom() const override { return "a staircase: a residual that repeats with the clock"; }
   std::vector<std::string_view> confused_with() const override { return {"time_delay", "amplifier_pole"}; }
   bool linear() const override { return true; }
   bool starts_from_residual() const override { return true; }

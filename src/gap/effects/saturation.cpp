@@ -11,7 +11,6 @@ class Saturation final : public Effect {
  public:
   std::string_view name() const override { return "saturation"; }
   std::string_view what() const override { return "the amplitude is limited"; }
-  std::string_view symptom() const override { return "a residual only at the ends of the range"; }
   std::vector<std::string_view> confused_with() const override {
     return {"cubic_nonlinearity", "gain_error", "quadratic_nonlinearity"};
   }

@@ -23,7 +23,6 @@ class SlewLimit final : public Effect {
  public:
   std::string_view name() const override { return "slew_limit"; }
   std::string_view what() const override { return "the rate of change is limited"; }
-  std::string_view symptom() const override { return "a residual only where the slope is large"; }
   std::vector<std::string_view> confused_with() const override {
     return {"amplifier_pole", "saturation", "opamp_bandwidth"};
   }

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
@@ -7,11 +6,13 @@
 namespace bodesmith::gap {
 namespace {
 
+/// Of a delay: starts of the comb are no nearer to each other. The hops around where a fit ends (Unknown::hop) reach further.
+constexpr double kFinest = 0.03;
+
 class SwitchDelay final : public Effect {
  public:
   std::string_view name() const override { return "switch_delay"; }
   std::string_view what() const override { return "the branch switch acts late"; }
-  std::string_view symptom() const override { return "a residual only just after the input turns"; }
   std::vector<std::string_view> confused_with() const override { return {"time_delay", "backlash"}; }
   std::string_view experiment() const override {
     return "a fast and a slow triangle: the wrong stretch after a turn lasts the same time in both";
@@ -23,9 +24,10 @@ class SwitchDelay final : public Effect {
     if (scene.frequency_only) return;
     for (std::size_t at : places_of_unused(scene, "switch_delay_s")) {
       const double step = scene.step_s;
-      // Every turn moves with the delay, so the sum of squares is hilly: a comb over what is possible.
+      // Every turn moves with the delay across samples, so the sum of squares is hilly: a comb over what is possible, a
+      // sample apart as long as that is a small part of the delay.
       Starts starts;
-      for (double delay = 1.2 * step; delay < 0.4 / scene.low_hz && starts.size() < 30; delay *= 1.3)
+      for (double delay = 0.5 * step; delay < 0.4 / scene.low_hz; delay += std::max(step, kFinest * delay))
         starts.push_back({delay});
       if (starts.empty()) starts.push_back({0.5 * step});
       auto delay = logarithmic_unknown("switch_delay_s", 0.01 * step, 0.5 / scene.low_hz);

@@ -11,9 +11,6 @@ class TimeDelay final : public Effect {
  public:
   std::string_view name() const override { return "time_delay"; }
   std::string_view what() const override { return "the signal arrives later"; }
-  std::string_view symptom() const override {
-    return "a residual in proportion to the slope, phase growing with frequency";
-  }
   std::vector<std::string_view> confused_with() const override {
     return {"amplifier_pole", "sample_hold", "rate_dependence"};
   }

@@ -24,6 +24,8 @@ struct Hops {
 };
 constexpr std::array kHops = {Hops{15.0, 20}, Hops{1.0, 20}, Hops{0.2, 6}, Hops{0.04, 6}, Hops{0.008, 6}};
 constexpr double kWorthCombing = 2.0;
+/// Times what the model without the term leaves: room for what is known of the unknowns beforehand to pull at them.
+constexpr double kLost = 1.05;
 
 /// Starts of a proposal that are tried: many of them lie close to each other, and many unknowns are expensive.
 std::size_t tries_of(const RoundOptions& options, const Promising& p) {
@@ -261,13 +263,20 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
   race(setting, records, racers);
   comb_leaders(setting, records, racers);
   share_values(setting, records, candidates, racers);
+  double without = std::numeric_limits<double>::infinity();
+  if (!candidates.empty()) {
+    Model before_it = candidates.front().proposal.model;
+    before_it.remove(before_it.terms().size() - 1);
+    without = rms_of(before_it, records.look());
+  }
   std::vector<std::optional<Ranked>> ranked(candidates.size());
   parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
     Racer* best = nullptr;
     for (auto& r : racers) {
       if (r.candidate == i && (best == nullptr || r.now.result.rms < best->now.result.rms)) best = &r;
     }
-    if (best == nullptr) return;
+    // A fit that ends where the model without the term was nearer has lost its way.
+    if (best == nullptr || best->now.result.rms > kLost * without) return;
     const auto& term = candidates[i].proposal.model.terms().back();
     Ranked r;
     r.effect = term.effect;

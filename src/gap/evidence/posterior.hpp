@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "gap/search.hpp"
+
+namespace bodesmith::gap {
+
+/// Names that may be what is missing, and the probability that they are, of the sets that the search fitted.
+struct NamedSet {
+  std::vector<std::string> effects;
+  double probability = 0.0;
+};
+
+struct Posterior {
+  std::vector<double> of_steps;        ///< probability of each step's name
+  std::vector<NamedSet> alternatives;  ///< most probable first, until they hold 95 % (Posterior::kHeld)
+  double outside = 0.0;                ///< that none of the catalogue is the whole answer
+
+  static constexpr double kHeld = 0.95;
+};
+
+/// Every model that a step's round fitted, and the one without the step, by its evidence (score.hpp) and what a name costs. An
+/// effect counts with its best place and form, steps as independent of each other.
+Posterior posterior_of(const SearchResult& result, const Experiments& train);
+
+}  // namespace bodesmith::gap

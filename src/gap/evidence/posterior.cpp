@@ -11,7 +11,7 @@ namespace bodesmith::gap {
 namespace {
 
 /// Probability of something outside the catalogue where no sign of it is left, and that of the contrary where one is just as plain
-/// as chance would make it; a sign twice as plain halves the latter. Fitted in docs/gap.md.
+/// as chance would make it; a sign twice as plain halves the latter. Chosen, not fitted (docs/gap.md).
 constexpr double kOutsideWithoutSign = 0.03;
 constexpr double kNotOutsideAtChance = 0.8;
 /// Of names told beside something outside: the share that it feigns.

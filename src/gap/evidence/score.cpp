@@ -15,7 +15,7 @@
 namespace bodesmith::gap {
 namespace {
 
-/// T. Twice as large: a name's odds become their own square root. Fitted in docs/gap.md.
+/// T. Twice as large: a name's odds become their own square root. Chosen, not fitted (docs/gap.md).
 constexpr double kTemperature = 6.0;
 /// The least rms of a rest, in parts of the largest range: a term that leaves nothing at all leaves rounding.
 constexpr double kLeastRest = 1e-9;

@@ -12,6 +12,7 @@
 #include "fpaa/sheets/board_picture.hpp"
 #include "fpaa/sheets/build_sheet.hpp"
 #include "functions.hpp"
+#include "kicad/netlist_sheet.hpp"
 #include "kicad/schematic.hpp"
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/json.hpp"
@@ -159,7 +160,11 @@ Answer lay_out(const Call& call) {
   if (layout.amplitude)
     out.files["disturbance_amplitude.sub"] = spice::disturbance_library(layout, title, {true, std::nullopt});
   out.files["parts.csv"] = ml::parts_csv(layout);
-  out.files["layout.svg"] = ml::drawing_svg(layout);
+  out.files["layout.svg"] = kicad::netlist_svg(layout.whole(), {.stem = "layout",
+                                                                .title = "Disturbance generator",
+                                                                .comment = "",
+                                                                .ports = layout.ports(),
+                                                                .tolerances = {}});
   return out;
 }
 

@@ -143,7 +143,7 @@ std::vector<std::string> warnings_of(const OpAmpCheck& check, const OpAmpModel& 
                      rounded_text(model.swing_v)));
   }
   if (resonance.product_hz() > 0.0 && 100.0 * resonance.product_hz() > model.gain_bandwidth.value) {
-    warn(fmt::format("{}: Q = {} at {} wants a gain-bandwidth of {} or more", model.name,
+    warn(fmt::format("{}: Q = {} at {} requires a gain-bandwidth of {} or more", model.name,
                      rounded_text(resonance.q, 3), engineering_text(resonance.hz, "Hz"),
                      engineering_text(100.0 * resonance.product_hz(), "Hz")));
   }

@@ -7,9 +7,11 @@
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
+#include "base/version.hpp"
 #include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "kicad/netlist_sheet.hpp"
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/json.hpp"
 #include "multiplier_layout/layout.hpp"
@@ -164,7 +166,18 @@ void write_layout(const CommandLine& line, const multiplier_layout::Layout& layo
   if (layout.amplitude)
     out.add("disturbance_amplitude.sub", spice::disturbance_library(layout, title, {true, std::nullopt}));
   out.add("parts.csv", multiplier_layout::parts_csv(layout));
-  out.add("layout.svg", multiplier_layout::drawing_svg(layout));
+  const kicad::SheetOptions sheet{
+      .stem = "layout",
+      .title = title,
+      .comment = fmt::format("bodesmith {}; op-amps {}", kVersion, layout.opamp.name),
+      .ports = layout.ports(),
+      .tolerances = {}};
+  // The pins of an 8-way switch are not known.
+  if (layout.contacts.size() <= 2) {
+    kicad::add_netlist_project(layout.whole(), sheet, out, "");
+  } else {
+    out.add("layout.svg", kicad::netlist_svg(layout.whole(), sheet));
+  }
   out.commit();
 }
 

@@ -1,9 +1,12 @@
 #include "controller/files.hpp"
 
+#include <fmt/format.h>
 #include "base/json.hpp"
+
 #include "base/text.hpp"
+#include "base/version.hpp"
 #include "controller/library.hpp"
-#include "controller/schematic.hpp"
+#include "kicad/netlist_sheet.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::controller {
@@ -130,7 +133,14 @@ void add_controller_files(const AnalogController& controller, const std::string&
   out.add(folder / "controller.sub", controller_library(controller, title));
   out.add(folder / "parts.csv", parts_csv(controller));
   out.add(folder / "controller.json", to_text(json));
-  add_schematic(controller, title, out, folder);
+  kicad::add_netlist_project(controller,
+                             {.stem = "controller",
+                              .title = title,
+                              .comment = fmt::format("bodesmith {}; op-amps {}, slope detector {}", kVersion,
+                                                     controller.opamp.name, controller.fast_opamp.name),
+                              .ports = {"r", "v"},
+                              .tolerances = {}},
+                             out, folder);
 }
 
 }  // namespace bodesmith::controller

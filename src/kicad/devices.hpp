@@ -39,8 +39,9 @@ Cell spare_opamp_cell(Symbol unit);
 /// A unit (from 0) of an op-amp package; unit `per_package` is the power unit.
 Symbol opamp_symbol(const std::string& reference, const std::string& type, int per_package, int unit);
 
-/// STEM.kicad_pro, STEM.kicad_sch, bom.csv and the symbols: every group on one sheet, the smallest paper from A4 to A0 that
-/// holds them. Throws DesignError when none does. Gives the sheet back, for a picture.
+/// Every group on one sheet, the smallest paper from A4 to A0 that holds them. Throws DesignError when none does.
+Sheet one_sheet(const std::vector<Group>& groups, const std::string& stem);
+/// STEM.kicad_pro, STEM.kicad_sch, bom.csv and the symbols. Gives the sheet back, for a picture.
 Sheet add_one_sheet_project(const std::vector<Group>& groups, const std::string& stem,
                             const std::string& title, const std::string& comment, OutputSet& out,
                             const std::filesystem::path& folder);

@@ -1,4 +1,5 @@
 #include <fmt/format.h>
+#include <cmath>
 
 #include <map>
 
@@ -75,8 +76,12 @@ std::string sheet_svg(const Sheet& sheet, const std::string& title) {
   const Drawing& drawing = sheet.drawing;
   Json data;
   data["title"] = title;
-  data["width"] = rounded_text((drawing.right + kMargin) * kGridMm, 6);
-  data["height"] = rounded_text((drawing.bottom + kMargin) * kGridMm, 6);
+  const double width = (drawing.right + kMargin) * kGridMm, height = (drawing.bottom + kMargin) * kGridMm;
+  data["width"] = rounded_text(width, 6);
+  data["height"] = rounded_text(height, 6);
+  // Its own size on a screen, in pixels of 1/96 inch.
+  data["wide"] = rounded_text(std::ceil(width * 96.0 / 25.4), 6);
+  data["high"] = rounded_text(std::ceil(height * 96.0 / 25.4), 6);
   for (const char* list : {"wires", "junctions", "symbols", "texts"}) data[list] = Json::array();
   const Joined joined = join_wires(drawing);
   for (const Wire& wire : joined.wires) {

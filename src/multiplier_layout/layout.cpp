@@ -3,51 +3,10 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 
-#include "base/error.hpp"
-#include "base/text.hpp"
-#include "multiplier_layout/build.hpp"
+#include "multiplier_layout/polynomial.hpp"
 
 namespace bodesmith::multiplier_layout {
-namespace {
-
-void check(const Input& input, const Options& options) {
-  if (input.branches.empty() || input.branches.size() > kMostBranches) {
-    throw DesignError(
-        fmt::format("{} branches were asked for, expected 1 to {}", input.branches.size(), kMostBranches));
-  }
-  for (const Polynomial& one : input.branches) {
-    if (one.coefficients.empty() || one.coefficients.size() > kMostPowers) {
-      throw DesignError(fmt::format("branch {} has degree {}, expected 1 to {}", one.name,
-                                    one.coefficients.size(), kMostPowers));
-    }
-    for (const double a : one.coefficients) {
-      if (!std::isfinite(a) || std::abs(a) > 1e6) {
-        throw DesignError(
-            fmt::format("branch {} has a coefficient of {}, expected at most 1e6", one.name, a));
-      }
-    }
-  }
-  if (!(options.multiplier.scale_v > 0.0) || !(options.full_scale_v > 0.0) ||
-      (options.analog_switch && !(options.analog_switch->on_ohm >= 0.0))) {
-    throw DesignError(
-        "the multiplier's scale and the full scale must be above 0, the switch's resistance not below");
-  }
-}
-
-void warn_when_slow(Layout& layout, Hertz highest) {
-  for (const Candidate& one : layout.candidates) {
-    if (one.chosen && one.bandwidth.value < Scheme::kBandwidthRatio * highest.value) {
-      layout.warnings.push_back(fmt::format(
-          "the signal path ends at {} Hz, less than {} times the highest "
-          "reference frequency of {} Hz",
-          rounded_text(one.bandwidth.value, 3), Scheme::kBandwidthRatio, rounded_text(highest.value)));
-    }
-  }
-}
-
-}  // namespace
 
 double Branch::value(double x) const {
   return polynomial(realised, x);
@@ -103,27 +62,21 @@ schematic::Netlist Layout::detector_netlist() const {
       *this, [&](std::size_t one) { return purpose_of(one) == schematic::Purpose::slope_sign; });
 }
 
-Layout make_layout(const Input& input, const Options& options) {
-  check(input, options);
-  std::vector<Candidate> candidates = compare_schemes(input, options);
-  const auto chosen =
-      std::find_if(candidates.begin(), candidates.end(), [](const Candidate& one) { return one.chosen; });
-  // Asked for, but it cannot be made: building it says why.
-  const int group = chosen == candidates.end() ? options.scheme.group : chosen->group;
-  Layout out = build(input, options, group);
-  out.candidates = std::move(candidates);
-  warn_when_slow(out, options.highest);
-  if (!input.alpha.empty()) add_amplitude(out, input, options);
-  add_nodes(out);
+schematic::Netlist Layout::whole() const {
+  schematic::Netlist out = generator(amplitude.has_value());
+  const schematic::Netlist detector = detector_netlist();
+  const auto add = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+  add(out.parts, detector.parts);
+  add(out.opamps, detector.opamps);
+  add(out.comparators, detector.comparators);
   return out;
 }
 
-Layout make_layout(const Disturbance& disturbance, const Options& options) {
-  return make_layout(Input::of(disturbance), options);
-}
-
-Layout make_layout_of_polynomials(const std::vector<Polynomial>& branches, const Options& options) {
-  return make_layout(Input{branches, {}}, options);
+std::vector<std::string> Layout::ports() const {
+  std::vector<std::string> out = {"x", "out"};
+  if (amplitude) out.emplace_back("amplitude");
+  for (int line = 1; line <= select_lines(); ++line) out.push_back(fmt::format("select{}", line));
+  return out;
 }
 
 }  // namespace bodesmith::multiplier_layout

@@ -154,6 +154,9 @@ struct Layout : schematic::Netlist {
   schematic::Netlist generator(bool with_amplitude) const;
   /// `x branch`: makes the branch signal from the slope of x.
   schematic::Netlist detector_netlist() const;
+  /// Both as one circuit, with the amplitude gains where there are any, and the nodes that lead out of it.
+  schematic::Netlist whole() const;
+  std::vector<std::string> ports() const;
   /// Of the multipliers, how many make powers and groups; those of the amplitude gains come behind them.
   std::size_t generator_multipliers() const { return multipliers.size() - (amplitude ? branches.size() : 0); }
   bool switched() const { return branches.size() > 1; }
@@ -187,8 +190,5 @@ struct Input {
 Layout make_layout(const Input& input, const Options& options = {});
 Layout make_layout(const Disturbance& disturbance, const Options& options = {});
 Layout make_layout_of_polynomials(const std::vector<Polynomial>& branches, const Options& options = {});
-
-/// The schematic as SVG.
-std::string drawing_svg(const Layout& layout);
 
 }  // namespace bodesmith::multiplier_layout

@@ -11,7 +11,6 @@
 #include "controller/open_loop.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/loop_margins.hpp"
-#include "part_errors/loop_bias.hpp"
 #include "schematic/analysis/response.hpp"
 
 namespace bodesmith::part_errors {

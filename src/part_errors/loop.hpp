@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <map>
 #include <optional>
 #include <string>
 #include <vector>
@@ -67,6 +68,19 @@ constexpr double kGoodMarginDeg = 45.0, kLeastMarginDeg = 30.0;
 LoopStability loop_stability(const controller::AnalogController& controller);
 /// The same with ngspice beside it. Needs ngspice.
 LoopStability checked_loop_stability(const controller::AnalogController& controller);
+
+/// Where a loop rests at a point.
+struct LoopBias {
+  double reference_v = 0.0;  ///< r that makes v
+  double slope_v = 0.0;      ///< of the slope meter
+  int position = 0;          ///< of the switch
+  std::map<std::string, double> volts;
+};
+LoopBias bias_of(const controller::AnalogController& controller, const LoopPoint& point);
+
+/// The generator's loop at a point, -v for 1 V at what reads it, cut there; 0 where the generator is not fed by its drive.
+std::complex<double> generator_loop_gain(const controller::AnalogController& controller,
+                                         const LoopPoint& point, RadPerSecond w);
 
 /// What to change when the margin is below kGoodMarginDeg; empty when it is not.
 std::string loop_warning(const LoopStability& loop);

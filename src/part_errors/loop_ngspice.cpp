@@ -8,7 +8,7 @@
 #include "controller/library.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/loop_margins.hpp"
-#include "part_errors/loop_bias.hpp"
+#include "part_errors/loop.hpp"
 #include "schematic/plain_number.hpp"
 #include "schematic/writers/spice_models.hpp"
 #include "spice/ngspice.hpp"

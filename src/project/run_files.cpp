@@ -5,6 +5,7 @@
 #include "chain/model_file.hpp"
 #include "circuit/json.hpp"
 #include "controller/files.hpp"
+#include "kicad/netlist_sheet.hpp"
 #include "kicad/schematic.hpp"
 #include "multiplier_layout/json.hpp"
 #include "project/artefacts.hpp"
@@ -57,7 +58,11 @@ void add_layout(const ProjectRun& run, OutputSet& out) {
     out.add("layout/disturbance_amplitude.sub",
             spice::disturbance_library(layout, run.project.name, {true, std::nullopt}));
   }
-  out.add("layout/disturbance.svg", multiplier_layout::drawing_svg(layout));
+  out.add("layout/disturbance.svg", kicad::netlist_svg(layout.whole(), {.stem = "layout",
+                                                                        .title = "Disturbance generator",
+                                                                        .comment = "",
+                                                                        .ports = layout.ports(),
+                                                                        .tolerances = {}}));
 }
 
 void add_controller(const ProjectRun& run, OutputSet& out) {

@@ -84,15 +84,22 @@ void run_stages(Stages& stages, const fs::path& project_file) {
   }
 }
 
+/// A run whose project is read, nothing done yet.
+template <class Kind>
+std::unique_ptr<Kind> begun(const ProjectSource& source) {
+  auto out = std::make_unique<Kind>();
+  out->from = source.from;
+  out->project = decltype(out->project)::from_document(source.document, source.file, out->from);
+  out->project.deadline = source.deadline;
+  return out;
+}
+
 std::unique_ptr<Run> run_with_plant(const ProjectSource& source, const fs::path& folder) {
   const Stopwatch watch;
   Progress progress("run");
   progress.at(0.0, 0.1, "design");
-  auto out = std::make_unique<ProjectRun>();
+  auto out = begun<ProjectRun>(source);
   ProjectRun& run = *out;
-  run.from = source.from;
-  run.project = Project::from_document(source.document, source.file, run.from);
-  run.project.deadline = source.deadline;
   const Project& project = run.project;
   AnalogControllerMade analog;
   ControllersTracked controllers;
@@ -165,11 +172,8 @@ std::unique_ptr<Run> run_filter(const ProjectSource& source, const fs::path& fol
   const Stopwatch watch;
   Progress progress("run");
   progress.at(0.0, 0.9, "design");
-  auto out = std::make_unique<FilterRun>();
+  auto out = begun<FilterRun>(source);
   FilterRun& run = *out;
-  run.from = source.from;
-  run.project = FilterProject::from_document(source.document, source.file, run.from);
-  run.project.deadline = source.deadline;
 
   Stages stages;
   const auto sections = stages.add({}, [&] { add_sections(run.project, run.design); });

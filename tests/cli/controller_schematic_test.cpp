@@ -5,6 +5,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <map>
+#include <set>
 #include <sstream>
 
 #include "base/files.hpp"
@@ -14,8 +15,9 @@
 namespace bodesmith {
 namespace {
 
-/// `.subckt controller` of controller.sub, line by line.
-std::vector<std::vector<std::string>> controller_elements(const std::string& path) {
+/// Some subcircuits of a library, line by line.
+std::vector<std::vector<std::string>> elements_of(const std::string& path,
+                                                  const std::set<std::string>& subcircuits) {
   std::vector<std::vector<std::string>> out;
   std::istringstream text(read_file(path));
   bool inside = false;
@@ -26,7 +28,7 @@ std::vector<std::vector<std::string>> controller_elements(const std::string& pat
     if (one.empty() || one[0][0] == '*') continue;
     if (one[0] == ".ends") inside = false;
     if (inside && one[0][0] != 'E') out.push_back(one);
-    if (one[0] == ".subckt" && one[1] == "controller") inside = true;
+    if (one[0] == ".subckt" && subcircuits.contains(one[1])) inside = true;
   }
   return out;
 }
@@ -57,13 +59,16 @@ class Pairing {
   std::map<int, std::string> node_of_;
 };
 
-/// The schematic in `folder` beside controller.sub.
+/// The schematic in `folder` beside the netlist there.
 class Comparison {
  public:
   explicit Comparison(const std::string& folder)
+      : Comparison(folder, "controller.kicad_sch", "controller.sub", {"controller"}) {}
+  Comparison(const std::string& folder, const std::string& sheet, const std::string& library,
+             const std::set<std::string>& subcircuits)
       : folder_(folder),
-        drawn_(read_kicad(folder, "controller.kicad_sch")),
-        elements_(controller_elements(folder + "/controller.sub")) {}
+        drawn_(read_kicad(folder, sheet)),
+        elements_(elements_of(folder + "/" + library, subcircuits)) {}
 
   void run() {
     EXPECT_EQ(drawn_.dangling_ends, 0);
@@ -148,7 +153,7 @@ class Comparison {
   void contact(const std::string& name, const std::vector<std::string>& line) {
     static const std::array<std::array<const char*, 3>, 4> kPins = {
         {{"1", "3", "2"}, {"16", "14", "15"}, {"9", "11", "10"}, {"8", "6", "7"}}};
-    for (const int unit : line[3] == "up" ? std::array{1, 4} : std::array{2, 3}) {
+    for (const int unit : line[3] == "up" || line[3] == "e1" ? std::array{1, 4} : std::array{2, 3}) {
       const std::string package = find(name, unit, false);
       if (package.empty()) continue;
       const auto& pin = kPins[static_cast<std::size_t>(unit - 1)];
@@ -241,6 +246,15 @@ class Comparison {
 
 const char* const kCurves = R"({"schema": "bodesmith.disturbance/1",
   "ascending": [0.3546, -0.6433, 0.2887], "descending": [-0.2398, 0.0838, 0.156])";
+
+TEST(LayoutSchematic, IsTheNetlist) {
+  const TemporaryFolder folder;
+  const std::string out = (folder / "layout").string();
+  const ProgramResult run =
+      run_bodesmith("layout " BODESMITH_SOURCE_DIR "/examples/nanopositioner/disturbance.json -o " + out);
+  ASSERT_EQ(run.status, 0) << run.err;
+  Comparison(out, "layout.kicad_sch", "disturbance.sub", {"disturbance", "slope_detector"}).run();
+}
 
 TEST(ControllerSchematic, IsTheNetlistInEveryForm) {
   const TemporaryFolder folder;

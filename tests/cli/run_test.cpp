@@ -170,7 +170,7 @@ TEST_F(NanopositionerRun, DrawingsInThePageLookAsTheirFilesDo) {
   const TemporaryFolder folder;
   const std::string html = read_file(out("report.html"));
   for (const auto& [file, mark] :
-       {std::pair{"fpaa/board.svg", "class=\"board\""}, {"layout/disturbance.svg", "class=\"rail\""}}) {
+       {std::pair{"fpaa/board.svg", "class=\"board\""}, {"layout/disturbance.svg", "class=\"net\""}}) {
     SCOPED_TRACE(file);
     const std::string svg = read_file(out(file));
     std::smatch size;

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "part_errors/loop_bias.hpp"
 #include "part_errors/seed_controller.hpp"
 #include "spice/ngspice.hpp"
 

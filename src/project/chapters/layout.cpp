@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
+#include "kicad/netlist_sheet.hpp"
 #include "multiplier_layout/layout.hpp"
 #include "project/run.hpp"
 #include "report/page.hpp"
@@ -15,7 +16,12 @@ void layout_chapter(report::Page& page, const ProjectRun& run) {
       "of the reference selects the branch. Largest error of d from the preferred resistor values: {} % of range.",
       layout.generator_multipliers(), layout.multiplier.name, layout.branches.size(),
       rounded_text(layout.max_error_percent, 3)));
-  page.figure(multiplier_layout::drawing_svg(layout), "Powers, weighted sums, branch switch.");
+  page.figure(kicad::netlist_svg(layout.whole(), {.stem = "layout",
+                                                  .title = "Disturbance generator",
+                                                  .comment = "",
+                                                  .ports = layout.ports(),
+                                                  .tolerances = {}}),
+              "Powers, weighted sums, branch switch.");
   for (const std::string& warning : layout.warnings) page.warning(warning);
 }
 

@@ -7,6 +7,7 @@
 
 #include "base/units.hpp"
 #include "base/whole_number.hpp"
+#include "lti/judge_responses.hpp"
 
 namespace bodesmith {
 namespace {
@@ -119,6 +120,17 @@ ApproximationError approximation_error(const Sections& sections, const Cascade& 
   for (const Hertz f : grid) visit(f);
   visit(out.band.from);
   visit(out.band.to);
+  // What lies between the points, in the band and everywhere.
+  std::vector<Hertz> inside{out.band.from};
+  for (const Hertz f : grid)
+    if (f > out.band.from && f < out.band.to) inside.push_back(f);
+  inside.push_back(out.band.to);
+  const auto level = [&](Hertz f) { return std::abs(error_at(sections, cascade, f.rad_s()).db); };
+  const auto angle = [&](Hertz f) { return std::abs(error_at(sections, cascade, f.rad_s()).deg); };
+  out.band_db = std::max(out.band_db, refined_maximum(inside, level));
+  out.band_deg = std::max(out.band_deg, refined_maximum(inside, angle));
+  out.everywhere_db = std::max(out.everywhere_db, refined_maximum(grid, level));
+  out.everywhere_deg = std::max(out.everywhere_deg, refined_maximum(grid, angle));
   visit_db(std::abs(error_db_at_zero(sections, cascade)), grid.front());
   visit_db(std::abs(error_db_at_infinity(sections, cascade)), grid.back());
   return out;

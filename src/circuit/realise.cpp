@@ -6,13 +6,15 @@
 
 #include "circuit/opamp_check.hpp"
 #include "circuit/realisation.hpp"
+#include "lti/bulk_response.hpp"
+#include "lti/judge_responses.hpp"
 #include "lti/judging_grid.hpp"
 #include "schematic/analysis/response.hpp"
 
 namespace bodesmith::circuit {
 namespace {
 
-constexpr int kReportGrid = 121;
+constexpr int kNodeGrid = 121;
 constexpr double kFarZeroRatio = 1000.0;
 
 void measure_nodes(const Circuit& circuit, const std::vector<Hertz>& grid, RealiseReport& report) {
@@ -35,20 +37,21 @@ void report_realised(Realised& made, const Sections& sections, Band band,
                      const std::function<std::complex<double>(RadPerSecond)>& nearest) {
   RealiseReport& report = made.report;
   report.band = band;
-  const std::vector<Hertz> grid =
-      judging_grid([&](Hertz f) { return sections.response(f.rad_s()); }, band, kReportGrid);
-  std::vector<std::complex<double>> wanted, rounded;
-  for (const Hertz f : grid) {
-    wanted.push_back(sections.response(f.rad_s()));
-    rounded.push_back(nearest(f.rad_s()));
-  }
-  const std::vector<std::complex<double>> ideal = made.circuit.responses(grid);
-  const std::vector<std::complex<double>> real = schematic::network_response(made.circuit, grid);
-  report.parts = compare_responses(grid, ideal, wanted);
-  report.nearest = compare_responses(grid, rounded, wanted);
-  report.opamps = compare_responses(grid, real, ideal);
-  report.all = compare_responses(grid, real, wanted);
-  measure_nodes(made.circuit, grid, report);
+  using Grid = std::vector<Hertz>;
+  const auto wanted = [&](const Grid& grid) { return responses(sections, grid); };
+  const auto ideal = [&](const Grid& grid) { return made.circuit.responses(grid); };
+  const auto real = [&](const Grid& grid) { return schematic::network_response(made.circuit, grid); };
+  const auto rounded = [&](const Grid& grid) {
+    std::vector<std::complex<double>> out;
+    for (const Hertz f : grid) out.push_back(nearest(f.rad_s()));
+    return out;
+  };
+  report.parts = judge_responses(ideal, wanted, band);
+  report.nearest = judge_responses(rounded, wanted, band);
+  report.opamps = judge_responses(real, ideal, band);
+  report.all = judge_responses(real, wanted, band);
+  measure_nodes(made.circuit,
+                judging_grid([&](Hertz f) { return sections.response(f.rad_s()); }, band, kNodeGrid), report);
   report.warnings = check_opamps(made.circuit, band).warnings;
 }
 

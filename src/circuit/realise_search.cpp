@@ -11,13 +11,13 @@
 #include "base/text.hpp"
 #include "circuit/realisation.hpp"
 #include "circuit/stated_band.hpp"
-#include "lti/judging_grid.hpp"
+#include "lti/bulk_response.hpp"
+#include "lti/judge_responses.hpp"
 #include "schematic/analysis/response.hpp"
 
 namespace bodesmith::circuit {
 namespace {
 
-constexpr int kJudgedGrid = 121;
 /// Of the op-amp's output resistance: twice what stages take by themselves (stages/stage_chain.cpp), which is not enough
 /// where large capacitors load an op-amp.
 constexpr double kIsolatingShare = 0.4;
@@ -33,12 +33,11 @@ std::string typed(double value) {
 
 void judge(const Sections& sections, const BuildSearch& search, Candidate& candidate) {
   candidate.judged_band = search.options.band.value_or(judged_band(sections));
-  const std::vector<Hertz> grid =
-      judging_grid([&](Hertz f) { return sections.response(f.rad_s()); }, candidate.judged_band, kJudgedGrid);
-  std::vector<std::complex<double>> wanted;
-  for (const Hertz f : grid) wanted.push_back(sections.response(f.rad_s()));
-  candidate.judged =
-      compare_responses(grid, schematic::network_response(candidate.made.circuit, grid), wanted);
+  candidate.judged = judge_responses(
+      [&](const std::vector<Hertz>& grid) {
+        return schematic::network_response(candidate.made.circuit, grid);
+      },
+      [&](const std::vector<Hertz>& grid) { return responses(sections, grid); }, candidate.judged_band);
   if (candidate.opamps.min_phase_margin_deg < search.limits.min_phase_margin_deg) {
     candidate.shortfalls.push_back(
         fmt::format("an op-amp has {} degrees of phase margin, expected {} or more",

@@ -198,9 +198,8 @@ void declare_bode(CommandLine& line) {
   line.positional("FILE...", 1, -1);
   line.band("lowest frequency", "highest frequency");
   line.option<int>("count", "number of frequencies, evenly spaced in log frequency", 200);
-  line.flag(
-      "with-holds",
-      "FPAA plans: with every hold and half-cycle delay (default: the capacitors' exact transfer function)");
+  line.flag("with-holds", "FPAA plans: as the board runs, which is the default");
+  line.flag("without-holds", "FPAA plans: the capacitors' exact transfer function alone");
   line.option<std::string>("subcircuit", "of a .sub file: its name", "");
   line.option<std::string>("svg", "also draw the Bode plot into this file");
   line.output("table (CSV); without it the table goes to stdout", true);
@@ -254,7 +253,9 @@ int run_bode(const std::vector<std::string>& arguments) {
 
   Provenance from;
   std::vector<ResponseSource> sources;
-  const ResponseOptions options{line.has("with-holds"), line.get<std::string>("subcircuit")};
+  if (line.has("with-holds") && line.has("without-holds"))
+    line.fail("--with-holds and --without-holds cannot be combined");
+  const ResponseOptions options{!line.has("without-holds"), line.get<std::string>("subcircuit")};
   for (const std::string& file : line.files()) sources.push_back(load_response(file, options, from));
   if (line.has("series")) {
     if (sources.size() < 2) line.fail("--series is the product of several files");

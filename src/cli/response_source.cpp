@@ -218,8 +218,8 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
   } else if (schema == "bodesmith.fpaa_plan/1") {
     const fpaa::Plan plan = fpaa::Plan::from_node(node);
     source.band = usable(plan.error.band);
-    set_evaluation(source, pointwise([plan, holds = options.with_holds](RadPerSecond w) {
-                     return fpaa::plan_response(plan, w, holds);
+    set_evaluation(source, pointwise([plan, runs = options.as_it_runs](RadPerSecond w) {
+                     return fpaa::plan_response(plan, w, runs);
                    }));
   } else if (schema == "bodesmith.circuit/1") {
     const circuit::CircuitFile file = circuit::CircuitFile::from_node(node);

@@ -33,8 +33,9 @@ struct ResponseSource {
 };
 
 struct ResponseOptions {
-  bool with_holds = false;  ///< FPAA plans: include holds and delays
-  std::string subcircuit;   ///< .sub files: which one; empty: the obvious one
+  bool as_it_runs =
+      true;  ///< FPAA plans: as their switches make them; otherwise the CAMs' transfer functions alone
+  std::string subcircuit;  ///< .sub files: which one; empty: the obvious one
 };
 
 /// cascade.json, sections.json, circuit.json, controller.toml, plan.json, model.toml by their schema, .sub/.cir/.lib (through ngspice) by their ending;

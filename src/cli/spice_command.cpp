@@ -14,6 +14,7 @@
 #include "cli/commands.hpp"
 #include "cli/rational_part.hpp"
 #include "kicad/schematic.hpp"
+#include "lti/steep_flanks.hpp"
 #include "schematic/opamp_library.hpp"
 #include "spice/compensator_check.hpp"
 #include "spice/emit.hpp"
@@ -144,6 +145,8 @@ int run_spice(const std::vector<std::string>& arguments) {
   circuit["shortfalls"] = choice.best.shortfalls;
   circuit["timing_s"] = {{"compute", compute_s}};
   std::string text = circuit_summary(choice, options);
+  if (has_flanks([&](Hertz f) { return sections.response(f.rad_s()); }, made.report.band))
+    text += std::string(kFlanksText) + "\n";
   if (line.has("check")) {
     const spice::CompensatorCheck check = spice::check_compensator(made.circuit, sections);
     circuit["ngspice"] = to_json(check);

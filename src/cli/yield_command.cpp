@@ -16,6 +16,7 @@
 #include "cli/rational_part.hpp"
 #include "lti/judged_floor.hpp"
 #include "lti/judging_grid.hpp"
+#include "lti/steep_flanks.hpp"
 #include "yield/job.hpp"
 #include "yield/json.hpp"
 #include "yield/nulls.hpp"
@@ -173,6 +174,8 @@ std::string describe(const yield::Design& design, const yield::Result& result, c
   if (options.limit_db || options.limit_deg) {
     text += fmt::format("  within the limits: {} %\n", rounded_text(yield_percent(result), 5));
   }
+  if (result.grid.size() > 1 && has_flanks(design.reference, {result.grid.front(), result.grid.back()}))
+    text += fmt::format("  {}\n", kFlanksText);
   text += "  parts that matter most:";
   for (std::size_t i = 0; i < std::min<std::size_t>(4, result.ranking.size()); ++i) {
     const yield::PartRank& rank = result.ranking[i];

@@ -8,8 +8,6 @@
 namespace bodesmith {
 namespace {
 
-/// Between points that are so near an error's peak is met within a part in a hundred.
-constexpr double kMostChange = 0.15;
 constexpr int kDeepest = 11;
 
 struct GridPoint {
@@ -18,21 +16,21 @@ struct GridPoint {
 };
 
 void add_between(const std::function<std::complex<double>(Hertz)>& response, const GridPoint& a,
-                 const GridPoint& b, double floor, int depth, std::vector<Hertz>& out) {
+                 const GridPoint& b, double floor, double most_change, int depth, std::vector<Hertz>& out) {
   const double size = std::max(std::abs(a.h), std::abs(b.h));
-  if (depth == 0 || !(size >= floor) || !(std::abs(b.h - a.h) > kMostChange * size)) return;
+  if (depth == 0 || !(size >= floor) || !(std::abs(b.h - a.h) > most_change * size)) return;
   const Hertz f{std::sqrt(a.f.value) * std::sqrt(b.f.value)};
   if (!(f > a.f) || !(f < b.f)) return;
   const GridPoint middle{f, response(f)};
-  add_between(response, a, middle, floor, depth - 1, out);
+  add_between(response, a, middle, floor, most_change, depth - 1, out);
   out.push_back(f);
-  add_between(response, middle, b, floor, depth - 1, out);
+  add_between(response, middle, b, floor, most_change, depth - 1, out);
 }
 
 }  // namespace
 
 std::vector<Hertz> judging_grid(const std::function<std::complex<double>(Hertz)>& response, Band band,
-                                int count) {
+                                int count, double most_change) {
   std::vector<GridPoint> even;
   double largest = 0.0;
   for (const Hertz f : log_grid(band, count)) {
@@ -41,7 +39,8 @@ std::vector<Hertz> judging_grid(const std::function<std::complex<double>(Hertz)>
   }
   std::vector<Hertz> out;
   for (std::size_t i = 0; i < even.size(); ++i) {
-    if (i > 0) add_between(response, even[i - 1], even[i], kJudgedFloor * largest, kDeepest, out);
+    if (i > 0)
+      add_between(response, even[i - 1], even[i], kJudgedFloor * largest, most_change, kDeepest, out);
     out.push_back(even[i].f);
   }
   return out;

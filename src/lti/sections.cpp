@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "lti/judged_floor.hpp"
+#include "lti/steep_flanks.hpp"
 
 namespace bodesmith {
 namespace {
@@ -182,15 +182,14 @@ ResponseDifference compare_responses(const std::vector<Hertz>& grid, const std::
     throw std::logic_error("responses of different length were compared");
   }
   ResponseDifference out;
-  double largest = 0.0;
-  for (const Complex& h : wanted) largest = std::max(largest, std::abs(h));
+  const FlankedCurve curve(grid, wanted);
   bool first = true;
   for (std::size_t i = 0; i < grid.size(); ++i) {
-    if (std::abs(wanted[i]) < kJudgedFloor * largest) continue;
-    const Complex ratio = got[i] / wanted[i];
-    out.max_magnitude_db = std::max(out.max_magnitude_db, std::abs(to_decibel(std::abs(ratio))));
-    out.max_phase_deg = std::max(out.max_phase_deg, std::abs(to_degrees(std::arg(ratio))));
-    const double percent = 100.0 * std::abs(ratio - 1.0);
+    if (!curve.is_judged(i)) continue;
+    const FlankedCurve::Error error = curve.error(i, got[i]);
+    out.max_magnitude_db = std::max(out.max_magnitude_db, kDecibelPerNeper * error.neper);
+    out.max_phase_deg = std::max(out.max_phase_deg, to_degrees(error.rad));
+    const double percent = 100.0 * error.relative;
     if (percent > out.max_complex_percent || first) {
       first = false;
       out.max_complex_percent = percent;

@@ -6,6 +6,7 @@
 #include <unordered_map>
 
 #include "base/progress.hpp"
+#include "lti/judge_responses.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -24,11 +25,12 @@ double max_error_at_points(const Project& project, const DesignStage& stage) {
   return out;
 }
 
-std::vector<Complex> sample_response(const DesignStage& stage, const std::vector<Hertz>& grid) {
-  std::vector<Complex> out;
-  out.reserve(grid.size());
-  for (const Hertz f : grid) out.push_back(stage.response(f.rad_s()));
-  return out;
+Responses sampled(const DesignStage& stage) {
+  return [&stage](const std::vector<Hertz>& grid) {
+    std::vector<Complex> out;
+    for (const Hertz f : grid) out.push_back(stage.response(f.rad_s()));
+    return out;
+  };
 }
 
 /// Harmonics of one operating frequency are harmonics of others, too: each is worked out once.
@@ -69,17 +71,14 @@ Budget make_budget(const Project& project, const Design& design) {
   };
   Budget budget;
   budget.band = design_band(project, design);
-  const std::vector<Hertz> grid = log_grid(budget.band, 240);
   const std::vector<DesignStage> stages = design_stages(design);
-  std::vector<std::vector<Complex>> responses;
   for (const DesignStage& stage : stages) {
     stop_if_interrupted();
     BudgetRow row;
     row.stage = stage.name;
-    responses.push_back(sample_response(stage, grid));
     if (stage.previous) {
       row.previous = stages[*stage.previous].name;
-      row.against_previous = compare_responses(grid, responses.back(), responses[*stage.previous]);
+      row.against_previous = judge_responses(sampled(stage), sampled(stages[*stage.previous]), budget.band);
     }
     row.points_max_db = max_error_at_points(project, stage);
     row.waveform = waveform(remembered(stage.response));

@@ -8,6 +8,8 @@
 #include "base/error.hpp"
 #include "base/json.hpp"
 #include "base/whole_number.hpp"
+#include "lti/bulk_response.hpp"
+#include "lti/judge_responses.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -61,6 +63,20 @@ void add_integrators(Sections& sections, int integrators) {
   }
 }
 
+/// Over the band, not at the points that were fitted.
+void state_error(const FractionalTransfer& transfer, Band band, DirectFit& fit) {
+  const auto wanted = [&](const std::vector<Hertz>& grid) {
+    std::vector<std::complex<double>> out;
+    for (const Hertz f : grid) out.push_back(transfer.response(f.rad_s()));
+    return out;
+  };
+  const ResponseDifference off = judge_responses(
+      [&](const std::vector<Hertz>& grid) { return responses(fit.sections, grid); }, wanted, band);
+  fit.max_db = off.max_magnitude_db;
+  fit.max_phase_deg = off.max_phase_deg;
+  fit.sections.error = Sections::Error{band, fit.max_db, fit.max_phase_deg, fit.max_db};
+}
+
 }  // namespace
 
 Hertz FractionalFit::lowest_pole() const {
@@ -102,6 +118,7 @@ FractionalFit fit_fractional(const FractionalTransfer& transfer, const std::stri
                                       std::max(1, direct.relative_degree), std::min(12, options.max_order))
                 : fit_directly(points, direct);
   add_integrators(out.fit.sections, out.poles_at_zero);
+  state_error(transfer, options.band, out.fit);
   return out;
 }
 

@@ -12,6 +12,7 @@
 #include "base/progress.hpp"
 #include "base/provenance.hpp"
 #include "base/text.hpp"
+#include "lti/steep_flanks.hpp"
 #include "numeric/parallel_for.hpp"
 #include "yield/counts.hpp"
 #include "yield/expectation.hpp"
@@ -66,7 +67,51 @@ void validate(const Design& design, const Options& options) {
   }
 }
 
-void count_block(const Kernel& kernel, const Options& options, int count, Counts& counts) {
+/// The reference as a judge of the worst deviations sees it, with a point between every two of the grid: where points below
+/// the floor are left out, the curve goes down to it.
+class Judge {
+ public:
+  Judge(const Design& design, const std::vector<Hertz>& grid) : Judge(design, between(grid), 0) {}
+
+  /// A deviation at point i of the grid, all positive, by what a shift of frequency says of it where that is less.
+  struct Worst {
+    double db, deg, percent;
+  };
+  /// What is no worse than `least` is not looked at more closely.
+  Worst operator()(std::size_t i, double db, double deg, double percent, const Worst& least) const {
+    const Worst out{std::abs(db), std::abs(deg), percent};
+    if (out.db <= least.db && out.deg <= least.deg && out.percent <= least.percent) return out;
+    const double most = std::max({out.db / kDecibelPerNeper, out.deg / to_degrees(1.0), percent / 100.0});
+    if (most <= curve_.as_it_is_below(2 * i)) return out;
+    const FlankedCurve::Error error = curve_.error(
+        2 * i, wanted_[2 * i] * std::polar(std::exp(db / kDecibelPerNeper), deg / to_degrees(1.0)));
+    return {kDecibelPerNeper * error.neper, to_degrees(error.rad), 100.0 * error.relative};
+  }
+
+ private:
+  Judge(const Design& design, const std::vector<Hertz>& dense, int)
+      : wanted_(at(design, dense)), curve_(dense, wanted_) {}
+
+  static std::vector<Hertz> between(const std::vector<Hertz>& grid) {
+    std::vector<Hertz> out;
+    for (const Hertz f : grid) {
+      if (!out.empty()) out.push_back({std::sqrt(out.back().value) * std::sqrt(f.value)});
+      out.push_back(f);
+    }
+    return out;
+  }
+  static std::vector<std::complex<double>> at(const Design& design, const std::vector<Hertz>& grid) {
+    std::vector<std::complex<double>> out;
+    for (const Hertz f : grid) out.push_back(design.reference(f));
+    return out;
+  }
+
+  std::vector<std::complex<double>> wanted_;
+  FlankedCurve curve_;
+};
+
+void count_block(const Kernel& kernel, const Judge& judge, const Options& options, int count,
+                 Counts& counts) {
   double worst_db[Kernel::kBlock] = {}, worst_deg[Kernel::kBlock] = {}, worst_percent[Kernel::kBlock] = {};
   for (std::size_t i = 0; i < options.grid.size(); ++i) {
     const double* const db = kernel.decibel(i);
@@ -74,13 +119,14 @@ void count_block(const Kernel& kernel, const Options& options, int count, Counts
     for (int k = 0; k < count; ++k) {
       const double d = std::clamp(db[k], -kMaxDeviationDb, kMaxDeviationDb);
       counts.add(i, d, deg[k]);
-      worst_db[k] = std::max(worst_db[k], std::abs(d));
-      worst_deg[k] = std::max(worst_deg[k], std::abs(deg[k]));
       // |r e^{ja} - 1|^2 = (r - 1)^2 + 4 r sin^2(a/2)
       const double r = std::exp(d / kDecibelPerNeper);
       const double half = std::sin(deg[k] * std::numbers::pi / 360.0);
-      worst_percent[k] =
-          std::max(worst_percent[k], 100.0 * std::sqrt((r - 1.0) * (r - 1.0) + 4.0 * r * half * half));
+      const double percent = 100.0 * std::sqrt((r - 1.0) * (r - 1.0) + 4.0 * r * half * half);
+      const Judge::Worst worst = judge(i, d, deg[k], percent, {worst_db[k], worst_deg[k], worst_percent[k]});
+      worst_db[k] = std::max(worst_db[k], worst.db);
+      worst_deg[k] = std::max(worst_deg[k], worst.deg);
+      worst_percent[k] = std::max(worst_percent[k], worst.percent);
     }
   }
   for (int k = 0; k < count; ++k) {
@@ -97,8 +143,8 @@ struct Worker {
 };
 
 /// Samples [first, last) of this process: every size()-th chunk from rank() on.
-void run_round(std::vector<Worker>& workers, const Options& options, std::uint64_t first, std::uint64_t last,
-               const Team& team) {
+void run_round(std::vector<Worker>& workers, const Judge& judge, const Options& options, std::uint64_t first,
+               std::uint64_t last, const Team& team) {
   std::atomic<std::uint64_t> next{static_cast<std::uint64_t>(team.rank())};
   parallel_for(workers.size(), static_cast<int>(workers.size()), [&](std::size_t thread) {
     Worker& worker = workers[thread];
@@ -110,7 +156,7 @@ void run_round(std::vector<Worker>& workers, const Options& options, std::uint64
       for (std::uint64_t at = begin; at < end; at += Kernel::kBlock) {
         const int count = static_cast<int>(std::min<std::uint64_t>(Kernel::kBlock, end - at));
         worker.kernel.evaluate(at, count);
-        count_block(worker.kernel, options, count, worker.counts);
+        count_block(worker.kernel, judge, options, count, worker.counts);
       }
     }
   });
@@ -165,13 +211,14 @@ Result run_monte_carlo(const Design& design, const Options& options, const Team&
   std::vector<Worker> workers =
       make_workers(design, options, result, options.samples - std::min(done, options.samples), team);
 
+  const Judge judge(design, options.grid);
   const Stopwatch since;
   double kept_at_s = 0.0;
   double next_after_s = kCheckpointEvery_s;
   const std::uint64_t round = kRound * static_cast<std::uint64_t>(team.size());
   while (done < options.samples) {
     const std::uint64_t last = std::min(done + round, options.samples);
-    run_round(workers, options, done, last, team);
+    run_round(workers, judge, options, done, last, team);
     // One stops, all stop: the leader decides, what the others left out of the round is not counted.
     const bool stop = team.from_leader(interrupted() ? 1 : 0) != 0;
     if (stop || interrupted()) throw Interrupted();

@@ -123,5 +123,18 @@ TEST(SpiceCommand, LaddersAgreeWithNgspice) {
   }
 }
 
+/// Four zeros on the axis at one frequency, which a grid's middle falls upon.
+TEST(SpiceCommand, BandStopsAreBuilt) {
+  const TemporaryFolder folder;
+  const std::string sections = (folder / "stop.json").string();
+  ASSERT_EQ(run_bodesmith("design bandstop --order 4 --from-hz 45 --to-hz 55 -o " + sections).status, 0);
+  const ProgramResult run = run_bodesmith("spice " + sections + " --json -o " + (folder / "spice").string());
+  EXPECT_EQ(run.status, 0) << run.out << run.err;
+  const Node judged = parse_json(run.out, "stdout").at("judged");
+  EXPECT_LT(judged.at("max_magnitude_db").number(), 0.3);
+  const ProgramResult words = run_bodesmith("spice " + sections + " -o " + (folder / "spice").string());
+  EXPECT_NE(words.out.find("a percent counts as 1 dB"), std::string::npos) << words.out;
+}
+
 }  // namespace
 }  // namespace bodesmith

@@ -26,14 +26,15 @@ double worst_shape(const std::vector<std::complex<double>>& error) {
 /// The candidates of one stage.
 class StageSearch {
  public:
-  StageSearch(const StageForm& form, const RealiseOptions& options, const std::vector<Hertz>& grid,
+  StageSearch(const StageForm& form, const RealiseOptions& options, const SearchGrid& grid,
               std::size_t stages)
       : form_(form),
         options_(options),
         alone_(stages == 1),
         few_stages_(stages <= 3),
-        neighbours_(stages == 1 ? 6 : (stages == 2 ? 4 : 2)) {
-    for (const Hertz f : grid) {
+        neighbours_(stages == 1 ? 6 : (stages == 2 ? 4 : 2)),
+        weight_(grid.weight) {
+    for (const Hertz f : grid.at) {
       w_.push_back(f.rad_s());
       wanted_.push_back(form.wanted().response(f.rad_s()));
     }
@@ -205,7 +206,7 @@ class StageSearch {
     }
   }
 
-  /// Max. |H/H_wanted - 1|^2; stops looking once it is above `enough`.
+  /// Max. |H/H_wanted - 1|^2 (weighted); stops looking once it is above `enough`.
   double worst_error(const std::vector<double>& values,
                      double enough = std::numeric_limits<double>::infinity()) const {
     const Biquad h = form_.aim(values);
@@ -214,8 +215,8 @@ class StageSearch {
       const double w = w_[i].value;
       const std::complex<double> numerator(h.b0 - w * w * h.b2, w * h.b1),
           denominator(h.a0 - w * w * h.a2, w * h.a1);
-      out = std::max(out,
-                     std::norm(numerator - wanted_[i] * denominator) / std::norm(wanted_[i] * denominator));
+      out = std::max(out, weight_[i] * weight_[i] * std::norm(numerator - wanted_[i] * denominator) /
+                              std::norm(wanted_[i] * denominator));
     }
     return out;
   }
@@ -223,7 +224,8 @@ class StageSearch {
   std::vector<std::complex<double>> error_of(const std::vector<double>& values) const {
     const Biquad h = form_.aim(values);
     std::vector<std::complex<double>> out(w_.size());
-    for (std::size_t i = 0; i < w_.size(); ++i) out[i] = log_ratio(h.response(w_[i]), wanted_[i]);
+    for (std::size_t i = 0; i < w_.size(); ++i)
+      out[i] = weight_[i] * log_ratio(h.response(w_[i]), wanted_[i]);
     return out;
   }
 
@@ -247,6 +249,7 @@ class StageSearch {
   bool alone_;
   bool few_stages_;
   int neighbours_;
+  std::vector<double> weight_;
   double shift_ = 1.0;
   double min_exchanged_ = std::numeric_limits<double>::infinity();
   double min_alone_ = std::numeric_limits<double>::infinity();
@@ -265,7 +268,7 @@ double worst_square(const std::vector<std::complex<double>>& error) {
 }
 
 std::vector<StageCandidate> stage_candidates(const StageForm& form, const RealiseOptions& options,
-                                             const std::vector<Hertz>& grid, std::size_t stages) {
+                                             const SearchGrid& grid, std::size_t stages) {
   return StageSearch(form, options, grid, stages).all();
 }
 

@@ -4,6 +4,7 @@
 #include <cstddef>
 #include <vector>
 
+#include "circuit/parts/search_grid.hpp"
 #include "circuit/realise.hpp"
 #include "circuit/stages/stage_form.hpp"
 
@@ -12,7 +13,7 @@ namespace bodesmith::circuit {
 /// Values for one stage's parts.
 struct StageCandidate {
   std::vector<double> values;
-  std::vector<std::complex<double>> error;  ///< ln(H/H_wanted) of this stage over the grid
+  std::vector<std::complex<double>> error;  ///< ln(H/H_wanted) of this stage over the grid, weighted
   double rank = 0.0;
 };
 
@@ -23,6 +24,6 @@ double worst_square(const std::vector<std::complex<double>>& error);
 /// keep the resistors within their limits, with neighbouring preferred resistors. Among several stages a
 /// constant gain error does not count: another stage makes it good. Empty when the limits allow none.
 std::vector<StageCandidate> stage_candidates(const StageForm& form, const RealiseOptions& options,
-                                             const std::vector<Hertz>& grid, std::size_t stages);
+                                             const SearchGrid& grid, std::size_t stages);
 
 }  // namespace bodesmith::circuit

@@ -34,9 +34,9 @@ double norm_of(Norm norm, std::size_t count, double enough, Error error) {
 
 class StageMoves {
  public:
-  StageMoves(const StageForm& form, const RealiseOptions& options, const std::vector<Hertz>& grid)
-      : form_(form), options_(options) {
-    for (const Hertz f : grid) {
+  StageMoves(const StageForm& form, const RealiseOptions& options, const SearchGrid& grid)
+      : form_(form), options_(options), weight_(grid.weight) {
+    for (const Hertz f : grid.at) {
       w_.push_back(f.rad_s());
       wanted_.push_back(form.wanted().response(f.rad_s()));
     }
@@ -45,7 +45,8 @@ class StageMoves {
   std::vector<std::complex<double>> error(const std::vector<double>& values) const {
     const Biquad h = form_.aim(values);
     std::vector<std::complex<double>> out(w_.size());
-    for (std::size_t k = 0; k < w_.size(); ++k) out[k] = log_ratio(h.response(w_[k]), wanted_[k]);
+    for (std::size_t k = 0; k < w_.size(); ++k)
+      out[k] = weight_[k] * log_ratio(h.response(w_[k]), wanted_[k]);
     return out;
   }
 
@@ -93,6 +94,7 @@ class StageMoves {
 
   const StageForm& form_;
   const RealiseOptions& options_;
+  std::vector<double> weight_;
   std::vector<RadPerSecond> w_;
   std::vector<std::complex<double>> wanted_;
   std::vector<Move> moves_;
@@ -102,12 +104,12 @@ class StageMoves {
 class Polish {
  public:
   Polish(const std::vector<std::unique_ptr<StageForm>>& forms, const RealiseOptions& options,
-         const std::vector<Hertz>& grid, std::vector<std::vector<double>>& values)
-      : values_(values), sum_(grid.size(), 0.0) {
+         const SearchGrid& grid, std::vector<std::vector<double>>& values)
+      : values_(values), sum_(grid.at.size(), 0.0) {
     for (std::size_t i = 0; i < forms.size(); ++i) {
       stages_.emplace_back(*forms[i], options, grid);
       errors_.push_back(stages_[i].error(values[i]));
-      for (std::size_t k = 0; k < grid.size(); ++k) sum_[k] += errors_[i][k];
+      for (std::size_t k = 0; k < grid.at.size(); ++k) sum_[k] += errors_[i][k];
       stages_[i].make(values[i]);
     }
   }
@@ -186,7 +188,7 @@ class Polish {
 }  // namespace
 
 double polish_parts(const std::vector<std::unique_ptr<StageForm>>& forms, const RealiseOptions& options,
-                    const std::vector<Hertz>& grid, std::vector<std::vector<double>>& values) {
+                    const SearchGrid& grid, std::vector<std::vector<double>>& values) {
   Polish direct(forms, options, grid, values);
   if (options.resistors.is_exact()) return direct.max_error();
   std::vector<std::vector<double>> other = values;

@@ -20,7 +20,7 @@ constexpr std::size_t kFewStages = 3;
 /// whose first candidates are only the ends of descents.
 void improve_few_stages(PartsFound& found, const std::vector<std::vector<StageCandidate>>& all,
                         const std::vector<std::unique_ptr<StageForm>>& forms, const RealiseOptions& options,
-                        const std::vector<Hertz>& grid) {
+                        const SearchGrid& grid) {
   constexpr double kGoalPercent = 0.2;
   constexpr int kTrials = 10;
   constexpr std::size_t kAmong = 60;
@@ -41,7 +41,7 @@ void improve_few_stages(PartsFound& found, const std::vector<std::vector<StageCa
 /// The candidates of every stage.
 Outcome<std::vector<std::vector<StageCandidate>>> all_candidates(
     const std::vector<std::unique_ptr<StageForm>>& forms, const std::vector<std::string>& titles,
-    const RealiseOptions& options, const std::vector<Hertz>& grid) {
+    const RealiseOptions& options, const SearchGrid& grid) {
   std::vector<std::vector<StageCandidate>> out;
   for (std::size_t i = 0; i < forms.size(); ++i) {
     out.push_back(stage_candidates(*forms[i], options, grid, forms.size()));
@@ -60,7 +60,7 @@ Outcome<std::vector<std::vector<StageCandidate>>> all_candidates(
 
 Outcome<PartsFound> search_parts(const std::vector<std::unique_ptr<StageForm>>& forms,
                                  const std::vector<std::string>& titles, const RealiseOptions& options,
-                                 const std::vector<Hertz>& grid) {
+                                 const SearchGrid& grid) {
   const auto candidates = all_candidates(forms, titles, options, grid);
   if (const Refusal* refusal = refusal_of(candidates)) return *refusal;
   const auto& all = std::get<0>(candidates);

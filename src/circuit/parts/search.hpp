@@ -4,6 +4,7 @@
 #include <string>
 #include <vector>
 
+#include "circuit/parts/search_grid.hpp"
 #include "circuit/realise.hpp"
 #include "circuit/stages/stage_form.hpp"
 
@@ -12,7 +13,7 @@ namespace bodesmith::circuit {
 /// Values of every stage's parts, searched jointly.
 struct PartsFound {
   std::vector<std::vector<double>> values;  ///< a stage each, in the order of its form's parts()
-  double worst_complex_percent = 0.0;       ///< of the whole chain, over the grid
+  double worst_complex_percent = 0.0;       ///< of the whole chain, over the grid, weighted
 };
 
 /// For every stage a few hundred combinations of preferred capacitors and neighbouring preferred resistors
@@ -21,6 +22,6 @@ struct PartsFound {
 /// good by another's. Deterministic. Refused when a stage's corner is out of reach of the allowed parts.
 Outcome<PartsFound> search_parts(const std::vector<std::unique_ptr<StageForm>>& forms,
                                  const std::vector<std::string>& titles, const RealiseOptions& options,
-                                 const std::vector<Hertz>& grid);
+                                 const SearchGrid& grid);
 
 }  // namespace bodesmith::circuit

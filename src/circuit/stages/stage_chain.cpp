@@ -105,7 +105,7 @@ std::string stage_title(const Section& section, const StageRealisation& form) {
 }
 
 Outcome<FoundChain> search_chain(const ChainPlan& plan, const FormOptions& form_options,
-                                 const RealiseOptions& options, const std::vector<Hertz>& grid) {
+                                 const RealiseOptions& options, const SearchGrid& grid) {
   FoundChain out;
   out.plan = plan;
   std::vector<std::string> titles;
@@ -156,7 +156,7 @@ std::optional<ChainPlan> fallback_plan(const ChainPlan& plan) {
 
 /// The plan's parts, or those of a plan with a trimming part or other forms where these come much nearer.
 Outcome<FoundChain> find_chain(const ChainPlan& plan, bool forms_are_free, const FormOptions& form_options,
-                               const RealiseOptions& options, const std::vector<Hertz>& grid) {
+                               const RealiseOptions& options, const SearchGrid& grid) {
   Outcome<FoundChain> outcome = search_chain(plan, form_options, options, grid);
   FoundChain* found = std::get_if<FoundChain>(&outcome);
   if (found == nullptr) return outcome;
@@ -268,7 +268,7 @@ Outcome<Realised> realise_as_stages(const Sections& asked, const StageRealisatio
   const Outcome<ChainPlan> planned = plan_chain(sections, form, band);
   if (const Refusal* refusal = refusal_of(planned)) return *refusal;
   const ChainPlan& plan = std::get<ChainPlan>(planned);
-  const std::vector<Hertz> grid = log_grid(band, kStageSearchGrid);
+  const SearchGrid grid(sections, band, kStageSearchGrid);
 
   FormOptions form_options;
   form_options.isolation_ohm = options.isolation_ohm.value_or(
@@ -277,7 +277,7 @@ Outcome<Realised> realise_as_stages(const Sections& asked, const StageRealisatio
   Outcome<FoundChain> outcome = find_chain(plan, forms_are_free, form_options, options, grid);
   if (const Refusal* refusal = refusal_of(outcome)) return *refusal;
   if (!options.isolation_ohm && form_options.isolation_ohm > 0.0 &&
-      isolation_costs_db(std::get<FoundChain>(outcome), grid) > kIsolationAboveDb) {
+      isolation_costs_db(std::get<FoundChain>(outcome), grid.at) > kIsolationAboveDb) {
     // The band reaches up to the isolating poles: better a warning of the phase margin.
     form_options.isolation_ohm = 0.0;
     outcome = find_chain(plan, forms_are_free, form_options, options, grid);
@@ -286,7 +286,7 @@ Outcome<Realised> realise_as_stages(const Sections& asked, const StageRealisatio
   const FoundChain& found = std::get<FoundChain>(outcome);
 
   Realised out;
-  out.circuit = chain_circuit(found, form_options, options, grid);
+  out.circuit = chain_circuit(found, form_options, options, grid.at);
   const std::vector<Biquad> nearest = nearest_rounding(found, out.circuit, options);
   report_realised(out, asked, band, [&](RadPerSecond w) {
     std::complex<double> h = 1.0;

@@ -1,0 +1,27 @@
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <vector>
+
+#include "lti/frequency_grid.hpp"
+#include "lti/sections.hpp"
+
+namespace bodesmith {
+
+using Responses = std::function<std::vector<std::complex<double>>(const std::vector<Hertz>&)>;
+
+/// Frequencies halfway (in log) on both sides of every peak of a curve that comes within a tenth of its largest value.
+std::vector<Hertz> beside_peaks(const std::vector<Hertz>& grid, const std::vector<double>& curve);
+
+/// Rounds of beside_peaks() after which a maximum is met within a part in ten thousand.
+inline constexpr int kPeakRounds = 6;
+
+/// The largest value of a curve, from one on a grid that is made finer beside its peaks.
+double refined_maximum(std::vector<Hertz> grid, const std::function<double(Hertz)>& curve);
+
+/// The largest differences over the band, between the points of any grid: compare_responses() on a judging_grid() that is
+/// made finer at the peaks of the difference until these stay. What every command states of a band is found here.
+ResponseDifference judge_responses(const Responses& got, const Responses& wanted, Band band);
+
+}  // namespace bodesmith

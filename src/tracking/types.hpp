@@ -82,9 +82,9 @@ struct Options {
   Reference::Shape reference = Reference::Shape::triangle;
   Place place = Place::behind_switch;
   Argument argument = Argument::drive;
-  double alpha = 1.0;              ///< amplitude of x
-  bool also_on_reference = false;  ///< fill in Case::on_reference_percent
-  bool time_domain = true;  ///< integrate a period in CVODE and check
+  double alpha = 1.0;                ///< amplitude of x
+  bool also_on_reference = false;    ///< fill in Case::on_reference_percent
+  bool time_domain = true;           ///< integrate a period in CVODE and check
   double relative_tolerance = 1e-7;  ///< CVODE
   std::size_t harmonics = 4096;      ///< of the periodic computation; a power of two
   std::size_t keep_samples = 400;    ///< samples a period of the waveforms kept in the report

@@ -6,6 +6,7 @@
 
 #include <filesystem>
 #include <fstream>
+#include <numbers>
 #include <regex>
 
 #include "base/document.hpp"
@@ -78,8 +79,11 @@ TEST_F(NanopositionerRun, InterpolatesEveryPoint) {
 
 TEST_F(NanopositionerRun, PlanStaysCloseToTheSections) {
   const Node plan = json("fpaa/plan.json");
-  // Stages follow their input through phase 1 and keep its value through phase 2: no half period of delay at 2 kHz.
-  EXPECT_LE(plan.at("error_with_delays").at("max_complex_percent").number(), 0.3);
+  // Stages follow their input through phase 1 and keep its value through phase 2: no half period of delay at 2 kHz (16 %). At a
+  // clock that is given, most of what boards are off is mismatch: 2 % for 95 % of them, at an input worth having.
+  EXPECT_LE(plan.at("error_with_delays").at("max_complex_percent").number(), 1.0);
+  EXPECT_LE(plan.at("total").at("p95_percent").number(), 2.1);
+  EXPECT_GE(plan.at("total").at("at_input_v").number(), 1.2);
   EXPECT_GE(plan.at("total").at("p95_percent").number(),
             plan.at("error_with_delays").at("max_complex_percent").number() * 0.999);
 }
@@ -213,12 +217,15 @@ TEST_F(NanopositionerRun, BodeReadsEveryArtefactInOneTable) {
   ASSERT_EQ(result.status, 0) << result.err;
   const Csv csv = Csv::parse(read_file(table), "bode.csv");
   ASSERT_EQ(csv.rows(), 41u);
+  // The complex error that the plan states, in dB and degrees, and a little for its grid.
+  const double stated =
+      1.02e-2 * json("fpaa/plan.json").at("error_with_delays").at("max_complex_percent").number();
+  const double degrees = stated * 180.0 / std::numbers::pi;
   for (size_t i = 0; i < csv.rows(); ++i) {
     const double sections = csv.column("sections_magnitude_db")[i];
     EXPECT_NEAR(sections, csv.column("cascade_magnitude_db")[i], 0.04) << "as the project asks";
-    // 0.3 % of complex error is 0.026 dB and 0.172 degrees.
-    EXPECT_NEAR(csv.column("plan_magnitude_db")[i], sections, 0.0261);
-    EXPECT_NEAR(csv.column("plan_phase_deg")[i], csv.column("sections_phase_deg")[i], 0.172);
+    EXPECT_NEAR(csv.column("plan_magnitude_db")[i], sections, -to_decibel(1.0 - stated));
+    EXPECT_NEAR(csv.column("plan_phase_deg")[i], csv.column("sections_phase_deg")[i], degrees);
     if (ngspice) {
       EXPECT_NEAR(csv.column("compensator_magnitude_db")[i], sections, 0.02);
     }

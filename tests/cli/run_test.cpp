@@ -213,7 +213,7 @@ TEST_F(NanopositionerRun, BodeReadsEveryArtefactInOneTable) {
                             (ngspice ? out("spice/compensator.sub").string() : std::string());
   const fs::path table = *folder_ / "bode.csv";
   const ProgramResult result = run_bodesmith(
-      "bode " + files + " --with-holds --from-hz 1 --to-hz 100 --count 41 -o " + table.string());
+      "bode " + files + " --from-hz 1 --to-hz 100 --count 41 -o " + table.string());
   ASSERT_EQ(result.status, 0) << result.err;
   const Csv csv = Csv::parse(read_file(table), "bode.csv");
   ASSERT_EQ(csv.rows(), 41u);

@@ -212,8 +212,8 @@ TEST_F(NanopositionerRun, BodeReadsEveryArtefactInOneTable) {
                             "/examples/nanopositioner/gains.csv " +
                             (ngspice ? out("spice/compensator.sub").string() : std::string());
   const fs::path table = *folder_ / "bode.csv";
-  const ProgramResult result = run_bodesmith(
-      "bode " + files + " --from-hz 1 --to-hz 100 --count 41 -o " + table.string());
+  const ProgramResult result =
+      run_bodesmith("bode " + files + " --from-hz 1 --to-hz 100 --count 41 -o " + table.string());
   ASSERT_EQ(result.status, 0) << result.err;
   const Csv csv = Csv::parse(read_file(table), "bode.csv");
   ASSERT_EQ(csv.rows(), 41u);

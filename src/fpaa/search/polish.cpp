@@ -70,12 +70,13 @@ std::vector<MovePair> promising_pairs(const std::vector<UnitMove>& moves,
       double sum = 0.0;
       for (const std::size_t k : order) {
         sum += eighth_power(std::norm(errors[k] + moves[a].change[k] + two * moves[b].change[k]));
-        if (!(sum < bound)) break;
+        if (!(sum < kBetter * bound)) break;
       }
-      if (!(sum < bound)) continue;
+      if (!(sum < kBetter * bound)) continue;
       const MovePair pair{a, b, sum};
-      out.insert(std::find_if(out.begin(), out.end(), [&](const MovePair& p) { return sum < p.promised; }),
-                 pair);
+      out.insert(
+          std::find_if(out.begin(), out.end(), [&](const MovePair& p) { return sum < kBetter * p.promised; }),
+          pair);
       if (out.size() > kJudgedPairs) out.pop_back();
       if (out.size() == kJudgedPairs) bound = out.back().promised;
     }

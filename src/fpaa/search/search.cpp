@@ -103,6 +103,18 @@ Design with_full_banks(Design design, int most) {
   return design;
 }
 
+/// Capacitors to a millionth: what two processors make of one fit differs in the last digits, and what is chosen from them should not.
+void snap(Design& design) {
+  constexpr int kBits = 20;
+  for (DesignStage& stage : design.stages) {
+    for (double& c : stage.c) {
+      int exponent = 0;
+      const double mantissa = std::frexp(c, &exponent);
+      c = std::ldexp(std::nearbyint(std::ldexp(mantissa, kBits)), exponent - kBits);
+    }
+  }
+}
+
 class ChainSearch {
  public:
   ChainSearch(const Sections& sections, Band band, const PlanOptions& options, const Board& board)
@@ -302,6 +314,7 @@ class ChainSearch {
     const StageFactorTable table(seen);
     fit_design(*c.design, table, iterations, passes);
     scale_nodes(*c.design, table);
+    snap(*c.design);
     c.score = score_of(with_full_banks(*c.design, board_.max_capacitor), table, options_.assumptions,
                        board_.full_scale_v);
     return true;
@@ -383,6 +396,7 @@ class ChainSearch {
     const StageFactorTable table(seen);
     c.exact = *c.design;
     fit_design(c.exact, table, 25, 3);
+    snap(c.exact);
     Design whole = c.exact;
     if (!make_whole(whole, table, width)) return false;
     polish_singles(whole, table, 4);

@@ -27,17 +27,6 @@ std::vector<RadPerSecond> grid() {
   return w;
 }
 
-void magnitudes(benchmark::State& state) {
-  const BulkResponse bulk(sixteen());
-  const auto w = grid();
-  std::vector<double> out(w.size());
-  for (auto _ : state) {
-    bulk.magnitudes(w, out);
-    benchmark::DoNotOptimize(out.data());
-  }
-}
-BENCHMARK(magnitudes)->Unit(benchmark::kMillisecond);
-
 void responses(benchmark::State& state) {
   const BulkResponse bulk(sixteen());
   const auto w = grid();

@@ -91,8 +91,6 @@ class BlockType {
   virtual double slowest_time_constant_s(const Block&) const { return 0.0; }
   /// The straight line that the block is for every input at every time; nothing for any other block.
   virtual std::optional<Affine> affine(const Block&) const { return std::nullopt; }
-  /// The delay of a block that does nothing else.
-  virtual std::optional<double> pure_delay_s(const Block&) const { return std::nullopt; }
   /// Order of the circuit section (poles by amplifiers, resistors and capacitors) that the block stands for:
   /// 1 for a corner, 2 for a resonance; 0 for blocks that are no section.
   virtual int section_order() const { return 0; }
@@ -149,7 +147,6 @@ class Block {
     const auto curve = affine();
     return curve && curve->constant == 0.0;
   }
-  std::optional<double> pure_delay_s() const { return type_->pure_delay_s(*this); }
   int section_order() const { return type_->section_order(); }
   std::vector<PolynomialList> polynomials() const { return type_->polynomials(); }
   bool steps_within_samples() const { return type_->steps_within_samples(*this); }

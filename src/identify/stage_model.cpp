@@ -20,16 +20,6 @@ bool does_nothing(const Scaling& scaling) {
   return scaling.gain == 1.0 && scaling.offset == 0.0;
 }
 
-/// `second` behind `first`.
-Scaling composed(const Scaling& first, const chain::Affine& second) {
-  return {first.gain * second.factor, first.offset * second.factor + second.constant};
-}
-
-std::string no_part(const std::string& type) {
-  return fmt::format("is '{}', which is no part of a stage, expected gain, delay or a hysteresis model",
-                     type);
-}
-
 chain::Block gain_block(const Scaling& scaling) {
   return chain::make_block("gain").set("gain", scaling.gain).set("offset", scaling.offset);
 }
@@ -46,26 +36,6 @@ std::vector<double> delayed(const std::vector<double>& u, double step_s, double 
     const auto k = std::min(static_cast<std::size_t>(at), u.size() - 1);
     const double fraction = at - static_cast<double>(k);
     out[i] = fraction == 0.0 ? u[k] : u[k] + fraction * (u[k + 1] - u[k]);
-  }
-  return out;
-}
-
-StageModel StageModel::of(const chain::Chain& chain, const std::string& file) {
-  if (chain.blocks.empty()) throw InputError(file, 0, "has no block, expected at least one");
-  StageModel out;
-  for (const chain::Block& block : chain.blocks) {
-    if (const auto line = block.affine()) {
-      Scaling& scaling = out.model.type == nullptr ? out.input : out.output;
-      scaling = composed(scaling, *line);
-    } else if (const auto delay = block.pure_delay_s()) {
-      out.delay_s += *delay;
-    } else if (block.hysteresis_model() == nullptr) {
-      throw InputError(file, block.line, "type " + no_part(block.type_name()));
-    } else if (out.model.type != nullptr) {
-      throw InputError(file, block.line, "is a second hysteresis model, expected at most one");
-    } else {
-      out.model = chain::hysteresis_model_of(block);
-    }
   }
   return out;
 }

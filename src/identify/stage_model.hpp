@@ -21,9 +21,6 @@ struct StageModel {
   StageModel(const hysteresis::Identified& found, double delay)
       : delay_s(delay), input(found.input), model(found.model), output(found.output) {}
 
-  /// The stage that a chain of gains, delays and at most one hysteresis model is, in any order. Throws InputError
-  /// at the line of `file` whose block is something else.
-  static StageModel of(const chain::Chain& chain, const std::string& file);
   /// With the output's scaling and the delay free, and at rest under the first input.
   chain::Chain chain() const;
 

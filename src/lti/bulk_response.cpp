@@ -39,33 +39,6 @@ double scale_of(const std::vector<Complex>& roots, double least) {
   return scale;
 }
 
-BODESMITH_CLONES void magnitude_lanes(const double* w, double* out, std::size_t lanes, double gain,
-                                      const Quadratic* n, const Quadratic* d, std::size_t count) {
-  double w2[kLanes];
-  double square[kLanes];
-  for (std::size_t l = 0; l < kLanes; ++l) {
-    const double v = w[l < lanes ? l : 0];
-    w2[l] = v * v;
-    square[l] = gain * gain;
-  }
-  for (std::size_t i = 0; i < count;) {
-    double top[kLanes];
-    double bottom[kLanes];
-    for (std::size_t l = 0; l < kLanes; ++l) top[l] = bottom[l] = 1.0;
-    const std::size_t end = std::min(count, i + kPerDivision);
-    for (; i < end; ++i) {
-      for (std::size_t l = 0; l < kLanes; ++l) {
-        const double nr = n[i].c0 - n[i].c2 * w2[l];
-        const double dr = d[i].c0 - d[i].c2 * w2[l];
-        top[l] *= nr * nr + n[i].c1 * n[i].c1 * w2[l];
-        bottom[l] *= dr * dr + d[i].c1 * d[i].c1 * w2[l];
-      }
-    }
-    for (std::size_t l = 0; l < kLanes; ++l) square[l] *= top[l] / bottom[l];
-  }
-  for (std::size_t l = 0; l < lanes; ++l) out[l] = std::sqrt(square[l]);
-}
-
 BODESMITH_CLONES void response_lanes(const double* w, Complex* out, std::size_t lanes, double gain,
                                      const Quadratic* n, const Quadratic* d, std::size_t count) {
   double v[kLanes];
@@ -142,17 +115,6 @@ BulkResponse::BulkResponse(const Sections& sections) : gain_(sections.gain), del
     }
   }
   if (waiting) add(waiting_zeros, waiting_poles);
-}
-
-void BulkResponse::magnitudes(std::span<const RadPerSecond> w, std::span<double> out) const {
-  if (w.size() != out.size()) throw std::logic_error("bulk response: lengths differ");
-  double lanes[kLanes];
-  for (std::size_t i = 0; i < w.size(); i += kLanes) {
-    const std::size_t count = std::min(kLanes, w.size() - i);
-    for (std::size_t l = 0; l < count; ++l) lanes[l] = w[i + l].value;
-    magnitude_lanes(lanes, out.data() + i, count, gain_, numerators_.data(), denominators_.data(),
-                    numerators_.size());
-  }
 }
 
 void BulkResponse::responses(std::span<const RadPerSecond> w, std::span<std::complex<double>> out) const {

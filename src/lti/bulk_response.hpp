@@ -17,8 +17,6 @@ class BulkResponse {
  public:
   explicit BulkResponse(const Sections& sections);
 
-  /// |H(jw)|; both spans of one length.
-  void magnitudes(std::span<const RadPerSecond> w, std::span<double> out) const;
   void responses(std::span<const RadPerSecond> w, std::span<std::complex<double>> out) const;
 
   /// (c0 - c2 w^2) + j c1 w, scaled so that its largest coefficient at the roots' frequency is about 1.

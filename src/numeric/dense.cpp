@@ -60,17 +60,6 @@ std::complex<double> determinant(const Eigen::MatrixXcd& a) {
   return a.partialPivLu().determinant();
 }
 
-std::optional<Eigen::VectorXcd> solve_regular(const Eigen::MatrixXcd& a, const Eigen::VectorXcd& b) {
-  const Eigen::PartialPivLU<Eigen::MatrixXcd> lu(a);
-  const auto pivots = lu.matrixLU().diagonal().cwiseAbs();
-  if (!(pivots.minCoeff() > 0.0) || !std::isfinite(pivots.maxCoeff())) return std::nullopt;
-  return lu.solve(b);
-}
-
-Eigen::VectorXd solve_qr(const Eigen::MatrixXd& a, const Eigen::VectorXd& b) {
-  return a.colPivHouseholderQr().solve(b);
-}
-
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& a) {
   return SquareSvd(a.rows() < a.cols() ? triangle_of(a.transpose()) : triangle_of(a)).singularValues();
 }

@@ -28,10 +28,6 @@ Eigen::VectorXcd solve_lu(const Eigen::MatrixXcd& a, const Eigen::VectorXcd& b);
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& a);
 Eigen::MatrixXcd inverse(const Eigen::MatrixXcd& a);
 std::complex<double> determinant(const Eigen::MatrixXcd& a);
-/// As solve_lu; nothing where a pivot is 0 or not finite.
-std::optional<Eigen::VectorXcd> solve_regular(const Eigen::MatrixXcd& a, const Eigen::VectorXcd& b);
-/// x of min |A x − b|, A with independent columns, by QR with column pivoting.
-Eigen::VectorXd solve_qr(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 
 /// Falling.
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& a);

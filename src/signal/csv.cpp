@@ -232,7 +232,7 @@ bool Csv::has(std::string_view name) const {
   return std::find(names_.begin(), names_.end(), name) != names_.end();
 }
 
-const std::vector<double>& Csv::column(std::string_view name) const& {
+const std::vector<double>& Csv::column(std::string_view name) const {
   const auto at = std::find(names_.begin(), names_.end(), name);
   if (at == names_.end() && foreign() && (name == column::frequency_hz || name == column::time_s)) {
     throw InputError(file_, 0,
@@ -246,10 +246,6 @@ const std::vector<double>& Csv::column(std::string_view name) const& {
         fmt::format("has no column '{}', found: {}{}", name, join(names_, ", "), column_meant(name, names_)));
   }
   return columns_[static_cast<std::size_t>(at - names_.begin())];
-}
-
-std::vector<double> Csv::column(std::string_view name) && {
-  return std::as_const(*this).column(name);
 }
 
 void Csv::fail(std::size_t row, std::string_view message) const {

@@ -30,10 +30,8 @@ class Csv {
   /// Converted from another format.
   bool foreign() const { return !read_as_.empty(); }
   bool has(std::string_view name) const;
-  /// Throws InputError naming the header's line when there is no such column. Of a table that is about to go
-  /// (`Csv::read(path, from).column("u")`) the column is handed over instead.
-  const std::vector<double>& column(std::string_view name) const&;
-  std::vector<double> column(std::string_view name) &&;
+  /// Throws InputError naming the header's line when there is no such column.
+  const std::vector<double>& column(std::string_view name) const;
   /// Line of the file in which row i stands; 0 in binary files.
   int line(std::size_t row) const { return lines_.empty() ? 0 : lines_[row]; }
   int header_line() const { return header_line_; }

@@ -61,7 +61,6 @@ TEST(Blocks, SayThemselvesWhatOthersAsk) {
   EXPECT_TRUE(make_block("gain").set("gain", 3.0).scales_only());
   EXPECT_FALSE(make_block("gain").set("offset", 1.0).scales_only());
   EXPECT_EQ(make_block("gain").set("offset", 1.0).affine()->constant, 1.0);
-  EXPECT_EQ(make_block("delay").set("delay_s", 0.7).pure_delay_s(), 0.7);
   EXPECT_DOUBLE_EQ(make_block("delay").set("delay_s", 0.7).slowest_time_constant_s(), 0.1);
   EXPECT_EQ(make_block("lowpass").section_order(), 1);
   EXPECT_EQ(make_block("resonator").section_order(), 2);

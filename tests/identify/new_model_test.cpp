@@ -130,18 +130,17 @@ TEST(NewModel, IsIdentifiedWrittenReadAndInverted) {
   EXPECT_NEAR(fit.stage.model.parameters.number("r"), 0.25, 0.006);
 
   const std::string text = chain::model_text(fit.stage.chain(), "found");
-  const StageModel back =
-      StageModel::of(chain::model_from_node(parse_toml(text, "model.toml")), "model.toml");
-  EXPECT_EQ(back.model.type, &type);
-  EXPECT_EQ(chain::model_text(back.chain(), "found"), text);
+  const chain::Chain back = chain::model_from_node(parse_toml(text, "model.toml"));
+  ASSERT_EQ(back.blocks.size(), 1u);
+  EXPECT_EQ(back.blocks[0].hysteresis_model(), &type);
+  EXPECT_EQ(chain::model_text(back, "found"), text);
 
   chain::WantedOutput wanted{0.0, 1e-3, {}};
   for (int i = 0; i < 500; ++i) wanted.values.push_back(std::sin(0.05 * i));
-  ASSERT_EQ(back.chain().blocks.size(), 1u);
-  const auto drive = back.chain().blocks[0].inverse(wanted);
+  const auto drive = back.blocks[0].inverse(wanted);
   ASSERT_TRUE(drive.has_value());
   EXPECT_TRUE(drive->out_of_reach.empty());
-  EXPECT_LT(bodesmith::error_figures(back.simulate(drive->values, 1e-3), wanted.values).max, 1e-12);
+  EXPECT_LT(bodesmith::error_figures(fit.stage.simulate(drive->values, 1e-3), wanted.values).max, 1e-12);
 }
 
 TEST(NewModel, ItsOwnRefusalCarriesTheLine) {

@@ -17,48 +17,6 @@ namespace {
 
 using chain::make_block;
 
-constexpr const char* kHead = "schema = \"bodesmith.model/1\"\n";
-
-StageModel parse(const std::string& text) {
-  return StageModel::of(chain::model_from_node(parse_toml(kHead + text, "model.toml")), "model.toml");
-}
-
-TEST(StageModel, GainsBeforeAndBehindTheModelAreComposed) {
-  const StageModel stage = parse(
-      "[[block]]\ntype = \"gain\"\ngain = 2.0\noffset = 1.0\n[[block]]\ntype = \"gain\"\ngain = 3.0\n"
-      "[[block]]\ntype = \"bouc_wen\"\nk = 1.0\nA = 0.5\nbeta = 1.3\ngamma = 0.9\n"
-      "[[block]]\ntype = \"delay\"\ndelay_s = 0.25\n"
-      "[[block]]\ntype = \"gain\"\ngain = 5.0\noffset = -1.0\n");
-  EXPECT_EQ(stage.input.gain, 6.0);
-  EXPECT_EQ(stage.input.offset, 3.0);
-  EXPECT_EQ(stage.output.gain, 5.0);
-  EXPECT_EQ(stage.output.offset, -1.0);
-  EXPECT_EQ(stage.delay_s, 0.25);
-  ASSERT_NE(stage.model.type, nullptr);
-  EXPECT_EQ(stage.model.type->name(), "bouc_wen");
-  // As a chain: gain, model, gain, delay, the last two free.
-  chain::Chain chain = stage.chain();
-  ASSERT_EQ(chain.blocks.size(), 4u);
-  EXPECT_EQ(chain.free_parameters().size(), 3u);
-}
-
-TEST(StageModel, RefusesWhatItCannotInvertAtItsLine) {
-  const auto refusal = [](const std::string& text) -> std::string {
-    try {
-      parse(text);
-    } catch (const InputError& error) {
-      return error.what();
-    }
-    return "accepted";
-  };
-  const std::string lag = refusal("[[block]]\ntype = \"lowpass\"\ncorner_hz = 1.0\n");
-  EXPECT_EQ(lag.substr(0, 13), "model.toml:2:") << lag;
-  EXPECT_NE(lag.find("'lowpass'"), std::string::npos) << lag;
-  const std::string play = "[[block]]\ntype = \"prandtl_ishlinskii\"\nr = [0.0]\nw = [1.0]\n";
-  EXPECT_NE(refusal(play + play).find("second hysteresis model"), std::string::npos);
-  EXPECT_NE(refusal("block = []\n").find("expected at least one"), std::string::npos);
-}
-
 TEST(StageModel, DelayedIsLinearBetweenSamplesAndHeldBefore) {
   EXPECT_EQ(delayed({1.0, 3.0, 5.0}, 1.0, 0.5), (std::vector<double>{1.0, 2.0, 4.0}));
   EXPECT_EQ(delayed({1.0, 3.0, 5.0}, 1.0, -1.0), (std::vector<double>{3.0, 5.0, 5.0}));

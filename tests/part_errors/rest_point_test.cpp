@@ -7,8 +7,8 @@
 #include "controller/at_rest.hpp"
 #include "controller/open_loop.hpp"
 #include "part_errors/errors.hpp"
+#include "part_errors/operating_point.hpp"
 #include "part_errors/seed_controller.hpp"
-#include "schematic/analysis/operating_point.hpp"
 
 namespace bodesmith::part_errors {
 namespace {

@@ -21,7 +21,6 @@ class Delay final : public BlockType {
     return std::polar(1.0, -w.value * block.get("delay_s"));
   }
   double slowest_time_constant_s(const Block& block) const override { return block.get("delay_s") / 7.0; }
-  std::optional<double> pure_delay_s(const Block& block) const override { return block.get("delay_s"); }
 };
 
 }  // namespace

@@ -11,20 +11,6 @@
 
 namespace bodesmith::fpaa {
 
-std::string_view to_string(Ground ground) {
-  switch (ground) {
-    case Ground::seen:
-      return "seen";
-    case Ground::derived:
-      return "derived";
-    case Ground::assumed:
-      return "assumed";
-    case Ground::unknown:
-      break;
-  }
-  return "unknown";
-}
-
 std::string_view PlacedCam::cam_name() const {
   return cam->name();
 }

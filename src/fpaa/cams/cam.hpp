@@ -27,7 +27,6 @@ enum class Ground {
   assumed,  ///< a standard circuit that fits what was read; plans that use it say so
   unknown,  ///< not publicly known: parameters can be listed, nothing is computed
 };
-std::string_view to_string(Ground ground);
 
 /// One parameter of a CAM's dialog.
 struct CamParameter {

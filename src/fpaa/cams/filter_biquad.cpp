@@ -156,11 +156,6 @@ ZTransfer BiquadCapacitors::transfer() const {
   return transfer_of_one_input(form).in_z();
 }
 
-std::vector<Capacitor> BiquadCapacitors::named() const {
-  const char* const input_name = kind == Kind::low_pass ? "C1" : kind == Kind::band_pass ? "Cp" : "Cpp";
-  return {{input_name, input}, {"C2", c2}, {"C3", c3}, {"C4", c4}, {"CA", ca}, {"CB", cb}};
-}
-
 Hertz BiquadCapacitors::corner(Hertz clock) const {
   const double root = std::sqrt(static_cast<double>(c2) * c3 / (static_cast<double>(ca) * cb));
   return {clock.value / std::numbers::pi * std::asin(std::min(1.0, 0.5 * root))};

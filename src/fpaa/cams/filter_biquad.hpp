@@ -42,7 +42,6 @@ struct BiquadCapacitors {
   Hertz corner(Hertz clock) const;
   double quality() const;
   double gain() const;
-  std::vector<Capacitor> named() const;
 };
 
 }  // namespace bodesmith::fpaa

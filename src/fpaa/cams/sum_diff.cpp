@@ -11,34 +11,6 @@
 
 namespace bodesmith::fpaa {
 
-ZTransfer SumDiff::transfer(std::size_t input) const {
-  const Input& in = inputs.at(input);
-  return {{(in.inverting ? -1.0 : 1.0) * in.units}, {static_cast<double>(cout)}};
-}
-
-SumDiff SumDiff::best(const std::vector<double>& gains, int max_capacitor) {
-  SumDiff out;
-  double scale = 0.0;
-  for (const double g : gains) scale = std::max(scale, std::abs(g));
-  double min_error = std::numeric_limits<double>::infinity();
-  for (int cout = 1; cout <= max_capacitor; ++cout) {
-    SumDiff trial;
-    trial.cout = cout;
-    double error = 0.0;
-    for (const double g : gains) {
-      const int units = static_cast<int>(
-          std::clamp(std::round(std::abs(g) * cout), 1.0, static_cast<double>(max_capacitor)));
-      error = std::max(error, std::abs(units / static_cast<double>(cout) - std::abs(g)) / scale);
-      trial.inputs.push_back({units, g < 0.0});
-    }
-    if (error < min_error) {
-      min_error = error;
-      out = trial;
-    }
-  }
-  return out;
-}
-
 namespace {
 
 CamFacts sum_diff_facts() {
@@ -108,12 +80,6 @@ class SumDiffCam : public Cam {
 
 std::string SumDiffSpec::option() const {
   return fmt::format("{} inputs", gains.size());
-}
-
-CamValues SumDiffSpec::values() const {
-  CamValues out;
-  for (std::size_t i = 0; i < gains.size(); ++i) out.set(fmt::format("gain_{}", i + 1), gains[i]);
-  return out;
 }
 
 const Cam& sum_diff_cam() {

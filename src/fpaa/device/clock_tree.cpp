@@ -55,15 +55,6 @@ int divisor_byte(int divisor) {
   return divisor == 1 ? 0 : divisor / 2;
 }
 
-std::vector<LegalClock> legal_clocks(const Board& board, Hertz from, Hertz to) {
-  std::vector<LegalClock> out;
-  for (auto entry = total_divisors().rbegin(); entry != total_divisors().rend(); ++entry) {
-    const LegalClock clock = make_clock(board, entry->first, entry->second);
-    if (clock.frequency >= from && clock.frequency <= to) out.push_back(clock);
-  }
-  return out;
-}
-
 std::optional<LegalClock> find_clock(const Board& board, Hertz frequency) {
   const LegalClock nearest = nearest_clock(board, frequency);
   if (std::abs(nearest.frequency.value / frequency.value - 1.0) > 1e-9) return std::nullopt;

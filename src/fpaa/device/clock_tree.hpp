@@ -35,8 +35,6 @@ struct LegalClock {
   int system_divisor = 1;
   int divisor = 1;
 };
-/// Every frequency the tree can make in [from, to], ascending, each with its smallest system divisor.
-std::vector<LegalClock> legal_clocks(const Board& board, Hertz from, Hertz to);
 /// The way to reach a frequency exactly (relative 1e-9), or nothing.
 std::optional<LegalClock> find_clock(const Board& board, Hertz frequency);
 /// The legal clock nearest (in ratio) to a frequency.

@@ -161,13 +161,6 @@ Equations::Complex Equations::response(RadPerSecond w, const std::string& name) 
   return at < 0 ? Complex(at == kInput ? 1.0 : 0.0) : solve_sparse(small_signal(w))(at);
 }
 
-Equations::Complex Equations::impedance(RadPerSecond w, const std::string& name) const {
-  SparseSystem s = small_signal(w);
-  s.b.setZero();
-  s.b(node(name)) = 1.0;
-  return solve_sparse(s)(node(name));
-}
-
 Eigen::VectorXcd Equations::ways_to(RadPerSecond w, const std::string& name) const {
   SparseSystem s = small_signal(w);
   s.transpose();

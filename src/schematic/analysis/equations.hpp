@@ -62,8 +62,6 @@ class Equations {
   SparseSystem small_signal(RadPerSecond w) const;
   /// V(node) for 1 V at the input.
   Complex response(RadPerSecond w, const std::string& node = "out") const;
-  /// V(node) for 1 A into it, the input at rest.
-  Complex impedance(RadPerSecond w, const std::string& node) const;
   /// V(node) for 1 in each row: how everything reaches the node (one solution of the transposed system).
   Eigen::VectorXcd ways_to(RadPerSecond w, const std::string& node = "out") const;
 

@@ -240,8 +240,4 @@ double InTime::volts(const std::string& node, double t) const {
   return x[static_cast<std::size_t>(at)];
 }
 
-std::size_t InTime::steps() const {
-  return implementation_->solver->steps();
-}
-
 }  // namespace bodesmith::schematic

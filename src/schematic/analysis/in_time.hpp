@@ -33,7 +33,6 @@ class InTime {
   std::optional<double> rises(const std::string& node, double stop);
   /// V(node) within the last step.
   double volts(const std::string& node, double t) const;
-  std::size_t steps() const;
 
  private:
   struct Implementation;

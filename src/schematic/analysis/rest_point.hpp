@@ -13,7 +13,7 @@ namespace bodesmith::schematic {
 
 /// The compiled form of a netlist at rest: in which order its voltages follow from one another, worked out once. Op-amps are
 /// nullors, diodes ideal, capacitors open. What resistors, contacts, diodes and op-amps tie together is a block, linear while
-/// its diodes stay as they are; a multiplier follows from its inputs. The slow way to the same voltages is operating_point().
+/// its diodes stay as they are; a multiplier follows from its inputs. Tests solve all equations at once for the same voltages.
 class RestOrder {
  public:
   /// `inputs`: nodes driven from outside. Throws std::logic_error when voltages depend on themselves through several blocks.

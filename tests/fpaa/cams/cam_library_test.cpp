@@ -111,14 +111,6 @@ TEST(FilterBiquad, ComplexSectionsGoOnTheBoard) {
   EXPECT_NE(refusal_of(make_plan(sections, options)), nullptr);
 }
 
-TEST(SumDiff, ExhaustiveChoiceIsExactForRationals) {
-  const SumDiff c = SumDiff::best({0.5, -0.25, 1.0});
-  EXPECT_DOUBLE_EQ(c.transfer(0).dc_gain(), 0.5);
-  EXPECT_DOUBLE_EQ(c.transfer(1).dc_gain(), -0.25);
-  EXPECT_TRUE(c.inputs[1].inverting);
-  EXPECT_EQ(c.capacitors(), 4);
-}
-
 TEST(Multiplier, QuantisesWithinHalfAStep) {
   for (double y = -2.99; y < 2.99; y += 0.01)
     EXPECT_LE(std::abs(Multiplier::quantised(y) - y), 3.0 / 256.0 + 1e-12);

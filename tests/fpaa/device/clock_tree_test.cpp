@@ -17,30 +17,6 @@ TEST(ClockTree, DivisorsAreOneAndTheEvenNumbersTo510) {
   EXPECT_FALSE(is_legal_divisor(512));
 }
 
-TEST(ClockTree, EveryLegalClockIsMadeByItsDivisors) {
-  const Board& board = an231k04_quad4();
-  const auto clocks = legal_clocks(board, {100.0}, {16e6});
-  ASSERT_GT(clocks.size(), 1000u);
-  for (std::size_t i = 0; i < clocks.size(); ++i) {
-    EXPECT_TRUE(is_legal_divisor(clocks[i].system_divisor));
-    EXPECT_TRUE(is_legal_divisor(clocks[i].divisor));
-    EXPECT_DOUBLE_EQ(clocks[i].frequency.value,
-                     board.master_clock.value / clocks[i].system_divisor / clocks[i].divisor);
-    if (i > 0) {
-      EXPECT_LT(clocks[i - 1].frequency.value, clocks[i].frequency.value);
-    }
-  }
-  // Counted independently: distinct products of two legal divisors below the cut.
-  std::set<long> products;
-  for (long a = 1; a <= 510; ++a) {
-    for (long b = 1; b <= 510; ++b) {
-      const bool legal = (a == 1 || a % 2 == 0) && (b == 1 || b % 2 == 0);
-      if (legal && 16e6 / static_cast<double>(a * b) >= 100.0) products.insert(a * b);
-    }
-  }
-  EXPECT_EQ(clocks.size(), products.size());
-}
-
 TEST(ClockTree, FindsTheSeedsTwoKilohertzAndRefusesWhatIsNotInTheTree) {
   const Board& board = an231k04_quad4();
   ASSERT_TRUE(find_clock(board, {2000.0}));

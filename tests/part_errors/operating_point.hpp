@@ -1,15 +1,22 @@
-#include "schematic/analysis/operating_point.hpp"
+#pragma once
 
 #include <Eigen/LU>
+#include <map>
+#include <stdexcept>
+#include <string>
 
 #include "schematic/analysis/equations.hpp"
+#include "schematic/deviations.hpp"
 
 namespace bodesmith::schematic {
 
-std::map<std::string, double> operating_point(const Netlist& netlist,
-                                              const std::map<std::string, double>& inputs, int position,
-                                              const Deviations& off,
-                                              const std::map<std::string, double>& start) {
+/// V of every node at rest from the equations of all elements at once, by Newton's method on f(x) = 0: op-amps are nullors,
+/// diodes ideal, capacitors open, the contacts of one position closed. `inputs`: V of nodes driven from outside; `start`: V
+/// from which to begin. What RestPoint compiles, slowly.
+inline std::map<std::string, double> operating_point(const Netlist& netlist,
+                                                     const std::map<std::string, double>& inputs,
+                                                     int position, const Deviations& off,
+                                                     const std::map<std::string, double>& start) {
   Netlist driven = netlist;
   Deviations copy = off;
   for (const auto& [node, volts] : inputs) {
@@ -58,7 +65,7 @@ std::map<std::string, double> operating_point(const Netlist& netlist,
     }
     before = size;
   }
-  throw NoOperatingPoint("the circuit's voltages at rest were not found");
+  throw std::runtime_error("the circuit's voltages at rest were not found");
 }
 
 }  // namespace bodesmith::schematic

@@ -3,8 +3,8 @@
 #include <string>
 #include <vector>
 
-#include "circuit/realise.hpp"
-#include "schematic/opamp_library.hpp"
+#include "circuit/circuit.hpp"
+#include "lti/sections.hpp"
 
 namespace bodesmith::circuit {
 
@@ -24,10 +24,5 @@ struct OpAmpCheck {
 
 /// Checks with `circuit.opamp`; `amplitude_v` at the input.
 OpAmpCheck check_opamps(const Circuit& circuit, Band band, double amplitude_v = 1.0);
-
-/// Realises with the types of the library in their order (cheapest first) and takes the first without
-/// warnings; without such a one, that with the fewest.
-Realised realise_with_best_opamp(const Sections& sections, const RealiseOptions& options,
-                                 const schematic::OpAmpLibrary& library, double amplitude_v);
 
 }  // namespace bodesmith::circuit

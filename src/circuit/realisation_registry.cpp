@@ -30,4 +30,13 @@ Registry<Realisation>& realisation_registry() {
 }
 #undef BODESMITH_REALISATIONS
 
+Outcome<Realised> try_realise(const Sections& sections, const RealiseOptions& options) {
+  options.limits.validate();
+  return realisation_registry().get(options.realisation).design(sections, options);
+}
+
+Realised realise(const Sections& sections, const RealiseOptions& options) {
+  return value_or_throw(try_realise(sections, options));
+}
+
 }  // namespace bodesmith::circuit

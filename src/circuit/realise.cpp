@@ -4,8 +4,8 @@
 #include <cmath>
 #include <limits>
 
+#include "base/error.hpp"
 #include "circuit/opamp_check.hpp"
-#include "circuit/realisation.hpp"
 #include "lti/bulk_response.hpp"
 #include "lti/judge_responses.hpp"
 #include "lti/judging_grid.hpp"
@@ -32,6 +32,15 @@ void measure_nodes(const Circuit& circuit, const std::vector<Hertz>& grid, Reali
 }
 
 }  // namespace
+
+void PartLimits::validate() const {
+  if (!(min_ohm > 0.0) || !(max_ohm >= min_ohm)) {
+    throw InputError("the limits of the resistors are empty, expected 0 < min <= max");
+  }
+  if (!(min_f > 0.0) || !(max_f >= min_f)) {
+    throw InputError("the limits of the capacitors are empty, expected 0 < min <= max");
+  }
+}
 
 void report_realised(Realised& made, const Sections& sections, Band band,
                      const std::function<std::complex<double>(RadPerSecond)>& nearest) {
@@ -76,15 +85,6 @@ Sections without_far_zeros(const Sections& sections) {
     section.zeros = kept;
   }
   return out;
-}
-
-Outcome<Realised> try_realise(const Sections& sections, const RealiseOptions& options) {
-  options.limits.validate();
-  return realisation_registry().get(options.realisation).design(sections, options);
-}
-
-Realised realise(const Sections& sections, const RealiseOptions& options) {
-  return value_or_throw(try_realise(sections, options));
 }
 
 }  // namespace bodesmith::circuit

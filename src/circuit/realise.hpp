@@ -8,12 +8,28 @@
 
 #include "base/outcome.hpp"
 #include "circuit/circuit.hpp"
-#include "circuit/parts/limits.hpp"
 #include "circuit/parts/series.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
 
 namespace bodesmith::circuit {
+
+/// Parts that may be used.
+struct PartLimits {
+  double min_ohm = 1e3;
+  double max_ohm = 2.2e6;
+  double min_f = 47e-12;
+  double max_f = 220e-9;
+
+  /// A value typed as a limit is itself allowed, whatever its last bit.
+  bool allow(Part::Kind kind, double value) const {
+    const bool resistor = kind == Part::Kind::resistor;
+    return value >= (resistor ? min_ohm : min_f) * (1.0 - 1e-9) &&
+           value <= (resistor ? max_ohm : max_f) * (1.0 + 1e-9);
+  }
+  /// Throws InputError where a range is empty.
+  void validate() const;
+};
 
 struct RealiseOptions {
   /// A name in realisation_registry(): "opamp-rc" chooses a form for every stage.

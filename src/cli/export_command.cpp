@@ -96,21 +96,11 @@ void add_system(const std::string& file, exchange::Exportable& out) {
 /// A circuit.json: its parts as they are mounted, and their response with ideal op-amps.
 exchange::Exportable load_circuit(const CommandLine& line, const std::string& file, Provenance& from) {
   const circuit::CircuitFile made = circuit::CircuitFile::from_node(read_document(file, from));
-  exchange::Schematic schematic;
-  schematic.band = made.band;
-  schematic.open_loop_gain = made.circuit.opamp.dc_gain;
-  const double bandwidth = made.circuit.opamp.gain_bandwidth.value;
-  schematic.gain_bandwidth_hz = std::isfinite(bandwidth) ? bandwidth : 1e12;  // of an ideal one
-  for (const schematic::Part& part : made.circuit.parts) {
-    schematic.parts.push_back({part.kind == schematic::Part::Kind::capacitor, part.name, part.from, part.to,
-                               part.realised, part.group});
-  }
-  for (const schematic::OpAmp& opamp : made.circuit.opamps)
-    schematic.opamps.push_back({opamp.name, opamp.plus, opamp.minus, opamp.out, opamp.group});
   exchange::Exportable out;
   out.source = file;
   out.name = exchange::identifier(std::filesystem::path(file).stem().string());
-  out.schematic = std::move(schematic);
+  out.circuit = made.circuit;
+  out.circuit_band = made.band;
   FrequencyRecord record;
   record.file = file;
   ResponseSource source;

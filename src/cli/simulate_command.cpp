@@ -16,7 +16,6 @@
 #include "signal/csv.hpp"
 #include "signal/error_figures.hpp"
 #include "simulate/controller_file.hpp"
-#include "simulate/record_metrics.hpp"
 #include "simulate/segments.hpp"
 #include "simulate/signal_study_files.hpp"
 
@@ -118,12 +117,12 @@ std::string study_report(const CommandLine& line, const TimeRecord& record, cons
   // Only what has the same unit as y is compared with it.
   picture.measured = record.y;
   if (!record.y.empty()) {
-    const auto against = simulate::compare_records(run.y, record.y);
-    picture.figures.emplace_back(rounded_text(against.rms_percent_of_range, 3) + " %",
+    const auto against = error_figures(run.y, record.y);
+    picture.figures.emplace_back(rounded_text(against.rms_percent, 3) + " %",
                                  "rms of y - y measured, of the range of y measured");
   } else if (!run.drive.empty()) {
-    const auto against = simulate::compare_records(record.u, run.y);
-    picture.figures.emplace_back(rounded_text(against.rms_percent_of_range, 3) + " %",
+    const auto against = error_figures(record.u, run.y);
+    picture.figures.emplace_back(rounded_text(against.rms_percent, 3) + " %",
                                  "rms of r - y, of the range of y");
   }
   picture.figures.emplace_back(rounded_text(study.loops.back().height_percent, 3) + " %",
@@ -209,10 +208,10 @@ std::string engine_text(const SimulatedOutput& run) {
 /// The difference between two signals, into the JSON summary under `key` and as a line of text.
 std::string compare_signals(const char* key, const std::string& what, std::span<const double> a,
                             std::span<const double> b, Json& json) {
-  const auto gap = simulate::compare_records(a, b);
-  json[key] = {{"rms", gap.rms}, {"max", gap.max}, {"rms_percent_of_range", gap.rms_percent_of_range}};
+  const auto gap = error_figures(a, b);
+  json[key] = {{"rms", gap.rms}, {"max", gap.max}, {"rms_percent_of_range", gap.rms_percent}};
   return fmt::format("{}: rms {} ({} % of its range), at most {}\n", what, rounded_text(gap.rms),
-                     rounded_text(gap.rms_percent_of_range), rounded_text(gap.max));
+                     rounded_text(gap.rms_percent), rounded_text(gap.max));
 }
 
 int simulate_file(const CommandLine& line, const chain::Chain& model,

@@ -40,9 +40,9 @@ const Sections& need_sections(const Exportable& from, const Writer& writer) {
   if (!from.sections) lacks(from, writer, "pole-zero sections (a measured response becomes them by a fit)");
   return *from.sections;
 }
-const Schematic& need_schematic(const Exportable& from, const Writer& writer) {
-  if (!from.schematic) lacks(from, writer, "a circuit.json (of spice or run)");
-  return *from.schematic;
+const schematic::Netlist& need_circuit(const Exportable& from, const Writer& writer) {
+  if (!from.circuit) lacks(from, writer, "a circuit.json (of spice or run)");
+  return *from.circuit;
 }
 const FrequencyRecord& need_response(const Exportable& from, const Writer& writer) {
   if (!from.response) lacks(from, writer, "a complex frequency response");

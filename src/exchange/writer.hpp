@@ -7,22 +7,50 @@
 
 #include "base/registry.hpp"
 #include "exchange/discretise.hpp"
-#include "exchange/rebuilt_system.hpp"
-#include "exchange/schematic.hpp"
+#include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
+#include "lti/state_space.hpp"
+#include "schematic/netlist.hpp"
 #include "signal/frequency_record.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::exchange {
+
+/// A linear block of a model, y = c x + d u of x' = A x + b u, then delayed.
+struct ChainBlock {
+  std::string name;
+  StateSpace system;
+  double delay_s = 0.0;
+};
+
+/// A block of a board, sampled at its own clock: sum over inputs of numerator(z)/denominator(z) times what feeds it, in ascending
+/// powers of 1/z; z = exp(j w / clock).
+struct SampledBlock {
+  struct Input {
+    std::string from;  ///< name of a block; empty: the network's input
+    std::vector<double> numerator;
+  };
+  std::string name;
+  double clock_hz = 0.0;
+  std::vector<Input> inputs;
+  std::vector<double> denominator;
+};
+
+/// Sampled blocks in an order in which each stands behind those that feed it.
+struct SampledNetwork {
+  std::vector<SampledBlock> blocks;
+  std::string output;  ///< name of the block that is the output
+};
 
 /// What can be written for other programs: whatever the source has of these.
 struct Exportable {
   std::string source;  ///< the file, as messages and comments name it
   std::string name;    ///< of variables and functions: letters, digits and underscores
   std::optional<Sections> sections;
-  std::vector<ChainBlock> chain;          ///< of a linear model
-  std::optional<SampledNetwork> network;  ///< of a board's plan, without holds and delays
-  std::optional<Schematic> schematic;     ///< of a circuit.json
+  std::vector<ChainBlock> chain;              ///< of a linear model
+  std::optional<SampledNetwork> network;      ///< of a board's plan, without holds and delays
+  std::optional<schematic::Netlist> circuit;  ///< of a circuit.json, driven at node "in"
+  Band circuit_band;                          ///< to be looked at
   std::optional<FrequencyRecord> response;
   std::optional<TimeRecord> record;
 };
@@ -55,7 +83,7 @@ const Writer& writer_for(std::string_view file_name);
 
 /// The part of the source that a writer needs, or an InputError that says what the format is of.
 const Sections& need_sections(const Exportable& from, const Writer& writer);
-const Schematic& need_schematic(const Exportable& from, const Writer& writer);
+const schematic::Netlist& need_circuit(const Exportable& from, const Writer& writer);
 const FrequencyRecord& need_response(const Exportable& from, const Writer& writer);
 const TimeRecord& need_record(const Exportable& from, const Writer& writer);
 

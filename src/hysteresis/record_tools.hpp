@@ -1,16 +1,25 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <functional>
 #include <limits>
 #include <span>
 #include <vector>
 
 #include "hysteresis/identification.hpp"
 #include "hysteresis/operator.hpp"
-#include "hysteresis/parameter_fit.hpp"
+#include "numeric/least_squares.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::hysteresis {
+
+/// The bounded fit of numeric/least_squares.hpp for models that are cheap to run and smooth: a fresh Jacobian
+/// every iteration, down to a relative drop of 1e-10. `typical` is the size of each parameter. The deviations are those
+/// of parameter_deviation(): a residual that remembers itself tells less.
+LeastSquaresResult fit_parameters(const std::function<void(const Eigen::VectorXd& x, Eigen::VectorXd& r)>& f,
+                                  const Eigen::VectorXd& start, const Eigen::VectorXd& lower,
+                                  const Eigen::VectorXd& upper, const Eigen::VectorXd& typical,
+                                  int iterations = 100);
 
 /// What the identifications of all models do with their records. "Counted" are the samples from skip_s on: those
 /// before are simulated but not fitted (start transients).

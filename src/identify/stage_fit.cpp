@@ -109,4 +109,11 @@ StageFit fit_stage(const hysteresis::ModelType* model, std::span<const TimeRecor
   return out;
 }
 
+ErrorFigures error_figures(const StageModel& stage, std::span<const TimeRecord> records, double skip_s) {
+  ErrorSum sum;
+  for (const TimeRecord& record : records)
+    sum.add(stage.simulate(record.u, record.step_s), record.y, hysteresis::first_counted(record, skip_s));
+  return sum.figures();
+}
+
 }  // namespace bodesmith::identify

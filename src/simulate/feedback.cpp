@@ -9,11 +9,11 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "chain/linear_kernel.hpp"
+#include "signal/error_figures.hpp"
 #include "simulate/cvode_solver.hpp"
 #include "simulate/dense_signal.hpp"
 #include "simulate/feedback_exact.hpp"
 #include "simulate/ode_solve.hpp"
-#include "simulate/record_metrics.hpp"
 #include "simulate/simulate.hpp"
 #include "simulate/work_limit.hpp"
 
@@ -83,7 +83,7 @@ LoopOutcome run_exact(const chain::Chain& plant, const std::vector<double>& feed
   if (options.estimate_error) {
     const LoopOutcome again =
         run_exact_loop(plant, feedforward, controller, reference, start_of(plant, options.start), 2);
-    out->error_estimate = compare_records(out->y, std::get<LoopResult>(again).y).max;
+    out->error_estimate = error_figures(out->y, std::get<LoopResult>(again).y).max;
   }
   return outcome;
 }
@@ -99,7 +99,7 @@ LoopResult run_cvode(const chain::Chain& plant, const std::vector<double>& feedf
     out.stats.compute_s = watch.seconds();
     if (options.estimate_error) {
       const LoopResult again = run_in_cvode(plant, forward, controller, reference, options.finer());
-      out.error_estimate = compare_records(out.y, again.y).max;
+      out.error_estimate = error_figures(out.y, again.y).max;
     }
     return out;
   } catch (const SolverFailure& failure) {

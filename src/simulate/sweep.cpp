@@ -16,8 +16,8 @@
 #include "numeric/parallel_for.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
+#include "signal/error_figures.hpp"
 #include "simulate/loop.hpp"
-#include "simulate/record_metrics.hpp"
 #include "simulate/simulate.hpp"
 
 namespace bodesmith::simulate {
@@ -47,8 +47,8 @@ SweepRow figures(std::span<const double> u, std::span<const double> y) {
   constexpr int kMaxHarmonic = 20;
   SweepRow row;
   const auto [low, high] = std::minmax_element(y.begin(), y.end());
-  const RecordDifference difference = compare_records(u, y);  // range of y, as eq. 8
-  row.rms_percent = difference.rms_percent_of_range;
+  const ErrorFigures difference = error_figures(u, y);  // range of y, as eq. 8
+  row.rms_percent = difference.rms_percent;
   row.max_percent = *high > *low ? 100.0 * difference.max / (*high - *low) : 0.0;
   row.loop_height_percent = hysteresis_loop(u, y).height_percent;
   const auto in = line(u, 1);

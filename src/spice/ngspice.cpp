@@ -9,7 +9,6 @@
 #include "base/letters.hpp"
 #include "base/text.hpp"
 #include "schematic/plain_number.hpp"
-#include "spice/ngspice_process.hpp"
 #include "spice/plain_netlist.hpp"
 #include "spice/user_deck.hpp"
 

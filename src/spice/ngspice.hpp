@@ -7,14 +7,10 @@
 
 #include "base/units.hpp"
 #include "lti/frequency_grid.hpp"
+#include "spice/ngspice_process.hpp"
 #include "spice/subcircuits.hpp"
 
 namespace bodesmith::spice {
-
-/// Whether an ngspice program is found on PATH (or named by the environment variable BODESMITH_NGSPICE).
-bool ngspice_available();
-/// What `ngspice --version` calls itself ("ngspice-39"), or empty.
-std::string ngspice_version();
 
 /// V(out)/V(in) of a two-pin subcircuit (`in out`, ground 0) of a library file, small-signal, at every
 /// frequency of the grid. `subcircuit` empty: "compensator" when there is one, otherwise the last with two

@@ -24,7 +24,6 @@
 #include "base/progress.hpp"
 #include "base/temporary.hpp"
 #include "base/text.hpp"
-#include "spice/ngspice.hpp"
 
 namespace bodesmith::spice {
 namespace {

@@ -5,6 +5,11 @@
 
 namespace bodesmith::spice {
 
+/// Whether an ngspice program is found on PATH (or named by the environment variable BODESMITH_NGSPICE).
+bool ngspice_available();
+/// What `ngspice --version` calls itself ("ngspice-39"), or empty.
+std::string ngspice_version();
+
 /// Removes work folders in `where` that a killed run left: their process is gone, and they are this user's and older than
 /// a minute. The first WorkFolder of a process does so.
 void drop_stale_work_folders(const std::filesystem::path& where);

@@ -8,7 +8,7 @@
 
 #include "base/error.hpp"
 #include "chain/registry.hpp"
-#include "simulate/record_metrics.hpp"
+#include "signal/error_figures.hpp"
 #include "simulate/references.hpp"
 #include "simulate/simulate.hpp"
 
@@ -171,12 +171,10 @@ TEST(Feedback, HybridBeatsEitherAlone) {
   options.relative_tolerance = 1e-7;
   options.absolute_tolerance = 1e-9;
   options.estimate_error = false;
-  const double open =
-      compare_records(simulate_loop(plant, forward, off, r, options).y, r.u).rms_percent_of_range;
-  const double back =
-      compare_records(simulate_loop(plant, std::nullopt, pi, r, options).y, r.u).rms_percent_of_range;
+  const double open = error_figures(simulate_loop(plant, forward, off, r, options).y, r.u).rms_percent;
+  const double back = error_figures(simulate_loop(plant, std::nullopt, pi, r, options).y, r.u).rms_percent;
   const auto both = simulate_loop(plant, forward, pi, r, options);
-  const double hybrid = compare_records(both.y, r.u).rms_percent_of_range;
+  const double hybrid = error_figures(both.y, r.u).rms_percent;
   EXPECT_LT(hybrid, back);
   EXPECT_LT(hybrid, open);
   EXPECT_EQ(both.drive.size(), r.size());
@@ -233,7 +231,7 @@ TEST(Feedback, ABlockThatJumpsAtTurnsNeedsASampledController) {
   const auto r = make_reference(spec);
   EXPECT_THROW(simulate_loop(plant, std::nullopt, c, r), InputError);
   c.period_s = 1e-4;
-  EXPECT_LT(compare_records(simulate_loop(plant, std::nullopt, c, r).y, r.u).max, 0.2);
+  EXPECT_LT(error_figures(simulate_loop(plant, std::nullopt, c, r).y, r.u).max, 0.2);
 }
 
 TEST(Feedback, HysteresisInASampledLoopIsItsOwnRecursion) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/text.hpp"
 #include "exchange/writers/all_writers.hpp"
@@ -21,6 +22,7 @@ constexpr PinPlace kSourcePins[] = {{0, 16}, {0, 96}};
 constexpr PinPlace kOpAmpMinus = {-32, 48};
 constexpr PinPlace kOpAmpPlus = {-32, 80};
 constexpr PinPlace kOpAmpOut = {32, 64};
+constexpr double kIdealBandwidth = 1e12;  // hertz
 constexpr int kStub = 16;
 constexpr int kColumn = 192;
 constexpr int kRow = 288;
@@ -55,7 +57,8 @@ class LtspiceWriter : public Writer {
   std::string_view endings() const override { return ".asc"; }
   std::string_view what() const override { return "a circuit.json as a sheet of LTspice"; }
   Written write(const Exportable& from, const ExportOptions&) const override {
-    const Schematic& circuit = need_schematic(from, *this);
+    const schematic::Netlist& circuit = need_circuit(from, *this);
+    const double bandwidth = circuit.opamp.gain_bandwidth.value;
     Sheet sheet;
     std::size_t stages = 0;
     std::vector<int> column;  // the next free one of each stage's row
@@ -64,21 +67,22 @@ class LtspiceWriter : public Writer {
       stages = std::max(stages, stage + 1);
       return PinPlace{kColumn * ++column[stage], kRow * static_cast<int>(stage)};
     };
-    for (const Schematic::OpAmp& opamp : circuit.opamps) {
-      const auto [x, y] = place(opamp.stage);
-      sheet.symbol(
-          "Opamps\\\\opamp", x, y, opamp.name,
-          fmt::format("SYMATTR SpiceLine Aol={}\nSYMATTR SpiceLine2 GBW={}\n",
-                      rounded_text(circuit.open_loop_gain, 6), rounded_text(circuit.gain_bandwidth_hz, 6)));
+    for (const schematic::OpAmp& opamp : circuit.opamps) {
+      const auto [x, y] = place(opamp.group);
+      sheet.symbol("Opamps\\\\opamp", x, y, opamp.name,
+                   fmt::format("SYMATTR SpiceLine Aol={}\nSYMATTR SpiceLine2 GBW={}\n",
+                               rounded_text(circuit.opamp.dc_gain, 6),
+                               rounded_text(std::isfinite(bandwidth) ? bandwidth : kIdealBandwidth, 6)));
       sheet.net(x, y, kOpAmpMinus, -1, 0, opamp.minus);
       sheet.net(x, y, kOpAmpPlus, -1, 0, opamp.plus);
       sheet.net(x, y, kOpAmpOut, 1, 0, opamp.out);
     }
-    for (const Schematic::TwoPole& part : circuit.parts) {
-      const auto [x, y] = place(part.stage);
-      const auto& pins = part.capacitor ? kCapacitorPins : kResistorPins;
-      sheet.symbol(part.capacitor ? "cap" : "res", x, y, part.name,
-                   fmt::format("SYMATTR Value {}\n", number_text(part.value)));
+    for (const schematic::Part& part : circuit.parts) {
+      const auto [x, y] = place(part.group);
+      const bool capacitor = part.kind == schematic::Part::Kind::capacitor;
+      const auto& pins = capacitor ? kCapacitorPins : kResistorPins;
+      sheet.symbol(capacitor ? "cap" : "res", x, y, part.name,
+                   fmt::format("SYMATTR Value {}\n", number_text(part.realised)));
       sheet.net(x, y, pins[0], 0, -1, part.from);
       sheet.net(x, y, pins[1], 0, 1, part.to);
     }
@@ -88,8 +92,8 @@ class LtspiceWriter : public Writer {
     const int bottom = kRow * static_cast<int>(stages);
     sheet.text(0, bottom, "!.lib opamp.sub");
     sheet.text(0, bottom + 48,
-               fmt::format("!.ac dec 50 {} {}", number_text(circuit.band.from.value / 10.0),
-                           number_text(circuit.band.to.value * 10.0)));
+               fmt::format("!.ac dec 50 {} {}", number_text(from.circuit_band.from.value / 10.0),
+                           number_text(from.circuit_band.to.value * 10.0)));
     sheet.text(0, bottom + 96,
                ";" + from.source + ", written by bodesmith: input at net in, output at net out");
     int width = 1;

@@ -4,8 +4,8 @@
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
+#include "signal/error_figures.hpp"
 #include "simulate/engines/engine.hpp"
-#include "simulate/record_metrics.hpp"
 #include "simulate/record_simulator.hpp"
 
 namespace bodesmith::simulate {
@@ -64,7 +64,7 @@ class RecordEngine final : public ChainEngine {
     if (result.error_estimate) return *result.error_estimate;  // exact but for rounding
     const Result finer =
         run_holds(chain, input, start_of(chain, options.start), result.stats.degree, 2 * options.oversample);
-    return compare_records(result.y, finer.y).max;
+    return error_figures(result.y, finer.y).max;
   }
 };
 
@@ -92,7 +92,7 @@ RefinedRecord run_record_refined(const chain::Chain& chain, const TimeRecord& in
     progress.at(0.0, 1.0);
     Result finer =
         run_holds(chain, input, start_of(chain, options.start), out.result.stats.degree, 2 * oversample);
-    const double difference = compare_records(out.result.y, finer.y).max;
+    const double difference = error_figures(out.result.y, finer.y).max;
     double size = 0.0;
     for (const double y : finer.y) size = std::max(size, std::abs(y));
     out.result.y = std::move(finer.y);

@@ -4,13 +4,11 @@
 #include <string>
 #include <vector>
 
-#include "base/files.hpp"
 #include "kicad/cell.hpp"
-#include "kicad/sheet_rows.hpp"
 #include "kicad/text.hpp"
 
 /// Cells beside op-amps and their parts: multiplier, contacts of a switch, diode, voltage reference, connectors,
-/// supplies; and a project of one sheet made of such cells. Pin numbers of the AD835, ADG413 and ADR45xx are
+/// supplies. Pin numbers of the AD835, ADG413 and ADR45xx are
 /// remembered, to be compared with the data sheets before a board is made.
 namespace bodesmith::kicad {
 
@@ -38,13 +36,6 @@ Cell spare_opamp_cell(Symbol unit);
 
 /// A unit (from 0) of an op-amp package; unit `per_package` is the power unit.
 Symbol opamp_symbol(const std::string& reference, const std::string& type, int per_package, int unit);
-
-/// Every group on one sheet, the smallest paper from A4 to A0 that holds them. Throws DesignError when none does.
-Sheet one_sheet(const std::vector<Group>& groups, const std::string& stem);
-/// STEM.kicad_pro, STEM.kicad_sch, bom.csv and the symbols. Gives the sheet back, for a picture.
-Sheet add_one_sheet_project(const std::vector<Group>& groups, const std::string& stem,
-                            const std::string& title, const std::string& comment, OutputSet& out,
-                            const std::filesystem::path& folder);
 
 /// The sheet as SVG: symbols, wires, names and values as KiCad shows them.
 std::string sheet_svg(const Sheet& sheet, const std::string& title);

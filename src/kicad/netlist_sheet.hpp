@@ -6,7 +6,6 @@
 
 #include "base/files.hpp"
 #include "circuit/parts/tolerances.hpp"
-#include "kicad/sheet_rows.hpp"
 #include "schematic/netlist.hpp"
 
 namespace bodesmith::kicad {
@@ -20,9 +19,7 @@ struct SheetOptions {
   circuit::Tolerances tolerances;
 };
 
-/// Any netlist as one sheet, a section a group. Parts are R1, C1, D1, U1, …, op-amps and contacts units of packages; their
-/// netlist name is the field Netlist and stands in bom.csv. Added for the board: connectors, +-12 V for op-amps and switch,
-/// +-5 V for the multipliers, 100 nF at every op-amp package.
+/// Any netlist as one sheet, a section a group (netlist_groups.hpp), +-12 V for op-amps and switch, +-5 V for the multipliers.
 /// The KiCad project (STEM.kicad_pro, one sheet, symbols) and the same sheet as STEM.svg.
 void add_netlist_project(const schematic::Netlist& netlist, const SheetOptions& options, OutputSet& out,
                          const std::filesystem::path& folder);

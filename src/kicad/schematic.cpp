@@ -4,45 +4,26 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
-#include <set>
 
 #include "base/error.hpp"
-#include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
-#include "base/whole_number.hpp"
 #include "circuit/text.hpp"
-#include "kicad/bom.hpp"
-#include "kicad/cell.hpp"
-#include "kicad/devices.hpp"
-#include "kicad/sheet_rows.hpp"
-#include "kicad/text.hpp"
-#include "schematic/plain_number.hpp"
-#include "schematic/references.hpp"
+#include "kicad/netlist_groups.hpp"
+#include "kicad/project_files.hpp"
 
 namespace bodesmith::kicad {
 namespace {
 
-using schematic::plain_number;
-
-/// Sizes in which stable dielectrics (C0G to 100 nF, film above) are sold.
-const char* capacitor_footprint(double farad) {
-  if (farad <= 10e-9) return "Capacitor_SMD:C_0603_1608Metric";
-  if (farad <= 100e-9) return "Capacitor_SMD:C_1206_3216Metric";
-  if (farad <= 220e-9) return "Capacitor_SMD:C_1210_3225Metric";
-  return "Capacitor_THT:C_Rect_L7.2mm_W5.5mm_P5.00mm_FKS2_FKP2_MKS2_MKP2";
-}
-
 class Schematic {
  public:
-  Schematic(const circuit::Circuit& circuit, const circuit::Tolerances& tolerances)
-      : circuit_(circuit), tolerances_(tolerances) {
-    schematic::ReferenceCounter counter;
-    const std::vector<std::string> references = schematic::part_references(circuit, counter);
-    for (size_t i = 0; i < references.size(); ++i) references_[circuit.parts[i].name] = references[i];
-    for (size_t i = 0; i < circuit.stages.size(); ++i) groups_.push_back(stage_group(i));
-    board_ = board_groups();
+  Schematic(const circuit::Circuit& circuit, const circuit::Tolerances& tolerances) {
+    std::vector<ChainStage> chain;
+    for (const circuit::Stage& stage : circuit.stages)
+      chain.push_back({stage.in, stage.out, fmt::format("stage {}: {}", chain.size() + 1, text_of(stage))});
+    NetlistGroups groups = netlist_groups(circuit, {"in", "out"}, tolerances, chain);
+    groups_ = std::move(groups.sections);
+    board_ = std::move(groups.board);
   }
 
   /// One sheet when A3 is enough, otherwise a first sheet with a box for each of the others.
@@ -176,119 +157,22 @@ class Schematic {
     throw std::logic_error("the net " + net + " has no label to lead it out of the sheet");
   }
 
-  Symbol texts_of(const schematic::Part& part) const {
-    const bool resistor = part.kind == schematic::Part::Kind::resistor;
-    const char* const unit = resistor ? " ohm" : " F";
-    Symbol out;
-    out.reference = references_.at(part.name);
-    out.value = kicad_value(part.realised);
-    out.footprint = resistor ? "Resistor_SMD:R_0603_1608Metric" : capacitor_footprint(part.realised);
-    out.fields = {
-        {"Netlist", part.name},
-        {"Series", part.series},
-        {"Tolerance",
-         rounded_text(resistor ? tolerances_.resistor_percent : tolerances_.capacitor_percent) + "%"},
-        {"Wanted", plain_number(part.wanted) + unit},
-        {"Realised", plain_number(part.realised) + unit},
-        {"Section", std::to_string(part.group + 1)}};
-    return out;
+  static std::string text_of(const circuit::Stage& stage) {
+    if (stage.wanted.size() == 1) return stage.realisation + "\n" + circuit::transfer_text(stage.wanted);
+    return fmt::format("{}\n{} poles, {} to {} rad/s", stage.realisation, stage.wanted.size(),
+                       rounded_text(std::abs(stage.wanted.front().section().poles[0])),
+                       rounded_text(std::abs(stage.wanted.back().section().poles[0])));
   }
 
-  /// A unit of a package; the power unit comes after the op-amps.
-  Symbol opamp_unit(int package, int unit) const {
-    return opamp_symbol(fmt::format("U{}", package + 1), circuit_.opamp.name, circuit_.opamp.per_package,
-                        unit);
-  }
-
-  Group stage_group(size_t index) const {
-    const circuit::Stage& stage = circuit_.stages[index];
-    const std::span<const schematic::Part> placed = circuit_.parts_of(stage);
-    const std::vector<schematic::Part> parts(placed.begin(), placed.end());
-    std::vector<schematic::OpAmp> opamps;
-    for (const schematic::OpAmp& opamp : circuit_.opamps) {
-      if (opamp.group == index) opamps.push_back(opamp);
-    }
-    Group out;
-    out.in = stage.in;
-    out.out = stage.out;
-    out.cells = stage_cells(
-        parts, opamps, stage.in, stage.out, [&](const schematic::Part& part) { return texts_of(part); },
-        [&](const schematic::OpAmp& opamp) {
-          const auto place =
-              std::find_if(circuit_.opamps.begin(), circuit_.opamps.end(),
-                           [&](const schematic::OpAmp& other) { return other.name == opamp.name; });
-          const int number = static_cast<int>(place - circuit_.opamps.begin());
-          Symbol symbol =
-              opamp_unit(number / circuit_.opamp.per_package, number % circuit_.opamp.per_package);
-          symbol.fields = {{"Netlist", opamp.name}, {"Section", std::to_string(index + 1)}};
-          return symbol;
-        });
-    out.text = fmt::format("stage {}: {}\n{}", index + 1, stage.realisation,
-                           stage.wanted.size() == 1
-                               ? circuit::transfer_text(stage.wanted)
-                               : fmt::format("{} poles, {} to {} rad/s", stage.wanted.size(),
-                                             rounded_text(std::abs(stage.wanted.front().section().poles[0])),
-                                             rounded_text(std::abs(stage.wanted.back().section().poles[0]))));
-    return out;
-  }
-
-  /// Connectors, supplies, and the packages' power units with their capacitors.
-  std::vector<Group> board_groups() const {
-    std::vector<Group> out(1);
-    schematic::ReferenceCounter counter;
-    for (const schematic::Part& part : circuit_.parts) {
-      if (part.kind == schematic::Part::Kind::capacitor) counter.next("C");
-    }
-    Group& connectors = out[0];
-    connectors.text = "connectors, supplies, 100 nF at every supply pin";
-    connectors.cells.push_back(connector_cell("J1", "in"));
-    connectors.cells.push_back(connector_cell("J2", "out"));
-    connectors.cells.push_back(supply_connector_cell("J3", "VCC", "VEE"));
-    const int per = circuit_.opamp.per_package;
-    const int packages = (static_cast<int>(circuit_.opamps.size()) + per - 1) / per;
-    for (int i = 0; i < packages; ++i) {
-      Group group;
-      group.cells.push_back(package_supply_cell(opamp_unit(i, per), {counter.next("C"), counter.next("C")}));
-      out.push_back(std::move(group));
-    }
-    if (packages * per > static_cast<int>(circuit_.opamps.size())) {
-      Group group;
-      group.cells.push_back(spare_opamp_cell(opamp_unit(packages - 1, per - 1)));
-      out.push_back(std::move(group));
-    }
-    return out;
-  }
-
-  const circuit::Circuit& circuit_;
-  circuit::Tolerances tolerances_;
-  std::map<std::string, std::string> references_;  ///< by name in the netlist
   std::vector<Group> groups_, board_;
 };
 
 }  // namespace
 
-std::string kicad_value(double value) {
-  static const std::map<int, const char*> kPrefixes = {
-      {-15, "f"}, {-12, "p"}, {-9, "n"}, {-6, "u"}, {-3, "m"}, {0, ""}, {3, "k"}, {6, "M"}, {9, "G"}};
-  const int power =
-      std::clamp(3 * whole_number<int>(std::floor(std::log10(value) / 3.0 + 1e-9), -110, 110), -15, 9);
-  return rounded_text(value / std::pow(10.0, power), 6) + kPrefixes.at(power);
-}
-
 void add_kicad_files(const circuit::Circuit& circuit, const std::string& title, OutputSet& out,
                      const circuit::Tolerances& tolerances) {
-  const std::vector<Sheet> sheets = Schematic(circuit, tolerances).sheets();
-  const std::vector<std::string> texts =
-      sheet_texts(sheets, title, fmt::format("bodesmith {}; op-amps {}", kVersion, circuit.opamp.name));
-  for (size_t i = 0; i < sheets.size(); ++i) out.add(sheets[i].file, texts[i]);
-  Json project;
-  project["meta"] = {{"filename", "compensator.kicad_pro"}, {"version", 1}};
-  project["sheets"] = Json::array({Json::array({root_uuid(title), ""})});
-  project["text_variables"] = Json::object();
-  out.add("compensator.kicad_pro", to_text(project));
-  out.add("bodesmith.kicad_sym", symbol_library_text());
-  out.add("bom.csv", bill_of_materials(sheets));
-  out.add("sym-lib-table", symbol_table_text());
+  add_project_files(Schematic(circuit, tolerances).sheets(), "compensator", title,
+                    fmt::format("bodesmith {}; op-amps {}", kVersion, circuit.opamp.name), out);
 }
 
 }  // namespace bodesmith::kicad

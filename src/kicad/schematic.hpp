@@ -18,7 +18,4 @@ namespace bodesmith::kicad {
 void add_kicad_files(const circuit::Circuit& circuit, const std::string& title, OutputSet& out,
                      const circuit::Tolerances& tolerances = {});
 
-/// 20500 is "20.5k", 1e-8 is "10n"; up to 6 digits.
-std::string kicad_value(double value);
-
 }  // namespace bodesmith::kicad

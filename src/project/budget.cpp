@@ -61,6 +61,26 @@ double best_constant_gain(const Waveform& waveform) {
   return curvature > 0.0 ? 1.0 - 0.5 * (at2 - at0) / curvature : 1.0;
 }
 
+struct PlotRange {
+  double low = 0.0;
+  double high = 0.0;
+};
+
+/// Smallest and largest of `values`, not narrower than `start`.
+PlotRange range_of(const std::vector<double>& values, PlotRange start) {
+  for (const double y : values) {
+    start.low = std::min(start.low, y);
+    start.high = std::max(start.high, y);
+  }
+  return start;
+}
+
+void fix_axis(report::Axis& axis, double from, double to) {
+  axis.fixed = true;
+  axis.from = from;
+  axis.to = to;
+}
+
 }  // namespace
 
 Budget make_budget(const Project& project, const Design& design) {
@@ -90,6 +110,26 @@ Budget make_budget(const Project& project, const Design& design) {
   budget.magnitude_only_is_worse =
       budget.rows.front().waveform.worst_percent > budget.uncompensated.worst_percent;
   return budget;
+}
+
+std::vector<Hertz> stages_grid(const Band& band) {
+  return log_grid({Hertz{band.from.value / 10.0}, Hertz{band.to.value * 10.0}}, 241);
+}
+
+std::vector<report::Plot> stages_plots(const Project& project, const Design& design, const Budget& budget) {
+  const std::vector<DesignStage> stages = design_stages(design);
+  report::BodePlot plot = stages_bode(stages, stages_grid(budget.band), &project.target.points);
+  // What lies far outside (the notches of a sampled chain) must not flatten the curves that matter.
+  const PlotRange db = range_of(plot.magnitude.series.front().y, {0.0, 0.0});
+  const double margin = 0.25 * std::max(0.5, db.high - db.low);
+  fix_axis(plot.magnitude.y, db.low - margin, db.high + margin);
+  const PlotRange degrees = range_of(plot.phase.series.front().y, {-5.0, 5.0});
+  fix_axis(plot.phase.y, 2.0 * degrees.low, 1.5 * degrees.high);
+  const DesignStage& first = stages.front();
+  return {plot.magnitude, plot.phase,
+          difference_plot(
+              plot.magnitude, "Difference from the " + first.name, budget.band,
+              [&first](Hertz f) { return to_decibel(std::abs(first.response(f.rad_s()))); }, first.name)};
 }
 
 }  // namespace bodesmith::project

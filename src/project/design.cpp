@@ -98,7 +98,7 @@ Design make_design(const Project& project) {
 std::vector<DesignStage> design_stages(const Design& design) {
   std::vector<DesignStage> stages;
   const auto add = [&stages](std::string name, std::optional<std::size_t> previous, auto response) {
-    stages.push_back({std::move(name), previous, std::move(response)});
+    stages.push_back({std::move(name), std::move(response), previous});
     return stages.size() - 1;
   };
   const std::size_t cascade =

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <complex>
-#include <functional>
 #include <memory>
 #include <optional>
 #include <string>
@@ -17,6 +15,7 @@
 #include "project/alternative_hardware.hpp"
 #include "project/alternatives.hpp"
 #include "project/controllers.hpp"
+#include "project/design_stage.hpp"
 #include "project/project.hpp"
 #include "spice/compensator_check.hpp"
 
@@ -53,13 +52,7 @@ Design make_design(const Project& project);
 
 Band design_band(const Project& project, const Design& design);
 
-/// One stage of the design as a frequency response that can be compared with the others.
-struct DesignStage {
-  std::string name;  ///< "cascade", "sections", "fpaa", "fpaa with holds", "circuit", "circuit with op-amps"
-  std::optional<std::size_t> previous;  ///< index of the stage it is made from; absent for the first
-  std::function<std::complex<double>(RadPerSecond)> response;
-};
-/// The stages refer to `design`, which must outlive them.
+/// "cascade", "sections", "fpaa", "fpaa with holds", "circuit", "circuit with op-amps"; they refer to `design`.
 std::vector<DesignStage> design_stages(const Design& design);
 
 }  // namespace bodesmith::project

@@ -15,7 +15,7 @@
 #include "lti/judging_grid.hpp"
 #include "lti/sections.hpp"
 #include "project/fractional_fit.hpp"
-#include "schematic/analysis/response.hpp"
+#include "schematic/analysis/equations.hpp"
 #include "yield/nulls.hpp"
 
 namespace bodesmith::project {
@@ -182,8 +182,8 @@ void add_tolerances(const FilterProject& project, FilterDesign& design) {
   design.yield = yield::run_monte_carlo(built, options, Team());
 }
 
-std::vector<FilterStage> filter_stages(const FilterDesign& design) {
-  std::vector<FilterStage> out;
+std::vector<DesignStage> filter_stages(const FilterDesign& design) {
+  std::vector<DesignStage> out;
   if (design.fit) {
     out.push_back({"cascade", [&design](RadPerSecond w) { return design.fit->cascade.response(w); }});
   }
@@ -193,10 +193,8 @@ std::vector<FilterStage> filter_stages(const FilterDesign& design) {
     out.push_back({"FPAA as it runs", [runs](RadPerSecond w) { return runs->gain(w); }});
   }
   if (design.circuit) {
-    const circuit::Circuit& built = design.circuit->best.made.circuit;
-    out.push_back({"circuit with op-amps", [&built](RadPerSecond w) {
-                     return schematic::network_response(built, {w.hz()}).front();
-                   }});
+    const auto network = std::make_shared<const schematic::Equations>(design.circuit->best.made.circuit);
+    out.push_back({"circuit with op-amps", [network](RadPerSecond w) { return network->response(w); }});
   }
   return out;
 }

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <complex>
-#include <functional>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +9,7 @@
 #include "fit/cascade_fit.hpp"
 #include "fit/direct_fit.hpp"
 #include "fpaa/plan/plan.hpp"
+#include "project/design_stage.hpp"
 #include "project/filter_project.hpp"
 #include "project/limits.hpp"
 
@@ -41,13 +40,8 @@ void add_plan(const FilterProject& project, FilterDesign& design);
 void add_circuit(const FilterProject& project, FilterDesign& design);
 void add_tolerances(const FilterProject& project, FilterDesign& design);
 
-/// A stage's response: "sections", "circuit", …
-struct FilterStage {
-  std::string name;
-  std::function<std::complex<double>(RadPerSecond)> response;
-};
 /// Cascade (where there is one), sections, board as it runs, circuit as built. They refer to `design`.
-std::vector<FilterStage> filter_stages(const FilterDesign& design);
+std::vector<DesignStage> filter_stages(const FilterDesign& design);
 
 std::vector<LimitCheck> check_limits(const FilterProject& project, const FilterDesign& design);
 

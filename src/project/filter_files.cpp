@@ -7,13 +7,11 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "circuit/json.hpp"
-#include "fpaa/sheets/board_picture.hpp"
 #include "kicad/schematic.hpp"
 #include "project/artefacts.hpp"
-#include "project/report_tables.hpp"
+#include "project/report_chapters.hpp"
 #include "project/run.hpp"
 #include "project/run_files.hpp"
-#include "report/bode.hpp"
 #include "report/page.hpp"
 #include "spice/emit.hpp"
 #include "yield/json.hpp"
@@ -25,121 +23,24 @@ using report::Series;
 
 constexpr int kPlotPoints = 301;
 
-std::string hertz_text(double value) {
-  return engineering_text(value, "Hz", 4);
-}
-
-std::string span_text(const Band& band) {
-  return hertz_text(band.from.value) + " to " + hertz_text(band.to.value);
-}
-
 /// A third of a decade beyond the band: what happens at its ends.
-std::vector<Hertz> plot_grid(const Band& band) {
-  return log_grid({Hertz{band.from.value / 2.0}, Hertz{band.to.value * 2.0}}, kPlotPoints);
+std::vector<Hertz> grid_about(const Band& band, int count) {
+  return log_grid({Hertz{band.from.value / 2.0}, Hertz{band.to.value * 2.0}}, count);
 }
 
-std::vector<double> values_of(const std::vector<Hertz>& grid) {
-  std::vector<double> out;
-  for (const Hertz f : grid) out.push_back(f.value);
-  return out;
-}
-
-struct StageCurve {
-  std::string name;
-  std::vector<std::complex<double>> response;
-};
-
-std::vector<StageCurve> curves_of(const FilterRun& run, const std::vector<Hertz>& grid) {
-  std::vector<StageCurve> out;
-  for (const FilterStage& stage : filter_stages(run.design)) {
-    out.push_back({stage.name, {}});
-    for (const Hertz f : grid) out.back().response.push_back(stage.response(f.rad_s()));
-  }
-  return out;
-}
-
-std::vector<double> unwrapped_degrees(const std::vector<std::complex<double>>& response) {
-  std::vector<double> out;
-  double last = 0.0;
-  for (const std::complex<double>& h : response) {
-    double angle = to_degrees(std::arg(h));
-    angle += 360.0 * std::round((last - angle) / 360.0);
-    last = angle;
-    out.push_back(angle);
-  }
-  return out;
-}
-
-std::vector<double> decibels_of(const std::vector<std::complex<double>>& response) {
-  std::vector<double> out;
-  for (const std::complex<double>& h : response) out.push_back(to_decibel(std::abs(h)));
-  return out;
-}
-
-/// What each stage leaves: of the target's response where that is known everywhere, else of the sections, the points as
-/// marks.
-report::Plot error_plot(const FilterRun& run, const std::vector<Hertz>& grid,
-                        const std::vector<StageCurve>& curves) {
-  const FilterProject& project = run.project;
-  const bool known = project.fractional.has_value();
-  report::Plot out;
-  out.title = known ? "Error against the target" : "Difference from the sections";
-  out.x = {"frequency, Hz", true};
-  out.y = {"dB"};
-  out.height = 260;
-  int colour = 0;
-  double largest = 1e-4;
-  for (const StageCurve& curve : curves) {
-    const int own = colour++;
-    if (!known && curve.name == "sections") continue;
-    Series series{curve.name, values_of(grid), {}, Series::Style::line, own};
-    for (std::size_t i = 0; i < grid.size(); ++i) {
-      const RadPerSecond w = grid[i].rad_s();
-      const std::complex<double> wanted =
-          known ? *project.target_response(w) : run.design.sections.response(w);
-      series.y.push_back(to_decibel(std::abs(curve.response[i] / wanted)));
-      if (grid[i] >= project.band.from && grid[i] <= project.band.to)
-        largest = std::max(largest, std::abs(series.y.back()));
-    }
-    out.series.push_back(std::move(series));
-  }
-  if (project.points) {
-    Series marks{"target", {}, {}, Series::Style::marks, 7};
-    for (const BodePoint& point : project.points->points) {
-      marks.x.push_back(point.frequency.value);
-      marks.y.push_back(
-          to_decibel(point.gain / std::abs(run.design.sections.response(point.frequency.rad_s()))));
-      largest = std::max(largest, std::abs(marks.y.back()));
-    }
-    out.series.push_back(std::move(marks));
-  }
-  // What happens beyond the band must not flatten what happens in it.
-  out.y.fixed = true;
-  out.y.from = -1.15 * largest;
-  out.y.to = 1.15 * largest;
-  return out;
-}
-
+/// All stages, and what each leaves: of the target's response where that is known everywhere, else of the sections.
 std::vector<report::Plot> filter_plots(const FilterRun& run) {
-  const std::vector<Hertz> grid = plot_grid(run.project.band);
-  const std::vector<StageCurve> curves = curves_of(run, grid);
-  report::BodePlot plot;
-  for (std::size_t i = 0; i < curves.size(); ++i) {
-    const auto style = i % 2 == 0 ? Series::Style::line : Series::Style::dashed;
-    plot.magnitude.series.push_back(
-        {curves[i].name, values_of(grid), decibels_of(curves[i].response), style, static_cast<int>(i)});
-    plot.phase.series.push_back(
-        {curves[i].name, values_of(grid), unwrapped_degrees(curves[i].response), style, static_cast<int>(i)});
-  }
-  if (run.project.points) {
-    Series marks{"target", {}, {}, Series::Style::marks, 7};
-    for (const BodePoint& point : run.project.points->points) {
-      marks.x.push_back(point.frequency.value);
-      marks.y.push_back(to_decibel(point.gain));
-    }
-    plot.magnitude.series.push_back(std::move(marks));
-  }
-  return {plot.magnitude, plot.phase, error_plot(run, grid, curves)};
+  const FilterProject& project = run.project;
+  const report::BodePlot plot = stages_bode(filter_stages(run.design), grid_about(project.band, kPlotPoints),
+                                            project.points ? &*project.points : nullptr);
+  const bool known = project.fractional.has_value();
+  const auto reference_db = [&](Hertz f) {
+    const RadPerSecond w = f.rad_s();
+    return to_decibel(std::abs(known ? *project.target_response(w) : run.design.sections.response(w)));
+  };
+  return {plot.magnitude, plot.phase,
+          difference_plot(plot.magnitude, known ? "Error against the target" : "Difference from the sections",
+                          project.band, reference_db, known ? "" : "sections")};
 }
 
 void target_of_filter(report::Page& page, const FilterRun& run) {
@@ -161,21 +62,6 @@ void target_of_filter(report::Page& page, const FilterRun& run) {
   page.table(table);
 }
 
-std::string root_text(const std::complex<double>& root) {
-  if (root.imag() == 0.0)
-    return hertz_text(RadPerSecond{std::abs(root)}.hz().value) + (root.real() > 0.0 ? " (right)" : "");
-  return fmt::format("{}, Q {}", hertz_text(RadPerSecond{std::abs(root)}.hz().value),
-                     rounded_text(-0.5 * std::abs(root) / root.real(), 3));
-}
-
-std::string list_of_roots(const std::vector<std::complex<double>>& roots) {
-  std::vector<std::string> out;
-  for (const std::complex<double>& root : roots) {
-    if (root.imag() >= 0.0) out.push_back(root_text(root));
-  }
-  return out.empty() ? "-" : join(out, "; ");
-}
-
 void sections_of_filter(report::Page& page, const FilterRun& run) {
   page.chapter("Sections");
   if (run.design.approximation) {
@@ -183,53 +69,7 @@ void sections_of_filter(report::Page& page, const FilterRun& run) {
                                run.design.approximation->method,
                                rounded_text(run.design.approximation->error.everywhere_db, 3)));
   }
-  report::Table table{{"section", "gain", "zeros", "poles"}, {}, {}};
-  for (const Section& section : run.design.sections.sections) {
-    table.rows.push_back({std::to_string(table.rows.size() + 1), rounded_text(section.gain, 6),
-                          list_of_roots(section.zeros), list_of_roots(section.poles)});
-  }
-  page.table(table,
-             fmt::format("H(s) = {} times the product of these", rounded_text(run.design.sections.gain, 8)));
-}
-
-void board_of_filter(report::Page& page, const FilterRun& run) {
-  if (!run.project.fpaa) return;
-  page.chapter("FPAA");
-  if (!run.design.plan) {
-    page.warning("No plan: " + run.design.no_plan);
-    return;
-  }
-  const fpaa::Plan& plan = *run.design.plan;
-  const fpaa::PlanError& runs = plan.error_with_delays;
-  page.paragraph(fmt::format(
-      "{} CAMs on {} chip(s) of {}. As the board runs, every switch of every clock in it, from {}: {} % ({} dB, {} "
-      "degrees), worst at {}. Largest input {}.",
-      plan.cams().size(), plan.chips.size(), plan.board, span_text(runs.band),
-      rounded_text(runs.max_complex_percent, 3), rounded_text(runs.max_magnitude_db, 3),
-      rounded_text(runs.max_phase_deg, 3), hertz_text(runs.worst.value),
-      engineering_text(plan.max_input_v, "V")));
-  page.figure(fpaa::board_picture_svg(plan), "Chips, configurable blocks, wires and what is used of them.");
-  for (const std::string& note : plan.notes) page.paragraph(note);
-  for (const std::string& assumption : plan.assumptions) page.warning("Assumed: " + assumption);
-}
-
-void circuit_of_filter(report::Page& page, const FilterRun& run) {
-  if (!run.design.circuit) return;
-  const circuit::Candidate& best = run.design.circuit->best;
-  page.chapter("Circuit");
-  page.paragraph(fmt::format(
-      "{}: {} stages, {} op-amps ({}), {} parts ({} resistors, {} capacitors). From {} parts and op-amps together are {} dB "
-      "and {} degrees off; least phase margin of an op-amp {} degrees.",
-      best.how, best.made.circuit.stages.size(), best.made.circuit.opamps.size(),
-      best.made.circuit.opamp.name, best.made.circuit.parts.size(), run.project.circuit->resistors,
-      run.project.circuit->capacitors, span_text(best.judged_band),
-      rounded_text(best.judged.max_magnitude_db, 3), rounded_text(best.judged.max_phase_deg, 3),
-      rounded_text(best.opamps.min_phase_margin_deg, 3)));
-  for (const std::string& reason : run.design.circuit->passed_over)
-    page.paragraph("Passed over: " + reason + ".");
-  for (const std::string& shortfall : best.shortfalls) page.warning(shortfall);
-  page.table(parts_table(best.made.circuit.parts));
-  for (const std::string& warning : best.opamps.warnings) page.warning(warning);
+  add_sections_table(page, run.design.sections);
 }
 
 void yield_of_filter(report::Page& page, const FilterRun& run) {
@@ -288,11 +128,10 @@ std::string filter_page(const FilterRun& run) {
   if (!run.limits.empty()) page.table(limits_table(run.limits));
   target_of_filter(page, run);
   sections_of_filter(page, run);
-  board_of_filter(page, run);
-  circuit_of_filter(page, run);
+  add_board_chapter(page, run.design.plan, run.design.no_plan);
+  add_circuit_chapter(page, run.design.circuit, run.project.circuit);
   yield_of_filter(page, run);
-  page.chapter("Inputs");
-  page.table(inputs_table(run.from));
+  add_inputs_chapter(page, run.from);
   return page.html();
 }
 
@@ -300,13 +139,6 @@ constexpr int kTableRows = 241;
 
 std::string document(std::string_view schema, const FilterRun& run, const Json& body) {
   return artefact_json(schema, run.from, body, run.design.compute_s);
-}
-
-std::string bode_table(const FilterRun& run) {
-  const Band& band = run.project.band;
-  ResponseTable table(log_grid({Hertz{band.from.value / 2.0}, Hertz{band.to.value * 2.0}}, kTableRows));
-  for (const FilterStage& stage : filter_stages(run.design)) table.add(stage.name, stage.response);
-  return table.text();
 }
 
 void add_circuit_files(const FilterRun& run, OutputSet& out) {
@@ -342,7 +174,7 @@ OutputSet filter_files(const FilterRun& run, const std::filesystem::path& folder
   if (run.design.circuit) add_circuit_files(run, out);
   if (run.design.yield)
     out.add("yield.json", document("yield", run, {{"designs", Json::array({tolerances_json(run)})}}));
-  out.add("bode.csv", bode_table(run));
+  out.add("bode.csv", stages_csv(filter_stages(run.design), grid_about(run.project.band, kTableRows)));
   out.add("bode.svg", filter_svg(run));
   out.add("report.html", filter_page(run));
   return out;

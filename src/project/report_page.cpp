@@ -3,28 +3,19 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "project/report_tables.hpp"
+#include "project/report_chapters.hpp"
 #include "report/page.hpp"
-
-/// The chapters of report.html behind the summary, in order. Each is a function in a file of its own in
-/// project/chapters/; one that has nothing to show (no board, no circuit) adds nothing.
-#define BODESMITH_REPORT_CHAPTERS(CHAPTER) \
-  CHAPTER(target_chapter)                  \
-  CHAPTER(fit_chapter)                     \
-  CHAPTER(sections_chapter)                \
-  CHAPTER(budget_chapter)                  \
-  CHAPTER(tracking_chapter)                \
-  CHAPTER(fpaa_chapter)                    \
-  CHAPTER(circuit_chapter)                 \
-  CHAPTER(layout_chapter)                  \
-  CHAPTER(part_errors_chapter)             \
-  CHAPTER(inputs_chapter)
 
 namespace bodesmith::project {
 
-#define BODESMITH_DECLARE_CHAPTER(name) void name(report::Page& page, const ProjectRun& run);
-BODESMITH_REPORT_CHAPTERS(BODESMITH_DECLARE_CHAPTER)
-#undef BODESMITH_DECLARE_CHAPTER
+// Each in a file of its own in project/chapters/.
+void target_chapter(report::Page& page, const ProjectRun& run);
+void fit_chapter(report::Page& page, const ProjectRun& run);
+void sections_chapter(report::Page& page, const ProjectRun& run);
+void budget_chapter(report::Page& page, const ProjectRun& run);
+void tracking_chapter(report::Page& page, const ProjectRun& run);
+void layout_chapter(report::Page& page, const ProjectRun& run);
+void part_errors_chapter(report::Page& page, const ProjectRun& run);
 
 namespace {
 
@@ -74,12 +65,19 @@ std::string report_page(const ProjectRun& run) {
       run.project.name,
       "From the target magnitude to checked hardware: what was asked for, and the error of each step.");
   summary_chapter(page, run);
-#define BODESMITH_ADD_CHAPTER(name) name(page, run);
-  BODESMITH_REPORT_CHAPTERS(BODESMITH_ADD_CHAPTER)
-#undef BODESMITH_ADD_CHAPTER
+  target_chapter(page, run);
+  fit_chapter(page, run);
+  sections_chapter(page, run);
+  budget_chapter(page, run);
+  tracking_chapter(page, run);
+  add_board_chapter(page, run.design.plan);
+  add_circuit_chapter(page, run.design.circuit, run.project.circuit, run.ngspice);
+  if (run.design.circuit && !run.ngspice)
+    page.warning("ngspice is not installed: the netlist was not simulated.");
+  layout_chapter(page, run);
+  part_errors_chapter(page, run);
+  add_inputs_chapter(page, run.from);
   return page.html();
 }
 
 }  // namespace bodesmith::project
-
-#undef BODESMITH_REPORT_CHAPTERS

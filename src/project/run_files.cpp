@@ -19,7 +19,6 @@
 #include "multiplier_layout/json.hpp"
 #include "project/artefacts.hpp"
 #include "project/run.hpp"
-#include "project/stages_plot.hpp"
 #include "spice/disturbance_library.hpp"
 #include "spice/emit.hpp"
 
@@ -110,13 +109,6 @@ std::string json_file(std::string_view schema, const ProjectRun& run, const Json
   return artefact_json(schema, run.from, body, run.design.compute_s);
 }
 
-/// Every stage's response, a decade beyond the compared band on either side.
-std::string stages_csv(const ProjectRun& run) {
-  ResponseTable table(stages_grid(run.budget.band));
-  for (const DesignStage& stage : design_stages(run.design)) table.add(stage.name, stage.response);
-  return table.text();
-}
-
 std::string sections_file(const ProjectRun& run) {
   const Design& design = run.design;
   Sections built = design.sections();
@@ -181,7 +173,7 @@ OutputSet design_files(const ProjectRun& run, const std::filesystem::path& folde
   if (const auto built = built_model(run))
     out.add("model.toml",
             chain::model_text(*built, "the controller as built and the stage of " + run.project.name));
-  out.add("bode.csv", stages_csv(run));
+  out.add("bode.csv", stages_csv(design_stages(run.design), stages_grid(run.budget.band)));
   out.add("bode.svg", report::stack_svg(stages_plots(run.project, run.design, run.budget)));
   return out;
 }

@@ -8,6 +8,7 @@
 #include "../circuit/seed_sections.hpp"
 #include "circuit/realise.hpp"
 #include "kicad/drawing.hpp"
+#include "kicad/netlist_groups.hpp"
 
 namespace bodesmith::kicad {
 namespace {

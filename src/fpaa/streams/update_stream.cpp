@@ -137,10 +137,10 @@ std::vector<std::string> compare_with_plan(const ConfigStream& stream, const Chi
       // A primary stream leaves out what is 0.
       if (stream.primary && cell.value == 0) continue;
       out.push_back(
-          fmt::format("{} ({}) is not in the stream, the plan wants {}", cell.what, place, cell.value));
+          fmt::format("{} ({}) is not in the stream, the plan requires {}", cell.what, place, cell.value));
     } else if (at->second != cell.value) {
       out.push_back(
-          fmt::format("{} ({}) is {}, the plan wants {}", cell.what, place, at->second, cell.value));
+          fmt::format("{} ({}) is {}, the plan requires {}", cell.what, place, at->second, cell.value));
     }
   }
   if (!stream.primary) {

@@ -3,9 +3,8 @@
 #include <cmath>
 
 #include "base/text.hpp"
-#include "project/report_tables.hpp"
+#include "project/report_chapters.hpp"
 #include "project/run.hpp"
-#include "project/stages_plot.hpp"
 #include "report/page.hpp"
 
 namespace bodesmith::project {
@@ -151,9 +150,7 @@ void sections_chapter(report::Page& page, const ProjectRun& run) {
   add_alternatives(page, run);
   for (const std::string& reason : run.design.passed_over)
     page.paragraph("Passed over because it cannot be built: " + reason);
-  const Sections& built = run.design.sections();
-  page.table(sections_table(built),
-             fmt::format("H(s) = {} times the product of these", rounded_text(built.gain, 8)));
+  add_sections_table(page, run.design.sections());
 }
 
 }  // namespace bodesmith::project

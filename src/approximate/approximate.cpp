@@ -5,11 +5,8 @@
 #include <iterator>
 #include <map>
 #include <numeric>
-#include <optional>
 #include <utility>
-#include <vector>
 
-#include "approximate/term.hpp"
 #include "base/whole_number.hpp"
 
 namespace bodesmith {

@@ -4,8 +4,6 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <cmath>
-#include <iostream>
 #include <set>
 #include <sstream>
 #include <utility>

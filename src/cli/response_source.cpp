@@ -17,7 +17,6 @@
 #include "lti/cascade.hpp"
 #include "lti/fractional_transfer.hpp"
 #include "lti/level_and_phase.hpp"
-#include "lti/sections.hpp"
 #include "schematic/analysis/response.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/csv.hpp"

@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <array>
-
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"

@@ -14,7 +14,6 @@
 #include "base/text.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
-#include "schematic/analysis/equations.hpp"
 
 namespace bodesmith::faults {
 namespace {

@@ -1,6 +1,5 @@
 #include "fit/waveform_problem.hpp"
 
-#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -5,7 +5,6 @@
 
 #include "hysteresis/preisach_identify.hpp"
 
-#include "hysteresis/everett_trace.hpp"
 #include "hysteresis/preisach.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"

@@ -1,7 +1,6 @@
 #include "numeric/dense.hpp"
 
 #include <Eigen/Dense>
-#include <cmath>
 
 namespace bodesmith {
 namespace {

@@ -1,7 +1,6 @@
 #include "numeric/differential_evolution.hpp"
 
 #include <algorithm>
-#include <limits>
 #include <vector>
 
 #include "numeric/random.hpp"

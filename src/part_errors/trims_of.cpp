@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "base/text.hpp"
 #include "part_errors/trim.hpp"
 

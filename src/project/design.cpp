@@ -1,15 +1,12 @@
 #include "project/design.hpp"
 
 #include <algorithm>
-#include <memory>
-#include <variant>
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "fit/choice.hpp"
 #include "fpaa/plan/switched_board.hpp"
-#include "project/alternative_hardware.hpp"
 #include "schematic/analysis/equations.hpp"
 
 namespace bodesmith::project {

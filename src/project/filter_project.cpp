@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "base/document.hpp"
 #include "base/text.hpp"
 #include "circuit/stated_band.hpp"
 #include "project/tables.hpp"

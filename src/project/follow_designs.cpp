@@ -6,10 +6,8 @@
 #include <cmath>
 #include <string>
 #include <utility>
-#include <vector>
 
 #include "base/text.hpp"
-#include "project/tracked_designs.hpp"
 #include "project/tracked_plant.hpp"
 
 namespace bodesmith::project {

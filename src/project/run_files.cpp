@@ -18,7 +18,6 @@
 #include "kicad/schematic.hpp"
 #include "multiplier_layout/json.hpp"
 #include "project/artefacts.hpp"
-#include "project/run.hpp"
 #include "spice/disturbance_library.hpp"
 #include "spice/emit.hpp"
 

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <memory>
 
 #include "base/progress.hpp"
 #include "controller/as_built.hpp"
@@ -12,7 +11,6 @@
 #include "project/board_controller.hpp"
 #include "project/tracked_plant.hpp"
 #include "spice/ngspice.hpp"
-#include "tracking/model_stage.hpp"
 #include "tracking/track.hpp"
 
 namespace bodesmith::project {

@@ -1,7 +1,5 @@
 #include "schematic/netlist.hpp"
 
-#include <algorithm>
-
 namespace bodesmith::schematic {
 
 const Part* Netlist::part_named(const std::string& name) const {

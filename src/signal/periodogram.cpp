@@ -1,6 +1,5 @@
 #include "signal/periodogram.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>

@@ -1,8 +1,6 @@
 #include "tracking/compensator.hpp"
 
-#include <algorithm>
 #include <cmath>
-#include <numbers>
 
 #include "tracking/stage.hpp"
 

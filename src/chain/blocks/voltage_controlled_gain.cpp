@@ -1,4 +1,3 @@
-#include <cmath>
 
 #include "chain/block.hpp"
 #include "chain/inverse.hpp"

@@ -1,8 +1,6 @@
 // Digital biquads as one C file without dependencies (C99), with the error that sampling brings written above them.
 #include <fmt/format.h>
 
-#include <cmath>
-
 #include "base/error.hpp"
 #include "base/json.hpp"
 #include "base/letters.hpp"

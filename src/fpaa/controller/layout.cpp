@@ -5,10 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
-#include <numbers>
 #include <optional>
-#include <set>
 
 #include "base/text.hpp"
 #include "base/whole_number.hpp"

@@ -1,7 +1,6 @@
 #include "project/sweep/sweep.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <optional>
 
 #include "base/document.hpp"

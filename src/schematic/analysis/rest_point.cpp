@@ -2,7 +2,6 @@
 
 #include <Eigen/LU>
 #include <algorithm>
-#include <bit>
 #include <numeric>
 #include <set>
 #include <stdexcept>

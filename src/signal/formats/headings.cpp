@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <numbers>
-#include <optional>
 #include <string_view>
 
 #include "base/letters.hpp"

@@ -5,12 +5,9 @@
 #include <matio.h>
 
 #include <algorithm>
-#include <cmath>
 #include <complex>
-#include <functional>
 #include <initializer_list>
 #include <memory>
-#include <numbers>
 #include <optional>
 
 #include "base/error.hpp"

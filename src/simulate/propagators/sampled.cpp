@@ -2,7 +2,6 @@
 #include "base/whole_number.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <vector>
 
 namespace bodesmith::simulate {

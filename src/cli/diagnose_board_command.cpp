@@ -10,18 +10,21 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/diagnose_modes.hpp"
+#include "cli/response_source.hpp"
 #include "faults/circuit_board.hpp"
 #include "faults/json.hpp"
 #include "faults/plan_board.hpp"
 #include "fpaa/plan/plan.hpp"
+#include "schematic/writers/spice_library.hpp"
 
 namespace bodesmith::cli {
 namespace {
 
 void declare_board(CommandLine& line) {
   line.output("folder for faults.json and report.html");
-  line.option<std::string>("circuit",
-                           "circuit.json of `bodesmith spice`: the board as it was meant to be built");
+  line.option<std::string>(
+      "circuit",
+      "circuit.json or compensator.sub of `bodesmith spice`: the board as it was meant to be built");
   line.option<std::string>("plan", "plan.json of `bodesmith fpaa`, for an FPAA board");
   line.option<std::string>("data",
                            "measured from input to output: frequency_hz, magnitude_db (or gain), phase_deg "
@@ -68,6 +71,13 @@ faults::Measurement read_channels(const CommandLine& line, Provenance& from) {
   return out;
 }
 
+/// A circuit.json, or a netlist of such elements as this program writes them.
+schematic::Netlist read_circuit(const std::string& file, Provenance& from) {
+  if (is_own_document(file)) return circuit::CircuitFile::from_node(read_document(file, from)).circuit;
+  const schematic::SpiceLibrary library = schematic::read_spice(from.read(file), file);
+  return library.subcircuit(library.top).netlist;
+}
+
 std::unique_ptr<faults::Board> read_board(const CommandLine& line, const faults::Spread& spread,
                                           Provenance& from) {
   if (line.has("circuit") == line.has("plan")) line.fail("expected either --circuit or --plan");
@@ -75,8 +85,8 @@ std::unique_ptr<faults::Board> read_board(const CommandLine& line, const faults:
     const fpaa::Plan plan = fpaa::Plan::read(line.get<std::string>("plan"), from);
     return std::make_unique<faults::PlanBoard>(plan, read_channels(line, from), spread);
   }
-  const auto file = circuit::CircuitFile::from_node(read_document(line.get<std::string>("circuit"), from));
-  return std::make_unique<faults::CircuitBoard>(file.circuit, read_channels(line, from), spread);
+  const schematic::Netlist circuit = read_circuit(line.get<std::string>("circuit"), from);
+  return std::make_unique<faults::CircuitBoard>(circuit, read_channels(line, from), spread);
 }
 
 }  // namespace

@@ -18,6 +18,7 @@
 #include "lti/fractional_transfer.hpp"
 #include "lti/level_and_phase.hpp"
 #include "schematic/analysis/response.hpp"
+#include "schematic/writers/spice_library.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/csv.hpp"
 #include "signal/frequency_record.hpp"
@@ -154,6 +155,18 @@ std::string stem_of(const std::filesystem::path& path) {
   return stem;
 }
 
+/// A netlist from node in to node out that this program has printed: it can solve that itself where there is no ngspice.
+std::optional<schematic::Netlist> printed_netlist(const std::string& text, const std::string& file,
+                                                  const std::string& subcircuit) {
+  try {
+    const schematic::SpiceLibrary library = schematic::read_spice(text, file);
+    const schematic::Subcircuit& one = library.subcircuit(subcircuit.empty() ? library.top : subcircuit);
+    if (one.pins == std::vector<std::string>{"in", "out"}) return one.netlist;
+  } catch (const InputError&) {
+  }
+  return std::nullopt;
+}
+
 bool is_netlist(const std::filesystem::path& path) {
   const std::string ending = path.extension().string();
   for (const char* known : {".sub", ".lib", ".cir", ".net", ".sp"}) {
@@ -178,10 +191,18 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
   source.stem = stem_of(path);
   const std::string ending = path.extension().string();
   if (ending == ".sub" || ending == ".lib") {
-    from.read(path);
-    set_evaluation(source, [path, name = options.subcircuit](const std::vector<Hertz>& grid) {
-      return spice::run_ac_of_sub(path, grid, name);
-    });
+    const std::string text = from.read(path);
+    const auto printed =
+        spice::ngspice_available() ? std::nullopt : printed_netlist(text, path.string(), options.subcircuit);
+    if (printed) {
+      set_evaluation(source, [netlist = *printed](const std::vector<Hertz>& grid) {
+        return schematic::network_response(netlist, grid);
+      });
+    } else {
+      set_evaluation(source, [path, name = options.subcircuit](const std::vector<Hertz>& grid) {
+        return spice::run_ac_of_sub(path, grid, name);
+      });
+    }
     return source;
   }
   if (ending == ".cir" || ending == ".net" || ending == ".sp") {

@@ -95,7 +95,7 @@ Changes changes_of(const std::vector<Stamp>& stamps, Complex s, const Eigen::Mat
 
 }  // namespace
 
-CircuitBoard::CircuitBoard(const circuit::Circuit& circuit, Measurement measured, const Spread& spread,
+CircuitBoard::CircuitBoard(const schematic::Netlist& circuit, Measurement measured, const Spread& spread,
                            const CircuitBoard* like)
     : Board(std::move(measured)), circuit_(circuit), model_(computable(circuit.opamp)), spread_(spread) {
   circuit_.opamp = model_;
@@ -387,7 +387,7 @@ Prediction CircuitBoard::predict(const Effect& effect) const {
 }
 
 std::unique_ptr<Board> CircuitBoard::with_parts(const Eigen::VectorXd& deviations) const {
-  circuit::Circuit moved = circuit_;
+  schematic::Netlist moved = circuit_;
   for (std::size_t i = 0; i < moved.parts.size(); ++i)
     moved.parts[i].realised *=
         std::exp(kSigmaOfTolerance * tolerance(i) * deviations(eigen_index(unknown_of_part_[i])));

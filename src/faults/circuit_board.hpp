@@ -2,20 +2,20 @@
 
 #include <map>
 
-#include "circuit/circuit.hpp"
 #include "faults/board.hpp"
 #include "schematic/analysis/equations.hpp"
+#include "schematic/netlist.hpp"
 
 namespace bodesmith::faults {
 
-/// An op-amp RC circuit by nodal analysis. The inverse of its equations is kept at every measured frequency, so that
+/// A netlist of resistors, capacitors and op-amps between nodes "in" and "out" by nodal analysis. The inverse of its equations is kept at every measured frequency, so that
 /// a fault (a change of rank one or two) costs a few products instead of a solution:
 ///   (A + U D V')^-1 = A^-1 - A^-1 U D (1 + V'A^-1 U D)^-1 V'A^-1   (Sherman, Morrison, Woodbury).
 class CircuitBoard : public Board {
  public:
   /// Throws InputError for a channel at a node that is not there.
   /// `like`: takes the unknowns that this board has, so that both count them alike.
-  CircuitBoard(const circuit::Circuit& circuit, Measurement measured, const Spread& spread,
+  CircuitBoard(const schematic::Netlist& circuit, Measurement measured, const Spread& spread,
                const CircuitBoard* like = nullptr);
 
   std::size_t unknowns() const override { return unknowns_.size(); }
@@ -30,7 +30,7 @@ class CircuitBoard : public Board {
   Effect in_parallel(std::size_t part, double factor) const override;
 
   // For the kinds of fault.
-  const circuit::Circuit& circuit() const { return circuit_; }
+  const schematic::Netlist& circuit() const { return circuit_; }
   const schematic::OpAmpModel& opamp() const { return model_; }
   const Spread& spread() const { return spread_; }
   /// Every node but ground and input.
@@ -76,7 +76,7 @@ class CircuitBoard : public Board {
   static std::complex<double> at(const Point& point, const Effect& effect, int row);
   static Eigen::VectorXcd outputs(const std::vector<Point>& points, const Effect& effect);
 
-  circuit::Circuit circuit_;
+  schematic::Netlist circuit_;
   schematic::OpAmpModel model_;
   Spread spread_;
   std::map<std::string, int> nodes_;

@@ -51,12 +51,8 @@ void say_what_was_left(ProjectRun& run) {
   }
 }
 
-void write_study(ProjectRun& run, const fs::path& folder) {
-  OutputSet out(folder);
-  out.add("tracking.csv", tracking_csv(run.tracking));
-  if (!run.tracking.elsewhere.empty()) out.add("tracking_stages.csv", tracking_stages_csv(run.tracking));
-  out.add("report.html", report_page(run));
-  out.add("summary.txt", run.tables());
+/// The last files of a run, and run.json, which names all of them.
+void write_last(Run& run, OutputSet out) {
   for (const fs::path& path : out.paths()) run.files.push_back(path);
   run.files.emplace_back("run.json");
   Json json = json_header("run", run.from);
@@ -65,14 +61,13 @@ void write_study(ProjectRun& run, const fs::path& folder) {
   out.commit();
 }
 
-void write_filter(FilterRun& run, const fs::path& folder) {
-  OutputSet out = filter_files(run, folder);
-  run.files = out.paths();
-  run.files.emplace_back("run.json");
-  Json json = json_header("run", run.from);
-  json.update(run.json());
-  out.add("run.json", to_text(json));
-  out.commit();
+OutputSet study_files(const ProjectRun& run, const fs::path& folder) {
+  OutputSet out(folder);
+  out.add("tracking.csv", tracking_csv(run.tracking));
+  if (!run.tracking.elsewhere.empty()) out.add("tracking_stages.csv", tracking_stages_csv(run.tracking));
+  out.add("report.html", report_page(run));
+  out.add("summary.txt", run.tables());
+  return out;
 }
 
 /// All stages; a refused design as an error that names the project file.
@@ -160,7 +155,7 @@ std::unique_ptr<Run> run_with_plant(const ProjectSource& source, const fs::path&
     run.tracking.compute_s = tracking_watch.seconds();
     say_what_was_left(run);
     run.compute_s = watch.seconds();
-    write_study(run, folder);
+    write_last(run, study_files(run, folder));
   });
   run_stages(stages, source.file);
   std::error_code ignored;
@@ -187,7 +182,7 @@ std::unique_ptr<Run> run_filter(const ProjectSource& source, const fs::path& fol
     run.not_tried = run.design.not_tried;
     run.limits = check_limits(run.project, run.design);
     run.compute_s = watch.seconds();
-    write_filter(run, folder);
+    write_last(run, filter_files(run, folder));
   });
   run_stages(stages, source.file);
   return out;

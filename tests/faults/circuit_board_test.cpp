@@ -8,6 +8,8 @@
 #include "circuits.hpp"
 #include "faults/circuit_board.hpp"
 #include "schematic/analysis/response.hpp"
+#include "schematic/writers/spice_library.hpp"
+#include "spice/compensator_library.hpp"
 
 namespace bodesmith::faults {
 namespace {
@@ -40,6 +42,20 @@ TEST(CircuitBoard, AChangedPartIsWhatSolvingAnewFinds) {
     changed.parts[i].realised *= 3.0;
     expect_same(board.response(board.changed(i, 3.0)), solved(changed, grid));
   }
+}
+
+TEST(CircuitBoard, ThePrintedNetlistIsTheSameBoard) {
+  const circuit::Circuit circuit = small_circuit();
+  const schematic::SpiceLibrary library = schematic::read_spice(
+      schematic::spice_text(spice::compensator_library(circuit, "small")), "compensator.sub");
+  const auto grid = small_grid(12);
+  Measurement measurement;
+  measurement.channels = {seen(grid, schematic::network_response(circuit, grid), 1)};
+  const CircuitBoard designed(circuit, measurement, Spread());
+  const CircuitBoard printed(library.subcircuit(library.top).netlist, measurement, Spread());
+  ASSERT_EQ(printed.unknowns(), designed.unknowns());
+  EXPECT_LT((printed.response({}) - designed.response({})).norm(), 1e-9 * designed.response({}).norm());
+  EXPECT_EQ(printed.faults().size(), designed.faults().size());
 }
 
 TEST(CircuitBoard, TwoChangesAtOnceAndANodeInside) {

@@ -1,5 +1,6 @@
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <utility>
 
@@ -11,7 +12,7 @@ namespace {
 /// What an op-amp's equation leaves out.
 constexpr double kFloatingModelError = 0.02;
 /// A floating input follows what it is next to through stray capacitances: V+ = k V of the other input (t = ln(1 - k):
-/// the op-amp loses its gain), of its own output or of the stage's input (t = ln k).
+/// the op-amp loses its gain), of its own output or of its stage's input (t = ln k).
 constexpr double kFollowsMost = 1e-8;
 constexpr double kFollowsLeast = 0.9;
 constexpr double kPicksUpLeast = 1e-5;
@@ -27,11 +28,10 @@ class MissingGround : public FaultKind {
     const auto& opamps = board.circuit().opamps;
     for (std::size_t i = 0; i < opamps.size(); ++i) {
       if (opamps[i].plus != "0") continue;
-      const circuit::Stage& stage = board.circuit().stages[opamps[i].group];
       Fault beside_minus = start(opamps[i].name, kFollowsMost, kFollowsLeast);
       beside_minus.effect = [&board, i](double t) { return roughly(board.inputs_follow(i, std::exp(t))); };
       out.push_back(std::move(beside_minus));
-      for (const std::string& node : {opamps[i].out, stage.in}) {
+      for (const std::string& node : near_nodes(board.circuit(), opamps[i])) {
         Fault pickup = start(opamps[i].name, kPicksUpLeast, 1.0);
         pickup.effect = [&board, i, node](double t) {
           Effect effect;
@@ -45,6 +45,23 @@ class MissingGround : public FaultKind {
   }
 
  private:
+  /// Its output, and what drives its stage: the input or another stage's op-amp.
+  static std::vector<std::string> near_nodes(const schematic::Netlist& circuit,
+                                             const schematic::OpAmp& opamp) {
+    std::vector<std::string> out = {opamp.out};
+    for (const schematic::Part& part : circuit.parts) {
+      for (const std::string& node : {part.from, part.to}) {
+        const bool drives =
+            node == "in" || std::any_of(circuit.opamps.begin(), circuit.opamps.end(), [&](const auto& other) {
+              return other.out == node && other.group != opamp.group;
+            });
+        if (part.group == opamp.group && drives && std::find(out.begin(), out.end(), node) == out.end())
+          out.push_back(node);
+      }
+    }
+    return out;
+  }
+
   static Fault start(const std::string& name, double from, double to) {
     Fault out;
     out.parts = {name};

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <stdexcept>
 
+#include "base/error.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
@@ -162,7 +162,7 @@ Lines model_texts(const SpiceLibrary& library, const SpiceOptions& options) {
 const Subcircuit& SpiceLibrary::subcircuit(const std::string& name) const {
   const auto at = std::find_if(subcircuits.begin(), subcircuits.end(),
                                [&](const Subcircuit& one) { return one.name == name; });
-  if (at == subcircuits.end()) throw std::logic_error("a library without a subcircuit " + name);
+  if (at == subcircuits.end()) throw InputError(title + ": has no subcircuit " + name);
   return *at;
 }
 

@@ -5,7 +5,6 @@
 #include "chain/model_file.hpp"
 #include "functions.hpp"
 #include "invert/compensation.hpp"
-#include "invert/steady_state.hpp"
 #include "records.hpp"
 #include "signal/error_figures.hpp"
 #include "signal/extent.hpp"

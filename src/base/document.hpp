@@ -87,4 +87,13 @@ Node parse_toml(std::string_view text, const std::string& file);
 /// Reads by extension (.toml, otherwise JSON) and remembers the file in `from`.
 Node read_document(const std::filesystem::path& path, Provenance& from);
 
+/// The one of these values whose to_string() the node holds, or an error that lists them.
+template <class Enum, class... Enums>
+Enum one_of(const Node& node, Enum first, Enums... others) {
+  const std::string word = node.one_of({to_string(first), to_string(others)...});
+  Enum found = first;
+  ((to_string(others) == word ? void(found = others) : void()), ...);
+  return found;
+}
+
 }  // namespace bodesmith

@@ -5,10 +5,10 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/document.hpp"
 #include "base/error.hpp"
 #include "base/json.hpp"
 #include "base/nearest_word.hpp"
-#include "base/one_of.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "chain/registry.hpp"

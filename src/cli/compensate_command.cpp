@@ -18,7 +18,6 @@
 #include "cli/reference_options.hpp"
 #include "invert/compensation.hpp"
 #include "invert/inverse_file.hpp"
-#include "invert/steady_state.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
 #include "signal/error_figures.hpp"

@@ -75,7 +75,7 @@ faults::Measurement read_channels(const CommandLine& line, Provenance& from) {
 schematic::Netlist read_circuit(const std::string& file, Provenance& from) {
   if (is_own_document(file)) return circuit::CircuitFile::from_node(read_document(file, from)).circuit;
   const schematic::SpiceLibrary library = schematic::read_spice(from.read(file), file);
-  return library.subcircuit(library.top).netlist;
+  return library.flat(library.top);
 }
 
 std::unique_ptr<faults::Board> read_board(const CommandLine& line, const faults::Spread& spread,

@@ -160,8 +160,8 @@ std::optional<schematic::Netlist> printed_netlist(const std::string& text, const
                                                   const std::string& subcircuit) {
   try {
     const schematic::SpiceLibrary library = schematic::read_spice(text, file);
-    const schematic::Subcircuit& one = library.subcircuit(subcircuit.empty() ? library.top : subcircuit);
-    if (one.pins == std::vector<std::string>{"in", "out"}) return one.netlist;
+    const std::string& name = subcircuit.empty() ? library.top : subcircuit;
+    if (library.subcircuit(name).pins == std::vector<std::string>{"in", "out"}) return library.flat(name);
   } catch (const InputError&) {
   }
   return std::nullopt;

@@ -17,7 +17,7 @@
 #include "signal/error_figures.hpp"
 #include "simulate/controller_file.hpp"
 #include "simulate/segments.hpp"
-#include "simulate/signal_study_files.hpp"
+#include "simulate/signal_study.hpp"
 
 namespace bodesmith::cli {
 namespace {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "base/document.hpp"
-#include "base/one_of.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
 

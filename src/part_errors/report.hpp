@@ -5,7 +5,6 @@
 
 #include "base/files.hpp"
 #include "base/json_fwd.hpp"
-#include "part_errors/draw_check.hpp"
 #include "part_errors/loop.hpp"
 #include "part_errors/study.hpp"
 #include "part_errors/trim.hpp"

@@ -33,4 +33,16 @@ std::vector<Hertz> stages_grid(const Band& band);
 /// The Bode plot of all stages with the target points, and beneath it how far they are apart.
 std::vector<report::Plot> stages_plots(const Project& project, const Design& design, const Budget& budget);
 
+/// What an alternative becomes when it is built: for a reader who would choose another one than the run did.
+struct AlternativeStudy {
+  Design
+      design;  ///< the run's with this alternative chosen, and its own plan and circuit where they can be made
+  Budget budget;
+  std::vector<std::string> refused;  ///< why board or parts cannot make it
+};
+
+/// One for every alternative, in their order. The one that the run builds is not made anew.
+std::vector<AlternativeStudy> study_alternatives(const Project& project, const Design& design,
+                                                 AlternativeHardware& hardware);
+
 }  // namespace bodesmith::project

@@ -9,7 +9,6 @@
 #include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "part_errors/report.hpp"
-#include "project/alternative_study.hpp"
 #include "project/budget.hpp"
 #include "project/design.hpp"
 #include "project/filter_design.hpp"

@@ -18,8 +18,8 @@
 #include "kicad/schematic.hpp"
 #include "multiplier_layout/json.hpp"
 #include "project/artefacts.hpp"
+#include "spice/compensator_library.hpp"
 #include "spice/disturbance_library.hpp"
-#include "spice/emit.hpp"
 
 namespace bodesmith::project {
 namespace {

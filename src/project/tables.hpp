@@ -4,7 +4,6 @@
 #include <string_view>
 
 #include "base/document.hpp"
-#include "base/one_of.hpp"
 #include "project/project.hpp"
 
 /// Tables of project.toml that projects with and without a disturbance share.

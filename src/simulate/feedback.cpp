@@ -15,7 +15,7 @@
 #include "simulate/feedback_exact.hpp"
 #include "simulate/ode_solve.hpp"
 #include "simulate/simulate.hpp"
-#include "simulate/work_limit.hpp"
+#include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
 namespace {

@@ -5,7 +5,6 @@
 
 #include "chain/chain.hpp"
 #include "signal/time_record.hpp"
-#include "simulate/loop_result.hpp"
 #include "simulate/pid.hpp"
 #include "simulate/types.hpp"
 

@@ -5,8 +5,8 @@
 
 #include "chain/chain.hpp"
 #include "signal/time_record.hpp"
-#include "simulate/loop_result.hpp"
 #include "simulate/pid.hpp"
+#include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
 

@@ -8,7 +8,7 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "simulate/cvode_solver.hpp"
-#include "simulate/work_limit.hpp"
+#include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
 namespace {

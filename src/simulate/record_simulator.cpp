@@ -15,7 +15,7 @@
 #include "simulate/propagators/memory.hpp"
 #include "simulate/propagators/sampled.hpp"
 #include "simulate/record_plan.hpp"
-#include "simulate/work_limit.hpp"
+#include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
 namespace {

@@ -2,8 +2,10 @@
 
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "signal/period.hpp"
 #include "signal/spectrum.hpp"
 #include "simulate/loop.hpp"
@@ -28,5 +30,17 @@ struct SignalStudy {
 /// `fundamental`: of u, when known; else a repetition is looked for, and the cycles within it. Both of one length above 1.
 SignalStudy study_signals(std::span<const double> u, std::span<const double> y, double start_s, double step_s,
                           std::optional<Hertz> fundamental);
+
+// A signal study as it is written. `input` stands for the u in the names.
+
+/// A row a line: frequency_hz, (harmonic, its multiple of the fundamental, when u repeats,) u_amplitude,
+/// u_phase_deg, y_amplitude, y_phase_deg.
+std::string spectra_csv(const SignalStudy& study, const std::string& input = "u");
+/// A row a level: period (from 1), u, ascending, descending, height_percent (of that period).
+std::string loops_csv(const SignalStudy& study, const std::string& input = "u");
+/// {"periodic", "resolution_hz", "fundamental_hz", "thd_percent", "harmonics": the first ten}.
+Json spectra_json(const SignalStudy& study, const std::string& input = "u");
+/// {"periods", "height", "height_percent" (of the last), "largest_height_percent"}.
+Json loops_json(const SignalStudy& study);
 
 }  // namespace bodesmith::simulate

@@ -2,12 +2,14 @@
 
 #include <cstddef>
 #include <optional>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "chain/chain.hpp"
 #include "chain/start.hpp"
+#include "signal/time_record.hpp"
 
 namespace bodesmith::simulate {
 
@@ -83,5 +85,36 @@ struct NoClosedForm {
   Reason reason;
   std::string text;
 };
+
+/// u = f + control(r - y), y = P{u}: a feed-forward signal and the loop round the plant, as the disturbance
+/// paper's hybrid controllers. r and f are straight lines between samples.
+struct LoopResult {
+  std::vector<double> y;
+  std::vector<double> drive;  ///< u; at a clock edge of a sampled controller its new value
+  std::optional<double> error_estimate;
+  double model_error = 0.0;  ///< as in Result
+  Stats stats;
+};
+
+/// The input of a TimeRecord, or of samples that lie elsewhere; a view.
+struct SampledInput {
+  double start_s = 0.0;
+  double step_s = 0.0;
+  std::span<const double> u;
+
+  SampledInput(double start, double step, std::span<const double> samples)
+      : start_s(start), step_s(step), u(samples) {}
+  SampledInput(const TimeRecord& record) : SampledInput(record.start_s, record.step_s, record.u) {}
+
+  std::size_t size() const { return u.size(); }
+};
+
+/// A clock of more edges than this in one record (some seconds of computing) is a slip of the pen.
+inline constexpr double kMostEdges = 1e8;
+/// Steps of an adaptive solver after which a record is given up: minutes.
+inline constexpr std::size_t kMostSolverSteps = 50'000'000;
+
+/// InputError naming `what` (the clock and its value) when there would be more.
+void require_few_edges(double edges, std::string_view what, double most = kMostEdges);
 
 }  // namespace bodesmith::simulate

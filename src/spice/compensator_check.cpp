@@ -12,8 +12,8 @@
 #include "schematic/analysis/noise.hpp"
 #include "schematic/analysis/response.hpp"
 #include "spice/compensator_library.hpp"
+#include "spice/deck_template.hpp"
 #include "spice/ngspice.hpp"
-#include "spice/triangle.hpp"
 
 namespace bodesmith::spice {
 namespace {

@@ -8,7 +8,6 @@
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "schematic/plain_number.hpp"
-#include "spice/triangle.hpp"
 
 namespace bodesmith::spice {
 
@@ -46,6 +45,13 @@ Deck deck_from_template(const std::string& file, const DeckRequest& request,
     for (const std::string& line : list.lines) data[list.name].push_back({{"line", line}});
   }
   return {file, render_template("spice/" + file, data)};
+}
+
+std::string triangle_points(double frequency_hz) {
+  std::string out = "0 0";
+  for (int half = 1; half <= 4; ++half)
+    out += fmt::format(" {:.12g} {}", half / (2.0 * frequency_hz), half % 2);
+  return out;
 }
 
 }  // namespace bodesmith::spice

@@ -17,4 +17,7 @@ struct TemplateLines {
 Deck deck_from_template(const std::string& file, const DeckRequest& request,
                         const std::vector<TemplateLines>& lists = {});
 
+/// Two periods of a triangle of 0 to 1 V as the points of a PWL source.
+std::string triangle_points(double frequency_hz);
+
 }  // namespace bodesmith::spice

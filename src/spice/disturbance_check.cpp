@@ -9,9 +9,9 @@
 #include "multiplier_layout/at_rest.hpp"
 #include "multiplier_layout/polynomial.hpp"
 #include "multiplier_layout/timing.hpp"
+#include "spice/deck_template.hpp"
 #include "spice/disturbance_library.hpp"
 #include "spice/ngspice.hpp"
-#include "spice/triangle.hpp"
 
 namespace bodesmith::spice {
 namespace {

@@ -52,10 +52,11 @@ TEST(CircuitBoard, ThePrintedNetlistIsTheSameBoard) {
   Measurement measurement;
   measurement.channels = {seen(grid, schematic::network_response(circuit, grid), 1)};
   const CircuitBoard designed(circuit, measurement, Spread());
-  const CircuitBoard printed(library.subcircuit(library.top).netlist, measurement, Spread());
+  const CircuitBoard printed(library.flat(library.top), measurement, Spread());
   ASSERT_EQ(printed.unknowns(), designed.unknowns());
   EXPECT_LT((printed.response({}) - designed.response({})).norm(), 1e-9 * designed.response({}).norm());
   EXPECT_EQ(printed.faults().size(), designed.faults().size());
+  EXPECT_EQ(printed.nodes(), designed.nodes());
 }
 
 TEST(CircuitBoard, TwoChangesAtOnceAndANodeInside) {

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "part_errors/draw_check.hpp"
 #include "part_errors/seed_controller.hpp"
 #include "spice/ngspice.hpp"
 

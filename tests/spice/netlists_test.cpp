@@ -8,7 +8,7 @@
 #include "circuit/text.hpp"
 #include "run_program.hpp"
 #include "schematic/analysis/response.hpp"
-#include "spice/emit.hpp"
+#include "spice/compensator_library.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::spice {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <utility>
 
 #include "base/error.hpp"
 #include "base/json.hpp"
@@ -164,6 +165,35 @@ const Subcircuit& SpiceLibrary::subcircuit(const std::string& name) const {
                                [&](const Subcircuit& one) { return one.name == name; });
   if (at == subcircuits.end()) throw InputError(title + ": has no subcircuit " + name);
   return *at;
+}
+
+Netlist SpiceLibrary::flat(const std::string& name) const {
+  Netlist out = subcircuit(name).netlist;
+  for (const Instance& instance : std::exchange(out.instances, {})) {
+    const Subcircuit& of = subcircuit(instance.of);
+    Netlist inner = flat(instance.of);
+    if (of.pins.size() != instance.nodes.size() || !inner.multipliers.empty() || !inner.contacts.empty() ||
+        !inner.sources.empty() || !inner.comparators.empty() || !inner.gates.empty())
+      throw InputError(fmt::format(
+          "{}: {} holds more than resistors, capacitors and op-amps between its pins", title, instance.of));
+    const auto place = [&](auto& one, std::initializer_list<std::string*> nodes) {
+      one.group += out.groups.size();
+      for (std::string* node : nodes) {
+        const auto pin = std::find(of.pins.begin(), of.pins.end(), *node);
+        if (pin != of.pins.end()) {
+          *node = instance.nodes[static_cast<std::size_t>(pin - of.pins.begin())];
+        } else if (*node != "0") {
+          *node = fmt::format("s{}_{}", instance.name, *node);
+        }
+      }
+    };
+    for (Part& one : inner.parts) place(one, {&one.from, &one.to});
+    for (OpAmp& one : inner.opamps) place(one, {&one.plus, &one.minus, &one.out});
+    out.parts.insert(out.parts.end(), inner.parts.begin(), inner.parts.end());
+    out.opamps.insert(out.opamps.end(), inner.opamps.begin(), inner.opamps.end());
+    out.groups.insert(out.groups.end(), inner.groups.begin(), inner.groups.end());
+  }
+  return out;
 }
 
 std::string spice_text(const SpiceLibrary& library, const SpiceOptions& options) {

@@ -26,7 +26,11 @@ struct SpiceLibrary {
   std::vector<std::string> notes;  ///< comments at its head
   std::vector<Subcircuit> subcircuits;
 
+  /// InputError when there is none.
   const Subcircuit& subcircuit(const std::string& name) const;
+  /// A subcircuit of resistors, capacitors and op-amps with what its instances hold in their places: a group each, the inner
+  /// node k of instance 2 is s2_k. InputError for other elements in them.
+  Netlist flat(const std::string& name) const;
 };
 
 struct SpiceOptions {

@@ -16,7 +16,7 @@
 #include "simulate/dense_signal.hpp"
 #include "simulate/engines/engine.hpp"
 #include "simulate/ode_solve.hpp"
-#include "simulate/work_limit.hpp"
+#include "simulate/types.hpp"
 
 namespace bodesmith::simulate {
 namespace {

@@ -5,7 +5,6 @@
 
 #include "chain/chain.hpp"
 #include "signal/time_record.hpp"
-#include "simulate/sampled_input.hpp"
 #include "simulate/types.hpp"
 
 namespace bodesmith::simulate {

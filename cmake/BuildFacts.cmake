@@ -1,4 +1,4 @@
-# What `bodesmith --version --json` says of the build: generated/cli/build_facts.hpp.
+# What `bodesmith --version --json` says of the build: generated/cli/build_facts.cpp.
 set(BODESMITH_COMMIT "")
 set(BODESMITH_DATE "")
 find_package(Git QUIET)
@@ -48,4 +48,6 @@ foreach(header matio_pubconf.h matio.h)
 endforeach()
 set(BODESMITH_LIBRARIES "eigen=${Eigen3_VERSION} sundials=${SUNDIALS_VERSION} boost=${Boost_VERSION_STRING} nlohmann_json=${nlohmann_json_VERSION} tomlplusplus=${tomlplusplus_VERSION} fmt=${fmt_VERSION} openssl=${OPENSSL_VERSION} matio=${matio_version} mpi=${MPI_CXX_VERSION}")
 
-configure_file(${CMAKE_CURRENT_SOURCE_DIR}/src/cli/build_facts.hpp.in ${CMAKE_BINARY_DIR}/generated/cli/build_facts.hpp @ONLY)
+set(BODESMITH_BUILD_FACTS ${CMAKE_BINARY_DIR}/generated/cli/build_facts.cpp)
+configure_file(${CMAKE_CURRENT_SOURCE_DIR}/src/cli/build_facts.cpp.in ${BODESMITH_BUILD_FACTS} @ONLY)
+set_source_files_properties(${BODESMITH_BUILD_FACTS} PROPERTIES SKIP_UNITY_BUILD_INCLUSION ON SKIP_PRECOMPILE_HEADERS ON)

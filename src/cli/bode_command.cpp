@@ -61,18 +61,8 @@ std::vector<Hertz> choose_grid(const CommandLine& line, const std::vector<Respon
   return log_grid(band, count);
 }
 
-/// A magnitude of 0 or a pole on the axis has no dB; what is no number at all was beyond double precision.
-void require_numbers(const ResponseSource& source, const std::vector<Hertz>& grid,
-                     const ResponseColumns& columns) {
-  for (std::size_t i = 0; i < grid.size(); ++i) {
-    if (columns.magnitude_db[i] && std::isnan(*columns.magnitude_db[i]))
-      throw InputError(fmt::format("{}: has no response at {} Hz that double precision can hold", source.stem,
-                                   rounded_text(grid[i].value)));
-  }
-}
-
 std::string bode_csv(const std::vector<Hertz>& grid, const std::vector<ResponseSource>& sources,
-                     const std::vector<ResponseColumns>& columns,
+                     const std::vector<LevelAndPhase>& columns,
                      const std::vector<std::vector<ExtraColumn>>& extra) {
   std::vector<std::string> names{std::string(column::frequency_hz)};
   for (std::size_t i = 0; i < sources.size(); ++i) {
@@ -82,9 +72,7 @@ std::string bode_csv(const std::vector<Hertz>& grid, const std::vector<ResponseS
     for (const ExtraColumn& more : extra[i]) names.push_back(more.name);
   }
   CsvTable table(names);
-  const auto cell = [](const std::optional<double>& value) {
-    return value && std::isfinite(*value) ? number_text(*value) : std::string();
-  };
+  const auto cell = [](double value) { return std::isfinite(value) ? number_text(value) : std::string(); };
   for (std::size_t row = 0; row < grid.size(); ++row) {
     std::vector<std::string> cells{number_text(grid[row].value)};
     for (std::size_t i = 0; i < columns.size(); ++i) {
@@ -97,18 +85,11 @@ std::string bode_csv(const std::vector<Hertz>& grid, const std::vector<ResponseS
   return table.text();
 }
 
-/// Gaps where the file has no value.
-std::vector<double> with_gaps(const std::vector<std::optional<double>>& column) {
-  std::vector<double> out;
-  for (const auto& value : column) out.push_back(value.value_or(NAN));
-  return out;
-}
-
 /// A measured record's points as marks, everything else on a dense grid, and beneath them how far apart they are.
 class BodePicture {
  public:
   BodePicture(const std::vector<Hertz>& grid, const std::vector<ResponseSource>& sources,
-              const std::vector<ResponseColumns>& columns, const std::vector<std::vector<ExtraColumn>>& extra)
+              const std::vector<LevelAndPhase>& columns, const std::vector<std::vector<ExtraColumn>>& extra)
       : sources_(sources), dense_(dense_grid(grid)) {
     const bool same = dense_.size() == grid.size();
     for (std::size_t i = 0; i < sources.size(); ++i) {
@@ -142,19 +123,19 @@ class BodePicture {
     return out;
   }
 
-  void add(int number, const ResponseColumns* known) {
+  void add(int number, const LevelAndPhase* known) {
     const ResponseSource& source = sources_[static_cast<std::size_t>(number)];
     const bool marks = !source.own_frequencies.empty() && source.own_frequencies.size() <= kMostMarks;
     const std::vector<Hertz>& grid = marks ? source.own_frequencies : dense_;
-    const ResponseColumns columns = known != nullptr && !marks ? *known : source.on_grid(grid);
-    report::Series series{source.stem, hertz_of(grid), with_gaps(columns.magnitude_db)};
+    const LevelAndPhase columns = known != nullptr && !marks ? *known : source.on_grid(grid);
+    report::Series series{source.stem, hertz_of(grid), columns.magnitude_db};
     series.style = marks             ? report::Series::Style::marks
                    : number % 2 == 0 ? report::Series::Style::line
                                      : report::Series::Style::dashed;
     series.color = number;
     plot_.magnitude.series.push_back(series);
     if (columns.phase_deg.empty()) return;
-    series.y = with_gaps(columns.phase_deg);
+    series.y = columns.phase_deg;
     plot_.phase.series.push_back(std::move(series));
   }
 
@@ -164,8 +145,7 @@ class BodePicture {
     delay_.x = plot_.magnitude.x;
     delay_.y = {"s"};
     delay_.height = 240;
-    report::Series series{sources_[static_cast<std::size_t>(number)].stem, hertz_of(grid),
-                          with_gaps(column.values)};
+    report::Series series{sources_[static_cast<std::size_t>(number)].stem, hertz_of(grid), column.values};
     series.color = number;
     delay_.series.push_back(std::move(series));
   }
@@ -181,7 +161,7 @@ class BodePicture {
       report::Series series = plot_.magnitude.series[i];
       std::vector<Hertz> grid;
       for (const double f : series.x) grid.push_back(Hertz{f});
-      const std::vector<double> first = with_gaps(sources_[0].on_grid(grid).magnitude_db);
+      const std::vector<double> first = sources_[0].on_grid(grid).magnitude_db;
       for (std::size_t k = 0; k < series.y.size(); ++k) series.y[k] -= first[k];
       out.series.push_back(std::move(series));
     }
@@ -211,19 +191,19 @@ struct DecibelRange {
   double high = -INFINITY;
 };
 
-DecibelRange decibel_range(const ResponseColumns& columns) {
+DecibelRange decibel_range(const LevelAndPhase& columns) {
   DecibelRange out;
-  for (const auto& value : columns.magnitude_db) {
-    if (!value || !std::isfinite(*value)) continue;
-    out.low = std::min(out.low, *value);
-    out.high = std::max(out.high, *value);
+  for (const double value : columns.magnitude_db) {
+    if (!std::isfinite(value)) continue;
+    out.low = std::min(out.low, value);
+    out.high = std::max(out.high, value);
   }
   return out.low > out.high ? DecibelRange{0.0, 0.0} : out;
 }
 
 void print_bode_summary(const CommandLine& line, const Provenance& from, const std::vector<Hertz>& grid,
-                        const std::vector<ResponseSource>& sources,
-                        const std::vector<ResponseColumns>& columns, double seconds) {
+                        const std::vector<ResponseSource>& sources, const std::vector<LevelAndPhase>& columns,
+                        double seconds) {
   std::string text =
       fmt::format("{} frequencies, {} to {}\n", grid.size(), engineering_text(grid.front().value, "Hz", 5),
                   engineering_text(grid.back().value, "Hz", 5));
@@ -265,10 +245,9 @@ int run_bode(const std::vector<std::string>& arguments) {
   const std::vector<Hertz> grid = choose_grid(line, sources);
 
   const Stopwatch watch;
-  std::vector<ResponseColumns> columns;
+  std::vector<LevelAndPhase> columns;
   for (const ResponseSource& source : sources) {
     columns.push_back(source.on_grid(grid));
-    require_numbers(source, grid, columns.back());
     if (columns.back().phase_deg.empty()) note(source.stem + " has no phase_deg: magnitude only");
   }
   std::vector<std::vector<ExtraColumn>> extra;

@@ -21,12 +21,12 @@ namespace {
 
 using Complex = std::complex<double>;
 
-/// The response on the grid where it has magnitude and phase; nothing elsewhere.
-std::vector<std::optional<Complex>> complex_column(const ResponseColumns& columns) {
-  std::vector<std::optional<Complex>> out(columns.magnitude_db.size());
+/// The response on the grid where it has magnitude and phase; NaN elsewhere.
+std::vector<Complex> complex_column(const LevelAndPhase& columns) {
+  std::vector<Complex> out(columns.magnitude_db.size(), Complex(NAN, NAN));
   for (std::size_t i = 0; i < columns.phase_deg.size(); ++i) {
-    if (columns.magnitude_db[i] && columns.phase_deg[i] && std::isfinite(*columns.magnitude_db[i]))
-      out[i] = std::polar(from_decibel(*columns.magnitude_db[i]), to_radians(*columns.phase_deg[i]));
+    if (std::isfinite(columns.magnitude_db[i]) && std::isfinite(columns.phase_deg[i]))
+      out[i] = std::polar(from_decibel(columns.magnitude_db[i]), to_radians(columns.phase_deg[i]));
   }
   return out;
 }
@@ -42,8 +42,8 @@ LoopOnBand measured_loop(const std::vector<Hertz>& grid, const BodeResponse& res
   std::vector<Complex> values;
   const auto column = complex_column(response.columns);
   for (std::size_t i = 0; i < column.size(); ++i) {
-    if (!column[i] || !std::isfinite(std::abs(*column[i]))) continue;
-    values.push_back(*column[i]);
+    if (!std::isfinite(std::abs(column[i]))) continue;
+    values.push_back(column[i]);
     out.grid.push_back(grid[i]);
   }
   out.at = interpolated_loop(out.grid, std::move(values));
@@ -59,9 +59,8 @@ LoopOnBand loop_on_band(const std::vector<Hertz>& grid, const BodeResponse& resp
   return out;
 }
 
-std::vector<std::optional<double>> group_delays(const std::vector<Hertz>& grid,
-                                                const BodeResponse& response) {
-  std::vector<std::optional<double>> out(grid.size());
+std::vector<double> group_delays(const std::vector<Hertz>& grid, const BodeResponse& response) {
+  std::vector<double> out(grid.size(), NAN);
   const ResponseSource& source = response.source;
   if (source.sections || source.quick) {
     const Loop at = [&source](Hertz f) { return source.response({f}).front(); };
@@ -72,10 +71,8 @@ std::vector<std::optional<double>> group_delays(const std::vector<Hertz>& grid,
   }
   // Measured: the slope of the phase between the neighbours.
   const auto& phase = response.columns.phase_deg;
-  for (std::size_t i = 1; i + 1 < phase.size(); ++i) {
-    if (phase[i - 1] && phase[i + 1])
-      out[i] = -(*phase[i + 1] - *phase[i - 1]) / 360.0 / (grid[i + 1].value - grid[i - 1].value);
-  }
+  for (std::size_t i = 1; i + 1 < phase.size(); ++i)
+    out[i] = -(phase[i + 1] - phase[i - 1]) / 360.0 / (grid[i + 1].value - grid[i - 1].value);
   return out;
 }
 
@@ -116,10 +113,10 @@ std::string nyquist_svg(const CommandLine& line, const std::vector<BodeResponse>
   for (std::size_t i = 0; i < responses.size(); ++i) {
     if (!is_drawn(line, responses[i])) continue;
     report::Series series = curve(responses[i].source.stem, static_cast<int>(i));
-    for (const auto& h : complex_column(responses[i].columns)) {
-      const bool inside = h && std::abs(h->real() + 1.0) <= kReach && std::abs(h->imag()) <= plot.y.to;
-      series.x.push_back(inside ? h->real() : NAN);
-      series.y.push_back(inside ? h->imag() : NAN);
+    for (const Complex h : complex_column(responses[i].columns)) {
+      const bool inside = std::abs(h.real() + 1.0) <= kReach && std::abs(h.imag()) <= plot.y.to;
+      series.x.push_back(inside ? h.real() : NAN);
+      series.y.push_back(inside ? h.imag() : NAN);
     }
     plot.series.push_back(series);
   }
@@ -142,11 +139,10 @@ std::string nichols_svg(const CommandLine& line, const std::vector<BodeResponse>
   for (std::size_t i = 0; i < responses.size(); ++i) {
     if (!is_drawn(line, responses[i])) continue;
     report::Series series = curve(responses[i].source.stem, static_cast<int>(i));
-    const ResponseColumns& columns = responses[i].columns;
-    for (std::size_t k = 0; k < columns.phase_deg.size(); ++k) {
-      series.x.push_back(columns.phase_deg[k].value_or(NAN));
-      series.y.push_back(columns.magnitude_db[k].value_or(NAN));
-    }
+    const LevelAndPhase& columns = responses[i].columns;
+    if (columns.phase_deg.empty()) continue;
+    series.x = columns.phase_deg;
+    series.y = columns.magnitude_db;
     plot.series.push_back(series);
   }
   add_critical_point(plot, -180.0, 0.0);
@@ -216,18 +212,15 @@ ResponseSource series_of(const std::vector<ResponseSource>& sources) {
   }
   if (parts.size() == sources.size()) out.sections = in_series(parts);
   out.on_grid = [sources](const std::vector<Hertz>& grid) {
-    ResponseColumns sum = sources.front().on_grid(grid);
+    LevelAndPhase sum = sources.front().on_grid(grid);
     for (std::size_t i = 1; i < sources.size(); ++i) {
-      const ResponseColumns next = sources[i].on_grid(grid);
+      const LevelAndPhase next = sources[i].on_grid(grid);
       if (next.phase_deg.empty()) sum.phase_deg.clear();
-      for (std::size_t k = 0; k < grid.size(); ++k) {
-        const auto add = [k](auto& to, const auto& value) {
-          if (k >= to.size()) return;
-          to[k] = to[k] && value[k] ? std::optional(*to[k] + *value[k]) : std::nullopt;
-        };
-        add(sum.magnitude_db, next.magnitude_db);
-        add(sum.phase_deg, next.phase_deg);
-      }
+      const auto add = [](std::vector<double>& to, const std::vector<double>& value) {
+        for (std::size_t k = 0; k < to.size(); ++k) to[k] += value[k];
+      };
+      add(sum.magnitude_db, next.magnitude_db);
+      add(sum.phase_deg, next.phase_deg);
     }
     return sum;
   };
@@ -252,8 +245,7 @@ std::vector<ExtraColumn> extra_columns(const CommandLine& line, const std::vecto
   if (line.has("group-delay")) out.push_back({stem + "_group_delay_s", group_delays(grid, response)});
   const auto add = [&](const std::string& name, auto value) {
     ExtraColumn column{stem + name, {}};
-    for (const auto& h : complex_column(response.columns))
-      column.values.push_back(h ? std::optional<double>(value(*h)) : std::nullopt);
+    for (const Complex h : complex_column(response.columns)) column.values.push_back(value(h));
     out.push_back(std::move(column));
   };
   if (line.has("nyquist")) {

@@ -1,6 +1,5 @@
 #pragma once
 
-#include <optional>
 #include <string>
 #include <vector>
 
@@ -14,12 +13,12 @@ namespace bodesmith::cli {
 /// A response of `bode` with its columns on the grid.
 struct BodeResponse {
   const ResponseSource& source;
-  const ResponseColumns& columns;
+  const LevelAndPhase& columns;
 };
 
 struct ExtraColumn {
   std::string name;
-  std::vector<std::optional<double>> values;  ///< one a frequency
+  std::vector<double> values;  ///< one a frequency, NaN: none
 };
 
 /// --series, --margins, --group-delay, --nyquist, --nichols, their pictures and --time-response.

@@ -9,6 +9,7 @@
 #include "base/document.hpp"
 #include "base/error.hpp"
 #include "base/letters.hpp"
+#include "base/text.hpp"
 #include "chain/model_file.hpp"
 #include "circuit/built_circuit.hpp"
 #include "fpaa/plan/plan.hpp"
@@ -32,16 +33,19 @@ namespace {
 using Complex = std::complex<double>;
 using Evaluate = std::function<std::vector<Complex>(const std::vector<Hertz>&)>;
 
-ResponseColumns to_columns(const LevelAndPhase& curves) {
-  ResponseColumns columns;
-  columns.magnitude_db.assign(curves.magnitude_db.begin(), curves.magnitude_db.end());
-  columns.phase_deg.assign(curves.phase_deg.begin(), curves.phase_deg.end());
-  return columns;
+/// A magnitude of 0 or a pole on the axis has no dB; what is no number at all was beyond double precision.
+LevelAndPhase require_numbers(LevelAndPhase curves, const std::string& stem, const std::vector<Hertz>& grid) {
+  for (std::size_t i = 0; i < grid.size(); ++i) {
+    if (std::isnan(curves.magnitude_db[i]))
+      throw InputError(fmt::format("{}: has no response at {} Hz that double precision can hold", stem,
+                                   rounded_text(grid[i].value)));
+  }
+  return curves;
 }
 
 void set_evaluation(ResponseSource& source, Evaluate evaluate) {
-  source.on_grid = [evaluate](const std::vector<Hertz>& grid) {
-    return to_columns(level_and_phase(evaluate(grid)));
+  source.on_grid = [evaluate, stem = source.stem](const std::vector<Hertz>& grid) {
+    return require_numbers(level_and_phase(evaluate(grid)), stem, grid);
   };
   source.response = std::move(evaluate);
 }
@@ -55,11 +59,11 @@ void set_sections(ResponseSource& source, const Sections& sections) {
   source.sections = sections;
   set_evaluation(source, [sections](const std::vector<Hertz>& grid) { return responses(sections, grid); });
   // However far the points of a grid are apart: the delay turns the phase by many turns between them.
-  source.on_grid = [rational = without_delay(sections),
-                    delay_s = sections.delay_s](const std::vector<Hertz>& grid) {
-    ResponseColumns columns = to_columns(level_and_phase(rational, grid));
-    for (std::size_t i = 0; i < grid.size(); ++i) *columns.phase_deg[i] -= 360.0 * grid[i].value * delay_s;
-    return columns;
+  source.on_grid = [rational = without_delay(sections), delay_s = sections.delay_s,
+                    stem = source.stem](const std::vector<Hertz>& grid) {
+    LevelAndPhase curves = require_numbers(level_and_phase(rational, grid), stem, grid);
+    for (std::size_t i = 0; i < grid.size(); ++i) curves.phase_deg[i] -= 360.0 * grid[i].value * delay_s;
+    return curves;
   };
 }
 
@@ -72,11 +76,10 @@ Evaluate pointwise(Response response) {
   };
 }
 
-/// Linear in log frequency; absent outside the rows.
-std::optional<double> interpolate(const std::vector<double>& log_f, const std::vector<double>& value,
-                                  double at) {
+/// Linear in log frequency; NaN outside the rows.
+double interpolate(const std::vector<double>& log_f, const std::vector<double>& value, double at) {
   const double slack = 1e-9;
-  if (at < log_f.front() - slack || at > log_f.back() + slack) return std::nullopt;
+  if (at < log_f.front() - slack || at > log_f.back() + slack) return NAN;
   const auto above = std::upper_bound(log_f.begin(), log_f.end(), at);
   if (above == log_f.begin()) return value.front();
   if (above == log_f.end()) return value.back();
@@ -98,7 +101,7 @@ void load_measured(const std::filesystem::path& path, Provenance& from, Response
   }
   source.band = Band{points.points.front().frequency, points.points.back().frequency};
   source.on_grid = [log_f, magnitude, phase](const std::vector<Hertz>& grid) {
-    ResponseColumns columns;
+    LevelAndPhase columns;
     for (const Hertz f : grid) {
       columns.magnitude_db.push_back(interpolate(log_f, magnitude, std::log(f.value)));
       if (!phase.empty()) columns.phase_deg.push_back(interpolate(log_f, phase, std::log(f.value)));

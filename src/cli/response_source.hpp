@@ -9,23 +9,19 @@
 
 #include "base/provenance.hpp"
 #include "lti/frequency_grid.hpp"
+#include "lti/level_and_phase.hpp"
 #include "lti/sections.hpp"
 
 namespace bodesmith::cli {
-
-/// Magnitude and phase over a grid; a value that the file does not have is absent.
-struct ResponseColumns {
-  std::vector<std::optional<double>> magnitude_db;
-  std::vector<std::optional<double>>
-      phase_deg;  ///< unwrapped along the grid; empty when the file has no phase
-};
 
 /// Something with a frequency response, whatever file it came from.
 struct ResponseSource {
   std::string stem;
   std::optional<Band> band;            ///< where it is interesting (its corners, or a record's range)
   std::vector<Hertz> own_frequencies;  ///< a measured record's own grid; empty for everything else
-  std::function<ResponseColumns(const std::vector<Hertz>&)> on_grid;
+  /// NaN: a value that the file does not have; no phases: it has none at all. InputError where what is computed leaves double
+  /// precision.
+  std::function<LevelAndPhase(const std::vector<Hertz>&)> on_grid;
   /// The same as complex numbers; empty for what is measured.
   std::function<std::vector<std::complex<double>>(const std::vector<Hertz>&)> response;
   std::optional<Sections> sections;  ///< where the file holds sections

@@ -11,7 +11,7 @@
 namespace bodesmith {
 
 /// Responses of a section chain at very many frequencies: roots are paired into real quadratics once, then
-/// eight frequencies run side by side with one division for every eight poles. Agrees with
+/// many frequencies run side by side with one division for every eight poles. Agrees with
 /// Sections::response() to a few rounding errors of the whole product. No allocation after construction.
 class BulkResponse {
  public:

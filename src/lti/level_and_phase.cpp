@@ -6,15 +6,7 @@
 #include "base/units.hpp"
 #include "lti/bulk_response.hpp"
 #include "numeric/clones.hpp"
-
-// glibc's libmvec has both of these for two and four doubles at once, within 4 units in the last place; GCC is told here, as
-// <cmath> tells it only under -ffast-math. Elsewhere the loop below calls the scalar ones.
-#if defined(__x86_64__) && defined(__GLIBC__) && defined(__GNUC__) && !defined(__clang__)
-extern "C" {
-__attribute__((__simd__("notinbranch"), __const__)) double log(double) noexcept;
-__attribute__((__simd__("notinbranch"), __const__)) double atan2(double, double) noexcept;
-}
-#endif
+#include "numeric/log_and_angle.hpp"
 
 namespace bodesmith {
 namespace {
@@ -29,8 +21,8 @@ BODESMITH_CLONES void levels_and_angles(const std::complex<double>* response, do
   for (std::size_t i = 0; i < count; ++i) {
     const double re = parts[2 * i];
     const double im = parts[2 * i + 1];
-    level_db[i] = kDecibelPerLog * ::log(re * re + im * im);
-    angle_deg[i] = kDegreesPerRadian * ::atan2(im, re);
+    level_db[i] = kDecibelPerLog * log_of(re * re + im * im);
+    angle_deg[i] = kDegreesPerRadian * angle_of(re, im);
   }
 }
 
@@ -41,7 +33,9 @@ void put(std::span<const std::complex<double>> response, std::size_t begin, Leve
     // The square of a gain may leave the range of a double where the gain does not.
     constexpr double kSafeDb = 2900.0;
     double& level = out.magnitude_db[begin + i];
-    if (!(std::abs(level) < kSafeDb)) level = to_decibel(std::abs(response[i]));
+    if (std::abs(level) < kSafeDb) continue;
+    level = to_decibel(std::abs(response[i]));
+    out.phase_deg[begin + i] = to_degrees(std::arg(response[i]));
   }
 }
 

@@ -5,7 +5,7 @@
 #include <limits>
 #include <random>
 
-#include "numeric/log_ratio.hpp"
+#include "circuit/parts/stage_errors.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -33,11 +33,7 @@ class StageSearch {
         alone_(stages == 1),
         few_stages_(stages <= 3),
         neighbours_(stages == 1 ? 6 : (stages == 2 ? 4 : 2)),
-        weight_(grid.weight) {
-    for (const Hertz f : grid.at) {
-      w_.push_back(f.rad_s());
-      wanted_.push_back(form.wanted().response(f.rad_s()));
-    }
+        errors_(form, grid) {
     for (const StagePart& part : form.parts()) {
       resistors_ += part.kind == Part::Kind::resistor && !part.fixed ? 1 : 0;
     }
@@ -206,27 +202,9 @@ class StageSearch {
     }
   }
 
-  /// Max. |H/H_wanted - 1|^2 (weighted); stops looking once it is above `enough`.
   double worst_error(const std::vector<double>& values,
                      double enough = std::numeric_limits<double>::infinity()) const {
-    const Biquad h = form_.aim(values);
-    double out = 0.0;
-    for (std::size_t i = 0; i < w_.size() && out <= enough; ++i) {
-      const double w = w_[i].value;
-      const std::complex<double> numerator(h.b0 - w * w * h.b2, w * h.b1),
-          denominator(h.a0 - w * w * h.a2, w * h.a1);
-      out = std::max(out, weight_[i] * weight_[i] * std::norm(numerator - wanted_[i] * denominator) /
-                              std::norm(wanted_[i] * denominator));
-    }
-    return out;
-  }
-
-  std::vector<std::complex<double>> error_of(const std::vector<double>& values) const {
-    const Biquad h = form_.aim(values);
-    std::vector<std::complex<double>> out(w_.size());
-    for (std::size_t i = 0; i < w_.size(); ++i)
-      out[i] = weight_[i] * log_ratio(h.response(w_[i]), wanted_[i]);
-    return out;
+    return errors_.worst_square(values, enough);
   }
 
   void keep(const std::vector<double>& values) {
@@ -236,7 +214,7 @@ class StageSearch {
       if (here > 4.0 * min_alone_) return;
       min_alone_ = std::min(min_alone_, here);
     }
-    found_.push_back({values, error_of(values)});
+    found_.push_back({values, errors_.logarithms(values)});
   }
 
   static constexpr std::size_t kMaxCandidates = 400;
@@ -249,13 +227,11 @@ class StageSearch {
   bool alone_;
   bool few_stages_;
   int neighbours_;
-  std::vector<double> weight_;
   double shift_ = 1.0;
   double min_exchanged_ = std::numeric_limits<double>::infinity();
   double min_alone_ = std::numeric_limits<double>::infinity();
   int resistors_ = 0;
-  std::vector<RadPerSecond> w_;
-  std::vector<std::complex<double>> wanted_;
+  StageErrors errors_;
   std::vector<StageCandidate> found_;
 };
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <limits>
 
-#include "numeric/log_ratio.hpp"
+#include "circuit/parts/stage_errors.hpp"
 
 namespace bodesmith::circuit {
 namespace {
@@ -35,19 +35,10 @@ double norm_of(Norm norm, std::size_t count, double enough, Error error) {
 class StageMoves {
  public:
   StageMoves(const StageForm& form, const RealiseOptions& options, const SearchGrid& grid)
-      : form_(form), options_(options), weight_(grid.weight) {
-    for (const Hertz f : grid.at) {
-      w_.push_back(f.rad_s());
-      wanted_.push_back(form.wanted().response(f.rad_s()));
-    }
-  }
+      : form_(form), options_(options), errors_(form, grid) {}
 
   std::vector<std::complex<double>> error(const std::vector<double>& values) const {
-    const Biquad h = form_.aim(values);
-    std::vector<std::complex<double>> out(w_.size());
-    for (std::size_t k = 0; k < w_.size(); ++k)
-      out[k] = weight_[k] * log_ratio(h.response(w_[k]), wanted_[k]);
-    return out;
+    return errors_.logarithms(values);
   }
 
   /// Every change of one value first (`single_count` of them), then those of two.
@@ -94,9 +85,7 @@ class StageMoves {
 
   const StageForm& form_;
   const RealiseOptions& options_;
-  std::vector<double> weight_;
-  std::vector<RadPerSecond> w_;
-  std::vector<std::complex<double>> wanted_;
+  StageErrors errors_;
   std::vector<Move> moves_;
   std::size_t single_count_ = 0;
 };

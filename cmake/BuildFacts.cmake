@@ -46,7 +46,7 @@ foreach(header matio_pubconf.h matio.h)
     list(JOIN numbers "." matio_version)
   endif()
 endforeach()
-set(BODESMITH_LIBRARIES "eigen=${Eigen3_VERSION} sundials=${SUNDIALS_VERSION} boost=${Boost_VERSION_STRING} nlohmann_json=${nlohmann_json_VERSION} tomlplusplus=${tomlplusplus_VERSION} fmt=${fmt_VERSION} openssl=${OPENSSL_VERSION} matio=${matio_version} mpi=${MPI_CXX_VERSION}")
+set(BODESMITH_LIBRARIES "eigen=${Eigen3_VERSION} sundials=${SUNDIALS_VERSION} boost=${Boost_VERSION_STRING} nlohmann_json=${nlohmann_json_VERSION} tomlplusplus=${tomlplusplus_VERSION} fmt=${fmt_VERSION} openssl=${OPENSSL_VERSION} matio=${matio_version} mpi=${MPI_CXX_VERSION} musl=${BODESMITH_MUSL}")
 
 set(BODESMITH_BUILD_FACTS ${CMAKE_BINARY_DIR}/generated/cli/build_facts.cpp)
 configure_file(${CMAKE_CURRENT_SOURCE_DIR}/src/cli/build_facts.cpp.in ${BODESMITH_BUILD_FACTS} @ONLY)

@@ -7,7 +7,6 @@
 
 #include "base/progress.hpp"
 #include "gap/least_squares.hpp"
-#include "gap/lines.hpp"
 #include "gap/runner.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"

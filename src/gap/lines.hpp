@@ -40,8 +40,4 @@ struct FittedLine {
 std::vector<FittedLine> fit_lines(std::span<const double> frequencies_hz, const TimeRecord& record,
                                   std::size_t from, std::span<const double> residual);
 
-/// The model with its lines as this record has them.
-Model with_lines_of(Model model, const TimeExperiment& experiment);
-Model with_lines_of(Model model, const Experiment& experiment);
-
 }  // namespace bodesmith::gap

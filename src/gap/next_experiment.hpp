@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "gap/drive_request.hpp"
-#include "gap/search.hpp"
+#include "gap/search_result.hpp"
 #include "gap/study.hpp"
 
 namespace bodesmith::gap {

@@ -69,6 +69,10 @@ std::vector<double> current_values(const Model& model);
 /// Residuals with the model's present values; empty when it cannot be run.
 std::vector<double> residuals_of(const Model& model, const Experiments& experiments);
 
+/// The model with its lines as this record has them.
+Model with_lines_of(Model model, const TimeExperiment& experiment);
+Model with_lines_of(Model model, const Experiment& experiment);
+
 /// The model's whole output for one time record, its lines as the record has them; empty when it cannot be
 /// run.
 std::vector<double> output_of(const Model& model, const TimeExperiment& experiment);

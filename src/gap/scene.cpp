@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "gap/effect.hpp"
-#include "gap/lines.hpp"
 #include "gap/runner.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
@@ -23,62 +21,9 @@ constexpr double kBandPart = 0.95;
 /// The band is at least as many bins of the spectrum wide.
 constexpr double kMinBand = 4.0;
 
-/// Parts of a signal's span: a turn counts beyond the first, and turns within the second of each other are one.
-constexpr double kTurn = 0.02;
-constexpr double kSameTurn = 0.05;
-/// Loops take the same time when none takes longer than another by this factor.
-constexpr double kSameTime = 1.2;
-
 /// Times below this part of the sampling step are not told from the way between the samples.
 constexpr double kLeastOfSample = 0.08;
 constexpr double kLeastOfSampleAlone = 0.01;
-
-/// Where a signal turns.
-struct Turns {
-  std::vector<double> lower;
-  std::vector<double> upper;
-  std::vector<std::size_t> upper_at;  ///< samples
-};
-Turns turns_of(const Signal& signal) {
-  Turns turns;
-  double low = signal.values.front();
-  double high = low;
-  std::size_t high_at = 0;
-  int direction = 0;
-  for (std::size_t i = 0; i < signal.values.size(); ++i) {
-    const double v = signal.values[i];
-    low = direction > 0 ? low : std::min(low, v);
-    if (direction >= 0 && v > high) {
-      high = v;
-      high_at = i;
-    }
-    if (direction <= 0 && v > low + kTurn * signal.span()) {
-      if (direction < 0) turns.lower.push_back(low);
-      direction = 1;
-      high = v;
-      high_at = i;
-    } else if (direction >= 0 && v < high - kTurn * signal.span()) {
-      if (direction > 0) {
-        turns.upper.push_back(high);
-        turns.upper_at.push_back(high_at);
-      }
-      direction = -1;
-      low = v;
-    }
-  }
-  // The way in from the start goes elsewhere, and so may the first turn behind it.
-  if (turns.lower.size() > 2) turns.lower.erase(turns.lower.begin());
-  if (turns.upper.size() > 2) {
-    turns.upper.erase(turns.upper.begin());
-    turns.upper_at.erase(turns.upper_at.begin());
-  }
-  return turns;
-}
-
-bool lie_together(const std::vector<double>& values, double span) {
-  const auto [least, most] = std::minmax_element(values.begin(), values.end());
-  return values.empty() || *most - *least < kSameTurn * span;
-}
 
 Signal signal_of(std::span<const double> v, double step_s) {
   Signal s;
@@ -238,31 +183,6 @@ std::vector<std::size_t> Scene::memory_places() const {
     return line && line->constant != 0.0;
   });
   return places;
-}
-
-bool Scene::is_one_loop(std::size_t at) const {
-  if (records != 1) return false;
-  const auto turns = turns_of(boundary[at]);
-  return lie_together(turns.lower, boundary[at].span()) && lie_together(turns.upper, boundary[at].span());
-}
-
-bool Scene::is_one_loop_of_one_speed(std::size_t at) const {
-  if (!is_one_loop(at)) return false;
-  const auto turned = turns_of(boundary[at]).upper_at;
-  std::vector<double> times;
-  for (std::size_t k = 1; k < turned.size(); ++k)
-    times.push_back(static_cast<double>(turned[k] - turned[k - 1]));
-  const auto [least, most] = std::minmax_element(times.begin(), times.end());
-  return times.empty() || *most < kSameTime * *least;
-}
-
-bool Scene::memory_may_bend(std::size_t at) const {
-  const auto& terms = model->terms();
-  const bool memory = std::any_of(terms.begin(), terms.end(),
-                                  [](const Term& term) { return term.effect->name() == "hysteresis"; });
-  const bool lag =
-      std::any_of(terms.begin(), terms.end(), [](const Term& term) { return term.effect->linear(); });
-  return (memory && is_one_loop(at)) || (lag && is_one_loop_of_one_speed(at));
 }
 
 std::vector<double> Scene::beyond_band_hz(double times, int count) const {

@@ -53,13 +53,6 @@ struct Scene {
   /// The same for memory that starts at rest at 0: a constant is no rest, so what is behind one is taken in front
   /// of it.
   std::vector<std::size_t> memory_places() const;
-  /// All there is to fit is one record, in which this boundary runs along one loop again and again: what smaller
-  /// loops look like it cannot tell.
-  bool is_one_loop(std::size_t at) const;
-  /// The same with every loop taking as long: memory and lag look alike in it.
-  bool is_one_loop_of_one_speed(std::size_t at) const;
-  /// What bends one loop alone, beside memory (or a lag that looks like it), may be memory's own form as well.
-  bool memory_may_bend(std::size_t at) const;
   /// Behind all blocks but lines.
   std::size_t end() const { return model->end(); }
   /// The base model's blocks (terms' blocks are not changed by other terms).

@@ -4,7 +4,6 @@
 #include <tuple>
 
 #include "chain/model_file.hpp"
-#include "gap/lines.hpp"
 #include "gap/runner.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/period.hpp"

@@ -9,7 +9,7 @@
 #include "base/document.hpp"
 #include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
-#include "gap/scene.hpp"
+#include "gap/one_loop.hpp"
 
 namespace {
 
@@ -45,7 +45,7 @@ bool is_one_loop(const std::vector<TimeRecord>& records) {
   const gap::Model model(line());
   gap::Experiments experiments;
   for (const auto& r : records) experiments.emplace_back(gap::TimeExperiment(r));
-  return gap::make_scene(model, experiments).is_one_loop(0);
+  return gap::is_one_loop(gap::make_scene(model, experiments), 0);
 }
 
 TEST(OneLoop, isOneRecordOfOneSize) {

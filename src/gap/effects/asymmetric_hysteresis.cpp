@@ -7,6 +7,7 @@
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 #include "gap/effects/plays.hpp"
+#include "gap/one_loop.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -24,7 +25,7 @@ class AsymmetricHysteresis final : public Effect {
     for (std::size_t at : scene.memory_places()) {
       if (!(scene.boundary[at].span() > 0.0)) continue;
       // One loop alone says nothing of smaller ones: fitted asymmetry would be that loop's shape.
-      if (scene.is_one_loop(at)) continue;
+      if (is_one_loop(scene, at)) continue;
       out.push_back(branches(scene, at));
       out.push_back(plays_and_dead_zones(scene, at));
     }

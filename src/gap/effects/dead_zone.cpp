@@ -3,6 +3,7 @@
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
+#include "gap/one_loop.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -20,7 +21,7 @@ class DeadZone final : public Effect {
   std::string_view experiment() const override {
     return "a small drive around zero: a dead zone passes nothing";
   }
-  bool must_explain_all(const Scene& scene) const override { return scene.memory_may_bend(0); }
+  bool must_explain_all(const Scene& scene) const override { return memory_may_bend(scene, 0); }
   /// Of a signal that stays on one side it takes off a constant.
   bool is_far_fetched(const Model& model, const Scene& scene) const override {
     const auto at = model.position_of(model.terms().back().blocks.front());

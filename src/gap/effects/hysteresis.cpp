@@ -4,6 +4,7 @@
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 #include "gap/effects/plays.hpp"
+#include "gap/one_loop.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -39,7 +40,7 @@ class Hysteresis final : public Effect {
   Proposal plays(const Scene& scene, std::size_t at, double half) const {
     constexpr std::array kParts = {0.02, 0.06, 0.12, 0.2, 0.3, 0.42, 0.56, 0.72, 0.88};
     constexpr std::array kFewParts = {0.1, 0.2, 0.4, 0.7};
-    const auto bank = scene.is_one_loop(at) ? play_bank(kFewParts, half) : play_bank(kParts, half);
+    const auto bank = is_one_loop(scene, at) ? play_bank(kFewParts, half) : play_bank(kParts, half);
     auto block = chain::make_block("prandtl_ishlinskii");
     block.set("r", bank.radius).set("w", bank.weight);
     return insert_block(scene, *this, at, block, bank.unknowns, {bank.start});

@@ -6,6 +6,7 @@
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
+#include "gap/one_loop.hpp"
 
 namespace bodesmith::gap {
 
@@ -14,7 +15,7 @@ void propose_power_term(const Scene& scene, const Effect& effect, int power, std
   std::vector<double> coefficients(static_cast<std::size_t>(power) + 1, 0.0);
   coefficients[1] = 1.0;
   for (std::size_t at : scene.static_places()) {
-    if (scene.memory_may_bend(at)) continue;
+    if (memory_may_bend(scene, at)) continue;
     const double size = scene.boundary[at].size();
     const double scale = 0.1 / std::pow(size, power - 1);
     auto block = chain::make_block("polynomial");

@@ -3,6 +3,7 @@
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
+#include "gap/one_loop.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -19,7 +20,7 @@ class Saturation final : public Effect {
   }
   /// A clip anywhere in the chain is likelier than memory with many unknowns.
   int places_a_round() const override { return 5; }
-  bool must_explain_all(const Scene& scene) const override { return scene.memory_may_bend(0); }
+  bool must_explain_all(const Scene& scene) const override { return memory_may_bend(scene, 0); }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) return;
     for (std::size_t at : scene.static_places()) {

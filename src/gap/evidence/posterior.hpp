@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "gap/search.hpp"
+#include "gap/search_result.hpp"
 
 namespace bodesmith::gap {
 

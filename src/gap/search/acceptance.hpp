@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "gap/search.hpp"
+#include "gap/search_result.hpp"
 #include "gap/search/records.hpp"
 
 namespace bodesmith::gap {

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "gap/search.hpp"
+#include "gap/search_result.hpp"
 #include "gap/search/acceptance.hpp"
 #include "gap/search/records.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "gap/search.hpp"
+#include "gap/search_result.hpp"
 #include "gap/search/records.hpp"
 
 namespace bodesmith::gap {

@@ -3,7 +3,7 @@
 #include <utility>
 #include <vector>
 
-#include "gap/search.hpp"
+#include "gap/search_result.hpp"
 #include "gap/search/records.hpp"
 
 namespace bodesmith::gap {

@@ -4,7 +4,7 @@
 #include <optional>
 #include <vector>
 
-#include "gap/search.hpp"
+#include "gap/search_result.hpp"
 #include "gap/search/folds.hpp"
 #include "gap/search/records.hpp"
 #include "gap/shortlist.hpp"

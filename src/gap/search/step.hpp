@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "gap/search.hpp"
+#include "gap/search_result.hpp"
 
 namespace bodesmith::gap {
 

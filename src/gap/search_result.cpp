@@ -1,4 +1,4 @@
-#include "gap/search.hpp"
+#include "gap/search_result.hpp"
 
 namespace bodesmith::gap {
 

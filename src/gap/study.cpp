@@ -4,6 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <complex>
+#include <tuple>
 #include <utility>
 
 #include "base/error.hpp"
@@ -65,6 +67,38 @@ TimeExperiment experiment_with_start(TimeRecord record, const chain::Chain& base
   return TimeExperiment(std::move(record), start);
 }
 
+double range_of(const std::vector<double>& values) {
+  const auto [low, high] = std::minmax_element(values.begin(), values.end());
+  return *high - *low;
+}
+
+/// The most widely driven record comes first: effects look at it before all others.
+bool comes_before(const TimeRecord& a, const TimeRecord& b) {
+  const double of_a = range_of(a.u);
+  const double of_b = range_of(b.u);
+  if (of_a != of_b) return of_a > of_b;
+  return std::tie(a.u, a.y) < std::tie(b.u, b.y);
+}
+
+bool comes_before(const MeasuredResponse& a, const MeasuredResponse& b) {
+  const auto less = [](const auto& x, const auto& y, const auto& key) {
+    return std::lexicographical_compare(
+        x.begin(), x.end(), y.begin(), y.end(),
+        [&](const auto& one, const auto& other) { return key(one) < key(other); });
+  };
+  const auto hertz = [](Hertz f) { return f.value; };
+  if (less(a.frequency, b.frequency, hertz)) return true;
+  if (less(b.frequency, a.frequency, hertz)) return false;
+  return less(a.response, b.response, [](std::complex<double> h) { return std::pair(h.real(), h.imag()); });
+}
+
+/// In the order of what they hold: which of them was named first tells nothing.
+template <class Record>
+void sort_by_content(std::vector<Record>& records) {
+  std::stable_sort(records.begin(), records.end(),
+                   [](const Record& a, const Record& b) { return comes_before(a, b); });
+}
+
 template <class Record>
 std::vector<Record> read_all(const std::vector<std::filesystem::path>& files, Provenance& from) {
   std::vector<Record> records;
@@ -96,8 +130,9 @@ bool Study::weighted() const {
 Study Study::of(std::vector<TimeRecord> data, std::vector<TimeRecord> holdout, const chain::Chain& base) {
   Study study;
   study.split_ = holdout.empty();
+  for (const auto& record : data) validate(record);
+  sort_by_content(data);
   for (auto& record : data) {
-    validate(record);
     const std::size_t size = record.size();
     const std::size_t cut = size * 7 / 10;
     auto experiment = experiment_with_start(std::move(record), base);
@@ -120,13 +155,16 @@ Study Study::of(std::vector<MeasuredResponse> data, std::vector<MeasuredResponse
                 const chain::Chain& base) {
   Study study;
   study.split_ = holdout.empty();
-  for (auto& record : data) {
+  for (const auto& record : data) {
     validate_size(record.file, record.frequency.size(), kMinFrequencies, "frequencies");
     if (!base.response(record.frequency.front().rad_s())) {
       throw InputError(
           record.file, 0,
           "is a frequency response, but the model has a nonlinear block, expected time records for it");
     }
+  }
+  sort_by_content(data);
+  for (auto& record : data) {
     if (study.split_) study.holdout_.emplace_back(FrequencyExperiment(record.thinned(1, 2)));
     study.train_.emplace_back(FrequencyExperiment(study.split_ ? record.thinned(0, 2) : std::move(record)));
   }

@@ -82,30 +82,4 @@ TEST(OffsetPlace, isOneInALinearStretchAtRest) {
   EXPECT_EQ(offsets_of(two_lags("start = \"equilibrium\"\n")).size(), 1U);
 }
 
-TEST(OffsetPlace, isNoLoop) {
-  const gap::Model base(two_lags(""));
-  gap::Experiments train;
-  train.emplace_back(gap::TimeExperiment(two_tones(0.0, 0.0, 1)));
-  train.emplace_back(gap::TimeExperiment(two_tones(0.0, 0.0, 2)));
-  const auto scene = gap::make_scene(base, train);
-  const auto& effect = gap::effect_registry().get("asymmetric_hysteresis");
-  std::vector<gap::Proposal> proposals;
-  effect.propose(scene, proposals);
-  const auto bank = std::find_if(proposals.begin(), proposals.end(), [](const gap::Proposal& p) {
-    return p.model.terms().back().unknowns.back().name == "offset";
-  });
-  ASSERT_NE(bank, proposals.end());
-  auto values = std::vector<double>(bank->starts.front().size(), 0.0);
-  values.front() = 0.1;
-  const auto is_no_name = [&](double offset) {
-    values.back() = offset;
-    gap::Model model = bank->model;
-    model.set_values(values);
-    return effect.is_no_name(model, model.terms().back(), scene);
-  };
-  EXPECT_FALSE(is_no_name(0.0));
-  EXPECT_FALSE(is_no_name(0.02));
-  EXPECT_TRUE(is_no_name(0.2));
-}
-
 }  // namespace

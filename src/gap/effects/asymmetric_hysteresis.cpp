@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <string>
 #include <vector>
@@ -30,8 +29,7 @@ class AsymmetricHysteresis final : public Effect {
       out.push_back(plays_and_dead_zones(scene, at));
     }
   }
-  /// Branches that coincide are a curve, and so are one-sided dead zones behind plays without weight; beside a constant
-  /// that is much larger than the loop, the term is an offset.
+  /// Branches that coincide are a curve, and so are one-sided dead zones behind plays without weight.
   bool is_no_name(const Model& model, const Term& term, const Scene& scene) const override {
     const std::size_t at = model.position_of(term.blocks.front());
     const auto& block = model.at(at);
@@ -42,9 +40,6 @@ class AsymmetricHysteresis final : public Effect {
  private:
   /// Loops that are less wide than this part of the curve beside them are none.
   static constexpr double kMinLoop = 0.15;
-  static constexpr double kMinLoopOfConstant = 0.1;
-  /// Of the signal's span.
-  static constexpr double kMaxOffset = 0.5;
 
   static bool is_curve_of_branches(const chain::Block& block, const Signal& signal) {
     const auto& up = block.list("ascending");
@@ -77,7 +72,7 @@ class AsymmetricHysteresis final : public Effect {
       const double reach = threshold[k] > 0.0 ? signal.high - threshold[k] : threshold[k] - signal.low;
       curve += std::abs(slope[k]) * std::max(0.0, reach);
     }
-    return loop < kMinLoop * curve || loop < kMinLoopOfConstant * std::abs(block.get("offset"));
+    return loop < kMinLoop * curve;
   }
 
   /// Branch polynomials (disturbance paper, eq. 1). With a free gain in the chain their common slope would be
@@ -116,10 +111,9 @@ class AsymmetricHysteresis final : public Effect {
 
   /// Plays followed by one-sided dead zones (Kuhnen 2003).
   Proposal plays_and_dead_zones(const Scene& scene, std::size_t at) const {
-    constexpr std::array kParts = {0.04, 0.12, 0.25, 0.42, 0.62, 0.82};
     const auto& signal = scene.boundary[at];
     const double half = 0.5 * signal.span();
-    auto bank = play_bank(kParts, half);
+    auto bank = play_bank(half);
     std::vector<double> threshold;
     std::vector<double> slope;
     for (double part : {0.1, 0.4, 0.7, 0.9}) {
@@ -129,12 +123,6 @@ class AsymmetricHysteresis final : public Effect {
       bank.unknowns.push_back(linear_unknown("v[" + std::to_string(slope.size()) + "]", -0.9, 5.0, 0.05));
       slope.push_back(0.01);
       bank.start.push_back(0.01);
-    }
-    // A one-sided operator need not be at zero where its input is.
-    if (!is_refitted(*scene.model, "offset")) {
-      bank.unknowns.push_back(
-          linear_unknown("offset", -kMaxOffset * signal.span(), kMaxOffset * signal.span(), 0.02 * half));
-      bank.start.push_back(0.0);
     }
     auto block = chain::make_block("prandtl_ishlinskii");
     block.set("r", bank.radius).set("w", bank.weight).set("s", threshold).set("v", slope);

@@ -38,9 +38,8 @@ class Hysteresis final : public Effect {
   /// A bank of plays (Prandtl-Ishlinskii), dense enough for any smooth loop; a few of them where one loop is all
   /// there is, whose exact shape (a lag's share in it) should not become memory.
   Proposal plays(const Scene& scene, std::size_t at, double half) const {
-    constexpr std::array kParts = {0.02, 0.06, 0.12, 0.2, 0.3, 0.42, 0.56, 0.72, 0.88};
     constexpr std::array kFewParts = {0.1, 0.2, 0.4, 0.7};
-    const auto bank = is_one_loop(scene, at) ? play_bank(kFewParts, half) : play_bank(kParts, half);
+    const auto bank = is_one_loop(scene, at) ? play_bank(kFewParts, half) : play_bank(half);
     auto block = chain::make_block("prandtl_ishlinskii");
     block.set("r", bank.radius).set("w", bank.weight);
     return insert_block(scene, *this, at, block, bank.unknowns, {bank.start});

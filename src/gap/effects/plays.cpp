@@ -1,8 +1,14 @@
 #include "gap/effects/plays.hpp"
 
+#include <array>
 #include <string>
 
 namespace bodesmith::gap {
+
+PlayBank play_bank(double half_range) {
+  constexpr std::array kParts = {0.02, 0.06, 0.12, 0.2, 0.3, 0.42, 0.56, 0.72, 0.88};
+  return play_bank(kParts, half_range);
+}
 
 PlayBank play_bank(std::span<const double> parts, double half_range) {
   constexpr double kStart = 0.01;

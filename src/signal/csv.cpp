@@ -77,6 +77,8 @@ bool has_own_header(std::string_view text, bool times_given) {
     bool magnitude = false;
     for (const std::string_view cell : split(line, separator_of(line))) {
       const std::string_view name = unquoted_name(cell);
+      // A count of rows without a name, a separator at the end: a table of another program.
+      if (name.empty()) return false;
       time = time || name == column::time_s;
       frequency = frequency || name == column::frequency_hz;
       signal = signal || name == column::input || name == column::output || name == column::reference;

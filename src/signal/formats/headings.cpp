@@ -14,10 +14,13 @@ bool contains(const std::string& text, std::string_view part) {
   return text.find(part) != std::string::npos;
 }
 
-constexpr std::string_view kLevelFunctions[] = {"db", "db10", "db20"};
-constexpr std::string_view kAngleFunctions[] = {"ang_deg", "cang_deg", "phase", "arg"};
+// dB10 is a level of powers, half of what is meant here.
+constexpr std::string_view kLevelFunctions[] = {"db", "db20", "vdb", "logmag"};
+constexpr std::string_view kAngleFunctions[] = {"ang_deg", "cang_deg", "phase", "arg", "ang", "ph", "vp"};
 constexpr std::string_view kRadianFunctions[] = {"ang_rad", "cang_rad"};
-constexpr std::string_view kSizeFunctions[] = {"mag", "abs"};
+constexpr std::string_view kSizeFunctions[] = {"mag", "abs", "vm"};
+constexpr std::string_view kRealFunctions[] = {"re", "vr"};
+constexpr std::string_view kImaginaryFunctions[] = {"im", "vi"};
 
 template <std::size_t N>
 bool is_one_of(std::string_view name, const std::string_view (&words)[N]) {
@@ -26,8 +29,9 @@ bool is_one_of(std::string_view name, const std::string_view (&words)[N]) {
 
 bool is_function_of(std::string_view name) {
   return is_one_of(name, kLevelFunctions) || is_one_of(name, kAngleFunctions) ||
-         is_one_of(name, kRadianFunctions) || is_one_of(name, kSizeFunctions) || name == "re" ||
-         name == "im" || name == "-im";
+         is_one_of(name, kRadianFunctions) || is_one_of(name, kSizeFunctions) ||
+         is_one_of(name, kRealFunctions) || is_one_of(name, kImaginaryFunctions) || name == "-im" ||
+         name == "amp";
 }
 
 /// Where the bracket that closes at `close` opens.
@@ -61,10 +65,12 @@ std::string bracketed(const std::string& text, std::string& rest) {
     }
   }
   rest = text;
-  // "f/Hz", "Gain dB"
-  const std::size_t end = text.find_last_of("/ ");
+  // "f/Hz", "Gain dB", "Z / Ohm", "Gain in dB", "Frequency, Hz", "FREQ.KHZ"
+  const std::size_t end = text.find_last_of("/ .,");
   if (end != std::string::npos && end > 0 && !is_unit_alone(text) && is_unit_alone(text.substr(end + 1))) {
     rest = std::string(trim(std::string_view(text).substr(0, end)));
+    if (rest.ends_with(" in") || rest == "in") rest = rest.substr(0, rest.size() - 2);
+    rest = rest.substr(0, rest.find_last_not_of("/ .,") + 1);
     return text.substr(end + 1);
   }
   return "";
@@ -98,6 +104,15 @@ std::optional<double> frequency_scale(std::string_view unit) {
 
 std::optional<double> time_scale(std::string_view unit) {
   for (const char* base : {"s", "sec", "second", "seconds"}) {
+    if (const auto scale = scale_of(unit, base)) return scale;
+  }
+  return std::nullopt;
+}
+
+/// Scale of "rad/s", "krad/s", "radians/second", "rad s^-1" in rad/s.
+std::optional<double> angular_scale(std::string_view unit) {
+  for (const char* base : {"rad/s", "rad/sec", "rad/second", "radians/s", "radians/sec", "radians/second",
+                           "rad s^-1", "rad_s"}) {
     if (const auto scale = scale_of(unit, base)) return scale;
   }
   return std::nullopt;
@@ -138,9 +153,36 @@ bool is_degrees(const std::string& unit) {
          unit == "deg" || unit == "degree" || unit == "degrees";
 }
 
+constexpr std::string_view kLossWords[] = {"attenuation", "loss", "d\xC3\xA4mpfung"};
+/// Of a linear magnitude: what is no gain but its square or a logarithm.
+constexpr std::string_view kNoGainWords[] = {"power gain", "power ratio", "squared", "^2",
+                                             "\xC2\xB2",   "log10",       "ln(",     "ln|"};
+/// Beside magnitudes and phases: what is said of them, not they themselves.
+constexpr std::string_view kAsideWords[] = {"std", "deviation", "uncertainty", "error", "margin", "delay"};
+/// Levels of one signal.
+constexpr std::string_view kDensityWords[] = {"psd", "density", "noise"};
+
+template <std::size_t N>
+bool contains_one_of(const std::string& text, const std::string_view (&words)[N]) {
+  return std::any_of(std::begin(words), std::end(words),
+                     [&](std::string_view w) { return contains(text, w); });
+}
+
 void read_magnitude(Heading& heading, const std::string& name, const std::string& unit) {
   heading.quantity = Quantity::magnitude;
   heading.quotient = contains(name, "math") || contains(name, " / ");
+  heading.level = contains_one_of(name, kDensityWords);
+  // An attenuation is a gain of the other sign; as a ratio it is not known which.
+  if (contains_one_of(name, kLossWords)) {
+    heading.unit_known = unit == "db";
+    heading.magnitude = MagnitudeScale::decibel;
+    heading.scale = -heading.scale;
+    return;
+  }
+  if (unit.starts_with("db/") || contains(unit, "hz")) {
+    heading.unit_known = false;
+    return;
+  }
   // A program that writes either: the values or the user say which.
   if (unit == "dbv/ohm" || unit == "dbv/ohms") return;
   if (unit.starts_with("db") || contains(name, "db") || contains(name, "spl")) {
@@ -149,12 +191,16 @@ void read_magnitude(Heading& heading, const std::string& name, const std::string
       heading.level = heading.level || unit == of_one_signal;
     return;
   }
+  if (contains_one_of(name, kNoGainWords) || (name.starts_with("log") && !contains(name, "mag"))) {
+    heading.unit_known = false;
+    return;
+  }
   if (const auto ohm = resistance_scale(heading.unit)) {
     heading.magnitude = MagnitudeScale::linear;
-    heading.scale = *ohm;
+    heading.scale *= *ohm;
   } else if (const auto signal = signal_scale(heading.unit)) {
     heading.magnitude = MagnitudeScale::linear;
-    heading.scale = *signal;
+    heading.scale *= *signal;
     heading.level = true;
   } else if (unit == "1" || unit == "-" || unit == "u" || unit == "x" || unit == "v/v" || unit == "a/a" ||
              unit == "lin" || unit == "linear" || unit == "ratio" || contains(name, "linear")) {
@@ -166,30 +212,40 @@ void read_magnitude(Heading& heading, const std::string& name, const std::string
 
 void read_phase(Heading& heading, const std::string& unit) {
   heading.quantity = Quantity::phase;
+  if (contains(lower_case(heading.text), "lag")) heading.scale = -heading.scale;
   if (is_radians(unit)) {
-    heading.scale = 180.0 / std::numbers::pi;
+    heading.scale *= 180.0 / std::numbers::pi;
   } else if (unit == "mrad") {
-    heading.scale = 0.18 / std::numbers::pi;
+    heading.scale *= 0.18 / std::numbers::pi;
   } else {
     heading.unit_known = is_degrees(unit);
   }
 }
 
-/// Parts of a complex number as impedance analysers name them: Zre, Z_real, Z', Re(Z), -Im(Z), -Z''.
-std::optional<Quantity> part_named(std::string name, double& sign) {
-  if (name.starts_with('-')) {
-    sign = -1.0;
-    name = std::string(trim(std::string_view(name).substr(1)));
+/// "-Phase", "neg. Phase", "-Im(Z)": the sign, which goes from the name.
+double take_sign(std::string& name) {
+  for (const std::string_view sign : {"-", "neg. ", "negative "}) {
+    if (!name.starts_with(sign) || name.size() == sign.size()) continue;
+    name = std::string(trim(std::string_view(name).substr(sign.size())));
+    return -1.0;
   }
-  if (contains(name, "imag") || name == "im" || name.starts_with("im(") || name == "zim" || name == "z_im" ||
-      name == "z''" || name == "z\"")
+  return 1.0;
+}
+
+/// Parts of a complex number as impedance analysers name them: Zre, Z_real, Z', Re(Z), Im(Z), Z'', R (Ohm), X (Ohm).
+std::optional<Quantity> part_named(const std::string& name, bool ohms) {
+  const std::string function = name.substr(0, name.find_first_of("(: "));
+  if (contains(name, "imag") || is_one_of(function, kImaginaryFunctions) || name == "zim" || name == "z_im" ||
+      name == "z''" || name == "z\"" || (ohms && (name == "x" || name == "xs")))
     return Quantity::imaginary;
-  if (contains(name, "real") || name == "re" || name.starts_with("re(") || name == "zre" || name == "z_re" ||
-      name == "z'")
+  if (contains(name, "real") || is_one_of(function, kRealFunctions) || name == "zre" || name == "z_re" ||
+      name == "z'" || (ohms && (name == "r" || name == "rs")))
     return Quantity::real;
-  sign = 1.0;
   return std::nullopt;
 }
+
+constexpr std::string_view kPhaseNames[] = {"fase", "arg",      "deg",   "zphz",    "ph",
+                                            "phi",  "\xCF\x86", "theta", "\xCE\xB8"};
 
 /// "|Z|", "|H|", "|S21|"; "|Vac|" is how the measurement was driven.
 bool is_size_between_bars(const std::string& name) {
@@ -202,7 +258,8 @@ bool is_size_between_bars(const std::string& name) {
 std::optional<Quantity> part_in_brackets(const std::string& unit) {
   if (unit == "real" || unit == "re") return Quantity::real;
   if (unit == "imag" || unit == "imaginary" || unit == "im") return Quantity::imaginary;
-  if (unit == "degree" || unit == "degrees" || unit == "deg" || is_radians(unit)) return Quantity::phase;
+  if (unit == "degree" || unit == "degrees" || unit == "deg" || unit == "\xC2\xB0" || is_radians(unit))
+    return Quantity::phase;
   if (unit == "absolut" || unit == "absolute" || unit == "abs") return Quantity::magnitude;
   return std::nullopt;
 }
@@ -217,7 +274,7 @@ Heading parse_heading(const std::string& text) {
   std::string name = lower_case(trim(rest));
   // frequency_hz, time_s, phase_deg: units at the end of the name.
   if (heading.unit.empty()) {
-    const std::size_t bar = name.rfind('_');
+    const std::size_t bar = name.ends_with("_rad_s") ? name.size() - 6 : name.rfind('_');
     if (bar != std::string::npos && bar > 0 && is_unit_alone(rest.substr(bar + 1))) {
       heading.unit = rest.substr(bar + 1);
       name = name.substr(0, bar);
@@ -227,13 +284,19 @@ Heading parse_heading(const std::string& text) {
     heading.unit = heading.text;
     name = "hz";
   }
-  if (heading.unit.empty() && (name.starts_with("db") || name == "rad/s" || resistance_scale(heading.text)) &&
+  if (heading.unit.empty() &&
+      (name.starts_with("db") || name == "rad/s" || is_degrees(name) || is_radians(name) ||
+       resistance_scale(heading.text)) &&
       is_unit_alone(heading.text))
     heading.unit = heading.text;
   const std::string unit = lower_case(heading.unit);
-  if (const auto part = part_in_brackets(unit)) {
+  std::string unsigned_name = name;
+  const double sign = take_sign(unsigned_name);
+  const bool aside = contains_one_of(name, kAsideWords);
+  if (const auto part = aside ? std::nullopt : part_in_brackets(unit)) {
+    heading.scale = sign;
+    if (*part == Quantity::phase) read_phase(heading, unit);
     heading.quantity = *part;
-    if (is_radians(unit)) heading.scale = 180.0 / std::numbers::pi;
     if (*part == Quantity::magnitude) heading.magnitude = MagnitudeScale::linear;
     return heading;
   }
@@ -241,16 +304,16 @@ Heading parse_heading(const std::string& text) {
     heading.quantity = Quantity::frequency;
     heading.logarithm = name.starts_with("log") || name.ends_with(" log") || name.ends_with("log10");
     const auto scale = frequency_scale(heading.unit);
-    heading.scale = scale.value_or(1.0);
-    if (unit == "rad/s" || unit == "rad/sec") {
-      heading.quantity = Quantity::angular_frequency;
-    } else {
-      heading.unit_known = scale.has_value() || heading.unit.empty();
-    }
+    const auto angular = angular_scale(heading.unit);
+    heading.scale = angular ? *angular : scale.value_or(1.0);
+    if (angular) heading.quantity = Quantity::angular_frequency;
+    heading.unit_known = scale || angular || heading.unit.empty();
     return heading;
   }
-  if (name == "w" || name == "omega" || name == "\xCF\x89" || unit == "rad/s") {
+  if (name == "w" || name == "omega" || name == "\xCF\x89" || angular_scale(heading.unit)) {
     heading.quantity = Quantity::angular_frequency;
+    heading.scale = angular_scale(heading.unit).value_or(1.0);
+    heading.unit_known = heading.unit.empty() || angular_scale(heading.unit).has_value();
     return heading;
   }
   if (begins_with_word(name, "time") || name == "t" || name == "zeit" || name == "second" ||
@@ -261,7 +324,15 @@ Heading parse_heading(const std::string& text) {
     if (heading.unit.empty() && name.starts_with("second")) heading.unit = "s";
     return heading;
   }
-  const std::string function = name.substr(0, name.find('('));
+  if (aside) {
+    heading.scale = signal_scale(heading.unit).value_or(1.0);
+    return heading;
+  }
+  name = unsigned_name;
+  // PSpice writes P(V(out)); P(W) is a power.
+  if (name.starts_with("p(v(") || name.starts_with("p(i(")) name = "phase" + name.substr(1);
+  const std::string function = name.substr(0, name.find_first_of("(:"));
+  heading.scale = sign;
   if (function.size() < name.size() && is_function_of(function)) {
     if (is_one_of(function, kAngleFunctions) || is_one_of(function, kRadianFunctions)) {
       read_phase(heading, is_one_of(function, kRadianFunctions) ? std::string("rad") : unit);
@@ -274,8 +345,7 @@ Heading parse_heading(const std::string& text) {
       return heading;
     }
   }
-  if (contains(name, "phase") || contains(name, "angle") || name == "arg" || name == "deg" ||
-      name == "zphz") {
+  if (contains(name, "phase") || contains(name, "angle") || is_one_of(name, kPhaseNames)) {
     read_phase(heading, unit);
     return heading;
   }
@@ -283,15 +353,18 @@ Heading parse_heading(const std::string& text) {
     heading.quantity = Quantity::coherence;
     return heading;
   }
-  if (const auto part = part_named(name, heading.scale)) {
+  const auto ohm = resistance_scale(heading.unit);
+  if (const auto part = part_named(name, ohm.has_value())) {
     heading.quantity = *part;
-    if (const auto ohm = resistance_scale(heading.unit)) heading.scale *= *ohm;
+    heading.scale *= ohm.value_or(1.0);
     return heading;
   }
-  if (contains(name, "mag") || contains(name, "gain") || contains(name, "spl") ||
-      contains(name, "amplitude") || contains(name, "level") || contains(name, "impedance") ||
-      name == "abs" || name == "db" || name == "z" || name == "zmod" || is_size_between_bars(name) ||
-      unit.starts_with("db") || (resistance_scale(heading.unit) && heading.unit == heading.text)) {
+  if (!time_scale(heading.unit) &&
+      (contains(name, "mag") || contains(name, "gain") || contains(name, "spl") ||
+       contains(name, "amplitude") || contains(name, "level") || contains(name, "impedance") ||
+       contains_one_of(name, kLossWords) || name == "abs" || name == "db" || name == "z" || name == "zmod" ||
+       (function == "amp" && function.size() < name.size()) || is_size_between_bars(name) ||
+       unit.starts_with("db") || (ohm && heading.unit == heading.text))) {
     read_magnitude(heading, name, unit);
     return heading;
   }
@@ -302,6 +375,16 @@ Heading parse_heading(const std::string& text) {
 std::vector<Heading> parse_headings(const std::vector<std::string>& texts) {
   std::vector<Heading> out;
   for (const std::string& text : texts) out.push_back(parse_heading(text));
+  if (out.empty()) return out;
+  // "X (Second)", "Elapsed Time (ms)", "in s": the first column's unit says what it is where all others are signals.
+  const bool signals = std::all_of(out.begin(), out.end(), [](const Heading& h) {
+    return h.quantity == Quantity::signal || (h.quantity == Quantity::magnitude && h.level);
+  });
+  const auto seconds = signals ? time_scale(out.front().unit) : std::nullopt;
+  if (seconds) {
+    out.front().quantity = Quantity::time;
+    out.front().scale = *seconds;
+  }
   return out;
 }
 
@@ -310,10 +393,10 @@ bool is_unit_alone(const std::string& cell) {
   if (unit.size() > 2 && (unit.front() == '(' || unit.front() == '[')) unit = unit.substr(1, unit.size() - 2);
   if (frequency_scale(unit) || time_scale(unit) || signal_scale(unit) || resistance_scale(unit)) return true;
   const std::string low = lower_case(unit);
-  for (const char* known :
-       {"db", "dbv", "dbu", "dbm", "dbv/ohm", "rad", "mrad", "rad/s", "\xC2\xB0", "\xB0"}) {
+  for (const char* known : {"db", "dbv", "dbu", "dbm", "dbv/ohm", "rad", "mrad", "\xC2\xB0", "\xB0"}) {
     if (low == known) return true;
   }
+  if (angular_scale(unit)) return true;
   return !low.empty() && low != "*" && is_degrees(low);
 }
 

@@ -23,7 +23,8 @@ enum class MagnitudeScale { unknown, decibel, linear };
 struct Heading {
   std::string text;
   Quantity quantity = Quantity::signal;
-  double scale = 1.0;      ///< to Hz, rad/s, s, degrees, or the signal's unit without prefix; -1 of "-Im(Z)"
+  double scale =
+      1.0;  ///< to Hz, rad/s, s, degrees, or the unit without prefix; below 0 of "-Im(Z)", "Phase lag"
   std::string unit;        ///< as written; empty when the heading has none
   bool unit_known = true;  ///< of anything but a signal
   bool logarithm = false;  ///< a frequency's, to base 10

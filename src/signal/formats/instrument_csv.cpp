@@ -44,10 +44,18 @@ constexpr Layout kLayouts[] = {
      "Sampling Period", "Vertical Scale"},
 };
 
+/// Newer Tektronix scopes put keys in quotation marks; other makers begin alike and have their numbers below.
 const Layout* layout_of(const Source& source) {
-  const std::string_view head = source.text.substr(0, kHead);
+  std::string head(source.text.substr(0, kHead));
+  std::erase(head, '"');
+  const std::vector<std::string_view> first =
+      split_cells(std::string_view(head).substr(0, head.find('\n')), ',');
+  double number = 0.0;
   for (const Layout& layout : kLayouts) {
-    if (head.starts_with(layout.first_mark) && head.find(layout.second_mark) != std::string_view::npos)
+    if (layout.data_below.empty() &&
+        (first.size() <= layout.first_column || !parse_number(first[layout.first_column], number)))
+      continue;
+    if (head.starts_with(layout.first_mark) && head.find(layout.second_mark) != std::string::npos)
       return &layout;
   }
   return nullptr;

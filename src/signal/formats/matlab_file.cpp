@@ -342,7 +342,10 @@ std::optional<Foreign> matlab_response(const Source& source, const MatRoles& rol
   if (f == nullptr) return std::nullopt;
   Heading axis;
   axis.unit = "Hz";
-  if (begins_like_angular(f->name)) axis.quantity = Quantity::angular_frequency;
+  if (begins_like_angular(f->name)) {
+    axis.quantity = Quantity::angular_frequency;
+    axis.unit = "rad/s";
+  }
   const std::size_t length = f->values.size();
   Words words{"MATLAB 5 file", {"frequency " + f->name}};
   std::vector<double> frequency = hertz(axis, roles.reals(*f), words);
@@ -369,11 +372,15 @@ std::optional<Foreign> matlab_response(const Source& source, const MatRoles& rol
     words.notes.push_back("magnitude " + h->name);
     trace.name = h->name;
     trace.magnitude_db = decibels(source, scale, roles.reals(*h), words);
-    const MatVector* phase = chosen.size() > 2 ? chosen[2] : roles.named({"phase_deg", "phase"}, length);
+    const MatVector* phase =
+        chosen.size() > 2 ? chosen[2] : roles.named({"phase_deg", "phase_rad", "phase"}, length);
     if (phase != nullptr) {
       require_length(*phase);
-      trace.phase_deg = roles.reals(*phase);
-      words.notes.push_back(fmt::format("{} in degrees", phase->name));
+      Source said = source;
+      said.choice = phase->name.ends_with("rad") ? "rad" : phase->name.ends_with("deg") ? "deg" : "";
+      trace.phase_deg = degrees_of(said, fmt::format("'{}'", phase->name), roles.reals(*phase),
+                                   "call it phase_deg or phase_rad", words);
+      words.notes.push_back("phase " + phase->name);
     }
   }
   return response_columns(source, std::move(words), std::move(frequency), std::move(trace), {});

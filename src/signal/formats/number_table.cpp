@@ -89,6 +89,11 @@ struct Attempt {
       false;  ///< a line above the first row begins like a number: perhaps another writing is meant
 };
 
+/// "End of Xyce(TM) Simulation": what programs write below the last row.
+bool is_closing(std::string_view line) {
+  return lower_case(line.substr(0, 7)) == "end of ";
+}
+
 /// One row, which has its first number. False when it is not one; then `why` says so.
 bool parse_row(const std::vector<std::string_view>& cells, char decimal, std::vector<double>& row,
                std::string& why) {
@@ -118,6 +123,35 @@ void fit_empty_end(std::vector<double>& row, std::size_t columns) {
   while (row.size() > columns && std::isnan(row.back())) row.pop_back();
 }
 
+/// "1,000", "12.500": one to three digits, a sign between, three digits.
+bool is_grouped(std::string_view cell, char sign) {
+  const std::size_t at = cell.find(sign);
+  return at != std::string_view::npos && at >= 1 && at <= 3 && cell.size() == at + 4 && cell.front() != '0' &&
+         std::all_of(cell.begin(), cell.end(), [&](char c) { return is_digit(c) || c == sign; });
+}
+
+/// Whether every decimal sign of the rows may as well stand between thousands: "1,000;3", "20,000;-1".
+class Grouping {
+ public:
+  explicit Grouping(const Writing& writing)
+      : decimal_(writing.decimal), possible_(writing.separator == ';' || writing.decimal == ',') {}
+  void see(const std::vector<std::string_view>& cells) {
+    if (!possible_) return;
+    for (std::size_t i = 0; i < cells.size(); ++i) {
+      if (cells[i].find(decimal_) == std::string_view::npos) continue;
+      possible_ = i == 0 && is_grouped(cells[i], decimal_);
+      if (!possible_) return;
+      ++grouped_;
+    }
+  }
+  bool found() const { return possible_ && grouped_ > 0; }
+
+ private:
+  char decimal_;
+  bool possible_;
+  std::size_t grouped_ = 0;
+};
+
 Attempt attempt(std::string_view text, const Writing& writing, std::size_t line_limit,
                 std::size_t least_columns) {
   Attempt out;
@@ -127,6 +161,8 @@ Attempt attempt(std::string_view text, const Writing& writing, std::size_t line_
   std::vector<double> row;
   std::string why;
   int number = 0;
+  int blank = 0;
+  Grouping grouping(writing);
   for (std::size_t seen = 0; !text.empty() && seen < line_limit; ++seen) {
     ++number;
     const std::size_t end = text.find('\n');
@@ -134,10 +170,19 @@ Attempt attempt(std::string_view text, const Writing& writing, std::size_t line_
     const std::string_view line = trim(whole);
     text.remove_prefix(end == std::string_view::npos ? text.size() : end + 1);
     const bool started = !table.columns.empty();
+    if (started && is_closing(line) && trim(text).empty()) break;
     if (line.empty() || is_comment(line)) {
       if (!started) out.raw_above.push_back(line);
+      if (line.empty()) ++blank;
       continue;
     }
+    // gnuplot's sign of another set of data.
+    if (started && blank >= 2) {
+      out.broken_line = number;
+      out.why = "begins a second block of numbers, expected one in a file";
+      return out;
+    }
+    blank = 0;
     // The last tabs of a line stand between empty cells.
     split_cells(writing.separator == '\t' ? whole : line, writing.separator, cells);
     const bool numbers = parse_row(cells, writing.decimal, row, why);
@@ -157,8 +202,15 @@ Attempt attempt(std::string_view text, const Writing& writing, std::size_t line_
                                        table.columns.size());
       return out;
     }
+    grouping.see(cells);
     for (std::size_t i = 0; i < row.size(); ++i) table.columns[i].push_back(row[i]);
     table.lines.push_back(number);
+  }
+  if (grouping.found()) {
+    out.broken_line = table.lines.front();
+    out.why = fmt::format(
+        "begins numbers in which '{}' may be a decimal sign or stand between thousands: write 1000 without it",
+        writing.decimal);
   }
   return out;
 }
@@ -187,13 +239,25 @@ bool is_ornament(std::string_view line) {
                       [](char c) { return is_letter_or_digit(c) || static_cast<unsigned char>(c) > 0x7f; });
 }
 
+bool begins_bracket(std::string_view cell) {
+  return cell.starts_with('(') || cell.starts_with('[');
+}
+
+/// "[um]", "dB", "#": a cell of a line of units; at least one of them is a unit that is known.
+bool is_unit_line(const std::vector<std::string>& cells) {
+  return std::any_of(cells.begin(), cells.end(), is_unit_alone) &&
+         std::all_of(cells.begin(), cells.end(), [](const std::string& cell) {
+           return cell.empty() || cell == "#" || cell == "-" || begins_bracket(cell) || is_unit_alone(cell);
+         });
+}
+
 std::vector<std::string> heading_cells(std::string_view line, char separator) {
   while (!line.empty() && is_comment(line)) line.remove_prefix(1);
   line = trim(line);
   std::vector<std::string> out;
   for (const std::string_view cell : formats::split_cells(line, separator)) {
     // "Freq (Hz)" between blanks is one heading.
-    if (separator == ' ' && !out.empty() && (cell.starts_with('(') || cell.starts_with('['))) {
+    if (separator == ' ' && !out.empty() && begins_bracket(cell) && !begins_bracket(out.back())) {
       out.back() += " " + std::string(cell);
     } else {
       out.emplace_back(cell);
@@ -203,11 +267,20 @@ std::vector<std::string> heading_cells(std::string_view line, char separator) {
   return out;
 }
 
+/// Beside the names of columns: "t0 = -0.005" (Rigol), "Comment" (LabVIEW).
+bool is_beside_headings(const std::string& cell) {
+  return cell.find('=') != std::string::npos || cell == "Comment";
+}
+
 /// As many headings as columns, by the rows' own separator or another. Above a line of units channels may be numbers.
 std::vector<std::string> headings_in(std::string_view line, char separator, std::size_t columns,
                                      bool above_units) {
   for (const char by : {separator, ',', ';', '\t', ' '}) {
     std::vector<std::string> cells = heading_cells(line, by);
+    // Gamry's units: "#<tab>s<tab>Hz"; the mark is a cell like the others.
+    if (cells.size() + 1 == columns && by != ' ' && line.size() > 1 && line[0] == '#' && line[1] == by)
+      cells.insert(cells.begin(), "#");
+    while (cells.size() > columns && is_beside_headings(cells.back())) cells.pop_back();
     if (cells.size() != columns) continue;
     const auto end = above_units ? cells.begin() + 1 : cells.end();
     if (std::none_of(cells.begin(), end, [](const std::string& c) { return begins_like_number(c); }))
@@ -236,7 +309,7 @@ void find_headings(Attempt& found, char separator) {
   std::vector<std::string> units;
   for (std::size_t line_number = found.raw_above.size(); line_number > 0; --line_number) {
     const std::string_view line = found.raw_above[line_number - 1];
-    if (is_ornament(line)) continue;
+    if (is_ornament(line) || line == "End Comments") continue;
     std::vector<std::string> cells = headings_in(line, separator, table.columns.size(), !units.empty());
     if (is_comment(line)) {
       // Prose may have as many words as the table columns.
@@ -251,15 +324,22 @@ void find_headings(Attempt& found, char separator) {
       table.unread = line;
       break;
     }
-    if (units.empty() && std::all_of(cells.begin(), cells.end(), is_unit_alone)) {
+    if (units.empty() && is_unit_line(cells)) {
       units = std::move(cells);
       continue;
     }
     for (std::size_t i = 0; i < units.size(); ++i) {
-      cells[i] += units[i].starts_with('(') ? " " + units[i] : " (" + units[i] + ")";
+      if (units[i].empty() || units[i] == "#" || units[i] == "-") continue;
+      cells[i] += begins_bracket(units[i]) ? " " + units[i] : " (" + units[i] + ")";
     }
     table.headings = std::move(cells);
     break;
+  }
+  // LabVIEW says what its X_Value is.
+  if (!table.headings.empty() && table.headings.front() == "X_Value") {
+    for (const std::string_view line : found.raw_above) {
+      if (line.starts_with("X_Dimension\tTime")) table.headings.front() = "Time (s)";
+    }
   }
   // "# Hz dB deg": the units say what the columns are.
   if (table.headings.empty()) table.headings = std::move(units);

@@ -61,9 +61,10 @@ Foreign plain_response(const Source& source, NumberTable table, Words words) {
                                                                : "an .frd file: dB");
     trace.magnitude_db = decibels(source, scale, table.columns[1], words);
     if (table.columns.size() == 3) {
-      trace.phase_deg = std::move(table.columns[2]);
-      words.notes.emplace_back(
-          "third column taken as the phase in degrees (real and imaginary part: FILE:ri)");
+      trace.phase_deg = degrees_of(
+          source, "a third column", std::move(table.columns[2]),
+          fmt::format("say {0}:deg, {0}:rad, or {0}:ri of real and imaginary part", source.file), words);
+      words.notes.emplace_back("third column taken as the phase (real and imaginary part: FILE:ri)");
     }
   }
   return response_columns(source, std::move(words), std::move(table.columns[0]), std::move(trace),
@@ -95,13 +96,13 @@ class PlainTable : public Format {
   }
   Foreign read(const Source& source) const override {
     NumberTable table = read_table(source, source.sample_hz ? 1 : 2);
-    for (const char* known : {"", "ri", "db", "dB", "gain", "ohm", "record", "response"}) {
+    for (const char* known : {"", "ri", "db", "dB", "gain", "ohm", "deg", "rad", "record", "response"}) {
       if (source.choice == known) break;
       if (std::string_view(known) == "response")
         throw InputError(
             source.file, 0,
-            fmt::format("has no choice '{}': a table without headings has :db, :gain, :ohm, :ri, :record "
-                        "and :response",
+            fmt::format("has no choice '{}': a table without headings has :db, :gain, :ohm, :deg, :rad, :ri, "
+                        ":record and :response",
                         source.choice));
     }
     if (table.unread_line > 0 || !table.headings.empty())
@@ -118,6 +119,12 @@ class PlainTable : public Format {
       }
     }
     if (source.sample_hz && source.wanted == Content::record) return sampled_record(source, std::move(table));
+    const std::string name_in_small = lower_case(source.file);
+    const std::size_t dot = name_in_small.rfind(".s");
+    if (dot != std::string::npos && name_in_small.ends_with('p') && is_digit(name_in_small[dot + 2]))
+      throw InputError(
+          source.file, table.lines.front(),
+          "begins numbers of a Touchstone file without the option line, expected one such as # GHZ S MA R 50");
     const std::size_t width = table.columns.size();
     if (width > 3)
       throw InputError(

@@ -143,14 +143,19 @@ void leave_out_empty(NumberTable& table, std::initializer_list<std::optional<std
   table.lines.resize(kept.size());
 }
 
-std::vector<double> phase_of_column(const Heading& heading, std::vector<double> values, Words& words) {
-  if (heading.scale != 1.0) words.notes.emplace_back("phase from radians");
+std::vector<double> phase_of_column(const Source& source, const Heading& heading, std::vector<double> values,
+                                    Words& words) {
+  if (std::abs(heading.scale) != 1.0) words.notes.emplace_back("phase from radians");
+  if (heading.scale < 0.0) words.notes.push_back(fmt::format("'{}' with the other sign", heading.text));
   for (double& value : values) value *= heading.scale;
-  return values;
+  if (!heading.unit.empty()) return values;
+  return degrees_of(source, fmt::format("'{}'", heading.text), std::move(values),
+                    fmt::format("say {0}:deg or {0}:rad", source.file), words);
 }
 
 std::vector<double> level_of_column(const Source& source, const Heading& heading, std::vector<double> values,
                                     Words& words) {
+  if (heading.scale < 0.0) words.notes.push_back(fmt::format("'{}' with the other sign", heading.text));
   for (double& value : values) value *= heading.scale;
   return decibels(source, heading.magnitude, values, words);
 }
@@ -164,7 +169,7 @@ ResponseTrace magnitude_trace(const Source& source, const NumberTable& table,
   trace.magnitude_db = level_of_column(source, heading, table.columns[column], words);
   if (const auto phase = phase_of(headings, column)) {
     validate_unit(source, table, headings[*phase]);
-    trace.phase_deg = phase_of_column(headings[*phase], table.columns[*phase], words);
+    trace.phase_deg = phase_of_column(source, headings[*phase], table.columns[*phase], words);
   }
   return trace;
 }
@@ -206,10 +211,23 @@ ResponseTrace quotient_trace(const Source& source, NumberTable& table, const std
   return out;
 }
 
+/// A second axis under the same heading must be the same one: blocks side by side have one each.
+void validate_one_axis(const Source& source, const NumberTable& table, const std::vector<Heading>& headings,
+                       std::size_t axis) {
+  for (std::size_t i = axis + 1; i < headings.size(); ++i) {
+    const bool again =
+        headings[i].quantity == headings[axis].quantity && headings[i].text == headings[axis].text;
+    if (again && table.columns[i] != table.columns[axis])
+      throw InputError(source.file, table.lines.front(),
+                       fmt::format("begins a table with two columns '{}' that differ", headings[axis].text));
+  }
+}
+
 Foreign response_of(const Source& source, NumberTable table, const std::vector<Heading>& headings,
                     Words words) {
   const std::size_t at = *frequency_column(headings);
   validate_unit(source, table, headings[at]);
+  validate_one_axis(source, table, headings, at);
   const auto quotient = chosen_quotient(source, headings);
   const std::size_t column = quotient ? quotient->first : chosen_column(source, headings);
   validate_unit(source, table, headings[column]);
@@ -246,10 +264,23 @@ std::vector<double> times_of(const Source& source, NumberTable& table, const std
   const auto at = first_of(headings, Quantity::time);
   if (!at) return sampled_times(*source.sample_hz, table.rows(), words);
   validate_unit(source, table, headings[*at]);
+  validate_one_axis(source, table, headings, *at);
   std::vector<double> time = std::move(table.columns[*at]);
   if (headings[*at].scale != 1.0) words.notes.push_back(fmt::format("time from {}", headings[*at].unit));
   for (double& t : time) t *= headings[*at].scale;
   return time;
+}
+
+/// "Sample", "#", a heading that is empty (a table of Python or R): 0, 1, 2, … or 1, 2, 3, …
+bool counts_rows(const std::string& heading, const std::vector<double>& column) {
+  const std::string name = lower_case(heading);
+  if (!name.empty() && name != "#" && name != "sample" && name != "samples" && name != "index" &&
+      name != "no" && name != "no." && name != "number" && name != "point" && name != "id")
+    return false;
+  for (std::size_t i = 0; i < column.size(); ++i) {
+    if (column[i] != column.front() + static_cast<double>(i)) return false;
+  }
+  return true;
 }
 
 Foreign record_of(const Source& source, NumberTable table, const std::vector<Heading>& headings,
@@ -257,7 +288,7 @@ Foreign record_of(const Source& source, NumberTable table, const std::vector<Hea
   std::vector<std::string> names;
   std::vector<std::size_t> places;
   for (std::size_t i = 0; i < headings.size(); ++i) {
-    if (headings[i].quantity == Quantity::time) continue;
+    if (headings[i].quantity == Quantity::time || counts_rows(headings[i].text, table.columns[i])) continue;
     places.push_back(i);
     names.push_back(headings[i].text);
   }
@@ -269,7 +300,7 @@ Foreign record_of(const Source& source, NumberTable table, const std::vector<Hea
   for (const std::size_t i : chosen) {
     const Heading& heading = headings[places[i]];
     SignalTrace signal{heading.text, table.columns[places[i]]};
-    if (heading.quantity == Quantity::signal && heading.scale != 1.0) {
+    if ((heading.quantity == Quantity::signal || heading.level) && heading.scale != 1.0) {
       for (double& value : signal.values) value *= heading.scale;
       signal.name += fmt::format(" (times {})", rounded_text(heading.scale));
     }
@@ -283,7 +314,26 @@ Foreign record_of(const Source& source, NumberTable table, const std::vector<Hea
 }  // namespace
 
 bool is_scale_word(const std::string& choice) {
-  return choice == "db" || choice == "dB" || choice == "gain" || choice == "ohm";
+  return choice == "db" || choice == "dB" || choice == "gain" || choice == "ohm" || choice == "deg" ||
+         choice == "rad";
+}
+
+std::vector<double> degrees_of(const Source& source, std::string_view name, std::vector<double> values,
+                               std::string_view instead, Words& words) {
+  const bool radians = source.choice == "rad";
+  const bool small = std::all_of(values.begin(), values.end(), [](double v) {
+    return std::isnan(v) || std::abs(v) <= 2.0 * std::numbers::pi;
+  });
+  const bool zero = std::all_of(values.begin(), values.end(), [](double v) { return !(v != 0.0); });
+  if (small && !zero && !radians && source.choice != "deg")
+    throw InputError(
+        source.file, 0,
+        fmt::format("has {} within 2 pi and no unit, so that it may be radians: {}", name, instead));
+  if (radians) {
+    for (double& value : values) value = to_degrees(value);
+    words.notes.emplace_back("phase from radians");
+  }
+  return values;
 }
 
 std::vector<double> sampled_times(double sample_hz, std::size_t count, Words& words) {
@@ -331,7 +381,8 @@ std::vector<double> hertz(const Heading& heading, std::vector<double> values, Wo
   double scale = heading.scale;
   if (heading.quantity == Quantity::angular_frequency) {
     scale = 0.5 / std::numbers::pi;
-    words.notes.emplace_back("frequency from rad/s");
+    scale *= heading.scale;
+    words.notes.push_back("frequency from " + (heading.unit.empty() ? "rad/s" : heading.unit));
   } else if (heading.unit.empty()) {
     words.notes.emplace_back("frequency without a unit taken as Hz");
   } else if (scale != 1.0) {

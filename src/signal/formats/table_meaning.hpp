@@ -10,8 +10,12 @@
 
 namespace bodesmith::formats {
 
-/// A choice that says the unit of a magnitude and no name: "db", "gain", "ohm".
+/// A choice that says the unit of a magnitude or phase and no name: "db", "gain", "ohm", "deg", "rad".
 bool is_scale_word(const std::string& choice);
+/// Phases without a unit. All within 2 pi they may be radians as well as degrees, which is an InputError that says what
+/// to do `instead`, unless the user chose (FILE:deg, FILE:rad).
+std::vector<double> degrees_of(const Source& source, std::string_view name, std::vector<double> values,
+                               std::string_view instead, Words& words);
 
 /// Magnitudes in dB. A scale that is not known follows from the choice (FILE:db, FILE:gain, FILE:ohm) or the values:
 /// one of 0 or less is dB, all within (0, 4] are linear, all from 30 to 150 a sound pressure level in dB; anything else

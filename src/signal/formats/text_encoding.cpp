@@ -1,5 +1,6 @@
 #include "signal/formats/text_encoding.hpp"
 
+#include <algorithm>
 #include <cstdint>
 
 namespace bodesmith::formats {
@@ -73,7 +74,9 @@ bool is_utf8(std::string_view bytes) {
 
 }  // namespace
 
-std::string to_utf8(std::string_view bytes) {
+namespace {
+
+std::string any_to_utf8(std::string_view bytes) {
   if (bytes.substr(0, 3) == "\xEF\xBB\xBF") return std::string(bytes.substr(3));
   if (bytes.substr(0, 2) == "\xFF\xFE") return from_utf16(bytes.substr(2), true);
   if (bytes.substr(0, 2) == "\xFE\xFF") return from_utf16(bytes.substr(2), false);
@@ -85,6 +88,16 @@ std::string to_utf8(std::string_view bytes) {
   std::string out;
   out.reserve(bytes.size());
   for (const char c : bytes) append_utf8(out, static_cast<unsigned char>(c));
+  return out;
+}
+
+}  // namespace
+
+std::string to_utf8(std::string_view bytes) {
+  std::string out = any_to_utf8(bytes);
+  // Lines of old Macintoshes and of some instruments.
+  if (out.find('\n') == std::string::npos && out.find('\0') == std::string::npos)
+    std::replace(out.begin(), out.end(), '\r', '\n');
   return out;
 }
 

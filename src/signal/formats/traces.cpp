@@ -318,6 +318,50 @@ ResponseTrace choose_response(const Source& source, const std::vector<std::strin
   return to_trace(names[above] + "/" + names[below], quotient);
 }
 
+namespace {
+
+constexpr std::string_view kInputWords[] = {"u",          "in",       "input",     "vin",     "drive",
+                                            "excitation", "stimulus", "reference", "command", "eingang"};
+constexpr std::string_view kOutputWords[] = {"y",        "out",          "output",      "vout",
+                                             "response", "measured",     "measurement", "sensor",
+                                             "position", "displacement", "answer",      "ausgang"};
+
+/// What a signal's name says: "Out1", "Input (V)", "V(out)". The word in of "Output in V" is none.
+enum class Role { none, input, output };
+Role role_of(std::string_view name) {
+  Role role = Role::none;
+  const std::string small = lower_case(name);
+  for (std::size_t at = 0; at < small.size();) {
+    std::size_t end = at;
+    while (end < small.size() && is_letter(small[end])) ++end;
+    const std::string_view word = std::string_view(small).substr(at, end - at);
+    const auto is_in = [&](const auto& words) {
+      return std::find(std::begin(words), std::end(words), word) != std::end(words);
+    };
+    if (is_in(kOutputWords)) return Role::output;
+    if (is_in(kInputWords)) role = Role::input;
+    at = end + 1;
+  }
+  return role;
+}
+
+/// Input and output where the names of just one signal say so each, or of one of two.
+std::optional<std::vector<std::size_t>> called_in_and_out(const std::vector<std::string>& names) {
+  std::vector<std::size_t> in;
+  std::vector<std::size_t> out;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const Role role = role_of(names[i]);
+    if (role == Role::input) in.push_back(i);
+    if (role == Role::output) out.push_back(i);
+  }
+  if (in.size() == 1 && out.size() == 1) return std::vector{in[0], out[0]};
+  if (names.size() != 2) return std::nullopt;
+  const bool turned = (in.size() == 1 && in[0] == 1) || (out.size() == 1 && out[0] == 0);
+  return turned ? std::vector<std::size_t>{1, 0} : std::vector<std::size_t>{0, 1};
+}
+
+}  // namespace
+
 std::vector<std::size_t> choose_signals(const Source& source, const std::vector<std::string>& names) {
   if (names.empty()) throw InputError(source.file, 0, "holds times and nothing else");
   if (!source.choice.empty()) {
@@ -335,7 +379,7 @@ std::vector<std::size_t> choose_signals(const Source& source, const std::vector<
   const auto out = find_name(names, "v(out)");
   const auto vout = out ? out : find_name(names, "v(vout)");
   if (vin && vout && *vin != *vout) return {*vin, *vout};
-  if (names.size() == 2) return {0, 1};
+  if (const auto called = called_in_and_out(names)) return *called;
   throw InputError(
       source.file, 0,
       fmt::format("holds {}: choose input and output as FILE:NAME,NAME (or one signal)", join(names, ", ")));

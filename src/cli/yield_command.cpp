@@ -14,6 +14,7 @@
 #include "cli/commands.hpp"
 #include "cli/mismatch_options.hpp"
 #include "cli/rational_part.hpp"
+#include "cli/yield_margins.hpp"
 #include "lti/judged_floor.hpp"
 #include "lti/judging_grid.hpp"
 #include "lti/steep_flanks.hpp"
@@ -53,6 +54,7 @@ void declare_yield(CommandLine& line) {
   line.option<double>("limit-db",
                       "count the circuits that stay within this, and say which tolerances to buy for it");
   line.option<double>("limit-deg", "the same for the phase");
+  add_margin_options(line);
   line.option<double>("min-yield-percent", "exit with 1 when fewer circuits stay within the limits");
   line.group("The circuit of SECTIONS.json (circuit.json is taken as it was built)");
   add_circuit_options(line);
@@ -196,8 +198,9 @@ std::string purchase_text(const std::vector<yield::Purchase>& all, double limit_
 }
 
 /// One design in yield.json, and its lines of the summary.
-Json design_json(const yield::Design& design, const yield::Result& result, const yield::Options& options,
-                 bool asked_band, std::string& text) {
+Json design_json(const CommandLine& line, const yield::Design& design, const yield::Result& result,
+                 const yield::Options& options, const std::optional<LoopPlant>& plant, std::string& text) {
+  const bool asked_band = line.has("from-hz") || line.has("to-hz");
   Json out = to_json(result, options);
   out["poles"] = design.poles;
   out["parts"] = design.parts.size();
@@ -210,6 +213,7 @@ Json design_json(const yield::Design& design, const yield::Result& result, const
     out["to_buy"] = yield::to_json(buy);
     text += purchase_text(buy, *options.limit_db);
   }
+  if (plant) text += study_margins(line, design, *plant, options, out);
   return out;
 }
 
@@ -273,6 +277,8 @@ int run_yield(const std::vector<std::string>& arguments) {
   const std::vector<yield::Design> designs = read_designs(line, from);
   options.grid = read_grid(line, designs[0]);
   const std::vector<Hertz> nulls = leave_out_nulls(line, designs, options.grid);
+  std::vector<std::optional<LoopPlant>> plants;
+  for (const yield::Design& design : designs) plants.push_back(read_loop_plant(line, design, from));
   options.job = job_text(options, from);
 
   const Stopwatch watch;
@@ -282,10 +288,9 @@ int run_yield(const std::vector<std::string>& arguments) {
   json.update(settings_json(options));
   std::string text;
   double min_yield = 100.0;
-  const bool asked_band = line.has("from-hz") || line.has("to-hz");
   for (std::size_t i = 0; i < designs.size(); ++i) {
     for (const std::string& one : designs[i].notes) note(one);
-    json["designs"].push_back(design_json(designs[i], results[i], options, asked_band, text));
+    json["designs"].push_back(design_json(line, designs[i], results[i], options, plants[i], text));
     min_yield = std::min(min_yield, yield_percent(results[i]));
   }
   if (!nulls.empty()) {

@@ -98,6 +98,16 @@ Block& Block::set(std::string_view key, const std::vector<double>& values) {
   return *this;
 }
 
+Block Block::with(const PartChange& change, double departure) const {
+  Block out = *this;
+  for (const PartChange::Entry& entry : change.entries) {
+    for (Parameter& p : out.parameters_) {
+      if (p.name() == entry.parameter) p.value += entry.of(departure);
+    }
+  }
+  return out;
+}
+
 const std::string& Block::word(std::string_view key) const {
   for (const auto& [name, value] : words_) {
     if (name == key) return value;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <complex>
+#include <memory>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -10,6 +11,7 @@
 #include "base/parameter.hpp"
 #include "base/units.hpp"
 #include "chain/kernel.hpp"
+#include "chain/part_change.hpp"
 
 namespace bodesmith::hysteresis {
 class ModelType;
@@ -154,6 +156,10 @@ class Block {
 
   /// Of the part it stands for ("Section3a"); empty: none.
   std::string part;
+  /// What the parts that it is made of do to it; null: not known.
+  std::shared_ptr<const std::vector<PartChange>> parts;
+  /// The block as it is when one of its parts is off by so much.
+  Block with(const PartChange& change, double departure) const;
   /// Line of model.toml it came from; 0: none.
   int line = 0;
 

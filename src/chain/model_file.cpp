@@ -58,6 +58,26 @@ void read_free(Block& block, const Node& free) {
   }
 }
 
+/// `parts`: a table a part, {unit, tolerance, "parameter" = [slope, bend], …}.
+std::shared_ptr<const std::vector<PartChange>> parts_from_node(const Block& block, const Node& node) {
+  auto out = std::make_shared<std::vector<PartChange>>();
+  for (const auto& [part, table] : node.members()) {
+    PartChange one{part, table.at("unit").one_of({"percent", "v"}), table.at("tolerance").non_negative(), {}};
+    for (const auto& [name, value] : table.members()) {
+      if (name == "unit" || name == "tolerance") continue;
+      const auto& all = block.parameters();
+      if (std::none_of(all.begin(), all.end(),
+                       [&, &key = name](const Parameter& p) { return p.name() == key; }))
+        value.fail(fmt::format("is no parameter of this '{}' block", block.type_name()));
+      const std::vector<double> numbers = value.numbers();
+      if (numbers.size() != 2) value.fail("is no pair, expected [slope, bend]");
+      one.entries.push_back({name, numbers[0], numbers[1]});
+    }
+    out->push_back(std::move(one));
+  }
+  return out;
+}
+
 /// At the parameter's own line where the error is about one.
 [[noreturn]] void fail_at(const Node& node, const std::string& type, const ValidationError& error) {
   if (error.parameter != nullptr && node.has(error.parameter->key())) {
@@ -123,6 +143,18 @@ std::vector<std::string> free_names(const Block& block) {
   return out;
 }
 
+Json parts_json(const std::vector<PartChange>& parts) {
+  Json values = Json::array();
+  for (const PartChange& one : parts) {
+    std::string text = fmt::format("{{unit = \"{}\", tolerance = {}", one.unit, number_text(one.tolerance));
+    for (const PartChange::Entry& entry : one.entries)
+      text += fmt::format(", \"{}\" = [{}, {}]", entry.parameter, number_text(entry.slope),
+                          number_text(entry.bend));
+    values.push_back({{"part", "\"" + one.part + "\""}, {"change", text + "}"}});
+  }
+  return {{"values", values}};
+}
+
 struct TrainedKey {
   const char* key;
   double SignalExtent::*of_input;
@@ -178,7 +210,7 @@ Block block_from_node(const Node& node) {
   block.line = node.line();
   const auto& specs = type->specs();
   for (const auto& [key, value] : node.members()) {
-    if (key == "type" || key == "free") continue;
+    if (key == "type" || key == "free" || key == "parts") continue;
     if (key == "name") {
       block.part = value.string();
       if (block.part.find_first_of("\"\\\n\r\t") != std::string::npos)
@@ -195,6 +227,7 @@ Block block_from_node(const Node& node) {
     if (!spec.optional()) node.at(spec.name);
   }
   if (node.has("free")) read_free(block, node.at("free"));
+  if (node.has("parts")) block.parts = parts_from_node(block, node.at("parts"));
   if (const auto error = block.validate()) fail_at(node, type->name(), *error);
   return block;
 }
@@ -261,6 +294,8 @@ std::string model_text(const Chain& chain, const std::string& comment) {
     for (const std::string& name : free_names(block)) quoted.push_back("\"" + name + "\"");
     if (!quoted.empty())
       out["parameters"].push_back({{"key", "free"}, {"value", "[" + join(quoted, ", ") + "]"}});
+    out["parts"] = Json::array();
+    if (block.parts) out["parts"].push_back(parts_json(*block.parts));
     data["blocks"].push_back(std::move(out));
   }
   return render_template("model.toml", data);

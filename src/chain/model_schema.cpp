@@ -56,6 +56,7 @@ Json block_schema(const BlockType& type) {
     if (!spec.optional()) required.push_back(spec.name);
   }
   properties["free"] = {{"$ref", "#/$defs/free"}};
+  properties["parts"] = {{"$ref", "#/$defs/parts"}};
   properties["name"] = {{"type", "string"}, {"description", "of the part that the block stands for"}};
   return {{"title", type.name()},     {"description", type.what()}, {"type", "object"},
           {"properties", properties}, {"required", required},       {"additionalProperties", false}};
@@ -75,6 +76,22 @@ Json trained_schema() {
           {"properties", properties},
           {"required", required},
           {"additionalProperties", false}};
+}
+
+Json parts_schema() {
+  const Json pair = {{"type", "array"}, {"items", {{"type", "number"}}}, {"minItems", 2}, {"maxItems", 2}};
+  const Json part = {
+      {"type", "object"},
+      {"properties",
+       {{"unit", {{"enum", {"percent", "v"}}, {"description", "of t"}}},
+        {"tolerance", {{"type", "number"}, {"minimum", 0}, {"description", "of a good part"}}}}},
+      {"required", {"unit", "tolerance"}},
+      {"additionalProperties", pair}};
+  return {
+      {"description",
+       "what each part that is t off does to the block's parameters p: [slope, bend] of p + slope t/(1 + bend t)"},
+      {"type", "object"},
+      {"additionalProperties", part}};
 }
 
 }  // namespace
@@ -108,6 +125,7 @@ Json model_schema() {
          "parameters that identify and diagnose may refit: \"gain\", or one of a list \"gains[2]\""},
         {"type", "array"},
         {"items", {{"type", "string"}}}}},
+      {"parts", parts_schema()},
       {"block", {{"oneOf", blocks}}}};
   return out;
 }

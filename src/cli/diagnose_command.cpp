@@ -7,7 +7,6 @@
 
 #include "base/files.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
@@ -15,8 +14,7 @@
 #include "cli/commands.hpp"
 #include "cli/diagnose_modes.hpp"
 #include "gap/diagnosis.hpp"
-#include "gap/diagnosis_json.hpp"
-#include "gap/page/page.hpp"
+#include "gap/page/files.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -112,42 +110,6 @@ std::string summary_text(const gap::Diagnosis& d, const std::filesystem::path& f
   return text;
 }
 
-/// What was found, with the base model's [trained]: where it was fitted, and the errors that are left now.
-chain::Chain found_model(const gap::Diagnosis& diagnosis, const chain::Chain& base) {
-  chain::Chain out = diagnosis.search.final.chain();
-  out.trained = base.trained;
-  if (!out.trained || diagnosis.relative) return out;
-  chain::Trained& trained = *out.trained;
-  if (trained.training_rms > 0.0)
-    trained.training_percent *= diagnosis.final.train_rms / trained.training_rms;
-  trained.training_rms = diagnosis.final.train_rms;
-  trained.holdout_rms = diagnosis.final.holdout_rms;
-  trained.holdout_percent = diagnosis.final.holdout_percent_of_range;
-  return out;
-}
-
-/// diagnosis.json, model.toml, base_refitted.toml and report.html; returns diagnosis.json.
-Json write_results(const gap::Diagnosis& diagnosis, const gap::Study& study, const chain::Chain& base,
-                   const Provenance& from, const std::filesystem::path& folder) {
-  OutputSet files(folder);
-  Json json = json_header("diagnosis", from);
-  json.update(gap::to_json(diagnosis));
-  json["timing_s"] = {{"compute", diagnosis.compute_s}};
-  files.add("diagnosis.json", to_text(json));
-  std::vector<std::string> found;
-  for (const auto& s : diagnosis.steps) found.push_back(s.effect + " " + s.placed);
-  files.add("model.toml",
-            chain::model_text(found_model(diagnosis, base),
-                              "The base model, refitted, with what diagnose found: " +
-                                  (found.empty() ? std::string("nothing") : join(found, ", ")) + "."));
-  files.add("base_refitted.toml", chain::model_text(diagnosis.search.base.chain(),
-                                                    "The base model with its free parameters refitted."));
-  files.add("report.html", gap::report_page(diagnosis, study));
-  if (diagnosis.next_experiment) files.add("experiment.csv", gap::to_csv(*diagnosis.next_experiment));
-  files.commit();
-  return json;
-}
-
 }  // namespace
 
 void diagnose_into(const std::filesystem::path& folder, const std::filesystem::path& model,
@@ -156,7 +118,9 @@ void diagnose_into(const std::filesystem::path& folder, const std::filesystem::p
   Provenance from;
   const auto base = chain::read_model(model, from);
   const auto study = gap::Study::read({data}, {holdout}, base, from);
-  write_results(gap::diagnose(base, study, options), study, base, from, folder);
+  OutputSet files(folder);
+  gap::add_diagnosis_files(gap::diagnose(base, study, options), study, base, from, files);
+  files.commit();
 }
 
 int run_diagnose(const std::vector<std::string>& arguments) {
@@ -198,7 +162,9 @@ int run_diagnose(const std::vector<std::string>& arguments) {
   const auto diagnosis = gap::diagnose(base, study, read_options(line, progress, watch));
 
   const std::filesystem::path folder = line.output_path();
-  const Json json = write_results(diagnosis, study, base, from, folder);
+  OutputSet files(folder);
+  const Json json = gap::add_diagnosis_files(diagnosis, study, base, from, files);
+  files.commit();
   print_summary(line, summary_text(diagnosis, folder), json);
   return diagnosis.verdict == gap::Verdict::interrupted ? kInterrupted : kDone;
 }

@@ -67,6 +67,8 @@ class BuiltGenerator {
   void set_rate(Hertz operating);
   /// What is subtracted from r when the generator's argument is x.
   double subtracted(Disturbance::Branch which, double x);
+  /// dv/dr, the generator's argument held.
+  double reference_gain() const { return rest_.reference_gain(); }
   /// The rate gain, relative to the branch's polynomial.
   double rate_gain(Disturbance::Branch which) const;
 

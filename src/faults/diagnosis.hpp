@@ -54,6 +54,12 @@ struct Rework {
   std::string text;
   std::size_t parts = 1;       ///< to exchange
   double error_percent = 0.0;  ///< worst complex error that is left, whichever of the tied ones is wrong
+  /// One part more: place in Board::soldered_parts() of the one that it is soldered across, and its value.
+  struct Across {
+    std::size_t part = 0;
+    double value = 0.0;
+  };
+  std::optional<Across> across = std::nullopt;
 };
 
 struct DiagnosisOptions {

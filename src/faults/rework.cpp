@@ -68,7 +68,7 @@ std::optional<Rework> one_for_all(const Board& board, std::span<const Suspect> r
         fmt::format("solder {} across {}: that brings the response to within {} % whichever of them is wrong",
                     engineering_text(parts[part].nominal * best.factor, parts[part].unit), parts[part].name,
                     rounded_text(best.error, 2)),
-        1, best.error};
+        1, best.error, Rework::Across{part, parts[part].nominal * best.factor}};
   }
   return out;
 }
@@ -81,7 +81,7 @@ Rework all_of(std::span<const Suspect> rivals) {
       if (std::find(texts.begin(), texts.end(), fault->rework) == texts.end()) texts.push_back(fault->rework);
     }
   }
-  return {join(texts, rivals.size() > 1 ? "; if that does not help, " : "; "), texts.size(), 0.0};
+  return {join(texts, rivals.size() > 1 ? "; if that does not help, " : "; "), texts.size()};
 }
 
 }  // namespace

@@ -209,8 +209,10 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   for (const auto& s : d.search.steps) d.steps.push_back(describe(s, d.search, meter));
   if (!d.steps.empty()) d.steps.back().after = d.final;
   auto parameters = found_parameters(d.search.final, searched);
-  for (std::size_t k = 0; k < parameters.size() && k < d.steps.size(); ++k)
+  for (std::size_t k = 0; k < parameters.size() && k < d.steps.size(); ++k) {
     d.steps[k].parameters = std::move(parameters[k]);
+    d.steps[k].part = d.search.final.terms()[k].part;
+  }
   auto posterior = posterior_of(d.search, searched);
   for (std::size_t k = 0; k < d.steps.size(); ++k) {
     d.steps[k].probability = posterior.of_steps[k];

@@ -41,6 +41,7 @@ struct DiagnosedStep {
   std::vector<std::string> also_fit;
   std::string placed;
   std::vector<std::string> also_placed;
+  std::string part;       ///< Term::part
   std::string pair_with;  ///< the effect with which it earns its place together; empty: alone
   std::vector<FoundParameter> parameters;
   GapSize before;

@@ -74,6 +74,7 @@ Json json_of(const DiagnosedStep& s) {
           {"also_fitted_with_more_parameters", s.also_fit},
           {"placed", s.placed},
           {"also_placed", s.also_placed},
+          {"part", s.part},
           {"pair_with", s.pair_with},
           {"parameters", parameters},
           {"holdout_rms_before", s.before.holdout_rms},

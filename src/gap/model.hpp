@@ -45,6 +45,8 @@ struct Term {
   const Effect* effect = nullptr;
   /// "before block 2", "after block 3", "inside block 1" (blocks of the base model, from 1).
   std::string placed;
+  /// Name of the part that it accuses ("Rd3"), or for which the block that it changes stands ("amplifier"); empty: none.
+  std::string part = {};
   std::vector<Unknown> unknowns;
   /// Ids of the blocks it brought, or shares with other terms: they stay as long as one of them does.
   std::vector<int> blocks;

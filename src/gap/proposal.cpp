@@ -54,6 +54,7 @@ Proposal change_block(const Scene& scene, const Effect& effect, std::size_t posi
   term.placed = inside_block(*scene.model, position);
   const auto& block = scene.model->at(position);
   const int id = scene.model->id_at(position);
+  term.part = block.part;
   std::vector<std::pair<std::string, double>> before;
   for (const auto& u : unknowns) before.emplace_back(u.name, block.get(u.name));
   add_parameters(unknowns, block);

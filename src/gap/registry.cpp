@@ -27,6 +27,7 @@ namespace bodesmith::gap {
   ENTRY(rate_dependence)         \
   ENTRY(creep)                   \
   ENTRY(multiplier_error)        \
+  ENTRY(part_value)              \
   ENTRY(switch_delay)            \
   ENTRY(opamp_bandwidth)         \
   ENTRY(capacitor_mismatch)      \

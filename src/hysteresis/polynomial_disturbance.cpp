@@ -49,6 +49,11 @@ std::array<double, 3> three(const Parameters& values, std::string_view name) {
   return {numbers[0], numbers[1], numbers[2]};
 }
 
+/// Newton's steps double the right digits as long as the branch is far from flat; otherwise the bracket is quicker.
+constexpr int kNewtonSteps = 12;
+constexpr double kLeastSlope = 0.2;
+constexpr double kRounding = 4e-16;
+
 /// The branch as a function on its interval, see the header.
 struct NestedBranch {
   double x_lo, x_hi, y_lo, y_hi, gain, end_0, end_1;
@@ -216,8 +221,23 @@ std::array<double, 2> PolynomialDisturbance::rising_part(bool rising) const {
   return out;
 }
 
+std::optional<double> PolynomialDisturbance::newton(bool rising, double y) const {
+  const BranchShape& shape = rising ? ascending : descending;
+  const double steepness = plain_gain(rising) / amplitude;
+  double x = y;
+  for (int i = 0; i < kNewtonSteps; ++i) {
+    const double slope = 1.0 + steepness * shape.slope(x / amplitude);
+    if (!(slope > kLeastSlope)) break;
+    const double step = (y - plain(rising, x)) / slope;
+    x += step;
+    if (std::abs(step) <= kRounding * std::max(std::abs(x), amplitude)) return x;
+  }
+  return std::nullopt;
+}
+
 double PolynomialDisturbance::input_on(bool rising, double y) const {
   const auto [least, most] = rising_part(rising);
+  if (const auto near = newton(rising, y); near && *near > least && *near < most) return *near;
   double low = 0.0;
   double high = amplitude;
   for (double reach = amplitude; low > least && plain(rising, low) > y; reach *= 2.0)

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <array>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -85,6 +86,8 @@ struct PolynomialDisturbance {
  private:
   /// What d of a branch is multiplied by under the slope_sign rule.
   double plain_gain(bool rising) const;
+  /// The same as input_on() by Newton's steps from y on; nothing where they do not settle at once.
+  std::optional<double> newton(bool rising, double y) const;
   /// The inputs about the stroke over which plain() rises.
   std::array<double, 2> rising_part(bool rising) const;
 };

@@ -4,6 +4,7 @@
 
 #include <cmath>
 
+#include "base/error.hpp"
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
 #include "chain/sections_chain.hpp"
@@ -56,6 +57,58 @@ TEST(LoopBlock, SolvesItsEquationOnBothBranches) {
   MemoryKernel& pass = *std::get<std::unique_ptr<MemoryKernel>>(kernel);
   pass.reset(0.0, true);
   EXPECT_NEAR(pass.step(0.5, 1e-3), 0.5 - 0.5 * (up[0] + 0.5 * (up[1] + 0.5 * up[2])), 1e-14);
+}
+
+TEST(LoopBlock, ScalesItsReference) {
+  Block block = make_block("loop");
+  block.set("reference_gain", 1.1)
+      .set("ascending", std::vector<double>{0.3, -0.3, 0.0})
+      .set("descending", std::vector<double>{0.0, 0.0, 0.0});
+  for (const double passes : {0.0, 1.0}) {
+    Kernel kernel = block.set("passes", passes).kernel();
+    MemoryKernel& loop = *std::get<std::unique_ptr<MemoryKernel>>(kernel);
+    loop.reset(0.0, true);
+    const double v = loop.step(0.5, 1e-3);
+    const double x = passes == 0.0 ? v : 0.5;
+    EXPECT_NEAR(v, 1.1 * 0.5 - 0.3 * x * (1.0 - x), 1e-14);
+  }
+}
+
+/// Of a divider p = R2/(R1 + R2) both resistors, from 5 % to either side, tell any other value exactly.
+TEST(PartChange, IsExactForAnyValueOfAResistor) {
+  const double r1 = 3.0, r2 = 2.0;
+  for (const bool upper : {true, false}) {
+    const auto at = [&](double percent) {
+      const double factor = 1.0 + percent / 100.0;
+      const double top = upper ? r1 * factor : r1, bottom = upper ? r2 : r2 * factor;
+      return bottom / (top + bottom);
+    };
+    PartChange change{upper ? "R1" : "R2", "percent", 1.0, {}};
+    change.add("gain", 5.0, at(5.0) - at(0.0), at(-5.0) - at(0.0));
+    const Block good = make_block("gain").set("gain", at(0.0));
+    for (const double percent : {-60.0, -5.0, 0.0, 8.0, 300.0})
+      EXPECT_NEAR(good.with(change, percent).get("gain"), at(percent), 1e-12);
+  }
+  // What moves to one side only (a square) has no such form: the line is taken.
+  PartChange square{"M", "v", 1.0, {}};
+  square.add("gain", 1.0, 3.0, 1.0);
+  EXPECT_EQ(square.entries[0].slope, 1.0);
+  EXPECT_EQ(square.entries[0].bend, 0.0);
+}
+
+TEST(PartChange, ReadsBackAndNamesAWrongParameter) {
+  Chain chain;
+  chain.blocks = {make_block("gain").set("gain", 2.0)};
+  chain.blocks[0].parts = std::make_shared<const std::vector<PartChange>>(std::vector<PartChange>{
+      {"M2, offset of X", "v", 0.009, {{"gain", 0.25, 0.0}}}, {"R1", "percent", 1.0, {}}});
+  const std::string text = model_text(chain);
+  const Chain read = model_from_node(parse_toml(text, "model.toml"));
+  EXPECT_EQ(model_text(read), text);
+  EXPECT_EQ(read.blocks[0].parts->at(0).part, "M2, offset of X");
+  EXPECT_EQ(read.blocks[0].parts->at(0).entries[0].slope, 0.25);
+  std::string wrong = text;
+  wrong.replace(wrong.find("\"gain\" = ["), 6, "\"game\"");
+  EXPECT_THROW(model_from_node(parse_toml(wrong, "model.toml")), InputError);
 }
 
 TEST(LoopBlock, RefusesAGeneratorWithoutADrive) {

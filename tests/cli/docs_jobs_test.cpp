@@ -134,7 +134,7 @@ TEST(Readme, SaysWhatTheProgramSays) {
 INSTANTIATE_TEST_SUITE_P(Docs, DocumentedExample, ::testing::Values("picma_gap", "opamp_slew", "silverbox"));
 INSTANTIATE_TEST_SUITE_P(Docs, DocumentedJob,
                          ::testing::Values("audio.md", "piezo.md", "fractional_pid.md", "loop.md", "board.md",
-                                           "faulty_board.md"));
+                                           "faulty_board.md", "measured.md"));
 
 }  // namespace
 }  // namespace bodesmith

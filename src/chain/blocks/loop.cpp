@@ -26,8 +26,8 @@ PolynomialDisturbance generator_of(const Block& block) {
 /// The generator of a disturbance and the sum round it. Between turns of r one curve; it jumps to the other where r turns.
 class LoopKernel final : public MemoryKernel {
  public:
-  LoopKernel(PolynomialDisturbance generator, int passes)
-      : generator_(std::move(generator)), passes_(passes) {}
+  LoopKernel(PolynomialDisturbance generator, double gain, int passes)
+      : generator_(std::move(generator)), gain_(gain), passes_(passes) {}
   std::unique_ptr<MemoryKernel> clone() const override { return std::make_unique<LoopKernel>(*this); }
   double reset(double r, bool) override {
     r_ = r;
@@ -46,27 +46,29 @@ class LoopKernel final : public MemoryKernel {
 
  private:
   double drive(bool rising, double r) const {
-    if (passes_ == 0) return generator_.input_on(rising, r);
+    if (passes_ == 0) return generator_.input_on(rising, gain_ * r);
     double v = r;
-    for (int i = 0; i < passes_; ++i) v += r - generator_.plain(rising, v);
+    for (int i = 0; i < passes_; ++i) v += gain_ * r - generator_.plain(rising, v);
     return v;
   }
 
   PolynomialDisturbance generator_;
+  double gain_;
   int passes_;
   double r_ = 0.0;
   bool rising_ = true;
 };
 
-/// v = r − K(f) d_b(v), b by the sign of r's slope: the controller of a stage that reads its drive, fed by its own drive.
-/// `passes` = n: v_k = r − K d_b(v_(k−1)), v_0 = r, n times (1: the disturbance paper's Fig. 2). Per unit of the full
+/// v = g r − K(f) d_b(v), b by the sign of r's slope: the controller of a stage that reads its drive, fed by its own drive.
+/// `passes` = n: v_k = g r − K d_b(v_(k−1)), v_0 = r, n times (1: the disturbance paper's Fig. 2). Per unit of the full
 /// stroke. The stage itself is the polynomial_hysteresis behind it.
 class LoopBlock final : public BlockType {
  public:
   LoopBlock()
       : BlockType(
             "loop", "drive v = r - d(v) of a disturbance generator fed by its own drive",
-            {list_of(any_number("ascending", "1", "a1, a2, a3 that the generator makes while r rises")),
+            {above_zero("reference_gain", "1", "g of v = g r - d(v)").with_default(1.0),
+             list_of(any_number("ascending", "1", "a1, a2, a3 that the generator makes while r rises")),
              list_of(any_number("descending", "1", "the same while r falls")),
              any_number("constant_ascending", "1", "its offset while r rises").with_default(0.0),
              any_number("constant_descending", "1", "its offset while r falls").with_default(0.0),
@@ -90,15 +92,17 @@ class LoopBlock final : public BlockType {
     return {};
   }
   Kernel kernel(const Block& block) const override {
-    return std::make_unique<LoopKernel>(generator_of(block), whole_number<int>(block.get("passes")));
+    return std::make_unique<LoopKernel>(generator_of(block), block.get("reference_gain"),
+                                        whole_number<int>(block.get("passes")));
   }
-  /// Of the loop r = v + K d(v), by the direction of v.
+  /// Of the loop g r = v + K d(v), by the direction of v.
   std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {
     if (block.get("passes") != 0.0) return std::nullopt;
     hysteresis::PolynomialOperator forward(generator_of(block));
     FoundInput out;
     for (const double v : wanted.values)
-      out.values.push_back(out.values.empty() ? forward.reset(v) : forward.step(v, wanted.step_s));
+      out.values.push_back((out.values.empty() ? forward.reset(v) : forward.step(v, wanted.step_s)) /
+                           block.get("reference_gain"));
     return out;
   }
   std::vector<PolynomialList> polynomials() const override { return {{"ascending", 0}, {"descending", 0}}; }

@@ -147,6 +147,7 @@ class MultiplierError final : public Effect {
     Term term;
     term.effect = this;
     term.placed = inside_block(model, at);
+    term.part = model.at(at).part;
     std::vector<double> start;
     if (which.scale) {
       term.unknowns.push_back(linear_unknown("scale", 0.5, 2.0, 0.05));

@@ -73,7 +73,12 @@ class OpampBandwidth final : public Effect {
       term.blocks.insert(term.blocks.end(), {poles, instead});
     }
     std::vector<std::string> numbers;
-    for (std::size_t at : sections) numbers.push_back(std::to_string(scene.model->base_number(at)));
+    std::vector<std::string> parts;
+    for (std::size_t at : sections) {
+      numbers.push_back(std::to_string(scene.model->base_number(at)));
+      if (const auto& part = scene.model->at(at).part; !part.empty()) parts.push_back(part);
+    }
+    term.part = join(parts, ", ");
     term.placed = (numbers.size() > 1 ? "inside blocks " : "inside block ") + join(numbers, ", ");
     term.unknowns = {logarithmic_unknown("gain_bandwidth_hz", 0.5 * scene.band_hz, 1e4 * scene.band_hz)};
     term.unknowns[0].unit = "Hz";

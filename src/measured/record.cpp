@@ -1,0 +1,290 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+#include "base/error.hpp"
+#include "base/json.hpp"
+#include "base/text.hpp"
+#include "chain/model_file.hpp"
+#include "gap/noise_floor.hpp"
+#include "gap/page/files.hpp"
+#include "gap/page/words.hpp"
+#include "measured/measured.hpp"
+#include "measured/picture.hpp"
+#include "measured/suspects.hpp"
+#include "project/run_project.hpp"
+#include "signal/csv.hpp"
+#include "signal/error_figures.hpp"
+#include "signal/period.hpp"
+#include "signal/statistics.hpp"
+#include "simulate/simulate.hpp"
+#include "tracking/lag.hpp"
+
+namespace bodesmith::measured {
+namespace {
+namespace fs = std::filesystem;
+
+using chain::Block;
+using chain::Chain;
+
+/// A free parameter has moved when the record is worse by this without it.
+constexpr double kMoved = 1.1;
+
+/// The last whole period of a record, or all of it.
+struct Period {
+  std::size_t from = 0;
+  std::size_t samples = 0;
+  std::optional<Hertz> frequency;
+
+  explicit Period(const TimeRecord& record) : samples(record.size()) {
+    const std::size_t period = find_period(record.u);
+    if (period == 0) return;
+    frequency = Hertz{1.0 / (record.step_s * static_cast<double>(period))};
+    samples = period;
+    from = record.size() - period;
+  }
+  std::vector<double> of(const std::vector<double>& all) const {
+    const auto begin = all.begin() + static_cast<std::ptrdiff_t>(from);
+    return {begin, begin + static_cast<std::ptrdiff_t>(samples)};
+  }
+};
+
+/// Something that stands in a run's folder and may have been measured.
+struct Prediction {
+  std::string of;
+  Chain chain;
+  std::vector<double> y;
+  ErrorFigures gap;
+};
+
+/// Rate gains are those of the record's own frequency.
+void set_operating(Chain& chain, std::optional<Hertz> frequency) {
+  for (Block& block : chain.blocks) {
+    if (frequency && block.has("operating_hz")) block.set("operating_hz", frequency->value);
+  }
+}
+
+std::vector<double> output(const Chain& chain, const TimeRecord& record) {
+  simulate::Options options;
+  options.estimate_error = false;
+  return simulate::simulate(chain, record, options).y;
+}
+
+/// Controller and stage, the controller alone, the stage alone: whichever predicts the record best.
+Prediction nearest_prediction(const fs::path& folder, const TimeRecord& record, const Period& period,
+                              Provenance& from) {
+  std::vector<Prediction> all;
+  if (fs::exists(folder / "model.toml")) {
+    all.push_back({"the controller and the stage", chain::read_model(folder / "model.toml", from), {}, {}});
+    Chain controller;
+    controller.blocks = {all.back().chain.blocks.front()};
+    all.push_back({"the controller", std::move(controller), {}, {}});
+  }
+  if (fs::exists(folder / "stage.toml"))
+    all.push_back({"the stage", chain::read_model(folder / "stage.toml", from), {}, {}});
+  if (all.empty())
+    throw InputError(record.file, 0,
+                     "is a time record, expected a frequency response: " + folder.string() +
+                         " has a circuit, and neither a controller nor a stage");
+  for (Prediction& one : all) {
+    set_operating(one.chain, period.frequency);
+    one.y = output(one.chain, record);
+    one.gap = error_figures(one.y, record.y);
+  }
+  return *std::min_element(all.begin(), all.end(), [](const Prediction& a, const Prediction& b) {
+    return a.gap.rms_percent < b.gap.rms_percent;
+  });
+}
+
+/// Nothing but noise is left, as far as the record says what that is.
+bool is_noise(const gap::GapSize& left, const gap::Diagnosis& d, const gap::SearchOptions& options) {
+  return d.floor.source != gap::NoiseFloor::Source::unknown && left.train_rms <= options.enough * d.floor.rms;
+}
+
+/// One thing is wrong with what was built far more often than two: further names are looked for where one is not enough.
+gap::Diagnosis diagnosed(const Chain& built, const gap::Study& study, const gap::SearchOptions& options) {
+  gap::SearchOptions one = options;
+  one.max_terms = 1;
+  gap::Diagnosis out = gap::diagnose(built, study, one);
+  if (is_noise(out.final, out, options)) {
+    out.verdict = out.steps.empty() && is_noise(out.initial, out, options) ? gap::Verdict::nothing_missing
+                                                                           : gap::Verdict::explained;
+    out.advice.clear();
+  } else if (options.max_terms > 1) {
+    out = gap::diagnose(built, study, options);
+  }
+  return out;
+}
+
+/// What became of the base model's free parameters that the record cannot do without.
+void add_moved(const gap::Model& found, const Chain& base, const TimeRecord& record, Measured& out,
+               double& corner_hz) {
+  const double left = error_figures(output(found.chain(), record), record.y).rms;
+  for (std::size_t at = 0; at < found.size(); ++at) {
+    if (!found.is_base(at)) continue;
+    const Block& before = base.blocks[static_cast<std::size_t>(found.base_number(at) - 1)];
+    for (std::size_t k = 0; k < before.parameters().size(); ++k) {
+      const chain::Parameter& p = before.parameters()[k];
+      if (!p.free) continue;
+      gap::Model back = found;
+      back.block(found.id_at(at)).parameters()[k].value = p.value;
+      if (error_figures(output(back.chain(), record), record.y).rms < kMoved * left) continue;
+      const double now = found.at(at).parameters()[k].value;
+      out.found.push_back(fmt::format("{}: {} is {} instead of {}", before.part,
+                                      gap::parameter_words(p.name()), gap::parameter_text(p.name(), now),
+                                      gap::parameter_text(p.name(), p.value)));
+      if (before.part == "amplifier") corner_hz = now;
+    }
+  }
+}
+
+/// What each step of the diagnosis accuses; a part within its tolerance is not wrong.
+void add_steps(const gap::Diagnosis& d, const Chain& base, const TimeRecord& record, Measured& out) {
+  for (std::size_t k = 0; k < d.steps.size(); ++k) {
+    const gap::DiagnosedStep& step = d.steps[k];
+    const std::string sure = fmt::format(" (probability {})", rounded_text(step.probability, 2));
+    if (step.effect != "part_value") {
+      out.found.push_back(gap::step_in_words(step) + sure);
+      continue;
+    }
+    const std::vector<Suspect> suspects =
+        suspects_of(d.search.final.chain(), base, step.part, step.parameters.front().value, record);
+    if (std::any_of(suspects.begin(), suspects.end(),
+                    [](const Suspect& s) { return s.within_tolerance(); })) {
+      out.advice += suspects.front().words() + ": parts of their tolerances do as much. ";
+      continue;
+    }
+    out.found.push_back(suspects.front().words() + sure);
+    if (suspects.size() == 1) continue;
+    std::vector<std::string> others;
+    for (const Suspect& one : suspects) out.tied.push_back(one.part);
+    for (std::size_t i = 1; i < suspects.size() && i <= 4; ++i) others.push_back(suspects[i].words());
+    out.found.back() += "; or " + join(others, "; or ") +
+                        (suspects.size() > 5 ? fmt::format("; or one of {} more", suspects.size() - 5) : "");
+    out.advice += "This record cannot tell those parts apart: one of another frequency may, or an ohmmeter. ";
+  }
+}
+
+/// Error of following u in percent of the full stroke over the last period, its best delay removed; at each instant too.
+double tracking_percent(const std::vector<double>& y, const TimeRecord& record, const Period& period,
+                        std::vector<double>* error) {
+  const std::vector<double> r = period.of(record.u);
+  const std::vector<double> got = period.of(y);
+  for (std::size_t i = 0; error != nullptr && i < r.size(); ++i) error->push_back(100.0 * (got[i] - r[i]));
+  return 100.0 * tracking::best_lag(got, r, record.step_s * static_cast<double>(r.size())).rms;
+}
+
+/// Displacements per full stroke; from a drive by way of the stage.
+std::vector<double> in_strokes(const std::vector<double>& y, const Prediction& what, const fs::path& folder,
+                               const TimeRecord& record, const Period& period) {
+  Provenance aside;
+  Chain stage = chain::read_model(folder / "stage.toml", aside);
+  std::vector<double> out = y;
+  if (what.of == "the controller") {
+    set_operating(stage, period.frequency);
+    TimeRecord drive = record;
+    drive.u = y;
+    out = output(stage, drive);
+  }
+  const double stroke = stage.blocks.back().get("gain");
+  for (double& value : out) value /= stroke;
+  return out;
+}
+
+/// The same project with the stage's amplifier as it was found.
+project::ProjectSource changed(const project::ProjectSource& source, double corner_hz) {
+  project::ProjectSource out = source;
+  const Node value = parse_toml(fmt::format("value = {}", number_text(corner_hz)), source.file.string());
+  out.document = out.document.with("plant.amplifier_corner_hz", value.at("value"));
+  return out;
+}
+
+std::vector<double> percent_of(const std::vector<double>& a, const std::vector<double>& b, double range) {
+  std::vector<double> out(a.size());
+  for (std::size_t i = 0; i < a.size(); ++i) out[i] = 100.0 * (a[i] - b[i]) / range;
+  return out;
+}
+
+}  // namespace
+
+Measured measured_record(const project::ProjectSource& source, const fs::path& data, const fs::path& folder,
+                         const gap::SearchOptions& options, OutputSet& measured, OutputSet& next) {
+  Measured out;
+  const TimeRecord record = TimeRecord::read_csv(data, out.from, true);
+  record.require_measured_sizes();
+  const Period period(record);
+  const Prediction built = nearest_prediction(folder, record, period, out.from);
+  out.of = built.of;
+  const double range = built.gap.range;
+  out.gap_percent = built.gap.rms_percent;
+  const auto study = gap::Study::of(std::vector<TimeRecord>{record}, {}, built.chain);
+  const gap::Diagnosis found = diagnosed(built.chain, study, options);
+  if (found.floor.source != gap::NoiseFloor::Source::unknown)
+    out.noise_percent = 100.0 * found.floor.rms / range;
+  out.verdict = gap::to_string(found.verdict);
+  out.advice = found.advice.empty() ? "" : found.advice + " ";
+  double corner_hz = 0.0;
+  if (!is_noise(found.initial, found, options)) {
+    add_steps(found, built.chain, record, out);
+    add_moved(found.search.final, built.chain, record, out, corner_hz);
+  }
+  out.advice = std::string(trim(out.advice));
+  const Chain as_built = gap::found_model(found, built.chain);
+  const std::vector<double> y = output(as_built, record);
+  out.left_percent = error_figures(y, record.y).rms_percent;
+
+  CsvWriter table;
+  std::vector<double> time(record.size());
+  for (std::size_t i = 0; i < time.size(); ++i) time[i] = record.time_s(i);
+  table.add("time_s", time);
+  table.add("u", record.u);
+  table.add("measured", record.y);
+  table.add("predicted", built.y);
+  table.add("with_what_was_found", y);
+  measured.add("comparison.csv", table.text());
+  gap::add_diagnosis_files(found, study, built.chain, out.from, measured);
+  if (!out.wrong()) return out;
+
+  GapPicture picture{"time, s",
+                     false,
+                     period.of(time),
+                     period.of(percent_of(record.y, built.y, range)),
+                     period.of(percent_of(record.y, y, range)),
+                     {},
+                     {},
+                     "Error of tracking, % of the full stroke"};
+  fs::path designed = folder;
+  if (corner_hz > 0.0) {
+    designed = folder / "next";
+    project::run_project(changed(source, corner_hz), designed);
+    out.next.push_back(fmt::format("designed again with plant.amplifier_corner_hz = {}: next/controller",
+                                   rounded_text(corner_hz, 4)));
+  }
+  if (std::any_of(found.steps.begin(), found.steps.end(),
+                  [](const auto& s) { return s.effect == "part_value"; }))
+    out.next.push_back(out.tied.empty() ? "exchange " + found.steps.front().part
+                                        : "exchange whichever it is of " + join(out.tied, ", "));
+  if (built.of != "the stage") {
+    Prediction again = built;
+    Provenance aside;
+    again.chain = chain::read_model(designed / "model.toml", aside);
+    if (built.of == "the controller")
+      again.chain.blocks.erase(again.chain.blocks.begin() + 1, again.chain.blocks.end());
+    set_operating(again.chain, period.frequency);
+    out.next_name = "tracking_percent";
+    out.before_percent = tracking_percent(in_strokes(record.y, built, folder, record, period), record, period,
+                                          &picture.before);
+    out.after_percent =
+        tracking_percent(in_strokes(output(again.chain, record), built, designed, record, period), record,
+                         period, &picture.after);
+    out.next.push_back(fmt::format("tracking {} -> {} % rms predicted (delay removed)",
+                                   rounded_text(out.before_percent, 3), rounded_text(out.after_percent, 3)));
+  }
+  next.add("as_built.toml", chain::model_text(as_built, "what was built, as " + data.string() + " shows it"));
+  next.add("gap.svg", picture.svg());
+  return out;
+}
+
+}  // namespace bodesmith::measured

@@ -1,0 +1,85 @@
+#include "measured/suspects.hpp"
+
+#include <Eigen/Core>
+#include <algorithm>
+#include <cmath>
+
+#include "base/text.hpp"
+#include "numeric/index.hpp"
+#include "simulate/record_simulator.hpp"
+
+namespace bodesmith::measured {
+namespace {
+
+/// Another part explains as well unless the record is e to this times less likely with it, what is left taken as white noise.
+constexpr double kOdds = 10.0;
+/// A departure beyond this is no value of that part any more (of an offset: tolerances).
+constexpr double kMostPercent = 60.0;
+constexpr double kMostTolerances = 30.0;
+/// Departure at which the direction of a part is taken: percent, or tolerances.
+constexpr double kSmall = 1.0;
+
+using Vector = Eigen::VectorXd;
+
+Vector shown_by(const chain::Chain& chain, const TimeRecord& record) {
+  const std::vector<double> y = simulate::RecordSimulator(chain, record.step_s).run_once(record.u);
+  return as_eigen(y);
+}
+
+/// The departure t with slope t/(1 + bend t) = slope `linear`, by the entry that moves most.
+double departure_of(const chain::PartChange& part, double linear) {
+  const auto most =
+      std::max_element(part.entries.begin(), part.entries.end(),
+                       [](const auto& a, const auto& b) { return std::abs(a.slope) < std::abs(b.slope); });
+  return linear / (1.0 - most->bend * linear);
+}
+
+}  // namespace
+
+bool Suspect::within_tolerance() const {
+  return std::abs(departure) <= tolerance;
+}
+
+std::string Suspect::words() const {
+  if (unit == "v") return part + " is " + rounded_text(1e3 * departure, 3) + " mV";
+  return part + " is " + rounded_text(std::abs(departure), 2) + (departure > 0.0 ? " % above" : " % below") +
+         " its value";
+}
+
+std::vector<Suspect> suspects_of(const chain::Chain& found, const chain::Chain& base, const std::string& part,
+                                 double departure, const TimeRecord& record) {
+  const auto has_parts = [](const chain::Block& block) { return block.parts != nullptr; };
+  const chain::Block& good = *std::find_if(base.blocks.begin(), base.blocks.end(), has_parts);
+  chain::Chain without = found;
+  chain::Block& block = *std::find_if(without.blocks.begin(), without.blocks.end(), has_parts);
+  block = good;
+  const Vector y = as_eigen(record.y);
+  const Vector plain = shown_by(without, record);
+  const Vector unexplained = y - plain;
+  // n ln(rms) is minus the logarithm of the likelihood.
+  const double most =
+      (y - shown_by(found, record)).norm() * std::exp(kOdds / static_cast<double>(record.size()));
+  std::vector<Suspect> out;
+  for (const chain::PartChange& one : *good.parts) {
+    const bool volts = one.unit == "v";
+    if (one.part == part) {
+      out.insert(out.begin(), {one.part, one.unit, departure, one.tolerance});
+      continue;
+    }
+    const double small = volts ? kSmall * one.tolerance : kSmall;
+    block = good.with(one, small);
+    const Vector direction = shown_by(without, record) - plain;
+    if (!(direction.squaredNorm() > 0.0)) continue;
+    const double times = direction.dot(unexplained) / direction.squaredNorm();
+    if ((unexplained - times * direction).norm() > most) continue;
+    const double t = departure_of(one, times * small);
+    if (std::abs(t) > (volts ? kMostTolerances * one.tolerance : kMostPercent)) continue;
+    out.push_back({one.part, one.unit, t, one.tolerance});
+  }
+  std::stable_sort(out.begin() + 1, out.end(), [](const Suspect& a, const Suspect& b) {
+    return std::abs(a.departure) / a.tolerance < std::abs(b.departure) / b.tolerance;
+  });
+  return out;
+}
+
+}  // namespace bodesmith::measured

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "chain/chain.hpp"
+#include "signal/time_record.hpp"
+
+namespace bodesmith::measured {
+
+/// A part that may be off, by how much.
+struct Suspect {
+  std::string part;
+  std::string unit;  ///< "percent" or "v"
+  double departure = 0.0;
+  double tolerance = 0.0;
+
+  bool within_tolerance() const;
+  /// "Rd3 is 8.0 % above its value".
+  std::string words() const;
+};
+
+/// The part that was named and, least departure first, those that explain the record as well: parts of which only a ratio
+/// shows, or that do the same at the record's frequency. `base`: before anything was found, with the tables of its parts.
+std::vector<Suspect> suspects_of(const chain::Chain& found, const chain::Chain& base, const std::string& part,
+                                 double departure, const TimeRecord& record);
+
+}  // namespace bodesmith::measured

@@ -135,19 +135,4 @@ tracking::TrackingError stage_error(const Disturbance& disturbance, const Steady
   return tracking::tracking_error(stage.response(run.v, run.step_s, run.operating), run.r, run.period_s());
 }
 
-std::string CircuitController::name() const {
-  return fmt::format("analog controller, {} (ngspice)", to_string(controller_->form));
-}
-
-int CircuitController::part_count() const {
-  const AnalogController& c = *controller_;
-  return static_cast<int>(c.parts.size() + c.opamps.size() + c.multipliers.size() + c.contacts.size() +
-                          c.sources.size());
-}
-
-tracking::DriveWaveform CircuitController::drive(const Reference& reference, Hertz operating) const {
-  const SteadyState run = run_in_ngspice(*controller_, reference, operating, options_);
-  return {run.v, run.step_s};
-}
-
 }  // namespace bodesmith::controller

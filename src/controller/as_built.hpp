@@ -1,12 +1,10 @@
 #pragma once
 
-#include <memory>
 #include <string>
 #include <vector>
 
 #include "controller/controller.hpp"
 #include "schematic/deviations.hpp"
-#include "tracking/built_controller.hpp"
 #include "tracking/reference.hpp"
 #include "tracking/stage.hpp"
 
@@ -59,22 +57,5 @@ std::string reference_sources(const tracking::Reference& reference, Hertz operat
 
 /// What the disturbance paper's stage makes of the drive, reading it: y = v + K_b(f) d_b(v) against r.
 tracking::TrackingError stage_error(const Disturbance& disturbance, const SteadyState& run);
-
-/// The circuit for a tracking study.
-class CircuitController final : public tracking::BuiltController {
- public:
-  explicit CircuitController(std::shared_ptr<const AnalogController> controller, NgspiceRun options = {})
-      : controller_(std::move(controller)), options_(options) {}
-
-  std::string key() const override { return "controller_circuit"; }
-  std::string name() const override;
-  int part_count() const override;
-  tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override;
-  const AnalogController& circuit() const { return *controller_; }
-
- private:
-  std::shared_ptr<const AnalogController> controller_;
-  NgspiceRun options_;
-};
 
 }  // namespace bodesmith::controller

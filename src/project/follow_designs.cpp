@@ -284,6 +284,7 @@ TrackingStudy tracking_study(const Project& project, const Design& design, const
   study.max_cross_check_percent = max_cross_check(report);
   study.shown = shown_period(report, candidates, study.frequency, tracking_plant(project).stroke);
   study.designs.insert(study.designs.end(), controllers.here.begin(), controllers.here.end());
+  study.agreement_percent = controllers.agreement_percent;
   study.as_built = as_built_key(project, study);
   study.elsewhere = std::move(elsewhere);
   study.findings = tracking_findings(project, design, budget, candidates, report, study);

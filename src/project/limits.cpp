@@ -21,17 +21,23 @@ std::vector<LimitCheck> check_limits(const Project::Limits& limits, const Projec
   check("approximation_db", &Project::Limits::approximation_db);
   check("fpaa_percent", &Project::Limits::fpaa_percent);
   check("circuit_db", &Project::Limits::circuit_db);
+  check("tracking_percent", &Project::Limits::tracking_percent);
+  check("agreement_percent", &Project::Limits::agreement_percent);
   check("yield_db", &Project::Limits::yield_db);
   return out;
 }
 
-std::vector<LimitCheck> check_limits(const Project& project, const Design& design) {
+std::vector<LimitCheck> check_limits(const Project& project, const Design& design,
+                                     const TrackingStudy& tracking) {
   Project::Limits got;
   if (design.fit.cascade.fit) got.fit_db = design.fit.cascade.fit->max_db;
   got.points_db = design.built().points_max_db;
   got.approximation_db = design.approximation.error.everywhere_db;
   if (design.plan) got.fpaa_percent = design.plan->error_with_delays.max_complex_percent;
   if (design.circuit) got.circuit_db = design.circuit->best.judged.max_magnitude_db;
+  if (const TrackedDesign* built = tracking.find(tracking.as_built))
+    got.tracking_percent = built->worst_without_lag_percent();
+  got.agreement_percent = tracking.agreement_percent;
   return check_limits(project.limits, got);
 }
 

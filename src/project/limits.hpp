@@ -7,6 +7,7 @@
 #include "base/json_fwd.hpp"
 #include "project/design.hpp"
 #include "project/project.hpp"
+#include "project/tracking_study.hpp"
 
 namespace bodesmith::project {
 
@@ -22,8 +23,9 @@ struct LimitCheck {
 
 /// Of the limits that the project sets, in the order of Limits; `got`: what came of each, absent where it was not made.
 std::vector<LimitCheck> check_limits(const Project::Limits& limits, const Project::Limits& got);
-/// The sections at the points, the board as it runs, parts and op-amps together.
-std::vector<LimitCheck> check_limits(const Project& project, const Design& design);
+/// The sections at the points, the board as it runs, parts and op-amps together, tracking as built.
+std::vector<LimitCheck> check_limits(const Project& project, const Design& design,
+                                     const TrackingStudy& tracking);
 
 /// The lines of a summary, and what run.json holds of them.
 std::string limits_text(const std::vector<LimitCheck>& limits);

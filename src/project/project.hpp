@@ -96,8 +96,10 @@ struct Project {
     std::optional<double> points_db;
     std::optional<double> approximation_db;
     std::optional<double> fpaa_percent;
-    std::optional<double> circuit_db;  ///< parts and op-amps together
-    std::optional<double> yield_db;    ///< 95 of 100 circuits within it; projects without a disturbance
+    std::optional<double> circuit_db;         ///< parts and op-amps together
+    std::optional<double> tracking_percent;   ///< as built, worst rms of all frequencies, delay removed
+    std::optional<double> agreement_percent;  ///< of ngspice and CVODE on the analog controller's netlist
+    std::optional<double> yield_db;  ///< 95 of 100 circuits within it; projects without a disturbance
   } limits;
 
   /// Not in the file: a time after which what the design does not need is left out, and said.

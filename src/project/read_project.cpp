@@ -81,13 +81,17 @@ Project::Limits read_limits(const Node& node, bool tolerances) {
   if (!tolerances && node.has("yield_db"))
     node.at("yield_db")
         .fail("is for projects without a disturbance; here controller/trim.md says what parts do");
-  node.allow_only({"fit_db", "points_db", "approximation_db", "fpaa_percent", "circuit_db", "yield_db"});
+  for (const char* key : {"tracking_percent", "agreement_percent"}) {
+    if (tolerances && node.has(key)) node.at(key).fail("is for projects with a disturbance, which track");
+  }
+  node.allow_only({"fit_db", "points_db", "approximation_db", "fpaa_percent", "circuit_db",
+                   "tracking_percent", "agreement_percent", "yield_db"});
   const auto limit = [&node](std::string_view key) -> std::optional<double> {
     if (!node.has(key)) return std::nullopt;
     return node.at(key).positive();
   };
-  return {limit("fit_db"),       limit("points_db"),  limit("approximation_db"),
-          limit("fpaa_percent"), limit("circuit_db"), limit("yield_db")};
+  return {limit("fit_db"),     limit("points_db"),        limit("approximation_db"),  limit("fpaa_percent"),
+          limit("circuit_db"), limit("tracking_percent"), limit("agreement_percent"), limit("yield_db")};
 }
 
 namespace {

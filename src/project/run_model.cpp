@@ -10,6 +10,7 @@
 #include "chain/sections_chain.hpp"
 #include "chain/stage_chain.hpp"
 #include "controller/at_rest.hpp"
+#include "controller/circuit_controller.hpp"
 #include "part_errors/errors.hpp"
 
 namespace bodesmith::project {
@@ -100,7 +101,42 @@ std::vector<PartChange> part_changes(const ProjectRun& run, const Block& loop, H
   return out;
 }
 
+class ControllerAtRest final : public tracking::BuiltController {
+ public:
+  ControllerAtRest(const Disturbance& disturbance,
+                   std::shared_ptr<const controller::AnalogController> controller)
+      : disturbance_(disturbance), controller_(std::move(controller)) {}
+
+  std::string key() const override { return "controller_at_rest"; }
+  std::string name() const override { return "analog controller (closed form, at rest)"; }
+  int part_count() const override { return controller::CircuitController(controller_).part_count(); }
+  tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override {
+    const Block loop =
+        loop_of(*controller_, disturbance_, operating, schematic::Deviations::none(*controller_));
+    chain::Kernel kernel = loop.kernel();
+    chain::MemoryKernel& steps = *std::get<std::unique_ptr<chain::MemoryKernel>>(kernel);
+    const std::size_t count = kSamples * reference.periods();
+    const std::vector<double> r = reference.samples(count);
+    tracking::DriveWaveform out;
+    out.step_s = 1.0 / (operating.value * static_cast<double>(kSamples));
+    steps.reset(r.back(), true);
+    for (const double one : r) out.v.push_back(steps.step(one, out.step_s));
+    return out;
+  }
+
+ private:
+  static constexpr std::size_t kSamples = 2048;  ///< to a period, as the netlist's runs have
+
+  const Disturbance& disturbance_;
+  std::shared_ptr<const controller::AnalogController> controller_;
+};
+
 }  // namespace
+
+std::unique_ptr<tracking::BuiltController> controller_at_rest(
+    const Project& project, std::shared_ptr<const controller::AnalogController> controller) {
+  return std::make_unique<ControllerAtRest>(project.target.disturbance, std::move(controller));
+}
 
 Hertz lowest_tracked(const Project& project) {
   return *std::min_element(project.track.frequency.begin(), project.track.frequency.end());

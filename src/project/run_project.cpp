@@ -130,7 +130,6 @@ std::unique_ptr<Run> run_with_plant(const ProjectSource& source, const fs::path&
   const auto design = stages.add({chosen, controller}, [&] {
     add_controller(analog, run.design);
     run.budget = make_budget(project, run.design);
-    run.limits = check_limits(project, run.design);
     candidates = tracked_candidates(project, run.design);
     progress.at(0.3, 0.9, "tracking");
   });
@@ -153,6 +152,7 @@ std::unique_ptr<Run> run_with_plant(const ProjectSource& source, const fs::path&
     run.tracking = tracking_study(project, run.design, run.budget, candidates, followed, controllers,
                                   std::move(elsewhere));
     run.tracking.compute_s = tracking_watch.seconds();
+    run.limits = check_limits(project, run.design, run.tracking);
     say_what_was_left(run);
     run.compute_s = watch.seconds();
     write_last(run, study_files(run, folder));

@@ -4,11 +4,12 @@
 #include <cmath>
 
 #include "base/progress.hpp"
-#include "controller/as_built.hpp"
+#include "controller/circuit_controller.hpp"
 #include "fpaa/controller/controller.hpp"
 #include "hysteresis/registry.hpp"
 #include "numeric/parallel_for.hpp"
 #include "project/board_controller.hpp"
+#include "project/run_model.hpp"
 #include "project/tracked_plant.hpp"
 #include "spice/ngspice.hpp"
 #include "tracking/track.hpp"
@@ -215,15 +216,63 @@ ControllersTracked track_controllers(const Project& project, const BuiltControll
           controller_on(drives[c], *task.stage, task.waveform, task.amplitude, project.track.frequency);
     }
   });
+  out.drives = drives;
   return out;
 }
+
+namespace {
+
+double rms_percent(const std::vector<double>& a, const std::vector<double>& b, double range) {
+  double sum = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
+  return 100.0 * std::sqrt(sum / static_cast<double>(a.size())) / range;
+}
+
+/// The netlist by CVODE and at rest beside what ngspice makes of it, which stands for what is built where it is installed.
+void add_checks(const Project& project, const std::shared_ptr<const controller::AnalogController>& analog,
+                ControllersTracked& out) {
+  const controller::CircuitController in_time(analog, std::nullopt);
+  const auto at_rest = controller_at_rest(project, analog);
+  const Reference::Shape shape = project.track.waveform();
+  const double amplitude = project.track.amplitude();
+  std::vector<ControllerDrives> checks = {{&in_time, {}}, {at_rest.get(), {}}};
+  for (ControllerDrives& one : checks) {
+    for (const Hertz f : project.track.frequency) one.drives.push_back({Reference(shape, amplitude), f, {}});
+  }
+  const std::size_t count = project.track.frequency.size();
+  parallel_for(2 * count, thread_count(0), [&](std::size_t i) {
+    stop_if_interrupted();
+    ControllerDrives::One& one = checks[i / count].drives[i % count];
+    one.drive = checks[i / count].controller->drive(one.reference, one.operating);
+  });
+  const bool ngspice = spice::ngspice_available();
+  const tracking::Plant plant = tracking_plant(project);
+  tracking::PolynomialStage::Options options;
+  options.alpha = amplitude;
+  const tracking::PolynomialStage own(plant.disturbance, plant.paths(), options);
+  for (const ControllerDrives& one : checks) {
+    out.here.push_back(controller_on(one, own, shape, amplitude, project.track.frequency));
+    out.here.back().built = !ngspice && &one == checks.data();
+  }
+  for (const ControllerDrives::One& one : checks.front().drives) {
+    if (!ngspice) break;
+    const auto& v = out.drives.front().find(shape, amplitude, one.operating)->drive.v;
+    out.agreement_percent =
+        std::max(out.agreement_percent.value_or(0.0), rms_percent(v, one.drive.v, amplitude));
+  }
+}
+
+}  // namespace
 
 ControllersTracked track_built_controllers(
     const Project& project, const std::shared_ptr<const controller::AnalogController>& analog) {
   const auto controllers = built_controllers(project, analog);
   BuiltControllers running;
   for (const auto& controller : controllers) running.push_back(controller.get());
-  return track_controllers(project, running);
+  ControllersTracked out = track_controllers(project, running);
+  if (project.circuit && analog) add_checks(project, analog, out);
+  out.drives.clear();  // they refer to controllers that end here
+  return out;
 }
 
 std::vector<TrackedElsewhere> tracked_elsewhere(const Project& project,

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -43,10 +44,14 @@ struct ControllersTracked {
   std::vector<TrackedDesign> here;                    ///< on the project's own stage
   std::vector<ElsewhereTask> tasks;                   ///< none when there was no time
   std::vector<std::vector<TrackedDesign>> elsewhere;  ///< one row a task
+  std::vector<ControllerDrives> drives;
+  /// Greatest rms difference between the drives that ngspice and CVODE find of the analog controller, percent of range;
+  /// absent without ngspice.
+  std::optional<double> agreement_percent;
 };
 ControllersTracked track_controllers(const Project& project, const BuiltControllers& controllers);
-/// Every controller of the project that can be run here: the analog one where there is one and ngspice is installed; where
-/// tracking decides, those of the board, fed by their own drive.
+/// Every controller of the project that can be run here: the analog one in ngspice where that is installed and, along the
+/// project's first reference alone, by CVODE and at rest; where tracking decides, those of the board, fed by their own drive.
 ControllersTracked track_built_controllers(const Project& project,
                                            const std::shared_ptr<const controller::AnalogController>& analog);
 

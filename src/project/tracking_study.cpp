@@ -51,6 +51,7 @@ Json to_json(const TrackingStudy& study) {
   out["elsewhere"] = Json::array();
   for (const TrackedElsewhere& one : study.elsewhere) out["elsewhere"].push_back(elsewhere_json(one));
   out["cross_check_percent"] = study.max_cross_check_percent;
+  out["agreement_percent"] = study.agreement_percent ? Json(*study.agreement_percent) : Json(nullptr);
   out["findings"] = study.findings;
   return out;
 }

@@ -87,6 +87,7 @@ struct TrackingStudy {
   TrackedPeriod shown;                      ///< at the highest tracked frequency
   /// CVODE against the harmonic computation, rms percent of range.
   double max_cross_check_percent = 0.0;
+  std::optional<double> agreement_percent;  ///< ControllersTracked::agreement_percent
   std::vector<std::string>
       findings;  ///< sentences: where accuracy is lost, what is worse than no compensation
   double compute_s = 0.0;

@@ -324,7 +324,7 @@ TEST(Run, TheMainExampleTracksBestAndSaysSoFirst) {
   const Csv table = Csv::parse(read_file(folder / "out/tracking.csv"), "tracking.csv");
   const std::string built = run.at("tracking").at("as_built").string();
   const bool ngspice = run_shell("command -v ngspice").status == 0;
-  EXPECT_EQ(built, ngspice ? "controller_circuit" : "self_fed_circuit");
+  EXPECT_EQ(built, ngspice ? "controller_circuit" : "controller_cvode");
   for (size_t i = 0; i < table.rows(); ++i) {
     EXPECT_LT(table.column(built + "_without_lag_percent")[i], ngspice ? 0.10 : 0.35);
     if (ngspice) {

@@ -1,0 +1,49 @@
+"""`run`: the controller as built stands in three rows (closed form, CVODE, ngspice), and [limits] hold tracking and agreement."""
+
+import csv
+import json
+import shutil
+
+import pytest
+from conftest import ROOT, run
+
+
+def project(folder, limits):
+    text = (ROOT / "examples/bench/project.toml").read_text().replace("../", str(ROOT / "examples") + "/")
+    (folder / "project.toml").write_text(text + "\n[limits]\n" + limits)
+    return folder / "project.toml"
+
+
+def test_three_rows_say_the_same_and_are_held_to_it(tmp_path):
+    ngspice = shutil.which("ngspice") is not None
+    file = project(tmp_path, "tracking_percent = 0.05\n" + ("agreement_percent = 0.02\n" if ngspice else ""))
+    done = run("run", file, "-o", tmp_path / "out")
+    assert done.status == 0, done.out + done.err
+    out = json.loads((tmp_path / "out/run.json").read_text())
+    rows = {one["key"]: one for one in out["tracking"]["designs"]}
+    keys = ["controller_at_rest", "controller_cvode"] + (["controller_circuit"] if ngspice else [])
+    # In percent of range; at rest nothing lags, which is the rest of the difference at 100 Hz.
+    for a in keys:
+        for b in keys:
+            for one, other in zip(rows[a]["rms_percent_without_lag"], rows[b]["rms_percent_without_lag"]):
+                assert one == pytest.approx(other, abs=0.02)
+    assert [key for key in keys if rows[key]["built"]] == keys[-1:]
+    assert (out["tracking"]["agreement_percent"] is None) == (not ngspice)
+    if ngspice:
+        assert out["tracking"]["agreement_percent"] < 0.02
+    table = list(csv.DictReader((tmp_path / "out/tracking.csv").open()))
+    assert {key + "_percent" for key in keys} <= set(table[0])
+
+
+def test_a_limit_that_is_not_met_is_exit_status_1(tmp_path):
+    done = run("run", project(tmp_path, "tracking_percent = 0.001\n"), "-o", tmp_path / "out")
+    assert done.status == 1 and "limit      tracking_percent 0.001" in done.out and "NOT met" in done.out
+
+
+def test_projects_without_a_stage_do_not_track(tmp_path):
+    folder = tmp_path / "mine"
+    run("new", folder, "--kind", "filter")
+    file = folder / "project.toml"
+    file.write_text(file.read_text().replace("[limits]", "[limits]\ntracking_percent = 1.0"))
+    done = run("run", file, "-o", tmp_path / "out")
+    assert done.status == 2 and "tracking_percent" in done.err and len(done.err.splitlines()) == 1

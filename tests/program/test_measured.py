@@ -48,7 +48,7 @@ def test_a_wrong_resistor_and_a_slow_amplifier_of_a_controller(built, tmp_path):
     assert tracking["predicted"] < 0.5 * tracking["before"]
     assert "corner_hz = 100000" not in (built / "next/stage.toml").read_text()
     rows = list(csv.DictReader((built / "measured/comparison.csv").open()))
-    assert len(rows) == 1501 and set(rows[0]) == {"time_s", "u", "measured", "predicted", "with_what_was_found"}
+    assert len(rows) == 901 and set(rows[0]) == {"time_s", "u", "measured", "predicted", "with_what_was_found"}
 
 
 def test_a_controller_as_it_was_meant_is_not_accused(built, tmp_path):

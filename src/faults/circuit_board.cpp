@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <iterator>
@@ -88,7 +87,7 @@ Changes changes_of(const std::vector<Stamp>& stamps, Complex s, const Eigen::Mat
   if (k == 1) {
     out.reads = before / out.system(0, 0);
   } else {
-    out.reads = out.system.partialPivLu().solve(before);
+    out.reads = solve_lu(out.system, before);
   }
   return out;
 }
@@ -317,7 +316,7 @@ class CircuitBoard::Changed : public ChangedBoard {
       }
     }
     point.x -= columns * changes.reads;
-    point.inverse -= columns * changes.system.partialPivLu().solve(rows);
+    point.inverse -= columns * solve_lu_columns(changes.system, rows);
   }
 
   std::vector<Point> points_;
@@ -358,7 +357,7 @@ Prediction CircuitBoard::predict(const Effect& effect) const {
       Eigen::VectorXcd weights(changes.delta.size());
       for (Eigen::Index j = 0; j < weights.size(); ++j)
         weights(j) = through(point.inverse, point.out, effect.stamps[std_index(j)]) * changes.delta(j);
-      const Eigen::VectorXcd onward = changes.system.transpose().partialPivLu().solve(weights);
+      const Eigen::VectorXcd onward = solve_lu(changes.system.transpose(), weights);
       for (Eigen::Index j = 0; j < weights.size(); ++j) {
         const Stamp& stamp = effect.stamps[std_index(j)];
         for (const Stamp::Entry& e : stamp.into) {

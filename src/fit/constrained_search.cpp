@@ -1,12 +1,12 @@
 #include "fit/constrained_search.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <optional>
 #include <vector>
 
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "numeric/least_level.hpp"
 #include "numeric/quadratic_program.hpp"
@@ -252,7 +252,7 @@ SearchResult search_interpolation(const RootModel& model, const CurveTarget& tar
   curve_errors(model, target, theta, error, &slope);
   double value = error.cwiseAbs().maxCoeff();
   for (int i = 0; i < iterations && value > 1e-14; ++i) {
-    VectorXd step = slope.completeOrthogonalDecomposition().solve(-error);
+    VectorXd step = least_norm_columns(slope, -error);
     const double largest = step.cwiseAbs().maxCoeff();
     if (largest > 0.5) step *= 0.5 / largest;
     theta += step;

@@ -11,7 +11,7 @@ Eigen::MatrixXd triangle_of(const Eigen::MatrixXd& a) {
 }
 
 /// Without Eigen's own ways to make a matrix square, which take seconds to compile.
-using SquareSvd = Eigen::JacobiSVD<Eigen::MatrixXd, Eigen::NoQRPreconditioner>;
+using JacobiSvd = Eigen::JacobiSVD<Eigen::MatrixXd, Eigen::NoQRPreconditioner>;
 
 }  // namespace
 
@@ -47,6 +47,14 @@ Eigen::VectorXcd solve_lu(const Eigen::MatrixXcd& a, const Eigen::VectorXcd& b) 
   return a.partialPivLu().solve(b);
 }
 
+Eigen::MatrixXd solve_lu_columns(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return a.partialPivLu().solve(b);
+}
+
+Eigen::MatrixXcd solve_lu_columns(const Eigen::MatrixXcd& a, const Eigen::MatrixXcd& b) {
+  return a.partialPivLu().solve(b);
+}
+
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& a) {
   return a.partialPivLu().inverse();
 }
@@ -59,12 +67,25 @@ std::complex<double> determinant(const Eigen::MatrixXcd& a) {
   return a.partialPivLu().determinant();
 }
 
+Eigen::MatrixXd orthonormal_columns(const Eigen::MatrixXd& a) {
+  return a.householderQr().householderQ() * Eigen::MatrixXd::Identity(a.rows(), a.cols());
+}
+
+Eigen::MatrixXd least_norm_columns(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b) {
+  return a.completeOrthogonalDecomposition().solve(b);
+}
+
+SquareSvd square_svd(const Eigen::MatrixXd& a) {
+  const JacobiSvd svd(a, Eigen::ComputeFullU | Eigen::ComputeFullV);
+  return {svd.matrixU(), svd.singularValues(), svd.matrixV()};
+}
+
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& a) {
-  return SquareSvd(a.rows() < a.cols() ? triangle_of(a.transpose()) : triangle_of(a)).singularValues();
+  return JacobiSvd(a.rows() < a.cols() ? triangle_of(a.transpose()) : triangle_of(a)).singularValues();
 }
 
 Eigen::VectorXd smallest_singular_vector(const Eigen::MatrixXd& a) {
-  return SquareSvd(triangle_of(a), Eigen::ComputeFullV).matrixV().col(a.cols() - 1);
+  return JacobiSvd(triangle_of(a), Eigen::ComputeFullV).matrixV().col(a.cols() - 1);
 }
 
 SymmetricEigen symmetric_eigen(const Eigen::MatrixXd& a) {

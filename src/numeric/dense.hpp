@@ -24,11 +24,27 @@ Eigen::MatrixXd solve_ldlt_columns(const Eigen::MatrixXd& a, const Eigen::Matrix
 /// x of A x = b for any square A, by LU with partial pivoting.
 Eigen::VectorXd solve_lu(const Eigen::MatrixXd& a, const Eigen::VectorXd& b);
 Eigen::VectorXcd solve_lu(const Eigen::MatrixXcd& a, const Eigen::VectorXcd& b);
+/// The same for every column of B.
+Eigen::MatrixXd solve_lu_columns(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+Eigen::MatrixXcd solve_lu_columns(const Eigen::MatrixXcd& a, const Eigen::MatrixXcd& b);
 /// A⁻¹ and det A by the same.
 Eigen::MatrixXd inverse(const Eigen::MatrixXd& a);
 Eigen::MatrixXcd inverse(const Eigen::MatrixXcd& a);
 std::complex<double> determinant(const Eigen::MatrixXcd& a);
 
+/// Orthonormal columns that span A's, by Householder's reflections; A has no fewer rows than columns.
+Eigen::MatrixXd orthonormal_columns(const Eigen::MatrixXd& a);
+
+/// X of least norm that leaves the least of A X = B, columns of A that depend on others included.
+Eigen::MatrixXd least_norm_columns(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b);
+
+/// A = U diag(values) Vᵀ for a square A, values falling.
+struct SquareSvd {
+  Eigen::MatrixXd u;
+  Eigen::VectorXd values;
+  Eigen::MatrixXd v;
+};
+SquareSvd square_svd(const Eigen::MatrixXd& a);
 /// Falling.
 Eigen::VectorXd singular_values(const Eigen::MatrixXd& a);
 /// The right singular vector of the smallest singular value, by way of A's triangular factor; A has no fewer rows than

@@ -1,8 +1,6 @@
 #include <fmt/format.h>
 
 #include <Eigen/LU>
-#include <Eigen/QR>
-#include <Eigen/SVD>
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -204,25 +202,25 @@ class MapMaker {
     const MatrixXd e = capacitance_(unknown.laws, unknown.voltages);
     const MatrixXd g = conductance(unknown.laws, unknown.voltages);
     const MatrixXd b = currents(unknown.laws, Eigen::all);
-    const Eigen::JacobiSVD<MatrixXd> svd(e, Eigen::ComputeFullU | Eigen::ComputeFullV);
+    const SquareSvd svd = square_svd(e);
     Index rank = 0;
-    while (rank < e.rows() && svd.singularValues()(rank) > 1e-12 * svd.singularValues()(0)) ++rank;
+    while (rank < e.rows() && svd.values(rank) > 1e-12 * svd.values(0)) ++rank;
     const Index rest = e.rows() - rank;
-    const MatrixXd gt = svd.matrixU().transpose() * g * svd.matrixV();
-    const MatrixXd bt = svd.matrixU().transpose() * b;
+    const MatrixXd gt = svd.u.transpose() * g * svd.v;
+    const MatrixXd bt = svd.u.transpose() * b;
     // z = back y where there is no capacitance (and white noise, which no capacitor keeps).
     MatrixXd back = MatrixXd::Zero(rest, rank);
     MatrixXd direct = MatrixXd::Zero(rest, b.cols());
     if (rest > 0) {
-      const auto algebraic = gt.bottomRightCorner(rest, rest).completeOrthogonalDecomposition();
-      back = -algebraic.solve(gt.bottomLeftCorner(rest, rank));
-      direct = algebraic.solve(bt.bottomRows(rest));
+      const MatrixXd algebraic = gt.bottomRightCorner(rest, rest);
+      back = -least_norm_columns(algebraic, gt.bottomLeftCorner(rest, rank));
+      direct = least_norm_columns(algebraic, bt.bottomRows(rest));
     }
-    const Eigen::VectorXd inverted = svd.singularValues().head(rank).cwiseInverse();
+    const Eigen::VectorXd inverted = svd.values.head(rank).cwiseInverse();
     const MatrixXd a =
         -(inverted.asDiagonal() * (gt.topLeftCorner(rank, rank) + gt.topRightCorner(rank, rest) * back));
     const MatrixXd f = inverted.asDiagonal() * (bt.topRows(rank) - gt.topRightCorner(rank, rest) * direct);
-    const MatrixXd y = svd.matrixV().leftCols(rank) + svd.matrixV().rightCols(rest) * back;
+    const MatrixXd y = svd.v.leftCols(rank) + svd.v.rightCols(rest) * back;
     const MatrixXd charges = capacitance_(Eigen::all, unknown.voltages) * y;
     out_.noise = charges * stationary_covariance(a, 2.0 * f * f.transpose()) * charges.transpose();
   }

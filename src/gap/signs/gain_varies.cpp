@@ -1,10 +1,10 @@
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "gap/signs.hpp"
 #include "gap/signs/chance.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "signal/periodogram.hpp"
 
@@ -40,8 +40,7 @@ Eigen::MatrixXd varying_gains(const std::vector<double>& output) {
                                     (static_cast<double>(i) + 0.5) / static_cast<double>(n));
     }
   }
-  const Eigen::HouseholderQR<Eigen::MatrixXd> qr(x);
-  return (qr.householderQ() * Eigen::MatrixXd::Identity(n, kCosines + 2)).rightCols(kCosines);
+  return orthonormal_columns(x).rightCols(kCosines);
 }
 
 }  // namespace

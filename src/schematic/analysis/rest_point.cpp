@@ -1,10 +1,11 @@
 #include "schematic/analysis/rest_point.hpp"
 
-#include <Eigen/LU>
 #include <algorithm>
 #include <numeric>
 #include <set>
 #include <stdexcept>
+
+#include "numeric/dense.hpp"
 
 namespace bodesmith::schematic {
 namespace {
@@ -275,7 +276,7 @@ RestPoint::Affine RestPoint::solve_block(const RestOrder::Block& block, std::uin
       a(own + k, own + k) = 1.0;
     }
   }
-  Affine out = a.partialPivLu().solve(b);
+  Affine out = solve_lu_columns(a, b);
   for (Eigen::Index k = 0; k < diodes; ++k) {
     if ((conducting >> k & 1) != 0) continue;
     const Part& one = netlist.part(block.diodes[static_cast<std::size_t>(k)]);

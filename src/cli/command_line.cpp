@@ -183,6 +183,19 @@ void CommandLine::fail_unknown(const std::string& given) const {
   fail(fmt::format("unrecognised option '{}'{}", given, did_you_mean(bare, known, "--")));
 }
 
+void CommandLine::refuse_negative_counts(const po::parsed_options& parsed) const {
+  for (const po::option& one : parsed.options) {
+    const po::option_description* known = parsed.description->find_nothrow(one.string_key, false);
+    if (known == nullptr ||
+        dynamic_cast<const po::typed_value<std::uint64_t>*>(known->semantic().get()) == nullptr)
+      continue;
+    for (const std::string& text : one.value) {
+      if (text.starts_with('-'))
+        fail(fmt::format("--{} is {}, expected a whole number not below 0", one.string_key, text));
+    }
+  }
+}
+
 bool CommandLine::parse(const std::vector<std::string>& arguments) {
   if (tables_wanted() != nullptr) {
     tables_wanted()->push_back(table());
@@ -197,7 +210,9 @@ bool CommandLine::parse(const std::vector<std::string>& arguments) {
   places.add("__files", -1);
   try {
     const int style = po::command_line_style::default_style & ~po::command_line_style::allow_guessing;
-    po::store(po::command_line_parser(arguments).options(all).positional(places).style(style).run(), values_);
+    const auto parsed = po::command_line_parser(arguments).options(all).positional(places).style(style).run();
+    refuse_negative_counts(parsed);
+    po::store(parsed, values_);
     if (values_.count("help") > 0) {
       show_help();
       return false;
@@ -234,6 +249,23 @@ double CommandLine::positive(const std::string& option) const {
         fmt::format("--{} is {}, expected a number above {}", option, value, value > 0.0 ? "2.3e-308" : "0"));
   }
   return value;
+}
+
+Hertz CommandLine::analog(const std::string& option, double given) const {
+  if (!(given >= 1e-6 && given <= 1e9))
+    fail(fmt::format("--{} is {}, expected 1e-6 to 1e9 Hz", option, given));
+  return Hertz{given};
+}
+
+Hertz CommandLine::analog_frequency(const std::string& option) const {
+  return analog(option, get<double>(option));
+}
+
+std::vector<Hertz> CommandLine::analog_frequencies(const std::string& option) const {
+  std::vector<Hertz> out;
+  for (const double f : maybe<std::vector<double>>(option).value_or(std::vector<double>{}))
+    out.push_back(analog(option, f));
+  return out;
 }
 
 std::optional<double> CommandLine::maybe_positive(const std::string& option) const {

@@ -114,6 +114,10 @@ class CommandLine {
   /// A number option that must be finite and above 0.
   double positive(const std::string& option) const;
   std::optional<double> maybe_positive(const std::string& option) const;
+  /// A frequency at which parts that one can buy do something: 1e-6 (a turn in eleven days) to 1e9 Hz.
+  Hertz analog_frequency(const std::string& option) const;
+  /// The same of a list; empty when it was not given.
+  std::vector<Hertz> analog_frequencies(const std::string& option) const;
   /// An integer option that must be within [min, max].
   int integer(const std::string& option, int min, int max) const;
   /// --from-hz and --to-hz together, or neither.
@@ -136,10 +140,13 @@ class CommandLine {
   void show_help() const;
   /// "unrecognised option '--oder'", with the option that may be meant.
   [[noreturn]] void fail_unknown(const std::string& given) const;
+  /// What is parsed as a whole number without sign would take -1 for 2^64 - 1.
+  void refuse_negative_counts(const boost::program_options::parsed_options& parsed) const;
   /// Reads the text of every quantity that was given.
   void read_quantities();
   [[noreturn]] void fail_choice(const std::string& option, const std::string& given,
                                 const std::vector<std::string>& words) const;
+  Hertz analog(const std::string& option, double given) const;
 
   std::string name_;
   std::string example_;

@@ -60,13 +60,8 @@ void declare_controller(CommandLine& line) {
 }
 
 std::vector<Hertz> controller_frequencies(const CommandLine& line) {
-  std::vector<Hertz> out;
-  for (const double f : line.maybe<std::vector<double>>("track-hz")
-                            .value_or(std::vector<double>{1, 10, 20, 40, 60, 80, 100})) {
-    if (!(f > 0.0)) line.fail("--track-hz takes frequencies above 0");
-    out.push_back(Hertz{f});
-  }
-  return out;
+  if (line.has("track-hz")) return line.analog_frequencies("track-hz");
+  return {{1.0}, {10.0}, {20.0}, {40.0}, {60.0}, {80.0}, {100.0}};
 }
 
 controller::Options read_controller_options(const CommandLine& line) {
@@ -83,7 +78,7 @@ controller::Options read_controller_options(const CommandLine& line) {
   out.opamp = types.named(line.get<std::string>("opamp"));
   out.fast_opamp = types.named(line.get<std::string>("fast-opamp"));
   out.multiplier.scale_v = line.positive("multiplier-scale-v");
-  out.lowest = Hertz{line.positive("lowest-hz")};
+  out.lowest = line.analog_frequency("lowest-hz");
   return out;
 }
 

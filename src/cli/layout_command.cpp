@@ -63,8 +63,8 @@ multiplier_layout::Options read_layout_options(const CommandLine& line, std::siz
   options.scheme = multiplier_layout::Scheme::named(line.get<std::string>("scheme"));
   options.multiplier.scale_v = line.positive("multiplier-scale-v");
   options.full_scale_v = line.positive("full-scale-v");
-  options.lowest = Hertz{line.positive("lowest-hz")};
-  options.highest = Hertz{line.positive("highest-hz")};
+  options.lowest = line.analog_frequency("lowest-hz");
+  options.highest = line.analog_frequency("highest-hz");
   schematic::SwitchModel model = schematic::SwitchModel::for_branches(branches);
   const auto set = [&](const char* name, double& value) {
     if (line.has(name)) value = line.positive(name);

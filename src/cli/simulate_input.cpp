@@ -24,6 +24,9 @@ SimulationInput read_input(const CommandLine& line, bool loop, Provenance& from)
     const std::string path = line.get<std::string>("input");
     out.record =
         loop ? TimeRecord::read_csv_column(path, from, column::reference) : TimeRecord::read_csv(path, from);
+    out.record.require_measured_sizes();
+    if (out.fundamental && !(2.0 * out.fundamental->value * out.record.step_s < 1.0))
+      line.fail("--fundamental-hz is not below half the sampling rate of " + path);
     return out;
   }
   if (out.fundamental) line.fail("--fundamental-hz belongs to --input; a reference has its --frequency-hz");

@@ -39,9 +39,10 @@ void declare_tune(CommandLine& line) {
   line.seed();
 }
 
-double not_negative(const CommandLine& line, const std::string& option) {
+/// Of a plant whose gain or corners may be so much lower, and stay above 0.
+double tolerance_percent(const CommandLine& line, const std::string& option) {
   const auto value = line.get<double>(option);
-  if (!(value >= 0.0) || !std::isfinite(value)) line.fail(fmt::format("--{} is below 0", option));
+  if (!(value >= 0.0 && value < 100.0)) line.fail(fmt::format("--{} is not within 0 to 100", option));
   return value;
 }
 
@@ -134,8 +135,8 @@ int run_tune(const std::vector<std::string>& arguments) {
   if (!line.parse(arguments)) return kDone;
   const tuning::TuneOptions options = tune_options(line);
   const tuning::ControllerKind& kind = kind_of(line);
-  const tuning::PlantSpread spread{line.positive("sigmas"), not_negative(line, "gain-tolerance-percent"),
-                                   not_negative(line, "frequency-tolerance-percent")};
+  const tuning::PlantSpread spread{line.positive("sigmas"), tolerance_percent(line, "gain-tolerance-percent"),
+                                   tolerance_percent(line, "frequency-tolerance-percent")};
   Provenance from;
   const tuning::PlantFamily plants = tuning::read_plants(line.files(), spread, from);
   const Stopwatch watch;

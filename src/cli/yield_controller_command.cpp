@@ -38,11 +38,7 @@ void declare_yield_controller(CommandLine& line) {
 }
 
 std::vector<Hertz> yield_tracked(const CommandLine& line, const Disturbance& disturbance) {
-  std::vector<Hertz> out;
-  for (const double f : line.maybe<std::vector<double>>("track").value_or(std::vector<double>{})) {
-    if (!(f > 0.0) || f > 1e7) line.fail(fmt::format("--track {}, expected frequencies above 0 Hz", f));
-    out.push_back(Hertz{f});
-  }
+  std::vector<Hertz> out = line.analog_frequencies("track");
   if (out.empty()) out = disturbance.rate.frequency;
   if (out.empty()) out = {Hertz{1.0}, Hertz{10.0}, Hertz{100.0}};
   std::sort(out.begin(), out.end(), [](Hertz a, Hertz b) { return a.value < b.value; });

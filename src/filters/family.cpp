@@ -30,12 +30,15 @@ Prototype make_prototype(const Family& family, const PrototypeTask& task) {
     throw InputError(
         fmt::format("order {} of the family {}, expected an even one", task.order, family.name()));
   }
-  const auto above_zero = [](double db) { return std::isfinite(db) && db > 0.0; };
-  if (family.has_ripple() && !above_zero(task.ripple_db)) {
-    throw InputError(fmt::format("a ripple of {} dB, expected above 0", task.ripple_db));
+  // Powers of gains have to be doubles that differ from 1 and from 0.
+  constexpr double kLeastDb = 1e-9, kMostDb = 1000.0;
+  const auto in_range = [](double db) { return db >= kLeastDb && db <= kMostDb; };
+  if (family.has_ripple() && !in_range(task.ripple_db)) {
+    throw InputError(fmt::format("a ripple of {} dB, expected {} to {}", task.ripple_db, kLeastDb, kMostDb));
   }
-  if (family.has_stop() && !above_zero(task.stop_db)) {
-    throw InputError(fmt::format("a stop band {} dB down, expected above 0", task.stop_db));
+  if (family.has_stop() && !in_range(task.stop_db)) {
+    throw InputError(
+        fmt::format("a stop band {} dB down, expected {} to {}", task.stop_db, kLeastDb, kMostDb));
   }
   if (family.has_ripple() && family.has_stop() && task.stop_db <= task.ripple_db) {
     throw InputError(

@@ -9,13 +9,22 @@
 namespace bodesmith {
 namespace {
 
+/// A disturbance is a share of the range: sums of such numbers and of their products stay numbers.
+void check_sizes(const Node& node, const std::vector<double>& values) {
+  constexpr double kLargest = 1e6;
+  for (std::size_t i = 0; i < values.size(); ++i) {
+    if (std::abs(values[i]) > kLargest) node[i].fail(fmt::format("is {}, expected at most 1e6", values[i]));
+  }
+}
+
 std::array<double, 3> read_coefficients(const Node& node) {
   const std::vector<double> values = node.numbers();
   if (values.size() != 3) node.fail(fmt::format("has {} numbers, expected [a1, a2, a3]", values.size()));
+  check_sizes(node, values);
   return {values[0], values[1], values[2]};
 }
 
-/// Checks a table: one length, at least one entry, first column rising and above 0.
+/// Checks a table: one length, at least one entry, first column rising and above 0, gains of a size that makes sense.
 void check_table(const Node& node, std::string_view first, const std::vector<double>& key,
                  std::size_t ascending, std::size_t descending) {
   if (key.empty()) node.at(first).fail("is empty, expected at least one number");
@@ -28,6 +37,8 @@ void check_table(const Node& node, std::string_view first, const std::vector<dou
       node.at(first)[i].fail("is out of order, expected rising numbers above 0");
     }
   }
+  for (const char* branch : {"ascending", "descending"})
+    check_sizes(node.at(branch), node.at(branch).numbers());
 }
 
 /// Piecewise linear in the key, held at the ends.

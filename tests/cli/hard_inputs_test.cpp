@@ -118,6 +118,20 @@ TEST_F(HardInputs, AbsurdNumbersAreAnswered) {
               HasSubstr("more than double precision can hold"));
   write("a.json", lags(1.0, 0.0));
   EXPECT_THAT(refusal("yield " + at("a.json") + " --threads -1"), HasSubstr("--threads"));
+  EXPECT_THAT(refusal("yield " + at("a.json") + " --samples -1"),
+              HasSubstr("--samples is -1, expected a whole number not below 0"));
+  write("loop.json", R"({"schema": "bodesmith.disturbance/1",
+ "ascending": [0.3, -0.3, 1e308], "descending": [0.2, -0.2, 0]})");
+  EXPECT_THAT(refusal("controller " + at("loop.json") + " -o " + at("c")),
+              HasSubstr("loop.json:2: 'ascending[2]' is 1e+308, expected at most 1e6"));
+  EXPECT_THAT(refusal("design lowpass --family elliptic --order 4 --corner-hz 1000 --stop-db 1e308 -o " +
+                      at("s.json")),
+              HasSubstr("expected 1e-09 to 1000"));
+  write("m.toml", "schema = \"bodesmith.model/1\"\n[[block]]\ntype = \"gain\"\ngain = 1.0\n");
+  write("u.csv", "time_s,u\n0,0\n0.001,1\n0.002,0\n");
+  EXPECT_THAT(refusal("simulate " + at("m.toml") + " --input " + at("u.csv") + " --spectra " + at("s.csv") +
+                      " --fundamental-hz 1e300 -o " + at("y.csv")),
+              HasSubstr("not below half the sampling rate"));
   write("gains.csv", "frequency_hz,gain\n1,1\n10,2\n100,1\n");
   EXPECT_THAT(refusal("fit " + at("gains.csv") + " --lower=abc -o " + at("c.json")),
               HasSubstr("--lower is for another kind of work: 'With --direct'"));

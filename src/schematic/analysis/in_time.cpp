@@ -1,9 +1,13 @@
 #include "schematic/analysis/in_time.hpp"
 
+#include <fmt/format.h>
+
 #include <Eigen/SparseLU>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
+#include "base/error.hpp"
 #include "base/progress.hpp"
 #include "simulate/cvode_solver.hpp"
 
@@ -49,13 +53,14 @@ struct InTime::Implementation {
           x += lu_.solve(left);
         }
       }
-      factorise(a);
-      return lu_.solve(scale_.cwiseProduct(b));
+      if (factorise(a)) return lu_.solve(scale_.cwiseProduct(b));
+      known_ = false;
+      return Eigen::VectorXd::Constant(b.size(), std::numeric_limits<double>::quiet_NaN());
     }
 
    private:
     static constexpr int kMostCorrections = 3;
-    void factorise(const Sparse& a) {
+    bool factorise(const Sparse& a) {
       scale_ = Eigen::VectorXd::Zero(a.rows());
       for (Eigen::Index k = 0; k < a.outerSize(); ++k) {
         for (Sparse::InnerIterator at(a, k); at; ++at)
@@ -66,6 +71,7 @@ struct InTime::Implementation {
       if (!known_) lu_.analyzePattern(scaled_);
       known_ = true;
       lu_.factorize(scaled_);
+      return lu_.info() == Eigen::Success;
     }
     bool known_ = false;
     Eigen::VectorXd scale_;
@@ -207,12 +213,17 @@ void InTime::begin(double t, const std::map<std::string, double>& volts) {
 void InTime::run_to(double stop, const std::function<void(double from, double to)>& step) {
   Implementation& it = *implementation_;
   it.end = stop;
-  it.solver->start(it.begun, it.state.data(), stop);
-  for (auto outcome = simulate::CvodeSolver::Outcome::stepped;
-       outcome == simulate::CvodeSolver::Outcome::stepped;) {
-    stop_if_interrupted();
-    outcome = it.solver->step();
-    if (step) step(it.solver->step_begin(), it.solver->time());
+  try {
+    it.solver->start(it.begun, it.state.data(), stop);
+    for (auto outcome = simulate::CvodeSolver::Outcome::stepped;
+         outcome == simulate::CvodeSolver::Outcome::stepped;) {
+      stop_if_interrupted();
+      outcome = it.solver->step();
+      if (step) step(it.solver->step_begin(), it.solver->time());
+    }
+  } catch (const simulate::SolverFailure& failure) {
+    throw DesignError(fmt::format("the circuit cannot be followed in time from {} to {} s: {}", it.begun,
+                                  stop, failure.what()));
   }
   it.state.assign(it.solver->state(), it.solver->state() + it.state.size());
   it.begun = stop;

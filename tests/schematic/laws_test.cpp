@@ -1,0 +1,291 @@
+// Netlists in time, at rest, as text and as branches, against closed forms and against one another.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <map>
+
+#include "base/error.hpp"
+#include "schematic/analysis/in_time.hpp"
+#include "schematic/analysis/response.hpp"
+#include "schematic/analysis/rest_point.hpp"
+#include "schematic/series_parallel.hpp"
+#include "schematic/switch_model.hpp"
+#include "schematic/writers/spice_library.hpp"
+
+namespace bodesmith::schematic {
+namespace {
+
+Part made_part(Part::Kind kind, const char* name, const char* from, const char* to, double value) {
+  return {kind, name, "", 0, from, to, "exact", value, value};
+}
+Part ohms(const char* name, const char* from, const char* to, double value) {
+  return made_part(Part::Kind::resistor, name, from, to, value);
+}
+Part farads(const char* name, const char* from, const char* to, double value) {
+  return made_part(Part::Kind::capacitor, name, from, to, value);
+}
+Part diode(const char* name, const char* from, const char* to) {
+  return {Part::Kind::diode, name, "", 0, from, to, "1N4148", 0.0, 0.0};
+}
+
+TEST(InTime, AnRcFollowsItsExponential) {
+  Netlist rc;
+  rc.parts = {ohms("R", "in", "out", 1e4), farads("C", "out", "0", 1e-7)};
+  InTime run(rc, [](double) { return 2.0; });
+  run.begin(0.0, {{"out", -1.0}, {"in", 2.0}});
+  double last = 0.0;
+  run.run_to(4e-3, [&](double from, double to) {
+    EXPECT_EQ(from, last);
+    last = to;
+    EXPECT_NEAR(run.volts("out", to), 2.0 - 3.0 * std::exp(-to / 1e-3), 1e-5);
+  });
+  EXPECT_NEAR(last, 4e-3, 1e-12);
+  EXPECT_EQ(run.volts("in", 4e-3), 2.0);
+  EXPECT_EQ(run.volts("0", 4e-3), 0.0);
+  // Through 0 at 1 ms times ln 1.5, from the state that was left.
+  InTime again(rc, [](double) { return 2.0; });
+  again.begin(0.0, {{"out", -1.0}, {"in", 2.0}});
+  const auto rises = again.rises("out", 4e-3);
+  ASSERT_TRUE(rises);
+  EXPECT_NEAR(*rises, 1e-3 * std::log(1.5), 1e-8);
+  EXPECT_FALSE(again.rises("out", 8e-3));
+}
+
+TEST(InTime, ASineThroughAnRcIsItsResponse) {
+  Netlist rc;
+  rc.parts = {ohms("R", "in", "out", 1e4), farads("C", "out", "0", 1e-7)};
+  const double w = 700.0;
+  InTime run(rc, [w](double t) { return std::sin(w * t); });
+  run.begin(0.0);
+  const double end = 12e-3;  // twelve time constants
+  run.run_to(end);
+  const std::complex<double> h = 1.0 / std::complex<double>(1.0, w * 1e-3);
+  EXPECT_NEAR(run.volts("out", end), std::abs(h) * std::sin(w * end + std::arg(h)), 2e-5);
+}
+
+TEST(InTime, AnOpAmpSlewsAtItsRate) {
+  Netlist follower;
+  follower.parts = {ohms("Rl", "out", "0", 1e6)};
+  follower.opamps = {{"U1", "", 0, "in", "out", "out"}};
+  follower.opamp.slew_v_per_s = 1e6;
+  follower.opamp.gain_bandwidth = Hertz{1e7};
+  InTime run(follower, [](double) { return 10.0; });
+  run.begin(0.0, {{"in", 10.0}});
+  run.run_to(6e-6);
+  EXPECT_NEAR((run.volts("out", 6e-6) - run.volts("out", 5.99e-6)) / 1e-8, 1e6, 0.05e6);
+  run.run_to(30e-6);
+  EXPECT_NEAR(run.volts("out", 30e-6), 10.0, 1e-3);
+}
+
+TEST(RestPoint, OfDividersOpAmpsMultipliersAndSources) {
+  Netlist n;
+  n.parts = {ohms("R1", "in", "a", 1e3), ohms("R2", "a", "0", 3e3), ohms("R3", "m", "out", 2e4),
+             ohms("R4", "a2", "m", 1e4)};
+  n.opamps = {{"U1", "", 0, "a", "a2", "a2"}, {"U2", "", 0, "0", "m", "out"}};
+  n.multipliers = {{"M1", "", 0, "a2", "v", "out", "w", 0.0}};
+  n.sources = {{"V1", "", "v", 0.5}};
+  n.multiplier.scale_v = 2.0;
+  const RestOrder order(n, {"in"});
+  Deviations off = Deviations::none(n);
+  RestPoint plain(order, off);
+  for (const double u : {-1.0, 0.0, 0.8}) {
+    plain.set(order.node("in"), u);
+    plain.settle(0);
+    EXPECT_NEAR(plain.volts("a"), 0.75 * u, 1e-12);
+    EXPECT_NEAR(plain.volts("a2"), 0.75 * u, 1e-12);
+    EXPECT_NEAR(plain.volts("out"), -1.5 * u, 1e-12);
+    EXPECT_NEAR(plain.volts("w"), 0.75 * u * 0.5 / 2.0 - 1.5 * u, 1e-12);
+  }
+  EXPECT_NEAR(plain.noise_gain(0), 1.0, 1e-9);
+  EXPECT_NEAR(plain.noise_gain(1), 3.0, 1e-9);
+  off.part[1] = 0.1;             // R2 of 3.3 kOhm
+  off.opamp_offset_v[1] = 1e-3;  // three times at the output
+  off.source[0] = -0.2;          // 0.4 V
+  off.multiplier[0] = {0.01, -0.02, 0.003, 0.05, 0.0};
+  RestPoint built(order, off);
+  built.set(order.node("in"), 1.0);
+  built.settle(0);
+  const double a = 3.3 / 4.3;
+  EXPECT_NEAR(built.volts("a2"), a, 1e-12);
+  EXPECT_NEAR(std::abs(built.volts("out") + 2.0 * a), 3e-3, 1e-9);
+  EXPECT_NEAR(built.volts("w"), (a + 0.01) * (0.4 - 0.02) / (2.0 * 1.05) + built.volts("out") + 0.003, 1e-12);
+}
+
+TEST(RestPoint, DiodesConductOneWayAndContactsWhereTheyStand) {
+  Netlist n;
+  n.parts = {ohms("R1", "in", "a", 1e3), diode("D1", "a", "b"), ohms("R2", "b", "0", 3e3)};
+  n.contacts = {{"S1", 0, "in", "c", "up", 0}, {"S2", 0, "b", "c", "down", 1}};
+  n.parts.push_back(ohms("R3", "c", "0", 1e6));
+  n.analog_switch.on_ohm = 1.0;
+  n.analog_switch.off_siemens = 1e-12;
+  const RestOrder order(n, {"in"});
+  RestPoint rest(order, Deviations::none(n));
+  const auto at = [&](double u, int position, const char* node) {
+    rest.set(order.node("in"), u);
+    rest.settle(position);
+    return rest.volts(node);
+  };
+  EXPECT_NEAR(at(2.0, 0, "b"), 1.5, 1e-5);
+  EXPECT_NEAR(at(-2.0, 0, "b"), 0.0, 1e-5);
+  EXPECT_NEAR(at(-2.0, 0, "a"), -2.0, 1e-5);
+  EXPECT_NEAR(at(2.0, 0, "c"), 2.0, 1e-5);
+  EXPECT_NEAR(at(2.0, 1, "c"), at(2.0, 1, "b"), 1e-5);
+}
+
+TEST(SwitchTimer, CrossesItsLevelAfterBothDelays) {
+  SwitchModel model;
+  const SwitchTimer timer = SwitchTimer::of(model);
+  EXPECT_NEAR(1.0 - std::exp(-model.on_delay_s / timer.tau_s), timer.level, 1e-9);
+  EXPECT_NEAR(std::exp(-model.off_delay_s() / timer.tau_s), timer.level, 1e-9);
+  model.gap_s = model.on_delay_s;
+  EXPECT_THROW(SwitchTimer::of(model), DesignError);
+  model.gap_s = -1e-9;
+  EXPECT_THROW(SwitchTimer::of(model), DesignError);
+}
+
+TEST(OpAmpModel, TheOpenLoopIsOneAtItsBandwidth) {
+  OpAmpModel model;
+  model.dc_gain = 1e5;
+  model.gain_bandwidth = Hertz{1e6};
+  EXPECT_NEAR(std::abs(model.open_loop({0.0})), 1e5, 1e-6);
+  EXPECT_NEAR(std::abs(model.open_loop(Hertz{1e6}.rad_s())), 1.0, 1e-9);
+  EXPECT_NEAR(std::arg(model.open_loop(Hertz{10.0}.rad_s())), -M_PI / 4.0, 1e-12);
+}
+
+/// The impedance of branches between two nodes.
+std::complex<double> impedance(const Branch& branch, const std::vector<Part>& parts, double w) {
+  if (branch.kind == Branch::Kind::part) {
+    const Part& part = parts[branch.part];
+    return part.kind == Part::Kind::resistor ? std::complex<double>(part.realised)
+                                             : 1.0 / std::complex<double>(0.0, w * part.realised);
+  }
+  std::complex<double> sum = 0.0;
+  for (const Branch& child : branch.children)
+    sum +=
+        branch.kind == Branch::Kind::series ? impedance(child, parts, w) : 1.0 / impedance(child, parts, w);
+  return branch.kind == Branch::Kind::series ? sum : 1.0 / sum;
+}
+
+TEST(SeriesParallel, AWholeLadderIsOneBranchOfItsImpedance) {
+  const std::vector<Part> parts = {ohms("R1", "in", "a", 1e3), farads("C1", "a", "out", 1e-8),
+                                   ohms("R2", "b", "a", 2e3), farads("C2", "b", "out", 3e-8),
+                                   ohms("R3", "out", "b", 5e3)};
+  const auto branches = series_parallel_branches(parts, {"in", "out"});
+  ASSERT_EQ(branches.size(), 1u);
+  EXPECT_TRUE(branches[0].joins("out", "in"));
+  EXPECT_TRUE(branches[0].ends_at("in"));
+  EXPECT_EQ(branches[0].other_end("in"), "out");
+  const double w = 2e4;
+  const std::complex<double> j(0.0, 1.0);
+  const auto wanted = 1e3 + 1.0 / (j * w * 1e-8 + 1.0 / (2e3 + 1.0 / (j * w * 3e-8 + 1.0 / 5e3)));
+  EXPECT_LT(std::abs(impedance(branches[0], parts, w) / wanted - 1.0), 1e-12);
+  // Turned round it is the same from the other side.
+  const Branch turned = branches[0].from(branches[0].right);
+  EXPECT_EQ(turned.left, branches[0].right);
+  EXPECT_EQ(turned.right, branches[0].left);
+  EXPECT_LT(std::abs(impedance(turned, parts, w) / wanted - 1.0), 1e-12);
+  for (const Branch& branch : {branches[0], turned}) {
+    ASSERT_EQ(branch.kind, Branch::Kind::series);
+    std::string node = branch.left;
+    for (const Branch& child : branch.children) {
+      EXPECT_EQ(child.left, node);
+      node = child.right;
+    }
+    EXPECT_EQ(node, branch.right);
+  }
+  // A node that is kept is not passed over; a bridge is no series and no parallel.
+  EXPECT_EQ(series_parallel_branches(parts, {"in", "out", "a"}).size(), 2u);
+  EXPECT_EQ(
+      series_parallel_branches({ohms("1", "in", "a", 1), ohms("2", "in", "b", 1), ohms("3", "a", "b", 1),
+                                ohms("4", "a", "out", 1), ohms("5", "b", "out", 1)},
+                               {"in", "out"})
+          .size(),
+      5u);
+}
+
+Netlist of_everything() {
+  Netlist n;
+  n.groups = {{"stage 1", Purpose::stage}};
+  n.parts = {ohms("R1", "in", "m", 4.7e3), farads("C1", "m", "out", 2.2e-9), diode("D1", "out", "d"),
+             ohms("R2", "d", "0", 1e4)};
+  n.opamps = {{"U1", "", 0, "0", "m", "out"}, {"U2", "", 0, "d", "e", "e", true}};
+  n.multipliers = {{"M1", "", 0, "out", "v", "0", "w", 0.0}};
+  n.contacts = {{"S1", 0, "w", "so", "up", 0}, {"S2", 0, "out", "so", "down", 1}};
+  n.sources = {{"V1", "", "v", 0.25}};
+  n.comparators = {{0, "e", "up", 1e4, 0.1}};
+  n.gates = {{0, "down", {}, {"up"}}};
+  n.parts.push_back(ohms("R3", "so", "0", 1e5));
+  n.fast_opamp.name = "fast";
+  n.fast_opamp.gain_bandwidth = Hertz{145e6};
+  return n;
+}
+
+TEST(SpiceLibrary, ReadBackItIsTheSameCircuitAndTheSameBytes) {
+  SpiceLibrary library;
+  library.title = "one of each";
+  library.written_by = "a test";
+  library.top = "all";
+  library.notes = {"a note"};
+  library.subcircuits = {{"all", {"in", "out", "so"}, {"what it is"}, of_everything()}};
+  const std::string text = spice_text(library);
+  const SpiceLibrary read = read_spice(text, "all.sub");
+  EXPECT_EQ(spice_text(read), text);
+  const Netlist& back = read.subcircuit("all").netlist;
+  const Netlist there = of_everything();
+  ASSERT_EQ(back.parts.size(), there.parts.size());
+  std::map<std::string, const Part*> named;
+  for (const Part& part : back.parts) named[part.name] = &part;
+  for (const Part& part : there.parts) {
+    ASSERT_TRUE(named.contains(part.name)) << part.name;
+    EXPECT_EQ(named[part.name]->from, part.from);
+    EXPECT_EQ(named[part.name]->to, part.to);
+    EXPECT_NEAR(named[part.name]->realised, part.realised, 1e-12 * part.realised);
+  }
+  EXPECT_EQ(back.opamps.size(), 2u);
+  EXPECT_EQ(back.opamps[1].fast, true);
+  EXPECT_NEAR(back.fast_opamp.gain_bandwidth.value, 145e6, 1.0);
+  ASSERT_EQ(back.comparators.size(), 1u);
+  EXPECT_NEAR(back.comparators[0].threshold_v, 0.1, 1e-12);
+  EXPECT_NEAR(back.comparators[0].gain, 1e4, 1e-6);
+  ASSERT_EQ(back.sources.size(), 1u);
+  EXPECT_EQ(back.sources[0].volts, 0.25);
+  EXPECT_NEAR(back.multiplier.scale_v, 1.05, 1e-12);
+  EXPECT_THROW(read.subcircuit("nothing"), InputError);
+}
+
+TEST(SpiceLibrary, DeviationsAreReadAsTheValues) {
+  SpiceLibrary library;
+  library.top = "all";
+  library.subcircuits = {{"all", {"in", "out", "so"}, {}, of_everything()}};
+  Deviations off = Deviations::none(of_everything());
+  off.part[0] = 0.02;
+  off.part[1] = -0.05;
+  off.source[0] = 0.01;
+  SpiceOptions options;
+  options.off = &off;
+  const Netlist back = read_spice(spice_text(library, options), "off.sub").subcircuit("all").netlist;
+  EXPECT_NEAR(back.part_named("R1")->realised, 4.7e3 * 1.02, 1e-6);
+  EXPECT_NEAR(back.part_named("C1")->realised, 2.2e-9 * 0.95, 1e-18);
+  EXPECT_NEAR(back.part_named("R2")->realised, 1e4, 1e-8);
+  EXPECT_NEAR(back.sources[0].volts, 0.2525, 1e-12);
+  EXPECT_EQ(back.part_named("R9"), nullptr);
+}
+
+TEST(Netlists, GroupsAreSortedWithTheirElements) {
+  Netlist n;
+  n.groups = {{"b", Purpose::output}, {"a", Purpose::powers}, {"c", Purpose::output}};
+  n.parts = {ohms("R0", "x", "y", 1.0), ohms("R1", "x", "y", 1.0), ohms("R2", "x", "y", 1.0)};
+  for (std::size_t i = 0; i < 3; ++i) n.parts[i].group = i;
+  sort_groups(n, [](Purpose a, Purpose b) { return a < b; });
+  EXPECT_EQ(n.groups[0].title, "a");
+  EXPECT_EQ(n.groups[1].title, "b");
+  EXPECT_EQ(n.parts[0].group, 1u);
+  EXPECT_EQ(n.parts[1].group, 0u);
+  EXPECT_EQ(n.parts[2].group, 2u);
+  EXPECT_EQ(subset(n, [](std::size_t group) { return group == 1; }).parts.size(), 1u);
+}
+
+}  // namespace
+}  // namespace bodesmith::schematic

@@ -82,7 +82,11 @@ TEST(Forms, DesignTransferAndNetworkAgree) {
 }
 
 TEST(Forms, PreferredPartsStayClose) {
-  for (const Case& one : cases()) {
+  const std::vector<Case> all = cases();
+  constexpr std::size_t kEvery =
+      5;  // a search each; prime to the number of cases of a gain: all forms, all gains
+  for (std::size_t i = 0; i < all.size(); i += kEvery) {
+    const Case& one = all[i];
     Sections sections;
     sections.sections = {one.section};
     RealiseOptions options;

@@ -272,8 +272,8 @@ TEST(ControllerSchematic, IsTheNetlistInEveryForm) {
     "ascending": [0, 0.2, -0.2], "descending": [0, -0.1, 0.1],
     "rate": {"frequency_hz": [1, 100], "ascending": [1, 0.5], "descending": [1, 1.5]}})");
   for (const std::string arguments :
-       {"plain.json", "one.json", "both.json --form two-pass", "both.json --form seed", "wide.json",
-        "zero.json --form two-pass", "zero.json", "square.json --series E24", "one.json --opamp TL072"}) {
+       {"plain.json", "both.json --form two-pass", "both.json --form seed", "wide.json",
+        "zero.json --form two-pass", "square.json --series E24", "one.json --opamp TL072"}) {
     SCOPED_TRACE(arguments);
     const ProgramResult run = run_shell("cd '" + dir + "' && " + BODESMITH_PROGRAM + " controller " +
                                         arguments + " --track-hz 50 --allow-unstable -o made");

@@ -79,16 +79,16 @@ TEST(FpaaCommand, WholeController) {
   const std::string dir = folder.path().string();
   write_file(folder / "s.json", kFpaaSections);
   ASSERT_EQ(run_bodesmith("fpaa " + dir + "/s.json -o " + dir + "/plan --clock-hz 2000").status, 0);
-  auto result =
-      run_bodesmith("fpaa controller " BODESMITH_SOURCE_DIR "/examples/nanopositioner/disturbance.json " +
-                    std::string("--descending ") + dir + "/plan/plan.json -o " + dir + "/c --json");
+  // Two parabolas; a whole disturbance is in docs/jobs/board.md.
+  write_file(folder / "d.json", R"({"schema": "bodesmith.disturbance/1",
+  "ascending": [0.3, -0.3, 0], "descending": [-0.2, 0.2, 0]})");
+  auto result = run_bodesmith("fpaa controller " + dir + "/d.json --track-hz 10 100 --descending " + dir +
+                              "/plan/plan.json -o " + dir + "/c --json");
   ASSERT_EQ(result.status, 0) << result.err;
   EXPECT_EQ(parse_json(result.out, "out").at("variants").size(), 3u);
   const std::string table = read_file(folder / "c/lookup_descending.csv");
   EXPECT_EQ(std::count(table.begin(), table.end(), '\n'), 257);
-  result =
-      run_bodesmith("fpaa controller " BODESMITH_SOURCE_DIR "/examples/nanopositioner/disturbance.json -o " +
-                    dir + "/d --polynomial magic");
+  result = run_bodesmith("fpaa controller " + dir + "/d.json -o " + dir + "/d --polynomial magic");
   EXPECT_EQ(result.status, 2);
 }
 

@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
+#include "cli/main_example.hpp"
 #include "run_program.hpp"
 #include "signal/csv.hpp"
 
@@ -53,11 +54,9 @@ TEST(ModelCommand, ADisturbanceIsAStageThatSimulates) {
   EXPECT_NEAR(got.column("y")[750], 0.5 + 1.17 * d, 1e-9);
 }
 
-TEST(ModelCommand, ARunWritesItsChainAndItTracks) {
+TEST(MainExample, WritesItsChainAndItTracks) {
   const TemporaryFolder folder;
-  const std::string out = (folder / "out").string();
-  const ProgramResult ran = run_bodesmith("run " + kExample + "project.toml -o " + out);
-  ASSERT_EQ(ran.status, 0) << ran.err;
+  const std::string out = main_example().folder.string();
   const std::string copy = (folder / "model.toml").string();
   const ProgramResult made = run_bodesmith("model " + out + " --json -o " + copy);
   ASSERT_EQ(made.status, 0) << made.err;

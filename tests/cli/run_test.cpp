@@ -12,6 +12,7 @@
 #include "base/document.hpp"
 #include "base/text.hpp"
 #include "browser_check.hpp"
+#include "cli/main_example.hpp"
 #include "lti/cascade.hpp"
 #include "lti/sections.hpp"
 #include "run_program.hpp"
@@ -307,11 +308,8 @@ TEST(Run, DisturbancesThatNoLoopCanFollowAreOneLine) {
               HasSubstr("out of order, expected rising numbers"));
 }
 
-TEST(Run, TheMainExampleTracksBestAndSaysSoFirst) {
-  const TemporaryFolder folder;
-  const std::string example = std::string(BODESMITH_SOURCE_DIR) + "/examples/nanopositioner/project.toml";
-  const ProgramResult result = run_bodesmith("run " + example + " -o " + (folder / "out").string());
-  ASSERT_EQ(result.status, 0) << result.err << result.out;
+TEST(MainExample, TracksBestAndSaysSoFirst) {
+  const auto& [result, out] = main_example();
   EXPECT_THAT(result.out.substr(0, 300), HasSubstr("as built: "));
   // Short enough for a terminal; the tables are a file.
   std::istringstream console(result.out);
@@ -319,9 +317,9 @@ TEST(Run, TheMainExampleTracksBestAndSaysSoFirst) {
   for (std::string line; std::getline(console, line); ++lines) EXPECT_LE(line.size(), 100u) << line;
   EXPECT_LE(lines, 20);
   EXPECT_THAT(result.out, HasSubstr("out/report.html"));
-  EXPECT_THAT(read_file(folder / "out/summary.txt"), HasSubstr("two passes, gain by the known frequency"));
-  const Node run = parse_json(read_file(folder / "out/run.json"), "run.json");
-  const Csv table = Csv::parse(read_file(folder / "out/tracking.csv"), "tracking.csv");
+  EXPECT_THAT(read_file(out / "summary.txt"), HasSubstr("two passes, gain by the known frequency"));
+  const Node run = parse_json(read_file(out / "run.json"), "run.json");
+  const Csv table = Csv::parse(read_file(out / "tracking.csv"), "tracking.csv");
   const std::string built = run.at("tracking").at("as_built").string();
   const bool ngspice = run_shell("command -v ngspice").status == 0;
   EXPECT_EQ(built, ngspice ? "controller_circuit" : "controller_cvode");
@@ -331,8 +329,8 @@ TEST(Run, TheMainExampleTracksBestAndSaysSoFirst) {
       EXPECT_LT(table.column(built + "_percent")[i], table.column("polynomial_percent")[i]);
     }
   }
-  EXPECT_TRUE(fs::is_regular_file(folder / "out/controller/controller.sub"));
-  EXPECT_TRUE(fs::is_regular_file(folder / "out/tracking_stages.csv"));
+  EXPECT_TRUE(fs::is_regular_file(out / "controller/controller.sub"));
+  EXPECT_TRUE(fs::is_regular_file(out / "tracking_stages.csv"));
 }
 
 TEST(Run, BadProjectsAreOneLineAndLeaveNothing) {

@@ -29,7 +29,7 @@ inline circuit::Circuit small_circuit() {
   return circuit::realise(sections, {}).circuit;
 }
 
-inline std::vector<Hertz> small_grid(int count = 32) {
+inline std::vector<Hertz> small_grid(int count = 24) {
   return log_grid({Hertz{30.0}, Hertz{60e3}}, count);
 }
 

@@ -72,7 +72,7 @@ class UnitBoard {
 };
 
 struct BlindSetting {
-  int boards = 20;
+  int boards = 8;
   int points = 40;
   double noise = 3e-4;
   bool with_phase = true;
@@ -151,14 +151,15 @@ BlindResult blind_boards(const Plan& plan, const BlindSetting& setting, int roun
 TEST(Trim, BringsBoardsToAQuarterAndNoneFurtherAway) {
   using Kind = UnitBoard::Kind;
   for (const Kind kind : {Kind::binary, Kind::nested, Kind::relative}) {
-    const BlindResult boards = blind_boards(seed_plan(), {.kind = kind});
+    const BlindResult boards =
+        blind_boards(seed_plan(), {.boards = kind == Kind::relative ? 8 : 20, .kind = kind});
     EXPECT_LT(boards.after_95, 0.25 * boards.before_95);
     EXPECT_EQ(boards.worse, 0);
   }
 }
 
 TEST(Trim, MeasuredAndTrimmedAgainIsBetterStill) {
-  const BlindResult boards = blind_boards(seed_plan(), {.boards = 10, .seed = 700}, 2);
+  const BlindResult boards = blind_boards(seed_plan(), {.boards = 5, .seed = 700}, 2);
   EXPECT_LT(boards.again_95, boards.after_95);
   EXPECT_LT(boards.again_95, 0.3 * boards.before_95);
 }
@@ -166,7 +167,7 @@ TEST(Trim, MeasuredAndTrimmedAgainIsBetterStill) {
 /// The same sections with the clocks searched: their capacitors are chosen for little mismatch and leave less to trim.
 TEST(Trim, HelpsPlansOfSeveralClocksToo) {
   const Plan plan = plan_of(seed_sections());
-  const BlindResult boards = blind_boards(plan, {.boards = 10, .noise = 1e-4, .seed = 500});
+  const BlindResult boards = blind_boards(plan, {.boards = 5, .noise = 1e-4, .seed = 500});
   EXPECT_LT(boards.after_95, 0.7 * boards.before_95);
   EXPECT_EQ(boards.worse, 0);
 }

@@ -30,7 +30,7 @@ struct HiddenName {
 };
 
 /// Of a model beside what is in no catalogue: every effect is tried there, the expensive ones too, round after round.
-constexpr int kOutsiderTerms = 2;
+constexpr int kOutsiderTerms = 1;
 
 /// Solved, and expected to be right: named (or tied), or rightly silent.
 inline Outcome expect_right(World world, Kind kind, const Hidden& h, std::size_t rows,

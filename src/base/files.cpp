@@ -27,6 +27,11 @@ constexpr std::size_t kLargestFile = std::size_t{1} << 31;
 
 bool inputs_protected = false;
 
+std::function<void(const fs::path&)>& asked_before_writing() {
+  static std::function<void(const fs::path&)> ask;
+  return ask;
+}
+
 std::vector<fs::path>& inputs() {
   static std::vector<fs::path> all;
   return all;
@@ -128,6 +133,10 @@ void write_to(const fs::path& path, const std::string& content, std::string& why
 
 }  // namespace
 
+void ask_before_writing(std::function<void(const fs::path&)> ask) {
+  asked_before_writing() = std::move(ask);
+}
+
 void protect_inputs() {
   inputs_protected = true;
 }
@@ -210,6 +219,9 @@ void OutputSet::commit() {
       forget_temporary(s.temporary);
     }
   };
+  if (const auto& ask = asked_before_writing()) {
+    for (const File& file : files_) ask(folder_ / file.path);
+  }
   if (inputs_protected && !folder_.empty()) claim_folder(folder_);
   const std::string suffix = ".tmp" + std::to_string(::getpid());
   std::set<fs::path> seen;

@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <functional>
 #include <string>
 #include <vector>
 
@@ -20,6 +21,9 @@ void claim_folder(const std::filesystem::path& folder);
 /// command.
 void protect_inputs();
 void remember_input(const std::filesystem::path& path);
+
+/// Asked before commit() writes anything, with every file it would write: what refuses throws. Empty: nobody.
+void ask_before_writing(std::function<void(const std::filesystem::path&)> ask);
 
 /// Files that are written together, whole or not at all: nothing touches the disk before commit(), every file
 /// goes to a temporary name beside its target first, and only when all of them stand are they renamed. A link is

@@ -2,6 +2,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <charconv>
 #include <cmath>
 
@@ -53,6 +54,30 @@ std::string_view trim(std::string_view text) {
   const std::size_t begin = text.find_first_not_of(blank);
   if (begin == std::string_view::npos) return {};
   return text.substr(begin, text.find_last_not_of(blank) - begin + 1);
+}
+
+std::string folded_text(std::string_view text) {
+  constexpr std::size_t kColumns = 100;
+  constexpr std::size_t kWidestLabel = 20;
+  std::string out;
+  for (std::string_view line : split(text, '\n')) {
+    std::size_t indent = std::min(line.find_first_not_of(' '), line.size());
+    const std::size_t gap = line.find("  ", indent);
+    const std::size_t behind = std::min(line.find_first_not_of(' ', gap), line.size());
+    indent = 2 + (behind <= kWidestLabel ? behind : indent);
+    std::size_t room = kColumns;
+    while (line.size() > room) {
+      const std::size_t blank = line.rfind(' ', room);
+      // A path longer than a line stays whole.
+      if (blank == std::string_view::npos || blank < line.find_first_not_of(' ')) break;
+      out.append(line.substr(0, blank)).append("\n").append(indent, ' ');
+      line.remove_prefix(blank + 1);
+      room = kColumns - indent;
+    }
+    out.append(line).append("\n");
+  }
+  out.pop_back();
+  return out;
 }
 
 std::string join(const std::vector<std::string>& parts, std::string_view separator) {

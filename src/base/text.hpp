@@ -19,6 +19,9 @@ std::string engineering_text(double value, std::string_view unit, int digits = 3
 /// Pieces between separators; "a,,b" has three.
 std::vector<std::string_view> split(std::string_view text, char separator);
 std::string_view trim(std::string_view text);
+/// Lines of more than 100 characters broken at blanks; the rest is indented by two more than the line, or than what
+/// stands behind its label ("target     points.csv").
+std::string folded_text(std::string_view text);
 std::string join(const std::vector<std::string>& parts, std::string_view separator);
 
 /// Reads one number that fills the whole text. False when it does not, or is not finite. Ignores the locale.

@@ -260,6 +260,7 @@ int run_bode(const std::vector<std::string>& arguments) {
 
   OutputSet out;
   const bool to_file = line.has("output");
+  const bool margins = line.has("margins");
   const std::string csv = bode_csv(grid, sources, columns, extra);
   if (to_file) out.add(line.output_path(), csv);
   if (line.has("svg"))
@@ -267,7 +268,7 @@ int run_bode(const std::vector<std::string>& arguments) {
   add_loop_files(line, responses, out);
   out.commit();
   // Without -o the table is the answer, unless margins were asked for.
-  if (!to_file && !line.json() && !line.has("margins")) {
+  if (!to_file && !line.json() && !margins) {
     note_conversions(from);
     hide_progress();
     fmt::print("{}", csv);

@@ -4,12 +4,12 @@
 #include <unistd.h>
 
 #include <algorithm>
-#include <set>
 #include <sstream>
 #include <utility>
 
 #include "base/above_zero.hpp"
 #include "base/error.hpp"
+#include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
 #include "base/nearest_word.hpp"
@@ -50,6 +50,20 @@ std::string with_colours(std::string text) {
 std::vector<std::string>& waiting_notes() {
   static std::vector<std::string> notes;
   return notes;
+}
+
+/// What was converted of foreign files: said once, in the summary or, with --json, as notes.
+std::vector<std::string>& waiting_conversions() {
+  static std::vector<std::string> conversions;
+  return conversions;
+}
+
+std::string conversion_text(const std::string& path, const std::string& read_as) {
+  return fmt::format("{} read as {}", path, read_as);
+}
+
+void add_once(std::vector<std::string>& to, const std::string& text) {
+  if (std::find(to.begin(), to.end(), text) == to.end()) to.push_back(text);
 }
 
 }  // namespace
@@ -113,9 +127,21 @@ void CommandLine::refuse_group(const std::string& caption) const {
   for (std::size_t i = 0; i < captions_.size(); ++i) {
     if (captions_[i] != caption) continue;
     for (const auto& option : groups_[i].options()) {
-      if (has(option->long_name()))
+      if (is_given(option->long_name()))
         fail(fmt::format("--{} is for another kind of work: '{}'", option->long_name(), caption));
     }
+  }
+}
+
+CommandLine::~CommandLine() {
+  ask_before_writing({});
+}
+
+void CommandLine::refuse_unread() const {
+  static const std::set<std::string> kOfAllCommands = {"help", "json", "quiet", "output", "__files"};
+  for (const auto& [name, value] : values_) {
+    if (value.defaulted() || read_.count(name) > 0 || kOfAllCommands.count(name) > 0) continue;
+    fail(fmt::format("--{} does nothing with what is asked for here", name));
   }
 }
 
@@ -233,6 +259,12 @@ bool CommandLine::parse(const std::vector<std::string>& arguments) {
     fail("-o is missing, expected where to write the result");
   if (values_.count("output") > 0 && get<std::string>("output").empty()) fail("-o is empty");
   if (quiet()) be_quiet();
+  if (values_.count("output") > 0) {
+    ask_before_writing([this, output = output_path().lexically_normal()](const std::filesystem::path& path) {
+      const std::filesystem::path below = path.lexically_normal().lexically_relative(output);
+      if (!below.empty() && *below.begin() != "..") refuse_unread();
+    });
+  }
   show_progress(name_);
   return true;
 }
@@ -298,17 +330,22 @@ void CommandLine::fail_choice(const std::string& option, const std::string& give
 }
 
 void print_summary(const CommandLine& line, const std::string& text, const Json& json) {
-  show_notes();
+  line.refuse_unread();
   if (line.json()) {
+    show_notes();
     fmt::print("{}", to_text(json));
-  } else if (!line.quiet()) {
-    fmt::print("{}", with_colours(text));
-    if (!json.contains("inputs")) return;
-    for (const Json& input : json["inputs"]) {
-      if (input.contains("read_as"))
-        fmt::print("{} read as {}\n", input["path"].get<std::string>(), input["read_as"].get<std::string>());
-    }
+    return;
   }
+  std::vector<std::string> conversions = std::exchange(waiting_conversions(), {});
+  show_notes();
+  if (line.quiet()) return;
+  fmt::print("{}", with_colours(folded_text(text)));
+  for (const Json& input : json.value("inputs", Json::array())) {
+    if (input.contains("read_as"))
+      add_once(conversions,
+               conversion_text(input["path"].get<std::string>(), input["read_as"].get<std::string>()));
+  }
+  for (const std::string& one : conversions) fmt::print("{}\n", folded_text(one));
 }
 
 void note(const std::string& text) {
@@ -317,6 +354,7 @@ void note(const std::string& text) {
 
 void show_notes() {
   hide_progress();
+  for (const std::string& one : std::exchange(waiting_conversions(), {})) note(one);
   for (const std::string& text : std::exchange(waiting_notes(), {})) {
     if (quiet()) continue;
     const bool warning = text.starts_with(kWarning);
@@ -329,10 +367,8 @@ void warn_each(const std::vector<std::string>& warnings) {
 }
 
 void note_conversions(const Provenance& from) {
-  static std::set<std::string> said;
   for (const InputFile& input : from.inputs) {
-    const std::string text = fmt::format("{} read as {}", input.path, input.read_as);
-    if (!input.read_as.empty() && said.insert(text).second) note(text);
+    if (!input.read_as.empty()) add_once(waiting_conversions(), conversion_text(input.path, input.read_as));
   }
 }
 

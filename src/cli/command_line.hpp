@@ -6,6 +6,7 @@
 #include <initializer_list>
 #include <map>
 #include <optional>
+#include <set>
 #include <string>
 #include <string_view>
 #include <type_traits>
@@ -23,6 +24,9 @@ class CommandLine {
  public:
   /// `example` is the line that --help shows first.
   CommandLine(std::string name, std::string example, std::string what);
+  CommandLine(const CommandLine&) = delete;
+  CommandLine& operator=(const CommandLine&) = delete;
+  ~CommandLine();
 
   /// Adds --name with a value of type T (int, double, std::string, std::uint64_t).
   /// A double may be typed with a prefix and a unit: 4k7, 10n, 13.2kHz (base/quantity.hpp).
@@ -83,10 +87,12 @@ class CommandLine {
   CommandTable table() const;
 
   bool has(const std::string& option) const {
-    return values_.count(option) > 0 && !values_[option].defaulted();
+    read_.insert(option);
+    return is_given(option);
   }
   template <class T>
   T get(const std::string& option) const {
+    read_.insert(option);
     if constexpr (std::is_same_v<T, double>) {
       return quantities_.at(option).front();
     } else if constexpr (std::is_same_v<T, std::vector<double>>) {
@@ -124,6 +130,9 @@ class CommandLine {
   std::optional<Band> maybe_band() const;
   /// Options under this heading of --help, which do nothing in the mode that was asked for, are an error.
   void refuse_group(const std::string& caption) const;
+  /// Options that were given and that nobody has asked for: they do nothing in this mode, and are an error. Done before
+  /// the command's output is written, and before its summary is shown.
+  void refuse_unread() const;
   std::vector<std::string> files() const;
   std::filesystem::path output_path() const { return get<std::string>("output"); }
   std::uint64_t seed_value() const { return get<std::uint64_t>("seed"); }
@@ -133,6 +142,9 @@ class CommandLine {
   [[noreturn]] void fail(const std::string& message) const;
 
  private:
+  bool is_given(const std::string& option) const {
+    return values_.count(option) > 0 && !values_[option].defaulted();
+  }
   void add(const std::string& name, const boost::program_options::value_semantic* value,
            const std::string& what);
   void add_quantity(const std::string& name, std::optional<double> default_value, const std::string& what);
@@ -161,6 +173,7 @@ class CommandLine {
   std::vector<std::string> captions_;  ///< of the groups
   boost::program_options::variables_map values_;
   std::map<std::string, std::vector<std::string>> words_;
+  mutable std::set<std::string> read_;                     ///< options that the command has asked for
   std::map<std::string, std::vector<double>> quantities_;  ///< numbers typed with or without prefix and unit
 };
 
@@ -173,7 +186,7 @@ void note(const std::string& text);
 void show_notes();
 void warn_each(const std::vector<std::string>& warnings);
 
-/// What was converted of foreign files, a note each; every summary and output says it too (timed_document()).
+/// What was converted of foreign files, which print_summary() says; every output says it too (timed_document()).
 void note_conversions(const Provenance& from);
 
 /// A JSON document with header, `body` and the time of the work itself.

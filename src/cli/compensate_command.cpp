@@ -204,6 +204,7 @@ TimeRecord read_wanted(const CommandLine& line, const chain::Chain& model, Prove
 /// DesignError where the drive is not worth writing: worse than none, or a guess.
 void require_useful(const CommandLine& line, const DriveStatement& drive) {
   const std::string file = line.files().front();
+  const bool beyond_allowed = line.has("beyond-training");
   double mean = 0.0, spread = 0.0;
   const auto counted = std::span(drive.reference.u).subspan(drive.settled.first);
   for (const double r : counted) mean += r / static_cast<double>(counted.size());
@@ -219,7 +220,7 @@ void require_useful(const CommandLine& line, const DriveStatement& drive) {
             "constant drive{}",
             rounded_text(drive.error.rms_percent, 3),
             drive.found.out_of_reach.empty() ? "" : " (" + drive.found.out_of_reach.front().why + ")"));
-  if (!drive.model.trained || line.has("beyond-training")) return;
+  if (!drive.model.trained || beyond_allowed) return;
   if (const std::string how = drive.model.trained->far_beyond(drive.drive); !how.empty())
     throw DesignError(file, 0,
                       how +

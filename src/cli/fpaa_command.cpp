@@ -254,9 +254,9 @@ int plan_board(const std::vector<std::string>& arguments) {
   json["budget"] = budget.to_json();
   json["timing_s"] = {{"compute", seconds}};
   if (stream) json["stream"] = *stream->json;
+  const auto limit = line.maybe<double>("max-error-percent");
   write_plan(line.output_path(), plan, json, stream ? &stream->files : nullptr, netlist_parts(line));
 
-  const auto limit = line.maybe<double>("max-error-percent");
   const std::optional<std::string> useless = unusable(plan);
   // A limit that was given is the user's own judgement.
   const bool met = limit ? plan.error_with_delays.max_complex_percent <= *limit : !useless;

@@ -1,7 +1,6 @@
 #include "base/json.hpp"
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
-#include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "measured/measured.hpp"
@@ -26,26 +25,6 @@ int run_variants(const CommandLine& line) {
   return sweep.limits_met() ? kDone : kLimitMissed;
 }
 
-/// Lines of more than 100 characters broken at blanks, the rest indented.
-std::string folded(std::string_view text) {
-  constexpr std::size_t kColumns = 100;
-  constexpr std::size_t kIndent = 13;
-  std::string out;
-  for (std::string_view line : split(text, '\n')) {
-    std::size_t room = kColumns;
-    while (line.size() > room) {
-      const std::size_t blank = line.rfind(' ', room);
-      if (blank == std::string_view::npos || blank == 0) break;  // a path longer than a line stays whole
-      out.append(line.substr(0, blank)).append("\n").append(kIndent, ' ');
-      line.remove_prefix(blank + 1);
-      room = kColumns - kIndent;
-    }
-    out.append(line).append("\n");
-  }
-  out.pop_back();
-  return out;
-}
-
 /// What was built against its prediction; the project is run first where that has not been done.
 int run_built(const CommandLine& line, const project::ProjectSource& source) {
   gap::SearchOptions options;
@@ -57,7 +36,7 @@ int run_built(const CommandLine& line, const project::ProjectSource& source) {
       measured::run_measured(source, line.get<std::string>("measured"), line.output_path(), options);
   Json summary = json_header("measured", built.from);
   summary.update(built.json());
-  print_summary(line, folded(built.summary(line.output_path())), summary);
+  print_summary(line, built.summary(line.output_path()), summary);
   return kDone;
 }
 
@@ -98,7 +77,7 @@ int run_run(const std::vector<std::string>& arguments) {
   const std::unique_ptr<project::Run> run = project::run_project(source, line.output_path());
   Json summary = json_header("run", run->from);
   summary.update(run->json());
-  print_summary(line, folded(run->summary(line.output_path())), summary);
+  print_summary(line, run->summary(line.output_path()), summary);
   return run->limits_met() ? kDone : kLimitMissed;
 }
 

@@ -124,6 +124,7 @@ int run_spice(const std::vector<std::string>& arguments) {
   circuit::RealiseOptions options = read_parts_options(line, from);
   options.band = line.maybe_band();
   const std::optional<double> limit = line.maybe_positive("max-error-db");
+  const bool shortfall_allowed = line.has("allow-shortfall");
   require_ngspice_for_check(line);
   const Sections sections = read_rational_series(line.files(), from);
 
@@ -158,10 +159,10 @@ int run_spice(const std::vector<std::string>& arguments) {
     circuit["limit_missed"] = true;
   }
   for (const std::string& shortfall : choice.best.shortfalls)
-    text += shortfall + (line.has("allow-shortfall") ? " (allowed)\n" : ": NOT met\n");
+    text += shortfall + (shortfall_allowed ? " (allowed)\n" : ": NOT met\n");
   write_circuit(line, made, circuit);
   print_summary(line, text, circuit);
-  return met && (choice.best.shortfalls.empty() || line.has("allow-shortfall")) ? kDone : kLimitMissed;
+  return met && (choice.best.shortfalls.empty() || shortfall_allowed) ? kDone : kLimitMissed;
 }
 
 }  // namespace bodesmith::cli

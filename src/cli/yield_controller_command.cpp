@@ -114,6 +114,7 @@ int run_yield_controller(const std::vector<std::string>& arguments) {
   Json json = json_header("part_errors", from);
   json.update(part_errors::to_json(report, made));
   json["timing_s"] = {{"compute", watch.seconds()}};
+  const auto limit = line.maybe<double>("max-p95-percent");
   OutputSet out(line.output_path());
   out.add("part_errors.json", to_text(json));
   out.add("trim.md", part_errors::trim_page(report, made, "the controller of " + file));
@@ -124,7 +125,6 @@ int run_yield_controller(const std::vector<std::string>& arguments) {
     warnings.push_back(warning);
   warn_each(warnings);
   std::string text = part_errors::summary_text(report);
-  const auto limit = line.maybe<double>("max-p95-percent");
   const bool met = !limit || report.study.worst.p95_percent <= *limit;
   if (!met) text += limit_not_met(*limit, "%");
   print_summary(line, text + fmt::format("written to {}\n", line.output_path().string()), json);

@@ -6,6 +6,7 @@
 
 #include "base/text.hpp"
 #include "fpaa/sheets/board_picture.hpp"
+#include "kicad/netlist_sheet.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -130,6 +131,12 @@ void add_circuit_chapter(report::Page& page, const std::optional<circuit::BuildC
   }
   for (const std::string& reason : choice->passed_over) page.paragraph("Passed over: " + reason + ".");
   for (const std::string& shortfall : best.shortfalls) page.warning(shortfall);
+  page.figure(kicad::netlist_svg(best.made.circuit, {.stem = "compensator",
+                                                     .title = "Op-amp circuit",
+                                                     .comment = "",
+                                                     .ports = {"in", "out"},
+                                                     .tolerances = {}}),
+              "The same on sheets of KiCad is in the folder of the circuit.");
   page.table(parts_table(best.made.circuit.parts));
   for (const std::string& warning : best.opamps.warnings) page.warning(warning);
 }

@@ -213,26 +213,12 @@ class Comparison {
     std::size_t extra = 0;
     for (const auto& [reference, one] : drawn_.components)
       extra += reference[0] == 'J' || one.fields.count("Netlist") == 0 ? 1U : 0U;
-    const std::map<std::string, std::string> listed = listed_references();
+    const std::map<std::string, std::string> listed = read_references(folder_ + "/bom.csv");
     for (const auto& [name, reference] : listed)
       EXPECT_TRUE(drawn_.components.contains(reference)) << name << " is listed as " << reference;
     for (const auto& line : parts_) EXPECT_TRUE(listed.contains(line[0])) << line[0];
     EXPECT_EQ(extra, 4 + 2 * packages_.size());
     EXPECT_EQ(drawn_.components.size(), extra + expected_ + parts_.size() + chips_.size());
-  }
-
-  /// bom.csv: references by the netlist's names.
-  std::map<std::string, std::string> listed_references() const {
-    std::istringstream text(read_file(folder_ + "/bom.csv"));
-    std::map<std::string, std::string> out;
-    std::string line;
-    std::getline(text, line);
-    EXPECT_EQ(line, "reference,value,footprint,netlist");
-    while (std::getline(text, line)) {
-      std::istringstream names(line.substr(line.rfind(',') + 1));
-      for (std::string name; names >> name;) out[name] = line.substr(0, line.find(','));
-    }
-    return out;
   }
 
   const std::string folder_;

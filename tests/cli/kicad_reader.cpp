@@ -1,10 +1,14 @@
 #include "kicad_reader.hpp"
 
+#include <gtest/gtest.h>
+
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
 #include <memory>
 #include <numeric>
+#include <sstream>
 #include <stdexcept>
 
 #include "base/files.hpp"
@@ -261,6 +265,34 @@ class Reader {
 KicadSchematic read_kicad(const std::string& folder, const std::string& root) {
   KicadSchematic out;
   Reader(folder, out).read(root);
+  return out;
+}
+
+std::map<std::string, std::string> read_references(const std::string& path) {
+  std::istringstream text(read_file(path));
+  std::map<std::string, std::string> out;
+  std::string line;
+  std::getline(text, line);
+  EXPECT_EQ(line, "quantity,references,value,tolerance,footprint,netlist");
+  while (std::getline(text, line)) {
+    std::vector<std::string> cells(1);
+    for (const char c : line) {
+      if (c == ',') cells.emplace_back();
+      if (c != ',') cells.back() += c;
+    }
+    EXPECT_EQ(cells.size(), 6u) << line;
+    std::istringstream references(cells.at(1));
+    std::istringstream names(cells.at(5));
+    int quantity = 0;
+    for (std::string reference, units; references >> reference && names >> units; ++quantity) {
+      std::replace(units.begin(), units.end(), '+', ' ');
+      std::istringstream each(units);
+      for (std::string name; each >> name;) {
+        if (name != "-") out[name] = reference;
+      }
+    }
+    EXPECT_EQ(std::to_string(quantity), cells.at(0)) << line;
+  }
   return out;
 }
 

@@ -24,6 +24,9 @@ struct KicadSchematic {
   int sheets = 0;
 };
 
+/// bom.csv: the drawing's reference by the netlist's name. Each line's quantity is held against its references.
+std::map<std::string, std::string> read_references(const std::string& path);
+
 /// Throws std::runtime_error for what KiCad would not load.
 KicadSchematic read_kicad(const std::string& folder, const std::string& root = "compensator.kicad_sch");
 

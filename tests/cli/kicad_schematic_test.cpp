@@ -24,20 +24,6 @@ struct Netlist {
   std::map<std::string, Element> opamps;  ///< without the leading X
 };
 
-/// bom.csv: the drawing's reference by the netlist's name.
-std::map<std::string, std::string> read_references(const std::string& path) {
-  std::istringstream text(read_file(path));
-  std::map<std::string, std::string> out;
-  std::string line;
-  std::getline(text, line);
-  EXPECT_EQ(line, "reference,value,footprint,netlist");
-  while (std::getline(text, line)) {
-    std::istringstream names(line.substr(line.rfind(',') + 1));
-    for (std::string name; names >> name;) out[name] = line.substr(0, line.find(','));
-  }
-  return out;
-}
-
 Netlist read_netlist(const std::string& path) {
   struct Line {
     std::vector<std::string> words;

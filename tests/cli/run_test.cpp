@@ -121,6 +121,8 @@ TEST_F(NanopositionerRun, ReportIsOneSelfContainedPage) {
                               "Disturbance generator", "Tracking"}) {
     EXPECT_THAT(html, HasSubstr(std::string("<h2>") + chapter)) << chapter;
   }
+  for (const char* drawing : {"Op-amp circuit", "Disturbance generator"})
+    EXPECT_THAT(html, HasSubstr(std::string("<title>") + drawing + "</title>"));
 }
 
 TEST_F(NanopositionerRun, ReportRendersInABrowser) {
@@ -174,8 +176,8 @@ TEST_F(NanopositionerRun, DrawingsInThePageLookAsTheirFilesDo) {
   if (run_shell("command -v chromium").status != 0) GTEST_SKIP() << "chromium is not installed";
   const TemporaryFolder folder;
   const std::string html = read_file(out("report.html"));
-  for (const auto& [file, mark] :
-       {std::pair{"fpaa/board.svg", "class=\"board\""}, {"layout/disturbance.svg", "class=\"net\""}}) {
+  for (const auto& [file, mark] : {std::pair{"fpaa/board.svg", "class=\"board\""},
+                                   {"layout/disturbance.svg", "<title>Disturbance generator</title>"}}) {
     SCOPED_TRACE(file);
     const std::string svg = read_file(out(file));
     std::smatch size;

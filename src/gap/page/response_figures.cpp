@@ -5,6 +5,7 @@
 #include <complex>
 
 #include "gap/page/figures.hpp"
+#include "report/bars.hpp"
 #include "report/bode.hpp"
 
 namespace bodesmith::gap {
@@ -58,36 +59,26 @@ void add_record_figures(report::Page& page, const Diagnosis& d, const FrequencyE
 }
 
 void add_ladder_figure(report::Page& page, const Diagnosis& d) {
-  report::Series train;
-  report::Series holdout;
-  train.name = "training";
-  holdout.name = "held-out";
-  const auto mark = [&](const GapSize& size) {
-    const auto terms = static_cast<double>(train.x.size());
-    train.x.push_back(terms);
-    holdout.x.push_back(terms);
-    const double scale = d.relative ? 100.0 : 1.0;
-    train.y.push_back(std::max(scale * size.train_rms, 1e-300));
-    holdout.y.push_back(std::max(scale * size.holdout_rms, 1e-300));
-  };
-  mark(d.refitted);
-  for (const auto& s : d.steps) mark(s.after);
-  report::Plot ladder;
+  const double scale = d.relative ? 100.0 : 1.0;
+  report::Bars ladder;
   ladder.title = "Gap after each step";
-  ladder.x.label = "terms added";
-  ladder.y.label = d.relative ? "rms of H_model/H_measured - 1, %" : "rms of the residual";
-  ladder.y.logarithmic = true;
-  ladder.height = 260;
-  ladder.series = {train, holdout};
+  ladder.axis = d.relative ? "rms of H_model/H_measured - 1, %" : "rms of the residual";
+  ladder.names = {"training", "held-out"};
+  const auto add = [&](std::string label, const GapSize& size) {
+    report::Bars::Group group{std::move(label), {}, {}};
+    for (const double rms : {size.train_rms, size.holdout_rms}) {
+      group.values.push_back(scale * rms);
+      group.texts.push_back(figure_text(scale * rms));
+    }
+    ladder.groups.push_back(std::move(group));
+  };
+  add("base model refitted", d.refitted);
+  for (const DiagnosedStep& step : d.steps) add("+ " + step.effect, step.after);
   if (d.floor.source == NoiseFloor::Source::periods && d.floor.rms > 0.0) {
-    report::Series line;
-    line.name = "noise floor";
-    line.style = report::Series::Style::dashed;
-    line.x = {0.0, static_cast<double>(d.steps.size())};
-    line.y = {d.floor.rms, d.floor.rms};
-    ladder.series.push_back(std::move(line));
+    ladder.line = d.floor.rms;
+    ladder.line_name = "noise floor";
   }
-  page.plots({ladder}, "Training and held-out records.");
+  page.figure(report::to_svg(ladder), "Training and held-out records.");
 }
 
 }  // namespace bodesmith::gap

@@ -97,7 +97,9 @@ class Circuit(Document):
 
     def _summary(self) -> str:
         stages = self._data["stages"]
-        return f"{len(stages)} stages, {sum(len(stage['parts']) for stage in stages)} parts"
+        judged = self._data.get("judged", {}).get("max_magnitude_db")
+        error = "" if judged is None else f", {judged:.3g} dB with parts and op-amps"
+        return f"{len(stages)} stages, {sum(len(stage['parts']) for stage in stages)} parts{error}"
 
 
 class Layout(Document):

@@ -9,7 +9,7 @@ from ._call import Progress, call
 from ._drawing import draw
 from .documents import Document
 from .errors import InputError
-from .hardware import Plan
+from .hardware import Circuit, Plan
 from .lti import Sections
 
 if TYPE_CHECKING:
@@ -31,11 +31,11 @@ class Yield(Document):
         return draw(self, **options)
 
     def _summary(self) -> str:
-        return ", ".join(one["name"] for one in self.designs)
+        return ", ".join(f"{one['name']}: {one['worst_db']['p95']:.3g} dB in 95 of 100" for one in self.designs)
 
 
 def yield_(
-    designs: Sections | Plan | Sequence[Sections | Plan],
+    designs: Sections | Circuit | Plan | Sequence[Sections | Circuit | Plan],
     *,
     names: Sequence[str] | None = None,
     sections: Sections | None = None,
@@ -60,7 +60,7 @@ def yield_(
     seed: int = 1,
     progress: Progress | None = None,
 ) -> Yield:
-    """Monte Carlo over the tolerances of op-amp RC parts (Sections) or FPAA capacitors (Plans).
+    """Monte Carlo over the tolerances of op-amp RC parts (Sections, or a Circuit as it was built) or FPAA capacitors (Plans).
 
     Args:
         designs: one or several. sections: plans: deviations are counted from these sections instead of the plan's own response.
@@ -69,10 +69,10 @@ def yield_(
         resistor_percent, capacitor_percent: tolerances. unit_capacitor_percent, systematic_units: FPAA, assumptions.
         temperature_c: every circuit is at a temperature in this range; resistor_ppm, capacitor_ppm in 1/K.
         limit_db, limit_deg: count the circuits that stay within, and say which tolerances to buy for it.
-        realization, series, capacitor_series: the circuit, as spice().
+        realization, series, capacitor_series: the circuit of Sections, as spice().
         count, band_hz: of the frequencies (default: 60, and more where the response turns); default band: the corners of the first design.
     """
-    group = [designs] if isinstance(designs, (Sections, Plan)) else list(designs)
+    group = [designs] if isinstance(designs, (Sections, Circuit, Plan)) else list(designs)
     called = list(names) if names is not None else [f"{type(one).__name__.lower()}{i + 1}" for i, one in enumerate(group)]
     if len(called) != len(group):
         raise InputError(f"names has {len(called)} words, expected {len(group)}")

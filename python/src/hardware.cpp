@@ -118,6 +118,7 @@ Answer realise_circuit(const Call& call) {
                                      : circuit::realise(sections, options);
   const circuit::OpAmpCheck opamps = check_opamps(made.circuit, made.report.band, amplitude_v);
   Json body = to_json(made);
+  body["judged"] = circuit::judged_json(made.report.all, made.report.band);
   body["opamp_check"] = to_json(opamps);
   const double seconds = watch.seconds();
   if (o.boolean_or("check", false))

@@ -38,6 +38,8 @@ yield::Design design_of(const Node& document, const std::string& name, const Nod
     if (o.has("sections")) wanted = Sections::from_node(o.at("sections"));
     return yield::design_of_plan(document, name, wanted);
   }
+  if (document.at("schema").string() == "bodesmith.circuit/1")
+    return yield::design_of_file(document, name, yield::OpAmps::as_built);
   const Sections sections = rational_part(Sections::from_node(document), out.warnings);
   circuit::RealiseOptions options = circuit_options(o);
   if (!o.has("capacitor_series")) options.capacitors = circuit::Series::named("E12");

@@ -71,6 +71,17 @@ def test_yield_is_the_command_lines(sections, plan, program, tmp_path):
     assert bs.yield_(plan, samples=50).designs[0]["reference"] == "nominal"
 
 
+def test_yield_of_a_circuit_as_it_was_built(sections, program, tmp_path):
+    circuit = bs.spice(sections)
+    assert circuit.to_dict()["judged"]["max_magnitude_db"] == circuit.error["all"]["max_magnitude_db"]
+    circuit.save(tmp_path / "circuit.json")
+    program("yield", "circuit.json", "--samples", 200, "-o", "yield.json")
+    statistics = bs.yield_(circuit, names=["circuit.json"], samples=200)
+    assert_same(statistics.designs[0]["worst_db"], json.loads((tmp_path / "yield.json").read_text())["designs"][0]["worst_db"])
+    assert "dB with parts and op-amps" in repr(circuit)
+    assert "in 95 of 100" in repr(statistics)
+
+
 def test_delay_is_left_out_and_said():
     with pytest.warns(bs.BodesmithWarning, match="delay"):
         circuit = bs.spice(bs.Sections([(10.0, [], [-10.0])], delay_s=1e-3))

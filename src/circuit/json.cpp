@@ -46,6 +46,12 @@ Json to_json(const ResponseDifference& difference) {
           {"worst_hz", difference.worst.value}};
 }
 
+Json judged_json(const ResponseDifference& difference, Band band) {
+  Json out = to_json(difference);
+  out["band_hz"] = {band.from.value, band.to.value};
+  return out;
+}
+
 Json to_json(const OpAmpCheck& check) {
   return {{"name", check.name},
           {"against_ideal", to_json(check.against_ideal)},

@@ -58,12 +58,6 @@ circuit::BuildChoice design_circuit(const CommandLine& line, const Sections& sec
   return value_or_throw(circuit::realise_for_building(sections, search));
 }
 
-Json judged_json(const circuit::BuildChoice& choice) {
-  Json out = circuit::to_json(choice.best.judged);
-  out["band_hz"] = {choice.best.judged_band.from.value, choice.best.judged_band.to.value};
-  return out;
-}
-
 std::string circuit_summary(const circuit::BuildChoice& choice, const circuit::RealiseOptions& options) {
   const circuit::Realised& made = choice.best.made;
   const circuit::OpAmpCheck& opamps = choice.best.opamps;
@@ -142,7 +136,7 @@ int run_spice(const std::vector<std::string>& arguments) {
   circuit["made_as"] = choice.best.how;
   circuit["passed_over"] = choice.passed_over;
   circuit["opamp_check"] = to_json(choice.best.opamps);
-  circuit["judged"] = judged_json(choice);
+  circuit["judged"] = circuit::judged_json(choice.best.judged, choice.best.judged_band);
   circuit["shortfalls"] = choice.best.shortfalls;
   circuit["timing_s"] = {{"compute", compute_s}};
   std::string text = circuit_summary(choice, options);

@@ -76,7 +76,8 @@ CascadeFitOptions cascade_options(const FilterProject& project) {
   return out;
 }
 
-/// Points: as asked, or interpolated where that can be built, else what takes fewer poles.
+/// Points: as asked, or what takes the fewest poles within the error that was asked for; without one interpolated where that
+/// can be built.
 void fit_points(const FilterProject& project, FilterDesign& design) {
   const BodePoints& points = *project.points;
   const FilterProject::Fit& asked = project.fit;
@@ -86,9 +87,11 @@ void fit_points(const FilterProject& project, FilterDesign& design) {
     return;
   }
   const CascadeFitOptions options = cascade_options(project);
+  const bool fewest = asked.method == Method::automatic && asked.max_error_db;
   std::string reason =
-      fmt::format("{} points would make {} bands", points.points.size(), points.points.size() - 1);
-  if (points.points.size() <= kMostPointsToInterpolate || asked.method != Method::automatic) {
+      fewest ? fmt::format("The fewest poles within {} dB", rounded_text(*asked.max_error_db))
+             : fmt::format("{} points would make {} bands", points.points.size(), points.points.size() - 1);
+  if (!fewest && (points.points.size() <= kMostPointsToInterpolate || asked.method != Method::automatic)) {
     CascadeFit fit = fit_cascade(points, options);
     const auto unusable = why_unusable(fit);
     if (!unusable) {

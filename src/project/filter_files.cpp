@@ -148,8 +148,7 @@ void add_circuit_files(const FilterRun& run, OutputSet& out) {
   kicad::add_kicad_files(best.made.circuit, run.project.name, spice);
   out.include("spice", spice);
   Json json = circuit::to_json(best.made);
-  json["judged"] = circuit::to_json(best.judged);
-  json["judged"]["band_hz"] = {best.judged_band.from.value, best.judged_band.to.value};
+  json["judged"] = circuit::judged_json(best.judged, best.judged_band);
   json["shortfalls"] = best.shortfalls;
   out.add("spice/circuit.json", document("circuit", run, json));
 }

@@ -164,25 +164,25 @@ std::string describe(const yield::Design& design, const yield::Result& result, c
                      bool asked_band) {
   std::string text = fmt::format(
       "{}: {} poles, {} parts, {} circuits, deviations from {}\n"
-      "  worst over {} frequencies from {} to {} ({}): {} dB, {} deg, {} % complex in 95 of 100 "
-      "circuits (median {} dB, largest {} dB; all parts at their limits {} dB)\n",
+      "  95 of 100 circuits within {} dB, {} deg, {} % complex\n"
+      "  (median {} dB, largest {} dB; all parts at their limits {} dB)\n"
+      "  at worst over {} frequencies from {} to {} ({})\n",
       result.name, design.poles, design.parts.size(), result.samples,
-      design.reference_name == "sections" ? "the sections" : "its own nominal response", result.grid.size(),
-      engineering_text(result.grid.front().value, "Hz", 4),
-      engineering_text(result.grid.back().value, "Hz", 4), asked_band ? "as asked" : design.band_name,
+      design.reference_name == "sections" ? "the sections" : "its own nominal response",
       rounded_text(result.worst_db.quantile(0.95), 3), rounded_text(result.worst_deg.quantile(0.95), 3),
       rounded_text(result.worst_percent.quantile(0.95), 3), rounded_text(result.worst_db.quantile(0.5), 3),
-      rounded_text(result.worst_db.max, 3), rounded_text(result.worst_case_db, 3));
+      rounded_text(result.worst_db.max, 3), rounded_text(result.worst_case_db, 3), result.grid.size(),
+      engineering_text(result.grid.front().value, "Hz", 4),
+      engineering_text(result.grid.back().value, "Hz", 4), asked_band ? "as asked" : design.band_name);
   if (options.limit_db || options.limit_deg) {
     text += fmt::format("  within the limits: {} %\n", rounded_text(yield_percent(result), 5));
   }
   if (result.grid.size() > 1 && has_flanks(design.reference, {result.grid.front(), result.grid.back()}))
     text += fmt::format("  {}\n", kFlanksText);
-  text += "  parts that matter most:";
+  text += "  parts that matter most, by their share of the variance:";
   for (std::size_t i = 0; i < std::min<std::size_t>(4, result.ranking.size()); ++i) {
     const yield::PartRank& rank = result.ranking[i];
-    text += fmt::format("{} {} ({} % of the variance)", i == 0 ? "" : ",", rank.part,
-                        rounded_text(100.0 * rank.share, 3));
+    text += fmt::format("{} {} {} %", i == 0 ? "" : ",", rank.part, rounded_text(100.0 * rank.share, 3));
   }
   return text + "\n";
 }
@@ -302,8 +302,8 @@ int run_yield(const std::vector<std::string>& arguments) {
       places = fmt::format("{} frequencies from {} to {}", nulls.size(), places,
                            engineering_text(nulls.back().value, "Hz", 4));
     json["left_out_hz"] = list;
-    text += fmt::format("  left out: {}, where the response is below {} dB of its largest\n", places,
-                        rounded_text(to_decibel(kJudgedFloor)));
+    text += fmt::format("  left out where the response is below {} dB of its largest:\n    {}\n",
+                        rounded_text(to_decibel(kJudgedFloor)), places);
   }
   if (designs.size() > 1) {
     const yield::Result& best = best_design(results);

@@ -9,8 +9,6 @@
 namespace bodesmith {
 namespace {
 
-constexpr int kJudgedPoints = 121;
-
 using Complex = std::complex<double>;
 
 /// Both responses at more frequencies.

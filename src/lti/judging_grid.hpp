@@ -8,6 +8,9 @@
 
 namespace bodesmith {
 
+/// Even points of a judge's own grid.
+inline constexpr int kJudgedPoints = 121;
+
 /// Frequencies at which errors of a response are looked for: `count` ones even in log frequency, and between these as many
 /// as it takes until the response changes by at most `most_change` (in parts of the larger one) from one to the next (between
 /// points as near as the usual ones an error's peak is met within a part in a hundred); where it

@@ -12,6 +12,7 @@
 #include "base/progress.hpp"
 #include "base/provenance.hpp"
 #include "base/text.hpp"
+#include "lti/judging_grid.hpp"
 #include "lti/steep_flanks.hpp"
 #include "numeric/parallel_for.hpp"
 #include "yield/counts.hpp"
@@ -67,11 +68,12 @@ void validate(const Design& design, const Options& options) {
   }
 }
 
-/// The reference as a judge of the worst deviations sees it, with a point between every two of the grid: where points below
-/// the floor are left out, the curve goes down to it.
+/// The reference as a judge of the worst deviations sees it, on the grid of judge_responses() beside this one: where points
+/// below the floor are left out, the curve goes down to it.
 class Judge {
  public:
-  Judge(const Design& design, const std::vector<Hertz>& grid) : Judge(design, between(grid), 0) {}
+  Judge(const Design& design, const std::vector<Hertz>& grid)
+      : Judge(design, grid, with_judged(design, grid)) {}
 
   /// A deviation at point i of the grid, all positive, by what a shift of frequency says of it where that is less.
   struct Worst {
@@ -82,22 +84,31 @@ class Judge {
     const Worst out{std::abs(db), std::abs(deg), percent};
     if (out.db <= least.db && out.deg <= least.deg && out.percent <= least.percent) return out;
     const double most = std::max({out.db / kDecibelPerNeper, out.deg / to_degrees(1.0), percent / 100.0});
-    if (most <= curve_.as_it_is_below(2 * i)) return out;
-    const FlankedCurve::Error error = curve_.error(
-        2 * i, wanted_[2 * i] * std::polar(std::exp(db / kDecibelPerNeper), deg / to_degrees(1.0)));
+    const std::size_t at = place_[i];
+    if (most <= curve_.as_it_is_below(at)) return out;
+    const FlankedCurve::Error error =
+        curve_.error(at, wanted_[at] * std::polar(std::exp(db / kDecibelPerNeper), deg / to_degrees(1.0)));
     return {kDecibelPerNeper * error.neper, to_degrees(error.rad), 100.0 * error.relative};
   }
 
  private:
-  Judge(const Design& design, const std::vector<Hertz>& dense, int)
-      : wanted_(at(design, dense)), curve_(dense, wanted_) {}
+  Judge(const Design& design, const std::vector<Hertz>& grid, const std::vector<Hertz>& dense)
+      : wanted_(at(design, dense)), curve_(dense, wanted_) {
+    for (const Hertz f : grid)
+      place_.push_back(
+          static_cast<std::size_t>(std::lower_bound(dense.begin(), dense.end(), f) - dense.begin()));
+  }
 
-  static std::vector<Hertz> between(const std::vector<Hertz>& grid) {
-    std::vector<Hertz> out;
-    for (const Hertz f : grid) {
-      if (!out.empty()) out.push_back({std::sqrt(out.back().value) * std::sqrt(f.value)});
-      out.push_back(f);
-    }
+  static std::vector<Hertz> with_judged(const Design& design, const std::vector<Hertz>& grid) {
+    std::vector<Hertz> out = grid;
+    if (grid.size() < 2) return out;
+    constexpr double kBeyond = 1.1;  // the first or last points may be left out ones
+    const std::vector<Hertz> judged = judging_grid(
+        design.reference, {Hertz{grid.front().value / kBeyond}, Hertz{grid.back().value * kBeyond}},
+        kJudgedPoints);
+    out.insert(out.end(), judged.begin(), judged.end());
+    std::sort(out.begin(), out.end());
+    out.erase(std::unique(out.begin(), out.end()), out.end());
     return out;
   }
   static std::vector<std::complex<double>> at(const Design& design, const std::vector<Hertz>& grid) {
@@ -108,6 +119,7 @@ class Judge {
 
   std::vector<std::complex<double>> wanted_;
   FlankedCurve curve_;
+  std::vector<std::size_t> place_;  ///< of the grid's points on the curve
 };
 
 void count_block(const Kernel& kernel, const Judge& judge, const Options& options, int count,

@@ -254,4 +254,25 @@ FactoredResponse without_far_zeros(FactoredResponse model, const ResponseSamples
   return model;
 }
 
+FactoredResponse with_zeros_at_rest(FactoredResponse model, const ResponseSamples& samples) {
+  const double price_of_one = std::log(2.0 * static_cast<double>(samples.s.size()));
+  const double lowest = samples.s.front().imag();
+  for (std::size_t i = 0; i < model.zeros.size(); ++i) {
+    if (!(std::abs(model.zeros[i].frequency) < lowest)) continue;
+    FactoredResponse simpler = model;
+    Factor at_rest;
+    at_rest.frequency = 0.0;
+    at_rest.frequency_deviation = model.zeros[i].frequency_deviation;
+    simpler.zeros[i] = at_rest;
+    if (model.zeros[i].pair) simpler.zeros.push_back(at_rest);
+    simpler.cost = 0.0;
+    for (std::size_t k = 0; k < samples.s.size(); ++k)
+      simpler.cost +=
+          std::norm((simpler.response(samples.s[k]) - samples.response[k]) / samples.deviation[k]);
+    if (simpler.cost <= model.cost + price_of_one * (model.zeros[i].pair ? 2.0 : 1.0))
+      model = std::move(simpler);
+  }
+  return model;
+}
+
 }  // namespace bodesmith

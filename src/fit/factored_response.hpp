@@ -52,4 +52,8 @@ FactoredResponse refine(const FactoredResponse& start, const ResponseSamples& sa
 /// falls faster than the search supposed is first met with a ring of zeros just beyond the band.
 FactoredResponse without_far_zeros(FactoredResponse model, const ResponseSamples& samples);
 
+/// The model with the zeros that the samples cannot tell from 0 (Schwarz's criterion) at 0: a high-pass or a band-pass lets
+/// nothing through at rest, and not something of a frequency far below its samples.
+FactoredResponse with_zeros_at_rest(FactoredResponse model, const ResponseSamples& samples);
+
 }  // namespace bodesmith

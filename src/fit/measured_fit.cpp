@@ -260,6 +260,7 @@ MeasuredFit fit_measured(const FrequencyRecord& record, const MeasuredFitOptions
     model = refine(choice.model, normal.samples, 60);
   }
   model = pruned(with_own_noise(std::move(model), normal.samples), normal.samples);
+  model = with_zeros_at_rest(std::move(model), normal.samples);
 
   out.order = model.pole_count();
   out.sections = physical_sections(model, normal);

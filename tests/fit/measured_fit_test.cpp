@@ -142,6 +142,34 @@ TEST(MeasuredFit, KeepsItsDelayInTheFile) {
   EXPECT_EQ(read.delay_s, 1e-3);
 }
 
+// A circuit would be built for a corner far below the band, or for none.
+TEST(MeasuredFit, ZerosThatCannotBeToldFromRestAreThere) {
+  for (const std::size_t zeros_at_rest : {1, 2}) {
+    std::vector<Complex> poles = pair_at(900.0, 0.2);
+    poles.push_back(real_at(60.0));
+    const Sections truth = make_sections(1e6, std::vector<Complex>(zeros_at_rest), poles);
+    FrequencyRecord record = measured(truth, 120, 0.0, 3);
+    Random random(5);
+    for (Complex& h : record.response) {
+      const double re = random.normal();
+      h *= 1.0 + 0.004 * Complex(re, random.normal());
+    }
+    const MeasuredFit fit = fit_measured(record, {});
+    EXPECT_EQ(fit.order, 3);
+    ASSERT_EQ(fit.zeros.size(), zeros_at_rest);
+    for (const MeasuredFit::Root& zero : fit.zeros) EXPECT_EQ(zero.frequency.value, 0.0);
+    EXPECT_EQ(fit.sections.dc_gain(), 0.0);
+    EXPECT_LT(fit.rms_db, 0.06);
+  }
+  // One that can be told stays.
+  std::vector<Complex> poles = pair_at(900.0, 0.2);
+  poles.push_back(real_at(60.0));
+  const Sections truth = make_sections(1e6, {real_at(6.0)}, poles);
+  const MeasuredFit fit = fit_measured(measured(truth, 120, 0.004, 3), {});
+  ASSERT_EQ(fit.zeros.size(), 1u);
+  EXPECT_NEAR(fit.zeros[0].frequency.value, 6.0, 5.0 * fit.zeros[0].frequency_deviation.value);
+}
+
 TEST(MeasuredFit, RefusesWhatDeterminesNothing) {
   FrequencyRecord record = measured(two_modes(), 5, 0.0, 1);
   EXPECT_THROW(fit_measured(record, {}), InputError);

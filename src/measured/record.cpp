@@ -29,6 +29,8 @@ namespace fs = std::filesystem;
 using chain::Block;
 using chain::Chain;
 
+/// A name that is less likely than its contrary accuses nothing.
+constexpr double kAccused = 0.5;
 /// A free parameter has moved when the record is worse by this without it.
 constexpr double kMoved = 1.1;
 
@@ -98,29 +100,34 @@ Prediction nearest_prediction(const fs::path& folder, const TimeRecord& record, 
   });
 }
 
-/// Nothing but noise is left, as far as the record says what that is.
-bool is_noise(const gap::GapSize& left, const gap::Diagnosis& d, const gap::SearchOptions& options) {
-  return d.floor.source != gap::NoiseFloor::Source::unknown && left.train_rms <= options.enough * d.floor.rms;
+/// rms, 0 where the record does not say.
+double noise_of(const gap::Diagnosis& d) {
+  return d.floor.source == gap::NoiseFloor::Source::unknown ? 0.0 : d.floor.rms;
 }
 
-/// One thing is wrong with what was built far more often than two: further names are looked for where one is not enough.
-gap::Diagnosis diagnosed(const Chain& built, const gap::Study& study, const gap::SearchOptions& options) {
-  gap::SearchOptions one = options;
-  one.max_terms = 1;
-  gap::Diagnosis out = gap::diagnose(built, study, one);
-  if (is_noise(out.final, out, options)) {
-    out.verdict = out.steps.empty() && is_noise(out.initial, out, options) ? gap::Verdict::nothing_missing
-                                                                           : gap::Verdict::explained;
-    out.advice.clear();
-  } else if (options.max_terms > 1) {
-    out = gap::diagnose(built, study, options);
+/// Names are looked for as long as good parts and noise do not explain the rest, one first: one thing is wrong with what was
+/// built far more often than two. 0: nothing is.
+gap::Diagnosis diagnosed(const Chain& built, const TimeRecord& record, const gap::Study& study,
+                         const gap::SearchOptions& options) {
+  for (const int terms : {0, 1, options.max_terms}) {
+    gap::SearchOptions asked = options;
+    asked.max_terms = terms;
+    gap::Diagnosis out = gap::diagnose(built, study, asked);
+    const double noise = noise_of(out);
+    const bool nothing = noise > 0.0 && good_parts_explain(built, record, noise);
+    if (nothing || (noise > 0.0 && good_parts_explain(out.search.final.chain(), record, noise))) {
+      out.verdict = nothing ? gap::Verdict::nothing_missing : gap::Verdict::explained;
+      out.advice.clear();
+      return out;
+    }
+    if (terms == options.max_terms) return out;
   }
-  return out;
+  return gap::diagnose(built, study, options);
 }
 
 /// What became of the base model's free parameters that the record cannot do without.
-void add_moved(const gap::Model& found, const Chain& base, const TimeRecord& record, Measured& out,
-               double& corner_hz) {
+void add_moved(const gap::Model& found, const Chain& base, const TimeRecord& record, double noise_rms,
+               Measured& out, double& corner_hz) {
   const double left = error_figures(output(found.chain(), record), record.y).rms;
   for (std::size_t at = 0; at < found.size(); ++at) {
     if (!found.is_base(at)) continue;
@@ -132,19 +139,28 @@ void add_moved(const gap::Model& found, const Chain& base, const TimeRecord& rec
       back.block(found.id_at(at)).parameters()[k].value = p.value;
       if (error_figures(output(back.chain(), record), record.y).rms < kMoved * left) continue;
       const double now = found.at(at).parameters()[k].value;
-      out.found.push_back(fmt::format("{}: {} is {} instead of {}", before.part,
-                                      gap::parameter_words(p.name()), gap::parameter_text(p.name(), now),
-                                      gap::parameter_text(p.name(), p.value)));
+      const std::string words =
+          fmt::format("{}: {} is {} instead of {}", before.part, gap::parameter_words(p.name()),
+                      gap::parameter_text(p.name(), now), gap::parameter_text(p.name(), p.value));
+      if (noise_rms > 0.0 && good_parts_explain(back.chain(), record, noise_rms)) {
+        out.advice += "Perhaps " + words + ": parts within their tolerances do as much. ";
+        continue;
+      }
+      out.found.push_back(words);
       if (before.part == "amplifier") corner_hz = now;
     }
   }
 }
 
-/// What each step of the diagnosis accuses; a part within its tolerance is not wrong.
-void add_steps(const gap::Diagnosis& d, const Chain& base, const TimeRecord& record, Measured& out) {
-  for (std::size_t k = 0; k < d.steps.size(); ++k) {
-    const gap::DiagnosedStep& step = d.steps[k];
+/// What each step of the diagnosis accuses; a part within its tolerance is not wrong. Returns the part that is, if one is.
+std::string add_steps(const gap::Diagnosis& d, const Chain& base, const TimeRecord& record, Measured& out) {
+  std::string exchange;
+  for (const gap::DiagnosedStep& step : d.steps) {
     const std::string sure = fmt::format(" (probability {})", rounded_text(step.probability, 2));
+    if (step.probability < kAccused) {
+      out.advice += "Perhaps " + gap::step_in_words(step) + sure + ". ";
+      continue;
+    }
     if (step.effect != "part_value") {
       out.found.push_back(gap::step_in_words(step) + sure);
       continue;
@@ -156,6 +172,7 @@ void add_steps(const gap::Diagnosis& d, const Chain& base, const TimeRecord& rec
       out.advice += suspects.front().words() + ": parts of their tolerances do as much. ";
       continue;
     }
+    exchange = step.part;
     out.found.push_back(suspects.front().words() + sure);
     if (suspects.size() == 1) continue;
     std::vector<std::string> others;
@@ -165,6 +182,7 @@ void add_steps(const gap::Diagnosis& d, const Chain& base, const TimeRecord& rec
                         (suspects.size() > 5 ? fmt::format("; or one of {} more", suspects.size() - 5) : "");
     out.advice += "This record cannot tell those parts apart: one of another frequency may, or an ohmmeter. ";
   }
+  return exchange;
 }
 
 /// Error of following u in percent of the full stroke over the last period, its best delay removed; at each instant too.
@@ -220,15 +238,18 @@ Measured measured_record(const project::ProjectSource& source, const fs::path& d
   const double range = built.gap.range;
   out.gap_percent = built.gap.rms_percent;
   const auto study = gap::Study::of(std::vector<TimeRecord>{record}, {}, built.chain);
-  const gap::Diagnosis found = diagnosed(built.chain, study, options);
-  if (found.floor.source != gap::NoiseFloor::Source::unknown)
-    out.noise_percent = 100.0 * found.floor.rms / range;
+  const gap::Diagnosis found = diagnosed(built.chain, record, study, options);
+  const double noise = noise_of(found);
+  out.noise_percent = 100.0 * noise / range;
   out.verdict = gap::to_string(found.verdict);
-  out.advice = found.advice.empty() ? "" : found.advice + " ";
   double corner_hz = 0.0;
-  if (!is_noise(found.initial, found, options)) {
-    add_steps(found, built.chain, record, out);
-    add_moved(found.search.final, built.chain, record, out, corner_hz);
+  std::string exchange;
+  if (!found.advice.empty()) out.advice = found.advice + " ";
+  if (found.verdict != gap::Verdict::nothing_missing) {
+    exchange = add_steps(found, built.chain, record, out);
+    add_moved(found.search.final, built.chain, record, noise, out, corner_hz);
+  } else if (noise > 0.0 && out.gap_percent > kMoved * out.noise_percent) {
+    out.advice += "Parts within their tolerances make as much of a difference. ";
   }
   out.advice = std::string(trim(out.advice));
   const Chain as_built = gap::found_model(found, built.chain);
@@ -262,9 +283,8 @@ Measured measured_record(const project::ProjectSource& source, const fs::path& d
     out.next.push_back(fmt::format("designed again with plant.amplifier_corner_hz = {}: next/controller",
                                    rounded_text(corner_hz, 4)));
   }
-  if (std::any_of(found.steps.begin(), found.steps.end(),
-                  [](const auto& s) { return s.effect == "part_value"; }))
-    out.next.push_back(out.tied.empty() ? "exchange " + found.steps.front().part
+  if (!exchange.empty())
+    out.next.push_back(out.tied.empty() ? "exchange " + exchange
                                         : "exchange whichever it is of " + join(out.tied, ", "));
   if (built.of != "the stage") {
     Prediction again = built;

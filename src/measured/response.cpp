@@ -16,6 +16,7 @@
 #include "measured/measured.hpp"
 #include "measured/picture.hpp"
 #include "signal/csv.hpp"
+#include "signal/statistics.hpp"
 #include "spice/compensator_library.hpp"
 
 namespace bodesmith::measured {
@@ -39,12 +40,6 @@ std::vector<double> differences(const Eigen::VectorXcd& got, const Eigen::Vector
   std::vector<double> out;
   for (Eigen::Index k = 0; k < got.size(); ++k) out.push_back(100.0 * std::abs(got(k) / wanted(k) - 1.0));
   return out;
-}
-
-double rms(const std::vector<double>& values) {
-  double sum = 0.0;
-  for (const double v : values) sum += v * v;
-  return std::sqrt(sum / static_cast<double>(values.size()));
 }
 
 double worst(const std::vector<double>& values) {
@@ -156,7 +151,8 @@ Measured measured_response(const fs::path& data, const fs::path& folder, const g
     if (found.tied > 1) out.tied.push_back(found.suspects[i].site);
   }
   for (const std::string& step : faults::next_steps(found)) {
-    if (!step.starts_with("rework")) out.advice += (out.advice.empty() ? "" : "; ") + step;  // those are `next`
+    if (!step.starts_with("rework"))
+      out.advice += (out.advice.empty() ? "" : "; ") + step;  // those are `next`
   }
   const Eigen::VectorXcd good = board.good_response();
   const Eigen::VectorXcd best =

@@ -1,5 +1,6 @@
 #include "measured/suspects.hpp"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
@@ -19,6 +20,15 @@ constexpr double kMostTolerances = 30.0;
 /// Departure at which the direction of a part is taken: percent, or tolerances.
 constexpr double kSmall = 1.0;
 
+/// Times the noise, that is noise.
+constexpr double kNoise = 1.2;
+/// At rest and at one frequency a controller shows nine numbers (two cubics with their constants, one gain): a sum of nine squares
+/// is beyond this in one good board of two thousand.
+constexpr double kMostSquares = 30.0;
+/// Tolerances are limits of uniform departures, of offsets three standard deviations.
+const double kUniform = 1.0 / std::sqrt(3.0);
+constexpr double kOffset = 1.0 / 3.0;
+
 using Vector = Eigen::VectorXd;
 
 Vector shown_by(const chain::Chain& chain, const TimeRecord& record) {
@@ -32,6 +42,10 @@ double departure_of(const chain::PartChange& part, double linear) {
       std::max_element(part.entries.begin(), part.entries.end(),
                        [](const auto& a, const auto& b) { return std::abs(a.slope) < std::abs(b.slope); });
   return linear / (1.0 - most->bend * linear);
+}
+
+bool has_parts(const chain::Block& block) {
+  return block.parts != nullptr;
 }
 
 }  // namespace
@@ -48,7 +62,6 @@ std::string Suspect::words() const {
 
 std::vector<Suspect> suspects_of(const chain::Chain& found, const chain::Chain& base, const std::string& part,
                                  double departure, const TimeRecord& record) {
-  const auto has_parts = [](const chain::Block& block) { return block.parts != nullptr; };
   const chain::Block& good = *std::find_if(base.blocks.begin(), base.blocks.end(), has_parts);
   chain::Chain without = found;
   chain::Block& block = *std::find_if(without.blocks.begin(), without.blocks.end(), has_parts);
@@ -80,6 +93,26 @@ std::vector<Suspect> suspects_of(const chain::Chain& found, const chain::Chain& 
     return std::abs(a.departure) / a.tolerance < std::abs(b.departure) / b.tolerance;
   });
   return out;
+}
+
+bool good_parts_explain(const chain::Chain& chain, const TimeRecord& record, double noise_rms) {
+  const Vector plain = shown_by(chain, record);
+  const Vector left = (as_eigen(record.y) - plain) / noise_rms;
+  const double most = kNoise * kNoise * static_cast<double>(left.size());
+  chain::Chain off = chain;
+  const auto block = std::find_if(off.blocks.begin(), off.blocks.end(), has_parts);
+  if (block == off.blocks.end()) return left.squaredNorm() <= most;
+  const chain::Block good = *block;
+  Eigen::MatrixXd directions(left.size(), eigen_index(good.parts->size()));
+  for (std::size_t k = 0; k < good.parts->size(); ++k) {
+    const chain::PartChange& part = (*good.parts)[k];
+    *block = good.with(part, part.tolerance * (part.unit == "v" ? kOffset : kUniform));
+    directions.col(eigen_index(k)) = (shown_by(off, record) - plain) / noise_rms;
+  }
+  Eigen::MatrixXd normal = directions.transpose() * directions;
+  normal.diagonal().array() += 1.0;
+  const Vector departures = normal.ldlt().solve(directions.transpose() * left);
+  return (left - directions * departures).squaredNorm() <= most && departures.squaredNorm() <= kMostSquares;
 }
 
 }  // namespace bodesmith::measured

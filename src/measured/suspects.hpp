@@ -25,4 +25,8 @@ struct Suspect {
 std::vector<Suspect> suspects_of(const chain::Chain& found, const chain::Chain& base, const std::string& part,
                                  double departure, const TimeRecord& record);
 
+/// Whether noise of that rms and parts within their tolerances make all that the chain leaves of the record: the least sum of
+/// squares of their departures, in standard deviations, that leaves no more than noise.
+bool good_parts_explain(const chain::Chain& chain, const TimeRecord& record, double noise_rms);
+
 }  // namespace bodesmith::measured

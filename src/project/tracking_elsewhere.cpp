@@ -11,6 +11,7 @@
 #include "project/board_controller.hpp"
 #include "project/run_model.hpp"
 #include "project/tracked_plant.hpp"
+#include "signal/error_figures.hpp"
 #include "spice/ngspice.hpp"
 #include "tracking/track.hpp"
 
@@ -34,6 +35,14 @@ void append(const tracking::TrackingError& error, TrackedDesign& to) {
   to.max_percent.push_back(error.max_percent);
   to.rms_percent_without_lag.push_back(error.rms_percent_without_lag);
   to.lag_s.push_back(error.lag_s);
+}
+
+/// The project's own stage at its largest amplitude.
+tracking::PolynomialStage own_stage(const Project& project) {
+  const tracking::Plant plant = tracking_plant(project);
+  tracking::PolynomialStage::Options options;
+  options.alpha = project.track.amplitude();
+  return {plant.disturbance, plant.paths(), options};
 }
 
 /// One controller on one stage along one reference, all frequencies.
@@ -194,10 +203,7 @@ std::vector<ControllerDrives> controller_drives(const Project& project, const Bu
 
 ControllersTracked track_controllers(const Project& project, const BuiltControllers& controllers) {
   const std::vector<ControllerDrives> drives = controller_drives(project, controllers);
-  const tracking::Plant plant = tracking_plant(project);
-  tracking::PolynomialStage::Options options;
-  options.alpha = project.track.amplitude();
-  const tracking::PolynomialStage own(plant.disturbance, plant.paths(), options);
+  const tracking::PolynomialStage own = own_stage(project);
   ControllersTracked out;
   out.here.resize(drives.size());
   if (!project.deadline.passed()) out.tasks = all_tasks(project);
@@ -208,8 +214,8 @@ ControllersTracked track_controllers(const Project& project, const BuiltControll
     stop_if_interrupted();
     const std::size_t c = i / (count + 1), t = i % (count + 1);
     if (t == count) {
-      out.here[c] =
-          controller_on(drives[c], own, project.track.waveform(), options.alpha, project.track.frequency);
+      out.here[c] = controller_on(drives[c], own, project.track.waveform(), project.track.amplitude(),
+                                  project.track.frequency);
     } else {
       const ElsewhereTask& task = out.tasks[t];
       out.elsewhere[t][c] =
@@ -221,12 +227,6 @@ ControllersTracked track_controllers(const Project& project, const BuiltControll
 }
 
 namespace {
-
-double rms_percent(const std::vector<double>& a, const std::vector<double>& b, double range) {
-  double sum = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) sum += (a[i] - b[i]) * (a[i] - b[i]);
-  return 100.0 * std::sqrt(sum / static_cast<double>(a.size())) / range;
-}
 
 /// The netlist by CVODE and at rest beside what ngspice makes of it, which stands for what is built where it is installed.
 void add_checks(const Project& project, const std::shared_ptr<const controller::AnalogController>& analog,
@@ -246,10 +246,7 @@ void add_checks(const Project& project, const std::shared_ptr<const controller::
     one.drive = checks[i / count].controller->drive(one.reference, one.operating);
   });
   const bool ngspice = spice::ngspice_available();
-  const tracking::Plant plant = tracking_plant(project);
-  tracking::PolynomialStage::Options options;
-  options.alpha = amplitude;
-  const tracking::PolynomialStage own(plant.disturbance, plant.paths(), options);
+  const tracking::PolynomialStage own = own_stage(project);
   for (const ControllerDrives& one : checks) {
     out.here.push_back(controller_on(one, own, shape, amplitude, project.track.frequency));
     out.here.back().built = !ngspice && &one == checks.data();
@@ -258,7 +255,7 @@ void add_checks(const Project& project, const std::shared_ptr<const controller::
     if (!ngspice) break;
     const auto& v = out.drives.front().find(shape, amplitude, one.operating)->drive.v;
     out.agreement_percent =
-        std::max(out.agreement_percent.value_or(0.0), rms_percent(v, one.drive.v, amplitude));
+        std::max(out.agreement_percent.value_or(0.0), 100.0 * error_figures(one.drive.v, v).rms / amplitude);
   }
 }
 

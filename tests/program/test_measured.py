@@ -2,6 +2,7 @@
 
 import csv
 import json
+import random
 import subprocess
 import sys
 
@@ -56,6 +57,22 @@ def test_a_controller_as_it_was_meant_is_not_accused(built, tmp_path):
     out = measured(built, tmp_path / "record.csv")
     assert out["verdict"] == "nothing_missing" and out["found"] == [] and out["next"] is None
     assert not any(name.startswith("next/") for name in out["files"])
+
+
+def test_parts_within_their_tolerances_are_not_accused_and_do_not_hide_a_wrong_one(built, tmp_path):
+    drawn = random.Random(2)
+    off = {}
+    for row in csv.DictReader((built / "controller/parts.csv").open()):
+        if row["type"] in ("resistor", "capacitor"):
+            off[row["part"]] = 1.0 + drawn.uniform(-1, 1) * (0.001 if row["type"] == "resistor" else 0.01)
+    bench("controller", built, *(f"{part}={factor}" for part, factor in off.items()), "-o", tmp_path / "good.csv")
+    out = measured(built, tmp_path / "good.csv")
+    assert out["gap_percent"]["before"] > 3 * out["noise_percent"]
+    assert out["found"] == [] and out["next"] is None and "tolerances" in out["advice"]
+    off["Rd3"] = 1.08
+    bench("controller", built, *(f"{part}={factor}" for part, factor in off.items()), "-o", tmp_path / "wrong.csv")
+    out = measured(built, tmp_path / "wrong.csv")
+    assert len(out["found"]) == 1 and out["found"][0].startswith("Rd3 is 8")
 
 
 def test_a_capacitor_of_the_circuit(built, tmp_path):

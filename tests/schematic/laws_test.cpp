@@ -5,9 +5,11 @@
 #include <cmath>
 #include <complex>
 #include <map>
+#include <optional>
 
 #include "base/error.hpp"
 #include "schematic/analysis/in_time.hpp"
+#include "schematic/analysis/noise.hpp"
 #include "schematic/analysis/response.hpp"
 #include "schematic/analysis/rest_point.hpp"
 #include "schematic/series_parallel.hpp"
@@ -77,6 +79,40 @@ TEST(InTime, AnOpAmpSlewsAtItsRate) {
   EXPECT_NEAR((run.volts("out", 6e-6) - run.volts("out", 5.99e-6)) / 1e-8, 1e6, 0.05e6);
   run.run_to(30e-6);
   EXPECT_NEAR(run.volts("out", 30e-6), 10.0, 1e-3);
+}
+
+Netlist one_contact() {
+  Netlist n;
+  n.parts = {ohms("R", "so", "0", 1e6)};
+  n.sources = {{"V1", "", "v", 1.0}};
+  n.contacts = {{"S1", 0, "v", "so", "in", 0}};
+  n.analog_switch.on_ohm = 100.0;
+  return n;
+}
+
+TEST(InTime, AContactClosesAndOpensAfterItsDelays) {
+  const Netlist n = one_contact();
+  const double opens = 2e-6;
+  InTime run(n, [opens](double t) { return t < opens ? 1.0 : 0.0; });
+  run.begin(0.0, {{"v", 1.0}, {"in", 1.0}});
+  std::optional<double> closed;
+  run.run_to(opens, [&](double, double to) {
+    if (!closed && run.volts("so", to) > 0.5) closed = to;
+  });
+  ASSERT_TRUE(closed);
+  EXPECT_NEAR(*closed, n.analog_switch.on_delay_s, 0.3 * n.analog_switch.on_delay_s);
+  EXPECT_NEAR(run.volts("so", opens), 1e6 / (1e6 + 100.0), 1e-4);
+  // An open one leaves the node to its resistor.
+  run.run_to(opens + 100e-6);
+  EXPECT_LT(run.volts("so", opens + 100e-6), 0.01);
+}
+
+TEST(Noise, OfAClosedContactIsThatOfItsResistance) {
+  Netlist n = one_contact();
+  n.parts = {farads("C", "so", "0", 1e-15)};
+  n.contacts[0].from = "in";
+  const double density = output_noise(n, {Hertz{1e3}}, true, "so").front();
+  EXPECT_NEAR(density / std::sqrt(4.0 * kBoltzmann * kKelvin * 100.0), 1.0, 1e-3);
 }
 
 TEST(RestPoint, OfDividersOpAmpsMultipliersAndSources) {

@@ -1,9 +1,12 @@
 #pragma once
 
+#include <array>
 #include <string>
 #include <vector>
 
-#include "fpaa/device/circuit.hpp"
+#include "fpaa/device/cells.hpp"
+#include "fpaa/device/circuit_node.hpp"
+#include "fpaa/device/memory_image.hpp"
 
 namespace bodesmith::fpaa::an231 {
 

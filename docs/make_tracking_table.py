@@ -26,7 +26,8 @@ SHORT = {"none": "none", "polynomial": "constant", "cascade": "ideal cascade", "
          "self_fed": "constant", "self_fed_sections": "sections", "self_fed_scheduled": "known frequency",
          "self_fed_slope": "measured slope", "self_fed_sum": "sections + known frequency",
          "self_fed_fpaa": "FPAA with holds", "self_fed_circuit": "E96 circuit",
-         "controller_circuit": "analog controller, ngspice"}
+         "controller_circuit": "analog controller, ngspice", "controller_cvode": "analog controller, CVODE",
+         "controller_at_rest": "analog controller, closed form"}
 FAMILY = {"polynomial": "polynomial, branch by slope", "polynomial_nested": "polynomial, closed minor loops",
           "preisach": "Preisach", "prandtl_ishlinskii": "Prandtl-Ishlinskii", "bouc_wen": "Bouc-Wen"}
 ONE_PASS = ["none", "polynomial", "cascade", "sections", "scheduled", "fpaa_with_holds", "circuit"]

@@ -61,7 +61,6 @@ gap::SearchOptions read_options(const CommandLine& line, Progress& progress, con
   if (options.max_terms < 0 || options.max_terms > 20) line.fail("--max-terms is outside 0 to 20");
   options.threads = line.get<int>("threads");
   if (options.threads < 1 || options.threads > 256) line.fail("--threads is outside 1 to 256");
-  options.seed = line.seed_value();
   options.progress = [&progress](double fraction) { progress.at(fraction); };
   options.stop = [] { return interrupted(); };
   constexpr unsigned kWritingUpS = 60;  // a stopped search still measures and writes what it found

@@ -28,7 +28,6 @@ std::string list_text(const std::vector<gap::CourseCase>& cases, const std::stri
 gap::SearchOptions course_options(const CommandLine& line, const Stopwatch& watch, double& until) {
   gap::SearchOptions options;
   options.threads = line.integer("threads", 1, 256);
-  options.seed = line.seed_value();
   options.stop = [] { return interrupted(); };
   options.late = [&watch, &until] { return watch.seconds() > until; };
   return options;

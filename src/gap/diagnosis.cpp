@@ -49,7 +49,6 @@ DiagnosedStep describe(const Step& step, const SearchResult& search, const GapMe
   s.pair_with = partner_left(step, search.steps);
   s.before = meter.size(step.before);
   s.after = meter.size(step.after);
-  s.control_gain = step.control_gain;
   s.q_value = step.q_value;
   for (const auto& r : step.ranking) {
     const bool named = r.outcome == CandidateOutcome::named || r.outcome == CandidateOutcome::named_in_pair;

@@ -48,7 +48,6 @@ struct DiagnosedStep {
   GapSize after;
   RunnerUp runner_up;
   double significance = 0.0;
-  double control_gain = 0.0;
   double q_value = 1.0;
   double probability = 0.0;  ///< Posterior::of_steps
   bool grew = false;         ///< the held-out gap is larger with it

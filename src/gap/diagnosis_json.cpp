@@ -82,7 +82,6 @@ Json json_of(const DiagnosedStep& s) {
           {"train_rms_before", s.before.train_rms},
           {"train_rms_after", s.after.train_rms},
           {"significance", std::min(s.significance, kMaxSignificance)},
-          {"control_gain", s.control_gain},
           {"q_value", s.q_value},
           {"probability", s.probability},
           {"runner_up", json_of(s.runner_up)}};

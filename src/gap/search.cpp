@@ -9,7 +9,6 @@
 #include "gap/search/of_responses.hpp"
 #include "gap/search/other_ways.hpp"
 #include "gap/search/remaining.hpp"
-#include "gap/search/simpler_names.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -36,8 +35,6 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   grow(setting, state);
   try_other_ways(setting, begun, state);
   try_other_partners(setting, state);
-  try_each_name_alone(setting, begun, state);
-  try_simpler_names(setting, state);
   take_out_no_names(setting, state);
   result.stopped = options.stopped();
   result.late = options.is_late();

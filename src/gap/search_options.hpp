@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cstddef>
-#include <cstdint>
 #include <functional>
 
 #include "gap/drive_request.hpp"
@@ -51,7 +50,6 @@ struct RoundOptions {
   std::size_t effects_from_given = 3;  ///< more in the first round, as seen from the given parameters
   /// Forms and places of an effect that are fitted beyond Effect::places_a_round in responses, where a fit is quick.
   int more_forms_of_response = 2;
-  int more_places = 0;               ///< the same in any round
   double min_score = 0.003;          ///< share of the residual's energy that a candidate must promise,
   double min_score_of_little = 0.3;  ///< and when less is left than a later term must explain
   /// Standard deviations of that promise, without earlier terms and with them.
@@ -94,9 +92,6 @@ struct AcceptanceOptions {
   double most_of_rest = 0.5;
   double min_significance = 5.0;  ///< standard deviations of the gain (colour counted), on folds and on all
   double min_significance_of_signal = 4.0;  ///< the same of one known signal (Effect::adds_one_signal)
-  double control_factor = 3.0;              ///< times the gain that surrogate data show
-  double sure = 15.0;                       ///< standard deviations beyond which surrogates are not asked
-  std::uint64_t controls = 2;               ///< sets of surrogate data
   double max_condition = 1e7;
   std::size_t max_unknowns = 99;     ///< of one term; few when there is one excitation only
   double tie_within = 0.10;          ///< a rival less than this worse may be a tie: when it is
@@ -107,10 +102,6 @@ struct AcceptanceOptions {
   /// A rival with up to so many unknowns more must be better by so many standard deviations.
   std::size_t tie_more_unknowns = 2;
   double freedom_significance = 3.0;
-  /// Fewer unknowns win when more of them buy no more than the first, and the second for each of them.
-  double simpler_within = 0.01;
-  double simpler_within_each = 0.004;
-  double far_nearer_on_all = 0.9;  ///< or leave less than this of the rms on all records
   /// A name that is not far-fetched wins when it leaves no more than this part more, with so many unknowns more.
   double at_hand_within = 0.02;
   std::size_t at_hand_more_unknowns = 2;
@@ -139,8 +130,6 @@ struct PairOptions {
 
 /// Earlier terms are tested again [8].
 struct EliminationOptions {
-  /// Less than at acceptance: a term that is in is given the benefit of the doubt.
-  double min_significance = 2.0;
   double far_worse = 2.5;  ///< a rival is tried unless it was this many times worse in that term's own round
   std::size_t max_rivals = 5;
   std::size_t successors = 5;  ///< effects that are fitted in a term's place when all may take it
@@ -151,19 +140,15 @@ struct EliminationOptions {
   double swap_simpler = 1.01;
 };
 
-/// A search that came to no end is begun again with another first name [6].
+/// A search that came to no end is begun again with two names at once [6].
 struct OtherWaysOptions {
-  std::size_t max_ways = 2;
   std::size_t few_terms = 2;        ///< with more of them another way is tried in any case
-  double max_left = 0.75;           ///< of the first gap's rms, by an effect to begin with
-  double in_the_running = 1.5;      ///< times what the best first name leaves
   double as_far = 1.02;             ///< rms over the other way's: it came as far,
   double further = 0.8;             ///< or further
   std::size_t family_unknowns = 5;  ///< a name with so many may be others with fewer,
   std::size_t family_spares = 3;    ///< by so many at the least
   std::size_t max_partners = 3;     ///< terms each of which is tried against every effect,
   std::size_t max_exchanges = 3;    ///< so many times, as long as that leads to another one
-  double nearly_as_far = 1.3;       ///< the same of one name alone, which is then gone on from
 };
 
 struct SearchOptions {
@@ -171,7 +156,6 @@ struct SearchOptions {
   double enough = 1.2;        ///< times the floor: nothing more is looked for [3, 9]
   double plainly_more = 1.5;  ///< times the floor: something is left, whatever the signs [9]
   int threads = 2;
-  std::uint64_t seed = 1;
   std::function<void(double)> progress;  ///< fraction of the work, roughly
   std::function<bool()> stop;            ///< true: keep the best so far and return
   std::function<bool()> late;            ///< true: judge what has been fitted, and begin nothing new

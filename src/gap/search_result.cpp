@@ -28,8 +28,6 @@ std::string to_string(CandidateOutcome outcome) {
       return "ill-conditioned";
     case CandidateOutcome::at_end_of_range:
       return "at the end of its range";
-    case CandidateOutcome::no_more_than_control:
-      return "no more than a control";
     case CandidateOutcome::no_name:
       return "another effect's form, or less than the records can tell";
   }

@@ -26,7 +26,6 @@ enum class CandidateOutcome {
   too_free,  ///< for a study without another excitation held out
   ill_conditioned,
   at_end_of_range,
-  no_more_than_control,
   no_name,
 };
 /// As in diagnosis.json and on the page; empty for not_judged.
@@ -66,9 +65,8 @@ struct Step {
   Model before;
   Model after;
   std::vector<Ranked> ranking;
-  std::string pair_with;      ///< the effect with which it earns its place together; empty: it does so alone
-  double control_gain = 0.0;  ///< gain (share of rms) of the same term on surrogate data
-  double q_value = 1.0;       ///< share of false names to expect among those as significant
+  std::string pair_with;  ///< the effect with which it earns its place together; empty: it does so alone
+  double q_value = 1.0;   ///< share of false names to expect among those as significant
 };
 
 struct SearchResult {

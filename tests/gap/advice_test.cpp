@@ -49,7 +49,7 @@ TEST(Advice, TellsOfAnEffectThatIsLikelyAndNotSure) {
 
 TEST(Advice, IsSilentOfEffectsThatTakeLittleOrFailOtherwise) {
   for (const gap::Diagnosis& d : {refusing(gap::CandidateOutcome::not_significant, 0.9),
-                                  refusing(gap::CandidateOutcome::no_more_than_control, 0.5)}) {
+                                  refusing(gap::CandidateOutcome::ill_conditioned, 0.5)}) {
     const std::string advice = gap::advice_for(d, study());
     EXPECT_NE(advice.find("no effect of the catalogue explains"), std::string::npos) << advice;
     EXPECT_EQ(advice.find("likeliest"), std::string::npos) << advice;

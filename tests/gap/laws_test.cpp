@@ -1,6 +1,7 @@
 // What is named is of the records: neither of the order in which they are given nor of digits that no converter has.
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 #include <random>
@@ -63,6 +64,39 @@ TEST(Laws, namesDoNotDependOnTheOrderOfTheRecords) {
   for (const auto& missing : kMissing) {
     const auto r = records_of(kBase + missing);
     EXPECT_EQ(told({r.train[0], r.train[1]}, r.holdout), told({r.train[1], r.train[0]}, r.holdout));
+  }
+}
+
+/// The record with input, output and time in other units, and the output moved by so much of its range.
+TimeRecord other(TimeRecord r, double volts, double seconds, double moved, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const auto [low, high] = std::minmax_element(r.y.begin(), r.y.end());
+  const double range = *high - *low;
+  for (double& y : r.y) y = volts * (y + moved * range * normal(random));
+  for (double& u : r.u) u *= volts;
+  r.step_s *= seconds;
+  return r;
+}
+std::string told_of_other(const Records& r, double volts, double seconds, double moved, unsigned seed) {
+  std::vector<TimeRecord> train;
+  for (const auto& one : r.train) train.push_back(other(one, volts, seconds, moved, ++seed));
+  return told(train, other(r.holdout, volts, seconds, moved, ++seed));
+}
+
+TEST(Laws, namesDoNotDependOnABillionthOfTheOutput) {
+  for (const auto& missing : kMissing) {
+    const auto r = records_of(kBase + missing);
+    const auto usual = told(r.train, r.holdout);
+    for (unsigned draw = 0; draw < 3; ++draw)
+      EXPECT_EQ(told_of_other(r, 1.0, 1.0, 1e-9, 10 * draw), usual) << missing;
+  }
+}
+
+TEST(Laws, namesDoNotDependOnTheUnits) {
+  for (const auto& missing : kMissing) {
+    const auto r = records_of(kBase + missing);
+    EXPECT_EQ(told_of_other(r, 1e3, 1e3, 0.0, 0), told(r.train, r.holdout)) << missing;
   }
 }
 

@@ -5,7 +5,6 @@
 #include <map>
 
 #include "gap/evidence/score.hpp"
-#include "numeric/parallel_for.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -34,9 +33,7 @@ Names names_of(const Step& step, const Experiments& train) {
   }
   const std::string own(step.effect->name());
   if (std::find(names.begin(), names.end(), own) == names.end()) add(*step.effect, step.after);
-  std::vector<double> evidence(models.size());
-  parallel_for(models.size(), allowed_threads(),
-               [&](std::size_t i) { evidence[i] = log_evidence(*models[i], train); });
+  auto evidence = log_evidences(models, train);
   for (std::size_t i = 1; i < evidence.size(); ++i) evidence[i] += log_share_of_name();
   const double most = *std::max_element(evidence.begin(), evidence.end());
   if (!std::isfinite(most)) return {{own, 1.0}};

@@ -1,20 +1,22 @@
 #pragma once
 
+#include <vector>
+
 #include "gap/experiment.hpp"
 #include "gap/model.hpp"
 
 namespace bodesmith::gap {
 
-/// Tempered log evidence of a fitted model,
+/// Tempered log evidences of fitted models that are rivals for the same records,
 ///
-///     [ln p(y | theta, M) - k/2 ln n]/T
+///     -n' ln r - k/2 ln n',   n' = n/(T tau)
 ///
-/// with k unknowns in use and n samples; minus infinity where the model cannot be run. p(y | theta, M) is the exact likelihood of
-/// what M leaves as white and red noise whose sizes and correlation are the most likely ones of that very rest
-/// (signal/red_noise.hpp; of responses: white noise), so that coloured noise feigns nothing; k/2 ln n is Schwarz' form of
-/// Laplace's integral (Ann. Statist. 6 (1978) 461). T tempers what a catalogue in which no form is exactly right would claim
-/// (Gruenwald and van Ommen, Bayesian Analysis 12 (2017) 1069).
-double log_evidence(const Model& model, const Experiments& train);
+/// with r the rms that a model leaves of n samples and k its unknowns in use; minus infinity where it cannot be run. tau is the
+/// correlation time of what the nearest of them leaves (of responses: 1), so that n' samples count as independent: what is slow is
+/// charged by the few that coloured noise has of it. -n ln r is the likelihood of Gaussian noise of the most likely size, k/2 ln n Schwarz'
+/// form of Laplace's integral (Ann. Statist. 6 (1978) 461). T tempers the likelihood, as no form of the catalogue is exactly right (Gruenwald
+/// and van Ommen, Bayesian Analysis 12 (2017) 1069).
+std::vector<double> log_evidences(const std::vector<const Model*>& rivals, const Experiments& train);
 
 /// What a name more costs: each of the catalogue is as likely as any other.
 double log_share_of_name();

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "gap/evidence/score.hpp"
 #include "gap/runner.hpp"
 #include "gap/search/round.hpp"
 #include "gap/search/step.hpp"
@@ -19,22 +20,15 @@ void add_once(std::vector<std::string>& list, std::string name) {
 /// What a round's candidates are measured against.
 struct Bar {
   double folds_rms = 0.0;  ///< of the model before
-  double train_rms = 0.0;
   double first_gap = 0.0;  ///< gap_to_explain(); 0: this is the first term
 };
 
 /// What speaks against a candidate on its own; not_judged: nothing.
 CandidateOutcome objection_to(const AcceptanceOptions& options, const Ranked& r, const Bar& bar) {
-  const double gain = 1.0 - r.folds_rms / bar.folds_rms;
-  if (!(gain >= options.min_gain)) return CandidateOutcome::no_gain_on_folds;
-  const double explained =
-      std::sqrt(std::max(0.0, bar.folds_rms * bar.folds_rms - r.folds_rms * r.folds_rms));
-  const bool plain = r.unknowns <= options.few_plain_unknowns && r.least_z() > options.plain_significance;
-  const double for_unknowns = plain ? 0.0 : options.min_part_each * static_cast<double>(r.unknowns - 1);
-  const double min_part = std::min(options.max_min_part, options.min_part_of_gap + for_unknowns);
-  const bool takes_most = plain && gain > options.most_of_rest;
-  if (!takes_most && explained < min_part * bar.first_gap) return CandidateOutcome::no_gain_on_folds;
-  if (!(r.least_z() >= options.needed_significance(*r.effect))) return CandidateOutcome::not_significant;
+  const Gain gain{1.0 - r.folds_rms / bar.folds_rms, r.least_z(),
+                  std::sqrt(std::max(0.0, bar.folds_rms * bar.folds_rms - r.folds_rms * r.folds_rms))};
+  const auto too_little = too_little_of(options, *r.effect, r.unknowns, gain, bar.first_gap);
+  if (too_little != CandidateOutcome::not_judged) return too_little;
   if (r.unknowns > options.max_unknowns) return CandidateOutcome::too_free;
   if (r.condition_number > options.max_condition) return CandidateOutcome::ill_conditioned;
   if (r.no_name) return CandidateOutcome::no_name;
@@ -42,7 +36,7 @@ CandidateOutcome objection_to(const AcceptanceOptions& options, const Ranked& r,
   const bool at_bound =
       unknowns.size() <= options.few_unknowns &&
       std::any_of(unknowns.begin(), unknowns.end(), [](const Unknown& u) { return u.at_bound(); });
-  if (at_bound && gain < options.min_gain_at_bound) return CandidateOutcome::at_end_of_range;
+  if (at_bound && gain.share < options.min_gain_at_bound) return CandidateOutcome::at_end_of_range;
   return CandidateOutcome::not_judged;
 }
 
@@ -64,31 +58,21 @@ bool as_good(const AcceptanceOptions& options, const Ranked& r, const Ranked& th
   return as_good_on_folds(options, {r.folds_rms, r.folds}, {than.folds_rms, than.folds}, surely);
 }
 
-/// Fewer unknowns in use, or as many where one of the few that the other has rests at a bound: a shape that only fits at the
-/// end of its range is another's.
-bool is_simpler(const AcceptanceOptions& options, const Ranked& r, const Ranked& than) {
-  if (r.effective != than.effective) return r.effective < than.effective;
-  return than.unknowns <= options.few_unknowns && r.unknowns < than.unknowns;
-}
-
-/// The first of the good candidates, unless more unknowns buy next to nothing: then one with fewer of them.
-Ranked* simplest_of_best(const AcceptanceOptions& options, const std::vector<Ranked*>& good) {
-  const Ranked& best = *good.front();
-  Ranked* winner = good.front();
+/// The candidate of the greatest evidence, of those that were in the running. Folds say whether a term earns its place; they are
+/// found without fitting again, and where a term is far from linear (a limited rate, a delay) they do not say which one comes
+/// nearest.
+Ranked* most_evident(const SearchRecords& records, const std::vector<Ranked*>& good) {
+  std::vector<Ranked*> running;
+  std::vector<const Model*> models;
   for (auto* r : good) {
-    if (!is_simpler(options, *r, *winner)) continue;
-    // Weights that rest at 0 make no other form of a bank simpler than another.
-    if (r->effect == winner->effect && r->unknowns == winner->unknowns) continue;
-    const double worse = r->folds_rms / best.folds_rms - 1.0;
-    const auto fewer = static_cast<double>(best.effective - r->effective);
-    const bool next_to_nothing = worse < options.simpler_within + options.simpler_within_each * fewer;
-    // On folds the model's own unknowns may count for more than the term's: one record alone need not tell them.
-    const bool nearer_on_all = r->train_rms <= best.train_rms;
-    if (next_to_nothing || r->train_rms < options.far_nearer_on_all * best.train_rms ||
-        (worse < options.tie_within && nearer_on_all) || hardly_worse(options, worse, r->folds, best.folds))
-      winner = r;
+    if (r->folds.empty() && r != good.front()) continue;
+    running.push_back(r);
+    models.push_back(&r->model);
   }
-  return winner;
+  if (running.size() < 2) return good.front();
+  const auto evidence = log_evidences(models, records.train);
+  return running[static_cast<std::size_t>(std::max_element(evidence.begin(), evidence.end()) -
+                                          evidence.begin())];
 }
 
 /// Of another effect that fits as well as a far-fetched one, with hardly more unknowns: that one.
@@ -125,10 +109,9 @@ CandidateOutcome compare(const AcceptanceOptions& options, const Ranked& r, cons
   return CandidateOutcome::tied;
 }
 
-Step make_step(const AcceptanceOptions& options, const Model& before, Ranked& winner, double control,
+Step make_step(const AcceptanceOptions& options, const Model& before, Ranked& winner,
                const std::vector<Ranked*>& good) {
   Step step = step_of(before, winner, {});
-  step.control_gain = control;
   winner.outcome = CandidateOutcome::named;
   for (auto* r : good) {
     if (r != &winner) r->outcome = compare(options, *r, winner, step);
@@ -139,6 +122,18 @@ Step make_step(const AcceptanceOptions& options, const Model& before, Ranked& wi
 }
 
 }  // namespace
+
+CandidateOutcome too_little_of(const AcceptanceOptions& options, const Effect& effect, std::size_t unknowns,
+                               const Gain& gain, double first_gap) {
+  if (!(gain.share >= options.min_gain)) return CandidateOutcome::no_gain_on_folds;
+  const bool plain = unknowns <= options.few_plain_unknowns && gain.z > options.plain_significance;
+  const double for_unknowns = plain ? 0.0 : options.min_part_each * static_cast<double>(unknowns - 1);
+  const double min_part = std::min(options.max_min_part, options.min_part_of_gap + for_unknowns);
+  const bool takes_most = plain && gain.share > options.most_of_rest;
+  if (!takes_most && gain.explained < min_part * first_gap) return CandidateOutcome::no_gain_on_folds;
+  return gain.z >= options.needed_significance(effect) ? CandidateOutcome::not_judged
+                                                       : CandidateOutcome::not_significant;
+}
 
 bool as_good_on_folds(const AcceptanceOptions& options, const LeftOnFolds& one, const LeftOnFolds& than,
                       double surely) {
@@ -158,7 +153,7 @@ Judgement judge(const SearchSetting& setting, const SearchRecords& records, cons
                 std::vector<Ranked> ranking) {
   const auto& options = setting.options.acceptance;
   const auto residuals = round_residuals(before, records);
-  Bar bar{rms(residuals.folds), rms(residuals.train), 0.0};
+  Bar bar{rms(residuals.folds), 0.0};
   if (!before.terms().empty()) bar.first_gap = gap_to_explain(setting, records, before);
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.folds_rms < b.folds_rms; });
@@ -167,17 +162,9 @@ Judgement judge(const SearchSetting& setting, const SearchRecords& records, cons
     r.outcome = objection_to(options, r, bar);
     if (r.outcome == CandidateOutcome::not_judged) good.push_back(&r);
   }
-  while (!good.empty()) {
-    Ranked* winner = nearest_at_hand(options, good, simplest_of_best(options, good));
-    const bool sure = winner->least_z() > options.sure || setting.options.is_late();
-    const double control = sure ? 0.0 : control_gain(setting, records, before, *winner);
-    const double gain = 1.0 - winner->folds_rms / bar.folds_rms;
-    if (gain < options.control_factor * control) {
-      winner->outcome = CandidateOutcome::no_more_than_control;
-      std::erase(good, winner);
-      continue;
-    }
-    Step step = make_step(options, before, *winner, control, good);
+  if (!good.empty()) {
+    Ranked* winner = nearest_at_hand(options, good, most_evident(records, good));
+    Step step = make_step(options, before, *winner, good);
     step.ranking = ranking;
     return {std::move(step), std::move(ranking)};
   }

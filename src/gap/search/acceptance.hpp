@@ -4,8 +4,8 @@
 #include <string>
 #include <vector>
 
-#include "gap/search_result.hpp"
 #include "gap/search/records.hpp"
+#include "gap/search_result.hpp"
 
 namespace bodesmith::gap {
 
@@ -23,6 +23,17 @@ bool as_good_on_folds(const AcceptanceOptions& options, const LeftOnFolds& one, 
 /// they leave where all of them are signals without a form (offset, drift, hum).
 double gap_to_explain(const SearchSetting& setting, const SearchRecords& records, const Model& model);
 
+/// What a term takes, on folds of the training records and on all of them the smaller of the two.
+struct Gain {
+  double share = 0.0;      ///< of the rms
+  double z = 0.0;          ///< standard deviations
+  double explained = 0.0;  ///< rms of it
+};
+/// What speaks against such a gain; not_judged: nothing. The same when a term comes in and as long as it stays: what is named must
+/// not hang on which of several names came first. `first_gap`: gap_to_explain() of what stands beside it; 0: nothing does.
+CandidateOutcome too_little_of(const AcceptanceOptions& options, const Effect& effect, std::size_t unknowns,
+                               const Gain& gain, double first_gap);
+
 /// What a round comes to: the candidates with their outcomes, and the term that earned its place.
 struct Judgement {
   std::optional<Step> step;
@@ -30,19 +41,6 @@ struct Judgement {
 };
 Judgement judge(const SearchSetting& setting, const SearchRecords& records, const Model& before,
                 std::vector<Ranked> ranking);
-
-/// Gain of a term: the share of the rms that it takes on folds of the training records and on all of them, the smaller of the
-/// two, and its standard deviations on folds.
-struct Gain {
-  double share = 0.0;
-  double z = 0.0;
-};
-
-/// The largest gain on folds (share of rms) that the candidate's term shows on records that cannot hold it:
-/// the output of the model before plus noise with the spectrum of what the term leaves. 0 for frequency
-/// responses.
-double control_gain(const SearchSetting& setting, const SearchRecords& records, const Model& before,
-                    const Ranked& candidate);
 
 /// Two effects can hide each other: neither earns its place while the other one's share stands as noise. When
 /// nothing does alone and yet something is left, the most promising ones are put in on trial; they stay when

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 #include <iterator>
 #include <limits>
 #include <set>
@@ -40,12 +41,9 @@ std::vector<std::size_t> by_unknowns(const Found& found) {
 
 /// Takes out the first of the earlier terms that no longer earns its place. Whether there was one.
 bool prune_one(const SearchSetting& setting, const SearchRecords& records, Found& found) {
-  const auto& options = setting.options;
   for (const std::size_t k : by_unknowns(found)) {
     auto without = without_term(setting, records, found.model, k);
-    const bool idle = without.gain.share < options.acceptance.min_gain ||
-                      without.gain.z < options.elimination.min_significance;
-    if (!idle) continue;
+    if (without.earns_its_place) continue;
     found.notes.push_back(fmt::format("{} was taken out again: a later term explains what it did",
                                       found.model.terms()[k].effect->name()));
     found.model = std::move(without.model);
@@ -212,16 +210,21 @@ std::optional<Found> with_one_exchanged(const SearchSetting& setting, const Sear
 WithoutTerm without_term(const SearchSetting& setting, const SearchRecords& records, const Model& with,
                          std::size_t term) {
   constexpr double kIndispensable = 1e9;  // the model cannot be run without it
-  WithoutTerm without{refitted_without(setting, records, with, term), {1.0, kIndispensable}};
-  const auto residuals = round_residuals(without.model, records);
-  const auto left_with = folded_residuals(with, records.train, residuals.kind);
-  const auto& left_without = residuals.folds;
-  if (left_without.empty()) return without;
+  WithoutTerm without{refitted_without(setting, records, with, term), {1.0, kIndispensable, kIndispensable}};
+  const auto left = round_residuals(without.model, records);
+  if (left.folds.empty()) return without;
+  const auto folds = folded_residuals(with, records.train, left.kind);
+  const Term& own = with.terms()[term];
   // Where one record leaves the model's own values open, folds are told apart by those: a name takes its share of all records.
-  const double on_folds = rms(left_with) / std::max(rms(left_without), 1e-300);
-  const double on_all = rms_of(with, records.train) / std::max(rms(residuals.train), 1e-300);
+  const double before = std::max(rms(left.train), 1e-300);
+  const double on_folds = rms(folds) / std::max(rms(left.folds), 1e-300);
+  const double on_all = rms_of(with, records.train) / before;
   without.gain.share = 1.0 - std::max(on_folds, on_all);
-  without.gain.z = improvement_z(left_without, left_with);
+  without.gain.z = improvement_z(left.folds, folds);
+  without.gain.explained = before * std::sqrt(std::max(0.0, 1.0 - on_all * on_all));
+  const double gap = with.terms().size() > 1 ? gap_to_explain(setting, records, without.model) : 0.0;
+  without.earns_its_place = too_little_of(setting.options.acceptance, *own.effect, own.unknowns.size(),
+                                          without.gain, gap) == CandidateOutcome::not_judged;
   return without;
 }
 

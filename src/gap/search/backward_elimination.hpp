@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "gap/search_result.hpp"
 #include "gap/search/acceptance.hpp"
 #include "gap/search/records.hpp"
+#include "gap/search_result.hpp"
 
 namespace bodesmith::gap {
 
@@ -22,6 +22,7 @@ struct Found {
 struct WithoutTerm {
   Model model;
   Gain gain;
+  bool earns_its_place = true;  ///< too_little_of() finds nothing
 };
 WithoutTerm without_term(const SearchSetting& setting, const SearchRecords& records, const Model& with,
                          std::size_t term);

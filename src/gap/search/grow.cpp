@@ -92,8 +92,7 @@ constexpr double kSurely = 8.0;
 std::optional<Sign> sign_of_refused(const std::vector<Ranked>& refused, double train_rms) {
   double most = 0.0;
   for (const auto& r : refused) {
-    const bool sure = r.least_z() > kSurely && r.outcome != CandidateOutcome::no_more_than_control;
-    if (sure) most = std::max(most, 1.0 - std::max(r.train_rms, r.folds_rms) / train_rms);
+    if (r.least_z() > kSurely) most = std::max(most, 1.0 - std::max(r.train_rms, r.folds_rms) / train_rms);
   }
   if (!(most > kMuchOfResidual)) return std::nullopt;
   return Sign{SignKind::refused_candidate, most / kMuchOfResidual};

@@ -2,8 +2,8 @@
 
 #include <vector>
 
-#include "gap/search_result.hpp"
 #include "gap/search/records.hpp"
+#include "gap/search_result.hpp"
 
 namespace bodesmith::gap {
 

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include <algorithm>
-#include <cmath>
 #include <iterator>
 #include <optional>
 #include <set>
@@ -24,9 +23,6 @@
 
 namespace bodesmith::gap {
 namespace {
-
-/// More places of an effect than any chain has.
-constexpr int kEverywhere = 1000;
 
 std::size_t unknowns_of(const State& state) {
   std::size_t count = 0;
@@ -60,16 +56,6 @@ bool led_further(const SearchOptions& options, const State& other, const State& 
          other.train_rms < limits.further * state.train_rms;
 }
 
-/// The search begun again with these first steps; nothing when that leaves no less.
-std::optional<State> way_beginning_with(const SearchSetting& setting, const State& base,
-                                        std::vector<Step> first) {
-  State other = base;
-  other.other_way = true;
-  if (!take(setting, other, std::move(first))) return std::nullopt;
-  grow(setting, other);
-  return other;
-}
-
 /// `other` in the place of `state`, which keeps what is told of the first round.
 void go_the_other_way(State& state, State other, const std::string& note) {
   other.not_tried = std::move(state.not_tried);
@@ -96,19 +82,12 @@ bool exchange_partners(const SearchSetting& setting, const SearchRecords& record
 }
 
 bool all_earn_their_places(const SearchSetting& setting, const State& state) {
-  const auto& accepted = setting.options.acceptance;
-  const auto& terms = state.found.model.terms();
-  if (term_without_name(state.found.model, state.records.train)) return false;
-  const double left_by_all = rms_of(state.found.model, state.records.train);
-  for (std::size_t k = 0; k < terms.size(); ++k) {
-    const auto without = without_term(setting, state.records, state.found.model, k);
-    if (without.gain.share < accepted.min_gain || without.gain.z < accepted.min_significance) return false;
-    const double left = rms_of(without.model, state.records.train);
-    const double explained = std::sqrt(std::max(0.0, left * left - left_by_all * left_by_all));
-    const double gap = gap_to_explain(setting, state.records, without.model);
-    if (explained < accepted.min_part_of_gap * gap) return false;
+  const auto& model = state.found.model;
+  if (term_without_name(model, state.records.train)) return false;
+  for (std::size_t k = 0; k < model.terms().size(); ++k) {
+    if (!without_term(setting, state.records, model, k).earns_its_place) return false;
   }
-  return !terms.empty();
+  return !model.terms().empty();
 }
 
 /// Names that two could do without: more of them than two, or one of many unknowns.
@@ -135,9 +114,9 @@ std::vector<Ranked> with_single_signals(const SearchSetting& setting, const Stat
   return first;
 }
 
-/// Two names that come together where one after the other came to no end, or to one that two could do without: a first name
-/// takes over what it can of the second one's share, and what is then left is neither's.
-void try_pairs(const SearchSetting& setting, const State& base, State& state) {
+}  // namespace
+
+void try_other_ways(const SearchSetting& setting, const State& base, State& state) {
   const auto& options = setting.options;
   const auto is_done = [&] { return is_settled(options, state) && !could_be_two(options, state); };
   if (are_responses(base.records.train) || is_done() || options.is_late()) return;
@@ -177,8 +156,6 @@ void try_pairs(const SearchSetting& setting, const State& base, State& state) {
   }
 }
 
-}  // namespace
-
 void try_other_partners(const SearchSetting& setting, State& state) {
   if (state.partners_tried || state.found.steps.size() < 2 || are_responses(state.records.train)) return;
   State other = state;
@@ -191,61 +168,6 @@ void try_other_partners(const SearchSetting& setting, State& state) {
   other.other_way = true;
   grow(setting, other);
   state = std::move(other);
-}
-
-void try_each_name_alone(const SearchSetting& setting, const State& base, State& state) {
-  if (are_responses(base.records.train)) return;
-  SearchOptions everywhere = setting.options;
-  everywhere.round.more_places = kEverywhere;
-  const SearchSetting wide{everywhere, setting.initial, setting.first_gap};
-  const double enough = setting.options.other_ways.nearly_as_far * state.train_rms;
-  std::vector<const Effect*> names;
-  for (const auto& step : state.found.steps) names.push_back(step.effect);
-  for (const auto* name : names) {
-    if (state.found.steps.size() < 2 || setting.options.is_late()) return;
-    auto ranking = fit_round(wide, base.records, base.found.model, [&](const Effect& effect) {
-                     return &effect == name;
-                   }).ranking;
-    for (const auto& r : state.first) {
-      if (r.effect != name) ranking.push_back(r);
-    }
-    auto judged = judge(setting, base.records, base.found.model, std::move(ranking));
-    if (!judged.step || judged.step->effect != name) continue;
-    if (!(rms_of(judged.step->after, base.records.train) < enough)) continue;
-    const auto placed = judged.step->placed;
-    auto other = way_beginning_with(setting, base, {std::move(*judged.step)});
-    if (!other || !led_further(setting.options, *other, state)) continue;
-    go_the_other_way(state, std::move(*other),
-                     fmt::format("{} {} does alone what several names did", name->name(), placed));
-  }
-}
-
-void try_other_ways(const SearchSetting& setting, const State& base, State& state) {
-  const auto& options = setting.options;
-  try_pairs(setting, base, state);
-  std::set<const Effect*> tried;
-  for (const auto& step : state.found.steps) tried.insert(step.effect);
-  const auto first = state.first;
-  std::size_t ways = 0;
-  double best = setting.first_gap;
-  for (const auto& r : first) best = std::min(best, r.train_rms);
-  const double most =
-      std::min(options.other_ways.max_left * setting.first_gap, options.other_ways.in_the_running * best);
-  for (const auto& r : first) {
-    const bool done = is_settled(options, state) && state.found.steps.size() <= options.other_ways.few_terms;
-    if (state.found.steps.empty() || done || options.is_late()) return;
-    if (ways >= options.other_ways.max_ways) break;
-    if (r.condition_number > options.acceptance.max_condition || r.unknowns > options.acceptance.max_unknowns)
-      continue;
-    if (r.no_name || !(r.train_rms < most) || !tried.insert(r.effect).second) continue;
-    ++ways;
-    auto other = way_beginning_with(setting, base, {step_of(base.found.model, r, first)});
-    if (!other || !led_further(options, *other, state)) continue;
-    go_the_other_way(
-        state, std::move(*other),
-        fmt::format("Begun with {}, the search came further than with the first name of the first round",
-                    r.effect->name()));
-  }
 }
 
 }  // namespace bodesmith::gap

@@ -38,10 +38,9 @@ std::optional<Step> second_beside(const SearchSetting& setting, const SearchReco
   if (options.is_late() || ranking.empty()) return std::nullopt;
   auto second = judge(setting, records, first.model, std::move(ranking)).step;
   if (!second) return std::nullopt;
-  const auto& accepted = options.acceptance;
-  const auto own = without_term(setting, records, second->after, first.model.terms().size() - 1).gain;
-  if (own.share < accepted.min_gain || own.z < accepted.min_significance) return std::nullopt;
-  const double enough = (1.0 - options.pairs.min_gains * accepted.min_gain) * rms_before;
+  if (!without_term(setting, records, second->after, first.model.terms().size() - 1).earns_its_place)
+    return std::nullopt;
+  const double enough = (1.0 - options.pairs.min_gains * options.acceptance.min_gain) * rms_before;
   if (!(rms_of(second->after, records.train) < enough)) return std::nullopt;
   return second;
 }

@@ -3,8 +3,8 @@
 #include <utility>
 #include <vector>
 
-#include "gap/search_result.hpp"
 #include "gap/search/records.hpp"
+#include "gap/search_result.hpp"
 
 namespace bodesmith::gap {
 

@@ -170,7 +170,7 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
   FittedRound round;
   const bool responses = are_responses(records.train);
   Choice choice(options.round, !model.terms().empty(), min_score.value_or(options.round.min_score),
-                options.round.more_places + (responses ? options.round.more_forms_of_response : 0));
+                responses ? options.round.more_forms_of_response : 0);
   std::set<std::string_view> missed;
   auto promising = look_from(setting, records, model, filter, missed);
   round.looked_at = promising.size();

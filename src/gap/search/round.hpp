@@ -4,9 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "gap/search_result.hpp"
 #include "gap/search/folds.hpp"
 #include "gap/search/records.hpp"
+#include "gap/search_result.hpp"
 #include "gap/shortlist.hpp"
 
 namespace bodesmith::gap {

@@ -52,7 +52,7 @@ void explain(const gap::SearchResult& result, const gap::Study& study, double no
              gap::rms_of(result.base, study.holdout()) / noise, to_string(result.floor.source),
              result.floor.rms / noise);
   for (const auto& s : result.steps) {
-    fmt::print("    step {} control {:.3f}\n", s.effect->name(), s.control_gain);
+    fmt::print("    step {}\n", s.effect->name());
     show(s.ranking);
   }
   fmt::print("    refused\n");

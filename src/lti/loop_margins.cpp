@@ -32,7 +32,7 @@ Hertz sign_change(const Loop& loop, double (*value)(Complex), Hertz from, Hertz 
   const double at_low = at(low);
   const double at_high = at(high);
   // exp(log(f)) may round across a zero that lies on the grid.
-  if (at_low * at_high >= 0.0) return std::abs(at_low) < std::abs(at_high) ? from : to;
+  if (!(at_low * at_high < 0.0)) return std::abs(at_low) < std::abs(at_high) ? from : to;
   std::uintmax_t most = 100;
   const auto [a, b] = boost::math::tools::toms748_solve(at, low, high, at_low, at_high,
                                                         boost::math::tools::eps_tolerance<double>(50), most);

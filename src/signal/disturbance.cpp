@@ -36,6 +36,7 @@ void check_table(const Node& node, std::string_view first, const std::vector<dou
     if (!(key[i] > 0.0) || (i > 0 && !(key[i] > key[i - 1]))) {
       node.at(first)[i].fail("is out of order, expected rising numbers above 0");
     }
+    if (!(key[i] >= 1e-6 && key[i] <= 1e9)) node.at(first)[i].fail("is not within 1e-6 to 1e9");
   }
   for (const char* branch : {"ascending", "descending"})
     check_sizes(node.at(branch), node.at(branch).numbers());

@@ -1,5 +1,7 @@
 #include "tracking/reference.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -36,7 +38,10 @@ std::vector<double> turns_of(Reference::Shape shape) {
 }  // namespace
 
 Reference::Reference(Shape shape, double alpha) : shape_(shape), alpha_(alpha), turns_(turns_of(shape)) {
-  if (!(alpha > 0.0)) throw InputError("the reference amplitude alpha is not above 0");
+  // Of the full stroke; below a millionth of it there is nothing to track.
+  if (!(alpha >= 1e-6 && alpha <= 1.0))
+    throw InputError(
+        fmt::format("the reference's amplitude is {} of the full stroke, expected 1e-06 to 1", alpha));
 }
 
 std::size_t Reference::periods() const {

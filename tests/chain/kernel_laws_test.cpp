@@ -292,6 +292,13 @@ TEST(KernelLaws, LookingAheadIsBetweenTheSamples) {
   WantedOutput blind = wanted;
   blind.preview = false;
   EXPECT_EQ(looking_ahead(blind, 0.125).values, wanted.values);
+  // Where a slope is too steep for its limit a line at the limit stands.
+  const auto slow =
+      make_block("slew_limit").set("rate_per_s", 10.0).inverse({0.0, 0.1, {0.0, 0.5, 3.0, 2.9}});
+  EXPECT_EQ(slow->out_of_reach, (std::vector<std::size_t>{2, 3}));
+  EXPECT_EQ(slow->values[1], 0.5);
+  EXPECT_NEAR(slow->values[2], 1.5, 1e-15);
+  EXPECT_NEAR(slow->values[3], 2.5, 1e-15);
   // An op-amp's rails are the limits of what it can make.
   WantedOutput beyond{0.0, 1e-3, {0.0, 1.0, 6.0, -4.0, 2.0}};
   EXPECT_EQ(opamp().inverse(beyond)->out_of_reach, (std::vector<std::size_t>{2, 3}));

@@ -124,6 +124,14 @@ TEST_F(HardInputs, AbsurdNumbersAreAnswered) {
  "ascending": [0.3, -0.3, 1e308], "descending": [0.2, -0.2, 0]})");
   EXPECT_THAT(refusal("controller " + at("loop.json") + " -o " + at("c")),
               HasSubstr("loop.json:2: 'ascending[2]' is 1e+308, expected at most 1e6"));
+  write("slow.json", R"({"schema": "bodesmith.disturbance/1", "ascending": [0.3, -0.3, 0],
+ "descending": [0.2, -0.2, 0], "rate": {"frequency_hz": [1e-308, 10], "ascending": [1, 1], "descending": [1, 1.1]}})");
+  EXPECT_THAT(refusal("controller " + at("slow.json") + " -o " + at("c")),
+              HasSubstr("is not within 1e-6 to 1e9"));
+  EXPECT_THAT(refusal("controller " BODESMITH_SOURCE_DIR
+                      "/examples/nanopositioner/disturbance.json --amplitude 4e9 -o " +
+                      at("c")),
+              HasSubstr("expected 1e-06 to 1"));
   EXPECT_THAT(refusal("design lowpass --family elliptic --order 4 --corner-hz 1000 --stop-db 1e308 -o " +
                       at("s.json")),
               HasSubstr("expected 1e-09 to 1000"));

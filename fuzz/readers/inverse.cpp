@@ -1,4 +1,4 @@
-#include "invert/inverse_file.hpp"
+#include "invert/compensation.hpp"
 #include "reader.hpp"
 
 namespace bodesmith::fuzz {

@@ -16,7 +16,7 @@
 #include "kicad/schematic.hpp"
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/json.hpp"
-#include "multiplier_layout/parts_csv.hpp"
+#include "multiplier_layout/layout.hpp"
 #include "multiplier_layout/timing.hpp"
 #include "schematic/opamp_library.hpp"
 #include "spice/compensator_check.hpp"

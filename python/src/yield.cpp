@@ -7,8 +7,8 @@
 #include "circuit_options.hpp"
 #include "functions.hpp"
 #include "lti/judging_grid.hpp"
+#include "yield/design.hpp"
 #include "yield/json.hpp"
-#include "yield/nulls.hpp"
 
 namespace bodesmith::python {
 namespace {

@@ -1,9 +1,13 @@
-#include "approximate/oustaloup.hpp"
-
 #include <cmath>
+#include <complex>
+
+#include "approximate/method.hpp"
 
 namespace bodesmith {
+namespace {
 
+/// Recursive poles and zeros, evenly spaced in log frequency, k = 1..n:
+///   w_k = kappa^((2k - 1)/(2n) - 1/2),  zero_k = -w_k kappa^(-beta/(2n)),  pole_k = -w_k kappa^(beta/(2n)).
 NormalisedApproximation oustaloup_recursion(double kappa, double beta, int order) {
   NormalisedApproximation out;
   for (int k = 1; k <= order; ++k) {
@@ -17,8 +21,6 @@ NormalisedApproximation oustaloup_recursion(double kappa, double beta, int order
   return out;
 }
 
-namespace {
-
 class Oustaloup final : public Method {
  public:
   std::string_view name() const override { return "oustaloup"; }
@@ -28,10 +30,57 @@ class Oustaloup final : public Method {
   }
 };
 
+/// Oustaloup over a wider band with a Taylor correction (Xue, Zhao and Chen, ICMA 2006). The refinement widens the
+/// band by b/d = 10/9 on both sides and multiplies by the first-order Taylor expansion of (target/widened)^beta. Its
+/// target is s^beta, here it is the term itself: P = N0/D0, widened W = N1/D1,
+///   (P/W)^beta ~ 1 + beta (P/W - 1) = (beta N + (1 - beta) D)/D,  N = N0 D1,  D = D0 N1.
+class RefinedOustaloup final : public Method {
+ public:
+  std::string_view name() const override { return "refined-oustaloup"; }
+  std::string_view source() const override { return "Xue, Zhao and Chen 2006"; }
+  Outcome<NormalisedApproximation> approximate(const ApproximationTask& task) const override;
+};
+
+Outcome<NormalisedApproximation> RefinedOustaloup::approximate(const ApproximationTask& task) const {
+  if (task.order < 3)
+    return Refusal{"refined-oustaloup needs an order of at least 3 (its correction takes 2)"};
+  const double widen = 10.0 / 9.0;
+  const double r = std::sqrt(task.kappa);
+  const double wide = r * widen;
+  NormalisedApproximation out = oustaloup_recursion(wide * wide, task.beta, task.order - 2);
+  // N = (1 + r s)(1 + s/wide), D = (1 + s/r)(1 + wide s).
+  const double n1 = r + 1.0 / wide;
+  const double n2 = r / wide;
+  const double d1 = 1.0 / r + wide;
+  const double d2 = wide / r;
+  const double c1 = task.beta * n1 + (1.0 - task.beta) * d1;
+  const double c2 = task.beta * n2 + (1.0 - task.beta) * d2;
+  // Both are real roots: c1^2 > 4 c2 because c1 > 2 and c2 lies between 9/10 and 10/9... for every kappa > 1.
+  const double discriminant = c1 * c1 - 4.0 * c2;
+  if (discriminant >= 0.0) {
+    const double large = -(c1 + std::sqrt(discriminant)) / (2.0 * c2);
+    out.zeros.emplace_back(large, 0.0);
+    out.zeros.emplace_back(1.0 / (c2 * large), 0.0);
+  } else {
+    const std::complex<double> root(-c1 / (2.0 * c2), std::sqrt(-discriminant) / (2.0 * c2));
+    out.zeros.push_back(root);
+    out.zeros.push_back(std::conj(root));
+  }
+  out.poles.emplace_back(-r, 0.0);
+  out.poles.emplace_back(-1.0 / wide, 0.0);
+  out.gain *= c2 / d2;
+  return out;
+}
+
 }  // namespace
 
 const Method& oustaloup_method() {
   static const Oustaloup method;
+  return method;
+}
+
+const Method& refined_oustaloup_method() {
+  static const RefinedOustaloup method;
   return method;
 }
 

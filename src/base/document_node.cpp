@@ -5,12 +5,12 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/above_zero.hpp"
 #include "base/document_tree.hpp"
 #include "base/error.hpp"
 #include "base/nearest_word.hpp"
 #include "base/quantity.hpp"
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 
 namespace bodesmith {
 namespace {

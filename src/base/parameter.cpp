@@ -5,9 +5,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/above_zero.hpp"
 #include "base/nearest_word.hpp"
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 
 namespace bodesmith {
 namespace {

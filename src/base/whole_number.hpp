@@ -24,4 +24,10 @@ Int nearest_whole(double value, Int low = std::numeric_limits<Int>::min(),
   return whole_number<Int>(std::round(value), low, high);
 }
 
+/// Whether a number that stands below a fraction line may be used: above 0, and not so small (below 2.2e-308) that it has
+/// lost digits and its inverse is infinite. False for NaN and infinity.
+constexpr bool above_zero(double value) {
+  return value >= std::numeric_limits<double>::min() && value <= std::numeric_limits<double>::max();
+}
+
 }  // namespace bodesmith

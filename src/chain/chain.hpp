@@ -3,14 +3,24 @@
 #include <complex>
 #include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/units.hpp"
 #include "chain/block.hpp"
-#include "chain/start.hpp"
 #include "chain/trained.hpp"
 
 namespace bodesmith::chain {
+
+/// The state of a chain before the first sample.
+enum class Start {
+  zero,         ///< every state is zero
+  equilibrium,  ///< at rest under the first input
+};
+/// "zero", "equilibrium".
+constexpr std::string_view to_string(Start start) {
+  return start == Start::equilibrium ? "equilibrium" : "zero";
+}
 
 /// Blocks in series, input first.
 struct Chain {

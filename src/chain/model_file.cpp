@@ -13,7 +13,7 @@
 #include "base/text_template.hpp"
 #include "chain/registry.hpp"
 #include "chain/sections_chain.hpp"
-#include "chain/trained_keys.hpp"
+#include "chain/trained.hpp"
 
 namespace bodesmith::chain {
 namespace {

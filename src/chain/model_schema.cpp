@@ -4,7 +4,7 @@
 
 #include "base/json.hpp"
 #include "chain/registry.hpp"
-#include "chain/trained_keys.hpp"
+#include "chain/trained.hpp"
 
 namespace bodesmith::chain {
 namespace {

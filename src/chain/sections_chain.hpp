@@ -3,7 +3,9 @@
 #include <string>
 
 #include "chain/chain.hpp"
+#include "lti/cascade.hpp"
 #include "lti/sections.hpp"
+#include "signal/disturbance.hpp"
 
 namespace bodesmith::chain {
 
@@ -13,5 +15,10 @@ namespace bodesmith::chain {
 /// 1e-12 of its neighbour's corner from 0.
 /// With a `prefix` the blocks are named: "Section2", "Section2a" and "Section2b" of a section that takes two, "Section_gain".
 Chain chain_of(const Sections& sections, const std::string& prefix = {});
+
+/// A fractional_lead_lag a term, named "Term1" …, behind the gain.
+Chain chain_of(const Cascade& cascade);
+/// y = x + K(f) d(x) by the slope of x, K at `operating` (0: without rate gains); named "stage".
+Block stage_block(const Disturbance& disturbance, Hertz operating);
 
 }  // namespace bodesmith::chain

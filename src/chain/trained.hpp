@@ -28,4 +28,7 @@ struct Trained {
   std::string far_beyond(const SignalExtent& drive) const;
 };
 
+/// The keys that a table [trained] of model.toml has to have.
+std::vector<std::string> needed_trained_keys();
+
 }  // namespace bodesmith::chain

@@ -1,6 +1,9 @@
 #pragma once
 
+#include <complex>
 #include <filesystem>
+#include <functional>
+#include <span>
 
 #include "base/document.hpp"
 #include "base/provenance.hpp"
@@ -21,5 +24,12 @@ struct CircuitFile {
   /// says they make.
   static CircuitFile from_node(const Node& node);
 };
+
+/// H(jw) of a stage with ideal op-amps for any values of its parts.
+using PartsResponse = std::function<std::complex<double>(std::span<const double>, RadPerSecond)>;
+
+/// Of a ladder's stage, -Z/R with the ladder in the feedback, -R/Z with it at the input, R the first of the values; null
+/// for a stage that has a form.
+PartsResponse ladder_response(const Stage& stage);
 
 }  // namespace bodesmith::circuit

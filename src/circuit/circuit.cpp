@@ -1,11 +1,36 @@
 #include "circuit/circuit.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <stdexcept>
 
+#include "base/text.hpp"
+#include "signal/csv.hpp"
+
 namespace bodesmith::circuit {
 namespace {
+
+bool states_a_band(const Sections& sections) {
+  return sections.error && sections.error->band.from.value > 0.0 &&
+         sections.error->band.to > sections.error->band.from;
+}
+
+std::string factors_text(const std::vector<std::complex<double>>& roots) {
+  if (roots.empty()) return "1";
+  if (std::abs(roots[0]) == 0.0 && std::abs(roots.back()) == 0.0) return roots.size() == 1 ? "s" : "s^2";
+  if (roots[0].imag() != 0.0) {
+    return fmt::format("(s^2 + {}s + {})", rounded_text(-2.0 * roots[0].real(), 6),
+                       rounded_text(std::norm(roots[0]), 6));
+  }
+  std::string out;
+  for (const auto& root : roots) {
+    out += root.real() > 0.0 ? fmt::format("(s - {})", rounded_text(root.real(), 6))
+                             : fmt::format("(s + {})", rounded_text(-root.real(), 6));
+  }
+  return out;
+}
 
 using Complex = std::complex<double>;
 
@@ -43,6 +68,55 @@ void expand(const std::vector<Complex>& r, double& c0, double& c1, double& c2) {
 }
 
 }  // namespace
+
+Band judged_band(const Sections& sections) {
+  if (states_a_band(sections)) return sections.error->band;
+  const Band corners = sections.corner_band();
+  if (corners.to.value == 0.0) return {Hertz{1.0}, Hertz{1000.0}};
+  // One corner is no band.
+  if (!(corners.to > corners.from)) return {Hertz{corners.from.value / 10.0}, Hertz{corners.to.value * 10.0}};
+  return corners;
+}
+
+Band searched_band(const Sections& sections) {
+  const Band corners = sections.corner_band();
+  if (corners.to.value == 0.0) return {Hertz{1.0}, Hertz{1000.0}};
+  Band out = corners;
+  if (states_a_band(sections)) {
+    out.from = std::clamp(sections.error->band.from, corners.from, corners.to);
+    out.to = std::clamp(sections.error->band.to, corners.from, corners.to);
+  }
+  return {Hertz{out.from.value / 10.0}, Hertz{out.to.value * 10.0}};
+}
+
+std::string transfer_text(const std::vector<Biquad>& product) {
+  double gain = 1.0;
+  std::string zeros, poles;
+  for (const Biquad& h : product) {
+    const Section section = h.section();
+    gain *= section.gain;
+    zeros += factors_text(section.zeros);
+    poles += factors_text(section.poles);
+  }
+  // A constant is a number, and a denominator needs a numerator of its own only where there are zeros.
+  const std::string k = rounded_text(gain, 6);
+  if (poles == "1") return zeros == "1" ? k : fmt::format("{} {}", k, zeros);
+  return zeros == "1" ? fmt::format("{}/{}", k, poles) : fmt::format("{} {}/{}", k, zeros, poles);
+}
+
+std::string parts_csv(const Circuit& circuit) {
+  CsvTable table({"part", "section", "series", "wanted_ohm", "realised_ohm", "wanted_f", "realised_f"});
+  for (const Part& part : circuit.parts) {
+    const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
+    const std::string stage = std::to_string(part.group + 1);
+    if (part.kind == Part::Kind::resistor) {
+      table.add_row({part.name, stage, part.series, wanted, realised, "", ""});
+    } else {
+      table.add_row({part.name, stage, part.series, "", "", wanted, realised});
+    }
+  }
+  return table.text();
+}
 
 Section Biquad::section() const {
   Section out;

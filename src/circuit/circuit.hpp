@@ -7,6 +7,7 @@
 #include <string>
 #include <vector>
 
+#include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
 #include "schematic/netlist.hpp"
 
@@ -74,5 +75,20 @@ struct Circuit : schematic::Netlist {
   /// a constant (an inverter) go into the gain.
   Sections realised_sections() const;
 };
+
+/// "-1.88 (s + 107.6)/(s + 126.4)" for comments.
+std::string transfer_text(const std::vector<Biquad>& factors);
+
+/// `part,section,series,wanted_ohm,realised_ohm,wanted_f,realised_f` (contract). A cell that does not apply
+/// is empty.
+std::string parts_csv(const Circuit& circuit);
+
+/// Where a design is judged: the band in which the sections state their error, else their corners.
+Band judged_band(const Sections& sections);
+
+/// Where parts are searched and errors listed: a decade beyond the corners on both sides, but never more than a decade
+/// beyond the band in which the sections state their error (a fit may leave a zero at 1 MHz to a curve that ends at
+/// 20 kHz). Without corners 1 Hz to 1 kHz.
+Band searched_band(const Sections& sections);
 
 }  // namespace bodesmith::circuit

@@ -3,7 +3,7 @@
 #include <algorithm>
 
 #include "base/json.hpp"
-#include "schematic/analysis/sensitivity.hpp"
+#include "schematic/analysis/response.hpp"
 
 namespace bodesmith::circuit {
 namespace {

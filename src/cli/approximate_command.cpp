@@ -13,9 +13,9 @@
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "cli/approximate_modes.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "cli/modes.hpp"
 #include "lti/section_making.hpp"
 
 namespace bodesmith::cli {

@@ -7,8 +7,8 @@
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "cli/approximate_modes.hpp"
 #include "cli/commands.hpp"
+#include "cli/modes.hpp"
 #include "project/fractional_fit.hpp"
 
 namespace bodesmith::cli {

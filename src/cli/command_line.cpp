@@ -7,7 +7,6 @@
 #include <sstream>
 #include <utility>
 
-#include "base/above_zero.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
@@ -17,6 +16,8 @@
 #include "base/quantity.hpp"
 #include "base/terminal.hpp"
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
+#include "cli/commands.hpp"
 
 namespace po = boost::program_options;
 
@@ -382,6 +383,32 @@ Json timed_document(std::string_view schema, const Provenance& from, const Json&
 
 std::string limit_not_met(double limit, std::string_view unit) {
   return fmt::format("the limit of {} {} is NOT met\n", rounded_text(limit), unit);
+}
+
+std::string CommandTable::first_sentence() const {
+  std::string out;
+  for (const char c : what) {
+    const bool ends = c == '.' || c == ';' || (c == ':' && out.size() > 20);
+    if (ends) break;
+    out += c == '\n' ? ' ' : c;
+  }
+  return out;
+}
+
+std::vector<CommandTable>*& tables_wanted() {
+  static std::vector<CommandTable>* wanted = nullptr;
+  return wanted;
+}
+
+std::vector<CommandTable> command_tables() {
+  std::vector<CommandTable> out;
+  tables_wanted() = &out;
+  for (const Command& command : commands()) {
+    command.run({});
+    for (const Command& verb : verbs_of(command.name)) verb.run({});
+  }
+  tables_wanted() = nullptr;
+  return out;
 }
 
 }  // namespace bodesmith::cli

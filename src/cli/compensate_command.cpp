@@ -17,7 +17,6 @@
 #include "cli/commands.hpp"
 #include "cli/reference_options.hpp"
 #include "invert/compensation.hpp"
-#include "invert/inverse_file.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
 #include "signal/error_figures.hpp"

@@ -10,7 +10,7 @@
 #include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "controller/dynamics.hpp"
+#include "controller/as_built.hpp"
 #include "controller/files.hpp"
 #include "controller/study.hpp"
 #include "part_errors/report.hpp"

@@ -9,7 +9,7 @@
 #include "circuit/built_circuit.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "cli/diagnose_modes.hpp"
+#include "cli/modes.hpp"
 #include "cli/response_source.hpp"
 #include "faults/circuit_board.hpp"
 #include "faults/json.hpp"

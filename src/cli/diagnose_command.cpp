@@ -12,7 +12,7 @@
 #include "chain/model_file.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "cli/diagnose_modes.hpp"
+#include "cli/modes.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/page/files.hpp"
 

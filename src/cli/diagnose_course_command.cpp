@@ -8,7 +8,7 @@
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "cli/diagnose_modes.hpp"
+#include "cli/modes.hpp"
 #include "gap/course.hpp"
 
 namespace bodesmith::cli {

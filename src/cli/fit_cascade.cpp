@@ -10,7 +10,7 @@
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "cli/fit_modes.hpp"
+#include "cli/modes.hpp"
 #include "fit/cascade_fit.hpp"
 #include "fit/choice.hpp"
 

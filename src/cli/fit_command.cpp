@@ -1,6 +1,6 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "cli/fit_modes.hpp"
+#include "cli/modes.hpp"
 
 namespace bodesmith::cli {
 

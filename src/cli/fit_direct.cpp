@@ -11,7 +11,7 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
-#include "cli/fit_modes.hpp"
+#include "cli/modes.hpp"
 #include "fit/direct_fit.hpp"
 
 namespace bodesmith::cli {

@@ -9,7 +9,7 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
-#include "cli/fit_modes.hpp"
+#include "cli/modes.hpp"
 #include "fit/measured_fit.hpp"
 
 namespace bodesmith::cli {

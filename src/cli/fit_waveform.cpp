@@ -6,7 +6,7 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
-#include "cli/fit_modes.hpp"
+#include "cli/modes.hpp"
 #include "fit/waveform_fit.hpp"
 
 namespace bodesmith::cli {

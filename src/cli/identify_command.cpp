@@ -16,7 +16,7 @@
 #include "chain/registry.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "cli/identify_modes.hpp"
+#include "cli/modes.hpp"
 #include "hysteresis/registry.hpp"
 #include "identify/fit_report.hpp"
 #include "identify/record_findings.hpp"

@@ -9,7 +9,7 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
-#include "cli/identify_modes.hpp"
+#include "cli/modes.hpp"
 #include "identify/stage_disturbance.hpp"
 
 namespace bodesmith::cli {

@@ -15,7 +15,6 @@
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/json.hpp"
 #include "multiplier_layout/layout.hpp"
-#include "multiplier_layout/parts_csv.hpp"
 #include "multiplier_layout/timing.hpp"
 #include "spice/disturbance_check.hpp"
 #include "spice/disturbance_library.hpp"

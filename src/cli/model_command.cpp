@@ -13,7 +13,6 @@
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
 #include "chain/sections_chain.hpp"
-#include "chain/stage_chain.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 

@@ -25,7 +25,7 @@
 #include "signal/frequency_record.hpp"
 #include "simulate/controller_file.hpp"
 #include "spice/ngspice.hpp"
-#include "tuning/series_controller.hpp"
+#include "tuning/controller_kind.hpp"
 
 namespace bodesmith::cli {
 namespace {

@@ -11,13 +11,13 @@
 #include "cli/commands.hpp"
 #include "cli/simulate_modes.hpp"
 #include "cli/simulate_pictures.hpp"
-#include "invert/inverse_file.hpp"
+#include "invert/compensation.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
 #include "signal/error_figures.hpp"
 #include "simulate/controller_file.hpp"
-#include "simulate/segments.hpp"
 #include "simulate/signal_study.hpp"
+#include "simulate/simulate.hpp"
 
 namespace bodesmith::cli {
 namespace {

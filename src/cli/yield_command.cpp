@@ -15,12 +15,10 @@
 #include "cli/mismatch_options.hpp"
 #include "cli/rational_part.hpp"
 #include "cli/yield_margins.hpp"
-#include "lti/judged_floor.hpp"
 #include "lti/judging_grid.hpp"
 #include "lti/steep_flanks.hpp"
-#include "yield/job.hpp"
+#include "yield/design.hpp"
 #include "yield/json.hpp"
-#include "yield/nulls.hpp"
 #include "yield/yield.hpp"
 
 namespace bodesmith::cli {

@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "controller/open_loop.hpp"
+#include "controller/library.hpp"
 
 namespace bodesmith::controller {
 namespace {

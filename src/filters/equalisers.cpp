@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "filters/bessel_poles.hpp"
 #include "filters/prototype_parts.hpp"
 #include "lti/section_making.hpp"
 

@@ -7,6 +7,17 @@
 namespace bodesmith::filters {
 namespace {
 
+PolynomialValue reverse_bessel(int order, LongComplex s) {
+  LongComplex before = 1.0L;
+  LongComplex now = s + 1.0L;
+  for (int n = 2; n <= order; ++n) {
+    const LongComplex next = static_cast<long double>(2 * n - 1) * now + s * s * before;
+    before = now;
+    now = next;
+  }
+  return {now, now - s * before};  // theta_n' = theta_n - s theta_(n-1)
+}
+
 /// |H|^2 of an all-pole filter of gain 1 at 0, in long double.
 long double all_pole_power(const std::vector<std::complex<double>>& poles, long double w) {
   long double power = 1.0L;
@@ -16,6 +27,11 @@ long double all_pole_power(const std::vector<std::complex<double>>& poles, long 
 }
 
 }  // namespace
+
+std::vector<std::complex<double>> bessel_poles(int order) {
+  return conjugate_roots(order, 0.7L * static_cast<long double>(order) + 0.3L,
+                         [order](LongComplex s) { return reverse_bessel(order, s); });
+}
 
 std::vector<std::complex<double>> upper_unit_points(int order) {
   std::vector<std::complex<double>> out;

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "fit/cascade_fit.hpp"
-#include "lti/fractional_lead_lag.hpp"
+#include "lti/cascade.hpp"
 #include "numeric/bounded_least_squares.hpp"
 #include "signal/bode_points.hpp"
 

@@ -10,8 +10,6 @@
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "fit/alternation.hpp"
-#include "fit/cancelling_roots.hpp"
 #include "fit/constrained_search.hpp"
 #include "fit/curve_search.hpp"
 #include "fit/group_moves.hpp"

@@ -5,8 +5,8 @@
 #include <string>
 #include <vector>
 
-#include "base/deadline.hpp"
 #include "base/json_fwd.hpp"
+#include "base/progress.hpp"
 #include "base/units.hpp"
 #include "lti/sections.hpp"
 #include "signal/bode_points.hpp"

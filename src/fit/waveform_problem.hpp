@@ -6,7 +6,6 @@
 
 #include "base/units.hpp"
 #include "fit/root_model.hpp"
-#include "fit/triangle_series.hpp"
 #include "fit/waveform_error.hpp"
 #include "numeric/fixed_matrix.hpp"
 #include "signal/disturbance.hpp"

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "hysteresis/model_type.hpp"
-#include "lti/fractional_polynomial.hpp"
+#include "lti/fractional_transfer.hpp"
 
 namespace bodesmith::hysteresis {
 

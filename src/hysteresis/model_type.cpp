@@ -1,9 +1,115 @@
 #include "hysteresis/model_type.hpp"
 
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <stdexcept>
+
 #include "base/error.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::hysteresis {
+namespace {
+
+using Shape = ParameterSpec::Shape;
+
+void set_default(Parameters& out, const ParameterSpec& spec) {
+  if (spec.shape == Shape::word) {
+    out.set(spec.name, std::string_view(spec.words.front()));
+  } else {
+    out.set(spec.name, *spec.default_value);
+  }
+}
+
+/// "r has 2 numbers, expected one"; empty when the value is legal.
+std::string error_of(const Parameters& given, const ParameterSpec& spec) {
+  if (spec.shape == Shape::word) {
+    const std::string error = spec.validate(given.word(spec.name));
+    return error.empty() ? error : spec.name + " " + error;
+  }
+  const std::vector<double>& numbers = given.list(spec.name);
+  if (spec.shape != Shape::list && numbers.size() != 1)
+    return fmt::format("{} has {} numbers, expected one", spec.name, numbers.size());
+  for (const double number : numbers) {
+    if (const std::string error = spec.validate(number); !error.empty()) return spec.name + " " + error;
+  }
+  return {};
+}
+
+}  // namespace
+
+Parameters::Value& Parameters::value(std::string_view name) {
+  for (Value& candidate : values_) {
+    if (candidate.name == name) return candidate;
+  }
+  values_.push_back({std::string(name), {}, {}});
+  return values_.back();
+}
+
+const Parameters::Value& Parameters::value(std::string_view name) const {
+  for (const Value& candidate : values_) {
+    if (candidate.name == name) return candidate;
+  }
+  throw std::logic_error(fmt::format("hysteresis parameter '{}' is not set", name));
+}
+
+Parameters& Parameters::set(std::string_view name, double number) {
+  value(name).numbers = {number};
+  return *this;
+}
+
+Parameters& Parameters::set(std::string_view name, std::vector<double> numbers) {
+  value(name).numbers = std::move(numbers);
+  return *this;
+}
+
+Parameters& Parameters::set(std::string_view name, std::string_view text) {
+  value(name).word = std::string(text);
+  return *this;
+}
+
+bool Parameters::has(std::string_view name) const {
+  return std::any_of(values_.begin(), values_.end(), [&](const Value& v) { return v.name == name; });
+}
+
+double Parameters::number(std::string_view name) const {
+  const Value& found = value(name);
+  if (found.numbers.size() != 1)
+    throw std::logic_error(fmt::format("hysteresis parameter '{}' is not one number", name));
+  return found.numbers[0];
+}
+
+const std::vector<double>& Parameters::list(std::string_view name) const {
+  return value(name).numbers;
+}
+
+const std::string& Parameters::word(std::string_view name) const {
+  return value(name).word;
+}
+
+Parameters completed(const Parameters& given, const std::vector<ParameterSpec>& specs,
+                     std::string_view where) {
+  for (const Parameters::Value& value : given.values()) {
+    if (find_parameter(specs, value.name) == nullptr)
+      throw DesignError(fmt::format("{}: there is no parameter '{}'", where, value.name));
+  }
+  Parameters out;
+  for (const ParameterSpec& spec : specs) {
+    if (!given.has(spec.name)) {
+      if (!spec.optional()) throw DesignError(fmt::format("{}: parameter '{}' is missing", where, spec.name));
+      set_default(out, spec);
+      continue;
+    }
+    if (const std::string error = error_of(given, spec); !error.empty())
+      throw DesignError(fmt::format("{}: {}", where, error));
+    if (spec.shape == Shape::word) {
+      out.set(spec.name, std::string_view(given.word(spec.name)));
+    } else {
+      out.set(spec.name, given.list(spec.name));
+    }
+  }
+  return out;
+}
 
 ModelType::ModelType(std::string name, std::string what, std::string source,
                      std::vector<ParameterSpec> parameters)

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "hysteresis/identification.hpp"
-#include "hysteresis/operator.hpp"
+#include "hysteresis/inverse.hpp"
 #include "numeric/least_squares.hpp"
 #include "signal/time_record.hpp"
 

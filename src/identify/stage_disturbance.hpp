@@ -9,7 +9,6 @@
 #include "base/json_fwd.hpp"
 #include "hysteresis/polynomial_fit.hpp"
 #include "identify/stage_lag.hpp"
-#include "identify/turns.hpp"
 #include "signal/disturbance.hpp"
 
 namespace bodesmith::identify {

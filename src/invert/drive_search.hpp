@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "base/units.hpp"
 #include "chain/inverse.hpp"
 #include "invert/local_model.hpp"
 #include "invert/options.hpp"
@@ -64,5 +65,9 @@ class DriveSearch {
   std::vector<OutOfReach> refused_;
   std::vector<bool> refused_samples_;
 };
+
+/// The signal without what lies above the bandwidth: nothing is late (no phase), gain 1 up to 0.8 of it and then
+/// down as a raised cosine; the record is continued by its reflection in its end points.
+std::vector<double> band_limited(const std::vector<double>& u, double step_s, Hertz bandwidth);
 
 }  // namespace bodesmith::invert

@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
-#include "circuit/text.hpp"
+#include "circuit/circuit.hpp"
 #include "kicad/netlist_groups.hpp"
 #include "kicad/project_files.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <optional>
 
-#include "lti/fractional_polynomial.hpp"
+#include "lti/fractional_transfer.hpp"
 
 namespace bodesmith {
 

@@ -2,13 +2,28 @@
 
 #include <complex>
 #include <filesystem>
+#include <vector>
 
 #include "base/document.hpp"
 #include "base/provenance.hpp"
 #include "base/units.hpp"
-#include "lti/fractional_polynomial.hpp"
 
 namespace bodesmith {
+
+/// coefficient * s^power; s^power is the principal one, cut along the negative real axis.
+struct FractionalPower {
+  double coefficient = 1.0;
+  double power = 0.0;
+};
+
+/// sum_k a_k s^alpha_k.
+using FractionalPolynomial = std::vector<FractionalPower>;
+
+/// Its value at s = jw.
+std::complex<double> evaluate(const FractionalPolynomial& polynomial, RadPerSecond w);
+
+/// Equal powers joined, zeros dropped, powers rising.
+FractionalPolynomial collect_powers(FractionalPolynomial polynomial);
 
 /// G(s) = (sum_i b_i s^beta_i) / (sum_k a_k s^alpha_k), powers >= 0 and of any size: a fractional PID
 ///   Kp + Ki s^-lambda + Kd s^mu = (Kp s^lambda + Ki + Kd s^(lambda + mu)) / s^lambda,

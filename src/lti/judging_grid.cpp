@@ -3,8 +3,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lti/judged_floor.hpp"
-
 namespace bodesmith {
 namespace {
 

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <numbers>
 
-#include "lti/judged_floor.hpp"
 #include "lti/judging_grid.hpp"
 
 namespace bodesmith {

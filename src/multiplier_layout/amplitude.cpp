@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "multiplier_layout/at_rest.hpp"
+#include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/build.hpp"
 
 namespace bodesmith::multiplier_layout {

@@ -3,7 +3,6 @@
 #include <vector>
 
 #include "multiplier_layout/layout.hpp"
-#include "multiplier_layout/polynomial.hpp"
 
 /// The steps of make_layout(), for its own files only.
 namespace bodesmith::multiplier_layout {

@@ -3,10 +3,46 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
-#include "multiplier_layout/polynomial.hpp"
+#include "base/text.hpp"
+#include "signal/csv.hpp"
 
 namespace bodesmith::multiplier_layout {
+
+double polynomial(const std::vector<double>& a, double x) {
+  double out = 0.0;
+  for (std::size_t k = a.size(); k-- > 0;) out = (out + a[k]) * x;
+  return out;
+}
+
+double peak(const std::vector<double>& a) {
+  double out = 0.0;
+  for (int i = 0; i <= kPolynomialPoints; ++i)
+    out = std::max(out, std::abs(polynomial(a, static_cast<double>(i) / kPolynomialPoints)));
+  return out;
+}
+
+int degree(const std::vector<double>& a) {
+  std::size_t n = a.size();
+  while (n > 0 && a[n - 1] == 0.0) --n;
+  return static_cast<int>(n);
+}
+
+std::string parts_csv(const Layout& layout) {
+  CsvTable table({"part", "role", "series", "wanted_ohm", "realised_ohm", "wanted_f", "realised_f"});
+  for (const Part& part : layout.parts) {
+    const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
+    if (part.kind == Part::Kind::diode) {
+      table.add_row({part.name, part.role, part.series, "", "", "", ""});
+    } else if (part.kind == Part::Kind::resistor) {
+      table.add_row({part.name, part.role, part.series, wanted, realised, "", ""});
+    } else {
+      table.add_row({part.name, part.role, part.series, "", "", wanted, realised});
+    }
+  }
+  return table.text();
+}
 
 double Branch::value(double x) const {
   return polynomial(realised, x);

@@ -191,4 +191,17 @@ Layout make_layout(const Input& input, const Options& options = {});
 Layout make_layout(const Disturbance& disturbance, const Options& options = {});
 Layout make_layout_of_polynomials(const std::vector<Polynomial>& branches, const Options& options = {});
 
+/// parts.csv: that of the op-amp circuits, with the role in place of the section.
+std::string parts_csv(const Layout& layout);
+
+/// Steps of x over [0, 1] where polynomials are compared.
+constexpr int kPolynomialPoints = 1000;
+
+/// a[0] x + a[1] x^2 + …
+double polynomial(const std::vector<double>& a, double x);
+/// Greatest |f| over x in [0, 1].
+double peak(const std::vector<double>& a);
+/// Number of coefficients without trailing zeros.
+int degree(const std::vector<double>& a);
+
 }  // namespace bodesmith::multiplier_layout

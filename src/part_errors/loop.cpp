@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "controller/at_rest.hpp"
-#include "controller/open_loop.hpp"
+#include "controller/library.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/loop_margins.hpp"
 #include "schematic/analysis/response.hpp"

@@ -6,7 +6,6 @@
 
 #include "base/error.hpp"
 #include "controller/as_built.hpp"
-#include "controller/dynamics.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 

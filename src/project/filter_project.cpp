@@ -3,7 +3,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "circuit/stated_band.hpp"
+#include "circuit/circuit.hpp"
 #include "project/tables.hpp"
 
 namespace bodesmith::project {

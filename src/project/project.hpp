@@ -8,8 +8,8 @@
 #include <string_view>
 #include <vector>
 
-#include "base/deadline.hpp"
 #include "base/document.hpp"
+#include "base/progress.hpp"
 #include "base/provenance.hpp"
 #include "base/units.hpp"
 #include "lti/sections.hpp"

@@ -2,8 +2,8 @@
 
 #include <filesystem>
 
-#include "base/deadline.hpp"
 #include "base/document.hpp"
+#include "base/progress.hpp"
 #include "base/provenance.hpp"
 
 namespace bodesmith::project {

@@ -1,6 +1,57 @@
 #include "schematic/netlist.hpp"
 
+#include <cmath>
+
+#include "base/error.hpp"
+
 namespace bodesmith::schematic {
+
+std::complex<double> OpAmpModel::open_loop(RadPerSecond w) const {
+  return dc_gain / std::complex<double>(1.0, w.value * dc_gain / gain_bandwidth.rad_s().value);
+}
+
+OpAmpModel OpAmpModel::ideal() {
+  OpAmpModel out;
+  out.name = "ideal";
+  out.is_ideal = true;
+  out.gain_bandwidth = Hertz{1e15};
+  out.dc_gain = 1e12;
+  out.slew_v_per_s = 1e18;
+  out.swing_v = 1e6;
+  out.output_resistance_ohm = out.bias_current_a = out.offset_v = 0.0;
+  out.voltage_noise_v_per_rthz = out.current_noise_a_per_rthz = 0.0;
+  out.greatest_output_current_a = 1e6;
+  return out;
+}
+
+SwitchModel SwitchModel::for_branches(std::size_t count) {
+  SwitchModel out;
+  if (count <= 2) return out;
+  out.name = "ADG408";
+  out.on_ohm = 40.0;
+  out.on_delay_s = 120e-9;
+  out.gap_s = 10e-9;
+  out.charge_c = 20e-12;
+  out.source_f = 11e-12;
+  out.drain_f = 5e-12;
+  return out;
+}
+
+SwitchTimer SwitchTimer::of(const SwitchModel& model) {
+  if (!(model.gap_s >= 0.0) || !(model.gap_s < model.on_delay_s)) {
+    throw DesignError("the switch's break-before-make gap must be at least 0 and shorter than its delay");
+  }
+  // exp(-on/tau) + exp(-off/tau) rises with tau from 0 to 2.
+  double low = 1e-3 * model.on_delay_s, high = 10.0 * model.on_delay_s;
+  for (int i = 0; i < 100; ++i) {
+    const double tau = 0.5 * (low + high);
+    (std::exp(-model.on_delay_s / tau) + std::exp(-model.off_delay_s() / tau) < 1.0 ? low : high) = tau;
+  }
+  SwitchTimer out;
+  out.tau_s = 0.5 * (low + high);
+  out.level = std::exp(-model.off_delay_s() / out.tau_s);
+  return out;
+}
 
 const Part* Netlist::part_named(const std::string& name) const {
   const auto at = std::find_if(parts.begin(), parts.end(), [&](const Part& one) { return one.name == name; });

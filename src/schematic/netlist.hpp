@@ -1,16 +1,74 @@
 #pragma once
 
 #include <algorithm>
+#include <complex>
 #include <cstddef>
 #include <string>
 #include <vector>
 
-#include "schematic/opamp_model.hpp"
-#include "schematic/switch_model.hpp"
+#include "base/units.hpp"
 
 /// One netlist for every analog circuit of this program, whoever made it: op-amp stages and ladders, the disturbance
 /// generator, the whole controller. Analyses (analysis/), drawings and netlists of simulators (writers/) read it.
 namespace bodesmith::schematic {
+
+/// An operational amplifier as far as this program needs one. Open loop
+///   A(s) = A0 / (1 + s A0 / (2 pi GBW)),  behind `output_resistance_ohm`,
+/// its rate of change limited to `slew_v_per_s` and its output to +-`swing_v`.
+struct OpAmpModel {
+  std::string name = "generic-10M";
+  Hertz gain_bandwidth{10e6};
+  double dc_gain = 1e6;
+  double slew_v_per_s = 20e6;
+  double output_resistance_ohm = 50.0;
+  double swing_v = 14.1;  ///< greatest output either side of ground
+  double bias_current_a = 10e-12;
+  double offset_v = 0.5e-3;
+  double voltage_noise_v_per_rthz = 8e-9;
+  double voltage_noise_corner_hz = 100.0;  ///< 1/f corner of the voltage noise
+  double current_noise_a_per_rthz = 1e-15;
+  double greatest_output_current_a = 20e-3;
+  int per_package = 1;  ///< op-amps in one 8-pin package: 1 or 2
+  /// Stands for a nullor: its figures are far beyond any that matter, netlists have a plain source.
+  bool is_ideal = false;
+
+  /// The type "ideal".
+  static OpAmpModel ideal();
+
+  std::complex<double> open_loop(RadPerSecond w) const;
+};
+
+/// An analog switch with break-before-make. All figures are typical data-sheet values, assumptions until a
+/// type is bought and measured.
+struct SwitchModel {
+  std::string name = "ADG413";
+  double on_ohm = 35.0;
+  double off_siemens = 1e-10;
+  double on_delay_s = 110e-9;  ///< from the control to the new contact
+  double gap_s = 25e-9;        ///< both contacts open: the old one opens on_delay_s - gap_s after the control
+  double charge_c = 5e-12;     ///< left on the common node by an opening contact
+  double source_f = 9e-12;     ///< each contact against ground
+  double drain_f = 9e-12;      ///< each contact's share of the common node
+
+  /// Two contacts of an ADG413 for one or two branches; an ADG408 (8-way) for more.
+  static SwitchModel for_branches(std::size_t count);
+  /// Of a closed contact; a milliohm at least.
+  double on_siemens() const { return 1.0 / std::max(on_ohm, 1e-3); }
+  double off_delay_s() const { return on_delay_s - gap_s; }
+  /// Through it a gate that swings by kGateSwing pushes the injected charge.
+  static constexpr double kGateSwing = 10.0;
+  double gate_f() const { return charge_c / kGateSwing; }
+};
+
+/// The netlist's switch makes both delays with one RC: charging crosses `level` after on_delay_s, discharging
+/// after off_delay_s: exp(-off/tau) = level = 1 - exp(-on/tau).
+struct SwitchTimer {
+  double tau_s = 0.0;
+  double level = 0.5;
+
+  /// Throws DesignError unless 0 <= gap_s < on_delay_s.
+  static SwitchTimer of(const SwitchModel& model);
+};
 
 /// What a part of a circuit is there for. Titles are for people.
 enum class Purpose {

@@ -6,7 +6,7 @@
 
 #include "base/document.hpp"
 #include "base/provenance.hpp"
-#include "schematic/opamp_model.hpp"
+#include "schematic/netlist.hpp"
 
 namespace bodesmith::schematic {
 

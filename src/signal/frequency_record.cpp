@@ -4,8 +4,8 @@
 
 #include <cmath>
 
-#include "base/above_zero.hpp"
 #include "base/error.hpp"
+#include "base/whole_number.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
 

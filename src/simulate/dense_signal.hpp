@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "signal/time_record.hpp"
-#include "simulate/hold_nodes.hpp"
+#include "simulate/hold_response.hpp"
 
 namespace bodesmith::simulate {
 

@@ -5,7 +5,7 @@
 #include <span>
 #include <vector>
 
-#include "simulate/modal_system.hpp"
+#include "simulate/modal_pairs.hpp"
 
 namespace bodesmith::simulate {
 

@@ -12,7 +12,6 @@
 #include "simulate/propagators/branch.hpp"
 #include "simulate/propagators/collocation.hpp"
 #include "simulate/propagators/linear.hpp"
-#include "simulate/propagators/memory.hpp"
 #include "simulate/propagators/sampled.hpp"
 #include "simulate/record_plan.hpp"
 #include "simulate/types.hpp"

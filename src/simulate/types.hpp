@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "chain/chain.hpp"
-#include "chain/start.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::simulate {

@@ -6,13 +6,13 @@
 #include <cmath>
 
 #include "base/json.hpp"
+#include "circuit/circuit.hpp"
 #include "circuit/json.hpp"
-#include "circuit/stated_band.hpp"
 #include "schematic/analysis/in_time.hpp"
 #include "schematic/analysis/noise.hpp"
 #include "schematic/analysis/response.hpp"
 #include "spice/compensator_library.hpp"
-#include "spice/deck_template.hpp"
+#include "spice/dialect.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::spice {

@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "base/version.hpp"
+#include "circuit/circuit.hpp"
 #include "circuit/stages/placement.hpp"
-#include "circuit/text.hpp"
 
 namespace bodesmith::spice {
 namespace {

@@ -6,10 +6,10 @@
 #include <cmath>
 
 #include "base/json.hpp"
-#include "multiplier_layout/at_rest.hpp"
-#include "multiplier_layout/polynomial.hpp"
+#include "multiplier_layout/budget.hpp"
+#include "multiplier_layout/layout.hpp"
 #include "multiplier_layout/timing.hpp"
-#include "spice/deck_template.hpp"
+#include "spice/dialect.hpp"
 #include "spice/disturbance_library.hpp"
 #include "spice/ngspice.hpp"
 

@@ -11,7 +11,7 @@
 #include "base/files.hpp"
 #include "base/letters.hpp"
 #include "base/text.hpp"
-#include "spice/include_line.hpp"
+#include "spice/subcircuits.hpp"
 
 namespace bodesmith::spice {
 namespace {

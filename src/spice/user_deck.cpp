@@ -12,8 +12,8 @@
 #include "base/letters.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "spice/include_line.hpp"
 #include "spice/plain_netlist.hpp"
+#include "spice/subcircuits.hpp"
 
 namespace bodesmith::spice {
 namespace {

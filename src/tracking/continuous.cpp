@@ -10,7 +10,7 @@
 #include "simulate/cvode_solver.hpp"
 #include "simulate/hold_response.hpp"
 #include "tracking/driven_stage.hpp"
-#include "tracking/slope_meter.hpp"
+#include "tracking/periodic.hpp"
 
 namespace bodesmith::tracking {
 namespace {

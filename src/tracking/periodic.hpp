@@ -5,6 +5,8 @@
 #include <cstddef>
 #include <vector>
 
+#include "tracking/compensator.hpp"
+#include "tracking/reference.hpp"
 #include "tracking/types.hpp"
 #include "tracking/waveforms.hpp"
 
@@ -71,5 +73,14 @@ class PeriodicTracking {
   std::vector<bool> rising_;
   std::vector<bool> corner_;
 };
+
+/// What a SlopeGain's slope detector holds over one repeat of the reference, in steady state, evenly sampled.
+struct MeasuredSlope {
+  std::vector<double> slope;         ///< s, 1/s
+  std::vector<double> smoothed;      ///< m, 1/s; |s| without smoothing
+  std::vector<double> frequency_hz;  ///< m/(2 alpha)
+};
+MeasuredSlope measure_slope(const SlopeGain& gain, const Reference& reference, Hertz operating,
+                            std::size_t samples);
 
 }  // namespace bodesmith::tracking

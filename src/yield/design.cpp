@@ -8,10 +8,11 @@
 
 #include "base/error.hpp"
 #include "circuit/built_circuit.hpp"
+#include "circuit/circuit.hpp"
 #include "circuit/stages/stage_form.hpp"
-#include "circuit/stated_band.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/drawn_board.hpp"
+#include "lti/judging_grid.hpp"
 #include "schematic/analysis/response.hpp"
 
 namespace bodesmith::yield {
@@ -174,41 +175,6 @@ class PlanReader {
   bool is_product_ = true;
 };
 
-}  // namespace
-
-Complex Design::response(Hertz f, std::span<const double> values) const {
-  if (board) return fpaa::DrawnBoard(*board, {f}).response(values)[0];
-  Complex h = 1.0;
-  for (const Stage& stage : stages) {
-    if (stage.by_parts) {
-      h *= stage.by_parts(values.subspan(stage.first_part, stage.part_count), f.rad_s());
-      continue;
-    }
-    h *= stage.transfer(values.subspan(stage.first_part, stage.part_count)).response(variable(stage, f));
-  }
-  return h;
-}
-
-std::vector<double> Design::nominal_values() const {
-  std::vector<double> out;
-  for (const Part& part : parts) out.push_back(part.nominal);
-  return out;
-}
-
-Complex Design::nominal(Hertz f) const {
-  return response(f, nominal_values());
-}
-
-bool Design::is_quick() const {
-  const std::vector<double> values = nominal_values();
-  return !board && std::none_of(stages.begin(), stages.end(), [&](const Stage& stage) {
-    return stage.by_parts ||
-           stage.transfer(std::span(values).subspan(stage.first_part, stage.part_count)).a0 == 0.0;
-  });
-}
-
-namespace {
-
 /// Parts and stages of a circuit; the reference is `wanted` over what the op-amps make of the nominal circuit.
 Design design_from_parts(const circuit::Circuit& circuit, std::function<Complex(Hertz)> wanted,
                          OpAmps opamps) {
@@ -246,6 +212,54 @@ Design design_from_parts(const circuit::Circuit& circuit, std::function<Complex(
 }
 
 }  // namespace
+
+std::vector<Hertz> leave_out_nulls(const std::vector<Design>& designs, std::vector<Hertz>& grid) {
+  std::vector<Hertz> left_out, kept;
+  std::vector<double> largest;
+  for (const Design& design : designs) {
+    largest.push_back(0.0);
+    for (const Hertz f : grid) largest.back() = std::max(largest.back(), std::abs(design.reference(f)));
+  }
+  for (const Hertz f : grid) {
+    bool null = false;
+    for (std::size_t i = 0; i < designs.size(); ++i)
+      null = null || !(std::abs(designs[i].reference(f)) > kJudgedFloor * largest[i]);
+    (null ? left_out : kept).push_back(f);
+  }
+  grid = std::move(kept);
+  return left_out;
+}
+
+Complex Design::response(Hertz f, std::span<const double> values) const {
+  if (board) return fpaa::DrawnBoard(*board, {f}).response(values)[0];
+  Complex h = 1.0;
+  for (const Stage& stage : stages) {
+    if (stage.by_parts) {
+      h *= stage.by_parts(values.subspan(stage.first_part, stage.part_count), f.rad_s());
+      continue;
+    }
+    h *= stage.transfer(values.subspan(stage.first_part, stage.part_count)).response(variable(stage, f));
+  }
+  return h;
+}
+
+std::vector<double> Design::nominal_values() const {
+  std::vector<double> out;
+  for (const Part& part : parts) out.push_back(part.nominal);
+  return out;
+}
+
+Complex Design::nominal(Hertz f) const {
+  return response(f, nominal_values());
+}
+
+bool Design::is_quick() const {
+  const std::vector<double> values = nominal_values();
+  return !board && std::none_of(stages.begin(), stages.end(), [&](const Stage& stage) {
+    return stage.by_parts ||
+           stage.transfer(std::span(values).subspan(stage.first_part, stage.part_count)).a0 == 0.0;
+  });
+}
 
 Design design_of_circuit(const circuit::Circuit& circuit, const Sections& wanted, std::string name,
                          OpAmps opamps) {

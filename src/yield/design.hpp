@@ -9,8 +9,8 @@
 #include <vector>
 
 #include "base/document.hpp"
+#include "circuit/built_circuit.hpp"
 #include "circuit/circuit.hpp"
-#include "circuit/parts_response.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
@@ -75,5 +75,9 @@ Design design_of_file(const Node& circuit, std::string name, OpAmps opamps);
 ///   H = -(Ca + Cb v)/(Cc + Cd v)  and  H = -Cin/(Cout + Cint v),  v = 1 - 1/z:
 /// its hold is the same in every board, and the product is quick.
 Design design_of_plan(const Node& plan, std::string name, const std::optional<Sections>& wanted = {});
+
+/// Takes away the frequencies at which the response of one of the designs is below kJudgedFloor of its largest on the grid
+/// (notches, stop bands): deviations in dB, degrees and percent say nothing there. Returns them.
+std::vector<Hertz> leave_out_nulls(const std::vector<Design>& designs, std::vector<Hertz>& grid);
 
 }  // namespace bodesmith::yield

@@ -1,5 +1,3 @@
-#include "yield/yield.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -18,21 +16,9 @@
 #include "yield/counts.hpp"
 #include "yield/expectation.hpp"
 #include "yield/kernel.hpp"
+#include "yield/yield.hpp"
 
 namespace bodesmith::yield {
-
-std::string_view to_string(Spread::Kind kind) {
-  switch (kind) {
-    case Spread::Kind::uniform:
-      return "uniform";
-    case Spread::Kind::gaussian:
-      return "gaussian";
-    case Spread::Kind::corners:
-      return "corners";
-  }
-  return "";
-}
-
 namespace {
 
 constexpr std::uint64_t kChunk = 1024;  // samples a thread takes at a time
@@ -214,6 +200,30 @@ Counts gathered(const Counts& before, const std::vector<Worker>& workers, const 
 
 }  // namespace
 
+std::string job_text(const Options& options, const Provenance& from) {
+  const Spread& s = options.spread;
+  std::string text = fmt::format("{} {} {} {} {} {} {} {} {} {} {} {}", static_cast<int>(s.kind), s.sigmas,
+                                 s.resistor_percent, s.capacitor_percent, s.mismatch.unit_percent,
+                                 s.mismatch.systematic_units, s.temperature_low_c, s.temperature_high_c,
+                                 s.resistor_ppm_per_k, s.capacitor_ppm_per_k, options.limit_db.value_or(-1.0),
+                                 options.limit_deg.value_or(-1.0));
+  for (const Hertz f : options.grid) text += " " + number_text(f.value);
+  for (const InputFile& file : from.inputs) text += " " + file.sha256;
+  return text;
+}
+
+std::string_view to_string(Spread::Kind kind) {
+  switch (kind) {
+    case Spread::Kind::uniform:
+      return "uniform";
+    case Spread::Kind::gaussian:
+      return "gaussian";
+    case Spread::Kind::corners:
+      return "corners";
+  }
+  return "";
+}
+
 Result run_monte_carlo(const Design& design, const Options& options, const Team& team) {
   validate(design, options);
   Result result = expected_result(design, options);
@@ -253,6 +263,32 @@ Result run_monte_carlo(const Design& design, const Options& options, const Team&
     std::filesystem::remove(options.checkpoint, ignored);
   }
   return result;
+}
+
+std::vector<Purchase> tolerances_to_buy(const Design& design, const Options& options, double limit_db) {
+  Options trial = options;
+  trial.samples = 4096;
+  trial.checkpoint.clear();
+  trial.progress = nullptr;
+  std::vector<Purchase> out;
+  const Team alone;
+  for (const double resistor : {5.0, 1.0, 0.5, 0.1}) {
+    for (const double capacitor : {10.0, 5.0, 2.0, 1.0, 0.5}) {
+      trial.spread.resistor_percent = resistor;
+      trial.spread.capacitor_percent = capacitor;
+      const Result result = run_monte_carlo(design, trial, alone);
+      Purchase one{resistor, capacitor, result.worst_db.quantile(0.95), false};
+      one.meets = one.worst_db_95 <= limit_db;
+      out.push_back(one);
+    }
+  }
+  // Wide tolerances are cheap, capacitors more expensive than resistors at the same figure.
+  const auto price = [](const Purchase& p) { return 1.0 / p.resistor_percent + 4.0 / p.capacitor_percent; };
+  std::stable_sort(out.begin(), out.end(), [&](const Purchase& a, const Purchase& b) {
+    if (a.meets != b.meets) return a.meets;
+    return a.meets ? price(a) < price(b) : a.worst_db_95 < b.worst_db_95;
+  });
+  return out;
 }
 
 }  // namespace bodesmith::yield

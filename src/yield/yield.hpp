@@ -8,12 +8,23 @@
 #include <string_view>
 #include <vector>
 
+#include "base/provenance.hpp"
 #include "fpaa/device/mismatch.hpp"
 #include "numeric/team.hpp"
 #include "yield/design.hpp"
-#include "yield/histogram.hpp"
 
 namespace bodesmith::yield {
+
+/// Counts of one quantity in equal bins; `low` and `high` belong to the design, not to the samples, so that
+/// counts from different processes add up.
+struct Histogram {
+  double low = 0.0, high = 1.0;
+  std::vector<std::uint64_t> counts;
+  double min = 0.0, max = 0.0;  ///< exact
+
+  /// Linear within a bin.
+  double quantile(double p) const;
+};
 
 /// How parts differ from what is printed on them.
 struct Spread {
@@ -91,5 +102,8 @@ struct Purchase {
 /// What to buy so that 95 % of the circuits stay within limit_db; cheapest (largest tolerances) first among
 /// those that meet it.
 std::vector<Purchase> tolerances_to_buy(const Design& design, const Options& options, double limit_db);
+
+/// Everything that the counts depend on besides samples and seed: identifies a checkpoint (Options::job).
+std::string job_text(const Options& options, const Provenance& from);
 
 }  // namespace bodesmith::yield

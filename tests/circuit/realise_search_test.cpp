@@ -7,8 +7,8 @@
 #include "base/json.hpp"
 #include "base/quantity.hpp"
 #include "circuit/built_circuit.hpp"
+#include "circuit/circuit.hpp"
 #include "circuit/json.hpp"
-#include "circuit/stated_band.hpp"
 #include "schematic/analysis/response.hpp"
 #include "seed_sections.hpp"
 

@@ -6,7 +6,6 @@
 #include <random>
 
 #include "base/error.hpp"
-#include "circuit/stages/ordering.hpp"
 #include "circuit/stages/pairing.hpp"
 #include "schematic/analysis/response.hpp"
 #include "seed_sections.hpp"

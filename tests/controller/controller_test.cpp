@@ -7,8 +7,8 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "controller/as_built.hpp"
 #include "controller/at_rest.hpp"
-#include "controller/dynamics.hpp"
 #include "controller/library.hpp"
 #include "controller/study.hpp"
 #include "spice/ngspice.hpp"

@@ -7,7 +7,7 @@
 #include <cmath>
 
 #include "base/units.hpp"
-#include "filters/bessel_poles.hpp"
+#include "filters/prototype_parts.hpp"
 
 namespace bodesmith::filters {
 namespace {

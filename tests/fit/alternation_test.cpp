@@ -1,5 +1,4 @@
 // The bound by alternation, and the fits it proves best.
-#include "fit/alternation.hpp"
 
 #include <gtest/gtest.h>
 

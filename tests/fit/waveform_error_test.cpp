@@ -7,7 +7,6 @@
 #include "base/error.hpp"
 #include "fit/cascade_fit.hpp"
 #include "fit/paper_disturbance.hpp"
-#include "fit/triangle_series.hpp"
 
 namespace bodesmith {
 namespace {

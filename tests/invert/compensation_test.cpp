@@ -12,7 +12,7 @@
 #include "base/error.hpp"
 #include "chain/inverse.hpp"
 #include "chain/registry.hpp"
-#include "invert/band_limit.hpp"
+#include "invert/drive_search.hpp"
 #include "signal/error_figures.hpp"
 #include "simulate/simulate.hpp"
 

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lti/group_delay.hpp"
+#include "lti/level_and_phase.hpp"
 #include "lti/loop_margins.hpp"
 #include "lti/time_response.hpp"
 

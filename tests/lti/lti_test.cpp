@@ -6,7 +6,6 @@
 #include "base/error.hpp"
 #include "base/json.hpp"
 #include "lti/cascade.hpp"
-#include "lti/fractional_lead_lag.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
 

@@ -6,7 +6,6 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "multiplier_layout/at_rest.hpp"
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/timing.hpp"
 

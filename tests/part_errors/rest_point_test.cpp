@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "controller/at_rest.hpp"
-#include "controller/open_loop.hpp"
+#include "controller/library.hpp"
 #include "part_errors/errors.hpp"
 #include "part_errors/operating_point.hpp"
 #include "part_errors/seed_controller.hpp"

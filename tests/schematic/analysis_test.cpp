@@ -6,7 +6,6 @@
 
 #include "schematic/analysis/noise.hpp"
 #include "schematic/analysis/response.hpp"
-#include "schematic/analysis/sensitivity.hpp"
 
 namespace bodesmith::schematic {
 namespace {

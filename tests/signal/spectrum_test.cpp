@@ -1,4 +1,4 @@
-#include "signal/spectrum.hpp"
+#include "signal/periodogram.hpp"
 
 #include <gtest/gtest.h>
 

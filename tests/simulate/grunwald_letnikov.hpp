@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/whole_number.hpp"
-#include "lti/fractional_lead_lag.hpp"
+#include "lti/cascade.hpp"
 #include "numeric/grunwald_letnikov.hpp"
 
 namespace bodesmith::simulate {

@@ -6,7 +6,7 @@
 
 #include "base/error.hpp"
 #include "chain/registry.hpp"
-#include "lti/fractional_lead_lag.hpp"
+#include "lti/cascade.hpp"
 #include "simulate/grunwald_letnikov.hpp"
 #include "simulate/references.hpp"
 #include "simulate/simulate.hpp"

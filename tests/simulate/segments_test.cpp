@@ -1,5 +1,5 @@
 // What a report says about which engine does what.
-#include "simulate/segments.hpp"
+#include "simulate/simulate.hpp"
 
 #include <gtest/gtest.h>
 

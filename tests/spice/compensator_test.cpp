@@ -4,8 +4,8 @@
 
 #include "../circuit/seed_sections.hpp"
 #include "base/error.hpp"
+#include "circuit/circuit.hpp"
 #include "circuit/realise.hpp"
-#include "circuit/text.hpp"
 #include "schematic/analysis/response.hpp"
 #include "schematic/writers/spice_models.hpp"
 #include "spice/compensator_check.hpp"

@@ -5,7 +5,7 @@
 
 #include "base/files.hpp"
 #include "base/text.hpp"
-#include "circuit/text.hpp"
+#include "circuit/circuit.hpp"
 #include "run_program.hpp"
 #include "schematic/analysis/response.hpp"
 #include "spice/compensator_library.hpp"

@@ -1,4 +1,4 @@
-#include "lti/fractional_lead_lag.hpp"
+#include "lti/cascade.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "circuit/parts/search_grid.hpp"
+#include "circuit/parts/stage_errors.hpp"
 #include "circuit/realise.hpp"
 #include "circuit/stages/stage_form.hpp"
 

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
 
 namespace bodesmith::circuit {
@@ -18,5 +19,17 @@ Split split_into_stages(const Sections& sections);
 /// As split_into_stages(), but real roots are kept in pairs too: stages of two poles (one is left alone when
 /// their number is odd), for realisations that make two poles.
 Split split_into_two_pole_stages(const Sections& sections);
+
+/// Stages with their share of the gain, in the order of the signal.
+struct Ordered {
+  std::vector<Section> stages;   ///< gains above 0; their product is |gain|
+  double highest_node_db = 0.0;  ///< over the band, at any stage's output
+  double lowest_node_db = 0.0;
+};
+
+/// Spreads |gain| over the stages: each is levelled (its highest and lowest magnitude over the band equally
+/// far from 0 dB) and takes an equal share of what is left. Orders them so that the greatest |dB| at any node
+/// between stages is least: exactly, over all subsets, up to 14 stages; nearest next stage above that.
+Ordered order_stages(const std::vector<Section>& stages, double gain, Band band);
 
 }  // namespace bodesmith::circuit

@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "base/memory_file.hpp"
+#include "base/temporary.hpp"
 #include "exchange/writers/all_writers.hpp"
 
 namespace bodesmith::exchange {

@@ -1,4 +1,3 @@
-#include "filters/bessel_poles.hpp"
 #include "filters/prototype_parts.hpp"
 
 namespace bodesmith::filters {

@@ -4,7 +4,6 @@
 #include <vector>
 
 #include "chain/kernel.hpp"
-#include "simulate/hold_nodes.hpp"
 #include "simulate/hold_response.hpp"
 
 namespace bodesmith::simulate {

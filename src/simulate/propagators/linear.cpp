@@ -4,7 +4,7 @@
 #include <array>
 #include <cmath>
 
-#include "simulate/propagators/two_lanes.hpp"
+#include "simulate/propagators/modal.hpp"
 
 namespace bodesmith::simulate {
 namespace {

@@ -5,7 +5,6 @@
 #include <vector>
 
 #include "chain/kernel.hpp"
-#include "simulate/hold_nodes.hpp"
 #include "simulate/hold_response.hpp"
 #include "simulate/propagators/modal.hpp"
 

@@ -4,8 +4,6 @@
 #include <cmath>
 #include <utility>
 
-#include "simulate/propagators/two_lanes.hpp"
-
 namespace bodesmith::simulate {
 namespace {
 

@@ -3,7 +3,7 @@
 #include <cstddef>
 
 #include "chain/kernel.hpp"
-#include "simulate/hold_nodes.hpp"
+#include "simulate/hold_response.hpp"
 
 namespace bodesmith::simulate {
 
@@ -12,5 +12,9 @@ namespace bodesmith::simulate {
 /// a linear system behind it see the right steps to high order; `jumps` is what the output at the nodes is more than that.
 void run_sampled(chain::SampledKernel& kernel, const HoldNodes& nodes, double h, const double* u, double* y,
                  std::size_t holds, bool equilibrium, double* jumps = nullptr);
+
+/// A memory operator over holds of h seconds, node by node, in place. Returns the output at the start.
+double run_memory(chain::MemoryKernel& memory, const HoldNodes& nodes, double h, double* signal,
+                  std::size_t holds, bool equilibrium);
 
 }  // namespace bodesmith::simulate

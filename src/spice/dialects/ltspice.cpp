@@ -2,7 +2,7 @@
 
 #include "schematic/plain_number.hpp"
 #include "spice/compensator_library.hpp"
-#include "spice/deck_template.hpp"
+#include "spice/dialect.hpp"
 
 namespace bodesmith::spice {
 namespace {

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "schematic/plain_number.hpp"
-#include "spice/deck_template.hpp"
+#include "spice/dialect.hpp"
 
 namespace bodesmith::spice {
 namespace {

@@ -1,4 +1,4 @@
-#include "spice/deck_template.hpp"
+#include "spice/dialect.hpp"
 
 namespace bodesmith::spice {
 namespace {

@@ -1,4 +1,4 @@
-#include "spice/deck_template.hpp"
+#include "spice/dialect.hpp"
 
 #include <fmt/format.h>
 
@@ -10,9 +10,6 @@
 #include "schematic/plain_number.hpp"
 
 namespace bodesmith::spice {
-
-using schematic::plain_number;
-
 namespace {
 
 /// A first line that begins so is more to ngspice than a title.
@@ -21,6 +18,8 @@ std::string plain_title(const std::string& title) {
 }
 
 }  // namespace
+
+using schematic::plain_number;
 
 Deck deck_from_template(const std::string& file, const DeckRequest& request,
                         const std::vector<TemplateLines>& lists) {

@@ -57,9 +57,6 @@ Outcome<NormalisedApproximation> Carlson::approximate(const ApproximationTask& t
 
 }  // namespace
 
-const Method& carlson_method() {
-  static const Carlson method;
-  return method;
-}
+BODESMITH_ENTRY(Method, carlson_method, Carlson)
 
 }  // namespace bodesmith

@@ -34,9 +34,6 @@ class Charef final : public Method {
 
 }  // namespace
 
-const Method& charef_method() {
-  static const Charef method;
-  return method;
-}
+BODESMITH_ENTRY(Method, charef_method, Charef)
 
 }  // namespace bodesmith

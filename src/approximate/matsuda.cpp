@@ -113,9 +113,6 @@ Outcome<NormalisedApproximation> Matsuda::approximate(const ApproximationTask& t
 
 }  // namespace
 
-const Method& matsuda_method() {
-  static const Matsuda method;
-  return method;
-}
+BODESMITH_ENTRY(Method, matsuda_method, Matsuda)
 
 }  // namespace bodesmith

@@ -274,9 +274,6 @@ Outcome<NormalisedApproximation> Minimax::approximate(const ApproximationTask& t
 
 }  // namespace
 
-const Method& minimax_method() {
-  static const Minimax method;
-  return method;
-}
+BODESMITH_ENTRY(Method, minimax_method, Minimax)
 
 }  // namespace bodesmith

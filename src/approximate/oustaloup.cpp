@@ -74,14 +74,8 @@ Outcome<NormalisedApproximation> RefinedOustaloup::approximate(const Approximati
 
 }  // namespace
 
-const Method& oustaloup_method() {
-  static const Oustaloup method;
-  return method;
-}
+BODESMITH_ENTRY(Method, oustaloup_method, Oustaloup)
 
-const Method& refined_oustaloup_method() {
-  static const RefinedOustaloup method;
-  return method;
-}
+BODESMITH_ENTRY(Method, refined_oustaloup_method, RefinedOustaloup)
 
 }  // namespace bodesmith

@@ -20,9 +20,6 @@ class Pade final : public Method {
 
 }  // namespace
 
-const Method& pade_method() {
-  static const Pade method;
-  return method;
-}
+BODESMITH_ENTRY(Method, pade_method, Pade)
 
 }  // namespace bodesmith

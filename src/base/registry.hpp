@@ -1,5 +1,8 @@
 #pragma once
 
+#include <boost/preprocessor/seq/for_each.hpp>
+#include <boost/preprocessor/variadic/to_seq.hpp>
+
 #include <algorithm>
 #include <initializer_list>
 #include <stdexcept>
@@ -64,3 +67,22 @@ class Registry {
 };
 
 }  // namespace bodesmith
+
+/// Defines `const T& entry()`: the one object of the class that a registry's table names.
+#define BODESMITH_ENTRY(T, entry, Class) \
+  const T& entry() {                     \
+    static const Class one;              \
+    return one;                          \
+  }
+
+#define BODESMITH_DECLARE_ENTRY(r, T, entry) const T& entry();
+#define BODESMITH_ENTRY_ADDRESS(r, T, entry) &entry(),
+
+/// Defines `Registry<T>& registry()`. Its table: a name an entry, whose function stands in a file of its own.
+#define BODESMITH_REGISTRY(T, registry, kind, ...)                                                         \
+  BOOST_PP_SEQ_FOR_EACH(BODESMITH_DECLARE_ENTRY, T, BOOST_PP_VARIADIC_TO_SEQ(__VA_ARGS__))                 \
+  Registry<T>& registry() {                                                                                \
+    static Registry<T> all(                                                                                \
+        kind, {BOOST_PP_SEQ_FOR_EACH(BODESMITH_ENTRY_ADDRESS, T, BOOST_PP_VARIADIC_TO_SEQ(__VA_ARGS__))}); \
+    return all;                                                                                            \
+  }

@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/parameter.hpp"
+#include "base/registry.hpp"
 #include "base/units.hpp"
 #include "chain/kernel.hpp"
 #include "chain/part_change.hpp"

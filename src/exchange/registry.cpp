@@ -2,17 +2,12 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "exchange/writers/all_writers.hpp"
+#include "exchange/writer.hpp"
 
 namespace bodesmith::exchange {
 
-Registry<Writer>& writers() {
-  static Registry<Writer> all(
-      "export format",
-      {&touchstone_writer(), &frd_writer(), &csv_writer(), &pwl_writer(), &spice_source_writer(),
-       &matlab_writer(), &python_writer(), &octave_writer(), &c_writer(), &ltspice_writer()});
-  return all;
-}
+BODESMITH_REGISTRY(Writer, writers, "export format", touchstone_writer, frd_writer, csv_writer, pwl_writer,
+                   spice_source_writer, matlab_writer, python_writer, octave_writer, c_writer, ltspice_writer)
 
 const Writer& writer_for(std::string_view file_name) {
   std::string known;

@@ -3,47 +3,13 @@
 namespace bodesmith::gap {
 
 // Each stands in a file of its own in effects/, which defines `const Effect& NAME_effect()`.
-#define BODESMITH_EFFECTS(ENTRY) \
-  ENTRY(gain_error)              \
-  ENTRY(offset)                  \
-  ENTRY(drift)                   \
-  ENTRY(mains_hum)               \
-  ENTRY(time_delay)              \
-  ENTRY(amplifier_pole)          \
-  ENTRY(resonance)               \
-  ENTRY(parallel_mode)           \
-  ENTRY(right_half_plane_zero)   \
-  ENTRY(slew_limit)              \
-  ENTRY(saturation)              \
-  ENTRY(dead_zone)               \
-  ENTRY(backlash)                \
-  ENTRY(quadratic_nonlinearity)  \
-  ENTRY(cubic_nonlinearity)      \
-  ENTRY(cubic_stiffness)         \
-  ENTRY(quadratic_stiffness)     \
-  ENTRY(drag)                    \
-  ENTRY(hysteresis)              \
-  ENTRY(asymmetric_hysteresis)   \
-  ENTRY(rate_dependence)         \
-  ENTRY(creep)                   \
-  ENTRY(multiplier_error)        \
-  ENTRY(part_value)              \
-  ENTRY(switch_delay)            \
-  ENTRY(opamp_bandwidth)         \
-  ENTRY(capacitor_mismatch)      \
-  ENTRY(sample_hold)
-
-#define BODESMITH_DECLARE(name) const Effect& name##_effect();
-BODESMITH_EFFECTS(BODESMITH_DECLARE)
-#undef BODESMITH_DECLARE
-
-Registry<Effect>& effect_registry() {
-#define BODESMITH_ENTRY(name) &name##_effect(),
-  static Registry<Effect> registry("effect", {BODESMITH_EFFECTS(BODESMITH_ENTRY)});
-#undef BODESMITH_ENTRY
-  return registry;
-}
-
-#undef BODESMITH_EFFECTS
+BODESMITH_REGISTRY(Effect, effect_registry, "effect", gain_error_effect, offset_effect, drift_effect,
+                   mains_hum_effect, time_delay_effect, amplifier_pole_effect, resonance_effect,
+                   parallel_mode_effect, right_half_plane_zero_effect, slew_limit_effect, saturation_effect,
+                   dead_zone_effect, backlash_effect, quadratic_nonlinearity_effect,
+                   cubic_nonlinearity_effect, cubic_stiffness_effect, quadratic_stiffness_effect, drag_effect,
+                   hysteresis_effect, asymmetric_hysteresis_effect, rate_dependence_effect, creep_effect,
+                   multiplier_error_effect, part_value_effect, switch_delay_effect, opamp_bandwidth_effect,
+                   capacitor_mismatch_effect, sample_hold_effect)
 
 }  // namespace bodesmith::gap

@@ -163,9 +163,6 @@ class BoucWenType final : public ShapedModelType<BoucWen> {
 
 }  // namespace
 
-const ModelType& bouc_wen_type() {
-  static const BoucWenType type;
-  return type;
-}
+BODESMITH_ENTRY(ModelType, bouc_wen_type, BoucWenType)
 
 }  // namespace bodesmith::hysteresis

@@ -214,9 +214,6 @@ class EllipseType final : public ShapedModelType<Ellipse> {
 
 }  // namespace
 
-const ModelType& ellipse_type() {
-  static const EllipseType type;
-  return type;
-}
+BODESMITH_ENTRY(ModelType, ellipse_type, EllipseType)
 
 }  // namespace bodesmith::hysteresis

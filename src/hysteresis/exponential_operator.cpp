@@ -147,9 +147,6 @@ class ExponentialOperatorType final : public ShapedModelType<ExponentialOperator
 
 }  // namespace
 
-const ModelType& exponential_operator_type() {
-  static const ExponentialOperatorType type;
-  return type;
-}
+BODESMITH_ENTRY(ModelType, exponential_operator_type, ExponentialOperatorType)
 
 }  // namespace bodesmith::hysteresis

@@ -264,9 +264,6 @@ FractionalDynamic FractionalDynamic::from(const Parameters& values) {
   return out;
 }
 
-const ModelType& fractional_dynamic_type() {
-  static const FractionalDynamicType type;
-  return type;
-}
+BODESMITH_ENTRY(ModelType, fractional_dynamic_type, FractionalDynamicType)
 
 }  // namespace bodesmith::hysteresis

@@ -187,9 +187,6 @@ class KrasnoselskiiPokrovskiiType final : public ShapedModelType<KrasnoselskiiPo
 
 }  // namespace
 
-const ModelType& krasnoselskii_pokrovskii_type() {
-  static const KrasnoselskiiPokrovskiiType type;
-  return type;
-}
+BODESMITH_ENTRY(ModelType, krasnoselskii_pokrovskii_type, KrasnoselskiiPokrovskiiType)
 
 }  // namespace bodesmith::hysteresis

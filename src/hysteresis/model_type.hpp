@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "base/parameter.hpp"
+#include "base/registry.hpp"
 #include "hysteresis/inverse.hpp"
 #include "signal/time_record.hpp"
 

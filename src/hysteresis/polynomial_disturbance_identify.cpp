@@ -334,14 +334,8 @@ Identified identify_polynomial(std::span<const TimeRecord> records, const Identi
   return out;
 }
 
-const ModelType& polynomial_hysteresis_type() {
-  static const PolynomialHysteresisType type;
-  return type;
-}
+BODESMITH_ENTRY(ModelType, polynomial_hysteresis_type, PolynomialHysteresisType)
 
-const ModelType& sine_hysteresis_type() {
-  static const SineHysteresisType type;
-  return type;
-}
+BODESMITH_ENTRY(ModelType, sine_hysteresis_type, SineHysteresisType)
 
 }  // namespace bodesmith::hysteresis

@@ -308,9 +308,6 @@ class PrandtlIshlinskiiType final : public ShapedModelType<PrandtlIshlinskii> {
 
 }  // namespace
 
-const ModelType& prandtl_ishlinskii_type() {
-  static const PrandtlIshlinskiiType type;
-  return type;
-}
+BODESMITH_ENTRY(ModelType, prandtl_ishlinskii_type, PrandtlIshlinskiiType)
 
 }  // namespace bodesmith::hysteresis

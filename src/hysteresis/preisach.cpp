@@ -162,9 +162,6 @@ class PreisachType final : public ShapedModelType<Preisach> {
 
 }  // namespace
 
-const ModelType& preisach_type() {
-  static const PreisachType type;
-  return type;
-}
+BODESMITH_ENTRY(ModelType, preisach_type, PreisachType)
 
 }  // namespace bodesmith::hysteresis

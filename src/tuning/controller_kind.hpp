@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "base/registry.hpp"
 #include "base/units.hpp"
 #include "lti/sections.hpp"
 #include "simulate/pid.hpp"

@@ -47,9 +47,6 @@ class Backlash final : public BlockType {
 
 }  // namespace
 
-const BlockType& backlash_block() {
-  static const Backlash type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, backlash_block, Backlash)
 
 }  // namespace bodesmith::chain

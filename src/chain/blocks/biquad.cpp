@@ -47,9 +47,6 @@ class Biquad final : public BlockType {
 
 }  // namespace
 
-const BlockType& biquad_block() {
-  static const Biquad type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, biquad_block, Biquad)
 
 }  // namespace bodesmith::chain

@@ -51,9 +51,6 @@ class Comparator final : public BlockType {
 
 }  // namespace
 
-const BlockType& comparator_block() {
-  static const Comparator type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, comparator_block, Comparator)
 
 }  // namespace bodesmith::chain

@@ -53,9 +53,6 @@ class Creep final : public BlockType {
 
 }  // namespace
 
-const BlockType& creep_block() {
-  static const Creep type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, creep_block, Creep)
 
 }  // namespace bodesmith::chain

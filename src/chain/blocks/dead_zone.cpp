@@ -40,9 +40,6 @@ class DeadZone final : public BlockType {
 
 }  // namespace
 
-const BlockType& dead_zone_block() {
-  static const DeadZone type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, dead_zone_block, DeadZone)
 
 }  // namespace bodesmith::chain

@@ -25,9 +25,6 @@ class Delay final : public BlockType {
 
 }  // namespace
 
-const BlockType& delay_block() {
-  static const Delay type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, delay_block, Delay)
 
 }  // namespace bodesmith::chain

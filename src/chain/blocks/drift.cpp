@@ -32,9 +32,6 @@ class Drift final : public BlockType {
 
 }  // namespace
 
-const BlockType& drift_block() {
-  static const Drift type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, drift_block, Drift)
 
 }  // namespace bodesmith::chain

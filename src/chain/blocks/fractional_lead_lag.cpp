@@ -87,9 +87,6 @@ class FractionalLeadLagBlock final : public BlockType {
 
 }  // namespace
 
-const BlockType& fractional_lead_lag_block() {
-  static const FractionalLeadLagBlock type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, fractional_lead_lag_block, FractionalLeadLagBlock)
 
 }  // namespace bodesmith::chain

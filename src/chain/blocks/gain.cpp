@@ -29,9 +29,6 @@ class Gain final : public BlockType {
 
 }  // namespace
 
-const BlockType& gain_block() {
-  static const Gain type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, gain_block, Gain)
 
 }  // namespace bodesmith::chain

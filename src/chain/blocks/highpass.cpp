@@ -35,9 +35,6 @@ class Highpass final : public BlockType {
 
 }  // namespace
 
-const BlockType& highpass_block() {
-  static const Highpass type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, highpass_block, Highpass)
 
 }  // namespace bodesmith::chain

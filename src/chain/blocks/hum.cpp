@@ -38,9 +38,6 @@ class Hum final : public BlockType {
 
 }  // namespace
 
-const BlockType& hum_block() {
-  static const Hum type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, hum_block, Hum)
 
 }  // namespace bodesmith::chain

@@ -35,9 +35,6 @@ class Integrator final : public BlockType {
 
 }  // namespace
 
-const BlockType& integrator_block() {
-  static const Integrator type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, integrator_block, Integrator)
 
 }  // namespace bodesmith::chain

@@ -110,9 +110,6 @@ class LoopBlock final : public BlockType {
 
 }  // namespace
 
-const BlockType& loop_block() {
-  static const LoopBlock type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, loop_block, LoopBlock)
 
 }  // namespace bodesmith::chain

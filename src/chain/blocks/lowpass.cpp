@@ -31,9 +31,6 @@ class Lowpass final : public BlockType {
 
 }  // namespace
 
-const BlockType& lowpass_block() {
-  static const Lowpass type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, lowpass_block, Lowpass)
 
 }  // namespace bodesmith::chain

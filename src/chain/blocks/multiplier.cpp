@@ -44,9 +44,6 @@ class Multiplier final : public BlockType {
 
 }  // namespace
 
-const BlockType& multiplier_block() {
-  static const Multiplier type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, multiplier_block, Multiplier)
 
 }  // namespace bodesmith::chain

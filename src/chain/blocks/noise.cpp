@@ -88,9 +88,6 @@ class Noise final : public BlockType {
 
 }  // namespace
 
-const BlockType& noise_block() {
-  static const Noise type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, noise_block, Noise)
 
 }  // namespace bodesmith::chain

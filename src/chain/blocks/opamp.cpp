@@ -102,9 +102,6 @@ class Opamp final : public BlockType {
 
 }  // namespace
 
-const BlockType& opamp_block() {
-  static const Opamp type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, opamp_block, Opamp)
 
 }  // namespace bodesmith::chain

@@ -106,9 +106,6 @@ class ParallelModes final : public BlockType {
 
 }  // namespace
 
-const BlockType& parallel_modes_block() {
-  static const ParallelModes type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, parallel_modes_block, ParallelModes)
 
 }  // namespace bodesmith::chain

@@ -33,9 +33,6 @@ class PoleZero final : public BlockType {
 
 }  // namespace
 
-const BlockType& pole_zero_block() {
-  static const PoleZero type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, pole_zero_block, PoleZero)
 
 }  // namespace bodesmith::chain

@@ -56,9 +56,6 @@ class Polynomial final : public BlockType {
 
 }  // namespace
 
-const BlockType& polynomial_block() {
-  static const Polynomial type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, polynomial_block, Polynomial)
 
 }  // namespace bodesmith::chain

@@ -118,9 +118,6 @@ class Resonator final : public BlockType {
 
 }  // namespace
 
-const BlockType& resonator_block() {
-  static const Resonator type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, resonator_block, Resonator)
 
 }  // namespace bodesmith::chain

@@ -33,9 +33,6 @@ class RightHalfPlaneZero final : public BlockType {
 
 }  // namespace
 
-const BlockType& right_half_plane_zero_block() {
-  static const RightHalfPlaneZero type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, right_half_plane_zero_block, RightHalfPlaneZero)
 
 }  // namespace bodesmith::chain

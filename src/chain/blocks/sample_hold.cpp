@@ -47,9 +47,6 @@ class SampleHold final : public BlockType {
 
 }  // namespace
 
-const BlockType& sample_hold_block() {
-  static const SampleHold type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, sample_hold_block, SampleHold)
 
 }  // namespace bodesmith::chain

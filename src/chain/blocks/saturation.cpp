@@ -48,9 +48,6 @@ class Saturation final : public BlockType {
 
 }  // namespace
 
-const BlockType& saturation_block() {
-  static const Saturation type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, saturation_block, Saturation)
 
 }  // namespace bodesmith::chain

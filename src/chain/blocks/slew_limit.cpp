@@ -77,9 +77,6 @@ class SlewLimit final : public BlockType {
 
 }  // namespace
 
-const BlockType& slew_limit_block() {
-  static const SlewLimit type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, slew_limit_block, SlewLimit)
 
 }  // namespace bodesmith::chain

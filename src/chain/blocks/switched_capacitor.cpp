@@ -101,9 +101,6 @@ class SwitchedCapacitor final : public BlockType {
 
 }  // namespace
 
-const BlockType& switched_capacitor_block() {
-  static const SwitchedCapacitor type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, switched_capacitor_block, SwitchedCapacitor)
 
 }  // namespace bodesmith::chain

@@ -37,9 +37,6 @@ class VoltageControlledGain final : public BlockType {
 
 }  // namespace
 
-const BlockType& voltage_controlled_gain_block() {
-  static const VoltageControlledGain type;
-  return type;
-}
+BODESMITH_ENTRY(BlockType, voltage_controlled_gain_block, VoltageControlledGain)
 
 }  // namespace bodesmith::chain

@@ -58,10 +58,7 @@ class Cauer1 final : public RcLadder {
 
 }  // namespace
 
-const RcLadder& cauer1() {
-  static const Cauer1 ladder;
-  return ladder;
-}
+BODESMITH_ENTRY(RcLadder, cauer1, Cauer1)
 
 const Realisation& cauer1_realisation() {
   static const LadderRealisation realisation(cauer1());

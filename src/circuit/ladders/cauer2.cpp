@@ -67,10 +67,7 @@ class Cauer2 final : public RcLadder {
 
 }  // namespace
 
-const RcLadder& cauer2() {
-  static const Cauer2 ladder;
-  return ladder;
-}
+BODESMITH_ENTRY(RcLadder, cauer2, Cauer2)
 
 const Realisation& cauer2_realisation() {
   static const LadderRealisation realisation(cauer2());

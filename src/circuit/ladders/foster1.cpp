@@ -54,10 +54,7 @@ class Foster1 final : public RcLadder {
 
 }  // namespace
 
-const RcLadder& foster1() {
-  static const Foster1 ladder;
-  return ladder;
-}
+BODESMITH_ENTRY(RcLadder, foster1, Foster1)
 
 const Realisation& foster1_realisation() {
   static const LadderRealisation realisation(foster1());

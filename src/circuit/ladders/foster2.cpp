@@ -62,10 +62,7 @@ class Foster2 final : public RcLadder {
 
 }  // namespace
 
-const RcLadder& foster2() {
-  static const Foster2 ladder;
-  return ladder;
-}
+BODESMITH_ENTRY(RcLadder, foster2, Foster2)
 
 const Realisation& foster2_realisation() {
   static const LadderRealisation realisation(foster2());

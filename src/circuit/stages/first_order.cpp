@@ -129,9 +129,6 @@ class FirstOrderRealisation final : public StageRealisation {
 
 }  // namespace
 
-const StageRealisation& first_order() {
-  static const FirstOrderRealisation realisation;
-  return realisation;
-}
+BODESMITH_ENTRY(StageRealisation, first_order, FirstOrderRealisation)
 
 }  // namespace bodesmith::circuit

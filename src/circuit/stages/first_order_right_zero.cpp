@@ -70,9 +70,6 @@ class FirstOrderRightZeroRealisation final : public StageRealisation {
 
 }  // namespace
 
-const StageRealisation& first_order_right_zero() {
-  static const FirstOrderRightZeroRealisation realisation;
-  return realisation;
-}
+BODESMITH_ENTRY(StageRealisation, first_order_right_zero, FirstOrderRightZeroRealisation)
 
 }  // namespace bodesmith::circuit

@@ -73,9 +73,6 @@ class FirstOrderTrimmedRealisation final : public StageRealisation {
 
 }  // namespace
 
-const StageRealisation& first_order_trimmed() {
-  static const FirstOrderTrimmedRealisation realisation;
-  return realisation;
-}
+BODESMITH_ENTRY(StageRealisation, first_order_trimmed, FirstOrderTrimmedRealisation)
 
 }  // namespace bodesmith::circuit

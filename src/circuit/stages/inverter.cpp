@@ -48,9 +48,6 @@ class InverterRealisation final : public StageRealisation {
 
 }  // namespace
 
-const StageRealisation& inverter() {
-  static const InverterRealisation realisation;
-  return realisation;
-}
+BODESMITH_ENTRY(StageRealisation, inverter, InverterRealisation)
 
 }  // namespace bodesmith::circuit

@@ -125,9 +125,6 @@ class KhnRealisation final : public StageRealisation {
 
 }  // namespace
 
-const StageRealisation& khn() {
-  static const KhnRealisation realisation;
-  return realisation;
-}
+BODESMITH_ENTRY(StageRealisation, khn, KhnRealisation)
 
 }  // namespace bodesmith::circuit

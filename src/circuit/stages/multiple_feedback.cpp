@@ -149,9 +149,6 @@ class MultipleFeedbackRealisation final : public StageRealisation {
 
 }  // namespace
 
-const StageRealisation& multiple_feedback() {
-  static const MultipleFeedbackRealisation realisation;
-  return realisation;
-}
+BODESMITH_ENTRY(StageRealisation, multiple_feedback, MultipleFeedbackRealisation)
 
 }  // namespace bodesmith::circuit

@@ -299,10 +299,6 @@ Outcome<Realised> realise_as_stages(const Sections& asked, const StageRealisatio
   return out;
 }
 
-Outcome<Realised> StageRealisation::design(const Sections& sections, const RealiseOptions& options) const {
-  return realise_as_stages(sections, this, options);
-}
-
 class OpAmpRc final : public Realisation {
  public:
   std::string_view name() const override { return "opamp-rc"; }
@@ -314,10 +310,11 @@ class OpAmpRc final : public Realisation {
 
 }  // namespace
 
-const Realisation& opamp_rc() {
-  static const OpAmpRc realisation;
-  return realisation;
+Outcome<Realised> StageRealisation::design(const Sections& sections, const RealiseOptions& options) const {
+  return realise_as_stages(sections, this, options);
 }
+
+BODESMITH_ENTRY(Realisation, opamp_rc, OpAmpRc)
 
 Outcome<const StageRealisation*> best_form(const Section& section) {
   const StageRealisation* best = nullptr;

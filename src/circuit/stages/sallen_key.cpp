@@ -179,9 +179,6 @@ class SallenKeyRealisation final : public StageRealisation {
 
 }  // namespace
 
-const StageRealisation& sallen_key() {
-  static const SallenKeyRealisation realisation;
-  return realisation;
-}
+BODESMITH_ENTRY(StageRealisation, sallen_key, SallenKeyRealisation)
 
 }  // namespace bodesmith::circuit

@@ -123,9 +123,6 @@ class TowThomasRealisation final : public StageRealisation {
 
 }  // namespace
 
-const StageRealisation& tow_thomas() {
-  static const TowThomasRealisation realisation;
-  return realisation;
-}
+BODESMITH_ENTRY(StageRealisation, tow_thomas, TowThomasRealisation)
 
 }  // namespace bodesmith::circuit

@@ -6,7 +6,7 @@
 #include "base/letters.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
-#include "exchange/writers/all_writers.hpp"
+#include "exchange/writer.hpp"
 
 namespace bodesmith::exchange {
 namespace {
@@ -88,9 +88,6 @@ class CWriter : public Writer {
 
 }  // namespace
 
-const Writer& c_writer() {
-  static const CWriter writer;
-  return writer;
-}
+BODESMITH_ENTRY(Writer, c_writer, CWriter)
 
 }  // namespace bodesmith::exchange

@@ -1,6 +1,6 @@
 // This program's own CSV: foreign files become frequency_hz,magnitude_db,phase_deg or time_s,u,y.
 #include "base/units.hpp"
-#include "exchange/writers/all_writers.hpp"
+#include "exchange/writer.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
 
@@ -40,9 +40,6 @@ class OwnCsvWriter : public Writer {
 
 }  // namespace
 
-const Writer& csv_writer() {
-  static const OwnCsvWriter writer;
-  return writer;
-}
+BODESMITH_ENTRY(Writer, csv_writer, OwnCsvWriter)
 
 }  // namespace bodesmith::exchange

@@ -5,7 +5,7 @@
 
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "exchange/writers/all_writers.hpp"
+#include "exchange/writer.hpp"
 
 namespace bodesmith::exchange {
 namespace {
@@ -31,9 +31,6 @@ class FrdWriter : public Writer {
 
 }  // namespace
 
-const Writer& frd_writer() {
-  static const FrdWriter writer;
-  return writer;
-}
+BODESMITH_ENTRY(Writer, frd_writer, FrdWriter)
 
 }  // namespace bodesmith::exchange

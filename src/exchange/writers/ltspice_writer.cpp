@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/text.hpp"
-#include "exchange/writers/all_writers.hpp"
+#include "exchange/writer.hpp"
 
 namespace bodesmith::exchange {
 namespace {
@@ -107,9 +107,6 @@ class LtspiceWriter : public Writer {
 
 }  // namespace
 
-const Writer& ltspice_writer() {
-  static const LtspiceWriter writer;
-  return writer;
-}
+BODESMITH_ENTRY(Writer, ltspice_writer, LtspiceWriter)
 
 }  // namespace bodesmith::exchange

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/temporary.hpp"
-#include "exchange/writers/all_writers.hpp"
+#include "exchange/writer.hpp"
 
 namespace bodesmith::exchange {
 namespace {
@@ -106,9 +106,6 @@ class MatlabWriter : public Writer {
 
 }  // namespace
 
-const Writer& matlab_writer() {
-  static const MatlabWriter writer;
-  return writer;
-}
+BODESMITH_ENTRY(Writer, matlab_writer, MatlabWriter)
 
 }  // namespace bodesmith::exchange

@@ -4,7 +4,7 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
-#include "exchange/writers/all_writers.hpp"
+#include "exchange/writer.hpp"
 #include "exchange/writers/script_data.hpp"
 
 namespace bodesmith::exchange {
@@ -33,9 +33,6 @@ class OctaveWriter : public Writer {
 
 }  // namespace
 
-const Writer& octave_writer() {
-  static const OctaveWriter writer;
-  return writer;
-}
+BODESMITH_ENTRY(Writer, octave_writer, OctaveWriter)
 
 }  // namespace bodesmith::exchange

@@ -1,6 +1,6 @@
 // Times and values, one pair a line: LTspice's PWL file="…", KiCad, and ngspice's filesource.
 #include "base/text.hpp"
-#include "exchange/writers/all_writers.hpp"
+#include "exchange/writer.hpp"
 #include "exchange/writers/pwl_points.hpp"
 
 namespace bodesmith::exchange {
@@ -23,9 +23,6 @@ class PwlWriter : public Writer {
 
 }  // namespace
 
-const Writer& pwl_writer() {
-  static const PwlWriter writer;
-  return writer;
-}
+BODESMITH_ENTRY(Writer, pwl_writer, PwlWriter)
 
 }  // namespace bodesmith::exchange

@@ -4,7 +4,7 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
-#include "exchange/writers/all_writers.hpp"
+#include "exchange/writer.hpp"
 #include "exchange/writers/script_data.hpp"
 
 namespace bodesmith::exchange {
@@ -33,9 +33,6 @@ class PythonWriter : public Writer {
 
 }  // namespace
 
-const Writer& python_writer() {
-  static const PythonWriter writer;
-  return writer;
-}
+BODESMITH_ENTRY(Writer, python_writer, PythonWriter)
 
 }  // namespace bodesmith::exchange

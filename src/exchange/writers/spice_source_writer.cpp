@@ -2,7 +2,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "exchange/writers/all_writers.hpp"
+#include "exchange/writer.hpp"
 #include "exchange/writers/pwl_points.hpp"
 
 namespace bodesmith::exchange {
@@ -28,9 +28,6 @@ class SpiceSourceWriter : public Writer {
 
 }  // namespace
 
-const Writer& spice_source_writer() {
-  static const SpiceSourceWriter writer;
-  return writer;
-}
+BODESMITH_ENTRY(Writer, spice_source_writer, SpiceSourceWriter)
 
 }  // namespace bodesmith::exchange

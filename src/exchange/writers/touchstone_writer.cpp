@@ -4,7 +4,7 @@
 
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "exchange/writers/all_writers.hpp"
+#include "exchange/writer.hpp"
 
 namespace bodesmith::exchange {
 namespace {
@@ -31,9 +31,6 @@ class TouchstoneWriter : public Writer {
 
 }  // namespace
 
-const Writer& touchstone_writer() {
-  static const TouchstoneWriter writer;
-  return writer;
-}
+BODESMITH_ENTRY(Writer, touchstone_writer, TouchstoneWriter)
 
 }  // namespace bodesmith::exchange

@@ -32,9 +32,6 @@ class CapacitiveLoad : public FaultKind {
 
 }  // namespace
 
-const FaultKind& capacitive_load_fault() {
-  static const CapacitiveLoad kind;
-  return kind;
-}
+BODESMITH_ENTRY(FaultKind, capacitive_load_fault, CapacitiveLoad)
 
 }  // namespace bodesmith::faults

@@ -84,9 +84,6 @@ class MissingGround : public FaultKind {
 
 }  // namespace
 
-const FaultKind& missing_ground_fault() {
-  static const MissingGround kind;
-  return kind;
-}
+BODESMITH_ENTRY(FaultKind, missing_ground_fault, MissingGround)
 
 }  // namespace bodesmith::faults

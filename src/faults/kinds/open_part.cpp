@@ -30,9 +30,6 @@ class OpenPart : public FaultKind {
 
 }  // namespace
 
-const FaultKind& open_part_fault() {
-  static const OpenPart kind;
-  return kind;
-}
+BODESMITH_ENTRY(FaultKind, open_part_fault, OpenPart)
 
 }  // namespace bodesmith::faults

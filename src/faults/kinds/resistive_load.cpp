@@ -34,9 +34,6 @@ class ResistiveLoad : public FaultKind {
 
 }  // namespace
 
-const FaultKind& resistive_load_fault() {
-  static const ResistiveLoad kind;
-  return kind;
-}
+BODESMITH_ENTRY(FaultKind, resistive_load_fault, ResistiveLoad)
 
 }  // namespace bodesmith::faults

@@ -32,9 +32,6 @@ class ShortedPart : public FaultKind {
 
 }  // namespace
 
-const FaultKind& shorted_part_fault() {
-  static const ShortedPart kind;
-  return kind;
-}
+BODESMITH_ENTRY(FaultKind, shorted_part_fault, ShortedPart)
 
 }  // namespace bodesmith::faults

@@ -67,9 +67,6 @@ class SlowOpAmp : public FaultKind {
 
 }  // namespace
 
-const FaultKind& slow_opamp_fault() {
-  static const SlowOpAmp kind;
-  return kind;
-}
+BODESMITH_ENTRY(FaultKind, slow_opamp_fault, SlowOpAmp)
 
 }  // namespace bodesmith::faults

@@ -41,9 +41,6 @@ class SwappedCapacitors : public FaultKind {
 
 }  // namespace
 
-const FaultKind& swapped_capacitors_fault() {
-  static const SwappedCapacitors kind;
-  return kind;
-}
+BODESMITH_ENTRY(FaultKind, swapped_capacitors_fault, SwappedCapacitors)
 
 }  // namespace bodesmith::faults

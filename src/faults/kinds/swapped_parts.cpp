@@ -51,9 +51,6 @@ class SwappedParts : public FaultKind {
 
 }  // namespace
 
-const FaultKind& swapped_parts_fault() {
-  static const SwappedParts kind;
-  return kind;
-}
+BODESMITH_ENTRY(FaultKind, swapped_parts_fault, SwappedParts)
 
 }  // namespace bodesmith::faults

@@ -44,9 +44,6 @@ class ValueOff : public FaultKind {
 
 }  // namespace
 
-const FaultKind& value_off_fault() {
-  static const ValueOff kind;
-  return kind;
-}
+BODESMITH_ENTRY(FaultKind, value_off_fault, ValueOff)
 
 }  // namespace bodesmith::faults

@@ -72,9 +72,6 @@ class WrongCapacitor : public FaultKind {
 
 }  // namespace
 
-const FaultKind& wrong_capacitor_fault() {
-  static const WrongCapacitor kind;
-  return kind;
-}
+BODESMITH_ENTRY(FaultKind, wrong_capacitor_fault, WrongCapacitor)
 
 }  // namespace bodesmith::faults

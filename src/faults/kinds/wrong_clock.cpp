@@ -65,9 +65,6 @@ class WrongClock : public FaultKind {
 
 }  // namespace
 
-const FaultKind& wrong_clock_fault() {
-  static const WrongClock kind;
-  return kind;
-}
+BODESMITH_ENTRY(FaultKind, wrong_clock_fault, WrongClock)
 
 }  // namespace bodesmith::faults

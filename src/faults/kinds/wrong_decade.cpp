@@ -35,9 +35,6 @@ class WrongDecade : public FaultKind {
 
 }  // namespace
 
-const FaultKind& wrong_decade_fault() {
-  static const WrongDecade kind;
-  return kind;
-}
+BODESMITH_ENTRY(FaultKind, wrong_decade_fault, WrongDecade)
 
 }  // namespace bodesmith::faults

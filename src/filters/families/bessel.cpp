@@ -17,9 +17,6 @@ class Bessel final : public Family {
 
 }  // namespace
 
-const Family& bessel_family() {
-  static const Bessel family;
-  return family;
-}
+BODESMITH_ENTRY(Family, bessel_family, Bessel)
 
 }  // namespace bodesmith::filters

@@ -22,9 +22,6 @@ class Butterworth final : public Family {
 
 }  // namespace
 
-const Family& butterworth_family() {
-  static const Butterworth family;
-  return family;
-}
+BODESMITH_ENTRY(Family, butterworth_family, Butterworth)
 
 }  // namespace bodesmith::filters

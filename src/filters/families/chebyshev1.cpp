@@ -28,9 +28,6 @@ class Chebyshev1 final : public Family {
 
 }  // namespace
 
-const Family& chebyshev1_family() {
-  static const Chebyshev1 family;
-  return family;
-}
+BODESMITH_ENTRY(Family, chebyshev1_family, Chebyshev1)
 
 }  // namespace bodesmith::filters

@@ -30,9 +30,6 @@ class Chebyshev2 final : public Family {
 
 }  // namespace
 
-const Family& chebyshev2_family() {
-  static const Chebyshev2 family;
-  return family;
-}
+BODESMITH_ENTRY(Family, chebyshev2_family, Chebyshev2)
 
 }  // namespace bodesmith::filters

@@ -128,9 +128,6 @@ class Elliptic final : public Family {
 
 }  // namespace
 
-const Family& elliptic_family() {
-  static const Elliptic family;
-  return family;
-}
+BODESMITH_ENTRY(Family, elliptic_family, Elliptic)
 
 }  // namespace bodesmith::filters

@@ -42,9 +42,6 @@ class Gaussian final : public Family {
 
 }  // namespace
 
-const Family& gaussian_family() {
-  static const Gaussian family;
-  return family;
-}
+BODESMITH_ENTRY(Family, gaussian_family, Gaussian)
 
 }  // namespace bodesmith::filters

@@ -28,9 +28,6 @@ class LinkwitzRiley final : public Family {
 
 }  // namespace
 
-const Family& linkwitz_riley_family() {
-  static const LinkwitzRiley family;
-  return family;
-}
+BODESMITH_ENTRY(Family, linkwitz_riley_family, LinkwitzRiley)
 
 }  // namespace bodesmith::filters

@@ -110,9 +110,6 @@ class BiquadStage : public Cam {
 
 }  // namespace
 
-const Cam& biquad_stage_cam() {
-  static const BiquadStage cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, biquad_stage_cam, BiquadStage)
 
 }  // namespace bodesmith::fpaa

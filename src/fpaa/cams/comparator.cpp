@@ -45,9 +45,6 @@ class ComparatorCam : public Cam {
 
 }  // namespace
 
-const Cam& comparator_cam() {
-  static const ComparatorCam cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, comparator_cam, ComparatorCam)
 
 }  // namespace bodesmith::fpaa

@@ -177,9 +177,6 @@ Hertz HighPassCapacitors::corner(Hertz clock) const {
   return branch_corner(cc, cd, clock);
 }
 
-const Cam& filter_bilinear_cam() {
-  static const FilterBilinear cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, filter_bilinear_cam, FilterBilinear)
 
 }  // namespace bodesmith::fpaa

@@ -179,9 +179,6 @@ double BiquadCapacitors::gain() const {
   return static_cast<double>(input) / cb;
 }
 
-const Cam& filter_biquad_cam() {
-  static const FilterBiquad cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, filter_biquad_cam, FilterBiquad)
 
 }  // namespace bodesmith::fpaa

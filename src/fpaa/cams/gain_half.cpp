@@ -40,9 +40,6 @@ class GainHalfCam : public Cam {
 
 }  // namespace
 
-const Cam& gain_half_cam() {
-  static const GainHalfCam cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, gain_half_cam, GainHalfCam)
 
 }  // namespace bodesmith::fpaa

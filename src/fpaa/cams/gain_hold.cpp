@@ -50,9 +50,6 @@ class GainHoldCam : public Cam {
 
 }  // namespace
 
-const Cam& gain_hold_cam() {
-  static const GainHoldCam cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, gain_hold_cam, GainHoldCam)
 
 }  // namespace bodesmith::fpaa

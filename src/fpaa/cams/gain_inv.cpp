@@ -71,9 +71,6 @@ class GainInv : public Cam {
 
 }  // namespace
 
-const Cam& gain_inv_cam() {
-  static const GainInv cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, gain_inv_cam, GainInv)
 
 }  // namespace bodesmith::fpaa

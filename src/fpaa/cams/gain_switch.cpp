@@ -43,9 +43,6 @@ class GainSwitchCam : public Cam {
 
 }  // namespace
 
-const Cam& gain_switch_cam() {
-  static const GainSwitchCam cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, gain_switch_cam, GainSwitchCam)
 
 }  // namespace bodesmith::fpaa

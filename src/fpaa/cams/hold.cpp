@@ -41,9 +41,6 @@ class HoldCam : public Cam {
 
 }  // namespace
 
-const Cam& hold_cam() {
-  static const HoldCam cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, hold_cam, HoldCam)
 
 }  // namespace bodesmith::fpaa

@@ -40,9 +40,6 @@ class IntegratorCam : public Cam {
 
 }  // namespace
 
-const Cam& integrator_cam() {
-  static const IntegratorCam cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, integrator_cam, IntegratorCam)
 
 }  // namespace bodesmith::fpaa

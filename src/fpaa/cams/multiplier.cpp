@@ -57,9 +57,6 @@ class MultiplierCam : public Cam {
 
 }  // namespace
 
-const Cam& multiplier_cam() {
-  static const MultiplierCam cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, multiplier_cam, MultiplierCam)
 
 }  // namespace bodesmith::fpaa

@@ -82,9 +82,6 @@ std::string SumDiffSpec::option() const {
   return fmt::format("{} inputs", gains.size());
 }
 
-const Cam& sum_diff_cam() {
-  static const SumDiffCam cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, sum_diff_cam, SumDiffCam)
 
 }  // namespace bodesmith::fpaa

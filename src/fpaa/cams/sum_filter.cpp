@@ -38,9 +38,6 @@ class SumFilterCam : public Cam {
 
 }  // namespace
 
-const Cam& sum_filter_cam() {
-  static const SumFilterCam cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, sum_filter_cam, SumFilterCam)
 
 }  // namespace bodesmith::fpaa

@@ -96,9 +96,6 @@ class SumInv : public Cam {
 
 }  // namespace
 
-const Cam& sum_inv_cam() {
-  static const SumInv cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, sum_inv_cam, SumInv)
 
 }  // namespace bodesmith::fpaa

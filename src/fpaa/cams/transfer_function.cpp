@@ -111,9 +111,6 @@ LookupTable LookupTable::from(const CamValues& values) {
   return out;
 }
 
-const Cam& transfer_function_cam() {
-  static const TransferFunctionCam cam;
-  return cam;
-}
+BODESMITH_ENTRY(Cam, transfer_function_cam, TransferFunctionCam)
 
 }  // namespace bodesmith::fpaa

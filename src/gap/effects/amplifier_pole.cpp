@@ -35,9 +35,6 @@ class AmplifierPole final : public Effect {
 
 }  // namespace
 
-const Effect& amplifier_pole_effect() {
-  static const AmplifierPole effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, amplifier_pole_effect, AmplifierPole)
 
 }  // namespace bodesmith::gap

@@ -132,9 +132,6 @@ class AsymmetricHysteresis final : public Effect {
 
 }  // namespace
 
-const Effect& asymmetric_hysteresis_effect() {
-  static const AsymmetricHysteresis effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, asymmetric_hysteresis_effect, AsymmetricHysteresis)
 
 }  // namespace bodesmith::gap

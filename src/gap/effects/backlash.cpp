@@ -31,9 +31,6 @@ class Backlash final : public Effect {
 
 }  // namespace
 
-const Effect& backlash_effect() {
-  static const Backlash effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, backlash_effect, Backlash)
 
 }  // namespace bodesmith::gap

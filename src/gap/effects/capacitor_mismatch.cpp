@@ -36,9 +36,6 @@ class CapacitorMismatch final : public Effect {
 
 }  // namespace
 
-const Effect& capacitor_mismatch_effect() {
-  static const CapacitorMismatch effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, capacitor_mismatch_effect, CapacitorMismatch)
 
 }  // namespace bodesmith::gap

@@ -161,9 +161,6 @@ class Creep final : public Effect {
 
 }  // namespace
 
-const Effect& creep_effect() {
-  static const Creep effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, creep_effect, Creep)
 
 }  // namespace bodesmith::gap

@@ -21,9 +21,6 @@ class CubicNonlinearity final : public Effect {
 
 }  // namespace
 
-const Effect& cubic_nonlinearity_effect() {
-  static const CubicNonlinearity effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, cubic_nonlinearity_effect, CubicNonlinearity)
 
 }  // namespace bodesmith::gap

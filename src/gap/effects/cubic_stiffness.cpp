@@ -30,9 +30,6 @@ class CubicStiffness final : public Effect {
 
 }  // namespace
 
-const Effect& cubic_stiffness_effect() {
-  static const CubicStiffness effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, cubic_stiffness_effect, CubicStiffness)
 
 }  // namespace bodesmith::gap

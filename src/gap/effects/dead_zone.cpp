@@ -50,9 +50,6 @@ class DeadZone final : public Effect {
 
 }  // namespace
 
-const Effect& dead_zone_effect() {
-  static const DeadZone effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, dead_zone_effect, DeadZone)
 
 }  // namespace bodesmith::gap

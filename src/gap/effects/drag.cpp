@@ -32,9 +32,6 @@ class Drag final : public Effect {
 
 }  // namespace
 
-const Effect& drag_effect() {
-  static const Drag effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, drag_effect, Drag)
 
 }  // namespace bodesmith::gap

@@ -26,9 +26,6 @@ class Drift final : public Effect {
 
 }  // namespace
 
-const Effect& drift_effect() {
-  static const Drift effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, drift_effect, Drift)
 
 }  // namespace bodesmith::gap

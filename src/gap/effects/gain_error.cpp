@@ -32,9 +32,6 @@ class GainError final : public Effect {
 
 }  // namespace
 
-const Effect& gain_error_effect() {
-  static const GainError effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, gain_error_effect, GainError)
 
 }  // namespace bodesmith::gap

@@ -76,9 +76,6 @@ class Hysteresis final : public Effect {
 
 }  // namespace
 
-const Effect& hysteresis_effect() {
-  static const Hysteresis effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, hysteresis_effect, Hysteresis)
 
 }  // namespace bodesmith::gap

@@ -174,9 +174,6 @@ class MainsHum final : public Effect {
 
 }  // namespace
 
-const Effect& mains_hum_effect() {
-  static const MainsHum effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, mains_hum_effect, MainsHum)
 
 }  // namespace bodesmith::gap

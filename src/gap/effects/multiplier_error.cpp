@@ -180,9 +180,6 @@ class MultiplierError final : public Effect {
 
 }  // namespace
 
-const Effect& multiplier_error_effect() {
-  static const MultiplierError effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, multiplier_error_effect, MultiplierError)
 
 }  // namespace bodesmith::gap

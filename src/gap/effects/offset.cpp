@@ -40,9 +40,6 @@ class Offset final : public Effect {
 
 }  // namespace
 
-const Effect& offset_effect() {
-  static const Offset effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, offset_effect, Offset)
 
 }  // namespace bodesmith::gap

@@ -96,9 +96,6 @@ class OpampBandwidth final : public Effect {
 
 }  // namespace
 
-const Effect& opamp_bandwidth_effect() {
-  static const OpampBandwidth effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, opamp_bandwidth_effect, OpampBandwidth)
 
 }  // namespace bodesmith::gap

@@ -194,9 +194,6 @@ class ParallelMode final : public Effect {
 
 }  // namespace
 
-const Effect& parallel_mode_effect() {
-  static const ParallelMode effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, parallel_mode_effect, ParallelMode)
 
 }  // namespace bodesmith::gap

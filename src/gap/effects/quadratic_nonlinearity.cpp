@@ -21,9 +21,6 @@ class QuadraticNonlinearity final : public Effect {
 
 }  // namespace
 
-const Effect& quadratic_nonlinearity_effect() {
-  static const QuadraticNonlinearity effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, quadratic_nonlinearity_effect, QuadraticNonlinearity)
 
 }  // namespace bodesmith::gap

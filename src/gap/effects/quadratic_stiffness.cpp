@@ -32,9 +32,6 @@ class QuadraticStiffness final : public Effect {
 
 }  // namespace
 
-const Effect& quadratic_stiffness_effect() {
-  static const QuadraticStiffness effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, quadratic_stiffness_effect, QuadraticStiffness)
 
 }  // namespace bodesmith::gap

@@ -50,9 +50,6 @@ class RateDependence final : public Effect {
 
 }  // namespace
 
-const Effect& rate_dependence_effect() {
-  static const RateDependence effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, rate_dependence_effect, RateDependence)
 
 }  // namespace bodesmith::gap

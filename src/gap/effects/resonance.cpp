@@ -56,9 +56,6 @@ class Resonance final : public Effect {
 
 }  // namespace
 
-const Effect& resonance_effect() {
-  static const Resonance effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, resonance_effect, Resonance)
 
 }  // namespace bodesmith::gap

@@ -72,9 +72,6 @@ class RightHalfPlaneZero final : public Effect {
 
 }  // namespace
 
-const Effect& right_half_plane_zero_effect() {
-  static const RightHalfPlaneZero effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, right_half_plane_zero_effect, RightHalfPlaneZero)
 
 }  // namespace bodesmith::gap

@@ -103,9 +103,6 @@ class SampleHold final : public Effect {
 
 }  // namespace
 
-const Effect& sample_hold_effect() {
-  static const SampleHold effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, sample_hold_effect, SampleHold)
 
 }  // namespace bodesmith::gap

@@ -54,9 +54,6 @@ class Saturation final : public Effect {
 
 }  // namespace
 
-const Effect& saturation_effect() {
-  static const Saturation effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, saturation_effect, Saturation)
 
 }  // namespace bodesmith::gap

@@ -58,9 +58,6 @@ class SlewLimit final : public Effect {
 
 }  // namespace
 
-const Effect& slew_limit_effect() {
-  static const SlewLimit effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, slew_limit_effect, SlewLimit)
 
 }  // namespace bodesmith::gap

@@ -39,9 +39,6 @@ class SwitchDelay final : public Effect {
 
 }  // namespace
 
-const Effect& switch_delay_effect() {
-  static const SwitchDelay effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, switch_delay_effect, SwitchDelay)
 
 }  // namespace bodesmith::gap

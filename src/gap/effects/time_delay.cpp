@@ -39,9 +39,6 @@ class TimeDelay final : public Effect {
 
 }  // namespace
 
-const Effect& time_delay_effect() {
-  static const TimeDelay effect;
-  return effect;
-}
+BODESMITH_ENTRY(Effect, time_delay_effect, TimeDelay)
 
 }  // namespace bodesmith::gap

@@ -2,7 +2,7 @@
 // Real", "Trace 1: Gain: Imaginary", "Trace 1: Gain: Magnitude (dB)", "Trace 2: Gain: Phase (°)"; with or without a
 // block "---Measurement settings---" above. The suite of 2016 wrote "---Measurement Setup---", commas and decimal points, and
 // "TR1: Gain (Real)", "TR1: Gain (Imag)", "TR1: Gain (dB)", "TR2: Gain (Degree)".
-#include "signal/formats/all_formats.hpp"
+#include "signal/formats/format.hpp"
 #include "signal/formats/table_meaning.hpp"
 
 namespace bodesmith::formats {
@@ -25,9 +25,6 @@ class Bode100Csv : public Format {
 
 }  // namespace
 
-const Format& bode100_csv() {
-  static const Bode100Csv format;
-  return format;
-}
+BODESMITH_ENTRY(Format, bode100_csv, Bode100Csv)
 
 }  // namespace bodesmith::formats

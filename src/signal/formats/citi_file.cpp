@@ -12,7 +12,7 @@
 #include "base/letters.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "signal/formats/all_formats.hpp"
+#include "signal/formats/format.hpp"
 #include "signal/formats/number_table.hpp"
 #include "signal/formats/traces.hpp"
 
@@ -158,9 +158,6 @@ class CitiFile : public Format {
 
 }  // namespace
 
-const Format& citi_file() {
-  static const CitiFile format;
-  return format;
-}
+BODESMITH_ENTRY(Format, citi_file, CitiFile)
 
 }  // namespace bodesmith::formats

@@ -1,6 +1,6 @@
 // Any table whose headings say what its columns are: CSV with commas, semicolons or tabs, decimal points or commas, a
 // line of units below the headings (PicoScope and others).
-#include "signal/formats/all_formats.hpp"
+#include "signal/formats/format.hpp"
 #include "signal/formats/table_meaning.hpp"
 
 namespace bodesmith::formats {
@@ -23,9 +23,6 @@ class HeadedTable : public Format {
 
 }  // namespace
 
-const Format& headed_table() {
-  static const HeadedTable format;
-  return format;
-}
+BODESMITH_ENTRY(Format, headed_table, HeadedTable)
 
 }  // namespace bodesmith::formats

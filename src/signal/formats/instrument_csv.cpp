@@ -14,7 +14,7 @@
 #include "base/error.hpp"
 #include "base/letters.hpp"
 #include "base/text.hpp"
-#include "signal/formats/all_formats.hpp"
+#include "signal/formats/format.hpp"
 #include "signal/formats/table_meaning.hpp"
 
 namespace bodesmith::formats {
@@ -251,13 +251,7 @@ class BlockCsv : public Format {
 
 }  // namespace
 
-const Format& instrument_csv() {
-  static const InstrumentCsv format;
-  return format;
-}
-const Format& block_csv() {
-  static const BlockCsv format;
-  return format;
-}
+BODESMITH_ENTRY(Format, instrument_csv, InstrumentCsv)
+BODESMITH_ENTRY(Format, block_csv, BlockCsv)
 
 }  // namespace bodesmith::formats

@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "signal/formats/all_formats.hpp"
+#include "signal/formats/format.hpp"
 #include "signal/formats/traces.hpp"
 
 namespace bodesmith::formats {
@@ -153,9 +153,6 @@ class LtspiceText : public Format {
 
 }  // namespace
 
-const Format& ltspice_text() {
-  static const LtspiceText format;
-  return format;
-}
+BODESMITH_ENTRY(Format, ltspice_text, LtspiceText)
 
 }  // namespace bodesmith::formats

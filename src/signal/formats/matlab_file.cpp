@@ -15,7 +15,7 @@
 #include "base/temporary.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
-#include "signal/formats/all_formats.hpp"
+#include "signal/formats/format.hpp"
 #include "signal/formats/table_meaning.hpp"
 #include "signal/formats/traces.hpp"
 
@@ -462,9 +462,6 @@ class MatlabFile : public Format {
 
 }  // namespace
 
-const Format& matlab_file() {
-  static const MatlabFile format;
-  return format;
-}
+BODESMITH_ENTRY(Format, matlab_file, MatlabFile)
 
 }  // namespace bodesmith::formats

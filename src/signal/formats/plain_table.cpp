@@ -11,7 +11,7 @@
 #include "base/error.hpp"
 #include "base/letters.hpp"
 #include "base/text.hpp"
-#include "signal/formats/all_formats.hpp"
+#include "signal/formats/format.hpp"
 #include "signal/formats/table_meaning.hpp"
 
 namespace bodesmith::formats {
@@ -145,9 +145,6 @@ class PlainTable : public Format {
 
 }  // namespace
 
-const Format& plain_table() {
-  static const PlainTable format;
-  return format;
-}
+BODESMITH_ENTRY(Format, plain_table, PlainTable)
 
 }  // namespace bodesmith::formats

@@ -2,10 +2,13 @@
 // comments begin with '*' and name the columns: "* Freq(Hz) SPL(dB) Phase(degrees)", "* Freq(Hz) Z(Ohms) Phase(degrees)".
 #include <algorithm>
 
-#include "signal/formats/all_formats.hpp"
+#include "signal/formats/format.hpp"
 #include "signal/formats/table_meaning.hpp"
 
 namespace bodesmith::formats {
+
+const Format& plain_table();
+
 namespace {
 
 class RewText : public Format {
@@ -35,9 +38,6 @@ class RewText : public Format {
 
 }  // namespace
 
-const Format& rew_text() {
-  static const RewText format;
-  return format;
-}
+BODESMITH_ENTRY(Format, rew_text, RewText)
 
 }  // namespace bodesmith::formats

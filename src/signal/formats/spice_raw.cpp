@@ -18,7 +18,7 @@
 #include "base/error.hpp"
 #include "base/letters.hpp"
 #include "base/text.hpp"
-#include "signal/formats/all_formats.hpp"
+#include "signal/formats/format.hpp"
 #include "signal/formats/text_encoding.hpp"
 #include "signal/formats/traces.hpp"
 
@@ -365,9 +365,6 @@ class SpiceRaw : public Format {
 
 }  // namespace
 
-const Format& spice_raw() {
-  static const SpiceRaw format;
-  return format;
-}
+BODESMITH_ENTRY(Format, spice_raw, SpiceRaw)
 
 }  // namespace bodesmith::formats

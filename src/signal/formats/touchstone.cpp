@@ -16,7 +16,7 @@
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "base/whole_number.hpp"
-#include "signal/formats/all_formats.hpp"
+#include "signal/formats/format.hpp"
 #include "signal/formats/traces.hpp"
 
 namespace bodesmith::formats {
@@ -423,9 +423,6 @@ class Touchstone : public Format {
 
 }  // namespace
 
-const Format& touchstone() {
-  static const Touchstone format;
-  return format;
-}
+BODESMITH_ENTRY(Format, touchstone, Touchstone)
 
 }  // namespace bodesmith::formats

@@ -10,7 +10,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "signal/formats/all_formats.hpp"
+#include "signal/formats/format.hpp"
 #include "signal/formats/traces.hpp"
 
 namespace bodesmith::formats {
@@ -128,9 +128,6 @@ class WaveAudio : public Format {
 
 }  // namespace
 
-const Format& wave_audio() {
-  static const WaveAudio format;
-  return format;
-}
+BODESMITH_ENTRY(Format, wave_audio, WaveAudio)
 
 }  // namespace bodesmith::formats

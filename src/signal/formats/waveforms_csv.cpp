@@ -6,7 +6,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "signal/formats/all_formats.hpp"
+#include "signal/formats/format.hpp"
 #include "signal/formats/table_meaning.hpp"
 
 namespace bodesmith::formats {
@@ -81,9 +81,6 @@ class WaveformsCsv : public Format {
 
 }  // namespace
 
-const Format& waveforms_csv() {
-  static const WaveformsCsv format;
-  return format;
-}
+BODESMITH_ENTRY(Format, waveforms_csv, WaveformsCsv)
 
 }  // namespace bodesmith::formats

@@ -275,9 +275,6 @@ class CvodeEngine final : public ChainEngine {
 
 }  // namespace
 
-const ChainEngine& cvode_engine() {
-  static const CvodeEngine engine;
-  return engine;
-}
+BODESMITH_ENTRY(ChainEngine, cvode_engine, CvodeEngine)
 
 }  // namespace bodesmith::simulate

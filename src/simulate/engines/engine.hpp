@@ -3,6 +3,7 @@
 #include <string_view>
 #include <variant>
 
+#include "base/registry.hpp"
 #include "chain/chain.hpp"
 #include "signal/time_record.hpp"
 #include "simulate/types.hpp"

@@ -254,9 +254,6 @@ class ExactEngine final : public ChainEngine {
 
 }  // namespace
 
-const ChainEngine& exact_engine() {
-  static const ExactEngine engine;
-  return engine;
-}
+BODESMITH_ENTRY(ChainEngine, exact_engine, ExactEngine)
 
 }  // namespace bodesmith::simulate

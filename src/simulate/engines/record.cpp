@@ -70,10 +70,7 @@ class RecordEngine final : public ChainEngine {
 
 }  // namespace
 
-const ChainEngine& record_engine() {
-  static const RecordEngine engine;
-  return engine;
-}
+BODESMITH_ENTRY(ChainEngine, record_engine, RecordEngine)
 
 Result run_record(const chain::Chain& chain, const SampledInput& input, const Options& options) {
   return run_holds(chain, input, start_of(chain, options.start), options.degree, options.oversample);

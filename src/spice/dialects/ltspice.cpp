@@ -34,9 +34,6 @@ class LtspiceDialect final : public Dialect {
 
 }  // namespace
 
-const Dialect& ltspice_dialect() {
-  static const LtspiceDialect dialect;
-  return dialect;
-}
+BODESMITH_ENTRY(Dialect, ltspice_dialect, LtspiceDialect)
 
 }  // namespace bodesmith::spice

@@ -40,9 +40,6 @@ class NgspiceDialect final : public Dialect {
 
 }  // namespace
 
-const Dialect& ngspice_dialect() {
-  static const NgspiceDialect dialect;
-  return dialect;
-}
+BODESMITH_ENTRY(Dialect, ngspice_dialect, NgspiceDialect)
 
 }  // namespace bodesmith::spice

@@ -14,9 +14,6 @@ class XyceDialect final : public Dialect {
 
 }  // namespace
 
-const Dialect& xyce_dialect() {
-  static const XyceDialect dialect;
-  return dialect;
-}
+BODESMITH_ENTRY(Dialect, xyce_dialect, XyceDialect)
 
 }  // namespace bodesmith::spice

@@ -51,9 +51,6 @@ class FractionalPid final : public ControllerKind {
 
 }  // namespace
 
-const ControllerKind& fractional_pid_kind() {
-  static const FractionalPid kind;
-  return kind;
-}
+BODESMITH_ENTRY(ControllerKind, fractional_pid_kind, FractionalPid)
 
 }  // namespace bodesmith::tuning

@@ -63,9 +63,6 @@ class NotchLead final : public ControllerKind {
 
 }  // namespace
 
-const ControllerKind& notch_lead_kind() {
-  static const NotchLead kind;
-  return kind;
-}
+BODESMITH_ENTRY(ControllerKind, notch_lead_kind, NotchLead)
 
 }  // namespace bodesmith::tuning

@@ -26,9 +26,6 @@ class Pid final : public ControllerKind {
 
 }  // namespace
 
-const ControllerKind& pid_kind() {
-  static const Pid kind;
-  return kind;
-}
+BODESMITH_ENTRY(ControllerKind, pid_kind, Pid)
 
 }  // namespace bodesmith::tuning

@@ -12,7 +12,6 @@
 #include "fpaa/sheets/board_picture.hpp"
 #include "fpaa/sheets/build_sheet.hpp"
 #include "functions.hpp"
-#include "kicad/netlist_sheet.hpp"
 #include "kicad/schematic.hpp"
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/json.hpp"

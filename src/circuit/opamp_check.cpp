@@ -13,7 +13,6 @@
 #include "lti/frequency_grid.hpp"
 #include "lti/loop_margins.hpp"
 #include "schematic/analysis/equations.hpp"
-#include "schematic/analysis/noise.hpp"
 #include "schematic/analysis/response.hpp"
 
 namespace bodesmith::circuit {

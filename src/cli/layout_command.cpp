@@ -11,7 +11,7 @@
 #include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "kicad/netlist_sheet.hpp"
+#include "kicad/schematic.hpp"
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/json.hpp"
 #include "multiplier_layout/layout.hpp"

@@ -6,7 +6,7 @@
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "controller/library.hpp"
-#include "kicad/netlist_sheet.hpp"
+#include "kicad/schematic.hpp"
 #include "signal/csv.hpp"
 
 namespace bodesmith::controller {

@@ -8,7 +8,7 @@
 
 #include "base/provenance.hpp"
 #include "chain/chain.hpp"
-#include "invert/options.hpp"
+#include "invert/drive_search.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::invert {

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "circuit/parts/tolerances.hpp"
+#include "circuit/circuit.hpp"
 #include "kicad/sheet_rows.hpp"
 #include "schematic/netlist.hpp"
 

@@ -7,7 +7,7 @@
 #include "multiplier_layout/budget.hpp"
 #include "multiplier_layout/build.hpp"
 #include "schematic/analysis/in_time.hpp"
-#include "schematic/analysis/noise.hpp"
+#include "schematic/analysis/response.hpp"
 
 namespace bodesmith::multiplier_layout {
 namespace {

@@ -5,7 +5,6 @@
 #include "chain/model_file.hpp"
 #include "circuit/json.hpp"
 #include "controller/files.hpp"
-#include "kicad/netlist_sheet.hpp"
 #include "kicad/schematic.hpp"
 #include "multiplier_layout/json.hpp"
 #include "project/artefacts.hpp"

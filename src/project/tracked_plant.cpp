@@ -3,7 +3,7 @@
 #include <limits>
 
 #include "base/error.hpp"
-#include "tracking/paths.hpp"
+#include "tracking/model_stage.hpp"
 #include "tracking/track.hpp"
 
 namespace bodesmith::project {

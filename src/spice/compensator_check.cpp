@@ -9,7 +9,6 @@
 #include "circuit/circuit.hpp"
 #include "circuit/json.hpp"
 #include "schematic/analysis/in_time.hpp"
-#include "schematic/analysis/noise.hpp"
 #include "schematic/analysis/response.hpp"
 #include "spice/compensator_library.hpp"
 #include "spice/dialect.hpp"

@@ -7,7 +7,6 @@
 
 #include "base/registry.hpp"
 #include "circuit/circuit.hpp"
-#include "circuit/parts/tolerances.hpp"
 #include "lti/frequency_grid.hpp"
 
 namespace bodesmith::spice {

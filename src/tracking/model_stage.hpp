@@ -6,8 +6,10 @@
 #include <utility>
 #include <vector>
 
+#include "base/units.hpp"
 #include "chain/chain.hpp"
 #include "hysteresis/identification.hpp"
+#include "lti/sections.hpp"
 #include "signal/time_record.hpp"
 #include "tracking/stage.hpp"
 
@@ -71,5 +73,14 @@ class ChainStage final : public Stage {
   std::string name_;
   chain::Chain chain_;
 };
+
+/// w/(s + w): a first-order lag as a path.
+Sections lowpass_path(Hertz corner);
+
+/// w^2/(s^2 + 2 zeta w s + w^2).
+Sections resonance_path(Hertz natural_frequency, double damping_ratio);
+
+/// One behind the other.
+Sections in_series(const std::vector<Sections>& paths);
 
 }  // namespace bodesmith::tracking

@@ -5,7 +5,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "circuit/opamp_check.hpp"
-#include "schematic/analysis/noise.hpp"
+#include "schematic/analysis/response.hpp"
 #include "schematic/opamp_library.hpp"
 #include "seed_sections.hpp"
 #include "temporary_folder.hpp"

@@ -4,7 +4,6 @@
 #include <cmath>
 #include <complex>
 
-#include "schematic/analysis/noise.hpp"
 #include "schematic/analysis/response.hpp"
 
 namespace bodesmith::schematic {

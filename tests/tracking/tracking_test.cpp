@@ -8,7 +8,7 @@
 #include "approximate/approximate.hpp"
 #include "base/error.hpp"
 #include "lti/cascade.hpp"
-#include "tracking/paths.hpp"
+#include "tracking/model_stage.hpp"
 
 namespace bodesmith::tracking {
 namespace {

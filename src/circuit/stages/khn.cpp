@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "circuit/realisation.hpp"
-#include "circuit/stages/high_pass.hpp"
+#include "circuit/stages/stage_form.hpp"
 
 namespace bodesmith::circuit {
 namespace {

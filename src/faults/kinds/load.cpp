@@ -1,14 +1,29 @@
-#include "faults/kinds/load.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <string>
+#include <vector>
 
 #include "base/text.hpp"
+#include "faults/circuit_board.hpp"
 
 namespace bodesmith::faults {
 namespace {
+
+/// A load between a node and ground whose size is exp(t).
+struct Load {
+  double least = 0.0;  ///< exp(t) lies between these beforehand
+  double most = 0.0;
+  /// Its stamp at a node, of exp(t).
+  std::function<Stamp(const CircuitBoard& board, const std::string& node, double value)> stamp;
+  std::string unit;  ///< for a person
+  std::string key;   ///< for files
+  std::string words_end;
+  /// What to do about it, of "the output" or "node n1".
+  std::function<std::string(const std::string& where)> rework;
+};
 
 /// How an op-amp takes a load at its output is known no better than the op-amp itself; between passive parts a load is one
 /// more of them.
@@ -20,8 +35,7 @@ bool is_driven(const CircuitBoard& board, const std::string& node) {
                      [&](const schematic::OpAmp& one) { return one.out == node; });
 }
 
-}  // namespace
-
+/// One at every node of the board, the output among them.
 std::vector<Fault> load_faults(const CircuitBoard& board, const Load& load) {
   std::vector<Fault> out;
   for (const std::string& node : board.nodes()) {
@@ -49,5 +63,63 @@ std::vector<Fault> load_faults(const CircuitBoard& board, const Load& load) {
   }
   return out;
 }
+
+/// t = ln C: from more than a stray capacitance to a metre-long cable and far beyond.
+constexpr double kLeast_F = 10e-12;
+constexpr double kMost_F = 1e-6;
+
+class CapacitiveLoad : public FaultKind {
+ public:
+  std::string_view name() const override { return "capacitive_load"; }
+  std::string_view what() const override {
+    return "a cable or probe whose capacitance loads the output or a node";
+  }
+  double prior() const override { return 0.06; }
+
+  std::vector<Fault> on_circuit(const CircuitBoard& board) const override {
+    return load_faults(board, {kLeast_F, kMost_F,
+                               [](const CircuitBoard& on, const std::string& node, double farad) {
+                                 return on.admittance(node, "0", 0.0, farad);
+                               },
+                               "F", "value_f", " (a cable or probe)",
+                               [](const std::string& where) {
+                                 return fmt::format(
+                                     "take what is connected to {} away, or put a buffer before it", where);
+                               }});
+  }
+};
+
+/// t = ln R: from little more than a solder bridge to a leak.
+constexpr double kLeast_Ohm = 1.0;
+constexpr double kMost_Ohm = 100e6;
+
+class ResistiveLoad : public FaultKind {
+ public:
+  std::string_view name() const override { return "resistive_load"; }
+  std::string_view what() const override {
+    return "a resistance from the output or a node to ground: a terminated cable, a probe, a solder bridge";
+  }
+  double prior() const override { return 0.06; }
+
+  std::vector<Fault> on_circuit(const CircuitBoard& board) const override {
+    return load_faults(
+        board, {kLeast_Ohm, kMost_Ohm,
+                [](const CircuitBoard& on, const std::string& node, double ohm) {
+                  return on.admittance(node, "0", 1.0 / ohm, 0.0);
+                },
+                "Ω", "value_ohm", "",
+                [](const std::string& where) {
+                  return fmt::format(
+                      "take what loads {} away (cable, probe, solder bridge), or put a buffer before it",
+                      where);
+                }});
+  }
+};
+
+}  // namespace
+
+BODESMITH_ENTRY(FaultKind, capacitive_load_fault, CapacitiveLoad)
+
+BODESMITH_ENTRY(FaultKind, resistive_load_fault, ResistiveLoad)
 
 }  // namespace bodesmith::faults

@@ -1,7 +1,7 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "kicad/netlist_sheet.hpp"
+#include "kicad/schematic.hpp"
 #include "multiplier_layout/layout.hpp"
 #include "project/run.hpp"
 #include "report/page.hpp"

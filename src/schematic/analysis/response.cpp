@@ -3,8 +3,69 @@
 #include <cmath>
 
 #include "base/progress.hpp"
+#include "schematic/analysis/equations.hpp"
 
 namespace bodesmith::schematic {
+namespace {
+
+std::complex<double> way(const Eigen::VectorXcd& ways, int place) {
+  return place < 0 ? 0.0 : ways(place);
+}
+
+class Power final : public NoiseSources {
+ public:
+  explicit Power(const Eigen::VectorXcd& ways) : ways_(ways) {}
+  void add(int from, int to, double density) override {
+    sum += density * std::norm(way(ways_, from) - way(ways_, to));
+  }
+  double sum = 0.0;
+
+ private:
+  const Eigen::VectorXcd& ways_;
+};
+
+}  // namespace
+
+std::vector<double> output_noise(const Netlist& netlist, const std::vector<Hertz>& grid, bool flicker,
+                                 const std::string& node, const std::string& input) {
+  const Equations equations(netlist, {.input = input});
+  const Point at{equations.point(), 0.0, {}};
+  std::vector<double> out;
+  for (const Hertz f : grid) {
+    const Eigen::VectorXcd ways = equations.ways_to(f.rad_s(), node);
+    Power power(ways);
+    for (const auto& element : equations.elements()) element->noise(f.rad_s(), at, flicker, power);
+    out.push_back(std::sqrt(power.sum));
+  }
+  return out;
+}
+
+double output_noise_rms(const Netlist& netlist, Band band, bool flicker, const std::string& node, int points,
+                        const std::string& input) {
+  const std::vector<Hertz> grid = log_grid(band, points);
+  const std::vector<double> density = output_noise(netlist, grid, flicker, node, input);
+  double sum = 0.0;
+  for (std::size_t i = 1; i < grid.size(); ++i) {
+    const double a = density[i - 1] * density[i - 1] * grid[i - 1].value,
+                 b = density[i] * density[i] * grid[i].value;
+    sum += 0.5 * (a + b) * std::log(grid[i].value / grid[i - 1].value);
+  }
+  return std::sqrt(sum);
+}
+
+double worst_output_offset(const Netlist& netlist) {
+  const Equations equations(netlist);
+  const Eigen::VectorXcd ways = equations.ways_to({0.0});
+  double out = 0.0;
+  for (std::size_t i = 0; i < netlist.opamps.size(); ++i) {
+    const OpAmp& opamp = netlist.opamps[i];
+    const OpAmpModel& model = netlist.model_of(opamp);
+    out += model.offset_v * std::abs(ways(equations.row_of_opamp(i)));
+    out += model.bias_current_a * (std::abs(way(ways, equations.node(opamp.plus))) +
+                                   std::abs(way(ways, equations.node(opamp.minus))));
+  }
+  return out;
+}
 
 std::vector<std::complex<double>> log_sensitivities(const Equations& equations, std::size_t parts,
                                                     RadPerSecond w) {

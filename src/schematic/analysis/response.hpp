@@ -1,9 +1,12 @@
 #pragma once
 
 #include <complex>
+#include <string>
 #include <vector>
 
+#include "lti/frequency_grid.hpp"
 #include "schematic/analysis/equations.hpp"
+#include "schematic/netlist.hpp"
 
 namespace bodesmith::schematic {
 
@@ -20,5 +23,15 @@ std::complex<double> return_ratio(const Equations& equations, const Netlist& net
 /// M' y = e_out, d V(out) = -y' dM x, whatever the number of parts. 0 for other parts, and at a null of the response.
 std::vector<std::complex<double>> log_sensitivities(const Equations& equations, std::size_t parts,
                                                     RadPerSecond w);
+
+/// Spectral density of the noise at a node in V/sqrt(Hz), all elements' sources at once by one solution of the transposed
+/// system a frequency. `flicker`: with the op-amps' 1/f corner.
+std::vector<double> output_noise(const Netlist& netlist, const std::vector<Hertz>& grid, bool flicker = true,
+                                 const std::string& node = "out", const std::string& input = "in");
+/// Root of the integral of its square over the band, by trapezoids in log frequency (the density bends slowly).
+double output_noise_rms(const Netlist& netlist, Band band, bool flicker = true,
+                        const std::string& node = "out", int points = 121, const std::string& input = "in");
+/// |V(out)| at rest with every op-amp's offset and bias currents at the signs that add up.
+double worst_output_offset(const Netlist& netlist);
 
 }  // namespace bodesmith::schematic

@@ -1,13 +1,24 @@
-#include "exchange/writers/script_data.hpp"
+// An Octave (or MATLAB) script that rebuilds sections, a linear model or an FPAA plan, with the control package where it is there, and checks itself.
+// A Python script that rebuilds sections, a linear model or an FPAA plan with python-control, and checks itself against responses computed here.
+#include <fmt/format.h>
 
 #include <algorithm>
+#include <complex>
+#include <functional>
+#include <string>
 
 #include "base/json.hpp"
+#include "base/json_fwd.hpp"
 #include "base/text.hpp"
+#include "base/text_template.hpp"
+#include "exchange/writer.hpp"
 #include "lti/frequency_grid.hpp"
 
 namespace bodesmith::exchange {
 namespace {
+
+/// How a language writes a complex number: "1.0-2.0j", "complex(1.0,-2.0)".
+using ComplexText = std::function<std::string(const std::complex<double>&)>;
 
 std::string root_list(const std::vector<std::complex<double>>& roots, const ComplexText& text) {
   std::vector<std::string> out;
@@ -33,8 +44,7 @@ Json checks_of(const Exportable& from, const ComplexText& text) {
   return out;
 }
 
-}  // namespace
-
+/// {source, name, blocks: [{name, order, a, b, c, d, delay_s}], checks}: matrices row by row.
 Json model_script_data(const Exportable& from, const ComplexText& text) {
   Json data = {{"source", from.source},
                {"name", from.name},
@@ -52,6 +62,7 @@ Json model_script_data(const Exportable& from, const ComplexText& text) {
   return data;
 }
 
+/// {source, name, output, blocks: [{name, clock_hz, denominator, inputs: [{from, numerator}]}], checks}.
 Json plan_script_data(const Exportable& from, const ComplexText& text) {
   const SampledNetwork& network = *from.network;
   Json data = {{"source", from.source},
@@ -77,6 +88,8 @@ Json plan_script_data(const Exportable& from, const ComplexText& text) {
   return data;
 }
 
+/// What the scripts' templates are filled with: source, name, gain, delay_s, sections (gain, zeros, poles as lists of
+/// text), and responses at a few frequencies, by which a script checks itself.
 Json script_data(const Exportable& from, const Sections& sections, const ComplexText& text) {
   Json data = {{"source", from.source},
                {"name", from.name},
@@ -101,5 +114,53 @@ Json script_data(const Exportable& from, const Sections& sections, const Complex
   }
   return data;
 }
+
+class OctaveWriter : public Writer {
+ public:
+  std::string_view name() const override { return "octave"; }
+  std::string_view endings() const override { return ".m"; }
+  std::string_view what() const override {
+    return "an Octave or MATLAB script that rebuilds sections, a linear model or an FPAA plan";
+  }
+  Written write(const Exportable& from, const ExportOptions&) const override {
+    const auto text = [](const std::complex<double>& c) {
+      if (c.imag() == 0.0) return number_text(c.real());
+      return fmt::format("complex({}, {})", number_text(c.real()), number_text(c.imag()));
+    };
+    const std::vector<std::string> said = {
+        "it compares itself with responses computed here and ends with an error where they differ"};
+    if (is_model(from)) return {render_template("exchange/model.m", model_script_data(from, text)), said};
+    if (is_plan(from)) return {render_template("exchange/plan.m", plan_script_data(from, text)), said};
+    return {render_template("exchange/sections.m", script_data(from, need_sections(from, *this), text)),
+            said};
+  }
+};
+
+class PythonWriter : public Writer {
+ public:
+  std::string_view name() const override { return "python-control"; }
+  std::string_view endings() const override { return ".py"; }
+  std::string_view what() const override {
+    return "a script that rebuilds sections, a linear model or an FPAA plan with python-control";
+  }
+  Written write(const Exportable& from, const ExportOptions&) const override {
+    const auto text = [](const std::complex<double>& c) {
+      if (c.imag() == 0.0) return number_text(c.real());
+      return fmt::format("complex({}, {})", number_text(c.real()), number_text(c.imag()));
+    };
+    const std::vector<std::string> said = {
+        "run by itself it compares python-control's system with responses computed here"};
+    if (is_model(from)) return {render_template("exchange/model.py", model_script_data(from, text)), said};
+    if (is_plan(from)) return {render_template("exchange/plan.py", plan_script_data(from, text)), said};
+    return {render_template("exchange/sections.py", script_data(from, need_sections(from, *this), text)),
+            said};
+  }
+};
+
+}  // namespace
+
+BODESMITH_ENTRY(Writer, octave_writer, OctaveWriter)
+
+BODESMITH_ENTRY(Writer, python_writer, PythonWriter)
 
 }  // namespace bodesmith::exchange

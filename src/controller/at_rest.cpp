@@ -10,7 +10,7 @@ namespace {
 
 std::string control_node(const AnalogController& c, int branch) {
   const int control = c.rate[branch].control;
-  return control < 0 ? "" : c.op(c.sum(control).opamp).out;
+  return control < 0 ? "" : c.op(control).out;
 }
 
 schematic::RestOrder generator_order(const AnalogController& c, bool cut) {
@@ -43,15 +43,13 @@ SlopeMeterGains SlopeMeterGains::of(const AnalogController& c, const Deviations&
   out.offset = off.offset(m.opamp);
   out.lag1_s = off.value(c, m.damping) * off.value(c, m.differentiates);
   out.lag2_s = off.value(c, m.gain) * off.value(c, m.limits);
-  const Rectifier& h = m.half_wave;
-  out.half_gain = off.value(c, h.feedback) / off.value(c, h.terms[0].part);
-  out.half_offset = off.offset(h.opamp) * (1.0 + out.half_gain);
-  const Sum& sum = c.sum(m.full_wave);
-  const double feedback = off.value(c, sum.feedback);
-  out.direct = feedback / off.value(c, sum.terms[0].part);
-  out.half = feedback / off.value(c, sum.terms[1].part);
-  out.full_offset = off.offset(sum.opamp) * (1.0 + out.direct + out.half);
-  out.smoothing_s = sum.smoothing >= 0 ? off.value(c, sum.smoothing) * feedback : 0.0;
+  out.half_gain = off.value(c, m.half_wave_feedback) / off.value(c, m.half_wave_input);
+  out.half_offset = off.offset(m.half_wave_opamp) * (1.0 + out.half_gain);
+  const double feedback = off.value(c, m.full_wave_feedback);
+  out.direct = feedback / off.value(c, m.direct);
+  out.half = feedback / off.value(c, m.half);
+  out.full_offset = off.offset(m.full_wave_opamp) * (1.0 + out.direct + out.half);
+  out.smoothing_s = off.value(c, m.smoothing) * feedback;
   return out;
 }
 
@@ -103,8 +101,8 @@ double AtRest::made(double r, double argument, bool rising) {
   return generator_.volts(drive_);
 }
 
-double AtRest::noise_gain(int sum) {
-  const std::string& name = wiring_->controller.op(wiring_->controller.sum(sum).opamp).name;
+double AtRest::noise_gain(int opamp) {
+  const std::string& name = wiring_->controller.op(opamp).name;
   const std::vector<OpAmp>& all = wiring_->generator.netlist().opamps;
   const auto at = std::find_if(all.begin(), all.end(), [&](const OpAmp& one) { return one.name == name; });
   return generator_.noise_gain(static_cast<std::size_t>(at - all.begin()));

@@ -46,8 +46,8 @@ class AtRest {
   double volts(const std::string& node) const { return generator_.volts(node); }
   /// dv/dr of the subtraction, the argument held.
   double reference_gain() const { return reference_gain_; }
-  /// 1 + Rf (sum of conductances at the inverting input) of a sum of the generator.
-  double noise_gain(int sum);
+  /// 1 + Rf (sum of conductances at the inverting input) of an op-amp of the generator.
+  double noise_gain(int opamp);
 
  private:
   const RestWiring* wiring_;

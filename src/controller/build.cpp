@@ -53,7 +53,9 @@ double AnalogController::rated_gain(Disturbance::Branch which, Hertz frequency) 
 }
 
 Builder::Builder(const Disturbance& disturbance, const Options& options)
-    : disturbance_(disturbance), options_(options) {
+    : NetlistMaker(out_, options_.resistors, options_.capacitors),
+      disturbance_(disturbance),
+      options_(options) {
   out_.form = options.form;
   out_.disturbance = disturbance;
   out_.multiplier = options.multiplier;
@@ -125,9 +127,7 @@ void Builder::check_polynomials() {
 
 /// In the order of the netlist.
 void Builder::declare_groups() {
-  const auto add = [&](std::string title, Purpose purpose) {
-    out_.groups.push_back({std::move(title), purpose});
-  };
+  const auto add = [&](std::string title, Purpose purpose) { add_group(std::move(title), purpose); };
   add("", Purpose::rate_curve);  // references
   add("slope's sign", Purpose::slope_sign);
   add("slope", Purpose::slope_meter);
@@ -146,10 +146,10 @@ void Builder::declare_groups() {
   out_.gates = {{out_.groups.size() - 1, "down", {}, {"up"}}};
 }
 
-void Builder::group(const std::string& title) {
+void Builder::enter(const std::string& title) {
   const auto at = std::find_if(out_.groups.begin(), out_.groups.end(),
                                [&](const schematic::Group& one) { return one.title == title; });
-  group_ = static_cast<std::size_t>(at - out_.groups.begin());
+  group = static_cast<std::size_t>(at - out_.groups.begin());
 }
 
 AnalogController Builder::build() {
@@ -182,37 +182,6 @@ AnalogController Builder::build() {
   return std::move(out_);
 }
 
-int Builder::resistor(const std::string& name, const std::string& role, const std::string& from,
-                      const std::string& to, double wanted, double realised) {
-  out_.parts.push_back(
-      {Part::Kind::resistor, name, role, group_, from, to, options_.resistors.name(), wanted, realised});
-  return static_cast<int>(out_.parts.size()) - 1;
-}
-
-int Builder::resistor(const std::string& name, const std::string& role, const std::string& from,
-                      const std::string& to, double wanted) {
-  return resistor(name, role, from, to, wanted, options_.resistors.nearest(wanted));
-}
-
-int Builder::capacitor(const std::string& name, const std::string& role, const std::string& from,
-                       const std::string& to, double wanted) {
-  out_.parts.push_back({Part::Kind::capacitor, name, role, group_, from, to, options_.capacitors.name(),
-                        wanted, options_.capacitors.nearest(wanted)});
-  return static_cast<int>(out_.parts.size()) - 1;
-}
-
-int Builder::diode(const std::string& name, const std::string& role, const std::string& from,
-                   const std::string& to) {
-  out_.parts.push_back({Part::Kind::diode, name, role, group_, from, to, "1N4148", 0.0, 0.0});
-  return static_cast<int>(out_.parts.size()) - 1;
-}
-
-int Builder::opamp(const std::string& role, const std::string& plus, const std::string& minus,
-                   const std::string& out) {
-  out_.opamps.push_back({fmt::format("U{}", out_.opamps.size() + 1), role, group_, plus, minus, out, false});
-  return static_cast<int>(out_.opamps.size()) - 1;
-}
-
 int Builder::multiplier(const std::string& name, const std::string& role, const std::string& x,
                         const std::string& y, const std::string& z, const std::string& to, double peak_v) {
   if (peak_v > out_.multiplier.greatest_output_v) {
@@ -220,7 +189,7 @@ int Builder::multiplier(const std::string& name, const std::string& role, const 
                                   rounded_text(peak_v), out_.multiplier.name,
                                   rounded_text(out_.multiplier.greatest_output_v)));
   }
-  out_.multipliers.push_back({name, role, group_, x, y, z, to, peak_v});
+  out_.multipliers.push_back({name, role, group, x, y, z, to, peak_v});
   return static_cast<int>(out_.multipliers.size()) - 1;
 }
 

@@ -3,6 +3,7 @@
 #include <string>
 #include <vector>
 
+#include "circuit/parts/netlist_maker.hpp"
 #include "controller/controller.hpp"
 
 /// The steps of make_controller(), for its own files only.
@@ -11,7 +12,7 @@ namespace bodesmith::controller {
 /// Greatest |voltage| aimed at, as a share of full scale: room for what E-series resistors round.
 constexpr double kRoom = 0.97;
 
-class Builder {
+class Builder : private circuit::NetlistMaker {
  public:
   Builder(const Disturbance& disturbance, const Options& options);
   AnalogController build();
@@ -40,30 +41,19 @@ class Builder {
   void pass(const std::string& x, const std::string& out, int number);
   void powers(Pass& pass, const std::string& tail);
   void branch(Pass& pass, int b, const std::string& tail);
-  void rate_gain(BranchPath& path, int b, const std::string& node, const std::string& to,
-                 const std::string& tail);
   void output(Pass& pass, const std::string& tail);
 
-  // parts
   void declare_groups();
-  void group(const std::string& title);
-  int resistor(const std::string& name, const std::string& role, const std::string& from,
-               const std::string& to, double wanted, double realised);
-  int resistor(const std::string& name, const std::string& role, const std::string& from,
-               const std::string& to, double wanted);
-  int capacitor(const std::string& name, const std::string& role, const std::string& from,
-                const std::string& to, double wanted);
-  int diode(const std::string& name, const std::string& role, const std::string& from, const std::string& to);
-  int opamp(const std::string& role, const std::string& plus, const std::string& minus,
-            const std::string& out);
+  /// What is added next belongs there.
+  void enter(const std::string& title);
   int multiplier(const std::string& name, const std::string& role, const std::string& x, const std::string& y,
                  const std::string& z, const std::string& to, double peak_v);
 
   const Disturbance& disturbance_;
   Options options_;
   AnalogController out_;
-  std::size_t group_ = 0;                 ///< of what is being made
   double greatest_gain_[2] = {1.0, 1.0};  ///< of the rate gains
+  double pass_scale_ = 1.0;               ///< of the divider before the multipliers
 };
 
 }  // namespace bodesmith::controller

@@ -54,89 +54,68 @@ void Builder::pass(const std::string& x, const std::string& out, int number) {
 }
 
 void Builder::powers(Pass& pass, const std::string& tail) {
-  group("powers" + tail);
+  enter("powers" + tail);
   const double top = std::max(out_.loop.greatest_drive, 1.0), range = out_.multiplier.greatest_input_v;
-  pass.scaled = pass.x;
+  std::string scaled = pass.x;
   double scale = 1.0;
+  pass_scale_ = 1.0;
   const auto& a = disturbance_.ascending;
   const auto& d = disturbance_.descending;
   const bool cubes = a[2] != 0.0 || d[2] != 0.0, squares = cubes || a[1] != 0.0 || d[1] != 0.0;
   if (!squares) return;
   if (top > range * 1.005) {
     // Thevenin's resistance of the divider drives multiplier inputs only.
-    pass.scaled = "x" + tail;
+    scaled = "x" + tail;
     const double lower = 2e3, upper = lower * (top / (kRoom * range) - 1.0);
-    pass.divider[0] = resistor("Rv1" + tail, "divider before the multipliers", pass.x, pass.scaled, upper);
-    pass.divider[1] = resistor("Rv2" + tail, "divider before the multipliers", pass.scaled, "0", lower);
-    scale = lower / (lower + out_.part(pass.divider[0]).realised);
+    const int above = resistor("Rv1" + tail, "divider before the multipliers", pass.x, scaled, upper);
+    const int below = resistor("Rv2" + tail, "divider before the multipliers", scaled, "0", lower);
+    scale = lower / (lower + out_.part(above).realised);
+    pass_scale_ = out_.part(below).realised / (out_.part(below).realised + out_.part(above).realised);
   }
   const double x = scale * top, u = out_.multiplier.scale_v;
-  pass.square = multiplier("M2" + tail, "x^2/U", pass.scaled, pass.scaled, "0", "x2" + tail, x * x / u);
+  pass.square = multiplier("M2" + tail, "x^2/U", scaled, scaled, "0", "x2" + tail, x * x / u);
   if (cubes) {
     pass.cube =
-        multiplier("M3" + tail, "x^3/U^2", "x2" + tail, pass.scaled, "0", "x3" + tail, x * x * x / (u * u));
+        multiplier("M3" + tail, "x^3/U^2", "x2" + tail, scaled, "0", "x3" + tail, x * x * x / (u * u));
   }
 }
 
 void Builder::branch(Pass& pass, int b, const std::string& tail) {
   const std::array<double, 3>& a = b == 0 ? disturbance_.ascending : disturbance_.descending;
-  BranchPath path;
-  path.which = out_.rate[b].which;
   const std::string name = b == 0 ? "ascending" : "descending", letter = letter_of(b);
-  group(name + tail);
+  enter(name + tail);
   std::string node = "0";
   if (a != std::array<double, 3>{}) {
-    double scale = 1.0;
-    if (pass.divider[0] >= 0) {
-      const double lower = out_.part(pass.divider[1]).realised;
-      scale = lower / (lower + out_.part(pass.divider[0]).realised);
-    }
     const double u = out_.multiplier.scale_v, volts = out_.branch_gain * out_.rate[b].at_rest;
+    const double scale = pass_scale_;
     const std::vector<double> level = {1.0, scale * scale / u, scale * scale * scale / (u * u)};
     const std::vector<std::string> from = {pass.x, "x2" + tail, "x3" + tail};
     std::vector<double> gains;
-    for (std::size_t k = 0; k < 3; ++k) gains.push_back(volts * a[k] / level[k]);
-    const circuit::SummingDesign design = circuit::search_summing_resistors(gains, level, options_.resistors);
-    const std::string plus = "p" + letter + tail, minus = "m" + letter + tail;
-    node = "b" + letter + tail;
-    Sum sum;
-    bool plus_used = false;
+    std::vector<Weight> weights;
     for (std::size_t k = 0; k < 3; ++k) {
-      if (gains[k] == 0.0) continue;
-      const bool at_plus = gains[k] > 0.0;
-      plus_used = plus_used || at_plus;
-      const int part = resistor(fmt::format("R{}{}{}", letter, k + 1, tail),
-                                fmt::format("weight of x^{}, {}", k + 1, name), from[k],
-                                at_plus ? plus : minus, design.exact.weights[k], design.realised.weights[k]);
-      sum.terms.push_back({from[k], part, at_plus, 0.0});
+      gains.push_back(volts * a[k] / level[k]);
+      weights.push_back({from[k], fmt::format("R{}{}{}", letter, k + 1, tail),
+                         fmt::format("weight of x^{}, {}", k + 1, name)});
     }
-    sum.feedback = resistor("R" + letter + "f" + tail, "feedback of the sum, " + name, minus, node,
-                            design.exact.feedback, design.realised.feedback);
-    if (design.realised.balance > 0.0) {
-      sum.balance_at_plus = design.realised.balance_at_plus;
-      sum.balance =
-          resistor("R" + letter + "b" + tail, "balance of the sum, " + name,
-                   sum.balance_at_plus ? plus : minus, "0", design.exact.balance, design.realised.balance);
-    }
-    sum.opamp = opamp("sum of the powers, " + name, plus_used ? plus : "0", minus, node);
-    out_.sums.push_back(std::move(sum));
-    path.sum = static_cast<int>(out_.sums.size()) - 1;
+    const circuit::SummingDesign design = circuit::search_summing_resistors(gains, level, options_.resistors);
+    node = "b" + letter + tail;
+    pass.branch_opamp[b] = sum(weights, gains, design, "R" + letter, tail, name, "sum of the powers, " + name,
+                               "p" + letter + tail, "m" + letter + tail, node)
+                               .opamp;
     if (out_.rate[b].control >= 0) {
       const double peak_v = greatest_gain_[b] * out_.branch_gain * peak_of(b);
-      path.gain = multiplier("M" + letter + tail, "rate gain, " + name, node, "c" + letter, node,
-                             "g" + letter + tail, peak_v);
+      multiplier("M" + letter + tail, "rate gain, " + name, node, "c" + letter, node, "g" + letter + tail,
+                 peak_v);
       node = "g" + letter + tail;
     }
   }
-  group("switch" + tail);
-  out_.contacts.push_back({"S" + letter + tail, group_, node, "sw" + tail, b == 0 ? "up" : "down", b});
-  path.contact = static_cast<int>(out_.contacts.size()) - 1;
-  pass.branch.push_back(path);
+  enter("switch" + tail);
+  out_.contacts.push_back({"S" + letter + tail, group, node, "sw" + tail, b == 0 ? "up" : "down", b});
 }
 
 /// v = r (Rr2/(Rr1 + Rr2)) (1 + Rg/(Rin + Ron)) - Rg/(Rin + Ron) sw, the first product 1.
 void Builder::output(Pass& pass, const std::string& tail) {
-  group("subtraction" + tail);
+  enter("subtraction" + tail);
   const double on = out_.analog_switch.on_ohm;
   const double input = options_.resistors.nearest(kSwitchLoad);
   double feedback = options_.resistors.nearest((input + on) / out_.branch_gain);
@@ -163,17 +142,13 @@ void Builder::output(Pass& pass, const std::string& tail) {
   }
   // Both contacts are open for a moment, and an opening one leaves its charge here.
   capacitor("Csw" + tail, "holds the disturbance while the switch changes", "sw" + tail, "0", 100e-12);
-  Sum sum;
   const std::string plus = "po" + tail, minus = "mo" + tail;
-  sum.terms.push_back({"r", resistor("Rr1" + tail, "reference", "r", plus, lower / ratio, upper), true, 0.0});
-  sum.terms.push_back(
-      {"sw" + tail, resistor("Rin" + tail, "disturbance", "sw" + tail, minus, input, input), false, on});
-  sum.feedback = resistor("Rg" + tail, "feedback of the subtraction", minus, pass.out, feedback, feedback);
-  sum.balance_at_plus = true;
-  sum.balance = resistor("Rr2" + tail, "reference", plus, "0", lower, lower);
-  sum.opamp = opamp("subtraction", plus, minus, pass.out);
-  out_.sums.push_back(std::move(sum));
-  pass.output = static_cast<int>(out_.sums.size()) - 1;
+  Pass::Output& parts = pass.output;
+  parts.reference = resistor("Rr1" + tail, "reference", "r", plus, lower / ratio, upper);
+  parts.disturbance = resistor("Rin" + tail, "disturbance", "sw" + tail, minus, input, input);
+  parts.feedback = resistor("Rg" + tail, "feedback of the subtraction", minus, pass.out, feedback, feedback);
+  resistor("Rr2" + tail, "reference", plus, "0", lower, lower);
+  parts.opamp = opamp("subtraction", plus, minus, pass.out);
 }
 
 }  // namespace bodesmith::controller

@@ -85,6 +85,10 @@ constexpr double kReferenceV = 2.5;
 constexpr double kReferenceRatio = 50.0;
 constexpr double kRectifierOhm = 10e3;
 
+std::string rectifier_node(std::size_t corner) {
+  return fmt::format("k{}", corner + 1);
+}
+
 }  // namespace
 
 double RateCurve::value(Disturbance::Branch which, Hertz frequency) const {
@@ -102,30 +106,27 @@ double RateCurve::value(Disturbance::Branch which, Hertz frequency) const {
 /// multiplier_layout. How late the sign is: sqrt(dV/(2 pi GBW ds)), dV the diodes' voltage and ds the slope, at
 /// least; hence the faster op-amp, and ten times that detector's current against the junctions' charge.
 void Builder::detector() {
-  group("slope's sign");
-  AnalogController::Detector& d = out_.detector;
+  enter("slope's sign");
   const double rd = 470e3;
   // The slowest full-stroke triangle makes 100 mV at Rd.
   const double cd = options_.capacitors.nearest(
       std::clamp(0.1 / (2.0 * options_.lowest.value * options_.reference_stroke * rd), 1e-9, 1e-6));
-  d.parts.push_back(resistor("Rs", "slope's sign, damping", "r", "sa", 0.33e-6 / cd));
-  d.parts.push_back(capacitor("Cd", "slope's sign, differentiates", "sa", "sb", cd));
-  d.parts.push_back(resistor("Rd", "slope's sign, gain for slow signals", "sb", "sc", rd));
-  d.parts.push_back(capacitor("Cf", "slope's sign, damping", "sb", "sc", 3.3e-4 * cd));
-  d.parts.push_back(diode("D1", "slope's sign, limit", "sb", "sc"));
-  d.parts.push_back(diode("D2", "slope's sign, limit", "sc", "sb"));
-  d.differentiator = opamp("slope's sign, differentiator", "0", "sb", "sc");
-  d.parts.push_back(resistor("Rh1", "slope's sign, hysteresis", "sp", "0", 1e3));
-  d.parts.push_back(
-      resistor("Rh2", "slope's sign, hysteresis", "so", "sp", out_.fast_opamp.swing_v / 0.02 * 1e3));
-  d.comparator = opamp("slope's sign, comparator", "sp", "sc", "so");
-  for (const int one : {d.differentiator, d.comparator})
-    out_.opamps[static_cast<std::size_t>(one)].fast = true;
+  resistor("Rs", "slope's sign, damping", "r", "sa", 0.33e-6 / cd);
+  capacitor("Cd", "slope's sign, differentiates", "sa", "sb", cd);
+  resistor("Rd", "slope's sign, gain for slow signals", "sb", "sc", rd);
+  capacitor("Cf", "slope's sign, damping", "sb", "sc", 3.3e-4 * cd);
+  diode("D1", "slope's sign, limit", "sb", "sc");
+  diode("D2", "slope's sign, limit", "sc", "sb");
+  resistor("Rh1", "slope's sign, hysteresis", "sp", "0", 1e3);
+  resistor("Rh2", "slope's sign, hysteresis", "so", "sp", out_.fast_opamp.swing_v / 0.02 * 1e3);
+  opamp("slope's sign, differentiator", "0", "sb", "sc");
+  opamp("slope's sign, comparator", "sp", "sc", "so");
+  for (schematic::OpAmp& one : out_.opamps) one.fast = true;
 }
 
 /// w = -Rd Cd dr/dt, then -|w| with a first-order smoothing: sn.
 void Builder::slope_meter() {
-  group("slope");
+  enter("slope");
   AnalogController::SlopeMeter m;
   const double last = disturbance_.rate.frequency.back().value,
                first = disturbance_.rate.frequency.front().value;
@@ -142,37 +143,28 @@ void Builder::slope_meter() {
   m.opamp = opamp("slope, differentiator", "0", "wb", "w0");
   m.volts_per_hz =
       2.0 * options_.reference_stroke * out_.part(m.gain).realised * out_.part(m.differentiates).realised;
-  m.lag_s = lag;
 
-  Rectifier& h = m.half_wave;
-  h.positive = true;
-  h.node = "wh";
-  h.terms.push_back(
-      {"w0", resistor("Rw3", "half-wave rectifier, input", "w0", "wm", kRectifierOhm), false, 0.0});
-  h.feedback = resistor("Rw4", "half-wave rectifier, feedback", "wm", "wh", kRectifierOhm);
+  m.half_wave_input = resistor("Rw3", "half-wave rectifier, input", "w0", "wm", kRectifierOhm);
+  m.half_wave_feedback = resistor("Rw4", "half-wave rectifier, feedback", "wm", "wh", kRectifierOhm);
   diode("Dw1", "half-wave rectifier", "we", "wh");
   diode("Dw2", "half-wave rectifier", "wm", "we");
-  h.opamp = opamp("half-wave rectifier", "0", "wm", "we");
+  m.half_wave_opamp = opamp("half-wave rectifier", "0", "wm", "we");
 
-  Sum sum;
   const double twice = 2.0 * kRectifierOhm;
-  sum.terms.push_back({"w0", resistor("Rw5", "full-wave rectifier, slope", "w0", "wn", twice), false, 0.0});
-  sum.terms.push_back(
-      {"wh", resistor("Rw6", "full-wave rectifier, half wave", "wh", "wn", kRectifierOhm), false, 0.0});
-  sum.feedback = resistor("Rw7", "full-wave rectifier, feedback", "wn", "sn", twice);
+  m.direct = resistor("Rw5", "full-wave rectifier, slope", "w0", "wn", twice);
+  m.half = resistor("Rw6", "full-wave rectifier, half wave", "wh", "wn", kRectifierOhm);
+  m.full_wave_feedback = resistor("Rw7", "full-wave rectifier, feedback", "wn", "sn", twice);
   m.smoothing_s = options_.averaging_s > 0.0 ? options_.averaging_s : 0.01 / last;
-  sum.smoothing = capacitor("Cw3", "full-wave rectifier, smoothing", "wn", "sn", m.smoothing_s / twice);
-  m.smoothing_s = out_.part(sum.smoothing).realised * out_.part(sum.feedback).realised;
-  sum.opamp = opamp("full-wave rectifier", "0", "wn", "sn");
-  out_.sums.push_back(std::move(sum));
-  m.full_wave = static_cast<int>(out_.sums.size()) - 1;
+  m.smoothing = capacitor("Cw3", "full-wave rectifier, smoothing", "wn", "sn", m.smoothing_s / twice);
+  m.smoothing_s = out_.part(m.smoothing).realised * out_.part(m.full_wave_feedback).realised;
+  m.full_wave_opamp = opamp("full-wave rectifier", "0", "wn", "sn");
   out_.slope = std::move(m);
 }
 
 /// One rectifier a corner of the gain curve: -max(0, s_k - s). They rest above their corner, so that beyond
 /// the last one the gain is held whatever the slope.
 void Builder::curve_rectifiers() {
-  group("rate curve");
+  enter("rate curve");
   double peak[2];
   for (const int b : {0, 1}) peak[b] = peak_of(b);
   out_.curve = make_rate_curve(disturbance_, peak, options_.tracked, options_.rate_tolerance_percent);
@@ -185,8 +177,7 @@ void Builder::curve_rectifiers() {
     const double wanted = std::clamp(25.0 * least, 1e-3, 0.25), lower = 100.0;
     const int up = resistor("Rl1", "low reference", "vr", "vm", lower * (kReferenceV / wanted - 1.0));
     const int down = resistor("Rl2", "low reference", "vm", "0", lower);
-    const int buffer = opamp("low reference", "vm", "vl", "vl");
-    out_.low_reference = AnalogController::LowReference{{up, down}, buffer};
+    opamp("low reference", "vm", "vl", "vl");
     low_v = kReferenceV * out_.part(down).realised / (out_.part(down).realised + out_.part(up).realised);
   }
   for (std::size_t k = 0; k < out_.curve->corner.size(); ++k) {
@@ -209,23 +200,15 @@ void Builder::rectifier(std::size_t k, double threshold_v, const std::string& re
       }
     }
   }
-  const std::string node = fmt::format("k{}", k + 1), minus = "m" + node, end = "e" + node;
+  const std::string node = rectifier_node(k), minus = "m" + node, end = "e" + node;
   const std::string role = fmt::format("corner at {} Hz", rounded_text(out_.curve->corner[k].value));
-  Rectifier one;
-  one.node = node;
-  one.corner_hz = out_.curve->corner[k].value;
   const std::string number = fmt::format("{}", k + 1);
-  one.terms.push_back(
-      {"sn", resistor("Rk" + number + "i", role + ", slope", "sn", minus, input, input), false, 0.0});
-  one.terms.push_back({reference,
-                       resistor("Rk" + number + "r", role + ", threshold", reference, minus,
-                                input * reference_v / threshold_v),
-                       false, 0.0});
-  one.feedback = resistor("Rk" + number + "f", role + ", feedback", minus, node, input, input);
+  resistor("Rk" + number + "i", role + ", slope", "sn", minus, input, input);
+  resistor("Rk" + number + "r", role + ", threshold", reference, minus, input * reference_v / threshold_v);
+  resistor("Rk" + number + "f", role + ", feedback", minus, node, input, input);
   diode("Dk" + number + "a", role, node, end);
   diode("Dk" + number + "b", role, end, minus);
-  one.opamp = opamp(role, "0", minus, end);
-  out_.rectifiers.push_back(std::move(one));
+  opamp(role, "0", minus, end);
 }
 
 /// Gains on the rectifiers' nodes and, last, on the reference that make U (K/K0 - 1): each corner's change of
@@ -271,27 +254,21 @@ int Builder::inverting_sum(const std::vector<std::string>& from, const std::vect
                            const std::string& role, const std::string& node, std::vector<double>& realised) {
   const SumDesign design = search_sum(gains, rows, options_.resistors, 2e-5, role);
   const std::string minus = "m" + node;
-  Sum sum;
   for (std::size_t i = 0; i < from.size(); ++i) {
     if (design.realised[i] == 0.0) continue;
-    sum.terms.push_back({from[i],
-                         resistor(fmt::format("R{}{}", letters, i + 1), role + " from " + from[i], from[i],
-                                  minus, design.wanted[i], design.realised[i]),
-                         false, 0.0});
+    resistor(fmt::format("R{}{}", letters, i + 1), role + " from " + from[i], from[i], minus,
+             design.wanted[i], design.realised[i]);
   }
-  sum.feedback =
-      resistor("R" + letters + "f", role + ", feedback", minus, node, design.feedback, design.feedback);
-  sum.opamp = opamp(role, "0", minus, node);
-  out_.sums.push_back(std::move(sum));
+  resistor("R" + letters + "f", role + ", feedback", minus, node, design.feedback, design.feedback);
   realised = design.gains;
-  return static_cast<int>(out_.sums.size()) - 1;
+  return opamp(role, "0", minus, node);
 }
 
 /// Control voltage of a branch. What enters with a positive gain passes an inverting sum of its own first.
 void Builder::control(int b) {
   if (gain_limit(b, true) == gain_limit(b, false)) return;
   const std::string name = b == 0 ? "ascending" : "descending", letter = b == 0 ? "a" : "d";
-  group("rate gain, " + name);
+  enter("rate gain, " + name);
   const std::vector<double> gains = control_gains(b);
   const std::vector<std::vector<double>> voltages = control_rows();
   std::vector<std::string> from[2];  // inverted once, inverted twice
@@ -301,7 +278,7 @@ void Builder::control(int b) {
   std::vector<double> total(voltages.size(), 0.0), twice(voltages.size(), 0.0);
   for (std::size_t i = 0; i < gains.size(); ++i) {
     const std::size_t side = gains[i] > 0.0 ? 1 : 0;
-    from[side].push_back(i + 1 < gains.size() ? out_.rectifiers[i].node : "vr");
+    from[side].push_back(i + 1 < gains.size() ? rectifier_node(i) : "vr");
     gain[side].push_back(-std::abs(gains[i]));
     for (std::size_t row = 0; row < voltages.size(); ++row) {
       rows[side][row].push_back(voltages[row][i]);
@@ -312,8 +289,8 @@ void Builder::control(int b) {
   std::vector<double> realised;
   if (!from[1].empty()) {
     for (std::size_t row = 0; row < voltages.size(); ++row) rows[1][row].push_back(twice[row]);
-    out_.rate[b].inverted = inverting_sum(from[1], gain[1], rows[1], "n" + letter,
-                                          "control voltage, inverted, " + name, "n" + letter, realised);
+    inverting_sum(from[1], gain[1], rows[1], "n" + letter, "control voltage, inverted, " + name, "n" + letter,
+                  realised);
     from[0].push_back("n" + letter);
     gain[0].push_back(-1.0);
     for (std::size_t row = 0; row < voltages.size(); ++row) {

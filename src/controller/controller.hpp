@@ -21,35 +21,6 @@ using schematic::OpAmp;
 using schematic::Part;
 using schematic::Purpose;
 
-/// A voltage that enters a sum through a part; places in AnalogController's lists.
-struct Term {
-  std::string node;
-  int part = -1;
-  bool at_plus = false;
-  double series_ohm = 0.0;  ///< in series with the part: a closed contact
-};
-
-/// One op-amp that sums with both signs: -Rf/Rk for terms at its inverting input, positive gains through the
-/// conductances at the other; `balance` to ground at one of them.
-struct Sum {
-  int opamp = -1;
-  std::vector<Term> terms;
-  int feedback = -1;
-  int balance = -1;
-  bool balance_at_plus = true;
-  int smoothing = -1;  ///< capacitor across the feedback
-};
-
-/// Precision rectifier, inverting: its node is -max(0, sum_k v_k Rf/Rk), or, `positive`, max(0, -sum).
-struct Rectifier {
-  int opamp = -1;
-  std::vector<Term> terms;
-  int feedback = -1;
-  std::string node;
-  bool positive = false;
-  double corner_hz = 0.0;  ///< full-stroke triangle at which it begins to conduct; 0: none
-};
-
 /// How the inverse of y = v + K d(v) is made (facts/tracking.md).
 enum class Form {
   one_pass,  ///< v = r - K d(r), the disturbance paper's Fig. 2
@@ -79,31 +50,22 @@ struct Options {
   Options();
 };
 
-/// d_b(x) times K_b: from the powers of x to a contact of the switch.
-struct BranchPath {
-  Disturbance::Branch which = Disturbance::Branch::ascending;
-  int sum = -1;   ///< none: the polynomial is 0
-  int gain = -1;  ///< multiplier that applies the rate gain; none: constant
-  int contact = -1;
-};
-
-/// One evaluation of v = r - K d(x).
+/// One evaluation of v = r - K d(x). Places in AnalogController's lists.
 struct Pass {
-  std::string x;                   ///< node of the argument: "r", "w" or "v"
-  std::string scaled;              ///< what the multipliers get of it: x, or a divider's node
-  int divider[2] = {-1, -1};       ///< parts, from x and to ground
+  std::string x, out;              ///< nodes; of the argument "r", "w" or "v"
   int square = -1, cube = -1;      ///< multipliers
-  std::vector<BranchPath> branch;  ///< ascending, descending
-  int output = -1;                 ///< the sum r - (Rg/Rin) sw
-  std::string out;
+  int branch_opamp[2] = {-1, -1};  ///< ascending, descending; none: the polynomial is 0
+  /// The subtraction r - (Rg/Rin) sw: its op-amp and parts.
+  struct Output {
+    int opamp = -1, feedback = -1, reference = -1, disturbance = -1;
+  } output;
 };
 
 /// The rate gain of one branch: K(f) = at_rest * (1 + control/U).
 struct RateGain {
   Disturbance::Branch which = Disturbance::Branch::ascending;
   double at_rest = 1.0;  ///< gain for control 0, in the weights of the branch
-  int control = -1;      ///< sum that makes the control voltage; none: constant
-  int inverted = -1;     ///< sum in front of it for what enters with the other sign
+  int control = -1;      ///< op-amp that makes the control voltage; none: constant
 };
 
 /// The table's gains as straight pieces over frequency: exact at the corners, constant beyond the ends.
@@ -128,42 +90,27 @@ struct AnalogController : schematic::Netlist {
   double reference_stroke = 1.0;
   bool rates = true;
 
-  std::vector<Sum> sums;
-  std::vector<Rectifier> rectifiers;  ///< of the gain curve, lowest corner first
   std::vector<Pass> passes;
   double branch_gain = 1.0;  ///< V per unit of K d at the switch
   RateGain rate[2];
   std::optional<RateCurve> curve;  ///< none: no branch changes with rate
 
-  /// Slope in volts: differentiator, full-wave rectifier, smoothing; none without rate gains.
+  /// Slope in volts: differentiator, full-wave rectifier, smoothing; none without rate gains. Op-amps and parts.
   struct SlopeMeter {
     int opamp = -1;
-    int damping = -1, differentiates = -1, gain = -1, limits = -1;  ///< parts Rs, Cd, Rd, Cf
-    Rectifier half_wave;
-    int full_wave = -1;         ///< sum: -|slope|
+    int damping = -1, differentiates = -1, gain = -1, limits = -1;  ///< Rs, Cd, Rd, Cf
+    int half_wave_opamp = -1, half_wave_input = -1, half_wave_feedback = -1;
+    int full_wave_opamp = -1, direct = -1, half = -1, full_wave_feedback = -1, smoothing = -1;  ///< -|slope|
     double volts_per_hz = 0.0;  ///< of a triangle of reference_stroke, realised parts
     double smoothing_s = 0.0;
-    double lag_s = 0.0;  ///< each of the differentiator's two time constants
   };
   std::optional<SlopeMeter> slope;
-  /// Buffered divider of the reference for low corners of the gain curve: node vl.
-  struct LowReference {
-    int divider[2] = {-1, -1};
-    int opamp = -1;
-  };
-  std::optional<LowReference> low_reference;
-  /// Sign of the slope: differentiator with a logarithmic limit, comparator with hysteresis.
-  struct Detector {
-    int differentiator = -1, comparator = -1;  ///< op-amps
-    std::vector<int> parts;                    ///< Rs, Cd, Rd, Cf, Rh1, Rh2, two diodes
-  } detector;
 
   LoopFigures loop;
   double max_error_percent = 0.0;  ///< of K d(v) by the rounded parts and the gain curve, percent of range
   std::vector<std::string> warnings;
 
   const OpAmp& op(int index) const { return opamps[static_cast<std::size_t>(index)]; }
-  const Sum& sum(int index) const { return sums[static_cast<std::size_t>(index)]; }
   bool switched() const { return !contacts.empty(); }
   bool rated() const { return curve.has_value(); }
   /// The gain that a branch should have at f: the table's, or 1 (Options::rates off), or a constant table's.

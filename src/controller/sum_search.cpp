@@ -33,31 +33,14 @@ class Exchange {
         return std::numeric_limits<double>::infinity();
       trial.weights.push_back(ohm == 0.0 ? 0.0 : series_.nearest(ohm));
     }
-    balance(trial);
     double worst = error(trial);
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
       const double before = worst;
       for (std::size_t k = 0; k < gains_.size(); ++k) exchange(trial, trial.weights[k], worst);
-      exchange(trial, trial.balance, worst);
       if (!(worst < 0.999 * before)) break;
     }
     best = trial;
     return worst;
-  }
-
-  void balance(circuit::SummingResistors& r) const {
-    double plus = 0.0, minus = 1.0 / r.feedback;
-    bool any_plus = false;
-    for (std::size_t k = 0; k < gains_.size(); ++k) {
-      if (gains_[k] == 0.0) continue;
-      (gains_[k] > 0.0 ? plus : minus) += 1.0 / r.weights[k];
-      any_plus = any_plus || gains_[k] > 0.0;
-    }
-    r.balance = 0.0;
-    if (!any_plus) return;
-    r.balance_at_plus = minus > plus;
-    const double ohm = 1.0 / std::abs(minus - plus);
-    if (ohm <= kGreatestOhm) r.balance = series_.nearest(std::max(ohm, 10.0));
   }
 
   double error(const circuit::SummingResistors& r) const {
@@ -127,15 +110,7 @@ SumDesign search_sum(const std::vector<double>& gains, const std::vector<std::ve
   out.feedback = best.feedback;
   out.realised = best.weights;
   for (const double g : used) out.wanted.push_back(g == 0.0 ? 0.0 : best.feedback / std::abs(g));
-  out.balance = best.balance;
-  out.balance_at_plus = best.balance_at_plus;
-  circuit::SummingResistors exact = best;
-  exact.weights = out.wanted;
-  const circuit::Series any = circuit::Series::named("exact");
-  Exchange(used, rows, any).balance(exact);
-  out.balance_wanted = out.balance == 0.0 ? 0.0 : exact.balance;
   out.gains = circuit::summing_gains(best, used);
-  out.worst_v = worst;
   return out;
 }
 

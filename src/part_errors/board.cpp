@@ -143,11 +143,7 @@ double Board::open_node_v() const {
 }
 
 double Board::open_node_ohm() const {
-  const AnalogController& c = wiring_.controller;
-  for (const controller::Term& term : c.sum(c.passes.back().output).terms) {
-    if (!term.at_plus) return off_.value(c, term.part);
-  }
-  return 1e12;
+  return off_.value(wiring_.controller, wiring_.controller.passes.back().output.disturbance);
 }
 
 double Board::open_node_s() const {
@@ -158,16 +154,16 @@ double Board::open_node_s() const {
 /// Closed-loop lag of an op-amp: its noise gain over 2 pi GBW.
 void Board::set_delays() {
   const AnalogController& c = wiring_.controller;
+  const controller::Pass& last = c.passes.back();
   const double per_gain = 1.0 / (2.0 * std::numbers::pi * c.opamp.gain_bandwidth.value * speed_);
   const double multiplier = 1.0 / (2.0 * std::numbers::pi * c.multiplier.bandwidth.value);
-  output_s_ = c.opamp.is_ideal ? 0.0 : rest_.noise_gain(c.passes.back().output) * per_gain;
+  output_s_ = c.opamp.is_ideal ? 0.0 : rest_.noise_gain(last.output.opamp) * per_gain;
   for (std::size_t b = 0; b < 2; ++b) {
-    const controller::BranchPath& path = c.passes.back().branch[b];
+    const int sum = last.branch_opamp[b];
     branch_[b].delay_s = 2.0 * multiplier;
-    if (path.sum >= 0 && !c.opamp.is_ideal) branch_[b].delay_s += rest_.noise_gain(path.sum) * per_gain;
+    if (sum >= 0 && !c.opamp.is_ideal) branch_[b].delay_s += rest_.noise_gain(sum) * per_gain;
   }
-  const controller::Pass& last = c.passes.back();
-  const double feedback = off_.value(c, c.sum(last.output).feedback);
+  const double feedback = off_.value(c, last.output.feedback);
   if (c.switched()) charge_area_ = open_node_v() * open_node_s() * feedback / open_node_ohm();
 }
 

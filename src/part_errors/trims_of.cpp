@@ -60,14 +60,10 @@ void add_part_trim(const AnalogController& c, int part, const std::string& name,
 std::vector<Trim> trims_of(const AnalogController& controller) {
   const AnalogController& c = controller;
   std::vector<Trim> out;
-  const controller::Pass& last = c.passes.back();
-  const controller::Sum& output = c.sum(last.output);
+  const controller::Pass::Output& output = c.passes.back().output;
   const auto opamp = static_cast<std::size_t>(output.opamp);
   const double feedback = c.part(output.feedback).realised;
-  double minus = 0.0;
-  for (const controller::Term& term : output.terms) {
-    if (!term.at_plus) minus += 1.0 / (c.part(term.part).realised + term.series_ohm);
-  }
+  const double minus = 1.0 / (c.part(output.disturbance).realised + c.analog_switch.on_ohm);
   const double noise_gain = 1.0 + feedback * minus;
   out.push_back(
       {"output offset",
@@ -77,9 +73,7 @@ std::vector<Trim> trims_of(const AnalogController& controller) {
          copy.off.opamp_offset_v[opamp] += value / noise_gain;
        }});
   add_part_trim(c, output.feedback, "generator gain", 0.05, out);
-  for (const controller::Term& term : output.terms) {
-    if (term.at_plus) add_part_trim(c, term.part, "reference gain", 0.01, out);
-  }
+  add_part_trim(c, output.reference, "reference gain", 0.01, out);
   for (const controller::Pass& pass : c.passes) {
     add_multiplier_trims(c, pass.square, out);
     add_multiplier_trims(c, pass.cube, out);
@@ -100,8 +94,7 @@ std::string Reading::words(const AnalogController& controller, Hertz fastest) co
     case Kind::difference:
       return fmt::format("v at r = {} V coming slowly from below, less that from above", at);
     case Kind::slope: {
-      const std::string node =
-          controller.slope ? controller.op(controller.sum(controller.slope->full_wave).opamp).out : "";
+      const std::string node = controller.slope ? controller.op(controller.slope->full_wave_opamp).out : "";
       return fmt::format("the mean of -v({}) while r is a triangle from 0 to {} V at {} Hz", node,
                          rounded_text(controller.reference_stroke, 3), rounded_text(fastest.value));
     }

@@ -95,10 +95,13 @@ Weights search(const std::vector<Term>& terms, const std::vector<double>& grid,
   return best;
 }
 
-class Amplitude {
+class Amplitude : private circuit::NetlistMaker {
  public:
   Amplitude(Layout& layout, const Input& input, const Options& options)
-      : layout_(layout), input_(input), options_(options) {}
+      : NetlistMaker(layout, options.resistors, capacitors()),
+        layout_(layout),
+        input_(input),
+        options_(options) {}
 
   void add() {
     out_.alpha = input_.alpha;
@@ -118,13 +121,13 @@ class Amplitude {
   }
 
  private:
-  std::size_t group(std::string title) {
-    return add_group(layout_, std::move(title), schematic::Purpose::amplitude);
+  std::size_t new_group(std::string title) {
+    return add_group(std::move(title), schematic::Purpose::amplitude);
   }
-  int resistor(std::size_t of, std::string name, std::string role, std::string from, std::string to,
-               double wanted, double realised) {
-    return add_resistor(layout_, options_.resistors, of, std::move(name), "amplitude: " + std::move(role),
-                        std::move(from), std::move(to), wanted, realised);
+  int resistor(std::string name, const std::string& role, std::string from, std::string to, double wanted,
+               double realised) {
+    return NetlistMaker::resistor(std::move(name), "amplitude: " + role, std::move(from), std::move(to),
+                                  wanted, realised);
   }
 
   /// The output amplifier also takes back what the control voltage and U scale: Rg = (Rin + Ron)
@@ -144,15 +147,15 @@ class Amplitude {
       feedback = r;
       break;
     }
-    const std::size_t output_group = layout_.part(layout_.output_feedback).group;
-    out_.output_feedback = resistor(output_group, "Rga", "output amplifier, feedback in place of Rg", "mo",
-                                    "out", feedback, feedback);
+    group = layout_.part(layout_.output_feedback).group;
+    out_.output_feedback =
+        resistor("Rga", "output amplifier, feedback in place of Rg", "mo", "out", feedback, feedback);
     out_.control_scale_v = input * layout_.multiplier.scale_v / (layout_.branch_gain * feedback);
   }
 
   void rectifiers() {
     const std::size_t first =
-        group("gains over the amplitude: -max(0, alpha - alpha_k) by precision rectifiers");
+        new_group("gains over the amplitude: -max(0, alpha - alpha_k) by precision rectifiers");
     layout_.sources.push_back({"Vreference", "", "vr", -1.0, first});
     for (size_t k = 0; k < out_.alpha.size(); ++k) {
       double change = 0.0;
@@ -180,17 +183,14 @@ class Amplitude {
       }
       r.realised = input / reference;
       const std::string what = fmt::format("bend at {}", rounded_text(r.wanted)), end = "k" + r.node;
-      const std::size_t here = group("alpha_k = " + rounded_text(r.realised, 6));
-      r.input =
-          resistor(here, fmt::format("Rk{}i", number), what + ", input", "amplitude", minus, input, input);
-      r.reference = resistor(here, fmt::format("Rk{}r", number), what + ", from -1 V", "vr", minus,
-                             input / r.wanted, reference);
-      r.feedback =
-          resistor(here, fmt::format("Rk{}f", number), what + ", feedback", minus, r.node, input, input);
-      add_diode(layout_, here, "D" + r.node + "a", "amplitude: " + what, r.node, end);
-      add_diode(layout_, here, "D" + r.node + "b", "amplitude: " + what, end, minus);
-      r.opamp =
-          add_opamp(layout_, {fmt::format("UK{}", number), "amplitude: " + what, here, "0", minus, end});
+      group = new_group("alpha_k = " + rounded_text(r.realised, 6));
+      const std::string part = fmt::format("Rk{}", number);
+      resistor(part + "i", what + ", input", "amplitude", minus, input, input);
+      resistor(part + "r", what + ", from -1 V", "vr", minus, input / r.wanted, reference);
+      resistor(part + "f", what + ", feedback", minus, r.node, input, input);
+      diode("D" + r.node + "a", "amplitude: " + what, r.node, end);
+      diode("D" + r.node + "b", "amplitude: " + what, end, minus);
+      r.opamp = opamp("amplitude: " + what, "0", minus, end, fmt::format("UK{}", number));
       place_.push_back(k);
       out_.rectifiers.push_back(std::move(r));
     }
@@ -224,11 +224,8 @@ class Amplitude {
       wanted.push_back(kappa * out_.wanted_gain(b, grid.back()));
       top = std::max(top, std::abs(wanted.back()));
     }
-    AmplitudeControl::Control out;
-    Sum negative;
-    out.sum.peak_v = top;
     const auto sum_group = [&](const std::string& what, const std::string& node) {
-      return group(fmt::format("{}: {}", what, node));
+      return new_group(fmt::format("{}: {}", what, node));
     };
     const bool falls_somewhere =
         std::any_of(terms.begin(), terms.end(), [](const Term& one) { return one.weight < 0.0; });
@@ -238,49 +235,41 @@ class Amplitude {
                       own_group = sum_group(what, "c" + number);
     const Weights found =
         terms.empty() ? Weights{10e3, {}, 0.0} : search(terms, grid, wanted, options_.resistors);
-    double sum_siemens = 0.0, negative_siemens = 0.0;
     for (size_t k = 0; k < terms.size(); ++k) {
       const bool falls = terms[k].weight < 0.0;
-      Sum& sum = falls ? negative : out.sum;
       if (found.ohm[k] > 10e6 || found.ohm[k] < 1e3) {
         throw DesignError("the amplitude gains are too far apart for resistors of 1 kohm to 10 Mohm");
       }
-      const int part =
-          resistor(falls ? negative_group : own_group, fmt::format("R{}{}_{}", falls ? "n" : "c", number, k),
-                   fmt::format("{}, {}", terms[k].role, layout_.branches[b].name), terms[k].node,
-                   (falls ? "mn" : "mc") + number, found.feedback / std::abs(terms[k].weight), found.ohm[k]);
-      sum.terms.push_back({terms[k].node, part, false, -found.feedback / found.ohm[k]});
-      (falls ? negative_siemens : sum_siemens) += 1.0 / found.ohm[k];
+      group = falls ? negative_group : own_group;
+      resistor(fmt::format("R{}{}_{}", falls ? "n" : "c", number, k),
+               fmt::format("{}, {}", terms[k].role, layout_.branches[b].name), terms[k].node,
+               (falls ? "mn" : "mc") + number, found.feedback / std::abs(terms[k].weight), found.ohm[k]);
     }
-    const auto finish = [&](Sum& sum, std::size_t of, const std::string& role, const std::string& letter,
+    const auto finish = [&](std::size_t of, const std::string& role, const std::string& letter,
                             const char* name) {
-      sum.feedback = resistor(of, fmt::format("R{}{}_f", letter, number), "feedback, " + role,
-                              "m" + letter + number, letter + number, found.feedback, found.feedback);
-      sum.opamp = add_opamp(layout_, {name + number, role, of, "0", "m" + letter + number, letter + number});
+      group = of;
+      resistor(fmt::format("R{}{}_f", letter, number), "feedback, " + role, "m" + letter + number,
+               letter + number, found.feedback, found.feedback);
+      return opamp(role, "0", "m" + letter + number, letter + number, name + number);
     };
-    if (!negative.terms.empty()) {
-      finish(negative, negative_group, falling, "n", "UN");
-      negative.noise_gain = 1.0 + negative_siemens * found.feedback;
-      const int part = resistor(own_group, fmt::format("Rc{}_n", number), falling, "n" + number,
-                                "mc" + number, found.feedback, found.feedback);
-      out.sum.terms.push_back({"n" + number, part, false, -1.0});
-      sum_siemens += 1.0 / found.feedback;
-      out.negative = std::move(negative);
+    if (falls_somewhere) {
+      finish(negative_group, falling, "n", "UN");
+      group = own_group;
+      resistor(fmt::format("Rc{}_n", number), falling, "n" + number, "mc" + number, found.feedback,
+               found.feedback);
     }
-    finish(out.sum, own_group, what, "c", "UC");
-    out.sum.noise_gain = 1.0 + sum_siemens * found.feedback;
-    out_.controls.push_back(std::move(out));
+    out_.controls.push_back({finish(own_group, what, "c", "UC"), top});
   }
 
   void gains() {
-    const std::size_t here = group("voltage-controlled gains");
+    const std::size_t here = new_group("voltage-controlled gains");
     for (std::size_t b = 0; b < layout_.branches.size(); ++b) {
       const std::string number = fmt::format("{}", b + 1);
       out_.multipliers.push_back(static_cast<int>(layout_.multipliers.size()));
       layout_.multipliers.push_back(
           {"MV" + number, "voltage-controlled gain, " + layout_.branches[b].name, here,
            layout_.branches[b].out, "c" + number, "0", "v" + number,
-           layout_.branches[b].peak_v * out_.controls[b].sum.peak_v / layout_.multiplier.scale_v});
+           layout_.branches[b].peak_v * out_.controls[b].peak_v / layout_.multiplier.scale_v});
     }
   }
 

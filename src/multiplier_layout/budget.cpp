@@ -125,7 +125,7 @@ void amplitude_budget(const Layout& layout, Budget& out) {
     all.multiplier(layout.product(amplitude.multipliers[b]).name,
                    static_cast<std::size_t>(amplitude.multipliers[b]), out.errors);
     all.line("control op-amp of " + layout.branches[b].name + ", offset",
-             offset_of(amplitude.controls[b].sum.opamp, out.errors));
+             offset_of(amplitude.controls[b].opamp, out.errors));
   }
   all.resistors(true, out.errors);
   all.sort();
@@ -168,7 +168,7 @@ double GeneratorAtRest::control_v(std::size_t branch, double alpha) const {
   schematic::RestPoint rest(order_, Deviations::none(order_.netlist()));
   rest.set(order_.node("amplitude"), alpha);
   rest.settle(0);
-  return rest.volts(layout_.op(layout_.amplitude->controls[branch].sum.opamp).out);
+  return rest.volts(layout_.op(layout_.amplitude->controls[branch].opamp).out);
 }
 
 Deviations multipliers_at_limit(const Layout& layout, const ErrorLimits& errors) {
@@ -249,7 +249,7 @@ void add_nodes(Layout& layout) {
   }
   if (layout.amplitude) {
     for (std::size_t b = 0; b < layout.branches.size(); ++b) {
-      const Sum& control = layout.amplitude->controls[b].sum;
+      const Sum& control = layout.amplitude->controls[b];
       add(layout.op(control.opamp).out, "control voltage, " + layout.branches[b].name, -control.peak_v,
           control.peak_v);
       const Multiplier& m = layout.product(layout.amplitude->multipliers[b]);

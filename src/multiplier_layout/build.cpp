@@ -25,25 +25,25 @@ std::string power_over_scale(int power) {
   return power_text(power) + (power == 1 ? "" : (power == 2 ? "/U" : fmt::format("/U^{}", power - 1)));
 }
 
-class Builder {
+class Builder : private circuit::NetlistMaker {
  public:
-  Builder(const Input& input, const Options& options, int group)
-      : input_(input), options_(options), group_(group) {
+  Builder(const Input& input, const Options& options, int size)
+      : NetlistMaker(out_, options.resistors, capacitors()), input_(input), options_(options), size_(size) {
     out_.multiplier = options.multiplier;
     out_.opamp = options.opamp;
     out_.analog_switch = options.analog_switch.value_or(SwitchModel::for_branches(input.branches.size()));
-    out_.group = group;
+    out_.group = size;
     out_.full_scale_v = options.full_scale_v;
   }
 
   Layout build() {
-    powers_ = add_group(out_, "powers (shared by the branches) and groups: W = X Y/U + Z", Purpose::powers);
-    output_ = add_group(out_, "back to 1 V per unit of d", Purpose::output);
+    powers_ = add_group("powers (shared by the branches) and groups: W = X Y/U + Z", Purpose::powers);
+    output_ = add_group("back to 1 V per unit of d", Purpose::output);
     powers();
     output();
     for (const Polynomial& one : input_.branches) branch(one);
-    out_.output_opamp = add_opamp(
-        out_, {fmt::format("U{}", out_.sums.size() + 1), "output amplifier", output_, "0", "mo", "out"});
+    group = output_;
+    out_.output_opamp = opamp("output amplifier", "0", "mo", "out");
     branch_switch();
     detector();
     arrange(out_);
@@ -51,13 +51,13 @@ class Builder {
   }
 
  private:
-  int groups(const std::vector<double>& a) const { return std::max(1, (degree(a) + group_ - 1) / group_); }
+  int groups(const std::vector<double>& a) const { return std::max(1, (degree(a) + size_ - 1) / size_); }
 
   /// a_{jg+1} …: coefficients of P_j.
   std::vector<double> group_coefficients(const std::vector<double>& a, int j) const {
     std::vector<double> out;
-    for (int i = 0; i < group_; ++i) {
-      const size_t k = static_cast<size_t>(j * group_ + i);
+    for (int i = 0; i < size_; ++i) {
+      const size_t k = static_cast<size_t>(j * size_ + i);
       out.push_back(k < a.size() ? a[k] : 0.0);
     }
     return out;
@@ -75,7 +75,7 @@ class Builder {
           if (a[i] != 0.0) needed[i + 1] = true;
         }
       }
-      if (count > 1) needed[static_cast<size_t>(group_)] = true;
+      if (count > 1) needed[static_cast<size_t>(size_)] = true;
     }
     for (int k = kMostPowers; k >= 2; --k) {
       if (!needed[static_cast<size_t>(k)]) continue;
@@ -111,21 +111,15 @@ class Builder {
     return {(k + 1) / 2, k / 2};
   }
 
-  int resistor(std::size_t group, std::string name, std::string role, std::string from, std::string to,
-               double wanted, double realised) {
-    return add_resistor(out_, options_.resistors, group, std::move(name), std::move(role), std::move(from),
-                        std::move(to), wanted, realised);
-  }
-
   /// Volts of the chain node T_j per unit of h_j, for one volt of T_0 per unit of d: each product x^g T/U
   /// costs U^-g.
-  double chain_scale(int j) const { return std::pow(options_.multiplier.scale_v, group_ * j); }
+  double chain_scale(int j) const { return std::pow(options_.multiplier.scale_v, size_ * j); }
 
   /// Greatest |voltage| of any sum or product of a branch for 1 V per unit of d.
   double greatest_inside(const std::vector<double>& a) const {
     double out = 0.0;
     for (int j = 0; j < groups(a); ++j) {
-      const std::vector<double> tail(a.begin() + std::min<long>(j * group_, static_cast<long>(a.size())),
+      const std::vector<double> tail(a.begin() + std::min<long>(j * size_, static_cast<long>(a.size())),
                                      a.end());
       out = std::max({out, chain_scale(j) * peak(tail), chain_scale(j) * peak(group_coefficients(a, j))});
     }
@@ -172,9 +166,9 @@ class Builder {
     const double rin = options_.resistors.nearest(input);
     out_.branch_gain = (rin + on) / feedback;
     const std::string source = input_.branches.size() > 1 ? "sw" : "b1";
-    out_.output_input = resistor(output_, "Rin", "output amplifier, input", source, "mo", rin, rin);
-    out_.output_feedback =
-        resistor(output_, "Rg", "output amplifier, feedback", "mo", "out", feedback, feedback);
+    group = output_;
+    out_.output_input = resistor("Rin", "output amplifier, input", source, "mo", rin, rin);
+    out_.output_feedback = resistor("Rg", "output amplifier, feedback", "mo", "out", feedback, feedback);
   }
 
   void branch(const Polynomial& asked) {
@@ -194,19 +188,19 @@ class Builder {
       if (!zero || count == 1) {
         const std::string suffix = count == 1 ? "" : fmt::format("_{}", j);
         added = count == 1 ? b.out : fmt::format("{}{}_{}", j == count - 1 ? "t" : "z", number, j);
-        b.sums.push_back(sum(b, a, j, letter, suffix, fmt::format("{}{}", number, suffix), added));
+        b.sums.push_back(branch_sum(b, a, j, letter, suffix, fmt::format("{}{}", number, suffix), added));
       }
       if (j == count - 1) {
         inner = added;
         continue;
       }
       const std::string out = j == 0 ? b.out : fmt::format("t{}_{}", number, j);
-      const std::vector<double> tail(b.wanted.begin() + j * group_, b.wanted.end());
+      const std::vector<double> tail(b.wanted.begin() + j * size_, b.wanted.end());
       const double top = out_.branch_gain * chain_scale(j) * peak(tail);
       // M2 to M7 are the powers.
       out_.multipliers.push_back({fmt::format("M{}{}", letter.empty() ? "c" : letter, j),
-                                  fmt::format("group {} of {}", j, b.name), powers_, power_node(group_),
-                                  inner, added, out, top});
+                                  fmt::format("group {} of {}", j, b.name), powers_, power_node(size_), inner,
+                                  added, out, top});
       b.multipliers.push_back(static_cast<int>(out_.multipliers.size()) - 1);
       inner = out;
     }
@@ -221,49 +215,27 @@ class Builder {
   }
 
   /// The sum -branch_gain * chain_scale * P_j at `node`; fills the coefficients that its resistors make.
-  int sum(Branch& b, const std::vector<double>& a, int j, const std::string& letter,
-          const std::string& suffix, const std::string& place, const std::string& node) {
-    Sum out;
-    const std::size_t group =
-        add_group(out_, fmt::format("{}: {}", b.name, node), schematic::Purpose::branch);
-    const std::string plus = "p" + place, minus = "m" + place;
+  int branch_sum(Branch& b, const std::vector<double>& a, int j, const std::string& letter,
+                 const std::string& suffix, const std::string& place, const std::string& node) {
+    group = add_group(fmt::format("{}: {}", b.name, node), Purpose::branch);
     const double volts = out_.branch_gain * chain_scale(j);
     std::vector<double> gains, scale;
+    std::vector<Weight> weights;
     for (size_t k = 0; k < a.size(); ++k) {
+      const int power = j * size_ + static_cast<int>(k) + 1;
       scale.push_back(level(options_.multiplier, static_cast<int>(k) + 1));
       gains.push_back(-volts * a[k] / scale.back());
+      weights.push_back({power_node(static_cast<int>(k) + 1), fmt::format("R{}{}", letter, power),
+                         fmt::format("weight of {}, {}", power_text(power), b.name)});
     }
     const circuit::SummingDesign design = circuit::search_summing_resistors(gains, scale, options_.resistors);
-    bool plus_used = false;
-    double minus_siemens = 0.0;
     for (size_t k = 0; k < a.size(); ++k) {
-      if (gains[k] == 0.0) continue;
-      const int power = j * group_ + static_cast<int>(k) + 1;
-      const bool at_plus = gains[k] > 0.0;
-      const std::string from = power_node(static_cast<int>(k) + 1);
-      const int part = resistor(group, fmt::format("R{}{}", letter, power),
-                                fmt::format("weight of {}, {}", power_text(power), b.name), from,
-                                at_plus ? plus : minus, design.exact.weights[k], design.realised.weights[k]);
-      out.terms.push_back({from, part, at_plus, design.gains[k]});
-      b.realised[static_cast<size_t>(power) - 1] = -design.gains[k] * scale[k] / volts;
-      plus_used = plus_used || at_plus;
-      if (!at_plus) minus_siemens += 1.0 / design.realised.weights[k];
+      if (gains[k] != 0.0)
+        b.realised[static_cast<size_t>(j * size_) + k] = -design.gains[k] * scale[k] / volts;
     }
-    out.feedback =
-        resistor(group, fmt::format("R{}f{}", letter, suffix), fmt::format("feedback of the sum, {}", b.name),
-                 minus, node, design.exact.feedback, design.realised.feedback);
-    if (design.realised.balance > 0.0) {
-      const bool at_plus = design.realised.balance_at_plus;
-      out.balance = resistor(group, fmt::format("R{}b{}", letter, suffix),
-                             fmt::format("balance of the sum, {}", b.name), at_plus ? plus : minus, "0",
-                             design.exact.balance, design.realised.balance);
-      if (!at_plus) minus_siemens += 1.0 / design.realised.balance;
-    }
-    out.opamp = add_opamp(
-        out_, {fmt::format("U{}", out_.sums.size() + 1), b.name, group, plus_used ? plus : "0", minus, node});
-    out.peak_v = volts * peak(a);
-    out.noise_gain = 1.0 + minus_siemens * design.realised.feedback;
-    out_.sums.push_back(std::move(out));
+    const NetlistMaker::Sum made =
+        sum(weights, gains, design, "R" + letter, suffix, b.name, b.name, "p" + place, "m" + place, node);
+    out_.sums.push_back({made.opamp, volts * peak(a), made.noise_gain});
     return static_cast<int>(out_.sums.size()) - 1;
   }
 
@@ -271,20 +243,18 @@ class Builder {
   void branch_switch() {
     if (!out_.switched()) return;
     const SwitchModel& model = out_.analog_switch;
-    const auto level = [&](std::size_t group, const std::string& pin, const std::string& node) {
+    const auto level = [&](const std::string& pin, const std::string& node) {
       out_.comparators.push_back({group, pin, node, 40.0, 0.5});
     };
-    const std::size_t group =
-        add_group(out_,
-                  fmt::format("branch switch, {}: {} ohm, closes {} s and opens {} s after its control",
-                              model.name, plain_number(model.on_ohm), plain_number(model.on_delay_s),
-                              plain_number(model.off_delay_s())),
-                  Purpose::branch_switch);
-    level(group, "branch", "lb");
+    group = add_group(fmt::format("branch switch, {}: {} ohm, closes {} s and opens {} s after its control",
+                                  model.name, plain_number(model.on_ohm), plain_number(model.on_delay_s),
+                                  plain_number(model.off_delay_s())),
+                      Purpose::branch_switch);
+    level("branch", "lb");
     for (int line = 1; line <= out_.select_lines(); ++line)
-      level(group, fmt::format("select{}", line), fmt::format("l{}", line));
+      level(fmt::format("select{}", line), fmt::format("l{}", line));
     for (std::size_t b = 0; b < out_.branches.size(); ++b) {
-      const std::size_t channel = add_group(out_, "", Purpose::branch_switch);
+      const std::size_t channel = add_group("", Purpose::branch_switch);
       out_.gates.push_back(decoded(static_cast<int>(b), channel));
       out_.contacts.push_back({fmt::format("S{}", b + 1), channel, out_.branches[b].out, "sw",
                                fmt::format("e{}", b + 1), static_cast<int>(b)});
@@ -292,8 +262,8 @@ class Builder {
   }
 
   /// 1 when the lines (levels lb, l1, l2, …) select this branch.
-  schematic::Gate decoded(int branch, std::size_t group) const {
-    schematic::Gate out{group, fmt::format("e{}", branch + 1), {}, {}, true};
+  schematic::Gate decoded(int branch, std::size_t channel) const {
+    schematic::Gate out{channel, fmt::format("e{}", branch + 1), {}, {}, true};
     const int lines = out_.select_lines();
     for (int select = 0; select < (1 << lines); ++select) {
       const bool up = out_.branch_at(select, true) == branch, down = out_.branch_at(select, false) == branch;
@@ -311,41 +281,27 @@ class Builder {
   /// v = -Rd Cd dx/dt as long as it is small, +-0.6 V above; the sign is right over four decades of slope.
   void detector() {
     if (!out_.switched()) return;
-    const std::size_t group = add_group(out_, "", Purpose::slope_sign);
-    const auto resistance = [&](std::string name, std::string role, std::string from, std::string to,
-                                double ohm) {
-      resistor(group, std::move(name), std::move(role), std::move(from), std::move(to), ohm,
-               options_.resistors.nearest(ohm));
-    };
-    const auto capacitance = [&](std::string name, std::string role, std::string from, std::string to,
-                                 double farad) {
-      add_part(out_, {Part::Kind::capacitor, std::move(name), std::move(role), group, std::move(from),
-                      std::move(to), "E12", farad, circuit::Series::named("E12").nearest(farad)});
-    };
+    group = add_group("", Purpose::slope_sign);
     // A triangle of 0 to 1 V rises with 2 f V/s. At the lowest frequency the differentiator gives 100 mV
     // into 4.7 Mohm.
     const double rd = 4.7e6;
-    const double cd = circuit::Series::named("E12").nearest(0.1 / (2.0 * options_.lowest.value * rd));
-    resistance("Rs", "slope detector, damping", "x", "sa", 100.0);
-    capacitance("Cd", "slope detector, differentiates", "sa", "sb", cd);
-    resistance("Rd", "slope detector, gain for slow signals", "sb", "sc", rd);
-    capacitance("Cf", "slope detector, damping", "sb", "sc", std::max(1e-3 * cd, 1e-12));
-    resistance("Rh1", "slope detector, hysteresis", "sp", "0", 1e3);
-    resistance("Rh2", "slope detector, hysteresis", "so", "sp", options_.opamp.swing_v / 0.02 * 1e3);
-    add_diode(out_, group, "D1", "slope detector, limit", "sb", "sc");
-    add_diode(out_, group, "D2", "slope detector, limit", "sc", "sb");
-    const auto opamp = [&](std::size_t number, const char* role, const char* plus, const char* minus,
-                           const char* out) {
-      return add_opamp(out_, {fmt::format("U{}", out_.sums.size() + number), role, group, plus, minus, out});
-    };
-    out_.differentiator = opamp(2, "slope detector, differentiator", "0", "sb", "sc");
-    out_.comparator = opamp(3, "slope detector, comparator", "sp", "sc", "so");
+    const double cd = capacitors().nearest(0.1 / (2.0 * options_.lowest.value * rd));
+    resistor("Rs", "slope detector, damping", "x", "sa", 100.0);
+    capacitor("Cd", "slope detector, differentiates", "sa", "sb", cd);
+    resistor("Rd", "slope detector, gain for slow signals", "sb", "sc", rd);
+    capacitor("Cf", "slope detector, damping", "sb", "sc", std::max(1e-3 * cd, 1e-12));
+    resistor("Rh1", "slope detector, hysteresis", "sp", "0", 1e3);
+    resistor("Rh2", "slope detector, hysteresis", "so", "sp", options_.opamp.swing_v / 0.02 * 1e3);
+    diode("D1", "slope detector, limit", "sb", "sc");
+    diode("D2", "slope detector, limit", "sc", "sb");
+    opamp("slope detector, differentiator", "0", "sb", "sc");
+    opamp("slope detector, comparator", "sp", "sc", "so");
     out_.comparators.push_back({group, "so", "branch"});
   }
 
   const Input& input_;
   const Options& options_;
-  int group_;
+  int size_;
   std::size_t powers_ = 0, output_ = 0;  ///< groups
   Layout out_;
 };
@@ -375,9 +331,9 @@ void check_outputs(const Layout& layout) {
   }
 }
 
-int add_part(Layout& layout, Part part) {
-  layout.parts.push_back(std::move(part));
-  return static_cast<int>(layout.parts.size()) - 1;
+const circuit::Series& capacitors() {
+  static const circuit::Series series = circuit::Series::named("E12");
+  return series;
 }
 
 void arrange(Layout& layout) {
@@ -388,28 +344,6 @@ void arrange(Layout& layout) {
     return std::find(std::begin(kOrder), std::end(kOrder), a) <
            std::find(std::begin(kOrder), std::end(kOrder), b);
   });
-}
-
-std::size_t add_group(Layout& layout, std::string title, schematic::Purpose purpose) {
-  layout.groups.push_back({std::move(title), purpose});
-  return layout.groups.size() - 1;
-}
-
-int add_diode(Layout& layout, std::size_t group, std::string name, std::string role, std::string anode,
-              std::string cathode) {
-  return add_part(layout, {Part::Kind::diode, std::move(name), std::move(role), group, std::move(anode),
-                           std::move(cathode), "1N4148", 0.0, 0.0});
-}
-
-int add_opamp(Layout& layout, schematic::OpAmp opamp) {
-  layout.opamps.push_back(std::move(opamp));
-  return static_cast<int>(layout.opamps.size()) - 1;
-}
-
-int add_resistor(Layout& layout, const circuit::Series& series, std::size_t group, std::string name,
-                 std::string role, std::string from, std::string to, double wanted, double realised) {
-  return add_part(layout, {Part::Kind::resistor, std::move(name), std::move(role), group, std::move(from),
-                           std::move(to), series.name(), wanted, realised});
 }
 
 Layout build(const Input& input, const Options& options, int group) {

@@ -2,6 +2,7 @@
 
 #include <vector>
 
+#include "circuit/parts/netlist_maker.hpp"
 #include "multiplier_layout/layout.hpp"
 
 /// The steps of make_layout(), for its own files only.
@@ -24,13 +25,8 @@ void check_outputs(const Layout& layout);
 
 /// The groups in the order of the netlist.
 void arrange(Layout& layout);
-std::size_t add_group(Layout& layout, std::string title, schematic::Purpose purpose);
-int add_part(Layout& layout, Part part);
-int add_diode(Layout& layout, std::size_t group, std::string name, std::string role, std::string anode,
-              std::string cathode);
-int add_opamp(Layout& layout, schematic::OpAmp opamp);
-int add_resistor(Layout& layout, const circuit::Series& series, std::size_t group, std::string name,
-                 std::string role, std::string from, std::string to, double wanted, double realised);
+/// Of what is not in the signal path.
+const circuit::Series& capacitors();
 
 /// Powers, sums, chains, output amplifier and slope detector for this group size.
 Layout build(const Input& input, const Options& options, int group);

@@ -43,21 +43,9 @@ struct Options {
   Scheme scheme;
 };
 
-/// One op-amp that sums with both signs: terms that must come out negative enter at its inverting input (gain
-/// -Rf/Rk), positive ones at the other through equal conductances, and `balance` at one of the inputs makes
-/// the conductances at both equal.
+/// One op-amp that sums with both signs.
 struct Sum {
-  struct Term {
-    std::string node;
-    int part = -1;  ///< place in Layout::parts
-    bool at_plus = false;
-    double gain = 0.0;  ///< with the realised resistors
-  };
-  int opamp =
-      -1;  ///< place in Layout::opamps; its role says what is summed, its plus is "0" when nothing enters there
-  std::vector<Term> terms;
-  int feedback = -1;
-  int balance = -1;
+  int opamp = -1;  ///< place in Layout::opamps; its role says what is summed
   double peak_v = 0.0;
   double noise_gain = 1.0;
 };
@@ -96,16 +84,10 @@ struct AmplitudeControl {
   struct Rectifier {
     int opamp = -1;
     std::string node;
-    double wanted = 0.0, realised = 0.0;            ///< alpha_k
-    int input = -1, reference = -1, feedback = -1;  ///< parts; reference from -1 V
+    double wanted = 0.0, realised = 0.0;  ///< alpha_k
   };
   std::vector<Rectifier> rectifiers;
-  /// Control voltage of a branch = -(what `negative` makes + its own terms); both sums invert only.
-  struct Control {
-    std::optional<Sum> negative;
-    Sum sum;
-  };
-  std::vector<Control> controls;   ///< one a branch
+  std::vector<Sum> controls;       ///< one a branch, control voltage
   std::vector<int> multipliers;    ///< one a branch, places in Layout::multipliers
   int output_feedback = -1;        ///< takes the place of Layout::output_feedback
   double max_error_percent = 0.0;  ///< of g_b(alpha) d_b(x) by the parts, worst alpha, percent of range
@@ -141,7 +123,7 @@ struct Layout : schematic::Netlist {
   std::vector<Sum> sums;
   std::vector<Branch> branches;                 ///< first: switch at branch > 0.5 V (ascending)
   int output_input = -1, output_feedback = -1;  ///< parts Rin, Rg
-  int output_opamp = -1, differentiator = -1, comparator = -1;
+  int output_opamp = -1;
   std::optional<AmplitudeControl> amplitude;
   std::vector<NodeRange> nodes;
   std::vector<Candidate> candidates;

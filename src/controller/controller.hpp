@@ -112,7 +112,6 @@ struct AnalogController : schematic::Netlist {
 
   const OpAmp& op(int index) const { return opamps[static_cast<std::size_t>(index)]; }
   bool switched() const { return !contacts.empty(); }
-  bool rated() const { return curve.has_value(); }
   /// The gain that a branch should have at f: the table's, or 1 (Options::rates off), or a constant table's.
   double rated_gain(Disturbance::Branch which, Hertz frequency) const;
 };

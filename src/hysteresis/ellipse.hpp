@@ -114,7 +114,6 @@ struct SineThrough {
   double mean = 0.0;
   double amplitude = 0.0;
   double phase_rad = 0.0;
-  double rms = 0.0;  ///< what is left
 };
 SineThrough sine_through(std::span<const double> values, double step_s, double frequency_hz);
 

@@ -32,9 +32,6 @@ SineThrough sine_through(std::span<const double> values, double step_s, double f
   out.mean = x(0);
   out.amplitude = std::hypot(x(1), x(2));
   out.phase_rad = std::atan2(x(2), x(1));
-  double left = 0.0;
-  for (std::size_t i = 0; i < values.size(); ++i) left += std::pow(row(i).dot(x) - values[i], 2);
-  out.rms = std::sqrt(left / static_cast<double>(std::max<std::size_t>(values.size(), 1)));
   return out;
 }
 

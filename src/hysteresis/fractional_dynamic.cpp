@@ -8,7 +8,6 @@
 #include "base/error.hpp"
 #include "base/whole_number.hpp"
 #include "hysteresis/identification.hpp"
-#include "numeric/grunwald_letnikov.hpp"
 #include "numeric/matrix_exponential.hpp"
 
 namespace bodesmith::hysteresis {
@@ -208,31 +207,6 @@ double FractionalOperator::peek(double u, double dt_s) const {
   Eigen::Vector3d plant;
   advance(u, dt_s, scratch_.data(), plant);
   return plant(1) + model_.rho * (time_ + dt_s) + model_.delta;
-}
-
-std::vector<double> simulate_grunwald_letnikov(const FractionalDynamic& model, const std::vector<double>& u,
-                                               double step_s, int refine) {
-  const auto parts = static_cast<std::size_t>(refine);
-  const double h = step_s / refine;
-  const std::vector<double> fine = straight_between(u, parts);
-  const auto weights = [&](const FractionalPolynomial& polynomial) {
-    std::vector<double> out(fine.size(), 0.0);
-    for (const FractionalPower& term : polynomial)
-      add_difference_weights(term.coefficient * std::pow(h, -term.power), term.power, out);
-    return out;
-  };
-  const std::vector<double> a = weights(model.denominator());
-  const std::vector<double> b = weights({{model.k_m * model.k_p, 0.0}, {model.k_m * model.theta, model.eta}});
-  std::vector<double> y(fine.size());
-  for (std::size_t i = 0; i < y.size(); ++i) {
-    double sum = sum_over_past(b, fine, i);
-    for (std::size_t j = 1; j <= i; ++j) sum -= a[j] * y[i - j];
-    y[i] = sum / a[0];
-  }
-  std::vector<double> out(u.size());
-  for (std::size_t i = 0; i < u.size(); ++i)
-    out[i] = y[i * parts] + model.rho * step_s * static_cast<double>(i) + model.delta;
-  return out;
 }
 
 FractionalPolynomial FractionalDynamic::denominator() const {

@@ -18,8 +18,7 @@ namespace bodesmith::hysteresis {
 ///   F(s) = K_p − s ∫ r(σ)/(σ (s + σ)) dσ,   r(σ) = −(1/π) Im F(σ e^(iπ)),
 /// and `modes` first-order sections (trapezoid rule in ln σ, points crowded where r has its pole beside the
 /// axis) are the simulation by sections. They, the lag and the resonance are propagated exactly for an input
-/// that is linear between samples, at any sampling time. Grünwald and Letnikov's sum (eq. 2), which keeps all
-/// the past, is simulate_grunwald_letnikov().
+/// that is linear between samples, at any sampling time.
 ///
 /// Note on eq. 20: with Table 1 the printed denominator agrees within 1 % where it has terms (τχ s^3.811, τ s³,
 /// χ(1 + 2ξω_nτ) s^2.811, (1 + 2ξω_nτ) s², χ(ω_n²τ + 2ξω_n) s^1.811), but its last term lacks its s, and
@@ -94,12 +93,6 @@ class FractionalOperator final : public Operator {
   Eigen::Vector3d input_1_ = Eigen::Vector3d::Zero();  ///< to the ramp
   Eigen::Matrix3Xd from_lag_;                          ///< answer of the plant to a section's state
 };
-
-/// Grünwald-Letnikov (eq. 2) for the whole of eq. 15, zero initial state, all the past: O(n²). Every sample
-/// is split into `refine` steps with u linear between. First order in the step: the paper's own 0.1 ms is
-/// 0.08 of its resonance's period.
-std::vector<double> simulate_grunwald_letnikov(const FractionalDynamic& model, const std::vector<double>& u,
-                                               double step_s, int refine = 1);
 
 Identified identify_fractional_dynamic(std::span<const TimeRecord> records, const IdentifyOptions& options);
 

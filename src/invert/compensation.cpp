@@ -128,7 +128,6 @@ Compensation compensate(const chain::Chain& chain, const TimeRecord& reference, 
   DriveSearch search(chain, record, options);
   Compensation out;
   search.by_structure();
-  out.structure_rms = search.error_rms();
   search.improve(options.max_steps);
   if (record.size() <= kMaxPolished) search.polish(3);
   out.drive = search.drive();

@@ -19,7 +19,6 @@ struct Compensation {
   std::vector<double> predicted;  ///< what simulate() says of the drive: the same options, the same bytes
   std::optional<double> error_estimate;      ///< of that simulation
   int steps = 0;                             ///< of the search, beyond the inverse by structure
-  double structure_rms = 0.0;                ///< error of the inverse by structure alone
   double delay_s = 0.0;                      ///< all delays of the chain, holds included
   std::vector<std::string> without_inverse;  ///< blocks whose inverse was found numerically only
   std::vector<OutOfReach> out_of_reach;

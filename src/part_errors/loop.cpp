@@ -60,10 +60,7 @@ LoopAt look_at(const AnalogController& controller, const LoopPoint& point, const
   std::vector<std::vector<std::complex<double>>> own(netlist.opamps.size());
   for (const Hertz f : grid) {
     loop.push_back(fed ? -cut.response(f.rad_s(), "v") : 0.0);
-    if (std::abs(loop.back()) > out.greatest_gain) {
-      out.greatest_gain = std::abs(loop.back());
-      out.greatest_at = f;
-    }
+    out.greatest_gain = std::max(out.greatest_gain, std::abs(loop.back()));
     for (std::size_t k = 0; k < own.size(); ++k)
       own[k].push_back(schematic::return_ratio(closed, netlist, k, f.rad_s()));
   }

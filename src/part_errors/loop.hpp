@@ -24,7 +24,6 @@ struct LoopPoint {
 struct LoopAt {
   LoopPoint point;
   double greatest_gain = 0.0;  ///< of the generator's loop, |T| over all frequencies
-  Hertz greatest_at;
   double gain_margin_db = 0.0;  ///< 1/|T| where T crosses the negative real axis; 0: it never does
   struct OpAmpMargin {
     std::string opamp, role;

@@ -138,8 +138,6 @@ const IdentifiedStage::Found& IdentifiedStage::found(Hertz operating) const {
     return std::span<const double>(all).subspan(from, count);
   };
   out.fit.full_stroke_percent = rms_percent_of_range(part(y, stroke, stroke), part(record.y, stroke, stroke));
-  out.fit.percent =
-      rms_percent_of_range(part(y, stroke, y.size() - stroke), part(record.y, stroke, y.size() - stroke));
   return known_.emplace(key, std::move(out)).first->second;
 }
 

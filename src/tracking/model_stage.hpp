@@ -38,10 +38,9 @@ class IdentifiedStage final : public Stage {
   std::vector<double> response(std::span<const double> v, double step_s, Hertz operating) const override;
 
   /// How far the model is from the loops it was identified from at that frequency, percent of range (eq. 8), over
-  /// the full stroke, and over all of them.
+  /// the full stroke.
   struct Fit {
     double full_stroke_percent = 0.0;
-    double percent = 0.0;
   };
   Fit fit(Hertz operating) const;
 

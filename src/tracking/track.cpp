@@ -161,7 +161,6 @@ std::vector<Case> track_at(const Plant& plant, const std::vector<Design>& design
 
 Report track(const Plant& plant, const std::vector<Design>& designs, const Options& options) {
   validate(plant, designs, options);
-  const Stopwatch watch;
   Progress progress("tracking");
   Report report;
   // The highest frequencies, listed last as a rule, are the longest work.
@@ -176,7 +175,6 @@ Report track(const Plant& plant, const std::vector<Design>& designs, const Optio
   });
   for (std::vector<Case>& at : cases)
     for (Case& c : at) report.cases.push_back(std::move(c));
-  report.compute_s = watch.seconds();
   return report;
 }
 

@@ -124,7 +124,6 @@ struct Case {
 
 struct Report {
   std::vector<Case> cases;  ///< designs within frequencies, in the order given
-  double compute_s = 0.0;
 
   /// Null when there is none.
   const Case* find(Hertz frequency, const std::string& design) const;

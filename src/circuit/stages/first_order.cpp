@@ -5,7 +5,7 @@
 #include "lti/sections.hpp"
 
 namespace bodesmith::circuit {
-const StageRealisation& first_order_trimmed();
+const Realisation& first_order_trimmed();
 
 namespace {
 
@@ -113,7 +113,7 @@ class FirstOrderRealisation final : public StageRealisation {
   }
   bool makes_two_poles() const override { return false; }
   int bid(const Section& section) const override { return refusal(section) ? 0 : 1; }
-  const StageRealisation* trimmed() const override { return &first_order_trimmed(); }
+  const StageRealisation* trimmed() const override { return first_order_trimmed().stage_realisation(); }
   std::optional<Refusal> refusal(const Section& section) const override {
     if (section.poles.size() != 1) return Refusal{"it makes one pole"};
     if (!section.zeros.empty() && section.zeros[0].real() > 0.0)
@@ -129,6 +129,6 @@ class FirstOrderRealisation final : public StageRealisation {
 
 }  // namespace
 
-BODESMITH_ENTRY(StageRealisation, first_order, FirstOrderRealisation)
+BODESMITH_ENTRY(Realisation, first_order, FirstOrderRealisation)
 
 }  // namespace bodesmith::circuit

@@ -70,6 +70,6 @@ class FirstOrderRightZeroRealisation final : public StageRealisation {
 
 }  // namespace
 
-BODESMITH_ENTRY(StageRealisation, first_order_right_zero, FirstOrderRightZeroRealisation)
+BODESMITH_ENTRY(Realisation, first_order_right_zero, FirstOrderRightZeroRealisation)
 
 }  // namespace bodesmith::circuit

@@ -73,6 +73,6 @@ class FirstOrderTrimmedRealisation final : public StageRealisation {
 
 }  // namespace
 
-BODESMITH_ENTRY(StageRealisation, first_order_trimmed, FirstOrderTrimmedRealisation)
+BODESMITH_ENTRY(Realisation, first_order_trimmed, FirstOrderTrimmedRealisation)
 
 }  // namespace bodesmith::circuit

@@ -48,6 +48,10 @@ class InverterRealisation final : public StageRealisation {
 
 }  // namespace
 
-BODESMITH_ENTRY(StageRealisation, inverter, InverterRealisation)
+BODESMITH_ENTRY(Realisation, inverter_realisation, InverterRealisation)
+
+const StageRealisation& inverter() {
+  return *inverter_realisation().stage_realisation();
+}
 
 }  // namespace bodesmith::circuit

@@ -125,6 +125,6 @@ class KhnRealisation final : public StageRealisation {
 
 }  // namespace
 
-BODESMITH_ENTRY(StageRealisation, khn, KhnRealisation)
+BODESMITH_ENTRY(Realisation, khn, KhnRealisation)
 
 }  // namespace bodesmith::circuit

@@ -149,6 +149,6 @@ class MultipleFeedbackRealisation final : public StageRealisation {
 
 }  // namespace
 
-BODESMITH_ENTRY(StageRealisation, multiple_feedback, MultipleFeedbackRealisation)
+BODESMITH_ENTRY(Realisation, multiple_feedback, MultipleFeedbackRealisation)
 
 }  // namespace bodesmith::circuit

@@ -179,6 +179,6 @@ class SallenKeyRealisation final : public StageRealisation {
 
 }  // namespace
 
-BODESMITH_ENTRY(StageRealisation, sallen_key, SallenKeyRealisation)
+BODESMITH_ENTRY(Realisation, sallen_key, SallenKeyRealisation)
 
 }  // namespace bodesmith::circuit

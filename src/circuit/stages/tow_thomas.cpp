@@ -3,7 +3,7 @@
 #include "circuit/realisation.hpp"
 
 namespace bodesmith::circuit {
-const StageRealisation& khn();
+const Realisation& khn();
 
 namespace {
 
@@ -111,7 +111,7 @@ class TowThomasRealisation final : public StageRealisation {
   }
   int bid(const Section& section) const override { return refusal(section) ? 0 : 1; }
   /// Zeros far from the poles are small differences here; KHN makes them by sums.
-  const StageRealisation* fallback() const override { return &khn(); }
+  const StageRealisation* fallback() const override { return khn().stage_realisation(); }
   std::optional<Refusal> refusal(const Section& section) const override {
     if (section.poles.size() != 2) return Refusal{"it makes two poles"};
     return std::nullopt;
@@ -123,6 +123,6 @@ class TowThomasRealisation final : public StageRealisation {
 
 }  // namespace
 
-BODESMITH_ENTRY(StageRealisation, tow_thomas, TowThomasRealisation)
+BODESMITH_ENTRY(Realisation, tow_thomas, TowThomasRealisation)
 
 }  // namespace bodesmith::circuit

@@ -6,9 +6,7 @@
 #include <stdexcept>
 
 #include "base/error.hpp"
-#include "base/progress.hpp"
 #include "base/text.hpp"
-#include "hysteresis/identification.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {
@@ -132,14 +130,6 @@ std::unique_ptr<Operator> make_operator(const Model& model) {
 
 std::unique_ptr<Inverse> make_inverse(const Model& model) {
   return model.type->make_inverse(model.parameters);
-}
-
-Identified ModelType::identify(std::span<const TimeRecord> records, const IdentifyOptions& options) const {
-  for (const TimeRecord& record : records) record.require_measured_sizes();
-  const Stopwatch watch;
-  Identified out = fit(records, options);
-  out.compute_s = watch.seconds();
-  return out;
 }
 
 }  // namespace bodesmith::hysteresis

@@ -1,5 +1,7 @@
 #include "hysteresis/registry.hpp"
 
+#include "base/progress.hpp"
+
 // Each function stands in the model's own file. A new model is one line here.
 namespace bodesmith::hysteresis {
 
@@ -9,6 +11,14 @@ BODESMITH_REGISTRY(ModelType, model_type_registry, "hysteresis model", polynomia
 
 Model make_model(std::string_view type, const Parameters& values) {
   return model_type_registry().get(type).model(values);
+}
+
+Identified ModelType::identify(std::span<const TimeRecord> records, const IdentifyOptions& options) const {
+  for (const TimeRecord& record : records) record.require_measured_sizes();
+  const Stopwatch watch;
+  Identified out = fit(records, options);
+  out.compute_s = watch.seconds();
+  return out;
 }
 
 }  // namespace bodesmith::hysteresis

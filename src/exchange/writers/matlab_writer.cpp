@@ -8,7 +8,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "base/temporary.hpp"
+#include "base/memory_file.hpp"
 #include "exchange/writer.hpp"
 
 namespace bodesmith::exchange {

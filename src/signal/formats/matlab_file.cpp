@@ -12,7 +12,7 @@
 
 #include "base/error.hpp"
 #include "base/letters.hpp"
-#include "base/temporary.hpp"
+#include "base/memory_file.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "signal/formats/format.hpp"

@@ -171,9 +171,8 @@ int approximate_file(const CommandLine& line, const ApproximationOptions& option
   Json summary = {{"sections", result.sections.sections.size()}, {"poles", result.sections.pole_count()}};
   summary.update(result.report_json());
   if (result.sections.error) summary["error"] = result.sections.to_json()["error"];
-  print_summary(line, approximation_summary(result) + hint + rearrangement_text(result, done),
-                timed_document("approximate_summary", from, summary, seconds));
-  return result.limit_met ? kDone : kLimitMissed;
+  return print_summary(line, approximation_summary(result) + hint + rearrangement_text(result, done),
+                       timed_document("approximate_summary", from, summary, seconds), result.limit_met);
 }
 
 }  // namespace

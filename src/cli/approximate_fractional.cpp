@@ -89,8 +89,7 @@ int approximate_fractional(const CommandLine& line) {
   summary["limit_met"] = met;
   std::string text = fractional_summary(made, *band);
   if (!met) text += limit_not_met(*options.max_error_db, "dB");
-  print_summary(line, text, timed_document("approximate_summary", from, summary, seconds));
-  return met ? kDone : kLimitMissed;
+  return print_summary(line, text, timed_document("approximate_summary", from, summary, seconds), met);
 }
 
 }  // namespace bodesmith::cli

@@ -330,16 +330,17 @@ void CommandLine::fail_choice(const std::string& option, const std::string& give
                    join_alternatives(words)));
 }
 
-void print_summary(const CommandLine& line, const std::string& text, const Json& json) {
+int print_summary(const CommandLine& line, const std::string& text, const Json& json, bool met) {
   line.refuse_unread();
+  const int status = met ? kDone : kLimitMissed;
   if (line.json()) {
     show_notes();
     fmt::print("{}", to_text(json));
-    return;
+    return status;
   }
   std::vector<std::string> conversions = std::exchange(waiting_conversions(), {});
   show_notes();
-  if (line.quiet()) return;
+  if (line.quiet()) return status;
   fmt::print("{}", with_colours(folded_text(text)));
   for (const Json& input : json.value("inputs", Json::array())) {
     if (input.contains("read_as"))
@@ -347,6 +348,7 @@ void print_summary(const CommandLine& line, const std::string& text, const Json&
                conversion_text(input["path"].get<std::string>(), input["read_as"].get<std::string>()));
   }
   for (const std::string& one : conversions) fmt::print("{}\n", folded_text(one));
+  return status;
 }
 
 void note(const std::string& text) {

@@ -209,8 +209,9 @@ class CommandLine {
   std::map<std::string, std::vector<double>> quantities_;  ///< numbers typed with or without prefix and unit
 };
 
-/// Prints either the text or, with --json, the JSON object (which should carry "schema" and "timing_s").
-void print_summary(const CommandLine& line, const std::string& text, const Json& json);
+/// Prints either the text or, with --json, the JSON object (which should carry "schema" and "timing_s"). The exit
+/// status: whether the limits that were asked for are met.
+int print_summary(const CommandLine& line, const std::string& text, const Json& json, bool met = true);
 /// A note or warning for a person: one line on stderr, once the command has done its work. A command that fails says
 /// one line only, its error.
 void note(const std::string& text);

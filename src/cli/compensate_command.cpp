@@ -286,8 +286,7 @@ int run_compensate(const std::vector<std::string>& arguments) {
   std::string text = statement.text();
   statement.warn();
   if (!met) text += limit_not_met(*limit, "%");
-  print_summary(line, text, json);
-  return met ? kDone : kLimitMissed;
+  return print_summary(line, text, json, met);
 }
 
 }  // namespace bodesmith::cli

@@ -166,8 +166,7 @@ int run_completion(const std::vector<std::string>& arguments) {
   Json summary = json_header("completion_summary", {});
   summary["shell"] = shell;
   summary["file"] = path;
-  print_summary(line, fmt::format("completion for {} written to {}\n", shell, path), summary);
-  return kDone;
+  return print_summary(line, fmt::format("completion for {} written to {}\n", shell, path), summary);
 }
 
 }  // namespace bodesmith::cli

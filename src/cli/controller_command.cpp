@@ -213,8 +213,7 @@ int run_controller(const std::vector<std::string>& arguments) {
   text += add_part_errors(line, built, reference, json, out);
   controller::add_controller_files(built, fmt::format("controller from {}", line.files()[0]), json, out, "");
   out.commit();
-  print_summary(line, text, json);
-  return met ? kDone : kLimitMissed;
+  return print_summary(line, text, json, met);
 }
 
 }  // namespace bodesmith::cli

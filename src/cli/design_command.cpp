@@ -194,9 +194,8 @@ int run_design(const std::vector<std::string>& arguments) {
   Json summary = designed.about;
   summary["poles"] = designed.sections.pole_count();
   summary["sections"] = designed.sections.sections.size();
-  print_summary(line, designed.words + "\n" + roots_summary(designed.sections),
-                timed_document("design_summary", from, summary, seconds));
-  return kDone;
+  return print_summary(line, designed.words + "\n" + roots_summary(designed.sections),
+                       timed_document("design_summary", from, summary, seconds));
 }
 
 }  // namespace bodesmith::cli

@@ -119,10 +119,9 @@ int run_diagnose_board(const std::vector<std::string>& arguments) {
   files.add("report.html", faults::report_page(diagnosis, *board,
                                                line.get<std::string>(line.has("plan") ? "plan" : "circuit")));
   files.commit();
-  print_summary(
+  return print_summary(
       line, faults::summary_text(diagnosis) + fmt::format("wrote {}\n", (folder / "faults.json").string()),
       json);
-  return kDone;
 }
 
 }  // namespace bodesmith::cli

@@ -90,8 +90,7 @@ int run_diagnose_course(const std::vector<std::string>& arguments) {
   text += fmt::format("{} of {} right\n", right, cases.size());
   json["right"] = right;
   json["timing_s"] = {{"compute", watch.seconds()}};
-  print_summary(line, text, json);
-  return kDone;
+  return print_summary(line, text, json);
 }
 
 }  // namespace bodesmith::cli

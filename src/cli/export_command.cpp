@@ -212,8 +212,7 @@ int run_export(const std::vector<std::string>& arguments) {
   std::string text = fmt::format("{}: {}\n", line.output_path().string(), writer.what());
   for (const std::string& said : written.said) text += "  " + said + "\n";
   const Json summary = {{"format", std::string(writer.name())}, {"said", written.said}};
-  print_summary(line, text, timed_document("export_summary", from, summary, seconds));
-  return kDone;
+  return print_summary(line, text, timed_document("export_summary", from, summary, seconds));
 }
 
 }  // namespace bodesmith::cli

@@ -107,8 +107,7 @@ int write_cascade(const CommandLine& line, const CascadeFit& fit, const Provenan
   if (!why.empty()) summary["chosen_because"] = why;
   std::string text = cascade_summary(fit);
   if (!met) text += limit_not_met(*limit, "dB");
-  print_summary(line, text, timed_document("fit_summary", from, summary, seconds));
-  return met ? kDone : kLimitMissed;
+  return print_summary(line, text, timed_document("fit_summary", from, summary, seconds), met);
 }
 
 /// The interpolation cannot be built, and there is a limit to choose by: the fewest bands or sections.

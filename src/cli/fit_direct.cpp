@@ -111,8 +111,7 @@ int write_direct_fit(const CommandLine& line, const DirectFit& fit, const Proven
   std::string text = direct_summary(fit, line.has("real"));
   for (const std::string& one : fit.not_tried) text += "not tried in the time given: " + one + "\n";
   if (!met) text += limit_not_met(*limit, "dB");
-  print_summary(line, text, timed_document("fit_summary", from, summary, seconds));
-  return met ? kDone : kLimitMissed;
+  return print_summary(line, text, timed_document("fit_summary", from, summary, seconds), met);
 }
 
 }  // namespace bodesmith::cli

@@ -82,8 +82,7 @@ int fit_to_measurement(const CommandLine& line) {
   if (limit) summary["limit_met"] = met;
   std::string text = measured_summary(fit);
   if (!met) text += limit_not_met(*limit, "dB");
-  print_summary(line, text, timed_document("fit_summary", from, summary, seconds));
-  return met ? kDone : kLimitMissed;
+  return print_summary(line, text, timed_document("fit_summary", from, summary, seconds), met);
 }
 
 }  // namespace bodesmith::cli

@@ -74,9 +74,8 @@ namespace {
 int write_plain_gain(const CommandLine& line, const Provenance& from) {
   const Sections sections;
   write_file(line.output_path(), to_text(timed_document("sections", from, sections.to_json(), 0.0)));
-  print_summary(line, "the rate gains of both branches are 1: no filter is needed, its gain is 1\n",
-                timed_document("fit_summary", from, {{"sections", 0}, {"needed", false}}, 0.0));
-  return kDone;
+  return print_summary(line, "the rate gains of both branches are 1: no filter is needed, its gain is 1\n",
+                       timed_document("fit_summary", from, {{"sections", 0}, {"needed", false}}, 0.0));
 }
 
 }  // namespace
@@ -110,8 +109,8 @@ int fit_to_waveform(const CommandLine& line) {
 
   Json summary = {{"sections", fit.sections.sections.size()}};
   summary.update(report);
-  print_summary(line, waveform_summary(fit, options), timed_document("fit_summary", from, summary, seconds));
-  return kDone;
+  return print_summary(line, waveform_summary(fit, options),
+                       timed_document("fit_summary", from, summary, seconds));
 }
 
 }  // namespace bodesmith::cli

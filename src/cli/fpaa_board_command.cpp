@@ -63,8 +63,7 @@ int finish_comparison(const CommandLine& line, const std::string& name, const Pr
   text += differences.empty()
               ? "no differences\n"
               : fmt::format("{} difference{}\n", differences.size(), differences.size() == 1 ? "" : "s");
-  print_summary(line, text, summary);
-  return differences.empty() ? kDone : kLimitMissed;
+  return print_summary(line, text, summary, differences.empty());
 }
 
 }  // namespace
@@ -106,8 +105,7 @@ int run_fpaa_streams(const std::vector<std::string>& arguments) {
   summary["timing_s"] = {{"compute", watch.seconds()}};
   std::string text;
   for (const auto& [name, bytes] : arrays) text += fmt::format("{}: {} bytes\n", name, bytes.size());
-  print_summary(line, text + fmt::format("written to {}\n", line.output_path().string()), summary);
-  return kDone;
+  return print_summary(line, text + fmt::format("written to {}\n", line.output_path().string()), summary);
 }
 
 void add_verify_options(CommandLine& line);
@@ -221,8 +219,7 @@ int run_fpaa_send(const std::vector<std::string>& arguments) {
     text += "nothing sent (--dry-run)\n";
   }
   summary["timing_s"] = {{"compute", watch.seconds()}};
-  print_summary(line, text, summary);
-  return kDone;
+  return print_summary(line, text, summary);
 }
 
 }  // namespace bodesmith::cli

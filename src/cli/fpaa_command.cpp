@@ -272,8 +272,7 @@ int plan_board(const std::vector<std::string>& arguments) {
     summary["stream"] = *stream->json;
   }
   text += fmt::format("written to {}\n", line.output_path().string());
-  print_summary(line, text, summary);
-  return met ? kDone : kLimitMissed;
+  return print_summary(line, text, summary, met);
 }
 
 }  // namespace

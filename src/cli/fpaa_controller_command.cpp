@@ -190,11 +190,10 @@ int run_fpaa_controller(const std::vector<std::string>& arguments) {
   json["stream"] = stream_json(streams);
   write_controller(line.output_path(), controller, json, tracking, disturbance,
                    fpaa::drive_range(disturbance, ascending.has_value(), descending.has_value()), streams);
-  print_summary(line,
-                controller_text(controller, tracking) + stream_text(streams) +
-                    fmt::format("written to {}\n", line.output_path().string()),
-                json);
-  return kDone;
+  return print_summary(line,
+                       controller_text(controller, tracking) + stream_text(streams) +
+                           fmt::format("written to {}\n", line.output_path().string()),
+                       json);
 }
 
 }  // namespace bodesmith::cli

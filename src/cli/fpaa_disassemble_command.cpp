@@ -70,8 +70,7 @@ int run_fpaa_disassemble(const std::vector<std::string>& arguments) {
   made.text += fmt::format("{} stream{}, {} problem{}, {} byte{} not understood\n", streams.size(),
                            streams.size() == 1 ? "" : "s", made.problems, made.problems == 1 ? "" : "s",
                            made.unexplained, made.unexplained == 1 ? "" : "s");
-  print_summary(line, made.text, json);
-  return kDone;
+  return print_summary(line, made.text, json);
 }
 
 }  // namespace bodesmith::cli

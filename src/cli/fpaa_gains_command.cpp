@@ -107,8 +107,7 @@ int run_fpaa_gains(const std::vector<std::string>& arguments) {
       rounded_text(schedule.sets.back().frequency.value), rounded_text(schedule.max_gain_error_percent, 2),
       rounded_text(schedule.max_tracking_error_percent, 2), rounded_text(1e3 * schedule.update_s, 2),
       line.output_path().string());
-  print_summary(line, text, json);
-  return kDone;
+  return print_summary(line, text, json);
 }
 
 }  // namespace bodesmith::cli

@@ -196,8 +196,8 @@ int run_fpaa_trim(const std::vector<std::string>& arguments) {
   out.add("trim.json", to_text(summary));
   add_updates(line, plan, trim.plan, from, out);
   out.commit();
-  print_summary(line, trim_text(trim) + fmt::format("written to {}\n", line.output_path().string()), summary);
-  return kDone;
+  return print_summary(line, trim_text(trim) + fmt::format("written to {}\n", line.output_path().string()),
+                       summary);
 }
 
 }  // namespace bodesmith::cli

@@ -329,8 +329,7 @@ int run_identify(const std::vector<std::string>& arguments) {
   }
   for (const std::string& found : findings.notes) note(found);
   if (!met) text += limit_not_met(*limit, "%");
-  print_summary(line, text, json);
-  return met ? kDone : kLimitMissed;
+  return print_summary(line, text, json, met);
 }
 
 }  // namespace bodesmith::cli

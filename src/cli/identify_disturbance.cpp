@@ -114,8 +114,7 @@ int identify_disturbance_mode(const CommandLine& line) {
     json["limit_met"] = met;
     if (!met) text += limit_not_met(*limit, "%");
   }
-  print_summary(line, text, json);
-  return met ? kDone : kLimitMissed;
+  return print_summary(line, text, json, met);
 }
 
 }  // namespace bodesmith::cli

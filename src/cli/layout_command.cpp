@@ -221,8 +221,7 @@ int run_layout(const std::vector<std::string>& arguments) {
     json["limit_missed"] = true;
   }
   write_layout(line, layout, json);
-  print_summary(line, text, json);
-  return met ? kDone : kLimitMissed;
+  return print_summary(line, text, json, met);
 }
 
 }  // namespace bodesmith::cli

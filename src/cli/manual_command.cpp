@@ -126,9 +126,8 @@ int run_manual(const std::vector<std::string>& arguments) {
   out.commit();
   Json summary = json_header("manual_summary", {});
   summary["pages"] = all.size() + 1;
-  print_summary(line, fmt::format("{} manual pages in {}\n", all.size() + 1, line.output_path().string()),
-                summary);
-  return kDone;
+  return print_summary(
+      line, fmt::format("{} manual pages in {}\n", all.size() + 1, line.output_path().string()), summary);
 }
 
 }  // namespace bodesmith::cli

@@ -166,8 +166,7 @@ int run_model(const std::vector<std::string>& arguments) {
              chain::model_text(model, "made by bodesmith model from " + join(line.files(), ", ")));
   Json json = json_header("model_summary", from);
   json["blocks"] = blocks;
-  print_summary(line, fmt::format("{} blocks in series\n{}", model.blocks.size(), text), json);
-  return kDone;
+  return print_summary(line, fmt::format("{} blocks in series\n{}", model.blocks.size(), text), json);
 }
 
 }  // namespace bodesmith::cli

@@ -121,11 +121,10 @@ int run_new(const std::vector<std::string>& arguments) {
   summary["command"] = project.command;
   summary["files"] = Json::array();
   for (const fs::path& path : out.paths()) summary["files"].push_back(path.string());
-  print_summary(line,
-                fmt::format("{}: {}\nnext:\n  cd {}\n  {}\n", folder.string(), project.about, folder.string(),
-                            project.command),
-                summary);
-  return kDone;
+  return print_summary(line,
+                       fmt::format("{}: {}\nnext:\n  cd {}\n  {}\n", folder.string(), project.about,
+                                   folder.string(), project.command),
+                       summary);
 }
 
 }  // namespace bodesmith::cli

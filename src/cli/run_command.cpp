@@ -21,8 +21,7 @@ int run_variants(const CommandLine& line) {
   if (!team->leads()) return kDone;
   Json summary = json_header("sweep", sweep.from);
   summary.update(project::sweep_json(sweep));
-  print_summary(line, project::sweep_summary(sweep), summary);
-  return sweep.limits_met() ? kDone : kLimitMissed;
+  return print_summary(line, project::sweep_summary(sweep), summary, sweep.limits_met());
 }
 
 /// What was built against its prediction; the project is run first where that has not been done.
@@ -77,8 +76,7 @@ int run_run(const std::vector<std::string>& arguments) {
   const std::unique_ptr<project::Run> run = project::run_project(source, line.output_path());
   Json summary = json_header("run", run->from);
   summary.update(run->json());
-  print_summary(line, run->summary(line.output_path()), summary);
-  return run->limits_met() ? kDone : kLimitMissed;
+  return print_summary(line, run->summary(line.output_path()), summary, run->limits_met());
 }
 
 }  // namespace bodesmith::cli

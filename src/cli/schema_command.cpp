@@ -97,8 +97,8 @@ int run_schema(const std::vector<std::string>& arguments) {
   OutputSet out(line.output_path());
   for (const SchemaFile& file : files) out.add(file.file, file.text);
   out.commit();
-  print_summary(line, fmt::format("{} schemas in {}\n", files.size(), line.output_path().string()), summary);
-  return kDone;
+  return print_summary(line, fmt::format("{} schemas in {}\n", files.size(), line.output_path().string()),
+                       summary);
 }
 
 }  // namespace bodesmith::cli

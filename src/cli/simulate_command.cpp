@@ -244,8 +244,7 @@ int simulate_file(const CommandLine& line, const chain::Chain& model,
   if (line.has("spectra") || line.has("loops") || line.has("report"))
     add_study(line, input, time, run, out, json, text);
   out.commit();
-  print_summary(line, text, json);
-  return kDone;
+  return print_summary(line, text, json);
 }
 
 }  // namespace

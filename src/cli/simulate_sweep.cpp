@@ -113,8 +113,7 @@ int simulate_sweep(const CommandLine& line, const chain::Chain& model,
   json["runs"] = rows.size();
   json["runs_taken_over"] = known.size();
   json["complete"] = rows.size() == total;
-  print_summary(line, sweep_table(rows), json);
-  return kDone;
+  return print_summary(line, sweep_table(rows), json);
 }
 
 }  // namespace bodesmith::cli

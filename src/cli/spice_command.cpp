@@ -155,8 +155,7 @@ int run_spice(const std::vector<std::string>& arguments) {
   for (const std::string& shortfall : choice.best.shortfalls)
     text += shortfall + (shortfall_allowed ? " (allowed)\n" : ": NOT met\n");
   write_circuit(line, made, circuit);
-  print_summary(line, text, circuit);
-  return met && (choice.best.shortfalls.empty() || shortfall_allowed) ? kDone : kLimitMissed;
+  return print_summary(line, text, circuit, met && (choice.best.shortfalls.empty() || shortfall_allowed));
 }
 
 }  // namespace bodesmith::cli

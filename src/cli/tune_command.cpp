@@ -156,8 +156,8 @@ int run_tune(const std::vector<std::string>& arguments) {
   summary.update(controller_json(made.controller));
   summary.update(report);
   summary["limits_met"] = made.met();
-  print_summary(line, tune_text(made, kind, plants), timed_document("tune_summary", from, summary, seconds));
-  return made.met() ? kDone : kLimitMissed;
+  return print_summary(line, tune_text(made, kind, plants),
+                       timed_document("tune_summary", from, summary, seconds), made.met());
 }
 
 }  // namespace bodesmith::cli

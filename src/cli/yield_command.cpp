@@ -317,8 +317,7 @@ int run_yield(const std::vector<std::string>& arguments) {
   }
   json["timing_s"] = {{"compute", watch.seconds()}};
   if (line.has("output")) write_file(line.output_path(), to_text(json));
-  print_summary(line, text, json);
-  return met ? kDone : kLimitMissed;
+  return print_summary(line, text, json, met);
 }
 
 }  // namespace bodesmith::cli

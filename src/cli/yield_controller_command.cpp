@@ -127,8 +127,7 @@ int run_yield_controller(const std::vector<std::string>& arguments) {
   std::string text = part_errors::summary_text(report);
   const bool met = !limit || report.study.worst.p95_percent <= *limit;
   if (!met) text += limit_not_met(*limit, "%");
-  print_summary(line, text + fmt::format("written to {}\n", line.output_path().string()), json);
-  return met ? kDone : kLimitMissed;
+  return print_summary(line, text + fmt::format("written to {}\n", line.output_path().string()), json, met);
 }
 
 }  // namespace bodesmith::cli

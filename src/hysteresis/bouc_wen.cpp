@@ -121,7 +121,7 @@ double BoucWen::advance(double z, double du) const {
 
 namespace {
 
-class BoucWenType final : public ShapedModelType<BoucWen> {
+class BoucWenType final : public ShapedModelType<BoucWen, BoucWenOperator> {
  public:
   BoucWenType()
       : ShapedModelType("bouc_wen", "differential equation with a hysteretic state",
@@ -140,9 +140,6 @@ class BoucWenType final : public ShapedModelType<BoucWen> {
   bool steps_within_samples(const Parameters& values) const override { return values.number("n") != 1.0; }
 
  protected:
-  std::unique_ptr<Operator> operator_of(const BoucWen& model) const override {
-    return std::make_unique<BoucWenOperator>(model);
-  }
   /// Rises where k exceeds the steepest dz/du, which over the bounded states is max(A, −A + …): at a reversal
   /// from saturation |z| = (A/(beta+gamma))^(1/n) it is A (1 + (beta − gamma)/(beta + gamma)).
   std::unique_ptr<Inverse> inverse_of(const BoucWen& model) const override {

@@ -181,7 +181,7 @@ double EllipseInverse::step(double y, double dt_s) {
 
 namespace {
 
-class EllipseType final : public ShapedModelType<Ellipse> {
+class EllipseType final : public ShapedModelType<Ellipse, EllipseOperator, EllipseInverse> {
  public:
   EllipseType()
       : ShapedModelType(
@@ -201,12 +201,6 @@ class EllipseType final : public ShapedModelType<Ellipse> {
   bool for_steady_sines() const override { return true; }
 
  protected:
-  std::unique_ptr<Operator> operator_of(const Ellipse& model) const override {
-    return std::make_unique<EllipseOperator>(model);
-  }
-  std::unique_ptr<Inverse> inverse_of(const Ellipse& model) const override {
-    return std::make_unique<EllipseInverse>(model);
-  }
   Identified fit(std::span<const TimeRecord> records, const IdentifyOptions& options) const override {
     return identify_ellipse(records, options);
   }

@@ -119,7 +119,8 @@ TimeRecord exchanged(const TimeRecord& record) {
 
 namespace {
 
-class ExponentialOperatorType final : public ShapedModelType<ExponentialOperators> {
+class ExponentialOperatorType final
+    : public ShapedModelType<ExponentialOperators, ExponentialOperator, ExponentialInverse> {
  public:
   ExponentialOperatorType()
       : ShapedModelType(
@@ -134,12 +135,6 @@ class ExponentialOperatorType final : public ShapedModelType<ExponentialOperator
             }) {}
 
  protected:
-  std::unique_ptr<Operator> operator_of(const ExponentialOperators& model) const override {
-    return std::make_unique<ExponentialOperator>(model);
-  }
-  std::unique_ptr<Inverse> inverse_of(const ExponentialOperators& model) const override {
-    return std::make_unique<ExponentialInverse>(model);
-  }
   Identified fit(std::span<const TimeRecord> records, const IdentifyOptions& options) const override {
     return identify_exponential_operators(records, options);
   }

@@ -63,7 +63,7 @@ class FractionalInverse final : public Inverse {
   double achieved_ = 0.0;
 };
 
-class FractionalDynamicType final : public ShapedModelType<FractionalDynamic> {
+class FractionalDynamicType final : public ShapedModelType<FractionalDynamic, FractionalOperator> {
  public:
   FractionalDynamicType()
       : ShapedModelType(
@@ -90,9 +90,6 @@ class FractionalDynamicType final : public ShapedModelType<FractionalDynamic> {
   }
 
  protected:
-  std::unique_ptr<Operator> operator_of(const FractionalDynamic& model) const override {
-    return std::make_unique<FractionalOperator>(model);
-  }
   std::unique_ptr<Inverse> inverse_of(const FractionalDynamic& model) const override {
     if (model.static_gain() == 0.0) throw DesignError("K_M is 0: there is no inverse");
     return std::make_unique<FractionalInverse>(model);

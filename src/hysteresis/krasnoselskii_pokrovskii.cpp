@@ -148,7 +148,7 @@ double KpRateInverse::step(double y, double dt_s) {
 
 namespace {
 
-class KrasnoselskiiPokrovskiiType final : public ShapedModelType<KrasnoselskiiPokrovskii> {
+class KrasnoselskiiPokrovskiiType final : public ShapedModelType<KrasnoselskiiPokrovskii, KpOperator> {
  public:
   KrasnoselskiiPokrovskiiType()
       : ShapedModelType(
@@ -166,9 +166,6 @@ class KrasnoselskiiPokrovskiiType final : public ShapedModelType<KrasnoselskiiPo
             }) {}
 
  protected:
-  std::unique_ptr<Operator> operator_of(const KrasnoselskiiPokrovskii& model) const override {
-    return std::make_unique<KpOperator>(model);
-  }
   std::unique_ptr<Inverse> inverse_of(const KrasnoselskiiPokrovskii& model) const override {
     if (model.a2 != 0.0) return std::make_unique<KpRateInverse>(model);
     // a1 is a plain gain: the inverse of the static part on y/a1, which scaling the table does once.

@@ -4,8 +4,10 @@
 #include <memory>
 #include <optional>
 #include <span>
+#include <stdexcept>
 #include <string>
 #include <string_view>
+#include <type_traits>
 #include <vector>
 
 #include "base/parameter.hpp"
@@ -118,8 +120,9 @@ class ModelType {
 };
 
 /// A type whose parameters become one value: `Shape::from(parameters)`, which throws DesignError when they do
-/// not go together. Operator and inverse are made of that.
-template <class Shape>
+/// not go together. Operator and inverse are made of that: of
+/// the classes named here, or as the type itself says.
+template <class Shape, class ItsOperator = void, class ItsInverse = void>
 class ShapedModelType : public ModelType {
  public:
   using ModelType::ModelType;
@@ -132,8 +135,17 @@ class ShapedModelType : public ModelType {
   }
 
  protected:
-  virtual std::unique_ptr<Operator> operator_of(const Shape& shape) const = 0;
-  virtual std::unique_ptr<Inverse> inverse_of(const Shape& shape) const = 0;
+  virtual std::unique_ptr<Operator> operator_of(const Shape& s) const {
+    return made<ItsOperator, Operator>(s);
+  }
+  virtual std::unique_ptr<Inverse> inverse_of(const Shape& s) const { return made<ItsInverse, Inverse>(s); }
+
+ private:
+  template <class Made, class Base>
+  static std::unique_ptr<Base> made(const Shape& shape) {
+    if constexpr (!std::is_void_v<Made>) return std::make_unique<Made>(shape);
+    throw std::logic_error("the type says itself what it makes");
+  }
 };
 
 std::unique_ptr<Operator> make_operator(const Model& model);

@@ -235,7 +235,7 @@ std::vector<double> branch_cubic(Operator& op, int direction) {
   return {y[0], 3.0 * d1 - 1.5 * d2 + d3, 4.5 * d2 - 4.5 * d3, 4.5 * d3};
 }
 
-class DisturbanceType : public ShapedModelType<PolynomialDisturbance> {
+class DisturbanceType : public ShapedModelType<PolynomialDisturbance, PolynomialOperator, PolynomialInverse> {
  public:
   using ShapedModelType::ShapedModelType;
   /// With the slope's sign as the rule each branch is one curve, and a turn inside the stroke jumps between them.
@@ -251,14 +251,6 @@ class DisturbanceType : public ShapedModelType<PolynomialDisturbance> {
     out.falling = branch_cubic(op, -1);
     out.switch_delay_s = model.switch_delay_s;
     return out;
-  }
-
- protected:
-  std::unique_ptr<Operator> operator_of(const PolynomialDisturbance& model) const override {
-    return std::make_unique<PolynomialOperator>(model);
-  }
-  std::unique_ptr<Inverse> inverse_of(const PolynomialDisturbance& model) const override {
-    return std::make_unique<PolynomialInverse>(model);
   }
 };
 

@@ -272,7 +272,8 @@ double PrandtlIshlinskiiInverse::step(double y, double) {
 
 namespace {
 
-class PrandtlIshlinskiiType final : public ShapedModelType<PrandtlIshlinskii> {
+class PrandtlIshlinskiiType final
+    : public ShapedModelType<PrandtlIshlinskii, PrandtlIshlinskiiOperator, PrandtlIshlinskiiInverse> {
  public:
   PrandtlIshlinskiiType()
       : ShapedModelType(
@@ -295,12 +296,6 @@ class PrandtlIshlinskiiType final : public ShapedModelType<PrandtlIshlinskii> {
             }) {}
 
  protected:
-  std::unique_ptr<Operator> operator_of(const PrandtlIshlinskii& model) const override {
-    return std::make_unique<PrandtlIshlinskiiOperator>(model);
-  }
-  std::unique_ptr<Inverse> inverse_of(const PrandtlIshlinskii& model) const override {
-    return std::make_unique<PrandtlIshlinskiiInverse>(model);
-  }
   Identified fit(std::span<const TimeRecord> records, const IdentifyOptions& options) const override {
     return identify_prandtl_ishlinskii(records, options);
   }

@@ -12,8 +12,8 @@
 #include "cli/modes.hpp"
 #include "cli/response_source.hpp"
 #include "faults/circuit_board.hpp"
-#include "faults/json.hpp"
 #include "faults/plan_board.hpp"
+#include "faults/report.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "schematic/writers/spice_library.hpp"
 

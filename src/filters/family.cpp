@@ -6,6 +6,7 @@
 
 #include "base/units.hpp"
 
+// Every family: one line here, and one file in families/ that defines the function.
 namespace bodesmith::filters {
 
 std::complex<double> Prototype::response(std::complex<double> s) const {
@@ -47,5 +48,8 @@ Prototype make_prototype(const Family& family, const PrototypeTask& task) {
   }
   return family.prototype(task);
 }
+
+BODESMITH_REGISTRY(Family, family_registry, "filter family", butterworth_family, chebyshev1_family,
+                   chebyshev2_family, elliptic_family, bessel_family, linkwitz_riley_family, gaussian_family)
 
 }  // namespace bodesmith::filters

@@ -7,7 +7,6 @@
 #include "base/json.hpp"
 #include "base/text_template.hpp"
 #include "base/version.hpp"
-#include "report/inline_svg.hpp"
 #include "report/page_parts.hpp"
 #include "report/script_data.hpp"
 #include "report/svg.hpp"

@@ -9,7 +9,6 @@
 
 #include "report/scale.hpp"
 #include "report/svg.hpp"
-#include "report/ticks.hpp"
 
 // SVG is drawn here element by element, next to the geometry it depends on; nothing of it is text for a template.
 namespace bodesmith::report {

@@ -1,9 +1,77 @@
 #include "report/scale.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 
+#include "base/whole_number.hpp"
+
 namespace bodesmith::report {
+
+std::vector<double> linear_ticks(double from, double to, int count) {
+  std::vector<double> ticks;
+  if (!(to > from) || count < 1) return ticks;
+  const double raw = (to - from) / count;
+  const double decade = std::pow(10.0, std::floor(std::log10(raw)));
+  double step = decade;
+  for (const double factor : {1.0, 2.0, 5.0, 10.0}) {
+    step = factor * decade;
+    if (step >= raw * 0.999) break;
+  }
+  for (double k = std::ceil(from / step - 1e-9); k * step <= to + 1e-9 * step && ticks.size() < 100;
+       k += 1.0) {
+    ticks.push_back(k == 0.0 ? 0.0 : k * step);
+  }
+  return ticks;
+}
+
+std::vector<double> logarithmic_ticks(double from, double to) {
+  std::vector<double> ticks;
+  const double decades = std::log10(to / from);
+  // Many decades: every second or third one, so that the numbers do not run into one another.
+  const int stride = whole_number(std::ceil(decades / 9.0), 1);
+  const int first = whole_number(std::floor(std::log10(from)), -400, 400);
+  const int last = whole_number(std::ceil(std::log10(to)), -400, 400);
+  for (int e = first; e <= last; ++e) {
+    if (((e % stride) + stride) % stride != 0) continue;
+    for (const double factor : {1.0, 2.0, 5.0}) {
+      if (factor > 1.0 && decades > 2.0) continue;
+      const double value = factor * std::pow(10.0, e);
+      if (value >= from * (1.0 - 1e-9) && value <= to * (1.0 + 1e-9)) ticks.push_back(value);
+    }
+  }
+  return ticks;
+}
+
+std::vector<double> logarithmic_subdivisions(double from, double to) {
+  std::vector<double> out;
+  for (double decade = std::pow(10.0, std::floor(std::log10(from))); decade < to; decade *= 10.0) {
+    for (int k = 2; k <= 9; ++k) {
+      const double value = decade * k;
+      if (value >= from && value <= to) out.push_back(value);
+    }
+  }
+  return out;
+}
+
+std::string tick_text(double value) {
+  if (value != 0.0 && (std::abs(value) >= 1e5 || std::abs(value) < 1e-3)) {
+    const int exponent = whole_number<int>(std::floor(std::log10(std::abs(value)) + 1e-9));
+    const double mantissa = value / std::pow(10.0, exponent);
+    if (std::abs(mantissa - 1.0) < 1e-9) return fmt::format("1e{}", exponent);
+    return fmt::format("{:.3g}e{}", mantissa, exponent);
+  }
+  return fmt::format("{:.6g}", value);
+}
+
+std::string prefixed_tick_text(double value) {
+  const double size = std::abs(value);
+  if (size >= 1e9) return fmt::format("{:.6g}G", value / 1e9);
+  if (size >= 1e6) return fmt::format("{:.6g}M", value / 1e6);
+  if (size >= 1e3) return fmt::format("{:.6g}k", value / 1e3);
+  return tick_text(value);
+}
 
 Range data_range(const Plot& plot, std::vector<double> Series::*coordinate, bool logarithmic) {
   Range out{INFINITY, -INFINITY};

@@ -98,4 +98,12 @@ TrackingError tracking_error(std::span<const double> y, std::span<const double> 
 /// The same without looking for a delay (lag_s and rms_percent_without_lag stay 0), which takes most of the time.
 TrackingError plain_error(std::span<const double> y, std::span<const double> x);
 
+/// Delay of the reference that makes the rms of y - x(t - lag) smallest, and that rms.
+struct LagResult {
+  double lag_s = 0.0;
+  double rms = 0.0;
+};
+/// Both sampled over `period_s`, after which both repeat.
+LagResult best_lag(const std::vector<double>& y, const std::vector<double>& x, double period_s);
+
 }  // namespace bodesmith::tracking

@@ -4,7 +4,6 @@
 
 #include <regex>
 
-#include "report/inline_svg.hpp"
 #include "report/svg.hpp"
 
 namespace bodesmith::report {

@@ -1,4 +1,3 @@
-#include "report/ticks.hpp"
 #include "report/scale.hpp"
 
 #include <gtest/gtest.h>

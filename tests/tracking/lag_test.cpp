@@ -1,5 +1,5 @@
 // The delay that fits best, against signals of which it is known.
-#include "tracking/lag.hpp"
+#include "tracking/stage.hpp"
 
 #include <gtest/gtest.h>
 

@@ -50,9 +50,7 @@ bool leave_out_closest(PooledRoots& roots) {
 }  // namespace
 
 MergedSections merge_sections(const Sections& sections, const Cascade& cascade, double limit_db) {
-  MergedSections out;
-  out.sections = sections;
-  out.error = approximation_error(sections, cascade);
+  MergedSections out{.sections = sections, .error = approximation_error(sections, cascade)};
   if (cascade.terms.empty() || sections.sections.size() < 2) return out;
   const Band corners = cascade.corner_band();
   const std::vector<Hertz> grid =

@@ -46,11 +46,7 @@ ParameterSpec ParameterSpec::with_default(double value) const {
 }
 
 ParameterSpec any_number(std::string name, std::string unit, std::string what) {
-  ParameterSpec out;
-  out.name = std::move(name);
-  out.unit = std::move(unit);
-  out.what = std::move(what);
-  return out;
+  return {.name = std::move(name), .unit = std::move(unit), .what = std::move(what)};
 }
 
 ParameterSpec above_zero(std::string name, std::string unit, std::string what) {

@@ -24,11 +24,9 @@ std::vector<Complex> roots_from(const Node& node) {
 }
 
 Section section_from(const Node& node) {
-  Section out;
-  out.gain = node.at("gain").number();
-  out.zeros = roots_from(node.at("zeros_rad_s"));
-  out.poles = roots_from(node.at("poles_rad_s"));
-  return out;
+  return {.gain = node.at("gain").number(),
+          .zeros = roots_from(node.at("zeros_rad_s")),
+          .poles = roots_from(node.at("poles_rad_s"))};
 }
 
 /// A transfer of any order, for a ladder: one pole and one zero a factor.

@@ -119,9 +119,7 @@ std::string parts_csv(const Circuit& circuit) {
 }
 
 Section Biquad::section() const {
-  Section out;
-  out.zeros = roots(b0, b1, b2);
-  out.poles = roots(a0, a1, a2);
+  Section out{.zeros = roots(b0, b1, b2), .poles = roots(a0, a1, a2)};
   const double top = b2 != 0.0 ? b2 : (b1 != 0.0 ? b1 : b0);
   const double bottom = a2 != 0.0 ? a2 : (a1 != 0.0 ? a1 : a0);
   out.gain = top / bottom;

@@ -58,10 +58,8 @@ fpaa::PlanOptions plan_options(const CommandLine& line) {
 
 std::optional<fpaa::NetlistParts> netlist_parts(const CommandLine& line) {
   if (!line.has("spice")) return std::nullopt;
-  fpaa::NetlistParts out;
-  out.unit_capacitance_f = read_noise_model(line).unit_capacitance_f;
-  out.opamp = read_opamp_model(line);
-  return out;
+  return fpaa::NetlistParts{.unit_capacitance_f = read_noise_model(line).unit_capacitance_f,
+                            .opamp = read_opamp_model(line)};
 }
 
 /// Where not all that is wanted was found: what the search had to choose between.

@@ -35,13 +35,7 @@ struct NgspiceRun {
 
   /// For a study of many references: from rest to the far end of the reference everything that is quick has settled, and at a
   /// four times finer step the drive differs by less than .001 % of range.
-  static NgspiceRun of_many() {
-    NgspiceRun out;
-    out.settle_repeats = 0.5;
-    out.steps = 500;
-    out.tight = false;
-    return out;
-  }
+  static NgspiceRun of_many() { return {.settle_repeats = 0.5, .steps = 500, .tight = false}; }
 };
 
 /// Whole repeats until what is slow, the smoothing behind the slope meter, has settled.

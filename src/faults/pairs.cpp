@@ -173,9 +173,7 @@ class PairSearch {
         TriedPair best;
         best.rough = -1e300;
         for (std::size_t a = 0; a < teeth.size(); ++a) {
-          Finding first;
-          first.faults = {sized[i]};
-          first.sizes = {teeth[a]};
+          Finding first{.faults = {sized[i]}, .sizes = {teeth[a]}};
           TriedPair pair = beside(board_, *with_first[a], first, likelihood, *sized[j]);
           if (pair.rough > best.rough) best = std::move(pair);
         }
@@ -230,9 +228,7 @@ std::vector<Finding> pairs_of(const Board& board, const std::vector<Finding>& si
   for (const TriedPair& pair : search.tried()) {
     if (turned == kTurned) break;
     if (!were_first.insert(pair.finding.faults[1]).second) continue;
-    Finding first;
-    first.faults = {pair.finding.faults[1]};
-    first.sizes = {pair.finding.sizes[1]};
+    Finding first{.faults = {pair.finding.faults[1]}, .sizes = {pair.finding.sizes[1]}};
     search.try_first(first);
     ++turned;
   }

@@ -87,19 +87,9 @@ class ParameterRow {
   }
 
  private:
-  static SearchVariable linear(double value, double scale) {
-    SearchVariable out;
-    out.value = value;
-    out.scale = scale;
-    return out;
-  }
+  static SearchVariable linear(double value, double scale) { return {.value = value, .scale = scale}; }
   static SearchVariable logarithmic(double value, double min, double max) {
-    SearchVariable out;
-    out.value = std::clamp(value, 2.0 * min, 0.5 * max);
-    out.min = min;
-    out.max = max;
-    out.logarithmic = true;
-    return out;
+    return {.value = std::clamp(value, 2.0 * min, 0.5 * max), .min = min, .max = max, .logarithmic = true};
   }
   const FactoredResponse& model_;
 };

@@ -115,10 +115,7 @@ WaveformSearch search_waveform(const WaveformProblem& problem, const WaveformFit
   const double lowest = problem.operating().front().rad_s().value;
   const double highest = problem.operating().back().rad_s().value;
   const RadPerSecond reference{std::sqrt(lowest * highest)};
-  RootLimits limits;
-  limits.low = {lowest / 100.0};
-  limits.high = {highest * 1000.0};
-  limits.min_damping = options.min_damping;
+  RootLimits limits{.low = {lowest / 100.0}, .high = {highest * 1000.0}, .min_damping = options.min_damping};
   const auto improve = [&](const RootModel& model, const VectorXd& start, int iterations) {
     const ErrorFunction errors_at = [&](const VectorXd& at, VectorXd& error, MatrixXd* slope) {
       problem.errors(model, at, error, slope);

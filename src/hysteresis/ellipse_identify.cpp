@@ -28,11 +28,7 @@ SineThrough sine_through(std::span<const double> values, double step_s, double f
     rhs += values[i] * r;
   }
   const Eigen::Vector3d x = gram.ldlt().solve(rhs);
-  SineThrough out;
-  out.mean = x(0);
-  out.amplitude = std::hypot(x(1), x(2));
-  out.phase_rad = std::atan2(x(2), x(1));
-  return out;
+  return {.mean = x(0), .amplitude = std::hypot(x(1), x(2)), .phase_rad = std::atan2(x(2), x(1))};
 }
 
 namespace {

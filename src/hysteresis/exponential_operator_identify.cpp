@@ -30,10 +30,7 @@ GainFit fit_gains(std::span<const TimeRecord> records, double skip_s, double v_o
   Eigen::MatrixXd a(y.size(), n + 1);
   a.col(n).setOnes();
   for (Eigen::Index i = 0; i < n; ++i) {
-    ExponentialOperators one;
-    one.k = {1.0};
-    one.tau = {tau(i)};
-    one.v_off = v_off;
+    ExponentialOperators one{.k = {1.0}, .tau = {tau(i)}, .v_off = v_off};
     ExponentialOperator op(one);
     Eigen::Index at = 0;
     drive(op, records, skip_s, [&](double value, const TimeRecord&, std::size_t) { a(at++, i) = value; });

@@ -219,20 +219,18 @@ FractionalPolynomial FractionalDynamic::denominator() const {
 }
 
 FractionalDynamic FractionalDynamic::from(const Parameters& values) {
-  FractionalDynamic out;
-  out.k_m = values.number("K_M");
-  out.xi = values.number("xi");
-  out.omega_n = values.number("omega_n");
-  out.tau = values.number("tau");
-  out.eta = values.number("eta");
-  out.lambda = values.number("lambda");
-  out.k_p = values.number("K_p");
-  out.theta = values.number("Theta");
-  out.chi = values.number("chi");
-  out.rho = values.number("rho");
-  out.delta = values.number("delta");
-  out.modes = whole_number<int>(values.number("modes"));
-  return out;
+  return {.k_m = values.number("K_M"),
+          .xi = values.number("xi"),
+          .omega_n = values.number("omega_n"),
+          .tau = values.number("tau"),
+          .eta = values.number("eta"),
+          .lambda = values.number("lambda"),
+          .k_p = values.number("K_p"),
+          .theta = values.number("Theta"),
+          .chi = values.number("chi"),
+          .rho = values.number("rho"),
+          .delta = values.number("delta"),
+          .modes = whole_number<int>(values.number("modes"))};
 }
 
 BODESMITH_ENTRY(ModelType, fractional_dynamic_type, FractionalDynamicType)

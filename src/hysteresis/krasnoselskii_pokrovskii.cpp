@@ -73,12 +73,10 @@ KrasnoselskiiPokrovskii KrasnoselskiiPokrovskii::from(const Parameters& values) 
   EverettTable table = EverettTable::from_weights(u_min, u_max, levels, mu);
   for (std::size_t a = 0; a <= levels; ++a)
     for (std::size_t b = a + 1; b <= levels; ++b) table.values[a * (levels + 1) + b] = 0.0;
-  KrasnoselskiiPokrovskii out;
-  out.table = std::make_shared<const EverettTable>(std::move(table));
-  out.offset = values.number("offset");
-  out.a1 = values.number("a1");
-  out.a2 = values.number("a2");
-  return out;
+  return {.table = std::make_shared<const EverettTable>(std::move(table)),
+          .offset = values.number("offset"),
+          .a1 = values.number("a1"),
+          .a2 = values.number("a2")};
 }
 
 KpOperator::KpOperator(const KrasnoselskiiPokrovskii& model)

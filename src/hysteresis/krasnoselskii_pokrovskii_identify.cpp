@@ -55,9 +55,7 @@ void fit_densities_by_swarm(std::span<const TimeRecord> records, const IdentifyO
     const double shift = mean - got.mean();
     return (got.array() + shift - y.array()).square().sum();
   };
-  PsoCuckooOptions search;
-  search.seed = options.seed;
-  search.generations = static_cast<int>(300 * options.effort);
+  PsoCuckooOptions search{.generations = static_cast<int>(300 * options.effort), .seed = options.seed};
   const Eigen::VectorXd lower = Eigen::VectorXd::Zero(trace.columns());
   const double each = 6.0 * (y.maxCoeff() - y.minCoeff()) / static_cast<double>(trace.columns());
   const PsoCuckooResult found =

@@ -113,11 +113,9 @@ Preisach Preisach::from(const Parameters& values) {
       nearest_whole<std::size_t>((std::sqrt(8.0 * static_cast<double>(w.size()) + 1.0) - 1.0) / 2.0);
   if (w.empty() || levels * (levels + 1) / 2 != w.size())
     throw DesignError(fmt::format("w has {} numbers, expected L (L + 1)/2 for L levels", w.size()));
-  Preisach out;
-  out.table = std::make_shared<const EverettTable>(EverettTable::from_weights(u_min, u_max, levels, w));
-  out.offset = values.number("offset");
-  out.bilinear = values.word("interpolation") == "bilinear";
-  return out;
+  return {.table = std::make_shared<const EverettTable>(EverettTable::from_weights(u_min, u_max, levels, w)),
+          .offset = values.number("offset"),
+          .bilinear = values.word("interpolation") == "bilinear"};
 }
 
 namespace {

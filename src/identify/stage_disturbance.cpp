@@ -129,9 +129,7 @@ std::array<Cubic, 2> base_polynomials(const std::vector<OwnLoop>& loops) {
 LoopAtFrequency scaled_loop(const OwnLoop& own, const std::array<Cubic, 2>& base, const Scaling& input,
                             const StageLag& lag) {
   const TurnedRecord& record = *own.record;
-  StageColumns shapes;
-  shapes.ascending = along(base[0]);
-  shapes.descending = along(base[1]);
+  StageColumns shapes{.ascending = along(base[0]), .descending = along(base[1])};
   const Eigen::MatrixXd columns = shapes.of(record, input, lag);
   const StageSolution solved = solve_stage(columns, *record.record, record.training);
   LoopAtFrequency out;
@@ -244,9 +242,7 @@ LoopAtStroke short_loop(const TurnedRecord& record, const Turn& turn, const Stag
   shapes.descending = along(times_gain(d.descending, d.rate_gain(Branch::descending, record.frequency)));
   const StageSolution solved =
       solve_stage(shapes.of(record, study.input, study.lag), *record.record, {&turn, 1});
-  LoopAtStroke out;
-  out.alpha = shapes.stroke;
-  out.turns = 1;
+  LoopAtStroke out{.alpha = shapes.stroke, .turns = 1};
   for (std::size_t b = 0; b < 2; ++b) {
     const Eigen::Index at = 2 + 2 * static_cast<Eigen::Index>(b);
     out.gain[b] = solved.c(at) / nearest->stroke;

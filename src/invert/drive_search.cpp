@@ -25,10 +25,7 @@ std::vector<chain::Kernel> kernels_of(const chain::Chain& chain) {
 }
 
 simulate::RecordOptions record_options(const Options& options, const TimeRecord& reference) {
-  simulate::RecordOptions out;
-  out.start = options.start;
-  out.start_s = reference.start_s;
-  return out;
+  return {.start = options.start, .start_s = reference.start_s};
 }
 
 bool all_finite(const std::vector<double>& v) {

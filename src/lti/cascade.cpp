@@ -73,9 +73,7 @@ Cascade Cascade::from_node(const Node& node) {
   out.gain = node.number_or("gain", 1.0);
   if (out.gain == 0.0) node.at("gain").fail("is 0, expected a gain other than 0");
   for (const Node& item : node.at("terms").items()) {
-    FractionalLeadLag term;
-    term.lambda_s = item.at("lambda_s").positive();
-    term.x = item.at("x").positive();
+    FractionalLeadLag term{.lambda_s = item.at("lambda_s").positive(), .x = item.at("x").positive()};
     if (term.x == 1.0) item.at("x").fail("is 1, expected corners that differ (x above or below 1)");
     term.beta = item.at("beta").number();
     out.terms.push_back(term);

@@ -158,9 +158,7 @@ std::vector<Section> pairs_along(const std::vector<Section>& sections,
   std::size_t z = subsets - 1;
   while (p != 0) {
     const std::size_t pair = from[p * subsets + z];
-    Section section;
-    section.poles = sections[pair / n].poles;
-    section.zeros = sections[pair % n].zeros;
+    Section section{.zeros = sections[pair % n].zeros, .poles = sections[pair / n].poles};
     out.push_back(std::move(section));
     p ^= std::size_t{1} << (pair / n);
     z ^= std::size_t{1} << (pair % n);

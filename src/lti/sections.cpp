@@ -67,11 +67,9 @@ bool integrates(const Section& section) {
 }
 
 Section Section::pole_zero(double dc_gain, RadPerSecond zero, RadPerSecond pole) {
-  Section out;
-  out.zeros = {Complex(-zero.value, 0.0)};
-  out.poles = {Complex(-pole.value, 0.0)};
-  out.gain = dc_gain * pole.value / zero.value;
-  return out;
+  return {.gain = dc_gain * pole.value / zero.value,
+          .zeros = {Complex(-zero.value, 0.0)},
+          .poles = {Complex(-pole.value, 0.0)}};
 }
 
 Complex Sections::response(Complex s) const {

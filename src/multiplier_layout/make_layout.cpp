@@ -72,11 +72,9 @@ Layout make_layout_of_polynomials(const std::vector<Polynomial>& branches, const
 
 Input Input::of(const Disturbance& disturbance) {
   const auto list = [](const std::array<double, 3>& a) { return std::vector<double>(a.begin(), a.end()); };
-  Input out;
-  out.alpha = disturbance.amplitude.alpha;
-  out.branches = {{"ascending", list(disturbance.ascending), disturbance.amplitude.ascending},
-                  {"descending", list(disturbance.descending), disturbance.amplitude.descending}};
-  return out;
+  return {.branches = {{"ascending", list(disturbance.ascending), disturbance.amplitude.ascending},
+                       {"descending", list(disturbance.descending), disturbance.amplitude.descending}},
+          .alpha = disturbance.amplitude.alpha};
 }
 
 Input Input::from_node(const Node& node) {

@@ -58,9 +58,7 @@ double lag_s(const Layout& layout) {
 }
 
 SwitchFigures::Late late_figures(const Layout& layout, Hertz f, double delay_s, const ErrorLimits& errors) {
-  SwitchFigures::Late out;
-  out.frequency = f;
-  out.delay_s = delay_s;
+  SwitchFigures::Late out{.frequency = f, .delay_s = delay_s};
   const double period = 1.0 / f.value, lag = lag_s(layout);
   constexpr int kSteps = 4000;
   const GeneratorAtRest generator(layout);

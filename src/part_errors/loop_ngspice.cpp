@@ -110,9 +110,7 @@ SwitchStep change_of_branch(const AnalogController& controller, const LoopPoint&
                   plain_number(back_s), plain_number(back_s + kEdgeS)));
   deck += controller.form == controller::Form::self_fed ? "Vx x v 0\n" : "Vx x r 0\n";
   const spice::Transient run = spice::run_transient(deck, {"v"}, kStepS, stop_s, "controller.sub");
-  SwitchStep out;
-  out.v = r;
-  out.step_percent = 100.0 * std::abs(rest_v[0] - rest_v[1]);
+  SwitchStep out{.v = r, .step_percent = 100.0 * std::abs(rest_v[0] - rest_v[1])};
   const double low = std::min(rest_v[0], rest_v[1]), high = std::max(rest_v[0], rest_v[1]);
   const auto last_before = [&](double t) {
     double value = run.v[0].front();

@@ -167,9 +167,7 @@ std::vector<double> ChainStage::response(std::span<const double> v, double step_
   record.file = name_;
   record.step_s = step_s;
   for (int i = 0; i < rounds; ++i) record.u.insert(record.u.end(), v.begin(), v.end());
-  simulate::Options options;
-  options.start = simulate::Start::equilibrium;
-  options.estimate_error = false;
+  simulate::Options options{.start = simulate::Start::equilibrium, .estimate_error = false};
   std::vector<double> y = simulate::simulate(chain_, record, options).y;
   y.erase(y.begin(), y.end() - static_cast<std::ptrdiff_t>(v.size()));
   return y;

@@ -44,13 +44,11 @@ class FirstOrder final : public StageForm {
     if (integrates_) return integrator(g1, rs, c1, v[i]);
     const double r2 = v[i++];
     const double c2 = v[i];
-    Biquad h;
-    h.b0 = -g1 * r2;
-    h.b1 = -c1 * r2 * (1.0 + g1 * rs);
-    h.a0 = 1.0;
-    h.a1 = r2 * c2 + rs * c1;
-    h.a2 = r2 * c2 * rs * c1;
-    return h;
+    return {.b0 = -g1 * r2,
+            .b1 = -c1 * r2 * (1.0 + g1 * rs),
+            .a0 = 1.0,
+            .a1 = r2 * c2 + rs * c1,
+            .a2 = r2 * c2 * rs * c1};
   }
 
   /// Without the pole of Rs, which no choice of the other parts could make good.
@@ -89,13 +87,7 @@ class FirstOrder final : public StageForm {
 
  private:
   static Biquad integrator(double g1, double rs, double c1, double c2) {
-    Biquad h;
-    h.b0 = -g1;
-    h.b1 = -c1 * (1.0 + g1 * rs);
-    h.a0 = 0.0;
-    h.a1 = c2;
-    h.a2 = c2 * rs * c1;
-    return h;
+    return {.b0 = -g1, .b1 = -c1 * (1.0 + g1 * rs), .a0 = 0.0, .a1 = c2, .a2 = c2 * rs * c1};
   }
 
   double pole_;

@@ -25,12 +25,7 @@ class FirstOrderRightZero final : public StageForm {
 
   Biquad transfer(std::span<const double> v) const override {
     const double ra = v[0], rb = v[1], r1 = v[2], c1 = v[3], r2 = v[4], c2 = v[5];
-    Biquad h;
-    h.b0 = rb / ra * r2 / r1;
-    h.b1 = -c1 * r2;
-    h.a0 = 1.0;
-    h.a1 = r2 * c2;
-    return h;
+    return {.b0 = rb / ra * r2 / r1, .b1 = -c1 * r2, .a0 = 1.0, .a1 = r2 * c2};
   }
 
   std::optional<std::vector<double>> design(std::span<const double> c) const override {

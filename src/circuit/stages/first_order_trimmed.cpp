@@ -24,12 +24,7 @@ class FirstOrderTrimmed final : public StageForm {
   Biquad transfer(std::span<const double> v) const override {
     const std::size_t i = zero_ > 0.0 ? 1 : 0;
     const double g1 = zero_ > 0.0 ? 1.0 / v[0] : 0.0;
-    Biquad h;
-    h.b0 = -g1 * v[i + 2];
-    h.b1 = -(v[i] + v[i + 1]) * v[i + 2];
-    h.a0 = 1.0;
-    h.a1 = v[i + 2] * v[i + 3];
-    return h;
+    return {.b0 = -g1 * v[i + 2], .b1 = -(v[i] + v[i + 1]) * v[i + 2], .a0 = 1.0, .a1 = v[i + 2] * v[i + 3]};
   }
 
   std::optional<std::vector<double>> design(std::span<const double> c) const override {

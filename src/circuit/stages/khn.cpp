@@ -69,14 +69,12 @@ class Khn final : public StageForm {
       return gains_[k] < 0.0 ? -rf * weight[k] : weight[k] / g_plus * (1.0 + rf * g_minus);
     };
     const double scale = f * (1.0 - alpha);
-    Biquad h;
-    h.b2 = scale * gain(0) * t1 * t2;
-    h.b1 = -scale * gain(1) * t2;
-    h.b0 = scale * gain(2);
-    h.a2 = t1 * t2;
-    h.a1 = f * alpha * t2;
-    h.a0 = r;
-    return h;
+    return {.b0 = scale * gain(2),
+            .b1 = -scale * gain(1) * t2,
+            .b2 = scale * gain(0) * t1 * t2,
+            .a0 = r,
+            .a1 = f * alpha * t2,
+            .a2 = t1 * t2};
   }
 
   std::optional<std::vector<double>> design(std::span<const double> c) const override {

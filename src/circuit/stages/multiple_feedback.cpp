@@ -28,12 +28,7 @@ class FeedbackLowPass final : public StageForm {
 
   Biquad transfer(std::span<const double> v) const override {
     const double r1 = v[0], r2 = v[1], r3 = v[2], c2 = v[3], c1 = v[4];
-    Biquad h;
-    h.b0 = -r2 / r1;
-    h.a0 = 1.0;
-    h.a1 = c1 * (r2 + r3 + r2 * r3 / r1);
-    h.a2 = r2 * r3 * c1 * c2;
-    return h;
+    return {.b0 = -r2 / r1, .a0 = 1.0, .a1 = c1 * (r2 + r3 + r2 * r3 / r1), .a2 = r2 * r3 * c1 * c2};
   }
 
   std::optional<std::vector<double>> design(std::span<const double> c) const override {
@@ -63,12 +58,10 @@ class FeedbackBandPass final : public StageForm {
 
   Biquad transfer(std::span<const double> v) const override {
     const double r1 = v[0], r2 = v[1], r3 = v[2], c1 = v[3], c2 = v[4];
-    Biquad h;
-    h.b1 = -1.0 / (r1 * c1);
-    h.a2 = 1.0;
-    h.a1 = (1.0 / c1 + 1.0 / c2) / r3;
-    h.a0 = (1.0 / r1 + 1.0 / r2) / (r3 * c1 * c2);
-    return h;
+    return {.b1 = -1.0 / (r1 * c1),
+            .a0 = (1.0 / r1 + 1.0 / r2) / (r3 * c1 * c2),
+            .a1 = (1.0 / c1 + 1.0 / c2) / r3,
+            .a2 = 1.0};
   }
 
   std::optional<std::vector<double>> design(std::span<const double> c) const override {
@@ -96,12 +89,8 @@ class FeedbackHighPass final : public StageForm {
 
   Biquad transfer(std::span<const double> v) const override {
     const double r1 = v[0], r2 = v[1], c1 = v[2], c2 = v[3], c3 = v[4];
-    Biquad h;
-    h.b2 = -c1 / c3;
-    h.a2 = 1.0;
-    h.a1 = (c1 + c2 + c3) / (r2 * c2 * c3);
-    h.a0 = 1.0 / (r1 * r2 * c2 * c3);
-    return h;
+    return {
+        .b2 = -c1 / c3, .a0 = 1.0 / (r1 * r2 * c2 * c3), .a1 = (c1 + c2 + c3) / (r2 * c2 * c3), .a2 = 1.0};
   }
 
   std::optional<std::vector<double>> design(std::span<const double> c) const override {

@@ -49,12 +49,7 @@ class SallenKeyLowPass final : public StageForm {
       i += 2;
     }
     const double c1 = v[i], c2 = v[i + 1];
-    Biquad h;
-    h.b0 = k * d;
-    h.a0 = 1.0;
-    h.a1 = c2 * (r1 + r2) + (1.0 - k) * r1 * c1;
-    h.a2 = r1 * r2 * c1 * c2;
-    return h;
+    return {.b0 = k * d, .a0 = 1.0, .a1 = c2 * (r1 + r2) + (1.0 - k) * r1 * c1, .a2 = r1 * r2 * c1 * c2};
   }
 
   std::optional<std::vector<double>> design(std::span<const double> c) const override {
@@ -116,12 +111,10 @@ class SallenKeyHighPass final : public StageForm {
     const double c1 = divided_ ? v[0] + v[1] : v[0], d = divided_ ? v[0] / c1 : 1.0;
     const double c2 = v[i], r1 = v[i + 1], r2 = v[i + 2];
     const double k = amplified_ ? 1.0 + v[i + 4] / v[i + 3] : 1.0;
-    Biquad h;
-    h.b2 = k * d * r1 * r2 * c1 * c2;
-    h.a0 = 1.0;
-    h.a1 = r1 * (c1 + c2) + (1.0 - k) * r2 * c2;
-    h.a2 = r1 * r2 * c1 * c2;
-    return h;
+    return {.b2 = k * d * r1 * r2 * c1 * c2,
+            .a0 = 1.0,
+            .a1 = r1 * (c1 + c2) + (1.0 - k) * r2 * c2,
+            .a2 = r1 * r2 * c1 * c2};
   }
 
   std::optional<std::vector<double>> design(std::span<const double> c) const override {

@@ -69,10 +69,7 @@ class TowThomas final : public StageForm {
     const double m = rr / rs;
     const double p = 1.0 / (rq * c1);
     const double q = 1.0 / (c1 * c2);
-    Biquad h;
-    h.a2 = 1.0;
-    h.a1 = p;
-    h.a0 = m * q / (r2 * r3);
+    Biquad h{.a0 = m * q / (r2 * r3), .a1 = p, .a2 = 1.0};
     const double k = rr * gc;
     const double b = m * gb / c2;
     h.b2 = -k;

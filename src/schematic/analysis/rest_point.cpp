@@ -186,9 +186,7 @@ void RestOrder::order() {
   for (bool moved = true; moved;) {
     moved = false;
     for (std::size_t i = 0; i < blocks_.size(); ++i) {
-      Step step;
-      step.block = static_cast<int>(i);
-      step.switched = !blocks_[i].contacts.empty();
+      Step step{.block = static_cast<int>(i), .switched = !blocks_[i].contacts.empty()};
       if (block_done[i] || !ready(blocks_[i].reads, step)) continue;
       // Not its own input's: a node that is driven twice keeps what drives it from outside.
       for (const int one : blocks_[i].own) known.try_emplace(one, step);

@@ -28,11 +28,7 @@ struct RecordMethod {
 
 Result run_holds(const chain::Chain& chain, const SampledInput& input, Start start, std::size_t degree,
                  std::size_t oversample) {
-  RecordOptions options;
-  options.start = start;
-  options.degree = degree;
-  options.oversample = oversample;
-  options.start_s = input.start_s;
+  RecordOptions options{.start = start, .degree = degree, .oversample = oversample, .start_s = input.start_s};
   RecordSimulator simulator(chain, input.step_s, options);
   Result out;
   out.y = simulator.run_once(input.u);

@@ -8,10 +8,9 @@
 namespace bodesmith {
 
 Json json_header(std::string_view name, const Provenance& from) {
-  Json header;
-  header["schema"] = fmt::format("bodesmith.{}/1", name);
-  header["program"] = fmt::format("bodesmith {}", kVersion);
-  header["inputs"] = Json::array();
+  Json header = {{"schema", fmt::format("bodesmith.{}/1", name)},
+                 {"program", fmt::format("bodesmith {}", kVersion)},
+                 {"inputs", Json::array()}};
   for (const InputFile& input : from.inputs) {
     Json entry = {{"path", input.path}, {"sha256", input.sha256}};
     if (!input.read_as.empty()) entry["read_as"] = input.read_as;

@@ -282,9 +282,7 @@ std::string model_text(const Chain& chain, const std::string& comment) {
   if (chain.trained) data["trained"].push_back(trained_json(*chain.trained));
   data["blocks"] = Json::array();
   for (const Block& block : chain.blocks) {
-    Json out;
-    out["type"] = block.type_name();
-    out["parameters"] = Json::array();
+    Json out = {{"type", block.type_name()}, {"parameters", Json::array()}};
     if (!block.part.empty())
       out["parameters"].push_back({{"key", "name"}, {"value", "\"" + block.part + "\""}});
     for (const ParameterSpec& spec : block.type().specs()) {

@@ -87,11 +87,10 @@ struct DriveStatement {
 };
 
 Json DriveStatement::json() const {
-  Json out;
-  out["samples"] = reference.size();
-  out["start"] = std::string(simulate::to_string(options.start));
-  out["out_of_reach"] = found.samples_out_of_reach;
-  out["out_of_reach_parts"] = Json::array();
+  Json out = {{"samples", reference.size()},
+              {"start", std::string(simulate::to_string(options.start))},
+              {"out_of_reach", found.samples_out_of_reach},
+              {"out_of_reach_parts", Json::array()}};
   for (const invert::OutOfReach& one : found.out_of_reach)
     out["out_of_reach_parts"].push_back(
         {{"why", one.why}, {"samples", one.samples}, {"from_s", one.from_s}, {"to_s", one.to_s}});

@@ -75,10 +75,9 @@ std::string parts_csv(const AnalogController& controller) {
 }
 
 Json to_json(const AnalogController& controller) {
-  Json out;
-  out["form"] = std::string(to_string(controller.form));
-  out["opamp"] = controller.opamp.name;
-  out["fast_opamp"] = controller.fast_opamp.name;
+  Json out = {{"form", std::string(to_string(controller.form))},
+              {"opamp", controller.opamp.name},
+              {"fast_opamp", controller.fast_opamp.name}};
   out["multiplier"] = {{"name", controller.multiplier.name}, {"scale_v", controller.multiplier.scale_v}};
   out["switch"] = controller.analog_switch.name;
   out["branch_gain"] = controller.branch_gain;

@@ -161,15 +161,14 @@ void add_priors(report::Page& page) {
 }  // namespace
 
 Json to_json(const Diagnosis& d, const Board& board, const Spread& spread, const Priors& priors) {
-  Json out;
-  out["verdict"] = to_string(d.verdict);
-  out["sentence"] = verdict_sentence(d);
-  out["named"] = named_json(d);
-  out["tied"] = tied_json(d);
-  out["nothing_wrong_probability"] = d.good_probability;
-  out["spread_wider_than_stated_probability"] = d.wider_probability;
-  out["suspects"] = suspects_json(d);
-  out["parts"] = Json::array();
+  Json out = {{"verdict", to_string(d.verdict)},
+              {"sentence", verdict_sentence(d)},
+              {"named", named_json(d)},
+              {"tied", tied_json(d)},
+              {"nothing_wrong_probability", d.good_probability},
+              {"spread_wider_than_stated_probability", d.wider_probability},
+              {"suspects", suspects_json(d)},
+              {"parts", Json::array()}};
   for (const auto& [part, probability] : d.parts) {
     if (probability >= 1e-6) out["parts"].push_back({{"part", part}, {"probability", probability}});
   }

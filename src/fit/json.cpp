@@ -130,11 +130,10 @@ Json MeasuredFit::report_json() const {
 }
 
 Json WaveformFit::report_json() const {
-  Json out;
-  out["error"] = error_json(error);
-  out["between"] = error_json(between);
-  out["between_none"] = error_json(between_none);
-  out["no_compensation"] = error_json(none);
+  Json out = {{"error", error_json(error)},
+              {"between", error_json(between)},
+              {"between_none", error_json(between_none)},
+              {"no_compensation", error_json(none)}};
   if (!magnitude_only.points.empty()) out["magnitude_only"] = error_json(magnitude_only);
   out["constant_gain"] = constant_gain;
   out["constant"] = error_json(constant);

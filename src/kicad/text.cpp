@@ -100,9 +100,7 @@ Json boxes_json() {
 }
 
 Json symbols_json(const std::string& library) {
-  Json data;
-  data["library"] = library;
-  data["boxes"] = boxes_json();
+  Json data = {{"library", library}, {"boxes", boxes_json()}};
   data["amplifiers"] = {{{"name", "OpAmp"},
                          {"units", {{{"unit", 1}, {"minus", "2"}, {"plus", "3"}, {"out", "6"}}}},
                          {"power_unit", 2},
@@ -259,12 +257,11 @@ std::vector<std::string> sheet_texts(const std::vector<Sheet>& sheets, const std
     Ids ids(fmt::format("{}/{}", title, n));
     const auto box_uuid = [&](size_t i) { return uuid_of(fmt::format("{}/box {}", title, i)); };
     const std::string path = n == 0 ? "/" : "/" + box_uuid(n - 1) + "/";
-    Json data;
-    data["uuid"] = n == 0 ? root_uuid(title) : uuid_of(fmt::format("{}/sheet {}", title, n));
-    data["paper"] = sheet.paper;
-    data["title"] = quoted(title);
-    data["comment"] = quoted(comment);
-    data["symbols"] = symbols_text("bodesmith:");
+    Json data = {{"uuid", n == 0 ? root_uuid(title) : uuid_of(fmt::format("{}/sheet {}", title, n))},
+                 {"paper", sheet.paper},
+                 {"title", quoted(title)},
+                 {"comment", quoted(comment)},
+                 {"symbols", symbols_text("bodesmith:")}};
     for (const char* list : {"junctions", "wires", "texts", "labels", "ports", "parts", "sheets"})
       data[list] = Json::array();
     const Joined joined = join_wires(sheet.drawing);

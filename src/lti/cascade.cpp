@@ -98,9 +98,7 @@ Cascade Cascade::read(const std::filesystem::path& path, Provenance& from) {
 }
 
 Json Cascade::to_json() const {
-  Json out;
-  out["gain"] = gain;
-  out["terms"] = Json::array();
+  Json out = {{"gain", gain}, {"terms", Json::array()}};
   for (const FractionalLeadLag& term : terms) {
     out["terms"].push_back({{"lambda_s", term.lambda_s}, {"x", term.x}, {"beta", term.beta}});
   }

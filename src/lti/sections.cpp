@@ -156,9 +156,7 @@ Sections Sections::read(const std::filesystem::path& path, Provenance& from) {
 }
 
 Json Sections::to_json() const {
-  Json out;
-  out["gain"] = gain;
-  out["sections"] = Json::array();
+  Json out = {{"gain", gain}, {"sections", Json::array()}};
   for (const Section& section : sections) {
     out["sections"].push_back({{"gain", section.gain},
                                {"zeros_rad_s", roots_json(section.zeros)},

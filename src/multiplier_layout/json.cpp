@@ -12,11 +12,10 @@ Json multiplier_json(const Multiplier& m) {
 
 Json amplitude_json(const Layout& layout) {
   const AmplitudeControl& a = *layout.amplitude;
-  Json out;
-  out["alpha"] = a.alpha;
-  out["gains"] = a.wanted;
-  out["control_scale_v"] = a.control_scale_v;
-  out["rectifiers"] = Json::array();
+  Json out = {{"alpha", a.alpha},
+              {"gains", a.wanted},
+              {"control_scale_v", a.control_scale_v},
+              {"rectifiers", Json::array()}};
   for (const AmplitudeControl::Rectifier& r : a.rectifiers) {
     out["rectifiers"].push_back({{"opamp", layout.op(r.opamp).name},
                                  {"node", r.node},

@@ -42,9 +42,7 @@ std::string trim_page(const Report& report, const controller::AnalogController& 
                       const std::string& title) {
   const TrimStudy& trims = report.trims;
   const Hertz fastest = report.study.frequencies.back();
-  Json data;
-  data["title"] = title;
-  data["steps"] = Json::array();
+  Json data = {{"title", title}, {"steps", Json::array()}};
   for (std::size_t i = 0; i < trims.steps.size(); ++i) {
     const TrimStep& step = trims.steps[i];
     data["steps"].push_back({{"number", std::to_string(i + 1)},

@@ -100,9 +100,7 @@ Disturbance Disturbance::read(const std::filesystem::path& path, Provenance& fro
 }
 
 Json Disturbance::to_json() const {
-  Json out;
-  out["ascending"] = ascending;
-  out["descending"] = descending;
+  Json out = {{"ascending", ascending}, {"descending", descending}};
   if (!amplitude.alpha.empty()) {
     out["amplitude"] = {
         {"alpha", amplitude.alpha}, {"ascending", amplitude.ascending}, {"descending", amplitude.descending}};

@@ -148,9 +148,7 @@ std::string loops_csv(const SignalStudy& study, const std::string& input) {
 }
 
 Json spectra_json(const SignalStudy& study, const std::string& input) {
-  Json out;
-  out["periodic"] = study.repetition.has_value();
-  out["resolution_hz"] = study.u.frequency[1].value;
+  Json out = {{"periodic", study.repetition.has_value()}, {"resolution_hz", study.u.frequency[1].value}};
   if (!study.repetition) return out;
   out["fundamental_hz"] = study.fundamental->value;
   out["thd_percent"] = Json::object();

@@ -25,20 +25,19 @@ Deck deck_from_template(const std::string& file, const DeckRequest& request,
                         const std::vector<TemplateLines>& lists) {
   const double middle_hz = std::sqrt(request.band.from.value * request.band.to.value);
   const circuit::Tolerances& tolerances = request.monte_carlo.tolerances;
-  Json data;
-  data["title"] = plain_title(request.title);
-  data["from_hz"] = plain_number(request.band.from.value);
-  data["to_hz"] = plain_number(request.band.to.value);
-  data["frequency_hz"] = rounded_text(middle_hz);
-  data["points"] = triangle_points(middle_hz);
-  data["step_s"] = plain_number(1.0 / (middle_hz * 1000.0));
-  data["stop_s"] = plain_number(2.0 / middle_hz);
-  data["runs"] = request.monte_carlo.runs;
-  data["seed"] = request.monte_carlo.seed;
-  data["resistor_percent"] = plain_number(tolerances.resistor_percent);
-  data["capacitor_percent"] = plain_number(tolerances.capacitor_percent);
-  data["resistor_tolerance"] = plain_number(tolerances.resistor_percent / 100.0);
-  data["capacitor_tolerance"] = plain_number(tolerances.capacitor_percent / 100.0);
+  Json data = {{"title", plain_title(request.title)},
+               {"from_hz", plain_number(request.band.from.value)},
+               {"to_hz", plain_number(request.band.to.value)},
+               {"frequency_hz", rounded_text(middle_hz)},
+               {"points", triangle_points(middle_hz)},
+               {"step_s", plain_number(1.0 / (middle_hz * 1000.0))},
+               {"stop_s", plain_number(2.0 / middle_hz)},
+               {"runs", request.monte_carlo.runs},
+               {"seed", request.monte_carlo.seed},
+               {"resistor_percent", plain_number(tolerances.resistor_percent)},
+               {"capacitor_percent", plain_number(tolerances.capacitor_percent)},
+               {"resistor_tolerance", plain_number(tolerances.resistor_percent / 100.0)},
+               {"capacitor_tolerance", plain_number(tolerances.capacitor_percent / 100.0)}};
   for (const TemplateLines& list : lists) {
     data[list.name] = Json::array();
     for (const std::string& line : list.lines) data[list.name].push_back({{"line", line}});

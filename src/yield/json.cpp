@@ -42,12 +42,11 @@ Json table_json(const std::vector<Histogram>& all) {
 }  // namespace
 
 Json to_json(const Result& result, const Options& options) {
-  Json out;
-  out["name"] = result.name;
-  out["samples"] = result.samples;
-  out["worst_db"] = Json::object();
-  out["worst_deg"] = Json::object();
-  out["worst_percent"] = Json::object();
+  Json out = {{"name", result.name},
+              {"samples", result.samples},
+              {"worst_db", Json::object()},
+              {"worst_deg", Json::object()},
+              {"worst_percent", Json::object()}};
   for (const auto& [key, p] : {std::pair{"p50", 0.5}, {"p90", 0.9}, {"p95", 0.95}, {"p99", 0.99}}) {
     out["worst_db"][key] = result.worst_db.quantile(p);
     out["worst_deg"][key] = result.worst_deg.quantile(p);

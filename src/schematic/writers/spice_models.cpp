@@ -25,18 +25,17 @@ std::string opamp_subcircuit(const OpAmpModel& model, const std::string& subcirc
     return without_end(render_template("spice/ideal_opamp.sub", {{"subcircuit", subcircuit}}));
   constexpr double kIntegrator = 1e-9;
   const double gbw = model.gain_bandwidth.rad_s().value;
-  Json data;
-  data["subcircuit"] = subcircuit;
-  data["name"] = model.name;
-  data["gbw_hz"] = plain_number(model.gain_bandwidth.value);
-  data["dc_gain"] = plain_number(model.dc_gain);
-  data["slew_v_per_s"] = plain_number(model.slew_v_per_s);
-  data["swing_v"] = plain_number(model.swing_v);
-  data["output_resistance_ohm"] = plain_number(model.output_resistance_ohm);
-  data["slew_current_a"] = plain_number(model.slew_v_per_s * kIntegrator);
-  data["slope_per_v"] = plain_number(gbw / model.slew_v_per_s);
-  data["integrator_ohm"] = plain_number(model.dc_gain / (gbw * kIntegrator));
-  data["integrator_f"] = plain_number(kIntegrator);
+  Json data = {{"subcircuit", subcircuit},
+               {"name", model.name},
+               {"gbw_hz", plain_number(model.gain_bandwidth.value)},
+               {"dc_gain", plain_number(model.dc_gain)},
+               {"slew_v_per_s", plain_number(model.slew_v_per_s)},
+               {"swing_v", plain_number(model.swing_v)},
+               {"output_resistance_ohm", plain_number(model.output_resistance_ohm)},
+               {"slew_current_a", plain_number(model.slew_v_per_s * kIntegrator)},
+               {"slope_per_v", plain_number(gbw / model.slew_v_per_s)},
+               {"integrator_ohm", plain_number(model.dc_gain / (gbw * kIntegrator))},
+               {"integrator_f", plain_number(kIntegrator)}};
   // 1 mV beyond the limit takes the whole slewing current.
   data["clamp_siemens"] = plain_number(model.slew_v_per_s * kIntegrator / 1e-3);
   // Noise as that of resistors: 4 k T R = e^2.
@@ -65,32 +64,30 @@ std::string opamp_subcircuit(const OpAmpModel& model, const std::string& subcirc
 
 std::string multiplier_subcircuit(const MultiplierModel& model, const std::string& name,
                                   const MultiplierDeviation& off) {
-  Json data;
-  data["name"] = name;
-  data["multiplier"] = model.name;
-  data["scale_v"] = plain_number(model.scale_v);
-  data["spoilt"] = off.any();
-  data["input_offset_v"] = plain_number(off.x);
-  data["second_offset_v"] = plain_number(off.y);
-  data["output_offset_v"] = plain_number(off.w);
-  data["inverse_scale"] = plain_number(1.0 / model.scale_v * (1.0 + off.bend) / (1.0 + off.scale));
-  data["bandwidth_hz"] = plain_number(model.bandwidth.value);
-  data["pole_f"] = plain_number(1.0 / model.bandwidth.rad_s().value);
-  data["limit_v"] = plain_number(model.greatest_output_v);
+  Json data = {{"name", name},
+               {"multiplier", model.name},
+               {"scale_v", plain_number(model.scale_v)},
+               {"spoilt", off.any()},
+               {"input_offset_v", plain_number(off.x)},
+               {"second_offset_v", plain_number(off.y)},
+               {"output_offset_v", plain_number(off.w)},
+               {"inverse_scale", plain_number(1.0 / model.scale_v * (1.0 + off.bend) / (1.0 + off.scale))},
+               {"bandwidth_hz", plain_number(model.bandwidth.value)},
+               {"pole_f", plain_number(1.0 / model.bandwidth.rad_s().value)},
+               {"limit_v", plain_number(model.greatest_output_v)}};
   return without_end(render_template("spice/multiplier.sub", data));
 }
 
 std::string switch_subcircuit(const SwitchModel& model) {
   const SwitchTimer timer = SwitchTimer::of(model);
-  Json data;
-  data["charge_c"] = plain_number(model.charge_c);
-  data["off_siemens"] = plain_number(model.off_siemens);
-  data["on_siemens"] = plain_number(model.on_siemens());
-  data["level"] = plain_number(timer.level);
-  data["timer_f"] = plain_number(timer.tau_s / 1000.0);
-  data["charge_f"] = plain_number(model.gate_f());
-  data["source_f"] = plain_number(model.source_f);
-  data["drain_f"] = plain_number(std::max(model.drain_f - model.gate_f(), 0.0));
+  Json data = {{"charge_c", plain_number(model.charge_c)},
+               {"off_siemens", plain_number(model.off_siemens)},
+               {"on_siemens", plain_number(model.on_siemens())},
+               {"level", plain_number(timer.level)},
+               {"timer_f", plain_number(timer.tau_s / 1000.0)},
+               {"charge_f", plain_number(model.gate_f())},
+               {"source_f", plain_number(model.source_f)},
+               {"drain_f", plain_number(std::max(model.drain_f - model.gate_f(), 0.0))}};
   return without_end(render_template("spice/switch.sub", data));
 }
 

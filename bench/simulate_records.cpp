@@ -9,7 +9,7 @@
 #include <random>
 #include <unsupported/Eigen/MatrixFunctions>
 
-#include "chain/linear_kernel.hpp"
+#include "chain/kernel.hpp"
 #include "chain/registry.hpp"
 #include "signal/csv.hpp"
 #include "simulate/simulate.hpp"

@@ -19,9 +19,8 @@
 #include "multiplier_layout/timing.hpp"
 #include "schematic/opamp_library.hpp"
 #include "spice/compensator_check.hpp"
-#include "spice/compensator_library.hpp"
 #include "spice/disturbance_check.hpp"
-#include "spice/disturbance_library.hpp"
+#include "spice/libraries.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::python {

@@ -1,31 +1,20 @@
 #include "approximate/log_symmetric.hpp"
 
 #include <Eigen/Eigenvalues>
+
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstddef>
 #include <functional>
 
-#include "approximate/elliptic.hpp"
 #include "numeric/elliptic_k.hpp"
 
 namespace bodesmith {
-
-long double half_lead(long double v, long double z) {
-  const long double sign = z < 0.0L ? -1.0L : 1.0L;
-  z = std::abs(z);
-  if (std::isinf(v)) return 0.5L * sign * z;
-  const long double smaller = std::min(v, z);
-  if (smaller < 0.5L) return sign * std::atanh(std::tanh(0.5L * v) * std::tanh(0.5L * z));
-  return 0.5L * sign * (smaller + std::log1p(std::exp(-(v + z))) - std::log1p(std::exp(-std::abs(v - z))));
-}
-
-long double half_lead_slope(long double v, long double z) {
-  if (std::isinf(v)) return 0.5L;
-  const long double q = std::exp(-2.0L * v);
-  return 0.5L * (1.0L - q) / (1.0L + q + std::exp(z - v) + std::exp(-z - v));
-}
-
 namespace {
+
+/// Where the two means have met, relative: a few roundings.
+constexpr long double kMeansMeet = 1e-19L;
 
 /// A position on the real axis or off it.
 template <class Position>
@@ -43,6 +32,42 @@ NormalisedApproximation mirrored_roots(const std::vector<Position>& zeta, long d
 }
 
 }  // namespace
+
+EllipticFunctions jacobi_elliptic(long double argument, long double complementary_modulus) {
+  // am(u) by the arithmetic-geometric mean: phi_N = 2^N a_N u, sin(2 phi_(n-1) - phi_n) = (c_n/a_n) sin phi_n
+  // (Abramowitz and Stegun, 16.4).
+  std::array<long double, 32> a{};
+  std::array<long double, 32> c{};
+  long double b = complementary_modulus;
+  a[0] = 1.0L;
+  std::size_t n = 0;
+  while (n + 1 < a.size() && std::abs(a[n] - b) > kMeansMeet * a[n]) {
+    c[n + 1] = 0.5L * (a[n] - b);
+    a[n + 1] = 0.5L * (a[n] + b);
+    b = std::sqrt(a[n] * b);
+    ++n;
+  }
+  long double phi = std::ldexp(a[n] * argument, static_cast<int>(n));
+  for (std::size_t i = n; i > 0; --i) phi = 0.5L * (phi + std::asin(c[i] / a[i] * std::sin(phi)));
+  const long double sn = std::sin(phi);
+  const long double cn = std::cos(phi);
+  return {sn, cn, std::sqrt(cn * cn + complementary_modulus * complementary_modulus * sn * sn)};
+}
+
+long double half_lead(long double v, long double z) {
+  const long double sign = z < 0.0L ? -1.0L : 1.0L;
+  z = std::abs(z);
+  if (std::isinf(v)) return 0.5L * sign * z;
+  const long double smaller = std::min(v, z);
+  if (smaller < 0.5L) return sign * std::atanh(std::tanh(0.5L * v) * std::tanh(0.5L * z));
+  return 0.5L * sign * (smaller + std::log1p(std::exp(-(v + z))) - std::log1p(std::exp(-std::abs(v - z))));
+}
+
+long double half_lead_slope(long double v, long double z) {
+  if (std::isinf(v)) return 0.5L;
+  const long double q = std::exp(-2.0L * v);
+  return 0.5L * (1.0L - q) / (1.0L + q + std::exp(z - v) + std::exp(-z - v));
+}
 
 NormalisedApproximation from_log_positions(const std::vector<long double>& zeta, long double log_kappa,
                                            long double beta) {

@@ -42,4 +42,13 @@ std::vector<long double> pade_positions(long double log_kappa, long double beta,
 std::vector<std::complex<long double>> pade_positions_complex(long double log_kappa, long double beta,
                                                               int order);
 
+/// Jacobi's elliptic functions of a real argument.
+struct EllipticFunctions {
+  long double sn, cn, dn;
+};
+
+/// By descending Landen steps from the complementary modulus k' in (0, 1], which keeps moduli near 1 exact
+/// (boost::math::jacobi_elliptic takes k, in which a k' below 1e-9 is lost).
+EllipticFunctions jacobi_elliptic(long double argument, long double complementary_modulus);
+
 }  // namespace bodesmith

@@ -6,7 +6,6 @@
 #include <complex>
 #include <limits>
 
-#include "approximate/elliptic.hpp"
 #include "approximate/log_symmetric.hpp"
 #include "numeric/elliptic_k.hpp"
 #include "numeric/index.hpp"

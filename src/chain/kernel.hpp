@@ -1,10 +1,12 @@
 #pragma once
 
+#include <complex>
 #include <memory>
 #include <string>
 #include <variant>
 #include <vector>
 
+#include "base/units.hpp"
 #include "lti/state_space.hpp"
 
 namespace bodesmith::chain {
@@ -103,5 +105,19 @@ class SampledKernel {
 using Kernel =
     std::variant<LinearKernel, std::unique_ptr<CurveKernel>, std::unique_ptr<SourceKernel>,
                  std::unique_ptr<OdeKernel>, std::unique_ptr<MemoryKernel>, std::unique_ptr<SampledKernel>>;
+
+/// y = gain u + offset.
+LinearKernel gain_kernel(double gain, double offset = 0.0);
+/// gain (1 + s/zero)/(1 + s/pole), rad/s; zero = infinity: gain/(1 + s/pole).
+LinearKernel pole_zero_kernel(double gain, double zero_rad_s, double pole_rad_s);
+/// `first` feeding `second`: states of the first, then of the second; delays add (the first one's delay then
+/// also holds back the second one's offset: engines that care keep those apart).
+LinearKernel in_series(const LinearKernel& first, const LinearKernel& second);
+
+/// The slower time constant of the poles of 1 + 2 zeta s/w + s^2/w^2, w = 2 pi f.
+double mode_time_constant_s(Hertz natural_frequency, double damping_ratio);
+
+/// H(s) of the kernel as it is, delay included, offset left out.
+std::complex<double> response(const LinearKernel& kernel, std::complex<double> s);
 
 }  // namespace bodesmith::chain

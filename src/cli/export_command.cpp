@@ -9,7 +9,7 @@
 #include "base/json.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "chain/linear_kernel.hpp"
+#include "chain/kernel.hpp"
 #include "chain/model_file.hpp"
 #include "circuit/built_circuit.hpp"
 #include "cli/command_line.hpp"

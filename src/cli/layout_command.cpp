@@ -17,7 +17,7 @@
 #include "multiplier_layout/layout.hpp"
 #include "multiplier_layout/timing.hpp"
 #include "spice/disturbance_check.hpp"
-#include "spice/disturbance_library.hpp"
+#include "spice/libraries.hpp"
 
 namespace bodesmith::cli {
 namespace {

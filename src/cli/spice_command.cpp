@@ -17,7 +17,7 @@
 #include "lti/steep_flanks.hpp"
 #include "schematic/opamp_library.hpp"
 #include "spice/compensator_check.hpp"
-#include "spice/compensator_library.hpp"
+#include "spice/libraries.hpp"
 
 namespace bodesmith::cli {
 namespace {

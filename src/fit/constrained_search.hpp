@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "fit/curve_search.hpp"
+#include "fit/curve_target.hpp"
 
 namespace bodesmith {
 

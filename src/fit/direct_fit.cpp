@@ -11,7 +11,7 @@
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "fit/constrained_search.hpp"
-#include "fit/curve_search.hpp"
+#include "fit/curve_target.hpp"
 #include "fit/group_moves.hpp"
 #include "fit/rational_start.hpp"
 #include "fit/start_builder.hpp"

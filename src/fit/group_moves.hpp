@@ -1,6 +1,5 @@
 #pragma once
 
-#include "fit/curve_search.hpp"
 #include "fit/curve_target.hpp"
 #include "fit/root_model.hpp"
 #include "fit/start_builder.hpp"

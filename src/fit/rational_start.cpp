@@ -6,7 +6,7 @@
 #include <cmath>
 #include <complex>
 
-#include "fit/curve_search.hpp"
+#include "fit/curve_target.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 

@@ -5,7 +5,7 @@
 #include <random>
 #include <vector>
 
-#include "fit/curve_search.hpp"
+#include "fit/curve_target.hpp"
 #include "fit/root_model.hpp"
 
 namespace bodesmith {

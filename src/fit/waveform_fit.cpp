@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 #include "fit/cascade_fit.hpp"
-#include "fit/curve_search.hpp"
+#include "fit/curve_target.hpp"
 #include "fit/start_builder.hpp"
 #include "fit/waveform_bound.hpp"
 #include "fit/waveform_problem.hpp"

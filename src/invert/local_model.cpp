@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "chain/inverse.hpp"
-#include "chain/linear_kernel.hpp"
+#include "chain/kernel.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::invert {

@@ -13,7 +13,7 @@
 #include "project/run.hpp"
 #include "project/run_files.hpp"
 #include "report/page.hpp"
-#include "spice/compensator_library.hpp"
+#include "spice/libraries.hpp"
 #include "yield/json.hpp"
 
 namespace bodesmith::project {

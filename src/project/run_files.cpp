@@ -9,8 +9,7 @@
 #include "multiplier_layout/json.hpp"
 #include "project/artefacts.hpp"
 #include "project/run_model.hpp"
-#include "spice/compensator_library.hpp"
-#include "spice/disturbance_library.hpp"
+#include "spice/libraries.hpp"
 
 namespace bodesmith::project {
 namespace {

@@ -4,7 +4,7 @@
 #include <cmath>
 #include <utility>
 
-#include "chain/linear_kernel.hpp"
+#include "chain/kernel.hpp"
 
 namespace bodesmith::simulate {
 namespace {

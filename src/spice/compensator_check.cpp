@@ -10,8 +10,8 @@
 #include "circuit/json.hpp"
 #include "schematic/analysis/in_time.hpp"
 #include "schematic/analysis/response.hpp"
-#include "spice/compensator_library.hpp"
 #include "spice/dialect.hpp"
+#include "spice/libraries.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::spice {

@@ -10,7 +10,7 @@
 #include "multiplier_layout/layout.hpp"
 #include "multiplier_layout/timing.hpp"
 #include "spice/dialect.hpp"
-#include "spice/disturbance_library.hpp"
+#include "spice/libraries.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::spice {

@@ -6,7 +6,7 @@
 #include <stdexcept>
 
 #include "approximate/approximate.hpp"
-#include "approximate/elliptic.hpp"
+#include "approximate/log_symmetric.hpp"
 #include "numeric/elliptic_k.hpp"
 
 namespace bodesmith {

@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "chain/linear_kernel.hpp"
+#include "chain/kernel.hpp"
 #include "chain/registry.hpp"
 #include "hysteresis/registry.hpp"
 #include "temporary_folder.hpp"

@@ -5,7 +5,7 @@
 #include <complex>
 
 #include "base/error.hpp"
-#include "chain/linear_kernel.hpp"
+#include "chain/kernel.hpp"
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
 

@@ -7,7 +7,7 @@
 #include <complex>
 
 #include "base/error.hpp"
-#include "chain/linear_kernel.hpp"
+#include "chain/kernel.hpp"
 
 namespace bodesmith::chain {
 namespace {

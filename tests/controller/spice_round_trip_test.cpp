@@ -6,8 +6,7 @@
 #include "controller/library.hpp"
 #include "multiplier_layout/build.hpp"
 #include "schematic/writers/spice_library.hpp"
-#include "spice/compensator_library.hpp"
-#include "spice/disturbance_library.hpp"
+#include "spice/libraries.hpp"
 
 namespace bodesmith::controller {
 namespace {

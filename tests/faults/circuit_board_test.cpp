@@ -9,7 +9,7 @@
 #include "faults/circuit_board.hpp"
 #include "schematic/analysis/response.hpp"
 #include "schematic/writers/spice_library.hpp"
-#include "spice/compensator_library.hpp"
+#include "spice/libraries.hpp"
 
 namespace bodesmith::faults {
 namespace {

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-#include "fit/curve_search.hpp"
+#include "fit/curve_target.hpp"
 #include "fit/direct_fit.hpp"
 #include "fit/rational_start.hpp"
 #include "fit/start_builder.hpp"

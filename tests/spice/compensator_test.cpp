@@ -9,7 +9,7 @@
 #include "schematic/analysis/response.hpp"
 #include "schematic/writers/spice_models.hpp"
 #include "spice/compensator_check.hpp"
-#include "spice/compensator_library.hpp"
+#include "spice/libraries.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::spice {

@@ -8,7 +8,7 @@
 #include "circuit/circuit.hpp"
 #include "run_program.hpp"
 #include "schematic/analysis/response.hpp"
-#include "spice/compensator_library.hpp"
+#include "spice/libraries.hpp"
 #include "spice/ngspice.hpp"
 
 namespace bodesmith::spice {

@@ -3,7 +3,7 @@
 
 #include "../circuit/seed_sections.hpp"
 #include "base/files.hpp"
-#include "spice/compensator_library.hpp"
+#include "spice/libraries.hpp"
 #include "temporary_folder.hpp"
 
 namespace bodesmith::spice {

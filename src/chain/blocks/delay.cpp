@@ -1,6 +1,6 @@
 #include "chain/block.hpp"
 #include "chain/inverse.hpp"
-#include "chain/linear_kernel.hpp"
+#include "chain/kernel.hpp"
 
 namespace bodesmith::chain {
 namespace {

@@ -8,7 +8,7 @@
 #include "base/whole_number.hpp"
 #include "chain/block.hpp"
 #include "chain/inverse.hpp"
-#include "chain/linear_kernel.hpp"
+#include "chain/kernel.hpp"
 
 namespace bodesmith::chain {
 namespace {

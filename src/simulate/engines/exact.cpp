@@ -8,7 +8,7 @@
 #include <span>
 
 #include "base/whole_number.hpp"
-#include "chain/linear_kernel.hpp"
+#include "chain/kernel.hpp"
 #include "simulate/dense_signal.hpp"
 #include "simulate/engines/engine.hpp"
 #include "simulate/exact_propagator.hpp"

@@ -1,8 +1,8 @@
 #include <fmt/format.h>
 
 #include "schematic/plain_number.hpp"
-#include "spice/compensator_library.hpp"
 #include "spice/dialect.hpp"
+#include "spice/libraries.hpp"
 
 namespace bodesmith::spice {
 namespace {

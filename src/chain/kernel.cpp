@@ -1,4 +1,4 @@
-#include "chain/linear_kernel.hpp"
+#include "chain/kernel.hpp"
 
 #include <cmath>
 

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "seed_sections.hpp"
+#include "circuit/seed_sections.hpp"
 
 namespace bodesmith::circuit {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-#include "controller/dynamics.hpp"
+#include "controller/as_built.hpp"
 
 namespace bodesmith::controller {
 

@@ -20,7 +20,7 @@
 #include "signal/period.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/simulate.hpp"
-#include "tracking/lag.hpp"
+#include "tracking/stage.hpp"
 
 namespace bodesmith::measured {
 namespace {

@@ -11,13 +11,13 @@
 #include "circuit/built_circuit.hpp"
 #include "circuit/parts/series.hpp"
 #include "faults/circuit_board.hpp"
-#include "faults/json.hpp"
 #include "faults/plan_board.hpp"
+#include "faults/report.hpp"
 #include "measured/measured.hpp"
 #include "measured/picture.hpp"
 #include "signal/csv.hpp"
 #include "signal/statistics.hpp"
-#include "spice/compensator_library.hpp"
+#include "spice/libraries.hpp"
 
 namespace bodesmith::measured {
 namespace {

@@ -8,7 +8,6 @@
 
 #include "chain/registry.hpp"
 #include "chain/sections_chain.hpp"
-#include "chain/stage_chain.hpp"
 #include "controller/at_rest.hpp"
 #include "controller/circuit_controller.hpp"
 #include "part_errors/errors.hpp"

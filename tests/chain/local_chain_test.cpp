@@ -7,7 +7,7 @@
 #include <random>
 
 #include "chain/inverse.hpp"
-#include "chain/linear_kernel.hpp"
+#include "chain/kernel.hpp"
 
 namespace bodesmith::chain {
 namespace {
@@ -82,7 +82,8 @@ void expect_recovered(std::size_t count, bool from_rest, bool varying) {
   goal.from_rest = from_rest;
   const std::vector<double> found = chain.change_for(goal);
   ASSERT_EQ(found.size(), count);
-  for (std::size_t i = 0; i < count; ++i) EXPECT_NEAR(found[i], u[i], from_rest ? 1e-5 : 1e-4) << i << " of " << count;
+  for (std::size_t i = 0; i < count; ++i)
+    EXPECT_NEAR(found[i], u[i], from_rest ? 1e-5 : 1e-4) << i << " of " << count;
 }
 TEST(LocalChain, FindsTheDriveFromRest) {
   expect_recovered(400, true, false);

@@ -12,8 +12,8 @@
 #include "schematic/analysis/noise.hpp"
 #include "schematic/analysis/response.hpp"
 #include "schematic/analysis/rest_point.hpp"
+#include "schematic/netlist.hpp"
 #include "schematic/series_parallel.hpp"
-#include "schematic/switch_model.hpp"
 #include "schematic/writers/spice_library.hpp"
 
 namespace bodesmith::schematic {

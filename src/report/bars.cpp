@@ -8,7 +8,6 @@
 
 #include "report/scale.hpp"
 #include "report/svg.hpp"
-#include "report/ticks.hpp"
 
 namespace bodesmith::report {
 namespace {

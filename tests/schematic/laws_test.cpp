@@ -9,7 +9,6 @@
 
 #include "base/error.hpp"
 #include "schematic/analysis/in_time.hpp"
-#include "schematic/analysis/noise.hpp"
 #include "schematic/analysis/response.hpp"
 #include "schematic/analysis/rest_point.hpp"
 #include "schematic/netlist.hpp"

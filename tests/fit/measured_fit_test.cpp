@@ -144,7 +144,7 @@ TEST(MeasuredFit, KeepsItsDelayInTheFile) {
 
 // A circuit would be built for a corner far below the band, or for none.
 TEST(MeasuredFit, ZerosThatCannotBeToldFromRestAreThere) {
-  for (const std::size_t zeros_at_rest : {1, 2}) {
+  for (const std::size_t zeros_at_rest : {std::size_t{1}, std::size_t{2}}) {
     std::vector<Complex> poles = pair_at(900.0, 0.2);
     poles.push_back(real_at(60.0));
     const Sections truth = make_sections(1e6, std::vector<Complex>(zeros_at_rest), poles);

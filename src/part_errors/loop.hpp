@@ -23,7 +23,7 @@ struct LoopPoint {
 /// generator's. 1 + T is what must not vanish.
 struct LoopAt {
   LoopPoint point;
-  double greatest_gain = 0.0;  ///< of the generator's loop, |T| over all frequencies
+  double greatest_gain = 0.0;   ///< of the generator's loop, |T| over all frequencies
   double gain_margin_db = 0.0;  ///< 1/|T| where T crosses the negative real axis; 0: it never does
   struct OpAmpMargin {
     std::string opamp, role;

@@ -3,6 +3,7 @@
 // paper has it.
 #include "bench.hpp"
 #include "hysteresis/fractional_dynamic.hpp"
+#include "hysteresis/grunwald_letnikov.hpp"
 #include "lti/fractional_stability.hpp"
 #include "numeric/random.hpp"
 

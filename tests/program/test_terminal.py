@@ -131,7 +131,7 @@ SLIPS = [
     (["identify", "r.csv", "--model", "prandtl_ishlinsky", "-o", "x"], "did you mean 'prandtl_ishlinskii'?"),
     (["simulate", "type.toml", "--input", "u.csv", "-o", "x"], "type.toml:3: 'block[0].type' is 'lowpas' (did you mean 'lowpass'?)"),
     (["simulate", "key.toml", "--input", "u.csv", "-o", "x"], "(did you mean 'corner_hz'?)"),
-    (["identify", "columns.csv", "--model", "linear", "-o", "x"], "columns.csv:1: has no column 'time_s', found: times_s, u, y (did you mean it by 'times_s'?)"),
+    (["identify", "columns.csv", "--model", "linear", "-o", "x"], "columns.csv:1: has no column 'time_s', found: times, u, y (did you mean it by 'times'?)"),
     (["run", "project.toml", "-o", "x"], "'limit' is not known here (did you mean 'limits'?)"),
     (["schema", "projet"], "did you mean 'project'?"),
     (["new", "d", "--kind", "filtr"], "did you mean 'filter'?"),
@@ -146,7 +146,7 @@ def slips(tmp_path_factory):
     (folder / "type.toml").write_text(block.format("lowpas", "corner_hz"))
     (folder / "key.toml").write_text(block.format("lowpass", "corner_h"))
     (folder / "u.csv").write_text("time_s,u\n0,0\n1,1\n")
-    (folder / "columns.csv").write_text("times_s,u,y\n0,0,0\n1,1,1\n2,2,2\n")
+    (folder / "columns.csv").write_text("times,u,y\n0,0,0\n1,1,1\n2,2,2\n")
     (folder / "r.csv").write_text("time_s,u,y\n" + "".join(f"{i},{i % 5},{i % 5}\n" for i in range(50)))
     (folder / "cascade.json").write_text('{"schema":"bodesmith.cascade/1","terms":[{"lambda_s":1,"x":0.5,"beta":0.5}]}')
     (folder / "p.csv").write_text("frequency_hz,gain\n1,1\n10,2\n")

@@ -9,11 +9,11 @@
 #include <numbers>
 
 #include "chain/registry.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 #include "simulate/exact_propagator.hpp"
 #include "simulate/record_simulator.hpp"
 #include "simulate/references.hpp"
 #include "simulate/simulate.hpp"
-#include "spice/ngspice.hpp"
 
 namespace {
 

@@ -2,8 +2,8 @@
 // all.
 #include <benchmark/benchmark.h>
 
-#include "circuit/realise.hpp"
-#include "yield/yield.hpp"
+#include "synthesis/realise.hpp"
+#include "tolerance/yield.hpp"
 
 namespace {
 

@@ -19,7 +19,6 @@
 #include "base/files.hpp"               // OutputSet
 #include "base/outcome.hpp"             // Outcome, value_or_throw()
 #include "chain/model_file.hpp"         // a model.toml: read_model()
-#include "circuit/realise.hpp"          // sections to op-amps: realise()
 #include "filters/design.hpp"           // standard filters: least_order(), place()
 #include "fit/cascade_fit.hpp"          // gains to a fractional cascade: fit_cascade()
 #include "fit/direct_fit.hpp"           // gains to sections: fit_directly(), fit_directly_within()
@@ -31,5 +30,6 @@
 #include "signal/frequency_record.hpp"  // measured responses: FrequencyRecord
 #include "signal/time_record.hpp"       // records in time: TimeRecord
 #include "simulate/simulate.hpp"        // a model's answer to an input: simulate()
-#include "yield/margins.hpp"            // a loop's margins over tolerances: study_loop()
-#include "yield/yield.hpp"              // tolerances: run_monte_carlo()
+#include "synthesis/realise.hpp"        // sections to op-amps: realise()
+#include "tolerance/margins.hpp"        // a loop's margins over tolerances: study_loop()
+#include "tolerance/yield.hpp"          // tolerances: run_monte_carlo()

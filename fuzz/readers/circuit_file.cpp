@@ -1,6 +1,6 @@
 #include "base/document.hpp"
-#include "circuit/built_circuit.hpp"
 #include "reader.hpp"
+#include "synthesis/built_circuit.hpp"
 
 namespace bodesmith::fuzz {
 namespace {

@@ -1,6 +1,6 @@
 #include "base/document.hpp"
-#include "multiplier_layout/layout.hpp"
 #include "reader.hpp"
+#include "synthesis/generator/layout.hpp"
 
 namespace bodesmith::fuzz {
 namespace {

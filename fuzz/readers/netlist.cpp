@@ -1,6 +1,6 @@
 #include "reader.hpp"
-#include "spice/plain_netlist.hpp"
-#include "spice/subcircuits.hpp"
+#include "schematic/ngspice/plain_netlist.hpp"
+#include "schematic/ngspice/subcircuits.hpp"
 
 namespace bodesmith::fuzz {
 namespace {

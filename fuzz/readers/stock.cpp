@@ -1,4 +1,4 @@
-#include "circuit/parts/stock.hpp"
+#include "synthesis/parts/stock.hpp"
 #include "reader.hpp"
 
 namespace bodesmith::fuzz {

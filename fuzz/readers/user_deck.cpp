@@ -1,8 +1,8 @@
 #include <stdexcept>
 
 #include "reader.hpp"
-#include "spice/plain_netlist.hpp"
-#include "spice/user_deck.hpp"
+#include "schematic/ngspice/plain_netlist.hpp"
+#include "schematic/ngspice/user_deck.hpp"
 
 namespace bodesmith::fuzz {
 namespace {

@@ -4,8 +4,8 @@
 #include <vector>
 
 #include "call.hpp"
-#include "circuit/realise.hpp"
 #include "fpaa/device/mismatch.hpp"
+#include "synthesis/realise.hpp"
 
 namespace bodesmith::python {
 

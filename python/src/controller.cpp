@@ -1,15 +1,15 @@
 // controller: the whole analog controller of a disturbance as one circuit.
-#include "controller/controller.hpp"
+#include "synthesis/controller/controller.hpp"
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/progress.hpp"
-#include "controller/files.hpp"
-#include "controller/study.hpp"
 #include "functions.hpp"
-#include "part_errors/loop.hpp"
-#include "part_errors/report.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 #include "schematic/opamp_library.hpp"
-#include "spice/ngspice.hpp"
+#include "synthesis/controller/files.hpp"
+#include "synthesis/controller/study.hpp"
+#include "tolerance/controller/loop.hpp"
+#include "tolerance/controller/report.hpp"
 
 namespace bodesmith::python {
 namespace {

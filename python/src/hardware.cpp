@@ -2,9 +2,6 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/progress.hpp"
-#include "circuit/json.hpp"
-#include "circuit/realisation.hpp"
-#include "circuit/realise_search.hpp"
 #include "circuit_options.hpp"
 #include "fpaa/plan/error_budget.hpp"
 #include "fpaa/plan/plan.hpp"
@@ -12,16 +9,20 @@
 #include "fpaa/sheets/board_picture.hpp"
 #include "fpaa/sheets/build_sheet.hpp"
 #include "functions.hpp"
-#include "kicad/schematic.hpp"
-#include "multiplier_layout/budget.hpp"
-#include "multiplier_layout/json.hpp"
-#include "multiplier_layout/layout.hpp"
-#include "multiplier_layout/timing.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 #include "schematic/opamp_library.hpp"
-#include "spice/compensator_check.hpp"
-#include "spice/disturbance_check.hpp"
-#include "spice/libraries.hpp"
-#include "spice/ngspice.hpp"
+#include "schematic/writers/kicad/schematic.hpp"
+#include "synthesis/decks/compensator_check.hpp"
+#include "synthesis/decks/compensator_files.hpp"
+#include "synthesis/generator/budget.hpp"
+#include "synthesis/generator/json.hpp"
+#include "synthesis/generator/layout.hpp"
+#include "synthesis/generator/library.hpp"
+#include "synthesis/generator/ngspice_check.hpp"
+#include "synthesis/generator/timing.hpp"
+#include "synthesis/json.hpp"
+#include "synthesis/realisation.hpp"
+#include "synthesis/realise_search.hpp"
 
 namespace bodesmith::python {
 namespace {
@@ -124,8 +125,7 @@ Answer realise_circuit(const Call& call) {
   out.result = document("circuit", body, seconds);
   out.warnings.insert(out.warnings.end(), opamps.warnings.begin(), opamps.warnings.end());
   OutputSet files;
-  spice::add_spice_files(made, "compensator", files);
-  kicad::add_kicad_files(made.circuit, "compensator", files);
+  spice::add_compensator_files(made, "compensator", files);
   for (const auto& path : files.paths()) out.files[path.string()] = *files.content(path);
   return out;
 }
@@ -150,14 +150,15 @@ Answer lay_out(const Call& call) {
     body["budget"]["transient"] = ml::transient_budget_json(timing);
   }
   if (o.boolean_or("check", false))
-    body["ngspice"] = to_json(spice::check_disturbance(layout, {Hertz{100}, options.highest}));
+    body["ngspice"] = to_json(multiplier_layout::check_disturbance(layout, {Hertz{100}, options.highest}));
   Answer out;
   out.result = document("layout", body, seconds);
   out.warnings = layout.warnings;
   const std::string title = "disturbance generator";
-  out.files["disturbance.sub"] = spice::disturbance_library(layout, title);
+  out.files["disturbance.sub"] = multiplier_layout::disturbance_library(layout, title);
   if (layout.amplitude)
-    out.files["disturbance_amplitude.sub"] = spice::disturbance_library(layout, title, {true, std::nullopt});
+    out.files["disturbance_amplitude.sub"] =
+        multiplier_layout::disturbance_library(layout, title, {true, std::nullopt});
   out.files["parts.csv"] = ml::parts_csv(layout);
   out.files["layout.svg"] = kicad::netlist_svg(layout.whole(), {.stem = "layout",
                                                                 .title = "Disturbance generator",

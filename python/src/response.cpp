@@ -10,7 +10,7 @@
 #include "lti/cascade.hpp"
 #include "records.hpp"
 #include "responses.hpp"
-#include "spice/ngspice.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 
 namespace bodesmith::python {
 namespace {

@@ -1,5 +1,5 @@
 // yield: what tolerances do to designs.
-#include "yield/yield.hpp"
+#include "tolerance/yield.hpp"
 
 #include <algorithm>
 
@@ -7,8 +7,8 @@
 #include "circuit_options.hpp"
 #include "functions.hpp"
 #include "lti/judging_grid.hpp"
-#include "yield/design.hpp"
-#include "yield/json.hpp"
+#include "tolerance/design.hpp"
+#include "tolerance/json.hpp"
 
 namespace bodesmith::python {
 namespace {

@@ -1,8 +1,8 @@
 #include "cli/circuit_options.hpp"
 
-#include "circuit/parts/stock.hpp"
-#include "circuit/realisation.hpp"
-#include "spice/ngspice.hpp"
+#include "schematic/ngspice/ngspice.hpp"
+#include "synthesis/parts/stock.hpp"
+#include "synthesis/realisation.hpp"
 
 namespace bodesmith::cli {
 

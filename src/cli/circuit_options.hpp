@@ -1,8 +1,8 @@
 #pragma once
 
-#include "circuit/realise.hpp"
 #include "cli/command_line.hpp"
 #include "schematic/opamp_library.hpp"
+#include "synthesis/realise.hpp"
 
 namespace bodesmith::cli {
 

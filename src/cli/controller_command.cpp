@@ -10,12 +10,12 @@
 #include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "controller/as_built.hpp"
-#include "controller/files.hpp"
-#include "controller/study.hpp"
-#include "part_errors/report.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 #include "schematic/opamp_library.hpp"
-#include "spice/ngspice.hpp"
+#include "synthesis/controller/as_built.hpp"
+#include "synthesis/controller/files.hpp"
+#include "synthesis/controller/study.hpp"
+#include "tolerance/controller/report.hpp"
 
 namespace bodesmith::cli {
 namespace {

@@ -6,7 +6,6 @@
 #include "base/json.hpp"
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
-#include "circuit/built_circuit.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/modes.hpp"
@@ -16,6 +15,7 @@
 #include "faults/report.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "schematic/writers/spice_library.hpp"
+#include "synthesis/built_circuit.hpp"
 
 namespace bodesmith::cli {
 namespace {

@@ -11,7 +11,6 @@
 #include "base/text.hpp"
 #include "chain/kernel.hpp"
 #include "chain/model_file.hpp"
-#include "circuit/built_circuit.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/response_source.hpp"
@@ -20,6 +19,7 @@
 #include "signal/bode_points.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
+#include "synthesis/built_circuit.hpp"
 
 namespace bodesmith::cli {
 namespace {

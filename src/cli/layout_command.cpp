@@ -11,13 +11,13 @@
 #include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "kicad/schematic.hpp"
-#include "multiplier_layout/budget.hpp"
-#include "multiplier_layout/json.hpp"
-#include "multiplier_layout/layout.hpp"
-#include "multiplier_layout/timing.hpp"
-#include "spice/disturbance_check.hpp"
-#include "spice/libraries.hpp"
+#include "schematic/writers/kicad/schematic.hpp"
+#include "synthesis/generator/budget.hpp"
+#include "synthesis/generator/json.hpp"
+#include "synthesis/generator/layout.hpp"
+#include "synthesis/generator/library.hpp"
+#include "synthesis/generator/ngspice_check.hpp"
+#include "synthesis/generator/timing.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -135,11 +135,11 @@ std::string timing_summary(const multiplier_layout::Layout& layout, const multip
   return text;
 }
 
-std::string layout_check_text(const spice::DisturbanceCheck& check) {
+std::string layout_check_text(const multiplier_layout::DisturbanceCheck& check) {
   std::string text = fmt::format(
       "ngspice: {} of range from the polynomials at rest ({} with the multipliers' limits, predicted {})",
       percent(check.static_percent), percent(check.limit_percent), percent(check.limit_predicted_percent));
-  for (const spice::DisturbanceCheck::Dynamic& one : check.dynamic) {
+  for (const multiplier_layout::DisturbanceCheck::Dynamic& one : check.dynamic) {
     text += fmt::format(", {} rms at {} Hz ({} with limits, detector {}s late)", percent(one.rms_percent),
                         rounded_text(one.frequency.value), percent(one.rms_at_limit_percent),
                         engineering_text(one.delay_s, ""));
@@ -161,9 +161,10 @@ void write_layout(const CommandLine& line, const multiplier_layout::Layout& layo
   const std::string title = fmt::format("disturbance generator from {}", line.files()[0]);
   OutputSet out(line.output_path());
   out.add("layout.json", to_text(json));
-  out.add("disturbance.sub", spice::disturbance_library(layout, title));
+  out.add("disturbance.sub", multiplier_layout::disturbance_library(layout, title));
   if (layout.amplitude)
-    out.add("disturbance_amplitude.sub", spice::disturbance_library(layout, title, {true, std::nullopt}));
+    out.add("disturbance_amplitude.sub",
+            multiplier_layout::disturbance_library(layout, title, {true, std::nullopt}));
   out.add("parts.csv", multiplier_layout::parts_csv(layout));
   const kicad::SheetOptions sheet{
       .stem = "layout",
@@ -211,7 +212,8 @@ int run_layout(const std::vector<std::string>& arguments) {
   json["timing_s"] = {{"compute", compute_s}};
   std::string text = layout_summary(layout, budget) + timing_summary(layout, timing);
   if (line.has("check")) {
-    const spice::DisturbanceCheck check = spice::check_disturbance(layout, {Hertz{100}, options.highest});
+    const multiplier_layout::DisturbanceCheck check =
+        multiplier_layout::check_disturbance(layout, {Hertz{100}, options.highest});
     json["ngspice"] = to_json(check);
     text += layout_check_text(check);
   }

@@ -11,7 +11,6 @@
 #include "base/letters.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
-#include "circuit/built_circuit.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "lti/bulk_response.hpp"
@@ -19,12 +18,13 @@
 #include "lti/fractional_transfer.hpp"
 #include "lti/level_and_phase.hpp"
 #include "schematic/analysis/response.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 #include "schematic/writers/spice_library.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/csv.hpp"
 #include "signal/frequency_record.hpp"
 #include "simulate/controller_file.hpp"
-#include "spice/ngspice.hpp"
+#include "synthesis/built_circuit.hpp"
 #include "tuning/controller_kind.hpp"
 
 namespace bodesmith::cli {

@@ -5,19 +5,18 @@
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "circuit/json.hpp"
-#include "circuit/opamp_check.hpp"
-#include "circuit/realisation.hpp"
-#include "circuit/realise_search.hpp"
 #include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/rational_part.hpp"
-#include "kicad/schematic.hpp"
 #include "lti/steep_flanks.hpp"
 #include "schematic/opamp_library.hpp"
-#include "spice/compensator_check.hpp"
-#include "spice/libraries.hpp"
+#include "synthesis/decks/compensator_check.hpp"
+#include "synthesis/decks/compensator_files.hpp"
+#include "synthesis/json.hpp"
+#include "synthesis/opamp_check.hpp"
+#include "synthesis/realisation.hpp"
+#include "synthesis/realise_search.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -99,8 +98,7 @@ std::string check_text(const spice::CompensatorCheck& check) {
 void write_circuit(const CommandLine& line, const circuit::Realised& made, const Json& circuit) {
   OutputSet out(line.output_path());
   const std::string title = "compensator from " + join(line.files(), ", ");
-  spice::add_spice_files(made, title, out);
-  kicad::add_kicad_files(made.circuit, title, out);
+  spice::add_compensator_files(made, title, out);
   out.add("circuit.json", to_text(circuit));
   out.commit();
 }

@@ -8,7 +8,6 @@
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "circuit/realise_search.hpp"
 #include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
@@ -17,9 +16,10 @@
 #include "cli/yield_margins.hpp"
 #include "lti/judging_grid.hpp"
 #include "lti/steep_flanks.hpp"
-#include "yield/design.hpp"
-#include "yield/json.hpp"
-#include "yield/yield.hpp"
+#include "synthesis/realise_search.hpp"
+#include "tolerance/design.hpp"
+#include "tolerance/json.hpp"
+#include "tolerance/yield.hpp"
 
 namespace bodesmith::cli {
 namespace {

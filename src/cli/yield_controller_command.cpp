@@ -11,8 +11,8 @@
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "part_errors/report.hpp"
 #include "schematic/opamp_library.hpp"
+#include "tolerance/controller/report.hpp"
 
 namespace bodesmith::cli {
 namespace {

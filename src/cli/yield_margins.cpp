@@ -7,7 +7,7 @@
 #include "base/text.hpp"
 #include "cli/bode_loop.hpp"
 #include "lti/judging_grid.hpp"
-#include "yield/margins.hpp"
+#include "tolerance/margins.hpp"
 
 namespace bodesmith::cli {
 namespace {

@@ -7,7 +7,7 @@
 
 #include "base/json_fwd.hpp"
 #include "cli/command_line.hpp"
-#include "yield/yield.hpp"
+#include "tolerance/yield.hpp"
 
 namespace bodesmith::cli {
 

@@ -8,8 +8,6 @@
 #include "base/json.hpp"
 #include "base/json_header.hpp"
 #include "base/text.hpp"
-#include "circuit/built_circuit.hpp"
-#include "circuit/parts/series.hpp"
 #include "faults/circuit_board.hpp"
 #include "faults/plan_board.hpp"
 #include "faults/report.hpp"
@@ -17,7 +15,9 @@
 #include "measured/picture.hpp"
 #include "signal/csv.hpp"
 #include "signal/statistics.hpp"
-#include "spice/libraries.hpp"
+#include "synthesis/built_circuit.hpp"
+#include "synthesis/decks/compensator_files.hpp"
+#include "synthesis/parts/series.hpp"
 
 namespace bodesmith::measured {
 namespace {

@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "base/outcome.hpp"
-#include "circuit/realise_search.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "project/alternatives.hpp"
 #include "project/project.hpp"
+#include "synthesis/realise_search.hpp"
 
 namespace bodesmith::project {
 

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "controller/controller.hpp"
-#include "part_errors/report.hpp"
 #include "project/project.hpp"
+#include "synthesis/controller/controller.hpp"
+#include "tolerance/controller/report.hpp"
 
 namespace bodesmith::project {
 

@@ -6,18 +6,18 @@
 #include <vector>
 
 #include "approximate/approximate.hpp"
-#include "circuit/realise_search.hpp"
-#include "controller/controller.hpp"
 #include "fit/cascade_fit.hpp"
 #include "fit/waveform_error.hpp"
 #include "fpaa/plan/plan.hpp"
-#include "multiplier_layout/layout.hpp"
 #include "project/alternative_hardware.hpp"
 #include "project/alternatives.hpp"
 #include "project/controllers.hpp"
 #include "project/design_stage.hpp"
 #include "project/project.hpp"
-#include "spice/compensator_check.hpp"
+#include "synthesis/controller/controller.hpp"
+#include "synthesis/decks/compensator_check.hpp"
+#include "synthesis/generator/layout.hpp"
+#include "synthesis/realise_search.hpp"
 
 namespace bodesmith::project {
 

@@ -9,14 +9,14 @@
 #include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "circuit/circuit.hpp"
 #include "fit/choice.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "lti/judging_grid.hpp"
 #include "lti/sections.hpp"
 #include "project/fractional_fit.hpp"
 #include "schematic/analysis/equations.hpp"
-#include "yield/design.hpp"
+#include "synthesis/circuit.hpp"
+#include "tolerance/design.hpp"
 
 namespace bodesmith::project {
 namespace {

@@ -5,13 +5,13 @@
 #include <vector>
 
 #include "approximate/approximate.hpp"
-#include "circuit/realise_search.hpp"
 #include "fit/cascade_fit.hpp"
 #include "fit/direct_fit.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "project/design_stage.hpp"
 #include "project/filter_project.hpp"
 #include "project/limits.hpp"
+#include "synthesis/realise_search.hpp"
 
 namespace bodesmith::project {
 

@@ -6,15 +6,14 @@
 
 #include "base/json.hpp"
 #include "base/text.hpp"
-#include "circuit/json.hpp"
-#include "kicad/schematic.hpp"
 #include "project/artefacts.hpp"
 #include "project/report_chapters.hpp"
 #include "project/run.hpp"
 #include "project/run_files.hpp"
 #include "report/page.hpp"
-#include "spice/libraries.hpp"
-#include "yield/json.hpp"
+#include "synthesis/decks/compensator_files.hpp"
+#include "synthesis/json.hpp"
+#include "tolerance/json.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -144,8 +143,7 @@ std::string document(std::string_view schema, const FilterRun& run, const Json& 
 void add_circuit_files(const FilterRun& run, OutputSet& out) {
   const circuit::Candidate& best = run.design.circuit->best;
   OutputSet spice;
-  spice::add_spice_files(best.made, run.project.name, spice);
-  kicad::add_kicad_files(best.made.circuit, run.project.name, spice);
+  spice::add_compensator_files(best.made, run.project.name, spice);
   out.include("spice", spice);
   Json json = circuit::to_json(best.made);
   json["judged"] = circuit::judged_json(best.judged, best.judged_band);

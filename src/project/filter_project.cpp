@@ -3,8 +3,8 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "circuit/circuit.hpp"
 #include "project/tables.hpp"
+#include "synthesis/circuit.hpp"
 
 namespace bodesmith::project {
 namespace {

@@ -11,7 +11,7 @@
 #include "lti/sections.hpp"
 #include "project/project.hpp"
 #include "signal/bode_points.hpp"
-#include "yield/yield.hpp"
+#include "tolerance/yield.hpp"
 
 namespace bodesmith::project {
 

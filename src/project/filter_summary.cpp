@@ -2,8 +2,8 @@
 
 #include "base/json.hpp"
 #include "base/text.hpp"
-#include "circuit/json.hpp"
 #include "project/run.hpp"
+#include "synthesis/json.hpp"
 
 namespace bodesmith::project {
 

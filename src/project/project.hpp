@@ -13,9 +13,9 @@
 #include "base/provenance.hpp"
 #include "base/units.hpp"
 #include "lti/sections.hpp"
-#include "part_errors/errors.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/disturbance.hpp"
+#include "tolerance/controller/errors.hpp"
 #include "tracking/reference.hpp"
 
 namespace bodesmith::project {

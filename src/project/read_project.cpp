@@ -7,11 +7,11 @@
 #include "approximate/method.hpp"
 #include "base/document.hpp"
 #include "base/error.hpp"
-#include "circuit/parts/series.hpp"
-#include "circuit/realisation.hpp"
 #include "fpaa/device/board.hpp"
 #include "project/tables.hpp"
 #include "project/track_file.hpp"
+#include "synthesis/parts/series.hpp"
+#include "synthesis/realisation.hpp"
 
 namespace bodesmith::project {
 namespace fs = std::filesystem;

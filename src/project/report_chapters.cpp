@@ -6,7 +6,7 @@
 
 #include "base/text.hpp"
 #include "fpaa/sheets/board_picture.hpp"
-#include "kicad/schematic.hpp"
+#include "schematic/writers/kicad/schematic.hpp"
 
 namespace bodesmith::project {
 namespace {

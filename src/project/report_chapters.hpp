@@ -5,11 +5,11 @@
 #include <vector>
 
 #include "base/provenance.hpp"
-#include "circuit/realise_search.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "project/limits.hpp"
 #include "report/page.hpp"
-#include "spice/compensator_check.hpp"
+#include "synthesis/decks/compensator_check.hpp"
+#include "synthesis/realise_search.hpp"
 
 /// What the reports of all projects show, with a plant and without.
 namespace bodesmith::project {

@@ -8,14 +8,14 @@
 
 #include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
-#include "part_errors/report.hpp"
 #include "project/budget.hpp"
 #include "project/design.hpp"
 #include "project/filter_design.hpp"
 #include "project/limits.hpp"
 #include "project/project.hpp"
 #include "project/tracking_study.hpp"
-#include "spice/compensator_check.hpp"
+#include "synthesis/decks/compensator_check.hpp"
+#include "tolerance/controller/report.hpp"
 
 namespace bodesmith::project {
 

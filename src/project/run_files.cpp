@@ -3,13 +3,14 @@
 #include "base/json.hpp"
 #include "base/json_header.hpp"
 #include "chain/model_file.hpp"
-#include "circuit/json.hpp"
-#include "controller/files.hpp"
-#include "kicad/schematic.hpp"
-#include "multiplier_layout/json.hpp"
 #include "project/artefacts.hpp"
 #include "project/run_model.hpp"
-#include "spice/libraries.hpp"
+#include "schematic/writers/kicad/schematic.hpp"
+#include "synthesis/controller/files.hpp"
+#include "synthesis/decks/compensator_files.hpp"
+#include "synthesis/generator/json.hpp"
+#include "synthesis/generator/library.hpp"
+#include "synthesis/json.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -34,8 +35,7 @@ std::string sections_file(const ProjectRun& run) {
 void add_circuit(const ProjectRun& run, OutputSet& out) {
   const circuit::Realised& realised = run.design.realised();
   OutputSet spice;
-  spice::add_spice_files(realised, run.project.name, spice);
-  kicad::add_kicad_files(realised.circuit, run.project.name, spice);
+  spice::add_compensator_files(realised, run.project.name, spice);
   out.include("spice", spice);
   out.add("spice/circuit.json", json_file("circuit", run, to_json(realised)));
 }
@@ -43,10 +43,10 @@ void add_circuit(const ProjectRun& run, OutputSet& out) {
 void add_layout(const ProjectRun& run, OutputSet& out) {
   const multiplier_layout::Layout& layout = run.design.layout;
   out.add("layout/layout.json", json_file("layout", run, to_json(layout)));
-  out.add("layout/disturbance.sub", spice::disturbance_library(layout, run.project.name));
+  out.add("layout/disturbance.sub", multiplier_layout::disturbance_library(layout, run.project.name));
   if (layout.amplitude) {
     out.add("layout/disturbance_amplitude.sub",
-            spice::disturbance_library(layout, run.project.name, {true, std::nullopt}));
+            multiplier_layout::disturbance_library(layout, run.project.name, {true, std::nullopt}));
   }
   out.add("layout/disturbance.svg", kicad::netlist_svg(layout.whole(), {.stem = "layout",
                                                                         .title = "Disturbance generator",

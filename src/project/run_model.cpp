@@ -8,9 +8,9 @@
 
 #include "chain/registry.hpp"
 #include "chain/sections_chain.hpp"
-#include "controller/at_rest.hpp"
-#include "controller/circuit_controller.hpp"
-#include "part_errors/errors.hpp"
+#include "synthesis/controller/at_rest.hpp"
+#include "synthesis/controller/circuit_controller.hpp"
+#include "tolerance/controller/errors.hpp"
 
 namespace bodesmith::project {
 namespace {

@@ -14,7 +14,7 @@
 #include "project/report_page.hpp"
 #include "project/run_files.hpp"
 #include "project/stages.hpp"
-#include "spice/ngspice.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 
 namespace bodesmith::project {
 namespace {

@@ -4,15 +4,15 @@
 #include <cmath>
 
 #include "base/progress.hpp"
-#include "controller/circuit_controller.hpp"
 #include "fpaa/controller/controller.hpp"
 #include "hysteresis/registry.hpp"
 #include "numeric/parallel_for.hpp"
 #include "project/board_controller.hpp"
 #include "project/run_model.hpp"
 #include "project/tracked_plant.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 #include "signal/error_figures.hpp"
-#include "spice/ngspice.hpp"
+#include "synthesis/controller/circuit_controller.hpp"
 #include "tracking/track.hpp"
 
 namespace bodesmith::project {

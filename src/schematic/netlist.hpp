@@ -27,7 +27,7 @@ struct OpAmpModel {
   double voltage_noise_v_per_rthz = 8e-9;
   double voltage_noise_corner_hz = 100.0;  ///< 1/f corner of the voltage noise
   double current_noise_a_per_rthz = 1e-15;
-  double greatest_output_current_a = 20e-3;
+  double greatest_output_current_a = 20e-3;  ///< that it drives without leaving its swing
   int per_package = 1;  ///< op-amps in one 8-pin package: 1 or 2
   /// Stands for a nullor: its figures are far beyond any that matter, netlists have a plain source.
   bool is_ideal = false;
@@ -88,6 +88,12 @@ enum class Purpose {
 struct Group {
   std::string title;
   Purpose purpose = Purpose::stage;
+};
+
+/// What is bought: the classes of parts written into Monte Carlo decks and schematics.
+struct Tolerances {
+  double resistor_percent = 1.0;
+  double capacitor_percent = 5.0;
 };
 
 /// A resistor (ohm), a capacitor (farad) or a diode between two nodes; node "0" is ground, `from` a diode's anode.

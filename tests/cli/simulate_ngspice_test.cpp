@@ -6,9 +6,9 @@
 #include <numbers>
 
 #include "chain/registry.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 #include "simulate/references.hpp"
 #include "simulate/simulate.hpp"
-#include "spice/ngspice.hpp"
 
 namespace bodesmith::simulate {
 namespace {

@@ -3,7 +3,7 @@
 #include "base/document.hpp"
 #include "base/files.hpp"
 #include "run_program.hpp"
-#include "spice/ngspice.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 
 namespace bodesmith {
 namespace {

@@ -7,7 +7,7 @@
 #include "circuits.hpp"
 #include "faults/circuit_board.hpp"
 #include "faults/diagnosis.hpp"
-#include "spice/ngspice.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 
 namespace bodesmith::faults {
 namespace {

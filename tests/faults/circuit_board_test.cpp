@@ -9,7 +9,7 @@
 #include "faults/circuit_board.hpp"
 #include "schematic/analysis/response.hpp"
 #include "schematic/writers/spice_library.hpp"
-#include "spice/libraries.hpp"
+#include "synthesis/decks/compensator_files.hpp"
 
 namespace bodesmith::faults {
 namespace {

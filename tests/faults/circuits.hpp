@@ -4,10 +4,10 @@
 #include <complex>
 #include <vector>
 
-#include "circuit/realise.hpp"
 #include "faults/measurement.hpp"
 #include "lti/frequency_grid.hpp"
 #include "numeric/random.hpp"
+#include "synthesis/realise.hpp"
 
 namespace bodesmith::faults {
 

@@ -9,8 +9,8 @@
 #include "gap/cases/signals.hpp"
 #include "gap/cases/spice_cases.hpp"
 #include "gap/settling.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 #include "simulate/simulate.hpp"
-#include "spice/ngspice.hpp"
 
 namespace {
 

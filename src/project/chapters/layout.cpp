@@ -1,10 +1,10 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "kicad/schematic.hpp"
-#include "multiplier_layout/layout.hpp"
 #include "project/run.hpp"
 #include "report/page.hpp"
+#include "schematic/writers/kicad/schematic.hpp"
+#include "synthesis/generator/layout.hpp"
 
 namespace bodesmith::project {
 

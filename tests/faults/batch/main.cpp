@@ -17,9 +17,9 @@
 #include "../boards/built.hpp"
 #include "base/document.hpp"
 #include "base/json.hpp"
-#include "circuit/built_circuit.hpp"
 #include "faults/circuit_board.hpp"
 #include "faults/diagnosis.hpp"
+#include "synthesis/built_circuit.hpp"
 
 namespace bodesmith::faults {
 namespace {

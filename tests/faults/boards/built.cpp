@@ -6,7 +6,7 @@
 #include <functional>
 #include <set>
 
-#include "spice/ngspice.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 
 namespace bodesmith::faults {
 namespace {

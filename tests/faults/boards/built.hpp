@@ -4,9 +4,9 @@
 #include <string>
 #include <vector>
 
-#include "circuit/circuit.hpp"
 #include "faults/measurement.hpp"
 #include "numeric/random.hpp"
+#include "synthesis/circuit.hpp"
 
 namespace bodesmith::faults {
 

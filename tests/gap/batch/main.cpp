@@ -21,7 +21,7 @@
 #include "gap/cases/case_list.hpp"
 #include "gap/cases/solve.hpp"
 #include "gap/cases/tables.hpp"
-#include "spice/ngspice.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 
 namespace {
 

@@ -6,7 +6,7 @@
 #include <numbers>
 
 #include "base/error.hpp"
-#include "spice/ngspice.hpp"
+#include "schematic/ngspice/ngspice.hpp"
 
 namespace hidden {
 namespace {

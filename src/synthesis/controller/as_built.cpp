@@ -1,0 +1,198 @@
+#include "synthesis/controller/as_built.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/progress.hpp"
+#include "base/text.hpp"
+#include "base/whole_number.hpp"
+#include "schematic/analysis/in_time.hpp"
+#include "schematic/ngspice/ngspice.hpp"
+#include "synthesis/controller/library.hpp"
+#include "synthesis/generator/timing.hpp"
+
+namespace bodesmith::controller {
+namespace {
+
+using tracking::Reference;
+
+schematic::InTime::Input repeating(const Reference& reference, double repeat_s) {
+  return [&reference, repeat_s](double t) {
+    const double theta = t / repeat_s;
+    return reference.value(theta - std::floor(theta));
+  };
+}
+
+constexpr int kMostRepeats = 20;
+/// Time constants of the smoothing: what is left of the start is some 1e-5.
+constexpr double kSettled = 10.0;
+
+/// SIN(offset amplitude frequency delay damping phase): -cos is a sine that begins 90 degrees earlier.
+std::string sine_source(const std::string& name, const std::string& from, const std::string& to,
+                        double offset, double top, double f) {
+  return fmt::format("{} {} {} SIN({:.15g} {:.15g} {:.15g} 0 0 -90)\n", name, from, to, offset, top, f);
+}
+
+/// v[column] at time t between the simulator's own steps; `i` moves on, or begins again.
+double at_time(const spice::Transient& run, std::size_t column, double t, std::size_t& i) {
+  if (run.time_s[i - 1] > t) i = 1;
+  while (i + 1 < run.time_s.size() && run.time_s[i] < t) ++i;
+  const double part = std::clamp((t - run.time_s[i - 1]) / (run.time_s[i] - run.time_s[i - 1]), 0.0, 1.0);
+  return run.v[column][i - 1] + part * (run.v[column][i] - run.v[column][i - 1]);
+}
+
+spice::Transient run_as_tightly_as_it_goes(const std::string& deck, bool tight, double step_s,
+                                           double stop_s) {
+  const auto run = [&](const std::string& options) {
+    return spice::run_transient("controller\n" + options + deck, {"r", "v"}, step_s, stop_s,
+                                "controller.sub");
+  };
+  if (!tight) return run("");
+  for (const char* const options : {".options reltol=1e-6\n", ".options reltol=1e-5 trtol=1\n"}) {
+    try {
+      return run(options);
+    } catch (const InputError&) {
+      // "timestep too small": the tolerance is below what the corners of the netlist's models allow.
+    }
+  }
+  return run(".options reltol=1e-5\n");
+}
+
+}  // namespace
+
+SteadyState run_in_cvode(const AnalogController& controller, const Reference& reference, Hertz operating,
+                         std::size_t samples, const std::vector<double>& at_s) {
+  const Stopwatch watch;
+  const double repeat = static_cast<double>(reference.periods()) / operating.value;
+  const int settling = repeats_to_settle(controller, repeat);
+  const double begin = settling * repeat;
+  SteadyState out{reference, operating, repeat / static_cast<double>(samples), {}, {}, {}, at_s, {}, 0.0};
+  const schematic::InTime::Input input = repeating(reference, repeat);
+  schematic::InTime run(controller, input, {.input = "r"});
+  run.begin(0.0);
+  const auto take = [&](double from, double to) {
+    const auto within = [&](double t) { return t <= to && t >= from; };
+    while (out.v.size() < samples) {
+      const double t = begin + static_cast<double>(out.v.size()) * out.step_s;
+      if (!within(t)) break;
+      out.r.push_back(input(t));
+      out.v.push_back(run.volts("v", t));
+    }
+    while (out.own_v.size() < at_s.size() && within(begin + at_s[out.own_v.size()]))
+      out.own_v.push_back(run.volts("v", begin + at_s[out.own_v.size()]));
+  };
+  std::vector<double> ends = reference.turns();
+  ends.erase(ends.begin());
+  ends.push_back(1.0);
+  for (int k = 0; k <= settling; ++k) {
+    for (const double theta : ends) run.run_to((k + theta) * repeat, take);
+  }
+  // Rounding at the very end.
+  for (; out.v.size() < samples; out.v.push_back(out.v.back())) out.r.push_back(out.r.back());
+  out.own_v.resize(at_s.size(), out.v.back());
+  out.wall_s = watch.seconds();
+  return out;
+}
+
+double switch_delay_s(const AnalogController& controller, const Reference& reference, Hertz operating) {
+  const multiplier_layout::SlopeDetector detector(
+      schematic::subset(
+          controller, [&](std::size_t group) { return controller.purpose_of(group) == Purpose::slope_sign; }),
+      "r");
+  const double repeat = static_cast<double>(reference.periods()) / operating.value;
+  const double turn = reference.turns().back(), next = reference.turns()[1];
+  const std::optional<double> delay =
+      detector.delay_s(repeating(reference, repeat), turn * repeat, repeat, (1.0 + next) * repeat);
+  if (!delay) {
+    throw InputError(fmt::format("a {} of {} Hz is too slow for the slope detector",
+                                 to_string(reference.shape()), rounded_text(operating.value)));
+  }
+  return *delay + controller.analog_switch.on_delay_s;
+}
+
+std::string reference_sources(const Reference& reference, Hertz operating, int repeats) {
+  const double f = operating.value, half = 0.5 * reference.alpha();
+  switch (reference.shape()) {
+    case Reference::Shape::sine:
+      return sine_source("Vr", "r", "0", half, half, f);
+    case Reference::Shape::two_tone:
+      return sine_source("Vr1", "r", "tone3", half, half / 1.5, f) +
+             sine_source("Vr3", "tone3", "0", 0.0, half / 3.0, 3.0 * f);
+    default:
+      break;
+  }
+  const double repeat = static_cast<double>(reference.periods()) / f;
+  std::string points;
+  int count = 0;
+  for (int i = 0; i <= repeats; ++i) {
+    for (const double theta : reference.turns()) {
+      points += fmt::format(" {:.15g} {:.15g}", (i + theta) * repeat, reference.value(theta));
+      if (++count % 8 == 0) points += "\n+";
+      if (i == repeats) break;
+    }
+  }
+  return fmt::format("Vr r 0 PWL({})\n", points.substr(1));
+}
+
+int repeats_to_settle(const AnalogController& controller, double repeat_s) {
+  const double slowest = controller.slope ? kSettled * controller.slope->smoothing_s : 0.0;
+  return whole_number(std::ceil(slowest / repeat_s), 1, kMostRepeats);
+}
+
+SteadyState run_in_ngspice(const AnalogController& controller, const Reference& reference, Hertz operating,
+                           const NgspiceRun& options) {
+  const Stopwatch watch;
+  const double periods = static_cast<double>(reference.periods()), period = 1.0 / operating.value,
+               repeat = periods * period;
+  // At kilohertz the smoothing takes more periods to settle, which are cheap.
+  const double slowest = controller.slope ? kSettled * controller.slope->smoothing_s : 0.0;
+  const double settle = slowest <= options.settle_repeats * repeat
+                            ? options.settle_repeats
+                            : static_cast<double>(repeats_to_settle(controller, repeat));
+  const std::string deck =
+      controller_library(controller, "controller", {options.off, false}) +
+      reference_sources(reference, operating, whole_number<int>(std::ceil(settle + 1.0))) +
+      "Xc r v controller\n";
+  const spice::Transient run =
+      run_as_tightly_as_it_goes(deck, options.tight, period / options.steps, (settle + 1.0) * repeat);
+  const std::size_t samples = options.samples * reference.periods();
+  SteadyState out{reference, operating, repeat / static_cast<double>(samples), {}, {}, {}, {}, {}, 0.0};
+  // Every phase where it first comes after `from` repeats.
+  const auto sample = [&](std::size_t column, double from, std::vector<double>& to) {
+    std::size_t i = 1;
+    for (std::size_t k = 0; k < samples; ++k) {
+      const double phase = static_cast<double>(k) / static_cast<double>(samples);
+      to.push_back(
+          at_time(run, column, std::ceil(from - phase) * repeat + static_cast<double>(k) * out.step_s, i));
+    }
+  };
+  sample(0, settle, out.r);
+  sample(1, settle, out.v);
+  if (settle >= 1.0) sample(1, 0.0, out.first_v);
+  for (std::size_t i = 0; i < run.time_s.size(); ++i) {
+    if (run.time_s[i] < settle * repeat) continue;
+    out.own_s.push_back(std::fmod(run.time_s[i], repeat));
+    out.own_v.push_back(run.v[1][i]);
+  }
+  // From phase 0 on, as everything else.
+  const auto begin = std::is_sorted_until(out.own_s.begin(), out.own_s.end()) - out.own_s.begin();
+  std::rotate(out.own_s.begin(), out.own_s.begin() + begin, out.own_s.end());
+  std::rotate(out.own_v.begin(), out.own_v.begin() + begin, out.own_v.end());
+  out.wall_s = watch.seconds();
+  return out;
+}
+
+tracking::TrackingError stage_error(const Disturbance& disturbance, const SteadyState& run) {
+  tracking::PolynomialStage::Options options;
+  options.alpha = run.reference.alpha();
+  Disturbance full = disturbance;  // the circuit has no amplitude gains, nor has the stage it is judged on
+  full.amplitude = {};
+  options.alpha = 1.0;
+  const tracking::PolynomialStage stage(full, {}, options);
+  return tracking::tracking_error(stage.response(run.v, run.step_s, run.operating), run.r, run.period_s());
+}
+
+}  // namespace bodesmith::controller

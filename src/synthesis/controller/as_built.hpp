@@ -1,0 +1,66 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "schematic/deviations.hpp"
+#include "synthesis/controller/controller.hpp"
+#include "tracking/reference.hpp"
+#include "tracking/stage.hpp"
+
+namespace bodesmith::controller {
+
+/// One repeat of the reference in steady state, sampled uniformly from its phase 0 on.
+struct SteadyState {
+  tracking::Reference reference;
+  Hertz operating;
+  double step_s = 0.0;
+  std::vector<double> r, v;
+  std::vector<double> first_v;  ///< the first repeat, from rest (ngspice only, where a whole one settles)
+  std::vector<double> own_s;    ///< the simulator's own instants of the repeat, or others that were asked for
+  std::vector<double> own_v;    ///< v at those
+  double wall_s = 0.0;          ///< of the simulation
+
+  double period_s() const { return step_s * static_cast<double>(v.size()); }
+};
+
+struct NgspiceRun {
+  const Deviations* off = nullptr;  ///< none: as realised
+  double settle_repeats = 1.0;      ///< before the one that is kept; more while what is slow still settles
+  int steps = 2000;                 ///< largest step: this part of an operating period
+  std::size_t samples = 2048;       ///< to an operating period
+  /// At SPICE's own tolerance the slope detector trips up to a microsecond early or late on smooth references. Where ngspice
+  /// finds no step small enough for the tighter ones, the next is taken.
+  bool tight = true;
+
+  /// For a study of many references: from rest to the far end of the reference everything that is quick has settled, and at a
+  /// four times finer step the drive differs by less than .001 % of range.
+  static NgspiceRun of_many() { return {.settle_repeats = 0.5, .steps = 500, .tight = false}; }
+};
+
+/// Whole repeats until what is slow, the smoothing behind the slope meter, has settled.
+int repeats_to_settle(const AnalogController& controller, double repeat_s);
+
+/// The emitted netlist through plain `.tran` from rest, r starting at 0 V. Throws InputError as
+/// spice::run_transient.
+SteadyState run_in_ngspice(const AnalogController& controller, const tracking::Reference& reference,
+                           Hertz operating, const NgspiceRun& options = {});
+
+/// Independent sources that make the reference from node `r` to ground, for a deck.
+std::string reference_sources(const tracking::Reference& reference, Hertz operating, int repeats);
+
+/// What the disturbance paper's stage makes of the drive, reading it: y = v + K_b(f) d_b(v) against r.
+tracking::TrackingError stage_error(const Disturbance& disturbance, const SteadyState& run);
+
+/// The whole netlist in time by CVODE (schematic/analysis/in_time.hpp), beside what ngspice makes of it: from rest, as many
+/// repeats of the reference as the smoothing behind the slope meter needs; the last one is kept. `at_s`: instants of it, from
+/// its begin, at which v is told too (SteadyState::own_v).
+SteadyState run_in_cvode(const AnalogController& controller, const tracking::Reference& reference,
+                         Hertz operating, std::size_t samples = 2048, const std::vector<double>& at_s = {});
+
+/// From the turn at the end of a repeat to the new contact: slope detector (integrated from its circuit) and
+/// switch. InputError when the slope never reaches the detector's threshold.
+double switch_delay_s(const AnalogController& controller, const tracking::Reference& reference,
+                      Hertz operating);
+
+}  // namespace bodesmith::controller

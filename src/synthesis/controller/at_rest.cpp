@@ -1,0 +1,157 @@
+#include "synthesis/controller/at_rest.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "synthesis/controller/library.hpp"
+
+namespace bodesmith::controller {
+namespace {
+
+std::string control_node(const AnalogController& c, int branch) {
+  const int control = c.rate[branch].control;
+  return control < 0 ? "" : c.op(control).out;
+}
+
+schematic::RestOrder generator_order(const AnalogController& c, bool cut) {
+  schematic::Netlist netlist = generator_netlist(c, cut);
+  netlist.sources.clear();
+  std::vector<std::string> inputs = {"r"};
+  if (cut) inputs.emplace_back(kArgument);
+  for (const int b : {0, 1}) {
+    if (const std::string node = control_node(c, b); !node.empty()) inputs.push_back(node);
+  }
+  return {netlist, inputs};
+}
+
+schematic::RestOrder rate_order(const AnalogController& c) {
+  return {schematic::subset(c,
+                            [&](std::size_t group) {
+                              return c.purpose_of(group) == Purpose::rate_curve ||
+                                     c.purpose_of(group) == Purpose::rate_gain;
+                            }),
+          {"sn"}};
+}
+
+}  // namespace
+
+SlopeMeterGains SlopeMeterGains::of(const AnalogController& c, const Deviations& off) {
+  SlopeMeterGains out;
+  if (!c.slope) return out;
+  const AnalogController::SlopeMeter& m = *c.slope;
+  out.volts = off.value(c, m.gain) * off.value(c, m.differentiates);
+  out.offset = off.offset(m.opamp);
+  out.lag1_s = off.value(c, m.damping) * off.value(c, m.differentiates);
+  out.lag2_s = off.value(c, m.gain) * off.value(c, m.limits);
+  out.half_gain = off.value(c, m.half_wave_feedback) / off.value(c, m.half_wave_input);
+  out.half_offset = off.offset(m.half_wave_opamp) * (1.0 + out.half_gain);
+  const double feedback = off.value(c, m.full_wave_feedback);
+  out.direct = feedback / off.value(c, m.direct);
+  out.half = feedback / off.value(c, m.half);
+  out.full_offset = off.offset(m.full_wave_opamp) * (1.0 + out.direct + out.half);
+  out.smoothing_s = off.value(c, m.smoothing) * feedback;
+  return out;
+}
+
+double SlopeMeterGains::output_v(double slope) const {
+  const double w = -volts * slope + offset, rectified = std::max(0.0, -w * half_gain + half_offset);
+  return -(w * direct + rectified * half) + full_offset;
+}
+
+RestWiring::RestWiring(const AnalogController& c, bool cut)
+    : controller(c),
+      argument_is_given(cut || c.form == Form::self_fed),
+      rate(rate_order(c)),
+      generator(generator_order(c, argument_is_given)) {}
+
+AtRest::AtRest(const RestWiring& wiring, const Deviations& off)
+    : wiring_(&wiring),
+      rate_(wiring.rate, off.of_part(wiring.rate.netlist(), wiring.controller)),
+      generator_(wiring.generator, off.of_part(wiring.generator.netlist(), wiring.controller)) {
+  slope_ = wiring.rate.node("sn");
+  reference_ = wiring.generator.node("r");
+  drive_ = wiring.generator.node(wiring.controller.passes.back().out);
+  if (wiring.argument_is_given) argument_ = wiring.generator.node(kArgument);
+  for (const int b : {0, 1}) {
+    const std::string node = control_node(wiring.controller, b);
+    if (node.empty()) continue;
+    makes_control_[b] = wiring.rate.node(node);
+    reads_control_[b] = wiring.generator.node(node);
+  }
+  set_slope(0.0);
+  const double at_one = made(1.0, 0.0, true);
+  reference_gain_ = at_one - made(0.0, 0.0, true);
+}
+
+void AtRest::set_slope(double volts) {
+  rate_.set(slope_, volts);
+  rate_.settle(0);
+  for (const int b : {0, 1}) {
+    if (makes_control_[b] >= 0) control_v_[b] = rate_.volts(makes_control_[b]);
+  }
+}
+
+double AtRest::made(double r, double argument, bool rising) {
+  generator_.set(reference_, r);
+  if (argument_ >= 0) generator_.set(argument_, argument);
+  for (const int b : {0, 1}) {
+    if (reads_control_[b] >= 0) generator_.set(reads_control_[b], control_v_[b]);
+  }
+  generator_.settle(rising ? 0 : 1);
+  return generator_.volts(drive_);
+}
+
+double AtRest::noise_gain(int opamp) {
+  const std::string& name = wiring_->controller.op(opamp).name;
+  const std::vector<OpAmp>& all = wiring_->generator.netlist().opamps;
+  const auto at = std::find_if(all.begin(), all.end(), [&](const OpAmp& one) { return one.name == name; });
+  return generator_.noise_gain(static_cast<std::size_t>(at - all.begin()));
+}
+
+BuiltGenerator::BuiltGenerator(const AnalogController& controller, const Deviations& off)
+    : controller_(controller),
+      meter_(SlopeMeterGains::of(controller, off)),
+      wiring_(controller, true),
+      rest_(wiring_, off) {}
+
+void BuiltGenerator::set_rate(Hertz operating) {
+  rest_.set_slope(meter_.output_v(2.0 * controller_.reference_stroke * operating.value));
+}
+
+double BuiltGenerator::subtracted(Disturbance::Branch which, double x) {
+  return -rest_.made(0.0, x, which == Disturbance::Branch::ascending);
+}
+
+double BuiltGenerator::rate_gain(Disturbance::Branch which) const {
+  const int b = which == Disturbance::Branch::ascending ? 0 : 1;
+  return controller_.rate[b].at_rest * (1.0 + rest_.control_v(b) / controller_.multiplier.scale_v);
+}
+
+double generator_error_percent(const AnalogController& controller) {
+  constexpr int kPoints = 200;
+  BuiltGenerator built(controller);
+  std::vector<Hertz> at = controller.tracked;
+  if (controller.curve) {
+    const std::vector<Hertz>& corner = controller.curve->corner;
+    for (std::size_t i = 0; i < corner.size(); ++i) {
+      at.push_back(corner[i]);
+      if (i > 0) at.push_back(Hertz{std::sqrt(corner[i - 1].value * corner[i].value)});
+    }
+  }
+  if (at.empty()) at.push_back(Hertz{1.0});
+  double worst = 0.0;
+  for (const Hertz f : at) {
+    built.set_rate(f);
+    for (const auto which : {Disturbance::Branch::ascending, Disturbance::Branch::descending}) {
+      const double wanted = controller.rated_gain(which, f);
+      for (int i = 0; i <= kPoints; ++i) {
+        const double x = std::max(controller.loop.greatest_drive, 1.0) * i / kPoints;
+        worst = std::max(
+            worst, std::abs(built.subtracted(which, x) - wanted * controller.disturbance.value(which, x)));
+      }
+    }
+  }
+  return 100.0 * worst;
+}
+
+}  // namespace bodesmith::controller

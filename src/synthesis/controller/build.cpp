@@ -1,0 +1,207 @@
+#include "synthesis/controller/build.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "schematic/opamp_library.hpp"
+#include "synthesis/controller/at_rest.hpp"
+
+namespace bodesmith::controller {
+namespace {
+
+constexpr int kPoints = 2000;
+
+double slope_of(const std::array<double, 3>& a, double x) {
+  return a[0] + x * (2.0 * a[1] + x * 3.0 * a[2]);
+}
+
+std::string name_of(int b) {
+  return b == 0 ? "ascending" : "descending";
+}
+
+}  // namespace
+
+Options::Options()
+    : opamp(schematic::OpAmpLibrary::built_in().named("OPA2140")),
+      fast_opamp(schematic::OpAmpLibrary::built_in().named("AD8066")) {}
+
+std::string_view to_string(Form form) {
+  switch (form) {
+    case Form::one_pass:
+      return "seed";
+    case Form::two_pass:
+      return "two-pass";
+    case Form::self_fed:
+      return "self-fed";
+  }
+  return {};
+}
+
+Form form_named(const std::string& name) {
+  if (name == "seed" || name == "one-pass") return Form::one_pass;
+  if (name == "two-pass") return Form::two_pass;
+  if (name == "self-fed") return Form::self_fed;
+  throw InputError(fmt::format("unknown form \"{}\", expected seed, two-pass or self-fed", name));
+}
+
+double AnalogController::rated_gain(Disturbance::Branch which, Hertz frequency) const {
+  return rates ? disturbance.rate_gain(which, frequency) : 1.0;
+}
+
+Builder::Builder(const Disturbance& disturbance, const Options& options)
+    : NetlistMaker(out_, options_.resistors, options_.capacitors),
+      disturbance_(disturbance),
+      options_(options) {
+  out_.form = options.form;
+  out_.disturbance = disturbance;
+  out_.multiplier = options.multiplier;
+  out_.opamp = options.opamp;
+  out_.fast_opamp = options.fast_opamp;
+  out_.analog_switch = options.analog_switch;
+  out_.tracked = options.tracked;
+  out_.reference_stroke = options.reference_stroke;
+  out_.rates = options.rates;
+}
+
+/// Greatest or least rate gain of a branch; 1 without them.
+double Builder::gain_limit(int b, bool greatest) const {
+  const std::vector<double>& k = b == 0 ? disturbance_.rate.ascending : disturbance_.rate.descending;
+  if (!options_.rates || k.empty()) return 1.0;
+  return greatest ? *std::max_element(k.begin(), k.end()) : *std::min_element(k.begin(), k.end());
+}
+
+void Builder::check_rates() {
+  for (const int b : {0, 1}) {
+    const double least = gain_limit(b, false), most = gain_limit(b, true);
+    if (!(least > 0.0)) {
+      throw DesignError(fmt::format("a rate gain of the {} branch is {}, expected above 0", name_of(b),
+                                    rounded_text(least)));
+    }
+    greatest_gain_[b] = most;
+    out_.rate[b].which = b == 0 ? Disturbance::Branch::ascending : Disturbance::Branch::descending;
+    out_.rate[b].at_rest = 0.5 * (least + most);
+    const double control = out_.multiplier.scale_v * (most - least) / (most + least);
+    if (control > out_.multiplier.greatest_input_v) {
+      throw DesignError(fmt::format(
+          "the rate gains of the {} branch lie between {} and {}: the control voltage would reach {} V, expected at "
+          "most the {}'s {} V",
+          name_of(b), rounded_text(least), rounded_text(most), rounded_text(control), out_.multiplier.name,
+          rounded_text(out_.multiplier.greatest_input_v)));
+    }
+  }
+}
+
+/// Follows v + K d(v) = r from 0 to 1 for every rate gain's ends: the stage must have an inverse there.
+void Builder::check_polynomials() {
+  LoopFigures& loop = out_.loop;
+  loop.least_slope = 1.0;
+  for (const int b : {0, 1}) {
+    const std::array<double, 3>& a = b == 0 ? disturbance_.ascending : disturbance_.descending;
+    for (const double k : {gain_limit(b, false), gain_limit(b, true)}) {
+      double v = 0.0, r = 0.0;
+      for (int i = 0; i < 64 * kPoints && r < 1.0; ++i) {
+        const double gain = k * slope_of(a, v);
+        if (!(std::abs(gain) < 1.0)) {
+          throw DesignError(fmt::format(
+              "|K d'| of the {} branch is {} at v = {}, expected below 1: v = r - K d(v) cannot converge",
+              name_of(b), rounded_text(std::abs(gain)), rounded_text(v, 3)));
+        }
+        loop.greatest_gain = std::max(loop.greatest_gain, std::abs(gain));
+        loop.least_slope = std::min(loop.least_slope, 1.0 + gain);
+        loop.greatest_drive = std::max(loop.greatest_drive, v);
+        v += 1.0 / kPoints;
+        r = v + k * disturbance_.value(out_.rate[b].which, v);
+      }
+    }
+  }
+  const double supply = 0.95 * out_.opamp.swing_v;
+  if (loop.greatest_drive > supply) {
+    throw DesignError(fmt::format("the drive would reach {} V, beyond the {}'s {} V",
+                                  rounded_text(loop.greatest_drive), out_.opamp.name, rounded_text(supply)));
+  }
+}
+
+/// In the order of the netlist.
+void Builder::declare_groups() {
+  const auto add = [&](std::string title, Purpose purpose) { add_group(std::move(title), purpose); };
+  add("", Purpose::rate_curve);  // references
+  add("slope's sign", Purpose::slope_sign);
+  add("slope", Purpose::slope_meter);
+  add("rate curve", Purpose::rate_curve);
+  for (const int b : {0, 1}) add("rate gain, " + name_of(b), Purpose::rate_gain);
+  const std::vector<std::string> tails =
+      out_.form == Form::two_pass ? std::vector<std::string>{"", "_2"} : std::vector<std::string>{""};
+  for (const std::string& tail : tails) {
+    add("subtraction" + tail, Purpose::output);
+    for (const int b : {0, 1}) add(name_of(b) + tail, Purpose::branch);
+  }
+  for (const std::string& tail : tails) add("powers" + tail, Purpose::powers);
+  for (const std::string& tail : tails) add("switch" + tail, Purpose::branch_switch);
+  add("levels of the switch's control", Purpose::branch_switch);
+  out_.comparators = {{out_.groups.size() - 1, "so", "up"}};
+  out_.gates = {{out_.groups.size() - 1, "down", {}, {"up"}}};
+}
+
+void Builder::enter(const std::string& title) {
+  const auto at = std::find_if(out_.groups.begin(), out_.groups.end(),
+                               [&](const schematic::Group& one) { return one.title == title; });
+  group = static_cast<std::size_t>(at - out_.groups.begin());
+}
+
+AnalogController Builder::build() {
+  declare_groups();
+  check_rates();
+  check_polynomials();
+  scale_branches();
+  const bool varies =
+      options_.rates && !disturbance_.rate.frequency.empty() &&
+      (gain_limit(0, true) != gain_limit(0, false) || gain_limit(1, true) != gain_limit(1, false));
+  detector();
+  if (varies) {
+    slope_meter();
+    curve_rectifiers();
+    for (const int b : {0, 1}) control(b);
+  }
+  switch (out_.form) {
+    case Form::one_pass:
+      pass("r", "v", 1);
+      break;
+    case Form::two_pass:
+      pass("r", "w", 1);
+      pass("w", "v", 2);
+      break;
+    case Form::self_fed:
+      pass("v", "v", 1);
+      break;
+  }
+  out_.max_error_percent = generator_error_percent(out_);
+  return std::move(out_);
+}
+
+int Builder::multiplier(const std::string& name, const std::string& role, const std::string& x,
+                        const std::string& y, const std::string& z, const std::string& to, double peak_v) {
+  if (peak_v > out_.multiplier.greatest_output_v) {
+    throw DesignError(fmt::format("{} ({}) reaches {} V, expected at most the {}'s {} V", name, role,
+                                  rounded_text(peak_v), out_.multiplier.name,
+                                  rounded_text(out_.multiplier.greatest_output_v)));
+  }
+  out_.multipliers.push_back({name, role, group, x, y, z, to, peak_v});
+  return static_cast<int>(out_.multipliers.size()) - 1;
+}
+
+AnalogController make_controller(const Disturbance& disturbance, const Options& options) {
+  const bool gains = !disturbance.amplitude.alpha.empty();
+  if (gains && !options.full_stroke)
+    throw DesignError(
+        "the disturbance has amplitude gains, which this circuit does not make: expected no table `amplitude`, or "
+        "full strokes only");
+  AnalogController out = Builder(disturbance, options).build();
+  if (gains) out.warnings.push_back("for full strokes only: the disturbance's amplitude gains are not built");
+  return out;
+}
+
+}  // namespace bodesmith::controller

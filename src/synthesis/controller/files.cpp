@@ -1,0 +1,145 @@
+#include "synthesis/controller/files.hpp"
+
+#include <fmt/format.h>
+#include "base/json.hpp"
+
+#include "base/text.hpp"
+#include "base/version.hpp"
+#include "schematic/writers/kicad/schematic.hpp"
+#include "signal/csv.hpp"
+#include "synthesis/controller/library.hpp"
+
+namespace bodesmith::controller {
+namespace {
+
+Json parts_json(const AnalogController& controller) {
+  Json out = Json::array();
+  for (const Part& part : controller.parts) {
+    Json one = {{"name", part.name}, {"role", part.role}, {"section", controller.groups[part.group].title},
+                {"from", part.from}, {"to", part.to},     {"series", part.series}};
+    if (part.kind != Part::Kind::diode) {
+      const char* unit = part.kind == Part::Kind::resistor ? "ohm" : "f";
+      one[std::string("wanted_") + unit] = part.wanted;
+      one[std::string("realised_") + unit] = part.realised;
+    }
+    out.push_back(one);
+  }
+  return out;
+}
+
+Json curve_json(const AnalogController& controller) {
+  std::vector<double> corner;
+  for (const Hertz f : controller.curve->corner) corner.push_back(f.value);
+  return {{"corner_hz", corner},
+          {"ascending", controller.curve->gain[0]},
+          {"descending", controller.curve->gain[1]},
+          {"max_error", controller.curve->max_error},
+          {"slope_v_per_hz", controller.slope->volts_per_hz},
+          {"smoothing_s", controller.slope->smoothing_s}};
+}
+
+}  // namespace
+
+std::string parts_csv(const AnalogController& controller) {
+  CsvTable table(
+      {"part", "section", "series", "wanted_ohm", "realised_ohm", "wanted_f", "realised_f", "type", "role"});
+  for (const Part& part : controller.parts) {
+    const std::string& section = controller.groups[part.group].title;
+    const std::string wanted = number_text(part.wanted), realised = number_text(part.realised);
+    switch (part.kind) {
+      case Part::Kind::resistor:
+        table.add_row({part.name, section, part.series, wanted, realised, "", "", "resistor", part.role});
+        break;
+      case Part::Kind::capacitor:
+        table.add_row({part.name, section, part.series, "", "", wanted, realised, "capacitor", part.role});
+        break;
+      case Part::Kind::diode:
+        table.add_row({part.name, section, "", "", "", "", "", part.series, part.role});
+        break;
+    }
+  }
+  const auto component = [&](const std::string& name, std::size_t group, const std::string& type,
+                             const std::string& role) {
+    table.add_row({name, controller.groups[group].title, "", "", "", "", "", type, role});
+  };
+  for (const OpAmp& one : controller.opamps)
+    component(one.name, one.group, controller.model_of(one).name, one.role);
+  for (const Multiplier& one : controller.multipliers)
+    component(one.name, one.group, controller.multiplier.name, one.role);
+  for (const Contact& one : controller.contacts)
+    component(one.name, one.group, controller.analog_switch.name,
+              one.position == 0 ? "closed while r rises" : "closed while r falls");
+  for (const schematic::Source& one : controller.sources)
+    table.add_row({one.name, "references", "", "", "", "", "", one.type, "node " + one.node});
+  return table.text();
+}
+
+Json to_json(const AnalogController& controller) {
+  Json out = {{"form", std::string(to_string(controller.form))},
+              {"opamp", controller.opamp.name},
+              {"fast_opamp", controller.fast_opamp.name}};
+  out["multiplier"] = {{"name", controller.multiplier.name}, {"scale_v", controller.multiplier.scale_v}};
+  out["switch"] = controller.analog_switch.name;
+  out["branch_gain"] = controller.branch_gain;
+  out["counts"] = {{"multipliers", controller.multipliers.size()},
+                   {"opamps", controller.opamps.size()},
+                   {"parts", controller.parts.size()},
+                   {"contacts", controller.contacts.size()}};
+  out["loop"] = {{"greatest_gain", controller.loop.greatest_gain},
+                 {"least_slope", controller.loop.least_slope},
+                 {"greatest_drive_v", controller.loop.greatest_drive}};
+  if (controller.curve) out["rate_curve"] = curve_json(controller);
+  out["max_error_percent"] = controller.max_error_percent;
+  out["parts"] = parts_json(controller);
+  out["opamps"] = Json::array();
+  for (const OpAmp& one : controller.opamps) {
+    out["opamps"].push_back({{"name", one.name},
+                             {"type", controller.model_of(one).name},
+                             {"role", one.role},
+                             {"section", controller.groups[one.group].title},
+                             {"plus", one.plus},
+                             {"minus", one.minus},
+                             {"out", one.out}});
+  }
+  out["multipliers"] = Json::array();
+  for (const Multiplier& one : controller.multipliers) {
+    out["multipliers"].push_back({{"name", one.name},
+                                  {"role", one.role},
+                                  {"section", controller.groups[one.group].title},
+                                  {"x", one.x},
+                                  {"y", one.y},
+                                  {"z", one.z},
+                                  {"out", one.out},
+                                  {"peak_v", one.peak_v}});
+  }
+  out["contacts"] = Json::array();
+  for (const Contact& one : controller.contacts) {
+    out["contacts"].push_back({{"name", one.name},
+                               {"from", one.from},
+                               {"to", one.to},
+                               {"closed", one.position == 0 ? "rising" : "falling"}});
+  }
+  out["references"] = Json::array();
+  for (const schematic::Source& one : controller.sources)
+    out["references"].push_back(
+        {{"name", one.name}, {"type", one.type}, {"node", one.node}, {"voltage_v", one.volts}});
+  out["warnings"] = controller.warnings;
+  return out;
+}
+
+void add_controller_files(const AnalogController& controller, const std::string& title, const Json& json,
+                          OutputSet& out, const std::filesystem::path& folder) {
+  out.add(folder / "controller.sub", controller_library(controller, title));
+  out.add(folder / "parts.csv", parts_csv(controller));
+  out.add(folder / "controller.json", to_text(json));
+  kicad::add_netlist_project(controller,
+                             {.stem = "controller",
+                              .title = title,
+                              .comment = fmt::format("bodesmith {}; op-amps {}, slope detector {}", kVersion,
+                                                     controller.opamp.name, controller.fast_opamp.name),
+                              .ports = {"r", "v"},
+                              .tolerances = {}},
+                             out, folder);
+}
+
+}  // namespace bodesmith::controller

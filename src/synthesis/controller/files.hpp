@@ -1,0 +1,24 @@
+#pragma once
+
+#include <filesystem>
+#include <string>
+
+#include "base/files.hpp"
+#include "base/json_fwd.hpp"
+#include "synthesis/controller/controller.hpp"
+
+namespace bodesmith::controller {
+
+/// Every part, op-amp, multiplier, switch and reference with its type and role:
+/// `part,section,series,wanted_ohm,realised_ohm,wanted_f,realised_f,type,role`.
+std::string parts_csv(const AnalogController& controller);
+
+/// The description: form, parts, op-amps, multipliers, contacts, references, gain curve, loop. Without header.
+Json to_json(const AnalogController& controller);
+
+/// controller.sub, parts.csv, controller.svg, the KiCad project and controller.json (`json`: what to_json() gives, with header and whatever is known
+/// of the design as built) below `folder`.
+void add_controller_files(const AnalogController& controller, const std::string& title, const Json& json,
+                          OutputSet& out, const std::filesystem::path& folder = "controller");
+
+}  // namespace bodesmith::controller

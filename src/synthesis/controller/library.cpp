@@ -1,0 +1,81 @@
+#include "synthesis/controller/library.hpp"
+
+#include <fmt/format.h>
+
+#include "base/version.hpp"
+#include "schematic/writers/spice_library.hpp"
+
+namespace bodesmith::controller {
+namespace {
+
+bool is_generator(Purpose purpose) {
+  return purpose == Purpose::powers || purpose == Purpose::branch;
+}
+
+/// What the generator reads, by another name.
+void cut_argument(const AnalogController& controller, schematic::Netlist& out) {
+  const auto read = [&](std::size_t group, std::string& node) {
+    if (is_generator(controller.purpose_of(group)) && node == controller.passes.back().x) node = kArgument;
+  };
+  for (Part& one : out.parts) {
+    read(one.group, one.from);
+    read(one.group, one.to);
+  }
+  for (Multiplier& one : out.multipliers) {
+    for (std::string* node : {&one.x, &one.y, &one.z}) read(one.group, *node);
+  }
+}
+
+}  // namespace
+
+schematic::Netlist opened(const AnalogController& controller) {
+  schematic::Netlist out = schematic::subset(controller, [&](std::size_t group) {
+    const Purpose purpose = controller.purpose_of(group);
+    return purpose != Purpose::slope_sign && purpose != Purpose::slope_meter;
+  });
+  cut_argument(controller, out);
+  for (Part& one : out.parts) {
+    for (std::string* node : {&one.from, &one.to}) {
+      if (*node == "sn") *node = "slope";
+    }
+  }
+  for (schematic::Comparator& one : out.comparators) {
+    one.in = "branch";
+    one.gain = 40.0;
+    one.threshold_v = 0.5;
+  }
+  return out;
+}
+
+schematic::Netlist generator_netlist(const AnalogController& controller, bool cut) {
+  schematic::Netlist out = schematic::subset(controller, [&](std::size_t group) {
+    const Purpose purpose = controller.purpose_of(group);
+    return is_generator(purpose) || purpose == Purpose::branch_switch || purpose == Purpose::output;
+  });
+  out.sources = {{"Vr", "", "r", 0.0}};
+  if (cut) cut_argument(controller, out);
+  return out;
+}
+
+std::string controller_library(const AnalogController& controller, const std::string& title,
+                               const LibraryOptions& options) {
+  schematic::SpiceLibrary out;
+  out.title = title;
+  out.written_by = std::string("bodesmith ") + kVersion;
+  out.top = options.open ? "controller_open" : "controller";
+  out.notes = {
+      fmt::format(
+          "The whole analog controller, {}: r, 1 V is full stroke wanted; v, 1 V is full-stroke drive. "
+          "Input r from 0 V on.",
+          to_string(controller.form)),
+      "No analysis and no control section: for ngspice, LTspice and Xyce alike."};
+  schematic::Subcircuit top;
+  top.name = out.top;
+  top.pins = options.open ? std::vector<std::string>{"r", kArgument, "branch", "slope", "v"}
+                          : std::vector<std::string>{"r", "v"};
+  top.netlist = options.open ? opened(controller) : static_cast<const schematic::Netlist&>(controller);
+  out.subcircuits.push_back(std::move(top));
+  return schematic::spice_text(out, {.off = options.off, .noise = false});
+}
+
+}  // namespace bodesmith::controller

@@ -1,0 +1,117 @@
+#include "synthesis/controller/sum_search.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "synthesis/parts/summing_amplifier.hpp"
+
+namespace bodesmith::controller {
+namespace {
+
+constexpr double kLeastOhm = 1e3, kGreatestOhm = 10e6;
+constexpr int kNeighbours = 5;
+constexpr int kSweeps = 6;
+
+class Exchange {
+ public:
+  Exchange(std::vector<double> gains, const std::vector<std::vector<double>>& rows,
+           const circuit::Series& series)
+      : gains_(std::move(gains)), rows_(rows), series_(series) {}
+
+  /// The best near the exact weights for this feedback; infinite when they are out of reach.
+  double from(double feedback, circuit::SummingResistors& best) const {
+    circuit::SummingResistors trial;
+    trial.feedback = feedback;
+    for (const double g : gains_) {
+      const double ohm = g == 0.0 ? 0.0 : feedback / std::abs(g);
+      if (g != 0.0 && (ohm < kLeastOhm * 0.999 || ohm > kGreatestOhm * 1.001))
+        return std::numeric_limits<double>::infinity();
+      trial.weights.push_back(ohm == 0.0 ? 0.0 : series_.nearest(ohm));
+    }
+    double worst = error(trial);
+    for (int sweep = 0; sweep < kSweeps; ++sweep) {
+      const double before = worst;
+      for (std::size_t k = 0; k < gains_.size(); ++k) exchange(trial, trial.weights[k], worst);
+      if (!(worst < 0.999 * before)) break;
+    }
+    best = trial;
+    return worst;
+  }
+
+  double error(const circuit::SummingResistors& r) const {
+    const std::vector<double> got = circuit::summing_gains(r, gains_);
+    double worst = 0.0;
+    for (const std::vector<double>& row : rows_) {
+      double off = -row.back();
+      for (std::size_t k = 0; k < gains_.size(); ++k) off += got[k] * row[k];
+      worst = std::max(worst, std::abs(off));
+    }
+    return worst;
+  }
+
+ private:
+  void exchange(const circuit::SummingResistors& trial, double& ohm, double& worst) const {
+    if (ohm == 0.0) return;
+    const double asked = ohm;
+    double best = ohm;
+    for (const double other : series_.nearest(asked, kNeighbours)) {
+      ohm = other;
+      const double got = error(trial);
+      if (got < worst) {
+        worst = got;
+        best = other;
+      }
+    }
+    ohm = best;
+  }
+
+  std::vector<double> gains_;
+  const std::vector<std::vector<double>>& rows_;
+  const circuit::Series& series_;
+};
+
+}  // namespace
+
+SumDesign search_sum(const std::vector<double>& gains, const std::vector<std::vector<double>>& rows,
+                     const circuit::Series& series, double least_v, const std::string& what) {
+  std::vector<double> used = gains;
+  double largest = 0.0;
+  for (std::size_t k = 0; k < gains.size(); ++k) {
+    double top = 0.0;
+    for (const std::vector<double>& row : rows) top = std::max(top, std::abs(gains[k] * row[k]));
+    if (top < least_v) used[k] = 0.0;
+    largest = std::max(largest, std::abs(used[k]));
+  }
+  const Exchange search(used, rows, series);
+  const double low = std::max(10e3, 1.2 * kLeastOhm * largest);
+  const std::vector<double> feedbacks =
+      series.is_exact() ? std::vector<double>{low} : series.values(low, 6.0 * low);
+  circuit::SummingResistors best, one;
+  double worst = std::numeric_limits<double>::infinity();
+  for (std::size_t i = 0; i < feedbacks.size(); i += 3) {
+    const double got = search.from(feedbacks[i], one);
+    if (got < worst) {
+      worst = got;
+      best = one;
+    }
+  }
+  if (!std::isfinite(worst)) {
+    throw DesignError(
+        fmt::format("{}: gains up to {} beside small ones are too far apart for resistors of {} to "
+                    "{} ohm",
+                    what, rounded_text(largest), rounded_text(kLeastOhm), rounded_text(kGreatestOhm)));
+  }
+  SumDesign out;
+  out.feedback = best.feedback;
+  out.realised = best.weights;
+  for (const double g : used) out.wanted.push_back(g == 0.0 ? 0.0 : best.feedback / std::abs(g));
+  out.gains = circuit::summing_gains(best, used);
+  return out;
+}
+
+}  // namespace bodesmith::controller

@@ -1,0 +1,28 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/json_fwd.hpp"
+#include "synthesis/realise.hpp"
+
+namespace bodesmith::spice {
+
+/// ngspice against the program's own figures for one circuit.
+struct CompensatorCheck {
+  Band band;
+  ResponseDifference against_network;   ///< ngspice against network_response() with the same op-amp model
+  ResponseDifference against_sections;  ///< ngspice against the wanted sections
+  double transient_percent =
+      0.0;  ///< worst difference of a triangle's answer, percent of its peak, from the program's own (in_time.hpp)
+  double noise_percent = 0.0;  ///< worst difference of the output noise density
+};
+
+/// Runs compensator_library() through ngspice: small-signal from 1/10 of the lowest to 10 times the highest
+/// corner, two periods of a triangle at the middle of the corners, noise over the same band.
+CompensatorCheck check_compensator(const circuit::Circuit& circuit, const Sections& wanted, int points = 60);
+
+/// "ngspice" of circuit.json.
+Json to_json(const CompensatorCheck& check);
+
+}  // namespace bodesmith::spice

@@ -1,0 +1,70 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "schematic/analysis/rest_point.hpp"
+#include "synthesis/generator/layout.hpp"
+
+namespace bodesmith::multiplier_layout {
+
+/// What multipliers and op-amps do wrong at rest. The figures are parameters, to be set for the parts that
+/// are bought:
+///   W = (X + input_offset)(Y + input_offset)/(U (1 + scale_error)) (1 + nonlinearity) + Z + output_offset.
+/// An offset at one input is the feedthrough of the other: input_offset/U of it comes through.
+struct ErrorLimits {
+  double input_offset_v = 3e-3;
+  double output_offset_v = 5e-3;
+  double scale_percent = 0.5;         ///< of U, after trimming
+  double nonlinearity_percent = 0.2;  ///< of the product
+  double opamp_offset_v = 0.5e-3;
+  double resistor_percent = 0.1;
+  double switch_ohm_percent = 20.0;
+
+  /// Every departure of a multiplier at its limit, all positive.
+  MultiplierDeviation multiplier_at_limit() const {
+    return {input_offset_v, input_offset_v, output_offset_v, scale_percent / 100.0,
+            nonlinearity_percent / 100.0};
+  }
+};
+
+/// One cause, alone, at its limit: greatest change of d(x) over x in [0, 1], percent of the range of x.
+struct BudgetLine {
+  std::string cause;
+  std::vector<double> percent;  ///< one a branch
+};
+
+struct Budget {
+  ErrorLimits errors;
+  std::vector<BudgetLine> lines;      ///< largest first
+  std::vector<double> rss_percent;    ///< root of the sum of squares, one a branch
+  std::vector<double> worst_percent;  ///< sum
+  /// What the amplitude gains add, worst alpha of the table; empty without them.
+  std::vector<BudgetLine> amplitude_lines;
+  std::vector<double> amplitude_rss_percent;  ///< with the causes of `lines`
+};
+
+/// Every multiplier with all its departures at their limits.
+schematic::Deviations multipliers_at_limit(const Layout& layout, const ErrorLimits& errors);
+
+Budget make_budget(const Layout& layout, const ErrorLimits& errors = {});
+
+/// The generator at rest: d(x) of a layout's own netlist. Deviations are by place in the layout's lists.
+class GeneratorAtRest {
+ public:
+  explicit GeneratorAtRest(const Layout& layout, bool with_amplitude = false);
+
+  /// d at each x, of the stroke alpha where the amplitude gains are in.
+  std::vector<double> curve(std::size_t branch, const std::vector<double>& x, double alpha,
+                            const schematic::Deviations& off) const;
+  std::vector<double> curve(std::size_t branch, const std::vector<double>& x, double alpha = 1.0) const;
+  /// Control voltage of a branch's amplitude gain, V.
+  double control_v(std::size_t branch, double alpha) const;
+
+ private:
+  const Layout& layout_;
+  bool with_amplitude_;
+  schematic::RestOrder order_;
+};
+
+}  // namespace bodesmith::multiplier_layout

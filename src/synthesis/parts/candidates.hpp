@@ -1,0 +1,29 @@
+#pragma once
+
+#include <complex>
+#include <cstddef>
+#include <vector>
+
+#include "synthesis/parts/stage_errors.hpp"
+#include "synthesis/realise.hpp"
+#include "synthesis/stages/stage_form.hpp"
+
+namespace bodesmith::circuit {
+
+/// Values for one stage's parts.
+struct StageCandidate {
+  std::vector<double> values;
+  std::vector<std::complex<double>> error;  ///< ln(H/H_wanted) of this stage over the grid, weighted
+  double rank = 0.0;
+};
+
+/// Max. |error|^2.
+double worst_square(const std::vector<std::complex<double>>& error);
+
+/// Up to 400 of them, best first: those of the preferred capacitors within a decade from the smallest that
+/// keep the resistors within their limits, with neighbouring preferred resistors. Among several stages a
+/// constant gain error does not count: another stage makes it good. Empty when the limits allow none.
+std::vector<StageCandidate> stage_candidates(const StageForm& form, const RealiseOptions& options,
+                                             const SearchGrid& grid, std::size_t stages);
+
+}  // namespace bodesmith::circuit

@@ -1,0 +1,52 @@
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "schematic/netlist.hpp"
+#include "synthesis/parts/summing_amplifier.hpp"
+
+namespace bodesmith::circuit {
+
+/// Adds elements to a netlist; each call gives the place of what it added in its list.
+class NetlistMaker {
+ public:
+  NetlistMaker(schematic::Netlist& to, const Series& resistors, const Series& capacitors)
+      : to_(to), resistors_(resistors), capacitors_(capacitors) {}
+
+  std::size_t group = 0;  ///< of what is added next
+
+  std::size_t add_group(std::string title, schematic::Purpose purpose);
+  /// The part nearest in the series where `realised` says nothing else.
+  int resistor(std::string name, std::string role, std::string from, std::string to, double wanted,
+               std::optional<double> realised = {});
+  int capacitor(std::string name, std::string role, std::string from, std::string to, double wanted);
+  int diode(std::string name, std::string role, std::string anode, std::string cathode);
+  /// U1, U2, … where no name is given.
+  int opamp(std::string role, std::string plus, std::string minus, std::string out, std::string name = "");
+
+  /// What enters a sum: its node; name and role of its resistor.
+  struct Weight {
+    std::string node, name, role;
+  };
+  struct Sum {
+    int opamp = -1;
+    std::vector<int> weights;  ///< -1: a gain of 0, no part
+    double noise_gain = 1.0;
+  };
+  /// The summing amplifier of a design for these gains between its nodes. `letters` begin the names of its other
+  /// resistors (Raf, Rab), `tail` ends them, `what` ends their roles.
+  Sum sum(const std::vector<Weight>& weights, const std::vector<double>& gains, const SummingDesign& design,
+          const std::string& letters, const std::string& tail, const std::string& what, std::string role,
+          const std::string& plus, const std::string& minus, const std::string& out);
+
+ private:
+  int part(schematic::Part one);
+
+  schematic::Netlist& to_;
+  const Series& resistors_;
+  const Series& capacitors_;
+};
+
+}  // namespace bodesmith::circuit

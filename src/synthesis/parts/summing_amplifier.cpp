@@ -1,0 +1,164 @@
+#include "synthesis/parts/summing_amplifier.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+
+namespace bodesmith::circuit {
+namespace {
+
+constexpr double kLeast = 1e3;
+constexpr double kGreatest = 10e6;
+constexpr int kPoints = 24;
+
+double conductance(double ohm) {
+  return ohm > 0.0 ? 1.0 / ohm : 0.0;
+}
+
+double sum_at(const SummingResistors& r, const std::vector<double>& signs, bool plus) {
+  double out = 0.0;
+  for (size_t k = 0; k < signs.size(); ++k) {
+    if (signs[k] != 0.0 && (signs[k] > 0.0) == plus) out += conductance(r.weights[k]);
+  }
+  return out + (r.balance_at_plus == plus ? conductance(r.balance) : 0.0);
+}
+
+/// Weights exact for this feedback; balance for these weights.
+SummingResistors exact_for(const std::vector<double>& wanted, double feedback) {
+  SummingResistors out;
+  out.feedback = feedback;
+  for (const double g : wanted) out.weights.push_back(g == 0.0 ? 0.0 : feedback / std::abs(g));
+  return out;
+}
+
+/// Resistance that makes the conductances at both inputs equal.
+void set_balance(SummingResistors& r, const std::vector<double>& wanted) {
+  r.balance = 0.0;
+  if (std::none_of(wanted.begin(), wanted.end(), [](double g) { return g > 0.0; })) return;
+  const double lack = 1.0 / r.feedback + sum_at(r, wanted, false) - sum_at(r, wanted, true);
+  r.balance_at_plus = lack > 0.0;
+  r.balance = std::abs(lack) < 1e-9 / r.feedback ? 0.0 : 1.0 / std::abs(lack);
+}
+
+class Search {
+ public:
+  Search(const std::vector<double>& wanted, const std::vector<double>& scale, const Series& series)
+      : wanted_(wanted), scale_(scale), series_(series) {}
+
+  double least() const { return least_; }
+  const SummingResistors& best() const { return best_; }
+
+  void from(double feedback) {
+    const SummingResistors exact = exact_for(wanted_, feedback);
+    for (const double weight : exact.weights) {
+      if (weight != 0.0 && (weight < kLeast || weight > kGreatest)) return;
+    }
+    SummingResistors trial = exact;
+    const auto terms =
+        std::count_if(exact.weights.begin(), exact.weights.end(), [](double r) { return r != 0.0; });
+    const int neighbours = terms <= 3 ? 5 : (terms <= 5 ? 3 : 2);
+    near_.clear();
+    for (const double weight : exact.weights) {
+      near_.push_back(weight == 0.0 ? std::vector<double>{0.0} : series_.nearest(weight, neighbours));
+    }
+    weights(trial, 0);
+  }
+
+ private:
+  void weights(SummingResistors& trial, size_t k) {
+    if (k == wanted_.size()) {
+      balance(trial);
+      return;
+    }
+    for (const double ohm : near_[k]) {
+      trial.weights[k] = ohm;
+      weights(trial, k + 1);
+    }
+  }
+
+  void balance(SummingResistors trial) {
+    set_balance(trial, wanted_);
+    if (trial.balance == 0.0 || trial.balance > kGreatest) {
+      trial.balance = 0.0;
+      consider(trial);
+      return;
+    }
+    for (const double ohm : series_.nearest(trial.balance, 3)) {
+      trial.balance = ohm;
+      if (ohm >= kLeast) consider(trial);
+    }
+  }
+
+  void consider(const SummingResistors& trial) {
+    const std::vector<double> gains = summing_gains(trial, wanted_);
+    double worst = 0.0;
+    for (int i = 1; i <= kPoints && worst < least_; ++i) {
+      const double x = static_cast<double>(i) / kPoints;
+      double error = 0.0;
+      for (size_t k = wanted_.size(); k-- > 0;) error = (error + (gains[k] - wanted_[k]) * scale_[k]) * x;
+      worst = std::max(worst, std::abs(error));
+    }
+    if (worst < least_) {
+      least_ = worst;
+      best_ = trial;
+    }
+  }
+
+  const std::vector<double>& wanted_;
+  const std::vector<double>& scale_;
+  const Series& series_;
+  std::vector<std::vector<double>> near_;  ///< for each weight, the values tried
+  double least_ = std::numeric_limits<double>::infinity();
+  SummingResistors best_;
+};
+
+}  // namespace
+
+std::vector<double> summing_gains(const SummingResistors& r, const std::vector<double>& signs) {
+  const double minus = sum_at(r, signs, false), plus = sum_at(r, signs, true);
+  std::vector<double> out;
+  for (size_t k = 0; k < signs.size(); ++k) {
+    if (signs[k] == 0.0) {
+      out.push_back(0.0);
+    } else if (signs[k] < 0.0) {
+      out.push_back(-r.feedback / r.weights[k]);
+    } else {
+      out.push_back(conductance(r.weights[k]) / plus * (1.0 + minus * r.feedback));
+    }
+  }
+  return out;
+}
+
+SummingDesign search_summing_resistors(const std::vector<double>& wanted, const std::vector<double>& scale,
+                                       const Series& series) {
+  double largest = 0.0;
+  for (const double g : wanted) largest = std::max(largest, std::abs(g));
+  Search search(wanted, scale, series);
+  SummingDesign out;
+  // The largest gain's resistor is kLeast or more; a decade of feedback values from there, 10 kohm if that is
+  // higher.
+  const double low = std::max(10e3, 2.0 * kLeast * largest);
+  if (series.is_exact()) {
+    search.from(low);
+  } else {
+    for (const double feedback : series.values(low, 10.0 * low)) search.from(feedback);
+  }
+  if (!std::isfinite(search.least())) {
+    throw DesignError(
+        fmt::format("the gains of a sum are too far apart (greatest {}) for resistors of {} to {} ohm",
+                    rounded_text(largest), rounded_text(kLeast), rounded_text(kGreatest)));
+  }
+  out.realised = search.best();
+  out.gains = summing_gains(out.realised, wanted);
+  out.exact = exact_for(wanted, out.realised.feedback);
+  set_balance(out.exact, wanted);
+  if (out.realised.balance == 0.0) out.exact.balance = 0.0;
+  return out;
+}
+
+}  // namespace bodesmith::circuit

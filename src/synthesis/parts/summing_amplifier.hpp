@@ -1,0 +1,32 @@
+#pragma once
+
+#include <vector>
+
+#include "synthesis/parts/series.hpp"
+
+namespace bodesmith::circuit {
+
+/// Resistors of a summing op-amp: out = sum_k g_k v_k with g of both signs.
+struct SummingResistors {
+  double feedback = 0.0;
+  std::vector<double> weights;  ///< 0: no such term
+  double balance = 0.0;         ///< 0: none
+  bool balance_at_plus = true;
+};
+
+struct SummingDesign {
+  SummingResistors exact;
+  SummingResistors realised;
+  std::vector<double> gains;  ///< of the realised resistors
+};
+
+/// Gains that resistors make with an ideal op-amp: at the inverting input -Rf/Rk, at the other
+/// (Gk/sum G+)(1 + sum G-/Gf).
+std::vector<double> summing_gains(const SummingResistors& resistors, const std::vector<double>& wanted_signs);
+
+/// Searches feedback, weights and balance jointly in the series so that the greatest |sum (g_k - wanted_k)
+/// x^k| over x in [0, 1] is least. `scale[k]` is what term k's node carries at x = 1. Throws DesignError.
+SummingDesign search_summing_resistors(const std::vector<double>& wanted, const std::vector<double>& scale,
+                                       const Series& series);
+
+}  // namespace bodesmith::circuit

@@ -1,0 +1,308 @@
+#include "tolerance/controller/loop.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <stdexcept>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "lti/frequency_grid.hpp"
+#include "lti/loop_margins.hpp"
+#include "schematic/analysis/response.hpp"
+#include "schematic/ngspice/ngspice.hpp"
+#include "schematic/plain_number.hpp"
+#include "schematic/writers/spice_models.hpp"
+#include "synthesis/controller/at_rest.hpp"
+#include "synthesis/controller/library.hpp"
+
+namespace bodesmith::part_errors {
+namespace {
+
+using controller::AnalogController;
+using schematic::plain_number;
+
+/// v = 0, 1/4 … 1; both branches; the gain curve's corners, where the gains' extremes are.
+std::vector<LoopPoint> loop_points(const AnalogController& c) {
+  std::vector<Hertz> operating = {c.tracked.empty() ? Hertz{1.0} : c.tracked.front()};
+  if (c.curve) operating = c.curve->corner;
+  std::vector<LoopPoint> out;
+  for (const auto branch : {Disturbance::Branch::ascending, Disturbance::Branch::descending}) {
+    std::vector<double> seen;
+    for (const Hertz f : operating) {
+      const double gain = c.curve ? c.curve->value(branch, f) : 1.0;
+      const bool known =
+          std::any_of(seen.begin(), seen.end(), [&](double one) { return std::abs(one - gain) < 1e-6; });
+      if (known) continue;
+      seen.push_back(gain);
+      for (int i = 0; i <= 4; ++i) out.push_back({branch, 0.25 * i, f, gain});
+    }
+  }
+  return out;
+}
+
+/// The generator cut at its argument, for small signals about the point.
+schematic::Equations cut_loop(const AnalogController& controller, const LoopPoint& point) {
+  LoopBias bias = bias_of(controller, point);
+  bias.volts[controller::kArgument] = point.v;
+  schematic::Equations out(controller::generator_netlist(controller, true),
+                           {.position = bias.position, .input = controller::kArgument});
+  out.linearise(bias.volts);
+  return out;
+}
+
+LoopAt look_at(const AnalogController& controller, const LoopPoint& point, const std::vector<Hertz>& grid) {
+  const LoopBias bias = bias_of(controller, point);
+  const schematic::Netlist netlist = controller::generator_netlist(controller, false);
+  schematic::Equations closed(netlist, {.position = bias.position});
+  closed.linearise(bias.volts);
+  const schematic::Equations cut = cut_loop(controller, point);
+  const bool fed = controller.form == controller::Form::self_fed;
+  LoopAt out;
+  out.point = point;
+  std::vector<std::complex<double>> loop;
+  std::vector<std::vector<std::complex<double>>> own(netlist.opamps.size());
+  for (const Hertz f : grid) {
+    loop.push_back(fed ? -cut.response(f.rad_s(), "v") : 0.0);
+    out.greatest_gain = std::max(out.greatest_gain, std::abs(loop.back()));
+    for (std::size_t k = 0; k < own.size(); ++k)
+      own[k].push_back(schematic::return_ratio(closed, netlist, k, f.rad_s()));
+  }
+  out.gain_margin_db = loop_margins(grid, loop).gain_margin_db().value_or(0.0);
+  for (std::size_t k = 0; k < own.size(); ++k) {
+    const schematic::OpAmp& u = netlist.opamps[k];
+    const LoopMargins margins = loop_margins(grid, own[k]);
+    const auto* least = margins.least_phase_margin();
+    out.opamps.push_back(
+        {u.name, u.role, margins.phase_margin_deg(), least == nullptr ? Hertz{} : least->frequency});
+  }
+  return out;
+}
+
+constexpr int kGridPoints = 90;
+/// Of the stroke: within this a change of branch is over.
+constexpr double kSettledShare = 2e-4;
+
+/// The netlist with the slope meter and the branch from outside, and its sources but for x.
+std::string open_deck(const AnalogController& controller, const std::string& library, const LoopPoint& point,
+                      double reference_v, const std::string& branch) {
+  const double slope = controller.slope ? -point.operating.value * controller.slope->volts_per_hz : 0.0;
+  return fmt::format(
+      "loop\n{}\nVr r 0 {}\nVbranch branch 0 {}\nVslope slope 0 {}\nXc r x branch slope v controller_open\n",
+      library, plain_number(reference_v), branch, plain_number(slope));
+}
+
+std::string level(Disturbance::Branch branch) {
+  return branch == Disturbance::Branch::ascending ? "1" : "0";
+}
+
+/// The op-amp's line takes a copy of the macromodel with a source of 1 V behind the ideal output stage: there its
+/// whole return ratio passes, whatever is connected.
+std::string with_cut_opamp(const AnalogController& controller, std::string library, const std::string& name) {
+  const schematic::OpAmp* opamp = nullptr;
+  for (const schematic::OpAmp& one : controller.opamps) {
+    if (one.name == name) opamp = &one;
+  }
+  const std::string begin = "\nX" + name + " ";
+  const std::size_t at = library.find(begin);
+  if (opamp == nullptr || at == std::string::npos) throw std::logic_error("no op-amp " + name);
+  const std::size_t end = library.find('\n', at + 1), last = library.rfind(' ', end);
+  library.replace(last + 1, end - last - 1, "bodesmith_opamp_cut");
+  schematic::OpAmpModel quiet = controller.model_of(*opamp);
+  quiet.voltage_noise_v_per_rthz = quiet.current_noise_a_per_rthz = 0.0;
+  std::string macro = schematic::opamp_subcircuit(quiet, "bodesmith_opamp_cut");
+  const std::string output = "\nRo y o ";
+  const std::size_t ro = macro.find(output);
+  if (ro == std::string::npos) throw std::logic_error("the op-amp's macromodel has no output resistance");
+  macro.replace(ro, output.size(), "\nVcut z y 0 ac 1\nRo z o ");
+  return library + "\n" + macro;
+}
+
+std::vector<std::complex<double>> opamp_ratio(const AnalogController& controller, const std::string& opamp,
+                                              const LoopPoint& point, const std::vector<Hertz>& grid) {
+  controller::LibraryOptions options;
+  options.open = true;
+  const std::string library =
+      with_cut_opamp(controller, controller::controller_library(controller, "loop", options), opamp);
+  std::string deck =
+      open_deck(controller, library, point, bias_of(controller, point).reference_v, level(point.branch));
+  // The generator reads its own drive (or the reference).
+  deck += controller.form == controller::Form::self_fed ? "Vx x v 0\n" : "Vx x r 0\n";
+  std::vector<std::complex<double>> out =
+      spice::run_ac_of_circuit(deck, "xc.x" + opamp + ".y", grid, "controller.sub");
+  for (std::complex<double>& y : out) y = -y / (1.0 + y);
+  return out;
+}
+
+std::vector<std::complex<double>> generator_loop(const AnalogController& controller, const LoopPoint& point,
+                                                 const std::vector<Hertz>& grid) {
+  controller::LibraryOptions options;
+  options.open = true;
+  std::string deck = open_deck(controller, controller::controller_library(controller, "loop", options), point,
+                               bias_of(controller, point).reference_v, level(point.branch));
+  deck += fmt::format("Vx x 0 {} ac 1\n", plain_number(point.v));
+  std::vector<std::complex<double>> out = spice::run_ac_of_circuit(deck, "v", grid, "controller.sub");
+  for (std::complex<double>& t : out) t = -t;
+  return out;
+}
+
+/// v of a branch at rest.
+double drive_of(controller::AtRest& rest, bool self_fed, double r, bool rising) {
+  double v = r;
+  for (int i = 0; i < 60; ++i) {
+    const double made = rest.made(r, v, rising);
+    if (!self_fed) return made;
+    v = made;
+  }
+  return v;
+}
+
+/// Both changes of branch at a reference of r, each branch held for `hold_s`; `rest_v`: the drive of each at rest.
+SwitchStep change_of_branch(const AnalogController& controller, const LoopPoint& at, double r,
+                            const double rest_v[2], double hold_s) {
+  constexpr double kChangeS = 2e-6, kEdgeS = 1e-9, kStepS = 10e-9;
+  const double back_s = kChangeS + hold_s, stop_s = back_s + hold_s;
+  controller::LibraryOptions options;
+  options.open = true;
+  std::string deck = open_deck(
+      controller, controller::controller_library(controller, "switch", options), at, r,
+      fmt::format("pwl(0 0 {} 0 {} 1 {} 1 {} 0)", plain_number(kChangeS), plain_number(kChangeS + kEdgeS),
+                  plain_number(back_s), plain_number(back_s + kEdgeS)));
+  deck += controller.form == controller::Form::self_fed ? "Vx x v 0\n" : "Vx x r 0\n";
+  const spice::Transient run = spice::run_transient(deck, {"v"}, kStepS, stop_s, "controller.sub");
+  SwitchStep out{.v = r, .step_percent = 100.0 * std::abs(rest_v[0] - rest_v[1])};
+  const double low = std::min(rest_v[0], rest_v[1]), high = std::max(rest_v[0], rest_v[1]);
+  const auto last_before = [&](double t) {
+    double value = run.v[0].front();
+    for (std::size_t i = 0; i < run.time_s.size() && run.time_s[i] < t; ++i) value = run.v[0][i];
+    return value;
+  };
+  const double end[2] = {last_before(back_s), last_before(stop_s)};
+  for (std::size_t i = 0; i < run.time_s.size(); ++i) {
+    const double t = run.time_s[i], now = run.v[0][i];
+    if (t < kChangeS) continue;
+    out.overshoot_percent = std::max({out.overshoot_percent, 100.0 * (low - now), 100.0 * (now - high)});
+    const bool second = t >= back_s;
+    if (std::abs(now - end[second ? 1 : 0]) > kSettledShare)
+      out.settled_s = std::max(out.settled_s, t - (second ? back_s : kChangeS));
+  }
+  return out;
+}
+
+std::optional<SwitchStep> switch_step(const AnalogController& controller, const LoopPoint& at) {
+  if (!controller.switched() || controller.contacts.size() < 2) return std::nullopt;
+  const controller::RestWiring wiring(controller);
+  controller::AtRest rest(wiring, schematic::Deviations::none(controller));
+  if (controller.slope) rest.set_slope(-at.operating.value * controller.slope->volts_per_hz);
+  double r = 0.5, greatest = 0.0;
+  for (int i = 0; i <= 40; ++i) {
+    const double here = i / 40.0;
+    const double apart = std::abs(drive_of(rest, wiring.argument_is_given, here, true) -
+                                  drive_of(rest, wiring.argument_is_given, here, false));
+    if (apart > greatest) {
+      greatest = apart;
+      r = here;
+    }
+  }
+  if (!(greatest > 0.0)) return std::nullopt;
+  const double rest_v[2] = {drive_of(rest, wiring.argument_is_given, r, true),
+                            drive_of(rest, wiring.argument_is_given, r, false)};
+  // A hold in whose first third all is over was long enough.
+  constexpr double kShortS = 3e-6, kLongS = 10e-6;
+  const SwitchStep quick = change_of_branch(controller, at, r, rest_v, kShortS);
+  return quick.settled_s < kShortS / 3.0 ? quick : change_of_branch(controller, at, r, rest_v, kLongS);
+}
+
+}  // namespace
+
+LoopBias bias_of(const AnalogController& controller, const LoopPoint& point) {
+  const controller::RestWiring wiring(controller);
+  controller::AtRest rest(wiring, schematic::Deviations::none(controller));
+  LoopBias out;
+  if (controller.slope) out.slope_v = -point.operating.value * controller.slope->volts_per_hz;
+  rest.set_slope(out.slope_v);
+  const bool rising = point.branch == Disturbance::Branch::ascending;
+  out.position = rising ? 0 : 1;
+  out.reference_v = point.v;
+  if (wiring.argument_is_given)
+    out.reference_v = (point.v - rest.made(0.0, point.v, rising)) / rest.reference_gain();
+  rest.made(out.reference_v, point.v, rising);
+  for (const schematic::Multiplier& m : controller.multipliers) {
+    for (const std::string& node : {m.x, m.y, m.z, m.out})
+      out.volts[node] = wiring.argument_is_given && node == "v" ? point.v : rest.volts(node);
+  }
+  if (wiring.argument_is_given) out.volts["v"] = point.v;
+  return out;
+}
+
+std::complex<double> generator_loop_gain(const AnalogController& controller, const LoopPoint& point,
+                                         RadPerSecond w) {
+  if (controller.form != controller::Form::self_fed) return 0.0;
+  return -cut_loop(controller, point).response(w, "v");
+}
+
+LoopStability loop_stability(const AnalogController& controller) {
+  LoopStability out;
+  if (controller.opamp.is_ideal) return out;
+  const std::vector<Hertz> grid = log_grid({Hertz{1e2}, Hertz{3e9}}, 120);
+  for (const LoopPoint& point : loop_points(controller)) {
+    out.at.push_back(look_at(controller, point, grid));
+    const LoopAt& at = out.at.back();
+    out.greatest_gain = std::max(out.greatest_gain, at.greatest_gain);
+    for (const LoopAt::OpAmpMargin& one : at.opamps) {
+      if (one.margin_deg >= out.margin_deg) continue;
+      out.margin_deg = one.margin_deg;
+      out.opamp = one.opamp;
+      out.role = one.role;
+      out.point = point;
+      out.crossing = one.crossing;
+    }
+  }
+  return out;
+}
+
+std::string loop_warning(const LoopStability& loop) {
+  const double margin = loop.ngspice ? std::min(loop.margin_deg, loop.ngspice->margin_deg) : loop.margin_deg;
+  if (margin >= kGoodMarginDeg) return {};
+  return fmt::format(
+      "{} ({}) has a phase margin of {} degrees at v = {}, {} branch, crossing at {}: expected at least {}; an op-amp "
+      "with a lower output resistance or another gain-bandwidth, or a capacitor of some picofarads across its "
+      "feedback resistor, changes it",
+      loop.opamp, loop.role, rounded_text(margin, 3), rounded_text(loop.point.v, 3),
+      loop.point.branch == Disturbance::Branch::ascending ? "ascending" : "descending",
+      engineering_text(loop.crossing.value, "Hz"), rounded_text(kGoodMarginDeg));
+}
+
+void require_stable(const LoopStability& loop, bool allowed) {
+  const double margin = loop.ngspice ? std::min(loop.margin_deg, loop.ngspice->margin_deg) : loop.margin_deg;
+  if (allowed || margin >= kLeastMarginDeg) return;
+  throw DesignError(loop_warning(loop));
+}
+
+LoopStability checked_loop_stability(const AnalogController& controller) {
+  LoopStability out = loop_stability(controller);
+  if (out.at.empty()) return out;
+  const std::vector<Hertz> grid = log_grid({Hertz{1e3}, Hertz{1e9}}, kGridPoints);
+  LoopStability::Checked checked;
+  const LoopMargins margins = loop_margins(grid, opamp_ratio(controller, out.opamp, out.point, grid));
+  checked.margin_deg = margins.phase_margin_deg();
+  if (const auto* least = margins.least_phase_margin()) checked.crossing = least->frequency;
+  if (controller.form == controller::Form::self_fed) {
+    const auto worst = std::max_element(out.at.begin(), out.at.end(), [](const LoopAt& a, const LoopAt& b) {
+      return a.greatest_gain < b.greatest_gain;
+    });
+    const std::vector<std::complex<double>> t = generator_loop(controller, worst->point, grid);
+    for (std::size_t i = 0; i < grid.size(); ++i) {
+      checked.greatest_gain = std::max(checked.greatest_gain, std::abs(t[i]));
+      checked.greatest_difference =
+          std::max(checked.greatest_difference,
+                   std::abs(t[i] - generator_loop_gain(controller, worst->point, grid[i].rad_s())));
+    }
+  }
+  checked.step = switch_step(controller, out.point);
+  out.ngspice = checked;
+  return out;
+}
+
+}  // namespace bodesmith::part_errors

@@ -1,0 +1,286 @@
+#include "tolerance/controller/report.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/json.hpp"
+#include "base/progress.hpp"
+#include "base/text.hpp"
+#include "base/text_template.hpp"
+#include "schematic/ngspice/ngspice.hpp"
+
+namespace bodesmith::part_errors {
+namespace {
+
+std::string percent_text(double value) {
+  return rounded_text(value, 3) + " %";
+}
+
+constexpr std::size_t kNamedParts = 12;
+
+const char* branch_name(Disturbance::Branch branch) {
+  return branch == Disturbance::Branch::ascending ? "ascending" : "descending";
+}
+
+Json spread_json(const Spread& spread) {
+  return {{"nominal_percent", spread.nominal_percent},
+          {"median_percent", spread.median_percent},
+          {"p95_percent", spread.p95_percent},
+          {"max_percent", spread.max_percent}};
+}
+
+Json spreads_json(const std::vector<Hertz>& frequencies, const std::vector<Spread>& at) {
+  Json out = Json::array();
+  for (std::size_t i = 0; i < at.size(); ++i) {
+    Json one = {{"frequency_hz", frequencies[i].value}};
+    one.update(spread_json(at[i]));
+    out.push_back(one);
+  }
+  return out;
+}
+
+Json shares_json(const std::vector<Share>& shares, std::size_t most) {
+  Json out = Json::array();
+  for (std::size_t i = 0; i < std::min(most, shares.size()); ++i) {
+    out.push_back({{"name", shares[i].name},
+                   {"group", shares[i].group},
+                   {"variance_share", shares[i].share},
+                   {"rms_percent", shares[i].rms_percent}});
+  }
+  return out;
+}
+
+Json study_json(const Report& report) {
+  const Study& study = report.study;
+  Json assumed;
+  for (const PartErrors::Named& one : PartErrors::names()) assumed[one.name] = report.errors.*one.value;
+  assumed["distribution"] =
+      "resistors, capacitors and references uniform within the tolerance; all others normal, the figure being one "
+      "standard deviation, cut at three";
+  Json checked = Json::array();
+  for (const DrawCheck& one : report.checked) {
+    checked.push_back({{"draw", one.draw},
+                       {"frequency_hz", one.frequency.value},
+                       {"error_percent", one.percent},
+                       {"ngspice_percent", one.ngspice_percent},
+                       {"drive_difference_rms_percent", one.drive_rms_percent}});
+  }
+  return {{"assumed", assumed},
+          {"checked_in_ngspice", checked},
+          {"draws", study.draws},
+          {"worst_frequency", spread_json(study.worst)},
+          {"at", spreads_json(study.frequencies, study.at)},
+          {"groups", shares_json(study.groups, study.groups.size())},
+          {"parts", shares_json(study.parts, kNamedParts)},
+          {"explained_by_shares", study.explained}};
+}
+
+Json trim_json(const Report& report, const controller::AnalogController& controller) {
+  const TrimStudy& trims = report.trims;
+  Json steps = Json::array();
+  for (const TrimStep& step : trims.steps) {
+    steps.push_back({{"trim", step.trim.name},
+                     {"how", step.trim.how},
+                     {"unit", step.trim.unit},
+                     {"range", step.range},
+                     {"reading", step.reading.words(controller, report.study.frequencies.back())},
+                     {"expected_v", step.expected_v},
+                     {"volts_per_setting", step.volts_per_setting}});
+  }
+  return {{"steps", steps},
+          {"rounds", trims.rounds},
+          {"foreseen_share", trims.foreseen_share},
+          {"before", spread_json(trims.before)},
+          {"after", spread_json(trims.after)},
+          {"at", spreads_json(report.study.frequencies, trims.after_at)}};
+}
+
+Json point_json(const LoopPoint& point) {
+  return {{"branch", branch_name(point.branch)},
+          {"v", point.v},
+          {"operating_hz", point.operating.value},
+          {"rate_gain", point.rate_gain}};
+}
+
+std::string volts_text(double volts) {
+  return fmt::format("{:.4f} V", std::abs(volts) < 5e-5 ? 0.0 : volts);
+}
+
+std::string range_text(const TrimStep& step) {
+  return step.trim.unit.empty() ? fmt::format("+-{} %", rounded_text(100.0 * step.range, 3))
+                                : fmt::format("+-{} m{}", rounded_text(1e3 * step.range, 3), step.trim.unit);
+}
+
+/// What the whole range of a potentiometer moves the reading by.
+std::string moves_text(const TrimStep& step) {
+  return fmt::format("{} mV", rounded_text(1e3 * std::abs(2.0 * step.range * step.volts_per_setting), 2));
+}
+
+Json expected_points(const controller::AnalogController& controller) {
+  const controller::RestWiring wiring(controller);
+  const Board board(wiring, copy_of(controller, {}, {}));
+  Json out = Json::array();
+  for (const double r : {0.0, 0.25, 0.5, 0.75, 1.0}) {
+    out.push_back({{"r", fmt::format("{:.2f}", r)},
+                   {"rising", fmt::format("{:.4f}", board.at_rest(r, true) + 0.0)},
+                   {"falling", fmt::format("{:.4f}", board.at_rest(r, false) + 0.0)}});
+  }
+  return out;
+}
+
+}  // namespace
+
+Report examine(const controller::AnalogController& controller, const tracking::Stage& stage,
+               const ReportOptions& options) {
+  const Stopwatch watch;
+  Report out;
+  out.errors = options.study.errors;
+  out.loop = options.ngspice && spice::ngspice_available() ? checked_loop_stability(controller)
+                                                           : loop_stability(controller);
+  require_stable(out.loop, options.allow_unstable);
+  out.study = study_errors(controller, stage, options.study);
+  out.trims = study_trims(controller, stage, options.study, options.trims, &out.study);
+  if (options.ngspice && options.checked_draws > 0 && spice::ngspice_available())
+    out.checked = check_draws(controller, stage, options.study, options.checked_draws);
+  out.seconds = watch.seconds();
+  return out;
+}
+
+std::string summary_text(const Report& report) {
+  const Study& study = report.study;
+  std::string out =
+      fmt::format("tracked error over {} copies, worst frequency: nominal {}, median {}, 95 % below {}\n",
+                  study.draws, percent_text(study.worst.nominal_percent),
+                  percent_text(study.worst.median_percent), percent_text(study.worst.p95_percent));
+  for (std::size_t i = 0; i < study.parts.size() && i < 5; ++i) {
+    out += fmt::format("  {}: {} % of the variance\n", study.parts[i].name,
+                       rounded_text(100.0 * study.parts[i].share, 2));
+  }
+  for (const DrawCheck& one : report.checked) {
+    out += fmt::format("  copy {} at {} Hz: {}, ngspice {}\n", one.draw, rounded_text(one.frequency.value),
+                       percent_text(one.percent), percent_text(one.ngspice_percent));
+  }
+  const TrimStudy& trims = report.trims;
+  if (!trims.steps.empty()) {
+    std::string names;
+    for (const TrimStep& step : trims.steps) names += (names.empty() ? "" : ", ") + step.trim.name;
+    out += fmt::format("trimmed blind ({}): median {}, 95 % below {}\n", names,
+                       percent_text(trims.after.median_percent), percent_text(trims.after.p95_percent));
+  }
+  const LoopStability& loop = report.loop;
+  if (loop.at.empty()) return out + "stability: not looked at, the op-amps are ideal\n";
+  out += fmt::format(
+      "stability: the generator's loop gain is at most {}{}; least phase margin of an op-amp {} deg ({}, {})",
+      rounded_text(loop.greatest_gain, 3), loop.greatest_gain < 1.0 ? ", below 1 at every frequency" : "",
+      rounded_text(loop.margin_deg, 3), loop.opamp, loop.role);
+  if (loop.ngspice) out += fmt::format("; ngspice {} deg", rounded_text(loop.ngspice->margin_deg, 3));
+  return out + "\n";
+}
+
+std::string draws_csv(const Study& study) {
+  std::string out = "draw";
+  for (const Hertz f : study.frequencies)
+    out += fmt::format(",error_{}_hz_percent", rounded_text(f.value, 6));
+  out += "\n";
+  for (std::size_t i = 0; i < study.percent.size(); ++i) {
+    out += fmt::format("{}", i);
+    for (const double value : study.percent[i]) out += "," + number_text(value);
+    out += "\n";
+  }
+  return out;
+}
+
+Json to_json(const LoopStability& loop) {
+  Json out = {{"generator_greatest_loop_gain", loop.greatest_gain},
+              {"generator_below_one_everywhere", loop.greatest_gain < 1.0},
+              {"phase_margin_deg", loop.margin_deg},
+              {"opamp", loop.opamp},
+              {"role", loop.role},
+              {"crossing_hz", loop.crossing.value},
+              {"worst", point_json(loop.point)},
+              {"warning", loop_warning(loop)}};
+  if (loop.ngspice) {
+    Json checked = {{"phase_margin_deg", loop.ngspice->margin_deg},
+                    {"crossing_hz", loop.ngspice->crossing.value},
+                    {"generator_greatest_loop_gain", loop.ngspice->greatest_gain},
+                    {"greatest_difference_from_network", loop.ngspice->greatest_difference}};
+    if (loop.ngspice->step) {
+      const SwitchStep& step = *loop.ngspice->step;
+      checked["change_of_branch"] = {{"r_v", step.v},
+                                     {"step_percent", step.step_percent},
+                                     {"overshoot_percent", step.overshoot_percent},
+                                     {"settled_s", step.settled_s}};
+    }
+    out["ngspice"] = checked;
+  }
+  out["at"] = Json::array();
+  for (const LoopAt& at : loop.at) {
+    Json one = point_json(at.point);
+    one["loop_gain"] = at.greatest_gain;
+    one["gain_margin_db"] = at.gain_margin_db;
+    Json margins = Json::array();
+    for (const LoopAt::OpAmpMargin& m : at.opamps) {
+      margins.push_back(
+          {{"opamp", m.opamp}, {"phase_margin_deg", m.margin_deg}, {"crossing_hz", m.crossing.value}});
+    }
+    one["opamps"] = margins;
+    out["at"].push_back(one);
+  }
+  return out;
+}
+
+Json to_json(const Report& report, const controller::AnalogController& controller) {
+  Json out = {{"errors_of_parts", study_json(report)}, {"trim", trim_json(report, controller)}};
+  if (!report.loop.at.empty()) out["stability"] = to_json(report.loop);
+  return out;
+}
+
+std::string trim_page(const Report& report, const controller::AnalogController& controller,
+                      const std::string& title) {
+  const TrimStudy& trims = report.trims;
+  const Hertz fastest = report.study.frequencies.back();
+  Json data = {{"title", title}, {"steps", Json::array()}};
+  for (std::size_t i = 0; i < trims.steps.size(); ++i) {
+    const TrimStep& step = trims.steps[i];
+    data["steps"].push_back({{"number", std::to_string(i + 1)},
+                             {"trim", step.trim.name},
+                             {"how", step.trim.how},
+                             {"range", range_text(step)},
+                             {"reading", step.reading.words(controller, fastest)},
+                             {"expected", volts_text(step.expected_v)},
+                             {"moves", moves_text(step)},
+                             {"way", step.volts_per_setting > 0.0 ? "rises" : "falls"}});
+  }
+  data["any"] = !trims.steps.empty();
+  data["rounds"] = std::to_string(trims.rounds);
+  data["points"] = expected_points(controller);
+  data["at"] = Json::array();
+  for (std::size_t i = 0; i < trims.after_at.size(); ++i) {
+    data["at"].push_back({{"frequency", rounded_text(report.study.frequencies[i].value)},
+                          {"before_median", rounded_text(trims.before_at[i].median_percent, 2)},
+                          {"before_p95", rounded_text(trims.before_at[i].p95_percent, 2)},
+                          {"after_median", rounded_text(trims.after_at[i].median_percent, 2)},
+                          {"after_p95", rounded_text(trims.after_at[i].p95_percent, 2)}});
+  }
+  data["parts"] = Json::array();
+  for (std::size_t i = 0; i < report.study.parts.size() && i < 8; ++i) {
+    const Share& one = report.study.parts[i];
+    data["parts"].push_back({{"name", one.name},
+                             {"share", rounded_text(100.0 * one.share, 2)},
+                             {"rms", rounded_text(one.rms_percent, 2)}});
+  }
+  data["rates"] = controller.slope.has_value();
+  if (controller.slope) {
+    const Reading slope{Reading::Kind::slope, 0.0};
+    const controller::RestWiring wiring(controller);
+    const Board board(wiring, copy_of(controller, {}, {}));
+    const Input input = input_of(tracking::Reference(), fastest, 256);
+    data["slope_words"] = slope.words(controller, fastest);
+    data["slope_v"] = volts_text(board.mean_slope_v(input));
+  }
+  return render_template("controller/trim.md", data);
+}
+
+}  // namespace bodesmith::part_errors

@@ -1,0 +1,48 @@
+#pragma once
+
+#include <optional>
+#include <string>
+
+#include "base/files.hpp"
+#include "base/json_fwd.hpp"
+#include "tolerance/controller/loop.hpp"
+#include "tolerance/controller/study.hpp"
+#include "tolerance/controller/trim.hpp"
+
+namespace bodesmith::part_errors {
+
+/// What is known of a controller's parts: how far they put it off, what trimming brings, whether its loop is stable.
+struct Report {
+  PartErrors errors;
+  Study study;
+  TrimStudy trims;
+  LoopStability loop;
+  std::vector<DrawCheck> checked;  ///< against ngspice
+  double seconds = 0.0;            ///< wall, of all of it
+};
+
+struct ReportOptions {
+  StudyOptions study;
+  TrimOptions trims;
+  int checked_draws = 2;        ///< run through ngspice too, when it is installed
+  bool ngspice = true;          ///< the loop in ngspice too, when it is installed
+  bool allow_unstable = false;  ///< no refusal below kLeastMarginDeg
+};
+
+/// DesignError as require_stable().
+Report examine(const controller::AnalogController& controller, const tracking::Stage& stage,
+               const ReportOptions& options);
+
+/// Three keys for controller.json: `errors_of_parts`, `trim`, `stability`.
+Json to_json(const Report& report, const controller::AnalogController& controller);
+/// What `stability` holds.
+Json to_json(const LoopStability& loop);
+/// For a person at the bench: the steps with the expected readings of this very design (trim.md).
+std::string trim_page(const Report& report, const controller::AnalogController& controller,
+                      const std::string& title);
+/// A line each: spread, parts that matter, trims, stability.
+std::string summary_text(const Report& report);
+/// `draw,frequency columns…`: the tracking error of every copy, untrimmed.
+std::string draws_csv(const Study& study);
+
+}  // namespace bodesmith::part_errors

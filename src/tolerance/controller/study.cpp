@@ -1,0 +1,187 @@
+#include "tolerance/controller/study.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/error.hpp"
+#include "numeric/parallel_for.hpp"
+#include "signal/statistics.hpp"
+#include "synthesis/controller/as_built.hpp"
+
+namespace bodesmith::part_errors {
+namespace {
+
+using controller::AnalogController;
+
+/// Of a - b, without what a delay of r would make (r's own slope times anything): tracking errors are stated
+/// with their lag removed.
+double mean_square_without_lag(const std::vector<double>& a, const std::vector<double>& b,
+                               const std::vector<double>& r) {
+  const std::size_t n = a.size();
+  double sum = 0.0, along = 0.0, slopes = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    const double off = a[i] - b[i], slope = r[(i + 1) % n] - r[(i + n - 1) % n];
+    sum += off * off;
+    along += off * slope;
+    slopes += slope * slope;
+  }
+  if (slopes > 0.0) sum -= along * along / slopes;
+  return std::max(sum, 0.0) / static_cast<double>(n);
+}
+
+double largest(const std::vector<double>& values) {
+  return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
+}
+
+/// Each cause alone, at one standard deviation: what it moves y by, at every frequency.
+struct OneAtATime {
+  std::vector<double> mean_square;  ///< over the frequencies, each cause
+  std::vector<double> worst_rms;
+};
+
+OneAtATime one_at_a_time(const Bench& bench, const AnalogController& controller,
+                         const std::vector<Cause>& causes, int threads) {
+  const Board nominal(bench.wiring(), copy_of(controller, {}, {}));
+  std::vector<std::vector<double>> y;
+  for (std::size_t f = 0; f < bench.frequencies(); ++f) y.push_back(bench.displacement(nominal, f));
+  OneAtATime out{std::vector<double>(causes.size()), std::vector<double>(causes.size())};
+  parallel_for(causes.size(), threads, [&](std::size_t i) {
+    std::vector<double> values(causes.size(), 0.0);
+    values[i] = causes[i].deviation;
+    const Board board(bench.wiring(), copy_of(controller, causes, values));
+    for (std::size_t f = 0; f < bench.frequencies(); ++f) {
+      const double square = mean_square_without_lag(bench.displacement(board, f), y[f], bench.input(f).r);
+      out.mean_square[i] += square / static_cast<double>(bench.frequencies());
+      out.worst_rms[i] = std::max(out.worst_rms[i], 100.0 * std::sqrt(square));
+    }
+  });
+  return out;
+}
+
+void take_shares(const OneAtATime& alone, const std::vector<Cause>& causes, Study& out) {
+  double total = 0.0;
+  for (const double square : alone.mean_square) total += square;
+  if (!(total > 0.0)) return;
+  std::map<std::string, Share> groups;
+  for (std::size_t i = 0; i < causes.size(); ++i) {
+    const double share = alone.mean_square[i] / total;
+    out.parts.push_back({causes[i].name, causes[i].group, share, alone.worst_rms[i]});
+    Share& group = groups[causes[i].group];
+    group.name = group.group = causes[i].group;
+    group.share += share;
+    group.rms_percent = std::hypot(group.rms_percent, alone.worst_rms[i]);
+  }
+  for (const auto& [name, group] : groups) out.groups.push_back(group);
+  const auto larger = [](const Share& a, const Share& b) { return a.share > b.share; };
+  std::stable_sort(out.parts.begin(), out.parts.end(), larger);
+  std::stable_sort(out.groups.begin(), out.groups.end(), larger);
+}
+
+}  // namespace
+
+Spread spread_of(std::vector<double> percent, double nominal) {
+  std::sort(percent.begin(), percent.end());
+  return {nominal, quantile_of_sorted(percent, 0.5), quantile_of_sorted(percent, 0.95),
+          percent.empty() ? 0.0 : percent.back()};
+}
+
+Bench::Bench(const AnalogController& controller, const tracking::Stage& stage, const StudyOptions& options)
+    : wiring_(controller), stage_(stage), frequencies_(options.frequencies) {
+  if (frequencies_.empty()) throw InputError("no frequency to track, expected at least one");
+  const std::size_t samples = options.samples * options.reference.periods();
+  for (const Hertz f : frequencies_) {
+    inputs_.push_back(input_of(options.reference, f, samples));
+    if (controller.switched())
+      inputs_.back().switch_delay_s = controller::switch_delay_s(controller, tracking::Reference(), f);
+  }
+}
+
+std::vector<double> Bench::displacement(const Board& board, std::size_t frequency) const {
+  const Input& input = inputs_[frequency];
+  return stage_.response(board.drive(input), input.step_s, frequencies_[frequency]);
+}
+
+double Bench::error_percent(const Board& board, std::size_t frequency) const {
+  const Input& input = inputs_[frequency];
+  const double repeat_s = input.step_s * static_cast<double>(input.r.size());
+  return tracking::tracking_error(displacement(board, frequency), input.r, repeat_s).rms_percent_without_lag;
+}
+
+std::vector<double> Bench::errors_percent(const Board& board) const {
+  std::vector<double> out;
+  for (std::size_t f = 0; f < inputs_.size(); ++f) out.push_back(error_percent(board, f));
+  return out;
+}
+
+Study study_errors(const AnalogController& controller, const tracking::Stage& stage,
+                   const StudyOptions& options) {
+  const Bench bench(controller, stage, options);
+  const std::vector<Cause> causes = causes_of(controller, options.errors);
+  const int threads = thread_count(options.threads);
+  Study out;
+  out.frequencies = options.frequencies;
+  out.draws = options.draws;
+  const std::vector<double> nominal =
+      bench.errors_percent(Board(bench.wiring(), copy_of(controller, {}, {})));
+  out.percent.resize(options.draws);
+  parallel_for(options.draws, threads, [&](std::size_t i) {
+    const Board board(bench.wiring(), copy_of(controller, causes, draw_values(causes, options.seed, i)));
+    out.percent[i] = bench.errors_percent(board);
+  });
+  std::vector<double> worst;
+  double drawn = 0.0;
+  for (std::size_t f = 0; f < nominal.size(); ++f) {
+    std::vector<double> column;
+    for (const std::vector<double>& one : out.percent) {
+      column.push_back(one[f]);
+      drawn += one[f] * one[f] - nominal[f] * nominal[f];
+    }
+    out.at.push_back(spread_of(std::move(column), nominal[f]));
+  }
+  for (const std::vector<double>& one : out.percent) worst.push_back(largest(one));
+  out.worst = spread_of(std::move(worst), largest(nominal));
+  const OneAtATime alone = one_at_a_time(bench, controller, causes, threads);
+  take_shares(alone, causes, out);
+  double explained = 0.0;
+  for (const double square : alone.mean_square) explained += 1e4 * square;
+  const double mean = drawn / static_cast<double>(std::max<std::size_t>(nominal.size() * options.draws, 1));
+  out.explained = mean > 0.0 ? explained / mean : 0.0;
+  return out;
+}
+
+std::vector<DrawCheck> check_draws(const controller::AnalogController& controller,
+                                   const tracking::Stage& stage, const StudyOptions& options, int count) {
+  const Bench bench(controller, stage, options);
+  const std::vector<Cause> causes = causes_of(controller, options.errors);
+  std::vector<DrawCheck> out(static_cast<std::size_t>(count));
+  parallel_for(out.size(), thread_count(options.threads), [&](std::size_t i) {
+    DrawCheck& one = out[i];
+    const std::size_t f = i % bench.frequencies();
+    one.draw = i;
+    one.frequency = options.frequencies[f];
+    const Copy copy = copy_of(controller, causes, draw_values(causes, options.seed, i));
+    const Board board(bench.wiring(), copy);
+    controller::AnalogController built = controller;
+    for (schematic::OpAmpModel* type : {&built.opamp, &built.fast_opamp}) {
+      type->gain_bandwidth.value *= 1.0 + copy.speed;
+      type->slew_v_per_s *= 1.0 + copy.speed;
+    }
+    controller::NgspiceRun run = controller::NgspiceRun::of_many();
+    run.off = &copy.off;
+    run.samples = options.samples;
+    const controller::SteadyState settled =
+        controller::run_in_ngspice(built, options.reference, one.frequency, run);
+    one.percent = bench.error_percent(board, f);
+    const std::vector<double> y = stage.response(settled.v, settled.step_s, one.frequency);
+    one.ngspice_percent =
+        tracking::tracking_error(y, bench.input(f).r, settled.period_s()).rms_percent_without_lag;
+    const std::vector<double> v = board.drive(bench.input(f));
+    double sum = 0.0;
+    for (std::size_t k = 0; k < v.size(); ++k) sum += (v[k] - settled.v[k]) * (v[k] - settled.v[k]);
+    one.drive_rms_percent = 100.0 * std::sqrt(sum / static_cast<double>(v.size()));
+  });
+  return out;
+}
+
+}  // namespace bodesmith::part_errors

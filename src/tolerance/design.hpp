@@ -1,0 +1,83 @@
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+#include "base/document.hpp"
+#include "fpaa/plan/plan.hpp"
+#include "lti/frequency_grid.hpp"
+#include "lti/sections.hpp"
+#include "synthesis/built_circuit.hpp"
+#include "synthesis/circuit.hpp"
+
+namespace bodesmith::yield {
+
+/// A part as statistics see it.
+struct Part {
+  enum class Kind { resistor, capacitor, switched_capacitor };
+  std::string name;
+  Kind kind = Kind::resistor;
+  double nominal = 0.0;  ///< ohm, farad, or units of capacitance
+};
+
+/// A stage whose transfer is a ratio of two quadratics in v with coefficients made by its parts. v = s, or,
+/// for a switched-capacitor stage clocked at f, v = 1 - exp(-s/f).
+struct Stage {
+  std::string name;
+  std::size_t first_part = 0;
+  std::size_t part_count = 0;
+  double clock_hz = 0.0;  ///< 0: v = s
+  std::function<circuit::Biquad(std::span<const double>)> transfer;
+  circuit::PartsResponse by_parts = nullptr;  ///< instead of transfer: a ladder
+};
+
+/// What a yield run needs to know of a design: op-amp RC or FPAA.
+struct Design {
+  std::string name;
+  std::vector<Part> parts;
+  std::vector<Stage> stages;  ///< their product; none for a board
+  /// The circuit whose parts they are, in the same order; none for a plan.
+  std::shared_ptr<const schematic::Netlist> netlist;
+  /// A board as it runs, wires, clocks and holds in it; its capacitors are the parts, in the same order.
+  std::shared_ptr<const fpaa::Plan> board;
+  std::function<std::complex<double>(Hertz)> reference;  ///< deviations are counted from here
+  std::string reference_name;                            ///< "sections" or "nominal"
+  std::string band_name;                                 ///< where the band below comes from
+  Band band;
+  int poles = 0;
+  std::vector<std::string> notes;
+
+  std::vector<double> nominal_values() const;
+  std::complex<double> response(Hertz f, std::span<const double> values) const;
+  std::complex<double> nominal(Hertz f) const;
+  /// Products of quadratics, none of them with a pole at 0: what the kernel evaluates in lanes.
+  bool is_quick() const;
+};
+
+enum class OpAmps { ideal, as_built };
+
+/// Deviations from the sections, in the band in which the sections state their error, else that of their corners.
+/// `as_built`: the op-amps' own error, at the parts' nominal values, counts too.
+Design design_of_circuit(const circuit::Circuit& circuit, const Sections& wanted, std::string name,
+                         OpAmps opamps);
+/// A circuit.json as it was built, in the band in which it was judged.
+Design design_of_file(const Node& circuit, std::string name, OpAmps opamps);
+/// A plan.json (`bodesmith.fpaa_plan/1`) as it runs, every CAM by its capacitors. Deviations from the plan's
+/// own nominal response, or from `wanted` (the plan's designed error is then in them). A plan whose capacitors
+/// do not make its z-domain coefficients is an error (file and line).
+///
+/// One path of pole-zero and low-pass FilterBilinear and GainInv CAMs at one clock is the product of
+///   H = -(Ca + Cb v)/(Cc + Cd v)  and  H = -Cin/(Cout + Cint v),  v = 1 - 1/z:
+/// its hold is the same in every board, and the product is quick.
+Design design_of_plan(const Node& plan, std::string name, const std::optional<Sections>& wanted = {});
+
+/// Takes away the frequencies at which the response of one of the designs is below kJudgedFloor of its largest on the grid
+/// (notches, stop bands): deviations in dB, degrees and percent say nothing there. Returns them.
+std::vector<Hertz> leave_out_nulls(const std::vector<Design>& designs, std::vector<Hertz>& grid);
+
+}  // namespace bodesmith::yield

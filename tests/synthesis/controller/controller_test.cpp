@@ -1,0 +1,190 @@
+#include "synthesis/controller/controller.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+
+#include "base/error.hpp"
+#include "base/text.hpp"
+#include "schematic/ngspice/ngspice.hpp"
+#include "synthesis/controller/as_built.hpp"
+#include "synthesis/controller/at_rest.hpp"
+#include "synthesis/controller/library.hpp"
+#include "synthesis/controller/study.hpp"
+
+namespace bodesmith::controller {
+namespace {
+
+/// The first seed's polynomials and rate gains.
+Disturbance first_seed() {
+  Disturbance out;
+  out.ascending = {0.3546, -0.6433, 0.2887};
+  out.descending = {-0.2398, 0.0838, 0.156};
+  out.rate.frequency = {Hertz{1}, Hertz{10}, Hertz{20}, Hertz{60}, Hertz{100}};
+  out.rate.ascending = {1, 1, 1, 1, 1};
+  out.rate.descending = {1, 1.06, 1.1, 1.04, 1.17};
+  return out;
+}
+
+TEST(Controller, TheSelfFedFormNeedsNoMoreMultipliersThanTheSeeds) {
+  const AnalogController seed = [] {
+    Options options;
+    options.form = Form::one_pass;
+    return make_controller(first_seed(), options);
+  }();
+  const AnalogController fed = make_controller(first_seed());
+  EXPECT_EQ(fed.multipliers.size(), seed.multipliers.size());
+  EXPECT_EQ(fed.multipliers.size(), 3u);  // x^2, x^3 and the gain of the one branch that changes
+  EXPECT_NEAR(fed.loop.greatest_gain, 0.3958 * 1.17, 1e-3);
+}
+
+TEST(Controller, NgspiceAndTheStageFindItWithinATenthOfAPercent) {
+  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  const AnalogController fed = make_controller(first_seed());
+  for (const double f : {1.0, 100.0}) {
+    const tracking::TrackingError error =
+        stage_error(fed.disturbance, run_in_ngspice(fed, tracking::Reference(), Hertz{f}));
+    EXPECT_LT(error.rms_percent, 0.04) << f << " Hz";
+    EXPECT_LT(error.rms_percent_without_lag, 0.04) << f << " Hz";
+  }
+}
+
+TEST(Controller, RunsOfManySettleAsWellAsAWholeRepeatAtFinerSteps) {
+  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  const AnalogController fed = make_controller(first_seed());
+  for (const double f : {1.0, 100.0, 2000.0}) {  // at the last what is slow takes whole repeats
+    const SteadyState a = run_in_ngspice(fed, tracking::Reference(), Hertz{f});
+    const SteadyState b = run_in_ngspice(fed, tracking::Reference(), Hertz{f}, NgspiceRun::of_many());
+    ASSERT_EQ(a.v.size(), b.v.size());
+    double sum = 0.0;
+    for (std::size_t k = 0; k < a.v.size(); ++k) {
+      EXPECT_NEAR(a.r[k], b.r[k], 1e-9) << f << " Hz, sample " << k;
+      sum += (a.v[k] - b.v[k]) * (a.v[k] - b.v[k]);
+    }
+    EXPECT_LT(100.0 * std::sqrt(sum / static_cast<double>(a.v.size())), 0.002) << f << " Hz";
+  }
+}
+
+TEST(Controller, TheNetlistInCvodeAgreesWithNgspice) {
+  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  const AnalogController fed = make_controller(first_seed());
+  const std::vector<AsBuilt> cases = measure_as_built(fed, {Hertz{40}, Hertz{5000}});
+  EXPECT_LT(cases[0].cvode_difference_percent, 0.001);
+  EXPECT_LT(cases[1].cvode_difference_percent, 0.02);
+  EXPECT_LT(cases[0].start_up_percent, 0.01);
+  EXPECT_LT(cases[1].error.rms_percent_without_lag, 0.6);
+  EXPECT_GT(cases[0].without.rms_percent, 5.0);
+}
+
+TEST(Controller, CvodeAndNgspiceAgreeWhereTheDetectorIsSlowOrMissesTurns) {
+  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  using Shape = tracking::Reference::Shape;
+  const AnalogController fed = make_controller(first_seed());
+  for (const auto& [shape, stroke, f] : {std::tuple{Shape::decaying_triangle, 1.0, 1.0},
+                                         {Shape::two_tone, 1.0, 1.0},
+                                         {Shape::triangle, 0.5, 100.0}}) {
+    const AsBuilt one = measure_as_built(fed, {Hertz{f}}, tracking::Reference(shape, stroke)).front();
+    EXPECT_LT(one.cvode_difference_percent, 0.02) << to_string(shape) << ", " << f << " Hz";
+  }
+}
+
+TEST(Controller, TheLoopNeverReachesAGainOfOne) {
+  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  const std::vector<LoopPoint> loop = measure_loop(make_controller(first_seed()));
+  ASSERT_EQ(loop.size(), 4u);
+  for (const LoopPoint& one : loop) {
+    // At rest L is K d'; the op-amps only take away.
+    EXPECT_NEAR(one.greatest_gain, std::abs(one.slope), 0.01);
+    EXPECT_FALSE(one.phase_margin_deg.has_value());
+    EXPECT_GT(one.bandwidth.value, 1e6);
+  }
+}
+
+TEST(AtRest, DeviationsActAsTheirFormulaSays) {
+  Disturbance plain;  // without rate gains: v = r - d(v) from two sums
+  plain.ascending = {0.3, -0.3, 0.0};
+  plain.descending = {-0.2, 0.2, 0.0};
+  Options exact;
+  exact.resistors = circuit::Series::named("exact");
+  const AnalogController fed = make_controller(plain, exact);
+  EXPECT_EQ(fed.multipliers.size(), 1u);  // x^2 alone
+  const auto subtracted = [&](const Deviations& off, double x) {
+    return BuiltGenerator(fed, off).subtracted(Disturbance::Branch::ascending, x);
+  };
+  const Deviations none = Deviations::none(fed);
+  // The switch adds what its open contact leaks, some 1e-9 V.
+  for (const double x : {0.1, 0.5, 0.9}) EXPECT_NEAR(subtracted(none, x), 0.3 * x * (1.0 - x), 1e-8);
+  // x^2 off by its scale: d changes by its second term times that.
+  Deviations off = none;
+  off.multiplier[0].scale = 0.01;
+  EXPECT_NEAR(subtracted(off, 0.5), 0.3 * 0.5 - 0.3 * 0.25 / 1.01, 1e-8);
+  off = none;
+  off.multiplier[0].w = 2e-3;  // at U x^2's node: U volts stand for x = 1
+  EXPECT_NEAR(subtracted(off, 0.5), 0.075 - 0.3 * 2e-3 * fed.multiplier.scale_v, 1e-8);
+}
+
+TEST(ControllerLibrary, EveryPartStandsInTheNetlistOnceWithItsNodesAndValue) {
+  for (const Form form : {Form::one_pass, Form::two_pass, Form::self_fed}) {
+    Options options;
+    options.form = form;
+    const AnalogController built = make_controller(first_seed(), options);
+    const std::string text = controller_library(built, "test");
+    const std::string top = text.substr(0, text.find(".ends controller"));
+    std::map<std::string, std::vector<std::string>> lines;
+    for (const std::string_view line : split(top, '\n')) {
+      std::vector<std::string> words;
+      for (const std::string_view word : split(line, ' ')) words.emplace_back(word);
+      if (words.size() > 2 && words[0][0] != '*' && words[0][0] != '.') lines[words[0]] = words;
+    }
+    for (const Part& part : built.parts) {
+      ASSERT_TRUE(lines.contains(part.name)) << part.name;
+      const std::vector<std::string>& words = lines[part.name];
+      EXPECT_EQ(words[1], part.from) << part.name;
+      EXPECT_EQ(words[2], part.to) << part.name;
+      double value = 0.0;
+      if (part.kind != Part::Kind::diode) {
+        ASSERT_TRUE(parse_number(words[3], value)) << part.name;
+        EXPECT_NEAR(value, part.realised, 1e-11 * part.realised) << part.name;
+      }
+    }
+    for (const OpAmp& one : built.opamps) {
+      ASSERT_TRUE(lines.contains("X" + one.name)) << one.name;
+      EXPECT_EQ(lines["X" + one.name][1], one.plus);
+      EXPECT_EQ(lines["X" + one.name][2], one.minus);
+      EXPECT_EQ(lines["X" + one.name][3], one.out);
+    }
+    for (const Multiplier& one : built.multipliers) EXPECT_EQ(lines["X" + one.name][4], one.out);
+    for (const Contact& one : built.contacts)
+      EXPECT_EQ(lines["X" + one.name][3], one.position == 0 ? "up" : "down");
+    // Parts, op-amps, multipliers, contacts, references and the two logic levels: nothing else.
+    EXPECT_EQ(lines.size(), built.parts.size() + built.opamps.size() + built.multipliers.size() +
+                                built.contacts.size() + built.sources.size() + 2);
+  }
+}
+
+TEST(RateCurve, IsTheTableAtItsFrequenciesAndHeldBeyondThem) {
+  const AnalogController fed = make_controller(first_seed());
+  const auto down = Disturbance::Branch::descending;
+  for (const double f : {0.1, 1.0, 10.0, 20.0, 60.0, 100.0, 5000.0})
+    EXPECT_NEAR(fed.curve->value(down, Hertz{f}), fed.disturbance.rate_gain(down, Hertz{f}), 1e-12) << f;
+  BuiltGenerator built(fed);
+  for (const double f : {0.5, 1.0, 10.0, 20.0, 60.0, 100.0, 1000.0}) {
+    built.set_rate(Hertz{f});
+    EXPECT_NEAR(built.rate_gain(down), fed.disturbance.rate_gain(down, Hertz{f}), 0.005) << f;
+  }
+}
+
+TEST(Controller, AStageWithoutAnInverseIsRefused) {
+  Disturbance steep = first_seed();
+  steep.ascending = {1.2, -1.0, 0.0};
+  EXPECT_THROW(make_controller(steep), DesignError);
+  Disturbance negative = first_seed();
+  negative.rate.descending[2] = -0.1;
+  EXPECT_THROW(make_controller(negative), DesignError);
+  Disturbance nothing;
+  EXPECT_THROW(make_controller(nothing), DesignError);
+}
+
+}  // namespace
+}  // namespace bodesmith::controller

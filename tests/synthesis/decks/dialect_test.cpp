@@ -1,0 +1,58 @@
+// A dialect from outside the library: one class and one line that registers it.
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+#include "base/files.hpp"
+#include "synthesis/decks/compensator_files.hpp"
+#include "synthesis/seed_sections.hpp"
+#include "temporary_folder.hpp"
+
+namespace bodesmith::spice {
+namespace {
+
+class CountingDialect final : public Dialect {
+ public:
+  std::string_view name() const override { return "counting"; }
+  std::vector<Deck> decks(const DeckRequest& request) const override {
+    std::string text = "* " + request.title + "\n.include compensator.sub\n";
+    for (const schematic::Part& part : request.circuit.parts) text += *value_with_tolerance(part) + "\n";
+    return {{"counting.cir", text}, {"counting.lib", "* nothing\n"}};
+  }
+  std::optional<std::string> value_with_tolerance(const schematic::Part& part) const override {
+    return part.name + " within tolerance";
+  }
+};
+
+TEST(OwnDialect, IsEmittedBesideTheOthers) {
+  static const CountingDialect dialect;
+  dialect_registry().add(dialect);
+  EXPECT_THROW(dialect_registry().add(dialect), std::logic_error);
+  const circuit::Realised made = circuit::realise(seed_sections());
+  const TemporaryFolder folder;
+  OutputSet out(folder / "made");
+  add_compensator_files(made, "seed", out);
+  out.commit();
+  for (const char* file :
+       {"compensator.sub", "parts.csv", "ac.cir", "transient.cir", "noise.cir", "monte_carlo_ngspice.cir",
+        "ltspice_ac.cir", "ltspice_monte_carlo.cir", "compensator_mc.sub", "xyce_ac.cir", "counting.lib"}) {
+    EXPECT_TRUE(std::filesystem::exists(folder / "made" / file)) << file;
+  }
+  const std::string text = read_file(folder / "made" / "counting.cir");
+  EXPECT_TRUE(text.starts_with("* seed\n.include compensator.sub\n"));
+  EXPECT_EQ(static_cast<std::size_t>(std::count(text.begin(), text.end(), '\n')),
+            made.circuit.parts.size() + 2);
+}
+
+TEST(CompensatorFiles, HaveTheFilesOfAKicadProject) {
+  OutputSet out;
+  add_compensator_files(circuit::realise(seed_sections()), "seed", out);
+  const auto paths = out.paths();
+  for (const char* file :
+       {"compensator.kicad_pro", "compensator.kicad_sch", "bodesmith.kicad_sym", "sym-lib-table"}) {
+    EXPECT_NE(std::find(paths.begin(), paths.end(), std::filesystem::path(file)), paths.end()) << file;
+  }
+}
+
+}  // namespace
+}  // namespace bodesmith::spice

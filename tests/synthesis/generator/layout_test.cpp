@@ -1,0 +1,254 @@
+#include "synthesis/generator/layout.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/error.hpp"
+#include "synthesis/generator/budget.hpp"
+#include "synthesis/generator/timing.hpp"
+
+namespace bodesmith::multiplier_layout {
+namespace {
+
+Disturbance seed_disturbance() {
+  Disturbance d;
+  d.ascending = {0.3546, -0.6433, 0.2887};
+  d.descending = {-0.2398, 0.0838, 0.156};
+  return d;
+}
+
+double horner(const std::vector<double>& a, double x) {
+  double out = 0.0;
+  for (size_t k = a.size(); k-- > 0;) out = (out + a[k]) * x;
+  return out;
+}
+
+TEST(Layout, SeedPolynomialsShareTwoMultipliers) {
+  const Layout layout = make_layout(seed_disturbance());
+  EXPECT_EQ(layout.multipliers.size(), 2u);
+  EXPECT_LT(layout.max_error_percent, 0.04);
+  for (const NodeRange& node : layout.nodes) {
+    EXPECT_LE(std::max(std::abs(node.lowest_v), std::abs(node.highest_v)), 1.0 + 1e-9) << node.name;
+  }
+  EXPECT_TRUE(layout.warnings.empty());
+}
+
+TEST(Layout, MultiplierCountsByDegree) {
+  // All powers up to the degree: one multiplier a power; the top power alone: an addition chain.
+  const int top_alone[] = {0, 0, 1, 2, 2, 3, 3, 4};
+  for (int degree = 1; degree <= 7; ++degree) {
+    std::vector<double> all(static_cast<size_t>(degree), 0.1), alone(static_cast<size_t>(degree), 0.0);
+    alone.back() = 0.3;
+    Options options;
+    options.scheme = Scheme::named("shared");
+    EXPECT_EQ(make_layout_of_polynomials({{"up", all, {}}}, options).multipliers.size(),
+              static_cast<size_t>(degree - 1));
+    EXPECT_EQ(make_layout_of_polynomials({{"up", alone, {}}}, options).multipliers.size(),
+              static_cast<size_t>(top_alone[degree]))
+        << degree;
+  }
+}
+
+TEST(Layout, ExactPartsMakeThePolynomialExactly) {
+  Options options;
+  options.resistors = circuit::Series::named("exact");
+  for (const std::vector<double>& a :
+       std::vector<std::vector<double>>{{0.5},
+                                        {-0.5},
+                                        {0.2, 0.3, -0.1},
+                                        {-0.1, -0.2, -0.3},
+                                        {0, 0, 0.4},
+                                        {0.3, -0.2, 0.1, 0.2, -0.15, 0.05, 0.02}}) {
+    const Layout layout = make_layout_of_polynomials({{"up", a, {}}, {"down", {-0.2, 0.1}, {}}}, options);
+    for (int i = 0; i <= 10; ++i) EXPECT_NEAR(layout.branches[0].value(i / 10.0), horner(a, i / 10.0), 1e-12);
+  }
+}
+
+TEST(Layout, ABranchThatIsZeroGivesZero) {
+  const Layout layout = make_layout_of_polynomials({{"up", {0.0, 0.0, 0.0}, {}}, {"down", {-0.2, 0.1}, {}}});
+  EXPECT_EQ(layout.branches[0].value(0.7), 0.0);
+}
+
+TEST(Layout, EverySchemeMakesThePolynomialWithEveryNodeInFullScale) {
+  Options options;
+  options.resistors = circuit::Series::named("exact");
+  const std::vector<std::vector<double>> all = {{0.5},
+                                                {0.3, -0.2, 0.1, 0.2, -0.15, 0.05, 0.02},
+                                                {0, 0, 0, 0, 0, 0, 0.4},
+                                                {0.2, 0, 0, -0.3, 0, 0, 0},
+                                                {3.0, -9.0, 4.0, 2.0},
+                                                {0, 0, 0}};
+  for (int group = 1; group <= 7; ++group) {
+    options.scheme = {group};
+    for (const std::vector<double>& a : all) {
+      const Layout layout =
+          make_layout_of_polynomials({{"up", a, {}}, {"down", {-0.2, 0.1, 0.1}, {}}}, options);
+      for (const NodeRange& node : layout.nodes) {
+        if (node.name == "out") continue;
+        EXPECT_LE(std::max(std::abs(node.lowest_v), std::abs(node.highest_v)), 1.0 + 1e-9)
+            << node.name << ", group " << group;
+      }
+      const GeneratorAtRest generator(layout);
+      for (size_t b = 0; b < 2; ++b) {
+        const std::vector<double> d = generator.curve(b, {0.0, 0.3, 0.7, 1.0});
+        EXPECT_NEAR(d[0], 0.0, 1e-12);
+        // What the open contact leaks is some 1e-9 V.
+        EXPECT_NEAR(d[1], horner(layout.branches[b].wanted, 0.3), 1e-8) << "group " << group;
+        EXPECT_NEAR(d[2], horner(layout.branches[b].wanted, 0.7), 1e-8) << "group " << group;
+        EXPECT_NEAR(d[3], horner(layout.branches[b].wanted, 1.0), 1e-8) << "group " << group;
+      }
+    }
+  }
+}
+
+TEST(Layout, CountsOfTheSchemes) {
+  // g powers to a group: g - 1 shared multipliers and (ceil(n/g) - 1) a branch.
+  for (int degree = 1; degree <= 7; ++degree) {
+    const std::vector<double> a(static_cast<size_t>(degree), 0.1);
+    for (size_t branches : {1u, 2u}) {
+      const Layout layout =
+          make_layout_of_polynomials(std::vector<Polynomial>(branches, Polynomial{"b", a, {}}));
+      ASSERT_EQ(layout.candidates.size(), static_cast<size_t>(degree));
+      for (const Candidate& one : layout.candidates) {
+        const int groups = (degree + one.group - 1) / one.group;
+        EXPECT_EQ(one.multipliers, one.group - 1 + static_cast<int>(branches) * (groups - 1))
+            << degree << " by " << one.group;
+      }
+      const auto chosen = std::find_if(layout.candidates.begin(), layout.candidates.end(),
+                                       [](const Candidate& one) { return one.chosen; });
+      ASSERT_NE(chosen, layout.candidates.end());
+      EXPECT_EQ(static_cast<int>(layout.multipliers.size()), chosen->multipliers);
+    }
+  }
+}
+
+TEST(Layout, BranchesAreChosenInPairs) {
+  const Polynomial one{"b", {0.1, -0.1}, {}};
+  const Layout five = make_layout_of_polynomials(std::vector<Polynomial>(5, one));
+  EXPECT_EQ(five.select_lines(), 2);
+  EXPECT_EQ(five.branch_at(0, true), 0);
+  EXPECT_EQ(five.branch_at(1, false), 3);
+  EXPECT_EQ(five.branch_at(2, true), 4);
+  EXPECT_EQ(five.branch_at(2, false), 4);
+  EXPECT_EQ(five.branch_at(3, true), -1);
+  EXPECT_EQ(five.multipliers.size(), 1u);
+  EXPECT_EQ(make_layout_of_polynomials({one, one}).select_lines(), 0);
+}
+
+TEST(Layout, AmplitudeGainsFollowTheirTable) {
+  Disturbance d = seed_disturbance();
+  d.amplitude.alpha = {0.1, 0.25, 0.5, 0.75, 1.0};
+  d.amplitude.ascending = {0.05, 0.2, 0.45, 0.7, 1.0};
+  d.amplitude.descending = {0.4, 0.3, 0.5, 0.9, 0.8};
+  const Layout layout = make_layout(d);
+  ASSERT_TRUE(layout.amplitude.has_value());
+  EXPECT_LT(layout.amplitude->max_error_percent, 0.15);
+  const GeneratorAtRest generator(layout, true);
+  for (const double alpha : {0.05, 0.1, 0.3, 0.62, 0.9, 1.0}) {
+    EXPECT_NEAR(generator.control_v(1, alpha) / layout.amplitude->control_scale_v,
+                d.amplitude_gain(Disturbance::Branch::descending, alpha), 0.01)
+        << alpha;
+    EXPECT_LE(std::abs(generator.control_v(1, alpha)), 1.0);
+  }
+  const Budget budget = make_budget(layout);
+  // Offset of a gain multiplier's output weighs U/(branch_gain control_scale) in d.
+  const double percent = 100.0 * budget.errors.output_offset_v * layout.multiplier.scale_v /
+                         (layout.branch_gain * layout.amplitude->control_scale_v);
+  const auto line = std::find_if(budget.amplitude_lines.begin(), budget.amplitude_lines.end(),
+                                 [](const BudgetLine& one) { return one.cause == "MV1, offset of W"; });
+  ASSERT_NE(line, budget.amplitude_lines.end());
+  EXPECT_NEAR(line->percent[0], percent, 1e-9);
+  EXPECT_GT(budget.amplitude_rss_percent[0], budget.rss_percent[0]);
+}
+
+TEST(Budget, CausesByHand) {
+  ErrorLimits errors;
+  errors.output_offset_v = 10e-3;
+  errors.opamp_offset_v = 1e-3;
+  Options options;
+  options.resistors = circuit::Series::named("exact");
+  const Layout layout = make_layout(seed_disturbance(), options);
+  const Budget budget = make_budget(layout, errors);
+  const auto cause = [&](const Budget& of, const std::string& name) {
+    for (const BudgetLine& line : of.lines) {
+      if (line.cause == name) return line.percent;
+    }
+    return std::vector<double>{};
+  };
+  // 10 mV at the output of M3 weigh a3 U^2 in d.
+  const auto w3 = cause(budget, "M3, offset of W");
+  ASSERT_EQ(w3.size(), 2u);
+  EXPECT_NEAR(w3[0], 100.0 * 0.01 * 0.2887 * 1.05 * 1.05, 1e-9);
+  EXPECT_NEAR(w3[1], 100.0 * 0.01 * 0.156 * 1.05 * 1.05, 1e-9);
+  // The output amplifier's offset comes with its noise gain.
+  EXPECT_NEAR(cause(budget, "output op-amp, offset")[0], 100.0 * 1e-3 * (1.0 + 1.0 / layout.branch_gain),
+              1e-9);
+  EXPECT_GE(budget.worst_percent[0], budget.rss_percent[0]);
+  // In Horner's scheme the last product's offset is 10 mV/branch_gain of d.
+  options.scheme = Scheme::named("horner");
+  const Layout chain = make_layout(seed_disturbance(), options);
+  EXPECT_EQ(chain.multipliers.size(), 4u);
+  const auto last = cause(make_budget(chain, errors), "Ma0, offset of W");
+  ASSERT_EQ(last.size(), 2u);
+  // The other branch's contact leaks.
+  EXPECT_NEAR(last[0], 100.0 * 0.01 / chain.branch_gain, 1e-8);
+  EXPECT_NEAR(last[1], 0.0, 1e-8);
+}
+
+TEST(LayoutSwitch, OneTimeConstantMakesBothDelays) {
+  SwitchModel model;
+  model.on_delay_s = 120e-9;
+  model.gap_s = 30e-9;
+  const SwitchTimer timer = SwitchTimer::of(model);
+  EXPECT_NEAR(1.0 - std::exp(-120e-9 / timer.tau_s), timer.level, 1e-9);
+  EXPECT_NEAR(std::exp(-90e-9 / timer.tau_s), timer.level, 1e-9);
+  model.gap_s = 120e-9;
+  EXPECT_THROW(SwitchTimer::of(model), DesignError);
+}
+
+TEST(Timing, GlitchAndDetectorByHand) {
+  const Layout layout = make_layout(seed_disturbance());
+  const Timing timing = make_timing(layout, {Hertz{5000}});
+  const double swing = layout.opamp.swing_v;
+  const double rh1 = layout.part_named("Rh1")->realised, rh2 = layout.part_named("Rh2")->realised;
+  EXPECT_NEAR(timing.detector.threshold_v, swing * rh1 / (rh1 + rh2), 1e-12);
+  // An op-amp much faster than the gap shows the bare charge: Rg/Rin Q/C.
+  Layout fast = layout;
+  fast.opamp.gain_bandwidth = Hertz{10e9};
+  fast.analog_switch.gap_s = 5e-9;
+  const double bare = fast.part(fast.output_feedback).realised / fast.part(fast.output_input).realised *
+                      fast.analog_switch.charge_c / (2.0 * fast.analog_switch.drain_f);
+  EXPECT_NEAR(switch_glitch_v(fast, 0.0, 1.0), bare, 0.03 * bare);
+  // Late by the detector and the switch; the step is what the branches differ by then.
+  ASSERT_EQ(timing.analog_switch.late.size(), 1u);
+  const SwitchFigures::Late& late = timing.analog_switch.late[0];
+  ASSERT_TRUE(timing.detector.delays[0].triangle_s.has_value());
+  EXPECT_NEAR(late.delay_s, *timing.detector.delays[0].triangle_s + layout.analog_switch.on_delay_s, 1e-12);
+  const double moved = 2.0 * 5000.0 * late.delay_s;
+  const auto apart = [&](double x) {
+    return 100.0 * std::abs(layout.branches[0].value(x) - layout.branches[1].value(x));
+  };
+  EXPECT_NEAR(late.step_percent, std::max(apart(moved), apart(1.0 - moved)), 1e-9);
+}
+
+TEST(Layout, RefusesWhatItCannotMake) {
+  EXPECT_THROW(make_layout_of_polynomials({}), DesignError);
+  EXPECT_THROW(make_layout_of_polynomials({{"a", std::vector<double>(8, 0.1), {}}}), DesignError);
+  EXPECT_THROW(make_layout_of_polynomials({{"a", {NAN}, {}}}), DesignError);
+  EXPECT_THROW(make_layout_of_polynomials({{"a", {0.5, 1e-9}, {}}}), DesignError);
+  // 1 V stands for d = 1: no op-amp reaches 300 V.
+  EXPECT_THROW(make_layout_of_polynomials({{"a", {300.0}, {}}}), DesignError);
+  EXPECT_THROW(Scheme::named("9"), InputError);
+  // With U = 0.5 V x^3 would be 4 V, beyond the multiplier's 2.5 V; Horner's products stay within.
+  Options small;
+  small.multiplier.scale_v = 0.5;
+  small.scheme = Scheme::named("shared");
+  EXPECT_THROW(make_layout(seed_disturbance(), small), DesignError);
+  small.scheme = Scheme::named("horner");
+  EXPECT_EQ(make_layout(seed_disturbance(), small).multipliers.size(), 4u);
+}
+
+}  // namespace
+}  // namespace bodesmith::multiplier_layout

@@ -1,0 +1,102 @@
+#include <gtest/gtest.h>
+
+#include "schematic/ngspice/ngspice.hpp"
+#include "synthesis/generator/layout.hpp"
+#include "synthesis/generator/ngspice_check.hpp"
+#include "synthesis/generator/timing.hpp"
+
+namespace bodesmith::multiplier_layout {
+namespace {
+
+TEST(DisturbanceLibrary, NgspiceMakesThePolynomialsAndFollowsATriangleUpTo5Kilohertz) {
+  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  Disturbance wanted;
+  wanted.ascending = {0.3546, -0.6433, 0.2887};
+  wanted.descending = {-0.2398, 0.0838, 0.156};
+  const DisturbanceCheck check = check_disturbance(make_layout(wanted), {Hertz{1}, Hertz{100}, Hertz{5000}});
+  EXPECT_LT(check.static_percent, 0.04);
+  EXPECT_LT(check.static_against_program, 5e-4);
+  // The multipliers' errors at their limits, by the program and in ngspice.
+  EXPECT_GT(check.limit_percent, 0.3);
+  EXPECT_LT(check.limit_against_program, 5e-4);
+  ASSERT_EQ(check.dynamic.size(), 3u);
+  for (const DisturbanceCheck::Dynamic& one : check.dynamic) {
+    // Late by a few per mille of a period up to 100 Hz, by 6 microseconds at 5 kHz.
+    const bool fast = one.frequency.value > 1000.0;
+    EXPECT_LT(one.late_share, fast ? 0.035 : 0.004) << one.frequency.value << " Hz";
+    EXPECT_LT(one.rms_percent, fast ? 0.2 : 0.02) << one.frequency.value << " Hz";
+  }
+}
+
+TEST(DisturbanceLibrary, TimingIsWhatTheProgramPredicts) {
+  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  Disturbance wanted;
+  wanted.ascending = {0.3546, -0.6433, 0.2887};
+  wanted.descending = {-0.2398, 0.0838, 0.156};
+  const Layout layout = make_layout(wanted);
+  const multiplier_layout::Timing timing = multiplier_layout::make_timing(layout, {Hertz{5000}});
+  const DisturbanceCheck check = check_disturbance(layout, {Hertz{5000}});
+  const double delay = timing.detector.delays[0].triangle_s.value();
+  EXPECT_NEAR(check.dynamic[0].delay_s, delay, 0.05 * delay);
+  const multiplier_layout::SwitchFigures::Late& late = timing.analog_switch.late[0];
+  EXPECT_NEAR(check.dynamic[0].rms_percent, late.rms_percent, 0.15 * late.rms_percent);
+  EXPECT_NEAR(check.dynamic[0].rms_at_limit_percent, late.rms_at_limit_percent,
+              0.1 * late.rms_at_limit_percent);
+  ASSERT_TRUE(check.change.has_value());
+  EXPECT_NEAR(check.change->delay_s, layout.analog_switch.on_delay_s, 10e-9);
+  EXPECT_NEAR(check.change->glitch_percent, check.change->predicted_percent,
+              0.25 * check.change->predicted_percent);
+}
+
+TEST(DisturbanceLibrary, EverySchemeOfDegreeSevenAndOneBranch) {
+  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  const std::vector<double> seven = {0.3, -0.2, -0.2, 0.1, -0.1, 0.05, 0.05};
+  for (const char* scheme : {"shared", "horner", "3"}) {
+    multiplier_layout::Options options;
+    options.scheme = multiplier_layout::Scheme::named(scheme);
+    const DisturbanceCheck two = check_disturbance(
+        make_layout_of_polynomials({{"up", seven, {}}, {"down", {-0.2, 0.2}, {}}}, options), {Hertz{5000}});
+    EXPECT_LT(two.static_against_program, 1e-3) << scheme;
+    EXPECT_LT(two.limit_against_program, 1e-3) << scheme;
+    EXPECT_LT(two.static_percent, 0.1) << scheme;
+    EXPECT_LT(two.dynamic[0].rms_percent, 1.0) << scheme;
+  }
+  const DisturbanceCheck one =
+      check_disturbance(make_layout_of_polynomials({{"only", {0.1, -0.1, 0.2}, {}}}), {Hertz{100}});
+  EXPECT_LT(one.static_against_program, 5e-4);
+  EXPECT_TRUE(one.dynamic.empty());
+}
+
+TEST(DisturbanceLibrary, FiveBranchesBySelectLines) {
+  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  std::vector<multiplier_layout::Polynomial> branches;
+  for (int b = 1; b <= 5; ++b) branches.push_back({"b", {0.05 * b, -0.1, 0.02 * b}, {}});
+  const Layout layout = make_layout_of_polynomials(branches);
+  const DisturbanceCheck check = check_disturbance(layout, {Hertz{5000}});
+  EXPECT_LT(check.static_against_program, 5e-4);
+  EXPECT_LT(check.static_percent, 0.1);
+  // The branches of the first pair differ by 7 % at the reversals.
+  const double predicted =
+      multiplier_layout::make_timing(layout, {Hertz{5000}}).analog_switch.late[0].rms_percent;
+  EXPECT_NEAR(check.dynamic[0].rms_percent, predicted, 0.15 * predicted);
+  EXPECT_NEAR(check.change->glitch_percent, check.change->predicted_percent,
+              0.35 * check.change->predicted_percent);
+}
+
+TEST(DisturbanceLibrary, AmplitudeGainsStaticAndAt5Kilohertz) {
+  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  Disturbance wanted;
+  wanted.ascending = {0.3546, -0.6433, 0.2887};
+  wanted.descending = {-0.2398, 0.0838, 0.156};
+  wanted.amplitude.alpha = {0.1, 0.3, 0.6, 1.0};
+  wanted.amplitude.ascending = {0.1, 0.4, 0.65, 1.0};
+  wanted.amplitude.descending = {0.15, 0.25, 0.7, 1.0};
+  const DisturbanceCheck check = check_disturbance(make_layout(wanted), {Hertz{5000}});
+  ASSERT_TRUE(check.amplitude.has_value());
+  EXPECT_LT(check.amplitude->static_percent, 0.15);
+  EXPECT_LT(check.amplitude->against_program, 0.02);
+  EXPECT_LT(check.amplitude->rms_percent, 0.3);
+}
+
+}  // namespace
+}  // namespace bodesmith::multiplier_layout

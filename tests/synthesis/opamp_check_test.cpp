@@ -1,0 +1,105 @@
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/error.hpp"
+#include "base/files.hpp"
+#include "schematic/analysis/response.hpp"
+#include "schematic/opamp_library.hpp"
+#include "seed_sections.hpp"
+#include "synthesis/opamp_check.hpp"
+#include "temporary_folder.hpp"
+
+namespace bodesmith::circuit {
+namespace {
+
+using schematic::OpAmpLibrary;
+
+/// -R2/R1 around one op-amp.
+Circuit inverting(double r1, double r2) {
+  Circuit out;
+  Part a, b;
+  a.name = "R1";
+  a.from = "in";
+  a.to = "m";
+  a.realised = r1;
+  b.name = "R2";
+  b.from = "m";
+  b.to = "out";
+  b.realised = r2;
+  out.parts = {a, b};
+  out.opamps = {{"U1", "", 0, "0", "m", "out"}};
+  return out;
+}
+
+// Textbook: en (1 + R2/R1), sqrt(4kT R2), sqrt(4kT R1) R2/R1, in R2.
+TEST(Noise, InvertingAmplifierByHand) {
+  Circuit circuit = inverting(10e3, 100e3);
+  OpAmpModel& model = circuit.opamp;
+  model.gain_bandwidth = Hertz{1e12};
+  model.dc_gain = 1e9;
+  model.output_resistance_ohm = 0.0;
+  model.voltage_noise_v_per_rthz = 8e-9;
+  model.current_noise_a_per_rthz = 1e-12;
+  const double kt4 = 4.0 * 1.380649e-23 * 300.15;
+  const double expected =
+      std::sqrt(std::pow(8e-9 * 11.0, 2) + kt4 * 100e3 + kt4 * 10e3 * 100.0 + std::pow(1e-12 * 100e3, 2));
+  EXPECT_NEAR(schematic::output_noise(circuit, {Hertz{1000}}, false)[0] / expected, 1.0, 1e-6);
+  EXPECT_NEAR(
+      schematic::output_noise_rms(circuit, {Hertz{100}, Hertz{1100}}, false) / (expected * std::sqrt(1000.0)),
+      1.0, 1e-3);
+  EXPECT_NEAR(schematic::worst_output_offset(circuit), model.offset_v * 11.0 + model.bias_current_a * 100e3,
+              1e-9);
+}
+
+TEST(OpAmpLibrary, BuiltInTypesAreSane) {
+  const OpAmpLibrary library = OpAmpLibrary::built_in();
+  EXPECT_GE(library.types().size(), 8u);
+  EXPECT_GT(library.named("OPA2140").gain_bandwidth, library.named("TL072").gain_bandwidth);
+  EXPECT_THROW(library.named("uA709"), InputError);
+}
+
+TEST(OpAmpLibrary, ReadsAUsersListAndNamesTheLineOfAMistake) {
+  const TemporaryFolder folder;
+  write_file(folder / "own.toml",
+             "schema = \"bodesmith.opamps/1\"\n[[opamp]]\nname = \"mine\"\ngain_bandwidth_hz = "
+             "5e6\nslew_v_per_s = 1e6\n");
+  Provenance from;
+  EXPECT_EQ(OpAmpLibrary::read(folder / "own.toml", from).named("mine").gain_bandwidth.value, 5e6);
+  for (const std::string& wrong :
+       {std::string("gain_bandwith_hz = 5e6"), std::string("gain_bandwidth_hz = -1")}) {
+    write_file(folder / "wrong.toml", "schema = \"bodesmith.opamps/1\"\n[[opamp]]\nname = \"mine\"\n" +
+                                          wrong + "\nslew_v_per_s = 1e6\n");
+    try {
+      OpAmpLibrary::read(folder / "wrong.toml", from);
+      FAIL() << wrong;
+    } catch (const InputError& error) {
+      EXPECT_NE(std::string(error.what()).find("wrong.toml:"), std::string::npos) << error.what();
+    }
+  }
+}
+
+TEST(OpAmpCheck, WarnsWithNumbers) {
+  Realised made = realise(seed_sections());
+  const Band band = made.report.band;
+  const OpAmpCheck fine = check_opamps(made.circuit, band);
+  EXPECT_TRUE(fine.warnings.empty()) << fine.warnings[0];
+  EXPECT_GT(fine.min_phase_margin_deg, 45.0);
+  RealiseOptions bare;
+  bare.isolation_ohm = 0.0;
+  const Realised ringing = realise(seed_sections(), bare);
+  ASSERT_FALSE(ringing.report.warnings.empty());
+  EXPECT_NE(ringing.report.warnings[0].find("phase margin"), std::string::npos);
+  const OpAmpLibrary library = OpAmpLibrary::built_in();
+  made.circuit.opamp = library.named("NE5532");  // 200 nA through megohms
+  const OpAmpCheck bipolar = check_opamps(made.circuit, band);
+  EXPECT_GT(bipolar.output_offset_v, 0.1);
+  ASSERT_FALSE(bipolar.warnings.empty());
+  EXPECT_NE(bipolar.warnings[0].find("bias current"), std::string::npos) << bipolar.warnings[0];
+  made.circuit.opamp.gain_bandwidth = Hertz{2e4};
+  made.circuit.opamp.slew_v_per_s = 1e3;
+  EXPECT_GE(check_opamps(made.circuit, band).warnings.size(), 3u);
+}
+
+}  // namespace
+}  // namespace bodesmith::circuit

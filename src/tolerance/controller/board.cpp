@@ -274,8 +274,8 @@ std::vector<double> Board::drive(const Input& input) const {
   return out;
 }
 
-double Board::at_rest(double r, bool rising) const {
-  rest_.set_slope(0.0);
+double Board::at_rest(double r, bool rising, double slope_v) const {
+  rest_.set_slope(slope_v);
   double p[kTerms];
   const Branch& b = branch_[rising ? 0 : 1];
   mix(b, rest_.control_v(rising ? 0 : 1), p);

@@ -23,15 +23,17 @@ Input input_of(const tracking::Reference& reference, Hertz operating, std::size_
 
 /// One built copy as it behaves, fast: at every instant the generator is at rest (its voltages follow from
 /// controller::AtRest, tabulated once as polynomials of its argument), late by its amplifiers' delays; the slope meter and
-/// its smoothing are filters of first order, the switch acts late. Against ngspice: tests/part_errors.
+/// its smoothing are filters of first order, the switch acts late. Tests solve the netlist at every sample for the same drive.
 class Board {
  public:
   Board(const controller::RestWiring& wiring, const Copy& copy);
 
   /// v over one repeat in steady state.
   std::vector<double> drive(const Input& input) const;
-  /// At rest: v for r on a branch, the slope meter at 0 (as after a slow approach).
-  double at_rest(double r, bool rising) const;
+  /// At rest: v for r on a branch, the slope meter at `slope_v` (0: as after a slow approach).
+  double at_rest(double r, bool rising, double slope_v = 0.0) const;
+  /// The slope meter's voltage (0 or below) at every sample, in steady state.
+  std::vector<double> slope_voltage(const Input& input) const;
   /// Mean of the slope meter's voltage, turned positive; 0 without one.
   double mean_slope_v(const Input& input) const;
 
@@ -50,7 +52,6 @@ class Board {
   double open_node_v() const;
   double open_node_ohm() const;
   double open_node_s() const;
-  std::vector<double> slope_voltage(const Input& input) const;
   void mix(const Branch& branch, double control_v, double out[kTerms]) const;
   double solve(double r, double rate, const Branch& branch, const double p[kTerms], double start) const;
 

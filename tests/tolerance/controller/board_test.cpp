@@ -1,0 +1,120 @@
+#include "tolerance/controller/board.hpp"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "synthesis/controller/library.hpp"
+#include "tolerance/controller/errors.hpp"
+#include "tolerance/controller/operating_point.hpp"
+#include "tolerance/controller/seed_controller.hpp"
+
+namespace bodesmith::part_errors {
+namespace {
+
+constexpr std::uint64_t kCopies = 1000;
+
+/// v of one copy at rest from the equations of all elements at once, its drive fed back.
+double rest_by_all_equations(const controller::RestWiring& wiring, const schematic::Deviations& off,
+                             double slope_v, double r, bool rising, double start) {
+  const controller::AnalogController& c = wiring.controller;
+  const schematic::Netlist& rate = wiring.rate.netlist();
+  const auto control = schematic::operating_point(rate, {{"sn", slope_v}}, 0, off.of_part(rate, c), {});
+  schematic::Netlist generator = controller::generator_netlist(c, false);
+  generator.sources.clear();
+  std::map<std::string, double> inputs = {{"r", r}};
+  for (const controller::RateGain& gain : c.rate) {
+    if (gain.control >= 0) inputs[c.op(gain.control).out] = control.at(c.op(gain.control).out);
+  }
+  const auto volts = schematic::operating_point(generator, inputs, rising ? 0 : 1, off.of_part(generator, c),
+                                                {{"v", start}});
+  return volts.at("v");
+}
+
+TEST(Board, AThousandDrawnCopiesRestWhereAllEquationsAtOnceSay) {
+  const controller::AnalogController& c = seed_controller();
+  const controller::RestWiring wiring(c);
+  const std::vector<Cause> causes = causes_of(c, {});
+  const double full = 100.0 * c.slope->volts_per_hz;
+  double worst = 0.0;
+  for (std::uint64_t draw = 0; draw < kCopies; ++draw) {
+    const Copy copy = copy_of(c, causes, draw_values(causes, 1, draw));
+    const Board board(wiring, copy);
+    const double r = static_cast<double>(draw % 97) / 96.0,
+                 slope_v = -full * static_cast<double>(draw % 13) / 12.0;
+    const bool rising = draw % 2 == 0;
+    const double v = board.at_rest(r, rising, slope_v);
+    worst = std::max(worst, std::abs(v - rest_by_all_equations(wiring, copy.off, slope_v, r, rising, v)));
+  }
+  EXPECT_LT(worst, 1e-12);
+}
+
+/// v over one repeat, every voltage worked out from the netlist at rest again at every sample; the slope of what the
+/// generator makes by differences. Delays as first order in the slopes, each amplifier's its noise gain over 2 pi GBW.
+class SlowDrive {
+ public:
+  SlowDrive(const controller::RestWiring& wiring, const Copy& copy)
+      : c_(wiring.controller), rest_(wiring, copy.off) {
+    const double per_gain =
+        1.0 / (2.0 * std::numbers::pi * c_.opamp.gain_bandwidth.value * (1.0 + copy.speed));
+    const controller::Pass& last = c_.passes.back();
+    output_s_ = rest_.noise_gain(last.output.opamp) * per_gain;
+    for (const int b : {0, 1}) {
+      delay_s_[b] = 2.0 / (2.0 * std::numbers::pi * c_.multiplier.bandwidth.value);
+      if (last.branch_opamp[b] >= 0) delay_s_[b] += rest_.noise_gain(last.branch_opamp[b]) * per_gain;
+    }
+  }
+
+  double at(double r, double rate, double slope_v, bool rising) {
+    rest_.set_slope(slope_v);
+    const double gain = rest_.reference_gain();
+    const auto made = [&](double v) { return rest_.made(0.0, v, rising); };
+    const double late = delay_s_[rising ? 0 : 1] + output_s_;
+    const auto left = [&](double v) {
+      constexpr double kStep =
+          1e-3;  // what is made is a polynomial of low order: Richardson's step takes the rest away
+      const auto difference = [&](double h) { return (made(v + h) - made(v - h)) / (2.0 * h); };
+      const double slope = (4.0 * difference(kStep) - difference(2.0 * kStep)) / 3.0;
+      return gain * (r - rate * output_s_) + made(v) - slope * gain * rate / (1.0 - slope) * late - v;
+    };
+    double a = r - 0.1, b = r + 0.1, at_a = left(a), at_b = left(b);
+    for (int i = 0; i < 60 && std::abs(b - a) > 1e-14 && at_b != at_a; ++i) {  // secant
+      const double next = b - at_b * (b - a) / (at_b - at_a);
+      a = b;
+      at_a = at_b;
+      b = next;
+      at_b = left(b);
+    }
+    return b;
+  }
+
+ private:
+  const controller::AnalogController& c_;
+  controller::AtRest rest_;
+  double output_s_ = 0.0, delay_s_[2] = {};
+};
+
+TEST(Board, AThousandDrawnCopiesDriveAsTheNetlistSolvedAtEverySample) {
+  const controller::AnalogController& c = seed_controller();
+  const controller::RestWiring wiring(c);
+  const std::vector<Cause> causes = causes_of(c, {});
+  double worst = 0.0;
+  for (std::uint64_t draw = 0; draw < kCopies; ++draw) {
+    const Copy copy = copy_of(c, causes, draw_values(causes, 1, draw));
+    const Board board(wiring, copy);
+    const Input input = input_of(tracking::Reference(), seed_frequencies()[draw % 7], 16);
+    const std::vector<double> v = board.drive(input), sn = board.slope_voltage(input);
+    SlowDrive slow(wiring, copy);
+    for (const std::size_t k :
+         {3 + draw % 4, 11 + draw % 4}) {  // away from the turns, where the switch has not acted
+      worst =
+          std::max(worst, std::abs(v[k] - slow.at(input.r[k], input.slope[k - 1], sn[k], input.rising[k])));
+    }
+  }
+  EXPECT_LT(worst, 1e-12);
+}
+
+}  // namespace
+}  // namespace bodesmith::part_errors

@@ -58,6 +58,16 @@ std::vector<Hertz> peaks_of(const Sampled& at) {
   return out;
 }
 
+/// `add` what stands beside the `peaks`, until there is nothing to add.
+template <typename Peaks, typename Add>
+void refine_at_peaks(const Peaks& peaks, const Add& add) {
+  for (int round = 0; round < kPeakRounds; ++round) {
+    const std::vector<Hertz> more = peaks();
+    if (more.empty()) return;
+    add(more);
+  }
+}
+
 }  // namespace
 
 std::vector<Hertz> beside_peaks(const std::vector<Hertz>& grid, const std::vector<double>& curve) {
@@ -81,24 +91,22 @@ std::vector<Hertz> beside_peaks(const std::vector<Hertz>& grid, const std::vecto
 double refined_maximum(std::vector<Hertz> grid, const std::function<double(Hertz)>& curve) {
   std::vector<double> values;
   for (const Hertz f : grid) values.push_back(curve(f));
-  for (int round = 0; round < kPeakRounds; ++round) {
-    for (const Hertz f : beside_peaks(grid, values)) {
-      const auto at = std::upper_bound(grid.begin(), grid.end(), f) - grid.begin();
-      grid.insert(grid.begin() + at, f);
-      values.insert(values.begin() + at, curve(f));
-    }
-  }
+  refine_at_peaks([&] { return beside_peaks(grid, values); },
+                  [&](const std::vector<Hertz>& more) {
+                    for (const Hertz f : more) {
+                      const auto at = std::upper_bound(grid.begin(), grid.end(), f) - grid.begin();
+                      grid.insert(grid.begin() + at, f);
+                      values.insert(values.begin() + at, curve(f));
+                    }
+                  });
   return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
 }
 
 ResponseDifference judge_responses(const Responses& got, const Responses& wanted, Band band) {
   Sampled at;
   at.add(judging_grid([&](Hertz f) { return wanted({f}).front(); }, band, kJudgedPoints), got, wanted);
-  for (int round = 0; round < kPeakRounds; ++round) {
-    const std::vector<Hertz> more = peaks_of(at);
-    if (more.empty()) break;
-    at.add(more, got, wanted);
-  }
+  refine_at_peaks([&] { return peaks_of(at); },
+                  [&](const std::vector<Hertz>& more) { at.add(more, got, wanted); });
   return compare_responses(at.grid, at.got, at.wanted);
 }
 

@@ -59,6 +59,7 @@ Json to_json(const OpAmpCheck& check) {
           {"tightest_stage", check.tightest_stage},
           {"output_offset_v", check.output_offset_v},
           {"full_swing_hz", check.full_swing_hz},
+          {"output_current_a", check.output_current_a},
           {"highest_q", check.highest_q},
           {"noise_rms_v", check.noise_rms_v},
           {"warnings", check.warnings}};

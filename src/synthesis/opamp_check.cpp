@@ -66,6 +66,21 @@ void phase_margins(const Circuit& circuit, OpAmpCheck& out) {
   }
 }
 
+/// What flows through the op-amps' outputs is an unknown of the network's equations.
+void output_currents(const Circuit& circuit, const std::vector<Hertz>& grid, double amplitude_v,
+                     OpAmpCheck& out) {
+  const schematic::Equations equations(circuit);
+  for (const Hertz f : grid) {
+    const Eigen::VectorXcd x = solve_sparse(equations.small_signal(f.rad_s()));
+    for (size_t i = 0; i < circuit.opamps.size(); ++i) {
+      const double current = amplitude_v * std::abs(x(equations.row_of_opamp(i)));
+      if (current <= out.output_current_a) continue;
+      out.output_current_a = current;
+      out.loaded_stage = circuit.opamps[i].group + 1;
+    }
+  }
+}
+
 /// The stages' greatest |gain| from the input over the grid, at least 1.
 double highest_gain(const Circuit& circuit, const std::vector<Hertz>& grid) {
   double out = 1.0;
@@ -141,6 +156,12 @@ std::vector<std::string> warnings_of(const OpAmpCheck& check, const OpAmpModel& 
     warn(fmt::format("{}: a stage reaches {} V, it swings to {} V", model.name, rounded_text(peak_v, 3),
                      rounded_text(model.swing_v)));
   }
+  if (check.output_current_a > model.greatest_output_current_a) {
+    warn(fmt::format(
+        "{}: stage {} delivers {} with {} V at the input, the op-amp at most {}; greater resistors help",
+        model.name, check.loaded_stage, engineering_text(check.output_current_a, "A"),
+        rounded_text(amplitude_v), engineering_text(model.greatest_output_current_a, "A")));
+  }
   if (resonance.product_hz() > 0.0 && 100.0 * resonance.product_hz() > model.gain_bandwidth.value) {
     warn(fmt::format("{}: Q = {} at {} requires a gain-bandwidth of {} or more", model.name,
                      rounded_text(resonance.q, 3), engineering_text(resonance.hz, "Hz"),
@@ -162,6 +183,7 @@ OpAmpCheck check_opamps(const Circuit& circuit, Band band, double amplitude_v) {
   out.output_offset_v = schematic::worst_output_offset(circuit);
   const double highest = highest_gain(circuit, grid);
   out.full_swing_hz = model.slew_v_per_s / (2.0 * std::numbers::pi * highest * amplitude_v);
+  output_currents(circuit, grid, amplitude_v, out);
   out.highest_q = highest_quality(circuit);
   out.noise_rms_v = schematic::output_noise_rms(circuit, band);
   out.warnings =

@@ -17,8 +17,10 @@ struct OpAmpCheck {
   std::size_t tightest_stage = 0;      ///< counted from 1
   double full_swing_hz =
       0.0;  ///< highest frequency of a sine of `amplitude_v` at the highest node without slewing
-  double highest_q = 0.0;    ///< of any stage's poles; 0 when all are real
-  double noise_rms_v = 0.0;  ///< at the output, over the band
+  double output_current_a = 0.0;  ///< greatest of any op-amp with a sine of `amplitude_v` at the input
+  std::size_t loaded_stage = 0;   ///< whose it is, counted from 1
+  double highest_q = 0.0;         ///< of any stage's poles; 0 when all are real
+  double noise_rms_v = 0.0;       ///< at the output, over the band
   std::vector<std::string> warnings;
 };
 

@@ -1,5 +1,6 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -50,6 +51,22 @@ TEST(Noise, InvertingAmplifierByHand) {
       1.0, 1e-3);
   EXPECT_NEAR(schematic::worst_output_offset(circuit), model.offset_v * 11.0 + model.bias_current_a * 100e3,
               1e-9);
+}
+
+// The output feeds R2, whose other end is at virtual ground, and nothing else.
+TEST(OpAmpCheck, StatesTheCurrentOfTheHardestWorkingOutput) {
+  Circuit circuit = inverting(1e3, 50.0);
+  const Band band{Hertz{10}, Hertz{1000}};
+  const OpAmpCheck check = check_opamps(circuit, band, 10.0);
+  EXPECT_NEAR(check.output_current_a, 10e-3, 1e-6);
+  const auto tells = [](const OpAmpCheck& of) {
+    return std::any_of(of.warnings.begin(), of.warnings.end(), [](const std::string& one) {
+      return one.find("delivers 10 mA") != std::string::npos;
+    });
+  };
+  EXPECT_FALSE(tells(check));
+  circuit.opamp.greatest_output_current_a = 9e-3;
+  EXPECT_TRUE(tells(check_opamps(circuit, band, 10.0)));
 }
 
 TEST(OpAmpLibrary, BuiltInTypesAreSane) {

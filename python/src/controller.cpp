@@ -7,8 +7,8 @@
 #include "schematic/ngspice/ngspice.hpp"
 #include "schematic/opamp_library.hpp"
 #include "synthesis/controller/files.hpp"
+#include "synthesis/controller/loop.hpp"
 #include "synthesis/controller/study.hpp"
-#include "tolerance/controller/loop.hpp"
 #include "tolerance/controller/report.hpp"
 
 namespace bodesmith::python {
@@ -56,15 +56,14 @@ Answer analog_controller(const Call& call) {
   body["reference"] = {{"waveform", std::string(to_string(reference.shape()))},
                        {"amplitude", reference.alpha()}};
   body[checked ? "as_built" : "predicted"] = controller::to_json(cases);
-  if (checked) body["loop_ngspice"] = controller::to_json(controller::measure_loop(built));
   const double seconds = watch.seconds();
-  const auto loop = part_errors::loop_stability(built);
-  part_errors::require_stable(loop, o.boolean_or("allow_unstable", false));
-  if (!loop.at.empty()) body["stability"] = part_errors::to_json(loop);
+  const auto loop = checked ? controller::checked_loop_stability(built) : controller::loop_stability(built);
+  controller::require_stable(loop, o.boolean_or("allow_unstable", false));
+  if (!loop.at.empty()) body["stability"] = controller::to_json(loop);
   Answer out;
   out.result = document("analog_controller", body, seconds);
   out.warnings = built.warnings;
-  if (const std::string warning = part_errors::loop_warning(loop); !warning.empty())
+  if (const std::string warning = controller::loop_warning(loop); !warning.empty())
     out.warnings.push_back(warning);
   OutputSet files;
   controller::add_controller_files(built, "controller", body, files, "");

@@ -121,25 +121,6 @@ std::string as_built_summary(const std::vector<controller::AsBuilt>& cases, bool
   return text;
 }
 
-std::string loop_summary(const std::vector<controller::LoopPoint>& loop) {
-  if (loop.empty()) return {};
-  double gain = 0.0, nearest = 1.0, margin_db = 200.0, phase_deg = 360.0;
-  Hertz bandwidth = loop.front().bandwidth;
-  for (const controller::LoopPoint& one : loop) {
-    gain = std::max(gain, one.greatest_gain);
-    nearest = std::min(nearest, one.nearest);
-    margin_db = std::min(margin_db, one.gain_margin_db.value_or(margin_db));
-    phase_deg = std::min(phase_deg, one.phase_margin_deg.value_or(phase_deg));
-    if (one.bandwidth.value < bandwidth.value) bandwidth = one.bandwidth;
-  }
-  return fmt::format(
-      "loop in ngspice: gain at most {} ({}), gain margin {} dB, |1 + L| at least {}, {}Hz wide\n",
-      rounded_text(gain, 3),
-      phase_deg < 360.0 ? fmt::format("phase margin {} degrees", rounded_text(phase_deg, 3))
-                        : "never 1: no frequency at which it could oscillate",
-      rounded_text(margin_db, 3), rounded_text(nearest, 3), engineering_text(bandwidth.value, ""));
-}
-
 /// Keys `stability`, and with --errors `errors_of_parts` and `trim`; trim.md.
 std::string add_part_errors(const CommandLine& line, const controller::AnalogController& built,
                             const tracking::Reference& reference, Json& json, OutputSet& out) {
@@ -159,11 +140,13 @@ std::string add_part_errors(const CommandLine& line, const controller::AnalogCon
     out.add("trim.md", part_errors::trim_page(report, built, "the controller of " + line.files()[0]));
     text = part_errors::summary_text(report);
   } else {
-    report.loop = part_errors::loop_stability(built);
-    part_errors::require_stable(report.loop, line.has("allow-unstable"));
-    if (!report.loop.at.empty()) json["stability"] = part_errors::to_json(report.loop);
+    report.loop =
+        line.has("check") ? controller::checked_loop_stability(built) : controller::loop_stability(built);
+    controller::require_stable(report.loop, line.has("allow-unstable"));
+    if (!report.loop.at.empty()) json["stability"] = controller::to_json(report.loop);
+    text = controller::summary_text(report.loop);
   }
-  if (const std::string warning = part_errors::loop_warning(report.loop); !warning.empty()) note(warning);
+  if (const std::string warning = controller::loop_warning(report.loop); !warning.empty()) note(warning);
   return text;
 }
 
@@ -191,8 +174,6 @@ int run_controller(const std::vector<std::string>& arguments) {
   const std::vector<controller::AsBuilt> cases =
       checked ? controller::measure_as_built(built, built.tracked, reference)
               : controller::predict_as_built(built, reference);
-  const std::vector<controller::LoopPoint> loop =
-      checked ? controller::measure_loop(built) : std::vector<controller::LoopPoint>{};
   const double compute_s = watch.seconds();
   for (const std::string& warning : built.warnings) note(warning);
 
@@ -201,9 +182,8 @@ int run_controller(const std::vector<std::string>& arguments) {
   json["reference"] = {{"waveform", std::string(to_string(reference.shape()))},
                        {"amplitude", reference.alpha()}};
   json[checked ? "as_built" : "predicted"] = controller::to_json(cases);
-  if (checked) json["loop_ngspice"] = controller::to_json(loop);
   json["timing_s"] = {{"compute", compute_s}};
-  std::string text = built_summary(built) + as_built_summary(cases, checked) + loop_summary(loop);
+  std::string text = built_summary(built) + as_built_summary(cases, checked);
   const bool met = !limit || controller::worst_percent(cases) <= *limit;
   if (!met) {
     text += limit_not_met(*limit, "%");

@@ -1,75 +1,14 @@
 #include "synthesis/controller/study.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
-#include <complex>
-#include <limits>
-#include <numbers>
 
 #include "base/json.hpp"
-#include "lti/frequency_grid.hpp"
-#include "lti/loop_margins.hpp"
 #include "numeric/parallel_for.hpp"
-#include "schematic/ngspice/ngspice.hpp"
 #include "synthesis/controller/as_built.hpp"
-#include "synthesis/controller/library.hpp"
 
 namespace bodesmith::controller {
 namespace {
-
-using Branch = Disturbance::Branch;
-
-constexpr int kDrives = 200;
-constexpr Band kLoopBand{Hertz{100.0}, Hertz{1e8}};
-constexpr int kPointsOfLoop = 241;  // 40 a decade
-
-double derivative(const Disturbance& disturbance, Branch which, double v) {
-  const std::array<double, 3>& a = disturbance.coefficients(which);
-  return a[0] + v * (2.0 * a[1] + v * 3.0 * a[2]);
-}
-
-/// Steepest place of a branch: the greatest K d' (sign +1) or the least (-1), over drives and rates.
-LoopPoint steepest(const AnalogController& controller, Branch which, double sign) {
-  std::vector<Hertz> rates = controller.disturbance.rate.frequency;
-  if (rates.empty()) rates.push_back(Hertz{1.0});
-  LoopPoint out;
-  out.which = which;
-  double best = -std::numeric_limits<double>::infinity();
-  for (const Hertz f : rates) {
-    for (int i = 0; i <= kDrives; ++i) {
-      const double v = controller.loop.greatest_drive * i / kDrives;
-      const double slope = controller.rated_gain(which, f) * derivative(controller.disturbance, which, v);
-      if (sign * slope > best) {
-        best = sign * slope;
-        out.slope = slope;
-        out.drive_v = v;
-        out.rate = f;
-      }
-    }
-  }
-  return out;
-}
-
-/// Fills the figures from L over the grid.
-void judge(const std::vector<Hertz>& grid, const std::vector<std::complex<double>>& loop, LoopPoint& out) {
-  const LoopMargins margins = loop_margins(grid, loop);
-  if (const auto* least = margins.least_phase_margin())
-    out.phase_margin_deg = std::abs(least->phase_margin_deg);
-  out.gain_margin_db = margins.gain_margin_db();
-  out.nearest = 1.0 / margins.max_sensitivity;
-  const double rest = std::abs(loop.front());
-  out.bandwidth = grid.back();
-  for (std::size_t i = grid.size(); i-- > 0;) {
-    const double size = std::abs(loop[i]);
-    if (size >= out.greatest_gain) {
-      out.greatest_gain = size;
-      out.greatest_at = grid[i];
-    }
-    if (size < rest / std::numbers::sqrt2) out.bandwidth = grid[i];
-  }
-}
 
 double rms_percent(const std::vector<double>& a, const std::vector<double>& b, double range) {
   double sum = 0.0;
@@ -90,34 +29,6 @@ double rms_in_time_percent(const std::vector<double>& t, const std::vector<doubl
 }
 
 }  // namespace
-
-std::string loop_library(const AnalogController& controller, const LoopPoint& point) {
-  const double k = controller.rated_gain(point.which, point.rate);
-  const double r = point.drive_v + k * controller.disturbance.value(point.which, point.drive_v);
-  const double slope = controller.slope ? -controller.slope->volts_per_hz * point.rate.value : 0.0;
-  return controller_library(controller, "controller, its loop cut", {nullptr, true}) +
-         fmt::format(
-             "\n.subckt loop in out\nVbias x in {:.12g}\nVr r 0 {:.12g}\nVbranch branch 0 {}\n"
-             "Vslope slope 0 {:.12g}\nXopen r x branch slope out controller_open\n.ends loop\n",
-             point.drive_v, r, point.which == Branch::ascending ? 1 : 0, slope);
-}
-
-std::vector<LoopPoint> measure_loop(const AnalogController& controller) {
-  std::vector<LoopPoint> out;
-  if (controller.form != Form::self_fed) return out;
-  const std::vector<Hertz> grid = log_grid(kLoopBand, kPointsOfLoop);
-  for (const Branch which : {Branch::ascending, Branch::descending}) {
-    for (const double sign : {1.0, -1.0}) {
-      LoopPoint point = steepest(controller, which, sign);
-      std::vector<std::complex<double>> loop =
-          spice::run_ac_of_text(loop_library(controller, point), "controller.sub", grid, "loop");
-      for (std::complex<double>& one : loop) one = -one;
-      judge(grid, loop, point);
-      out.push_back(point);
-    }
-  }
-  return out;
-}
 
 std::vector<AsBuilt> measure_as_built(const AnalogController& controller,
                                       const std::vector<Hertz>& frequencies,
@@ -172,24 +83,6 @@ Json to_json(const std::vector<AsBuilt>& cases) {
                    {"cvode_difference_percent", one.cvode_difference_percent},
                    {"start_up_percent", one.start_up_percent},
                    {"ngspice_s", one.wall_s}});
-  }
-  return out;
-}
-
-Json to_json(const std::vector<LoopPoint>& loop) {
-  Json out = Json::array();
-  for (const LoopPoint& one : loop) {
-    Json json = {{"branch", one.which == Disturbance::Branch::ascending ? "ascending" : "descending"},
-                 {"rate_hz", one.rate.value},
-                 {"drive", one.drive_v},
-                 {"slope", one.slope},
-                 {"greatest_gain", one.greatest_gain},
-                 {"greatest_at_hz", one.greatest_at.value},
-                 {"nearest", one.nearest},
-                 {"bandwidth_hz", one.bandwidth.value}};
-    if (one.phase_margin_deg) json["phase_margin_deg"] = *one.phase_margin_deg;
-    if (one.gain_margin_db) json["gain_margin_db"] = *one.gain_margin_db;
-    out.push_back(json);
   }
   return out;
 }

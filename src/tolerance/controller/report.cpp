@@ -20,10 +20,6 @@ std::string percent_text(double value) {
 
 constexpr std::size_t kNamedParts = 12;
 
-const char* branch_name(Disturbance::Branch branch) {
-  return branch == Disturbance::Branch::ascending ? "ascending" : "descending";
-}
-
 Json spread_json(const Spread& spread) {
   return {{"nominal_percent", spread.nominal_percent},
           {"median_percent", spread.median_percent},
@@ -97,13 +93,6 @@ Json trim_json(const Report& report, const controller::AnalogController& control
           {"at", spreads_json(report.study.frequencies, trims.after_at)}};
 }
 
-Json point_json(const LoopPoint& point) {
-  return {{"branch", branch_name(point.branch)},
-          {"v", point.v},
-          {"operating_hz", point.operating.value},
-          {"rate_gain", point.rate_gain}};
-}
-
 std::string volts_text(double volts) {
   return fmt::format("{:.4f} V", std::abs(volts) < 5e-5 ? 0.0 : volts);
 }
@@ -137,9 +126,9 @@ Report examine(const controller::AnalogController& controller, const tracking::S
   const Stopwatch watch;
   Report out;
   out.errors = options.study.errors;
-  out.loop = options.ngspice && spice::ngspice_available() ? checked_loop_stability(controller)
-                                                           : loop_stability(controller);
-  require_stable(out.loop, options.allow_unstable);
+  out.loop = options.ngspice && spice::ngspice_available() ? controller::checked_loop_stability(controller)
+                                                           : controller::loop_stability(controller);
+  controller::require_stable(out.loop, options.allow_unstable);
   out.study = study_errors(controller, stage, options.study);
   out.trims = study_trims(controller, stage, options.study, options.trims, &out.study);
   if (options.ngspice && options.checked_draws > 0 && spice::ngspice_available())
@@ -169,14 +158,7 @@ std::string summary_text(const Report& report) {
     out += fmt::format("trimmed blind ({}): median {}, 95 % below {}\n", names,
                        percent_text(trims.after.median_percent), percent_text(trims.after.p95_percent));
   }
-  const LoopStability& loop = report.loop;
-  if (loop.at.empty()) return out + "stability: not looked at, the op-amps are ideal\n";
-  out += fmt::format(
-      "stability: the generator's loop gain is at most {}{}; least phase margin of an op-amp {} deg ({}, {})",
-      rounded_text(loop.greatest_gain, 3), loop.greatest_gain < 1.0 ? ", below 1 at every frequency" : "",
-      rounded_text(loop.margin_deg, 3), loop.opamp, loop.role);
-  if (loop.ngspice) out += fmt::format("; ngspice {} deg", rounded_text(loop.ngspice->margin_deg, 3));
-  return out + "\n";
+  return out + controller::summary_text(report.loop);
 }
 
 std::string draws_csv(const Study& study) {
@@ -192,48 +174,9 @@ std::string draws_csv(const Study& study) {
   return out;
 }
 
-Json to_json(const LoopStability& loop) {
-  Json out = {{"generator_greatest_loop_gain", loop.greatest_gain},
-              {"generator_below_one_everywhere", loop.greatest_gain < 1.0},
-              {"phase_margin_deg", loop.margin_deg},
-              {"opamp", loop.opamp},
-              {"role", loop.role},
-              {"crossing_hz", loop.crossing.value},
-              {"worst", point_json(loop.point)},
-              {"warning", loop_warning(loop)}};
-  if (loop.ngspice) {
-    Json checked = {{"phase_margin_deg", loop.ngspice->margin_deg},
-                    {"crossing_hz", loop.ngspice->crossing.value},
-                    {"generator_greatest_loop_gain", loop.ngspice->greatest_gain},
-                    {"greatest_difference_from_network", loop.ngspice->greatest_difference}};
-    if (loop.ngspice->step) {
-      const SwitchStep& step = *loop.ngspice->step;
-      checked["change_of_branch"] = {{"r_v", step.v},
-                                     {"step_percent", step.step_percent},
-                                     {"overshoot_percent", step.overshoot_percent},
-                                     {"settled_s", step.settled_s}};
-    }
-    out["ngspice"] = checked;
-  }
-  out["at"] = Json::array();
-  for (const LoopAt& at : loop.at) {
-    Json one = point_json(at.point);
-    one["loop_gain"] = at.greatest_gain;
-    one["gain_margin_db"] = at.gain_margin_db;
-    Json margins = Json::array();
-    for (const LoopAt::OpAmpMargin& m : at.opamps) {
-      margins.push_back(
-          {{"opamp", m.opamp}, {"phase_margin_deg", m.margin_deg}, {"crossing_hz", m.crossing.value}});
-    }
-    one["opamps"] = margins;
-    out["at"].push_back(one);
-  }
-  return out;
-}
-
 Json to_json(const Report& report, const controller::AnalogController& controller) {
   Json out = {{"errors_of_parts", study_json(report)}, {"trim", trim_json(report, controller)}};
-  if (!report.loop.at.empty()) out["stability"] = to_json(report.loop);
+  if (!report.loop.at.empty()) out["stability"] = controller::to_json(report.loop);
   return out;
 }
 

@@ -5,7 +5,7 @@
 
 #include "base/files.hpp"
 #include "base/json_fwd.hpp"
-#include "tolerance/controller/loop.hpp"
+#include "synthesis/controller/loop.hpp"
 #include "tolerance/controller/study.hpp"
 #include "tolerance/controller/trim.hpp"
 
@@ -16,7 +16,7 @@ struct Report {
   PartErrors errors;
   Study study;
   TrimStudy trims;
-  LoopStability loop;
+  controller::LoopStability loop;
   std::vector<DrawCheck> checked;  ///< against ngspice
   double seconds = 0.0;            ///< wall, of all of it
 };
@@ -26,7 +26,7 @@ struct ReportOptions {
   TrimOptions trims;
   int checked_draws = 2;        ///< run through ngspice too, when it is installed
   bool ngspice = true;          ///< the loop in ngspice too, when it is installed
-  bool allow_unstable = false;  ///< no refusal below kLeastMarginDeg
+  bool allow_unstable = false;  ///< no refusal below controller::kLeastMarginDeg
 };
 
 /// DesignError as require_stable().
@@ -35,8 +35,6 @@ Report examine(const controller::AnalogController& controller, const tracking::S
 
 /// Three keys for controller.json: `errors_of_parts`, `trim`, `stability`.
 Json to_json(const Report& report, const controller::AnalogController& controller);
-/// What `stability` holds.
-Json to_json(const LoopStability& loop);
 /// For a person at the bench: the steps with the expected readings of this very design (trim.md).
 std::string trim_page(const Report& report, const controller::AnalogController& controller,
                       const std::string& title);

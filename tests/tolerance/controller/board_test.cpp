@@ -7,9 +7,9 @@
 #include <numbers>
 
 #include "synthesis/controller/library.hpp"
+#include "synthesis/controller/seed_controller.hpp"
 #include "tolerance/controller/errors.hpp"
 #include "tolerance/controller/operating_point.hpp"
-#include "tolerance/controller/seed_controller.hpp"
 
 namespace bodesmith::part_errors {
 namespace {
@@ -34,7 +34,7 @@ double rest_by_all_equations(const controller::RestWiring& wiring, const schemat
 }
 
 TEST(Board, AThousandDrawnCopiesRestWhereAllEquationsAtOnceSay) {
-  const controller::AnalogController& c = seed_controller();
+  const controller::AnalogController& c = controller::seed_controller();
   const controller::RestWiring wiring(c);
   const std::vector<Cause> causes = causes_of(c, {});
   const double full = 100.0 * c.slope->volts_per_hz;
@@ -97,14 +97,14 @@ class SlowDrive {
 };
 
 TEST(Board, AThousandDrawnCopiesDriveAsTheNetlistSolvedAtEverySample) {
-  const controller::AnalogController& c = seed_controller();
+  const controller::AnalogController& c = controller::seed_controller();
   const controller::RestWiring wiring(c);
   const std::vector<Cause> causes = causes_of(c, {});
   double worst = 0.0;
   for (std::uint64_t draw = 0; draw < kCopies; ++draw) {
     const Copy copy = copy_of(c, causes, draw_values(causes, 1, draw));
     const Board board(wiring, copy);
-    const Input input = input_of(tracking::Reference(), seed_frequencies()[draw % 7], 16);
+    const Input input = input_of(tracking::Reference(), controller::seed_frequencies()[draw % 7], 16);
     const std::vector<double> v = board.drive(input), sn = board.slope_voltage(input);
     SlowDrive slow(wiring, copy);
     for (const std::size_t k :

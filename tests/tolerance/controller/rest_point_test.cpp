@@ -6,9 +6,9 @@
 
 #include "synthesis/controller/at_rest.hpp"
 #include "synthesis/controller/library.hpp"
+#include "synthesis/controller/seed_controller.hpp"
 #include "tolerance/controller/errors.hpp"
 #include "tolerance/controller/operating_point.hpp"
-#include "tolerance/controller/seed_controller.hpp"
 
 namespace bodesmith::part_errors {
 namespace {
@@ -30,7 +30,7 @@ double greatest_difference(const schematic::RestOrder& order, const schematic::D
 }
 
 TEST(RestPoint, RestsAtTheSamePlaceWhereverItComesFrom) {
-  const controller::AnalogController& c = seed_controller();
+  const controller::AnalogController& c = controller::seed_controller();
   const controller::RestWiring wiring(c);
   const schematic::Deviations off = schematic::Deviations::none(c).of_part(wiring.rate.netlist(), c);
   const int slope = wiring.rate.node("sn");
@@ -44,7 +44,7 @@ TEST(RestPoint, RestsAtTheSamePlaceWhereverItComesFrom) {
 }
 
 TEST(RestPoint, AThousandDrawnCopiesRestWhereAllEquationsAtOnceSay) {
-  const controller::AnalogController& c = seed_controller();
+  const controller::AnalogController& c = controller::seed_controller();
   const controller::RestWiring wiring(c);
   const std::vector<Cause> causes = causes_of(c, {});
   const double full = 100.0 * c.slope->volts_per_hz;

@@ -1,12 +1,14 @@
-#include "tolerance/controller/loop.hpp"
+#include "synthesis/controller/loop.hpp"
 
 #include <fmt/format.h>
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 #include "base/error.hpp"
+#include "base/json.hpp"
 #include "base/text.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/loop_margins.hpp"
@@ -17,11 +19,21 @@
 #include "synthesis/controller/at_rest.hpp"
 #include "synthesis/controller/library.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::controller {
 namespace {
 
-using controller::AnalogController;
 using schematic::plain_number;
+
+const char* branch_name(Disturbance::Branch branch) {
+  return branch == Disturbance::Branch::ascending ? "ascending" : "descending";
+}
+
+Json point_json(const LoopPoint& point) {
+  return {{"branch", branch_name(point.branch)},
+          {"v", point.v},
+          {"operating_hz", point.operating.value},
+          {"rate_gain", point.rate_gain}};
+}
 
 /// v = 0, 1/4 … 1; both branches; the gain curve's corners, where the gains' extremes are.
 std::vector<LoopPoint> loop_points(const AnalogController& c) {
@@ -45,20 +57,20 @@ std::vector<LoopPoint> loop_points(const AnalogController& c) {
 /// The generator cut at its argument, for small signals about the point.
 schematic::Equations cut_loop(const AnalogController& controller, const LoopPoint& point) {
   LoopBias bias = bias_of(controller, point);
-  bias.volts[controller::kArgument] = point.v;
-  schematic::Equations out(controller::generator_netlist(controller, true),
-                           {.position = bias.position, .input = controller::kArgument});
+  bias.volts[kArgument] = point.v;
+  schematic::Equations out(generator_netlist(controller, true),
+                           {.position = bias.position, .input = kArgument});
   out.linearise(bias.volts);
   return out;
 }
 
 LoopAt look_at(const AnalogController& controller, const LoopPoint& point, const std::vector<Hertz>& grid) {
   const LoopBias bias = bias_of(controller, point);
-  const schematic::Netlist netlist = controller::generator_netlist(controller, false);
+  const schematic::Netlist netlist = generator_netlist(controller, false);
   schematic::Equations closed(netlist, {.position = bias.position});
   closed.linearise(bias.volts);
   const schematic::Equations cut = cut_loop(controller, point);
-  const bool fed = controller.form == controller::Form::self_fed;
+  const bool fed = controller.form == Form::self_fed;
   LoopAt out;
   out.point = point;
   std::vector<std::complex<double>> loop;
@@ -69,7 +81,13 @@ LoopAt look_at(const AnalogController& controller, const LoopPoint& point, const
     for (std::size_t k = 0; k < own.size(); ++k)
       own[k].push_back(schematic::return_ratio(closed, netlist, k, f.rad_s()));
   }
-  out.gain_margin_db = loop_margins(grid, loop).gain_margin_db().value_or(0.0);
+  const LoopMargins of_generator = loop_margins(grid, loop);
+  out.gain_margin_db = of_generator.gain_margin_db().value_or(0.0);
+  out.nearest = 1.0 / of_generator.max_sensitivity;
+  const auto narrow = std::find_if(loop.begin(), loop.end(), [&](const std::complex<double>& one) {
+    return std::abs(one) < std::abs(loop.front()) / std::numbers::sqrt2;
+  });
+  out.bandwidth = narrow == loop.end() ? grid.back() : grid[static_cast<std::size_t>(narrow - loop.begin())];
   for (std::size_t k = 0; k < own.size(); ++k) {
     const schematic::OpAmp& u = netlist.opamps[k];
     const LoopMargins margins = loop_margins(grid, own[k]);
@@ -121,14 +139,14 @@ std::string with_cut_opamp(const AnalogController& controller, std::string libra
 
 std::vector<std::complex<double>> opamp_ratio(const AnalogController& controller, const std::string& opamp,
                                               const LoopPoint& point, const std::vector<Hertz>& grid) {
-  controller::LibraryOptions options;
+  LibraryOptions options;
   options.open = true;
   const std::string library =
-      with_cut_opamp(controller, controller::controller_library(controller, "loop", options), opamp);
+      with_cut_opamp(controller, controller_library(controller, "loop", options), opamp);
   std::string deck =
       open_deck(controller, library, point, bias_of(controller, point).reference_v, level(point.branch));
   // The generator reads its own drive (or the reference).
-  deck += controller.form == controller::Form::self_fed ? "Vx x v 0\n" : "Vx x r 0\n";
+  deck += controller.form == Form::self_fed ? "Vx x v 0\n" : "Vx x r 0\n";
   std::vector<std::complex<double>> out =
       spice::run_ac_of_circuit(deck, "xc.x" + opamp + ".y", grid, "controller.sub");
   for (std::complex<double>& y : out) y = -y / (1.0 + y);
@@ -137,9 +155,9 @@ std::vector<std::complex<double>> opamp_ratio(const AnalogController& controller
 
 std::vector<std::complex<double>> generator_loop(const AnalogController& controller, const LoopPoint& point,
                                                  const std::vector<Hertz>& grid) {
-  controller::LibraryOptions options;
+  LibraryOptions options;
   options.open = true;
-  std::string deck = open_deck(controller, controller::controller_library(controller, "loop", options), point,
+  std::string deck = open_deck(controller, controller_library(controller, "loop", options), point,
                                bias_of(controller, point).reference_v, level(point.branch));
   deck += fmt::format("Vx x 0 {} ac 1\n", plain_number(point.v));
   std::vector<std::complex<double>> out = spice::run_ac_of_circuit(deck, "v", grid, "controller.sub");
@@ -148,7 +166,7 @@ std::vector<std::complex<double>> generator_loop(const AnalogController& control
 }
 
 /// v of a branch at rest.
-double drive_of(controller::AtRest& rest, bool self_fed, double r, bool rising) {
+double drive_of(AtRest& rest, bool self_fed, double r, bool rising) {
   double v = r;
   for (int i = 0; i < 60; ++i) {
     const double made = rest.made(r, v, rising);
@@ -163,13 +181,13 @@ SwitchStep change_of_branch(const AnalogController& controller, const LoopPoint&
                             const double rest_v[2], double hold_s) {
   constexpr double kChangeS = 2e-6, kEdgeS = 1e-9, kStepS = 10e-9;
   const double back_s = kChangeS + hold_s, stop_s = back_s + hold_s;
-  controller::LibraryOptions options;
+  LibraryOptions options;
   options.open = true;
   std::string deck = open_deck(
-      controller, controller::controller_library(controller, "switch", options), at, r,
+      controller, controller_library(controller, "switch", options), at, r,
       fmt::format("pwl(0 0 {} 0 {} 1 {} 1 {} 0)", plain_number(kChangeS), plain_number(kChangeS + kEdgeS),
                   plain_number(back_s), plain_number(back_s + kEdgeS)));
-  deck += controller.form == controller::Form::self_fed ? "Vx x v 0\n" : "Vx x r 0\n";
+  deck += controller.form == Form::self_fed ? "Vx x v 0\n" : "Vx x r 0\n";
   const spice::Transient run = spice::run_transient(deck, {"v"}, kStepS, stop_s, "controller.sub");
   SwitchStep out{.v = r, .step_percent = 100.0 * std::abs(rest_v[0] - rest_v[1])};
   const double low = std::min(rest_v[0], rest_v[1]), high = std::max(rest_v[0], rest_v[1]);
@@ -192,8 +210,8 @@ SwitchStep change_of_branch(const AnalogController& controller, const LoopPoint&
 
 std::optional<SwitchStep> switch_step(const AnalogController& controller, const LoopPoint& at) {
   if (!controller.switched() || controller.contacts.size() < 2) return std::nullopt;
-  const controller::RestWiring wiring(controller);
-  controller::AtRest rest(wiring, schematic::Deviations::none(controller));
+  const RestWiring wiring(controller);
+  AtRest rest(wiring, schematic::Deviations::none(controller));
   if (controller.slope) rest.set_slope(-at.operating.value * controller.slope->volts_per_hz);
   double r = 0.5, greatest = 0.0;
   for (int i = 0; i <= 40; ++i) {
@@ -217,8 +235,8 @@ std::optional<SwitchStep> switch_step(const AnalogController& controller, const 
 }  // namespace
 
 LoopBias bias_of(const AnalogController& controller, const LoopPoint& point) {
-  const controller::RestWiring wiring(controller);
-  controller::AtRest rest(wiring, schematic::Deviations::none(controller));
+  const RestWiring wiring(controller);
+  AtRest rest(wiring, schematic::Deviations::none(controller));
   LoopBias out;
   if (controller.slope) out.slope_v = -point.operating.value * controller.slope->volts_per_hz;
   rest.set_slope(out.slope_v);
@@ -238,7 +256,7 @@ LoopBias bias_of(const AnalogController& controller, const LoopPoint& point) {
 
 std::complex<double> generator_loop_gain(const AnalogController& controller, const LoopPoint& point,
                                          RadPerSecond w) {
-  if (controller.form != controller::Form::self_fed) return 0.0;
+  if (controller.form != Form::self_fed) return 0.0;
   return -cut_loop(controller, point).response(w, "v");
 }
 
@@ -250,6 +268,7 @@ LoopStability loop_stability(const AnalogController& controller) {
     out.at.push_back(look_at(controller, point, grid));
     const LoopAt& at = out.at.back();
     out.greatest_gain = std::max(out.greatest_gain, at.greatest_gain);
+    out.nearest = std::min(out.nearest, at.nearest);
     for (const LoopAt::OpAmpMargin& one : at.opamps) {
       if (one.margin_deg >= out.margin_deg) continue;
       out.margin_deg = one.margin_deg;
@@ -274,6 +293,62 @@ std::string loop_warning(const LoopStability& loop) {
       engineering_text(loop.crossing.value, "Hz"), rounded_text(kGoodMarginDeg));
 }
 
+Json to_json(const LoopStability& loop) {
+  Json out = {{"generator_greatest_loop_gain", loop.greatest_gain},
+              {"generator_below_one_everywhere", loop.greatest_gain < 1.0},
+              {"generator_nearest", loop.nearest},
+              {"phase_margin_deg", loop.margin_deg},
+              {"opamp", loop.opamp},
+              {"role", loop.role},
+              {"crossing_hz", loop.crossing.value},
+              {"worst", point_json(loop.point)},
+              {"warning", loop_warning(loop)}};
+  if (loop.ngspice) {
+    Json checked = {{"phase_margin_deg", loop.ngspice->margin_deg},
+                    {"crossing_hz", loop.ngspice->crossing.value},
+                    {"generator_greatest_loop_gain", loop.ngspice->greatest_gain},
+                    {"greatest_difference_from_network", loop.ngspice->greatest_difference}};
+    if (loop.ngspice->step) {
+      const SwitchStep& step = *loop.ngspice->step;
+      checked["change_of_branch"] = {{"r_v", step.v},
+                                     {"step_percent", step.step_percent},
+                                     {"overshoot_percent", step.overshoot_percent},
+                                     {"settled_s", step.settled_s}};
+    }
+    out["ngspice"] = checked;
+  }
+  out["at"] = Json::array();
+  for (const LoopAt& at : loop.at) {
+    Json one = point_json(at.point);
+    one["loop_gain"] = at.greatest_gain;
+    one["gain_margin_db"] = at.gain_margin_db;
+    one["nearest"] = at.nearest;
+    one["bandwidth_hz"] = at.bandwidth.value;
+    Json margins = Json::array();
+    for (const LoopAt::OpAmpMargin& m : at.opamps) {
+      margins.push_back(
+          {{"opamp", m.opamp}, {"phase_margin_deg", m.margin_deg}, {"crossing_hz", m.crossing.value}});
+    }
+    one["opamps"] = margins;
+    out["at"].push_back(one);
+  }
+  return out;
+}
+
+std::string summary_text(const LoopStability& loop) {
+  if (loop.at.empty()) return "stability: not looked at, the op-amps are ideal\n";
+  std::string out = fmt::format("stability: the generator's loop gain is at most {}{}, |1 + L| at least {}\n",
+                                rounded_text(loop.greatest_gain, 3),
+                                loop.greatest_gain < 1.0 ? ", below 1 at every frequency" : "",
+                                rounded_text(loop.nearest, 3));
+  out += fmt::format("  least phase margin of an op-amp {} deg ({}, {})", rounded_text(loop.margin_deg, 3),
+                     loop.opamp, loop.role);
+  if (loop.ngspice)
+    out += fmt::format("; ngspice: {} deg, loop gain {}", rounded_text(loop.ngspice->margin_deg, 3),
+                       rounded_text(loop.ngspice->greatest_gain, 3));
+  return out + "\n";
+}
+
 void require_stable(const LoopStability& loop, bool allowed) {
   const double margin = loop.ngspice ? std::min(loop.margin_deg, loop.ngspice->margin_deg) : loop.margin_deg;
   if (allowed || margin >= kLeastMarginDeg) return;
@@ -288,7 +363,7 @@ LoopStability checked_loop_stability(const AnalogController& controller) {
   const LoopMargins margins = loop_margins(grid, opamp_ratio(controller, out.opamp, out.point, grid));
   checked.margin_deg = margins.phase_margin_deg();
   if (const auto* least = margins.least_phase_margin()) checked.crossing = least->frequency;
-  if (controller.form == controller::Form::self_fed) {
+  if (controller.form == Form::self_fed) {
     const auto worst = std::max_element(out.at.begin(), out.at.end(), [](const LoopAt& a, const LoopAt& b) {
       return a.greatest_gain < b.greatest_gain;
     });
@@ -305,4 +380,4 @@ LoopStability checked_loop_stability(const AnalogController& controller) {
   return out;
 }
 
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::controller

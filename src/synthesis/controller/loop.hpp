@@ -6,9 +6,10 @@
 #include <string>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "synthesis/controller/controller.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::controller {
 
 /// Where a loop is looked at: the branch, the drive and the frequency whose rate gain holds.
 struct LoopPoint {
@@ -25,6 +26,8 @@ struct LoopAt {
   LoopPoint point;
   double greatest_gain = 0.0;   ///< of the generator's loop, |T| over all frequencies
   double gain_margin_db = 0.0;  ///< 1/|T| where T crosses the negative real axis; 0: it never does
+  double nearest = 1.0;         ///< least |1 + T|: 1 over the greatest amplification of a disturbance
+  Hertz bandwidth;              ///< |T| at .707 of its value at rest
   struct OpAmpMargin {
     std::string opamp, role;
     double margin_deg = 180.0;  ///< where |T| = 1; below 0: unstable
@@ -44,6 +47,7 @@ struct SwitchStep {
 struct LoopStability {
   std::vector<LoopAt> at;      ///< v = 0 … 1, both branches, the rate gains' ends and corners
   double greatest_gain = 0.0;  ///< of the generator's loop at any point
+  double nearest = 1.0;        ///< least |1 + T| of it
   double margin_deg = 180.0;   ///< least of any op-amp at any point
   std::string opamp, role;     ///< whose it is
   LoopPoint point;
@@ -64,9 +68,9 @@ constexpr double kGoodMarginDeg = 45.0, kLeastMarginDeg = 30.0;
 
 /// By the program's own network of the emitted parts: op-amps with their gain-bandwidth and output resistance,
 /// multipliers with one pole, the switch's resistances and capacitances. Nothing for ideal op-amps.
-LoopStability loop_stability(const controller::AnalogController& controller);
+LoopStability loop_stability(const AnalogController& controller);
 /// The same with ngspice beside it. Needs ngspice.
-LoopStability checked_loop_stability(const controller::AnalogController& controller);
+LoopStability checked_loop_stability(const AnalogController& controller);
 
 /// Where a loop rests at a point.
 struct LoopBias {
@@ -75,15 +79,19 @@ struct LoopBias {
   int position = 0;          ///< of the switch
   std::map<std::string, double> volts;
 };
-LoopBias bias_of(const controller::AnalogController& controller, const LoopPoint& point);
+LoopBias bias_of(const AnalogController& controller, const LoopPoint& point);
 
 /// The generator's loop at a point, -v for 1 V at what reads it, cut there; 0 where the generator is not fed by its drive.
-std::complex<double> generator_loop_gain(const controller::AnalogController& controller,
-                                         const LoopPoint& point, RadPerSecond w);
+std::complex<double> generator_loop_gain(const AnalogController& controller, const LoopPoint& point,
+                                         RadPerSecond w);
 
 /// What to change when the margin is below kGoodMarginDeg; empty when it is not.
 std::string loop_warning(const LoopStability& loop);
+/// What `stability` of controller.json holds.
+Json to_json(const LoopStability& loop);
+/// A line or two for a person.
+std::string summary_text(const LoopStability& loop);
 /// DesignError when the margin is below kLeastMarginDeg and `allowed` is false.
 void require_stable(const LoopStability& loop, bool allowed);
 
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::controller

@@ -2,7 +2,7 @@
 
 #include "synthesis/controller/controller.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::controller {
 
 /// The disturbance of examples/nanopositioner.
 inline Disturbance seed_disturbance() {
@@ -21,13 +21,13 @@ inline std::vector<Hertz> seed_frequencies() {
   return out;
 }
 
-inline const controller::AnalogController& seed_controller() {
-  static const controller::AnalogController made = [] {
-    controller::Options options;
+inline const AnalogController& seed_controller() {
+  static const AnalogController made = [] {
+    Options options;
     options.tracked = seed_frequencies();
-    return controller::make_controller(seed_disturbance(), options);
+    return make_controller(seed_disturbance(), options);
   }();
   return made;
 }
 
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::controller

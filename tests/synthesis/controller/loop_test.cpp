@@ -1,4 +1,4 @@
-#include "tolerance/controller/loop.hpp"
+#include "synthesis/controller/loop.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
@@ -7,15 +7,15 @@
 
 #include "base/error.hpp"
 #include "schematic/ngspice/ngspice.hpp"
-#include "tolerance/controller/seed_controller.hpp"
+#include "synthesis/controller/seed_controller.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::controller {
 namespace {
 
 using ::testing::HasSubstr;
 
 TEST(Loop, TheGeneratorsGainIsKTimesTheSlopeOfD) {
-  const controller::AnalogController& c = seed_controller();
+  const AnalogController& c = seed_controller();
   for (const auto branch : {Disturbance::Branch::ascending, Disturbance::Branch::descending}) {
     for (const double v : {0.0, 0.4, 1.0}) {
       const LoopPoint point{branch, v, Hertz{100.0}, 1.0};
@@ -34,6 +34,10 @@ TEST(Loop, NgspiceAndTheOwnNetworkAgree) {
   ASSERT_TRUE(loop.ngspice);
   // Below 1 at every frequency: stable whatever the phase.
   EXPECT_LT(loop.greatest_gain, 0.5);
+  EXPECT_GT(loop.nearest, 0.5);
+  for (const LoopAt& at : loop.at) {
+    if (at.greatest_gain > 0.05) EXPECT_GT(at.bandwidth.value, 1e6);
+  }
   EXPECT_NEAR(loop.ngspice->greatest_gain, loop.greatest_gain, 2e-3);
   EXPECT_LT(loop.ngspice->greatest_difference, 2e-3);
   EXPECT_GT(loop.margin_deg, 60.0);
@@ -48,7 +52,7 @@ TEST(Loop, NgspiceAndTheOwnNetworkAgree) {
 }
 
 TEST(Loop, ASlowHeavyOpAmpIsRefused) {
-  controller::AnalogController bad = seed_controller();
+  AnalogController bad = seed_controller();
   bad.opamp.output_resistance_ohm = 20e3;  // with the switch's capacitor behind it
   bad.opamp.gain_bandwidth = Hertz{50e6};
   const LoopStability loop = loop_stability(bad);
@@ -59,14 +63,14 @@ TEST(Loop, ASlowHeavyOpAmpIsRefused) {
 }
 
 TEST(Loop, FormsWithoutALoopAndIdealOpAmps) {
-  controller::Options options;
-  options.form = controller::Form::two_pass;
-  const auto two = controller::make_controller(seed_disturbance(), options);
+  Options options;
+  options.form = Form::two_pass;
+  const auto two = make_controller(seed_disturbance(), options);
   EXPECT_EQ(loop_stability(two).greatest_gain, 0.0);
   EXPECT_GT(loop_stability(two).margin_deg, 45.0);
   options.opamp = schematic::OpAmpModel::ideal();
-  EXPECT_TRUE(loop_stability(controller::make_controller(seed_disturbance(), options)).at.empty());
+  EXPECT_TRUE(loop_stability(make_controller(seed_disturbance(), options)).at.empty());
 }
 
 }  // namespace
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::controller

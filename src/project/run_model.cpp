@@ -74,7 +74,7 @@ std::vector<PartChange> part_changes(const ProjectRun& run, const Block& loop, H
     const part_errors::Cause& cause = causes[i];
     if (cause.group == "op-amp speed" || cause.group == "switch") continue;
     const bool volts = cause.group.ends_with("offsets");
-    const double departure = volts ? cause.limit : kRelative;
+    const double departure = volts ? cause.departure.limit() : kRelative;
     const auto with = [&](double value) {
       values[i] = value;
       return loop_of(controller, run.project.target.disturbance, operating,
@@ -86,7 +86,7 @@ std::vector<PartChange> part_changes(const ProjectRun& run, const Block& loop, H
     const double unit = volts ? 1.0 : 100.0;
     PartChange one{cause.name.substr(0, cause.name.find(", tolerance")),
                    volts ? "v" : "percent",
-                   unit * cause.limit,
+                   unit * cause.departure.limit(),
                    {}};
     for (std::size_t k = 0; k < loop.parameters().size(); ++k) {
       const chain::Parameter& at = loop.parameters()[k];

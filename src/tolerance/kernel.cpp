@@ -13,16 +13,19 @@ bool first_order(const circuit::Biquad& h) {
   return h.b2 == 0.0 && h.a2 == 0.0;
 }
 
-double relative_scale(const Part& part, const Spread& spread) {
-  switch (part.kind) {
-    case Part::Kind::resistor:
-      return spread.resistor_percent / 100.0;
-    case Part::Kind::capacitor:
-      return spread.capacitor_percent / 100.0;
-    case Part::Kind::switched_capacitor:
-      return spread.mismatch.relative_sigma(part.nominal);
+/// Relative.
+tolerance::Departure departure_of(const Part& part, const Spread& spread) {
+  using Law = tolerance::Departure::Law;
+  const bool corners = spread.kind == Spread::Kind::corners;
+  if (part.kind == Part::Kind::switched_capacitor) {
+    const double sigma = spread.mismatch.relative_sigma(part.nominal);
+    return corners ? tolerance::Departure{Law::corners, sigma * spread.sigmas}
+                   : tolerance::Departure{Law::normal, sigma};
   }
-  return 0.0;
+  const double limit =
+      (part.kind == Part::Kind::resistor ? spread.resistor_percent : spread.capacitor_percent) / 100.0;
+  if (spread.kind == Spread::Kind::gaussian) return {Law::normal, limit / spread.sigmas};
+  return {corners ? Law::corners : Law::uniform, limit};
 }
 
 }  // namespace
@@ -30,7 +33,7 @@ double relative_scale(const Part& part, const Spread& spread) {
 Kernel::Kernel(const Design& design, const Options& options) : design_(design), options_(options) {
   for (const Part& part : design.parts) {
     values_.push_back(part.nominal);
-    scale_.push_back(relative_scale(part, options.spread));
+    departure_.push_back(departure_of(part, options.spread));
     const bool there = part.kind == Part::Kind::switched_capacitor && part.nominal > 0.0;
     extra_.push_back(there ? options.spread.mismatch.systematic_units : 0.0);
     ppm_.push_back(part.kind == Part::Kind::resistor    ? options.spread.resistor_ppm_per_k * 1e-6
@@ -80,35 +83,17 @@ Kernel::Kernel(const Design& design, const Options& options) : design_(design), 
 
 void Kernel::draw(std::uint64_t sample) {
   const Spread& spread = options_.spread;
-  const size_t n = values_.size();
-  for (size_t i = 0; i < n; i += 2) {
-    const auto u = uniform_pair(options_.seed, sample, static_cast<std::uint32_t>(i / 2));
-    for (size_t k = 0; k < 2 && i + k < n; ++k) {
-      const Part& part = design_.parts[i + k];
-      double unit = 0.0;
-      if (part.kind == Part::Kind::switched_capacitor) {
-        unit = spread.kind == Spread::Kind::corners ? (u[k] < 0.5 ? -spread.sigmas : spread.sigmas)
-                                                    : normal_quantile(u[k]);
-      } else if (spread.kind == Spread::Kind::uniform) {
-        unit = 2.0 * u[k] - 1.0;
-      } else if (spread.kind == Spread::Kind::gaussian) {
-        unit = normal_quantile(u[k]) / spread.sigmas;
-      } else {
-        unit = u[k] < 0.5 ? -1.0 : 1.0;
-      }
-      // Six or more sigmas of a wide tolerance must not turn a part negative.
-      values_[i + k] = part.nominal * std::max(1.0 + scale_[i + k] * unit, 1e-3) + extra_[i + k];
-    }
-  }
+  tolerance::for_each_drawn(options_.seed, sample, values_.size(), [&](std::size_t i, double u) {
+    // Many sigmas of a wide tolerance must not turn a part negative.
+    values_[i] = design_.parts[i].nominal * std::max(1.0 + departure_[i].drawn(u), 1e-3) + extra_[i];
+  });
   if (!warm_) return;
   const double kelvin = spread.temperature_low_c - 25.0 +
                         (spread.temperature_high_c - spread.temperature_low_c) *
                             uniform_pair(options_.seed, sample, 0xFFFFFFFFU)[0];
-  for (size_t i = 0; i < n; i += 2) {
-    const auto u = uniform_pair(options_.seed, sample, 0x80000000U + static_cast<std::uint32_t>(i / 2));
-    for (size_t k = 0; k < 2 && i + k < n; ++k)
-      values_[i + k] *= 1.0 + ppm_[i + k] * (2.0 * u[k] - 1.0) * kelvin;
-  }
+  tolerance::for_each_drawn(
+      options_.seed, sample, values_.size(),
+      [&](std::size_t i, double u) { values_[i] *= 1.0 + ppm_[i] * (2.0 * u - 1.0) * kelvin; }, 0x80000000U);
 }
 
 void Kernel::coefficients(int lane) {

@@ -4,6 +4,7 @@
 #include <vector>
 
 #include "fpaa/plan/drawn_board.hpp"
+#include "tolerance/departure.hpp"
 #include "tolerance/yield.hpp"
 
 namespace bodesmith::yield {
@@ -40,9 +41,9 @@ class Kernel {
   std::vector<std::complex<double>> drawn_;  ///< one of its responses
   std::vector<Pair> pairs_;
   std::vector<double> values_;
-  std::vector<double> scale_;  ///< tolerance (or standard deviation) of each part, relative
-  std::vector<double> extra_;  ///< what each part has too much, in its own unit
-  std::vector<double> ppm_;    ///< temperature coefficient of each part
+  std::vector<tolerance::Departure> departure_;  ///< of each part, relative
+  std::vector<double> extra_;                    ///< what each part has too much, in its own unit
+  std::vector<double> ppm_;                      ///< temperature coefficient of each part
   bool warm_ = false;
   std::vector<double> b0_, b1_, b2_, a0_, a1_, a2_;  ///< [pair][lane]
   std::vector<double> vr_, vi_, v2r_, v2i_;          ///< [pair][frequency]

@@ -5,13 +5,13 @@
 
 #include "base/nearest_word.hpp"
 #include "base/text.hpp"
-#include "numeric/random.hpp"
 
 namespace bodesmith::part_errors {
 namespace {
 
 using controller::AnalogController;
 using schematic::MultiplierDeviation;
+using Law = tolerance::Departure::Law;
 
 /// Normal numbers are cut here, in standard deviations; the cut leaves 98.66 % of the deviation.
 constexpr double kCut = 3.0;
@@ -53,14 +53,12 @@ class Collector {
   void normal(std::string name, std::string group, double deviation,
               std::function<void(Copy&, double)> apply) {
     if (deviation <= 0.0) return;
-    out_.push_back({std::move(name), std::move(group), deviation, kCut * deviation, false, std::move(apply)});
+    out_.push_back({std::move(name), std::move(group), {Law::normal, deviation, kCut}, std::move(apply)});
   }
   void uniform(std::string name, std::string group, double percent,
                std::function<void(Copy&, double)> apply) {
     if (percent <= 0.0) return;
-    const double limit = percent / 100.0;
-    out_.push_back(
-        {std::move(name), std::move(group), limit / std::sqrt(3.0), limit, true, std::move(apply)});
+    out_.push_back({std::move(name), std::move(group), {Law::uniform, percent / 100.0}, std::move(apply)});
   }
   void multiplier(std::size_t i) {
     const std::string& name = c_.multipliers[i].name;
@@ -134,14 +132,8 @@ std::vector<Cause> causes_of(const AnalogController& controller, const PartError
 
 std::vector<double> draw_values(const std::vector<Cause>& causes, std::uint64_t seed, std::uint64_t sample) {
   std::vector<double> out(causes.size());
-  for (std::size_t i = 0; i < causes.size(); i += 2) {
-    const std::array<double, 2> u = uniform_pair(seed, sample, static_cast<std::uint32_t>(i / 2));
-    for (std::size_t k = 0; k < 2 && i + k < causes.size(); ++k) {
-      const Cause& cause = causes[i + k];
-      out[i + k] = cause.uniform ? cause.limit * (2.0 * u[k] - 1.0)
-                                 : cause.deviation * std::clamp(normal_quantile(u[k]), -kCut, kCut);
-    }
-  }
+  tolerance::for_each_drawn(seed, sample, causes.size(),
+                            [&](std::size_t i, double u) { out[i] = causes[i].departure.drawn(u); });
   return out;
 }
 

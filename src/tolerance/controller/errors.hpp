@@ -8,6 +8,7 @@
 #include "base/document.hpp"
 #include "schematic/deviations.hpp"
 #include "synthesis/controller/controller.hpp"
+#include "tolerance/departure.hpp"
 
 namespace bodesmith::part_errors {
 
@@ -47,19 +48,16 @@ struct Copy {
 
 /// One thing that may be off.
 struct Cause {
-  std::string name;        ///< "M2, offset of X", "Ra1, tolerance"
-  std::string group;       ///< "multiplier offsets", "resistors"
-  double deviation = 0.0;  ///< standard deviation
-  double limit = 0.0;      ///< greatest |value|
-  bool uniform = false;
+  std::string name;   ///< "M2, offset of X", "Ra1, tolerance"
+  std::string group;  ///< "multiplier offsets", "resistors"
+  tolerance::Departure departure;
   std::function<void(Copy&, double value)> apply;  ///< adds the value
 };
 
 /// Every part of the controller, in the order of the description.
 std::vector<Cause> causes_of(const controller::AnalogController& controller, const PartErrors& errors);
 
-/// Values of all causes for sample number `sample`: a function of seed, sample and the cause's place, whichever
-/// thread draws it (numeric/random.hpp).
+/// Values of all causes for copy number `sample`.
 std::vector<double> draw_values(const std::vector<Cause>& causes, std::uint64_t seed, std::uint64_t sample);
 Copy copy_of(const controller::AnalogController& controller, const std::vector<Cause>& causes,
              const std::vector<double>& values);

@@ -48,7 +48,7 @@ OneAtATime one_at_a_time(const Bench& bench, const AnalogController& controller,
   OneAtATime out{std::vector<double>(causes.size()), std::vector<double>(causes.size())};
   parallel_for(causes.size(), threads, [&](std::size_t i) {
     std::vector<double> values(causes.size(), 0.0);
-    values[i] = causes[i].deviation;
+    values[i] = causes[i].departure.deviation();
     const Board board(bench.wiring(), copy_of(controller, causes, values));
     for (std::size_t f = 0; f < bench.frequencies(); ++f) {
       const double square = mean_square_without_lag(bench.displacement(board, f), y[f], bench.input(f).r);

@@ -125,7 +125,7 @@ TrimModel::TrimModel(const controller::AnalogController& controller, const track
   parallel_for(columns, thread_count(options.threads), [&](std::size_t i) {
     Copy copy = copy_of(controller, {}, {});
     if (i < causes_) {
-      causes[i].apply(copy, causes[i].deviation);
+      causes[i].apply(copy, causes[i].departure.deviation());
     } else {
       trims_[i - causes_].apply(copy, trims_[i - causes_].unit_setting);
     }

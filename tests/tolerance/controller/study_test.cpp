@@ -66,12 +66,12 @@ TEST(PartErrors, DrawnValuesHaveTheirDistributions) {
   for (std::uint64_t k = 0; k < n; ++k) {
     const std::vector<double> values = draw_values(causes, 7, k);
     for (std::size_t i = 0; i < causes.size(); ++i) {
-      ASSERT_LE(std::abs(values[i]), causes[i].limit);
+      ASSERT_LE(std::abs(values[i]), causes[i].departure.limit());
       square[i] += values[i] * values[i] / n;
     }
   }
   for (std::size_t i = 0; i < causes.size(); ++i)
-    EXPECT_NEAR(std::sqrt(square[i]) / causes[i].deviation, 1.0, 0.06) << causes[i].name;
+    EXPECT_NEAR(std::sqrt(square[i]) / causes[i].departure.deviation(), 1.0, 0.06) << causes[i].name;
 }
 
 /// The fast model against the emitted netlist with those very deviations.

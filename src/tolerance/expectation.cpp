@@ -119,9 +119,29 @@ PartRank rank_of(std::size_t p, const Design& design, const Options& options, co
   return out;
 }
 
+/// Every part at its limit, at each frequency in the direction that its sensitivity says there, as a judge sees it.
+double worst_case_db(const Design& design, const Options& options, const Sensitivity& s, const Judge& judge) {
+  const std::vector<double> nominal = design.nominal_values();
+  std::vector<double> values = nominal;
+  double out = 0.0;
+  for (std::size_t i = 0; i < options.grid.size(); ++i) {
+    for (const double direction : {1.0, -1.0}) {
+      for (std::size_t p = 0; p < values.size(); ++p) {
+        const double limit = std::copysign(0.01 * s.limit_percent[p], direction * s.db_per_percent[p][i]);
+        values[p] = nominal[p] * std::max(1.0 + limit, 1e-3);
+      }
+      const Hertz f = options.grid[i];
+      const std::complex<double> ratio = design.response(f, values) / design.reference(f);
+      const double db = std::clamp(to_decibel(std::abs(ratio)), -kMaxDeviationDb, kMaxDeviationDb);
+      out = std::max(out, judge(i, db, to_degrees(std::arg(ratio))).db);
+    }
+  }
+  return out;
+}
+
 }  // namespace
 
-Result expected_result(const Design& design, const Options& options) {
+Result expected_result(const Design& design, const Options& options, const Judge& judge) {
   // Twice the first-order worst case: far enough for six standard deviations and for curvature.
   constexpr double kRoom = 2.0;
   Result out;
@@ -138,7 +158,6 @@ Result expected_result(const Design& design, const Options& options) {
     }
     const std::complex<double> offset = design.nominal(options.grid[i]) / design.reference(options.grid[i]);
     const double off_db = std::clamp(std::abs(to_decibel(std::abs(offset))), 0.0, kMaxDeviationDb);
-    out.worst_case_db = std::max(out.worst_case_db, at.db + off_db);
     const double range_db = std::min(kRoom * (at.db + off_db) + 1e-6, kMaxDeviationDb);
     const double range_deg =
         std::min(kRoom * (at.deg + std::abs(to_degrees(std::arg(offset)))) + 1e-6, 180.0);
@@ -147,6 +166,7 @@ Result expected_result(const Design& design, const Options& options) {
     out.magnitude_db.push_back({-range_db, range_db, {}, 0.0, 0.0});
     out.phase_deg.push_back({-range_deg, range_deg, {}, 0.0, 0.0});
   }
+  out.worst_case_db = worst_case_db(design, options, s, judge);
   out.worst_db = {0.0, worst_db, {}, 0.0, 0.0};
   out.worst_deg = {0.0, worst_deg, {}, 0.0, 0.0};
   const double most = std::expm1(worst_db / kDecibelPerNeper) + worst_deg * std::numbers::pi / 180.0;

@@ -3,18 +3,16 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <numbers>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/progress.hpp"
 #include "base/provenance.hpp"
 #include "base/text.hpp"
-#include "lti/judging_grid.hpp"
-#include "lti/steep_flanks.hpp"
 #include "numeric/parallel_for.hpp"
 #include "tolerance/counts.hpp"
 #include "tolerance/expectation.hpp"
+#include "tolerance/judge.hpp"
 #include "tolerance/kernel.hpp"
 #include "tolerance/yield.hpp"
 
@@ -54,60 +52,6 @@ void validate(const Design& design, const Options& options) {
   }
 }
 
-/// The reference as a judge of the worst deviations sees it, on the grid of judge_responses() beside this one: where points
-/// below the floor are left out, the curve goes down to it.
-class Judge {
- public:
-  Judge(const Design& design, const std::vector<Hertz>& grid)
-      : Judge(design, grid, with_judged(design, grid)) {}
-
-  /// A deviation at point i of the grid, all positive, by what a shift of frequency says of it where that is less.
-  struct Worst {
-    double db, deg, percent;
-  };
-  /// What is no worse than `least` is not looked at more closely.
-  Worst operator()(std::size_t i, double db, double deg, double percent, const Worst& least) const {
-    const Worst out{std::abs(db), std::abs(deg), percent};
-    if (out.db <= least.db && out.deg <= least.deg && out.percent <= least.percent) return out;
-    const double most = std::max({out.db / kDecibelPerNeper, out.deg / to_degrees(1.0), percent / 100.0});
-    const std::size_t at = place_[i];
-    if (most <= curve_.as_it_is_below(at)) return out;
-    const FlankedCurve::Error error =
-        curve_.error(at, wanted_[at] * std::polar(std::exp(db / kDecibelPerNeper), deg / to_degrees(1.0)));
-    return {kDecibelPerNeper * error.neper, to_degrees(error.rad), 100.0 * error.relative};
-  }
-
- private:
-  Judge(const Design& design, const std::vector<Hertz>& grid, const std::vector<Hertz>& dense)
-      : wanted_(at(design, dense)), curve_(dense, wanted_) {
-    for (const Hertz f : grid)
-      place_.push_back(
-          static_cast<std::size_t>(std::lower_bound(dense.begin(), dense.end(), f) - dense.begin()));
-  }
-
-  static std::vector<Hertz> with_judged(const Design& design, const std::vector<Hertz>& grid) {
-    std::vector<Hertz> out = grid;
-    if (grid.size() < 2) return out;
-    constexpr double kBeyond = 1.1;  // the first or last points may be left out ones
-    const std::vector<Hertz> judged = judging_grid(
-        design.reference, {Hertz{grid.front().value / kBeyond}, Hertz{grid.back().value * kBeyond}},
-        kJudgedPoints);
-    out.insert(out.end(), judged.begin(), judged.end());
-    std::sort(out.begin(), out.end());
-    out.erase(std::unique(out.begin(), out.end()), out.end());
-    return out;
-  }
-  static std::vector<std::complex<double>> at(const Design& design, const std::vector<Hertz>& grid) {
-    std::vector<std::complex<double>> out;
-    for (const Hertz f : grid) out.push_back(design.reference(f));
-    return out;
-  }
-
-  std::vector<std::complex<double>> wanted_;
-  FlankedCurve curve_;
-  std::vector<std::size_t> place_;  ///< of the grid's points on the curve
-};
-
 void count_block(const Kernel& kernel, const Judge& judge, const Options& options, int count,
                  Counts& counts) {
   double worst_db[Kernel::kBlock] = {}, worst_deg[Kernel::kBlock] = {}, worst_percent[Kernel::kBlock] = {};
@@ -117,11 +61,7 @@ void count_block(const Kernel& kernel, const Judge& judge, const Options& option
     for (int k = 0; k < count; ++k) {
       const double d = std::clamp(db[k], -kMaxDeviationDb, kMaxDeviationDb);
       counts.add(i, d, deg[k]);
-      // |r e^{ja} - 1|^2 = (r - 1)^2 + 4 r sin^2(a/2)
-      const double r = std::exp(d / kDecibelPerNeper);
-      const double half = std::sin(deg[k] * std::numbers::pi / 360.0);
-      const double percent = 100.0 * std::sqrt((r - 1.0) * (r - 1.0) + 4.0 * r * half * half);
-      const Judge::Worst worst = judge(i, d, deg[k], percent, {worst_db[k], worst_deg[k], worst_percent[k]});
+      const Judge::Worst worst = judge(i, d, deg[k], {worst_db[k], worst_deg[k], worst_percent[k]});
       worst_db[k] = std::max(worst_db[k], worst.db);
       worst_deg[k] = std::max(worst_deg[k], worst.deg);
       worst_percent[k] = std::max(worst_percent[k], worst.percent);
@@ -226,14 +166,14 @@ std::string_view to_string(Spread::Kind kind) {
 
 Result run_monte_carlo(const Design& design, const Options& options, const Team& team) {
   validate(design, options);
-  Result result = expected_result(design, options);
+  const Judge judge(design, options.grid);
+  Result result = expected_result(design, options, judge);
   Counts before(result);  // of this process; the leader's holds what a checkpoint gave
   std::uint64_t done = team.leads() ? take_up(design, options, before) : 0;
   done = team.from_leader(done);
   std::vector<Worker> workers =
       make_workers(design, options, result, options.samples - std::min(done, options.samples), team);
 
-  const Judge judge(design, options.grid);
   const Stopwatch since;
   double kept_at_s = 0.0;
   double next_after_s = kCheckpointEvery_s;

@@ -79,9 +79,10 @@ struct Result {
   std::vector<Histogram> phase_deg;
   Histogram worst_db;  ///< of each sample, the greatest |deviation| over the grid
   Histogram worst_deg;
-  Histogram worst_percent;        ///< the same of |H/reference - 1|: magnitude and phase in one
-  std::uint64_t within = 0;       ///< samples within the limits
-  double worst_case_db = 0.0;     ///< every part at its limit in the worst direction (first order)
+  Histogram worst_percent;   ///< the same of |H/reference - 1|: magnitude and phase in one
+  std::uint64_t within = 0;  ///< samples within the limits
+  double worst_case_db =
+      0.0;  ///< every part at its limit in the worst direction at some frequency, judged as the samples are
   std::vector<PartRank> ranking;  ///< largest share first
 };
 

@@ -14,22 +14,6 @@ namespace {
 
 using controller::AnalogController;
 
-/// Of a - b, without what a delay of r would make (r's own slope times anything): tracking errors are stated
-/// with their lag removed.
-double mean_square_without_lag(const std::vector<double>& a, const std::vector<double>& b,
-                               const std::vector<double>& r) {
-  const std::size_t n = a.size();
-  double sum = 0.0, along = 0.0, slopes = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    const double off = a[i] - b[i], slope = r[(i + 1) % n] - r[(i + n - 1) % n];
-    sum += off * off;
-    along += off * slope;
-    slopes += slope * slope;
-  }
-  if (slopes > 0.0) sum -= along * along / slopes;
-  return std::max(sum, 0.0) / static_cast<double>(n);
-}
-
 double largest(const std::vector<double>& values) {
   return values.empty() ? 0.0 : *std::max_element(values.begin(), values.end());
 }
@@ -51,7 +35,11 @@ OneAtATime one_at_a_time(const Bench& bench, const AnalogController& controller,
     values[i] = causes[i].departure.deviation();
     const Board board(bench.wiring(), copy_of(controller, causes, values));
     for (std::size_t f = 0; f < bench.frequencies(); ++f) {
-      const double square = mean_square_without_lag(bench.displacement(board, f), y[f], bench.input(f).r);
+      std::vector<double> moved = bench.displacement(board, f);
+      for (std::size_t k = 0; k < moved.size(); ++k) moved[k] -= y[f][k];
+      double square = 0.0;
+      for (const double e : without_lag(std::move(moved), bench.input(f).r))
+        square += e * e / static_cast<double>(y[f].size());
       out.mean_square[i] += square / static_cast<double>(bench.frequencies());
       out.worst_rms[i] = std::max(out.worst_rms[i], 100.0 * std::sqrt(square));
     }
@@ -79,6 +67,19 @@ void take_shares(const OneAtATime& alone, const std::vector<Cause>& causes, Stud
 }
 
 }  // namespace
+
+std::vector<double> without_lag(std::vector<double> e, const std::vector<double>& r) {
+  const std::size_t n = e.size();
+  const auto slope = [&](std::size_t i) { return r[(i + 1) % n] - r[(i + n - 1) % n]; };
+  double along = 0.0, slopes = 0.0;
+  for (std::size_t i = 0; i < n; ++i) {
+    along += e[i] * slope(i);
+    slopes += slope(i) * slope(i);
+  }
+  if (slopes > 0.0)
+    for (std::size_t i = 0; i < n; ++i) e[i] -= along / slopes * slope(i);
+  return e;
+}
 
 Spread spread_of(std::vector<double> percent, double nominal) {
   std::sort(percent.begin(), percent.end());

@@ -28,6 +28,9 @@ struct Spread {
 };
 Spread spread_of(std::vector<double> percent, double nominal);
 
+/// What is left of e over one repeat of r without what a delay of r would make (r's slope times anything).
+std::vector<double> without_lag(std::vector<double> e, const std::vector<double>& r);
+
 /// One thing that may be off, or a group of them: its share of the mean square that the errors of all parts add.
 struct Share {
   std::string name;

@@ -75,19 +75,6 @@ bool solve_small(std::vector<std::vector<double>> a, std::vector<double>& b) {
   return true;
 }
 
-/// Without what a delay of r would make.
-void remove_lag(std::vector<double>& e, const std::vector<double>& r) {
-  const std::size_t n = e.size();
-  double along = 0.0, slopes = 0.0;
-  const auto slope = [&](std::size_t i) { return r[(i + 1) % n] - r[(i + n - 1) % n]; };
-  for (std::size_t i = 0; i < n; ++i) {
-    along += e[i] * slope(i);
-    slopes += slope(i) * slope(i);
-  }
-  if (!(slopes > 0.0)) return;
-  for (std::size_t i = 0; i < n; ++i) e[i] -= along / slopes * slope(i);
-}
-
 std::vector<Reading> all_readings(bool slope) {
   using Kind = Reading::Kind;
   std::vector<Reading> out;
@@ -137,7 +124,7 @@ TrimModel::TrimModel(const controller::AnalogController& controller, const track
       const std::vector<double>& r = bench.input(f).r;
       std::vector<double> one(waves[i].begin() + static_cast<std::ptrdiff_t>(at),
                               waves[i].begin() + static_cast<std::ptrdiff_t>(at + r.size()));
-      remove_lag(one, r);
+      one = without_lag(std::move(one), r);
       all.insert(all.end(), one.begin(), one.end());
       at += r.size();
     }

@@ -96,8 +96,7 @@ std::vector<Hertz> read_grid(const CommandLine& line, const yield::Design& desig
   const Hertz low{line.has("from-hz") ? line.positive("from-hz") : corners.from.value};
   const Hertz high{line.has("to-hz") ? line.positive("to-hz") : corners.to.value};
   if (count == 1) return {low};
-  return line.has("count") ? log_grid({low, high}, count)
-                           : judging_grid(design.reference, {low, high}, count);
+  return line.has("count") ? log_grid({low, high}, count) : judging_grid(design.wanted, {low, high}, count);
 }
 
 /// The op-amp circuit that `spice` would make of the sections.
@@ -175,7 +174,7 @@ std::string describe(const yield::Design& design, const yield::Result& result, c
   if (options.limit_db || options.limit_deg) {
     text += fmt::format("  within the limits: {} %\n", rounded_text(yield_percent(result), 5));
   }
-  if (result.grid.size() > 1 && has_flanks(design.reference, {result.grid.front(), result.grid.back()}))
+  if (result.grid.size() > 1 && has_flanks(design.wanted, {result.grid.front(), result.grid.back()}))
     text += fmt::format("  {}\n", kFlanksText);
   text += "  parts that matter most, by their share of the variance:";
   for (std::size_t i = 0; i < std::min<std::size_t>(4, result.ranking.size()); ++i) {

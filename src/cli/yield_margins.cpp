@@ -58,7 +58,7 @@ std::optional<LoopPlant> read_loop_plant(const CommandLine& line, const yield::D
     return LoopPlant{source.own_frequencies, complex_response(plant, source.own_frequencies)};
   }
   const Band band{Hertz{design.band.from.value / kBeyond}, Hertz{design.band.to.value * kBeyond}};
-  const auto loop = [&](Hertz f) { return design.reference(f) * complex_response(plant, {f}).front(); };
+  const auto loop = [&](Hertz f) { return design.wanted(f) * complex_response(plant, {f}).front(); };
   LoopPlant out{judging_grid(loop, band, kPoints, kMostChange), {}};
   out.response = complex_response(plant, out.grid);
   return out;

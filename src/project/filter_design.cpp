@@ -179,7 +179,7 @@ void add_tolerances(const FilterProject& project, FilterDesign& design) {
   yield::Options options;
   options.spread = project.spread;
   options.samples = kYieldSamples;
-  options.grid = judging_grid(built.reference, project.band, kYieldPoints);
+  options.grid = judging_grid(built.wanted, project.band, kYieldPoints);
   yield::leave_out_nulls({built}, options.grid);
   options.limit_db = project.limits.yield_db;
   design.yield = yield::run_monte_carlo(built, options, Team());

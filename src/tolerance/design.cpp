@@ -175,7 +175,7 @@ class PlanReader {
   bool is_product_ = true;
 };
 
-/// Parts and stages of a circuit; the reference is `wanted` over what the op-amps make of the nominal circuit.
+/// Parts and stages of a circuit.
 Design design_from_parts(const circuit::Circuit& circuit, std::function<Complex(Hertz)> wanted,
                          OpAmps opamps) {
   Design out;
@@ -198,13 +198,12 @@ Design design_from_parts(const circuit::Circuit& circuit, std::function<Complex(
       throw DesignError(fmt::format("{} has no equations for other values of its parts", stage.realisation));
     out.stages.push_back(std::move(one));
   }
-  if (opamps == OpAmps::ideal || circuit.opamp.is_ideal) {
-    out.reference = std::move(wanted);
-  } else {
+  out.wanted = std::move(wanted);
+  if (opamps == OpAmps::as_built && !circuit.opamp.is_ideal) {
     out.notes.push_back(
         fmt::format("with the op-amps' own error ({}), at the nominal parts", circuit.opamp.name));
-    out.reference = [circuit, wanted = std::move(wanted)](Hertz f) {
-      return wanted(f) * circuit.response(f.rad_s()) / schematic::network_response(circuit, {f}).front();
+    out.opamps = [circuit](Hertz f) {
+      return schematic::network_response(circuit, {f}).front() / circuit.response(f.rad_s());
     };
   }
   out.reference_name = "sections";
@@ -218,12 +217,12 @@ std::vector<Hertz> leave_out_nulls(const std::vector<Design>& designs, std::vect
   std::vector<double> largest;
   for (const Design& design : designs) {
     largest.push_back(0.0);
-    for (const Hertz f : grid) largest.back() = std::max(largest.back(), std::abs(design.reference(f)));
+    for (const Hertz f : grid) largest.back() = std::max(largest.back(), std::abs(design.wanted(f)));
   }
   for (const Hertz f : grid) {
     bool null = false;
     for (std::size_t i = 0; i < designs.size(); ++i)
-      null = null || !(std::abs(designs[i].reference(f)) > kJudgedFloor * largest[i]);
+      null = null || !(std::abs(designs[i].wanted(f)) > kJudgedFloor * largest[i]);
     (null ? left_out : kept).push_back(f);
   }
   grid = std::move(kept);
@@ -289,13 +288,13 @@ Design design_of_file(const Node& node, std::string name, OpAmps opamps) {
 Design design_of_plan(const Node& plan, std::string name, const std::optional<Sections>& wanted) {
   Design out = PlanReader(std::move(name)).read(plan, wanted.has_value());
   if (wanted) {
-    out.reference = [wanted = *wanted](Hertz f) { return wanted.response(f.rad_s()); };
+    out.wanted = [wanted = *wanted](Hertz f) { return wanted.response(f.rad_s()); };
     out.reference_name = "sections";
     return out;
   }
   // The nominal response is fixed here: a copy of what it needs, not of itself.
   auto fixed = std::make_shared<Design>(out);
-  out.reference = [fixed](Hertz f) { return fixed->nominal(f); };
+  out.wanted = [fixed](Hertz f) { return fixed->nominal(f); };
   return out;
 }
 

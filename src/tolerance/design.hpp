@@ -45,9 +45,12 @@ struct Design {
   std::shared_ptr<const schematic::Netlist> netlist;
   /// A board as it runs, wires, clocks and holds in it; its capacitors are the parts, in the same order.
   std::shared_ptr<const fpaa::Plan> board;
-  std::function<std::complex<double>(Hertz)> reference;  ///< deviations are counted from here
-  std::string reference_name;                            ///< "sections" or "nominal"
-  std::string band_name;                                 ///< where the band below comes from
+  std::function<std::complex<double>(Hertz)>
+      wanted;  ///< deviations are counted from here, and judged by its flanks
+  /// What the op-amps make of the response at the nominal parts, 1 where they are ideal; none: ideal.
+  std::function<std::complex<double>(Hertz)> opamps;
+  std::string reference_name;  ///< "sections" or "nominal"
+  std::string band_name;       ///< where the band below comes from
   Band band;
   int poles = 0;
   std::vector<std::string> notes;
@@ -55,6 +58,8 @@ struct Design {
   std::vector<double> nominal_values() const;
   std::complex<double> response(Hertz f, std::span<const double> values) const;
   std::complex<double> nominal(Hertz f) const;
+  /// What the response of ideal op-amps is compared with: wanted/opamps.
+  std::complex<double> reference(Hertz f) const { return opamps ? wanted(f) / opamps(f) : wanted(f); }
   /// Products of quadratics, none of them with a pole at 0: what the kernel evaluates in lanes.
   bool is_quick() const;
 };

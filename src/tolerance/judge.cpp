@@ -14,17 +14,17 @@ std::vector<Hertz> with_judged(const Design& design, const std::vector<Hertz>& g
   if (grid.size() < 2) return out;
   constexpr double kBeyond = 1.1;  // the first or last points may be left out ones
   const std::vector<Hertz> judged =
-      judging_grid(design.reference,
-                   {Hertz{grid.front().value / kBeyond}, Hertz{grid.back().value * kBeyond}}, kJudgedPoints);
+      judging_grid(design.wanted, {Hertz{grid.front().value / kBeyond}, Hertz{grid.back().value * kBeyond}},
+                   kJudgedPoints);
   out.insert(out.end(), judged.begin(), judged.end());
   std::sort(out.begin(), out.end());
   out.erase(std::unique(out.begin(), out.end()), out.end());
   return out;
 }
 
-std::vector<std::complex<double>> reference_at(const Design& design, const std::vector<Hertz>& grid) {
+std::vector<std::complex<double>> wanted_at(const Design& design, const std::vector<Hertz>& grid) {
   std::vector<std::complex<double>> out;
-  for (const Hertz f : grid) out.push_back(design.reference(f));
+  for (const Hertz f : grid) out.push_back(design.wanted(f));
   return out;
 }
 
@@ -34,7 +34,7 @@ Judge::Judge(const Design& design, const std::vector<Hertz>& grid)
     : Judge(design, grid, with_judged(design, grid)) {}
 
 Judge::Judge(const Design& design, const std::vector<Hertz>& grid, const std::vector<Hertz>& dense)
-    : wanted_(reference_at(design, dense)), curve_(dense, wanted_) {
+    : wanted_(wanted_at(design, dense)), curve_(dense, wanted_) {
   for (const Hertz f : grid)
     place_.push_back(
         static_cast<std::size_t>(std::lower_bound(dense.begin(), dense.end(), f) - dense.begin()));

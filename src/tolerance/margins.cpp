@@ -58,7 +58,7 @@ LoopStudy study_loop(const Design& design, const Options& options, const std::ve
   Options on_grid = options;
   on_grid.grid = grid;
   std::vector<Complex> wanted(grid.size());
-  for (std::size_t i = 0; i < grid.size(); ++i) wanted[i] = plant[i] * design.reference(grid[i]);
+  for (std::size_t i = 0; i < grid.size(); ++i) wanted[i] = plant[i] * design.wanted(grid[i]);
   LoopStudy out;
   out.nominal = loop_margins(grid, wanted);
   const double nominal_turn = turned_rad(wanted);

@@ -45,7 +45,7 @@ void validate(const Design& design, const Options& options) {
   if (!(s.temperature_low_c <= s.temperature_high_c))
     throw InputError("the lowest temperature is above the highest");
   for (const Hertz f : options.grid) {
-    if (!(std::abs(design.reference(f)) > 0.0)) {
+    if (!(std::abs(design.wanted(f)) > 0.0)) {
       throw InputError(fmt::format("{}: the response is 0 at {} Hz, expected a frequency where it is not",
                                    design.name, rounded_text(f.value)));
     }

@@ -84,7 +84,7 @@ TEST(Yield, UniformSpreadOfOneResistorIsItsDistribution) {
   design.parts = {{"R2", Part::Kind::resistor, 1000.0}};
   design.stages = {{"s", 0, 1, 0.0,
                     [](std::span<const double> v) { return circuit::Biquad{v[0] / 1000.0, 0, 0, 1, 0, 0}; }}};
-  design.reference = [](Hertz) { return std::complex<double>(1.0, 0.0); };
+  design.wanted = [](Hertz) { return std::complex<double>(1.0, 0.0); };
   Options options = small(200000);
   options.spread.resistor_percent = 10.0;
   options.limit_db = to_decibel(1.05);
@@ -111,7 +111,7 @@ TEST(Yield, AStageOfSecondOrderIsTheQuotientOfItsPolynomials) {
   design.stages = {{"s", 0, 1, 0.0, [](std::span<const double>) {
                       return circuit::Biquad{3.0, 0.02, 4e-5, 2.0, 0.01, 5e-5};
                     }}};
-  design.reference = [](Hertz f) {
+  design.wanted = [](Hertz f) {
     const std::complex<double> s(0.0, f.rad_s().value);
     return (3.0 + 0.02 * s + 4e-5 * s * s) / (2.0 + 0.01 * s + 5e-5 * s * s);
   };

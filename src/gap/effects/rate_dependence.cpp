@@ -11,7 +11,7 @@ namespace {
 /// Nearer to one it is a pole or a zero.
 constexpr double kMaxOrder = 0.6;
 /// Corners (their ratio) nearer to each other than this are those of one relaxation.
-constexpr double kOneRelaxation = 0.5;
+constexpr double kOneRelaxationRatio = 0.5;
 
 class RateDependence final : public Effect {
  public:
@@ -26,7 +26,7 @@ class RateDependence final : public Effect {
   bool is_far_fetched(const Model& model, const Scene& scene) const override {
     const auto& block = model.at(model.position_of(model.terms().back().blocks.front()));
     if (block.get("beta") > 0.0) return false;
-    return block.get("x") > kOneRelaxation ||
+    return block.get("x") > kOneRelaxationRatio ||
            lies_below_driven_band(block.get("lambda_s") * std::sqrt(block.get("x")), scene);
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {

@@ -28,13 +28,13 @@ constexpr std::size_t kLastLook = 12800;
 constexpr std::size_t kLastStairs = 16000;
 /// The fastest clock that is looked for, in samplings: a hold faster than the record leaves images that sampling
 /// folds down.
-constexpr double kFastest = 1.6;
+constexpr double kFastestClock = 1.6;
 /// Clocks of the first look in one cycle over its length. Those below this part of the sampling rate are all looked at, of the
 /// others so many, found by so many harmonics of a saw tooth.
 constexpr std::size_t kClocksPerCycle = 5;
 constexpr double kSlowClock = 0.25;
 constexpr std::size_t kPromising = 400;
-constexpr std::size_t kHarmonics = 6;
+constexpr std::size_t kClockHarmonics = 6;
 /// A lag of whole samples must leave less than this of the mean square, one below a sample must explain that
 /// share.
 constexpr double kMaxLeftByLag = 0.96;
@@ -112,7 +112,7 @@ struct ClockComb {
       : length(samples), periods(smooth_length(kClocksPerCycle * samples)) {
     spacing_hz = 1.0 / (static_cast<double>(periods) * step_s);
     first = whole_number<std::size_t>(std::ceil(low_hz / spacing_hz));
-    last = whole_number<std::size_t>(std::ceil(kFastest / (step_s * spacing_hz)));
+    last = whole_number<std::size_t>(std::ceil(kFastestClock / (step_s * spacing_hz)));
   }
   double clock_hz(std::size_t k) const { return static_cast<double>(k) * spacing_hz; }
   /// In samples.
@@ -144,7 +144,7 @@ std::vector<double> likeness_to_saw(const std::vector<double>& signal, const std
       return folded < bins.size() ? -bins[folded].imag() : bins[comb.periods - folded].imag();
     };
     for (std::size_t k = begin; k < end; ++k) {
-      for (std::size_t harmonic = 1; harmonic <= kHarmonics; ++harmonic) {
+      for (std::size_t harmonic = 1; harmonic <= kClockHarmonics; ++harmonic) {
         const double sign = half && harmonic % 2 == 1 ? -1.0 : 1.0;
         likeness[k] += height * sign * imaginary(harmonic * k) / static_cast<double>(harmonic);
       }

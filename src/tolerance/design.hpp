@@ -25,13 +25,11 @@ struct Part {
   double nominal = 0.0;  ///< ohm, farad, or units of capacitance
 };
 
-/// A stage whose transfer is a ratio of two quadratics in v with coefficients made by its parts. v = s, or,
-/// for a switched-capacitor stage clocked at f, v = 1 - exp(-s/f).
+/// A stage of a circuit, whose transfer is a ratio of two quadratics in s with coefficients made by its parts.
 struct Stage {
   std::string name;
   std::size_t first_part = 0;
   std::size_t part_count = 0;
-  double clock_hz = 0.0;  ///< 0: v = s
   std::function<circuit::Biquad(std::span<const double>)> transfer;
   circuit::PartsResponse by_parts = nullptr;  ///< instead of transfer: a ladder
 };
@@ -41,7 +39,7 @@ struct Design {
   std::string name;
   std::vector<Part> parts;
   std::vector<Stage> stages;  ///< their product; none for a board
-  /// The circuit whose parts they are, in the same order; none for a plan.
+  /// The circuit whose first parts they are, in the same order; none for a plan.
   std::shared_ptr<const schematic::Netlist> netlist;
   /// A board as it runs, wires, clocks and holds in it; its capacitors are the parts, in the same order.
   std::shared_ptr<const fpaa::Plan> board;
@@ -75,10 +73,6 @@ Design design_of_file(const Node& circuit, std::string name, OpAmps opamps);
 /// A plan.json (`bodesmith.fpaa_plan/1`) as it runs, every CAM by its capacitors. Deviations from the plan's
 /// own nominal response, or from `wanted` (the plan's designed error is then in them). A plan whose capacitors
 /// do not make its z-domain coefficients is an error (file and line).
-///
-/// One path of pole-zero and low-pass FilterBilinear and GainInv CAMs at one clock is the product of
-///   H = -(Ca + Cb v)/(Cc + Cd v)  and  H = -Cin/(Cout + Cint v),  v = 1 - 1/z:
-/// its hold is the same in every board, and the product is quick.
 Design design_of_plan(const Node& plan, std::string name, const std::optional<Sections>& wanted = {});
 
 /// Takes away the frequencies at which the response of one of the designs is below kJudgedFloor of its largest on the grid

@@ -46,29 +46,9 @@ Slopes circuit_slopes(const schematic::Netlist& netlist, const std::vector<Hertz
   return out;
 }
 
-/// By central differences: a product of switched-capacitor stages.
-Slopes product_slopes(const Design& design, const std::vector<Hertz>& grid) {
-  constexpr double kStep = 1e-4;
-  std::vector<double> values = design.nominal_values();
-  Slopes out;
-  for (double& value : values) {
-    const double nominal = value;
-    out.emplace_back();
-    for (const Hertz f : grid) {
-      value = nominal * (1.0 + kStep);
-      const std::complex<double> up = design.response(f, values);
-      value = nominal * (1.0 - kStep);
-      const std::complex<double> ratio = std::log(up / design.response(f, values)) / (2.0 * kStep);
-      out.back().push_back(std::isfinite(ratio.real()) && std::isfinite(ratio.imag()) ? ratio : 0.0);
-    }
-    value = nominal;
-  }
-  return out;
-}
-
 Slopes log_slopes(const Design& design, const std::vector<Hertz>& grid) {
   if (design.board) return fpaa::DrawnBoard(*design.board, grid).sensitivities();
-  return design.netlist ? circuit_slopes(*design.netlist, grid) : product_slopes(design, grid);
+  return circuit_slopes(*design.netlist, grid);
 }
 
 Sensitivity sensitivity_of(const Design& design, const Options& options) {

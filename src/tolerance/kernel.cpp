@@ -48,13 +48,13 @@ Kernel::Kernel(const Design& design, const Options& options) : design_(design), 
     Pair* open = nullptr;
     if (first_order(h)) {
       for (Pair& pair : pairs_) {
-        if (pair.second == -1 && pair.clock_hz == stage.clock_hz) open = &pair;
+        if (pair.second == -1) open = &pair;
       }
     }
     if (open != nullptr) {
       open->second = i;
     } else {
-      pairs_.push_back({i, first_order(h) ? -1 : -2, stage.clock_hz});
+      pairs_.push_back({i, first_order(h) ? -1 : -2});
     }
   }
   if (design.board) board_.emplace(*design.board, options.grid);
@@ -63,19 +63,10 @@ Kernel::Kernel(const Design& design, const Options& options) : design_(design), 
   for (auto* list : {&nr_, &ni_, &dr_, &di_}) list->assign(kBlock, 0.0);
   decibel_.assign(points * kBlock, 0.0);
   degrees_.assign(points * kBlock, 0.0);
-  for (const Pair& pair : pairs_) {
-    for (const Hertz f : options.grid) {
-      const Complex v = pair.clock_hz == 0.0 ? Complex(0.0, f.rad_s().value)
-                                             : 1.0 - std::polar(1.0, -f.rad_s().value / pair.clock_hz);
-      vr_.push_back(v.real());
-      vi_.push_back(v.imag());
-      v2r_.push_back((v * v).real());
-      v2i_.push_back((v * v).imag());
-    }
-  }
   drawn_.resize(points);
   for (const Hertz f : options.grid) {
     const Complex inverse = 1.0 / design.reference(f);
+    w_.push_back(f.rad_s().value);
     reference_re_.push_back(inverse.real());
     reference_im_.push_back(inverse.imag());
   }
@@ -153,37 +144,22 @@ void Kernel::evaluate(std::uint64_t first, int count) {
       dr[k] = 1.0;
       di[k] = 0.0;
     }
+    const double w = w_[i], square = w * w;
     for (size_t p = 0; p < pairs_.size(); ++p) {
       const double* const b0 = b0_.data() + p * kBlock;
       const double* const b1 = b1_.data() + p * kBlock;
       const double* const b2 = b2_.data() + p * kBlock;
       const double* const a1 = a1_.data() + p * kBlock;
       const double* const a2 = a2_.data() + p * kBlock;
-      const double vi = vi_[p * points + i], v2r = v2r_[p * points + i];
-      if (pairs_[p].clock_hz == 0.0) {
-        // v = jw: v is imaginary, v^2 real.
-        for (int k = 0; k < kBlock; ++k) {
-          const double br = b0[k] + b2[k] * v2r, bi = b1[k] * vi;
-          const double ar = 1.0 + a2[k] * v2r, ai = a1[k] * vi;
-          const double r = nr[k] * br - ni[k] * bi;
-          ni[k] = nr[k] * bi + ni[k] * br;
-          nr[k] = r;
-          const double q = dr[k] * ar - di[k] * ai;
-          di[k] = dr[k] * ai + di[k] * ar;
-          dr[k] = q;
-        }
-      } else {
-        const double vr = vr_[p * points + i], v2i = v2i_[p * points + i];
-        for (int k = 0; k < kBlock; ++k) {
-          const double br = b0[k] + b1[k] * vr + b2[k] * v2r, bi = b1[k] * vi + b2[k] * v2i;
-          const double ar = 1.0 + a1[k] * vr + a2[k] * v2r, ai = a1[k] * vi + a2[k] * v2i;
-          const double r = nr[k] * br - ni[k] * bi;
-          ni[k] = nr[k] * bi + ni[k] * br;
-          nr[k] = r;
-          const double q = dr[k] * ar - di[k] * ai;
-          di[k] = dr[k] * ai + di[k] * ar;
-          dr[k] = q;
-        }
+      for (int k = 0; k < kBlock; ++k) {
+        const double br = b0[k] - b2[k] * square, bi = b1[k] * w;
+        const double ar = 1.0 - a2[k] * square, ai = a1[k] * w;
+        const double r = nr[k] * br - ni[k] * bi;
+        ni[k] = nr[k] * bi + ni[k] * br;
+        nr[k] = r;
+        const double q = dr[k] * ar - di[k] * ai;
+        di[k] = dr[k] * ai + di[k] * ar;
+        dr[k] = q;
       }
     }
     double* const db = decibel_.data() + i * kBlock;

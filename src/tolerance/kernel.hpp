@@ -24,9 +24,8 @@ class Kernel {
   const double* degrees(std::size_t i) const { return degrees_.data() + i * kBlock; }
 
  private:
-  struct Pair {  ///< two stages of first order (or one of second) on the same variable, multiplied out
+  struct Pair {  ///< two stages of first order (or one of second), multiplied out
     int first = 0, second = -1;
-    double clock_hz = 0.0;
   };
 
   void draw(std::uint64_t sample);
@@ -46,7 +45,7 @@ class Kernel {
   std::vector<double> ppm_;                      ///< temperature coefficient of each part
   bool warm_ = false;
   std::vector<double> b0_, b1_, b2_, a0_, a1_, a2_;  ///< [pair][lane]
-  std::vector<double> vr_, vi_, v2r_, v2i_;          ///< [pair][frequency]
+  std::vector<double> w_;                            ///< [frequency], rad/s
   std::vector<double> reference_re_, reference_im_;  ///< 1/reference
   std::vector<double> nr_, ni_, dr_, di_;            ///< [lane]
   std::vector<double> decibel_, degrees_;            ///< [frequency][lane]

@@ -19,4 +19,11 @@ Json json_header(std::string_view name, const Provenance& from) {
   return header;
 }
 
+Json timed_json(std::string_view name, const Provenance& from, const Json& body, double seconds) {
+  Json out = json_header(name, from);
+  out.update(body);
+  out["timing_s"] = {{"compute", seconds}};
+  return out;
+}
+
 }  // namespace bodesmith

@@ -10,5 +10,7 @@ namespace bodesmith {
 /// The beginning of every JSON output:
 /// {"schema": "bodesmith.NAME/1", "program": "bodesmith VERSION", "inputs": [{"path", "sha256"}]}.
 Json json_header(std::string_view name, const Provenance& from);
+/// A whole one: the header, `body`, and the seconds of the work itself.
+Json timed_json(std::string_view name, const Provenance& from, const Json& body, double seconds);
 
 }  // namespace bodesmith

@@ -377,10 +377,7 @@ void note_conversions(const Provenance& from) {
 
 Json timed_document(std::string_view schema, const Provenance& from, const Json& body, double seconds) {
   note_conversions(from);
-  Json out = json_header(schema, from);
-  out.update(body);
-  out["timing_s"] = {{"compute", seconds}};
-  return out;
+  return timed_json(schema, from, body, seconds);
 }
 
 std::string limit_not_met(double limit, std::string_view unit) {

@@ -4,7 +4,6 @@
 
 #include "base/files.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
@@ -110,9 +109,8 @@ int run_diagnose_board(const std::vector<std::string>& arguments) {
   options.stop = [] { return interrupted(); };
   const Stopwatch watch;
   const faults::Diagnosis diagnosis = faults::diagnose_board(*board, options);
-  Json json = json_header("faults", from);
-  json.update(faults::to_json(diagnosis, *board, spread, options.priors));
-  json["timing_s"] = {{"compute", watch.seconds()}};
+  Json json = timed_document("faults", from, faults::to_json(diagnosis, *board, spread, options.priors),
+                             watch.seconds());
   const std::filesystem::path folder = line.output_path();
   OutputSet files(folder);
   files.add("faults.json", to_text(json));

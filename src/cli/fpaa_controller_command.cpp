@@ -6,7 +6,6 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
@@ -182,9 +181,7 @@ int run_fpaa_controller(const std::vector<std::string>& arguments) {
   const project::BoardTracking tracking =
       project::track_board(controller, disturbance, stage, frequencies_to_track(line));
   project::choose_by_tracking(controller, tracking, options);
-  Json json = json_header("fpaa_controller", from);
-  json.update(controller.to_json());
-  json["timing_s"] = {{"compute", watch.seconds()}};
+  Json json = timed_document("fpaa_controller", from, controller.to_json(), watch.seconds());
   json["tracking"] = tracking.to_json();
   const auto streams = fpaa::controller_streams(controller.best(), disturbance);
   json["stream"] = stream_json(streams);

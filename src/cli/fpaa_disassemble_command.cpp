@@ -3,7 +3,6 @@
 
 #include "base/files.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
@@ -63,9 +62,7 @@ int run_fpaa_disassemble(const std::vector<std::string>& arguments) {
   }
   const Stopwatch watch;
   Disassembly made = disassemble(streams, {line.positive("master-clock-hz")});
-  Json json = json_header("fpaa_netlist", from);
-  json.update(made.json);
-  json["timing_s"] = {{"compute", watch.seconds()}};
+  Json json = timed_document("fpaa_netlist", from, made.json, watch.seconds());
   if (line.has("output")) write_file(line.output_path(), to_text(json));
   made.text += fmt::format("{} stream{}, {} problem{}, {} byte{} not understood\n", streams.size(),
                            streams.size() == 1 ? "" : "s", made.problems, made.problems == 1 ? "" : "s",

@@ -3,7 +3,6 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
@@ -91,9 +90,7 @@ int run_fpaa_gains(const std::vector<std::string>& arguments) {
 
   const Stopwatch watch;
   const fpaa::GainSchedule schedule = fpaa::make_gain_schedule(disturbance, branches, options, file);
-  Json json = json_header("fpaa_gains", from);
-  json.update(schedule.to_json());
-  json["timing_s"] = {{"compute", watch.seconds()}};
+  Json json = timed_document("fpaa_gains", from, schedule.to_json(), watch.seconds());
   for (const fpaa::GainBranch& b : branches_to_better(schedule)) {
     note(fmt::format("{}: with a gain of {} at 1 its capacitor ratios would be within {} % instead of {} %",
                      b.place.words, rounded_text(b.better_at_one), rounded_text(b.better_error_percent, 2),

@@ -5,7 +5,6 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/commands.hpp"
@@ -90,9 +89,7 @@ int identify_disturbance_mode(const CommandLine& line) {
   const double seconds = watch.seconds();
 
   OutputSet files;
-  Json document = json_header("disturbance", from);
-  document.update(study.to_json());
-  document["timing_s"] = {{"compute", seconds}};
+  Json document = timed_document("disturbance", from, study.to_json(), seconds);
   files.add(line.get<std::string>("disturbance"), to_text(document));
   if (line.has("gains")) {
     if (study.disturbance.rate.frequency.empty())
@@ -102,9 +99,7 @@ int identify_disturbance_mode(const CommandLine& line) {
   files.commit();
   for (const std::string& one : study.notes) note(one);
 
-  Json json = json_header("disturbance_identification", from);
-  json.update(study.to_json());
-  json["timing_s"] = {{"compute", seconds}};
+  Json json = timed_document("disturbance_identification", from, study.to_json(), seconds);
   bool met = true;
   std::string text = disturbance_summary(study);
   if (const auto limit = line.maybe_positive("max-error-percent")) {

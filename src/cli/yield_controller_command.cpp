@@ -5,7 +5,6 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "base/nearest_word.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
@@ -111,9 +110,7 @@ int run_yield_controller(const std::vector<std::string>& arguments) {
   const controller::AnalogController made = controller::make_controller(disturbance, design);
   const tracking::PolynomialStage stage(disturbance);
   const part_errors::Report report = part_errors::examine(made, stage, options);
-  Json json = json_header("part_errors", from);
-  json.update(part_errors::to_json(report, made));
-  json["timing_s"] = {{"compute", watch.seconds()}};
+  Json json = timed_document("part_errors", from, part_errors::to_json(report, made), watch.seconds());
   const auto limit = line.maybe<double>("max-p95-percent");
   OutputSet out(line.output_path());
   out.add("part_errors.json", to_text(json));

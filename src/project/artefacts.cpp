@@ -11,10 +11,7 @@ namespace bodesmith::project {
 
 std::string artefact_json(std::string_view schema, const Provenance& from, const Json& body,
                           double compute_s) {
-  Json json = json_header(schema, from);
-  json.update(body);
-  json["timing_s"] = {{"compute", compute_s}};
-  return to_text(json);
+  return to_text(timed_json(schema, from, body, compute_s));
 }
 
 void add_board_files(const fpaa::Plan& plan, std::string plan_json, OutputSet& out) {

@@ -49,10 +49,7 @@ std::optional<Band> maybe_band(const Node& options, std::string_view key) {
 }
 
 Json document(std::string_view schema, const Json& body, double seconds) {
-  Json out = json_header(schema, {});
-  out.update(body);
-  out["timing_s"] = {{"compute", seconds}};
-  return out;
+  return timed_json(schema, {}, body, seconds);
 }
 
 }  // namespace bodesmith::python

@@ -8,6 +8,8 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
+#include "lti/judge_responses.hpp"
+#include "lti/judging_grid.hpp"
 #include "numeric/random.hpp"
 #include "schematic/analysis/response.hpp"
 #include "synthesis/realise.hpp"
@@ -166,21 +168,45 @@ TEST(Yield, SeedSectionsLoseWhatTheFactsSay) {
   EXPECT_NEAR(share, 1.0, 1e-9);
 }
 
+Sections notch() {
+  constexpr double kNotch = 314.16, kHalfWidth = 50.0;
+  Sections out;
+  out.sections.push_back(
+      {1.0, {{0.0, kNotch}, {0.0, -kNotch}}, {{-kHalfWidth, 310.16}, {-kHalfWidth, -310.16}}});
+  out.error = Sections::Error{{Hertz{20.0}, Hertz{120.0}}, 0.0, 0.0, 0.0};
+  return out;
+}
+
+Options options_of(const Design& design, std::uint64_t samples) {
+  Options out;
+  out.samples = samples;
+  out.grid = judging_grid(design.wanted, design.band, 60);
+  leave_out_nulls({design}, out.grid);
+  return out;
+}
+
 // Beside a notch a difference in dB has no bound; all parts at their limits are told as the draws are, as shifts.
 TEST(Yield, NoDrawOfANotchIsWorseThanAllPartsAtTheirLimits) {
-  constexpr double kNotch = 314.16, kHalfWidth = 50.0;
-  Sections notch;
-  notch.sections.push_back(
-      {1.0, {{0.0, kNotch}, {0.0, -kNotch}}, {{-kHalfWidth, 310.16}, {-kHalfWidth, -310.16}}});
-  notch.error = Sections::Error{{Hertz{20.0}, Hertz{120.0}}, 0.0, 0.0, 0.0};
-  const Design design = design_of_circuit(circuit::realise(notch).circuit, notch, "notch", OpAmps::ideal);
-  Options options;
-  options.samples = 2000;
-  options.grid = log_grid(design.band, 60);
-  leave_out_nulls({design}, options.grid);
-  const Result drawn = run_monte_carlo(design, options, Team());
+  const Design design = design_of_circuit(circuit::realise(notch()).circuit, notch(), "notch", OpAmps::ideal);
+  const Result drawn = run_monte_carlo(design, options_of(design, 2000), Team());
   EXPECT_LE(drawn.worst_db.max, drawn.worst_case_db);
   EXPECT_GT(drawn.worst_db.max, 0.3 * drawn.worst_case_db);
+}
+
+TEST(Yield, WithoutTolerancesItSaysWhatJudgeResponsesSays) {
+  const circuit::Circuit circuit = circuit::realise(notch()).circuit;
+  const Design design = design_of_circuit(circuit, notch(), "notch", OpAmps::as_built);
+  Options options = options_of(design, 1);
+  options.spread.resistor_percent = options.spread.capacitor_percent = 0.0;
+  const ResponseDifference judged = judge_responses(
+      [&](const std::vector<Hertz>& grid) { return schematic::network_response(circuit, grid); },
+      [](const std::vector<Hertz>& grid) {
+        std::vector<std::complex<double>> out;
+        for (const Hertz f : grid) out.push_back(notch().response(f.rad_s()));
+        return out;
+      },
+      design.band);
+  EXPECT_NEAR(run_monte_carlo(design, options, Team()).worst_db.max / judged.max_magnitude_db, 1.0, 0.01);
 }
 
 TEST(Yield, SameBytesForAnyNumberOfThreads) {

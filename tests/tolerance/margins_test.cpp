@@ -20,9 +20,8 @@ struct GainLoop {
   GainLoop(double k, double percent) : gain(k) {
     design.name = "gain";
     design.parts = {{"R2", Part::Kind::resistor, 1000.0}};
-    design.stages = {{"s", 0, 1, 0.0, [](std::span<const double> v) {
-                        return circuit::Biquad{v[0] / 1000.0, 0, 0, 1, 0, 0};
-                      }}};
+    design.stages = {
+        {"s", 0, 1, [](std::span<const double> v) { return circuit::Biquad{v[0] / 1000.0, 0, 0, 1, 0, 0}; }}};
     design.wanted = [](Hertz) { return std::complex<double>(1.0, 0.0); };
     options.samples = 4000;
     options.spread.resistor_percent = percent;

@@ -9,7 +9,7 @@
 #include <sstream>
 
 #include "base/files.hpp"
-#include "kicad_reader.hpp"
+#include "cli/kicad_reader.hpp"
 #include "run_program.hpp"
 
 namespace bodesmith {

@@ -2,8 +2,8 @@
 #include <gtest/gtest.h>
 
 #include "base/files.hpp"
-#include "dialect.hpp"
-#include "example_circuits.hpp"
+#include "cli/dialect.hpp"
+#include "cli/example_circuits.hpp"
 
 namespace bodesmith {
 namespace {

@@ -7,8 +7,8 @@
 #include <string>
 
 #include "base/files.hpp"
-#include "example_circuits.hpp"
-#include "kicad_reader.hpp"
+#include "cli/example_circuits.hpp"
+#include "cli/kicad_reader.hpp"
 #include "run_program.hpp"
 
 /// The sheets as KiCad itself understands them, where `kicad-cli` (KiCad 7 and later) is installed: it must find the

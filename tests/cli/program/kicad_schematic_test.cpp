@@ -7,8 +7,8 @@
 #include <sstream>
 
 #include "base/files.hpp"
-#include "example_circuits.hpp"
-#include "kicad_reader.hpp"
+#include "cli/example_circuits.hpp"
+#include "cli/kicad_reader.hpp"
 #include "run_program.hpp"
 
 namespace bodesmith {

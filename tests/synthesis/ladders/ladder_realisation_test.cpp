@@ -5,10 +5,10 @@
 #include "base/error.hpp"
 #include "schematic/analysis/equations.hpp"
 #include "schematic/analysis/response.hpp"
-#include "seed_sections.hpp"
 #include "synthesis/ladders/alternating_chains.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
 #include "synthesis/realisation.hpp"
+#include "synthesis/seed_sections.hpp"
 
 namespace bodesmith::circuit {
 namespace {

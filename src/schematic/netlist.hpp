@@ -28,7 +28,7 @@ struct OpAmpModel {
   double voltage_noise_corner_hz = 100.0;  ///< 1/f corner of the voltage noise
   double current_noise_a_per_rthz = 1e-15;
   double greatest_output_current_a = 20e-3;  ///< that it drives without leaving its swing
-  int per_package = 1;  ///< op-amps in one 8-pin package: 1 or 2
+  int per_package = 1;                       ///< op-amps in one 8-pin package: 1 or 2
   /// Stands for a nullor: its figures are far beyond any that matter, netlists have a plain source.
   bool is_ideal = false;
 

@@ -13,8 +13,7 @@ class HeadedTable : public Format {
     const auto head = table_head(source);
     if (!head) return false;
     const std::vector<Heading> headings = parse_headings(head->headings);
-    return has_response_headings(headings) || has_record_headings(headings) ||
-           (source.sample_hz && !headings.empty());
+    return has_response_headings(headings) || is_record(source, *head, headings);
   }
   Foreign read(const Source& source) const override {
     return read_by_headings(source, read_table(source), {std::string(name()), {}});

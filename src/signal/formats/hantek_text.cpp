@@ -70,7 +70,7 @@ class HantekReader {
 
   void take_numbers(std::string_view line) {
     std::vector<double> numbers;
-    for (const std::string_view cell : split_cells(line, ',')) {
+    for (const std::string_view cell : formats::split_cells(line, ',')) {
       double value = 0.0;
       if (cell.empty()) continue;
       if (!parse_number(cell, value)) fail(fmt::format("'{}' is not a finite number", cell.substr(0, 40)));

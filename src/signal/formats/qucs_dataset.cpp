@@ -54,7 +54,7 @@ std::vector<Vector> vectors_of(const Source& source) {
       if (open || !line.ends_with('>'))
         fail("expected one of <indep NAME COUNT>, <dep NAME AXIS>, </indep>, </dep>");
       line.remove_suffix(1);
-      const std::vector<std::string_view> words = split_cells(line, ' ');
+      const std::vector<std::string_view> words = formats::split_cells(line, ' ');
       if (words.size() < 3) fail("expected a name and a count or an axis");
       // Of two axes: swept, and none of what is taken.
       const std::string over = words.front() == "<indep" ? ""

@@ -36,7 +36,7 @@ std::optional<Sampling> sampling_above(const NumberTable& table) {
     const char separator = line.find('\t') != std::string::npos  ? '\t'
                            : line.find(';') != std::string::npos ? ';'
                                                                  : ',';
-    const std::vector<std::string_view> cells = split_cells(line, separator);
+    const std::vector<std::string_view> cells = formats::split_cells(line, separator);
     std::string key = lower_case(cells.front());
     while (key.ends_with(':') || key.ends_with(' ')) key.pop_back();
     // LabVIEW's spectra have steps of frequency.

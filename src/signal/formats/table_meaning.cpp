@@ -192,6 +192,7 @@ ResponseTrace single_trace(const Source& source, NumberTable& table, const std::
   if (heading.level)
     words.notes.push_back(
         fmt::format("0 dB is {} {}", heading.magnitude == MagnitudeScale::decibel ? 0 : 1, heading.unit));
+  if (lower_case(heading.unit).starts_with("ohm")) words.notes.emplace_back("an impedance: 0 dB is 1 ohm");
   leave_out_empty(table, {frequency_column(headings), column, phase}, words);
   return magnitude_trace(source, table, headings, column, words);
 }

@@ -32,10 +32,10 @@ std::string engineering_text(double value, std::string_view unit, int digits) {
   for (const auto& [scale, prefix] : kPrefixes) {
     // A value that rounds up to the next prefix belongs there: 999.96 is 1 k, not 1000.
     if (std::abs(value) * (1.0 + 0.5 * std::pow(10.0, -digits)) >= scale) {
-      return fmt::format("{:.{}g} {}{}", value / scale, digits, prefix, unit);
+      return fmt::format("{} {}{}", rounded_text(value / scale, digits), prefix, unit);
     }
   }
-  return fmt::format("{:.{}g} {}", value, digits, unit);
+  return fmt::format("{} {}", rounded_text(value, digits), unit);
 }
 
 std::vector<std::string_view> split(std::string_view text, char separator) {

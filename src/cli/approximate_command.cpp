@@ -28,18 +28,18 @@ std::string approximation_summary(const CascadeApproximation& result) {
   }
   std::string text = fmt::format("{}: {} sections, {} poles\n", result.method,
                                  result.sections.sections.size(), result.sections.pole_count());
-  for (const TermApproximation& term : result.terms) {
-    text += fmt::format(
-        "  {:>10} .. {:<10} Hz  beta {:<9} order {:<2}  {:>9} dB  (no approximation below {} dB)\n",
-        rounded_text(term.term.low_corner().hz().value), rounded_text(term.term.high_corner().hz().value),
-        rounded_text(term.term.beta), term.order, rounded_text(term.error.everywhere_db, 3),
-        rounded_text(term.limit_law_db, 3));
-  }
   text +=
       fmt::format("whole cascade: {} dB and {} deg over {} .. {} Hz, {} dB and {} deg at any frequency\n",
                   rounded_text(result.error.band_db, 3), rounded_text(result.error.band_deg, 3),
                   rounded_text(result.error.band.from.value), rounded_text(result.error.band.to.value),
                   rounded_text(result.error.everywhere_db, 3), rounded_text(result.error.everywhere_deg, 3));
+  for (const TermApproximation& term : result.terms) {
+    text += fmt::format("  {:>10} .. {:<10} Hz  beta {:<9} order {:<2}  {:>9} dB  (at best {} dB)\n",
+                        rounded_text(term.term.low_corner().hz().value),
+                        rounded_text(term.term.high_corner().hz().value), rounded_text(term.term.beta),
+                        term.order, rounded_text(term.error.everywhere_db, 3),
+                        rounded_text(term.limit_law_db, 3));
+  }
   if (!result.limit_met) text += limit_not_met(*result.max_error_db, "dB");
   return text;
 }

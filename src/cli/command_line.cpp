@@ -53,18 +53,34 @@ std::vector<std::string>& waiting_notes() {
   return notes;
 }
 
-/// What was converted of foreign files: said once, in the summary or, with --json, as notes.
-std::vector<std::string>& waiting_conversions() {
-  static std::vector<std::string> conversions;
+/// What was converted of foreign files, each once, files that were read alike together.
+class Conversions {
+ public:
+  void add(const std::string& path, const std::string& read_as) {
+    auto at =
+        std::find_if(said_.begin(), said_.end(), [&](const Said& one) { return one.read_as == read_as; });
+    if (at == said_.end()) at = said_.insert(said_.end(), Said{read_as, {}});
+    if (std::find(at->paths.begin(), at->paths.end(), path) == at->paths.end()) at->paths.push_back(path);
+  }
+  std::vector<std::string> texts() const {
+    std::vector<std::string> out;
+    for (const Said& one : said_)
+      out.push_back(fmt::format("{} read as {}", join(one.paths, ", "), one.read_as));
+    return out;
+  }
+
+ private:
+  struct Said {
+    std::string read_as;
+    std::vector<std::string> paths;
+  };
+  std::vector<Said> said_;
+};
+
+/// Said in the summary or, with --json, as notes.
+Conversions& waiting_conversions() {
+  static Conversions conversions;
   return conversions;
-}
-
-std::string conversion_text(const std::string& path, const std::string& read_as) {
-  return fmt::format("{} read as {}", path, read_as);
-}
-
-void add_once(std::vector<std::string>& to, const std::string& text) {
-  if (std::find(to.begin(), to.end(), text) == to.end()) to.push_back(text);
 }
 
 }  // namespace
@@ -338,16 +354,15 @@ int print_summary(const CommandLine& line, const std::string& text, const Json& 
     fmt::print("{}", to_text(json));
     return status;
   }
-  std::vector<std::string> conversions = std::exchange(waiting_conversions(), {});
+  Conversions conversions = std::exchange(waiting_conversions(), {});
   show_notes();
   if (line.quiet()) return status;
   fmt::print("{}", with_colours(folded_text(text)));
   for (const Json& input : json.value("inputs", Json::array())) {
     if (input.contains("read_as"))
-      add_once(conversions,
-               conversion_text(input["path"].get<std::string>(), input["read_as"].get<std::string>()));
+      conversions.add(input["path"].get<std::string>(), input["read_as"].get<std::string>());
   }
-  for (const std::string& one : conversions) fmt::print("{}\n", folded_text(one));
+  for (const std::string& one : conversions.texts()) fmt::print("{}\n", folded_text(one));
   return status;
 }
 
@@ -357,11 +372,13 @@ void note(const std::string& text) {
 
 void show_notes() {
   hide_progress();
-  for (const std::string& one : std::exchange(waiting_conversions(), {})) note(one);
+  for (const std::string& one : std::exchange(waiting_conversions(), {}).texts()) note(one);
   for (const std::string& text : std::exchange(waiting_notes(), {})) {
     if (quiet()) continue;
     const bool warning = text.starts_with(kWarning);
-    fmt::print(stderr, "bodesmith: {}\n", warning ? coloured(text, Tone::warning, STDERR_FILENO) : text);
+    const std::string folded =
+        folded_text("bodesmith: " + text).substr(std::string_view("bodesmith: ").size());
+    fmt::print(stderr, "bodesmith: {}\n", warning ? coloured(folded, Tone::warning, STDERR_FILENO) : folded);
   }
 }
 
@@ -371,7 +388,7 @@ void warn_each(const std::vector<std::string>& warnings) {
 
 void note_conversions(const Provenance& from) {
   for (const InputFile& input : from.inputs) {
-    if (!input.read_as.empty()) add_once(waiting_conversions(), conversion_text(input.path, input.read_as));
+    if (!input.read_as.empty()) waiting_conversions().add(input.path, input.read_as);
   }
 }
 

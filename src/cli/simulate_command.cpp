@@ -88,7 +88,7 @@ SimulatedOutput simulate_once(const chain::Chain& model, const std::optional<sim
                               const TimeRecord& input, const simulate::Options& options) {
   if (loop) {
     simulate::LoopResult r = simulate::simulate_loop(model, *loop, input, options);
-    return {std::move(r.y), std::move(r.drive), r.error_estimate, r.model_error, r.stats, {}};
+    return {std::move(r.y), std::move(r.drive), r.error_estimate, r.model_error, r.stats, std::move(r.notes)};
   }
   simulate::Result r = simulate::simulate(model, input, options);
   return {std::move(r.y), {}, r.error_estimate, r.model_error, r.stats, std::move(r.notes)};

@@ -110,14 +110,15 @@ std::string tune_text(const tuning::TunedLoop& made, const tuning::ControllerKin
   text += fmt::format("\nbandwidth {}\n", engineering_text(made.bandwidth.value, "Hz", 4));
   if (plants.rms_fit_db > 0.0)
     text += fmt::format("the measured plant is met within {} dB rms\n", rounded_text(plants.rms_fit_db, 3));
-  text += margins_line("nominal", tuning::least_margins({made.members.front()}));
-  if (made.members.size() > 1)
+  if (made.members.front().stable)
+    text += margins_line("nominal", tuning::least_margins({made.members.front()}));
+  if (made.members.size() > 1 && made.stable())
     text += margins_line(fmt::format("worst of {} plants", made.members.size()).c_str(),
                          tuning::least_margins(made.members));
   for (const std::string& one : made.missed) text += one + ": NOT met\n";
   if (made.reachable_bandwidth)
-    text += fmt::format("these margins can be had with a bandwidth of {}\n",
-                        engineering_text(made.reachable_bandwidth->value, "Hz", 3));
+    text += fmt::format("these margins can be had with --bandwidth-hz {}\n",
+                        rounded_text(made.reachable_bandwidth->value, 3));
   return text;
 }
 

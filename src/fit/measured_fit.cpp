@@ -240,8 +240,12 @@ OrderChoice choose_order(const ResponseSamples& all, const MeasuredFitOptions& o
   for (std::size_t i = 0; i < loss.size(); ++i) {
     out.orders.push_back({static_cast<int>(i) + 1, mean(loss[i]), excess(loss[i], loss[best])});
   }
+  // Points with noise leave about 1. Far less: the noise is the least that is assumed, of a file that has none, and
+  // further poles would follow its rounding.
+  constexpr double kNothingLeft = 0.01;
   const auto chosen =
       std::find_if(out.orders.begin(), out.orders.end(), [&](const MeasuredFit::Order& order) {
+        if (order.held_out <= kNothingLeft) return true;
         return order.against_best <= kStandardErrors && order.held_out <= 1.5 * mean(loss[best]);
       });
   out.order = chosen->order;

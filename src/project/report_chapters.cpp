@@ -135,8 +135,9 @@ void add_circuit_chapter(report::Page& page, const std::optional<circuit::BuildC
                                                      .title = "Op-amp circuit",
                                                      .comment = "",
                                                      .ports = {"in", "out"},
-                                                     .tolerances = {}}),
-              "The same on sheets of KiCad is in the folder of the circuit.");
+                                                     .tolerances = {},
+                                                     .board = false}),
+              "With connectors, supplies and decoupling on sheets of KiCad in the folder of the circuit.");
   page.table(parts_table(best.made.circuit.parts));
   for (const std::string& warning : best.opamps.warnings) page.warning(warning);
 }

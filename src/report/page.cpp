@@ -39,18 +39,36 @@ void Page::key_figures(const std::vector<std::pair<std::string, std::string>>& v
   body() += "</div>\n";
 }
 
+namespace {
+
+/// Of columns that hold sentences, which are read from the left.
+std::vector<const char*> classes_of(const Table& table) {
+  constexpr auto kBlanks = 3;
+  std::vector<const char*> out(table.head.size(), "");
+  for (const auto& row : table.rows) {
+    for (std::size_t c = 0; c < std::min(row.size(), out.size()); ++c)
+      if (std::count(row[c].begin(), row[c].end(), ' ') >= kBlanks) out[c] = " class=\"words\"";
+  }
+  return out;
+}
+
+}  // namespace
+
 void Page::table(const Table& table, const std::string& caption) {
   std::string& out = body();
+  const std::vector<const char*> classes = classes_of(table);
+  const auto class_of = [&](std::size_t c) { return c < classes.size() ? classes[c] : ""; };
   out += "<div class=\"wide\"><table>\n";
   if (!caption.empty()) out += fmt::format("<caption>{}</caption>\n", escape_xml(caption));
   out += "<thead><tr>";
-  for (const std::string& cell : table.head)
-    out += fmt::format("<th scope=\"col\">{}</th>", escape_xml(cell));
+  for (std::size_t c = 0; c < table.head.size(); ++c)
+    out += fmt::format("<th scope=\"col\"{}>{}</th>", class_of(c), escape_xml(table.head[c]));
   out += "</tr></thead>\n<tbody>\n";
   for (std::size_t i = 0; i < table.rows.size(); ++i) {
     const bool marked = std::find(table.marked.begin(), table.marked.end(), i) != table.marked.end();
     out += marked ? "<tr class=\"marked\">" : "<tr>";
-    for (const std::string& cell : table.rows[i]) out += fmt::format("<td>{}</td>", escape_xml(cell));
+    for (std::size_t c = 0; c < table.rows[i].size(); ++c)
+      out += fmt::format("<td{}>{}</td>", class_of(c), escape_xml(table.rows[i][c]));
     out += "</tr>\n";
   }
   out += "</tbody></table></div>\n";

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <cmath>
 
 #include "base/error.hpp"
 #include "base/whole_number.hpp"
@@ -31,6 +32,11 @@ BodePoints BodePoints::read_csv(const std::filesystem::path& path, Provenance& f
     if (!(point.gain > 0.0) || !std::isfinite(point.gain)) {
       csv.fail(i, fmt::format("the gain is {}, expected a finite number above 0", point.gain));
     }
+    constexpr double kRoundingDb = 0.01;
+    if (linear && csv.has(column::magnitude_db) &&
+        !(std::abs(to_decibel(point.gain) - csv.column(column::magnitude_db)[i]) < kRoundingDb))
+      csv.fail(i, fmt::format("its gain is {} and its magnitude_db {}, expected one of them, or the same",
+                              point.gain, csv.column(column::magnitude_db)[i]));
     if (csv.has(column::phase_deg)) point.phase_deg = csv.column(column::phase_deg)[i];
     if (csv.has(column::weight)) point.weight = csv.column(column::weight)[i];
     if (point.weight < 0.0) csv.fail(i, fmt::format("weight is {}, expected at least 0", point.weight));

@@ -14,7 +14,7 @@ struct OtherWord {
   double scale;
 };
 
-constexpr std::array<OtherWord, 23> kOtherWords = {{
+constexpr std::array<OtherWord, 22> kOtherWords = {{
     {"gain_db", column::magnitude_db, 1.0},
     {"mag_db", column::magnitude_db, 1.0},
     {"magnitude_db", column::magnitude_db, 1.0},
@@ -27,7 +27,6 @@ constexpr std::array<OtherWord, 23> kOtherWords = {{
     {"frequency_khz", column::frequency_hz, 1e3},
     {"freq_khz", column::frequency_hz, 1e3},
     {"f_khz", column::frequency_hz, 1e3},
-    {"phase", column::phase_deg, 1.0},
     {"phase_deg", column::phase_deg, 1.0},
     {"phase_rad", column::phase_deg, 57.295779513082323},
     {"time", column::time_s, 1.0},

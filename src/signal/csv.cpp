@@ -10,6 +10,7 @@
 #include <utility>
 
 #include "base/error.hpp"
+#include "base/letters.hpp"
 #include "base/nearest_word.hpp"
 #include "base/quantity.hpp"
 #include "base/text.hpp"
@@ -77,8 +78,9 @@ bool has_own_header(std::string_view text, bool times_given) {
     bool magnitude = false;
     for (const std::string_view cell : split(line, separator_of(line))) {
       const std::string_view name = unquoted_name(cell);
-      // A count of rows without a name, a separator at the end: a table of another program.
-      if (name.empty()) return false;
+      // A count of rows without a name, a separator at the end: a table of another program. A phase without a unit may be
+      // radians, which its reader looks at.
+      if (name.empty() || lower_case(name) == "phase") return false;
       time = time || name == column::time_s;
       frequency = frequency || name == column::frequency_hz;
       signal = signal || name == column::input || name == column::output || name == column::reference;
@@ -165,11 +167,11 @@ Csv Csv::parse(std::string_view text, const std::string& file) {
     if (line.empty() || line.front() == '#') continue;
     // Spreadsheets of some countries separate by semicolons.
     if (csv.names_.empty()) separator = separator_of(line);
-    const std::vector<std::string_view> cells = split(line, separator);
+    std::vector<std::string_view> cells = split(line, separator);
+    for (std::string_view& cell : cells) cell = unquoted_name(cell);
     if (csv.names_.empty()) {
       csv.header_line_ = line_number;
-      for (std::string_view cell : cells) {
-        cell = unquoted_name(cell);
+      for (const std::string_view cell : cells) {
         double number = 0.0;
         if (cell.empty() || parse_number(cell, number)) {
           throw InputError(

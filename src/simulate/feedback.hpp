@@ -16,7 +16,8 @@ namespace bodesmith::simulate {
 /// before, F{r}; absent: none.
 ///
 /// DesignError when the plant answers at once (no block of it is strictly proper, so that the loop would be
-/// algebraic: put its amplifier's lowpass in), or has a delay, clock or rate-dependent memory inside.
+/// algebraic: put its amplifier's lowpass in), or has a clock or rate-dependent memory inside. A delay stands in the loop as
+/// an all-pass, which is said.
 LoopResult simulate_loop(const chain::Chain& plant, const std::optional<chain::Chain>& feedforward,
                          const PidController& controller, const TimeRecord& reference,
                          const Options& options = {});

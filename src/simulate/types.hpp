@@ -93,6 +93,7 @@ struct LoopResult {
   std::optional<double> error_estimate;
   double model_error = 0.0;  ///< as in Result
   Stats stats;
+  std::vector<std::string> notes;
 };
 
 /// The input of a TimeRecord, or of samples that lie elsewhere; a view.

@@ -2,6 +2,7 @@
 
 #include <Eigen/Core>
 
+#include <cmath>
 #include <complex>
 #include <string>
 #include <vector>
@@ -27,7 +28,11 @@ struct SeriesController {
 struct ShapeSetting {
   Hertz crossover;
   Hertz derivative_corner;        ///< of a PID's derivative; where the others roll off at the earliest
+  Hertz highest;                  ///< up to which the loop is judged
   std::vector<Hertz> resonances;  ///< peaks of the plant above the crossover, highest first
+
+  /// lg of how far above the crossover a number may act and change nothing there: a tenth at the highest frequency.
+  double decades() const { return std::log10(highest.value / crossover.value) + 1.0; }
 };
 
 /// A form of controller: numbers x within bounds, C(s) up to its gain. One file a kind under tuning/kinds/, one line in

@@ -95,6 +95,7 @@ class Problem {
     at_crossover_ = plants.nominal().response(crossover.rad_s());
     setting_.crossover = crossover;
     setting_.derivative_corner = options.derivative_corner.value_or(Hertz{10.0 * crossover.value});
+    setting_.highest = grid_.back();
     setting_.resonances = peaks_of(grid_, samples_.front(), Hertz{0.8 * crossover.value});
   }
 
@@ -185,14 +186,14 @@ class Problem {
   Complex at_crossover_;
 };
 
-/// The highest bandwidth at which the limits are kept: a scan downwards in half octaves, then halving.
+/// The highest bandwidth at which the limits are kept: a scan downwards in octaves, then halving.
 std::optional<Hertz> highest_bandwidth(const PlantFamily& plants, const ControllerKind& kind,
                                        const TuneOptions& options, Band band) {
   const auto possible = [&](double hz) {
     const Problem problem(plants, kind, options, Hertz{hz});
     return problem.can_be_kept();
   };
-  const double step = std::sqrt(2.0);
+  const double step = 2.0;
   double high = band.to.value;
   double low = high;
   while (low >= band.from.value && !possible(low)) {
@@ -200,7 +201,7 @@ std::optional<Hertz> highest_bandwidth(const PlantFamily& plants, const Controll
     low /= step;
   }
   if (low < band.from.value) return std::nullopt;
-  constexpr int kHalvings = 4;  // to 2 %
+  constexpr int kHalvings = 5;  // to 2 %
   for (int i = 0; i < kHalvings && high > low; ++i) {
     const double middle = std::sqrt(low * high);
     (possible(middle) ? low : high) = middle;
@@ -223,29 +224,62 @@ std::vector<MemberMargins> all_margins(const PlantFamily& plants, const SeriesCo
   return out;
 }
 
-/// What a plant does not keep. A hundredth is rounding: the search works between samples.
-void add_missed(const MemberMargins& member, const LoopLimits& limits, std::vector<std::string>& out) {
-  constexpr double kRounding = 0.99;
-  if (!member.stable) out.push_back(fmt::format("stability (plant: {})", member.plant));
-  if (const auto* phase = member.margins.least_phase_margin();
-      phase != nullptr && std::abs(phase->phase_margin_deg) < kRounding * limits.phase_margin_deg)
-    out.push_back(fmt::format("a phase margin of {} deg: {} (plant: {})", limits.phase_margin_deg,
-                              rounded_text(phase->phase_margin_deg, 3), member.plant));
-  if (const auto* gain = member.margins.least_gain_margin();
-      gain != nullptr && std::abs(gain->gain_margin_db) < kRounding * limits.gain_margin_db)
-    out.push_back(fmt::format("a gain margin of {} dB: {} (plant: {})", limits.gain_margin_db,
-                              rounded_text(gain->gain_margin_db, 3), member.plant));
-  if (limits.max_sensitivity && kRounding * member.margins.max_sensitivity > *limits.max_sensitivity)
-    out.push_back(fmt::format("a sensitivity of at most {}: {} (plant: {})", *limits.max_sensitivity,
-                              rounded_text(member.margins.max_sensitivity, 3), member.plant));
+/// A limit over all plants: how many miss it, and by which it is missed most.
+struct Missed {
+  int count = 0;
+  double worst = INFINITY;  ///< what was had, in parts of what was asked
+  std::string text;
+
+  void see(double had, const std::string& value, const std::string& plant) {
+    // A hundredth is rounding: the search works between samples.
+    if (had >= 0.99) return;
+    ++count;
+    if (had >= worst) return;
+    worst = had;
+    text = fmt::format("{} (plant: {})", value, plant);
+  }
+};
+
+/// One line a limit. The margins of a loop that is not stable are none.
+std::vector<std::string> missed_of(const std::vector<MemberMargins>& members, const LoopLimits& limits) {
+  Missed stable;
+  Missed phases;
+  Missed gains;
+  Missed sensitivity;
+  for (const MemberMargins& member : members) {
+    if (!member.stable) {
+      stable.see(0.0, "unstable", member.plant);
+      continue;
+    }
+    if (const auto* phase = member.margins.least_phase_margin())
+      phases.see(std::abs(phase->phase_margin_deg) / limits.phase_margin_deg,
+                 rounded_text(phase->phase_margin_deg, 3), member.plant);
+    if (const auto* gain = member.margins.least_gain_margin())
+      gains.see(std::abs(gain->gain_margin_db) / limits.gain_margin_db, rounded_text(gain->gain_margin_db, 3),
+                member.plant);
+    if (limits.max_sensitivity)
+      sensitivity.see(*limits.max_sensitivity / member.margins.max_sensitivity,
+                      rounded_text(member.margins.max_sensitivity, 3), member.plant);
+  }
+  std::vector<std::string> out;
+  const auto add = [&](const Missed& missed, const std::string& asked) {
+    if (missed.count == 0) return;
+    out.push_back(fmt::format("{}: {}", asked, missed.text) +
+                  (members.size() > 1 ? fmt::format(", {} of {} plants", missed.count, members.size()) : ""));
+  };
+  add(stable, "stability");
+  add(phases, fmt::format("a phase margin of {} deg", limits.phase_margin_deg));
+  add(gains, fmt::format("a gain margin of {} dB", limits.gain_margin_db));
+  add(sensitivity, fmt::format("a sensitivity of at most {}", limits.max_sensitivity.value_or(0.0)));
+  return out;
 }
 
 Band searched(const PlantFamily& plants) {
   if (!plants.band)
     throw DesignError(
         "the plant states no band (a model of blocks, or sections without corners), expected a bandwidth in Hz");
-  return plants.band->to > plants.band->from ? *plants.band
-                                             : Band{Hertz{plants.band->from.value / 100.0}, plants.band->to};
+  // An integral alone keeps any margin far enough below the corners.
+  return Band{Hertz{plants.band->from.value / 100.0}, plants.band->to};
 }
 
 Json margins_json(const LeastMargins& margins) {
@@ -271,6 +305,10 @@ LeastMargins least_margins(const std::vector<MemberMargins>& members) {
     out.max_sensitivity = std::max(out.max_sensitivity, member.margins.max_sensitivity);
   }
   return out;
+}
+
+bool TunedLoop::stable() const {
+  return std::all_of(members.begin(), members.end(), [](const MemberMargins& m) { return m.stable; });
 }
 
 Json TunedLoop::report_json(const TuneOptions& options) const {
@@ -309,12 +347,15 @@ TunedLoop tune(const PlantFamily& plants, const ControllerKind& kind, const Tune
   out.bandwidth = *crossover;
   out.controller = problem.made(problem.best());
   out.members = all_margins(plants, out.controller, problem);
-  for (const MemberMargins& member : out.members) add_missed(member, options.limits, out.missed);
+  out.missed = missed_of(out.members, options.limits);
+  std::vector<std::string> too;
   for (const LoopMargins::GainCrossing& crossing : out.members.front().margins.gain_crossings) {
     if (std::abs(std::log(crossing.frequency.value / crossover->value)) > std::log(1.1))
-      out.missed.push_back(fmt::format("a gain of 1 at the bandwidth alone: it is 1 at {}, too",
-                                       engineering_text(crossing.frequency.value, "Hz", 3)));
+      too.push_back(engineering_text(crossing.frequency.value, "Hz", 3));
   }
+  if (!too.empty())
+    out.missed.push_back(
+        fmt::format("a gain of 1 at the bandwidth alone: it is 1 at {}, too", join(too, ", ")));
   if (!out.met() && options.bandwidth) {
     const Band below{Hertz{crossover->value / 100.0}, Hertz{crossover->value / std::cbrt(2.0)}};
     out.reachable_bandwidth = highest_bandwidth(plants, kind, options, below);

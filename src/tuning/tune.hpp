@@ -33,11 +33,12 @@ struct TunedLoop {
   SeriesController controller;
   Hertz bandwidth;
   std::vector<MemberMargins> members;  ///< nominal first
-  std::vector<std::string> missed;     ///< limits that some plant does not keep: what, by which plant
+  std::vector<std::string> missed;     ///< limits that some plant does not keep: what, by which plant most
   /// When the bandwidth asked for cannot be had: one at which the limits are kept.
   std::optional<Hertz> reachable_bandwidth;
 
   bool met() const { return missed.empty(); }
+  bool stable() const;  ///< with every plant
   /// `bandwidth_hz`, `asked`, `nominal`, `worst`, `plants`, `missed`.
   Json report_json(const TuneOptions& options) const;
 };

@@ -122,6 +122,7 @@ TEST(Text, EngineersPrefixes) {
   EXPECT_EQ(engineering_text(20500.0, "Ω"), "20.5 kΩ");
   EXPECT_EQ(engineering_text(1e-8, "F"), "10 nF");
   EXPECT_EQ(engineering_text(999.96, "Ω"), "1 kΩ");
+  EXPECT_EQ(engineering_text(6.54e-7, "s", 2), "650 ns");
   EXPECT_EQ(engineering_text(0.0, "V"), "0 V");
   EXPECT_EQ(engineering_text(-4.7e-6, "F"), "-4.7 µF");
 }

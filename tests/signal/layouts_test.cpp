@@ -278,6 +278,126 @@ TEST(Layouts, RecordsOfScopesAndLoggers) {
   expect_record(tektronix, false);
 }
 
+/// Rows without times, whose step stands above them.
+TEST(Layouts, StepsThatStandAboveTheRows) {
+  const auto without_times = [](int i) { return Cells{input(i), output(i)}; };
+  const auto head = [](const std::string& x_columns, const std::string& names) {
+    return "LabVIEW Measurement\nX_Columns\t" + x_columns +
+           "\n***End_of_Header***\n\nChannels\t2\nSamples\t9\t9\nY_Unit_Label\tVolts\tVolts\n"
+           "X_Dimension\tTime\tTime\nX0\t0\t0\nDelta_X\t0.000100\t0.000100\n***End_of_Header***\n" +
+           names + "\tComment\n";
+  };
+  const std::string labview = table("", without_times, {'\t'});
+  std::string rows;
+  for (std::size_t at = 0; at < labview.size(); at = labview.find('\n', at) + 1)
+    rows += "\t" + labview.substr(at, labview.find('\n', at) - at) + "\n";
+  expect_record(head("No", "X_Value\tVoltage_0\tVoltage_1") + rows);
+  std::string commas = head("No", "X_Value\tVoltage_0\tVoltage_1") + rows;
+  std::replace(commas.begin(), commas.end(), '.', ',');
+  expect_record(commas);
+  expect_record(table(head("Multi", "X_Value\tVoltage_0\tX_Value\tVoltage_1"),
+                      [](int i) {
+                        return Cells{1e-4 * i, input(i), 1e-4 * i, output(i)};
+                      },
+                      {'\t'}));
+  expect_record(table("Unit:(V)\nTime interval,100.0uS\n\nindex,CH1_Voltage(V),CH2_Voltage(V)\n", [](int i) {
+    return Cells{double(i), input(i), output(i)};
+  }));
+  // Spectra of LabVIEW, channels of different steps.
+  std::string spectrum = head("No", "X_Value\tVoltage_0\tVoltage_1") + rows;
+  spectrum.replace(spectrum.find("X_Dimension\tTime\tTime"), 21, "X_Dimension\tFrequency");
+  EXPECT_THAT(refusal_of_response(spectrum), HasSubstr("/x"));
+}
+
+TEST(Layouts, HantekScopes) {
+  const auto channel = [](const std::string& name, const std::string& unit, double scale,
+                          double (*value)(int)) {
+    std::string out = "#CHANNEL:" + name + "\n#CLOCK=100uS\n#SIZE=9\n#UNITS:" + unit + "\n\n";
+    return table(out, [=](int i) { return Cells{scale * value(i)}; }) + "\n\n";
+  };
+  expect_record(channel("CH1", "V", 1.0, input), false);
+  expect_record(channel("CH1", "mV", 1e3, input) + channel("CH2", "V", 1.0, output));
+  EXPECT_THAT(refusal_of_response(channel("CH1", "V", 1.0, input) + "#CHANNEL:CH2\n#CLOCK=200uS\n1\n"),
+              HasSubstr("another time step"));
+  expect_record(table("#timebase=2000000(ns)\n,#voltbase=1000000(mv/100)\n#size=9\n",
+                      [](int i) {
+                        return Cells{1e-4 * i, input(i)};
+                      }),
+                false);
+}
+
+TEST(Layouts, FieldSimulators) {
+  expect_low_pass(table("#\"Frequency / Hz\"\t\"S2,1 [Magnitude in dB]\"\t\"S2,1 [Phase]\"\n#-----\n",
+                        level_and_angle, {'\t'}));
+  expect_low_pass(table("#\"Frequency / Hz\"\t\"Re(S2,1)\"\t\"Im(S2,1)\"\n#-----\n", parts, {'\t'}));
+  // Names between wide gaps; a magnitude alone is no response with a phase.
+  EXPECT_THAT(refusal_of_response(table("    Frequency / Hz         S2,1/abs,dB\n---------\n",
+                                        [](int i) {
+                                          return Cells{frequency(i), level(frequency(i))};
+                                        },
+                                        {' '})),
+              HasSubstr("phase"));
+  EXPECT_THAT(refusal_of_response(table("    Frequency / Hz         S2,1/arg,degrees\n---------\n",
+                                        [](int i) {
+                                          return Cells{frequency(i), angle(frequency(i))};
+                                        },
+                                        {' '})),
+              HasSubstr("/x"));
+}
+
+TEST(Layouts, QucsDatasetsAndTheirTables) {
+  std::string axis = "<Qucs Dataset 0.0.19>\n<indep frequency 9>\n";
+  std::string values = "<dep out.v frequency>\n";
+  std::string time = "<Qucs Dataset 0.0.19>\n<indep time 9>\n";
+  std::string in = "<dep in.Vt time>\n";
+  std::string out = "<dep out.Vt time>\n";
+  for (int i = 0; i < kRows; ++i) {
+    const Complex h = low_pass(frequency(i));
+    char text[80];
+    std::snprintf(text, sizeof text, "  %+.14e\n", frequency(i));
+    axis += text;
+    std::snprintf(text, sizeof text, "  %+.14e-j%.14e\n", h.real(), -h.imag());
+    values += text;
+    std::snprintf(text, sizeof text, "  %+.14e\n", 1e-4 * i);
+    time += text;
+    std::snprintf(text, sizeof text, "  %+.14e\n", input(i));
+    in += text;
+    std::snprintf(text, sizeof text, "  %+.14e\n", output(i));
+    out += text;
+  }
+  expect_low_pass(axis + "</indep>\n" + values + "</dep>\n");
+  expect_record(time + "</indep>\n" + in + "</dep>\n" + out + "</dep>\n");
+  expect_low_pass(table("\"frequency\";\"r out.v\";\"i out.v\"\n", parts, {';'}));
+  EXPECT_THAT(refusal_of_response(axis + "</indep>\n<dep out.v frequency>\n  +1.0-j2.0\n</dep>\n"),
+              HasSubstr("begins 1 values over 9"));
+  EXPECT_THAT(refusal_of_response(axis + "</indep>\n<dep out.v frequency>\n  1+2i\n</dep>\n"),
+              HasSubstr(":14: '1+2i' is not a finite number"));
+}
+
+/// Columns that say one thing twice, and a phase that says no unit, in this program's own words too.
+TEST(Layouts, OwnWordsWithoutUnits) {
+  EXPECT_THAT(refusal_of_response(table("frequency_hz,magnitude_db,phase\n",
+                                        [](int i) {
+                                          Cells out = level_and_angle(i);
+                                          out[2] = to_radians(out[2]);
+                                          return out;
+                                        })),
+              HasSubstr("it may be radians"));
+  expect_low_pass(table("frequency_hz,magnitude_db,phase_rad\n", [](int i) {
+    Cells out = level_and_angle(i);
+    out[2] = to_radians(out[2]);
+    return out;
+  }));
+  expect_low_pass(table("Frequency (Hz),Gain,Gain (dB),Phase (deg)\n", [](int i) {
+    const Cells at = level_and_angle(i);
+    return Cells{at[0], 7.0, at[1], at[2]};
+  }));
+  expect_low_pass(table("Freq,Imag,Real\n", [](int i) {
+    const Cells at = parts(i);
+    return Cells{at[0], at[2], at[1]};
+  }));
+}
+
 /// Names that say input and output go before the order of the columns.
 TEST(Layouts, InputAndOutputByTheirNames) {
   const auto turned = [](int i) { return Cells{1e-4 * i, output(i), input(i)}; };

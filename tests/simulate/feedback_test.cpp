@@ -208,10 +208,40 @@ TEST(Feedback, LimitsHoldAndTheIntegralDoesNotWindUp) {
 TEST(Feedback, RefusesWhatCannotBeALoop) {
   const auto r = constant(1.0, 1e-3, 10);
   EXPECT_THROW(simulate_loop(Chain{{make_block("gain")}}, std::nullopt, {}, r), DesignError);
-  EXPECT_THROW(simulate_loop(Chain{{make_block("delay").set("delay_s", 1e-3),
+  EXPECT_THROW(simulate_loop(Chain{{make_block("sample_hold").set("clock_hz", 1e3),
                                     make_block("lowpass").set("corner_hz", 10.0)}},
                              std::nullopt, {}, r),
                DesignError);
+}
+
+/// tau y' = u(t - T) - y, u' = ki (1 - y), step by step: the delay's input is known T before it is needed.
+TEST(Feedback, ADelayStandsInTheLoop) {
+  const double tau = 0.02;
+  const double delay = 0.01;
+  const double ki = 25.0;
+  const Chain plant{{make_block("delay").set("delay_s", delay),
+                     make_block("lowpass").set("corner_hz", 1.0 / (2.0 * std::numbers::pi * tau))}};
+  PidController c;
+  c.integral_per_s = ki;
+  for (const Engine engine : {Engine::cvode, Engine::exact}) {
+    Options options;
+    options.engine = engine;
+    const auto got = simulate_loop(plant, std::nullopt, c, constant(1.0, 1e-3, 301), options);
+    ASSERT_EQ(got.notes.size(), 1u);
+    EXPECT_NE(got.notes[0].find("the delay of 10 ms stands in the loop as an all-pass"), std::string::npos);
+    constexpr double kStep = 1e-6;
+    constexpr std::size_t late = 10000;  // steps of the delay
+    std::vector<double> u{0.0};
+    double y = 0.0;
+    for (std::size_t i = 0; i < got.y.size() - 1; ++i) {
+      EXPECT_NEAR(got.y[i], y, 2e-3) << i;
+      for (int k = 0; k < 1000; ++k) {
+        const double before = u.size() > late ? u[u.size() - 1 - late] : 0.0;
+        u.push_back(u.back() + kStep * ki * (1.0 - y));
+        y += kStep * (before - y) / tau;
+      }
+    }
+  }
 }
 
 TEST(Feedback, ABlockThatJumpsAtTurnsNeedsASampledController) {

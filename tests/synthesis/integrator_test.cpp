@@ -36,6 +36,23 @@ TEST(Integrator, AnOpAmpWithRAndCInSeriesMakesIt) {
   }
 }
 
+/// A PID of a slow loop has complex zeros over its pole at 0 and that of its derivative.
+TEST(Integrator, TwoIntegratorsWithoutALoopMakeAPid) {
+  Sections wanted;
+  Section pid;
+  pid.gain = 1.3;
+  pid.zeros = {{-5.6, 41.8}, {-5.6, -41.8}};
+  pid.poles = {{0.0, 0.0}, {-188.5, 0.0}};
+  wanted.sections = {pid};
+  const Realised made = realise(wanted);
+  for (const double hz : {0.1, 1.0, 4.0, 20.0, 100.0}) {
+    const RadPerSecond w = Hertz{hz}.rad_s();
+    EXPECT_NEAR(std::abs(made.circuit.response(w) / wanted.response(w) - 1.0), 0.0, 0.05) << hz;
+  }
+  const auto real = schematic::network_response(made.circuit, {Hertz{20.0}}).front();
+  EXPECT_NEAR(std::abs(real / wanted.response(Hertz{20.0}.rad_s()) - 1.0), 0.0, 0.05);
+}
+
 TEST(Integrator, SectionsMayHaveAPoleAtZeroAndNowhereElseOnTheAxis) {
   const auto sections = [](const std::string& poles) {
     return Sections::from_node(parse_json(

@@ -235,6 +235,9 @@ double take_sign(std::string& name) {
 /// Parts of a complex number as impedance analysers name them: Zre, Z_real, Z', Re(Z), Im(Z), Z'', R (Ohm), X (Ohm).
 std::optional<Quantity> part_named(const std::string& name, bool ohms) {
   const std::string function = name.substr(0, name.find_first_of("(: "));
+  // Qucs: "r out.v", "i out.v".
+  if (name.ends_with(".v") && (function == "r" || function == "i"))
+    return function == "r" ? Quantity::real : Quantity::imaginary;
   if (contains(name, "imag") || is_one_of(function, kImaginaryFunctions) || name == "zim" || name == "z_im" ||
       name == "z''" || name == "z\"" || (ohms && (name == "x" || name == "xs")))
     return Quantity::imaginary;
@@ -256,11 +259,14 @@ bool is_size_between_bars(const std::string& name) {
 
 /// "TR1: Gain (Real)", "TR2: Gain (Degree)": what stands in brackets is a part of a complex number and no unit.
 std::optional<Quantity> part_in_brackets(const std::string& unit) {
-  if (unit == "real" || unit == "re") return Quantity::real;
-  if (unit == "imag" || unit == "imaginary" || unit == "im") return Quantity::imaginary;
-  if (unit == "degree" || unit == "degrees" || unit == "deg" || unit == "\xC2\xB0" || is_radians(unit))
+  if (unit == "real" || unit == "re" || unit == "real part") return Quantity::real;
+  if (unit == "imag" || unit == "imaginary" || unit == "im" || unit == "imaginary part")
+    return Quantity::imaginary;
+  if (unit == "phase" || unit == "degree" || unit == "degrees" || unit == "deg" || unit == "\xC2\xB0" ||
+      is_radians(unit))
     return Quantity::phase;
-  if (unit == "absolut" || unit == "absolute" || unit == "abs") return Quantity::magnitude;
+  if (unit == "absolut" || unit == "absolute" || unit == "abs" || unit.starts_with("magnitude"))
+    return Quantity::magnitude;
   return std::nullopt;
 }
 
@@ -295,9 +301,12 @@ Heading parse_heading(const std::string& text) {
   const bool aside = contains_one_of(name, kAsideWords);
   if (const auto part = aside ? std::nullopt : part_in_brackets(unit)) {
     heading.scale = sign;
-    if (*part == Quantity::phase) read_phase(heading, unit);
+    if (unit == "phase") heading.unit.clear();
+    if (*part == Quantity::phase) read_phase(heading, lower_case(heading.unit));
     heading.quantity = *part;
-    if (*part == Quantity::magnitude) heading.magnitude = MagnitudeScale::linear;
+    // "S2,1 [Magnitude in dB]" (CST)
+    if (*part == Quantity::magnitude)
+      heading.magnitude = unit.ends_with("db") ? MagnitudeScale::decibel : MagnitudeScale::linear;
     return heading;
   }
   if (name == "freq." || is_frequency(name, heading)) {
@@ -345,7 +354,8 @@ Heading parse_heading(const std::string& text) {
       return heading;
     }
   }
-  if (contains(name, "phase") || contains(name, "angle") || is_one_of(name, kPhaseNames)) {
+  if (contains(name, "phase") || contains(name, "angle") || is_one_of(name, kPhaseNames) ||
+      name.ends_with("/arg")) {
     read_phase(heading, unit);
     return heading;
   }
@@ -362,9 +372,9 @@ Heading parse_heading(const std::string& text) {
   if (!time_scale(heading.unit) &&
       (contains(name, "mag") || contains(name, "gain") || contains(name, "spl") ||
        contains(name, "amplitude") || contains(name, "level") || contains(name, "impedance") ||
-       contains_one_of(name, kLossWords) || name == "abs" || name == "db" || name == "z" || name == "zmod" ||
-       (function == "amp" && function.size() < name.size()) || is_size_between_bars(name) ||
-       unit.starts_with("db") || (ohm && heading.unit == heading.text))) {
+       contains_one_of(name, kLossWords) || name == "abs" || name.ends_with("/abs") || name == "db" ||
+       name == "z" || name == "zmod" || (function == "amp" && function.size() < name.size()) ||
+       is_size_between_bars(name) || unit.starts_with("db") || (ohm && heading.unit == heading.text))) {
     read_magnitude(heading, name, unit);
     return heading;
   }

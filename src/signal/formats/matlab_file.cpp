@@ -253,14 +253,21 @@ class MatRoles {
   MatRoles(const Source& source, const std::vector<MatVector>& vectors)
       : source_(source), vectors_(vectors) {}
 
+  /// The first vector called so, of `length` values where that is not 0; InputError where there are only others.
   const MatVector* named(std::initializer_list<std::string_view> names, std::size_t length = 0) const {
+    const MatVector* other = nullptr;
     for (const std::string_view name : names) {
       for (const MatVector& v : vectors_) {
         if (last_part(v.name) != name) continue;
         require_usable(v);
         if (length == 0 ? v.values.size() > 1 : v.values.size() == length) return &v;
+        if (v.values.size() > 1) other = &v;
       }
     }
+    if (other != nullptr)
+      throw InputError(source_.file, 0,
+                       fmt::format("'{}' has {} values, expected {} as of its axis", other->name,
+                                   other->values.size(), length));
     return nullptr;
   }
   std::optional<double> scalar(std::initializer_list<std::string_view> names) const {

@@ -106,10 +106,6 @@ bool parse_row(const std::vector<std::string_view>& cells, char decimal, std::ve
     }
     row.push_back(value);
   }
-  if (!row.empty() && std::isnan(row.front())) {
-    why = "has no first number";
-    return false;
-  }
   return true;
 }
 
@@ -206,6 +202,15 @@ Attempt attempt(std::string_view text, const Writing& writing, std::size_t line_
     for (std::size_t i = 0; i < row.size(); ++i) table.columns[i].push_back(row[i]);
     table.lines.push_back(number);
   }
+  if (table.columns.empty()) return out;
+  // A first column may be empty, or full.
+  const std::vector<double>& first = table.columns.front();
+  const auto empty = [](double v) { return std::isnan(v); };
+  if (const auto at = std::find_if(first.begin(), first.end(), empty);
+      at != first.end() && !std::all_of(first.begin(), first.end(), empty)) {
+    out.broken_line = table.lines[static_cast<std::size_t>(at - first.begin())];
+    out.why = "has no first number";
+  }
   if (grouping.found()) {
     out.broken_line = table.lines.front();
     out.why = fmt::format(
@@ -272,11 +277,24 @@ bool is_beside_headings(const std::string& cell) {
   return cell.find('=') != std::string::npos || cell == "Comment";
 }
 
+/// Names between two blanks and more: "Frequency / MHz        S1,1/abs,dB" (CST).
+std::vector<std::string> widely_spaced(std::string_view line) {
+  std::vector<std::string> out;
+  line = trim(line);
+  while (!line.empty()) {
+    const std::size_t end = std::min(line.find("  "), line.size());
+    out.emplace_back(unquoted(line.substr(0, end)));
+    line = trim(line.substr(end));
+  }
+  return out;
+}
+
 /// As many headings as columns, by the rows' own separator or another. Above a line of units channels may be numbers.
 std::vector<std::string> headings_in(std::string_view line, char separator, std::size_t columns,
                                      bool above_units) {
-  for (const char by : {separator, ',', ';', '\t', ' '}) {
-    std::vector<std::string> cells = heading_cells(line, by);
+  constexpr char kWide = 'w';
+  for (const char by : {separator, kWide, ',', ';', '\t', ' '}) {
+    std::vector<std::string> cells = by == kWide ? widely_spaced(line) : heading_cells(line, by);
     // Gamry's units: "#<tab>s<tab>Hz"; the mark is a cell like the others.
     if (cells.size() + 1 == columns && by != ' ' && line.size() > 1 && line[0] == '#' && line[1] == by)
       cells.insert(cells.begin(), "#");
@@ -300,6 +318,25 @@ void drop_empty_columns(NumberTable& table, bool at_end_only) {
     table.columns.erase(table.columns.begin() + static_cast<std::ptrdiff_t>(c));
     if (c < table.headings.size())
       table.headings.erase(table.headings.begin() + static_cast<std::ptrdiff_t>(c));
+  }
+}
+
+/// LabVIEW says above what its X_Value is, and the units of the others.
+void name_labview_columns(const std::vector<std::string_view>& above, std::vector<std::string>& headings) {
+  if (headings.empty() || headings.front() != "X_Value") return;
+  std::vector<std::string_view> units;
+  bool over_time = false;
+  for (const std::string_view line : above) {
+    over_time = over_time || line.starts_with("X_Dimension\tTime");
+    if (line.starts_with("Y_Unit_Label\t")) units = split(line, '\t');
+  }
+  std::size_t signal = 0;
+  for (std::string& heading : headings) {
+    if (heading == "X_Value") {
+      if (over_time) heading = "Time (s)";
+    } else if (++signal < units.size() && !trim(units[signal]).empty()) {
+      heading += fmt::format(" ({})", trim(units[signal]));
+    }
   }
 }
 
@@ -335,12 +372,7 @@ void find_headings(Attempt& found, char separator) {
     table.headings = std::move(cells);
     break;
   }
-  // LabVIEW says what its X_Value is.
-  if (!table.headings.empty() && table.headings.front() == "X_Value") {
-    for (const std::string_view line : found.raw_above) {
-      if (line.starts_with("X_Dimension\tTime")) table.headings.front() = "Time (s)";
-    }
-  }
+  name_labview_columns(found.raw_above, table.headings);
   // "# Hz dB deg": the units say what the columns are.
   if (table.headings.empty()) table.headings = std::move(units);
   if (!table.headings.empty()) table.unread_line = 0;

@@ -3,7 +3,7 @@
 namespace bodesmith::formats {
 
 BODESMITH_REGISTRY(Format, formats, "file format", spice_raw, wave_audio, matlab_file, touchstone, citi_file,
-                   instrument_csv, block_csv, waveforms_csv, bode100_csv, ltspice_text, rew_text,
+                   qucs_dataset, hantek_text, instrument_csv, block_csv, waveforms_csv, ltspice_text,
                    headed_table, plain_table)
 
 const Format* format_of(const Source& source) {

@@ -13,6 +13,7 @@
 #include "base/letters.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
+#include "signal/formats/sampling.hpp"
 
 namespace bodesmith::formats {
 namespace {
@@ -30,7 +31,7 @@ int rank_of(const Heading& heading) {
           : forward        ? 1
           : heading.level  ? 4
                            : 2) +
-         (heading.magnitude == MagnitudeScale::linear && !heading.level ? 1 : 0);
+         (heading.magnitude != MagnitudeScale::decibel && !heading.level ? 1 : 0);
 }
 
 struct Candidates {
@@ -83,7 +84,8 @@ std::optional<std::size_t> phase_of(const std::vector<Heading>& headings, std::s
 }
 
 std::optional<std::size_t> imaginary_of(const std::vector<Heading>& headings, std::size_t real) {
-  return first_of(headings, Quantity::imaginary, real);
+  const auto next = first_of(headings, Quantity::imaginary, real);
+  return next ? next : first_of(headings, Quantity::imaginary);
 }
 
 ResponseTrace complex_trace(const NumberTable& table, const std::vector<Heading>& headings, std::size_t real,
@@ -190,6 +192,7 @@ ResponseTrace single_trace(const Source& source, NumberTable& table, const std::
   if (heading.level)
     words.notes.push_back(
         fmt::format("0 dB is {} {}", heading.magnitude == MagnitudeScale::decibel ? 0 : 1, heading.unit));
+  if (lower_case(heading.unit).starts_with("ohm")) words.notes.emplace_back("an impedance: 0 dB is 1 ohm");
   leave_out_empty(table, {frequency_column(headings), column, phase}, words);
   return magnitude_trace(source, table, headings, column, words);
 }
@@ -262,7 +265,16 @@ Foreign response_of(const Source& source, NumberTable table, const std::vector<H
 std::vector<double> times_of(const Source& source, NumberTable& table, const std::vector<Heading>& headings,
                              Words& words) {
   const auto at = first_of(headings, Quantity::time);
-  if (!at) return sampled_times(*source.sample_hz, table.rows(), words);
+  if (!at && source.sample_hz) return sampled_times(*source.sample_hz, table.rows(), words);
+  if (!at) {
+    const Sampling sampling = *sampling_above(table);
+    words.notes.push_back(
+        fmt::format("steps of {} by '{}'", engineering_text(sampling.step_s, "s", 6), sampling.key));
+    std::vector<double> time(table.rows());
+    for (std::size_t i = 0; i < time.size(); ++i)
+      time[i] = sampling.start_s + sampling.step_s * static_cast<double>(i);
+    return time;
+  }
   validate_unit(source, table, headings[*at]);
   validate_one_axis(source, table, headings, *at);
   std::vector<double> time = std::move(table.columns[*at]);
@@ -321,14 +333,15 @@ bool is_scale_word(const std::string& choice) {
 std::vector<double> degrees_of(const Source& source, std::string_view name, std::vector<double> values,
                                std::string_view instead, Words& words) {
   const bool radians = source.choice == "rad";
+  // Two turns: radians that were unwrapped are told from degrees as well.
   const bool small = std::all_of(values.begin(), values.end(), [](double v) {
-    return std::isnan(v) || std::abs(v) <= 2.0 * std::numbers::pi;
+    return std::isnan(v) || std::abs(v) <= 4.0 * std::numbers::pi;
   });
   const bool zero = std::all_of(values.begin(), values.end(), [](double v) { return !(v != 0.0); });
   if (small && !zero && !radians && source.choice != "deg")
     throw InputError(
         source.file, 0,
-        fmt::format("has {} within 2 pi and no unit, so that it may be radians: {}", name, instead));
+        fmt::format("has {} within 4 pi and no unit, so that it may be radians: {}", name, instead));
   if (radians) {
     for (double& value : values) value = to_degrees(value);
     words.notes.emplace_back("phase from radians");
@@ -396,12 +409,17 @@ std::vector<double> hertz(const Heading& heading, std::vector<double> values, Wo
   return values;
 }
 
+bool is_record(const Source& source, const NumberTable& table, const std::vector<Heading>& headings) {
+  if (has_record_headings(headings)) return true;
+  return !headings.empty() && (source.sample_hz || (!frequency_column(headings) && sampling_above(table)));
+}
+
 Foreign read_by_headings(const Source& source, NumberTable table, Words words) {
   const std::vector<Heading> headings = parse_headings(table.headings);
   if (table.decimal_comma) words.notes.emplace_back("decimal commas");
   if (has_response_headings(headings))
     return response_of(source, std::move(table), headings, std::move(words));
-  if (has_record_headings(headings) || (source.sample_hz && !headings.empty()))
+  if (is_record(source, table, headings))
     return record_of(source, std::move(table), headings, std::move(words));
   throw InputError(
       source.file, table.lines.front() - 1,

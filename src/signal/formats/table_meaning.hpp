@@ -12,7 +12,7 @@ namespace bodesmith::formats {
 
 /// A choice that says the unit of a magnitude or phase and no name: "db", "gain", "ohm", "deg", "rad".
 bool is_scale_word(const std::string& choice);
-/// Phases without a unit. All within 2 pi they may be radians as well as degrees, which is an InputError that says what
+/// Phases without a unit. All within 4 pi they may be radians as well as degrees, which is an InputError that says what
 /// to do `instead`, unless the user chose (FILE:deg, FILE:rad).
 std::vector<double> degrees_of(const Source& source, std::string_view name, std::vector<double> values,
                                std::string_view instead, Words& words);
@@ -26,6 +26,9 @@ std::vector<double> decibels(const Source& source, MagnitudeScale scale, std::sp
 std::vector<double> sampled_times(double sample_hz, std::size_t count, Words& words);
 /// Frequencies in Hz.
 std::vector<double> hertz(const Heading& heading, std::vector<double> values, Words& words);
+
+/// Whether the headings say a record: a time, or signals whose times the user or the lines above say.
+bool is_record(const Source& source, const NumberTable& table, const std::vector<Heading>& headings);
 
 /// What a table with headings says: a response (frequency, magnitude or real and imaginary part, phase) or a record
 /// (time, or the sampling rate that the user gave, and signals), columns chosen by the user's words. Of several magnitudes

@@ -113,8 +113,8 @@ class KhnRealisation final : public StageRealisation {
     return is_high_pass(section) && quality_of(section) > kSallenKeyMaxQuality ? 2 : 0;
   }
   std::optional<Refusal> refusal(const Section& section) const override {
-    if (section.poles.size() == 2) return std::nullopt;
-    return Refusal{"it makes two poles"};
+    if (section.poles.size() == 2 && !integrates(section)) return std::nullopt;
+    return Refusal{"it makes two poles, none of them at 0"};
   }
   std::unique_ptr<StageForm> make(const Section& section, const FormOptions&) const override {
     return std::make_unique<Khn>(section);

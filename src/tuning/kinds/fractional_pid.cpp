@@ -15,8 +15,9 @@ using Complex = std::complex<double>;
 class FractionalPid final : public ControllerKind {
  public:
   FractionalPid() : ControllerKind("fractional-pid", "integral and derivative of orders between 0 and 1.4") {}
-  Bounds bounds(const ShapeSetting&) const override {
-    return {Eigen::Vector4d(-3.0, -3.0, 0.6, 0.3), Eigen::Vector4d(2.5, 1.0, 1.4, 1.0)};
+  Bounds bounds(const ShapeSetting& setting) const override {
+    return {Eigen::Vector4d(-3.0, -setting.decades(), 0.6, 0.3),
+            Eigen::Vector4d(setting.decades(), 1.0, 1.4, 1.0)};
   }
   bool made_exactly() const override { return false; }
   Complex response(const SeriesController&, const Eigen::VectorXd& x, const ShapeSetting& setting,

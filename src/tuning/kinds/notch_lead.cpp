@@ -22,7 +22,7 @@ class NotchLead final : public ControllerKind {
     Bounds out{Eigen::VectorXd(kLoop + kPerNotch * count), Eigen::VectorXd(kLoop + kPerNotch * count)};
     const double roll_off = std::log10(setting.derivative_corner.value / setting.crossover.value);
     out.lower.head(kLoop) << -3.0, 0.0, -0.3, roll_off - 0.5;
-    out.upper.head(kLoop) << 2.5, 1.3, 0.7, roll_off;
+    out.upper.head(kLoop) << setting.decades(), 1.3, 0.7, roll_off;
     for (Eigen::Index i = 0; i < count; ++i) {
       out.lower.segment<kPerNotch>(kLoop + kPerNotch * i) << -0.08, -2.0, -1.5;
       out.upper.segment<kPerNotch>(kLoop + kPerNotch * i) << 0.08, 0.0, 0.2;

@@ -9,9 +9,10 @@ namespace {
 class Pid final : public ControllerKind {
  public:
   Pid() : ControllerKind("pid", "proportional, integral and filtered derivative") {}
-  /// From an integral that hardly acts to one that does all; the derivative to ten times the rest.
-  Bounds bounds(const ShapeSetting&) const override {
-    return {Eigen::Vector2d(-3.0, -3.0), Eigen::Vector2d(2.5, 1.0)};
+  /// From an integral that hardly acts to one that does all, up to the highest frequency; the derivative from nothing there
+  /// to ten times the rest.
+  Bounds bounds(const ShapeSetting& setting) const override {
+    return {Eigen::Vector2d(-3.0, -setting.decades()), Eigen::Vector2d(setting.decades(), 1.0)};
   }
   SeriesController make(const Eigen::VectorXd& x, const ShapeSetting& setting) const override {
     const double w = setting.crossover.rad_s().value;

@@ -90,8 +90,9 @@ void add_project_files(const std::vector<Sheet>& sheets, const std::string& stem
 Sheet one_sheet(const schematic::Netlist& netlist, const SheetOptions& options) {
   const NetlistGroups groups = netlist_groups(netlist, options.ports, options.tolerances);
   std::vector<const Group*> all;
-  for (const auto* some : {&groups.sections, &groups.board})
-    for (const Group& group : *some) all.push_back(&group);
+  for (const Group& group : groups.sections) all.push_back(&group);
+  if (options.board)
+    for (const Group& group : groups.board) all.push_back(&group);
   for (const Paper& paper : kPapers) {
     const Rows rows = fitted_rows(paper, all);
     if (!rows.empty()) return {options.stem + ".kicad_sch", paper.name, rows.drawing(), {}};

@@ -36,13 +36,14 @@ function(bodesmith_unity target batch)
   set_target_properties(${target} PROPERTIES UNITY_BUILD ${unity} UNITY_BUILD_BATCH_SIZE ${batch})
 endfunction()
 
-# Tests and other glue: what they call is compiled for speed, in the rooms; they themselves are compiled quickly.
+# Tests, rooms that read options and write pages: what they call is compiled for speed, in the other rooms; they themselves are
+# compiled quickly (a fifth less time than with -O2, measured on base, signal and cli).
 function(bodesmith_compile_quickly target)
   target_compile_options(${target} PRIVATE $<$<CONFIG:Release,RelWithDebInfo>:-O1>)
 endfunction()
 
 function(bodesmith_room name)
-  cmake_parse_arguments(ROOM "" "" "USES;PUBLIC;PRIVATE" ${ARGN})
+  cmake_parse_arguments(ROOM "COLD" "" "USES;PUBLIC;PRIVATE" ${ARGN})
   set(target bodesmith_${name})
   file(GLOB_RECURSE sources CONFIGURE_DEPENDS ${CMAKE_CURRENT_SOURCE_DIR}/src/${name}/*.cpp
                                               ${CMAKE_CURRENT_SOURCE_DIR}/src/${name}/*.hpp)
@@ -66,7 +67,12 @@ function(bodesmith_room name)
   target_link_libraries(${target} PUBLIC ${above} ${ROOM_PUBLIC} PRIVATE ${ROOM_PRIVATE})
   bodesmith_warnings(${target})
   bodesmith_unity(${target} 16)
-  bodesmith_use_headers(${target} bodesmith_headers)
+  if(ROOM_COLD)
+    bodesmith_compile_quickly(${target})
+    bodesmith_use_headers(${target} bodesmith_cold_headers)
+  else()
+    bodesmith_use_headers(${target} bodesmith_headers)
+  endif()
   set(BODESMITH_ROOMS ${BODESMITH_ROOMS} ${name} CACHE INTERNAL "")
 endfunction()
 

@@ -1,13 +1,13 @@
 #include "approximate/log_symmetric.hpp"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstddef>
 #include <functional>
+#include <utility>
 
+#include "numeric/dense.hpp"
 #include "numeric/elliptic_k.hpp"
 
 namespace bodesmith {
@@ -29,6 +29,22 @@ NormalisedApproximation mirrored_roots(const std::vector<Position>& zeta, long d
   }
   out.gain = static_cast<double>(std::exp(log_gain));
   return out;
+}
+
+/// An eigenvalue of Jacobi's matrix to the last digits: Newton's steps on its polynomial,
+///   p_(k+1)(x) = (x - a_k) p_k(x) - b_k p_(k-1)(x), a_0 = beta, a_k = 0, b_k the products beside the diagonal.
+std::complex<long double> polished(std::complex<long double> x, long double beta,
+                                   const std::vector<long double>& products) {
+  for (int step = 0; step < 3; ++step) {
+    std::complex<long double> before = 1.0L, p = x - beta, slope_before = 0.0L, slope = 1.0L;
+    for (const long double product : products) {
+      slope_before = std::exchange(slope, p + x * slope - product * slope_before);
+      before = std::exchange(p, x * p - product * before);
+    }
+    if (slope == 0.0L) break;  // a double root: as good as it gets
+    x -= p / slope;
+  }
+  return x;
 }
 
 }  // namespace
@@ -93,19 +109,20 @@ std::vector<long double> elliptic_positions(long double log_kappa, long double b
 std::vector<std::complex<long double>> pade_positions_complex(long double log_kappa, long double beta,
                                                               int order) {
   // Not the symmetric form: (k - beta)(k + beta) may be negative.
-  using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-  Matrix jacobi = Matrix::Zero(order, order);
-  jacobi(0, 0) = beta;
+  Eigen::MatrixXd jacobi = Eigen::MatrixXd::Zero(order, order);
+  jacobi(0, 0) = static_cast<double>(beta);
+  std::vector<long double> products;
   for (int k = 1; k < order; ++k) {
-    const long double product = (k - beta) * (k + beta) / ((2.0L * k - 1.0L) * (2.0L * k + 1.0L));
-    const long double root = std::sqrt(std::abs(product));
+    products.push_back((k - beta) * (k + beta) / ((2.0L * k - 1.0L) * (2.0L * k + 1.0L)));
+    const auto product = static_cast<double>(products.back());
+    const double root = std::sqrt(std::abs(product));
     jacobi(k, k - 1) = root;
-    jacobi(k - 1, k) = product < 0.0L ? -root : root;
+    jacobi(k - 1, k) = product < 0.0 ? -root : root;
   }
-  const Eigen::EigenSolver<Matrix> solver(jacobi, false);
   const long double m = std::tanh(0.25L * log_kappa);
   std::vector<std::complex<long double>> zeta;
-  for (int k = 0; k < order; ++k) zeta.push_back(4.0L * std::atanh(m * solver.eigenvalues()(k)));
+  for (const std::complex<double> root : eigenvalues(jacobi))
+    zeta.push_back(4.0L * std::atanh(m * polished(root, beta, products)));
   return zeta;
 }
 

@@ -1,14 +1,13 @@
 #include "approximate/remez.hpp"
 
-#include <Eigen/QR>
 #include <algorithm>
 #include <cmath>
 #include <complex>
 #include <limits>
 
 #include "approximate/log_symmetric.hpp"
+#include "numeric/bounded_least_squares.hpp"
 #include "numeric/elliptic_k.hpp"
-#include "numeric/index.hpp"
 
 namespace bodesmith {
 namespace {
@@ -101,20 +100,23 @@ Real Remez::grid_error(Real beta, const std::vector<Real>& zeta) const {
 
 std::optional<Real> Remez::equalise(Real beta, std::vector<Real>& zeta,
                                     const std::vector<Real>& reference) const {
-  Matrix slope(order_ + 1, order_ + 1);
-  Vector difference(order_ + 1);
-  for (Eigen::Index row = 0; row <= order_; ++row) {
-    const Real v = reference[std_index(row)];
-    difference(row) = -error(beta, zeta, v);
-    fill_slopes(zeta, v, slope, row);
-    slope(row, order_) = (order_ - row) % 2 == 0 ? -1.0L : 1.0L;
+  LongMatrix slope;
+  LongVector difference;
+  for (std::size_t row = 0; row < reference.size(); ++row) {
+    const Real v = reference[row];
+    difference.push_back(-error(beta, zeta, v));
+    slope.push_back(slopes(zeta, v));
+    slope.back().push_back((reference.size() - row) % 2 == 1 ? -1.0L : 1.0L);
   }
-  const Vector step = slope.colPivHouseholderQr().solve(difference);
-  const Real largest = step.head(order_).cwiseAbs().maxCoeff();
-  if (!std::isfinite(largest)) return std::nullopt;
+  const LongVector step = least_squares(slope, difference);
+  Real largest = 0.0L;
+  for (std::size_t k = 0; k < zeta.size(); ++k) {
+    if (!std::isfinite(step[k])) return std::nullopt;
+    largest = std::max(largest, std::abs(step[k]));
+  }
   const Real scale = largest > 1.0L ? 1.0L / largest : 1.0L;
-  for (std::size_t k = 0; k < zeta.size(); ++k) zeta[k] += scale * step(eigen_index(k));
-  return std::abs(step(order_));
+  for (std::size_t k = 0; k < zeta.size(); ++k) zeta[k] += scale * step[k];
+  return std::abs(step.back());
 }
 
 std::vector<Remez::Extremum> Remez::alternating_extrema(Real beta, const std::vector<Real>& zeta) const {
@@ -147,18 +149,18 @@ Real Remez::turning_point(Real beta, const std::vector<Real>& zeta, Real low, Re
   return 0.5L * (low + high);
 }
 
-void Remez::fill_slopes(const std::vector<Real>& zeta, Real v, Matrix& slope, Eigen::Index row) const {
-  Eigen::Index at = 0;
-  for (; at < 2 * shape_.pairs; at += 2) {
-    const std::size_t k = std_index(at);
-    const ComplexReal d = pair_slope(v, {zeta[k], zeta[k + 1]});
-    slope(row, at) = d.real();
-    slope(row, at + 1) = -d.imag();
+std::vector<Real> Remez::slopes(const std::vector<Real>& zeta, Real v) const {
+  std::vector<Real> out;
+  for (int i = 0; i < shape_.pairs; ++i) {
+    const ComplexReal d = pair_slope(v, {zeta[out.size()], zeta[out.size() + 1]});
+    out.push_back(d.real());
+    out.push_back(-d.imag());
   }
-  for (bool first = true; at < order_; ++at, first = false) {
+  for (bool first = true; out.size() < zeta.size(); first = false) {
     const Real weight = first ? shape_.multiplicity : 1.0L;
-    slope(row, at) = weight * half_lead_slope(v, std::abs(zeta[std_index(at)]));
+    out.push_back(weight * half_lead_slope(v, std::abs(zeta[out.size()])));
   }
+  return out;
 }
 
 Real Remez::error(Real beta, const std::vector<Real>& zeta, Real v) const {

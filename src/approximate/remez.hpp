@@ -1,6 +1,5 @@
 #pragma once
 
-#include <Eigen/Core>
 #include <optional>
 #include <vector>
 
@@ -40,8 +39,6 @@ class Remez {
   static constexpr long double kRounding = 1e-15L;  ///< Np: about what rounding the roots to doubles does
 
  private:
-  using Matrix = Eigen::Matrix<long double, Eigen::Dynamic, Eigen::Dynamic>;
-  using Vector = Eigen::Matrix<long double, Eigen::Dynamic, 1>;
   struct Extremum {
     long double v;
     long double error;
@@ -59,8 +56,8 @@ class Remez {
 
   long double error(long double beta, const std::vector<long double>& zeta, long double v) const;
   long double error_slope(long double beta, const std::vector<long double>& zeta, long double v) const;
-  void fill_slopes(const std::vector<long double>& zeta, long double v, Matrix& slope,
-                   Eigen::Index row) const;
+  /// The error's derivatives by the unknowns.
+  std::vector<long double> slopes(const std::vector<long double>& zeta, long double v) const;
 
   long double log_kappa_;
   int order_;

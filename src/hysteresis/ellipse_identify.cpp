@@ -1,5 +1,4 @@
 #include <fmt/format.h>
-#include <Eigen/Cholesky>
 
 #include <Eigen/Core>
 #include <algorithm>
@@ -27,7 +26,7 @@ SineThrough sine_through(std::span<const double> values, double step_s, double f
     gram += r * r.transpose();
     rhs += values[i] * r;
   }
-  const Eigen::Vector3d x = gram.ldlt().solve(rhs);
+  const Eigen::Vector3d x = solve_ldlt(gram, rhs);
   return {.mean = x(0), .amplitude = std::hypot(x(1), x(2)), .phase_rad = std::atan2(x(2), x(1))};
 }
 

@@ -1,5 +1,5 @@
 #include <fmt/format.h>
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 
 #include <algorithm>
 #include <cmath>
@@ -8,6 +8,7 @@
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
 #include "lti/fractional_stability.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/differential_evolution.hpp"
 #include "numeric/least_squares.hpp"
 
@@ -52,9 +53,9 @@ ProjectedDynamics project(const FractionalDynamic& model, std::span<const TimeRe
   ProjectedDynamics out;
   const Eigen::Vector3d scale = a.colwise().norm().cwiseMax(1e-300).cwiseInverse();
   const Eigen::MatrixXd scaled = a * scale.asDiagonal();
-  Eigen::Matrix3d gram = scaled.transpose() * scaled;
+  Eigen::MatrixXd gram = bodesmith::gram(scaled);
   gram.diagonal().array() += 1e-13;
-  out.linear = scale.asDiagonal() * gram.ldlt().solve(scaled.transpose() * y);
+  out.linear = scale.cwiseProduct(solve_ldlt(gram, transpose_times(scaled, y)));
   out.residual = a * out.linear - y;
   return out;
 }

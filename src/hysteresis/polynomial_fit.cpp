@@ -1,14 +1,13 @@
 #include "hysteresis/polynomial_fit.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
-#include <Eigen/LU>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
 #include "base/error.hpp"
 #include "hysteresis/polynomial_disturbance.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "numeric/least_squares.hpp"
 
@@ -40,9 +39,9 @@ PolynomialFit fit_polynomial(std::span<const double> x, std::span<const double> 
     gram += row * row.transpose();
     rhs += d[i] * row;
   }
-  if (!(gram.determinant() > 1e-12 * gram(0, 0) * gram(1, 1)))
+  if (!(gram(0, 0) * gram(1, 1) - gram(0, 1) * gram(1, 0) > 1e-12 * gram(0, 0) * gram(1, 1)))
     throw DesignError("the samples do not cover the branch: a1 and a2 cannot be told apart");
-  const Eigen::Vector2d a = gram.ldlt().solve(rhs);
+  const Eigen::Vector2d a = solve_ldlt(gram, rhs);
   PolynomialFit out;
   out.a = {a(0), a(1), -a(0) - a(1)};
   Eigen::VectorXd residual(eigen_index(x.size()));

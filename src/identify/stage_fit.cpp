@@ -1,6 +1,6 @@
 #include "identify/stage_fit.hpp"
 
-#include <Eigen/Cholesky>
+#include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
@@ -8,6 +8,7 @@
 #include "base/whole_number.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "hysteresis/registry.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "numeric/least_squares.hpp"
 #include "numeric/minimum.hpp"
@@ -54,7 +55,7 @@ Identified identify_linear(std::span<const TimeRecord> records, const IdentifyOp
     gram += row * row.transpose();
     rhs += target * row;
   });
-  const Eigen::Vector2d x = gram.ldlt().solve(rhs);
+  const Eigen::Vector2d x = solve_ldlt(gram, rhs);
   std::vector<double> residual;
   each([&](const Eigen::Vector2d& row, double target) { residual.push_back(row.dot(x) - target); });
   const Eigen::VectorXd deviation = parameter_deviation(gram, as_eigen(residual));

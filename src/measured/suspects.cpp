@@ -1,11 +1,11 @@
 #include "measured/suspects.hpp"
 
-#include <Eigen/Cholesky>
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
 
 #include "base/text.hpp"
+#include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "simulate/record_simulator.hpp"
 
@@ -109,9 +109,9 @@ bool good_parts_explain(const chain::Chain& chain, const TimeRecord& record, dou
     *block = good.with(part, part.tolerance * (part.unit == "v" ? kOffset : kUniform));
     directions.col(eigen_index(k)) = (shown_by(off, record) - plain) / noise_rms;
   }
-  Eigen::MatrixXd normal = directions.transpose() * directions;
+  Eigen::MatrixXd normal = gram(directions);
   normal.diagonal().array() += 1.0;
-  const Vector departures = normal.ldlt().solve(directions.transpose() * left);
+  const Vector departures = solve_ldlt(normal, transpose_times(directions, left));
   return (left - directions * departures).squaredNorm() <= most && departures.squaredNorm() <= kMostSquares;
 }
 

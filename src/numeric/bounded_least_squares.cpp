@@ -43,12 +43,11 @@ LongVector least_squares(const LongMatrix& a, const LongVector& b) {
 }
 
 LongMatrix least_squares_inverse(const LongMatrix& a) {
-  const Matrix m = to_eigen(a);
-  const Matrix inverse = Eigen::ColPivHouseholderQR<Matrix>(m).solve(Matrix::Identity(m.rows(), m.rows()));
-  LongMatrix out;
-  for (Eigen::Index i = 0; i < inverse.rows(); ++i) {
-    const Vector row = inverse.row(i);
-    out.emplace_back(row.data(), row.data() + row.size());
+  const Eigen::ColPivHouseholderQR<Matrix> qr(to_eigen(a));
+  LongMatrix out(std_index(qr.cols()), LongVector(a.size()));
+  for (std::size_t k = 0; k < a.size(); ++k) {
+    const Vector column = qr.solve(Vector(Vector::Unit(qr.rows(), eigen_index(k))));
+    for (std::size_t i = 0; i < out.size(); ++i) out[i][k] = column(eigen_index(i));
   }
   return out;
 }

@@ -2,9 +2,9 @@
 """From records to a netlist that tracks, on drawn stages that the program has never seen.
 
 Draws stages (cubic branches, gains over frequency, strokes whose loop shrinks faster than they, an amplifier's lag, a sensor's
-noise), takes their full-stroke records, has `bodesmith identify --disturbance` find polynomials and gains, `bodesmith
-controller` build the circuit, ngspice run the netlist, and drives the drawn stage with what comes out. Stages are simulated
-here. RMS tracking error in percent of the range, the best pure delay removed, beside the same without a controller.
+noise), takes their records at full strokes and shorter ones, has `bodesmith identify --disturbance` find polynomials and gains,
+`bodesmith controller` build the circuit, ngspice run the netlist, and drives the drawn stage with what comes out. Stages are
+simulated here. RMS tracking error in percent of the full range, the best pure delay removed, beside the same without a controller.
 
     bench/records_to_netlist.py --program build/bin/bodesmith --stages 10 --seed 1 --work DIR
 """
@@ -16,7 +16,7 @@ import random
 import subprocess
 
 FREQUENCIES = (1, 10, 20, 60, 100)
-STROKES = (1.0, 0.5, 0.25)
+RECORDED = (0.75, 0.5, 0.35, 0.25)  # strokes of the records at the lowest frequency beside the full ones
 PER_TURN = 400
 
 
@@ -100,7 +100,7 @@ quit 0
 
 
 def left(y, alpha):
-    """RMS in percent of alpha over the last period, the best delay of the reference removed; 2000 samples a period."""
+    """RMS in percent of the full range over the last period, the best delay of the reference removed; 2000 samples a period."""
     n = 2000
     y = y[-n:]
     best = math.inf
@@ -111,7 +111,7 @@ def left(y, alpha):
             phase = ((i + 1 - late) % n) / n
             total += (value - alpha * (2 * phase if phase < 0.5 else 2 - 2 * phase)) ** 2
         best = min(best, total / n)
-    return 100 * math.sqrt(best) / alpha
+    return 100 * math.sqrt(best)
 
 
 def main():
@@ -120,6 +120,7 @@ def main():
     parser.add_argument("--stages", type=int, default=10)
     parser.add_argument("--seed", type=int, default=1)
     parser.add_argument("--track-hz", type=int, nargs="+", default=[1, 20, 100])
+    parser.add_argument("--strokes", type=float, nargs="+", default=[1.0, 0.5, 0.25])
     parser.add_argument("--work", required=True)
     options = parser.parse_args()
     program = os.path.abspath(options.program)
@@ -133,6 +134,9 @@ def main():
         for frequency in FREQUENCIES:
             files.append(f"f{frequency}.csv")
             write_record(stage, rng, os.path.join(folder, files[-1]), frequency, 1.0)
+        for alpha in RECORDED:
+            files.append(f"a{alpha}.csv")
+            write_record(stage, rng, os.path.join(folder, files[-1]), FREQUENCIES[0], alpha)
         subprocess.run([program, "identify", *files, "--disturbance", "d.json", "--gains", "g.csv", "--quiet"],
                        cwd=folder, check=True, capture_output=True)
         found = json.load(open(os.path.join(folder, "d.json")))
@@ -140,7 +144,7 @@ def main():
         subprocess.run([program, "controller", "d.json", "--track-hz", *map(str, FREQUENCIES), "-o", ".", "--quiet"],
                        cwd=folder, check=True, capture_output=True)
         cells = []
-        for alpha in STROKES:
+        for alpha in options.strokes:
             for frequency in options.track_hz:
                 v = drive_of_netlist(folder, frequency, alpha)
                 with_it = left(answer(stage, v, 1 / (frequency * 2000), frequency, alpha), alpha)
@@ -149,7 +153,7 @@ def main():
                 worst[alpha] = max(worst.get(alpha, 0.0), with_it)
         print(f"stage {number}: gains within {gain_error:.4f}; " + ", ".join(cells), flush=True)
     for alpha, value in worst.items():
-        print(f"worst at stroke {alpha}: {value:.3f} % of the stroke")
+        print(f"worst at stroke {alpha}: {value:.3f} % of the full range")
 
 
 if __name__ == "__main__":

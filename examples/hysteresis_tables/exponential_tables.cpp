@@ -50,6 +50,37 @@ std::pair<double, double> bound(const VirtualStageSettings& settings, const Cont
   return {low, high};
 }
 
+/// Section 6 and Fig. 8: what a parameter of eq. 3, 5 % larger, does to the modelling error; dL/d ln p at the full stroke beside it.
+void sensitivity(const Identified& four, const TimeRecord& record) {
+  const ExponentialOperators simple = ExponentialOperators::from(four.model.parameters).dominant_only();
+  const auto error_with = [&](std::size_t i, bool lag, double factor) {
+    ExponentialOperators one = simple;
+    (lag ? one.tau : one.k)[i] *= factor;
+    Identified moved = four;
+    moved.model.parameters.set("k", one.k).set("tau", one.tau);
+    return largest(StageModel(moved, 0.0).simulate(record.u, record.step_s), record.y);
+  };
+  // dominant_only(): K - k_d without lag, then the dominant operator; K alone moves the first by K/(K - k_d).
+  const double total = simple.k[0] + simple.k[1], stroke = 100.0, left = std::exp(-simple.tau[1] * stroke);
+  fmt::print(
+      "\nSensitivity of eq. 3 (section 6): largest error {:.2f} um; with the parameter 5 % larger, and "
+      "dL/d ln p at the full stroke\n",
+      error_with(0, false, 1.0));
+  fmt::print("{:>10}: {:6.2f} um {:8.2f} um\n", "K", error_with(0, false, 1.0 + 0.05 * total / simple.k[0]),
+             total * stroke);
+  // k_d alone moves both: K stays.
+  ExponentialOperators both = simple;
+  both.k[1] *= 1.05;
+  both.k[0] -= 0.05 * simple.k[1];
+  Identified moved = four;
+  moved.model.parameters.set("k", both.k).set("tau", both.tau);
+  fmt::print("{:>10}: {:6.2f} um {:8.2f} um (printed with the other sign)\n", "k_d",
+             largest(StageModel(moved, 0.0).simulate(record.u, record.step_s), record.y),
+             -simple.k[1] * left * stroke);
+  fmt::print("{:>10}: {:6.2f} um {:8.2f} um\n", "tau_d", error_with(1, true, 1.05),
+             simple.k[1] * simple.tau[1] * stroke * left * stroke);
+}
+
 }  // namespace
 
 int main() {
@@ -84,12 +115,14 @@ int main() {
                               {.27, .37, .38, .38, .34}, {.28, .38, .38, .38, .36}, {.28, .38, .37, .37, .35},
                               {.29, .39, .39, .38, .37}};
   StageModel four;
+  Identified of_four;
   for (int row = 0; row < 8; ++row) {
     IdentifyOptions options;
     options.size = row == 7 ? 2 : row == 6 ? 4 : 3 + row;
     options.skip_s = 1.0;
     Identified found = model_type_registry().get("exponential_operator").identify({&train, 1}, options);
     if (options.size == 4) four = StageModel(found, 0.0);
+    if (row == 1) of_four = found;
     if (row == 6) {
       const ExponentialOperators simple = ExponentialOperators::from(found.model.parameters).dominant_only();
       found.model.parameters.set("k", simple.k).set("tau", simple.tau);
@@ -106,6 +139,8 @@ int main() {
                           : std::to_string(3 + row),
                a, b);
   }
+
+  sensitivity(of_four, train);
 
   // Eq. 4, 5: the inverse by the same form, on the exchanged record, dominant operator only.
   const TimeRecord turned = exchanged(train);

@@ -2,10 +2,12 @@
 // Table 1's parameters on the two toolpaths; identification from the first 0.25 s of case 2, as the
 // paper has it.
 #include "bench.hpp"
+#include "chain/registry.hpp"
 #include "hysteresis/fractional_dynamic.hpp"
-#include "hysteresis/grunwald_letnikov.hpp"
 #include "lti/fractional_stability.hpp"
+#include "numeric/grunwald_letnikov.hpp"
 #include "numeric/random.hpp"
+#include "simulate/simulate.hpp"
 
 namespace {
 
@@ -55,6 +57,88 @@ TimeRecord record_of(const FractionalDynamic& model, const std::vector<double>& 
   return out;
 }
 
+/// Fig. 7: the zeros of the denominator over sigma = s^0.001, 3811 of them, all at once by Aberth's iteration; how far they are
+/// from the sector |arg sigma| < q pi/2, in which none may lie (eq. 7).
+void figure_7(const FractionalPolynomial& denominator) {
+  using Complex = std::complex<double>;
+  constexpr double kStep = 0.001;
+  std::vector<std::pair<int, double>> terms;
+  int degree = 0;
+  for (const FractionalPower& one : denominator) {
+    terms.emplace_back(static_cast<int>(std::lround(one.power / kStep)), one.coefficient);
+    degree = std::max(degree, terms.back().first);
+  }
+  // Between neighbours of the upper hull of (power, ln |coefficient|) the zeros lie about a circle (Bini, Numer. Algorithms 13
+  // (1996) 179).
+  std::sort(terms.begin(), terms.end());
+  std::vector<std::pair<int, double>> hull;
+  for (const auto& one : terms) {
+    const std::pair<int, double> next{one.first, std::log(std::abs(one.second))};
+    while (hull.size() > 1) {
+      const auto& [n0, l0] = hull[hull.size() - 2];
+      const auto& [n1, l1] = hull.back();
+      if ((l1 - l0) * (next.first - n0) > (next.second - l0) * (n1 - n0)) break;
+      hull.pop_back();
+    }
+    hull.push_back(next);
+  }
+  std::vector<Complex> zeros;
+  for (std::size_t k = 1; k < hull.size(); ++k) {
+    const int count = hull[k].first - hull[k - 1].first;
+    const double radius = std::exp((hull[k - 1].second - hull[k].second) / count);
+    for (int i = 0; i < count; ++i)
+      zeros.push_back(std::polar(radius, 2.0 * kPi * (i + 0.37) / count + 0.7 * static_cast<double>(k)));
+  }
+  double residual = 0.0;
+  for (int round = 0; round < 60; ++round) {
+    double moved = 0.0;
+    residual = 0.0;
+    for (std::size_t i = 0; i < zeros.size(); ++i) {
+      const Complex z = zeros[i];
+      Complex value = 0.0, slope = 0.0;
+      double size = 0.0;
+      for (const auto& [n, c] : terms) {
+        const Complex term = std::polar(c * std::pow(std::abs(z), n), std::arg(z) * n);
+        value += term;
+        slope += static_cast<double>(n) * term / z;
+        size += std::abs(term);
+      }
+      residual = std::max(residual, std::abs(value) / size);
+      Complex others = 0.0;
+      for (std::size_t k = 0; k < zeros.size(); ++k)
+        if (k != i) others += 1.0 / (z - zeros[k]);
+      const Complex newton = value / slope, step = newton / (1.0 - newton * others);
+      zeros[i] -= step;
+      moved = std::max(moved, std::abs(step));
+    }
+    if (moved < 1e-13) break;
+  }
+  double least = kPi;
+  for (const Complex& z : zeros) least = std::min(least, std::abs(std::arg(z)));
+  fmt::print(
+      "Fig. 7: {} zeros over sigma = s^0.001 (largest |D|/terms {:.0e}); smallest |arg sigma| {:.6f}, {:.2f} times "
+      "q pi/2: stable\n\n",
+      zeros.size(), residual, least, least / (kStep * kPi / 2.0));
+}
+
+/// Eq. 16, 17: the force's hysteresis of a constant and a harmonic, u + kappa D^eta u, by differences against closed forms.
+void harmonics() {
+  const double eta = 0.756, kappa = 1.0, constant = 2.0, w = 2 * kPi * 10.0, h = 2e-5;
+  const int n = 20000;  // 0.4 s
+  std::vector<double> u;
+  for (int i = 0; i <= n; ++i) u.push_back(constant + std::sin(w * h * i));
+  std::vector<double> weights(u.size(), 0.0);
+  add_difference_weights(std::pow(h, -eta), eta, weights);
+  const double t = h * n, got = kappa * sum_over_past(weights, u, u.size() - 1);
+  const double harmonic = kappa * std::pow(w, eta) * std::sin(w * t + eta * kPi / 2.0);
+  const double fades = kappa * constant * std::pow(t, -eta) / std::tgamma(1.0 - eta);
+  const double printed = constant * std::pow(t, -eta) / std::tgamma(eta);
+  fmt::print(
+      "Eq. 16, 17 at 0.4 s: D^eta of 2 + sin is {:.4f}; harmonic {:.4f} + fading {:.4f} is {:.4f}; as printed, with "
+      "Gamma(eta), the fading term is {:.4f}\n\n",
+      got, harmonic, fades, harmonic + fades, printed);
+}
+
 }  // namespace
 
 int main() {
@@ -74,6 +158,9 @@ int main() {
   rounded.lambda = 0.8;
   fmt::print("; lambda = 0.8, q = 0.05 by Matignon: {} (q = 0.001 means a polynomial of degree 3811)\n\n",
              fractional_stability(rounded.denominator()).matignon_count.value_or(-1));
+
+  figure_7(denominator);
+  harmonics();
 
   const double noise = 0.032;  // um rms, section 5.1
   const TimeRecord case_2 = record_of(model, toolpath(true, 0.5, step_s), step_s, noise);
@@ -129,8 +216,20 @@ int main() {
       "prints.)\n",
       error_figures(truth, {&case_1, 1}, 0.1).rms_percent,
       error_figures(truth, {&case_2, 1}, 0.1).rms_percent);
-  std::vector<double> gl = simulate_grunwald_letnikov(model, toolpath(true, 0.25, step_s), step_s, 1);
-  std::vector<double> gl4 = simulate_grunwald_letnikov(model, toolpath(true, 0.25, step_s), step_s, 4);
+  chain::Chain chain;
+  chain.blocks.push_back(chain::make_block("fractional_dynamic"));
+  for (const char* key :
+       {"K_M", "xi", "omega_n", "tau", "eta", "lambda", "K_p", "Theta", "chi", "rho", "delta"})
+    chain.blocks.back().set(key, exact.number(key));
+  TimeRecord path;
+  path.step_s = step_s;
+  path.u = toolpath(true, 0.25, step_s);
+  simulate::Options differences;
+  differences.engine = simulate::Engine::grunwald_letnikov;
+  differences.estimate_error = false;
+  std::vector<double> gl = simulate::simulate(chain, path, differences).y;
+  differences.oversample = 4;
+  std::vector<double> gl4 = simulate::simulate(chain, path, differences).y;
   // Grünwald-Letnikov starts from zero state, so the sections do here too (the drive jumps to its first
   // value).
   FractionalOperator zero(model);

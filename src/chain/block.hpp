@@ -79,7 +79,11 @@ class BlockType {
   virtual Kernel kernel(const Block& block) const = 0;
   /// The exact H(jw), for linear blocks (offsets, hum and drift do not count; a fractional term is exact
   /// here, though its kernel is not). Nothing for the others.
-  virtual std::optional<std::complex<double>> response(const Block&, RadPerSecond) const {
+  virtual std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const {
+    return transfer(block, {0.0, w.value});
+  }
+  /// The exact H(s), Re s >= 0, of a linear block whose kernel is an approximation of it, or has a state of its own.
+  virtual std::optional<std::complex<double>> transfer(const Block&, std::complex<double>) const {
     return std::nullopt;
   }
 
@@ -142,6 +146,9 @@ class Block {
   std::optional<ValidationError> validate() const;
   Kernel kernel() const { return type_->kernel(*this); }
   std::optional<std::complex<double>> response(RadPerSecond w) const { return type_->response(*this, w); }
+  std::optional<std::complex<double>> transfer(std::complex<double> s) const {
+    return type_->transfer(*this, s);
+  }
   std::optional<FoundInput> inverse(const WantedOutput& wanted) const;
   double slowest_time_constant_s() const { return type_->slowest_time_constant_s(*this); }
   std::optional<Affine> affine() const { return type_->affine(*this); }

@@ -10,6 +10,7 @@
 #include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "cli/load_option.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "schematic/opamp_library.hpp"
 #include "synthesis/controller/as_built.hpp"
@@ -36,8 +37,8 @@ void declare_controller(CommandLine& line) {
                            "triangle");
   line.words("waveform", {"triangle", "sine", "two_tone", "decaying_triangle"});
   line.option<double>("amplitude", "of the reference, of the full stroke", 1.0);
-  line.flag("full-stroke",
-            "leave amplitude gains out, which the circuit does not make: for full strokes only");
+  add_load_option(line);
+  line.flag("full-stroke", "leave the amplitude gains out: a smaller circuit, for full strokes only");
   line.flag("constant", "leave the rate gains out: the constant polynomial");
   line.option<double>("rate-tolerance-percent",
                       "of the gain curve's straight pieces against the table, percent of range",
@@ -100,6 +101,10 @@ std::string built_summary(const controller::AnalogController& built) {
     text += fmt::format("rate gains from the slope: {} straight pieces, held at {} Hz above\n",
                         built.curve->corner.size() - 1, rounded_text(built.curve->corner.back().value));
   }
+  if (built.stroke) {
+    text += fmt::format("amplitude gains from the reference's last peak, strokes from {} on\n",
+                        rounded_text(built.stroke->least, 3));
+  }
   return text;
 }
 
@@ -129,11 +134,13 @@ std::string add_part_errors(const CommandLine& line, const controller::AnalogCon
   if (line.has("errors")) {
     part_errors::ReportOptions options;
     options.study.frequencies = built.tracked;
-    options.study.reference = reference;
+    // What parts do to the division by the stroke is not modelled: full strokes then.
+    const double stroke = built.stroke ? 1.0 : reference.alpha();
+    options.study.reference = tracking::Reference(reference.shape(), stroke);
     options.ngspice = line.has("check");
     options.allow_unstable = line.has("allow-unstable");
     tracking::PolynomialStage::Options stage_options;
-    stage_options.alpha = reference.alpha();
+    stage_options.alpha = stroke;
     const tracking::PolynomialStage stage(built.disturbance, {}, stage_options);
     report = part_errors::examine(built, stage, options);
     json.update(part_errors::to_json(report, built));
@@ -161,7 +168,7 @@ int run_controller(const std::vector<std::string>& arguments) {
   const std::optional<double> limit = line.maybe_positive("max-error-percent");
   require_ngspice_for_check(line);
   Provenance from;
-  const Disturbance disturbance = Disturbance::read(line.files()[0], from);
+  const Disturbance disturbance = under_load(line, Disturbance::read(line.files()[0], from));
   const controller::Options options = read_controller_options(line);
   const tracking::Reference reference = read_controller_reference(line);
   if (options.full_stroke && reference.alpha() != 1.0)

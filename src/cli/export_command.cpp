@@ -163,6 +163,9 @@ exchange::ExportOptions read_export_options(const CommandLine& line) {
   out.discretise.method = line.choice("method", {Discretisation::tustin, Discretisation::matched});
   if (const auto f = line.maybe_positive("prewarp-hz")) out.discretise.prewarp = Hertz{*f};
   out.discretise.single_precision = line.has("float");
+  out.bits = static_cast<int>(line.integer("bits", 4, 53));
+  out.multipliers = static_cast<int>(line.integer("multipliers", 1, 100'000));
+  out.clock_hz = line.positive("fpga-clock-hz");
   const std::string signal = line.get<std::string>("signal");
   if (signal != "u" && signal != "y") line.fail(fmt::format("--signal is '{}', expected u or y", signal));
   out.output_signal = signal == "y";
@@ -196,6 +199,9 @@ int run_export(const std::vector<std::string>& arguments) {
   line.words("method", {"tustin", "matched"});
   line.option<double>("prewarp-hz", "tustin: exact here (default: every section at its own corner)");
   line.flag("float", "digital biquads in single precision");
+  line.option<int>("bits", "of a fixed-point coefficient (verilog-biquads)", 18);
+  line.option<int>("multipliers", "of the FPGA, each a product a clock (verilog-biquads)", 1);
+  line.option<double>("fpga-clock-hz", "its clock (verilog-biquads)", 40e6);
   line.output("file to write");
   line.reads_measurements();
   if (!line.parse(arguments)) return kDone;

@@ -15,6 +15,8 @@
 #include "chain/sections_chain.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
+#include "cli/load_option.hpp"
+#include "cli/plan_blocks.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -84,7 +86,7 @@ Block scale_block(const char* name, double gain, double offset) {
 
 /// The stage; with what identify found of its drive, output and lag where the file says so.
 std::vector<Block> from_disturbance(const Node& node, const CommandLine& line) {
-  const Disturbance disturbance = Disturbance::from_node(node);
+  const Disturbance disturbance = under_load(line, Disturbance::from_node(node));
   const double base = disturbance.rate.frequency.empty() ? 0.0 : disturbance.rate.frequency.front().value;
   const Block stage = stage_block(disturbance, Hertz{line.maybe_positive("operating-hz").value_or(base)});
   if (!node.has("identified")) return {stage};
@@ -92,8 +94,10 @@ std::vector<Block> from_disturbance(const Node& node, const CommandLine& line) {
   const double low = found.at("input").at("low").number();
   const double high = found.at("input").at("high").number();
   if (!(high > low)) found.at("input").at("high").fail("is not above low");
+  // Under a load the same drive makes a shorter stroke.
+  const double left = line.maybe_positive("load-stroke").value_or(1.0);
   std::vector<Block> out = {scale_block("drive", 1.0 / (high - low), -low / (high - low)), stage,
-                            scale_block("output", found.at("output").at("stroke").number(),
+                            scale_block("output", left * found.at("output").at("stroke").number(),
                                         found.at("output").at("offset").number())};
   const std::string kind = found.at("lag").at("kind").string();
   const double seconds = found.at("lag").at("lag_s").number();
@@ -105,12 +109,17 @@ std::vector<Block> from_disturbance(const Node& node, const CommandLine& line) {
   return out;
 }
 
+std::vector<Block> from_plan(const Node& node, const CommandLine&) {
+  return plan_blocks(node);
+}
+
 using Reader = std::vector<Block> (*)(const Node&, const CommandLine&);
 
 const std::map<std::string, Reader>& readers() {
   static const std::map<std::string, Reader> all = {{"bodesmith.sections/1", from_sections},
                                                     {"bodesmith.cascade/1", from_cascade},
                                                     {"bodesmith.circuit/1", from_circuit},
+                                                    {"bodesmith.fpaa_plan/1", from_plan},
                                                     {"bodesmith.disturbance/1", from_disturbance}};
   return all;
 }
@@ -129,7 +138,8 @@ chain::Chain made_of(const std::string& given, const CommandLine& line, Provenan
   const auto reader = readers().find(schema);
   if (reader == readers().end())
     node.at("schema").fail(fmt::format(
-        "is '{}', expected bodesmith.sections/1, cascade/1, circuit/1, disturbance/1 or model/1, or a run's folder",
+        "is '{}', expected bodesmith.sections/1, cascade/1, circuit/1, fpaa_plan/1, disturbance/1 or model/1, or a run's "
+        "folder",
         schema));
   chain::Chain out;
   out.blocks = reader->second(node, line);
@@ -142,11 +152,12 @@ int run_model(const std::vector<std::string>& arguments) {
   CommandLine line(
       "model", "bodesmith model disturbance.json -o stage.toml",
       "What was designed, built or identified as a model of named blocks, for simulate, compensate and\n"
-      "diagnose: sections, a cascade, a circuit as its parts make it, a stage, a run's folder. Several files\n"
+      "diagnose: sections, a cascade, a circuit as its parts make it, a board's CAMs, a stage, a run's folder. Several files\n"
       "are blocks in series, in their order.");
   line.positional("FILE|DIR...", 1, -1);
   line.option<double>("operating-hz",
                       "frequency at which a stage's rate gains are taken (default: the lowest of its table)");
+  add_load_option(line);
   line.output("file for the model");
   if (!line.parse(arguments)) return kDone;
   Provenance from;

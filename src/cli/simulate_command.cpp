@@ -37,12 +37,13 @@ void declare_simulate(CommandLine& line) {
       "engine",
       "automatic: in closed form where there is one, else from sample to sample, refined until "
       "--tolerance is met; exact: closed form or nothing; record: from sample to sample with one "
-      "step; cvode: the chain as an ODE with events",
+      "step; cvode: the chain as an ODE with events; grunwald-letnikov: a linear chain by the tool-servo paper's eq. 2",
       "automatic");
-  line.words("engine", {"automatic", "exact", "record", "cvode"});
+  line.words("engine", {"automatic", "exact", "record", "cvode", "grunwald-letnikov"});
   line.option<double>("tolerance", "relative, of the largest output (automatic) or of each state (cvode)",
                       1e-8);
-  line.option<int>("oversample", "initial number of steps per sample interval (automatic, record)", 1);
+  line.option<int>("oversample",
+                   "initial number of steps per sample interval (automatic, record, grunwald-letnikov)", 1);
   line.option<int>("degree", "of the hold between samples, 1 to 4; 0: as the model needs", 0);
   line.flag("no-error-estimate", "leave out the second run (record, cvode)");
   line.option<std::string>(
@@ -64,7 +65,8 @@ simulate::Options read_simulation_options(const CommandLine& line) {
   using simulate::Engine;
   using simulate::Start;
   simulate::Options options;
-  options.engine = line.choice("engine", {Engine::automatic, Engine::exact, Engine::record, Engine::cvode});
+  options.engine = line.choice(
+      "engine", {Engine::automatic, Engine::exact, Engine::record, Engine::cvode, Engine::grunwald_letnikov});
   if (line.has("start")) options.start = line.choice("start", {Start::zero, Start::equilibrium});
   options.relative_tolerance = line.positive("tolerance");
   options.absolute_tolerance = 1e-2 * options.relative_tolerance;

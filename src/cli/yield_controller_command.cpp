@@ -27,8 +27,7 @@ void declare_yield_controller(CommandLine& line) {
   line.repeatable<std::string>(
       "error", "NAME=VALUE, how far parts are off (names: part_errors.json, errors_of_parts.assumed)");
   line.option<double>("max-p95-percent", "exit with 1 when the untrimmed 95 % are above this");
-  line.flag("full-stroke",
-            "leave amplitude gains out, which the circuit does not make: for full strokes only");
+  line.flag("full-stroke", "leave the amplitude gains out: a smaller circuit, for full strokes only");
   line.flag("allow-unstable", "go on with a phase margin below 30 degrees");
   line.option<int>("check-draws", "copies that are run through ngspice too", 2);
   line.flag("no-ngspice", "the program's own models only");

@@ -100,6 +100,30 @@ void round_to_single(DigitalFilter& filter) {
   }
 }
 
+/// The gain goes into the first section's numerator.
+void round_to_fixed(DigitalFilter& filter, int bits) {
+  if (filter.biquads.empty()) filter.biquads.emplace_back();
+  Biquad& first = filter.biquads.front();
+  for (double* value : {&first.b0, &first.b1, &first.b2}) *value *= filter.gain;
+  filter.gain = 1.0;
+  double greatest = 0.0;
+  const auto each = [&](const auto& act) {
+    for (Biquad& q : filter.biquads) {
+      for (double* value : {&q.b0, &q.b1, &q.b2, &q.a1, &q.a2}) act(*value);
+    }
+  };
+  each([&](double value) { greatest = std::max(greatest, std::abs(value)); });
+  // The sign takes one bit.
+  filter.fraction_bits = bits - 1 - std::max(std::ilogb(std::max(greatest, 0.5)) + 1, 0);
+  if (filter.fraction_bits < 1)
+    throw InputError(
+        fmt::format("a coefficient of {} leaves no bits behind the point of {}, expected more bits",
+                    rounded_text(greatest, 4), bits));
+  each([&](double& value) {
+    value = std::ldexp(std::nearbyint(std::ldexp(value, filter.fraction_bits)), -filter.fraction_bits);
+  });
+}
+
 bool is_stable(const Biquad& q) {
   return std::abs(q.a2) < 1.0 && std::abs(q.a1) < 1.0 + q.a2;
 }
@@ -158,11 +182,12 @@ DigitalFilter discretise(const Sections& sections, const DiscretiseOptions& opti
                                                                    : matched(section, options));
   }
   if (options.single_precision) round_to_single(out);
+  if (options.fixed_bits > 0) round_to_fixed(out, options.fixed_bits);
   for (std::size_t i = 0; i < out.biquads.size(); ++i) {
     if (!is_stable(out.biquads[i]) && sections.sections[i].is_stable())
       throw InputError(
           fmt::format("section {} has a pole that rounding puts on the unit circle at {} Hz: a lower rate "
-                      "or double precision",
+                      "or more bits a coefficient",
                       i + 1, rounded_text(options.sample_hz, 6)));
   }
   out.error = error_of(out, sections);

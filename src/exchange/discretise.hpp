@@ -32,6 +32,7 @@ struct DiscretiseOptions {
   /// own: tustin the corner of its poles, matched DC where the section has a gain there.
   std::optional<Hertz> prewarp;
   bool single_precision = false;  ///< coefficients rounded to float
+  int fixed_bits = 0;             ///< coefficients rounded to so many bits, two's complement; 0: not
 };
 
 /// A chain of biquads, and how far it is from the sections.
@@ -40,6 +41,7 @@ struct DigitalFilter {
   std::vector<Biquad> biquads;
   double sample_hz = 0.0;
   Discretisation method = Discretisation::tustin;
+  int fraction_bits = 0;  ///< of fixed_bits: behind the point, as many as the greatest coefficient leaves
 
   struct Error {
     Band

@@ -7,7 +7,8 @@
 namespace bodesmith::exchange {
 
 BODESMITH_REGISTRY(Writer, writers, "export format", touchstone_writer, frd_writer, csv_writer, pwl_writer,
-                   spice_source_writer, matlab_writer, python_writer, octave_writer, c_writer, ltspice_writer)
+                   spice_source_writer, matlab_writer, python_writer, octave_writer, c_writer, verilog_writer,
+                   ltspice_writer)
 
 const Writer& writer_for(std::string_view file_name) {
   std::string known;

@@ -57,6 +57,9 @@ struct Exportable {
 
 struct ExportOptions {
   DiscretiseOptions discretise;
+  int bits = 18;               ///< of a fixed-point coefficient
+  int multipliers = 1;         ///< of an FPGA,
+  double clock_hz = 40e6;      ///< each a product a clock
   bool output_signal = false;  ///< of a record where one signal is written: y instead of u
 };
 

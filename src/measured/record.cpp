@@ -31,6 +31,8 @@ using chain::Chain;
 
 /// A name that is less likely than its contrary accuses nothing.
 constexpr double kAccused = 0.5;
+/// Times the noise, rms over a record of some hundred samples: odds beyond any doubt.
+constexpr double kTells = 1.0;
 /// A free parameter has moved when the record is worse by this without it.
 constexpr double kMoved = 1.1;
 
@@ -153,7 +155,8 @@ void add_moved(const gap::Model& found, const Chain& base, const TimeRecord& rec
 }
 
 /// What each step of the diagnosis accuses; a part within its tolerance is not wrong. Returns the part that is, if one is.
-std::string add_steps(const gap::Diagnosis& d, const Chain& base, const TimeRecord& record, Measured& out) {
+std::string add_steps(const gap::Diagnosis& d, const Chain& base, const TimeRecord& record,
+                      const Period& period, Measured& out, OutputSet& files) {
   std::string exchange;
   for (const gap::DiagnosedStep& step : d.steps) {
     const std::string sure = fmt::format(" (probability {})", rounded_text(step.probability, 2));
@@ -180,7 +183,23 @@ std::string add_steps(const gap::Diagnosis& d, const Chain& base, const TimeReco
     for (std::size_t i = 1; i < suspects.size() && i <= 4; ++i) others.push_back(suspects[i].words());
     out.found.back() += "; or " + join(others, "; or ") +
                         (suspects.size() > 5 ? fmt::format("; or one of {} more", suspects.size() - 5) : "");
-    out.advice += "This record cannot tell those parts apart: one of another frequency may, or an ohmmeter. ";
+    const auto other =
+        period.frequency ? separating_record(base, suspects, record, period.frequency->value) : std::nullopt;
+    if (!other || noise_of(d) <= 0.0 || !(other->rms > kTells * noise_of(d))) {
+      out.advice += "No record of this shape tells those parts apart: an ohmmeter does. ";
+      continue;
+    }
+    out.advice += fmt::format(
+        "A record of the same shape at {} Hz tells those parts apart (measured/experiment_of_parts.csv): any two differ by {} times "
+        "the noise there. ",
+        rounded_text(other->frequency_hz, 4), rounded_text(other->rms / noise_of(d), 2));
+    CsvWriter drive;
+    std::vector<double> time;
+    for (std::size_t i = 0; i < record.size(); ++i)
+      time.push_back(record.time_s(i) * period.frequency->value / other->frequency_hz);
+    drive.add("time_s", time);
+    drive.add("u", record.u);
+    files.add("experiment_of_parts.csv", drive.text());
   }
   return exchange;
 }
@@ -246,7 +265,7 @@ Measured measured_record(const project::ProjectSource& source, const fs::path& d
   std::string exchange;
   if (!found.advice.empty()) out.advice = found.advice + " ";
   if (found.verdict != gap::Verdict::nothing_missing) {
-    exchange = add_steps(found, built.chain, record, out);
+    exchange = add_steps(found, built.chain, record, period, out, measured);
     add_moved(found.search.final, built.chain, record, noise, out, corner_hz);
   } else if (noise > 0.0 && out.gap_percent > kMoved * out.noise_percent) {
     out.advice += "Parts within their tolerances make as much of a difference. ";

@@ -123,15 +123,25 @@ Measured measured_response(const fs::path& data, const fs::path& folder, const g
   channels.channels.push_back(faults::read_channel(data, "out", out.from));
   std::optional<circuit::Circuit> circuit;
   std::unique_ptr<Board> made;
-  fs::path design = folder / "spice/circuit.json";
-  if (fs::exists(design)) {
-    circuit = circuit::CircuitFile::from_node(read_document(design, out.from)).circuit;
+  const fs::path of_circuit = folder / "spice/circuit.json", of_board = folder / "fpaa/plan.json";
+  fs::path design = of_circuit;
+  if (fs::exists(of_circuit)) {
+    circuit = circuit::CircuitFile::from_node(read_document(of_circuit, out.from)).circuit;
     made = std::make_unique<faults::CircuitBoard>(*circuit, channels, spread);
     out.of = "the circuit";
-  } else if (design = folder / "fpaa/plan.json"; fs::exists(design)) {
-    made = std::make_unique<faults::PlanBoard>(fpaa::Plan::read(design, out.from), channels, spread);
-    out.of = "the board";
-  } else {
+  }
+  // Of both what predicts the measurement better.
+  if (fs::exists(of_board)) {
+    auto board = std::make_unique<faults::PlanBoard>(fpaa::Plan::read(of_board, out.from), channels, spread);
+    const auto off = [](const Board& one) { return rms(differences(one, one.good_response())); };
+    if (!made || off(*board) < off(*made)) {
+      made = std::move(board);
+      circuit.reset();
+      design = of_board;
+      out.of = "the board";
+    }
+  }
+  if (!made) {
     throw InputError(data.string(), 0,
                      "is a frequency response, and " + folder.string() +
                          " has neither a circuit nor a board, expected a time record");

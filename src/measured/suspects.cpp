@@ -3,6 +3,7 @@
 #include <Eigen/Core>
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "base/text.hpp"
 #include "numeric/dense.hpp"
@@ -93,6 +94,39 @@ std::vector<Suspect> suspects_of(const chain::Chain& found, const chain::Chain& 
     return std::abs(a.departure) / a.tolerance < std::abs(b.departure) / b.tolerance;
   });
   return out;
+}
+
+std::optional<Separating> separating_record(const chain::Chain& base, const std::vector<Suspect>& suspects,
+                                            const TimeRecord& record, double operating_hz) {
+  chain::Chain chain = base;
+  const auto block = std::find_if(chain.blocks.begin(), chain.blocks.end(), has_parts);
+  if (block == chain.blocks.end() || !block->has("rate_frequency_hz")) return std::nullopt;
+  const chain::Block good = *block;
+  std::vector<double> at = good.list("rate_frequency_hz");
+  for (std::size_t i = at.size(); i-- > 1;) at.push_back(std::sqrt(at[i - 1] * at[i]));
+  std::optional<Separating> best;
+  for (const double f : at) {
+    TimeRecord other = record;
+    other.step_s *= operating_hz / f;
+    std::vector<Vector> shown;
+    for (const Suspect& one : suspects) {
+      const auto part = std::find_if(good.parts->begin(), good.parts->end(),
+                                     [&](const chain::PartChange& p) { return p.part == one.part; });
+      *block = good.with(*part, one.departure);
+      for (chain::Block& any : chain.blocks) {
+        if (any.has("operating_hz")) any.set("operating_hz", f);
+      }
+      shown.push_back(shown_by(chain, other));
+    }
+    Separating here{f, std::numeric_limits<double>::infinity()};
+    for (std::size_t i = 0; i < shown.size(); ++i) {
+      for (std::size_t k = 0; k < i; ++k)
+        here.rms =
+            std::min(here.rms, (shown[i] - shown[k]).norm() / std::sqrt(static_cast<double>(record.size())));
+    }
+    if (!best || here.rms > best->rms) best = here;
+  }
+  return best;
 }
 
 bool good_parts_explain(const chain::Chain& chain, const TimeRecord& record, double noise_rms) {

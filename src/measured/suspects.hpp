@@ -1,5 +1,6 @@
 #pragma once
 
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -24,6 +25,15 @@ struct Suspect {
 /// shows, or that do the same at the record's frequency. `base`: before anything was found, with the tables of its parts.
 std::vector<Suspect> suspects_of(const chain::Chain& found, const chain::Chain& base, const std::string& part,
                                  double departure, const TimeRecord& record);
+
+/// The record that tells suspects apart best: the same shape at another frequency of the rate gains' table.
+struct Separating {
+  double frequency_hz = 0.0;
+  double rms = 0.0;  ///< least difference of two suspects' records, of the record's own unit
+};
+/// Over the table of the block whose parts they are and the middles between its frequencies; nothing where there is none.
+std::optional<Separating> separating_record(const chain::Chain& base, const std::vector<Suspect>& suspects,
+                                            const TimeRecord& record, double operating_hz);
 
 /// Whether noise of that rms and parts within their tolerances make all that the chain leaves of the record: the least sum of
 /// squares of their departures, in standard deviations, that leaves no more than noise.

@@ -56,13 +56,14 @@ std::optional<part_errors::Report> examine_controller(
     const Project& project, const std::shared_ptr<const controller::AnalogController>& controller) {
   if (!controller || project.track.frequency.empty()) return std::nullopt;
   const tracking::Plant plant = tracking_plant(project);
+  // What parts do to the division by the stroke is not modelled: full strokes then.
+  const double stroke = controller->stroke ? 1.0 : project.track.amplitude();
   tracking::PolynomialStage::Options stage_options;
-  stage_options.alpha = project.track.amplitude();
+  stage_options.alpha = stroke;
   const tracking::PolynomialStage stage(plant.disturbance, plant.paths(), stage_options);
   part_errors::ReportOptions options;
   options.study.errors = project.controller.errors;
-  options.study.reference =
-      tracking::Reference(tracking::Reference::Shape::triangle, project.track.amplitude());
+  options.study.reference = tracking::Reference(tracking::Reference::Shape::triangle, stroke);
   options.study.frequencies = project.track.frequency;
   std::sort(options.study.frequencies.begin(), options.study.frequencies.end(),
             [](Hertz a, Hertz b) { return a.value < b.value; });

@@ -223,7 +223,6 @@ Project Project::from_document(const Node& node, const fs::path& path, Provenanc
   project.plant = read_plant(node.at("plant"));
   project.track = read_track(node.at("track"));
   check_drive(project, node);
-  check_strokes(project, node);
   if (project.choice == Choice::tracking) check_loop(project, node, path.parent_path());
   if (node.has("limits")) project.limits = read_limits(node.at("limits"), false);
   return project;

@@ -86,17 +86,6 @@ Project::Track read_track(const Node& node) {
   return track;
 }
 
-void check_strokes(const Project& project, const Node& node) {
-  if (!project.circuit || project.target.disturbance.amplitude.alpha.empty() || !node.has("track")) return;
-  const auto& strokes = project.track.amplitudes;
-  if (std::all_of(strokes.begin(), strokes.end(), [](double one) { return one == 1.0; })) return;
-  node.at("track")
-      .at("amplitude")
-      .fail(
-          "has partial strokes, and the disturbance amplitude gains, which the analog controller does not make: expected "
-          "1, a disturbance without the table `amplitude`, or no [hardware.circuit]");
-}
-
 void check_drive(const Project& project, const Node& node) {
   if (!project.plant.drive_range) return;
   const auto [lowest, highest] = *project.plant.drive_range;

@@ -12,9 +12,6 @@ Project::Track read_track(const Node& node);
 
 /// InputError at [track] amplitude when the drive for it leaves the amplifier's range, `node` the whole project.
 void check_drive(const Project& project, const Node& node);
-/// InputError there when strokes are partial and the disturbance has amplitude gains, which the analog controller does not
-/// make.
-void check_strokes(const Project& project, const Node& node);
 
 /// InputError at the disturbance's own line when a generator fed by its own drive cannot settle: K |d'| of a branch
 /// reaches 1 at some frequency of its table. `folder` is the project's.

@@ -82,6 +82,8 @@ enum class Purpose {
   rate_curve,   ///< corners of the gain over the slope
   rate_gain,    ///< control voltages of the branches
   amplitude,    ///< gains over the stroke
+  stroke,       ///< the stroke as a voltage
+  division,     ///< by the stroke
 };
 
 /// Elements that belong together: a stage, a row of the drawing, a paragraph of the netlist.

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/error.hpp"
+
 namespace bodesmith {
 namespace {
 
@@ -64,6 +66,30 @@ double Disturbance::rate_gain(Branch branch, Hertz frequency) const {
 double Disturbance::amplitude_gain(Branch branch, double alpha) const {
   return interpolate(amplitude.alpha,
                      branch == Branch::ascending ? amplitude.ascending : amplitude.descending, alpha);
+}
+
+Disturbance Disturbance::at_load(double stroke) const {
+  if (!(stroke > 0.0 && stroke <= 1.0))
+    throw InputError(
+        fmt::format("a load leaves {} of the stroke, expected a share above 0, at most 1", stroke));
+  if (amplitude.alpha.empty())
+    throw InputError("the disturbance has no amplitude gains: what a shorter stroke does is not known");
+  Disturbance out = *this;
+  out.amplitude = {};
+  for (const double alpha : amplitude.alpha) {
+    if (alpha < stroke * (1.0 - 1e-9)) out.amplitude.alpha.push_back(alpha / stroke);
+  }
+  out.amplitude.alpha.push_back(1.0);
+  for (const Branch branch : {Branch::ascending, Branch::descending}) {
+    const double full = amplitude_gain(branch, stroke);
+    if (!(std::abs(full) > 0.0))
+      throw InputError("an amplitude gain is 0 at the load's stroke, expected another");
+    auto& gains = branch == Branch::ascending ? out.amplitude.ascending : out.amplitude.descending;
+    for (const double alpha : out.amplitude.alpha)
+      gains.push_back(amplitude_gain(branch, alpha * stroke) / full);
+    for (double& a : branch == Branch::ascending ? out.ascending : out.descending) a *= full / stroke;
+  }
+  return out;
 }
 
 bool Disturbance::is_static(Branch branch) const {

@@ -48,6 +48,11 @@ struct Disturbance {
   /// at its ends; 1 without a table.
   double rate_gain(Branch branch, Hertz frequency) const;
   double amplitude_gain(Branch branch, double alpha) const;
+  /// Under a stiff, linear load that leaves this share of the stroke (disturbance paper, V.C.2): what the drive does up to
+  /// there is the new full stroke, x' = x/stroke, d' = d/stroke, so that its polynomials are those here times
+  /// alpha_b(stroke)/stroke and its amplitude gains alpha_b(stroke alpha')/alpha_b(stroke). The paper keeps the polynomials, which
+  /// only amplitude gains alpha_b = alpha allow. InputError unless there is a table of amplitude gains, and 0 < stroke <= 1.
+  Disturbance at_load(double stroke) const;
   /// True when the branch's rate gains are all 1 (within 1e-12): it needs no compensator.
   bool is_static(Branch branch) const;
 

@@ -137,6 +137,8 @@ std::string_view to_string(Engine engine) {
       return "exact";
     case Engine::cvode:
       return "cvode";
+    case Engine::grunwald_letnikov:
+      return "grunwald-letnikov";
   }
   return "";
 }

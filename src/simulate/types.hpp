@@ -19,8 +19,9 @@ enum class Engine {
   record,     ///< sample to sample with the step as given, see record_simulator.hpp
   exact,      ///< closed form between the corners of the input; an error where there is none
   cvode,      ///< the whole chain as an ODE with events, see ode_solve.hpp
+  grunwald_letnikov,  ///< a linear chain by fractional differences, first order in the step
 };
-/// "automatic", "record", "exact", "cvode".
+/// "automatic", "record", "exact", "cvode", "grunwald-letnikov".
 std::string_view to_string(Engine engine);
 
 using chain::Start;
@@ -37,7 +38,7 @@ struct Options {
   double relative_tolerance = 1e-8;   ///< automatic (of the largest output) and cvode
   double absolute_tolerance = 1e-10;  ///< the same, in units of the signal
   std::size_t degree = 0;      ///< record: degree of the hold between samples, 1-4; 0: as the chain needs
-  std::size_t oversample = 1;  ///< record: steps a sample interval
+  std::size_t oversample = 1;  ///< record, grunwald_letnikov: steps a sample interval
   bool estimate_error = true;  ///< run a second time at half the step (or a tenth of the tolerance)
 
   /// The same with a tenth of the tolerances.

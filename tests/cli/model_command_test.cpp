@@ -1,7 +1,9 @@
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <nlohmann/json.hpp>
+#include <set>
 
 #include "base/files.hpp"
 #include "cli/main_example.hpp"
@@ -148,18 +150,79 @@ TEST(IdentifyDisturbance, WritesWhatFitLayoutControllerAndNewTake) {
   }
 }
 
-TEST(Controller, RefusesAmplitudeGainsThatItDoesNotMake) {
+TEST(Controller, MakesAmplitudeGainsUnlessOnlyFullStrokesMatter) {
   const TemporaryFolder folder;
   json d = json::parse(read_file(kExample + "disturbance.json"));
-  d["amplitude"] = {{"alpha", {0.5, 1.0}}, {"ascending", {0.4, 1.0}}, {"descending", {0.4, 1.0}}};
+  d["amplitude"] = {
+      {"alpha", {0.25, 0.5, 1.0}}, {"ascending", {0.18, 0.4, 1.0}}, {"descending", {0.18, 0.4, 1.0}}};
   write_file(folder / "d.json", d.dump());
   const std::string command =
       "controller " + (folder / "d.json").string() + " --track-hz 1 100 -o " + (folder / "c").string();
-  const ProgramResult refused = run_bodesmith(command);
-  EXPECT_EQ(refused.status, 2);
-  EXPECT_NE(refused.err.find("amplitude gains"), std::string::npos) << refused.err;
-  EXPECT_FALSE(std::filesystem::exists(folder / "c"));
+  for (const std::string stroke : {"1", "0.5", "0.25"}) {
+    const ProgramResult made = run_bodesmith(command + " --json --amplitude " + stroke);
+    ASSERT_EQ(made.status, 0) << made.err;
+    for (const json& one : json::parse(made.out).at("predicted"))
+      EXPECT_LT(one.at("rms_percent_without_lag").get<double>() * std::stod(stroke), 0.15) << stroke;
+  }
+  EXPECT_NE(read_file(folder / "c/parts.csv").find("stroke, last peak"), std::string::npos);
   EXPECT_EQ(run_bodesmith(command + " --full-stroke").status, 0);
+  EXPECT_EQ(read_file(folder / "c/parts.csv").find("stroke, last peak"), std::string::npos);
+}
+
+TEST(ModelCommand, ALoadTakesTheStrokeFromTheAmplitudeGains) {
+  const TemporaryFolder folder;
+  json d = json::parse(read_file(kExample + "disturbance.json"));
+  d["amplitude"] = {
+      {"alpha", {0.4, 0.8, 1.0}}, {"ascending", {0.3, 0.7, 1.0}}, {"descending", {0.3, 0.6, 1.0}}};
+  write_file(folder / "d.json", d.dump());
+  write_triangle(folder / "u.csv", 1.0);
+  const std::string at = folder.path().string();
+  ASSERT_EQ(run_bodesmith("model " + at + "/d.json --load-stroke 0.8 -o " + at + "/m.toml").status, 0);
+  ASSERT_EQ(run_bodesmith("simulate " + at + "/m.toml --input " + at + "/u.csv -o " + at + "/y.csv").status,
+            0);
+  const std::vector<double> y = Csv::parse(read_file(folder / "y.csv"), "y").column("y");
+  // Half way up and down: what .8 of the drive did is the full stroke now, d' = d alpha(.8)/.8.
+  const auto half = [&](const char* branch) {
+    const auto a = d[branch].get<std::vector<double>>();
+    return 0.5 * a[0] + 0.25 * a[1] + 0.125 * a[2];
+  };
+  EXPECT_NEAR(y[1250], 0.5 + half("ascending") * 0.7 / 0.8, 1e-6);
+  EXPECT_NEAR(y[1750], 0.5 + half("descending") * 0.6 / 0.8, 1e-6);
+  // Without amplitude gains nobody knows.
+  EXPECT_EQ(
+      run_bodesmith("model " + kExample + "disturbance.json --load-stroke 0.8 -o " + at + "/x.toml").status,
+      2);
+}
+
+TEST(ModelCommand, ABoardIsItsCamsByName) {
+  const TemporaryFolder folder;
+  const std::string at = folder.path().string();
+  ASSERT_EQ(
+      run_bodesmith("design lowpass --family butterworth --order 3 --corner-hz 1000 -o " + at + "/s.json")
+          .status,
+      0);
+  ASSERT_LE(run_bodesmith("fpaa " + at + "/s.json -o " + at + "/board").status, 1);
+  const ProgramResult made = run_bodesmith("model " + at + "/board/plan.json --json -o " + at + "/m.toml");
+  ASSERT_EQ(made.status, 0) << made.err;
+  const json plan = json::parse(read_file(folder / "board/plan.json"));
+  std::set<std::string> cams, blocks;
+  for (const json& chip : plan.at("chips"))
+    for (const json& cam : chip.at("cams")) cams.insert(cam.at("name").get<std::string>());
+  for (const json& block : json::parse(made.out).at("blocks"))
+    blocks.insert(block.at("name").get<std::string>());
+  for (const std::string& cam : cams)
+    EXPECT_TRUE(std::any_of(blocks.begin(), blocks.end(), [&](const std::string& b) {
+      return b.starts_with(cam);
+    })) << cam;
+  // As the plan's own samples have it, well below the clocks.
+  ASSERT_EQ(run_bodesmith("bode " + at + "/board/plan.json " + at +
+                          "/m.toml --from-hz 20 --to-hz 2000 --count 40 -o " + at + "/b.csv")
+                .status,
+            0);
+  const Csv table = Csv::parse(read_file(folder / "b.csv"), "b");
+  ASSERT_EQ(table.rows(), 40u);
+  for (std::size_t i = 0; i < table.rows(); ++i)
+    EXPECT_NEAR(table.column("plan_magnitude_db")[i], table.column("m_magnitude_db")[i], 0.1) << i;
 }
 
 TEST(Compensate, ADriveFarBeyondTheTrainingIsRefusedUnlessAskedFor) {

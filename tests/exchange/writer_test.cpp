@@ -204,6 +204,36 @@ TEST(Export, TheCFileFiltersAsItsBiquadsSay) {
   }
 }
 
+TEST(Export, FixedPointIsTheNearestAndItsErrorIsTold) {
+  ExportOptions options;
+  options.discretise.sample_hz = 100e3;
+  DiscretiseOptions rounded = options.discretise;
+  const DigitalFilter exact = discretise(two_sections(), rounded);
+  double before = 1e9;
+  for (const int bits : {16, 20, 24, 32}) {
+    rounded.fixed_bits = bits;
+    const DigitalFilter filter = discretise(two_sections(), rounded);
+    EXPECT_EQ(filter.gain, 1.0);
+    for (std::size_t i = 0; i < filter.biquads.size(); ++i) {
+      const double step = std::ldexp(1.0, -filter.fraction_bits);
+      EXPECT_NEAR(filter.biquads[i].a1, exact.biquads[i].a1, 0.5 * step);
+      EXPECT_EQ(std::remainder(filter.biquads[i].a2, step), 0.0);
+      EXPECT_LT(std::abs(std::ldexp(filter.biquads[i].a1, filter.fraction_bits)), std::ldexp(1.0, bits - 1));
+    }
+    EXPECT_LE(filter.error.max_complex_percent, before * 1.001);
+    before = filter.error.max_complex_percent;
+  }
+  EXPECT_NEAR(before, exact.error.max_complex_percent, 1e-3 * exact.error.max_complex_percent);
+  // Eq. 25: two biquads are ten products, 40 MHz and one multiplier 4 million samples a second.
+  options.bits = 18;
+  const Written written = writers().get("verilog-biquads").write(designed(), options);
+  EXPECT_THAT(written.content,
+              HasSubstr("10 products a sample: 1 multiplier at 40 MHz gives 4 M samples a second"));
+  EXPECT_THAT(written.content, HasSubstr("localparam signed [17:0] sections_a2_2 ="));
+  options.bits = 4;
+  EXPECT_THROW(writers().get("verilog-biquads").write(designed(), options), InputError);
+}
+
 TEST(Export, NgspiceFollowsTheSource) {
   if (run_shell("command -v ngspice").status != 0) GTEST_SKIP() << "no ngspice";
   const TemporaryFolder folder;

@@ -64,6 +64,7 @@ class Board:
         self.count = 8 * len(chips)
         self.first = {address: 8 * i for i, address in enumerate(sorted(self.chips))}
         self.capacitors = []  # units, near and far in phase 1 and 2, period
+        self.cabs = []  # of each: its chip's address and CAB
         self.resets = []  # op-amp, phase, period
         for chip in chips:
             for cab in range(1, 5):
@@ -93,6 +94,7 @@ class Board:
             near = tuple(self.near(chip, cab, s) for s in plates[0])
             far = tuple({0: KEEP, 8: GROUND}.get(s, self.first[chip.address] + 2 * (cab - 1) + s - 1) for s in plates[1])
             self.capacitors.append((units, near, far, period))
+            self.cabs.append((chip.address, cab))
 
     def opamp(self, chip, cab, number):
         return self.first[chip.address] + 2 * (cab - 1) + number - 1

@@ -6,7 +6,9 @@ import random
 import subprocess
 import sys
 
+import numpy as np
 import pytest
+from chip_bytes import board_of
 from conftest import ROOT, run
 
 PROJECT = ROOT / "examples/bench/project.toml"
@@ -90,6 +92,55 @@ def test_resistors_of_which_only_the_ratio_shows_are_a_tie_that_one_part_mends(b
     assert "R2_1" in out["tied"] and "R1_1" in out["tied"]
     assert out["next"]["response_percent"]["before"] > 5 * out["next"]["response_percent"]["predicted"]
     assert "Rx_" in (built / "next/compensator.sub").read_text()
+
+
+def test_a_capacitor_of_a_board_beside_a_circuit(tmp_path):
+    """What the streams' bytes make of one capacitor a tenth too large, by chip_bytes.py."""
+    project = tmp_path / "project.toml"
+    hz = np.geomspace(30, 3000, 13)
+    gain = 1 / np.abs((1 + 1j * hz / 200) * (1 + 1j * hz / 900)) * np.abs(1 + 1j * hz / 500)
+    (tmp_path / "points.csv").write_text("frequency_hz,gain\n" + "".join(f"{f:.6g},{g:.8g}\n" for f, g in zip(hz, gain)))
+    project.write_text(
+        'schema = "bodesmith.project/1"\nname = "two poles"\n[target]\npoints = "points.csv"\n[fit]\nmax_error_db = 0.01\n'
+        "[hardware.fpaa]\n[hardware.circuit]\n"
+    )
+    out = tmp_path / "out"
+    done = run("run", project, "-o", out)
+    assert done.status == 0, done.err
+    plan = json.loads((out / "fpaa/plan.json").read_text())
+    band = plan["error_with_delays"]["band_hz"]
+    done = run("fpaa", out / "sections.json", "--from-hz", band[0], "--to-hz", band[1], "--stream", "-o", tmp_path / "board")
+    assert done.status == 0, done.err
+    bytes_of = json.loads((tmp_path / "board/plan.json").read_text())
+    capacitors = [[cam["capacitors"] for chip in one["chips"] for cam in chip["cams"]] for one in (plan, bytes_of)]
+    assert capacitors[0] == capacitors[1]
+    plan = bytes_of  # the same board, and its pins
+    board = board_of(plan, tmp_path / "board/stream")
+    at = np.geomspace(20, 3000, 41)
+    noise = random.Random(3)
+
+    def record(name):
+        rows = [
+            f"{f:.9g},{20 * np.log10(abs(h)) + noise.gauss(0, 0.001):.9g},{np.degrees(np.angle(h)) + noise.gauss(0, 0.01):.9g}"
+            for f, h in zip(at, board.gain(at))
+        ]
+        (tmp_path / name).write_text("frequency_hz,magnitude_db,phase_deg\n" + "\n".join(rows) + "\n")
+        done = run("run", project, "--measured", tmp_path / name, "-o", out, "--json")
+        assert done.status == 0, done.err
+        return json.loads(done.out)
+
+    good = record("good.csv")
+    assert good["of"] == "the board" and good["found"] == [] and good["next"] is None
+    assert good["gap_percent"]["before"] < 2 * good["noise_percent"] + 0.02
+    units, *rest = board.capacitors[0]
+    board.capacitors[0] = (1.1 * units, *rest)
+    wrong = record("wrong.csv")
+    address, cab = board.cabs[0]
+    chip = plan["chips"][sorted(board.chips).index(address)]
+    names = [cam["name"] for cam in chip["cams"] if cam["cab"] == cab]
+    assert wrong["of"] == "the board" and wrong["found"]
+    assert any(name in " ".join(wrong["found"]) for name in names), (names, wrong["found"])
+    assert wrong["gap_percent"]["with_what_was_found"] < 0.2 * wrong["gap_percent"]["before"]
 
 
 def test_bad_input_is_one_line_and_nothing_is_written(built, tmp_path):

@@ -46,6 +46,11 @@ class FractionalLeadLagBlock final : public BlockType {
   std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
     return term_of(block).response(w);
   }
+  std::optional<std::complex<double>> transfer(const Block& block, std::complex<double> s) const override {
+    const FractionalLeadLag term = term_of(block);
+    return std::exp(term.beta *
+                    (std::log(1.0 + term.lambda_s * s) - std::log(1.0 + term.x * term.lambda_s * s)));
+  }
 
   double slowest_time_constant_s(const Block& block) const override {
     return block.get("lambda_s") * std::max(1.0, block.get("x"));

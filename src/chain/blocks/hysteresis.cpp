@@ -75,8 +75,8 @@ class HysteresisBlock final : public BlockType {
     const hysteresis::Model model = hysteresis_model_of(block);
     return std::make_unique<OperatorKernel>(make_operator(model), model_->branch_curves(model.parameters));
   }
-  std::optional<std::complex<double>> response(const Block& block, RadPerSecond w) const override {
-    return model_->response(parameters_of(block), {0.0, w.value});
+  std::optional<std::complex<double>> transfer(const Block& block, std::complex<double> s) const override {
+    return model_->response(parameters_of(block), s);
   }
   /// The model's own inverse, sample by sample, where it has one.
   std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {

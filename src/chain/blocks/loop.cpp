@@ -23,28 +23,43 @@ PolynomialDisturbance generator_of(const Block& block) {
   return PolynomialDisturbance::from(values);
 }
 
-/// The generator of a disturbance and the sum round it. Between turns of r one curve; it jumps to the other where r turns.
+/// The generator of a disturbance and the sum round it. Between changes of branch one curve; it jumps to the other where r turns,
+/// or the switch's delay later.
 class LoopKernel final : public MemoryKernel {
  public:
-  LoopKernel(PolynomialDisturbance generator, double gain, int passes)
-      : generator_(std::move(generator)), gain_(gain), passes_(passes) {}
+  LoopKernel(PolynomialDisturbance generator, double gain, int passes, double delay_s)
+      : generator_(std::move(generator)), gain_(gain), passes_(passes), delay_s_(delay_s) {}
   std::unique_ptr<MemoryKernel> clone() const override { return std::make_unique<LoopKernel>(*this); }
   double reset(double r, bool) override {
     r_ = r;
-    rising_ = true;
+    rising_ = goes_up_ = true;
+    since_ = delay_s_;
     return drive(true, r);
   }
-  double step(double r, double) override {
-    if (r != r_) rising_ = r > r_;
-    r_ = r;
+  double step(double r, double dt_s) override {
+    move(r, dt_s);
     return drive(rising_, r);
   }
-  double peek(double r, double) const override { return drive(r == r_ ? rising_ : r > r_, r); }
-  double departing(double next) const override { return drive(next == r_ ? rising_ : next > r_, r_); }
-  bool jumps_at_turns() const override { return true; }
-  bool rate_independent() const override { return true; }
+  double peek(double r, double dt_s) const override {
+    LoopKernel other = *this;
+    return other.step(r, dt_s);
+  }
+  double departing(double next) const override {
+    return drive(delay_s_ > 0.0 || next == r_ ? rising_ : next > r_, r_);
+  }
+  bool jumps_at_turns() const override { return delay_s_ == 0.0; }
+  bool rate_independent() const override { return delay_s_ == 0.0; }
 
  private:
+  void move(double r, double dt_s) {
+    if (r != r_ && (r > r_) != goes_up_) {
+      goes_up_ = r > r_;
+      since_ = 0.0;
+    }
+    since_ += dt_s;
+    if (since_ >= delay_s_) rising_ = goes_up_;
+    r_ = r;
+  }
   double drive(bool rising, double r) const {
     if (passes_ == 0) return generator_.input_on(rising, gain_ * r);
     double v = r;
@@ -55,8 +70,10 @@ class LoopKernel final : public MemoryKernel {
   PolynomialDisturbance generator_;
   double gain_;
   int passes_;
+  double delay_s_;
   double r_ = 0.0;
-  bool rising_ = true;
+  double since_ = 0.0;  ///< the last turn
+  bool rising_ = true, goes_up_ = true;
 };
 
 /// v = g r − K(f) d_b(v), b by the sign of r's slope: the controller of a stage that reads its drive, fed by its own drive.
@@ -80,7 +97,9 @@ class LoopBlock final : public BlockType {
                  .with_default(0.0),
              between("passes", "1",
                      "times that d is worked out before it is subtracted; 0: fed by its own drive", 0.0, 16.0)
-                 .with_default(0.0)}) {}
+                 .with_default(0.0),
+             not_negative("switch_delay_s", "s", "from a turn of r to the other branch").with_default(0.0)}) {
+  }
   std::string validate(const Block& block) const override {
     if (block.get("passes") != std::floor(block.get("passes"))) return "passes is no whole number";
     try {
@@ -93,7 +112,7 @@ class LoopBlock final : public BlockType {
   }
   Kernel kernel(const Block& block) const override {
     return std::make_unique<LoopKernel>(generator_of(block), block.get("reference_gain"),
-                                        whole_number<int>(block.get("passes")));
+                                        whole_number<int>(block.get("passes")), block.get("switch_delay_s"));
   }
   /// Of the loop g r = v + K d(v), by the direction of v.
   std::optional<FoundInput> inverse(const Block& block, const WantedOutput& wanted) const override {

@@ -29,6 +29,7 @@ class ChainEngine {
 const ChainEngine& record_engine();
 const ChainEngine& exact_engine();
 const ChainEngine& cvode_engine();
+const ChainEngine& grunwald_letnikov_engine();
 /// Not of Engine::automatic, which is a choice between them (simulate.cpp).
 const ChainEngine& chain_engine(Engine which);
 

@@ -185,13 +185,12 @@ SteadyState run_in_ngspice(const AnalogController& controller, const Reference& 
   return out;
 }
 
-tracking::TrackingError stage_error(const Disturbance& disturbance, const SteadyState& run) {
+tracking::TrackingError stage_error(const AnalogController& controller, const SteadyState& run) {
   tracking::PolynomialStage::Options options;
-  options.alpha = run.reference.alpha();
-  Disturbance full = disturbance;  // the circuit has no amplitude gains, nor has the stage it is judged on
-  full.amplitude = {};
-  options.alpha = 1.0;
-  const tracking::PolynomialStage stage(full, {}, options);
+  options.alpha = controller.stroke ? run.reference.alpha() : 1.0;
+  Disturbance disturbance = controller.disturbance;
+  if (!controller.stroke) disturbance.amplitude = {};  // as the circuit, which is made for full strokes
+  const tracking::PolynomialStage stage(disturbance, {}, options);
   return tracking::tracking_error(stage.response(run.v, run.step_s, run.operating), run.r, run.period_s());
 }
 

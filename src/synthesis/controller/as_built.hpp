@@ -49,8 +49,9 @@ SteadyState run_in_ngspice(const AnalogController& controller, const tracking::R
 /// Independent sources that make the reference from node `r` to ground, for a deck.
 std::string reference_sources(const tracking::Reference& reference, Hertz operating, int repeats);
 
-/// What the disturbance paper's stage makes of the drive, reading it: y = v + K_b(f) d_b(v) against r.
-tracking::TrackingError stage_error(const Disturbance& disturbance, const SteadyState& run);
+/// What the disturbance paper's stage makes of the drive, reading it, against r: y = v + K_b(f) d_b(v), with amplitude gains
+/// y = v + K_b(f) g_b(alpha) d_b(v/alpha), alpha the reference's stroke.
+tracking::TrackingError stage_error(const AnalogController& controller, const SteadyState& run);
 
 /// The whole netlist in time by CVODE (schematic/analysis/in_time.hpp), beside what ngspice makes of it: from rest, as many
 /// repeats of the reference as the smoothing behind the slope meter needs; the last one is kept. `at_s`: instants of it, from

@@ -8,9 +8,8 @@
 namespace bodesmith::controller {
 namespace {
 
-std::string control_node(const AnalogController& c, int branch) {
-  const int control = c.rate[branch].control;
-  return control < 0 ? "" : c.op(control).out;
+std::string control_node(const AnalogController& c, const BranchGain& gain) {
+  return gain.control < 0 ? "" : c.op(gain.control).out;
 }
 
 schematic::RestOrder generator_order(const AnalogController& c, bool cut) {
@@ -18,8 +17,10 @@ schematic::RestOrder generator_order(const AnalogController& c, bool cut) {
   netlist.sources.clear();
   std::vector<std::string> inputs = {"r"};
   if (cut) inputs.emplace_back(kArgument);
-  for (const int b : {0, 1}) {
-    if (const std::string node = control_node(c, b); !node.empty()) inputs.push_back(node);
+  for (const BranchGain* gains : {c.rate, c.amplitude}) {
+    for (const int b : {0, 1}) {
+      if (const std::string node = control_node(c, gains[b]); !node.empty()) inputs.push_back(node);
+    }
   }
   return {netlist, inputs};
 }
@@ -27,10 +28,11 @@ schematic::RestOrder generator_order(const AnalogController& c, bool cut) {
 schematic::RestOrder rate_order(const AnalogController& c) {
   return {schematic::subset(c,
                             [&](std::size_t group) {
-                              return c.purpose_of(group) == Purpose::rate_curve ||
-                                     c.purpose_of(group) == Purpose::rate_gain;
+                              const Purpose purpose = c.purpose_of(group);
+                              return purpose == Purpose::rate_curve || purpose == Purpose::rate_gain ||
+                                     purpose == Purpose::amplitude;
                             }),
-          {"sn"}};
+          {"sn", "an"}};
 }
 
 }  // namespace
@@ -39,7 +41,7 @@ SlopeMeterGains SlopeMeterGains::of(const AnalogController& c, const Deviations&
   SlopeMeterGains out;
   if (!c.slope) return out;
   const AnalogController::SlopeMeter& m = *c.slope;
-  out.volts = off.value(c, m.gain) * off.value(c, m.differentiates);
+  out.volts = m.input_gain * off.value(c, m.gain) * off.value(c, m.differentiates);
   out.offset = off.offset(m.opamp);
   out.lag1_s = off.value(c, m.damping) * off.value(c, m.differentiates);
   out.lag2_s = off.value(c, m.gain) * off.value(c, m.limits);
@@ -68,34 +70,53 @@ AtRest::AtRest(const RestWiring& wiring, const Deviations& off)
     : wiring_(&wiring),
       rate_(wiring.rate, off.of_part(wiring.rate.netlist(), wiring.controller)),
       generator_(wiring.generator, off.of_part(wiring.generator.netlist(), wiring.controller)) {
+  const AnalogController& c = wiring.controller;
   slope_ = wiring.rate.node("sn");
+  stroke_ = wiring.rate.node("an");
   reference_ = wiring.generator.node("r");
-  drive_ = wiring.generator.node(wiring.controller.passes.back().out);
+  drive_ = wiring.generator.node(c.passes.back().out);
   if (wiring.argument_is_given) argument_ = wiring.generator.node(kArgument);
+  if (c.stroke) argument_scale_ = c.stroke->argument_scale;
   for (const int b : {0, 1}) {
-    const std::string node = control_node(wiring.controller, b);
-    if (node.empty()) continue;
-    makes_control_[b] = wiring.rate.node(node);
-    reads_control_[b] = wiring.generator.node(node);
+    for (const auto& [gain, control] :
+         {std::pair{&c.rate[b], &rate_control_[b]}, {&c.amplitude[b], &amplitude_control_[b]}}) {
+      const std::string node = control_node(c, *gain);
+      if (node.empty()) continue;
+      control->made = wiring.rate.node(node);
+      control->read = wiring.generator.node(node);
+    }
   }
   set_slope(0.0);
+  set_stroke(1.0);
   const double at_one = made(1.0, 0.0, true);
   reference_gain_ = at_one - made(0.0, 0.0, true);
 }
 
+void AtRest::follow(Control* controls) {
+  rate_.settle(0);
+  for (Control* one : {controls, controls + 1}) {
+    if (one->made >= 0) one->volts = rate_.volts(one->made);
+  }
+}
+
 void AtRest::set_slope(double volts) {
   rate_.set(slope_, volts);
-  rate_.settle(0);
-  for (const int b : {0, 1}) {
-    if (makes_control_[b] >= 0) control_v_[b] = rate_.volts(makes_control_[b]);
-  }
+  follow(rate_control_);
+}
+
+void AtRest::set_stroke(double alpha) {
+  const auto& stroke = wiring_->controller.stroke;
+  rate_.set(stroke_, stroke ? -std::max(alpha, stroke->least) : -1.0);
+  follow(amplitude_control_);
 }
 
 double AtRest::made(double r, double argument, bool rising) {
   generator_.set(reference_, r);
-  if (argument_ >= 0) generator_.set(argument_, argument);
-  for (const int b : {0, 1}) {
-    if (reads_control_[b] >= 0) generator_.set(reads_control_[b], control_v_[b]);
+  if (argument_ >= 0) generator_.set(argument_, argument * argument_scale_);
+  for (const Control* controls : {rate_control_, amplitude_control_}) {
+    for (const int b : {0, 1}) {
+      if (controls[b].read >= 0) generator_.set(controls[b].read, controls[b].volts);
+    }
   }
   generator_.settle(rising ? 0 : 1);
   return generator_.volts(drive_);
@@ -139,15 +160,27 @@ double generator_error_percent(const AnalogController& controller) {
     }
   }
   if (at.empty()) at.push_back(Hertz{1.0});
+  std::vector<double> strokes = {1.0};
+  if (controller.stroke) {
+    strokes = {controller.stroke->least};
+    for (const double alpha : controller.disturbance.amplitude.alpha) {
+      if (alpha <= strokes.back()) continue;
+      strokes.push_back(0.5 * (strokes.back() + alpha));
+      strokes.push_back(alpha);
+    }
+  }
   double worst = 0.0;
   for (const Hertz f : at) {
     built.set_rate(f);
-    for (const auto which : {Disturbance::Branch::ascending, Disturbance::Branch::descending}) {
-      const double wanted = controller.rated_gain(which, f);
-      for (int i = 0; i <= kPoints; ++i) {
-        const double x = std::max(controller.loop.greatest_drive, 1.0) * i / kPoints;
-        worst = std::max(
-            worst, std::abs(built.subtracted(which, x) - wanted * controller.disturbance.value(which, x)));
+    for (const double alpha : strokes) {
+      built.set_stroke(alpha);
+      for (const auto which : {Disturbance::Branch::ascending, Disturbance::Branch::descending}) {
+        const double wanted = controller.rated_gain(which, f) * controller.amplitude_gain(which, alpha);
+        for (int i = 0; i <= kPoints; ++i) {
+          const double x = std::max(controller.loop.greatest_drive, 1.0) * i / kPoints;
+          worst = std::max(
+              worst, std::abs(built.subtracted(which, x) - wanted * controller.disturbance.value(which, x)));
+        }
       }
     }
   }

@@ -14,16 +14,23 @@ namespace bodesmith::controller {
 namespace {
 
 constexpr int kPoints = 2000;
+/// The least stroke lies so far below the table's that no resistor of its divider raises it above.
+constexpr double kBelow = 0.98;
+constexpr Disturbance::Branch kBranches[] = {Disturbance::Branch::ascending, Disturbance::Branch::descending};
 
 double slope_of(const std::array<double, 3>& a, double x) {
   return a[0] + x * (2.0 * a[1] + x * 3.0 * a[2]);
 }
 
-std::string name_of(int b) {
+}  // namespace
+
+std::string branch_name(int b) {
   return b == 0 ? "ascending" : "descending";
 }
 
-}  // namespace
+std::string branch_letter(int b) {
+  return b == 0 ? "a" : "d";
+}
 
 Options::Options()
     : opamp(schematic::OpAmpLibrary::built_in().named("OPA2140")),
@@ -52,6 +59,10 @@ double AnalogController::rated_gain(Disturbance::Branch which, Hertz frequency) 
   return rates ? disturbance.rate_gain(which, frequency) : 1.0;
 }
 
+double AnalogController::amplitude_gain(Disturbance::Branch which, double alpha) const {
+  return stroke ? disturbance.amplitude_gain(which, alpha) : 1.0;
+}
+
 Builder::Builder(const Disturbance& disturbance, const Options& options)
     : NetlistMaker(out_, options_.resistors, options_.capacitors),
       disturbance_(disturbance),
@@ -65,6 +76,11 @@ Builder::Builder(const Disturbance& disturbance, const Options& options)
   out_.tracked = options.tracked;
   out_.reference_stroke = options.reference_stroke;
   out_.rates = options.rates;
+  if (!disturbance.amplitude.alpha.empty() && !options.full_stroke) {
+    out_.stroke.emplace();
+    out_.stroke->least = kBelow * strokes().front();
+    out_.reference_stroke = 1.0;  // the slope is that of the reference over its stroke
+  }
 }
 
 /// Greatest or least rate gain of a branch; 1 without them.
@@ -74,47 +90,62 @@ double Builder::gain_limit(int b, bool greatest) const {
   return greatest ? *std::max_element(k.begin(), k.end()) : *std::min_element(k.begin(), k.end());
 }
 
-void Builder::check_rates() {
-  for (const int b : {0, 1}) {
-    const double least = gain_limit(b, false), most = gain_limit(b, true);
+void Builder::check_gains() {
+  const auto check = [&](int b, const char* what, double least, double most, BranchGain& gain,
+                         double& greatest) {
     if (!(least > 0.0)) {
-      throw DesignError(fmt::format("a rate gain of the {} branch is {}, expected above 0", name_of(b),
-                                    rounded_text(least)));
+      throw DesignError(fmt::format("{} {} gain of the {} branch is {}, expected above 0",
+                                    *what == 'a' ? "an" : "a", what, branch_name(b), rounded_text(least)));
     }
-    greatest_gain_[b] = most;
-    out_.rate[b].which = b == 0 ? Disturbance::Branch::ascending : Disturbance::Branch::descending;
-    out_.rate[b].at_rest = 0.5 * (least + most);
+    greatest = most;
+    gain.at_rest = 0.5 * (least + most);
     const double control = out_.multiplier.scale_v * (most - least) / (most + least);
     if (control > out_.multiplier.greatest_input_v) {
       throw DesignError(fmt::format(
-          "the rate gains of the {} branch lie between {} and {}: the control voltage would reach {} V, expected at "
+          "the {} gains of the {} branch lie between {} and {}: the control voltage would reach {} V, expected at "
           "most the {}'s {} V",
-          name_of(b), rounded_text(least), rounded_text(most), rounded_text(control), out_.multiplier.name,
-          rounded_text(out_.multiplier.greatest_input_v)));
+          what, branch_name(b), rounded_text(least), rounded_text(most), rounded_text(control),
+          out_.multiplier.name, rounded_text(out_.multiplier.greatest_input_v)));
     }
+  };
+  for (const int b : {0, 1}) {
+    check(b, "rate", gain_limit(b, false), gain_limit(b, true), out_.rate[b], greatest_gain_[b]);
+    if (!out_.stroke) continue;
+    double least = 1e300, most = 0.0;
+    for (const double alpha : strokes()) {
+      const double g = out_.amplitude_gain(kBranches[b], alpha);
+      least = std::min(least, g);
+      most = std::max(most, g);
+    }
+    check(b, "amplitude", least, most, out_.amplitude[b], greatest_amplitude_[b]);
   }
 }
 
-/// Follows v + K d(v) = r from 0 to 1 for every rate gain's ends: the stage must have an inverse there.
+/// Follows w + K g(alpha)/alpha d(w) = r/alpha, w = v/alpha, from 0 to 1 for the rate gains' ends and every stroke of the table:
+/// the stage must have an inverse there.
 void Builder::check_polynomials() {
   LoopFigures& loop = out_.loop;
   loop.least_slope = 1.0;
   for (const int b : {0, 1}) {
     const std::array<double, 3>& a = b == 0 ? disturbance_.ascending : disturbance_.descending;
-    for (const double k : {gain_limit(b, false), gain_limit(b, true)}) {
-      double v = 0.0, r = 0.0;
-      for (int i = 0; i < 64 * kPoints && r < 1.0; ++i) {
-        const double gain = k * slope_of(a, v);
-        if (!(std::abs(gain) < 1.0)) {
-          throw DesignError(fmt::format(
-              "|K d'| of the {} branch is {} at v = {}, expected below 1: v = r - K d(v) cannot converge",
-              name_of(b), rounded_text(std::abs(gain)), rounded_text(v, 3)));
+    for (const double alpha : strokes()) {
+      for (const bool greatest : {false, true}) {
+        const double k = gain_limit(b, greatest) * out_.amplitude_gain(kBranches[b], alpha) / alpha;
+        double w = 0.0, r = 0.0;
+        for (int i = 0; i < 64 * kPoints && r < 1.0; ++i) {
+          const double gain = k * slope_of(a, w);
+          if (!(std::abs(gain) < 1.0)) {
+            throw DesignError(fmt::format(
+                "|K d'| of the {} branch is {} at v = {}{}, expected below 1: v = r - K d(v) cannot converge",
+                branch_name(b), rounded_text(std::abs(gain)), rounded_text(alpha * w, 3),
+                out_.stroke ? fmt::format(" of a stroke of {}", rounded_text(alpha, 3)) : ""));
+          }
+          loop.greatest_gain = std::max(loop.greatest_gain, std::abs(gain));
+          loop.least_slope = std::min(loop.least_slope, 1.0 + gain);
+          loop.greatest_drive = std::max(loop.greatest_drive, w);
+          w += 1.0 / kPoints;
+          r = w + k * disturbance_.value(kBranches[b], w);
         }
-        loop.greatest_gain = std::max(loop.greatest_gain, std::abs(gain));
-        loop.least_slope = std::min(loop.least_slope, 1.0 + gain);
-        loop.greatest_drive = std::max(loop.greatest_drive, v);
-        v += 1.0 / kPoints;
-        r = v + k * disturbance_.value(out_.rate[b].which, v);
       }
     }
   }
@@ -132,12 +163,18 @@ void Builder::declare_groups() {
   add("slope's sign", Purpose::slope_sign);
   add("slope", Purpose::slope_meter);
   add("rate curve", Purpose::rate_curve);
-  for (const int b : {0, 1}) add("rate gain, " + name_of(b), Purpose::rate_gain);
+  for (const int b : {0, 1}) add("rate gain, " + branch_name(b), Purpose::rate_gain);
+  if (out_.stroke) {
+    add("stroke", Purpose::stroke);
+    add("division by the stroke", Purpose::division);
+    add("amplitude curve", Purpose::amplitude);
+    for (const int b : {0, 1}) add("amplitude gain, " + branch_name(b), Purpose::amplitude);
+  }
   const std::vector<std::string> tails =
       out_.form == Form::two_pass ? std::vector<std::string>{"", "_2"} : std::vector<std::string>{""};
   for (const std::string& tail : tails) {
     add("subtraction" + tail, Purpose::output);
-    for (const int b : {0, 1}) add(name_of(b) + tail, Purpose::branch);
+    for (const int b : {0, 1}) add(branch_name(b) + tail, Purpose::branch);
   }
   for (const std::string& tail : tails) add("powers" + tail, Purpose::powers);
   for (const std::string& tail : tails) add("switch" + tail, Purpose::branch_switch);
@@ -154,18 +191,13 @@ void Builder::enter(const std::string& title) {
 
 AnalogController Builder::build() {
   declare_groups();
-  check_rates();
+  check_gains();
   check_polynomials();
   scale_branches();
-  const bool varies =
-      options_.rates && !disturbance_.rate.frequency.empty() &&
-      (gain_limit(0, true) != gain_limit(0, false) || gain_limit(1, true) != gain_limit(1, false));
   detector();
-  if (varies) {
-    slope_meter();
-    curve_rectifiers();
-    for (const int b : {0, 1}) control(b);
-  }
+  if (out_.stroke) stroke_hold();
+  rate_gains();
+  if (out_.stroke) amplitude_gains();
   switch (out_.form) {
     case Form::one_pass:
       pass("r", "v", 1);
@@ -194,13 +226,9 @@ int Builder::multiplier(const std::string& name, const std::string& role, const 
 }
 
 AnalogController make_controller(const Disturbance& disturbance, const Options& options) {
-  const bool gains = !disturbance.amplitude.alpha.empty();
-  if (gains && !options.full_stroke)
-    throw DesignError(
-        "the disturbance has amplitude gains, which this circuit does not make: expected no table `amplitude`, or "
-        "full strokes only");
   AnalogController out = Builder(disturbance, options).build();
-  if (gains) out.warnings.push_back("for full strokes only: the disturbance's amplitude gains are not built");
+  if (!disturbance.amplitude.alpha.empty() && !out.stroke)
+    out.warnings.push_back("for full strokes only: the disturbance's amplitude gains are not built");
   return out;
 }
 

@@ -12,6 +12,27 @@ namespace bodesmith::controller {
 /// Greatest |voltage| aimed at, as a share of full scale: room for what E-series resistors round.
 constexpr double kRoom = 0.97;
 
+/// Of the voltage reference.
+constexpr double kReferenceV = 2.5;
+
+/// Branch 0, ascending, or 1, descending: for titles and roles; for names.
+std::string branch_name(int b);
+std::string branch_letter(int b);
+
+/// Gains of both branches as straight pieces over a voltage s: exact at the corners, constant beyond the ends.
+struct GainCurve {
+  std::string node;                   ///< carries -s
+  std::string rectifiers;             ///< begins their nodes' names
+  std::string control, inverted;      ///< begin the names of the control voltages
+  std::string group;                  ///< what the gain goes by: "rate"
+  std::vector<double> corner_v = {};  ///< rising
+  std::vector<std::string> corner_text = {};
+  std::vector<double> gain[2] = {};  ///< at the corners
+  bool varies[2] = {false, false};
+
+  std::string rectifier(std::size_t corner) const { return rectifiers + std::to_string(corner + 1); }
+};
+
 class Builder : private circuit::NetlistMaker {
  public:
   Builder(const Disturbance& disturbance, const Options& options);
@@ -20,21 +41,27 @@ class Builder : private circuit::NetlistMaker {
  private:
   // build.cpp
   void check_polynomials();
-  void check_rates();
+  void check_gains();
   double peak_of(int b) const;
   double gain_limit(int b, bool greatest) const;
 
-  // build_rate.cpp: the slope as a voltage, the gain curve, the sign of the slope
+  // build_rate.cpp: the slope as a voltage, the gains over it, the sign of the slope
   void detector();
   void slope_meter();
-  void curve_rectifiers();
-  void rectifier(std::size_t k, double threshold_v, const std::string& low_reference, double low_v);
-  void control(int b);
-  std::vector<double> control_gains(int b) const;
-  std::vector<std::vector<double>> control_rows() const;
-  int inverting_sum(const std::vector<std::string>& from, const std::vector<double>& gains,
-                    const std::vector<std::vector<double>>& rows, const std::string& letters,
-                    const std::string& role, const std::string& node, std::vector<double>& realised);
+  void rate_gains();
+
+  // build_stroke.cpp: the reference's stroke as a voltage, what is divided by it, the gains over it
+  std::vector<double> strokes() const;
+  void stroke_hold();
+  /// The node of voltage s V(node)/stroke; `node` itself where there are no amplitude gains.
+  std::string over_stroke(const std::string& node);
+  void amplitude_gains();
+
+  // build_curve.cpp
+  void reference();
+  void build_curve(const GainCurve& curve, BranchGain* gains);
+  int control(const GainCurve& curve, int b, double at_rest);
+  std::vector<double> control_gains(const GainCurve& curve, int b, double at_rest) const;
 
   // build_pass.cpp: powers, branches, switch, subtraction
   void scale_branches();
@@ -52,8 +79,9 @@ class Builder : private circuit::NetlistMaker {
   const Disturbance& disturbance_;
   Options options_;
   AnalogController out_;
-  double greatest_gain_[2] = {1.0, 1.0};  ///< of the rate gains
-  double pass_scale_ = 1.0;               ///< of the divider before the multipliers
+  double greatest_gain_[2] = {1.0, 1.0};       ///< of the rate gains
+  double greatest_amplitude_[2] = {1.0, 1.0};  ///< of the amplitude gains
+  double pass_scale_ = 1.0;                    ///< of the divider before the multipliers
 };
 
 }  // namespace bodesmith::controller

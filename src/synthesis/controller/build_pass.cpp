@@ -14,10 +14,6 @@ namespace {
 constexpr int kDrivePoints = 1000;
 constexpr double kSwitchLoad = 20e3;  // ohm behind the switch
 
-std::string letter_of(int b) {
-  return b == 0 ? "a" : "d";
-}
-
 }  // namespace
 
 /// Greatest |d| of a branch over the drives that occur.
@@ -25,7 +21,8 @@ double Builder::peak_of(int b) const {
   double out = 0.0;
   for (int i = 0; i <= kDrivePoints; ++i) {
     const double x = std::max(out_.loop.greatest_drive, 1.0) * i / kDrivePoints;
-    out = std::max(out, std::abs(disturbance_.value(out_.rate[b].which, x)));
+    out = std::max(out, std::abs(disturbance_.value(
+                            b == 0 ? Disturbance::Branch::ascending : Disturbance::Branch::descending, x)));
   }
   return out;
 }
@@ -33,7 +30,7 @@ double Builder::peak_of(int b) const {
 /// V per unit of K d at the switch: the greater branch uses the multipliers' range.
 void Builder::scale_branches() {
   double top = 0.0;
-  for (const int b : {0, 1}) top = std::max(top, greatest_gain_[b] * peak_of(b));
+  for (const int b : {0, 1}) top = std::max(top, greatest_gain_[b] * greatest_amplitude_[b] * peak_of(b));
   if (!(top > 1e-4)) {
     throw DesignError(fmt::format(
         "the disturbance is at most {} of the range: there is nothing to compensate", rounded_text(top)));
@@ -44,7 +41,8 @@ void Builder::scale_branches() {
 void Builder::pass(const std::string& x, const std::string& out, int number) {
   const std::string tail = number == 1 ? "" : fmt::format("_{}", number);
   Pass one;
-  one.x = x;
+  one.from = x;
+  one.x = over_stroke(x);
   one.out = out;
   powers(one, tail);
   // The subtraction fixes the gain behind the switch, which the weights then follow.
@@ -57,13 +55,13 @@ void Builder::powers(Pass& pass, const std::string& tail) {
   enter("powers" + tail);
   const double top = std::max(out_.loop.greatest_drive, 1.0), range = out_.multiplier.greatest_input_v;
   std::string scaled = pass.x;
-  double scale = 1.0;
-  pass_scale_ = 1.0;
+  double scale = out_.stroke ? out_.stroke->argument_scale : 1.0;
+  pass_scale_ = scale;
   const auto& a = disturbance_.ascending;
   const auto& d = disturbance_.descending;
   const bool cubes = a[2] != 0.0 || d[2] != 0.0, squares = cubes || a[1] != 0.0 || d[1] != 0.0;
   if (!squares) return;
-  if (top > range * 1.005) {
+  if (!out_.stroke && top > range * 1.005) {
     // Thevenin's resistance of the divider drives multiplier inputs only.
     scaled = "x" + tail;
     const double lower = 2e3, upper = lower * (top / (kRoom * range) - 1.0);
@@ -82,13 +80,15 @@ void Builder::powers(Pass& pass, const std::string& tail) {
 
 void Builder::branch(Pass& pass, int b, const std::string& tail) {
   const std::array<double, 3>& a = b == 0 ? disturbance_.ascending : disturbance_.descending;
-  const std::string name = b == 0 ? "ascending" : "descending", letter = letter_of(b);
+  const std::string name = branch_name(b), letter = branch_letter(b);
   enter(name + tail);
   std::string node = "0";
   if (a != std::array<double, 3>{}) {
-    const double u = out_.multiplier.scale_v, volts = out_.branch_gain * out_.rate[b].at_rest;
+    const double u = out_.multiplier.scale_v,
+                 volts = out_.branch_gain * out_.rate[b].at_rest * out_.amplitude[b].at_rest;
     const double scale = pass_scale_;
-    const std::vector<double> level = {1.0, scale * scale / u, scale * scale * scale / (u * u)};
+    const std::vector<double> level = {out_.stroke ? scale : 1.0, scale * scale / u,
+                                       scale * scale * scale / (u * u)};
     const std::vector<std::string> from = {pass.x, "x2" + tail, "x3" + tail};
     std::vector<double> gains;
     std::vector<Weight> weights;
@@ -102,12 +102,17 @@ void Builder::branch(Pass& pass, int b, const std::string& tail) {
     pass.branch_opamp[b] = sum(weights, gains, design, "R" + letter, tail, name, "sum of the powers, " + name,
                                "p" + letter + tail, "m" + letter + tail, node)
                                .opamp;
-    if (out_.rate[b].control >= 0) {
-      const double peak_v = greatest_gain_[b] * out_.branch_gain * peak_of(b);
-      multiplier("M" + letter + tail, "rate gain, " + name, node, "c" + letter, node, "g" + letter + tail,
-                 peak_v);
-      node = "g" + letter + tail;
-    }
+    double peak_v = greatest_gain_[b] * out_.amplitude[b].at_rest * out_.branch_gain * peak_of(b);
+    const auto vary = [&](const BranchGain& gain, const char* what, const std::string& multiplier_name,
+                          const std::string& control, const std::string& to) {
+      if (gain.control < 0) return;
+      multiplier(multiplier_name + letter + tail, fmt::format("{} gain, {}", what, name), node,
+                 control + letter, node, to + letter + tail, peak_v);
+      node = to + letter + tail;
+    };
+    vary(out_.rate[b], "rate", "M", "c", "g");
+    peak_v *= greatest_amplitude_[b] / out_.amplitude[b].at_rest;
+    vary(out_.amplitude[b], "amplitude", "Mh", "h", "j");
   }
   enter("switch" + tail);
   out_.contacts.push_back({"S" + letter + tail, group, node, "sw" + tail, b == 0 ? "up" : "down", b});

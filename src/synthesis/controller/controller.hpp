@@ -45,15 +45,16 @@ struct Options {
   double averaging_s = 0.0;  ///< time constant behind the rectifier; 0: a hundredth of the shortest period
   double reference_stroke = 1.0;  ///< peak to peak of the references whose slope means frequency, V
   Hertz lowest{1.0};              ///< the slowest full-stroke triangle whose slope must set the switch
-  bool full_stroke = false;  ///< only full strokes matter: a disturbance's amplitude gains may be left out
+  bool full_stroke = false;       ///< only full strokes matter: a disturbance's amplitude gains are left out
 
   Options();
 };
 
 /// One evaluation of v = r - K d(x). Places in AnalogController's lists.
 struct Pass {
-  std::string x, out;              ///< nodes; of the argument "r", "w" or "v"
-  int square = -1, cube = -1;      ///< multipliers
+  std::string from;            ///< node whose disturbance it is: "r", "w" or "v"
+  std::string x, out;          ///< nodes; x the argument: `from`, with amplitude gains `from` over the stroke
+  int square = -1, cube = -1;  ///< multipliers
   int branch_opamp[2] = {-1, -1};  ///< ascending, descending; none: the polynomial is 0
   /// The subtraction r - (Rg/Rin) sw: its op-amp and parts.
   struct Output {
@@ -61,9 +62,8 @@ struct Pass {
   } output;
 };
 
-/// The rate gain of one branch: K(f) = at_rest * (1 + control/U).
-struct RateGain {
-  Disturbance::Branch which = Disturbance::Branch::ascending;
+/// A gain of one branch that a control voltage changes: at_rest * (1 + control/U).
+struct BranchGain {
   double at_rest = 1.0;  ///< gain for control 0, in the weights of the branch
   int control = -1;      ///< op-amp that makes the control voltage; none: constant
 };
@@ -78,9 +78,9 @@ struct RateCurve {
 };
 
 struct LoopFigures {
-  double greatest_gain = 0.0;   ///< greatest |K d'(v)| over both branches and all rates
+  double greatest_gain = 0.0;   ///< greatest |K d'(v)| over both branches, all rates and strokes
   double least_slope = 0.0;     ///< of 1 + K d'(v)
-  double greatest_drive = 0.0;  ///< V
+  double greatest_drive = 0.0;  ///< in strokes: V at full stroke
 };
 
 struct AnalogController : schematic::Netlist {
@@ -92,8 +92,15 @@ struct AnalogController : schematic::Netlist {
 
   std::vector<Pass> passes;
   double branch_gain = 1.0;  ///< V per unit of K d at the switch
-  RateGain rate[2];
+  BranchGain rate[2], amplitude[2];
   std::optional<RateCurve> curve;  ///< none: no branch changes with rate
+  /// The stroke alpha of the reference as a voltage (node al; an: the other sign): its last peak, the reference itself where
+  /// it is higher, at least `least`. Absent without amplitude gains.
+  struct Stroke {
+    double least = 0.0;
+    double argument_scale = 1.0;  ///< V at the generator's argument for v = alpha, by the parts
+  };
+  std::optional<Stroke> stroke;
 
   /// Slope in volts: differentiator, full-wave rectifier, smoothing; none without rate gains. Op-amps and parts.
   struct SlopeMeter {
@@ -101,6 +108,7 @@ struct AnalogController : schematic::Netlist {
     int damping = -1, differentiates = -1, gain = -1, limits = -1;  ///< Rs, Cd, Rd, Cf
     int half_wave_opamp = -1, half_wave_input = -1, half_wave_feedback = -1;
     int full_wave_opamp = -1, direct = -1, half = -1, full_wave_feedback = -1, smoothing = -1;  ///< -|slope|
+    double input_gain = 1.0;    ///< of the division by the stroke, where there is one
     double volts_per_hz = 0.0;  ///< of a triangle of reference_stroke, realised parts
     double smoothing_s = 0.0;
   };
@@ -114,6 +122,8 @@ struct AnalogController : schematic::Netlist {
   bool switched() const { return !contacts.empty(); }
   /// The gain that a branch should have at f: the table's, or 1 (Options::rates off), or a constant table's.
   double rated_gain(Disturbance::Branch which, Hertz frequency) const;
+  /// The same over the stroke: the table's, or 1 where none is built.
+  double amplitude_gain(Disturbance::Branch which, double alpha) const;
 };
 
 /// Throws DesignError, one line, when it cannot be made: |K d'| reaches 1 (the stage itself has no inverse there,

@@ -12,10 +12,18 @@ bool is_generator(Purpose purpose) {
   return purpose == Purpose::powers || purpose == Purpose::branch;
 }
 
-/// What the generator reads, by another name.
-void cut_argument(const AnalogController& controller, schematic::Netlist& out) {
+/// What the generator reads, by another name: the last pass's argument becomes `argument`, those before it what they divide (at
+/// full stroke the stroke is 1).
+void rename_arguments(const AnalogController& controller, const std::string& argument,
+                      schematic::Netlist& out) {
   const auto read = [&](std::size_t group, std::string& node) {
-    if (is_generator(controller.purpose_of(group)) && node == controller.passes.back().x) node = kArgument;
+    if (!is_generator(controller.purpose_of(group))) return;
+    for (const Pass& one : controller.passes) {
+      if (node == one.x) {
+        node = &one == &controller.passes.back() ? argument : one.from;
+        return;
+      }
+    }
   };
   for (Part& one : out.parts) {
     read(one.group, one.from);
@@ -31,9 +39,13 @@ void cut_argument(const AnalogController& controller, schematic::Netlist& out) {
 schematic::Netlist opened(const AnalogController& controller) {
   schematic::Netlist out = schematic::subset(controller, [&](std::size_t group) {
     const Purpose purpose = controller.purpose_of(group);
-    return purpose != Purpose::slope_sign && purpose != Purpose::slope_meter;
+    return purpose != Purpose::slope_sign && purpose != Purpose::slope_meter && purpose != Purpose::stroke;
   });
-  cut_argument(controller, out);
+  rename_arguments(controller, kArgument, out);
+  if (controller.stroke) {
+    out.sources.push_back({"Vstroke", "", "al", 1.0});
+    out.sources.push_back({"Vminus", "", "an", -1.0});
+  }
   for (Part& one : out.parts) {
     for (std::string* node : {&one.from, &one.to}) {
       if (*node == "sn") *node = "slope";
@@ -53,7 +65,7 @@ schematic::Netlist generator_netlist(const AnalogController& controller, bool cu
     return is_generator(purpose) || purpose == Purpose::branch_switch || purpose == Purpose::output;
   });
   out.sources = {{"Vr", "", "r", 0.0}};
-  if (cut) cut_argument(controller, out);
+  rename_arguments(controller, cut ? kArgument : controller.passes.back().from, out);
   return out;
 }
 
@@ -71,9 +83,11 @@ std::string controller_library(const AnalogController& controller, const std::st
       "No analysis and no control section: for ngspice, LTspice and Xyce alike."};
   schematic::Subcircuit top;
   top.name = out.top;
-  top.pins = options.open ? std::vector<std::string>{"r", kArgument, "branch", "slope", "v"}
+  top.pins = options.open ? std::vector<std::string>{"r", kArgument, "branch", "slope",
+                                                     "v"}
                           : std::vector<std::string>{"r", "v"};
-  top.netlist = options.open ? opened(controller) : static_cast<const schematic::Netlist&>(controller);
+  top.netlist =
+      options.open ? opened(controller) : static_cast<const schematic::Netlist&>(controller);
   out.subcircuits.push_back(std::move(top));
   return schematic::spice_text(out, {.off = options.off, .noise = false});
 }

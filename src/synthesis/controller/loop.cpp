@@ -246,7 +246,7 @@ LoopBias bias_of(const AnalogController& controller, const LoopPoint& point) {
   if (wiring.argument_is_given)
     out.reference_v = (point.v - rest.made(0.0, point.v, rising)) / rest.reference_gain();
   rest.made(out.reference_v, point.v, rising);
-  for (const schematic::Multiplier& m : controller.multipliers) {
+  for (const schematic::Multiplier& m : wiring.generator.netlist().multipliers) {
     for (const std::string& node : {m.x, m.y, m.z, m.out})
       out.volts[node] = wiring.argument_is_given && node == "v" ? point.v : rest.volts(node);
   }

@@ -38,10 +38,10 @@ std::vector<AsBuilt> measure_as_built(const AnalogController& controller,
     const SteadyState run = run_in_ngspice(controller, reference, f, options);
     AsBuilt one;
     one.frequency = f;
-    one.error = stage_error(controller.disturbance, run);
+    one.error = stage_error(controller, run);
     SteadyState plain = run;
     plain.v = run.r;
-    one.without = stage_error(controller.disturbance, plain);
+    one.without = stage_error(controller, plain);
     one.cvode_difference_percent = rms_in_time_percent(
         run.own_s, run.own_v, run_in_cvode(controller, reference, f, run.v.size(), run.own_s).own_v,
         reference.alpha());
@@ -58,9 +58,9 @@ std::vector<AsBuilt> predict_as_built(const AnalogController& controller,
   parallel_for(out.size(), thread_count(0), [&](std::size_t i) {
     SteadyState run = run_in_cvode(controller, reference, controller.tracked[i]);
     out[i].frequency = controller.tracked[i];
-    out[i].error = stage_error(controller.disturbance, run);
+    out[i].error = stage_error(controller, run);
     run.v = run.r;
-    out[i].without = stage_error(controller.disturbance, run);
+    out[i].without = stage_error(controller, run);
   });
   return out;
 }

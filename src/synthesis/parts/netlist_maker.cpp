@@ -1,5 +1,9 @@
 #include "synthesis/parts/netlist_maker.hpp"
 
+#include <cmath>
+
+#include "synthesis/parts/sum_search.hpp"
+
 namespace bodesmith::circuit {
 
 using schematic::Part;
@@ -67,6 +71,81 @@ NetlistMaker::Sum NetlistMaker::sum(const std::vector<Weight>& weights, const st
   made.opamp = opamp(std::move(role), plus_used ? plus : "0", minus, out);
   made.noise_gain = 1.0 + minus_siemens * realised.feedback;
   return made;
+}
+
+NetlistMaker::Rectifier NetlistMaker::rectifier(const std::string& node, const std::string& role,
+                                                const std::string& from, const std::string& reference,
+                                                double ratio) {
+  constexpr double kOhm = 10e3;
+  // Input and feedback are equal.
+  double input = resistors_.nearest(kOhm), best = 1.0;
+  if (!resistors_.is_exact()) {
+    for (const double r : resistors_.values(kOhm, 2.2 * kOhm)) {
+      const double off = std::abs(resistors_.nearest(r * ratio) / (r * ratio) - 1.0);
+      if (off < best) {
+        best = off;
+        input = r;
+      }
+    }
+  }
+  const std::string minus = "m" + node, end = "e" + node;
+  resistor("R" + node + "i", role + ", input", from, minus, input, input);
+  const int other = resistor("R" + node + "r", role + ", threshold", reference, minus, input * ratio);
+  resistor("R" + node + "f", role + ", feedback", minus, node, input, input);
+  diode("D" + node + "a", role, node, end);
+  diode("D" + node + "b", role, end, minus);
+  return {opamp(role, "0", minus, end), to_.part(other).realised / input};
+}
+
+std::vector<double> NetlistMaker::inverting_sum(const std::vector<std::string>& from,
+                                                const std::vector<double>& gains,
+                                                const std::vector<std::vector<double>>& rows,
+                                                const std::string& role, const std::string& out) {
+  constexpr double kLeastV = 2e-5;
+  const SumDesign design = search_sum(gains, rows, resistors_, kLeastV, role);
+  const std::string minus = "m" + out;
+  for (std::size_t i = 0; i < from.size(); ++i) {
+    if (design.realised[i] == 0.0) continue;
+    resistor("R" + out + std::to_string(i + 1), role + " from " + from[i], from[i], minus, design.wanted[i],
+             design.realised[i]);
+  }
+  resistor("R" + out + "f", role + ", feedback", minus, out, design.feedback, design.feedback);
+  opamp(role, "0", minus, out);
+  return design.gains;
+}
+
+int NetlistMaker::signed_sum(const std::vector<std::string>& from, const std::vector<double>& gains,
+                             const std::vector<std::vector<double>>& rows, const std::string& role,
+                             const std::string& out, const std::string& inverted) {
+  std::vector<std::string> nodes[2];  // inverted once, inverted twice
+  std::vector<double> factors[2];
+  std::vector<std::vector<double>> volts[2];
+  for (const int side : {0, 1}) volts[side].resize(rows.size());
+  std::vector<double> twice(rows.size(), 0.0);
+  for (std::size_t i = 0; i < gains.size(); ++i) {
+    const std::size_t side = gains[i] > 0.0 ? 1 : 0;
+    nodes[side].push_back(from[i]);
+    factors[side].push_back(-std::abs(gains[i]));
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      volts[side][row].push_back(rows[row][i]);
+      if (side == 1) twice[row] -= gains[i] * rows[row][i];
+    }
+  }
+  if (!nodes[1].empty()) {
+    for (std::size_t row = 0; row < rows.size(); ++row) volts[1][row].push_back(twice[row]);
+    const std::vector<double> realised =
+        inverting_sum(nodes[1], factors[1], volts[1], role + ", inverted", inverted);
+    nodes[0].push_back(inverted);
+    factors[0].push_back(-1.0);
+    for (std::size_t row = 0; row < rows.size(); ++row) {
+      double got = 0.0;
+      for (std::size_t k = 0; k < realised.size(); ++k) got += realised[k] * volts[1][row][k];
+      volts[0][row].push_back(got);
+    }
+  }
+  for (std::size_t row = 0; row < rows.size(); ++row) volts[0][row].push_back(rows[row].back());
+  inverting_sum(nodes[0], factors[0], volts[0], role, out);
+  return static_cast<int>(to_.opamps.size()) - 1;
 }
 
 }  // namespace bodesmith::circuit

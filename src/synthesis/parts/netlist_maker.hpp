@@ -41,7 +41,26 @@ class NetlistMaker {
           const std::string& letters, const std::string& tail, const std::string& what, std::string role,
           const std::string& plus, const std::string& minus, const std::string& out);
 
+  /// A precision rectifier, -max(0, V(from) + V(reference)/ratio), with the pair of equal resistors whose reference resistor is
+  /// nearest the series; `ratio` above 1 takes a small share of the reference.
+  struct Rectifier {
+    int opamp = -1;
+    double ratio = 0.0;  ///< realised
+  };
+  Rectifier rectifier(const std::string& node, const std::string& role, const std::string& from,
+                      const std::string& reference, double ratio);
+  /// An inverting sum, or two: V(out) = sum of gains V(from). What counts with a positive gain passes a sum of its own (`inverted`)
+  /// first, so that every term ends at a virtual ground: a rectifier that rests is no source, only its feedback's
+  /// resistance. `rows`: for each point that counts the terms' voltages and, last, what the sum should be. The place of its op-amp.
+  int signed_sum(const std::vector<std::string>& from, const std::vector<double>& gains,
+                 const std::vector<std::vector<double>>& rows, const std::string& role,
+                 const std::string& out, const std::string& inverted);
+
  private:
+  /// Returns what the realised resistors make of the gains, all below 0.
+  std::vector<double> inverting_sum(const std::vector<std::string>& from, const std::vector<double>& gains,
+                                    const std::vector<std::vector<double>>& rows, const std::string& role,
+                                    const std::string& out);
   int part(schematic::Part one);
 
   schematic::Netlist& to_;

@@ -94,7 +94,7 @@ void Board::tabulate(bool rising) {
   const AnalogController& c = wiring_.controller;
   const int index = rising ? 0 : 1;
   Branch& b = branch_[index];
-  const controller::RateGain& rate = c.rate[index];
+  const controller::BranchGain& rate = c.rate[index];
   double low = 0.0, high = 0.0;
   if (rate.control >= 0) {
     b.varies = true;
@@ -129,7 +129,8 @@ void Board::tabulate(bool rising) {
 double Board::open_node_f() const {
   const AnalogController& c = wiring_.controller;
   const std::string& node = c.contacts.back().to;
-  double out = static_cast<double>(c.contacts.size()) * c.analog_switch.drain_f;
+  double out = 0.0;
+  for (const schematic::Contact& one : c.contacts) out += one.to == node ? c.analog_switch.drain_f : 0.0;
   for (std::size_t i = 0; i < c.parts.size(); ++i) {
     const schematic::Part& part = c.parts[i];
     if (part.kind == schematic::Part::Kind::capacitor && (part.from == node || part.to == node))

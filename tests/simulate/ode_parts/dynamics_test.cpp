@@ -250,6 +250,31 @@ TEST(GrunwaldLetnikov, ConvergesToTheApproximationAtSecondOrder) {
   EXPECT_LT(last, 5e-4);
 }
 
+TEST(GrunwaldLetnikov, TheEngineIsTheSumsOverAllThePast) {
+  const FractionalLeadLag term{0.05, 0.1, 0.6};
+  const Chain chain{{make_block("fractional_lead_lag").set("lambda_s", 0.05).set("x", 0.1).set("beta", 0.6),
+                     make_block("gain").set("gain", 2.0).set("offset", 0.25)}};
+  TimeRecord in;
+  in.step_s = 2e-3;
+  for (int i = 0; i <= 500; ++i) in.u.push_back(std::sin(0.03 * i) + 0.4);
+  auto options = with(Engine::grunwald_letnikov);
+  options.estimate_error = true;
+  const Result result = simulate(chain, in, options);
+  const auto sums = grunwald_letnikov(term, in.u, in.step_s, 0.0, false).y;
+  for (std::size_t i = 0; i < sums.size(); ++i) EXPECT_NEAR(result.y[i], 2.0 * sums[i] + 0.25, 1e-8) << i;
+  // Its own error estimate covers what the better engine says, and half the step halves it.
+  const auto better = simulate(chain, in, with(Engine::record)).y;
+  EXPECT_LT(largest(result.y, better), 1.3 * *result.error_estimate);
+  options.oversample = 2;
+  EXPECT_NEAR(largest(simulate(chain, in, options).y, better) / largest(result.y, better), 0.5, 0.1);
+  // From rest under the first input nothing happens until it moves.
+  in.u.assign(100, 0.4);
+  options.start = Start::equilibrium;
+  for (const double y : simulate(chain, in, options).y) EXPECT_NEAR(y, 2.0 * 0.4 + 0.25, 1e-9);
+  const Chain bent{{make_block("polynomial").set("coefficients", {0.0, 1.0, 1.0})}};
+  EXPECT_THROW(simulate(bent, in, with(Engine::grunwald_letnikov)), InputError);
+}
+
 TEST(GrunwaldLetnikov, ShortMemoryStaysWithinItsBound) {
   const FractionalLeadLag term{0.05, 0.1, 0.6};
   std::vector<double> u;

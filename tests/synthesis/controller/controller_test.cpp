@@ -7,6 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "schematic/analysis/in_time.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "synthesis/controller/as_built.hpp"
 #include "synthesis/controller/at_rest.hpp"
@@ -44,7 +45,7 @@ TEST(Controller, NgspiceAndTheStageFindItWithinATenthOfAPercent) {
   const AnalogController fed = make_controller(first_seed());
   for (const double f : {1.0, 100.0}) {
     const tracking::TrackingError error =
-        stage_error(fed.disturbance, run_in_ngspice(fed, tracking::Reference(), Hertz{f}));
+        stage_error(fed, run_in_ngspice(fed, tracking::Reference(), Hertz{f}));
     EXPECT_LT(error.rms_percent, 0.04) << f << " Hz";
     EXPECT_LT(error.rms_percent_without_lag, 0.04) << f << " Hz";
   }
@@ -149,6 +150,90 @@ TEST(ControllerLibrary, EveryPartStandsInTheNetlistOnceWithItsNodesAndValue) {
     EXPECT_EQ(lines.size(), built.parts.size() + built.opamps.size() + built.multipliers.size() +
                                 built.contacts.size() + built.sources.size() + 2);
   }
+}
+
+/// A loop that shrinks faster than the stroke, not by the same curve on both branches.
+Disturbance with_strokes() {
+  Disturbance out = first_seed();
+  out.amplitude.alpha = {0.25, 0.5, 0.75, 1.0};
+  out.amplitude.ascending = {0.19, 0.43, 0.70, 1.0};
+  out.amplitude.descending = {0.21, 0.46, 0.72, 1.0};
+  return out;
+}
+
+TEST(Controller, PartialStrokesAreTrackedInNgspiceByTheAmplitudeGains) {
+  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  const AnalogController built = make_controller(with_strokes());
+  // x^2, x^3, one rate gain, two amplitude gains, two divisions.
+  EXPECT_EQ(built.multipliers.size(), 7u);
+  const auto triangle = [](double stroke) {
+    return tracking::Reference(tracking::Reference::Shape::triangle, stroke);
+  };
+  // Beside the table's strokes one between them. The percentages are of the stroke's own range; the aim is .15 % of the full one.
+  for (const auto& [stroke, f] : {std::pair{1.0, 100.0}, {0.5, 1.0}, {0.4, 100.0}, {0.25, 100.0}}) {
+    const SteadyState run = run_in_ngspice(built, triangle(stroke), Hertz{f}, {.tight = false});
+    EXPECT_LT(stage_error(built, run).rms_percent_without_lag * stroke, 0.06) << stroke << ", " << f << " Hz";
+  }
+  const AsBuilt half = measure_as_built(built, {Hertz{100.0}}, triangle(0.5)).front();
+  EXPECT_GT(half.without.rms_percent * 0.5, 1.5);
+  EXPECT_LT(half.cvode_difference_percent, 0.02);
+}
+
+TEST(Controller, AnotherStrokeCountsFromItsFirstPeakOn) {
+  const AnalogController built = make_controller(with_strokes());
+  // 50 Hz: a full stroke, a half one, two full ones.
+  constexpr double kStrokes[] = {1.0, 0.5, 1.0, 1.0}, kPeriod = 0.02;
+  const auto reference = [&](double t) {
+    const double turns = t / kPeriod, k = std::min(std::floor(turns), 3.0);
+    return kStrokes[static_cast<std::size_t>(k)] * (1.0 - std::abs(1.0 - 2.0 * (turns - k)));
+  };
+  schematic::InTime run(built, reference, {.input = "r"});
+  run.begin(0.0);
+  const auto stroke_at = [&](double turns) {
+    double out = 0.0;
+    run.run_to(turns * kPeriod, [&](double, double to) { out = run.volts("al", to); });
+    return out;
+  };
+  stroke_at(0.5);
+  EXPECT_NEAR(stroke_at(0.9), 1.0, 2e-3);  // falling
+  stroke_at(1.0);
+  EXPECT_NEAR(stroke_at(1.3), 1.0, 2e-3);  // rising to half: not known yet
+  stroke_at(1.5);
+  EXPECT_NEAR(stroke_at(1.9), 0.5, 2e-3);  // its peak counts
+  stroke_at(2.0);
+  EXPECT_NEAR(stroke_at(2.2), 0.5, 2e-3);   // r = .4 of a full stroke
+  EXPECT_NEAR(stroke_at(2.45), 0.9, 5e-3);  // the reference itself is beyond the last peak
+  stroke_at(2.5);
+  EXPECT_NEAR(stroke_at(3.2), 1.0, 2e-3);
+}
+
+TEST(Controller, GainsOverTheStrokeAreTheTablesAtRest) {
+  const AnalogController built = make_controller(with_strokes());
+  EXPECT_LT(built.max_error_percent, 0.05);
+  BuiltGenerator at(built);
+  at.set_rate(Hertz{60.0});
+  for (const double stroke : {0.25, 0.4, 1.0}) {
+    at.set_stroke(stroke);
+    for (const auto which : {Disturbance::Branch::ascending, Disturbance::Branch::descending}) {
+      const double gain =
+          built.disturbance.rate_gain(which, Hertz{60.0}) * built.disturbance.amplitude_gain(which, stroke);
+      EXPECT_NEAR(at.subtracted(which, 0.4), gain * built.disturbance.value(which, 0.4), 5e-4) << stroke;
+    }
+  }
+}
+
+TEST(Controller, AmplitudeGainsThatLeaveNoInverseAreRefusedWithTheirStroke) {
+  Disturbance wide = with_strokes();
+  wide.amplitude.ascending.front() = 0.8;  // K g d'/alpha is 1.13 there
+  try {
+    make_controller(wide);
+    FAIL();
+  } catch (const DesignError& error) {
+    EXPECT_NE(std::string(error.what()).find("of a stroke of 0.25"), std::string::npos) << error.what();
+  }
+  Options full;
+  full.full_stroke = true;
+  EXPECT_EQ(make_controller(wide, full).multipliers.size(), 3u);
 }
 
 TEST(RateCurve, IsTheTableAtItsFrequenciesAndHeldBeyondThem) {

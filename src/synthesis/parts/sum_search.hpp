@@ -4,7 +4,7 @@
 
 #include "synthesis/parts/series.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::circuit {
 
 /// Resistors of an inverting sum for any voltages.
 struct SumDesign {
@@ -17,6 +17,6 @@ struct SumDesign {
 /// exchanged for their neighbours in the series while the greatest error over the rows falls; terms that never exceed
 /// `least_v` at the output are left out. Throws DesignError, in which `what` names the sum.
 SumDesign search_sum(const std::vector<double>& gains, const std::vector<std::vector<double>>& rows,
-                     const circuit::Series& series, double least_v, const std::string& what);
+                     const Series& series, double least_v, const std::string& what);
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::circuit

@@ -1,4 +1,4 @@
-#include "synthesis/controller/sum_search.hpp"
+#include "synthesis/parts/sum_search.hpp"
 
 #include <fmt/format.h>
 
@@ -10,22 +10,21 @@
 #include "base/text.hpp"
 #include "synthesis/parts/summing_amplifier.hpp"
 
-namespace bodesmith::controller {
+namespace bodesmith::circuit {
 namespace {
 
 constexpr double kLeastOhm = 1e3, kGreatestOhm = 10e6;
 constexpr int kNeighbours = 5;
 constexpr int kSweeps = 6;
 
-class Exchange {
+class WeightExchange {
  public:
-  Exchange(std::vector<double> gains, const std::vector<std::vector<double>>& rows,
-           const circuit::Series& series)
+  WeightExchange(std::vector<double> gains, const std::vector<std::vector<double>>& rows, const Series& series)
       : gains_(std::move(gains)), rows_(rows), series_(series) {}
 
   /// The best near the exact weights for this feedback; infinite when they are out of reach.
-  double from(double feedback, circuit::SummingResistors& best) const {
-    circuit::SummingResistors trial;
+  double from(double feedback, SummingResistors& best) const {
+    SummingResistors trial;
     trial.feedback = feedback;
     for (const double g : gains_) {
       const double ohm = g == 0.0 ? 0.0 : feedback / std::abs(g);
@@ -43,8 +42,8 @@ class Exchange {
     return worst;
   }
 
-  double error(const circuit::SummingResistors& r) const {
-    const std::vector<double> got = circuit::summing_gains(r, gains_);
+  double error(const SummingResistors& r) const {
+    const std::vector<double> got = summing_gains(r, gains_);
     double worst = 0.0;
     for (const std::vector<double>& row : rows_) {
       double off = -row.back();
@@ -55,7 +54,7 @@ class Exchange {
   }
 
  private:
-  void exchange(const circuit::SummingResistors& trial, double& ohm, double& worst) const {
+  void exchange(const SummingResistors& trial, double& ohm, double& worst) const {
     if (ohm == 0.0) return;
     const double asked = ohm;
     double best = ohm;
@@ -72,13 +71,13 @@ class Exchange {
 
   std::vector<double> gains_;
   const std::vector<std::vector<double>>& rows_;
-  const circuit::Series& series_;
+  const Series& series_;
 };
 
 }  // namespace
 
 SumDesign search_sum(const std::vector<double>& gains, const std::vector<std::vector<double>>& rows,
-                     const circuit::Series& series, double least_v, const std::string& what) {
+                     const Series& series, double least_v, const std::string& what) {
   std::vector<double> used = gains;
   double largest = 0.0;
   for (std::size_t k = 0; k < gains.size(); ++k) {
@@ -87,11 +86,11 @@ SumDesign search_sum(const std::vector<double>& gains, const std::vector<std::ve
     if (top < least_v) used[k] = 0.0;
     largest = std::max(largest, std::abs(used[k]));
   }
-  const Exchange search(used, rows, series);
+  const WeightExchange search(used, rows, series);
   const double low = std::max(10e3, 1.2 * kLeastOhm * largest);
   const std::vector<double> feedbacks =
       series.is_exact() ? std::vector<double>{low} : series.values(low, 6.0 * low);
-  circuit::SummingResistors best, one;
+  SummingResistors best, one;
   double worst = std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < feedbacks.size(); i += 3) {
     const double got = search.from(feedbacks[i], one);
@@ -110,8 +109,8 @@ SumDesign search_sum(const std::vector<double>& gains, const std::vector<std::ve
   out.feedback = best.feedback;
   out.realised = best.weights;
   for (const double g : used) out.wanted.push_back(g == 0.0 ? 0.0 : best.feedback / std::abs(g));
-  out.gains = circuit::summing_gains(best, used);
+  out.gains = summing_gains(best, used);
   return out;
 }
 
-}  // namespace bodesmith::controller
+}  // namespace bodesmith::circuit

@@ -1,0 +1,110 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <vector>
+
+#include "base/text.hpp"
+#include "synthesis/controller/build.hpp"
+
+/// Amplitude gains (disturbance paper, Fig. 2 and 3c, d): v = r - K g(alpha) d(v/alpha), alpha the reference's stroke.
+namespace bodesmith::controller {
+namespace {
+
+/// Of it offsets of some millivolts are a tenth.
+constexpr double kLeastStroke = 0.05;
+/// Ohm before the op-amp that divides; nothing flows there.
+constexpr double kDividerOhm = 10e3;
+
+}  // namespace
+
+/// The table's, from kLeastStroke on.
+std::vector<double> Builder::strokes() const {
+  if (!out_.stroke) return {1.0};
+  std::vector<double> out = {std::max(disturbance_.amplitude.alpha.front(), kLeastStroke)};
+  for (const double alpha : disturbance_.amplitude.alpha) {
+    if (alpha > out.back()) out.push_back(alpha);
+  }
+  return out;
+}
+
+/// Two capacitors in turn: the first follows r while it rises and keeps its peak while it falls, when the second takes it over.
+/// No time constant stands between a hold that droops and a stroke that is forgotten late: a new stroke counts from its first
+/// peak on. The greatest of what is held, r (a stroke that grows) and the least stroke is alpha.
+void Builder::stroke_hold() {
+  enter("stroke");
+  reference();
+  double fastest = disturbance_.rate.frequency.empty() ? 100.0 : disturbance_.rate.frequency.back().value;
+  for (const Hertz f : options_.tracked) fastest = std::max(fastest, f.value);
+  // Late by on-resistance times capacitor at the fastest triangle, drooping by the open contact's leak over half a period of the
+  // slowest: both shares of the stroke are the same,
+  //   2 f_max R_on C = G_off/(2 f_min C).
+  const schematic::SwitchModel& contact = out_.analog_switch;
+  const double farad = options_.capacitors.nearest(
+      std::clamp(std::sqrt(contact.off_siemens / (4.0 * options_.lowest.value * fastest * contact.on_ohm)),
+                 1e-9, 100e-9));
+  opamp("stroke, drives the first hold", "r", "rb", "rb");
+  out_.contacts.push_back({"Sp1", group, "rb", "h1", "up", 0});
+  capacitor("Cp1", "stroke, peak of this rise", "h1", "0", farad);
+  opamp("stroke, drives the second hold", "h1", "hb", "hb");
+  out_.contacts.push_back({"Sp2", group, "hb", "h2", "down", 1});
+  capacitor("Cp2", "stroke, last peak", "h2", "0", farad);
+  const double lower = 1e3;
+  const int up =
+      resistor("Rp1", "least stroke", "vr", "hl", lower * (kReferenceV / out_.stroke->least - 1.0));
+  const int down = resistor("Rp2", "least stroke", "hl", "0", lower);
+  out_.stroke->least =
+      kReferenceV * out_.part(down).realised / (out_.part(down).realised + out_.part(up).realised);
+  int number = 0;
+  for (const auto& [node, what] :
+       {std::pair{"h2", "last peak"}, {"r", "reference"}, {"hl", "least stroke"}}) {
+    const std::string end = fmt::format("ep{}", ++number);
+    opamp(fmt::format("stroke, greatest: {}", what), node, "al", end);
+    diode(fmt::format("Dp{}", number), fmt::format("stroke, greatest: {}", what), end, "al");
+  }
+  resistor("Rp3", "stroke, draws what no diode gives", "al", "0", 10e3);
+  resistor("Rp4", "stroke, inverted", "al", "mp", 10e3, options_.resistors.nearest(10e3));
+  resistor("Rp5", "stroke, inverted, feedback", "mp", "an", 10e3, options_.resistors.nearest(10e3));
+  opamp("stroke, inverted", "0", "mp", "an");
+}
+
+/// An op-amp whose feedback goes through a multiplier: alpha z/U = k V(node), so that z = k U V(node)/alpha.
+std::string Builder::over_stroke(const std::string& node) {
+  if (!out_.stroke) return node;
+  const std::string quotient = "z" + node, plus = "pz" + node, product = "y" + node;
+  const bool known = std::any_of(out_.opamps.begin(), out_.opamps.end(),
+                                 [&](const OpAmp& one) { return one.out == quotient; });
+  if (known) return quotient;
+  const std::size_t back = group;
+  enter("division by the stroke");
+  const double top = std::max(out_.loop.greatest_drive, 1.0), u = out_.multiplier.scale_v;
+  // The pair whose ratio is next below what uses the multiplier's range.
+  const double scale = kRoom * out_.multiplier.greatest_input_v / top, ratio = scale / u;
+  const double lower = options_.resistors.nearest(kDividerOhm);
+  const int above =
+      resistor("Rz1" + node, "divided by the stroke, " + node, node, plus, lower * (1.0 / ratio - 1.0));
+  const int below = resistor("Rz2" + node, "divided by the stroke, " + node, plus, "0", lower, lower);
+  out_.stroke->argument_scale =
+      u * out_.part(below).realised / (out_.part(below).realised + out_.part(above).realised);
+  opamp("divides by the stroke, " + node, plus, product, quotient);
+  multiplier("Mz" + node, "stroke times quotient, " + node, quotient, "al", "0", product, top * scale / u);
+  group = back;
+  return quotient;
+}
+
+void Builder::amplitude_gains() {
+  GainCurve curve{.node = "an", .rectifiers = "q", .control = "h", .inverted = "i", .group = "amplitude"};
+  curve.corner_v = strokes();
+  for (const double alpha : curve.corner_v)
+    curve.corner_text.push_back(fmt::format("corner at {} of the stroke", rounded_text(alpha, 4)));
+  for (const int b : {0, 1}) {
+    const auto which = b == 0 ? Disturbance::Branch::ascending : Disturbance::Branch::descending;
+    for (const double alpha : curve.corner_v)
+      curve.gain[b].push_back(disturbance_.amplitude_gain(which, alpha));
+    const auto [least, most] = std::minmax_element(curve.gain[b].begin(), curve.gain[b].end());
+    curve.varies[b] = *least != *most;
+  }
+  build_curve(curve, out_.amplitude);
+}
+
+}  // namespace bodesmith::controller

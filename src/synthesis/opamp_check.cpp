@@ -57,7 +57,9 @@ class Loop {
 
 void phase_margins(const Circuit& circuit, OpAmpCheck& out) {
   const schematic::Equations equations(circuit);
+  Progress progress("phase margins");
   for (size_t i = 0; i < circuit.opamps.size(); ++i) {
+    progress.at(static_cast<double>(i) / static_cast<double>(circuit.opamps.size()));
     const double margin = Loop(equations, circuit, i).phase_margin_deg();
     if (margin < out.min_phase_margin_deg) {
       out.min_phase_margin_deg = margin;

@@ -158,14 +158,16 @@ struct Tracked {
 /// At the fast clock as it is given. Without one at 250 kHz, and where that tracks worse than is asked of a board also at 1 MHz, which
 /// the vendor's limit of (1 + gain) fc leaves room for up to a gain of 18.
 Tracked tracked_controller(const CommandLine& line, const fpaa::ControllerOptions& asked,
-                           const std::function<Tracked(const fpaa::ControllerOptions&)>& made) {
+                           const std::function<Tracked(const fpaa::ControllerOptions&, bool alone)>& made) {
   constexpr double kWantedPercent = 0.05;
   constexpr double kFasterHz = 1e6;
-  Tracked out = made(asked);
+  Tracked out = made(asked, false);
   if (line.has("fast-clock-hz") || out.worst_percent() <= kWantedPercent) return out;
   fpaa::ControllerOptions faster = asked;
   faster.fast_clock = {kFasterHz};
-  Tracked fast = made(faster);
+  faster.polynomial = out.controller.best().by;
+  faster.structure = out.controller.best().structure;
+  Tracked fast = made(faster, true);
   if (!(fast.worst_percent() < out.worst_percent())) return out;
   fast.controller.why +=
       fmt::format("; its fast clock is {} ({} % at {})", engineering_text(kFasterHz, "Hz"),
@@ -210,12 +212,16 @@ int run_fpaa_controller(const std::vector<std::string>& arguments) {
   const std::vector<Hertz> frequencies = frequencies_to_track(line);
   const tracking::PolynomialStage stage(disturbance);
   const auto [controller, tracking] =
-      tracked_controller(line, options, [&](const fpaa::ControllerOptions& at) {
+      tracked_controller(line, options, [&](const fpaa::ControllerOptions& at, bool alone) {
         auto outcome = fpaa::make_controller(disturbance, ascending ? &*ascending : nullptr,
                                              descending ? &*descending : nullptr, at);
         if (const Refusal* refusal = refusal_of(outcome))
           throw DesignError(fmt::format("{}: {}", file, refusal->reason));
         Tracked out{std::get<fpaa::Controller>(std::move(outcome)), {}};
+        for (std::size_t i = 0; alone && i < out.controller.variants.size(); ++i) {
+          if (i != out.controller.chosen && out.controller.variants[i].fits())
+            out.controller.variants[i].refusal = Refusal{"not run at this fast clock"};
+        }
         out.tracking = project::track_board(out.controller, disturbance, stage, frequencies);
         project::choose_by_tracking(out.controller, out.tracking, at);
         return out;

@@ -1,6 +1,8 @@
 #!/usr/bin/env python3
 """Prints the table "What the examples come to" of docs/fpaa.md: sections of many kinds put on a board, with what the plans state.
 
+Then the tables of cases that nothing was tuned on.
+
 Usage: docs/make_fpaa_table.py [path of bodesmith] [name …]     (default build/bin/bodesmith, all names; run ./run first)
 """
 import json
@@ -89,6 +91,46 @@ CASES = [
 ]
 
 
+# Cases that nothing was tuned on, as they were drawn: by the date of the search that they judged first.
+FRESH = {
+    "2026-11-23": [
+        ("Butterworth 3, 250 Hz", (25, 1000), "design lowpass --order 3 --corner-hz 250"),
+        ("Bessel 5, 3 kHz", (100, 8000), "design lowpass --family bessel --order 5 --corner-hz 3000"),
+        ("Chebyshev 4, 2 kHz", (100, 2000), "design lowpass --family chebyshev1 --order 4 --corner-hz 2000"),
+        ("peaking 300 Hz, Q 1, -8 dB", (20, 5000), "design peaking --corner-hz 300 --q 1 --gain-db -8"),
+        ("low shelf 120 Hz, +9 dB", (10, 5000), "design low-shelf --corner-hz 120 --gain-db 9"),
+        ("high shelf 3 kHz, -6 dB", (20, 20000), "design high-shelf --corner-hz 3000 --gain-db -6"),
+        ("band pass 90-160 Hz, order 6", (40, 400), "design bandpass --order 3 --from-hz 90 --to-hz 160"),
+        ("high pass 3, 150 Hz", (75, 3000), "design highpass --order 3 --corner-hz 150"),
+        ("five pole-zero pairs, 3 to 80 Hz", (1, 200), [(1, real(1.3 * f), real(f)) for f in spread(3, 80, 5)]),
+        ("RIAA with 20 Hz high pass", (20, 20e3),
+         [(1, [-1 / 318e-6], [-1 / 3180e-6]), (1, [0], real(20)), (9.898 * 0.1 / 75e-6, [], [-1 / 75e-6])]),
+    ],
+    "2026-11-24": [
+        ("Butterworth 3, 700 Hz", (30, 2500), "design lowpass --order 3 --corner-hz 700"),
+        ("Bessel 3, 900 Hz", (50, 3000), "design lowpass --family bessel --order 3 --corner-hz 900"),
+        ("Chebyshev 5, 1.8 kHz", (50, 1800), "design lowpass --family chebyshev1 --order 5 --corner-hz 1800"),
+        ("high pass 3, 90 Hz", (40, 2000), "design highpass --order 3 --corner-hz 90"),
+        ("band pass 250-480 Hz, order 4", (150, 900), "design bandpass --order 2 --from-hz 250 --to-hz 480"),
+        ("elliptic 3, 400 Hz", (30, 900), "design lowpass --family elliptic --order 3 --corner-hz 400"),
+        ("peaking 400 Hz, Q 1.3, +5 dB", (20, 8000), "design peaking --corner-hz 400 --q 1.3 --gain-db 5"),
+        ("peaking 2.5 kHz, Q 3, -9 dB", (20, 20e3), "design peaking --corner-hz 2500 --q 3 --gain-db -9"),
+    ],
+    "2026-11-25": [
+        ("Butterworth 5, 320 Hz", (20, 1200), "design lowpass --order 5 --corner-hz 320"),
+        ("Bessel 6, 1.5 kHz", (50, 4000), "design lowpass --family bessel --order 6 --corner-hz 1500"),
+        ("Chebyshev high pass 4, 600 Hz", (500, 8000), "design highpass --family chebyshev1 --order 4 --corner-hz 600"),
+        ("band pass 1.2-2.1 kHz, order 4", (600, 4000), "design bandpass --order 2 --from-hz 1200 --to-hz 2100"),
+        ("elliptic 4, 2.5 kHz", (100, 6000), "design lowpass --family elliptic --order 4 --corner-hz 2500 --stop-db 45"),
+        ("peaking 80 Hz, Q 4, +10 dB", (10, 2000), "design peaking --corner-hz 80 --q 4 --gain-db 10"),
+        ("low shelf 300 Hz, -7 dB", (20, 10e3), "design low-shelf --corner-hz 300 --gain-db -7"),
+        ("seven pole-zero pairs, 5 to 500 Hz", (1, 1000), [(1, real(1.4 * f), real(f)) for f in spread(5, 500, 7)]),
+        ("notch 60 Hz, Q 1", (6, 600), [(1, notch(60), pair(60, 1))]),
+        ("NAB tape playback, 50 and 3180 us", (20, 15e3), [(50e-6 / 3180e-6, [-1 / 50e-6], [-1 / 3180e-6])]),
+    ],
+}
+
+
 def roots(list_of):
     return [[complex(r).real, complex(r).imag] for r in list_of]
 
@@ -110,6 +152,10 @@ def verdict(total):
     return ", ".join(missed) or "all kept"
 
 
+def hertz(value):
+    return f"{value:.3g}" if value < 1000 else f"{float(f'{value:.3g}'):.0f}"
+
+
 def row(program, name, band, what, folder):
     file = folder / "sections.json"
     write_sections(program, what, file)
@@ -127,7 +173,7 @@ def row(program, name, band, what, folder):
     opamps = sum(chip["resources"]["opamps"] for chip in plan["chips"])
     clocks = len({cam["clock_a_hz"] for cam in cams})
     low, high = plan["error_with_delays"]["band_hz"]
-    return (f"| {name}, {low:.3g} to {high:.3g} Hz | {total['designed_percent']:.2g} % | {total['p95_percent']:.2g} % | "
+    return (f"| {name}, {hertz(low)} to {hertz(high)} Hz | {total['designed_percent']:.2g} % | {total['p95_percent']:.2g} % | "
             f"{plan['topology']} | {opamps}, {len(plan['chips'])}, {clocks} | {total['at_input_v']:.3g} | "
             f"{total.get('from_bound_db', 0.0):.1f} | {total['image_percent']:.2g} % | {seconds:.1f} | {verdict(total)} |")
 
@@ -135,11 +181,14 @@ def row(program, name, band, what, folder):
 def main():
     program = pathlib.Path(sys.argv[1] if len(sys.argv) > 1 else ROOT / "build/bin/bodesmith").resolve()
     names = sys.argv[2:]
-    print("| example | designed | 95 % | topology | op-amps, chips, clocks | input, V | dB from bound | images | CPU, s | kept or missed |\n"
-          "|---|---|---|---|---|---|---|---|---|---|")
     with tempfile.TemporaryDirectory() as folder:
-        for name, band, what in CASES:
-            if not names or name in names:
+        for head, cases in {"example": CASES, **{f"drawn {date}": cases for date, cases in FRESH.items()}}.items():
+            cases = [case for case in cases if not names or case[0] in names]
+            if not cases:
+                continue
+            print(f"\n| {head} | designed | 95 % | topology | op-amps, chips, clocks | input, V | dB from bound | images | CPU, s | "
+                  "kept or missed |\n|---|---|---|---|---|---|---|---|---|---|")
+            for name, band, what in cases:
                 print(row(program, name, band, what, pathlib.Path(folder)), flush=True)
 
 

@@ -48,7 +48,7 @@ class Plan(_Linear):
 
     @property
     def budget(self) -> dict[str, Any] | None:
-        """Each cause of error by itself: warping, quantisation, holds, mismatch, settling, noise; None where it was read from a file without."""
+        """Each cause of error by itself: holds, mismatch, settling, noise; None where it was read from a file without."""
         return self._data.get("budget")
 
     @property
@@ -132,7 +132,7 @@ def fpaa(
     sections: Sections,
     *,
     board: str = "an231k04-quad4",
-    topology: Literal["auto", "chain"] = "auto",
+    topology: Literal["auto", "chain", "bilinear"] = "auto",
     clock_hz: float | None = None,
     min_clock_hz: float | None = None,
     band_hz: tuple[float, float] | None = None,
@@ -148,7 +148,7 @@ def fpaa(
     """CAMs of an FPAA board for sections: clocks, capacitors, places, wires. DesignError when they do not fit.
 
     Args:
-        topology: auto, chain (CAMs that AnadigmDesigner2 has, alone).
+        topology: auto, chain (CAMs that AnadigmDesigner2 has, alone), bilinear (FilterBilinear, one chip, one clock).
         clock_hz: one clock for all, as a chain. min_clock_hz: no clock below it.
         band_hz: where errors are minimised and stated; default: over the corners.
         unit_capacitor_percent, systematic_units, unit_capacitance_f, opamp_bandwidth_hz, opamp_gain: assumptions on the chip

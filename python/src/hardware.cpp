@@ -31,7 +31,7 @@ fpaa::PlanOptions plan_options(const Node& o) {
   using Topology = fpaa::PlanOptions::Topology;
   fpaa::PlanOptions out;
   out.board = o.string_or("board", out.board);
-  out.topology = choice(o, "topology", {Topology::automatic, Topology::chain});
+  out.topology = choice(o, "topology", {Topology::automatic, Topology::chain, Topology::bilinear});
   if (const auto clock = maybe_positive(o, "clock_hz")) out.clock = Hertz{*clock};
   if (const auto clock = maybe_positive(o, "min_clock_hz")) out.lowest_clock = Hertz{*clock};
   out.band = maybe_band(o);

@@ -20,7 +20,7 @@
 #include "fpaa/sheets/build_sheet.hpp"
 #include "fpaa/sheets/zrna_script.hpp"
 #include "lti/sections.hpp"
-#include "report/plot.hpp"
+#include "project/report_chapters.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -30,8 +30,11 @@ void add_plan_options(CommandLine& line) {
   line.output("folder for plan.json, build_sheet.md, build_sheet.html and board.svg (trade_off.svg)");
   line.option<std::string>("board", "the board", "an231k04-quad4");
   line.words("board", {"an231k04-quad4"});
-  line.option<std::string>("topology", "auto, chain (CAMs that AnadigmDesigner2 has, alone)", "auto");
-  line.words("topology", {"auto", "chain"});
+  line.option<std::string>(
+      "topology",
+      "auto, chain (CAMs that AnadigmDesigner2 has, alone), bilinear (FilterBilinear, one chip, one clock)",
+      "auto");
+  line.words("topology", {"auto", "chain", "bilinear"});
   line.option<double>("clock-hz", "one clock for all: a chain (default: clocks are searched)");
   line.option<double>("min-clock-hz", "no clock below this; slow poles by two capacitor ratios");
   line.band("lower end of the band in which errors are minimised and stated", "its upper end");
@@ -49,7 +52,7 @@ fpaa::PlanOptions plan_options(const CommandLine& line) {
   out.board = line.get<std::string>("board");
   if (const auto clock = line.maybe_positive("clock-hz")) out.clock = Hertz{*clock};
   using Topology = fpaa::PlanOptions::Topology;
-  out.topology = line.choice("topology", {Topology::automatic, Topology::chain});
+  out.topology = line.choice("topology", {Topology::automatic, Topology::chain, Topology::bilinear});
   if (const auto clock = line.maybe_positive("min-clock-hz")) out.lowest_clock = Hertz{*clock};
   out.band = line.maybe_band();
   out.assumptions = {read_mismatch(line), read_noise_model(line)};
@@ -74,24 +77,6 @@ std::string trade_off_text(const fpaa::Plan& plan) {
                      join(points, ", "));
 }
 
-std::string trade_off_svg(const fpaa::Plan& plan) {
-  report::Plot plot;
-  plot.title = "Error of 95 % of boards against the largest input";
-  plot.x = {.label = "largest input, V", .logarithmic = true};
-  plot.y = {.label = "error, %", .logarithmic = true};
-  report::Series curve{.name = "designs", .x = {}, .y = {}};
-  report::Series taken{.name = "taken", .x = {}, .y = {}, .style = report::Series::Style::marks};
-  for (const fpaa::TradeOff& at : plan.trade_off) {
-    for (report::Series* series : {&curve, at.chosen ? &taken : nullptr}) {
-      if (series == nullptr) continue;
-      series->x.push_back(at.at_input_v);
-      series->y.push_back(at.p95_percent);
-    }
-  }
-  plot.series = {curve, taken};
-  return report::to_svg(plot);
-}
-
 void write_plan(const std::filesystem::path& folder, const fpaa::Plan& plan, const Json& json,
                 const OutputSet* streams, const std::optional<fpaa::NetlistParts>& netlist) {
   OutputSet out(folder);
@@ -100,7 +85,7 @@ void write_plan(const std::filesystem::path& folder, const fpaa::Plan& plan, con
   out.add("build_sheet.md", fpaa::build_sheet_markdown(plan));
   out.add("build_sheet.html", fpaa::build_sheet_html(plan));
   out.add("board.svg", fpaa::board_picture_svg(plan));
-  if (!plan.trade_off.empty()) out.add("trade_off.svg", trade_off_svg(plan));
+  if (!plan.trade_off.empty()) out.add("trade_off.svg", report::to_svg(project::trade_off_plot(plan)));
   if (fpaa::has_zrna_script(plan)) out.add("zrna.py", fpaa::zrna_script(plan));
   if (netlist) {
     out.add("board.sub", value_or_throw(fpaa::board_netlist(plan, *netlist, "FPAA plan")));

@@ -24,6 +24,15 @@ Outcome<fpaa::Plan> try_plan(const Project& project, const Sections& sections, c
 
 }  // namespace
 
+std::optional<fpaa::Plan> make_paper_plan(const Project& project, const Sections& sections, Band band) {
+  if (!project.fpaa) return std::nullopt;
+  fpaa::PlanOptions options = plan_options(project, band);
+  options.topology = fpaa::PlanOptions::Topology::bilinear;
+  Outcome<fpaa::Plan> made = fpaa::make_plan(sections, options);
+  if (refusal_of(made) != nullptr) return std::nullopt;
+  return std::get<fpaa::Plan>(std::move(made));
+}
+
 Sections stating_band(Sections sections, Band band) {
   if (!sections.error) sections.error = Sections::Error{};
   sections.error->band = band;

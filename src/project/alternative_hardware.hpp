@@ -23,6 +23,10 @@ Sections stating_band(Sections sections, Band band);
 Outcome<circuit::BuildChoice> make_circuit(const Project::Circuit& options, Sections sections,
                                            std::optional<Band> band = std::nullopt);
 
+/// The disturbance paper's configuration: FilterBilinear alone, on one chip at one clock, which is searched. Nothing where no board is
+/// asked for, or it cannot be made so.
+std::optional<fpaa::Plan> make_paper_plan(const Project& project, const Sections& sections, Band band);
+
 /// What each alternative of a design becomes on the board and of the parts: made once, by whoever asks first, from any
 /// thread; whoever asks meanwhile waits.
 class AlternativeHardware {

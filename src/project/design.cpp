@@ -75,6 +75,7 @@ Design make_alternative_designs(const Project& project) {
 void choose_alternative(const Project& project, AlternativeHardware& hardware, Design& design) {
   const Stopwatch watch;
   build_best_alternative(project, hardware, design);
+  design.paper_plan = make_paper_plan(project, design.approximation.sections, design_band(project, design));
   design.layout = multiplier_layout::make_layout(project.target.disturbance);
   design.compute_s += watch.seconds();
 }

@@ -28,6 +28,8 @@ struct Design {
   std::vector<Alternative> alternatives;
   std::size_t chosen = 0;  ///< of the alternatives: what plan and circuit are made of
   std::optional<fpaa::Plan> plan;
+  std::optional<fpaa::Plan>
+      paper_plan;  ///< of the cascade's sections as the disturbance paper has it: one chip, one clock
   std::optional<circuit::BuildChoice> circuit;
   multiplier_layout::Layout layout;
   std::shared_ptr<const controller::AnalogController> controller;  ///< null: no op-amps, or it cannot be made

@@ -85,6 +85,24 @@ void add_sections_table(report::Page& page, const Sections& sections) {
              fmt::format("H(s) = {} times the product of these", rounded_text(sections.gain, 8)));
 }
 
+report::Plot trade_off_plot(const fpaa::Plan& plan) {
+  report::Plot plot;
+  plot.title = "Error of 95 % of boards against the largest input";
+  plot.x = {.label = "largest input, V", .logarithmic = true};
+  plot.y = {.label = "error, %", .logarithmic = true};
+  report::Series curve{.name = "designs", .x = {}, .y = {}};
+  report::Series taken{.name = "taken", .x = {}, .y = {}, .style = report::Series::Style::marks};
+  for (const fpaa::TradeOff& at : plan.trade_off) {
+    for (report::Series* series : {&curve, at.chosen ? &taken : nullptr}) {
+      if (series == nullptr) continue;
+      series->x.push_back(at.at_input_v);
+      series->y.push_back(at.p95_percent);
+    }
+  }
+  plot.series = {curve, taken};
+  return plot;
+}
+
 void add_board_chapter(report::Page& page, const std::optional<fpaa::Plan>& plan,
                        const std::string& refused) {
   if (!plan && refused.empty()) return;
@@ -96,15 +114,20 @@ void add_board_chapter(report::Page& page, const std::optional<fpaa::Plan>& plan
   const fpaa::PlanError& runs = plan->error_with_delays;
   page.paragraph(fmt::format(
       "{} CAMs on {} chip(s) of {}. As the board runs, every switch of every clock in it, from {}: {} % ({} dB, {} "
-      "degrees), worst at {}. Largest input {}.",
+      "degrees), worst at {}. {}Largest input {}.",
       plan->cams().size(), plan->chips.size(), plan->board, span_text(runs.band),
       rounded_text(runs.max_complex_percent, 3), rounded_text(runs.max_magnitude_db, 3),
       rounded_text(runs.max_phase_deg, 3), hertz_text(runs.worst.value),
+      plan->total ? fmt::format("95 % of boards, mismatch and noise in it: {} %. ",
+                                rounded_text(plan->total->p95_percent, 3))
+                  : "",
       engineering_text(plan->max_input_v, "V")));
   page.figure(fpaa::board_picture_svg(*plan), "Chips, configurable blocks, wires and what is used of them.");
   page.table(cams_table(*plan),
              "As entered in the designer; the full build sheet is in the folder of the plan.");
   for (const std::string& note : plan->notes) page.paragraph(note);
+  if (!plan->trade_off.empty())
+    page.plots({trade_off_plot(*plan)}, "Designs that no other one found beats in both, error and input.");
   for (const std::string& assumption : plan->assumptions) page.warning("Assumed: " + assumption);
 }
 

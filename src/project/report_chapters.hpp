@@ -23,6 +23,8 @@ report::Table limits_table(const std::vector<LimitCheck>& limits);
 report::Table sections_table(const Sections& sections);
 report::Table parts_table(const std::vector<schematic::Part>& parts);
 report::Table cams_table(const fpaa::Plan& plan);
+/// Error of 95 % of boards against the largest input, of plans that have not all that is wanted.
+report::Plot trade_off_plot(const fpaa::Plan& plan);
 void add_sections_table(report::Page& page, const Sections& sections);
 /// Nothing where no board was asked for; `refused`: why there is no plan.
 void add_board_chapter(report::Page& page, const std::optional<fpaa::Plan>& plan,

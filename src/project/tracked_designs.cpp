@@ -1,8 +1,11 @@
 #include "project/tracked_designs.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <memory>
 
+#include "base/text.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "project/tracked_plant.hpp"
 
@@ -112,6 +115,13 @@ void Collector::add_hardware() {
     add(tracked::fpaa_with_holds, "FPAA as its switches make it", plan_compensator(*design_.plan, true),
         GeneratorForm::one_pass(), kFpaaCapacitors)
         .built = true;
+  }
+  if (design_.paper_plan) {
+    const auto cams = design_.paper_plan->cams();
+    add(tracked::paper_board,
+        fmt::format("the paper's board: {} FilterBilinear on one chip at one clock of {}", cams.size(),
+                    engineering_text(cams[0]->clock_a.value, "Hz", 4)),
+        plan_compensator(*design_.paper_plan, true));
   }
   if (design_.circuit) {
     TrackedCandidate& circuit =

@@ -117,6 +117,7 @@ std::vector<HeadlineRow> headline(const Project& project, const TrackingStudy& s
   add("as built: " + (built == nullptr ? std::string() : built->name), built);
   add("without compensation", study.find(tracked::none));
   add("the paper's design: one pass, ideal cascade", study.find(tracked::cascade));
+  if (const TrackedDesign* board = study.find(tracked::paper_board)) add(board->name, board);
   const std::vector<double>& measured = project.track.measured_percent;
   if (!measured.empty()) {
     const auto [low, high] = std::minmax_element(measured.begin(), measured.end());

@@ -25,6 +25,7 @@ inline constexpr std::string_view waveform =
 inline constexpr std::string_view scheduled = "scheduled";  ///< a gain set by the known frequency
 inline constexpr std::string_view fpaa = "fpaa";            ///< the capacitors' transfer functions alone
 inline constexpr std::string_view fpaa_with_holds = "fpaa_with_holds";
+inline constexpr std::string_view paper_board = "paper_board";  ///< FilterBilinear, one chip, one clock
 inline constexpr std::string_view circuit = "circuit";
 // Two passes, v = x - d(x - d(x)).
 inline constexpr std::string_view two_passes = "two_passes";

@@ -127,3 +127,20 @@ def test_ngspice_makes_the_error_that_the_plan_states(made, name):
     stated = it.percent(it.bytes.gain(hz), hz)  # as the plan has it at its worst: above
     for f, one, other in zip(hz, it.percent(got, hz), stated):
         assert abs(one - other) < max(0.02, 0.02 * other), f"{f:.1f} Hz: ngspice {one:.4f} %, stated {other:.4f} %"
+
+
+def test_run_and_streams_make_the_same_plan(tmp_path):
+    """A plan does not depend on whether bytes are asked for, nor on whether `run` asks for it."""
+    done = run("run", EXAMPLES / "audio_curve/project.toml", "-o", "out", cwd=tmp_path)
+    assert done.status in (0, 1), done.err
+    low, high = json.loads((tmp_path / "out/fpaa/plan.json").read_text())["error_with_delays"]["band_hz"]
+    band = ("--from-hz", repr(low), "--to-hz", repr(high))
+    plans = [json.loads((tmp_path / "out/fpaa/plan.json").read_text())]
+    for name, more in (("without", ()), ("with", ("--stream",))):
+        assert run("fpaa", "out/sections.json", "-o", name, *band, *more, cwd=tmp_path).status in (0, 1)
+        plans.append(json.loads((tmp_path / name / "plan.json").read_text()))
+    for plan in plans:
+        for chip in plan["chips"]:
+            chip.pop("pins", None)
+    assert plans[0]["chips"] == plans[1]["chips"] == plans[2]["chips"]
+    assert plans[0]["total"] == plans[1]["total"] == plans[2]["total"]

@@ -2,7 +2,12 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
 #include "base/text.hpp"
+#include "base/whole_number.hpp"
 #include "fpaa/cams/cam.hpp"
 
 namespace bodesmith::fpaa {
@@ -33,6 +38,52 @@ DeltaTransfer BiquadStageCapacitors::transfer() const {
     h.denominator = {loop, ca * c4 - loop, ca * cb};
   }
   return h;
+}
+
+Hertz BiquadStageCapacitors::corner(Hertz clock) const {
+  const double root = std::sqrt(c2 * c3 / (ca * cb));
+  return {clock.value / std::numbers::pi * std::asin(std::min(1.0, 0.5 * root))};
+}
+
+double BiquadStageCapacitors::quality() const {
+  return high_q ? std::sqrt(ca * cb * c2 / c3) / c4 : cb * std::sqrt(c2 * c3 / (ca * cb)) / c4;
+}
+
+double BiquadStageCapacitors::gain() const {
+  if (c1 > 0.0) return c1 / c2;
+  return cp > 0.0 ? cp / c4 : cpp / cb;
+}
+
+/// Op-amp 1 integrates input and output, op-amp 2 what op-amp 1 was a period before (C3). The vendor's band pass of low
+/// quality is in public streams; the other inputs move as their equations say.
+StageSwitches BiquadStageCapacitors::switches(bool banks) const {
+  constexpr int kUnitsOfBank = 255;
+  const PlateNode in = PlateNode::input();
+  const PlateNode first = PlateNode::opamp(1);
+  const PlateNode second = PlateNode::opamp(2);
+  StageSwitches s;
+  s.opamps = {{}, {}};
+  s.output = 2;
+  const auto add = [&](StageCapacitor c) {
+    if (c.units > 0) s.capacitors.push_back(std::move(c));
+  };
+  const auto whole = [](double units) { return nearest_whole<int>(units); };
+  const auto add_feedback = [&](const std::string& name, double units, PlateNode from, int opamp) {
+    const int one = banks ? std::min(whole(units), kUnitsOfBank) : whole(units);
+    add(static_branch(banks ? name + "1" : name, one, from, opamp));
+    add(static_branch(name + "2", whole(units) - one, from, opamp));
+  };
+  StageCapacitor from_c1 = switched_branch("C1", whole(c1), in, 1);
+  if (!c1_inverting) from_c1.far = from_c1.far.mirrored();
+  add(switched_branch("C2", whole(c2), second, 1));
+  add_feedback("CA", ca, first, 1);
+  add(from_c1);
+  add(high_q ? static_branch("Cp", whole(cp), in, 1) : switched_branch("Cp", whole(cp), in, 2));
+  add(static_branch("Cpp", whole(cpp), in, 2));
+  add(delayed_branch("C3", whole(c3), first, 2));
+  add(high_q ? static_branch("C4", whole(c4), second, 1) : switched_branch("C4", whole(c4), second, 2));
+  add_feedback("CB", cb, second, 2);
+  return s;
 }
 
 std::string biquad_stage_option(bool high_q, bool c1_inverting) {
@@ -72,31 +123,8 @@ class BiquadStage : public Cam {
     return biquad_stage_of(cam, c).transfer();
   }
 
-  /// In the vendor's order for its band pass; what is not there takes no capacitor.
   std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
-    const PlateNode in = PlateNode::input();
-    const PlateNode first = PlateNode::opamp(1);
-    const PlateNode second = PlateNode::opamp(2);
-    const BiquadStageCapacitors form = biquad_stage_of(cam, CapacitorUnits(cam.capacitors));
-    StageSwitches s;
-    s.opamps = {{}, {}};
-    s.output = 2;
-    const auto add = [&](StageCapacitor c) {
-      if (c.units > 0) s.capacitors.push_back(std::move(c));
-    };
-    const auto units = [&](const char* name) { return cam.units_of(name); };
-    StageCapacitor c1 = switched_branch("C1", units("C1"), in, 1);
-    if (!form.c1_inverting) c1.far = c1.far.mirrored();
-    add(switched_branch("C2", units("C2"), second, 1));
-    add(static_branch("CA", units("CA"), first, 1));
-    add(c1);
-    add(form.high_q ? static_branch("Cp", units("Cp"), in, 1) : switched_branch("Cp", units("Cp"), in, 2));
-    add(static_branch("Cpp", units("Cpp"), in, 2));
-    add(delayed_branch("C3", units("C3"), first, 2));
-    add(form.high_q ? static_branch("C4", units("C4"), second, 1)
-                    : switched_branch("C4", units("C4"), second, 2));
-    add(static_branch("CB", units("CB"), second, 2));
-    return s;
+    return biquad_stage_of(cam, CapacitorUnits(cam.capacitors)).switches(false);
   }
 
   bool in_vendor_menu(const PlacedCam&) const override { return false; }

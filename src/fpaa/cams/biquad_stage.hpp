@@ -3,6 +3,7 @@
 #include <vector>
 
 #include "fpaa/cams/placed_cam.hpp"
+#include "fpaa/cams/switches.hpp"
 #include "fpaa/cams/z_transfer.hpp"
 
 namespace bodesmith::fpaa {
@@ -31,6 +32,14 @@ struct BiquadStageCapacitors {
   /// Of capacitors named as above; what is not there is 0.
   static BiquadStageCapacitors from(const CapacitorUnits& c, bool high_q, bool c1_inverting);
   DeltaTransfer transfer() const;
+  /// fc/2pi sqrt(C2 C3/(CA CB)) by LDI (sin, not tan): w0 = 2 fc sin(pi f0/fc).
+  Hertz corner(Hertz clock) const;
+  /// Low Q: CB (w0/fc)/C4; high Q: sqrt(CA CB C2/C3)/C4.
+  double quality() const;
+  /// Of one input: C1/C2 at DC (low pass), Cp/C4 at the centre (band pass), Cpp/CB far above (high pass).
+  double gain() const;
+  /// In the vendor's order for its band pass; what is not there takes no capacitor. `banks`: CA and CB of two banks each.
+  StageSwitches switches(bool banks) const;
 };
 
 /// The words in PlacedCam::option, from which `transfer` takes the form: "Low Q", "Low Q, C1 non-inverting".

@@ -39,10 +39,6 @@ std::vector<DeltaTransfer> Cam::transfers(const PlacedCam& cam, const CapacitorU
   return out;
 }
 
-std::complex<double> Cam::unquantised(const PlacedCam& cam, RadPerSecond w) const {
-  return cam.z.response(w, cam.clock_a);
-}
-
 std::unique_ptr<CamStep> Cam::step(const PlacedCam&) const {
   return nullptr;
 }

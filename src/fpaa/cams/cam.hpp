@@ -89,9 +89,6 @@ class Cam {
   virtual DeltaTransfer transfer(const PlacedCam& cam, const CapacitorUnits& units) const;
   /// The same from every input, over one denominator.
   virtual std::vector<DeltaTransfer> transfers(const PlacedCam& cam, const CapacitorUnits& units) const;
-  /// The response (from input 1) that `cam.requested` would have at its clock if capacitors could be any number: what
-  /// sampling alone makes of it. (As it is realised, where that is not known.)
-  virtual std::complex<double> unquantised(const PlacedCam& cam, RadPerSecond w) const;
   /// A CAM of other parts than switched capacitors at work (cam_step.hpp); null for the others, which are their
   /// switches.
   virtual std::unique_ptr<CamStep> step(const PlacedCam& cam) const;

@@ -60,23 +60,6 @@ class FilterBilinear : public Cam {
     return pole_zero_form(c["Ca"], c["Cb"], c["Cc"], c["Cd"]);  // high pass: no Ca
   }
 
-  std::complex<double> unquantised(const PlacedCam& cam, RadPerSecond w) const override {
-    if (cam.option == kPoleAndZero) {
-      const PoleZeroSpec spec = PoleZeroSpec::from(cam.requested);
-      const std::complex<double> s(0.0, std::tan(0.5 * w.value / cam.clock_a.value));
-      const auto warped = [&](Hertz corner) {
-        return std::tan(std::numbers::pi * corner.value / cam.clock_a.value);
-      };
-      return -spec.dc_gain * (1.0 + s / warped(spec.zero)) / (1.0 + s / warped(spec.pole));
-    }
-    const CornerSpec spec = CornerSpec::from(cam.requested);
-    const double ratio = branch_ratio(spec.corner, cam.clock_a);
-    const DeltaTransfer exact = cam.option == kLowPass
-                                    ? low_pass_form(spec.gain, ratio, 1.0)
-                                    : pole_zero_form(0.0, 0.5 * spec.gain * (1.0 + 2.0 * ratio), 1.0, ratio);
-    return exact.response(w, cam.clock_a);
-  }
-
   /// The low pass is the vendor's; the pole-zero form is made by GainInv's switches with four different values
   /// (the high pass: without Ca). AD2's own layout of the latter two is in no public stream.
   std::optional<StageSwitches> switches(const PlacedCam& cam) const override {
@@ -122,10 +105,6 @@ class FilterBilinear : public Cam {
 
 Hertz branch_corner(double c0, double c1, Hertz clock) {
   return {clock.value / std::numbers::pi * std::atan(c0 / (c0 + 2.0 * c1))};
-}
-
-double branch_ratio(Hertz corner, Hertz clock) {
-  return 0.5 * (1.0 / std::tan(std::numbers::pi * corner.value / clock.value) - 1.0);
 }
 
 CamValues PoleZeroSpec::values() const {

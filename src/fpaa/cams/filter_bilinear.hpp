@@ -10,9 +10,6 @@ class Cam;
 
 /// Corner frequency at which a branch C0 + C1 (1 - 1/z) turns: fc/pi atan(C0/(C0 + 2 C1)).
 Hertz branch_corner(double c0, double c1, Hertz clock);
-/// The ratio C1/C0 that puts the corner of a branch exactly (by tan) at `corner`: (1/tan(pi f/fc) - 1)/2.
-/// Negative above fc/4, where no branch of positive capacitors turns.
-double branch_ratio(Hertz corner, Hertz clock);
 
 /// What the dialog of option "Pole and Zero" asks for: gain (1 + s/zero) / (1 + s/pole). (It takes one of the
 /// gains and shows the other.)

@@ -55,7 +55,6 @@ struct PlacedCam {
   /// Numerators from input 2, 3, … on, over z's denominator; empty for a CAM with one input.
   std::vector<std::vector<double>> more_numerators;
   double delay_cycles = 0.0;  ///< from input sample to output, beyond z
-  bool output_hold = false;   ///< its held output leaves this clock's domain (pin, or a CAM of another clock)
   Resources resources;
 
   /// As AnadigmDesigner2 writes it: "FilterBilinear".

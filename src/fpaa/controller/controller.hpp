@@ -88,7 +88,7 @@ struct ControllerVariant {
   double contraction = 0.0;        ///< max |K d'| over stroke, branches and rate table
   double max_error_percent = 0.0;  ///< of d over x in [0, 1], both branches, in percent of the stroke
   double rms_error_percent = 0.0;
-  double delay_s = 0.0;       ///< from the polynomials' argument to the drive, compensator's hold included
+  double delay_s = 0.0;       ///< from the polynomials' argument to the drive
   double bandwidth_hz = 0.0;  ///< of the polynomial: where its own delay is a tenth of a period, or 250 MHz
   std::vector<ControllerCam> cams;
   std::vector<OutsidePart> outside;

@@ -316,7 +316,6 @@ class ControllerLayout {
       }
       const double cycle = 1.0 / from->clock_a.value;
       oldest += from->delay_cycles * cycle;
-      if (from->output_hold) oldest += 0.5 * cycle;
       // It waits for the reader's edge where it changes in the other phase.
       if (from->clock_a == reader.clock_a) {
         const auto changes = nearest_whole<long>(2.0 * from->delay_cycles) + from->phase - 1;

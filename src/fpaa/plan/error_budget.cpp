@@ -22,13 +22,6 @@ constexpr int kNoisePoints = 300;    ///< of the band, and from 0 to half the fa
 constexpr int kNoiseCost = 10;       ///< of a noise density, in gains
 constexpr std::size_t kNamedCapacitors = 8;
 
-double worst_percent(const std::vector<Complex>& got, const std::vector<Complex>& wanted) {
-  double worst = 0.0;
-  for (std::size_t k = 0; k < got.size(); ++k)
-    worst = std::max(worst, 100.0 * std::abs(got[k] / wanted[k] - 1.0));
-  return worst;
-}
-
 /// What each CAM is loaded with at DC and at half its clock.
 std::vector<ErrorBudget::CamShare> cam_shares(const std::vector<const PlacedCam*>& cams) {
   std::vector<ErrorBudget::CamShare> out;
@@ -80,8 +73,8 @@ int affordable(int points, std::size_t pieces_of, int times = 1) {
 }
 
 /// Node gains and noise.
-void add_nodes_and_noise(const Plan& plan, Band band, std::vector<ErrorBudget::CamShare>& shares) {
-  const SwitchedBoard board(plan, true);
+void add_nodes_and_noise(const Plan& plan, const SwitchedBoard& board, Band band,
+                         std::vector<ErrorBudget::CamShare>& shares) {
   const int points = affordable(kNoisePoints, board.pieces(), kNoiseCost);
   const std::vector<double> in_band = integrated_noise(board, log_grid(band, points));
   const std::vector<double> whole = integrated_noise(board, whole_noise_grid(plan, band, points));
@@ -109,64 +102,33 @@ void add_settling(const Plan& plan, const OpAmpModel& opamp, ErrorBudget& out) {
   }
 }
 
-/// One path of CAMs with one input each, each of which says what was requested of it.
-bool is_one_path(const Plan& plan) {
-  const auto cams = plan.cams();
-  return plan.wires.size() + 1 >= cams.size() &&
-         std::all_of(cams.begin(), cams.end(), [&](const PlacedCam* cam) {
-           return cam->input_count() == 1 && !cam->requested.entries().empty() &&
-                  cam->clock_a.value == cams[0]->clock_a.value;
-         });
-}
-
-/// Warping, quantisation and holds over the band, each by itself.
-void add_response_errors(const Plan& plan, const Sections& sections, ErrorBudget& out) {
-  const auto cams = plan.cams();
-  const bool one_path = is_one_path(plan);
-  const SwitchedBoard board(plan);
-  std::vector<Complex> wanted, ideal, got, holds;
+/// What the switches make beyond the z-transfers, over the band.
+void add_holds(const Plan& plan, const SwitchedBoard& board, const Sections& sections, ErrorBudget& out) {
   for (const Hertz f : log_grid(plan.error.band, affordable(kPoints, board.pieces()))) {
     const RadPerSecond w = f.rad_s();
     // Nothing is relative to a response of 0.
     if (beside_a_zero(sections, w)) continue;
-    wanted.push_back(sections.response(w));
-    Complex h = 1.0;
-    for (const PlacedCam* cam : cams) h *= cam->cam->unquantised(*cam, w);
-    got.push_back(board.sampled(w));
-    ideal.push_back(one_path ? h : got.back());
-    holds.push_back(board.gain(w) / got.back());
-    out.hold_phase_deg = std::max(out.hold_phase_deg, std::abs(to_degrees(std::arg(holds.back()))));
+    const Complex hold = board.gain(w) / board.sampled(w);
+    out.hold_percent = std::max(out.hold_percent, 100.0 * std::abs(hold - 1.0));
+    out.hold_phase_deg = std::max(out.hold_phase_deg, std::abs(to_degrees(std::arg(hold))));
   }
-  out.warping_percent = one_path ? worst_percent(ideal, wanted) : 0.0;
-  out.quantisation_percent = one_path ? worst_percent(got, ideal) : worst_percent(got, wanted);
-  out.together_percent = worst_percent(got, wanted);
-  out.hold_percent = worst_percent(holds, std::vector<Complex>(holds.size(), 1.0));
 }
 
 }  // namespace
-
-double noise_in_band_kt_per_cu(const Plan& plan, Band band) {
-  constexpr int kSearchPoints = 60;
-  const SwitchedBoard board(plan, true);
-  double out = 0.0;
-  for (const double share :
-       integrated_noise(board, log_grid(band, affordable(kSearchPoints, board.pieces(), kNoiseCost))))
-    out += share;
-  return out;
-}
 
 PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sections& sections,
                      const BoardAssumptions& assumptions) {
   constexpr int kDraws = 300;
   constexpr std::uint64_t kSeed = 1;
+  constexpr int kTotalNoisePoints = 60;
   PlanTotal out;
   out.at_input_v = plan.max_input_v;
   out.designed_percent = plan.error_with_delays.max_complex_percent;
   const Band band = plan.error_with_delays.band;
-  std::vector<Hertz> grid;
-  for (const Hertz f : log_grid(band, affordable(kMismatchPoints, switched.pieces(), kDraws))) {
-    if (!beside_a_zero(sections, f.rad_s())) grid.push_back(f);
-  }
+  std::vector<Hertz> grid = log_grid(band, affordable(kMismatchPoints, switched.pieces(), kDraws));
+  const std::vector<Hertz> sharp = about_sharp_roots(sections, band);
+  grid.insert(grid.end(), sharp.begin(), sharp.end());
+  std::erase_if(grid, [&](Hertz f) { return beside_a_zero(sections, f.rad_s()); });
   const DrawnBoard board(switched, grid);
   const std::vector<Complex> designed = board.response(board.nominal_units());
   std::vector<double> worst;
@@ -197,7 +159,11 @@ PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sect
     asked = std::max(asked, std::abs(sections.response(f.rad_s())));
   if (out.at_input_v > 0.0)
     out.from_bound_db = to_decibel(out.at_input_v * asked / board_by_name(plan.board).full_scale_v);
-  const double rms_v = 1e-6 * assumptions.noise.microvolts(noise_in_band_kt_per_cu(plan, band));
+  double noise = 0.0;  // mean square at the pin, kT/C_u
+  for (const double share : integrated_noise(
+           switched, log_grid(band, affordable(kTotalNoisePoints, switched.pieces(), kNoiseCost))))
+    noise += share;
+  const double rms_v = 1e-6 * assumptions.noise.microvolts(noise);
   double largest = 0.0;
   for (const Complex h : designed) largest = std::max(largest, std::abs(h));
   const double sine_rms_v = out.at_input_v * largest / std::numbers::sqrt2;
@@ -209,26 +175,21 @@ PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sect
 ErrorBudget error_budget(const Plan& plan, const Sections& sections, const BudgetOptions& options) {
   ErrorBudget out;
   const auto cams = plan.cams();
-  add_response_errors(plan, sections, out);
+  const SwitchedBoard board(plan);
+  add_holds(plan, board, sections, out);
   out.mismatch_model = options.assumptions.mismatch;
   out.noise_model = options.assumptions.noise;
   out.seed = options.seed;
   std::vector<Hertz> drawn_at;
   for (const Hertz f :
-       log_grid(plan.error.band, affordable(kMismatchPoints, SwitchedBoard(plan).pieces(), options.draws))) {
+       log_grid(plan.error.band, affordable(kMismatchPoints, board.pieces(), options.draws))) {
     if (!beside_a_zero(sections, f.rad_s())) drawn_at.push_back(f);
   }
-  out.mismatch = mismatch_spread(DrawnBoard(plan, drawn_at), out.mismatch_model, options.draws, options.seed);
-  const double clock = cams.back()->clock_a.value;
-  const RadPerSecond top = plan.error.band.to.rad_s();
-  out.image = {std::abs(clock - plan.error.band.to.value)};
-  // A line at -(fc - f) is one at fc - f.
-  const SwitchedBoard board(plan);
-  out.image_db = to_decibel(std::abs(board.component(top, {top.value - Hertz{clock}.rad_s().value})) /
-                            std::abs(board.gain(top)));
+  out.mismatch =
+      mismatch_spread(DrawnBoard(board, drawn_at), out.mismatch_model, options.draws, options.seed);
   out.settling_limit_hz = board_by_name(plan.board).settling_product.value;
   out.cams = cam_shares(cams);
-  add_nodes_and_noise(plan, plan.error.band, out.cams);
+  add_nodes_and_noise(plan, board, plan.error.band, out.cams);
   add_settling(plan, options.opamp, out);
   for (const ErrorBudget::CamShare& share : out.cams) {
     out.noise_kt_per_cu += share.noise_kt_per_cu;
@@ -253,15 +214,11 @@ Json MismatchSpread::to_json() const {
 
 Json ErrorBudget::to_json() const {
   Json out;
-  out["warping_percent"] = warping_percent;
-  out["quantisation_percent"] = quantisation_percent;
-  out["together_percent"] = together_percent;
   out["hold_percent"] = hold_percent;
   out["hold_phase_deg"] = hold_phase_deg;
   out["mismatch"] = mismatch_model.to_json();
   out["mismatch"]["seed"] = seed;
   out["mismatch"].update(mismatch.to_json());
-  out["image"] = {{"frequency_hz", image.value}, {"magnitude_db", image_db}};
   out["settling_limit_hz"] = settling_limit_hz;
   out["settling"] = {{"opamp_gain_bandwidth_hz", opamp.gain_bandwidth.value},
                      {"opamp_gain", opamp.gain},

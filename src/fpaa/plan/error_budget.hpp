@@ -13,15 +13,8 @@
 
 namespace bodesmith::fpaa {
 
-/// Where a plan's response departs from its sections, each cause by itself, over the plan's band.
+/// What departs from a plan's z-transfers, each cause by itself, over the plan's band.
 struct ErrorBudget {
-  /// Corners placed exactly by tan(pi f/fc) with unquantised capacitors, gain exact: what sampling alone
-  /// costs. (Where every CAM says what was requested of it and they are one path: 0 otherwise.)
-  double warping_percent = 0.0;
-  /// The plan's capacitors against those unquantised ones.
-  double quantisation_percent = 0.0;
-  /// Both together: the plan's `error` (they partly cancel: the search uses one against the other).
-  double together_percent = 0.0;
   /// What the switches make of it beyond the z-transfers: inputs that move within a phase, staircases.
   double hold_percent = 0.0;
   double hold_phase_deg = 0.0;
@@ -30,11 +23,6 @@ struct ErrorBudget {
   MismatchModel mismatch_model;
   std::uint64_t seed = 1;
   MismatchSpread mismatch;
-
-  /// The output also has images at k fc +- f. Magnitude of the nearest, fc - f (fc: the last CAM's clock), relative
-  /// to the signal, for f at the top of the band.
-  double image_db = 0.0;
-  Hertz image;
 
   struct CamShare {
     std::string name;
@@ -66,9 +54,6 @@ struct BudgetOptions {
   int draws = 400;
   std::uint64_t seed = 1;
 };
-
-/// The noise in the band alone: mean square at the output pin in kT/C_u.
-double noise_in_band_kt_per_cu(const Plan& plan, Band band);
 
 /// Noise: what every switch leaves on its capacitor when it opens (kT C of mean-square charge), in every phase, as the
 /// network makes it at the pin, every folding in it (network/periodic_network.hpp). C_u, the unit capacitance, is not

@@ -1,5 +1,7 @@
 #pragma once
 
+#include <vector>
+
 #include "base/units.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
@@ -23,5 +25,8 @@ bool beside_a_zero(const Sections& sections, RadPerSecond w);
 /// state. Corners far outside a stated band (30 times below its lower end, or above 100 kHz: a fit that uses
 /// them as zeros at 0 or at infinity) do not widen it.
 Band judged_band(const Sections& sections);
+
+/// Frequencies about resonances and notches that a grid of the band would step over: some widths beside each.
+std::vector<Hertz> about_sharp_roots(const Sections& sections, Band band);
 
 }  // namespace bodesmith::fpaa

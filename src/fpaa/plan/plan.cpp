@@ -33,7 +33,15 @@ std::vector<std::string> Plan::signal_path() const {
 }
 
 const char* to_string(PlanOptions::Topology topology) {
-  return topology == PlanOptions::Topology::chain ? "chain" : "auto";
+  switch (topology) {
+    case PlanOptions::Topology::chain:
+      return "chain";
+    case PlanOptions::Topology::bilinear:
+      return "bilinear";
+    case PlanOptions::Topology::automatic:
+      break;
+  }
+  return "auto";
 }
 
 }  // namespace bodesmith::fpaa

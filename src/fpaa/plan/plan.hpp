@@ -114,6 +114,7 @@ struct PlanOptions {
   enum class Topology {
     automatic,  ///< the vendor's CAMs where they do as well, else this program's own stages too
     chain,      ///< CAMs that AnadigmDesigner2 has, alone
+    bilinear,   ///< FilterBilinear alone, on one chip at one clock: the disturbance paper's configuration
   };
   std::string board = "an231k04-quad4";
   Topology topology = Topology::automatic;
@@ -125,7 +126,7 @@ struct PlanOptions {
                              ///< that sections.json states), widened to a tenth of the lowest corner
 };
 
-/// "auto", "chain".
+/// "auto", "chain", "bilinear".
 const char* to_string(PlanOptions::Topology topology);
 
 /// Everything a plan says of itself (errors, headroom, images, total, assumptions), by the switched-network solver.

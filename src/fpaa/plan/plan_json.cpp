@@ -100,7 +100,6 @@ Json cam_json(const PlacedCam& cam) {
   }
   out["z_denominator"] = cam.z.denominator;
   out["delay_cycles"] = cam.delay_cycles;
-  out["output_hold"] = cam.output_hold;
   out["resources"] = {{"opamps", cam.resources.opamps},
                       {"capacitors", cam.resources.capacitors},
                       {"comparators", cam.resources.comparators}};
@@ -168,7 +167,6 @@ PlacedCam cam_from(const Node& node, const Board& board) {
     node.at("z_denominator").fail("expected [a0, a1, ...] with a0 other than 0");
   }
   cam.delay_cycles = node.has("delay_cycles") ? node.at("delay_cycles").non_negative() : 0.0;
-  cam.output_hold = node.boolean_or("output_hold", false);
   if (node.has("resources")) cam.resources = resources_from(node.at("resources"));
   return cam;
 }

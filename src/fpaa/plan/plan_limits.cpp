@@ -42,39 +42,31 @@ double sine_integral(double x) {
   return 0.5 * std::numbers::pi - f * std::cos(x) - g * std::sin(x);
 }
 
-/// Step responses of nodes: y(t) = 2/pi int Re H(w) sin(w t)/w dw, straight between the frequencies of the grid.
-class StepPeaks {
- public:
-  explicit StepPeaks(const std::vector<Hertz>& grid) : count_(grid.size()) {
-    const double slowest = 1.0 / grid.front().rad_s().value;
-    const double fastest = 1.0 / grid.back().rad_s().value;
-    table_.reserve(kTimes * count_);
-    for (int i = 0; i < kTimes; ++i) {
-      const double t = fastest * std::pow(slowest / fastest, (i + 0.5) / kTimes);
-      for (const Hertz f : grid) table_.push_back(sine_integral(f.rad_s().value * t));
-    }
-  }
-
-  /// The largest |y(t)| of a node.
-  double largest(const std::vector<Complex>& node) const {
-    double peak = std::abs(node.front().real());
-    for (int i = 0; i < kTimes; ++i) {
-      const double* at = table_.data() + static_cast<std::size_t>(i) * count_;
-      double y = node.front().real() * at[0];
-      for (std::size_t k = 0; k + 1 < count_; ++k)
-        y += 0.5 * (node[k].real() + node[k + 1].real()) * (at[k + 1] - at[k]);
-      peak = std::max(peak, std::abs(y) * 2.0 / std::numbers::pi);
-    }
-    return peak;
-  }
-
- private:
-  static constexpr int kTimes = 90;
-  std::size_t count_;
-  std::vector<double> table_;  ///< Si(w t), all frequencies of a time together
-};
+constexpr int kStepTimes = 90;
 
 }  // namespace
+
+StepPeaks::StepPeaks(const std::vector<Hertz>& grid) : count_(grid.size()) {
+  const double slowest = 1.0 / grid.front().rad_s().value;
+  const double fastest = 1.0 / grid.back().rad_s().value;
+  table_.reserve(kStepTimes * count_);
+  for (int i = 0; i < kStepTimes; ++i) {
+    const double t = fastest * std::pow(slowest / fastest, (i + 0.5) / kStepTimes);
+    for (const Hertz f : grid) table_.push_back(sine_integral(f.rad_s().value * t));
+  }
+}
+
+double StepPeaks::largest(const std::vector<Complex>& node) const {
+  double peak = std::abs(node.front().real());
+  for (int i = 0; i < kStepTimes; ++i) {
+    const double* at = table_.data() + static_cast<std::size_t>(i) * count_;
+    double y = node.front().real() * at[0];
+    for (std::size_t k = 0; k + 1 < count_; ++k)
+      y += 0.5 * (node[k].real() + node[k + 1].real()) * (at[k + 1] - at[k]);
+    peak = std::max(peak, std::abs(y) * 2.0 / std::numbers::pi);
+  }
+  return peak;
+}
 
 Headroom headroom_of(const SwitchedBoard& switched, Band band, const Board& board) {
   constexpr int kPoints = 360;

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <optional>
 #include <vector>
 
@@ -14,11 +15,23 @@ struct Headroom {
   double step_v = 0.0;  ///< height
 };
 
-/// The peak of every op-amp, as the switches make its voltage: over frequency, the largest value at any instant; and
-/// of its step response,
+/// Step responses of nodes,
 ///   y(t) = 2/pi int_0^oo Re H(jw) sin(w t)/w dw,
-/// H the component at the sine's own frequency, by sine integrals between the points of a logarithmic grid (within a
-/// few percent).
+/// H the component at the sine's own frequency, straight between the points of a logarithmic grid: by sine integrals (within a few
+/// percent).
+class StepPeaks {
+ public:
+  explicit StepPeaks(const std::vector<Hertz>& grid);
+  /// The largest |y(t)| of a node whose H on the grid is given.
+  double largest(const std::vector<std::complex<double>>& node) const;
+
+ private:
+  std::size_t count_;
+  std::vector<double> table_;  ///< Si(w t), all frequencies of a time together
+};
+
+/// The peak of every op-amp, as the switches make its voltage: over frequency, the largest value at any instant; and
+/// of its step response.
 Headroom headroom_of(const SwitchedBoard& switched, Band band, const Board& board);
 
 /// Lines at the output pin that are not the signal, over sines of the band: k fc +- f of every clock, against the

@@ -36,8 +36,8 @@ std::vector<double> stage_units(const StageSwitches& stage, const PlacedCam& cam
 
 }  // namespace
 
-SwitchedBoard::SwitchedBoard(const Plan& plan, bool with_noise)
-    : graph_(value_or_throw(plan_graph(plan))), with_noise_(with_noise), networks_(graph_.tick_rate) {
+SwitchedBoard::SwitchedBoard(const Plan& plan)
+    : graph_(value_or_throw(plan_graph(plan))), networks_(graph_.tick_rate) {
   if (graph_.looped) {
     throw DesignError("the plan's wires loop, which has no response of this kind: simulate it instead");
   }
@@ -66,16 +66,16 @@ SwitchedBoard::SwitchedBoard(const Plan& plan, bool with_noise)
                                       ? Source{Source::Kind::network, network_of_[*input.from.node]}
                                       : Source{Source::Kind::board_input, 0};
     }
-    network_of_[n] = networks_.add(clocked(n, units_), std::move(sources));
+    network_of_[n] = networks_.add(clocked(n, units_, true), std::move(sources));
   }
   if (graph_.output && graph_.output->node) networks_.set_output(network_of_[*graph_.output->node]);
 }
 
-ClockedNetwork SwitchedBoard::clocked(std::size_t n, std::span<const double> units) const {
+ClockedNetwork SwitchedBoard::clocked(std::size_t n, std::span<const double> units, bool with_noise) const {
   const PlacedCam& cam = *graph_.nodes[n].cam;
   const auto own = units.subspan(first_capacitor_[n], cam.capacitors.size());
   const SwitchedNetwork network = network_of(stages_[n], stage_units(stages_[n], cam, own));
-  return ClockedNetwork(network, {graph_.nodes[n].period}, with_noise_);
+  return ClockedNetwork(network, {graph_.nodes[n].period}, with_noise);
 }
 
 Hertz SwitchedBoard::fastest_clock() const {
@@ -108,7 +108,7 @@ void SwitchedBoard::set_units(std::span<const double> units) {
                    units.begin() + static_cast<std::ptrdiff_t>(first + count),
                    old.begin() + static_cast<std::ptrdiff_t>(first)))
       continue;
-    networks_.replace(network_of_[n], clocked(n, units));
+    networks_.replace(network_of_[n], clocked(n, units, false));
   }
   drawn_.assign(units.begin(), units.end());
 }

@@ -17,7 +17,7 @@ class SwitchedBoard {
  public:
   /// Throws DesignError for a plan whose wires are wrong or loop, with a CAM whose switches are not known, or with
   /// clocks without a manageable common period. The plan must outlive it.
-  explicit SwitchedBoard(const Plan& plan, bool with_noise = false);
+  explicit SwitchedBoard(const Plan& plan);
 
   /// Capacitors of all CAMs one behind the other, in the plan's order.
   const std::vector<double>& nominal_units() const { return units_; }
@@ -38,7 +38,7 @@ class SwitchedBoard {
   std::vector<std::complex<double>> components(Hertz sine, std::span<const double> lines_hz) const {
     return networks_.components(sine, lines_hz);
   }
-  /// One-sided, in kT/C_u a hertz at the output pin, [node of graph()]; the board was made with_noise. Each stage's
+  /// One-sided, in kT/C_u a hertz at the output pin, [node of graph()]; of the nominal capacitors (not after set_units). Each stage's
   /// switches by themselves: what the next stage samples of their motion within a phase is left out (some percent).
   std::vector<double> noise_density(RadPerSecond w) const;
 
@@ -48,10 +48,9 @@ class SwitchedBoard {
   std::size_t pieces() const { return networks_.pieces(); }
 
  private:
-  ClockedNetwork clocked(std::size_t node, std::span<const double> units) const;
+  ClockedNetwork clocked(std::size_t node, std::span<const double> units, bool with_noise) const;
 
   PlanGraph graph_;
-  bool with_noise_;
   std::vector<StageSwitches> stages_;         ///< of each node
   std::vector<std::size_t> first_capacitor_;  ///< of each node
   std::vector<double> units_, drawn_;

@@ -62,32 +62,21 @@ void fill_first(const Stage& stage, Hertz clock, PlacedCam& out) {
 void fill_second(const Stage& stage, Hertz clock, PlacedCam& out) {
   const bool high_q = stage.kind == Stage::Kind::second_high;
   const auto& c = stage.c;
-  const int inputs = (c[Stage::kC1] > 0.0) + (c[Stage::kCp] > 0.0) + (c[Stage::kCpp] > 0.0);
   static constexpr const char* kNames[] = {"C1", "Cp", "Cpp", "C2", "C3", "C4", "CA", "CB"};
   for (std::size_t i = 0; i < c.size(); ++i) {
     if (c[i] > 0.0) out.capacitors.push_back({kNames[i], whole(c[i])});
   }
-  BiquadCapacitors facts;
-  facts.high_q = high_q;
-  facts.kind = c[Stage::kC1] > 0.0   ? BiquadCapacitors::Kind::low_pass
-               : c[Stage::kCp] > 0.0 ? BiquadCapacitors::Kind::band_pass
-                                     : BiquadCapacitors::Kind::high_pass;
-  facts.input = whole(c[Stage::kC1] + c[Stage::kCp] + c[Stage::kCpp]);
-  facts.c2 = whole(c[Stage::kC2]);
-  facts.c3 = whole(c[Stage::kC3]);
-  facts.c4 = whole(c[Stage::kC4]);
-  facts.ca = whole(c[Stage::kCA]);
-  facts.cb = whole(c[Stage::kCB]);
-  if (inputs == 1 && stage.c1_inverting) {
+  const auto form = BiquadStageCapacitors::from(CapacitorUnits(out.capacitors), high_q, stage.c1_inverting);
+  if (stage.is_vendors()) {
     out.cam = &cam_registry().get("FilterBiquad");
     out.option = c[Stage::kC1] > 0.0 ? "Low Pass" : c[Stage::kCp] > 0.0 ? "Band Pass" : "High Pass";
-    out.realised = BiquadSpec{facts.corner(clock), facts.quality(), facts.gain()}.values();
+    out.realised = BiquadSpec{form.corner(clock), form.quality(), form.gain()}.values();
     out.realised.set("form", std::string(high_q ? "high Q" : "low Q"));
     return;
   }
-  out.cam = &cam_registry().get("BiquadStage");
+  out.cam = &biquad_stage_cam();
   out.option = biquad_stage_option(high_q, stage.c1_inverting);
-  out.realised = {{"natural_hz", facts.corner(clock).value}, {"quality", facts.quality()}};
+  out.realised = {{"natural_hz", form.corner(clock).value}, {"quality", form.quality()}};
 }
 
 }  // namespace

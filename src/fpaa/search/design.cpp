@@ -5,6 +5,11 @@
 
 namespace bodesmith::fpaa {
 
+bool DesignStage::is_vendors() const {
+  if (is_first()) return from.size() == 1;
+  return (c[kC1] > 0.0) + (c[kCp] > 0.0) + (c[kCpp] > 0.0) == 1 && c1_inverting;
+}
+
 int DesignStage::capacitor_count() const {
   return static_cast<int>(std::count_if(c.begin(), c.end(), [](double v) { return v > 0.0; }));
 }
@@ -74,6 +79,13 @@ void Design::scale_node(std::size_t stage, double factor) {
       }
     }
   }
+}
+
+double snapped(double value) {
+  constexpr int kBits = 20;
+  int exponent = 0;
+  const double mantissa = std::frexp(value, &exponent);
+  return std::ldexp(std::nearbyint(std::ldexp(mantissa, kBits)), exponent - kBits);
 }
 
 }  // namespace bodesmith::fpaa

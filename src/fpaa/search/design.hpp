@@ -26,6 +26,8 @@ struct DesignStage {
   enum Second { kC1, kCp, kCpp, kC2, kC3, kC4, kCA, kCB };
 
   bool is_first() const { return kind == Kind::first; }
+  /// That AnadigmDesigner2 has a CAM for it: one input.
+  bool is_vendors() const;
   int capacitor_count() const;
   int opamps() const { return is_first() ? 1 : 2; }
   /// That the continuous fit may move it (the others only fix the stage's scale).
@@ -51,5 +53,8 @@ struct Design {
   /// Stage `stage`'s output times `factor`, and whatever reads it divided by it: the response stays.
   void scale_node(std::size_t stage, double factor);
 };
+
+/// To a millionth: what two processors make of one search differs in the last digits, and what is chosen from it should not.
+double snapped(double value);
 
 }  // namespace bodesmith::fpaa

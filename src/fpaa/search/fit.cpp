@@ -12,7 +12,6 @@ namespace {
 using Complex = std::complex<double>;
 
 constexpr double kLeastContinuous = 0.02;  ///< units, before the stage is scaled up
-constexpr double kDifference = 1e-4;       ///< of ln C: its cube is the error, far below any mismatch
 
 /// The free capacitors as unknowns.
 struct FreeCapacitor {
@@ -91,27 +90,11 @@ void fit_once(Design& design, const StageFactorTable& table, const std::vector<d
 
 }  // namespace
 
-std::vector<std::vector<Complex>> capacitor_slopes(const StagePlace& place, DesignStage stage,
+std::vector<std::vector<Complex>> capacitor_slopes(const StagePlace& place, const DesignStage& stage,
                                                    bool only_free) {
-  std::vector<std::vector<Complex>> out(stage.c.size());
-  std::vector<Complex> below;
-  const auto wanted = [&](std::size_t c) { return stage.c[c] > 0.0 && (!only_free || stage.is_free(c)); };
-  if (stage.is_first()) {
-    out = place.first_order_slopes(stage);
-    for (std::size_t c = 0; c < out.size(); ++c) {
-      if (!wanted(c)) out[c].clear();
-    }
-    return out;
-  }
+  std::vector<std::vector<Complex>> out = place.slopes(stage);
   for (std::size_t c = 0; c < out.size(); ++c) {
-    if (!wanted(c)) continue;
-    const double value = stage.c[c];
-    stage.c[c] = value * std::exp(kDifference);
-    place.share_of(stage, out[c]);
-    stage.c[c] = value * std::exp(-kDifference);
-    place.share_of(stage, below);
-    stage.c[c] = value;
-    for (std::size_t k = 0; k < below.size(); ++k) out[c][k] = (out[c][k] - below[k]) * (0.5 / kDifference);
+    if (!(stage.c[c] > 0.0) || (only_free && !stage.is_free(c))) out[c].clear();
   }
   return out;
 }
@@ -153,6 +136,9 @@ void fit_design(Design& design, const StageFactorTable& table, int iterations, i
     for (double& l : lean) l /= mean;
   }
   design = std::move(best);
+  for (DesignStage& stage : design.stages) {
+    for (double& c : stage.c) c = snapped(c);
+  }
 }
 
 }  // namespace bodesmith::fpaa

@@ -7,9 +7,9 @@
 
 namespace bodesmith::fpaa {
 
-/// d share / d ln C of a stage's capacitors in its place, on the grid (second-order stages: central differences); empty for one that is
-/// not there, or (`only_free`) that the continuous fit does not move.
-std::vector<std::vector<std::complex<double>>> capacitor_slopes(const StagePlace& place, DesignStage stage,
+/// d share / d ln C of a stage's capacitors in its place, on the grid; empty for one that is not there, or (`only_free`) that the continuous fit does not move.
+std::vector<std::vector<std::complex<double>>> capacitor_slopes(const StagePlace& place,
+                                                                const DesignStage& stage,
                                                                 bool only_free = false);
 
 /// How the weighted error changes with one capacitor: d error / d ln C on the grid.
@@ -23,7 +23,7 @@ std::vector<CapacitorEffect> capacitor_effects(const DesignResponse& response, b
 
 /// Moves the free capacitors (any real values within what a capacitor may be) to the least squares of the
 /// weighted errors, by Levenberg and Marquardt; `passes` > 1 then leans on the points where the error is
-/// largest (Lawson's weights), towards the least worst error.
+/// largest (Lawson's weights), towards the least worst error. What comes out is snapped.
 void fit_design(Design& design, const StageFactorTable& table, int iterations, int passes = 1);
 
 }  // namespace bodesmith::fpaa

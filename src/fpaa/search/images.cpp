@@ -42,7 +42,7 @@ Complex line_of(const DesignResponse& response, std::size_t at, double w, double
     const SineParts& y = response.signals()[s][at];
     means[s] = {product(product(y.end1, to_first), hold1), product(product(y.end2, to_second), hold2)};
     for (std::size_t i = 0; i < stage.from.size(); ++i) {
-      const StageFactors f = stage_factors(stage, i, clock);
+      const StageFactors f = StageEquations(stage, i).at(clock);
       const SineParts x = response.input_of(s, i, at);
       PhaseMeans in;
       if (stage.from[i] == DesignStage::kBoardInput) {

@@ -31,8 +31,9 @@ PlanError stated_error(const Plan& plan, const SwitchedBoard& board, const Secti
   const bool costly = board.pieces() > kCostlyPieces;
   std::vector<Hertz> grid = log_grid(band, costly ? kCostlyPoints : kStatedPoints);
   if (with_delays && !costly) {
-    const std::vector<Hertz> beside = near_clocks(clocked_poles(plan), band, kBesideClocks, kStatedMultiples);
-    grid.insert(grid.end(), beside.begin(), beside.end());
+    for (const auto& beside : {near_clocks(clocked_poles(plan), band, kBesideClocks, kStatedMultiples),
+                               about_sharp_roots(sections, band)})
+      grid.insert(grid.end(), beside.begin(), beside.end());
     std::sort(grid.begin(), grid.end(), [](Hertz a, Hertz b) { return a.value < b.value; });
   }
   PlanError out;
@@ -192,26 +193,22 @@ std::optional<Refusal> too_many_poles(const Sections& sections, const Board& boa
       poles, (poles + per_chip - 1) / per_chip, opamps)};
 }
 
-/// What is asked of a plan: an error that nobody sees beside the mismatch of parts, and a signal well above a board's offsets.
-constexpr double kWantedDesigned = 0.5;
-constexpr double kWantedP95 = 1.5;
-constexpr double kWantedInputV = 1.0;
-
 /// What cannot all be had, and which part of it stands in the way; the curve goes where all is.
 void state_trade_off(Plan& plan, const Board& board) {
   const PlanTotal& total = *plan.total;
-  const double bound_v = total.at_input_v / std::pow(10.0, total.from_bound_db / 20.0);
-  const double wanted_v = std::min(kWantedInputV, kInputWorthKeeping * std::min(bound_v, board.full_scale_v));
+  DesignScore score;
+  score.bound = total.at_input_v / std::pow(10.0, total.from_bound_db / 20.0) / board.full_scale_v;
+  const double wanted_v = score.wanted_input(board.full_scale_v) * board.full_scale_v;
   std::vector<std::string> missed;
-  if (total.designed_percent > kWantedDesigned)
+  if (total.designed_percent > 100.0 * kWantedDesigned)
     missed.push_back(fmt::format("{} % as designed (wanted {})", rounded_text(total.designed_percent, 2),
-                                 kWantedDesigned));
-  if (total.p95_percent > kWantedP95) {
+                                 100.0 * kWantedDesigned));
+  if (total.p95_percent > 100.0 * kWantedP95) {
     const char* most = total.designed_percent > total.mismatch_p95_percent ? "most of it by design"
                        : total.noise_percent > total.mismatch_p95_percent  ? "most of it noise"
                                                                            : "most of it mismatch";
     missed.push_back(fmt::format("{} % for 95 % of boards (wanted {}), {}",
-                                 rounded_text(total.p95_percent, 2), kWantedP95, most));
+                                 rounded_text(total.p95_percent, 2), 100.0 * kWantedP95, most));
   }
   if (total.at_input_v < wanted_v)
     missed.push_back(fmt::format("an input of {} V (wanted {})", rounded_text(total.at_input_v, 2),
@@ -266,7 +263,7 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
   if (const auto refusal = not_a_response(sections, band)) return *refusal;
   if (const auto refusal = too_many_poles(sections, board)) return *refusal;
   // Who asks for a clock or for the vendor's CAMs alone is told what these come to, whatever it is.
-  const bool given = options.clock || options.topology == PlanOptions::Topology::chain;
+  const bool given = options.clock || options.topology != PlanOptions::Topology::automatic;
   Outcome<Plan> made = searched_plan(sections, options, band, board);
   if (const Refusal* refusal = refusal_of(made)) {
     if (given) return made;

@@ -138,20 +138,11 @@ class DesignPlacer {
         cam.cab = cab_of_[s];
         const auto clock = std::find(room.divisors.begin(), room.divisors.end(), design_.stages[s].divisor);
         cam.clock_index = static_cast<int>(clock - room.divisors.begin());
-        cam.output_hold = leaves_its_clock(s);
         plan.cams.push_back(std::move(cam));
       }
       out.chips.push_back(std::move(plan));
     }
     return true;
-  }
-
-  bool leaves_its_clock(std::size_t s) const {
-    if (s + 1 == design_.stages.size()) return true;
-    return std::any_of(design_.stages.begin(), design_.stages.end(), [&](const DesignStage& reader) {
-      return reader.divisor != design_.stages[s].divisor &&
-             std::find(reader.from.begin(), reader.from.end(), static_cast<int>(s)) != reader.from.end();
-    });
   }
 
   std::string cam_name(std::size_t s) const {

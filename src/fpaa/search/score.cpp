@@ -4,12 +4,17 @@
 #include <cmath>
 #include <numbers>
 
+#include "fpaa/plan/plan_limits.hpp"
 #include "fpaa/search/images.hpp"
+#include "numeric/random.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
 
 using Complex = std::complex<double>;
+
+constexpr double kOfFastest = 0.45;  ///< clock: where peaks are looked for, as plan_limits.cpp
 
 /// Mean square at the pin within the band, in kT/C_u: every switched unit brings 2 kT C of charge a period. What a slower clock folds
 /// into the band is left out: this only compares designs.
@@ -49,6 +54,16 @@ double DesignScore::total() const {
   return std::hypot(p95, image) + noise + kOutside * std::max(0.0, kInputWorthKeeping * bound / input - 1.0);
 }
 
+double DesignScore::wanted_input(double full_scale_v) const {
+  return std::min(kWantedInputV / full_scale_v, kInputWorthKeeping * std::min(bound, 1.0));
+}
+
+double DesignScore::missing(double full_scale_v) const {
+  const auto beyond = [](double of_wanted) { return std::max(0.0, of_wanted - 1.0); };
+  return beyond(designed / kWantedDesigned) + beyond(std::hypot(p95, noise) / kWantedP95) +
+         beyond(wanted_input(full_scale_v) / input);
+}
+
 std::vector<double> mismatch_sigma(const std::vector<CapacitorEffect>& effects, const Design& design,
                                    const MismatchModel& mismatch) {
   std::vector<double> out;
@@ -81,7 +96,7 @@ void raise_peaks(const DesignResponse& response, std::vector<NodePeak>& out) {
       PhaseStarts& own = starts[s];
       own = {product(y.end1, later), product(y.end2, later)};
       for (std::size_t i = 0; i < stage.from.size(); ++i) {
-        const StageFactors f = stage_factors(stage, i, clock);
+        const StageFactors f = StageEquations(stage, i).at(clock);
         const SineParts x = response.input_of(s, i, k);
         PhaseStarts in;
         if (stage.from[i] != DesignStage::kBoardInput) {
@@ -95,7 +110,7 @@ void raise_peaks(const DesignResponse& response, std::vector<NodePeak>& out) {
       out[s].output = std::max(
           {out[s].output, std::abs(y.end1), std::abs(y.end2), std::abs(own.first), std::abs(own.second)});
       if (stage.is_first()) continue;
-      out[s].inner = std::max(out[s].inner, inner_magnitude(stage, clock, response.input_of(s, 0, k)));
+      out[s].inner = std::max(out[s].inner, first_opamp(stage, clock, response.input_of(s, 0, k)).largest());
     }
   }
 }
@@ -106,7 +121,6 @@ std::vector<NodePeak> node_peaks(const DesignResponse& response) {
   constexpr int kAbove = 16;
   constexpr double kBesideMultiple = 5e-4;  // of a clock: a slow stage takes for a constant what lies there
   constexpr int kMultiples = 3;
-  constexpr double kOfFastest = 0.45;  // as plan_limits.hpp
   std::vector<NodePeak> out(response.design().stages.size());
   raise_peaks(response, out);
   const DesignTarget& target = response.table().target();
@@ -150,12 +164,69 @@ void scale_nodes(Design& design, const StageFactorTable& table) {
   }
 }
 
+namespace {
+
+double drawn_p95(const std::vector<Complex>& errors, const std::vector<CapacitorEffect>& effects,
+                 const Design& design, const DesignTarget& target, const MismatchModel& mismatch) {
+  constexpr std::size_t kDrawnAt = 50;  // of the grid, evenly
+  constexpr int kDraws = 300;
+  std::vector<std::size_t> at;
+  for (std::size_t k = 0; k < errors.size(); ++k) {
+    if (target.weight[k] >= 1.0 && target.beside_zero[k] == 0) at.push_back(k);
+  }
+  const std::size_t every = at.size() / kDrawnAt + 1;
+  std::vector<double> worst;
+  std::vector<Complex> error;
+  Random random(1);
+  for (int draw = 0; draw < kDraws; ++draw) {
+    error.clear();
+    for (std::size_t i = 0; i < at.size(); i += every) error.push_back(errors[at[i]]);
+    for (const CapacitorEffect& effect : effects) {
+      const double units = design.stages[effect.stage].c[effect.capacitor];
+      const double by = mismatch.drawn(units, random.normal()) / units - 1.0;
+      for (std::size_t i = 0; i < error.size(); ++i) error[i] += by * effect.values[at[i * every]];
+    }
+    worst.push_back(largest_error(error));
+  }
+  std::sort(worst.begin(), worst.end());
+  return quantile_of_sorted(worst, 0.95);
+}
+
+/// The largest of all op-amps after a step.
+double step_peak(const Design& design, const DesignTarget& target) {
+  constexpr int kStepPoints = 80;
+  DesignTarget steps;
+  steps.master_hz = target.master_hz;
+  const double fastest = target.master_hz / static_cast<double>(design.stages.front().divisor);
+  const std::vector<Hertz> grid =
+      log_grid({{0.01 * target.band.from.value}, {kOfFastest * fastest}}, kStepPoints);
+  for (const Hertz f : grid) steps.grid.push_back(f.rad_s());
+  const StageFactorTable table(steps);
+  const DesignResponse response(design, table);
+  const StepPeaks peaks(grid);
+  double out = 0.0;
+  for (std::size_t s = 0; s < design.stages.size(); ++s) {
+    const DesignStage& stage = design.stages[s];
+    std::vector<Complex> gain, inner;
+    for (const SineParts& y : response.signals()[s]) gain.push_back(y.whole());
+    out = std::max(out, peaks.largest(gain));
+    if (stage.is_first()) continue;
+    for (std::size_t k = 0; k < grid.size(); ++k)
+      inner.push_back(first_opamp(stage, table.clock(stage.divisor)[k], response.input_of(s, 0, k)).end2);
+    out = std::max(out, peaks.largest(inner));
+  }
+  return out;
+}
+
+}  // namespace
+
 DesignScore score_of(const Design& design, const StageFactorTable& table, const BoardAssumptions& assumptions,
-                     double full_scale_v) {
+                     double full_scale_v, Spread spread) {
   const DesignResponse response(design, table);
   const DesignTarget& target = table.target();
   const std::vector<Complex> errors = response.errors();
-  const std::vector<double> sigma = mismatch_sigma(capacitor_effects(response), design, assumptions.mismatch);
+  const std::vector<CapacitorEffect> effects = capacitor_effects(response);
+  const std::vector<double> sigma = mismatch_sigma(effects, design, assumptions.mismatch);
   DesignScore out;
   for (std::size_t k = 0; k < errors.size(); ++k) {
     if (target.weight[k] < 1.0) continue;
@@ -164,10 +235,13 @@ DesignScore score_of(const Design& design, const StageFactorTable& table, const 
     if (!(designed <= out.designed)) out.designed = designed;
     if (!(p95 <= out.p95)) out.p95 = p95;
   }
+  if (spread == Spread::by_drawn_boards)
+    out.p95 = std::max(out.designed, drawn_p95(errors, effects, design, target, assumptions.mismatch));
   out.image = image_share(design, target);
   double most = 1.0;
   const std::vector<NodePeak> peaks = node_peaks(response);
   for (const NodePeak& peak : peaks) most = std::max({most, peak.output, peak.inner});
+  if (spread == Spread::by_drawn_boards) most = std::max(most, step_peak(design, target));
   double asked = 1.0;
   for (std::size_t k = 0; k < errors.size(); ++k) {
     if (target.weight[k] >= 1.0) asked = std::max(asked, std::abs(target.wanted[k]));

@@ -10,23 +10,35 @@ namespace bodesmith::fpaa {
 /// What a design comes to, all as shares (1 = 100 %), on the grid of its table.
 struct DesignScore {
   double designed = 0.0;  ///< largest |got - wanted|/reference within the band
-  double p95 = 0.0;       ///< the same for 95 % of boards: designed error and spread by mismatch
+  double p95 = 0.0;       ///< the same for 95 % of boards (Spread)
   double noise = 0.0;     ///< kT/C noise within the band against the output's largest sine
-  double input = 1.0;     ///< sine at the pin that no node clips at, in full scales
-  double bound = 1.0;     ///< the same if only the input and what is asked for within the band could clip
-  double image = 0.0;     ///< lines of the clocks within the band beside a sine (images.hpp)
+  double input = 1.0;  ///< sine at the pin that no node clips at, in full scales (of boards drawn: or step)
+  double bound = 1.0;  ///< the same if only the input and what is asked for within the band could clip
+  double image = 0.0;  ///< lines of the clocks within the band beside a sine (images.hpp)
   /// What candidates are ranked by: what the pin shows beside what was asked for, of 95 % of boards. Images are other frequencies and
   /// add by squares. Below the input worth keeping, what stands outside the board (offsets, drivers) is larger against the
   /// signal: taken as kOutside there, it grows as the input falls.
   double total() const;
+  /// An input of 1 V, or two thirds of the bound where that is less, in full scales.
+  double wanted_input(double full_scale_v) const;
+  /// By how much of itself each of what is wanted is missed, added up; 0: there is all of it.
+  double missing(double full_scale_v) const;
 };
 
 /// The share of the bound that costs nothing.
 inline constexpr double kInputWorthKeeping = 2.0 / 3.0;
 inline constexpr double kOutside = 0.005;
+/// What is asked of a plan: an error that nobody sees beside the mismatch of parts, and a signal well above a board's offsets.
+inline constexpr double kWantedDesigned = 0.005;
+inline constexpr double kWantedP95 = 0.015;
+inline constexpr double kWantedInputV = 1.0;
+
+/// What 95 % of boards keep: designed error and spread frequency by frequency, smooth, for a fit; or, as plans state it (plan_total), the
+/// worst over frequency of each of 300 boards drawn, here to first order in every capacitor.
+enum class Spread { by_frequency, by_drawn_boards };
 
 DesignScore score_of(const Design& design, const StageFactorTable& table, const BoardAssumptions& assumptions,
-                     double full_scale_v);
+                     double full_scale_v, Spread spread);
 
 /// Standard deviation of the weighted error by mismatch, on the grid.
 std::vector<double> mismatch_sigma(const std::vector<CapacitorEffect>& effects, const Design& design,

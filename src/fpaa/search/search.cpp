@@ -5,7 +5,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
-#include <initializer_list>
+#include <iterator>
 #include <limits>
 #include <numbers>
 
@@ -24,13 +24,14 @@ constexpr int kSearchThreads = 2;
 /// No clock above this: half a period is then 250 ns, in which a handful of op-amps of some MHz one behind the other have to
 /// settle (their bandwidth is not public).
 constexpr double kHighestClockHz = 2e6;
-/// Stages that are fitted, tried at other clocks, made whole, and made whole with more care: so many chains of so many stages each.
-/// Twice as many found nothing better on the table of docs/fpaa.md.
-constexpr std::size_t kFittedStages = 400;
+/// Op-amps of all chains that are fitted and that are made whole; chains that are tried at other clocks and made whole with more care.
+constexpr int kFittedOpamps = 400;
 constexpr std::size_t kMovedChains = 6;
-constexpr std::size_t kMoveRounds = 4;
-constexpr std::size_t kWholeStages = 240;
-constexpr std::size_t kRefined = 12;
+constexpr std::size_t kMoveRounds = 12;
+constexpr int kWholeOpamps = 240;
+constexpr std::size_t kRefined = 6;
+/// Ways to share the roots out (of the best chains) in which lowest and highest stages are joined.
+constexpr std::size_t kJoinedSharings = 3;
 constexpr int kQuickPairs = 8;
 constexpr int kPairs = 60;
 /// One clock for all: from the highest that every corner reaches down in these steps to this many times the band.
@@ -60,27 +61,21 @@ struct Candidate {
   Design exact;  ///< before its capacitors were whole
   DesignScore score;
   bool vendor = false;
+  double missing = 0.0;  ///< of what is wanted of a plan (DesignScore::missing), once capacitors are whole
   double rank() const {
     const int opamps = design->opamps();
     const int more_chips = (opamps - 1) / kOpampsOfChip;
-    return (score.total() + kDesignedShare * score.designed) *
-               (1.0 + kOpampCost * opamps + kChipCost * more_chips) +
-           (vendor ? 0.0 : kVendorMargin);
+    return snapped((score.total() + kDesignedShare * score.designed) *
+                       (1.0 + kOpampCost * opamps + kChipCost * more_chips) +
+                   (vendor ? 0.0 : kVendorMargin));
   }
+  /// What has all that is wanted of a plan comes first; of the others what misses more counts as so much worse.
+  std::pair<bool, double> place() const { return {missing > 0.0, snapped(rank() * (1.0 + missing))}; }
 };
-
-bool is_vendor(const DesignStage& stage) {
-  if (stage.is_first()) return stage.from.size() == 1;
-  int inputs = 0;
-  for (const int i : {DesignStage::kC1, DesignStage::kCp, DesignStage::kCpp}) {
-    inputs += stage.c[static_cast<std::size_t>(i)] > 0.0;
-  }
-  return inputs == 1 && stage.c1_inverting;
-}
 
 bool is_vendor(const Design& design) {
   return std::all_of(design.stages.begin(), design.stages.end(),
-                     [](const DesignStage& s) { return is_vendor(s); });
+                     [](const DesignStage& s) { return s.is_vendors(); });
 }
 
 /// What whole capacitors could come to at best: each group as large as its bank; what does not come to half a unit is left out, or is
@@ -103,18 +98,6 @@ Design with_full_banks(Design design, int most) {
   return design;
 }
 
-/// Capacitors to a millionth: what two processors make of one fit differs in the last digits, and what is chosen from them should not.
-void snap(Design& design) {
-  constexpr int kBits = 20;
-  for (DesignStage& stage : design.stages) {
-    for (double& c : stage.c) {
-      int exponent = 0;
-      const double mantissa = std::frexp(c, &exponent);
-      c = std::ldexp(std::nearbyint(std::ldexp(mantissa, kBits)), exponent - kBits);
-    }
-  }
-}
-
 class ChainSearch {
  public:
   ChainSearch(const Sections& sections, Band band, const PlanOptions& options, const Board& board)
@@ -134,25 +117,16 @@ class ChainSearch {
       }
       given_ = std::int64_t{clock->system_divisor} * clock->divisor;
     }
-    std::vector<Candidate> list = candidates();
-    improve(list, "chains", [&](Candidate& c) { return fitted(c, target_, 10, 1); });
-    if (list.empty()) return nothing();
-    keep_placeable(list, share_of(kFittedStages, list));
-    if (list.empty()) return *why_not_;
-    improve(list, "chains, closer", [&](Candidate& c) { return fitted(c, target_, 25, 2); });
-    if (!given_) move_clocks(list);
-    keep_placeable(list, share_of(kWholeStages, list));
-    if (list.empty()) return *why_not_;
-    improve(list, "capacitors", [&](Candidate& c) { return made_whole(c, width(2, 2), kQuickPairs); });
-    if (list.empty()) return Refusal{"no chain comes to whole capacitors"};
-    std::vector<Candidate> refined(
-        list.begin(), list.begin() + static_cast<std::ptrdiff_t>(std::min(kRefined, list.size())));
-    improve(refined, "capacitors, closer", [&](Candidate& c) { return refine(c); });
-    Candidate& best = refined.empty() ? list.front() : refined.front();
+    double promise = std::numeric_limits<double>::infinity();
+    std::vector<Candidate> found = searched(candidates(), promise);
+    if (found.empty()) return why_not_.value_or(nothing());
+    for (Candidate& joined : searched(joined_candidates(found), promise)) found.push_back(std::move(joined));
+    sort_by_rank(found);
+    const Candidate& best = found.front();
     SearchedDesign out{*best.design, best.score, best.vendor,
                        value_or_throw(plan_of_design(*best.design, board_))};
     out.plan.topology = best.vendor ? "chain" : "cascade";
-    out.plan.trade_off = trade_off(best, {&list, &refined});
+    out.plan.trade_off = trade_off(found);
     return out;
   }
 
@@ -164,6 +138,10 @@ class ChainSearch {
           "no chain of AnadigmDesigner2's CAMs makes these sections at a clock of {} Hz, expected another clock (or "
           "none: it is searched then)",
           rounded_text(options_.clock->value));
+    } else if (options_.topology == PlanOptions::Topology::bilinear) {
+      at =
+          "no chain of FilterBilinear at one clock on one chip makes these sections (real poles and zeros, as many as the chip's "
+          "op-amps), expected the topology chain or auto";
     } else if (options_.topology == PlanOptions::Topology::chain) {
       at =
           "no chain of AnadigmDesigner2's CAMs makes these sections (no zeros in the right half plane, complex ones only at 0), "
@@ -172,17 +150,13 @@ class ChainSearch {
     return {at};
   }
 
-  /// Of all designs with whole capacitors those that no other one beats in both, error and input; with the chosen one in any case.
-  std::vector<TradeOff> trade_off(const Candidate& chosen,
-                                  std::initializer_list<const std::vector<Candidate>*> lists) const {
+  /// Of all designs with whole capacitors those that no other one beats in both, error and input; with the first one in any case.
+  std::vector<TradeOff> trade_off(const std::vector<Candidate>& found) const {
     constexpr double kLess = 0.98;  // an error that is not smaller by this is the same
     std::vector<TradeOff> all;
-    const auto add = [&](const Candidate& c) {
+    for (const Candidate& c : found) {
       all.push_back({c.score.input * board_.full_scale_v, 100.0 * c.score.designed,
-                     100.0 * std::hypot(c.score.p95, c.score.noise), c.design->opamps(), &c == &chosen});
-    };
-    for (const auto* list : lists) {
-      for (const Candidate& c : *list) add(c);
+                     100.0 * std::hypot(c.score.p95, c.score.noise), c.design->opamps(), &c == &found[0]});
     }
     std::stable_sort(all.begin(), all.end(),
                      [](const TradeOff& a, const TradeOff& b) { return a.at_input_v > b.at_input_v; });
@@ -196,14 +170,28 @@ class ChainSearch {
     return out;
   }
 
+  /// From chains as they come to the best of them with whole capacitors; empty where none fits on the board. With any capacitors the
+  /// best may come to `promise`, which is set; what promises less than is given is left.
+  std::vector<Candidate> searched(std::vector<Candidate> list, double& promise) {
+    improve(list, "chains", [&](Candidate& c) { return fitted(c, target_, 10, 1); });
+    keep_placeable(list, kFittedOpamps);
+    improve(list, "chains, closer", [&](Candidate& c) { return fitted(c, target_, 25, 2); });
+    if (!given_ && options_.topology != PlanOptions::Topology::bilinear) move_clocks(list);
+    std::erase_if(list, [&](const Candidate& c) { return c.rank() > promise; });
+    if (!list.empty()) promise = list.front().rank();
+    keep_placeable(list, kWholeOpamps);
+    improve(list, "capacitors", [&](Candidate& c) { return made_whole(c, width(2, 2), kQuickPairs); });
+    std::vector<Candidate> refined(
+        list.begin(), list.begin() + static_cast<std::ptrdiff_t>(std::min(kRefined, list.size())));
+    improve(refined, "capacitors, closer", [&](Candidate& c) { return refine(c); });
+    list.insert(list.end(), std::make_move_iterator(refined.begin()), std::make_move_iterator(refined.end()));
+    sort_by_rank(list);
+    return list;
+  }
+
   std::vector<Candidate> candidates() const {
     std::vector<Candidate> out;
-    Candidate c;
-    c.clocks.lowest = options_.lowest_clock.value_or(Hertz{board_.master_clock.value / 260100.0});
-    c.clocks.highest = Hertz{kHighestClockHz};
-    c.sharing.lowest_clock_hz = c.clocks.lowest.value;
-    c.sharing.low_zero = target_.band.from.value * 2.0 * std::numbers::pi / 300.0;
-    c.sharing.far_zero = 50.0 * 2.0 * std::numbers::pi * target_.band.to.value;
+    Candidate c = first_candidate();
     for (const bool nearest : {false, true}) {
       c.sharing.nearest_zeros = nearest;
       for (std::size_t left_out = 0;; ++left_out) {
@@ -221,6 +209,50 @@ class ChainSearch {
     return out;
   }
 
+  /// The best ones' roots with their lowest and highest stages joined.
+  std::vector<Candidate> joined_candidates(const std::vector<Candidate>& best) const {
+    std::vector<Candidate> out;
+    std::vector<SharingOptions> tried;
+    for (const Candidate& from : best) {
+      if (vendor_only() || tried.size() == kJoinedSharings) break;
+      const auto alike = [&](const SharingOptions& other) {
+        return other.left_out == from.sharing.left_out && other.nearest_zeros == from.sharing.nearest_zeros;
+      };
+      if (std::any_of(tried.begin(), tried.end(), alike)) continue;
+      tried.push_back(from.sharing);
+      Candidate c = first_candidate();
+      c.sharing.left_out = from.sharing.left_out;
+      c.sharing.nearest_zeros = from.sharing.nearest_zeros;
+      for (c.sharing.joined = 1;; ++c.sharing.joined) {
+        const std::vector<StageRoots> stages = shared_roots(sections_, c.sharing);
+        if (stages.empty()) break;
+        add_clocks(out, c, stages);
+      }
+    }
+    return out;
+  }
+
+  bool vendor_only() const { return options_.topology != PlanOptions::Topology::automatic || options_.clock; }
+  /// What was asked for.
+  bool is_allowed(const Candidate& c) const {
+    if (options_.topology == PlanOptions::Topology::bilinear) {
+      const std::vector<DesignStage>& stages = c.design->stages;
+      return static_cast<int>(stages.size()) <= kOpampsOfChip && c.vendor &&
+             std::all_of(stages.begin(), stages.end(), [](const DesignStage& s) { return s.is_first(); });
+    }
+    return c.vendor || !vendor_only();
+  }
+
+  Candidate first_candidate() const {
+    Candidate c;
+    c.clocks.lowest = options_.lowest_clock.value_or(Hertz{board_.master_clock.value / 260100.0});
+    c.clocks.highest = Hertz{kHighestClockHz};
+    c.sharing.lowest_clock_hz = c.clocks.lowest.value;
+    c.sharing.low_zero = target_.band.from.value * 2.0 * std::numbers::pi / 300.0;
+    c.sharing.far_zero = 50.0 * 2.0 * std::numbers::pi * target_.band.to.value;
+    return c;
+  }
+
   void add_clocks(std::vector<Candidate>& out, Candidate c, const std::vector<StageRoots>& stages) const {
     if (given_) {
       c.clocks.one = given_;
@@ -233,6 +265,7 @@ class ChainSearch {
       c.clocks.one = fastest_divisor(target_.master_hz, clock);
       add_gains(out, c, stages);
     }
+    if (options_.topology == PlanOptions::Topology::bilinear) return;
     c.clocks.one.reset();
     for (const double over_corner : {12.0, 30.0, 80.0, 200.0}) {
       for (const double over_band : {0.0, 0.3, 1.0, 3.0, 8.0, 25.0, 80.0, 200.0}) {
@@ -253,8 +286,7 @@ class ChainSearch {
       c.stages = stages;
       if (!made(c) || same_as_one(out, *c.design)) continue;
       c.vendor = is_vendor(*c.design);
-      const bool vendor_only = options_.topology == PlanOptions::Topology::chain || options_.clock;
-      if (vendor_only && !c.vendor) continue;
+      if (!is_allowed(c)) continue;
       out.push_back(c);
     }
   }
@@ -268,9 +300,9 @@ class ChainSearch {
     return true;
   }
 
-  /// So many chains as the best of the list makes with so many stages.
-  static std::size_t share_of(std::size_t stages, const std::vector<Candidate>& list) {
-    return std::max<std::size_t>(6, stages / std::max<std::size_t>(2, list.front().design->stages.size()));
+  /// So many chains as the best of the list makes with so many op-amps.
+  static std::size_t share_of(int opamps, const std::vector<Candidate>& list) {
+    return static_cast<std::size_t>(std::max(6, opamps / std::max(2, list.front().design->opamps())));
   }
 
   static bool same_as_one(const std::vector<Candidate>& list, const Design& design) {
@@ -288,13 +320,13 @@ class ChainSearch {
 
   static void sort_by_rank(std::vector<Candidate>& list) {
     std::stable_sort(list.begin(), list.end(),
-                     [](const Candidate& a, const Candidate& b) { return a.rank() < b.rank() * kBetter; });
+                     [](const Candidate& a, const Candidate& b) { return a.place() < b.place(); });
   }
 
   /// Runs `step` on all, two at a time; keeps those for which it is true, by rank.
   template <class Step>
-  void improve(std::vector<Candidate>& list, const char* what, Step step) const {
-    Progress progress(what);
+  void improve(std::vector<Candidate>& list, const std::string& what, Step step) {
+    Progress progress(what + best_so_far_);
     std::atomic<std::size_t> done = 0;
     std::vector<char> kept(list.size(), 0);
     parallel_for(list.size(), kSearchThreads, [&](std::size_t i) {
@@ -307,6 +339,9 @@ class ChainSearch {
     }
     sort_by_rank(out);
     list = std::move(out);
+    if (!list.empty())
+      best_so_far_ =
+          fmt::format(", {} % of 95 % of boards so far", rounded_text(100.0 * list[0].score.p95, 2));
   }
 
   bool fitted(Candidate& c, const DesignTarget& target, int iterations, int passes) const {
@@ -314,14 +349,13 @@ class ChainSearch {
     const StageFactorTable table(seen);
     fit_design(*c.design, table, iterations, passes);
     scale_nodes(*c.design, table);
-    snap(*c.design);
     c.score = score_of(with_full_banks(*c.design, board_.max_capacitor), table, options_.assumptions,
-                       board_.full_scale_v);
+                       board_.full_scale_v, Spread::by_frequency);
     return true;
   }
 
   /// The best chains with single stages at twice or half their clock, as long as that pays.
-  void move_clocks(std::vector<Candidate>& list) const {
+  void move_clocks(std::vector<Candidate>& list) {
     std::vector<Candidate> moved(
         list.begin(), list.begin() + static_cast<std::ptrdiff_t>(std::min(kMovedChains, list.size())));
     for (Candidate& best : moved) {
@@ -370,8 +404,10 @@ class ChainSearch {
     });
   }
 
-  /// The best that the board has room for.
-  void keep_placeable(std::vector<Candidate>& list, std::size_t most) {
+  /// The best that the board has room for, with `opamps` op-amps together.
+  void keep_placeable(std::vector<Candidate>& list, int opamps) {
+    if (list.empty()) return;
+    const std::size_t most = share_of(opamps, list);
     std::vector<Candidate> out;
     for (Candidate& c : list) {
       if (out.size() == most) break;
@@ -390,20 +426,24 @@ class ChainSearch {
     return {designs, choices, options_.assumptions.mismatch, kMismatchShare};
   }
 
+  void judge_whole(Candidate& c, const StageFactorTable& table) const {
+    c.score = score_of(*c.design, table, options_.assumptions, board_.full_scale_v, Spread::by_drawn_boards);
+    c.missing = c.score.missing(board_.full_scale_v);
+  }
+
   /// Whole capacitors; the candidate's design stays as it was where there are none.
   bool made_whole(Candidate& c, RoundingWidth width, int pairs) const {
     const DesignTarget seen = with_clocks_seen(fine_, *c.design, sections_);
     const StageFactorTable table(seen);
     c.exact = *c.design;
     fit_design(c.exact, table, 25, 3);
-    snap(c.exact);
     Design whole = c.exact;
     if (!make_whole(whole, table, width)) return false;
     polish_singles(whole, table, 4);
     polish_pairs(whole, table, options_.assumptions.mismatch, kMismatchShare, pairs);
-    c.score = score_of(whole, table, options_.assumptions, board_.full_scale_v);
     c.design = std::move(whole);
     c.vendor = is_vendor(*c.design);
+    judge_whole(c, table);
     return refusal_of(plan_of_design(*c.design, board_)) == nullptr;
   }
 
@@ -414,8 +454,8 @@ class ChainSearch {
     const DesignTarget seen = with_clocks_seen(fine_, *c.design, sections_);
     const StageFactorTable table(seen);
     polish_pairs(*c.design, table, options_.assumptions.mismatch, kMismatchShare, kPairs);
-    c.score = score_of(*c.design, table, options_.assumptions, board_.full_scale_v);
-    if (made_whole(again, width(3, 4), kPairs) && again.rank() < kBetter * c.rank()) c = again;
+    judge_whole(c, table);
+    if (made_whole(again, width(3, 4), kPairs) && again.place() < c.place()) c = again;
     return true;
   }
 
@@ -425,6 +465,7 @@ class ChainSearch {
   DesignTarget target_, fine_;
   std::optional<std::int64_t> given_;
   std::optional<Refusal> why_not_;
+  std::string best_so_far_;  ///< for the progress line
 };
 
 }  // namespace

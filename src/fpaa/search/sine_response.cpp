@@ -26,37 +26,32 @@ inline Complex quotient(Complex above, Complex below) {
 ///   phase 2:  CA a2 = h (CA a1 + (Cpf + C1n) x1 + C4f y1) - Cpf x2 - C4f y2
 ///             CB y2 = h (CB y1 + Cpp x1) - Cpp x2
 /// C4 and Cp are switched into the second op-amp at low Q (C4s, Cps), static into the first at high Q (C4f,
-/// Cpf); C1 inverts (C1i) or is taken in phase 1 and given in phase 2 (C1n).
+/// Cpf); C1 inverts (C1i) or is taken in phase 1 and given in phase 2 (C1n). With d = 1 - h^2, s = h^2/d (ClockFactors::sum),
+/// e = C1n - C1i, g = Cpp/CB, k = C3/CA the op-amp voltages go out of it:
+///   y1 (CB d + C4s + k (C4f h^2 + C2 s)) = (Cpp (h^2 - 1) - Cps + k (e s - C4f g h^2)) x1 + k (C4f g - Cpf) h x2
 struct SecondOrder {
   explicit SecondOrder(const Stage& stage) {
     const bool high = stage.kind == Stage::Kind::second_high;
     const auto& c = stage.c;
     c1i = stage.c1_inverting ? c[Stage::kC1] : 0.0;
-    c1n = stage.c1_inverting ? 0.0 : c[Stage::kC1];
+    e = stage.c1_inverting ? -c[Stage::kC1] : c[Stage::kC1];
     cpf = high ? c[Stage::kCp] : 0.0;
     cps = high ? 0.0 : c[Stage::kCp];
     cpp = c[Stage::kCpp];
     c2 = c[Stage::kC2];
-    c3 = c[Stage::kC3];
     c4f = high ? c[Stage::kC4] : 0.0;
     c4s = high ? 0.0 : c[Stage::kC4];
     ca = c[Stage::kCA];
     cb = c[Stage::kCB];
+    k = c[Stage::kC3] / ca;
+    g = cpp / cb;
   }
 
-  /// A linear form in x1, x2 and y1.
-  struct Form {
-    Complex x1, x2, y1;
-  };
-
-  /// CA a2 (1 - exp(-jwT)): both of its equations together, with y2 = h y1 + g (h x1 - x2), g = Cpp/CB.
-  Form second_end(const ClockFactors& k) const {
-    const double g = cpp / cb;
-    const Complex late = product(k.d, k.half);
-    return {k.half * (c1n - c1i) - late * (c4f * g), k.d * (c4f * g - cpf), -late * c4f - k.half * c2};
+  Complex below(const ClockFactors& at) const {
+    return cb * at.d + c4s + (k * c4f) * at.period + (k * c2) * at.sum;
   }
 
-  double c1i, c1n, cpf, cps, cpp, c2, c3, c4f, c4s, ca, cb;
+  double c1i, e, cpf, cps, cpp, c2, c4f, c4s, ca, cb, k, g;
 };
 
 }  // namespace
@@ -74,6 +69,7 @@ const std::vector<ClockFactors>& StageFactorTable::clock(std::int64_t divisor) c
     f.period = std::polar(1.0, -turn);
     f.d = 2.0 * std::abs(std::sin(0.5 * turn)) *
           std::polar(1.0, std::copysign(0.5 * std::numbers::pi, std::sin(0.5 * turn)) - 0.5 * turn);
+    f.sum = quotient(f.period, f.d);
     // (1/T) int_0^{T/2} exp(jw tau) dtau = sin(wT/4)/(wT/4) exp(jwT/4)/2
     const double quarter = 0.25 * turn;
     f.hold = 0.5 * (quarter < 1e-9 ? 1.0 : std::sin(quarter) / quarter) * std::polar(1.0, quarter);
@@ -82,31 +78,36 @@ const std::vector<ClockFactors>& StageFactorTable::clock(std::int64_t divisor) c
   return out;
 }
 
-StageFactors stage_factors(const Stage& stage, std::size_t input, const ClockFactors& clock) {
+StageEquations::StageEquations(const Stage& stage, std::size_t input) : first_(stage.is_first()) {
   const auto& c = stage.c;
-  StageFactors out;
-  if (stage.is_first()) {
+  if (first_) {
     const std::size_t n = 2 * stage.from.size();
-    out.from1 = -quotient(c[2 * input] + c[2 * input + 1] * clock.d, c[n] + c[n + 1] * clock.d);
-    out.from2 = 0.0;
-    out.follow1 = (c[2 * input] + c[2 * input + 1]) / (c[n] + c[n + 1]);
-    out.follow2 = c[n + 1] > 0.0 ? c[2 * input + 1] / c[n + 1] : 0.0;
-    return out;
+    c0_ = c[2 * input];
+    c1_ = c[2 * input + 1];
+    d0_ = c[n];
+    d1_ = c[n + 1];
+    follow1_ = (c0_ + c1_) / (d0_ + d1_);
+    follow2_ = d1_ > 0.0 ? c1_ / d1_ : 0.0;
+    return;
   }
   const SecondOrder s(stage);
-  const SecondOrder::Form a2 = s.second_end(clock);  // times 1/(CA d)
-  const Complex h = clock.half;
-  const Complex to_second = quotient(h * s.c3, s.ca * clock.d);
-  const double g = s.cpp / s.cb;
-  // (CB + C4s) y1 = h (CB y2 + Cpp x2) + to_second a2' - (Cps + Cpp) x1,  CB y2 = h (CB y1 + Cpp x1) - Cpp x2
-  const Complex below = s.cb * clock.d + s.c4s - product(to_second, a2.y1);
-  const Complex above1 = product(h, h) * s.cpp - (s.cps + s.cpp) + product(to_second, a2.x1);
-  const Complex above2 = product(to_second, a2.x2);
-  out.from1 = quotient(above1, below);
-  out.from2 = quotient(above2, below);
-  out.follow1 = (s.cps + s.cpp) / (s.cb + s.c4s);
-  out.follow2 = g;
-  return out;
+  of_d_ = s.cb;
+  of_one_ = s.c4s;
+  of_period_ = s.k * s.c4f;
+  of_sum_ = s.k * s.c2;
+  above_one_ = -s.cpp - s.cps;
+  above_period_ = s.cpp - s.k * s.c4f * s.g;
+  above_sum_ = s.k * s.e;
+  above_half_ = s.k * (s.c4f * s.g - s.cpf);
+  follow1_ = (s.cps + s.cpp) / (s.cb + s.c4s);
+  follow2_ = s.g;
+}
+
+StageFactors StageEquations::at(const ClockFactors& clock) const {
+  if (first_) return {-quotient(c0_ + c1_ * clock.d, d0_ + d1_ * clock.d), 0.0, follow1_, follow2_};
+  const Complex by = inverse(of_d_ * clock.d + of_one_ + of_period_ * clock.period + of_sum_ * clock.sum);
+  return {product(above_one_ + above_period_ * clock.period + above_sum_ * clock.sum, by),
+          product(above_half_ * clock.half, by), follow1_, follow2_};
 }
 
 namespace {
@@ -139,29 +140,32 @@ Complex way_of_end1(const SineParts& way, const ClockFactors& k) {
 
 }  // namespace
 
-double inner_magnitude(const Stage& stage, const ClockFactors& k, const SineParts& x) {
+/// Both equations of the first op-amp together, with y2 = h y1 + g (h x1 - x2):
+///   CA d a2 = (h e - C4f g h d) x1 + (C4f g - Cpf) d x2 - (C4f d + C2) h y1
+FirstOpAmp first_opamp(const Stage& stage, const ClockFactors& k, const SineParts& x) {
   const SecondOrder s(stage);
-  const SecondOrder::Form f = s.second_end(k);
-  const StageFactors own = stage_factors(stage, 0, k);
+  const StageFactors own = StageEquations(stage, 0).at(k);
   const Complex y1 = product(own.from1, x.end1) + product(own.from2, x.end2);
   const Complex y2 = product(k.half, y1) + own.follow2 * (product(k.half, x.end1) - x.end2);
-  const Complex a2 = quotient(product(f.x1, x.end1) + product(f.x2, x.end2) + product(f.y1, y1), s.ca * k.d);
+  const Complex late = product(k.d, k.half);
+  const Complex charge = product(k.half * s.e - late * (s.c4f * s.g), x.end1) +
+                         product(k.d * (s.c4f * s.g - s.cpf), x.end2) -
+                         product(late * s.c4f + k.half * s.c2, y1);
+  const Complex a2 = quotient(charge, s.ca * k.d);
   const Complex a1 =
       product(k.half, a2) +
       (product(k.half, s.cpf * x.end2 + s.c4f * y2) - (s.c1i + s.cpf) * x.end1 - (s.c2 + s.c4f) * y1) / s.ca;
-  return std::max(std::abs(a1), std::abs(a2));
+  return {a1, a2};
 }
 
 SineParts charge_response(const Stage& stage, int opamp, const ClockFactors& k) {
   Complex end1;
   if (stage.is_first()) {
     const std::size_t n = 2 * stage.from.size();
-    end1 = quotient(1.0, stage.c[n] + stage.c[n + 1] * k.d);
+    end1 = inverse(stage.c[n] + stage.c[n + 1] * k.d);
   } else {
     const SecondOrder s(stage);
-    const Complex to_second = quotient(k.half * s.c3, s.ca * k.d);
-    const Complex below = s.cb * k.d + s.c4s - product(to_second, s.second_end(k).y1);
-    end1 = opamp == 2 ? quotient(1.0, below) : quotient(product(to_second, k.half), below);
+    end1 = opamp == 2 ? inverse(s.below(k)) : quotient(s.k * k.sum, s.below(k));
   }
   return after_stage({end1, 0.0, 0.0, 0.0}, k, {});
 }
@@ -174,9 +178,9 @@ DesignResponse::DesignResponse(const Design& design, const StageFactorTable& tab
     std::vector<SineParts>& out = signals_[s];
     out.assign(points(), kNothing);
     for (std::size_t i = 0; i < stage.from.size(); ++i) {
-      for (std::size_t k = 0; k < out.size(); ++k) {
-        add(out[k], after_stage(stage_factors(stage, i, clock[k]), clock[k], input_of(s, i, k)));
-      }
+      const StageEquations equations(stage, i);
+      for (std::size_t k = 0; k < out.size(); ++k)
+        add(out[k], after_stage(equations.at(clock[k]), clock[k], input_of(s, i, k)));
     }
   }
 }
@@ -209,8 +213,9 @@ std::vector<std::vector<SineParts>> DesignResponse::ways() const {
       if (stage.from[i] == Stage::kBoardInput) continue;
       const auto source = static_cast<std::size_t>(stage.from[i]);
       const bool same = design_.stages[source].divisor == stage.divisor;
+      const StageEquations equations(stage, i);
       for (std::size_t k = 0; k < points(); ++k) {
-        const StageFactors f = stage_factors(stage, i, clock[k]);
+        const StageFactors f = equations.at(clock[k]);
         const SineParts& way = out[s][k];
         const Complex end2 = way_of_end2(way, clock[k]);
         const Complex end1 = way_of_end1(way, clock[k]);
@@ -254,7 +259,8 @@ StagePlace::StagePlace(const DesignResponse& response, const std::vector<SinePar
   share_of(stage, share_);
 }
 
-std::vector<std::vector<Complex>> StagePlace::first_order_slopes(const Stage& stage) const {
+std::vector<std::vector<Complex>> StagePlace::slopes(const Stage& stage) const {
+  if (!stage.is_first()) return second_order_slopes(stage);
   const auto& c = stage.c;
   const std::size_t n = 2 * stage.from.size();
   std::vector<std::vector<Complex>> out(c.size(), std::vector<Complex>(errors_.size(), 0.0));
@@ -280,12 +286,48 @@ std::vector<std::vector<Complex>> StagePlace::first_order_slopes(const Stage& st
   return out;
 }
 
+/// Each is a quotient `above`/below of sums of products of capacitors: (d above - quotient d below)/below.
+std::vector<std::vector<Complex>> StagePlace::second_order_slopes(const Stage& stage) const {
+  const SecondOrder s(stage);
+  const StageEquations equations(stage, 0);
+  std::vector<std::vector<Complex>> out(stage.c.size(), std::vector<Complex>(errors_.size()));
+  const double both = s.cb + s.c4s;
+  for (std::size_t k = 0; k < errors_.size(); ++k) {
+    const ClockFactors& at = clock_[k];
+    const Weights& w = weights_[0][k];
+    const StageFactors f = equations.at(at);
+    const Complex by = inverse(s.below(at));
+    const Complex above1 = product(w.from1, by);
+    const Complex above2 = product(w.from2, by);
+    const Complex below = -product(product(w.from1, f.from1) + product(w.from2, f.from2), by);
+    // What C4 and Cpp make together at high Q.
+    const Complex both_static = (s.k * s.c4f * s.g) * (product(above2, at.half) - product(above1, at.period));
+    const Complex loop = (s.k * s.c2) * product(below, at.sum);
+    const Complex damping = (s.k * s.c4f) * product(below, at.period);
+    const Complex through_c1 = (s.k * s.e) * product(above1, at.sum);
+    const Complex through_cpf = (-s.k * s.cpf) * product(above2, at.half);
+    const Complex c3 = loop + damping + through_c1 + through_cpf + both_static;
+    out[Stage::kC1][k] = through_c1;
+    out[Stage::kCp][k] = through_cpf + s.cps * (w.follow1 / both - above1);
+    out[Stage::kCpp][k] =
+        s.cpp * (product(above1, at.period - 1.0) + w.follow1 / both) + both_static + s.g * w.follow2;
+    out[Stage::kC2][k] = loop;
+    out[Stage::kC3][k] = c3;
+    out[Stage::kC4][k] = damping + both_static + s.c4s * (below - w.follow1 * (f.follow1 / both));
+    out[Stage::kCA][k] = -c3;
+    out[Stage::kCB][k] =
+        s.cb * (product(below, at.d) - w.follow1 * (f.follow1 / both)) - both_static - s.g * w.follow2;
+  }
+  return out;
+}
+
 void StagePlace::share_of(const Stage& stage, std::vector<Complex>& out) const {
   out.assign(errors_.size(), 0.0);
   for (std::size_t i = 0; i < weights_.size(); ++i) {
     const bool second = !stage.is_first();
+    const StageEquations equations(stage, i);
     for (std::size_t k = 0; k < out.size(); ++k) {
-      const StageFactors f = stage_factors(stage, i, clock_[k]);
+      const StageFactors f = equations.at(clock_[k]);
       const Weights& w = weights_[i][k];
       out[k] += product(w.from1, f.from1) + f.follow1 * w.follow1 + f.follow2 * w.follow2;
       if (second) out[k] += product(w.from2, f.from2);

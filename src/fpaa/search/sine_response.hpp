@@ -1,5 +1,6 @@
 #pragma once
 
+#include <algorithm>
 #include <complex>
 #include <deque>
 #include <span>
@@ -39,6 +40,7 @@ struct ClockFactors {
   std::complex<double> half;    ///< exp(-jwT/2)
   std::complex<double> period;  ///< exp(-jwT)
   std::complex<double> d;       ///< 1 - exp(-jwT)
+  std::complex<double> sum;     ///< exp(-jwT)/d: a sampled integrator
   std::complex<double> hold;    ///< (1/T) int over half a period before its end, of exp(jw(t_end - t))
 };
 
@@ -79,9 +81,26 @@ class StageFactorTable {
   mutable std::deque<Kept> kept_;  ///< references stay valid
 };
 
-StageFactors stage_factors(const DesignStage& stage, std::size_t input, const ClockFactors& clock);
-/// |first op-amp| of a second-order stage with this input, the larger of the ends of both phases.
-double inner_magnitude(const DesignStage& stage, const ClockFactors& clock, const SineParts& input);
+/// A stage's charge equations with its capacitors put in, for one input.
+class StageEquations {
+ public:
+  StageEquations(const DesignStage& stage, std::size_t input);
+  StageFactors at(const ClockFactors& clock) const;
+
+ private:
+  bool first_;
+  double c0_ = 0.0, c1_ = 0.0, d0_ = 0.0, d1_ = 0.0;  ///< first order: -(c0 + c1 D)/(d0 + d1 D)
+  /// Second order: coefficients of what the clock makes, see SecondOrder in the source.
+  double of_d_ = 0.0, of_one_ = 0.0, of_period_ = 0.0, of_sum_ = 0.0;
+  double above_one_ = 0.0, above_period_ = 0.0, above_sum_ = 0.0, above_half_ = 0.0;
+  double follow1_ = 0.0, follow2_ = 0.0;
+};
+/// The first op-amp of a second-order stage with this input, at the ends of both phases.
+struct FirstOpAmp {
+  std::complex<double> end1, end2;
+  double largest() const { return std::max(std::abs(end1), std::abs(end2)); }
+};
+FirstOpAmp first_opamp(const DesignStage& stage, const ClockFactors& clock, const SineParts& input);
 /// Volts at the output's ends and parts for one unit of charge (V C_u) into an op-amp in phase 1.
 SineParts charge_response(const DesignStage& stage, int opamp, const ClockFactors& clock);
 
@@ -120,11 +139,13 @@ class StagePlace {
   const std::vector<std::complex<double>>& share() const { return share_; }
   /// Weighted errors with the stage as it is.
   const std::vector<std::complex<double>>& errors() const { return errors_; }
-  /// d share / d ln C of every capacitor of a first-order stage in this place.
-  std::vector<std::vector<std::complex<double>>> first_order_slopes(const DesignStage& stage) const;
+  /// d share / d ln C of every capacitor of a stage in this place.
+  std::vector<std::vector<std::complex<double>>> slopes(const DesignStage& stage) const;
   double largest_error_with(const DesignStage& stage, std::vector<std::complex<double>>& room) const;
 
  private:
+  std::vector<std::vector<std::complex<double>>> second_order_slopes(const DesignStage& stage) const;
+
   const std::vector<ClockFactors>& clock_;
   /// Of each input and point: share = a from1 + b from2 + c1 follow1 + c2 follow2.
   struct Weights {

@@ -350,7 +350,7 @@ double StageRoots::width() const {
   if (second || subtract || zeros.size() != 1 || poles.size() != 1 || zeros[0] == 0.0) {
     return std::numeric_limits<double>::infinity();
   }
-  return std::abs(std::log(std::abs(zeros[0] / poles[0])));
+  return snapped(std::abs(std::log(std::abs(zeros[0] / poles[0]))));
 }
 
 double StageRoots::magnitude(RadPerSecond w) const {
@@ -381,14 +381,39 @@ double StageRoots::highest_clock_hz() const {
   return lowest * kOneRatio;
 }
 
+namespace {
+
+bool join_lowest_and_highest(std::vector<StageRoots>& stages) {
+  std::optional<std::size_t> lowest, highest;
+  for (std::size_t s = 0; s < stages.size(); ++s) {
+    if (stages[s].second || stages[s].subtract || stages[s].poles.empty()) continue;
+    const double corner = snapped(stages[s].corner());
+    if (!lowest || corner < snapped(stages[*lowest].corner())) lowest = s;
+    if (!highest || corner > snapped(stages[*highest].corner())) highest = s;
+  }
+  if (!lowest || *lowest == *highest) return false;
+  StageRoots& joined = stages[*lowest];
+  const StageRoots& other = stages[*highest];
+  joined.second = true;
+  joined.poles.push_back(other.poles[0]);
+  joined.zeros.insert(joined.zeros.end(), other.zeros.begin(), other.zeros.end());
+  stages.erase(stages.begin() + static_cast<std::ptrdiff_t>(*highest));
+  return true;
+}
+
+}  // namespace
+
 std::vector<StageRoots> shared_roots(const Sections& sections, const SharingOptions& options) {
   std::vector<StageRoots> out = RootSharing(sections, options).shared();
   for (std::size_t n = 0; n < options.left_out; ++n) {
-    const auto closest = std::min_element(
-        out.begin(), out.end(),
-        [](const StageRoots& a, const StageRoots& b) { return a.width() < b.width() * (1.0 - 1e-9); });
+    const auto closest =
+        std::min_element(out.begin(), out.end(),
+                         [](const StageRoots& a, const StageRoots& b) { return a.width() < b.width(); });
     if (out.size() < 2 || !std::isfinite(closest->width())) return {};
     out.erase(closest);
+  }
+  for (std::size_t n = 0; n < options.joined; ++n) {
+    if (!join_lowest_and_highest(out)) return {};
   }
   return out;
 }

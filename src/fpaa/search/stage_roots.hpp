@@ -34,6 +34,9 @@ struct SharingOptions {
   bool pair_low_passes = false;  ///< real poles without zeros two and two: a biquad samples without lead
   std::size_t left_out =
       0;  ///< so many of the closest pole-zero pairs are left out: the others make up for them
+  /// So often the lowest first-order stage and the highest become one of second order: a corner far below its clock is two
+  /// capacitor ratios then, of ten units and more, where it was one of a unit or two, whose mismatch is the gain at rest.
+  std::size_t joined = 0;
 };
 
 /// Shares the roots of all sections out over stages; empty when some zero finds no place.

@@ -27,27 +27,6 @@ void add_point(DesignTarget& target, const Sections& sections, Hertz f, double w
   target.reciprocal.push_back(1.0 / std::max(error_reference(sections, f.rad_s()), soft));
 }
 
-/// Frequencies about resonances and notches that a grid of the band would step over: some widths beside each.
-std::vector<Hertz> about_sharp_roots(const Sections& sections, Band band) {
-  constexpr double kSharp = 0.2;  // width over frequency; wider ones the grid sees
-  constexpr double kBeside[] = {-3.0, -1.0, -0.4, 0.0, 0.4, 1.0, 3.0};
-  std::vector<Hertz> out;
-  for (const Section& section : sections.sections) {
-    for (const auto* roots : {&section.zeros, &section.poles}) {
-      for (const Complex root : *roots) {
-        const double size = std::abs(root);
-        const double damping = std::max(std::abs(root.real()) / size, kLeastZeroDamping);
-        if (root.imag() <= 0.0 || damping > kSharp) continue;
-        for (const double beside : kBeside) {
-          const Hertz f = RadPerSecond{root.imag() + beside * damping * size}.hz();
-          if (f >= band.from && f <= band.to) out.push_back(f);
-        }
-      }
-    }
-  }
-  return out;
-}
-
 }  // namespace
 
 DesignTarget design_target(const Sections& sections, Band band, double points, const Board& board) {

@@ -80,7 +80,7 @@ class InnerHeadroom {
     constexpr double kOfTwo = 0.5;
     double inner = 0.0;
     for (std::size_t k = 0; k < in_.size(); ++k) {
-      inner = std::max(inner, inner_magnitude(stage, clock_[k], in_[k]));
+      inner = std::max(inner, first_opamp(stage, clock_[k], in_[k]).largest());
     }
     return inner > most_ ? 1.0 + kOfTwo * std::log2(inner / most_) : 1.0;
   }
@@ -175,12 +175,12 @@ std::vector<std::vector<double>> nearest_resonances(const Stage& exact, int max_
 /// Keeps the `count` cheapest by one of the costs, each set of capacitors once.
 void keep_cheapest(std::vector<WholeStage>& list, const WholeStage& next, std::size_t count,
                    double WholeStage::*cost) {
-  if (list.size() == count && !(next.*cost < kBetter * (list.back().*cost))) return;
+  if (list.size() == count && !(next.*cost < list.back().*cost)) return;
   for (const WholeStage& w : list) {
     if (w.c == next.c) return;
   }
-  const auto at = std::find_if(list.begin(), list.end(),
-                               [&](const WholeStage& w) { return next.*cost < kBetter * (w.*cost); });
+  const auto at =
+      std::find_if(list.begin(), list.end(), [&](const WholeStage& w) { return next.*cost < w.*cost; });
   list.insert(at, next);
   if (list.size() > count) list.pop_back();
 }
@@ -246,16 +246,16 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
   const auto judge = [&] {
     WholeStage whole = cost_of(place, stage, room);
     const double random = width.mismatch_share * spread.of(stage.c);
-    whole.cost = std::pow(std::sqrt(whole.cost) + random, 2);
-    whole.cost_but_gain = std::pow(std::sqrt(whole.cost_but_gain) + random, 2);
+    whole.cost = snapped(std::pow(std::sqrt(whole.cost) + random, 2));
+    whole.cost_but_gain = snapped(std::pow(std::sqrt(whole.cost_but_gain) + random, 2));
     const bool enters = as_is.size() < choices || but_gain.size() < choices ||
                         whole.cost < as_is.back().cost || whole.cost_but_gain < but_gain.back().cost_but_gain;
     if (!enters) return;
     whole.c = stage.c;
     if (second_order) {
       const double clipping = headroom.cost(stage);
-      whole.cost *= clipping * clipping;
-      whole.cost_but_gain *= clipping * clipping;
+      whole.cost = snapped(whole.cost * clipping * clipping);
+      whole.cost_but_gain = snapped(whole.cost_but_gain * clipping * clipping);
     }
     keep_cheapest(as_is, whole, choices, &WholeStage::cost);
     keep_cheapest(but_gain, whole, choices, &WholeStage::cost_but_gain);
@@ -346,13 +346,13 @@ bool make_whole(Design& design, const StageFactorTable& table, RoundingWidth wid
         to.design.stages[s].c = c;
         to.design.stages[s].whole = true;
         fit_design(to.design, table, 8);
-        if (width.designs > 1) to.error = error_with_mismatch(to.design, table, width);
+        if (width.designs > 1) to.error = snapped(error_with_mismatch(to.design, table, width));
         next.push_back(std::move(to));
       }
     }
     if (next.empty()) return false;
     std::stable_sort(next.begin(), next.end(),
-                     [](const Partly& a, const Partly& b) { return a.error < kBetter * b.error; });
+                     [](const Partly& a, const Partly& b) { return a.error < b.error; });
     if (next.size() > width.designs) next.resize(width.designs);
     kept = std::move(next);
   }

@@ -28,9 +28,9 @@ TEST(FilterBilinear, PoleAndZeroIsABilinearImage) {
   EXPECT_TRUE(c.transfer().is_stable());
 }
 
-TEST(FilterBilinear, CornerAndRatioAreInverse) {
+TEST(FilterBilinear, CornerTurnsWhereTheTangentSays) {
   for (const double corner : {1.3, 20.0, 300.0, 480.0}) {
-    const double ratio = branch_ratio({corner}, {2000.0});
+    const double ratio = 0.5 * (1.0 / std::tan(std::numbers::pi * corner / 2000.0) - 1.0);
     EXPECT_NEAR(branch_corner(1.0, ratio, {2000.0}).value, corner, 1e-9 * corner);
   }
   // Facts: the lowest pole is fc/1605.

@@ -29,7 +29,6 @@ Plan sampled_path() {
   low.clock_a = {16e6 / 5334};
   low.capacitors = {{"Cin", 2}, {"Cint", 202}, {"Cout", 2}};
   low.z = {{-2.0}, {204.0, -202.0}};
-  low.output_hold = true;
   PlacedCam sum;
   sum.name = "Sum";
   sum.cam = cam_registry().find("SumInv");
@@ -38,7 +37,6 @@ Plan sampled_path() {
   sum.capacitors = {{"Cin1", 2}, {"aCin1", 2}, {"Cin2", 200}, {"aCin2", 200}, {"Cout", 200}, {"aCout", 200}};
   sum.z = {{-0.01}, {1.0}};
   sum.more_numerators = {{-1.0}};
-  sum.output_hold = true;
   ChipPlan chip{1, {16e6}, {}, {low, sum}};
   plan.chips = {chip};
   plan.wires = {{"chip1.in1", "chip1.Low"},

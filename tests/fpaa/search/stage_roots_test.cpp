@@ -41,6 +41,22 @@ TEST(StageRoots, ClosestPairsAreLeftOutFirst) {
   EXPECT_TRUE(shared_roots(sections, how).empty());
 }
 
+TEST(StageRoots, LowestAndHighestJoin) {
+  Sections sections;
+  sections.sections = {{1.0, {-11.0}, {-10.0}}, {1.0, {-110.0}, {-100.0}}, {1.0, {-9000.0}, {-5000.0}}};
+  SharingOptions how = options();
+  how.joined = 1;
+  const auto stages = shared_roots(sections, how);
+  ASSERT_EQ(stages.size(), 2u);
+  EXPECT_EQ(stages[0].poles, (std::vector<Complex>{-10.0, -5000.0}));
+  EXPECT_EQ(stages[0].zeros, (std::vector<Complex>{-11.0, -9000.0}));
+  EXPECT_TRUE(stages[0].second);
+  EXPECT_FALSE(stages[1].second);
+  // Nothing is left to join the one in the middle with.
+  how.joined = 2;
+  EXPECT_TRUE(shared_roots(sections, how).empty());
+}
+
 TEST(StageRoots, RealLowPassesPairUp) {
   Sections sections;
   sections.sections = {{1.0, {}, {-100.0, -300.0}}, {1.0, {-50.0}, {-40.0}}};

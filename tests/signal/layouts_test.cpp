@@ -292,6 +292,15 @@ TEST(Layouts, StepsThatStandAboveTheRows) {
   for (std::size_t at = 0; at < labview.size(); at = labview.find('\n', at) + 1)
     rows += "\t" + labview.substr(at, labview.find('\n', at) - at) + "\n";
   expect_record(head("No", "X_Value\tVoltage_0\tVoltage_1") + rows);
+  std::string one =
+      "LabVIEW Measurement\nX_Dimension\tTime\nX0\t0\nDelta_X\t1e-4\nX_Value\tVoltage\tComment\n";
+  for (int i = 0; i < kRows; ++i) one += "\t" + std::to_string(i) + "\t\n";
+  EXPECT_THAT(with_file(one, "x",
+                        [](const std::string& path, Provenance& from) {
+                          const TimeRecord record = TimeRecord::read_csv(path, from);
+                          EXPECT_EQ(record.u, (std::vector<double>{0, 1, 2, 3, 4, 5, 6, 7, 8}));
+                        }),
+              HasSubstr("steps of 100 µs"));
   std::string commas = head("No", "X_Value\tVoltage_0\tVoltage_1") + rows;
   std::replace(commas.begin(), commas.end(), '.', ',');
   expect_record(commas);

@@ -235,9 +235,6 @@ double take_sign(std::string& name) {
 /// Parts of a complex number as impedance analysers name them: Zre, Z_real, Z', Re(Z), Im(Z), Z'', R (Ohm), X (Ohm).
 std::optional<Quantity> part_named(const std::string& name, bool ohms) {
   const std::string function = name.substr(0, name.find_first_of("(: "));
-  // Qucs: "r out.v", "i out.v".
-  if (name.ends_with(".v") && (function == "r" || function == "i"))
-    return function == "r" ? Quantity::real : Quantity::imaginary;
   if (contains(name, "imag") || is_one_of(function, kImaginaryFunctions) || name == "zim" || name == "z_im" ||
       name == "z''" || name == "z\"" || (ohms && (name == "x" || name == "xs")))
     return Quantity::imaginary;
@@ -361,6 +358,11 @@ Heading parse_heading(const std::string& text) {
   }
   if (contains(name, "coherence")) {
     heading.quantity = Quantity::coherence;
+    return heading;
+  }
+  // Qucs: "r out.v", "i out.v".
+  if (lower_case(heading.text).ends_with(".v") && (name.starts_with("r ") || name.starts_with("i "))) {
+    heading.quantity = name.front() == 'r' ? Quantity::real : Quantity::imaginary;
     return heading;
   }
   const auto ohm = resistance_scale(heading.unit);

@@ -225,11 +225,11 @@ TEST(ForeignTables, HeadingsSayTheUnits) {
             "1000000.000000 Hz 0.500000");
   EXPECT_EQ(read_as("freq (mHz),mag (dB),phase\n1,0,0\n2,0,0\n"), "0.001000 Hz 1.000000");
   EXPECT_EQ(read_as("freq [ghz],Real,Imag\n1,3,4\n2,0,1\n"), "1000000000.000000 Hz 5.000000");
-  EXPECT_EQ(read_as("% from monday\n% freq (Hz)   abs(H)  arg(H)\n1 0.5 0\n2 0.4 10\n"),
+  EXPECT_EQ(read_as("% from monday\n% freq (Hz)   abs(H)  arg(H)\n1 0.5 0\n2 0.4 40\n"),
             "1.000000 Hz 0.500000");
   EXPECT_EQ(read_as(";Frequency\tMagnitude\tPhase\n20.5\t-20\t45\n30.5\t-2\t40\n"), "20.500000 Hz 0.100000");
   EXPECT_EQ(read_as("# kHz dB deg\n2 -20 0\n4 -4 1\n"), "2000.000000 Hz 0.100000");
-  EXPECT_EQ(read_as("# three words here\n1 -20 0\n2 -4 10\n"), "1.000000 Hz 0.100000");
+  EXPECT_EQ(read_as("# three words here\n1 -20 0\n2 -4 40\n"), "1.000000 Hz 0.100000");
   EXPECT_EQ(read_as("Frequency,Impedance,Phase\nHz,kOhm,deg\n10,2,0\n20,1,0\n"), "10.000000 Hz 2000.000000");
 }
 

@@ -141,7 +141,7 @@ def main():
                        cwd=folder, check=True, capture_output=True)
         found = json.load(open(os.path.join(folder, "d.json")))
         gain_error = max(abs(a - b) for a, b in zip(found["rate"]["descending"], stage["gains"]))
-        subprocess.run([program, "controller", "d.json", "--track-hz", *map(str, FREQUENCIES), "-o", ".", "--quiet"],
+        subprocess.run([program, "controller", "d.json", "--track-hz", *map(str, options.track_hz), "-o", ".", "--quiet"],
                        cwd=folder, check=True, capture_output=True)
         cells = []
         for alpha in options.strokes:

@@ -83,11 +83,9 @@ std::string controller_library(const AnalogController& controller, const std::st
       "No analysis and no control section: for ngspice, LTspice and Xyce alike."};
   schematic::Subcircuit top;
   top.name = out.top;
-  top.pins = options.open ? std::vector<std::string>{"r", kArgument, "branch", "slope",
-                                                     "v"}
+  top.pins = options.open ? std::vector<std::string>{"r", kArgument, "branch", "slope", "v"}
                           : std::vector<std::string>{"r", "v"};
-  top.netlist =
-      options.open ? opened(controller) : static_cast<const schematic::Netlist&>(controller);
+  top.netlist = options.open ? opened(controller) : static_cast<const schematic::Netlist&>(controller);
   out.subcircuits.push_back(std::move(top));
   return schematic::spice_text(out, {.off = options.off, .noise = false});
 }

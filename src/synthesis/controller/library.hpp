@@ -23,11 +23,12 @@ std::string controller_library(const AnalogController& controller, const std::st
 inline constexpr const char* kArgument = "argument";
 
 /// The whole controller with its loop cut: powers and weights read node kArgument instead of the last pass's argument, the switch
-/// follows node branch (above 0.5 V: ascending), node slope (-V) takes the place of the slope meter, a source of the full one that of the stroke.
+/// follows node branch (above 0.5 V: ascending), node slope (-V) takes the place of the slope meter; the stroke is the full one.
 schematic::Netlist opened(const AnalogController& controller);
 
 /// The generator and the subtraction alone: powers, branches, switch, r - K d. What the slope meter and the gain curve make
-/// comes from outside (it does not move with v); the stroke is the full one, by which nothing is divided. `cut`: powers and weights read node kArgument instead of the last pass's argument.
+/// comes from outside (it does not move with v); the stroke is the full one, by which nothing is divided. `cut`: powers and weights
+/// read node kArgument instead of the last pass's argument.
 schematic::Netlist generator_netlist(const AnalogController& controller, bool cut);
 
 }  // namespace bodesmith::controller

@@ -19,7 +19,8 @@ constexpr int kSweeps = 6;
 
 class WeightExchange {
  public:
-  WeightExchange(std::vector<double> gains, const std::vector<std::vector<double>>& rows, const Series& series)
+  WeightExchange(std::vector<double> gains, const std::vector<std::vector<double>>& rows,
+                 const Series& series)
       : gains_(std::move(gains)), rows_(rows), series_(series) {}
 
   /// The best near the exact weights for this feedback; infinite when they are out of reach.

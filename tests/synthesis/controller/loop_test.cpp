@@ -36,7 +36,9 @@ TEST(Loop, NgspiceAndTheOwnNetworkAgree) {
   EXPECT_LT(loop.greatest_gain, 0.5);
   EXPECT_GT(loop.nearest, 0.5);
   for (const LoopAt& at : loop.at) {
-    if (at.greatest_gain > 0.05) EXPECT_GT(at.bandwidth.value, 1e6);
+    if (at.greatest_gain > 0.05) {
+      EXPECT_GT(at.bandwidth.value, 1e6);
+    }
   }
   EXPECT_NEAR(loop.ngspice->greatest_gain, loop.greatest_gain, 2e-3);
   EXPECT_LT(loop.ngspice->greatest_difference, 2e-3);

@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "chain/registry.hpp"
+#include "simulate/records.hpp"
 #include "simulate/references.hpp"
 #include "simulate/simulate.hpp"
 
@@ -25,15 +26,6 @@ double largest_difference(const std::vector<double>& a, const std::vector<double
   double most = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
   return most;
-}
-
-Options cvode(double tolerance) {
-  Options options;
-  options.engine = Engine::cvode;
-  options.relative_tolerance = tolerance;
-  options.absolute_tolerance = 1e-2 * tolerance;
-  options.estimate_error = false;
-  return options;
 }
 
 TEST(StiffChain, SectionsPassTheirInputOnAndAreStillSolved) {

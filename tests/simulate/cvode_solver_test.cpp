@@ -21,13 +21,6 @@ TimeRecord triangle_record(double step_s) {
   return make_reference(spec);
 }
 
-double largest_difference(const std::vector<double>& a, const std::vector<double>& b) {
-  EXPECT_EQ(a.size(), b.size());
-  double most = 0.0;
-  for (std::size_t i = 0; i < a.size(); ++i) most = std::max(most, std::abs(a[i] - b[i]));
-  return most;
-}
-
 TEST(StiffChain, SectionsPassTheirInputOnAndAreStillSolved) {
   // Poles from 0.5 Hz to 50 kHz, each passed on by all behind it: df/dx is a full triangle.
   Chain chain;
@@ -39,7 +32,7 @@ TEST(StiffChain, SectionsPassTheirInputOnAndAreStillSolved) {
   const Result got = simulate(chain, u, cvode(1e-8));
   Options exact;
   exact.engine = Engine::exact;
-  EXPECT_LT(largest_difference(got.y, simulate(chain, u, exact).y), 2e-7);
+  EXPECT_LT(max_difference(got.y, simulate(chain, u, exact).y), 2e-7);
   // BDF, not steps of the fastest pole (3e5 of them); a wrong Newton matrix would need many evaluations.
   EXPECT_LT(got.stats.steps, 5000u);
   EXPECT_LT(got.stats.evaluations, 4u * got.stats.steps);
@@ -61,12 +54,12 @@ TEST(StiffChain, NonlinearDynamicsCurvesAndMemoryInSeries) {
   const TimeRecord u = triangle_record(1e-3);
   const Result coarse = simulate(chain, u, cvode(1e-7));
   const Result fine = simulate(chain, u, cvode(1e-10));
-  EXPECT_LT(largest_difference(coarse.y, fine.y), 5e-6);
+  EXPECT_LT(max_difference(coarse.y, fine.y), 5e-6);
   Options record;
   record.engine = Engine::record;
   record.oversample = 64;
   record.estimate_error = false;
-  EXPECT_LT(largest_difference(fine.y, simulate(chain, u, record).y), 2e-6);
+  EXPECT_LT(max_difference(fine.y, simulate(chain, u, record).y), 2e-6);
   EXPECT_LT(coarse.stats.evaluations, 8u * coarse.stats.steps);
 }
 

@@ -25,7 +25,7 @@ double rest_by_all_equations(const controller::RestWiring& wiring, const schemat
   schematic::Netlist generator = controller::generator_netlist(c, false);
   generator.sources.clear();
   std::map<std::string, double> inputs = {{"r", r}};
-  for (const controller::RateGain& gain : c.rate) {
+  for (const controller::BranchGain& gain : c.rate) {
     if (gain.control >= 0) inputs[c.op(gain.control).out] = control.at(c.op(gain.control).out);
   }
   const auto volts = schematic::operating_point(generator, inputs, rising ? 0 : 1, off.of_part(generator, c),

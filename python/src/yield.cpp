@@ -91,8 +91,7 @@ Answer yield_of(const Call& call) {
   const Band band = maybe_band(o).value_or(designs[0].band);
   const bool counted = o.has("count") && o.at("count").kind() != Node::Kind::null;
   const int count = band.from == band.to ? 1 : counted ? integer_or(o, "count", 60, 2, 100'000) : 60;
-  options.grid =
-      counted || count == 1 ? log_grid(band, count) : judging_grid(designs[0].wanted, band, count);
+  options.grid = counted || count == 1 ? log_grid(band, count) : judging_grid(designs[0].wanted, band, count);
   yield::leave_out_nulls(designs, options.grid);
 
   const Stopwatch watch;

@@ -360,11 +360,6 @@ Heading parse_heading(const std::string& text) {
     heading.quantity = Quantity::coherence;
     return heading;
   }
-  // Qucs: "r out.v", "i out.v".
-  if (lower_case(heading.text).ends_with(".v") && (name.starts_with("r ") || name.starts_with("i "))) {
-    heading.quantity = name.front() == 'r' ? Quantity::real : Quantity::imaginary;
-    return heading;
-  }
   const auto ohm = resistance_scale(heading.unit);
   if (const auto part = part_named(name, ohm.has_value())) {
     heading.quantity = *part;

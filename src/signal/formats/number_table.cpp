@@ -183,9 +183,7 @@ Attempt attempt(std::string_view text, const Writing& writing, std::size_t line_
     split_cells(writing.separator == '\t' ? whole : line, writing.separator, cells);
     const bool numbers = parse_row(cells, writing.decimal, row, why);
     if (!started) {
-      // LabVIEW leaves the place of a time empty.
-      const bool no_time = writing.separator == '\t' && !row.empty() && std::isnan(row.front());
-      if (!numbers || cells_used(row) < (no_time ? 1 : least_columns)) {
+      if (!numbers || cells_used(row) < least_columns) {
         out.numbers_above = out.numbers_above || begins_like_number(line);
         out.raw_above.push_back(line);
         continue;

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <memory>
 
 #include "base/error.hpp"
@@ -123,33 +124,38 @@ Measured measured_response(const fs::path& data, const fs::path& folder, const g
   channels.channels.push_back(faults::read_channel(data, "out", out.from));
   std::optional<circuit::Circuit> circuit;
   std::unique_ptr<Board> made;
+  Diagnosis found;
   const fs::path of_circuit = folder / "spice/circuit.json", of_board = folder / "fpaa/plan.json";
-  fs::path design = of_circuit;
+  fs::path design;
+  faults::DiagnosisOptions asked;
+  asked.stop = [&options] { return options.stopped(); };
+  // Of circuit and board the one that with what is found in it leaves less: a fault moves a response further than they differ.
+  double least = std::numeric_limits<double>::infinity();
+  const auto consider = [&](std::unique_ptr<Board> one, const fs::path& file, const char* name) {
+    Diagnosis d = faults::diagnose_board(*one, asked);
+    const double left = rms(differences(
+        *one, d.suspects.empty() ? one->good_response() : one->response(d.suspects.front().best.effect())));
+    if (!(left < least)) return;
+    least = left;
+    made = std::move(one);
+    found = std::move(d);
+    design = file;
+    out.of = name;
+  };
   if (fs::exists(of_circuit)) {
     circuit = circuit::CircuitFile::from_node(read_document(of_circuit, out.from)).circuit;
-    made = std::make_unique<faults::CircuitBoard>(*circuit, channels, spread);
-    out.of = "the circuit";
+    consider(std::make_unique<faults::CircuitBoard>(*circuit, channels, spread), of_circuit, "the circuit");
   }
-  // Of both what predicts the measurement better.
-  if (fs::exists(of_board)) {
-    auto board = std::make_unique<faults::PlanBoard>(fpaa::Plan::read(of_board, out.from), channels, spread);
-    const auto off = [](const Board& one) { return rms(differences(one, one.good_response())); };
-    if (!made || off(*board) < off(*made)) {
-      made = std::move(board);
-      circuit.reset();
-      design = of_board;
-      out.of = "the board";
-    }
-  }
+  if (fs::exists(of_board))
+    consider(std::make_unique<faults::PlanBoard>(fpaa::Plan::read(of_board, out.from), channels, spread),
+             of_board, "the board");
   if (!made) {
     throw InputError(data.string(), 0,
                      "is a frequency response, and " + folder.string() +
                          " has neither a circuit nor a board, expected a time record");
   }
+  if (design == of_board) circuit.reset();
   const Board& board = *made;
-  faults::DiagnosisOptions asked;
-  asked.stop = [&options] { return options.stopped(); };
-  const Diagnosis found = faults::diagnose_board(board, asked);
   out.verdict = faults::to_string(found.verdict);
   const bool named = found.verdict == faults::Verdict::one_fault ||
                      found.verdict == faults::Verdict::two_faults || found.verdict == faults::Verdict::tie;

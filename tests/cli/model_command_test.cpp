@@ -165,9 +165,9 @@ TEST(Controller, MakesAmplitudeGainsUnlessOnlyFullStrokesMatter) {
     for (const json& one : told.at("predicted"))
       EXPECT_LT(one.at("rms_percent_without_lag").get<double>() * std::stod(stroke), 0.15) << stroke;
   }
-  EXPECT_NE(read_file(folder / "c/parts.csv").find("stroke, last peak"), std::string::npos);
+  EXPECT_NE(read_file(folder / "c/parts.csv").find("stroke; last peak"), std::string::npos);
   EXPECT_EQ(run_bodesmith(command + " --full-stroke").status, 0);
-  EXPECT_EQ(read_file(folder / "c/parts.csv").find("stroke, last peak"), std::string::npos);
+  EXPECT_EQ(read_file(folder / "c/parts.csv").find("stroke; last peak"), std::string::npos);
 }
 
 TEST(ModelCommand, ALoadTakesTheStrokeFromTheAmplitudeGains) {

@@ -255,6 +255,12 @@ OUTSIDE = ["kink", "echo", "gain_swings", "one_sided_lag", "butterfly", "burst",
 def effect_of(r, kind, base, low_hz, high_hz, step, span, seconds):
     """(place, function of (x, h)): what comes in front of block number `place`; `amount` scales it."""
     n = len(base.blocks)
+    # Of the first record alone: the system is one, whatever drives it.
+    seen = {}
+    largest = lambda x: seen.setdefault("largest", float(np.max(np.abs(x))))
+    most = lambda x: seen.setdefault("most", float(np.max(x)))
+    least = lambda x: seen.setdefault("least", float(np.min(x)))
+    fastest = lambda x, h: seen.setdefault("fastest", float(np.max(np.abs(np.diff(x))) / h))
     memory = n if base.name not in ("polynomial", "bank") else r.choice([0, n])
     place = r.randint(0, n)
     b = math.sqrt(low_hz * high_hz)
@@ -273,22 +279,22 @@ def effect_of(r, kind, base, low_hz, high_hz, step, span, seconds):
         z = r.uniform(.02, .3)
         return place, lambda x, h, a: resonator(x, h, high_hz * (1.2 + .3 / a), z)
     if kind == "slew_limit":
-        return place, lambda x, h, a: slewed(x, h, np.max(np.abs(np.diff(x))) / h * (1 - min(.75, .6 * a)))
+        return place, lambda x, h, a: slewed(x, h, fastest(x, h) * (1 - min(.75, .6 * a)))
     if kind == "saturation":
         both = r.random() < .5
-        return place, lambda x, h, a: np.clip(x, (np.min(x) * (1 - min(.7, .4 * a))) if both else -1e9, np.max(x) * (1 - min(.7, .4 * a)))
+        return place, lambda x, h, a: np.clip(x, (least(x) * (1 - min(.7, .4 * a))) if both else -1e9, most(x) * (1 - min(.7, .4 * a)))
     if kind == "dead_zone":
         def zone(x, h, a):
-            w = .15 * a * np.max(np.abs(x))
+            w = .15 * a * largest(x)
             return np.sign(x) * np.maximum(0, np.abs(x) - w)
         return place, zone
     if kind == "backlash":
-        return memory, lambda x, h, a: play(x, .15 * a * np.max(np.abs(x)))
+        return memory, lambda x, h, a: play(x, .15 * a * largest(x))
     if kind == "quadratic_nonlinearity":
-        return place, lambda x, h, a: x + .3 * a * x * x / np.max(np.abs(x))
+        return place, lambda x, h, a: x + .3 * a * x * x / largest(x)
     if kind == "cubic_nonlinearity":
         s = r.choice([-1, 1])
-        return place, lambda x, h, a: x + s * .35 * a * x**3 / np.max(np.abs(x)) ** 2
+        return place, lambda x, h, a: x + s * .35 * a * x**3 / largest(x) ** 2
     if kind == "cubic_stiffness":
         return None, dict(cubic=.6 / span**2)
     if kind == "quadratic_stiffness":
@@ -298,10 +304,10 @@ def effect_of(r, kind, base, low_hz, high_hz, step, span, seconds):
     if kind == "hysteresis":
         if r.random() < .4:
             beta, gamma = r.uniform(1, 5), r.uniform(-.3, .6)
-            return memory, lambda x, h, a: bouc_wen(x, .4 * min(a, 2), beta, gamma, np.max(np.abs(x)))
+            return memory, lambda x, h, a: bouc_wen(x, .4 * min(a, 2), beta, gamma, largest(x))
         parts = sorted(r.uniform(.05, .7) for _ in range(4))
         w = [r.uniform(.1, .5) for _ in parts]
-        return memory, lambda x, h, a: x + .4 * a * plays(x, [p * np.max(np.abs(x)) for p in parts], w)
+        return memory, lambda x, h, a: x + .4 * a * plays(x, [p * largest(x) for p in parts], w)
     if kind == "asymmetric_hysteresis":
         if r.random() < .5:
             up, down = [r.uniform(.1, .3), r.uniform(-.4, .4), r.uniform(-.3, .3)], [-r.uniform(.05, .3), r.uniform(-.4, .4), r.uniform(-.3, .3)]
@@ -309,7 +315,7 @@ def effect_of(r, kind, base, low_hz, high_hz, step, span, seconds):
         parts, w = [.1, .25, .5], [r.uniform(.1, .4) for _ in range(3)]
         s, v = r.uniform(-.2, .5), r.choice([-.4, .4, .5])
         def one_sided(x, h, a):
-            m = np.max(np.abs(x))
+            m = largest(x)
             p = x + .5 * a * plays(x, [q * m for q in parts], w)
             return p + .6 * a * v * np.maximum(0, p - s * m)
         return memory, one_sided
@@ -328,7 +334,7 @@ def effect_of(r, kind, base, low_hz, high_hz, step, span, seconds):
         return n, lambda x, h, a: x * (1 + .15 * a)
     # outside the catalogue
     if kind == "kink":
-        return n, lambda x, h, a: x + .3 * a * np.abs(x - .3 * np.max(x)) + .2 * a * np.abs(x + .5 * np.max(x))
+        return n, lambda x, h, a: x + .3 * a * np.abs(x - .3 * most(x)) + .2 * a * np.abs(x + .5 * most(x))
     if kind == "echo":
         return n, lambda x, h, a: x + .3 * a * delayed(x, h, 1.7 / high_hz)
     if kind == "gain_swings":
@@ -344,11 +350,11 @@ def effect_of(r, kind, base, low_hz, high_hz, step, span, seconds):
             return y
         return n, sided
     if kind == "butterfly":
-        return n, lambda x, h, a: x + .4 * a * np.abs(x - .5 * play(x, .4 * np.max(np.abs(x))))
+        return n, lambda x, h, a: x + .4 * a * np.abs(x - .5 * play(x, .4 * largest(x)))
     if kind == "burst":
         return n, lambda x, h, a: x + a * .3 * span * np.exp(-((np.arange(len(x)) / len(x) - .6) / .02) ** 2) * np.sin(2 * math.pi * 1.7 * high_hz * np.arange(len(x)) * h)
     if kind == "exponential":
-        return n, lambda x, h, a: x + .5 * a * np.max(np.abs(x)) * (np.exp(-3 * x / np.max(np.abs(x))) - 1) / 20
+        return n, lambda x, h, a: x + .5 * a * largest(x) * (np.exp(-3 * x / largest(x)) - 1) / 20
     if kind == "jump":
         return n, lambda x, h, a: x + .2 * a * span * (np.arange(len(x)) > .55 * len(x))
     raise ValueError(kind)

@@ -70,14 +70,14 @@ struct Place {
 
 }  // namespace
 
-RedNoise most_likely_red_noise(const Series& series) {
+RedNoise most_likely_red_noise(const Series& series, double of_longest) {
   constexpr double kStep = 0.9;
   constexpr double kMostOdds = 9.0;
   constexpr double kTolerance = 0.02;
   constexpr int kRounds = 3;
   std::size_t longest = 0;
   for (const auto& y : series) longest = std::max(longest, y.size());
-  const double longest_correlation = std::log(8.0 * static_cast<double>(std::max<std::size_t>(longest, 2)));
+  const double longest_correlation = std::log(std::max(2.0, of_longest * static_cast<double>(longest)));
   const auto likelihood = [&](const Place& at) { return log_likelihood(series, at.rho(), at.white()); };
   Place best;
   double most = -std::numeric_limits<double>::infinity();

@@ -21,7 +21,7 @@ namespace {
 using Eigen::Index;
 
 /// T. Twice as large: a name must be twice as plain, and a name's odds become their own square root (docs/gap.md).
-constexpr double kTemperature = 2.0;
+constexpr double kTemperature = 3.0;
 /// The least rms of a rest, in parts of the largest range: a term that leaves nothing at all leaves rounding.
 constexpr double kLeastRest = 1e-7;
 
@@ -44,6 +44,10 @@ struct Noise {
   double size = 0.0;  ///< of white noise: responses, and rests of rounding
   bool white = false;
 };
+
+/// Noise forgets itself within so much of the longest record: what is slower is something missing. With half of it a line has a third
+/// less evidence and slow noise passes for a drift less often.
+constexpr double kLongestNoise = 0.1;
 
 /// Degrees of freedom of the innovations' distribution: tails as those of corners and jumps that a model leaves. With 8 they count
 /// for more, and smooth lags win over what limits a rate; with infinitely many (Gauss) far more.
@@ -81,7 +85,7 @@ Noise noise_of(const Experiments& train, std::span<double> rest) {
   std::vector<std::span<const double>> parts;
   for (const auto& part : by_record(train, rest)) parts.emplace_back(part);
   Noise noise;
-  noise.red = most_likely_red_noise(parts);
+  noise.red = most_likely_red_noise(parts, kLongestNoise);
   std::vector<double> white(rest.begin(), rest.end());
   for (const auto& part : by_record(train, white)) whiten(part, noise.red);
   const double log_of_gauss = -0.5 * n * (1.0 + std::log(2.0 * std::numbers::pi));
@@ -104,9 +108,12 @@ double prior_deviation(const Unknown& u) {
   return range / std::sqrt(12.0);
 }
 
-/// A weight that rests at 0 is as good as not there.
+/// A weight that rests at 0 is not there. Beforehand each is there or not with even odds.
+bool is_weight(const Unknown& u) {
+  return u.low == 0.0 && !u.logarithmic;
+}
 bool is_in_use(const Unknown& u) {
-  return !(u.low == 0.0 && !u.logarithmic && u.at_bound());
+  return !(is_weight(u) && u.at_bound());
 }
 
 /// Of size and phase of each line of the mains, which each record has of its own: an even density over its range.
@@ -150,7 +157,10 @@ double occam(const Model& model, const Experiments& train, const Noise& noise) {
 /// Of the values that were given beforehand, and of the terms' names and places.
 double log_prior(const Model& model) {
   double names = 0.0;
-  for (const auto& term : model.terms()) names += term.log_prior;
+  for (const auto& term : model.terms()) {
+    names += term.log_prior;
+    for (const auto& u : term.unknowns) names -= is_weight(u) ? std::numbers::ln2 : 0.0;
+  }
   double squares = 0.0;
   for (const auto& u : model.unknowns()) {
     if (!(u.given_spread > 0.0)) continue;

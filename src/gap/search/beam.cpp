@@ -84,7 +84,7 @@ PlacedSet with_candidate(const PlacedSet& set, const Ranked& candidate, std::vec
 
 /// Takes out every name without which the evidence is greater, or which takes too little: what has most unknowns first.
 PlacedSet dropped(const SearchSetting& setting, const SearchRecords& records, PlacedSet set) {
-  for (bool again = true; again && count_of(set) > 1 && !setting.options.is_late();) {
+  for (bool again = true; again && count_of(set) > 0 && !setting.options.is_late();) {
     again = false;
     std::vector<std::size_t> order(count_of(set));
     for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
@@ -92,8 +92,10 @@ PlacedSet dropped(const SearchSetting& setting, const SearchRecords& records, Pl
       return set.model.terms()[a].unknowns.size() > set.model.terms()[b].unknowns.size();
     });
     for (const std::size_t k : order) {
-      auto less = without_term(setting, records, set, k);
       const bool is_no_name = term_is_no_name(set.model, k, records.train);
+      // One name alone was weighed when it came in.
+      if (count_of(set) == 1 && !is_no_name) break;
+      auto less = without_term(setting, records, set, k);
       if (!is_no_name && matters(setting, records, less.model, set.train_rms) &&
           set.log_evidence > less.log_evidence)
         continue;
@@ -233,6 +235,9 @@ void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
     Beam other = base;
     other.barred = beam.barred;
     set = settled(setting, other, std::move(set));
+    // The best pair may hold one name too many or another's; of the others those that are better than what stands.
+    const bool better = log_evidence(set.model, beam.records.train) > beam.best.log_evidence;
+    if (!better && came_to.size() > 1) continue;
     set = improved(setting, other.records, std::move(set));
     if (!came_to.insert(names_of(set.model)).second) continue;
     other.best = std::move(set);

@@ -66,7 +66,7 @@ std::vector<Ranked> firsts_among(const SearchSetting& setting, const SearchRecor
   std::set<const Effect*> effects;
   for (auto& r : ranking) {
     if (firsts.size() >= options.firsts) break;
-    if (effects.count(r.effect) != 0) continue;
+    if (r.outcome == CandidateOutcome::no_name || effects.count(r.effect) != 0) continue;
     auto residuals = residuals_of(r.model, records.train);
     const auto alike = static_cast<std::size_t>(std::count_if(
         left.begin(), left.end(), [&](const auto& other) { return are_alike(residuals, other); }));

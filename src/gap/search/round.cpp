@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <set>
 #include <string_view>
@@ -132,13 +133,10 @@ void fit_leaders_on_all(const SearchSetting& setting, const SearchRecords& recor
   });
 }
 
-/// What each is called beforehand, and its evidence; of those far behind neither.
-void weigh(const SearchSetting& setting, const SearchRecords& records, std::vector<Ranked>& ranking) {
-  const auto& options = setting.options;
-  const double best = ranking.front().train_rms;
-  parallel_for(ranking.size(), options.threads, [&](std::size_t i) {
+/// What each is called beforehand.
+void look_at_names(const SearchSetting& setting, const SearchRecords& records, std::vector<Ranked>& ranking) {
+  parallel_for(ranking.size(), setting.options.threads, [&](std::size_t i) {
     auto& r = ranking[i];
-    if (r.train_rms > options.round.in_the_running * best) return;
     const std::size_t last = r.model.terms().size() - 1;
     Model without = r.model;
     without.remove(last);
@@ -147,7 +145,19 @@ void weigh(const SearchSetting& setting, const SearchRecords& records, std::vect
     if (r.effect->is_no_name(r.model, r.model.terms().back(), scene)) r.outcome = CandidateOutcome::no_name;
     if (r.effect->is_far_fetched(r.model, scene))
       r.model.set_log_prior(last, r.model.terms().back().log_prior + kLogFarFetched);
-    r.log_evidence = log_evidence(r.model, records.train);
+  });
+}
+
+/// The evidence of each but those far behind the best name.
+void weigh(const SearchSetting& setting, const SearchRecords& records, std::vector<Ranked>& ranking) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const auto& r : ranking) {
+    if (r.outcome != CandidateOutcome::no_name) best = std::min(best, r.train_rms);
+  }
+  parallel_for(ranking.size(), setting.options.threads, [&](std::size_t i) {
+    auto& r = ranking[i];
+    if (r.train_rms <= setting.options.round.in_the_running * best)
+      r.log_evidence = log_evidence(r.model, records.train);
   });
 }
 
@@ -165,6 +175,7 @@ std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& reco
     std::stable_sort(ranking.begin(), ranking.end(), by_rms);
   }
   if (ranking.empty()) return ranking;
+  look_at_names(setting, records, ranking);
   weigh(setting, records, ranking);
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.log_evidence > b.log_evidence; });

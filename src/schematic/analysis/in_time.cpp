@@ -211,8 +211,11 @@ void InTime::begin(double t, const std::map<std::string, double>& volts) {
 }
 
 void InTime::run_to(double stop, const std::function<void(double from, double to)>& step) {
+  // From one turn of a reference to the next controllers take some ten thousand: more is a switch that chatters.
+  constexpr int kMostSteps = 100'000;
   Implementation& it = *implementation_;
   it.end = stop;
+  int steps = 0;
   try {
     it.solver->start(it.begun, it.state.data(), stop);
     for (auto outcome = simulate::CvodeSolver::Outcome::stepped;
@@ -220,6 +223,9 @@ void InTime::run_to(double stop, const std::function<void(double from, double to
       stop_if_interrupted();
       outcome = it.solver->step();
       if (step) step(it.solver->step_begin(), it.solver->time());
+      if (++steps == kMostSteps)
+        throw simulate::SolverFailure(
+            fmt::format("{} steps have come to {} s only", steps, it.solver->time()));
     }
   } catch (const simulate::SolverFailure& failure) {
     throw DesignError(fmt::format("the circuit cannot be followed in time from {} to {} s: {}", it.begun,

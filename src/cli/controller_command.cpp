@@ -134,8 +134,7 @@ std::string add_part_errors(const CommandLine& line, const controller::AnalogCon
   if (line.has("errors")) {
     part_errors::ReportOptions options;
     options.study.frequencies = built.tracked;
-    // What parts do to the division by the stroke is not modelled: full strokes then.
-    const double stroke = built.stroke ? 1.0 : reference.alpha();
+    const double stroke = part_errors::examined_stroke(built, reference.alpha());
     options.study.reference = tracking::Reference(reference.shape(), stroke);
     options.ngspice = line.has("check");
     options.allow_unstable = line.has("allow-unstable");

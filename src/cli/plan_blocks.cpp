@@ -44,18 +44,9 @@ Section section_of(const fpaa::PlacedCam& cam) {
   Section out;
   out.zeros = analog_roots(cam.z.numerator, clock);
   out.poles = analog_roots(cam.z.denominator, clock);
-  const auto value = [](const std::vector<double>& c, Complex d) {
-    Complex sum = 0.0;
-    for (std::size_t k = c.size(); k-- > 0;) sum = sum * d + c[k];
-    return sum;
-  };
-  double w = 0.0;
-  if (std::abs(value(cam.z.numerator, 1.0)) < 1e-9 * std::abs(value(cam.z.denominator, 1.0)) &&
-      !out.poles.empty())
-    w = std::abs(out.poles.front());
-  const Complex d = std::polar(1.0, -w / clock);
-  const Complex ratio =
-      value(cam.z.numerator, d) / value(cam.z.denominator, d) / out.response(Complex(0.0, w));
+  RadPerSecond w{0.0};
+  if (std::abs(cam.z.dc_gain()) < 1e-9 && !out.poles.empty()) w = {std::abs(out.poles.front())};
+  const Complex ratio = cam.z.response(w, cam.clock_a) / out.response(Complex(0.0, w.value));
   out.gain = std::copysign(std::abs(ratio), ratio.real());
   return out;
 }

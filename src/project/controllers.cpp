@@ -56,8 +56,7 @@ std::optional<part_errors::Report> examine_controller(
     const Project& project, const std::shared_ptr<const controller::AnalogController>& controller) {
   if (!controller || project.track.frequency.empty()) return std::nullopt;
   const tracking::Plant plant = tracking_plant(project);
-  // What parts do to the division by the stroke is not modelled: full strokes then.
-  const double stroke = controller->stroke ? 1.0 : project.track.amplitude();
+  const double stroke = part_errors::examined_stroke(*controller, project.track.amplitude());
   tracking::PolynomialStage::Options stage_options;
   stage_options.alpha = stroke;
   const tracking::PolynomialStage stage(plant.disturbance, plant.paths(), stage_options);

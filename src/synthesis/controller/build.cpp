@@ -16,7 +16,6 @@ namespace {
 constexpr int kPoints = 2000;
 /// The least stroke lies so far below the table's that no resistor of its divider raises it above.
 constexpr double kBelow = 0.98;
-constexpr Disturbance::Branch kBranches[] = {Disturbance::Branch::ascending, Disturbance::Branch::descending};
 
 double slope_of(const std::array<double, 3>& a, double x) {
   return a[0] + x * (2.0 * a[1] + x * 3.0 * a[2]);
@@ -111,13 +110,9 @@ void Builder::check_gains() {
   for (const int b : {0, 1}) {
     check(b, "rate", gain_limit(b, false), gain_limit(b, true), out_.rate[b], greatest_gain_[b]);
     if (!out_.stroke) continue;
-    double least = 1e300, most = 0.0;
-    for (const double alpha : strokes()) {
-      const double g = out_.amplitude_gain(kBranches[b], alpha);
-      least = std::min(least, g);
-      most = std::max(most, g);
-    }
-    check(b, "amplitude", least, most, out_.amplitude[b], greatest_amplitude_[b]);
+    const std::vector<double> gains = stroke_gains(b);
+    const auto [least, most] = std::minmax_element(gains.begin(), gains.end());
+    check(b, "amplitude", *least, *most, out_.amplitude[b], greatest_amplitude_[b]);
   }
 }
 

@@ -15,6 +15,8 @@ constexpr double kRoom = 0.97;
 /// Of the voltage reference.
 constexpr double kReferenceV = 2.5;
 
+inline constexpr Disturbance::Branch kBranches[] = {Disturbance::Branch::ascending,
+                                                    Disturbance::Branch::descending};
 /// Branch 0, ascending, or 1, descending: for titles and roles; for names.
 std::string branch_name(int b);
 std::string branch_letter(int b);
@@ -52,6 +54,7 @@ class Builder : private circuit::NetlistMaker {
 
   // build_stroke.cpp: the reference's stroke as a voltage, what is divided by it, the gains over it
   std::vector<double> strokes() const;
+  std::vector<double> stroke_gains(int b) const;
   void stroke_hold();
   /// The node of voltage s V(node)/stroke; `node` itself where there are no amplitude gains.
   std::string over_stroke(const std::string& node);

@@ -21,8 +21,7 @@ double Builder::peak_of(int b) const {
   double out = 0.0;
   for (int i = 0; i <= kDrivePoints; ++i) {
     const double x = std::max(out_.loop.greatest_drive, 1.0) * i / kDrivePoints;
-    out = std::max(out, std::abs(disturbance_.value(
-                            b == 0 ? Disturbance::Branch::ascending : Disturbance::Branch::descending, x)));
+    out = std::max(out, std::abs(disturbance_.value(kBranches[b], x)));
   }
   return out;
 }

@@ -61,7 +61,7 @@ RateCurve make_rate_curve(const Disturbance& disturbance, const double peak[2],
     out.corner.push_back(table[i]);
   }
   for (const int b : {0, 1}) {
-    const auto which = b == 0 ? Disturbance::Branch::ascending : Disturbance::Branch::descending;
+    const auto which = kBranches[b];
     for (const Hertz f : out.corner) out.gain[b].push_back(disturbance.rate_gain(which, f));
     for (std::size_t i = 1; i < out.corner.size(); ++i) {
       const double ratio = out.corner[i].value / out.corner[i - 1].value;

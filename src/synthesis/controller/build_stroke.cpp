@@ -28,6 +28,13 @@ std::vector<double> Builder::strokes() const {
   return out;
 }
 
+/// Of branch b, at strokes().
+std::vector<double> Builder::stroke_gains(int b) const {
+  std::vector<double> out;
+  for (const double alpha : strokes()) out.push_back(disturbance_.amplitude_gain(kBranches[b], alpha));
+  return out;
+}
+
 /// Two capacitors in turn: the first follows r while it rises and keeps its peak while it falls, when the second takes it over.
 /// No time constant stands between a hold that droops and a stroke that is forgotten late: a new stroke counts from its first
 /// peak on. The greatest of what is held, r (a stroke that grows) and the least stroke is alpha.
@@ -98,9 +105,7 @@ void Builder::amplitude_gains() {
   for (const double alpha : curve.corner_v)
     curve.corner_text.push_back(fmt::format("corner at {} of the stroke", rounded_text(alpha, 4)));
   for (const int b : {0, 1}) {
-    const auto which = b == 0 ? Disturbance::Branch::ascending : Disturbance::Branch::descending;
-    for (const double alpha : curve.corner_v)
-      curve.gain[b].push_back(disturbance_.amplitude_gain(which, alpha));
+    curve.gain[b] = stroke_gains(b);
     const auto [least, most] = std::minmax_element(curve.gain[b].begin(), curve.gain[b].end());
     curve.varies[b] = *least != *most;
   }

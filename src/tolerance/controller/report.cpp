@@ -121,6 +121,10 @@ Json expected_points(const controller::AnalogController& controller) {
 
 }  // namespace
 
+double examined_stroke(const controller::AnalogController& controller, double asked) {
+  return controller.stroke ? 1.0 : asked;
+}
+
 Report examine(const controller::AnalogController& controller, const tracking::Stage& stage,
                const ReportOptions& options) {
   const Stopwatch watch;

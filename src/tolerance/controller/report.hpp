@@ -29,6 +29,10 @@ struct ReportOptions {
   bool allow_unstable = false;  ///< no refusal below controller::kLeastMarginDeg
 };
 
+/// The stroke at which a controller's parts are examined: what they do to the division by the stroke is not modelled, so that one with
+/// amplitude gains is examined at the full one.
+double examined_stroke(const controller::AnalogController& controller, double asked);
+
 /// DesignError as require_stable().
 Report examine(const controller::AnalogController& controller, const tracking::Stage& stage,
                const ReportOptions& options);

@@ -76,7 +76,7 @@ Builder::Builder(const Disturbance& disturbance, const Options& options)
   out_.reference_stroke = options.reference_stroke;
   out_.rates = options.rates;
   if (!disturbance.amplitude.alpha.empty() && !options.full_stroke) {
-    out_.stroke.emplace();
+    out_.stroke = AnalogController::Stroke{};
     out_.stroke->least = kBelow * strokes().front();
     out_.reference_stroke = 1.0;  // the slope is that of the reference over its stroke
   }

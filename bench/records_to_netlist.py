@@ -126,6 +126,7 @@ def main():
     program = os.path.abspath(options.program)
     rng = random.Random(options.seed)
     worst = {}
+    refused = 0
     for number in range(options.stages):
         stage = draw(rng)
         folder = os.path.join(options.work, f"stage{number}")
@@ -141,8 +142,12 @@ def main():
                        cwd=folder, check=True, capture_output=True)
         found = json.load(open(os.path.join(folder, "d.json")))
         gain_error = max(abs(a - b) for a, b in zip(found["rate"]["descending"], stage["gains"]))
-        subprocess.run([program, "controller", "d.json", "--track-hz", *map(str, options.track_hz), "-o", ".", "--quiet"],
-                       cwd=folder, check=True, capture_output=True)
+        made = subprocess.run([program, "controller", "d.json", "--track-hz", *map(str, options.track_hz), "-o", ".", "--quiet"],
+                              cwd=folder, capture_output=True, text=True)
+        if made.returncode != 0:
+            refused += 1
+            print(f"stage {number}: {made.stderr.strip()}", flush=True)
+            continue
         cells = []
         for alpha in options.strokes:
             for frequency in options.track_hz:
@@ -152,6 +157,7 @@ def main():
                 cells.append(f"{alpha}/{frequency} Hz {with_it:.3f} ({without:.2f})")
                 worst[alpha] = max(worst.get(alpha, 0.0), with_it)
         print(f"stage {number}: gains within {gain_error:.4f}; " + ", ".join(cells), flush=True)
+    print(f"{options.stages - refused} of {options.stages} stages tracked")
     for alpha, value in worst.items():
         print(f"worst at stroke {alpha}: {value:.3f} % of the full range")
 

@@ -65,9 +65,14 @@ void Builder::stroke_hold() {
   int number = 0;
   for (const auto& [node, what] :
        {std::pair{"h2", "last peak"}, {"r", "reference"}, {"hl", "least stroke"}}) {
-    const std::string end = fmt::format("ep{}", ++number);
-    opamp(fmt::format("stroke, greatest: {}", what), node, "al", end);
-    diode(fmt::format("Dp{}", number), fmt::format("stroke, greatest: {}", what), end, "al");
+    // The second diode keeps an op-amp that is not the greatest a diode's voltage below its input, out of saturation.
+    const std::string end = fmt::format("ep{}", ++number), minus = fmt::format("np{}", number);
+    const std::string role = fmt::format("stroke, greatest: {}", what);
+    opamp(role, node, minus, end);
+    diode(fmt::format("Dp{}a", number), role, end, "al");
+    diode(fmt::format("Dp{}b", number), role, minus, end);
+    resistor(fmt::format("Rq{}p", number), role, "al", minus, kDividerOhm,
+             options_.resistors.nearest(kDividerOhm));
   }
   resistor("Rp3", "stroke, draws what no diode gives", "al", "0", 10e3);
   resistor("Rp4", "stroke, inverted", "al", "mp", 10e3, options_.resistors.nearest(10e3));

@@ -14,6 +14,8 @@ namespace bodesmith::circuit {
 namespace {
 
 constexpr double kLeastOhm = 1e3, kGreatestOhm = 10e6;
+/// A term that no resistor in reach makes is left out where it is less than offsets are.
+constexpr double kOffsetV = 2e-3;
 constexpr int kNeighbours = 5;
 constexpr int kSweeps = 6;
 
@@ -81,14 +83,15 @@ SumDesign search_sum(const std::vector<double>& gains, const std::vector<std::ve
                      const Series& series, double least_v, const std::string& what) {
   std::vector<double> used = gains;
   double largest = 0.0;
+  for (const double g : gains) largest = std::max(largest, std::abs(g));
+  const double low = std::max(10e3, 1.2 * kLeastOhm * largest);
   for (std::size_t k = 0; k < gains.size(); ++k) {
     double top = 0.0;
     for (const std::vector<double>& row : rows) top = std::max(top, std::abs(gains[k] * row[k]));
-    if (top < least_v) used[k] = 0.0;
-    largest = std::max(largest, std::abs(used[k]));
+    const bool in_reach = std::abs(gains[k]) * kGreatestOhm >= low;
+    if (top < least_v || (!in_reach && top < kOffsetV)) used[k] = 0.0;
   }
   const WeightExchange search(used, rows, series);
-  const double low = std::max(10e3, 1.2 * kLeastOhm * largest);
   const std::vector<double> feedbacks =
       series.is_exact() ? std::vector<double>{low} : series.values(low, 6.0 * low);
   SummingResistors best, one;

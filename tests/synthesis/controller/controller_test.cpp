@@ -222,6 +222,34 @@ TEST(Controller, GainsOverTheStrokeAreTheTablesAtRest) {
   }
 }
 
+TEST(Controller, WhatIsNotTheStrokeWaitsADiodeBelowIt) {
+  // At 1 Hz an op-amp that comes from its rail is half a millisecond late, and CVODE does not get past its arrival there.
+  const AnalogController built = make_controller(with_strokes());
+  schematic::InTime run(built, [](double t) { return 1.0 - std::abs(1.0 - 2.0 * t); }, {.input = "r"});
+  run.begin(0.0);
+  int steps = 0;
+  const auto look = [&](double, double to) {
+    ++steps;
+    for (const char* const end : {"ep1", "ep2", "ep3"})
+      ASSERT_GT(run.volts(end, to), -1.0) << end << " at " << to;
+    const double stroke = std::max(built.stroke->least, to < 0.5 ? run.volts("r", to) : 1.0);
+    if (to > 1e-3) {
+      ASSERT_NEAR(run.volts("al", to), stroke, 1e-3) << to;
+    }
+  };
+  for (const double turn : {0.5, 1.0}) run.run_to(turn, look);
+  EXPECT_LT(steps, 20'000);
+}
+
+TEST(Controller, ATableThatIsNearlyStraightIsMade) {
+  // As identified of a drawn stage: one bend takes 12 Mohm, and does less than an offset.
+  Disturbance straight = first_seed();
+  straight.amplitude.alpha = {0.25, 0.35, 0.5, 0.75, 1.0};
+  straight.amplitude.ascending = {0.229379, 0.329707, 0.480184, 0.736936, 1.0};
+  straight.amplitude.descending = {0.230352, 0.328151, 0.479633, 0.737059, 1.0};
+  EXPECT_LT(make_controller(straight).max_error_percent, 0.1);
+}
+
 TEST(Controller, AmplitudeGainsThatLeaveNoInverseAreRefusedWithTheirStroke) {
   Disturbance wide = with_strokes();
   wide.amplitude.ascending.front() = 0.8;  // K g d'/alpha is 1.13 there

@@ -54,7 +54,7 @@ NetlistMaker::Sum NetlistMaker::sum(const std::vector<Weight>& weights, const st
   double minus_siemens = 0.0;
   for (std::size_t k = 0; k < gains.size(); ++k) {
     made.weights.push_back(-1);
-    if (gains[k] == 0.0) continue;
+    if (realised.weights[k] == 0.0) continue;
     const bool at_plus = gains[k] > 0.0;
     made.weights.back() = resistor(weights[k].name, weights[k].role, weights[k].node, at_plus ? plus : minus,
                                    design.exact.weights[k], realised.weights[k]);

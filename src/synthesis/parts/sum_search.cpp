@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
@@ -13,27 +14,31 @@
 namespace bodesmith::circuit {
 namespace {
 
-constexpr double kLeastOhm = 1e3, kGreatestOhm = 10e6;
-/// A term that no resistor in reach makes is left out where it is less than offsets are.
-constexpr double kOffsetV = 2e-3;
 constexpr int kNeighbours = 5;
 constexpr int kSweeps = 6;
 
 class WeightExchange {
  public:
+  /// Terms that never exceed `least_v` count for nothing.
   WeightExchange(std::vector<double> gains, const std::vector<std::vector<double>>& rows,
-                 const Series& series)
-      : gains_(std::move(gains)), rows_(rows), series_(series) {}
+                 const Series& series, double least_v)
+      : gains_(std::move(gains)), rows_(rows), series_(series) {
+    for (std::size_t k = 0; k < gains_.size(); ++k) {
+      volts_.push_back(0.0);
+      for (const std::vector<double>& row : rows) volts_[k] = std::max(volts_[k], std::abs(row[k]));
+      if (std::abs(gains_[k]) * volts_[k] < least_v) gains_[k] = 0.0;
+    }
+  }
+  const std::vector<double>& gains() const { return gains_; }
 
   /// The best near the exact weights for this feedback; infinite when they are out of reach.
   double from(double feedback, SummingResistors& best) const {
     SummingResistors trial;
     trial.feedback = feedback;
-    for (const double g : gains_) {
-      const double ohm = g == 0.0 ? 0.0 : feedback / std::abs(g);
-      if (g != 0.0 && (ohm < kLeastOhm * 0.999 || ohm > kGreatestOhm * 1.001))
-        return std::numeric_limits<double>::infinity();
-      trial.weights.push_back(ohm == 0.0 ? 0.0 : series_.nearest(ohm));
+    for (std::size_t k = 0; k < gains_.size(); ++k) {
+      const std::optional<double> ohm = weight_for(gains_[k], feedback, volts_[k]);
+      if (!ohm) return std::numeric_limits<double>::infinity();
+      trial.weights.push_back(*ohm == 0.0 ? 0.0 : series_.nearest(*ohm));
     }
     double worst = error(trial);
     for (int sweep = 0; sweep < kSweeps; ++sweep) {
@@ -72,7 +77,7 @@ class WeightExchange {
     ohm = best;
   }
 
-  std::vector<double> gains_;
+  std::vector<double> gains_, volts_;  ///< volts: the greatest of each term
   const std::vector<std::vector<double>>& rows_;
   const Series& series_;
 };
@@ -81,17 +86,10 @@ class WeightExchange {
 
 SumDesign search_sum(const std::vector<double>& gains, const std::vector<std::vector<double>>& rows,
                      const Series& series, double least_v, const std::string& what) {
-  std::vector<double> used = gains;
+  const WeightExchange search(gains, rows, series, least_v);
   double largest = 0.0;
-  for (const double g : gains) largest = std::max(largest, std::abs(g));
+  for (const double g : search.gains()) largest = std::max(largest, std::abs(g));
   const double low = std::max(10e3, 1.2 * kLeastOhm * largest);
-  for (std::size_t k = 0; k < gains.size(); ++k) {
-    double top = 0.0;
-    for (const std::vector<double>& row : rows) top = std::max(top, std::abs(gains[k] * row[k]));
-    const bool in_reach = std::abs(gains[k]) * kGreatestOhm >= low;
-    if (top < least_v || (!in_reach && top < kOffsetV)) used[k] = 0.0;
-  }
-  const WeightExchange search(used, rows, series);
   const std::vector<double> feedbacks =
       series.is_exact() ? std::vector<double>{low} : series.values(low, 6.0 * low);
   SummingResistors best, one;
@@ -112,8 +110,8 @@ SumDesign search_sum(const std::vector<double>& gains, const std::vector<std::ve
   SumDesign out;
   out.feedback = best.feedback;
   out.realised = best.weights;
-  for (const double g : used) out.wanted.push_back(g == 0.0 ? 0.0 : best.feedback / std::abs(g));
-  out.gains = summing_gains(best, used);
+  for (const double g : search.gains()) out.wanted.push_back(g == 0.0 ? 0.0 : best.feedback / std::abs(g));
+  out.gains = summing_gains(best, search.gains());
   return out;
 }
 

@@ -12,8 +12,7 @@
 namespace bodesmith::circuit {
 namespace {
 
-constexpr double kLeast = 1e3;
-constexpr double kGreatest = 10e6;
+constexpr double kOffsetV = 2e-3;
 constexpr int kPoints = 24;
 
 double conductance(double ohm) {
@@ -54,16 +53,18 @@ class Search {
   const SummingResistors& best() const { return best_; }
 
   void from(double feedback) {
-    const SummingResistors exact = exact_for(wanted_, feedback);
-    for (const double weight : exact.weights) {
-      if (weight != 0.0 && (weight < kLeast || weight > kGreatest)) return;
+    SummingResistors trial;
+    trial.feedback = feedback;
+    for (std::size_t k = 0; k < wanted_.size(); ++k) {
+      const std::optional<double> weight = weight_for(wanted_[k], feedback, scale_[k]);
+      if (!weight) return;
+      trial.weights.push_back(*weight);
     }
-    SummingResistors trial = exact;
     const auto terms =
-        std::count_if(exact.weights.begin(), exact.weights.end(), [](double r) { return r != 0.0; });
+        std::count_if(trial.weights.begin(), trial.weights.end(), [](double r) { return r != 0.0; });
     const int neighbours = terms <= 3 ? 5 : (terms <= 5 ? 3 : 2);
     near_.clear();
-    for (const double weight : exact.weights) {
+    for (const double weight : trial.weights) {
       near_.push_back(weight == 0.0 ? std::vector<double>{0.0} : series_.nearest(weight, neighbours));
     }
     weights(trial, 0);
@@ -83,14 +84,14 @@ class Search {
 
   void balance(SummingResistors trial) {
     set_balance(trial, wanted_);
-    if (trial.balance == 0.0 || trial.balance > kGreatest) {
+    if (trial.balance == 0.0 || trial.balance > kGreatestOhm) {
       trial.balance = 0.0;
       consider(trial);
       return;
     }
     for (const double ohm : series_.nearest(trial.balance, 3)) {
       trial.balance = ohm;
-      if (ohm >= kLeast) consider(trial);
+      if (ohm >= kLeastOhm) consider(trial);
     }
   }
 
@@ -119,17 +120,22 @@ class Search {
 
 }  // namespace
 
+std::optional<double> weight_for(double gain, double feedback, double volts) {
+  const double least = feedback / kGreatestOhm, size = std::abs(gain);
+  if (size * kLeastOhm > feedback * 1.001) return std::nullopt;
+  if (size >= 0.999 * least) return feedback / size;
+  const bool none = size < 0.5 * least;
+  if ((none ? size : least - size) * volts > kOffsetV) return std::nullopt;
+  return none ? 0.0 : kGreatestOhm;
+}
+
 std::vector<double> summing_gains(const SummingResistors& r, const std::vector<double>& signs) {
   const double minus = sum_at(r, signs, false), plus = sum_at(r, signs, true);
   std::vector<double> out;
   for (size_t k = 0; k < signs.size(); ++k) {
-    if (signs[k] == 0.0) {
-      out.push_back(0.0);
-    } else if (signs[k] < 0.0) {
-      out.push_back(-r.feedback / r.weights[k]);
-    } else {
-      out.push_back(conductance(r.weights[k]) / plus * (1.0 + minus * r.feedback));
-    }
+    const double siemens = signs[k] == 0.0 ? 0.0 : conductance(r.weights[k]);
+    out.push_back(siemens == 0.0 || signs[k] < 0.0 ? -r.feedback * siemens
+                                                   : siemens / plus * (1.0 + minus * r.feedback));
   }
   return out;
 }
@@ -140,9 +146,9 @@ SummingDesign search_summing_resistors(const std::vector<double>& wanted, const 
   for (const double g : wanted) largest = std::max(largest, std::abs(g));
   Search search(wanted, scale, series);
   SummingDesign out;
-  // The largest gain's resistor is kLeast or more; a decade of feedback values from there, 10 kohm if that is
+  // The largest gain's resistor is kLeastOhm or more; a decade of feedback values from there, 10 kohm if that is
   // higher.
-  const double low = std::max(10e3, 2.0 * kLeast * largest);
+  const double low = std::max(10e3, 2.0 * kLeastOhm * largest);
   if (series.is_exact()) {
     search.from(low);
   } else {
@@ -151,7 +157,7 @@ SummingDesign search_summing_resistors(const std::vector<double>& wanted, const 
   if (!std::isfinite(search.least())) {
     throw DesignError(
         fmt::format("the gains of a sum are too far apart (greatest {}) for resistors of {} to {} ohm",
-                    rounded_text(largest), rounded_text(kLeast), rounded_text(kGreatest)));
+                    rounded_text(largest), rounded_text(kLeastOhm), rounded_text(kGreatestOhm)));
   }
   out.realised = search.best();
   out.gains = summing_gains(out.realised, wanted);

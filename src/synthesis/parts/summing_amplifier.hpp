@@ -1,10 +1,18 @@
 #pragma once
 
+#include <optional>
 #include <vector>
 
 #include "synthesis/parts/series.hpp"
 
 namespace bodesmith::circuit {
+
+/// Of the weights of sums.
+inline constexpr double kLeastOhm = 1e3, kGreatestOhm = 10e6;
+
+/// The resistor that makes `gain` with this feedback, feedback/|gain|; beyond the greatest that or none (0), whichever is
+/// nearer. Nothing below the least, and where a term of `volts` then misses by more than the offset of a multiplier's input.
+std::optional<double> weight_for(double gain, double feedback, double volts);
 
 /// Resistors of a summing op-amp: out = sum_k g_k v_k with g of both signs.
 struct SummingResistors {

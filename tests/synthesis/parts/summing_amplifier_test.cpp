@@ -1,0 +1,47 @@
+#include "synthesis/parts/summing_amplifier.hpp"
+
+#include <gtest/gtest.h>
+
+#include "base/error.hpp"
+#include "synthesis/parts/sum_search.hpp"
+
+namespace bodesmith::circuit {
+namespace {
+
+TEST(WeightFor, IsWithinTheResistorsOrNearEnough) {
+  EXPECT_EQ(weight_for(-0.5, 10e3, 1.0), 20e3);
+  EXPECT_EQ(weight_for(0.0, 10e3, 1.0), 0.0);
+  EXPECT_EQ(weight_for(20.0, 10e3, 1.0), std::nullopt);  // 500 ohm
+  // 10 Mohm makes 0.001: what is nearer to nothing is left out.
+  EXPECT_EQ(weight_for(0.0008, 10e3, 2.5), kGreatestOhm);
+  EXPECT_EQ(weight_for(0.0003, 10e3, 2.5), 0.0);
+  EXPECT_EQ(weight_for(0.004, 100e3, 2.5), std::nullopt);  // 15 mV
+}
+
+TEST(SumSearch, ASmallTermOfALargeVoltageIsMadeAsWellAsItGoes) {
+  // Of a drawn stage: 0.0009 of a reference of 2.5 V beside gains of some hundredths.
+  const std::vector<double> gains = {-0.0135, -0.0009};
+  std::vector<std::vector<double>> rows;
+  for (const double x : {0.0, 0.5, 1.0}) rows.push_back({-x, 2.5, gains[0] * -x + gains[1] * 2.5});
+  const SumDesign design = search_sum(gains, rows, Series::named("E96"), 2e-5, "control voltage");
+  for (const std::vector<double>& row : rows)
+    EXPECT_NEAR(design.gains[0] * row[0] + design.gains[1] * row[1], row[2], 2e-3);
+  EXPECT_THROW(search_sum({-1000.0, -0.01}, {{1.0, 2.5, -1000.025}}, Series::named("E96"), 2e-5, "control"),
+               DesignError);
+}
+
+TEST(SummingResistors, ANearlyStraightPolynomialIsMade) {
+  const std::vector<double> wanted = {0.3, -0.3, 2e-4};
+  const SummingDesign design = search_summing_resistors(wanted, {1.0, 1.0, 1.0}, Series::named("E96"));
+  for (const double x : {0.25, 0.5, 1.0}) {
+    double off = 0.0;
+    for (int k = 2; k >= 0; --k) {
+      const auto at = static_cast<std::size_t>(k);
+      off = (off + design.gains[at] - wanted[at]) * x;
+    }
+    EXPECT_NEAR(off, 0.0, 1e-3);
+  }
+}
+
+}  // namespace
+}  // namespace bodesmith::circuit

@@ -26,10 +26,10 @@ TEST(LayoutCommand, BadInputIsOneLineAndWritesNothing) {
   const TemporaryFolder folder;
   write_file(folder / "broken.json",
              R"({"schema":"bodesmith.disturbance/1","ascending":[1,2],"descending":[0,0,0]})");
-  write_file(folder / "tiny.json",
-             R"({"schema":"bodesmith.disturbance/1","ascending":[1,1e-9,0],"descending":[0,0,0]})");
+  write_file(folder / "large.json",
+             R"({"schema":"bodesmith.disturbance/1","ascending":[300,0,0],"descending":[0,0,0]})");
   const std::string out = (folder / "layout").string();
-  for (const char* name : {"broken.json", "tiny.json", "none.json"}) {
+  for (const char* name : {"broken.json", "large.json", "none.json"}) {
     const ProgramResult run = run_bodesmith("layout " + (folder / name).string() + " -o " + out);
     EXPECT_EQ(run.status, 2) << run.err;
     EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;

@@ -158,7 +158,7 @@ def main():
         rows.append(("  of it fit to plan, netlist and layout", f"{run['timing_s']['design']:.2f} s"))
         rows.append(("largest error of the cascade at the points", number(got["fit_db"], 2) + " dB"))
         rows.append(("sections against the cascade, every frequency", number(got["approximation_db"]) + " dB"))
-        rows.append(("the paper's cascade on the FPAA at one clock of 2 kHz, worst complex error as it runs", number(got["fpaa_percent"]) + " %"))
+        rows.append(("the paper's cascade on the FPAA, worst complex error as it runs", number(got["fpaa_percent"]) + " %"))
         rows.append(("E96/E12 circuit against the sections", number(got["circuit_db"]) + " dB"))
         if run["ngspice"]:
             rows.append(("ngspice on the emitted netlist against the sections, to 10 x the top corner",

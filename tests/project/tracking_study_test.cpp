@@ -14,7 +14,17 @@ Project seed_project(std::vector<Hertz> frequencies) {
   Project project =
       Project::read(std::filesystem::path(BODESMITH_SOURCE_DIR) / "examples/nanopositioner/seed.toml", from);
   project.track.frequency = std::move(frequencies);
+  project.fpaa->clock = Hertz{2000};
   return project;
+}
+
+TEST(Design, ThePapersMeetsItsLimitOnTheBoardAtClocksThatAreFound) {
+  Project project = seed_project({Hertz{1}, Hertz{100}});
+  project.fpaa->clock.reset();
+  const fpaa::Plan plan = *make_design(project).plan;
+  EXPECT_LE(plan.error_with_delays.max_complex_percent, *project.limits.fpaa_percent);
+  EXPECT_LE(plan.total->p95_percent, 0.5);
+  EXPECT_GE(plan.total->at_input_v, 1.5);
 }
 
 bool says(const TrackingStudy& study, const std::string& words) {

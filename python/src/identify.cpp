@@ -10,7 +10,7 @@
 #include "gap/diagnosis.hpp"
 #include "gap/diagnosis_json.hpp"
 #include "gap/measured_response.hpp"
-#include "gap/page/page.hpp"
+#include "gap/report/page.hpp"
 #include "hysteresis/registry.hpp"
 #include "identify/fit_report.hpp"
 #include "identify/record_findings.hpp"

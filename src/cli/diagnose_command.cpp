@@ -14,7 +14,7 @@
 #include "cli/commands.hpp"
 #include "cli/modes.hpp"
 #include "gap/diagnosis.hpp"
-#include "gap/page/files.hpp"
+#include "gap/report/files.hpp"
 
 namespace bodesmith::cli {
 namespace {

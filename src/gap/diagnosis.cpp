@@ -2,11 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <utility>
 
 #include "base/progress.hpp"
-#include "gap/least_squares.hpp"
+#include "gap/model/least_squares.hpp"
 #include "gap/runner.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
@@ -27,33 +26,19 @@ constexpr double kDisagreesWithNothing = 5.0;
 const Ranked* best_rival(const Step& step) {
   const Ranked* rival = nullptr;
   for (const auto& r : step.ranking) {
-    if (r.effect != step.effect && (rival == nullptr || r.folds_rms < rival->folds_rms)) rival = &r;
+    if (r.effect != step.effect && (rival == nullptr || r.log_evidence > rival->log_evidence)) rival = &r;
   }
   return rival;
 }
 
-/// The partner of a pair, unless it was taken out again.
-std::string partner_left(const Step& step, const std::vector<Step>& steps) {
-  const bool left = std::any_of(steps.begin(), steps.end(),
-                                [&](const Step& other) { return other.effect->name() == step.pair_with; });
-  return left ? step.pair_with : "";
-}
-
-DiagnosedStep describe(const Step& step, const SearchResult& search, const GapMeter& meter) {
+DiagnosedStep describe(const Step& step, const GapMeter& meter) {
   DiagnosedStep s;
   s.effect = step.effect->name();
   s.tied_with = step.tied_with;
-  s.also_fit = step.also_fit;
   s.placed = step.placed;
   s.also_placed = step.also_placed;
-  s.pair_with = partner_left(step, search.steps);
   s.before = meter.size(step.before);
   s.after = meter.size(step.after);
-  s.q_value = step.q_value;
-  for (const auto& r : step.ranking) {
-    const bool named = r.outcome == CandidateOutcome::named || r.outcome == CandidateOutcome::named_in_pair;
-    if (r.effect == step.effect && named) s.significance = r.z;
-  }
   if (const auto* rival = best_rival(step)) {
     s.runner_up = {std::string(rival->effect->name()), meter.holdout_rms(rival->model), rival->outcome};
   }
@@ -72,40 +57,10 @@ void look_ahead(const SearchResult& search, const GapMeter& meter) {
   meter.look_ahead(sized, rivals);
 }
 
-/// Chance of a gain of so many standard deviations where there is none.
-double chance_of(const Ranked& r) {
-  return 0.5 * std::erfc(r.least_z() / std::numbers::sqrt2);
-}
-
-/// False discovery rates over everything that was looked at in all rounds (Benjamini and Hochberg 1995); what
-/// the shortlist dropped counts as tried in vain.
-void add_q_values(SearchResult& result) {
-  std::vector<double> chances;
-  const auto collect = [&](const std::vector<Ranked>& ranking) {
-    for (const auto& r : ranking) chances.push_back(chance_of(r));
-  };
-  for (const auto& s : result.steps) collect(s.ranking);
-  collect(result.refused);
-  std::sort(chances.begin(), chances.end());
-  const auto tried = static_cast<double>(std::max(result.looked_at, chances.size()));
-  for (auto& s : result.steps) {
-    double own = 1.0;
-    for (const auto& r : s.ranking) {
-      if (r.effect == s.effect) own = std::min(own, chance_of(r));
-    }
-    s.q_value = 1.0;
-    for (std::size_t i = 0; i < chances.size(); ++i) {
-      if (chances[i] >= own) s.q_value = std::min(s.q_value, chances[i] * tried / static_cast<double>(i + 1));
-    }
-  }
-}
-
 /// What the candidates leave of the held-out records, for the tables.
 void look_at_holdout(std::vector<Ranked>& ranking, const Experiments& holdout) {
-  parallel_for(ranking.size(), allowed_threads(), [&](std::size_t i) {
-    ranking[i].holdout_rms = rms_of(ranking[i].model, holdout);
-    ranking[i].folds.clear();
-  });
+  parallel_for(ranking.size(), allowed_threads(),
+               [&](std::size_t i) { ranking[i].holdout_rms = rms_of(ranking[i].model, holdout); });
 }
 
 /// JSON and pages have no infinity.
@@ -185,14 +140,13 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   d.relative = study.frequency_responses();
   d.weighted = study.weighted();
   SearchOptions chosen = options;
-  if (study.split()) chosen.acceptance.max_unknowns = kMaxUnknownsWhenSplit;
+  if (study.split()) chosen.bounds.max_unknowns = kMaxUnknownsWhenSplit;
   d.amplitude = amplitude_dependence(study.train());
   const Experiments searched = d.amplitude ? of_least_drive(study.train()) : study.train();
   StartedSearch started = search_from_start(base, searched, chosen);
   d.search = std::move(started.search);
   d.start = started.start;
   if (d.amplitude) d.search.structure.push_back(sign_of_drive(*d.amplitude));
-  add_q_values(d.search);
   // The held-out records come in here, when all is decided. Lines of the mains are written as the first of
   // them has them.
   d.search.final = with_lines_of(std::move(d.search.final), study.holdout().front());
@@ -205,14 +159,14 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   d.refitted = meter.size(d.search.base);
   d.final = meter.size(d.search.final);
   d.floor = d.search.floor;
-  for (const auto& s : d.search.steps) d.steps.push_back(describe(s, d.search, meter));
+  for (const auto& s : d.search.steps) d.steps.push_back(describe(s, meter));
   if (!d.steps.empty()) d.steps.back().after = d.final;
   auto parameters = found_parameters(d.search.final, searched);
   for (std::size_t k = 0; k < parameters.size() && k < d.steps.size(); ++k) {
     d.steps[k].parameters = std::move(parameters[k]);
     d.steps[k].part = d.search.final.terms()[k].part;
   }
-  auto posterior = posterior_of(d.search, searched);
+  auto posterior = posterior_of(d.search);
   for (std::size_t k = 0; k < d.steps.size(); ++k) {
     d.steps[k].probability = posterior.of_steps[k];
     d.steps[k].grew = d.steps[k].after.holdout_rms > d.steps[k].before.holdout_rms;

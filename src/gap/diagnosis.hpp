@@ -5,16 +5,16 @@
 #include <vector>
 
 #include "chain/chain.hpp"
-#include "gap/amplitude_dependence.hpp"
-#include "gap/constant_offset.hpp"
 #include "gap/evidence/posterior.hpp"
-#include "gap/next_experiment.hpp"
+#include "gap/report/constant_offset.hpp"
+#include "gap/report/next_experiment.hpp"
+#include "gap/report/size.hpp"
+#include "gap/report/where.hpp"
 #include "gap/search.hpp"
-#include "gap/size.hpp"
-#include "gap/start_choice.hpp"
+#include "gap/search/start_choice.hpp"
+#include "gap/signs/amplitude_dependence.hpp"
 #include "gap/study.hpp"
 #include "gap/verdict.hpp"
-#include "gap/where.hpp"
 
 namespace bodesmith::gap {
 
@@ -38,17 +38,13 @@ struct RunnerUp {
 struct DiagnosedStep {
   std::string effect;
   std::vector<std::string> tied_with;
-  std::vector<std::string> also_fit;
   std::string placed;
   std::vector<std::string> also_placed;
-  std::string part;       ///< Term::part
-  std::string pair_with;  ///< the effect with which it earns its place together; empty: alone
+  std::string part;  ///< Term::part
   std::vector<FoundParameter> parameters;
   GapSize before;
   GapSize after;
   RunnerUp runner_up;
-  double significance = 0.0;
-  double q_value = 1.0;
   double probability = 0.0;  ///< Posterior::of_steps
   bool grew = false;         ///< the held-out gap is larger with it
 };

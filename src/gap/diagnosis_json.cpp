@@ -8,9 +8,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// JSON has no infinity: a term that explains all there is.
-constexpr double kMaxSignificance = 1e6;
-
 Json json_of(const GapSize& s) {
   return {{"train_rms", s.train_rms},
           {"holdout_rms", s.holdout_rms},
@@ -46,9 +43,8 @@ Json json_of(const Ranked& r) {
           {"placed", r.placed},
           {"parameters", values},
           {"train_rms_after", r.train_rms},
-          {"folds_rms_after", r.folds_rms},
           {"holdout_rms_after", finite_or_null(r.holdout_rms)},
-          {"significance", std::clamp(r.z, -kMaxSignificance, kMaxSignificance)},
+          {"log_evidence", finite_or_null(r.log_evidence)},
           {"outcome", to_string(r.outcome)}};
 }
 
@@ -71,18 +67,14 @@ Json json_of(const DiagnosedStep& s) {
     parameters[p.name] = {{"value", p.value}, {"low", p.low}, {"high", p.high}};
   return {{"effect", s.effect},
           {"tied_with", s.tied_with},
-          {"also_fitted_with_more_parameters", s.also_fit},
           {"placed", s.placed},
           {"also_placed", s.also_placed},
           {"part", s.part},
-          {"pair_with", s.pair_with},
           {"parameters", parameters},
           {"holdout_rms_before", s.before.holdout_rms},
           {"holdout_rms_after", s.after.holdout_rms},
           {"train_rms_before", s.before.train_rms},
           {"train_rms_after", s.after.train_rms},
-          {"significance", std::min(s.significance, kMaxSignificance)},
-          {"q_value", s.q_value},
           {"probability", s.probability},
           {"runner_up", json_of(s.runner_up)}};
 }

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "gap/model.hpp"
+#include "gap/model/model.hpp"
 #include "gap/scene.hpp"
 
 namespace bodesmith::gap {

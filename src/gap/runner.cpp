@@ -6,7 +6,7 @@
 #include <limits>
 
 #include "base/error.hpp"
-#include "gap/lines.hpp"
+#include "gap/records/lines.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/record_simulator.hpp"

@@ -5,8 +5,8 @@
 #include <span>
 #include <vector>
 
-#include "gap/experiment.hpp"
-#include "gap/model.hpp"
+#include "gap/model/model.hpp"
+#include "gap/records/experiment.hpp"
 
 namespace bodesmith::gap {
 

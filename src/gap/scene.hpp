@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/units.hpp"
-#include "gap/experiment.hpp"
-#include "gap/model.hpp"
+#include "gap/model/model.hpp"
+#include "gap/records/experiment.hpp"
 
 namespace bodesmith::gap {
 

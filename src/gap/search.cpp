@@ -1,13 +1,16 @@
 #include "gap/search.hpp"
 
+#include <algorithm>
+#include <cmath>
+#include <optional>
 #include <utility>
 
+#include "gap/evidence/names.hpp"
+#include "gap/evidence/score.hpp"
 #include "gap/runner.hpp"
 #include "gap/search/base_fit.hpp"
-#include "gap/search/grow.hpp"
-#include "gap/search/no_names.hpp"
+#include "gap/search/beam.hpp"
 #include "gap/search/of_responses.hpp"
-#include "gap/search/other_ways.hpp"
 #include "gap/search/remaining.hpp"
 
 namespace bodesmith::gap {
@@ -17,11 +20,54 @@ namespace {
 constexpr double kTypicalOffset = 0.05;
 /// Progress before the base model's fit.
 constexpr double kBegun = 0.02;
+/// Iterations of the refit with the first names of a set alone.
+constexpr int kIterationsOfFirst = 12;
+
+/// The names one after the other, each with what it was chosen from.
+std::vector<Step> steps_of(const SearchSetting& setting, const Model& base, Beam& beam) {
+  const auto& set = beam.best;
+  const auto& terms = set.model.terms();
+  std::vector<Model> first(terms.size() + 1, set.model);
+  first[0] = base;
+  for (std::size_t k = terms.size(); k-- > 1;) {
+    first[k] = first[k + 1];
+    first[k].remove(k);
+    if (!setting.options.stopped())
+      first[k] = fit_in_turn(setting, beam.records, std::move(first[k]), kIterationsOfFirst).model;
+  }
+  std::vector<Step> steps;
+  for (std::size_t k = 0; k < terms.size(); ++k) {
+    Step step;
+    step.effect = terms[k].effect;
+    step.placed = terms[k].placed;
+    step.before = first[k];
+    step.after = first[k + 1];
+    step.ranking = std::move(beam.best.rivals[k].ranking);
+    step.log_evidence_without = beam.best.rivals[k].log_evidence_without;
+    judge_ranking(step);
+    steps.push_back(std::move(step));
+  }
+  return steps;
+}
+
+/// What a candidate without a name explains is no noise: of the rms, and by its evidence.
+constexpr double kMuchOfRest = 0.2;
+constexpr double kSurely = 15.0;
+
+std::optional<Sign> sign_of_refused(const SearchResult& result) {
+  double most = 0.0;
+  for (const auto& r : result.refused) {
+    if (r.log_evidence > result.log_evidence + kSurely)
+      most = std::max(most, 1.0 - r.train_rms / result.train_rms);
+  }
+  if (!(most > kMuchOfRest)) return std::nullopt;
+  return Sign{SignKind::refused_candidate, most / kMuchOfRest};
+}
 
 }  // namespace
 
 SearchResult search(const chain::Chain& base, const Experiments& train, const SearchOptions& given) {
-  const SearchOptions options = are_responses(train) ? for_responses(given, train) : given;
+  const SearchOptions options = are_responses(train) ? for_responses(given) : given;
   SearchResult result;
   result.initial = Model(base);
   result.initial.set_signal_size(kTypicalOffset * largest_range(train));
@@ -30,25 +76,23 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   auto [model, records] = fit_base(setting, make_records(train, options.stretches, result.initial));
   result.base = model;
   setting.first_gap = rms_of(model, records.train);
-  const State begun{{std::move(model), {}, {}}, std::move(records), {}, {}};
-  State state = begun;
-  grow(setting, state);
-  try_other_ways(setting, begun, state);
-  try_other_partners(setting, state);
-  take_out_no_names(setting, state);
+  Beam beam;
+  beam.records = std::move(records);
+  beam.best.model = std::move(model);
+  search_sets(setting, beam);
   result.stopped = options.stopped();
   result.late = options.is_late();
-  result.refused = std::move(state.refused);
-  result.not_tried = std::move(state.not_tried);
-  result.looked_at = state.looked_at;
-  result.floor = floor_under(state.found.model, state.records);
-  result.train_rms = state.train_rms;
-  result.structure = std::move(state.structure);
-  Found& found = state.found;
-  result.final = std::move(found.model);
-  result.steps = std::move(found.steps);
-  result.notes = std::move(found.notes);
-  if (state.smooth_input)
+  result.steps = steps_of(setting, result.base, beam);
+  result.refused = std::move(beam.refused);
+  result.not_tried = std::move(beam.not_tried);
+  result.floor = floor_under(beam.best.model, beam.records);
+  result.train_rms = rms_of(beam.best.model, beam.records.train);
+  result.log_evidence = log_evidence(beam.best.model, beam.records.train);
+  if (!result.stopped) result.structure = signs_left(beam.best.model, beam.records);
+  if (auto sign = sign_of_refused(result)) result.structure.push_back(*sign);
+  result.final = std::move(beam.best.model);
+  result.notes = std::move(beam.best.notes);
+  if (beam.smooth_input)
     result.notes.emplace_back(
         "The input goes in a curve between the samples, where a model takes it as straight: the first resonator of "
         "model.toml, at 0.55 of the sampling rate, stands for that and is no effect");

@@ -1,6 +1,6 @@
 #pragma once
 
-#include "gap/experiment.hpp"
+#include "gap/records/experiment.hpp"
 #include "gap/search_options.hpp"
 #include "gap/search_result.hpp"
 

@@ -9,7 +9,7 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "gap/settling.hpp"
+#include "gap/records/settling.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
 

@@ -5,7 +5,7 @@
 
 #include "base/provenance.hpp"
 #include "chain/chain.hpp"
-#include "gap/experiment.hpp"
+#include "gap/records/experiment.hpp"
 
 namespace bodesmith::gap {
 

@@ -70,14 +70,14 @@ struct Place {
 
 }  // namespace
 
-RedNoise most_likely_red_noise(const Series& series) {
+RedNoise most_likely_red_noise(const Series& series, double of_longest) {
   constexpr double kStep = 0.9;
   constexpr double kMostOdds = 9.0;
   constexpr double kTolerance = 0.02;
   constexpr int kRounds = 3;
   std::size_t longest = 0;
   for (const auto& y : series) longest = std::max(longest, y.size());
-  const double longest_correlation = std::log(8.0 * static_cast<double>(std::max<std::size_t>(longest, 2)));
+  const double longest_correlation = std::log(std::max(2.0, of_longest * static_cast<double>(longest)));
   const auto likelihood = [&](const Place& at) { return log_likelihood(series, at.rho(), at.white()); };
   Place best;
   double most = -std::numeric_limits<double>::infinity();
@@ -104,7 +104,28 @@ RedNoise most_likely_red_noise(const Series& series) {
                                      });
   }
   const double odds = best.odds_of_white();
-  return {std::exp(best.log_correlation), odds / (1.0 + odds), std::max(most, likelihood(best))};
+  Filtered sum;
+  double n = 0.0;
+  for (const auto& y : series) {
+    filter(y, best.rho(), best.white(), sum);
+    n += static_cast<double>(y.size());
+  }
+  return {std::exp(best.log_correlation), odds / (1.0 + odds), std::max(most, likelihood(best)),
+          n > 0.0 ? sum.squares / n : 0.0};
+}
+
+void whiten(std::span<double> series, const RedNoise& noise) {
+  const double rho = 1.0 - 1.0 / noise.correlation_samples;
+  const double white = noise.white_share / (1.0 - noise.white_share) / (1.0 - rho * rho);
+  double state = 0.0;
+  double variance = 1.0 / (1.0 - rho * rho);
+  for (double& y : series) {
+    const double whole = variance + white;
+    const double innovation = y - state;
+    state = rho * (state + variance / whole * innovation);
+    variance = rho * rho * variance * white / whole + 1.0;
+    y = innovation / std::sqrt(whole * noise.driving_variance);
+  }
 }
 
 }  // namespace bodesmith

@@ -1,8 +1,8 @@
 // Responses at several drives: what no linear effect does is told, and what kind it is.
 #include <gtest/gtest.h>
 
-#include "gap/amplitude_dependence.hpp"
 #include "gap/diagnosis.hpp"
+#include "gap/signs/amplitude_dependence.hpp"
 #include "made_response.hpp"
 
 namespace {

@@ -2,7 +2,7 @@
 #include <gtest/gtest.h>
 
 #include "gap/diagnosis.hpp"
-#include "gap/response_weights.hpp"
+#include "gap/records/response_weights.hpp"
 #include "made_response.hpp"
 #include "signal/statistics.hpp"
 

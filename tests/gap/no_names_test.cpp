@@ -1,11 +1,10 @@
 // A name whose values, beside others, have become another effect's form.
-#include "gap/search/no_names.hpp"
+#include "gap/search/moves.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numbers>
-#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -58,12 +57,12 @@ TEST(NoNames, areSeenBehindOtherTerms) {
     gap::effect_registry().get(effect).propose(gap::make_scene(model, train), proposals);
     model = proposals.front().model;
   }
-  const auto without_name = [&](double lag_s) {
+  const auto is_no_name = [&](double lag_s) {
     model.set_values(std::vector<double>{0.5 / (std::numbers::pi * lag_s), 0.1});
-    return gap::term_without_name(model, train);
+    return gap::term_is_no_name(model, 0, train);
   };
-  EXPECT_EQ(without_name(3.0 * kStep_s), std::nullopt);
-  EXPECT_EQ(without_name(0.005 * kStep_s), std::optional<std::size_t>(0));
+  EXPECT_FALSE(is_no_name(3.0 * kStep_s));
+  EXPECT_TRUE(is_no_name(0.005 * kStep_s));
 }
 
 }  // namespace

@@ -1,4 +1,4 @@
-#include "gap/noise_floor.hpp"
+#include "gap/evidence/noise_floor.hpp"
 
 #include <gtest/gtest.h>
 
@@ -6,8 +6,8 @@
 #include <numbers>
 #include <random>
 
-#include "gap/least_squares.hpp"
-#include "gap/where.hpp"
+#include "gap/model/least_squares.hpp"
+#include "gap/report/where.hpp"
 #include "signal/period.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"

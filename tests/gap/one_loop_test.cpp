@@ -9,7 +9,7 @@
 #include "base/document.hpp"
 #include "chain/model_file.hpp"
 #include "gap/diagnosis.hpp"
-#include "gap/one_loop.hpp"
+#include "gap/records/one_loop.hpp"
 
 namespace {
 

@@ -1,7 +1,7 @@
 #include <gtest/gtest.h>
 
-#include "gap/page/figures.hpp"
-#include "gap/page/words.hpp"
+#include "gap/report/figures.hpp"
+#include "gap/report/words.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -32,11 +32,9 @@ TEST(PageWords, StepsInSentences) {
   memory.placed = "before block 1";
   memory.parameters = {{"w[1]", 0.0171, 0.0, 0.03}, {"w[2]", 0.0, 0.0, 0.0}, {"w[3]", 0.2, 0.1, 0.3}};
   memory.tied_with = {"backlash"};
-  memory.pair_with = "offset";
   const std::string text = step_in_words(memory);
   EXPECT_EQ(text.find("0.0171"), std::string::npos) << text;
   EXPECT_NE(text.find("3 parameters, 3 of them weights, of which 2 not zero"), std::string::npos) << text;
-  EXPECT_NE(text.find("only together with offset"), std::string::npos) << text;
   EXPECT_NE(text.find("cannot tell it from backlash"), std::string::npos) << text;
   Diagnosis d;
   d.steps = {memory};
@@ -54,15 +52,24 @@ TEST(PageWords, RelativeFiguresSayTheirUnit) {
   EXPECT_NE(rms_unit_sentence(d).find("in percent"), std::string::npos);
 }
 
-TEST(PageWords, APairsCandidatesAreMarked) {
+TEST(PageWords, TheNameThatWasChosenIsMarked) {
+  Model model;
+  Term term;
+  term.unknowns.resize(2);
+  term.write = [](Model&, std::span<const double>) {};
+  model.add(term);
   Ranked named;
   named.effect = &effect_registry().get("offset");
-  named.outcome = CandidateOutcome::named_in_pair;
+  named.model = model;
+  named.log_evidence = 12.34;
+  named.outcome = CandidateOutcome::named;
   Ranked other = named;
   other.outcome = CandidateOutcome::worse;
   const report::Table table = ranking_table({other, named}, false);
   EXPECT_EQ(table.marked, (std::vector<std::size_t>{1}));
-  EXPECT_EQ(table.rows[1].back(), "named in a pair");
+  EXPECT_EQ(table.rows[1][2], "2");
+  EXPECT_EQ(table.rows[1][6], "12.3");
+  EXPECT_EQ(table.rows[1].back(), "named");
 }
 
 }  // namespace

@@ -12,7 +12,7 @@
 #include "gap/diagnosis.hpp"
 #include "gap/diagnosis_json.hpp"
 #include "gap/effect.hpp"
-#include "gap/page/page.hpp"
+#include "gap/report/page.hpp"
 
 namespace {
 

@@ -13,7 +13,7 @@
 #include "gap/cases/time_cases.hpp"
 #include "gap/diagnosis.hpp"
 #include "gap/diagnosis_json.hpp"
-#include "gap/page/page.hpp"
+#include "gap/report/page.hpp"
 #include "gap/runner.hpp"
 #include "simulate/simulate.hpp"
 

@@ -8,7 +8,7 @@
 #include "gap/cases/expect.hpp"
 #include "gap/cases/signals.hpp"
 #include "gap/cases/spice_cases.hpp"
-#include "gap/settling.hpp"
+#include "gap/records/settling.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "simulate/simulate.hpp"
 

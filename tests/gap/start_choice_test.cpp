@@ -1,4 +1,4 @@
-#include "gap/start_choice.hpp"
+#include "gap/search/start_choice.hpp"
 
 #include <gtest/gtest.h>
 

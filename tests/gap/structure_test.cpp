@@ -5,7 +5,7 @@
 #include <numbers>
 #include <random>
 
-#include "gap/signs.hpp"
+#include "gap/signs/signs.hpp"
 
 namespace {
 

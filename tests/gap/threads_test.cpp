@@ -9,7 +9,7 @@
 #include "base/document.hpp"
 #include "chain/model_file.hpp"
 #include "gap/effect.hpp"
-#include "gap/model_fit.hpp"
+#include "gap/model/model_fit.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
 #include "numeric/parallel_for.hpp"

@@ -12,7 +12,7 @@
 #include "gap/diagnosis.hpp"
 #include "gap/effect.hpp"
 #include "gap/scene.hpp"
-#include "gap/shortlist.hpp"
+#include "gap/search/shortlist.hpp"
 #include "made_model.hpp"
 #include "made_record.hpp"
 

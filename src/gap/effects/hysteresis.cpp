@@ -4,7 +4,7 @@
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 #include "gap/effects/plays.hpp"
-#include "gap/one_loop.hpp"
+#include "gap/records/one_loop.hpp"
 
 namespace bodesmith::gap {
 namespace {

@@ -3,7 +3,7 @@
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
-#include "gap/one_loop.hpp"
+#include "gap/records/one_loop.hpp"
 
 namespace bodesmith::gap {
 namespace {

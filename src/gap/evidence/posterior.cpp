@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 
+#include "gap/evidence/names.hpp"
 #include "gap/evidence/score.hpp"
 
 namespace bodesmith::gap {
@@ -15,37 +16,6 @@ constexpr double kOutsideWithoutSign = 0.03;
 constexpr double kNotOutsideAtChance = 0.8;
 /// Of names told beside something outside: the share that it feigns.
 constexpr double kFeigned = 0.15;
-/// The best candidates of a round that are looked at.
-constexpr std::size_t kCandidates = 8;
-
-/// Probabilities of the names of one step, "" for none.
-using Names = std::map<std::string, double>;
-
-Names names_of(const Step& step, const Experiments& train) {
-  std::vector<const Model*> models = {&step.before};
-  std::vector<std::string> names = {""};
-  const auto add = [&](const Effect& effect, const Model& model) {
-    names.emplace_back(effect.name());
-    models.push_back(&model);
-  };
-  for (const auto& r : step.ranking) {
-    if (models.size() <= kCandidates && !r.no_name && !r.far_fetched) add(*r.effect, r.model);
-  }
-  const std::string own(step.effect->name());
-  if (std::find(names.begin(), names.end(), own) == names.end()) add(*step.effect, step.after);
-  auto evidence = log_evidences(models, train);
-  for (std::size_t i = 1; i < evidence.size(); ++i) evidence[i] += log_share_of_name();
-  const double most = *std::max_element(evidence.begin(), evidence.end());
-  if (!std::isfinite(most)) return {{own, 1.0}};
-  Names found;
-  for (std::size_t i = 0; i < evidence.size(); ++i)
-    found[names[i]] = std::max(found[names[i]], std::exp(evidence[i] - most));
-  double sum = 0.0;
-  for (const auto& [name, weight] : found) sum += weight;
-  for (auto& [name, weight] : found) weight /= sum;
-  return found;
-}
-
 double outside_by(const std::vector<Sign>& signs) {
   double plainest = 1.0;
   for (const auto& sign : signs) plainest = std::max(plainest, sign.strength);
@@ -59,7 +29,7 @@ bool is_repeatable(const std::string& name) {
 
 /// All sets of one name a step, most probable first. A name that is there already is no other one: the set is a smaller one and
 /// does not pay for it.
-std::vector<NamedSet> sets_of(const std::vector<Names>& steps) {
+std::vector<NamedSet> sets_of(const std::vector<std::map<std::string, double>>& steps) {
   std::map<std::vector<std::string>, double> sets = {{{}, 1.0}};
   for (const auto& names : steps) {
     std::map<std::vector<std::string>, double> longer;
@@ -89,11 +59,11 @@ std::vector<NamedSet> sets_of(const std::vector<Names>& steps) {
 
 }  // namespace
 
-Posterior posterior_of(const SearchResult& result, const Experiments& train) {
+Posterior posterior_of(const SearchResult& result) {
   Posterior out;
   out.outside = outside_by(result.structure);
-  std::vector<Names> steps;
-  for (const auto& step : result.steps) steps.push_back(names_of(step, train));
+  std::vector<std::map<std::string, double>> steps;
+  for (const auto& step : result.steps) steps.push_back(names_of_step(step));
   const auto sets = sets_of(steps);
   for (const auto& step : result.steps) {
     const std::string own(step.effect->name());

@@ -23,6 +23,6 @@ struct Posterior {
 
 /// Every model that a step's round fitted, and the one without the step, by its evidence (score.hpp) and what a name costs. An
 /// effect counts with its best place and form, steps as independent of each other.
-Posterior posterior_of(const SearchResult& result, const Experiments& train);
+Posterior posterior_of(const SearchResult& result);
 
 }  // namespace bodesmith::gap

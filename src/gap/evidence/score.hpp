@@ -1,22 +1,25 @@
 #pragma once
 
-#include <vector>
-
-#include "gap/experiment.hpp"
-#include "gap/model.hpp"
+#include "gap/model/model.hpp"
+#include "gap/records/experiment.hpp"
 
 namespace bodesmith::gap {
 
-/// Tempered log evidences of fitted models that are rivals for the same records,
+/// Log evidence of a model fitted to the records, with what its names cost (Term::log_prior):
 ///
-///     -n' ln r - k/2 ln n',   n' = n/(T tau)
+///     ln p(names) + L/T - 1/2 sum_i ((v_i - g_i)/s_i)^2 - 1/2 ln det(1 + R^1/2 J'J R^1/2 / T)
 ///
-/// with r the rms that a model leaves of n samples and k its unknowns in use; minus infinity where it cannot be run. tau is the
-/// correlation time of what the nearest of them leaves (of responses: 1), so that n' samples count as independent: what is slow is
-/// charged by the few that coloured noise has of it. -n ln r is the likelihood of Gaussian noise of the most likely size, k/2 ln n Schwarz'
-/// form of Laplace's integral (Ann. Statist. 6 (1978) 461). T tempers the likelihood, as no form of the catalogue is exactly right (Gruenwald
-/// and van Ommen, Bayesian Analysis 12 (2017) 1069).
-std::vector<double> log_evidences(const std::vector<const Model*>& rivals, const Experiments& train);
+/// Laplace's approximation of the integral of likelihood times prior over all unknowns. L is the log likelihood of what the model leaves
+/// under noise as it is: white noise on noise that forgets itself exponentially (signal/red_noise.hpp), its sizes and correlation refitted
+/// with every model and its colour paid for, so that what a model leaves unexplained is noise that costs in every sample, and slow noise does
+/// not feign significance; innovations are Student's t, as corners and jumps that a model leaves are no Gaussian noise. Of a response it is
+/// Gaussian and white over its points. J are the sensitivities, made white by the same filter. R are the prior variances: s^2 of a free
+/// parameter of the base model, given as g; of a term's unknown that of an even density over the range that its effect states (in the
+/// logarithm where it is searched so), or of five typical changes where that is less; a weight of a bank is 0 or not with even odds. The
+/// last sum is thus Occam's factor, the posterior's width over the prior's (MacKay, Neural Computation 4 (1992) 415). T tempers the likelihood,
+/// as no form of the catalogue is exactly right (Gruenwald and van Ommen, Bayesian Analysis 12 (2017) 1069). Minus infinity where the model
+/// cannot be run.
+double log_evidence(const Model& model, const Experiments& train);
 
 /// What a name more costs: each of the catalogue is as likely as any other.
 double log_share_of_name();

@@ -5,9 +5,8 @@
 #include <utility>
 
 #include "chain/registry.hpp"
+#include "gap/evidence/score.hpp"
 #include "gap/runner.hpp"
-#include "gap/search/folds.hpp"
-#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -49,12 +48,9 @@ std::optional<Model> with_smooth_input(const SearchSetting& setting, const Searc
     return std::nullopt;
   auto fitted = fit_in_turn(setting, records, first.model, kIterations);
   if (!fitted.result.usable()) return std::nullopt;
-  const auto kind = suitable_folds(model, records.train);
-  const auto before = folded_residuals(model, records.train, kind);
-  const auto after = folded_residuals(fitted.model, records.train, kind);
-  if (before.empty() || before.size() != after.size()) return std::nullopt;
-  const bool sure = improvement_z(before, after) > setting.options.acceptance.min_significance;
-  if (!sure || !(rms(after) < kMaxLeft * rms(before))) return std::nullopt;
+  if (!(rms_of(fitted.model, records.train) < kMaxLeft * rms_of(model, records.train))) return std::nullopt;
+  if (!(log_evidence(fitted.model, records.train) > log_evidence(model, records.train) - log_share_of_name()))
+    return std::nullopt;
   return std::move(fitted.model);
 }
 

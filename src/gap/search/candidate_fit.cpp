@@ -1,14 +1,15 @@
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 #include <optional>
 #include <string_view>
 #include <utility>
 #include <vector>
 
+#include "gap/evidence/score.hpp"
 #include "gap/runner.hpp"
 #include "gap/search/round.hpp"
-#include "gap/search/significance.hpp"
 #include "numeric/parallel_for.hpp"
 #include "signal/statistics.hpp"
 
@@ -220,34 +221,8 @@ void share_values(const SearchSetting& setting, const SearchRecords& records,
 
 }  // namespace
 
-std::optional<Ranked> with_gains(Ranked r, const SearchRecords& records, const RoundResiduals& before) {
-  const auto train = residuals_of(r.model, records.train);
-  if (train.size() != before.train.size()) return std::nullopt;
-  r.effective = r.model.terms().back().effective_unknowns();
-  r.train_rms = r.folds_rms = rms(train);
-  r.train_z = r.z = significance_of(records, before.train, train, *r.effect);
-  return r;
-}
-
-Ranked with_folds(Ranked r, const SearchRecords& records, const RoundResiduals& before) {
-  r.folds = folded_residuals(r.model, records.train, before.kind);
-  if (r.folds.size() != before.folds.size()) {
-    r.folds.clear();
-    return r;
-  }
-  r.folds_rms = rms(r.folds);
-  r.z = significance_of(records, before.folds, r.folds, *r.effect);
-  return r;
-}
-
-RoundResiduals round_residuals(const Model& model, const SearchRecords& records) {
-  const auto kind = suitable_folds(model, records.train);
-  return {residuals_of(model, records.train), folded_residuals(model, records.train, kind), kind};
-}
-
 std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, const SearchRecords& records,
-                                                  const std::vector<Promising>& candidates,
-                                                  const RoundResiduals& before) {
+                                                  const std::vector<Promising>& candidates) {
   const auto& options = setting.options;
   std::vector<std::vector<FittedModel>> begun(candidates.size());
   parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
@@ -263,29 +238,27 @@ std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, 
   race(setting, records, racers);
   comb_leaders(setting, records, racers);
   share_values(setting, records, candidates, racers);
-  double without = std::numeric_limits<double>::infinity();
-  if (!candidates.empty()) {
-    Model before_it = candidates.front().proposal.model;
-    before_it.remove(before_it.terms().size() - 1);
-    without = rms_of(before_it, records.look());
-  }
   std::vector<std::optional<Ranked>> ranked(candidates.size());
   parallel_for(candidates.size(), options.threads, [&](std::size_t i) {
     Racer* best = nullptr;
     for (auto& r : racers) {
       if (r.candidate == i && (best == nullptr || r.now.result.rms < best->now.result.rms)) best = &r;
     }
+    if (best == nullptr) return;
     // A fit that ends where the model without the term was nearer has lost its way.
-    if (best == nullptr || best->now.result.rms > kLost * without) return;
+    Model without = candidates[i].proposal.model;
+    without.remove(without.terms().size() - 1);
+    if (best->now.result.rms > kLost * rms_of(without, records.look())) return;
     const auto& term = candidates[i].proposal.model.terms().back();
     Ranked r;
     r.effect = term.effect;
     r.placed = term.placed;
     r.score = candidates[i].score;
-    r.unknowns = term.unknowns.size();
     r.model = std::move(best->now.model);
-    r.condition_number = best->now.result.condition_number;
-    ranked[i] = with_gains(std::move(r), records, before);
+    r.model.set_log_prior(r.model.terms().size() - 1,
+                          log_share_of_name() - std::log(static_cast<double>(candidates[i].places)));
+    r.train_rms = rms_of(r.model, records.train);
+    if (std::isfinite(r.train_rms)) ranked[i] = std::move(r);
   });
   return ranked;
 }

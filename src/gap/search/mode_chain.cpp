@@ -56,7 +56,6 @@ void extend_from(const SearchSetting& setting, const SearchRecords& records, con
                  Model model, std::vector<std::vector<Ranked>>& chains) {
   const auto compared = compared_by(kind.compared, records);
   std::vector<Ranked> chain;
-  const auto before = round_residuals(model, records);
   const int most = setting.options.max_terms - static_cast<int>(model.terms().size());
   while (static_cast<int>(chain.size()) < most && !setting.options.is_late()) {
     auto mode = with_mode(setting, kind.mode, compared, model);
@@ -67,10 +66,7 @@ void extend_from(const SearchSetting& setting, const SearchRecords& records, con
     if (!fitted.result.usable()) continue;
     auto finished = chain;
     finished.back().model = std::move(fitted.model);
-    if (auto last = with_gains(finished.back(), records, before)) {
-      finished.back() = with_folds(std::move(*last), records, before);
-      chains.push_back(std::move(finished));
-    }
+    chains.push_back(std::move(finished));
   }
 }
 

@@ -1,7 +1,7 @@
 #pragma once
 
-#include "gap/experiment.hpp"
-#include "gap/model_fit.hpp"
+#include "gap/model/model_fit.hpp"
+#include "gap/records/experiment.hpp"
 #include "gap/search_options.hpp"
 
 namespace bodesmith::gap {

@@ -4,7 +4,7 @@
 #include <optional>
 
 #include "base/whole_number.hpp"
-#include "gap/response_weights.hpp"
+#include "gap/records/response_weights.hpp"
 #include "gap/runner.hpp"
 
 namespace bodesmith::gap {

@@ -2,9 +2,9 @@
 
 #include <vector>
 
-#include "gap/noise_floor.hpp"
+#include "gap/evidence/noise_floor.hpp"
 #include "gap/search/records.hpp"
-#include "gap/signs.hpp"
+#include "gap/signs/signs.hpp"
 
 namespace bodesmith::gap {
 

@@ -2,11 +2,13 @@
 
 #include <algorithm>
 #include <iterator>
+#include <limits>
 #include <map>
 #include <set>
 #include <string_view>
 #include <utility>
 
+#include "gap/evidence/score.hpp"
 #include "gap/runner.hpp"
 #include "gap/scene.hpp"
 #include "numeric/parallel_for.hpp"
@@ -17,6 +19,8 @@ namespace {
 
 /// Of what was left before: a first name that leaves less takes most of the gap.
 constexpr double kMost = 0.5;
+/// Of a name whose values are usually another effect's traces (Effect::is_far_fetched): one in twenty thousand.
+constexpr double kLogFarFetched = -10.0;
 
 const Effect* effect_of(const Proposal& proposal) {
   return proposal.model.terms().back().effect;
@@ -54,7 +58,11 @@ std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecor
     std::move(of_each[i].begin(), of_each[i].end(), std::back_inserter(proposals));
   }
   std::erase_if(proposals, [&](const Proposal& p) { return repeats_earlier_term(p, scene.frequency_only); });
-  return shortlist(model, std::move(proposals), records.look(), setting.options.threads);
+  std::map<const Effect*, std::size_t> places;
+  for (const auto& p : proposals) ++places[effect_of(p)];
+  auto promising = shortlist(model, std::move(proposals), records.look(), setting.options.threads);
+  for (auto& p : promising) p.places = places[effect_of(p.proposal)];
+  return promising;
 }
 
 /// The best places of each effect, one more when it is of another form (number of unknowns), of the best
@@ -112,34 +120,50 @@ class Choice {
 
 /// Fits the leaders, whose fits saw only stretches, on the whole records.
 void fit_leaders_on_all(const SearchSetting& setting, const SearchRecords& records,
-                        const RoundResiduals& before, std::vector<Ranked>& ranking) {
+                        std::vector<Ranked>& ranking) {
   const auto& options = setting.options;
   const std::size_t leaders = std::min(options.stretches.leaders, ranking.size());
   parallel_for(leaders, options.threads, [&](std::size_t i) {
     if (options.is_late()) return;
-    Ranked better = ranking[i];
-    auto fitted = fit(better.model, records.train, fit_options(options, options.stretches.iterations_on_all));
+    auto fitted =
+        fit(ranking[i].model, records.train, fit_options(options, options.stretches.iterations_on_all));
     if (!fitted.result.usable()) return;
-    better.model = std::move(fitted.model);
-    better.condition_number = fitted.result.condition_number;
-    if (auto judged = with_gains(std::move(better), records, before)) ranking[i] = std::move(*judged);
+    ranking[i].model = std::move(fitted.model);
+    ranking[i].train_rms = rms_of(ranking[i].model, records.train);
   });
 }
 
-/// Folds for those that may be named.
-void look_at_folds(const SearchSetting& setting, const SearchRecords& records, const RoundResiduals& before,
-                   std::vector<Ranked>& ranking) {
-  const auto& options = setting.options;
-  const double best = ranking.front().train_rms;
-  parallel_for(ranking.size(), options.threads, [&](std::size_t i) {
-    if (ranking[i].train_rms > options.round.in_the_running * best && i > 0) return;
-    ranking[i] = with_folds(std::move(ranking[i]), records, before);
+/// What each is called beforehand.
+void look_at_names(const SearchSetting& setting, const SearchRecords& records, std::vector<Ranked>& ranking) {
+  parallel_for(ranking.size(), setting.options.threads, [&](std::size_t i) {
+    auto& r = ranking[i];
+    const std::size_t last = r.model.terms().size() - 1;
+    Model without = r.model;
+    without.remove(last);
+    auto scene = make_scene(without, records.train);
+    scene.takes_most = last == 0 && r.train_rms < kMost * rms_of(without, records.train);
+    if (r.effect->is_no_name(r.model, r.model.terms().back(), scene)) r.outcome = CandidateOutcome::no_name;
+    if (r.effect->is_far_fetched(r.model, scene))
+      r.model.set_log_prior(last, r.model.terms().back().log_prior + kLogFarFetched);
   });
 }
 
-/// The candidates that could be fitted, best first, with what they leave on folds and what speaks against their names.
-std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& records, const Model& model,
-                         const RoundResiduals& before, std::vector<std::optional<Ranked>> fitted) {
+/// The evidence of each but those far behind the best name.
+void weigh(const SearchSetting& setting, const SearchRecords& records, std::vector<Ranked>& ranking) {
+  double best = std::numeric_limits<double>::infinity();
+  for (const auto& r : ranking) {
+    if (r.outcome != CandidateOutcome::no_name) best = std::min(best, r.train_rms);
+  }
+  parallel_for(ranking.size(), setting.options.threads, [&](std::size_t i) {
+    auto& r = ranking[i];
+    if (r.train_rms <= setting.options.round.in_the_running * best)
+      r.log_evidence = log_evidence(r.model, records.train);
+  });
+}
+
+/// The candidates that could be fitted, best first.
+std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& records,
+                         std::vector<std::optional<Ranked>> fitted) {
   std::vector<Ranked> ranking;
   for (auto& r : fitted) {
     if (r) ranking.push_back(std::move(*r));
@@ -147,18 +171,14 @@ std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& reco
   const auto by_rms = [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; };
   std::stable_sort(ranking.begin(), ranking.end(), by_rms);
   if (records.are_long()) {
-    fit_leaders_on_all(setting, records, before, ranking);
+    fit_leaders_on_all(setting, records, ranking);
     std::stable_sort(ranking.begin(), ranking.end(), by_rms);
   }
   if (ranking.empty()) return ranking;
-  look_at_folds(setting, records, before, ranking);
-  auto scene = make_scene(model, records.train);
-  const double left_before = rms(before.folds);
-  for (auto& r : ranking) {
-    scene.takes_most = model.terms().empty() && r.folds_rms < kMost * left_before;
-    r.far_fetched = r.effect->is_far_fetched(r.model, scene);
-    r.no_name = r.effect->is_no_name(r.model, r.model.terms().back(), scene);
-  }
+  look_at_names(setting, records, ranking);
+  weigh(setting, records, ranking);
+  std::stable_sort(ranking.begin(), ranking.end(),
+                   [](const Ranked& a, const Ranked& b) { return a.log_evidence > b.log_evidence; });
   return ranking;
 }
 
@@ -173,7 +193,6 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
                 responses ? options.round.more_forms_of_response : 0);
   std::set<std::string_view> missed;
   auto promising = look_from(setting, records, model, filter, missed);
-  round.looked_at = promising.size();
   choice.add(std::move(promising), options.round.effects, {});
   if (options.stopped()) return {};
   if (model.terms().empty() && model.free_count() > 0 && !records.are_long() && !options.is_late()) {
@@ -186,13 +205,12 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
   }
   round.not_tried.assign(missed.begin(), missed.end());
   if (choice.chosen().empty()) return round;
-  const auto before = round_residuals(model, records);
-  auto fitted = fit_candidates(setting, records, choice.chosen(), before);
+  auto fitted = fit_candidates(setting, records, choice.chosen());
   for (std::size_t i = 0; i < fitted.size(); ++i) {
     if (!fitted[i] && options.is_late()) missed.insert(effect_of(choice.chosen()[i].proposal)->name());
   }
   round.not_tried.assign(missed.begin(), missed.end());
-  round.ranking = rank(setting, records, model, before, std::move(fitted));
+  round.ranking = rank(setting, records, std::move(fitted));
   return round;
 }
 
@@ -209,10 +227,9 @@ std::vector<Promising> look_round(const SearchSetting& setting, const SearchReco
   return look_from(setting, records, model, filter, missed);
 }
 
-std::vector<Ranked> fit_chosen(const SearchSetting& setting, const SearchRecords& records, const Model& model,
+std::vector<Ranked> fit_chosen(const SearchSetting& setting, const SearchRecords& records,
                                const std::vector<Promising>& chosen) {
-  const auto before = round_residuals(model, records);
-  return rank(setting, records, model, before, fit_candidates(setting, records, chosen, before));
+  return rank(setting, records, fit_candidates(setting, records, chosen));
 }
 
 }  // namespace bodesmith::gap

@@ -4,10 +4,9 @@
 #include <optional>
 #include <vector>
 
-#include "gap/search/folds.hpp"
 #include "gap/search/records.hpp"
+#include "gap/search/shortlist.hpp"
 #include "gap/search_result.hpp"
-#include "gap/shortlist.hpp"
 
 namespace bodesmith::gap {
 
@@ -19,7 +18,6 @@ using EffectFilter = std::function<bool(const Effect&)>;
 struct FittedRound {
   std::vector<Ranked> ranking;
   std::vector<std::string> not_tried;  ///< effects that promised something when the time was over
-  std::size_t looked_at = 0;           ///< proposals
 };
 FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model,
                       const EffectFilter& filter = {}, std::optional<double> min_score = std::nullopt);
@@ -31,31 +29,15 @@ std::vector<Ranked> fit_whatever_is_promised(const SearchSetting& setting, const
 /// The first look of a round alone: what every effect promises, best first.
 std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
                                   const Model& model, const EffectFilter& filter = {});
-/// Chosen candidates of such a look, fitted and ranked.
-std::vector<Ranked> fit_chosen(const SearchSetting& setting, const SearchRecords& records, const Model& model,
+/// Chosen candidates of such looks, fitted and ranked.
+std::vector<Ranked> fit_chosen(const SearchSetting& setting, const SearchRecords& records,
                                const std::vector<Promising>& chosen);
-
-/// Residuals of the model that a round's candidates are compared with.
-struct RoundResiduals {
-  std::vector<double> train;
-  std::vector<double> folds;
-  Folds kind = Folds::stretches;
-};
-RoundResiduals round_residuals(const Model& model, const SearchRecords& records);
 
 /// Fits candidates in place, with the model's free parameters and all earlier terms: a few steps of each from
 /// several starts, then on from the best in stages; behind each stage those stay where they are that are far
 /// behind the leader, or behind it and no longer coming nearer. One entry a candidate, empty for those that
-/// cannot be run or were not begun in time.
+/// cannot be run, lost their way or were not begun in time.
 std::vector<std::optional<Ranked>> fit_candidates(const SearchSetting& setting, const SearchRecords& records,
-                                                  const std::vector<Promising>& candidates,
-                                                  const RoundResiduals& before);
-
-/// The candidate with what its model leaves of the records. Nothing when the model cannot be run on one of
-/// them.
-std::optional<Ranked> with_gains(Ranked candidate, const SearchRecords& records,
-                                 const RoundResiduals& before);
-/// The same for folds of the records.
-Ranked with_folds(Ranked candidate, const SearchRecords& records, const RoundResiduals& before);
+                                                  const std::vector<Promising>& candidates);
 
 }  // namespace bodesmith::gap

@@ -4,7 +4,7 @@
 #include <span>
 #include <vector>
 
-#include "gap/signs.hpp"
+#include "gap/signs/signs.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/slow_noise.hpp"
 #include "signal/statistics.hpp"

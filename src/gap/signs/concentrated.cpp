@@ -3,8 +3,8 @@
 #include <numbers>
 #include <numeric>
 
-#include "gap/signs.hpp"
 #include "gap/signs/chance.hpp"
+#include "gap/signs/signs.hpp"
 #include "numeric/fourier.hpp"
 #include "signal/periodogram.hpp"
 

@@ -4,9 +4,9 @@
 #include <utility>
 #include <vector>
 
-#include "gap/signs.hpp"
 #include "gap/signs/chance.hpp"
 #include "gap/signs/signal_features.hpp"
+#include "gap/signs/signs.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "signal/periodogram.hpp"

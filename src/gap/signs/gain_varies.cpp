@@ -2,8 +2,8 @@
 #include <cmath>
 #include <numbers>
 
-#include "gap/signs.hpp"
 #include "gap/signs/chance.hpp"
+#include "gap/signs/signs.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "signal/periodogram.hpp"

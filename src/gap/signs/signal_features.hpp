@@ -2,7 +2,7 @@
 
 #include <Eigen/Core>
 
-#include "gap/signs.hpp"
+#include "gap/signs/signs.hpp"
 
 namespace bodesmith::gap {
 

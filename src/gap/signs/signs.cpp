@@ -1,4 +1,4 @@
-#include "gap/signs.hpp"
+#include "gap/signs/signs.hpp"
 
 #include <algorithm>
 #include <functional>

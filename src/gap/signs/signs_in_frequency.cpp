@@ -3,7 +3,7 @@
 #include <numeric>
 #include <optional>
 
-#include "gap/signs.hpp"
+#include "gap/signs/signs.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
 

@@ -3,8 +3,8 @@
 #include <numeric>
 #include <vector>
 
-#include "gap/signs.hpp"
 #include "gap/signs/chance.hpp"
+#include "gap/signs/signs.hpp"
 #include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
 

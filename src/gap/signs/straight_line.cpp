@@ -2,7 +2,7 @@
 #include <span>
 #include <vector>
 
-#include "gap/signs.hpp"
+#include "gap/signs/signs.hpp"
 #include "signal/red_noise.hpp"
 #include "signal/statistics.hpp"
 

@@ -37,10 +37,9 @@ std::size_t samples_of(const Case& c) {
 void explain(const gap::SearchResult& result, const gap::Study& study, double noise) {
   const auto show = [&](const std::vector<gap::Ranked>& ranking) {
     for (const auto& r : ranking) {
-      fmt::print(
-          "      {:<24} {:<15} score {:.3f} train {:.4f} holdout {:.4f} z {:.1f}/{:.1f} cond {:.1e} {}",
-          r.effect->name(), r.placed, r.score, r.train_rms / noise, r.holdout_rms / noise, r.train_z, r.z,
-          r.condition_number, to_string(r.outcome));
+      fmt::print("      {:<24} {:<15} score {:.3f} train {:.4f} holdout {:.4f} log evidence {:.1f} {}",
+                 r.effect->name(), r.placed, r.score, r.train_rms / noise, r.holdout_rms / noise,
+                 r.log_evidence, to_string(r.outcome));
       if (!r.model.terms().empty()) {
         for (const auto& u : r.model.terms().back().unknowns) fmt::print(" {}={:.4g}", u.name, u.value);
       }

@@ -1,0 +1,87 @@
+#include "gap/records/experiment.hpp"
+
+#include <algorithm>
+#include <numeric>
+
+#include "gap/records/response_weights.hpp"
+
+namespace bodesmith::gap {
+
+TimeExperiment::TimeExperiment(TimeRecord record, std::size_t start)
+    : record_(std::make_shared<const TimeRecord>(std::move(record))),
+      start_(start),
+      left_out_(start),
+      end_(record_->size()) {}
+
+double TimeExperiment::range() const {
+  if (record_->y.empty()) return 1.0;
+  const auto [low, high] = std::minmax_element(record_->y.begin(), record_->y.end());
+  return std::max(*high - *low, 1e-300);
+}
+
+std::span<const double> TimeExperiment::scored_part(std::span<const double> signal) const {
+  return signal.subspan(first(), scored());
+}
+
+void TimeExperiment::use(std::size_t from, std::size_t end) {
+  used_from_ = from;
+  end_ = end;
+  if (from > 0) start_ = left_out_ = 0;
+}
+
+void TimeExperiment::score_start() {
+  left_out_ = 0;
+  free_responses_ = nullptr;
+}
+
+void TimeExperiment::leave_out_start(std::size_t samples, Directions directions) {
+  left_out_ = samples;
+  free_responses_ = directions.empty() ? nullptr : std::make_shared<const Directions>(std::move(directions));
+}
+
+void TimeExperiment::take_out_free_responses(std::span<double> residual) const {
+  if (!free_responses_) return;
+  for (const auto& direction : *free_responses_) {
+    const double part = std::inner_product(residual.begin(), residual.end(), direction.begin(), 0.0);
+    for (std::size_t i = 0; i < residual.size(); ++i) residual[i] -= part * direction[i];
+  }
+}
+
+TimeExperiment TimeExperiment::with_output(std::vector<double> y) const {
+  TimeExperiment other(*this);
+  TimeRecord record = *record_;
+  record.y = std::move(y);
+  other.record_ = std::make_shared<const TimeRecord>(std::move(record));
+  return other;
+}
+
+FrequencyExperiment::FrequencyExperiment(MeasuredResponse record)
+    : record_(std::make_shared<const MeasuredResponse>(std::move(record))),
+      weights_(std::make_shared<const std::vector<double>>(response_weights(*record_))) {}
+
+bool are_responses(const Experiments& experiments) {
+  return !experiments.empty() && std::holds_alternative<FrequencyExperiment>(experiments.front());
+}
+
+std::size_t scored_samples(const Experiments& experiments) {
+  std::size_t total = 0;
+  for (const auto& e : experiments)
+    total += std::visit([](const auto& record) { return record.scored(); }, e);
+  return total;
+}
+
+double largest_range(const Experiments& experiments) {
+  double range = 0.0;
+  for (const auto& e : experiments) {
+    range = std::max(range, std::visit([](const auto& record) { return record.range(); }, e));
+  }
+  return range;
+}
+
+Experiments joined(const Experiments& a, const Experiments& b) {
+  Experiments both = a;
+  both.insert(both.end(), b.begin(), b.end());
+  return both;
+}
+
+}  // namespace bodesmith::gap

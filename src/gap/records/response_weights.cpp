@@ -1,0 +1,51 @@
+#include "gap/records/response_weights.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "signal/statistics.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// A coherence of 0 says nothing of a point, and one that rounds to 1 not everything.
+constexpr double kLeastCoherence = 1e-3;
+constexpr double kLeastVariance = 1e-8;
+/// Times the variance of the best points, so many of all (the good part of a linear grid may be small).
+constexpr double kLeastOfGood = 0.1;
+constexpr double kBest = 0.03;
+
+/// Of each point's parts, relative to |H|^2; of one average where their number is not known.
+std::vector<double> variances(const MeasuredResponse& record) {
+  std::vector<double> out;
+  for (std::size_t i = 0; i < record.coherence.size(); ++i) {
+    const double g = std::clamp(record.coherence[i], kLeastCoherence, 1.0);
+    const double n = record.averages.empty() ? 1.0 : record.averages[i];
+    out.push_back((1.0 - g) / (2.0 * n * g));
+  }
+  const double least = std::max(kLeastVariance, kLeastOfGood * quantile(out, kBest));
+  for (double& v : out) v = std::max(v, least);
+  return out;
+}
+
+}  // namespace
+
+std::vector<double> response_weights(const MeasuredResponse& record) {
+  if (record.coherence.empty()) return {};
+  std::vector<double> weights;
+  for (const double v : variances(record)) weights.push_back(1.0 / std::sqrt(v));
+  const double size = rms(weights);
+  for (double& w : weights) w /= size;
+  return weights;
+}
+
+std::optional<double> noise_by_coherence(const MeasuredResponse& record) {
+  if (record.coherence.empty() || record.averages.empty()) return std::nullopt;
+  // Weighted, every point has the same variance.
+  double inverse = 0.0;
+  const auto all = variances(record);
+  for (const double v : all) inverse += 1.0 / v;
+  return std::sqrt(static_cast<double>(all.size()) / inverse);
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,194 @@
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <span>
+
+#include "gap/report/figures.hpp"
+#include "report/plot.hpp"
+#include "report/thin.hpp"
+#include "signal/periodogram.hpp"
+#include "simulate/simulate.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+using report::Plot;
+using report::Series;
+
+/// Colours of the palette.
+constexpr int kMeasured = 0;
+constexpr int kBase = 1;
+constexpr int kExtended = 2;
+constexpr int kFloor = 3;
+
+constexpr std::size_t kMaxPoints = 1600;
+constexpr std::size_t kMaxLoopPoints = 3000;
+/// The stretch of a record that is shown close: one part in …, and at least so many samples.
+constexpr std::size_t kZoom = 25;
+constexpr std::size_t kMinZoomed = 60;
+/// Bands of the spectrum.
+constexpr double kBandRatio = 1.1;
+
+std::vector<double> slice(const std::vector<double>& v, std::size_t from, std::size_t to) {
+  const auto part = std::span(v).subspan(from, to - from);
+  return {part.begin(), part.end()};
+}
+
+Series series_of(std::string name, int color) {
+  Series s;
+  s.name = std::move(name);
+  s.color = color;
+  return s;
+}
+
+/// A held-out record beside what the models make of it.
+struct BeforeAndAfter {
+  const TimeRecord& record;
+  std::size_t first;  ///< scored sample; a start transient would dwarf the rest
+  std::vector<double> time, before, after, residual_before, residual_after;
+};
+
+BeforeAndAfter simulate_both(const Diagnosis& d, const TimeExperiment& e) {
+  BeforeAndAfter s{e.record(), e.first(), {}, {}, {}, {}, {}};
+  simulate::Options options;
+  options.estimate_error = false;
+  s.before = simulate::simulate(d.search.base.chain(), e.record(), options).y;
+  s.after = simulate::simulate(d.search.final.chain(), e.record(), options).y;
+  for (std::size_t i = 0; i < e.record().size(); ++i) {
+    s.time.push_back(e.record().time_s(i));
+    s.residual_before.push_back(e.record().y[i] - s.before[i]);
+    s.residual_after.push_back(e.record().y[i] - s.after[i]);
+  }
+  return s;
+}
+
+/// First sample of the stretch of `width` samples where the base model is worst.
+std::size_t worst_stretch(const BeforeAndAfter& s, std::size_t width) {
+  const auto& e = s.residual_before;
+  std::size_t best = s.first;
+  double largest = -1.0;
+  double sum = 0.0;
+  for (std::size_t i = s.first; i < e.size(); ++i) {
+    sum += e[i] * e[i];
+    if (i >= s.first + width) sum -= e[i - width] * e[i - width];
+    if (i + 1 >= s.first + width && sum > largest) {
+      largest = sum;
+      best = i + 1 - width;
+    }
+  }
+  return best;
+}
+
+Series curve(const BeforeAndAfter& s, std::string name, const std::vector<double>& y, std::size_t from,
+             std::size_t to, int color) {
+  Series c = series_of(std::move(name), color);
+  c.x = slice(s.time, from, to);
+  c.y = slice(y, from, to);
+  c.width = 1.4;
+  return report::thinned(std::move(c), kMaxPoints);
+}
+
+Plot zoomed_output(const BeforeAndAfter& s) {
+  const std::size_t n = s.record.size();
+  const std::size_t width = std::clamp(n / kZoom, std::min(n, kMinZoomed), n);
+  const std::size_t from = worst_stretch(s, width);
+  const std::size_t to = from + width;
+  Plot plot;
+  plot.title = "Where the base model is worst";
+  plot.x.label = "time, s";
+  plot.y.label = "output y";
+  plot.series = {curve(s, "measured", s.record.y, from, to, kMeasured),
+                 curve(s, "base model", s.before, from, to, kBase),
+                 curve(s, "extended model", s.after, from, to, kExtended)};
+  plot.series[1].style = Series::Style::dashed;
+  return plot;
+}
+
+Plot residual_over_time(const BeforeAndAfter& s) {
+  const std::size_t n = s.record.size();
+  Plot plot;
+  plot.title = "Measured minus model";
+  plot.x.label = "time, s";
+  plot.y.label = "residual";
+  plot.height = 240;
+  plot.series = {curve(s, "base model", s.residual_before, s.first, n, kBase),
+                 curve(s, "extended model", s.residual_after, s.first, n, kExtended)};
+  return plot;
+}
+
+Plot residual_over_input(const BeforeAndAfter& s) {
+  const std::size_t to = std::min(s.record.size(), s.first + kMaxLoopPoints);
+  Plot plot;
+  plot.title = "Residual over the input";
+  plot.x.label = "input u";
+  plot.y.label = "measured minus model";
+  const auto loop = [&](const char* name, const std::vector<double>& e, int color) {
+    Series c = series_of(name, color);
+    c.width = 0.8;
+    c.x = slice(s.record.u, s.first, to);
+    c.y = slice(e, s.first, to);
+    return c;
+  };
+  plot.series = {loop("base model", s.residual_before, kBase),
+                 loop("extended model", s.residual_after, kExtended)};
+  return plot;
+}
+
+/// Spectrum as rms per root hertz in bands of a twenty-fourth of a decade and wider.
+Series band_spectrum(std::string name, const std::vector<double>& e, double step_s, int color) {
+  Series series = series_of(std::move(name), color);
+  const auto p = periodogram(e, step_s);
+  double edge = 0.7 * p.bin_hz;
+  std::size_t k = 1;
+  while (k < p.power.size()) {
+    const double next = std::max(edge * kBandRatio, edge + p.bin_hz);
+    double sum = 0.0;
+    int count = 0;
+    while (k < p.power.size() && p.bin_hz * static_cast<double>(k) <= next) {
+      sum += p.power[k++];
+      ++count;
+    }
+    if (count > 0) {
+      series.x.push_back(std::sqrt(std::max(edge, p.bin_hz) * next));
+      series.y.push_back(std::max(std::sqrt(sum / count / p.bin_hz), 1e-300));
+    }
+    edge = next;
+  }
+  return series;
+}
+
+Plot residual_spectrum(const BeforeAndAfter& s, const NoiseFloor& floor) {
+  const std::size_t n = s.record.size();
+  const double step_s = s.record.step_s;
+  Plot plot;
+  plot.title = "Spectrum of the residual";
+  plot.x.label = "frequency, Hz";
+  plot.x.logarithmic = true;
+  plot.y.label = "per root hertz";
+  plot.y.logarithmic = true;
+  plot.series = {band_spectrum("base model", slice(s.residual_before, s.first, n), step_s, kBase),
+                 band_spectrum("extended model", slice(s.residual_after, s.first, n), step_s, kExtended)};
+  if (floor.source != NoiseFloor::Source::unknown && floor.rms > 0.0) {
+    Series line = series_of("noise floor, were it white", kFloor);
+    line.style = Series::Style::dashed;
+    const double level = floor.rms / std::sqrt(0.5 / step_s);
+    line.x = {plot.series[0].x.front(), plot.series[0].x.back()};
+    line.y = {level, level};
+    plot.series.push_back(line);
+  }
+  return plot;
+}
+
+}  // namespace
+
+void add_record_figures(report::Page& page, const Diagnosis& d, const TimeExperiment& experiment) {
+  const auto s = simulate_both(d, experiment);
+  page.plots({zoomed_output(s), residual_over_time(s)},
+             fmt::format("Held-out record {}: output and residual, before and after.", s.record.file));
+  page.plots({residual_over_input(s)},
+             "Loops: memory opens them, a static curve bends them, noise fills a band.");
+  page.plots({residual_spectrum(s, d.floor)}, "Before and after, held-out record.");
+}
+
+}  // namespace bodesmith::gap

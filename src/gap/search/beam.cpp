@@ -1,0 +1,282 @@
+#include "gap/search/beam.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+#include <optional>
+#include <utility>
+
+#include "base/text.hpp"
+#include "gap/evidence/score.hpp"
+#include "gap/runner.hpp"
+#include "gap/scene.hpp"
+#include "gap/search/base_fit.hpp"
+#include "gap/search/between_samples.hpp"
+#include "gap/search/moves.hpp"
+#include "gap/search/record_starts.hpp"
+#include "gap/search/remaining.hpp"
+#include "gap/search/round.hpp"
+#include "gap/search/stretches.hpp"
+#include "numeric/parallel_for.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// Progress behind the base model's fit; the rounds take the rest but a twentieth.
+constexpr double kBaseFitted = 0.05;
+constexpr double kRounds = 0.9;
+/// Iterations of the fit that follows a move.
+constexpr int kJointIterations = 12;
+/// Moves in a row that put one name in another's place, or take one out.
+constexpr int kMaxTurns = 4;
+/// A move must raise the evidence by so much: less is the fits' own doing.
+constexpr double kPlainlyMore = 0.5;
+
+std::string names_in_words(const Model& model) {
+  const auto names = names_of(model);
+  return join({names.begin(), names.end()}, " and ");
+}
+
+std::size_t count_of(const PlacedSet& set) {
+  return set.model.terms().size();
+}
+
+void weigh(const SearchRecords& records, PlacedSet& set) {
+  set.log_evidence = log_evidence(set.model, records.train);
+  set.train_rms = rms_of(set.model, records.train);
+}
+
+/// The model without one of its terms, refitted.
+PlacedSet without_term(const SearchSetting& setting, const SearchRecords& records, PlacedSet set,
+                       std::size_t term) {
+  set.model.remove(term);
+  set.rivals.erase(set.rivals.begin() + static_cast<std::ptrdiff_t>(term));
+  set.model = fit_in_turn(setting, records, std::move(set.model), kJointIterations).model;
+  weigh(records, set);
+  return set;
+}
+
+/// A set with its starts looked at again and all of it settled; the beam's records follow, and its best set is weighed again by them.
+PlacedSet settled(const SearchSetting& setting, Beam& beam, PlacedSet set) {
+  set.model = fit_in_turn(setting, beam.records, std::move(set.model), kJointIterations).model;
+  auto wrong = leave_out_wrong_starts(setting, beam.records, set.model);
+  if (wrong.found)
+    set.model = fit_in_turn(setting, wrong.records, std::move(set.model), kJointIterations).model;
+  auto tried = score_starts_again(setting, std::move(wrong.records), std::move(set.model));
+  follow_what_is_left(tried.records.stretches, tried.records.train, tried.model, setting.options.stretches);
+  set.model = settle(setting, tried.records, tried.model);
+  beam.records = std::move(tried.records);
+  weigh(beam.records, beam.best);
+  weigh(beam.records, set);
+  return set;
+}
+
+/// A set with one of the candidates put in.
+PlacedSet with_candidate(const PlacedSet& set, const Ranked& candidate, std::vector<Ranked> ranking) {
+  PlacedSet more = set;
+  more.model = candidate.model;
+  more.rivals.push_back({std::move(ranking), set.log_evidence});
+  return more;
+}
+
+/// Takes out every name without which the evidence is greater, or which takes too little: what has most unknowns first.
+PlacedSet dropped(const SearchSetting& setting, const SearchRecords& records, PlacedSet set) {
+  for (bool again = true; again && count_of(set) > 0 && !setting.options.is_late();) {
+    again = false;
+    std::vector<std::size_t> order(count_of(set));
+    for (std::size_t k = 0; k < order.size(); ++k) order[k] = k;
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) {
+      return set.model.terms()[a].unknowns.size() > set.model.terms()[b].unknowns.size();
+    });
+    for (const std::size_t k : order) {
+      const bool is_no_name = term_is_no_name(set.model, k, records.train);
+      // One name alone was weighed when it came in.
+      if (count_of(set) == 1 && !is_no_name) break;
+      auto less = without_term(setting, records, set, k);
+      if (!is_no_name && matters(setting, records, less.model, set.train_rms) &&
+          set.log_evidence > less.log_evidence)
+        continue;
+      less.notes.push_back(fmt::format("{} was taken out again: {}", set.model.terms()[k].effect->name(),
+                                       is_no_name ? "beside the others its values are another effect's form"
+                                                  : "the others explain what it did"));
+      set = std::move(less);
+      again = true;
+      break;
+    }
+  }
+  return set;
+}
+
+/// The set with another effect in the place of one, where that is of greater evidence; each place is tried against all effects,
+/// beside the others as they stand.
+std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRecords& records, PlacedSet& set,
+                                   bool last_is_fresh, std::set<std::multiset<std::string>>& tried) {
+  for (std::size_t k = 0; k < count_of(set); ++k) {
+    if (setting.options.is_late()) return std::nullopt;
+    // The round that it was just chosen in looked at all there is.
+    if (last_is_fresh && k + 1 == count_of(set)) continue;
+    PlacedSet others = set;
+    others.model.remove(k);
+    others.rivals.erase(others.rivals.begin() + static_cast<std::ptrdiff_t>(k));
+    auto names = names_of(set.model);
+    names.insert("without " + std::string(set.model.terms()[k].effect->name()));
+    if (!tried.insert(names).second) continue;
+    weigh(records, others);
+    auto ranking = successors_of(setting, records, *set.model.terms()[k].effect, others.model);
+    const auto* best = best_of(setting, records, others.model, ranking);
+    set.rivals[k] = {ranking, others.log_evidence};
+    if (best == nullptr || best->effect == set.model.terms()[k].effect) continue;
+    if (!(best->log_evidence > set.log_evidence + kPlainlyMore)) continue;
+    auto other = with_candidate(others, *best, ranking);
+    other.notes.push_back(fmt::format("{} took the place of {} once the other terms were there",
+                                      best->effect->name(), set.model.terms()[k].effect->name()));
+    other.model = fit_in_turn(setting, records, std::move(other.model), kJointIterations).model;
+    weigh(records, other);
+    return other;
+  }
+  return std::nullopt;
+}
+
+/// Names taken out and exchanged as long as that raises the evidence.
+PlacedSet improved(const SearchSetting& setting, const SearchRecords& records, PlacedSet set) {
+  std::set<std::multiset<std::string>> tried;
+  const std::size_t count = count_of(set);
+  set = dropped(setting, records, std::move(set));
+  for (int turn = 0; turn < kMaxTurns && count_of(set) > 1; ++turn) {
+    const bool fresh = turn == 0 && count_of(set) == count && set.rivals.back().ranking.size() > 1;
+    auto other = exchanged(setting, records, set, fresh, tried);
+    if (!other) break;
+    set = dropped(setting, records, std::move(*other));
+  }
+  return set;
+}
+
+/// A round's best set more: of one name, or of a response several at once.
+std::optional<PlacedSet> grown(const SearchSetting& setting, Beam& beam, const PlacedSet& set) {
+  const auto& options = setting.options;
+  const bool quiet = is_at_floor(options, set.model, beam.records);
+  const EffectFilter filter = [&](const Effect& effect) {
+    return (!quiet || effect.independent_of_input()) && beam.barred.count(&effect) == 0;
+  };
+  auto round = fit_round(setting, beam.records, set.model, filter);
+  if (options.stopped()) return std::nullopt;
+  beam.not_tried = std::move(round.not_tried);
+  const auto* best = best_of(setting, beam.records, set.model, round.ranking);
+  if (count_of(set) == 0) beam.first = round.ranking;
+  std::optional<PlacedSet> more;
+  if (best != nullptr && best->log_evidence > set.log_evidence)
+    more = with_candidate(set, *best, round.ranking);
+  if (are_responses(beam.records.train) && !quiet && !options.is_late() &&
+      is_something_left(options, more ? more->model : set.model, beam.records)) {
+    const double to_beat = more ? best->log_evidence : set.log_evidence;
+    auto sets = sets_of_several(setting, beam.records, set.model, round.ranking);
+    for (auto& several : sets) {
+      if (!(several.back().log_evidence > to_beat)) break;
+      PlacedSet group = set;
+      for (auto& member : several) group = with_candidate(group, member, {member});
+      group.notes.push_back(names_in_words(group.model) + " were looked for together");
+      weigh(beam.records, group);
+      if (!all_matter(setting, beam.records, group.model)) continue;
+      return group;
+    }
+  }
+  if (!more) beam.refused = std::move(round.ranking);
+  return more;
+}
+
+/// One name more after the other, as long as the evidence grows; those that are names only where they leave nothing are barred
+/// where they do not.
+void grow(const SearchSetting& setting, Beam& beam, bool report) {
+  const auto& options = setting.options;
+  while (static_cast<int>(count_of(beam.best)) < options.max_terms && !options.is_late()) {
+    const auto terms = count_of(beam.best);
+    if (report) options.report(kBaseFitted + kRounds * static_cast<double>(terms) / options.max_terms);
+    if (terms > 0 && !beam.smooth_input) {
+      if (auto smooth = with_smooth_input(setting, beam.records, beam.best.model)) {
+        beam.best.model = std::move(*smooth);
+        beam.smooth_input = true;
+        weigh(beam.records, beam.best);
+      }
+    }
+    auto more = grown(setting, beam, beam.best);
+    if (!more) return;
+    const Beam before = beam;
+    auto next = settled(setting, beam, std::move(*more));
+    next = improved(setting, beam.records, std::move(next));
+    if (!(next.log_evidence > beam.best.log_evidence)) {
+      beam.refused = next.rivals.empty() ? std::vector<Ranked>{} : next.rivals.back().ranking;
+      return;
+    }
+    beam.best = std::move(next);
+    const auto doubtful = must_explain_all(beam.best.model, beam.records.train);
+    if (!doubtful.empty() && is_something_left(options, beam.best.model, beam.records)) {
+      beam = before;
+      beam.barred.insert(doubtful.begin(), doubtful.end());
+    }
+  }
+}
+
+/// Two names at once, where one after the other came to no end, or one of many unknowns may stand for two others.
+void try_pairs(const SearchSetting& setting, const Beam& base, Beam& beam) {
+  const auto& options = setting.options;
+  std::set<std::multiset<std::string>> came_to = {names_of(beam.best.model)};
+  for (auto& pair : pairs_beside(setting, base.records, base.best.model, base.first)) {
+    if (options.is_late()) return;
+    // With one more name than the best set has it was looked at.
+    const auto names = names_of(pair.second.model);
+    const auto best = names_of(beam.best.model);
+    if (!best.empty() && std::includes(names.begin(), names.end(), best.begin(), best.end())) continue;
+    PlacedSet set = base.best;
+    set = with_candidate(set, pair.first, base.first);
+    set = with_candidate(set, pair.second, {pair.second});
+    Beam other = base;
+    other.barred = beam.barred;
+    set = settled(setting, other, std::move(set));
+    // The best pair may hold one name too many or another's; of the others those that are better than what stands.
+    const bool better = log_evidence(set.model, beam.records.train) > beam.best.log_evidence;
+    if (!better && came_to.size() > 1) continue;
+    set = improved(setting, other.records, std::move(set));
+    if (!came_to.insert(names_of(set.model)).second) continue;
+    other.best = std::move(set);
+    grow(setting, other, false);
+    // By the records of the one that stands.
+    const double evidence = log_evidence(other.best.model, beam.records.train);
+    if (!(evidence > beam.best.log_evidence + kPlainlyMore)) continue;
+    const bool left = is_something_left(options, other.best.model, other.records);
+    if (left && !must_explain_all(other.best.model, other.records.train).empty()) continue;
+    other.best.notes.push_back(names_in_words(other.best.model) +
+                               ", looked for together, came further than one name after the other");
+    other.first = std::move(beam.first);
+    beam = std::move(other);
+    if (!left && !could_be_fewer(beam.best.model)) return;
+  }
+}
+
+}  // namespace
+
+std::multiset<std::string> names_of(const Model& model) {
+  std::multiset<std::string> names;
+  for (const auto& term : model.terms()) names.insert(std::string(term.effect->name()));
+  return names;
+}
+
+void search_sets(const SearchSetting& setting, Beam& beam) {
+  weigh(beam.records, beam.best);
+  const auto& options = setting.options;
+  const PlacedSet base_set = beam.best;
+  const SearchRecords base_records = beam.records;
+  grow(setting, beam, true);
+  if (are_responses(beam.records.train) || options.is_late()) return;
+  const bool left = is_something_left(options, beam.best.model, beam.records);
+  if (!left && !could_be_fewer(beam.best.model)) return;
+  Beam base;
+  base.records = base_records;
+  base.best = base_set;
+  base.first = beam.first;
+  try_pairs(setting, base, beam);
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,264 @@
+#include "gap/search/moves.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <iterator>
+#include <map>
+
+#include "gap/evidence/score.hpp"
+#include "gap/runner.hpp"
+#include "gap/scene.hpp"
+#include "gap/search/base_fit.hpp"
+#include "gap/search/mode_chain.hpp"
+#include "gap/search/round.hpp"
+#include "numeric/parallel_for.hpp"
+#include "signal/statistics.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// Iterations of the refit without a term, and of several terms put in together.
+constexpr int kIterationsWithout = 12;
+constexpr int kGroupIterations = 40;
+
+const Effect* effect_of(const Promising& p) {
+  return p.proposal.model.terms().back().effect;
+}
+
+double explained(double before, double after) {
+  return std::sqrt(std::max(0.0, before * before - after * after));
+}
+
+/// The rms of which a name must explain a part: of the first gap; of what they leave where all others are signals without a form
+/// (offset, drift, hum).
+double gap_to_explain(const SearchSetting& setting, const Model& without, double rms_without) {
+  const auto& terms = without.terms();
+  const bool no_form = std::all_of(terms.begin(), terms.end(), [](const Term& term) {
+    return term.effect->adds_one_signal() || term.effect->independent_of_input();
+  });
+  return no_form ? rms_without : setting.first_gap;
+}
+
+/// What two names leave is all but the same: one can stand for the other.
+bool are_alike(const std::vector<double>& a, const std::vector<double>& b) {
+  constexpr double kAlike = 0.97;
+  double ab = 0.0;
+  for (std::size_t i = 0; i < a.size(); ++i) ab += a[i] * b[i];
+  return ab > kAlike * rms(a) * rms(b) * static_cast<double>(a.size());
+}
+
+/// First names for pairs: besides those of the first round the effects that add one signal, whatever they promise alone (a
+/// constant and a line may each leave as much as before without the other). The best of every effect; of those that leave the
+/// same (many lags) the best few.
+std::vector<Ranked> firsts_among(const SearchSetting& setting, const SearchRecords& records,
+                                 const Model& before, std::vector<Ranked> ranking) {
+  const auto& options = setting.options.pairs;
+  std::set<const Effect*> there;
+  for (const auto& r : ranking) there.insert(r.effect);
+  auto more = fit_whatever_is_promised(setting, records, before, [&](const Effect& effect) {
+    return effect.adds_one_signal() && there.count(&effect) == 0;
+  });
+  std::move(more.begin(), more.end(), std::back_inserter(ranking));
+  std::stable_sort(ranking.begin(), ranking.end(),
+                   [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; });
+  std::vector<Ranked> firsts;
+  std::vector<std::vector<double>> left;
+  std::set<const Effect*> effects;
+  for (auto& r : ranking) {
+    if (firsts.size() >= options.firsts) break;
+    if (r.outcome == CandidateOutcome::no_name || effects.count(r.effect) != 0) continue;
+    auto residuals = residuals_of(r.model, records.train);
+    const auto alike = static_cast<std::size_t>(std::count_if(
+        left.begin(), left.end(), [&](const auto& other) { return are_alike(residuals, other); }));
+    if (alike >= options.alike) continue;
+    effects.insert(r.effect);
+    firsts.push_back(r);
+    left.push_back(std::move(residuals));
+  }
+  return firsts;
+}
+
+/// What the looks beside all first names promise, best first: of each some effects at their best places.
+std::vector<Promising> seconds_beside(const SearchSetting& setting, const SearchRecords& records,
+                                      const std::vector<Ranked>& firsts) {
+  const auto& options = setting.options;
+  std::vector<std::pair<double, Promising>> all;
+  for (const auto& first : firsts) {
+    if (options.is_late()) break;
+    const double left = rms_of(first.model, records.look());
+    std::set<const Effect*> effects;
+    for (auto& second : look_round(setting, records, first.model)) {
+      if (second.z < options.round.min_promise || !effects.insert(effect_of(second)).second) continue;
+      all.emplace_back(left * std::sqrt(std::max(0.0, 1.0 - second.score)), std::move(second));
+      if (effects.size() >= options.pairs.seconds) break;
+    }
+  }
+  std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+  if (all.size() > options.pairs.fits) all.resize(options.pairs.fits);
+  std::vector<Promising> seconds;
+  for (auto& each : all) seconds.push_back(std::move(each.second));
+  return seconds;
+}
+
+}  // namespace
+
+bool matters(const SearchSetting& setting, const SearchRecords& records, const Model& without,
+             double rms_with) {
+  const double before = rms_of(without, records.train);
+  const double takes = explained(before, rms_with);
+  const auto& bounds = setting.options.bounds;
+  return takes >= bounds.of_rest * before &&
+         takes >= bounds.of_gap * gap_to_explain(setting, without, before);
+}
+
+bool all_matter(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
+  const double with = rms_of(model, records.train);
+  for (std::size_t k = 0; k < model.terms().size(); ++k) {
+    Model without = model;
+    without.remove(k);
+    without = fit_in_turn(setting, records, std::move(without), kIterationsWithout).model;
+    if (!matters(setting, records, without, with)) return false;
+  }
+  return true;
+}
+
+bool term_is_no_name(const Model& model, std::size_t term, const Experiments& train) {
+  if (are_responses(train)) return false;
+  auto scene = make_scene(model, train);
+  // What was taken as a first name may be as little as those are allowed to be.
+  scene.takes_most = true;
+  const auto& own = model.terms()[term];
+  return own.effect->is_no_name(model, own, scene);
+}
+
+const Ranked* best_of(const SearchSetting& setting, const SearchRecords& records, const Model& without,
+                      std::vector<Ranked>& ranking) {
+  std::map<const Effect*, double> held;
+  std::map<const Effect*, const Ranked*> best;
+  for (auto& r : ranking) {
+    if (!std::isfinite(r.log_evidence) || r.outcome == CandidateOutcome::no_name) continue;
+    if (r.model.terms().back().unknowns.size() > setting.options.bounds.max_unknowns) {
+      r.outcome = CandidateOutcome::too_free;
+    } else if (!matters(setting, records, without, r.train_rms)) {
+      r.outcome = CandidateOutcome::takes_too_little;
+    } else {
+      // Greatest evidence first.
+      if (best.emplace(r.effect, &r).second) {
+        held[r.effect] = r.log_evidence;
+      } else {
+        held[r.effect] += std::log1p(std::exp(r.log_evidence - held[r.effect]));
+      }
+    }
+  }
+  const Ranked* winner = nullptr;
+  for (const auto& r : ranking) {
+    const auto found = best.find(r.effect);
+    if (found == best.end() || found->second != &r) continue;
+    if (winner == nullptr || held[r.effect] > held[winner->effect]) winner = &r;
+  }
+  return winner;
+}
+
+std::vector<Ranked> successors_of(const SearchSetting& setting, const SearchRecords& records,
+                                  const Effect& effect, const Model& without) {
+  SearchOptions few = setting.options;
+  few.round.effects = few.round.successors;
+  const SearchSetting narrow{few, setting.initial, setting.first_gap};
+  auto ranking = fit_round(narrow, records, without).ranking;
+  std::set<const Effect*> done;
+  for (const auto& r : ranking) done.insert(r.effect);
+  auto relatives =
+      fit_round(narrow, records, without, [&](const Effect& other) {
+        return done.count(&other) == 0 &&
+               (&other == &effect || is_confused_with(effect, other) || is_confused_with(other, effect));
+      }).ranking;
+  std::move(relatives.begin(), relatives.end(), std::back_inserter(ranking));
+  std::stable_sort(ranking.begin(), ranking.end(),
+                   [](const Ranked& a, const Ranked& b) { return a.log_evidence > b.log_evidence; });
+  return ranking;
+}
+
+std::set<const Effect*> must_explain_all(const Model& model, const Experiments& train) {
+  std::set<const Effect*> found;
+  if (are_responses(train) || model.terms().empty()) return found;
+  Model before = model;
+  before.remove(before.terms().size() - 1);
+  const auto scene = make_scene(before, train);
+  for (const auto& term : model.terms()) {
+    if (term.effect->must_explain_all(scene)) found.insert(term.effect);
+  }
+  return found;
+}
+
+bool could_be_fewer(const Model& model) {
+  constexpr std::size_t kManyUnknowns = 5;
+  const auto& terms = model.terms();
+  return terms.size() > 2 || std::any_of(terms.begin(), terms.end(), [](const Term& term) {
+           return term.unknowns.size() >= kManyUnknowns;
+         });
+}
+
+std::vector<std::pair<Ranked, Ranked>> pairs_beside(const SearchSetting& setting,
+                                                    const SearchRecords& records, const Model& before,
+                                                    const std::vector<Ranked>& first) {
+  const auto firsts = firsts_among(setting, records, before, first);
+  const auto seconds = seconds_beside(setting, records, firsts);
+  if (seconds.empty() || setting.options.is_late()) return {};
+  std::vector<std::pair<Ranked, Ranked>> pairs;
+  std::set<std::set<const Effect*>> names;
+  for (const auto& r : fit_chosen(setting, records, seconds)) {
+    if (pairs.size() >= setting.options.pairs.best) break;
+    if (!std::isfinite(r.log_evidence) || r.outcome == CandidateOutcome::no_name) continue;
+    const auto* own = r.model.terms()[r.model.terms().size() - 2].effect;
+    const auto alone =
+        std::find_if(firsts.begin(), firsts.end(), [&](const Ranked& f) { return f.effect == own; });
+    if (names.insert({own, r.effect}).second) pairs.emplace_back(*alone, r);
+  }
+  return pairs;
+}
+
+std::vector<std::vector<Ranked>> sets_of_several(const SearchSetting& setting, const SearchRecords& records,
+                                                 const Model& before, const std::vector<Ranked>& first) {
+  const auto& options = setting.options;
+  std::vector<std::vector<Ranked>> sets;
+  SearchOptions open = options;
+  open.round.min_promise_later = options.pairs.little_promise;
+  const SearchSetting wide{open, setting.initial, setting.first_gap};
+  const auto add_pairs = [&](const Ranked& one) {
+    std::set<const Effect*> tried;
+    for (const auto& second : fit_round(wide, records, one.model, {}, 0.0).ranking) {
+      if (tried.insert(second.effect).second) sets.push_back({one, second});
+    }
+  };
+  std::set<std::pair<const Effect*, std::string>> tried;
+  std::vector<Ranked> firsts = first;
+  std::stable_sort(firsts.begin(), firsts.end(),
+                   [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; });
+  for (const auto& one : firsts) {
+    if (options.is_late() || tried.size() >= options.pairs.firsts_of_response) break;
+    if (tried.emplace(one.effect, one.placed).second) add_pairs(one);
+  }
+  for (auto& chain : mode_chains(setting, records, before)) {
+    if (chain.size() == 1) {
+      add_pairs(chain.front());
+    } else {
+      sets.push_back(std::move(chain));
+    }
+  }
+  parallel_for(sets.size(), options.threads, [&](std::size_t i) {
+    auto& last = sets[i].back();
+    auto fitted = fit(last.model, records.train, fit_options(options, kGroupIterations));
+    if (fitted.result.usable()) last.model = std::move(fitted.model);
+    const bool named = std::none_of(sets[i].begin(), sets[i].end(),
+                                    [](const Ranked& r) { return r.outcome == CandidateOutcome::no_name; });
+    last.log_evidence =
+        named ? log_evidence(last.model, records.train) : -std::numeric_limits<double>::infinity();
+  });
+  std::stable_sort(sets.begin(), sets.end(), [](const auto& a, const auto& b) {
+    return a.back().log_evidence > b.back().log_evidence;
+  });
+  if (sets.size() > options.pairs.close_looks) sets.resize(options.pairs.close_looks);
+  return sets;
+}
+
+}  // namespace bodesmith::gap

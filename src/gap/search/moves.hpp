@@ -1,0 +1,46 @@
+#pragma once
+
+#include <set>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "gap/search/records.hpp"
+#include "gap/search_result.hpp"
+
+namespace bodesmith::gap {
+
+/// Whether what a term takes is of use: of what is left without it, and of the gap (BoundOptions).
+bool matters(const SearchSetting& setting, const SearchRecords& records, const Model& without,
+             double rms_with);
+bool all_matter(const SearchSetting& setting, const SearchRecords& records, const Model& model);
+
+/// The values of a term beside the others make it no name (Effect::is_no_name).
+bool term_is_no_name(const Model& model, std::size_t term, const Experiments& train);
+
+/// The candidate of the name that holds most: its places and forms share what it holds. Null: none matters. Outcomes are set.
+const Ranked* best_of(const SearchSetting& setting, const SearchRecords& records, const Model& without,
+                      std::vector<Ranked>& ranking);
+
+/// A round beside the other terms, those that are confused with `effect` among its candidates.
+std::vector<Ranked> successors_of(const SearchSetting& setting, const SearchRecords& records,
+                                  const Effect& effect, const Model& without);
+
+/// Effects of a model's terms that are names only where they leave nothing.
+std::set<const Effect*> must_explain_all(const Model& model, const Experiments& train);
+
+/// More than two names, or one of many unknowns: two may do as well.
+bool could_be_fewer(const Model& model);
+
+/// Two effects that hide each other: of what each effect promises beside each of the first names, the best fitted. Greatest
+/// evidence first, each two names once.
+std::vector<std::pair<Ranked, Ranked>> pairs_beside(const SearchSetting& setting,
+                                                    const SearchRecords& records, const Model& before,
+                                                    const std::vector<Ranked>& first);
+
+/// Of responses, whose fits are quick: every effect beside each of the first names, and chains of modes. The last member's model holds
+/// all; greatest evidence first.
+std::vector<std::vector<Ranked>> sets_of_several(const SearchSetting& setting, const SearchRecords& records,
+                                                 const Model& before, const std::vector<Ranked>& first);
+
+}  // namespace bodesmith::gap

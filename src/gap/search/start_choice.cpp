@@ -1,0 +1,165 @@
+#include "gap/search/start_choice.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+#include "base/text.hpp"
+#include "gap/model/model_fit.hpp"
+#include "gap/records/settling.hpp"
+#include "gap/runner.hpp"
+#include "gap/search/base_fit.hpp"
+#include "gap/search/record_starts.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+using chain::Start;
+
+/// Of two searches, one that names more must leave less than this part for each term more; with as many,
+constexpr double kWorthATerm = 0.9;
+/// equilibrium must leave less than this part;
+constexpr double kWorthAKey = 0.98;
+/// where neither explains how the records begin, less than this one.
+constexpr double kFarNearer = 0.8;
+/// Of a search that scored all starts, what it leaves of whole records over what one that left some out leaves, and over what
+/// that one leaves when each record begins in a state of its own.
+constexpr double kStartsExplained = 0.5;
+
+bool any_begins_under_bias(const Experiments& train) {
+  return std::any_of(train.begin(), train.end(), [](const Experiment& e) {
+    const auto* time = std::get_if<TimeExperiment>(&e);
+    return time != nullptr && begins_under_bias(time->record());
+  });
+}
+
+chain::Chain started(chain::Chain base, Start start) {
+  base.start = start;
+  return base;
+}
+
+/// What a model leaves of the records from their first samples on.
+double whole_rms(const Model& model, Experiments train) {
+  for (auto& e : train) {
+    if (auto* time = std::get_if<TimeExperiment>(&e)) time->score_start();
+  }
+  return rms_of(model, train);
+}
+
+/// The same when each record began in an unknown state: what free responses of the model explain is taken off.
+double whole_rms_from_any_state(const Model& model, Experiments train) {
+  constexpr std::size_t kFirst = 1;
+  for (auto& e : train) {
+    if (auto* time = std::get_if<TimeExperiment>(&e))
+      time->leave_out_start(kFirst, free_responses(model, *time, kFirst));
+  }
+  return rms_of(model, train);
+}
+
+/// A model from one of the two starts, held against the training records.
+struct Tried {
+  double rms = 0.0;      ///< from their first samples on
+  bool explains = true;  ///< no start stands out
+};
+
+Tried tried(const Model& model, const Experiments& train, const SearchOptions& options) {
+  const SearchSetting setting{options, model};
+  return {whole_rms(model, train),
+          !leave_out_wrong_starts(setting, make_records(train, options.stretches, model), model).found};
+}
+
+/// search(); and where that leaves a start out, once more with all starts scored: what is missing may act there
+/// most (a slew limit in the first and largest turns). What that finds counts where no start stands out any more and far less is
+/// left of the whole records than a wrong start would explain.
+SearchResult search_all(const chain::Chain& base, const Experiments& train, const SearchOptions& options) {
+  auto found = search(base, train, options);
+  if (found.stopped || found.late) return found;
+  const Tried first = tried(found.final, train, options);
+  if (first.explains) return found;
+  const double enough = kStartsExplained * std::min(first.rms, whole_rms_from_any_state(found.final, train));
+  if (!(found.train_rms < enough)) return found;
+  SearchOptions scored = options;
+  scored.starts.stands_out = std::numeric_limits<double>::infinity();
+  auto again = search(base, train, scored);
+  if (again.stopped || again.steps.empty()) return found;
+  const Tried second = tried(again.final, train, options);
+  if (!second.explains || !(second.rms < enough)) return found;
+  again.notes.emplace_back(
+      "What is missing acts most where the records begin: their starts are part of the search");
+  return again;
+}
+
+/// The same model from another start, refitted and not searched again.
+Tried from_other_start(Model model, Start start, const Experiments& train, const SearchOptions& options) {
+  constexpr int kIterations = 8;
+  model.set_start(start);
+  const SearchSetting setting{options, model};
+  const SearchRecords records = make_records(train, options.stretches, model);
+  return tried(fit_in_turn(setting, records, model, kIterations).model, train, options);
+}
+
+/// Whether what a search from equilibrium found is to be preferred.
+bool is_equilibrium_better(const SearchResult& equilibrium, const Tried& from_equilibrium,
+                           const SearchResult& zero, const Tried& from_zero) {
+  const double more = static_cast<double>(equilibrium.steps.size()) - static_cast<double>(zero.steps.size());
+  if (!from_equilibrium.explains) {
+    const bool far_nearer = more == 0.0 && from_equilibrium.rms < kFarNearer * from_zero.rms;
+    return !from_zero.explains && far_nearer;
+  }
+  if (!from_zero.explains) return true;
+  const double worth = more == 0.0 ? kWorthAKey : std::pow(kWorthATerm, more);
+  return from_equilibrium.rms < worth * from_zero.rms;
+}
+
+}  // namespace
+
+StartedSearch search_from_start(const chain::Chain& base, const Experiments& train,
+                                const SearchOptions& options) {
+  if (base.start || !any_begins_under_bias(train)) return {search_all(base, train, options), std::nullopt};
+  const auto at_rest = started(base, Start::equilibrium);
+  const Start first =
+      whole_rms(Model(at_rest), train) < whole_rms(Model(base), train) ? Start::equilibrium : Start::zero;
+  const Start other = first == Start::zero ? Start::equilibrium : Start::zero;
+  const auto from = [&](Start start) { return start == Start::zero ? base : at_rest; };
+  StartChoice choice;
+  const auto measure = [&](const Tried& of_first, const Tried& of_other) {
+    choice.zero_rms = first == Start::zero ? of_first.rms : of_other.rms;
+    choice.equilibrium_rms = first == Start::zero ? of_other.rms : of_first.rms;
+  };
+  const auto decided = [&](Start start, SearchResult found) {
+    choice.chosen = start;
+    found.initial = Model(base);  // as given
+    return StartedSearch{std::move(found), choice};
+  };
+  SearchResult found = search(from(first), train, options);
+  const Tried of_first = tried(found.final, train, options);
+  const Tried of_other = from_other_start(found.final, other, train, options);
+  measure(of_first, of_other);
+  const bool enough = of_first.explains && !(of_other.rms < kWorthAKey * of_first.rms);
+  if (enough || found.stopped || found.late) return decided(first, std::move(found));
+  SearchResult again = search(from(other), train, options);
+  if (again.stopped) return decided(first, std::move(found));
+  const Tried of_again = tried(again.final, train, options);
+  choice.by_search = true;
+  measure(of_first, of_again);
+  const bool zero_first = first == Start::zero;
+  const bool equilibrium = zero_first ? is_equilibrium_better(again, of_again, found, of_first)
+                                      : is_equilibrium_better(found, of_first, again, of_again);
+  const Start chosen = equilibrium ? Start::equilibrium : Start::zero;
+  return decided(chosen, std::move(chosen == first ? found : again));
+}
+
+std::string to_text(const StartChoice& choice) {
+  const bool still = choice.chosen == Start::equilibrium;
+  return fmt::format(
+      "The training records begin under bias: what was found leaves {} rms of them, starts and all, from zero and {} from "
+      "equilibrium under the first input; {}.",
+      rounded_text(choice.zero_rms), rounded_text(choice.equilibrium_rms),
+      still ? "the model starts there (start in model.toml)"
+            : "the model starts in zero, as it does without a word");
+}
+
+}  // namespace bodesmith::gap

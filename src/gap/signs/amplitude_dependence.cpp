@@ -1,0 +1,265 @@
+#include "gap/signs/amplitude_dependence.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+
+#include "base/text.hpp"
+#include "signal/statistics.hpp"
+
+namespace bodesmith::gap {
+namespace {
+
+/// Drives nearer to each other are the same.
+constexpr double kSameDrive = 1.05;
+constexpr std::size_t kPointsToCompare = 12;
+/// Standard deviations of the correlation of neighbouring points, and the least change (of the logarithm) that is told.
+constexpr double kCertainly = 6.0;
+constexpr double kLeastChange = 0.005;
+/// A peak stands out by so much (ln) on both sides, moves by this part of a step of the grid, or of itself, at the least.
+constexpr double kProminent = 0.3;
+constexpr double kMovedSteps = 0.3;
+constexpr double kMovedPart = 0.002;
+/// The change at the peak over that beside it, when it is the damping that changes.
+constexpr double kAtPeakAlone = 3.0;
+/// The change at the bottom of the band over that at its top, when it is there that the gain falls.
+constexpr double kAtTopAlone = 0.25;
+
+const MeasuredResponse* with_drive(const Experiment& experiment) {
+  const auto* response = std::get_if<FrequencyExperiment>(&experiment);
+  return response != nullptr && !response->record().drive_v.empty() ? &response->record() : nullptr;
+}
+
+double drive_of(const MeasuredResponse& record) {
+  return median(record.drive_v);
+}
+
+/// ln |H| + j phase without jumps, over ln f.
+struct Logarithm {
+  std::vector<double> at;
+  std::vector<std::complex<double>> value;
+
+  explicit Logarithm(const MeasuredResponse& record) {
+    for (std::size_t i = 0; i < record.frequency.size(); ++i) {
+      at.push_back(std::log(record.frequency[i].value));
+      std::complex<double> v = std::log(record.response[i]);
+      if (i > 0)
+        v.imag(value.back().imag() + std::remainder(v.imag() - value.back().imag(), 2.0 * std::numbers::pi));
+      value.push_back(v);
+    }
+  }
+  bool covers(double x) const { return x >= at.front() && x <= at.back(); }
+  std::complex<double> operator()(double x) const {
+    const auto above = std::clamp<std::ptrdiff_t>(std::lower_bound(at.begin(), at.end(), x) - at.begin(), 1,
+                                                  static_cast<std::ptrdiff_t>(at.size()) - 1);
+    const auto k = static_cast<std::size_t>(above);
+    const double t = (x - at[k - 1]) / (at[k] - at[k - 1]);
+    return (1.0 - t) * value[k - 1] + t * value[k];
+  }
+};
+
+struct Peak {
+  double at = 0.0;    ///< ln f
+  double step = 0.0;  ///< of the grid there
+  /// How far the peak of 1/(1 + 2 z s/w + s^2/w^2) stands below w: ln sqrt(1 - 2 z^2), z from its height over the first
+  /// point of the record, 1/(2 z sqrt(1 - z^2)).
+  double by_damping = 0.0;
+};
+
+double shift_by_damping(double height) {
+  const double least = 1.0 / (height * height);
+  return least < 1.0 ? 0.25 * std::log(1.0 - least) : 0.0;
+}
+
+/// The highest maximum that stands out, its place by the parabola through three points.
+std::optional<Peak> peak_of(const Logarithm& h) {
+  const std::size_t n = h.value.size();
+  std::size_t top = 0;
+  for (std::size_t i = 0; i < n; ++i) {
+    if (h.value[i].real() > h.value[top].real()) top = i;
+  }
+  if (top < 2 || top + 2 >= n) return std::nullopt;
+  const auto lowest = [&](std::size_t from, std::size_t to) {
+    double least = h.value[top].real();
+    for (std::size_t i = from; i < to; ++i) least = std::min(least, h.value[i].real());
+    return least;
+  };
+  if (h.value[top].real() - std::max(lowest(0, top), lowest(top + 1, n)) < kProminent) return std::nullopt;
+  const double a = h.value[top - 1].real();
+  const double b = h.value[top].real();
+  const double c = h.value[top + 1].real();
+  const double bend = a - 2.0 * b + c;
+  const double step = 0.5 * (h.at[top + 1] - h.at[top - 1]);
+  return Peak{h.at[top] + (bend < 0.0 ? 0.5 * step * (a - c) / bend : 0.0), step,
+              shift_by_damping(std::exp(b - h.value.front().real()))};
+}
+
+/// Mean change of the gain over a part of the points.
+double mean_gain(const std::vector<std::complex<double>>& change, std::size_t from, std::size_t to) {
+  double sum = 0.0;
+  for (std::size_t i = from; i < to; ++i) sum += change[i].real();
+  return sum / static_cast<double>(std::max<std::size_t>(to - from, 1));
+}
+
+AmplitudeClass class_without_peak(const std::vector<std::complex<double>>& change) {
+  const std::size_t n = change.size();
+  const double bottom = mean_gain(change, 0, n / 3);
+  const double top = mean_gain(change, n - n / 3, n);
+  if (mean_gain(change, 0, n) > 0.0) return AmplitudeClass::rising_gain;
+  return top < 0.0 && bottom > kAtTopAlone * top ? AmplitudeClass::falling_gain_at_top
+                                                 : AmplitudeClass::falling_gain;
+}
+
+AmplitudeClass class_of(const Logarithm& small, const Logarithm& large, const std::vector<double>& at,
+                        const std::vector<std::complex<double>>& change, AmplitudeDependence& out) {
+  const auto before = peak_of(small);
+  const auto after = peak_of(large);
+  if (!before || !after) return class_without_peak(change);
+  out.peak_at_least_hz = std::exp(before->at);
+  out.peak_at_largest_hz = std::exp(after->at);
+  // Damping moves a peak, too.
+  const double moved = after->at - before->at - (after->by_damping - before->by_damping);
+  if (std::abs(moved) > std::max(kMovedPart, kMovedSteps * before->step))
+    return moved < 0.0 ? AmplitudeClass::softening_stiffness : AmplitudeClass::hardening_stiffness;
+  const auto peak =
+      static_cast<std::size_t>(std::min_element(at.begin(), at.end(),
+                                                [&](double a, double b) {
+                                                  return std::abs(a - before->at) < std::abs(b - before->at);
+                                                }) -
+                               at.begin());
+  const double there = mean_gain(change, peak > 0 ? peak - 1 : 0, std::min(change.size(), peak + 2));
+  std::vector<double> sizes;
+  for (const auto& c : change) sizes.push_back(c.real());
+  if (std::abs(there) > kAtPeakAlone * std::abs(median(sizes)))
+    return there < 0.0 ? AmplitudeClass::rising_damping : AmplitudeClass::falling_damping;
+  return class_without_peak(change);
+}
+
+std::string what_happens(const AmplitudeDependence& d) {
+  switch (d.kind) {
+    case AmplitudeClass::softening_stiffness:
+      return fmt::format("the peak moves down from {} to {} Hz: a stiffness that softens",
+                         rounded_text(*d.peak_at_least_hz), rounded_text(*d.peak_at_largest_hz));
+    case AmplitudeClass::hardening_stiffness:
+      return fmt::format("the peak moves up from {} to {} Hz: a stiffness that hardens",
+                         rounded_text(*d.peak_at_least_hz), rounded_text(*d.peak_at_largest_hz));
+    case AmplitudeClass::rising_damping:
+      return "the peak falls: damping that grows with speed, or a limit that the peak alone reaches";
+    case AmplitudeClass::falling_damping:
+      return "the peak rises: damping that falls, as that of dry friction";
+    case AmplitudeClass::rising_gain:
+      return "the gain rises: hysteresis, or a dead zone";
+    case AmplitudeClass::falling_gain:
+      return "the gain falls: saturation";
+    case AmplitudeClass::falling_gain_at_top:
+      break;
+  }
+  return "the gain falls at high frequencies alone: a limited rate of change";
+}
+
+}  // namespace
+
+std::string to_string(AmplitudeClass kind) {
+  switch (kind) {
+    case AmplitudeClass::softening_stiffness:
+      return "softening_stiffness";
+    case AmplitudeClass::hardening_stiffness:
+      return "hardening_stiffness";
+    case AmplitudeClass::rising_damping:
+      return "rising_damping";
+    case AmplitudeClass::falling_damping:
+      return "falling_damping";
+    case AmplitudeClass::rising_gain:
+      return "rising_gain";
+    case AmplitudeClass::falling_gain:
+      return "falling_gain";
+    case AmplitudeClass::falling_gain_at_top:
+      break;
+  }
+  return "falling_gain_at_top";
+}
+
+std::vector<std::string> suspects_of(AmplitudeClass kind) {
+  switch (kind) {
+    case AmplitudeClass::softening_stiffness:
+      return {"cubic_stiffness", "quadratic_stiffness", "hysteresis"};
+    case AmplitudeClass::hardening_stiffness:
+      return {"cubic_stiffness", "backlash"};
+    case AmplitudeClass::rising_damping:
+      return {"drag", "saturation"};
+    case AmplitudeClass::falling_damping:
+    case AmplitudeClass::rising_gain:
+      return {"hysteresis", "dead_zone", "backlash"};
+    case AmplitudeClass::falling_gain:
+      return {"saturation", "cubic_nonlinearity"};
+    case AmplitudeClass::falling_gain_at_top:
+      break;
+  }
+  return {"slew_limit"};
+}
+
+std::optional<AmplitudeDependence> amplitude_dependence(const Experiments& experiments) {
+  const MeasuredResponse* least = nullptr;
+  const MeasuredResponse* largest = nullptr;
+  for (const auto& e : experiments) {
+    const auto* record = with_drive(e);
+    if (record == nullptr) continue;
+    if (least == nullptr || drive_of(*record) < drive_of(*least)) least = record;
+    if (largest == nullptr || drive_of(*record) > drive_of(*largest)) largest = record;
+  }
+  if (least == nullptr || drive_of(*largest) < kSameDrive * drive_of(*least)) return std::nullopt;
+  const Logarithm small(*least);
+  const Logarithm large(*largest);
+  std::vector<double> at;
+  std::vector<std::complex<double>> change;
+  for (std::size_t i = 0; i < small.at.size(); ++i) {
+    if (!large.covers(small.at[i])) continue;
+    const std::complex<double> difference = large(small.at[i]) - small.value[i];
+    at.push_back(small.at[i]);
+    change.emplace_back(difference.real(), std::remainder(difference.imag(), 2.0 * std::numbers::pi));
+  }
+  if (change.size() < kPointsToCompare) return std::nullopt;
+  double energy = 0.0;
+  double together = 0.0;
+  for (std::size_t i = 0; i < change.size(); ++i) {
+    energy += std::norm(change[i]);
+    if (i > 0) together += (change[i] * std::conj(change[i - 1])).real();
+  }
+  const auto n = static_cast<double>(change.size());
+  AmplitudeDependence out;
+  out.least_drive_v = drive_of(*least);
+  out.largest_drive_v = drive_of(*largest);
+  out.change = std::sqrt(std::max(0.0, together) / n);
+  out.times_noise = out.change / std::sqrt(std::max(0.0, energy - together) / n);
+  // Of independent errors the sum of the products of neighbours has the deviation energy/sqrt(2n).
+  if (!(together > kCertainly * energy / std::sqrt(2.0 * n)) || out.change < kLeastChange)
+    return std::nullopt;
+  out.kind = class_of(small, large, at, change, out);
+  return out;
+}
+
+Experiments of_least_drive(const Experiments& experiments) {
+  double least = INFINITY;
+  for (const auto& e : experiments) {
+    if (const auto* record = with_drive(e)) least = std::min(least, drive_of(*record));
+  }
+  Experiments out;
+  for (const auto& e : experiments) {
+    const auto* record = with_drive(e);
+    if (std::isinf(least) || (record != nullptr && drive_of(*record) < kSameDrive * least)) out.push_back(e);
+  }
+  return out;
+}
+
+std::string to_text(const AmplitudeDependence& d) {
+  return fmt::format(
+      "The response depends on the drive ({} V against {} V): {}. No linear effect does that; they were looked for at the "
+      "least drive alone. Time records at these amplitudes would tell which it is ({}).",
+      rounded_text(d.largest_drive_v), rounded_text(d.least_drive_v), what_happens(d),
+      join(suspects_of(d.kind), ", "));
+}
+
+}  // namespace bodesmith::gap

@@ -1,0 +1,78 @@
+// What a name must show, and what an unknown costs.
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <random>
+#include <string>
+#include <vector>
+
+#include "gap/effect.hpp"
+#include "gap/evidence/score.hpp"
+#include "gap/model/model_fit.hpp"
+#include "gap/scene.hpp"
+#include "made_model.hpp"
+
+namespace evidence {
+namespace {
+
+using namespace bodesmith;
+
+constexpr int kSamples = 900;
+
+/// A gain of 1 with noise of size .1 that forgets itself in so many samples.
+gap::Experiments record_with_noise(double correlation_samples, unsigned seed) {
+  std::mt19937_64 random(seed);
+  std::normal_distribution<double> normal;
+  const double rho = std::exp(-1.0 / correlation_samples);
+  TimeRecord r;
+  r.file = "record.csv";
+  r.step_s = 1e-3;
+  double noise = normal(random);
+  for (int i = 0; i < kSamples; ++i) {
+    noise = rho * noise + std::sqrt(1.0 - rho * rho) * normal(random);
+    r.u.push_back(normal(random));
+    r.y.push_back(r.u.back() + 0.1 * noise);
+  }
+  return {gap::TimeExperiment(r)};
+}
+
+const std::string kGain = "[[block]]\ntype = \"gain\"\ngain = 1.0\n";
+
+// The posterior's width over the prior's, which is a quarter for a free gain. T = 3.
+TEST(Evidence, anUnknownCostsTheLogarithmOfItsPriorOverItsPosterior) {
+  const auto train = record_with_noise(0.05, 4);
+  const auto fitted = gap::fit(gap::Model(model_of(kGain + "free = [\"gain\"]\n")), train).model;
+  const double fixed = gap::log_evidence(gap::Model(model_of(kGain)), train);
+  const double free = gap::log_evidence(fitted, train);
+  const double deviation = 0.1 / std::sqrt(kSamples);
+  // What the fit gains by chance is about a quarter of the logarithm, or less.
+  EXPECT_NEAR(fixed - free, 0.5 * std::log(1.0 + std::pow(0.25 / deviation, 2) / 3.0), 1.5);
+}
+
+TEST(Evidence, anUnknownThatChangesNothingCostsNothing) {
+  const auto train = record_with_noise(0.05, 5);
+  const std::string far = "[[block]]\ntype = \"saturation\"\nlower = -90.0\nupper = 90.0\n";
+  const gap::Model fixed(model_of(kGain + far));
+  const gap::Model free(model_of(kGain + far + "free = [\"upper\"]\n"));
+  EXPECT_NEAR(gap::log_evidence(free, train), gap::log_evidence(fixed, train), 1e-9);
+}
+
+/// By how much a straight line raises the evidence.
+double gain_of_drift(const gap::Experiments& train) {
+  const gap::Model base(model_of(kGain));
+  std::vector<gap::Proposal> proposals;
+  gap::effect_registry().get("drift").propose(gap::make_scene(base, train), proposals);
+  return gap::log_evidence(gap::fit(proposals.front().model, train).model, train) -
+         gap::log_evidence(base, train);
+}
+
+// What a line takes of slow noise is chance; a line of ten times the noise is none.
+TEST(Evidence, slowNoiseIsNoDrift) {
+  for (unsigned seed = 1; seed <= 12; ++seed) EXPECT_LT(gain_of_drift(record_with_noise(300.0, seed)), 3.0);
+  auto line = std::get<gap::TimeExperiment>(record_with_noise(0.05, 3).front()).record();
+  for (std::size_t i = 0; i < line.size(); ++i) line.y[i] += static_cast<double>(i) / kSamples;
+  EXPECT_GT(gain_of_drift({gap::TimeExperiment(line)}), 15.0);
+}
+
+}  // namespace
+}  // namespace evidence

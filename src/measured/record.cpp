@@ -107,6 +107,26 @@ double noise_of(const gap::Diagnosis& d) {
   return d.floor.source == gap::NoiseFloor::Source::unknown ? 0.0 : d.floor.rms;
 }
 
+/// Where what is left beside the one part that is accused is other parts' tolerances: that part by as much as it is off beside
+/// theirs.
+bool the_rest_is_tolerances(gap::Diagnosis& d, const TimeRecord& record, double noise_rms) {
+  const auto step = std::find_if(d.steps.begin(), d.steps.end(),
+                                 [](const gap::DiagnosedStep& s) { return s.effect == "part_value"; });
+  gap::Model& model = d.search.final;
+  const auto more = good_parts_explain(model.chain(), record, noise_rms,
+                                       step == d.steps.end() ? std::string() : step->part);
+  if (!more || step == d.steps.end()) return more.has_value();
+  const auto k = static_cast<std::size_t>(step - d.steps.begin());
+  std::vector<double> values;
+  for (const gap::Unknown& unknown : model.unknowns()) values.push_back(unknown.value);
+  values[model.first_unknown_of(k)] += *more;
+  model.set_values(values);
+  for (double* value :
+       {&step->parameters.front().value, &step->parameters.front().low, &step->parameters.front().high})
+    *value += *more;
+  return true;
+}
+
 /// Names are looked for as long as good parts and noise do not explain the rest, one first: one thing is wrong with what was
 /// built far more often than two. 0: nothing is.
 gap::Diagnosis diagnosed(const Chain& built, const TimeRecord& record, const gap::Study& study,
@@ -117,7 +137,7 @@ gap::Diagnosis diagnosed(const Chain& built, const TimeRecord& record, const gap
     gap::Diagnosis out = gap::diagnose(built, study, asked);
     const double noise = noise_of(out);
     const bool nothing = noise > 0.0 && good_parts_explain(built, record, noise);
-    if (nothing || (noise > 0.0 && good_parts_explain(out.search.final.chain(), record, noise))) {
+    if (nothing || (noise > 0.0 && the_rest_is_tolerances(out, record, noise))) {
       out.verdict = nothing ? gap::Verdict::nothing_missing : gap::Verdict::explained;
       out.advice.clear();
       return out;

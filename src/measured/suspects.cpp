@@ -129,24 +129,35 @@ std::optional<Separating> separating_record(const chain::Chain& base, const std:
   return best;
 }
 
-bool good_parts_explain(const chain::Chain& chain, const TimeRecord& record, double noise_rms) {
+std::optional<double> good_parts_explain(const chain::Chain& chain, const TimeRecord& record,
+                                         double noise_rms, const std::string& wrong) {
   const Vector plain = shown_by(chain, record);
   const Vector left = (as_eigen(record.y) - plain) / noise_rms;
   const double most = kNoise * kNoise * static_cast<double>(left.size());
+  if (left.squaredNorm() <= most) return 0.0;
   chain::Chain off = chain;
   const auto block = std::find_if(off.blocks.begin(), off.blocks.end(), has_parts);
-  if (block == off.blocks.end()) return left.squaredNorm() <= most;
+  if (block == off.blocks.end()) return std::nullopt;
   const chain::Block good = *block;
-  Eigen::MatrixXd directions(left.size(), eigen_index(good.parts->size()));
-  for (std::size_t k = 0; k < good.parts->size(); ++k) {
-    const chain::PartChange& part = (*good.parts)[k];
-    *block = good.with(part, part.tolerance * (part.unit == "v" ? kOffset : kUniform));
-    directions.col(eigen_index(k)) = (shown_by(off, record) - plain) / noise_rms;
+  const auto count = eigen_index(good.parts->size());
+  Eigen::MatrixXd directions(left.size(), count);
+  Vector deviations(count);
+  for (Eigen::Index k = 0; k < count; ++k) {
+    const chain::PartChange& part = (*good.parts)[static_cast<std::size_t>(k)];
+    const double tolerances = part.part == wrong ? kMostTolerances : part.unit == "v" ? kOffset : kUniform;
+    deviations[k] = part.tolerance * tolerances;
+    *block = good.with(part, deviations[k]);
+    directions.col(k) = (shown_by(off, record) - plain) / noise_rms;
   }
   Eigen::MatrixXd normal = gram(directions);
   normal.diagonal().array() += 1.0;
   const Vector departures = solve_ldlt(normal, transpose_times(directions, left));
-  return (left - directions * departures).squaredNorm() <= most && departures.squaredNorm() <= kMostSquares;
+  if (!((left - directions * departures).squaredNorm() <= most && departures.squaredNorm() <= kMostSquares))
+    return std::nullopt;
+  for (Eigen::Index k = 0; k < count; ++k) {
+    if ((*good.parts)[static_cast<std::size_t>(k)].part == wrong) return departures[k] * deviations[k];
+  }
+  return 0.0;
 }
 
 }  // namespace bodesmith::measured

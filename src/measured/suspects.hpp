@@ -36,7 +36,9 @@ std::optional<Separating> separating_record(const chain::Chain& base, const std:
                                             const TimeRecord& record, double operating_hz);
 
 /// Whether noise of that rms and parts within their tolerances make all that the chain leaves of the record: the least sum of
-/// squares of their departures, in standard deviations, that leaves no more than noise.
-bool good_parts_explain(const chain::Chain& chain, const TimeRecord& record, double noise_rms);
+/// squares of their departures, in standard deviations, that leaves no more than noise. `wrong`: a part that may be off by more; the
+/// number is its departure beyond the chain's, of its unit (what was fitted without the others' took their share).
+std::optional<double> good_parts_explain(const chain::Chain& chain, const TimeRecord& record,
+                                         double noise_rms, const std::string& wrong = {});
 
 }  // namespace bodesmith::measured

@@ -269,7 +269,7 @@ void search_sets(const SearchSetting& setting, Beam& beam) {
   const PlacedSet base_set = beam.best;
   const SearchRecords base_records = beam.records;
   grow(setting, beam, true);
-  if (are_responses(beam.records.train) || options.is_late()) return;
+  if (are_responses(beam.records.train) || options.max_terms < 2 || options.is_late()) return;
   const bool left = is_something_left(options, beam.best.model, beam.records);
   if (!left && !could_be_fewer(beam.best.model)) return;
   Beam base;

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "base/files.hpp"
+#include "base/letters.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith {
@@ -53,21 +54,27 @@ TEST(Style, EverySubcommandHasAFileOfItsOwn) {
 
 /// A way of writing that is not used here, and what is used in its place.
 struct Rule {
+  std::string stem;  // lower-case letters that every match holds: few lines have to be searched by expression
   std::string pattern;
   std::string instead;
 };
 
 const std::vector<Rule>& rules() {
   static const std::vector<Rule> all = {
-      {"realiz", "realis… (only the option and key `realization` are spelt so)"},
-      {"behavior", "behaviour"},
-      {"(minimi|maximi|optimi|lineari|normali|discreti|recogni|organi|colori|summari)z", "…is…"},
-      {"\\bdear(er|est)?\\b", "expensive"},
-      {"hangs on", "depends on"},
-      {"whole[ _]way", "run_project"},
-      {"\\btell_tale\\b", "symptom"},
-      {"\\bcomplaint", "validation error"},
-      {"(first|second|third|fourth|fifth) seed", "the paper's title, or its short name in docs/papers.md"},
+      {"realiz", "realiz", "realis… (only the option and key `realization` are spelt so)"},
+      {"behavior", "behavior", "behaviour"},
+      {"miz", "(minimi|maximi|optimi)z", "…is…"},
+      {"riz", "(lineari|colori|summari)z", "…is…"},
+      {"liz", "normaliz", "…is…"},
+      {"niz", "(recogni|organi)z", "…is…"},
+      {"tiz", "discretiz", "…is…"},
+      {"dear", "\\bdear(er|est)?\\b", "expensive"},
+      {"hangs on", "hangs on", "depends on"},
+      {"whole", "whole[ _]way", "run_project"},
+      {"tell_tale", "\\btell_tale\\b", "symptom"},
+      {"complaint", "\\bcomplaint", "validation error"},
+      {" seed", "(first|second|third|fourth|fifth) seed",
+       "the paper's title, or its short name in docs/papers.md"},
   };
   return all;
 }
@@ -90,8 +97,10 @@ void check_style(const fs::path& file) {
   const std::string text = read_file(file);
   for (const std::string_view part : split(text, '\n')) {
     ++number;
-    const std::string line = without_exceptions(std::string(part));
+    const std::string small = lower_case(part);
     for (std::size_t i = 0; i < patterns.size(); ++i) {
+      if (small.find(rules()[i].stem) == std::string::npos) continue;
+      const std::string line = without_exceptions(std::string(part));
       EXPECT_FALSE(std::regex_search(line, patterns[i]))
           << file.string() << ":" << number << ": " << part << "\n  expected " << rules()[i].instead;
     }

@@ -198,7 +198,8 @@ LevenbergMarquardt::Trial LevenbergMarquardt::attempt(const VectorXd& values, co
   result_.values = values;
   result_.residuals = std::move(residuals);
   // Broyden: the cheapest Jacobian that explains the step just made.
-  jacobian_ += (change - predicted) * taken.transpose() / taken.squaredNorm();
+  if (options_.broyden || options_.uncertainty)
+    jacobian_ += (change - predicted) * taken.transpose() / taken.squaredNorm();
   fresh_ = false;
   return Trial::better;
 }
@@ -295,7 +296,7 @@ LeastSquaresResult LevenbergMarquardt::run() {
   }
   jacobian_ = MatrixXd::Zero(result_.residuals.size(), p_);
   result_.termination = iterate();
-  judge_uncertainty();
+  if (options_.uncertainty) judge_uncertainty();
   return std::move(result_);
 }
 

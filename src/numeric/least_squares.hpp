@@ -33,6 +33,7 @@ struct LeastSquaresOptions {
   /// The Jacobian is kept through up to two rank-one updates while they go on paying: for models whose run is
   /// expensive.
   bool broyden = true;
+  bool uncertainty = true;  ///< whether gram, deviation and condition_number are asked for
   double initial_damping = 1e-4;
   double max_step = std::numeric_limits<double>::infinity();  ///< of any unknown, in search coordinates
   /// Moves values within the bounds to where the model is defined, for what no bounds can say.

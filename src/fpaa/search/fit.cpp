@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <optional>
 
 #include "base/progress.hpp"
 #include "numeric/least_squares.hpp"
@@ -44,10 +45,19 @@ void fit_once(Design& design, const StageFactorTable& table, const std::vector<d
                         .logarithmic = true});
   }
   Design trial = design;
+  Eigen::VectorXd known;
+  std::optional<DesignResponse>
+      response;  // with the values `known`: derivatives are asked for where residuals were
   const auto set = [&](const Eigen::VectorXd& values) {
+    if (known.size() == values.size() && known == values) return;
+    known = values;
+    response.reset();
     for (std::size_t i = 0; i < list.size(); ++i) {
       trial.stages[list[i].stage].c[list[i].capacitor] = values[static_cast<Eigen::Index>(i)];
     }
+  };
+  const auto response_there = [&]() -> const DesignResponse& {
+    return response ? *response : response.emplace(trial, table);
   };
   const auto residuals = [&](const Eigen::VectorXd& values, Eigen::VectorXd& out) {
     stop_if_interrupted();
@@ -56,7 +66,7 @@ void fit_once(Design& design, const StageFactorTable& table, const std::vector<d
                      [](const DesignStage& stage) { return stage.is_stable(); })) {
       return false;
     }
-    const std::vector<Complex> e = DesignResponse(trial, table).errors();
+    const std::vector<Complex> e = response_there().errors();
     out.resize(2 * points);
     for (Eigen::Index k = 0; k < points; ++k) {
       const Complex v = e[static_cast<std::size_t>(k)] * lean[static_cast<std::size_t>(k)];
@@ -68,11 +78,13 @@ void fit_once(Design& design, const StageFactorTable& table, const std::vector<d
   LeastSquaresOptions options;
   options.max_iterations = iterations;
   options.broyden = false;
+  options.uncertainty = false;
   options.jacobian = [&](const Eigen::VectorXd& values, Eigen::MatrixXd& out) {
     set(values);
     out.resize(2 * points, static_cast<Eigen::Index>(list.size()));
     Eigen::Index column = 0;  // effects come in the order of the list
-    for (const CapacitorEffect& effect : capacitor_effects(DesignResponse(trial, table), true)) {
+    const CapacitorEffects effects = capacitor_effects(response_there(), true);
+    for (const CapacitorEffect& effect : effects.list) {
       for (Eigen::Index k = 0; k < points; ++k) {
         const auto i = static_cast<std::size_t>(k);
         const Complex v = effect.values[i] * lean[i] / values[column];
@@ -90,26 +102,22 @@ void fit_once(Design& design, const StageFactorTable& table, const std::vector<d
 
 }  // namespace
 
-std::vector<std::vector<Complex>> capacitor_slopes(const StagePlace& place, const DesignStage& stage,
-                                                   bool only_free) {
-  std::vector<std::vector<Complex>> out = place.slopes(stage);
-  for (std::size_t c = 0; c < out.size(); ++c) {
-    if (!(stage.c[c] > 0.0) || (only_free && !stage.is_free(c))) out[c].clear();
-  }
-  return out;
-}
-
-std::vector<CapacitorEffect> capacitor_effects(const DesignResponse& response, bool only_free) {
-  std::vector<CapacitorEffect> out;
-  const auto ways = response.ways();
-  const Design& design = response.design();
-  for (std::size_t s = 0; s < design.stages.size(); ++s) {
-    const DesignStage& stage = design.stages[s];
+CapacitorEffects capacitor_effects(const DesignResponse& response, bool only_free) {
+  const std::vector<DesignStage>& stages = response.design().stages;
+  const std::size_t points = response.table().points();
+  const std::size_t pairs = response.table().pairs();
+  const std::vector<Parts<ComplexPair>> ways = response.ways();
+  std::size_t count = 0;
+  for (const DesignStage& stage : stages) count += stage.c.size();
+  CapacitorEffects out;
+  out.room = std::make_unique_for_overwrite<Complex[]>(count * points);
+  Complex* room = out.room.get();
+  for (std::size_t s = 0; s < stages.size(); ++s) {
+    const DesignStage& stage = stages[s];
     if (only_free && stage.whole) continue;
-    const StagePlace place(response, ways[s], s);
-    auto slopes = capacitor_slopes(place, stage, only_free);
-    for (std::size_t c = 0; c < slopes.size(); ++c) {
-      if (!slopes[c].empty()) out.push_back({s, c, std::move(slopes[c])});
+    StagePlace(response, &ways[s * pairs], s).slopes(stage, room);
+    for (std::size_t c = 0; c < stage.c.size(); ++c, room += points) {
+      if (stage.c[c] > 0.0 && (!only_free || stage.is_free(c))) out.list.push_back({s, c, {room, points}});
     }
   }
   return out;

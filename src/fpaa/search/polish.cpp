@@ -27,16 +27,15 @@ double eighth_power(double squared) {
   return fourth * fourth;
 }
 
-std::vector<UnitMove> unit_moves(const std::vector<CapacitorEffect>& effects, const Design& design,
-                                 int max_capacitor) {
+std::vector<UnitMove> unit_moves(const CapacitorEffects& effects, const Design& design, int max_capacitor) {
   std::vector<UnitMove> out;
-  for (const CapacitorEffect& effect : effects) {
+  for (const CapacitorEffect& effect : effects.list) {
     const DesignStage& stage = design.stages[effect.stage];
     const double units = stage.c[effect.capacitor];
     for (const double step : kPolishSteps) {
       if (units + step < 1.0) continue;
       if (units + step > stage.largest_units(effect.capacitor, max_capacitor)) continue;
-      UnitMove move{effect.stage, effect.capacitor, step, effect.values};
+      UnitMove move{effect.stage, effect.capacitor, step, {effect.values.begin(), effect.values.end()}};
       const double by = std::log1p(step / units);
       for (Complex& change : move.change) change *= by;
       out.push_back(std::move(move));
@@ -102,7 +101,7 @@ void polish_singles(Design& design, const StageFactorTable& table, int passes) {
     for (std::size_t s = 0; s < design.stages.size(); ++s) {
       DesignStage stage = design.stages[s];
       const DesignResponse response(design, table);
-      const StagePlace place(response, response.ways()[s], s);
+      const StageTrial place(response, s);
       for (std::size_t c = 0; c < stage.c.size(); ++c) {
         if (!(stage.c[c] > 0.0)) continue;
         for (const double step : {1.0, -1.0, 2.0, -2.0, 5.0, -5.0}) {
@@ -129,7 +128,7 @@ void polish_pairs(Design& design, const StageFactorTable& table, const MismatchM
   struct Judged {
     double smooth = 0.0;  ///< sum of eighth powers
     double largest = 0.0;
-    std::vector<CapacitorEffect> effects;
+    CapacitorEffects effects;
     std::vector<Complex> errors;
   };
   const auto judge = [&](const Design& d) {

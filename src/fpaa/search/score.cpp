@@ -21,29 +21,30 @@ constexpr double kOfFastest = 0.45;  ///< clock: where peaks are looked for, as 
 double band_noise(const DesignResponse& response) {
   const DesignTarget& target = response.table().target();
   const Design& design = response.design();
-  const auto ways = response.ways();
-  std::vector<double> density(response.points(), 0.0);  // per Hz
+  const std::size_t pairs = response.table().pairs();
+  const std::vector<Parts<ComplexPair>> ways = response.ways();
+  std::vector<Pair> sums(pairs, Pair{0.0, 0.0});  // per Hz
   for (std::size_t s = 0; s < design.stages.size(); ++s) {
     const DesignStage& stage = design.stages[s];
-    const std::vector<ClockFactors>& clock = response.table().clock(stage.divisor);
+    const auto& clock = response.table().clock(stage.divisor);
     const double hz = target.master_hz / static_cast<double>(stage.divisor);
     for (int opamp = 1; opamp <= stage.opamps(); ++opamp) {
       const double charge = 2.0 * stage.switched_units(opamp) * 2.0 / hz;
-      for (std::size_t k = 0; k < density.size(); ++k) {
-        const SineParts y = charge_response(stage, opamp, clock[k]);
-        const SineParts& way = ways[s][k];
-        const Complex at_pin =
-            y.end1 * way.end1 + y.end2 * way.end2 + y.mean1 * way.mean1 + y.mean2 * way.mean2;
-        density[k] += charge * std::norm(at_pin);
+      for (std::size_t k = 0; k < pairs; ++k) {
+        const Parts<ComplexPair> y = charge_response(stage, opamp, clock[k]);
+        const Parts<ComplexPair>& way = ways[s * pairs + k];
+        sums[k] += charge * norm(product(y.end1, way.end1) + product(y.end2, way.end2) +
+                                 product(y.mean1, way.mean1) + product(y.mean2, way.mean2));
       }
     }
   }
+  const auto density = [&](std::size_t k) { return sums[k / 2][k % 2]; };
   double out = 0.0;
-  for (std::size_t k = 0; k + 1 < density.size(); ++k) {
+  for (std::size_t k = 0; k + 1 < target.grid.size(); ++k) {
     const double f = target.grid[k].hz().value;
     const double next = target.grid[k + 1].hz().value;
     if (target.weight[k] < 1.0 || target.weight[k + 1] < 1.0 || next < f) continue;
-    out += 0.5 * (density[k] + density[k + 1]) * (next - f);
+    out += 0.5 * (density(k) + density(k + 1)) * (next - f);
   }
   return out;
 }
@@ -64,10 +65,10 @@ double DesignScore::missing(double full_scale_v) const {
          beyond(wanted_input(full_scale_v) / input);
 }
 
-std::vector<double> mismatch_sigma(const std::vector<CapacitorEffect>& effects, const Design& design,
+std::vector<double> mismatch_sigma(const CapacitorEffects& effects, const Design& design,
                                    const MismatchModel& mismatch) {
   std::vector<double> out;
-  for (const CapacitorEffect& effect : effects) {
+  for (const CapacitorEffect& effect : effects.list) {
     out.resize(effect.values.size(), 0.0);
     const double sigma = mismatch.relative_sigma(design.stages[effect.stage].c[effect.capacitor]);
     for (std::size_t k = 0; k < out.size(); ++k) out[k] += std::norm(effect.values[k]) * sigma * sigma;
@@ -80,24 +81,24 @@ namespace {
 
 /// A signal where its phases begin, times exp(jwt) at their own time.
 struct PhaseStarts {
-  Complex first = 1.0, second = 1.0;
+  ComplexPair first = 1.0, second = 1.0;
 };
 
 /// The largest of each node where phases begin and end: it moves by its input alone in between.
 void raise_peaks(const DesignResponse& response, std::vector<NodePeak>& out) {
   const Design& design = response.design();
   std::vector<PhaseStarts> starts(out.size());
-  for (std::size_t k = 0; k < response.points(); ++k) {
+  for (std::size_t k = 0; k < response.table().pairs(); ++k) {
     for (std::size_t s = 0; s < out.size(); ++s) {
       const DesignStage& stage = design.stages[s];
-      const ClockFactors& clock = response.table().clock(stage.divisor)[k];
-      const Complex later = std::conj(clock.half);
-      const SineParts& y = response.signals()[s][k];
+      const ClockFactors<ComplexPair>& clock = response.table().clock(stage.divisor)[k];
+      const ComplexPair later = conj(clock.half);
+      const Parts<ComplexPair>& y = response.signal(s, k);
       PhaseStarts& own = starts[s];
       own = {product(y.end1, later), product(y.end2, later)};
       for (std::size_t i = 0; i < stage.from.size(); ++i) {
-        const StageFactors f = StageEquations(stage, i).at(clock);
-        const SineParts x = response.input_of(s, i, k);
+        const StageFactors<ComplexPair>& f = response.factors(s, i, k);
+        const Parts<ComplexPair> x = response.input_of(s, i, k);
         PhaseStarts in;
         if (stage.from[i] != DesignStage::kBoardInput) {
           const auto source = static_cast<std::size_t>(stage.from[i]);
@@ -107,8 +108,8 @@ void raise_peaks(const DesignResponse& response, std::vector<NodePeak>& out) {
         own.first += f.follow1 * (product(x.end1, later) - in.first);
         own.second += f.follow2 * (product(x.end2, later) - in.second);
       }
-      out[s].output = std::max(
-          {out[s].output, std::abs(y.end1), std::abs(y.end2), std::abs(own.first), std::abs(own.second)});
+      for (const ComplexPair& v : {y.end1, y.end2, own.first, own.second})
+        out[s].output = std::max(out[s].output, largest_abs(v));
       if (stage.is_first()) continue;
       out[s].inner = std::max(out[s].inner, first_opamp(stage, clock, response.input_of(s, 0, k)).largest());
     }
@@ -166,8 +167,8 @@ void scale_nodes(Design& design, const StageFactorTable& table) {
 
 namespace {
 
-double drawn_p95(const std::vector<Complex>& errors, const std::vector<CapacitorEffect>& effects,
-                 const Design& design, const DesignTarget& target, const MismatchModel& mismatch) {
+double drawn_p95(const std::vector<Complex>& errors, const CapacitorEffects& effects, const Design& design,
+                 const DesignTarget& target, const MismatchModel& mismatch) {
   constexpr std::size_t kDrawnAt = 50;  // of the grid, evenly
   constexpr int kDraws = 300;
   std::vector<std::size_t> at;
@@ -181,7 +182,7 @@ double drawn_p95(const std::vector<Complex>& errors, const std::vector<Capacitor
   for (int draw = 0; draw < kDraws; ++draw) {
     error.clear();
     for (std::size_t i = 0; i < at.size(); i += every) error.push_back(errors[at[i]]);
-    for (const CapacitorEffect& effect : effects) {
+    for (const CapacitorEffect& effect : effects.list) {
       const double units = design.stages[effect.stage].c[effect.capacitor];
       const double by = mismatch.drawn(units, random.normal()) / units - 1.0;
       for (std::size_t i = 0; i < error.size(); ++i) error[i] += by * effect.values[at[i * every]];
@@ -208,11 +209,15 @@ double step_peak(const Design& design, const DesignTarget& target) {
   for (std::size_t s = 0; s < design.stages.size(); ++s) {
     const DesignStage& stage = design.stages[s];
     std::vector<Complex> gain, inner;
-    for (const SineParts& y : response.signals()[s]) gain.push_back(y.whole());
+    const auto add = [&](std::vector<Complex>& to, std::size_t k, const ComplexPair& of) {
+      to.push_back(of.at(0));
+      if (2 * k + 1 < grid.size()) to.push_back(of.at(1));
+    };
+    for (std::size_t k = 0; k < table.pairs(); ++k) add(gain, k, response.signal(s, k).whole());
     out = std::max(out, peaks.largest(gain));
     if (stage.is_first()) continue;
-    for (std::size_t k = 0; k < grid.size(); ++k)
-      inner.push_back(first_opamp(stage, table.clock(stage.divisor)[k], response.input_of(s, 0, k)).end2);
+    for (std::size_t k = 0; k < table.pairs(); ++k)
+      add(inner, k, first_opamp(stage, table.clock(stage.divisor)[k], response.input_of(s, 0, k)).end2);
     out = std::max(out, peaks.largest(inner));
   }
   return out;
@@ -225,7 +230,7 @@ DesignScore score_of(const Design& design, const StageFactorTable& table, const 
   const DesignResponse response(design, table);
   const DesignTarget& target = table.target();
   const std::vector<Complex> errors = response.errors();
-  const std::vector<CapacitorEffect> effects = capacitor_effects(response);
+  const CapacitorEffects effects = capacitor_effects(response);
   const std::vector<double> sigma = mismatch_sigma(effects, design, assumptions.mismatch);
   DesignScore out;
   for (std::size_t k = 0; k < errors.size(); ++k) {

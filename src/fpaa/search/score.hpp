@@ -41,7 +41,7 @@ DesignScore score_of(const Design& design, const StageFactorTable& table, const 
                      double full_scale_v, Spread spread);
 
 /// Standard deviation of the weighted error by mismatch, on the grid.
-std::vector<double> mismatch_sigma(const std::vector<CapacitorEffect>& effects, const Design& design,
+std::vector<double> mismatch_sigma(const CapacitorEffects& effects, const Design& design,
                                    const MismatchModel& mismatch);
 
 /// Largest magnitude over the grid and up to nearly half the fastest clock of each stage's output, and of the op-amp inside it (0 for a

@@ -2,11 +2,12 @@
 
 #include <algorithm>
 #include <complex>
+#include <cstddef>
 #include <deque>
-#include <span>
 #include <vector>
 
 #include "base/units.hpp"
+#include "fpaa/search/complex_pair.hpp"
 #include "fpaa/search/design.hpp"
 #include "lti/frequency_grid.hpp"
 
@@ -20,33 +21,36 @@ namespace bodesmith::fpaa {
 //   y(t) = y(tp) - gp (x(t) - x(tp)),   tp the phase's end,   g1 = (Cin + aCin)/(Cout + aCout), g2 = aCin/aCout,
 // and its values at the ends obey charge conservation. Four numbers are therefore all that a reader with the same
 // clock can see of a signal; all of them times exp(jwt) at their own time.
-struct SineParts {
-  std::complex<double> end1 = 1.0, end2 = 1.0;    ///< the values at the ends of phase 1 and phase 2
-  std::complex<double> mean1 = 0.5, mean2 = 0.5;  ///< (1/T) int y exp(-jwt) dt over phase 1 and over phase 2
+template <class C>
+struct Parts {
+  C end1, end2;    ///< the values at the ends of phase 1 and phase 2
+  C mean1, mean2;  ///< (1/T) int y exp(-jwt) dt over phase 1 and over phase 2
 
+  /// The sine itself, as the board's input is.
+  static Parts of_input() { return {1.0, 1.0, 0.5, 0.5}; }
   /// What the pin shows: the waveform's component at the sine's own frequency.
-  std::complex<double> whole() const { return mean1 + mean2; }
+  C whole() const { return mean1 + mean2; }
   /// What a reader sees whose period is an even multiple of this signal's: its phases end where this one's phase 2 does.
-  SineParts read_slower() const { return {end2, end2, 0.5 * (mean1 + mean2), 0.5 * (mean1 + mean2)}; }
+  Parts read_slower() const {
+    const C half = 0.5 * (mean1 + mean2);
+    return {end2, end2, half, half};
+  }
 };
 
-/// Without the care for NaN and overflow that the operator takes: everything here is of moderate size.
-inline std::complex<double> product(std::complex<double> a, std::complex<double> b) {
-  return {a.real() * b.real() - a.imag() * b.imag(), a.real() * b.imag() + a.imag() * b.real()};
-}
-
 /// Of one clock at one frequency.
+template <class C>
 struct ClockFactors {
-  std::complex<double> half;    ///< exp(-jwT/2)
-  std::complex<double> period;  ///< exp(-jwT)
-  std::complex<double> d;       ///< 1 - exp(-jwT)
-  std::complex<double> sum;     ///< exp(-jwT)/d: a sampled integrator
-  std::complex<double> hold;    ///< (1/T) int over half a period before its end, of exp(jw(t_end - t))
+  C half;    ///< exp(-jwT/2)
+  C period;  ///< exp(-jwT)
+  C d;       ///< 1 - exp(-jwT)
+  C sum;     ///< exp(-jwT)/d: a sampled integrator
+  C hold;    ///< (1/T) int over half a period before its end, of exp(jw(t_end - t))
 };
 
 /// From one input of a stage to its output: end1 = from1 end1 + from2 end2 (of the input), the rest by the static ratios.
+template <class C>
 struct StageFactors {
-  std::complex<double> from1, from2;
+  C from1, from2;
   double follow1 = 0.0, follow2 = 0.0;  ///< g1, g2
 };
 
@@ -65,93 +69,104 @@ struct DesignTarget {
   int max_capacitor = 255;
 };
 
-/// Stages on a target's grid.
+/// Stages on a target's grid, two of whose points stand in each pair (the last one twice where their number is odd).
 class StageFactorTable {
  public:
   explicit StageFactorTable(const DesignTarget& target) : target_(target) {}
   const DesignTarget& target() const { return target_; }
-  const std::vector<ClockFactors>& clock(std::int64_t divisor) const;
+  std::size_t points() const { return target_.grid.size(); }
+  std::size_t pairs() const { return (points() + 1) / 2; }
+  const std::vector<ClockFactors<ComplexPair>>& clock(std::int64_t divisor) const;
 
  private:
   struct Kept {
     std::int64_t divisor;
-    std::vector<ClockFactors> values;
+    std::vector<ClockFactors<ComplexPair>> values;
   };
   const DesignTarget& target_;
   mutable std::deque<Kept> kept_;  ///< references stay valid
 };
 
-/// A stage's charge equations with its capacitors put in, for one input.
-class StageEquations {
- public:
-  StageEquations(const DesignStage& stage, std::size_t input);
-  StageFactors at(const ClockFactors& clock) const;
-
- private:
-  bool first_;
-  double c0_ = 0.0, c1_ = 0.0, d0_ = 0.0, d1_ = 0.0;  ///< first order: -(c0 + c1 D)/(d0 + d1 D)
-  /// Second order: coefficients of what the clock makes, see SecondOrder in the source.
-  double of_d_ = 0.0, of_one_ = 0.0, of_period_ = 0.0, of_sum_ = 0.0;
-  double above_one_ = 0.0, above_period_ = 0.0, above_sum_ = 0.0, above_half_ = 0.0;
-  double follow1_ = 0.0, follow2_ = 0.0;
-};
 /// The first op-amp of a second-order stage with this input, at the ends of both phases.
 struct FirstOpAmp {
-  std::complex<double> end1, end2;
-  double largest() const { return std::max(std::abs(end1), std::abs(end2)); }
+  ComplexPair end1, end2;
+  double largest() const { return std::max(largest_abs(end1), largest_abs(end2)); }
 };
-FirstOpAmp first_opamp(const DesignStage& stage, const ClockFactors& clock, const SineParts& input);
+FirstOpAmp first_opamp(const DesignStage& stage, const ClockFactors<ComplexPair>& clock,
+                       const Parts<ComplexPair>& input);
 /// Volts at the output's ends and parts for one unit of charge (V C_u) into an op-amp in phase 1.
-SineParts charge_response(const DesignStage& stage, int opamp, const ClockFactors& clock);
+Parts<ComplexPair> charge_response(const DesignStage& stage, int opamp,
+                                   const ClockFactors<ComplexPair>& clock);
 
-/// A whole design on a grid, with the way of each stage's output to the pin.
+/// A whole design on a grid, with the way of each stage's output to the pin. Stages, pairs and points count from 0.
 class DesignResponse {
  public:
   DesignResponse(const Design& design, const StageFactorTable& table);
 
   const Design& design() const { return design_; }
   const StageFactorTable& table() const { return table_; }
-  std::size_t points() const { return table_.target().grid.size(); }
-  /// Of every stage.
-  const std::vector<std::vector<SineParts>>& signals() const { return signals_; }
-  std::complex<double> output(std::size_t k) const { return signals_.back()[k].whole(); }
+  const Parts<ComplexPair>& signal(std::size_t stage, std::size_t pair) const {
+    return signals_[stage * table_.pairs() + pair];
+  }
+  std::complex<double> output(std::size_t point) const {
+    return signal(design_.stages.size() - 1, point / 2).whole().at(point % 2);
+  }
   /// weight (got - wanted)/reference.
   std::vector<std::complex<double>> errors() const;
   /// What stage `stage` reads at its input `input`.
-  SineParts input_of(std::size_t stage, std::size_t input, std::size_t k) const;
-  /// d pin / d (each part of each stage's output), later stages as they are.
-  std::vector<std::vector<SineParts>> ways() const;
+  Parts<ComplexPair> input_of(std::size_t stage, std::size_t input, std::size_t pair) const;
+  /// From that input to the stage's output.
+  const StageFactors<ComplexPair>& factors(std::size_t stage, std::size_t input, std::size_t pair) const {
+    return factors_[(first_input_[stage] + input) * table_.pairs() + pair];
+  }
+  /// d pin / d (each part of each stage's output), later stages as they are; [stage * pairs + pair].
+  std::vector<Parts<ComplexPair>> ways() const;
 
  private:
   const Design& design_;
   const StageFactorTable& table_;
-  std::vector<std::vector<SineParts>> signals_;
+  std::vector<std::size_t> first_input_;  ///< of each stage, among all inputs
+  std::vector<StageFactors<ComplexPair>> factors_;
+  std::vector<Parts<ComplexPair>> signals_;
 };
 
-/// The pin is linear in the response of one stage: what other capacitors of it do to the weighted errors costs one stage instead
+/// The pin is linear in the response of one stage: what other capacitors of it do to the weighted output costs one stage instead
 /// of all.
 class StagePlace {
  public:
-  StagePlace(const DesignResponse& response, const std::vector<SineParts>& ways, std::size_t stage);
+  /// `ways`: of this stage, a pair each.
+  StagePlace(const DesignResponse& response, const Parts<ComplexPair>* ways, std::size_t stage);
 
   /// What a stage in this place adds to the weighted output.
   void share_of(const DesignStage& stage, std::vector<std::complex<double>>& out) const;
+  /// d share / d ln C of every capacitor of a stage in this place, [capacitor * points + point].
+  void slopes(const DesignStage& stage, std::complex<double>* out) const;
+  std::size_t points() const { return points_; }
+
+ private:
+  /// Of each input and pair: share = a from1 + b from2 + c1 follow1 + c2 follow2.
+  struct Weights {
+    ComplexPair from1, from2, follow1, follow2;
+  };
+  void first_order_slopes(const DesignStage& stage, std::size_t pair, ComplexPair* out) const;
+  void second_order_slopes(const DesignStage& stage, std::size_t pair, ComplexPair* out) const;
+
+  const std::vector<ClockFactors<ComplexPair>>& clock_;
+  std::size_t points_;
+  std::vector<Weights> weights_;  ///< [input * pairs + pair]
+};
+
+/// A stage in its place and the weighted errors, as it is and with other capacitors.
+class StageTrial : public StagePlace {
+ public:
+  StageTrial(const DesignResponse& response, std::size_t stage);
+
   const std::vector<std::complex<double>>& share() const { return share_; }
   /// Weighted errors with the stage as it is.
   const std::vector<std::complex<double>>& errors() const { return errors_; }
-  /// d share / d ln C of every capacitor of a stage in this place.
-  std::vector<std::vector<std::complex<double>>> slopes(const DesignStage& stage) const;
   double largest_error_with(const DesignStage& stage, std::vector<std::complex<double>>& room) const;
 
  private:
-  std::vector<std::vector<std::complex<double>>> second_order_slopes(const DesignStage& stage) const;
-
-  const std::vector<ClockFactors>& clock_;
-  /// Of each input and point: share = a from1 + b from2 + c1 follow1 + c2 follow2.
-  struct Weights {
-    std::complex<double> from1, from2, follow1, follow2;
-  };
-  std::vector<std::vector<Weights>> weights_;
   std::vector<std::complex<double>> errors_, share_;
 };
 

@@ -44,7 +44,7 @@ struct WholeStage {
 };
 
 /// What whole capacitors of one stage cost (they themselves are left out); `got` is room for their share.
-WholeStage cost_of(const StagePlace& place, const Stage& rounded, std::vector<Complex>& got) {
+WholeStage cost_of(const StageTrial& place, const Stage& rounded, std::vector<Complex>& got) {
   place.share_of(rounded, got);
   const std::vector<Complex>& exact = place.share();
   const std::vector<Complex>& errors = place.errors();
@@ -69,10 +69,9 @@ class InnerHeadroom {
   InnerHeadroom(const DesignResponse& response, std::size_t s)
       : clock_(response.table().clock(response.design().stages[s].divisor)) {
     // Any other node may be as large as the largest of the signal's ends.
-    for (std::size_t k = 0; k < response.points(); ++k) {
-      in_.push_back(response.input_of(s, 0, k));
-      most_ = std::max({most_, std::abs(response.output(k)), std::abs(in_.back().end1)});
-    }
+    for (std::size_t k = 0; k < response.table().pairs(); ++k) in_.push_back(response.input_of(s, 0, k));
+    for (std::size_t k = 0; k < response.table().points(); ++k)
+      most_ = std::max({most_, std::abs(response.output(k)), std::abs(in_[k / 2].end1.at(k % 2))});
   }
 
   /// What it costs, as a factor on the error: half of it more for each factor of two.
@@ -86,8 +85,8 @@ class InnerHeadroom {
   }
 
  private:
-  const std::vector<ClockFactors>& clock_;
-  std::vector<SineParts> in_;
+  const std::vector<ClockFactors<ComplexPair>>& clock_;
+  std::vector<Parts<ComplexPair>> in_;
   double most_ = 1.0;
 };
 
@@ -191,10 +190,12 @@ class StageSpread {
   StageSpread(const StagePlace& place, const Stage& exact, const std::vector<double>& weight,
               const MismatchModel& mismatch)
       : mismatch_(mismatch) {
-    for (const std::vector<Complex>& slope : capacitor_slopes(place, exact)) {
+    std::vector<Complex> slopes(exact.c.size() * place.points());
+    place.slopes(exact, slopes.data());
+    for (std::size_t c = 0; c < exact.c.size(); ++c) {
       std::vector<double> squares;
-      for (std::size_t k = 0; k < slope.size(); k += kEvery) {
-        if (weight[k] >= 1.0) squares.push_back(std::norm(slope[k]));
+      for (std::size_t k = 0; exact.c[c] > 0.0 && k < place.points(); k += kEvery) {
+        if (weight[k] >= 1.0) squares.push_back(std::norm(slopes[c * place.points() + k]));
       }
       squares_.push_back(std::move(squares));
       points_ = std::max(points_, squares_.back().size());
@@ -227,7 +228,7 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
   Stage stage = design.stages[s];
   const std::vector<double> exact = stage.c;
   const DesignResponse response(design, table);
-  const StagePlace place(response, response.ways()[s], s);
+  const StageTrial place(response, s);
   const int max = table.target().max_capacitor;
   const bool second_order = stage.kind != Stage::Kind::first;
   const auto largest_scale = [&](const std::vector<std::size_t>& group, double node_scale) {
@@ -302,7 +303,8 @@ double error_with_mismatch(const Design& design, const StageFactorTable& table, 
   const DesignResponse response(design, table);
   const std::vector<Complex> errors = response.errors();
   std::vector<double> variance(errors.size(), 0.0);
-  for (const CapacitorEffect& effect : capacitor_effects(response)) {
+  const CapacitorEffects effects = capacitor_effects(response);
+  for (const CapacitorEffect& effect : effects.list) {
     if (!design.stages[effect.stage].whole) continue;
     const double sigma = width.mismatch.relative_sigma(design.stages[effect.stage].c[effect.capacitor]);
     for (std::size_t k = 0; k < variance.size(); ++k)

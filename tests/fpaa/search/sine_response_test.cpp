@@ -231,12 +231,11 @@ TEST(SineResponse, OneStageInItsPlaceIsExact) {
   const DesignTarget target = target_at({300.0, 1700.0, 5300.0});
   const StageFactorTable table(target);
   const DesignResponse response(design, table);
-  const auto ways = response.ways();
   for (std::size_t s = 0; s < design.stages.size(); ++s) {
     Design other = design;
     for (double& c : other.stages[s].c) c = c > 0.0 ? 1.1 * c + 3.0 : 0.0;
     const std::vector<Complex> wanted = DesignResponse(other, table).errors();
-    const StagePlace place(response, ways[s], s);
+    const StageTrial place(response, s);
     std::vector<Complex> share;
     place.share_of(other.stages[s], share);
     for (std::size_t k = 0; k < share.size(); ++k) {
@@ -250,7 +249,8 @@ TEST(SineResponse, EffectsAreDerivatives) {
   const DesignTarget target = target_at({300.0, 1700.0, 5300.0});
   const StageFactorTable table(target);
   const DesignResponse response(design, table);
-  for (const CapacitorEffect& effect : capacitor_effects(response)) {
+  const CapacitorEffects effects = capacitor_effects(response);
+  for (const CapacitorEffect& effect : effects.list) {
     Design other = design;
     constexpr double kStep = 1e-6;
     other.stages[effect.stage].c[effect.capacitor] *= std::exp(kStep);

@@ -10,6 +10,7 @@
 #include "base/progress.hpp"
 #include "project/alternative_hardware.hpp"
 #include "project/controllers.hpp"
+#include "project/engines.hpp"
 #include "project/follow_designs.hpp"
 #include "project/report_page.hpp"
 #include "project/run_files.hpp"
@@ -100,7 +101,7 @@ std::unique_ptr<Run> run_with_plant(const ProjectSource& source, const fs::path&
   ControllersTracked controllers;
   std::optional<AlternativeHardware> hardware;
   std::vector<TrackedCandidate> candidates;
-  tracking::Report followed;
+  tracking::Report followed, by_ngspice;
   std::vector<TrackedElsewhere> elsewhere;
 
   Stages stages;
@@ -143,14 +144,17 @@ std::unique_ptr<Run> run_with_plant(const ProjectSource& source, const fs::path&
       stages.add({design}, [&] { run.alternatives = study_alternatives(project, run.design, *hardware); });
   const Stopwatch tracking_watch;
   const auto here = stages.add({design}, [&] { followed = follow_designs(project, candidates); });
+  const auto simulated =
+      stages.add({design}, [&] { by_ngspice = circuit_by_ngspice(project, run.design, candidates); });
   const auto there = stages.add({design, controllers_tracked}, [&] {
     if (!project.deadline.passed()) elsewhere = tracked_elsewhere(project, candidates, controllers);
   });
-  stages.add({here, there, files, ngspice, studies, all_hardware}, [&] {
+  stages.add({here, simulated, there, files, ngspice, studies, all_hardware}, [&] {
     stop_if_interrupted();
     progress.at(0.9, 1.0, "report");
     run.tracking = tracking_study(project, run.design, run.budget, candidates, followed, controllers,
                                   std::move(elsewhere));
+    run.tracking.engines = engine_rows(run.tracking, followed, by_ngspice);
     run.tracking.compute_s = tracking_watch.seconds();
     run.limits = check_limits(project, run.design, run.tracking);
     say_what_was_left(run);

@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "base/text.hpp"
+#include "project/engines.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -81,6 +82,17 @@ std::string headline_text(const ProjectRun& run) {
   return out;
 }
 
+/// What is built, by every engine that there is.
+std::string engines_text(const TrackingStudy& study) {
+  std::string out;
+  for (const std::vector<std::string>& row : engine_table(study.engines)) {
+    out += fmt::format("{:<46}{:>13}{:>10}{:>10}{:>10}\n",
+                       out.empty() ? "checked    delay removed, by" : "  " + row[0], row[1], row[2], row[3],
+                       row[4]);
+  }
+  return study.engines.empty() ? "" : out;
+}
+
 std::string elsewhere_text(const TrackingStudy& tracking) {
   if (tracking.elsewhere.empty()) return {};
   std::string out =
@@ -128,7 +140,7 @@ std::vector<std::string> ProjectRun::shortfalls() const {
 
 std::string ProjectRun::summary(const std::filesystem::path& folder) const {
   std::string out = fmt::format("{}\nbuilt      {}\n", project.name, design.built().name) +
-                    headline_text(*this) + hardware_text(*this);
+                    headline_text(*this) + engines_text(tracking) + hardware_text(*this);
   for (const std::string& shortfall : shortfalls()) out += "           NOT met: " + shortfall + "\n";
   for (const std::string& one : not_tried) out += "not tried in the time given: " + one + "\n";
   return out + limits_text(limits) +
@@ -138,8 +150,8 @@ std::string ProjectRun::summary(const std::filesystem::path& folder) const {
 }
 
 std::string ProjectRun::tables() const {
-  return project.name + "\n" + headline_text(*this) + synthesis_text(design) + alternatives_text(design) +
-         hardware_text(*this) + tracking_text(tracking) + limits_text(limits);
+  return project.name + "\n" + headline_text(*this) + engines_text(tracking) + synthesis_text(design) +
+         alternatives_text(design) + hardware_text(*this) + tracking_text(tracking) + limits_text(limits);
 }
 
 }  // namespace bodesmith::project

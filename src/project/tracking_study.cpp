@@ -51,7 +51,18 @@ Json to_json(const TrackingStudy& study) {
   out["elsewhere"] = Json::array();
   for (const TrackedElsewhere& one : study.elsewhere) out["elsewhere"].push_back(elsewhere_json(one));
   out["cross_check_percent"] = study.max_cross_check_percent;
-  out["agreement_percent"] = study.agreement_percent ? Json(*study.agreement_percent) : Json(nullptr);
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+  };
+  out["agreement_percent"] = or_null(study.agreement_percent);
+  out["engines"] = Json::array();
+  for (const EngineRow& one : study.engines)
+    out["engines"].push_back({{"what", one.what},
+                              {"closed_form_percent", or_null(one.closed_form_percent)},
+                              {"cvode_percent", or_null(one.cvode_percent)},
+                              {"ngspice_percent", or_null(one.ngspice_percent)},
+                              {"agreement_percent", or_null(one.agreement_percent)},
+                              {"missing", one.missing}});
   out["findings"] = study.findings;
   return out;
 }

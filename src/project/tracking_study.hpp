@@ -77,6 +77,19 @@ struct TrackedElsewhere {
   std::vector<TrackedDesign> designs;
 };
 
+/// What is built by engines that share nothing: worst rms error over the frequencies, the best pure delay removed, % of range.
+struct EngineRow {
+  std::string what;
+  std::optional<double> closed_form_percent =
+      {};  ///< or harmonic by harmonic; a board by charge conservation
+  std::optional<double> cvode_percent = {};
+  std::optional<double> ngspice_percent = {};
+  /// Greatest rms difference in time: the controller's drive by ngspice and CVODE; the circuit's displacement by harmonics and
+  /// either of them.
+  std::optional<double> agreement_percent = {};
+  std::string missing = {};  ///< why an engine has no figure
+};
+
 /// Table II of the disturbance paper (docs/papers.md) by simulation, on a stage that reads its drive.
 struct TrackingStudy {
   std::vector<Hertz> frequency;
@@ -89,6 +102,7 @@ struct TrackingStudy {
   /// CVODE against the harmonic computation, rms percent of range.
   double max_cross_check_percent = 0.0;
   std::optional<double> agreement_percent;  ///< ControllersTracked::agreement_percent
+  std::vector<EngineRow> engines;           ///< engines.hpp
   std::vector<std::string>
       findings;  ///< sentences: where accuracy is lost, what is worse than no compensation
   double compute_s = 0.0;

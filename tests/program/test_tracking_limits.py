@@ -1,4 +1,4 @@
-"""`run`: the controller as built stands in three rows (closed form, CVODE, ngspice), and [limits] hold tracking and agreement."""
+"""`run`: what is built stands in three columns (closed form, CVODE, ngspice), and [limits] hold tracking and agreement."""
 
 import csv
 import json
@@ -31,6 +31,13 @@ def test_three_rows_say_the_same_and_are_held_to_it(tmp_path):
     assert (out["tracking"]["agreement_percent"] is None) == (not ngspice)
     if ngspice:
         assert out["tracking"]["agreement_percent"] < 0.02
+    engines = out["tracking"]["engines"]
+    assert len(engines) >= 2
+    for one in engines:
+        columns = [one[engine + "_percent"] for engine in ("closed_form", "cvode", "ngspice")]
+        assert (None in columns) == bool(one["missing"])
+        got = [value for value in columns if value is not None]
+        assert got and max(got) - min(got) < 0.02 and (len(got) == 1 or 0 < one["agreement_percent"] < 0.05)
     table = list(csv.DictReader((tmp_path / "out/tracking.csv").open()))
     assert {key + "_percent" for key in keys} <= set(table[0])
 

@@ -3,6 +3,7 @@
 #include <algorithm>
 
 #include "base/text.hpp"
+#include "project/engines.hpp"
 #include "project/run.hpp"
 #include "report/page.hpp"
 #include "report/plot.hpp"
@@ -92,6 +93,18 @@ void tracking_chapter(report::Page& page, const ProjectRun& run) {
       to_string(run.tracking.waveform), rounded_text(run.tracking.amplitude),
       rounded_text(run.project.plant.stroke_m * 1e6), rounded_text(run.tracking.max_cross_check_percent, 2)));
   page.table(tracking_table(run.tracking), "rms tracking error, % of range");
+  if (!run.tracking.engines.empty()) {
+    report::Table engines;
+    engines.rows = engine_table(run.tracking.engines);
+    engines.head = engines.rows.front();
+    engines.rows.erase(engines.rows.begin());
+    page.table(
+        engines,
+        "what is built, by every engine: worst rms error over the frequencies, pure delay removed, and the "
+        "greatest rms difference between two of them, % of range");
+    for (const EngineRow& one : run.tracking.engines)
+      if (!one.missing.empty()) page.paragraph(one.what + ": " + one.missing + ".");
+  }
   page.plots({tracking_plot(run.tracking)},
              "The tracking error of every way of compensating over the frequency.");
   page.plots(period_plots(run.tracking),

@@ -182,6 +182,10 @@ int run_controller(const std::vector<std::string>& arguments) {
               : controller::predict_as_built(built, reference);
   const double compute_s = watch.seconds();
   for (const std::string& warning : built.warnings) note(warning);
+  if (!built.stroke && reference.alpha() != 1.0)
+    note(fmt::format(
+        "made for full strokes: at {} of it the stage's loop is another one (an `amplitude` table builds gains for it)",
+        rounded_text(reference.alpha())));
 
   Json json = json_header("analog_controller", from);
   json.update(controller::to_json(built));

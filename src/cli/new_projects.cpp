@@ -104,7 +104,7 @@ RecordedStage recorded_stage(const CommandLine& line, Json& data, std::vector<st
   for (const std::string& one : study.notes) note(one);
   Json document = json_header("disturbance", from);
   document.update(study.to_json());
-  data["branch"] = study.varying() == Disturbance::Branch::ascending ? "ascending" : "descending";
+  data["branch"] = std::string(to_string(study.varying()));
   data["base_hz"] = number_text(study.disturbance.rate.frequency.front().value);
   track.clear();
   for (const Hertz f : study.disturbance.rate.frequency) track.push_back(number_text(f.value));

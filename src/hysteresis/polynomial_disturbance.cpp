@@ -17,14 +17,13 @@ void read_common(const Parameters& values, PolynomialDisturbance& out) {
   out.nested = values.word("minor") == "nested";
   out.amplitude = values.number("amplitude");
   out.switch_delay_s = values.number("switch_delay_s");
-  out.alpha = values.list("alpha");
-  out.alpha_1 = values.list("alpha_1");
-  out.alpha_2 = values.list("alpha_2");
-  if (out.alpha_1.size() != out.alpha.size() || out.alpha_2.size() != out.alpha.size())
+  out.strokes = {values.list("alpha"), values.list("alpha_1"), values.list("alpha_2")};
+  const std::vector<double>& alpha = out.strokes.alpha;
+  if (out.strokes.ascending.size() != alpha.size() || out.strokes.descending.size() != alpha.size())
     throw DesignError(fmt::format("alpha, alpha_1, alpha_2 have {}, {} and {} numbers, expected one length",
-                                  out.alpha.size(), out.alpha_1.size(), out.alpha_2.size()));
-  for (std::size_t i = 1; i < out.alpha.size(); ++i)
-    if (!(out.alpha[i] > out.alpha[i - 1])) throw DesignError("alpha does not rise");
+                                  alpha.size(), out.strokes.ascending.size(), out.strokes.descending.size()));
+  for (std::size_t i = 1; i < alpha.size(); ++i)
+    if (!(alpha[i] > alpha[i - 1])) throw DesignError("alpha does not rise");
   Disturbance rates;
   for (const double f : values.list("rate_frequency_hz")) rates.rate.frequency.push_back(Hertz{f});
   rates.rate.ascending = values.list("rate_ascending");
@@ -89,7 +88,7 @@ NestedBranch nested_branch(const PolynomialDisturbance& model, const PolynomialD
   out.y_lo = rising ? from.y : end_y;
   out.x_hi = rising ? end_x : from.u;
   out.y_hi = rising ? end_y : from.y;
-  out.gain = model.amplitude_gain(rising, out.x_hi - out.x_lo) *
+  out.gain = model.strokes.at(branch_of(rising), out.x_hi - out.x_lo) *
              (rising ? model.rate_gain_ascending : model.rate_gain_descending);
   out.end_0 = out.shape->value(0.0);
   out.end_1 = out.shape->value(1.0);
@@ -161,17 +160,6 @@ PolynomialDisturbance PolynomialDisturbance::from(const Parameters& values) {
   return out;
 }
 
-double PolynomialDisturbance::amplitude_gain(bool rising, double stroke) const {
-  if (alpha.empty()) return stroke;
-  const std::vector<double>& gains = rising ? alpha_1 : alpha_2;
-  if (stroke <= alpha.front()) return gains.front() * stroke / alpha.front();
-  if (stroke >= alpha.back()) return gains.back();
-  const auto i =
-      static_cast<std::size_t>(std::upper_bound(alpha.begin(), alpha.end(), stroke) - alpha.begin());
-  const double t = (stroke - alpha[i - 1]) / (alpha[i] - alpha[i - 1]);
-  return gains[i - 1] + t * (gains[i] - gains[i - 1]);
-}
-
 double PolynomialDisturbance::output(const Turn& from, const Turn* toward, int direction, double x) const {
   return nested_branch(*this, from, toward, direction).value(x);
 }
@@ -192,8 +180,7 @@ double PolynomialDisturbance::plain(bool rising, double x) const {
 }
 
 double PolynomialDisturbance::plain_gain(bool rising) const {
-  return (alpha.empty() && amplitude == 1.0 ? 1.0 : amplitude_gain(rising, amplitude)) *
-         (rising ? rate_gain_ascending : rate_gain_descending);
+  return strokes.at(branch_of(rising), amplitude) * (rising ? rate_gain_ascending : rate_gain_descending);
 }
 
 std::array<double, 2> PolynomialDisturbance::rising_part(bool rising) const {
@@ -302,9 +289,9 @@ PolynomialInverse::PolynomialInverse(PolynomialDisturbance model) : forward_(std
     const BranchShape& shape = rising ? rule.ascending : rule.descending;
     const double rate = rising ? rule.rate_gain_ascending : rule.rate_gain_descending;
     // The steepest stroke counts: gain over length.
-    double steepest = rule.alpha.empty() ? 1.0 : 0.0;
-    for (std::size_t i = 0; i < rule.alpha.size(); ++i)
-      steepest = std::max(steepest, rule.amplitude_gain(rising, rule.alpha[i]) / rule.alpha[i]);
+    double steepest = rule.strokes.alpha.empty() ? 1.0 : 0.0;
+    for (const double alpha : rule.strokes.alpha)
+      steepest = std::max(steepest, rule.strokes.at(branch_of(rising), alpha) / alpha);
     for (int i = 0; i <= 200; ++i) {
       if (!(1.0 + steepest * rate * shape.slope(i / 200.0) > 0.0))
         throw DesignError(fmt::format("the {} branch falls at x = {:.3g}: there is no inverse",

@@ -7,6 +7,7 @@
 
 #include "hysteresis/model_type.hpp"
 #include "hysteresis/nested_loops.hpp"
+#include "signal/disturbance.hpp"
 
 namespace bodesmith::hysteresis {
 
@@ -53,9 +54,7 @@ struct PolynomialDisturbance {
   BranchShape descending;
   bool nested = false;
   double amplitude = 1.0;
-  std::vector<double> alpha;
-  std::vector<double> alpha_1;
-  std::vector<double> alpha_2;
+  Disturbance::AmplitudeGains strokes;
   double rate_gain_ascending = 1.0;
   double rate_gain_descending = 1.0;
   /// slope_sign only: the switch follows the slope this much later (a comparator's or switch's delay). Not
@@ -67,9 +66,6 @@ struct PolynomialDisturbance {
 
   /// From the parameters of polynomial_hysteresis or of sine_hysteresis.
   static PolynomialDisturbance from(const Parameters& values);
-
-  /// α_1 or α_2 at a stroke of length α.
-  double amplitude_gain(bool rising, double stroke) const;
 
   // Rule of NestedLoops.
   struct Cache {};

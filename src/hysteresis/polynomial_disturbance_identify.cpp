@@ -32,8 +32,10 @@ Parameters to_parameters(const PolynomialDisturbance& model) {
         .set("descending", list(model.descending.polynomial));
   }
   out.set("minor", model.nested ? "nested" : "slope_sign");
-  if (!model.alpha.empty())
-    out.set("alpha", model.alpha).set("alpha_1", model.alpha_1).set("alpha_2", model.alpha_2);
+  if (!model.strokes.alpha.empty())
+    out.set("alpha", model.strokes.alpha)
+        .set("alpha_1", model.strokes.ascending)
+        .set("alpha_2", model.strokes.descending);
   return out;
 }
 
@@ -121,7 +123,7 @@ class DisturbanceUnknowns {
   Eigen::Index shapes() const { return sine_ ? 2 : 4; }
   /// Of one branch.
   Eigen::Index gains() const {
-    return base_.model.alpha.empty() ? 0 : eigen_index(base_.model.alpha.size() - 1);
+    return base_.model.strokes.alpha.empty() ? 0 : eigen_index(base_.model.strokes.alpha.size() - 1);
   }
   Eigen::Index count() const { return 2 + shapes() + 2 * gains(); }
 
@@ -136,7 +138,7 @@ class DisturbanceUnknowns {
           model.descending.polynomial[0], model.descending.polynomial[1];
     }
     for (const Eigen::Index branch : {0, 1})
-      x.segment(2 + shapes() + branch * gains(), gains()) = as_eigen(model.alpha).head(gains());
+      x.segment(2 + shapes() + branch * gains(), gains()) = as_eigen(model.strokes.alpha).head(gains());
     return x;
   }
 
@@ -150,8 +152,8 @@ class DisturbanceUnknowns {
       out.model.ascending.polynomial = {x(2), x(3), -x(2) - x(3)};
       out.model.descending.polynomial = {x(4), x(5), -x(4) - x(5)};
     }
-    as_eigen(out.model.alpha_1).head(gains()) = x.segment(2 + shapes(), gains());
-    as_eigen(out.model.alpha_2).head(gains()) = x.segment(2 + shapes() + gains(), gains());
+    as_eigen(out.model.strokes.ascending).head(gains()) = x.segment(2 + shapes(), gains());
+    as_eigen(out.model.strokes.descending).head(gains()) = x.segment(2 + shapes() + gains(), gains());
     return out;
   }
 
@@ -301,8 +303,8 @@ Identified identify_polynomial(std::span<const TimeRecord> records, const Identi
   const bool with_gains = shortest_stroke(records) < 0.8;
   fit.model.nested = !paper;
   if (with_gains && !paper) {
-    fit.model.alpha = {0.25, 0.5, 0.75, 1.0};
-    fit.model.alpha_1 = fit.model.alpha_2 = fit.model.alpha;
+    fit.model.strokes.alpha = {0.25, 0.5, 0.75, 1.0};
+    fit.model.strokes.ascending = fit.model.strokes.descending = fit.model.strokes.alpha;
   }
   const DisturbanceUnknowns unknowns(fit, sine);
   // The paper's method only needs the deviations at its own solution.

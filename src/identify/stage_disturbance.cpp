@@ -22,10 +22,6 @@ constexpr double kLeastDeviation = 1e-6;
 /// Strokes that are one entry of the table.
 constexpr double kOneStroke = 0.02;
 
-const char* branch_name(std::size_t b) {
-  return b == 0 ? "ascending" : "descending";
-}
-
 /// Over [0, 1].
 double inner(const Cubic& a, const Cubic& b) {
   double out = 0.0;
@@ -121,8 +117,9 @@ std::array<Cubic, 2> base_polynomials(const std::vector<OwnLoop>& loops) {
   }
   for (std::size_t b = 0; b < 2; ++b)
     if (!(inner(out[b], out[b]) > 0.0))
-      throw InputError(loops.front().record->record->file, 0,
-                       fmt::format("the {} branch is a straight line, expected a loop", branch_name(b)));
+      throw InputError(
+          loops.front().record->record->file, 0,
+          fmt::format("the {} branch is a straight line, expected a loop", to_string(kBranches[b])));
   return out;
 }
 
@@ -208,9 +205,9 @@ void make_rate_table(StageDisturbance& study) {
             study.loops[i].file, 0,
             fmt::format("its {} branch is {} times that of the lowest frequency, expected above 0: "
                         "another shape",
-                        branch_name(b), rounded_text(gain)));
+                        to_string(kBranches[b]), rounded_text(gain)));
       if (study.static_sigma[b] < kToldFromOne) gain = 1.0;
-      (b == 0 ? table.ascending : table.descending).push_back(gain);
+      table.of(kBranches[b]).push_back(gain);
     }
     table.frequency.push_back(study.loops[i].frequency);
     i = end;
@@ -224,7 +221,7 @@ void make_rate_table(StageDisturbance& study) {
     if (study.static_sigma[b] < kToldFromOne)
       study.notes.push_back(
           fmt::format("the {} branch's gains differ from 1 by up to {} deviations: taken as constant",
-                      branch_name(b), rounded_text(study.static_sigma[b], 2)));
+                      to_string(kBranches[b]), rounded_text(study.static_sigma[b], 2)));
 }
 
 /// The gains of one short turn.

@@ -20,7 +20,7 @@ Json StageDisturbance::to_json() const {
                   {"lag_s", lag.seconds},
                   {"standard_deviation_s", lag.deviation_s}};
   found["reading"] = reading == GainReading::as_printed ? "as_printed" : "basis_times_gain";
-  found["varying_branch"] = varying() == Disturbance::Branch::ascending ? "ascending" : "descending";
+  found["varying_branch"] = std::string(to_string(varying()));
   found["loops"] = Json::array();
   for (const LoopAtFrequency& one : loops) {
     found["loops"].push_back({{"file", one.file},
@@ -50,7 +50,7 @@ Json StageDisturbance::to_json() const {
 }
 
 std::string StageDisturbance::gains_csv() const {
-  const std::size_t branch = varying() == Disturbance::Branch::ascending ? 0 : 1;
+  const std::size_t branch = branch_index(varying());
   double largest_db = 0.0;
   for (const LoopAtFrequency& one : loops)
     largest_db = std::max(largest_db, to_decibel(1.0 + one.deviation[branch] / gain(one)[branch]));
@@ -58,12 +58,11 @@ std::string StageDisturbance::gains_csv() const {
   std::vector<double> frequency;
   for (const Hertz f : disturbance.rate.frequency) frequency.push_back(f.value);
   csv.add("frequency_hz", frequency);
-  csv.add("gain", branch == 0 ? disturbance.rate.ascending : disturbance.rate.descending);
+  csv.add("gain", disturbance.rate.of(varying()));
   return fmt::format(
              "# gains of the {} branch, relative to the lowest frequency, known to {} dB (one deviation)\n"
              "# a fit closer than {} dB follows noise: a fit of the fewest bands may stop there\n",
-             branch == 0 ? "ascending" : "descending", rounded_text(largest_db, 2),
-             rounded_text(largest_db, 2)) +
+             to_string(varying()), rounded_text(largest_db, 2), rounded_text(largest_db, 2)) +
          csv.text();
 }
 

@@ -57,7 +57,7 @@ class IdealDrive final : public tracking::BuiltController {
       const double theta = static_cast<double>(i) / static_cast<double>(kFewestSamples);
       const double r = reference.value(theta);
       const bool up = tracking::Reference::rises(reference.piece(theta));
-      const double d = disturbance_.value(tracking::branch_of(up), r);
+      const double d = disturbance_.value(branch_of(up), r);
       out.v.push_back(polynomial_ ? r - d : r);
     }
     return out;

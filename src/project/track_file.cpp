@@ -103,15 +103,15 @@ void check_drive(const Project& project, const Node& node) {
 }
 
 void check_loop(const Project& project, const Node& node, const std::filesystem::path& folder) {
-  for (const Branch branch : {Branch::ascending, Branch::descending}) {
+  for (const Branch branch : kBranches) {
     for (const Hertz f : all_frequencies(project)) {
       for (const double amplitude : project.track.amplitudes) {
         const tracking::BranchCurve curve(project.target.disturbance, amplitude, f);
-        const double gain = curve.steepest(tracking::branch_index(branch));
+        const double gain = curve.steepest(branch_index(branch));
         if (gain < 1.0) continue;
         Provenance ignored;
         const Node file = read_document(folder / node.at("target").at("disturbance").string(), ignored);
-        file.at(branch == Branch::ascending ? "ascending" : "descending")
+        file.at(to_string(branch))
             .fail(fmt::format(
                 "has a slope of {} with its gains at {} Hz: a generator fed by its own drive does not "
                 "settle, expected less than 1 ([choose] by = \"as_asked\" builds one pass)",

@@ -47,8 +47,7 @@ const Alternative* best_waveform_fit(const Design& design) {
 std::optional<tracking::ScheduledGain> rate_table(const Project& project) {
   const Disturbance::RateGains& rate = project.target.disturbance.rate;
   if (rate.frequency.empty()) return std::nullopt;
-  const bool ascending = project.target.branch == Disturbance::Branch::ascending;
-  return tracking::ScheduledGain{rate.frequency, ascending ? rate.ascending : rate.descending};
+  return tracking::ScheduledGain{rate.frequency, rate.of(project.target.branch)};
 }
 
 /// A triangle's slope is its frequency all the time; anything else needs the mean over some periods.

@@ -46,7 +46,6 @@ void check_table(const Node& node, std::string_view first, const std::vector<dou
 
 /// Piecewise linear in the key, held at the ends.
 double interpolate(const std::vector<double>& key, const std::vector<double>& value, double at) {
-  if (key.empty()) return 1.0;
   if (at <= key.front()) return value.front();
   if (at >= key.back()) return value.back();
   const std::size_t i = static_cast<std::size_t>(std::upper_bound(key.begin(), key.end(), at) - key.begin());
@@ -57,15 +56,19 @@ double interpolate(const std::vector<double>& key, const std::vector<double>& va
 }  // namespace
 
 double Disturbance::rate_gain(Branch branch, Hertz frequency) const {
+  if (rate.frequency.empty()) return 1.0;
   std::vector<double> key;
   for (const Hertz f : rate.frequency) key.push_back(std::log(f.value));
-  return interpolate(key, branch == Branch::ascending ? rate.ascending : rate.descending,
-                     std::log(frequency.value));
+  return interpolate(key, rate.of(branch), std::log(frequency.value));
 }
 
-double Disturbance::amplitude_gain(Branch branch, double alpha) const {
-  return interpolate(amplitude.alpha,
-                     branch == Branch::ascending ? amplitude.ascending : amplitude.descending, alpha);
+double Disturbance::AmplitudeGains::at(Branch branch, double stroke) const {
+  if (alpha.empty()) return stroke;
+  return interpolate(alpha, of(branch), stroke) * std::min(stroke / alpha.front(), 1.0);
+}
+
+std::string_view to_string(Disturbance::Branch branch) {
+  return branch == Disturbance::Branch::ascending ? "ascending" : "descending";
 }
 
 Disturbance Disturbance::at_load(double stroke) const {
@@ -80,21 +83,20 @@ Disturbance Disturbance::at_load(double stroke) const {
     if (alpha < stroke * (1.0 - 1e-9)) out.amplitude.alpha.push_back(alpha / stroke);
   }
   out.amplitude.alpha.push_back(1.0);
-  for (const Branch branch : {Branch::ascending, Branch::descending}) {
-    const double full = amplitude_gain(branch, stroke);
+  for (const Branch branch : kBranches) {
+    const double full = amplitude.at(branch, stroke);
     if (!(std::abs(full) > 0.0))
       throw InputError("an amplitude gain is 0 at the load's stroke, expected another");
-    auto& gains = branch == Branch::ascending ? out.amplitude.ascending : out.amplitude.descending;
     for (const double alpha : out.amplitude.alpha)
-      gains.push_back(amplitude_gain(branch, alpha * stroke) / full);
-    for (double& a : branch == Branch::ascending ? out.ascending : out.descending) a *= full / stroke;
+      out.amplitude.of(branch).push_back(amplitude.at(branch, alpha * stroke) / full);
+    for (double& a : out.coefficients(branch)) a *= full / stroke;
   }
   return out;
 }
 
 bool Disturbance::is_static(Branch branch) const {
-  const auto& gains = branch == Branch::ascending ? rate.ascending : rate.descending;
-  return std::all_of(gains.begin(), gains.end(), [](double gain) { return std::abs(gain - 1.0) < 1e-12; });
+  return std::all_of(rate.of(branch).begin(), rate.of(branch).end(),
+                     [](double gain) { return std::abs(gain - 1.0) < 1e-12; });
 }
 
 Disturbance Disturbance::from_node(const Node& node) {

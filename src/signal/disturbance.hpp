@@ -3,6 +3,7 @@
 #include <array>
 #include <filesystem>
 #include <string>
+#include <string_view>
 #include <vector>
 
 #include "base/document.hpp"
@@ -28,14 +29,30 @@ struct Disturbance {
     std::vector<double> alpha;  ///< input amplitude relative to full stroke, rising
     std::vector<double> ascending;
     std::vector<double> descending;
-  } amplitude;  ///< empty: 1 at every amplitude
+
+    std::vector<double>& of(Branch branch) { return branch == Branch::ascending ? ascending : descending; }
+    const std::vector<double>& of(Branch branch) const {
+      return branch == Branch::ascending ? ascending : descending;
+    }
+    /// alpha_b(alpha): the table interpolated linearly, through 0 below it and held above it. Without a table alpha itself: the
+    /// loop keeps its shape.
+    double at(Branch branch, double stroke) const;
+  } amplitude;
 
   struct RateGains {
     std::vector<Hertz> frequency;  ///< rising
     std::vector<double> ascending;
     std::vector<double> descending;
+
+    std::vector<double>& of(Branch branch) { return branch == Branch::ascending ? ascending : descending; }
+    const std::vector<double>& of(Branch branch) const {
+      return branch == Branch::ascending ? ascending : descending;
+    }
   } rate;  ///< empty: 1 at every frequency
 
+  std::array<double, 3>& coefficients(Branch branch) {
+    return branch == Branch::ascending ? ascending : descending;
+  }
   const std::array<double, 3>& coefficients(Branch branch) const {
     return branch == Branch::ascending ? ascending : descending;
   }
@@ -47,7 +64,6 @@ struct Disturbance {
   /// Rate gain of a branch at an operating frequency: the table interpolated linearly in log frequency, held
   /// at its ends; 1 without a table.
   double rate_gain(Branch branch, Hertz frequency) const;
-  double amplitude_gain(Branch branch, double alpha) const;
   /// Under a stiff, linear load that leaves this share of the stroke (disturbance paper, V.C.2): what the drive does up to
   /// there is the new full stroke, x' = x/stroke, d' = d/stroke, so that its polynomials are those here times
   /// alpha_b(stroke)/stroke and its amplitude gains alpha_b(stroke alpha')/alpha_b(stroke). The paper keeps the polynomials, which
@@ -61,5 +77,17 @@ struct Disturbance {
   /// Without the header.
   Json to_json() const;
 };
+
+inline constexpr Disturbance::Branch kBranches[] = {Disturbance::Branch::ascending,
+                                                    Disturbance::Branch::descending};
+/// Its place in kBranches.
+inline constexpr std::size_t branch_index(Disturbance::Branch branch) {
+  return static_cast<std::size_t>(branch);
+}
+inline constexpr Disturbance::Branch branch_of(bool rising) {
+  return rising ? Disturbance::Branch::ascending : Disturbance::Branch::descending;
+}
+/// "ascending", "descending".
+std::string_view to_string(Disturbance::Branch branch);
 
 }  // namespace bodesmith

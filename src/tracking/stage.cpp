@@ -244,9 +244,9 @@ std::vector<double> PolynomialStage::response(std::span<const double> v, double 
 std::vector<double> PolynomialStage::by_slope(const std::vector<double>& u, Hertz operating) const {
   const double alpha = options_.alpha;
   double gain[2];
-  for (const Branch branch : {Branch::ascending, Branch::descending}) {
+  for (const Branch branch : kBranches) {
     gain[branch_index(branch)] =
-        disturbance_.rate_gain(branch, operating) * stroke_gain(disturbance_, branch, alpha);
+        disturbance_.rate_gain(branch, operating) * disturbance_.amplitude.at(branch, alpha);
   }
   const std::vector<bool> rising = rising_samples(u, options_.turn_back * alpha);
   std::vector<double> q(u.size());
@@ -262,9 +262,7 @@ std::vector<double> PolynomialStage::by_turning_points(const std::vector<double>
   model.ascending.polynomial = disturbance_.ascending;
   model.descending.polynomial = disturbance_.descending;
   model.nested = true;
-  model.alpha = disturbance_.amplitude.alpha;
-  model.alpha_1 = disturbance_.amplitude.ascending;
-  model.alpha_2 = disturbance_.amplitude.descending;
+  model.strokes = disturbance_.amplitude;
   model.rate_gain_ascending = disturbance_.rate_gain(Branch::ascending, operating);
   model.rate_gain_descending = disturbance_.rate_gain(Branch::descending, operating);
   hysteresis::PolynomialOperator stage(std::move(model));

@@ -5,15 +5,9 @@
 
 namespace bodesmith::tracking {
 
-using Branch = Disturbance::Branch;
-
-double stroke_gain(const Disturbance& disturbance, Disturbance::Branch branch, double alpha) {
-  return disturbance.amplitude.alpha.empty() ? alpha : disturbance.amplitude_gain(branch, alpha);
-}
-
 BranchCurve::BranchCurve(const Disturbance& disturbance, double alpha) : alpha_(alpha) {
-  for (const Branch branch : {Branch::ascending, Branch::descending}) {
-    double scale = stroke_gain(disturbance, branch, alpha);
+  for (const Disturbance::Branch branch : kBranches) {
+    double scale = disturbance.amplitude.at(branch, alpha);
     for (std::size_t i = 0; i < 3; ++i) {
       scale /= alpha;
       a_[branch_index(branch)][i] = scale * disturbance.coefficients(branch)[i];
@@ -23,7 +17,7 @@ BranchCurve::BranchCurve(const Disturbance& disturbance, double alpha) : alpha_(
 
 BranchCurve::BranchCurve(const Disturbance& disturbance, double alpha, Hertz operating)
     : BranchCurve(disturbance, alpha) {
-  for (const Branch branch : {Branch::ascending, Branch::descending}) {
+  for (const Disturbance::Branch branch : kBranches) {
     const double gain = disturbance.rate_gain(branch, operating);
     for (double& a : a_[branch_index(branch)]) a *= gain;
   }

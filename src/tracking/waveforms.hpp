@@ -7,16 +7,6 @@
 
 namespace bodesmith::tracking {
 
-inline constexpr std::size_t branch_index(Disturbance::Branch branch) {
-  return branch == Disturbance::Branch::ascending ? 0 : 1;
-}
-inline constexpr Disturbance::Branch branch_of(bool rising) {
-  return rising ? Disturbance::Branch::ascending : Disturbance::Branch::descending;
-}
-
-/// The gain of d(x/alpha) at a stroke alpha: the table, or alpha itself (the loop keeps its shape) without one.
-double stroke_gain(const Disturbance& disturbance, Disturbance::Branch branch, double alpha);
-
 /// The disturbance at one amplitude and operating frequency, as the generator or the stage makes it:
 ///   k_b(f) alpha_b(alpha) d_b(x/alpha).
 class BranchCurve {

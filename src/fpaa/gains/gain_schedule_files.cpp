@@ -10,10 +10,6 @@
 namespace bodesmith::fpaa {
 namespace {
 
-const char* branch_word(Disturbance::Branch branch) {
-  return branch == Disturbance::Branch::ascending ? "ascending" : "descending";
-}
-
 std::string hex_text(const Bytes& bytes) {
   std::string out;
   for (const std::uint8_t byte : bytes) out += fmt::format("{:02X}", byte);
@@ -32,7 +28,7 @@ Json host_data(const GainSchedule& schedule, const std::string& file) {
     chips = std::max(chips, set.streams.size());
     Json gains = Json::array();
     for (std::size_t b = 0; b < set.gains.size(); ++b) {
-      gains.push_back({{"branch", branch_word(schedule.branches[b].branch)},
+      gains.push_back({{"branch", to_string(schedule.branches[b].branch)},
                        {"over", set.gains[b].over},
                        {"under", set.gains[b].under},
                        {"wanted", rounded_text(set.gains[b].wanted, 6)},
@@ -51,7 +47,7 @@ Json host_data(const GainSchedule& schedule, const std::string& file) {
   data["branches"] = Json::array();
   for (const GainBranch& b : schedule.branches) {
     data["branches"].push_back(
-        {{"branch", branch_word(b.branch)}, {"place", b.place.words}, {"at_one", rounded_text(b.at_one)}});
+        {{"branch", to_string(b.branch)}, {"place", b.place.words}, {"at_one", rounded_text(b.at_one)}});
   }
   data["from"] = rounded_text(schedule.sets.front().frequency.value);
   data["to"] = rounded_text(schedule.sets.back().frequency.value);
@@ -72,7 +68,7 @@ Json GainSchedule::to_json() const {
     Json over = Json::array(), under = Json::array();
     for (const MemoryPlace& p : b.place.over) over.push_back({{"bank", p.bank}, {"byte", p.byte}});
     for (const MemoryPlace& p : b.place.under) under.push_back({{"bank", p.bank}, {"byte", p.byte}});
-    out["branches"].push_back({{"branch", branch_word(b.branch)},
+    out["branches"].push_back({{"branch", to_string(b.branch)},
                                {"place", b.place.words},
                                {"address1", b.place.address1},
                                {"over", over},
@@ -89,7 +85,7 @@ Json GainSchedule::to_json() const {
     Json gains = Json::array();
     for (std::size_t b = 0; b < set.gains.size(); ++b) {
       const GainCapacitors& c = set.gains[b];
-      gains.push_back({{"branch", branch_word(branches[b].branch)},
+      gains.push_back({{"branch", to_string(branches[b].branch)},
                        {"wanted", c.wanted},
                        {"realised", c.realised()},
                        {"over_units", c.over},
@@ -107,7 +103,7 @@ Json GainSchedule::to_json() const {
 std::string GainSchedule::csv() const {
   std::string out = "frequency_hz";
   for (const GainBranch& b : branches) {
-    const char* word = branch_word(b.branch);
+    const std::string_view word = to_string(b.branch);
     out += fmt::format(",{0}_gain,{0}_realised,{0}_over_units,{0}_under_units", word);
   }
   out += "\n";

@@ -28,8 +28,7 @@ void target_chapter(report::Page& page, const ProjectRun& run) {
       "The {} disturbance of the stage changes in size with the operating frequency. The compensator's gain is to "
       "follow it through {} measured points, relative to {} Hz, so that the hysteresis that is subtracted is always "
       "as large as the one that is there.",
-      target.branch == Branch::ascending ? "ascending" : "descending", target.points.points.size(),
-      rounded_text(target.base.value)));
+      to_string(target.branch), target.points.points.size(), rounded_text(target.base.value)));
   report::Table table{{"frequency, Hz", "gain", "dB"}, {}, {}};
   for (const BodePoint& point : target.points.points) {
     table.rows.push_back({rounded_text(point.frequency.value, 6), rounded_text(point.gain, 5),

@@ -187,10 +187,8 @@ SteadyState run_in_ngspice(const AnalogController& controller, const Reference& 
 
 tracking::TrackingError stage_error(const AnalogController& controller, const SteadyState& run) {
   tracking::PolynomialStage::Options options;
-  options.alpha = controller.stroke ? run.reference.alpha() : 1.0;
-  Disturbance disturbance = controller.disturbance;
-  if (!controller.stroke) disturbance.amplitude = {};  // as the circuit, which is made for full strokes
-  const tracking::PolynomialStage stage(disturbance, {}, options);
+  options.alpha = run.reference.alpha();
+  const tracking::PolynomialStage stage(controller.disturbance, {}, options);
   return tracking::tracking_error(stage.response(run.v, run.step_s, run.operating), run.r, run.period_s());
 }
 

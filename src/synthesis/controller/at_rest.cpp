@@ -144,7 +144,7 @@ double BuiltGenerator::subtracted(Disturbance::Branch which, double x) {
 }
 
 double BuiltGenerator::rate_gain(Disturbance::Branch which) const {
-  const int b = which == Disturbance::Branch::ascending ? 0 : 1;
+  const auto b = static_cast<int>(branch_index(which));
   return controller_.rate[b].at_rest * (1.0 + rest_.control_v(b) / controller_.multiplier.scale_v);
 }
 
@@ -162,7 +162,7 @@ double generator_error_percent(const AnalogController& controller) {
   if (at.empty()) at.push_back(Hertz{1.0});
   std::vector<double> strokes = {1.0};
   if (controller.stroke) {
-    strokes = {controller.stroke->least};
+    strokes = {std::max(controller.stroke->least, controller.disturbance.amplitude.alpha.front())};
     for (const double alpha : controller.disturbance.amplitude.alpha) {
       if (alpha <= strokes.back()) continue;
       strokes.push_back(0.5 * (strokes.back() + alpha));
@@ -174,7 +174,7 @@ double generator_error_percent(const AnalogController& controller) {
     built.set_rate(f);
     for (const double alpha : strokes) {
       built.set_stroke(alpha);
-      for (const auto which : {Disturbance::Branch::ascending, Disturbance::Branch::descending}) {
+      for (const auto which : kBranches) {
         const double wanted = controller.rated_gain(which, f) * controller.amplitude_gain(which, alpha);
         for (int i = 0; i <= kPoints; ++i) {
           const double x = std::max(controller.loop.greatest_drive, 1.0) * i / kPoints;

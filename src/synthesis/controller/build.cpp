@@ -24,7 +24,7 @@ double slope_of(const std::array<double, 3>& a, double x) {
 }  // namespace
 
 std::string branch_name(int b) {
-  return b == 0 ? "ascending" : "descending";
+  return std::string(to_string(kBranches[b]));
 }
 
 std::string branch_letter(int b) {
@@ -59,7 +59,7 @@ double AnalogController::rated_gain(Disturbance::Branch which, Hertz frequency) 
 }
 
 double AnalogController::amplitude_gain(Disturbance::Branch which, double alpha) const {
-  return stroke ? disturbance.amplitude_gain(which, alpha) : 1.0;
+  return stroke ? disturbance.amplitude.at(which, alpha) : 1.0;
 }
 
 Builder::Builder(const Disturbance& disturbance, const Options& options)
@@ -84,7 +84,7 @@ Builder::Builder(const Disturbance& disturbance, const Options& options)
 
 /// Greatest or least rate gain of a branch; 1 without them.
 double Builder::gain_limit(int b, bool greatest) const {
-  const std::vector<double>& k = b == 0 ? disturbance_.rate.ascending : disturbance_.rate.descending;
+  const std::vector<double>& k = disturbance_.rate.of(kBranches[b]);
   if (!options_.rates || k.empty()) return 1.0;
   return greatest ? *std::max_element(k.begin(), k.end()) : *std::min_element(k.begin(), k.end());
 }
@@ -122,7 +122,7 @@ void Builder::check_polynomials() {
   LoopFigures& loop = out_.loop;
   loop.least_slope = 1.0;
   for (const int b : {0, 1}) {
-    const std::array<double, 3>& a = b == 0 ? disturbance_.ascending : disturbance_.descending;
+    const std::array<double, 3>& a = disturbance_.coefficients(kBranches[b]);
     for (const double alpha : strokes()) {
       for (const bool greatest : {false, true}) {
         const double k = gain_limit(b, greatest) * out_.amplitude_gain(kBranches[b], alpha) / alpha;

@@ -15,8 +15,6 @@ constexpr double kRoom = 0.97;
 /// Of the voltage reference.
 constexpr double kReferenceV = 2.5;
 
-inline constexpr Disturbance::Branch kBranches[] = {Disturbance::Branch::ascending,
-                                                    Disturbance::Branch::descending};
 /// Branch 0, ascending, or 1, descending: for titles and roles; for names.
 std::string branch_name(int b);
 std::string branch_letter(int b);

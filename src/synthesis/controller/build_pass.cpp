@@ -78,7 +78,7 @@ void Builder::powers(Pass& pass, const std::string& tail) {
 }
 
 void Builder::branch(Pass& pass, int b, const std::string& tail) {
-  const std::array<double, 3>& a = b == 0 ? disturbance_.ascending : disturbance_.descending;
+  const std::array<double, 3>& a = disturbance_.coefficients(kBranches[b]);
   const std::string name = branch_name(b), letter = branch_letter(b);
   enter(name + tail);
   std::string node = "0";

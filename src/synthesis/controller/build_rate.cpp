@@ -50,7 +50,7 @@ RateCurve make_rate_curve(const Disturbance& disturbance, const double peak[2],
     const double low = table[i - 1].value, high = table[i].value;
     double rise = 0.0;  // percent of range for one unit of ln f
     for (const int b : {0, 1}) {
-      const std::vector<double>& k = b == 0 ? disturbance.rate.ascending : disturbance.rate.descending;
+      const std::vector<double>& k = disturbance.rate.of(kBranches[b]);
       rise = std::max(rise, 100.0 * peak[b] * std::abs(k[i] - k[i - 1]) / std::log(high / low));
     }
     std::size_t pieces = 1;
@@ -84,7 +84,7 @@ constexpr double kRectifierOhm = 10e3;
 }  // namespace
 
 double RateCurve::value(Disturbance::Branch which, Hertz frequency) const {
-  const std::vector<double>& k = gain[which == Disturbance::Branch::ascending ? 0 : 1];
+  const std::vector<double>& k = gain[branch_index(which)];
   if (frequency.value <= corner.front().value) return k.front();
   for (std::size_t i = 1; i < corner.size(); ++i) {
     if (frequency.value > corner[i].value) continue;

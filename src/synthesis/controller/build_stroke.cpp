@@ -31,7 +31,7 @@ std::vector<double> Builder::strokes() const {
 /// Of branch b, at strokes().
 std::vector<double> Builder::stroke_gains(int b) const {
   std::vector<double> out;
-  for (const double alpha : strokes()) out.push_back(disturbance_.amplitude_gain(kBranches[b], alpha));
+  for (const double alpha : strokes()) out.push_back(disturbance_.amplitude.at(kBranches[b], alpha));
   return out;
 }
 

@@ -24,12 +24,8 @@ namespace {
 
 using schematic::plain_number;
 
-const char* branch_name(Disturbance::Branch branch) {
-  return branch == Disturbance::Branch::ascending ? "ascending" : "descending";
-}
-
 Json point_json(const LoopPoint& point) {
-  return {{"branch", branch_name(point.branch)},
+  return {{"branch", std::string(to_string(point.branch))},
           {"v", point.v},
           {"operating_hz", point.operating.value},
           {"rate_gain", point.rate_gain}};
@@ -40,7 +36,7 @@ std::vector<LoopPoint> loop_points(const AnalogController& c) {
   std::vector<Hertz> operating = {c.tracked.empty() ? Hertz{1.0} : c.tracked.front()};
   if (c.curve) operating = c.curve->corner;
   std::vector<LoopPoint> out;
-  for (const auto branch : {Disturbance::Branch::ascending, Disturbance::Branch::descending}) {
+  for (const auto branch : kBranches) {
     std::vector<double> seen;
     for (const Hertz f : operating) {
       const double gain = c.curve ? c.curve->value(branch, f) : 1.0;
@@ -289,8 +285,8 @@ std::string loop_warning(const LoopStability& loop) {
       "with a lower output resistance or another gain-bandwidth, or a capacitor of some picofarads across its "
       "feedback resistor, changes it",
       loop.opamp, loop.role, rounded_text(margin, 3), rounded_text(loop.point.v, 3),
-      loop.point.branch == Disturbance::Branch::ascending ? "ascending" : "descending",
-      engineering_text(loop.crossing.value, "Hz"), rounded_text(kGoodMarginDeg));
+      to_string(loop.point.branch), engineering_text(loop.crossing.value, "Hz"),
+      rounded_text(kGoodMarginDeg));
 }
 
 Json to_json(const LoopStability& loop) {

@@ -214,9 +214,9 @@ TEST(Controller, GainsOverTheStrokeAreTheTablesAtRest) {
   at.set_rate(Hertz{60.0});
   for (const double stroke : {0.25, 0.4, 1.0}) {
     at.set_stroke(stroke);
-    for (const auto which : {Disturbance::Branch::ascending, Disturbance::Branch::descending}) {
+    for (const auto which : kBranches) {
       const double gain =
-          built.disturbance.rate_gain(which, Hertz{60.0}) * built.disturbance.amplitude_gain(which, stroke);
+          built.disturbance.rate_gain(which, Hertz{60.0}) * built.disturbance.amplitude.at(which, stroke);
       EXPECT_NEAR(at.subtracted(which, 0.4), gain * built.disturbance.value(which, 0.4), 5e-4) << stroke;
     }
   }

@@ -156,8 +156,8 @@ SteadyState run_in_ngspice(const AnalogController& controller, const Reference& 
       controller_library(controller, "controller", {options.off, false}) +
       reference_sources(reference, operating, whole_number<int>(std::ceil(settle + 1.0))) +
       "Xc r v controller\n";
-  const spice::Transient run =
-      run_as_tightly_as_it_goes(deck, options.tight, period / options.steps, (settle + 1.0) * repeat);
+  const spice::Transient run = run_as_tightly_as_it_goes(deck, !(operating < options.tight_from),
+                                                         period / options.steps, (settle + 1.0) * repeat);
   const std::size_t samples = options.samples * reference.periods();
   SteadyState out{reference, operating, repeat / static_cast<double>(samples), {}, {}, {}, {}, {}, 0.0};
   // Every phase where it first comes after `from` repeats.

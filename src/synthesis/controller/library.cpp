@@ -12,12 +12,17 @@ bool is_generator(Purpose purpose) {
   return purpose == Purpose::powers || purpose == Purpose::branch;
 }
 
-/// What the generator reads, by another name: the last pass's argument becomes `argument`, those before it what they divide (at
-/// full stroke the stroke is 1).
-void rename_arguments(const AnalogController& controller, const std::string& argument,
+/// What the generator reads, by another name: the last pass's argument becomes `argument`, those before it what they divide.
+/// `divided`: what the last one divides becomes `argument`.
+void rename_arguments(const AnalogController& controller, const std::string& argument, bool divided,
                       schematic::Netlist& out) {
   const auto read = [&](std::size_t group, std::string& node) {
-    if (!is_generator(controller.purpose_of(group))) return;
+    const Purpose purpose = controller.purpose_of(group);
+    if (divided && controller.stroke) {
+      if (purpose == Purpose::division && node == controller.passes.back().from) node = argument;
+      return;
+    }
+    if (!is_generator(purpose)) return;
     for (const Pass& one : controller.passes) {
       if (node == one.x) {
         node = &one == &controller.passes.back() ? argument : one.from;
@@ -36,15 +41,15 @@ void rename_arguments(const AnalogController& controller, const std::string& arg
 
 }  // namespace
 
-schematic::Netlist opened(const AnalogController& controller) {
+schematic::Netlist opened(const AnalogController& controller, double stroke) {
   schematic::Netlist out = schematic::subset(controller, [&](std::size_t group) {
     const Purpose purpose = controller.purpose_of(group);
     return purpose != Purpose::slope_sign && purpose != Purpose::slope_meter && purpose != Purpose::stroke;
   });
-  rename_arguments(controller, kArgument, out);
+  rename_arguments(controller, kArgument, true, out);
   if (controller.stroke) {
-    out.sources.push_back({"Vstroke", "", "al", 1.0});
-    out.sources.push_back({"Vminus", "", "an", -1.0});
+    out.sources.push_back({"Vstroke", "", "al", stroke});
+    out.sources.push_back({"Vminus", "", "an", -stroke});
   }
   for (Part& one : out.parts) {
     for (std::string* node : {&one.from, &one.to}) {
@@ -59,13 +64,14 @@ schematic::Netlist opened(const AnalogController& controller) {
   return out;
 }
 
-schematic::Netlist generator_netlist(const AnalogController& controller, bool cut) {
+schematic::Netlist generator_netlist(const AnalogController& controller, bool cut, bool divided) {
   schematic::Netlist out = schematic::subset(controller, [&](std::size_t group) {
     const Purpose purpose = controller.purpose_of(group);
-    return is_generator(purpose) || purpose == Purpose::branch_switch || purpose == Purpose::output;
+    return is_generator(purpose) || purpose == Purpose::branch_switch || purpose == Purpose::output ||
+           (divided && purpose == Purpose::division);
   });
   out.sources = {{"Vr", "", "r", 0.0}};
-  rename_arguments(controller, cut ? kArgument : controller.passes.back().from, out);
+  rename_arguments(controller, cut ? kArgument : controller.passes.back().from, divided, out);
   return out;
 }
 
@@ -85,7 +91,8 @@ std::string controller_library(const AnalogController& controller, const std::st
   top.name = out.top;
   top.pins = options.open ? std::vector<std::string>{"r", kArgument, "branch", "slope", "v"}
                           : std::vector<std::string>{"r", "v"};
-  top.netlist = options.open ? opened(controller) : static_cast<const schematic::Netlist&>(controller);
+  top.netlist =
+      options.open ? opened(controller, options.stroke) : static_cast<const schematic::Netlist&>(controller);
   out.subcircuits.push_back(std::move(top));
   return schematic::spice_text(out, {.off = options.off, .noise = false});
 }

@@ -28,24 +28,49 @@ Json point_json(const LoopPoint& point) {
   return {{"branch", std::string(to_string(point.branch))},
           {"v", point.v},
           {"operating_hz", point.operating.value},
-          {"rate_gain", point.rate_gain}};
+          {"rate_gain", point.rate_gain},
+          {"stroke", point.stroke}};
 }
 
-/// v = 0, 1/4 … 1; both branches; the gain curve's corners, where the gains' extremes are.
+/// The full stroke; of a table of amplitude gains its least one and where the loop is steepest.
+std::vector<double> looked_at_strokes(const AnalogController& c, Disturbance::Branch branch) {
+  std::vector<double> out = {1.0};
+  if (!c.stroke) return out;
+  const auto steep = [&](double alpha) { return c.amplitude_gain(branch, alpha) / alpha; };
+  double steepest = 1.0;
+  for (const double alpha : c.disturbance.amplitude.alpha)
+    if (alpha >= c.stroke->least && steep(alpha) > steep(steepest)) steepest = alpha;
+  for (const double alpha : {steepest, c.stroke->least})
+    if (alpha != out.back()) out.push_back(alpha);
+  return out;
+}
+
+/// v = 0, 1/4 … 1 strokes; both branches; the gain curve's corners, where the gains' extremes are, at partial strokes the greatest.
 std::vector<LoopPoint> loop_points(const AnalogController& c) {
   std::vector<Hertz> operating = {c.tracked.empty() ? Hertz{1.0} : c.tracked.front()};
   if (c.curve) operating = c.curve->corner;
   std::vector<LoopPoint> out;
   for (const auto branch : kBranches) {
-    std::vector<double> seen;
+    const std::vector<double> strokes = looked_at_strokes(c, branch);
+    std::vector<LoopPoint> seen;
     for (const Hertz f : operating) {
       const double gain = c.curve ? c.curve->value(branch, f) : 1.0;
-      const bool known =
-          std::any_of(seen.begin(), seen.end(), [&](double one) { return std::abs(one - gain) < 1e-6; });
-      if (known) continue;
-      seen.push_back(gain);
-      for (int i = 0; i <= 4; ++i) out.push_back({branch, 0.25 * i, f, gain});
+      if (std::none_of(seen.begin(), seen.end(),
+                       [&](const LoopPoint& one) { return std::abs(one.rate_gain - gain) < 1e-6; }))
+        seen.push_back({branch, 0.0, f, gain});
     }
+    const auto greatest =
+        std::max_element(seen.begin(), seen.end(),
+                         [](const LoopPoint& a, const LoopPoint& b) { return a.rate_gain < b.rate_gain; });
+    const auto add = [&](LoopPoint point, double stroke) {
+      point.stroke = stroke;
+      for (int i = 0; i <= 4; ++i) {
+        point.v = 0.25 * i * stroke;
+        out.push_back(point);
+      }
+    };
+    for (const LoopPoint& one : seen) add(one, 1.0);
+    for (std::size_t i = 1; i < strokes.size(); ++i) add(*greatest, strokes[i]);
   }
   return out;
 }
@@ -54,7 +79,7 @@ std::vector<LoopPoint> loop_points(const AnalogController& c) {
 schematic::Equations cut_loop(const AnalogController& controller, const LoopPoint& point) {
   LoopBias bias = bias_of(controller, point);
   bias.volts[kArgument] = point.v;
-  schematic::Equations out(generator_netlist(controller, true),
+  schematic::Equations out(generator_netlist(controller, true, true),
                            {.position = bias.position, .input = kArgument});
   out.linearise(bias.volts);
   return out;
@@ -62,7 +87,7 @@ schematic::Equations cut_loop(const AnalogController& controller, const LoopPoin
 
 LoopAt look_at(const AnalogController& controller, const LoopPoint& point, const std::vector<Hertz>& grid) {
   const LoopBias bias = bias_of(controller, point);
-  const schematic::Netlist netlist = generator_netlist(controller, false);
+  const schematic::Netlist netlist = generator_netlist(controller, false, true);
   schematic::Equations closed(netlist, {.position = bias.position});
   closed.linearise(bias.volts);
   const schematic::Equations cut = cut_loop(controller, point);
@@ -97,6 +122,10 @@ LoopAt look_at(const AnalogController& controller, const LoopPoint& point, const
 constexpr int kGridPoints = 90;
 /// Of the stroke: within this a change of branch is over.
 constexpr double kSettledShare = 2e-4;
+
+std::string open_library(const AnalogController& controller, const LoopPoint& point) {
+  return controller_library(controller, "loop", {.open = true, .stroke = point.stroke});
+}
 
 /// The netlist with the slope meter and the branch from outside, and its sources but for x.
 std::string open_deck(const AnalogController& controller, const std::string& library, const LoopPoint& point,
@@ -135,10 +164,7 @@ std::string with_cut_opamp(const AnalogController& controller, std::string libra
 
 std::vector<std::complex<double>> opamp_ratio(const AnalogController& controller, const std::string& opamp,
                                               const LoopPoint& point, const std::vector<Hertz>& grid) {
-  LibraryOptions options;
-  options.open = true;
-  const std::string library =
-      with_cut_opamp(controller, controller_library(controller, "loop", options), opamp);
+  const std::string library = with_cut_opamp(controller, open_library(controller, point), opamp);
   std::string deck =
       open_deck(controller, library, point, bias_of(controller, point).reference_v, level(point.branch));
   // The generator reads its own drive (or the reference).
@@ -151,9 +177,7 @@ std::vector<std::complex<double>> opamp_ratio(const AnalogController& controller
 
 std::vector<std::complex<double>> generator_loop(const AnalogController& controller, const LoopPoint& point,
                                                  const std::vector<Hertz>& grid) {
-  LibraryOptions options;
-  options.open = true;
-  std::string deck = open_deck(controller, controller_library(controller, "loop", options), point,
+  std::string deck = open_deck(controller, open_library(controller, point), point,
                                bias_of(controller, point).reference_v, level(point.branch));
   deck += fmt::format("Vx x 0 {} ac 1\n", plain_number(point.v));
   std::vector<std::complex<double>> out = spice::run_ac_of_circuit(deck, "v", grid, "controller.sub");
@@ -177,10 +201,8 @@ SwitchStep change_of_branch(const AnalogController& controller, const LoopPoint&
                             const double rest_v[2], double hold_s) {
   constexpr double kChangeS = 2e-6, kEdgeS = 1e-9, kStepS = 10e-9;
   const double back_s = kChangeS + hold_s, stop_s = back_s + hold_s;
-  LibraryOptions options;
-  options.open = true;
   std::string deck = open_deck(
-      controller, controller_library(controller, "switch", options), at, r,
+      controller, open_library(controller, at), at, r,
       fmt::format("pwl(0 0 {} 0 {} 1 {} 1 {} 0)", plain_number(kChangeS), plain_number(kChangeS + kEdgeS),
                   plain_number(back_s), plain_number(back_s + kEdgeS)));
   deck += controller.form == Form::self_fed ? "Vx x v 0\n" : "Vx x r 0\n";
@@ -236,17 +258,23 @@ LoopBias bias_of(const AnalogController& controller, const LoopPoint& point) {
   LoopBias out;
   if (controller.slope) out.slope_v = -point.operating.value * controller.slope->volts_per_hz;
   rest.set_slope(out.slope_v);
+  rest.set_stroke(point.stroke);
+  const double argument = point.v / point.stroke;
   const bool rising = point.branch == Disturbance::Branch::ascending;
   out.position = rising ? 0 : 1;
   out.reference_v = point.v;
   if (wiring.argument_is_given)
-    out.reference_v = (point.v - rest.made(0.0, point.v, rising)) / rest.reference_gain();
-  rest.made(out.reference_v, point.v, rising);
+    out.reference_v = (point.v - rest.made(0.0, argument, rising)) / rest.reference_gain();
+  rest.made(out.reference_v, argument, rising);
   for (const schematic::Multiplier& m : wiring.generator.netlist().multipliers) {
     for (const std::string& node : {m.x, m.y, m.z, m.out})
       out.volts[node] = wiring.argument_is_given && node == "v" ? point.v : rest.volts(node);
   }
   if (wiring.argument_is_given) out.volts["v"] = point.v;
+  if (controller.stroke) {
+    out.volts["al"] = point.stroke;
+    out.volts[controller.passes.back().x] = argument * controller.stroke->argument_scale;
+  }
   return out;
 }
 
@@ -371,7 +399,9 @@ LoopStability checked_loop_stability(const AnalogController& controller) {
                    std::abs(t[i] - generator_loop_gain(controller, worst->point, grid[i].rad_s())));
     }
   }
-  checked.step = switch_step(controller, out.point);
+  LoopPoint full = out.point;
+  full.stroke = 1.0;
+  checked.step = switch_step(controller, full);
   out.ngspice = checked;
   return out;
 }

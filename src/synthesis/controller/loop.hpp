@@ -11,12 +11,13 @@
 
 namespace bodesmith::controller {
 
-/// Where a loop is looked at: the branch, the drive and the frequency whose rate gain holds.
+/// Where a loop is looked at: the branch, the drive, the frequency whose rate gain holds and the stroke.
 struct LoopPoint {
   Disturbance::Branch branch = Disturbance::Branch::ascending;
   double v = 0.0;
   Hertz operating;
   double rate_gain = 1.0;
+  double stroke = 1.0;  ///< by which the argument is divided, where there are amplitude gains
 };
 
 /// The generator and the subtraction at one point. The generator's loop runs from v through powers, branch, rate
@@ -45,7 +46,8 @@ struct SwitchStep {
 };
 
 struct LoopStability {
-  std::vector<LoopAt> at;      ///< v = 0 … 1, both branches, the rate gains' ends and corners
+  std::vector<LoopAt> at;  ///< v = 0 … 1 strokes, both branches, the rate gains' ends and corners; the full
+                           ///< stroke, the table's least, and where g(alpha)/alpha is greatest
   double greatest_gain = 0.0;  ///< of the generator's loop at any point
   double nearest = 1.0;        ///< least |1 + T| of it
   double margin_deg = 180.0;   ///< least of any op-amp at any point

@@ -28,6 +28,31 @@ TEST(Loop, TheGeneratorsGainIsKTimesTheSlopeOfD) {
   }
 }
 
+TEST(Loop, AtPartialStrokesItsGainIsKTimesGTimesTheSlopeOverTheStroke) {
+  Disturbance d = seed_disturbance();
+  d.amplitude.alpha = {0.25, 0.5, 1.0};
+  d.amplitude.ascending = {0.19, 0.43, 1.0};
+  d.amplitude.descending = {0.3, 0.6, 1.0};
+  const AnalogController c = make_controller(d);
+  for (const auto branch : kBranches) {
+    for (const double stroke : {0.25, 0.5, 1.0}) {
+      const LoopPoint point{branch, 0.9 * stroke, Hertz{100.0}, 1.0, stroke};
+      const auto& a = d.coefficients(branch);
+      const double slope = a[0] + 0.9 * (2.0 * a[1] + 0.9 * 3.0 * a[2]);
+      const double wanted =
+          d.rate_gain(branch, Hertz{100.0}) * d.amplitude.at(branch, stroke) / stroke * slope;
+      EXPECT_NEAR(generator_loop_gain(c, point, Hertz{100.0}.rad_s()).real(), wanted, 5e-3) << stroke;
+    }
+  }
+  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  // The descending loop at the least stroke is the steepest there is.
+  const LoopStability loop = checked_loop_stability(c);
+  EXPECT_NEAR(loop.greatest_gain, 1.17 * 1.2 * 0.3958, 0.03);
+  EXPECT_NEAR(loop.ngspice->greatest_gain, loop.greatest_gain, 3e-3);
+  EXPECT_LT(loop.ngspice->greatest_difference, 3e-3);
+  EXPECT_NEAR(loop.ngspice->margin_deg, loop.margin_deg, 1.0);
+}
+
 TEST(Loop, NgspiceAndTheOwnNetworkAgree) {
   if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
   const LoopStability loop = checked_loop_stability(seed_controller());

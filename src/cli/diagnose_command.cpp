@@ -145,7 +145,7 @@ int run_diagnose(const std::vector<std::string>& arguments) {
       "max-seconds",
       "time after which the best so far is kept and nothing new is begun (by default of the processor, so that "
       "a busy machine finds the same)",
-      120.0);
+      60.0);
   line.option<int>("threads", "threads of the search (the result does not depend on it)", 2);
   declare_drive(line);
   line.reads_records();

@@ -1,6 +1,7 @@
 #include "hysteresis/bouc_wen.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/error.hpp"
@@ -21,6 +22,92 @@ BoucWen BoucWen::from(const Parameters& values) {
     throw DesignError("gamma is outside [-beta, beta]: the state would grow without bound");
   return out;
 }
+
+namespace {
+
+/// Part of the drive up to which c |z|^n is near 0: a dozen terms of the series about z = 0 are exact there.
+constexpr double kNearZero = 0.1;
+/// The part at which a move away from 0 leaves that series: a little beyond, so that it does not come back to it.
+constexpr double kLeavesZero = 0.11;
+/// Of z, what the last two terms of a Taylor step may be.
+constexpr double kStepTolerance = 1e-11;
+
+/// ∫ dζ/(1 − x (ζ/z)^n) from 0 to z, over z: Σ x^k/(k n + 1).
+double mean_slowness(double x, double n) {
+  double sum = 1.0, power = x;
+  for (int k = 1; std::abs(power) > 1e-15; ++k, power *= x) sum += power / (k * n + 1.0);
+  return sum;
+}
+
+/// |z| at the end of the move, or at 0, or where it leaves what is near 0; `left` becomes what remains. d|z|/ds =
+/// ±drive (1 ∓ c |z|^n) is separable: s drive = |z| mean_slowness(±c |z|^n), solved for |z| by Newton. `size`: |z| now, `power`: its
+/// power n, c over the drive's size, `away` from 0.
+double moved_near_zero(double n, double c, bool away, double size, double power, double drive, double& left) {
+  const double way = away ? c : -c;
+  const double from = size * mean_slowness(way * power, n);
+  const double to = away ? from + drive * left : from - drive * left;
+  if (to <= 0.0) {
+    left -= from / drive;
+    return 0.0;
+  }
+  double z = to;
+  if (away && c * std::pow(z, n) > kLeavesZero) {
+    z = std::pow(kLeavesZero / c, 1.0 / n);
+    const double end = z * mean_slowness(kLeavesZero, n);
+    if (to >= end) {
+      left -= (end - from) / drive;
+      return z;
+    }
+  }
+  left = 0.0;
+  for (int i = 0; i < 6; ++i) {
+    const double x = way * std::pow(z, n);
+    const double off = z * mean_slowness(x, n) - to;
+    z -= off * (1.0 - x);
+    if (std::abs(off) <= 1e-15 * to) break;
+  }
+  return z;
+}
+
+/// A step of dz/ds = drive − c |z|^n by its Taylor series, over all that is left or as far as the series reaches: with w = |z|^n,
+/// z w' = n w z'. `rate`: dz/ds now.
+double taylor_step(double n, double c, double z, double w_now, double rate, double& left) {
+  constexpr int kOrder = 12;
+  // Four times what z or its slope need to change by their own size is beyond every such series' reach.
+  const double reach = 4.0 * std::abs(z) / std::max(std::abs(rate), n * std::abs(c) * w_now);
+  const double h = std::min(left, reach);
+  const double small = kStepTolerance * std::abs(z);
+  static constexpr auto kPart = [] {
+    std::array<double, kOrder + 1> parts{};
+    for (std::size_t k = 1; k <= kOrder; ++k) parts[k] = 1.0 / static_cast<double>(k);
+    return parts;
+  }();
+  const double by = 1.0 / z, slope = -c * h;
+  double at[kOrder + 1], w[kOrder];  // coefficients of (s/h)^k
+  at[0] = z;
+  at[1] = rate * h;
+  w[0] = w_now;
+  int order = 1;
+  while (order < kOrder && !(order > 2 && std::abs(at[order]) <= small && std::abs(at[order - 1]) <= small)) {
+    double sum = 0.0;
+    for (int j = 1; j <= order; ++j) sum += (n * j - (order - j)) * at[j] * w[order - j];
+    w[order] = sum * by * kPart[static_cast<std::size_t>(order)];
+    at[order + 1] = w[order] * slope * kPart[static_cast<std::size_t>(order) + 1];
+    ++order;
+  }
+  double part = 1.0;
+  for (double last = std::abs(at[order]), before = std::abs(at[order - 1]); last > small || before > small;
+       part *= 0.5) {
+    last = std::ldexp(last, -order);
+    before = std::ldexp(before, 1 - order);
+  }
+  left = part * h < left ? left - part * h : 0.0;
+  double sum = at[order];
+  for (int k = order; k-- > 0;) sum = sum * part + at[k];
+  return sum;
+}
+
+}  // namespace
 
 double BoucWen::advance(double z, double du) const {
   if (du == 0.0) return z;
@@ -49,72 +136,22 @@ double BoucWen::advance(double z, double du) const {
     }
     return z;
   }
-  const auto slope = [&](double value) {
-    const double size = std::abs(value);
-    const double power = std::pow(size, n);
-    return direction * A - beta * (value >= 0.0 ? power : -power) - gamma * direction * power;
-  };
-  // Steps of a twentieth of the decay where z is: beta + gamma and beta - gamma, of the two signs of z, may differ by any
-  // factor. On the way to 0 a quarter of it at most, until a step across 0 is one that the other side bears.
-  const double fastest = beta + std::abs(gamma);
-  const auto decay_step = [&](double c, double size) { return 0.05 / (c * n * std::pow(size, n - 1.0)); };
-  const auto rest_at = [&](double c) { return std::pow(std::abs(A) / c, 1.0 / n); };
-  const auto step_at = [&](double value, double rate) {
-    const double size = std::abs(value);
-    const bool positive = value != 0.0 ? value > 0.0 : direction * A > 0.0;
-    const double own = beta + gamma * direction * (positive ? 1.0 : -1.0);
-    if (direction * A * value >= 0.0) {
-      const double c = own > 0.0 ? own : fastest;
-      return decay_step(c, std::max(size, rest_at(c)));
-    }
-    const double across = std::max(0.25 * size / std::abs(rate), decay_step(fastest, rest_at(fastest)));
-    return own > 0.0 ? std::min(decay_step(own, size), across) : across;
-  };
-  // Whether a step over all that is left is short enough for certain, told from |z|^n alone: |z|^(n-1) is |z|^n/|z|, and
-  // rest^(n-1) no more than |A|/c or 1. Finely sampled inputs need no other power for it.
-  const auto short_enough = [&](double value, double power, double rate) {
-    constexpr double kSafe = 0.99;
-    const double size = std::abs(value);
-    const double own = value == 0.0 ? 0.0 : beta + gamma * direction * (value > 0.0 ? 1.0 : -1.0);
-    if (!(own > 0.0)) return false;
-    if (direction * A * value >= 0.0) {
-      const double steepest = std::max({power / size, std::abs(A) / own, 1.0});
-      return left <= kSafe * 0.05 / (own * n * steepest);
-    }
-    return left <= kSafe * std::min(0.05 * size / (own * n * power), 0.25 * size / std::abs(rate));
-  };
-  // z' = f(z) to the fourth power of h, f's derivatives from |z|^n alone: as exact as the four slopes below, for one power
-  // instead of four. Away from 0, where those derivatives are of moderate size.
-  constexpr double kFarFromZero = 0.02;
-  const auto taylor_step = [&](double value, double power, double f, double h) {
-    const double own = -(beta + gamma * direction * (value > 0.0 ? 1.0 : -1.0));
-    const double by = 1.0 / value;
-    const double f1 = own * n * power * std::abs(by);
-    const double f2 = f1 * (n - 1.0) * by, f3 = f2 * (n - 2.0) * by;
-    const double second = f * f1, third = f * (f1 * f1 + f * f2);
-    const double fourth = f * (f1 * f1 * f1 + f * (4.0 * f1 * f2 + f * f3));
-    return value + h * (f + h / 2.0 * (second + h / 3.0 * (third + h / 4.0 * fourth)));
-  };
+  const double drive = direction * A;
   while (left > 0.0) {
+    const double sign = (z != 0.0 ? z > 0.0 : drive >= 0.0) ? 1.0 : -1.0;
+    const double c = beta + gamma * direction * sign;  // ≥ 0: dz/ds = drive − sign c |z|^n on this side of 0
     const double power = std::pow(std::abs(z), n);
-    const double k1 = direction * A - beta * (z >= 0.0 ? power : -power) - gamma * direction * power;
+    // A move far shorter than the way to 0 is quicker by Taylor's series.
+    if (c * power <= kNearZero * std::abs(drive) && std::abs(drive) * left > 0.03 * std::abs(z)) {
+      z = sign * moved_near_zero(n, c / std::abs(drive), drive * sign >= 0.0, std::abs(z), power,
+                                 std::abs(drive), left);
+      continue;
+    }
+    const double rate = drive - sign * c * power;
     // Where z has settled it stays: its slope only falls on the way there. Without this a steep loop (a large beta
     // that a search tries) costs steps in proportion to beta at every sample.
-    if (std::abs(k1) * left <= 1e-12 * std::abs(z) || std::abs(k1) <= 1e-13 * std::abs(A)) break;
-    double h = left;
-    if (!short_enough(z, power, k1)) {
-      const double longest = step_at(z, k1);
-      if (longest > 0.0) h = std::min(left, longest);
-    } else if (std::abs(k1) * h < kFarFromZero * std::abs(z)) {
-      z = taylor_step(z, power, k1, h);
-      break;
-    }
-    const double k2 = slope(z + 0.5 * h * k1);
-    const double k3 = slope(z + 0.5 * h * k2);
-    const double k4 = slope(z + h * k3);
-    z += h / 6.0 * (k1 + 2.0 * k2 + 2.0 * k3 + k4);
-    left -= h;
-    if (left < 1e-15 * std::abs(du)) break;
+    if (std::abs(rate) * left <= 1e-12 * std::abs(z) || std::abs(rate) <= 1e-13 * std::abs(A)) break;
+    z = taylor_step(n, sign * c, z, power, rate, left);
   }
   return z;
 }

@@ -11,7 +11,8 @@ namespace bodesmith::hysteresis {
 ///   y = k u − z + offset,
 ///   ż = A u̇ − beta |u̇| |z|^(n−1) z − gamma u̇ |z|^n,        beta > 0, −beta < gamma ≤ beta, n ≥ 1, z(0) = 0.
 /// Rate-independent: along a monotone input dz/du = A − (beta sgn(u̇ z) + gamma) |z|^n. For n = 1 this is
-/// solved in closed form, otherwise by Runge-Kutta steps short against 1/((beta + |gamma|) n |z|^(n−1)).
+/// solved in closed form, otherwise near z = 0 by the series of ∫ dz/(A − …) and elsewhere by Taylor's series of z,
+/// to 1e-11 of it.
 /// Thermodynamically admissible for −beta ≤ gamma ≤ beta (Ismail, Ikhouane and Rodellar 2009). No wiping-out
 /// in the strict sense (loops drift); the inverse is by bracketing and needs dy/du = k − dz/du > 0, i.e. k >
 /// A where z = 0.

@@ -56,19 +56,28 @@ TEST(BoucWen, ASteepLoopSettlesWhereItsEquationSays) {
 }
 
 TEST(BoucWen, OneMoveOrManyGiveTheSame) {
-  const BoucWen model{2.0, 0.6, 1.3, 0.4, 1.0, 0.0, 0.0};
-  BoucWenOperator once(model);
-  BoucWenOperator often(model);
-  for (const double target : {1.0, -0.4, 0.8, 0.1}) {
-    const double before = target;
-    (void)before;
-    const double y = once.step(target, 1.0);
-    double last = 0.0;
-    static double from = 0.0;
-    for (int k = 1; k <= 57; ++k) last = often.step(from + (target - from) * k / 57.0, 1e-3);
-    from = target;
-    EXPECT_NEAR(y, last, 1e-12);
+  for (const double n : {1.0, 1.2, 2.0, 11.0}) {
+    for (const double gamma : {-1.3, -0.4, 1.1}) {
+      const BoucWen model{2.0, 0.6, 1.3, gamma, n, 0.0, 0.0};
+      BoucWenOperator once(model);
+      BoucWenOperator often(model);
+      double from = 0.0;
+      for (const double target : {1.0, -0.4, 0.8, 0.1, 0.1003, -5.0}) {
+        const double y = once.step(target, 1.0);
+        double last = 0.0;
+        for (int k = 1; k <= 57; ++k) last = often.step(from + (target - from) * k / 57.0, 1e-3);
+        from = target;
+        ASSERT_NEAR(y, last, 2e-10) << n << " " << gamma << " " << target;
+      }
+    }
   }
+}
+
+TEST(BoucWen, OfSharpnessTwoIsAHyperbolicTangentFromZero) {
+  const BoucWen model{1.0, 0.6, 1.3, 0.4, 2.0, 0.0, 0.0};
+  const double rest = std::sqrt(model.A / (model.beta + model.gamma));
+  for (const double move : {1e-6, 0.01, 0.3, 1.0, 4.0, 50.0})
+    EXPECT_NEAR(model.advance(0.0, move), rest * std::tanh(move * model.A / rest), 1e-11) << move;
 }
 
 TEST(BoucWen, InverseTracks) {

@@ -150,7 +150,8 @@ double BoucWen::advance(double z, double du) const {
     const double rate = drive - sign * c * power;
     // Where z has settled it stays: its slope only falls on the way there. Without this a steep loop (a large beta
     // that a search tries) costs steps in proportion to beta at every sample.
-    if (std::abs(rate) * left <= 1e-12 * std::abs(z) || std::abs(rate) <= 1e-13 * std::abs(A)) break;
+    if (std::abs(rate) * left <= 1e-12 * std::abs(z) || std::abs(rate) <= kStepTolerance * n * c * power)
+      break;
     z = taylor_step(n, sign * c, z, power, rate, left);
   }
   return z;

@@ -13,7 +13,7 @@ namespace {
 
 /// The state's equation integrated in very small steps: independent of the closed form.
 double brute_force(const BoucWen& model, double z, double du) {
-  const int steps = 400000;
+  const int steps = 40000;
   const double h = du / steps;
   const double sign = du > 0.0 ? 1.0 : -1.0;
   const auto slope = [&](double v) {

@@ -430,6 +430,8 @@ def make_case(r, folder, kinds, base_name, noise_kind, times=None):
                 absorbed += [lag(w, step, high), np.gradient(w)]
             left.append(rest(y - w, *absorbed) if base_name != "fixed_gain" or kinds[k] != "gain_error" else math.sqrt(np.mean((y - w) ** 2)))
         sizes.append(math.sqrt(np.mean(np.square(left))))
+    if sizes and min(sizes) <= 1e-6 * span:  # a limit that is never reached: nothing is hidden, draw again
+        return make_case(r, folder, kinds, base_name, noise_kind, times)
     times = times or math.exp(r.uniform(math.log(4), math.log(60)))
     sigma = min(sizes) / times if sizes else span * math.exp(r.uniform(math.log(3e-4), math.log(2e-2)))
     sigma = max(sigma, 1e-6 * span)

@@ -35,13 +35,36 @@ schematic::RestOrder rate_order(const AnalogController& c) {
           {"sn", "an"}};
 }
 
+/// V(al) for a reference of that stroke: what follows it adds its offsets.
+double stroke_v(const AnalogController& c, double alpha, const Deviations& off) {
+  double out = std::max(alpha, c.stroke->least);
+  for (const int one : c.stroke->follow) out += off.offset(one);
+  return out;
+}
+
+/// V(quotient) = gain V(node) + offset, from (z + x)(al + y)(1 + bend)/(U (1 + scale)) + w = share V(node) + offset of the op-amp.
+struct Quotient {
+  double gain = 1.0, offset = 0.0;
+};
+Quotient quotient_of(const AnalogController& c, const std::string& node, double alpha,
+                     const Deviations& off) {
+  if (!c.stroke) return {};
+  const AnalogController::Stroke::Division& d = c.stroke->divisions.at(node);
+  const schematic::MultiplierDeviation& m = off.multiplier[static_cast<std::size_t>(d.multiplier)];
+  const double below = off.value(c, d.below), share = below / (below + off.value(c, d.above));
+  const double by =
+      c.multiplier.scale_v * (1.0 + m.scale) / ((1.0 + m.bend) * (stroke_v(c, alpha, off) + m.y));
+  return {share * by, (off.offset(d.opamp) - m.w) * by - m.x};
+}
+
 }  // namespace
 
 SlopeMeterGains SlopeMeterGains::of(const AnalogController& c, const Deviations& off) {
   SlopeMeterGains out;
   if (!c.slope) return out;
   const AnalogController::SlopeMeter& m = *c.slope;
-  out.volts = m.input_gain * off.value(c, m.gain) * off.value(c, m.differentiates);
+  const double input_gain = quotient_of(c, "r", 1.0, off).gain;
+  out.volts = input_gain * off.value(c, m.gain) * off.value(c, m.differentiates);
   out.offset = off.offset(m.opamp);
   out.lag1_s = off.value(c, m.damping) * off.value(c, m.differentiates);
   out.lag2_s = off.value(c, m.gain) * off.value(c, m.limits);
@@ -68,6 +91,7 @@ RestWiring::RestWiring(const AnalogController& c, bool cut)
 
 AtRest::AtRest(const RestWiring& wiring, const Deviations& off)
     : wiring_(&wiring),
+      off_(off),
       rate_(wiring.rate, off.of_part(wiring.rate.netlist(), wiring.controller)),
       generator_(wiring.generator, off.of_part(wiring.generator.netlist(), wiring.controller)) {
   const AnalogController& c = wiring.controller;
@@ -76,7 +100,6 @@ AtRest::AtRest(const RestWiring& wiring, const Deviations& off)
   reference_ = wiring.generator.node("r");
   drive_ = wiring.generator.node(c.passes.back().out);
   if (wiring.argument_is_given) argument_ = wiring.generator.node(kArgument);
-  if (c.stroke) argument_scale_ = c.stroke->argument_scale;
   for (const int b : {0, 1}) {
     for (const auto& [gain, control] :
          {std::pair{&c.rate[b], &rate_control_[b]}, {&c.amplitude[b], &amplitude_control_[b]}}) {
@@ -105,14 +128,23 @@ void AtRest::set_slope(double volts) {
 }
 
 void AtRest::set_stroke(double alpha) {
-  const auto& stroke = wiring_->controller.stroke;
-  rate_.set(stroke_, stroke ? -std::max(alpha, stroke->least) : -1.0);
+  const AnalogController& c = wiring_->controller;
+  alpha_ = alpha;
+  double inverted = -1.0;
+  if (c.stroke) {
+    const double ratio = off_.value(c, c.stroke->invert_feedback) / off_.value(c, c.stroke->invert_input);
+    inverted = -ratio * stroke_v(c, alpha, off_) + (1.0 + ratio) * off_.offset(c.stroke->invert_opamp);
+    const Quotient argument = quotient_of(c, c.passes.back().from, alpha, off_);
+    argument_gain_ = argument.gain;
+    argument_offset_ = argument.offset;
+  }
+  rate_.set(stroke_, inverted);
   follow(amplitude_control_);
 }
 
 double AtRest::made(double r, double argument, bool rising) {
   generator_.set(reference_, r);
-  if (argument_ >= 0) generator_.set(argument_, argument * argument_scale_);
+  if (argument_ >= 0) generator_.set(argument_, argument_gain_ * alpha_ * argument + argument_offset_);
   for (const Control* controls : {rate_control_, amplitude_control_}) {
     for (const int b : {0, 1}) {
       if (controls[b].read >= 0) generator_.set(controls[b].read, controls[b].volts);

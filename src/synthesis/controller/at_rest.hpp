@@ -53,6 +53,7 @@ class AtRest {
 
  private:
   const RestWiring* wiring_;
+  schematic::Deviations off_;
   schematic::RestPoint rate_, generator_;
   /// Its node where it is made and where it is read.
   struct Control {
@@ -63,7 +64,9 @@ class AtRest {
 
   int slope_ = -1, stroke_ = -1, reference_ = -1, argument_ = -1, drive_ = -1;
   Control rate_control_[2], amplitude_control_[2];
-  double argument_scale_ = 1.0;
+  double alpha_ = 1.0;
+  /// Of the argument: V at the generator for 1 V before the division by the stroke, and for none.
+  double argument_gain_ = 1.0, argument_offset_ = 0.0;
   double reference_gain_ = 1.0;
 };
 

@@ -50,10 +50,10 @@ void Builder::stroke_hold() {
   const double farad = options_.capacitors.nearest(
       std::clamp(std::sqrt(contact.off_siemens / (4.0 * options_.lowest.value * fastest * contact.on_ohm)),
                  1e-9, 100e-9));
-  opamp("stroke, drives the first hold", "r", "rb", "rb");
+  out_.stroke->follow.push_back(opamp("stroke, drives the first hold", "r", "rb", "rb"));
   out_.contacts.push_back({"Sp1", group, "rb", "h1", "up", 0});
   capacitor("Cp1", "stroke, peak of this rise", "h1", "0", farad);
-  opamp("stroke, drives the second hold", "h1", "hb", "hb");
+  out_.stroke->follow.push_back(opamp("stroke, drives the second hold", "h1", "hb", "hb"));
   out_.contacts.push_back({"Sp2", group, "hb", "h2", "down", 1});
   capacitor("Cp2", "stroke, last peak", "h2", "0", farad);
   const double lower = 1e3;
@@ -68,25 +68,26 @@ void Builder::stroke_hold() {
     // The second diode keeps an op-amp that is not the greatest a diode's voltage below its input, out of saturation.
     const std::string end = fmt::format("ep{}", ++number), minus = fmt::format("np{}", number);
     const std::string role = fmt::format("stroke, greatest: {}", what);
-    opamp(role, node, minus, end);
+    const int greatest = opamp(role, node, minus, end);
+    if (number == 1) out_.stroke->follow.push_back(greatest);
     diode(fmt::format("Dp{}a", number), role, end, "al");
     diode(fmt::format("Dp{}b", number), role, minus, end);
     resistor(fmt::format("Rq{}p", number), role, "al", minus, kDividerOhm,
              options_.resistors.nearest(kDividerOhm));
   }
   resistor("Rp3", "stroke, draws what no diode gives", "al", "0", 10e3);
-  resistor("Rp4", "stroke, inverted", "al", "mp", 10e3, options_.resistors.nearest(10e3));
-  resistor("Rp5", "stroke, inverted, feedback", "mp", "an", 10e3, options_.resistors.nearest(10e3));
-  opamp("stroke, inverted", "0", "mp", "an");
+  out_.stroke->invert_input =
+      resistor("Rp4", "stroke, inverted", "al", "mp", 10e3, options_.resistors.nearest(10e3));
+  out_.stroke->invert_feedback =
+      resistor("Rp5", "stroke, inverted, feedback", "mp", "an", 10e3, options_.resistors.nearest(10e3));
+  out_.stroke->invert_opamp = opamp("stroke, inverted", "0", "mp", "an");
 }
 
 /// An op-amp whose feedback goes through a multiplier: alpha z/U = k V(node), so that z = k U V(node)/alpha.
 std::string Builder::over_stroke(const std::string& node) {
   if (!out_.stroke) return node;
   const std::string quotient = "z" + node, plus = "pz" + node, product = "y" + node;
-  const bool known = std::any_of(out_.opamps.begin(), out_.opamps.end(),
-                                 [&](const OpAmp& one) { return one.out == quotient; });
-  if (known) return quotient;
+  if (out_.stroke->divisions.contains(node)) return quotient;
   const std::size_t back = group;
   enter("division by the stroke");
   const double top = std::max(out_.loop.greatest_drive, 1.0), u = out_.multiplier.scale_v;
@@ -98,8 +99,10 @@ std::string Builder::over_stroke(const std::string& node) {
   const int below = resistor("Rz2" + node, "divided by the stroke, " + node, plus, "0", lower, lower);
   out_.stroke->argument_scale =
       u * out_.part(below).realised / (out_.part(below).realised + out_.part(above).realised);
-  opamp("divides by the stroke, " + node, plus, product, quotient);
-  multiplier("Mz" + node, "stroke times quotient, " + node, quotient, "al", "0", product, top * scale / u);
+  const int divides = opamp("divides by the stroke, " + node, plus, product, quotient);
+  const int back_product = multiplier("Mz" + node, "stroke times quotient, " + node, quotient, "al", "0",
+                                      product, top * scale / u);
+  out_.stroke->divisions[node] = {above, below, divides, back_product};
   group = back;
   return quotient;
 }

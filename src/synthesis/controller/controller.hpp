@@ -1,6 +1,7 @@
 #pragma once
 
 #include <cstddef>
+#include <map>
 #include <optional>
 #include <string>
 #include <string_view>
@@ -99,6 +100,14 @@ struct AnalogController : schematic::Netlist {
   struct Stroke {
     double least = 0.0;
     double argument_scale = 1.0;  ///< V at the generator's argument for v = alpha, by the parts
+    /// Op-amps and parts: what follows r to al, and from al to an.
+    std::vector<int> follow;
+    int invert_opamp = -1, invert_input = -1, invert_feedback = -1;
+    /// Of the node that is divided.
+    struct Division {
+      int above = -1, below = -1, opamp = -1, multiplier = -1;
+    };
+    std::map<std::string, Division> divisions = {};
   };
   std::optional<Stroke> stroke;
 

@@ -29,8 +29,7 @@ struct ReportOptions {
   bool allow_unstable = false;  ///< no refusal below controller::kLeastMarginDeg
 };
 
-/// The stroke at which a controller's parts are examined: what they do to the division by the stroke is not modelled, so that one with
-/// amplitude gains is examined at the full one.
+/// The stroke at which a controller's parts are examined: with amplitude gains the full one, at which trims are read too.
 double examined_stroke(const controller::AnalogController& controller, double asked);
 
 /// DesignError as require_stable().

@@ -13,6 +13,7 @@
 #include "synthesis/controller/at_rest.hpp"
 #include "synthesis/controller/library.hpp"
 #include "synthesis/controller/study.hpp"
+#include "tolerance/controller/operating_point.hpp"
 
 namespace bodesmith::controller {
 namespace {
@@ -111,6 +112,38 @@ TEST(AtRest, DeviationsActAsTheirFormulaSays) {
   off = none;
   off.multiplier[0].w = 2e-3;  // at U x^2's node: U volts stand for x = 1
   EXPECT_NEAR(subtracted(off, 0.5), 0.075 - 0.3 * 2e-3 * fed.multiplier.scale_v, 1e-8);
+}
+
+TEST(AtRest, TheDivisionsPartsActAsAllEquationsAtOnceSay) {
+  Disturbance d = first_seed();
+  d.amplitude.alpha = {0.25, 0.5, 1.0};
+  d.amplitude.ascending = {0.19, 0.43, 1.0};
+  d.amplitude.descending = {0.21, 0.46, 1.0};
+  const AnalogController c = make_controller(d);
+  const AnalogController::Stroke::Division& at = c.stroke->divisions.at("v");
+  Deviations off = Deviations::none(c);
+  off.part[static_cast<std::size_t>(at.above)] = 0.01;
+  off.opamp_offset_v[static_cast<std::size_t>(at.opamp)] = 1e-3;
+  off.multiplier[static_cast<std::size_t>(at.multiplier)] = {
+      .x = 2e-3, .y = 3e-3, .w = 4e-3, .scale = 0.02, .bend = 1e-3};
+  const RestWiring wiring(c, true);
+  AtRest rest(wiring, off);
+  schematic::Netlist netlist = generator_netlist(c, true, true);
+  netlist.sources.clear();
+  for (const double stroke : {0.5, 1.0}) {
+    rest.set_slope(0.0);
+    rest.set_stroke(stroke);
+    const double made = rest.made(0.0, 0.6, true);
+    std::map<std::string, double> inputs = {{"r", 0.0}, {"al", stroke}, {kArgument, 0.6 * stroke}};
+    for (const BranchGain* gains : {c.rate, c.amplitude}) {
+      for (const int b : {0, 1})
+        if (gains[b].control >= 0)
+          inputs[c.op(gains[b].control).out] = rest.volts(c.op(gains[b].control).out);
+    }
+    EXPECT_NEAR(schematic::operating_point(netlist, inputs, 0, off.of_part(netlist, c), inputs).at("v"), made,
+                1e-7)
+        << stroke;
+  }
 }
 
 TEST(ControllerLibrary, EveryPartStandsInTheNetlistOnceWithItsNodesAndValue) {

@@ -157,6 +157,11 @@ std::optional<std::string> unusable(const fpaa::Plan& plan) {
   if (total.noise_percent > kUselessPercent)
     return fmt::format("this board takes an input of {} at most, and its noise is {} % of that at the output",
                        engineering_text(total.at_input_v, "V"), rounded_text(total.noise_percent, 3));
+  if (total.image_percent > 100.0 * fpaa::kUselessShare)
+    return fmt::format(
+        "lines of this board's clocks within the band come to {} % of a sine, of no use above {} %; expected a narrower band "
+        "(--from-hz, --to-hz), or sections without zeros far below their poles",
+        rounded_text(total.image_percent, 2), 100.0 * fpaa::kUselessShare);
   return std::nullopt;
 }
 

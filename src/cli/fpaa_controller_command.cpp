@@ -2,8 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <functional>
-#include <limits>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -141,40 +139,6 @@ std::string controller_text(const fpaa::Controller& controller, const project::B
                            rounded_text(1e6 * v.delay_s, 4));
 }
 
-/// A controller run on the board.
-struct Tracked {
-  fpaa::Controller controller;
-  project::BoardTracking tracking;
-
-  double worst_percent() const {
-    double out = std::numeric_limits<double>::infinity();
-    for (const project::BoardTrackingRow& row : tracking.rows) {
-      if (row.variant == controller.chosen) out = row.worst_percent();
-    }
-    return out;
-  }
-};
-
-/// At the fast clock as it is given. Without one at 250 kHz, and where that tracks worse than is asked of a board at 1 MHz if that meets
-/// it, which the vendor's limit of (1 + gain) fc leaves room for up to a gain of 18.
-Tracked tracked_controller(const CommandLine& line, const fpaa::ControllerOptions& asked,
-                           const std::function<Tracked(const fpaa::ControllerOptions&, bool alone)>& made) {
-  constexpr double kWantedPercent = 0.05;
-  constexpr double kFasterHz = 1e6;
-  Tracked out = made(asked, false);
-  if (line.has("fast-clock-hz") || out.worst_percent() <= kWantedPercent) return out;
-  fpaa::ControllerOptions faster = asked;
-  faster.fast_clock = {kFasterHz};
-  faster.polynomial = out.controller.best().by;
-  faster.structure = out.controller.best().structure;
-  Tracked fast = made(faster, true);
-  if (!(fast.worst_percent() <= kWantedPercent)) return out;
-  fast.controller.why +=
-      fmt::format("; its fast clock is {} ({} % at {})", engineering_text(kFasterHz, "Hz"),
-                  rounded_text(out.worst_percent(), 2), engineering_text(asked.fast_clock.value, "Hz"));
-  return fast;
-}
-
 Json stream_json(const Outcome<fpaa::ControllerStreams>& streams) {
   if (const Refusal* refusal = refusal_of(streams)) return {{"why_not", refusal->reason}};
   const auto& made = std::get<fpaa::ControllerStreams>(streams);
@@ -211,21 +175,12 @@ int run_fpaa_controller(const std::vector<std::string>& arguments) {
   const fpaa::ControllerOptions options = controller_options(line);
   const std::vector<Hertz> frequencies = frequencies_to_track(line);
   const tracking::PolynomialStage stage(disturbance);
-  const auto [controller, tracking] =
-      tracked_controller(line, options, [&](const fpaa::ControllerOptions& at, bool alone) {
-        auto outcome = fpaa::make_controller(disturbance, ascending ? &*ascending : nullptr,
-                                             descending ? &*descending : nullptr, at);
-        if (const Refusal* refusal = refusal_of(outcome))
-          throw DesignError(fmt::format("{}: {}", file, refusal->reason));
-        Tracked out{std::get<fpaa::Controller>(std::move(outcome)), {}};
-        for (std::size_t i = 0; alone && i < out.controller.variants.size(); ++i) {
-          if (i != out.controller.chosen && out.controller.variants[i].fits())
-            out.controller.variants[i].refusal = Refusal{"not run at this fast clock"};
-        }
-        out.tracking = project::track_board(out.controller, disturbance, stage, frequencies);
-        project::choose_by_tracking(out.controller, out.tracking, at);
-        return out;
-      });
+  const auto outcome = project::track_controller(disturbance, ascending ? &*ascending : nullptr,
+                                                 descending ? &*descending : nullptr, options,
+                                                 line.has("fast-clock-hz"), stage, frequencies);
+  if (const Refusal* refusal = refusal_of(outcome))
+    throw DesignError(fmt::format("{}: {}", file, refusal->reason));
+  const auto& [controller, tracking] = std::get<project::TrackedController>(outcome);
   Json json = timed_document("fpaa_controller", from, controller.to_json(), watch.seconds());
   json["tracking"] = tracking.to_json();
   const auto streams = fpaa::controller_streams(controller.best(), disturbance);

@@ -199,6 +199,47 @@ void choose_by_tracking(fpaa::Controller& controller, const BoardTracking& track
       rounded_text(tracking.frequency.back().value), rounded_text(polynomial->worst_percent(), 2));
 }
 
+double TrackedController::worst_percent() const {
+  for (const BoardTrackingRow& row : tracking.rows) {
+    if (row.variant == controller.chosen) return row.worst_percent();
+  }
+  return std::numeric_limits<double>::infinity();
+}
+
+Outcome<TrackedController> track_controller(const Disturbance& disturbance, const fpaa::Plan* ascending,
+                                            const fpaa::Plan* descending,
+                                            const fpaa::ControllerOptions& options, bool clock_is_given,
+                                            const tracking::Stage& stage,
+                                            const std::vector<Hertz>& frequencies) {
+  constexpr double kWantedPercent = 0.05;
+  constexpr Hertz kFaster{1e6};
+  const auto made = [&](const fpaa::ControllerOptions& at, bool alone) -> Outcome<TrackedController> {
+    auto outcome = fpaa::make_controller(disturbance, ascending, descending, at);
+    if (const Refusal* refusal = refusal_of(outcome)) return *refusal;
+    TrackedController out{std::get<fpaa::Controller>(std::move(outcome)), {}};
+    for (std::size_t i = 0; alone && i < out.controller.variants.size(); ++i) {
+      if (i != out.controller.chosen && out.controller.variants[i].fits())
+        out.controller.variants[i].refusal = Refusal{"not run at this fast clock"};
+    }
+    out.tracking = track_board(out.controller, disturbance, stage, frequencies);
+    choose_by_tracking(out.controller, out.tracking, at);
+    return out;
+  };
+  Outcome<TrackedController> first = made(options, false);
+  const auto* out = std::get_if<TrackedController>(&first);
+  if (out == nullptr || clock_is_given || out->worst_percent() <= kWantedPercent) return first;
+  fpaa::ControllerOptions faster = options;
+  faster.fast_clock = kFaster;
+  faster.polynomial = out->controller.best().by;
+  faster.structure = out->controller.best().structure;
+  TrackedController fast = value_or_throw(made(faster, true));
+  if (!(fast.worst_percent() <= kWantedPercent)) return first;
+  fast.controller.why +=
+      fmt::format("; its fast clock is {} ({} % at {})", engineering_text(kFaster.value, "Hz"),
+                  rounded_text(out->worst_percent(), 2), engineering_text(options.fast_clock.value, "Hz"));
+  return fast;
+}
+
 std::vector<std::string> BoardTracking::head() const {
   std::vector<std::string> out = {"drive"};
   for (const Hertz f : frequency) out.push_back(rounded_text(f.value) + " Hz");

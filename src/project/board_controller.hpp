@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "base/json_fwd.hpp"
+#include "base/outcome.hpp"
 #include "base/units.hpp"
 #include "fpaa/controller/controller.hpp"
 #include "signal/disturbance.hpp"
@@ -77,5 +78,19 @@ BoardTracking track_board(const fpaa::Controller& controller, const Disturbance&
 /// variants that `polynomial` and `structure` allow.
 void choose_by_tracking(fpaa::Controller& controller, const BoardTracking& tracking,
                         const fpaa::ControllerOptions& options);
+
+struct TrackedController {
+  fpaa::Controller controller;
+  BoardTracking tracking;
+  double worst_percent() const;  ///< of the chosen variant
+};
+/// A controller (fpaa::make_controller) run on the board, its variant chosen by that. At the fast clock as it is given; without one
+/// (not `clock_is_given`) at 250 kHz, and where that tracks worse than is asked of a board at 1 MHz if that meets it, which the vendor's
+/// limit of (1 + gain) fc leaves room for up to a gain of 18.
+Outcome<TrackedController> track_controller(const Disturbance& disturbance, const fpaa::Plan* ascending,
+                                            const fpaa::Plan* descending,
+                                            const fpaa::ControllerOptions& options, bool clock_is_given,
+                                            const tracking::Stage& stage,
+                                            const std::vector<Hertz>& frequencies);
 
 }  // namespace bodesmith::project

@@ -33,6 +33,7 @@ class ClockedNetwork {
   std::int64_t period() const { return period_; }
   const std::vector<Interval>& intervals() const { return intervals_; }
   std::size_t inputs() const { return inputs_; }
+  bool has_noise() const { return intervals_.front().noise.size() > 0; }
   std::size_t opamps() const { return opamps_; }
   /// Index of the op-amp that is read outside.
   std::size_t output() const { return output_; }

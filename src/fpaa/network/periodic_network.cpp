@@ -4,6 +4,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numbers>
 
 #include "base/error.hpp"
 #include "numeric/dense.hpp"
@@ -126,13 +127,17 @@ std::vector<std::vector<PeriodicNetworks::Source>> PeriodicNetworks::parts_of(
 
 std::size_t PeriodicNetworks::add(ClockedNetwork network, std::vector<Source> sources) {
   std::vector<std::size_t> made;
+  bool fits = !may_follow_ || !network.has_noise();
   for (std::vector<Source>& part : parts_of(network.period(), sources)) {
-    Node node{network, std::move(part), 1, {}, {}, {}, {}, {}, {}};
-    lay_pieces(node);
-    find_loop(node);
-    nodes_.push_back(std::move(node));
+    Node& node = nodes_.emplace_back(Node{network, std::move(part), 1, {}, {}, {}, {}, {}, {}, {}});
+    fits = fits && lay_pieces(node);
     made.push_back(nodes_.size() - 1);
   }
+  if (!fits) {
+    may_follow_ = false;
+    for (Node& node : nodes_) lay_pieces(node);
+  }
+  for (const std::size_t n : made) find_loop(nodes_[n]);
   parts_.push_back(std::move(made));
   return parts_.size() - 1;
 }
@@ -150,7 +155,40 @@ std::size_t PeriodicNetworks::pieces() const {
   return out;
 }
 
-void PeriodicNetworks::lay_pieces(Node& node) const {
+std::size_t PeriodicNetworks::instants_of(const Node& node) const {
+  if (!node.follows) return node.pieces();
+  const Node& from = nodes_[*node.follows];
+  return static_cast<std::size_t>(node.period / from.period) * instants_of(from);
+}
+
+std::size_t PeriodicNetworks::instants() const {
+  std::size_t out = 0;
+  for (const Node& node : nodes_) out += node.clocked.opamps() * instants_of(node);
+  return out;
+}
+
+/// The one source, where the node's intervals take in whole periods of it.
+std::optional<std::size_t> PeriodicNetworks::followed_by(const Node& node) const {
+  std::optional<std::size_t> out;
+  for (const Source& source : node.sources) {
+    if (source.kind != Source::Kind::network) continue;
+    if (out && *out != source.network) return std::nullopt;
+    out = source.network;
+  }
+  if (!out || !may_follow_) return std::nullopt;
+  const std::int64_t period = nodes_[*out].period;
+  const auto& intervals = node.clocked.intervals();
+  const bool whole = node.clocked.period() % period == 0 &&
+                     std::all_of(intervals.begin(), intervals.end(),
+                                 [&](const auto& interval) { return interval.start % period == 0; });
+  return whole ? out : std::nullopt;
+}
+
+bool PeriodicNetworks::lay_pieces(Node& node) const {
+  node =
+      Node{std::move(node.clocked), std::move(node.sources), 1, {}, {}, {}, {}, {}, {}, std::move(node.loop)};
+  node.follows = followed_by(node);
+  const bool nested = node.follows.has_value();
   std::vector<std::int64_t> periods{node.clocked.period()};
   for (const Source& source : node.sources) {
     if (source.kind == Source::Kind::network) periods.push_back(nodes_[source.network].period);
@@ -168,7 +206,7 @@ void PeriodicNetworks::lay_pieces(Node& node) const {
   count(node.clocked.period(), node.clocked.intervals().size());
   for (const Source& source : node.sources) {
     if (source.kind == Source::Kind::network)
-      count(nodes_[source.network].period, nodes_[source.network].pieces());
+      count(nodes_[source.network].period, instants_of(nodes_[source.network]));
   }
   if (too_many(instants)) {
     throw DesignError(
@@ -182,7 +220,7 @@ void PeriodicNetworks::lay_pieces(Node& node) const {
     for (const auto& interval : intervals) node.edges.push_back(t + interval.start);
   }
   for (const Source& source : node.sources) {
-    if (source.kind != Source::Kind::network) continue;
+    if (source.kind != Source::Kind::network || nested) continue;
     const Node& from = nodes_[source.network];
     for (std::int64_t t = 0; t < node.period; t += from.period) {
       for (std::size_t i = 0; i + 1 < from.edges.size(); ++i) node.edges.push_back(t + from.edges[i]);
@@ -206,8 +244,10 @@ void PeriodicNetworks::lay_pieces(Node& node) const {
   for (const Source& source : node.sources) {
     std::vector<std::uint32_t> piece(pieces, 0);
     std::vector<std::uint32_t> turn(pieces, 0);
-    if (source.kind == Source::Kind::network) {
+    if (source.kind == Source::Kind::network && !nested) {
       const Node& from = nodes_[source.network];
+      if (from.follows && node.follows && *node.follows != *from.follows) return false;
+      if (from.follows) node.follows = from.follows;
       std::size_t at = 0;
       std::uint32_t turns = 0;
       for (std::size_t i = 0; i < pieces; ++i) {
@@ -224,6 +264,9 @@ void PeriodicNetworks::lay_pieces(Node& node) const {
     node.source_piece.push_back(std::move(piece));
     node.source_turn.push_back(std::move(turn));
   }
+  return !node.follows || std::all_of(node.edges.begin(), node.edges.end(), [&](std::int64_t edge) {
+    return edge % nodes_[*node.follows].period == 0;
+  });
 }
 
 void PeriodicNetworks::find_loop(Node& node) {
@@ -249,10 +292,18 @@ PeriodicNetworks::Inputs PeriodicNetworks::inputs_of(const Node& node, const std
   Turning turning(per_tick);
   for (std::size_t i = 0; i < pieces; ++i)
     out.turn_at_end.push_back(turning.at(static_cast<double>(node.edges[i + 1])));
+  if (node.follows) {
+    out.gamma.assign(pieces * count, 0.0);
+    const Complex start = known[*node.follows].end *
+                          std::polar(1.0, -per_tick * static_cast<double>(nodes_[*node.follows].period));
+    for (const Complex turn : out.turn_at_end) out.followed_at_end.push_back(start * turn);
+  }
   for (std::size_t k = 0; k < node.sources.size(); ++k) {
     const Source& source = node.sources[k];
     if (source.kind == Source::Kind::board_input) {
       for (std::size_t i = 0; i < pieces; ++i) out.beta[i * count + k] = 1.0;
+    } else if (source.kind == Source::Kind::network && node.follows == source.network) {
+      for (std::size_t i = 0; i < pieces; ++i) out.gamma[i * count + k] = 1.0;
     } else if (source.kind == Source::Kind::network) {
       const SineWaveform& from = known[source.network];
       const double period = static_cast<double>(nodes_[source.network].period);
@@ -266,22 +317,25 @@ PeriodicNetworks::Inputs PeriodicNetworks::inputs_of(const Node& node, const std
         const std::uint32_t piece = node.source_piece[k][i];
         out.alpha[i * count + k] = from.alpha[piece] * turn;
         out.beta[i * count + k] = from.beta[piece];
+        if (from.follows) out.gamma[i * count + k] = from.gamma[piece];
       }
     }
+  }
+  out.at_end.resize(pieces * count);
+  for (std::size_t at = 0; at < out.at_end.size(); ++at) {
+    out.at_end[at] = out.alpha[at] + out.beta[at] * out.turn_at_end[at / count];
+    if (node.follows) out.at_end[at] += out.gamma[at] * out.followed_at_end[at / count];
   }
   return out;
 }
 
 VectorXcd PeriodicNetworks::start_of(const Node& node, const Inputs& in) {
   const std::size_t count = node.clocked.inputs();
-  std::vector<Complex> u(count);
   VectorXcd q = VectorXcd::Zero(node.loop.rows());
   VectorXcd next;
   for (std::size_t i = 0; i < node.pieces(); ++i) {
     if (!node.ends[i]) continue;
-    for (std::size_t k = 0; k < count; ++k)
-      u[k] = in.alpha[i * count + k] + in.beta[i * count + k] * in.turn_at_end[i];
-    step(node.clocked.intervals()[node.interval[i]], q, u.data(), next);
+    step(node.clocked.intervals()[node.interval[i]], q, in.at_end.data() + i * count, next);
     q.swap(next);
   }
   return solve_periodic(in.turn_at_end.back(), node.loop, q);
@@ -296,8 +350,9 @@ std::vector<SineWaveform> PeriodicNetworks::waveforms(const Node& node, const In
     one.edges = &node.edges;
     one.alpha.resize(pieces);
     one.beta.resize(pieces);
+    one.follows = node.follows;
+    if (node.follows) one.gamma.assign(pieces, 0.0);
   }
-  std::vector<Complex> u(count);
   VectorXcd q = start_of(node, in);
   VectorXcd next;
   for (std::size_t i = 0; i < pieces; ++i) {
@@ -313,12 +368,16 @@ std::vector<SineWaveform> PeriodicNetworks::waveforms(const Node& node, const In
       }
       out[o].alpha[i] = alpha;
       out[o].beta[i] = beta;
+      for (std::size_t k = 0; k < count && node.follows; ++k)
+        out[o].gamma[i] += at.d(row, index(k)) * in.gamma[i * count + k];
     }
     if (!node.ends[i]) continue;
-    for (std::size_t k = 0; k < count; ++k)
-      u[k] = in.alpha[i * count + k] + in.beta[i * count + k] * in.turn_at_end[i];
-    step(at, q, u.data(), next);
+    step(at, q, in.at_end.data() + i * count, next);
     q.swap(next);
+  }
+  for (SineWaveform& one : out) {
+    one.end = one.alpha.back() + one.beta.back() * in.turn_at_end.back();
+    if (node.follows) one.end += one.gamma.back() * in.followed_at_end.back();
   }
   return out;
 }
@@ -332,7 +391,8 @@ std::vector<SineWaveform> PeriodicNetworks::outputs(double w) const {
   return out;
 }
 
-Complex PeriodicNetworks::mean(const SineWaveform& of, double w, double line) const {
+Complex PeriodicNetworks::mean(const SineWaveform& of, const std::vector<SineWaveform>& known, double w,
+                               double line) const {
   const std::vector<std::int64_t>& edges = *of.edges;
   Complex sum = 0.0;
   TurningSpans constant(-line / ticks_per_second_);
@@ -343,7 +403,46 @@ Complex PeriodicNetworks::mean(const SineWaveform& of, double w, double line) co
     if (of.alpha[i] != 0.0) sum += of.alpha[i] * constant.over(from, to);
     if (of.beta[i] != 0.0) sum += of.beta[i] * (line == w ? Complex(to - from) : moving.over(from, to));
   }
+  if (of.follows) {
+    const std::int64_t period = nodes_[*of.follows].period;
+    const double once = static_cast<double>(period);
+    const Complex one = once * mean(known[*of.follows], known, w, line);
+    const double turn = std::remainder((w - line) / ticks_per_second_ * once, 2.0 * std::numbers::pi);
+    for (std::size_t i = 0; i < of.gamma.size(); ++i) {
+      const auto from = static_cast<double>(edges[i] / period);
+      const auto turns = static_cast<double>((edges[i + 1] - edges[i]) / period);
+      // sum over r of exp(j r turn), turns of them
+      const double size =
+          std::abs(turn) < 1e-12 ? turns : std::sin(0.5 * turns * turn) / std::sin(0.5 * turn);
+      sum += of.gamma[i] * one * std::polar(1.0, turn * (from + 0.5 * (turns - 1.0))) * size;
+    }
+  }
   return sum / static_cast<double>(edges.back());
+}
+
+/// Both ends of every piece, those of what is followed in it.
+void PeriodicNetworks::for_each_instant(const SineWaveform& of, const std::vector<SineWaveform>& known,
+                                        double w, const AtInstant& at) const {
+  const std::vector<std::int64_t>& edges = *of.edges;
+  const double per_tick = w / ticks_per_second_;
+  Turning turning(per_tick);
+  Complex before = 1.0;
+  for (std::size_t i = 0; i < of.alpha.size(); ++i) {
+    const Complex after = turning.at(static_cast<double>(edges[i + 1]));
+    if (!of.follows) {
+      for (const Complex turn : {before, after}) at(turn, of.alpha[i] + of.beta[i] * turn);
+    } else {
+      const std::int64_t period = nodes_[*of.follows].period;
+      for (std::int64_t t = edges[i]; t < edges[i + 1]; t += period) {
+        const Complex later = std::polar(1.0, per_tick * static_cast<double>(t));
+        for_each_instant(known[*of.follows], known, w, [&](Complex turn, Complex value) {
+          const Complex now = turn * later;
+          at(now, of.alpha[i] + of.beta[i] * now + of.gamma[i] * (value * later));
+        });
+      }
+    }
+    before = after;
+  }
 }
 
 Complex PeriodicNetworks::gain(RadPerSecond w) const {
@@ -354,7 +453,7 @@ Complex PeriodicNetworks::component(RadPerSecond w, RadPerSecond line) const {
   if (!output_) return line.value == w.value ? 1.0 : 0.0;
   const std::vector<SineWaveform> known = outputs(w.value);
   Complex out = 0.0;
-  for (const std::size_t part : parts_[*output_]) out += mean(known[part], w.value, line.value);
+  for (const std::size_t part : parts_[*output_]) out += mean(known[part], known, w.value, line.value);
   return out;
 }
 
@@ -365,7 +464,7 @@ std::vector<Complex> PeriodicNetworks::components(Hertz sine, std::span<const do
   for (const double hz : lines_hz) {
     Complex sum = output_ || hz != sine.value ? 0.0 : 1.0;
     for (const std::size_t part : output_ ? parts_[*output_] : std::vector<std::size_t>{})
-      sum += mean(known[part], w, Hertz{hz}.rad_s().value);
+      sum += mean(known[part], known, w, Hertz{hz}.rad_s().value);
     out.push_back(sum);
   }
   return out;
@@ -383,17 +482,12 @@ std::vector<std::vector<PeriodicNetworks::NodeSize>> PeriodicNetworks::nodes(Rad
     std::vector<NodeSize> sizes;
     std::vector<double> beside;
     for (const SineWaveform& wave : waves) {
-      NodeSize size{mean(wave, w.value, w.value), 0.0};
+      NodeSize size{mean(wave, known, w.value, w.value), 0.0};
       double departure = 0.0;
-      Complex before = 1.0;
-      for (std::size_t i = 0; i < wave.alpha.size(); ++i) {
-        for (const Complex turn : {before, in.turn_at_end[i]}) {
-          const Complex v = wave.alpha[i] + wave.beta[i] * turn;
-          size.largest = std::max(size.largest, std::abs(v));
-          departure = std::max(departure, std::abs(v - size.gain * turn));
-        }
-        before = in.turn_at_end[i];
-      }
+      for_each_instant(wave, known, w.value, [&](Complex turn, Complex v) {
+        size.largest = std::max(size.largest, std::abs(v));
+        departure = std::max(departure, std::abs(v - size.gain * turn));
+      });
       sizes.push_back(size);
       beside.push_back(departure);
     }

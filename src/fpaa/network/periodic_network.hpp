@@ -2,6 +2,7 @@
 
 #include <complex>
 #include <cstdint>
+#include <functional>
 #include <optional>
 #include <span>
 #include <vector>
@@ -12,10 +13,14 @@
 namespace bodesmith::fpaa {
 
 /// A voltage in the periodic steady state under the input exp(j w t): alpha_i + beta_i exp(j w t) from edge[i] to
-/// edge[i+1] (ticks; one edge more than pieces), a turn of exp(j w edge.back()) later the same again.
+/// edge[i+1] (ticks; one edge more than pieces), a turn of exp(j w edge.back()) later the same again. Beside that gamma_i times
+/// the waveform of the node that it follows, of which each piece then takes in whole periods.
 struct SineWaveform {
   const std::vector<std::int64_t>* edges = nullptr;
   std::vector<std::complex<double>> alpha, beta;
+  std::optional<std::size_t> follows = {};
+  std::vector<double> gamma = {};
+  std::complex<double> end = 0.0;  ///< at edges.back()
 };
 
 /// Clocked networks one behind the other, none of which reads what depends on it: the board of a plan.
@@ -26,7 +31,8 @@ struct SineWaveform {
 /// complex solve; two passes over the instants give its waveform. The gain is
 ///   (1/L) int_0^L v(t) exp(-j w t) dt
 /// of the last network's output: a component at another line w + 2 pi k/L likewise. The cost of a frequency grows
-/// with the switching instants in L: two for each network where all share a clock.
+/// with the switching instants in L: two for each network where all share a clock. What reads a faster clock of which its own
+/// intervals take in whole periods follows that waveform, which is the same but for a turn in each of them: a geometric sum.
 ///
 /// The response is linear: what a network reads of clocks that have no short common period with one another is
 /// superposed, each part over its own common period with the network's clocks.
@@ -57,6 +63,8 @@ class PeriodicNetworks {
   std::size_t size() const { return parts_.size(); }
   /// Pieces of waveforms that a frequency costs.
   std::size_t pieces() const;
+  /// Instants that nodes() looks at, some 10 ns each.
+  std::size_t instants() const;
   double ticks_per_second() const { return ticks_per_second_; }
 
   /// Component of the output at the input's own frequency, for an input of 1.
@@ -73,7 +81,8 @@ class PeriodicNetworks {
   /// Several lines of one sine, in hertz.
   std::vector<std::complex<double>> components(Hertz sine, std::span<const double> lines_hz) const;
 
-  /// One-sided noise density at the output, [network]: what each adds, in kT over the unit of capacitance, a hertz.
+  /// One-sided noise density at the output, [network]: what each adds, in kT over the unit of capacitance, a hertz. Of networks made
+  /// with their noise.
   std::vector<double> noise_density(RadPerSecond w) const;
 
  private:
@@ -88,19 +97,24 @@ class PeriodicNetworks {
     /// [input][piece]: piece of the source and how many of the source's periods later.
     std::vector<std::vector<std::uint32_t>> source_piece;
     std::vector<std::vector<std::uint32_t>> source_turn;
-    Eigen::MatrixXd loop;  ///< q over the whole period without an input
+    std::optional<std::size_t> follows;  ///< SineWaveform::follows
+    Eigen::MatrixXd loop;                ///< q over the whole period without an input
 
     std::size_t pieces() const { return interval.size(); }
   };
   /// Inputs of a node, one waveform each on the node's own pieces.
   struct Inputs {
-    std::vector<std::complex<double>> alpha, beta;  ///< [piece * inputs + input]
-    std::vector<std::complex<double>> turn_at_end;  ///< exp(j w edge) of each piece's end
+    std::vector<std::complex<double>> alpha, beta, at_end;  ///< [piece * inputs + input]
+    std::vector<double> gamma;                              ///< likewise; none where nothing is followed
+    std::vector<std::complex<double>> turn_at_end;          ///< exp(j w edge) of each piece's end
+    std::vector<std::complex<double>> followed_at_end;      ///< what is followed, there
   };
   class NoisePass;
 
   std::vector<std::vector<Source>> parts_of(std::int64_t own, const std::vector<Source>& sources) const;
-  void lay_pieces(Node& node) const;
+  /// False where what its sources follow does not fit its own intervals.
+  bool lay_pieces(Node& node) const;
+  std::optional<std::size_t> followed_by(const Node& node) const;
   static void find_loop(Node& node);
   Inputs inputs_of(const Node& node, const std::vector<SineWaveform>& known, double w) const;
   /// Charges at the beginning of the period.
@@ -109,9 +123,15 @@ class PeriodicNetworks {
   static std::vector<SineWaveform> waveforms(const Node& node, const Inputs& in,
                                              std::span<const std::size_t> opamps);
   std::vector<SineWaveform> outputs(double w) const;
-  std::complex<double> mean(const SineWaveform& of, double w, double line) const;
+  std::complex<double> mean(const SineWaveform& of, const std::vector<SineWaveform>& known, double w,
+                            double line) const;
+  std::size_t instants_of(const Node& node) const;
+  using AtInstant = std::function<void(std::complex<double> turn, std::complex<double> value)>;
+  void for_each_instant(const SineWaveform& of, const std::vector<SineWaveform>& known, double w,
+                        const AtInstant& at) const;
 
   double ticks_per_second_;
+  bool may_follow_ = true;
   std::vector<Node> nodes_;
   std::vector<std::vector<std::size_t>> parts_;  ///< of each network: its nodes
   std::optional<std::size_t> output_;

@@ -41,7 +41,7 @@ std::vector<ErrorBudget::CamShare> cam_shares(const std::vector<const PlacedCam*
   return out;
 }
 
-/// int density df by CAM over a grid, straight between its points.
+/// int density df by CAM over a grid, straight between its points; the board made with its noise.
 std::vector<double> integrated_noise(const SwitchedBoard& board, const std::vector<Hertz>& grid) {
   std::vector<double> out(board.graph().nodes.size(), 0.0);
   std::vector<double> before = board.noise_density(grid[0].rad_s());
@@ -75,9 +75,10 @@ int affordable(int points, std::size_t pieces_of, int times = 1) {
 /// Node gains and noise.
 void add_nodes_and_noise(const Plan& plan, const SwitchedBoard& board, Band band,
                          std::vector<ErrorBudget::CamShare>& shares) {
-  const int points = affordable(kNoisePoints, board.pieces(), kNoiseCost);
-  const std::vector<double> in_band = integrated_noise(board, log_grid(band, points));
-  const std::vector<double> whole = integrated_noise(board, whole_noise_grid(plan, band, points));
+  const SwitchedBoard noisy(plan, true);
+  const int points = affordable(kNoisePoints, noisy.pieces(), kNoiseCost);
+  const std::vector<double> in_band = integrated_noise(noisy, log_grid(band, points));
+  const std::vector<double> whole = integrated_noise(noisy, whole_noise_grid(plan, band, points));
   for (const Hertz f : log_grid({{0.1 * band.from.value}, {0.45 * plan.fastest_clock().value}}, points)) {
     const auto nodes = board.nodes(f.rad_s());
     for (std::size_t c = 0; c < shares.size(); ++c) {
@@ -160,8 +161,9 @@ PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sect
   if (out.at_input_v > 0.0)
     out.from_bound_db = to_decibel(out.at_input_v * asked / board_by_name(plan.board).full_scale_v);
   double noise = 0.0;  // mean square at the pin, kT/C_u
-  for (const double share : integrated_noise(
-           switched, log_grid(band, affordable(kTotalNoisePoints, switched.pieces(), kNoiseCost))))
+  const SwitchedBoard noisy(plan, true);
+  for (const double share :
+       integrated_noise(noisy, log_grid(band, affordable(kTotalNoisePoints, noisy.pieces(), kNoiseCost))))
     noise += share;
   const double rms_v = 1e-6 * assumptions.noise.microvolts(noise);
   double largest = 0.0;

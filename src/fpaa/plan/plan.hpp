@@ -62,7 +62,7 @@ struct PlanTotal {
 };
 
 /// A design that the search found and that no other one found beats in both, error and input (by the search's own
-/// figures: mismatch to first order, noise without foldings).
+/// figures: mismatch to first order, noise without foldings; the chosen one by the plan's).
 struct TradeOff {
   double at_input_v = 0.0;
   double designed_percent = 0.0;
@@ -70,6 +70,10 @@ struct TradeOff {
   int opamps = 0;
   bool chosen = false;
 };
+
+/// What a board shows at the pin beside what was asked for, as a share of that, above which it is of no use: a quarter, 12 dB below.
+/// As an error of the response the design is refused, as images in the band it is said.
+inline constexpr double kUselessShare = 0.25;
 
 /// A line that the switches add beside a sine.
 struct ImageLine {

@@ -70,9 +70,9 @@ double StepPeaks::largest(const std::vector<Complex>& node) const {
 
 Headroom headroom_of(const SwitchedBoard& switched, Band band, const Board& board) {
   constexpr int kPoints = 360;
-  constexpr double kPieces = 4e6;  // a second or two
+  constexpr double kInstants = 4e7;  // half a second
   const int points =
-      std::clamp(static_cast<int>(kPieces / static_cast<double>(switched.pieces())), 60, kPoints);
+      std::clamp(static_cast<int>(kInstants / static_cast<double>(switched.instants())), 60, kPoints);
   const std::vector<Hertz> grid =
       log_grid({{0.01 * band.from.value}, {0.45 * switched.fastest_clock().value}}, points);
   std::vector<std::vector<Complex>> gains;  // [op-amp][frequency]

@@ -36,7 +36,7 @@ std::vector<double> stage_units(const StageSwitches& stage, const PlacedCam& cam
 
 }  // namespace
 
-SwitchedBoard::SwitchedBoard(const Plan& plan)
+SwitchedBoard::SwitchedBoard(const Plan& plan, bool with_noise)
     : graph_(value_or_throw(plan_graph(plan))), networks_(graph_.tick_rate) {
   if (graph_.looped) {
     throw DesignError("the plan's wires loop, which has no response of this kind: simulate it instead");
@@ -66,7 +66,7 @@ SwitchedBoard::SwitchedBoard(const Plan& plan)
                                       ? Source{Source::Kind::network, network_of_[*input.from.node]}
                                       : Source{Source::Kind::board_input, 0};
     }
-    network_of_[n] = networks_.add(clocked(n, units_, true), std::move(sources));
+    network_of_[n] = networks_.add(clocked(n, units_, with_noise), std::move(sources));
   }
   if (graph_.output && graph_.output->node) networks_.set_output(network_of_[*graph_.output->node]);
 }

@@ -16,8 +16,9 @@ namespace bodesmith::fpaa {
 class SwitchedBoard {
  public:
   /// Throws DesignError for a plan whose wires are wrong or loop, with a CAM whose switches are not known, or with
-  /// clocks without a manageable common period. The plan must outlive it.
-  explicit SwitchedBoard(const Plan& plan);
+  /// clocks without a manageable common period. The plan must outlive it. `with_noise`: for noise_density(); other figures cost more then
+  /// (PeriodicNetworks).
+  explicit SwitchedBoard(const Plan& plan, bool with_noise = false);
 
   /// Capacitors of all CAMs one behind the other, in the plan's order.
   const std::vector<double>& nominal_units() const { return units_; }
@@ -46,6 +47,8 @@ class SwitchedBoard {
   Hertz fastest_clock() const;
   /// Pieces of waveforms that a frequency costs (some 0.2 us each).
   std::size_t pieces() const { return networks_.pieces(); }
+  /// Instants that nodes() looks at (some 10 ns each).
+  std::size_t instants() const { return networks_.instants(); }
 
  private:
   ClockedNetwork clocked(std::size_t node, std::span<const double> units, bool with_noise) const;

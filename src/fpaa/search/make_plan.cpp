@@ -78,7 +78,7 @@ std::vector<std::string> assumptions_of(const Plan& plan) {
 
 /// What a board does to a response that hardly deserves the name; errors below this share of the peak (deep in
 /// a stop band) do not count.
-constexpr double kHopeless = 0.25;
+constexpr double kHopeless = kUselessShare;
 constexpr double kHopelessFloor = 1e-2;
 
 bool is_hopeless(const SwitchedBoard& board, const Sections& sections, Band band) {
@@ -193,9 +193,15 @@ std::optional<Refusal> too_many_poles(const Sections& sections, const Board& boa
       poles, (poles + per_chip - 1) / per_chip, opamps)};
 }
 
-/// What cannot all be had, and which part of it stands in the way; the curve goes where all is.
+/// What cannot all be had, and which part of it stands in the way; the curve goes where all is. The search's figures of a design are of
+/// first order in each capacitor: of the one that was taken there are the plan's own.
 void state_trade_off(Plan& plan, const Board& board) {
   const PlanTotal& total = *plan.total;
+  for (TradeOff& at : plan.trade_off) {
+    if (at.chosen) at = {total.at_input_v, total.designed_percent, total.p95_percent, opamps_of(plan), true};
+  }
+  std::stable_sort(plan.trade_off.begin(), plan.trade_off.end(),
+                   [](const TradeOff& a, const TradeOff& b) { return a.at_input_v < b.at_input_v; });
   DesignScore score;
   score.bound = total.at_input_v / std::pow(10.0, total.from_bound_db / 20.0) / board.full_scale_v;
   const double wanted_v = score.wanted_input(board.full_scale_v) * board.full_scale_v;
@@ -259,6 +265,12 @@ Outcome<Plan> make_plan(const Sections& sections, const PlanOptions& options) {
   if (2.0 * band.from.value >= board.master_clock.value) {
     return Refusal{fmt::format("the band begins at {} Hz, expected one below half the board's clock of {} Hz",
                                rounded_text(band.from.value), rounded_text(board.master_clock.value))};
+  }
+  if (band.to.value >= board.master_clock.value) {
+    return Refusal{fmt::format(
+        "the band to judge ends at {} Hz{}, expected one that ends below the board's clock of {} Hz",
+        rounded_text(band.to.value), options.band ? "" : " (the sections' highest corner)",
+        rounded_text(board.master_clock.value))};
   }
   if (const auto refusal = not_a_response(sections, band)) return *refusal;
   if (const auto refusal = too_many_poles(sections, board)) return *refusal;

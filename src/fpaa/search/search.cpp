@@ -98,6 +98,16 @@ Design with_full_banks(Design design, int most) {
   return design;
 }
 
+/// A stage that came in to invert and was fitted like any other is one of pole and zero: a gain is what its pole and zero cancel in.
+void name_by_use(Design& design) {
+  for (std::size_t s = 0; s < design.stages.size(); ++s) {
+    DesignStage& stage = design.stages[s];
+    const bool is_gain =
+        stage.is_first() && stage.from.size() == 1 && stage.c[0] * stage.c[3] == stage.c[1] * stage.c[2];
+    stage.name = fmt::format("{}{}", is_gain ? "Gain" : "Stage", s + 1);
+  }
+}
+
 class ChainSearch {
  public:
   ChainSearch(const Sections& sections, Band band, const PlanOptions& options, const Board& board)
@@ -122,7 +132,8 @@ class ChainSearch {
     if (found.empty()) return why_not_.value_or(nothing());
     for (Candidate& joined : searched(joined_candidates(found), promise)) found.push_back(std::move(joined));
     sort_by_rank(found);
-    const Candidate& best = found.front();
+    Candidate& best = found.front();
+    name_by_use(*best.design);
     SearchedDesign out{*best.design, best.score, best.vendor,
                        value_or_throw(plan_of_design(*best.design, board_))};
     out.plan.topology = best.vendor ? "chain" : "cascade";

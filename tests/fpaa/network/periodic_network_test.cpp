@@ -133,7 +133,8 @@ TEST(PeriodicNetworks, oneClockIsTheClosedForm) {
 TEST(PeriodicNetworks, stagesOfSeveralClocksAreTheWholeNetwork) {
   Random random(11);
   const std::vector<std::vector<std::int64_t>> clocks = {{20, 20, 20}, {20, 60, 20},  {60, 20, 12},
-                                                         {28, 20, 28}, {200, 20, 40}, {12, 30, 20}};
+                                                         {28, 20, 28}, {200, 20, 40}, {12, 30, 20},
+                                                         {20, 80, 80}, {20, 80, 320}, {20, 240, 100}};
   for (const auto& periods : clocks) {
     const auto stages = drawn_stages(random, 3);
     const PeriodicNetworks one_by_one = chain(stages, periods);
@@ -146,6 +147,12 @@ TEST(PeriodicNetworks, stagesOfSeveralClocksAreTheWholeNetwork) {
           << periods[0] << " " << periods[1] << " " << hz;
       const RadPerSecond line{w.value + 2.0 * std::numbers::pi * kTicks / static_cast<double>(periods[2])};
       EXPECT_LT(std::abs(one_by_one.component(w, line) - whole.component(w, line)), 1e-11);
+      // A network with its noise is solved piece by piece, whatever it follows.
+      const auto followed = one_by_one.nodes(w);
+      const auto pieces = chain(stages, periods, true).nodes(w);
+      for (std::size_t n = 0; n < pieces.size(); ++n)
+        EXPECT_NEAR(followed[n][0].largest, pieces[n][0].largest,
+                    1e-11 * std::max(1.0, pieces[n][0].largest));
     }
   }
 }

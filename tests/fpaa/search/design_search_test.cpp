@@ -108,8 +108,16 @@ TEST(Search, RanksByWhatPlansState) {
   const auto chosen = std::find_if(plan.trade_off.begin(), plan.trade_off.end(),
                                    [](const TradeOff& at) { return at.chosen; });
   ASSERT_NE(chosen, plan.trade_off.end());
-  EXPECT_NEAR(chosen->p95_percent, plan.total->p95_percent, 0.15 * plan.total->p95_percent);
-  EXPECT_NEAR(chosen->at_input_v, plan.total->at_input_v, 0.05 * plan.total->at_input_v);
+  EXPECT_EQ(chosen->p95_percent, plan.total->p95_percent);
+  EXPECT_EQ(chosen->at_input_v, plan.total->at_input_v);
+}
+
+TEST(Search, WhatNoClockReachesIsRefusedAtOnce) {
+  Sections far;
+  far.sections = {{1.0, {{-1e150, 0.0}}, {{-100.0, 0.0}}}};
+  const auto made = make_plan(far, {});
+  ASSERT_NE(refusal_of(made), nullptr);
+  EXPECT_THAT(refusal_of(made)->reason, testing::HasSubstr("below the board's clock"));
 }
 
 TEST(Search, LowPassesAreNoLongerBent) {

@@ -123,8 +123,7 @@ void polish_singles(Design& design, const StageFactorTable& table, int passes) {
   }
 }
 
-void polish_pairs(Design& design, const StageFactorTable& table, const MismatchModel& mismatch,
-                  double mismatch_share, int rounds) {
+void polish_pairs(Design& design, const StageFactorTable& table, const MismatchModel& mismatch, int rounds) {
   struct Judged {
     double smooth = 0.0;  ///< sum of eighth powers
     double largest = 0.0;
@@ -138,7 +137,7 @@ void polish_pairs(Design& design, const StageFactorTable& table, const MismatchM
     out.errors = response.errors();
     const std::vector<double> sigma = mismatch_sigma(out.effects, d, mismatch);
     for (std::size_t k = 0; k < out.errors.size(); ++k) {
-      const double own = error_of_95_percent(out.errors[k], mismatch_share * sigma[k]);
+      const double own = error_of_95_percent(out.errors[k], sigma[k]);
       out.smooth += eighth_power(own * own);
       out.largest = std::max(out.largest, own);
     }

@@ -39,8 +39,6 @@ constexpr double kClockStep = 0.65;
 constexpr double kLeastOverBand = 2.2;
 /// A clock is moved for at least this share of the rank.
 constexpr double kWorthMoving = 0.99;
-/// How much of the spread by mismatch counts while capacitors become whole.
-constexpr double kMismatchShare = 1.0;
 /// An op-amp more has to earn this share of the error, a chip more that.
 constexpr double kOpampCost = 0.01;
 constexpr double kChipCost = 0.1;
@@ -434,7 +432,7 @@ class ChainSearch {
   }
 
   RoundingWidth width(std::size_t designs, std::size_t choices) const {
-    return {designs, choices, options_.assumptions.mismatch, kMismatchShare};
+    return {designs, choices, options_.assumptions.mismatch};
   }
 
   void judge_whole(Candidate& c, const StageFactorTable& table) const {
@@ -451,7 +449,7 @@ class ChainSearch {
     Design whole = c.exact;
     if (!make_whole(whole, table, width)) return false;
     polish_singles(whole, table, 4);
-    polish_pairs(whole, table, options_.assumptions.mismatch, kMismatchShare, pairs);
+    polish_pairs(whole, table, options_.assumptions.mismatch, pairs);
     c.design = std::move(whole);
     c.vendor = is_vendor(*c.design);
     judge_whole(c, table);
@@ -464,7 +462,7 @@ class ChainSearch {
     again.design = c.exact;
     const DesignTarget seen = with_clocks_seen(fine_, *c.design, sections_);
     const StageFactorTable table(seen);
-    polish_pairs(*c.design, table, options_.assumptions.mismatch, kMismatchShare, kPairs);
+    polish_pairs(*c.design, table, options_.assumptions.mismatch, kPairs);
     judge_whole(c, table);
     if (made_whole(again, width(3, 4), kPairs) && again.place() < c.place()) c = again;
     return true;

@@ -246,7 +246,7 @@ std::vector<std::vector<double>> whole_stages(const Design& design, std::size_t 
   std::vector<Complex> room;
   const auto judge = [&] {
     WholeStage whole = cost_of(place, stage, room);
-    const double random = width.mismatch_share * spread.of(stage.c);
+    const double random = spread.of(stage.c);
     whole.cost = snapped(std::pow(std::sqrt(whole.cost) + random, 2));
     whole.cost_but_gain = snapped(std::pow(std::sqrt(whole.cost_but_gain) + random, 2));
     const bool enters = as_is.size() < choices || but_gain.size() < choices ||
@@ -312,7 +312,7 @@ double error_with_mismatch(const Design& design, const StageFactorTable& table, 
   }
   double out = 0.0;
   for (std::size_t k = 0; k < errors.size(); ++k) {
-    const double here = error_of_95_percent(errors[k], width.mismatch_share * std::sqrt(variance[k]));
+    const double here = error_of_95_percent(errors[k], std::sqrt(variance[k]));
     if (!(here <= out)) out = here;
   }
   return out;

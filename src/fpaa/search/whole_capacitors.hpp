@@ -13,10 +13,9 @@ std::vector<std::vector<std::size_t>> scale_groups(const DesignStage& stage);
 
 /// How much is kept while stages become whole one after the other.
 struct RoundingWidth {
-  std::size_t designs = 1;  ///< partly whole designs kept after each stage
-  std::size_t choices = 1;  ///< sets of whole capacitors tried for a stage of each
-  MismatchModel mismatch = {};
-  double mismatch_share = 0.0;  ///< of the spread by mismatch that counts beside the error
+  std::size_t designs = 1;      ///< partly whole designs kept after each stage
+  std::size_t choices = 1;      ///< sets of whole capacitors tried for a stage of each
+  MismatchModel mismatch = {};  ///< its spread counts beside the error
 };
 /// Whole capacitors: stage by stage the scales that cost least, the capacitors not yet whole fitted again after
 /// each; designs are compared with what is left fitted. False where some stage cannot be made (a capacitor

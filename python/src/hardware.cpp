@@ -112,10 +112,11 @@ Answer realise_circuit(const Call& call) {
   const std::string opamp = o.string_or("opamp", "generic-10M");
   if (opamp != "auto") options.opamp = library.named(opamp);
   const Stopwatch watch;
-  const circuit::Realised made = opamp == "auto"
-                                     ? realise_with_best_opamp(sections, options, library, amplitude_v)
-                                     : circuit::realise(sections, options);
-  const circuit::OpAmpCheck opamps = check_opamps(made.circuit, made.report.band, amplitude_v);
+  circuit::BuildSearch search{.options = options, .limits_given = true, .amplitude_v = amplitude_v};
+  if (opamp == "auto") search.opamps = &library;
+  const circuit::Candidate built = value_or_throw(realise_for_building(sections, search)).best;
+  const circuit::Realised& made = built.made;
+  const circuit::OpAmpCheck& opamps = built.opamps;
   Json body = to_json(made);
   body["judged"] = circuit::judged_json(made.report.all, made.report.band);
   body["opamp_check"] = to_json(opamps);

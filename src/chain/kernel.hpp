@@ -2,7 +2,6 @@
 
 #include <complex>
 #include <memory>
-#include <string>
 #include <variant>
 #include <vector>
 

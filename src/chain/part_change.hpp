@@ -1,8 +1,6 @@
 #pragma once
 
-#include <cmath>
 #include <string>
-#include <utility>
 #include <vector>
 
 namespace bodesmith::chain {

@@ -1,7 +1,5 @@
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/json_header.hpp"
@@ -11,7 +9,6 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/load_option.hpp"
-#include "schematic/ngspice/ngspice.hpp"
 #include "schematic/opamp_library.hpp"
 #include "synthesis/controller/as_built.hpp"
 #include "synthesis/controller/files.hpp"

@@ -8,7 +8,6 @@
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "base/progress.hpp"
-#include "base/text.hpp"
 #include "chain/kernel.hpp"
 #include "chain/model_file.hpp"
 #include "cli/command_line.hpp"

@@ -8,7 +8,6 @@
 #include "base/json.hpp"
 #include "base/json_header.hpp"
 #include "base/progress.hpp"
-#include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "fpaa/plan/plan.hpp"

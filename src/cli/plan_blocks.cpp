@@ -5,7 +5,6 @@
 #include <cmath>
 #include <complex>
 
-#include "base/error.hpp"
 #include "chain/registry.hpp"
 #include "chain/sections_chain.hpp"
 #include "fpaa/plan/plan.hpp"

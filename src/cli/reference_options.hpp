@@ -1,7 +1,5 @@
 #pragma once
 
-#include <optional>
-
 #include "cli/command_line.hpp"
 #include "simulate/references.hpp"
 

@@ -1,9 +1,7 @@
 #pragma once
 
 #include <Eigen/Core>
-#include <complex>
 #include <memory>
-#include <optional>
 #include <string>
 #include <vector>
 

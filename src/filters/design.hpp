@@ -1,8 +1,5 @@
 #pragma once
 
-#include <optional>
-#include <string>
-
 #include "filters/family.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <complex>
-#include <optional>
 #include <string_view>
 #include <vector>
 

@@ -3,7 +3,6 @@
 #include <Eigen/Core>
 
 #include <functional>
-#include <optional>
 #include <vector>
 
 #include "base/units.hpp"

@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <span>
-#include <vector>
 
 #include "hysteresis/model_type.hpp"
 #include "hysteresis/preisach.hpp"

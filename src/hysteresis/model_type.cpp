@@ -6,7 +6,6 @@
 #include <stdexcept>
 
 #include "base/error.hpp"
-#include "base/text.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <span>
-#include <vector>
 
 namespace bodesmith::hysteresis {
 

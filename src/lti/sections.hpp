@@ -3,7 +3,6 @@
 #include <complex>
 #include <filesystem>
 #include <optional>
-#include <string>
 #include <vector>
 
 #include "base/document.hpp"

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string_view>
-
 namespace bodesmith {
 
 /// Why an iteration ended. What it returns is its best point in every case but `not_runnable`.
@@ -13,9 +11,6 @@ enum class Termination {
   stopped,         ///< the caller asked it to stop
   not_runnable,    ///< the function could not be evaluated at the start (or nowhere near the best point)
 };
-
-/// "gradient", "step", "cost", "max_iterations", "stopped" or "not_runnable".
-std::string_view to_string(Termination termination);
 
 /// True for the ends that mean a (local) minimum: gradient, step and cost.
 constexpr bool converged(Termination termination) {

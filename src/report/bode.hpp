@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 #include "report/plot.hpp"
 
 namespace bodesmith::report {

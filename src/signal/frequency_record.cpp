@@ -4,7 +4,6 @@
 
 #include <cmath>
 
-#include "base/error.hpp"
 #include "base/whole_number.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"

@@ -1,12 +1,10 @@
 #pragma once
 
 #include <complex>
-#include <filesystem>
 #include <functional>
 #include <span>
 
 #include "base/document.hpp"
-#include "base/provenance.hpp"
 #include "lti/frequency_grid.hpp"
 #include "synthesis/circuit.hpp"
 

@@ -5,9 +5,7 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
-#include <optional>
 
-#include "base/error.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "lti/frequency_grid.hpp"

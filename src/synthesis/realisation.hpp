@@ -2,7 +2,6 @@
 
 #include <memory>
 #include <optional>
-#include <string>
 #include <string_view>
 
 #include "base/registry.hpp"
@@ -19,8 +18,6 @@ class Realisation {
  public:
   virtual ~Realisation() = default;
   virtual std::string_view name() const = 0;
-  /// One line for help: what it is made of and what it makes.
-  virtual std::string_view description() const = 0;
   /// The limits of its parts where none are asked for.
   virtual PartLimits usual_limits() const { return {}; }
   virtual Outcome<Realised> design(const Sections& sections, const RealiseOptions& options) const = 0;

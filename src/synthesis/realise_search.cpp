@@ -226,24 +226,4 @@ Outcome<BuildChoice> realise_for_building(const Sections& sections, const BuildS
   return out;
 }
 
-Realised realise_with_best_opamp(const Sections& sections, const RealiseOptions& options,
-                                 const schematic::OpAmpLibrary& library, double amplitude_v) {
-  std::optional<Realised> best;
-  size_t fewest = 0;
-  for (const OpAmpModel& model : library.types()) {
-    if (model.is_ideal) continue;
-    RealiseOptions trial = options;
-    trial.opamp = model;
-    Realised made = realise(sections, trial);
-    const size_t warnings = check_opamps(made.circuit, made.report.band, amplitude_v).warnings.size();
-    if (!best || warnings < fewest) {
-      best = std::move(made);
-      fewest = warnings;
-    }
-    if (fewest == 0) break;
-  }
-  if (!best) throw DesignError("the list of op-amps is empty, expected at least one type");
-  return *std::move(best);
-}
-
 }  // namespace bodesmith::circuit

@@ -50,9 +50,4 @@ Outcome<BuildChoice> realise_for_building(const Sections& sections, const BuildS
 /// where no single one does; nothing when not even they do.
 std::optional<std::string> limits_that_do(const Sections& sections, const RealiseOptions& options);
 
-/// Realises with the types of the library in their order (cheapest first) and takes the first without
-/// warnings; without such a one, that with the fewest.
-Realised realise_with_best_opamp(const Sections& sections, const RealiseOptions& options,
-                                 const schematic::OpAmpLibrary& library, double amplitude_v);
-
 }  // namespace bodesmith::circuit

@@ -1,7 +1,6 @@
 #pragma once
 
 #include <complex>
-#include <filesystem>
 #include <functional>
 #include <optional>
 #include <string>

@@ -2,7 +2,6 @@
 // delay_s; a response: f (Hz), H; a record: t (s), u, y.
 #include <matio.h>
 
-#include <algorithm>
 #include <complex>
 #include <memory>
 #include <stdexcept>

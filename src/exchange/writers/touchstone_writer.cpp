@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "base/text.hpp"
-#include "base/units.hpp"
 #include "exchange/writer.hpp"
 
 namespace bodesmith::exchange {

@@ -3,8 +3,6 @@
 // "#size=…", then time and value; which of V and mV the value is its firmware does not say.
 #include <fmt/format.h>
 
-#include <algorithm>
-
 #include "base/error.hpp"
 #include "base/letters.hpp"
 #include "base/quantity.hpp"

@@ -14,7 +14,6 @@
 #include "base/letters.hpp"
 #include "base/memory_file.hpp"
 #include "base/text.hpp"
-#include "base/units.hpp"
 #include "signal/formats/format.hpp"
 #include "signal/formats/table_meaning.hpp"
 #include "signal/formats/traces.hpp"

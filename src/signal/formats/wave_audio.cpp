@@ -9,7 +9,6 @@
 #include <optional>
 
 #include "base/error.hpp"
-#include "base/text.hpp"
 #include "signal/formats/format.hpp"
 #include "signal/formats/traces.hpp"
 

@@ -5,7 +5,6 @@
 #include <optional>
 
 #include "base/error.hpp"
-#include "base/text.hpp"
 #include "signal/formats/format.hpp"
 #include "signal/formats/table_meaning.hpp"
 

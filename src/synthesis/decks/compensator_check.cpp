@@ -1,7 +1,5 @@
 #include "synthesis/decks/compensator_check.hpp"
 
-#include <fmt/format.h>
-
 #include <algorithm>
 #include <cmath>
 

@@ -1,8 +1,5 @@
 #pragma once
 
-#include <string>
-#include <vector>
-
 #include "base/json_fwd.hpp"
 #include "synthesis/realise.hpp"
 

@@ -1,7 +1,5 @@
 #pragma once
 
-#include <string>
-
 #include "synthesis/ladders/rc_ladder.hpp"
 #include "synthesis/realisation.hpp"
 
@@ -20,7 +18,6 @@ class LadderRealisation final : public Realisation {
  public:
   explicit LadderRealisation(const RcLadder& ladder) : ladder_(ladder) {}
   std::string_view name() const override { return ladder_.name(); }
-  std::string_view description() const override { return "RC ladders for poles and zeros that alternate"; }
   /// The values of a ladder spread as wide as its corners do.
   PartLimits usual_limits() const override { return {100.0, 10e6, 47e-12, 4.7e-6}; }
   const RcLadder* ladder() const override { return &ladder_; }

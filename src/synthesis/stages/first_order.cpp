@@ -100,9 +100,6 @@ class FirstOrder final : public StageForm {
 class FirstOrderRealisation final : public StageRealisation {
  public:
   std::string_view name() const override { return "first-order"; }
-  std::string_view description() const override {
-    return "R||C into R||C around an inverting op-amp: one real pole, at most one real zero";
-  }
   bool makes_two_poles() const override { return false; }
   int bid(const Section& section) const override { return refusal(section) ? 0 : 1; }
   const StageRealisation* trimmed() const override { return first_order_trimmed().stage_realisation(); }

@@ -46,9 +46,6 @@ class FirstOrderRightZero final : public StageForm {
 class FirstOrderRightZeroRealisation final : public StageRealisation {
  public:
   std::string_view name() const override { return "first-order-right-zero"; }
-  std::string_view description() const override {
-    return "one real pole and a zero in the right half plane: two op-amps";
-  }
   bool makes_two_poles() const override { return false; }
   int bid(const Section& section) const override { return refusal(section) ? 0 : 1; }
   std::optional<Refusal> refusal(const Section& section) const override {

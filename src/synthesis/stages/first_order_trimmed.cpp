@@ -50,9 +50,6 @@ class FirstOrderTrimmed final : public StageForm {
 class FirstOrderTrimmedRealisation final : public StageRealisation {
  public:
   std::string_view name() const override { return "first-order-trimmed"; }
-  std::string_view description() const override {
-    return "first-order with a second capacitor beside C1 that trims the gain";
-  }
   bool makes_two_poles() const override { return false; }
   std::optional<Refusal> refusal(const Section& section) const override {
     if (section.poles.size() != 1) return Refusal{"it makes one pole"};

@@ -35,7 +35,6 @@ class Inverter final : public StageForm {
 class InverterRealisation final : public StageRealisation {
  public:
   std::string_view name() const override { return "inverter"; }
-  std::string_view description() const override { return "an inverting amplifier: a gain without poles"; }
   int bid(const Section& section) const override { return refusal(section) ? 0 : 1; }
   std::optional<Refusal> refusal(const Section& section) const override {
     if (section.poles.empty()) return std::nullopt;

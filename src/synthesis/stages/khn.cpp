@@ -105,9 +105,6 @@ class Khn final : public StageForm {
 class KhnRealisation final : public StageRealisation {
  public:
   std::string_view name() const override { return "khn"; }
-  std::string_view description() const override {
-    return "state variable with a summing output: any two poles, up to two zeros";
-  }
   /// High-passes of high Q: its loop is less sensitive than Sallen and Key's.
   int bid(const Section& section) const override {
     return is_high_pass(section) && quality_of(section) > kSallenKeyMaxQuality ? 2 : 0;

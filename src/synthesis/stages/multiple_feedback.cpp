@@ -114,10 +114,6 @@ bool at_origin(const Section& section) {
 class MultipleFeedbackRealisation final : public StageRealisation {
  public:
   std::string_view name() const override { return "multiple-feedback"; }
-  std::string_view description() const override {
-    return "one op-amp, inverting: low-pass, band-pass or high-pass of two poles";
-  }
-
   std::optional<Refusal> refusal(const Section& section) const override {
     if (section.poles.size() != 2) return Refusal{"it makes two poles"};
     if (!at_origin(section)) return Refusal{"it makes a low-pass, band-pass or high-pass, no other zeros"};

@@ -302,7 +302,6 @@ Outcome<Realised> realise_as_stages(const Sections& asked, const StageRealisatio
 class OpAmpRc final : public Realisation {
  public:
   std::string_view name() const override { return "opamp-rc"; }
-  std::string_view description() const override { return "chooses a form for each stage"; }
   Outcome<Realised> design(const Sections& sections, const RealiseOptions& options) const override {
     return realise_as_stages(sections, nullptr, options);
   }

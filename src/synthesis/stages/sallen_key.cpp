@@ -150,9 +150,6 @@ class SallenKeyHighPass final : public StageForm {
 class SallenKeyRealisation final : public StageRealisation {
  public:
   std::string_view name() const override { return "sallen-key"; }
-  std::string_view description() const override {
-    return "one op-amp, not inverting: low-pass or high-pass of two poles";
-  }
   bool inverts() const override { return false; }
   /// Zeros at the origin: Tow-Thomas makes them as differences of resistors, which no preferred value meets.
   int bid(const Section& section) const override {

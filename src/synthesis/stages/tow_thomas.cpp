@@ -109,9 +109,6 @@ class TowThomas final : public StageForm {
 class TowThomasRealisation final : public StageRealisation {
  public:
   std::string_view name() const override { return "tow-thomas"; }
-  std::string_view description() const override {
-    return "two-integrator loop with feed-forward zeros: any two poles, up to two zeros";
-  }
   int bid(const Section& section) const override { return refusal(section) ? 0 : 1; }
   /// Zeros far from the poles are small differences here; KHN makes them by sums.
   const StageRealisation* fallback() const override { return khn().stage_realisation(); }

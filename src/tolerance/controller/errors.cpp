@@ -1,8 +1,5 @@
 #include "tolerance/controller/errors.hpp"
 
-#include <algorithm>
-#include <cmath>
-
 #include "base/nearest_word.hpp"
 #include "base/text.hpp"
 

@@ -1,9 +1,7 @@
 #pragma once
 
-#include <optional>
 #include <string>
 
-#include "base/files.hpp"
 #include "base/json_fwd.hpp"
 #include "synthesis/controller/loop.hpp"
 #include "tolerance/controller/study.hpp"

@@ -1,7 +1,5 @@
 #include "schematic/writers/kicad/devices.hpp"
 
-#include <algorithm>
-
 namespace bodesmith::kicad {
 namespace {
 

@@ -2,7 +2,6 @@
 
 #include <array>
 #include <string>
-#include <vector>
 
 #include "schematic/writers/kicad/cell.hpp"
 #include "schematic/writers/kicad/text.hpp"

@@ -3,7 +3,6 @@
 #include <string>
 #include <vector>
 
-#include "base/json_fwd.hpp"
 #include "schematic/writers/kicad/drawing.hpp"
 
 namespace bodesmith::kicad {

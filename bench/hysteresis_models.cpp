@@ -7,7 +7,7 @@
 
 #include "../tests/hysteresis/brute_force.hpp"
 #include "hysteresis/krasnoselskii_pokrovskii.hpp"
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 #include "hysteresis_inputs.hpp"
 
 namespace {

@@ -6,7 +6,6 @@
 
 #include "lti/bulk_response.hpp"
 #include "lti/frequency_grid.hpp"
-#include "lti/level_and_phase.hpp"
 
 namespace {
 

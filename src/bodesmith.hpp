@@ -17,7 +17,6 @@
 #include "approximate/approximate.hpp"  // a cascade to sections: approximate_cascade()
 #include "base/error.hpp"               // InputError, DesignError
 #include "base/files.hpp"               // OutputSet
-#include "base/outcome.hpp"             // Outcome, value_or_throw()
 #include "chain/model_file.hpp"         // a model.toml: read_model()
 #include "filters/design.hpp"           // standard filters: least_order(), place()
 #include "fit/cascade_fit.hpp"          // gains to a fractional cascade: fit_cascade()
@@ -27,7 +26,6 @@
 #include "lti/judge_responses.hpp"      // one response against another over a band: judge_responses()
 #include "lti/loop_margins.hpp"         // gain and phase margin: loop_margins()
 #include "signal/bode_points.hpp"       // gains, from files of any program: BodePoints
-#include "signal/frequency_record.hpp"  // measured responses: FrequencyRecord
 #include "signal/time_record.hpp"       // records in time: TimeRecord
 #include "simulate/simulate.hpp"        // a model's answer to an input: simulate()
 #include "synthesis/realise.hpp"        // sections to op-amps: realise()

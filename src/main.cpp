@@ -15,10 +15,10 @@
 
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "base/nearest_word.hpp"
 #include "base/progress.hpp"
 #include "base/temporary.hpp"
 #include "base/terminal.hpp"
+#include "base/text.hpp"
 #include "base/version.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"

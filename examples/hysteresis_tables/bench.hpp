@@ -9,7 +9,7 @@
 #include <string>
 #include <vector>
 
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 #include "identify/stage_fit.hpp"
 #include "invert/compensation.hpp"
 #include "virtual_stage.hpp"

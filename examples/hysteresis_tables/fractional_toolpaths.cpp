@@ -4,7 +4,7 @@
 #include "bench.hpp"
 #include "chain/registry.hpp"
 #include "hysteresis/fractional_dynamic.hpp"
-#include "lti/fractional_stability.hpp"
+#include "lti/fractional_transfer.hpp"
 #include "numeric/grunwald_letnikov.hpp"
 #include "numeric/random.hpp"
 #include "simulate/simulate.hpp"

@@ -1,6 +1,6 @@
+#include "synthesis/circuit_file.hpp"
 #include "base/document.hpp"
 #include "reader.hpp"
-#include "synthesis/built_circuit.hpp"
 
 namespace bodesmith::fuzz {
 namespace {

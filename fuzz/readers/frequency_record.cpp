@@ -1,5 +1,5 @@
-#include "signal/frequency_record.hpp"
 #include "reader.hpp"
+#include "signal/bode_points.hpp"
 
 namespace bodesmith::fuzz {
 namespace {

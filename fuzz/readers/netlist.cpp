@@ -1,6 +1,5 @@
 #include "reader.hpp"
 #include "schematic/ngspice/plain_netlist.hpp"
-#include "schematic/ngspice/subcircuits.hpp"
 
 namespace bodesmith::fuzz {
 namespace {

@@ -11,7 +11,7 @@
 #include "gap/diagnosis_json.hpp"
 #include "gap/measured_response.hpp"
 #include "gap/report/page.hpp"
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 #include "identify/fit_report.hpp"
 #include "identify/record_findings.hpp"
 #include "records.hpp"

@@ -5,7 +5,6 @@
 
 #include "call.hpp"
 #include "signal/bode_points.hpp"
-#include "signal/frequency_record.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::python {

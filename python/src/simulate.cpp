@@ -6,8 +6,8 @@
 #include "functions.hpp"
 #include "invert/compensation.hpp"
 #include "records.hpp"
-#include "signal/error_figures.hpp"
-#include "signal/extent.hpp"
+#include "signal/statistics.hpp"
+#include "signal/time_record.hpp"
 #include "simulate/controller_file.hpp"
 #include "simulate/references.hpp"
 

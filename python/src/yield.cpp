@@ -6,9 +6,8 @@
 #include "base/progress.hpp"
 #include "circuit_options.hpp"
 #include "functions.hpp"
-#include "lti/judging_grid.hpp"
+#include "lti/frequency_grid.hpp"
 #include "tolerance/design.hpp"
-#include "tolerance/json.hpp"
 
 namespace bodesmith::python {
 namespace {

@@ -9,7 +9,7 @@
 #include <numeric>
 #include <utility>
 
-#include "approximate/limit_law.hpp"
+#include "approximate/approximation_error.hpp"
 #include "base/error.hpp"
 #include "base/json.hpp"
 #include "base/whole_number.hpp"

@@ -17,7 +17,7 @@ struct TermApproximation {
   int order = 0;
   std::vector<Section> sections;  ///< together the term's approximation, gain included
   ApproximationError error;       ///< over the term's own corners
-  /// What no approximation of this order can beat (closed form, see limit_law.hpp), in dB; 0 for a whole
+  /// What no approximation of this order can beat (closed form, see minimax_limit_db), in dB; 0 for a whole
   /// beta.
   double limit_law_db = 0.0;
 };

@@ -6,7 +6,7 @@
 #include <optional>
 #include <vector>
 
-#include "approximate/limit_law.hpp"
+#include "approximate/approximation_error.hpp"
 #include "approximate/log_symmetric.hpp"
 #include "approximate/method.hpp"
 #include "approximate/remez.hpp"
@@ -19,7 +19,7 @@ namespace {
 
 using Positions = std::vector<long double>;
 
-/// Whether the best error (limit_law.hpp) is smaller than what rounding the roots to doubles does.
+/// Whether the best error (minimax_limit_db) is smaller than what rounding the roots to doubles does.
 bool below_rounding(double kappa, double beta, int order) {
   return !(minimax_limit_db(kappa, beta, order) > kDecibelPerNeper * Remez::kRounding);
 }

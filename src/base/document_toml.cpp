@@ -7,7 +7,7 @@
 
 #include "base/document_tree.hpp"
 #include "base/error.hpp"
-#include "base/letters.hpp"
+#include "base/text.hpp"
 
 namespace bodesmith {
 namespace {

@@ -1,9 +1,12 @@
 #include "base/json.hpp"
 
+#include <fmt/format.h>
+
 #include <cmath>
 
 #include "base/error.hpp"
 #include "base/text.hpp"
+#include "base/version.hpp"
 
 namespace bodesmith {
 namespace {
@@ -67,6 +70,25 @@ std::string to_text(const Json& value) {
   std::string out;
   write(value, 0, false, out, "");
   out += "\n";
+  return out;
+}
+
+Json json_header(std::string_view name, const Provenance& from) {
+  Json header = {{"schema", fmt::format("bodesmith.{}/1", name)},
+                 {"program", fmt::format("bodesmith {}", kVersion)},
+                 {"inputs", Json::array()}};
+  for (const InputFile& input : from.inputs) {
+    Json entry = {{"path", input.path}, {"sha256", input.sha256}};
+    if (!input.read_as.empty()) entry["read_as"] = input.read_as;
+    header["inputs"].push_back(std::move(entry));
+  }
+  return header;
+}
+
+Json timed_json(std::string_view name, const Provenance& from, const Json& body, double seconds) {
+  Json out = json_header(name, from);
+  out.update(body);
+  out["timing_s"] = {{"compute", seconds}};
   return out;
 }
 

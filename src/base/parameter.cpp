@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <cmath>
 
-#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 #include "base/whole_number.hpp"
 

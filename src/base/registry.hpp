@@ -11,7 +11,6 @@
 #include <vector>
 
 #include "base/error.hpp"
-#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith {

@@ -3,8 +3,13 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cmath>
+#include <limits>
+#include <optional>
+#include <string>
+#include <utility>
 
 namespace bodesmith {
 
@@ -89,6 +94,165 @@ bool parse_number(std::string_view text, double& value) {
   if (!text.empty() && text.front() == '+') text.remove_prefix(1);
   const auto result = std::from_chars(text.data(), text.data() + text.size(), value);
   return result.ec == std::errc() && result.ptr == text.data() + text.size() && std::isfinite(value);
+}
+
+namespace {
+
+constexpr std::array<std::pair<std::string_view, int>, 12> kPrefixExponents = {{{"meg", 6},
+                                                                                {"p", -12},
+                                                                                {"n", -9},
+                                                                                {"u", -6},
+                                                                                {"\xC2\xB5", -6},
+                                                                                {"\xCE\xBC", -6},
+                                                                                {"m", -3},
+                                                                                {"k", 3},
+                                                                                {"K", 3},
+                                                                                {"M", 6},
+                                                                                {"G", 9},
+                                                                                {"R", 0}}};
+constexpr std::array<std::string_view, 13> kUnits = {
+    "Hz", "hz", "ohm", "Ohm", "\xCE\xA9", "\xE2\x84\xA6", "F", "V", "A", "s", "dB", "deg", "%"};
+
+bool is_unit(std::string_view text) {
+  return text.empty() || std::find(kUnits.begin(), kUnits.end(), text) != kUnits.end();
+}
+
+/// Digits with at most one point, a sign and an exponent before them: where the number ends.
+std::size_t number_length(std::string_view text) {
+  std::size_t i = 0;
+  if (i < text.size() && (text[i] == '+' || text[i] == '-')) ++i;
+  while (i < text.size() && (is_digit(text[i]) || text[i] == '.')) ++i;
+  if (i + 1 < text.size() && (text[i] == 'e' || text[i] == 'E')) {
+    std::size_t j = i + 1;
+    if (text[j] == '+' || text[j] == '-') ++j;
+    if (j < text.size() && is_digit(text[j])) {
+      while (j < text.size() && is_digit(text[j])) ++j;
+      i = j;
+    }
+  }
+  return i;
+}
+
+/// What follows the number: "k", "kHz", "k7", "k7 ohm". Empty when it is none of these.
+struct Suffix {
+  int exponent = 0;
+  std::string_view decimals;
+};
+
+std::optional<Suffix> suffix_of(std::string_view text) {
+  if (is_unit(text)) return Suffix{};
+  for (const auto& [prefix, exponent] : kPrefixExponents) {
+    if (text.substr(0, prefix.size()) != prefix) continue;
+    Suffix out{exponent, text.substr(prefix.size())};
+    std::size_t digits = 0;
+    while (digits < out.decimals.size() && is_digit(out.decimals[digits])) ++digits;
+    const std::string_view unit = trim(out.decimals.substr(digits));
+    out.decimals = out.decimals.substr(0, digits);
+    if (is_unit(unit)) return out;
+  }
+  return std::nullopt;
+}
+
+}  // namespace
+
+bool parse_quantity(std::string_view text, double& value) {
+  if (parse_number(text, value)) return true;
+  text = trim(text);
+  const std::size_t length = number_length(text);
+  const std::string number(text.substr(0, length));
+  const std::optional<Suffix> suffix = suffix_of(trim(text.substr(length)));
+  if (number.empty() || !suffix) return false;
+  std::string all = number;
+  if (!suffix->decimals.empty()) {
+    if (number.find_first_of(".eE") != std::string::npos) return false;
+    all += "." + std::string(suffix->decimals);
+  } else if (number.find_first_of("eE") != std::string::npos) {
+    // 1e3k: who means that?
+    if (suffix->exponent != 0) return false;
+    return parse_number(number, value);
+  }
+  // As one decimal number, so that 4k7 is the same double as 4700.
+  return parse_number(all + "e" + std::to_string(suffix->exponent), value);
+}
+
+namespace {
+
+std::string folded(std::string_view word) {
+  std::string out;
+  for (const char c : word) {
+    if (c >= 'A' && c <= 'Z') {
+      out += static_cast<char>(c - 'A' + 'a');
+    } else {
+      out += c == '-' || c == ' ' ? '_' : c;
+    }
+  }
+  return out;
+}
+
+/// Longer texts are no slips of the finger, and would take long.
+constexpr std::size_t kLongestWord = 64;
+/// Fewer letters begin too many words.
+constexpr std::size_t kShortestStart = 3;
+
+/// The only word that begins with `start`: "corner" for corner_hz.
+std::optional<std::string> only_continuation(const std::string& start,
+                                             const std::vector<std::string>& known) {
+  if (start.size() < kShortestStart) return std::nullopt;
+  std::optional<std::string> out;
+  for (const std::string& word : known) {
+    if (folded(word).rfind(start, 0) != 0) continue;
+    if (out) return std::nullopt;
+    out = word;
+  }
+  return out;
+}
+
+}  // namespace
+
+std::size_t edit_distance(std::string_view a, std::string_view b) {
+  // Three rows of the table of distances between beginnings of a and b.
+  std::vector<std::size_t> before_last;
+  std::vector<std::size_t> last(b.size() + 1);
+  std::vector<std::size_t> row(b.size() + 1);
+  for (std::size_t j = 0; j <= b.size(); ++j) last[j] = j;
+  for (std::size_t i = 1; i <= a.size(); ++i) {
+    row[0] = i;
+    for (std::size_t j = 1; j <= b.size(); ++j) {
+      const std::size_t exchanged = last[j - 1] + (a[i - 1] == b[j - 1] ? 0 : 1);
+      row[j] = std::min({last[j] + 1, row[j - 1] + 1, exchanged});
+      const bool swapped = i > 1 && j > 1 && a[i - 1] == b[j - 2] && a[i - 2] == b[j - 1];
+      if (swapped) row[j] = std::min(row[j], before_last[j - 2] + 1);
+    }
+    before_last = last;
+    std::swap(last, row);
+  }
+  return last[b.size()];
+}
+
+std::optional<std::string> nearest_word(std::string_view typed, const std::vector<std::string>& known) {
+  const std::string wanted = folded(typed);
+  if (wanted.empty() || wanted.size() > kLongestWord) return std::nullopt;
+  std::optional<std::string> best;
+  std::size_t fewest = std::numeric_limits<std::size_t>::max();
+  for (const std::string& word : known) {
+    if (word.size() > kLongestWord) continue;
+    const std::size_t changes = edit_distance(wanted, folded(word));
+    if (changes >= fewest || 3 * changes > std::max(wanted.size(), word.size())) continue;
+    // A word of two or three letters of which one is wrong may be any other one.
+    if (changes > 0 && std::min(wanted.size(), word.size()) < 3) continue;
+    fewest = changes;
+    best = word;
+  }
+  // The beginning of a word is likelier than a word with two letters wrong.
+  if (best && fewest <= 1) return best;
+  const std::optional<std::string> longer = only_continuation(wanted, known);
+  return longer ? longer : best;
+}
+
+std::string did_you_mean(std::string_view typed, const std::vector<std::string>& known,
+                         std::string_view before) {
+  const auto word = nearest_word(typed, known);
+  return word ? " (did you mean '" + std::string(before) + *word + "'?)" : std::string();
 }
 
 }  // namespace bodesmith

@@ -6,7 +6,6 @@
 #include "base/progress.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
-#include "numeric/matrix_exponential.hpp"
 
 namespace bodesmith::chain {
 namespace {

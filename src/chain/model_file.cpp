@@ -8,12 +8,11 @@
 #include "base/document.hpp"
 #include "base/error.hpp"
 #include "base/json.hpp"
-#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
+#include "chain/chain.hpp"
 #include "chain/registry.hpp"
 #include "chain/sections_chain.hpp"
-#include "chain/trained.hpp"
 
 namespace bodesmith::chain {
 namespace {

@@ -11,7 +11,7 @@ namespace bodesmith::chain {
 
 /// model.toml (schema bodesmith.model/1; JSON of the same shape works too). Refused with file and line: an
 /// unknown type or key, a missing or out-of-bounds value, a name in `free` that is not a parameter of its
-/// block. An optional table [trained] says what the model was fitted to (chain/trained.hpp). A sections.json is a model too
+/// block. An optional table [trained] says what the model was fitted to (chain/chain.hpp). A sections.json is a model too
 /// (chain/sections_chain.hpp).
 Chain read_model(const std::filesystem::path& path, Provenance& from);
 Chain model_from_node(const Node& node);

@@ -3,13 +3,13 @@
 #include <cmath>
 
 #include "base/json.hpp"
+#include "chain/chain.hpp"
 #include "chain/registry.hpp"
-#include "chain/trained.hpp"
 
 namespace bodesmith::chain {
 namespace {
 
-/// A number, or one as people write it ("4k7", base/quantity.hpp).
+/// A number, or one as people write it ("4k7", base/text.hpp).
 Json quantity_definition() {
   return {{"description", "a number, or a text such as \"4k7\", \"10n\" or \"13.2 kHz\""},
           {"anyOf", {{{"type", "number"}}, {{"type", "string"}, {"pattern", "^[-+0-9.].*[^-+0-9.].*$"}}}}};

@@ -1,7 +1,7 @@
 #include "chain/registry.hpp"
 
 #include "chain/blocks/hysteresis.hpp"
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 
 // Each function stands in the block's own file under chain/blocks/. A new block is one line here.
 namespace bodesmith::chain {

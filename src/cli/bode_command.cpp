@@ -12,7 +12,7 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/response_source.hpp"
-#include "report/bode.hpp"
+#include "report/plot.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
 

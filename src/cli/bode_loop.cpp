@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "base/json.hpp"
 #include "base/text.hpp"
-#include "lti/level_and_phase.hpp"
+#include "lti/bulk_response.hpp"
 #include "lti/loop_margins.hpp"
 #include "lti/section_making.hpp"
 #include "lti/time_response.hpp"

@@ -10,10 +10,7 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
-#include "base/nearest_word.hpp"
 #include "base/progress.hpp"
-#include "base/quantity.hpp"
 #include "base/terminal.hpp"
 #include "base/text.hpp"
 #include "base/whole_number.hpp"
@@ -312,8 +309,7 @@ Hertz CommandLine::analog_frequency(const std::string& option) const {
 
 std::vector<Hertz> CommandLine::analog_frequencies(const std::string& option) const {
   std::vector<Hertz> out;
-  for (const double f : maybe<std::vector<double>>(option).value_or(std::vector<double>{}))
-    out.push_back(analog(option, f));
+  for (const double f : all<double>(option)) out.push_back(analog(option, f));
   return out;
 }
 

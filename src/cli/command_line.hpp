@@ -61,7 +61,7 @@ class CommandLine {
   ~CommandLine();
 
   /// Adds --name with a value of type T (int, double, std::string, std::uint64_t).
-  /// A double may be typed with a prefix and a unit: 4k7, 10n, 13.2kHz (base/quantity.hpp).
+  /// A double may be typed with a prefix and a unit: 4k7, 10n, 13.2kHz (base/text.hpp).
   template <class T>
   void option(const std::string& name, const std::string& what) {
     if constexpr (std::is_same_v<T, double>) {
@@ -137,6 +137,11 @@ class CommandLine {
   std::optional<T> maybe(const std::string& option) const {
     if (values_.count(option) == 0) return std::nullopt;
     return get<T>(option);
+  }
+  /// Every value of a list or of an option that may be given several times; none where it was not.
+  template <class T>
+  std::vector<T> all(const std::string& option) const {
+    return maybe<std::vector<T>>(option).value_or(std::vector<T>{});
   }
   /// The one of `choices` whose to_string() was given.
   template <class Enum>

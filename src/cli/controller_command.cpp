@@ -2,13 +2,11 @@
 
 #include "base/files.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
-#include "cli/circuit_options.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "cli/load_option.hpp"
+#include "cli/shared_options.hpp"
 #include "schematic/opamp_library.hpp"
 #include "synthesis/controller/as_built.hpp"
 #include "synthesis/controller/files.hpp"
@@ -164,7 +162,8 @@ int run_controller(const std::vector<std::string>& arguments) {
   const std::optional<double> limit = line.maybe_positive("max-error-percent");
   require_ngspice_for_check(line);
   Provenance from;
-  const Disturbance disturbance = under_load(line, Disturbance::read(line.files()[0], from));
+  Disturbance disturbance = Disturbance::read(line.files()[0], from);
+  if (const auto left = line.maybe_positive("load-stroke")) disturbance = disturbance.at_load(*left);
   const controller::Options options = read_controller_options(line);
   const tracking::Reference reference = read_controller_reference(line);
   if (options.full_stroke && reference.alpha() != 1.0)

@@ -14,7 +14,7 @@
 #include "faults/report.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "schematic/writers/spice_library.hpp"
-#include "synthesis/built_circuit.hpp"
+#include "synthesis/circuit_file.hpp"
 
 namespace bodesmith::cli {
 namespace {
@@ -61,8 +61,7 @@ faults::Measurement read_channels(const CommandLine& line, Provenance& from) {
   if (!line.has("data")) line.fail("--data is missing, expected the board's measured response (CSV)");
   faults::Measurement out;
   out.channels.push_back(faults::read_channel(line.get<std::string>("data"), "out", from));
-  for (const std::string& given :
-       line.maybe<std::vector<std::string>>("node").value_or(std::vector<std::string>{})) {
+  for (const std::string& given : line.all<std::string>("node")) {
     const std::size_t at = given.find('=');
     if (at == std::string::npos || at == 0) line.fail("--node " + given + ", expected NODE=FILE.csv");
     out.channels.push_back(faults::read_channel(given.substr(at + 1), given.substr(0, at), from));

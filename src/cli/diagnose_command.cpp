@@ -21,8 +21,7 @@ namespace {
 
 std::vector<std::filesystem::path> paths(const CommandLine& line, const char* option) {
   std::vector<std::filesystem::path> out;
-  for (const auto& p : line.maybe<std::vector<std::string>>(option).value_or(std::vector<std::string>{}))
-    out.emplace_back(p);
+  for (const auto& p : line.all<std::string>(option)) out.emplace_back(p);
   return out;
 }
 

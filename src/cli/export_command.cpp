@@ -18,7 +18,7 @@
 #include "signal/bode_points.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
-#include "synthesis/built_circuit.hpp"
+#include "synthesis/circuit_file.hpp"
 
 namespace bodesmith::cli {
 namespace {

@@ -52,7 +52,7 @@ CascadeFitOptions read_cascade_options(const CommandLine& line, Provenance& from
   CascadeFitOptions options;
   if (const auto base = line.maybe_positive("base-hz")) options.base = Hertz{*base};
   options.beta_max = line.maybe_positive("beta-max");
-  options.term_beta_max = line.maybe<std::vector<double>>("term-beta-max").value_or(std::vector<double>{});
+  options.term_beta_max = line.all<double>("term-beta-max");
   if (options.beta_max && !options.term_beta_max.empty())
     line.fail("--beta-max and --term-beta-max exclude each other");
   options.beta_positive = line.has("beta-positive");

@@ -49,7 +49,7 @@ std::string waveform_summary(const WaveformFit& fit, const WaveformFitOptions& o
 
 std::vector<Hertz> read_operating(const CommandLine& line) {
   std::vector<Hertz> out;
-  for (const double f : line.maybe<std::vector<double>>("operating-hz").value_or(std::vector<double>{})) {
+  for (const double f : line.all<double>("operating-hz")) {
     if (!(f > 0.0)) line.fail(fmt::format("--operating-hz has {}, expected frequencies above 0", f));
     out.push_back(Hertz{f});
   }

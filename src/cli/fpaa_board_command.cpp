@@ -6,7 +6,6 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
@@ -34,8 +33,7 @@ fpaa::ApiProject read_project(const CommandLine& line, Provenance& from) {
 fpaa::UpdateOptions update_options(const CommandLine& line) {
   fpaa::UpdateOptions out;
   out.clocks = !line.has("no-clocks");
-  for (const std::string& pair :
-       line.maybe<std::vector<std::string>>("map").value_or(std::vector<std::string>{})) {
+  for (const std::string& pair : line.all<std::string>("map")) {
     const std::size_t cut = pair.find('=');
     if (cut == std::string::npos || cut == 0 || cut + 1 == pair.size()) {
       line.fail(fmt::format("--map '{}', expected PLAN=TABLE", pair));

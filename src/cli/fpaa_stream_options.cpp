@@ -13,8 +13,7 @@ namespace {
 /// chip1.out1=IO3.
 std::map<std::string, int> chosen_cells(const CommandLine& line) {
   std::map<std::string, int> out;
-  for (const std::string& text :
-       line.maybe<std::vector<std::string>>("pin").value_or(std::vector<std::string>{})) {
+  for (const std::string& text : line.all<std::string>("pin")) {
     const std::size_t cut = text.find("=IO");
     const std::string cell = cut == std::string::npos ? "" : text.substr(cut + 3);
     if (cut == 0 || cell.size() != 1 || cell[0] < '1' || cell[0] > '7') {

@@ -5,7 +5,6 @@
 
 #include "base/error.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
@@ -73,8 +72,7 @@ void add_wires(const CommandLine& line, const VerifyReference& reference, fpaa::
     board.links =
         fpaa::an231::pin_links(*reference.plan, board.chips, fpaa::an231::plan_pins(*reference.plan));
   }
-  for (const std::string& wire :
-       line.maybe<std::vector<std::string>>("wire").value_or(std::vector<std::string>{})) {
+  for (const std::string& wire : line.all<std::string>("wire")) {
     const std::size_t cut = wire.find('=');
     if (cut == std::string::npos) line.fail(fmt::format("--wire '{}', expected chip1.IO3=chip2.IO1", wire));
     const BoardPin a = board_pin(line, wire.substr(0, cut));

@@ -8,7 +8,6 @@
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
-#include "base/quantity.hpp"
 #include "base/terminal.hpp"
 #include "base/text.hpp"
 #include "chain/registry.hpp"

@@ -4,8 +4,6 @@
 
 #include "base/files.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
-#include "base/nearest_word.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"

@@ -7,7 +7,6 @@
 
 #include "base/files.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "identify/stage_disturbance.hpp"

@@ -8,7 +8,6 @@
 
 #include "base/document.hpp"
 #include "base/error.hpp"
-#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "chain/model_file.hpp"
 #include "fpaa/plan/plan.hpp"
@@ -16,15 +15,13 @@
 #include "lti/bulk_response.hpp"
 #include "lti/cascade.hpp"
 #include "lti/fractional_transfer.hpp"
-#include "lti/level_and_phase.hpp"
 #include "schematic/analysis/response.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "schematic/writers/spice_library.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/csv.hpp"
-#include "signal/frequency_record.hpp"
 #include "simulate/controller_file.hpp"
-#include "synthesis/built_circuit.hpp"
+#include "synthesis/circuit_file.hpp"
 #include "tuning/controller_kind.hpp"
 
 namespace bodesmith::cli {

@@ -8,8 +8,8 @@
 #include <vector>
 
 #include "base/provenance.hpp"
+#include "lti/bulk_response.hpp"
 #include "lti/frequency_grid.hpp"
-#include "lti/level_and_phase.hpp"
 #include "lti/sections.hpp"
 
 namespace bodesmith::cli {

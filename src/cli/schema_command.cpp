@@ -4,8 +4,6 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
-#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "chain/model_schema.hpp"

@@ -4,7 +4,6 @@
 
 #include "base/error.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "base/text.hpp"
 #include "base/version.hpp"
 #include "cli/build_facts.hpp"

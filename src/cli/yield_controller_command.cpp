@@ -5,7 +5,6 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
-#include "base/nearest_word.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
@@ -45,8 +44,7 @@ std::vector<Hertz> yield_tracked(const CommandLine& line, const Disturbance& dis
 
 part_errors::PartErrors part_errors_given(const CommandLine& line) {
   part_errors::PartErrors out;
-  for (const std::string& pair :
-       line.maybe<std::vector<std::string>>("error").value_or(std::vector<std::string>{})) {
+  for (const std::string& pair : line.all<std::string>("error")) {
     const std::size_t cut = pair.find('=');
     const std::string name = pair.substr(0, cut);
     double value = 0.0;

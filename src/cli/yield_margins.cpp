@@ -6,7 +6,7 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "cli/bode_loop.hpp"
-#include "lti/judging_grid.hpp"
+#include "lti/frequency_grid.hpp"
 #include "tolerance/margins.hpp"
 
 namespace bodesmith::cli {

@@ -11,7 +11,7 @@
 #include "lti/sections.hpp"
 #include "lti/state_space.hpp"
 #include "schematic/netlist.hpp"
-#include "signal/frequency_record.hpp"
+#include "signal/bode_points.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::exchange {

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "base/outcome.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith::faults {

@@ -8,8 +8,8 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "numeric/index.hpp"
-#include "report/bode.hpp"
 #include "report/page.hpp"
+#include "report/plot.hpp"
 
 namespace bodesmith::faults {
 namespace {

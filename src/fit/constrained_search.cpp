@@ -6,10 +6,9 @@
 #include <optional>
 #include <vector>
 
+#include "numeric/constrained_programs.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
-#include "numeric/least_level.hpp"
-#include "numeric/quadratic_program.hpp"
 
 namespace bodesmith {
 namespace {

@@ -8,7 +8,7 @@
 #include "lti/frequency_grid.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
-#include "numeric/tall_matrix.hpp"
+#include "numeric/matrix_products.hpp"
 
 namespace bodesmith {
 namespace {

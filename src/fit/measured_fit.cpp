@@ -14,7 +14,7 @@
 #include "base/text.hpp"
 #include "fit/measured_search.hpp"
 #include "lti/section_making.hpp"
-#include "signal/frequency_record.hpp"
+#include "signal/bode_points.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith {

@@ -7,7 +7,7 @@
 #include "base/json_fwd.hpp"
 #include "fit/factored_response.hpp"
 #include "lti/sections.hpp"
-#include "signal/frequency_record.hpp"
+#include "signal/bode_points.hpp"
 
 namespace bodesmith {
 

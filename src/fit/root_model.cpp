@@ -3,8 +3,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "numeric/clones.hpp"
-#include "numeric/complex_four.hpp"
+#include "numeric/four.hpp"
 #include "numeric/index.hpp"
 
 namespace bodesmith {

@@ -10,12 +10,11 @@
 #include "fit/cascade_fit.hpp"
 #include "fit/curve_target.hpp"
 #include "fit/start_builder.hpp"
-#include "fit/waveform_bound.hpp"
 #include "fit/waveform_problem.hpp"
 #include "lti/section_making.hpp"
+#include "numeric/constrained_programs.hpp"
 #include "numeric/index.hpp"
 #include "numeric/minimum.hpp"
-#include "numeric/quadratic_program.hpp"
 
 namespace bodesmith {
 namespace {

@@ -38,7 +38,7 @@ struct WaveformFit {
   /// The magnitude-only way beside it: the fractional cascade interpolated through the rate gains
   /// (cascade_fit.hpp).
   WaveformError magnitude_only;
-  /// No linear filter, causal or not, of any order is better (in the norm asked for; waveform_bound.hpp).
+  /// No linear filter, causal or not, of any order is better (in the norm asked for; waveform_problem.hpp).
   double lower_bound_percent = 0.0;
   int starts_tried = 0;
   std::vector<std::string> warnings;

@@ -6,7 +6,7 @@
 #include "base/units.hpp"
 #include "fit/root_model.hpp"
 #include "fit/waveform_error.hpp"
-#include "numeric/fixed_matrix.hpp"
+#include "numeric/matrix_products.hpp"
 #include "signal/disturbance.hpp"
 
 namespace bodesmith {
@@ -77,5 +77,11 @@ class WaveformProblem {
 /// The operating frequencies, rising; those of the rate table when none are given. Throws InputError when there are
 /// none.
 std::vector<Hertz> checked_operating(const Disturbance& disturbance, std::vector<Hertz> operating);
+
+/// What no linear filter, causal or not, of any order beats, percent of range. Every harmonic of every operating
+/// frequency is one physical frequency, and harmonics that coincide share one value of G: a small least squares problem.
+/// For the worst frequency the largest weighted bound over the frequencies' weights is taken (each one is valid).
+double waveform_lower_bound(const Disturbance& disturbance, const std::vector<Hertz>& operating,
+                            DrivenPath path, bool worst);
 
 }  // namespace bodesmith

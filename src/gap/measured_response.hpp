@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "base/provenance.hpp"
-#include "signal/frequency_record.hpp"
+#include "signal/bode_points.hpp"
 
 namespace bodesmith::gap {
 

@@ -5,7 +5,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "hysteresis/identification.hpp"
+#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::hysteresis {
 

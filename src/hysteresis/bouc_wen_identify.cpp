@@ -2,8 +2,8 @@
 #include <optional>
 
 #include "hysteresis/bouc_wen.hpp"
+#include "hysteresis/model_type.hpp"
 #include "hysteresis/record_tools.hpp"
-#include "hysteresis/registry.hpp"
 #include "numeric/least_squares.hpp"
 
 namespace bodesmith::hysteresis {

@@ -7,8 +7,8 @@
 
 #include "base/error.hpp"
 #include "hysteresis/ellipse.hpp"
+#include "hysteresis/model_type.hpp"
 #include "hysteresis/record_tools.hpp"
-#include "hysteresis/registry.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 

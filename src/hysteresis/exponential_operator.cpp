@@ -7,7 +7,7 @@
 #include <limits>
 
 #include "base/error.hpp"
-#include "hysteresis/identification.hpp"
+#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::hysteresis {
 

@@ -8,8 +8,8 @@
 
 #include "base/error.hpp"
 #include "hysteresis/exponential_operator.hpp"
+#include "hysteresis/model_type.hpp"
 #include "hysteresis/record_tools.hpp"
-#include "hysteresis/registry.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "numeric/least_squares.hpp"

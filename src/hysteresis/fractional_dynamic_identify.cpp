@@ -5,12 +5,12 @@
 #include <cmath>
 
 #include "hysteresis/fractional_dynamic.hpp"
+#include "hysteresis/model_type.hpp"
 #include "hysteresis/record_tools.hpp"
-#include "hysteresis/registry.hpp"
-#include "lti/fractional_stability.hpp"
+#include "lti/fractional_transfer.hpp"
 #include "numeric/dense.hpp"
-#include "numeric/differential_evolution.hpp"
 #include "numeric/least_squares.hpp"
+#include "numeric/population_search.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {

@@ -5,12 +5,12 @@
 
 #include "hysteresis/everett_trace.hpp"
 #include "hysteresis/krasnoselskii_pokrovskii.hpp"
+#include "hysteresis/model_type.hpp"
 #include "hysteresis/preisach_identify.hpp"
 #include "hysteresis/record_tools.hpp"
-#include "hysteresis/registry.hpp"
 #include "numeric/index.hpp"
 #include "numeric/least_squares.hpp"
-#include "numeric/particle_swarm.hpp"
+#include "numeric/population_search.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {

@@ -6,6 +6,7 @@
 #include <stdexcept>
 
 #include "base/error.hpp"
+#include "base/progress.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {
@@ -129,6 +130,23 @@ std::unique_ptr<Operator> make_operator(const Model& model) {
 
 std::unique_ptr<Inverse> make_inverse(const Model& model) {
   return model.type->make_inverse(model.parameters);
+}
+
+// Each function stands in the model's own file. A new model is one line here.
+BODESMITH_REGISTRY(ModelType, model_type_registry, "hysteresis model", polynomial_hysteresis_type,
+                   sine_hysteresis_type, exponential_operator_type, ellipse_type, fractional_dynamic_type,
+                   krasnoselskii_pokrovskii_type, preisach_type, prandtl_ishlinskii_type, bouc_wen_type)
+
+Model make_model(std::string_view type, const Parameters& values) {
+  return model_type_registry().get(type).model(values);
+}
+
+Identified ModelType::identify(std::span<const TimeRecord> records, const IdentifyOptions& options) const {
+  for (const TimeRecord& record : records) record.require_measured_sizes();
+  const Stopwatch watch;
+  Identified out = fit(records, options);
+  out.compute_s = watch.seconds();
+  return out;
 }
 
 }  // namespace bodesmith::hysteresis

@@ -1,13 +1,11 @@
-
 #include <algorithm>
 #include <cmath>
 
 #include "base/error.hpp"
-#include "hysteresis/identification.hpp"
+#include "hysteresis/model_type.hpp"
 #include "hysteresis/polynomial_disturbance.hpp"
 #include "hysteresis/polynomial_fit.hpp"
 #include "hysteresis/record_tools.hpp"
-#include "hysteresis/registry.hpp"
 #include "numeric/index.hpp"
 #include "numeric/least_squares.hpp"
 

@@ -6,9 +6,9 @@
 #include <numeric>
 #include <optional>
 
+#include "hysteresis/model_type.hpp"
 #include "hysteresis/prandtl_ishlinskii.hpp"
 #include "hysteresis/record_tools.hpp"
-#include "hysteresis/registry.hpp"
 #include "numeric/index.hpp"
 #include "numeric/least_squares.hpp"
 #include "numeric/non_negative_least_squares.hpp"

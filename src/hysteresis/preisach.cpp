@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/whole_number.hpp"
-#include "hysteresis/identification.hpp"
+#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::hysteresis {
 

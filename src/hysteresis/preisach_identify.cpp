@@ -5,9 +5,9 @@
 
 #include "hysteresis/preisach_identify.hpp"
 
+#include "hysteresis/model_type.hpp"
 #include "hysteresis/preisach.hpp"
 #include "hysteresis/record_tools.hpp"
-#include "hysteresis/registry.hpp"
 #include "numeric/index.hpp"
 #include "numeric/non_negative_least_squares.hpp"
 

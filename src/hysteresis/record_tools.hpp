@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "hysteresis/identification.hpp"
 #include "hysteresis/inverse.hpp"
+#include "hysteresis/model_type.hpp"
 #include "numeric/least_squares.hpp"
 #include "signal/time_record.hpp"
 

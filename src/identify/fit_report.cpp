@@ -6,7 +6,7 @@
 #include "base/json.hpp"
 #include "chain/registry.hpp"
 #include "hysteresis/record_tools.hpp"
-#include "signal/extent.hpp"
+#include "signal/time_record.hpp"
 
 namespace bodesmith::identify {
 namespace {

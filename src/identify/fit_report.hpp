@@ -3,7 +3,7 @@
 #include <span>
 
 #include "base/json_fwd.hpp"
-#include "chain/trained.hpp"
+#include "chain/chain.hpp"
 #include "identify/stage_fit.hpp"
 
 namespace bodesmith::identify {

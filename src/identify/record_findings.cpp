@@ -7,7 +7,7 @@
 
 #include "base/error.hpp"
 #include "base/text.hpp"
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 #include "identify/stage_fit.hpp"
 #include "signal/period.hpp"
 #include "signal/statistics.hpp"

@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "hysteresis/identification.hpp"
+#include "hysteresis/model_type.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::identify {

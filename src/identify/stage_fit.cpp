@@ -6,8 +6,8 @@
 
 #include "base/progress.hpp"
 #include "base/whole_number.hpp"
+#include "hysteresis/model_type.hpp"
 #include "hysteresis/record_tools.hpp"
-#include "hysteresis/registry.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
 #include "numeric/least_squares.hpp"

@@ -5,9 +5,9 @@
 #include <string>
 #include <vector>
 
-#include "hysteresis/identification.hpp"
+#include "hysteresis/model_type.hpp"
 #include "identify/stage_model.hpp"
-#include "signal/error_figures.hpp"
+#include "signal/statistics.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::identify {

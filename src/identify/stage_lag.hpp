@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "base/units.hpp"
-#include "hysteresis/identification.hpp"
+#include "hysteresis/model_type.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::identify {

@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "chain/chain.hpp"
-#include "hysteresis/identification.hpp"
+#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::identify {
 

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "lti/steep_flanks.hpp"
+#include "lti/judge_responses.hpp"
 
 namespace bodesmith {
 namespace {

@@ -5,7 +5,7 @@
 
 #include "base/error.hpp"
 #include "lti/state_space.hpp"
-#include "numeric/matrix_exponential.hpp"
+#include "numeric/dense.hpp"
 
 namespace bodesmith {
 namespace {

@@ -4,7 +4,6 @@
 
 #include "base/error.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "base/progress.hpp"
 #include "base/text.hpp"
 #include "project/run_project.hpp"

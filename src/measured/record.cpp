@@ -16,7 +16,6 @@
 #include "measured/suspects.hpp"
 #include "project/run_project.hpp"
 #include "signal/csv.hpp"
-#include "signal/error_figures.hpp"
 #include "signal/period.hpp"
 #include "signal/statistics.hpp"
 #include "simulate/simulate.hpp"

@@ -7,7 +7,6 @@
 
 #include "base/error.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "base/text.hpp"
 #include "faults/circuit_board.hpp"
 #include "faults/plan_board.hpp"
@@ -16,7 +15,7 @@
 #include "measured/picture.hpp"
 #include "signal/csv.hpp"
 #include "signal/statistics.hpp"
-#include "synthesis/built_circuit.hpp"
+#include "synthesis/circuit_file.hpp"
 #include "synthesis/decks/compensator_files.hpp"
 #include "synthesis/parts/series.hpp"
 

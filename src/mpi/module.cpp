@@ -1,4 +1,4 @@
-// The MPI side of numeric/team.cpp, a module of its own: loaded only when the program was started by mpirun.
+// The MPI side of numeric/parallel_for.cpp, a module of its own: loaded only when the program was started by mpirun.
 #include <mpi.h>
 
 #include <cstddef>

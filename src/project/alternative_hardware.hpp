@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "base/outcome.hpp"
+#include "base/error.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "project/alternatives.hpp"
 #include "project/project.hpp"

@@ -3,7 +3,6 @@
 #include <utility>
 
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "fpaa/sheets/board_picture.hpp"
 #include "fpaa/sheets/build_sheet.hpp"
 

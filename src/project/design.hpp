@@ -15,7 +15,7 @@
 #include "project/design_stage.hpp"
 #include "project/project.hpp"
 #include "synthesis/controller/controller.hpp"
-#include "synthesis/decks/compensator_check.hpp"
+#include "synthesis/decks/compensator_files.hpp"
 #include "synthesis/generator/layout.hpp"
 #include "synthesis/realise_search.hpp"
 

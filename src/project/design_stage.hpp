@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "lti/frequency_grid.hpp"
-#include "report/bode.hpp"
+#include "report/plot.hpp"
 #include "signal/bode_points.hpp"
 
 namespace bodesmith::project {

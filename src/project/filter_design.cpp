@@ -11,7 +11,7 @@
 #include "base/text.hpp"
 #include "fit/choice.hpp"
 #include "fpaa/plan/switched_board.hpp"
-#include "lti/judging_grid.hpp"
+#include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
 #include "project/fractional_fit.hpp"
 #include "schematic/analysis/equations.hpp"

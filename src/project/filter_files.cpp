@@ -11,9 +11,9 @@
 #include "project/run.hpp"
 #include "project/run_files.hpp"
 #include "report/page.hpp"
+#include "synthesis/circuit_file.hpp"
 #include "synthesis/decks/compensator_files.hpp"
-#include "synthesis/json.hpp"
-#include "tolerance/json.hpp"
+#include "tolerance/yield.hpp"
 
 namespace bodesmith::project {
 namespace {

@@ -3,7 +3,7 @@
 #include "base/json.hpp"
 #include "base/text.hpp"
 #include "project/run.hpp"
-#include "synthesis/json.hpp"
+#include "synthesis/circuit_file.hpp"
 
 namespace bodesmith::project {
 

@@ -4,7 +4,6 @@
 #include <string>
 
 #include "fit/direct_fit.hpp"
-#include "lti/fractional_stability.hpp"
 #include "lti/fractional_transfer.hpp"
 
 namespace bodesmith::project {

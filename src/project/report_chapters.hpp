@@ -8,7 +8,7 @@
 #include "fpaa/plan/plan.hpp"
 #include "project/limits.hpp"
 #include "report/page.hpp"
-#include "synthesis/decks/compensator_check.hpp"
+#include "synthesis/decks/compensator_files.hpp"
 #include "synthesis/realise_search.hpp"
 
 /// What the reports of all projects show, with a plant and without.

@@ -14,7 +14,7 @@
 #include "project/limits.hpp"
 #include "project/project.hpp"
 #include "project/tracking_study.hpp"
-#include "synthesis/decks/compensator_check.hpp"
+#include "synthesis/decks/compensator_files.hpp"
 #include "tolerance/controller/report.hpp"
 
 namespace bodesmith::project {

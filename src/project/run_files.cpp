@@ -1,16 +1,14 @@
 #include "project/run_files.hpp"
 
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "chain/model_file.hpp"
 #include "project/artefacts.hpp"
 #include "project/run_model.hpp"
 #include "schematic/writers/kicad/schematic.hpp"
+#include "synthesis/circuit_file.hpp"
 #include "synthesis/controller/files.hpp"
 #include "synthesis/decks/compensator_files.hpp"
-#include "synthesis/generator/json.hpp"
-#include "synthesis/generator/library.hpp"
-#include "synthesis/json.hpp"
+#include "synthesis/generator/files.hpp"
 
 namespace bodesmith::project {
 namespace {

@@ -5,13 +5,13 @@
 
 #include "base/progress.hpp"
 #include "fpaa/controller/controller.hpp"
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 #include "numeric/parallel_for.hpp"
 #include "project/board_controller.hpp"
 #include "project/run_model.hpp"
 #include "project/tracked_plant.hpp"
 #include "schematic/ngspice/ngspice.hpp"
-#include "signal/error_figures.hpp"
+#include "signal/statistics.hpp"
 #include "synthesis/controller/circuit_controller.hpp"
 #include "tracking/track.hpp"
 

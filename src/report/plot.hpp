@@ -41,4 +41,12 @@ std::string to_svg(const Plot& plot);
 /// Plots of equal width below one another in one `svg`, e.g. magnitude and phase.
 std::string stack_svg(const std::vector<Plot>& plots);
 
+/// Magnitude (dB) and phase (degrees) over log frequency, one below the other; the caller adds the series.
+struct BodePlot {
+  Plot magnitude;
+  Plot phase;
+  BodePlot();
+  std::vector<Plot> plots() const { return {magnitude, phase}; }
+};
+
 }  // namespace bodesmith::report

@@ -3,7 +3,6 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 

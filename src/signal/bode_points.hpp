@@ -1,5 +1,6 @@
 #pragma once
 
+#include <complex>
 #include <filesystem>
 #include <optional>
 #include <string>
@@ -28,6 +29,17 @@ struct BodePoints {
   /// Sorts by frequency. Errors (with line): a frequency or gain that is not above 0, the same frequency
   /// twice, a negative weight.
   static BodePoints read_csv(const std::filesystem::path& path, Provenance& from);
+};
+
+/// A measured frequency response.
+struct FrequencyRecord {
+  std::string file;
+  std::vector<Hertz> frequency;
+  std::vector<std::complex<double>> response;
+  std::vector<double> coherence;  ///< empty, or one value in [0, 1] a row
+
+  /// CSV `frequency_hz,magnitude_db,phase_deg` (optional `coherence`); frequencies rising and above 0.
+  static FrequencyRecord read_csv(const std::filesystem::path& path, Provenance& from);
 };
 
 }  // namespace bodesmith

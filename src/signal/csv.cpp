@@ -10,12 +10,8 @@
 #include <utility>
 
 #include "base/error.hpp"
-#include "base/letters.hpp"
-#include "base/nearest_word.hpp"
-#include "base/quantity.hpp"
 #include "base/text.hpp"
 #include "numeric/parallel_for.hpp"
-#include "signal/column_words.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv_rows.hpp"
 #include "signal/formats/format.hpp"

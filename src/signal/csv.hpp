@@ -13,7 +13,7 @@ namespace bodesmith {
 /// A CSV file of numbers with a header row. `#` starts a comment (at the beginning of a line), blank lines
 /// are passed over, CRLF or LF, UTF-8 with or without byte order mark. Cells end at commas, or at semicolons or tabs
 /// when the header has no comma; then decimals may begin with a
-/// comma. Values may have prefixes (4k7), columns other words for the same (column_words.hpp).
+/// comma. Values may have prefixes (4k7), columns other words for the same (columns.hpp).
 class Csv {
  public:
   /// This program's CSV, or a file of any of the formats in signal/formats/ (told apart by content), converted to the

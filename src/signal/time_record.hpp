@@ -1,6 +1,7 @@
 #pragma once
 
 #include <filesystem>
+#include <span>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -32,5 +33,17 @@ struct TimeRecord {
   /// of four of these numbers must stay far inside a double's range.
   void require_measured_sizes() const;
 };
+
+/// How far a signal goes: what a model fitted to it has seen.
+struct SignalExtent {
+  double lower = 0.0;
+  double upper = 0.0;
+  double max_rate_per_s = 0.0;  ///< fastest change from sample to sample
+  /// The band with all but a thousandth of the signal's variance, half of that below it and half above.
+  double from_hz = 0.0;
+  double to_hz = 0.0;
+};
+/// Of u of all records together, each without its first `skip_s` seconds.
+SignalExtent input_extent(std::span<const TimeRecord> records, double skip_s = 0.0);
 
 }  // namespace bodesmith

@@ -17,7 +17,7 @@
 #include "chain/kernel.hpp"
 #include "chain/sections_chain.hpp"
 #include "filters/equalisers.hpp"
-#include "signal/error_figures.hpp"
+#include "signal/statistics.hpp"
 #include "signal/time_record.hpp"
 #include "simulate/cvode_solver.hpp"
 #include "simulate/dense_signal.hpp"

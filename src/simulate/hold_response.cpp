@@ -3,7 +3,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "numeric/matrix_exponential.hpp"
+#include "numeric/dense.hpp"
 
 namespace bodesmith::simulate {
 namespace {

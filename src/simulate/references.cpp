@@ -8,7 +8,6 @@
 #include <random>
 
 #include "base/error.hpp"
-#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 #include "numeric/random.hpp"
 

@@ -17,8 +17,8 @@
 #include "numeric/parallel_for.hpp"
 #include "signal/columns.hpp"
 #include "signal/csv.hpp"
-#include "signal/error_figures.hpp"
 #include "signal/periodogram.hpp"
+#include "signal/statistics.hpp"
 #include "simulate/signal_study.hpp"
 #include "simulate/simulate.hpp"
 

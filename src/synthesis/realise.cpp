@@ -6,8 +6,8 @@
 
 #include "base/error.hpp"
 #include "lti/bulk_response.hpp"
+#include "lti/frequency_grid.hpp"
 #include "lti/judge_responses.hpp"
-#include "lti/judging_grid.hpp"
 #include "schematic/analysis/response.hpp"
 #include "synthesis/opamp_check.hpp"
 

@@ -6,7 +6,7 @@
 #include <string>
 #include <vector>
 
-#include "base/outcome.hpp"
+#include "base/error.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
 #include "synthesis/circuit.hpp"

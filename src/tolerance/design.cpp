@@ -8,10 +8,10 @@
 #include "base/error.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/drawn_board.hpp"
-#include "lti/judging_grid.hpp"
+#include "lti/frequency_grid.hpp"
 #include "schematic/analysis/response.hpp"
-#include "synthesis/built_circuit.hpp"
 #include "synthesis/circuit.hpp"
+#include "synthesis/circuit_file.hpp"
 #include "synthesis/stages/stage_form.hpp"
 
 namespace bodesmith::yield {

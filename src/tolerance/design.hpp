@@ -12,8 +12,8 @@
 #include "fpaa/plan/plan.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
-#include "synthesis/built_circuit.hpp"
 #include "synthesis/circuit.hpp"
+#include "synthesis/circuit_file.hpp"
 
 namespace bodesmith::yield {
 

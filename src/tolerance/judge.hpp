@@ -4,8 +4,9 @@
 #include <cstddef>
 #include <vector>
 
-#include "lti/steep_flanks.hpp"
+#include "lti/judge_responses.hpp"
 #include "tolerance/design.hpp"
+#include "tolerance/yield.hpp"
 
 namespace bodesmith::yield {
 
@@ -32,5 +33,9 @@ class Judge {
   FlankedCurve curve_;
   std::vector<std::size_t> place_;  ///< of the grid's points on the curve
 };
+
+/// Everything that is known before the first sample: the ranges of the histograms, the worst case and the
+/// ranking of the parts, from the sensitivities.
+Result expected_result(const Design& design, const Options& options, const Judge& judge);
 
 }  // namespace bodesmith::yield

@@ -8,9 +8,10 @@
 #include <string_view>
 #include <vector>
 
+#include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "fpaa/device/mismatch.hpp"
-#include "numeric/team.hpp"
+#include "numeric/parallel_for.hpp"
 #include "tolerance/design.hpp"
 
 namespace bodesmith::yield {
@@ -106,5 +107,10 @@ std::vector<Purchase> tolerances_to_buy(const Design& design, const Options& opt
 
 /// Everything that the counts depend on besides samples and seed: identifies a checkpoint (Options::job).
 std::string job_text(const Options& options, const Provenance& from);
+
+/// One design's part of yield.json.
+Json to_json(const Result& result, const Options& options);
+/// `to_buy`: pairs of tolerances and whether they keep the limit.
+Json to_json(const std::vector<Purchase>& purchases);
 
 }  // namespace bodesmith::yield

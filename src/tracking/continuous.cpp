@@ -6,7 +6,6 @@
 
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
-#include "numeric/matrix_exponential.hpp"
 #include "simulate/cvode_solver.hpp"
 #include "simulate/hold_response.hpp"
 #include "tracking/driven_stage.hpp"

@@ -8,7 +8,7 @@
 
 #include "base/units.hpp"
 #include "chain/chain.hpp"
-#include "hysteresis/identification.hpp"
+#include "hysteresis/model_type.hpp"
 #include "lti/sections.hpp"
 #include "signal/time_record.hpp"
 #include "tracking/stage.hpp"

@@ -10,7 +10,7 @@
 #include "chain/model_file.hpp"
 #include "fit/measured_fit.hpp"
 #include "lti/sections.hpp"
-#include "signal/frequency_record.hpp"
+#include "signal/bode_points.hpp"
 
 namespace bodesmith::tuning {
 namespace {

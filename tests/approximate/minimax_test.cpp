@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "approximate/approximate.hpp"
-#include "approximate/limit_law.hpp"
+#include "approximate/approximation_error.hpp"
 #include "base/error.hpp"
 
 namespace bodesmith {

@@ -9,7 +9,7 @@
 #include "base/files.hpp"
 #include "chain/kernel.hpp"
 #include "chain/registry.hpp"
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 #include "temporary_folder.hpp"
 
 namespace bodesmith::chain {

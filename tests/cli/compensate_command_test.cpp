@@ -7,7 +7,7 @@
 #include "base/json.hpp"
 #include "run_program.hpp"
 #include "signal/csv.hpp"
-#include "signal/error_figures.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith {
 namespace {

@@ -4,7 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "base/files.hpp"
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 #include "run_program.hpp"
 #include "signal/csv.hpp"
 

@@ -4,7 +4,7 @@
 
 #include "base/error.hpp"
 #include "fit/paper_disturbance.hpp"
-#include "fit/waveform_bound.hpp"
+#include "fit/waveform_problem.hpp"
 
 namespace bodesmith {
 namespace {

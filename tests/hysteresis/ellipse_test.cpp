@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 #include "test_signals.hpp"
 
 namespace bodesmith::hysteresis {

@@ -4,7 +4,7 @@
 
 #include "base/error.hpp"
 #include "hysteresis/exponential_operator.hpp"
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 #include "test_signals.hpp"
 
 namespace bodesmith::hysteresis {

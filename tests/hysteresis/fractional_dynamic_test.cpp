@@ -5,9 +5,9 @@
 
 #include "hysteresis/fractional_dynamic.hpp"
 #include "hysteresis/grunwald_letnikov.hpp"
-#include "hysteresis/registry.hpp"
-#include "lti/fractional_stability.hpp"
-#include "numeric/differential_evolution.hpp"
+#include "hysteresis/model_type.hpp"
+#include "lti/fractional_transfer.hpp"
+#include "numeric/population_search.hpp"
 #include "test_signals.hpp"
 
 namespace bodesmith::hysteresis {

@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "count_allocations.hpp"
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::hysteresis {
 namespace {

@@ -6,7 +6,7 @@
 #include <span>
 #include <vector>
 
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::hysteresis::testing {

@@ -8,7 +8,7 @@
 #include "base/error.hpp"
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 #include "identify/record_findings.hpp"
 #include "identify/stage_fit.hpp"
 

@@ -13,7 +13,7 @@
 #include "chain/inverse.hpp"
 #include "chain/registry.hpp"
 #include "invert/drive_search.hpp"
-#include "signal/error_figures.hpp"
+#include "signal/statistics.hpp"
 #include "simulate/simulate.hpp"
 
 namespace bodesmith::invert {

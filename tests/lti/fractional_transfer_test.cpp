@@ -6,7 +6,6 @@
 #include <random>
 
 #include "base/error.hpp"
-#include "lti/fractional_stability.hpp"
 
 namespace bodesmith {
 namespace {

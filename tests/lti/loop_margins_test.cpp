@@ -4,7 +4,7 @@
 #include <cmath>
 #include <numbers>
 
-#include "lti/level_and_phase.hpp"
+#include "lti/bulk_response.hpp"
 #include "lti/loop_margins.hpp"
 #include "lti/time_response.hpp"
 

@@ -6,10 +6,9 @@
 #include <stdexcept>
 
 #include "numeric/bounded_least_squares.hpp"
-#include "numeric/differential_evolution.hpp"
+#include "numeric/constrained_programs.hpp"
 #include "numeric/parallel_for.hpp"
-#include "numeric/particle_swarm.hpp"
-#include "numeric/quadratic_program.hpp"
+#include "numeric/population_search.hpp"
 #include "numeric/random.hpp"
 
 namespace bodesmith {

@@ -8,7 +8,6 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "signal/bode_points.hpp"
-#include "signal/frequency_record.hpp"
 #include "signal/time_record.hpp"
 #include "temporary_folder.hpp"
 

@@ -1,4 +1,4 @@
-#include "signal/slow_noise.hpp"
+#include "signal/red_noise.hpp"
 
 #include <gtest/gtest.h>
 

@@ -8,7 +8,7 @@
 
 #include "base/error.hpp"
 #include "chain/registry.hpp"
-#include "signal/error_figures.hpp"
+#include "signal/statistics.hpp"
 #include "simulate/references.hpp"
 #include "simulate/simulate.hpp"
 

@@ -5,12 +5,11 @@
 #include "base/document.hpp"
 #include "base/error.hpp"
 #include "base/json.hpp"
-#include "base/quantity.hpp"
+#include "base/text.hpp"
 #include "schematic/analysis/response.hpp"
 #include "seed_sections.hpp"
-#include "synthesis/built_circuit.hpp"
 #include "synthesis/circuit.hpp"
-#include "synthesis/json.hpp"
+#include "synthesis/circuit_file.hpp"
 
 namespace bodesmith::circuit {
 namespace {

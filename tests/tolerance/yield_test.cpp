@@ -1,5 +1,4 @@
 #include "tolerance/yield.hpp"
-#include "tolerance/json.hpp"
 
 #include <gtest/gtest.h>
 
@@ -8,8 +7,8 @@
 #include "base/error.hpp"
 #include "base/files.hpp"
 #include "base/json.hpp"
+#include "lti/frequency_grid.hpp"
 #include "lti/judge_responses.hpp"
-#include "lti/judging_grid.hpp"
 #include "numeric/random.hpp"
 #include "schematic/analysis/response.hpp"
 #include "synthesis/realise.hpp"

@@ -6,7 +6,7 @@
 #include <cmath>
 
 #include "base/error.hpp"
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 #include "tracking/model_stage.hpp"
 #include "tracking/track.hpp"
 

@@ -8,7 +8,7 @@
 #include <numbers>
 
 #include "base/error.hpp"
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 #include "tracking/model_stage.hpp"
 #include "tracking/reference.hpp"
 

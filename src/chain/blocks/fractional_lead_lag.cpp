@@ -4,7 +4,7 @@
 #include <cmath>
 
 #include "approximate/approximate.hpp"
-#include "approximate/limit_law.hpp"
+#include "approximate/approximation_error.hpp"
 #include "base/whole_number.hpp"
 #include "chain/block.hpp"
 #include "chain/inverse.hpp"

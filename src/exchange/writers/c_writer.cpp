@@ -3,7 +3,6 @@
 
 #include "base/error.hpp"
 #include "base/json.hpp"
-#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "exchange/writer.hpp"

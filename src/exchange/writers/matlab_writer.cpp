@@ -7,7 +7,7 @@
 #include <stdexcept>
 #include <vector>
 
-#include "base/memory_file.hpp"
+#include "base/temporary.hpp"
 #include "exchange/writer.hpp"
 
 namespace bodesmith::exchange {

@@ -5,7 +5,7 @@
 #include <functional>
 #include <string>
 
-#include "base/outcome.hpp"
+#include "base/error.hpp"
 #include "fpaa/cams/cam_values.hpp"
 
 namespace bodesmith::fpaa {

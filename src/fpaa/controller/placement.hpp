@@ -2,7 +2,7 @@
 
 #include <vector>
 
-#include "base/outcome.hpp"
+#include "base/error.hpp"
 #include "fpaa/device/board.hpp"
 
 namespace bodesmith::fpaa {

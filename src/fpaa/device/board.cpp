@@ -2,7 +2,6 @@
 
 #include <fmt/format.h>
 
-#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::fpaa {

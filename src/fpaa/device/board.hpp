@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-#include "base/outcome.hpp"
+#include "base/error.hpp"
 #include "base/units.hpp"
 
 namespace bodesmith::fpaa {

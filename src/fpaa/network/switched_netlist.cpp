@@ -8,7 +8,6 @@
 #include <sstream>
 
 #include "base/error.hpp"
-#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "base/whole_number.hpp"
 

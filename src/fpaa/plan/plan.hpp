@@ -7,8 +7,8 @@
 #include <vector>
 
 #include "base/document.hpp"
+#include "base/error.hpp"
 #include "base/json_fwd.hpp"
-#include "base/outcome.hpp"
 #include "base/provenance.hpp"
 #include "base/units.hpp"
 #include "fpaa/cams/placed_cam.hpp"

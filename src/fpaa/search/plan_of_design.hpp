@@ -1,6 +1,6 @@
 #pragma once
 
-#include "base/outcome.hpp"
+#include "base/error.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/search/design.hpp"
 

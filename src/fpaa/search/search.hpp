@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "base/outcome.hpp"
+#include "base/error.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/search/score.hpp"
 

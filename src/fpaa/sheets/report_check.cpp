@@ -7,7 +7,6 @@
 #include <optional>
 
 #include "base/error.hpp"
-#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "fpaa/cams/cam.hpp"
 

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/outcome.hpp"
+#include "base/error.hpp"
 #include "fpaa/device/circuit.hpp"
 #include "fpaa/network/periodic_network.hpp"
 

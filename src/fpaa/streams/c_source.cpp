@@ -7,7 +7,6 @@
 
 #include "base/error.hpp"
 #include "base/json.hpp"
-#include "base/letters.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::fpaa {

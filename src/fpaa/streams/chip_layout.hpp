@@ -5,7 +5,7 @@
 #include <string>
 #include <vector>
 
-#include "base/outcome.hpp"
+#include "base/error.hpp"
 #include "fpaa/cams/switches.hpp"
 #include "fpaa/cams/transfer_function.hpp"
 #include "fpaa/device/memory_image.hpp"

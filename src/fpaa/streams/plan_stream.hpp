@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "base/outcome.hpp"
+#include "base/error.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/streams/board_networks.hpp"
 #include "fpaa/streams/chip_layout.hpp"

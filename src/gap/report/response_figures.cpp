@@ -6,7 +6,7 @@
 
 #include "gap/report/figures.hpp"
 #include "report/bars.hpp"
-#include "report/bode.hpp"
+#include "report/plot.hpp"
 
 namespace bodesmith::gap {
 namespace {

@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "signal/frequency_record.hpp"
+#include "signal/bode_points.hpp"
 #include "signal/time_record.hpp"
 
 namespace bodesmith::gap {

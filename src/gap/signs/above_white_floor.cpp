@@ -6,7 +6,7 @@
 
 #include "gap/signs/signs.hpp"
 #include "signal/periodogram.hpp"
-#include "signal/slow_noise.hpp"
+#include "signal/red_noise.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {

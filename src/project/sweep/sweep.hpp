@@ -7,7 +7,7 @@
 
 #include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
-#include "numeric/team.hpp"
+#include "numeric/parallel_for.hpp"
 
 namespace bodesmith::project {
 

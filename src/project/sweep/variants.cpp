@@ -5,7 +5,6 @@
 #include <algorithm>
 #include <set>
 
-#include "base/letters.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::project {

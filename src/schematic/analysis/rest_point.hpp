@@ -7,7 +7,7 @@
 #include <string>
 #include <vector>
 
-#include "schematic/deviations.hpp"
+#include "schematic/netlist.hpp"
 
 namespace bodesmith::schematic {
 

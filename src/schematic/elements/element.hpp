@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/units.hpp"
-#include "schematic/deviations.hpp"
+#include "schematic/netlist.hpp"
 
 namespace bodesmith::schematic {
 

@@ -4,7 +4,6 @@
 
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "schematic/ngspice/plain_netlist.hpp"
 #include "schematic/ngspice/user_deck.hpp"

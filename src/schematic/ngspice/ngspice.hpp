@@ -8,7 +8,7 @@
 #include "base/units.hpp"
 #include "lti/frequency_grid.hpp"
 #include "schematic/ngspice/ngspice_process.hpp"
-#include "schematic/ngspice/subcircuits.hpp"
+#include "schematic/ngspice/plain_netlist.hpp"
 
 namespace bodesmith::spice {
 

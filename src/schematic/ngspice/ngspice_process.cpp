@@ -20,7 +20,6 @@
 
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "base/letters.hpp"
 #include "base/progress.hpp"
 #include "base/temporary.hpp"
 #include "base/text.hpp"

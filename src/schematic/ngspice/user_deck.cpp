@@ -8,11 +8,9 @@
 
 #include "base/error.hpp"
 #include "base/files.hpp"
-#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "schematic/ngspice/plain_netlist.hpp"
-#include "schematic/ngspice/subcircuits.hpp"
 
 namespace bodesmith::spice {
 namespace {

@@ -9,7 +9,6 @@
 #include "base/text.hpp"
 #include "schematic/elements/element.hpp"
 #include "schematic/writers/spice_library.hpp"
-#include "schematic/writers/spice_models.hpp"
 
 namespace bodesmith::schematic {
 namespace {

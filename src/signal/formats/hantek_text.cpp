@@ -4,8 +4,6 @@
 #include <fmt/format.h>
 
 #include "base/error.hpp"
-#include "base/letters.hpp"
-#include "base/quantity.hpp"
 #include "base/text.hpp"
 #include "signal/formats/format.hpp"
 #include "signal/formats/headings.hpp"

@@ -4,7 +4,6 @@
 #include <numbers>
 #include <string_view>
 
-#include "base/letters.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::formats {

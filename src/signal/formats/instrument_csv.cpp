@@ -12,7 +12,6 @@
 #include <optional>
 
 #include "base/error.hpp"
-#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "signal/formats/format.hpp"
 #include "signal/formats/table_meaning.hpp"

@@ -11,8 +11,7 @@
 #include <optional>
 
 #include "base/error.hpp"
-#include "base/letters.hpp"
-#include "base/memory_file.hpp"
+#include "base/temporary.hpp"
 #include "base/text.hpp"
 #include "signal/formats/format.hpp"
 #include "signal/formats/table_meaning.hpp"

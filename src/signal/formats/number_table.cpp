@@ -7,7 +7,6 @@
 #include <limits>
 
 #include "base/error.hpp"
-#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "signal/formats/headings.hpp"
 

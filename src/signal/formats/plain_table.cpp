@@ -9,7 +9,6 @@
 #include <complex>
 
 #include "base/error.hpp"
-#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "signal/formats/format.hpp"
 #include "signal/formats/table_meaning.hpp"

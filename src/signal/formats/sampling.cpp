@@ -2,8 +2,6 @@
 
 #include <algorithm>
 
-#include "base/letters.hpp"
-#include "base/quantity.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::formats {

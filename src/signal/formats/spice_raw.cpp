@@ -16,7 +16,6 @@
 #include <optional>
 
 #include "base/error.hpp"
-#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "signal/formats/format.hpp"
 #include "signal/formats/text_encoding.hpp"

@@ -10,7 +10,6 @@
 #include <optional>
 
 #include "base/error.hpp"
-#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "signal/formats/sampling.hpp"

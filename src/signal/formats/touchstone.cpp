@@ -12,7 +12,6 @@
 #include <complex>
 
 #include "base/error.hpp"
-#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "base/units.hpp"
 #include "base/whole_number.hpp"

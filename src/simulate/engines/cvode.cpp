@@ -10,7 +10,7 @@
 #include "base/text.hpp"
 #include "base/whole_number.hpp"
 #include "chain/kernel.hpp"
-#include "signal/error_figures.hpp"
+#include "signal/statistics.hpp"
 #include "signal/time_record.hpp"
 #include "simulate/cvode_solver.hpp"
 #include "simulate/dense_signal.hpp"

@@ -4,7 +4,7 @@
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
-#include "signal/error_figures.hpp"
+#include "signal/statistics.hpp"
 #include "simulate/engines/engine.hpp"
 #include "simulate/record_simulator.hpp"
 

@@ -3,7 +3,7 @@
 #include <string>
 #include <vector>
 
-#include "schematic/deviations.hpp"
+#include "schematic/netlist.hpp"
 #include "synthesis/controller/controller.hpp"
 #include "tracking/reference.hpp"
 #include "tracking/stage.hpp"

@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-#include "schematic/deviations.hpp"
+#include "schematic/netlist.hpp"
 #include "signal/disturbance.hpp"
 #include "synthesis/parts/series.hpp"
 

@@ -2,7 +2,7 @@
 
 #include <string>
 
-#include "schematic/deviations.hpp"
+#include "schematic/netlist.hpp"
 #include "synthesis/controller/controller.hpp"
 
 namespace bodesmith::controller {

@@ -15,7 +15,7 @@
 #include "schematic/analysis/response.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "schematic/plain_number.hpp"
-#include "schematic/writers/spice_models.hpp"
+#include "schematic/writers/spice_library.hpp"
 #include "synthesis/controller/at_rest.hpp"
 #include "synthesis/controller/library.hpp"
 

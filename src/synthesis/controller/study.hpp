@@ -3,7 +3,7 @@
 #include <vector>
 
 #include "base/json_fwd.hpp"
-#include "schematic/deviations.hpp"
+#include "schematic/netlist.hpp"
 #include "synthesis/controller/as_built.hpp"
 #include "synthesis/controller/controller.hpp"
 

@@ -3,6 +3,7 @@
 #include <string>
 
 #include "base/files.hpp"
+#include "base/json_fwd.hpp"
 #include "schematic/writers/spice_library.hpp"
 #include "synthesis/circuit.hpp"
 #include "synthesis/decks/dialect.hpp"
@@ -17,5 +18,22 @@ schematic::SpiceLibrary compensator_library(const circuit::Circuit& circuit, con
 /// dialect_registry(), and the KiCad project compensator.kicad_pro.
 void add_compensator_files(const circuit::Realised& realised, const std::string& title, OutputSet& out,
                            const MonteCarloOptions& monte_carlo = {});
+
+/// ngspice against the program's own figures for one circuit.
+struct CompensatorCheck {
+  Band band;
+  ResponseDifference against_network;   ///< ngspice against network_response() with the same op-amp model
+  ResponseDifference against_sections;  ///< ngspice against the wanted sections
+  double transient_percent =
+      0.0;  ///< worst difference of a triangle's answer, percent of its peak, from the program's own (in_time.hpp)
+  double noise_percent = 0.0;  ///< worst difference of the output noise density
+};
+
+/// Runs compensator_library() through ngspice: small-signal from 1/10 of the lowest to 10 times the highest
+/// corner, two periods of a triangle at the middle of the corners, noise over the same band.
+CompensatorCheck check_compensator(const circuit::Circuit& circuit, const Sections& wanted, int points = 60);
+
+/// "ngspice" of circuit.json.
+Json to_json(const CompensatorCheck& check);
 
 }  // namespace bodesmith::spice

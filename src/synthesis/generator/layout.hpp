@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "schematic/deviations.hpp"
+#include "schematic/netlist.hpp"
 #include "signal/disturbance.hpp"
 #include "synthesis/parts/series.hpp"
 

@@ -9,8 +9,8 @@
 #include "schematic/ngspice/ngspice.hpp"
 #include "synthesis/decks/dialect.hpp"
 #include "synthesis/generator/budget.hpp"
+#include "synthesis/generator/files.hpp"
 #include "synthesis/generator/layout.hpp"
-#include "synthesis/generator/library.hpp"
 #include "synthesis/generator/timing.hpp"
 
 namespace bodesmith::multiplier_layout {

@@ -2,7 +2,7 @@
 
 #include "numeric/index.hpp"
 #include "synthesis/ladders/ladder_realisation.hpp"
-#include "synthesis/ladders/synthesis.hpp"
+#include "synthesis/ladders/rc_ladder.hpp"
 
 namespace bodesmith::circuit {
 namespace {

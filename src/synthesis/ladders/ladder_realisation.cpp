@@ -14,7 +14,7 @@
 #include "synthesis/ladders/alternating_chains.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
 #include "synthesis/realise.hpp"
-#include "synthesis/stages/placement.hpp"
+#include "synthesis/stages/stage_form.hpp"
 
 namespace bodesmith::circuit {
 namespace {

@@ -2,7 +2,7 @@
 
 #include <cmath>
 
-#include "synthesis/parts/sum_search.hpp"
+#include "synthesis/parts/summing_amplifier.hpp"
 
 namespace bodesmith::circuit {
 

@@ -3,9 +3,9 @@
 #include <algorithm>
 #include <cmath>
 
-#include "lti/judging_grid.hpp"
-#include "lti/steep_flanks.hpp"
-#include "numeric/clones.hpp"
+#include "lti/frequency_grid.hpp"
+#include "lti/judge_responses.hpp"
+#include "numeric/four.hpp"
 #include "numeric/log_and_angle.hpp"
 
 namespace bodesmith::circuit {

@@ -4,7 +4,6 @@
 
 #include "base/document.hpp"
 #include "base/error.hpp"
-#include "base/quantity.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::circuit {

@@ -4,13 +4,13 @@
 #include <cmath>
 
 #include "base/text.hpp"
-#include "lti/judging_grid.hpp"
+#include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
 #include "synthesis/circuit.hpp"
 #include "synthesis/parts/search.hpp"
 #include "synthesis/realisation.hpp"
 #include "synthesis/stages/pairing.hpp"
-#include "synthesis/stages/placement.hpp"
+#include "synthesis/stages/stage_form.hpp"
 
 namespace bodesmith::circuit {
 namespace {

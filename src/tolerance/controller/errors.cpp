@@ -1,6 +1,5 @@
 #include "tolerance/controller/errors.hpp"
 
-#include "base/nearest_word.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::part_errors {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "base/document.hpp"
-#include "schematic/deviations.hpp"
+#include "schematic/netlist.hpp"
 #include "synthesis/controller/controller.hpp"
 #include "tolerance/departure.hpp"
 

@@ -7,7 +7,7 @@
 #include "base/error.hpp"
 #include "chain/model_file.hpp"
 #include "chain/registry.hpp"
-#include "hysteresis/registry.hpp"
+#include "hysteresis/model_type.hpp"
 
 namespace bodesmith::chain {
 namespace {

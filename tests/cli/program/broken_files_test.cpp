@@ -20,7 +20,6 @@
 #include "run_program.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/disturbance.hpp"
-#include "signal/frequency_record.hpp"
 #include "signal/time_record.hpp"
 #include "temporary_folder.hpp"
 

@@ -11,8 +11,8 @@
 #include "base/files.hpp"
 #include "base/json.hpp"
 #include "run_program.hpp"
+#include "signal/bode_points.hpp"
 #include "signal/csv.hpp"
-#include "signal/frequency_record.hpp"
 #include "temporary_folder.hpp"
 
 namespace bodesmith {

@@ -9,7 +9,6 @@
 #include <map>
 #include <regex>
 
-#include "base/letters.hpp"
 #include "base/text.hpp"
 #include "cli/seeded_inputs.hpp"
 #include "run_program.hpp"

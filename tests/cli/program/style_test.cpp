@@ -135,7 +135,7 @@ TEST(Style, LettersAndNumbersDoNotDependOnTheLocale) {
   for (const char* folder : {"src", "python/src"}) {
     for (const fs::path& file : files_below(kRoot / folder, {".cpp", ".hpp"})) {
       EXPECT_FALSE(std::regex_search(read_file(file), by_locale))
-          << file << ", expected base/letters.hpp or parse_number()";
+          << file << ", expected base/text.hpp or parse_number()";
     }
   }
 }

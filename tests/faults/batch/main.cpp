@@ -19,7 +19,7 @@
 #include "base/json.hpp"
 #include "faults/circuit_board.hpp"
 #include "faults/diagnosis.hpp"
-#include "synthesis/built_circuit.hpp"
+#include "synthesis/circuit_file.hpp"
 
 namespace bodesmith::faults {
 namespace {

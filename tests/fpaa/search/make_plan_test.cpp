@@ -9,7 +9,6 @@
 
 #include "base/error.hpp"
 #include "base/json.hpp"
-#include "base/json_header.hpp"
 #include "fpaa/plan/plan.hpp"
 #include "fpaa/plan/switched_board.hpp"
 #include "fpaa/seed_sections.hpp"

@@ -10,7 +10,6 @@
 #include "base/files.hpp"
 #include "signal/bode_points.hpp"
 #include "signal/csv.hpp"
-#include "signal/frequency_record.hpp"
 #include "signal/time_record.hpp"
 #include "temporary_folder.hpp"
 

@@ -5,7 +5,7 @@
 #include "synthesis/controller/library.hpp"
 #include "synthesis/decks/compensator_files.hpp"
 #include "synthesis/generator/build.hpp"
-#include "synthesis/generator/library.hpp"
+#include "synthesis/generator/files.hpp"
 #include "synthesis/realise.hpp"
 #include "synthesis/seed_sections.hpp"
 

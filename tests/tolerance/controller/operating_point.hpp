@@ -6,7 +6,7 @@
 #include <string>
 
 #include "schematic/analysis/equations.hpp"
-#include "schematic/deviations.hpp"
+#include "schematic/netlist.hpp"
 
 namespace bodesmith::schematic {
 

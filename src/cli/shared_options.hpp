@@ -1,0 +1,70 @@
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "base/provenance.hpp"
+#include "cli/command_line.hpp"
+#include "fpaa/device/mismatch.hpp"
+#include "fpaa/network/settling.hpp"
+#include "lti/sections.hpp"
+#include "schematic/opamp_library.hpp"
+#include "simulate/references.hpp"
+#include "synthesis/realise.hpp"
+
+namespace bodesmith::cli {
+
+/// --realization, --series and --capacitor-series, which `spice` and `yield` share.
+void add_circuit_options(CommandLine& line);
+/// A circuit with exact resistors has exact capacitors unless --capacitor-series says otherwise.
+circuit::RealiseOptions read_circuit_options(const CommandLine& line);
+
+/// --stock, limits of the values, --isolation-ohm, --opamp, --opamp-library.
+void add_parts_options(CommandLine& line);
+/// Those and add_circuit_options' together.
+circuit::RealiseOptions read_parts_options(const CommandLine& line, Provenance& from);
+/// The limits are the user's own, not the realisation's.
+bool parts_limits_given(const CommandLine& line);
+/// --opamp auto.
+bool automatic_opamp(const CommandLine& line);
+schematic::OpAmpLibrary opamp_library_of(const CommandLine& line, Provenance& from);
+
+/// Adds --check.
+void add_check_option(CommandLine& line, const std::string& what);
+/// Fails when --check was given and ngspice is not installed.
+void require_ngspice_for_check(const CommandLine& line);
+
+/// --unit-capacitor-percent and --systematic-units, which `fpaa`, `yield` and `fpaa trim` share.
+void add_mismatch_options(CommandLine& line);
+fpaa::MismatchModel read_mismatch(const CommandLine& line);
+
+/// --opamp-bandwidth-hz and --opamp-gain.
+void add_opamp_options(CommandLine& line);
+fpaa::OpAmpModel read_opamp_model(const CommandLine& line);
+
+/// --unit-capacitance-f and --noise-temperature-k.
+void add_noise_options(CommandLine& line);
+fpaa::NoiseModel read_noise_model(const CommandLine& line);
+
+/// How long and how finely a reference is made where nobody says: 1 s in steps of 1 ms; or three periods of 500 samples (a
+/// chirp or multisine: 20 samples of its highest frequency).
+enum class UsualLength { second, periods };
+
+/// --frequency-hz, --amplitude, … of a reference that the program makes.
+void add_reference_options(CommandLine& line, UsualLength usual);
+/// What those say of a reference of this kind.
+simulate::ReferenceSpec read_reference_options(const CommandLine& line, const std::string& kind,
+                                               UsualLength usual);
+/// A kind that can be made, not a file of that name.
+bool names_a_reference(const std::string& text);
+
+/// The sections without their delay, which no circuit of poles and zeros makes; says so in a note.
+Sections rational_part(Sections sections, const std::string& file);
+
+/// Several sections.json as one: what is built has them one after the other.
+Sections read_rational_series(const std::vector<std::string>& files, Provenance& from);
+
+/// --load-stroke, of commands that read a disturbance.
+void add_load_option(CommandLine& line);
+
+}  // namespace bodesmith::cli

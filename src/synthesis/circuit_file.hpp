@@ -1,0 +1,47 @@
+#pragma once
+
+#include <complex>
+#include <functional>
+#include <span>
+
+#include "base/document.hpp"
+#include "base/json_fwd.hpp"
+#include "lti/frequency_grid.hpp"
+#include "synthesis/circuit.hpp"
+#include "synthesis/opamp_check.hpp"
+#include "synthesis/realise.hpp"
+
+namespace bodesmith::circuit {
+
+/// A circuit.json (`bodesmith.circuit/1`) read back: the circuit that was made, its parts as they are mounted.
+struct CircuitFile {
+  Circuit circuit;
+  Band band;  ///< in which it was judged
+
+  /// What the stages are to do together: the sections it was made from.
+  std::complex<double> wanted(RadPerSecond w) const;
+
+  /// Errors with file and line: an unknown realisation, a part that is missing, parts that do not make what the file
+  /// says they make.
+  static CircuitFile from_node(const Node& node);
+};
+
+/// A transfer as circuit.json has it: `gain`, `zeros_rad_s`, `poles_rad_s`.
+Section section_from_node(const Node& node);
+
+/// H(jw) of a stage with ideal op-amps for any values of its parts.
+using PartsResponse = std::function<std::complex<double>(std::span<const double>, RadPerSecond)>;
+
+/// Of a ladder's stage, -Z/R with the ladder in the feedback, -R/Z with it at the input, R the first of the values; null
+/// for a stage that has a form.
+PartsResponse ladder_response(const Stage& stage);
+
+/// stages, parts, op-amp and the error of each step; without the header.
+Json to_json(const Realised& realised);
+/// {"max_magnitude_db", "max_phase_deg", "max_complex_percent", "worst_hz"}.
+Json to_json(const ResponseDifference& difference);
+/// The same with the band in which it was found: `judged` of circuit.json.
+Json judged_json(const ResponseDifference& difference, Band band);
+Json to_json(const OpAmpCheck& check);
+
+}  // namespace bodesmith::circuit

@@ -2,7 +2,7 @@
 // Fig. 12 (stair); polynomial against sine against Preisach.
 #include "bench.hpp"
 #include "hysteresis/polynomial_disturbance.hpp"
-#include "hysteresis/polynomial_fit.hpp"
+#include "hysteresis/record_tools.hpp"
 
 namespace {
 

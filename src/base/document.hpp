@@ -71,7 +71,7 @@ class Node {
   /// Throws InputError at this node's file and line.
   [[noreturn]] void fail(std::string_view message) const;
 
-  struct Data;  // the shared tree, private to document.cpp
+  struct Data;  // the shared tree, private to document_node.cpp
   Node(std::shared_ptr<const Data> data, std::string place)
       : data_(std::move(data)), place_(std::move(place)) {}
 

@@ -10,7 +10,7 @@
 
 namespace bodesmith {
 
-/// The shared tree behind Node. Only the parsers and document.cpp see it.
+/// The shared tree behind Node. Only the parsers and document_node.cpp see it.
 struct Node::Data {
   Kind kind = Kind::null;
   int line = 0;

@@ -4,7 +4,6 @@
 #include "base/error.hpp"
 #include "hysteresis/model_type.hpp"
 #include "hysteresis/polynomial_disturbance.hpp"
-#include "hysteresis/polynomial_fit.hpp"
 #include "hysteresis/record_tools.hpp"
 #include "numeric/index.hpp"
 #include "numeric/least_squares.hpp"

@@ -7,7 +7,7 @@
 #include <vector>
 
 #include "base/json_fwd.hpp"
-#include "hysteresis/polynomial_fit.hpp"
+#include "hysteresis/record_tools.hpp"
 #include "identify/stage_lag.hpp"
 #include "signal/disturbance.hpp"
 

@@ -4,7 +4,7 @@
 #include <functional>
 #include <vector>
 
-#include "numeric/termination.hpp"
+#include "numeric/least_squares.hpp"
 
 namespace bodesmith {
 

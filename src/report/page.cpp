@@ -14,7 +14,6 @@
 #include "base/version.hpp"
 #include "report/script_data.hpp"
 #include "report/svg.hpp"
-#include "report/thin.hpp"
 
 namespace bodesmith::report {
 namespace {

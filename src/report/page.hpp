@@ -37,7 +37,7 @@ class Page {
   /// A line with a large figure: "0.0589 %" "worst complex error of the FPAA plan".
   void key_figures(const std::vector<std::pair<std::string, std::string>>& value_and_meaning);
   void table(const Table& table, const std::string& caption = {});
-  /// The drawing keeps its own styles and ids (inline_svg.hpp).
+  /// The drawing keeps its own styles and ids.
   void figure(const std::string& svg, const std::string& caption);
   /// Plots below one another.
   void plots(const std::vector<Plot>& plots, const std::string& caption);

@@ -1,5 +1,6 @@
 #pragma once
 
+#include <cstddef>
 #include <string>
 #include <utility>
 #include <vector>
@@ -46,5 +47,11 @@ Json live_plots(const std::vector<Plot>& plots);
 Json choices_json(const std::vector<Choice>& choices, std::size_t chosen);
 
 inline constexpr std::size_t kMostLivePoints = 4000;
+
+/// A series of at most about 1.5 times `most` points in the order of the given one: of every stretch the lowest and the highest,
+/// so that peaks survive, and a gap where the stretch has one. Stretches are equally wide along x as it is drawn (`logarithmic`:
+/// per decade, samples without a place there are left out); of a series whose x goes back and forth, equally long. Series of at most
+/// `most` points stay as they are.
+Series thinned(Series series, std::size_t most, bool logarithmic = false);
 
 }  // namespace bodesmith::report

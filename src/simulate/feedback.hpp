@@ -10,7 +10,7 @@
 
 namespace bodesmith::simulate {
 
-/// Engine::exact: a linear plant in closed form from sample to sample (feedback_exact.hpp); Engine::cvode:
+/// Engine::exact: a linear plant in closed form from sample to sample; Engine::cvode:
 /// any plant of dynamics, curves and rate-independent memory, with the events of ode_solve.hpp;
 /// Engine::automatic: exact where there is a closed form. The feed-forward signal of a chain is worked out
 /// before, F{r}; absent: none.

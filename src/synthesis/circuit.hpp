@@ -44,7 +44,7 @@ struct Stage {
   std::string out;
   std::size_t first_part = 0;  ///< its parts are Circuit::parts[first_part, first_part + part_count)
   std::size_t part_count = 0;
-  /// Its equations: transfer() of any part values (stages/stage_form.hpp). Ladders have none.
+  /// Its equations: transfer() of any part values (realisation.hpp). Ladders have none.
   std::shared_ptr<const StageForm> form;
 
   std::complex<double> response(RadPerSecond w) const { return product(realised, w); }

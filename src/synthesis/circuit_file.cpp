@@ -9,7 +9,6 @@
 #include "schematic/analysis/response.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
 #include "synthesis/realisation.hpp"
-#include "synthesis/stages/stage_form.hpp"
 
 namespace bodesmith::circuit {
 namespace {

@@ -19,7 +19,7 @@
 namespace bodesmith::circuit {
 namespace {
 
-/// Of the op-amp's output resistance: twice what stages take by themselves (stages/stage_chain.cpp), which is not enough
+/// Of the op-amp's output resistance: twice what stages take by themselves (stages/opamp_rc.cpp), which is not enough
 /// where large capacitors load an op-amp.
 constexpr double kIsolatingShare = 0.4;
 

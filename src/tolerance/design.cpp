@@ -12,7 +12,7 @@
 #include "schematic/analysis/response.hpp"
 #include "synthesis/circuit.hpp"
 #include "synthesis/circuit_file.hpp"
-#include "synthesis/stages/stage_form.hpp"
+#include "synthesis/realisation.hpp"
 
 namespace bodesmith::yield {
 namespace {

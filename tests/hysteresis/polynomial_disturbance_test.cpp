@@ -6,7 +6,7 @@
 #include "base/error.hpp"
 #include "hysteresis/model_type.hpp"
 #include "hysteresis/polynomial_disturbance.hpp"
-#include "hysteresis/polynomial_fit.hpp"
+#include "hysteresis/record_tools.hpp"
 #include "test_signals.hpp"
 
 namespace bodesmith::hysteresis {

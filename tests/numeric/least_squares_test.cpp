@@ -11,6 +11,19 @@
 namespace bodesmith {
 namespace {
 
+TEST(Termination, OnlyAMinimumCountsAsConverged) {
+  EXPECT_TRUE(converged(Termination::gradient));
+  EXPECT_TRUE(converged(Termination::step));
+  EXPECT_TRUE(converged(Termination::cost));
+  EXPECT_FALSE(converged(Termination::max_iterations));
+  EXPECT_FALSE(converged(Termination::stopped));
+  EXPECT_FALSE(converged(Termination::not_runnable));
+}
+
+}  // namespace
+
+namespace {
+
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
@@ -205,4 +218,5 @@ TEST(LeastSquares, ComesToTheSameBitsOnAnyNumberOfThreads) {
 }
 
 }  // namespace
+
 }  // namespace bodesmith

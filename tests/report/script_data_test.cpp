@@ -5,7 +5,6 @@
 #include <cmath>
 
 #include "base/json.hpp"
-#include "report/thin.hpp"
 
 namespace bodesmith::report {
 namespace {

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "gap/model/model.hpp"
-#include "numeric/termination.hpp"
+#include "numeric/least_squares.hpp"
 
 namespace bodesmith::gap {
 

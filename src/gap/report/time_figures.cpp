@@ -6,7 +6,7 @@
 
 #include "gap/report/figures.hpp"
 #include "report/plot.hpp"
-#include "report/thin.hpp"
+#include "report/script_data.hpp"
 #include "signal/periodogram.hpp"
 #include "simulate/simulate.hpp"
 

@@ -13,7 +13,7 @@ namespace bodesmith::spice {
 ///
 /// InputError naming file and line when `text` has a control section, a command in a comment (`*# …`), begins as a script
 /// (`*ng_script`), or has a code model that starts another program or loads a library; the same for every file that it
-/// includes, however deep. Where these may stand: include_line.hpp.
+/// includes, however deep.
 void require_plain_netlist(std::string_view text, const std::filesystem::path& file);
 
 /// The same of a text that comes from no file, `what` for its name: it may include none.

@@ -16,7 +16,7 @@
 #include "synthesis/circuit.hpp"
 #include "synthesis/circuit_file.hpp"
 #include "synthesis/decks/dialect.hpp"
-#include "synthesis/stages/stage_form.hpp"
+#include "synthesis/realisation.hpp"
 
 namespace bodesmith::spice {
 namespace {

@@ -11,7 +11,7 @@
 
 namespace bodesmith::multiplier_layout {
 
-/// The slope detector as it is built (slope_detector.hpp).
+/// The slope detector as it is built.
 struct SlopeDetectorFigures {
   double threshold_v = 0.0;          ///< half the comparator's hysteresis, at the differentiator's output
   double least_slope_v_per_s = 0.0;  ///< of x, that reaches the threshold

@@ -13,8 +13,8 @@
 #include "synthesis/circuit.hpp"
 #include "synthesis/ladders/alternating_chains.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
+#include "synthesis/realisation.hpp"
 #include "synthesis/realise.hpp"
-#include "synthesis/stages/stage_form.hpp"
 
 namespace bodesmith::circuit {
 namespace {

@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "synthesis/parts/stage_errors.hpp"
+#include "synthesis/realisation.hpp"
 #include "synthesis/realise.hpp"
-#include "synthesis/stages/stage_form.hpp"
 
 namespace bodesmith::circuit {
 

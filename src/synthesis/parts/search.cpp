@@ -13,8 +13,8 @@
 #include "base/text.hpp"
 #include "synthesis/parts/candidates.hpp"
 #include "synthesis/parts/stage_errors.hpp"
+#include "synthesis/realisation.hpp"
 #include "synthesis/realise.hpp"
-#include "synthesis/stages/stage_form.hpp"
 
 namespace bodesmith::circuit {
 namespace {

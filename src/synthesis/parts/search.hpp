@@ -5,8 +5,8 @@
 #include <vector>
 
 #include "synthesis/parts/stage_errors.hpp"
+#include "synthesis/realisation.hpp"
 #include "synthesis/realise.hpp"
-#include "synthesis/stages/stage_form.hpp"
 
 namespace bodesmith::circuit {
 
@@ -17,8 +17,8 @@ struct PartsFound {
 };
 
 /// For every stage a few hundred combinations of preferred capacitors and neighbouring preferred resistors
-/// (candidates.hpp), then the choice among them for all stages together by exchange (exchange.hpp), then
-/// single parts (polish.hpp), for the least max. |H/H_wanted - 1| of the chain: one stage's gain error is made
+/// (candidates.hpp), then the choice among them for all stages together by exchange, then
+/// single parts, for the least max. |H/H_wanted - 1| of the chain: one stage's gain error is made
 /// good by another's. Deterministic. Refused when a stage's corner is out of reach of the allowed parts.
 Outcome<PartsFound> search_parts(const std::vector<std::unique_ptr<StageForm>>& forms,
                                  const std::vector<std::string>& titles, const RealiseOptions& options,

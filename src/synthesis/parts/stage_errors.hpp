@@ -6,7 +6,7 @@
 #include "base/units.hpp"
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
-#include "synthesis/stages/stage_form.hpp"
+#include "synthesis/realisation.hpp"
 
 namespace bodesmith::circuit {
 

@@ -10,7 +10,6 @@
 #include "synthesis/parts/search.hpp"
 #include "synthesis/realisation.hpp"
 #include "synthesis/stages/pairing.hpp"
-#include "synthesis/stages/stage_form.hpp"
 
 namespace bodesmith::circuit {
 namespace {

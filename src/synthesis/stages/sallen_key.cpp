@@ -2,7 +2,6 @@
 #include <cmath>
 
 #include "synthesis/realisation.hpp"
-#include "synthesis/stages/stage_form.hpp"
 
 namespace bodesmith::circuit {
 namespace {

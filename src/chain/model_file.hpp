@@ -4,6 +4,7 @@
 #include <string>
 
 #include "base/document.hpp"
+#include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
 #include "chain/chain.hpp"
 
@@ -21,5 +22,8 @@ Block block_from_node(const Node& node);
 /// The text of a model.toml that reads back as the same chain; `comment` stands at its top, line by line
 /// after #.
 std::string model_text(const Chain& chain, const std::string& comment = {});
+
+/// The JSON Schema (draft 2020-12) of model.toml: schemas/model.schema.json, made from the registry of block types.
+Json model_schema();
 
 }  // namespace bodesmith::chain

@@ -1,4 +1,4 @@
-#include "chain/model_schema.hpp"
+#include "chain/model_file.hpp"
 
 #include <cmath>
 

@@ -1,6 +1,9 @@
 #include <fmt/format.h>
 
+#include <map>
+#include <optional>
 #include <set>
+#include <string>
 
 #include "base/error.hpp"
 #include "base/files.hpp"
@@ -9,7 +12,6 @@
 #include "base/text.hpp"
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
-#include "cli/fpaa_stream_options.hpp"
 #include "cli/shared_options.hpp"
 #include "fpaa/plan/error_budget.hpp"
 #include "fpaa/plan/plan.hpp"
@@ -17,11 +19,61 @@
 #include "fpaa/sheets/board_picture.hpp"
 #include "fpaa/sheets/build_sheet.hpp"
 #include "fpaa/sheets/zrna_script.hpp"
+#include "fpaa/streams/stream_output.hpp"
 #include "lti/sections.hpp"
 #include "project/report_chapters.hpp"
 
 namespace bodesmith::cli {
 namespace {
+
+struct StreamArtefacts {
+  OutputSet files;   ///< of the folder stream/
+  Json json;         ///< of plan.json
+  std::string text;  ///< of the summary: how to power on for the first time
+};
+
+/// chip1.out1=IO3.
+std::map<std::string, int> chosen_cells(const CommandLine& line) {
+  std::map<std::string, int> out;
+  for (const std::string& text : line.all<std::string>("pin")) {
+    const std::size_t cut = text.find("=IO");
+    const std::string cell = cut == std::string::npos ? "" : text.substr(cut + 3);
+    if (cut == 0 || cell.size() != 1 || cell[0] < '1' || cell[0] > '7') {
+      line.fail(fmt::format("--pin '{}', expected for instance chip1.out1=IO3 (IO1 to IO7)", text));
+    }
+    out[text.substr(0, cut)] = cell[0] - '0';
+  }
+  return out;
+}
+
+/// --stream and --pin.
+void add_stream_options(CommandLine& line) {
+  line.flag("stream",
+            "also complete configuration streams of the chips, without any vendor program: stream/chipN.ahf, "
+            "primary.c, packets.bin, and how to power on for the first time");
+  line.repeatable<std::string>("pin", "with --stream: I/O cell of a pin, e.g. chip1.out1=IO3");
+}
+
+/// Nothing without --stream. The plan learns which I/O cell is which pin. Throws DesignError when no stream can
+/// be made of it.
+std::optional<StreamArtefacts> make_streams(fpaa::Plan& plan, const CommandLine& line) {
+  const std::map<std::string, int> cells = chosen_cells(line);
+  if (!line.has("stream")) {
+    if (!cells.empty()) line.fail("--pin without --stream, expected both");
+    return std::nullopt;
+  }
+  const auto streams = value_or_throw(fpaa::an231::plan_streams(plan, {.cells = cells}));
+  const double difference = fpaa::an231::check_streams(plan, streams);
+  for (const fpaa::an231::PlanStreams::Chip& made : streams.chips) {
+    for (fpaa::ChipPlan& chip : plan.chips) {
+      if (chip.chip != made.chip) continue;
+      for (const auto& [pin, cell] : made.built.pins) chip.pins[pin] = fmt::format("IO{}", cell);
+    }
+  }
+  return StreamArtefacts{fpaa::an231::stream_files(plan, streams, "plan.json"),
+                         fpaa::an231::stream_json(streams, difference),
+                         fpaa::an231::first_power_on(plan, streams) + "\n"};
+}
 
 void add_plan_options(CommandLine& line) {
   line.positional("SECTIONS.json...", 1, -1);
@@ -239,7 +291,7 @@ int plan_board(const std::vector<std::string>& arguments) {
   json.update(plan.to_json());
   json["budget"] = budget.to_json();
   json["timing_s"] = {{"compute", seconds}};
-  if (stream) json["stream"] = *stream->json;
+  if (stream) json["stream"] = stream->json;
   const auto limit = line.maybe<double>("max-error-percent");
   write_plan(line.output_path(), plan, json, stream ? &stream->files : nullptr, netlist_parts(line));
 
@@ -255,7 +307,7 @@ int plan_board(const std::vector<std::string>& arguments) {
   Json summary = plan_summary(plan, json, from, met);
   if (stream) {
     text += "\n" + stream->text;
-    summary["stream"] = *stream->json;
+    summary["stream"] = stream->json;
   }
   text += fmt::format("written to {}\n", line.output_path().string());
   return print_summary(line, text, summary, met);

@@ -8,7 +8,6 @@
 #include <vector>
 
 #include "base/files.hpp"
-#include "base/letters.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith {

@@ -3,7 +3,6 @@
 #include <gtest/gtest.h>
 
 #include "base/error.hpp"
-#include "synthesis/parts/sum_search.hpp"
 
 namespace bodesmith::circuit {
 namespace {

@@ -110,7 +110,8 @@ Answer realise_circuit(const Call& call) {
   const std::string opamp = o.string_or("opamp", "generic-10M");
   if (opamp != "auto") options.opamp = library.named(opamp);
   const Stopwatch watch;
-  circuit::BuildSearch search{.options = options, .limits_given = true, .amplitude_v = amplitude_v};
+  circuit::BuildSearch search{
+      .options = options, .limits = {}, .limits_given = true, .amplitude_v = amplitude_v};
   if (opamp == "auto") search.opamps = &library;
   const circuit::Candidate built = value_or_throw(realise_for_building(sections, search)).best;
   const circuit::Realised& made = built.made;

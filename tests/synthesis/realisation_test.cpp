@@ -31,7 +31,6 @@ class NonInverting final : public StageForm {
 class NonInvertingRealisation final : public StageRealisation {
  public:
   std::string_view name() const override { return "non-inverting"; }
-  std::string_view description() const override { return "a gain above 1"; }
   bool inverts() const override { return false; }
   int bid(const Section& section) const override { return refusal(section) ? 0 : 5; }
   std::optional<Refusal> refusal(const Section& section) const override {
@@ -48,7 +47,6 @@ class NonInvertingRealisation final : public StageRealisation {
 class OneStage final : public Realisation {
  public:
   std::string_view name() const override { return "one-stage"; }
-  std::string_view description() const override { return "a stage for the constant 3"; }
   Outcome<Realised> design(const Sections& sections, const RealiseOptions& options) const override {
     if (!sections.sections.empty()) return Refusal{"it makes a constant"};
     RealiseOptions plain = options;

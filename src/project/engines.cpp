@@ -11,7 +11,7 @@
 #include "project/tracked_plant.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 #include "schematic/writers/spice_library.hpp"
-#include "signal/error_figures.hpp"
+#include "signal/statistics.hpp"
 #include "synthesis/decks/compensator_files.hpp"
 #include "tracking/track.hpp"
 

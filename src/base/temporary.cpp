@@ -8,9 +8,9 @@
 #include <cerrno>
 #include <csignal>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <stdexcept>
-
-#include "base/files.hpp"
 
 namespace bodesmith {
 namespace {
@@ -109,7 +109,8 @@ std::filesystem::path MemoryFile::path() const {
 }
 
 std::string MemoryFile::bytes() const {
-  return read_file(path());
+  std::ifstream in(path(), std::ios::binary);
+  return {std::istreambuf_iterator<char>(in), {}};
 }
 
 }  // namespace bodesmith

@@ -7,7 +7,7 @@
 #include <cmath>
 #include <stdexcept>
 
-#include "lti/judge_responses.hpp"
+#include "lti/steep_flanks.hpp"
 
 namespace bodesmith {
 namespace {

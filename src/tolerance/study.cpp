@@ -1,5 +1,3 @@
-#include "tolerance/yield.hpp"
-
 #include <fmt/format.h>
 
 #include <algorithm>
@@ -16,6 +14,7 @@
 #include "tolerance/counts.hpp"
 #include "tolerance/judge.hpp"
 #include "tolerance/kernel.hpp"
+#include "tolerance/yield.hpp"
 
 namespace bodesmith::yield {
 namespace {

@@ -124,7 +124,7 @@ def test_ngspice_makes_the_error_that_the_plan_states(made, name):
         f"tran {step:.9g} {settled + window:.15g} {settled:.15g} {step:.9g}\n"
         "set wr_singlescale\nset numdgt=14\nwrdata truth.txt v(out)\nquit 0\n.endc\n.end\n"
     )
-    subprocess.run(["ngspice", "-b", "truth.cir"], cwd=it.folder, capture_output=True, timeout=120)
+    subprocess.run(["ngspice", "-b", "truth.cir"], cwd=it.folder, capture_output=True, timeout=500)
     table = np.loadtxt(it.folder / "truth.txt")
     got = components(table[:, 0], table[:, 1], settled, window, hz) / (-0.1j)
     stated = it.percent(it.bytes.gain(hz), hz)  # as the plan has it at its worst: above

@@ -130,20 +130,21 @@ bool the_rest_is_tolerances(gap::Diagnosis& d, const TimeRecord& record, double 
 /// built far more often than two. 0: nothing is.
 gap::Diagnosis diagnosed(const Chain& built, const TimeRecord& record, const gap::Study& study,
                          const gap::SearchOptions& options) {
+  gap::Diagnosis out;
   for (const int terms : {0, 1, options.max_terms}) {
     gap::SearchOptions asked = options;
     asked.max_terms = terms;
-    gap::Diagnosis out = gap::diagnose(built, study, asked);
+    out = gap::diagnose(built, study, asked);
     const double noise = noise_of(out);
     const bool nothing = noise > 0.0 && good_parts_explain(built, record, noise);
     if (nothing || (noise > 0.0 && the_rest_is_tolerances(out, record, noise))) {
       out.verdict = nothing ? gap::Verdict::nothing_missing : gap::Verdict::explained;
       out.advice.clear();
-      return out;
+      break;
     }
-    if (terms == options.max_terms) return out;
+    if (terms == options.max_terms) break;
   }
-  return gap::diagnose(built, study, options);
+  return out;
 }
 
 /// What became of the base model's free parameters that the record cannot do without.

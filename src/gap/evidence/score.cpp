@@ -52,6 +52,8 @@ constexpr double kLongestNoise = 0.1;
 /// Degrees of freedom of the innovations' distribution: tails as those of corners and jumps that a model leaves. With 8 they count
 /// for more, and smooth lags win over what limits a rate; with infinitely many (Gauss) far more.
 constexpr double kDegrees = 4.0;
+/// Of their density. Taken once: std::lgamma leaves its sign in a variable that all threads share.
+const double kLogShape = std::lgamma(0.5 * (kDegrees + 1.0)) - std::lgamma(0.5 * kDegrees);
 
 /// Log likelihood of independent values under Student's t of the most likely size (Lange, Little, Taylor, J. Am. Stat. Assoc. 84 (1989)
 /// 881, whose iteration this is).
@@ -69,8 +71,7 @@ double log_of_students_t(std::span<const double> values) {
   }
   double sum = 0.0;
   for (const double v : values) sum += std::log1p(v * v / (kDegrees * square));
-  return n * (std::lgamma(0.5 * (kDegrees + 1.0)) - std::lgamma(0.5 * kDegrees) -
-              0.5 * std::log(kDegrees * std::numbers::pi * square)) -
+  return n * (kLogShape - 0.5 * std::log(kDegrees * std::numbers::pi * square)) -
          0.5 * (kDegrees + 1.0) * sum;
 }
 

@@ -196,7 +196,7 @@ void exact_samples(benchmark::State& state) {
 BENCHMARK(exact_samples)->Arg(250000)->Arg(500000)->Arg(1000000)->Unit(benchmark::kMillisecond);
 
 void ngspice_ideal(benchmark::State& state) {
-  if (!spice::ngspice_available()) {
+  if (!ngspice::is_available()) {
     state.SkipWithError("ngspice is not installed");
     return;
   }
@@ -213,8 +213,8 @@ void ngspice_ideal(benchmark::State& state) {
         "VALUE={{V(s{0})+{3}*(V(n{0})-V(s{0}))}}\n",
         i, i + 1, kPoles[i], kPoles[i] / kZeros[i]);
   }
-  spice::Transient got;
-  for (auto _ : state) got = spice::run_transient(deck, {"n8"}, 1e-5, 1.0, "bench.cir");
+  ngspice::Transient got;
+  for (auto _ : state) got = ngspice::run_transient(deck, {"n8"}, 1e-5, 1.0, "bench.cir");
   simulate::Options exact;
   exact.engine = simulate::Engine::exact;
   const TimeRecord input = triangle(1e-5, 1.0);

@@ -6,9 +6,9 @@
 ///     bodesmith::Provenance from;  // the files that were read, and as what
 ///     const auto points = bodesmith::BodePoints::read_csv("gains.csv", from);
 ///     const auto fit = bodesmith::fit_directly_within(points, {}, 0.3, 1, 8);             // fewest poles within 0.3 dB
-///     const auto made = bodesmith::circuit::realise(fit.sections);                        // op-amps, E96 and E24
-///     const auto design = bodesmith::yield::design_of_circuit(made.circuit, fit.sections, "mine",
-///                                                             bodesmith::yield::OpAmps::ideal);
+///     const auto made = bodesmith::synthesis::realise(fit.sections);                        // op-amps, E96 and E24
+///     const auto design = bodesmith::tolerance::design_of_circuit(made.circuit, fit.sections, "mine",
+///                                                             bodesmith::tolerance::OpAmps::ideal);
 ///
 /// What is wrong with an input is an InputError with file and line, what cannot be built a DesignError; a function that
 /// returns an Outcome holds a Refusal instead, with its reason. Nothing prints, nothing writes but an OutputSet's commit().

@@ -6,7 +6,7 @@ namespace bodesmith::fuzz {
 namespace {
 
 void read_circuit_bytes(std::string_view bytes) {
-  const auto file = circuit::CircuitFile::from_node(parse_json(bytes, "circuit.json"));
+  const auto file = synthesis::CircuitFile::from_node(parse_json(bytes, "circuit.json"));
   for (const auto& part : file.circuit.parts) require_finite(part.realised);
 }
 const Registered circuit_reader{"circuit_file", read_circuit_bytes};

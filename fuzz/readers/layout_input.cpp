@@ -6,7 +6,7 @@ namespace bodesmith::fuzz {
 namespace {
 
 void read_layout_bytes(std::string_view bytes) {
-  const auto input = multiplier_layout::Input::from_node(parse_json(bytes, "disturbance.json"));
+  const auto input = generator::Input::from_node(parse_json(bytes, "disturbance.json"));
   for (const double alpha : input.alpha) require_finite(alpha);
 }
 const Registered layout_reader{"layout_input", read_layout_bytes};

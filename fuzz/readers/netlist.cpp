@@ -5,8 +5,8 @@ namespace bodesmith::fuzz {
 namespace {
 
 void read_netlist_bytes(std::string_view bytes) {
-  spice::require_plain_text(bytes, "library.sub");
-  spice::pick_subcircuit(spice::list_subcircuits(std::string(bytes), "library.sub"), "", "library.sub");
+  ngspice::require_plain_text(bytes, "library.sub");
+  ngspice::pick_subcircuit(ngspice::list_subcircuits(std::string(bytes), "library.sub"), "", "library.sub");
 }
 const Registered netlist_reader{"netlist", read_netlist_bytes};
 

@@ -6,11 +6,11 @@
 
 namespace bodesmith::python {
 
-circuit::RealiseOptions circuit_options(const Node& options) {
-  circuit::RealiseOptions out;
+synthesis::RealiseOptions circuit_options(const Node& options) {
+  synthesis::RealiseOptions out;
   out.realisation = options.string_or("realization", out.realisation);
-  out.resistors = circuit::Series::named(options.string_or("series", "E96"));
-  out.capacitors = circuit::Series::named(
+  out.resistors = synthesis::Series::named(options.string_or("series", "E96"));
+  out.capacitors = synthesis::Series::named(
       options.string_or("capacitor_series", out.resistors.is_exact() ? "exact" : "E12"));
   return out;
 }

@@ -10,7 +10,7 @@
 namespace bodesmith::python {
 
 /// realization, series, capacitor_series.
-circuit::RealiseOptions circuit_options(const Node& options);
+synthesis::RealiseOptions circuit_options(const Node& options);
 /// unit_capacitor_percent, systematic_units.
 fpaa::MismatchModel mismatch_of(const Node& options);
 /// The sections without their delay, which no hardware of poles and zeros makes; says so in a warning.

@@ -22,8 +22,8 @@ controller::Options controller_options(const Node& o) {
   out.full_stroke = o.boolean_or("full_stroke", false);
   out.rate_tolerance_percent = positive_or(o, "rate_tolerance_percent", out.rate_tolerance_percent);
   out.averaging_s = maybe_positive(o, "averaging_s").value_or(0.0);
-  out.resistors = circuit::Series::named(o.string_or("series", "E96"));
-  if (out.resistors.is_exact()) out.capacitors = circuit::Series::named("exact");
+  out.resistors = synthesis::Series::named(o.string_or("series", "E96"));
+  if (out.resistors.is_exact()) out.capacitors = synthesis::Series::named("exact");
   const schematic::OpAmpLibrary types = schematic::OpAmpLibrary::built_in();
   if (o.has("opamp")) out.opamp = types.named(o.at("opamp").string());
   if (o.has("fast_opamp")) out.fast_opamp = types.named(o.at("fast_opamp").string());
@@ -41,7 +41,7 @@ Answer analog_controller(const Call& call) {
                 "multiplier_scale_v", "lowest_hz", "allow_unstable", "check"});
   using Shape = tracking::Reference::Shape;
   const bool checked = o.boolean_or("check", false);
-  if (checked && !spice::ngspice_available())
+  if (checked && !ngspice::is_available())
     throw InputError("check needs ngspice, which is not installed (Debian: apt-get install ngspice)");
   const Disturbance disturbance = Disturbance::from_node(o.at("disturbance"));
   const controller::Options options = controller_options(o);

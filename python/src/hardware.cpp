@@ -40,14 +40,14 @@ fpaa::PlanOptions plan_options(const Node& o) {
 }
 
 void require_ngspice(const Node& options) {
-  if (options.boolean_or("check", false) && !spice::ngspice_available())
+  if (options.boolean_or("check", false) && !ngspice::is_available())
     throw InputError("check needs ngspice, which is not installed (Debian: apt-get install ngspice)");
 }
 
-multiplier_layout::Options layout_options(const Node& o) {
-  multiplier_layout::Options out;
-  out.resistors = circuit::Series::named(o.string_or("series", "E96"));
-  out.scheme = multiplier_layout::Scheme::named(o.string_or("scheme", "auto"));
+generator::Options layout_options(const Node& o) {
+  generator::Options out;
+  out.resistors = synthesis::Series::named(o.string_or("series", "E96"));
+  out.scheme = generator::Scheme::named(o.string_or("scheme", "auto"));
   out.multiplier.scale_v = positive_or(o, "multiplier_scale_v", out.multiplier.scale_v);
   out.full_scale_v = positive_or(o, "full_scale_v", out.full_scale_v);
   out.lowest = Hertz{positive_or(o, "lowest_hz", out.lowest.value)};
@@ -97,8 +97,8 @@ Answer realise_circuit(const Call& call) {
   require_ngspice(o);
   Answer out;
   const Sections sections = rational_part(Sections::from_node(o.at("sections")), out.warnings);
-  circuit::RealiseOptions options = circuit_options(o);
-  options.limits = circuit::realisation_registry().get(options.realisation).usual_limits();
+  synthesis::RealiseOptions options = circuit_options(o);
+  options.limits = synthesis::realisation_registry().get(options.realisation).usual_limits();
   options.limits.min_ohm = positive_or(o, "min_ohm", options.limits.min_ohm);
   options.limits.max_ohm = positive_or(o, "max_ohm", options.limits.max_ohm);
   options.limits.min_f = positive_or(o, "min_f", options.limits.min_f);
@@ -110,56 +110,56 @@ Answer realise_circuit(const Call& call) {
   const std::string opamp = o.string_or("opamp", "generic-10M");
   if (opamp != "auto") options.opamp = library.named(opamp);
   const Stopwatch watch;
-  circuit::BuildSearch search{
+  synthesis::BuildSearch search{
       .options = options, .limits = {}, .limits_given = true, .amplitude_v = amplitude_v};
   if (opamp == "auto") search.opamps = &library;
-  const circuit::Candidate built = value_or_throw(realise_for_building(sections, search)).best;
-  const circuit::Realised& made = built.made;
-  const circuit::OpAmpCheck& opamps = built.opamps;
+  const synthesis::Candidate built = value_or_throw(realise_for_building(sections, search)).best;
+  const synthesis::Realised& made = built.made;
+  const synthesis::OpAmpCheck& opamps = built.opamps;
   Json body = to_json(made);
-  body["judged"] = circuit::judged_json(made.report.all, made.report.band);
+  body["judged"] = synthesis::judged_json(made.report.all, made.report.band);
   body["opamp_check"] = to_json(opamps);
   const double seconds = watch.seconds();
   if (o.boolean_or("check", false))
-    body["ngspice"] = to_json(spice::check_compensator(made.circuit, sections));
+    body["ngspice"] = to_json(synthesis::check_compensator(made.circuit, sections));
   out.result = document("circuit", body, seconds);
   out.warnings.insert(out.warnings.end(), opamps.warnings.begin(), opamps.warnings.end());
   OutputSet files;
-  spice::add_compensator_files(made, "compensator", files);
+  synthesis::add_compensator_files(made, "compensator", files);
   for (const auto& path : files.paths()) out.files[path.string()] = *files.content(path);
   return out;
 }
 
 Answer lay_out(const Call& call) {
-  namespace ml = multiplier_layout;
   const Node& o = call.options;
   o.allow_only({"disturbance", "series", "scheme", "multiplier_scale_v", "full_scale_v", "lowest_hz",
                 "highest_hz", "check"});
   require_ngspice(o);
-  const ml::Input input = ml::Input::from_node(o.at("disturbance"));
-  const ml::Options options = layout_options(o);
+  const generator::Input input = generator::Input::from_node(o.at("disturbance"));
+  const generator::Options options = layout_options(o);
   const Stopwatch watch;
-  const ml::Layout layout = ml::make_layout(input, options);
-  const ml::Budget budget = ml::make_budget(layout);
-  const ml::Timing timing = ml::make_timing(layout, {options.lowest, Hertz{100}, options.highest});
+  const generator::Layout layout = generator::make_layout(input, options);
+  const generator::Budget budget = generator::make_budget(layout);
+  const generator::Timing timing =
+      generator::make_timing(layout, {options.lowest, Hertz{100}, options.highest});
   const double seconds = watch.seconds();
   Json body = to_json(layout);
   body["budget"] = to_json(budget);
   if (layout.switched()) {
     body["timing"] = to_json(timing);
-    body["budget"]["transient"] = ml::transient_budget_json(timing);
+    body["budget"]["transient"] = generator::transient_budget_json(timing);
   }
   if (o.boolean_or("check", false))
-    body["ngspice"] = to_json(multiplier_layout::check_disturbance(layout, {Hertz{100}, options.highest}));
+    body["ngspice"] = to_json(generator::check_disturbance(layout, {Hertz{100}, options.highest}));
   Answer out;
   out.result = document("layout", body, seconds);
   out.warnings = layout.warnings;
   const std::string title = "disturbance generator";
-  out.files["disturbance.sub"] = multiplier_layout::disturbance_library(layout, title);
+  out.files["disturbance.sub"] = generator::disturbance_library(layout, title);
   if (layout.amplitude)
     out.files["disturbance_amplitude.sub"] =
-        multiplier_layout::disturbance_library(layout, title, {true, std::nullopt});
-  out.files["parts.csv"] = ml::parts_csv(layout);
+        generator::disturbance_library(layout, title, {true, std::nullopt});
+  out.files["parts.csv"] = generator::parts_csv(layout);
   out.files["layout.svg"] = kicad::netlist_svg(layout.whole(), {.stem = "layout",
                                                                 .title = "Disturbance generator",
                                                                 .comment = "",

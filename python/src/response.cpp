@@ -91,11 +91,11 @@ Answer respond_netlist(const Call& call) {
   const std::string name = o.string_or("subcircuit", "");
   Values values;
   if (o.has("text")) {
-    values = spice::run_ac_of_text(o.at("text").text(), o.string_or("name", "netlist"), grid, name);
+    values = ngspice::run_ac_of_text(o.at("text").text(), o.string_or("name", "netlist"), grid, name);
   } else {
     const std::string path = o.at("path").string();
     const bool library = path.ends_with(".sub") || path.ends_with(".lib");
-    values = library ? spice::run_ac_of_sub(path, grid, name) : spice::run_ac_of_deck(path, grid, name);
+    values = library ? ngspice::run_ac_of_sub(path, grid, name) : ngspice::run_ac_of_deck(path, grid, name);
   }
   Answer out;
   out.arrays["response"] = interleaved(values);

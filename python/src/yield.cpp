@@ -12,9 +12,9 @@
 namespace bodesmith::python {
 namespace {
 
-yield::Spread spread_of(const Node& o) {
-  using Kind = yield::Spread::Kind;
-  yield::Spread out;
+tolerance::Spread spread_of(const Node& o) {
+  using Kind = tolerance::Spread::Kind;
+  tolerance::Spread out;
   out.kind = choice(o, "distribution", {Kind::uniform, Kind::gaussian, Kind::corners});
   out.sigmas = positive_or(o, "sigmas", out.sigmas);
   out.resistor_percent = o.number_or("resistor_percent", out.resistor_percent);
@@ -31,19 +31,20 @@ yield::Spread spread_of(const Node& o) {
   return out;
 }
 
-yield::Design design_of(const Node& document, const std::string& name, const Node& o, Answer& out) {
+tolerance::Design design_of(const Node& document, const std::string& name, const Node& o, Answer& out) {
   if (document.at("schema").string() == "bodesmith.fpaa_plan/1") {
     std::optional<Sections> wanted;
     if (o.has("sections")) wanted = Sections::from_node(o.at("sections"));
-    return yield::design_of_plan(document, name, wanted);
+    return tolerance::design_of_plan(document, name, wanted);
   }
   if (document.at("schema").string() == "bodesmith.circuit/1")
-    return yield::design_of_file(document, name, yield::OpAmps::as_built);
+    return tolerance::design_of_file(document, name, tolerance::OpAmps::as_built);
   const Sections sections = rational_part(Sections::from_node(document), out.warnings);
-  circuit::RealiseOptions options = circuit_options(o);
-  if (!o.has("capacitor_series")) options.capacitors = circuit::Series::named("E12");
-  return yield::design_of_circuit(circuit::realise(sections, options).circuit, sections, name,
-                                  o.has("opamp") ? yield::OpAmps::as_built : yield::OpAmps::ideal);
+  synthesis::RealiseOptions options = circuit_options(o);
+  if (!o.has("capacitor_series")) options.capacitors = synthesis::Series::named("E12");
+  return tolerance::design_of_circuit(
+      synthesis::realise(sections, options).circuit, sections, name,
+      o.has("opamp") ? tolerance::OpAmps::as_built : tolerance::OpAmps::ideal);
 }
 
 }  // namespace
@@ -72,7 +73,7 @@ Answer yield_of(const Call& call) {
                 "capacitor_series",
                 "count",
                 "band_hz"});
-  yield::Options options;
+  tolerance::Options options;
   options.spread = spread_of(o);
   options.samples =
       static_cast<std::uint64_t>(o.has("samples") ? o.at("samples").integer(1, 1'000'000'000'000) : 100'000);
@@ -84,14 +85,14 @@ Answer yield_of(const Call& call) {
   Answer out;
   const std::vector<Node> documents = o.at("designs").items();
   if (documents.empty()) o.at("designs").fail("is empty, expected at least one design");
-  std::vector<yield::Design> designs;
+  std::vector<tolerance::Design> designs;
   for (std::size_t i = 0; i < documents.size(); ++i)
     designs.push_back(design_of(documents[i], o.at("names")[i].string(), o, out));
   const Band band = maybe_band(o).value_or(designs[0].band);
   const bool counted = o.has("count") && o.at("count").kind() != Node::Kind::null;
   const int count = band.from == band.to ? 1 : counted ? integer_or(o, "count", 60, 2, 100'000) : 60;
   options.grid = counted || count == 1 ? log_grid(band, count) : judging_grid(designs[0].wanted, band, count);
-  yield::leave_out_nulls(designs, options.grid);
+  tolerance::leave_out_nulls(designs, options.grid);
 
   const Stopwatch watch;
   Json body = {{"distribution", to_string(options.spread.kind)},
@@ -101,17 +102,17 @@ Answer yield_of(const Call& call) {
                {"unit_capacitor_percent", options.spread.mismatch.unit_percent},
                {"designs", Json::array()}};
   const Team alone;
-  for (const yield::Design& design : designs) {
+  for (const tolerance::Design& design : designs) {
     Progress progress("yield of " + design.name);
     options.progress = [&progress](double fraction) { progress.at(fraction); };
-    const yield::Result result = yield::run_monte_carlo(design, options, alone);
+    const tolerance::Result result = tolerance::run_monte_carlo(design, options, alone);
     Json one = to_json(result, options);
     one["poles"] = design.poles;
     one["parts"] = design.parts.size();
     one["reference"] = design.reference_name;
     if (options.limit_db && design.reference_name == "sections") {
       options.progress = nullptr;
-      one["to_buy"] = yield::to_json(yield::tolerances_to_buy(design, options, *options.limit_db));
+      one["to_buy"] = tolerance::to_json(tolerance::tolerances_to_buy(design, options, *options.limit_db));
     }
     body["designs"].push_back(std::move(one));
     out.warnings.insert(out.warnings.end(), design.notes.begin(), design.notes.end());

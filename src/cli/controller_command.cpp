@@ -68,8 +68,8 @@ controller::Options read_controller_options(const CommandLine& line) {
   out.full_stroke = line.has("full-stroke");
   out.rate_tolerance_percent = line.positive("rate-tolerance-percent");
   out.averaging_s = line.maybe_positive("averaging-s").value_or(0.0);
-  out.resistors = circuit::Series::named(line.get<std::string>("series"));
-  if (out.resistors.is_exact()) out.capacitors = circuit::Series::named("exact");
+  out.resistors = synthesis::Series::named(line.get<std::string>("series"));
+  if (out.resistors.is_exact()) out.capacitors = synthesis::Series::named("exact");
   const schematic::OpAmpLibrary types = schematic::OpAmpLibrary::built_in();
   out.opamp = types.named(line.get<std::string>("opamp"));
   out.fast_opamp = types.named(line.get<std::string>("fast-opamp"));
@@ -124,22 +124,22 @@ std::string as_built_summary(const std::vector<controller::AsBuilt>& cases, bool
 /// Keys `stability`, and with --errors `errors_of_parts` and `trim`; trim.md.
 std::string add_part_errors(const CommandLine& line, const controller::AnalogController& built,
                             const tracking::Reference& reference, Json& json, OutputSet& out) {
-  part_errors::Report report;
+  tolerance::ControllerReport report;
   std::string text;
   if (line.has("errors")) {
-    part_errors::ReportOptions options;
+    tolerance::ControllerReportOptions options;
     options.study.frequencies = built.tracked;
-    const double stroke = part_errors::examined_stroke(built, reference.alpha());
+    const double stroke = tolerance::examined_stroke(built, reference.alpha());
     options.study.reference = tracking::Reference(reference.shape(), stroke);
     options.ngspice = line.has("check");
     options.allow_unstable = line.has("allow-unstable");
     tracking::PolynomialStage::Options stage_options;
     stage_options.alpha = stroke;
     const tracking::PolynomialStage stage(built.disturbance, {}, stage_options);
-    report = part_errors::examine(built, stage, options);
-    json.update(part_errors::to_json(report, built));
-    out.add("trim.md", part_errors::trim_page(report, built, "the controller of " + line.files()[0]));
-    text = part_errors::summary_text(report);
+    report = tolerance::examine(built, stage, options);
+    json.update(tolerance::to_json(report, built));
+    out.add("trim.md", tolerance::trim_page(report, built, "the controller of " + line.files()[0]));
+    text = tolerance::summary_text(report);
   } else {
     report.loop =
         line.has("check") ? controller::checked_loop_stability(built) : controller::loop_stability(built);

@@ -71,7 +71,7 @@ faults::Measurement read_channels(const CommandLine& line, Provenance& from) {
 
 /// A circuit.json, or a netlist of such elements as this program writes them.
 schematic::Netlist read_circuit(const std::string& file, Provenance& from) {
-  if (is_own_document(file)) return circuit::CircuitFile::from_node(read_document(file, from)).circuit;
+  if (is_own_document(file)) return synthesis::CircuitFile::from_node(read_document(file, from)).circuit;
   const schematic::SpiceLibrary library = schematic::read_spice(from.read(file), file);
   return library.flat(library.top);
 }

@@ -93,7 +93,7 @@ void add_system(const std::string& file, exchange::Exportable& out) {
 
 /// A circuit.json: its parts as they are mounted, and their response with ideal op-amps.
 exchange::Exportable load_circuit(const CommandLine& line, const std::string& file, Provenance& from) {
-  const circuit::CircuitFile made = circuit::CircuitFile::from_node(read_document(file, from));
+  const synthesis::CircuitFile made = synthesis::CircuitFile::from_node(read_document(file, from));
   exchange::Exportable out;
   out.source = file;
   out.name = exchange::identifier(std::filesystem::path(file).stem().string());

@@ -25,7 +25,7 @@ void declare_layout(CommandLine& line) {
   line.output(
       "folder for layout.json, disturbance.sub (with amplitude gains also disturbance_amplitude.sub), "
       "parts.csv and layout.svg");
-  const multiplier_layout::Options defaults;
+  const generator::Options defaults;
   line.option<std::string>("series", "series of the resistors, E3 to E192 or exact", "E96");
   line.option<std::string>(
       "scheme",
@@ -54,10 +54,10 @@ void declare_layout(CommandLine& line) {
                       "exit with 1 when the error of d(x) is larger, in percent of the range of x");
 }
 
-multiplier_layout::Options read_layout_options(const CommandLine& line, std::size_t branches) {
-  multiplier_layout::Options options;
-  options.resistors = circuit::Series::named(line.get<std::string>("series"));
-  options.scheme = multiplier_layout::Scheme::named(line.get<std::string>("scheme"));
+generator::Options read_layout_options(const CommandLine& line, std::size_t branches) {
+  generator::Options options;
+  options.resistors = synthesis::Series::named(line.get<std::string>("series"));
+  options.scheme = generator::Scheme::named(line.get<std::string>("scheme"));
   options.multiplier.scale_v = line.positive("multiplier-scale-v");
   options.full_scale_v = line.positive("full-scale-v");
   options.lowest = line.analog_frequency("lowest-hz");
@@ -80,16 +80,16 @@ std::string percent(double value) {
   return rounded_text(value, 3) + " %";
 }
 
-std::string layout_summary(const multiplier_layout::Layout& layout, const multiplier_layout::Budget& budget) {
+std::string layout_summary(const generator::Layout& layout, const generator::Budget& budget) {
   std::string text = fmt::format("{} multipliers ({}), {} op-amps, branch sums at {} V per unit\n",
                                  layout.generator_multipliers(), layout.multiplier.name, layout.opamps.size(),
                                  rounded_text(layout.branch_gain));
-  for (const multiplier_layout::Candidate& one : layout.candidates) {
+  for (const generator::Candidate& one : layout.candidates) {
     text += fmt::format("{} {}: {} multipliers ({} in series), {} op-amps, {} of range rms, {}Hz\n",
                         one.chosen ? "*" : " ", one.name, one.multipliers, one.depth, one.opamps,
                         percent(one.rss_percent), engineering_text(one.bandwidth.value, ""));
   }
-  for (const multiplier_layout::Branch& branch : layout.branches) {
+  for (const generator::Branch& branch : layout.branches) {
     text +=
         fmt::format("{}: {} of range from the polynomial\n", branch.name, percent(branch.max_error_percent));
   }
@@ -109,14 +109,14 @@ std::string layout_summary(const multiplier_layout::Layout& layout, const multip
   return text;
 }
 
-std::string timing_summary(const multiplier_layout::Layout& layout, const multiplier_layout::Timing& timing) {
+std::string timing_summary(const generator::Layout& layout, const generator::Timing& timing) {
   std::string text;
-  for (const multiplier_layout::SlopeDetectorFigures::Delay& one : timing.detector.delays) {
+  for (const generator::SlopeDetectorFigures::Delay& one : timing.detector.delays) {
     if (!one.triangle_s)
       text += fmt::format("{} Hz triangle: the slope detector does not follow it\n",
                           rounded_text(one.frequency.value));
   }
-  for (const multiplier_layout::SwitchFigures::Late& one : timing.analog_switch.late) {
+  for (const generator::SwitchFigures::Late& one : timing.analog_switch.late) {
     text += fmt::format(
         "{} Hz triangle: branch {}s late, steps up to {}, {} rms ({} with the multipliers' limits)\n",
         rounded_text(one.frequency.value), engineering_text(one.delay_s, ""), percent(one.step_percent),
@@ -133,11 +133,11 @@ std::string timing_summary(const multiplier_layout::Layout& layout, const multip
   return text;
 }
 
-std::string layout_check_text(const multiplier_layout::DisturbanceCheck& check) {
+std::string layout_check_text(const generator::DisturbanceCheck& check) {
   std::string text = fmt::format(
       "ngspice: {} of range from the polynomials at rest ({} with the multipliers' limits, predicted {})",
       percent(check.static_percent), percent(check.limit_percent), percent(check.limit_predicted_percent));
-  for (const multiplier_layout::DisturbanceCheck::Dynamic& one : check.dynamic) {
+  for (const generator::DisturbanceCheck::Dynamic& one : check.dynamic) {
     text += fmt::format(", {} rms at {} Hz ({} with limits, detector {}s late)", percent(one.rms_percent),
                         rounded_text(one.frequency.value), percent(one.rms_at_limit_percent),
                         engineering_text(one.delay_s, ""));
@@ -155,15 +155,14 @@ std::string layout_check_text(const multiplier_layout::DisturbanceCheck& check) 
   return text + "\n";
 }
 
-void write_layout(const CommandLine& line, const multiplier_layout::Layout& layout, const Json& json) {
+void write_layout(const CommandLine& line, const generator::Layout& layout, const Json& json) {
   const std::string title = fmt::format("disturbance generator from {}", line.files()[0]);
   OutputSet out(line.output_path());
   out.add("layout.json", to_text(json));
-  out.add("disturbance.sub", multiplier_layout::disturbance_library(layout, title));
+  out.add("disturbance.sub", generator::disturbance_library(layout, title));
   if (layout.amplitude)
-    out.add("disturbance_amplitude.sub",
-            multiplier_layout::disturbance_library(layout, title, {true, std::nullopt}));
-  out.add("parts.csv", multiplier_layout::parts_csv(layout));
+    out.add("disturbance_amplitude.sub", generator::disturbance_library(layout, title, {true, std::nullopt}));
+  out.add("parts.csv", generator::parts_csv(layout));
   const kicad::SheetOptions sheet{
       .stem = "layout",
       .title = title,
@@ -189,14 +188,14 @@ int run_layout(const std::vector<std::string>& arguments) {
   const std::optional<double> limit = line.maybe_positive("max-error-percent");
   require_ngspice_for_check(line);
   Provenance from;
-  const multiplier_layout::Input input = multiplier_layout::Input::read(line.files()[0], from);
-  const multiplier_layout::Options options = read_layout_options(line, input.branches.size());
+  const generator::Input input = generator::Input::read(line.files()[0], from);
+  const generator::Options options = read_layout_options(line, input.branches.size());
 
   const Stopwatch watch;
-  const multiplier_layout::Layout layout = multiplier_layout::make_layout(input, options);
-  const multiplier_layout::Budget budget = multiplier_layout::make_budget(layout);
-  const multiplier_layout::Timing timing =
-      multiplier_layout::make_timing(layout, {options.lowest, Hertz{100}, options.highest});
+  const generator::Layout layout = generator::make_layout(input, options);
+  const generator::Budget budget = generator::make_budget(layout);
+  const generator::Timing timing =
+      generator::make_timing(layout, {options.lowest, Hertz{100}, options.highest});
   const double compute_s = watch.seconds();
   for (const std::string& warning : layout.warnings) note(warning);
 
@@ -205,13 +204,13 @@ int run_layout(const std::vector<std::string>& arguments) {
   json["budget"] = to_json(budget);
   if (layout.switched()) {
     json["timing"] = to_json(timing);
-    json["budget"]["transient"] = multiplier_layout::transient_budget_json(timing);
+    json["budget"]["transient"] = generator::transient_budget_json(timing);
   }
   json["timing_s"] = {{"compute", compute_s}};
   std::string text = layout_summary(layout, budget) + timing_summary(layout, timing);
   if (line.has("check")) {
-    const multiplier_layout::DisturbanceCheck check =
-        multiplier_layout::check_disturbance(layout, {Hertz{100}, options.highest});
+    const generator::DisturbanceCheck check =
+        generator::check_disturbance(layout, {Hertz{100}, options.highest});
     json["ngspice"] = to_json(check);
     text += layout_check_text(check);
   }

@@ -193,14 +193,14 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
   if (ending == ".sub" || ending == ".lib") {
     const std::string text = from.read(path);
     const auto printed =
-        spice::ngspice_available() ? std::nullopt : printed_netlist(text, path.string(), options.subcircuit);
+        ngspice::is_available() ? std::nullopt : printed_netlist(text, path.string(), options.subcircuit);
     if (printed) {
       set_evaluation(source, [netlist = *printed](const std::vector<Hertz>& grid) {
         return schematic::network_response(netlist, grid);
       });
     } else {
       set_evaluation(source, [path, name = options.subcircuit](const std::vector<Hertz>& grid) {
-        return spice::run_ac_of_sub(path, grid, name);
+        return ngspice::run_ac_of_sub(path, grid, name);
       });
     }
     return source;
@@ -208,7 +208,7 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
   if (ending == ".cir" || ending == ".net" || ending == ".sp") {
     from.read(path);
     set_evaluation(source,
-                   [path](const std::vector<Hertz>& grid) { return spice::run_ac_of_deck(path, grid); });
+                   [path](const std::vector<Hertz>& grid) { return ngspice::run_ac_of_deck(path, grid); });
     return source;
   }
   if (!is_document(path)) {
@@ -242,7 +242,7 @@ ResponseSource load_response(const std::filesystem::path& path, const ResponseOp
                      return fpaa::plan_response(plan, w, runs);
                    }));
   } else if (schema == "bodesmith.circuit/1") {
-    const circuit::CircuitFile file = circuit::CircuitFile::from_node(node);
+    const synthesis::CircuitFile file = synthesis::CircuitFile::from_node(node);
     source.band = usable(file.band);
     set_evaluation(source, [built = file.circuit](const std::vector<Hertz>& grid) {
       return schematic::network_response(built, grid);

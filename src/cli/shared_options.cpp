@@ -28,11 +28,11 @@ void add_circuit_options(CommandLine& line) {
                            "series of the capacitors (default: E12, or exact with --series exact)");
 }
 
-circuit::RealiseOptions read_circuit_options(const CommandLine& line) {
-  circuit::RealiseOptions options;
+synthesis::RealiseOptions read_circuit_options(const CommandLine& line) {
+  synthesis::RealiseOptions options;
   options.realisation = line.get<std::string>("realization");
-  options.resistors = circuit::Series::named(line.get<std::string>("series"));
-  options.capacitors = circuit::Series::named(
+  options.resistors = synthesis::Series::named(line.get<std::string>("series"));
+  options.capacitors = synthesis::Series::named(
       line.maybe<std::string>("capacitor-series").value_or(options.resistors.is_exact() ? "exact" : "E12"));
   return options;
 }
@@ -68,9 +68,9 @@ bool automatic_opamp(const CommandLine& line) {
 namespace {
 
 /// Limits of the values: the form's or the stock list's own, then those that were given.
-void read_value_limits(const CommandLine& line, Provenance& from, circuit::RealiseOptions& options) {
-  options.limits = circuit::realisation_registry().get(options.realisation).usual_limits();
-  if (line.has("stock")) circuit::StockList::read(line.get<std::string>("stock"), from).apply_to(options);
+void read_value_limits(const CommandLine& line, Provenance& from, synthesis::RealiseOptions& options) {
+  options.limits = synthesis::realisation_registry().get(options.realisation).usual_limits();
+  if (line.has("stock")) synthesis::StockList::read(line.get<std::string>("stock"), from).apply_to(options);
   const auto limit = [&](const char* name, double& value) {
     const double given = line.positive(name);
     if (line.has(name)) value = given;
@@ -93,8 +93,8 @@ bool parts_limits_given(const CommandLine& line) {
   return false;
 }
 
-circuit::RealiseOptions read_parts_options(const CommandLine& line, Provenance& from) {
-  circuit::RealiseOptions options = read_circuit_options(line);
+synthesis::RealiseOptions read_parts_options(const CommandLine& line, Provenance& from) {
+  synthesis::RealiseOptions options = read_circuit_options(line);
   read_value_limits(line, from, options);
   if (line.has("isolation-ohm")) {
     const double ohm = line.get<double>("isolation-ohm");
@@ -111,7 +111,7 @@ void add_check_option(CommandLine& line, const std::string& what) {
 }
 
 void require_ngspice_for_check(const CommandLine& line) {
-  if (line.has("check") && !spice::ngspice_available()) {
+  if (line.has("check") && !ngspice::is_available()) {
     line.fail("--check needs ngspice, which is not installed (Debian: apt-get install ngspice)");
   }
 }

@@ -17,12 +17,12 @@ namespace bodesmith::cli {
 /// --realization, --series and --capacitor-series, which `spice` and `yield` share.
 void add_circuit_options(CommandLine& line);
 /// A circuit with exact resistors has exact capacitors unless --capacitor-series says otherwise.
-circuit::RealiseOptions read_circuit_options(const CommandLine& line);
+synthesis::RealiseOptions read_circuit_options(const CommandLine& line);
 
 /// --stock, limits of the values, --isolation-ohm, --opamp, --opamp-library.
 void add_parts_options(CommandLine& line);
 /// Those and add_circuit_options' together.
-circuit::RealiseOptions read_parts_options(const CommandLine& line, Provenance& from);
+synthesis::RealiseOptions read_parts_options(const CommandLine& line, Provenance& from);
 /// The limits are the user's own, not the realisation's.
 bool parts_limits_given(const CommandLine& line);
 /// --opamp auto.

@@ -39,9 +39,9 @@ void declare_spice(CommandLine& line) {
 }
 
 /// The realisation asked for, or (none asked for) the first that is worth building.
-circuit::BuildChoice design_circuit(const CommandLine& line, const Sections& sections,
-                                    const circuit::RealiseOptions& options, Provenance& from) {
-  circuit::BuildSearch search;
+synthesis::BuildChoice design_circuit(const CommandLine& line, const Sections& sections,
+                                      const synthesis::RealiseOptions& options, Provenance& from) {
+  synthesis::BuildSearch search;
   search.options = options;
   search.may_choose = !line.has("realization");
   search.limits_given = parts_limits_given(line);
@@ -51,13 +51,13 @@ circuit::BuildChoice design_circuit(const CommandLine& line, const Sections& sec
     library = opamp_library_of(line, from);
     search.opamps = &*library;
   }
-  return value_or_throw(circuit::realise_for_building(sections, search));
+  return value_or_throw(synthesis::realise_for_building(sections, search));
 }
 
-std::string circuit_summary(const circuit::BuildChoice& choice, const circuit::RealiseOptions& options) {
-  const circuit::Realised& made = choice.best.made;
-  const circuit::OpAmpCheck& opamps = choice.best.opamps;
-  const circuit::RealiseReport& report = made.report;
+std::string circuit_summary(const synthesis::BuildChoice& choice, const synthesis::RealiseOptions& options) {
+  const synthesis::Realised& made = choice.best.made;
+  const synthesis::OpAmpCheck& opamps = choice.best.opamps;
+  const synthesis::RealiseReport& report = made.report;
   return fmt::format(
              "{}: {} stages, {} op-amps, {} parts ({} resistors, {} capacitors)\n"
              "parts against the sections, {} to {}: {} dB, {} deg ({} dB with every value rounded on its own)\n"
@@ -82,7 +82,7 @@ std::string circuit_summary(const circuit::BuildChoice& choice, const circuit::R
              engineering_text(opamps.noise_rms_v, "V"));
 }
 
-std::string check_text(const spice::CompensatorCheck& check) {
+std::string check_text(const synthesis::CompensatorCheck& check) {
   return fmt::format(
       "ngspice, {} to {}: {} dB from the program's own response, {} dB from the sections; a triangle within {} %, "
       "noise within {} %\n",
@@ -92,10 +92,10 @@ std::string check_text(const spice::CompensatorCheck& check) {
       rounded_text(check.noise_percent, 3));
 }
 
-void write_circuit(const CommandLine& line, const circuit::Realised& made, const Json& circuit) {
+void write_circuit(const CommandLine& line, const synthesis::Realised& made, const Json& circuit) {
   OutputSet out(line.output_path());
   const std::string title = "compensator from " + join(line.files(), ", ");
-  spice::add_compensator_files(made, title, out);
+  synthesis::add_compensator_files(made, title, out);
   out.add("circuit.json", to_text(circuit));
   out.commit();
 }
@@ -110,7 +110,7 @@ int run_spice(const std::vector<std::string>& arguments) {
   declare_spice(line);
   if (!line.parse(arguments)) return kDone;
   Provenance from;
-  circuit::RealiseOptions options = read_parts_options(line, from);
+  synthesis::RealiseOptions options = read_parts_options(line, from);
   options.band = line.maybe_band();
   const std::optional<double> limit = line.maybe_positive("max-error-db");
   const bool shortfall_allowed = line.has("allow-shortfall");
@@ -118,8 +118,8 @@ int run_spice(const std::vector<std::string>& arguments) {
   const Sections sections = read_rational_series(line.files(), from);
 
   const Stopwatch watch;
-  const circuit::BuildChoice choice = design_circuit(line, sections, options, from);
-  const circuit::Realised& made = choice.best.made;
+  const synthesis::BuildChoice choice = design_circuit(line, sections, options, from);
+  const synthesis::Realised& made = choice.best.made;
   const double compute_s = watch.seconds();
   warn_each(choice.best.opamps.warnings);
   for (const std::string& reason : choice.passed_over)
@@ -131,14 +131,14 @@ int run_spice(const std::vector<std::string>& arguments) {
   circuit["made_as"] = choice.best.how;
   circuit["passed_over"] = choice.passed_over;
   circuit["opamp_check"] = to_json(choice.best.opamps);
-  circuit["judged"] = circuit::judged_json(choice.best.judged, choice.best.judged_band);
+  circuit["judged"] = synthesis::judged_json(choice.best.judged, choice.best.judged_band);
   circuit["shortfalls"] = choice.best.shortfalls;
   circuit["timing_s"] = {{"compute", compute_s}};
   std::string text = circuit_summary(choice, options);
   if (has_flanks([&](Hertz f) { return sections.response(f.rad_s()); }, made.report.band))
     text += std::string(kFlanksText) + "\n";
   if (line.has("check")) {
-    const spice::CompensatorCheck check = spice::check_compensator(made.circuit, sections);
+    const synthesis::CompensatorCheck check = synthesis::check_compensator(made.circuit, sections);
     circuit["ngspice"] = to_json(check);
     text += check_text(check);
   }

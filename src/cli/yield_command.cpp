@@ -51,11 +51,11 @@ std::string kept_text(const char* what, const std::vector<double>& least_first, 
                       const char* unit) {
   if (least_first.empty() || !nominal) return fmt::format("no {}", what);
   return fmt::format("{} {} {}, {} or more in 95 of 100 circuits", what, rounded_text(std::abs(*nominal), 4),
-                     unit, rounded_text(yield::kept_by_95(least_first), 4));
+                     unit, rounded_text(tolerance::kept_by_95(least_first), 4));
 }
 
 /// With --margins: measured ones at their own points, others where the loop turns.
-std::optional<LoopPlant> read_loop_plant(const CommandLine& line, const yield::Design& design,
+std::optional<LoopPlant> read_loop_plant(const CommandLine& line, const tolerance::Design& design,
                                          Provenance& from) {
   if (!line.has("margins")) return std::nullopt;
   constexpr double kBeyond = 10.0;  // the loop's crossings lie about the corners
@@ -79,10 +79,10 @@ std::optional<LoopPlant> read_loop_plant(const CommandLine& line, const yield::D
 }
 
 /// The margins of the design's loop into json["margins"]; returns the lines of the summary.
-std::string study_margins(const CommandLine& line, const yield::Design& design, const LoopPlant& plant,
-                          const yield::Options& options, Json& json) {
-  const yield::LoopStudy study = yield::study_loop(design, options, plant.grid, plant.response);
-  json["margins"] = yield::to_json(study);
+std::string study_margins(const CommandLine& line, const tolerance::Design& design, const LoopPlant& plant,
+                          const tolerance::Options& options, Json& json) {
+  const tolerance::LoopStudy study = tolerance::study_loop(design, options, plant.grid, plant.response);
+  json["margins"] = tolerance::to_json(study);
   const auto* phase = study.nominal.least_phase_margin();
   const auto* gain = study.nominal.least_gain_margin();
   const auto value = [](const auto* crossing, auto member) {
@@ -103,7 +103,7 @@ void declare_yield(CommandLine& line) {
   line.flag("in-series", "the SECTIONS.json one after the other as one design (default: designs to compare)");
   line.output("yield.json (percentiles a frequency, ranking of the parts, what to buy)", true);
   line.seed();
-  const yield::Spread s;
+  const tolerance::Spread s;
   line.option<std::uint64_t>("samples", "number of circuits drawn", 100000);
   line.option<std::string>(
       "distribution",
@@ -135,9 +135,9 @@ void declare_yield(CommandLine& line) {
   line.option<int>("threads", "0: all cores (one per process under mpirun)", 0);
 }
 
-yield::Spread read_spread(const CommandLine& line) {
-  using Kind = yield::Spread::Kind;
-  yield::Spread s;
+tolerance::Spread read_spread(const CommandLine& line) {
+  using Kind = tolerance::Spread::Kind;
+  tolerance::Spread s;
   s.kind = line.choice("distribution", {Kind::uniform, Kind::gaussian, Kind::corners});
   s.sigmas = line.positive("sigmas");
   s.resistor_percent = line.get<double>("resistor-percent");
@@ -150,8 +150,8 @@ yield::Spread read_spread(const CommandLine& line) {
   return s;
 }
 
-yield::Options read_yield_options(const CommandLine& line) {
-  yield::Options options;
+tolerance::Options read_yield_options(const CommandLine& line) {
+  tolerance::Options options;
   options.spread = read_spread(line);
   options.samples = line.get<std::uint64_t>("samples");
   options.seed = line.seed_value();
@@ -165,7 +165,7 @@ yield::Options read_yield_options(const CommandLine& line) {
 }
 
 /// As many as asked for; else finer where the response turns fast.
-std::vector<Hertz> read_grid(const CommandLine& line, const yield::Design& design) {
+std::vector<Hertz> read_grid(const CommandLine& line, const tolerance::Design& design) {
   const Band& corners = design.band;
   const int count = line.integer("count", 1, 100000);
   const Hertz low{line.has("from-hz") ? line.positive("from-hz") : corners.from.value};
@@ -175,12 +175,12 @@ std::vector<Hertz> read_grid(const CommandLine& line, const yield::Design& desig
 }
 
 /// The op-amp circuit that `spice` would make of the sections.
-yield::Design design_of_sections(const CommandLine& line, const Sections& sections, const std::string& name,
-                                 Provenance& from) {
-  circuit::BuildSearch search;
+tolerance::Design design_of_sections(const CommandLine& line, const Sections& sections,
+                                     const std::string& name, Provenance& from) {
+  synthesis::BuildSearch search;
   search.options = read_parts_options(line, from);
   if (!line.has("capacitor-series") && !line.has("stock"))
-    search.options.capacitors = circuit::Series::named("E12");
+    search.options.capacitors = synthesis::Series::named("E12");
   search.limits_given = parts_limits_given(line);
   search.may_choose = !line.has("realization");
   std::optional<schematic::OpAmpLibrary> library;
@@ -188,52 +188,52 @@ yield::Design design_of_sections(const CommandLine& line, const Sections& sectio
     library = opamp_library_of(line, from);
     search.opamps = &*library;
   }
-  const circuit::BuildChoice choice = value_or_throw(circuit::realise_for_building(sections, search));
-  yield::Design out =
-      yield::design_of_circuit(choice.best.made.circuit, sections, name,
-                               line.has("opamp") ? yield::OpAmps::as_built : yield::OpAmps::ideal);
+  const synthesis::BuildChoice choice = value_or_throw(synthesis::realise_for_building(sections, search));
+  tolerance::Design out = tolerance::design_of_circuit(
+      choice.best.made.circuit, sections, name,
+      line.has("opamp") ? tolerance::OpAmps::as_built : tolerance::OpAmps::ideal);
   for (const std::string& reason : choice.passed_over)
     out.notes.push_back(fmt::format("{}: {}; designed as {}", name, reason, choice.best.how));
   return out;
 }
 
-yield::Design read_design(const CommandLine& line, const std::string& file, Provenance& from) {
+tolerance::Design read_design(const CommandLine& line, const std::string& file, Provenance& from) {
   const Node node = read_document(file, from);
   if (node.kind() == Node::Kind::object && node.string_or("schema", "") == "bodesmith.fpaa_plan/1") {
     std::optional<Sections> wanted;
     if (line.has("sections")) wanted = Sections::read(line.get<std::string>("sections"), from);
-    return yield::design_of_plan(node, file, wanted);
+    return tolerance::design_of_plan(node, file, wanted);
   }
   if (node.kind() == Node::Kind::object && node.string_or("schema", "") == "bodesmith.circuit/1")
-    return yield::design_of_file(node, file, yield::OpAmps::as_built);
+    return tolerance::design_of_file(node, file, tolerance::OpAmps::as_built);
   return design_of_sections(line, rational_part(Sections::from_node(node), node.file()), file, from);
 }
 
-std::vector<yield::Design> read_designs(const CommandLine& line, Provenance& from) {
+std::vector<tolerance::Design> read_designs(const CommandLine& line, Provenance& from) {
   const std::vector<std::string> files = line.files();
   if (line.has("in-series"))
     return {design_of_sections(line, read_rational_series(files, from), join(files, ", "), from)};
-  std::vector<yield::Design> out;
+  std::vector<tolerance::Design> out;
   for (const std::string& file : files) out.push_back(read_design(line, file, from));
   return out;
 }
 
-std::vector<Hertz> leave_out_nulls(const CommandLine& line, const std::vector<yield::Design>& designs,
+std::vector<Hertz> leave_out_nulls(const CommandLine& line, const std::vector<tolerance::Design>& designs,
                                    std::vector<Hertz>& grid) {
   const Hertz first = grid.front();
-  std::vector<Hertz> out = yield::leave_out_nulls(designs, grid);
+  std::vector<Hertz> out = tolerance::leave_out_nulls(designs, grid);
   if (grid.empty())
     throw InputError(fmt::format("{}: the response is 0 at {} and every other frequency asked for",
                                  line.files()[0], engineering_text(first.value, "Hz", 4)));
   return out;
 }
 
-double yield_percent(const yield::Result& result) {
+double yield_percent(const tolerance::Result& result) {
   return 100.0 * static_cast<double>(result.within) / static_cast<double>(result.samples);
 }
 
-std::string describe(const yield::Design& design, const yield::Result& result, const yield::Options& options,
-                     bool asked_band) {
+std::string describe(const tolerance::Design& design, const tolerance::Result& result,
+                     const tolerance::Options& options, bool asked_band) {
   std::string text = fmt::format(
       "{}: {} poles, {} parts, {} circuits, deviations from {}\n"
       "  95 of 100 circuits within {} dB, {} deg, {} % complex\n"
@@ -253,13 +253,13 @@ std::string describe(const yield::Design& design, const yield::Result& result, c
     text += fmt::format("  {}\n", kFlanksText);
   text += "  parts that matter most, by their share of the variance:";
   for (std::size_t i = 0; i < std::min<std::size_t>(4, result.ranking.size()); ++i) {
-    const yield::PartRank& rank = result.ranking[i];
+    const tolerance::PartRank& rank = result.ranking[i];
     text += fmt::format("{} {} {} %", i == 0 ? "" : ",", rank.part, rounded_text(100.0 * rank.share, 3));
   }
   return text + "\n";
 }
 
-std::string purchase_text(const std::vector<yield::Purchase>& all, double limit_db) {
+std::string purchase_text(const std::vector<tolerance::Purchase>& all, double limit_db) {
   if (all.empty() || !all[0].meets) {
     return fmt::format("  no tolerance on the list keeps 95 % of the circuits within {} dB\n",
                        rounded_text(limit_db));
@@ -270,8 +270,9 @@ std::string purchase_text(const std::vector<yield::Purchase>& all, double limit_
 }
 
 /// One design in yield.json, and its lines of the summary.
-Json design_json(const CommandLine& line, const yield::Design& design, const yield::Result& result,
-                 const yield::Options& options, const std::optional<LoopPlant>& plant, std::string& text) {
+Json design_json(const CommandLine& line, const tolerance::Design& design, const tolerance::Result& result,
+                 const tolerance::Options& options, const std::optional<LoopPlant>& plant,
+                 std::string& text) {
   const bool asked_band = line.has("from-hz") || line.has("to-hz");
   Json out = to_json(result, options);
   out["poles"] = design.poles;
@@ -281,16 +282,17 @@ Json design_json(const CommandLine& line, const yield::Design& design, const yie
   out["band"] = asked_band ? "as asked" : design.band_name;
   text += describe(design, result, options, asked_band);
   if (options.limit_db && design.reference_name == "sections") {
-    const std::vector<yield::Purchase> buy = yield::tolerances_to_buy(design, options, *options.limit_db);
-    out["to_buy"] = yield::to_json(buy);
+    const std::vector<tolerance::Purchase> buy =
+        tolerance::tolerances_to_buy(design, options, *options.limit_db);
+    out["to_buy"] = tolerance::to_json(buy);
     text += purchase_text(buy, *options.limit_db);
   }
   if (plant) text += study_margins(line, design, *plant, options, out);
   return out;
 }
 
-Json settings_json(const yield::Options& options) {
-  const yield::Spread& s = options.spread;
+Json settings_json(const tolerance::Options& options) {
+  const tolerance::Spread& s = options.spread;
   return {{"distribution", to_string(s.kind)},
           {"seed", options.seed},
           {"resistor_percent", s.resistor_percent},
@@ -302,23 +304,24 @@ Json settings_json(const yield::Options& options) {
 }
 
 /// The results of all designs, in their order; only the leader of the team has complete ones.
-std::vector<yield::Result> run_designs(const CommandLine& line, const std::vector<yield::Design>& designs,
-                                       yield::Options options, const Team& team) {
-  std::vector<yield::Result> results;
+std::vector<tolerance::Result> run_designs(const CommandLine& line,
+                                           const std::vector<tolerance::Design>& designs,
+                                           tolerance::Options options, const Team& team) {
+  std::vector<tolerance::Result> results;
   for (std::size_t i = 0; i < designs.size(); ++i) {
     if (line.has("output"))
       options.checkpoint = line.output_path().string() + fmt::format(".checkpoint{}", i + 1);
     Progress progress("yield of " + designs[i].name);
     if (team.leads()) options.progress = [&progress](double fraction) { progress.at(fraction); };
-    results.push_back(yield::run_monte_carlo(designs[i], options, team));
+    results.push_back(tolerance::run_monte_carlo(designs[i], options, team));
   }
   return results;
 }
 
 /// The design whose worst error in 95 of 100 circuits is smallest.
-const yield::Result& best_design(const std::vector<yield::Result>& results) {
+const tolerance::Result& best_design(const std::vector<tolerance::Result>& results) {
   return *std::min_element(results.begin(), results.end(),
-                           [](const yield::Result& a, const yield::Result& b) {
+                           [](const tolerance::Result& a, const tolerance::Result& b) {
                              return a.worst_db.quantile(0.95) < b.worst_db.quantile(0.95);
                            });
 }
@@ -343,18 +346,18 @@ int run_yield(const std::vector<std::string>& arguments) {
       "  bodesmith yield controller DISTURBANCE.json -o DIR   the same of the whole analog controller, with trims");
   declare_yield(line);
   if (!line.parse(arguments)) return kDone;
-  yield::Options options = read_yield_options(line);
+  tolerance::Options options = read_yield_options(line);
   const std::unique_ptr<Team> team = join_team();
   Provenance from;
-  const std::vector<yield::Design> designs = read_designs(line, from);
+  const std::vector<tolerance::Design> designs = read_designs(line, from);
   options.grid = read_grid(line, designs[0]);
   const std::vector<Hertz> nulls = leave_out_nulls(line, designs, options.grid);
   std::vector<std::optional<LoopPlant>> plants;
-  for (const yield::Design& design : designs) plants.push_back(read_loop_plant(line, design, from));
+  for (const tolerance::Design& design : designs) plants.push_back(read_loop_plant(line, design, from));
   options.job = job_text(options, from);
 
   const Stopwatch watch;
-  const std::vector<yield::Result> results = run_designs(line, designs, options, *team);
+  const std::vector<tolerance::Result> results = run_designs(line, designs, options, *team);
   if (!team->leads()) return kDone;
   Json json = json_header("yield", from);
   json.update(settings_json(options));
@@ -378,7 +381,7 @@ int run_yield(const std::vector<std::string>& arguments) {
                         rounded_text(to_decibel(kJudgedFloor)), places);
   }
   if (designs.size() > 1) {
-    const yield::Result& best = best_design(results);
+    const tolerance::Result& best = best_design(results);
     text += fmt::format("{} tolerates its parts best: {} dB in 95 of 100 circuits\n", best.name,
                         rounded_text(best.worst_db.quantile(0.95), 3));
     json["best"] = best.name;

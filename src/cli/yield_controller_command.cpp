@@ -42,8 +42,8 @@ std::vector<Hertz> yield_tracked(const CommandLine& line, const Disturbance& dis
   return out;
 }
 
-part_errors::PartErrors part_errors_given(const CommandLine& line) {
-  part_errors::PartErrors out;
+tolerance::PartErrors part_errors_given(const CommandLine& line) {
+  tolerance::PartErrors out;
   for (const std::string& pair : line.all<std::string>("error")) {
     const std::size_t cut = pair.find('=');
     const std::string name = pair.substr(0, cut);
@@ -53,7 +53,7 @@ part_errors::PartErrors part_errors_given(const CommandLine& line) {
       line.fail(fmt::format("--error '{}', expected NAME=VALUE with a value of 0 or more", pair));
     std::vector<std::string> names;
     bool known = false;
-    for (const auto& one : part_errors::PartErrors::names()) {
+    for (const auto& one : tolerance::PartErrors::names()) {
       names.emplace_back(one.name);
       if (name != one.name) continue;
       out.*one.value = value;
@@ -66,8 +66,9 @@ part_errors::PartErrors part_errors_given(const CommandLine& line) {
   return out;
 }
 
-part_errors::ReportOptions yield_report_options(const CommandLine& line, const std::vector<Hertz>& tracked) {
-  part_errors::ReportOptions out;
+tolerance::ControllerReportOptions yield_report_options(const CommandLine& line,
+                                                        const std::vector<Hertz>& tracked) {
+  tolerance::ControllerReportOptions out;
   out.study.errors = part_errors_given(line);
   out.study.frequencies = tracked;
   out.study.draws = line.get<std::uint64_t>("draws");
@@ -101,24 +102,24 @@ int run_yield_controller(const std::vector<std::string>& arguments) {
   design.full_stroke = line.has("full-stroke");
   if (line.has("opamp"))
     design.opamp = schematic::OpAmpLibrary::built_in().named(line.get<std::string>("opamp"));
-  const part_errors::ReportOptions options = yield_report_options(line, design.tracked);
+  const tolerance::ControllerReportOptions options = yield_report_options(line, design.tracked);
 
   const Stopwatch watch;
   const controller::AnalogController made = controller::make_controller(disturbance, design);
   const tracking::PolynomialStage stage(disturbance);
-  const part_errors::Report report = part_errors::examine(made, stage, options);
-  Json json = timed_document("part_errors", from, part_errors::to_json(report, made), watch.seconds());
+  const tolerance::ControllerReport report = tolerance::examine(made, stage, options);
+  Json json = timed_document("part_errors", from, tolerance::to_json(report, made), watch.seconds());
   const auto limit = line.maybe<double>("max-p95-percent");
   OutputSet out(line.output_path());
   out.add("part_errors.json", to_text(json));
-  out.add("trim.md", part_errors::trim_page(report, made, "the controller of " + file));
-  out.add("draws.csv", part_errors::draws_csv(report.study));
+  out.add("trim.md", tolerance::trim_page(report, made, "the controller of " + file));
+  out.add("draws.csv", tolerance::draws_csv(report.study));
   out.commit();
   std::vector<std::string> warnings = made.warnings;
   if (const std::string warning = controller::loop_warning(report.loop); !warning.empty())
     warnings.push_back(warning);
   warn_each(warnings);
-  std::string text = part_errors::summary_text(report);
+  std::string text = tolerance::summary_text(report);
   const bool met = !limit || report.study.worst.p95_percent <= *limit;
   if (!met) text += limit_not_met(*limit, "%");
   return print_summary(line, text + fmt::format("written to {}\n", line.output_path().string()), json, met);

@@ -47,7 +47,7 @@ double worst(const std::vector<double>& values) {
 }
 
 /// The circuit with the values that a finding gives its parts.
-circuit::Circuit with_values(circuit::Circuit out, const faults::Finding& finding) {
+synthesis::Circuit with_values(synthesis::Circuit out, const faults::Finding& finding) {
   for (std::size_t i = 0; i < finding.faults.size(); ++i) {
     const faults::FaultSize size = finding.faults[i]->size(finding.sizes[i]);
     if (!size.key.starts_with("value_")) continue;
@@ -57,15 +57,15 @@ circuit::Circuit with_values(circuit::Circuit out, const faults::Finding& findin
 }
 
 /// The part that rework solders across another, of a preferred value; drawn beside that one.
-circuit::Circuit with_part_across(circuit::Circuit out, const faults::Rework::Across& across) {
+synthesis::Circuit with_part_across(synthesis::Circuit out, const faults::Rework::Across& across) {
   Part more = out.parts[across.part];
   const bool resistor = more.kind == Part::Kind::resistor;
   more.wanted = across.value;
   more.series = resistor ? "E96" : "E12";
-  more.realised = circuit::Series::named(more.series).nearest(across.value);
+  more.realised = synthesis::Series::named(more.series).nearest(across.value);
   more.role = "across " + more.name;
   more.name = (resistor ? "Rx_" : "Cx_") + more.name;
-  for (circuit::Stage& stage : out.stages) {
+  for (synthesis::Stage& stage : out.stages) {
     if (stage.first_part > across.part) ++stage.first_part;
     if (stage.first_part <= across.part && across.part < stage.first_part + stage.part_count)
       ++stage.part_count;
@@ -74,12 +74,12 @@ circuit::Circuit with_part_across(circuit::Circuit out, const faults::Rework::Ac
   return out;
 }
 
-std::string library(const circuit::Circuit& circuit, const std::string& title) {
-  return schematic::spice_text(spice::compensator_library(circuit, title));
+std::string library(const synthesis::Circuit& circuit, const std::string& title) {
+  return schematic::spice_text(synthesis::compensator_library(circuit, title));
 }
 
 /// next/ of a circuit: as it was found, and mended by one more part or by exchanging what is wrong.
-void add_next(const circuit::Circuit& circuit, const Board& board, const Diagnosis& d, GapPicture& picture,
+void add_next(const synthesis::Circuit& circuit, const Board& board, const Diagnosis& d, GapPicture& picture,
               Measured& out, OutputSet& next) {
   const auto rivals = std::span(d.suspects).first(d.tied);
   next.add("as_built.sub", library(with_values(circuit, rivals.front().best), "what was built, as measured"));
@@ -87,7 +87,7 @@ void add_next(const circuit::Circuit& circuit, const Board& board, const Diagnos
   picture.before = differences(board, board.good_response());
   out.before_percent = worst(picture.before);
   picture.after.assign(picture.before.size(), 0.0);
-  circuit::Circuit mended = circuit;
+  synthesis::Circuit mended = circuit;
   const auto across =
       std::find_if(d.rework.begin(), d.rework.end(), [](const auto& r) { return r.across.has_value(); });
   if (across != d.rework.end()) {
@@ -121,7 +121,7 @@ Measured measured_response(const fs::path& data, const fs::path& folder, const g
   const faults::Spread spread;
   faults::Measurement channels;
   channels.channels.push_back(faults::read_channel(data, "out", out.from));
-  std::optional<circuit::Circuit> circuit;
+  std::optional<synthesis::Circuit> circuit;
   std::unique_ptr<Board> made;
   Diagnosis found;
   const fs::path of_circuit = folder / "spice/circuit.json", of_board = folder / "fpaa/plan.json";
@@ -142,7 +142,7 @@ Measured measured_response(const fs::path& data, const fs::path& folder, const g
     out.of = name;
   };
   if (fs::exists(of_circuit)) {
-    circuit = circuit::CircuitFile::from_node(read_document(of_circuit, out.from)).circuit;
+    circuit = synthesis::CircuitFile::from_node(read_document(of_circuit, out.from)).circuit;
     consider(std::make_unique<faults::CircuitBoard>(*circuit, channels, spread), of_circuit, "the circuit");
   }
   if (fs::exists(of_board))

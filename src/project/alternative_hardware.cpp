@@ -39,15 +39,15 @@ Sections stating_band(Sections sections, Band band) {
   return sections;
 }
 
-Outcome<circuit::BuildChoice> make_circuit(const Project::Circuit& options, Sections sections,
-                                           std::optional<Band> band) {
-  circuit::BuildSearch search;
+Outcome<synthesis::BuildChoice> make_circuit(const Project::Circuit& options, Sections sections,
+                                             std::optional<Band> band) {
+  synthesis::BuildSearch search;
   search.options.realisation = options.realisation;
-  search.options.resistors = circuit::Series::named(options.resistors);
-  search.options.capacitors = circuit::Series::named(options.capacitors);
+  search.options.resistors = synthesis::Series::named(options.resistors);
+  search.options.capacitors = synthesis::Series::named(options.capacitors);
   search.may_choose = band && options.realisation == Project::Circuit{}.realisation;
   if (band) sections = stating_band(std::move(sections), *band);
-  return circuit::realise_for_building(sections, search);
+  return synthesis::realise_for_building(sections, search);
 }
 
 AlternativeHardware::AlternativeHardware(const Project& project, const Cascade& cascade,

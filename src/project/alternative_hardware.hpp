@@ -20,8 +20,8 @@ Sections stating_band(Sections sections, Band band);
 
 /// The circuit of a project with [hardware.circuit], judged as `spice` does. With a band in that, and by another realisation
 /// where the usual one falls short; without (one of several alternatives) as asked alone.
-Outcome<circuit::BuildChoice> make_circuit(const Project::Circuit& options, Sections sections,
-                                           std::optional<Band> band = std::nullopt);
+Outcome<synthesis::BuildChoice> make_circuit(const Project::Circuit& options, Sections sections,
+                                             std::optional<Band> band = std::nullopt);
 
 /// The disturbance paper's configuration: FilterBilinear alone, on one chip at one clock, which is searched. Nothing where no board is
 /// asked for, or it cannot be made so.
@@ -38,7 +38,7 @@ class AlternativeHardware {
   /// Absent where the project has no such hardware.
   struct Made {
     std::optional<Outcome<fpaa::Plan>> plan;
-    std::optional<Outcome<circuit::BuildChoice>> circuit;
+    std::optional<Outcome<synthesis::BuildChoice>> circuit;
   };
   const Made& of(std::size_t alternative);
   bool is_made(std::size_t alternative) const { return places_[alternative].done; }

@@ -83,7 +83,7 @@ std::vector<Block> from_circuit(const Node& node, ModelRequest&) {
   std::vector<Block> out;
   int number = 1;
   for (const Node& stage : node.at("stages").items()) {
-    const Section section = circuit::section_from_node(stage.at("realised"));
+    const Section section = synthesis::section_from_node(stage.at("realised"));
     if (section.poles.empty() || section.poles.size() > 2)
       stage.fail(
           fmt::format("has {} poles, expected one or two: a ladder is no block", section.poles.size()));

@@ -107,7 +107,7 @@ Design with_alternative(const Project& project, const Design& design, Alternativ
     if (const auto* refusal = refusal_of(*made.circuit)) {
       refused.push_back("Not of these parts: " + refusal->reason);
     } else {
-      out.circuit = std::get<circuit::BuildChoice>(*made.circuit);
+      out.circuit = std::get<synthesis::BuildChoice>(*made.circuit);
     }
   }
   return out;

@@ -12,8 +12,8 @@ using controller::Form;
 
 controller::Options controller_options(const Project& project) {
   controller::Options options;
-  options.resistors = circuit::Series::named(project.circuit->resistors);
-  options.capacitors = circuit::Series::named(project.circuit->capacitors);
+  options.resistors = synthesis::Series::named(project.circuit->resistors);
+  options.capacitors = synthesis::Series::named(project.circuit->capacitors);
   options.tracked = project.track.frequency;
   options.reference_stroke = project.track.amplitude();
   options.lowest = *std::min_element(project.track.frequency.begin(), project.track.frequency.end());
@@ -52,15 +52,15 @@ AnalogControllerMade make_analog_controller(const Project& project) {
   return out;
 }
 
-std::optional<part_errors::Report> examine_controller(
+std::optional<tolerance::ControllerReport> examine_controller(
     const Project& project, const std::shared_ptr<const controller::AnalogController>& controller) {
   if (!controller || project.track.frequency.empty()) return std::nullopt;
   const tracking::Plant plant = tracking_plant(project);
-  const double stroke = part_errors::examined_stroke(*controller, project.track.amplitude());
+  const double stroke = tolerance::examined_stroke(*controller, project.track.amplitude());
   tracking::PolynomialStage::Options stage_options;
   stage_options.alpha = stroke;
   const tracking::PolynomialStage stage(plant.disturbance, plant.paths(), stage_options);
-  part_errors::ReportOptions options;
+  tolerance::ControllerReportOptions options;
   options.study.errors = project.controller.errors;
   options.study.reference = tracking::Reference(tracking::Reference::Shape::triangle, stroke);
   options.study.frequencies = project.track.frequency;
@@ -68,7 +68,7 @@ std::optional<part_errors::Report> examine_controller(
             [](Hertz a, Hertz b) { return a.value < b.value; });
   options.study.draws = options.trims.draws = kCopies;
   options.allow_unstable = project.controller.allow_unstable;
-  return part_errors::examine(*controller, stage, options);
+  return tolerance::examine(*controller, stage, options);
 }
 
 }  // namespace bodesmith::project

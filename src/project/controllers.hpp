@@ -24,7 +24,7 @@ AnalogControllerMade make_analog_controller(const Project& project);
 /// What its parts do to the project's analog controller, tracking its triangle over the stage with amplifier, damping
 /// compensator and resonance: Monte Carlo, trims tried blind, stability. Nothing without a controller. DesignError
 /// when its loop lacks the least phase margin and the project does not allow that.
-std::optional<part_errors::Report> examine_controller(
+std::optional<tolerance::ControllerReport> examine_controller(
     const Project& project, const std::shared_ptr<const controller::AnalogController>& controller);
 
 }  // namespace bodesmith::project

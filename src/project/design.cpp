@@ -38,7 +38,7 @@ void build_best_alternative(const Project& project, AlternativeHardware& hardwar
     if (refusal == nullptr && made.circuit) refusal = refusal_of(*made.circuit);
     if (refusal == nullptr) {
       if (made.plan) design.plan = std::get<fpaa::Plan>(*made.plan);
-      if (made.circuit) design.circuit = std::get<circuit::BuildChoice>(*made.circuit);
+      if (made.circuit) design.circuit = std::get<synthesis::BuildChoice>(*made.circuit);
       return;
     }
     last_reason = refusal->reason;
@@ -76,7 +76,7 @@ void choose_alternative(const Project& project, AlternativeHardware& hardware, D
   const Stopwatch watch;
   build_best_alternative(project, hardware, design);
   design.paper_plan = make_paper_plan(project, design.approximation.sections, design_band(project, design));
-  design.layout = multiplier_layout::make_layout(project.target.disturbance);
+  design.layout = generator::make_layout(project.target.disturbance);
   design.compute_s += watch.seconds();
 }
 

@@ -30,14 +30,14 @@ struct Design {
   std::optional<fpaa::Plan> plan;
   std::optional<fpaa::Plan>
       paper_plan;  ///< of the cascade's sections as the disturbance paper has it: one chip, one clock
-  std::optional<circuit::BuildChoice> circuit;
-  multiplier_layout::Layout layout;
+  std::optional<synthesis::BuildChoice> circuit;
+  generator::Layout layout;
   std::shared_ptr<const controller::AnalogController> controller;  ///< null: no op-amps, or it cannot be made
   std::vector<std::string> passed_over;  ///< better alternatives that the hardware cannot make, and why
   double compute_s = 0.0;  ///< fit to plan, netlist and layout, without the alternatives that are not built
   double alternatives_s = 0.0;
 
-  const circuit::Realised& realised() const { return circuit->best.made; }
+  const synthesis::Realised& realised() const { return circuit->best.made; }
   const Alternative& built() const { return alternatives[chosen]; }
   const Sections& sections() const { return built().sections; }
 };

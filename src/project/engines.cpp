@@ -24,7 +24,7 @@ constexpr std::size_t kHarmonics = 1024;
 using Responses = std::map<double, std::complex<double>>;  // by Hz
 
 /// At every harmonic of every tracked frequency; a thousandth of the lowest stands for rest.
-Responses ngspice_responses(const Project& project, const circuit::Circuit& circuit) {
+Responses ngspice_responses(const Project& project, const synthesis::Circuit& circuit) {
   const double repeats = static_cast<double>(tracking::Reference(project.track.waveform()).periods());
   Responses out;
   for (const Hertz f : project.track.frequency) {
@@ -33,8 +33,8 @@ Responses ngspice_responses(const Project& project, const circuit::Circuit& circ
   out[1e-3 * out.begin()->first] = {};
   std::vector<Hertz> grid;
   for (const auto& [hz, response] : out) grid.push_back(Hertz{hz});
-  const auto got = spice::run_ac_of_text(schematic::spice_text(spice::compensator_library(circuit, "check")),
-                                         "compensator.sub", grid);
+  const auto got = ngspice::run_ac_of_text(
+      schematic::spice_text(synthesis::compensator_library(circuit, "check")), "compensator.sub", grid);
   std::size_t i = 0;
   for (auto& [hz, response] : out) response = got[i++];
   return out;
@@ -89,7 +89,7 @@ tracking::Report circuit_by_ngspice(const Project& project, const Design& design
   options.time_domain = false;
   options.harmonics = kHarmonics;
   const Responses at =
-      spice::ngspice_available() ? ngspice_responses(project, design.realised().circuit) : Responses();
+      ngspice::is_available() ? ngspice_responses(project, design.realised().circuit) : Responses();
   tracking::ResponseCompensator simulated;
   simulated.response = [&at](RadPerSecond w) {
     const auto next = at.lower_bound(w.hz().value * (1.0 - 1e-9));

@@ -173,16 +173,16 @@ void add_tolerances(const FilterProject& project, FilterDesign& design) {
     design.not_tried.emplace_back("tolerances");
     return;
   }
-  const yield::Design built =
-      yield::design_of_circuit(design.circuit->best.made.circuit, stating_band(design.sections, project.band),
-                               project.name, yield::OpAmps::as_built);
-  yield::Options options;
+  const tolerance::Design built = tolerance::design_of_circuit(design.circuit->best.made.circuit,
+                                                               stating_band(design.sections, project.band),
+                                                               project.name, tolerance::OpAmps::as_built);
+  tolerance::Options options;
   options.spread = project.spread;
   options.samples = kYieldSamples;
   options.grid = judging_grid(built.wanted, project.band, kYieldPoints);
-  yield::leave_out_nulls({built}, options.grid);
+  tolerance::leave_out_nulls({built}, options.grid);
   options.limit_db = project.limits.yield_db;
-  design.yield = yield::run_monte_carlo(built, options, Team());
+  design.yield = tolerance::run_monte_carlo(built, options, Team());
 }
 
 std::vector<DesignStage> filter_stages(const FilterDesign& design) {

@@ -24,8 +24,8 @@ struct FilterDesign {
   Sections sections;
   std::optional<fpaa::Plan> plan;
   std::string no_plan;  ///< why not, where a board was asked for
-  std::optional<circuit::BuildChoice> circuit;
-  std::optional<yield::Result> yield;
+  std::optional<synthesis::BuildChoice> circuit;
+  std::optional<tolerance::Result> yield;
   std::vector<std::string> not_tried;  ///< in the time given
   double compute_s = 0.0;
 

@@ -73,7 +73,7 @@ void sections_of_filter(report::Page& page, const FilterRun& run) {
 
 void yield_of_filter(report::Page& page, const FilterRun& run) {
   if (!run.design.yield) return;
-  const yield::Result& result = *run.design.yield;
+  const tolerance::Result& result = *run.design.yield;
   page.chapter("Tolerances");
   page.paragraph(fmt::format(
       "{} circuits with resistors within {} % and capacitors within {} %, against the sections from {}: 95 of 100 stay within "
@@ -141,20 +141,20 @@ std::string document(std::string_view schema, const FilterRun& run, const Json& 
 }
 
 void add_circuit_files(const FilterRun& run, OutputSet& out) {
-  const circuit::Candidate& best = run.design.circuit->best;
+  const synthesis::Candidate& best = run.design.circuit->best;
   OutputSet spice;
-  spice::add_compensator_files(best.made, run.project.name, spice);
+  synthesis::add_compensator_files(best.made, run.project.name, spice);
   out.include("spice", spice);
-  Json json = circuit::to_json(best.made);
-  json["judged"] = circuit::judged_json(best.judged, best.judged_band);
+  Json json = synthesis::to_json(best.made);
+  json["judged"] = synthesis::judged_json(best.judged, best.judged_band);
   json["shortfalls"] = best.shortfalls;
   out.add("spice/circuit.json", document("circuit", run, json));
 }
 
 Json tolerances_json(const FilterRun& run) {
-  yield::Options options;
+  tolerance::Options options;
   options.limit_db = run.project.limits.yield_db;
-  return yield::to_json(*run.design.yield, options);
+  return tolerance::to_json(*run.design.yield, options);
 }
 
 }  // namespace

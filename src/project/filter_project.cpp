@@ -45,7 +45,7 @@ void read_filter_target(const Node& node, const fs::path& folder, Provenance& fr
   } else if (node.has("sections")) {
     out.sections = Sections::read(file_at(node, "sections", folder), from);
     out.target_file = node.at("sections").string();
-    out.band = circuit::judged_band(*out.sections);
+    out.band = synthesis::judged_band(*out.sections);
   } else {
     out.fractional = FractionalTransfer::read(file_at(node, "fractional", folder), from);
     out.target_file = node.at("fractional").string();
@@ -63,9 +63,9 @@ double tolerance_percent(const Node& node) {
   return out;
 }
 
-yield::Spread read_spread(const Node& node) {
+tolerance::Spread read_spread(const Node& node) {
   node.allow_only({"resistor_percent", "capacitor_percent"});
-  yield::Spread out;
+  tolerance::Spread out;
   if (node.has("resistor_percent")) out.resistor_percent = tolerance_percent(node.at("resistor_percent"));
   if (node.has("capacitor_percent")) out.capacitor_percent = tolerance_percent(node.at("capacitor_percent"));
   return out;

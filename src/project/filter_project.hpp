@@ -40,7 +40,7 @@ struct FilterProject {
   Project::Approximate approximate;
   std::optional<Project::Fpaa> fpaa;
   std::optional<Project::Circuit> circuit;
-  yield::Spread spread;
+  tolerance::Spread spread;
   Project::Limits limits;
   Deadline deadline;  ///< as Project::deadline
 

@@ -33,7 +33,7 @@ std::string FilterRun::summary(const std::filesystem::path& folder) const {
     out += "fpaa       NOT made: " + design.no_plan + "\n";
   }
   if (design.circuit) {
-    const circuit::Candidate& best = design.circuit->best;
+    const synthesis::Candidate& best = design.circuit->best;
     out += fmt::format("circuit    {}, {} op-amps, {} dB with parts and op-amps\n", best.how,
                        best.made.circuit.opamps.size(), rounded_text(best.judged.max_magnitude_db, 3));
     for (const std::string& shortfall : best.shortfalls) out += "           NOT met: " + shortfall + "\n";
@@ -61,7 +61,7 @@ Json FilterRun::json() const {
   if (!design.no_plan.empty()) out["no_plan"] = design.no_plan;
   if (design.circuit) {
     out["circuit"] = {{"realization", design.circuit->best.realisation},
-                      {"error", circuit::to_json(design.circuit->best.judged)},
+                      {"error", synthesis::to_json(design.circuit->best.judged)},
                       {"shortfalls", design.circuit->best.shortfalls},
                       {"passed_over", design.circuit->passed_over}};
   }

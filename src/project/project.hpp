@@ -62,7 +62,7 @@ struct Project {
   /// The whole analog controller, which goes with [hardware.circuit].
   struct Controller {
     std::optional<std::string> form;  ///< "self-fed", "two-pass", "seed"; absent: see controllers.hpp
-    part_errors::PartErrors errors;   ///< how far its parts are off
+    tolerance::PartErrors errors;     ///< how far its parts are off
     bool allow_unstable = false;      ///< goes on with a phase margin below 30 degrees
   } controller;
 

@@ -68,9 +68,9 @@ Project::Fpaa read_fpaa(const Node& node) {
 Project::Circuit read_circuit(const Node& node) {
   node.allow_only({"realization", "resistors", "capacitors"});
   Project::Circuit circuit;
-  const auto series = [](const std::string& name) { circuit::Series::named(name); };
+  const auto series = [](const std::string& name) { synthesis::Series::named(name); };
   circuit.realisation = known_name(node, "realization", circuit.realisation, [](const std::string& name) {
-    circuit::realisation_registry().get(name);
+    synthesis::realisation_registry().get(name);
   });
   circuit.resistors = known_name(node, "resistors", circuit.resistors, series);
   circuit.capacitors = known_name(node, "capacitors", circuit.capacitors, series);
@@ -172,7 +172,7 @@ Project::Choice read_choice(const Node& node) {
 Project::Controller read_controller(const Node& node) {
   node.allow_only({"form", "errors", "allow_unstable"});
   Project::Controller out;
-  if (node.has("errors")) out.errors = part_errors::PartErrors::from_node(node.at("errors"));
+  if (node.has("errors")) out.errors = tolerance::PartErrors::from_node(node.at("errors"));
   if (node.has("allow_unstable")) out.allow_unstable = node.at("allow_unstable").boolean();
   if (node.has("form")) out.form = node.at("form").one_of({"self-fed", "two-pass", "seed"});
   return out;

@@ -131,11 +131,11 @@ void add_board_chapter(report::Page& page, const std::optional<fpaa::Plan>& plan
   for (const std::string& assumption : plan->assumptions) page.warning("Assumed: " + assumption);
 }
 
-void add_circuit_chapter(report::Page& page, const std::optional<circuit::BuildChoice>& choice,
+void add_circuit_chapter(report::Page& page, const std::optional<synthesis::BuildChoice>& choice,
                          const std::optional<Project::Circuit>& asked,
-                         const std::optional<spice::CompensatorCheck>& ngspice) {
+                         const std::optional<synthesis::CompensatorCheck>& ngspice) {
   if (!choice) return;
-  const circuit::Candidate& best = choice->best;
+  const synthesis::Candidate& best = choice->best;
   page.chapter("Circuit");
   page.paragraph(fmt::format(
       "{}: {} stages, {} op-amps ({}), {} parts ({} resistors, {} capacitors). From {} parts and op-amps together are {} dB "

@@ -30,9 +30,9 @@ void add_sections_table(report::Page& page, const Sections& sections);
 void add_board_chapter(report::Page& page, const std::optional<fpaa::Plan>& plan,
                        const std::string& refused = {});
 /// Nothing where no circuit was asked for.
-void add_circuit_chapter(report::Page& page, const std::optional<circuit::BuildChoice>& choice,
+void add_circuit_chapter(report::Page& page, const std::optional<synthesis::BuildChoice>& choice,
                          const std::optional<Project::Circuit>& asked,
-                         const std::optional<spice::CompensatorCheck>& ngspice = std::nullopt);
+                         const std::optional<synthesis::CompensatorCheck>& ngspice = std::nullopt);
 void add_inputs_chapter(report::Page& page, const Provenance& from);
 
 }  // namespace bodesmith::project

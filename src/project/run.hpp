@@ -48,9 +48,9 @@ struct ProjectRun final : Run {
   Budget budget;
   TrackingStudy tracking;
   std::vector<AlternativeStudy> alternatives;  ///< one for each of design.alternatives
-  std::optional<spice::CompensatorCheck>
+  std::optional<synthesis::CompensatorCheck>
       ngspice;  ///< absent when ngspice is not installed, or the project has no circuit
-  std::optional<part_errors::Report> part_errors;  ///< of the analog controller
+  std::optional<tolerance::ControllerReport> part_errors;  ///< of the analog controller
 
   std::vector<std::string> shortfalls() const override;
   Json json() const override;

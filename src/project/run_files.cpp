@@ -31,20 +31,20 @@ std::string sections_file(const ProjectRun& run) {
 }
 
 void add_circuit(const ProjectRun& run, OutputSet& out) {
-  const circuit::Realised& realised = run.design.realised();
+  const synthesis::Realised& realised = run.design.realised();
   OutputSet spice;
-  spice::add_compensator_files(realised, run.project.name, spice);
+  synthesis::add_compensator_files(realised, run.project.name, spice);
   out.include("spice", spice);
   out.add("spice/circuit.json", json_file("circuit", run, to_json(realised)));
 }
 
 void add_layout(const ProjectRun& run, OutputSet& out) {
-  const multiplier_layout::Layout& layout = run.design.layout;
+  const generator::Layout& layout = run.design.layout;
   out.add("layout/layout.json", json_file("layout", run, to_json(layout)));
-  out.add("layout/disturbance.sub", multiplier_layout::disturbance_library(layout, run.project.name));
+  out.add("layout/disturbance.sub", generator::disturbance_library(layout, run.project.name));
   if (layout.amplitude) {
     out.add("layout/disturbance_amplitude.sub",
-            multiplier_layout::disturbance_library(layout, run.project.name, {true, std::nullopt}));
+            generator::disturbance_library(layout, run.project.name, {true, std::nullopt}));
   }
   out.add("layout/disturbance.svg", kicad::netlist_svg(layout.whole(), {.stem = "layout",
                                                                         .title = "Disturbance generator",
@@ -58,9 +58,9 @@ void add_controller(const ProjectRun& run, OutputSet& out) {
   Json json = json_header("analog_controller", run.from);
   json.update(controller::to_json(controller));
   if (run.part_errors) {
-    json.update(part_errors::to_json(*run.part_errors, controller));
+    json.update(tolerance::to_json(*run.part_errors, controller));
     out.add("controller/trim.md",
-            part_errors::trim_page(*run.part_errors, controller, "the controller of " + run.project.name));
+            tolerance::trim_page(*run.part_errors, controller, "the controller of " + run.project.name));
   }
   controller::add_controller_files(controller, run.project.name, json, out);
 }

@@ -36,7 +36,7 @@ Json hardware_json(const Design& design) {
                    {"max_complex_percent_with_delays", design.plan->error_with_delays.max_complex_percent}};
   }
   if (design.circuit) {
-    const circuit::Realised& made = design.realised();
+    const synthesis::Realised& made = design.realised();
     out["circuit"] = {{"opamps", made.circuit.opamps.size()},
                       {"parts", made.circuit.parts.size()},
                       {"max_magnitude_db", made.report.all.max_magnitude_db}};
@@ -70,7 +70,7 @@ Json alternatives_json(const ProjectRun& run) {
   return out;
 }
 
-Json ngspice_json(const std::optional<spice::CompensatorCheck>& check) {
+Json ngspice_json(const std::optional<synthesis::CompensatorCheck>& check) {
   if (!check) return nullptr;
   return {{"against_network_db", check->against_network.max_magnitude_db},
           {"against_sections_db", check->against_sections.max_magnitude_db},

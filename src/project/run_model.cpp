@@ -67,18 +67,18 @@ Block loop_of(const controller::AnalogController& controller, const Disturbance&
 /// What each part does to `loop`, which is the block without departures; those that do nothing at rest are left out.
 std::vector<PartChange> part_changes(const ProjectRun& run, const Block& loop, Hertz operating) {
   const controller::AnalogController& controller = *run.design.controller;
-  const auto causes = part_errors::causes_of(controller, run.project.controller.errors);
+  const auto causes = tolerance::causes_of(controller, run.project.controller.errors);
   std::vector<double> values(causes.size(), 0.0);
   std::vector<PartChange> out;
   for (std::size_t i = 0; i < causes.size(); ++i) {
-    const part_errors::Cause& cause = causes[i];
+    const tolerance::Cause& cause = causes[i];
     if (cause.group == "op-amp speed" || cause.group == "switch") continue;
     const bool volts = cause.group.ends_with("offsets");
     const double departure = volts ? cause.departure.limit() : kRelative;
     const auto with = [&](double value) {
       values[i] = value;
       return loop_of(controller, run.project.target.disturbance, operating,
-                     part_errors::copy_of(controller, causes, values).off);
+                     tolerance::copy_of(controller, causes, values).off);
     };
     const Block above = with(departure);
     const Block below = with(-departure);

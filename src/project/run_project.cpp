@@ -136,8 +136,8 @@ std::unique_ptr<Run> run_with_plant(const ProjectSource& source, const fs::path&
   const auto files = stages.add({design, part_errors}, [&] { write_design(run, folder); });
   // What becomes of it.
   const auto ngspice = stages.add({design}, [&] {
-    if (run.design.circuit && spice::ngspice_available())
-      run.ngspice = spice::check_compensator(run.design.realised().circuit, run.design.sections());
+    if (run.design.circuit && ngspice::is_available())
+      run.ngspice = synthesis::check_compensator(run.design.realised().circuit, run.design.sections());
   });
   const auto studies =
       stages.add({design}, [&] { run.alternatives = study_alternatives(project, run.design, *hardware); });

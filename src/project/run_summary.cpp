@@ -54,14 +54,14 @@ std::string hardware_text(const ProjectRun& run) {
                        rounded_text(plan.error_with_delays.band.to.value));
   }
   if (run.design.circuit) {
-    const circuit::Realised& realised = run.design.realised();
+    const synthesis::Realised& realised = run.design.realised();
     out += fmt::format("circuit    {} stages, {} dB by its parts", realised.circuit.stages.size(),
                        rounded_text(realised.report.parts.max_magnitude_db, 3));
     out += run.ngspice ? fmt::format(", ngspice {} dB from the sections\n",
                                      rounded_text(run.ngspice->against_sections.max_magnitude_db, 3))
                        : std::string("; not simulated: ngspice is not installed\n");
   }
-  const multiplier_layout::Layout& layout = run.design.layout;
+  const generator::Layout& layout = run.design.layout;
   out += fmt::format("layout     {} multipliers, d within {} % of range\n", layout.generator_multipliers(),
                      rounded_text(layout.max_error_percent, 3));
   return out;

@@ -160,7 +160,7 @@ void add_board_controllers(const Project& project,
 std::vector<std::unique_ptr<tracking::BuiltController>> built_controllers(
     const Project& project, const std::shared_ptr<const controller::AnalogController>& analog) {
   std::vector<std::unique_ptr<tracking::BuiltController>> out;
-  if (project.circuit && analog && spice::ngspice_available())
+  if (project.circuit && analog && ngspice::is_available())
     out.push_back(std::make_unique<controller::CircuitController>(analog, controller::NgspiceRun::of_many()));
   if (project.fpaa && project.choice == Project::Choice::tracking) add_board_controllers(project, out);
   return out;
@@ -245,7 +245,7 @@ void add_checks(const Project& project, const std::shared_ptr<const controller::
     ControllerDrives::One& one = checks[i / count].drives[i % count];
     one.drive = checks[i / count].controller->drive(one.reference, one.operating);
   });
-  const bool ngspice = spice::ngspice_available();
+  const bool ngspice = ngspice::is_available();
   const tracking::PolynomialStage own = own_stage(project);
   for (const ControllerDrives& one : checks) {
     out.here.push_back(controller_on(one, own, shape, amplitude, project.track.frequency));

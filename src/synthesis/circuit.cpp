@@ -9,7 +9,7 @@
 #include "base/text.hpp"
 #include "signal/csv.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 bool states_a_band(const Sections& sections) {
@@ -173,4 +173,4 @@ Sections Circuit::realised_sections() const {
   return out;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

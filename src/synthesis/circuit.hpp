@@ -11,7 +11,7 @@
 #include "lti/sections.hpp"
 #include "schematic/netlist.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 using schematic::OpAmp;
 using schematic::OpAmpModel;
@@ -91,4 +91,4 @@ Band judged_band(const Sections& sections);
 /// 20 kHz). Without corners 1 Hz to 1 kHz.
 Band searched_band(const Sections& sections);
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -10,7 +10,7 @@
 #include "synthesis/ladders/rc_ladder.hpp"
 #include "synthesis/realisation.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 using Complex = std::complex<double>;
@@ -284,4 +284,4 @@ Json to_json(const Realised& realised) {
   return out;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

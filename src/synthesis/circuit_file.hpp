@@ -11,7 +11,7 @@
 #include "synthesis/opamp_check.hpp"
 #include "synthesis/realise.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// A circuit.json (`bodesmith.circuit/1`) read back: the circuit that was made, its parts as they are mounted.
 struct CircuitFile {
@@ -44,4 +44,4 @@ Json to_json(const ResponseDifference& difference);
 Json judged_json(const ResponseDifference& difference, Band band);
 Json to_json(const OpAmpCheck& check);
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

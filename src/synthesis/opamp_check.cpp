@@ -13,7 +13,7 @@
 #include "schematic/analysis/equations.hpp"
 #include "schematic/analysis/response.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 using Complex = std::complex<double>;
@@ -191,4 +191,4 @@ OpAmpCheck check_opamps(const Circuit& circuit, Band band, double amplitude_v) {
   return out;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

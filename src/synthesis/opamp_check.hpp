@@ -6,7 +6,7 @@
 #include "lti/sections.hpp"
 #include "synthesis/circuit.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// What a type of op-amp does in a circuit, in numbers.
 struct OpAmpCheck {
@@ -27,4 +27,4 @@ struct OpAmpCheck {
 /// Checks with `circuit.opamp`; `amplitude_v` at the input.
 OpAmpCheck check_opamps(const Circuit& circuit, Band band, double amplitude_v = 1.0);
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -2,7 +2,7 @@
 
 #include <fmt/format.h>
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 std::vector<double> StageForm::capacitors(std::span<const double> values) const {
   std::vector<double> out;
@@ -74,4 +74,4 @@ Realised realise(const Sections& sections, const RealiseOptions& options) {
   return value_or_throw(try_realise(sections, options));
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -13,7 +13,7 @@
 #include "synthesis/circuit.hpp"
 #include "synthesis/realise.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// A part of a stage before it is placed in a chain. Nodes: "in", "out", "0" (ground), anything else is the
 /// stage's own.
@@ -196,4 +196,4 @@ Outcome<const StageRealisation*> best_form(const Section& section);
 /// An inverting amplifier: a gain without poles.
 const StageRealisation& inverter();
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

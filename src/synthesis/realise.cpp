@@ -11,7 +11,7 @@
 #include "schematic/analysis/response.hpp"
 #include "synthesis/opamp_check.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 constexpr int kNodeGrid = 121;
@@ -87,4 +87,4 @@ Sections without_far_zeros(const Sections& sections) {
   return out;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

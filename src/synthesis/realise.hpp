@@ -12,7 +12,7 @@
 #include "synthesis/circuit.hpp"
 #include "synthesis/parts/series.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// Parts that may be used.
 struct PartLimits {
@@ -80,4 +80,4 @@ Outcome<Realised> try_realise(const Sections& sections, const RealiseOptions& op
 /// The same for the edge of the library: throws DesignError.
 Realised realise(const Sections& sections, const RealiseOptions& options = {});
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

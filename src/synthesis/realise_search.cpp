@@ -16,7 +16,7 @@
 #include "synthesis/circuit.hpp"
 #include "synthesis/realisation.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// Of the op-amp's output resistance: twice what stages take by themselves (stages/opamp_rc.cpp), which is not enough
@@ -226,4 +226,4 @@ Outcome<BuildChoice> realise_for_building(const Sections& sections, const BuildS
   return out;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -8,7 +8,7 @@
 #include "synthesis/opamp_check.hpp"
 #include "synthesis/realise.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// What a circuit must keep to be worth building.
 struct BuildLimits {
@@ -50,4 +50,4 @@ Outcome<BuildChoice> realise_for_building(const Sections& sections, const BuildS
 /// where no single one does; nothing when not even they do.
 std::optional<std::string> limits_that_do(const Sections& sections, const RealiseOptions& options);
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -6,7 +6,7 @@
 #include "base/provenance.hpp"
 #include "tolerance/counts.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith::tolerance {
 
 double Histogram::quantile(double p) const {
   const std::uint64_t total = std::accumulate(counts.begin(), counts.end(), std::uint64_t{0});
@@ -112,4 +112,4 @@ bool Counts::from_bytes(std::string_view bytes) {
   return true;
 }
 
-}  // namespace bodesmith::yield
+}  // namespace bodesmith::tolerance

@@ -6,7 +6,7 @@
 
 #include "tolerance/yield.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith::tolerance {
 
 /// Everything that samples are counted into: one histogram of dB and one of degrees a frequency, one each of
 /// the worst (dB, degrees, complex percent) over the grid, and how many stayed within the limits.
@@ -56,4 +56,4 @@ class Counts {
   std::uint64_t within_ = 0;
 };
 
-}  // namespace bodesmith::yield
+}  // namespace bodesmith::tolerance

@@ -14,7 +14,7 @@
 #include "synthesis/circuit_file.hpp"
 #include "synthesis/realisation.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith::tolerance {
 namespace {
 
 using Complex = std::complex<double>;
@@ -41,7 +41,7 @@ void check_cams(const fpaa::Plan& board, const Node& plan) {
 }
 
 /// Parts and stages of a circuit.
-Design design_from_parts(const circuit::Circuit& circuit, std::function<Complex(Hertz)> wanted,
+Design design_from_parts(const synthesis::Circuit& circuit, std::function<Complex(Hertz)> wanted,
                          OpAmps opamps) {
   Design out;
   out.netlist = std::make_shared<const schematic::Netlist>(circuit);
@@ -51,12 +51,12 @@ Design design_from_parts(const circuit::Circuit& circuit, std::function<Complex(
          part.kind == schematic::Part::Kind::resistor ? Part::Kind::resistor : Part::Kind::capacitor,
          part.realised});
   }
-  for (const circuit::Stage& stage : circuit.stages) {
+  for (const synthesis::Stage& stage : circuit.stages) {
     Stage one;
     one.name = fmt::format("stage{}", out.stages.size() + 1);
     one.first_part = stage.first_part;
     one.part_count = stage.part_count;
-    one.by_parts = circuit::ladder_response(stage);
+    one.by_parts = synthesis::ladder_response(stage);
     if (stage.form)
       one.transfer = [form = stage.form](std::span<const double> v) { return form->transfer(v); };
     if (!one.by_parts && !one.transfer)
@@ -122,26 +122,26 @@ bool Design::is_quick() const {
   });
 }
 
-Design design_of_circuit(const circuit::Circuit& circuit, const Sections& wanted, std::string name,
+Design design_of_circuit(const synthesis::Circuit& circuit, const Sections& wanted, std::string name,
                          OpAmps opamps) {
   Design out = design_from_parts(
       circuit, [wanted](Hertz f) { return wanted.response(f.rad_s()); }, opamps);
   out.name = std::move(name);
-  out.band = circuit::judged_band(wanted);
+  out.band = synthesis::judged_band(wanted);
   out.band_name = wanted.error ? "the sections' own band" : "the corners";
   out.poles = wanted.pole_count();
   return out;
 }
 
 Design design_of_file(const Node& node, std::string name, OpAmps opamps) {
-  const circuit::CircuitFile file = circuit::CircuitFile::from_node(node);
+  const synthesis::CircuitFile file = synthesis::CircuitFile::from_node(node);
   Design out = design_from_parts(
       file.circuit, [file](Hertz f) { return file.wanted(f.rad_s()); }, opamps);
   out.name = std::move(name);
   out.band = file.band;
   out.band_name = "the circuit's own band";
-  for (const circuit::Stage& stage : file.circuit.stages) {
-    for (const circuit::Biquad& factor : stage.wanted)
+  for (const synthesis::Stage& stage : file.circuit.stages) {
+    for (const synthesis::Biquad& factor : stage.wanted)
       out.poles += factor.a2 != 0.0 ? 2 : factor.a1 != 0.0 ? 1 : 0;
   }
   return out;
@@ -176,4 +176,4 @@ Design design_of_plan(const Node& plan, std::string name, const std::optional<Se
   return out;
 }
 
-}  // namespace bodesmith::yield
+}  // namespace bodesmith::tolerance

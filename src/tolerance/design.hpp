@@ -15,7 +15,7 @@
 #include "synthesis/circuit.hpp"
 #include "synthesis/circuit_file.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith::tolerance {
 
 /// A part as statistics see it.
 struct Part {
@@ -30,8 +30,8 @@ struct Stage {
   std::string name;
   std::size_t first_part = 0;
   std::size_t part_count = 0;
-  std::function<circuit::Biquad(std::span<const double>)> transfer;
-  circuit::PartsResponse by_parts = nullptr;  ///< instead of transfer: a ladder
+  std::function<synthesis::Biquad(std::span<const double>)> transfer;
+  synthesis::PartsResponse by_parts = nullptr;  ///< instead of transfer: a ladder
 };
 
 /// What a yield run needs to know of a design: op-amp RC or FPAA.
@@ -66,7 +66,7 @@ enum class OpAmps { ideal, as_built };
 
 /// Deviations from the sections, in the band in which the sections state their error, else that of their corners.
 /// `as_built`: the op-amps' own error, at the parts' nominal values, counts too.
-Design design_of_circuit(const circuit::Circuit& circuit, const Sections& wanted, std::string name,
+Design design_of_circuit(const synthesis::Circuit& circuit, const Sections& wanted, std::string name,
                          OpAmps opamps);
 /// A circuit.json as it was built, in the band in which it was judged.
 Design design_of_file(const Node& circuit, std::string name, OpAmps opamps);
@@ -79,4 +79,4 @@ Design design_of_plan(const Node& plan, std::string name, const std::optional<Se
 /// (notches, stop bands): deviations in dB, degrees and percent say nothing there. Returns them.
 std::vector<Hertz> leave_out_nulls(const std::vector<Design>& designs, std::vector<Hertz>& grid);
 
-}  // namespace bodesmith::yield
+}  // namespace bodesmith::tolerance

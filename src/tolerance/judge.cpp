@@ -10,7 +10,7 @@
 #include "schematic/analysis/response.hpp"
 #include "tolerance/yield.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith::tolerance {
 namespace {
 
 std::vector<Hertz> with_judged(const Design& design, const std::vector<Hertz>& grid) {
@@ -208,4 +208,4 @@ Result expected_result(const Design& design, const Options& options, const Judge
   return out;
 }
 
-}  // namespace bodesmith::yield
+}  // namespace bodesmith::tolerance

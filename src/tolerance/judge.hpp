@@ -8,7 +8,7 @@
 #include "tolerance/design.hpp"
 #include "tolerance/yield.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith::tolerance {
 
 /// Deviations beyond these are counted as these: a null of the response, dB.
 constexpr double kMaxDeviationDb = 400.0;
@@ -38,4 +38,4 @@ class Judge {
 /// ranking of the parts, from the sensitivities.
 Result expected_result(const Design& design, const Options& options, const Judge& judge);
 
-}  // namespace bodesmith::yield
+}  // namespace bodesmith::tolerance

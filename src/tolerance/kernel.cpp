@@ -4,28 +4,27 @@
 
 #include "numeric/random.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith::tolerance {
 namespace {
 
 using Complex = std::complex<double>;
 
-bool first_order(const circuit::Biquad& h) {
+bool first_order(const synthesis::Biquad& h) {
   return h.b2 == 0.0 && h.a2 == 0.0;
 }
 
 /// Relative.
-tolerance::Departure departure_of(const Part& part, const Spread& spread) {
-  using Law = tolerance::Departure::Law;
+Departure departure_of(const Part& part, const Spread& spread) {
   const bool corners = spread.kind == Spread::Kind::corners;
   if (part.kind == Part::Kind::switched_capacitor) {
     const double sigma = spread.mismatch.relative_sigma(part.nominal);
-    return corners ? tolerance::Departure{Law::corners, sigma * spread.sigmas}
-                   : tolerance::Departure{Law::normal, sigma};
+    return corners ? Departure{Departure::Law::corners, sigma * spread.sigmas}
+                   : Departure{Departure::Law::normal, sigma};
   }
   const double limit =
       (part.kind == Part::Kind::resistor ? spread.resistor_percent : spread.capacitor_percent) / 100.0;
-  if (spread.kind == Spread::Kind::gaussian) return {Law::normal, limit / spread.sigmas};
-  return {corners ? Law::corners : Law::uniform, limit};
+  if (spread.kind == Spread::Kind::gaussian) return {Departure::Law::normal, limit / spread.sigmas};
+  return {corners ? Departure::Law::corners : Departure::Law::uniform, limit};
 }
 
 }  // namespace
@@ -44,7 +43,8 @@ Kernel::Kernel(const Design& design, const Options& options) : design_(design), 
   quick_ = design.is_quick();
   for (int i = 0; quick_ && i < static_cast<int>(design.stages.size()); ++i) {
     const Stage& stage = design.stages[static_cast<size_t>(i)];
-    const circuit::Biquad h = stage.transfer(std::span(values_).subspan(stage.first_part, stage.part_count));
+    const synthesis::Biquad h =
+        stage.transfer(std::span(values_).subspan(stage.first_part, stage.part_count));
     Pair* open = nullptr;
     if (first_order(h)) {
       for (Pair& pair : pairs_) {
@@ -74,7 +74,7 @@ Kernel::Kernel(const Design& design, const Options& options) : design_(design), 
 
 void Kernel::draw(std::uint64_t sample) {
   const Spread& spread = options_.spread;
-  tolerance::for_each_drawn(options_.seed, sample, values_.size(), [&](std::size_t i, double u) {
+  for_each_drawn(options_.seed, sample, values_.size(), [&](std::size_t i, double u) {
     // Many sigmas of a wide tolerance must not turn a part negative.
     values_[i] = design_.parts[i].nominal * std::max(1.0 + departure_[i].drawn(u), 1e-3) + extra_[i];
   });
@@ -82,7 +82,7 @@ void Kernel::draw(std::uint64_t sample) {
   const double kelvin = spread.temperature_low_c - 25.0 +
                         (spread.temperature_high_c - spread.temperature_low_c) *
                             uniform_pair(options_.seed, sample, 0xFFFFFFFFU)[0];
-  tolerance::for_each_drawn(
+  for_each_drawn(
       options_.seed, sample, values_.size(),
       [&](std::size_t i, double u) { values_[i] *= 1.0 + ppm_[i] * (2.0 * u - 1.0) * kelvin; }, 0x80000000U);
 }
@@ -93,9 +93,9 @@ void Kernel::coefficients(int lane) {
     return stage.transfer(std::span(values_).subspan(stage.first_part, stage.part_count));
   };
   for (size_t p = 0; p < pairs_.size(); ++p) {
-    circuit::Biquad h = transfer(pairs_[p].first);
+    synthesis::Biquad h = transfer(pairs_[p].first);
     if (pairs_[p].second >= 0) {
-      const circuit::Biquad g = transfer(pairs_[p].second);
+      const synthesis::Biquad g = transfer(pairs_[p].second);
       h = {h.b0 * g.b0, h.b0 * g.b1 + h.b1 * g.b0, h.b1 * g.b1,
            h.a0 * g.a0, h.a0 * g.a1 + h.a1 * g.a0, h.a1 * g.a1};
     }
@@ -172,4 +172,4 @@ void Kernel::evaluate(std::uint64_t first, int count) {
   }
 }
 
-}  // namespace bodesmith::yield
+}  // namespace bodesmith::tolerance

@@ -7,7 +7,7 @@
 #include "tolerance/departure.hpp"
 #include "tolerance/yield.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith::tolerance {
 
 /// Evaluates blocks of samples. One a thread; allocates in the constructor only (boards apart).
 class Kernel {
@@ -40,9 +40,9 @@ class Kernel {
   std::vector<std::complex<double>> drawn_;  ///< one of its responses
   std::vector<Pair> pairs_;
   std::vector<double> values_;
-  std::vector<tolerance::Departure> departure_;  ///< of each part, relative
-  std::vector<double> extra_;                    ///< what each part has too much, in its own unit
-  std::vector<double> ppm_;                      ///< temperature coefficient of each part
+  std::vector<Departure> departure_;  ///< of each part, relative
+  std::vector<double> extra_;         ///< what each part has too much, in its own unit
+  std::vector<double> ppm_;           ///< temperature coefficient of each part
   bool warm_ = false;
   std::vector<double> b0_, b1_, b2_, a0_, a1_, a2_;  ///< [pair][lane]
   std::vector<double> w_;                            ///< [frequency], rad/s
@@ -51,4 +51,4 @@ class Kernel {
   std::vector<double> decibel_, degrees_;            ///< [frequency][lane]
 };
 
-}  // namespace bodesmith::yield
+}  // namespace bodesmith::tolerance

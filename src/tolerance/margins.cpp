@@ -10,7 +10,7 @@
 #include "signal/statistics.hpp"
 #include "tolerance/kernel.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith::tolerance {
 namespace {
 
 using Complex = std::complex<double>;
@@ -105,4 +105,4 @@ Json to_json(const LoopStudy& study) {
           {"unstable", study.unstable}};
 }
 
-}  // namespace bodesmith::yield
+}  // namespace bodesmith::tolerance

@@ -7,7 +7,7 @@
 #include "lti/loop_margins.hpp"
 #include "tolerance/yield.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith::tolerance {
 
 /// A tuned loop with the circuit as it is built: L = plant times the drawn response.
 struct LoopStudy {
@@ -32,4 +32,4 @@ double kept_by_95(const std::vector<double>& least_first);
 /// `nominal`, and of phase margin, gain margin and sensitivity what half, 95 and all of the circuits keep.
 Json to_json(const LoopStudy& study);
 
-}  // namespace bodesmith::yield
+}  // namespace bodesmith::tolerance

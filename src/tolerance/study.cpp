@@ -16,7 +16,7 @@
 #include "tolerance/kernel.hpp"
 #include "tolerance/yield.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith::tolerance {
 namespace {
 
 constexpr std::uint64_t kChunk = 1024;  // samples a thread takes at a time
@@ -309,4 +309,4 @@ Json to_json(const std::vector<Purchase>& purchases) {
   return out;
 }
 
-}  // namespace bodesmith::yield
+}  // namespace bodesmith::tolerance

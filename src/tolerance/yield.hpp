@@ -14,7 +14,7 @@
 #include "numeric/parallel_for.hpp"
 #include "tolerance/design.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith::tolerance {
 
 /// Counts of one quantity in equal bins; `low` and `high` belong to the design, not to the samples, so that
 /// counts from different processes add up.
@@ -113,4 +113,4 @@ Json to_json(const Result& result, const Options& options);
 /// `to_buy`: pairs of tolerances and whether they keep the limit.
 Json to_json(const std::vector<Purchase>& purchases);
 
-}  // namespace bodesmith::yield
+}  // namespace bodesmith::tolerance

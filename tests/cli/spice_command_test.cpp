@@ -28,7 +28,7 @@ TEST(SpiceCommand, WritesItsFilesAndDecksRun) {
   for (const char* name : {"compensator.sub", "ac.cir", "transient.cir", "parts.csv", "circuit.json"}) {
     EXPECT_TRUE(std::filesystem::exists(folder / "spice" / name)) << name;
   }
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   for (const std::string deck : {"ac", "transient", "noise", "monte_carlo_ngspice"}) {
     const ProgramResult spice = run_shell("cd " + out + " && ngspice -n -b " + deck + ".cir");
     EXPECT_EQ(spice.status, 0) << spice.out << spice.err;
@@ -38,7 +38,7 @@ TEST(SpiceCommand, WritesItsFilesAndDecksRun) {
 }
 
 TEST(SpiceCommand, CheckAgreesWithNgspice) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const TemporaryFolder folder;
   write_file(folder / "sections.json", kSpiceSections);
   const ProgramResult run = run_bodesmith("spice " + (folder / "sections.json").string() +
@@ -105,7 +105,7 @@ TEST(SpiceCommand, StockListIsWhatPartsAreMadeOf) {
 }
 
 TEST(SpiceCommand, LaddersAgreeWithNgspice) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const TemporaryFolder folder;
   write_file(folder / "sections.json", kSpiceSections);
   for (const std::string form : {"foster1", "foster2", "cauer1", "cauer2"}) {

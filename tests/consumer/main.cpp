@@ -22,13 +22,13 @@ int main() {
   std::printf("%d poles directly, %.3f dB from the points\n", direct.sections.pole_count(), direct.max_db);
 
   // Op-amps and preferred values, and what tolerances of 1 % and 5 % do to them.
-  const bodesmith::circuit::Realised made = bodesmith::circuit::realise(direct.sections);
-  bodesmith::yield::Options tolerances;
+  const bodesmith::synthesis::Realised made = bodesmith::synthesis::realise(direct.sections);
+  bodesmith::tolerance::Options tolerances;
   tolerances.samples = 2000;
   tolerances.grid = bodesmith::log_grid({bodesmith::Hertz{1.0}, bodesmith::Hertz{100.0}}, 20);
-  const auto design = bodesmith::yield::design_of_circuit(made.circuit, direct.sections, "consumer",
-                                                          bodesmith::yield::OpAmps::ideal);
-  const auto statistics = bodesmith::yield::run_monte_carlo(design, tolerances, bodesmith::Team());
+  const auto design = bodesmith::tolerance::design_of_circuit(made.circuit, direct.sections, "consumer",
+                                                              bodesmith::tolerance::OpAmps::ideal);
+  const auto statistics = bodesmith::tolerance::run_monte_carlo(design, tolerances, bodesmith::Team());
   const double within_db = statistics.worst_db.quantile(0.95);
   std::printf("95 of 100 circuits within %.2f dB\n", within_db);
   const bool good =

@@ -12,7 +12,7 @@
 namespace bodesmith::faults {
 namespace {
 
-Diagnosis diagnosed_board(const circuit::Circuit& designed, const BuiltBoard& board, Random& random) {
+Diagnosis diagnosed_board(const synthesis::Circuit& designed, const BuiltBoard& board, Random& random) {
   const std::vector<Hertz> grid = small_grid(30);
   Measurement measurement{{measured(response_of(board, grid), grid, 0.02, 0.1, true, random)}};
   const CircuitBoard as_designed(designed, measurement, Spread());
@@ -32,8 +32,8 @@ bool has_the_right_one(const Diagnosis& d, const BuiltBoard& board) {
 }
 
 TEST(BlindBoards, GoodOnesAreNotAccused) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
-  const circuit::Circuit circuit = small_circuit();
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
+  const synthesis::Circuit circuit = small_circuit();
   for (const std::uint64_t seed : {21u, 22u}) {
     Random random(seed);
     const BuiltBoard board = good_board(circuit, 1.0, 1.0, random);
@@ -42,8 +42,8 @@ TEST(BlindBoards, GoodOnesAreNotAccused) {
 }
 
 TEST(BlindBoards, DrawnFaultsAreFound) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
-  const circuit::Circuit circuit = small_circuit();
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
+  const synthesis::Circuit circuit = small_circuit();
   int visible = 0;
   int right = 0;
   for (std::uint64_t seed = 101; seed < 105; ++seed) {

@@ -16,11 +16,11 @@ namespace {
 
 using Complex = std::complex<double>;
 
-std::vector<Complex> solved(const circuit::Circuit& circuit, const std::vector<Hertz>& grid) {
+std::vector<Complex> solved(const synthesis::Circuit& circuit, const std::vector<Hertz>& grid) {
   return schematic::network_response(circuit, grid);
 }
 
-CircuitBoard board_of(const circuit::Circuit& circuit, const std::vector<Hertz>& grid) {
+CircuitBoard board_of(const synthesis::Circuit& circuit, const std::vector<Hertz>& grid) {
   Measurement measurement;
   measurement.channels.push_back(seen(grid, solved(circuit, grid), 1));
   return CircuitBoard(circuit, measurement, Spread());
@@ -33,21 +33,21 @@ void expect_same(const Eigen::VectorXcd& quick, const std::vector<Complex>& anew
 }
 
 TEST(CircuitBoard, AChangedPartIsWhatSolvingAnewFinds) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   const std::vector<Hertz> grid = small_grid(12);
   const CircuitBoard board = board_of(circuit, grid);
   expect_same(board.response({}), solved(circuit, grid));
   for (std::size_t i = 0; i < circuit.parts.size(); ++i) {
-    circuit::Circuit changed = circuit;
+    synthesis::Circuit changed = circuit;
     changed.parts[i].realised *= 3.0;
     expect_same(board.response(board.changed(i, 3.0)), solved(changed, grid));
   }
 }
 
 TEST(CircuitBoard, ThePrintedNetlistIsTheSameBoard) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   const schematic::SpiceLibrary library = schematic::read_spice(
-      schematic::spice_text(spice::compensator_library(circuit, "small")), "compensator.sub");
+      schematic::spice_text(synthesis::compensator_library(circuit, "small")), "compensator.sub");
   const auto grid = small_grid(12);
   Measurement measurement;
   measurement.channels = {seen(grid, schematic::network_response(circuit, grid), 1)};
@@ -60,10 +60,10 @@ TEST(CircuitBoard, ThePrintedNetlistIsTheSameBoard) {
 }
 
 TEST(CircuitBoard, TwoChangesAtOnceAndANodeInside) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   const std::vector<Hertz> grid = small_grid(12);
   const CircuitBoard board = board_of(circuit, grid);
-  circuit::Circuit changed = circuit;
+  synthesis::Circuit changed = circuit;
   changed.parts[0].realised *= 0.2;
   changed.parts[3].realised *= 7.0;
   schematic::Part load;
@@ -81,7 +81,7 @@ TEST(CircuitBoard, TwoChangesAtOnceAndANodeInside) {
 }
 
 TEST(CircuitBoard, WhatIsBuiltInAndWhatComesOnTopAreBothAtOnce) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   const std::vector<Hertz> grid = small_grid(12);
   const CircuitBoard board = board_of(circuit, grid);
   const Effect first = joined(board.changed(0, 0.2), board.slowed(1, 0.01, true));
@@ -98,7 +98,7 @@ TEST(CircuitBoard, WhatIsBuiltInAndWhatComesOnTopAreBothAtOnce) {
 
 /// What is not known of a slow op-amp is a share of what it changes, not of what another fault changes beside it.
 TEST(CircuitBoard, TheModelErrorOfARoughFaultIsCountedFromTheOtherOne) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   const CircuitBoard board = board_of(circuit, small_grid(12));
   Effect slow = board.slowed(0, 0.01, true);
   slow.model_error = 0.02;
@@ -111,7 +111,7 @@ TEST(CircuitBoard, TheModelErrorOfARoughFaultIsCountedFromTheOtherOne) {
 }
 
 TEST(CircuitBoard, OnlyALoadAtAnOpAmpIsKnownRoughly) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   const CircuitBoard board = board_of(circuit, small_grid(12));
   int rough = 0;
   int exact = 0;
@@ -131,10 +131,10 @@ TEST(CircuitBoard, OnlyALoadAtAnOpAmpIsKnownRoughly) {
 }
 
 TEST(CircuitBoard, ASlowerOpAmpIsWhatSolvingAnewFinds) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   const std::vector<Hertz> grid = small_grid(12);
   const CircuitBoard board = board_of(circuit, grid);
-  circuit::Circuit slow = circuit;
+  synthesis::Circuit slow = circuit;
   slow.opamp.gain_bandwidth.value *= 0.01;
   Effect effect;
   const double ft = circuit.opamp.gain_bandwidth.rad_s().value;
@@ -144,7 +144,7 @@ TEST(CircuitBoard, ASlowerOpAmpIsWhatSolvingAnewFinds) {
 }
 
 TEST(CircuitBoard, SlopesAreThoseOfFiniteDifferences) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   const std::vector<Hertz> grid = small_grid(8);
   const CircuitBoard board = board_of(circuit, grid);
   // On a board with a fault: the slopes belong to it, not to the good one.
@@ -163,7 +163,7 @@ TEST(CircuitBoard, SlopesAreThoseOfFiniteDifferences) {
 }
 
 TEST(CircuitBoard, ANodeThatIsNotThereIsRefused) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   Measurement measurement;
   measurement.channels.push_back(seen(small_grid(8), solved(circuit, small_grid(8)), 1));
   measurement.channels[0].node = "nowhere";

@@ -12,7 +12,7 @@
 namespace bodesmith::faults {
 
 /// Two lead-lags and a damped pair: stages of one and of two op-amps.
-inline circuit::Circuit small_circuit() {
+inline synthesis::Circuit small_circuit() {
   Sections sections;
   sections.gain = 1.0;
   for (const auto& [zero, pole] : {std::pair(-2000.0, -8000.0), std::pair(-30000.0, -9000.0)}) {
@@ -26,7 +26,7 @@ inline circuit::Circuit small_circuit() {
   pair.gain = 4e8;
   pair.poles = {{-8000.0, 18000.0}, {-8000.0, -18000.0}};
   sections.sections.push_back(pair);
-  return circuit::realise(sections, {}).circuit;
+  return synthesis::realise(sections, {}).circuit;
 }
 
 inline std::vector<Hertz> small_grid(int count = 24) {
@@ -50,7 +50,7 @@ inline Channel seen(const std::vector<Hertz>& grid, const std::vector<std::compl
 }
 
 /// A circuit whose parts are within a tolerance of 1 %.
-inline circuit::Circuit drawn_parts(circuit::Circuit circuit, std::uint64_t seed) {
+inline synthesis::Circuit drawn_parts(synthesis::Circuit circuit, std::uint64_t seed) {
   Random random(seed);
   for (schematic::Part& part : circuit.parts) part.realised *= 1.0 + 0.01 * (2.0 * random.uniform() - 1.0);
   return circuit;

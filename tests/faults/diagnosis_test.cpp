@@ -15,7 +15,8 @@
 namespace bodesmith::faults {
 namespace {
 
-Diagnosis diagnosed(const circuit::Circuit& designed, const circuit::Circuit& built, bool with_phase = true) {
+Diagnosis diagnosed(const synthesis::Circuit& designed, const synthesis::Circuit& built,
+                    bool with_phase = true) {
   const std::vector<Hertz> grid = small_grid();
   Measurement measurement;
   measurement.channels.push_back(seen(grid, schematic::network_response(built, grid), 5, with_phase));
@@ -33,7 +34,7 @@ bool among_tied(const Diagnosis& d, const std::string& part) {
 }
 
 TEST(BoardDiagnosis, AGoodBoardIsNotAccused) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   for (const std::uint64_t seed : {1u, 2u, 3u}) {
     const Diagnosis d = diagnosed(circuit, drawn_parts(circuit, seed));
     EXPECT_EQ(d.verdict, Verdict::nothing_wrong) << seed;
@@ -42,10 +43,10 @@ TEST(BoardDiagnosis, AGoodBoardIsNotAccused) {
 }
 
 TEST(BoardDiagnosis, ACapacitorOfAnotherValueIsNamedOrTied) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   for (std::size_t i = 0; i < circuit.parts.size(); ++i) {
     if (circuit.parts[i].kind != schematic::Part::Kind::capacitor) continue;
-    circuit::Circuit built = drawn_parts(circuit, 7 + i);
+    synthesis::Circuit built = drawn_parts(circuit, 7 + i);
     built.parts[i].realised *= 1.47;
     const Diagnosis d = diagnosed(circuit, built);
     EXPECT_TRUE(d.verdict == Verdict::one_fault || d.verdict == Verdict::tie) << circuit.parts[i].name;
@@ -57,16 +58,16 @@ TEST(BoardDiagnosis, ACapacitorOfAnotherValueIsNamedOrTied) {
 }
 
 TEST(BoardDiagnosis, MagnitudeAloneIsEnoughForAWrongDecade) {
-  const circuit::Circuit circuit = small_circuit();
-  circuit::Circuit built = drawn_parts(circuit, 3);
+  const synthesis::Circuit circuit = small_circuit();
+  synthesis::Circuit built = drawn_parts(circuit, 3);
   built.parts[2].realised *= 10.0;
   const Diagnosis d = diagnosed(circuit, built, false);
   EXPECT_TRUE(among_tied(d, built.parts[2].name));
 }
 
 TEST(BoardDiagnosis, TwoFaultsAtOnce) {
-  const circuit::Circuit circuit = small_circuit();
-  circuit::Circuit built = drawn_parts(circuit, 4);
+  const synthesis::Circuit circuit = small_circuit();
+  synthesis::Circuit built = drawn_parts(circuit, 4);
   std::vector<std::size_t> capacitors;
   for (std::size_t i = 0; i < built.parts.size(); ++i) {
     if (built.parts[i].kind == schematic::Part::Kind::capacitor) capacitors.push_back(i);
@@ -83,8 +84,8 @@ TEST(BoardDiagnosis, TwoFaultsAtOnce) {
 /// A roughly known fault (a floating input, a slow op-amp) fits two others to within its model's error, and is not named
 /// before these have been tried.
 TEST(BoardDiagnosis, ARoughlyKnownFaultDoesNotPassForTwoOthers) {
-  const circuit::Circuit circuit = small_circuit();
-  circuit::Circuit built = drawn_parts(circuit, 6);
+  const synthesis::Circuit circuit = small_circuit();
+  synthesis::Circuit built = drawn_parts(circuit, 6);
   for (schematic::Part& part : built.parts) {
     if (part.name == "Rq_4") part.realised *= 0.6;
     if (part.name == "R1_1") part.realised *= 0.1;
@@ -97,8 +98,8 @@ TEST(BoardDiagnosis, ARoughlyKnownFaultDoesNotPassForTwoOthers) {
 }
 
 TEST(BoardDiagnosis, EveryOpAmpIsNoSecondFaultOfOneOfThem) {
-  const circuit::Circuit circuit = small_circuit();
-  circuit::Circuit built = drawn_parts(circuit, 8);
+  const synthesis::Circuit circuit = small_circuit();
+  synthesis::Circuit built = drawn_parts(circuit, 8);
   built.opamp.gain_bandwidth.value *= 0.004;
   built.parts[1].realised *= 1.4;
   const Diagnosis d = diagnosed(circuit, built);
@@ -114,7 +115,7 @@ TEST(BoardDiagnosis, EveryOpAmpIsNoSecondFaultOfOneOfThem) {
 
 /// An input that is not connected says nothing of the stages before it; another value of a part hides none.
 TEST(BoardDiagnosis, WhatIsHiddenBehindAFaultIsSaid) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   const std::vector<Hertz> grid = small_grid();
   const Measurement measurement{{seen(grid, schematic::network_response(circuit, grid), 5)}};
   const CircuitBoard board(circuit, measurement, Spread());
@@ -150,7 +151,7 @@ TEST(BoardDiagnosis, WhatIsHiddenBehindAFaultIsSaid) {
 
 /// Parts thousands of tolerances off would make a dead board of a good one.
 TEST(BoardDiagnosis, ADeadOutputIsNoGoodBoard) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   const std::vector<Hertz> grid = small_grid();
   Channel nothing = seen(grid, schematic::network_response(circuit, grid), 5, true);
   for (std::size_t i = 0; i < grid.size(); ++i) {
@@ -164,7 +165,7 @@ TEST(BoardDiagnosis, ADeadOutputIsNoGoodBoard) {
 }
 
 TEST(BoardDiagnosis, WhatNoFaultExplainsIsSaidToBeUnexplained) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   const std::vector<Hertz> grid = small_grid(80);
   auto response = schematic::network_response(circuit, grid);
   for (std::size_t k = 0; k < grid.size(); ++k)  // a comb: no circuit of these parts makes it
@@ -178,8 +179,8 @@ TEST(BoardDiagnosis, WhatNoFaultExplainsIsSaidToBeUnexplained) {
 }
 
 TEST(BoardDiagnosis, TheSecondMeasurementOfANodeIsUsed) {
-  const circuit::Circuit circuit = small_circuit();
-  circuit::Circuit built = drawn_parts(circuit, 11);
+  const synthesis::Circuit circuit = small_circuit();
+  synthesis::Circuit built = drawn_parts(circuit, 11);
   // Gain of a stage: which of them, the output alone may not say.
   built.parts[0].realised *= 1.3;
   const std::vector<Hertz> grid = small_grid();

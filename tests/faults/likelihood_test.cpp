@@ -12,7 +12,7 @@ namespace {
 
 constexpr double kNoise = 2e-3;
 
-CircuitBoard measured_board(const circuit::Circuit& circuit, const std::vector<Hertz>& grid,
+CircuitBoard measured_board(const synthesis::Circuit& circuit, const std::vector<Hertz>& grid,
                             std::uint64_t seed) {
   Measurement measurement{{seen(grid, schematic::network_response(circuit, grid), seed, true, kNoise)}};
   return CircuitBoard(circuit, measurement, Spread());
@@ -20,7 +20,7 @@ CircuitBoard measured_board(const circuit::Circuit& circuit, const std::vector<H
 
 /// Crosstalk 60 dB below the signal moves its phase by no more than by a milliradian.
 TEST(BoardLikelihood, TheNoiseIsWhatItIsSaidToBe) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   const std::vector<Hertz> grid = small_grid(60);
   double misfit = 0.0;
   double rows = 0.0;
@@ -36,7 +36,7 @@ TEST(BoardLikelihood, TheNoiseIsWhatItIsSaidToBe) {
 
 /// A model's error of 2 % that is smooth is expected; one that jumps from point to point is not.
 TEST(BoardLikelihood, TheErrorOfARoughFaultIsSmooth) {
-  const circuit::Circuit circuit = small_circuit();
+  const synthesis::Circuit circuit = small_circuit();
   const std::vector<Hertz> grid = small_grid(60);
   const CircuitBoard board = measured_board(circuit, grid, 3);
   Prediction prediction = board.predict({});

@@ -24,7 +24,7 @@ constexpr std::size_t kMeasuredRows = 1500;
 class Measured : public testing::TestWithParam<Hidden> {
  protected:
   void SetUp() override {
-    if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed: nothing to measure with";
+    if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed: nothing to measure with";
   }
 };
 
@@ -32,7 +32,7 @@ class Measured : public testing::TestWithParam<Hidden> {
 class CleanDeck : public testing::TestWithParam<std::string> {
  protected:
   void SetUp() override {
-    if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed: nothing to measure with";
+    if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed: nothing to measure with";
   }
 };
 TEST_P(CleanDeck, IsItsModel) {

@@ -11,7 +11,7 @@
 #include "synthesis/opamp_check.hpp"
 #include "temporary_folder.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 using schematic::OpAmpLibrary;
@@ -119,4 +119,4 @@ TEST(OpAmpCheck, WarnsWithNumbers) {
 }
 
 }  // namespace
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

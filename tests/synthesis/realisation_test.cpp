@@ -6,7 +6,7 @@
 #include "schematic/analysis/response.hpp"
 #include "synthesis/realise.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// H = 1 + R2/R1: a gain that is not inverted.
@@ -201,4 +201,4 @@ TEST(Forms, RefusalsSayWhy) {
 
 }  // namespace
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

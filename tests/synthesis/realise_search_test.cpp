@@ -11,7 +11,7 @@
 #include "synthesis/circuit.hpp"
 #include "synthesis/circuit_file.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// A lag of .05 rad/s: far below what 2.2 Mohm and 220 nF make.
@@ -116,4 +116,4 @@ TEST(RealiseSearch, WhatNoValuesDescribeIsRefused) {
 }
 
 }  // namespace
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

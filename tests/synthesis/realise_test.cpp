@@ -12,7 +12,7 @@
 #include "seed_sections.hpp"
 #include "synthesis/stages/pairing.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 using Complex = std::complex<double>;
@@ -299,4 +299,4 @@ TEST(Integrator, SectionsMayHaveAPoleAtZeroAndNowhereElseOnTheAxis) {
 
 }  // namespace
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -7,7 +7,7 @@
 
 #include "base/json.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith::tolerance {
 namespace {
 
 /// A gain of 1 within a tolerance, before the plant K / (s (1 + s)^2), s in rad/s.
@@ -20,8 +20,9 @@ struct GainLoop {
   GainLoop(double k, double percent) : gain(k) {
     design.name = "gain";
     design.parts = {{"R2", Part::Kind::resistor, 1000.0}};
-    design.stages = {
-        {"s", 0, 1, [](std::span<const double> v) { return circuit::Biquad{v[0] / 1000.0, 0, 0, 1, 0, 0}; }}};
+    design.stages = {{"s", 0, 1, [](std::span<const double> v) {
+                        return synthesis::Biquad{v[0] / 1000.0, 0, 0, 1, 0, 0};
+                      }}};
     design.wanted = [](Hertz) { return std::complex<double>(1.0, 0.0); };
     options.samples = 4000;
     options.spread.resistor_percent = percent;
@@ -80,4 +81,4 @@ TEST(LoopStudy, CircuitsPastTheirMarginAreUnstable) {
 }
 
 }  // namespace
-}  // namespace bodesmith::yield
+}  // namespace bodesmith::tolerance

@@ -17,7 +17,7 @@
 #include "tolerance/counts.hpp"
 #include "tolerance/kernel.hpp"
 
-namespace bodesmith::yield {
+namespace bodesmith::tolerance {
 namespace {
 
 Options small(std::uint64_t samples = 20000) {
@@ -28,15 +28,16 @@ Options small(std::uint64_t samples = 20000) {
 }
 
 Design seed_design() {
-  return design_of_circuit(circuit::realise(seed_sections()).circuit, seed_sections(), "seed", OpAmps::ideal);
+  return design_of_circuit(synthesis::realise(seed_sections()).circuit, seed_sections(), "seed",
+                           OpAmps::ideal);
 }
 
 // Ladders have no quadratics: they are evaluated one by one, and agree with the sections they were made from.
 TEST(Yield, LaddersAndBuiltCircuitsAreJudgedAsTheyAre) {
-  circuit::RealiseOptions ladder;
+  synthesis::RealiseOptions ladder;
   ladder.realisation = "foster1";
   ladder.limits = {100.0, 10e6, 47e-12, 4.7e-6};
-  const circuit::Realised made = circuit::realise(seed_sections(), ladder);
+  const synthesis::Realised made = synthesis::realise(seed_sections(), ladder);
   const Design ideal = design_of_circuit(made.circuit, seed_sections(), "ladder", OpAmps::ideal);
   EXPECT_FALSE(ideal.is_quick());
   Options options = small(200);
@@ -101,7 +102,7 @@ TEST(Yield, UniformSpreadOfOneResistorIsItsDistribution) {
   design.parts = {{"R2", Part::Kind::resistor, 1000.0}};
   design.netlist = inverter();
   design.stages = {
-      {"s", 0, 1, [](std::span<const double> v) { return circuit::Biquad{v[0] / 1000.0, 0, 0, 1, 0, 0}; }}};
+      {"s", 0, 1, [](std::span<const double> v) { return synthesis::Biquad{v[0] / 1000.0, 0, 0, 1, 0, 0}; }}};
   design.wanted = [](Hertz) { return std::complex<double>(1.0, 0.0); };
   Options options = small(200000);
   options.spread.resistor_percent = 10.0;
@@ -127,8 +128,9 @@ TEST(Yield, AStageOfSecondOrderIsTheQuotientOfItsPolynomials) {
   design.name = "notch";
   design.parts = {{"R1", Part::Kind::resistor, 1000.0}};
   design.netlist = inverter();
-  design.stages = {
-      {"s", 0, 1, [](std::span<const double>) { return circuit::Biquad{3.0, 0.02, 4e-5, 2.0, 0.01, 5e-5}; }}};
+  design.stages = {{"s", 0, 1, [](std::span<const double>) {
+                      return synthesis::Biquad{3.0, 0.02, 4e-5, 2.0, 0.01, 5e-5};
+                    }}};
   design.wanted = [](Hertz f) {
     const std::complex<double> s(0.0, f.rad_s().value);
     return (3.0 + 0.02 * s + 4e-5 * s * s) / (2.0 + 0.01 * s + 5e-5 * s * s);
@@ -186,14 +188,15 @@ Options options_of(const Design& design, std::uint64_t samples, int points = 60)
 
 // Beside a notch a difference in dB has no bound; all parts at their limits are told as the draws are, as shifts.
 TEST(Yield, NoDrawOfANotchIsWorseThanAllPartsAtTheirLimits) {
-  const Design design = design_of_circuit(circuit::realise(notch()).circuit, notch(), "notch", OpAmps::ideal);
+  const Design design =
+      design_of_circuit(synthesis::realise(notch()).circuit, notch(), "notch", OpAmps::ideal);
   const Result drawn = run_monte_carlo(design, options_of(design, 2000), Team());
   EXPECT_LE(drawn.worst_db.max, drawn.worst_case_db);
   EXPECT_GT(drawn.worst_db.max, 0.3 * drawn.worst_case_db);
 }
 
 TEST(Yield, WithoutTolerancesItSaysWhatJudgeResponsesSays) {
-  const circuit::Circuit circuit = circuit::realise(notch()).circuit;
+  const synthesis::Circuit circuit = synthesis::realise(notch()).circuit;
   const Design design = design_of_circuit(circuit, notch(), "notch", OpAmps::as_built);
   Options options = options_of(design, 1, 1000);  // the other judge goes on between the points
   options.spread.resistor_percent = options.spread.capacitor_percent = 0.0;
@@ -367,4 +370,4 @@ TEST(Yield, RefusesNonsense) {
 }
 
 }  // namespace
-}  // namespace bodesmith::yield
+}  // namespace bodesmith::tolerance

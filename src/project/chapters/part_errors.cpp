@@ -7,13 +7,13 @@
 namespace bodesmith::project {
 namespace {
 
-report::Table spread_table(const part_errors::TrimStudy& trims, const std::vector<Hertz>& frequencies) {
+report::Table spread_table(const tolerance::TrimStudy& trims, const std::vector<Hertz>& frequencies) {
   report::Table table{{"frequency, Hz", "nominal", "untrimmed, half below", "95 % below",
                        "trimmed, half below", "95 % below"},
                       {},
                       {}};
   for (std::size_t i = 0; i < frequencies.size() && i < trims.after_at.size(); ++i) {
-    const part_errors::Spread &before = trims.before_at[i], &after = trims.after_at[i];
+    const tolerance::ErrorSpread &before = trims.before_at[i], &after = trims.after_at[i];
     table.rows.push_back({rounded_text(frequencies[i].value), rounded_text(before.nominal_percent, 2),
                           rounded_text(before.median_percent, 2), rounded_text(before.p95_percent, 2),
                           rounded_text(after.median_percent, 2), rounded_text(after.p95_percent, 2)});
@@ -21,7 +21,7 @@ report::Table spread_table(const part_errors::TrimStudy& trims, const std::vecto
   return table;
 }
 
-report::Table share_table(const std::vector<part_errors::Share>& parts) {
+report::Table share_table(const std::vector<tolerance::Share>& parts) {
   report::Table table{{"part", "share of the variance, %", "adds at one standard deviation, %"}, {}, {}};
   for (std::size_t i = 0; i < parts.size() && i < 8; ++i) {
     table.rows.push_back(
@@ -45,7 +45,7 @@ std::string stability_sentence(const controller::LoopStability& loop) {
 
 void part_errors_chapter(report::Page& page, const ProjectRun& run) {
   if (!run.part_errors) return;
-  const part_errors::Report& report = *run.part_errors;
+  const tolerance::ControllerReport& report = *run.part_errors;
   page.chapter("Errors of the controller's parts");
   page.paragraph(fmt::format(
       "{} copies of the analog controller with parts drawn at random (what is assumed: controller.json, errors_of_parts). "

@@ -100,7 +100,7 @@ report::Choice choice_of(const ProjectRun& run, std::size_t index) {
     out.tables.emplace_back(cams_table(plan), "On the FPAA");
   }
   if (study.design.circuit) {
-    const circuit::Realised& made = study.design.realised();
+    const synthesis::Realised& made = study.design.realised();
     out.figures.emplace_back(
         rounded_text(made.report.all.max_magnitude_db, 3) + " dB",
         fmt::format("in parts, {} op-amps, {} parts", made.circuit.opamps.size(), made.circuit.parts.size()));

@@ -9,7 +9,7 @@
 #include "schematic/ngspice/user_deck.hpp"
 #include "schematic/plain_number.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::ngspice {
 namespace {
 
 using schematic::plain_number;
@@ -192,4 +192,4 @@ NoiseSpectrum run_noise_of_text(const std::string& library, Band band, int per_d
   return out;
 }
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::ngspice

@@ -10,7 +10,7 @@
 #include "schematic/ngspice/ngspice_process.hpp"
 #include "schematic/ngspice/plain_netlist.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::ngspice {
 
 /// V(out)/V(in) of a two-pin subcircuit (`in out`, ground 0) of a library file, small-signal, at every
 /// frequency of the grid. `subcircuit` empty: "compensator" when there is one, otherwise the last with two
@@ -63,4 +63,4 @@ struct NoiseSpectrum {
 NoiseSpectrum run_noise_of_text(const std::string& library, Band band, int per_decade,
                                 const std::string& what);
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::ngspice

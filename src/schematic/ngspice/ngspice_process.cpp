@@ -24,7 +24,7 @@
 #include "base/temporary.hpp"
 #include "base/text.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::ngspice {
 namespace {
 
 namespace fs = std::filesystem;
@@ -196,11 +196,11 @@ void fail_on_output(const std::string& what, const NgspiceOutput& ran) {
                                why.empty() ? ", expected a circuit that it can solve" : ": " + why));
 }
 
-bool ngspice_available() {
+bool is_available() {
   return !find_ngspice().empty();
 }
 
-std::string ngspice_version() {
+std::string version() {
   const std::string program = find_ngspice();
   if (program.empty()) return {};
   const WorkFolder folder;
@@ -211,4 +211,4 @@ std::string ngspice_version() {
   return text.substr(at, text.find_first_of(" \n", at) - at);
 }
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::ngspice

@@ -3,12 +3,12 @@
 #include <filesystem>
 #include <string>
 
-namespace bodesmith::spice {
+namespace bodesmith::ngspice {
 
 /// Whether an ngspice program is found on PATH (or named by the environment variable BODESMITH_NGSPICE).
-bool ngspice_available();
+bool is_available();
 /// What `ngspice --version` calls itself ("ngspice-39"), or empty.
-std::string ngspice_version();
+std::string version();
 
 /// Removes work folders in `where` that a killed run left: their process is gone, and they are this user's and older than
 /// a minute. The first WorkFolder of a process does so.
@@ -40,4 +40,4 @@ NgspiceOutput run_ngspice_in(const std::filesystem::path& folder, const std::str
 /// Throws InputError: the run ended well and gave no result.
 [[noreturn]] void fail_on_output(const std::string& what, const NgspiceOutput& ran);
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::ngspice

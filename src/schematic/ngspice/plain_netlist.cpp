@@ -11,7 +11,7 @@
 #include "base/files.hpp"
 #include "base/text.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::ngspice {
 namespace {
 
 namespace fs = std::filesystem;
@@ -251,4 +251,4 @@ std::string pick_subcircuit(const std::vector<Subcircuit>& all, const std::strin
   return found;
 }
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::ngspice

@@ -6,7 +6,7 @@
 #include <string_view>
 #include <vector>
 
-namespace bodesmith::spice {
+namespace bodesmith::ngspice {
 
 /// ngspice is a circuit simulator with a command language inside: a `.control` section of any file that it reads may
 /// run a shell. What comes from a user's file may therefore describe a circuit and nothing else.
@@ -59,4 +59,4 @@ std::optional<IncludeLine> include_line(std::string_view line);
 std::filesystem::path included_file(const IncludeLine& include, const std::filesystem::path& netlist,
                                     int line);
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::ngspice

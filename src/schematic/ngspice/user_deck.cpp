@@ -12,7 +12,7 @@
 #include "base/units.hpp"
 #include "schematic/ngspice/plain_netlist.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::ngspice {
 namespace {
 
 std::vector<std::string> words_of(std::string_view line) {
@@ -194,4 +194,4 @@ UserDeck read_user_deck(const std::filesystem::path& path, const std::string& no
   return UserDeckReader(path, node).read();
 }
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::ngspice

@@ -4,7 +4,7 @@
 #include <filesystem>
 #include <string>
 
-namespace bodesmith::spice {
+namespace bodesmith::ngspice {
 
 /// A user's deck made ready for a small-signal run: without its analyses, outputs and .control section, with
 /// absolute paths in .include and .lib.
@@ -18,4 +18,4 @@ struct UserDeck {
 /// unended .control.
 UserDeck read_user_deck(const std::filesystem::path& path, const std::string& node);
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::ngspice

@@ -37,18 +37,18 @@ std::string sine_source(const std::string& name, const std::string& from, const 
 }
 
 /// v[column] at time t between the simulator's own steps; `i` moves on, or begins again.
-double at_time(const spice::Transient& run, std::size_t column, double t, std::size_t& i) {
+double at_time(const ngspice::Transient& run, std::size_t column, double t, std::size_t& i) {
   if (run.time_s[i - 1] > t) i = 1;
   while (i + 1 < run.time_s.size() && run.time_s[i] < t) ++i;
   const double part = std::clamp((t - run.time_s[i - 1]) / (run.time_s[i] - run.time_s[i - 1]), 0.0, 1.0);
   return run.v[column][i - 1] + part * (run.v[column][i] - run.v[column][i - 1]);
 }
 
-spice::Transient run_as_tightly_as_it_goes(const std::string& deck, bool tight, double step_s,
-                                           double stop_s) {
+ngspice::Transient run_as_tightly_as_it_goes(const std::string& deck, bool tight, double step_s,
+                                             double stop_s) {
   const auto run = [&](const std::string& options) {
-    return spice::run_transient("controller\n" + options + deck, {"r", "v"}, step_s, stop_s,
-                                "controller.sub");
+    return ngspice::run_transient("controller\n" + options + deck, {"r", "v"}, step_s, stop_s,
+                                  "controller.sub");
   };
   if (!tight) return run("");
   for (const char* const options : {".options reltol=1e-6\n", ".options reltol=1e-5 trtol=1\n"}) {
@@ -98,7 +98,7 @@ SteadyState run_in_cvode(const AnalogController& controller, const Reference& re
 }
 
 double switch_delay_s(const AnalogController& controller, const Reference& reference, Hertz operating) {
-  const multiplier_layout::SlopeDetector detector(
+  const generator::SlopeDetector detector(
       schematic::subset(
           controller, [&](std::size_t group) { return controller.purpose_of(group) == Purpose::slope_sign; }),
       "r");
@@ -156,8 +156,8 @@ SteadyState run_in_ngspice(const AnalogController& controller, const Reference& 
       controller_library(controller, "controller", {options.off, false}) +
       reference_sources(reference, operating, whole_number<int>(std::ceil(settle + 1.0))) +
       "Xc r v controller\n";
-  const spice::Transient run = run_as_tightly_as_it_goes(deck, !(operating < options.tight_from),
-                                                         period / options.steps, (settle + 1.0) * repeat);
+  const ngspice::Transient run = run_as_tightly_as_it_goes(deck, !(operating < options.tight_from),
+                                                           period / options.steps, (settle + 1.0) * repeat);
   const std::size_t samples = options.samples * reference.periods();
   SteadyState out{reference, operating, repeat / static_cast<double>(samples), {}, {}, {}, {}, {}, 0.0};
   // Every phase where it first comes after `from` repeats.

@@ -43,7 +43,7 @@ struct NgspiceRun {
 int repeats_to_settle(const AnalogController& controller, double repeat_s);
 
 /// The emitted netlist through plain `.tran` from rest, r starting at 0 V. Throws InputError as
-/// spice::run_transient.
+/// ngspice::run_transient.
 SteadyState run_in_ngspice(const AnalogController& controller, const tracking::Reference& reference,
                            Hertz operating, const NgspiceRun& options = {});
 

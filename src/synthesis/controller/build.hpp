@@ -33,7 +33,7 @@ struct GainCurve {
   std::string rectifier(std::size_t corner) const { return rectifiers + std::to_string(corner + 1); }
 };
 
-class Builder : private circuit::NetlistMaker {
+class Builder : private synthesis::NetlistMaker {
  public:
   Builder(const Disturbance& disturbance, const Options& options);
   AnalogController build();

@@ -96,7 +96,8 @@ void Builder::branch(Pass& pass, int b, const std::string& tail) {
       weights.push_back({from[k], fmt::format("R{}{}{}", letter, k + 1, tail),
                          fmt::format("weight of x^{}, {}", k + 1, name)});
     }
-    const circuit::SummingDesign design = circuit::search_summing_resistors(gains, level, options_.resistors);
+    const synthesis::SummingDesign design =
+        synthesis::search_summing_resistors(gains, level, options_.resistors);
     node = "b" + letter + tail;
     pass.branch_opamp[b] = sum(weights, gains, design, "R" + letter, tail, name, "sum of the powers, " + name,
                                "p" + letter + tail, "m" + letter + tail, node)

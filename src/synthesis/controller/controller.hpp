@@ -38,8 +38,8 @@ struct Options {
   schematic::OpAmpModel opamp;       ///< default: OPA2140
   schematic::OpAmpModel fast_opamp;  ///< of the slope detector; default: AD8066
   schematic::SwitchModel analog_switch;
-  circuit::Series resistors = circuit::Series::named("E96");
-  circuit::Series capacitors = circuit::Series::named("E12");
+  synthesis::Series resistors = synthesis::Series::named("E96");
+  synthesis::Series capacitors = synthesis::Series::named("E12");
   bool rates = true;                     ///< false: rate gains left out, as the constant polynomial
   std::vector<Hertz> tracked;            ///< where the gain curve's corners are put when they fit
   double rate_tolerance_percent = 0.03;  ///< of the curve against the table, percent of range

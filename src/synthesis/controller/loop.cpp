@@ -170,7 +170,7 @@ std::vector<std::complex<double>> opamp_ratio(const AnalogController& controller
   // The generator reads its own drive (or the reference).
   deck += controller.form == Form::self_fed ? "Vx x v 0\n" : "Vx x r 0\n";
   std::vector<std::complex<double>> out =
-      spice::run_ac_of_circuit(deck, "xc.x" + opamp + ".y", grid, "controller.sub");
+      ngspice::run_ac_of_circuit(deck, "xc.x" + opamp + ".y", grid, "controller.sub");
   for (std::complex<double>& y : out) y = -y / (1.0 + y);
   return out;
 }
@@ -180,7 +180,7 @@ std::vector<std::complex<double>> generator_loop(const AnalogController& control
   std::string deck = open_deck(controller, open_library(controller, point), point,
                                bias_of(controller, point).reference_v, level(point.branch));
   deck += fmt::format("Vx x 0 {} ac 1\n", plain_number(point.v));
-  std::vector<std::complex<double>> out = spice::run_ac_of_circuit(deck, "v", grid, "controller.sub");
+  std::vector<std::complex<double>> out = ngspice::run_ac_of_circuit(deck, "v", grid, "controller.sub");
   for (std::complex<double>& t : out) t = -t;
   return out;
 }
@@ -206,7 +206,7 @@ SwitchStep change_of_branch(const AnalogController& controller, const LoopPoint&
       fmt::format("pwl(0 0 {} 0 {} 1 {} 1 {} 0)", plain_number(kChangeS), plain_number(kChangeS + kEdgeS),
                   plain_number(back_s), plain_number(back_s + kEdgeS)));
   deck += controller.form == Form::self_fed ? "Vx x v 0\n" : "Vx x r 0\n";
-  const spice::Transient run = spice::run_transient(deck, {"v"}, kStepS, stop_s, "controller.sub");
+  const ngspice::Transient run = ngspice::run_transient(deck, {"v"}, kStepS, stop_s, "controller.sub");
   SwitchStep out{.v = r, .step_percent = 100.0 * std::abs(rest_v[0] - rest_v[1])};
   const double low = std::min(rest_v[0], rest_v[1]), high = std::max(rest_v[0], rest_v[1]);
   const auto last_before = [&](double t) {

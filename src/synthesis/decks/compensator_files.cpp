@@ -18,21 +18,20 @@
 #include "synthesis/decks/dialect.hpp"
 #include "synthesis/realisation.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::synthesis {
 namespace {
 
 /// A stage by itself, between `in` and `out`.
-schematic::Subcircuit stage_subcircuit(const circuit::Circuit& circuit, std::size_t index) {
-  const circuit::Stage& stage = circuit.stages[index];
+schematic::Subcircuit stage_subcircuit(const Circuit& circuit, std::size_t index) {
+  const Stage& stage = circuit.stages[index];
   schematic::Subcircuit out;
   out.name = fmt::format("compensator_stage{}", index + 1);
   out.pins = {"in", "out"};
   out.comments = {fmt::format("stage {}: {}", index + 1, stage.realisation),
-                  "wanted   " + circuit::transfer_text(stage.wanted),
-                  "realised " + circuit::transfer_text(stage.realised)};
+                  "wanted   " + transfer_text(stage.wanted), "realised " + transfer_text(stage.realised)};
   out.netlist = schematic::subset(circuit, [&](std::size_t group) { return group == index; });
   out.netlist.groups = {{"", schematic::Purpose::stage}};
-  const auto local = [&](std::string& node) { node = circuit::StageNodes::local_name(stage, index, node); };
+  const auto local = [&](std::string& node) { node = StageNodes::local_name(stage, index, node); };
   for (schematic::Part& one : out.netlist.parts) {
     local(one.from);
     local(one.to);
@@ -46,8 +45,8 @@ schematic::Subcircuit stage_subcircuit(const circuit::Circuit& circuit, std::siz
 }
 
 /// What is written above it on the sheet.
-std::string sheet_text(const circuit::Stage& stage) {
-  if (stage.wanted.size() == 1) return stage.realisation + "\n" + circuit::transfer_text(stage.wanted);
+std::string sheet_text(const Stage& stage) {
+  if (stage.wanted.size() == 1) return stage.realisation + "\n" + transfer_text(stage.wanted);
   return fmt::format("{}\n{} poles, {} to {} rad/s", stage.realisation, stage.wanted.size(),
                      rounded_text(std::abs(stage.wanted.front().section().poles[0])),
                      rounded_text(std::abs(stage.wanted.back().section().poles[0])));
@@ -55,7 +54,7 @@ std::string sheet_text(const circuit::Stage& stage) {
 
 }  // namespace
 
-schematic::SpiceLibrary compensator_library(const circuit::Circuit& circuit, const std::string& title) {
+schematic::SpiceLibrary compensator_library(const Circuit& circuit, const std::string& title) {
   schematic::SpiceLibrary out;
   out.title = title;
   out.written_by = std::string("bodesmith ") + kVersion;
@@ -76,17 +75,17 @@ schematic::SpiceLibrary compensator_library(const circuit::Circuit& circuit, con
   return out;
 }
 
-void add_compensator_files(const circuit::Realised& realised, const std::string& title, OutputSet& out,
+void add_compensator_files(const Realised& realised, const std::string& title, OutputSet& out,
                            const MonteCarloOptions& monte_carlo) {
-  const circuit::Circuit& circuit = realised.circuit;
+  const Circuit& circuit = realised.circuit;
   const DeckRequest request{circuit, title, realised.report.band, monte_carlo};
   out.add("compensator.sub", schematic::spice_text(compensator_library(circuit, title)));
   for (const Dialect* dialect : dialect_registry().all()) {
     for (const Deck& deck : dialect->decks(request)) out.add(deck.file, deck.text);
   }
-  out.add("parts.csv", circuit::parts_csv(circuit));
+  out.add("parts.csv", parts_csv(circuit));
   std::vector<kicad::ChainStage> chain;
-  for (const circuit::Stage& stage : circuit.stages)
+  for (const Stage& stage : circuit.stages)
     chain.push_back({stage.in, stage.out, fmt::format("stage {}: {}", chain.size() + 1, sheet_text(stage))});
   kicad::add_chain_project(circuit, chain,
                            {.stem = "compensator",
@@ -99,12 +98,12 @@ void add_compensator_files(const circuit::Realised& realised, const std::string&
 
 namespace {
 
-double check_transient(const circuit::Circuit& circuit, const std::string& library, double frequency_hz) {
+double check_transient(const Circuit& circuit, const std::string& library, double frequency_hz) {
   const double period = 1.0 / frequency_hz;
   const std::string points = triangle_points(frequency_hz);
-  const Transient got =
-      run_transient("triangle\n" + library + "Vin in 0 PWL(" + points + ")\nXc in out compensator\n", {"out"},
-                    period / 1000.0, 2.0 * period, "compensator.sub");
+  const ngspice::Transient got =
+      ngspice::run_transient("triangle\n" + library + "Vin in 0 PWL(" + points + ")\nXc in out compensator\n",
+                             {"out"}, period / 1000.0, 2.0 * period, "compensator.sub");
   const auto triangle = [&](double t) {
     const double phase = t / period - std::floor(t / period);
     return phase < 0.5 ? 2.0 * phase : 2.0 - 2.0 * phase;
@@ -125,8 +124,8 @@ double check_transient(const circuit::Circuit& circuit, const std::string& libra
   return peak > 0.0 ? 100.0 * worst / peak : 0.0;
 }
 
-double check_noise(const circuit::Circuit& circuit, const std::string& library, Band band) {
-  const NoiseSpectrum got = run_noise_of_text(library, band, 5, "compensator.sub");
+double check_noise(const Circuit& circuit, const std::string& library, Band band) {
+  const ngspice::NoiseSpectrum got = ngspice::run_noise_of_text(library, band, 5, "compensator.sub");
   const std::vector<double> own = schematic::output_noise(circuit, got.grid);
   double worst = 0.0;
   for (size_t i = 0; i < own.size(); ++i)
@@ -136,12 +135,12 @@ double check_noise(const circuit::Circuit& circuit, const std::string& library, 
 
 }  // namespace
 
-CompensatorCheck check_compensator(const circuit::Circuit& circuit, const Sections& wanted, int points) {
+CompensatorCheck check_compensator(const Circuit& circuit, const Sections& wanted, int points) {
   CompensatorCheck out;
-  out.band = circuit::searched_band(circuit::without_far_zeros(wanted));
+  out.band = searched_band(without_far_zeros(wanted));
   const std::vector<Hertz> grid = log_grid(out.band, points);
   const std::string library = schematic::spice_text(compensator_library(circuit, "check"));
-  const auto got = run_ac_of_text(library, "compensator.sub", grid);
+  const auto got = ngspice::run_ac_of_text(library, "compensator.sub", grid);
   const auto network = circuit.opamp.is_ideal
                            ? schematic::network_response(circuit, grid, {.ideal_opamps = true})
                            : schematic::network_response(circuit, grid);
@@ -156,12 +155,12 @@ CompensatorCheck check_compensator(const circuit::Circuit& circuit, const Sectio
 }
 
 Json to_json(const CompensatorCheck& check) {
-  return {{"version", ngspice_version()},
+  return {{"version", ngspice::version()},
           {"band_hz", {check.band.from.value, check.band.to.value}},
-          {"against_program", circuit::to_json(check.against_network)},
-          {"against_sections", circuit::to_json(check.against_sections)},
+          {"against_program", to_json(check.against_network)},
+          {"against_sections", to_json(check.against_sections)},
           {"transient_percent", check.transient_percent},
           {"noise_percent", check.noise_percent}};
 }
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::synthesis

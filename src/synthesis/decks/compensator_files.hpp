@@ -9,14 +9,14 @@
 #include "synthesis/decks/dialect.hpp"
 #include "synthesis/realise.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::synthesis {
 
 /// `.subckt compensator in out`, one subcircuit a stage.
-schematic::SpiceLibrary compensator_library(const circuit::Circuit& circuit, const std::string& title);
+schematic::SpiceLibrary compensator_library(const Circuit& circuit, const std::string& title);
 
 /// Every file of `spice -o DIR` but circuit.json: compensator.sub, parts.csv, the decks of every dialect in
 /// dialect_registry(), and the KiCad project compensator.kicad_pro.
-void add_compensator_files(const circuit::Realised& realised, const std::string& title, OutputSet& out,
+void add_compensator_files(const Realised& realised, const std::string& title, OutputSet& out,
                            const MonteCarloOptions& monte_carlo = {});
 
 /// ngspice against the program's own figures for one circuit.
@@ -31,9 +31,9 @@ struct CompensatorCheck {
 
 /// Runs compensator_library() through ngspice: small-signal from 1/10 of the lowest to 10 times the highest
 /// corner, two periods of a triangle at the middle of the corners, noise over the same band.
-CompensatorCheck check_compensator(const circuit::Circuit& circuit, const Sections& wanted, int points = 60);
+CompensatorCheck check_compensator(const Circuit& circuit, const Sections& wanted, int points = 60);
 
 /// "ngspice" of circuit.json.
 Json to_json(const CompensatorCheck& check);
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::synthesis

@@ -9,7 +9,7 @@
 #include "base/text_template.hpp"
 #include "schematic/plain_number.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::synthesis {
 namespace {
 
 /// A first line that begins so is more to ngspice than a title.
@@ -55,4 +55,4 @@ std::string triangle_points(double frequency_hz) {
 // One line a dialect: the function that its own file in dialects/ defines.
 BODESMITH_REGISTRY(Dialect, dialect_registry, "SPICE dialect", ngspice_dialect, ltspice_dialect, xyce_dialect)
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::synthesis

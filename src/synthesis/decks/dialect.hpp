@@ -9,7 +9,7 @@
 #include "lti/frequency_grid.hpp"
 #include "synthesis/circuit.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::synthesis {
 
 /// What the Monte Carlo decks run.
 struct MonteCarloOptions {
@@ -20,7 +20,7 @@ struct MonteCarloOptions {
 
 /// What decks are asked for.
 struct DeckRequest {
-  const circuit::Circuit& circuit;
+  const Circuit& circuit;
   std::string title;
   Band band;  ///< of the small-signal and noise decks; the transient's triangle is at its middle
   MonteCarloOptions monte_carlo;
@@ -61,4 +61,4 @@ Deck deck_from_template(const std::string& file, const DeckRequest& request,
 /// Two periods of a triangle of 0 to 1 V as the points of a PWL source.
 std::string triangle_points(double frequency_hz);
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::synthesis

@@ -8,7 +8,7 @@
 #include "synthesis/generator/budget.hpp"
 #include "synthesis/generator/build.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 namespace {
 
 /// g(alpha) = base + sum change_k max(0, alpha - at_k)
@@ -33,7 +33,7 @@ Bends bends_of(const std::vector<double>& alpha, const std::vector<double>& gain
 /// A bend takes a resistor of at most so many times the rectifier's own.
 constexpr double kLeastAlpha = 0.01;
 
-class Amplitude : private circuit::NetlistMaker {
+class Amplitude : private synthesis::NetlistMaker {
  public:
   Amplitude(Layout& layout, const Input& input, const Options& options)
       : NetlistMaker(layout, options.resistors, capacitors()),
@@ -184,4 +184,4 @@ void add_amplitude(Layout& layout, const Input& input, const Options& options) {
   Amplitude(layout, input, options).add();
 }
 
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

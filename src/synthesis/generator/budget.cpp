@@ -9,7 +9,7 @@
 #include "base/text.hpp"
 #include "synthesis/generator/build.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 namespace {
 
 using schematic::Deviations;
@@ -259,4 +259,4 @@ void add_nodes(Layout& layout) {
   add("out", "d(x), 1 V per unit", low_out, high_out);
 }
 
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

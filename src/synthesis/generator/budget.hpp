@@ -6,7 +6,7 @@
 #include "schematic/analysis/rest_point.hpp"
 #include "synthesis/generator/layout.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 
 /// What multipliers and op-amps do wrong at rest. The figures are parameters, to be set for the parts that
 /// are bought:
@@ -67,4 +67,4 @@ class GeneratorAtRest {
   schematic::RestOrder order_;
 };
 
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

@@ -10,7 +10,7 @@
 #include "schematic/plain_number.hpp"
 #include "synthesis/parts/summing_amplifier.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 namespace {
 
 using schematic::plain_number;
@@ -25,7 +25,7 @@ std::string power_over_scale(int power) {
   return power_text(power) + (power == 1 ? "" : (power == 2 ? "/U" : fmt::format("/U^{}", power - 1)));
 }
 
-class Builder : private circuit::NetlistMaker {
+class Builder : private synthesis::NetlistMaker {
  public:
   Builder(const Input& input, const Options& options, int size)
       : NetlistMaker(out_, options.resistors, capacitors()), input_(input), options_(options), size_(size) {
@@ -228,7 +228,8 @@ class Builder : private circuit::NetlistMaker {
       weights.push_back({power_node(static_cast<int>(k) + 1), fmt::format("R{}{}", letter, power),
                          fmt::format("weight of {}, {}", power_text(power), b.name)});
     }
-    const circuit::SummingDesign design = circuit::search_summing_resistors(gains, scale, options_.resistors);
+    const synthesis::SummingDesign design =
+        synthesis::search_summing_resistors(gains, scale, options_.resistors);
     for (size_t k = 0; k < a.size(); ++k) {
       if (gains[k] != 0.0)
         b.realised[static_cast<size_t>(j * size_) + k] = -design.gains[k] * scale[k] / volts;
@@ -331,8 +332,8 @@ void check_outputs(const Layout& layout) {
   }
 }
 
-const circuit::Series& capacitors() {
-  static const circuit::Series series = circuit::Series::named("E12");
+const synthesis::Series& capacitors() {
+  static const synthesis::Series series = synthesis::Series::named("E12");
   return series;
 }
 
@@ -352,4 +353,4 @@ Layout build(const Input& input, const Options& options, int group) {
   return out;
 }
 
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

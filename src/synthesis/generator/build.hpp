@@ -6,7 +6,7 @@
 #include "synthesis/parts/netlist_maker.hpp"
 
 /// The steps of make_layout(), for its own files only.
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 
 constexpr int kMostPowers = 7;
 constexpr std::size_t kMostBranches = 64;
@@ -26,7 +26,7 @@ void check_outputs(const Layout& layout);
 /// The groups in the order of the netlist.
 void arrange(Layout& layout);
 /// Of what is not in the signal path.
-const circuit::Series& capacitors();
+const synthesis::Series& capacitors();
 
 /// Powers, sums, chains, output amplifier and slope detector for this group size.
 Layout build(const Input& input, const Options& options, int group);
@@ -36,4 +36,4 @@ void add_nodes(Layout& layout);
 /// Every group size from 1 to the degree; marks the one to build.
 std::vector<Candidate> compare_schemes(const Input& input, const Options& options);
 
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

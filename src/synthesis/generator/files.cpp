@@ -7,7 +7,7 @@
 #include "base/version.hpp"
 #include "schematic/writers/spice_library.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 namespace {
 
 Json multiplier_json(const Multiplier& m) {
@@ -257,4 +257,4 @@ std::string disturbance_library(const Layout& layout, const std::string& title,
   return schematic::spice_text(out, {.off = options.errors ? &off : nullptr});
 }
 
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

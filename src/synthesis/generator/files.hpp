@@ -8,7 +8,7 @@
 #include "synthesis/generator/layout.hpp"
 #include "synthesis/generator/timing.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 
 /// layout.json without its header.
 Json to_json(const Layout& layout);
@@ -34,4 +34,4 @@ std::string disturbance_library(const Layout& layout, const std::string& title,
 /// `x branch out`, or with select lines and amplitude.
 std::string disturbance_pins(const Layout& layout, bool amplitude);
 
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

@@ -8,7 +8,7 @@
 #include "base/text.hpp"
 #include "signal/csv.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 
 double polynomial(const std::vector<double>& a, double x) {
   double out = 0.0;
@@ -115,4 +115,4 @@ std::vector<std::string> Layout::ports() const {
   return out;
 }
 
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

@@ -8,7 +8,7 @@
 #include "signal/disturbance.hpp"
 #include "synthesis/parts/series.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 
 using schematic::Multiplier;
 using schematic::MultiplierDeviation;
@@ -34,7 +34,7 @@ struct Scheme {
 struct Options {
   MultiplierModel multiplier;
   schematic::OpAmpModel opamp;
-  circuit::Series resistors = circuit::Series::named("E96");
+  synthesis::Series resistors = synthesis::Series::named("E96");
   std::optional<SwitchModel> analog_switch;  ///< none: SwitchModel::for_branches
   double full_scale_v = 1.0;                 ///< greatest |voltage| at every node but the output
   /// Lowest and highest reference frequency that the slope detector must follow (triangle of 0 to 1 V).
@@ -186,4 +186,4 @@ double peak(const std::vector<double>& a);
 /// Number of coefficients without trailing zeros.
 int degree(const std::vector<double>& a);
 
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

@@ -12,7 +12,7 @@
 #include "synthesis/generator/budget.hpp"
 #include "synthesis/generator/build.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 namespace {
 
 void check(const Input& input, const Options& options) {
@@ -169,7 +169,7 @@ std::vector<Candidate> compare_schemes(const Input& input, const Options& option
   int most = 1;
   for (const Polynomial& one : input.branches) most = std::max(most, degree(one.coefficients));
   Options exact = options;
-  exact.resistors = circuit::Series::named("exact");
+  exact.resistors = synthesis::Series::named("exact");
   std::vector<Candidate> out;
   for (int group = most; group >= 1; --group) {
     try {
@@ -204,4 +204,4 @@ std::vector<Candidate> compare_schemes(const Input& input, const Options& option
   return out;
 }
 
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

@@ -13,14 +13,14 @@
 #include "synthesis/generator/layout.hpp"
 #include "synthesis/generator/timing.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 namespace {
 
-using spice::DcSweep;
-using spice::run_dc;
-using spice::run_transient;
-using spice::Transient;
-using spice::triangle_points;
+using ngspice::DcSweep;
+using ngspice::run_dc;
+using ngspice::run_transient;
+using ngspice::Transient;
+using synthesis::triangle_points;
 
 /// Sources for the select lines.
 std::string select_sources(const Layout& layout, int select) {
@@ -189,7 +189,7 @@ DisturbanceCheck check_disturbance(const Layout& layout, const std::vector<Hertz
 }
 
 Json to_json(const DisturbanceCheck& check) {
-  Json out = {{"version", spice::ngspice_version()},
+  Json out = {{"version", ngspice::version()},
               {"static_percent", check.static_percent},
               {"static_against_program_percent", check.static_against_program},
               {"multipliers_at_limit",
@@ -221,4 +221,4 @@ Json to_json(const DisturbanceCheck& check) {
   return out;
 }
 
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

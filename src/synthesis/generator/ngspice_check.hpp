@@ -7,7 +7,7 @@
 #include "synthesis/generator/budget.hpp"
 #include "synthesis/generator/layout.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 
 /// disturbance.sub (and disturbance_amplitude.sub) in ngspice against the polynomials and against what the
 /// program predicts.
@@ -55,4 +55,4 @@ DisturbanceCheck check_disturbance(const Layout& layout, const std::vector<Hertz
 /// "ngspice" of layout.json.
 Json to_json(const DisturbanceCheck& check);
 
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

@@ -9,7 +9,7 @@
 #include "synthesis/generator/budget.hpp"
 #include "synthesis/generator/build.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 namespace {
 
 double hold_farad(const Layout& layout) {
@@ -194,4 +194,4 @@ Timing make_timing(const Layout& layout, const std::vector<Hertz>& frequencies, 
   return out;
 }
 
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

@@ -9,7 +9,7 @@
 #include "synthesis/generator/budget.hpp"
 #include "synthesis/generator/layout.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 
 /// The slope detector as it is built.
 struct SlopeDetectorFigures {
@@ -101,4 +101,4 @@ class SlopeDetector {
   std::string input_;
 };
 
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

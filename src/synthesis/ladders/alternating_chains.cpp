@@ -3,7 +3,7 @@
 #include <algorithm>
 #include <utility>
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 struct Corner {
@@ -69,4 +69,4 @@ std::vector<AlternatingChain> alternating_chains(const std::vector<double>& pole
   return out;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

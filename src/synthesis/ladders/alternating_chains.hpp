@@ -2,7 +2,7 @@
 
 #include <vector>
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// Poles and zeros that alternate, made by one inverting op-amp with one RC ladder and one resistor.
 struct AlternatingChain {
@@ -16,4 +16,4 @@ struct AlternatingChain {
 std::vector<AlternatingChain> alternating_chains(const std::vector<double>& poles,
                                                  const std::vector<double>& zeros);
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -4,7 +4,7 @@
 #include "synthesis/ladders/ladder_realisation.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// Z = R1 + 1/(s C1 + 1/(R2 + 1/(s C2 + …))): series R, shunt C. Values: R1, C1, R2, C2, …, R(n+1).
@@ -65,4 +65,4 @@ const Realisation& cauer1_realisation() {
   return realisation;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

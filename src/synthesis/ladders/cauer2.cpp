@@ -4,7 +4,7 @@
 #include "synthesis/ladders/ladder_realisation.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// 1/Z = 1/R1 + 1/(1/(s C1) + 1/(1/R2 + …)): shunt R, series C. Values: R1, C1, R2, C2, …, R(n+1).
@@ -74,4 +74,4 @@ const Realisation& cauer2_realisation() {
   return realisation;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -4,7 +4,7 @@
 #include "synthesis/ladders/ladder_realisation.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// Z = R0 + sum R_k/(1 + s R_k C_k): a series chain of R||C. Values: R0, R1, C1, R2, C2, ….
@@ -61,4 +61,4 @@ const Realisation& foster1_realisation() {
   return realisation;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -4,7 +4,7 @@
 #include "synthesis/ladders/ladder_realisation.hpp"
 #include "synthesis/ladders/rc_ladder.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// Y = 1/R0 + sum s C_k/(1 + s R_k C_k): branches of R + C in parallel. Values: R0, R1, C1, R2, C2, ….
@@ -69,4 +69,4 @@ const Realisation& foster2_realisation() {
   return realisation;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -16,7 +16,7 @@
 #include "synthesis/realisation.hpp"
 #include "synthesis/realise.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// Values of one chain's parts: its resistor first, then the ladder's.
@@ -402,4 +402,4 @@ Outcome<Realised> LadderRealisation::design(const Sections& sections, const Real
   return out;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -3,7 +3,7 @@
 #include "synthesis/ladders/rc_ladder.hpp"
 #include "synthesis/realisation.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// Sections as RC ladders around inverting op-amps, as fractional elements are built: for poles and zeros
 /// that alternate, starting with a pole, H or, starting with a zero, 1/H is an RC impedance Z
@@ -27,4 +27,4 @@ class LadderRealisation final : public Realisation {
   const RcLadder& ladder_;
 };
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <utility>
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 std::complex<double> RcImpedance::operator()(std::complex<double> s) const {
   std::complex<double> out = high;
@@ -67,4 +67,4 @@ std::vector<double> natural_frequencies(const Matrix& a, const Matrix& b) {
 }
 
 }  // namespace ladder_synthesis
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

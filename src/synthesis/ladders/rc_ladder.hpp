@@ -7,7 +7,7 @@
 #include <string_view>
 #include <vector>
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// Z(s) = high prod (s + z_k)/(s + p_k), p_1 < z_1 < p_2 < … (rad/s): resistive at both ends, an RC
 /// impedance.
@@ -49,10 +49,10 @@ const RcLadder& cauer1();
 /// Ladder of shunt R, series C (continued fraction about zero).
 const RcLadder& cauer2();
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis
 
 /// What the four ladder forms are made with; for their files only.
-namespace bodesmith::circuit::ladder_synthesis {
+namespace bodesmith::synthesis::ladder_synthesis {
 
 using Real = long double;
 using Polynomial = std::vector<Real>;  // rising powers
@@ -87,4 +87,4 @@ class Drawing {
 /// x of A v = x B v, rising; B positive definite.
 std::vector<double> natural_frequencies(const Matrix& a, const Matrix& b);
 
-}  // namespace bodesmith::circuit::ladder_synthesis
+}  // namespace bodesmith::synthesis::ladder_synthesis

@@ -7,7 +7,7 @@
 
 #include "synthesis/parts/stage_errors.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// Max. |error| with the best constant gain taken out: what no other stage can make good.
@@ -248,4 +248,4 @@ std::vector<StageCandidate> stage_candidates(const StageForm& form, const Realis
   return StageSearch(form, options, grid, stages).all();
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -8,7 +8,7 @@
 #include "synthesis/realisation.hpp"
 #include "synthesis/realise.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// Values for one stage's parts.
 struct StageCandidate {
@@ -26,4 +26,4 @@ double worst_square(const std::vector<std::complex<double>>& error);
 std::vector<StageCandidate> stage_candidates(const StageForm& form, const RealiseOptions& options,
                                              const SearchGrid& grid, std::size_t stages);
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

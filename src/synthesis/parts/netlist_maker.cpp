@@ -4,7 +4,7 @@
 
 #include "synthesis/parts/summing_amplifier.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 using schematic::Part;
 
@@ -148,4 +148,4 @@ int NetlistMaker::signed_sum(const std::vector<std::string>& from, const std::ve
   return static_cast<int>(to_.opamps.size()) - 1;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -7,7 +7,7 @@
 #include "schematic/netlist.hpp"
 #include "synthesis/parts/summing_amplifier.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// Adds elements to a netlist; each call gives the place of what it added in its list.
 class NetlistMaker {
@@ -68,4 +68,4 @@ class NetlistMaker {
   const Series& capacitors_;
 };
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

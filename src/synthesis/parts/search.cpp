@@ -16,7 +16,7 @@
 #include "synthesis/realisation.hpp"
 #include "synthesis/realise.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 constexpr int kPolishNeighbours = 7;
@@ -349,4 +349,4 @@ Outcome<PartsFound> search_parts(const std::vector<std::unique_ptr<StageForm>>& 
   return out;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -8,7 +8,7 @@
 #include "synthesis/realisation.hpp"
 #include "synthesis/realise.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// Values of every stage's parts, searched jointly.
 struct PartsFound {
@@ -24,4 +24,4 @@ Outcome<PartsFound> search_parts(const std::vector<std::unique_ptr<StageForm>>& 
                                  const std::vector<std::string>& titles, const RealiseOptions& options,
                                  const SearchGrid& grid);
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

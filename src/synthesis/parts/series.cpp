@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "base/whole_number.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 // IEC 60063: E3 to E24 are a table (they do not follow the rounded geometric series), the finer ones a
@@ -130,4 +130,4 @@ std::vector<double> Series::nearest(double value, int count) const {
   return all;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

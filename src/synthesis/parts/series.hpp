@@ -4,7 +4,7 @@
 #include <string_view>
 #include <vector>
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// The preferred values of IEC 60063: E3, E6, E12, E24 (table values) and E48, E96, E192 (round(10^(i/N), 2
 /// decimals), with the table's one exception, 9.20 in E192), or `exact`: every value. A list of values in
@@ -34,4 +34,4 @@ class Series {
   std::vector<double> stock_;
 };
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

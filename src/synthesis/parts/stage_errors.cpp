@@ -8,7 +8,7 @@
 #include "numeric/four.hpp"
 #include "numeric/log_and_angle.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// |d ln H / d ln f|, each root's share by itself.
@@ -90,4 +90,4 @@ double StageErrors::worst_square(const std::vector<double>& values, double enoug
   return out;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -8,7 +8,7 @@
 #include "lti/sections.hpp"
 #include "synthesis/realisation.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// Where a chain's errors are looked at while its parts are searched, and what each counts: 1, or on a flank, where the
 /// chain changes faster than kFlankRate, as much less (lti/judge_responses.hpp, to first order). Points below kJudgedFloor of
@@ -38,4 +38,4 @@ class StageErrors {
   std::vector<std::complex<double>> wanted_;
 };
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -6,7 +6,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// One table of the TOML form.
@@ -119,4 +119,4 @@ void StockList::apply_to(RealiseOptions& options) const {
   options.limits.max_f = max_f.value_or(options.limits.max_f);
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

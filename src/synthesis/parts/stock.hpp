@@ -7,7 +7,7 @@
 #include "base/provenance.hpp"
 #include "synthesis/realise.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// The parts that are at hand, and within which limits they may be used. What a list does not say stays as
 /// it was.
@@ -39,4 +39,4 @@ struct StockList {
   void apply_to(RealiseOptions& options) const;
 };
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

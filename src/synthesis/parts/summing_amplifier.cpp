@@ -9,7 +9,7 @@
 #include "base/error.hpp"
 #include "base/text.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 constexpr double kOffsetV = 2e-3;
@@ -270,4 +270,4 @@ SumDesign search_sum(const std::vector<double>& gains, const std::vector<std::ve
   return out;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

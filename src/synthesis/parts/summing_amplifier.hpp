@@ -5,7 +5,7 @@
 
 #include "synthesis/parts/series.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// Of the weights of sums.
 inline constexpr double kLeastOhm = 1e3, kGreatestOhm = 10e6;
@@ -50,4 +50,4 @@ struct SumDesign {
 SumDesign search_sum(const std::vector<double>& gains, const std::vector<std::vector<double>>& rows,
                      const Series& series, double least_v, const std::string& what);
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -4,7 +4,7 @@
 #include "lti/sections.hpp"
 #include "synthesis/realisation.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 const Realisation& first_order_trimmed();
 
 namespace {
@@ -120,4 +120,4 @@ class FirstOrderRealisation final : public StageRealisation {
 
 BODESMITH_ENTRY(Realisation, first_order, FirstOrderRealisation)
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

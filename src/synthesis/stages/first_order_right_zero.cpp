@@ -1,7 +1,7 @@
 #include "lti/sections.hpp"
 #include "synthesis/realisation.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// A zero in the right half plane: the resistive path is inverted before the summing node, the capacitive one
@@ -64,4 +64,4 @@ class FirstOrderRightZeroRealisation final : public StageRealisation {
 
 BODESMITH_ENTRY(Realisation, first_order_right_zero, FirstOrderRightZeroRealisation)
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

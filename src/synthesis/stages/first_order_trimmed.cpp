@@ -3,7 +3,7 @@
 #include "lti/sections.hpp"
 #include "synthesis/realisation.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// The first-order form with a second capacitor C3 beside C1, for designs of one or two stages: H(inf) = -(C1
@@ -67,4 +67,4 @@ class FirstOrderTrimmedRealisation final : public StageRealisation {
 
 BODESMITH_ENTRY(Realisation, first_order_trimmed, FirstOrderTrimmedRealisation)
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

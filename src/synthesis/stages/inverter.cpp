@@ -2,7 +2,7 @@
 
 #include "synthesis/realisation.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// H = -R2/R1.
@@ -53,4 +53,4 @@ const StageRealisation& inverter() {
   return *inverter_realisation().stage_realisation();
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

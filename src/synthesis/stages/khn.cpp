@@ -4,7 +4,7 @@
 
 #include "synthesis/realisation.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// Kerwin-Huelsman-Newcomb state-variable filter (IEEE J. Solid-State Circuits SC-2, 1967) with a summing
@@ -121,4 +121,4 @@ class KhnRealisation final : public StageRealisation {
 
 BODESMITH_ENTRY(Realisation, khn, KhnRealisation)
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

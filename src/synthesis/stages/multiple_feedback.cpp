@@ -3,7 +3,7 @@
 
 #include "synthesis/realisation.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// Multiple feedback (Rauch), low-pass:
@@ -136,4 +136,4 @@ class MultipleFeedbackRealisation final : public StageRealisation {
 
 BODESMITH_ENTRY(Realisation, multiple_feedback, MultipleFeedbackRealisation)
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

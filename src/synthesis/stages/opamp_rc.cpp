@@ -11,7 +11,7 @@
 #include "synthesis/realisation.hpp"
 #include "synthesis/stages/pairing.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 constexpr int kStageSearchGrid = 33;
@@ -327,4 +327,4 @@ Outcome<const StageRealisation*> best_form(const Section& section) {
   return best;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

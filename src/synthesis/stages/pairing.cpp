@@ -5,7 +5,7 @@
 #include <limits>
 #include <numeric>
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 constexpr int kGrid = 41;
@@ -217,4 +217,4 @@ Split split_into_two_pole_stages(const Sections& sections) {
   return out;
 }
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

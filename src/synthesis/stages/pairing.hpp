@@ -5,7 +5,7 @@
 #include "lti/frequency_grid.hpp"
 #include "lti/sections.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 
 /// Sections for a cascade of stages: the real poles and zeros of all sections whose roots are real are
 /// pooled, sorted and paired so that the greatest |ln(zero/pole)| of a pair is least (the least span a stage;
@@ -32,4 +32,4 @@ struct Ordered {
 /// between stages is least: exactly, over all subsets, up to 14 stages; nearest next stage above that.
 Ordered order_stages(const std::vector<Section>& stages, double gain, Band band);
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -3,7 +3,7 @@
 
 #include "synthesis/realisation.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// Sallen and Key (IRE Trans. Circuit Theory CT-2, 1955), low-pass with gain K = 1 + Rb/Ra:
@@ -170,4 +170,4 @@ class SallenKeyRealisation final : public StageRealisation {
 
 BODESMITH_ENTRY(Realisation, sallen_key, SallenKeyRealisation)
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

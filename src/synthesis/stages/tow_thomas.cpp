@@ -2,7 +2,7 @@
 
 #include "synthesis/realisation.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 const Realisation& khn();
 
 namespace {
@@ -126,4 +126,4 @@ class TowThomasRealisation final : public StageRealisation {
 
 BODESMITH_ENTRY(Realisation, tow_thomas, TowThomasRealisation)
 
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 namespace {
 
 using controller::AnalogController;
@@ -289,4 +289,4 @@ double Board::mean_slope_v(const Input& input) const {
   return sum / static_cast<double>(input.r.size());
 }
 
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

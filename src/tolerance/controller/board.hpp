@@ -6,7 +6,7 @@
 #include "tolerance/controller/errors.hpp"
 #include "tracking/reference.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 
 /// One repeat of a reference at an operating frequency, evenly sampled.
 struct Input {
@@ -67,4 +67,4 @@ class Board {
   controller::SlopeMeterGains meter_;
 };
 
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

@@ -2,12 +2,11 @@
 
 #include "base/text.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 namespace {
 
 using controller::AnalogController;
 using schematic::MultiplierDeviation;
-using Law = tolerance::Departure::Law;
 
 /// Normal numbers are cut here, in standard deviations; the cut leaves 98.66 % of the deviation.
 constexpr double kCut = 3.0;
@@ -49,12 +48,14 @@ class Collector {
   void normal(std::string name, std::string group, double deviation,
               std::function<void(Copy&, double)> apply) {
     if (deviation <= 0.0) return;
-    out_.push_back({std::move(name), std::move(group), {Law::normal, deviation, kCut}, std::move(apply)});
+    out_.push_back(
+        {std::move(name), std::move(group), {Departure::Law::normal, deviation, kCut}, std::move(apply)});
   }
   void uniform(std::string name, std::string group, double percent,
                std::function<void(Copy&, double)> apply) {
     if (percent <= 0.0) return;
-    out_.push_back({std::move(name), std::move(group), {Law::uniform, percent / 100.0}, std::move(apply)});
+    out_.push_back(
+        {std::move(name), std::move(group), {Departure::Law::uniform, percent / 100.0}, std::move(apply)});
   }
   void multiplier(std::size_t i) {
     const std::string& name = c_.multipliers[i].name;
@@ -128,8 +129,8 @@ std::vector<Cause> causes_of(const AnalogController& controller, const PartError
 
 std::vector<double> draw_values(const std::vector<Cause>& causes, std::uint64_t seed, std::uint64_t sample) {
   std::vector<double> out(causes.size());
-  tolerance::for_each_drawn(seed, sample, causes.size(),
-                            [&](std::size_t i, double u) { out[i] = causes[i].departure.drawn(u); });
+  for_each_drawn(seed, sample, causes.size(),
+                 [&](std::size_t i, double u) { out[i] = causes[i].departure.drawn(u); });
   return out;
 }
 
@@ -141,4 +142,4 @@ Copy copy_of(const AnalogController& controller, const std::vector<Cause>& cause
   return out;
 }
 
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

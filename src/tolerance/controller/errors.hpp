@@ -10,7 +10,7 @@
 #include "synthesis/controller/controller.hpp"
 #include "tolerance/departure.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 
 /// How far the parts of a built controller are off. Resistors, capacitors and references are anywhere within their
 /// tolerance (uniform); everything else is normal, the figure being the standard deviation (what data sheets call
@@ -50,7 +50,7 @@ struct Copy {
 struct Cause {
   std::string name;   ///< "M2, offset of X", "Ra1, tolerance"
   std::string group;  ///< "multiplier offsets", "resistors"
-  tolerance::Departure departure;
+  Departure departure;
   std::function<void(Copy&, double value)> apply;  ///< adds the value
 };
 
@@ -62,4 +62,4 @@ std::vector<double> draw_values(const std::vector<Cause>& causes, std::uint64_t 
 Copy copy_of(const controller::AnalogController& controller, const std::vector<Cause>& causes,
              const std::vector<double>& values);
 
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

@@ -11,7 +11,7 @@
 #include "base/text_template.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 namespace {
 
 std::string percent_text(double value) {
@@ -20,14 +20,14 @@ std::string percent_text(double value) {
 
 constexpr std::size_t kNamedParts = 12;
 
-Json spread_json(const Spread& spread) {
+Json spread_json(const ErrorSpread& spread) {
   return {{"nominal_percent", spread.nominal_percent},
           {"median_percent", spread.median_percent},
           {"p95_percent", spread.p95_percent},
           {"max_percent", spread.max_percent}};
 }
 
-Json spreads_json(const std::vector<Hertz>& frequencies, const std::vector<Spread>& at) {
+Json spreads_json(const std::vector<Hertz>& frequencies, const std::vector<ErrorSpread>& at) {
   Json out = Json::array();
   for (std::size_t i = 0; i < at.size(); ++i) {
     Json one = {{"frequency_hz", frequencies[i].value}};
@@ -48,7 +48,7 @@ Json shares_json(const std::vector<Share>& shares, std::size_t most) {
   return out;
 }
 
-Json study_json(const Report& report) {
+Json study_json(const ControllerReport& report) {
   const Study& study = report.study;
   Json assumed;
   for (const PartErrors::Named& one : PartErrors::names()) assumed[one.name] = report.errors.*one.value;
@@ -73,7 +73,7 @@ Json study_json(const Report& report) {
           {"explained_by_shares", study.explained}};
 }
 
-Json trim_json(const Report& report, const controller::AnalogController& controller) {
+Json trim_json(const ControllerReport& report, const controller::AnalogController& controller) {
   const TrimStudy& trims = report.trims;
   Json steps = Json::array();
   for (const TrimStep& step : trims.steps) {
@@ -125,23 +125,23 @@ double examined_stroke(const controller::AnalogController& controller, double as
   return controller.stroke ? 1.0 : asked;
 }
 
-Report examine(const controller::AnalogController& controller, const tracking::Stage& stage,
-               const ReportOptions& options) {
+ControllerReport examine(const controller::AnalogController& controller, const tracking::Stage& stage,
+                         const ControllerReportOptions& options) {
   const Stopwatch watch;
-  Report out;
+  ControllerReport out;
   out.errors = options.study.errors;
-  out.loop = options.ngspice && spice::ngspice_available() ? controller::checked_loop_stability(controller)
-                                                           : controller::loop_stability(controller);
+  out.loop = options.ngspice && ngspice::is_available() ? controller::checked_loop_stability(controller)
+                                                        : controller::loop_stability(controller);
   controller::require_stable(out.loop, options.allow_unstable);
   out.study = study_errors(controller, stage, options.study);
   out.trims = study_trims(controller, stage, options.study, options.trims, &out.study);
-  if (options.ngspice && options.checked_draws > 0 && spice::ngspice_available())
+  if (options.ngspice && options.checked_draws > 0 && ngspice::is_available())
     out.checked = check_draws(controller, stage, options.study, options.checked_draws);
   out.seconds = watch.seconds();
   return out;
 }
 
-std::string summary_text(const Report& report) {
+std::string summary_text(const ControllerReport& report) {
   const Study& study = report.study;
   std::string out =
       fmt::format("tracked error over {} copies, worst frequency: nominal {}, median {}, 95 % below {}\n",
@@ -178,13 +178,13 @@ std::string draws_csv(const Study& study) {
   return out;
 }
 
-Json to_json(const Report& report, const controller::AnalogController& controller) {
+Json to_json(const ControllerReport& report, const controller::AnalogController& controller) {
   Json out = {{"errors_of_parts", study_json(report)}, {"trim", trim_json(report, controller)}};
   if (!report.loop.at.empty()) out["stability"] = controller::to_json(report.loop);
   return out;
 }
 
-std::string trim_page(const Report& report, const controller::AnalogController& controller,
+std::string trim_page(const ControllerReport& report, const controller::AnalogController& controller,
                       const std::string& title) {
   const TrimStudy& trims = report.trims;
   const Hertz fastest = report.study.frequencies.back();
@@ -230,4 +230,4 @@ std::string trim_page(const Report& report, const controller::AnalogController& 
   return render_template("controller/trim.md", data);
 }
 
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

@@ -7,10 +7,10 @@
 #include "tolerance/controller/study.hpp"
 #include "tolerance/controller/trim.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 
 /// What is known of a controller's parts: how far they put it off, what trimming brings, whether its loop is stable.
-struct Report {
+struct ControllerReport {
   PartErrors errors;
   Study study;
   TrimStudy trims;
@@ -19,7 +19,7 @@ struct Report {
   double seconds = 0.0;            ///< wall, of all of it
 };
 
-struct ReportOptions {
+struct ControllerReportOptions {
   StudyOptions study;
   TrimOptions trims;
   int checked_draws = 2;        ///< run through ngspice too, when it is installed
@@ -31,17 +31,17 @@ struct ReportOptions {
 double examined_stroke(const controller::AnalogController& controller, double asked);
 
 /// DesignError as require_stable().
-Report examine(const controller::AnalogController& controller, const tracking::Stage& stage,
-               const ReportOptions& options);
+ControllerReport examine(const controller::AnalogController& controller, const tracking::Stage& stage,
+                         const ControllerReportOptions& options);
 
 /// Three keys for controller.json: `errors_of_parts`, `trim`, `stability`.
-Json to_json(const Report& report, const controller::AnalogController& controller);
+Json to_json(const ControllerReport& report, const controller::AnalogController& controller);
 /// For a person at the bench: the steps with the expected readings of this very design (trim.md).
-std::string trim_page(const Report& report, const controller::AnalogController& controller,
+std::string trim_page(const ControllerReport& report, const controller::AnalogController& controller,
                       const std::string& title);
 /// A line each: spread, parts that matter, trims, stability.
-std::string summary_text(const Report& report);
+std::string summary_text(const ControllerReport& report);
 /// `draw,frequency columns…`: the tracking error of every copy, untrimmed.
 std::string draws_csv(const Study& study);
 
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

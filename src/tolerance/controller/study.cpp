@@ -9,7 +9,7 @@
 #include "signal/statistics.hpp"
 #include "synthesis/controller/as_built.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 namespace {
 
 using controller::AnalogController;
@@ -81,7 +81,7 @@ std::vector<double> without_lag(std::vector<double> e, const std::vector<double>
   return e;
 }
 
-Spread spread_of(std::vector<double> percent, double nominal) {
+ErrorSpread spread_of(std::vector<double> percent, double nominal) {
   std::sort(percent.begin(), percent.end());
   return {nominal, quantile_of_sorted(percent, 0.5), quantile_of_sorted(percent, 0.95),
           percent.empty() ? 0.0 : percent.back()};
@@ -185,4 +185,4 @@ std::vector<DrawCheck> check_draws(const controller::AnalogController& controlle
   return out;
 }
 
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

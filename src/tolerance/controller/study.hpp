@@ -7,7 +7,7 @@
 #include "tolerance/controller/board.hpp"
 #include "tracking/stage.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 
 struct StudyOptions {
   PartErrors errors;
@@ -20,13 +20,13 @@ struct StudyOptions {
 };
 
 /// Tracking error (rms, percent of range, lag removed) of all copies at one frequency.
-struct Spread {
+struct ErrorSpread {
   double nominal_percent = 0.0;
   double median_percent = 0.0;
   double p95_percent = 0.0;
   double max_percent = 0.0;
 };
-Spread spread_of(std::vector<double> percent, double nominal);
+ErrorSpread spread_of(std::vector<double> percent, double nominal);
 
 /// What is left of e over one repeat of r without what a delay of r would make (r's slope times anything).
 std::vector<double> without_lag(std::vector<double> e, const std::vector<double>& r);
@@ -41,10 +41,10 @@ struct Share {
 
 struct Study {
   std::vector<Hertz> frequencies;
-  std::vector<Spread> at;     ///< each frequency
-  Spread worst;               ///< of each copy the frequency that is worst for it
-  std::vector<Share> parts;   ///< largest first
-  std::vector<Share> groups;  ///< largest first
+  std::vector<ErrorSpread> at;  ///< each frequency
+  ErrorSpread worst;            ///< of each copy the frequency that is worst for it
+  std::vector<Share> parts;     ///< largest first
+  std::vector<Share> groups;    ///< largest first
   /// Mean square that the shares explain over the one that was drawn: near 1 where the errors add linearly.
   double explained = 0.0;
   std::uint64_t draws = 0;
@@ -90,4 +90,4 @@ struct DrawCheck {
 std::vector<DrawCheck> check_draws(const controller::AnalogController& controller,
                                    const tracking::Stage& stage, const StudyOptions& options, int count);
 
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

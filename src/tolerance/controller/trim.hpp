@@ -7,7 +7,7 @@
 
 #include "tolerance/controller/study.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 
 /// A potentiometer that the circuit has room for.
 struct Trim {
@@ -57,8 +57,8 @@ struct TrimStep {
 struct TrimStudy {
   std::vector<TrimStep> steps;
   int rounds = 0;
-  std::vector<Spread> before_at, after_at;  ///< each frequency
-  Spread before, after;                     ///< worst frequency of each copy
+  std::vector<ErrorSpread> before_at, after_at;  ///< each frequency
+  ErrorSpread before, after;                     ///< worst frequency of each copy
   /// What is left of the mean square when a trim is added, as foreseen: none, the first, the first two, …
   std::vector<double> foreseen_share;
 };
@@ -71,4 +71,4 @@ TrimStudy study_trims(const controller::AnalogController& controller, const trac
                       const StudyOptions& options, const TrimOptions& trims,
                       const Study* untrimmed = nullptr);
 
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

@@ -6,7 +6,7 @@
 #include "numeric/random.hpp"
 #include "tolerance/controller/trim.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 namespace {
 
 /// The linear model of a controller's errors: what each cause (at one standard deviation) and each trim (at one
@@ -392,4 +392,4 @@ TrimStudy study_trims(const controller::AnalogController& controller, const trac
   return out;
 }
 
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

@@ -3,7 +3,7 @@
 #include "base/text.hpp"
 #include "tolerance/controller/trim.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 namespace {
 
 using controller::AnalogController;
@@ -119,4 +119,4 @@ double read(const Reading& reading, const Board& board, const Input& fastest) {
   return 0.0;
 }
 
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

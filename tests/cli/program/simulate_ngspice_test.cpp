@@ -39,7 +39,7 @@ std::string state(const std::string& name, const std::string& rate) {
 }
 
 /// Largest difference between a run and ngspice, at ngspice's own times.
-double largest_difference(const std::vector<double>& mine, const spice::Transient& got) {
+double largest_difference(const std::vector<double>& mine, const ngspice::Transient& got) {
   double most = 0.0;
   for (std::size_t i = 0; i < got.time_s.size(); ++i) {
     // Only times near a sample: in between the output is not a straight line.
@@ -58,7 +58,7 @@ double largest_difference(const std::vector<double>& mine, const spice::Transien
 /// Every engine against ngspice, and against the first of them; the figures stand in --gtest_output=xml.
 void expect_agreement(const Chain& chain, const std::vector<std::pair<const char*, Engine>>& engines,
                       const std::string& deck, const std::string& node, double limit) {
-  const spice::Transient got = spice::run_transient(deck, {node}, kStep / 4.0, kStop, "test.cir");
+  const ngspice::Transient got = ngspice::run_transient(deck, {node}, kStep / 4.0, kStop, "test.cir");
   EXPECT_GT(got.time_s.size(), 2000u);
   std::vector<double> first;
   for (const auto& [name, engine] : engines) {
@@ -82,7 +82,7 @@ void expect_agreement(const Chain& chain, const std::vector<std::pair<const char
 
 struct SimulateAgainstNgspice : ::testing::Test {
   void SetUp() override {
-    if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+    if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   }
 };
 

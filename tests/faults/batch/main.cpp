@@ -178,7 +178,7 @@ struct Request {
   double capacitor_percent = 1.0;
 };
 
-MeasuredBoard drawn(const circuit::CircuitFile& made, int faults, const Request& request, Random& random) {
+MeasuredBoard drawn(const synthesis::CircuitFile& made, int faults, const Request& request, Random& random) {
   BuiltBoard board = good_board(made.circuit, 1.0, request.capacitor_percent, random);
   const std::vector<Hertz> grid =
       log_grid({Hertz{made.band.from.value / 5.0}, Hertz{made.band.to.value * 5.0}}, 60);
@@ -195,7 +195,7 @@ MeasuredBoard drawn(const circuit::CircuitFile& made, int faults, const Request&
 }
 
 /// Drawing takes longer than diagnosing: a board that was drawn before is read.
-MeasuredBoard drawn_or_kept(const std::filesystem::path& kept, const circuit::CircuitFile& made, int faults,
+MeasuredBoard drawn_or_kept(const std::filesystem::path& kept, const synthesis::CircuitFile& made, int faults,
                             const Request& request, Random& random) {
   if (std::ifstream file(kept); !kept.empty() && file) {
     const Json json = Json::parse(file);
@@ -231,7 +231,7 @@ int run(int boards, std::uint64_t seed, int wanted, const std::vector<std::strin
     Random random(mixed_bits(seed + static_cast<std::uint64_t>(n)));
     const std::string& file = files[static_cast<std::size_t>(n) % files.size()];
     Provenance from;
-    const auto made = circuit::CircuitFile::from_node(read_document(file, from));
+    const auto made = synthesis::CircuitFile::from_node(read_document(file, from));
     const int faults = wanted >= 0 ? wanted : std::array{0, 1, 1, 1, 1, 1, 1, 2}[random.below(8)];
     const std::filesystem::path kept =
         request.keep.empty()

@@ -23,7 +23,7 @@ std::string place_name(const std::string& node) {
   return node == "out" ? "the output" : "node " + node;
 }
 
-std::vector<std::string> inner_nodes(const circuit::Circuit& circuit) {
+std::vector<std::string> inner_nodes(const synthesis::Circuit& circuit) {
   std::set<std::string> names;
   for (const schematic::Part& part : circuit.parts) names.insert({part.from, part.to});
   names.erase("0");
@@ -135,7 +135,7 @@ void write_opamp(const BuiltBoard& board, std::size_t i, std::string& deck) {
 
 }  // namespace
 
-BuiltBoard good_board(const circuit::Circuit& circuit, double resistor_percent, double capacitor_percent,
+BuiltBoard good_board(const synthesis::Circuit& circuit, double resistor_percent, double capacitor_percent,
                       Random& random) {
   BuiltBoard out;
   out.circuit = circuit;
@@ -175,7 +175,7 @@ std::vector<std::complex<double>> response_of(const BuiltBoard& board, const std
   }
   for (std::size_t i = 0; i < board.circuit.opamps.size(); ++i) write_opamp(board, i, deck);
   for (const std::string& line : board.more) deck += line + "\n";
-  return spice::run_ac_of_circuit(deck, node, grid, "built board");
+  return ngspice::run_ac_of_circuit(deck, node, grid, "built board");
 }
 
 Channel measured(const std::vector<std::complex<double>>& response, const std::vector<Hertz>& grid,

@@ -13,7 +13,7 @@ namespace bodesmith::faults {
 /// A board as somebody soldered it: every part with a value of its own, every op-amp with a gain-bandwidth of its own,
 /// and what was done wrong. Written as a netlist by other code than the program's and measured by ngspice.
 struct BuiltBoard {
-  circuit::Circuit circuit;  ///< `realised` is what is mounted
+  synthesis::Circuit circuit;  ///< `realised` is what is mounted
   std::vector<double> gain_bandwidth_hz;
   std::vector<char> open;  ///< of each part
   std::vector<char> shorted;
@@ -26,7 +26,7 @@ struct BuiltBoard {
 };
 
 /// Parts within their tolerance (uniform), op-amps within 25 %.
-BuiltBoard good_board(const circuit::Circuit& circuit, double resistor_percent, double capacitor_percent,
+BuiltBoard good_board(const synthesis::Circuit& circuit, double resistor_percent, double capacitor_percent,
                       Random& random);
 
 /// Adds one fault, drawn.

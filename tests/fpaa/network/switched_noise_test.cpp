@@ -5,15 +5,15 @@
 #include "fpaa/network/clocked_network.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::fpaa {
 namespace {
 
 constexpr double kThermal = 1.380649e-23 * 300.15;  ///< kT of ngspice's 27 degrees, J
 
 /// Mean square at the output of a circuit of resistors and capacitors: ngspice's density over all frequencies.
 double mean_square(const std::string& circuit) {
-  const NoiseSpectrum noise = run_noise_of_text(".subckt compensator in out\n" + circuit + ".ends\n",
-                                                {{1.0}, {1e14}}, 50, "switches");
+  const ngspice::NoiseSpectrum noise = ngspice::run_noise_of_text(
+      ".subckt compensator in out\n" + circuit + ".ends\n", {{1.0}, {1e14}}, 50, "switches");
   double out = 0.0;
   for (std::size_t k = 1; k < noise.grid.size(); ++k) {
     const double a = noise.v_per_rthz[k - 1] * noise.v_per_rthz[k - 1];
@@ -32,7 +32,7 @@ double mean_square(const std::string& circuit) {
 /// while they stand still: resistors, whose noise ngspice knows exactly. (Its transient noise needs steps far below the
 /// switches' time constants: at a fifth of them it is half a decibel low, and minutes of it leave a quarter of chance.)
 TEST(SwitchedNoise, ALowPassIsWhatNgspiceMakesOfItsPhases) {
-  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const std::string input = "Rin in 0 1e12\n";
   const double phase1 = mean_square(input +
                                     "Ra1 0 ua 1k\nCa ua wa 1p\nRa2 wa n 1k\nRb1 out ub 1k\nCb ub wb 1p\n"
@@ -69,4 +69,4 @@ TEST(SwitchedNoise, ALowPassIsWhatNgspiceMakesOfItsPhases) {
 }
 
 }  // namespace
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::fpaa

@@ -10,7 +10,7 @@
 #include "fpaa/stage_samples.hpp"
 #include "schematic/ngspice/ngspice.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::fpaa {
 namespace {
 
 using Complex = std::complex<double>;
@@ -55,7 +55,7 @@ Complex turn_of(const std::vector<double>& samples, std::size_t from, int window
 }
 
 /// Straight between the points that ngspice chose.
-double at_time(const Transient& run, double time) {
+double at_time(const ngspice::Transient& run, double time) {
   const auto next = std::upper_bound(run.time_s.begin(), run.time_s.end(), time);
   const auto i = static_cast<std::size_t>(next - run.time_s.begin());
   if (i == 0 || i >= run.time_s.size()) return run.v[0].back();
@@ -90,7 +90,8 @@ Measured run_stage(const std::string& library, const std::string& call, std::siz
     deck += staircase(fmt::format("in{}", i + 1), fmt::format("in{}", i + 1), x.back(), period, gap);
   }
   deck += call + fpaa::board_deck_options() + "\n";
-  const Transient run = run_transient(deck, {"out"}, period / length.steps, count * period, "board.sub");
+  const ngspice::Transient run =
+      ngspice::run_transient(deck, {"out"}, period / length.steps, count * period, "board.sub");
   std::vector<double> y;
   for (int n = 0; n < count; ++n) y.push_back(at_time(run, (n + read_at) * period));
   const auto from = static_cast<std::size_t>(length.settle);
@@ -163,7 +164,7 @@ Complex wanted_of(const fpaa::StageSample& sample, std::size_t input, RadPerSeco
 
 /// With one or two op-amps, so that two tests can run side by side.
 void expect_equations(std::size_t opamps) {
-  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   for (const fpaa::StageSample& sample : fpaa::stage_samples()) {
     if (sample.cam.cam->switches(sample.cam)->opamps.size() != opamps) continue;
     const NetlistParts parts = ideal_parts(sample.cam.clock_a.value);
@@ -198,7 +199,7 @@ PlacedCam sample_stage(const std::string& title, const std::string& name, double
 }
 
 /// Component of a run's output at a frequency over its last `window` seconds, straight between ngspice's points.
-Complex component_of(const Transient& run, double from_s, double window_s, double hz) {
+Complex component_of(const ngspice::Transient& run, double from_s, double window_s, double hz) {
   Complex out = 0.0;
   const double w = 2.0 * std::numbers::pi * hz;
   const auto turned = [&](double t) { return at_time(run, t) * std::polar(1.0, -w * t); };
@@ -229,7 +230,8 @@ void expect_waveform(const Plan& plan, double clock, const RunLength& length) {
   }
   deck += "Xb in1 out board\n" + fpaa::board_deck_options() + "\n";
   const double stop = (length.settle + length.window) * period;
-  const Transient run = run_transient(deck, {"out"}, period / length.steps, stop, "board.sub");
+  const ngspice::Transient run =
+      ngspice::run_transient(deck, {"out"}, period / length.steps, stop, "board.sub");
   const fpaa::SwitchedBoard board(plan);
   std::vector<Complex> ratio;
   std::vector<double> angular;
@@ -251,7 +253,7 @@ void expect_waveform(const Plan& plan, double clock, const RunLength& length) {
 }
 
 TEST(Board, AWholeCascadeAsItsSwitchesMakeIt) {
-  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   constexpr double kClock = 100e3;
   Plan plan;
   plan.board = "an231k04-quad4";
@@ -274,7 +276,7 @@ TEST(Board, AWholeCascadeAsItsSwitchesMakeIt) {
 
 /// Partial fractions: a constant path and a low pass of a slower clock, summed at the fast one.
 TEST(Board, AParallelPlanOfTwoClocksAsItsSwitchesMakeIt) {
-  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   constexpr double kClock = 100e3;
   Plan plan;
   plan.board = "an231k04-quad4";
@@ -305,4 +307,4 @@ TEST(Board, APlanWithSwitchesThatAreNotKnownIsRefusedInOneLine) {
 }
 
 }  // namespace
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::fpaa

@@ -263,7 +263,7 @@ int run(const Settings& s) {
     for (const auto& c : cases) fmt::print("{}\n", c.key());
     return 0;
   }
-  if (spice && !bodesmith::spice::ngspice_available())
+  if (spice && !bodesmith::ngspice::is_available())
     throw InputError(
         "--worlds ngspice: needs ngspice, which is not installed (Debian: apt-get install ngspice)");
   if (!s.records.empty()) {

@@ -291,8 +291,8 @@ std::vector<double> run_deck(const std::vector<TwoPort>& ports, const std::vecto
   const size_t parts = resonant ? 8 : 1;
   const double step = step_s / static_cast<double>(parts);
   // One sample more than is wanted: the last one may fall to rounding.
-  const auto run = bodesmith::spice::run_transient(deck, {"out"}, step,
-                                                   step_s * static_cast<double>(u.size()), "hidden.cir");
+  const auto run = bodesmith::ngspice::run_transient(deck, {"out"}, step,
+                                                     step_s * static_cast<double>(u.size()), "hidden.cir");
   std::vector<double> y;
   for (size_t i = 0; i < u.size(); ++i) {
     const size_t at = i * parts;

@@ -9,7 +9,7 @@
 #include "schematic/ngspice/ngspice_process.hpp"
 #include "temporary_folder.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::ngspice {
 namespace {
 namespace fs = std::filesystem;
 
@@ -55,4 +55,4 @@ TEST(WorkFolder, IsGoneWithItsFilesAndNeedsAPlaceForTemporaryFiles) {
 }
 
 }  // namespace
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::ngspice

@@ -7,7 +7,7 @@
 #include "schematic/ngspice/ngspice.hpp"
 #include "temporary_folder.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::ngspice {
 namespace {
 
 const char* const kDeck = R"(my own low-pass
@@ -28,7 +28,7 @@ this is never read
 )";
 
 TEST(UserDeck, ResponseOfAnRcLowPass) {
-  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!is_available()) GTEST_SKIP() << "ngspice is not installed";
   const TemporaryFolder folder;
   write_file(folder / "x.cir", kDeck);
   write_file(folder / "parts.inc", ".subckt part p q\nR1 p q 1k\n.ends\n");
@@ -128,7 +128,7 @@ TEST(UserDeck, NothingInItRuns) {
                    part)
                 .find("a node is named"),
             std::string::npos);
-  if (ngspice_available()) {
+  if (is_available()) {
     // The deck's own sections are left out, its title too.
     EXPECT_EQ(
         answer("*ng_script\n" + include + body.substr(0, body.size() - 5) + ".controlled" + run + ".end\n",
@@ -150,7 +150,7 @@ TEST(UserDeck, IncludesStayInTheFolderOfTheDeck) {
   const auto answer = [&](const std::string& line) {
     write_file(folder / "mine/x.cir", "t\n" + line + "\n" + body);
     return refusal_of_input([&] {
-      if (ngspice_available()) {
+      if (is_available()) {
         run_ac_of_deck(folder / "mine/x.cir", {Hertz{1.0}});
       } else {
         read_user_deck(folder / "mine/x.cir", "");
@@ -184,4 +184,4 @@ TEST(UserDeck, IncludesStayInTheFolderOfTheDeck) {
 }
 
 }  // namespace
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::ngspice

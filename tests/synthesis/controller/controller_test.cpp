@@ -42,7 +42,7 @@ TEST(Controller, TheSelfFedFormNeedsNoMoreMultipliersThanTheSeeds) {
 }
 
 TEST(Controller, NgspiceAndTheStageFindItWithinATenthOfAPercent) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const AnalogController fed = make_controller(first_seed());
   for (const double f : {1.0, 100.0}) {
     const tracking::TrackingError error =
@@ -53,7 +53,7 @@ TEST(Controller, NgspiceAndTheStageFindItWithinATenthOfAPercent) {
 }
 
 TEST(Controller, RunsOfManySettleAsWellAsAWholeRepeatAtFinerSteps) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const AnalogController fed = make_controller(first_seed());
   for (const double f : {1.0, 100.0, 4000.0}) {  // at the last what is slow takes whole repeats
     const SteadyState a = run_in_ngspice(fed, tracking::Reference(), Hertz{f});
@@ -69,7 +69,7 @@ TEST(Controller, RunsOfManySettleAsWellAsAWholeRepeatAtFinerSteps) {
 }
 
 TEST(Controller, TheNetlistInCvodeAgreesWithNgspice) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const AnalogController fed = make_controller(first_seed());
   const std::vector<AsBuilt> cases = measure_as_built(fed, {Hertz{40}, Hertz{5000}});
   EXPECT_LT(cases[0].cvode_difference_percent, 0.001);
@@ -80,7 +80,7 @@ TEST(Controller, TheNetlistInCvodeAgreesWithNgspice) {
 }
 
 TEST(Controller, CvodeAndNgspiceAgreeWhereTheDetectorIsSlowOrMissesTurns) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   using Shape = tracking::Reference::Shape;
   const AnalogController fed = make_controller(first_seed());
   for (const auto& [shape, stroke, f] : {std::tuple{Shape::decaying_triangle, 1.0, 1.0},
@@ -96,7 +96,7 @@ TEST(AtRest, DeviationsActAsTheirFormulaSays) {
   plain.ascending = {0.3, -0.3, 0.0};
   plain.descending = {-0.2, 0.2, 0.0};
   Options exact;
-  exact.resistors = circuit::Series::named("exact");
+  exact.resistors = synthesis::Series::named("exact");
   const AnalogController fed = make_controller(plain, exact);
   EXPECT_EQ(fed.multipliers.size(), 1u);  // x^2 alone
   const auto subtracted = [&](const Deviations& off, double x) {
@@ -195,7 +195,7 @@ Disturbance with_strokes() {
 }
 
 TEST(Controller, PartialStrokesAreTrackedInNgspiceByTheAmplitudeGains) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const AnalogController built = make_controller(with_strokes());
   // x^2, x^3, one rate gain, two amplitude gains, two divisions.
   EXPECT_EQ(built.multipliers.size(), 7u);

@@ -28,24 +28,24 @@ Disturbance of_amplitudes() {
 }
 
 TEST(SpiceRoundTrip, Compensator) {
-  circuit::RealiseOptions options;
+  synthesis::RealiseOptions options;
   expect_same_bytes(schematic::spice_text(
-      spice::compensator_library(circuit::realise(seed_sections(), options).circuit, "seed")));
+      synthesis::compensator_library(synthesis::realise(seed_sections(), options).circuit, "seed")));
   options.opamp = schematic::OpAmpModel::ideal();
   expect_same_bytes(schematic::spice_text(
-      spice::compensator_library(circuit::realise(seed_sections(), options).circuit, "seed")));
+      synthesis::compensator_library(synthesis::realise(seed_sections(), options).circuit, "seed")));
 }
 
 TEST(SpiceRoundTrip, Disturbance) {
-  const multiplier_layout::Layout layout = multiplier_layout::make_layout(of_amplitudes());
-  expect_same_bytes(multiplier_layout::disturbance_library(layout, "two branches"));
-  multiplier_layout::DisturbanceLibrary all;
+  const generator::Layout layout = generator::make_layout(of_amplitudes());
+  expect_same_bytes(generator::disturbance_library(layout, "two branches"));
+  generator::DisturbanceLibrary all;
   all.amplitude = true;
-  expect_same_bytes(multiplier_layout::disturbance_library(layout, "amplitudes", all));
-  std::vector<multiplier_layout::Polynomial> branches;
+  expect_same_bytes(generator::disturbance_library(layout, "amplitudes", all));
+  std::vector<generator::Polynomial> branches;
   for (int b = 1; b <= 5; ++b) branches.push_back({"b", {0.05 * b, -0.1, 0.02 * b}, {}});
-  expect_same_bytes(multiplier_layout::disturbance_library(
-      multiplier_layout::make_layout_of_polynomials(branches), "five branches"));
+  expect_same_bytes(
+      generator::disturbance_library(generator::make_layout_of_polynomials(branches), "five branches"));
 }
 
 TEST(SpiceRoundTrip, Controller) {
@@ -62,8 +62,7 @@ TEST(SpiceRoundTrip, Controller) {
 }
 
 TEST(SpiceRoundTrip, WhatItDoesNotWriteIsRefused) {
-  const std::string text =
-      multiplier_layout::disturbance_library(multiplier_layout::make_layout(of_amplitudes()), "t");
+  const std::string text = generator::disturbance_library(generator::make_layout(of_amplitudes()), "t");
   const std::size_t end = text.find("\n.ends");
   EXPECT_THROW(schematic::read_spice(text.substr(0, end) + "\nL1 a b 1m" + text.substr(end), "f.sub"),
                InputError);

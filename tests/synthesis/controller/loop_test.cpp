@@ -44,7 +44,7 @@ TEST(Loop, AtPartialStrokesItsGainIsKTimesGTimesTheSlopeOverTheStroke) {
       EXPECT_NEAR(generator_loop_gain(c, point, Hertz{100.0}.rad_s()).real(), wanted, 5e-3) << stroke;
     }
   }
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   // The descending loop at the least stroke is the steepest there is.
   const LoopStability loop = checked_loop_stability(c);
   EXPECT_NEAR(loop.greatest_gain, 1.17 * 1.2 * 0.3958, 0.03);
@@ -54,7 +54,7 @@ TEST(Loop, AtPartialStrokesItsGainIsKTimesGTimesTheSlopeOverTheStroke) {
 }
 
 TEST(Loop, NgspiceAndTheOwnNetworkAgree) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const LoopStability loop = checked_loop_stability(seed_controller());
   ASSERT_TRUE(loop.ngspice);
   // Below 1 at every frequency: stable whatever the phase.

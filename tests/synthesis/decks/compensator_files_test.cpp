@@ -17,7 +17,7 @@
 #include "synthesis/realise.hpp"
 #include "synthesis/seed_sections.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::synthesis {
 namespace {
 
 const std::filesystem::path kFolder = std::filesystem::path(BODESMITH_SOURCE_DIR) / "netlists/first_seed";
@@ -27,7 +27,7 @@ TEST(ReferenceNetlists, PartsAreWhatTheProgramChoosesToday) {
   const Sections sections = Sections::read(kFolder / "sections.json", from);
   // Every part and the value it was given are the same; the wanted values may differ by rounding.
   const std::string kept = read_file(kFolder / "parts.csv");
-  const std::string now = circuit::parts_csv(circuit::realise(sections).circuit);
+  const std::string now = parts_csv(realise(sections).circuit);
   const auto cells = [](const std::string& text) {
     std::vector<std::string> out;
     for (const std::string_view line : split(text, '\n')) {
@@ -48,19 +48,19 @@ TEST(ReferenceNetlists, PartsAreWhatTheProgramChoosesToday) {
 }
 
 TEST(ReferenceNetlists, CompensatorMeetsTheSectionsInNgspice) {
-  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   Provenance from;
   const Sections sections = Sections::read(kFolder / "sections.json", from);
   const auto grid = log_grid({Hertz{1}, Hertz{1000}}, 40);
   std::vector<std::complex<double>> wanted;
   for (const Hertz f : grid) wanted.push_back(sections.response(f.rad_s()));
-  EXPECT_LT(
-      compare_responses(grid, run_ac_of_sub(kFolder / "compensator.sub", grid), wanted).max_magnitude_db,
-      0.02);
+  EXPECT_LT(compare_responses(grid, ngspice::run_ac_of_sub(kFolder / "compensator.sub", grid), wanted)
+                .max_magnitude_db,
+            0.02);
 }
 
 TEST(ReferenceNetlists, DecksRun) {
-  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const TemporaryFolder folder;
   for (const char* deck : {"ac", "transient", "noise", "monte_carlo_ngspice"}) {
     std::filesystem::copy_file(kFolder / (std::string(deck) + ".cir"), folder / (std::string(deck) + ".cir"));
@@ -82,8 +82,8 @@ TEST(ReferenceNetlists, DecksRun) {
 namespace {
 
 TEST(Compensator, NgspiceAgreesWithTheNetworkAndTheSections) {
-  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
-  const circuit::Realised made = circuit::realise(seed_sections());
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
+  const Realised made = realise(seed_sections());
   const CompensatorCheck check = check_compensator(made.circuit, seed_sections());
   EXPECT_LT(check.against_network.max_complex_percent, 1e-8);
   EXPECT_LT(check.against_sections.max_magnitude_db, 0.015);
@@ -93,7 +93,7 @@ TEST(Compensator, NgspiceAgreesWithTheNetworkAndTheSections) {
 }
 
 TEST(Compensator, BiquadAndIdealOpAmps) {
-  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   Sections sections;
   Section peak;
   peak.zeros = {{-40, 90}, {-40, -90}};
@@ -102,24 +102,24 @@ TEST(Compensator, BiquadAndIdealOpAmps) {
   right.zeros = {{300, 0}};
   right.poles = {{-300, 0}};
   sections.sections = {peak, right};
-  circuit::RealiseOptions options;
+  RealiseOptions options;
   options.opamp = schematic::OpAmpModel::ideal();
-  const circuit::Realised made = circuit::realise(sections, options);
+  const Realised made = realise(sections, options);
   const CompensatorCheck check = check_compensator(made.circuit, sections, 30);
   EXPECT_LT(check.against_network.max_complex_percent, 1e-5);
 }
 
 TEST(Compensator, LibraryIsPortable) {
   const std::string text =
-      schematic::spice_text(compensator_library(circuit::realise(seed_sections()).circuit, "seed"));
+      schematic::spice_text(compensator_library(realise(seed_sections()).circuit, "seed"));
   EXPECT_EQ(text.find(".control"), std::string::npos);
   EXPECT_EQ(text.find(".ac"), std::string::npos);
   EXPECT_EQ(text.find('^'), std::string::npos);
   EXPECT_EQ(text.find("**"), std::string::npos);
   EXPECT_EQ(text.find("LIMIT("), std::string::npos);
-  const auto all = list_subcircuits(text, "compensator.sub");
+  const auto all = ngspice::list_subcircuits(text, "compensator.sub");
   bool found = false;
-  for (const Subcircuit& one : all) {
+  for (const ngspice::Subcircuit& one : all) {
     if (one.name == "compensator") {
       found = true;
       EXPECT_EQ(one.pins, (std::vector<std::string>{"in", "out"}));
@@ -129,7 +129,7 @@ TEST(Compensator, LibraryIsPortable) {
 }
 
 TEST(Compensator, ToleranceLibraryOnlyChangesTheValues) {
-  const circuit::Circuit circuit = circuit::realise(seed_sections()).circuit;
+  const Circuit circuit = realise(seed_sections()).circuit;
   const schematic::SpiceLibrary library = compensator_library(circuit, "t");
   const std::string plain = schematic::spice_text(library),
                     spread = schematic::spice_text(
@@ -138,11 +138,11 @@ TEST(Compensator, ToleranceLibraryOnlyChangesTheValues) {
                         }});
   EXPECT_EQ(std::count(plain.begin(), plain.end(), '\n'), std::count(spread.begin(), spread.end(), '\n'));
   EXPECT_NE(spread.find("{mc("), std::string::npos);
-  EXPECT_EQ(list_subcircuits(plain, "a").size(), list_subcircuits(spread, "b").size());
+  EXPECT_EQ(ngspice::list_subcircuits(plain, "a").size(), ngspice::list_subcircuits(spread, "b").size());
 }
 
 TEST(Compensator, PartsCsvHasTheContractsColumns) {
-  const std::string text = circuit::parts_csv(circuit::realise(seed_sections()).circuit);
+  const std::string text = parts_csv(realise(seed_sections()).circuit);
   EXPECT_EQ(text.substr(0, text.find('\n')),
             "part,section,series,wanted_ohm,realised_ohm,wanted_f,realised_f");
   EXPECT_EQ(std::count(text.begin(), text.end(), '\n'), 41);
@@ -150,34 +150,34 @@ TEST(Compensator, PartsCsvHasTheContractsColumns) {
 
 // Gain-bandwidth, slew rate and swing as set (facts: 10 MHz, 20 V/us, +-14.1 V).
 TEST(OpAmpMacro, BehavesAsSet) {
-  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const schematic::OpAmpModel model;
   const std::string follower = schematic::opamp_subcircuit(model) +
                                "\n.subckt follower in out\nX1 in out out bodesmith_opamp\n.ends\n";
-  const auto h = run_ac_of_text(follower, "follower.sub", {Hertz{1e3}, Hertz{1e7}}, "follower");
+  const auto h = ngspice::run_ac_of_text(follower, "follower.sub", {Hertz{1e3}, Hertz{1e7}}, "follower");
   EXPECT_NEAR(std::abs(h[0]), 1.0, 1e-5);
   EXPECT_NEAR(std::abs(h[1]), std::sqrt(0.5), 1e-3);
-  const Transient step =
-      run_transient("step\n" + follower + "V1 in 0 PWL(0 -10 1u -10 1.001u 10)\nX1 in out follower\n",
-                    {"out"}, 5e-9, 4e-6, "follower.sub");
+  const ngspice::Transient step = ngspice::run_transient(
+      "step\n" + follower + "V1 in 0 PWL(0 -10 1u -10 1.001u 10)\nX1 in out follower\n", {"out"}, 5e-9, 4e-6,
+      "follower.sub");
   double at_low = 0.0, at_high = 0.0;
   for (size_t i = 0; i < step.time_s.size(); ++i) {
     if (step.v[0][i] < -5.0) at_low = step.time_s[i];
     if (step.v[0][i] < 5.0) at_high = step.time_s[i];
   }
   EXPECT_NEAR(10.0 / (at_high - at_low) / model.slew_v_per_s, 1.0, 0.03);
-  const DcSweep sweep =
-      run_dc("clip\n" + follower + "V1 in 0 0\nX1 in out follower\n", "V1", -20, 20, 1, {"out"}, "x");
+  const ngspice::DcSweep sweep = ngspice::run_dc("clip\n" + follower + "V1 in 0 0\nX1 in out follower\n",
+                                                 "V1", -20, 20, 1, {"out"}, "x");
   EXPECT_NEAR(sweep.v[0].front(), -14.1, 0.01);
   EXPECT_NEAR(sweep.v[0].back(), 14.1, 0.01);
 }
 
 // Two neighbours share an analysis where they rise; any other stands alone.
 TEST(Ngspice, FrequenciesMayComeInAnyOrder) {
-  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const std::string lowpass = ".subckt lowpass in out\nR1 in out 1k\nC1 out 0 1u\n.ends\n";
   const std::vector<Hertz> grid = {{100.0}, {1e3}, {1e5}, {10.0}, {10.0}, {20.0}, {20.0000001}, {1.0}};
-  const auto h = run_ac_of_text(lowpass, "lowpass.sub", grid);
+  const auto h = ngspice::run_ac_of_text(lowpass, "lowpass.sub", grid);
   ASSERT_EQ(h.size(), grid.size());
   for (std::size_t i = 0; i < grid.size(); ++i) {
     const std::complex<double> exact = 1.0 / std::complex<double>(1.0, 1e-3 * grid[i].rad_s().value);
@@ -186,18 +186,19 @@ TEST(Ngspice, FrequenciesMayComeInAnyOrder) {
 }
 
 TEST(Ngspice, ComplaintsNameTheFile) {
-  if (!ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   try {
-    run_ac_of_text(".subckt broken in out\nR1 in out nonsense_model\n.ends\n", "broken.sub", {Hertz{1.0}});
+    ngspice::run_ac_of_text(".subckt broken in out\nR1 in out nonsense_model\n.ends\n", "broken.sub",
+                            {Hertz{1.0}});
     FAIL() << "a broken library was taken";
   } catch (const InputError& error) {
     EXPECT_NE(std::string(error.what()).find("broken.sub"), std::string::npos) << error.what();
   }
-  EXPECT_THROW(run_ac_of_text("R1 a b 1\n", "empty.sub", {Hertz{1.0}}), InputError);
-  EXPECT_THROW(list_subcircuits(".subckt a in out\n", "open.sub"), InputError);
-  EXPECT_THROW(list_subcircuits(".ends\n", "closed.sub"), InputError);
+  EXPECT_THROW(ngspice::run_ac_of_text("R1 a b 1\n", "empty.sub", {Hertz{1.0}}), InputError);
+  EXPECT_THROW(ngspice::list_subcircuits(".subckt a in out\n", "open.sub"), InputError);
+  EXPECT_THROW(ngspice::list_subcircuits(".ends\n", "closed.sub"), InputError);
 }
 
 }  // namespace
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::synthesis

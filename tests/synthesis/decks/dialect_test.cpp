@@ -8,7 +8,7 @@
 #include "synthesis/seed_sections.hpp"
 #include "temporary_folder.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::synthesis {
 namespace {
 
 class CountingDialect final : public Dialect {
@@ -28,7 +28,7 @@ TEST(OwnDialect, IsEmittedBesideTheOthers) {
   static const CountingDialect dialect;
   dialect_registry().add(dialect);
   EXPECT_THROW(dialect_registry().add(dialect), std::logic_error);
-  const circuit::Realised made = circuit::realise(seed_sections());
+  const Realised made = realise(seed_sections());
   const TemporaryFolder folder;
   OutputSet out(folder / "made");
   add_compensator_files(made, "seed", out);
@@ -46,7 +46,7 @@ TEST(OwnDialect, IsEmittedBesideTheOthers) {
 
 TEST(CompensatorFiles, HaveTheFilesOfAKicadProject) {
   OutputSet out;
-  add_compensator_files(circuit::realise(seed_sections()), "seed", out);
+  add_compensator_files(realise(seed_sections()), "seed", out);
   const auto paths = out.paths();
   for (const char* file :
        {"compensator.kicad_pro", "compensator.kicad_sch", "bodesmith.kicad_sym", "sym-lib-table"}) {
@@ -55,4 +55,4 @@ TEST(CompensatorFiles, HaveTheFilesOfAKicadProject) {
 }
 
 }  // namespace
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::synthesis

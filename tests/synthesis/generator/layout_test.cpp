@@ -9,7 +9,7 @@
 #include "synthesis/generator/budget.hpp"
 #include "synthesis/generator/timing.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 namespace {
 
 Disturbance seed_disturbance() {
@@ -53,7 +53,7 @@ TEST(Layout, MultiplierCountsByDegree) {
 
 TEST(Layout, ExactPartsMakeThePolynomialExactly) {
   Options options;
-  options.resistors = circuit::Series::named("exact");
+  options.resistors = synthesis::Series::named("exact");
   for (const std::vector<double>& a :
        std::vector<std::vector<double>>{{0.5},
                                         {-0.5},
@@ -73,7 +73,7 @@ TEST(Layout, ABranchThatIsZeroGivesZero) {
 
 TEST(Layout, EverySchemeMakesThePolynomialWithEveryNodeInFullScale) {
   Options options;
-  options.resistors = circuit::Series::named("exact");
+  options.resistors = synthesis::Series::named("exact");
   const std::vector<std::vector<double>> all = {{0.5},
                                                 {0.3, -0.2, 0.1, 0.2, -0.15, 0.05, 0.02},
                                                 {0, 0, 0, 0, 0, 0, 0.4},
@@ -169,7 +169,7 @@ TEST(Budget, CausesByHand) {
   errors.output_offset_v = 10e-3;
   errors.opamp_offset_v = 1e-3;
   Options options;
-  options.resistors = circuit::Series::named("exact");
+  options.resistors = synthesis::Series::named("exact");
   const Layout layout = make_layout(seed_disturbance(), options);
   const Budget budget = make_budget(layout, errors);
   const auto cause = [&](const Budget& of, const std::string& name) {
@@ -253,4 +253,4 @@ TEST(Layout, RefusesWhatItCannotMake) {
 }
 
 }  // namespace
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

@@ -5,11 +5,11 @@
 #include "synthesis/generator/ngspice_check.hpp"
 #include "synthesis/generator/timing.hpp"
 
-namespace bodesmith::multiplier_layout {
+namespace bodesmith::generator {
 namespace {
 
 TEST(DisturbanceLibrary, NgspiceMakesThePolynomialsAndFollowsATriangleUpTo5Kilohertz) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   Disturbance wanted;
   wanted.ascending = {0.3546, -0.6433, 0.2887};
   wanted.descending = {-0.2398, 0.0838, 0.156};
@@ -29,16 +29,16 @@ TEST(DisturbanceLibrary, NgspiceMakesThePolynomialsAndFollowsATriangleUpTo5Kiloh
 }
 
 TEST(DisturbanceLibrary, TimingIsWhatTheProgramPredicts) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   Disturbance wanted;
   wanted.ascending = {0.3546, -0.6433, 0.2887};
   wanted.descending = {-0.2398, 0.0838, 0.156};
   const Layout layout = make_layout(wanted);
-  const multiplier_layout::Timing timing = multiplier_layout::make_timing(layout, {Hertz{5000}});
+  const generator::Timing timing = generator::make_timing(layout, {Hertz{5000}});
   const DisturbanceCheck check = check_disturbance(layout, {Hertz{5000}});
   const double delay = timing.detector.delays[0].triangle_s.value();
   EXPECT_NEAR(check.dynamic[0].delay_s, delay, 0.05 * delay);
-  const multiplier_layout::SwitchFigures::Late& late = timing.analog_switch.late[0];
+  const generator::SwitchFigures::Late& late = timing.analog_switch.late[0];
   EXPECT_NEAR(check.dynamic[0].rms_percent, late.rms_percent, 0.15 * late.rms_percent);
   EXPECT_NEAR(check.dynamic[0].rms_at_limit_percent, late.rms_at_limit_percent,
               0.1 * late.rms_at_limit_percent);
@@ -49,11 +49,11 @@ TEST(DisturbanceLibrary, TimingIsWhatTheProgramPredicts) {
 }
 
 TEST(DisturbanceLibrary, EverySchemeOfDegreeSevenAndOneBranch) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const std::vector<double> seven = {0.3, -0.2, -0.2, 0.1, -0.1, 0.05, 0.05};
   for (const char* scheme : {"shared", "horner", "3"}) {
-    multiplier_layout::Options options;
-    options.scheme = multiplier_layout::Scheme::named(scheme);
+    generator::Options options;
+    options.scheme = generator::Scheme::named(scheme);
     const DisturbanceCheck two = check_disturbance(
         make_layout_of_polynomials({{"up", seven, {}}, {"down", {-0.2, 0.2}, {}}}, options), {Hertz{5000}});
     EXPECT_LT(two.static_against_program, 1e-3) << scheme;
@@ -68,23 +68,22 @@ TEST(DisturbanceLibrary, EverySchemeOfDegreeSevenAndOneBranch) {
 }
 
 TEST(DisturbanceLibrary, FiveBranchesBySelectLines) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
-  std::vector<multiplier_layout::Polynomial> branches;
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
+  std::vector<generator::Polynomial> branches;
   for (int b = 1; b <= 5; ++b) branches.push_back({"b", {0.05 * b, -0.1, 0.02 * b}, {}});
   const Layout layout = make_layout_of_polynomials(branches);
   const DisturbanceCheck check = check_disturbance(layout, {Hertz{5000}});
   EXPECT_LT(check.static_against_program, 5e-4);
   EXPECT_LT(check.static_percent, 0.1);
   // The branches of the first pair differ by 7 % at the reversals.
-  const double predicted =
-      multiplier_layout::make_timing(layout, {Hertz{5000}}).analog_switch.late[0].rms_percent;
+  const double predicted = generator::make_timing(layout, {Hertz{5000}}).analog_switch.late[0].rms_percent;
   EXPECT_NEAR(check.dynamic[0].rms_percent, predicted, 0.15 * predicted);
   EXPECT_NEAR(check.change->glitch_percent, check.change->predicted_percent,
               0.35 * check.change->predicted_percent);
 }
 
 TEST(DisturbanceLibrary, AmplitudeGainsStaticAndAt5Kilohertz) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   Disturbance wanted;
   wanted.ascending = {0.3546, -0.6433, 0.2887};
   wanted.descending = {-0.2398, 0.0838, 0.156};
@@ -99,4 +98,4 @@ TEST(DisturbanceLibrary, AmplitudeGainsStaticAndAt5Kilohertz) {
 }
 
 }  // namespace
-}  // namespace bodesmith::multiplier_layout
+}  // namespace bodesmith::generator

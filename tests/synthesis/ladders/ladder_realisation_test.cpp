@@ -10,7 +10,7 @@
 #include "synthesis/realisation.hpp"
 #include "synthesis/seed_sections.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 const RcLadder* const kTestedLadders[] = {&foster1(), &foster2(), &cauer1(), &cauer2()};
@@ -159,4 +159,4 @@ TEST(Ladder, WhatItCannotMakeIsSaid) {
 }
 
 }  // namespace
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

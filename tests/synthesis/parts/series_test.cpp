@@ -4,7 +4,7 @@
 
 #include "base/error.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 TEST(Series, TablesOfIec60063) {
@@ -34,4 +34,4 @@ TEST(Series, NamesWhatItExpects) {
 }
 
 }  // namespace
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 /// b0, b1, b2, a0, a1, a2 as they are given.
@@ -43,4 +43,4 @@ TEST(StageErrors, AreTheWeightedLogarithmsOfTheQuotient) {
 }
 
 }  // namespace
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -5,7 +5,7 @@
 #include "base/error.hpp"
 #include "synthesis/seed_sections.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 std::string complaint(const std::string& text, bool csv) {
@@ -83,4 +83,4 @@ TEST(Stock, OnlyPartsOfTheListAreUsed) {
 }
 
 }  // namespace
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

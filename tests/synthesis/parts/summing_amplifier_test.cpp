@@ -4,7 +4,7 @@
 
 #include "base/error.hpp"
 
-namespace bodesmith::circuit {
+namespace bodesmith::synthesis {
 namespace {
 
 TEST(WeightFor, IsWithinTheResistorsOrNearEnough) {
@@ -43,4 +43,4 @@ TEST(SummingResistors, ANearlyStraightPolynomialIsMade) {
 }
 
 }  // namespace
-}  // namespace bodesmith::circuit
+}  // namespace bodesmith::synthesis

@@ -11,7 +11,7 @@
 #include "tolerance/controller/errors.hpp"
 #include "tolerance/controller/operating_point.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 namespace {
 
 constexpr std::uint64_t kCopies = 1000;
@@ -148,4 +148,4 @@ TEST(Board, AThousandDrawnCopiesDriveAsTheNetlistSolvedAtEverySample) {
 }
 
 }  // namespace
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

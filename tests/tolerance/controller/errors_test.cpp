@@ -10,7 +10,7 @@
 #include "tolerance/controller/errors.hpp"
 #include "tolerance/controller/operating_point.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 namespace {
 
 /// Greatest difference between the compiled voltages and those of all equations at once.
@@ -63,4 +63,4 @@ TEST(RestPoint, AThousandDrawnCopiesRestWhereAllEquationsAtOnceSay) {
 }
 
 }  // namespace
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

@@ -9,7 +9,7 @@
 #include "schematic/ngspice/ngspice.hpp"
 #include "synthesis/controller/seed_controller.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 namespace {
 
 StudyOptions study_options(std::uint64_t draws) {
@@ -43,7 +43,7 @@ TEST(PartErrors, SharesExplainWhatIsDrawnAndTheMultipliersLead) {
   EXPECT_LT(study.worst.nominal_percent, 0.03);
   EXPECT_LT(study.worst.p95_percent, 0.5);
   EXPECT_GT(study.worst.p95_percent, study.worst.median_percent);
-  for (const Spread& at : study.at) EXPECT_LE(at.p95_percent, study.worst.p95_percent + 1e-12);
+  for (const ErrorSpread& at : study.at) EXPECT_LE(at.p95_percent, study.worst.p95_percent + 1e-12);
 }
 
 TEST(PartErrors, NothingOffIsTheNominalBoard) {
@@ -76,7 +76,7 @@ TEST(PartErrors, DrawnValuesHaveTheirDistributions) {
 
 /// The fast model against the emitted netlist with those very deviations.
 TEST(PartErrors, ABoardIsWhatNgspiceMakesOfTheSameCopy) {
-  if (!spice::ngspice_available()) GTEST_SKIP() << "ngspice is not installed";
+  if (!ngspice::is_available()) GTEST_SKIP() << "ngspice is not installed";
   const tracking::PolynomialStage stage(controller::seed_disturbance());
   StudyOptions options = study_options(1);
   options.frequencies = {Hertz{1.0}, Hertz{40.0}, Hertz{100.0}};
@@ -119,4 +119,4 @@ TEST(PartErrors, OtherControllersToo) {
 }
 
 }  // namespace
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

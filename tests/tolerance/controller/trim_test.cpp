@@ -7,7 +7,7 @@
 
 #include "synthesis/controller/seed_controller.hpp"
 
-namespace bodesmith::part_errors {
+namespace bodesmith::tolerance {
 namespace {
 
 StudyOptions trim_study(std::vector<Hertz> frequencies) {
@@ -77,4 +77,4 @@ TEST(Trim, OtherDisturbancesHaveTheirOwnTrims) {
 }
 
 }  // namespace
-}  // namespace bodesmith::part_errors
+}  // namespace bodesmith::tolerance

@@ -4,7 +4,7 @@
 #include "synthesis/decks/compensator_files.hpp"
 #include "synthesis/decks/dialect.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::synthesis {
 namespace {
 
 using schematic::plain_number;
@@ -36,4 +36,4 @@ class LtspiceDialect final : public Dialect {
 
 BODESMITH_ENTRY(Dialect, ltspice_dialect, LtspiceDialect)
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::synthesis

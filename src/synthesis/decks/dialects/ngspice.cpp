@@ -3,7 +3,7 @@
 #include "schematic/plain_number.hpp"
 #include "synthesis/decks/dialect.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::synthesis {
 namespace {
 
 using schematic::plain_number;
@@ -42,4 +42,4 @@ class NgspiceDialect final : public Dialect {
 
 BODESMITH_ENTRY(Dialect, ngspice_dialect, NgspiceDialect)
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::synthesis

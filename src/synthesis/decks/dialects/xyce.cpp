@@ -1,6 +1,6 @@
 #include "synthesis/decks/dialect.hpp"
 
-namespace bodesmith::spice {
+namespace bodesmith::synthesis {
 namespace {
 
 /// Small-signal with .print and .measure.
@@ -16,4 +16,4 @@ class XyceDialect final : public Dialect {
 
 BODESMITH_ENTRY(Dialect, xyce_dialect, XyceDialect)
 
-}  // namespace bodesmith::spice
+}  // namespace bodesmith::synthesis

@@ -387,9 +387,9 @@ def rest(d, *columns):
     return math.sqrt(np.mean((d - q @ (q.T @ d)) ** 2))
 
 
-def make_case(r, folder, kinds, base_name, noise_kind, times=None):
+def make_case(r, folder, kinds, base_name, noise_kind, times=None, samples=(1000, 2500)):
     """Writes the case's files; the truth as a dict."""
-    n = r.randint(1000, 2500)
+    n = r.randint(*samples)
     low = math.exp(r.uniform(math.log(1), math.log(8)))
     high = low * r.uniform(4, 12)
     step = 1 / (high * r.uniform(18, 40))
@@ -431,7 +431,7 @@ def make_case(r, folder, kinds, base_name, noise_kind, times=None):
             left.append(rest(y - w, *absorbed) if base_name != "fixed_gain" or kinds[k] != "gain_error" else math.sqrt(np.mean((y - w) ** 2)))
         sizes.append(math.sqrt(np.mean(np.square(left))))
     if sizes and min(sizes) <= 1e-6 * span:  # a limit that is never reached: nothing is hidden, draw again
-        return make_case(r, folder, kinds, base_name, noise_kind, times)
+        return make_case(r, folder, kinds, base_name, noise_kind, times, samples)
     times = times or math.exp(r.uniform(math.log(4), math.log(60)))
     sigma = min(sizes) / times if sizes else span * math.exp(r.uniform(math.log(3e-4), math.log(2e-2)))
     sigma = max(sigma, 1e-6 * span)

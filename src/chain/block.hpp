@@ -38,6 +38,11 @@ struct PartChange {
   };
   std::vector<Entry> entries;
 
+  bool is_offset() const { return unit == "v"; }
+  /// The largest departure that is looked for: more of a value is a short or another decade, an offset is within so many
+  /// tolerances.
+  double most() const { return is_offset() ? 30.0 * tolerance : 60.0; }
+
   /// From the values of the parameters at `departure` to both sides, less those at none.
   void add(std::string parameter, double departure, double above, double below);
 };

@@ -136,12 +136,14 @@ Json to_json(const Diagnosis& d) {
   for (std::size_t k = 0; k < d.steps.size(); ++k) {
     Json step = json_of(d.steps[k]);
     step["candidates"] = json_of(d.search.steps[k].ranking);
+    step["log_evidence_without"] = finite_or_null(d.search.steps[k].log_evidence_without);
     j["steps"].push_back(std::move(step));
   }
   j["alternatives"] = Json::array();
   for (const auto& set : d.alternatives)
     j["alternatives"].push_back({{"effects", set.effects}, {"probability", set.probability}});
   j["outside"] = d.outside;
+  j["log_evidence"] = finite_or_null(d.search.log_evidence);
   j["signs_of_more"] = Json::array();
   for (const auto& s : d.search.structure) {
     j["signs_of_more"].push_back({{"sign", to_string(s.kind)}, {"times_chance", s.strength}});

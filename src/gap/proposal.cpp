@@ -34,7 +34,7 @@ void add_parameters(std::vector<Unknown>& unknowns, const chain::Block& block) {
 }  // namespace
 
 Proposal insert_block(const Scene& scene, const Effect& effect, std::size_t position, chain::Block block,
-                      std::vector<Unknown> unknowns, Starts starts) {
+                      std::vector<Unknown> unknowns, Starts starts, BlockWriter write) {
   Model model = *scene.model;
   Term term;
   term.effect = &effect;
@@ -42,7 +42,11 @@ Proposal insert_block(const Scene& scene, const Effect& effect, std::size_t posi
   add_parameters(unknowns, block);
   const int id = model.insert(position, std::move(block));
   term.blocks = {id};
-  term.write = setter(id, unknowns);
+  if (write) {
+    term.write = [id, write](Model& m, std::span<const double> v) { write(m.block(id), v); };
+  } else {
+    term.write = setter(id, unknowns);
+  }
   term.unknowns = std::move(unknowns);
   return propose_term(std::move(model), std::move(term), std::move(starts));
 }
@@ -91,6 +95,8 @@ Unknown logarithmic_unknown(std::string name, double low, double high) {
   u.low = low;
   u.high = high;
   u.logarithmic = true;
+  if (u.name.ends_with("_hz")) u.unit = "Hz";
+  if (u.name.ends_with("_s")) u.unit = u.name.ends_with("_per_s") ? "/s" : "s";
   return u;
 }
 

@@ -1,6 +1,8 @@
 #pragma once
 
 #include <cstddef>
+#include <functional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -21,10 +23,11 @@ struct Proposal {
   Starts starts;
 };
 
-/// For effects that are one block of their own: each unknown's name is the block's parameter, whose unit it
-/// gets.
+/// Turns the values of a term's unknowns into its block's parameters.
+using BlockWriter = std::function<void(chain::Block&, std::span<const double>)>;
+/// For effects that are one block of their own. Without a writer each unknown's name is the block's parameter, whose unit it gets.
 Proposal insert_block(const Scene& scene, const Effect& effect, std::size_t position, chain::Block block,
-                      std::vector<Unknown> unknowns, Starts starts);
+                      std::vector<Unknown> unknowns, Starts starts, BlockWriter write = {});
 /// For effects inside a base block: the unknowns' names are its parameters.
 Proposal change_block(const Scene& scene, const Effect& effect, std::size_t position,
                       std::vector<Unknown> unknowns, Starts starts);
@@ -36,6 +39,7 @@ Proposal propose_term(Model model, Term term, Starts starts);
 std::string inside_block(const Model& model, std::size_t position);
 
 Unknown linear_unknown(std::string name, double low, double high, double scale);
+/// Of a name that ends in _hz or _s it has that unit.
 Unknown logarithmic_unknown(std::string name, double low, double high);
 
 /// The base model's blocks whose parameter `key` is at 0 and not refitted anyhow: where an effect may set it.

@@ -2,7 +2,7 @@
 
 namespace bodesmith::gap {
 
-// Each stands in a file of its own in effects/, which defines `const Effect& NAME_effect()`.
+// Each stands in a file of effects/, which defines `const Effect& NAME_effect()`.
 BODESMITH_REGISTRY(Effect, effect_registry, "effect", gain_error_effect, offset_effect, drift_effect,
                    mains_hum_effect, time_delay_effect, amplifier_pole_effect, resonance_effect,
                    parallel_mode_effect, right_half_plane_zero_effect, slew_limit_effect, saturation_effect,

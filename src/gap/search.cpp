@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "gap/evidence/names.hpp"
-#include "gap/evidence/score.hpp"
 #include "gap/runner.hpp"
 #include "gap/search/base_fit.hpp"
 #include "gap/search/beam.hpp"
@@ -86,8 +85,8 @@ SearchResult search(const chain::Chain& base, const Experiments& train, const Se
   result.refused = std::move(beam.refused);
   result.not_tried = std::move(beam.not_tried);
   result.floor = floor_under(beam.best.model, beam.records);
-  result.train_rms = rms_of(beam.best.model, beam.records.train);
-  result.log_evidence = log_evidence(beam.best.model, beam.records.train);
+  result.train_rms = beam.best.train_rms;
+  result.log_evidence = beam.best.log_evidence;
   if (!result.stopped) result.structure = signs_left(beam.best.model, beam.records);
   if (auto sign = sign_of_refused(result)) result.structure.push_back(*sign);
   result.final = std::move(beam.best.model);

@@ -15,9 +15,6 @@ namespace {
 
 /// Another part explains as well unless the record is e to this times less likely with it, what is left taken as white noise.
 constexpr double kOdds = 10.0;
-/// A departure beyond this is no value of that part any more (of an offset: tolerances).
-constexpr double kMostPercent = 60.0;
-constexpr double kMostTolerances = 30.0;
 /// Departure at which the direction of a part is taken: percent, or tolerances.
 constexpr double kSmall = 1.0;
 
@@ -29,6 +26,8 @@ constexpr double kMostSquares = 30.0;
 /// Tolerances are limits of uniform departures, of offsets three standard deviations.
 const double kUniform = 1.0 / std::sqrt(3.0);
 constexpr double kOffset = 1.0 / 3.0;
+/// By how many tolerances a part that is wrong may be off further once the others share in the rest.
+constexpr double kCorrection = 30.0;
 
 using Vector = Eigen::VectorXd;
 
@@ -75,19 +74,18 @@ std::vector<Suspect> suspects_of(const chain::Chain& found, const chain::Chain& 
       (y - shown_by(found, record)).norm() * std::exp(kOdds / static_cast<double>(record.size()));
   std::vector<Suspect> out;
   for (const chain::PartChange& one : *good.parts) {
-    const bool volts = one.unit == "v";
     if (one.part == part) {
       out.insert(out.begin(), {one.part, one.unit, departure, one.tolerance});
       continue;
     }
-    const double small = volts ? kSmall * one.tolerance : kSmall;
+    const double small = one.is_offset() ? kSmall * one.tolerance : kSmall;
     block = good.with(one, small);
     const Vector direction = shown_by(without, record) - plain;
     if (!(direction.squaredNorm() > 0.0)) continue;
     const double times = direction.dot(unexplained) / direction.squaredNorm();
     if ((unexplained - times * direction).norm() > most) continue;
     const double t = departure_of(one, times * small);
-    if (std::abs(t) > (volts ? kMostTolerances * one.tolerance : kMostPercent)) continue;
+    if (std::abs(t) > one.most()) continue;
     out.push_back({one.part, one.unit, t, one.tolerance});
   }
   std::stable_sort(out.begin() + 1, out.end(), [](const Suspect& a, const Suspect& b) {
@@ -144,8 +142,8 @@ std::optional<double> good_parts_explain(const chain::Chain& chain, const TimeRe
   Vector deviations(count);
   for (Eigen::Index k = 0; k < count; ++k) {
     const chain::PartChange& part = (*good.parts)[static_cast<std::size_t>(k)];
-    const double tolerances = part.part == wrong ? kMostTolerances : part.unit == "v" ? kOffset : kUniform;
-    deviations[k] = part.tolerance * tolerances;
+    const double good_part = part.tolerance * (part.is_offset() ? kOffset : kUniform);
+    deviations[k] = part.part == wrong ? kCorrection * part.tolerance : good_part;
     *block = good.with(part, deviations[k]);
     directions.col(k) = (shown_by(off, record) - plain) / noise_rms;
   }

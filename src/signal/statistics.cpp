@@ -61,28 +61,7 @@ double correlation_time(std::span<const double> v) {
   return std::min(time, static_cast<double>(n) / 4.0);
 }
 
-namespace {
-
-/// The first bins, from which a slow change has taken what noise there was.
-constexpr std::size_t kFirstBins = 8;
-
-/// How many times the power still seen in the first bins may be hidden there: three times where the octaves above rise towards
-/// them as a random walk's do, once where they are level. Medians, so that harmonics of something else do not count as noise.
-double hidden_in_first_bins(std::span<const double> power) {
-  constexpr double kMostHidden = 3.0;
-  constexpr double kRandomWalk = 2.0;  ///< power an octave, as a power of 2
-  if (power.size() < 8 * kFirstBins) return 1.0;
-  const auto middle_of = [](std::span<const double> part) { return median({part.begin(), part.end()}); };
-  const double low = middle_of(power.subspan(kFirstBins, kFirstBins));
-  const double high = middle_of(power.subspan(4 * kFirstBins, 4 * kFirstBins));
-  if (!(low > high && high > 0.0)) return 1.0;
-  const double slope = std::min(0.5 * std::log2(low / high), kRandomWalk);
-  return std::pow(kMostHidden, slope / kRandomWalk);
-}
-
-}  // namespace
-
-double improvement_z(const std::vector<double>& before, const std::vector<double>& after, LowBins low_bins) {
+double improvement_z(const std::vector<double>& before, const std::vector<double>& after) {
   const std::size_t n = before.size();
   if (n < 16 || after.size() != n) return 0.0;
   std::size_t padded = 1;
@@ -103,21 +82,17 @@ double improvement_z(const std::vector<double>& before, const std::vector<double
   // Smoothed over neighbours; the lowest bins take the largest of the first few, where red noise hides.
   const std::size_t bins = a.size();
   std::vector<double> sum(bins + 1, 0.0);
-  std::vector<double> each;
   for (std::size_t k = 0; k < bins; ++k) {
-    each.push_back(std::norm(a[k]));
-    sum[k + 1] = sum[k] + each[k];
+    sum[k + 1] = sum[k] + std::norm(a[k]);
   }
   double lowest = 0.0;
   for (std::size_t k = 0; k < std::min<std::size_t>(6, bins); ++k) lowest = std::max(lowest, std::norm(a[k]));
-  const double hidden = low_bins == LowBins::as_octaves_above ? hidden_in_first_bins(each) : 1.0;
   double variance = 0.0;
   for (std::size_t k = 0; k < bins; ++k) {
     const std::size_t reach = std::min<std::size_t>(8, k / 3);
     const std::size_t from = k - reach;
     const std::size_t to = std::min(bins, k + reach + 1);
-    const double seen = k < 3 ? lowest : (sum[to] - sum[from]) / static_cast<double>(to - from);
-    const double power = k < kFirstBins ? hidden * seen : seen;
+    const double power = k < 3 ? lowest : (sum[to] - sum[from]) / static_cast<double>(to - from);
     variance += (k == 0 || 2 * k == padded ? 1.0 : 2.0) * power * std::norm(d[k]);
   }
   const double deviation = std::sqrt(variance) / static_cast<double>(padded);

@@ -21,13 +21,14 @@ using namespace bodesmith;
 /// y = u + c u^6: nothing of the catalogue bends a signal at both ends so late.
 class SixthPower final : public gap::Effect {
  public:
+  SixthPower()
+      : Effect({.name = "sixth_power",
+                .what = "a curve that bends up at both ends",
+                .confused_with = {"quadratic_nonlinearity"},
+                .experiment = "a slow ramp to the ends of the range"}) {}
   /// It stays registered, so it keeps out of the other tests of this program.
   bool proposes = false;
 
-  std::string_view name() const override { return "sixth_power"; }
-  std::string_view what() const override { return "a curve that bends up at both ends"; }
-  std::vector<std::string_view> confused_with() const override { return {"quadratic_nonlinearity"}; }
-  std::string_view experiment() const override { return "a slow ramp to the ends of the range"; }
   void propose(const gap::Scene& scene, std::vector<gap::Proposal>& out) const override {
     if (!proposes || scene.frequency_only) return;
     for (std::size_t at : scene.static_places()) {

@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
@@ -9,17 +8,16 @@ namespace {
 
 class AmplifierPole final : public Effect {
  public:
-  std::string_view name() const override { return "amplifier_pole"; }
-  std::string_view what() const override { return "a first-order lag"; }
-  std::vector<std::string_view> confused_with() const override {
-    return {"time_delay", "opamp_bandwidth", "slew_limit", "rate_dependence"};
-  }
-  std::string_view experiment() const override {
-    return "a sweep to higher frequencies, and the same step at two amplitudes (a slew limit scales with it, "
-           "a pole does not)";
-  }
-  bool linear() const override { return true; }
-  bool repeatable_in_response() const override { return true; }
+  AmplifierPole()
+      : Effect(
+            {.name = "amplifier_pole",
+             .what = "a first-order lag",
+             .confused_with = {"time_delay", "opamp_bandwidth", "slew_limit", "rate_dependence"},
+             .experiment =
+                 "a sweep to higher frequencies, and the same step at two amplitudes (a slew limit scales with it, "
+                 "a pole does not)",
+             .linear = true,
+             .repeatable_in_response = true}) {}
   bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
     return scene.is_between_samples(1.0 / Hertz{term.unknowns.front().value}.rad_s().value);
   }

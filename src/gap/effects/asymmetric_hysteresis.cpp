@@ -13,14 +13,12 @@ namespace {
 
 class AsymmetricHysteresis final : public Effect {
  public:
-  std::string_view name() const override { return "asymmetric_hysteresis"; }
-  std::string_view what() const override { return "memory whose ascending and descending branches differ"; }
-  std::vector<std::string_view> confused_with() const override {
-    return {"hysteresis", "quadratic_nonlinearity", "cubic_nonlinearity"};
-  }
-  std::string_view experiment() const override { return "loops of several amplitudes about several biases"; }
+  AsymmetricHysteresis()
+      : Effect({.name = "asymmetric_hysteresis",
+                .what = "memory whose ascending and descending branches differ",
+                .confused_with = {"hysteresis", "quadratic_nonlinearity", "cubic_nonlinearity"},
+                .experiment = "loops of several amplitudes about several biases"}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    if (scene.frequency_only) return;
     for (std::size_t at : scene.memory_places()) {
       if (!(scene.boundary[at].span() > 0.0)) continue;
       // One loop alone says nothing of smaller ones: fitted asymmetry would be that loop's shape.
@@ -79,20 +77,15 @@ class AsymmetricHysteresis final : public Effect {
   /// counted twice: the descending branch then has the ascending one's with the other sign.
   Proposal branches(const Scene& scene, std::size_t at) const {
     const bool free_gain = is_refitted(*scene.model, "gain");
-    Model model = *scene.model;
-    Term term;
-    term.effect = this;
-    term.placed = model.placed(at);
-    const int id = model.insert(at, chain::make_block("polynomial_hysteresis")
-                                        .set("ascending", std::vector<double>{0.0, 0.0, 0.0})
-                                        .set("descending", std::vector<double>{0.0, 0.0, 0.0}));
-    term.blocks = {id};
+    auto block = chain::make_block("polynomial_hysteresis");
+    block.set("ascending", std::vector<double>(3, 0.0)).set("descending", std::vector<double>(3, 0.0));
+    std::vector<Unknown> unknowns;
     std::vector<double> start;
     for (const bool descending : {false, true}) {
       double scale = 0.1;
       for (int k = 0; k < 3; ++k) {
         if (!(free_gain && k == 0 && descending)) {
-          term.unknowns.push_back(
+          unknowns.push_back(
               linear_unknown((descending ? "descending[" : "ascending[") + std::to_string(k) + "]",
                              -20.0 * scale, 20.0 * scale, scale));
           start.push_back(0.01 * scale);
@@ -100,13 +93,13 @@ class AsymmetricHysteresis final : public Effect {
         scale /= scene.boundary[at].size();
       }
     }
-    term.write = [id, free_gain](Model& m, std::span<const double> v) {
-      const std::vector<double> up(v.begin(), v.begin() + 3);
-      std::vector<double> down(v.begin() + 3, v.end());
-      if (free_gain) down.insert(down.begin(), -v[0]);
-      m.block(id).set("ascending", up).set("descending", down);
-    };
-    return propose_term(std::move(model), std::move(term), {start});
+    return insert_block(scene, *this, at, block, unknowns, {start},
+                        [free_gain](chain::Block& b, std::span<const double> v) {
+                          const std::vector<double> up(v.begin(), v.begin() + 3);
+                          std::vector<double> down(v.begin() + 3, v.end());
+                          if (free_gain) down.insert(down.begin(), -v[0]);
+                          b.set("ascending", up).set("descending", down);
+                        });
   }
 
   /// Plays followed by one-sided dead zones (Kuhnen 2003).

@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 
@@ -9,16 +6,13 @@ namespace {
 
 class Backlash final : public Effect {
  public:
-  std::string_view name() const override { return "backlash"; }
-  std::string_view what() const override { return "play of constant width"; }
-  std::vector<std::string_view> confused_with() const override {
-    return {"hysteresis", "dead_zone", "time_delay"};
-  }
-  std::string_view experiment() const override {
-    return "loops of two amplitudes at two frequencies: play has one width at all of them";
-  }
+  Backlash()
+      : Effect({.name = "backlash",
+                .what = "play of constant width",
+                .confused_with = {"hysteresis", "dead_zone", "time_delay"},
+                .experiment =
+                    "loops of two amplitudes at two frequencies: play has one width at all of them"}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    if (scene.frequency_only) return;
     for (std::size_t at : scene.static_places()) {
       const auto& signal = scene.boundary[at];
       const double span = signal.span();

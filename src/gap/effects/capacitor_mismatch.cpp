@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 
@@ -12,13 +9,12 @@ constexpr double kMaxRatio = 1.5;
 
 class CapacitorMismatch final : public Effect {
  public:
-  std::string_view name() const override { return "capacitor_mismatch"; }
-  std::string_view what() const override {
-    return "a section's pole or zero is shifted by its capacitor ratio";
-  }
-  std::vector<std::string_view> confused_with() const override { return {"opamp_bandwidth", "gain_error"}; }
-  std::string_view experiment() const override { return "the section alone, measured across its corner"; }
-  bool linear() const override { return true; }
+  CapacitorMismatch()
+      : Effect({.name = "capacitor_mismatch",
+                .what = "a section's pole or zero is shifted by its capacitor ratio",
+                .confused_with = {"opamp_bandwidth", "gain_error"},
+                .experiment = "the section alone, measured across its corner",
+                .linear = true}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     for (std::size_t at : scene.base_places()) {
       const auto& section = scene.model->at(at);

@@ -57,33 +57,26 @@ constexpr std::size_t kMostOfOneOrLogarithmic = 3;
 /// y = u + c sum over decades of relaxations, equally strong at every time constant between two: after a step
 /// c log10(t) (J. F. Curie's law; K. Kuhnen, 2003). In a response, where free relaxations are more than it tells, the
 /// strength and the fastest one are its only unknowns; or the slowest one too.
-struct LogarithmicCreep {
-  int id = 0;
-  int count = 0;
-
-  void write(Model& model, double gain_per_decade, double fastest_s, double slowest_s) const {
-    const double decades = std::log10(slowest_s / fastest_s);
-    std::vector<double> times;
-    for (int k = 0; k < count; ++k)
-      times.push_back(fastest_s * std::pow(slowest_s / fastest_s, (k + 0.5) / count));
-    model.block(id)
-        .set("time_constants_s", times)
-        .set("gains", std::vector<double>(times.size(), gain_per_decade * decades / count));
-  }
-};
+void write_logarithmic(chain::Block& block, int count, double gain_per_decade, double fastest_s,
+                       double slowest_s) {
+  const double decades = std::log10(slowest_s / fastest_s);
+  std::vector<double> times;
+  for (int k = 0; k < count; ++k)
+    times.push_back(fastest_s * std::pow(slowest_s / fastest_s, (k + 0.5) / count));
+  block.set("time_constants_s", times)
+      .set("gains", std::vector<double>(times.size(), gain_per_decade * decades / count));
+}
 
 class Creep final : public Effect {
  public:
-  std::string_view name() const override { return "creep"; }
-  std::string_view what() const override {
-    return "slow relaxation, logarithmic or of several time constants";
-  }
-  std::vector<std::string_view> confused_with() const override {
-    return {"drift", "rate_dependence", "hysteresis"};
-  }
-  std::string_view experiment() const override { return "a long record after one step"; }
-  bool linear() const override { return true; }
-  bool independent_of_input() const override { return true; }
+  Creep()
+      : Effect({.name = "creep",
+                .what = "slow relaxation, logarithmic or of several time constants",
+                .confused_with = {"drift", "rate_dependence", "hysteresis"},
+                .experiment = "a long record after one step",
+                .linear = true,
+                .independent_of_input = true,
+                .places_a_round = 3}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     const double slow = scene.frequency_only ? 1.0 / scene.low_hz : 0.7 * scene.duration_s;
     const double fast = 0.08 / scene.band_hz;
@@ -114,7 +107,6 @@ class Creep final : public Effect {
       out.push_back(insert_block(scene, *this, at, many, unknowns, {gains}));
     }
   }
-  int places_a_round() const override { return 3; }
   /// A fastest relaxation as strong as it may be is a lag beside the others.
   bool is_no_name(const Model&, const Term& term, const Scene&) const override {
     const auto& unknowns = term.unknowns;
@@ -129,33 +121,25 @@ class Creep final : public Effect {
  private:
   void propose_logarithmic(const Scene& scene, std::size_t at, double fast, double slow, bool slowest_free,
                            std::vector<Proposal>& out) const {
-    Model model = *scene.model;
-    Term term;
-    term.effect = this;
-    term.placed = model.placed(at);
     const double slowest = kSlowest * slow;
-    LogarithmicCreep creep;
-    creep.count = kOfDecade * whole_number<int>(std::ceil(std::log10(slowest / fast)), 1, 20);
+    const int count = kOfDecade * whole_number<int>(std::ceil(std::log10(slowest / fast)), 1, 20);
     auto block = chain::make_block("creep");
-    const std::vector<double> zeros(static_cast<std::size_t>(creep.count), 0.0);
+    const std::vector<double> zeros(static_cast<std::size_t>(count), 0.0);
     block.set("gains", zeros).set("time_constants_s", std::vector<double>(zeros.size(), slow));
-    creep.id = model.insert(at, std::move(block));
-    term.blocks = {creep.id};
-    term.unknowns = {linear_unknown("gain_per_decade", 0.0, 1.0, 0.05),
-                     logarithmic_unknown("fastest_s", 0.3 * fast, 0.5 * slow)};
-    if (slowest_free) term.unknowns.push_back(logarithmic_unknown("slowest_s", 2.0 * fast, slowest));
-    term.unknowns[1].unit = "s";
+    std::vector<Unknown> unknowns = {linear_unknown("gain_per_decade", 0.0, 1.0, 0.05),
+                                     logarithmic_unknown("fastest_s", 0.3 * fast, 0.5 * slow)};
+    if (slowest_free) unknowns.push_back(logarithmic_unknown("slowest_s", 2.0 * fast, slowest));
     Starts starts;
     for (const auto& [from, to] : {std::pair(0.2, 0.55), std::pair(0.5, 0.85), std::pair(0.15, 0.85)}) {
       starts.push_back({0.02, fast * std::pow(slow / fast, from)});
       if (slowest_free) starts.back().push_back(fast * std::pow(slow / fast, to));
     }
-    term.write = [creep, slowest](Model& m, std::span<const double> v) {
-      // The order may be lost on the way of a fit.
-      const double last = v.size() > 2 ? std::max(v[2], 1.01 * v[1]) : slowest;
-      creep.write(m, v[0], v[1], last);
-    };
-    out.push_back(propose_term(std::move(model), std::move(term), std::move(starts)));
+    out.push_back(insert_block(scene, *this, at, block, unknowns, starts,
+                               [count, slowest](chain::Block& b, std::span<const double> v) {
+                                 // The order may be lost on the way of a fit.
+                                 const double last = v.size() > 2 ? std::max(v[2], 1.01 * v[1]) : slowest;
+                                 write_logarithmic(b, count, v[0], v[1], last);
+                               }));
   }
 };
 

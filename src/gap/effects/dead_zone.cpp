@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
@@ -13,14 +12,11 @@ constexpr double kRarely = 0.02;
 
 class DeadZone final : public Effect {
  public:
-  std::string_view name() const override { return "dead_zone"; }
-  std::string_view what() const override { return "no response near zero"; }
-  std::vector<std::string_view> confused_with() const override {
-    return {"backlash", "cubic_nonlinearity", "gain_error", "offset"};
-  }
-  std::string_view experiment() const override {
-    return "a small drive around zero: a dead zone passes nothing";
-  }
+  DeadZone()
+      : Effect({.name = "dead_zone",
+                .what = "no response near zero",
+                .confused_with = {"backlash", "cubic_nonlinearity", "gain_error", "offset"},
+                .experiment = "a small drive around zero: a dead zone passes nothing"}) {}
   bool must_explain_all(const Scene& scene) const override { return memory_may_bend(scene, 0); }
   /// Of a signal that stays on one side it takes off a constant.
   bool is_far_fetched(const Model& model, const Scene& scene) const override {
@@ -37,7 +33,6 @@ class DeadZone final : public Effect {
     return std::max(above, below) > (1.0 - kRarely) * static_cast<double>(values.size());
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    if (scene.frequency_only) return;
     for (std::size_t at : scene.static_places()) {
       const auto& signal = scene.boundary[at];
       const double size = signal.size();

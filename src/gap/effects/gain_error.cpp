@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 
@@ -9,11 +6,12 @@ namespace {
 
 class GainError final : public Effect {
  public:
-  std::string_view name() const override { return "gain_error"; }
-  std::string_view what() const override { return "a static gain differs"; }
-  std::vector<std::string_view> confused_with() const override { return {"multiplier_error", "saturation"}; }
-  std::string_view experiment() const override { return "a static gain test at several input levels"; }
-  bool linear() const override { return true; }
+  GainError()
+      : Effect({.name = "gain_error",
+                .what = "a static gain differs",
+                .confused_with = {"multiplier_error", "saturation"},
+                .experiment = "a static gain test at several input levels",
+                .linear = true}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     // A gain that may be fitted is no error.
     if (is_refitted(*scene.model, "gain")) return;

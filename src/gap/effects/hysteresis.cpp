@@ -15,16 +15,15 @@ constexpr std::size_t kMaxSamplesWithSharpness = 5000;
 
 class Hysteresis final : public Effect {
  public:
-  std::string_view name() const override { return "hysteresis"; }
-  std::string_view what() const override { return "rate-independent memory"; }
-  std::vector<std::string_view> confused_with() const override {
-    return {"backlash", "creep", "time_delay", "rate_dependence"};
-  }
-  std::string_view experiment() const override {
-    return "loops of several amplitudes at two frequencies: memory keeps its loop when the frequency changes";
+  Hysteresis()
+      : Effect(
+            {.name = "hysteresis",
+             .what = "rate-independent memory",
+             .confused_with = {"backlash", "creep", "time_delay", "rate_dependence"},
+             .experiment =
+                 "loops of several amplitudes at two frequencies: memory keeps its loop when the frequency changes"}) {
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    if (scene.frequency_only) return;
     for (std::size_t at : scene.memory_places()) {
       const double half = 0.5 * scene.boundary[at].span();
       if (!(half > 0.0)) continue;
@@ -48,16 +47,11 @@ class Hysteresis final : public Effect {
   /// y = u - z with gamma as a share of beta, and beta for a signal of half range 1 (whatever its unit): a
   /// smooth loop that the plays only follow in corners.
   Proposal bouc_wen(const Scene& scene, std::size_t at, double half, bool sharpness) const {
-    Model model = *scene.model;
-    Term term;
-    term.effect = this;
-    term.placed = model.placed(at);
     auto block = chain::make_block("bouc_wen").set("k", 1.0).set("A", 0.1).set("beta", 1.0).set("gamma", 0.0);
-    const int id = model.insert(at, std::move(block));
-    term.blocks = {id};
-    term.unknowns = {linear_unknown("A", -3.0, 0.9, 0.1), logarithmic_unknown("beta", 0.02, 20.0),
-                     linear_unknown("gamma_over_beta", -0.9, 1.0, 0.2), linear_unknown("n", 1.0, 2.0, 0.3)};
-    if (!sharpness) term.unknowns.pop_back();
+    std::vector<Unknown> unknowns = {
+        linear_unknown("A", -3.0, 0.9, 0.1), logarithmic_unknown("beta", 0.02, 20.0),
+        linear_unknown("gamma_over_beta", -0.9, 1.0, 0.2), linear_unknown("n", 1.0, 2.0, 0.3)};
+    if (!sharpness) unknowns.pop_back();
     Starts starts;
     for (double a : {0.1, -0.1}) {
       for (double beta : {1.0, 5.0}) {
@@ -65,12 +59,12 @@ class Hysteresis final : public Effect {
         if (sharpness) starts.back().push_back(1.1);
       }
     }
-    term.write = [id, half](Model& m, std::span<const double> v) {
-      const double n = v.size() > 3 ? v[3] : 1.0;
-      const double beta = v[1] / std::pow(half, n);
-      m.block(id).set("A", v[0]).set("beta", beta).set("gamma", v[2] * beta).set("n", n);
-    };
-    return propose_term(std::move(model), std::move(term), std::move(starts));
+    return insert_block(scene, *this, at, block, unknowns, starts,
+                        [half](chain::Block& b, std::span<const double> v) {
+                          const double n = v.size() > 3 ? v[3] : 1.0;
+                          const double beta = v[1] / std::pow(half, n);
+                          b.set("A", v[0]).set("beta", beta).set("gamma", v[2] * beta).set("n", n);
+                        });
   }
 };
 

@@ -116,17 +116,16 @@ Line largest_near(const Scene& scene, double nominal_hz) {
 
 class MainsHum final : public Effect {
  public:
-  std::string_view name() const override { return "mains_hum"; }
-  std::string_view what() const override { return "a sinusoid of the mains is added"; }
-  std::vector<std::string_view> confused_with() const override { return {"resonance"}; }
-  std::string_view experiment() const override { return "a record without drive: hum stays"; }
-  bool independent_of_input() const override { return true; }
-  /// The mains and its harmonics are separate lines.
-  bool repeatable() const override { return true; }
+  MainsHum()
+      : Effect({.name = "mains_hum",
+                .what = "a sinusoid of the mains is added",
+                .confused_with = {"resonance"},
+                .experiment = "a record without drive: hum stays",
+                .independent_of_input = true,
+                .repeatable = true}) {}
   /// One line each, its frequency free within the grid's tolerance (above half the sampling rate it shows as
   /// its alias), its size and phase each record's own.
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    if (scene.frequency_only) return;
     std::vector<Line> lines;
     const double rate = 1.0 / scene.step_s;
     for (double mains : {50.0, 60.0}) {

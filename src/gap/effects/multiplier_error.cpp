@@ -75,18 +75,13 @@ void write_powers(chain::Block& block, const Powers& powers, std::vector<double>
 
 class MultiplierError final : public Effect {
  public:
-  std::string_view name() const override { return "multiplier_error"; }
-  std::string_view what() const override {
-    return "scale, feedthrough or offset of a multiplier in the chain";
-  }
-  std::vector<std::string_view> confused_with() const override {
-    return {"gain_error", "quadratic_nonlinearity", "offset"};
-  }
-  std::string_view experiment() const override {
-    return "the disturbance generator alone, swept from end to end";
-  }
+  MultiplierError()
+      : Effect({.name = "multiplier_error",
+                .what = "scale, feedthrough or offset of a multiplier in the chain",
+                .confused_with = {"gain_error", "quadratic_nonlinearity", "offset"},
+                .experiment = "the disturbance generator alone, swept from end to end",
+                .places_a_round = 4}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    if (scene.frequency_only) return;
     for (std::size_t at : scene.base_places()) {
       const auto& block = scene.model->at(at);
       if (block.has("scale_v")) propose_in_multiplier(scene, at, out);
@@ -109,7 +104,6 @@ class MultiplierError final : public Effect {
       }
     }
   }
-  int places_a_round() const override { return 4; }
 
  private:
   static std::size_t degree_of(const std::vector<Powers>& powers) {

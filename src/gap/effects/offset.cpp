@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 
@@ -9,18 +6,15 @@ namespace {
 
 class Offset final : public Effect {
  public:
-  std::string_view name() const override { return "offset"; }
-  std::string_view what() const override { return "a constant is added"; }
-  std::vector<std::string_view> confused_with() const override {
-    return {"quadratic_nonlinearity", "quadratic_stiffness", "drift"};
-  }
-  std::string_view experiment() const override {
-    return "the same drive at two amplitudes: an offset stays, a curvature grows with the square";
-  }
-  int places_a_round() const override { return 3; }
-  bool adds_one_signal() const override { return true; }
+  Offset()
+      : Effect({.name = "offset",
+                .what = "a constant is added",
+                .confused_with = {"quadratic_nonlinearity", "quadratic_stiffness", "drift"},
+                .experiment =
+                    "the same drive at two amplitudes: an offset stays, a curvature grows with the square",
+                .adds_one_signal = true,
+                .places_a_round = 3}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    if (scene.frequency_only) return;
     for (std::size_t at : places(scene)) {
       const double size = scene.boundary[at].size();
       out.push_back(insert_block(scene, *this, at, chain::make_block("gain").set("gain", 1.0),

@@ -36,13 +36,12 @@ void write_two_poles(Model& model, const SlowSection& section, double gain_bandw
 
 class OpampBandwidth final : public Effect {
  public:
-  std::string_view name() const override { return "opamp_bandwidth"; }
-  std::string_view what() const override { return "finite gain-bandwidth of a section's op-amp"; }
-  std::vector<std::string_view> confused_with() const override {
-    return {"amplifier_pole", "time_delay", "capacitor_mismatch"};
-  }
-  std::string_view experiment() const override { return "the section alone, measured a decade higher"; }
-  bool linear() const override { return true; }
+  OpampBandwidth()
+      : Effect({.name = "opamp_bandwidth",
+                .what = "finite gain-bandwidth of a section's op-amp",
+                .confused_with = {"amplifier_pole", "time_delay", "capacitor_mismatch"},
+                .experiment = "the section alone, measured a decade higher",
+                .linear = true}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     std::vector<std::size_t> sections;
     for (std::size_t at : scene.base_places()) {
@@ -81,7 +80,6 @@ class OpampBandwidth final : public Effect {
     term.part = join(parts, ", ");
     term.placed = (numbers.size() > 1 ? "inside blocks " : "inside block ") + join(numbers, ", ");
     term.unknowns = {logarithmic_unknown("gain_bandwidth_hz", 0.5 * scene.band_hz, 1e4 * scene.band_hz)};
-    term.unknowns[0].unit = "Hz";
     Starts starts;
     for (double factor : {100.0, 20.0, 4.0}) starts.push_back({factor * scene.band_hz});
     term.write = [found, inverting](Model& m, std::span<const double> v) {

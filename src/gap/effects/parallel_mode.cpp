@@ -70,15 +70,16 @@ struct ModePlace {
 
 class ParallelMode final : public Effect {
  public:
-  std::string_view name() const override { return "parallel_mode"; }
-  std::string_view what() const override { return "a second-order mode beside the path, of either sign"; }
-  std::vector<std::string_view> confused_with() const override { return {"resonance", "time_delay"}; }
-  std::string_view experiment() const override {
-    return "a sweep through the suspected frequency and the zero beside it, and the same with the sensor elsewhere";
-  }
-  bool linear() const override { return true; }
-  /// Each has a frequency of its own.
-  bool repeatable() const override { return true; }
+  ParallelMode()
+      : Effect(
+            {.name = "parallel_mode",
+             .what = "a second-order mode beside the path, of either sign",
+             .confused_with = {"resonance", "time_delay"},
+             .experiment =
+                 "a sweep through the suspected frequency and the zero beside it, and the same with the sensor elsewhere",
+             .linear = true,
+             .repeatable = true,
+             .places_a_round = 3}) {}
   bool is_no_name(const Model& model, const Term& last, const Scene& scene) const override {
     const double hz = last.unknowns[0].value;
     if (hz > scene.top_hz || (scene.frequency_only && hz < scene.low_hz)) return true;
@@ -111,7 +112,6 @@ class ParallelMode final : public Effect {
                   "beside block " + std::to_string(scene.model->base_number(at)), out);
     }
   }
-  int places_a_round() const override { return 3; }
 
  private:
   static bool cancel(const Term& a, const Term& b) {
@@ -185,7 +185,6 @@ class ParallelMode final : public Effect {
     term.unknowns = {logarithmic_unknown("natural_frequency_hz", 0.3 * scene.low_hz, 3.0 * scene.top_hz),
                      logarithmic_unknown("damping_ratio", 1e-3, kMaxParallelDamping),
                      linear_unknown("gain", -kMaxShare, kMaxShare, kTypicalShare)};
-    term.unknowns[0].unit = "Hz";
     term.write = [place](Model& m, std::span<const double> v) { place.write(m, v[0], v[1], v[2]); };
     term.undo = [place](Model& m) { place.clear(m); };
     out.push_back(propose_term(std::move(model), std::move(term), std::move(starts)));

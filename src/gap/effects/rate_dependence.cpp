@@ -15,13 +15,12 @@ constexpr double kOneRelaxationRatio = 0.5;
 
 class RateDependence final : public Effect {
  public:
-  std::string_view name() const override { return "rate_dependence"; }
-  std::string_view what() const override { return "the gain changes with frequency by a fractional order"; }
-  std::vector<std::string_view> confused_with() const override {
-    return {"amplifier_pole", "creep", "time_delay"};
-  }
-  std::string_view experiment() const override { return "a sweep over more decades"; }
-  bool linear() const override { return true; }
+  RateDependence()
+      : Effect({.name = "rate_dependence",
+                .what = "the gain changes with frequency by a fractional order",
+                .confused_with = {"amplifier_pole", "creep", "time_delay"},
+                .experiment = "a sweep over more decades",
+                .linear = true}) {}
   /// With corners close together it is one relaxation. Between its corners the gain falls like that of logarithmic creep with these time constants.
   bool is_far_fetched(const Model& model, const Scene& scene) const override {
     const auto& block = model.at(model.position_of(model.terms().back().blocks.front()));

@@ -1,4 +1,3 @@
-#include <algorithm>
 #include <cmath>
 
 #include "chain/registry.hpp"
@@ -12,12 +11,13 @@ constexpr double kMaxDamping = 0.7;
 
 class Resonance final : public Effect {
  public:
-  std::string_view name() const override { return "resonance"; }
-  std::string_view what() const override { return "a second-order mode"; }
-  std::vector<std::string_view> confused_with() const override { return {"amplifier_pole", "time_delay"}; }
-  std::string_view experiment() const override { return "a sweep through the suspected frequency"; }
-  bool linear() const override { return true; }
-  bool repeatable_in_response() const override { return true; }
+  Resonance()
+      : Effect({.name = "resonance",
+                .what = "a second-order mode",
+                .confused_with = {"amplifier_pole", "time_delay"},
+                .experiment = "a sweep through the suspected frequency",
+                .linear = true,
+                .repeatable_in_response = true}) {}
   /// Above what is sampled it is a lag.
   bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
     return !scene.frequency_only && term.unknowns.front().value > scene.top_hz;

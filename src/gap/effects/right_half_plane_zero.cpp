@@ -15,17 +15,14 @@ constexpr std::array kPoleOverZero = {0.3, 1.0, 3.0, 10.0};
 
 class RightHalfPlaneZero final : public Effect {
  public:
-  std::string_view name() const override { return "right_half_plane_zero"; }
-  std::string_view what() const override {
-    return "a zero in the right half-plane: a step begins the wrong way";
-  }
-  std::vector<std::string_view> confused_with() const override {
-    return {"time_delay", "sample_hold", "parallel_mode"};
-  }
-  std::string_view experiment() const override {
-    return "a sweep to higher frequencies: the phase of a zero comes to an end, a delay's does not";
-  }
-  bool linear() const override { return true; }
+  RightHalfPlaneZero()
+      : Effect({.name = "right_half_plane_zero",
+                .what = "a zero in the right half-plane: a step begins the wrong way",
+                .confused_with = {"time_delay", "sample_hold", "parallel_mode"},
+                .experiment =
+                    "a sweep to higher frequencies: the phase of a zero comes to an end, a delay's does not",
+                .linear = true,
+                .places_a_round = 3}) {}
   /// Far above the band it is a delay, and a small part of many other shapes.
   bool is_far_fetched(const Model& /*model*/, const Scene& /*scene*/) const override { return true; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
@@ -48,25 +45,17 @@ class RightHalfPlaneZero final : public Effect {
           both));
     }
   }
-  int places_a_round() const override { return 3; }
 
  private:
   /// The all-pass, or a zero without a pole.
   Proposal one_corner(const Scene& scene, std::size_t at, double low, double high, bool all_pass,
                       const Starts& starts) const {
-    Model model = *scene.model;
-    Term term;
-    term.effect = this;
-    term.placed = model.placed(at);
-    const int id = model.insert(at, chain::make_block("right_half_plane_zero"));
-    term.blocks = {id};
-    term.unknowns = {logarithmic_unknown(all_pass ? "corner_hz" : "right_zero_hz", low, high)};
-    term.unknowns[0].unit = "Hz";
     const double far = kPoleOutOfTheWay * scene.top_hz;
-    term.write = [id, all_pass, far](Model& m, std::span<const double> v) {
-      m.block(id).set("right_zero_hz", v[0]).set("pole_hz", all_pass ? v[0] : far);
-    };
-    return propose_term(std::move(model), std::move(term), starts);
+    return insert_block(scene, *this, at, chain::make_block("right_half_plane_zero"),
+                        {logarithmic_unknown(all_pass ? "corner_hz" : "right_zero_hz", low, high)}, starts,
+                        [all_pass, far](chain::Block& b, std::span<const double> v) {
+                          b.set("right_zero_hz", v[0]).set("pole_hz", all_pass ? v[0] : far);
+                        });
   }
 };
 

@@ -27,15 +27,14 @@ chain::Block hold_block(bool half, double clock_hz) {
 
 class SampleHold final : public Effect {
  public:
-  std::string_view name() const override { return "sample_hold"; }
-  std::string_view what() const override { return "a clocked hold: droop and half a cycle of delay"; }
-  std::vector<std::string_view> confused_with() const override { return {"time_delay", "amplifier_pole"}; }
-  bool linear() const override { return true; }
-  bool starts_from_residual() const override { return true; }
-  int places_a_round() const override { return 4; }
-  std::string_view experiment() const override {
-    return "a faster clock, or a record sampled much faster than it";
-  }
+  SampleHold()
+      : Effect({.name = "sample_hold",
+                .what = "a clocked hold: droop and half a cycle of delay",
+                .confused_with = {"time_delay", "amplifier_pole"},
+                .experiment = "a faster clock, or a record sampled much faster than it",
+                .linear = true,
+                .starts_from_residual = true,
+                .places_a_round = 4}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (scene.frequency_only) {
       propose_in_response(scene, out);

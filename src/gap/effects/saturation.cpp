@@ -1,5 +1,4 @@
 #include <algorithm>
-#include <cmath>
 
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
@@ -10,19 +9,15 @@ namespace {
 
 class Saturation final : public Effect {
  public:
-  std::string_view name() const override { return "saturation"; }
-  std::string_view what() const override { return "the amplitude is limited"; }
-  std::vector<std::string_view> confused_with() const override {
-    return {"cubic_nonlinearity", "gain_error", "quadratic_nonlinearity"};
-  }
-  std::string_view experiment() const override {
-    return "a slow ramp to the ends of the range: a limit is flat";
-  }
   /// A clip anywhere in the chain is likelier than memory with many unknowns.
-  int places_a_round() const override { return 5; }
+  Saturation()
+      : Effect({.name = "saturation",
+                .what = "the amplitude is limited",
+                .confused_with = {"cubic_nonlinearity", "gain_error", "quadratic_nonlinearity"},
+                .experiment = "a slow ramp to the ends of the range: a limit is flat",
+                .places_a_round = 5}) {}
   bool must_explain_all(const Scene& scene) const override { return memory_may_bend(scene, 0); }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    if (scene.frequency_only) return;
     for (std::size_t at : scene.static_places()) {
       const auto& signal = scene.boundary[at];
       const double span = signal.span();

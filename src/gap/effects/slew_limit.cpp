@@ -21,16 +21,12 @@ double measured_slope(const Scene& scene, double q) {
 
 class SlewLimit final : public Effect {
  public:
-  std::string_view name() const override { return "slew_limit"; }
-  std::string_view what() const override { return "the rate of change is limited"; }
-  std::vector<std::string_view> confused_with() const override {
-    return {"amplifier_pole", "saturation", "opamp_bandwidth"};
-  }
-  std::string_view experiment() const override {
-    return "the same step at two amplitudes: the ramp's slope stays";
-  }
+  SlewLimit()
+      : Effect({.name = "slew_limit",
+                .what = "the rate of change is limited",
+                .confused_with = {"amplifier_pole", "saturation", "opamp_bandwidth"},
+                .experiment = "the same step at two amplitudes: the ramp's slope stays"}) {}
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    if (scene.frequency_only) return;
     for (std::size_t at : scene.static_places()) {
       const auto& signal = scene.boundary[at];
       const double fastest = signal.slope_quantile(1.0);

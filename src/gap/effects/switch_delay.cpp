@@ -11,17 +11,17 @@ constexpr double kFinest = 0.03;
 
 class SwitchDelay final : public Effect {
  public:
-  std::string_view name() const override { return "switch_delay"; }
-  std::string_view what() const override { return "the branch switch acts late"; }
-  std::vector<std::string_view> confused_with() const override { return {"time_delay", "backlash"}; }
-  std::string_view experiment() const override {
-    return "a fast and a slow triangle: the wrong stretch after a turn lasts the same time in both";
-  }
+  SwitchDelay()
+      : Effect(
+            {.name = "switch_delay",
+             .what = "the branch switch acts late",
+             .confused_with = {"time_delay", "backlash"},
+             .experiment =
+                 "a fast and a slow triangle: the wrong stretch after a turn lasts the same time in both"}) {}
   bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
     return scene.is_between_samples(term.unknowns.front().value);
   }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
-    if (scene.frequency_only) return;
     for (std::size_t at : places_of_unused(scene, "switch_delay_s")) {
       const double step = scene.step_s;
       // Every turn moves with the delay across samples, so the sum of squares is hilly: a comb over what is possible, a

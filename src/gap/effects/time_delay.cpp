@@ -1,6 +1,3 @@
-#include <algorithm>
-#include <cmath>
-
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
 
@@ -9,15 +6,12 @@ namespace {
 
 class TimeDelay final : public Effect {
  public:
-  std::string_view name() const override { return "time_delay"; }
-  std::string_view what() const override { return "the signal arrives later"; }
-  std::vector<std::string_view> confused_with() const override {
-    return {"amplifier_pole", "sample_hold", "rate_dependence"};
-  }
-  std::string_view experiment() const override {
-    return "a sweep to higher frequencies: a pole loses gain, a delay does not";
-  }
-  bool linear() const override { return true; }
+  TimeDelay()
+      : Effect({.name = "time_delay",
+                .what = "the signal arrives later",
+                .confused_with = {"amplifier_pole", "sample_hold", "rate_dependence"},
+                .experiment = "a sweep to higher frequencies: a pole loses gain, a delay does not",
+                .linear = true}) {}
   bool is_no_name(const Model&, const Term& term, const Scene& scene) const override {
     return scene.is_between_samples(term.unknowns.front().value);
   }

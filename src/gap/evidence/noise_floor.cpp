@@ -57,8 +57,6 @@ NoiseFloor floor_from_periods(const std::vector<double>& residual, std::size_t f
   floor.rms = std::sqrt(variance);
   floor.period = period;
   floor.periods = static_cast<int>(periods);
-  const double mean_square = rms(average) * rms(average);
-  floor.repeating_rms = std::sqrt(std::max(0.0, mean_square - variance / static_cast<double>(periods)));
   const auto bins = half_spectrum(average);
   const double n = static_cast<double>(period);
   double odd = 0.0;

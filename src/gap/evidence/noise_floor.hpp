@@ -16,7 +16,6 @@ struct NoiseFloor {
   std::size_t period = 0;  ///< samples; 0: of a response
   int periods = 0;
   /// rms of the part that repeats (periods only): the gap proper; of its harmonics, odd and even ones.
-  double repeating_rms = 0.0;
   double odd_rms = 0.0;
   double even_rms = 0.0;
 };

@@ -23,8 +23,7 @@ double outside_by(const std::vector<Sign>& signs) {
 }
 
 bool is_repeatable(const std::string& name) {
-  const Effect& effect = effect_registry().get(name);
-  return effect.repeatable() || effect.repeatable_in_response();
+  return effect_registry().get(name).facts().may_repeat(true);
 }
 
 /// All sets of one name a step, most probable first. A name that is there already is no other one: the set is a smaller one and

@@ -18,14 +18,6 @@ constexpr double kMaxFactor = 1e3;
 
 }  // namespace
 
-std::size_t Term::effective_unknowns() const {
-  const auto in_use = std::count_if(unknowns.begin(), unknowns.end(), [](const Unknown& u) {
-    const bool largest_weight = !u.logarithmic && u.low == 0.0 && u.value >= u.high;
-    return !u.at_bound() || largest_weight;
-  });
-  return std::max<std::size_t>(1, static_cast<std::size_t>(in_use));
-}
-
 Model::Model(const chain::Chain& base) : start_(base.start) {
   int number = 0;
   for (const auto& block : base.blocks) {

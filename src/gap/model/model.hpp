@@ -60,10 +60,6 @@ struct Term {
   double log_prior = 0.0;
   /// What it writes depends on base blocks, which other terms may change: it is written after those.
   bool reads_base_blocks = false;
-
-  /// Unknowns that do not rest at a bound, 1 at least: weights of 0 cost nothing. Weights that are as large as they can
-  /// be count.
-  std::size_t effective_unknowns() const;
 };
 
 /// The base chain together with the terms found so far, and one vector of everything a fit may change: the

@@ -90,7 +90,7 @@ bool memory_may_bend(const Scene& scene, std::size_t at) {
   const bool memory = std::any_of(terms.begin(), terms.end(),
                                   [](const Term& term) { return term.effect->name() == "hysteresis"; });
   const bool lag =
-      std::any_of(terms.begin(), terms.end(), [](const Term& term) { return term.effect->linear(); });
+      std::any_of(terms.begin(), terms.end(), [](const Term& term) { return term.effect->facts().linear; });
   return (memory && is_one_loop(scene, at)) || (lag && is_one_loop_of_one_speed(scene, at));
 }
 

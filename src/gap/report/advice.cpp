@@ -11,10 +11,11 @@ namespace {
 
 /// The experiments that would tell a step's tied effects apart.
 std::string experiments_for(const DiagnosedStep& step) {
-  std::string text = fmt::format("These records cannot tell {} from {}; what would: {}", step.effect,
-                                 join(step.tied_with, ", "), effect_registry().get(step.effect).experiment());
+  std::string text =
+      fmt::format("These records cannot tell {} from {}; what would: {}", step.effect,
+                  join(step.tied_with, ", "), effect_registry().get(step.effect).facts().experiment);
   for (const auto& tied : step.tied_with) {
-    const std::string other(effect_registry().get(tied).experiment());
+    const std::string other(effect_registry().get(tied).facts().experiment);
     if (text.find(other) == std::string::npos) text += "; " + other;
   }
   return text + ".";

@@ -9,8 +9,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Significances above this are all alike to a reader.
-
 std::string percent_text(double share) {
   return fmt::format("{:.1f} %", 100.0 * share);
 }

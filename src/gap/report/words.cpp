@@ -83,7 +83,8 @@ std::string parameter_text(const std::string& name, double value) {
 }
 
 std::string step_in_words(const DiagnosedStep& s) {
-  std::string text = fmt::format("{} ({}): {}.", s.effect, s.placed, effect_registry().get(s.effect).what());
+  std::string text =
+      fmt::format("{} ({}): {}.", s.effect, s.placed, effect_registry().get(s.effect).facts().what);
   if (!s.parameters.empty()) {
     std::string values = values_in_words(s.parameters);
     if (values.front() >= 'a' && values.front() <= 'z')

@@ -159,7 +159,7 @@ std::optional<PlacedSet> grown(const SearchSetting& setting, Beam& beam, const P
   const auto& options = setting.options;
   const bool quiet = is_at_floor(options, set.model, beam.records);
   const EffectFilter filter = [&](const Effect& effect) {
-    return (!quiet || effect.independent_of_input()) && beam.barred.count(&effect) == 0;
+    return (!quiet || effect.facts().independent_of_input) && beam.barred.count(&effect) == 0;
   };
   auto round = fit_round(setting, beam.records, set.model, filter);
   if (options.stopped()) return std::nullopt;

@@ -197,7 +197,7 @@ void share_values(const SearchSetting& setting, const SearchRecords& records,
     const auto& term = candidates[racers[i].candidate].proposal.model.terms().back();
     const auto* effect = term.effect;
     // A base block's own values are no other's.
-    if (!effect->linear() || term.undo) continue;
+    if (!effect->facts().linear || term.undo) continue;
     for (const auto& other : racers) {
       if (candidates[other.candidate].proposal.model.terms().back().effect != effect) continue;
       if (!(other.now.result.rms < limits.in_the_running * leader)) continue;

@@ -34,7 +34,7 @@ double explained(double before, double after) {
 double gap_to_explain(const SearchSetting& setting, const Model& without, double rms_without) {
   const auto& terms = without.terms();
   const bool no_form = std::all_of(terms.begin(), terms.end(), [](const Term& term) {
-    return term.effect->adds_one_signal() || term.effect->independent_of_input();
+    return term.effect->facts().adds_one_signal || term.effect->facts().independent_of_input;
   });
   return no_form ? rms_without : setting.first_gap;
 }
@@ -56,7 +56,7 @@ std::vector<Ranked> firsts_among(const SearchSetting& setting, const SearchRecor
   std::set<const Effect*> there;
   for (const auto& r : ranking) there.insert(r.effect);
   auto more = fit_whatever_is_promised(setting, records, before, [&](const Effect& effect) {
-    return effect.adds_one_signal() && there.count(&effect) == 0;
+    return effect.facts().adds_one_signal && there.count(&effect) == 0;
   });
   std::move(more.begin(), more.end(), std::back_inserter(ranking));
   std::stable_sort(ranking.begin(), ranking.end(),

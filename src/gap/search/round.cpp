@@ -30,7 +30,7 @@ const Effect* effect_of(const Proposal& proposal) {
 bool repeats_earlier_term(const Proposal& proposal, bool in_response) {
   const auto& terms = proposal.model.terms();
   const auto* effect = terms.back().effect;
-  if (in_response ? effect->repeatable_in_response() : effect->repeatable()) return false;
+  if (effect->facts().may_repeat(in_response)) return false;
   return std::any_of(terms.begin(), terms.end() - 1,
                      [&](const Term& earlier) { return earlier.effect == effect; });
 }
@@ -44,7 +44,7 @@ std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecor
   scene.threads = setting.options.threads;
   std::vector<const Effect*> effects;
   for (const auto* effect : effect_registry().all()) {
-    if (scene.frequency_only && !effect->linear()) continue;
+    if (scene.frequency_only && !effect->facts().linear) continue;
     if (!filter || filter(*effect)) effects.push_back(effect);
   }
   std::vector<std::vector<Proposal>> of_each(effects.size());
@@ -53,7 +53,7 @@ std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecor
   std::vector<Proposal> proposals;
   for (std::size_t i = 0; i < effects.size(); ++i) {
     // Without its look at the residual it has no start values.
-    if (effects[i]->starts_from_residual() && of_each[i].empty() && scene.is_late())
+    if (effects[i]->facts().starts_from_residual && of_each[i].empty() && scene.is_late())
       missed.insert(effects[i]->name());
     std::move(of_each[i].begin(), of_each[i].end(), std::back_inserter(proposals));
   }
@@ -82,7 +82,7 @@ class Choice {
       if (p.score < min_score_ || p.z < min_promise_ || done.count(effect) != 0) continue;
       const std::size_t form = p.proposal.model.terms().back().unknowns.size();
       const bool new_form = forms_[effect].count(form) == 0;
-      if (places_[effect] >= effect->places_a_round() + more_forms_ + (new_form ? 1 : 0)) continue;
+      if (places_[effect] >= effect->facts().places_a_round + more_forms_ + (new_form ? 1 : 0)) continue;
       // What changes inside a base block is of that block alone, and may act for a short time only (behind
       // every turn): a small share of the whole does not keep it out.
       const bool inside = static_cast<bool>(p.proposal.model.terms().back().undo);
@@ -99,7 +99,7 @@ class Choice {
   std::set<const Effect*> close_for_another_look() {
     auto done = effects_;
     for (const auto* effect : effects_) {
-      if (!effect->starts_from_residual()) continue;
+      if (!effect->facts().starts_from_residual) continue;
       done.erase(effect);
       places_[effect] = 0;
     }

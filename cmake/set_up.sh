@@ -3,7 +3,7 @@
 set -euo pipefail
 cd "$(dirname "${BASH_SOURCE[0]}")/.."
 
-build_packages=(g++ cmake ninja-build ccache libeigen3-dev libsundials-dev libboost-dev libboost-program-options-dev
+build_packages=(g++ cmake ninja-build ccache libeigen3-dev libsundials-dev libsuitesparse-dev libboost-dev libboost-program-options-dev
   nlohmann-json3-dev libtomlplusplus-dev libfmt-dev libkainjow-mustache-dev libssl-dev libmatio-dev musl-dev)
 # libopenmpi-dev, openmpi-bin: yield under mpirun, which is optional;
 # clang-format, clang-tidy: .ci/lint.

@@ -1,23 +1,12 @@
 #include "numeric/sparse.hpp"
 
-#include <Eigen/SparseLU>
 #include <algorithm>
 #include <limits>
 #include <utility>
 
-#include "numeric/dense.hpp"
+#include "numeric/sparse_lu.hpp"
 
 namespace bodesmith {
-
-namespace {
-
-constexpr Eigen::Index kDenseUpTo = 100;
-
-Eigen::VectorXcd solve_as_dense(const SparseSystem& system) {
-  return solve_lu(system.dense(), system.b);
-}
-
-}  // namespace
 
 void SparseSystem::clear_row(Eigen::Index row) {
   a.erase(std::remove_if(a.begin(), a.end(), [row](const Entry& e) { return e.row == row; }), a.end());
@@ -35,17 +24,14 @@ Eigen::MatrixXcd SparseSystem::dense() const {
 
 Eigen::VectorXcd solve_sparse(const SparseSystem& system) {
   const Eigen::Index n = system.b.size();
-  if (n <= kDenseUpTo) return solve_as_dense(system);
   std::vector<Eigen::Triplet<std::complex<double>, int>> entries;
   entries.reserve(system.a.size());
   for (const SparseSystem::Entry& e : system.a)
     entries.emplace_back(static_cast<int>(e.row), static_cast<int>(e.column), e.value);
   Eigen::SparseMatrix<std::complex<double>> a(n, n);
   a.setFromTriplets(entries.begin(), entries.end());
-  Eigen::SparseLU<Eigen::SparseMatrix<std::complex<double>>, Eigen::COLAMDOrdering<int>> lu;
-  lu.compute(a);
-  if (lu.info() != Eigen::Success)
-    return Eigen::VectorXcd::Constant(n, std::numeric_limits<double>::quiet_NaN());
+  SparseLu<std::complex<double>> lu;
+  if (!lu.factorise(a)) return Eigen::VectorXcd::Constant(n, std::numeric_limits<double>::quiet_NaN());
   return lu.solve(system.b);
 }
 

@@ -24,8 +24,7 @@ struct SparseSystem {
   Eigen::MatrixXcd dense() const;
 };
 
-/// x: as a dense matrix (LU with partial pivoting) up to a hundred unknowns, from there by sparse LU, whose work grows with
-/// the number of unknowns instead of its cube. A singular system gives numbers that are not finite.
+/// x, by SparseLu. A singular system gives numbers that are not finite.
 Eigen::VectorXcd solve_sparse(const SparseSystem& system);
 
 }  // namespace bodesmith

@@ -210,6 +210,13 @@ PlantFamily read_plant(const std::string& file, double sigmas, Provenance& from)
   if (node.kind() == Node::Kind::object && node.string_or("schema", "") == "bodesmith.sections/1") {
     const Sections sections = Sections::from_node(node);
     out.band = corners_of(sections);
+    // Margins multiply and divide frequencies: beyond these the squares leave the range of doubles.
+    if (out.band && (out.band->from.value < 1e-50 || out.band->to.value > 1e50))
+      throw InputError(
+          file, 1,
+          fmt::format("corners at {:.3g} to {:.3g} Hz, expected a plant's corners within 1e-50 to "
+                      "1e50 Hz",
+                      out.band->from.value, out.band->to.value));
     add_sections(sections, deviations_of(node));
   } else {
     out.members.push_back({file, checked_model(file, from)});

@@ -4,6 +4,8 @@
 
 #include <random>
 
+#include "numeric/sparse_lu.hpp"
+
 namespace bodesmith {
 namespace {
 
@@ -50,6 +52,22 @@ TEST(Sparse, WhatHasNoSolutionIsNotFinite) {
   SparseSystem system = ring(120);
   system.clear_row(7);
   EXPECT_FALSE(solve_sparse(system).allFinite());
+}
+
+TEST(SparseLu, OnePatternIsFactorisedAgainAndAgain) {
+  Eigen::SparseMatrix<double> a(3, 3);
+  for (const auto& [row, column] : {std::pair(0, 0), {0, 2}, {1, 1}, {2, 0}, {2, 1}})
+    a.insert(row, column) = row + column + 1.0;
+  a.makeCompressed();
+  SparseLu<double> lu;
+  for (const double factor : {1.0, -3.0}) {
+    a *= factor;
+    ASSERT_TRUE(lu.factorise(a));
+    const Eigen::Vector3d b(1.0, 2.0, 3.0);
+    EXPECT_LT((a * lu.solve(b) - b).norm(), 1e-14);
+  }
+  a.coeffRef(0, 2) = 0.0;  // the last column is empty
+  EXPECT_FALSE(lu.factorise(a));
 }
 
 }  // namespace

@@ -226,6 +226,14 @@ TEST_F(Tune, ANonlinearModelIsRefused) {
   EXPECT_THROW(read_plants({(folder / "bent.toml").string()}, {}, from), InputError);
 }
 
+TEST_F(Tune, CornersBeyondTheRangeOfDoublesSquaresAreRefused) {
+  write_file(folder / "far.json",
+             R"({"schema": "bodesmith.sections/1", "sections": [{"gain": 1e-298, "zeros_rad_s": [[-1e300, 0]],
+                 "poles_rad_s": [[-10, 0], [-20, 0]]}]})");
+  Provenance from;
+  EXPECT_THROW(read_plants({(folder / "far.json").string()}, {}, from), InputError);
+}
+
 /// L(j w) from far below to far above its corners.
 template <class LoopFunction>
 bool stable(LoopFunction loop, int integrators) {

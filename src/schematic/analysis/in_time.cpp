@@ -2,13 +2,14 @@
 
 #include <fmt/format.h>
 
-#include <Eigen/SparseLU>
+#include <Eigen/SparseCore>
 #include <algorithm>
 #include <cmath>
 #include <limits>
 
 #include "base/error.hpp"
 #include "base/progress.hpp"
+#include "numeric/sparse_lu.hpp"
 #include "simulate/cvode_solver.hpp"
 
 namespace bodesmith::schematic {
@@ -39,44 +40,36 @@ using Sparse = Eigen::SparseMatrix<double>;
 }  // namespace
 
 struct InTime::Implementation {
-  /// Solves with matrices of one pattern that change little from one to the next: an LU is kept, rows scaled to about 1, as
-  /// long as a few corrections with it bring what is left to `share` of the right side.
+  /// Solves with matrices of one pattern that change little from one to the next: an LU is kept as long as a few corrections
+  /// with it bring what is left to `share` of the right side, rows scaled to about 1.
   class KeptLu {
    public:
     Eigen::VectorXd solve(const Sparse& a, const Eigen::VectorXd& b, double share) {
       if (known_) {
-        Eigen::VectorXd x = lu_.solve(scale_.cwiseProduct(b));
+        Eigen::VectorXd x = lu_.solve(b);
         const double wanted = share * scale_.cwiseProduct(b).lpNorm<Eigen::Infinity>();
         for (int i = 0; i < kMostCorrections; ++i) {
-          const Eigen::VectorXd left = scale_.cwiseProduct(b - a * x);
-          if (left.lpNorm<Eigen::Infinity>() <= wanted) return x;
+          const Eigen::VectorXd left = b - a * x;
+          if (scale_.cwiseProduct(left).lpNorm<Eigen::Infinity>() <= wanted) return x;
           x += lu_.solve(left);
         }
       }
-      if (factorise(a)) return lu_.solve(scale_.cwiseProduct(b));
-      known_ = false;
-      return Eigen::VectorXd::Constant(b.size(), std::numeric_limits<double>::quiet_NaN());
-    }
-
-   private:
-    static constexpr int kMostCorrections = 3;
-    bool factorise(const Sparse& a) {
+      known_ = lu_.factorise(a);
+      if (!known_) return Eigen::VectorXd::Constant(b.size(), std::numeric_limits<double>::quiet_NaN());
       scale_ = Eigen::VectorXd::Zero(a.rows());
       for (Eigen::Index k = 0; k < a.outerSize(); ++k) {
         for (Sparse::InnerIterator at(a, k); at; ++at)
           scale_(at.row()) = std::max(scale_(at.row()), std::abs(at.value()));
       }
       scale_ = scale_.cwiseInverse().eval();
-      scaled_ = scale_.asDiagonal() * a;
-      if (!known_) lu_.analyzePattern(scaled_);
-      known_ = true;
-      lu_.factorize(scaled_);
-      return lu_.info() == Eigen::Success;
+      return lu_.solve(b);
     }
+
+   private:
+    static constexpr int kMostCorrections = 3;
     bool known_ = false;
     Eigen::VectorXd scale_;
-    Sparse scaled_;
-    Eigen::SparseLU<Sparse, Eigen::COLAMDOrdering<int>> lu_;
+    SparseLu<double> lu_;
   };
 
   Implementation(const Netlist& given, Input input_of_time, const Assumptions& assumptions)

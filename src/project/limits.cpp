@@ -2,10 +2,26 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "base/json.hpp"
 #include "base/text.hpp"
 
 namespace bodesmith::project {
+namespace {
+
+/// Nothing where an engine that could say something is not there.
+std::optional<double> worst_agreement(const std::vector<EngineRow>& rows) {
+  std::optional<double> out;
+  for (const EngineRow& one : rows) {
+    if (!one.cvode_percent) continue;  // a board
+    if (!one.ngspice_percent || !one.agreement_percent) return std::nullopt;
+    out = std::max(out.value_or(0.0), *one.agreement_percent);
+  }
+  return out;
+}
+
+}  // namespace
 
 std::string LimitCheck::got_text() const {
   return got ? rounded_text(*got, 3) : "not made";
@@ -37,7 +53,7 @@ std::vector<LimitCheck> check_limits(const Project& project, const Design& desig
   if (design.circuit) got.circuit_db = design.circuit->best.judged.max_magnitude_db;
   if (const TrackedDesign* built = tracking.find(tracking.as_built))
     got.tracking_percent = built->worst_without_lag_percent();
-  got.agreement_percent = tracking.agreement_percent;
+  got.agreement_percent = worst_agreement(tracking.engines);
   return check_limits(project.limits, got);
 }
 

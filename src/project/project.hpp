@@ -98,7 +98,7 @@ struct Project {
     std::optional<double> fpaa_percent;
     std::optional<double> circuit_db;         ///< parts and op-amps together
     std::optional<double> tracking_percent;   ///< as built, worst rms of all frequencies, delay removed
-    std::optional<double> agreement_percent;  ///< of ngspice and CVODE on the analog controller's netlist
+    std::optional<double> agreement_percent;  ///< of all engines on one built thing (EngineRow)
     std::optional<double> yield_db;  ///< 95 of 100 circuits within it; projects without a disturbance
   } limits;
 

@@ -1,7 +1,6 @@
 #include "project/alternative_hardware.hpp"
 
 #include "base/error.hpp"
-#include "numeric/parallel_for.hpp"
 
 namespace bodesmith::project {
 namespace {
@@ -14,9 +13,9 @@ fpaa::PlanOptions plan_options(const Project& project, const Band& band) {
   return options;
 }
 
-Outcome<fpaa::Plan> try_plan(const Project& project, const Sections& sections, const Band& band) {
+Outcome<fpaa::Plan> try_plan(const Sections& sections, const fpaa::PlanOptions& options) {
   try {
-    return fpaa::make_plan(sections, plan_options(project, band));
+    return fpaa::make_plan(sections, options);
   } catch (const DesignError& error) {
     return Refusal{error.what()};
   }
@@ -60,21 +59,37 @@ AlternativeHardware::AlternativeHardware(const Project& project, const Cascade& 
   }
 }
 
-void AlternativeHardware::make(Place& place) const {
-  // The plan's search takes longest: parts are looked for at the same time.
-  parallel_for(2, 2, [&](std::size_t i) {
-    if (i == 0 && project_.fpaa) place.made.plan = try_plan(project_, place.sections, place.band);
-    if (i == 1 && project_.circuit) place.made.circuit = make_circuit(*project_.circuit, place.sections);
+const std::optional<Outcome<synthesis::BuildChoice>>& AlternativeHardware::circuit_of(
+    std::size_t alternative) {
+  Place& place = places_[alternative];
+  std::call_once(place.circuit_once, [&] {
+    if (project_.circuit) place.circuit = make_circuit(*project_.circuit, place.sections);
   });
+  return place.circuit;
 }
 
-const AlternativeHardware::Made& AlternativeHardware::of(std::size_t alternative) {
+const std::optional<Outcome<fpaa::Plan>>& AlternativeHardware::plan_of(std::size_t alternative) {
   Place& place = places_[alternative];
-  std::call_once(place.once, [this, &place] {
-    make(place);
-    place.done = true;
+  std::call_once(place.plan_once, [&] {
+    if (project_.fpaa) place.plan = try_plan(place.sections, plan_options(project_, place.band));
+    place.built = true;
   });
-  return place.made;
+  return place.plan;
+}
+
+const std::optional<Outcome<fpaa::Plan>>& AlternativeHardware::compared_plan_of(std::size_t alternative) {
+  Place& place = places_[alternative];
+  std::call_once(place.compared_once, [&] {
+    if (project_.fpaa && !place.built) {
+      fpaa::PlanOptions options = plan_options(project_, place.band);
+      options.quick = true;
+      place.compared_plan = try_plan(place.sections, options);
+      if (refusal_of(*place.compared_plan) != nullptr) place.compared_plan.reset();
+    }
+    if (!place.compared_plan) place.compared_plan = plan_of(alternative);
+    place.compared = true;
+  });
+  return place.compared_plan;
 }
 
 }  // namespace bodesmith::project

@@ -27,7 +27,7 @@ Outcome<synthesis::BuildChoice> make_circuit(const Project::Circuit& options, Se
 /// asked for, or it cannot be made so.
 std::optional<fpaa::Plan> make_paper_plan(const Project& project, const Sections& sections, Band band);
 
-/// What each alternative of a design becomes on the board and of the parts: made once, by whoever asks first, from any
+/// What each alternative of a design becomes on the board and of the parts: each made once, by whoever asks first, from any
 /// thread; whoever asks meanwhile waits.
 class AlternativeHardware {
  public:
@@ -36,23 +36,22 @@ class AlternativeHardware {
                       const std::vector<Alternative>& alternatives);
 
   /// Absent where the project has no such hardware.
-  struct Made {
-    std::optional<Outcome<fpaa::Plan>> plan;
-    std::optional<Outcome<synthesis::BuildChoice>> circuit;
-  };
-  const Made& of(std::size_t alternative);
-  bool is_made(std::size_t alternative) const { return places_[alternative].done; }
-  std::size_t count() const { return places_.size(); }
+  const std::optional<Outcome<synthesis::BuildChoice>>& circuit_of(std::size_t alternative);
+  /// To be built: all that the search can do.
+  const std::optional<Outcome<fpaa::Plan>>& plan_of(std::size_t alternative);
+  /// For a comparison: as it is built where that is known, else by a quick search (fpaa::PlanOptions::quick).
+  const std::optional<Outcome<fpaa::Plan>>& compared_plan_of(std::size_t alternative);
+  bool is_made(std::size_t alternative) const { return places_[alternative].compared; }
 
  private:
   struct Place {
     Sections sections;
     Band band;
-    std::once_flag once;
-    std::atomic<bool> done = false;
-    Made made;
+    std::once_flag circuit_once, plan_once, compared_once;
+    std::atomic<bool> built = false, compared = false;
+    std::optional<Outcome<fpaa::Plan>> plan, compared_plan;
+    std::optional<Outcome<synthesis::BuildChoice>> circuit;
   };
-  void make(Place& place) const;
 
   const Project& project_;
   std::deque<Place> places_;

@@ -95,19 +95,18 @@ Design with_alternative(const Project& project, const Design& design, Alternativ
     refused.emplace_back("Not tried in the time given.");
     return out;
   }
-  const AlternativeHardware::Made& made = hardware.of(chosen);
-  if (made.plan) {
-    if (const auto* refusal = refusal_of(*made.plan)) {
+  if (const auto& plan = hardware.compared_plan_of(chosen)) {
+    if (const auto* refusal = refusal_of(*plan)) {
       refused.push_back("Not on the board: " + refusal->reason);
     } else {
-      out.plan = std::get<fpaa::Plan>(*made.plan);
+      out.plan = std::get<fpaa::Plan>(*plan);
     }
   }
-  if (made.circuit) {
-    if (const auto* refusal = refusal_of(*made.circuit)) {
+  if (const auto& circuit = hardware.circuit_of(chosen)) {
+    if (const auto* refusal = refusal_of(*circuit)) {
       refused.push_back("Not of these parts: " + refusal->reason);
     } else {
-      out.circuit = std::get<synthesis::BuildChoice>(*made.circuit);
+      out.circuit = std::get<synthesis::BuildChoice>(*circuit);
     }
   }
   return out;

@@ -33,13 +33,17 @@ void build_best_alternative(const Project& project, AlternativeHardware& hardwar
   std::string last_reason;
   for (const std::size_t candidate : rank_alternatives(project, design.alternatives)) {
     design.chosen = candidate;
-    const AlternativeHardware::Made& made = hardware.of(candidate);
-    const Refusal* refusal = made.plan ? refusal_of(*made.plan) : nullptr;
-    if (refusal == nullptr && made.circuit) refusal = refusal_of(*made.circuit);
+    // Parts first: what they cannot make needs no search for a board.
+    const auto& circuit = hardware.circuit_of(candidate);
+    const Refusal* refusal = circuit ? refusal_of(*circuit) : nullptr;
     if (refusal == nullptr) {
-      if (made.plan) design.plan = std::get<fpaa::Plan>(*made.plan);
-      if (made.circuit) design.circuit = std::get<synthesis::BuildChoice>(*made.circuit);
-      return;
+      const auto& plan = hardware.plan_of(candidate);
+      refusal = plan ? refusal_of(*plan) : nullptr;
+      if (refusal == nullptr) {
+        if (plan) design.plan = std::get<fpaa::Plan>(*plan);
+        if (circuit) design.circuit = std::get<synthesis::BuildChoice>(*circuit);
+        return;
+      }
     }
     last_reason = refusal->reason;
     design.passed_over.push_back(design.built().name + ": " + last_reason);

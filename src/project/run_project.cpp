@@ -120,12 +120,6 @@ std::unique_ptr<Run> run_with_plant(const ProjectSource& source, const fs::path&
     run.design = make_alternative_designs(project);
     hardware.emplace(project, run.design.fit.cascade, run.design.alternatives);
   });
-  const auto all_hardware = stages.add({alternatives}, [&] {
-    for (std::size_t i = 0; i < hardware->count(); ++i) {
-      if (project.deadline.passed() || stages.failed() || interrupted()) return;
-      hardware->of(i);
-    }
-  });
   const auto chosen = stages.add({alternatives}, [&] { choose_alternative(project, *hardware, run.design); });
   const auto design = stages.add({chosen, controller}, [&] {
     add_controller(analog, run.design);
@@ -148,7 +142,7 @@ std::unique_ptr<Run> run_with_plant(const ProjectSource& source, const fs::path&
   const auto there = stages.add({design, controllers_tracked}, [&] {
     if (!project.deadline.passed()) elsewhere = tracked_elsewhere(project, candidates, controllers);
   });
-  stages.add({here, simulated, there, files, ngspice, studies, all_hardware}, [&] {
+  stages.add({here, simulated, there, files, ngspice, studies}, [&] {
     stop_if_interrupted();
     progress.at(0.9, 1.0, "report");
     run.tracking = tracking_study(project, run.design, run.budget, candidates, followed, controllers,

@@ -17,8 +17,6 @@ class Stages {
   /// Returns when all are done. After an exception no other stage begins, and that of the first stage in order is thrown
   /// again here.
   void run();
-  /// A stage has failed: long work of another may end early.
-  bool failed() const { return failed_; }
 
  private:
   struct One {

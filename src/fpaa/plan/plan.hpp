@@ -126,6 +126,8 @@ struct PlanOptions {
   std::optional<Hertz> clock;    ///< one clock for all, and the vendor's CAMs alone; absent: searched
   /// No clock below this (none below 31.4 kHz needs no system divisor): slow poles by two ratios.
   std::optional<Hertz> lowest_clock;
+  bool quick =
+      false;  ///< for a comparison: the best chains as they come, made whole once, in a tenth of the time
   std::optional<Band> band;  ///< where errors are minimised and stated; absent: the corners (and the band
                              ///< that sections.json states), widened to a tenth of the lowest corner
 };

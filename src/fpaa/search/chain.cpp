@@ -70,7 +70,12 @@ std::vector<std::size_t> order_of(const std::vector<StageRoots>& stages, const s
                                   const DesignTarget& target) {
   std::vector<std::size_t> left(stages.size());
   for (std::size_t s = 0; s < left.size(); ++s) left[s] = s;
-  std::vector<double> node(target.grid.size(), 0.0);  // ln
+  std::vector<std::vector<double>> own;  // ln |response| of each stage
+  for (const StageRoots& stage : stages) {
+    own.emplace_back();
+    for (const RadPerSecond w : target.grid) own.back().push_back(std::log(stage.magnitude(w) + 1e-300));
+  }
+  std::vector<double> node(target.grid.size(), 0.0);
   std::vector<std::size_t> out;
   while (!left.empty()) {
     const int now = halvings[*std::min_element(
@@ -83,9 +88,9 @@ std::vector<std::size_t> order_of(const std::vector<StageRoots>& stages, const s
       double low = 1e300;
       for (std::size_t k = 0; k < node.size(); ++k) {
         if (target.weight[k] < 1.0) continue;
-        const double own = node[k] + std::log(stages[left[i]].magnitude(target.grid[k]) + 1e-300);
-        high = std::max(high, own);
-        low = std::min(low, own);
+        const double here = node[k] + own[left[i]][k];
+        high = std::max(high, here);
+        low = std::min(low, here);
       }
       // What falls without end (a stop band) counts like any other deep place.
       const double range = std::min(high - low, 30.0);
@@ -94,9 +99,7 @@ std::vector<std::size_t> order_of(const std::vector<StageRoots>& stages, const s
         best = i;
       }
     }
-    const StageRoots& next = stages[left[best]];
-    for (std::size_t k = 0; k < node.size(); ++k)
-      node[k] += std::log(next.magnitude(target.grid[k]) + 1e-300);
+    for (std::size_t k = 0; k < node.size(); ++k) node[k] += own[left[best]][k];
     out.push_back(left[best]);
     left.erase(left.begin() + static_cast<std::ptrdiff_t>(best));
   }

@@ -96,7 +96,8 @@ report::Choice choice_of(const ProjectRun& run, std::size_t index) {
   if (study.design.plan) {
     const fpaa::Plan& plan = *study.design.plan;
     out.figures.emplace_back(rounded_text(plan.error_with_delays.max_complex_percent, 3) + " %",
-                             fmt::format("on the FPAA as it runs, {} CAMs", plan.cams().size()));
+                             fmt::format("on the FPAA as it runs, {} CAMs{}", plan.cams().size(),
+                                         index == run.design.chosen ? "" : ", by a quick search"));
     out.tables.emplace_back(cams_table(plan), "On the FPAA");
   }
   if (study.design.circuit) {
@@ -117,7 +118,7 @@ void add_alternatives(report::Page& page, const ProjectRun& run) {
       alternatives_table(run.design),
       "Alternatives (marked: the one that is built). Direct and waveform fits have real poles and zeros. "
       "Waveform: error of the compensating waveform at the tracked frequencies, % of range. Choose a row to see what it "
-      "becomes.",
+      "becomes; on the board by a quick search where it is not built (bodesmith fpaa searches longer).",
       choices, run.design.chosen);
 }
 

@@ -1,7 +1,7 @@
 // approximate_fractional: a transfer function of fractional powers to sections.
 #include "base/progress.hpp"
 #include "functions.hpp"
-#include "project/fractional_fit.hpp"
+#include "project/design/fractional_fit.hpp"
 
 namespace bodesmith::python {
 

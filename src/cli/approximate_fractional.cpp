@@ -8,7 +8,7 @@
 #include "base/text.hpp"
 #include "cli/commands.hpp"
 #include "cli/modes.hpp"
-#include "project/fractional_fit.hpp"
+#include "project/design/fractional_fit.hpp"
 
 namespace bodesmith::cli {
 namespace {

@@ -21,7 +21,7 @@
 #include "fpaa/sheets/zrna_script.hpp"
 #include "fpaa/streams/stream_output.hpp"
 #include "lti/sections.hpp"
-#include "project/report_chapters.hpp"
+#include "project/report/report_chapters.hpp"
 
 namespace bodesmith::cli {
 namespace {

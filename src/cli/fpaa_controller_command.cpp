@@ -18,7 +18,7 @@
 #include "fpaa/controller/scale.hpp"
 #include "fpaa/sheets/board_picture.hpp"
 #include "fpaa/streams/stream_output.hpp"
-#include "project/board_controller.hpp"
+#include "project/design/board_controller.hpp"
 #include "tracking/stage.hpp"
 
 namespace bodesmith::cli {

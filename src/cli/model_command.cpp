@@ -10,7 +10,7 @@
 #include "cli/command_line.hpp"
 #include "cli/commands.hpp"
 #include "cli/shared_options.hpp"
-#include "project/as_model.hpp"
+#include "project/output/as_model.hpp"
 
 namespace bodesmith::cli {
 

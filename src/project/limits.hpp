@@ -5,9 +5,9 @@
 #include <vector>
 
 #include "base/json_fwd.hpp"
-#include "project/design.hpp"
+#include "project/design/design.hpp"
 #include "project/project.hpp"
-#include "project/tracking_study.hpp"
+#include "project/tracking/tracking_study.hpp"
 
 namespace bodesmith::project {
 

@@ -8,12 +8,12 @@
 
 #include "base/json_fwd.hpp"
 #include "base/provenance.hpp"
-#include "project/budget.hpp"
-#include "project/design.hpp"
-#include "project/filter_design.hpp"
+#include "project/design/budget.hpp"
+#include "project/design/design.hpp"
+#include "project/design/filter_design.hpp"
 #include "project/limits.hpp"
 #include "project/project.hpp"
-#include "project/tracking_study.hpp"
+#include "project/tracking/tracking_study.hpp"
 #include "synthesis/decks/compensator_files.hpp"
 #include "tolerance/controller/report.hpp"
 

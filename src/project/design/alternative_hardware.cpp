@@ -1,0 +1,95 @@
+#include "project/design/alternative_hardware.hpp"
+
+#include "base/error.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+fpaa::PlanOptions plan_options(const Project& project, const Band& band) {
+  fpaa::PlanOptions options;
+  options.board = project.fpaa->board;
+  options.clock = project.fpaa->clock;
+  options.band = band;
+  return options;
+}
+
+Outcome<fpaa::Plan> try_plan(const Sections& sections, const fpaa::PlanOptions& options) {
+  try {
+    return fpaa::make_plan(sections, options);
+  } catch (const DesignError& error) {
+    return Refusal{error.what()};
+  }
+}
+
+}  // namespace
+
+std::optional<fpaa::Plan> make_paper_plan(const Project& project, const Sections& sections, Band band) {
+  if (!project.fpaa) return std::nullopt;
+  fpaa::PlanOptions options = plan_options(project, band);
+  options.topology = fpaa::PlanOptions::Topology::bilinear;
+  Outcome<fpaa::Plan> made = fpaa::make_plan(sections, options);
+  if (refusal_of(made) != nullptr) return std::nullopt;
+  return std::get<fpaa::Plan>(std::move(made));
+}
+
+Sections stating_band(Sections sections, Band band) {
+  if (!sections.error) sections.error = Sections::Error{};
+  sections.error->band = band;
+  return sections;
+}
+
+Outcome<synthesis::BuildChoice> make_circuit(const Project::Circuit& options, Sections sections,
+                                             std::optional<Band> band) {
+  synthesis::BuildSearch search;
+  search.options.realisation = options.realisation;
+  search.options.resistors = synthesis::Series::named(options.resistors);
+  search.options.capacitors = synthesis::Series::named(options.capacitors);
+  search.may_choose = band && options.realisation == Project::Circuit{}.realisation;
+  if (band) sections = stating_band(std::move(sections), *band);
+  return synthesis::realise_for_building(sections, search);
+}
+
+AlternativeHardware::AlternativeHardware(const Project& project, const Cascade& cascade,
+                                         const std::vector<Alternative>& alternatives)
+    : project_(project) {
+  for (const Alternative& alternative : alternatives) {
+    Place& place = places_.emplace_back();
+    place.sections = alternative.sections;
+    place.band = design_band(project, cascade, alternative.sections);
+  }
+}
+
+const std::optional<Outcome<synthesis::BuildChoice>>& AlternativeHardware::circuit_of(
+    std::size_t alternative) {
+  Place& place = places_[alternative];
+  std::call_once(place.circuit_once, [&] {
+    if (project_.circuit) place.circuit = make_circuit(*project_.circuit, place.sections);
+  });
+  return place.circuit;
+}
+
+const std::optional<Outcome<fpaa::Plan>>& AlternativeHardware::plan_of(std::size_t alternative) {
+  Place& place = places_[alternative];
+  std::call_once(place.plan_once, [&] {
+    if (project_.fpaa) place.plan = try_plan(place.sections, plan_options(project_, place.band));
+    place.built = true;
+  });
+  return place.plan;
+}
+
+const std::optional<Outcome<fpaa::Plan>>& AlternativeHardware::compared_plan_of(std::size_t alternative) {
+  Place& place = places_[alternative];
+  std::call_once(place.compared_once, [&] {
+    if (project_.fpaa && !place.built) {
+      fpaa::PlanOptions options = plan_options(project_, place.band);
+      options.quick = true;
+      place.compared_plan = try_plan(place.sections, options);
+      if (refusal_of(*place.compared_plan) != nullptr) place.compared_plan.reset();
+    }
+    if (!place.compared_plan) place.compared_plan = plan_of(alternative);
+    place.compared = true;
+  });
+  return place.compared_plan;
+}
+
+}  // namespace bodesmith::project

@@ -1,0 +1,74 @@
+#include "project/design/controllers.hpp"
+
+#include <algorithm>
+
+#include "base/error.hpp"
+#include "project/tracking/tracked_plant.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+using controller::Form;
+
+controller::Options controller_options(const Project& project) {
+  controller::Options options;
+  options.resistors = synthesis::Series::named(project.circuit->resistors);
+  options.capacitors = synthesis::Series::named(project.circuit->capacitors);
+  options.tracked = project.track.frequency;
+  options.reference_stroke = project.track.amplitude();
+  options.lowest = *std::min_element(project.track.frequency.begin(), project.track.frequency.end());
+  return options;
+}
+
+/// In the order in which they are tried.
+std::vector<Form> forms_of(const Project& project) {
+  if (project.controller.form) return {controller::form_named(*project.controller.form)};
+  if (project.choice == Project::Choice::tracking) return {Form::self_fed, Form::two_pass, Form::one_pass};
+  return {Form::one_pass};
+}
+
+/// `yield controller` draws more.
+constexpr std::uint64_t kCopies = 400;
+
+}  // namespace
+
+AnalogControllerMade make_analog_controller(const Project& project) {
+  AnalogControllerMade out;
+  if (!project.circuit) return out;
+  controller::Options options = controller_options(project);
+  const auto& strokes = project.track.amplitudes;
+  options.full_stroke = std::all_of(strokes.begin(), strokes.end(), [](double one) { return one == 1.0; });
+  for (const Form form : forms_of(project)) {
+    options.form = form;
+    try {
+      out.controller = std::make_shared<const controller::AnalogController>(
+          controller::make_controller(project.target.disturbance, options));
+      return out;
+    } catch (const DesignError& error) {
+      if (project.controller.form) throw;
+      out.passed_over.push_back("controller, " + std::string(to_string(form)) + ": " + error.what());
+    }
+  }
+  return out;
+}
+
+std::optional<tolerance::ControllerReport> examine_controller(
+    const Project& project, const std::shared_ptr<const controller::AnalogController>& controller) {
+  if (!controller || project.track.frequency.empty()) return std::nullopt;
+  const tracking::Plant plant = tracking_plant(project);
+  const double stroke = tolerance::examined_stroke(*controller, project.track.amplitude());
+  tracking::PolynomialStage::Options stage_options;
+  stage_options.alpha = stroke;
+  const tracking::PolynomialStage stage(plant.disturbance, plant.paths(), stage_options);
+  tolerance::ControllerReportOptions options;
+  options.study.errors = project.controller.errors;
+  options.study.reference = tracking::Reference(tracking::Reference::Shape::triangle, stroke);
+  options.study.frequencies = project.track.frequency;
+  std::sort(options.study.frequencies.begin(), options.study.frequencies.end(),
+            [](Hertz a, Hertz b) { return a.value < b.value; });
+  options.study.draws = options.trims.draws = kCopies;
+  options.allow_unstable = project.controller.allow_unstable;
+  return tolerance::examine(*controller, stage, options);
+}
+
+}  // namespace bodesmith::project

@@ -1,0 +1,178 @@
+#include "project/output/run_model.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <tuple>
+#include <vector>
+
+#include "chain/registry.hpp"
+#include "chain/sections_chain.hpp"
+#include "synthesis/controller/at_rest.hpp"
+#include "synthesis/controller/circuit_controller.hpp"
+#include "tolerance/controller/errors.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+using Branch = Disturbance::Branch;
+using chain::Block;
+using chain::make_block;
+using chain::PartChange;
+
+/// Departure, relative, at which what a part does is worked out; the form that it has goes far beyond.
+constexpr double kRelative = 0.05;
+/// Of the parameter: less is rounding.
+constexpr double kNothing = 1e-9;
+
+Block called(Block block, const char* name) {
+  block.part = name;
+  return block;
+}
+
+Block loop_of(const controller::AnalogController& controller, const Disturbance& disturbance, Hertz operating,
+              const schematic::Deviations& off) {
+  controller::BuiltGenerator built(controller, off);
+  std::vector<double> frequency;
+  for (const Hertz f : disturbance.rate.frequency) frequency.push_back(f.value);
+  Block out = make_block("loop");
+  for (const auto& [which, list, constant, rates] :
+       {std::tuple{Branch::ascending, "ascending", "constant_ascending", "rate_ascending"},
+        {Branch::descending, "descending", "constant_descending", "rate_descending"}}) {
+    // A cubic through four of its values: what the powers, sums and gains with their parts make.
+    built.set_rate(operating);
+    const double gain = built.rate_gain(which);
+    double y[4];
+    for (int i = 0; i < 4; ++i) y[i] = built.subtracted(which, i / 3.0) / gain;
+    const double d1 = y[1] - y[0];
+    const double d2 = y[2] - 2.0 * y[1] + y[0];
+    const double d3 = y[3] - 3.0 * y[2] + 3.0 * y[1] - y[0];
+    out.set(list, std::vector<double>{3.0 * d1 - 1.5 * d2 + d3, 4.5 * d2 - 4.5 * d3, 4.5 * d3});
+    out.set(constant, y[0] * gain);
+    std::vector<double> gains;
+    for (const Hertz f : disturbance.rate.frequency) {
+      built.set_rate(f);
+      gains.push_back(built.rate_gain(which));
+    }
+    out.set(rates, gains);
+  }
+  out.set("reference_gain", built.reference_gain());
+  out.set("rate_frequency_hz", frequency).set("operating_hz", operating.value);
+  out.set("passes", controller.form == controller::Form::self_fed   ? 0.0
+                    : controller.form == controller::Form::two_pass ? 2.0
+                                                                    : 1.0);
+  return called(std::move(out), "controller");
+}
+
+/// What each part does to `loop`, which is the block without departures; those that do nothing at rest are left out.
+std::vector<PartChange> part_changes(const ProjectRun& run, const Block& loop, Hertz operating) {
+  const controller::AnalogController& controller = *run.design.controller;
+  const auto causes = tolerance::causes_of(controller, run.project.controller.errors);
+  std::vector<double> values(causes.size(), 0.0);
+  std::vector<PartChange> out;
+  for (std::size_t i = 0; i < causes.size(); ++i) {
+    const tolerance::Cause& cause = causes[i];
+    if (cause.group == "op-amp speed" || cause.group == "switch") continue;
+    const bool volts = cause.group.ends_with("offsets");
+    const double departure = volts ? cause.departure.limit() : kRelative;
+    const auto with = [&](double value) {
+      values[i] = value;
+      return loop_of(controller, run.project.target.disturbance, operating,
+                     tolerance::copy_of(controller, causes, values).off);
+    };
+    const Block above = with(departure);
+    const Block below = with(-departure);
+    values[i] = 0.0;
+    const double unit = volts ? 1.0 : 100.0;
+    PartChange one{cause.name.substr(0, cause.name.find(", tolerance")),
+                   volts ? "v" : "percent",
+                   unit * cause.departure.limit(),
+                   {}};
+    for (std::size_t k = 0; k < loop.parameters().size(); ++k) {
+      const chain::Parameter& at = loop.parameters()[k];
+      const double up = above.parameters()[k].value - at.value;
+      const double down = below.parameters()[k].value - at.value;
+      if (std::max(std::abs(up), std::abs(down)) > kNothing * (1.0 + std::abs(at.value)))
+        one.add(at.name(), unit * departure, up, down);
+    }
+    if (!one.entries.empty()) out.push_back(std::move(one));
+  }
+  return out;
+}
+
+class ControllerAtRest final : public tracking::BuiltController {
+ public:
+  ControllerAtRest(const Disturbance& disturbance,
+                   std::shared_ptr<const controller::AnalogController> controller)
+      : disturbance_(disturbance), controller_(std::move(controller)) {}
+
+  std::string key() const override { return "controller_at_rest"; }
+  std::string name() const override { return "analog controller (closed form, at rest)"; }
+  int part_count() const override { return controller::CircuitController(controller_).part_count(); }
+  tracking::DriveWaveform drive(const tracking::Reference& reference, Hertz operating) const override {
+    const Block loop =
+        loop_of(*controller_, disturbance_, operating, schematic::Deviations::none(*controller_));
+    chain::Kernel kernel = loop.kernel();
+    chain::MemoryKernel& steps = *std::get<std::unique_ptr<chain::MemoryKernel>>(kernel);
+    const std::size_t count = kSamples * reference.periods();
+    const std::vector<double> r = reference.samples(count);
+    tracking::DriveWaveform out;
+    out.step_s = 1.0 / (operating.value * static_cast<double>(kSamples));
+    steps.reset(r.back(), true);
+    for (const double one : r) out.v.push_back(steps.step(one, out.step_s));
+    return out;
+  }
+
+ private:
+  static constexpr std::size_t kSamples = 2048;  ///< to a period, as the netlist's runs have
+
+  const Disturbance& disturbance_;
+  std::shared_ptr<const controller::AnalogController> controller_;
+};
+
+}  // namespace
+
+std::unique_ptr<tracking::BuiltController> controller_at_rest(
+    const Project& project, std::shared_ptr<const controller::AnalogController> controller) {
+  return std::make_unique<ControllerAtRest>(project.target.disturbance, std::move(controller));
+}
+
+Hertz lowest_tracked(const Project& project) {
+  return *std::min_element(project.track.frequency.begin(), project.track.frequency.end());
+}
+
+chain::Chain stage_model(const Project& project, Hertz operating) {
+  chain::Chain out;
+  const Project::Plant& plant = project.plant;
+  if (plant.amplifier_corner) {
+    out.blocks.push_back(
+        called(make_block("lowpass").set("corner_hz", plant.amplifier_corner->value), "amplifier"));
+    out.blocks.back().free("corner_hz");
+  }
+  out.blocks.push_back(chain::stage_block(project.target.disturbance, operating));
+  if (plant.damping_compensator) {
+    Sections one;
+    one.sections = {*plant.damping_compensator};
+    for (Block& block : chain::chain_of(one, "damping").blocks) out.blocks.push_back(std::move(block));
+  }
+  if (plant.resonance)
+    out.blocks.push_back(called(make_block("resonator")
+                                    .set("natural_frequency_hz", plant.resonance->value)
+                                    .set("damping_ratio", plant.damping_ratio),
+                                "resonance"));
+  out.blocks.push_back(called(make_block("gain").set("gain", plant.stroke_m), "stroke_m"));
+  return out;
+}
+
+std::optional<chain::Chain> built_model(const ProjectRun& run, Hertz operating) {
+  if (!run.design.controller) return std::nullopt;
+  const controller::AnalogController& controller = *run.design.controller;
+  Block loop =
+      loop_of(controller, run.project.target.disturbance, operating, schematic::Deviations::none(controller));
+  loop.parts = std::make_shared<const std::vector<PartChange>>(part_changes(run, loop, operating));
+  chain::Chain out = stage_model(run.project, operating);
+  out.blocks.insert(out.blocks.begin(), std::move(loop));
+  return out;
+}
+
+}  // namespace bodesmith::project

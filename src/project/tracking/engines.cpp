@@ -1,0 +1,147 @@
+#include "project/tracking/engines.hpp"
+
+#include <fmt/format.h>
+
+#include <algorithm>
+#include <cmath>
+#include <initializer_list>
+#include <map>
+
+#include "base/text.hpp"
+#include "project/tracking/tracked_plant.hpp"
+#include "schematic/ngspice/ngspice.hpp"
+#include "schematic/writers/spice_library.hpp"
+#include "signal/statistics.hpp"
+#include "synthesis/decks/compensator_files.hpp"
+#include "tracking/track.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+constexpr std::string_view kNgspice = ", ngspice";
+constexpr std::size_t kHarmonics = 1024;
+
+using Responses = std::map<double, std::complex<double>>;  // by Hz
+
+/// At every harmonic of every tracked frequency; a thousandth of the lowest stands for rest.
+Responses ngspice_responses(const Project& project, const synthesis::Circuit& circuit) {
+  const double repeats = static_cast<double>(tracking::Reference(project.track.waveform()).periods());
+  Responses out;
+  for (const Hertz f : project.track.frequency) {
+    for (std::size_t k = 1; k <= kHarmonics / 2; ++k) out[static_cast<double>(k) * f.value / repeats] = {};
+  }
+  out[1e-3 * out.begin()->first] = {};
+  std::vector<Hertz> grid;
+  for (const auto& [hz, response] : out) grid.push_back(Hertz{hz});
+  const auto got = ngspice::run_ac_of_text(
+      schematic::spice_text(synthesis::compensator_library(circuit, "check")), "compensator.sub", grid);
+  std::size_t i = 0;
+  for (auto& [hz, response] : out) response = got[i++];
+  return out;
+}
+
+/// The one with the least worst error; null when none is there.
+const TrackedDesign* best_of(const TrackingStudy& study, std::initializer_list<std::string_view> keys) {
+  const TrackedDesign* best = nullptr;
+  for (const TrackedDesign& one : study.designs) {
+    const bool asked =
+        std::any_of(keys.begin(), keys.end(), [&](std::string_view key) { return one.key.starts_with(key); });
+    if (asked && (best == nullptr || one.worst_without_lag_percent() < best->worst_without_lag_percent()))
+      best = &one;
+  }
+  return best;
+}
+
+std::optional<double> worst_of(const TrackedDesign* design) {
+  return design == nullptr ? std::nullopt : std::optional(design->worst_without_lag_percent());
+}
+
+void raise(std::optional<double>& to, double value) {
+  to = std::max(to.value_or(0.0), value);
+}
+
+EngineRow circuit_row(const TrackingStudy& study, const TrackedDesign& design,
+                      const tracking::Report& followed, const tracking::Report& by_ngspice) {
+  EngineRow out{.what = design.name, .cvode_percent = worst_of(&design)};
+  for (const Hertz f : study.frequency) {
+    if (const auto& check = followed.find(f, design.name)->check)
+      raise(out.agreement_percent, check->difference_percent);
+    const tracking::Case& harmonic = *by_ngspice.find(f, design.name);
+    raise(out.closed_form_percent, harmonic.rms_percent_without_lag);
+    const tracking::Case* ngspice = by_ngspice.find(f, design.name + std::string(kNgspice));
+    if (ngspice == nullptr) continue;
+    raise(out.ngspice_percent, ngspice->rms_percent_without_lag);
+    raise(out.agreement_percent, error_figures(ngspice->displacement, harmonic.displacement).rms_percent);
+  }
+  return out;
+}
+
+std::string percent_text(const std::optional<double>& percent, const char* without = "-") {
+  return percent ? fmt::format("{:.4f}", *percent) : without;
+}
+
+}  // namespace
+
+tracking::Report circuit_by_ngspice(const Project& project, const Design& design,
+                                    const std::vector<TrackedCandidate>& candidates) {
+  if (!design.circuit) return {};
+  tracking::Options options = tracking_options(project);
+  options.time_domain = false;
+  options.harmonics = kHarmonics;
+  const Responses at =
+      ngspice::is_available() ? ngspice_responses(project, design.realised().circuit) : Responses();
+  tracking::ResponseCompensator simulated;
+  simulated.response = [&at](RadPerSecond w) {
+    const auto next = at.lower_bound(w.hz().value * (1.0 - 1e-9));
+    return w.value == 0.0 ? at.begin()->second : next->second;
+  };
+  std::vector<tracking::Design> designs;
+  for (const TrackedCandidate& one : candidates) {
+    if (one.key != tracked::circuit && one.key != tracked::self_fed_circuit) continue;
+    designs.push_back(one.design);
+    if (!at.empty())
+      designs.push_back(
+          compensated_design(project, one.design.name + std::string(kNgspice), simulated, one.design.form));
+  }
+  return tracking::track(tracking_plant(project), designs, options);
+}
+
+std::vector<EngineRow> engine_rows(const TrackingStudy& study, const tracking::Report& followed,
+                                   const tracking::Report& by_ngspice) {
+  std::vector<EngineRow> out;
+  const TrackedDesign* ngspice = study.find("controller_circuit");
+  if (const TrackedDesign* cvode = study.find("controller_cvode")) {
+    out.push_back({.what = "analog controller",
+                   .closed_form_percent = worst_of(study.find("controller_at_rest")),
+                   .cvode_percent = worst_of(cvode),
+                   .ngspice_percent = worst_of(ngspice),
+                   .agreement_percent = study.agreement_percent});
+  }
+  if (const TrackedDesign* circuit = best_of(study, {tracked::circuit, tracked::self_fed_circuit}))
+    out.push_back(circuit_row(study, *circuit, followed, by_ngspice));
+  for (EngineRow& one : out) {
+    if (!one.ngspice_percent) one.missing = "ngspice is not installed";
+  }
+  for (const TrackedDesign* board : {best_of(study, {tracked::fpaa_with_holds, tracked::self_fed_fpaa}),
+                                     best_of(study, {"controller_fpaa_"})}) {
+    if (board == nullptr) continue;
+    out.push_back(
+        {.what = board->name,
+         .closed_form_percent = worst_of(board),
+         .missing =
+             "a board is solved from edge to edge, which leaves nothing to CVODE; ngspice takes minutes for "
+             "one sine"});
+  }
+  return out;
+}
+
+std::vector<std::vector<std::string>> engine_table(const std::vector<EngineRow>& rows) {
+  std::vector<std::vector<std::string>> out = {{"", "closed form", "CVODE", "ngspice", "within"}};
+  for (const EngineRow& one : rows)
+    out.push_back({one.what, percent_text(one.closed_form_percent), percent_text(one.cvode_percent, "no ODE"),
+                   percent_text(one.ngspice_percent, one.cvode_percent ? "absent" : "too slow"),
+                   percent_text(one.agreement_percent)});
+  return out;
+}
+
+}  // namespace bodesmith::project

@@ -1,0 +1,141 @@
+#include <fmt/format.h>
+
+#include "base/json.hpp"
+#include "project/tracking/tracking_study.hpp"
+#include "signal/columns.hpp"
+#include "signal/csv.hpp"
+
+namespace bodesmith::project {
+namespace {
+
+std::vector<double> tracked_hertz(const TrackingStudy& study) {
+  std::vector<double> out;
+  for (const Hertz f : study.frequency) out.push_back(f.value);
+  return out;
+}
+
+Json design_json(const TrackedDesign& design) {
+  Json out = {{"key", design.key},
+              {"name", design.name},
+              {"built", design.built},
+              {"rms_percent", design.rms_percent},
+              {"max_percent", design.max_percent},
+              {"rms_percent_without_lag", design.rms_percent_without_lag},
+              {"lag_s", design.lag_s}};
+  if (!design.on_reference_percent.empty()) out["rms_percent_on_reference"] = design.on_reference_percent;
+  return out;
+}
+
+Json elsewhere_json(const TrackedElsewhere& one) {
+  Json out = {{"stage", one.stage}, {"waveform", to_string(one.waveform)}, {"amplitude", one.amplitude}};
+  if (!one.fit_percent.empty()) out["fit_percent"] = one.fit_percent;
+  out["designs"] = Json::array();
+  for (const TrackedDesign& design : one.designs) out["designs"].push_back(design_json(design));
+  return out;
+}
+
+}  // namespace
+
+Json to_json(const TrackingStudy& study) {
+  Json out;
+  out["frequency_hz"] = tracked_hertz(study);
+  out["waveform"] = to_string(study.waveform);
+  out["amplitude"] = study.amplitude;
+  out["as_built"] = study.as_built;
+  if (const TrackedDesign* built = study.find(study.as_built)) {
+    out["as_built_worst_percent"] = built->worst_percent();
+    out["as_built_worst_percent_without_lag"] = built->worst_without_lag_percent();
+  }
+  out["designs"] = Json::array();
+  for (const TrackedDesign& design : study.designs) out["designs"].push_back(design_json(design));
+  out["elsewhere"] = Json::array();
+  for (const TrackedElsewhere& one : study.elsewhere) out["elsewhere"].push_back(elsewhere_json(one));
+  out["cross_check_percent"] = study.max_cross_check_percent;
+  const auto or_null = [](const std::optional<double>& value) {
+    return value ? Json(*value) : Json(nullptr);
+  };
+  out["agreement_percent"] = or_null(study.agreement_percent);
+  out["engines"] = Json::array();
+  for (const EngineRow& one : study.engines)
+    out["engines"].push_back({{"what", one.what},
+                              {"closed_form_percent", or_null(one.closed_form_percent)},
+                              {"cvode_percent", or_null(one.cvode_percent)},
+                              {"ngspice_percent", or_null(one.ngspice_percent)},
+                              {"agreement_percent", or_null(one.agreement_percent)},
+                              {"missing", one.missing}});
+  out["findings"] = study.findings;
+  return out;
+}
+
+std::string tracking_csv(const TrackingStudy& study) {
+  CsvWriter writer;
+  writer.add(column::frequency_hz, tracked_hertz(study));
+  for (const TrackedDesign& design : study.designs) writer.add(design.key + "_percent", design.rms_percent);
+  for (const TrackedDesign& design : study.designs)
+    writer.add(design.key + "_without_lag_percent", design.rms_percent_without_lag);
+  for (const TrackedDesign& design : study.designs) {
+    if (!design.on_reference_percent.empty())
+      writer.add(design.key + "_on_reference_percent", design.on_reference_percent);
+  }
+  return writer.text();
+}
+
+std::string tracking_stages_csv(const TrackingStudy& study) {
+  std::string out =
+      "stage,waveform,amplitude,frequency_hz,design,rms_percent,without_lag_percent,fit_percent\n";
+  for (const TrackedElsewhere& one : study.elsewhere) {
+    for (const TrackedDesign& design : one.designs) {
+      for (std::size_t i = 0; i < study.frequency.size(); ++i) {
+        out += fmt::format("{},{},{},{},{},{:.6g},{:.6g},", one.stage, to_string(one.waveform), one.amplitude,
+                           study.frequency[i].value, design.key, design.rms_percent[i],
+                           design.rms_percent_without_lag[i]);
+        if (!one.fit_percent.empty()) out += fmt::format("{:.6g}", one.fit_percent[i]);
+        out += "\n";
+      }
+    }
+  }
+  return out;
+}
+
+double TrackedDesign::worst_percent() const {
+  return *std::max_element(rms_percent.begin(), rms_percent.end());
+}
+
+double TrackedDesign::worst_without_lag_percent() const {
+  return *std::max_element(rms_percent_without_lag.begin(), rms_percent_without_lag.end());
+}
+
+const TrackedDesign* TrackingStudy::find(std::string_view key) const {
+  const auto found = std::find_if(designs.begin(), designs.end(),
+                                  [key](const TrackedDesign& design) { return design.key == key; });
+  return found == designs.end() ? nullptr : &*found;
+}
+
+std::string frequency_span(const TrackingStudy& study) {
+  const auto [low, high] = std::minmax_element(study.frequency.begin(), study.frequency.end());
+  if (low == high) return rounded_text(low->value) + " Hz";
+  return fmt::format("{} to {} Hz", rounded_text(low->value), rounded_text(high->value));
+}
+
+std::vector<HeadlineRow> headline(const Project& project, const TrackingStudy& study) {
+  std::vector<HeadlineRow> out;
+  const auto add = [&](const std::string& what, const TrackedDesign* design) {
+    if (design == nullptr) return;
+    out.push_back(
+        {what, design->worst_percent(), fmt::format("{:.3f}", design->worst_without_lag_percent())});
+  };
+  const TrackedDesign* built = study.find(study.as_built);
+  add("as built: " + (built == nullptr ? std::string() : built->name), built);
+  add("without compensation", study.find(tracked::none));
+  add("the paper's design: one pass, ideal cascade", study.find(tracked::cascade));
+  if (const TrackedDesign* board = study.find(tracked::paper_board)) add(board->name, board);
+  const std::vector<double>& measured = project.track.measured_percent;
+  if (!measured.empty()) {
+    const auto [low, high] = std::minmax_element(measured.begin(), measured.end());
+    out.push_back(
+        {"measured on the paper's stage", std::nullopt, fmt::format("{:.2f} to {:.2f}", *low, *high)});
+  }
+  return out;
+}
+
+}  // namespace bodesmith::project

@@ -4,7 +4,7 @@ nothing else; its equations are its own (nodes solved by elimination, Runge-Kutt
 
     bench.py circuit RUN -o bode.csv [PART=FACTOR ...]
         frequency response of RUN/spice/compensator.sub, one-pole op-amps
-    bench.py controller RUN -o record.csv [PART=FACTOR ...] [--amplifier-hz F] [--frequency-hz F]
+    bench.py controller RUN -o record.csv [PART=FACTOR ...] [--amplifier-hz F] [--switch-late-s T] [--frequency-hz F]
         RUN/controller/controller.sub in front of the nanopositioner: a full-stroke triangle and the displacement
 
 PART=FACTOR solders another value: R2_1=1.1 is ten percent too much.
@@ -230,6 +230,12 @@ def controller(arguments, changed):
     state = [0.0] * 5
     noise = random.Random(11)
     rows = []
+    late = arguments.switch_late_s
+
+    def switched(t):
+        """The branch that the controller's switch stands on: from rest upwards, then so much behind each turn."""
+        return t < late or (t - late) % period < 0.5 * period
+
     for k in range(periods * samples + 1):
         phase = k % samples / samples
         rising = phase < 0.5
@@ -237,7 +243,8 @@ def controller(arguments, changed):
         rows.append((k * period / samples, r, 6.92e-6 * (state[3] + noise.gauss(0.0, 2e-5))))
         step = (2.0 if rising else -2.0) / samples / inner
         for j in range(inner):
-            v0, v1, v2 = (drive(r + step * (j + part), rising) for part in (0.0, 0.5, 1.0))
+            branch = switched(k * period / samples + (j + 0.5) * dt)
+            v0, v1, v2 = (drive(r + step * (j + part), branch) for part in (0.0, 0.5, 1.0))
             k1 = slopes(state, v0, rising)
             k2 = slopes([s + 0.5 * dt * d for s, d in zip(state, k1)], v1, rising)
             k3 = slopes([s + 0.5 * dt * d for s, d in zip(state, k2)], v1, rising)
@@ -261,6 +268,7 @@ def main():
     parser.add_argument("parts", nargs="*", metavar="PART=FACTOR")
     parser.add_argument("-o", "--output", required=True)
     parser.add_argument("--amplifier-hz", type=float, default=100e3)
+    parser.add_argument("--switch-late-s", type=float, default=0.0)
     parser.add_argument("--frequency-hz", type=float, default=100.0)
     parser.add_argument("--from-hz", type=float, default=0.1)
     parser.add_argument("--to-hz", type=float, default=10e3)

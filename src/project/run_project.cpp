@@ -100,7 +100,8 @@ std::unique_ptr<Run> run_with_plant(const ProjectSource& source, const fs::path&
   ControllersTracked controllers;
   std::optional<AlternativeHardware> hardware;
   std::vector<TrackedCandidate> candidates;
-  tracking::Report followed, by_ngspice;
+  tracking::Report followed;
+  CircuitTracked circuit;
   std::vector<TrackedElsewhere> elsewhere;
 
   Stages stages;
@@ -138,7 +139,7 @@ std::unique_ptr<Run> run_with_plant(const ProjectSource& source, const fs::path&
   const Stopwatch tracking_watch;
   const auto here = stages.add({design}, [&] { followed = follow_designs(project, candidates); });
   const auto simulated =
-      stages.add({design}, [&] { by_ngspice = circuit_by_ngspice(project, run.design, candidates); });
+      stages.add({design}, [&] { circuit = track_circuit(project, run.design, candidates); });
   const auto there = stages.add({design, controllers_tracked}, [&] {
     if (!project.deadline.passed()) elsewhere = tracked_elsewhere(project, candidates, controllers);
   });
@@ -147,7 +148,7 @@ std::unique_ptr<Run> run_with_plant(const ProjectSource& source, const fs::path&
     progress.at(0.9, 1.0, "report");
     run.tracking = tracking_study(project, run.design, run.budget, candidates, followed, controllers,
                                   std::move(elsewhere));
-    run.tracking.engines = engine_rows(run.tracking, followed, by_ngspice);
+    run.tracking.engines = engine_rows(run.tracking, followed, circuit);
     run.tracking.compute_s = tracking_watch.seconds();
     run.limits = check_limits(project, run.design, run.tracking);
     say_what_was_left(run);

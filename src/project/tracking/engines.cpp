@@ -18,7 +18,6 @@
 namespace bodesmith::project {
 namespace {
 
-constexpr std::string_view kNgspice = ", ngspice";
 constexpr std::size_t kHarmonics = 1024;
 
 using Responses = std::map<double, std::complex<double>>;  // by Hz
@@ -61,14 +60,14 @@ void raise(std::optional<double>& to, double value) {
 }
 
 EngineRow circuit_row(const TrackingStudy& study, const TrackedDesign& design,
-                      const tracking::Report& followed, const tracking::Report& by_ngspice) {
+                      const tracking::Report& followed, const CircuitTracked& circuit) {
   EngineRow out{.what = design.name, .cvode_percent = worst_of(&design)};
   for (const Hertz f : study.frequency) {
     if (const auto& check = followed.find(f, design.name)->check)
       raise(out.agreement_percent, check->difference_percent);
-    const tracking::Case& harmonic = *by_ngspice.find(f, design.name);
+    const tracking::Case& harmonic = *circuit.by_parts.find(f, design.name);
     raise(out.closed_form_percent, harmonic.rms_percent_without_lag);
-    const tracking::Case* ngspice = by_ngspice.find(f, design.name + std::string(kNgspice));
+    const tracking::Case* ngspice = circuit.by_ngspice.find(f, design.name);
     if (ngspice == nullptr) continue;
     raise(out.ngspice_percent, ngspice->rms_percent_without_lag);
     raise(out.agreement_percent, error_figures(ngspice->displacement, harmonic.displacement).rms_percent);
@@ -82,12 +81,15 @@ std::string percent_text(const std::optional<double>& percent, const char* witho
 
 }  // namespace
 
-tracking::Report circuit_by_ngspice(const Project& project, const Design& design,
-                                    const std::vector<TrackedCandidate>& candidates) {
-  if (!design.circuit) return {};
+CircuitTracked track_circuit(const Project& project, const Design& design,
+                             const std::vector<TrackedCandidate>& candidates) {
+  CircuitTracked out;
+  if (!design.circuit) return out;
   tracking::Options options = tracking_options(project);
   options.time_domain = false;
   options.harmonics = kHarmonics;
+  const auto plant = tracking_plant(project);
+  std::vector<tracking::Design> by_parts, by_ngspice;
   const Responses at =
       ngspice::is_available() ? ngspice_responses(project, design.realised().circuit) : Responses();
   tracking::ResponseCompensator simulated;
@@ -95,19 +97,19 @@ tracking::Report circuit_by_ngspice(const Project& project, const Design& design
     const auto next = at.lower_bound(w.hz().value * (1.0 - 1e-9));
     return w.value == 0.0 ? at.begin()->second : next->second;
   };
-  std::vector<tracking::Design> designs;
   for (const TrackedCandidate& one : candidates) {
     if (one.key != tracked::circuit && one.key != tracked::self_fed_circuit) continue;
-    designs.push_back(one.design);
+    by_parts.push_back(one.design);
     if (!at.empty())
-      designs.push_back(
-          compensated_design(project, one.design.name + std::string(kNgspice), simulated, one.design.form));
+      by_ngspice.push_back(compensated_design(project, one.design.name, simulated, one.design.form));
   }
-  return tracking::track(tracking_plant(project), designs, options);
+  out.by_parts = tracking::track(plant, by_parts, options);
+  if (!by_ngspice.empty()) out.by_ngspice = tracking::track(plant, by_ngspice, options);
+  return out;
 }
 
 std::vector<EngineRow> engine_rows(const TrackingStudy& study, const tracking::Report& followed,
-                                   const tracking::Report& by_ngspice) {
+                                   const CircuitTracked& circuit) {
   std::vector<EngineRow> out;
   const TrackedDesign* ngspice = study.find("controller_circuit");
   if (const TrackedDesign* cvode = study.find("controller_cvode")) {
@@ -117,8 +119,8 @@ std::vector<EngineRow> engine_rows(const TrackingStudy& study, const tracking::R
                    .ngspice_percent = worst_of(ngspice),
                    .agreement_percent = study.agreement_percent});
   }
-  if (const TrackedDesign* circuit = best_of(study, {tracked::circuit, tracked::self_fed_circuit}))
-    out.push_back(circuit_row(study, *circuit, followed, by_ngspice));
+  if (const TrackedDesign* built = best_of(study, {tracked::circuit, tracked::self_fed_circuit}))
+    out.push_back(circuit_row(study, *built, followed, circuit));
   for (EngineRow& one : out) {
     if (!one.ngspice_percent) one.missing = "ngspice is not installed";
   }

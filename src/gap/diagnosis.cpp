@@ -168,6 +168,7 @@ Diagnosis diagnose(const chain::Chain& base, const Study& study, const SearchOpt
   }
   auto posterior = posterior_of(d.search);
   for (std::size_t k = 0; k < d.steps.size(); ++k) {
+    d.steps[k].among_names = posterior.among_names[k];
     d.steps[k].probability = posterior.of_steps[k];
     d.steps[k].grew = d.steps[k].after.holdout_rms > d.steps[k].before.holdout_rms;
   }

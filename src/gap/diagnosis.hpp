@@ -45,6 +45,7 @@ struct DiagnosedStep {
   GapSize before;
   GapSize after;
   RunnerUp runner_up;
+  double among_names = 0.0;  ///< Posterior::among_names
   double probability = 0.0;  ///< Posterior::of_steps
   bool grew = false;         ///< the held-out gap is larger with it
 };

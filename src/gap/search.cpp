@@ -9,7 +9,6 @@
 #include "gap/runner.hpp"
 #include "gap/search/base_fit.hpp"
 #include "gap/search/beam.hpp"
-#include "gap/search/of_responses.hpp"
 #include "gap/search/remaining.hpp"
 
 namespace bodesmith::gap {
@@ -17,10 +16,6 @@ namespace {
 
 /// Offsets that are free and given as 0, as a part of the output's range.
 constexpr double kTypicalOffset = 0.05;
-/// Progress before the base model's fit.
-constexpr double kBegun = 0.02;
-/// Iterations of the refit with the first names of a set alone.
-constexpr int kIterationsOfFirst = 12;
 
 /// The names one after the other, each with what it was chosen from.
 std::vector<Step> steps_of(const SearchSetting& setting, const Model& base, Beam& beam) {
@@ -31,8 +26,7 @@ std::vector<Step> steps_of(const SearchSetting& setting, const Model& base, Beam
   for (std::size_t k = terms.size(); k-- > 1;) {
     first[k] = first[k + 1];
     first[k].remove(k);
-    if (!setting.options.stopped())
-      first[k] = fit_in_turn(setting, beam.records, std::move(first[k]), kIterationsOfFirst).model;
+    if (!setting.options.stopped()) first[k] = fit_in_turn(setting, beam.records, std::move(first[k])).model;
   }
   std::vector<Step> steps;
   for (std::size_t k = 0; k < terms.size(); ++k) {
@@ -66,12 +60,13 @@ std::optional<Sign> sign_of_refused(const SearchResult& result) {
 }  // namespace
 
 SearchResult search(const chain::Chain& base, const Experiments& train, const SearchOptions& given) {
-  const SearchOptions options = are_responses(train) ? for_responses(given) : given;
+  SearchOptions options = given;
+  // Fits of responses are quick, so that none is given up behind the leader.
+  if (are_responses(train)) options.round.far_behind = options.round.behind = 1e12;
   SearchResult result;
   result.initial = Model(base);
   result.initial.set_signal_size(kTypicalOffset * largest_range(train));
   SearchSetting setting{options, result.initial};
-  options.report(kBegun);
   auto [model, records] = fit_base(setting, make_records(train, options.stretches, result.initial));
   result.base = model;
   setting.first_gap = rms_of(model, records.train);

@@ -17,9 +17,7 @@ struct StartOptions {
   std::size_t min_samples = 12;  ///< shorter stretches say nothing
   double max_part = 0.25;        ///< of the record; a longer start is explained by free responses instead
   std::size_t percent_with_free_start = 3;  ///< of the record that is left out even then
-  double max_cost = 1.03;    ///< of the rest's rms, at which a start that fits now is scored again
-  int iterations = 20;       ///< of the fit that tries whether starts fit now,
-  int refit_iterations = 8;  ///< and of the one without those that do not
+  double max_cost = 1.03;  ///< of the rest's rms, at which a start that fits now is scored again
 };
 
 /// Long records are first fitted on their liveliest stretches [5].
@@ -37,10 +35,7 @@ struct BaseFitOptions {
   double comb_step = 0.06;   ///< … in these steps
   double min_apart = 0.09;   ///< (ln) starts nearer to each other lead to the same place
   std::size_t max_starts = 4;
-  int iterations = 40;
-  double other_hill = 0.98;    ///< the given values' own neighbourhood is preferred to another hill as good
-  int settle_iterations = 12;  ///< of the refits that follow a step
-  double settle_gain = 0.9999;
+  double other_hill = 0.98;  ///< the given values' own neighbourhood is preferred to another hill as good
 };
 
 /// Rounds of candidates [4, 5].
@@ -49,10 +44,8 @@ struct RoundOptions {
   std::size_t effects_from_given = 3;  ///< more in the first round, as seen from the given parameters
   /// Forms and places of an effect that are fitted beyond Effect::places_a_round in responses, where a fit is quick.
   int more_forms_of_response = 2;
-  double min_score = 0.003;  ///< share of the residual's energy that a candidate must promise,
-  /// Standard deviations of that promise, without earlier terms and with them.
-  double min_promise = 2.0;
-  double min_promise_later = 4.0;
+  /// Share of the residual's energy that a candidate must promise: half of what it must take in the end.
+  double min_score = 0.03;
   double in_the_running = 2.0;  ///< times the best candidate's rms, within which evidence is asked for
   std::size_t successors = 5;   ///< effects that are fitted in the place of one
   int first_iterations = 3;     ///< that each start of a candidate gets before the best ones go on
@@ -87,16 +80,16 @@ struct PairOptions {
   std::size_t seconds = 4;  ///< beside each
   std::size_t fits = 20;    ///< of the pairs that promise most
   std::size_t best = 3;     ///< of them that are gone on from
-  // Of responses: first names beside each of which all others are fitted, standard deviations that a second one must promise, and sets
-  // of greatest evidence whose names are tried one by one.
+  // Of responses: first names beside each of which all others are fitted, and sets of greatest evidence whose names are tried one by one.
   std::size_t firsts_of_response = 12;
-  double little_promise = 1.0;
   std::size_t close_looks = 6;
 };
 
 struct SearchOptions {
   int max_terms = 5;
   double enough = 1.2;        ///< times the floor: nothing more is looked for [3, 9]
+  int iterations = 40;        ///< of a fit from afar,
+  int refit_iterations = 12;  ///< and of one that follows a move
   double plainly_more = 1.5;  ///< times the floor: something is left, whatever the signs [9]
   int threads = 2;
   std::function<void(double)> progress;  ///< fraction of the work, roughly

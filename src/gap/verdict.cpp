@@ -1,23 +1,14 @@
 #include "gap/verdict.hpp"
 
 #include <algorithm>
+#include <array>
 
 namespace bodesmith::gap {
 
 std::string to_string(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::explained:
-      return "explained";
-    case Verdict::partly_explained:
-      return "partly_explained";
-    case Verdict::nothing_missing:
-      return "nothing_missing";
-    case Verdict::interrupted:
-      return "interrupted";
-    case Verdict::unexplained:
-      break;
-  }
-  return "unexplained";
+  constexpr std::array kWords = {"explained", "partly_explained", "nothing_missing", "unexplained",
+                                 "interrupted"};
+  return kWords.at(static_cast<std::size_t>(verdict));
 }
 
 /// Times the floor that coherence tells: it does not see an instrument's own errors, nor leakage.

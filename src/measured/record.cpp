@@ -28,7 +28,7 @@ namespace fs = std::filesystem;
 using chain::Block;
 using chain::Chain;
 
-/// A name that is less likely than its contrary accuses nothing.
+/// A name that is less likely than its contrary accuses nothing. What may be outside the catalogue is here for the most part tolerances.
 constexpr double kAccused = 0.5;
 /// Times the noise, rms over a record of some hundred samples: odds beyond any doubt.
 constexpr double kTells = 1.0;
@@ -179,8 +179,8 @@ std::string add_steps(const gap::Diagnosis& d, const Chain& base, const TimeReco
                       const Period& period, Measured& out, OutputSet& files) {
   std::string exchange;
   for (const gap::DiagnosedStep& step : d.steps) {
-    const std::string sure = fmt::format(" (probability {})", rounded_text(step.probability, 2));
-    if (step.probability < kAccused) {
+    const std::string sure = fmt::format(" (probability {})", rounded_text(step.among_names, 2));
+    if (step.among_names < kAccused) {
       out.advice += "Perhaps " + gap::step_in_words(step) + sure + ". ";
       continue;
     }

@@ -1,12 +1,13 @@
 #include <algorithm>
 #include <cmath>
 #include <complex>
+#include <optional>
 
 #include "base/units.hpp"
 #include "base/whole_number.hpp"
 #include "chain/registry.hpp"
 #include "gap/effect.hpp"
-#include "gap/proposal.hpp"
+#include "numeric/fourier.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -16,14 +17,11 @@ constexpr double kTolerance = 0.005;
 constexpr int kHarmonics = 7;
 /// Fewer cycles in the record, as sampled, are a drift or an offset to it.
 constexpr double kMinCycles = 3.0;
-/// Steps of the search for a line, in parts of the record's resolution.
-constexpr double kStep = 0.2;
-/// Blocks that stand for the record in a first look at so many neighbouring frequencies: the farthest of them turn by .035
-/// rad from a block's middle to its ends, so that noise errs by some hundredths of its own size there. What comes within that
-/// of the largest is looked at again.
-constexpr std::size_t kBlocks = 730;
-constexpr int kNeighbours = 80;
-constexpr double kNearlyLargest = 0.9;
+/// Frequencies that are looked at, in one of the record's resolution.
+constexpr std::size_t kFiner = 5;
+/// A line's power over the mean of those up to so many resolutions beside it: of noise, one frequency in e^10 reaches that.
+constexpr double kStandsOut = 10.0;
+constexpr std::size_t kBeside = 10;
 /// Lines of a harmonic's neighbourhood that are proposed, and how far apart they are (resolutions).
 constexpr std::size_t kProposed = 2;
 constexpr double kApart = 1.5;
@@ -33,53 +31,6 @@ constexpr double kDoubtAHarmonic = 0.03;
 double alias_of(double hz, double rate_hz) {
   return std::abs(hz - rate_hz * std::round(hz / rate_hz));
 }
-
-/// Amplitude of a line in the residual, roughly.
-double amplitude_at(const Scene& scene, double hz) {
-  const auto turn = std::polar(1.0, -Hertz{hz}.rad_s().value * scene.step_s);
-  std::complex<double> pointer = 1.0;
-  std::complex<double> sum = 0.0;
-  for (double r : scene.residual) {
-    sum += r * pointer;
-    pointer *= turn;
-  }
-  return 2.0 * std::abs(sum) / static_cast<double>(scene.residual.size());
-}
-
-/// Sums over blocks of the residual, turned back by one frequency: near it a line's amplitude follows from these alone.
-class BlockSums {
- public:
-  BlockSums(const Scene& scene, double middle_hz)
-      : samples_(std::max<std::size_t>(1, scene.residual.size() / kBlocks)),
-        block_s_(scene.step_s * static_cast<double>(samples_)),
-        scale_(2.0 / static_cast<double>(scene.residual.size())) {
-    const auto turn = std::polar(1.0, -Hertz{middle_hz}.rad_s().value * scene.step_s);
-    std::vector<std::complex<double>> turned(samples_, 1.0);
-    for (std::size_t m = 1; m < samples_; ++m) turned[m] = turned[m - 1] * turn;
-    for (std::size_t i = 0; i < scene.residual.size(); i += samples_) {
-      std::complex<double> sum = 0.0;
-      for (std::size_t m = 0; m < std::min(samples_, scene.residual.size() - i); ++m)
-        sum += scene.residual[i + m] * turned[m];
-      sums_.push_back(sum);
-    }
-  }
-  double amplitude_at(double hz) const {
-    const auto turn = std::polar(1.0, -Hertz{hz}.rad_s().value * block_s_);
-    std::complex<double> pointer = 1.0;
-    std::complex<double> all = 0.0;
-    for (const auto& sum : sums_) {
-      all += sum * pointer;
-      pointer *= turn;
-    }
-    return scale_ * std::abs(all);
-  }
-
- private:
-  std::size_t samples_;
-  double block_s_;
-  double scale_;
-  std::vector<std::complex<double>> sums_;
-};
 
 struct Line {
   double nominal_hz = 0.0;
@@ -91,28 +42,52 @@ struct Line {
   double rank() const { return amplitude * (1.0 - kDoubtAHarmonic * harmonic); }
 };
 
-/// The largest line within the grid's tolerance of a nominal frequency.
-Line largest_near(const Scene& scene, double nominal_hz) {
-  const double step = kStep / scene.duration_s;
-  const double reach = kTolerance * nominal_hz;
-  const int count = whole_number<int>(std::ceil(reach / step));
-  const auto frequency = [&](int k) { return nominal_hz + reach * k / count; };
-  std::vector<double> rough;
-  for (int first = -count; first <= count; first += kNeighbours) {
-    const int last = std::min(first + kNeighbours - 1, count);
-    const BlockSums sums(scene, 0.5 * (frequency(first) + frequency(last)));
-    for (int k = first; k <= last; ++k) rough.push_back(sums.amplitude_at(frequency(k)));
+/// The residual's spectrum, fine enough for lines between the record's own frequencies.
+class FineSpectrum {
+ public:
+  explicit FineSpectrum(const Scene& scene) : rate_hz_(1.0 / scene.step_s) {
+    auto padded = scene.residual;
+    padded.resize(smooth_length(kFiner * padded.size()), 0.0);
+    bin_hz_ = rate_hz_ / static_cast<double>(padded.size());
+    for (const auto& value : half_spectrum(padded)) amplitude_.push_back(std::abs(value));
   }
-  const double enough = kNearlyLargest * *std::max_element(rough.begin(), rough.end());
-  Line best{nominal_hz, nominal_hz, -1.0, 1};
-  for (int k = -count; k <= count; ++k) {
-    if (rough[static_cast<std::size_t>(k + count)] < enough) continue;
-    const double hz = frequency(k);
-    const double amplitude = amplitude_at(scene, hz);
-    if (amplitude > best.amplitude) best = {nominal_hz, hz, amplitude, 1};
+  /// The largest line within the grid's tolerance of a nominal frequency, where it stands out.
+  std::optional<Line> largest_near(double nominal_hz, int harmonic) const {
+    Line best{nominal_hz, nominal_hz, -1.0, harmonic};
+    const int count = whole_number<int>(std::floor(kTolerance * nominal_hz / bin_hz_));
+    for (int k = -count; k <= count; ++k) {
+      const double hz = nominal_hz + bin_hz_ * k;
+      const double amplitude = amplitude_[bin_of(hz)];
+      if (amplitude > best.amplitude) best = {nominal_hz, hz, amplitude, harmonic};
+    }
+    const std::size_t bin = bin_of(best.hz);
+    const double level = std::max(level_over(bin, -1), level_over(bin, 1));
+    if (!(best.amplitude * best.amplitude > kStandsOut * level)) return std::nullopt;
+    return best;
   }
-  return best;
-}
+
+ private:
+  std::size_t bin_of(double hz) const {
+    const auto bin = whole_number<std::size_t>(alias_of(hz, rate_hz_) / bin_hz_ + 0.5);
+    return std::min(bin, amplitude_.size() - 1);
+  }
+  /// Mean power beside a line, from two resolutions below or above it on.
+  double level_over(std::size_t bin, int side) const {
+    double sum = 0.0;
+    int count = 0;
+    for (std::size_t d = 2 * kFiner; d < kBeside * kFiner; ++d) {
+      if (side < 0 ? d > bin : bin + d >= amplitude_.size()) break;
+      const double amplitude = amplitude_[side < 0 ? bin - d : bin + d];
+      sum += amplitude * amplitude;
+      ++count;
+    }
+    return count > 0 ? sum / count : 0.0;
+  }
+
+  double rate_hz_;
+  double bin_hz_;
+  std::vector<double> amplitude_;  ///< of any unit
+};
 
 class MainsHum final : public Effect {
  public:
@@ -128,14 +103,14 @@ class MainsHum final : public Effect {
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     std::vector<Line> lines;
     const double rate = 1.0 / scene.step_s;
+    const FineSpectrum spectrum(scene);
     for (double mains : {50.0, 60.0}) {
       for (int harmonic = 1; harmonic <= kHarmonics; ++harmonic) {
         const double hz = mains * harmonic;
         const double seen = alias_of(hz, rate);
         if (seen * scene.duration_s < kMinCycles || (0.5 * rate - seen) * scene.duration_s < kMinCycles)
           continue;
-        lines.push_back(largest_near(scene, hz));
-        lines.back().harmonic = harmonic;
+        if (auto line = spectrum.largest_near(hz, harmonic)) lines.push_back(*line);
       }
     }
     std::stable_sort(lines.begin(), lines.end(),

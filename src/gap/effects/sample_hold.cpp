@@ -63,7 +63,7 @@ class SampleHold final : public Effect {
     std::array<Starts, 2> stairs;
     if (images)
       parallel_for(2, scene.threads,
-                   [&](std::size_t half) { stairs[half] = clocks_by_stairs(scene, half == 1); });
+                   [&](std::size_t half) { stairs[half] = clocks_by_stairs(scene, scene.end(), half == 1); });
     const std::vector<std::size_t> places = scene.static_places();
     std::vector<Starts> found(2 * places.size());  // whole and half cycles of delay
     parallel_for(found.size(), scene.threads, [&](std::size_t i) {
@@ -72,7 +72,7 @@ class SampleHold final : public Effect {
       Starts& starts = found[i];
       starts = stairs[half ? 1 : 0];
       if (images && at < scene.model->size() && dynamics_follow(scene, at)) {
-        const auto more = clocks_before_dynamics(scene, at, half);
+        const auto more = clocks_by_stairs(scene, at, half);
         starts.insert(starts.begin(), more.begin(), more.end());
       }
       if (lags) {

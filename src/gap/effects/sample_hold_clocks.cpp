@@ -338,17 +338,14 @@ Starts clocks_by_lag(const Scene& scene, const chain::Block& hold, std::size_t a
   }
 }
 
-Starts clocks_by_stairs(const Scene& scene, bool half) {
-  return clocks_of_stairs(scene, scene.boundary[scene.end()].values, scene.residual, half);
-}
-
-Starts clocks_before_dynamics(const Scene& scene, std::size_t at, bool half) {
+Starts clocks_by_stairs(const Scene& scene, std::size_t at, bool half) {
   chain::Chain behind;
   for (std::size_t k = at; k < scene.end(); ++k) {
     // A curve or a memory passes stairs on much as they are.
     if (!scene.linear(k)) continue;
     behind.blocks.push_back(scene.model->at(k));
   }
+  if (behind.blocks.empty()) return clocks_of_stairs(scene, scene.boundary[at].values, scene.residual, half);
   // <r, H stairs> = <H* r, stairs>: what is behind runs once, over the residual from its end.
   const std::vector<double> turned(scene.residual.rbegin(), scene.residual.rend());
   simulate::RecordSimulator simulator(std::move(behind), scene.step_s);

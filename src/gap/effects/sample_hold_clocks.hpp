@@ -21,13 +21,9 @@ bool images_stand_out(const Scene& scene);
 /// measured.
 Starts clocks_by_lag(const Scene& scene, const chain::Block& hold, std::size_t at, double guess_hz);
 
-/// Clocks by the staircase alone: the residual is likened to what a hold of the model's output leaves beside
-/// its mean lag, which free corners of the model may have taken over. `half`: the hold acts half a cycle
-/// late.
-Starts clocks_by_stairs(const Scene& scene, bool half);
-
-/// The same for a hold at `at` in front of linear dynamics, which soften its stairs: the residual is run
-/// through them backwards instead. None where what follows is not linear.
-Starts clocks_before_dynamics(const Scene& scene, std::size_t at, bool half);
+/// Clocks by the staircase alone: the residual is likened to what a hold at `at` leaves beside its mean lag, which free corners of the
+/// model may have taken over. Linear dynamics behind it soften its stairs: the residual is run through them backwards. `half`: the
+/// hold acts half a cycle late.
+Starts clocks_by_stairs(const Scene& scene, std::size_t at, bool half);
 
 }  // namespace bodesmith::gap

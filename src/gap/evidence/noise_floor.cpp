@@ -1,6 +1,7 @@
 #include "gap/evidence/noise_floor.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "base/whole_number.hpp"
@@ -23,15 +24,8 @@ constexpr std::size_t kMinBins = 8;
 }  // namespace
 
 std::string to_string(NoiseFloor::Source source) {
-  switch (source) {
-    case NoiseFloor::Source::periods:
-      return "periods";
-    case NoiseFloor::Source::high_frequency:
-      return "high_frequency";
-    case NoiseFloor::Source::unknown:
-      break;
-  }
-  return "unknown";
+  constexpr std::array kNames = {"periods", "high_frequency", "unknown"};
+  return kNames.at(static_cast<std::size_t>(source));
 }
 
 NoiseFloor floor_from_periods(const std::vector<double>& residual, std::size_t from, std::size_t period) {

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <vector>
 
 #include "base/text.hpp"
@@ -14,20 +15,13 @@ namespace bodesmith::gap {
 namespace {
 
 std::string sentence(Verdict verdict) {
-  switch (verdict) {
-    case Verdict::explained:
-      return "What was missing has been found: nothing but noise seems to be left.";
-    case Verdict::partly_explained:
-      return "Part of what was missing has been found, and more is left that the catalogue does not explain.";
-    case Verdict::nothing_missing:
-      return "Nothing is missing that these records can show: what the model leaves is noise.";
-    case Verdict::interrupted:
-      return "The search was stopped before its end: this is what it had found, and no judgement.";
-    case Verdict::unexplained:
-      break;
-  }
-  return "Something is missing, and no effect of the catalogue explains it. No name is given rather than a "
-         "wrong one.";
+  constexpr std::array kSentences = {
+      "What was missing has been found: nothing but noise seems to be left.",
+      "Part of what was missing has been found, and more is left that the catalogue does not explain.",
+      "Nothing is missing that these records can show: what the model leaves is noise.",
+      "Something is missing, and no effect of the catalogue explains it. No name is given rather than a wrong one.",
+      "The search was stopped before its end: this is what it had found, and no judgement."};
+  return kSentences.at(static_cast<std::size_t>(verdict));
 }
 
 /// "partly explained".

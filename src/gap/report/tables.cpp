@@ -1,6 +1,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 
 #include "base/text.hpp"
 #include "gap/report/figures.hpp"
@@ -14,19 +15,9 @@ std::string percent_text(double share) {
 }
 
 std::string axis_words(const Cell& cell) {
-  switch (cell.axis) {
-    case Axis::frequency:
-      return "frequency, Hz";
-    case Axis::amplitude:
-      return cell.of_output ? "amplitude of the output" : "amplitude of the input";
-    case Axis::branch:
-      return "branch (-1 falling, 1 rising)";
-    case Axis::harmonic:
-      return "harmonic of the input's period";
-    case Axis::time:
-      break;
-  }
-  return "time, s";
+  constexpr std::array kWords = {"frequency, Hz", "amplitude of the input", "time, s",
+                                 "branch (-1 falling, 1 rising)", "harmonic of the input's period"};
+  return cell.of_output ? "amplitude of the output" : kWords.at(static_cast<std::size_t>(cell.axis));
 }
 
 std::vector<std::string> size_row(const Diagnosis& d, std::string model, const GapSize& size,

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <span>
 
@@ -183,19 +184,8 @@ Bins harmonic_bins(const std::vector<double>& e, std::size_t period) {
 }  // namespace
 
 std::string to_string(Axis axis) {
-  switch (axis) {
-    case Axis::frequency:
-      return "frequency_hz";
-    case Axis::amplitude:
-      return "amplitude";
-    case Axis::time:
-      break;
-    case Axis::branch:
-      return "branch";
-    case Axis::harmonic:
-      return "harmonic";
-  }
-  return "time_s";
+  constexpr std::array kNames = {"frequency_hz", "amplitude", "time_s", "branch", "harmonic"};
+  return kNames.at(static_cast<std::size_t>(axis));
 }
 
 std::vector<Cell> where(const TimeRecord& record, const std::vector<double>& residual, std::size_t from,

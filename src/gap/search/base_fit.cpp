@@ -26,7 +26,8 @@ Model refit_base(const SearchSetting& setting, const SearchRecords& records) {
   double min_rms = 0.0;
   for (const auto& start : base_starts(setting, records.look())) {
     if (setting.options.is_late() && best) break;
-    auto fitted = fit_in_turn(setting, records, with_values(setting.initial, start), options.iterations);
+    auto fitted =
+        fit_in_turn(setting, records, with_values(setting.initial, start), setting.options.iterations);
     if (!fitted.result.usable()) continue;
     const double reached = rms_of(fitted.model, records.train);
     if (best && !(reached < options.other_hill * min_rms)) continue;
@@ -47,7 +48,7 @@ BaseFit fit_base(const SearchSetting& setting, SearchRecords records) {
     model = refit_base(setting, leave_out_whole_starts(records));
     for (int round = 0; round < kFreeResponseRounds; ++round) {
       records = renew_free_responses(setting, std::move(records), model);
-      model = fit_in_turn(setting, records, std::move(model), setting.options.base.settle_iterations).model;
+      model = fit_in_turn(setting, records, std::move(model)).model;
     }
   }
   follow_what_is_left(records.stretches, records.train, model, setting.options.stretches);
@@ -55,15 +56,14 @@ BaseFit fit_base(const SearchSetting& setting, SearchRecords records) {
 }
 
 Model settle(const SearchSetting& setting, const SearchRecords& records, const Model& model) {
-  const auto& options = setting.options.base;
   const auto given = current_values(setting.initial);
   Model best = model;
   double min_rms = rms_of(model, records.train);
   const auto try_from = [&](Model start) {
-    auto fitted = fit_in_turn(setting, records, std::move(start), options.settle_iterations);
+    auto fitted = fit_in_turn(setting, records, std::move(start));
     if (!fitted.result.usable()) return;
     const double reached = rms_of(fitted.model, records.train);
-    if (!(reached < options.settle_gain * min_rms)) return;
+    if (!(reached < min_rms)) return;
     min_rms = reached;
     best = std::move(fitted.model);
   };

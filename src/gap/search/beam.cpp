@@ -28,8 +28,6 @@ namespace {
 /// Progress behind the base model's fit; the rounds take the rest but a twentieth.
 constexpr double kBaseFitted = 0.05;
 constexpr double kRounds = 0.9;
-/// Iterations of the fit that follows a move.
-constexpr int kJointIterations = 12;
 /// Moves in a row that put one name in another's place, or take one out.
 constexpr int kMaxTurns = 4;
 /// A move must raise the evidence by so much: less is the fits' own doing.
@@ -54,17 +52,16 @@ PlacedSet without_term(const SearchSetting& setting, const SearchRecords& record
                        std::size_t term) {
   set.model.remove(term);
   set.rivals.erase(set.rivals.begin() + static_cast<std::ptrdiff_t>(term));
-  set.model = fit_in_turn(setting, records, std::move(set.model), kJointIterations).model;
+  set.model = fit_in_turn(setting, records, std::move(set.model)).model;
   weigh(records, set);
   return set;
 }
 
 /// A set with its starts looked at again and all of it settled; the beam's records follow, and its best set is weighed again by them.
 PlacedSet settled(const SearchSetting& setting, Beam& beam, PlacedSet set) {
-  set.model = fit_in_turn(setting, beam.records, std::move(set.model), kJointIterations).model;
+  set.model = fit_in_turn(setting, beam.records, std::move(set.model)).model;
   auto wrong = leave_out_wrong_starts(setting, beam.records, set.model);
-  if (wrong.found)
-    set.model = fit_in_turn(setting, wrong.records, std::move(set.model), kJointIterations).model;
+  if (wrong.found) set.model = fit_in_turn(setting, wrong.records, std::move(set.model)).model;
   auto tried = score_starts_again(setting, std::move(wrong.records), std::move(set.model));
   follow_what_is_left(tried.records.stretches, tried.records.train, tried.model, setting.options.stretches);
   set.model = settle(setting, tried.records, tried.model);
@@ -133,7 +130,7 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
     auto other = with_candidate(others, *best, ranking);
     other.notes.push_back(fmt::format("{} took the place of {} once the other terms were there",
                                       best->effect->name(), set.model.terms()[k].effect->name()));
-    other.model = fit_in_turn(setting, records, std::move(other.model), kJointIterations).model;
+    other.model = fit_in_turn(setting, records, std::move(other.model)).model;
     weigh(records, other);
     return other;
   }

@@ -11,7 +11,6 @@
 namespace bodesmith::gap {
 namespace {
 
-constexpr int kIterations = 12;
 /// What it must leave of the rms at the most: a correction of the records is no small matter.
 constexpr double kMaxLeft = 0.8;
 /// Damping is a delay (0.002 of a sample), too little of it rings for long behind every jump (100 samples).
@@ -43,10 +42,11 @@ std::optional<Model> with_smooth_input(const SearchSetting& setting, const Searc
                        .set("gain", 1.0)
                        .set("natural_frequency_hz", std::sqrt(12.0) / (2.0 * std::numbers::pi * *step_s))
                        .set("damping_ratio", kDamping));
-  const auto first = fit(smooth, records.look(), fit_options(setting.options, kIterations));
+  const auto first =
+      fit(smooth, records.look(), fit_options(setting.options, setting.options.refit_iterations));
   if (!first.result.usable() || !(first.result.rms < kMaxLeft * rms_of(model, records.look())))
     return std::nullopt;
-  auto fitted = fit_in_turn(setting, records, first.model, kIterations);
+  auto fitted = fit_in_turn(setting, records, first.model);
   if (!fitted.result.usable()) return std::nullopt;
   if (!(rms_of(fitted.model, records.train) < kMaxLeft * rms_of(model, records.train))) return std::nullopt;
   if (!(log_evidence(fitted.model, records.train) > log_evidence(model, records.train) - log_share_of_name()))

@@ -16,15 +16,13 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Hops to both sides of where a fit ended, longer and then shorter than the unknown's own by these; and times the leader's
-/// rms within which they are tried. An edge that crosses a sample changes it whole: the sum of squares comes to its least
-/// in a cusp, where a fit stops beside it.
+/// Hops to both sides of where a fit ended, longer and then shorter than the unknown's own by these. An edge that crosses a sample
+/// changes it whole: the sum of squares comes to its least in a cusp, where a fit stops beside it.
 struct Hops {
   double length;
   int count;
 };
 constexpr std::array kHops = {Hops{15.0, 20}, Hops{1.0, 20}, Hops{0.2, 6}, Hops{0.04, 6}, Hops{0.008, 6}};
-constexpr double kWorthCombing = 2.0;
 /// Times what the model without the term leaves: room for what is known of the unknowns beforehand to pull at them.
 constexpr double kLost = 1.05;
 
@@ -172,7 +170,8 @@ void comb_leaders(const SearchSetting& setting, const SearchRecords& records, st
   double leader = std::numeric_limits<double>::infinity();
   for (const auto& r : racers) leader = std::min(leader, r.now.result.rms);
   parallel_for(racers.size(), setting.options.threads, [&](std::size_t i) {
-    if (racers[i].now.result.rms < kWorthCombing * leader) comb(setting, records, racers[i]);
+    if (racers[i].now.result.rms < setting.options.round.in_the_running * leader)
+      comb(setting, records, racers[i]);
   });
 }
 

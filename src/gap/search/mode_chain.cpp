@@ -22,7 +22,6 @@ constexpr std::array kKinds = {KindOfChain{"resonance", FrequencyExperiment::Com
 
 /// A mode takes at least this part of what is left, compared in that way.
 constexpr double kWorthIt = 0.85;
-constexpr int kModeIterations = 40;
 
 SearchRecords compared_by(FrequencyExperiment::Compared compared, const SearchRecords& records) {
   SearchRecords out = records;
@@ -46,7 +45,7 @@ std::optional<Ranked> with_mode(const SearchSetting& setting, std::string_view n
     return a.train_rms < b.train_rms;
   });
   if (best == ranking.end() || !(best->train_rms < kWorthIt * left)) return std::nullopt;
-  auto fitted = fit(best->model, compared.train, fit_options(setting.options, kModeIterations));
+  auto fitted = fit(best->model, compared.train, fit_options(setting.options, setting.options.iterations));
   if (fitted.result.usable()) best->model = std::move(fitted.model);
   return *best;
 }
@@ -62,7 +61,7 @@ void extend_from(const SearchSetting& setting, const SearchRecords& records, con
     if (!mode) return;
     model = mode->model;
     chain.push_back(std::move(*mode));
-    auto fitted = fit(model, records.train, fit_options(setting.options, kModeIterations));
+    auto fitted = fit(model, records.train, fit_options(setting.options, setting.options.iterations));
     if (!fitted.result.usable()) continue;
     auto finished = chain;
     finished.back().model = std::move(fitted.model);
@@ -74,15 +73,12 @@ void extend_from(const SearchSetting& setting, const SearchRecords& records, con
 
 std::vector<std::vector<Ranked>> mode_chains(const SearchSetting& setting, const SearchRecords& records,
                                              const Model& before) {
-  SearchOptions open = setting.options;
-  open.round.min_promise = open.round.min_promise_later = 0.0;
-  const SearchSetting wide{open, setting.initial, setting.first_gap};
   std::vector<std::vector<Ranked>> chains;
   for (const auto& kind : kKinds) {
-    extend_from(wide, records, kind, before, chains);
+    extend_from(setting, records, kind, before, chains);
     // Free parameters that went astray after what is missing: once from where they were given.
     if (before.terms().empty() && before.free_count() > 0)
-      extend_from(wide, records, kind, setting.initial, chains);
+      extend_from(setting, records, kind, setting.initial, chains);
   }
   return chains;
 }

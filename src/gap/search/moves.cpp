@@ -17,10 +17,6 @@
 namespace bodesmith::gap {
 namespace {
 
-/// Iterations of the refit without a term, and of several terms put in together.
-constexpr int kIterationsWithout = 12;
-constexpr int kGroupIterations = 40;
-
 const Effect* effect_of(const Promising& p) {
   return p.proposal.model.terms().back().effect;
 }
@@ -55,9 +51,12 @@ std::vector<Ranked> firsts_among(const SearchSetting& setting, const SearchRecor
   const auto& options = setting.options.pairs;
   std::set<const Effect*> there;
   for (const auto& r : ranking) there.insert(r.effect);
-  auto more = fit_whatever_is_promised(setting, records, before, [&](const Effect& effect) {
-    return effect.facts().adds_one_signal && there.count(&effect) == 0;
-  });
+  auto more =
+      fit_round(
+          setting, records, before,
+          [&](const Effect& effect) { return effect.facts().adds_one_signal && there.count(&effect) == 0; },
+          0.0)
+          .ranking;
   std::move(more.begin(), more.end(), std::back_inserter(ranking));
   std::stable_sort(ranking.begin(), ranking.end(),
                    [](const Ranked& a, const Ranked& b) { return a.train_rms < b.train_rms; });
@@ -88,7 +87,7 @@ std::vector<Promising> seconds_beside(const SearchSetting& setting, const Search
     const double left = rms_of(first.model, records.look());
     std::set<const Effect*> effects;
     for (auto& second : look_round(setting, records, first.model)) {
-      if (second.z < options.round.min_promise || !effects.insert(effect_of(second)).second) continue;
+      if (!effects.insert(effect_of(second)).second) continue;
       all.emplace_back(left * std::sqrt(std::max(0.0, 1.0 - second.score)), std::move(second));
       if (effects.size() >= options.pairs.seconds) break;
     }
@@ -116,7 +115,7 @@ bool all_matter(const SearchSetting& setting, const SearchRecords& records, cons
   for (std::size_t k = 0; k < model.terms().size(); ++k) {
     Model without = model;
     without.remove(k);
-    without = fit_in_turn(setting, records, std::move(without), kIterationsWithout).model;
+    without = fit_in_turn(setting, records, std::move(without)).model;
     if (!matters(setting, records, without, with)) return false;
   }
   return true;
@@ -221,12 +220,9 @@ std::vector<std::vector<Ranked>> sets_of_several(const SearchSetting& setting, c
                                                  const Model& before, const std::vector<Ranked>& first) {
   const auto& options = setting.options;
   std::vector<std::vector<Ranked>> sets;
-  SearchOptions open = options;
-  open.round.min_promise_later = options.pairs.little_promise;
-  const SearchSetting wide{open, setting.initial, setting.first_gap};
   const auto add_pairs = [&](const Ranked& one) {
     std::set<const Effect*> tried;
-    for (const auto& second : fit_round(wide, records, one.model, {}, 0.0).ranking) {
+    for (const auto& second : fit_round(setting, records, one.model, {}, 0.0).ranking) {
       if (tried.insert(second.effect).second) sets.push_back({one, second});
     }
   };
@@ -247,7 +243,7 @@ std::vector<std::vector<Ranked>> sets_of_several(const SearchSetting& setting, c
   }
   parallel_for(sets.size(), options.threads, [&](std::size_t i) {
     auto& last = sets[i].back();
-    auto fitted = fit(last.model, records.train, fit_options(options, kGroupIterations));
+    auto fitted = fit(last.model, records.train, fit_options(options, options.iterations));
     if (fitted.result.usable()) last.model = std::move(fitted.model);
     const bool named = std::none_of(sets[i].begin(), sets[i].end(),
                                     [](const Ranked& r) { return r.outcome == CandidateOutcome::no_name; });

@@ -83,7 +83,7 @@ StartsTried score_starts_again(const SearchSetting& setting, SearchRecords recor
   const double rms_before = rms_of(model, records.train);
   SearchRecords all_scored = records;
   for_each_time_record(all_scored, [](TimeExperiment& e) { e.score_start(); });
-  Model refitted = fit_in_turn(setting, all_scored, model, options.iterations).model;
+  Model refitted = fit_in_turn(setting, all_scored, model).model;
   // Those that stand out even now stay left out.
   SearchRecords tried = records;
   for_each_time_record(tried, [&](TimeExperiment& e) {
@@ -95,7 +95,7 @@ StartsTried score_starts_again(const SearchSetting& setting, SearchRecords recor
     }
   });
   if (starts_left_out(tried) < before) {
-    refitted = fit_in_turn(setting, tried, std::move(refitted), options.refit_iterations).model;
+    refitted = fit_in_turn(setting, tried, std::move(refitted)).model;
     const auto as_before = renew_free_responses(setting, records, model);
     if (rms_of(refitted, as_before.train) < options.max_cost * rms_before) {
       records = std::move(tried);

@@ -39,6 +39,7 @@ LeastSquaresOptions fit_options(const SearchOptions& options, int iterations) {
 FittedModel fit_in_turn(const SearchSetting& setting, const SearchRecords& records, Model model,
                         int iterations) {
   const auto& options = setting.options;
+  if (iterations == 0) iterations = options.refit_iterations;
   if (!records.are_long()) return fit(std::move(model), records.train, fit_options(options, iterations));
   auto rough = fit(std::move(model), records.stretches, fit_options(options, iterations));
   return fit(std::move(rough.model), records.train,

@@ -29,8 +29,8 @@ SearchRecords make_records(const Experiments& train, const StretchOptions& optio
 
 LeastSquaresOptions fit_options(const SearchOptions& options, int iterations);
 
-/// Fits on the stretches first when the records are long, then on the training records.
+/// Fits on the stretches first when the records are long, then on the training records. 0 iterations: SearchOptions::refit_iterations.
 FittedModel fit_in_turn(const SearchSetting& setting, const SearchRecords& records, Model model,
-                        int iterations);
+                        int iterations = 0);
 
 }  // namespace bodesmith::gap

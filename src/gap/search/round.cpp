@@ -69,17 +69,14 @@ std::vector<Promising> look_from(const SearchSetting& setting, const SearchRecor
 /// effects.
 class Choice {
  public:
-  /// `later`: there are terms already, and what is left must promise more. `more_forms`: as many more of an effect.
-  Choice(const RoundOptions& options, bool later, double min_score, int more_forms)
-      : min_score_(min_score),
-        min_promise_(later ? options.min_promise_later : options.min_promise),
-        more_forms_(more_forms) {}
+  /// `more_forms`: as many more of an effect.
+  Choice(double min_score, int more_forms) : min_score_(min_score), more_forms_(more_forms) {}
 
   /// Goes on until `max_effects` are chosen in all; those in `done` are passed over.
   void add(std::vector<Promising> promising, std::size_t max_effects, const std::set<const Effect*>& done) {
     for (auto& p : promising) {
       const auto* effect = effect_of(p.proposal);
-      if (p.score < min_score_ || p.z < min_promise_ || done.count(effect) != 0) continue;
+      if (p.score < min_score_ || done.count(effect) != 0) continue;
       const std::size_t form = p.proposal.model.terms().back().unknowns.size();
       const bool new_form = forms_[effect].count(form) == 0;
       if (places_[effect] >= effect->facts().places_a_round + more_forms_ + (new_form ? 1 : 0)) continue;
@@ -109,7 +106,6 @@ class Choice {
 
  private:
   double min_score_;
-  double min_promise_;
   int more_forms_;
   std::map<const Effect*, int> places_;
   std::map<const Effect*, std::set<std::size_t>> forms_;
@@ -189,7 +185,7 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
   const auto& options = setting.options;
   FittedRound round;
   const bool responses = are_responses(records.train);
-  Choice choice(options.round, !model.terms().empty(), min_score.value_or(options.round.min_score),
+  Choice choice(min_score.value_or(options.round.min_score),
                 responses ? options.round.more_forms_of_response : 0);
   std::set<std::string_view> missed;
   auto promising = look_from(setting, records, model, filter, missed);
@@ -212,13 +208,6 @@ FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records
   round.not_tried.assign(missed.begin(), missed.end());
   round.ranking = rank(setting, records, std::move(fitted));
   return round;
-}
-
-std::vector<Ranked> fit_whatever_is_promised(const SearchSetting& setting, const SearchRecords& records,
-                                             const Model& model, const EffectFilter& filter) {
-  SearchOptions open = setting.options;
-  open.round.min_promise = open.round.min_promise_later = 0.0;
-  return fit_round({open, setting.initial, setting.first_gap}, records, model, filter, 0.0).ranking;
 }
 
 std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,

@@ -22,10 +22,6 @@ struct FittedRound {
 FittedRound fit_round(const SearchSetting& setting, const SearchRecords& records, const Model& model,
                       const EffectFilter& filter = {}, std::optional<double> min_score = std::nullopt);
 
-/// The ranking of such a round of all effects that the filter lets through, however little the look promises of them.
-std::vector<Ranked> fit_whatever_is_promised(const SearchSetting& setting, const SearchRecords& records,
-                                             const Model& model, const EffectFilter& filter);
-
 /// The first look of a round alone: what every effect promises, best first.
 std::vector<Promising> look_round(const SearchSetting& setting, const SearchRecords& records,
                                   const Model& model, const EffectFilter& filter = {});

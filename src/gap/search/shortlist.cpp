@@ -8,7 +8,6 @@
 #include "gap/runner.hpp"
 #include "numeric/index.hpp"
 #include "numeric/parallel_for.hpp"
-#include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
@@ -65,7 +64,6 @@ struct PresentModel {
 struct StartScore {
   std::size_t start = 0;
   double score = 0.0;
-  double z = 0.0;
   double left = 0.0;  ///< of the energy, at the start itself
 };
 
@@ -74,15 +72,6 @@ constexpr double kNearness = 0.02;
 
 double merit(const StartScore& s) {
   return s.score - kNearness * std::min(1.0, s.left);
-}
-
-bool worse(const StartScore& a, const StartScore& b) {
-  return a.score < b.score;
-}
-
-/// What `part` explains of the residual, in standard deviations.
-double significance(const Vector& unexplained, const Vector& part) {
-  return improvement_z(to_vector(unexplained), to_vector(unexplained - part));
 }
 
 double moved_value(const Unknown& u, double value) {
@@ -115,10 +104,7 @@ std::vector<StartScore> score_starts(const Proposal& proposal, const Experiments
     const Vector part = more.along(present.unexplained, present.known.size());
     const double score =
         present.unexplained_energy > 0.0 ? part.squaredNorm() / present.unexplained_energy : 0.0;
-    const double best = scores.empty() ? -1.0 : std::max_element(scores.begin(), scores.end(), worse)->score;
-    // Only the best start's significance is asked for.
-    scores.push_back({s, score, score > best ? significance(present.unexplained, part) : 0.0,
-                      present.energy > 0.0 ? here.squaredNorm() / present.energy : 0.0});
+    scores.push_back({s, score, present.energy > 0.0 ? here.squaredNorm() / present.energy : 0.0});
   }
   std::stable_sort(scores.begin(), scores.end(), [&](const StartScore& a, const StartScore& b) {
     return present.logarithmic ? merit(a) > merit(b) : a.score > b.score;
@@ -160,11 +146,7 @@ std::vector<Promising> shortlist(const Model& model, std::vector<Proposal> propo
     try {
       const auto scores = score_starts(proposals[i], look, present);
       for (const auto& s : scores) p.best_starts.push_back(s.start);
-      for (const auto& s : scores) {
-        if (s.score < p.score || (s.score == p.score && s.z < p.z)) continue;
-        p.score = s.score;
-        p.z = s.z;
-      }
+      for (const auto& s : scores) p.score = std::max(p.score, s.score);
     } catch (const InputError&) {
       p.score = 0.0;  // a chain that cannot be run at its start values is no candidate
     }

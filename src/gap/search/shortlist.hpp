@@ -14,7 +14,6 @@ struct Promising {
   std::vector<std::size_t> best_starts;  ///< best first
   std::size_t places = 1;                ///< proposals of the same effect that were looked at
   double score = 0.0;  ///< predicted share, of the energy that the model's own unknowns leave
-  double z = 0.0;      ///< standard deviations of that (the residual's colour counted)
 };
 
 /// The first look: the residual is made orthogonal to everything that the model's own unknowns could still

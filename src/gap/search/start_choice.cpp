@@ -94,11 +94,10 @@ SearchResult search_all(const chain::Chain& base, const Experiments& train, cons
 
 /// The same model from another start, refitted and not searched again.
 Tried from_other_start(Model model, Start start, const Experiments& train, const SearchOptions& options) {
-  constexpr int kIterations = 8;
   model.set_start(start);
   const SearchSetting setting{options, model};
   const SearchRecords records = make_records(train, options.stretches, model);
-  return tried(fit_in_turn(setting, records, model, kIterations).model, train, options);
+  return tried(fit_in_turn(setting, records, model).model, train, options);
 }
 
 /// Whether what a search from equilibrium found is to be preferred.

@@ -12,7 +12,6 @@
 namespace bodesmith::gap {
 namespace {
 
-constexpr std::size_t kMinSamplesOfFloor = 400;
 /// Densities of the three parts of the spectrum from an eighth of the sampling rate up differ by this factor at the most
 /// where the noise is white. Of coloured noise x_i = a x_(i-1) + w_i they differ by 1.9 with a = 0.3 and by more with a
 /// larger a.
@@ -51,7 +50,6 @@ double rounding_noise(const Leftover& record) {
 
 Sign above_white_floor(const Leftover& record) {
   Sign sign{SignKind::above_white_floor, 0.0};
-  if (record.residual.size() < kMinSamplesOfFloor) return sign;
   const auto power = periodogram(record.residual, record.step_s).power;
   const std::span<const double> all(power);
   const std::size_t quarter = all.size() / 4;

@@ -3,6 +3,7 @@
 #include <fmt/format.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <complex>
 #include <numbers>
@@ -138,67 +139,43 @@ AmplitudeClass class_of(const Logarithm& small, const Logarithm& large, const st
   return class_without_peak(change);
 }
 
-std::string what_happens(const AmplitudeDependence& d) {
-  switch (d.kind) {
-    case AmplitudeClass::softening_stiffness:
-      return fmt::format("the peak moves down from {} to {} Hz: a stiffness that softens",
-                         rounded_text(*d.peak_at_least_hz), rounded_text(*d.peak_at_largest_hz));
-    case AmplitudeClass::hardening_stiffness:
-      return fmt::format("the peak moves up from {} to {} Hz: a stiffness that hardens",
-                         rounded_text(*d.peak_at_least_hz), rounded_text(*d.peak_at_largest_hz));
-    case AmplitudeClass::rising_damping:
-      return "the peak falls: damping that grows with speed, or a limit that the peak alone reaches";
-    case AmplitudeClass::falling_damping:
-      return "the peak rises: damping that falls, as that of dry friction";
-    case AmplitudeClass::rising_gain:
-      return "the gain rises: hysteresis, or a dead zone";
-    case AmplitudeClass::falling_gain:
-      return "the gain falls: saturation";
-    case AmplitudeClass::falling_gain_at_top:
-      break;
-  }
-  return "the gain falls at high frequencies alone: a limited rate of change";
+struct ClassWords {
+  const char* name;
+  std::vector<std::string> suspects;
+  const char* what_happens;  ///< with the peak's two frequencies
+};
+/// In the order of AmplitudeClass.
+const ClassWords& words_of(AmplitudeClass kind) {
+  static const std::array<ClassWords, 7> all = {{
+      {"softening_stiffness",
+       {"cubic_stiffness", "quadratic_stiffness", "hysteresis"},
+       "the peak moves down from {} to {} Hz: a stiffness that softens"},
+      {"hardening_stiffness",
+       {"cubic_stiffness", "backlash"},
+       "the peak moves up from {} to {} Hz: a stiffness that hardens"},
+      {"rising_damping",
+       {"drag", "saturation"},
+       "the peak falls: damping that grows with speed, or a limit that the peak alone reaches"},
+      {"falling_damping",
+       {"hysteresis", "dead_zone", "backlash"},
+       "the peak rises: damping that falls, as that of dry friction"},
+      {"rising_gain", {"hysteresis", "dead_zone", "backlash"}, "the gain rises: hysteresis, or a dead zone"},
+      {"falling_gain", {"saturation", "cubic_nonlinearity"}, "the gain falls: saturation"},
+      {"falling_gain_at_top",
+       {"slew_limit"},
+       "the gain falls at high frequencies alone: a limited rate of change"},
+  }};
+  return all.at(static_cast<std::size_t>(kind));
 }
 
 }  // namespace
 
 std::string to_string(AmplitudeClass kind) {
-  switch (kind) {
-    case AmplitudeClass::softening_stiffness:
-      return "softening_stiffness";
-    case AmplitudeClass::hardening_stiffness:
-      return "hardening_stiffness";
-    case AmplitudeClass::rising_damping:
-      return "rising_damping";
-    case AmplitudeClass::falling_damping:
-      return "falling_damping";
-    case AmplitudeClass::rising_gain:
-      return "rising_gain";
-    case AmplitudeClass::falling_gain:
-      return "falling_gain";
-    case AmplitudeClass::falling_gain_at_top:
-      break;
-  }
-  return "falling_gain_at_top";
+  return words_of(kind).name;
 }
 
 std::vector<std::string> suspects_of(AmplitudeClass kind) {
-  switch (kind) {
-    case AmplitudeClass::softening_stiffness:
-      return {"cubic_stiffness", "quadratic_stiffness", "hysteresis"};
-    case AmplitudeClass::hardening_stiffness:
-      return {"cubic_stiffness", "backlash"};
-    case AmplitudeClass::rising_damping:
-      return {"drag", "saturation"};
-    case AmplitudeClass::falling_damping:
-    case AmplitudeClass::rising_gain:
-      return {"hysteresis", "dead_zone", "backlash"};
-    case AmplitudeClass::falling_gain:
-      return {"saturation", "cubic_nonlinearity"};
-    case AmplitudeClass::falling_gain_at_top:
-      break;
-  }
-  return {"slew_limit"};
+  return words_of(kind).suspects;
 }
 
 std::optional<AmplitudeDependence> amplitude_dependence(const Experiments& experiments) {
@@ -258,7 +235,9 @@ std::string to_text(const AmplitudeDependence& d) {
   return fmt::format(
       "The response depends on the drive ({} V against {} V): {}. No linear effect does that; they were looked for at the "
       "least drive alone. Time records at these amplitudes would tell which it is ({}).",
-      rounded_text(d.largest_drive_v), rounded_text(d.least_drive_v), what_happens(d),
+      rounded_text(d.largest_drive_v), rounded_text(d.least_drive_v),
+      fmt::format(fmt::runtime(words_of(d.kind).what_happens), rounded_text(d.peak_at_least_hz.value_or(0.0)),
+                  rounded_text(d.peak_at_largest_hz.value_or(0.0))),
       join(suspects_of(d.kind), ", "));
 }
 

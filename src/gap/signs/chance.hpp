@@ -2,6 +2,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
+#include <vector>
+
+#include "signal/periodogram.hpp"
 
 namespace bodesmith::gap {
 
@@ -25,5 +29,16 @@ class Chance {
   double sum_of_squares_ = 0.0;
   int count_ = 0;
 };
+
+/// Surrogates (same spectrum, random phases) of a residual that chance is taken from.
+inline constexpr std::uint64_t kSurrogates = 24;
+
+/// What a figure of a residual reaches on its surrogates; `seed`: of the first one's phases.
+template <class Figure>
+Chance on_surrogates(const std::vector<double>& residual, std::uint64_t seed, Figure figure) {
+  Chance chance;
+  for (std::uint64_t k = 0; k < kSurrogates; ++k) chance.add(figure(phase_surrogate(residual, seed + k)));
+  return chance;
+}
 
 }  // namespace bodesmith::gap

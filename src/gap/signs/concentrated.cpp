@@ -6,14 +6,11 @@
 #include "gap/signs/chance.hpp"
 #include "gap/signs/signs.hpp"
 #include "numeric/fourier.hpp"
-#include "signal/periodogram.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
-constexpr std::size_t kMinSamplesOfSpectrogram = 512;
 constexpr std::size_t kMinColumns = 7;
-constexpr std::uint64_t kSpectrogramSurrogates = 24;
 /// What is found must exceed surrogates' largest figure by this factor, and their mean by so many deviations.
 constexpr double kConcentratedTimesLargest = 1.08;
 constexpr double kConcentratedDeviations = 7.0;
@@ -53,13 +50,11 @@ double unevenness(const std::vector<double>& v, std::size_t window) {
 Sign concentrated(const Leftover& record) {
   Sign sign{SignKind::concentrated, 0.0};
   const std::size_t n = record.residual.size();
-  if (n < kMinSamplesOfSpectrogram) return sign;
   for (std::size_t window : {32U, 96U, 256U, 768U}) {
     if (n < window * (kMinColumns + 1) / 2) continue;
     const double got = unevenness(record.residual, window);
-    Chance chance;
-    for (std::uint64_t k = 0; k < kSpectrogramSurrogates; ++k)
-      chance.add(unevenness(phase_surrogate(record.residual, 5000 + k), window));
+    const Chance chance = on_surrogates(record.residual, 5000,
+                                        [&](const std::vector<double>& v) { return unevenness(v, window); });
     const double limit = std::max(kConcentratedTimesLargest * chance.max(),
                                   chance.mean() + kConcentratedDeviations * chance.deviation());
     sign.strength = std::max(sign.strength, got / limit);

@@ -9,14 +9,11 @@
 #include "gap/signs/signs.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
-#include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
-constexpr std::size_t kMinSamplesToLearn = 200;
-constexpr std::uint64_t kPredictedSurrogates = 24;
 /// A prediction counts when it explains more of the energy than this, and than surrogates' largest share and
 /// rms share times these.
 constexpr double kMinShare = 0.015;
@@ -71,12 +68,11 @@ class Prediction {
 
 Sign depends_on_signals(const Leftover& learn, const Leftover& apply) {
   Sign sign{SignKind::depends_on_signals, 0.0};
-  if (learn.residual.size() < kMinSamplesToLearn || apply.residual.size() < kMinSamplesToLearn) return sign;
   // A line over a part says nothing of the other, and would hide what does.
   const auto learned = less_straight_line(learn.residual);
   const auto applied = less_straight_line(apply.residual);
   std::vector<std::pair<std::vector<double>, std::vector<double>>> surrogates;
-  for (std::uint64_t k = 0; k < kPredictedSurrogates; ++k)
+  for (std::uint64_t k = 0; k < kSurrogates; ++k)
     surrogates.emplace_back(phase_surrogate(learned, 1000 + k), phase_surrogate(applied, 2000 + k));
   // Apart, as many features together foretell less of each other's.
   constexpr std::array kLooks = {std::pair{&signal_features, 1.0}, std::pair{&curve_features, kPlainCurve}};

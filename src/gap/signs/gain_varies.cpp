@@ -6,13 +6,10 @@
 #include "gap/signs/signs.hpp"
 #include "numeric/dense.hpp"
 #include "numeric/index.hpp"
-#include "signal/periodogram.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
-constexpr std::size_t kMinSamplesOfGain = 400;
-constexpr std::uint64_t kGainSurrogates = 24;
 /// The share of the energy must be above this, and above surrogates' largest one times that.
 constexpr double kMinGainShare = 0.03;
 constexpr double kGainTimesLargest = 2.0;
@@ -47,16 +44,13 @@ Eigen::MatrixXd varying_gains(const std::vector<double>& output) {
 
 Sign gain_varies(const Leftover& record) {
   Sign sign{SignKind::gain_varies, 0.0};
-  if (record.residual.size() < kMinSamplesOfGain) return sign;
   const Eigen::MatrixXd gains = varying_gains(record.output);
   const auto share = [&](const std::vector<double>& residual) {
     const Eigen::VectorXd e = less_mean(residual);
     return (gains.transpose() * e).squaredNorm() / std::max(e.squaredNorm(), 1e-300);
   };
   const double got = share(record.residual);
-  Chance chance;
-  for (std::uint64_t k = 0; k < kGainSurrogates; ++k)
-    chance.add(share(phase_surrogate(record.residual, 4000 + k)));
+  const Chance chance = on_surrogates(record.residual, 4000, share);
   const auto odds = [](double part) { return part / std::max(1.0 - part, 1e-6); };
   sign.strength = std::max(got / std::max(kMinGainShare, kGainTimesLargest * chance.max()),
                            got < kMinGainShare ? 0.0 : odds(got) / (kGainTimesOdds * odds(chance.max())));

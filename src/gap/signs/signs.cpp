@@ -1,6 +1,7 @@
 #include "gap/signs/signs.hpp"
 
 #include <algorithm>
+#include <array>
 #include <functional>
 #include <iterator>
 #include <utility>
@@ -10,6 +11,8 @@
 namespace bodesmith::gap {
 namespace {
 
+/// Shorter records say too little.
+constexpr std::size_t kMinSamples = 200;
 /// A prediction this many times beyond chance in one direction will do; else both directions must hold.
 constexpr double kPlainSigns = 2.0;
 
@@ -26,61 +29,42 @@ Sign depends_either_way(const Leftover& a, const Leftover& b) {
 }  // namespace
 
 std::string to_string(SignKind kind) {
-  switch (kind) {
-    case SignKind::depends_on_signals:
-      break;
-    case SignKind::bunched_in_time:
-      return "the residual is bunched in time";
-    case SignKind::even_in_time:
-      return "the residual keeps its size more evenly than noise does";
-    case SignKind::spectral_line:
-      return "a line stands in the residual's spectrum";
-    case SignKind::jumps:
-      return "the residual jumps";
-    case SignKind::gain_varies:
-      return "the gain varies with time";
-    case SignKind::concentrated:
-      return "the residual keeps to few stretches of time and frequency together";
-    case SignKind::above_white_floor:
-      return "far more is left at low frequencies than the white floor of the noise";
-    case SignKind::straight_line:
-      return "the residual holds a constant or a straight line";
-    case SignKind::smooth_over_frequency:
-      return "neighbouring frequencies err alike";
-    case SignKind::stands_apart:
-      return "single frequencies err far more than those around them";
-    case SignKind::refused_candidate:
-      return "an effect that was refused as a name would explain a good part of the residual";
-    case SignKind::depends_on_amplitude:
-      return "the response depends on the drive";
-  }
-  return "the residual can be foretold from input and output";
+  constexpr std::array kWords = {
+      "the residual can be foretold from input and output",
+      "the residual is bunched in time",
+      "the residual keeps its size more evenly than noise does",
+      "a line stands in the residual's spectrum",
+      "the residual jumps",
+      "the gain varies with time",
+      "the residual keeps to few stretches of time and frequency together",
+      "far more is left at low frequencies than the white floor of the noise",
+      "the residual holds a constant or a straight line",
+      "neighbouring frequencies err alike",
+      "single frequencies err far more than those around them",
+      "an effect that was refused as a name would explain a good part of the residual",
+      "the response depends on the drive"};
+  return kWords.at(static_cast<std::size_t>(kind));
 }
 
 std::vector<Sign> signs_of_structure(const std::vector<Leftover>& records,
                                      const std::vector<Leftover>& parts) {
   std::vector<std::function<Sign()>> looks;
   const auto consider = [&](std::function<Sign()> look) { looks.push_back(std::move(look)); };
+  const auto is_long = [](const Leftover& r) { return r.residual.size() >= kMinSamples; };
   for (std::size_t a = 0; a < parts.size(); ++a) {
     for (std::size_t b = a + 1; b < parts.size(); ++b) {
-      if (parts[a].response.empty() && parts[b].response.empty())
+      if (is_long(parts[a]) && is_long(parts[b]))
         consider([&parts, a, b] { return depends_either_way(parts[a], parts[b]); });
     }
   }
   for (const auto& r : records) {
     if (!r.response.empty()) {
-      consider([&r] { return smooth_over_frequency(r); });
-      consider([&r] { return stands_apart(r); });
-      continue;
+      for (const auto look : {smooth_over_frequency, stands_apart}) consider([&r, look] { return look(r); });
+    } else if (is_long(r)) {
+      for (const auto look : {jumps, gain_varies, bunched_in_time, even_in_time, spectral_line, concentrated,
+                              above_white_floor, straight_line})
+        consider([&r, look] { return look(r); });
     }
-    consider([&r] { return jumps(r); });
-    consider([&r] { return gain_varies(r); });
-    consider([&r] { return bunched_in_time(r); });
-    consider([&r] { return even_in_time(r); });
-    consider([&r] { return spectral_line(r); });
-    consider([&r] { return concentrated(r); });
-    consider([&r] { return above_white_floor(r); });
-    consider([&r] { return straight_line(r); });
   }
   std::vector<Sign> all(looks.size());
   parallel_for(looks.size(), allowed_threads(), [&](std::size_t i) { all[i] = looks[i](); });

@@ -33,7 +33,7 @@ enum class SignKind {
 /// For a person: "the residual jumps", ...
 std::string to_string(SignKind kind);
 
-/// A sign that a residual is more than noise, whatever its colour.
+/// A sign that a residual is more than noise, whatever its colour. Of records of a few hundred samples and more.
 struct Sign {
   SignKind kind = SignKind::depends_on_signals;
   double strength = 0.0;  ///< over what chance reaches, 1: at the limit

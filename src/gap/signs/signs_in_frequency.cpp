@@ -10,7 +10,6 @@
 namespace bodesmith::gap {
 namespace {
 
-constexpr std::size_t kMinSamplesOfSpectrum = 400;
 /// A line holds at least this share of the energy.
 constexpr double kMinLineShare = 0.02;
 /// Neighbours begin beyond the width of the periodogram's window, and are so many to each side.
@@ -55,7 +54,6 @@ std::optional<double> level_beside(const std::vector<double>& power, std::size_t
 
 Sign spectral_line(const Leftover& record) {
   Sign sign{SignKind::spectral_line, 0.0};
-  if (record.residual.size() < kMinSamplesOfSpectrum) return sign;
   auto e = record.residual;
   const double middle = mean(e);
   for (double& x : e) x -= middle;

@@ -5,18 +5,13 @@
 
 #include "gap/signs/chance.hpp"
 #include "gap/signs/signs.hpp"
-#include "signal/periodogram.hpp"
 #include "signal/statistics.hpp"
 
 namespace bodesmith::gap {
 namespace {
 
-constexpr std::size_t kMinSamplesInTime = 400;
-constexpr std::size_t kMinSamplesForJumps = 200;
-
 /// Bunched energy: more in one cell than surrogates' largest share times this, and than so many deviations
 /// above their mean.
-constexpr std::uint64_t kBunchSurrogates = 30;
 constexpr double kBunchTimesLargest = 1.45;
 constexpr double kBunchDeviations = 7.0;
 
@@ -59,12 +54,10 @@ double largest_share(const std::vector<double>& e, std::size_t cells) {
 
 Sign bunched_in_time(const Leftover& record) {
   Sign sign{SignKind::bunched_in_time, 0.0};
-  if (record.residual.size() < kMinSamplesInTime) return sign;
   for (std::size_t cells : {5U, 20U, 60U}) {
     const double got = largest_share(record.residual, cells);
-    Chance chance;
-    for (std::uint64_t k = 0; k < kBunchSurrogates; ++k)
-      chance.add(largest_share(phase_surrogate(record.residual, 3000 + k), cells));
+    const Chance chance = on_surrogates(
+        record.residual, 3000, [&](const std::vector<double>& v) { return largest_share(v, cells); });
     const double limit =
         std::max(kBunchTimesLargest * chance.max(), chance.mean() + kBunchDeviations * chance.deviation());
     sign.strength = std::max(sign.strength, got / limit);
@@ -75,9 +68,7 @@ Sign bunched_in_time(const Leftover& record) {
 Sign even_in_time(const Leftover& record) {
   Sign sign{SignKind::even_in_time, 0.0};
   if (record.residual.size() < kEvenCells * kMinSamplesOfCell) return sign;
-  Chance chance;
-  for (std::uint64_t k = 0; k < kBunchSurrogates; ++k)
-    chance.add(spread_over_cells(phase_surrogate(record.residual, 6000 + k)));
+  const Chance chance = on_surrogates(record.residual, 6000, spread_over_cells);
   sign.strength = kEven * chance.mean() / std::max(spread_over_cells(record.residual), 1e-6);
   return sign;
 }
@@ -85,7 +76,6 @@ Sign even_in_time(const Leftover& record) {
 Sign jumps(const Leftover& record) {
   Sign sign{SignKind::jumps, 0.0};
   const std::size_t n = record.residual.size();
-  if (n < kMinSamplesForJumps) return sign;
   std::vector<double> change(n - 1);
   for (std::size_t i = 1; i < n; ++i) change[i - 1] = std::abs(record.residual[i] - record.residual[i - 1]);
   const double largest = *std::max_element(change.begin(), change.end());

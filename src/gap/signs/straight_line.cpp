@@ -9,7 +9,6 @@
 namespace bodesmith::gap {
 namespace {
 
-constexpr std::size_t kMinSamplesOfLine = 200;
 /// Gain of the logarithm of the likelihood. Of two values that are chance it is 1 on the average, and 18 once in fifty million times.
 constexpr double kSurelyALine = 18.0;
 
@@ -21,7 +20,6 @@ double log_likelihood(const std::vector<double>& v) {
 
 Sign straight_line(const Leftover& record) {
   Sign sign{SignKind::straight_line, 0.0};
-  if (record.residual.size() < kMinSamplesOfLine) return sign;
   const double gain = log_likelihood(less_straight_line(record.residual)) - log_likelihood(record.residual);
   if (std::isfinite(gain)) sign.strength = gain / kSurelyALine;
   return sign;

@@ -1,0 +1,222 @@
+#!/usr/bin/env python3
+"""Are the probabilities of `bodesmith diagnose` right? Cases of two generators, the program's answers, and what became of them.
+
+    bench/calibration.py draw --program build/bin/bodesmith --out DIR [--first I] [--count N] [--seconds S]
+    bench/calibration.py show DIR/answers.jsonl [--fit-below I]
+    bench/calibration.py stability --program build/bin/bodesmith --out DIR [--count N] [--draws M]
+
+`draw` hides effects (hidden_effects.py, hidden_effects_too.py by turns; records of 400 to 900 samples in white, red and 1/f noise) and keeps
+for each case the truth and, of each step, every name that was fitted with its log evidence. `show` fits the temperature of the
+probabilities on the cases below I, and prints the reliability diagram, the expected calibration error and the mean log score of the
+others.
+"""
+import argparse
+import itertools
+import json
+import math
+import os
+import random
+import shutil
+import subprocess
+import time
+
+import hidden_effects as first
+import hidden_effects_too as second
+
+
+def make(i, folder):
+    """Case number i; what is hidden, and what the case is."""
+    if i % 2:
+        return second.make_case(i, folder)
+    kinds, base, noise, times = first.plan(f"calibration {i // 50}", 50)[i % 50]
+    return first.make_case(random.Random(f"calibration {i}"), folder, kinds, base, noise, times, samples=(400, 900))
+
+
+def rivals(step):
+    """Names of one step, '' for none: log evidence, rms of the training records, unknowns (the last two for Schwarz' criterion)."""
+    fitted = [[c["effect"], c["log_evidence"], c["train_rms_after"], len(c["parameters"])] for c in step["candidates"]
+              if c["log_evidence"] is not None and c["outcome"] in ("named", "tied", "worse", "other place or form")]
+    return [["", step["log_evidence_without"], step["train_rms_before"], 0]] + fitted
+
+
+def answer(program, folder):
+    t0 = os.times().children_user
+    code = subprocess.run([program, "diagnose", "model.toml", "--data", "a.csv", "b.csv", "--holdout", "h.csv", "-o", "out", "--threads", "1"],
+                          cwd=folder, capture_output=True, text=True)
+    if code.returncode != 0:
+        return {"failed": code.stderr[-300:]}
+    d = json.load(open(folder + "/out/diagnosis.json"))
+    return {"cpu_s": os.times().children_user - t0, "verdict": d["verdict"], "outside": d["outside"], "alternatives": d["alternatives"],
+            "log_evidence": d["log_evidence"], "signs": d["signs_of_more"], "gap": {k: d["gap"][k] for k in ("initial", "refitted", "final")},
+            "refused": [[c["effect"], c["log_evidence"], c["outcome"]] for c in d["refused"]],
+            "steps": [{"effect": s["effect"], "probability": s["probability"], "tied_with": s["tied_with"], "placed": s["placed"],
+                       "rivals": rivals(s)} for s in d["steps"]]}
+
+
+def draw(args):
+    program = os.path.abspath(args.program)
+    os.makedirs(args.out, exist_ok=True)
+    end = time.time() + args.seconds
+    with open(args.out + "/answers.jsonl", "a") as out:
+        for i in range(args.first, args.first + args.count):
+            if time.time() > end:
+                break
+            folder = f"{args.out}/case"
+            shutil.rmtree(folder, ignore_errors=True)
+            truth = make(i, folder)
+            truth["samples"] = sum(len(open(f"{folder}/{name}.csv").readlines()) - 1 for name in "ab")
+            out.write(json.dumps({"case": i, "truth": truth, **answer(program, folder)}) + "\n")
+            out.flush()
+
+
+OUTSIDE = set(first.OUTSIDE)
+
+
+def hidden(row):
+    """Names that are right; None where something outside the catalogue acts: then none is."""
+    truth = row["truth"]
+    return None if truth.get("outside") or OUTSIDE.intersection(truth["kinds"]) else set(truth["kinds"])
+
+
+def told(row):
+    """(name, its probability, whether it is right) of each step."""
+    right = hidden(row)
+    return [(s["effect"], s["probability"], right is not None and s["effect"] in right) for s in row["steps"]]
+
+
+def posterior(weights):
+    most = max(w for _, w in weights)
+    held = {}
+    for name, w in weights:
+        held[name] = held.get(name, 0.0) + math.exp(w - most)
+    total = sum(held.values())
+    return {name: w / total for name, w in held.items()}
+
+
+def schwarz(step, samples):
+    """Probabilities of one step's names by Schwarz' criterion instead: white noise, the same candidates."""
+    return posterior([(r[0], -samples * math.log(max(r[2], 1e-300)) - 0.5 * r[3] * math.log(samples)) for r in step["rivals"]])
+
+
+def read_again(row, tempered, without_sign, at_chance, feigned):
+    """The row with other constants of evidence/posterior.cpp: log evidences over `tempered`."""
+    plainest = max([1.0] + [s["times_chance"] for s in row["signs"]])
+    outside = 1.0 - at_chance / plainest if row["signs"] else without_sign
+    steps = []
+    for s in row["steps"]:
+        names = posterior([(r[0], r[1] / tempered) for r in s["rivals"] if r[1] is not None])
+        steps.append({**s, "probability": (1.0 - feigned * outside) * names.get(s["effect"], 1.0)})
+    return {**row, "steps": steps, "outside": outside}
+
+
+def log_score(rows):
+    """Mean ln of the probability that was given to what is so, a told name each."""
+    all_told = [t for r in rows for t in told(r)]
+    return sum(math.log(min(max(p if right else 1.0 - p, 1e-6), 1.0)) for _, p, right in all_told) / max(1, len(all_told))
+
+
+EDGES = [0.0, 0.5, 0.8, 0.9, 0.95, 0.98, 1.0001]
+
+
+def diagram(rows):
+    """(from, to, names, mean probability, share that is right) of each bin; expected calibration error."""
+    bins, error, count = [], 0.0, 0
+    for low, high in zip(EDGES, EDGES[1:]):
+        inside = [(p, right) for r in rows for _, p, right in told(r) if low <= p < high]
+        if inside:
+            mean, share = sum(p for p, _ in inside) / len(inside), sum(right for _, right in inside) / len(inside)
+            bins.append((low, min(high, 1.0), len(inside), mean, share))
+            error += len(inside) * abs(mean - share)
+            count += len(inside)
+    return bins, error / max(1, count)
+
+
+def show_one(title, rows):
+    bins, error = diagram(rows)
+    print(f"{title}: {len(rows)} cases, {sum(b[2] for b in bins)} names told; expected calibration error {error:.3f}, mean log score {log_score(rows):.3f}")
+    print("| told | names | mean | right |\n|---|---|---|---|")
+    for low, high, n, mean, share in bins:
+        print(f"| {low:g} to {high:g} | {n} | {mean:.3f} | {share:.3f} |")
+
+
+def show(args):
+    rows = [r for r in map(json.loads, open(args.answers)) if "steps" in r]
+    fitted, others = [r for r in rows if r["case"] < args.fit_below], [r for r in rows if r["case"] >= args.fit_below]
+    show_one("as told, all", rows)
+    grid = itertools.product((1.0, 1.5, 2.0, 3.0, 4.0), (0.02, 0.03, 0.04, 0.05, 0.06, 0.08), (0.4, 0.5, 0.6, 0.7, 0.8, 0.9), (0.15, 0.5, 0.8, 1.0))
+    best = max(grid, key=lambda g: log_score([read_again(r, *g) for r in fitted]))
+    print("best on those below:", dict(zip(("tempered", "without_sign", "at_chance", "feigned"), best)))
+    show_one("fitted, on those it was fitted on", [read_again(r, *best) for r in fitted])
+    show_one("fitted, on the others", [read_again(r, *best) for r in others])
+    with_rms = [r for r in others if r["steps"] and len(r["steps"][0]["rivals"][0]) > 2]
+    by_schwarz = [{**r, "steps": [{**s, "probability": schwarz(s, r["truth"]["samples"])[s["effect"]]} for s in r["steps"]]} for r in with_rms]
+    if with_rms:
+        print(f"Schwarz' criterion on {len(with_rms)} of these: mean log score {log_score(by_schwarz):.3f}, error {diagram(by_schwarz)[1]:.3f}; "
+              f"as told {log_score(with_rms):.3f}, fitted {log_score([read_again(r, *best) for r in with_rms]):.3f}")
+
+
+def said(folder, program, out):
+    """Names, their ties and places, and the verdict."""
+    subprocess.run([program, "diagnose", "model.toml", "--data", "a.csv", "b.csv", "--holdout", "h.csv", "-o", out, "--threads", "1"], cwd=folder, check=True,
+                   capture_output=True)
+    d = json.load(open(f"{folder}/{out}/diagnosis.json"))
+    return [[s["effect"], s["placed"], sorted(s["tied_with"])] for s in d["steps"]], d["verdict"]
+
+
+def stability(args):
+    """Of drawn cases the share whose names, ties, places and verdict stay when y moves by a billionth of its range."""
+    program, folder = os.path.abspath(args.program), f"{args.out}/stability"
+    same = draws = 0
+    for i in range(args.first, args.first + args.count):
+        shutil.rmtree(folder, ignore_errors=True)
+        truth = make(i, folder)
+        usual = said(folder, program, "usual")
+        for draw in range(args.draws):
+            r = random.Random(f"{i} {draw}")
+            for name in "abh":
+                lines = open(f"{folder}/{name}.csv").readlines()
+                rows = [[float(v) for v in line.split(",")] for line in lines[1:]]
+                size = max(row[2] for row in rows) - min(row[2] for row in rows)
+                with open(f"{folder}/moved_{name}.csv", "w") as f:
+                    f.write(lines[0])
+                    f.writelines(f"{t:.12g},{u:.12g},{y + 1e-9 * size * r.gauss(0, 1):.15g}\n" for t, u, y in rows)
+            other = f"{folder}/moved"
+            os.makedirs(other, exist_ok=True)
+            shutil.copy(f"{folder}/model.toml", other)
+            for name in "abh":
+                os.replace(f"{folder}/moved_{name}.csv", f"{other}/{name}.csv")
+            got = said(other, program, "out")
+            draws += 1
+            same += got == usual
+            if got != usual:
+                print(i, truth["kinds"], truth["base"], usual, got, flush=True)
+    print(f"{same} of {draws} draws over {args.count} cases the same")
+
+
+def main():
+    p = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    sub = p.add_subparsers(required=True)
+    d = sub.add_parser("draw")
+    d.add_argument("--program", required=True)
+    d.add_argument("--out", required=True)
+    d.add_argument("--first", type=int, default=0)
+    d.add_argument("--count", type=int, default=10**6)
+    d.add_argument("--seconds", type=float, default=1e9)
+    d.set_defaults(run=draw)
+    s = sub.add_parser("show")
+    s.add_argument("answers")
+    s.add_argument("--fit-below", type=int, default=120)
+    s.set_defaults(run=show)
+    b = sub.add_parser("stability")
+    b.add_argument("--program", required=True)
+    b.add_argument("--out", required=True)
+    b.add_argument("--first", type=int, default=10**6)
+    b.add_argument("--count", type=int, default=100)
+    b.add_argument("--draws", type=int, default=3)
+    b.set_defaults(run=stability)
+    args = p.parse_args()
+    args.run(args)
+
+
+if __name__ == "__main__":
+    main()

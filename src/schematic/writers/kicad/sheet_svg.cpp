@@ -7,6 +7,7 @@
 #include "base/text.hpp"
 #include "base/text_template.hpp"
 #include "schematic/writers/kicad/devices.hpp"
+#include "schematic/writers/kicad/sheet_rows.hpp"
 
 namespace bodesmith::kicad {
 namespace {

@@ -143,54 +143,62 @@ def show(args):
     rows = [r for r in map(json.loads, open(args.answers)) if "steps" in r]
     fitted, others = [r for r in rows if r["case"] < args.fit_below], [r for r in rows if r["case"] >= args.fit_below]
     show_one("as told, all", rows)
+    if args.read:
+        show_one("read with these constants, on those below", [read_again(r, *args.read) for r in fitted])
+        others_read = [read_again(r, *args.read) for r in others]
+        show_one("read with these constants, on the others", others_read)
     grid = itertools.product((1.0, 1.5, 2.0, 3.0, 4.0), (0.02, 0.03, 0.04, 0.05, 0.06, 0.08), (0.4, 0.5, 0.6, 0.7, 0.8, 0.9), (0.15, 0.5, 0.8, 1.0))
     best = max(grid, key=lambda g: log_score([read_again(r, *g) for r in fitted]))
     print("best on those below:", dict(zip(("tempered", "without_sign", "at_chance", "feigned"), best)))
     show_one("fitted, on those it was fitted on", [read_again(r, *best) for r in fitted])
     show_one("fitted, on the others", [read_again(r, *best) for r in others])
     with_rms = [r for r in others if r["steps"] and len(r["steps"][0]["rivals"][0]) > 2]
-    by_schwarz = [{**r, "steps": [{**s, "probability": schwarz(s, r["truth"]["samples"])[s["effect"]]} for s in r["steps"]]} for r in with_rms]
+    by_schwarz = [{**r, "steps": [{**s, "probability": schwarz(s, r["truth"]["samples"]).get(s["effect"], 0.0)} for s in r["steps"]]} for r in with_rms]
     if with_rms:
         print(f"Schwarz' criterion on {len(with_rms)} of these: mean log score {log_score(by_schwarz):.3f}, error {diagram(by_schwarz)[1]:.3f}; "
               f"as told {log_score(with_rms):.3f}, fitted {log_score([read_again(r, *best) for r in with_rms]):.3f}")
 
 
-def said(folder, program, out):
-    """Names, their ties and places, and the verdict."""
-    subprocess.run([program, "diagnose", "model.toml", "--data", "a.csv", "b.csv", "--holdout", "h.csv", "-o", out, "--threads", "1"], cwd=folder, check=True,
-                   capture_output=True)
-    d = json.load(open(f"{folder}/{out}/diagnosis.json"))
-    return [[s["effect"], s["placed"], sorted(s["tied_with"])] for s in d["steps"]], d["verdict"]
+def said(row):
+    """Names, their places and ties, and the verdict."""
+    return [[s["effect"], s["placed"], sorted(s["tied_with"])] for s in row["steps"]], row["verdict"]
+
+
+def moved(folder, draw, other):
+    """The case with every y moved by a billionth of its range."""
+    r = random.Random(f"{folder} {draw}")
+    os.makedirs(other, exist_ok=True)
+    shutil.copy(f"{folder}/model.toml", other)
+    for name in "abh":
+        lines = open(f"{folder}/{name}.csv").readlines()
+        rows = [[float(v) for v in line.split(",")] for line in lines[1:]]
+        size = max(row[2] for row in rows) - min(row[2] for row in rows)
+        with open(f"{other}/{name}.csv", "w") as f:
+            f.write(lines[0])
+            f.writelines(f"{t:.12g},{u:.12g},{y + 1e-9 * size * r.gauss(0, 1):.15g}\n" for t, u, y in rows)
 
 
 def stability(args):
-    """Of drawn cases the share whose names, ties, places and verdict stay when y moves by a billionth of its range."""
+    """Of drawn cases the share whose names, places, ties and verdict stay when y moves by a billionth of its range; answers are kept as by draw."""
     program, folder = os.path.abspath(args.program), f"{args.out}/stability"
     same = draws = 0
-    for i in range(args.first, args.first + args.count):
-        shutil.rmtree(folder, ignore_errors=True)
-        truth = make(i, folder)
-        usual = said(folder, program, "usual")
-        for draw in range(args.draws):
-            r = random.Random(f"{i} {draw}")
-            for name in "abh":
-                lines = open(f"{folder}/{name}.csv").readlines()
-                rows = [[float(v) for v in line.split(",")] for line in lines[1:]]
-                size = max(row[2] for row in rows) - min(row[2] for row in rows)
-                with open(f"{folder}/moved_{name}.csv", "w") as f:
-                    f.write(lines[0])
-                    f.writelines(f"{t:.12g},{u:.12g},{y + 1e-9 * size * r.gauss(0, 1):.15g}\n" for t, u, y in rows)
-            other = f"{folder}/moved"
-            os.makedirs(other, exist_ok=True)
-            shutil.copy(f"{folder}/model.toml", other)
-            for name in "abh":
-                os.replace(f"{folder}/moved_{name}.csv", f"{other}/{name}.csv")
-            got = said(other, program, "out")
-            draws += 1
-            same += got == usual
-            if got != usual:
-                print(i, truth["kinds"], truth["base"], usual, got, flush=True)
-    print(f"{same} of {draws} draws over {args.count} cases the same")
+    os.makedirs(args.out, exist_ok=True)
+    with open(args.out + "/answers.jsonl", "a") as out:
+        for i in range(args.first, args.first + args.count):
+            shutil.rmtree(folder, ignore_errors=True)
+            truth = make(i, folder)
+            truth["samples"] = sum(len(open(f"{folder}/{name}.csv").readlines()) - 1 for name in "ab")
+            row = {"case": i, "truth": truth, **answer(program, folder)}
+            out.write(json.dumps(row) + "\n")
+            out.flush()
+            for draw in range(args.draws):
+                moved(folder, draw, folder + "/moved")
+                got = said(answer(program, folder + "/moved"))
+                draws += 1
+                same += got == said(row)
+                if got != said(row):
+                    print(i, truth["kinds"], truth["base"], said(row), got, flush=True)
+            print(f"{same} of {draws} draws over {i - args.first + 1} cases the same", flush=True)
 
 
 def main():
@@ -206,11 +214,12 @@ def main():
     s = sub.add_parser("show")
     s.add_argument("answers")
     s.add_argument("--fit-below", type=int, default=120)
+    s.add_argument("--read", nargs=4, type=float, help="tempered, without_sign, at_chance, feigned instead of the program's")
     s.set_defaults(run=show)
     b = sub.add_parser("stability")
     b.add_argument("--program", required=True)
     b.add_argument("--out", required=True)
-    b.add_argument("--first", type=int, default=10**6)
+    b.add_argument("--first", type=int, default=1000)
     b.add_argument("--count", type=int, default=100)
     b.add_argument("--draws", type=int, default=3)
     b.set_defaults(run=stability)

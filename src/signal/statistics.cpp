@@ -4,7 +4,6 @@
 #include <cmath>
 
 #include "base/whole_number.hpp"
-#include "numeric/fourier.hpp"
 
 namespace bodesmith {
 
@@ -59,44 +58,6 @@ double correlation_time(std::span<const double> v) {
     if (k > 64) k += k / 8;
   }
   return std::min(time, static_cast<double>(n) / 4.0);
-}
-
-double improvement_z(const std::vector<double>& before, const std::vector<double>& after) {
-  const std::size_t n = before.size();
-  if (n < 16 || after.size() != n) return 0.0;
-  std::size_t padded = 1;
-  while (padded < n) padded *= 2;
-  std::vector<double> change(padded, 0.0);
-  std::vector<double> left(padded, 0.0);
-  double along = 0.0;
-  double size = 0.0;
-  for (std::size_t i = 0; i < n; ++i) {
-    change[i] = before[i] - after[i];
-    left[i] = after[i];
-    along += before[i] * change[i] - 0.5 * change[i] * change[i];
-    size += change[i] * change[i];
-  }
-  if (!(size > 0.0)) return 0.0;
-  const auto d = half_spectrum(change);
-  const auto a = half_spectrum(left);
-  // Smoothed over neighbours; the lowest bins take the largest of the first few, where red noise hides.
-  const std::size_t bins = a.size();
-  std::vector<double> sum(bins + 1, 0.0);
-  for (std::size_t k = 0; k < bins; ++k) {
-    sum[k + 1] = sum[k] + std::norm(a[k]);
-  }
-  double lowest = 0.0;
-  for (std::size_t k = 0; k < std::min<std::size_t>(6, bins); ++k) lowest = std::max(lowest, std::norm(a[k]));
-  double variance = 0.0;
-  for (std::size_t k = 0; k < bins; ++k) {
-    const std::size_t reach = std::min<std::size_t>(8, k / 3);
-    const std::size_t from = k - reach;
-    const std::size_t to = std::min(bins, k + reach + 1);
-    const double power = k < 3 ? lowest : (sum[to] - sum[from]) / static_cast<double>(to - from);
-    variance += (k == 0 || 2 * k == padded ? 1.0 : 2.0) * power * std::norm(d[k]);
-  }
-  const double deviation = std::sqrt(variance) / static_cast<double>(padded);
-  return deviation > 0.0 ? along / deviation : 1e9;
 }
 
 std::vector<double> less_straight_line(const std::vector<double>& v) {

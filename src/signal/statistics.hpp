@@ -21,13 +21,6 @@ double quantile_of_sorted(std::span<const double> sorted, double q);
 /// n / correlation_time(v) is the effective sample size of its mean.
 double correlation_time(std::span<const double> v);
 
-/// How many standard deviations the improvement from residual `before` to residual `after` lies above what
-/// chance gives. The improvement is 2 sum(before d) - sum(d^2) with d = before - after, so the question is
-/// whether `before` goes along with d; by chance sum(after d) has the variance (2/N^2) sum |A(k)|^2 |D(k)|^2
-/// over the bins of their spectra (A smoothed), which counts the noise's colour and how unevenly d is spread
-/// over the record.
-double improvement_z(const std::vector<double>& before, const std::vector<double>& after);
-
 /// Less the straight line over its places that comes nearest (least squares).
 std::vector<double> less_straight_line(const std::vector<double>& v);
 

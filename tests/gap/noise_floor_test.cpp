@@ -70,27 +70,6 @@ TEST(Surrogate, keepsTheSpectrumAndLosesThePhases) {
   EXPECT_LT(std::abs(along) / (rms(v) * rms(s) * 4096.0), 0.08);
 }
 
-// Under the hypothesis of no effect z is a standard normal number, whatever the noise's colour: a change d
-// that has nothing to do with the noise.
-TEST(Significance, isStandardForColouredNoise) {
-  int beyond = 0;
-  const int runs = 300;
-  for (int k = 0; k < runs; ++k) {
-    auto e = noise(2048, 1.0, 100 + static_cast<unsigned>(k));
-    double x = 0.0;
-    for (double& v : e) v = x = 0.97 * x + v;
-    auto d = noise(2048, 1.0, 5000 + static_cast<unsigned>(k));
-    double y = 0.0;
-    for (double& v : d) v = y = 0.95 * y + 0.02 * v;
-    std::vector<double> before(e.size());
-    for (std::size_t i = 0; i < e.size(); ++i) before[i] = e[i];
-    std::vector<double> after(e.size());
-    for (std::size_t i = 0; i < e.size(); ++i) after[i] = e[i] - d[i];
-    if (improvement_z(before, after) > 2.0) ++beyond;
-  }
-  EXPECT_LT(beyond, runs / 15);
-}
-
 TEST(LeastSquares, fitsAnExponentialToRounding) {
   std::vector<Unknown> unknowns = {{"rate", 0.5, 0.01, 100.0, true, 1.0},
                                    {"size", 0.2, -10.0, 10.0, false, 1.0}};

@@ -2,13 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <random>
 #include <vector>
-
-#include "numeric/random.hpp"
 
 namespace bodesmith {
 namespace {
@@ -40,20 +36,6 @@ TEST(Statistics, CorrelationTimeOfAnAutoregressiveProcess) {
   }
   EXPECT_NEAR(correlation_time(white), 1.0, 0.1);
   EXPECT_NEAR(correlation_time(slow), 9.0, 1.5);
-}
-
-/// The same improvement by chance alone is no more than a few deviations; one that takes a true part away is many.
-TEST(Statistics, ImprovementIsToldFromChance) {
-  std::mt19937_64 random(4);
-  std::normal_distribution<double> normal;
-  std::vector<double> noise(4000), with_part(4000), by_chance(4000);
-  for (std::size_t i = 0; i < noise.size(); ++i) {
-    noise[i] = normal(random);
-    with_part[i] = noise[i] + 0.3 * std::sin(0.05 * static_cast<double>(i));
-    by_chance[i] = noise[i] - 0.01 * std::sin(0.031 * static_cast<double>(i));
-  }
-  EXPECT_GT(improvement_z(with_part, noise), 6.0);
-  EXPECT_LT(improvement_z(noise, by_chance), 4.0);
 }
 
 TEST(ErrorFigures, OfAnErrorOfPlusAndMinusOneAboutAnOffset) {

@@ -123,6 +123,14 @@ std::optional<PlacedSet> exchanged(const SearchSetting& setting, const SearchRec
     if (!tried.insert(names).second) continue;
     weigh(records, others);
     auto ranking = successors_of(setting, records, *set.model.terms()[k].effect, others.model);
+    // Of its own name what stands is known, too: the new fit beside the others may have stopped short of it.
+    const auto own = std::find_if(ranking.begin(), ranking.end(),
+                                  [&](const Ranked& r) { return r.effect == set.model.terms()[k].effect; });
+    if (own != ranking.end() && own->log_evidence < set.log_evidence) {
+      own->log_evidence = set.log_evidence;
+      own->train_rms = set.train_rms;
+      std::stable_sort(ranking.begin(), ranking.end(), more_evident);
+    }
     const auto* best = best_of(setting, records, others.model, ranking);
     set.rivals[k] = {ranking, others.log_evidence};
     if (best == nullptr || best->effect == set.model.terms()[k].effect) continue;

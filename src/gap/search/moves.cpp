@@ -172,8 +172,7 @@ std::vector<Ranked> successors_of(const SearchSetting& setting, const SearchReco
                (&other == &effect || is_confused_with(effect, other) || is_confused_with(other, effect));
       }).ranking;
   std::move(relatives.begin(), relatives.end(), std::back_inserter(ranking));
-  std::stable_sort(ranking.begin(), ranking.end(),
-                   [](const Ranked& a, const Ranked& b) { return a.log_evidence > b.log_evidence; });
+  std::stable_sort(ranking.begin(), ranking.end(), more_evident);
   return ranking;
 }
 

@@ -173,8 +173,7 @@ std::vector<Ranked> rank(const SearchSetting& setting, const SearchRecords& reco
   if (ranking.empty()) return ranking;
   look_at_names(setting, records, ranking);
   weigh(setting, records, ranking);
-  std::stable_sort(ranking.begin(), ranking.end(),
-                   [](const Ranked& a, const Ranked& b) { return a.log_evidence > b.log_evidence; });
+  std::stable_sort(ranking.begin(), ranking.end(), more_evident);
   return ranking;
 }
 

@@ -10,6 +10,11 @@
 
 namespace bodesmith::gap {
 
+/// The order of a ranking.
+inline bool more_evident(const Ranked& a, const Ranked& b) {
+  return a.log_evidence > b.log_evidence;
+}
+
 /// Effects that a round is confined to; empty: all of them.
 using EffectFilter = std::function<bool(const Effect&)>;
 

@@ -35,26 +35,31 @@ BoardRun::BoardRun(const std::vector<Cell>& cells, std::vector<Part> parts, cons
   for (const Cell& cell : cells) {
     Node node;
     node.name = cell.cam.name;
-    node.period =
+    std::int64_t period =
         std::max<std::int64_t>(2, nearest_whole<long long>(ticks_per_second_ / cell.cam.clock_a.value));
-    node.period += node.period % 2;
-    node.network = network_of_cam(cell.cam, node.period);
+    period += period % 2;
+    node.network = network_of_cam(cell.cam, period);
     if (node.network) {
       // At rest; the first instant, at 0, begins phase 1.
       node.interval = node.network->intervals().size() - 1;
       node.charges = Eigen::VectorXd::Zero(node.network->intervals().back().m.cols());
+      node.edge = {0, period / 2};
     } else {
       node.step = cell.cam.cam->step(cell.cam);
       if (node.step == nullptr) {
         throw DesignError(fmt::format("{} is a {} without capacitors, expected a CAM that is made of some",
                                       node.name, cell.cam.cam_name()));
       }
-      node.offset = cell.cam.phase == 2 ? 0 : node.period / 2;
-      node.delay = nearest_whole<long long>(cell.cam.delay_cycles * static_cast<double>(node.period));
-      if (node.delay < 0) {
+      const std::int64_t offset = cell.cam.phase == 2 ? 0 : period / 2;
+      const std::int64_t delay =
+          nearest_whole<long long>(cell.cam.delay_cycles * static_cast<double>(period));
+      if (delay < 0) {
         throw DesignError(
             fmt::format("{} is late by {} cycles, expected 0 or more", node.name, cell.cam.delay_cycles));
       }
+      node.edge = {offset, period};
+      node.late_edge = {offset + period / 2, period};
+      if (delay > 0) node.shown = {offset + delay, period};
     }
     node.late = cell.late;
     node.late.resize(cell.inputs.size(), false);
@@ -124,10 +129,6 @@ double BoardRun::voltage(std::size_t source, int depth) {
   return parts_[source - nodes_.size()].value(static_cast<double>(now_) / ticks_per_second_, {inputs, count});
 }
 
-bool BoardRun::is_due(const Node& node, std::int64_t offset) const {
-  return now_ >= offset && (now_ - offset) % node.period == 0;
-}
-
 void BoardRun::read_inputs(Node& node, bool late) {
   for (std::size_t k = 0; k < node.sources.size(); ++k) {
     if (node.network || node.late[k] == late) node.read[k] = voltage(node.sources[k]);
@@ -136,12 +137,17 @@ void BoardRun::read_inputs(Node& node, bool late) {
 
 void BoardRun::switch_over(Node& node) {
   const ClockedNetwork::Interval& at = node.network->intervals()[node.interval];
-  Eigen::VectorXd next = at.m * node.charges;
-  for (std::size_t k = 0; k < node.sources.size(); ++k) {
-    const auto input = static_cast<Eigen::Index>(k);
-    if (input < at.n.cols()) next += at.n.col(input) * node.read[k];
+  node.next_charges.resize(at.m.rows());
+  for (Eigen::Index r = 0; r < at.m.rows(); ++r) {
+    double sum = 0.0;
+    for (Eigen::Index k = 0; k < at.m.cols(); ++k) sum += at.m(r, k) * node.charges(k);
+    for (std::size_t k = 0; k < node.sources.size(); ++k) {
+      const auto input = static_cast<Eigen::Index>(k);
+      if (input < at.n.cols()) sum += at.n(r, input) * node.read[k];
+    }
+    node.next_charges(r) = sum;
   }
-  node.charges = std::move(next);
+  node.charges.swap(node.next_charges);
   node.interval = (node.interval + 1) % node.network->intervals().size();
 }
 
@@ -152,7 +158,7 @@ void BoardRun::take_step(Node& node) {
     if (!node.late[k] && source < nodes_.size() && nodes_[source].step) node.read[k] = nodes_[source].visible;
   }
   const double out = limited(node, node.step->at_edge(node.read));
-  if (node.delay == 0) {
+  if (node.shown.next == Edge::kNever) {
     node.visible = out;
   } else {
     node.pending.push_back(out);
@@ -162,52 +168,36 @@ void BoardRun::take_step(Node& node) {
 void BoardRun::run_instant(std::int64_t tick) {
   now_ = tick;
   ++readings_;
-  const auto turns = [&](const Node& node) { return node.network && is_due(node, 0); };
-  const auto turns_half = [&](const Node& node) { return node.network && is_due(node, node.period / 2); };
+  const auto due = [&](const Edge& edge) { return edge.next == now_; };
   for (Node& node : nodes_) {
-    if (turns(node) || turns_half(node)) {
-      read_inputs(node, false);
-    } else if (node.step) {
-      if (is_due(node, node.offset)) read_inputs(node, false);
-      if (is_due(node, node.offset + node.period / 2)) read_inputs(node, true);
-    }
+    if (due(node.edge)) read_inputs(node, false);
+    if (due(node.late_edge)) read_inputs(node, true);
   }
   for (Node& node : nodes_) {
-    if (node.step && node.delay > 0 && is_due(node, node.offset + node.delay) && !node.pending.empty()) {
+    if (due(node.shown) && !node.pending.empty()) {
       node.visible = node.pending.front();
       node.pending.pop_front();
     }
   }
   for (Node& node : nodes_) {
-    if (node.step && is_due(node, node.offset)) take_step(node);
+    if (node.step && due(node.edge)) take_step(node);
   }
   for (Node& node : nodes_) {
-    if (turns(node) || turns_half(node)) switch_over(node);
+    if (node.network && due(node.edge)) switch_over(node);
+  }
+  next_ = Edge::kNever;
+  for (Node& node : nodes_) {
+    for (Edge* edge : {&node.edge, &node.late_edge, &node.shown}) {
+      if (due(*edge)) edge->next += edge->every;
+      next_ = std::min(next_, edge->next);
+    }
   }
   ++readings_;
 }
 
-std::int64_t BoardRun::next_instant() const {
-  std::int64_t out = std::numeric_limits<std::int64_t>::max();
-  const auto consider = [&](std::int64_t period, std::int64_t offset) {
-    const std::int64_t from = std::max(now_ + 1, offset);
-    out = std::min(out, from + (period - (from - offset) % period) % period);
-  };
-  for (const Node& node : nodes_) {
-    if (node.network) {
-      consider(node.period / 2, 0);
-    } else {
-      consider(node.period, node.offset);
-      consider(node.period, node.offset + node.period / 2);
-      if (node.delay > 0) consider(node.period, node.offset + node.delay);
-    }
-  }
-  return out;
-}
-
 void BoardRun::advance_to(double time_s) {
   const auto last = whole_number<std::int64_t>(std::floor(time_s * ticks_per_second_ * (1.0 + 1e-15)));
-  for (std::int64_t next = next_instant(); next <= last; next = next_instant()) run_instant(next);
+  while (next_ <= last) run_instant(next_);
   if (last > now_) {
     now_ = last;
     ++readings_;

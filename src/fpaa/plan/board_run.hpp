@@ -4,6 +4,7 @@
 #include <cstdint>
 #include <deque>
 #include <functional>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -52,22 +53,27 @@ class BoardRun {
   void forget_clipping();
 
  private:
+  /// Ticks that come back.
+  struct Edge {
+    static constexpr std::int64_t kNever = std::numeric_limits<std::int64_t>::max();
+    std::int64_t next = kNever, every = 0;
+  };
   struct Node {
     std::string name;
     std::vector<std::size_t> sources;  ///< a cell, or cells + a part
     std::vector<double> read;          ///< of each input, at its last reading
-    std::int64_t period = 1;
+    Edge edge;  ///< of a network both of its clock, of a step the one at which it reads
     bool clipped = false;
     // A network of one clock.
     std::optional<ClockedNetwork> network;
     std::size_t interval = 0;
-    Eigen::VectorXd charges;
+    Eigen::VectorXd charges, next_charges;
     std::int64_t known_at = -1;  ///< reading at which `known` was worked out
     double known = 0.0;
     // Or a step.
     std::unique_ptr<CamStep> step;
     std::vector<bool> late;
-    std::int64_t offset = 0, delay = 0;
+    Edge late_edge, shown;       ///< half a period before it reads; when a result is there that has a delay
     std::deque<double> pending;  ///< made, not there yet: oldest first
     double visible = 0.0;
   };
@@ -76,19 +82,17 @@ class BoardRun {
   double voltage(std::size_t source, int depth = 0);
   double network_voltage(Node& node, int depth);
   double limited(Node& node, double volts) const;
-  bool is_due(const Node& node, std::int64_t offset) const;
   void read_inputs(Node& node, bool late);
   void switch_over(Node& node);
   void take_step(Node& node);
   void run_instant(std::int64_t tick);
-  std::int64_t next_instant() const;
 
   std::vector<Node> nodes_;
   std::vector<Part> parts_;
   std::vector<std::vector<std::size_t>> part_sources_;
   double ticks_per_second_;
   double full_scale_v_;
-  std::int64_t now_ = -1;
+  std::int64_t now_ = -1, next_ = 0;  ///< and when something happens next
   std::int64_t readings_ = 0;
 };
 

@@ -425,7 +425,7 @@ void PeriodicNetworks::for_each_instant(const SineWaveform& of, const std::vecto
                                         double w, const AtInstant& at) const {
   const std::vector<std::int64_t>& edges = *of.edges;
   const double per_tick = w / ticks_per_second_;
-  Turning turning(per_tick);
+  Turning turning(per_tick), begins(per_tick);
   Complex before = 1.0;
   for (std::size_t i = 0; i < of.alpha.size(); ++i) {
     const Complex after = turning.at(static_cast<double>(edges[i + 1]));
@@ -434,7 +434,7 @@ void PeriodicNetworks::for_each_instant(const SineWaveform& of, const std::vecto
     } else {
       const std::int64_t period = nodes_[*of.follows].period;
       for (std::int64_t t = edges[i]; t < edges[i + 1]; t += period) {
-        const Complex later = std::polar(1.0, per_tick * static_cast<double>(t));
+        const Complex later = begins.at(static_cast<double>(t));
         for_each_instant(known[*of.follows], known, w, [&](Complex turn, Complex value) {
           const Complex now = turn * later;
           at(now, of.alpha[i] + of.beta[i] * now + of.gamma[i] * (value * later));
@@ -483,13 +483,14 @@ std::vector<std::vector<PeriodicNetworks::NodeSize>> PeriodicNetworks::nodes(Rad
     std::vector<double> beside;
     for (const SineWaveform& wave : waves) {
       NodeSize size{mean(wave, known, w.value, w.value), 0.0};
-      double departure = 0.0;
+      double largest = 0.0, departure = 0.0;  // squared
       for_each_instant(wave, known, w.value, [&](Complex turn, Complex v) {
-        size.largest = std::max(size.largest, std::abs(v));
-        departure = std::max(departure, std::abs(v - size.gain * turn));
+        largest = std::max(largest, std::norm(v));
+        departure = std::max(departure, std::norm(v - size.gain * turn));
       });
+      size.largest = std::sqrt(largest);
       sizes.push_back(size);
-      beside.push_back(departure);
+      beside.push_back(std::sqrt(departure));
     }
     known.push_back(std::move(waves[node.clocked.output()]));
     of_node.push_back(std::move(sizes));
@@ -527,12 +528,13 @@ class PeriodicNetworks::NoisePass {
     for (const std::size_t n : board.parts_[*board.output_]) {
       const Node& last = board.nodes_[n];
       const double whole = static_cast<double>(last.period) * static_cast<double>(turns_[n]);
+      TurningSpans spans(-per_tick_);
       for (std::size_t at = 0; at < owed_[n].size(); ++at) {
         const std::size_t i = at % last.pieces();
         const double turn = static_cast<double>(at / last.pieces()) * static_cast<double>(last.period);
-        const double length = static_cast<double>(last.edges[i + 1] - last.edges[i]);
-        const double middle = turn + 0.5 * static_cast<double>(last.edges[i + 1] + last.edges[i]);
-        owed_[n][at] = std::polar(length / whole, -per_tick_ * middle) * sinc(0.5 * per_tick_ * length);
+        owed_[n][at] = spans.over(turn + static_cast<double>(last.edges[i]),
+                                  turn + static_cast<double>(last.edges[i + 1])) /
+                       whole;
       }
     }
   }
@@ -551,7 +553,11 @@ class PeriodicNetworks::NoisePass {
     for (std::size_t at = owed_[n].size(); at-- > 0;) {
       const std::size_t i = at % node.pieces();
       const auto& interval = node.clocked.intervals()[node.interval[i]];
-      if (node.ends[i]) out += (q.adjoint() * (interval.noise.cast<Complex>() * q))(0).real();
+      for (Index r = 0; node.ends[i] && r < q.size(); ++r) {
+        Complex sum = 0.0;
+        for (Index k = 0; k < q.size(); ++k) sum += interval.noise(r, k) * q(k);
+        out += (std::conj(q(r)) * sum).real();
+      }
       for (std::size_t k = 0; k < node.sources.size(); ++k) {
         Complex sum = interval.d(index(node.clocked.output()), index(k)) * owed_[n][at];
         for (Index r = 0; node.ends[i] && r < q.size(); ++r) sum += interval.n(r, index(k)) * q(r);
@@ -581,12 +587,20 @@ class PeriodicNetworks::NoisePass {
   }
 
   /// From the end of a piece to its beginning.
-  void back(std::size_t n, std::size_t at, VectorXcd& q) const {
+  void back(std::size_t n, std::size_t at, VectorXcd& q) {
     const Node& node = board_.nodes_[n];
     const std::size_t i = at % node.pieces();
     const auto& interval = node.clocked.intervals()[node.interval[i]];
-    if (node.ends[i]) q = VectorXcd(interval.m.transpose().cast<Complex>() * q);
-    q += interval.c.row(index(node.clocked.output())).transpose().cast<Complex>() * owed_[n][at];
+    const Index output = index(node.clocked.output());
+    if (node.ends[i]) {
+      before_.resize(interval.m.cols());
+      for (Index k = 0; k < before_.size(); ++k) {
+        before_(k) = 0.0;
+        for (Index r = 0; r < q.size(); ++r) before_(k) += interval.m(r, k) * q(r);
+      }
+      q.swap(before_);
+    }
+    for (Index k = 0; k < q.size(); ++k) q(k) += interval.c(output, k) * owed_[n][at];
   }
 
   void hand_on(std::size_t n, std::size_t at, std::size_t input, Complex owed) {
@@ -599,12 +613,15 @@ class PeriodicNetworks::NoisePass {
     // The reader's common period may be a part of the source's, or the other way round.
     const std::size_t readers = turns_[n] * per_period;
     const std::size_t repeats = std::max<std::size_t>(1, turns_[source] / readers);
-    const double period = static_cast<double>(from.period);
+    if (turned_.size() < repeats) turned_.resize(repeats, {0.0, 1.0});
     for (std::size_t repeat = 0; repeat < repeats; ++repeat) {
       const std::size_t to = (turn + repeat * readers) % turns_[source];
-      const double later = static_cast<double>(turn) - static_cast<double>(to);
+      const double later =
+          (static_cast<double>(turn) - static_cast<double>(to)) * static_cast<double>(from.period);
+      auto& [known, by] = turned_[repeat];
+      if (later != known) known = later, by = std::polar(1.0, per_tick_ * later);
       owed_[source][to * from.pieces() + node.source_piece[input][i]] +=
-          owed * std::polar(1.0 / static_cast<double>(repeats), per_tick_ * period * later);
+          owed * by / static_cast<double>(repeats);
     }
   }
 
@@ -612,6 +629,9 @@ class PeriodicNetworks::NoisePass {
   double per_tick_;
   std::vector<std::size_t> turns_;
   std::vector<std::vector<Complex>> owed_;  ///< [node][turn * pieces + piece]
+  VectorXcd before_;                        ///< room for back()
+  std::vector<std::pair<double, Complex>>
+      turned_;  ///< of each repeat, at the last handing on: ticks, and their turn
 };
 
 std::vector<double> PeriodicNetworks::noise_density(RadPerSecond w) const {

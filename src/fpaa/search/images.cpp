@@ -57,9 +57,12 @@ Complex line_of(const DesignResponse& response, std::size_t at, double w, double
         in = means[source];
         if (own < period) {
           const double turns = std::round(half / own);
-          Complex sum = 0.0;
-          for (double q = 0.0; q < turns; q += 1.0) sum += std::polar(1.0, -away * own * q);
-          in.first = product(in.first + in.second, sum) * (own / period);
+          const double turn = std::remainder(-away * own, 2.0 * std::numbers::pi);
+          // sum over q of exp(j q turn), turns of them
+          const double size =
+              std::abs(turn) < 1e-12 ? turns : std::sin(0.5 * turns * turn) / std::sin(0.5 * turn);
+          in.first =
+              product(in.first + in.second, std::polar(size, 0.5 * (turns - 1.0) * turn)) * (own / period);
           in.second = product(in.first, std::polar(1.0, -away * half));
         }
       }

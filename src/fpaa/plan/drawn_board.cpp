@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "base/units.hpp"
+#include "numeric/parallel_for.hpp"
 #include "numeric/random.hpp"
 #include "signal/statistics.hpp"
 
@@ -65,6 +66,16 @@ std::vector<double> DrawnBoard::drawn(const MismatchModel& mismatch, Random& ran
   return out;
 }
 
+std::vector<std::vector<Complex>> DrawnBoard::drawn_responses(const MismatchModel& mismatch, int draws,
+                                                              std::uint64_t seed) const {
+  std::vector<std::vector<double>> boards;
+  Random random(seed);
+  for (int draw = 0; draw < draws; ++draw) boards.push_back(drawn(mismatch, random));
+  std::vector<std::vector<Complex>> out(boards.size());
+  parallel_for(boards.size(), thread_count(0), [&](std::size_t i) { out[i] = response(boards[i]); });
+  return out;
+}
+
 namespace {
 
 /// Where the first-order variance of the complex response is largest, each capacitor's share of it.
@@ -101,12 +112,9 @@ MismatchSpread mismatch_spread(const DrawnBoard& board, const MismatchModel& mis
   out.shares = variance_shares(board, mismatch);
   if (draws <= 0) return out;
   const std::vector<Complex> designed = board.response(board.nominal_units());
-  std::vector<Complex> got(designed.size());
   std::vector<double> percent;
   std::vector<double> decibel;
-  Random random(seed);
-  for (int draw = 0; draw < draws; ++draw) {
-    board.response(board.drawn(mismatch, random), got);
+  for (const std::vector<Complex>& got : board.drawn_responses(mismatch, draws, seed)) {
     double worst = 0.0;
     double worst_db = 0.0;
     for (std::size_t k = 0; k < got.size(); ++k) {

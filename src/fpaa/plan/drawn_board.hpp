@@ -47,6 +47,9 @@ class DrawnBoard {
 
   /// The capacitors of one board.
   std::vector<double> drawn(const MismatchModel& mismatch, Random& random) const;
+  /// Of so many boards, [board][frequency].
+  std::vector<std::vector<std::complex<double>>> drawn_responses(const MismatchModel& mismatch, int draws,
+                                                                 std::uint64_t seed) const;
 
  private:
   SwitchedBoard board_;  ///< copied where other capacitors are tried

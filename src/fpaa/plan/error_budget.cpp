@@ -8,8 +8,10 @@
 #include "base/json.hpp"
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/error_reference.hpp"
+#include "fpaa/plan/plan_limits.hpp"
 #include "fpaa/plan/switched_board.hpp"
-#include "numeric/random.hpp"
+#include "numeric/parallel_for.hpp"
+#include "signal/statistics.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -43,13 +45,13 @@ std::vector<ErrorBudget::CamShare> cam_shares(const std::vector<const PlacedCam*
 
 /// int density df by CAM over a grid, straight between its points; the board made with its noise.
 std::vector<double> integrated_noise(const SwitchedBoard& board, const std::vector<Hertz>& grid) {
+  std::vector<std::vector<double>> density(grid.size());
+  parallel_for(grid.size(), thread_count(0),
+               [&](std::size_t k) { density[k] = board.noise_density(grid[k].rad_s()); });
   std::vector<double> out(board.graph().nodes.size(), 0.0);
-  std::vector<double> before = board.noise_density(grid[0].rad_s());
   for (std::size_t k = 1; k < grid.size(); ++k) {
-    const std::vector<double> here = board.noise_density(grid[k].rad_s());
     for (std::size_t n = 0; n < out.size(); ++n)
-      out[n] += 0.5 * (before[n] + here[n]) * (grid[k].value - grid[k - 1].value);
-    before = here;
+      out[n] += 0.5 * (density[k - 1][n] + density[k][n]) * (grid[k].value - grid[k - 1].value);
   }
   return out;
 }
@@ -79,8 +81,8 @@ void add_nodes_and_noise(const Plan& plan, const SwitchedBoard& board, Band band
   const int points = affordable(kNoisePoints, noisy.pieces(), kNoiseCost);
   const std::vector<double> in_band = integrated_noise(noisy, log_grid(band, points));
   const std::vector<double> whole = integrated_noise(noisy, whole_noise_grid(plan, band, points));
-  for (const Hertz f : log_grid({{0.1 * band.from.value}, {0.45 * plan.fastest_clock().value}}, points)) {
-    const auto nodes = board.nodes(f.rad_s());
+  for (const auto& nodes :
+       nodes_over(board, log_grid({{0.1 * band.from.value}, {0.45 * plan.fastest_clock().value}}, points))) {
     for (std::size_t c = 0; c < shares.size(); ++c) {
       for (const auto& node : nodes[c])
         shares[c].peak_node_gain = std::max(shares[c].peak_node_gain, node.largest);
@@ -134,9 +136,7 @@ PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sect
   const std::vector<Complex> designed = board.response(board.nominal_units());
   std::vector<double> worst;
   std::vector<double> moved;
-  Random random(kSeed);
-  for (int draw = 0; draw < kDraws; ++draw) {
-    const std::vector<Complex> got = board.response(board.drawn(assumptions.mismatch, random));
+  for (const std::vector<Complex>& got : board.drawn_responses(assumptions.mismatch, kDraws, kSeed)) {
     double error = 0.0;
     double change = 0.0;
     for (std::size_t k = 0; k < grid.size(); ++k) {
@@ -148,11 +148,8 @@ PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sect
     moved.push_back(change);
   }
   const auto p95 = [](std::vector<double>& values) {
-    if (values.empty()) return 0.0;
-    const auto at =
-        values.begin() + static_cast<std::ptrdiff_t>(0.95 * static_cast<double>(values.size() - 1));
-    std::nth_element(values.begin(), at, values.end());
-    return *at;
+    std::sort(values.begin(), values.end());
+    return quantile_of_sorted(values, 0.95);
   };
   out.mismatch_p95_percent = p95(moved);
   double asked = 1.0;  // the largest of the input itself and the response that was asked for

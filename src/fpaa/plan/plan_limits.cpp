@@ -8,6 +8,7 @@
 
 #include "fpaa/cams/cam.hpp"
 #include "fpaa/plan/clock_features.hpp"
+#include "numeric/parallel_for.hpp"
 
 namespace bodesmith::fpaa {
 namespace {
@@ -68,6 +69,12 @@ double StepPeaks::largest(const std::vector<Complex>& node) const {
   return peak;
 }
 
+std::vector<BoardNodes> nodes_over(const SwitchedBoard& board, const std::vector<Hertz>& grid) {
+  std::vector<BoardNodes> out(grid.size());
+  parallel_for(grid.size(), thread_count(0), [&](std::size_t k) { out[k] = board.nodes(grid[k].rad_s()); });
+  return out;
+}
+
 Headroom headroom_of(const SwitchedBoard& switched, Band band, const Board& board) {
   constexpr int kPoints = 360;
   constexpr double kInstants = 4e7;  // half a second
@@ -77,9 +84,9 @@ Headroom headroom_of(const SwitchedBoard& switched, Band band, const Board& boar
       log_grid({{0.01 * band.from.value}, {0.45 * switched.fastest_clock().value}}, points);
   std::vector<std::vector<Complex>> gains;  // [op-amp][frequency]
   double sine = 1.0;                        // the input itself
-  for (const Hertz f : grid) {
+  for (const auto& nodes : nodes_over(switched, grid)) {
     std::size_t opamp = 0;
-    for (const auto& node : switched.nodes(f.rad_s())) {
+    for (const auto& node : nodes) {
       for (const PeriodicNetworks::NodeSize& size : node) {
         sine = std::max(sine, size.largest);
         if (opamp == gains.size()) gains.emplace_back();

@@ -30,6 +30,10 @@ class StepPeaks {
   std::vector<double> table_;  ///< Si(w t), all frequencies of a time together
 };
 
+/// Every op-amp at every frequency of a grid: [frequency], SwitchedBoard::nodes().
+using BoardNodes = std::vector<std::vector<PeriodicNetworks::NodeSize>>;
+std::vector<BoardNodes> nodes_over(const SwitchedBoard& board, const std::vector<Hertz>& grid);
+
 /// The peak of every op-amp, as the switches make its voltage: over frequency, the largest value at any instant; and
 /// of its step response.
 Headroom headroom_of(const SwitchedBoard& switched, Band band, const Board& board);

@@ -205,15 +205,6 @@ DesignResponse::DesignResponse(const Design& design, const StageFactorTable& tab
   }
 }
 
-Signal DesignResponse::input_of(std::size_t stage, std::size_t input, std::size_t k) const {
-  const Stage& reader = design_.stages[stage];
-  const int from = reader.from[input];
-  if (from == Stage::kBoardInput) return Signal::of_input();
-  const auto source = static_cast<std::size_t>(from);
-  const Signal& x = signal(source, k);
-  return design_.stages[source].divisor == reader.divisor ? x : x.read_slower();
-}
-
 std::vector<Complex> DesignResponse::errors() const {
   const DesignTarget& target = table_.target();
   std::vector<Complex> out(table_.points());

@@ -114,7 +114,14 @@ class DesignResponse {
   /// weight (got - wanted)/reference.
   std::vector<std::complex<double>> errors() const;
   /// What stage `stage` reads at its input `input`.
-  Parts<ComplexPair> input_of(std::size_t stage, std::size_t input, std::size_t pair) const;
+  Parts<ComplexPair> input_of(std::size_t stage, std::size_t input, std::size_t pair) const {
+    const DesignStage& reader = design_.stages[stage];
+    const int from = reader.from[input];
+    if (from == DesignStage::kBoardInput) return Parts<ComplexPair>::of_input();
+    const auto source = static_cast<std::size_t>(from);
+    const Parts<ComplexPair>& x = signal(source, pair);
+    return design_.stages[source].divisor == reader.divisor ? x : x.read_slower();
+  }
   /// From that input to the stage's output.
   const StageFactors<ComplexPair>& factors(std::size_t stage, std::size_t input, std::size_t pair) const {
     return factors_[(first_input_[stage] + input) * table_.pairs() + pair];

@@ -1,6 +1,7 @@
 #include "schematic/analysis/rest_point.hpp"
 
 #include <algorithm>
+#include <limits>
 #include <numeric>
 #include <set>
 #include <stdexcept>
@@ -13,6 +14,9 @@ namespace {
 std::size_t at(int place) {
   return static_cast<std::size_t>(place);
 }
+
+/// Of an end at ground, which stands nowhere.
+constexpr int kGroundPlace = std::numeric_limits<int>::min();
 
 /// Sets that grow together.
 class Sets {
@@ -157,6 +161,25 @@ void RestOrder::make_blocks(const std::function<Block&(int)>& block_at, std::siz
     for (const int i : block.contacts) read(netlist_.contacts[at(i)].from), read(netlist_.contacts[at(i)].to);
     for (const int i : block.opamps) read(netlist_.opamps[at(i)].plus), read(netlist_.opamps[at(i)].minus);
     block.reads.assign(reads.begin(), reads.end());
+    const auto place = [&](const std::string& name) {
+      const int one = node(name);
+      if (one == kGround) return kGroundPlace;
+      const auto here = std::find(block.own.begin(), block.own.end(), one);
+      if (here != block.own.end()) return static_cast<int>(here - block.own.begin());
+      return -1 -
+             static_cast<int>(std::find(block.reads.begin(), block.reads.end(), one) - block.reads.begin());
+    };
+    const auto ends = [&](const std::string& from, const std::string& to) {
+      return Block::Ends{place(from), place(to)};
+    };
+    for (const int i : block.resistors)
+      block.resistor_ends.push_back(ends(netlist_.part(i).from, netlist_.part(i).to));
+    for (const int i : block.diodes)
+      block.diode_ends.push_back(ends(netlist_.part(i).from, netlist_.part(i).to));
+    for (const int i : block.contacts)
+      block.contact_ends.push_back(ends(netlist_.contacts[at(i)].from, netlist_.contacts[at(i)].to));
+    for (const int i : block.opamps)
+      block.opamp_inputs.push_back(ends(netlist_.opamps[at(i)].plus, netlist_.opamps[at(i)].minus));
     for (const int i : block.opamps) {
       block.diodes_at.push_back(0);
       for (std::size_t k = 0; k < block.diodes.size(); ++k) {
@@ -228,45 +251,36 @@ RestPoint::Affine RestPoint::solve_block(const RestOrder::Block& block, std::uin
                      diodes = size(block.diodes.size());
   Eigen::MatrixXd a = Eigen::MatrixXd::Zero(own + diodes, own + diodes),
                   b = Eigen::MatrixXd::Zero(own + diodes, reads + opamps);
-  std::map<int, Eigen::Index> column;
-  for (Eigen::Index i = 0; i < own; ++i) column[block.own[static_cast<std::size_t>(i)]] = i;
-  for (Eigen::Index i = 0; i < reads; ++i) column[block.reads[static_cast<std::size_t>(i)]] = -1 - i;
-  const auto add = [&](Eigen::Index row, int node, double factor) {
-    if (node == RestOrder::kGround) return;
-    const Eigen::Index k = column.at(node);
-    if (k >= 0) {
-      a(row, k) += factor;
+  const auto add = [&](Eigen::Index row, int place, double factor) {
+    if (place == kGroundPlace) return;
+    if (place >= 0) {
+      a(row, place) += factor;
     } else {
-      b(row, -1 - k) -= factor;
+      b(row, -1 - place) -= factor;
     }
   };
-  const auto row_of = [&](int node) {
-    const auto found = column.find(node);
-    return found == column.end() || found->second < 0 || found->second >= passive ? Eigen::Index{-1}
-                                                                                  : found->second;
+  const auto has_row = [&](int place) { return place >= 0 && place < passive; };
+  const auto conducts = [&](const RestOrder::Block::Ends& ends, double siemens) {
+    const auto& [p, q] = ends;
+    if (has_row(p)) add(p, p, siemens), add(p, q, -siemens);
+    if (has_row(q)) add(q, q, siemens), add(q, p, -siemens);
   };
-  const auto conducts = [&](const std::string& from, const std::string& to, double siemens) {
-    const int p = order_->node(from), q = order_->node(to);
-    if (const Eigen::Index row = row_of(p); row >= 0) add(row, p, siemens), add(row, q, -siemens);
-    if (const Eigen::Index row = row_of(q); row >= 0) add(row, q, siemens), add(row, p, -siemens);
-  };
-  for (const int i : block.resistors) conducts(netlist.part(i).from, netlist.part(i).to, siemens_[at(i)]);
-  for (const int i : block.contacts) {
-    const Contact& one = netlist.contacts[at(i)];
-    conducts(one.from, one.to,
-             one.position == position_ ? contact_siemens_ : netlist.analog_switch.off_siemens);
+  for (std::size_t i = 0; i < block.resistors.size(); ++i)
+    conducts(block.resistor_ends[i], siemens_[at(block.resistors[i])]);
+  for (std::size_t i = 0; i < block.contacts.size(); ++i) {
+    const bool closed = netlist.contacts[at(block.contacts[i])].position == position_;
+    conducts(block.contact_ends[i], closed ? contact_siemens_ : netlist.analog_switch.off_siemens);
   }
   for (Eigen::Index i = 0; i < opamps; ++i) {
-    const OpAmp& one = netlist.opamps[at(block.opamps[static_cast<std::size_t>(i)])];
-    add(passive + i, order_->node(one.plus), 1.0);
-    add(passive + i, order_->node(one.minus), -1.0);
+    const auto& [plus, minus] = block.opamp_inputs[static_cast<std::size_t>(i)];
+    add(passive + i, plus, 1.0);
+    add(passive + i, minus, -1.0);
     b(passive + i, reads + i) = -1.0;
   }
   for (Eigen::Index k = 0; k < diodes; ++k) {
-    const Part& one = netlist.part(block.diodes[static_cast<std::size_t>(k)]);
-    const int anode = order_->node(one.from), cathode = order_->node(one.to);
-    if (const Eigen::Index row = row_of(anode); row >= 0) a(row, own + k) += 1.0;
-    if (const Eigen::Index row = row_of(cathode); row >= 0) a(row, own + k) -= 1.0;
+    const auto& [anode, cathode] = block.diode_ends[static_cast<std::size_t>(k)];
+    if (has_row(anode)) a(anode, own + k) += 1.0;
+    if (has_row(cathode)) a(cathode, own + k) -= 1.0;
     if ((conducting >> k & 1) != 0) {
       add(own + k, anode, 1.0);
       add(own + k, cathode, -1.0);
@@ -277,12 +291,11 @@ RestPoint::Affine RestPoint::solve_block(const RestOrder::Block& block, std::uin
   Affine out = solve_lu_columns(a, b);
   for (Eigen::Index k = 0; k < diodes; ++k) {
     if ((conducting >> k & 1) != 0) continue;
-    const Part& one = netlist.part(block.diodes[static_cast<std::size_t>(k)]);
+    const auto& [anode, cathode] = block.diode_ends[static_cast<std::size_t>(k)];
     out.row(own + k).setZero();
-    for (const auto& [node, factor] :
-         {std::pair{order_->node(one.to), 1.0}, {order_->node(one.from), -1.0}}) {
-      if (node == RestOrder::kGround) continue;
-      if (const Eigen::Index place = column.at(node); place >= 0) {
+    for (const auto& [place, factor] : {std::pair{cathode, 1.0}, {anode, -1.0}}) {
+      if (place == kGroundPlace) continue;
+      if (place >= 0) {
         out.row(own + k) += factor * out.row(place);
       } else {
         out(own + k, -1 - place) += factor;

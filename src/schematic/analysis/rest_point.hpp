@@ -31,6 +31,11 @@ class RestOrder {
     std::size_t passive = 0;
     std::vector<int> resistors, diodes, contacts, opamps;  ///< places in the netlist
     std::vector<std::uint64_t> diodes_at;                  ///< the output of each of its op-amps
+    /// Of each of them, in the same order: where its ends (an op-amp's inputs) stand in `own`, or -1 - place in `reads`.
+    struct Ends {
+      int from = 0, to = 0;
+    };
+    std::vector<Ends> resistor_ends, diode_ends, contact_ends, opamp_inputs;
   };
   /// A block, or a multiplier, and the inputs that it depends on (bits).
   struct Step {

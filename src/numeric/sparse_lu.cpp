@@ -12,7 +12,8 @@ struct SparseLu<Value>::Implementation {
 
   Implementation() {
     klu_defaults(&common);
-    common.tol = 1.0;  // the largest entry is the pivot: a diagonal a thousandth of it, KLU's own choice, costs digits
+    common.tol =
+        1.0;  // the largest entry is the pivot: a diagonal a thousandth of it, KLU's own choice, costs digits
   }
   Implementation(const Implementation&) = delete;
   Implementation& operator=(const Implementation&) = delete;

@@ -41,7 +41,7 @@ class Effect {
   std::string_view name() const { return facts_.name; }
   /// The values of its term, a model's last one, lie where another effect is the usual cause of the same traces (docs/gap.md, 7): when that one
   /// fits as well, it has the name.
-  virtual bool is_far_fetched(const Model& /*model*/, const Scene& /*scene*/) const { return false; }
+  virtual bool is_implausible(const Model& /*model*/, const Scene& /*scene*/) const { return false; }
   /// The values of its term in a model make it no name: it is another effect's form (a loop without width is a curve), or
   /// less than the records can tell. `scene`: of that model, or of the one without the term.
   virtual bool is_no_name(const Model& /*model*/, const Term& /*term*/, const Scene& /*scene*/) const {

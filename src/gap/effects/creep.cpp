@@ -113,7 +113,7 @@ class Creep final : public Effect {
     return unknowns.size() > kMostOfOneOrLogarithmic && unknowns.front().value >= unknowns.front().high;
   }
   /// One relaxation is no change of gain over a band.
-  bool is_far_fetched(const Model& model, const Scene& scene) const override {
+  bool is_implausible(const Model& model, const Scene& scene) const override {
     if (is_one_relaxation(model.terms().back(), model)) return false;
     return lies_in_driven_band(middle_of_relaxations(model.terms().back(), model), scene);
   }

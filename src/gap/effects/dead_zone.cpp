@@ -19,7 +19,7 @@ class DeadZone final : public Effect {
                 .experiment = "a small drive around zero: a dead zone passes nothing"}) {}
   bool must_explain_all(const Scene& scene) const override { return memory_may_bend(scene, 0); }
   /// Of a signal that stays on one side it takes off a constant.
-  bool is_far_fetched(const Model& model, const Scene& scene) const override {
+  bool is_implausible(const Model& model, const Scene& scene) const override {
     const auto at = model.position_of(model.terms().back().blocks.front());
     if (scene.frequency_only || at >= scene.boundary.size()) return false;
     const double edge = 0.5 * model.at(at).get("width");

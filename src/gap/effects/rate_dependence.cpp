@@ -22,7 +22,7 @@ class RateDependence final : public Effect {
                 .experiment = "a sweep over more decades",
                 .linear = true}) {}
   /// With corners close together it is one relaxation. Between its corners the gain falls like that of logarithmic creep with these time constants.
-  bool is_far_fetched(const Model& model, const Scene& scene) const override {
+  bool is_implausible(const Model& model, const Scene& scene) const override {
     const auto& block = model.at(model.position_of(model.terms().back().blocks.front()));
     if (block.get("beta") > 0.0) return false;
     return block.get("x") > kOneRelaxationRatio ||

@@ -24,7 +24,7 @@ class RightHalfPlaneZero final : public Effect {
                 .linear = true,
                 .places_a_round = 3}) {}
   /// Far above the band it is a delay, and a small part of many other shapes.
-  bool is_far_fetched(const Model& /*model*/, const Scene& /*scene*/) const override { return true; }
+  bool is_implausible(const Model& /*model*/, const Scene& /*scene*/) const override { return true; }
   void propose(const Scene& scene, std::vector<Proposal>& out) const override {
     if (!scene.frequency_only) return;
     const double low = 0.3 * scene.low_hz;

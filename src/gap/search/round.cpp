@@ -19,7 +19,7 @@ namespace {
 
 /// Of what was left before: a first name that leaves less takes most of the gap.
 constexpr double kMost = 0.5;
-/// Of a name whose values are usually another effect's traces (Effect::is_far_fetched): one in twenty thousand.
+/// Of a name whose values are usually another effect's traces (Effect::is_implausible): one in twenty thousand.
 constexpr double kLogFarFetched = -10.0;
 
 const Effect* effect_of(const Proposal& proposal) {
@@ -139,7 +139,7 @@ void look_at_names(const SearchSetting& setting, const SearchRecords& records, s
     auto scene = make_scene(without, records.train);
     scene.takes_most = last == 0 && r.train_rms < kMost * rms_of(without, records.train);
     if (r.effect->is_no_name(r.model, r.model.terms().back(), scene)) r.outcome = CandidateOutcome::no_name;
-    if (r.effect->is_far_fetched(r.model, scene))
+    if (r.effect->is_implausible(r.model, scene))
       r.model.set_log_prior(last, r.model.terms().back().log_prior + kLogFarFetched);
   });
 }

@@ -95,6 +95,10 @@ class TurningSpans {
 
 }  // namespace
 
+double size_of_turns(double turn, double turns) {
+  return std::abs(turn) < 1e-12 ? turns : std::sin(0.5 * turns * turn) / std::sin(0.5 * turn);
+}
+
 /// Sources that nest with one another stay together; the others are parts of their own.
 std::vector<std::vector<PeriodicNetworks::Source>> PeriodicNetworks::parts_of(
     std::int64_t own, const std::vector<Source>& sources) const {
@@ -411,10 +415,8 @@ Complex PeriodicNetworks::mean(const SineWaveform& of, const std::vector<SineWav
     for (std::size_t i = 0; i < of.gamma.size(); ++i) {
       const auto from = static_cast<double>(edges[i] / period);
       const auto turns = static_cast<double>((edges[i + 1] - edges[i]) / period);
-      // sum over r of exp(j r turn), turns of them
-      const double size =
-          std::abs(turn) < 1e-12 ? turns : std::sin(0.5 * turns * turn) / std::sin(0.5 * turn);
-      sum += of.gamma[i] * one * std::polar(1.0, turn * (from + 0.5 * (turns - 1.0))) * size;
+      sum += of.gamma[i] * one * std::polar(1.0, turn * (from + 0.5 * (turns - 1.0))) *
+             size_of_turns(turn, turns);
     }
   }
   return sum / static_cast<double>(edges.back());

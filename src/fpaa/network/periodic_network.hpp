@@ -12,6 +12,9 @@
 
 namespace bodesmith::fpaa {
 
+/// The sum over q = 0 … turns - 1 of exp(j q turn) is this times exp(j turn (turns - 1)/2), for a turn within +-pi.
+double size_of_turns(double turn, double turns);
+
 /// A voltage in the periodic steady state under the input exp(j w t): alpha_i + beta_i exp(j w t) from edge[i] to
 /// edge[i+1] (ticks; one edge more than pieces), a turn of exp(j w edge.back()) later the same again. Beside that gamma_i times
 /// the waveform of the node that it follows, of which each piece then takes in whole periods.

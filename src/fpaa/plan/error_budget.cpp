@@ -147,11 +147,7 @@ PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sect
     worst.push_back(error);
     moved.push_back(change);
   }
-  const auto p95 = [](std::vector<double>& values) {
-    std::sort(values.begin(), values.end());
-    return quantile_of_sorted(values, 0.95);
-  };
-  out.mismatch_p95_percent = p95(moved);
+  out.mismatch_p95_percent = quantile(std::move(moved), 0.95);
   double asked = 1.0;  // the largest of the input itself and the response that was asked for
   for (const Hertz f : log_grid(band, kPoints))
     asked = std::max(asked, std::abs(sections.response(f.rad_s())));
@@ -167,7 +163,8 @@ PlanTotal plan_total(const Plan& plan, const SwitchedBoard& switched, const Sect
   for (const Complex h : designed) largest = std::max(largest, std::abs(h));
   const double sine_rms_v = out.at_input_v * largest / std::numbers::sqrt2;
   out.noise_percent = sine_rms_v > 0.0 ? 100.0 * rms_v / sine_rms_v : 0.0;
-  out.p95_percent = std::hypot(std::max(p95(worst), out.designed_percent), out.noise_percent);
+  out.p95_percent =
+      std::hypot(std::max(quantile(std::move(worst), 0.95), out.designed_percent), out.noise_percent);
   return out;
 }
 

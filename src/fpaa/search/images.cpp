@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "fpaa/network/periodic_network.hpp"
 #include "fpaa/plan/clock_features.hpp"
 
 namespace bodesmith::fpaa {
@@ -58,11 +59,8 @@ Complex line_of(const DesignResponse& response, std::size_t at, double w, double
         if (own < period) {
           const double turns = std::round(half / own);
           const double turn = std::remainder(-away * own, 2.0 * std::numbers::pi);
-          // sum over q of exp(j q turn), turns of them
-          const double size =
-              std::abs(turn) < 1e-12 ? turns : std::sin(0.5 * turns * turn) / std::sin(0.5 * turn);
-          in.first =
-              product(in.first + in.second, std::polar(size, 0.5 * (turns - 1.0) * turn)) * (own / period);
+          const Complex sum = std::polar(size_of_turns(turn, turns), 0.5 * (turns - 1.0) * turn);
+          in.first = product(in.first + in.second, sum) * (own / period);
           in.second = product(in.first, std::polar(1.0, -away * half));
         }
       }

@@ -189,8 +189,7 @@ double drawn_p95(const std::vector<Complex>& errors, const CapacitorEffects& eff
     }
     worst.push_back(largest_error(error));
   }
-  std::sort(worst.begin(), worst.end());
-  return quantile_of_sorted(worst, 0.95);
+  return quantile(std::move(worst), 0.95);
 }
 
 /// The largest of all op-amps after a step.

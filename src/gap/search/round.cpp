@@ -20,7 +20,7 @@ namespace {
 /// Of what was left before: a first name that leaves less takes most of the gap.
 constexpr double kMost = 0.5;
 /// Of a name whose values are usually another effect's traces (Effect::is_implausible): one in twenty thousand.
-constexpr double kLogFarFetched = -10.0;
+constexpr double kLogImplausible = -10.0;
 
 const Effect* effect_of(const Proposal& proposal) {
   return proposal.model.terms().back().effect;
@@ -140,7 +140,7 @@ void look_at_names(const SearchSetting& setting, const SearchRecords& records, s
     scene.takes_most = last == 0 && r.train_rms < kMost * rms_of(without, records.train);
     if (r.effect->is_no_name(r.model, r.model.terms().back(), scene)) r.outcome = CandidateOutcome::no_name;
     if (r.effect->is_implausible(r.model, scene))
-      r.model.set_log_prior(last, r.model.terms().back().log_prior + kLogFarFetched);
+      r.model.set_log_prior(last, r.model.terms().back().log_prior + kLogImplausible);
   });
 }
 
